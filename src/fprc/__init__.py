@@ -1,0 +1,3 @@
+"""Feedforward hysteresis compensation by pneumatic physical reservoir computing."""
+
+__version__ = "0.1.0"

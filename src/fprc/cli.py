@@ -1,0 +1,68 @@
+"""Command line: ``fprc config ...`` and ``fprc log ...``."""
+
+import argparse
+import sys
+from collections.abc import Sequence
+
+from fprc import __version__
+from fprc.errors import FprcError
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return its exit code."""
+    options = _parser().parse_args(arguments)
+    try:
+        return options.run(options)
+    except FprcError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="fprc",
+        description="Hysteresis compensation by pneumatic physical reservoir computing. "
+        "Tables and figures are made by `snakemake --cores 2 all`.",
+    )
+    parser.add_argument("--version", action="version", version=f"fprc {__version__}")
+    groups = parser.add_subparsers(required=True, metavar="GROUP")
+
+    config = groups.add_parser("config", help="check or explain the configuration")
+    verbs = config.add_subparsers(required=True, metavar="VERB")
+    check = verbs.add_parser("check", help="check configuration files, merged in this order")
+    check.add_argument("files", nargs="+", metavar="FILE")
+    check.set_defaults(run=_check_config)
+    for name, what in (
+        ("defaults", "print config/config.yaml"),
+        ("schema", "print config/schema.json"),
+        ("reference", "print docs/configuration.md"),
+    ):
+        verbs.add_parser(name, help=what).set_defaults(run=_print_config, page=name)
+
+    log = groups.add_parser("log", help="look at experiment logs")
+    verbs = log.add_subparsers(required=True, metavar="VERB")
+    quality = verbs.add_parser("check", help="read raw logs and print their quality records")
+    quality.add_argument("files", nargs="+", metavar="FILE")
+    quality.set_defaults(run=_check_logs)
+    return parser
+
+
+def _check_config(options: argparse.Namespace) -> int:
+    from fprc.config import from_files
+
+    from_files(options.files)
+    print("no errors")
+    return 0
+
+
+def _print_config(options: argparse.Namespace) -> int:
+    from fprc.config import reference
+
+    print(getattr(reference, options.page)(), end="")
+    return 0
+
+
+def _check_logs(options: argparse.Namespace) -> int:
+    from fprc.stages.inspect import inspect_logs
+
+    return inspect_logs(options.files)

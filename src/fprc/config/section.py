@@ -1,0 +1,38 @@
+"""What every section of the configuration has in common."""
+
+from typing import Annotated, Any
+
+from annotated_types import Ge, Le
+from pydantic import BaseModel, ConfigDict, Field, field_validator
+
+
+class Section(BaseModel):
+    """A group of settings: unknown keys and infinities are errors."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, validate_default=True)
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _no_truth_values_as_numbers(cls, value: Any, info) -> Any:
+        if isinstance(value, bool) and cls.model_fields[info.field_name].annotation is not bool:
+            raise ValueError("must be a number or a text, not yes/no")
+        return value
+
+
+def quantity(default: float, unit: str, limits: tuple, meaning: str, source: str = "") -> Any:
+    """Declare a number with its unit, its range, its meaning and its source."""
+    low, high = limits
+    extra = {"unit": unit, "source": source}
+    return Field(default, ge=low, le=high, description=meaning, json_schema_extra=extra)
+
+
+def quantities(default: tuple, unit: str, limits: tuple, meaning: str, source: str = "") -> Any:
+    """Declare a list of numbers, each within the same range."""
+    low, high = limits
+    extra = {"unit": unit, "source": source, "minimum": low, "maximum": high}
+    return Field(default, min_length=1, description=meaning, json_schema_extra=extra)
+
+
+def within(low: float, high: float) -> Any:
+    """Type of one number of a list, with its range."""
+    return Annotated[float, Ge(low), Le(high)]

@@ -1,0 +1,164 @@
+"""All settings of the workflow; the defaults are the paper's."""
+
+from typing import Literal
+
+from pydantic import Field, model_validator
+
+from fprc.config.rig import Rig
+from fprc.config.section import Section, quantities, quantity, within
+
+
+class Chirp(Section):
+    """Linear frequency sweep that starts at its lowest value."""
+
+    form: Literal["chirp"] = Field("chirp", description="linear frequency sweep")
+    duration_s: float = quantity(120, "s", (1, 3600), "length", "paper, Fig. 4(a)")
+    f_start_hz: float = quantity(0.1, "Hz", (0.001, 10), "first frequency", "paper, Fig. 4(a)")
+    f_end_hz: float = quantity(1.0, "Hz", (0.001, 10), "last frequency", "paper, Fig. 4(a)")
+    amplitude_kpa: float = quantity(
+        175, "kPa", (0, 225), "half of the swing", "not printed; the span of the complex signal"
+    )
+    offset_kpa: float = quantity(
+        175, "kPa", (0, 450), "mean", "not printed; the mean of the complex signal"
+    )
+
+
+class Multisine(Section):
+    """Sum of equal sines that starts at its lowest value."""
+
+    form: Literal["multisine"] = Field("multisine", description="sum of equal sines")
+    duration_s: float = quantity(80, "s", (1, 3600), "length", "paper, Fig. 4(c)")
+    f_hz: tuple[within(0.001, 10.0), ...] = quantities(
+        (0.12, 0.04, 0.31, 0.29, 0.25), "Hz", (0.001, 10), "frequencies", "paper, Fig. 4(c)"
+    )
+    amplitude_kpa: float = quantity(35, "kPa", (0, 225), "of each sine", "paper, Fig. 4(c)")
+    offset_kpa: float = quantity(175, "kPa", (0, 450), "mean", "paper, Fig. 4(c)")
+
+
+class Experiments(Section):
+    """The two hysteresis experiments, Sec. II-B: training data and test data."""
+
+    sweep: Chirp = Chirp()
+    complex: Multisine = Multisine()
+
+
+class PressureLoop(Section):
+    """Software PI loop on a valve voltage."""
+
+    kp_v_per_kpa: float = quantity(0.03, "V/kPa", (0, 1), "proportional gain", "paper, Sec. IV")
+    ki_v_per_kpa_s: float = quantity(1e-6, "V/(kPa s)", (0, 1), "integral gain", "paper, Sec. IV")
+
+
+class Control(Section):
+    """What runs on the computer at every sample."""
+
+    sample_rate_hz: float = quantity(200, "Hz", (50, 1000), "refresh rate", "paper, Sec. II-B")
+    k_in_kpa_per_deg: float = quantity(
+        7.0, "kPa/deg", (0.1, 20), "K_in: reservoir pressure per degree", "paper, Sec. II-B"
+    )
+    reservoir_limit_kpa: float = quantity(
+        450, "kPa", (100, 500), "highest pressure asked of the reservoir", "paper, Sec. II-B"
+    )
+    main_loop: PressureLoop = PressureLoop()
+    reservoir_loop: PressureLoop = PressureLoop(kp_v_per_kpa=0.05)
+
+
+class Quality(Section):
+    """What preprocessing accepts of a raw log."""
+
+    rate_tolerance: float = quantity(
+        0.01, "-", (0, 0.2), "relative error of the mean sample rate"
+    )
+    gap_periods: float = quantity(1.5, "periods", (1.01, 100), "a longer step is a gap")
+    stuck_s: float = quantity(2.0, "s", (0.05, 60), "a channel is stuck if unchanged for longer")
+    pressure_range_kpa: tuple[within(-100, 1000), within(-100, 1000)] = quantities(
+        (-20, 995), "kPa", (-100, 1000), "readings outside are saturated"
+    )
+    angle_range_deg: tuple[within(-360, 360), within(-360, 360)] = quantities(
+        (-45, 120), "deg", (-360, 360), "readings outside are saturated"
+    )
+    leak_kpa_per_min: float = quantity(
+        5.0, "kPa/min", (0, 100), "a faster fall of P_o at equal P_i is a leak"
+    )
+
+
+class Esn(Section):
+    """Echo state network, Sec. III-A and Table I."""
+
+    r: int = quantity(800, "-", (1, 10000), "reservoir size", "paper, Table I")
+    f_input: float = quantity(0.02, "-", (1e-6, 10), "input scaling factor", "paper, Table I")
+    gamma: float = quantity(0.8, "-", (0, 0.9999), "leaky rate", "paper, Table I")
+    rho: float = quantity(0.4, "-", (0, 1.5), "spectral radius", "paper, Table I")
+    washout: int = quantity(100, "samples", (0, 10000), "steps that settle x", "paper, Sec. III-D")
+
+
+class Fprc(Section):
+    """Fuzzy pneumatic reservoir computing, Sec. III-B and Table I."""
+
+    epsilon: float = quantity(0.01, "-", (1e-6, 1), "filter factor", "paper, Table I")
+    n_c: int = quantity(8, "-", (1, 64), "fuzzy rules", "paper, Table I")
+    n_u: int = quantity(3, "samples", (1, 100), "taps of the readout P_o", "paper, Table I")
+    sigma: float = quantity(2.0, "-", (1e-3, 1e3), "Gaussian membership scaling", "paper, Table I")
+
+
+class Models(Section):
+    """The three models; Fuzzy-linear shares n_c and sigma with FPRC."""
+
+    n_y: int = quantity(5, "samples", (1, 100), "taps of theta_d", "paper, Sec. III-D")
+    alpha: float = quantity(1e-3, "-", (0, 1e6), "ridge parameter", "paper, Sec. III-D")
+    esn: Esn = Esn()
+    fprc: Fprc = Fprc()
+
+
+class Evaluation(Section):
+    """How the models are judged, Sec. III-D."""
+
+    folds: int = quantity(5, "-", (2, 100), "folds of the cross-validation", "paper, Sec. III-D")
+    split: Literal["shuffled", "blocked"] = Field(
+        "shuffled", description="rows of a fold: at random, as the printed spread implies, or "
+        "contiguous, which keeps neighbours in time out of the validation"
+    )  # fmt: skip
+    target: Literal["command", "measured"] = Field(
+        "command", description="P_exp that the models learn: commanded or measured pressure"
+    )
+    timing_repeats: int = quantity(10, "-", (1, 100), "repeats of the timing", "paper, Sec. III-D")
+    replicate_seeds: tuple[int, ...] = Field(
+        (101, 102, 103, 104, 105), min_length=2,
+        description="seeds of the further rigs that Table II is repeated on",
+    )  # fmt: skip
+
+
+class Folders(Section):
+    """Where files go."""
+
+    raw: str = Field("data/raw", min_length=1, description="raw logs")
+    results: str = Field("results", min_length=1, description="everything generated")
+
+
+class Settings(Section):
+    """The whole configuration."""
+
+    source: Literal["sim"] = Field("sim", description="where raw logs come from: simulated rig")
+    seed: int = quantity(1, "-", (0, 2**31), "of the rig, its noise and the models")
+    folders: Folders = Folders()
+    experiments: Experiments = Experiments()
+    control: Control = Control()
+    quality: Quality = Quality()
+    models: Models = Models()
+    evaluation: Evaluation = Evaluation()
+    rig: Rig = Rig()
+
+    @model_validator(mode="after")
+    def _logs_are_long_enough(self) -> "Settings":
+        needed = max(self.models.n_y, self.models.fprc.n_u, self.evaluation.folds)
+        for name in ("sweep", "complex"):
+            signal = getattr(self.experiments, name)
+            samples = int(signal.duration_s * self.control.sample_rate_hz)
+            if samples <= needed:
+                raise ValueError(
+                    f"experiments.{name} has {samples} samples, not more than the longest of "
+                    f"n_y, n_u and folds ({needed}); lengthen duration_s"
+                )
+        if self.models.fprc.n_c > samples:
+            raise ValueError(f"models.fprc.n_c = {self.models.fprc.n_c} exceeds the samples")
+        return self

@@ -1,0 +1,23 @@
+"""Law of the hysteresis experiments: a fixed P_exp, theta fed to the reservoir."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from fprc.devices import Readings
+
+
+def hysteresis_law(
+    p_exp_kpa: np.ndarray, k_in_kpa_per_deg: float, reservoir_limit_kpa: float
+) -> Callable[[int, Readings], tuple[float, float]]:
+    """Return the set-points of sample k: P_exp(k) and P_i(k) = K_in theta(k).
+
+    P_i is kept between 0 and the reservoir's limit (Sec. II-B, Eq. 1).
+    """
+    commands = np.asarray(p_exp_kpa, dtype=float).tolist()
+
+    def law(k: int, now: Readings) -> tuple[float, float]:
+        p_i = min(max(k_in_kpa_per_deg * now.theta_deg, 0.0), reservoir_limit_kpa)
+        return commands[k], p_i
+
+    return law

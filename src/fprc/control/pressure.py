@@ -1,0 +1,45 @@
+"""Software PI loop from a chamber's pressure to its valve voltage."""
+
+
+class PressurePI:
+    """V = V_neutral + kp e + ki integral(e), clamped to the board's 0-10 V.
+
+    The integral stops while the output is clamped.
+
+    Parameters
+    ----------
+    kp_v_per_kpa, ki_v_per_kpa_s : float
+        Gains, paper Sec. IV.
+    period_s : float
+        Time between two calls.
+    neutral_v, limit_v : float
+        Voltage of the closed valve, and the highest voltage.
+    """
+
+    def __init__(
+        self,
+        kp_v_per_kpa: float,
+        ki_v_per_kpa_s: float,
+        period_s: float,
+        *,
+        neutral_v: float = 5.0,
+        limit_v: float = 10.0,
+    ):
+        self.kp_v_per_kpa = kp_v_per_kpa
+        self.ki_v_per_kpa_s = ki_v_per_kpa_s
+        self.period_s = period_s
+        self.neutral_v = neutral_v
+        self.limit_v = limit_v
+        self.integral_kpa_s = 0.0
+
+    def step(self, setpoint_kpa: float, measured_kpa: float) -> float:
+        """Return the valve voltage for this sample."""
+        error = setpoint_kpa - measured_kpa
+        integral = self.integral_kpa_s + error * self.period_s
+        volts = self.neutral_v + self.kp_v_per_kpa * error + self.ki_v_per_kpa_s * integral
+        if volts < 0.0:
+            return 0.0
+        if volts > self.limit_v:
+            return self.limit_v
+        self.integral_kpa_s = integral
+        return volts

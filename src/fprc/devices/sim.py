@@ -1,0 +1,114 @@
+"""The simulated rig behind the device protocol."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from fprc.devices.protocol import NEUTRAL_V, Readings
+from fprc.errors import SimulationError
+from fprc.rig.parameters import record
+from fprc.rig.simulator import (
+    DIVERGED,
+    NOISE_PER_TICK,
+    advance,
+    draw_instruments,
+    initial_state,
+)
+
+_NOISE_BLOCK = 4096
+
+
+class SimulatedRig:
+    """Simulated rig and its clock: time passes only in ``wait_until``.
+
+    Parameters
+    ----------
+    rig : Mapping
+        Parameters, nested as in ``fprc.config.rig.Rig``.
+    seed : int
+        Of the rig: the calibration errors of its sensors.
+    run : int
+        Of the run: all noise and drift. Two runs with the same ``seed`` are
+        two experiments on the same rig.
+    sample_rate_hz : float
+        Ticks per second.
+    """
+
+    def __init__(self, rig: Mapping, *, seed: int, run: int, sample_rate_hz: float):
+        self._period_s = 1.0 / sample_rate_hz
+        self._substeps = int(rig["substeps"])
+        self._rig = record(rig)
+        self._instruments = draw_instruments(rig, np.random.default_rng([seed]))
+        self._rng = np.random.default_rng([seed, run + 1])
+        self._state = initial_state(rig, self._rng)
+        self._valve_v = np.full(2, NEUTRAL_V)
+        self._reading = np.zeros(4)
+        self._noise = np.empty((0, NOISE_PER_TICK))
+        self._tick = -1
+        sensor = rig["pressure_sensor"]
+        self._zero_v = sensor["zero_v"]
+        self._kpa_per_v = sensor["full_scale_kpa"] / sensor["span_v"]
+        self._advance(0)
+
+    @property
+    def state(self) -> np.ndarray:
+        """Copy of the true state, for tests and illustrations."""
+        return self._state.copy()
+
+    def wait_until(self, time_s: float) -> None:
+        """Let the rig live until the tick nearest to ``time_s``.
+
+        Raises
+        ------
+        SimulationError
+            The state left all physical range; names the quantity and the time.
+        """
+        for _ in range(round(time_s / self._period_s) - self._tick):
+            self._advance(self._substeps)
+
+    def read(self) -> Readings:
+        """Return the sensor readings of the current tick."""
+        p_exp, p_i, p_o, theta = self._reading.tolist()
+        zero, gain = self._zero_v, self._kpa_per_v
+        return Readings(
+            self._tick * self._period_s,
+            (p_exp - zero) * gain,
+            theta,
+            (p_i - zero) * gain,
+            (p_o - zero) * gain,
+        )
+
+    def write(self, main_v: float, reservoir_v: float) -> None:
+        """Hold these voltages on the valves from now on."""
+        self._valve_v[0] = main_v
+        self._valve_v[1] = reservoir_v
+
+    def safe(self) -> None:
+        """Vent both chambers, as the neutral valve would not."""
+        self._valve_v[:] = 0.0
+
+    def close(self) -> None:
+        """Make safe; nothing to release."""
+        self.safe()
+
+    def _advance(self, substeps: int) -> None:
+        self._tick += 1
+        row = self._tick % _NOISE_BLOCK
+        if row == 0:
+            self._noise = self._rng.standard_normal((_NOISE_BLOCK, NOISE_PER_TICK))
+        failed = advance(
+            self._state,
+            self._rig,
+            self._instruments,
+            self._valve_v,
+            self._noise[row],
+            self._period_s,
+            substeps,
+            self._reading,
+        )
+        if failed:
+            raise SimulationError(
+                f"simulated rig: the {DIVERGED[failed]} left its physical range at "
+                f"t = {self._tick * self._period_s:.3f} s; check the gains under control and "
+                "the parameters under rig, or raise rig.substeps"
+            )

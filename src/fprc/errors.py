@@ -1,0 +1,25 @@
+"""Exceptions that are meant to be read by a person.
+
+Each message says what is wrong, where, and what to do about it. The command
+line and the workflow print the message alone, without a traceback.
+"""
+
+
+class FprcError(Exception):
+    """Base of every error that this package raises on purpose."""
+
+
+class ConfigError(FprcError):
+    """The configuration holds unknown keys or values out of range."""
+
+
+class LogError(FprcError):
+    """A log cannot be used; the message names file, channel and sample."""
+
+
+class SimulationError(FprcError):
+    """The simulated rig left the range in which its physics means anything."""
+
+
+class EvaluationError(FprcError):
+    """Models cannot be judged on this data with these settings."""

@@ -1,0 +1,8 @@
+"""Judging models: folds, errors, cross-validation, execution times."""
+
+from fprc.evaluation.crossval import Judgement, cross_validate
+from fprc.evaluation.folds import split_rows
+from fprc.evaluation.metrics import rmse
+from fprc.evaluation.timing import time_model
+
+__all__ = ["Judgement", "cross_validate", "rmse", "split_rows", "time_model"]

@@ -1,0 +1,74 @@
+"""Cross-validation, choice of the best fold, and its test."""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from sklearn.base import BaseEstimator
+
+from fprc.errors import EvaluationError
+from fprc.evaluation.folds import Fold
+from fprc.evaluation.metrics import rmse
+from fprc.models import SequenceModel
+
+
+class Judgement(NamedTuple):
+    """What cross-validation found of one model."""
+
+    train_rmse: tuple[float, ...]  #: per fold
+    validation_rmse: tuple[float, ...]  #: per fold
+    best: int  #: fold with the least sqrt(e_train^2 + e_val^2)
+    model: SequenceModel  #: trained on the best fold
+
+    def test_rmse(self, X: np.ndarray, y: np.ndarray) -> float:
+        """Error of the best fold's model on another log."""
+        return rmse(y, self.model.predict(X))
+
+
+def cross_validate(
+    model: SequenceModel,
+    X: np.ndarray,
+    y: np.ndarray,
+    folds: Sequence[Fold],
+    progress: Callable[[int, float, float], None] = lambda fold, e_train, e_val: None,
+) -> Judgement:
+    """Train ``model`` once per fold and keep the best (Sec. III-D).
+
+    The features are computed once over the whole log, in the order of time;
+    the folds choose rows of them. A readout that is random starts differently
+    in every fold, at ``random_state + fold``.
+
+    Parameters
+    ----------
+    X : ndarray of shape (n_samples, n_inputs)
+    y : ndarray of shape (n_samples,)
+    progress : callable
+        Called with fold, training and validation error as folds end.
+
+    Raises
+    ------
+    EvaluationError
+        The log does not suit the model (too short for its taps, fewer samples
+        than rules), or an error is not finite.
+    """
+    errors, fitted = [], []
+    try:
+        features = model.make_features().fit(X)
+        rows = features.transform(X)
+        for i, (train, validation) in enumerate(folds):
+            readout = _started(model.make_readout(), i).fit(rows[train], y[train])
+            e_train = rmse(y[train], readout.predict(rows[train]))
+            e_validation = rmse(y[validation], readout.predict(rows[validation]))
+            fitted.append(readout)
+            errors.append((e_train, e_validation))
+            progress(i, e_train, e_validation)
+    except ValueError as error:
+        raise EvaluationError(f"{type(model).__name__}: {error}") from error
+    best = int(np.argmin([np.hypot(*pair) for pair in errors]))
+    train_rmse, validation_rmse = zip(*errors, strict=True)
+    return Judgement(train_rmse, validation_rmse, best, model.assembled(features, fitted[best]))
+
+
+def _started(readout: BaseEstimator, fold: int) -> BaseEstimator:
+    seed = readout.get_params().get("random_state")
+    return readout if seed is None else readout.set_params(random_state=seed + fold)

@@ -1,0 +1,22 @@
+"""Errors."""
+
+import numpy as np
+
+from fprc.errors import EvaluationError
+
+
+def rmse(truth: np.ndarray, prediction: np.ndarray) -> float:
+    """Root mean square of the difference, in the unit of both.
+
+    Raises
+    ------
+    EvaluationError
+        The result is not a finite number.
+    """
+    error = float(np.sqrt(np.mean((truth - prediction) ** 2)))
+    if not np.isfinite(error):
+        raise EvaluationError(
+            f"the RMSE over {len(truth)} samples is {error}: the model's output is not finite; "
+            "check its settings, rho and alpha first"
+        )
+    return error

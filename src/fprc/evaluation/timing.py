@@ -1,0 +1,80 @@
+"""Execution times of training and test, batch and sample by sample."""
+
+import platform
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from sklearn.base import clone
+from threadpoolctl import threadpool_info
+
+from fprc.models import SequenceModel
+
+
+def time_model(
+    model: SequenceModel,
+    train: tuple[np.ndarray, np.ndarray],
+    test: tuple[np.ndarray, np.ndarray],
+    repeats: int,
+    progress: Callable[[str], None] = lambda what: None,
+) -> list[dict[str, Any]]:
+    """Time one model in both modes, ``repeats`` times each, after a warm-up.
+
+    Sequential is what a controller pays: the features of each sample by
+    ``step``, then, in training, the fit of the readout. Batch computes whole
+    logs at once.
+
+    Returns
+    -------
+    list of dict
+        ``phase`` (train or test), ``mode`` (sequential or batch), ``samples``,
+        ``seconds`` (one per repeat).
+    """
+    fitted = clone(model).fit(*train)
+    work = {
+        ("train", "sequential"): lambda: _train_by_step(model, fitted, *train),
+        ("train", "batch"): lambda: clone(model).fit(*train),
+        ("test", "sequential"): lambda: _steps(fitted, test[0]),
+        ("test", "batch"): lambda: fitted.predict(test[0]),
+    }
+    results = []
+    for (phase, mode), run in work.items():
+        progress(f"{phase}, {mode}")
+        samples = len(train[0] if phase == "train" else test[0])
+        seconds = [_seconds(run) for _ in range(repeats)]
+        results.append({"phase": phase, "mode": mode, "samples": samples, "seconds": seconds})
+    return results
+
+
+def machine() -> dict[str, Any]:
+    """CPU and the largest number of threads of any numerical library."""
+    threads = max((pool["num_threads"] for pool in threadpool_info()), default=1)
+    return {"cpu": _cpu_name(), "threads": threads}
+
+
+def _seconds(run: Callable[[], object]) -> float:
+    start = time.perf_counter()
+    run()
+    return time.perf_counter() - start
+
+
+def _steps(model: SequenceModel, X: np.ndarray) -> np.ndarray:
+    model.reset()
+    return np.array([model.step(x) for x in X])
+
+
+def _train_by_step(model: SequenceModel, fitted: SequenceModel, X: np.ndarray, y: np.ndarray):
+    features = fitted.features_
+    features.reset()
+    return model.make_readout().fit(np.array([features.step(x) for x in X]), y)
+
+
+def _cpu_name() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        lines = []
+    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor() or platform.machine()

@@ -1,0 +1,31 @@
+"""Figures 4 and 5: commands and hysteresis loops of actuator and reservoir."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+
+
+def plot_command(time_s: np.ndarray, p_exp_kpa: np.ndarray, ax: Axes, colour: str) -> Axes:
+    """Draw a pressure command over time."""
+    ax.plot(time_s, p_exp_kpa, color=colour, linewidth=0.5)
+    ax.set(xlabel="Time [s]", ylabel=r"$P_\mathrm{exp}$ [kPa]")
+    ax.set_xlim(time_s[0], time_s[-1])
+    return ax
+
+
+def plot_loop(
+    x: np.ndarray, y: np.ndarray, time_s: np.ndarray, ax: Axes, labels: tuple[str, str]
+) -> Axes:
+    """Draw a loop of ``y`` over ``x``, coloured by time.
+
+    Loops that do not depend on frequency lie on one another.
+    """
+    points = np.column_stack([x, y])
+    segments = np.stack([points[:-1], points[1:]], axis=1)
+    lines = LineCollection(segments, cmap="viridis", array=time_s[:-1], linewidth=0.35)
+    lines.set_rasterized(True)
+    ax.add_collection(lines)
+    ax.autoscale_view()
+    ax.set(xlabel=labels[0], ylabel=labels[1])
+    ax.figure.colorbar(lines, ax=ax, label="Time [s]", aspect=30, pad=0.02)
+    return ax

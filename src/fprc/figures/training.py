@@ -1,0 +1,32 @@
+"""Figure 8: what a model gives on its training and its test data."""
+
+import numpy as np
+from matplotlib.axes import Axes
+
+
+def plot_fit(
+    time_s: np.ndarray, truth_kpa: np.ndarray, model_kpa: np.ndarray, ax: Axes, *, colour: str
+) -> Axes:
+    """Draw P_exp and P_ff over time."""
+    ax.plot(time_s, truth_kpa, color="0.55", linewidth=1.2, label=r"$P_\mathrm{exp}$")
+    ax.plot(time_s, model_kpa, color=colour, linewidth=0.5, label=r"$P_\mathrm{ff}$")
+    ax.set(ylabel="Pressure [kPa]")
+    ax.set_xlim(time_s[0], time_s[-1])
+    return ax
+
+
+def plot_error(
+    time_s: np.ndarray, truth_kpa: np.ndarray, model_kpa: np.ndarray, ax: Axes, *, colour: str
+) -> Axes:
+    """Draw P_ff - P_exp over time, with its RMSE in the corner."""
+    error = model_kpa - truth_kpa
+    rmse = np.sqrt(np.mean(error**2))
+    ax.plot(time_s, error, color=colour, linewidth=0.4)
+    ax.axhline(0.0, color="0.4", linewidth=0.4)
+    ax.text(
+        0.99, 0.96, f"RMSE {rmse:.1f} kPa", transform=ax.transAxes, ha="right", va="top",
+        fontsize=6, bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1},
+    )  # fmt: skip
+    ax.set(xlabel="Time [s]", ylabel="Error [kPa]")
+    ax.set_xlim(time_s[0], time_s[-1])
+    return ax

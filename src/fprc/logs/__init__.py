@@ -1,0 +1,15 @@
+"""Experiment logs: HDF5 files of named channels with units."""
+
+from fprc.logs.columns import Columns, read_columns, write_columns
+from fprc.logs.quality import assess
+from fprc.logs.raw import RAW_CHANNELS, read_raw, write_raw
+
+__all__ = [
+    "RAW_CHANNELS",
+    "Columns",
+    "assess",
+    "read_columns",
+    "read_raw",
+    "write_columns",
+    "write_raw",
+]

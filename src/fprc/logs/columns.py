@@ -1,0 +1,135 @@
+"""HDF5 files of equally long channels, each with its unit."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import h5py
+import numpy as np
+
+from fprc.artifacts import replacing
+from fprc.errors import LogError
+
+#: Unit of a channel by the ending of its name.
+UNITS = {"_kpa": "kPa", "_deg": "deg", "_s": "s", "_v": "V"}
+
+
+class Columns(NamedTuple):
+    """Channels of one file, and its attributes."""
+
+    path: Path
+    channels: dict[str, np.ndarray]
+    attributes: dict[str, Any]
+
+
+def unit_of(name: str) -> str:
+    """Return the unit that the ending of a channel's name stands for."""
+    for ending, unit in UNITS.items():
+        if name.endswith(ending):
+            return unit
+    raise LogError(f"channel {name}: its name must end in one of {', '.join(UNITS)}")
+
+
+def write_columns(
+    path: Path | str, channels: Mapping[str, np.ndarray], attributes: Mapping[str, Any]
+) -> None:
+    """Write channels and attributes under a temporary name, then rename.
+
+    The same content gives the same bytes.
+    """
+    with replacing(path) as temporary, h5py.File(temporary, "w") as file:
+        file.attrs.update(attributes)
+        for name, values in channels.items():
+            dataset = file.create_dataset(name, data=np.asarray(values, dtype=np.float64))
+            dataset.attrs["units"] = unit_of(name)
+
+
+def read_columns(path: Path | str, names: tuple[str, ...]) -> Columns:
+    """Read the named channels.
+
+    Raises
+    ------
+    LogError
+        Names every problem at once, a line each: the file cannot be opened or
+        is cut short, a channel is missing, has the wrong unit or shape, or
+        holds a value that is not finite (with its sample).
+    """
+    path = Path(path)
+    _refuse_cut_file(path)
+    try:
+        with h5py.File(path, "r") as file:
+            attributes = {key: _plain(value) for key, value in file.attrs.items()}
+            channels, problems = _read_all(path, file, names)
+    except OSError as error:
+        raise LogError(
+            f"{path}: cannot be read as HDF5 ({error}); the file is cut short or damaged, "
+            "restore or record it again"
+        ) from error
+    lengths = {name: len(values) for name, values in channels.items()}
+    if len(set(lengths.values())) > 1:
+        shortest = min(lengths, key=lengths.get)
+        problems.append(
+            f"{path}: channel {shortest}: {lengths[shortest]} samples, but others have up to "
+            f"{max(lengths.values())}; record the log again"
+        )
+    elif 0 in lengths.values():
+        problems.append(f"{path}: no samples; record the log again")
+    if problems:
+        raise LogError("\n".join(problems))
+    return Columns(path, channels, attributes)
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _refuse_cut_file(path: Path) -> None:
+    # A file cut inside its header can make the library wait for ever, so the
+    # length that the superblock promises is compared before it is opened.
+    try:
+        size = path.stat().st_size
+        with path.open("rb") as file:
+            head = file.read(48)
+    except OSError as error:
+        raise LogError(f"{path}: cannot be opened ({error.strerror}); check the path") from error
+    if head[:8] != b"\x89HDF\r\n\x1a\n":
+        raise LogError(f"{path}: not an HDF5 file; use `fprc` to record logs")
+    promised = int.from_bytes(head[40:48], "little") if head[8:9] == b"\0" else 0
+    if len(head) < 48 or size < promised:
+        raise LogError(
+            f"{path}: cut short, {size} of {promised} bytes are left; restore or record it again"
+        )
+
+
+def _read_all(
+    path: Path, file: h5py.File, names: tuple[str, ...]
+) -> tuple[dict[str, np.ndarray], list[str]]:
+    channels: dict[str, np.ndarray] = {}
+    problems = []
+    for name in names:
+        dataset = file.get(name)
+        if not isinstance(dataset, h5py.Dataset):
+            found = ", ".join(file) or "none"
+            problems.append(f"{path}: channel {name}: missing; the file has {found}")
+            continue
+        unit = _plain(dataset.attrs.get("units", "none"))
+        if unit != unit_of(name):
+            problems.append(
+                f"{path}: channel {name}: units are {unit}, must be {unit_of(name)}; "
+                "convert the values and set the attribute"
+            )
+        if dataset.ndim != 1 or dataset.dtype.kind not in "fiu":
+            problems.append(
+                f"{path}: channel {name}: must be one number per sample, "
+                f"not {dataset.dtype} of shape {dataset.shape}"
+            )
+            continue
+        values = dataset[:].astype(np.float64)
+        bad = np.flatnonzero(~np.isfinite(values))
+        if bad.size:
+            problems.append(
+                f"{path}: channel {name}: sample {bad[0]} is {values[bad[0]]}, and "
+                f"{bad.size - 1} more are not finite; cut them out or record again"
+            )
+        channels[name] = values
+    return channels, problems

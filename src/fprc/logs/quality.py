@@ -1,0 +1,114 @@
+"""Quality record of a raw log: what a careful experimenter would look at."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from fprc.logs.columns import Columns
+
+_PRESSURES = ("p_exp_kpa", "p_i_kpa", "p_o_kpa")
+_SENSORS = (*_PRESSURES, "theta_deg")
+
+
+def assess(
+    log: Columns,
+    *,
+    sample_rate_hz: float,
+    rate_tolerance: float,
+    gap_periods: float,
+    stuck_s: float,
+    pressure_range_kpa: Sequence[float],
+    angle_range_deg: Sequence[float],
+    leak_kpa_per_min: float,
+) -> dict[str, Any]:
+    """Return the quality record of a readable raw log.
+
+    Each check has ``passed``, the measured numbers, and the limit. A failed
+    check does not stop the workflow; the record and the terminal say so.
+    """
+    ranges = dict.fromkeys(_PRESSURES, pressure_range_kpa) | {"theta_deg": angle_range_deg}
+    return {
+        "log": log.path.name,
+        "experiment": log.attributes["experiment"],
+        "source": log.attributes["source"],
+        "samples": len(log.channels["time_s"]),
+        "checks": {
+            "rate": _rate(log, sample_rate_hz, rate_tolerance),
+            "gaps": _gaps(log, gap_periods / sample_rate_hz),
+            "not_finite": _not_finite(log),
+            "saturation": _saturation(log, ranges),
+            "stuck": _stuck(log, stuck_s * sample_rate_hz),
+            "leak": _leak(log, leak_kpa_per_min),
+        },
+    }
+
+
+def warnings(record: Mapping[str, Any]) -> list[str]:
+    """Return one line for each failed check of a quality record."""
+    return [
+        f"{record['log']}: {name}: {check}"
+        for name, check in record["checks"].items()
+        if not check["passed"]
+    ]
+
+
+def _rate(log: Columns, expected_hz: float, tolerance: float) -> dict[str, Any]:
+    steps = np.diff(log.channels["time_s"])
+    rate_hz = float(1.0 / steps.mean()) if steps.size else expected_hz
+    return {
+        "passed": abs(rate_hz / expected_hz - 1.0) <= tolerance,
+        "mean_hz": rate_hz,
+        "expected_hz": expected_hz,
+        "jitter_s": float(steps.std()) if steps.size else 0.0,
+    }
+
+
+def _gaps(log: Columns, limit_s: float) -> dict[str, Any]:
+    steps = np.diff(log.channels["time_s"])
+    gaps = np.flatnonzero(steps > limit_s)
+    return {
+        "passed": gaps.size == 0,
+        "count": int(gaps.size),
+        "first_sample": int(gaps[0]) + 1 if gaps.size else None,
+        "longest_s": float(steps.max(initial=0.0)),
+        "limit_s": limit_s,
+    }
+
+
+def _not_finite(log: Columns) -> dict[str, Any]:
+    count = sum(int((~np.isfinite(values)).sum()) for values in log.channels.values())
+    return {"passed": count == 0, "count": count}
+
+
+def _saturation(log: Columns, ranges: Mapping[str, Sequence[float]]) -> dict[str, Any]:
+    counts = {}
+    for name, (low, high) in ranges.items():
+        values = log.channels[name]
+        counts[name] = int(((values < low) | (values > high)).sum())
+    return {"passed": not any(counts.values()), "samples": counts}
+
+
+def _stuck(log: Columns, limit: float) -> dict[str, Any]:
+    longest = {name: _longest_run(log.channels[name]) for name in _SENSORS}
+    return {
+        "passed": max(longest.values()) <= limit,
+        "longest_unchanged_samples": longest,
+        "limit_samples": int(limit),
+    }
+
+
+def _longest_run(values: np.ndarray) -> int:
+    changes = np.flatnonzero(np.diff(values) != 0.0) + 1
+    edges = np.concatenate([[0], changes, [len(values)]])
+    return int(np.diff(edges).max())
+
+
+def _leak(log: Columns, limit: float) -> dict[str, Any]:
+    # P_o at equal P_i over time: the trend beside a smooth dependence on P_i
+    p_i = log.channels["p_i_kpa"]
+    minutes = log.channels["time_s"] / 60.0
+    basis = np.column_stack([np.ones_like(p_i), p_i, p_i**2, p_i**3, minutes])
+    weights, *_ = np.linalg.lstsq(basis / np.abs(basis).max(axis=0), log.channels["p_o_kpa"])
+    slope = float(weights[-1] / np.abs(minutes).max())
+    return {"passed": slope >= -limit, "kpa_per_min": slope, "limit_kpa_per_min": -limit}

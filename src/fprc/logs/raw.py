@@ -1,0 +1,106 @@
+"""Raw logs of experiments, as the rig gave them."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fprc.errors import LogError
+from fprc.logs.columns import Columns, read_columns, write_columns
+
+#: Every channel of a raw log. ``command`` is what was asked, the rest measured.
+RAW_CHANNELS = (
+    "time_s",
+    "p_exp_command_kpa",
+    "p_exp_kpa",
+    "theta_deg",
+    "p_i_command_kpa",
+    "p_i_kpa",
+    "p_o_kpa",
+    "valve_main_v",
+    "valve_reservoir_v",
+)
+
+_ATTRIBUTES = ("experiment", "source", "sample_rate_hz", "seed", "software", "rig")
+
+
+def write_raw(
+    path: Path | str,
+    channels: Mapping[str, np.ndarray],
+    *,
+    experiment: str,
+    source: str,
+    sample_rate_hz: float,
+    seed: int,
+    software: str,
+    rig: Mapping[str, Any],
+) -> None:
+    """Write a raw log.
+
+    Parameters
+    ----------
+    source : str
+        ``sim``, ``rig`` or ``import``: simulated, recorded here, brought in.
+    rig : Mapping
+        Configuration of rig and control, kept as JSON.
+    """
+    attributes = {
+        "experiment": experiment,
+        "source": source,
+        "simulated": source == "sim",
+        "sample_rate_hz": sample_rate_hz,
+        "seed": seed,
+        "software": software,
+        "rig": json.dumps(rig),
+    }
+    write_columns(path, {name: channels[name] for name in RAW_CHANNELS}, attributes)
+
+
+def read_raw(
+    path: Path | str, *, sample_rate_hz: float | None, rate_tolerance: float
+) -> Columns:
+    """Read a raw log and check that it can be used at all.
+
+    Parameters
+    ----------
+    sample_rate_hz : float or None
+        Expected rate; None takes the one that the log declares.
+
+    Raises
+    ------
+    LogError
+        See ``read_columns``; further an attribute is missing, time does not
+        increase, or the rate is not the expected one.
+    """
+    log = read_columns(path, RAW_CHANNELS)
+    problems = [
+        f"{path}: attribute {name}: missing; record the log again"
+        for name in _ATTRIBUTES
+        if name not in log.attributes
+    ]
+    declared = log.attributes.get("sample_rate_hz", sample_rate_hz or 1.0)
+    sample_rate_hz = sample_rate_hz or declared
+    time_s = log.channels["time_s"]
+    steps = np.diff(time_s)
+    back = np.flatnonzero(steps <= 0.0)
+    if back.size:
+        k = int(back[0]) + 1
+        problems.append(
+            f"{path}: channel time_s: sample {k} at {time_s[k]:.6f} s does not come after "
+            f"{time_s[k - 1]:.6f} s; sort or cut the log"
+        )
+    elif steps.size and abs(steps.mean() * sample_rate_hz - 1.0) > rate_tolerance:
+        problems.append(
+            f"{path}: channel time_s: sample {len(time_s) - 1}: the mean rate up to here is "
+            f"{1.0 / steps.mean():.4g} Hz, must be {sample_rate_hz:g} Hz; resample the log"
+        )
+    if abs(declared / sample_rate_hz - 1.0) > rate_tolerance:
+        problems.append(
+            f"{path}: attribute sample_rate_hz = {declared:g}; must be {sample_rate_hz:g}, "
+            "resample the log or change control.sample_rate_hz"
+        )
+    if problems:
+        raise LogError("\n".join(problems))
+    return log

@@ -1,0 +1,24 @@
+"""Feedforward hysteresis compensation models, as scikit-learn estimators."""
+
+from fprc.models.esn import ESN
+from fprc.models.features import EchoStates, TapFeatures, lowpass, taps
+from fprc.models.fprc import FPRC, FuzzyLinear
+from fprc.models.ridge import RidgeReadout
+from fprc.models.sequence import SequenceModel
+from fprc.models.storage import load_model, save_model
+from fprc.models.takagi_sugeno import TakagiSugenoReadout
+
+__all__ = [
+    "ESN",
+    "FPRC",
+    "EchoStates",
+    "FuzzyLinear",
+    "RidgeReadout",
+    "SequenceModel",
+    "TakagiSugenoReadout",
+    "TapFeatures",
+    "load_model",
+    "lowpass",
+    "save_model",
+    "taps",
+]

@@ -1,0 +1,81 @@
+"""Echo state network feedforward model."""
+
+import numpy as np
+
+from fprc.models.features import EchoStates
+from fprc.models.ridge import RidgeReadout
+from fprc.models.sequence import SequenceModel
+
+
+class ESN(SequenceModel):
+    """Echo state network with a ridge readout.
+
+    x(k+1) = gamma x(k) + (1 - gamma) tanh(w_in theta(k) + W_r x(k))     (3)
+    P_ff(k) = w_out [1, theta(k), ..., theta(k-n_y+1), x(k)]             (4)
+
+    ``X`` has one column, theta_d in deg; further columns are further inputs.
+
+    Parameters
+    ----------
+    r : int, default=800
+        Reservoir size.
+    f_input : float, default=0.02
+        Input scaling factor.
+    gamma : float, default=0.8
+        Leaky rate, in [0, 1).
+    rho : float, default=0.4
+        Spectral radius.
+    n_y : int, default=5
+        Taps of theta_d.
+    alpha : float, default=1e-3
+        Ridge parameter; penalises the bias too.
+    washout : int, default=100
+        Steps of the first sample, held, that settle x before the log begins.
+    random_state : int, RandomState or None, default=None
+        Of w_in and W_r.
+
+    Attributes
+    ----------
+    features_ : EchoStates
+    readout_ : RidgeReadout
+
+    References
+    ----------
+    Paper, Sec. III-A, Eqs. (3)-(5); Jaeger 2002.
+    """
+
+    def __init__(
+        self,
+        r: int = 800,
+        f_input: float = 0.02,
+        gamma: float = 0.8,
+        rho: float = 0.4,
+        n_y: int = 5,
+        alpha: float = 1e-3,
+        washout: int = 100,
+        random_state: int | np.random.RandomState | None = None,
+    ):
+        self.r = r
+        self.f_input = f_input
+        self.gamma = gamma
+        self.rho = rho
+        self.n_y = n_y
+        self.alpha = alpha
+        self.washout = washout
+        self.random_state = random_state
+
+    def make_features(self) -> EchoStates:
+        """Return the unfitted network."""
+        return EchoStates(
+            r=self.r,
+            f_input=self.f_input,
+            gamma=self.gamma,
+            rho=self.rho,
+            n_y=self.n_y,
+            washout=self.washout,
+            random_state=self.random_state,
+        )
+
+    def make_readout(self) -> RidgeReadout:
+        """Return the unfitted readout."""
+        return RidgeReadout(alpha=self.alpha)

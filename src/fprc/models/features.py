@@ -1,0 +1,226 @@
+"""Sequential feature maps: taps, filtered taps and echo states.
+
+Each maps a log to a matrix of features in one go (``transform``) or sample by
+sample (``step``), with the same result. Before a log begins its first sample
+is held for ever.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.signal import lfilter
+from sklearn.base import BaseEstimator, TransformerMixin
+from sklearn.utils import check_random_state
+from sklearn.utils.validation import check_is_fitted, validate_data
+
+
+def taps(x: np.ndarray, size: int) -> np.ndarray:
+    """Return [x(k), x(k-1), ..., x(k-size+1)] for each k; x(0) is held before 0.
+
+    Parameters
+    ----------
+    x : ndarray of shape (n_samples,)
+
+    Returns
+    -------
+    ndarray of shape (n_samples, size)
+    """
+    held = np.concatenate([np.full(size - 1, x[0]), x])
+    return np.lib.stride_tricks.sliding_window_view(held, size)[:, ::-1]
+
+
+def lowpass(x: np.ndarray, epsilon: float) -> np.ndarray:
+    """Filter x~(k) = epsilon x(k) + (1 - epsilon) x~(k-1), from x~(-1) = x(0)."""
+    filtered, _ = lfilter([epsilon], [1.0, epsilon - 1.0], x, zi=[(1.0 - epsilon) * x[0]])
+    return filtered
+
+
+class _FeatureMap(TransformerMixin, BaseEstimator):
+    """What the sequential maps share: checks, and the start of a stream."""
+
+    def fit(self, X: ArrayLike, y: ArrayLike | None = None) -> "_FeatureMap":
+        """Learn the number of columns, and draw what is random."""
+        X = validate_data(self, X, dtype=np.float64)
+        self._prepare(X.shape[1])
+        self.reset()
+        return self
+
+    def transform(self, X: ArrayLike) -> np.ndarray:
+        """Return the features of every sample of a log."""
+        check_is_fitted(self)
+        return self._transform(validate_data(self, X, reset=False, dtype=np.float64))
+
+    def reset(self, x: ArrayLike | None = None) -> None:
+        """Forget the past; with ``x``, as if it had been held for ever."""
+        self._streaming = False
+        if x is not None:
+            self._start(np.asarray(x, dtype=np.float64))
+            self._streaming = True
+
+    def step(self, x: ArrayLike) -> np.ndarray:
+        """Return the features of the next sample ``x`` of shape (n_inputs,)."""
+        x = np.asarray(x, dtype=np.float64)
+        if not self._streaming:
+            self.reset(x)
+        return self._step(x)
+
+    def __sklearn_is_fitted__(self) -> bool:
+        return hasattr(self, "n_features_in_")
+
+    def _prepare(self, n_inputs: int) -> None:
+        """Draw what is random."""
+
+
+class TapFeatures(_FeatureMap):
+    """Taps of references and of low-passed reservoir readouts.
+
+    x(k) = [theta(k), ..., theta(k-n_y+1), P~(k), ..., P~(k-n_u+1)], with
+    P~(k) = epsilon P(k) + (1 - epsilon) P~(k-1)      (Sec. III-B)
+
+    Parameters
+    ----------
+    n_y : int, default=5
+        Taps of every reference column, >= 1.
+    n_references : int or None, default=1
+        Leading columns that are references; the others are readouts. None
+        takes all columns as references.
+    n_u : int, default=3
+        Taps of every readout column, >= 1.
+    epsilon : float, default=0.01
+        Filter factor of the readouts, in (0, 1].
+    """
+
+    def __init__(
+        self,
+        n_y: int = 5,
+        n_references: int | None = 1,
+        n_u: int = 3,
+        epsilon: float = 0.01,
+    ):
+        self.n_y = n_y
+        self.n_references = n_references
+        self.n_u = n_u
+        self.epsilon = epsilon
+
+    def _columns(self) -> int:
+        return self.n_features_in_ if self.n_references is None else self.n_references
+
+    def _transform(self, X: np.ndarray) -> np.ndarray:
+        longest = max(self.n_y, self.n_u)
+        if len(X) < longest:
+            raise ValueError(
+                f"n_samples = {len(X)} is less than the longest tap size {longest}; "
+                "use fewer taps or a longer log"
+            )
+        split = self._columns()
+        references = [taps(column, self.n_y) for column in X.T[:split]]
+        readouts = [taps(lowpass(column, self.epsilon), self.n_u) for column in X.T[split:]]
+        return np.hstack(references + readouts)
+
+    def _start(self, x: np.ndarray) -> None:
+        split = self._columns()
+        self._filtered = x.copy()
+        self._gain = np.where(np.arange(len(x)) < split, 1.0, self.epsilon)
+        sizes = [self.n_y] * split + [self.n_u] * (len(x) - split)
+        self._row = np.repeat(x, sizes)
+        self._first = np.cumsum([0, *sizes[:-1]])
+
+    def _step(self, x: np.ndarray) -> np.ndarray:
+        self._filtered += self._gain * (x - self._filtered)
+        self._row[1:] = self._row[:-1]
+        self._row[self._first] = self._filtered
+        return self._row.copy()
+
+
+class EchoStates(_FeatureMap):
+    """Taps of the input beside the state of a leaky echo state network.
+
+    x(k+1) = gamma x(k) + (1 - gamma) tanh(w_in theta(k) + W_r x(k))     (3)
+    features(k) = [theta(k), ..., theta(k-n_y+1), x(k)]
+
+    Libraries that speak of a leak mean 1 - gamma.
+
+    Parameters
+    ----------
+    r : int, default=800
+        Reservoir size.
+    f_input : float, default=0.02
+        Factor on the N(0, 1) input weights.
+    gamma : float, default=0.8
+        Leaky rate, in [0, 1).
+    rho : float, default=0.4
+        Spectral radius: largest absolute eigenvalue of the dense W_r.
+    n_y : int, default=5
+        Taps of every input, >= 1.
+    washout : int, default=100
+        Steps of the first sample, held, that settle x before the log begins.
+    random_state : int, RandomState or None, default=None
+        Of the weights.
+
+    Attributes
+    ----------
+    w_in_ : ndarray of shape (r, n_inputs)
+    W_r_ : ndarray of shape (r, r)
+    """
+
+    def __init__(
+        self,
+        r: int = 800,
+        f_input: float = 0.02,
+        gamma: float = 0.8,
+        rho: float = 0.4,
+        n_y: int = 5,
+        washout: int = 100,
+        random_state: int | np.random.RandomState | None = None,
+    ):
+        self.r = r
+        self.f_input = f_input
+        self.gamma = gamma
+        self.rho = rho
+        self.n_y = n_y
+        self.washout = washout
+        self.random_state = random_state
+
+    def _prepare(self, n_inputs: int) -> None:
+        rng = check_random_state(self.random_state)
+        self.w_in_ = self.f_input * rng.standard_normal((self.r, n_inputs))
+        dense = rng.standard_normal((self.r, self.r))
+        self.W_r_ = dense * (self.rho / np.abs(np.linalg.eigvals(dense)).max())
+
+    def _transform(self, X: np.ndarray) -> np.ndarray:
+        if len(X) < self.n_y:
+            raise ValueError(
+                f"n_samples = {len(X)} is less than the tap size n_y = {self.n_y}; "
+                "use fewer taps or a longer log"
+            )
+        references = np.hstack([taps(column, self.n_y) for column in X.T])
+        return np.hstack([references, self._states(X)])
+
+    def _states(self, X: np.ndarray) -> np.ndarray:
+        states = np.empty((len(X), self.r))
+        x = self._settled(X[0])
+        for k, drive in enumerate(X @ self.w_in_.T):
+            states[k] = x
+            x = self._update(x, drive)
+        return states
+
+    def _update(self, x: np.ndarray, drive: np.ndarray) -> np.ndarray:
+        return self.gamma * x + (1.0 - self.gamma) * np.tanh(drive + self.W_r_ @ x)
+
+    def _settled(self, first: np.ndarray) -> np.ndarray:
+        x = np.zeros(self.r)
+        drive = self.w_in_ @ first
+        for _ in range(self.washout):
+            x = self._update(x, drive)
+        return x
+
+    def _start(self, x: np.ndarray) -> None:
+        self._state = self._settled(x)
+        self._past = np.repeat(x, self.n_y)
+        self._first = np.arange(len(x)) * self.n_y
+
+    def _step(self, x: np.ndarray) -> np.ndarray:
+        self._past[1:] = self._past[:-1]
+        self._past[self._first] = x
+        row = np.concatenate([self._past, self._state])
+        self._state = self._update(self._state, self.w_in_ @ x)
+        return row

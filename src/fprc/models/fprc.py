@@ -1,0 +1,146 @@
+"""Fuzzy pneumatic reservoir computing, and the same without the reservoir."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fprc.models.features import TapFeatures
+from fprc.models.sequence import SequenceModel
+from fprc.models.takagi_sugeno import TakagiSugenoReadout
+
+
+class FPRC(SequenceModel):
+    """Takagi-Sugeno fuzzy readout over a pneumatic reservoir.
+
+    x(k) = [theta(k), ..., theta(k-n_y+1), P~_o(k), ..., P~_o(k-n_u+1)]
+    P_ff(k) = beta_bar(k) W_out [1, x(k)]        (12, with the leading 1)
+
+    ``X`` has two columns, theta_d in deg and P_o in kPa; further columns are
+    further readouts of the reservoir.
+
+    Parameters
+    ----------
+    epsilon : float, default=0.01
+        Filter factor of the readouts, in (0, 1].
+    n_c : int, default=8
+        Fuzzy rules, >= 1.
+    n_u : int, default=3
+        Taps of the filtered readouts.
+    n_y : int, default=5
+        Taps of theta_d.
+    sigma : float, default=2.0
+        Gaussian membership scaling.
+    alpha : float, default=1e-3
+        Ridge parameter of every rule.
+    random_state : int, RandomState or None, default=None
+        Start of the clustering.
+
+    Attributes
+    ----------
+    features_ : TapFeatures
+    readout_ : TakagiSugenoReadout
+
+    References
+    ----------
+    Paper, Sec. III-B, Eqs. (6)-(12).
+    """
+
+    def __init__(
+        self,
+        epsilon: float = 0.01,
+        n_c: int = 8,
+        n_u: int = 3,
+        n_y: int = 5,
+        sigma: float = 2.0,
+        alpha: float = 1e-3,
+        random_state: int | np.random.RandomState | None = None,
+    ):
+        self.epsilon = epsilon
+        self.n_c = n_c
+        self.n_u = n_u
+        self.n_y = n_y
+        self.sigma = sigma
+        self.alpha = alpha
+        self.random_state = random_state
+
+    def fit(self, X: ArrayLike, y: ArrayLike) -> "FPRC":
+        """Train on one log; see ``SequenceModel.fit``.
+
+        Raises
+        ------
+        ValueError
+            As there, or ``X`` has no readout column.
+        """
+        if np.ndim(X) == 2 and np.shape(X)[1] == 1:
+            raise ValueError(
+                "n_features=1, but FPRC needs theta_d and at least one readout of the "
+                "reservoir; use FuzzyLinear for theta_d alone"
+            )
+        return super().fit(X, y)
+
+    def make_features(self) -> TapFeatures:
+        """Return the unfitted taps and filter."""
+        return TapFeatures(n_y=self.n_y, n_u=self.n_u, epsilon=self.epsilon)
+
+    def make_readout(self) -> TakagiSugenoReadout:
+        """Return the unfitted readout."""
+        return TakagiSugenoReadout(
+            n_c=self.n_c, sigma=self.sigma, alpha=self.alpha, random_state=self.random_state
+        )
+
+
+class FuzzyLinear(SequenceModel):
+    """Takagi-Sugeno fuzzy model of theta_d alone, the paper's comparison.
+
+    x(k) = [theta(k), ..., theta(k-n_y+1)]
+    P_ff(k) = beta_bar(k) W_out [1, x(k)]
+
+    The paper replaces [1, x] by [1, theta] in Eqs. (6) and (12); whether the
+    clusters still saw P_o is not said. Here they do not, so that the model
+    needs no reservoir. Every column of ``X`` is a reference.
+
+    Parameters
+    ----------
+    n_c : int, default=8
+        Fuzzy rules, >= 1.
+    n_y : int, default=5
+        Taps of theta_d.
+    sigma : float, default=2.0
+        Gaussian membership scaling.
+    alpha : float, default=1e-3
+        Ridge parameter of every rule.
+    random_state : int, RandomState or None, default=None
+        Start of the clustering.
+
+    Attributes
+    ----------
+    features_ : TapFeatures
+    readout_ : TakagiSugenoReadout
+
+    References
+    ----------
+    Paper, Sec. III-D.
+    """
+
+    def __init__(
+        self,
+        n_c: int = 8,
+        n_y: int = 5,
+        sigma: float = 2.0,
+        alpha: float = 1e-3,
+        random_state: int | np.random.RandomState | None = None,
+    ):
+        self.n_c = n_c
+        self.n_y = n_y
+        self.sigma = sigma
+        self.alpha = alpha
+        self.random_state = random_state
+
+    def make_features(self) -> TapFeatures:
+        """Return the unfitted taps."""
+        return TapFeatures(n_y=self.n_y, n_references=None, n_u=1)
+
+    def make_readout(self) -> TakagiSugenoReadout:
+        """Return the unfitted readout."""
+        return TakagiSugenoReadout(
+            n_c=self.n_c, sigma=self.sigma, alpha=self.alpha, random_state=self.random_state
+        )

@@ -1,0 +1,22 @@
+"""Gaussian memberships of the Takagi-Sugeno rules."""
+
+import numpy as np
+from scipy.spatial.distance import cdist
+
+
+def gaussian_memberships(X: np.ndarray, centers: np.ndarray, sigma: float) -> np.ndarray:
+    """Normalised memberships beta_bar of each row (Eqs. 9, 10).
+
+    beta_i = exp(-||x - c_i||^2 / (2 sigma^2)), divided by their sum. The
+    largest exponent is subtracted first, which changes nothing in exact
+    arithmetic and keeps a sample far from every centre from becoming 0 / 0.
+
+    Returns
+    -------
+    ndarray of shape (n_samples, n_clusters)
+        Rows sum to 1.
+    """
+    exponents = cdist(X, centers, "sqeuclidean") / (-2.0 * sigma**2)
+    exponents -= exponents.max(axis=1, keepdims=True)
+    beta = np.exp(exponents)
+    return beta / beta.sum(axis=1, keepdims=True)

@@ -1,0 +1,77 @@
+"""Linear readout with a ridge on every weight."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.linalg import LinAlgError, solve
+from sklearn.base import BaseEstimator, RegressorMixin
+from sklearn.utils.validation import check_is_fitted, validate_data
+
+
+def with_bias(X: np.ndarray) -> np.ndarray:
+    """Return [1, X], the extended state of Eqs. (4) and (6)."""
+    return np.column_stack([np.ones(len(X)), X])
+
+
+def ridge_weights(
+    extended: np.ndarray, y: np.ndarray, alpha: float, weight: np.ndarray | None = None
+) -> np.ndarray:
+    """Weights that minimise sum_k weight_k (y_k - w x_k)^2 + alpha ||w||^2.
+
+    Parameters
+    ----------
+    extended : ndarray of shape (n_samples, n_weights)
+        Rows x_k. A column of ones is penalised like any other.
+    weight : ndarray of shape (n_samples,), optional
+        Weight of each squared error, 1 if left out.
+
+    Raises
+    ------
+    ValueError
+        The normal equations are singular, which only ``alpha=0`` allows.
+    """
+    weighted = extended if weight is None else extended * weight[:, None]
+    gram = weighted.T @ extended
+    gram[np.diag_indices_from(gram)] += alpha
+    try:
+        return solve(gram, weighted.T @ y, assume_a="pos")
+    except LinAlgError as error:
+        raise ValueError(
+            f"the ridge regression is singular with alpha = {alpha}; use a larger alpha"
+        ) from error
+
+
+class RidgeReadout(RegressorMixin, BaseEstimator):
+    """Linear readout P_ff = w_out [1, x], trained with a ridge (Eqs. 4, 5).
+
+    Unlike most libraries, which centre the data instead, the ridge penalises
+    the bias too, as Eq. (5) is printed.
+
+    Parameters
+    ----------
+    alpha : float, default=1e-3
+        Ridge parameter, >= 0.
+
+    Attributes
+    ----------
+    w_out_ : ndarray of shape (1 + n_features,)
+        Weights, bias first.
+    """
+
+    def __init__(self, alpha: float = 1e-3):
+        self.alpha = alpha
+
+    def fit(self, X: ArrayLike, y: ArrayLike) -> "RidgeReadout":
+        """Solve the normal equations for one output."""
+        X, y = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
+        self.w_out_ = ridge_weights(with_bias(X), y, self.alpha)
+        return self
+
+    def predict(self, X: ArrayLike) -> np.ndarray:
+        """Return the output of each row."""
+        check_is_fitted(self)
+        X = validate_data(self, X, reset=False, dtype=np.float64)
+        return X @ self.w_out_[1:] + self.w_out_[0]
+
+    def output(self, x: np.ndarray) -> float:
+        """Return the output of one row of features, without checks."""
+        return float(self.w_out_[0] + self.w_out_[1:] @ x)

@@ -1,0 +1,85 @@
+"""Takagi-Sugeno fuzzy readout."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+from sklearn.base import BaseEstimator, RegressorMixin
+from sklearn.utils import check_random_state
+from sklearn.utils.validation import check_is_fitted, validate_data
+
+from fprc.models.fcm import fuzzy_c_means
+from fprc.models.membership import gaussian_memberships
+from fprc.models.ridge import ridge_weights, with_bias
+
+
+class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
+    """Local linear models blended by Gaussian memberships.
+
+    P_ff(k) = beta_bar(k) W_out [1, x(k)]        (12, with the leading 1)
+
+    The last form of Eq. (12) as printed drops the 1 that its line before and
+    Eq. (6) have; it is kept here.
+
+    Parameters
+    ----------
+    n_c : int, default=8
+        Fuzzy rules, >= 1.
+    sigma : float, default=2.0
+        Gaussian membership scaling, in the unit of the features.
+    alpha : float, default=1e-3
+        Ridge parameter of every rule, >= 0.
+    random_state : int, RandomState or None, default=None
+        Start of the clustering.
+
+    Attributes
+    ----------
+    centers_ : ndarray of shape (n_c, n_features)
+        Cluster centres c_i.
+    W_out_ : ndarray of shape (n_c, 1 + n_features)
+        Weights of each rule, bias first.
+    n_iter_ : int
+        Iterations of the clustering.
+
+    References
+    ----------
+    Paper, Sec. III-B, Eqs. (6)-(12).
+    """
+
+    def __init__(
+        self,
+        n_c: int = 8,
+        sigma: float = 2.0,
+        alpha: float = 1e-3,
+        random_state: int | np.random.RandomState | None = None,
+    ):
+        self.n_c = n_c
+        self.sigma = sigma
+        self.alpha = alpha
+        self.random_state = random_state
+
+    def fit(self, X: ArrayLike, y: ArrayLike) -> "TakagiSugenoReadout":
+        """Cluster the rows, then fit each rule weighted by u_i^2 (Eq. 7)."""
+        X, y = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
+        rng = check_random_state(self.random_state)
+        clusters = fuzzy_c_means(X, self.n_c, random_state=rng)
+        extended = with_bias(X)
+        self.centers_ = clusters.centers
+        self.W_out_ = np.array(
+            [ridge_weights(extended, y, self.alpha, u**2) for u in clusters.memberships.T]
+        )
+        self.n_iter_ = clusters.iterations
+        return self
+
+    def predict(self, X: ArrayLike) -> np.ndarray:
+        """Return the blended output of each row."""
+        check_is_fitted(self)
+        X = validate_data(self, X, reset=False, dtype=np.float64)
+        beta = gaussian_memberships(X, self.centers_, self.sigma)
+        return (beta * (with_bias(X) @ self.W_out_.T)).sum(axis=1)
+
+    def output(self, x: np.ndarray) -> float:
+        """Return the output of one row of features, without checks."""
+        away = self.centers_ - x
+        exponents = np.einsum("ij,ij->i", away, away) / (-2.0 * self.sigma**2)
+        beta = np.exp(exponents - exponents.max())
+        rules = self.W_out_[:, 1:] @ x + self.W_out_[:, 0]
+        return float(beta @ rules / beta.sum())

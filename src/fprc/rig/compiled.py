@@ -1,0 +1,30 @@
+"""One decorator for the compiled physics, with a cache that cannot go stale."""
+
+import hashlib
+from collections.abc import Callable
+from pathlib import Path
+
+import numba
+
+
+def kernel(function: Callable) -> Callable:
+    """Compile ``function`` with numba and cache the machine code on disk.
+
+    numba drops a cached kernel when the file that defines it changes, but not
+    when a function that it calls from another file does. The cache therefore
+    lies in a folder named after all sources of this package.
+    """
+    before = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = before or str(_cache_folder())
+    try:
+        return numba.njit(cache=True, error_model="numpy")(function)
+    finally:
+        numba.config.CACHE_DIR = before
+
+
+def _cache_folder() -> Path:
+    here = Path(__file__).parent
+    digest = hashlib.sha256()
+    for source in sorted(here.glob("*.py")):
+        digest.update(source.read_bytes())
+    return here / "__pycache__" / f"kernels-{digest.hexdigest()[:16]}"

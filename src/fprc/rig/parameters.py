@@ -1,0 +1,48 @@
+"""Nested settings as one NumPy record that compiled code can read by name."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+
+def record(settings: Mapping) -> np.ndarray:
+    """Pack nested numbers into a structured array of shape (1,).
+
+    Numbers become float64 fields, sequences fixed-length arrays, mappings
+    nested records; names and order are kept.
+
+    Parameters
+    ----------
+    settings : Mapping
+        Names to numbers, sequences of numbers, or further mappings.
+
+    Returns
+    -------
+    ndarray of shape (1,)
+        Indexable by the same names, in Python and in compiled code.
+    """
+    return np.array([_values(settings)], dtype=_fields(settings))
+
+
+def _fields(settings: Mapping) -> list:
+    fields = []
+    for name, value in settings.items():
+        if isinstance(value, Mapping):
+            fields.append((name, _fields(value)))
+        elif isinstance(value, (list, tuple)):
+            fields.append((name, np.float64, (len(value),)))
+        else:
+            fields.append((name, np.float64))
+    return fields
+
+
+def _values(settings: Mapping) -> tuple:
+    values = []
+    for value in settings.values():
+        if isinstance(value, Mapping):
+            values.append(_values(value))
+        elif isinstance(value, (list, tuple)):
+            values.append(tuple(float(item) for item in value))
+        else:
+            values.append(float(value))
+    return tuple(values)

@@ -1,0 +1,257 @@
+"""The whole rig as one state that is advanced tick by tick.
+
+Two valves, the bending actuator, the dual-PAM reservoir and the sensors; each
+equation lives in its own module. Integration is semi-implicit Euler.
+"""
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from fprc.rig.bending import angular_acceleration, relax
+from fprc.rig.chamber import ATMOSPHERE_KPA, pressure_rate, sealed_pressure
+from fprc.rig.compiled import kernel
+from fprc.rig.friction import slip
+from fprc.rig.parameters import record
+from fprc.rig.reservoir import squeeze_rate
+from fprc.rig.sensors import converted, pressure_voltage, quantise
+from fprc.rig.valve import mass_flow, opening, spool_acceleration
+
+#: Standard normal numbers that one tick consumes: three pressure sensors, the
+#: drift, the slow error of the bend sensor, and up to two of its samples.
+NOISE_PER_TICK = 7
+
+#: Order of the pressure sensors in every array of three.
+PRESSURE_SENSORS = ("p_main", "p_i", "p_o")
+
+#: What ``advance`` returns when the state has left all physical range.
+DIVERGED = {1: "pressure of the main chamber", 2: "pressure of PAM A", 3: "bending angle",
+            4: "squeezed volume of PAM B"}  # fmt: skip
+
+
+def initial_state(rig: Mapping, rng: np.random.Generator) -> np.ndarray:
+    """State of a rig at rest: vented, straight, passive chamber pre-charged.
+
+    The drift and the phase of the bend sensor's clock are drawn from ``rng``.
+    """
+    bending, reservoir = rig["bending"], rig["reservoir"]
+    gas = (reservoir["precharge_kpa"] + ATMOSPHERE_KPA) * reservoir["passive_volume_ml"]
+    return record(
+        {
+            "time_s": 0.0,
+            "spool": [0.0, 0.0],
+            "spool_rate": [0.0, 0.0],
+            "p_main_kpa_abs": ATMOSPHERE_KPA,
+            "theta_deg": -bending["preload_kpa"] / bending["stop_stiffness_kpa_per_deg"],
+            "omega_deg_per_s": 0.0,
+            "relaxed_deg": [0.0] * len(bending["relaxation_time_s"]),
+            "bending_slip_deg": [0.0] * len(bending["slip_distance_deg"]),
+            "drift_kpa": rig["drift"]["sigma_kpa"] * rng.standard_normal(),
+            "p_i_kpa_abs": ATMOSPHERE_KPA,
+            "squeezed_ml": 0.0,
+            "passive_gas_kpa_ml": gas,
+            "squeeze_slip_ml": [0.0] * len(reservoir["slip_distance_ml"]),
+            "sensed_kpa": [0.0, 0.0, reservoir["precharge_kpa"]],
+            "sensed_rate_kpa_per_s": [0.0, 0.0, 0.0],
+            "bend_next_s": -rng.uniform() / rig["bend_sensor"]["rate_hz"],
+            "bend_slow_deg": rig["bend_sensor"]["slow_error_deg"] * rng.standard_normal(),
+            "bend_held_deg": 0.0,
+        }
+    )
+
+
+def draw_instruments(rig: Mapping, rng: np.random.Generator) -> np.ndarray:
+    """Calibration errors of the three pressure sensors, drawn once per rig.
+
+    Gain, offset and bow share the linearity that the data sheet allows.
+    """
+    share = rig["pressure_sensor"]["linearity"] / 3.0
+    gain, offset, bow = rng.uniform(-share, share, size=(3, len(PRESSURE_SENSORS)))
+    return record({"gain": list(gain), "offset": list(offset), "bow": list(bow)})
+
+
+@kernel
+def advance(states, rigs, instruments, valve_v, noise, period_s, substeps, reading):
+    """Advance the rig by ``substeps`` steps of ``period_s / substeps`` and sense it.
+
+    Parameters
+    ----------
+    states, rigs, instruments : records of shape (1,)
+        State (changed in place), parameters and calibration errors.
+    valve_v : ndarray of shape (2,)
+        Voltages held on the main and the reservoir valve over the tick.
+    noise : ndarray of shape (NOISE_PER_TICK,)
+        Standard normal numbers for this tick.
+    substeps : int
+        0 senses the state as it is.
+    reading : ndarray of shape (4,)
+        Filled with three transducer voltages and the bending angle in deg.
+
+    Returns
+    -------
+    int
+        0, or a key of ``DIVERGED``.
+    """
+    state, rig = states[0], rigs[0]
+    dt = period_s / max(substeps, 1)
+    bend_noise = 5
+    if substeps > 0:
+        _drift(state, rig, noise[3], noise[4], period_s)
+    for _ in range(substeps):
+        _valves(state, rig, valve_v, dt)
+        _actuator(state, rig, dt)
+        _reservoir(state, rig, dt)
+        _lag(state, rig, dt)
+        state.time_s += dt
+        bend_noise = _bend_sample(state, rig, noise, bend_noise)
+    if substeps == 0:
+        _bend_sample(state, rig, noise, bend_noise)
+    _sense(state, rig, instruments[0], noise, reading)
+    return _health(state, rig)
+
+
+@kernel
+def _drift(state, rig, shock, bend_shock, period_s):
+    keep = math.exp(-period_s / rig.drift.time_s)
+    state.drift_kpa = (
+        keep * state.drift_kpa + rig.drift.sigma_kpa * math.sqrt(1.0 - keep * keep) * shock
+    )
+    keep = math.exp(-period_s / rig.bend_sensor.slow_error_time_s)
+    state.bend_slow_deg = (
+        keep * state.bend_slow_deg
+        + rig.bend_sensor.slow_error_deg * math.sqrt(1.0 - keep * keep) * bend_shock
+    )
+
+
+@kernel
+def _valves(state, rig, valve_v, dt):
+    valve = rig.valve
+    for i in range(2):
+        written = converted(valve_v[i], rig.converter.step_v, rig.converter.limit_v)
+        held = min(max(written, 0.0), 2.0 * valve.neutral_v)
+        command = (held - valve.neutral_v) / valve.neutral_v
+        state.spool_rate[i] += dt * spool_acceleration(
+            state.spool[i],
+            state.spool_rate[i],
+            command,
+            valve.natural_frequency_rad_per_s,
+            valve.damping_ratio,
+        )
+        state.spool[i] += dt * state.spool_rate[i]
+
+
+@kernel
+def _flow(spool, valve, p_kpa_abs):
+    supply = opening(spool, valve.dead_zone, valve.leak) * valve.sonic_conductance_ml_per_s_kpa
+    exhaust = opening(-spool, valve.dead_zone, valve.leak) * valve.sonic_conductance_ml_per_s_kpa
+    ratio = valve.critical_pressure_ratio
+    return mass_flow(supply, valve.supply_kpa_abs, p_kpa_abs, ratio) - mass_flow(
+        exhaust, p_kpa_abs, ATMOSPHERE_KPA, ratio
+    )
+
+
+@kernel
+def _actuator(state, rig, dt):
+    chamber, bending = rig.main_chamber, rig.bending
+    volume = chamber.volume_ml + chamber.volume_ml_per_deg * state.theta_deg
+    volume_rate = chamber.volume_ml_per_deg * state.omega_deg_per_s
+    flow = _flow(state.spool[0], rig.valve, state.p_main_kpa_abs)
+    state.p_main_kpa_abs += dt * pressure_rate(
+        state.p_main_kpa_abs, flow, volume, volume_rate, chamber.polytropic_index
+    )
+    increment = dt * state.omega_deg_per_s
+    force = slip(
+        state.bending_slip_deg, increment, bending.slip_distance_deg, bending.slip_weight
+    )
+    state.omega_deg_per_s += dt * angular_acceleration(
+        bending,
+        state.theta_deg,
+        state.omega_deg_per_s,
+        state.relaxed_deg,
+        force,
+        state.p_main_kpa_abs - ATMOSPHERE_KPA,
+        state.drift_kpa,
+    )
+    state.theta_deg += dt * state.omega_deg_per_s
+    relax(state.relaxed_deg, state.theta_deg, bending.relaxation_time_s, dt)
+
+
+@kernel
+def _reservoir(state, rig, dt):
+    chamber, reservoir = rig.reservoir_chamber, rig.reservoir
+    passive_ml = reservoir.passive_volume_ml - state.squeezed_ml
+    p_o = sealed_pressure(state.passive_gas_kpa_ml, passive_ml)
+    state.passive_gas_kpa_ml -= dt * reservoir.leak_ml_per_s_kpa * p_o * ATMOSPHERE_KPA
+    before = state.squeezed_ml
+    force = slip(state.squeeze_slip_ml, 0.0, reservoir.slip_distance_ml, reservoir.slip_weight)
+    rate = squeeze_rate(reservoir, before, force, state.p_i_kpa_abs - ATMOSPHERE_KPA, p_o)
+    state.squeezed_ml = max(before + dt * rate, 0.0)
+    rate = (state.squeezed_ml - before) / dt
+    slip(state.squeeze_slip_ml, rate * dt, reservoir.slip_distance_ml, reservoir.slip_weight)
+    flow = _flow(state.spool[1], rig.valve, state.p_i_kpa_abs)
+    state.p_i_kpa_abs += dt * pressure_rate(
+        state.p_i_kpa_abs,
+        flow,
+        chamber.volume_ml + state.squeezed_ml,
+        rate,
+        chamber.polytropic_index,
+    )
+
+
+@kernel
+def _lag(state, rig, dt):
+    passive_ml = rig.reservoir.passive_volume_ml - state.squeezed_ml
+    truth = (
+        state.p_main_kpa_abs - ATMOSPHERE_KPA,
+        state.p_i_kpa_abs - ATMOSPHERE_KPA,
+        sealed_pressure(state.passive_gas_kpa_ml, passive_ml),
+    )
+    keep = math.exp(-dt / rig.pressure_sensor.lag_s)
+    for i in range(3):
+        before = state.sensed_kpa[i]
+        state.sensed_kpa[i] = truth[i] + keep * (before - truth[i])
+        state.sensed_rate_kpa_per_s[i] = (state.sensed_kpa[i] - before) / dt
+
+
+@kernel
+def _bend_sample(state, rig, noise, column):
+    sensor = rig.bend_sensor
+    while state.bend_next_s <= state.time_s:
+        white = sensor.noise_deg * noise[min(column, noise.size - 1)]
+        angle = state.theta_deg + state.bend_slow_deg + white
+        state.bend_held_deg = quantise(angle, sensor.step_deg)
+        state.bend_next_s += 1.0 / sensor.rate_hz
+        column += 1
+    return column
+
+
+@kernel
+def _sense(state, rig, instrument, noise, reading):
+    for i in range(3):
+        # the board scans its channels one after the other
+        late = i * rig.converter.scan_s
+        volts = pressure_voltage(
+            rig.pressure_sensor,
+            state.sensed_kpa[i] + late * state.sensed_rate_kpa_per_s[i],
+            instrument.gain[i],
+            instrument.offset[i],
+            instrument.bow[i],
+            rig.pressure_sensor.noise_kpa * noise[i],
+        )
+        reading[i] = converted(volts, rig.converter.step_v, rig.converter.limit_v)
+    reading[3] = state.bend_held_deg
+
+
+@kernel
+def _health(state, rig):
+    # written so that a NaN fails each comparison
+    if not (0.0 < state.p_main_kpa_abs < 2.0 * rig.valve.supply_kpa_abs):
+        return 1
+    if not (0.0 < state.p_i_kpa_abs < 2.0 * rig.valve.supply_kpa_abs):
+        return 2
+    if not (-180.0 < state.theta_deg < 180.0):
+        return 3
+    if not (0.0 <= state.squeezed_ml < 0.99 * rig.reservoir.passive_volume_ml):
+        return 4
+    return 0

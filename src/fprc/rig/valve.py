@@ -1,0 +1,56 @@
+"""Proportional valve: second-order spool, dead zone, ISO 6358 flow."""
+
+import math
+
+from fprc.rig.compiled import kernel
+
+#: Above this pressure ratio the ISO 6358 flow is made linear, so that its
+#: slope stays finite where the two pressures meet.
+LINEAR_ABOVE_RATIO = 0.995
+
+
+@kernel
+def spool_acceleration(x, v, command, natural_frequency, damping_ratio):
+    """Acceleration of the spool, in strokes per s^2.
+
+    x'' = wn^2 (command - x) - 2 zeta wn x', with x and command in [-1, 1].
+    """
+    return natural_frequency**2 * (command - x) - 2.0 * damping_ratio * natural_frequency * v
+
+
+@kernel
+def opening(x, dead_zone, leak):
+    """Open fraction of the edge that a positive ``x`` uncovers.
+
+    The exhaust edge is ``opening(-x, ...)``. ``leak`` passes both edges at any
+    spool position, as the clearance of a real spool does.
+    """
+    return min(max((x - dead_zone) / (1.0 - dead_zone), 0.0), 1.0) + leak
+
+
+@kernel
+def flow_function(ratio, critical_ratio):
+    """Return psi(p2 / p1) of ISO 6358: 1 where the flow is choked, 0 at 1."""
+    if ratio <= critical_ratio:
+        return 1.0
+    if ratio >= 1.0:
+        return 0.0
+    nearest = min(ratio, LINEAR_ABOVE_RATIO)
+    psi = math.sqrt(1.0 - ((nearest - critical_ratio) / (1.0 - critical_ratio)) ** 2)
+    return psi * (1.0 - ratio) / (1.0 - nearest)
+
+
+@kernel
+def mass_flow(conductance, upstream_kpa_abs, downstream_kpa_abs, critical_ratio):
+    """Flow through an orifice in mL/s ANR, negative where it runs backwards.
+
+    Parameters
+    ----------
+    conductance : float
+        Sonic conductance times open fraction, mL/(s kPa).
+    """
+    if upstream_kpa_abs >= downstream_kpa_abs:
+        ratio = downstream_kpa_abs / upstream_kpa_abs
+        return conductance * upstream_kpa_abs * flow_function(ratio, critical_ratio)
+    ratio = upstream_kpa_abs / downstream_kpa_abs
+    return -conductance * downstream_kpa_abs * flow_function(ratio, critical_ratio)

@@ -1,0 +1,170 @@
+"""Cross-validation, test and timing of the models."""
+
+import logging
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fprc.artifacts import replacing, write_json
+from fprc.evaluation import Judgement, cross_validate, split_rows, time_model
+from fprc.evaluation.timing import machine
+from fprc.logs import read_columns, write_columns
+from fprc.models import ESN, FPRC, FuzzyLinear, SequenceModel, save_model
+from fprc.stages.preprocess import TARGETS
+from fprc.stages.record import acquire
+
+log = logging.getLogger(__name__)
+
+#: Channels that each model sees, in the order of its columns.
+INPUTS = {
+    "esn": ("theta_deg",),
+    "fprc": ("theta_deg", "p_o_kpa"),
+    "fuzzy_linear": ("theta_deg",),
+}
+
+
+class Data(NamedTuple):
+    """One log as the models see it."""
+
+    channels: Mapping[str, np.ndarray]
+    attributes: Mapping[str, Any]
+
+    def pair(self, model: str) -> tuple[np.ndarray, np.ndarray]:
+        """Return the inputs of a model, and P_exp."""
+        columns = [self.channels[name] for name in INPUTS[model]]
+        return np.column_stack(columns), self.channels["p_exp_kpa"]
+
+
+def build(name: str, models: Mapping[str, Any], seed: int) -> SequenceModel:
+    """Return the unfitted model of that name with its settings."""
+    shared = {"n_y": models["n_y"], "alpha": models["alpha"], "random_state": seed}
+    if name == "esn":
+        return ESN(**models["esn"], **shared)
+    if name == "fprc":
+        return FPRC(**models["fprc"], **shared)
+    fuzzy = {key: models["fprc"][key] for key in ("n_c", "sigma")}
+    return FuzzyLinear(**fuzzy, **shared)
+
+
+def read_data(path: str) -> Data:
+    """Read a preprocessed log."""
+    file = read_columns(path, ("time_s", "p_exp_kpa", "theta_deg", "p_o_kpa"))
+    return Data(file.channels, file.attributes)
+
+
+def judge(
+    train: str,
+    test: str,
+    errors: str,
+    model: str,
+    fit: str,
+    prediction: str,
+    *,
+    name: str,
+    models: Mapping[str, Any],
+    folds: int,
+    split: str,
+    seed: int,
+) -> None:
+    """Cross-validate one model on one log and test its best fold on another.
+
+    Writes the errors, the model of the best fold, and what it predicts on the
+    training log (``fit``) and on the test log (``prediction``).
+    """
+    train_data, test_data = read_data(train), read_data(test)
+    judged, report = _judge(name, models, folds, split, seed, train_data, test_data)
+    write_json(errors, report)
+    with replacing(model) as temporary:
+        save_model(judged.model, temporary)
+    for path, data in ((fit, train_data), (prediction, test_data)):
+        X, _ = data.pair(name)
+        channels = {key: data.channels[key] for key in ("time_s", "p_exp_kpa")}
+        channels["p_ff_kpa"] = judged.model.predict(X)
+        write_columns(path, channels, dict(data.attributes) | {"model": name})
+
+
+def replicate(
+    errors: str,
+    *,
+    signals: Mapping[str, Any],
+    control: Mapping[str, Any],
+    rig: Mapping[str, Any],
+    target: str,
+    models: Mapping[str, Any],
+    folds: int,
+    split: str,
+    seed: int,
+) -> None:
+    """Repeat Table II with another seed: another rig, noise, and models."""
+    data = {}
+    for experiment, signal in signals.items():
+        channels = acquire(experiment, signal, control, rig, seed)
+        channels["p_exp_kpa"] = channels[TARGETS[target]]
+        attributes = {"experiment": experiment, "source": "sim", "target": target, "seed": seed}
+        data[experiment] = Data(channels, attributes)
+    reports = [
+        _judge(name, models, folds, split, seed, data["sweep"], data["complex"])[1]
+        for name in INPUTS
+    ]
+    write_json(errors, {"seed": seed, "source": "sim", "models": reports})
+
+
+def measure_times(
+    train: str,
+    test: str,
+    times: str,
+    *,
+    models: Mapping[str, Any],
+    repeats: int,
+    seed: int,
+) -> None:
+    """Time training and test of every model on this machine."""
+    train_data, test_data = read_data(train), read_data(test)
+    results = []
+    for name in INPUTS:
+        timed = time_model(
+            build(name, models, seed),
+            train_data.pair(name),
+            test_data.pair(name),
+            repeats,
+            progress=lambda what, name=name: log.info("%s: %s, %d repeats", name, what, repeats),
+        )
+        results += [{"model": name, **result} for result in timed]
+    write_json(times, {"source": train_data.attributes["source"], **machine(), "times": results})
+
+
+def _judge(
+    name: str,
+    models: Mapping[str, Any],
+    folds: int,
+    split: str,
+    seed: int,
+    train: Data,
+    test: Data,
+) -> tuple[Judgement, dict[str, Any]]:
+    X, y = train.pair(name)
+    log.info("%s: features of %d samples", name, len(y))
+    judged = cross_validate(
+        build(name, models, seed),
+        X,
+        y,
+        split_rows(len(y), folds, split, seed),
+        progress=lambda fold, e_train, e_val: log.info(
+            "%s: fold %d of %d: training %.2f, validation %.2f kPa",
+            name, fold + 1, folds, e_train, e_val,
+        ),
+    )  # fmt: skip
+    test_rmse = judged.test_rmse(*test.pair(name))
+    log.info("%s: best fold %d, test %.2f kPa", name, judged.best + 1, test_rmse)
+    return judged, {
+        "model": name,
+        "source": train.attributes["source"],
+        "seed": seed,
+        "target": train.attributes["target"],
+        "split": split,
+        "train_rmse_kpa": judged.train_rmse,
+        "validation_rmse_kpa": judged.validation_rmse,
+        "best_fold": judged.best,
+        "test_rmse_kpa": test_rmse,
+    }

@@ -1,0 +1,46 @@
+"""From a raw log to the channels that the models see."""
+
+import logging
+from collections.abc import Mapping
+from typing import Any
+
+from fprc.artifacts import write_json
+from fprc.logs import assess, read_raw, write_columns
+from fprc.logs.quality import warnings
+
+log = logging.getLogger(__name__)
+
+#: Channel of a raw log that plays P_exp for the models, by config's choice.
+TARGETS = {"command": "p_exp_command_kpa", "measured": "p_exp_kpa"}
+
+
+def preprocess(
+    raw: str,
+    data: str,
+    quality: str,
+    *,
+    target: str,
+    sample_rate_hz: float,
+    limits: Mapping[str, Any],
+) -> None:
+    """Check a raw log, write its quality record, and select the channels.
+
+    Nothing is filtered here: the filter and the taps belong to the models,
+    which apply the same ones in the control loop.
+    """
+    source = read_raw(raw, sample_rate_hz=sample_rate_hz, rate_tolerance=limits["rate_tolerance"])
+    report = assess(source, sample_rate_hz=sample_rate_hz, **limits)
+    for warning in warnings(report):
+        log.warning("warning: %s", warning)
+    channels = {
+        "time_s": source.channels["time_s"],
+        "p_exp_kpa": source.channels[TARGETS[target]],
+        "theta_deg": source.channels["theta_deg"],
+        "p_o_kpa": source.channels["p_o_kpa"],
+    }
+    kept = ("experiment", "source", "simulated", "sample_rate_hz", "seed")
+    attributes = {name: source.attributes[name] for name in kept} | {"target": target}
+    write_json(quality, report)
+    write_columns(data, channels, attributes)
+    passed = sum(check["passed"] for check in report["checks"].values())
+    log.info("%d of %d quality checks passed", passed, len(report["checks"]))

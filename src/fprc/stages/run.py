@@ -1,0 +1,46 @@
+"""Run a stage on behalf of a Snakemake rule."""
+
+import logging
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from threadpoolctl import threadpool_limits
+
+from fprc.errors import FprcError
+
+log = logging.getLogger("fprc")
+
+
+def run_stage(stage: Callable[..., None], job: Any) -> None:
+    """Call ``stage`` with a rule's named inputs, outputs and params as arguments.
+
+    Progress goes to the terminal and to the rule's log file. An error that is
+    meant for people ends the process with its message alone and exit code 1.
+    Numerical libraries run on one thread, so that results do not depend on the
+    machine's load and two jobs do not fight for two cores.
+
+    Parameters
+    ----------
+    job : snakemake object of a ``script:``
+        The ``code`` param, the fingerprint of the source, is not passed on.
+    """
+    _log_to(job.log[0], " ".join([job.rule, *job.wildcards]))
+    named = [*job.input.items(), *job.output.items(), *job.params.items()]
+    arguments = {name: value for name, value in named if name != "code"}
+    try:
+        with threadpool_limits(1):
+            stage(**arguments)
+    except FprcError as error:
+        log.error("error: %s", error)
+        sys.exit(1)
+
+
+def _log_to(path: str, label: str) -> None:
+    Path(path).parent.mkdir(parents=True, exist_ok=True)
+    line = logging.Formatter(f"[{label}] %(message)s")
+    for handler in (logging.StreamHandler(), logging.FileHandler(path, mode="w")):
+        handler.setFormatter(line)
+        log.addHandler(handler)
+    log.setLevel(logging.INFO)

@@ -1,0 +1,80 @@
+"""Write the paper's tables as CSV, Markdown and LaTeX."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import yaml
+
+from fprc import tables
+from fprc.artifacts import read_json, write_csv, write_text
+
+
+def tabulate_configuration(
+    published: str, csv: str, md: str, tex: str, *, models: Mapping[str, Any]
+) -> None:
+    """Table I: the settings of the models."""
+    table = tables.configuration(models, _published(published))
+    note = "Table I. Configuration of the models: ours and as published."
+    _write(table, table.astype(str), note, csv, md, tex)
+
+
+def tabulate_comparison(
+    published: str, errors: Sequence[str], csv: str, md: str, tex: str
+) -> None:
+    """Table II: errors of the three models, one seed, spread over folds."""
+    reports = [read_json(path) for path in errors]
+    table = tables.comparison(reports, _published(published))
+    first = reports[0]
+    note = (
+        f"Table II. RMSE of the models: mean ± standard deviation over "
+        f"{len(first['train_rmse_kpa'])} {first['split']} folds, seed {first['seed']}.\n"
+        f"Data: {tables.SOURCES[first['source']]}. Target: {first['target']} pressure."
+    )
+    _write(table, tables.comparison_page(table), note, csv, md, tex)
+
+
+def tabulate_seeds(
+    published: str,
+    replicates: Sequence[str],
+    csv: str,
+    md: str,
+    tex: str,
+    orders: str,
+) -> None:
+    """Table II over further seeds, and whether its order holds on each."""
+    reports = [read_json(path) for path in replicates]
+    table = tables.over_seeds(reports, _published(published))
+    note = (
+        f"Table II over {len(reports)} further seeds: mean ± standard deviation over seeds.\n"
+        f"Data: {tables.SOURCES[reports[0]['source']]}; each seed is another draw of sensors, "
+        "noise and models."
+    )
+    _write(table, tables.comparison_page(table), note, csv, md, tex)
+    write_csv(orders, tables.orders(reports))
+
+
+def tabulate_times(published: str, times: str, csv: str, md: str, tex: str) -> None:
+    """Execution times of Table II."""
+    report = read_json(times)
+    table = tables.timing(report, _published(published))
+    note = (
+        f"Table II, execution times: mean ± standard deviation of {table['repeats'].iloc[0]} "
+        f"repeats on {report['cpu']}, {report['threads']} thread.\n"
+        "Sequential is sample by sample, as a controller pays; batch is a whole log at once. "
+        "The paper does not say which it timed, nor on what machine."
+    )
+    _write(table, tables.timing_page(table), note, csv, md, tex)
+
+
+def _published(path: str) -> dict[str, Any]:
+    return yaml.safe_load(Path(path).read_text(encoding="utf-8"))
+
+
+def _write(
+    table: pd.DataFrame, page: pd.DataFrame, note: str, csv: str, md: str, tex: str
+) -> None:
+    write_csv(csv, table)
+    write_text(md, tables.markdown(page, note))
+    write_text(tex, tables.latex(page, note))

@@ -1,0 +1,217 @@
+"""The paper's tables: result files in, tidy frames and pages out."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+#: Printed name of each model, in the paper's order.
+MODEL_NAMES = {"esn": "ESN", "fprc": "FPRC", "fuzzy_linear": "Fuzzy-linear"}
+
+#: What a log's ``source`` means to a reader.
+SOURCES = {
+    "sim": "simulated rig, not hardware",
+    "rig": "recorded on the rig",
+    "import": "imported recordings",
+}
+
+_ERRORS = {"train_rmse": "Training RMSE", "validation_rmse": "Validation RMSE",
+           "test_rmse": "Test RMSE"}  # fmt: skip
+
+_SYMBOLS = {
+    ("esn", "r"): "Reservoir size, r",
+    ("esn", "f_input"): "Input scaling factor, f_input",
+    ("esn", "gamma"): "Leaky rate, gamma",
+    ("esn", "rho"): "Spectral radius, rho",
+    ("fprc", "epsilon"): "Filter factor, epsilon",
+    ("fprc", "n_c"): "Fuzzy clusters, n_c",
+    ("fprc", "n_u"): "Reservoir output tap size, n_u",
+    ("fprc", "sigma"): "Gaussian membership scaling, sigma",
+    ("shared", "n_y"): "Tap size of theta_d, n_y",
+    ("shared", "alpha"): "Ridge parameter, alpha",
+}
+
+
+def configuration(models: Mapping[str, Any], published: Mapping[str, Any]) -> pd.DataFrame:
+    """Table I: every setting of the models beside the printed one."""
+    printed = published["table_1_configuration"]
+    rows = []
+    for (model, key), label in _SYMBOLS.items():
+        ours = models[key] if model == "shared" else models[model][key]
+        shown = MODEL_NAMES.get(model, "All models")
+        rows.append((shown, label, ours, printed[model][key]))
+    return pd.DataFrame(rows, columns=["model", "parameter", "value", "published"])
+
+
+def comparison(reports: Sequence[Mapping[str, Any]], published: Mapping[str, Any]) -> pd.DataFrame:
+    """Table II without its times: mean and spread over the folds, tidy.
+
+    ``std`` is that over folds; a test error is one number and has none. The
+    population formula is used, over all folds that there are.
+    """
+    rows = []
+    for report in reports:
+        printed = published["table_2_models"][report["model"]]
+        for metric in _ERRORS:
+            ours = np.atleast_1d(report[f"{metric}_kpa"])
+            theirs = np.atleast_1d(printed[f"{metric}_kpa"])
+            rows.append(
+                {
+                    "model": report["model"],
+                    "metric": metric,
+                    "unit": "kPa",
+                    "mean": ours.mean(),
+                    "std": ours.std() if ours.size > 1 else None,
+                    "published_mean": float(theirs[0]),
+                    "published_std": float(theirs[1]) if theirs.size > 1 else None,
+                    "source": report["source"],
+                }
+            )
+    return pd.DataFrame(rows)
+
+
+def over_seeds(
+    replicates: Sequence[Mapping[str, Any]], published: Mapping[str, Any]
+) -> pd.DataFrame:
+    """Table II over further seeds: mean, standard deviation and range, tidy."""
+    samples = pd.DataFrame(
+        {
+            "model": report["model"],
+            "metric": metric,
+            "value": np.mean(report[f"{metric}_kpa"]),
+            "source": replicate["source"],
+        }
+        for replicate in replicates
+        for report in replicate["models"]
+        for metric in _ERRORS
+    )
+    groups = samples.groupby(["model", "metric"], sort=False)
+    table = groups["value"].agg(["mean", "std", "min", "max", "count"]).reset_index()
+    table = table.rename(columns={"count": "seeds"})
+    table.insert(2, "unit", "kPa")
+    printed = published["table_2_models"]
+    table["published_mean"] = [
+        float(np.atleast_1d(printed[row.model][f"{row.metric}_kpa"])[0])
+        for row in table.itertuples()
+    ]
+    table["source"] = groups["source"].first().to_numpy()
+    return table
+
+
+def orders(replicates: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    """Whether the order of Table II holds, seed by seed."""
+    rows = []
+    for replicate in replicates:
+        error = {
+            (report["model"], metric): float(np.mean(report[f"{metric}_kpa"]))
+            for report in replicate["models"]
+            for metric in _ERRORS
+        }
+        ratio = error["esn", "train_rmse"] / error["fprc", "train_rmse"]
+        others = min(error["esn", "test_rmse"], error["fuzzy_linear", "test_rmse"])
+        rows.append(
+            {
+                "seed": replicate["seed"],
+                "fprc_lowest_test": error["fprc", "test_rmse"] < others,
+                "fprc_below_fuzzy_linear": all(
+                    error["fprc", metric] < error["fuzzy_linear", metric] for metric in _ERRORS
+                ),
+                "esn_over_fprc_training": ratio,
+                "training_within_30_percent": max(ratio, 1.0 / ratio) <= 1.3,
+                "source": replicate["source"],
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def timing(report: Mapping[str, Any], published: Mapping[str, Any]) -> pd.DataFrame:
+    """Times of Table II, tidy: seconds and us per sample, both modes."""
+    rows = []
+    for entry in report["times"]:
+        seconds = np.array(entry["seconds"])
+        printed = published["table_2_models"][entry["model"]]
+        theirs = (
+            printed["train_time_s"]
+            if entry["phase"] == "train"
+            else [value / 1000.0 for value in printed["test_time_ms"]]
+        )
+        rows.append(
+            {
+                "model": entry["model"],
+                "metric": f"{entry['phase']}_time",
+                "mode": entry["mode"],
+                "unit": "s",
+                "mean": seconds.mean(),
+                "std": seconds.std(),
+                "us_per_sample": 1e6 * seconds.mean() / entry["samples"],
+                "samples": entry["samples"],
+                "repeats": seconds.size,
+                "published_mean": theirs[0],
+                "published_std": theirs[1],
+                "threads": report["threads"],
+                "cpu": report["cpu"],
+                "source": report["source"],
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def comparison_page(table: pd.DataFrame) -> pd.DataFrame:
+    """Table II as the paper prints it, ours beside the published numbers."""
+    page = {"Performance [kPa]": list(_ERRORS.values())}
+    for model, name in MODEL_NAMES.items():
+        ours = table[table["model"] == model].set_index("metric")
+        page[f"{name}, ours"] = [
+            spread(ours.loc[metric, "mean"], ours.loc[metric, "std"]) for metric in _ERRORS
+        ]
+        page[f"{name}, paper"] = [
+            spread(ours.loc[metric, "published_mean"], ours.loc[metric].get("published_std"))
+            for metric in _ERRORS
+        ]
+    return pd.DataFrame(page)
+
+
+def timing_page(table: pd.DataFrame) -> pd.DataFrame:
+    """Times as a person reads them."""
+    phases = {"train_time": "Training", "test_time": "Test"}
+    rows = [
+        (
+            MODEL_NAMES[row.model],
+            phases[row.metric],
+            row.mode,
+            spread(row.mean, row.std),
+            f"{row.us_per_sample:.3g}",
+            spread(row.published_mean, row.published_std),
+        )
+        for row in table.itertuples()
+    ]
+    columns = ["Model", "Phase", "Mode", "Ours [s]", "Ours [us per sample]", "Paper [s]"]
+    return pd.DataFrame(rows, columns=columns)
+
+
+def spread(mean: float, std: float | None) -> str:
+    """Format a number to three significant digits, with its spread if any."""
+    text = _three_digits(mean)
+    return text if pd.isna(std) else f"{text} ± {_three_digits(std)}"
+
+
+def markdown(page: pd.DataFrame, note: str) -> str:
+    """Render a page as a Markdown table under a note."""
+    return f"{note}\n\n{page.to_markdown(index=False, disable_numparse=True)}\n"
+
+
+def latex(page: pd.DataFrame, note: str) -> str:
+    """Render a page as a LaTeX tabular (booktabs) under a commented note."""
+    body = page.map(lambda cell: str(cell).replace("±", "$\\pm$").replace("_", "\\_"))
+    body.columns = [name.replace("_", "\\_") for name in page.columns]
+    tabular = body.to_latex(index=False, escape=False)
+    comment = "".join(f"% {line}\n" for line in note.splitlines())
+    return comment + tabular
+
+
+def _three_digits(value: float) -> str:
+    if isinstance(value, str) or pd.isna(value):
+        return ""
+    decimals = max(2 - int(np.floor(np.log10(abs(value)))), 0) if value else 0
+    return f"{value:.{decimals}f}"

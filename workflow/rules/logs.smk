@@ -1,0 +1,38 @@
+# Sec. II-B: the two hysteresis experiments, recorded and checked.
+
+
+rule record:
+    message:
+        "Experiment {wildcards.experiment} on the simulated rig"
+    output:
+        raw=f"{RAW}/{{experiment}}.h5",
+    params:
+        experiment="{experiment}",
+        signal=lambda wildcards: SETTINGS["experiments"][wildcards.experiment],
+        control=SETTINGS["control"],
+        rig=SETTINGS["rig"],
+        seed=SETTINGS["seed"],
+        code=fingerprint("fprc.stages.record"),
+    log:
+        f"{RESULTS}/logs/record_{{experiment}}.log",
+    script:
+        "../scripts/record.py"
+
+
+rule preprocess:
+    message:
+        "Quality and channels of the {wildcards.experiment} log"
+    input:
+        raw=f"{RAW}/{{experiment}}.h5",
+    output:
+        data=f"{RESULTS}/data/{{experiment}}.h5",
+        quality=f"{RESULTS}/quality/{{experiment}}.json",
+    params:
+        target=SETTINGS["evaluation"]["target"],
+        sample_rate_hz=SETTINGS["control"]["sample_rate_hz"],
+        limits=SETTINGS["quality"],
+        code=fingerprint("fprc.stages.preprocess"),
+    log:
+        f"{RESULTS}/logs/preprocess_{{experiment}}.log",
+    script:
+        "../scripts/preprocess.py"

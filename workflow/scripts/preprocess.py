@@ -1,0 +1,4 @@
+from fprc.stages.preprocess import preprocess
+from fprc.stages.run import run_stage
+
+run_stage(preprocess, snakemake)  # noqa: F821 (Snakemake provides it)
