@@ -20,11 +20,12 @@ except ConfigError as error:
 
 RAW = SETTINGS["folders"]["raw"]
 RESULTS = SETTINGS["folders"]["results"]
-MODELS = ["esn", "fprc", "fuzzy_linear"]
-SEEDS = SETTINGS["evaluation"]["replicate_seeds"]
 
 
 container: "docker://python:3.12-slim"
+
+
+include: "workflow/rules/common.smk"
 
 
 wildcard_constraints:

@@ -126,7 +126,7 @@ def orders(replicates: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
 
 
 def timing(report: Mapping[str, Any], published: Mapping[str, Any]) -> pd.DataFrame:
-    """Times of Table II, tidy: seconds and us per sample, both modes."""
+    """Table II, its times: seconds and us per sample, both modes, tidy."""
     rows = []
     for entry in report["times"]:
         seconds = np.array(entry["seconds"])
@@ -173,7 +173,7 @@ def comparison_page(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def timing_page(table: pd.DataFrame) -> pd.DataFrame:
-    """Times as a person reads them."""
+    """Return the times as a person reads them."""
     phases = {"train_time": "Training", "test_time": "Test"}
     rows = [
         (

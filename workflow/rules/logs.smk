@@ -2,10 +2,10 @@
 
 
 rule record:
-    message:
-        "Experiment {wildcards.experiment} on the simulated rig"
     output:
         raw=f"{RAW}/{{experiment}}.h5",
+    log:
+        f"{RESULTS}/logs/record_{{experiment}}.log",
     params:
         experiment="{experiment}",
         signal=lambda wildcards: SETTINGS["experiments"][wildcards.experiment],
@@ -13,26 +13,26 @@ rule record:
         rig=SETTINGS["rig"],
         seed=SETTINGS["seed"],
         code=fingerprint("fprc.stages.record"),
-    log:
-        f"{RESULTS}/logs/record_{{experiment}}.log",
+    message:
+        "Experiment {wildcards.experiment} on the simulated rig"
     script:
         "../scripts/record.py"
 
 
 rule preprocess:
-    message:
-        "Quality and channels of the {wildcards.experiment} log"
     input:
         raw=f"{RAW}/{{experiment}}.h5",
     output:
         data=f"{RESULTS}/data/{{experiment}}.h5",
         quality=f"{RESULTS}/quality/{{experiment}}.json",
+    log:
+        f"{RESULTS}/logs/preprocess_{{experiment}}.log",
     params:
         target=SETTINGS["evaluation"]["target"],
         sample_rate_hz=SETTINGS["control"]["sample_rate_hz"],
         limits=SETTINGS["quality"],
         code=fingerprint("fprc.stages.preprocess"),
-    log:
-        f"{RESULTS}/logs/preprocess_{{experiment}}.log",
+    message:
+        "Quality and channels of the {wildcards.experiment} log"
     script:
         "../scripts/preprocess.py"

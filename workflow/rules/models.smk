@@ -8,8 +8,6 @@ JUDGEMENT = {
 
 
 rule judge:
-    message:
-        "Cross-validation and test of {wildcards.model}"
     input:
         train=f"{RESULTS}/data/sweep.h5",
         test=f"{RESULTS}/data/complex.h5",
@@ -18,24 +16,28 @@ rule judge:
         model=f"{RESULTS}/models/{{model}}.h5",
         fit=f"{RESULTS}/predictions/{{model}}_train.h5",
         prediction=f"{RESULTS}/predictions/{{model}}_test.h5",
+    log:
+        f"{RESULTS}/logs/judge_{{model}}.log",
+    resources:
+        mem_mb=2000,
     params:
         **JUDGEMENT,
         name="{model}",
         seed=SETTINGS["seed"],
         code=fingerprint("fprc.stages.judge"),
-    log:
-        f"{RESULTS}/logs/judge_{{model}}.log",
-    resources:
-        mem_mb=2000,
+    message:
+        "Cross-validation and test of {wildcards.model}"
     script:
         "../scripts/judge.py"
 
 
 rule replicate:
-    message:
-        "Table II again with seed {wildcards.seed}"
     output:
         errors=f"{RESULTS}/replicates/seed_{{seed}}.json",
+    log:
+        f"{RESULTS}/logs/replicate_{{seed}}.log",
+    resources:
+        mem_mb=2000,
     params:
         **JUDGEMENT,
         signals=SETTINGS["experiments"],
@@ -44,31 +46,29 @@ rule replicate:
         target=SETTINGS["evaluation"]["target"],
         seed=lambda wildcards: int(wildcards.seed),
         code=fingerprint("fprc.stages.judge"),
-    log:
-        f"{RESULTS}/logs/replicate_{{seed}}.log",
-    resources:
-        mem_mb=2000,
+    message:
+        "Table II again with seed {wildcards.seed}"
     script:
         "../scripts/replicate.py"
 
 
 rule measure_times:
-    message:
-        "Execution times, alone on the machine"
     input:
         train=f"{RESULTS}/data/sweep.h5",
         test=f"{RESULTS}/data/complex.h5",
     output:
         times=f"{RESULTS}/timing/times.json",
-    params:
-        models=SETTINGS["models"],
-        repeats=SETTINGS["evaluation"]["timing_repeats"],
-        seed=SETTINGS["seed"],
-        code=fingerprint("fprc.stages.judge"),
     log:
         f"{RESULTS}/logs/measure_times.log",
     threads: workflow.cores
     resources:
         mem_mb=2000,
+    params:
+        models=SETTINGS["models"],
+        repeats=SETTINGS["evaluation"]["timing_repeats"],
+        seed=SETTINGS["seed"],
+        code=fingerprint("fprc.stages.judge"),
+    message:
+        "Execution times, alone on the machine"
     script:
         "../scripts/measure_times.py"

@@ -1,11 +1,4 @@
 # What a user asks for by name.
-TABLES = multiext(f"{RESULTS}/tables/table", "1.md", "2.md", "2_seeds.md")
-FIGURES = expand(
-    "{results}/figures/{figure}.pdf",
-    results=RESULTS,
-    figure=["fig04_hysteresis_actuator", "fig05_hysteresis_reservoir", "fig08_training"],
-)
-TIMING = f"{RESULTS}/timing/table2_timing.csv"
 
 
 rule logs:
@@ -51,32 +44,32 @@ rule fig8:
 
 
 rule smoke:
-    message:
-        "The whole workflow on small settings, into results/smoke"
     log:
         f"{RESULTS}/logs/smoke.log",
-    threads: workflow.cores
     localrule: True
+    threads: workflow.cores
+    message:
+        "The whole workflow on small settings, into results/smoke"
     shell:
         "snakemake --cores {threads} --nolock --configfile config/smoke.yaml"
         " -- all 2>&1 | tee {log}"
 
 
 rule readme:
-    message:
-        "Numbers and picture of the README, from the results"
     input:
         errors=TABLES[1],
         seeds=TABLES[2],
         orders=f"{RESULTS}/tables/table2_orders.csv",
         timing=f"{RESULTS}/timing/table2_timing.md",
         figure=f"{RESULTS}/figures/fig08_training.png",
+    log:
+        f"{RESULTS}/logs/readme.log",
+    localrule: True
     params:
         readme="README.md",
         picture="docs/images/fig08_training.png",
         code=fingerprint("fprc.stages.readme"),
-    log:
-        f"{RESULTS}/logs/readme.log",
-    localrule: True
+    message:
+        "Numbers and picture of the README, from the results"
     script:
         "../scripts/readme.py"

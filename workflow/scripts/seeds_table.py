@@ -1,4 +1,4 @@
-from fprc.stages.tabulate import tabulate_seeds
 from fprc.stages.run import run_stage
+from fprc.stages.tabulate import tabulate_seeds
 
 run_stage(tabulate_seeds, snakemake)  # noqa: F821 (Snakemake provides it)

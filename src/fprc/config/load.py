@@ -72,7 +72,7 @@ def _line(item: Mapping) -> str:
     if item["type"] == "extra_forbidden":
         return f"  {key}: unknown key; {_nearest(key, known)}"
     message = item["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
-    where = f"{key} = {item['input']!r}: " if key and item["type"] != "value_error" else ""
+    where = f"{key} = {item['input']}: " if key and item["type"] != "value_error" else ""
     default = known[key].default if key in known else None
     remedy = f"; remove the key for {default!r}" if default is not None else ""
     if not where and key:

@@ -93,7 +93,11 @@ class Bending(Section):
         3e-4, "kPa/deg^3", (0, 1e-3), "cubic stiffness k3", "about 60 deg at 350 kPa; fitted"
     )
     gain_loss_per_deg: float = quantity(
-        0.0, "1/deg", (0, 0.005), "loss of the muscle's gain with contraction, g0", "McKibben muscle"
+        0.0,
+        "1/deg",
+        (0, 0.005),
+        "loss of the muscle's gain with contraction, g0",
+        "McKibben muscle",
     )
     relaxation_stiffness_kpa_per_deg: tuple[within(0.0, 3.0), ...] = quantities(
         (0.5, 0.5), "kPa/deg", (0, 3), "stiffness of each viscoelastic branch", "rubber; fitted"
@@ -189,7 +193,11 @@ class PressureSensor(Section):
     span_v: float = quantity(4, "V", (1, 10), "output span over full scale", "data sheet: 1-5 V")
     full_scale_kpa: float = quantity(1000, "kPa", (100, 2000), "full scale", "data sheet: 1 MPa")
     linearity: float = quantity(
-        0.007, "full scale", (0, 0.01), "bound on gain, offset and bow together", "data sheet: 0.7 %"
+        0.007,
+        "full scale",
+        (0, 0.01),
+        "bound on gain, offset and bow together",
+        "data sheet: 0.7 %",
     )
     noise_kpa: float = quantity(
         0.4, "kPa", (0, 1.5), "white noise, standard deviation", "bench experience: 0.3-0.5"
@@ -203,9 +211,7 @@ class BendSensor(Section):
     rate_hz: float = quantity(
         202.27, "Hz", (50, 500), "its own sample rate", "81 ticks of 1/16384 s, nominally 200 Hz"
     )
-    step_deg: float = quantity(
-        0.015625, "deg", (1e-3, 0.5), "resolution", "data sheet: int16 / 64"
-    )
+    step_deg: float = quantity(0.015625, "deg", (1e-3, 0.5), "resolution", "data sheet: int16 / 64")
     noise_deg: float = quantity(
         0.04, "deg", (0, 0.2), "white noise, standard deviation", "bench experience: 0.02-0.06"
     )
@@ -244,4 +250,3 @@ class Rig(Section):
     pressure_sensor: PressureSensor = PressureSensor()
     bend_sensor: BendSensor = BendSensor()
     converter: Converter = Converter()
-

@@ -66,9 +66,7 @@ class Control(Section):
 class Quality(Section):
     """What preprocessing accepts of a raw log."""
 
-    rate_tolerance: float = quantity(
-        0.01, "-", (0, 0.2), "relative error of the mean sample rate"
-    )
+    rate_tolerance: float = quantity(0.01, "-", (0, 0.2), "relative error of the mean sample rate")
     gap_periods: float = quantity(1.5, "periods", (1.01, 100), "a longer step is a gap")
     stuck_s: float = quantity(2.0, "s", (0.05, 60), "a channel is stuck if unchanged for longer")
     pressure_range_kpa: tuple[within(-100, 1000), within(-100, 1000)] = quantities(
@@ -150,15 +148,19 @@ class Settings(Section):
 
     @model_validator(mode="after")
     def _logs_are_long_enough(self) -> "Settings":
-        needed = max(self.models.n_y, self.models.fprc.n_u, self.evaluation.folds)
+        models, folds = self.models, self.evaluation.folds
+        needs = {"n_y": models.n_y, "n_u": models.fprc.n_u, "n_c": models.fprc.n_c}
+        problems = []
         for name in ("sweep", "complex"):
-            signal = getattr(self.experiments, name)
-            samples = int(signal.duration_s * self.control.sample_rate_hz)
-            if samples <= needed:
-                raise ValueError(
-                    f"experiments.{name} has {samples} samples, not more than the longest of "
-                    f"n_y, n_u and folds ({needed}); lengthen duration_s"
-                )
-        if self.models.fprc.n_c > samples:
-            raise ValueError(f"models.fprc.n_c = {self.models.fprc.n_c} exceeds the samples")
+            duration_s = getattr(self.experiments, name).duration_s
+            samples = round(duration_s * self.control.sample_rate_hz)
+            training = samples - -(-samples // folds)
+            problems += [
+                f"experiments.{name} leaves {training} samples to train on, fewer than "
+                f"{key} = {need}; lengthen its duration_s or reduce {key}"
+                for key, need in needs.items()
+                if training < need
+            ]
+        if problems:
+            raise ValueError("\n  ".join(problems))
         return self

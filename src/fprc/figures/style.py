@@ -50,10 +50,10 @@ _STYLE = {
 
 def figure(rows: int, columns: int, width_in: float, height_in: float, **options: object):
     """Return a figure with a grid of axes in the house style."""
-    with plt.rc_context(_STYLE):
-        return plt.subplots(
-            rows, columns, figsize=(width_in, height_in), layout="constrained", **options
-        )
+    plt.rcParams.update(_STYLE)
+    return plt.subplots(
+        rows, columns, figsize=(width_in, height_in), layout="constrained", **options
+    )
 
 
 def letter(ax: plt.Axes, text: str) -> None:
@@ -70,9 +70,8 @@ def save(fig: Figure, attributes: Mapping[str, object], pdf: str, png: str) -> N
         mark = f"simulated rig, seed {attributes['seed']}"
     else:
         mark = "measured data"
-    fig.supxlabel(mark, x=0.995, ha="right", fontsize=5.5, color="0.45")
-    with plt.rc_context(_STYLE):
-        for path, metadata in ((pdf, {"CreationDate": None}), (png, {"Software": None})):
-            with replacing(Path(path)) as temporary:
-                fig.savefig(temporary, metadata=metadata)
+    fig.text(0.995, 0.005, mark, ha="right", va="bottom", fontsize=5.5, color="0.45")
+    for path, metadata in ((pdf, {"CreationDate": None}), (png, {"Software": None})):
+        with replacing(Path(path)) as temporary:
+            fig.savefig(temporary, metadata=metadata)
     plt.close(fig)

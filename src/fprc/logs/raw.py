@@ -58,9 +58,7 @@ def write_raw(
     write_columns(path, {name: channels[name] for name in RAW_CHANNELS}, attributes)
 
 
-def read_raw(
-    path: Path | str, *, sample_rate_hz: float | None, rate_tolerance: float
-) -> Columns:
+def read_raw(path: Path | str, *, sample_rate_hz: float | None, rate_tolerance: float) -> Columns:
     """Read a raw log and check that it can be used at all.
 
     Parameters

@@ -1,10 +1,12 @@
 """Fuzzy c-means clustering (Bezdek 1984) with fuzzifier 2."""
 
+import warnings
 from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial.distance import cdist
 from sklearn.cluster import kmeans_plusplus
+from sklearn.exceptions import ConvergenceWarning
 
 #: Below this squared distance a sample counts as lying on a centre.
 TINY = np.finfo(float).tiny ** 0.5
@@ -16,7 +18,6 @@ class Clusters(NamedTuple):
     centers: np.ndarray  #: (n_clusters, n_features)
     memberships: np.ndarray  #: (n_samples, n_clusters), rows sum to 1
     objective: float  #: sum over samples and clusters of u^2 d^2
-    iterations: int
 
 
 def fuzzy_c_means(
@@ -60,15 +61,21 @@ def fuzzy_c_means(
 
 
 def _settle(X: np.ndarray, centers: np.ndarray, tolerance: float, limit: int) -> Clusters:
-    before = None
-    for iteration in range(1, limit + 1):
-        memberships, distances = _memberships(X, centers)
+    memberships, distances = _memberships(X, centers)
+    for _ in range(limit):
         shares = memberships**2
-        if before is not None and np.abs(memberships - before).max() < tolerance:
-            break
-        before = memberships
         centers = shares.T @ X / shares.sum(axis=0)[:, None]
-    return Clusters(centers, memberships, float((shares * distances).sum()), iteration)
+        before = memberships
+        memberships, distances = _memberships(X, centers)
+        if np.abs(memberships - before).max() < tolerance:
+            break
+    else:
+        warnings.warn(
+            f"fuzzy c-means did not settle to {tolerance:g} in {limit} iterations",
+            ConvergenceWarning,
+            stacklevel=3,
+        )
+    return Clusters(centers, memberships, float((memberships**2 * distances).sum()))
 
 
 def _memberships(X: np.ndarray, centers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

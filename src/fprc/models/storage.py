@@ -14,10 +14,8 @@ from fprc.models.fprc import FPRC, FuzzyLinear
 from fprc.models.ridge import RidgeReadout
 from fprc.models.takagi_sugeno import TakagiSugenoReadout
 
-_KNOWN = {
-    known.__name__: known
-    for known in (ESN, FPRC, FuzzyLinear, EchoStates, TapFeatures, RidgeReadout, TakagiSugenoReadout)
-}  # fmt: skip
+_CLASSES = (ESN, FPRC, FuzzyLinear, EchoStates, TapFeatures, RidgeReadout, TakagiSugenoReadout)
+_KNOWN = {known.__name__: known for known in _CLASSES}
 
 
 def save_model(model: BaseEstimator, path: Path | str) -> None:
@@ -55,9 +53,7 @@ def _save(model: BaseEstimator, group: h5py.Group) -> None:
     try:
         parameters = json.dumps(model.get_params(deep=False))
     except TypeError as error:
-        raise FprcError(
-            f"{name}: {error}; give random_state a number to save the model"
-        ) from error
+        raise FprcError(f"{name}: {error}; give random_state a number to save the model") from error
     group.attrs.update({"class": name, "parameters": parameters})
     for key, value in sorted(vars(model).items()):
         if key.startswith("_") or not key.endswith("_"):

@@ -36,8 +36,6 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
         Cluster centres c_i.
     W_out_ : ndarray of shape (n_c, 1 + n_features)
         Weights of each rule, bias first.
-    n_iter_ : int
-        Iterations of the clustering.
 
     References
     ----------
@@ -66,7 +64,6 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
         self.W_out_ = np.array(
             [ridge_weights(extended, y, self.alpha, u**2) for u in clusters.memberships.T]
         )
-        self.n_iter_ = clusters.iterations
         return self
 
     def predict(self, X: ArrayLike) -> np.ndarray:

@@ -161,9 +161,7 @@ def _actuator(state, rig, dt):
         state.p_main_kpa_abs, flow, volume, volume_rate, chamber.polytropic_index
     )
     increment = dt * state.omega_deg_per_s
-    force = slip(
-        state.bending_slip_deg, increment, bending.slip_distance_deg, bending.slip_weight
-    )
+    force = slip(state.bending_slip_deg, increment, bending.slip_distance_deg, bending.slip_weight)
     state.omega_deg_per_s += dt * angular_acceleration(
         bending,
         state.theta_deg,

@@ -20,9 +20,7 @@ def tabulate_configuration(
     _write(table, table.astype(str), note, csv, md, tex)
 
 
-def tabulate_comparison(
-    published: str, errors: Sequence[str], csv: str, md: str, tex: str
-) -> None:
+def tabulate_comparison(published: str, errors: Sequence[str], csv: str, md: str, tex: str) -> None:
     """Table II: errors of the three models, one seed, spread over folds."""
     reports = [read_json(path) for path in errors]
     table = tables.comparison(reports, _published(published))
@@ -56,7 +54,7 @@ def tabulate_seeds(
 
 
 def tabulate_times(published: str, times: str, csv: str, md: str, tex: str) -> None:
-    """Execution times of Table II."""
+    """Table II, its execution times."""
     report = read_json(times)
     table = tables.timing(report, _published(published))
     note = (
@@ -72,9 +70,7 @@ def _published(path: str) -> dict[str, Any]:
     return yaml.safe_load(Path(path).read_text(encoding="utf-8"))
 
 
-def _write(
-    table: pd.DataFrame, page: pd.DataFrame, note: str, csv: str, md: str, tex: str
-) -> None:
+def _write(table: pd.DataFrame, page: pd.DataFrame, note: str, csv: str, md: str, tex: str) -> None:
     write_csv(csv, table)
     write_text(md, tables.markdown(page, note))
     write_text(tex, tables.latex(page, note))

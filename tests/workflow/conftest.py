@@ -1,0 +1,68 @@
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+
+class Project:
+    """A copy of the workflow in a folder of its own, run with the installed package."""
+
+    def __init__(self, folder: Path):
+        self.folder = folder
+        for name in ("Snakefile", "all"):
+            shutil.copy(ROOT / name, folder)
+        for name in ("config", "workflow"):
+            shutil.copytree(ROOT / name, folder / name)
+
+    def snakemake(self, *arguments: str) -> subprocess.CompletedProcess:
+        path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+        return subprocess.run(
+            [sys.executable, "-m", "snakemake", "--cores", "2", *arguments],
+            cwd=self.folder,
+            env=os.environ | {"PATH": path},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            timeout=600,
+        )
+
+    def smoke(self, *arguments: str) -> subprocess.CompletedProcess:
+        return self.snakemake(*arguments, "--configfile", "config/smoke.yaml")
+
+    def files(self, *folders: str) -> dict[str, bytes]:
+        return {
+            str(path.relative_to(self.folder)): path.read_bytes()
+            for folder in folders
+            for path in sorted((self.folder / folder).rglob("*"))
+            if path.is_file()
+        }
+
+
+@pytest.fixture(scope="session")
+def smoked(tmp_path_factory):
+    """Project with a finished smoke run, and what the run printed. Read only."""
+    project = Project(tmp_path_factory.mktemp("smoked"))
+    # the words in this order are in the README; see the file `all`
+    done = project.snakemake("--configfile", "config/smoke.yaml", "all")
+    assert done.returncode == 0, done.stdout
+    return project, done.stdout
+
+
+@pytest.fixture
+def project(tmp_path):
+    return Project(tmp_path)
+
+
+@pytest.fixture
+def smoked_copy(smoked, tmp_path):
+    """Finished smoke run that a test may break."""
+    folder = tmp_path / "copy"
+    shutil.copytree(smoked[0].folder, folder)
+    copy = object.__new__(Project)
+    copy.folder = folder
+    return copy

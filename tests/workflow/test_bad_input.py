@@ -1,0 +1,94 @@
+import h5py
+import numpy as np
+import pytest
+
+
+def test_all_config_errors_at_once_before_any_job(project):
+    done = project.snakemake(
+        "all", "--config", "modles={}", "models={fprc: {n_c: 0, n_uu: 3}, esn: {gamma: lots}}"
+    )
+    assert done.returncode != 0
+    assert "4 errors in the configuration" in done.stdout
+    assert "modles: unknown key; did you mean models?" in done.stdout
+    assert "models.fprc.n_uu: unknown key; did you mean models.fprc.n_u?" in done.stdout
+    assert "models.fprc.n_c = 0: must be greater than or equal to 1" in done.stdout
+    assert "models.esn.gamma = lots" in done.stdout
+    assert not project.files("results", "data")
+    assert "Traceback" not in done.stdout
+
+
+def truncate(path):
+    path.write_bytes(path.read_bytes()[:5000])
+
+
+def drop_channel(path):
+    with h5py.File(path, "a") as log:
+        del log["p_o_kpa"]
+
+
+def spoil_sample(path):
+    with h5py.File(path, "a") as log:
+        log["theta_deg"][123] = np.nan
+
+
+def change_unit(path):
+    with h5py.File(path, "a") as log:
+        log["p_i_kpa"].attrs["units"] = "bar"
+
+
+def stretch_time(path):
+    with h5py.File(path, "a") as log:
+        log["time_s"][:] *= 2.0
+
+
+def swap_samples(path):
+    with h5py.File(path, "a") as log:
+        log["time_s"][77] = 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("spoil", "words"),
+    [
+        (truncate, ["cut short"]),
+        (drop_channel, ["channel p_o_kpa", "missing"]),
+        (spoil_sample, ["channel theta_deg", "sample 123"]),
+        (change_unit, ["channel p_i_kpa", "units are bar, must be kPa"]),
+        (stretch_time, ["channel time_s", "100 Hz, must be 200 Hz"]),
+        (swap_samples, ["channel time_s", "sample 77"]),
+    ],
+)
+def test_bad_raw_log_is_one_line_and_nothing_is_overwritten(smoked_copy, spoil, words):
+    raw = smoked_copy.folder / "results/smoke/raw/sweep.h5"
+    spoil(raw)
+    before = smoked_copy.files("results/smoke/raw", "results/smoke/tables")
+    done = smoked_copy.smoke("table2")
+    assert done.returncode != 0
+    lines = [line for line in done.stdout.splitlines() if "error: " in line and "sweep.h5" in line]
+    assert lines, done.stdout
+    for word in words:
+        assert word in lines[0]
+    assert "Traceback" not in done.stdout
+    assert smoked_copy.files("results/smoke/raw", "results/smoke/tables") == before
+
+
+SHORT = "experiments={sweep: {duration_s: 1}, complex: {duration_s: 1}}"
+
+
+@pytest.mark.parametrize(
+    "too_much", ["models={n_y: 100}", "models={fprc: {n_u: 50}}", "models={fprc: {n_c: 41}}"]
+)
+def test_taps_or_rules_beyond_the_log_are_refused_before_any_job(project, too_much):
+    done = project.smoke("all", "--config", SHORT, too_much, "control={sample_rate_hz: 50}")
+    assert done.returncode != 0
+    assert "leaves 40 samples to train on, fewer than n_" in done.stdout
+    assert not project.files("results", "data")
+
+
+@pytest.mark.slow
+def test_diverging_simulation_is_a_clear_error_and_leaves_no_log(project):
+    done = project.smoke("table2", "--config", "control={sample_rate_hz: 50}")
+    assert done.returncode != 0
+    assert "left its physical range at t = " in done.stdout
+    assert "Traceback" not in done.stdout
+    assert not [name for name in project.files("results") if name.endswith((".h5", ".csv"))]
