@@ -3,8 +3,9 @@ from snakemake.exceptions import WorkflowError
 from snakemake.utils import min_version
 
 from fprc.config import check
-from fprc.errors import ConfigError
+from fprc.errors import FprcError
 from fprc.fingerprint import fingerprint
+from fprc.logs import refuse_to_overwrite
 
 min_version("9.0")
 
@@ -13,13 +14,16 @@ configfile: "config/config.yaml"
 configfile: "config/rig.yaml"
 
 
+EXPERIMENTS = ["sweep", "complex"]
+
 try:
     SETTINGS = check(config).model_dump(mode="json")
-except ConfigError as error:
+    RAW = SETTINGS["folders"]["raw"]
+    RESULTS = SETTINGS["folders"]["results"]
+    if SETTINGS["source"] == "sim":
+        refuse_to_overwrite([f"{RAW}/{experiment}.h5" for experiment in EXPERIMENTS])
+except FprcError as error:
     raise WorkflowError(str(error)) from None
-
-RAW = SETTINGS["folders"]["raw"]
-RESULTS = SETTINGS["folders"]["results"]
 
 
 container: "docker://python:3.12-slim"
@@ -29,7 +33,7 @@ include: "workflow/rules/common.smk"
 
 
 wildcard_constraints:
-    experiment="sweep|complex",
+    experiment="|".join(EXPERIMENTS),
     model="|".join(MODELS),
     seed=r"\d+",
 
@@ -45,6 +49,7 @@ rule all:
     default_target: True
     input:
         TABLES,
+        SEEDS_TABLE,
         FIGURES,
         TIMING,
     localrule: True

@@ -64,7 +64,7 @@ def test_bad_raw_log_is_one_line_and_nothing_is_overwritten(smoked_copy, spoil, 
     before = smoked_copy.files("results/smoke/raw", "results/smoke/tables")
     done = smoked_copy.smoke("table2")
     assert done.returncode != 0
-    lines = [line for line in done.stdout.splitlines() if "error: " in line and "sweep.h5" in line]
+    lines = [line for line in done.stdout.splitlines() if "sweep.h5: " in line]
     assert lines, done.stdout
     for word in words:
         assert word in lines[0]
@@ -92,3 +92,32 @@ def test_diverging_simulation_is_a_clear_error_and_leaves_no_log(project):
     assert "left its physical range at t = " in done.stdout
     assert "Traceback" not in done.stdout
     assert not [name for name in project.files("results") if name.endswith((".h5", ".csv"))]
+
+
+@pytest.mark.slow
+def test_log_that_was_not_simulated_is_never_recorded_over(smoked_copy):
+    raw = smoked_copy.folder / "results/smoke/raw/sweep.h5"
+    with h5py.File(raw, "a") as log:
+        log.attrs["source"] = "rig"
+    before = raw.read_bytes()
+    done = smoked_copy.smoke("all", "--config", "seed=2")
+    assert done.returncode != 0
+    assert "will not be overwritten; set source: recorded" in done.stdout
+    assert raw.read_bytes() == before
+
+
+@pytest.mark.slow
+def test_recorded_logs_are_used_as_they_are(smoked_copy):
+    raw = smoked_copy.folder / "mylogs"
+    (smoked_copy.folder / "results/smoke/raw").rename(raw)
+    for path in raw.glob("*.h5"):
+        with h5py.File(path, "a") as log:
+            log.attrs.update({"source": "rig", "simulated": False})
+    before = smoked_copy.files("mylogs")
+    settings = ["source=recorded", "folders={raw: mylogs, results: results/mine}"]
+    done = smoked_copy.smoke("table2", "fig4", "fig5", "fig8", "--config", *settings)
+    assert done.returncode == 0, done.stdout
+    assert smoked_copy.files("mylogs") == before
+    page = (smoked_copy.folder / "results/mine/tables/table2.md").read_text()
+    assert "Data: recorded on the rig." in page
+    assert "simulated" not in page

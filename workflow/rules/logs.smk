@@ -1,22 +1,24 @@
 # Sec. II-B: the two hysteresis experiments, recorded and checked.
 
 
-rule record:
-    output:
-        raw=f"{RAW}/{{experiment}}.h5",
-    log:
-        f"{RESULTS}/logs/record_{{experiment}}.log",
-    params:
-        experiment="{experiment}",
-        signal=lambda wildcards: SETTINGS["experiments"][wildcards.experiment],
-        control=SETTINGS["control"],
-        rig=SETTINGS["rig"],
-        seed=SETTINGS["seed"],
-        code=fingerprint("fprc.stages.record"),
-    message:
-        "Experiment {wildcards.experiment} on the simulated rig"
-    script:
-        "../scripts/record.py"
+if SETTINGS["source"] == "sim":
+
+    rule record:
+        output:
+            raw=f"{RAW}/{{experiment}}.h5",
+        log:
+            f"{RESULTS}/logs/record_{{experiment}}.log",
+        params:
+            experiment="{experiment}",
+            signal=lambda wildcards: SETTINGS["experiments"][wildcards.experiment],
+            control=SETTINGS["control"],
+            rig=SETTINGS["rig"],
+            seed=SETTINGS["seed"],
+            code=fingerprint("fprc.stages.record"),
+        message:
+            "Experiment {wildcards.experiment} on the simulated rig"
+        script:
+            "../scripts/record.py"
 
 
 rule preprocess:

@@ -136,7 +136,10 @@ class Folders(Section):
 class Settings(Section):
     """The whole configuration."""
 
-    source: Literal["sim"] = Field("sim", description="where raw logs come from: simulated rig")
+    source: Literal["sim", "recorded"] = Field(
+        "sim",
+        description="where raw logs come from: the simulated rig, or files that are already there",
+    )
     seed: int = quantity(1, "-", (0, 2**31), "of the rig, its noise and the models")
     folders: Folders = Folders()
     experiments: Experiments = Experiments()

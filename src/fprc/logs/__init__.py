@@ -2,7 +2,7 @@
 
 from fprc.logs.columns import Columns, read_columns, write_columns
 from fprc.logs.quality import assess
-from fprc.logs.raw import RAW_CHANNELS, read_raw, write_raw
+from fprc.logs.raw import RAW_CHANNELS, read_raw, refuse_to_overwrite, write_raw
 
 __all__ = [
     "RAW_CHANNELS",
@@ -10,6 +10,7 @@ __all__ = [
     "assess",
     "read_columns",
     "read_raw",
+    "refuse_to_overwrite",
     "write_columns",
     "write_raw",
 ]

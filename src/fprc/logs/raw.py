@@ -1,7 +1,7 @@
 """Raw logs of experiments, as the rig gave them."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -56,6 +56,28 @@ def write_raw(
         "rig": json.dumps(rig),
     }
     write_columns(path, {name: channels[name] for name in RAW_CHANNELS}, attributes)
+
+
+def refuse_to_overwrite(paths: Sequence[Path | str]) -> None:
+    """Check that no log which the simulated rig would replace is anything else.
+
+    Raises
+    ------
+    LogError
+        A file exists that is not a simulated log, or cannot be read.
+    """
+    problems = []
+    for path in filter(Path.exists, map(Path, paths)):
+        try:
+            if read_columns(path, ()).attributes.get("source") != "sim":
+                problems.append(
+                    f"{path}: is not a log of the simulated rig and will not be overwritten; "
+                    "set source: recorded to use it, or move it away"
+                )
+        except LogError as error:
+            problems.append(str(error))
+    if problems:
+        raise LogError("\n".join(problems))
 
 
 def read_raw(path: Path | str, *, sample_rate_hz: float | None, rate_tolerance: float) -> Columns:

@@ -1,0 +1,90 @@
+import copy
+
+import numpy as np
+import pytest
+from hypothesis import settings
+
+from fprc.config import Settings
+from fprc.logs import write_raw
+from fprc.stages.record import acquire
+
+settings.register_profile("unit", max_examples=50, deadline=None, derandomize=True)
+settings.load_profile("unit")
+
+
+@pytest.fixture
+def rig():
+    """Parameters of the default rig, free to change."""
+    return copy.deepcopy(Settings().rig.model_dump())
+
+
+@pytest.fixture
+def quiet_rig(rig):
+    """Rig without drift, noise and calibration errors."""
+    rig["drift"]["sigma_kpa"] = 0.0
+    rig["pressure_sensor"] |= {"noise_kpa": 0.0, "linearity": 0.0}
+    rig["bend_sensor"] |= {"noise_deg": 0.0, "slow_error_deg": 0.0}
+    return rig
+
+
+@pytest.fixture
+def control():
+    return Settings().control.model_dump()
+
+
+@pytest.fixture(scope="session")
+def signals():
+    """Both experiments, cut to 20 s."""
+    experiments = Settings().experiments.model_dump()
+    return {name: signal | {"duration_s": 20.0} for name, signal in experiments.items()}
+
+
+@pytest.fixture(scope="session")
+def recorded(signals):
+    """Channels of both experiments on the default rig. Read only."""
+    settings = Settings().model_dump()
+    channels = {
+        name: acquire(name, signal, settings["control"], settings["rig"], seed=1)
+        for name, signal in signals.items()
+    }
+    for values in (array for log in channels.values() for array in log.values()):
+        values.setflags(write=False)
+    return channels
+
+
+@pytest.fixture(scope="session")
+def channels(recorded):
+    """Every channel of a raw log of 2 s. Read only."""
+    return {name: values[:400] for name, values in recorded["sweep"].items()}
+
+
+@pytest.fixture
+def write_log(channels, tmp_path):
+    """Write a small raw log, with channels and attributes replaced, and return its path."""
+
+    def write(name="log.h5", changed=None, **attributes):
+        path = tmp_path / name
+        described = {
+            "experiment": "sweep",
+            "source": "sim",
+            "sample_rate_hz": 200.0,
+            "seed": 1,
+            "software": "fprc test",
+            "rig": {"valve": {"leak": 0.0}},
+        }
+        write_raw(path, channels | (changed or {}), **described | attributes)
+        return path
+
+    return write
+
+
+@pytest.fixture
+def changed(channels):
+    """Return a copy of one channel of ``channels`` with some samples replaced."""
+
+    def change(name, samples, value):
+        values = np.array(channels[name])
+        values[samples] = value
+        return {name: values}
+
+    return change

@@ -1,0 +1,135 @@
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+from fprc.rig.valve import flow_function, mass_flow, opening, spool_acceleration
+
+CRITICAL_RATIOS = (0.2, 0.3, 0.5)
+
+pressures = st.floats(50.0, 800.0)
+critical_ratios = st.floats(0.2, 0.5)
+
+
+@pytest.mark.parametrize("b", CRITICAL_RATIOS)
+def test_flow_is_choked_up_to_the_critical_ratio(b):
+    downstream = 600.0 * np.append(np.linspace(1e-6, b, 30, endpoint=False), b)
+    flows = {mass_flow(4.0, 600.0, p, b) for p in downstream}
+    assert flows == {4.0 * 600.0}
+
+
+@pytest.mark.parametrize("b", CRITICAL_RATIOS)
+def test_flow_falls_beyond_the_critical_ratio(b):
+    ratios = np.linspace(b, 1.0, 200)
+    flows = np.array([mass_flow(4.0, 600.0, 600.0 * r, b) for r in ratios])
+    assert flows[0] == 4.0 * 600.0
+    assert (np.diff(flows) < 0.0).all()
+
+
+@pytest.mark.parametrize("b", CRITICAL_RATIOS)
+def test_subsonic_flow_lies_on_the_quarter_ellipse_of_iso_6358(b):
+    angle = np.linspace(0.0, 0.49 * np.pi, 25)
+    ratios = b + (1.0 - b) * np.sin(angle)
+    ratios = ratios[ratios < 0.995]
+    psi = [flow_function(r, b) for r in ratios]
+    np.testing.assert_allclose(psi, np.cos(angle[: len(ratios)]), rtol=1e-12)
+
+
+def test_datasheet_flow_gives_the_datasheet_conductance():
+    litres_per_minute = mass_flow(3.93, 700.0, 600.0, 0.3) * 60.0 / 1000.0
+    assert litres_per_minute == pytest.approx(100.0, rel=2e-3)
+
+
+@given(pressures, critical_ratios)
+def test_no_flow_between_equal_pressures(p, b):
+    assert mass_flow(4.0, p, p, b) == 0.0
+
+
+@given(pressures, pressures, critical_ratios)
+def test_flow_reverses_when_the_pressures_swap(p1, p2, b):
+    assert mass_flow(4.0, p1, p2, b) == -mass_flow(4.0, p2, p1, b)
+
+
+@given(pressures, pressures, critical_ratios)
+def test_flow_runs_from_high_to_low_and_never_exceeds_choked_flow(p1, p2, b):
+    assume(p1 != p2)
+    flow = mass_flow(4.0, p1, p2, b)
+    assert np.sign(flow) == np.sign(p1 - p2)
+    assert abs(flow) <= 4.0 * max(p1, p2)
+
+
+@given(pressures, pressures, st.floats(0.1, 10.0))
+def test_flow_scales_with_conductance_and_with_both_pressures(p1, p2, scale):
+    flow = mass_flow(2.0, p1, p2, 0.3)
+    assert mass_flow(2.0 * scale, p1, p2, 0.3) == pytest.approx(scale * flow, rel=1e-9)
+    scaled = mass_flow(2.0, scale * p1, scale * p2, 0.3)
+    assert scaled == pytest.approx(scale * flow, rel=1e-6, abs=1e-6)
+
+
+@pytest.mark.parametrize("b", CRITICAL_RATIOS)
+def test_slope_stays_finite_where_the_pressures_meet(b):
+    gaps_kpa = np.array([1e-9, 1e-6, 1e-3, 1.0])
+    slopes = [mass_flow(4.0, 600.0, 600.0 - gap, b) / gap for gap in gaps_kpa]
+    np.testing.assert_allclose(slopes, slopes[-1], rtol=1e-4)
+    # the ellipse alone has an infinite slope there: sqrt(gap)
+    assert mass_flow(4.0, 600.0, 600.0 - 1e-9, b) < 1e-3 * 4.0 * 600.0 * np.sqrt(1e-9 / 600.0)
+
+
+@pytest.mark.parametrize("b", CRITICAL_RATIOS)
+def test_flow_has_no_jump_where_it_becomes_linear(b):
+    ratios = np.linspace(0.99, 1.0, 2001)
+    psi = np.array([flow_function(r, b) for r in ratios])
+    assert np.abs(np.diff(psi)).max() < 2e-3
+
+
+@pytest.mark.parametrize("dead_zone", [0.005, 0.02, 0.05])
+def test_edge_opens_from_the_dead_zone_to_the_full_stroke(dead_zone):
+    assert opening(dead_zone, dead_zone, 0.0) == 0.0
+    assert opening(1.0, dead_zone, 0.0) == pytest.approx(1.0, abs=1e-12)
+    halfway = 0.5 * (dead_zone + 1.0)
+    assert opening(halfway, dead_zone, 0.0) == pytest.approx(0.5, abs=1e-12)
+    assert opening(1.3, dead_zone, 0.0) == 1.0
+
+
+@given(st.floats(-1.5, 1.5), st.floats(0.005, 0.05))
+def test_supply_and_exhaust_edge_are_never_open_together(x, dead_zone):
+    edges = opening(x, dead_zone, 0.0), opening(-x, dead_zone, 0.0)
+    assert min(edges) == 0.0
+    assert (max(edges) > 0.0) == (abs(x) > dead_zone)
+
+
+@given(st.floats(-1.0, 1.0), st.floats(0.0, 0.02))
+def test_leak_passes_both_edges_at_any_spool_position(x, leak):
+    for side in (x, -x):
+        assert opening(side, 0.02, leak) - opening(side, 0.02, 0.0) == pytest.approx(leak, abs=1e-15)
+
+
+def underdamped(t, wn, zeta):
+    wd = wn * np.sqrt(1.0 - zeta**2)
+    decay = np.exp(-zeta * wn * t)
+    return 1.0 - decay * (np.cos(wd * t) + zeta * wn / wd * np.sin(wd * t))
+
+
+def overdamped(t, wn, zeta):
+    root = wn * np.sqrt(zeta**2 - 1.0)
+    slow, fast = -zeta * wn + root, -zeta * wn - root
+    return 1.0 - (fast * np.exp(slow * t) - slow * np.exp(fast * t)) / (fast - slow)
+
+
+@pytest.mark.parametrize(
+    ("zeta", "closed_form"), [(0.3, underdamped), (0.7, underdamped), (1.5, overdamped)]
+)
+@pytest.mark.parametrize("command", [1.0, -0.4])
+def test_spool_follows_the_step_response_of_a_second_order_system(zeta, closed_form, command):
+    wn = 2.0 * np.pi * 100.0
+    t = np.linspace(0.0, 0.03, 61)
+    spool = solve_ivp(
+        lambda _, y: (y[1], spool_acceleration(y[0], y[1], command, wn, zeta)),
+        (0.0, t[-1]),
+        (0.0, 0.0),
+        t_eval=t,
+        rtol=1e-9,
+        atol=1e-11,
+    )
+    np.testing.assert_allclose(spool.y[0], command * closed_form(t, wn, zeta), atol=1e-7)
