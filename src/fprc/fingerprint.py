@@ -8,10 +8,11 @@ among its params.
 import ast
 import hashlib
 from functools import cache
-from importlib.util import find_spec
 from pathlib import Path
 
 import grimp
+
+import fprc
 
 
 def fingerprint(module: str) -> str:
@@ -33,7 +34,9 @@ def _graph() -> grimp.ImportGraph:
 
 @cache
 def _code(module: str) -> str:
-    tree = ast.parse(Path(find_spec(module).origin).read_text(encoding="utf-8"))
+    path = Path(fprc.__path__[0]).parent.joinpath(*module.split("."))
+    source = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+    tree = ast.parse(source.read_text(encoding="utf-8"))
     for node in ast.walk(tree):
         body = getattr(node, "body", None)
         if isinstance(body, list) and body and _is_docstring(body[0]):

@@ -181,7 +181,7 @@ def timing_page(table: pd.DataFrame) -> pd.DataFrame:
             phases[row.metric],
             row.mode,
             spread(row.mean, row.std),
-            f"{row.us_per_sample:.3g}",
+            _three_digits(row.us_per_sample),
             spread(row.published_mean, row.published_std),
         )
         for row in table.itertuples()
@@ -213,5 +213,6 @@ def latex(page: pd.DataFrame, note: str) -> str:
 def _three_digits(value: float) -> str:
     if isinstance(value, str) or pd.isna(value):
         return ""
-    decimals = max(2 - int(np.floor(np.log10(abs(value)))), 0) if value else 0
+    exponent = int(f"{value:.2e}".split("e")[1])  # of the rounded number: 9.999 is 10.0
+    decimals = max(2 - exponent, 0) if value else 0
     return f"{value:.{decimals}f}"

@@ -1,6 +1,7 @@
 """Cross-validation, choice of the best fold, and its test."""
 
 from collections.abc import Callable, Sequence
+from numbers import Integral
 from typing import NamedTuple
 
 import numpy as np
@@ -22,7 +23,10 @@ class Judgement(NamedTuple):
 
     def test_rmse(self, X: np.ndarray, y: np.ndarray) -> float:
         """Error of the best fold's model on another log."""
-        return rmse(y, self.model.predict(X))
+        try:
+            return rmse(y, self.model.predict(X))
+        except ValueError as error:
+            raise EvaluationError(f"{type(self.model).__name__}: {error}") from error
 
 
 def cross_validate(
@@ -71,4 +75,6 @@ def cross_validate(
 
 def _started(readout: BaseEstimator, fold: int) -> BaseEstimator:
     seed = readout.get_params().get("random_state")
-    return readout if seed is None else readout.set_params(random_state=seed + fold)
+    if isinstance(seed, Integral):
+        readout.set_params(random_state=seed + fold)
+    return readout

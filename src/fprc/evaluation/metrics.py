@@ -13,6 +13,10 @@ def rmse(truth: np.ndarray, prediction: np.ndarray) -> float:
     EvaluationError
         The result is not a finite number.
     """
+    if np.shape(truth) != np.shape(prediction):
+        raise EvaluationError(
+            f"truth has the shape {np.shape(truth)}, but the prediction {np.shape(prediction)}"
+        )
     error = float(np.sqrt(np.mean((truth - prediction) ** 2)))
     if not np.isfinite(error):
         raise EvaluationError(

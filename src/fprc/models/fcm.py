@@ -8,8 +8,9 @@ from scipy.spatial.distance import cdist
 from sklearn.cluster import kmeans_plusplus
 from sklearn.exceptions import ConvergenceWarning
 
-#: Below this squared distance a sample counts as lying on a centre.
-TINY = np.finfo(float).tiny ** 0.5
+#: A sample within this share of the largest number counts as lying on a centre:
+#: below it a distance is rounding of the centre.
+NEAR = 64.0 * np.finfo(float).eps
 
 
 class Clusters(NamedTuple):
@@ -79,7 +80,8 @@ def _settle(X: np.ndarray, centers: np.ndarray, tolerance: float, limit: int) ->
 
 
 def _memberships(X: np.ndarray, centers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    distances = np.maximum(cdist(X, centers, "sqeuclidean"), TINY)
+    floor = max((NEAR * np.abs(X).max()) ** 2, np.finfo(float).tiny ** 0.5)
+    distances = np.maximum(cdist(X, centers, "sqeuclidean"), floor)
     nearest = distances.min(axis=1, keepdims=True)
     closeness = nearest / distances
     return closeness / closeness.sum(axis=1, keepdims=True), distances

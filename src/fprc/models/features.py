@@ -12,6 +12,8 @@ from sklearn.base import BaseEstimator, TransformerMixin
 from sklearn.utils import check_random_state
 from sklearn.utils.validation import check_is_fitted, validate_data
 
+from fprc.models.limits import Limit, check_limits
+
 
 def taps(x: np.ndarray, size: int) -> np.ndarray:
     """Return [x(k), x(k-1), ..., x(k-size+1)] for each k; x(0) is held before 0.
@@ -39,6 +41,7 @@ class _FeatureMap(TransformerMixin, BaseEstimator):
 
     def fit(self, X: ArrayLike, y: ArrayLike | None = None) -> "_FeatureMap":
         """Learn the number of columns, and draw what is random."""
+        check_limits(self, self.LIMITS)
         X = validate_data(self, X, dtype=np.float64)
         self._prepare(X.shape[1])
         self.reset()
@@ -53,15 +56,24 @@ class _FeatureMap(TransformerMixin, BaseEstimator):
         """Forget the past; with ``x``, as if it had been held for ever."""
         self._streaming = False
         if x is not None:
-            self._start(np.asarray(x, dtype=np.float64))
+            self._start(self._checked(x))
             self._streaming = True
 
     def step(self, x: ArrayLike) -> np.ndarray:
         """Return the features of the next sample ``x`` of shape (n_inputs,)."""
-        x = np.asarray(x, dtype=np.float64)
+        x = self._checked(x)
         if not self._streaming:
             self.reset(x)
         return self._step(x)
+
+    def _checked(self, x: ArrayLike) -> np.ndarray:
+        x = np.asarray(x, dtype=np.float64)
+        if x.shape != (self.n_features_in_,) or not np.isfinite(x).all():
+            raise ValueError(
+                f"sample {x.tolist()}: must be {self.n_features_in_} finite numbers; "
+                "the stream goes on as if it had not come"
+            )
+        return x
 
     def __sklearn_is_fitted__(self) -> bool:
         return hasattr(self, "n_features_in_")
@@ -101,6 +113,20 @@ class TapFeatures(_FeatureMap):
         self.n_u = n_u
         self.epsilon = epsilon
 
+    LIMITS = {
+        "n_y": Limit(1),
+        "n_references": Limit(0),
+        "n_u": Limit(1),
+        "epsilon": Limit(0, 1, low_open=True, high_open=False),
+    }
+
+    def _prepare(self, n_inputs: int) -> None:
+        if self.n_references is not None and n_inputs <= self.n_references:
+            raise ValueError(
+                f"n_features={n_inputs}, but n_references = {self.n_references} leaves no readout; "
+                "give a readout too, or use n_references=None (the model FuzzyLinear)"
+            )
+
     def _columns(self) -> int:
         return self.n_features_in_ if self.n_references is None else self.n_references
 
@@ -119,13 +145,15 @@ class TapFeatures(_FeatureMap):
     def _start(self, x: np.ndarray) -> None:
         split = self._columns()
         self._filtered = x.copy()
-        self._gain = np.where(np.arange(len(x)) < split, 1.0, self.epsilon)
+        self._split = split
         sizes = [self.n_y] * split + [self.n_u] * (len(x) - split)
         self._row = np.repeat(x, sizes)
         self._first = np.cumsum([0, *sizes[:-1]])
 
     def _step(self, x: np.ndarray) -> np.ndarray:
-        self._filtered += self._gain * (x - self._filtered)
+        filtered, split = self._filtered, self._split
+        filtered[:split] = x[:split]
+        filtered[split:] += self.epsilon * (x[split:] - filtered[split:])
         self._row[1:] = self._row[:-1]
         self._row[self._first] = self._filtered
         return self._row.copy()
@@ -179,6 +207,14 @@ class EchoStates(_FeatureMap):
         self.n_y = n_y
         self.washout = washout
         self.random_state = random_state
+
+    LIMITS = {
+        "r": Limit(1),
+        "gamma": Limit(0, 1),
+        "rho": Limit(0),
+        "n_y": Limit(1),
+        "washout": Limit(0),
+    }
 
     def _prepare(self, n_inputs: int) -> None:
         rng = check_random_state(self.random_state)

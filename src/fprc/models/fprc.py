@@ -1,7 +1,6 @@
 """Fuzzy pneumatic reservoir computing, and the same without the reservoir."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from fprc.models.features import TapFeatures
 from fprc.models.sequence import SequenceModel
@@ -61,21 +60,6 @@ class FPRC(SequenceModel):
         self.sigma = sigma
         self.alpha = alpha
         self.random_state = random_state
-
-    def fit(self, X: ArrayLike, y: ArrayLike) -> "FPRC":
-        """Train on one log; see ``SequenceModel.fit``.
-
-        Raises
-        ------
-        ValueError
-            As there, or ``X`` has no readout column.
-        """
-        if np.ndim(X) == 2 and np.shape(X)[1] == 1:
-            raise ValueError(
-                "n_features=1, but FPRC needs theta_d and at least one readout of the "
-                "reservoir; use FuzzyLinear for theta_d alone"
-            )
-        return super().fit(X, y)
 
     def make_features(self) -> TapFeatures:
         """Return the unfitted taps and filter."""

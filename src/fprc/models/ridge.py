@@ -1,10 +1,14 @@
 """Linear readout with a ridge on every weight."""
 
+import warnings
+
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.linalg import LinAlgError, solve
+from scipy.linalg import LinAlgError, LinAlgWarning, solve
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
+
+from fprc.models.limits import Limit, check_limits
 
 
 def with_bias(X: np.ndarray) -> np.ndarray:
@@ -33,8 +37,10 @@ def ridge_weights(
     gram = weighted.T @ extended
     gram[np.diag_indices_from(gram)] += alpha
     try:
-        return solve(gram, weighted.T @ y, assume_a="pos")
-    except LinAlgError as error:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", LinAlgWarning)
+            return solve(gram, weighted.T @ y, assume_a="pos")
+    except (LinAlgError, LinAlgWarning) as error:
         raise ValueError(
             f"the ridge regression is singular with alpha = {alpha}; use a larger alpha"
         ) from error
@@ -62,6 +68,7 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
 
     def fit(self, X: ArrayLike, y: ArrayLike) -> "RidgeReadout":
         """Solve the normal equations for one output."""
+        check_limits(self, {"alpha": Limit(0)})
         X, y = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
         self.w_out_ = ridge_weights(with_bias(X), y, self.alpha)
         return self

@@ -7,6 +7,7 @@ from sklearn.utils import check_random_state
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.models.fcm import fuzzy_c_means
+from fprc.models.limits import Limit, check_limits
 from fprc.models.membership import gaussian_memberships
 from fprc.models.ridge import ridge_weights, with_bias
 
@@ -54,8 +55,11 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
         self.alpha = alpha
         self.random_state = random_state
 
+    LIMITS = {"n_c": Limit(1), "sigma": Limit(0, low_open=True), "alpha": Limit(0)}
+
     def fit(self, X: ArrayLike, y: ArrayLike) -> "TakagiSugenoReadout":
         """Cluster the rows, then fit each rule weighted by u_i^2 (Eq. 7)."""
+        check_limits(self, self.LIMITS)
         X, y = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
         rng = check_random_state(self.random_state)
         clusters = fuzzy_c_means(X, self.n_c, random_state=rng)

@@ -48,7 +48,7 @@ def replace_block(text: str, name: str, block: str) -> str:
     """
     begin, end = f"<!-- {name}: generated -->", f"<!-- {name}: end -->"
     pattern = re.compile(f"{re.escape(begin)}.*?{re.escape(end)}", re.DOTALL)
-    if len(pattern.findall(text)) != 1:
+    if not (text.count(begin) == text.count(end) == 1 == len(pattern.findall(text))):
         raise FprcError(f"README.md: needs the lines {begin} and {end} once each; put them back")
     return pattern.sub(lambda _: f"{begin}\n{block.strip()}\n{end}", text)
 

@@ -1,0 +1,40 @@
+"""Limits of the models' parameters, declared as data and checked at ``fit``."""
+
+from typing import NamedTuple
+
+from sklearn.base import BaseEstimator
+
+
+class Limit(NamedTuple):
+    """Range of a parameter; an end that is open does not belong to it."""
+
+    low: float
+    high: float = float("inf")
+    low_open: bool = False
+    high_open: bool = True
+
+    def allows(self, value: float) -> bool:
+        """Return whether ``value`` is within."""
+        above = value > self.low if self.low_open else value >= self.low
+        return above and (value < self.high if self.high_open else value <= self.high)
+
+    def __str__(self) -> str:  # noqa: D105
+        left, right = "(" if self.low_open else "[", ")" if self.high_open else "]"
+        return f"{left}{self.low:g}, {self.high:g}{right}"
+
+
+def check_limits(estimator: BaseEstimator, limits: dict[str, Limit]) -> None:
+    """Refuse parameters out of range, all at once.
+
+    Raises
+    ------
+    ValueError
+        Names class, parameter, value and limit.
+    """
+    problems = [
+        f"{type(estimator).__name__}: {name} = {value}; must be in {limits[name]}"
+        for name, value in estimator.get_params(deep=False).items()
+        if name in limits and value is not None and not limits[name].allows(value)
+    ]
+    if problems:
+        raise ValueError("\n".join(problems))

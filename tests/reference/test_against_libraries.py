@@ -1,0 +1,258 @@
+"""Models against other libraries, and against the paper's equations written as plain loops."""
+
+import decimal
+import math
+from decimal import Decimal
+
+import numpy as np
+import pytest
+import scipy.linalg
+import skfuzzy
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from numpy.testing import assert_allclose
+from sklearn.linear_model import Ridge
+from sklearn.utils import check_random_state
+
+from fprc.models import ESN, FPRC, EchoStates, FuzzyLinear, RidgeReadout, TapFeatures, lowpass
+from fprc.models.fcm import fuzzy_c_means
+from fprc.models.membership import gaussian_memberships
+from fprc.models.ridge import ridge_weights, with_bias
+
+examples = settings(max_examples=25, deadline=None, derandomize=True)
+
+
+@pytest.fixture
+def global_generator():
+    """skfuzzy seeds NumPy's global generator; leave it as it was."""
+    generator = check_random_state(None)
+    state = generator.get_state()
+    yield
+    generator.set_state(state)
+
+
+def hysteresis(size):
+    """Return a bending angle and a pressure that lags behind it, as loops of growing size."""
+    phase = np.arange(size) * 6.0 * np.pi / size
+    theta = 25.0 - (10.0 + 1.5 * phase / np.pi) * np.cos(phase)
+    return np.column_stack([theta, 100.0 + lowpass(0.4 * theta + 0.01 * theta**2, 0.05)])
+
+
+def blobs(size):
+    rng = np.random.default_rng(5)
+    centers = np.array([[0, 0, 0], [8, 1, 0], [0, 9, 4], [9, 9, 9]], dtype=float)
+    return rng.normal(np.repeat(centers, size // 4, axis=0), 0.5)
+
+
+def pressure(X):
+    return 5.0 * X[:, 0] + 0.05 * X[:, 0] ** 2 + 2.0 * (X[:, -1] - 100.0)
+
+
+# ridge regression
+
+
+@pytest.mark.parametrize("alpha", [1e-3, 1.0, 100.0])
+def test_ridge_equals_least_squares_of_the_augmented_system(alpha):
+    rng = np.random.default_rng(0)
+    extended, y = with_bias(rng.normal(size=(60, 5))), rng.normal(size=60)
+    weight = rng.uniform(size=60)
+    root = np.sqrt(weight)
+    stacked = np.vstack([root[:, None] * extended, np.sqrt(alpha) * np.eye(6)])
+    expected = scipy.linalg.lstsq(stacked, np.concatenate([root * y, np.zeros(6)]))[0]
+    assert_allclose(ridge_weights(extended, y, alpha, weight), expected, rtol=1e-10)
+
+
+def test_ridge_on_collinear_taps_predicts_as_the_augmented_system():
+    X = hysteresis(800)
+    rows = TapFeatures().fit_transform(X)
+    extended, y = with_bias(rows), pressure(X)
+    stacked = np.vstack([extended, np.sqrt(1e-3) * np.eye(extended.shape[1])])
+    expected = scipy.linalg.lstsq(stacked, np.concatenate([y, np.zeros(extended.shape[1])]))[0]
+    assert_allclose(RidgeReadout().fit(rows, y).predict(rows), extended @ expected, rtol=1e-6)
+
+
+@pytest.mark.parametrize("alpha", [1e-3, 1.0, 100.0])
+def test_ridge_equals_that_of_scikit_learn_with_the_bias_as_a_column(alpha):
+    rng = np.random.default_rng(1)
+    X, y = rng.normal(3.0, 1.0, (60, 5)), rng.normal(10.0, 1.0, 60)
+    theirs = Ridge(alpha=alpha, fit_intercept=False, solver="svd").fit(with_bias(X), y)
+    ours = RidgeReadout(alpha=alpha).fit(X, y)
+    assert_allclose(ours.w_out_, theirs.coef_, rtol=1e-10)
+    assert_allclose(ours.predict(X), theirs.predict(with_bias(X)), rtol=1e-10)
+
+
+def test_ridge_differs_from_that_of_scikit_learn_with_a_free_intercept():
+    rng = np.random.default_rng(1)
+    X, y = rng.normal(3.0, 1.0, (60, 5)), rng.normal(10.0, 1.0, 60)
+    centred = Ridge(alpha=10.0).fit(X, y)
+    assert np.abs(RidgeReadout(alpha=10.0).fit(X, y).predict(X) - centred.predict(X)).max() > 0.1
+
+
+# fuzzy c-means
+
+
+@pytest.mark.usefixtures("global_generator")
+@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize(
+    ("X", "n_clusters"),
+    [(blobs(200), 4), (TapFeatures(epsilon=0.3).fit_transform(hysteresis(600)), 4),
+     (TapFeatures(epsilon=0.3).fit_transform(hysteresis(600)), 8)],
+    ids=["blobs", "hysteresis in 4", "hysteresis in 8"],
+)  # fmt: skip
+def test_clustering_equals_that_of_skfuzzy(X, n_clusters, seed):
+    ours = fuzzy_c_means(X, n_clusters, random_state=seed, tolerance=1e-10, max_iterations=10_000)
+    centers, memberships, _, _, objectives, _, _ = skfuzzy.cmeans(
+        X.T, n_clusters, m=2, error=1e-9, maxiter=10_000, seed=seed
+    )
+    assert ours.objective == pytest.approx(objectives[-1], rel=1e-6)
+    order, theirs = np.argsort(ours.centers[:, 0]), np.argsort(centers[:, 0])
+    assert_allclose(ours.centers[order], centers[theirs], atol=1e-5)
+    assert_allclose(ours.memberships[:, order], memberships[theirs].T, atol=1e-6)
+
+
+# memberships
+
+
+@pytest.mark.parametrize("distance", [0.0, 10.0, 77.0, 500.0, 1e4])
+@pytest.mark.parametrize("sigma", [0.5, 2.0])
+def test_memberships_equal_those_in_sixty_digits(distance, sigma):
+    centers = np.random.default_rng(2).normal(scale=0.2 * sigma, size=(4, 8))
+    # leave the centres at right angles to their differences, so that all stay in play
+    _, _, directions = np.linalg.svd(centers[1:] - centers[0])
+    X = centers.mean(axis=0) + distance * directions[-1]
+    expected = exact_memberships(X, centers, sigma)
+    assert min(expected) > 0.05
+    got = gaussian_memberships(X[None, :], centers, sigma)[0]
+    assert_allclose(got, expected, rtol=1e-6)
+
+
+def test_memberships_in_sixty_digits_are_shared_and_the_plain_formula_fails():
+    centers = np.array([[-1.0, 0.0], [1.5, 0.0]])
+    X = np.array([0.1, 1e3])
+    expected = exact_memberships(X, centers, 2.0)
+    assert 0.4 < expected[0] < 0.6
+    assert sum(math.exp(-((X - c) @ (X - c)) / 8.0) for c in centers) == 0.0
+    assert_allclose(gaussian_memberships(X[None, :], centers, 2.0)[0], expected, rtol=1e-8)
+
+
+def exact_memberships(x, centers, sigma):
+    with decimal.localcontext(prec=60, Emin=decimal.MIN_EMIN, Emax=decimal.MAX_EMAX):
+        beta = [
+            (
+                -sum((Decimal(a) - Decimal(b)) ** 2 for a, b in zip(x, c, strict=True))
+                / (2 * Decimal(sigma) ** 2)
+            ).exp()
+            for c in centers.tolist()
+        ]
+        return [float(each / sum(beta)) for each in beta]
+
+
+# sequential features
+
+
+@examples
+@given(arrays(float, st.integers(1, 60), elements=st.floats(-500, 500)), st.floats(1e-4, 1.0))
+def test_lowpass_equals_its_recursion(x, epsilon):
+    expected, before = [], x[0]
+    for value in x:
+        before = epsilon * value + (1.0 - epsilon) * before
+        expected.append(before)
+    assert_allclose(lowpass(x, epsilon), expected, rtol=1e-10, atol=1e-10)
+
+
+@pytest.mark.parametrize("inputs", [1, 2])
+def test_echo_states_equal_equation_3(inputs):
+    X = hysteresis(50)[:, :inputs]
+    features = EchoStates(
+        r=6, f_input=0.05, gamma=0.7, rho=0.9, n_y=2, washout=10, random_state=3
+    ).fit(X)
+    states = equation_3(features, X, washout=10)
+    assert_allclose(features.transform(X)[:, 2 * inputs :], states, rtol=1e-12)
+
+
+def equation_3(features, X, washout):
+    """Return x(k) of each sample, scalar by scalar."""
+    w_in, W_r = features.w_in_.tolist(), features.W_r_.tolist()
+    gamma, r = features.gamma, features.r
+    x, states = [0.0] * r, []
+    for k in range(-washout, len(X)):
+        theta = X[max(k, 0)]
+        if k >= 0:
+            states.append(x)
+        x = [
+            gamma * x[i]
+            + (1.0 - gamma)
+            * math.tanh(
+                sum(w_in[i][j] * theta[j] for j in range(len(theta)))
+                + sum(W_r[i][j] * x[j] for j in range(r))
+            )
+            for i in range(r)
+        ]
+    return states
+
+
+# whole models
+
+
+def test_esn_equals_equations_3_to_5():
+    X, n_y, alpha = hysteresis(150)[:, :1], 4, 0.01
+    y = pressure(hysteresis(150))
+    model = ESN(r=6, f_input=0.05, n_y=n_y, alpha=alpha, washout=10, random_state=3).fit(X, y)
+    states = equation_3(model.features_, X, washout=10)
+    extended = np.array(
+        [[1.0, *(X[max(k - j, 0), 0] for j in range(n_y)), *states[k]] for k in range(len(X))]
+    )
+    w_out = augmented(extended, y, np.ones(len(y)), alpha)
+    assert_allclose(model.predict(X), extended @ w_out, rtol=1e-7)
+
+
+def test_fprc_equals_equations_6_to_12():
+    X = hysteresis(200)
+    y = pressure(X)
+    settings_ = {"n_c": 4, "n_y": 3, "sigma": 3.0, "alpha": 0.01, "random_state": 2}
+    model = FPRC(n_u=2, epsilon=0.2, **settings_).fit(X, y)
+    filtered, before = [], X[0, 1]
+    for value in X[:, 1]:
+        before = 0.2 * value + 0.8 * before
+        filtered.append(before)
+    states = [
+        [*(X[max(k - j, 0), 0] for j in range(3)), *(filtered[max(k - j, 0)] for j in range(2))]
+        for k in range(len(X))
+    ]
+    assert_allclose(model.predict(X), equations_6_to_12(states, y, **settings_), rtol=1e-7)
+
+
+def test_fuzzy_linear_equals_equations_6_to_12_of_theta_alone():
+    X = hysteresis(200)[:, :1]
+    y = pressure(hysteresis(200))
+    settings_ = {"n_c": 3, "n_y": 4, "sigma": 3.0, "alpha": 0.01, "random_state": 2}
+    model = FuzzyLinear(**settings_).fit(X, y)
+    states = [[X[max(k - j, 0), 0] for j in range(4)] for k in range(len(X))]
+    assert_allclose(model.predict(X), equations_6_to_12(states, y, **settings_), rtol=1e-7)
+
+
+def equations_6_to_12(states, y, *, n_c, sigma, alpha, random_state, n_y):
+    """Return P_ff of each training sample, rule by rule."""
+    centers, u, _ = fuzzy_c_means(np.array(states), n_c, random_state=random_state)
+    extended = np.array([[1.0, *state] for state in states])
+    w_out = [augmented(extended, y, u[:, i] ** 2, alpha) for i in range(n_c)]
+    outputs = []
+    for state in states:
+        beta = [
+            math.exp(-sum((a - b) ** 2 for a, b in zip(state, c, strict=True)) / (2.0 * sigma**2))
+            for c in centers
+        ]
+        total = 0.0
+        for i in range(n_c):
+            rule = w_out[i][0] + sum(w * a for w, a in zip(w_out[i][1:], state, strict=True))
+            total += beta[i] / sum(beta) * rule
+        outputs.append(total)
+    return outputs
+
+
+def augmented(extended, y, weight, alpha):
+    """Return the ridge solution by least squares, which needs no normal equations."""
+    root, size = np.sqrt(weight), extended.shape[1]
+    stacked = np.vstack([root[:, None] * extended, np.sqrt(alpha) * np.eye(size)])
+    return scipy.linalg.lstsq(stacked, np.concatenate([root * y, np.zeros(size)]))[0]

@@ -1,0 +1,235 @@
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from sklearn.base import BaseEstimator, RegressorMixin
+
+from fprc.errors import EvaluationError
+from fprc.evaluation import cross_validate, rmse, split_rows
+from fprc.models import (
+    ESN,
+    FPRC,
+    FuzzyLinear,
+    SequenceModel,
+    TakagiSugenoReadout,
+    TapFeatures,
+)
+
+MODELS = [
+    ESN(r=10, random_state=1),
+    FPRC(n_c=2, random_state=1),
+    FuzzyLinear(n_c=2, random_state=1),
+]
+
+
+class Echo(RegressorMixin, BaseEstimator):
+    """A readout whose output is its first feature, so that a test can choose the errors."""
+
+    def __init__(self, random_state=None):
+        self.random_state = random_state
+
+    def fit(self, X, y):
+        self.rows_ = X
+        return self
+
+    def predict(self, X):
+        return X[:, 0]
+
+
+class Scripted(SequenceModel):
+    def __init__(self, random_state=None):
+        self.random_state = random_state
+
+    def make_features(self):
+        return TapFeatures(n_y=1, n_references=None)
+
+    def make_readout(self):
+        return Echo(self.random_state)
+
+
+@pytest.mark.parametrize("model", MODELS, ids=lambda model: type(model).__name__)
+def test_errors_are_those_of_readouts_trained_fold_by_fold(model):
+    X, y, folds = log(), pressure(), split_rows(200, 4, "shuffled", 1)
+    judged = cross_validate(model, X, y, folds)
+    rows = model.make_features().fit(X).transform(X)
+    for i, (train, validation) in enumerate(folds):
+        readout = model.make_readout()
+        if isinstance(readout, TakagiSugenoReadout):
+            readout.set_params(random_state=1 + i)
+        readout.fit(rows[train], y[train])
+        assert judged.train_rmse[i] == rmse(y[train], readout.predict(rows[train]))
+        assert judged.validation_rmse[i] == rmse(y[validation], readout.predict(rows[validation]))
+
+
+@pytest.mark.parametrize("model", MODELS, ids=lambda model: type(model).__name__)
+def test_model_is_that_of_the_best_fold(model):
+    X, y, folds = log(), pressure(), split_rows(200, 4, "blocked", 1)
+    judged = cross_validate(model, X, y, folds)
+    train, validation = folds[judged.best]
+    predicted = judged.model.predict(X)
+    assert type(judged.model) is type(model)
+    assert judged.train_rmse[judged.best] == pytest.approx(rmse(y[train], predicted[train]))
+    expected = rmse(y[validation], predicted[validation])
+    assert judged.validation_rmse[judged.best] == pytest.approx(expected)
+
+
+def test_best_fold_has_the_least_root_of_the_sum_of_squares():
+    # least training error and least sum: first; least hypotenuse: second; least validation: third
+    X = np.array([0.1, 5.0, 3.4, 3.4, 9.0, 1.0])[:, None]
+    folds = [(np.array([2 * i]), np.array([2 * i + 1])) for i in range(3)]
+    judged = cross_validate(Scripted(), X, np.zeros(6), folds)
+    assert judged.train_rmse == (0.1, 3.4, 9.0)
+    assert judged.validation_rmse == (5.0, 3.4, 1.0)
+    assert judged.best == 1
+    assert judged.model.readout_.rows_.tolist() == [[3.4]]
+
+
+def test_features_of_a_fold_are_those_of_the_whole_log():
+    X = np.arange(12.0)[:, None]
+    rows = []
+
+    class Recorder(Echo):
+        def fit(self, X, y):
+            rows.append(X)
+            return self
+
+    class Model(Scripted):
+        def make_features(self):
+            return TapFeatures(n_y=2, n_references=None)
+
+        def make_readout(self):
+            return Recorder()
+
+    cross_validate(Model(), X, np.zeros(12), [(np.array([8, 3]), np.array([5]))])
+    assert rows[0].tolist() == [[8, 7], [3, 2]]
+
+
+def test_features_are_computed_once_for_all_folds():
+    made = []
+
+    class Model(Scripted):
+        def make_features(self):
+            made.append("features")
+            return super().make_features()
+
+    cross_validate(Model(), log(), pressure(), split_rows(200, 5, "shuffled", 1))
+    assert made == ["features"]
+
+
+def test_random_readout_starts_differently_in_every_fold():
+    seeds = []
+
+    class Seeded(Echo):
+        def fit(self, X, y):
+            seeds.append(self.random_state)
+            return self
+
+    class Model(Scripted):
+        def make_readout(self):
+            return Seeded(self.random_state)
+
+    cross_validate(Model(random_state=40), log(), pressure(), split_rows(200, 3, "blocked", 1))
+    assert seeds == [40, 41, 42]
+
+
+@pytest.mark.parametrize(
+    "random_state",
+    [None, np.random.RandomState(1), np.int64(1)],
+    ids=lambda state: type(state).__name__,
+)
+def test_every_documented_kind_of_random_state_is_accepted(random_state):
+    model = FPRC(n_c=2, random_state=random_state)
+    judged = cross_validate(model, log(), pressure(), split_rows(200, 3, "shuffled", 1))
+    assert len(judged.train_rmse) == 3
+
+
+def test_same_seed_gives_the_same_errors():
+    folds = split_rows(200, 3, "shuffled", 1)
+    first, again = (cross_validate(MODELS[1], log(), pressure(), folds) for _ in range(2))
+    assert first[:3] == again[:3]
+
+
+def test_progress_hears_of_every_fold_as_it_ends():
+    heard = []
+    judged = cross_validate(
+        MODELS[2],
+        log(),
+        pressure(),
+        split_rows(200, 3, "shuffled", 1),
+        progress=lambda *what: heard.append(what),
+    )
+    assert heard == list(zip(range(3), judged.train_rmse, judged.validation_rmse, strict=True))
+
+
+def test_given_model_stays_unfitted():
+    model = FuzzyLinear(n_c=2, random_state=1)
+    before = model.get_params()
+    cross_validate(model, log(), pressure(), split_rows(200, 3, "shuffled", 1))
+    assert not hasattr(model, "readout_")
+    assert model.get_params() == before
+
+
+def test_model_of_the_best_fold_steps_as_it_predicts():
+    judged = cross_validate(MODELS[1], log(), pressure(), split_rows(200, 3, "shuffled", 1))
+    stepped = [judged.model.step(x) for x in log()]
+    assert_allclose(stepped, judged.model.predict(log()), rtol=0, atol=1e-9)
+
+
+def test_test_error_is_that_of_the_best_model_on_the_other_log():
+    X, y = log(phase=0.7), pressure(phase=0.7)
+    judged = cross_validate(MODELS[1], log(), pressure(), split_rows(200, 3, "shuffled", 1))
+    assert judged.test_rmse(X, y) == rmse(y, judged.model.predict(X))
+
+
+@pytest.mark.parametrize(
+    ("model", "reason"),
+    [
+        (FPRC(n_c=2, n_y=201), "FPRC: n_samples = 200.*201"),
+        (FuzzyLinear(n_c=151), "FuzzyLinear: .*151.*n_samples = 150"),
+        (ESN(r=5, n_y=201), "ESN: n_samples = 200.*201"),
+    ],
+    ids=["taps", "rules", "network taps"],
+)
+def test_log_that_does_not_suit_the_model_is_refused_with_its_name(model, reason):
+    with pytest.raises(EvaluationError, match=reason):
+        cross_validate(model, log(), pressure(), split_rows(200, 4, "shuffled", 1))
+
+
+def test_test_log_that_is_shorter_than_the_taps_is_refused_with_the_models_name():
+    judged = cross_validate(MODELS[1], log(), pressure(), split_rows(200, 3, "shuffled", 1))
+    with pytest.raises(EvaluationError, match="FPRC.*n_samples = 2"):
+        judged.test_rmse(log()[:2], pressure()[:2])
+
+
+def test_nan_in_the_log_is_refused_with_the_models_name():
+    X = log()
+    X[7, 1] = np.nan
+    with pytest.raises(EvaluationError, match=r"(?s)FPRC: Input X contains NaN"):
+        cross_validate(MODELS[1], X, pressure(), split_rows(200, 3, "shuffled", 1))
+
+
+def test_fprc_without_a_readout_of_the_reservoir_is_refused():
+    with pytest.raises(EvaluationError, match="FPRC.*readout"):
+        cross_validate(MODELS[1], log()[:, :1], pressure(), split_rows(200, 3, "shuffled", 1))
+
+
+def test_error_that_is_not_finite_is_refused():
+    class Broken(Echo):
+        def predict(self, X):
+            return np.full(len(X), np.nan)
+
+    class Model(Scripted):
+        def make_readout(self):
+            return Broken()
+
+    with pytest.raises(EvaluationError, match="not finite"):
+        cross_validate(Model(), log(), pressure(), split_rows(200, 3, "shuffled", 1))
+
+
+def log(phase=0.0):
+    time = np.arange(200) / 10.0 + phase
+    return np.column_stack([20.0 + 15.0 * np.sin(time), 100.0 + 5.0 * np.sin(time - 0.5)])
+
+
+def pressure(phase=0.0):
+    time = np.arange(200) / 10.0 + phase
+    return 175.0 + 120.0 * np.sin(time + 0.2) + 20.0 * np.sin(time) ** 2

@@ -1,0 +1,62 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fprc.errors import EvaluationError
+from fprc.evaluation import split_rows
+
+examples = settings(max_examples=40, deadline=None, derandomize=True)
+sizes = st.tuples(st.integers(2, 8), st.integers(8, 60))
+splits = st.sampled_from(["shuffled", "blocked"])
+
+
+@examples
+@given(sizes, splits, st.integers(0, 2**32 - 1))
+def test_every_row_validates_once_and_trains_in_all_other_folds(size, split, seed):
+    folds, samples = size
+    pairs = split_rows(samples, folds, split, seed)
+    assert len(pairs) == folds
+    validated = np.concatenate([validation for _, validation in pairs])
+    assert sorted(validated) == list(range(samples))
+    for train, validation in pairs:
+        assert sorted([*train, *validation]) == list(range(samples))
+
+
+@examples
+@given(sizes, splits, st.integers(0, 2**32 - 1))
+def test_folds_are_equally_large_up_to_one_row(size, split, seed):
+    folds, samples = size
+    counts = {len(validation) for _, validation in split_rows(samples, folds, split, seed)}
+    assert counts <= {samples // folds, -(-samples // folds)}
+
+
+def test_five_folds_train_on_eighty_percent():
+    assert [len(train) for train, _ in split_rows(1000, 5, "shuffled", 1)] == [800] * 5
+
+
+def test_blocked_folds_are_stretches_of_the_log_in_order():
+    validations = [validation for _, validation in split_rows(10, 3, "blocked", 1)]
+    assert [list(rows) for rows in validations] == [[0, 1, 2, 3], [4, 5, 6], [7, 8, 9]]
+
+
+def test_shuffled_folds_are_spread_over_the_log():
+    for _, validation in split_rows(1000, 5, "shuffled", 1):
+        assert np.diff(np.sort(validation)).max() < 100
+
+
+def test_shuffled_folds_repeat_with_their_seed_only():
+    first, again, other = (split_rows(100, 5, "shuffled", seed) for seed in (3, 3, 4))
+    assert all(np.array_equal(a[1], b[1]) for a, b in zip(first, again, strict=True))
+    assert not any(np.array_equal(a[1], b[1]) for a, b in zip(first, other, strict=True))
+
+
+@pytest.mark.parametrize(("samples", "folds"), [(4, 5), (4, 1), (4, 0), (0, 2)])
+def test_folds_that_would_be_empty_are_refused(samples, folds):
+    with pytest.raises(EvaluationError, match=f"{samples} samples.*{folds} folds.*2 folds or more"):
+        split_rows(samples, folds, "blocked", 1)
+
+
+def test_unknown_split_is_refused_with_those_that_are_known():
+    with pytest.raises(EvaluationError, match="split = 'random'.*'shuffled'.*'blocked'"):
+        split_rows(10, 2, "random", 1)

@@ -1,0 +1,172 @@
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from threadpoolctl import threadpool_limits
+
+from fprc.evaluation import time_model, timing
+from fprc.models import ESN, FPRC, FuzzyLinear, RidgeReadout, SequenceModel, TapFeatures
+
+
+class Clock:
+    """A clock that moves on by itself at every look, and when a test says so."""
+
+    def __init__(self):
+        self.now = 0.0
+
+    def perf_counter(self):
+        self.now += 1.0
+        return self.now
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    clock = Clock()
+    monkeypatch.setattr(timing, "time", SimpleNamespace(perf_counter=clock.perf_counter))
+    return clock
+
+
+class Features(TapFeatures):
+    calls = []
+    stepped = []
+
+    def transform(self, X):
+        self.calls.append(f"transform {len(X)}")
+        return super().transform(X)
+
+    def step(self, x):
+        self.calls.append("step")
+        row = super().step(x)
+        self.stepped.append(row)
+        return row
+
+
+class Readout(RidgeReadout):
+    trained = []
+
+    def fit(self, X, y):
+        Features.calls.append("fit")
+        self.trained.append(X)
+        return super().fit(X, y)
+
+
+class Model(SequenceModel):
+    def make_features(self):
+        return Features(n_y=2, n_u=2)
+
+    def make_readout(self):
+        return Readout()
+
+
+@pytest.fixture(autouse=True)
+def forget():
+    Features.calls.clear()
+    Features.stepped.clear()
+    Readout.trained.clear()
+
+
+@pytest.mark.parametrize(
+    "model",
+    [ESN(r=5, random_state=1), FPRC(n_c=2, random_state=1), FuzzyLinear(n_c=2, random_state=1)],
+    ids=lambda model: type(model).__name__,
+)
+def test_both_phases_are_timed_in_both_modes(model):
+    results = time_model(model, log(60), log(40), repeats=2)
+    assert [(entry["phase"], entry["mode"], entry["samples"]) for entry in results] == [
+        ("train", "sequential", 60),
+        ("train", "batch", 60),
+        ("test", "sequential", 40),
+        ("test", "batch", 40),
+    ]
+    for entry in results:
+        assert len(entry["seconds"]) == 2
+        assert all(type(seconds) is float for seconds in entry["seconds"])
+
+
+def test_given_model_stays_unfitted():
+    model = Model()
+    time_model(model, log(20), log(10), repeats=1)
+    assert not hasattr(model, "readout_")
+
+
+def test_each_time_is_the_difference_of_two_looks_at_the_clock(clock):
+    results = time_model(Model(), log(20), log(10), repeats=3)
+    assert [entry["seconds"] for entry in results] == [[1.0] * 3] * 4
+
+
+def test_time_of_a_test_is_that_of_its_samples(clock, monkeypatch):
+    def slow(self, X):
+        clock.now += 100.0
+        return np.zeros(len(X))
+
+    def slow_step(self, x):
+        clock.now += 7.0
+        return 0.0
+
+    monkeypatch.setattr(Model, "predict", slow)
+    monkeypatch.setattr(Model, "step", slow_step)
+    results = {
+        (entry["phase"], entry["mode"]): entry["seconds"]
+        for entry in time_model(Model(), log(20), log(10), repeats=2)
+    }
+    assert results["test", "batch"] == [101.0, 101.0]
+    assert results["test", "sequential"] == [71.0, 71.0]
+
+
+def test_sequential_work_goes_sample_by_sample_and_batch_work_at_once():
+    calls = {}
+
+    def heard(what):
+        calls[what] = len(Features.calls)
+
+    time_model(Model(), log(20), log(10), repeats=2, progress=heard)
+    starts = [*calls.values(), len(Features.calls)]
+    work = [Features.calls[a:b] for a, b in zip(starts, starts[1:], strict=False)]
+    assert list(calls) == [
+        "train, sequential", "train, batch", "test, sequential", "test, batch"
+    ]  # fmt: skip
+    assert work == [
+        (["step"] * 20 + ["fit"]) * 2,
+        ["transform 20", "fit"] * 2,
+        ["step"] * 10 * 2,
+        ["transform 10"] * 2,
+    ]
+
+
+def test_sequential_training_trains_on_the_same_rows_as_batch_training():
+    time_model(Model(), log(20), log(10), repeats=2)
+    warm_up, first, second, batch, _ = Readout.trained
+    assert_allclose(first, batch, rtol=1e-12)
+    assert_allclose(second, batch, rtol=1e-12)
+    assert_allclose(warm_up, batch, rtol=1e-12)
+
+
+def test_every_repeat_begins_the_log_anew():
+    train, test = log(20), log(10)
+    time_model(Model(), train, test, repeats=2)
+    whole = Features(n_y=2, n_u=2).fit(train[0]).transform(test[0])
+    assert_allclose(Features.stepped[-20:-10], whole, rtol=1e-12)
+    assert_allclose(Features.stepped[-10:], whole, rtol=1e-12)
+
+
+def test_machine_names_the_cpu_and_the_threads_in_use():
+    with threadpool_limits(1):
+        machine = timing.machine()
+    assert set(machine) == {"cpu", "threads"}
+    assert machine["threads"] == 1
+    assert machine["cpu"].strip()
+
+
+def test_machine_without_cpuinfo_still_has_a_name(monkeypatch):
+    def missing(self, encoding):
+        raise FileNotFoundError
+
+    monkeypatch.setattr(timing.Path, "read_text", missing)
+    assert timing.machine()["cpu"].strip()
+
+
+def log(size):
+    time = np.arange(size) / 10.0
+    X = np.column_stack([20.0 + 15.0 * np.sin(time), 100.0 + 5.0 * np.sin(time - 0.5)])
+    return X, 175.0 + 120.0 * np.sin(time + 0.2)

@@ -1,0 +1,167 @@
+import warnings
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from numpy.testing import assert_allclose
+from scipy.spatial.distance import cdist
+from sklearn.exceptions import ConvergenceWarning
+
+from fprc.models.fcm import fuzzy_c_means
+
+examples = settings(max_examples=40, deadline=None, derandomize=True)
+seeds = st.integers(0, 2**32 - 1)
+
+
+@st.composite
+def samples(draw):
+    shape = draw(st.integers(5, 30)), draw(st.integers(1, 3))
+    numbers = st.floats(-1e3, 1e3, allow_subnormal=False)
+    return draw(arrays(float, shape, elements=numbers))
+
+
+def unsettled(X, n_clusters, **options):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ConvergenceWarning)
+        return fuzzy_c_means(X, n_clusters, **options)
+
+
+@examples
+@given(samples(), st.integers(1, 5), seeds)
+def test_memberships_of_a_sample_sum_to_one(X, n_clusters, seed):
+    clusters = unsettled(X, n_clusters, random_state=seed, max_iterations=30)
+    assert clusters.memberships.shape == (len(X), n_clusters)
+    assert np.all(clusters.memberships >= 0.0)
+    assert_allclose(clusters.memberships.sum(axis=1), 1.0, rtol=1e-12)
+    assert np.all(np.isfinite(clusters.centers))
+
+
+@examples
+@given(samples(), st.integers(1, 4), seeds)
+def test_centers_lie_within_the_range_of_the_data(X, n_clusters, seed):
+    centers = unsettled(X, n_clusters, random_state=seed, max_iterations=10).centers
+    slack = 1e-12 * np.abs(X).max()
+    assert np.all(centers >= X.min(axis=0) - slack)
+    assert np.all(centers <= X.max(axis=0) + slack)
+
+
+@examples
+@given(samples(), st.integers(1, 4), seeds)
+def test_more_iterations_never_raise_the_objective(X, n_clusters, seed):
+    assume(len(np.unique(X, axis=0)) >= n_clusters)
+    objectives = [
+        unsettled(X, n_clusters, random_state=seed, tolerance=0.0, max_iterations=limit).objective
+        for limit in (1, 2, 3, 5, 9, 17)
+    ]
+    slack = 1e-12 * (np.abs(X).max() ** 2 + objectives[0])
+    assert np.all(np.diff(objectives) <= slack)
+
+
+@examples
+@given(seeds, seeds)
+def test_order_of_the_samples_does_not_change_the_optimum(seed, shuffle):
+    X = blobs(seed)
+    shuffled = np.random.default_rng(shuffle).permutation(X)
+    ours, theirs = (
+        fuzzy_c_means(rows, 3, random_state=seed, tolerance=1e-9) for rows in (X, shuffled)
+    )
+    assert_allclose(theirs.objective, ours.objective, rtol=1e-9)
+    assert_allclose(by_first_column(theirs.centers), by_first_column(ours.centers), atol=1e-6)
+
+
+@examples
+@given(seeds)
+def test_order_of_the_features_does_not_change_the_clustering(seed):
+    X = np.random.default_rng(seed).normal(size=(40, 3))
+    ours, theirs = (
+        unsettled(rows, 3, random_state=seed, max_iterations=50) for rows in (X, X[:, ::-1])
+    )
+    assert_allclose(theirs.objective, ours.objective, rtol=1e-9)
+    assert_allclose(theirs.centers[:, ::-1], ours.centers, rtol=1e-6, atol=1e-6)
+
+
+def test_result_satisfies_both_conditions_of_an_optimum():
+    X = blobs(3)
+    clusters = fuzzy_c_means(X, 3, random_state=0, tolerance=1e-12)
+    inverse = 1.0 / cdist(X, clusters.centers, "sqeuclidean")
+    assert_allclose(clusters.memberships, inverse / inverse.sum(axis=1, keepdims=True), rtol=1e-9)
+    shares = clusters.memberships**2
+    assert_allclose(clusters.centers, shares.T @ X / shares.sum(axis=0)[:, None], rtol=1e-9)
+
+
+def test_objective_is_the_sum_of_squared_memberships_times_squared_distances():
+    X = blobs(4)
+    centers, memberships, objective = fuzzy_c_means(X, 3, random_state=0)
+    distances = cdist(X, centers, "sqeuclidean")
+    assert_allclose(objective, (memberships**2 * distances).sum(), rtol=1e-12)
+
+
+def test_coarse_start_ends_in_the_same_optimum():
+    X = hysteresis(2000)
+    fine, coarse = (
+        fuzzy_c_means(X, 4, random_state=0, tolerance=1e-9, coarse=coarse) for coarse in (1, 10)
+    )
+    assert_allclose(coarse.objective, fine.objective, rtol=1e-9)
+    assert_allclose(by_first_column(coarse.centers), by_first_column(fine.centers), atol=1e-4)
+
+
+def test_default_tolerance_stops_next_to_the_optimum():
+    X = hysteresis(1500)
+    stopped = fuzzy_c_means(X, 8, random_state=0)
+    optimum = fuzzy_c_means(X, 8, random_state=0, tolerance=1e-10, max_iterations=20_000)
+    assert_allclose(stopped.objective, optimum.objective, rtol=1e-5)
+
+
+def test_one_cluster_is_the_mean():
+    X = blobs(5)
+    clusters = fuzzy_c_means(X, 1, random_state=0)
+    assert_allclose(clusters.centers, X.mean(axis=0, keepdims=True), rtol=1e-12)
+    assert np.all(clusters.memberships == 1.0)
+
+
+def test_as_many_clusters_as_samples_leave_nothing_over():
+    X = np.array([[0.0, 0.0], [3.0, 1.0], [1.0, 9.0]])
+    clusters = fuzzy_c_means(X, 3, random_state=0)
+    assert clusters.objective == pytest.approx(0.0, abs=1e-12)
+    assert_allclose(by_first_column(clusters.centers), by_first_column(X), atol=1e-9)
+
+
+def test_clusters_of_identical_samples_share_them_evenly():
+    clusters = fuzzy_c_means(np.tile([33.3, 101.7], (50, 1)), 3, random_state=0)
+    assert_allclose(clusters.memberships, 1.0 / 3.0, rtol=1e-6)
+
+
+def test_same_seed_gives_the_same_clusters():
+    X = hysteresis(300)
+    first, second = (fuzzy_c_means(X, 4, random_state=7) for _ in range(2))
+    assert np.array_equal(first.centers, second.centers)
+    assert np.array_equal(first.memberships, second.memberships)
+
+
+@pytest.mark.parametrize("n_clusters", [0, 6])
+def test_number_of_clusters_that_the_samples_do_not_allow_is_refused(n_clusters):
+    with pytest.raises(ValueError, match=rf"n_clusters = {n_clusters}.*n_samples = 5"):
+        fuzzy_c_means(np.arange(10.0).reshape(5, 2), n_clusters)
+
+
+def test_too_few_iterations_warn_with_both_limits():
+    with pytest.warns(ConvergenceWarning, match="1e-09 in 2 iterations"):
+        fuzzy_c_means(hysteresis(100), 4, random_state=0, tolerance=1e-9, max_iterations=2)
+
+
+def blobs(seed):
+    rng = np.random.default_rng(seed)
+    return np.concatenate(
+        [rng.normal(center, 0.5, (25, 2)) for center in ((0, 0), (9, 1), (20, 8))]
+    )
+
+
+def hysteresis(size):
+    phase = 6.0 * np.pi * np.arange(size) / size
+    return np.column_stack([np.sin(phase), np.sin(phase - 0.6), np.sin(phase) ** 3])
+
+
+def by_first_column(centers):
+    return centers[np.argsort(centers[:, 0])]

@@ -1,0 +1,263 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from numpy.testing import assert_allclose
+
+from fprc.models import EchoStates, TapFeatures, lowpass, taps
+
+examples = settings(max_examples=50, deadline=None, derandomize=True)
+epsilons = st.floats(1e-4, 1.0)
+
+
+def series(limit=1e4, least=1):
+    numbers = st.floats(-limit, limit, allow_subnormal=False)
+    return st.integers(least, 40).flatmap(lambda size: arrays(float, size, elements=numbers))
+
+
+@examples
+@given(series(), st.integers(1, 12))
+def test_column_j_of_the_taps_holds_the_sample_j_steps_ago(x, size):
+    rows = taps(x, size)
+    assert rows.shape == (len(x), size)
+    for k in range(len(x)):
+        for j in range(size):
+            assert rows[k, j] == x[max(k - j, 0)]
+
+
+@examples
+@given(st.floats(-1e6, 1e6), epsilons)
+def test_lowpass_passes_a_constant(level, epsilon):
+    assert_allclose(lowpass(np.full(200, level), epsilon), level, rtol=1e-10)
+
+
+@examples
+@given(st.floats(0.01, 1.0))
+def test_lowpass_settles_on_a_step(epsilon):
+    x = np.concatenate([np.zeros(10), np.full(4000, 7.0)])
+    assert lowpass(x, epsilon)[-1] == pytest.approx(7.0, rel=1e-9)
+
+
+@examples
+@given(series(), epsilons)
+def test_lowpass_stays_within_the_range_of_its_input(x, epsilon):
+    filtered = lowpass(x, epsilon)
+    slack = 1e-12 * np.abs(x).max()
+    assert np.all(filtered >= x.min() - slack)
+    assert np.all(filtered <= x.max() + slack)
+
+
+@examples
+@given(series(), st.floats(-5, 5), st.floats(-5, 5), epsilons, st.integers(0, 2**32 - 1))
+def test_lowpass_is_linear(x, a, b, epsilon, seed):
+    z = np.random.default_rng(seed).normal(size=len(x))
+    expected = a * lowpass(x, epsilon) + b * lowpass(z, epsilon)
+    assert_allclose(lowpass(a * x + b * z, epsilon), expected, rtol=1e-9, atol=1e-7)
+
+
+@examples
+@given(series(least=2), epsilons, st.data())
+def test_lowpass_does_not_see_the_future(x, epsilon, data):
+    now = data.draw(st.integers(0, len(x) - 2))
+    changed = x.copy()
+    changed[now + 1 :] += 100.0
+    before, after = lowpass(x, epsilon), lowpass(changed, epsilon)
+    assert np.array_equal(after[: now + 1], before[: now + 1])
+    assert after[now + 1] != before[now + 1]
+
+
+def test_lowpass_with_epsilon_one_does_nothing():
+    x = np.array([3.0, -1.0, 4.0, 1.5])
+    assert lowpass(x, 1.0).tolist() == x.tolist()
+
+
+def test_lowpass_halves_the_way_at_epsilon_one_half():
+    assert lowpass(np.array([0.0, 8.0, 8.0, 8.0]), 0.5).tolist() == [0.0, 4.0, 6.0, 7.0]
+
+
+@st.composite
+def logs(draw, columns):
+    shape = draw(st.integers(8, 30)), columns
+    numbers = st.floats(-500, 500, allow_subnormal=False)
+    return draw(arrays(float, shape, elements=numbers))
+
+
+@examples
+@given(logs(3), st.integers(1, 6), st.integers(1, 6), st.sampled_from([None, 0, 1, 2]), epsilons)
+def test_tap_features_step_by_step_equal_those_of_the_whole_log(X, n_y, n_u, n_references, epsilon):
+    features = TapFeatures(n_y=n_y, n_references=n_references, n_u=n_u, epsilon=epsilon).fit(X)
+    assert_allclose([features.step(x) for x in X], features.transform(X), rtol=1e-11, atol=1e-9)
+
+
+def test_tap_features_put_references_before_filtered_readouts():
+    theta, p_o, p_2 = np.array([[1.0, 2, 4, 8], [0, 10, 10, 20], [5, 5, 5, 9]])
+    X = np.column_stack([theta, p_o, p_2])
+    rows = TapFeatures(n_y=3, n_u=2, epsilon=0.5).fit_transform(X)
+    assert rows.tolist() == [
+        [1, 1, 1, 0, 0, 5, 5],
+        [2, 1, 1, 5, 0, 5, 5],
+        [4, 2, 1, 7.5, 5, 5, 5],
+        [8, 4, 2, 13.75, 7.5, 7, 5],
+    ]
+
+
+def test_tap_features_without_readouts_filter_nothing():
+    X = np.array([[0.0, 100.0], [50.0, 0.0], [0.0, 100.0], [50.0, 0.0]])
+    rows = TapFeatures(n_y=2, n_references=None).fit_transform(X)
+    assert rows.tolist() == [[0, 0, 100, 100], [50, 0, 0, 100], [0, 50, 100, 0], [50, 0, 0, 100]]
+
+
+def test_references_reach_the_taps_unrounded_in_a_stream():
+    X = np.array([[0.1], [1e8], [0.1], [1e-8], [0.3]])
+    features = TapFeatures(n_y=2, n_references=None).fit(X)
+    assert np.array_equal([features.step(x) for x in X], features.transform(X))
+
+
+def test_more_references_than_columns_are_refused():
+    with pytest.raises(ValueError, match="n_references"):
+        TapFeatures(n_references=2).fit(np.ones((10, 1)))
+
+
+def test_network_step_by_step_equals_that_of_the_whole_log():
+    X = log(60)
+    features = EchoStates(r=10, washout=30, random_state=0).fit(X)
+    assert_allclose([features.step(x) for x in X], features.transform(X), rtol=1e-12)
+
+
+def test_network_features_are_taps_then_states():
+    X = log(40)
+    rows = EchoStates(r=10, n_y=3, random_state=0).fit_transform(X)
+    assert rows.shape == (40, 2 * 3 + 10)
+    assert np.array_equal(rows[:, :6], np.hstack([taps(column, 3) for column in X.T]))
+    assert np.all(np.abs(rows[:, 6:]) < 1.0)
+
+
+def test_state_of_a_sample_does_not_contain_that_sample_yet():
+    X = log(30)
+    features = EchoStates(r=10, n_y=1, random_state=0).fit(X)
+    changed = X.copy()
+    changed[20:] += 5.0
+    before, after = (features.transform(data)[:, 2:] for data in (X, changed))
+    assert np.array_equal(after[:21], before[:21])
+    assert np.all(after[21] != before[21])
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_largest_absolute_eigenvalue_of_the_network_is_rho(seed):
+    W_r = EchoStates(r=30, rho=0.7, random_state=seed).fit(log(9)).W_r_
+    assert np.abs(np.linalg.eigvals(W_r)).max() == pytest.approx(0.7, rel=1e-12)
+
+
+def test_weights_of_the_network_are_dense_and_normally_distributed():
+    features = EchoStates(r=200, f_input=0.02, random_state=0).fit(log(9))
+    inputs = features.w_in_.ravel() / 0.02
+    network = features.W_r_.ravel() / features.W_r_.std()
+    for weights, spread in ((inputs, 0.15), (network, 0.02)):
+        assert np.mean(weights) == pytest.approx(0.0, abs=spread)
+        assert np.std(weights) == pytest.approx(1.0, abs=spread)
+        assert np.mean(np.abs(weights) < 1.0) == pytest.approx(0.683, abs=spread)
+        assert np.all(weights != 0.0)
+
+
+def test_same_seed_gives_the_same_network_and_another_seed_another():
+    first, second, third = (
+        EchoStates(r=10, random_state=seed).fit(log(9)).W_r_ for seed in (4, 4, 5)
+    )
+    assert np.array_equal(first, second)
+    assert not np.any(first == third)
+
+
+def test_network_forgets_how_it_began():
+    X = log(200)
+    cold, settled = (
+        EchoStates(r=10, washout=washout, random_state=0).fit_transform(X) for washout in (0, 300)
+    )
+    assert np.abs(cold[0] - settled[0]).max() > 1e-3
+    assert_allclose(cold[-1], settled[-1], rtol=1e-6)
+
+
+def test_washout_holds_the_first_sample():
+    X = log(30)
+    network = {"r": 10, "n_y": 1, "random_state": 0}
+    held = np.vstack([np.tile(X[0], (25, 1)), X])
+    washed = EchoStates(**network, washout=25).fit_transform(X)
+    assert_allclose(washed, EchoStates(**network, washout=0).fit_transform(held)[25:], rtol=1e-12)
+
+
+def test_gamma_keeps_that_share_of_the_state():
+    X = np.array([[10.0]] * 5)
+    features = EchoStates(r=6, gamma=0.75, n_y=1, washout=0, random_state=0).fit(X)
+    state = features.transform(X)[:, 1:]
+    assert np.array_equal(state[0], np.zeros(6))
+    assert_allclose(state[1], 0.25 * np.tanh(10.0 * features.w_in_[:, 0]), rtol=1e-12)
+
+
+MAPS = pytest.mark.parametrize(
+    "features",
+    [TapFeatures(n_y=3, n_u=2), EchoStates(r=8, n_y=3, random_state=0)],
+    ids=["taps", "network"],
+)
+
+
+@MAPS
+def test_rows_of_a_stream_are_not_overwritten_by_later_ones(features):
+    X = log(20)
+    first = features.fit(X).step(X[0])
+    kept = first.copy()
+    features.step(X[1] + 50.0)
+    assert np.array_equal(first, kept)
+
+
+@MAPS
+def test_samples_given_to_a_stream_are_not_written_to(features):
+    X = log(20)
+    x = X[0].copy()
+    features.fit(X)
+    features.step(x)
+    features.step(X[1])
+    assert np.array_equal(x, X[0])
+
+
+@MAPS
+def test_transforming_a_log_does_not_disturb_a_stream(features):
+    X = log(20)
+    features.fit(X)
+    for x in X[:10]:
+        features.step(x)
+    features.transform(X[::-1])
+    rest = [features.step(x) for x in X[10:]]
+    assert_allclose(rest, features.transform(X)[10:], rtol=1e-11)
+
+
+@MAPS
+def test_log_shorter_than_the_taps_is_refused_with_both_numbers(features):
+    with pytest.raises(ValueError, match="n_samples = 2 .*3.*longer log"):
+        features.fit(log(20)).transform(log(2))
+
+
+@MAPS
+@pytest.mark.parametrize("x", [[31.0], [31.0, 100.0, 1.0], 31.0], ids=["short", "long", "scalar"])
+@pytest.mark.parametrize("begun", [False, True], ids=["first sample", "later sample"])
+def test_sample_of_another_size_is_refused_in_a_stream(features, x, begun):
+    X = log(20)
+    features.fit(X)
+    if begun:
+        features.step(X[0])
+    with pytest.raises(ValueError, match=r"shape|feature|2"):
+        features.step(x)
+
+
+@MAPS
+def test_nan_in_a_stream_is_refused_and_forgotten(features):
+    X = log(20)
+    features.fit(X)
+    features.step(X[0])
+    with pytest.raises(ValueError, match="NaN|nan|finite"):
+        features.step([np.nan, 100.0])
+    assert_allclose(features.step(X[1]), features.transform(X)[1], rtol=1e-11)
+
+
+def log(size):
+    time = np.arange(size) / 10.0
+    return np.column_stack([20.0 + 15.0 * np.sin(time), 100.0 + 5.0 * np.cos(1.3 * time)])

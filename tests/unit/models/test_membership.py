@@ -1,0 +1,70 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from numpy.testing import assert_allclose
+
+from fprc.models.membership import gaussian_memberships
+
+examples = settings(max_examples=100, deadline=None, derandomize=True)
+
+
+def points(limit):
+    return st.integers(1, 6).flatmap(
+        lambda size: arrays(float, (size, 8), elements=st.floats(-limit, limit))
+    )
+
+
+@examples
+@given(points(1e8), points(1e8), st.floats(0.1, 10.0))
+def test_memberships_are_finite_and_sum_to_one_anywhere(X, centers, sigma):
+    beta = gaussian_memberships(X, centers, sigma)
+    assert beta.shape == (len(X), len(centers))
+    assert np.all(np.isfinite(beta))
+    assert np.all(beta >= 0.0)
+    assert_allclose(beta.sum(axis=1), 1.0, rtol=1e-12)
+
+
+@examples
+@given(points(1e3), points(1e3), st.floats(1.0, 10.0))
+def test_no_rule_outweighs_that_of_the_nearest_center(X, centers, sigma):
+    distances = ((X[:, None, :] - centers) ** 2).sum(axis=2)
+    beta = gaussian_memberships(X, centers, sigma)
+    nearest = np.take_along_axis(beta, distances.argmin(axis=1)[:, None], axis=1)
+    assert np.all(nearest >= beta * (1.0 - 1e-6))
+
+
+@examples
+@given(arrays(float, (5, 8), elements=st.floats(-3, 3)), st.floats(2.0, 10.0))
+def test_memberships_near_the_centers_are_the_printed_ratio(rows, sigma):
+    x, centers = rows[:1], rows[1:]
+    beta = np.exp(-((x - centers) ** 2).sum(axis=1) / (2.0 * sigma**2))
+    assert_allclose(gaussian_memberships(x, centers, sigma)[0], beta / beta.sum(), rtol=1e-10)
+
+
+def test_sample_far_from_every_center_belongs_to_the_nearest():
+    centers = np.array([[0.0, 0.0], [10.0, 0.0]])
+    x = np.array([[1000.0, 3.0]])
+    with np.errstate(under="ignore", invalid="ignore"):
+        printed = np.exp(-((x - centers) ** 2).sum(axis=1) / 8.0)
+    assert printed.sum() == 0.0
+    assert gaussian_memberships(x, centers, 2.0).tolist() == [[0.0, 1.0]]
+
+
+def test_far_sample_between_two_centers_belongs_to_both():
+    centers = np.array([[-1.0, 0.0], [1.0, 0.0]])
+    assert_allclose(gaussian_memberships(np.array([[0.0, 1e8]]), centers, 2.0), [[0.5, 0.5]])
+
+
+@pytest.mark.parametrize(("sigma", "expected"), [(1e6, [0.5, 0.5]), (1e-3, [1.0, 0.0])])
+def test_sigma_widens_the_memberships(sigma, expected):
+    centers = np.array([[0.0], [3.0]])
+    assert_allclose(gaussian_memberships(np.array([[1.0]]), centers, sigma), [expected], atol=1e-9)
+
+
+def test_data_and_centers_are_not_written_to():
+    X, centers = np.ones((2, 2)), np.zeros((3, 2))
+    gaussian_memberships(X, centers, 2.0)
+    assert X.tolist() == [[1, 1], [1, 1]]
+    assert centers.tolist() == [[0, 0], [0, 0], [0, 0]]

@@ -1,0 +1,256 @@
+import inspect
+import re
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from sklearn.base import BaseEstimator, clone
+
+import fprc.models
+from fprc.models import (
+    ESN,
+    FPRC,
+    EchoStates,
+    FuzzyLinear,
+    RidgeReadout,
+    TakagiSugenoReadout,
+    TapFeatures,
+)
+
+# a washout that leaves nothing of the first state, so that "held for ever" is exact
+MODELS = {
+    "esn": ESN(r=20, washout=400, random_state=1),
+    "fprc": FPRC(n_c=3, random_state=1),
+    "fuzzy_linear": FuzzyLinear(n_c=3, random_state=1),
+}
+
+ESTIMATORS = [
+    public
+    for public in vars(fprc.models).values()
+    if inspect.isclass(public)
+    and issubclass(public, BaseEstimator)
+    and not inspect.isabstract(public)
+    and public is not fprc.models.SequenceModel
+]
+
+
+@pytest.fixture(params=MODELS)
+def fitted(request):
+    X, y = inputs(request.param, 300), pressure(300)
+    return clone(MODELS[request.param]).fit(X, y)
+
+
+def test_steps_equal_the_prediction_of_the_whole_log(fitted):
+    X = other_inputs(fitted)
+    assert_allclose(steps(fitted, X), fitted.predict(X), rtol=0, atol=1e-9)
+
+
+def test_steps_after_a_reset_to_x0_continue_a_log_that_held_x0(fitted):
+    X = other_inputs(fitted)
+    x0 = X[0] + 4.0
+    fitted.reset(x0)
+    held = np.vstack([np.tile(x0, (50, 1)), X])
+    assert_allclose(steps(fitted, X), fitted.predict(held)[50:], rtol=0, atol=1e-9)
+
+
+def test_steps_of_a_second_log_do_not_remember_the_first(fitted):
+    first, second = other_inputs(fitted), other_inputs(fitted)[::-1] + 3.0
+    steps(fitted, first)
+    fitted.reset()
+    assert_allclose(steps(fitted, second), fitted.predict(second), rtol=0, atol=1e-9)
+
+
+def test_steps_without_a_reset_join_two_logs(fitted):
+    first, second = other_inputs(fitted), other_inputs(fitted)[::-1] + 3.0
+    joined = fitted.predict(np.vstack([first, second]))
+    got = np.concatenate([steps(fitted, first), steps(fitted, second)])
+    assert_allclose(got, joined, rtol=0, atol=1e-9)
+    assert np.abs(joined[len(first)] - fitted.predict(second)[0]) > 1e-3
+
+
+def test_prediction_between_two_steps_does_not_disturb_the_stream(fitted):
+    X = other_inputs(fitted)
+    got = []
+    for x in X:
+        got.append(fitted.step(x))
+        fitted.predict(X[:20])
+    assert_allclose(got, fitted.predict(X), rtol=0, atol=1e-9)
+
+
+def test_step_returns_a_plain_number(fitted):
+    assert type(fitted.step(other_inputs(fitted)[0])) is float
+
+
+def test_output_does_not_depend_on_later_samples(fitted):
+    X = other_inputs(fitted)
+    assert_allclose(fitted.predict(X[:40]), fitted.predict(X)[:40], rtol=0, atol=1e-9)
+
+
+def test_model_follows_a_hysteresis_that_it_was_trained_on(fitted):
+    X, y = inputs(name_of(fitted), 300), pressure(300)
+    assert np.sqrt(np.mean((fitted.predict(X) - y) ** 2)) < 0.2 * y.std()
+
+
+def test_readout_of_the_reservoir_matters_to_fprc_alone():
+    X, y = inputs("fprc", 300), pressure(300)
+    model = clone(MODELS["fprc"]).fit(X, y)
+    assert model.readout_.W_out_.shape == (3, 1 + 5 + 3)
+    changed = np.column_stack([X[:, 0], X[:, 1] + 3.0])
+    assert np.all(np.abs(model.predict(changed) - model.predict(X)) > 1e-6)
+
+
+def test_same_seed_gives_the_same_predictions(fitted):
+    X, y = inputs(name_of(fitted), 300), pressure(300)
+    again = clone(fitted).fit(X, y)
+    assert np.array_equal(again.predict(X), fitted.predict(X))
+
+
+def test_model_assembled_from_fitted_parts_predicts_and_steps_as_the_whole(fitted):
+    X = other_inputs(fitted)
+    unfitted = clone(fitted)
+    assembled = unfitted.assembled(fitted.features_, fitted.readout_)
+    assert not hasattr(unfitted, "readout_")
+    assert assembled.get_params() == fitted.get_params()
+    assert np.array_equal(assembled.predict(X), fitted.predict(X))
+    assembled.reset()
+    assert_allclose(steps(assembled, X), fitted.predict(X), rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        ESN(r=3, f_input=0.1, gamma=0.2, rho=0.3, n_y=7, alpha=0.5, washout=9, random_state=4),
+        FPRC(epsilon=0.1, n_c=3, n_u=4, n_y=7, sigma=0.9, alpha=0.5, random_state=2),
+        FuzzyLinear(n_c=3, n_y=7, sigma=0.9, alpha=0.5, random_state=2),
+    ],
+    ids=lambda model: type(model).__name__,
+)
+def test_every_parameter_reaches_the_features_or_the_readout(model):
+    features, readout = model.make_features().get_params(), model.make_readout().get_params()
+    for name, value in model.get_params().items():
+        assert value in (features.get(name), readout.get(name))
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_log_that_never_moves_gives_its_own_pressure(name):
+    X, y = np.tile(inputs(name, 1), (60, 1)), np.full(60, 175.0)
+    assert_allclose(clone(MODELS[name]).fit(X, y).predict(X), y, rtol=1e-3)
+
+
+@pytest.mark.parametrize("name", ["fprc", "fuzzy_linear"])
+def test_more_rules_than_samples_are_refused(name):
+    model = clone(MODELS[name]).set_params(n_c=41)
+    with pytest.raises(ValueError, match="41.*n_samples = 40.*longer log"):
+        model.fit(inputs(name, 40), pressure(40))
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_taps_longer_than_the_log_are_refused(name):
+    model = clone(MODELS[name]).set_params(n_y=41)
+    with pytest.raises(ValueError, match="n_samples = 40.*41.*longer log"):
+        model.fit(inputs(name, 40), pressure(40))
+
+
+def test_log_to_predict_that_is_shorter_than_the_taps_is_refused(fitted):
+    with pytest.raises(ValueError, match="n_samples = 2.*5.*longer log"):
+        fitted.predict(other_inputs(fitted)[:2])
+
+
+@pytest.mark.parametrize("spoiled", ["X", "y"])
+@pytest.mark.parametrize("name", MODELS)
+def test_nan_in_the_training_log_is_refused(name, spoiled):
+    data = {"X": inputs(name, 40), "y": pressure(40)}
+    data[spoiled][7] = np.nan
+    with pytest.raises(ValueError, match=rf"(?i)input {spoiled} contains nan"):
+        clone(MODELS[name]).fit(**data)
+
+
+def test_nan_in_a_log_to_predict_is_refused(fitted):
+    X = other_inputs(fitted)
+    X[7] = np.nan
+    with pytest.raises(ValueError, match="contains NaN"):
+        fitted.predict(X)
+
+
+def test_fprc_without_a_readout_of_the_reservoir_is_refused():
+    with pytest.raises(ValueError, match=r"readout.*FuzzyLinear"):
+        FPRC(n_c=2).fit(inputs("esn", 40), pressure(40))
+
+
+@pytest.mark.parametrize("estimator", ESTIMATORS)
+def test_documented_defaults_are_the_actual_ones(estimator):
+    lines = inspect.cleandoc(estimator.__doc__)
+    documented = dict(re.findall(r"^(\w+) : .*, default=(\S+)$", lines, re.MULTILINE))
+    signature = inspect.signature(estimator).parameters
+    actual = {name: parameter.default for name, parameter in signature.items()}
+    assert {name: _value(text) for name, text in documented.items()} == actual
+
+
+def test_defaults_are_those_of_the_paper():
+    esn = {"r": 800, "f_input": 0.02, "gamma": 0.8, "rho": 0.4, "washout": 100}
+    fprc_ = {"epsilon": 0.01, "n_c": 8, "n_u": 3, "sigma": 2.0}
+    shared = {"n_y": 5, "alpha": 0.001, "random_state": None}
+    assert ESN().get_params() == esn | shared
+    assert FPRC().get_params() == fprc_ | shared
+    assert FuzzyLinear().get_params() == {"n_c": 8, "sigma": 2.0} | shared
+
+
+@pytest.mark.parametrize(
+    ("estimator", "parameter"),
+    [
+        (TapFeatures(n_y=0), "n_y"),
+        (TapFeatures(n_u=0), "n_u"),
+        (TapFeatures(epsilon=0.0), "epsilon"),
+        (TapFeatures(epsilon=1.5), "epsilon"),
+        (EchoStates(r=0), "r"),
+        (EchoStates(r=5, gamma=1.0), "gamma"),
+        (EchoStates(r=5, gamma=-0.1), "gamma"),
+        (EchoStates(r=5, n_y=0), "n_y"),
+        (EchoStates(r=5, washout=-1), "washout"),
+        (RidgeReadout(alpha=-1e-9), "alpha"),
+        (TakagiSugenoReadout(n_c=0), "n_c"),
+        (TakagiSugenoReadout(n_c=2, sigma=0.0), "sigma"),
+        (TakagiSugenoReadout(n_c=2, alpha=-1e-9), "alpha"),
+    ],
+    ids=str,
+)
+def test_parameter_outside_its_documented_limits_is_refused_by_name(estimator, parameter):
+    with pytest.raises(ValueError, match=rf"\b{parameter}\b"):
+        estimator.fit(inputs("fprc", 40), pressure(40))
+
+
+def test_every_public_estimator_is_covered():
+    assert {estimator.__name__ for estimator in ESTIMATORS} == {
+        "ESN", "FPRC", "FuzzyLinear", "EchoStates", "TapFeatures", "RidgeReadout",
+        "TakagiSugenoReadout",
+    }  # fmt: skip
+
+
+def _value(text):
+    return None if text == "None" else float(text)
+
+
+def steps(model, X):
+    return np.array([model.step(x) for x in X])
+
+
+def name_of(model):
+    return next(name for name, known in MODELS.items() if type(known) is type(model))
+
+
+def inputs(name, size, rate=1.0):
+    """Return a bending angle, and for FPRC a reservoir's pressure that lags behind it."""
+    time = rate * np.arange(size) / 10.0
+    theta = 20.0 + 15.0 * np.sin(time)
+    if name != "fprc":
+        return theta[:, None]
+    return np.column_stack([theta, 100.0 + 0.3 * theta + 2.0 * np.sin(time - 0.5)])
+
+
+def other_inputs(model):
+    return inputs(name_of(model), 80, rate=1.7)
+
+
+def pressure(size):
+    time = np.arange(size) / 10.0
+    return 175.0 + 120.0 * np.sin(time + 0.2) + 20.0 * np.sin(time) ** 2

@@ -1,0 +1,124 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from numpy.testing import assert_allclose
+
+from fprc.models import RidgeReadout
+from fprc.models.ridge import ridge_weights, with_bias
+
+examples = settings(max_examples=40, deadline=None, derandomize=True)
+
+
+@st.composite
+def problems(draw):
+    samples, weights = draw(st.integers(1, 12)), draw(st.integers(1, 5))
+    numbers = st.floats(-100, 100, allow_subnormal=False)
+    return (
+        draw(arrays(float, (samples, weights), elements=numbers)),
+        draw(arrays(float, samples, elements=numbers)),
+        draw(st.floats(1e-3, 1e3)),
+        draw(st.none() | arrays(float, samples, elements=st.floats(0, 1))),
+    )
+
+
+@examples
+@given(problems())
+def test_gradient_of_the_printed_objective_is_zero_at_the_solution(problem):
+    extended, y, alpha, weight = problem
+    w = ridge_weights(extended, y, alpha, weight)
+    each = np.ones(len(y)) if weight is None else weight
+    gradient = extended.T @ (each * (extended @ w - y)) + alpha * w
+    scale = np.abs(extended.T) @ (each * (np.abs(extended) @ np.abs(w) + np.abs(y)))
+    assert np.all(np.abs(gradient) <= 1e-9 * (scale + alpha * np.abs(w)) + 1e-12)
+
+
+@examples
+@given(problems(), st.integers(0, 2**32 - 1))
+def test_no_other_weights_have_a_smaller_objective(problem, seed):
+    extended, y, alpha, weight = problem
+    each = np.ones(len(y)) if weight is None else weight
+
+    def objective(w):
+        return each @ (y - extended @ w) ** 2 + alpha * w @ w
+
+    best = ridge_weights(extended, y, alpha, weight)
+    other = best + np.random.default_rng(seed).normal(size=best.size)
+    assert objective(best) < objective(other)
+
+
+def test_ridge_shrinks_the_bias_too():
+    samples, alpha = 10, 2.5
+    readout = RidgeReadout(alpha=alpha).fit(np.zeros((samples, 1)), np.ones(samples))
+    assert_allclose(readout.w_out_, [samples / (samples + alpha), 0.0], rtol=1e-12)
+
+
+def test_bias_is_the_first_weight():
+    x = np.linspace(-1.0, 1.0, 20)
+    readout = RidgeReadout(alpha=0.0).fit(np.column_stack([x, x**2]), 7.0 + 3.0 * x - 2.0 * x**2)
+    assert_allclose(readout.w_out_, [7.0, 3.0, -2.0], rtol=1e-10)
+
+
+def test_extended_state_begins_with_one():
+    assert with_bias(np.array([[2.0, 3.0], [4.0, 5.0]])).tolist() == [[1, 2, 3], [1, 4, 5]]
+
+
+def test_weight_of_two_counts_a_sample_twice(rows):
+    X, y = rows
+    twice = ridge_weights(np.vstack([X, X[:3]]), np.concatenate([y, y[:3]]), 0.1)
+    weight = np.where(np.arange(len(y)) < 3, 2.0, 1.0)
+    assert_allclose(ridge_weights(X, y, 0.1, weight), twice, rtol=1e-10)
+
+
+def test_weight_of_zero_leaves_a_sample_out(rows):
+    X, y = rows
+    y = y.copy()
+    y[0] = 1e6
+    weight = np.where(np.arange(len(y)) < 1, 0.0, 1.0)
+    expected = ridge_weights(X[1:], y[1:], 0.1)
+    assert_allclose(ridge_weights(X, y, 0.1, weight), expected, rtol=1e-10)
+
+
+def test_training_data_are_not_written_to(rows):
+    X, y = rows
+    before = X.copy(), y.copy()
+    RidgeReadout().fit(X, y)
+    assert np.array_equal(X, before[0])
+    assert np.array_equal(y, before[1])
+
+
+def test_output_of_a_row_is_its_prediction(rows):
+    X, y = rows
+    readout = RidgeReadout().fit(X, y)
+    assert_allclose([readout.output(x) for x in X], readout.predict(X), rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "X",
+    [
+        np.eye(3, 6),
+        np.repeat(np.arange(50.0)[:, None] ** 0.5, 2, axis=1),
+        np.full((50, 1), 33.3),
+    ],
+    ids=["fewer samples than weights", "repeated column", "constant column"],
+)
+def test_singular_regression_without_ridge_asks_for_a_larger_alpha(X):
+    with pytest.raises(ValueError, match=r"alpha = 0.*larger alpha"):
+        RidgeReadout(alpha=0.0).fit(X, np.arange(len(X), dtype=float))
+
+
+@pytest.mark.parametrize("spoiled", ["X", "y"])
+def test_nan_is_refused(rows, spoiled):
+    data = dict(zip(("X", "y"), rows, strict=True))
+    data[spoiled] = data[spoiled].copy()
+    data[spoiled][3] = np.nan
+    with pytest.raises(ValueError, match=rf"(?i)input {spoiled} contains nan"):
+        RidgeReadout().fit(**data)
+
+
+@pytest.fixture
+def rows():
+    rng = np.random.default_rng(1)
+    X = rng.normal(size=(30, 4))
+    return X, X @ [1.0, -2.0, 0.5, 3.0] + rng.normal(size=30)

@@ -1,0 +1,40 @@
+from sklearn.utils.estimator_checks import parametrize_with_checks
+
+from fprc.models import (
+    ESN,
+    FPRC,
+    EchoStates,
+    FuzzyLinear,
+    RidgeReadout,
+    TakagiSugenoReadout,
+    TapFeatures,
+)
+
+#: Checks that take rows for independent of one another; here they are samples in time.
+MEMORY = {
+    "check_methods_sample_order_invariance": "an output depends on the samples before it",
+    "check_methods_subset_invariance": "part of a log has another past than the whole log",
+}
+
+READOUTS = [RidgeReadout(), TakagiSugenoReadout(n_c=3)]
+
+# The checks' data depend on one column, which FPRC sees unfiltered at epsilon = 1 only.
+SEQUENTIAL = [
+    TapFeatures(),
+    EchoStates(r=12),
+    ESN(r=12, washout=20),
+    FPRC(n_c=3, epsilon=1.0),
+    FuzzyLinear(n_c=3),
+]
+
+
+@parametrize_with_checks(READOUTS)
+def test_readout_passes_scikit_learns_check(estimator, check):
+    check(estimator)
+
+
+@parametrize_with_checks(
+    SEQUENTIAL, expected_failed_checks=lambda estimator: MEMORY, xfail_strict=True
+)
+def test_model_with_memory_passes_scikit_learns_check(estimator, check):
+    check(estimator)

@@ -1,0 +1,105 @@
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from sklearn.utils import check_random_state
+
+from fprc.models import RidgeReadout, TakagiSugenoReadout
+
+
+@pytest.fixture
+def regimes():
+    """Two straight lines, each on a stretch of its own."""
+    x = np.concatenate([np.linspace(-1.0, 1.0, 60), np.linspace(99.0, 101.0, 60)])
+    return x[:, None], np.where(x < 50.0, 2.0 + 3.0 * x, 500.0 - 4.0 * x)
+
+
+def test_one_rule_is_the_plain_ridge(rows):
+    X, y = rows
+    one = TakagiSugenoReadout(n_c=1).fit(X, y)
+    assert_allclose(one.W_out_[0], RidgeReadout().fit(X, y).w_out_, rtol=1e-9)
+    assert_allclose(one.predict(X), RidgeReadout().fit(X, y).predict(X), rtol=1e-9)
+
+
+def test_each_rule_learns_the_line_of_its_own_cluster(regimes):
+    X, y = regimes
+    readout = TakagiSugenoReadout(n_c=2, alpha=1e-9, random_state=0).fit(X, y)
+    low, high = np.argsort(readout.centers_[:, 0])
+    assert_allclose(readout.centers_[[low, high], 0], [0.0, 100.0], atol=0.1)
+    assert_allclose(readout.W_out_[low], [2.0, 3.0], atol=0.1)
+    assert_allclose(readout.predict(X), y, atol=0.1)
+
+
+def test_far_sample_gets_the_line_of_the_nearest_rule(regimes):
+    X, y = regimes
+    readout = TakagiSugenoReadout(n_c=2, random_state=0).fit(X, y)
+    bias, slope = readout.W_out_[readout.centers_[:, 0].argmax()]
+    assert_allclose(readout.predict([[1e6]]), [bias + slope * 1e6], rtol=1e-12)
+    assert readout.output(np.array([1e6])) == pytest.approx(bias + slope * 1e6, rel=1e-12)
+
+
+def test_narrow_memberships_switch_and_wide_ones_average(regimes):
+    X, y = regimes
+    between = np.array([[40.0]])
+    narrow = TakagiSugenoReadout(n_c=2, sigma=2.0, random_state=0).fit(X, y)
+    wide = TakagiSugenoReadout(n_c=2, sigma=1e9, random_state=0).fit(X, y)
+    rules = wide.W_out_ @ [1.0, 40.0]
+    assert_allclose(wide.predict(between), rules.mean(), rtol=1e-6)
+    assert_allclose(narrow.predict(between), rules[wide.centers_[:, 0].argmin()], rtol=1e-6)
+
+
+def test_output_of_a_row_is_its_prediction(rows):
+    X, y = rows
+    readout = TakagiSugenoReadout(n_c=4, random_state=0).fit(X, y)
+    assert_allclose([readout.output(x) for x in X], readout.predict(X), rtol=1e-10)
+
+
+def test_weights_have_a_row_for_each_rule_and_the_bias_first(rows):
+    X, y = rows
+    readout = TakagiSugenoReadout(n_c=4, random_state=0).fit(X, y + 1000.0)
+    assert readout.centers_.shape == (4, 3)
+    assert readout.W_out_.shape == (4, 1 + 3)
+    assert np.all(np.abs(readout.W_out_[:, 0]) > 100.0)
+
+
+def test_more_rules_follow_a_curve_more_closely():
+    x = np.linspace(-20.0, 20.0, 400)
+    y = x**2
+    errors = [
+        np.abs(TakagiSugenoReadout(n_c=n_c, random_state=0).fit(x[:, None], y).predict(x[:, None])
+               - y).mean()
+        for n_c in (1, 2, 4, 8)
+    ]  # fmt: skip
+    assert np.all(np.diff(errors) < 0.0)
+
+
+def test_same_seed_gives_the_same_weights(rows):
+    first, second = (TakagiSugenoReadout(n_c=4, random_state=3).fit(*rows) for _ in range(2))
+    assert np.array_equal(first.W_out_, second.W_out_)
+
+
+def test_seeded_training_leaves_the_global_generator_alone(rows):
+    before = check_random_state(None).get_state()[1].copy()
+    TakagiSugenoReadout(n_c=4, random_state=3).fit(*rows)
+    assert np.array_equal(check_random_state(None).get_state()[1], before)
+
+
+def test_more_rules_than_samples_are_refused(rows):
+    X, y = rows
+    with pytest.raises(ValueError, match="81 needs.*n_samples = 80.*longer log"):
+        TakagiSugenoReadout(n_c=81).fit(X, y)
+
+
+@pytest.mark.parametrize("spoiled", ["X", "y"])
+def test_nan_is_refused(rows, spoiled):
+    data = dict(zip(("X", "y"), rows, strict=True))
+    data[spoiled] = data[spoiled].copy()
+    data[spoiled][3] = np.nan
+    with pytest.raises(ValueError, match=rf"(?i)input {spoiled} contains nan"):
+        TakagiSugenoReadout(n_c=2).fit(**data)
+
+
+@pytest.fixture
+def rows():
+    rng = np.random.default_rng(1)
+    X = rng.normal(scale=3.0, size=(80, 3))
+    return X, X @ [1.0, -2.0, 0.5] + np.abs(X[:, 0]) + rng.normal(size=80)

@@ -1,0 +1,176 @@
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+from fprc.errors import FprcError
+from fprc.figures import style
+from fprc.figures.hysteresis import plot_command, plot_loop
+from fprc.figures.training import plot_error, plot_fit
+from fprc.logs import write_columns
+from fprc.stages import draw
+
+SIMULATED = {"source": "sim", "seed": 7, "model": "fprc"}
+
+
+@pytest.fixture(autouse=True)
+def coarse(monkeypatch):
+    """Fewer pixels, for speed, and no figure left open."""
+    monkeypatch.setitem(style._STYLE, "savefig.dpi", 50)
+    yield
+    plt.close("all")
+
+
+@pytest.fixture
+def fig():
+    figure, ax = style.figure(1, 1, style.COLUMN_IN, 2.0)
+    ax.plot([0.0, 1.0], [0.0, 2.0])
+    return figure
+
+
+@pytest.fixture
+def figures(monkeypatch):
+    """Figures in the order in which they are saved."""
+    saved = []
+    save = style.save
+
+    def remember(fig, *arguments):
+        saved.append(fig)
+        save(fig, *arguments)
+
+    monkeypatch.setattr(style, "save", remember)
+    return saved
+
+
+@pytest.fixture
+def log(tmp_path):
+    def write(name, **attributes):
+        time = np.arange(80) / 20.0
+        channels = {
+            "time_s": time,
+            "p_exp_kpa": 175.0 + 100.0 * np.sin(time),
+            "theta_deg": 20.0 + 15.0 * np.sin(time - 0.3),
+            "p_o_kpa": 100.0 + 5.0 * np.sin(time - 0.5),
+            "p_ff_kpa": 177.0 + 100.0 * np.sin(time),
+        }
+        write_columns(tmp_path / name, channels, SIMULATED | attributes)
+        return str(tmp_path / name)
+
+    return write
+
+
+DRAWINGS = pytest.mark.parametrize(
+    "drawing",
+    [draw.draw_actuator_hysteresis, draw.draw_reservoir_hysteresis, draw.draw_training],
+    ids=lambda drawing: drawing.__name__,
+)
+
+
+@DRAWINGS
+def test_figure_drawn_twice_has_the_same_bytes(drawing, log, tmp_path):
+    logs = log("one.h5"), log("two.h5")
+    contents = []
+    for name in ("first", "second"):
+        pdf, png = tmp_path / f"{name}.pdf", tmp_path / f"{name}.png"
+        drawing(*logs, str(pdf), str(png))
+        contents.append((pdf.read_bytes(), png.read_bytes()))
+    assert contents[0] == contents[1]
+    assert contents[0][0].startswith(b"%PDF")
+    assert contents[0][1].startswith(b"\x89PNG")
+
+
+@DRAWINGS
+def test_drawn_figure_is_marked_as_simulated_and_closed(drawing, log, tmp_path, figures):
+    drawing(log("one.h5"), log("two.h5"), str(tmp_path / "f.pdf"), str(tmp_path / "f.png"))
+    assert marks(figures[0]) == ["simulated rig, seed 7"]
+    assert plt.get_fignums() == []
+
+
+def test_figure_of_which_one_log_is_simulated_is_marked_so(log, tmp_path, figures):
+    logs = log("one.h5"), log("two.h5", source="rig")
+    draw.draw_training(*logs, str(tmp_path / "f.pdf"), str(tmp_path / "f.png"))
+    assert "simulated" in marks(figures[0])[0]
+
+
+def test_mark_is_part_of_the_picture(fig, tmp_path):
+    pictures = []
+    for attributes in ({"source": "sim", "seed": 7}, {"source": "sim", "seed": 8}):
+        style.save(fig, attributes, str(tmp_path / "f.pdf"), str(tmp_path / "f.png"))
+        pictures.append((tmp_path / "f.png").read_bytes())
+        fig.texts[0].remove()
+    assert pictures[0] != pictures[1]
+
+
+def test_figure_of_a_rig_does_not_claim_to_be_simulated(fig, tmp_path):
+    style.save(fig, {"source": "rig"}, str(tmp_path / "f.pdf"), str(tmp_path / "f.png"))
+    assert marks(fig) == ["measured data"]
+
+
+def test_figure_without_a_source_is_not_saved(fig, tmp_path):
+    with pytest.raises(KeyError, match="source"):
+        style.save(fig, {"seed": 7}, str(tmp_path / "f.pdf"), str(tmp_path / "f.png"))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_model_without_a_colour_is_an_error(log, tmp_path):
+    logs = log("one.h5", model="lstm"), log("two.h5", model="lstm")
+    with pytest.raises((KeyError, FprcError), match="lstm"):
+        draw.draw_training(*logs, str(tmp_path / "f.pdf"), str(tmp_path / "f.png"))
+    assert not (tmp_path / "f.pdf").exists()
+
+
+def test_every_model_has_a_colour_of_its_own():
+    colours = [style.COLOURS[model] for model in ("esn", "fprc", "fuzzy_linear")]
+    assert len(set(colours)) == 3
+
+
+def test_figures_are_as_wide_as_the_journal_prints_them():
+    figure, _ = style.figure(1, 1, style.PAGE_IN, 2.0)
+    assert figure.get_size_inches().tolist() == [7.16, 2.0]
+
+
+def test_command_is_drawn_over_time_with_its_unit(axes):
+    time = np.linspace(0.0, 4.0, 50)
+    assert plot_command(time, np.sin(time), axes, "#0b3c5d") is axes
+    assert axes.lines[0].get_ydata() == pytest.approx(np.sin(time))
+    assert axes.get_xlim() == (0.0, 4.0)
+    assert axes.get_xlabel() == "Time [s]"
+    assert "[kPa]" in axes.get_ylabel()
+
+
+def test_loop_joins_neighbouring_samples_and_is_coloured_by_time(axes):
+    x, y, time = np.array([0.0, 1.0, 1.0]), np.array([0.0, 0.0, 5.0]), np.array([0.0, 0.1, 0.2])
+    plot_loop(x, y, time, axes, ("x [kPa]", "y [deg]"))
+    (lines,) = axes.collections
+    assert [segment.tolist() for segment in lines.get_segments()] == [
+        [[0.0, 0.0], [1.0, 0.0]],
+        [[1.0, 0.0], [1.0, 5.0]],
+    ]
+    assert lines.get_array().tolist() == [0.0, 0.1]
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("x [kPa]", "y [deg]")
+    assert axes.get_ylim()[1] >= 5.0
+
+
+def test_fit_shows_truth_and_model(axes):
+    time = np.array([0.0, 1.0, 2.0])
+    plot_fit(time, np.array([1.0, 2.0, 3.0]), np.array([1.5, 2.5, 3.5]), axes, colour="#c0392b")
+    truth, model = axes.lines
+    assert truth.get_ydata().tolist() == [1.0, 2.0, 3.0]
+    assert model.get_ydata().tolist() == [1.5, 2.5, 3.5]
+    assert model.get_color() == "#c0392b"
+    assert "kPa" in axes.get_ylabel()
+
+
+def test_error_is_model_minus_truth_with_its_rmse(axes):
+    time = np.array([0.0, 1.0, 2.0, 3.0])
+    plot_error(time, np.zeros(4), np.array([1.0, -1.0, 5.0, -3.0]), axes, colour="#c0392b")
+    assert axes.lines[0].get_ydata().tolist() == [1.0, -1.0, 5.0, -3.0]
+    assert [text.get_text() for text in axes.texts] == ["RMSE 3.0 kPa"]
+
+
+@pytest.fixture
+def axes():
+    return style.figure(1, 1, style.COLUMN_IN, 2.0)[1]
+
+
+def marks(figure):
+    return [text.get_text() for text in figure.texts]

@@ -1,0 +1,124 @@
+import pytest
+
+from fprc.errors import FprcError
+from fprc.stages.readme import replace_block, update_readme
+
+ORDERS = """seed,fprc_lowest_test,fprc_below_fuzzy_linear,esn_over_fprc_training,source
+101,True,True,0.952,sim
+102,False,True,1.118,sim
+103,True,True,1.0,sim
+"""
+
+
+def block(name, content):
+    return f"<!-- {name}: generated -->\n{content}\n<!-- {name}: end -->"
+
+
+README = "\n".join(
+    [
+        "# Title",
+        "",
+        block("table2", "old"),
+        "Between.",
+        block("table2_seeds", "old"),
+        block("table2_orders", "old"),
+        block("table2_timing", "old"),
+        "",
+        "The end.",
+        "",
+    ]
+)
+
+
+@pytest.fixture
+def project(tmp_path):
+    """A README and the results that go into it."""
+    contents = {
+        "README.md": README,
+        "table2.md": "Table II.\n\n| a |\n|---|\n| 1 ± 2 \\d |\n",
+        "seeds.md": "Over seeds.\n",
+        "orders.csv": ORDERS,
+        "timing.md": "Times.\n",
+    }
+    for name, text in contents.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    (tmp_path / "figure.png").write_bytes(b"\x89PNG picture")
+    return tmp_path
+
+
+def update(project):
+    results = ("table2.md", "seeds.md", "orders.csv", "timing.md", "figure.png")
+    update_readme(
+        *(str(project / name) for name in results),
+        readme=str(project / "README.md"),
+        picture=str(project / "docs" / "picture.png"),
+    )
+    return (project / "README.md").read_text(encoding="utf-8")
+
+
+def test_blocks_are_replaced_and_everything_else_is_kept(project):
+    expected = README
+    for name, new in (
+        ("table2", "Table II.\n\n| a |\n|---|\n| 1 ± 2 \\d |"),
+        ("table2_seeds", "Over seeds."),
+        ("table2_timing", "Times."),
+    ):
+        expected = expected.replace(block(name, "old"), block(name, new))
+    head, tail = expected.split(block("table2_orders", "old"))
+    text = update(project)
+    assert text.startswith(head)
+    assert text.endswith(tail)
+    assert "old" not in text
+
+
+def test_sentence_counts_the_seeds_on_which_the_order_holds(project):
+    text = update(project)
+    assert "lowest test RMSE on 2 of 3" in text
+    assert "training, validation and test on 3 of 3" in text
+    assert "between 0.95 and 1.12" in text
+
+
+def test_picture_is_copied_into_a_folder_that_is_made(project):
+    update(project)
+    assert (project / "docs" / "picture.png").read_bytes() == b"\x89PNG picture"
+
+
+def test_second_update_changes_nothing(project):
+    assert update(project) == update(project)
+
+
+def test_missing_marker_leaves_the_readme_as_it_was(project):
+    spoiled = README.replace("<!-- table2_timing: end -->", "")
+    (project / "README.md").write_text(spoiled, encoding="utf-8")
+    with pytest.raises(FprcError, match="table2_timing"):
+        update(project)
+    assert (project / "README.md").read_text(encoding="utf-8") == spoiled
+    assert not (project / "docs").exists()
+
+
+def test_block_may_hold_what_looks_like_a_group_reference():
+    assert replace_block(block("a", "x"), "a", r"\1 \g<0>") == block("a", r"\1 \g<0>")
+
+
+def test_name_that_begins_another_name_is_not_mixed_up_with_it():
+    text = block("table2_seeds", "x") + "\n" + block("table2", "y")
+    expected = block("table2_seeds", "x") + "\n" + block("table2", "new")
+    assert replace_block(text, "table2", "new") == expected
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "no markers",
+        "<!-- a: generated -->\nno end",
+        "no begin\n<!-- a: end -->",
+        "<!-- a: end -->\nthe wrong way round\n<!-- a: generated -->",
+        block("a", "x") + "\n" + block("a", "x"),
+        "<!-- a: generated -->\nfrom before\n" + block("a", "x"),
+        block("a", "x") + "\n<!-- a: end -->",
+    ],
+    ids=["none", "no end", "no begin", "swapped", "twice", "begins twice", "ends twice"],
+)
+def test_markers_that_are_not_there_exactly_once_are_refused(text):
+    with pytest.raises(FprcError, match="<!-- a: generated --> and <!-- a: end -->"):
+        replace_block(text, "a", "new")

@@ -1,0 +1,303 @@
+import copy
+import io
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+
+from fprc import tables
+from fprc.artifacts import write_csv, write_json
+from fprc.stages import tabulate
+
+ROOT = Path(__file__).parents[2]
+PUBLISHED = yaml.safe_load((ROOT / "config/published.yaml").read_text(encoding="utf-8"))
+
+COLUMNS = [
+    "model", "metric", "unit", "mean", "std", "published_mean", "published_std", "source",
+]  # fmt: skip
+
+#: The first rows of Table II as the paper prints them.
+PRINTED = {
+    "ESN": ["11.5 ± 0.0143", "11.5 ± 0.0479", "16.5"],
+    "FPRC": ["11.6 ± 0.188", "11.7 ± 0.154", "11.0"],
+    "Fuzzy-linear": ["14.9 ± 0.0167", "14.9 ± 0.0587", "16.7"],
+}
+
+
+def report(model, test, train=(10.0, 12.0), validation=(11.0, 14.0)):
+    return {
+        "model": model,
+        "source": "sim",
+        "seed": 1,
+        "target": "command",
+        "split": "shuffled",
+        "train_rmse_kpa": list(train),
+        "validation_rmse_kpa": list(validation),
+        "best_fold": 0,
+        "test_rmse_kpa": test,
+    }
+
+
+REPORTS = [report("esn", 16.0), report("fprc", 12.0), report("fuzzy_linear", 18.0)]
+
+
+def replicate(seed, **test):
+    models = [report(model, error) for model, error in test.items()]
+    return {"seed": seed, "source": "sim", "models": models}
+
+
+REPLICATES = [
+    replicate(101, esn=16.0, fprc=12.0, fuzzy_linear=18.0),
+    replicate(102, esn=14.0, fprc=15.0, fuzzy_linear=19.0),
+]
+
+
+def test_table_2_has_exactly_the_tidy_columns():
+    assert list(tables.comparison(REPORTS, PUBLISHED).columns) == COLUMNS
+
+
+def test_table_2_has_a_row_for_each_model_and_metric():
+    table = tables.comparison(REPORTS, PUBLISHED)
+    assert list(zip(table["model"], table["metric"], strict=True)) == [
+        (model, metric)
+        for model in ("esn", "fprc", "fuzzy_linear")
+        for metric in ("train_rmse", "validation_rmse", "test_rmse")
+    ]
+    assert set(table["unit"]) == {"kPa"}
+    assert set(table["source"]) == {"sim"}
+
+
+def test_table_2_spread_is_over_the_folds_and_a_test_error_has_none():
+    row = by_metric(tables.comparison(REPORTS, PUBLISHED), "fprc")
+    assert row["mean"].tolist() == [11.0, 12.5, 12.0]
+    assert row["std"].tolist()[:2] == [1.0, 1.5]
+    assert pd.isna(row["std"].iloc[2])
+
+
+@pytest.mark.parametrize("model", ["esn", "fprc", "fuzzy_linear"])
+def test_table_2_carries_the_published_numbers(model):
+    row = by_metric(tables.comparison(REPORTS, PUBLISHED), model)
+    printed = PUBLISHED["table_2_models"][model]
+    shown = row[["published_mean", "published_std"]].to_numpy().tolist()
+    assert shown[:2] == [printed["train_rmse_kpa"], printed["validation_rmse_kpa"]]
+    assert shown[2][0] == printed["test_rmse_kpa"]
+    assert pd.isna(shown[2][1])
+
+
+def test_page_of_table_2_shows_ours_beside_the_paper():
+    page = tables.comparison_page(tables.comparison(REPORTS, PUBLISHED))
+    assert list(page.columns) == [
+        "Performance [kPa]",
+        "ESN, ours", "ESN, paper",
+        "FPRC, ours", "FPRC, paper",
+        "Fuzzy-linear, ours", "Fuzzy-linear, paper",
+    ]  # fmt: skip
+    assert page.iloc[:, 0].tolist() == ["Training RMSE", "Validation RMSE", "Test RMSE"]
+    assert page["FPRC, ours"].tolist() == ["11.0 ± 1.00", "12.5 ± 1.50", "12.0"]
+    for name, printed in PRINTED.items():
+        assert page[f"{name}, paper"].tolist() == printed
+
+
+def test_page_does_not_depend_on_the_order_of_the_reports():
+    forward, backward = (
+        tables.comparison_page(tables.comparison(reports, PUBLISHED))
+        for reports in (REPORTS, REPORTS[::-1])
+    )
+    pd.testing.assert_frame_equal(forward, backward)
+
+
+@pytest.mark.parametrize(
+    ("mean", "std", "text"),
+    [
+        (11.6, 0.188, "11.6 ± 0.188"),
+        (11.5, 0.0143, "11.5 ± 0.0143"),
+        (16.0, None, "16.0"),
+        (16.0, np.nan, "16.0"),
+        (0.0, 0.0, "0 ± 0"),
+        (123.4, 4.36, "123 ± 4.36"),
+        (8930.0, 1800.0, "8930 ± 1800"),
+        (-2.345, None, "-2.35"),
+        (0.000123456, None, "0.000123"),
+        (9.999, None, "10.0"),
+        (0.09999, None, "0.100"),
+        (99.96, 0.9996, "100 ± 1.00"),
+    ],
+)
+def test_spread_has_three_significant_digits(mean, std, text):
+    assert tables.spread(mean, std) == text
+
+
+def test_configuration_has_every_setting_of_table_1_with_the_published_value():
+    models = copy.deepcopy(PUBLISHED["table_1_configuration"])
+    models["fprc"]["n_c"] = 16
+    models |= models.pop("shared")
+    table = tables.configuration(configuration_of(models), PUBLISHED)
+    assert list(table.columns) == ["model", "parameter", "value", "published"]
+    assert len(table) == 10
+    differs = table[table["value"] != table["published"]]
+    assert differs.to_numpy().tolist() == [["FPRC", "Fuzzy clusters, n_c", 16, 8]]
+    expected = {"r": 800, "f_input": 0.02, "gamma": 0.8, "rho": 0.4, "epsilon": 0.01,
+                "n_c": 8, "n_u": 3, "sigma": 2.0, "n_y": 5, "alpha": 0.001}  # fmt: skip
+    symbols = [label.rsplit(", ")[-1] for label in table["parameter"]]
+    assert dict(zip(symbols, table["published"], strict=True)) == expected
+
+
+def test_table_over_seeds_has_mean_deviation_and_range():
+    row = by_metric(tables.over_seeds(REPLICATES, PUBLISHED), "fprc").loc["test_rmse"]
+    assert row[["mean", "min", "max", "seeds"]].tolist() == [13.5, 12.0, 15.0, 2]
+    assert row["std"] == pytest.approx(np.std([12.0, 15.0], ddof=1))
+    assert row[["unit", "published_mean", "source"]].tolist() == ["kPa", 11.0, "sim"]
+
+
+def test_table_over_seeds_averages_the_folds_of_each_seed_first():
+    row = by_metric(tables.over_seeds(REPLICATES, PUBLISHED), "esn").loc["train_rmse"]
+    assert row[["mean", "std"]].tolist() == [11.0, 0.0]
+
+
+def test_orders_say_seed_by_seed_what_holds():
+    table = tables.orders(REPLICATES)
+    assert table["seed"].tolist() == [101, 102]
+    assert table["fprc_lowest_test"].tolist() == [True, False]
+    assert table["fprc_below_fuzzy_linear"].tolist() == [False, False]  # equal in training
+    assert table["esn_over_fprc_training"].tolist() == [1.0, 1.0]
+    assert table["training_within_30_percent"].tolist() == [True, True]
+
+
+@pytest.mark.parametrize(
+    ("train", "ratio", "close"), [(13.0, 1.3, True), (13.1, 1.31, False), (7.6, 0.76, False)]
+)
+def test_orders_compare_training_in_both_directions(train, ratio, close):
+    models = [
+        report("esn", 16.0, train=(train, train)),
+        report("fprc", 12.0, train=(10.0, 10.0)),
+        report("fuzzy_linear", 18.0, train=(15.0, 15.0), validation=(16.0, 16.0)),
+    ]
+    row = tables.orders([{"seed": 1, "source": "sim", "models": models}]).iloc[0]
+    assert row["esn_over_fprc_training"] == pytest.approx(ratio)
+    assert bool(row["training_within_30_percent"]) is close
+    assert bool(row["fprc_below_fuzzy_linear"]) is True
+
+
+def times():
+    entries = [
+        {"model": model, "phase": phase, "mode": mode, "samples": 1000, "seconds": [1.0, 3.0]}
+        for model in ("esn", "fprc", "fuzzy_linear")
+        for phase in ("train", "test")
+        for mode in ("sequential", "batch")
+    ]
+    return {"source": "sim", "cpu": "A & B_1 100 %", "threads": 1, "times": entries}
+
+
+def test_times_are_seconds_and_microseconds_per_sample_beside_the_published_ones():
+    table = tables.timing(times(), PUBLISHED)
+    assert len(table) == 12
+    row = table[(table["model"] == "esn") & (table["metric"] == "test_time")].iloc[0]
+    assert row[["mean", "std", "us_per_sample", "repeats"]].tolist() == [2.0, 1.0, 2000.0, 2]
+    assert row[["published_mean", "published_std"]].tolist() == [8.93, 1.8]
+    row = table[(table["model"] == "esn") & (table["metric"] == "train_time")].iloc[0]
+    assert row[["published_mean", "published_std"]].tolist() == [16.6, 3.28]
+    assert set(table["source"]) == {"sim"}
+    assert set(table["threads"]) == {1}
+
+
+def test_page_of_the_times_names_phase_mode_and_both_numbers():
+    page = tables.timing_page(tables.timing(times(), PUBLISHED))
+    assert page.iloc[0].tolist() == [
+        "ESN", "Training", "sequential", "2.00 ± 1.00", "2000", "16.6 ± 3.28"
+    ]  # fmt: skip
+
+
+@pytest.fixture
+def written(tmp_path):
+    """Every table, written as the workflow does it."""
+    published = str(ROOT / "config/published.yaml")
+
+    def files(name):
+        return {kind: str(tmp_path / f"{name}.{kind}") for kind in ("csv", "md", "tex")}
+
+    errors = []
+    for content in REPORTS:
+        errors.append(str(tmp_path / f"{content['model']}.json"))
+        write_json(errors[-1], content)
+    seeds = []
+    for content in REPLICATES[:1]:  # one seed has no deviation
+        seeds.append(str(tmp_path / f"{content['seed']}.json"))
+        write_json(seeds[-1], content)
+    write_json(tmp_path / "times.json", times())
+    models = copy.deepcopy(PUBLISHED["table_1_configuration"])
+    models |= models.pop("shared")
+    tabulate.tabulate_configuration(published, **files("one"), models=configuration_of(models))
+    tabulate.tabulate_comparison(published, errors, **files("two"))
+    orders = str(tmp_path / "orders.csv")
+    tabulate.tabulate_seeds(published, seeds, **files("seeds"), orders=orders)
+    tabulate.tabulate_times(published, str(tmp_path / "times.json"), **files("times"))
+    return {path.name: path.read_text(encoding="utf-8") for path in tmp_path.iterdir()}
+
+
+def test_no_file_of_a_table_says_nan_or_none(written):
+    pages = {name: text for name, text in written.items() if not name.endswith("json")}
+    assert len(pages) == 4 * 3 + 1
+    for name, text in pages.items():
+        assert "nan" not in text.lower().replace("fuzzy-linear", ""), name
+        assert "None" not in text, name
+
+
+def test_csv_of_table_2_has_the_tidy_columns_and_empty_cells_for_no_value(written):
+    lines = written["two.csv"].splitlines()
+    assert lines[0] == ",".join(COLUMNS)
+    assert lines[3] == "esn,test_rmse,kPa,16,,16.5,,sim"
+    assert pd.read_csv(io.StringIO(written["two.csv"]))["std"].isna().sum() == 3
+
+
+@pytest.mark.parametrize("kind", ["md", "tex"])
+def test_pages_show_every_published_number(written, kind):
+    sign = {"md": "±", "tex": "$\\pm$"}[kind]
+    for printed in PRINTED.values():
+        for number in printed:
+            assert f" {number.replace('±', sign)} " in written[f"two.{kind}"]
+
+
+@pytest.mark.parametrize("name", ["two.md", "two.tex", "seeds.md", "seeds.tex"])
+def test_pages_say_that_the_rig_was_simulated(written, name):
+    assert "simulated rig, not hardware" in written[name]
+
+
+def test_page_of_table_2_says_how_it_was_judged(written):
+    assert "2 shuffled folds, seed 1" in written["two.md"]
+    assert "command pressure" in written["two.md"]
+
+
+def test_page_of_the_times_names_repeats_machine_and_threads(written):
+    assert "2 repeats on A & B_1 100 %, 1 thread" in written["times.md"]
+
+
+def test_latex_has_no_bare_special_character(written):
+    for name in ("one.tex", "two.tex", "seeds.tex", "times.tex"):
+        note, tabular = written[name].split("\\begin{tabular}")
+        assert all(line.startswith("%") for line in note.splitlines())
+        assert "±" not in tabular
+        assert "_" not in tabular.replace("\\_", "")
+        assert "%" not in tabular
+
+
+def test_markdown_is_a_table_under_a_note():
+    page = pd.DataFrame({"a": ["1.50"], "b": ["x"]})
+    lines = tables.markdown(page, "A note.").splitlines()
+    assert lines[:2] == ["A note.", ""]
+    assert [cell.strip() for cell in lines[2].strip("|").split("|")] == ["a", "b"]
+    assert [cell.strip() for cell in lines[4].strip("|").split("|")] == ["1.50", "x"]
+
+
+def test_csv_keeps_six_digits(tmp_path):
+    write_csv(tmp_path / "t.csv", pd.DataFrame({"mean": [11.512345678], "std": [None]}))
+    assert (tmp_path / "t.csv").read_text(encoding="utf-8") == "mean,std\n11.5123,\n"
+
+
+def by_metric(table, model):
+    return table[table["model"] == model].set_index("metric")
+
+
+def configuration_of(models):
+    return models | {"shared": models}
