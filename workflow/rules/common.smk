@@ -2,9 +2,15 @@
 MODELS = ["esn", "fprc", "fuzzy_linear"]
 SEEDS = SETTINGS["evaluation"]["replicate_seeds"]
 
-TABLES = [f"{RESULTS}/tables/{name}.md" for name in ("table1", "table2")]
-# further seeds are a matter of the simulated rig; recorded logs have none
-SEEDS_TABLE = [f"{RESULTS}/tables/table2_seeds.md"] if SETTINGS["source"] == "sim" else []
+#: The log that trains the models of a table, and the one that tests them.
+TRAINED_ON = {"2": "sweep", "3": "complex"}
+OTHER = {"sweep": "complex", "complex": "sweep"}
+
+TABLES = [f"{RESULTS}/tables/{name}.md" for name in ("table1", "table2", "table3")]
+REPLICATES = [f"{RESULTS}/replicates/seed_{seed}.json" for seed in SEEDS]
+SEEDS_TABLES = [
+    f"{RESULTS}/tables/{name}" for name in ("table2_seeds.md", "table3_seeds.md", "orders.csv")
+]
 FIGURES = [
     f"{RESULTS}/figures/{name}.pdf"
     for name in ("fig04_hysteresis_actuator", "fig05_hysteresis_reservoir", "fig08_training")

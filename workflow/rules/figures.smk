@@ -35,8 +35,8 @@ rule reservoir_hysteresis:
 
 rule training:
     input:
-        fit=f"{RESULTS}/predictions/fprc_train.h5",
-        prediction=f"{RESULTS}/predictions/fprc_test.h5",
+        fit=f"{RESULTS}/predictions/sweep_fprc_train.h5",
+        prediction=f"{RESULTS}/predictions/sweep_fprc_test.h5",
     output:
         **figure("fig08_training"),
     log:

@@ -1,4 +1,5 @@
 # Sec. III-D: cross-validation, test and execution times of the three models.
+# The log that trains names the direction; the reversed data set trains on `complex`.
 
 JUDGEMENT = {
     "models": SETTINGS["models"],
@@ -9,15 +10,15 @@ JUDGEMENT = {
 
 rule judge:
     input:
-        train=f"{RESULTS}/data/sweep.h5",
-        test=f"{RESULTS}/data/complex.h5",
+        train=f"{RESULTS}/data/{{experiment}}.h5",
+        test=lambda wildcards: f"{RESULTS}/data/{OTHER[wildcards.experiment]}.h5",
     output:
-        errors=f"{RESULTS}/crossval/{{model}}.json",
-        model=f"{RESULTS}/models/{{model}}.h5",
-        fit=f"{RESULTS}/predictions/{{model}}_train.h5",
-        prediction=f"{RESULTS}/predictions/{{model}}_test.h5",
+        errors=f"{RESULTS}/crossval/{{experiment}}_{{model}}.json",
+        model=f"{RESULTS}/models/{{experiment}}_{{model}}.h5",
+        fit=f"{RESULTS}/predictions/{{experiment}}_{{model}}_train.h5",
+        prediction=f"{RESULTS}/predictions/{{experiment}}_{{model}}_test.h5",
     log:
-        f"{RESULTS}/logs/judge_{{model}}.log",
+        f"{RESULTS}/logs/judge_{{experiment}}_{{model}}.log",
     resources:
         mem_mb=2000,
     params:
@@ -26,7 +27,7 @@ rule judge:
         seed=SETTINGS["seed"],
         code=fingerprint("fprc.stages.judge"),
     message:
-        "Cross-validation and test of {wildcards.model}"
+        "Cross-validation and test of {wildcards.model}, trained on {wildcards.experiment}"
     script:
         "../scripts/judge.py"
 
@@ -47,7 +48,7 @@ rule replicate:
         seed=lambda wildcards: int(wildcards.seed),
         code=fingerprint("fprc.stages.judge"),
     message:
-        "Table II again with seed {wildcards.seed}"
+        "Tables II and III again with seed {wildcards.seed}"
     script:
         "../scripts/replicate.py"
 

@@ -1,4 +1,4 @@
-# Tables I and II.
+# Tables I to III.
 
 
 rule configuration_table:
@@ -20,15 +20,20 @@ rule configuration_table:
 rule comparison_table:
     input:
         published="config/published.yaml",
-        errors=expand("{results}/crossval/{model}.json", results=RESULTS, model=MODELS),
+        errors=lambda wildcards: expand(
+            "{results}/crossval/{experiment}_{model}.json",
+            results=RESULTS,
+            experiment=TRAINED_ON[wildcards.number],
+            model=MODELS,
+        ),
     output:
-        **table("tables/table2"),
+        **table("tables/table{number}"),
     log:
-        f"{RESULTS}/logs/table2.log",
+        f"{RESULTS}/logs/table{{number}}.log",
     params:
         code=fingerprint("fprc.stages.tabulate"),
     message:
-        "Table II"
+        "Table {wildcards.number}"
     script:
         "../scripts/comparison_table.py"
 
@@ -36,18 +41,33 @@ rule comparison_table:
 rule seeds_table:
     input:
         published="config/published.yaml",
-        replicates=expand("{results}/replicates/seed_{seed}.json", results=RESULTS, seed=SEEDS),
+        replicates=REPLICATES,
     output:
-        **table("tables/table2_seeds"),
-        orders=f"{RESULTS}/tables/table2_orders.csv",
+        **table("tables/table{number}_seeds"),
     log:
-        f"{RESULTS}/logs/table2_seeds.log",
+        f"{RESULTS}/logs/table{{number}}_seeds.log",
+    params:
+        trained_on=lambda wildcards: TRAINED_ON[wildcards.number],
+        code=fingerprint("fprc.stages.tabulate"),
+    message:
+        "Table {wildcards.number} over further seeds"
+    script:
+        "../scripts/seeds_table.py"
+
+
+rule orders_table:
+    input:
+        replicates=REPLICATES,
+    output:
+        csv=f"{RESULTS}/tables/orders.csv",
+    log:
+        f"{RESULTS}/logs/orders.log",
     params:
         code=fingerprint("fprc.stages.tabulate"),
     message:
-        "Table II over further seeds"
+        "Orders of Tables 2 and 3 on every seed"
     script:
-        "../scripts/seeds_table.py"
+        "../scripts/orders_table.py"
 
 
 rule timing_table:

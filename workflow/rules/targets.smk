@@ -19,9 +19,15 @@ rule table2:
     localrule: True
 
 
+rule table3:
+    input:
+        TABLES[2],
+    localrule: True
+
+
 rule seeds:
     input:
-        f"{RESULTS}/tables/table2_seeds.md",
+        SEEDS_TABLES,
     localrule: True
 
 
@@ -64,8 +70,8 @@ rule smoke:
 rule readme:
     input:
         errors=TABLES[1],
-        seeds=f"{RESULTS}/tables/table2_seeds.md",
-        orders=f"{RESULTS}/tables/table2_orders.csv",
+        seeds=SEEDS_TABLES[0],
+        orders=SEEDS_TABLES[2],
         timing=f"{RESULTS}/timing/table2_timing.md",
         figure=f"{RESULTS}/figures/fig08_training.png",
     log:

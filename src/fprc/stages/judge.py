@@ -96,7 +96,7 @@ def replicate(
     split: str,
     seed: int,
 ) -> None:
-    """Repeat Table II with another seed: another rig, noise, and models."""
+    """Repeat Tables II and III with another seed: another rig, noise, and models."""
     data = {}
     for experiment, signal in signals.items():
         channels = acquire(experiment, signal, control, rig, seed)
@@ -104,7 +104,8 @@ def replicate(
         attributes = {"experiment": experiment, "source": "sim", "target": target, "seed": seed}
         data[experiment] = Data(channels, attributes)
     reports = [
-        _judge(name, models, folds, split, seed, data["sweep"], data["complex"])[1]
+        _judge(name, models, folds, split, seed, data[train], data[test])[1]
+        for train, test in (("sweep", "complex"), ("complex", "sweep"))
         for name in INPUTS
     ]
     write_json(errors, {"seed": seed, "source": "sim", "models": reports})
@@ -144,7 +145,7 @@ def _judge(
     test: Data,
 ) -> tuple[Judgement, dict[str, Any]]:
     X, y = train.pair(name)
-    log.info("%s: features of %d samples", name, len(y))
+    log.info("%s: features of %d samples (%s)", name, len(y), train.attributes["experiment"])
     judged = cross_validate(
         build(name, models, seed),
         X,
@@ -159,6 +160,7 @@ def _judge(
     log.info("%s: best fold %d, test %.2f kPa", name, judged.best + 1, test_rmse)
     return judged, {
         "model": name,
+        "trained_on": train.attributes["experiment"],
         "source": train.attributes["source"],
         "seed": seed,
         "target": train.attributes["target"],

@@ -20,13 +20,20 @@ def tabulate_configuration(
     _write(table, table.astype(str), note, csv, md, tex)
 
 
+_COMPARISONS = {
+    "sweep": "Table II. RMSE of the models, trained on the sweep, tested on the complex log",
+    "complex": "Table III. RMSE with the logs reversed: trained on the complex log, "
+    "tested on the sweep",
+}
+
+
 def tabulate_comparison(published: str, errors: Sequence[str], csv: str, md: str, tex: str) -> None:
-    """Table II: errors of the three models, one seed, spread over folds."""
+    """Tables II and III: errors of the three models, one seed, spread over folds."""
     reports = [read_json(path) for path in errors]
     table = tables.comparison(reports, _published(published))
     first = reports[0]
     note = (
-        f"Table II. RMSE of the models: mean ± standard deviation over "
+        f"{_COMPARISONS[first['trained_on']]}: mean ± standard deviation over "
         f"{len(first['train_rmse_kpa'])} {first['split']} folds, seed {first['seed']}.\n"
         f"Data: {tables.SOURCES[first['source']]}. Target: {first['target']} pressure."
     )
@@ -34,23 +41,22 @@ def tabulate_comparison(published: str, errors: Sequence[str], csv: str, md: str
 
 
 def tabulate_seeds(
-    published: str,
-    replicates: Sequence[str],
-    csv: str,
-    md: str,
-    tex: str,
-    orders: str,
+    published: str, replicates: Sequence[str], csv: str, md: str, tex: str, *, trained_on: str
 ) -> None:
-    """Table II over further seeds, and whether its order holds on each."""
+    """Tables II and III over further seeds."""
     reports = [read_json(path) for path in replicates]
-    table = tables.over_seeds(reports, _published(published))
+    table = tables.over_seeds(reports, _published(published), trained_on)
     note = (
-        f"Table II over {len(reports)} further seeds: mean ± standard deviation over seeds.\n"
-        f"Data: {tables.SOURCES[reports[0]['source']]}; each seed is another draw of sensors, "
-        "noise and models."
+        f"{_COMPARISONS[trained_on]}: mean ± standard deviation over {len(reports)} further "
+        f"seeds.\nData: {tables.SOURCES[reports[0]['source']]}; each seed is another draw of "
+        "sensors, noise and models."
     )
     _write(table, tables.comparison_page(table), note, csv, md, tex)
-    write_csv(orders, tables.orders(reports))
+
+
+def tabulate_orders(replicates: Sequence[str], csv: str) -> None:
+    """Whether the orders of Tables II and III hold on each further seed."""
+    write_csv(csv, tables.orders([read_json(path) for path in replicates]))
 
 
 def tabulate_times(published: str, times: str, csv: str, md: str, tex: str) -> None:
