@@ -21,5 +21,9 @@ class SimulationError(FprcError):
     """The simulated rig left the range in which its physics means anything."""
 
 
+class ControlError(FprcError):
+    """A run on the rig was refused or stopped; the rig is in its safe state."""
+
+
 class EvaluationError(FprcError):
     """Models cannot be judged on this data with these settings."""

@@ -35,10 +35,52 @@ def multisine(
 
 
 def pressure_command(experiment: Mapping[str, Any], sample_rate_hz: float) -> np.ndarray:
-    """P_exp of a hysteresis experiment in kPa, one value per sample (Fig. 4)."""
+    """Return P_exp of a hysteresis experiment in kPa, one value per sample (Fig. 4)."""
     t_s = sample_times(experiment["duration_s"], sample_rate_hz)
     level = {"amplitude": experiment["amplitude_kpa"], "offset": experiment["offset_kpa"]}
     if experiment["form"] == "chirp":
         span = {key: experiment[key] for key in ("duration_s", "f_start_hz", "f_end_hz")}
         return chirp(t_s, **span, **level)
     return multisine(t_s, f_hz=experiment["f_hz"], **level)
+
+
+def reference_angle(reference: Mapping[str, Any], sample_rate_hz: float) -> np.ndarray:
+    """Return theta_d of a tracking experiment in deg, one value per sample (Sec. IV).
+
+    It begins at its lowest value, held for ``settle_s``.
+    """
+    t_s = sample_times(reference["duration_s"], sample_rate_hz)
+    level = {"amplitude": reference["amplitude_deg"], "offset": reference["offset_deg"]}
+    f_hz = reference["f_hz"]
+    if reference["form"] == "chirp":
+        span = {"duration_s": reference["duration_s"], "f_start_hz": f_hz[0], "f_end_hz": f_hz[1]}
+        moving = chirp(t_s, **span, **level)
+    else:
+        moving = multisine(t_s, f_hz=f_hz, **level)
+    return np.concatenate([np.full(round(reference["settle_s"] * sample_rate_hz), moving[0]), moving])
+
+
+def random_pushes(
+    samples: int,
+    sample_rate_hz: float,
+    *,
+    quiet_s: float,
+    every_s: float,
+    sigma_kpa: float,
+    rng: np.random.Generator,
+) -> np.ndarray:
+    """Forces of a hand on the reservoir: half sines of random size, length and time.
+
+    Nothing happens before ``quiet_s``; then a push begins every ``every_s`` on
+    average and lasts 0.2 to 1 s.
+    """
+    t_s = np.arange(samples) / sample_rate_hz
+    force = np.zeros(samples)
+    begin = quiet_s
+    while begin < t_s[-1]:
+        length = rng.uniform(0.2, 1.0)
+        phase = (t_s - begin) / length
+        inside = (phase >= 0.0) & (phase <= 1.0)
+        force[inside] += sigma_kpa * rng.standard_normal() * np.sin(np.pi * phase[inside])
+        begin += rng.exponential(every_s)
+    return force

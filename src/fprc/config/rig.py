@@ -178,6 +178,16 @@ class Reservoir(Section):
     leak_ml_per_s_kpa: float = quantity(
         0.0, "mL/(s kPa)", (0, 0.1), "leak of the hand valve to the room", "sealed: none"
     )
+    bending_stiffness_kpa_per_deg: float = quantity(
+        9.0, "kPa/deg", (2, 20), "stiffness of the reservoir's own bending", "about 40 deg at 440 kPa"
+    )
+    bending_time_s: float = quantity(
+        0.08, "s", (0.02, 0.5), "time constant of the reservoir's own bending", "assumed"
+    )
+    bending_volume_ml_per_deg: float = quantity(
+        0.01, "mL/deg", (0, 0.05), "volume that the reservoir's bending takes from PAM B",
+        "weak, as the paper explains the robustness of P_o",
+    )  # fmt: skip
 
     @model_validator(mode="after")
     def _elements_match(self) -> "Reservoir":

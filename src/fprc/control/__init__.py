@@ -1,7 +1,19 @@
 """What runs on the computer at every sample."""
 
 from fprc.control.hysteresis import hysteresis_law
-from fprc.control.loop import run
+from fprc.control.loop import Aborted, Law, run
+from fprc.control.pd import PD
 from fprc.control.pressure import PressurePI
+from fprc.control.tracking import TRACKING_CHANNELS, refuse_impossible, tracking_law
 
-__all__ = ["PressurePI", "hysteresis_law", "run"]
+__all__ = [
+    "PD",
+    "TRACKING_CHANNELS",
+    "Aborted",
+    "Law",
+    "PressurePI",
+    "hysteresis_law",
+    "refuse_impossible",
+    "run",
+    "tracking_law",
+]

@@ -1,15 +1,14 @@
 """Law of the hysteresis experiments: a fixed P_exp, theta fed to the reservoir."""
 
-from collections.abc import Callable
-
 import numpy as np
 
+from fprc.control.loop import Law
 from fprc.devices import Readings
 
 
 def hysteresis_law(
     p_exp_kpa: np.ndarray, k_in_kpa_per_deg: float, reservoir_limit_kpa: float
-) -> Callable[[int, Readings], tuple[float, float]]:
+) -> Law:
     """Return the set-points of sample k: P_exp(k) and P_i(k) = K_in theta(k).
 
     P_i is kept between 0 and the reservoir's limit (Sec. II-B, Eq. 1).

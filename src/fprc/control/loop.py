@@ -1,15 +1,25 @@
 """The sampled loop: wait, read, decide, write, remember."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from fprc.control.pressure import PressurePI
 from fprc.devices import Device, Readings
 from fprc.devices.protocol import Clock
+from fprc.errors import ControlError, FprcError
 from fprc.logs import RAW_CHANNELS
 
-Law = Callable[[int, Readings], tuple[float, float]]
+#: Gives P_exp and P_i of sample k in kPa, then whatever else is to be remembered.
+Law = Callable[[int, Readings], Sequence[float]]
+
+
+class Aborted(ControlError):
+    """A run ended early; ``channels`` holds what was recorded before."""
+
+    def __init__(self, message: str, channels: dict[str, np.ndarray]):
+        super().__init__(message)
+        self.channels = channels
 
 
 def run(
@@ -20,6 +30,7 @@ def run(
     *,
     main_loop: PressurePI,
     reservoir_loop: PressurePI,
+    extra: tuple[str, ...] = (),
     progress: Callable[[int], None] = lambda k: None,
 ) -> dict[str, np.ndarray]:
     """Run ``law`` for a number of samples and return what happened.
@@ -28,19 +39,32 @@ def run(
     PI loops turn them into valve voltages. The device is made safe at the end,
     whatever ends the run.
 
+    Parameters
+    ----------
+    extra : tuple of str
+        Names of what the law gives beyond the two set-points.
+
     Returns
     -------
     dict of ndarray
-        One array of length ``samples`` for each of ``fprc.logs.RAW_CHANNELS``; row k holds
-        the readings at tick k and what was commanded and written upon them.
+        One array of length ``samples`` for each of ``fprc.logs.RAW_CHANNELS``
+        and of ``extra``; row k holds the readings at tick k and what was
+        commanded and written upon them.
+
+    Raises
+    ------
+    Aborted
+        The law, the device or the loops failed; holds the rows before.
     """
-    rows = np.empty((samples, len(RAW_CHANNELS)))
+    names = (*RAW_CHANNELS, *extra)
+    rows = np.empty((samples, len(names)))
     period_s = main_loop.period_s
+    k = 0
     try:
         for k in range(samples):
             clock.wait_until(k * period_s)
             now = device.read()
-            p_exp, p_i = law(k, now)
+            p_exp, p_i, *more = law(k, now)
             main_v = main_loop.step(p_exp, now.p_exp_kpa)
             reservoir_v = reservoir_loop.step(p_i, now.p_i_kpa)
             device.write(main_v, reservoir_v)
@@ -52,10 +76,15 @@ def run(
                 p_i,
                 now.p_i_kpa,
                 now.p_o_kpa,
+                now.phi_deg,
                 main_v,
                 reservoir_v,
+                *more,
             )
             progress(k + 1)
+    except FprcError as error:
+        recorded = dict(zip(names, rows[:k].T.copy(), strict=True))
+        raise Aborted(f"run stopped after {k} samples: {error}", recorded) from error
     finally:
         device.safe()
-    return dict(zip(RAW_CHANNELS, rows.T.copy(), strict=True))
+    return dict(zip(names, rows.T.copy(), strict=True))

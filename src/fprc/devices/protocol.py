@@ -7,13 +7,14 @@ NEUTRAL_V = 5.0
 
 
 class Readings(NamedTuple):
-    """One sample of all sensors. Pressures are gauge."""
+    """One sample of all sensors. Pressures are gauge; phi is the reservoir's bending."""
 
     time_s: float
     p_exp_kpa: float
     theta_deg: float
     p_i_kpa: float
     p_o_kpa: float
+    phi_deg: float
 
 
 class Device(Protocol):

@@ -1,6 +1,6 @@
 """The simulated rig behind the device protocol."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -32,9 +32,21 @@ class SimulatedRig:
         two experiments on the same rig.
     sample_rate_hz : float
         Ticks per second.
+    push_kpa : callable, optional
+        Force from outside on the reservoir's bending as a function of the
+        tick, as a hand would apply it; none if left out.
     """
 
-    def __init__(self, rig: Mapping, *, seed: int, run: int, sample_rate_hz: float):
+    def __init__(
+        self,
+        rig: Mapping,
+        *,
+        seed: int,
+        run: int,
+        sample_rate_hz: float,
+        push_kpa: Callable[[int], float] = lambda tick: 0.0,
+    ):
+        self._push_kpa = push_kpa
         self._period_s = 1.0 / sample_rate_hz
         self._substeps = int(rig["substeps"])
         self._rig = record(rig)
@@ -42,7 +54,7 @@ class SimulatedRig:
         self._rng = np.random.default_rng([seed, run + 1])
         self._state = initial_state(rig, self._rng)
         self._valve_v = np.full(2, NEUTRAL_V)
-        self._reading = np.zeros(4)
+        self._reading = np.zeros(5)
         self._noise = np.empty((0, NOISE_PER_TICK))
         self._tick = -1
         sensor = rig["pressure_sensor"]
@@ -68,7 +80,7 @@ class SimulatedRig:
 
     def read(self) -> Readings:
         """Return the sensor readings of the current tick."""
-        p_exp, p_i, p_o, theta = self._reading.tolist()
+        p_exp, p_i, p_o, theta, phi = self._reading.tolist()
         zero, gain = self._zero_v, self._kpa_per_v
         return Readings(
             self._tick * self._period_s,
@@ -76,6 +88,7 @@ class SimulatedRig:
             theta,
             (p_i - zero) * gain,
             (p_o - zero) * gain,
+            phi,
         )
 
     def write(self, main_v: float, reservoir_v: float) -> None:
@@ -101,6 +114,7 @@ class SimulatedRig:
             self._rig,
             self._instruments,
             self._valve_v,
+            self._push_kpa(self._tick),
             self._noise[row],
             self._period_s,
             substeps,

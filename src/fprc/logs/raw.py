@@ -19,6 +19,7 @@ RAW_CHANNELS = (
     "p_i_command_kpa",
     "p_i_kpa",
     "p_o_kpa",
+    "phi_deg",
     "valve_main_v",
     "valve_reservoir_v",
 )
@@ -36,8 +37,9 @@ def write_raw(
     seed: int,
     software: str,
     rig: Mapping[str, Any],
+    aborted: str = "",
 ) -> None:
-    """Write a raw log.
+    """Write a raw log; channels beyond ``RAW_CHANNELS`` are kept too.
 
     Parameters
     ----------
@@ -45,6 +47,8 @@ def write_raw(
         ``sim``, ``rig`` or ``import``: simulated, recorded here, brought in.
     rig : Mapping
         Configuration of rig and control, kept as JSON.
+    aborted : str
+        Why the run ended early; empty if it did not.
     """
     attributes = {
         "experiment": experiment,
@@ -54,8 +58,12 @@ def write_raw(
         "seed": seed,
         "software": software,
         "rig": json.dumps(rig),
+        "aborted": aborted,
     }
-    write_columns(path, {name: channels[name] for name in RAW_CHANNELS}, attributes)
+    missing = [name for name in RAW_CHANNELS if name not in channels]
+    if missing:
+        raise LogError(f"{path}: not written, channels {', '.join(missing)} are missing")
+    write_columns(path, channels, attributes)
 
 
 def refuse_to_overwrite(paths: Sequence[Path | str]) -> None:

@@ -9,7 +9,7 @@ def squeeze_rate(reservoir, squeezed_ml, slip_force, p_active_kpa, p_passive_kpa
 
     c_s s' = p_A - (Tc + mu p_A) slip - k_s s - g (P_o - P_o(0))
 
-    The squeeze is not coupled to the reservoir's bending: the fabric is pulled
+    The squeeze is not driven by the reservoir's bending: the fabric is pulled
     by the inflation of the active chamber alone, which is the paper's own
     explanation of why disturbances leave P_o alone (Sec. IV).
     """
@@ -18,3 +18,21 @@ def squeeze_rate(reservoir, squeezed_ml, slip_force, p_active_kpa, p_passive_kpa
     net -= reservoir.squeeze_stiffness_kpa_per_ml * squeezed_ml
     net -= reservoir.back_pressure_gain * (p_passive_kpa - reservoir.precharge_kpa)
     return net / reservoir.squeeze_damping_kpa_s_per_ml
+
+
+@kernel
+def bending_rate(reservoir, phi, p_active_kpa, p_passive_kpa, push_kpa):
+    """Rate of the reservoir's own bending angle, deg/s.
+
+    tau phi' = (p_A - P_o + P_o(0) + push) / k - phi, where the push is a force from outside.
+    The bending reads out nothing; it takes a little volume from PAM B.
+    """
+    drive = p_active_kpa - p_passive_kpa + reservoir.precharge_kpa + push_kpa
+    return (drive / reservoir.bending_stiffness_kpa_per_deg - phi) / reservoir.bending_time_s
+
+
+@kernel
+def passive_volume(reservoir, squeezed_ml, phi):
+    """Volume left to the gas in PAM B, mL."""
+    bent = reservoir.bending_volume_ml_per_deg * phi
+    return reservoir.passive_volume_ml - squeezed_ml - bent

@@ -14,20 +14,20 @@ from fprc.rig.chamber import ATMOSPHERE_KPA, pressure_rate, sealed_pressure
 from fprc.rig.compiled import kernel
 from fprc.rig.friction import slip
 from fprc.rig.parameters import record
-from fprc.rig.reservoir import squeeze_rate
+from fprc.rig.reservoir import bending_rate, passive_volume, squeeze_rate
 from fprc.rig.sensors import converted, pressure_voltage, quantise
 from fprc.rig.valve import mass_flow, opening, spool_acceleration
 
 #: Standard normal numbers that one tick consumes: three pressure sensors, the
-#: drift, the slow error of the bend sensor, and up to two of its samples.
-NOISE_PER_TICK = 7
+#: drift, the slow error of the bend sensor, and up to two samples of both angles.
+NOISE_PER_TICK = 9
 
 #: Order of the pressure sensors in every array of three.
 PRESSURE_SENSORS = ("p_main", "p_i", "p_o")
 
 #: What ``advance`` returns when the state has left all physical range.
 DIVERGED = {1: "pressure of the main chamber", 2: "pressure of PAM A", 3: "bending angle",
-            4: "squeezed volume of PAM B"}  # fmt: skip
+            4: "volume of PAM B"}  # fmt: skip
 
 
 def initial_state(rig: Mapping, rng: np.random.Generator) -> np.ndarray:
@@ -50,6 +50,7 @@ def initial_state(rig: Mapping, rng: np.random.Generator) -> np.ndarray:
             "drift_kpa": rig["drift"]["sigma_kpa"] * rng.standard_normal(),
             "p_i_kpa_abs": ATMOSPHERE_KPA,
             "squeezed_ml": 0.0,
+            "phi_deg": 0.0,
             "passive_gas_kpa_ml": gas,
             "squeeze_slip_ml": [0.0] * len(reservoir["slip_distance_ml"]),
             "sensed_kpa": [0.0, 0.0, reservoir["precharge_kpa"]],
@@ -57,6 +58,7 @@ def initial_state(rig: Mapping, rng: np.random.Generator) -> np.ndarray:
             "bend_next_s": -rng.uniform() / rig["bend_sensor"]["rate_hz"],
             "bend_slow_deg": rig["bend_sensor"]["slow_error_deg"] * rng.standard_normal(),
             "bend_held_deg": 0.0,
+            "phi_held_deg": 0.0,
         }
     )
 
@@ -72,7 +74,9 @@ def draw_instruments(rig: Mapping, rng: np.random.Generator) -> np.ndarray:
 
 
 @kernel
-def advance(states, rigs, instruments, valve_v, noise, period_s, substeps, reading):
+def advance(
+    states, rigs, instruments, valve_v, push_kpa, noise, period_s, substeps, reading
+):
     """Advance the rig by ``substeps`` steps of ``period_s / substeps`` and sense it.
 
     Parameters
@@ -81,12 +85,15 @@ def advance(states, rigs, instruments, valve_v, noise, period_s, substeps, readi
         State (changed in place), parameters and calibration errors.
     valve_v : ndarray of shape (2,)
         Voltages held on the main and the reservoir valve over the tick.
+    push_kpa : float
+        Force from outside on the reservoir's bending over the tick.
     noise : ndarray of shape (NOISE_PER_TICK,)
         Standard normal numbers for this tick.
     substeps : int
         0 senses the state as it is.
-    reading : ndarray of shape (4,)
-        Filled with three transducer voltages and the bending angle in deg.
+    reading : ndarray of shape (5,)
+        Filled with three transducer voltages, the bending angle of the
+        actuator and that of the reservoir in deg.
 
     Returns
     -------
@@ -101,7 +108,7 @@ def advance(states, rigs, instruments, valve_v, noise, period_s, substeps, readi
     for _ in range(substeps):
         _valves(state, rig, valve_v, dt)
         _actuator(state, rig, dt)
-        _reservoir(state, rig, dt)
+        _reservoir(state, rig, push_kpa, dt)
         _lag(state, rig, dt)
         state.time_s += dt
         bend_noise = _bend_sample(state, rig, noise, bend_noise)
@@ -176,14 +183,16 @@ def _actuator(state, rig, dt):
 
 
 @kernel
-def _reservoir(state, rig, dt):
+def _reservoir(state, rig, push_kpa, dt):
     chamber, reservoir = rig.reservoir_chamber, rig.reservoir
-    passive_ml = reservoir.passive_volume_ml - state.squeezed_ml
+    passive_ml = passive_volume(reservoir, state.squeezed_ml, state.phi_deg)
     p_o = sealed_pressure(state.passive_gas_kpa_ml, passive_ml)
     state.passive_gas_kpa_ml -= dt * reservoir.leak_ml_per_s_kpa * p_o * ATMOSPHERE_KPA
     before = state.squeezed_ml
     force = slip(state.squeeze_slip_ml, 0.0, reservoir.slip_distance_ml, reservoir.slip_weight)
     rate = squeeze_rate(reservoir, before, force, state.p_i_kpa_abs - ATMOSPHERE_KPA, p_o)
+    p_i = state.p_i_kpa_abs - ATMOSPHERE_KPA
+    state.phi_deg += dt * bending_rate(reservoir, state.phi_deg, p_i, p_o, push_kpa)
     state.squeezed_ml = max(before + dt * rate, 0.0)
     rate = (state.squeezed_ml - before) / dt
     slip(state.squeeze_slip_ml, rate * dt, reservoir.slip_distance_ml, reservoir.slip_weight)
@@ -199,7 +208,7 @@ def _reservoir(state, rig, dt):
 
 @kernel
 def _lag(state, rig, dt):
-    passive_ml = rig.reservoir.passive_volume_ml - state.squeezed_ml
+    passive_ml = passive_volume(rig.reservoir, state.squeezed_ml, state.phi_deg)
     truth = (
         state.p_main_kpa_abs - ATMOSPHERE_KPA,
         state.p_i_kpa_abs - ATMOSPHERE_KPA,
@@ -216,9 +225,12 @@ def _lag(state, rig, dt):
 def _bend_sample(state, rig, noise, column):
     sensor = rig.bend_sensor
     while state.bend_next_s <= state.time_s:
-        white = sensor.noise_deg * noise[min(column, noise.size - 1)]
-        angle = state.theta_deg + state.bend_slow_deg + white
+        sample = min(column, 6)
+        angle = state.theta_deg + state.bend_slow_deg + sensor.noise_deg * noise[sample]
         state.bend_held_deg = quantise(angle, sensor.step_deg)
+        # the reservoir's sensor shares the bus and so the instant
+        angle = state.phi_deg + sensor.noise_deg * noise[sample + 2]
+        state.phi_held_deg = quantise(angle, sensor.step_deg)
         state.bend_next_s += 1.0 / sensor.rate_hz
         column += 1
     return column
@@ -239,6 +251,7 @@ def _sense(state, rig, instrument, noise, reading):
         )
         reading[i] = converted(volts, rig.converter.step_v, rig.converter.limit_v)
     reading[3] = state.bend_held_deg
+    reading[4] = state.phi_held_deg
 
 
 @kernel
@@ -250,6 +263,7 @@ def _health(state, rig):
         return 2
     if not (-180.0 < state.theta_deg < 180.0):
         return 3
-    if not (0.0 <= state.squeezed_ml < 0.99 * rig.reservoir.passive_volume_ml):
+    left_ml = passive_volume(rig.reservoir, state.squeezed_ml, state.phi_deg)
+    if not (0.01 * rig.reservoir.passive_volume_ml < left_ml):
         return 4
     return 0

@@ -1,0 +1,124 @@
+"""Law of the tracking experiments: feedforward, feedback, or both (Sec. IV)."""
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from fprc.control.loop import Law
+from fprc.control.pd import PD
+from fprc.devices import Readings
+from fprc.errors import ControlError
+
+#: What a tracking law adds to the channels of a raw log.
+TRACKING_CHANNELS = ("theta_d_deg", "p_ff_kpa", "p_fb_kpa")
+
+Feedforward = Callable[[float, Readings], float]
+
+
+def tracking_law(
+    theta_d_deg: np.ndarray,
+    *,
+    k_in_kpa_per_deg: float,
+    pressure_limit_kpa: float,
+    feedforward: Feedforward | None = None,
+    feedback: PD | None = None,
+    stale_samples: int = 40,
+) -> Law:
+    """Return the law P_d = P_ff + P_fb with P_i = K_in theta_d.
+
+    Parameters
+    ----------
+    theta_d_deg : ndarray of shape (n_samples,)
+        Reference; see ``refuse_impossible``.
+    pressure_limit_kpa : float
+        P_d is kept between 0 and this.
+    feedforward : callable, optional
+        Gives P_ff of theta_d and the readings of the sample; 0 if left out.
+    feedback : PD, optional
+        Gives P_fb; 0 if left out.
+    stale_samples : int
+        A bend sensor that repeats one value longer than this while the
+        reference moves has frozen.
+
+    Raises
+    ------
+    ControlError
+        From the law: an output or a reading is not finite, or a sensor froze;
+        names the sample.
+    """
+    references = np.asarray(theta_d_deg, dtype=float).tolist()
+    watch = _Watch(stale_samples)
+
+    def law(k: int, now: Readings) -> Sequence[float]:
+        theta_d = references[k]
+        watch.check(k, theta_d, now)
+        p_ff = 0.0 if feedforward is None else feedforward(theta_d, now)
+        p_fb = 0.0 if feedback is None else feedback.step(theta_d, now.theta_deg)
+        if not math.isfinite(p_ff + p_fb):
+            raise ControlError(
+                f"sample {k}: the controller gave P_ff = {p_ff}, P_fb = {p_fb} kPa at theta_d = "
+                f"{theta_d:.2f} deg; both must be finite, check model and gains"
+            )
+        p_d = min(max(p_ff + p_fb, 0.0), pressure_limit_kpa)
+        return p_d, k_in_kpa_per_deg * theta_d, theta_d, p_ff, p_fb
+
+    return law
+
+
+def refuse_impossible(
+    theta_d_deg: np.ndarray,
+    sample_rate_hz: float,
+    *,
+    angle_range_deg: tuple[float, float],
+    k_in_kpa_per_deg: float,
+    reservoir_limit_kpa: float,
+) -> None:
+    """Check a reference before the rig moves.
+
+    Raises
+    ------
+    ControlError
+        Names the first time and value at which the reference leaves the
+        actuator's range, or pushes P_i = K_in theta_d over the limit.
+    """
+    low, high = angle_range_deg
+    problems = []
+    outside = np.flatnonzero((theta_d_deg < low) | (theta_d_deg > high))
+    if outside.size:
+        k = outside[0]
+        problems.append(
+            f"theta_d = {theta_d_deg[k]:.2f} deg at t = {k / sample_rate_hz:.3f} s leaves the "
+            f"actuator's range of {low:g} to {high:g} deg; reduce amplitude or offset"
+        )
+    beyond = np.flatnonzero(k_in_kpa_per_deg * theta_d_deg > reservoir_limit_kpa)
+    if beyond.size:
+        k = beyond[0]
+        problems.append(
+            f"P_i = {k_in_kpa_per_deg * theta_d_deg[k]:.1f} kPa at t = {k / sample_rate_hz:.3f} s "
+            f"exceeds the reservoir's limit of {reservoir_limit_kpa:g} kPa; reduce theta_d or K_in"
+        )
+    if problems:
+        raise ControlError("\n".join(problems))
+
+
+class _Watch:
+    """Notices readings that are not finite, and a bend sensor that froze."""
+
+    def __init__(self, stale_samples: int):
+        self.limit = stale_samples
+        self.held = math.nan
+        self.since = 0
+        self.theta_d = math.nan
+
+    def check(self, k: int, theta_d: float, now: Readings) -> None:
+        if not math.isfinite(sum(now)):
+            missing = [name for name, value in now._asdict().items() if not math.isfinite(value)]
+            raise ControlError(f"sample {k}: no reading of {', '.join(missing)}; check the sensor")
+        if now.theta_deg != self.held:
+            self.held, self.since, self.theta_d = now.theta_deg, k, theta_d
+        elif k - self.since > self.limit and abs(theta_d - self.theta_d) > 2.0:
+            raise ControlError(
+                f"sample {k}: theta_deg has been {now.theta_deg} for {k - self.since} samples "
+                "while the reference moved; the bend sensor is frozen, check its cable"
+            )

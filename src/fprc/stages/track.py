@@ -1,0 +1,216 @@
+"""Closed-loop runs of Sec. IV: feedforward, feedback, and both."""
+
+import logging
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fprc import __version__
+from fprc.artifacts import read_json, write_json
+from fprc.control import (
+    PD,
+    TRACKING_CHANNELS,
+    Aborted,
+    PressurePI,
+    refuse_impossible,
+    run,
+    tracking_law,
+)
+from fprc.devices import SimulatedRig
+from fprc.evaluation import rmse
+from fprc.logs import write_raw
+from fprc.models import SequenceModel, load_model
+from fprc.signals import random_pushes, reference_angle
+
+log = logging.getLogger(__name__)
+
+#: Which parts each controller has: feedforward, and which gains of the PD.
+CONTROLLERS = {
+    "fprc": (True, None),
+    "fprc_pd_printed": (True, "printed"),
+    "fprc_pd_identified": (True, "identified"),
+    "pd_printed": (False, "printed"),
+    "pd_identified": (False, "identified"),
+}
+
+#: Number of each run on the rig; with the seed it decides the noise.
+_RUNS = {name: 10 * (i + 1) for i, name in enumerate(
+    ("sine_0p2", "sine_0p5", "sweep", "complex", "disturbance", "identification")
+)}  # fmt: skip
+
+
+class Track(NamedTuple):
+    """Settings that every tracking run shares."""
+
+    tracking: Mapping[str, Any]
+    control: Mapping[str, Any]
+    rig: Mapping[str, Any]
+    seed: int
+
+    def reference(self, name: str) -> np.ndarray:
+        """Return theta_d, refused if the rig could not follow it."""
+        rate_hz = self.control["sample_rate_hz"]
+        theta_d = reference_angle(self.tracking["references"][name], rate_hz)
+        refuse_impossible(
+            theta_d,
+            rate_hz,
+            angle_range_deg=self.tracking["angle_range_deg"],
+            k_in_kpa_per_deg=self.control["k_in_kpa_per_deg"],
+            reservoir_limit_kpa=self.control["reservoir_limit_kpa"],
+        )
+        return theta_d
+
+    def pushes(self, samples: int) -> np.ndarray:
+        """Return the forces of the disturbance test."""
+        rng = np.random.default_rng([self.seed, 4711])
+        rate_hz = self.control["sample_rate_hz"]
+        return random_pushes(samples, rate_hz, rng=rng, **self.tracking["pushes"])
+
+    def drive(
+        self,
+        theta_d: np.ndarray,
+        model: SequenceModel | None,
+        gains: Mapping[str, float] | None,
+        number: int,
+        pushes: np.ndarray | None = None,
+    ) -> dict[str, np.ndarray]:
+        """Run one controller on the rig and return its channels."""
+        control = self.control
+        period_s = 1.0 / control["sample_rate_hz"]
+        push = {} if pushes is None else {"push_kpa": _held(pushes)}
+        device = SimulatedRig(
+            self.rig,
+            seed=self.seed,
+            run=number,
+            sample_rate_hz=control["sample_rate_hz"],
+            **push,
+        )
+        if model is not None:
+            model.reset()
+        law = tracking_law(
+            theta_d,
+            k_in_kpa_per_deg=control["k_in_kpa_per_deg"],
+            pressure_limit_kpa=self.tracking["pressure_limit_kpa"],
+            feedforward=None if model is None else _feedforward(model),
+            feedback=None if gains is None else PD(**gains, period_s=period_s),
+        )
+        return run(
+            device,
+            device,
+            law,
+            len(theta_d),
+            main_loop=PressurePI(**control["main_loop"], period_s=period_s),
+            reservoir_loop=PressurePI(**control["reservoir_loop"], period_s=period_s),
+            extra=TRACKING_CHANNELS,
+        )
+
+
+def tracking_error(channels: Mapping[str, np.ndarray], settle_s: float) -> np.ndarray:
+    """theta_d - theta after the settling time, deg."""
+    judged = channels["time_s"] >= settle_s
+    return (channels["theta_d_deg"] - channels["theta_deg"])[judged]
+
+
+def identify_gain(
+    model: str,
+    gains: str,
+    *,
+    tracking: Mapping[str, Any],
+    control: Mapping[str, Any],
+    rig: Mapping[str, Any],
+    seed: int,
+) -> None:
+    """Find the P gain with the least error on a reference outside Table IV.
+
+    The D gain keeps its printed ratio to the P gain.
+    """
+    bench = Track(tracking, control, rig, seed)
+    feedforward = load_model(model)
+    write_json(gains, bench_gain(bench, feedforward))
+
+
+def bench_gain(bench: Track, feedforward: SequenceModel) -> dict[str, Any]:
+    """Return the identified gains and the error of every candidate."""
+    printed = bench.tracking["printed_gains"]
+    ratio_s = printed["kd_kpa_s_per_deg"] / printed["kp_kpa_per_deg"]
+    theta_d = bench.reference("disturbance")
+    settle_s = bench.tracking["references"]["disturbance"]["settle_s"]
+    tried = []
+    for kp in bench.tracking["candidate_kp_kpa_per_deg"]:
+        gains = {"kp_kpa_per_deg": kp, "kd_kpa_s_per_deg": kp * ratio_s}
+        channels = bench.drive(theta_d, feedforward, gains, _RUNS["identification"])
+        error = tracking_error(channels, settle_s)
+        tried.append({**gains, "rmse_deg": rmse(error, np.zeros_like(error))})
+        log.info("kp = %g kPa/deg: %.3f deg", kp, tried[-1]["rmse_deg"])
+    best = min(tried, key=lambda entry: entry["rmse_deg"])
+    return {
+        "printed": dict(printed),
+        "identified": {name: best[name] for name in printed},
+        "reference": "disturbance, without pushes",
+        "candidates": tried,
+        "source": "sim",
+        "seed": bench.seed,
+    }
+
+
+def track(
+    model: str,
+    gains: str,
+    raw: Sequence[str],
+    *,
+    reference: str,
+    controllers: Sequence[str],
+    tracking: Mapping[str, Any],
+    control: Mapping[str, Any],
+    rig: Mapping[str, Any],
+    seed: int,
+) -> None:
+    """Follow one reference with every controller; one raw log each.
+
+    Raises
+    ------
+    ControlError
+        The reference is impossible, or a run was stopped; what it recorded
+        is then kept beside the log as ``*.aborted.h5``.
+    """
+    bench = Track(tracking, control, rig, seed)
+    feedforward = load_model(model)
+    known_gains = read_json(gains)
+    theta_d = bench.reference(reference)
+    pushes = bench.pushes(len(theta_d)) if reference == "disturbance" else None
+    for path, controller in zip(raw, controllers, strict=True):
+        has_model, which = CONTROLLERS[controller]
+        chosen = None if which is None else known_gains[which]
+        number = _RUNS[reference] + list(CONTROLLERS).index(controller)
+        description = {
+            "experiment": f"track_{reference}_{controller}",
+            "source": "sim",
+            "sample_rate_hz": control["sample_rate_hz"],
+            "seed": seed,
+            "software": f"fprc {__version__}",
+            "rig": {"rig": rig, "control": control, "tracking": tracking, "gains": chosen},
+        }
+        try:
+            channels = bench.drive(
+                theta_d, feedforward if has_model else None, chosen, number, pushes
+            )
+        except Aborted as stopped:
+            rescued = path.replace(".h5", ".aborted.h5")
+            write_raw(rescued, stopped.channels, **description, aborted=str(stopped))
+            log.error("kept what was recorded in %s", rescued)
+            raise
+        write_raw(path, channels, **description)
+        error = tracking_error(channels, tracking["references"][reference]["settle_s"])
+        log.info("%s: RMSE %.3f deg", controller, rmse(error, np.zeros_like(error)))
+
+
+def _feedforward(model: SequenceModel):
+    if model.n_features_in_ == 1:
+        return lambda theta_d, now: model.step((theta_d,))
+    return lambda theta_d, now: model.step((theta_d, now.p_o_kpa))
+
+
+def _held(values: np.ndarray):
+    listed = values.tolist()
+    return lambda tick: listed[min(max(tick, 0), len(listed) - 1)]
