@@ -36,12 +36,15 @@ wildcard_constraints:
     experiment="|".join(EXPERIMENTS),
     model="|".join(MODELS),
     number="|".join(TRAINED_ON),
+    reference="|".join(SETTINGS["tracking"]["references"]),
+    sweep="epsilon|n_c|taps",
     seed=r"\d+",
 
 
 include: "workflow/rules/targets.smk"
 include: "workflow/rules/logs.smk"
 include: "workflow/rules/models.smk"
+include: "workflow/rules/control.smk"
 include: "workflow/rules/tables.smk"
 include: "workflow/rules/figures.smk"
 
@@ -52,6 +55,6 @@ rule all:
         TABLES,
         # further seeds are a matter of the simulated rig; recorded logs have none
         SEEDS_TABLES if SETTINGS["source"] == "sim" else [],
-        FIGURES,
+        FIGURES.values(),
         TIMING,
     localrule: True

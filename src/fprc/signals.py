@@ -57,7 +57,8 @@ def reference_angle(reference: Mapping[str, Any], sample_rate_hz: float) -> np.n
         moving = chirp(t_s, **span, **level)
     else:
         moving = multisine(t_s, f_hz=f_hz, **level)
-    return np.concatenate([np.full(round(reference["settle_s"] * sample_rate_hz), moving[0]), moving])
+    settling = np.full(round(reference["settle_s"] * sample_rate_hz), moving[0])
+    return np.concatenate([settling, moving])
 
 
 def random_pushes(
@@ -69,7 +70,7 @@ def random_pushes(
     sigma_kpa: float,
     rng: np.random.Generator,
 ) -> np.ndarray:
-    """Forces of a hand on the reservoir: half sines of random size, length and time.
+    """Return forces of a hand: half sines of random size, length and time, kPa.
 
     Nothing happens before ``quiet_s``; then a push begins every ``every_s`` on
     average and lasts 0.2 to 1 s.

@@ -19,6 +19,16 @@ SOURCES = {
 _ERRORS = {"train_rmse": "Training RMSE", "validation_rmse": "Validation RMSE",
            "test_rmse": "Test RMSE"}  # fmt: skip
 
+CONTROLLER_NAMES = {"fprc": "FPRC", "fprc_pd": "FPRC+PD", "pd": "PD"}
+
+REFERENCE_NAMES = {
+    "sine_0p2": "Sine 0.2 Hz",
+    "sine_0p5": "Sine 0.5 Hz",
+    "sweep": "Sweep",
+    "complex": "Complex",
+    "disturbance": "Sine 0.3 Hz, disturbed",
+}
+
 #: Where ``config/published.yaml`` has the errors, by the log that trained.
 PRINTED = {"sweep": "table_2_models", "complex": "table_3_reversed"}
 
@@ -136,6 +146,58 @@ def orders(replicates: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
 
 def _lowest(tests: Mapping[tuple[str, str], float], trained_on: str) -> str:
     return min(MODEL_NAMES, key=lambda model: tests[trained_on, model])
+
+
+def tracking(
+    runs: Sequence[Mapping[str, Any]], gains: Mapping[str, Any], published: Mapping[str, Any]
+) -> pd.DataFrame:
+    """Table IV: errors of every controller on every reference, tidy.
+
+    Parameters
+    ----------
+    runs : sequence of mapping
+        ``controller``, ``gain`` (none, printed, identified), ``reference``,
+        ``error_deg`` (theta_d - theta of the judged samples) and ``source``.
+    gains : mapping
+        Gains of the PD controller by their name.
+    """
+    printed = published["table_4_tracking_rmse_deg"]
+    rows = []
+    for run in runs:
+        error = np.asarray(run["error_deg"])
+        rows.append(
+            {
+                "controller": run["controller"],
+                "gain": run["gain"],
+                "reference": run["reference"],
+                "rmse_deg": np.sqrt(np.mean(error**2)),
+                "max_abs_error_deg": np.abs(error).max(),
+                "published_rmse_deg": printed.get(run["controller"], {}).get(run["reference"]),
+                "kp_kpa_per_deg": gains.get(run["gain"], {}).get("kp_kpa_per_deg"),
+                "source": run["source"],
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def tracking_page(table: pd.DataFrame) -> pd.DataFrame:
+    """Return Table IV as the paper prints it, ours beside the published numbers."""
+    page = []
+    for (controller, gain), rows in table.groupby(["controller", "gain"], sort=False):
+        kp = rows["kp_kpa_per_deg"].iloc[0]
+        label = CONTROLLER_NAMES[controller]
+        line = {
+            "RMSE [deg]": label if pd.isna(kp) else f"{label}, {gain} gain ({kp:g} kPa/deg)",
+            "Whose": "ours",
+        }
+        theirs = {"RMSE [deg]": label, "Whose": "paper"}
+        for row in rows.itertuples():
+            line[REFERENCE_NAMES[row.reference]] = spread(row.rmse_deg, None)
+            theirs[REFERENCE_NAMES[row.reference]] = spread(row.published_rmse_deg, None)
+        page.append(line)
+        if rows["published_rmse_deg"].notna().any() and gain != "printed":
+            page.append(theirs)
+    return pd.DataFrame(page)
 
 
 def timing(report: Mapping[str, Any], published: Mapping[str, Any]) -> pd.DataFrame:

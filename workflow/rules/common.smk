@@ -6,16 +6,44 @@ SEEDS = SETTINGS["evaluation"]["replicate_seeds"]
 TRAINED_ON = {"2": "sweep", "3": "complex"}
 OTHER = {"sweep": "complex", "complex": "sweep"}
 
-TABLES = [f"{RESULTS}/tables/{name}.md" for name in ("table1", "table2", "table3")]
+TABLES = [f"{RESULTS}/tables/{name}.md" for name in ("table1", "table2", "table3", "table4")]
 REPLICATES = [f"{RESULTS}/replicates/seed_{seed}.json" for seed in SEEDS]
 SEEDS_TABLES = [
     f"{RESULTS}/tables/{name}" for name in ("table2_seeds.md", "table3_seeds.md", "orders.csv")
 ]
-FIGURES = [
-    f"{RESULTS}/figures/{name}.pdf"
-    for name in ("fig04_hysteresis_actuator", "fig05_hysteresis_reservoir", "fig08_training")
-]
+FIGURES = {
+    name.split("_")[0]: f"{RESULTS}/figures/{name}.pdf"
+    for name in (
+        "fig04_hysteresis_actuator",
+        "fig05_hysteresis_reservoir",
+        "fig08_training",
+        "fig09_weights",
+        "fig10_settings",
+        "fig11_taps",
+        "fig12_sine_0p2",
+        "fig13_sine_0p5",
+        "fig14_sweep",
+        "fig15_complex",
+        "fig16_loops",
+        "fig17_disturbance",
+    )
+}
 TIMING = f"{RESULTS}/timing/table2_timing.csv"
+
+
+CONTROLLERS = [
+    "fprc",
+    "fprc_pd_printed",
+    "fprc_pd_identified",
+    "pd_printed",
+    "pd_identified",
+]
+TABLE_IV = ["sine_0p2", "sine_0p5", "sweep", "complex"]
+
+
+def tracked(reference, controller):
+    """Return the raw log of one closed-loop run."""
+    return f"{RAW}/track_{reference}_{controller}.h5"
 
 
 def table(name):

@@ -73,3 +73,68 @@ rule measure_times:
         "Execution times, alone on the machine"
     script:
         "../scripts/measure_times.py"
+
+
+rule weigh:
+    input:
+        train=f"{RESULTS}/data/sweep.h5",
+    output:
+        weights=f"{RESULTS}/weights/fprc.json",
+    log:
+        f"{RESULTS}/logs/weigh.log",
+    params:
+        **JUDGEMENT,
+        seed=SETTINGS["seed"],
+        code=fingerprint("fprc.stages.sweep"),
+    message:
+        "Weight contributions of the FPRC"
+    script:
+        "../scripts/weigh.py"
+
+
+rule sweep:
+    input:
+        train=f"{RESULTS}/data/sweep.h5",
+        test=f"{RESULTS}/data/complex.h5",
+    output:
+        results=f"{RESULTS}/sweeps/{{sweep}}.json",
+    log:
+        f"{RESULTS}/logs/sweep_{{sweep}}.log",
+    threads: workflow.cores
+    resources:
+        mem_mb=2000,
+    params:
+        **JUDGEMENT,
+        sweep="{sweep}",
+        values=SETTINGS["sweeps"],
+        seed=SETTINGS["seed"],
+        workers=lambda wildcards, threads: threads,
+        checkpoint=f"{RESULTS}/sweeps/{{sweep}}.partial.jsonl",
+        version=fingerprint("fprc.stages.sweep"),
+    message:
+        "Sweep over {wildcards.sweep}, {threads} workers"
+    script:
+        "../scripts/sweep.py"
+
+
+rule measure_times_over_n_c:
+    input:
+        train=f"{RESULTS}/data/sweep.h5",
+        test=f"{RESULTS}/data/complex.h5",
+    output:
+        times=f"{RESULTS}/timing/times_over_n_c.json",
+    log:
+        f"{RESULTS}/logs/measure_times_over_n_c.log",
+    threads: workflow.cores
+    resources:
+        mem_mb=2000,
+    params:
+        models=SETTINGS["models"],
+        values=SETTINGS["sweeps"]["n_c"],
+        repeats=SETTINGS["evaluation"]["timing_repeats"],
+        seed=SETTINGS["seed"],
+        code=fingerprint("fprc.stages.judge"),
+    message:
+        "Execution times over n_c, alone on the machine"
+    script:
+        "../scripts/measure_times_over_n_c.py"

@@ -84,3 +84,24 @@ rule timing_table:
         "Execution times of Table II"
     script:
         "../scripts/timing_table.py"
+
+
+rule tracking_table:
+    input:
+        published="config/published.yaml",
+        gains=f"{RESULTS}/control/gains.json",
+        runs=[
+            tracked(reference, controller)
+            for controller in CONTROLLERS
+            for reference in [*TABLE_IV, "disturbance"]
+        ],
+    output:
+        **table("tables/table4"),
+    log:
+        f"{RESULTS}/logs/table4.log",
+    params:
+        code=fingerprint("fprc.stages.tabulate"),
+    message:
+        "Table 4"
+    script:
+        "../scripts/tracking_table.py"

@@ -25,6 +25,12 @@ rule table3:
     localrule: True
 
 
+rule table4:
+    input:
+        TABLES[3],
+    localrule: True
+
+
 rule seeds:
     input:
         SEEDS_TABLES,
@@ -39,19 +45,73 @@ rule timing:
 
 rule fig4:
     input:
-        FIGURES[0],
+        FIGURES["fig04"],
     localrule: True
 
 
 rule fig5:
     input:
-        FIGURES[1],
+        FIGURES["fig05"],
     localrule: True
 
 
 rule fig8:
     input:
-        FIGURES[2],
+        FIGURES["fig08"],
+    localrule: True
+
+
+rule fig9:
+    input:
+        FIGURES["fig09"],
+    localrule: True
+
+
+rule fig10:
+    input:
+        FIGURES["fig10"],
+    localrule: True
+
+
+rule fig11:
+    input:
+        FIGURES["fig11"],
+    localrule: True
+
+
+rule fig12:
+    input:
+        FIGURES["fig12"],
+    localrule: True
+
+
+rule fig13:
+    input:
+        FIGURES["fig13"],
+    localrule: True
+
+
+rule fig14:
+    input:
+        FIGURES["fig14"],
+    localrule: True
+
+
+rule fig15:
+    input:
+        FIGURES["fig15"],
+    localrule: True
+
+
+rule fig16:
+    input:
+        FIGURES["fig16"],
+    localrule: True
+
+
+rule fig17:
+    input:
+        FIGURES["fig17"],
     localrule: True
 
 

@@ -179,7 +179,11 @@ class Reservoir(Section):
         0.0, "mL/(s kPa)", (0, 0.1), "leak of the hand valve to the room", "sealed: none"
     )
     bending_stiffness_kpa_per_deg: float = quantity(
-        9.0, "kPa/deg", (2, 20), "stiffness of the reservoir's own bending", "about 40 deg at 440 kPa"
+        9.0,
+        "kPa/deg",
+        (2, 20),
+        "stiffness of its own bending",
+        "about 40 deg at 440 kPa",
     )
     bending_time_s: float = quantity(
         0.08, "s", (0.02, 0.5), "time constant of the reservoir's own bending", "assumed"

@@ -1,7 +1,8 @@
 """All settings of the workflow; the defaults are the paper's."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
+from annotated_types import Ge, Le
 from pydantic import Field, model_validator
 
 from fprc.config.rig import Rig
@@ -126,6 +127,23 @@ class Evaluation(Section):
     )  # fmt: skip
 
 
+class Sweeps(Section):
+    """Values of the control-variable sweeps, Sec. III-E."""
+
+    epsilon: tuple[within(1e-6, 1.0), ...] = quantities(
+        (1.0, 0.1, 0.01, 1e-3, 1e-4), "-", (1e-6, 1), "filter factors", "paper, Fig. 10(a)"
+    )
+    n_c: tuple[Annotated[int, Ge(1), Le(64)], ...] = quantities(
+        (1, 2, 4, 8, 16), "-", (1, 64), "fuzzy rules", "paper, Fig. 10(b)"
+    )
+    n_u: tuple[Annotated[int, Ge(1), Le(100)], ...] = quantities(
+        tuple(range(1, 11)), "samples", (1, 100), "taps of P_o", "paper, Fig. 11"
+    )
+    n_y: tuple[Annotated[int, Ge(1), Le(100)], ...] = quantities(
+        tuple(range(1, 11)), "samples", (1, 100), "taps of theta_d", "paper, Fig. 11"
+    )
+
+
 class Reference(Section):
     """Bending angle to be followed; it starts at its lowest value."""
 
@@ -219,6 +237,7 @@ class Settings(Section):
     quality: Quality = Quality()
     models: Models = Models()
     evaluation: Evaluation = Evaluation()
+    sweeps: Sweeps = Sweeps()
     tracking: Tracking = Tracking()
     rig: Rig = Rig()
 

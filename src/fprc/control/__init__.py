@@ -1,7 +1,7 @@
 """What runs on the computer at every sample."""
 
 from fprc.control.hysteresis import hysteresis_law
-from fprc.control.loop import Aborted, Law, run
+from fprc.control.loop import Law, RunAbortedError, run
 from fprc.control.pd import PD
 from fprc.control.pressure import PressurePI
 from fprc.control.tracking import TRACKING_CHANNELS, refuse_impossible, tracking_law
@@ -9,7 +9,7 @@ from fprc.control.tracking import TRACKING_CHANNELS, refuse_impossible, tracking
 __all__ = [
     "PD",
     "TRACKING_CHANNELS",
-    "Aborted",
+    "RunAbortedError",
     "Law",
     "PressurePI",
     "hysteresis_law",

@@ -14,7 +14,7 @@ from fprc.logs import RAW_CHANNELS
 Law = Callable[[int, Readings], Sequence[float]]
 
 
-class Aborted(ControlError):
+class RunAbortedError(ControlError):
     """A run ended early; ``channels`` holds what was recorded before."""
 
     def __init__(self, message: str, channels: dict[str, np.ndarray]):
@@ -53,7 +53,7 @@ def run(
 
     Raises
     ------
-    Aborted
+    RunAbortedError
         The law, the device or the loops failed; holds the rows before.
     """
     names = (*RAW_CHANNELS, *extra)
@@ -84,7 +84,7 @@ def run(
             progress(k + 1)
     except FprcError as error:
         recorded = dict(zip(names, rows[:k].T.copy(), strict=True))
-        raise Aborted(f"run stopped after {k} samples: {error}", recorded) from error
+        raise RunAbortedError(f"run stopped after {k} samples: {error}", recorded) from error
     finally:
         device.safe()
     return dict(zip(names, rows.T.copy(), strict=True))

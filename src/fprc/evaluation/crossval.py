@@ -5,12 +5,21 @@ from numbers import Integral
 from typing import NamedTuple
 
 import numpy as np
-from sklearn.base import BaseEstimator
+from sklearn.base import BaseEstimator, clone
 
 from fprc.errors import EvaluationError
 from fprc.evaluation.folds import Fold
 from fprc.evaluation.metrics import rmse
 from fprc.models import SequenceModel
+
+
+class Folded(NamedTuple):
+    """What the folds gave, and the readout of the best one."""
+
+    train_rmse: tuple[float, ...]  #: per fold
+    validation_rmse: tuple[float, ...]  #: per fold
+    best: int  #: fold with the least sqrt(e_train^2 + e_val^2)
+    readout: BaseEstimator  #: trained on the best fold
 
 
 class Judgement(NamedTuple):
@@ -29,18 +38,20 @@ class Judgement(NamedTuple):
             raise EvaluationError(f"{type(self.model).__name__}: {error}") from error
 
 
+Progress = Callable[[int, float, float], None]
+
+
 def cross_validate(
     model: SequenceModel,
     X: np.ndarray,
     y: np.ndarray,
     folds: Sequence[Fold],
-    progress: Callable[[int, float, float], None] = lambda fold, e_train, e_val: None,
+    progress: Progress = lambda fold, e_train, e_validation: None,
 ) -> Judgement:
     """Train ``model`` once per fold and keep the best (Sec. III-D).
 
     The features are computed once over the whole log, in the order of time;
-    the folds choose rows of them. A readout that is random starts differently
-    in every fold, at ``random_state + fold``.
+    the folds choose rows of them.
 
     Parameters
     ----------
@@ -55,22 +66,45 @@ def cross_validate(
         The log does not suit the model (too short for its taps, fewer samples
         than rules), or an error is not finite.
     """
-    errors, fitted = [], []
     try:
         features = model.make_features().fit(X)
         rows = features.transform(X)
+    except ValueError as error:
+        raise EvaluationError(f"{type(model).__name__}: {error}") from error
+    folded = fit_folds(model.make_readout(), rows, y, folds, progress)
+    return Judgement(*folded[:3], model.assembled(features, folded.readout))
+
+
+def fit_folds(
+    readout: BaseEstimator,
+    rows: np.ndarray,
+    y: np.ndarray,
+    folds: Sequence[Fold],
+    progress: Progress = lambda fold, e_train, e_validation: None,
+) -> Folded:
+    """Fit a copy of ``readout`` to each fold's rows and keep the best.
+
+    A readout that is random starts differently in every fold, at
+    ``random_state + fold``.
+
+    Raises
+    ------
+    EvaluationError
+        As in ``cross_validate``.
+    """
+    errors, fitted = [], []
+    try:
         for i, (train, validation) in enumerate(folds):
-            readout = _started(model.make_readout(), i).fit(rows[train], y[train])
-            e_train = rmse(y[train], readout.predict(rows[train]))
-            e_validation = rmse(y[validation], readout.predict(rows[validation]))
-            fitted.append(readout)
+            fitted.append(_started(clone(readout), i).fit(rows[train], y[train]))
+            e_train = rmse(y[train], fitted[i].predict(rows[train]))
+            e_validation = rmse(y[validation], fitted[i].predict(rows[validation]))
             errors.append((e_train, e_validation))
             progress(i, e_train, e_validation)
     except ValueError as error:
-        raise EvaluationError(f"{type(model).__name__}: {error}") from error
+        raise EvaluationError(f"{type(readout).__name__}: {error}") from error
     best = int(np.argmin([np.hypot(*pair) for pair in errors]))
     train_rmse, validation_rmse = zip(*errors, strict=True)
-    return Judgement(train_rmse, validation_rmse, best, model.assembled(features, fitted[best]))
+    return Folded(train_rmse, validation_rmse, best, fitted[best])
 
 
 def _started(readout: BaseEstimator, fold: int) -> BaseEstimator:

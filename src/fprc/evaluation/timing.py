@@ -18,9 +18,10 @@ def time_model(
     train: tuple[np.ndarray, np.ndarray],
     test: tuple[np.ndarray, np.ndarray],
     repeats: int,
+    modes: tuple[str, ...] = ("sequential", "batch"),
     progress: Callable[[str], None] = lambda what: None,
 ) -> list[dict[str, Any]]:
-    """Time one model in both modes, ``repeats`` times each, after a warm-up.
+    """Time one model, ``repeats`` times in each mode, after a warm-up.
 
     Sequential is what a controller pays: the features of each sample by
     ``step``, then, in training, the fit of the readout. Batch computes whole
@@ -41,6 +42,8 @@ def time_model(
     }
     results = []
     for (phase, mode), run in work.items():
+        if mode not in modes:
+            continue
         progress(f"{phase}, {mode}")
         samples = len(train[0] if phase == "train" else test[0])
         seconds = [_seconds(run) for _ in range(repeats)]

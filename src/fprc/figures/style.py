@@ -16,14 +16,26 @@ from fprc.artifacts import replacing
 COLUMN_IN = 3.5
 PAGE_IN = 7.16
 
-#: Colour of each signal and model; a name that is not here is an error.
+#: Colour of each quantity and model, safe for colour-blind readers (Okabe-Ito
+#: and Tol); a name that is not here is an error.
 COLOURS = {
-    "p_exp": "#0b3c5d",
-    "theta": "#0b3c5d",
-    "p_o": "#8a3324",
-    "esn": "#b8860b",
-    "fprc": "#c0392b",
-    "fuzzy_linear": "#4b7f52",
+    "theta_d": "#222222",
+    "theta": "#0072b2",
+    "p_exp": "#56b4e9",
+    "p_ff": "#d55e00",
+    "p_fb": "#009e73",
+    "p_i": "#999933",
+    "p_o": "#882255",
+    "phi": "#332288",
+    "esn": "#cc79a7",
+    "fprc": "#d55e00",
+    "fuzzy_linear": "#e69f00",
+    "pd": "#009e73",
+    "fprc_pd": "#0072b2",
+    "bias": "#bbbbbb",
+    "train": "#222222",
+    "validation": "#999999",
+    "test": "#d55e00",
 }
 
 _STYLE = {
@@ -59,6 +71,24 @@ def figure(rows: int, columns: int, width_in: float, height_in: float, **options
 def letter(ax: plt.Axes, text: str) -> None:
     """Put a panel's letter and title above its left edge."""
     ax.set_title(text, loc="left")
+
+
+def legend_above(*axes: plt.Axes) -> None:
+    """Put the legend of the first axes, and of its twins, above its right edge."""
+    handles, labels = [], []
+    for ax in axes:
+        more_handles, more_labels = ax.get_legend_handles_labels()
+        handles += more_handles
+        labels += more_labels
+    axes[0].legend(handles, labels, loc="lower right", bbox_to_anchor=(1.0, 1.0),
+                   borderaxespad=0.1, ncols=len(labels), handlelength=1.4,
+                   columnspacing=1.0)  # fmt: skip
+
+
+def share_legend(fig: Figure, ax: plt.Axes) -> None:
+    """Put the legend of one axes below the whole figure, for all of them."""
+    handles, labels = ax.get_legend_handles_labels()
+    fig.legend(handles, labels, loc="outside lower center", ncols=3)
 
 
 def save(fig: Figure, attributes: Mapping[str, object], pdf: str, png: str) -> None:

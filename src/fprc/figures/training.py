@@ -5,11 +5,16 @@ from matplotlib.axes import Axes
 
 
 def plot_fit(
-    time_s: np.ndarray, truth_kpa: np.ndarray, model_kpa: np.ndarray, ax: Axes, *, colour: str
+    time_s: np.ndarray,
+    truth_kpa: np.ndarray,
+    model_kpa: np.ndarray,
+    ax: Axes,
+    *,
+    colours: tuple[str, str],
 ) -> Axes:
     """Draw P_exp and P_ff over time."""
-    ax.plot(time_s, truth_kpa, color="0.55", linewidth=1.0, label=r"$P_\mathrm{exp}$")
-    ax.plot(time_s, model_kpa, color=colour, linewidth=0.5, label=r"$P_\mathrm{ff}$")
+    ax.plot(time_s, truth_kpa, color=colours[0], linewidth=1.2, label=r"$P_\mathrm{exp}$")
+    ax.plot(time_s, model_kpa, color=colours[1], linewidth=0.4, label=r"$P_\mathrm{ff}$")
     ax.set(ylabel="Pressure [kPa]")
     ax.set_xlim(time_s[0], time_s[-1])
     return ax

@@ -37,7 +37,7 @@ def write_raw(
     seed: int,
     software: str,
     rig: Mapping[str, Any],
-    aborted: str = "",
+    **more: Any,
 ) -> None:
     """Write a raw log; channels beyond ``RAW_CHANNELS`` are kept too.
 
@@ -47,8 +47,8 @@ def write_raw(
         ``sim``, ``rig`` or ``import``: simulated, recorded here, brought in.
     rig : Mapping
         Configuration of rig and control, kept as JSON.
-    aborted : str
-        Why the run ended early; empty if it did not.
+    **more
+        Further attributes of the run.
     """
     attributes = {
         "experiment": experiment,
@@ -58,7 +58,7 @@ def write_raw(
         "seed": seed,
         "software": software,
         "rig": json.dumps(rig),
-        "aborted": aborted,
+        **more,
     }
     missing = [name for name in RAW_CHANNELS if name not in channels]
     if missing:

@@ -74,9 +74,7 @@ def draw_instruments(rig: Mapping, rng: np.random.Generator) -> np.ndarray:
 
 
 @kernel
-def advance(
-    states, rigs, instruments, valve_v, push_kpa, noise, period_s, substeps, reading
-):
+def advance(states, rigs, instruments, valve_v, push_kpa, noise, period_s, substeps, reading):
     """Advance the rig by ``substeps`` steps of ``period_s / substeps`` and sense it.
 
     Parameters

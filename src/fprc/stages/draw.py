@@ -1,10 +1,17 @@
-"""Draw the figures from result files."""
+"""Draw the figures of hysteresis and models from result files."""
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+import pandas as pd
+
+from fprc.artifacts import read_json
 from fprc.figures import style
 from fprc.figures.hysteresis import plot_command, plot_loop
+from fprc.figures.sweeps import plot_errors_over, plot_grid, plot_times_over
 from fprc.figures.training import plot_error, plot_fit
+from fprc.figures.weights import plot_shares
 from fprc.logs import Columns, read_columns
 
 _DATA = ("time_s", "p_exp_kpa", "theta_deg", "p_o_kpa")
@@ -53,14 +60,91 @@ def draw_training(fit: str, prediction: str, pdf: str, png: str) -> None:
         log = read_columns(path, ("time_s", "p_exp_kpa", "p_ff_kpa"))
         logs.append(log)
         series = tuple(log.channels.values())
-        colour = style.COLOURS[log.attributes["model"]]
-        plot_fit(*series, column[0], colour=colour)
-        plot_error(*series, column[1], colour=colour)
+        colours = style.COLOURS["p_exp"], style.COLOURS["p_ff"]
+        plot_fit(*series, column[0], colours=colours)
+        plot_error(*series, column[1], colour=style.COLOURS[log.attributes["model"]])
         style.letter(column[0], title)
-    axes[0, 0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2, ncols=2)
+    style.legend_above(axes[0, 0])
     style.save(fig, _marked(logs), pdf, png)
 
 
-def _marked(logs: list[Columns]) -> dict[str, Any]:
+def _marked(logs: Sequence[Columns]) -> dict[str, Any]:
     """Return the attributes of the first simulated log, or else of the first."""
     return min(logs, key=lambda log: log.attributes["source"] != "sim").attributes
+
+
+def draw_weights(weights: str, pdf: str, png: str) -> None:
+    """Figure 9: proportional contribution of the normalised weights."""
+    report = read_json(weights)
+    table = pd.DataFrame(
+        {"rule": rule, "feature": feature, "lag": lag, "share": share}
+        for feature, rules in report["shares"].items()
+        for rule, lags in enumerate(rules, start=1)
+        for lag, share in enumerate(lags)
+    )
+    fig, ax = style.figure(1, 1, style.COLUMN_IN, 2.4)
+    plot_shares(table, ax)
+    style.legend_above(ax)
+    mean = report["mean_share"]
+    style.letter(ax, f"Mean: {100 * mean['p_o']:.0f} %, {100 * mean['theta_d']:.0f} %")
+    style.save(fig, report, pdf, png)
+
+
+_LABELS = {"fprc": "FPRC, ", "fuzzy_linear": "Fuzzy-linear, "}
+
+
+def draw_settings(epsilon: str, n_c: str, times: str, pdf: str, png: str) -> None:
+    """Figure 10: errors over epsilon and n_c, execution times over n_c."""
+    fig, axes = style.figure(1, 3, style.PAGE_IN, 2.6)
+    by_epsilon, by_n_c, timed = read_json(epsilon), read_json(n_c), read_json(times)
+    plot_errors_over(_errors(by_epsilon["cells"]), "epsilon", {"fprc": ""}, axes[0])
+    plot_errors_over(_errors(by_n_c["cells"]), "n_c", _LABELS, axes[1])
+    plot_times_over(_seconds(timed["times"]), "n_c", _LABELS, axes[2])
+    axes[0].set_xscale("log")
+    axes[0].set_xlabel(r"$\epsilon$")
+    for ax in axes[1:]:
+        ax.set_xscale("log", base=2)
+        ax.set_xlabel("$n_c$")
+        ax.set_xticks(sorted({cell["n_c"] for cell in by_n_c["cells"]}))
+        ax.xaxis.set_major_formatter("{x:g}")
+    for ax, title in zip(axes, ("(a) FPRC", "(b)", "(c)"), strict=True):
+        style.letter(ax, title)
+    axes[0].legend(loc="best")
+    style.share_legend(fig, axes[1])
+    style.save(fig, by_n_c, pdf, png)
+
+
+def draw_taps(taps: str, pdf: str, png: str) -> None:
+    """Figure 11: errors over the tap sizes."""
+    report = read_json(taps)
+    table = _errors(report["cells"])
+    fig, axes = style.figure(1, 3, style.PAGE_IN, 2.2)
+    for ax, phase, title in zip(axes, ("train", "validation", "test"), "abc", strict=True):
+        plot_grid(table, phase, ax)
+        style.letter(ax, f"({title})")
+    style.save(fig, report, pdf, png)
+
+
+def _errors(cells: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    rows = []
+    for cell in cells:
+        row = {key: value for key, value in cell.items() if not key.endswith("_rmse_kpa")}
+        for phase in ("train", "validation", "test"):
+            errors = np.atleast_1d(cell[f"{phase}_rmse_kpa"])
+            row |= {f"{phase}_mean": errors.mean(), f"{phase}_std": errors.std()}
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def _seconds(times: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    return pd.DataFrame(
+        {
+            "model": entry["model"],
+            "phase": entry["phase"],
+            "n_c": entry["n_c"],
+            "mean": np.mean(entry["seconds"]),
+            "std": np.std(entry["seconds"]),
+        }
+        for entry in times
+        if entry["mode"] == "batch"
+    )

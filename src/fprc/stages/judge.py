@@ -1,7 +1,7 @@
 """Cross-validation, test and timing of the models."""
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -132,6 +132,33 @@ def measure_times(
             progress=lambda what, name=name: log.info("%s: %s, %d repeats", name, what, repeats),
         )
         results += [{"model": name, **result} for result in timed]
+    write_json(times, {"source": train_data.attributes["source"], **machine(), "times": results})
+
+
+def measure_times_over_n_c(
+    train: str,
+    test: str,
+    times: str,
+    *,
+    models: Mapping[str, Any],
+    values: Sequence[int],
+    repeats: int,
+    seed: int,
+) -> None:
+    """Time FPRC and Fuzzy-linear over the number of rules (Fig. 10c)."""
+    train_data, test_data = read_data(train), read_data(test)
+    results = []
+    for name in ("fprc", "fuzzy_linear"):
+        for n_c in values:
+            timed = time_model(
+                build(name, models, seed).set_params(n_c=n_c),
+                train_data.pair(name),
+                test_data.pair(name),
+                repeats,
+                modes=("batch",),
+            )
+            log.info("%s: n_c = %d", name, n_c)
+            results += [{"model": name, "n_c": n_c, **result} for result in timed]
     write_json(times, {"source": train_data.attributes["source"], **machine(), "times": results})
 
 

@@ -11,8 +11,8 @@ from fprc.artifacts import read_json, write_json
 from fprc.control import (
     PD,
     TRACKING_CHANNELS,
-    Aborted,
     PressurePI,
+    RunAbortedError,
     refuse_impossible,
     run,
     tracking_law,
@@ -25,13 +25,13 @@ from fprc.signals import random_pushes, reference_angle
 
 log = logging.getLogger(__name__)
 
-#: Which parts each controller has: feedforward, and which gains of the PD.
+#: Controller and gain of each run, by the name that its file has.
 CONTROLLERS = {
-    "fprc": (True, None),
-    "fprc_pd_printed": (True, "printed"),
-    "fprc_pd_identified": (True, "identified"),
-    "pd_printed": (False, "printed"),
-    "pd_identified": (False, "identified"),
+    "fprc": ("fprc", "none"),
+    "fprc_pd_printed": ("fprc_pd", "printed"),
+    "fprc_pd_identified": ("fprc_pd", "identified"),
+    "pd_printed": ("pd", "printed"),
+    "pd_identified": ("pd", "identified"),
 }
 
 #: Number of each run on the rig; with the seed it decides the noise.
@@ -178,13 +178,18 @@ def track(
     feedforward = load_model(model)
     known_gains = read_json(gains)
     theta_d = bench.reference(reference)
+    settle_s = tracking["references"][reference]["settle_s"]
     pushes = bench.pushes(len(theta_d)) if reference == "disturbance" else None
-    for path, controller in zip(raw, controllers, strict=True):
-        has_model, which = CONTROLLERS[controller]
-        chosen = None if which is None else known_gains[which]
-        number = _RUNS[reference] + list(CONTROLLERS).index(controller)
+    for path, name in zip(raw, controllers, strict=True):
+        controller, gain = CONTROLLERS[name]
+        chosen = known_gains.get(gain)
+        number = _RUNS[reference] + list(CONTROLLERS).index(name)
         description = {
-            "experiment": f"track_{reference}_{controller}",
+            "experiment": f"track_{reference}_{name}",
+            "reference": reference,
+            "controller": controller,
+            "gain": gain,
+            "settle_s": settle_s,
             "source": "sim",
             "sample_rate_hz": control["sample_rate_hz"],
             "seed": seed,
@@ -193,16 +198,16 @@ def track(
         }
         try:
             channels = bench.drive(
-                theta_d, feedforward if has_model else None, chosen, number, pushes
+                theta_d, None if controller == "pd" else feedforward, chosen, number, pushes
             )
-        except Aborted as stopped:
+        except RunAbortedError as stopped:
             rescued = path.replace(".h5", ".aborted.h5")
             write_raw(rescued, stopped.channels, **description, aborted=str(stopped))
             log.error("kept what was recorded in %s", rescued)
             raise
         write_raw(path, channels, **description)
-        error = tracking_error(channels, tracking["references"][reference]["settle_s"])
-        log.info("%s: RMSE %.3f deg", controller, rmse(error, np.zeros_like(error)))
+        error = tracking_error(channels, settle_s)
+        log.info("%s: RMSE %.3f deg", name, rmse(error, np.zeros_like(error)))
 
 
 def _feedforward(model: SequenceModel):

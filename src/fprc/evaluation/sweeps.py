@@ -1,0 +1,89 @@
+"""Many cross-validations at once, with a checkpoint for each."""
+
+import json
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from joblib import Parallel, delayed, parallel_config
+
+Cell = Mapping[str, Any]
+
+
+def run_cells(
+    judge: Callable[[Cell], Mapping[str, Any]],
+    cells: Sequence[Cell],
+    *,
+    workers: int,
+    checkpoint: Path | str,
+    key: str,
+    progress: Callable[[int, int], None] = lambda done, total: None,
+) -> list[dict[str, Any]]:
+    """Judge every cell in a pool of processes, each on one thread.
+
+    A finished cell is written to the checkpoint at once, so that a killed
+    sweep goes on where it was.
+
+    Parameters
+    ----------
+    judge : callable
+        Picklable; takes a cell and gives a JSON mapping.
+    checkpoint : path
+        JSON lines: first ``key``, then one cell each. A file with another key,
+        or with none, is begun anew; a last line that was cut is dropped.
+    key : str
+        Stands for everything that the results depend on beside the cells.
+
+    Returns
+    -------
+    list of dict
+        Cell and result merged, in the order of ``cells``.
+    """
+    checkpoint = Path(checkpoint)
+    finished = _resume(checkpoint, key)
+    open_cells = [cell for cell in cells if _name(cell) not in finished]
+    checkpoint.parent.mkdir(parents=True, exist_ok=True)
+    with checkpoint.open("a", encoding="utf-8") as file:
+        for cell, result in _results(judge, open_cells, workers):
+            finished[_name(cell)] = result
+            file.write(json.dumps({"cell": cell, "result": result}, allow_nan=False) + "\n")
+            file.flush()
+            os.fsync(file.fileno())
+            progress(len(finished), len(cells))
+    return [{**cell, **finished[_name(cell)]} for cell in cells]
+
+
+def _results(
+    judge: Callable[[Cell], Mapping[str, Any]], cells: Sequence[Cell], workers: int
+) -> Iterator[tuple[Cell, dict[str, Any]]]:
+    with parallel_config("loky", inner_max_num_threads=1):
+        pool = Parallel(n_jobs=workers, return_as="generator_unordered")
+        yield from pool(delayed(_judged)(judge, cell) for cell in cells)
+
+
+def _judged(judge: Callable, cell: Cell) -> tuple[Cell, dict[str, Any]]:
+    return cell, dict(judge(cell))
+
+
+def _name(cell: Cell) -> str:
+    return json.dumps(cell, sort_keys=True)
+
+
+def _resume(checkpoint: Path, key: str) -> dict[str, dict[str, Any]]:
+    """Return the finished cells, and leave the file ready to be appended to."""
+    lines = checkpoint.read_text(encoding="utf-8").splitlines() if checkpoint.exists() else []
+    finished = {}
+    if lines and lines[0] == json.dumps({"key": key}):
+        for line in lines[1:]:
+            try:
+                entry = json.loads(line)
+            except json.JSONDecodeError:
+                break
+            finished[_name(entry["cell"])] = entry["result"]
+    checkpoint.parent.mkdir(parents=True, exist_ok=True)
+    kept = [{"key": key}] + [
+        {"cell": json.loads(name), "result": result} for name, result in finished.items()
+    ]
+    checkpoint.write_text("".join(json.dumps(entry) + "\n" for entry in kept), encoding="utf-8")
+    return finished

@@ -1,0 +1,40 @@
+"""Weight contributions of the FPRC's features (Sec. III-D, Fig. 9)."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fprc.evaluation.crossval import fit_folds
+from fprc.evaluation.folds import Fold
+from fprc.models import FPRC
+
+
+def normalised_weights(
+    model: FPRC, X: np.ndarray, y: np.ndarray, folds: Sequence[Fold]
+) -> np.ndarray:
+    """Absolute weights of the FPRC on min-max normalised features, each rule summing to 1.
+
+    theta and the filtered P_o are each brought to [0, 1] by their own minimum
+    and maximum in the training data; the model is then cross-validated as
+    before and the best fold's weights are taken.
+
+    Parameters
+    ----------
+    X : ndarray of shape (n_samples, 2)
+        theta in deg, P_o in kPa.
+
+    Returns
+    -------
+    ndarray of shape (n_c, 1 + n_y + n_u)
+        Bias, taps of theta_d, taps of the filtered P_o.
+    """
+    rows = model.make_features().fit(X).transform(X)
+    theta, p_o = rows[:, : model.n_y], rows[:, model.n_y :]
+    normalised = np.hstack([_to_unit(theta), _to_unit(p_o)])
+    weights = np.abs(fit_folds(model.make_readout(), normalised, y, folds).readout.W_out_)
+    return weights / weights.sum(axis=1, keepdims=True)
+
+
+def _to_unit(taps: np.ndarray) -> np.ndarray:
+    # the taps of one signal share its minimum and maximum
+    return (taps - taps.min()) / (taps.max() - taps.min())

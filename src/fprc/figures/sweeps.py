@@ -1,0 +1,71 @@
+"""Figures 10 and 11: errors and times over the settings of the models."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Rectangle
+from pandas import DataFrame
+
+from fprc.figures.style import COLOURS
+
+_PHASES = {"train": "Training", "validation": "Validation", "test": "Test"}
+_MARKERS = {"train": "o", "validation": "s", "test": "^"}
+
+
+def plot_errors_over(table: DataFrame, setting: str, label: dict, ax: Axes) -> Axes:
+    """Draw training, validation and test RMSE over a setting, a line style a model.
+
+    Parameters
+    ----------
+    table : DataFrame
+        ``model``, the setting, and mean and std of each phase.
+    """
+    styles = {"fprc": "-", "fuzzy_linear": "--"}
+    for model, rows in table.groupby("model", sort=False):
+        rows = rows.sort_values(setting)
+        for phase, name in _PHASES.items():
+            ax.errorbar(
+                rows[setting], rows[f"{phase}_mean"], yerr=rows[f"{phase}_std"],
+                color=COLOURS[phase], linestyle=styles[model], marker=_MARKERS[phase],
+                markersize=2.5, linewidth=0.8, capsize=1.5, label=f"{label[model]}{name}",
+            )  # fmt: skip
+    ax.set_ylabel("RMSE [kPa]")
+    return ax
+
+
+def plot_times_over(table: DataFrame, setting: str, label: dict, ax: Axes) -> Axes:
+    """Draw training and test times over a setting."""
+    styles = {"fprc": "-", "fuzzy_linear": "--"}
+    shades = {"train": "train", "test": "test"}
+    for (model, phase), rows in table.groupby(["model", "phase"], sort=False):
+        rows = rows.sort_values(setting)
+        ax.errorbar(
+            rows[setting], rows["mean"], yerr=rows["std"], color=COLOURS[shades[phase]],
+            linestyle=styles[model], marker=_MARKERS[phase], markersize=2.5, linewidth=0.8,
+            capsize=1.5, label=f"{label[model]}{_PHASES[phase]}",
+        )  # fmt: skip
+    ax.set_ylabel("Time [s]")
+    ax.set_yscale("log")
+    return ax
+
+
+def plot_grid(table: DataFrame, phase: str, ax: Axes) -> Axes:
+    """Draw the RMSE of one phase over n_u and n_y as a coloured grid.
+
+    Every cell wears its number; the least is framed.
+    """
+    grid = table.pivot(index="n_y", columns="n_u", values=f"{phase}_mean")
+    image = ax.pcolormesh(grid.columns, grid.index, grid, cmap="cividis", shading="nearest")
+    middle = (grid.to_numpy().max() + grid.to_numpy().min()) / 2.0
+    for n_y, row in grid.iterrows():
+        for n_u, value in row.items():
+            shade = "black" if value > middle else "white"
+            ax.text(n_u, n_y, f"{value:.1f}", ha="center", va="center", fontsize=4.2, color=shade)
+    best_y, best_u = np.unravel_index(np.argmin(grid.to_numpy()), grid.shape)
+    ax.add_patch(_frame(grid.columns[best_u], grid.index[best_y]))
+    ax.set(xlabel="$n_u$", ylabel="$n_y$", xticks=grid.columns, yticks=grid.index)
+    ax.figure.colorbar(image, ax=ax, label=f"{_PHASES[phase]} RMSE [kPa]", pad=0.02)
+    return ax
+
+
+def _frame(n_u: float, n_y: float) -> Rectangle:
+    return Rectangle((n_u - 0.5, n_y - 0.5), 1, 1, fill=False, edgecolor="#d62728", linewidth=1.2)

@@ -1,0 +1,128 @@
+"""Control-variable sweeps of Sec. III-E, and the weights of Fig. 9."""
+
+import hashlib
+import itertools
+import json
+import logging
+from collections.abc import Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from fprc.artifacts import write_json
+from fprc.evaluation import cross_validate, split_rows
+from fprc.evaluation.sweeps import run_cells
+from fprc.evaluation.weights import normalised_weights
+from fprc.stages.judge import build, read_data
+
+log = logging.getLogger(__name__)
+
+
+def cells_of(sweep: str, values: Mapping[str, Sequence[float]]) -> list[dict[str, Any]]:
+    """Return what each cell of a sweep changes: a model and some of its settings."""
+    if sweep == "epsilon":
+        return [{"model": "fprc", "epsilon": value} for value in values["epsilon"]]
+    if sweep == "n_c":
+        return [
+            {"model": model, "n_c": value}
+            for model in ("fprc", "fuzzy_linear")
+            for value in values["n_c"]
+        ]
+    pairs = itertools.product(values["n_u"], values["n_y"])
+    return [{"model": "fprc", "n_u": n_u, "n_y": n_y} for n_u, n_y in pairs]
+
+
+def sweep_settings(
+    train: str,
+    test: str,
+    results: str,
+    *,
+    sweep: str,
+    values: Mapping[str, Sequence[float]],
+    models: Mapping[str, Any],
+    folds: int,
+    split: str,
+    seed: int,
+    workers: int,
+    checkpoint: str,
+    version: str,
+) -> None:
+    """Cross-validate and test every cell of one sweep.
+
+    ``version``, the fingerprint of the source, is part of the checkpoint's key:
+    a checkpoint that other code, data or settings made is not used.
+    """
+    settings = {"models": models, "folds": folds, "split": split, "seed": seed}
+    digest = hashlib.sha256(json.dumps([settings, version], sort_keys=True).encode())
+    for path in (train, test):
+        digest.update(Path(path).read_bytes())
+    cells = cells_of(sweep, values)
+    judged = run_cells(
+        partial(judge_cell, train=train, test=test, **settings),
+        cells,
+        workers=workers,
+        checkpoint=checkpoint,
+        key=digest.hexdigest(),
+        progress=_report,
+    )
+    source = read_data(train).attributes["source"]
+    write_json(results, {"sweep": sweep, "source": source, "seed": seed, "cells": judged})
+    Path(checkpoint).unlink()
+
+
+def judge_cell(
+    cell: Mapping[str, Any],
+    *,
+    train: str,
+    test: str,
+    models: Mapping[str, Any],
+    folds: int,
+    split: str,
+    seed: int,
+) -> dict[str, Any]:
+    """Return the errors of one cell."""
+    name = cell["model"]
+    X, y = read_data(train).pair(name)
+    changed = {key: value for key, value in cell.items() if key != "model"}
+    model = build(name, models, seed).set_params(**changed)
+    judged = cross_validate(model, X, y, split_rows(len(y), folds, split, seed))
+    return {
+        "train_rmse_kpa": judged.train_rmse,
+        "validation_rmse_kpa": judged.validation_rmse,
+        "test_rmse_kpa": judged.test_rmse(*read_data(test).pair(name)),
+    }
+
+
+def weigh(
+    train: str,
+    weights: str,
+    *,
+    models: Mapping[str, Any],
+    folds: int,
+    split: str,
+    seed: int,
+) -> None:
+    """Write the normalised weights of the FPRC, rule by rule."""
+    data = read_data(train)
+    X, y = data.pair("fprc")
+    model = build("fprc", models, seed)
+    shares = normalised_weights(model, X, y, split_rows(len(y), folds, split, seed))
+    edges = {"bias": (0, 1), "theta_d": (1, 1 + model.n_y), "p_o": (1 + model.n_y, None)}
+    parts = {name: shares[:, slice(*edge)] for name, edge in edges.items()}
+    means = {name: float(part.sum(axis=1).mean()) for name, part in parts.items()}
+    write_json(
+        weights,
+        {
+            "source": data.attributes["source"],
+            "seed": seed,
+            "mean_share": means,
+            "shares": {name: part.tolist() for name, part in parts.items()},
+        },
+    )
+    log.info("mean shares: P_o %.3f, theta_d %.3f", means["p_o"], means["theta_d"])
+
+
+def _report(done: int, total: int) -> None:
+    width = 30
+    bar = "#" * (width * done // total)
+    log.info("[%-*s] %d of %d cells", width, bar, done, total)

@@ -1,0 +1,43 @@
+# Sec. IV: closed-loop runs on the rig, each a raw log like any other.
+
+TRACKING = {
+    "tracking": SETTINGS["tracking"],
+    "control": SETTINGS["control"],
+    "rig": SETTINGS["rig"],
+    "seed": SETTINGS["seed"],
+}
+
+
+rule identify_gain:
+    input:
+        model=f"{RESULTS}/models/sweep_fprc.h5",
+    output:
+        gains=f"{RESULTS}/control/gains.json",
+    log:
+        f"{RESULTS}/logs/identify_gain.log",
+    params:
+        **TRACKING,
+        code=fingerprint("fprc.stages.track"),
+    message:
+        "P gain with the least error on a reference outside Table IV"
+    script:
+        "../scripts/identify_gain.py"
+
+
+rule track:
+    input:
+        model=f"{RESULTS}/models/sweep_fprc.h5",
+        gains=f"{RESULTS}/control/gains.json",
+    output:
+        raw=[tracked("{reference}", controller) for controller in CONTROLLERS],
+    log:
+        f"{RESULTS}/logs/track_{{reference}}.log",
+    params:
+        **TRACKING,
+        reference="{reference}",
+        controllers=CONTROLLERS,
+        code=fingerprint("fprc.stages.track"),
+    message:
+        "Closed loop: {wildcards.reference}"
+    script:
+        "../scripts/track.py"
