@@ -152,11 +152,17 @@ def test_loop_joins_neighbouring_samples_and_is_coloured_by_time(axes):
 
 def test_fit_shows_truth_and_model(axes):
     time = np.array([0.0, 1.0, 2.0])
-    plot_fit(time, np.array([1.0, 2.0, 3.0]), np.array([1.5, 2.5, 3.5]), axes, colour="#c0392b")
+    plot_fit(
+        time,
+        np.array([1.0, 2.0, 3.0]),
+        np.array([1.5, 2.5, 3.5]),
+        axes,
+        colours=("#56b4e9", "#c0392b"),
+    )
     truth, model = axes.lines
     assert truth.get_ydata().tolist() == [1.0, 2.0, 3.0]
     assert model.get_ydata().tolist() == [1.5, 2.5, 3.5]
-    assert model.get_color() == "#c0392b"
+    assert [line.get_color() for line in axes.lines] == ["#56b4e9", "#c0392b"]
     assert "kPa" in axes.get_ylabel()
 
 

@@ -26,9 +26,10 @@ PRINTED = {
 }
 
 
-def report(model, test, train=(10.0, 12.0), validation=(11.0, 14.0)):
+def report(model, test, train=(10.0, 12.0), validation=(11.0, 14.0), trained_on="sweep"):
     return {
         "model": model,
+        "trained_on": trained_on,
         "source": "sim",
         "seed": 1,
         "target": "command",
@@ -44,7 +45,12 @@ REPORTS = [report("esn", 16.0), report("fprc", 12.0), report("fuzzy_linear", 18.
 
 
 def replicate(seed, **test):
-    models = [report(model, error) for model, error in test.items()]
+    """Replicate whose reversed test errors are twice the forward ones."""
+    models = [
+        report(model, factor * error, trained_on=trained_on)
+        for trained_on, factor in (("sweep", 1.0), ("complex", 2.0))
+        for model, error in test.items()
+    ]
     return {"seed": seed, "source": "sim", "models": models}
 
 
@@ -145,14 +151,14 @@ def test_configuration_has_every_setting_of_table_1_with_the_published_value():
 
 
 def test_table_over_seeds_has_mean_deviation_and_range():
-    row = by_metric(tables.over_seeds(REPLICATES, PUBLISHED), "fprc").loc["test_rmse"]
+    row = by_metric(tables.over_seeds(REPLICATES, PUBLISHED, "sweep"), "fprc").loc["test_rmse"]
     assert row[["mean", "min", "max", "seeds"]].tolist() == [13.5, 12.0, 15.0, 2]
     assert row["std"] == pytest.approx(np.std([12.0, 15.0], ddof=1))
     assert row[["unit", "published_mean", "source"]].tolist() == ["kPa", 11.0, "sim"]
 
 
 def test_table_over_seeds_averages_the_folds_of_each_seed_first():
-    row = by_metric(tables.over_seeds(REPLICATES, PUBLISHED), "esn").loc["train_rmse"]
+    row = by_metric(tables.over_seeds(REPLICATES, PUBLISHED, "sweep"), "esn").loc["train_rmse"]
     assert row[["mean", "std"]].tolist() == [11.0, 0.0]
 
 
@@ -163,6 +169,72 @@ def test_orders_say_seed_by_seed_what_holds():
     assert table["fprc_below_fuzzy_linear"].tolist() == [False, False]  # equal in training
     assert table["esn_over_fprc_training"].tolist() == [1.0, 1.0]
     assert table["training_within_30_percent"].tolist() == [True, True]
+    assert table["fprc_lowest_reversed_test"].tolist() == [True, False]
+    assert table["reversed_tests_worse"].tolist() == [True, True]
+
+
+def test_orders_notice_a_reversed_test_that_is_not_worse():
+    models = [
+        report(model, error, trained_on=trained_on)
+        for trained_on, errors in (("sweep", (16, 12, 18)), ("complex", (30, 12, 40)))
+        for model, error in zip(tables.MODEL_NAMES, errors, strict=True)
+    ]
+    row = tables.orders([{"seed": 1, "source": "sim", "models": models}]).iloc[0]
+    assert not row["reversed_tests_worse"]
+    assert row["fprc_lowest_reversed_test"]
+
+
+def test_table_3_carries_its_own_published_numbers():
+    reports = [report(model, 30.0, trained_on="complex") for model in tables.MODEL_NAMES]
+    row = by_metric(tables.comparison(reports, PUBLISHED), "esn")
+    assert row["published_mean"].tolist() == [10.2, 10.2, 60.32]
+    seeds = by_metric(tables.over_seeds(REPLICATES, PUBLISHED, "complex"), "esn")
+    assert seeds.loc["test_rmse", ["mean", "published_mean"]].tolist() == [30.0, 60.32]
+
+
+def tracked(controller, gain, reference, error):
+    return {
+        "controller": controller,
+        "gain": gain,
+        "reference": reference,
+        "error_deg": np.array(error),
+        "source": "sim",
+    }
+
+
+GAINS = {"printed": {"kp_kpa_per_deg": 0.5}, "identified": {"kp_kpa_per_deg": 4.0}}
+
+
+def test_table_4_has_rms_and_largest_error_beside_the_published_rmse():
+    runs = [
+        tracked("fprc", "none", "sweep", [3.0, -4.0]),
+        tracked("fprc_pd", "identified", "sweep", [1.0, 1.0]),
+        tracked("pd", "printed", "sweep", [20.0, 20.0]),
+    ]
+    table = tables.tracking(runs, GAINS, PUBLISHED)
+    assert list(table.columns)[:6] == [
+        "controller", "gain", "reference", "rmse_deg", "max_abs_error_deg", "published_rmse_deg"
+    ]  # fmt: skip
+    assert table["rmse_deg"].tolist() == pytest.approx([12.5**0.5, 1.0, 20.0])
+    assert table["max_abs_error_deg"].tolist() == [4.0, 1.0, 20.0]
+    assert table["published_rmse_deg"].tolist()[:2] == [2.67, 1.7]
+    assert pd.isna(table["published_rmse_deg"].iloc[2])
+
+
+def test_page_of_table_4_names_gains_and_shows_the_paper_once_a_controller():
+    runs = [
+        tracked("fprc", "none", "sweep", [3.0, -4.0]),
+        tracked("fprc_pd", "printed", "sweep", [2.0, 2.0]),
+        tracked("fprc_pd", "identified", "sweep", [1.0, 1.0]),
+    ]
+    page = tables.tracking_page(tables.tracking(runs, GAINS, PUBLISHED))
+    assert page.to_numpy().tolist() == [
+        ["FPRC", "ours", "3.54"],
+        ["FPRC", "paper", "2.67"],
+        ["FPRC+PD, printed gain (0.5 kPa/deg)", "ours", "2.00"],
+        ["FPRC+PD, identified gain (4 kPa/deg)", "ours", "1.00"],
+        ["FPRC+PD", "paper", "1.70"],
+    ]
 
 
 @pytest.mark.parametrize(
@@ -173,6 +245,7 @@ def test_orders_compare_training_in_both_directions(train, ratio, close):
         report("esn", 16.0, train=(train, train)),
         report("fprc", 12.0, train=(10.0, 10.0)),
         report("fuzzy_linear", 18.0, train=(15.0, 15.0), validation=(16.0, 16.0)),
+        *(report(model, 30.0, trained_on="complex") for model in tables.MODEL_NAMES),
     ]
     row = tables.orders([{"seed": 1, "source": "sim", "models": models}]).iloc[0]
     assert row["esn_over_fprc_training"] == pytest.approx(ratio)
@@ -231,7 +304,8 @@ def written(tmp_path):
     tabulate.tabulate_configuration(published, **files("one"), models=configuration_of(models))
     tabulate.tabulate_comparison(published, errors, **files("two"))
     orders = str(tmp_path / "orders.csv")
-    tabulate.tabulate_seeds(published, seeds, **files("seeds"), orders=orders)
+    tabulate.tabulate_seeds(published, seeds, **files("seeds"), trained_on="sweep")
+    tabulate.tabulate_orders(seeds, orders)
     tabulate.tabulate_times(published, str(tmp_path / "times.json"), **files("times"))
     return {path.name: path.read_text(encoding="utf-8") for path in tmp_path.iterdir()}
 

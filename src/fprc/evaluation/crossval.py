@@ -1,6 +1,7 @@
 """Cross-validation, choice of the best fold, and its test."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from numbers import Integral
 from typing import NamedTuple
 
@@ -11,6 +12,15 @@ from fprc.errors import EvaluationError
 from fprc.evaluation.folds import Fold
 from fprc.evaluation.metrics import rmse
 from fprc.models import SequenceModel
+
+
+@contextmanager
+def refusals_of(model: BaseEstimator) -> Iterator[None]:
+    """Turn what a model refuses into an error that names it."""
+    try:
+        yield
+    except ValueError as error:
+        raise EvaluationError(f"{type(model).__name__}: {error}") from error
 
 
 class Folded(NamedTuple):
@@ -32,10 +42,8 @@ class Judgement(NamedTuple):
 
     def test_rmse(self, X: np.ndarray, y: np.ndarray) -> float:
         """Error of the best fold's model on another log."""
-        try:
+        with refusals_of(self.model):
             return rmse(y, self.model.predict(X))
-        except ValueError as error:
-            raise EvaluationError(f"{type(self.model).__name__}: {error}") from error
 
 
 Progress = Callable[[int, float, float], None]
@@ -66,12 +74,9 @@ def cross_validate(
         The log does not suit the model (too short for its taps, fewer samples
         than rules), or an error is not finite.
     """
-    try:
+    with refusals_of(model):
         features = model.make_features().fit(X)
-        rows = features.transform(X)
-    except ValueError as error:
-        raise EvaluationError(f"{type(model).__name__}: {error}") from error
-    folded = fit_folds(model.make_readout(), rows, y, folds, progress)
+        folded = fit_folds(model.make_readout(), features.transform(X), y, folds, progress)
     return Judgement(*folded[:3], model.assembled(features, folded.readout))
 
 
@@ -86,22 +91,14 @@ def fit_folds(
 
     A readout that is random starts differently in every fold, at
     ``random_state + fold``.
-
-    Raises
-    ------
-    EvaluationError
-        As in ``cross_validate``.
     """
     errors, fitted = [], []
-    try:
-        for i, (train, validation) in enumerate(folds):
-            fitted.append(_started(clone(readout), i).fit(rows[train], y[train]))
-            e_train = rmse(y[train], fitted[i].predict(rows[train]))
-            e_validation = rmse(y[validation], fitted[i].predict(rows[validation]))
-            errors.append((e_train, e_validation))
-            progress(i, e_train, e_validation)
-    except ValueError as error:
-        raise EvaluationError(f"{type(readout).__name__}: {error}") from error
+    for i, (train, validation) in enumerate(folds):
+        fitted.append(_started(clone(readout), i).fit(rows[train], y[train]))
+        e_train = rmse(y[train], fitted[i].predict(rows[train]))
+        e_validation = rmse(y[validation], fitted[i].predict(rows[validation]))
+        errors.append((e_train, e_validation))
+        progress(i, e_train, e_validation)
     best = int(np.argmin([np.hypot(*pair) for pair in errors]))
     train_rmse, validation_rmse = zip(*errors, strict=True)
     return Folded(train_rmse, validation_rmse, best, fitted[best])

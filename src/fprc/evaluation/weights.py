@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fprc.evaluation.crossval import fit_folds
+from fprc.evaluation.crossval import fit_folds, refusals_of
 from fprc.evaluation.folds import Fold
 from fprc.models import FPRC
 
@@ -28,10 +28,12 @@ def normalised_weights(
     ndarray of shape (n_c, 1 + n_y + n_u)
         Bias, taps of theta_d, taps of the filtered P_o.
     """
-    rows = model.make_features().fit(X).transform(X)
-    theta, p_o = rows[:, : model.n_y], rows[:, model.n_y :]
-    normalised = np.hstack([_to_unit(theta), _to_unit(p_o)])
-    weights = np.abs(fit_folds(model.make_readout(), normalised, y, folds).readout.W_out_)
+    with refusals_of(model):
+        rows = model.make_features().fit(X).transform(X)
+        theta, p_o = rows[:, : model.n_y], rows[:, model.n_y :]
+        normalised = np.hstack([_to_unit(theta), _to_unit(p_o)])
+        folded = fit_folds(model.make_readout(), normalised, y, folds)
+    weights = np.abs(folded.readout.W_out_)
     return weights / weights.sum(axis=1, keepdims=True)
 
 

@@ -100,7 +100,7 @@ def save(fig: Figure, attributes: Mapping[str, object], pdf: str, png: str) -> N
         mark = f"simulated rig, seed {attributes['seed']}"
     else:
         mark = "measured data"
-    fig.text(0.995, 0.005, mark, ha="right", va="bottom", fontsize=5.5, color="0.45")
+    fig.supxlabel(mark, x=0.99, ha="right", fontsize=5.5, color="0.45")
     for path, metadata in ((pdf, {"CreationDate": None}), (png, {"Software": None})):
         with replacing(Path(path)) as temporary:
             fig.savefig(temporary, metadata=metadata)
