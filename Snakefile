@@ -20,8 +20,6 @@ try:
     SETTINGS = check(config).model_dump(mode="json")
     RAW = SETTINGS["folders"]["raw"]
     RESULTS = SETTINGS["folders"]["results"]
-    if SETTINGS["source"] == "sim":
-        refuse_to_overwrite([f"{RAW}/{experiment}.h5" for experiment in EXPERIMENTS])
 except FprcError as error:
     raise WorkflowError(str(error)) from None
 
@@ -30,6 +28,13 @@ container: "docker://python:3.12-slim"
 
 
 include: "workflow/rules/common.smk"
+
+
+if SETTINGS["source"] == "sim":
+    try:
+        refuse_to_overwrite(RAW_LOGS)
+    except FprcError as error:
+        raise WorkflowError(str(error)) from None
 
 
 wildcard_constraints:
@@ -52,9 +57,5 @@ include: "workflow/rules/figures.smk"
 rule all:
     default_target: True
     input:
-        TABLES,
-        # further seeds are a matter of the simulated rig; recorded logs have none
-        SEEDS_TABLES if SETTINGS["source"] == "sim" else [],
-        FIGURES.values(),
-        TIMING,
+        sorted(set(sum(TARGETS.values(), []))),
     localrule: True

@@ -15,14 +15,15 @@ import grimp
 import fprc
 
 
-def fingerprint(module: str) -> str:
-    """Hash ``module`` and all of this package that it imports, transitively.
+def fingerprint(*modules: str) -> str:
+    """Hash modules and all of this package that they import, transitively.
 
     Comments, docstrings and layout do not count.
     """
     graph = _graph()
     digest = hashlib.sha256()
-    for name in sorted({module, *graph.find_upstream_modules(module)}):
+    upstream = [graph.find_upstream_modules(module) for module in modules]
+    for name in sorted(set(modules).union(*upstream)):
         digest.update(f"{name}:{_code(name)}\n".encode())
     return digest.hexdigest()[:16]
 

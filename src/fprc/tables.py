@@ -47,21 +47,21 @@ _SYMBOLS = {
 
 
 def configuration(models: Mapping[str, Any], published: Mapping[str, Any]) -> pd.DataFrame:
-    """Table I: every setting of the models beside the printed one."""
+    """Table I: the settings that the paper prints, ours beside them."""
     printed = published["table_1_configuration"]
     rows = []
     for (model, key), label in _SYMBOLS.items():
         ours = models[key] if model == "shared" else models[model][key]
         shown = MODEL_NAMES.get(model, "All models")
         rows.append((shown, label, ours, printed[model][key]))
-    return pd.DataFrame(rows, columns=["model", "parameter", "value", "published"])
+    return pd.DataFrame(rows, columns=["model", "parameter", "value", "published"], dtype=object)
 
 
 def comparison(reports: Sequence[Mapping[str, Any]], published: Mapping[str, Any]) -> pd.DataFrame:
     """Tables II and III without times: mean and spread over the folds, tidy.
 
-    ``std`` is that over folds; a test error is one number and has none. The
-    population formula is used, over all folds that there are.
+    ``std`` is the sample standard deviation over folds; a test error is one
+    number and has none.
     """
     rows = []
     for report in reports:
@@ -75,7 +75,7 @@ def comparison(reports: Sequence[Mapping[str, Any]], published: Mapping[str, Any
                     "metric": metric,
                     "unit": "kPa",
                     "mean": ours.mean(),
-                    "std": ours.std() if ours.size > 1 else None,
+                    "std": ours.std(ddof=1) if ours.size > 1 else None,
                     "published_mean": float(theirs[0]),
                     "published_std": float(theirs[1]) if theirs.size > 1 else None,
                     "source": report["source"],
@@ -218,7 +218,7 @@ def timing(report: Mapping[str, Any], published: Mapping[str, Any]) -> pd.DataFr
                 "mode": entry["mode"],
                 "unit": "s",
                 "mean": seconds.mean(),
-                "std": seconds.std(),
+                "std": seconds.std(ddof=1) if seconds.size > 1 else None,
                 "us_per_sample": 1e6 * seconds.mean() / entry["samples"],
                 "samples": entry["samples"],
                 "repeats": seconds.size,
@@ -277,12 +277,18 @@ def markdown(page: pd.DataFrame, note: str) -> str:
 
 
 def latex(page: pd.DataFrame, note: str) -> str:
-    """Render a page as a LaTeX tabular (booktabs) under a commented note."""
-    body = page.map(lambda cell: str(cell).replace("±", "$\\pm$").replace("_", "\\_"))
-    body.columns = [name.replace("_", "\\_") for name in page.columns]
-    tabular = body.to_latex(index=False, escape=False)
-    comment = "".join(f"% {line}\n" for line in note.splitlines())
-    return comment + tabular
+    """Render a page as a LaTeX table (booktabs), the note as its caption."""
+    body = page.map(_escaped)
+    body.columns = [_escaped(name) for name in page.columns]
+    caption = _escaped(" ".join(note.split()))
+    return body.to_latex(index=False, escape=False, caption=caption)
+
+
+def _escaped(text: object) -> str:
+    escaped = str(text)
+    for bare in "_%&":
+        escaped = escaped.replace(bare, f"\\{bare}")
+    return escaped.replace("±", "$\\pm$")
 
 
 def _three_digits(value: float) -> str:

@@ -124,8 +124,8 @@ def test_every_model_has_a_colour_of_its_own():
 
 
 def test_figures_are_as_wide_as_the_journal_prints_them():
-    figure, _ = style.figure(1, 1, style.PAGE_IN, 2.0)
-    assert figure.get_size_inches().tolist() == [7.16, 2.0]
+    figure, _ = style.figure(1, 1, style.COLUMN_IN, 2.0)
+    assert figure.get_size_inches().tolist() == [3.5, 2.0]
 
 
 def test_command_is_drawn_over_time_with_its_unit(axes):
@@ -145,7 +145,7 @@ def test_loop_joins_neighbouring_samples_and_is_coloured_by_time(axes):
         [[0.0, 0.0], [1.0, 0.0]],
         [[1.0, 0.0], [1.0, 5.0]],
     ]
-    assert lines.get_array().tolist() == [0.0, 0.1]
+    assert lines.get_array().tolist() == [0.0, 0.5]
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("x [kPa]", "y [deg]")
     assert axes.get_ylim()[1] >= 5.0
 

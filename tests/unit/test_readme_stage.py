@@ -3,10 +3,12 @@ import pytest
 from fprc.errors import FprcError
 from fprc.stages.readme import replace_block, update_readme
 
-ORDERS = """seed,fprc_lowest_test,fprc_below_fuzzy_linear,esn_over_fprc_training,source
-101,True,True,0.952,sim
-102,False,True,1.118,sim
-103,True,True,1.0,sim
+ORDERS = """\
+seed,fprc_lowest_test,fprc_below_fuzzy_linear,esn_over_fprc_training,training_within_30_percent,\
+fprc_lowest_reversed_test,reversed_tests_worse
+101,True,True,0.952,True,True,True
+102,False,True,1.118,True,False,True
+103,True,True,1.0,True,False,True
 """
 
 
@@ -21,7 +23,7 @@ README = "\n".join(
         block("table2", "old"),
         "Between.",
         block("table2_seeds", "old"),
-        block("table2_orders", "old"),
+        block("orders", "old"),
         block("table2_timing", "old"),
         "",
         "The end.",
@@ -36,9 +38,9 @@ def project(tmp_path):
     contents = {
         "README.md": README,
         "table2.md": "Table II.\n\n| a |\n|---|\n| 1 ± 2 \\d |\n",
-        "seeds.md": "Over seeds.\n",
+        "table2_seeds.md": "Over seeds.\n",
         "orders.csv": ORDERS,
-        "timing.md": "Times.\n",
+        "table2_timing.md": "Times.\n",
     }
     for name, text in contents.items():
         (tmp_path / name).write_text(text, encoding="utf-8")
@@ -47,9 +49,11 @@ def project(tmp_path):
 
 
 def update(project):
-    results = ("table2.md", "seeds.md", "orders.csv", "timing.md", "figure.png")
+    pages = ("table2.md", "table2_seeds.md", "table2_timing.md")
     update_readme(
-        *(str(project / name) for name in results),
+        [str(project / name) for name in pages],
+        str(project / "orders.csv"),
+        str(project / "figure.png"),
         readme=str(project / "README.md"),
         picture=str(project / "docs" / "picture.png"),
     )
@@ -64,7 +68,7 @@ def test_blocks_are_replaced_and_everything_else_is_kept(project):
         ("table2_timing", "Times."),
     ):
         expected = expected.replace(block(name, "old"), block(name, new))
-    head, tail = expected.split(block("table2_orders", "old"))
+    head, tail = expected.split(block("orders", "old"))
     text = update(project)
     assert text.startswith(head)
     assert text.endswith(tail)
@@ -73,9 +77,10 @@ def test_blocks_are_replaced_and_everything_else_is_kept(project):
 
 def test_sentence_counts_the_seeds_on_which_the_order_holds(project):
     text = update(project)
-    assert "lowest test RMSE on 2 of 3" in text
-    assert "training, validation and test on 3 of 3" in text
-    assert "between 0.95 and 1.12" in text
+    assert "- FPRC has the lowest test RMSE: on 2 of 3" in text
+    assert "training, validation and test: on 3 of 3" in text
+    assert "with the logs reversed, FPRC has the lowest test RMSE: on 1 of 3" in text
+    assert "0.95 to 1.12" in text
 
 
 def test_picture_is_copied_into_a_folder_that_is_made(project):

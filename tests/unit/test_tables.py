@@ -78,7 +78,7 @@ def test_table_2_has_a_row_for_each_model_and_metric():
 def test_table_2_spread_is_over_the_folds_and_a_test_error_has_none():
     row = by_metric(tables.comparison(REPORTS, PUBLISHED), "fprc")
     assert row["mean"].tolist() == [11.0, 12.5, 12.0]
-    assert row["std"].tolist()[:2] == [1.0, 1.5]
+    assert row["std"].tolist()[:2] == pytest.approx([2.0**0.5, 4.5**0.5])
     assert pd.isna(row["std"].iloc[2])
 
 
@@ -101,7 +101,7 @@ def test_page_of_table_2_shows_ours_beside_the_paper():
         "Fuzzy-linear, ours", "Fuzzy-linear, paper",
     ]  # fmt: skip
     assert page.iloc[:, 0].tolist() == ["Training RMSE", "Validation RMSE", "Test RMSE"]
-    assert page["FPRC, ours"].tolist() == ["11.0 ± 1.00", "12.5 ± 1.50", "12.0"]
+    assert page["FPRC, ours"].tolist() == ["11.0 ± 1.41", "12.5 ± 2.12", "12.0"]
     for name, printed in PRINTED.items():
         assert page[f"{name}, paper"].tolist() == printed
 
@@ -267,7 +267,8 @@ def test_times_are_seconds_and_microseconds_per_sample_beside_the_published_ones
     table = tables.timing(times(), PUBLISHED)
     assert len(table) == 12
     row = table[(table["model"] == "esn") & (table["metric"] == "test_time")].iloc[0]
-    assert row[["mean", "std", "us_per_sample", "repeats"]].tolist() == [2.0, 1.0, 2000.0, 2]
+    expected = pytest.approx([2.0, 2.0**0.5, 2000.0, 2])
+    assert row[["mean", "std", "us_per_sample", "repeats"]].tolist() == expected
     assert row[["published_mean", "published_std"]].tolist() == [8.93, 1.8]
     row = table[(table["model"] == "esn") & (table["metric"] == "train_time")].iloc[0]
     assert row[["published_mean", "published_std"]].tolist() == [16.6, 3.28]
@@ -278,7 +279,7 @@ def test_times_are_seconds_and_microseconds_per_sample_beside_the_published_ones
 def test_page_of_the_times_names_phase_mode_and_both_numbers():
     page = tables.timing_page(tables.timing(times(), PUBLISHED))
     assert page.iloc[0].tolist() == [
-        "ESN", "Training", "sequential", "2.00 ± 1.00", "2000", "16.6 ± 3.28"
+        "ESN", "Training", "sequential", "2.00 ± 1.41", "2000", "16.6 ± 3.28"
     ]  # fmt: skip
 
 
@@ -349,11 +350,17 @@ def test_page_of_the_times_names_repeats_machine_and_threads(written):
 
 def test_latex_has_no_bare_special_character(written):
     for name in ("one.tex", "two.tex", "seeds.tex", "times.tex"):
-        note, tabular = written[name].split("\\begin{tabular}")
-        assert all(line.startswith("%") for line in note.splitlines())
-        assert "±" not in tabular
-        assert "_" not in tabular.replace("\\_", "")
-        assert "%" not in tabular
+        text = written[name]
+        assert "\\caption{Table" in text
+        assert "±" not in text
+        for bare in "_%&":
+            assert bare not in text.replace(f"\\{bare}", "").replace(" & ", "")
+
+
+def test_typeset_table_says_that_the_rig_was_simulated(written):
+    for name in ("two.tex", "seeds.tex"):
+        caption = written[name].split("\\caption{")[1].split("\n")[0]
+        assert "simulated rig, not hardware" in caption
 
 
 def test_markdown_is_a_table_under_a_note():

@@ -16,7 +16,7 @@ class Project:
         self.folder = folder
         for name in ("Snakefile", "all"):
             shutil.copy(ROOT / name, folder)
-        for name in ("config", "workflow"):
+        for name in ("config", "profiles", "workflow"):
             shutil.copytree(ROOT / name, folder / name)
 
     def snakemake(self, *arguments: str) -> subprocess.CompletedProcess:

@@ -64,6 +64,7 @@ def test_bad_raw_log_is_one_line_and_nothing_is_overwritten(smoked_copy, spoil, 
     before = smoked_copy.files("results/smoke/raw", "results/smoke/tables")
     done = smoked_copy.smoke("table2")
     assert done.returncode != 0
+    assert smoked_copy.smoke("table2").returncode != 0, "asked again, a stale table must not pass"
     lines = [line for line in done.stdout.splitlines() if "sweep.h5: " in line]
     assert lines, done.stdout
     for word in words:
@@ -87,7 +88,8 @@ def test_taps_or_rules_beyond_the_log_are_refused_before_any_job(project, too_mu
 
 @pytest.mark.slow
 def test_diverging_simulation_is_a_clear_error_and_leaves_no_log(project):
-    done = project.smoke("table2", "--config", "control={sample_rate_hz: 50}")
+    shaky = "rig={valve: {natural_frequency_rad_per_s: 1300, damping_ratio: 1.5}}"
+    done = project.smoke("table2", "--config", shaky)
     assert done.returncode != 0
     assert "left its physical range at t = " in done.stdout
     assert "Traceback" not in done.stdout
@@ -121,3 +123,29 @@ def test_recorded_logs_are_used_as_they_are(smoked_copy):
     page = (smoked_copy.folder / "results/mine/tables/table2.md").read_text()
     assert "Data: recorded on the rig." in page
     assert "simulated" not in page
+
+
+@pytest.mark.slow
+def test_diverging_simulation_does_not_pass_off_the_old_table(smoked_copy):
+    shaky = "rig={valve: {natural_frequency_rad_per_s: 1300, damping_ratio: 1.5}}"
+    for _ in range(2):
+        assert smoked_copy.smoke("table2", "--config", shaky).returncode != 0
+
+
+@pytest.mark.slow
+def test_logs_of_two_kinds_are_not_mixed(smoked_copy):
+    raw = smoked_copy.folder / "results/smoke/raw/sweep.h5"
+    with h5py.File(raw, "a") as log:
+        log.attrs.update({"source": "rig", "simulated": False})
+    done = smoked_copy.smoke("table2", "--config", "source=recorded")
+    assert done.returncode != 0
+    assert "source is rig, the test log's sim" in done.stdout
+
+
+@pytest.mark.slow
+def test_impossible_reference_is_refused_with_time_and_value(smoked_copy):
+    high = "tracking={references: {complex: {offset_deg: 60}}}"
+    done = smoked_copy.smoke("table4", "--config", high)
+    assert done.returncode != 0
+    assert "leaves the actuator's range of 0 to 65 deg" in done.stdout
+    assert "exceeds the reservoir's limit of 450 kPa" in done.stdout

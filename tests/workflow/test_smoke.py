@@ -1,15 +1,28 @@
+import json
+
 import h5py
 import pandas as pd
 import pytest
 
 MODELS = ["esn", "fprc", "fuzzy_linear"]
+TABLES = ["table1", "table2", "table3", "table4", "table2_seeds", "table3_seeds"]
+FIGURES = [
+    "fig04_hysteresis_actuator",
+    "fig05_hysteresis_reservoir",
+    "fig08_training",
+    "fig09_weights",
+    "fig10_settings",
+    "fig11_taps",
+    "fig12_sine_0p2",
+    "fig13_sine_0p5",
+    "fig14_sweep",
+    "fig15_complex",
+    "fig16_loops",
+    "fig17_disturbance",
+]
 CONTRACT = [
-    *(f"tables/{name}.{kind}" for name in ("table1", "table2") for kind in ("csv", "md", "tex")),
-    *(
-        f"figures/{name}.{kind}"
-        for name in ("fig04_hysteresis_actuator", "fig05_hysteresis_reservoir", "fig08_training")
-        for kind in ("pdf", "png")
-    ),
+    *(f"tables/{name}.{kind}" for name in TABLES for kind in ("csv", "md", "tex")),
+    *(f"figures/{name}.{kind}" for name in FIGURES for kind in ("pdf", "png")),
     "timing/table2_timing.csv",
 ]
 
@@ -33,7 +46,7 @@ def test_smoke_leaves_no_temporary_files(smoked):
 
 def test_progress_names_stage_fold_and_how_far(smoked):
     printed = smoked[1]
-    assert "[judge fprc] fprc: fold 3 of 5: training" in printed
+    assert "[judge sweep fprc] fprc: fold 3 of 5: training" in printed
     assert "[record sweep]  10 of  20 s" in printed
     assert "[measure_times] esn: test, sequential, 2 repeats" in printed
     assert "(100%) done" in printed
@@ -50,6 +63,32 @@ def test_table2_is_tidy_and_complete(smoked):
     assert errors.between(1.0, 100.0).all()
     for model in MODELS:
         assert errors[model, "validation_rmse"] > 0.9 * errors[model, "train_rmse"]
+
+
+def test_table3_is_table2_with_the_logs_reversed(smoked):
+    table = pd.read_csv(smoked[0].folder / "results/smoke/tables/table3.csv")
+    assert len(table) == 9
+    published = table.set_index(["model", "metric"])["published_mean"]
+    assert published["esn", "test_rmse"] == 60.32
+
+
+def test_table4_has_every_controller_gain_and_reference(smoked):
+    table = pd.read_csv(smoked[0].folder / "results/smoke/tables/table4.csv")
+    expected = ["controller", "gain", "reference", "rmse_deg", "max_abs_error_deg"]
+    assert list(table.columns)[:6] == [*expected, "published_rmse_deg"]
+    assert len(table) == 5 * 5
+    errors = table.set_index(["controller", "gain", "reference"])["rmse_deg"].sort_index()
+    assert errors["fprc", "none"].lt(10).all()
+    assert (errors["pd", "printed"] > 3 * errors["fprc_pd", "printed"]).all()
+
+
+def test_sweeps_leave_every_cell_and_no_checkpoint(smoked):
+    folder = smoked[0].folder / "results/smoke/sweeps"
+    assert sorted(path.name for path in folder.iterdir()) == [
+        "epsilon.json", "n_c.json", "taps.json"
+    ]  # fmt: skip
+    cells = json.loads((folder / "taps.json").read_text())["cells"]
+    assert {(cell["n_u"], cell["n_y"]) for cell in cells} == {(1, 1), (1, 5), (3, 1), (3, 5)}
 
 
 def test_no_table_holds_nan(smoked):
@@ -72,7 +111,7 @@ def test_science_results_hold_no_times(smoked):
 
 
 def test_raw_logs_say_simulated_seed_and_version(smoked):
-    for experiment in ("sweep", "complex"):
+    for experiment in ("sweep", "complex", "track_sweep_fprc_pd_printed"):
         with h5py.File(smoked[0].folder / f"results/smoke/raw/{experiment}.h5") as log:
             assert log.attrs["source"] == "sim"
             assert log.attrs["simulated"]
@@ -88,14 +127,18 @@ def test_second_run_has_nothing_to_do(smoked):
 
 def test_second_build_gives_the_same_bytes(smoked, project):
     # the second one on one core; times are measured and logs name processes
-    targets = ["table1", "table2", "seeds", "fig4", "fig5", "fig8"]
+    targets = [f"table{n}" for n in (1, 2, 3, 4)] + [f"fig{n}" for n in (4, 5, 8, 9, 11)]
+    targets += ["seeds", *(f"fig{n}" for n in range(12, 18))]
     done = project.smoke("--cores", "1", *targets)
     assert done.returncode == 0, done.stdout
     first, second = (
         {
             name: content
             for name, content in run.files("results").items()
-            if "/timing/" not in name and "/logs/" not in name
+            if not any(
+                part in name
+                for part in ("/timing/", "/logs/", "fig10_", "sweeps/epsilon", "sweeps/n_c")
+            )
         }
         for run in (smoked[0], project)
     )

@@ -12,9 +12,21 @@ def planned(output: str) -> dict[str, int]:
 def test_dry_run_of_the_paper_plans_every_stage(project):
     jobs = planned(project.snakemake("--dry-run", "all").stdout)
     assert jobs["record"] == 2
-    assert jobs["judge"] == 3
+    assert jobs["judge"] == 6
     assert jobs["replicate"] == 5
     assert jobs["measure_times"] == 1
+    assert jobs["track"] == 5
+    assert jobs["sweep"] == 3
+
+
+def test_default_profile_is_read(project):
+    assert "profiles/default" in project.snakemake("--dry-run", "table1").stdout
+
+
+def test_recorded_logs_plan_nothing_that_needs_a_rig(smoked):
+    done = smoked[0].smoke("--dry-run", "all", "--config", "source=recorded")
+    assert done.returncode == 0, done.stdout
+    assert not {"record", "replicate", "track", "identify_gain"} & planned(done.stdout).keys()
 
 
 @pytest.mark.parametrize(
@@ -23,11 +35,22 @@ def test_dry_run_of_the_paper_plans_every_stage(project):
         ("logs", {"record"}, {"preprocess"}),
         ("table1", {"configuration_table"}, {"record"}),
         ("table2", {"comparison_table", "judge"}, {"measure_times", "replicate"}),
-        ("seeds", {"seeds_table", "replicate"}, {"judge", "record"}),
+        ("table3", {"comparison_table", "judge"}, {"measure_times", "replicate"}),
+        ("table4", {"tracking_table", "track", "identify_gain"}, {"sweep", "replicate"}),
+        ("seeds", {"seeds_table", "orders_table", "replicate"}, {"judge", "record"}),
         ("timing", {"timing_table", "measure_times"}, {"judge"}),
         ("fig4", {"actuator_hysteresis"}, {"judge", "measure_times"}),
         ("fig5", {"reservoir_hysteresis"}, {"judge", "measure_times"}),
         ("fig8", {"training", "judge"}, {"replicate", "measure_times"}),
+        ("fig9", {"weights", "weigh"}, {"judge", "sweep"}),
+        ("fig10", {"settings", "sweep", "measure_times_over_n_c"}, {"judge", "track"}),
+        ("fig11", {"taps", "sweep"}, {"judge", "measure_times_over_n_c"}),
+        ("fig12", {"following_sine_0p2", "track"}, {"sweep", "tracking_table"}),
+        ("fig13", {"following_sine_0p5", "track"}, {"sweep", "tracking_table"}),
+        ("fig14", {"following_sweep", "track"}, {"sweep", "tracking_table"}),
+        ("fig15", {"following_complex", "track"}, {"sweep", "tracking_table"}),
+        ("fig16", {"loops", "track"}, {"sweep", "tracking_table"}),
+        ("fig17", {"disturbance", "track"}, {"sweep", "tracking_table"}),
         ("smoke", {"smoke"}, {"judge"}),
         ("readme", {"readme", "timing_table", "seeds_table"}, {"actuator_hysteresis"}),
     ],
@@ -50,5 +73,6 @@ def test_word_all_after_configfile_means_the_target(project):
 def test_changed_setting_reruns_what_reads_it(smoked):
     done = smoked[0].smoke("--dry-run", "all", "--config", "models={fprc: {n_c: 4}}")
     jobs = planned(done.stdout)
-    assert {"judge", "comparison_table", "configuration_table", "training"} <= jobs.keys()
+    assert {"comparison_table", "configuration_table", "training"} <= jobs.keys()
+    assert jobs["judge"] == 4  # FPRC and Fuzzy-linear in both directions, not the ESN
     assert not {"record", "preprocess", "actuator_hysteresis"} & jobs.keys()

@@ -6,13 +6,13 @@ SEEDS = SETTINGS["evaluation"]["replicate_seeds"]
 TRAINED_ON = {"2": "sweep", "3": "complex"}
 OTHER = {"sweep": "complex", "complex": "sweep"}
 
-TABLES = [f"{RESULTS}/tables/{name}.md" for name in ("table1", "table2", "table3", "table4")]
+TABLES = {number: f"{RESULTS}/tables/table{number}.md" for number in (1, 2, 3, 4)}
 REPLICATES = [f"{RESULTS}/replicates/seed_{seed}.json" for seed in SEEDS]
 SEEDS_TABLES = [
     f"{RESULTS}/tables/{name}" for name in ("table2_seeds.md", "table3_seeds.md", "orders.csv")
 ]
 FIGURES = {
-    name.split("_")[0]: f"{RESULTS}/figures/{name}.pdf"
+    int(name[3:5]): f"{RESULTS}/figures/{name}.pdf"
     for name in (
         "fig04_hysteresis_actuator",
         "fig05_hysteresis_reservoir",
@@ -41,9 +41,47 @@ CONTROLLERS = [
 TABLE_IV = ["sine_0p2", "sine_0p5", "sweep", "complex"]
 
 
+def code_of(stage):
+    """Return the fingerprint of what a stage runs."""
+    return fingerprint(f"fprc.stages.{stage}", "fprc.stages.run")
+
+
+def settings_of(model):
+    """Return the settings that a model reads; Fuzzy-linear reads FPRC's."""
+    own = "esn" if model == "esn" else "fprc"
+    return {key: SETTINGS["models"][key] for key in ("n_y", "alpha", own)}
+
+
 def tracked(reference, controller):
     """Return the raw log of one closed-loop run."""
     return f"{RAW}/track_{reference}_{controller}.h5"
+
+
+def judged(experiment):
+    """Return what judging every model on one log gives."""
+    return [
+        f"{RESULTS}/{path}"
+        for model in MODELS
+        for path in (
+            f"crossval/{experiment}_{model}.json",
+            f"models/{experiment}_{model}.h5",
+            f"predictions/{experiment}_{model}_train.h5",
+            f"predictions/{experiment}_{model}_test.h5",
+        )
+    ]
+
+
+def through(*files):
+    """Return files, and with them the logs and data that all of them come from.
+
+    A target names its intermediates too: when a job fails, Snakemake removes
+    its outputs, and a target that asked for the final file alone would then
+    find that file in place and call the stale result done.
+    """
+    logs = [f"{RAW}/{experiment}.h5" for experiment in EXPERIMENTS]
+    data = [f"{RESULTS}/data/{experiment}.h5" for experiment in EXPERIMENTS]
+    quality = [f"{RESULTS}/quality/{experiment}.json" for experiment in EXPERIMENTS]
+    return [*logs, *data, *quality, *files]
 
 
 def table(name):
@@ -56,3 +94,43 @@ def figure(name):
     caption = f"../report/{name.split('_')[0]}.rst"
     pdf = report(f"{RESULTS}/figures/{name}.pdf", caption=caption, category="Figures")
     return {"pdf": pdf, "png": f"{RESULTS}/figures/{name}.png"}
+
+
+SWEEPS = {name: f"{RESULTS}/sweeps/{name}.json" for name in ("epsilon", "n_c", "taps")}
+TIMES = [f"{RESULTS}/timing/times.json", f"{RESULTS}/timing/times_over_n_c.json"]
+GAINS = f"{RESULTS}/control/gains.json"
+TRACKED = {
+    reference: [tracked(reference, controller) for controller in CONTROLLERS]
+    for reference in [*TABLE_IV, "disturbance"]
+}
+LOOP = [*judged("sweep"), GAINS]
+RAW_LOGS = [
+    *(f"{RAW}/{experiment}.h5" for experiment in EXPERIMENTS),
+    *(path for paths in TRACKED.values() for path in paths),
+]
+
+#: Each target's files: the result first, then what it is made from.
+TARGETS = {
+    "table1": [TABLES[1]],
+    "table2": through(TABLES[2], *judged("sweep")),
+    "table3": through(TABLES[3], *judged("complex")),
+    "timing": through(TIMING, TIMES[0]),
+    "fig4": through(FIGURES[4]),
+    "fig5": through(FIGURES[5]),
+    "fig8": through(FIGURES[8], *judged("sweep")),
+    "fig9": through(FIGURES[9], f"{RESULTS}/weights/fprc.json"),
+    "fig10": through(FIGURES[10], SWEEPS["epsilon"], SWEEPS["n_c"], TIMES[1]),
+    "fig11": through(FIGURES[11], SWEEPS["taps"]),
+}
+if SETTINGS["source"] == "sim":
+    # these need a rig to run on, not only logs
+    TARGETS |= {
+        "seeds": [*SEEDS_TABLES, *REPLICATES],
+        "table4": through(TABLES[4], *LOOP, *sum(TRACKED.values(), [])),
+        "fig12": through(FIGURES[12], *LOOP, *TRACKED["sine_0p2"]),
+        "fig13": through(FIGURES[13], *LOOP, *TRACKED["sine_0p5"]),
+        "fig14": through(FIGURES[14], *LOOP, *TRACKED["sweep"]),
+        "fig15": through(FIGURES[15], *LOOP, *TRACKED["complex"]),
+        "fig16": through(FIGURES[16], *LOOP, *TRACKED["sine_0p5"], *TRACKED["sweep"]),
+        "fig17": through(FIGURES[17], *LOOP, *TRACKED["disturbance"]),
+    }

@@ -17,7 +17,7 @@ rule identify_gain:
         f"{RESULTS}/logs/identify_gain.log",
     params:
         **TRACKING,
-        code=fingerprint("fprc.stages.track"),
+        code=code_of("track"),
     message:
         "P gain with the least error on a reference outside Table IV"
     script:
@@ -36,7 +36,7 @@ rule track:
         **TRACKING,
         reference="{reference}",
         controllers=CONTROLLERS,
-        code=fingerprint("fprc.stages.track"),
+        code=code_of("track"),
     message:
         "Closed loop: {wildcards.reference}"
     script:

@@ -10,7 +10,7 @@ rule actuator_hysteresis:
     log:
         f"{RESULTS}/logs/fig04.log",
     params:
-        code=fingerprint("fprc.stages.draw"),
+        code=code_of("draw"),
     message:
         "Fig. 4: hysteresis of the actuator"
     script:
@@ -26,7 +26,7 @@ rule reservoir_hysteresis:
     log:
         f"{RESULTS}/logs/fig05.log",
     params:
-        code=fingerprint("fprc.stages.draw"),
+        code=code_of("draw"),
     message:
         "Fig. 5: hysteresis of the reservoir"
     script:
@@ -42,7 +42,7 @@ rule training:
     log:
         f"{RESULTS}/logs/fig08.log",
     params:
-        code=fingerprint("fprc.stages.draw"),
+        code=code_of("draw"),
     message:
         "Fig. 8: FPRC on training and test data"
     script:
@@ -57,7 +57,7 @@ rule weights:
     log:
         f"{RESULTS}/logs/fig09.log",
     params:
-        code=fingerprint("fprc.stages.draw"),
+        code=code_of("draw"),
     message:
         "Fig. 9: weight contributions"
     script:
@@ -74,7 +74,7 @@ rule settings:
     log:
         f"{RESULTS}/logs/fig10.log",
     params:
-        code=fingerprint("fprc.stages.draw"),
+        code=code_of("draw"),
     message:
         "Fig. 10: epsilon and n_c"
     script:
@@ -89,7 +89,7 @@ rule taps:
     log:
         f"{RESULTS}/logs/fig11.log",
     params:
-        code=fingerprint("fprc.stages.draw"),
+        code=code_of("draw"),
     message:
         "Fig. 11: tap sizes"
     script:
@@ -105,7 +105,7 @@ rule following_sine_0p2:
     log:
         f"{RESULTS}/logs/fig12.log",
     params:
-        code=fingerprint("fprc.stages.draw_tracking"),
+        code=code_of("draw_tracking"),
     message:
         "Fig. 12: tracking sine_0p2"
     script:
@@ -121,7 +121,7 @@ rule following_sine_0p5:
     log:
         f"{RESULTS}/logs/fig13.log",
     params:
-        code=fingerprint("fprc.stages.draw_tracking"),
+        code=code_of("draw_tracking"),
     message:
         "Fig. 13: tracking sine_0p5"
     script:
@@ -137,7 +137,7 @@ rule following_sweep:
     log:
         f"{RESULTS}/logs/fig14.log",
     params:
-        code=fingerprint("fprc.stages.draw_tracking"),
+        code=code_of("draw_tracking"),
     message:
         "Fig. 14: tracking sweep"
     script:
@@ -153,7 +153,7 @@ rule following_complex:
     log:
         f"{RESULTS}/logs/fig15.log",
     params:
-        code=fingerprint("fprc.stages.draw_tracking"),
+        code=code_of("draw_tracking"),
     message:
         "Fig. 15: tracking complex"
     script:
@@ -173,7 +173,7 @@ rule loops:
     log:
         f"{RESULTS}/logs/fig16.log",
     params:
-        code=fingerprint("fprc.stages.draw_tracking"),
+        code=code_of("draw_tracking"),
     message:
         "Fig. 16: PD against FPRC+PD"
     script:
@@ -189,7 +189,7 @@ rule disturbance:
         f"{RESULTS}/logs/fig17.log",
     params:
         quiet_s=SETTINGS["tracking"]["pushes"]["quiet_s"],
-        code=fingerprint("fprc.stages.draw_tracking"),
+        code=code_of("draw_tracking"),
     message:
         "Fig. 17: the reservoir disturbed"
     script:

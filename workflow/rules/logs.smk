@@ -14,7 +14,7 @@ if SETTINGS["source"] == "sim":
             control=SETTINGS["control"],
             rig=SETTINGS["rig"],
             seed=SETTINGS["seed"],
-            code=fingerprint("fprc.stages.record"),
+            code=code_of("record"),
         message:
             "Experiment {wildcards.experiment} on the simulated rig"
         script:
@@ -30,10 +30,11 @@ rule preprocess:
     log:
         f"{RESULTS}/logs/preprocess_{{experiment}}.log",
     params:
+        experiment="{experiment}",
         target=SETTINGS["evaluation"]["target"],
         sample_rate_hz=SETTINGS["control"]["sample_rate_hz"],
         limits=SETTINGS["quality"],
-        code=fingerprint("fprc.stages.preprocess"),
+        code=code_of("preprocess"),
     message:
         "Quality and channels of the {wildcards.experiment} log"
     script:

@@ -2,7 +2,6 @@
 # The log that trains names the direction; the reversed data set trains on `complex`.
 
 JUDGEMENT = {
-    "models": SETTINGS["models"],
     "folds": SETTINGS["evaluation"]["folds"],
     "split": SETTINGS["evaluation"]["split"],
 }
@@ -23,9 +22,10 @@ rule judge:
         mem_mb=2000,
     params:
         **JUDGEMENT,
+        models=lambda wildcards: settings_of(wildcards.model),
         name="{model}",
         seed=SETTINGS["seed"],
-        code=fingerprint("fprc.stages.judge"),
+        code=code_of("judge"),
     message:
         "Cross-validation and test of {wildcards.model}, trained on {wildcards.experiment}"
     script:
@@ -41,12 +41,13 @@ rule replicate:
         mem_mb=2000,
     params:
         **JUDGEMENT,
+        models=SETTINGS["models"],
         signals=SETTINGS["experiments"],
         control=SETTINGS["control"],
         rig=SETTINGS["rig"],
         target=SETTINGS["evaluation"]["target"],
         seed=lambda wildcards: int(wildcards.seed),
-        code=fingerprint("fprc.stages.judge"),
+        code=code_of("judge"),
     message:
         "Tables II and III again with seed {wildcards.seed}"
     script:
@@ -68,7 +69,7 @@ rule measure_times:
         models=SETTINGS["models"],
         repeats=SETTINGS["evaluation"]["timing_repeats"],
         seed=SETTINGS["seed"],
-        code=fingerprint("fprc.stages.judge"),
+        code=code_of("timing"),
     message:
         "Execution times, alone on the machine"
     script:
@@ -84,8 +85,9 @@ rule weigh:
         f"{RESULTS}/logs/weigh.log",
     params:
         **JUDGEMENT,
+        models=settings_of("fprc"),
         seed=SETTINGS["seed"],
-        code=fingerprint("fprc.stages.sweep"),
+        code=code_of("sweep"),
     message:
         "Weight contributions of the FPRC"
     script:
@@ -105,12 +107,13 @@ rule sweep:
         mem_mb=2000,
     params:
         **JUDGEMENT,
+        models=settings_of("fprc"),
         sweep="{sweep}",
         values=SETTINGS["sweeps"],
         seed=SETTINGS["seed"],
         workers=lambda wildcards, threads: threads,
         checkpoint=f"{RESULTS}/sweeps/{{sweep}}.partial.jsonl",
-        version=fingerprint("fprc.stages.sweep"),
+        version=code_of("sweep"),
     message:
         "Sweep over {wildcards.sweep}, {threads} workers"
     script:
@@ -133,7 +136,7 @@ rule measure_times_over_n_c:
         values=SETTINGS["sweeps"]["n_c"],
         repeats=SETTINGS["evaluation"]["timing_repeats"],
         seed=SETTINGS["seed"],
-        code=fingerprint("fprc.stages.judge"),
+        code=code_of("timing"),
     message:
         "Execution times over n_c, alone on the machine"
     script:

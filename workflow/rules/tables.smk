@@ -9,8 +9,8 @@ rule configuration_table:
     log:
         f"{RESULTS}/logs/table1.log",
     params:
-        models={**SETTINGS["models"], "shared": SETTINGS["models"]},
-        code=fingerprint("fprc.stages.tabulate"),
+        models=SETTINGS["models"],
+        code=code_of("tabulate"),
     message:
         "Table I"
     script:
@@ -31,7 +31,7 @@ rule comparison_table:
     log:
         f"{RESULTS}/logs/table{{number}}.log",
     params:
-        code=fingerprint("fprc.stages.tabulate"),
+        code=code_of("tabulate"),
     message:
         "Table {wildcards.number}"
     script:
@@ -48,7 +48,7 @@ rule seeds_table:
         f"{RESULTS}/logs/table{{number}}_seeds.log",
     params:
         trained_on=lambda wildcards: TRAINED_ON[wildcards.number],
-        code=fingerprint("fprc.stages.tabulate"),
+        code=code_of("tabulate"),
     message:
         "Table {wildcards.number} over further seeds"
     script:
@@ -63,7 +63,7 @@ rule orders_table:
     log:
         f"{RESULTS}/logs/orders.log",
     params:
-        code=fingerprint("fprc.stages.tabulate"),
+        code=code_of("tabulate"),
     message:
         "Orders of Tables 2 and 3 on every seed"
     script:
@@ -79,7 +79,7 @@ rule timing_table:
     log:
         f"{RESULTS}/logs/table2_timing.log",
     params:
-        code=fingerprint("fprc.stages.tabulate"),
+        code=code_of("tabulate"),
     message:
         "Execution times of Table II"
     script:
@@ -100,7 +100,7 @@ rule tracking_table:
     log:
         f"{RESULTS}/logs/table4.log",
     params:
-        code=fingerprint("fprc.stages.tabulate"),
+        code=code_of("tabulate"),
     message:
         "Table 4"
     script:

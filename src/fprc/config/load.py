@@ -3,10 +3,11 @@
 import difflib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import yaml
 from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
 
 from fprc.config.settings import Settings
 from fprc.errors import ConfigError
@@ -21,12 +22,42 @@ def check(config: Mapping[str, Any]) -> Settings:
         Lists every unknown key with the nearest valid one, and every value
         that is of the wrong type or out of range with the limit and a remedy.
     """
-    try:
-        return Settings.model_validate(dict(config))
-    except ValidationError as error:
-        lines = [_line(item) for item in error.errors()]
+    lines: list[str] = []
+    remaining = Settings().model_dump()
+    _merge(remaining, config)
+    while True:
+        try:
+            settings = Settings.model_validate(remaining)
+        except ValidationError as error:
+            lines += [line for line in map(_line, error.errors()) if line not in lines]
+            # what depends on several keys is only looked at once each is right by itself
+            restored = [_restored(remaining, item) for item in error.errors()]
+            if not any(restored):
+                break
+        else:
+            break
+    if not lines:
+        return settings
     noun = "error" if len(lines) == 1 else "errors"
     raise ConfigError("\n".join([f"{len(lines)} {noun} in the configuration:", *lines]))
+
+
+def _restored(config: Any, item: Mapping) -> bool:
+    """Put the default in place of a wrong value; False if there is no one value."""
+    *way, last = [part for part in item["loc"] if isinstance(part, str)] or [""]
+    default: Any = Settings().model_dump()
+    for part in way:
+        config = config.get(part) if isinstance(config, dict) else None
+        default = default.get(part) if isinstance(default, dict) else None
+    if not isinstance(config, dict) or last not in config:
+        return False
+    if item["type"] == "value_error" and isinstance(config[last], Mapping):
+        return False
+    if isinstance(default, dict) and last in default:
+        config[last] = default[last]
+    else:
+        del config[last]
+    return True
 
 
 def from_files(paths: Sequence[Path | str]) -> Settings:
@@ -34,28 +65,25 @@ def from_files(paths: Sequence[Path | str]) -> Settings:
     merged: dict[str, Any] = {}
     for path in paths:
         try:
-            loaded = yaml.safe_load(Path(path).read_text(encoding="utf-8")) or {}
-        except (OSError, yaml.YAMLError) as error:
+            loaded = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
+        except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
             raise ConfigError(f"{path}: cannot be read as YAML: {error}") from error
+        if loaded is None:
+            continue
         if not isinstance(loaded, dict):
             raise ConfigError(f"{path}: must hold keys and values, not a {type(loaded).__name__}")
         _merge(merged, loaded)
     return check(merged)
 
 
-def fields(section: type[BaseModel], prefix: str = "") -> Iterator[tuple[str, Any, type]]:
-    """Yield (dotted key, field, section) of every setting, depth first."""
-    for name, field in section.model_fields.items():
-        key = f"{prefix}{name}"
-        inner = [t for t in (field.annotation, *get_args(field.annotation)) if _is_section(t)]
-        if not inner:
-            yield key, field, section
-        for model in inner:
-            yield from fields(model, f"{key}.")
-
-
-def _is_section(annotation: Any) -> bool:
-    return isinstance(annotation, type) and issubclass(annotation, BaseModel)
+def fields(section: BaseModel, prefix: str = "") -> Iterator[tuple[str, Any, FieldInfo, type]]:
+    """Yield (dotted key, default, field, section) of every setting, depth first."""
+    for name, field in type(section).model_fields.items():
+        value = getattr(section, name)
+        if isinstance(value, BaseModel):
+            yield from fields(value, f"{prefix}{name}.")
+        else:
+            yield f"{prefix}{name}", value, field, type(section)
 
 
 def _merge(into: dict, other: Mapping) -> None:
@@ -68,21 +96,26 @@ def _merge(into: dict, other: Mapping) -> None:
 
 def _line(item: Mapping) -> str:
     key = ".".join(str(part) for part in item["loc"])
-    known = {name: field for name, field, _ in fields(Settings)}
+    defaults = {name: default for name, default, _, _ in fields(Settings())}
     if item["type"] == "extra_forbidden":
-        return f"  {key}: unknown key; {_nearest(key, known)}"
+        return f"  {key}: unknown key; did you mean {_nearest(key, list(defaults))}?"
     message = item["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
     where = f"{key} = {item['input']}: " if key and item["type"] != "value_error" else ""
-    default = known[key].default if key in known else None
-    remedy = f"; remove the key for {default!r}" if default is not None else ""
+    remedy = f"; remove the key for {defaults[key]!r}" if key in defaults else ""
     if not where and key:
         where = f"{key}: "
     return f"  {where}{message}{remedy}"
 
 
-def _nearest(key: str, known: Mapping[str, Any]) -> str:
-    groups = {name.rsplit(".", 1)[0] for name in known if "." in name}
-    candidates = [*known, *groups]
-    same_name = [name for name in candidates if name.split(".")[-1] == key.split(".")[-1]]
-    close = same_name or difflib.get_close_matches(key, candidates, n=1, cutoff=0.0)
-    return f"did you mean {close[0]}?"
+def _nearest(key: str, known: Sequence[str]) -> str:
+    """Return the valid key that was probably meant."""
+    parts = [name.split(".") for name in known]
+    prefixes = dict.fromkeys(".".join(part[:i]) for part in parts for i in range(1, len(part) + 1))
+    section, _, last = key.rpartition(".")
+    same_name = [name for name in prefixes if name.rpartition(".")[2] == last]
+    siblings = [name for name in prefixes if name.rpartition(".")[0] == section]
+    return (
+        same_name
+        or difflib.get_close_matches(key, siblings, n=1, cutoff=0.3)
+        or difflib.get_close_matches(key, prefixes, n=1, cutoff=0.0)
+    )[0]

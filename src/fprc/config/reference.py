@@ -34,23 +34,23 @@ def reference() -> str:
         "`config/config.yaml`, in a file given by `--configfile`, or by `--config`.",
     ]
     before = None
-    for key, field, section in fields(Settings):
+    for key, default, field, section in fields(Settings()):
         group = key.rpartition(".")[0]
         if group != before:
             lines += ["", f"## {group or 'Top level'}", "", section.__doc__.strip(), ""]
             lines += ["| key | unit | default | range | meaning | source |", "|" + "---|" * 6]
             before = group
-        lines.append(_row(key.rpartition(".")[2], field, section))
+        lines.append(_row(key.rpartition(".")[2], default, field, section))
     return "\n".join(lines) + "\n"
 
 
-def _row(name: str, field: Any, section: type) -> str:
+def _row(name: str, default: Any, field: Any, section: type) -> str:
     schema = section.model_json_schema()["properties"][name]
     low, high = schema.get("minimum"), schema.get("maximum")
     limits = f"{low:g} to {high:g}" if low is not None else " or ".join(schema.get("enum", []))
-    default = json.dumps(field.default)
-    cells = (f"`{name}`", schema.get("unit", ""), f"`{default}`", limits, field.description or "",
-             schema.get("source", ""))  # fmt: skip
+    shown = f"`{json.dumps(default)}`"
+    meaning, source = field.description or "", schema.get("source", "")
+    cells = (f"`{name}`", schema.get("unit", ""), shown, limits, meaning, source)
     return "| " + " | ".join(cells) + " |"
 
 

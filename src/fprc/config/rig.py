@@ -252,8 +252,8 @@ class Converter(Section):
 class Rig(Section):
     """The simulated rig; a real one has no use for this section."""
 
-    substeps: int = quantity(
-        10, "per sample", (10, 100), "integration steps per control period", "0.5 ms at 200 Hz"
+    step_s: float = quantity(
+        5e-4, "s", (1e-5, 5e-4), "longest integration step", "fits the fastest part, the spool"
     )
     valve: Valve = Valve()
     main_chamber: Chamber = Chamber()

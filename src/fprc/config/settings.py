@@ -3,7 +3,7 @@
 from typing import Annotated, Literal
 
 from annotated_types import Ge, Le
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from fprc.config.rig import Rig
 from fprc.config.section import Section, quantities, quantity, within
@@ -80,6 +80,13 @@ class Quality(Section):
         5.0, "kPa/min", (0, 100), "a faster fall of P_o at equal P_i is a leak"
     )
 
+    @field_validator("pressure_range_kpa", "angle_range_deg")
+    @classmethod
+    def _range_rises(cls, limits: tuple[float, float]) -> tuple[float, float]:
+        if limits[0] >= limits[1]:
+            raise ValueError(f"{limits} is empty; put the lower end first")
+        return limits
+
 
 class Esn(Section):
     """Echo state network, Sec. III-A and Table I."""
@@ -121,10 +128,18 @@ class Evaluation(Section):
         "command", description="P_exp that the models learn: commanded or measured pressure"
     )
     timing_repeats: int = quantity(10, "-", (1, 100), "repeats of the timing", "paper, Sec. III-D")
-    replicate_seeds: tuple[int, ...] = Field(
-        (101, 102, 103, 104, 105), min_length=2,
-        description="seeds of the further rigs that Table II is repeated on",
-    )  # fmt: skip
+    replicate_seeds: tuple[Annotated[int, Ge(0), Le(2**31)], ...] = Field(
+        (201, 202, 203, 204, 205),
+        min_length=2,
+        description="seeds of the further rigs that Tables II and III are repeated on",
+    )
+
+    @field_validator("replicate_seeds")
+    @classmethod
+    def _seeds_differ(cls, seeds: tuple[int, ...]) -> tuple[int, ...]:
+        if len(set(seeds)) < len(seeds):
+            raise ValueError(f"{seeds} repeats a seed; give each once")
+        return seeds
 
 
 class Sweeps(Section):
@@ -243,6 +258,8 @@ class Settings(Section):
 
     @model_validator(mode="after")
     def _logs_are_long_enough(self) -> "Settings":
+        if self.source != "sim":
+            return self
         models, folds = self.models, self.evaluation.folds
         needs = {"n_y": models.n_y, "n_u": models.fprc.n_u, "n_c": models.fprc.n_c}
         problems = []

@@ -1,13 +1,13 @@
 """The sampled loop: wait, read, decide, write, remember."""
 
+import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from fprc.control.pressure import PressurePI
-from fprc.devices import Device, Readings
-from fprc.devices.protocol import Clock
-from fprc.errors import ControlError, FprcError
+from fprc.devices import Clock, Device, Readings
+from fprc.errors import ControlError
 from fprc.logs import RAW_CHANNELS
 
 #: Gives P_exp and P_i of sample k in kPa, then whatever else is to be remembered.
@@ -64,6 +64,9 @@ def run(
         for k in range(samples):
             clock.wait_until(k * period_s)
             now = device.read()
+            if not math.isfinite(sum(now)):
+                gone = [name for name, value in now._asdict().items() if not math.isfinite(value)]
+                raise ControlError(f"no reading of {', '.join(gone)}; check the sensor")
             p_exp, p_i, *more = law(k, now)
             main_v = main_loop.step(p_exp, now.p_exp_kpa)
             reservoir_v = reservoir_loop.step(p_i, now.p_i_kpa)
@@ -82,9 +85,9 @@ def run(
                 *more,
             )
             progress(k + 1)
-    except FprcError as error:
+    except Exception as error:
         recorded = dict(zip(names, rows[:k].T.copy(), strict=True))
-        raise RunAbortedError(f"run stopped after {k} samples: {error}", recorded) from error
+        raise RunAbortedError(f"run stopped at sample {k}: {error}", recorded) from error
     finally:
         device.safe()
     return dict(zip(names, rows.T.copy(), strict=True))

@@ -1,5 +1,7 @@
 """Software PI loop from a chamber's pressure to its valve voltage."""
 
+import math
+
 
 class PressurePI:
     """V = V_neutral + kp e + ki integral(e), clamped to the board's 0-10 V.
@@ -33,10 +35,20 @@ class PressurePI:
         self.integral_kpa_s = 0.0
 
     def step(self, setpoint_kpa: float, measured_kpa: float) -> float:
-        """Return the valve voltage for this sample."""
+        """Return the valve voltage for this sample.
+
+        Raises
+        ------
+        ValueError
+            Set-point or reading is not finite; the integral is left as it was.
+        """
         error = setpoint_kpa - measured_kpa
         integral = self.integral_kpa_s + error * self.period_s
         volts = self.neutral_v + self.kp_v_per_kpa * error + self.ki_v_per_kpa_s * integral
+        if not math.isfinite(volts):
+            raise ValueError(
+                f"set-point {setpoint_kpa} kPa and reading {measured_kpa} kPa must be finite"
+            )
         if volts < 0.0:
             return 0.0
         if volts > self.limit_v:

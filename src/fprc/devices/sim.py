@@ -1,5 +1,6 @@
 """The simulated rig behind the device protocol."""
 
+import math
 from collections.abc import Callable, Mapping
 
 import numpy as np
@@ -48,7 +49,7 @@ class SimulatedRig:
     ):
         self._push_kpa = push_kpa
         self._period_s = 1.0 / sample_rate_hz
-        self._substeps = int(rig["substeps"])
+        self._substeps = math.ceil(self._period_s / rig["step_s"] - 1e-9)
         self._rig = record(rig)
         self._instruments = draw_instruments(rig, np.random.default_rng([seed]))
         self._rng = np.random.default_rng([seed, run + 1])
@@ -124,5 +125,5 @@ class SimulatedRig:
             raise SimulationError(
                 f"simulated rig: the {DIVERGED[failed]} left its physical range at "
                 f"t = {self._tick * self._period_s:.3f} s; check the gains under control and "
-                "the parameters under rig, or raise rig.substeps"
+                "the parameters under rig, or reduce rig.step_s"
             )

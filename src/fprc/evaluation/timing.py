@@ -46,6 +46,7 @@ def time_model(
             continue
         progress(f"{phase}, {mode}")
         samples = len(train[0] if phase == "train" else test[0])
+        run()
         seconds = [_seconds(run) for _ in range(repeats)]
         results.append({"phase": phase, "mode": mode, "samples": samples, "seconds": seconds})
     return results

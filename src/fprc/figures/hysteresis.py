@@ -1,5 +1,7 @@
 """Figures 4 and 5: commands and hysteresis loops of actuator and reservoir."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
@@ -15,17 +17,25 @@ def plot_command(time_s: np.ndarray, p_exp_kpa: np.ndarray, ax: Axes, colour: st
 
 def plot_loop(
     x: np.ndarray, y: np.ndarray, time_s: np.ndarray, ax: Axes, labels: tuple[str, str]
-) -> Axes:
-    """Draw a loop of ``y`` over ``x``, coloured by time.
+) -> LineCollection:
+    """Draw a loop of ``y`` over ``x``, coloured from its start to its end.
 
     Loops that do not depend on frequency lie on one another.
     """
     points = np.column_stack([x, y])
     segments = np.stack([points[:-1], points[1:]], axis=1)
-    lines = LineCollection(segments, cmap="viridis", array=time_s[:-1], linewidth=0.35)
+    elapsed = (time_s[:-1] - time_s[0]) / (time_s[-1] - time_s[0])
+    lines = LineCollection(segments, cmap="viridis", array=elapsed, linewidth=0.3)
     lines.set_rasterized(True)
     ax.add_collection(lines)
     ax.autoscale_view()
     ax.set(xlabel=labels[0], ylabel=labels[1])
-    ax.figure.colorbar(lines, ax=ax, label="Time [s]", aspect=30, pad=0.02)
-    return ax
+    return lines
+
+
+def add_time_bar(lines: LineCollection, axes: Sequence[Axes]) -> None:
+    """Put one bar for the colour of time below the axes."""
+    bar = axes[0].figure.colorbar(lines, ax=axes, location="bottom", aspect=50, pad=0.02)
+    bar.set_ticks([0.0, 1.0], labels=["start", "end"])
+    bar.ax.tick_params(length=0)
+    bar.outline.set_visible(False)

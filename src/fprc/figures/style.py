@@ -12,9 +12,8 @@ from matplotlib.figure import Figure
 
 from fprc.artifacts import replacing
 
-#: Widths of a journal's column and page, inches.
+#: Width of a journal's column, inches; every figure is drawn at it.
 COLUMN_IN = 3.5
-PAGE_IN = 7.16
 
 #: Colour of each quantity and model, safe for colour-blind readers (Okabe-Ito
 #: and Tol); a name that is not here is an error.
@@ -86,9 +85,9 @@ def legend_above(*axes: plt.Axes) -> None:
 
 
 def share_legend(fig: Figure, ax: plt.Axes) -> None:
-    """Put the legend of one axes below the whole figure, for all of them."""
+    """Put the legend of one axes above the whole figure, for all of them."""
     handles, labels = ax.get_legend_handles_labels()
-    fig.legend(handles, labels, loc="outside lower center", ncols=3)
+    fig.legend(handles, labels, loc="outside upper center", ncols=2)
 
 
 def save(fig: Figure, attributes: Mapping[str, object], pdf: str, png: str) -> None:

@@ -54,16 +54,31 @@ def read_columns(path: Path | str, names: tuple[str, ...]) -> Columns:
         is cut short, a channel is missing, has the wrong unit or shape, or
         holds a value that is not finite (with its sample).
     """
+    columns, problems = gather_columns(path, names)
+    if problems:
+        raise LogError("\n".join(problems))
+    return columns
+
+
+def gather_columns(path: Path | str, names: tuple[str, ...]) -> tuple[Columns, list[str]]:
+    """Read what can be read of the named channels, and say what is wrong with them.
+
+    Raises
+    ------
+    LogError
+        The file cannot be opened, or is cut short.
+    """
     path = Path(path)
     _refuse_cut_file(path)
     try:
         with h5py.File(path, "r") as file:
             attributes = {key: _plain(value) for key, value in file.attrs.items()}
             channels, problems = _read_all(path, file, names)
-    except OSError as error:
+    except (OSError, RuntimeError, KeyError, TypeError, ValueError) as error:
+        # a damaged file makes the library raise whatever it stumbles over
         raise LogError(
             f"{path}: cannot be read as HDF5 ({error}); the file is cut short or damaged, "
-            "restore or record it again"
+            "restore it, or delete it and record it again"
         ) from error
     lengths = {name: len(values) for name, values in channels.items()}
     if len(set(lengths.values())) > 1:
@@ -74,13 +89,16 @@ def read_columns(path: Path | str, names: tuple[str, ...]) -> Columns:
         )
     elif 0 in lengths.values():
         problems.append(f"{path}: no samples; record the log again")
-    if problems:
-        raise LogError("\n".join(problems))
-    return Columns(path, channels, attributes)
+    return Columns(path, channels, attributes), problems
 
 
 def _plain(value: Any) -> Any:
-    return value.item() if isinstance(value, np.generic) else value
+    """Return an attribute as Python has it, whichever program wrote it."""
+    if isinstance(value, np.ndarray) and value.size == 1:
+        value = value.ravel()[0]
+    if isinstance(value, np.generic):
+        value = value.item()
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else value
 
 
 def _refuse_cut_file(path: Path) -> None:
@@ -93,11 +111,14 @@ def _refuse_cut_file(path: Path) -> None:
     except OSError as error:
         raise LogError(f"{path}: cannot be opened ({error.strerror}); check the path") from error
     if head[:8] != b"\x89HDF\r\n\x1a\n":
-        raise LogError(f"{path}: not an HDF5 file; use `fprc` to record logs")
-    promised = int.from_bytes(head[40:48], "little") if head[8:9] == b"\0" else 0
+        raise LogError(f"{path}: not an HDF5 file; raw logs are described in data/raw/README.md")
+    known = len(head) == 48 and head[8] == 0  # version 0 of the superblock
+    promised = int.from_bytes(head[40:48], "little") if known else 0
     if len(head) < 48 or size < promised:
+        total = f" of {promised}" if promised else ""
         raise LogError(
-            f"{path}: cut short, {size} of {promised} bytes are left; restore or record it again"
+            f"{path}: cut short, {size}{total} bytes are left; restore it, or delete it and "
+            "record it again"
         )
 
 
@@ -112,7 +133,7 @@ def _read_all(
             found = ", ".join(file) or "none"
             problems.append(f"{path}: channel {name}: missing; the file has {found}")
             continue
-        unit = _plain(dataset.attrs.get("units", "none"))
+        unit = str(_plain(dataset.attrs.get("units", "none")))
         if unit != unit_of(name):
             problems.append(
                 f"{path}: channel {name}: units are {unit}, must be {unit_of(name)}; "

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from fprc.errors import LogError
-from fprc.logs.columns import Columns, read_columns, write_columns
+from fprc.logs.columns import Columns, gather_columns, read_columns, write_columns
 
 #: Every channel of a raw log. ``command`` is what was asked, the rest measured.
 RAW_CHANNELS = (
@@ -24,7 +24,18 @@ RAW_CHANNELS = (
     "valve_reservoir_v",
 )
 
-_ATTRIBUTES = ("experiment", "source", "sample_rate_hz", "seed", "software", "rig")
+#: Where a log can come from: simulated, recorded here, brought in.
+SOURCES = ("sim", "rig", "import")
+
+_ATTRIBUTES = {
+    "experiment": str,
+    "source": str,
+    "simulated": bool,
+    "sample_rate_hz": (int, float),
+    "seed": int,
+    "software": str,
+    "rig": str,
+}
 
 
 def write_raw(
@@ -88,43 +99,36 @@ def refuse_to_overwrite(paths: Sequence[Path | str]) -> None:
         raise LogError("\n".join(problems))
 
 
-def read_raw(path: Path | str, *, sample_rate_hz: float | None, rate_tolerance: float) -> Columns:
+def read_raw(
+    path: Path | str,
+    *,
+    experiment: str | None,
+    sample_rate_hz: float | None,
+    rate_tolerance: float,
+) -> Columns:
     """Read a raw log and check that it can be used at all.
 
     Parameters
     ----------
+    experiment : str or None
+        Expected experiment; None takes any.
     sample_rate_hz : float or None
         Expected rate; None takes the one that the log declares.
 
     Raises
     ------
     LogError
-        See ``read_columns``; further an attribute is missing, time does not
-        increase, or the rate is not the expected one.
+        See ``read_columns``; further an attribute is missing or of the wrong
+        kind, time does not increase, or the rate is not the expected one.
     """
-    log = read_columns(path, RAW_CHANNELS)
-    problems = [
-        f"{path}: attribute {name}: missing; record the log again"
-        for name in _ATTRIBUTES
-        if name not in log.attributes
-    ]
-    declared = log.attributes.get("sample_rate_hz", sample_rate_hz or 1.0)
-    sample_rate_hz = sample_rate_hz or declared
-    time_s = log.channels["time_s"]
-    steps = np.diff(time_s)
-    back = np.flatnonzero(steps <= 0.0)
-    if back.size:
-        k = int(back[0]) + 1
-        problems.append(
-            f"{path}: channel time_s: sample {k} at {time_s[k]:.6f} s does not come after "
-            f"{time_s[k - 1]:.6f} s; sort or cut the log"
-        )
-    elif steps.size and abs(steps.mean() * sample_rate_hz - 1.0) > rate_tolerance:
-        problems.append(
-            f"{path}: channel time_s: sample {len(time_s) - 1}: the mean rate up to here is "
-            f"{1.0 / steps.mean():.4g} Hz, must be {sample_rate_hz:g} Hz; resample the log"
-        )
-    if abs(declared / sample_rate_hz - 1.0) > rate_tolerance:
+    log, problems = gather_columns(path, RAW_CHANNELS)
+    wrong = _wrong_attributes(path, log.attributes, experiment)
+    declared = 0.0 if wrong else log.attributes["sample_rate_hz"]
+    problems += wrong
+    if "time_s" in log.channels:
+        expected = sample_rate_hz or declared
+        problems += _wrong_times(path, log.channels["time_s"], expected, rate_tolerance)
+    if sample_rate_hz and declared and abs(declared / sample_rate_hz - 1.0) > rate_tolerance:
         problems.append(
             f"{path}: attribute sample_rate_hz = {declared:g}; must be {sample_rate_hz:g}, "
             "resample the log or change control.sample_rate_hz"
@@ -132,3 +136,55 @@ def read_raw(path: Path | str, *, sample_rate_hz: float | None, rate_tolerance: 
     if problems:
         raise LogError("\n".join(problems))
     return log
+
+
+def _wrong_attributes(
+    path: Path | str, attributes: Mapping[str, Any], experiment: str | None
+) -> list[str]:
+    problems = []
+    for name, kind in _ATTRIBUTES.items():
+        if name not in attributes:
+            problems.append(f"{path}: attribute {name}: missing; see data/raw/README.md")
+        elif not isinstance(attributes[name], kind):
+            value = attributes[name]
+            problems.append(
+                f"{path}: attribute {name} = {value!r}: is a {type(value).__name__}; "
+                "see data/raw/README.md"
+            )
+    if problems:
+        return problems
+    source, rate_hz = attributes["source"], attributes["sample_rate_hz"]
+    if source not in SOURCES:
+        problems.append(f"{path}: attribute source = {source}; must be {', '.join(SOURCES)}")
+    elif attributes["simulated"] != (source == "sim"):
+        problems.append(
+            f"{path}: attribute simulated = {attributes['simulated']} contradicts "
+            f"source = {source}; correct the wrong one"
+        )
+    if experiment is not None and attributes["experiment"] != experiment:
+        problems.append(
+            f"{path}: attribute experiment = {attributes['experiment']}; must be {experiment}, "
+            "the file has another experiment's name"
+        )
+    if not rate_hz > 0.0:
+        problems.append(f"{path}: attribute sample_rate_hz = {rate_hz}; must be above 0")
+    return problems
+
+
+def _wrong_times(
+    path: Path | str, time_s: np.ndarray, expected_hz: float, tolerance: float
+) -> list[str]:
+    steps = np.diff(time_s)
+    back = np.flatnonzero(steps <= 0.0)
+    if back.size:
+        k = int(back[0]) + 1
+        return [
+            f"{path}: channel time_s: sample {k} at {time_s[k]:.6f} s does not come after "
+            f"{time_s[k - 1]:.6f} s; sort or cut the log"
+        ]
+    if expected_hz and steps.size and abs(steps.mean() * expected_hz - 1.0) > tolerance:
+        return [
+            f"{path}: channel time_s: sample {len(time_s) - 1}: the mean rate up to here is "
+            f"{1.0 / steps.mean():.4g} Hz, must be {expected_hz:g} Hz; resample the log"
+        ]
+    return []

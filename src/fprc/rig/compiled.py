@@ -15,7 +15,7 @@ def kernel(function: Callable) -> Callable:
     lies in a folder named after all sources of this package.
     """
     before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = before or str(_cache_folder())
+    numba.config.CACHE_DIR = str(_cache_folder())
     try:
         return numba.njit(cache=True, error_model="numpy")(function)
     finally:
@@ -27,4 +27,5 @@ def _cache_folder() -> Path:
     digest = hashlib.sha256()
     for source in sorted(here.glob("*.py")):
         digest.update(source.read_bytes())
-    return here / "__pycache__" / f"kernels-{digest.hexdigest()[:16]}"
+    folder = Path(numba.config.CACHE_DIR or here / "__pycache__")
+    return folder / f"kernels-{digest.hexdigest()[:16]}"

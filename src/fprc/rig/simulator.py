@@ -27,7 +27,7 @@ PRESSURE_SENSORS = ("p_main", "p_i", "p_o")
 
 #: What ``advance`` returns when the state has left all physical range.
 DIVERGED = {1: "pressure of the main chamber", 2: "pressure of PAM A", 3: "bending angle",
-            4: "volume of PAM B"}  # fmt: skip
+            4: "volume of PAM B", 5: "spool of a valve"}  # fmt: skip
 
 
 def initial_state(rig: Mapping, rng: np.random.Generator) -> np.ndarray:
@@ -110,10 +110,13 @@ def advance(states, rigs, instruments, valve_v, push_kpa, noise, period_s, subst
         _lag(state, rig, dt)
         state.time_s += dt
         bend_noise = _bend_sample(state, rig, noise, bend_noise)
+        failed = _health(state, rig)
+        if failed:
+            return failed
     if substeps == 0:
         _bend_sample(state, rig, noise, bend_noise)
     _sense(state, rig, instruments[0], noise, reading)
-    return _health(state, rig)
+    return 0
 
 
 @kernel
@@ -134,7 +137,7 @@ def _valves(state, rig, valve_v, dt):
     valve = rig.valve
     for i in range(2):
         written = converted(valve_v[i], rig.converter.step_v, rig.converter.limit_v)
-        held = min(max(written, 0.0), 2.0 * valve.neutral_v)
+        held = max(written, 0.0)  # the output board gives 0 to 10 V
         command = (held - valve.neutral_v) / valve.neutral_v
         state.spool_rate[i] += dt * spool_acceleration(
             state.spool[i],
@@ -264,4 +267,6 @@ def _health(state, rig):
     left_ml = passive_volume(rig.reservoir, state.squeezed_ml, state.phi_deg)
     if not (0.01 * rig.reservoir.passive_volume_ml < left_ml):
         return 4
+    if not (abs(state.spool[0]) < 2.0 and abs(state.spool[1]) < 2.0):
+        return 5
     return 0

@@ -8,7 +8,7 @@ import pandas as pd
 
 from fprc.artifacts import read_json
 from fprc.figures import style
-from fprc.figures.hysteresis import plot_command, plot_loop
+from fprc.figures.hysteresis import add_time_bar, plot_command, plot_loop
 from fprc.figures.sweeps import plot_errors_over, plot_grid, plot_times_over
 from fprc.figures.training import plot_error, plot_fit
 from fprc.figures.weights import plot_shares
@@ -23,48 +23,50 @@ _P_O = r"$P_o$ [kPa]"
 def draw_actuator_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> None:
     """Figure 4: pressure commands and the actuator's hysteresis loops."""
     logs = []
-    fig, axes = style.figure(2, 2, style.PAGE_IN, 4.2)
-    titles = (("(a) Sweep", "(b) Loops of the sweep"), ("(c) Complex", "(d) Loops of (c)"))
+    fig, axes = style.figure(2, 2, style.COLUMN_IN, 3.6)
+    titles = (("(a) Sweep", "(b) Loops of (a)"), ("(c) Complex", "(d) Loops of (c)"))
     for path, row, title in zip((sweep, complex), axes, titles, strict=True):
         log = read_columns(path, _DATA)
         logs.append(log)
         time_s, p_exp, theta = (log.channels[name] for name in _DATA[:3])
         plot_command(time_s, p_exp, row[0], style.COLOURS["p_exp"])
-        plot_loop(p_exp, theta, time_s, row[1], (_P_EXP, _THETA))
+        lines = plot_loop(p_exp, theta, time_s, row[1], (_P_EXP, _THETA))
         for ax, text in zip(row, title, strict=True):
             style.letter(ax, text)
+    add_time_bar(lines, axes.ravel())
     style.save(fig, _marked(logs), pdf, png)
 
 
 def draw_reservoir_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> None:
     """Figure 5: hysteresis between theta and the reservoir's P_o."""
     logs = []
-    fig, axes = style.figure(1, 2, style.PAGE_IN, 2.3)
+    fig, axes = style.figure(1, 2, style.COLUMN_IN, 2.2, sharey=True)
     for path, ax, title in zip((sweep, complex), axes, ("(a) Sweep", "(b) Complex"), strict=True):
         log = read_columns(path, _DATA)
         logs.append(log)
-        channels = log.channels
-        plot_loop(channels["theta_deg"], channels["p_o_kpa"], channels["time_s"], ax,
-                  (_THETA, _P_O))  # fmt: skip
+        theta, p_o, time_s = (log.channels[name] for name in ("theta_deg", "p_o_kpa", "time_s"))
+        lines = plot_loop(theta, p_o, time_s, ax, (_THETA, _P_O))
+        ax.label_outer()
         style.letter(ax, title)
+    add_time_bar(lines, axes)
     style.save(fig, _marked(logs), pdf, png)
 
 
 def draw_training(fit: str, prediction: str, pdf: str, png: str) -> None:
     """Figure 8: the model on its training and on its test data."""
     logs = []
-    fig, axes = style.figure(2, 2, style.PAGE_IN, 3.4, sharex="col", height_ratios=(2, 1))
-    for path, column, title in zip(
-        (fit, prediction), axes.T, ("(a) Training", "(b) Test"), strict=True
+    fig, axes = style.figure(4, 1, style.COLUMN_IN, 4.6, height_ratios=(2, 1, 2, 1))
+    for path, pair, title in zip(
+        (fit, prediction), (axes[:2], axes[2:]), ("(a) Training", "(b) Test"), strict=True
     ):
         log = read_columns(path, ("time_s", "p_exp_kpa", "p_ff_kpa"))
         logs.append(log)
         series = tuple(log.channels.values())
         colours = style.COLOURS["p_exp"], style.COLOURS["p_ff"]
-        plot_fit(*series, column[0], colours=colours)
-        plot_error(*series, column[1], colour=style.COLOURS[log.attributes["model"]])
-        style.letter(column[0], title)
-    style.legend_above(axes[0, 0])
+        plot_fit(*series, pair[0], colours=colours)
+        plot_error(*series, pair[1], colour=style.COLOURS[log.attributes["model"]])
+        style.letter(pair[0], title)
+    style.legend_above(axes[0])
     style.save(fig, _marked(logs), pdf, png)
 
 
@@ -95,7 +97,7 @@ _LABELS = {"fprc": "FPRC, ", "fuzzy_linear": "Fuzzy-linear, "}
 
 def draw_settings(epsilon: str, n_c: str, times: str, pdf: str, png: str) -> None:
     """Figure 10: errors over epsilon and n_c, execution times over n_c."""
-    fig, axes = style.figure(1, 3, style.PAGE_IN, 2.6)
+    fig, axes = style.figure(3, 1, style.COLUMN_IN, 5.6)
     by_epsilon, by_n_c, timed = read_json(epsilon), read_json(n_c), read_json(times)
     plot_errors_over(_errors(by_epsilon["cells"]), "epsilon", {"fprc": ""}, axes[0])
     plot_errors_over(_errors(by_n_c["cells"]), "n_c", _LABELS, axes[1])
@@ -107,7 +109,9 @@ def draw_settings(epsilon: str, n_c: str, times: str, pdf: str, png: str) -> Non
         ax.set_xlabel("$n_c$")
         ax.set_xticks(sorted({cell["n_c"] for cell in by_n_c["cells"]}))
         ax.xaxis.set_major_formatter("{x:g}")
-    for ax, title in zip(axes, ("(a) FPRC", "(b)", "(c)"), strict=True):
+    for ax, title in zip(
+        axes, ("(a) Errors of FPRC", "(b) Errors", "(c) Execution times"), strict=True
+    ):
         style.letter(ax, title)
     axes[0].legend(loc="best")
     style.share_legend(fig, axes[1])
@@ -118,10 +122,11 @@ def draw_taps(taps: str, pdf: str, png: str) -> None:
     """Figure 11: errors over the tap sizes."""
     report = read_json(taps)
     table = _errors(report["cells"])
-    fig, axes = style.figure(1, 3, style.PAGE_IN, 2.2)
-    for ax, phase, title in zip(axes, ("train", "validation", "test"), "abc", strict=True):
+    fig, axes = style.figure(3, 1, style.COLUMN_IN, 7.4)
+    titles = {"train": "(a) Training", "validation": "(b) Validation", "test": "(c) Test"}
+    for ax, (phase, title) in zip(axes, titles.items(), strict=True):
         plot_grid(table, phase, ax)
-        style.letter(ax, f"({title})")
+        style.letter(ax, title)
     style.save(fig, report, pdf, png)
 
 

@@ -19,7 +19,12 @@ def inspect_logs(paths: Sequence[str]) -> int:
     failed = False
     for path in paths:
         try:
-            log = read_raw(path, sample_rate_hz=None, rate_tolerance=limits["rate_tolerance"])
+            log = read_raw(
+                path,
+                experiment=None,
+                sample_rate_hz=None,
+                rate_tolerance=limits["rate_tolerance"],
+            )
         except LogError as error:
             print(f"error: {error}", file=sys.stderr)
             failed = True

@@ -1,14 +1,14 @@
 """Cross-validation, test and timing of the models."""
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from fprc.artifacts import replacing, write_json
-from fprc.evaluation import Judgement, cross_validate, split_rows, time_model
-from fprc.evaluation.timing import machine
+from fprc.errors import LogError
+from fprc.evaluation import Judgement, cross_validate, split_rows
 from fprc.logs import read_columns, write_columns
 from fprc.models import ESN, FPRC, FuzzyLinear, SequenceModel, save_model
 from fprc.stages.preprocess import TARGETS
@@ -51,6 +51,22 @@ def read_data(path: str) -> Data:
     """Read a preprocessed log."""
     file = read_columns(path, ("time_s", "p_exp_kpa", "theta_deg", "p_o_kpa"))
     return Data(file.channels, file.attributes)
+
+
+def refuse_mixture(train: Data, test: Data) -> None:
+    """Refuse to judge a model that was trained on one kind of data on another.
+
+    Raises
+    ------
+    LogError
+        One log is simulated, recorded or imported, and the other is not.
+    """
+    kinds = train.attributes["source"], test.attributes["source"]
+    if kinds[0] != kinds[1]:
+        raise LogError(
+            f"the training log's source is {kinds[0]}, the test log's {kinds[1]}; "
+            "use two logs of one kind"
+        )
 
 
 def judge(
@@ -111,57 +127,6 @@ def replicate(
     write_json(errors, {"seed": seed, "source": "sim", "models": reports})
 
 
-def measure_times(
-    train: str,
-    test: str,
-    times: str,
-    *,
-    models: Mapping[str, Any],
-    repeats: int,
-    seed: int,
-) -> None:
-    """Time training and test of every model on this machine."""
-    train_data, test_data = read_data(train), read_data(test)
-    results = []
-    for name in INPUTS:
-        timed = time_model(
-            build(name, models, seed),
-            train_data.pair(name),
-            test_data.pair(name),
-            repeats,
-            progress=lambda what, name=name: log.info("%s: %s, %d repeats", name, what, repeats),
-        )
-        results += [{"model": name, **result} for result in timed]
-    write_json(times, {"source": train_data.attributes["source"], **machine(), "times": results})
-
-
-def measure_times_over_n_c(
-    train: str,
-    test: str,
-    times: str,
-    *,
-    models: Mapping[str, Any],
-    values: Sequence[int],
-    repeats: int,
-    seed: int,
-) -> None:
-    """Time FPRC and Fuzzy-linear over the number of rules (Fig. 10c)."""
-    train_data, test_data = read_data(train), read_data(test)
-    results = []
-    for name in ("fprc", "fuzzy_linear"):
-        for n_c in values:
-            timed = time_model(
-                build(name, models, seed).set_params(n_c=n_c),
-                train_data.pair(name),
-                test_data.pair(name),
-                repeats,
-                modes=("batch",),
-            )
-            log.info("%s: n_c = %d", name, n_c)
-            results += [{"model": name, "n_c": n_c, **result} for result in timed]
-    write_json(times, {"source": train_data.attributes["source"], **machine(), "times": results})
-
-
 def _judge(
     name: str,
     models: Mapping[str, Any],
@@ -171,6 +136,7 @@ def _judge(
     train: Data,
     test: Data,
 ) -> tuple[Judgement, dict[str, Any]]:
+    refuse_mixture(train, test)
     X, y = train.pair(name)
     log.info("%s: features of %d samples (%s)", name, len(y), train.attributes["experiment"])
     judged = cross_validate(

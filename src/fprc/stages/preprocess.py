@@ -19,6 +19,7 @@ def preprocess(
     data: str,
     quality: str,
     *,
+    experiment: str,
     target: str,
     sample_rate_hz: float,
     limits: Mapping[str, Any],
@@ -28,7 +29,12 @@ def preprocess(
     Nothing is filtered here: the filter and the taps belong to the models,
     which apply the same ones in the control loop.
     """
-    source = read_raw(raw, sample_rate_hz=sample_rate_hz, rate_tolerance=limits["rate_tolerance"])
+    source = read_raw(
+        raw,
+        experiment=experiment,
+        sample_rate_hz=sample_rate_hz,
+        rate_tolerance=limits["rate_tolerance"],
+    )
     report = assess(source, sample_rate_hz=sample_rate_hz, **limits)
     for warning in warnings(report):
         log.warning("warning: %s", warning)

@@ -17,9 +17,7 @@ def fill(n, flow, volume, volume_rate, p0=150.0):
         return p_rate, flow(t), y[0] * volume_rate(t)
 
     times = np.linspace(0.0, DURATION_S, 41)
-    run = solve_ivp(
-        rates, (0.0, DURATION_S), (p0, 0.0, 0.0), t_eval=times, rtol=1e-10, atol=1e-10
-    )
+    run = solve_ivp(rates, (0.0, DURATION_S), (p0, 0.0, 0.0), t_eval=times, rtol=1e-10, atol=1e-10)
     return times, *run.y
 
 
@@ -36,9 +34,7 @@ def test_isothermal_chamber_holds_the_gas_that_flowed_in():
         1.0, lambda t: 300.0 * np.cos(13.0 * t), breathing, breathing_rate
     )
     gas_kpa_ml = p * breathing(times)
-    np.testing.assert_allclose(
-        gas_kpa_ml, gas_kpa_ml[0] + ATMOSPHERE_KPA * inflow_ml, rtol=1e-7
-    )
+    np.testing.assert_allclose(gas_kpa_ml, gas_kpa_ml[0] + ATMOSPHERE_KPA * inflow_ml, rtol=1e-7)
 
 
 @pytest.mark.parametrize("n", [1.0, 1.1, 1.4])

@@ -102,7 +102,8 @@ def test_supply_and_exhaust_edge_are_never_open_together(x, dead_zone):
 @given(st.floats(-1.0, 1.0), st.floats(0.0, 0.02))
 def test_leak_passes_both_edges_at_any_spool_position(x, leak):
     for side in (x, -x):
-        assert opening(side, 0.02, leak) - opening(side, 0.02, 0.0) == pytest.approx(leak, abs=1e-15)
+        tight = opening(side, 0.02, 0.0)
+        assert opening(side, 0.02, leak) - tight == pytest.approx(leak, abs=1e-15)
 
 
 def underdamped(t, wn, zeta):

@@ -1,0 +1,241 @@
+import copy
+from pathlib import Path
+
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fprc.config import Settings, check, from_files
+from fprc.errors import ConfigError
+
+CONFIG = Path(__file__).parents[3] / "config"
+
+
+def message(config):
+    with pytest.raises(ConfigError) as caught:
+        check(config)
+    return str(caught.value)
+
+
+@pytest.fixture
+def written(tmp_path):
+    """Write YAML texts to files and return their paths."""
+
+    def write(*texts):
+        paths = [tmp_path / f"{k}.yaml" for k in range(len(texts))]
+        for path, text in zip(paths, texts, strict=True):
+            path.write_text(text, encoding="utf-8")
+        return paths
+
+    return write
+
+
+def test_nothing_gives_the_defaults():
+    assert check({}) == Settings()
+
+
+def test_error_tells_place_value_limit_and_remedy():
+    assert message({"models": {"fprc": {"n_c": 0}}}) == (
+        "1 error in the configuration:\n"
+        "  models.fprc.n_c = 0: must be greater than or equal to 1; remove the key for 8"
+    )
+
+
+def test_every_error_is_reported_at_once():
+    text = message(
+        {
+            "seed": "one",
+            "modles": {},
+            "models": {"fprc": {"n_c": 0, "epsilom": 0.1}},
+            "experiments": {"sweep": {"duration_s": float("nan")}},
+            "rig": {"valve": {"leak": 3}, "bending": {"slip_weight": [1.0]}},
+        }
+    )
+    lines = text.splitlines()
+    assert lines[0] == "7 errors in the configuration:"
+    assert len(lines) == 8
+    for key in (
+        "seed",
+        "modles",
+        "models.fprc.n_c",
+        "models.fprc.epsilom",
+        "experiments.sweep.duration_s",
+        "rig.valve.leak",
+        "rig.bending",
+    ):
+        assert sum(line.startswith((f"  {key} = ", f"  {key}: ")) for line in lines) == 1
+
+
+@pytest.mark.parametrize(
+    ("config", "unknown", "nearest"),
+    [
+        ({"models": {"fprc": {"epsilom": 1}}}, "models.fprc.epsilom", "models.fprc.epsilon"),
+        ({"modles": {}}, "modles", "models"),
+        ({"sede": 1}, "sede", "seed"),
+        ({"n_c": 1}, "n_c", "models.fprc.n_c"),
+        ({"sweep": {}}, "sweep", "experiments.sweep"),
+        ({"models": {"fprc": {"r": 1}}}, "models.fprc.r", "models.esn.r"),
+        ({"rig": {"valve": {"leek": 1}}}, "rig.valve.leek", "rig.valve.leak"),
+        (
+            {"control": {"reservoir_loop": {"kp": 1}}},
+            "control.reservoir_loop.kp",
+            "control.reservoir_loop.kp_v_per_kpa",
+        ),
+    ],
+)
+def test_unknown_key_names_the_nearest(config, unknown, nearest):
+    assert f"  {unknown}: unknown key; did you mean {nearest}?" in message(config)
+
+
+def test_remedy_of_an_error_is_the_default_that_removing_the_key_gives():
+    text = message({"control": {"reservoir_loop": {"kp_v_per_kpa": 7}}})
+    assert f"remove the key for {Settings().control.reservoir_loop.kp_v_per_kpa!r}" in text
+
+
+@pytest.mark.parametrize("value", [3, "all", [1, 2], None])
+def test_value_in_place_of_a_section_is_an_error_of_that_section(value):
+    text = message({"models": value})
+    assert text.startswith("1 error in the configuration:\n  models")
+    assert "must be" in text
+
+
+@pytest.mark.parametrize("key", [1, True, None])
+def test_key_that_is_no_text_is_an_error(key):
+    assert "1 error in the configuration" in message({key: 1})
+
+
+def test_checking_leaves_the_configuration_as_it_was():
+    config = {"seed": "x", "models": {"fprc": {"n_c": 0, "nonsense": 1}}, "rig": {"valve": {}}}
+    before = copy.deepcopy(config)
+    message(config)
+    assert config == before
+
+
+def keys_of(values, prefix=()):
+    for name, value in values.items():
+        yield (*prefix, name)
+        if isinstance(value, dict):
+            yield from keys_of(value, (*prefix, name))
+
+
+KEYS = list(keys_of(Settings().model_dump()))
+VALUES = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner),
+    max_leaves=4,
+)
+
+
+@given(st.lists(st.tuples(st.sampled_from(KEYS), VALUES), min_size=1, max_size=4))
+def test_any_configuration_is_either_valid_or_explained(changes):
+    config = Settings().model_dump()
+    for (*way, last), value in changes:
+        section = config
+        for name in way:
+            section = section[name] if isinstance(section.get(name), dict) else {}
+        section[last] = copy.deepcopy(value)
+    try:
+        settings = check(config)
+    except ConfigError as error:
+        assert " in the configuration:\n  " in str(error)  # noqa: PT017
+    else:
+        assert check(settings.model_dump()) == settings
+
+
+# --- files --------------------------------------------------------------------------------------
+
+
+def test_later_files_win_key_by_key(written):
+    first = "seed: 1\nmodels: {n_y: 7, fprc: {n_c: 4, n_u: 2}}\n"
+    second = "seed: 2\nmodels: {fprc: {n_c: 5}}\n"
+    settings = from_files(written(first, second))
+    assert settings.seed == 2
+    assert (settings.models.n_y, settings.models.fprc.n_c, settings.models.fprc.n_u) == (7, 5, 2)
+
+
+def test_later_list_replaces_the_earlier_one(written):
+    lists = ("{f_hz: [0.1, 0.2, 0.3]}", "{f_hz: [0.5]}")
+    paths = written(*(f"experiments: {{complex: {text}}}\n" for text in lists))
+    assert from_files(paths).experiments.complex.f_hz == (0.5,)
+
+
+def test_key_of_an_earlier_file_is_checked_even_if_a_later_one_is_right(written):
+    with pytest.raises(ConfigError, match="models.n_z: unknown key"):
+        from_files(written("models: {n_z: 7}\n", "models: {n_y: 7}\n"))
+
+
+@pytest.mark.parametrize("text", ["", "# nothing but a comment\n", "{}\n"])
+def test_empty_file_changes_nothing(written, text):
+    assert from_files(written(text)) == Settings()
+
+
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        ("a: [1, 2\n", "cannot be read as YAML"),
+        ("a: 1\n b: 2\n", "cannot be read as YAML"),
+        ("- 1\n- 2\n", "not a list"),
+        ("just words\n", "not a str"),
+        ("a: !!python/object/apply:os.getcwd []\n", "cannot be read as YAML"),
+    ],
+)
+def test_file_that_is_no_settings_file_is_named(written, text, what):
+    paths = written(text)
+    with pytest.raises(ConfigError, match=what) as caught:
+        from_files(paths)
+    assert str(paths[0]) in str(caught.value)
+
+
+@pytest.mark.parametrize("value", ["false", "[]"])
+def test_file_that_holds_an_empty_value_of_another_kind_is_named(written, value):
+    with pytest.raises(ConfigError, match="must hold keys and values"):
+        from_files(written(f"{value}\n"))
+
+
+def test_file_that_is_not_text_is_named(tmp_path):
+    path = tmp_path / "config.yaml"
+    path.write_bytes(b"\xff\xfe\x00seed")
+    with pytest.raises(ConfigError) as caught:
+        from_files([path])
+    assert str(path) in str(caught.value)
+
+
+def test_absent_file_and_folder_are_named(tmp_path):
+    for path in (tmp_path / "none.yaml", tmp_path):
+        with pytest.raises(ConfigError, match="cannot be read") as caught:
+            from_files([path])
+        assert str(path) in str(caught.value)
+
+
+def test_exponent_without_a_point_is_read_as_a_number(written):
+    """YAML 1.1 takes 1e-6 for a text."""
+    text = "control: {main_loop: {ki_v_per_kpa_s: 2e-6}}\n"
+    assert isinstance(yaml.safe_load(text)["control"]["main_loop"]["ki_v_per_kpa_s"], str)
+    assert from_files(written(text)).control.main_loop.ki_v_per_kpa_s == 2e-6
+
+
+# --- the files of this repository -----------------------------------------------------------
+
+
+def test_configuration_of_the_paper_is_the_default():
+    assert from_files([CONFIG / "config.yaml"]) == Settings()
+
+
+def test_calibrated_rig_is_valid_and_changes_nothing_but_the_rig():
+    settings = from_files([CONFIG / "config.yaml", CONFIG / "rig.yaml"])
+    assert settings.model_copy(update={"rig": Settings().rig}) == Settings()
+
+
+def test_smoke_configuration_merges_and_is_a_shorter_run():
+    names = ("config.yaml", "rig.yaml", "smoke.yaml")
+    smoke = from_files([CONFIG / name for name in names])
+    full = from_files([CONFIG / name for name in names[:2]])
+    assert smoke.experiments.sweep.duration_s < full.experiments.sweep.duration_s
+    assert smoke.experiments.complex.duration_s < full.experiments.complex.duration_s
+    assert smoke.experiments.sweep.f_end_hz == full.experiments.sweep.f_end_hz
+    assert smoke.models.esn.r < full.models.esn.r
+    assert smoke.models.esn.rho == full.models.esn.rho
+    assert smoke.folders.raw != full.folders.raw
+    assert smoke.folders.results != full.folders.results
+    assert smoke.rig == full.rig

@@ -1,0 +1,125 @@
+import json
+from pathlib import Path
+
+import pytest
+import yaml
+
+from fprc.config import Settings, check, reference
+
+ROOT = Path(__file__).parents[3]
+
+
+def leaves(values, prefix=""):
+    for name, value in values.items():
+        if isinstance(value, dict):
+            yield from leaves(value, f"{prefix}{name}.")
+        else:
+            yield prefix + name, value
+
+
+def as_json(values):
+    return json.loads(json.dumps(values))
+
+
+ACTUAL = dict(leaves(as_json(Settings().model_dump())))
+
+
+def documented():
+    """Yield key and cells of every row of the reference page."""
+    group = ""
+    for line in reference.reference().splitlines():
+        if line.startswith("## "):
+            group = "" if line == "## Top level" else line.removeprefix("## ") + "."
+        if line.startswith("| `"):
+            name, unit, default, limits, meaning, source = (
+                cell.strip() for cell in line.strip("|").split(" | ")
+            )
+            yield group + name.strip("`"), (unit, default.strip("`"), limits, meaning, source)
+
+
+@pytest.mark.parametrize(
+    ("page", "file"),
+    [
+        (reference.defaults, "config/config.yaml"),
+        (reference.schema, "config/schema.json"),
+        (reference.reference, "docs/configuration.md"),
+    ],
+)
+def test_generated_file_is_up_to_date(page, file):
+    committed = (ROOT / file).read_text(encoding="utf-8")
+    assert committed == page(), f"{file} is stale: run `fprc config {page.__name__} > {file}`"
+
+
+def test_generated_yaml_reads_back_as_the_same_numbers():
+    written = dict(leaves(yaml.safe_load(reference.defaults())))
+    expected = {key: value for key, value in ACTUAL.items() if not key.startswith("rig.")}
+    assert written == expected
+    for key, value in expected.items():
+        assert type(written[key]) is type(value), key
+
+
+@pytest.mark.parametrize(
+    "value", [1e-6, 1.5e-7, 0.1, 1e16, 1e22, 123456789.0, 5e-324, 1.0, -2e-9, 20 / 65536]
+)
+def test_any_float_is_written_so_that_yaml_reads_the_same_float(value):
+    text = yaml.dump({"x": value}, Dumper=reference._Plain)
+    read = yaml.safe_load(text)["x"]
+    assert type(read) is float
+    assert read == value
+
+
+def test_generated_yaml_is_valid_and_gives_the_defaults():
+    assert check(yaml.safe_load(reference.defaults())) == Settings()
+
+
+def test_page_documents_every_setting_once():
+    keys = [key for key, _ in documented()]
+    assert sorted(keys) == sorted(ACTUAL)
+
+
+def test_page_states_the_actual_default_of_every_setting():
+    stated = {key: json.loads(cells[1]) for key, cells in documented()}
+    assert stated == ACTUAL
+
+
+def test_page_gives_unit_range_meaning_and_source_of_every_parameter_of_the_rig():
+    rows = {key: cells for key, cells in documented() if key.startswith("rig.")}
+    assert len(rows) > 40
+    for key, (unit, default, limits, meaning, source) in rows.items():
+        assert unit, key
+        assert source or key == "rig.substeps", key
+        assert meaning, key
+        low, high = (float(limit) for limit in limits.split(" to "))
+        for value in [json.loads(default)] if "[" not in default else json.loads(default):
+            assert low <= value <= high, key
+
+
+def test_range_on_the_page_is_the_one_that_is_enforced():
+    schema = Settings.model_json_schema()
+    for key, (_, _, limits, *_) in documented():
+        if " to " not in limits:
+            continue
+        *path, name = key.split(".")
+        node = schema
+        for part in path:
+            node = schema["$defs"][node["properties"][part]["$ref"].rpartition("/")[2]]
+        field = node["properties"][name]
+        # the range of a list is enforced on its numbers
+        numbers = field.get("items", field)
+        for item in field.get("prefixItems", [numbers]):
+            low, high = limits.split(" to ")
+            assert float(low) == pytest.approx(item["minimum"], rel=1e-5), key
+            assert float(high) == pytest.approx(item["maximum"], rel=1e-5), key
+
+
+def test_choices_are_listed():
+    rows = dict(documented())
+    assert rows["evaluation.split"][2] == "shuffled or blocked"
+
+
+def test_schema_describes_the_configuration_to_editors():
+    schema = json.loads(reference.schema())
+    assert set(schema["properties"]) == set(Settings.model_fields)
+    assert schema["additionalProperties"] is False
+    n_c = schema["$defs"]["Fprc"]["properties"]["n_c"]
+    assert (n_c["minimum"], n_c["maximum"], n_c["default"]) == (1, 64, 8)

@@ -1,0 +1,203 @@
+import pytest
+from pydantic import BaseModel, ValidationError
+
+from fprc.config import Settings, check
+from fprc.config.section import Section
+from fprc.errors import ConfigError
+
+
+def sections(model=Settings):
+    """Yield every section, found by its annotations."""
+    yield model
+    for field in model.model_fields.values():
+        if isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel):
+            yield from sections(field.annotation)
+
+
+#: Chamber loops and the like occur twice; one of each is enough.
+SECTIONS = list(dict.fromkeys(sections()))
+
+
+def set_to(key, value):
+    config = value
+    for name in reversed(key.split(".")):
+        config = {name: config}
+    return config
+
+
+def refused(key, value):
+    with pytest.raises(ConfigError) as caught:
+        check(set_to(key, value))
+    return str(caught.value)
+
+
+def value_at(settings, key):
+    for name in key.split("."):
+        settings = getattr(settings, name)
+    return settings
+
+
+def test_defaults_are_the_numbers_of_the_paper():
+    settings = Settings()
+    assert settings.control.sample_rate_hz == 200
+    assert settings.control.k_in_kpa_per_deg == 7.0
+    assert settings.control.reservoir_limit_kpa == 450
+    assert settings.control.main_loop.kp_v_per_kpa == 0.03
+    assert settings.control.reservoir_loop.kp_v_per_kpa == 0.05
+    assert settings.control.main_loop.ki_v_per_kpa_s == 1e-6
+    assert settings.control.reservoir_loop.ki_v_per_kpa_s == 1e-6
+    assert settings.experiments.complex.f_hz == (0.12, 0.04, 0.31, 0.29, 0.25)
+    assert (settings.models.n_y, settings.models.alpha) == (5, 1e-3)
+    esn, fprc = settings.models.esn, settings.models.fprc
+    assert (esn.r, esn.f_input, esn.gamma, esn.rho, esn.washout) == (800, 0.02, 0.8, 0.4, 100)
+    assert (fprc.epsilon, fprc.n_c, fprc.n_u, fprc.sigma) == (0.01, 8, 3, 2.0)
+    assert (settings.evaluation.folds, settings.evaluation.timing_repeats) == (5, 10)
+    assert settings.rig.reservoir.precharge_kpa == 100
+
+
+@pytest.mark.parametrize("section", SECTIONS, ids=lambda section: section.__name__)
+def test_every_section_is_frozen_documented_and_closed(section):
+    assert issubclass(section, Section)
+    assert section.__doc__ != Section.__doc__
+    assert section.model_config["extra"] == "forbid"
+    with pytest.raises(ValidationError):
+        setattr(section(), next(iter(section.model_fields)), 1)
+
+
+@pytest.mark.parametrize("section", SECTIONS, ids=lambda section: section.__name__)
+def test_every_number_has_unit_range_and_meaning(section):
+    for name, schema in section.model_json_schema()["properties"].items():
+        if schema.get("type") in ("number", "integer"):
+            assert schema["unit"], name
+            assert schema["minimum"] < schema["maximum"], name
+            assert schema["minimum"] <= schema["default"] <= schema["maximum"], name
+            assert schema["description"], name
+
+
+def test_part_of_a_section_leaves_the_rest_of_it_at_its_default():
+    for key in ("control.main_loop", "control.reservoir_loop"):
+        settings = check(set_to(f"{key}.ki_v_per_kpa_s", 0.5))
+        assert value_at(settings, key).ki_v_per_kpa_s == 0.5
+        before = value_at(Settings(), key).kp_v_per_kpa
+        assert value_at(settings, key).kp_v_per_kpa == before
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "limit"),
+    [
+        ("seed", -1, "greater than or equal to 0"),
+        ("models.fprc.n_c", 0, "greater than or equal to 1"),
+        ("models.esn.gamma", 1.0, "less than or equal to 0.9999"),
+        ("control.sample_rate_hz", 10, "greater than or equal to 50"),
+        ("experiments.complex.f_hz", [0.1, 20.0], "less than or equal to 10"),
+        ("experiments.complex.f_hz", [], "at least 1 item"),
+        ("rig.bending.slip_distance_deg", [1, 3, 7, 0], "greater than or equal to 0.1"),
+        ("quality.pressure_range_kpa", [0.0, 2000.0], "less than or equal to 1000"),
+        ("evaluation.split", "random", "'shuffled' or 'blocked'"),
+        ("experiments.sweep.form", "sine", "'chirp'"),
+        ("source", "real", "'sim'"),
+    ],
+)
+def test_value_out_of_range_is_refused_with_its_limit(key, value, limit):
+    message = refused(key, value)
+    assert key in message
+    assert limit in message
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), -float("inf")])
+@pytest.mark.parametrize("key", ["models.alpha", "experiments.sweep.duration_s", "rig.valve.leak"])
+def test_number_that_is_not_finite_is_refused(key, value):
+    assert key in refused(key, value)
+
+
+@pytest.mark.parametrize(
+    "key",
+    [
+        "experiments.complex.f_hz",
+        "rig.bending.relaxation_time_s",
+        "rig.reservoir.slip_weight",
+        "quality.pressure_range_kpa",
+    ],
+)
+def test_list_with_a_number_that_is_not_finite_is_refused(key):
+    assert key in refused(key, [0.2, float("nan")])
+
+
+@pytest.mark.parametrize("value", [True, False])
+@pytest.mark.parametrize("key", ["seed", "models.alpha", "folders.results", "evaluation.split"])
+def test_yes_or_no_is_no_number_and_no_text(key, value):
+    assert "must be a number or a text, not yes/no" in refused(key, value)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [("experiments.complex.f_hz", [True]), ("evaluation.replicate_seeds", [True, False])],
+)
+def test_yes_or_no_is_no_number_in_a_list_either(key, value):
+    assert key in refused(key, value)
+
+
+@pytest.mark.parametrize("value", [1.5, "many", None, [1]])
+def test_count_must_be_a_whole_number(value):
+    assert "models.fprc.n_c" in refused("models.fprc.n_c", value)
+
+
+@pytest.mark.parametrize("seeds", [[-1, 2], [101, 101], [101]])
+def test_seeds_of_the_replicates_must_be_several_different_seeds(seeds):
+    assert "evaluation.replicate_seeds" in refused("evaluation.replicate_seeds", seeds)
+
+
+@pytest.mark.parametrize("key", ["quality.pressure_range_kpa", "quality.angle_range_deg"])
+def test_range_must_rise(key):
+    assert key in refused(key, [100.0, -20.0])
+
+
+@pytest.mark.parametrize(
+    ("key", "pair"),
+    [
+        ("rig.bending.slip_weight", "slip_distance_deg"),
+        ("rig.bending.relaxation_time_s", "relaxation_stiffness_kpa_per_deg"),
+        ("rig.reservoir.slip_weight", "slip_distance_ml"),
+    ],
+)
+def test_lists_that_belong_together_have_the_same_length(key, pair):
+    message = refused(key, [1.0])
+    assert key.rpartition(".")[0] in message
+    assert pair in message
+    assert "same length" in message
+
+
+@pytest.mark.parametrize("key", ["rig.bending.slip_weight", "rig.reservoir.slip_weight"])
+def test_weights_sum_to_one(key):
+    elements = len(value_at(Settings(), key))
+    assert "make it sum to 1" in refused(key, [0.5] * elements)
+    weights = [1.0 / elements] * elements
+    assert value_at(check(set_to(key, weights)), key) == tuple(weights)
+
+
+@pytest.mark.parametrize("experiment", ["sweep", "complex"])
+def test_log_too_short_to_train_on_is_refused(experiment):
+    config = {
+        "control": {"sample_rate_hz": 50},
+        "experiments": {experiment: {"duration_s": 1}},
+        "models": {"fprc": {"n_c": 64}},
+    }
+    with pytest.raises(ConfigError, match=rf"experiments\.{experiment}.*n_c = 64") as caught:
+        check(config)
+    assert "duration_s" in str(caught.value)
+    config["experiments"][experiment]["duration_s"] = 2
+    assert check(config).models.fprc.n_c == 64
+
+
+@pytest.mark.parametrize(
+    "models",
+    [{"fprc": {"n_u": 100}}, {"n_y": 100}],
+)
+def test_taps_must_fit_into_the_log(models):
+    config = {
+        "control": {"sample_rate_hz": 50},
+        "experiments": {"sweep": {"duration_s": 2}},
+        "models": models,
+    }
+    with pytest.raises(ConfigError, match=r"experiments\.sweep.* = 100"):
+        check(config)

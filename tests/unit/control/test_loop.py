@@ -1,0 +1,247 @@
+import numpy as np
+import pytest
+
+from fprc.control import PressurePI, RunAbortedError, run
+from fprc.devices import Readings, SimulatedRig
+from fprc.errors import FprcError, SimulationError
+from fprc.logs import RAW_CHANNELS
+
+
+class Bench:
+    """Device and clock that remember the calls and fail where they are told to."""
+
+    def __init__(self, fail=None, at=0, error=None):
+        self.calls = []
+        self.fail, self.at, self.error = fail, at, error or RuntimeError("unplugged")
+        self.time_s = 0.0
+        self.ticks = -1
+
+    def _remember(self, name, *values):
+        self.calls.append((name, *values))
+        if name == self.fail and self.ticks == self.at:
+            raise self.error
+
+    def wait_until(self, time_s):
+        self.ticks += 1
+        self.time_s = time_s
+        self._remember("wait", time_s)
+
+    def read(self):
+        self._remember("read")
+        k = self.ticks
+        return Readings(self.time_s, 10.0 + k, 20.0 + k, 30.0 + k, 40.0 + k, 50.0 + k)
+
+    def write(self, main_v, reservoir_v):
+        self._remember("write", main_v, reservoir_v)
+
+    def safe(self):
+        self._remember("safe")
+
+    def close(self):
+        self._remember("close")
+
+    def names(self):
+        return [call[0] for call in self.calls]
+
+
+def law(k, now):
+    return 100.0 + k, 200.0 + now.theta_deg
+
+
+def go(bench, samples=3, law=law, period_s=0.005, **options):
+    return run(
+        bench,
+        bench,
+        law,
+        samples,
+        main_loop=PressurePI(0.03, 0.0, period_s),
+        reservoir_loop=PressurePI(0.01, 0.0, period_s),
+        **options,
+    )
+
+
+def test_every_sample_waits_reads_and_writes_in_this_order():
+    bench = Bench()
+    go(bench)
+    assert bench.names() == ["wait", "read", "write"] * 3 + ["safe"]
+
+
+def test_samples_lie_on_the_grid_of_the_period():
+    bench = Bench()
+    go(bench, samples=4, period_s=0.01)
+    waited = [call[1] for call in bench.calls if call[0] == "wait"]
+    assert waited == pytest.approx([0.0, 0.01, 0.02, 0.03])
+
+
+def test_row_holds_the_readings_and_what_was_commanded_and_written_upon_them():
+    bench = Bench()
+    rows = go(bench)
+    assert tuple(rows) == RAW_CHANNELS
+    k = np.arange(3)
+    written = np.array([call[1:] for call in bench.calls if call[0] == "write"])
+    expected = {
+        "time_s": 0.005 * k,
+        "p_exp_command_kpa": 100.0 + k,
+        "p_exp_kpa": 10.0 + k,
+        "theta_deg": 20.0 + k,
+        "p_i_command_kpa": 220.0 + k,
+        "p_i_kpa": 30.0 + k,
+        "p_o_kpa": 40.0 + k,
+        "phi_deg": 50.0 + k,
+        "valve_main_v": 5.0 + 0.03 * 90.0 + 0.0 * k,
+        "valve_reservoir_v": 5.0 + 0.01 * 190.0 + 0.0 * k,
+    }
+    for name, values in expected.items():
+        np.testing.assert_allclose(rows[name], values, err_msg=name)
+    np.testing.assert_array_equal(
+        written, np.column_stack([rows["valve_main_v"], rows["valve_reservoir_v"]])
+    )
+
+
+def test_law_sees_the_sample_and_the_readings_of_its_own_tick():
+    seen = []
+
+    def spy(k, now):
+        seen.append((k, now.p_exp_kpa))
+        return 0.0, 0.0
+
+    go(Bench(), law=spy)
+    assert seen == [(0, 10.0), (1, 11.0), (2, 12.0)]
+
+
+def test_law_may_give_more_to_remember():
+    rows = go(Bench(), law=lambda k, now: (0.0, 0.0, k, 2.0 * k), extra=("a_deg", "b_kpa"))
+    assert tuple(rows) == (*RAW_CHANNELS, "a_deg", "b_kpa")
+    np.testing.assert_array_equal(rows["a_deg"], [0.0, 1.0, 2.0])
+    np.testing.assert_array_equal(rows["b_kpa"], [0.0, 2.0, 4.0])
+
+
+def test_progress_counts_the_finished_samples():
+    counted = []
+    go(Bench(), progress=counted.append)
+    assert counted == [1, 2, 3]
+
+
+@pytest.mark.parametrize("where", ["wait", "read", "write"])
+@pytest.mark.parametrize("at", [0, 2])
+@pytest.mark.parametrize("error", [RuntimeError("unplugged"), KeyboardInterrupt()])
+def test_device_is_made_safe_when_it_fails(where, at, error):
+    bench = Bench(fail=where, at=at, error=error)
+    with pytest.raises((type(error), RunAbortedError)) as caught:
+        go(bench)
+    assert error in (caught.value, caught.value.__cause__)
+    assert bench.names()[-2:] == [where, "safe"]
+    assert bench.names().count("safe") == 1
+
+
+@pytest.mark.parametrize("at", [0, 1])
+def test_device_is_made_safe_when_the_law_fails_and_nothing_more_is_written(at):
+    def failing(k, now):
+        if k == at:
+            raise ZeroDivisionError
+        return 50.0, 60.0
+
+    bench = Bench()
+    with pytest.raises((ZeroDivisionError, RunAbortedError)):
+        go(bench, law=failing)
+    assert bench.names()[-1] == "safe"
+    assert bench.names().count("write") == at
+
+
+@pytest.mark.parametrize("broken", ["main_loop", "reservoir_loop", "progress"])
+def test_device_is_made_safe_when_anything_else_fails(broken):
+    class Broken(PressurePI):
+        def step(self, setpoint_kpa, measured_kpa):
+            raise ArithmeticError
+
+    def fail(done):
+        raise ArithmeticError
+
+    parts = {name: PressurePI(0.03, 0.0, 0.005) for name in ("main_loop", "reservoir_loop")}
+    parts[broken] = fail if broken == "progress" else Broken(0.03, 0.0, 0.005)
+    bench = Bench()
+    with pytest.raises((ArithmeticError, RunAbortedError)):
+        run(bench, bench, law, 3, **parts)
+    assert bench.names()[-1] == "safe"
+
+
+def test_failure_to_make_safe_does_not_hide_what_went_wrong():
+    first = RuntimeError("unplugged")
+
+    class Stubborn(Bench):
+        def safe(self):
+            raise OSError("no answer")
+
+    with pytest.raises((RuntimeError, OSError, RunAbortedError)) as caught:
+        go(Stubborn(fail="read", at=1, error=first))
+    seen = [caught.value]
+    while seen[-1].__context__ is not None:
+        seen.append(seen[-1].__context__)
+    assert first in seen
+
+
+@pytest.mark.parametrize("where", ["wait", "read", "write"])
+def test_aborted_run_says_where_and_hands_out_the_rows_before(where):
+    error = SimulationError("the bending angle left its physical range")
+    with pytest.raises(RunAbortedError, match="sample 2: the bending angle") as caught:
+        go(Bench(fail=where, at=2, error=error))
+    assert caught.value.__cause__ is error
+    assert isinstance(caught.value, FprcError)
+    rows = caught.value.channels
+    assert tuple(rows) == RAW_CHANNELS
+    np.testing.assert_array_equal(rows["p_exp_kpa"], [10.0, 11.0])
+    np.testing.assert_array_equal(rows["time_s"], [0.0, 0.005])
+
+
+@pytest.mark.parametrize("error", [OSError("unplugged"), ValueError("broken frame")])
+def test_rows_survive_whatever_the_device_raises(error):
+    """As documented: the law, the device or the loops failed; holds the rows before."""
+    with pytest.raises(RunAbortedError) as caught:
+        go(Bench(fail="read", at=2, error=error))
+    np.testing.assert_array_equal(caught.value.channels["p_exp_kpa"], [10.0, 11.0])
+
+
+@pytest.mark.parametrize("sensor", Readings._fields[1:])
+@pytest.mark.parametrize("value", [float("nan"), float("inf")])
+def test_sensor_without_a_reading_stops_the_run_by_its_name(sensor, value):
+    class Dropout(Bench):
+        def read(self):
+            now = super().read()
+            return now._replace(**{sensor: value}) if self.ticks == 1 else now
+
+    bench = Dropout()
+    with pytest.raises(RunAbortedError, match=f"no reading of {sensor}"):
+        go(bench)
+    assert bench.names() == ["wait", "read", "write", "wait", "read", "safe"]
+
+
+def test_no_samples_still_end_in_the_safe_state():
+    bench = Bench()
+    rows = go(bench, samples=0)
+    assert bench.names() == ["safe"]
+    assert all(len(values) == 0 for values in rows.values())
+
+
+@pytest.mark.parametrize("setpoint", [float("nan"), float("inf")])
+def test_no_voltage_is_written_for_a_set_point_that_is_not_a_number(setpoint):
+    bench = Bench()
+    with pytest.raises((ValueError, RunAbortedError)):
+        go(bench, law=lambda k, now: (setpoint if k == 1 else 0.0, 0.0))
+    assert bench.names() == ["wait", "read", "write", "wait", "read", "safe"]
+
+
+def test_simulated_rig_follows_a_pressure_within_the_dead_zone_of_its_valve(rig):
+    rig["pressure_sensor"]["linearity"] = 0.0
+    device = SimulatedRig(rig, seed=1, run=0, sample_rate_hz=200.0)
+    rows = run(
+        device,
+        device,
+        lambda k, now: (200.0, 120.0),
+        600,
+        main_loop=PressurePI(0.03, 1e-6, 0.005),
+        reservoir_loop=PressurePI(0.05, 1e-6, 0.005),
+    )
+    assert rows["p_exp_kpa"][400:].mean() == pytest.approx(200.0, abs=6.0)
+    assert rows["p_i_kpa"][400:].mean() == pytest.approx(120.0, abs=6.0)
+    device.wait_until(6.0)
+    assert device.read().p_exp_kpa < 10.0

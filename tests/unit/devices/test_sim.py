@@ -1,0 +1,176 @@
+import inspect
+
+import numpy as np
+import pytest
+
+from fprc.devices import NEUTRAL_V, Device, Readings, SimulatedRig
+from fprc.devices.protocol import Clock
+from fprc.errors import SimulationError
+
+
+@pytest.fixture
+def device(rig):
+    return SimulatedRig(rig, seed=1, run=0, sample_rate_hz=200.0)
+
+
+def history(device, ticks, volts=(6.0, 5.5)):
+    device.write(*volts)
+    readings = []
+    for k in range(ticks):
+        device.wait_until(k / 200.0)
+        readings.append(device.read())
+    return readings
+
+
+@pytest.mark.parametrize("protocol", [Device, Clock])
+def test_rig_offers_every_method_of_its_protocols(protocol):
+    methods = [name for name in vars(protocol) if not name.startswith("_")]
+    assert methods
+    for name in methods:
+        promised = inspect.signature(getattr(protocol, name))
+        offered = inspect.signature(getattr(SimulatedRig, name))
+        assert list(offered.parameters) == list(promised.parameters)
+
+
+def test_new_rig_is_vented_straight_and_pre_charged(device):
+    now = device.read()
+    assert isinstance(now, Readings)
+    assert now.time_s == 0.0
+    # within the 0.7 % of the transducers and a few deviations of the noise
+    assert now.p_exp_kpa == pytest.approx(0.0, abs=9.0)
+    assert now.p_i_kpa == pytest.approx(0.0, abs=9.0)
+    assert now.p_o_kpa == pytest.approx(100.0, abs=9.0)
+    assert now.theta_deg == pytest.approx(0.0, abs=1.5)
+    assert now.phi_deg == pytest.approx(0.0, abs=0.5)
+
+
+def test_readings_are_taken_at_the_instants_waited_for(device):
+    for k in (1, 2, 7, 8, 100):
+        device.wait_until(k / 200.0)
+        assert device.read().time_s == pytest.approx(k / 200.0, abs=1e-12)
+        assert device.state["time_s"][0] == pytest.approx(k / 200.0, abs=1e-9)
+
+
+def test_waiting_for_the_present_or_the_past_changes_nothing(device):
+    device.wait_until(0.1)
+    before, seen = device.state, device.read()
+    device.wait_until(0.1)
+    device.wait_until(0.05)
+    assert device.state == before
+    assert device.read() == seen
+
+
+def test_reading_twice_gives_the_same_sample(device):
+    device.wait_until(0.05)
+    assert device.read() == device.read()
+
+
+def test_waiting_in_one_go_equals_waiting_tick_by_tick(rig):
+    at_once = SimulatedRig(rig, seed=3, run=0, sample_rate_hz=200.0)
+    stepwise = SimulatedRig(rig, seed=3, run=0, sample_rate_hz=200.0)
+    at_once.write(6.0, 5.5)
+    at_once.wait_until(1.0)
+    history(stepwise, 201)
+    assert at_once.state == stepwise.state
+    assert at_once.read() == stepwise.read()
+
+
+def test_noise_does_not_repeat_beyond_its_buffer(rig):
+    rig["drift"]["sigma_kpa"] = 0.0
+    device = SimulatedRig(rig, seed=1, run=0, sample_rate_hz=200.0)
+    p_o = np.array([row.p_o_kpa for row in history(device, 2 * 4096 + 200, (0.0, 0.0))])
+    first, second, third = p_o[100:200], p_o[4196:4296], p_o[8292:8392]
+    assert abs(np.corrcoef(first, second)[0, 1]) < 0.5
+    assert abs(np.corrcoef(second, third)[0, 1]) < 0.5
+
+
+def test_white_noise_has_the_configured_deviation(rig):
+    rig["pressure_sensor"]["noise_kpa"] = 0.4
+    device = SimulatedRig(rig, seed=1, run=0, sample_rate_hz=200.0)
+    rows = np.array(history(device, 2000, (0.0, 0.0)))[200:]
+    for column in (1, 3, 4):
+        assert rows[:, column].std() == pytest.approx(0.4, rel=0.1)
+    correlation = np.corrcoef(rows[:, [1, 3, 4]].T)
+    assert np.abs(correlation - np.eye(3)).max() < 0.1
+
+
+def test_voltages_are_held_until_the_next_write(rig):
+    rig["valve"]["leak"] = 0.0
+    device = SimulatedRig(rig, seed=1, run=0, sample_rate_hz=200.0)
+    device.write(7.0, 5.0)
+    device.wait_until(0.2)
+    assert device.state["spool"][0] == pytest.approx([0.4, 0.0], abs=1e-3)
+    device.write(5.0, 4.0)
+    device.wait_until(0.4)
+    assert device.state["spool"][0] == pytest.approx([0.0, -0.2], abs=1e-3)
+
+
+def test_each_valve_fills_its_own_chamber(device):
+    device.write(6.0, 0.0)
+    device.wait_until(0.2)
+    assert device.read().p_exp_kpa > 100.0
+    assert device.read().p_i_kpa < 10.0
+    device.write(0.0, 6.0)
+    device.wait_until(0.6)
+    assert device.read().p_exp_kpa < 20.0
+    assert device.read().p_i_kpa > 100.0
+
+
+@pytest.mark.parametrize("stop", ["safe", "close"])
+def test_safe_state_vents_both_chambers_and_may_be_asked_for_twice(device, stop):
+    device.write(6.5, 6.5)
+    device.wait_until(0.5)
+    assert min(device.read().p_exp_kpa, device.read().p_i_kpa) > 150.0
+    getattr(device, stop)()
+    getattr(device, stop)()
+    device.wait_until(3.0)
+    now = device.read()
+    assert now.p_exp_kpa == pytest.approx(0.0, abs=12.0)
+    assert now.p_i_kpa == pytest.approx(0.0, abs=12.0)
+    assert now.theta_deg < 5.0
+
+
+def test_neutral_voltage_closes_both_valves(quiet_rig):
+    quiet_rig["valve"]["leak"] = 0.0
+    device = SimulatedRig(quiet_rig, seed=1, run=0, sample_rate_hz=200.0)
+    device.write(6.0, 6.0)
+    device.wait_until(0.2)
+    device.write(NEUTRAL_V, NEUTRAL_V)
+    device.wait_until(2.0)
+    held = device.state[0]
+    device.wait_until(4.0)
+    assert held["p_i_kpa_abs"] > 150.0
+    assert device.state["p_i_kpa_abs"][0] == pytest.approx(held["p_i_kpa_abs"], abs=0.5)
+
+
+def test_state_given_out_is_a_copy(device):
+    device.state["theta_deg"] = 99.0
+    assert device.state["theta_deg"][0] != 99.0
+
+
+def test_rig_stays_failed_once_it_has_diverged(quiet_rig):
+    quiet_rig["main_chamber"]["volume_ml"] = 1e-4
+    device = SimulatedRig(quiet_rig, seed=1, run=0, sample_rate_hz=200.0)
+    device.write(7.0, 7.0)
+    for until in (1.0, 2.0):
+        with pytest.raises(SimulationError):
+            device.wait_until(until)
+    device.safe()
+
+
+@pytest.mark.parametrize(("rate_hz", "step_s"), [(200.0, 5e-4), (200.0, 3.3e-4), (60.0, 5e-4)])
+def test_integration_steps_are_never_longer_than_asked_for(rig, rate_hz, step_s):
+    rig["step_s"] = step_s
+    device = SimulatedRig(rig, seed=1, run=0, sample_rate_hz=rate_hz)
+    taken = 1.0 / rate_hz / device._substeps
+    assert taken <= step_s * (1.0 + 1e-9)
+    assert 1.0 / rate_hz / (device._substeps - 1) > step_s
+
+
+def test_push_is_asked_for_at_every_tick(rig):
+    ticks = []
+    device = SimulatedRig(
+        rig, seed=1, run=0, sample_rate_hz=200.0, push_kpa=lambda tick: ticks.append(tick) or 0.0
+    )
+    device.wait_until(0.05)
+    assert ticks == list(range(11))

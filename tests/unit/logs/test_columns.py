@@ -1,0 +1,309 @@
+import json
+import subprocess
+import sys
+
+import h5py
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fprc.errors import LogError
+from fprc.logs import read_columns, write_columns
+from fprc.logs.columns import unit_of
+
+NAMES = ("time_s", "p_o_kpa", "theta_deg")
+
+#: Child process: damages a log in many ways and prints what reading it led to.
+READ_DAMAGED = """
+import json, sys
+from pathlib import Path
+from fprc.errors import LogError
+from fprc.logs import read_columns
+
+folder, names = Path(sys.argv[1]), tuple(sys.argv[3:])
+whole = (folder / sys.argv[2]).read_bytes()
+for case in map(json.loads, sys.stdin):
+    data = bytearray(whole[: case.get("cut", len(whole))])
+    for at in case.get("bytes", []):
+        data[at] ^= case["flip"]
+    (folder / "damaged.h5").write_bytes(data)
+    try:
+        read_columns(folder / "damaged.h5", names)
+    except LogError as error:
+        outcome = "LogError" if str(error).startswith(str(folder / "damaged.h5")) else str(error)
+    except BaseException as error:
+        outcome = f"{type(error).__name__}: {error}"
+    else:
+        outcome = "read"
+    print(json.dumps([case, outcome]), flush=True)
+"""
+
+
+def three_channels(samples=300):
+    t = np.arange(samples) / 200.0
+    return {"time_s": t, "p_o_kpa": 100.0 + np.sin(t), "theta_deg": 30.0 * np.cos(t)}
+
+
+@pytest.fixture
+def path(tmp_path):
+    write_columns(tmp_path / "log.h5", three_channels(), {"source": "sim"})
+    return tmp_path / "log.h5"
+
+
+def problem(path, names=NAMES):
+    with pytest.raises(LogError) as caught:
+        read_columns(path, names)
+    return str(caught.value)
+
+
+def outcomes(path, cases, names=NAMES):
+    """Outcome of reading each damaged copy, in a process that may hang without harm."""
+    run = subprocess.run(
+        [sys.executable, "-c", READ_DAMAGED, str(path.parent), path.name, *names],
+        input="\n".join(map(json.dumps, cases)),
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    lines = [json.loads(line) for line in run.stdout.splitlines()]
+    assert [case for case, _ in lines] == cases, run.stderr
+    return [outcome for _, outcome in lines]
+
+
+# --- round trip -----------------------------------------------------------------------------
+
+
+def test_channels_and_attributes_come_back_as_they_were(path):
+    attributes = {"source": "sim", "seed": 7, "rate_hz": 200.5, "simulated": True, "note": "θ"}
+    write_columns(path, three_channels(), attributes)
+    log = read_columns(path, NAMES)
+    assert log.path == path
+    assert list(log.channels) == list(NAMES)
+    for name, values in three_channels().items():
+        assert log.channels[name].dtype == np.float64
+        assert log.channels[name].tobytes() == values.tobytes()
+    assert log.attributes == attributes
+    assert {type(value) for value in log.attributes.values()} == {str, int, float, bool}
+
+
+@given(st.lists(st.floats(allow_nan=False, allow_infinity=False), min_size=1, max_size=50))
+def test_any_finite_numbers_come_back_bit_for_bit(tmp_path_factory, values):
+    path = tmp_path_factory.getbasetemp() / "any.h5"
+    write_columns(path, {"p_o_kpa": np.array(values)}, {})
+    assert read_columns(path, ("p_o_kpa",)).channels["p_o_kpa"].tolist() == values
+
+
+def test_only_the_channels_asked_for_are_read(path):
+    assert list(read_columns(path, ("theta_deg",)).channels) == ["theta_deg"]
+    assert read_columns(path, ()).attributes == {"source": "sim"}
+
+
+def test_whole_numbers_become_floats(path):
+    write_columns(path, {"p_o_kpa": [100, 101]}, {})
+    assert read_columns(path, ("p_o_kpa",)).channels["p_o_kpa"].tolist() == [100.0, 101.0]
+
+
+def test_same_content_gives_the_same_bytes(tmp_path):
+    for name in ("a.h5", "b.h5"):
+        write_columns(tmp_path / name, three_channels(), {"seed": 1, "source": "sim"})
+    assert (tmp_path / "a.h5").read_bytes() == (tmp_path / "b.h5").read_bytes()
+    # the library can stamp each channel with the second of its making
+    with h5py.File(tmp_path / "a.h5") as file:
+        assert [h5py.h5g.get_objinfo(file.id, name.encode()).mtime for name in NAMES] == [0, 0, 0]
+    write_columns(tmp_path / "b.h5", three_channels(), {"seed": 2, "source": "sim"})
+    assert (tmp_path / "a.h5").read_bytes() != (tmp_path / "b.h5").read_bytes()
+
+
+def test_every_channel_carries_its_unit(path):
+    with h5py.File(path) as file:
+        units = {name: dataset.attrs["units"] for name, dataset in file.items()}
+    assert units == {"time_s": "s", "p_o_kpa": "kPa", "theta_deg": "deg"}
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"), [("valve_main_v", "V"), ("p_i_command_kpa", "kPa"), ("time_s", "s")]
+)
+def test_unit_follows_from_the_ending_of_the_name(name, unit):
+    assert unit_of(name) == unit
+
+
+@pytest.mark.parametrize("name", ["theta", "p_kpa_abs", "rate_hz"])
+def test_name_without_a_known_unit_is_refused(name, tmp_path):
+    with pytest.raises(LogError, match=f"channel {name}: its name must end in"):
+        write_columns(tmp_path / "log.h5", {name: [1.0]}, {})
+
+
+@pytest.mark.parametrize(
+    ("channels", "attributes", "error"),
+    [
+        ({"time_s": [0.0], "theta": [1.0]}, {}, LogError),
+        ({"time_s": ["now"]}, {}, ValueError),
+        ({"time_s": [0.0]}, {"rig": object()}, TypeError),
+    ],
+)
+def test_failed_write_leaves_the_old_log_and_no_litter(path, channels, attributes, error):
+    before = path.read_bytes()
+    with pytest.raises(error):
+        write_columns(path, channels, attributes)
+    assert path.read_bytes() == before
+    assert [entry.name for entry in path.parent.iterdir()] == ["log.h5"]
+
+
+# --- what cannot be opened ----------------------------------------------------------------------
+
+
+def test_absent_log_is_named(tmp_path):
+    assert str(tmp_path / "none.h5") in problem(tmp_path / "none.h5")
+    assert "No such file" in problem(tmp_path / "none.h5")
+
+
+def test_folder_is_no_log(tmp_path):
+    assert f"{tmp_path}: cannot be opened" in problem(tmp_path)
+
+
+@pytest.mark.parametrize("content", [b"", b"time_s,theta_deg\n0,1\n", b"\x89HDF" + 200 * b"\0"])
+def test_file_of_another_format_is_no_log(tmp_path, content):
+    path = tmp_path / "log.h5"
+    path.write_bytes(content)
+    assert f"{path}: not an HDF5 file" in problem(path)
+
+
+def test_log_cut_anywhere_is_refused_and_never_hangs(path):
+    size = path.stat().st_size
+    cuts = [*range(120), *range(120, 4200, 40), *range(4200, size, 400), size - 8, size - 1]
+    found = outcomes(path, [{"cut": cut} for cut in cuts])
+    assert set(found) == {"LogError"}
+    assert outcomes(path, [{"cut": size}]) == ["read"]
+
+
+def test_log_of_the_newest_hdf5_format_is_read_whole_and_refused_when_cut(path):
+    newest = path.with_name("newest.h5")
+    with h5py.File(path) as source, h5py.File(newest, "w", libver="latest") as file:
+        for name in NAMES:
+            source.copy(name, file)
+    assert newest.read_bytes()[8] > 0
+    size = newest.stat().st_size
+    cuts = [*range(0, 120, 3), *range(120, size, 150), size - 1]
+    assert set(outcomes(newest, [{"cut": cut} for cut in cuts])) == {"LogError"}
+    assert outcomes(newest, [{"cut": size}]) == ["read"]
+
+
+def test_message_of_a_cut_log_compares_what_is_left_with_what_was(path):
+    whole = path.read_bytes()
+    path.write_bytes(whole[:1000])
+    assert f"{path}: cut short, 1000 of {len(whole)} bytes are left" in problem(path)
+
+
+def test_message_of_a_log_cut_before_its_length_is_known_names_no_length(path):
+    path.write_bytes(path.read_bytes()[:30])
+    assert f"{path}: cut short" in problem(path)
+    assert "of 0 bytes" not in problem(path)
+
+
+def test_log_damaged_in_its_header_is_refused_with_a_message_for_people(path):
+    """Wherever 8 bytes of the index are overwritten, a LogError says so, or all is read."""
+    cases = [{"bytes": list(range(at, at + 8)), "flip": 0xFF} for at in range(0, 872, 8)]
+    found = outcomes(path, cases)
+    wrong = {outcome for outcome in found if outcome not in ("LogError", "read")}
+    assert wrong == set()
+    assert found.count("LogError") > 20
+
+
+# --- what is wrong inside -----------------------------------------------------------------------
+
+
+@pytest.fixture
+def edited(path):
+    def edit(change):
+        with h5py.File(path, "r+") as file:
+            change(file)
+        return problem(path)
+
+    return edit
+
+
+def test_missing_channel_is_named_with_what_there_is(path):
+    message = problem(path, (*NAMES, "p_i_kpa"))
+    assert message == (f"{path}: channel p_i_kpa: missing; the file has p_o_kpa, theta_deg, time_s")
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_value_that_is_not_finite_is_named_with_its_sample(path, edited, value):
+    message = edited(lambda file: file["theta_deg"].__setitem__(slice(17, 20), value))
+    assert f"{path}: channel theta_deg: sample 17 is {value}, and 2 more" in message
+
+
+def test_wrong_units_are_named_with_the_right_ones(path, edited):
+    message = edited(lambda file: file["p_o_kpa"].attrs.__setitem__("units", "bar"))
+    assert f"{path}: channel p_o_kpa: units are bar, must be kPa" in message
+
+
+def test_absent_units_are_an_error(path, edited):
+    message = edited(lambda file: file["p_o_kpa"].attrs.__delitem__("units"))
+    assert f"{path}: channel p_o_kpa: units are none, must be kPa" in message
+
+
+def test_units_of_several_words_are_an_error(path, edited):
+    message = edited(lambda file: file["p_o_kpa"].attrs.__setitem__("units", ["kPa", "gauge"]))
+    assert f"{path}: channel p_o_kpa: units" in message
+
+
+def test_fixed_length_text_of_other_programs_is_understood(path):
+    with h5py.File(path, "r+") as file:
+        file["p_o_kpa"].attrs["units"] = np.bytes_("kPa")
+        file.attrs["source"] = np.bytes_("rig")
+    log = read_columns(path, NAMES)
+    assert len(log.channels["p_o_kpa"]) == 300
+    assert log.attributes["source"] == "rig"
+
+
+def replace(name, values):
+    def change(file):
+        del file[name]
+        file[name] = values
+        file[name].attrs["units"] = unit_of(name)
+
+    return change
+
+
+def test_shortest_of_unequal_channels_is_named(path, edited):
+    message = edited(replace("theta_deg", np.zeros(299)))
+    assert f"{path}: channel theta_deg: 299 samples" in message
+    assert "300" in message
+
+
+@pytest.mark.parametrize("values", [np.zeros((300, 2)), 1.0, [b"a"] * 300])
+def test_channel_that_is_not_one_number_per_sample_is_refused(path, edited, values):
+    message = edited(replace("theta_deg", values))
+    assert f"{path}: channel theta_deg: must be one number per sample" in message
+
+
+def test_group_in_place_of_a_channel_counts_as_missing(path, edited):
+    def change(file):
+        del file["theta_deg"]
+        file.create_group("theta_deg")
+
+    assert f"{path}: channel theta_deg: missing" in edited(change)
+
+
+def test_log_without_samples_is_refused(tmp_path):
+    write_columns(tmp_path / "log.h5", three_channels(samples=0), {})
+    assert problem(tmp_path / "log.h5") == (
+        f"{tmp_path / 'log.h5'}: no samples; record the log again"
+    )
+
+
+def test_all_problems_are_reported_at_once(path, edited):
+    def change(file):
+        del file["p_o_kpa"]
+        file["theta_deg"][3] = np.nan
+        file["theta_deg"].attrs["units"] = "rad"
+        replace("time_s", np.arange(299.0))(file)
+
+    lines = edited(change).splitlines()
+    assert len(lines) == 4
+    assert all(line.startswith(f"{path}: channel ") for line in lines)
+    for part in ("p_o_kpa: missing", "theta_deg: units", "theta_deg: sample 3", "time_s: 299"):
+        assert sum(f"channel {part}" in line for line in lines) == 1

@@ -1,0 +1,206 @@
+import copy
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fprc.config import Settings
+from fprc.logs import Columns, assess
+from fprc.logs.quality import warnings
+from fprc.stages.record import acquire
+
+CHECKS = {"rate", "gaps", "not_finite", "saturation", "stuck", "leak"}
+ATMOSPHERE_KPA = 101.325
+
+
+def log_of(channels, experiment="sweep"):
+    writable = {name: np.array(values) for name, values in channels.items()}
+    attributes = {"experiment": experiment, "source": "sim", "sample_rate_hz": 200.0}
+    return Columns(Path("folder/log.h5"), writable, attributes)
+
+
+@pytest.fixture
+def log(recorded):
+    return log_of(recorded["sweep"])
+
+
+def judge(log, **limits):
+    return assess(log, sample_rate_hz=200.0, **Settings().quality.model_dump() | limits)
+
+
+def failed(log, **limits):
+    record = judge(log, **limits)
+    assert set(record["checks"]) == CHECKS
+    return {name for name, check in record["checks"].items() if not check["passed"]}
+
+
+@pytest.mark.parametrize("experiment", ["sweep", "complex"])
+def test_clean_log_passes_every_check(recorded, experiment):
+    log = log_of(recorded[experiment], experiment)
+    assert failed(log) == set()
+    assert warnings(judge(log)) == []
+
+
+def test_record_says_what_was_judged_and_is_json(log):
+    record = judge(log)
+    assert (record["log"], record["experiment"]) == ("log.h5", "sweep")
+    assert (record["source"], record["samples"]) == ("sim", 4000)
+    assert json.loads(json.dumps(record, allow_nan=False)) == record
+
+
+def test_gap_is_found_at_its_first_sample(log):
+    for values in log.channels:
+        log.channels[values] = np.delete(log.channels[values], slice(1000, 1010))
+    assert failed(log) == {"gaps"}
+    gaps = judge(log)["checks"]["gaps"]
+    assert (gaps["count"], gaps["first_sample"]) == (1, 1000)
+    assert gaps["longest_s"] == pytest.approx(11 / 200)
+
+
+def test_single_missing_sample_is_a_gap(log):
+    for values in log.channels:
+        log.channels[values] = np.delete(log.channels[values], 1500)
+    assert failed(log) == {"gaps"}
+
+
+def test_jitter_below_half_a_period_is_no_gap(log):
+    rng = np.random.default_rng(0)
+    log.channels["time_s"] += rng.uniform(0.0, 0.0024, size=4000)
+    assert failed(log) == set()
+    assert 0.0005 < judge(log)["checks"]["rate"]["jitter_s"] < 0.002
+
+
+@pytest.mark.parametrize(("factor", "passes"), [(0.97, False), (1.03, False), (1.005, True)])
+def test_rate_must_be_the_configured_one(log, factor, passes):
+    log.channels["time_s"] /= factor
+    assert ("rate" not in failed(log)) is passes
+    assert judge(log)["checks"]["rate"]["mean_hz"] == pytest.approx(200.0 * factor)
+
+
+def test_slow_clock_is_a_matter_of_rate_alone(log):
+    log.channels["time_s"] /= 0.97
+    assert failed(log) == {"rate"}
+
+
+@pytest.mark.parametrize(
+    ("channel", "value"),
+    [
+        ("p_exp_kpa", 1000.0),
+        ("p_i_kpa", 999.0),
+        ("p_o_kpa", -60.0),
+        ("theta_deg", 300.0),
+        ("theta_deg", -90.0),
+    ],
+)
+def test_saturated_samples_are_counted_by_channel(log, channel, value):
+    log.channels[channel][200:203] = value
+    assert "saturation" in failed(log)
+    counts = judge(log)["checks"]["saturation"]["samples"]
+    assert counts[channel] == 3
+    assert sum(counts.values()) == 3
+
+
+@pytest.mark.parametrize("channel", ["p_exp_kpa", "p_i_kpa", "p_o_kpa", "theta_deg"])
+def test_stuck_channel_is_found_wherever_it_sticks(log, channel):
+    for start in (0, 1000, 3500):
+        log_copy = log_of(log.channels)
+        log_copy.channels[channel][start : start + 450] = log.channels[channel][start]
+        assert "stuck" in failed(log_copy)
+        longest = judge(log_copy)["checks"]["stuck"]["longest_unchanged_samples"]
+        assert longest[channel] >= 450
+        assert max(n for name, n in longest.items() if name != channel) < 100
+
+
+def test_channel_unchanged_for_less_than_the_limit_is_not_stuck(log):
+    log.channels["theta_deg"][1000:1350] = log.channels["theta_deg"][1000]
+    assert failed(log) == set()
+    assert failed(log, stuck_s=1.0) == {"stuck"}
+
+
+@pytest.mark.parametrize("channel", ["p_exp_kpa", "theta_deg"])
+def test_value_that_is_not_finite_is_counted_in_a_record_that_can_be_written(log, channel):
+    log.channels[channel][[5, 9]] = np.nan, np.inf
+    record = judge(log)
+    assert record["checks"]["not_finite"] == {"passed": False, "count": 2}
+    json.dumps(record, allow_nan=False)
+
+
+def test_leak_of_the_passive_chamber_is_found_and_measured(signals):
+    rig, control = Settings().rig.model_dump(), Settings().control.model_dump()
+    rig["reservoir"]["leak_ml_per_s_kpa"] = 0.002
+    for experiment, signal in signals.items():
+        log = log_of(acquire(experiment, signal, control, rig, seed=1))
+        assert failed(log) == {"leak"}
+        # gas law: dP_o/dt = -leak p_atm P_o/V
+        volume = rig["reservoir"]["passive_volume_ml"]
+        rate_kpa_per_min = -60.0 * 0.002 * ATMOSPHERE_KPA / volume * log.channels["p_o_kpa"].mean()
+        found = judge(log)["checks"]["leak"]["kpa_per_min"]
+        assert found == pytest.approx(rate_kpa_per_min, rel=0.5)
+
+
+@pytest.mark.parametrize("experiment", ["sweep", "complex"])
+def test_leak_of_twice_the_limit_is_found_in_a_log_of_full_length(experiment):
+    settings = Settings().model_dump()
+    rig, signal = copy.deepcopy(settings["rig"]), settings["experiments"][experiment]
+    limit = settings["quality"]["leak_kpa_per_min"]
+    volume = rig["reservoir"]["passive_volume_ml"]
+    # P_o is about 120 kPa on average
+    leak = 2.0 * limit / 60.0 * volume / (ATMOSPHERE_KPA * 120.0)
+    for leak_ml_per_s_kpa, expected in ((leak, {"leak"}), (0.0, set())):
+        rig["reservoir"]["leak_ml_per_s_kpa"] = leak_ml_per_s_kpa
+        log = log_of(acquire(experiment, signal, settings["control"], rig, seed=1))
+        assert failed(log) == expected
+
+
+def test_leak_is_measured_by_the_clock_of_the_log(recorded):
+    """Known slope on a chamber that follows P_i without hysteresis, at any origin of time."""
+    rng = np.random.default_rng(0)
+    for origin_s in (0.0, 1.7e9):
+        log = log_of(recorded["sweep"])
+        minutes = log.channels["time_s"] / 60.0
+        log.channels["time_s"] += origin_s
+        p_i = log.channels["p_i_kpa"]
+        log.channels["p_o_kpa"] = 100.0 + 0.2 * p_i - 12.0 * minutes + 0.1 * rng.normal(size=4000)
+        leak = judge(log)["checks"]["leak"]
+        assert leak["kpa_per_min"] == pytest.approx(-12.0, abs=0.3)
+        assert not leak["passed"]
+
+
+def test_growing_squeeze_is_not_mistaken_for_a_leak_and_does_not_hide_one(recorded):
+    """P_o by Boyle's law of a P_i whose swing grows: far from linear, and tied to time."""
+    log = log_of(recorded["sweep"])
+    t = log.channels["time_s"]
+    p_i = 20.0 * t * (0.5 - 0.5 * np.cos(2.0 * np.pi * t))
+    noise = 0.1 * np.random.default_rng(0).normal(size=4000)
+    log.channels["p_i_kpa"] = p_i
+    for leak_kpa_per_min in (0.0, 10.0):
+        boyle = 201.3 * 30.0 / (30.0 - p_i / 40.0) - ATMOSPHERE_KPA
+        log.channels["p_o_kpa"] = boyle - leak_kpa_per_min * t / 60.0 + noise
+        found = judge(log)["checks"]["leak"]
+        assert found["kpa_per_min"] == pytest.approx(-leak_kpa_per_min, abs=0.5)
+        assert found["passed"] is (leak_kpa_per_min == 0.0)
+
+
+def test_log_of_one_sample_has_a_record(channels):
+    log = log_of({name: values[:1] for name, values in channels.items()})
+    record = judge(log)
+    assert record["samples"] == 1
+    json.dumps(record, allow_nan=False)
+
+
+def test_each_failed_check_gives_one_warning_that_names_log_and_check(log):
+    log.channels["p_exp_kpa"][10] = 1000.0
+    log.channels["time_s"] *= 1.2
+    lines = warnings(judge(log))
+    assert [line.split(": ")[:2] for line in lines] == [
+        ["log.h5", "rate"],
+        ["log.h5", "saturation"],
+    ]
+
+
+def test_judging_leaves_the_log_as_it_was(recorded):
+    log = log_of(recorded["sweep"])
+    judge(log)
+    for name, values in recorded["sweep"].items():
+        assert np.array_equal(log.channels[name], values)

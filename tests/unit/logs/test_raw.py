@@ -1,0 +1,228 @@
+import json
+
+import h5py
+import numpy as np
+import pytest
+
+from fprc.errors import LogError
+from fprc.logs import RAW_CHANNELS, read_raw, refuse_to_overwrite, write_raw
+
+RATE = {"experiment": None, "sample_rate_hz": 200.0, "rate_tolerance": 0.01}
+ATTRIBUTES = ("experiment", "source", "simulated", "sample_rate_hz", "seed", "software", "rig")
+
+
+def problem(path, **limits):
+    with pytest.raises(LogError) as caught:
+        read_raw(path, **RATE | limits)
+    return str(caught.value)
+
+
+@pytest.fixture
+def with_attributes(write_log):
+    """Small raw log with attributes set, or deleted where the value is None."""
+
+    def edit(**attributes):
+        path = write_log()
+        with h5py.File(path, "r+") as file:
+            for name, value in attributes.items():
+                del file.attrs[name]
+                if value is not None:
+                    file.attrs[name] = value
+        return path
+
+    return edit
+
+
+def test_raw_log_comes_back_as_it_was_written(write_log, channels):
+    log = read_raw(write_log(experiment="complex", seed=5), **RATE)
+    assert tuple(log.channels) == RAW_CHANNELS
+    for name in RAW_CHANNELS:
+        assert log.channels[name].tobytes() == channels[name].tobytes()
+    assert log.attributes["experiment"] == "complex"
+    assert log.attributes["seed"] == 5
+    assert json.loads(log.attributes["rig"]) == {"valve": {"leak": 0.0}}
+
+
+@pytest.mark.parametrize(("source", "simulated"), [("sim", True), ("rig", False)])
+def test_simulated_log_says_so(write_log, source, simulated):
+    log = read_raw(write_log(source=source), **RATE)
+    assert log.attributes["source"] == source
+    assert log.attributes["simulated"] is simulated
+
+
+def test_same_experiment_gives_the_same_bytes(write_log):
+    assert write_log("a.h5").read_bytes() == write_log("b.h5").read_bytes()
+    assert write_log("a.h5").read_bytes() != write_log("c.h5", seed=2).read_bytes()
+
+
+def test_channels_of_a_raw_log_carry_their_units(write_log):
+    with h5py.File(write_log()) as file:
+        units = [file[name].attrs["units"] for name in RAW_CHANNELS]
+    assert units == ["s", "kPa", "kPa", "deg", "kPa", "kPa", "kPa", "deg", "V", "V"]
+
+
+def test_expected_rate_may_be_the_logs_own(write_log, channels):
+    slow = {"time_s": channels["time_s"] * 4.0}
+    path = write_log(changed=slow, sample_rate_hz=50.0)
+    assert len(read_raw(path, **RATE | {"sample_rate_hz": None}).channels["time_s"]) == 400
+
+
+@pytest.mark.parametrize("missing", ATTRIBUTES)
+def test_missing_attribute_is_named(with_attributes, missing):
+    path = with_attributes(**{missing: None})
+    assert f"{path}: attribute {missing}: missing" in problem(path)
+
+
+def test_missing_rate_is_the_only_complaint_about_a_log_without_a_rate(with_attributes):
+    path = with_attributes(sample_rate_hz=None)
+    assert len(problem(path, sample_rate_hz=None).splitlines()) == 1
+
+
+@pytest.mark.parametrize("rate", ["200", 0.0, -200.0, float("nan"), [200.0, 200.0]])
+@pytest.mark.parametrize("expected", [200.0, None])
+def test_rate_that_is_no_positive_number_is_an_error_of_the_log(with_attributes, rate, expected):
+    path = with_attributes(sample_rate_hz=rate)
+    assert f"{path}: attribute sample_rate_hz" in problem(path, sample_rate_hz=expected)
+
+
+def test_time_running_backwards_is_named_with_its_sample(write_log, changed):
+    path = write_log(changed=changed("time_s", 50, 0.1))
+    message = problem(path)
+    assert f"{path}: channel time_s: sample 50 at 0.100000 s does not come after 0.245" in message
+
+
+def test_repeated_instant_is_named_with_its_sample(write_log, changed, channels):
+    path = write_log(changed=changed("time_s", 120, channels["time_s"][119]))
+    assert f"{path}: channel time_s: sample 120 " in problem(path)
+
+
+@pytest.mark.parametrize("factor", [0.9, 1.02, 2.0])
+def test_wrong_rate_is_named_with_the_right_one(write_log, channels, factor):
+    path = write_log(changed={"time_s": channels["time_s"] / factor})
+    message = problem(path)
+    assert f"{path}: channel time_s: sample 399" in message
+    assert f"{200.0 * factor:.4g} Hz, must be 200 Hz" in message
+
+
+@pytest.mark.parametrize("factor", [0.995, 1.005])
+def test_rate_within_the_tolerance_is_accepted(write_log, channels, factor):
+    path = write_log(changed={"time_s": channels["time_s"] / factor})
+    assert read_raw(path, **RATE)
+
+
+def test_declared_rate_that_is_not_the_configured_one_is_an_error(write_log):
+    path = write_log(sample_rate_hz=100.0)
+    assert f"{path}: attribute sample_rate_hz = 100; must be 200" in problem(path)
+
+
+def test_time_may_begin_anywhere(write_log, channels):
+    assert read_raw(write_log(changed={"time_s": channels["time_s"] + 1.7e9}), **RATE)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("experiment", 3),
+        ("source", 1.0),
+        ("simulated", "yes"),
+        ("seed", "one"),
+        ("seed", 1.5),
+        ("rig", [1.0, 2.0]),
+    ],
+)
+def test_attribute_of_the_wrong_kind_is_named(with_attributes, name, value):
+    path = with_attributes(**{name: value})
+    assert f"{path}: attribute {name}" in problem(path)
+
+
+def test_unknown_source_is_refused(with_attributes):
+    path = with_attributes(source="dream", simulated=False)
+    assert f"{path}: attribute source = dream" in problem(path)
+
+
+@pytest.mark.parametrize(("source", "simulated"), [("sim", False), ("rig", True)])
+def test_source_and_simulated_must_not_contradict_each_other(with_attributes, source, simulated):
+    path = with_attributes(source=source, simulated=simulated)
+    assert "contradicts" in problem(path)
+
+
+def test_log_of_another_experiment_is_refused(write_log):
+    path = write_log(experiment="complex")
+    assert read_raw(path, **RATE | {"experiment": "complex"})
+    message = problem(path, experiment="sweep")
+    assert f"{path}: attribute experiment = complex; must be sweep" in message
+
+
+def test_channels_beyond_the_raw_ones_are_kept(write_log):
+    path = write_log(changed={"theta_d_deg": np.arange(400.0)})
+    with h5py.File(path) as file:
+        np.testing.assert_array_equal(file["theta_d_deg"][:], np.arange(400.0))
+        assert file["theta_d_deg"].attrs["units"] == "deg"
+    assert tuple(read_raw(path, **RATE).channels) == RAW_CHANNELS
+
+
+def test_log_without_all_raw_channels_is_not_written(tmp_path):
+    path = tmp_path / "log.h5"
+    told = {"experiment": "sweep", "source": "sim", "sample_rate_hz": 200.0, "seed": 1}
+    with pytest.raises(LogError, match="channels p_o_kpa, phi_deg are missing"):
+        write_raw(
+            path,
+            {name: [0.0] for name in RAW_CHANNELS if name not in ("p_o_kpa", "phi_deg")},
+            **told,
+            software="fprc test",
+            rig={},
+        )
+    assert not path.exists()
+
+
+def test_all_wrong_attributes_are_reported_at_once(with_attributes):
+    lines = problem(with_attributes(seed=None, software=None, rig=1.0)).splitlines()
+    assert len(lines) == 3
+    for name in ("seed", "software", "rig"):
+        assert sum(f"attribute {name}" in line for line in lines) == 1
+
+
+def test_problems_of_channels_time_and_attributes_are_reported_together(with_attributes):
+    path = with_attributes(seed=None)
+    with h5py.File(path, "r+") as file:
+        file["theta_deg"][3] = np.nan
+        file["time_s"][7] = 0.0
+        del file["p_o_kpa"]
+    message = problem(path)
+    for part in (
+        "channel theta_deg: sample 3",
+        "channel p_o_kpa: missing",
+        "channel time_s: sample 7",
+        "attribute seed: missing",
+    ):
+        assert part in message
+
+
+# --- refuse_to_overwrite ------------------------------------------------------------------------
+
+
+def test_simulated_logs_and_absent_ones_may_be_overwritten(write_log, tmp_path):
+    refuse_to_overwrite([write_log(), str(tmp_path / "none.h5")])
+
+
+@pytest.mark.parametrize("source", ["rig", "import"])
+def test_log_of_a_real_rig_is_not_overwritten(write_log, source):
+    path = write_log(source=source)
+    with pytest.raises(LogError, match="will not be overwritten") as caught:
+        refuse_to_overwrite([path])
+    assert str(path) in str(caught.value)
+
+
+def test_log_that_does_not_say_where_it_comes_from_is_not_overwritten(with_attributes):
+    with pytest.raises(LogError, match="will not be overwritten"):
+        refuse_to_overwrite([with_attributes(source=None)])
+
+
+def test_every_file_that_would_be_lost_is_named(write_log, tmp_path):
+    note = tmp_path / "note.h5"
+    note.write_text("not a log")
+    paths = [write_log("a.h5", source="rig"), note, write_log("c.h5"), tmp_path]
+    with pytest.raises(LogError) as caught:
+        refuse_to_overwrite(paths)
+    lines = str(caught.value).splitlines()
+    assert [line.split(": ")[0] for line in lines] == [str(paths[0]), str(note), str(tmp_path)]

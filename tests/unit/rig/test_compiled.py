@@ -1,0 +1,100 @@
+import importlib.util
+import shutil
+from pathlib import Path
+
+import numba
+import pytest
+
+from fprc.rig import compiled
+
+
+@pytest.fixture
+def package(tmp_path, monkeypatch):
+    """Copy of the rig package's sources, which the cache folder is named after."""
+    source = Path(compiled.__file__).parent
+    copy = tmp_path / "rig"
+    shutil.copytree(source, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(compiled, "__file__", str(copy / "compiled.py"))
+    return copy
+
+
+@pytest.fixture
+def kernel_of(tmp_path):
+    """Compile a function of a module of its own, as the rig's modules do."""
+
+    def build(name="doubling"):
+        path = tmp_path / f"{name}.py"
+        path.write_text("def double(x):\n    return 2.0 * x\n", encoding="utf-8")
+        spec = importlib.util.spec_from_file_location(name, path)
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+        return compiled.kernel(module.double)
+
+    return build
+
+
+def test_cache_folder_stays_the_same_while_no_source_changes(package):
+    assert compiled._cache_folder() == compiled._cache_folder()
+    assert compiled._cache_folder().parent == package / "__pycache__"
+
+
+def test_cache_folder_is_the_same_wherever_the_package_lies(package, monkeypatch):
+    copied = compiled._cache_folder().name
+    monkeypatch.undo()
+    assert compiled._cache_folder().name == copied
+
+
+@pytest.mark.parametrize("module", ["friction.py", "simulator.py", "valve.py", "__init__.py"])
+def test_cache_folder_changes_with_any_source(package, module):
+    before = compiled._cache_folder()
+    source = package / module
+    source.write_text(source.read_text(encoding="utf-8") + "\n# changed\n", encoding="utf-8")
+    assert compiled._cache_folder() != before
+
+
+def test_cache_folder_changes_with_a_new_source(package):
+    before = compiled._cache_folder()
+    (package / "extra.py").write_text("GAIN = 2.0\n", encoding="utf-8")
+    assert compiled._cache_folder() != before
+
+
+def test_compiled_function_is_cached_in_that_folder(package, kernel_of):
+    double = kernel_of()
+    assert double(3.0) == 6.0
+    assert list(compiled._cache_folder().rglob("*.nbi"))
+
+
+def test_changed_source_leads_to_another_cache(package, kernel_of):
+    kernel_of()(1.0)
+    old = set(package.rglob("*.nbi"))
+    (package / "friction.py").write_text("# rewritten\n", encoding="utf-8")
+    kernel_of()(1.0)
+    assert len(set(package.rglob("*.nbi")) - old) == 1
+
+
+def test_setting_of_numba_is_left_as_it_was(package, kernel_of):
+    before = numba.config.CACHE_DIR
+    kernel_of()
+    assert before == numba.config.CACHE_DIR
+
+
+def test_division_by_zero_gives_infinity_and_no_exception(package, tmp_path):
+    path = tmp_path / "inverting.py"
+    path.write_text("def invert(x):\n    return 1.0 / x\n", encoding="utf-8")
+    spec = importlib.util.spec_from_file_location("inverting", path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    assert compiled.kernel(module.invert)(0.0) == float("inf")
+
+
+def test_cache_cannot_go_stale_in_a_folder_of_the_users_choice(
+    package, kernel_of, tmp_path, monkeypatch
+):
+    chosen = tmp_path / "chosen"
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(chosen))
+    kernel_of()(1.0)
+    old = set(chosen.rglob("*.nbi"))
+    assert len(old) == 1
+    (package / "friction.py").write_text("# rewritten\n", encoding="utf-8")
+    kernel_of()(1.0)
+    assert len(set(chosen.rglob("*.nbi")) - old) == 1

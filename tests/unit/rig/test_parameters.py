@@ -1,0 +1,64 @@
+import numba
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fprc.config import Settings
+from fprc.rig.parameters import record
+
+NAMES = st.from_regex(r"[a-z]{1,8}", fullmatch=True)
+NUMBERS = st.floats(-1e6, 1e6) | st.integers(-1000, 1000)
+LEAVES = NUMBERS | st.lists(NUMBERS, min_size=2, max_size=4)
+NESTED = st.recursive(
+    st.dictionaries(NAMES, LEAVES, min_size=1, max_size=4),
+    lambda inner: st.dictionaries(NAMES, LEAVES | inner, min_size=1, max_size=4),
+    max_leaves=8,
+)
+
+
+def unpack(packed):
+    if packed.dtype.names:
+        return {name: unpack(packed[name]) for name in packed.dtype.names}
+    return packed.tolist()
+
+
+@given(NESTED)
+def test_record_holds_every_name_in_order_and_every_value(values):
+    packed = record(values)
+    assert packed.shape == (1,)
+    unpacked = unpack(packed[0])
+    assert unpacked == values
+    assert list(unpacked) == list(values)
+
+
+def test_whole_rig_survives_packing():
+    rig = Settings().rig.model_dump()
+    packed = record(rig)[0]
+    assert packed["valve"]["leak"] == rig["valve"]["leak"]
+    assert packed["bending"]["slip_weight"].tolist() == list(rig["bending"]["slip_weight"])
+    assert packed["step_s"] == rig["step_s"]
+
+
+def test_numbers_become_double_precision():
+    packed = record({"count": 3, "list": (1, 2), "small": 1e-300})
+    assert packed["count"].dtype == np.float64
+    assert packed["list"].dtype == np.float64
+    assert packed["small"][0] == 1e-300
+
+
+def test_compiled_code_reads_and_writes_by_name():
+    @numba.njit
+    def move(states):
+        state = states[0]
+        state.x += state.inner.step[1]
+
+    state = record({"x": 1.0, "inner": {"step": [0.0, 0.5]}})
+    move(state)
+    assert state["x"][0] == 1.5
+
+
+@pytest.mark.parametrize("wrong", ["fast", None])
+def test_value_that_is_no_number_is_refused(wrong):
+    with pytest.raises((TypeError, ValueError)):
+        record({"speed": wrong})

@@ -1,0 +1,98 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fprc.config import Settings
+from fprc.rig.parameters import record
+from fprc.rig.sensors import converted, pressure_voltage, quantise
+from fprc.rig.simulator import draw_instruments
+
+SENSOR = record(Settings().rig.pressure_sensor.model_dump())[0]
+FULL_SCALE_KPA = 1000.0
+LSB_V = 20.0 / 65536.0
+
+
+def test_default_transducer_and_converter_are_those_of_the_data_sheets():
+    rig = Settings().rig
+    assert (rig.pressure_sensor.zero_v, rig.pressure_sensor.span_v) == (1.0, 4.0)
+    assert rig.pressure_sensor.full_scale_kpa == FULL_SCALE_KPA
+    assert (rig.converter.step_v, rig.converter.limit_v) == (LSB_V, 10.0)
+
+
+@given(st.floats(-1000.0, 1000.0), st.floats(1e-3, 1.0))
+def test_quantised_value_is_the_nearest_multiple_of_the_step(value, step):
+    quantised = quantise(value, step)
+    assert abs(quantised - value) <= 0.5 * step * (1.0 + 1e-6)
+    assert quantised / step == pytest.approx(np.round(quantised / step), abs=1e-6)
+
+
+@given(st.integers(-30_000, 30_000))
+def test_value_on_the_grid_stays_where_it_is(code):
+    assert quantise(code * LSB_V, LSB_V) == code * LSB_V
+
+
+@pytest.mark.parametrize(("p_kpa", "volts"), [(0.0, 1.0), (250.0, 2.0), (1000.0, 5.0)])
+def test_ideal_transducer_gives_one_to_five_volts(p_kpa, volts):
+    assert pressure_voltage(SENSOR, p_kpa, 0.0, 0.0, 0.0, 0.0) == pytest.approx(volts)
+
+
+@pytest.mark.parametrize("p_kpa", [0.0, 300.0, 1000.0])
+def test_offset_and_noise_shift_by_their_share_of_the_span(p_kpa):
+    ideal = pressure_voltage(SENSOR, p_kpa, 0.0, 0.0, 0.0, 0.0)
+    offset = pressure_voltage(SENSOR, p_kpa, 0.0, 0.01, 0.0, 0.0)
+    noisy = pressure_voltage(SENSOR, p_kpa, 0.0, 0.0, 0.0, 10.0)
+    assert offset - ideal == pytest.approx(0.04)
+    assert noisy - ideal == pytest.approx(0.04)
+
+
+def test_gain_error_is_largest_at_full_scale_and_bow_in_the_middle():
+    def error(p_kpa, gain, bow):
+        ideal = pressure_voltage(SENSOR, p_kpa, 0.0, 0.0, 0.0, 0.0)
+        return (pressure_voltage(SENSOR, p_kpa, gain, 0.0, bow, 0.0) - ideal) / 4.0
+
+    assert error(1000.0, 0.002, 0.0) == pytest.approx(0.002)
+    assert error(0.0, 0.002, 0.0) == 0.0
+    pressures = np.linspace(0.0, 1000.0, 101)
+    bow = np.array([error(p, 0.0, 0.002) for p in pressures])
+    assert bow[0] == pytest.approx(0.0, abs=1e-12)
+    assert bow[-1] == pytest.approx(0.0, abs=1e-12)
+    assert bow.max() == pytest.approx(0.002)
+    assert pressures[bow.argmax()] == 500.0
+
+
+@given(st.integers(0, 2**31), st.sampled_from([0.0, 0.003, 0.007, 0.01]))
+def test_drawn_instruments_keep_the_linearity_of_the_data_sheet(seed, linearity):
+    rig = {"pressure_sensor": {"linearity": linearity}}
+    drawn = draw_instruments(rig, np.random.default_rng([seed]))[0]
+    for sensor in range(3):
+        errors = (float(drawn[name][sensor]) for name in ("gain", "offset", "bow"))
+        gain, offset, bow = errors
+        for p_kpa in (0.0, 250.0, 500.0, 750.0, 1000.0):
+            volts = pressure_voltage(SENSOR, p_kpa, gain, offset, bow, 0.0)
+            assert abs(volts - (1.0 + 0.004 * p_kpa)) <= linearity * 4.0 + 1e-12
+
+
+def test_drawn_instruments_differ_between_the_sensors_and_between_rigs():
+    rig = {"pressure_sensor": {"linearity": 0.007}}
+    first, again, other = (
+        draw_instruments(rig, np.random.default_rng([seed])) for seed in (1, 1, 2)
+    )
+    assert len(set(first[0]["gain"])) == 3
+    assert first == again
+    assert first != other
+
+
+@pytest.mark.parametrize(
+    ("volts", "seen"), [(12.0, 10.0), (-12.0, -10.0), (10.0, 10.0), (0.0, 0.0)]
+)
+def test_converter_saturates_at_its_limit(volts, seen):
+    assert converted(volts, LSB_V, 10.0) == seen
+
+
+def test_converter_resolves_a_pressure_to_the_step_of_16_bit():
+    volts = np.linspace(1.0, 1.1, 5001)
+    codes = {converted(v, LSB_V, 10.0) for v in volts}
+    steps_kpa = np.diff(sorted(codes)) * FULL_SCALE_KPA / 4.0
+    np.testing.assert_allclose(steps_kpa, 0.0763, atol=5e-5)
+    assert len(codes) == pytest.approx(0.1 / LSB_V, abs=2)

@@ -1,0 +1,590 @@
+import copy
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.optimize import brentq
+
+from fprc.config import Settings, check
+from fprc.config.rig import Rig
+from fprc.control import PressurePI
+from fprc.devices import SimulatedRig
+from fprc.errors import ConfigError, SimulationError
+from fprc.rig import simulator
+from fprc.rig.parameters import record
+from fprc.stages.record import acquire
+
+ATMOSPHERE_KPA = 101.325
+RATE_HZ = 200.0
+
+
+def without_friction(rig):
+    rig["bending"] |= {"friction_kpa": 0.0, "friction_per_kpa": 0.0}
+    return rig
+
+
+def without_viscosity(rig):
+    branches = len(rig["bending"]["relaxation_time_s"])
+    rig["bending"]["relaxation_stiffness_kpa_per_deg"] = (0.0,) * branches
+    rig["bending"]["damping_kpa_s_per_deg"] = 0.01
+    rig["reservoir"] |= {"squeeze_damping_kpa_s_per_ml": 0.3, "bending_volume_ml_per_deg": 0.0}
+    return rig
+
+
+def start(rig, rate_hz=RATE_HZ, seed=1):
+    return SimulatedRig(rig, seed=seed, run=0, sample_rate_hz=rate_hz)
+
+
+def drive(rig, p_exp_kpa, k_in=7.0, rate_hz=RATE_HZ):
+    """Follow a pressure with the paper's loops; return the true states and the readings."""
+    device = start(rig, rate_hz)
+    main, reservoir = PressurePI(0.03, 1e-6, 1 / rate_hz), PressurePI(0.05, 1e-6, 1 / rate_hz)
+    states, readings = [], []
+    for k, p_exp in enumerate(p_exp_kpa):
+        device.wait_until(k / rate_hz)
+        now = device.read()
+        p_i = min(max(k_in * now.theta_deg, 0.0), 450.0)
+        device.write(main.step(p_exp, now.p_exp_kpa), reservoir.step(p_i, now.p_i_kpa))
+        states.append(device.state)
+        readings.append(now)
+    return np.concatenate(states), np.array(readings)
+
+
+def swing(frequency_hz, cycles, rate_hz=RATE_HZ):
+    t = np.arange(round(cycles / frequency_hz * rate_hz)) / rate_hz
+    return 175.0 - 175.0 * np.cos(2.0 * np.pi * frequency_hz * t)
+
+
+def everything(states):
+    return np.concatenate([np.ravel(states[name]) for name in states.dtype.names])
+
+
+# --- against independent solutions ------------------------------------------------------------
+
+
+def iso_6358(opening, p1, p2, c, b):
+    if p2 > p1:
+        return -iso_6358(opening, p2, p1, c, b)
+    r = p2 / p1
+    if r <= b:
+        return c * opening * p1
+    if r < 0.995:
+        return c * opening * p1 * math.sqrt(1.0 - ((r - b) / (1.0 - b)) ** 2)
+    end = math.sqrt(1.0 - ((0.995 - b) / (1.0 - b)) ** 2)
+    return c * opening * p1 * end * (1.0 - r) / 0.005
+
+
+def reference(rig, volts, duration_s, dt=2e-5):
+    """Write out the equations of the design again and take plain Euler steps.
+
+    ``volts(t)`` gives both voltages. Friction is found from play operators
+    instead of the slip of the elements. Rows: t, p_main, theta, p_i, p_o, phi; gauge.
+    """
+    v, c, a, b, r = (
+        rig[key] for key in ("valve", "main_chamber", "reservoir_chamber", "bending", "reservoir")
+    )
+    wn, zeta = v["natural_frequency_rad_per_s"], v["damping_ratio"]
+    delta, weight = np.array(b["slip_distance_deg"]), np.array(b["slip_weight"])
+    delta_s, weight_s = np.array(r["slip_distance_ml"]), np.array(r["slip_weight"])
+    kve, tau = np.array(b["relaxation_stiffness_kpa_per_deg"]), np.array(b["relaxation_time_s"])
+
+    def flow(x, p):
+        dz, conductance, ratio = v["dead_zone"], v["sonic_conductance_ml_per_s_kpa"], 0.3
+        supply = min(max((x - dz) / (1.0 - dz), 0.0), 1.0) + v["leak"]
+        exhaust = min(max((-x - dz) / (1.0 - dz), 0.0), 1.0) + v["leak"]
+        return iso_6358(supply, v["supply_kpa_abs"], p, conductance, ratio) - iso_6358(
+            exhaust, p, ATMOSPHERE_KPA, conductance, ratio
+        )
+
+    x, dx = [0.0, 0.0], [0.0, 0.0]
+    p, p_i = ATMOSPHERE_KPA, ATMOSPHERE_KPA
+    theta, omega = -b["preload_kpa"] / b["stop_stiffness_kpa_per_deg"], 0.0
+    origin, relaxed, play = theta, np.zeros(len(tau)), np.zeros(len(delta))
+    s, phi, play_s = 0.0, 0.0, np.zeros(len(delta_s))
+    rows = []
+    for k in range(round(duration_s / dt)):
+        t = k * dt
+        for i, volt in enumerate(volts(t)):
+            ddx = wn**2 * ((volt - 5.0) / 5.0 - x[i]) - 2.0 * zeta * wn * dx[i]
+            x[i], dx[i] = x[i] + dt * dx[i], dx[i] + dt * ddx
+
+        volume = c["volume_ml"] + c["volume_ml_per_deg"] * theta
+        dp = flow(x[0], p) * ATMOSPHERE_KPA - p * c["volume_ml_per_deg"] * omega
+        gauge = p - ATMOSPHERE_KPA
+        travel = theta - origin
+        play = np.maximum(travel - delta, np.minimum(travel + delta, play))
+        friction = (b["friction_kpa"] + b["friction_per_kpa"] * max(gauge, 0.0)) * float(
+            np.dot(weight, (travel - play) / delta)
+        )
+        resisting = (
+            b["preload_kpa"]
+            + b["stiffness_kpa_per_deg"] * theta
+            + b["cubic_stiffness_kpa_per_deg3"] * theta**3
+            + float(np.dot(kve, theta - relaxed))
+            + b["damping_kpa_s_per_deg"] * omega
+            + friction
+        )
+        if theta < 0.0:
+            resisting += b["stop_stiffness_kpa_per_deg"] * theta
+            resisting += b["stop_damping_kpa_s_per_deg"] * omega
+        driving = gauge * (1.0 - b["gain_loss_per_deg"] * theta)
+
+        left = r["passive_volume_ml"] - s - r["bending_volume_ml_per_deg"] * phi
+        sealed = (r["precharge_kpa"] + ATMOSPHERE_KPA) * r["passive_volume_ml"]
+        p_o = sealed / left - ATMOSPHERE_KPA
+        play_s = np.maximum(s - delta_s, np.minimum(s + delta_s, play_s))
+        dry = r["friction_kpa"] + r["friction_per_kpa"] * max(p_i - ATMOSPHERE_KPA, 0.0)
+        net = (
+            p_i
+            - ATMOSPHERE_KPA
+            - dry * float(np.dot(weight_s, (s - play_s) / delta_s))
+            - r["squeeze_stiffness_kpa_per_ml"] * s
+            - r["back_pressure_gain"] * (p_o - r["precharge_kpa"])
+        )
+        ds = net / r["squeeze_damping_kpa_s_per_ml"]
+        if s <= 0.0:
+            ds = max(ds, 0.0)
+        across = p_i - ATMOSPHERE_KPA - p_o + r["precharge_kpa"]
+        dphi = (across / r["bending_stiffness_kpa_per_deg"] - phi) / r["bending_time_s"]
+        dp_i = flow(x[1], p_i) * ATMOSPHERE_KPA - p_i * ds
+
+        rows.append((t, gauge, theta, p_i - ATMOSPHERE_KPA, p_o, phi))
+        relaxed = relaxed + dt * (theta - relaxed) / tau
+        p += dt * c["polytropic_index"] * dp / volume
+        p_i += dt * a["polytropic_index"] * dp_i / (a["volume_ml"] + s)
+        theta, omega = (
+            theta + dt * omega,
+            omega + dt * (driving - resisting) / b["inertia_kpa_s2_per_deg"],
+        )
+        s += dt * ds
+        phi += dt * dphi
+    return np.array(rows)
+
+
+def test_rig_agrees_with_plain_euler_on_the_equations_of_the_design(quiet_rig):
+    quiet_rig["step_s"] = 5e-5
+    quiet_rig["pressure_sensor"]["lag_s"] = 1e-4
+    quiet_rig["bending"]["gain_loss_per_deg"] = 0.001
+    duration_s = 0.6
+
+    def volts(t):
+        if t < 0.2:
+            return 5.8, 5.5
+        if t < 0.4:
+            return 4.6, 5.9
+        return 5.4, 4.5
+
+    expected = reference(quiet_rig, volts, duration_s)[:: round(0.005 / 2e-5)]
+    device = start(quiet_rig)
+    rows = []
+    for k in range(len(expected)):
+        device.wait_until(k / RATE_HZ)
+        # voltages are held over the tick that follows
+        device.write(*volts((k + 0.5) / RATE_HZ))
+        state = device.state
+        rows.append(
+            (
+                state["p_main_kpa_abs"][0] - ATMOSPHERE_KPA,
+                state["theta_deg"][0],
+                state["p_i_kpa_abs"][0] - ATMOSPHERE_KPA,
+                state["sensed_kpa"][0, 2],
+                state["phi_deg"][0],
+            )
+        )
+    assert quiet_rig["valve"]["critical_pressure_ratio"] == 0.3
+    found = np.array(rows)
+    assert (np.ptp(found, axis=0) > (150.0, 20.0, 100.0, 10.0, 5.0)).all()
+    np.testing.assert_allclose(found[:, 0], expected[:, 1], atol=1.0)
+    np.testing.assert_allclose(found[:, 1], expected[:, 2], atol=0.15)
+    np.testing.assert_allclose(found[:, 2], expected[:, 3], atol=1.0)
+    # the transducer lags by 0.1 ms
+    np.testing.assert_allclose(found[:, 3], expected[:, 4], atol=0.15)
+    np.testing.assert_allclose(found[:, 4], expected[:, 5], atol=0.15)
+
+
+def test_spool_of_the_running_rig_follows_the_closed_form(quiet_rig):
+    quiet_rig["step_s"] = 5e-6
+    wn, zeta = 500.0, 0.6
+    quiet_rig["valve"] |= {"natural_frequency_rad_per_s": wn, "damping_ratio": zeta}
+    device = start(quiet_rig, rate_hz=2000.0)
+    device.write(5.0 + 0.3 * 5.0, 5.0 - 0.2 * 5.0)
+    wd = wn * math.sqrt(1.0 - zeta**2)
+    for k in range(1, 40):
+        t = k / 2000.0
+        device.wait_until(t)
+        ring = math.cos(wd * t) + zeta * wn / wd * math.sin(wd * t)
+        step = 1.0 - math.exp(-zeta * wn * t) * ring
+        np.testing.assert_allclose(device.state["spool"][0], (0.3 * step, -0.2 * step), atol=2e-3)
+
+
+@pytest.mark.parametrize("p_exp", [120.0, 250.0, 400.0])
+def test_actuator_settles_at_the_root_of_the_torque_balance(quiet_rig, p_exp):
+    rig = without_friction(quiet_rig)
+    rig["bending"]["relaxation_time_s"] = (0.05,) * len(rig["bending"]["relaxation_time_s"])
+    rig["bending"]["gain_loss_per_deg"] = 0.002
+    states, _ = drive(rig, np.full(800, p_exp))
+    settled = states[-1]
+    p = settled["p_main_kpa_abs"] - ATMOSPHERE_KPA
+    b = rig["bending"]
+
+    def balance(th):
+        elastic = b["stiffness_kpa_per_deg"] * th + b["cubic_stiffness_kpa_per_deg3"] * th**3
+        return p * (1.0 - 0.002 * th) - b["preload_kpa"] - elastic
+
+    assert p == pytest.approx(p_exp, abs=6.0)
+    assert settled["theta_deg"] == pytest.approx(brentq(balance, 0.0, 180.0), abs=0.02)
+
+
+def test_sealed_chamber_follows_its_polytrope_while_the_actuator_moves(quiet_rig):
+    quiet_rig["valve"]["leak"] = 0.0
+    quiet_rig["step_s"] = 5e-5
+    device = start(quiet_rig)
+    device._state["p_main_kpa_abs"] = ATMOSPHERE_KPA + 250.0
+    device.write(5.0, 5.0)
+    chamber = quiet_rig["main_chamber"]
+    invariant, angles = [], []
+    for k in range(200):
+        device.wait_until(k / RATE_HZ)
+        state = device.state
+        volume = chamber["volume_ml"] + chamber["volume_ml_per_deg"] * state["theta_deg"][0]
+        invariant.append(state["p_main_kpa_abs"][0] * volume ** chamber["polytropic_index"])
+        angles.append(state["theta_deg"][0])
+    assert np.ptp(angles) > 20.0
+    np.testing.assert_allclose(invariant, invariant[0], rtol=2e-3)
+
+
+def test_drift_is_an_exact_ornstein_uhlenbeck_process(rig):
+    """One step decays and gains the exact variance; two half steps make one whole."""
+    rig["drift"] |= {"sigma_kpa": 8.0, "time_s": 5.0}
+    packed = record(rig)[0]
+    state = simulator.initial_state(rig, np.random.default_rng(0))[0]
+
+    def step(start_kpa, shock, seconds):
+        state["drift_kpa"] = start_kpa
+        simulator._drift(state, packed, shock, 0.0, seconds)
+        return float(state["drift_kpa"])
+
+    assert step(10.0, 0.0, 2.0) == pytest.approx(10.0 * math.exp(-2.0 / 5.0))
+    assert step(0.0, 1.0, 2.0) ** 2 == pytest.approx(64.0 * (1.0 - math.exp(-4.0 / 5.0)))
+    assert step(0.0, 1.0, 500.0) == pytest.approx(8.0)
+    half = step(0.0, 1.0, 1.0) ** 2
+    assert half * math.exp(-2.0 / 5.0) + half == pytest.approx(step(0.0, 1.0, 2.0) ** 2)
+
+
+# --- convergence, repeatability, limits ---------------------------------------------------------
+
+
+def test_finer_integration_changes_the_bending_little(quiet_rig):
+    command = swing(0.5, 2)
+
+    def bend(step_s):
+        quiet_rig["step_s"] = step_s
+        states, _ = drive(quiet_rig, command)
+        return states["theta_deg"]
+
+    coarse, fine, finest = bend(5e-4), bend(1.25e-4), bend(6.25e-5)
+    assert np.ptp(finest) > 40.0
+    assert np.abs(coarse - finest).max() < 0.15
+    assert np.abs(fine - finest).max() < np.abs(coarse - finest).max()
+
+
+def test_same_seed_gives_the_same_bytes_and_another_does_not(rig, control, signals):
+    signal = signals["sweep"] | {"duration_s": 3.0}
+
+    def content(seed, experiment="sweep"):
+        channels = acquire(experiment, signal, control, rig, seed)
+        return b"".join(values.tobytes() for values in channels.values())
+
+    assert content(1) == content(1)
+    assert content(1) != content(2)
+    assert content(1) != content(1, experiment="complex")
+
+
+def test_runs_on_one_rig_share_its_instruments_but_not_their_noise(rig):
+    first, second = (SimulatedRig(rig, seed=5, run=k, sample_rate_hz=200.0) for k in (0, 1))
+    other = SimulatedRig(rig, seed=6, run=0, sample_rate_hz=200.0)
+    assert first._instruments == second._instruments
+    assert first._instruments != other._instruments
+    assert first.read() != second.read()
+    assert first.state["drift_kpa"] != second.state["drift_kpa"]
+
+
+def test_rig_at_rest_stays_at_rest(quiet_rig):
+    quiet_rig["valve"]["leak"] = 0.0
+    device = start(quiet_rig)
+    before = device.state[0]
+    device.wait_until(5.0)
+    after = device.state[0]
+    assert after["p_i_kpa_abs"] == ATMOSPHERE_KPA
+    assert after["p_main_kpa_abs"] == pytest.approx(ATMOSPHERE_KPA, abs=0.02)
+    assert after["passive_gas_kpa_ml"] == before["passive_gas_kpa_ml"]
+    assert after["squeezed_ml"] == pytest.approx(0.0, abs=1e-9)
+    assert after["sensed_kpa"].tolist() == pytest.approx([0.0, 0.0, 100.0], abs=0.02)
+    # less than one step of the angle sensor
+    assert after["theta_deg"] == pytest.approx(before["theta_deg"], abs=1.0 / 64.0)
+
+
+def test_chambers_never_leave_the_range_of_vent_and_supply(rig):
+    device = start(rig)
+    for k, volt in enumerate([10.0] * 100 + [0.0] * 100 + [10.0, 0.0] * 50):
+        device.wait_until(k / RATE_HZ)
+        device.write(volt, volt)
+        state = device.state[0]
+        for chamber in ("p_main_kpa_abs", "p_i_kpa_abs"):
+            assert 0.9 * ATMOSPHERE_KPA < state[chamber] < 1.1 * rig["valve"]["supply_kpa_abs"]
+
+
+@pytest.mark.parametrize(
+    ("section", "key", "value", "quantity"),
+    [
+        ("bending", "damping_kpa_s_per_deg", 50.0, "bending angle"),
+        ("reservoir", "squeeze_damping_kpa_s_per_ml", 1e-4, "volume of PAM B"),
+        ("main_chamber", "volume_ml", 1e-4, "pressure of the main chamber"),
+        ("reservoir_chamber", "volume_ml", 1e-4, "pressure of PAM A"),
+    ],
+)
+def test_divergence_names_quantity_and_time(quiet_rig, section, key, value, quantity):
+    quiet_rig["main_chamber"]["volume_ml_per_deg"] = 0.0
+    quiet_rig[section][key] = value
+    device = start(quiet_rig)
+    device.write(7.0, 7.0)
+    with pytest.raises(SimulationError, match=quantity) as caught:
+        device.wait_until(2.0)
+    failed_at = device._tick / RATE_HZ
+    assert f"t = {failed_at:.3f} s" in str(caught.value)
+    assert 0.0 < failed_at <= 2.0
+
+
+@pytest.mark.parametrize(
+    ("rate_hz", "spool"),
+    [
+        (60.0, {}),
+        (RATE_HZ, {"natural_frequency_rad_per_s": 1300.0, "damping_ratio": 1.5}),
+    ],
+)
+def test_settings_never_let_the_spool_diverge_in_silence(rate_hz, spool):
+    """Either the settings are refused, or the divergence is reported, or there is none."""
+    try:
+        settings = check({"control": {"sample_rate_hz": rate_hz}, "rig": {"valve": spool}})
+        rig = settings.rig.model_dump()
+        states, _ = drive(rig, np.full(round(2 * rate_hz), 150.0), rate_hz=rate_hz)
+    except (ConfigError, SimulationError):
+        return
+    assert np.abs(states["spool"]).max() < 1.5
+
+
+def numbers_within(limits):
+    return st.floats(limits["minimum"], limits["maximum"])
+
+
+@st.composite
+def rigs(draw):
+    """Rigs whose mechanics and pneumatics lie anywhere within the declared ranges."""
+    rig = copy.deepcopy(Settings().rig.model_dump())
+    for name in ("main_chamber", "reservoir_chamber", "bending", "drift", "reservoir"):
+        schema = Rig.model_fields[name].annotation.model_json_schema()["properties"]
+        for key, limits in schema.items():
+            if key == "slip_weight":
+                continue
+            if isinstance(rig[name][key], tuple):
+                rig[name][key] = tuple(draw(numbers_within(limits)) for _ in rig[name][key])
+            else:
+                rig[name][key] = draw(numbers_within(limits))
+    return rig
+
+
+@given(rigs())
+def test_state_is_physical_or_the_divergence_is_reported(rig):
+    rig["reservoir"] |= {"leak_ml_per_s_kpa": 0.0, "bending_volume_ml_per_deg": 0.0}
+    command = 200.0 - 200.0 * np.cos(2.0 * np.pi * 0.8 * np.arange(250) / RATE_HZ)
+    try:
+        states, readings = drive(rig, command)
+    except SimulationError as error:
+        assert "left its physical range at t = " in str(error)  # noqa: PT017
+    else:
+        assert np.isfinite(everything(states)).all()
+        assert np.isfinite(readings).all()
+        p_o, precharge = states["sensed_kpa"][:, 2], rig["reservoir"]["precharge_kpa"]
+        assert p_o.min() >= precharge - 1e-6 * (precharge + ATMOSPHERE_KPA)
+
+
+# --- hysteresis ---------------------------------------------------------------------------------
+
+
+def widths(x, y, level):
+    """Distance of the two branches of the last cycle at a level of ``y``."""
+    top = y.argmax()
+    up = np.interp(level, y[: top + 1], x[: top + 1])
+    down = np.interp(-level, -y[top:], x[top:])
+    return up - down
+
+
+def last_cycle(states, frequency_hz):
+    return states[-round(RATE_HZ / frequency_hz) :]
+
+
+def quasi_static(states, rig):
+    """Pressure of the actuator without its viscous part against the bending angle."""
+    damping = rig["bending"]["damping_kpa_s_per_deg"]
+    p = states["p_main_kpa_abs"] - ATMOSPHERE_KPA
+    return p - damping * states["omega_deg_per_s"], states["theta_deg"]
+
+
+def quasi_static_squeeze(states, rig):
+    """Pressure of PAM A without its viscous part against that of PAM B."""
+    damping = rig["reservoir"]["squeeze_damping_kpa_s_per_ml"]
+    rate = np.gradient(states["squeezed_ml"], 1.0 / RATE_HZ)
+    p_i = states["p_i_kpa_abs"] - ATMOSPHERE_KPA
+    return p_i - damping * rate, states["sensed_kpa"][:, 2]
+
+
+@pytest.mark.parametrize(("loop", "level"), [(quasi_static, 30.0), (quasi_static_squeeze, 130.0)])
+def test_loops_do_not_depend_on_frequency_without_viscosity(quiet_rig, loop, level):
+    rig = without_viscosity(quiet_rig)
+    found = {}
+    for frequency_hz in (0.2, 0.8):
+        states, _ = drive(rig, swing(frequency_hz, 2))
+        found[frequency_hz] = widths(*loop(last_cycle(states, frequency_hz), rig), level)
+    assert found[0.2] > 10.0
+    assert found[0.8] == pytest.approx(found[0.2], rel=0.08)
+
+
+def test_loops_dissipate_and_vanish_without_friction_and_viscosity(quiet_rig):
+    def work(rig):
+        states, _ = drive(without_viscosity(rig), swing(0.2, 2))
+        return np.trapezoid(*quasi_static(last_cycle(states, 0.2), rig))
+
+    with_friction = work(copy.deepcopy(quiet_rig))
+    assert with_friction > 500.0
+    assert abs(work(without_friction(quiet_rig))) < 0.02 * with_friction
+
+
+# --- sensors --------------------------------------------------------------------------------
+
+
+def test_pressure_readings_lie_on_the_grid_of_the_converter(rig):
+    _, readings = drive(rig, swing(0.5, 1))
+    step_kpa = 20.0 / 65536.0 / 4.0 * 1000.0
+    for column in (1, 3, 4):
+        codes = (readings[:, column] + 250.0) / step_kpa
+        np.testing.assert_allclose(codes, np.round(codes), atol=1e-6)
+        assert len(set(np.round(codes))) > 20
+
+
+def test_angle_readings_lie_on_the_grid_of_the_sensor(rig):
+    _, readings = drive(rig, swing(0.5, 1))
+    assert np.array_equal(readings[:, 2] * 64.0, np.round(readings[:, 2] * 64.0))
+    assert np.ptp(readings[:, 2]) > 30.0
+
+
+def test_transducer_follows_a_ramp_by_its_lag(quiet_rig):
+    quiet_rig["pressure_sensor"]["lag_s"] = 0.01
+    states, _ = drive(quiet_rig, swing(0.5, 1))
+    t, p = states["time_s"], states["p_main_kpa_abs"] - ATMOSPHERE_KPA
+    smooth = slice(50, -1)
+    late = np.interp(t - 0.01, t, p)
+    np.testing.assert_allclose(states["sensed_kpa"][smooth, 0], late[smooth], atol=1.5)
+    assert np.abs(states["sensed_kpa"][smooth, 0] - p[smooth]).max() > 3.0
+
+
+def test_angle_sensor_lives_on_its_own_clock(quiet_rig):
+    """Read five times faster, its samples are held 4.94 ms and never older than that."""
+    rate_hz = 1000.0
+    states, readings = drive(quiet_rig, swing(2.0, 1, rate_hz), rate_hz=rate_hz)
+    truth, seen = states["theta_deg"], readings[:, 2]
+    moving = np.abs(states["omega_deg_per_s"]) > 60.0
+    changes = np.flatnonzero(np.diff(seen) != 0.0) + 1
+    inside = changes[moving[changes] & moving[changes - 5]]
+    held_ticks = np.diff(inside)
+    held_ticks = held_ticks[held_ticks < 8]
+    assert len(held_ticks) > 20
+    assert set(held_ticks) <= {4, 5}
+    assert held_ticks.mean() == pytest.approx(1000.0 / 202.27, abs=0.05)
+    # each reading is the quantised truth of some instant within the last sample period
+    for k in range(10, len(seen)):
+        window = truth[k - 5 : k + 1]
+        assert window.min() - 1 / 128 - 1e-9 <= seen[k] <= window.max() + 1 / 128 + 1e-9
+    # and it really is late: at up to 5 ms, never in the future
+    lag_deg = truth[moving] - seen[moving]
+    assert np.abs(lag_deg).max() > 0.15
+
+
+def test_angle_sensor_at_the_sampling_rate_repeats_no_pattern(quiet_rig):
+    """202.27 Hz against 200 Hz: the age of the sample sweeps 0-5 ms, a beat of 0.44 s."""
+    states, _ = drive(quiet_rig, swing(0.5, 2))
+    period = 1.0 / quiet_rig["bend_sensor"]["rate_hz"]
+    age_s = states["time_s"] - (states["bend_next_s"] - period)
+    assert age_s.min() >= -1e-12
+    assert age_s.max() <= period + 0.0005
+    assert np.histogram(age_s, bins=5, range=(0.0, period))[0].min() > 0.1 * len(age_s)
+
+
+def test_channels_of_the_board_are_scanned_one_after_the_other(quiet_rig):
+    """The second and third reading show the pressure of one and two delays later."""
+    rate_hz, scan_s = 1000.0, 1e-3
+    quiet_rig["converter"]["scan_s"] = scan_s
+    device = start(quiet_rig, rate_hz)
+    device.write(6.0, 6.0)
+    t = np.arange(200) / rate_hz
+    sensed, readings = [], []
+    for instant in t:
+        device.wait_until(instant)
+        sensed.append(device.state["sensed_kpa"][0])
+        readings.append(device.read())
+    sensed, readings = np.array(sensed), np.array(readings)
+    for channel, column in enumerate((1, 3, 4)):
+        later = np.interp(t + channel * scan_s, t, sensed[:, channel])
+        np.testing.assert_allclose(readings[20:-2, column], later[20:-2], atol=0.15)
+    assert np.diff(sensed[20:, 1]).max() > 0.5
+    assert np.diff(sensed[20:, 2]).max() > 0.08
+
+
+def test_angle_readings_have_the_configured_noise(quiet_rig):
+    quiet_rig["bend_sensor"]["noise_deg"] = 0.06
+    device = start(quiet_rig)
+    device.write(0.0, 0.0)
+    seen = []
+    for k in range(3000):
+        device.wait_until(k / RATE_HZ)
+        seen.append(device.read().theta_deg)
+    # white noise and rounding to 1/64 deg
+    assert np.std(seen[100:]) == pytest.approx(math.hypot(0.06, 1 / 64 / math.sqrt(12)), rel=0.08)
+    correlation = np.corrcoef(seen[100:-1], seen[101:])[0, 1]
+    assert abs(correlation) < 0.15
+
+
+def test_slow_error_of_the_angle_sensor_is_what_it_shows_at_rest(quiet_rig):
+    quiet_rig["bend_sensor"] |= {"slow_error_deg": 0.5, "slow_error_time_s": 2.0}
+    device = start(quiet_rig)
+    device.write(0.0, 0.0)
+    errors = []
+    for k in range(0, 4000, 20):
+        device.wait_until(k / RATE_HZ)
+        state = device.state[0]
+        errors.append(device.read().theta_deg - state["theta_deg"])
+        assert errors[-1] == pytest.approx(state["bend_slow_deg"], abs=0.15)
+    assert np.std(errors) == pytest.approx(0.5, rel=0.5)
+
+
+def test_voltages_beyond_the_board_are_clamped(quiet_rig):
+    ends = []
+    for volts in ((10.0, 0.0), (25.0, -25.0)):
+        device = start(quiet_rig)
+        device.write(*volts)
+        device.wait_until(0.05)
+        ends.append(device.state)
+    assert ends[0].tobytes() == ends[1].tobytes()
+    np.testing.assert_allclose(ends[0]["spool"], [[1.0, -1.0]], atol=1e-3)
+
+
+def test_voltage_smaller_than_half_a_step_of_the_board_moves_nothing(quiet_rig):
+    ends = []
+    for volts in (5.4, 5.4 + 0.05 * 20.0 / 65536.0, 5.4 + 20.0 / 65536.0):
+        device = start(quiet_rig)
+        device.write(volts, 5.0)
+        device.wait_until(0.05)
+        ends.append(device.state.tobytes())
+    assert ends[0] == ends[1]
+    assert ends[0] != ends[2]

@@ -1,0 +1,111 @@
+import subprocess
+import sys
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from fprc.artifacts import read_json, replacing, write_csv, write_json, write_text
+
+
+def names(folder):
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_content_appears_under_the_final_name_only(tmp_path):
+    target = tmp_path / "table.csv"
+    with replacing(target) as temporary:
+        temporary.write_text("half")
+        assert not target.exists()
+        assert temporary.parent == tmp_path
+        assert temporary.suffix == ".csv"
+        assert temporary.name.startswith(".")
+        temporary.write_text("whole")
+    assert target.read_text() == "whole"
+    assert names(tmp_path) == ["table.csv"]
+
+
+@pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt])
+@pytest.mark.parametrize("written", [True, False])
+def test_failure_leaves_the_old_file_and_no_litter(tmp_path, error, written):
+    target = tmp_path / "log.h5"
+    target.write_text("old")
+
+    def fail():
+        with replacing(target) as temporary:
+            if written:
+                temporary.write_text("half")
+            raise error
+
+    with pytest.raises(error):
+        fail()
+    assert target.read_text() == "old"
+    assert names(tmp_path) == ["log.h5"]
+
+
+def test_failure_leaves_no_file_where_none_was(tmp_path):
+    with pytest.raises(ValueError, match="Out of range"):
+        write_json(tmp_path / "a.json", {"x": float("nan")})
+    assert names(tmp_path) == []
+
+
+def test_writer_that_wrote_nothing_is_an_error(tmp_path):
+    (tmp_path / "a.txt").write_text("old")
+    with pytest.raises(FileNotFoundError), replacing(tmp_path / "a.txt"):
+        pass
+    assert (tmp_path / "a.txt").read_text() == "old"
+
+
+def test_process_that_dies_while_writing_leaves_the_old_file(tmp_path):
+    target = tmp_path / "table.csv"
+    target.write_text("old")
+    code = (
+        "import os, sys\n"
+        "from fprc.artifacts import replacing\n"
+        "with replacing(sys.argv[1]) as temporary:\n"
+        "    temporary.write_text('half')\n"
+        "    os._exit(9)\n"
+    )
+    died = subprocess.run([sys.executable, "-c", code, str(target)], timeout=60, check=False)
+    assert died.returncode == 9
+    assert target.read_text() == "old"
+    write_text(target, "new")
+    assert target.read_text() == "new"
+
+
+def test_missing_folders_are_made(tmp_path):
+    write_text(tmp_path / "a" / "b" / "note.txt", "text")
+    assert (tmp_path / "a" / "b" / "note.txt").read_text() == "text"
+
+
+def test_text_is_utf_8(tmp_path):
+    write_text(tmp_path / "a.txt", "θ ± 1°\n")
+    assert (tmp_path / "a.txt").read_bytes() == "θ ± 1°\n".encode()
+
+
+def test_json_comes_back_as_it_was(tmp_path):
+    content = {"b": [1.5, None, "θ"], "a": {"nested": True}}
+    write_json(tmp_path / "a.json", content)
+    assert read_json(tmp_path / "a.json") == content
+    assert (tmp_path / "a.json").read_bytes().endswith(b"}\n")
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), [1.0, float("-inf")]])
+def test_json_that_no_reader_takes_is_refused(tmp_path, value):
+    write_json(tmp_path / "a.json", {"x": 1.0})
+    with pytest.raises(ValueError, match="Out of range"):
+        write_json(tmp_path / "a.json", {"x": value})
+    assert read_json(tmp_path / "a.json") == {"x": 1.0}
+
+
+def test_table_has_six_significant_digits_and_empty_cells_where_nothing_is_known(tmp_path):
+    table = pd.DataFrame({"name": ["a", "b"], "x": [1.23456789e-5, np.nan], "n": [1, 2]})
+    write_csv(tmp_path / "a.csv", table)
+    assert (tmp_path / "a.csv").read_text() == "name,x,n\na,1.23457e-05,1\nb,,2\n"
+
+
+def test_same_table_gives_the_same_bytes(tmp_path):
+    table = pd.DataFrame({"x": np.linspace(0.0, 1.0, 7)})
+    for name in ("a.csv", "b.csv"):
+        write_csv(tmp_path / name, table)
+    assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()

@@ -1,0 +1,115 @@
+import json
+from importlib.metadata import entry_points
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fprc import __version__
+from fprc.cli import main
+from fprc.config import reference
+
+CONFIG = Path(__file__).parents[2] / "config"
+
+
+@pytest.fixture
+def long_log(write_log, recorded):
+    """Write raw log of 20 s, which passes every check of its quality."""
+
+    def write(name="log.h5", **attributes):
+        return write_log(name, changed=recorded["sweep"], **attributes)
+
+    return write
+
+
+def test_installed_command_is_this_one():
+    (command,) = entry_points(group="console_scripts", name="fprc")
+    assert command.load() is main
+
+
+def test_version_is_printed(capsys):
+    with pytest.raises(SystemExit) as caught:
+        main(["--version"])
+    assert caught.value.code == 0
+    assert capsys.readouterr().out == f"fprc {__version__}\n"
+
+
+@pytest.mark.parametrize(
+    "arguments", [[], ["config"], ["log"], ["config", "check"], ["log", "check"], ["nonsense"]]
+)
+def test_incomplete_command_is_answered_with_its_usage(arguments, capsys):
+    with pytest.raises(SystemExit) as caught:
+        main(arguments)
+    assert caught.value.code == 2
+    assert "usage: fprc" in capsys.readouterr().err
+
+
+# --- config -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("page", ["defaults", "schema", "reference"])
+def test_generated_page_is_printed_byte_for_byte(page, capsys):
+    assert main(["config", page]) == 0
+    assert capsys.readouterr().out == getattr(reference, page)()
+
+
+def test_valid_configuration_has_no_errors(capsys):
+    files = [str(CONFIG / name) for name in ("config.yaml", "rig.yaml", "smoke.yaml")]
+    assert main(["config", "check", *files]) == 0
+    assert capsys.readouterr().out == "no errors\n"
+
+
+def test_errors_of_a_configuration_go_to_stderr_without_a_traceback(tmp_path, capsys):
+    path = tmp_path / "mine.yaml"
+    path.write_text("seed: -1\nmodles: {}\n")
+    assert main(["config", "check", str(CONFIG / "config.yaml"), str(path)]) == 1
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.startswith("error: 2 errors in the configuration:\n")
+    assert "did you mean models?" in said.err
+    assert "Traceback" not in said.err
+
+
+def test_absent_configuration_is_an_error(tmp_path, capsys):
+    assert main(["config", "check", str(tmp_path / "none.yaml")]) == 1
+    assert str(tmp_path / "none.yaml") in capsys.readouterr().err
+
+
+# --- log ----------------------------------------------------------------------------------------
+
+
+def test_clean_log_prints_its_record_and_nothing_else(long_log, capsys):
+    assert main(["log", "check", str(long_log())]) == 0
+    said = capsys.readouterr()
+    assert said.err == ""
+    record = json.loads(said.out)
+    assert record["log"] == "log.h5"
+    assert all(check["passed"] for check in record["checks"].values())
+
+
+def test_log_with_a_fault_prints_its_record_and_a_warning(write_log, changed, capsys):
+    path = write_log(changed=changed("theta_deg", slice(10, 20), 500.0))
+    assert main(["log", "check", str(path)]) == 1
+    said = capsys.readouterr()
+    assert json.loads(said.out)["checks"]["saturation"]["passed"] is False
+    assert said.err.startswith("warning: log.h5: saturation")
+
+
+def test_unreadable_log_is_named_and_the_next_one_still_judged(
+    long_log, write_log, changed, tmp_path, capsys
+):
+    bad = write_log("bad.h5", changed=changed("theta_deg", 7, np.nan))
+    paths = [tmp_path / "none.h5", bad, long_log("good.h5"), tmp_path]
+    assert main(["log", "check", *map(str, paths)]) == 1
+    said = capsys.readouterr()
+    assert json.loads(said.out)["log"] == "good.h5"
+    assert said.err.count("error: ") == 3
+    for path in (paths[0], bad, tmp_path):
+        assert f"error: {path}: " in said.err
+    assert "channel theta_deg: sample 7" in said.err
+
+
+def test_log_is_judged_at_its_own_rate(write_log, recorded, capsys):
+    slow = recorded["sweep"] | {"time_s": recorded["sweep"]["time_s"] * 2.0}
+    assert main(["log", "check", str(write_log(changed=slow, sample_rate_hz=100.0))]) == 0
+    assert json.loads(capsys.readouterr().out)["checks"]["rate"]["expected_hz"] == 100.0

@@ -1,0 +1,149 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy import signal
+
+from fprc.config import Settings
+from fprc.signals import (
+    chirp,
+    multisine,
+    pressure_command,
+    random_pushes,
+    reference_angle,
+    sample_times,
+)
+
+SWEEP = Settings().experiments.sweep.model_dump()
+COMPLEX = Settings().experiments.complex.model_dump()
+
+
+def rms_rate(values, rate_hz=200.0):
+    return np.sqrt(np.mean((np.diff(values) * rate_hz) ** 2))
+
+
+@pytest.mark.parametrize(("duration_s", "rate_hz", "samples"), [(120, 200, 24_000), (0.5, 50, 25)])
+def test_times_run_from_zero_up_to_but_without_the_end(duration_s, rate_hz, samples):
+    t = sample_times(duration_s, rate_hz)
+    assert len(t) == samples
+    assert t[0] == 0.0
+    assert t[-1] == pytest.approx(duration_s - 1.0 / rate_hz)
+    np.testing.assert_allclose(np.diff(t), 1.0 / rate_hz, rtol=1e-9)
+
+
+@given(st.floats(1.0, 200.0), st.floats(0.01, 2.0), st.floats(0.01, 2.0), st.floats(0.0, 200.0))
+def test_chirp_agrees_with_scipy(duration_s, f_start_hz, f_end_hz, amplitude):
+    t = np.linspace(0.0, duration_s, 200)
+    ours = chirp(
+        t,
+        duration_s=duration_s,
+        f_start_hz=f_start_hz,
+        f_end_hz=f_end_hz,
+        amplitude=amplitude,
+        offset=175.0,
+    )
+    theirs = signal.chirp(t, f_start_hz, duration_s, f_end_hz, method="linear", phi=180.0)
+    np.testing.assert_allclose(ours, 175.0 + amplitude * theirs, atol=1e-8 * (1.0 + amplitude))
+
+
+def test_chirp_is_the_papers_tracking_sweep():
+    """27.5 sin(pi t (0.01125 t + 0.1) - 0.5 pi) + 32.5, printed with its numbers."""
+    t = sample_times(80.0, 200.0)
+    printed = 27.5 * np.sin(np.pi * t * (0.01125 * t + 0.1) - 0.5 * np.pi) + 32.5
+    ours = chirp(t, duration_s=80.0, f_start_hz=0.05, f_end_hz=0.95, amplitude=27.5, offset=32.5)
+    np.testing.assert_allclose(ours, printed, atol=1e-9)
+
+
+def test_multisine_is_the_papers_complex_signal():
+    t = sample_times(80.0, 200.0)
+    frequencies = (0.12, 0.04, 0.31, 0.29, 0.25)
+    printed = 175.0 + sum(35.0 * np.sin(2.0 * np.pi * f * t - 0.5 * np.pi) for f in frequencies)
+    ours = multisine(t, f_hz=frequencies, amplitude=35.0, offset=175.0)
+    np.testing.assert_allclose(ours, printed, atol=1e-9)
+    np.testing.assert_allclose(pressure_command(COMPLEX, 200.0), printed, atol=1e-9)
+
+
+@given(st.lists(st.floats(0.01, 2.0), min_size=1, max_size=6), st.floats(0.1, 50.0))
+def test_multisine_begins_at_its_lowest_value_and_stays_within_its_span(f_hz, amplitude):
+    values = multisine(np.linspace(0.0, 50.0, 500), f_hz=f_hz, amplitude=amplitude, offset=300.0)
+    assert values[0] == pytest.approx(300.0 - len(f_hz) * amplitude)
+    assert values.min() >= values[0] - 1e-9
+    assert values.max() <= 300.0 + len(f_hz) * amplitude + 1e-9
+
+
+def test_commands_begin_at_the_bottom_with_no_speed():
+    for experiment in (SWEEP, COMPLEX):
+        command = pressure_command(experiment, 200.0)
+        assert command[0] == pytest.approx(command.min())
+        assert abs(command[1] - command[0]) < 0.05
+
+
+def test_sweep_has_the_number_of_cycles_of_its_frequencies():
+    """(0.1 + 1 Hz)/2 for 120 s are 66 cycles, and as many maxima."""
+    command = pressure_command(SWEEP, 200.0)
+    maxima = signal.argrelmax(command)[0]
+    assert len(maxima) == 66
+    assert command.min() == pytest.approx(0.0, abs=1e-9)
+    assert command.max() == pytest.approx(350.0, abs=0.05)
+    periods_s = np.diff(maxima) / 200.0
+    assert periods_s[0] > periods_s[-1]
+    assert 1.0 / periods_s[-1] == pytest.approx(1.0, abs=0.02)
+
+
+def test_rates_of_pressure_are_those_the_printed_signals_have():
+    assert rms_rate(pressure_command(COMPLEX, 200.0)) == pytest.approx(78.0, rel=0.01)
+    assert rms_rate(pressure_command(SWEEP, 200.0)) == pytest.approx(473.0, rel=0.02)
+    assert pressure_command(COMPLEX, 200.0).max() == pytest.approx(281.7, abs=0.1)
+
+
+def test_command_has_one_value_per_sample_of_the_rate():
+    assert len(pressure_command(SWEEP, 50.0)) == 6000
+    np.testing.assert_allclose(
+        pressure_command(SWEEP, 50.0), pressure_command(SWEEP, 200.0)[::4], atol=1e-9
+    )
+
+
+REFERENCES = {
+    "sine_0p2": lambda t: 27.5 * np.sin(2.0 * np.pi * 0.2 * t - 0.5 * np.pi) + 32.5,
+    "sweep": lambda t: 27.5 * np.sin(np.pi * t * (0.01125 * t + 0.1) - 0.5 * np.pi) + 32.5,
+    "complex": lambda t: (
+        40.5
+        + 6.5
+        * sum(np.sin(2.0 * np.pi * f * t - 0.5 * np.pi) for f in (0.12, 0.04, 0.31, 0.29, 0.25))
+    ),
+}
+
+
+@pytest.mark.parametrize("name", REFERENCES)
+def test_reference_is_the_printed_angle_after_settling(name):
+    reference = getattr(Settings().tracking.references, name).model_dump() | {"settle_s": 5.0}
+    angle = reference_angle(reference, 200.0)
+    printed = REFERENCES[name](sample_times(reference["duration_s"], 200.0))
+    np.testing.assert_allclose(angle[1000:], printed, atol=1e-9)
+    np.testing.assert_array_equal(angle[:1000], angle[1000])
+    assert angle.min() == pytest.approx(angle[0], abs=1e-6)
+
+
+def pushes(seed=0, samples=400_000, **changed):
+    options = {"quiet_s": 12.0, "every_s": 3.0, "sigma_kpa": 150.0} | changed
+    return random_pushes(samples, 200.0, **options, rng=np.random.default_rng(seed))
+
+
+def test_pushes_spare_the_quiet_time_and_are_repeatable():
+    force = pushes(samples=20_000)
+    assert not force[: 12 * 200].any()
+    assert force[12 * 200 :].any()
+    np.testing.assert_array_equal(force, pushes(samples=20_000))
+    assert not np.array_equal(force, pushes(seed=1, samples=20_000))
+
+
+def test_pushes_come_as_often_and_as_hard_as_configured():
+    """Half sines of 0.2-1 s every 3 s: a mean square of sigma^2 * 0.6/2 / 3."""
+    force = pushes()[12 * 200 :]
+    assert np.mean(force**2) == pytest.approx(150.0**2 * 0.6 / 2.0 / 3.0, rel=0.25)
+    assert abs(np.mean(force)) < 10.0
+    assert np.abs(np.diff(force)).max() < 0.1 * np.abs(force).max()
+
+
+def test_no_strength_means_no_push():
+    assert not pushes(samples=10_000, sigma_kpa=0.0).any()
