@@ -52,6 +52,7 @@ include: "workflow/rules/models.smk"
 include: "workflow/rules/control.smk"
 include: "workflow/rules/tables.smk"
 include: "workflow/rules/figures.smk"
+include: "workflow/rules/claims.smk"
 
 
 rule all:

@@ -12,6 +12,9 @@ fprc_lowest_reversed_test,reversed_tests_worse
 """
 
 
+LEDGER = '{"claims": [{"id": "C1", "claim": "It is so.", "ours": "1", "verdict": "reproduced"}]}'
+
+
 def block(name, content):
     return f"<!-- {name}: generated -->\n{content}\n<!-- {name}: end -->"
 
@@ -24,6 +27,7 @@ README = "\n".join(
         "Between.",
         block("table2_seeds", "old"),
         block("orders", "old"),
+        block("verdicts", "old"),
         block("table2_timing", "old"),
         "",
         "The end.",
@@ -40,6 +44,7 @@ def project(tmp_path):
         "table2.md": "Table II.\n\n| a |\n|---|\n| 1 ± 2 \\d |\n",
         "table2_seeds.md": "Over seeds.\n",
         "orders.csv": ORDERS,
+        "claims.json": LEDGER,
         "table2_timing.md": "Times.\n",
     }
     for name, text in contents.items():
@@ -53,6 +58,7 @@ def update(project):
     update_readme(
         [str(project / name) for name in pages],
         str(project / "orders.csv"),
+        str(project / "claims.json"),
         str(project / "figure.png"),
         readme=str(project / "README.md"),
         picture=str(project / "docs" / "picture.png"),
@@ -71,7 +77,7 @@ def test_blocks_are_replaced_and_everything_else_is_kept(project):
     head, tail = expected.split(block("orders", "old"))
     text = update(project)
     assert text.startswith(head)
-    assert text.endswith(tail)
+    assert text.endswith(tail.split(block("verdicts", "old"))[1])
     assert "old" not in text
 
 
@@ -81,6 +87,10 @@ def test_sentence_counts_the_seeds_on_which_the_order_holds(project):
     assert "training, validation and test: on 3 of 3" in text
     assert "with the logs reversed, FPRC has the lowest test RMSE: on 1 of 3" in text
     assert "0.95 to 1.12" in text
+
+
+def test_every_claim_is_shown_with_its_verdict(project):
+    assert "| C1   | It is so. | reproduced |" in update(project)
 
 
 def test_picture_is_copied_into_a_folder_that_is_made(project):

@@ -132,5 +132,6 @@ if SETTINGS["source"] == "sim":
         "fig14": through(FIGURES[14], *LOOP, *TRACKED["sweep"]),
         "fig15": through(FIGURES[15], *LOOP, *TRACKED["complex"]),
         "fig16": through(FIGURES[16], *LOOP, *TRACKED["sine_0p5"], *TRACKED["sweep"]),
+        "claims": [f"{RESULTS}/claims.md", *REPLICATES, *TIMES, *SWEEPS.values()],
         "fig17": through(FIGURES[17], *LOOP, *TRACKED["disturbance"]),
     }

@@ -37,6 +37,7 @@ rule readme:
             f"{RESULTS}/timing/table2_timing.md",
         ],
         orders=SEEDS_TABLES[2],
+        ledger=f"{RESULTS}/claims.json",
         figure=f"{RESULTS}/figures/fig08_training.png",
     log:
         f"{RESULTS}/logs/readme.log",

@@ -2,23 +2,24 @@
 
 import logging
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import pandas as pd
 
-from fprc.artifacts import replacing, write_text
+from fprc.artifacts import read_json, replacing, write_text
 from fprc.errors import FprcError
 
 log = logging.getLogger(__name__)
 
 
 def update_readme(
-    pages: Sequence[str], orders: str, figure: str, *, readme: str, picture: str
+    pages: Sequence[str], orders: str, ledger: str, figure: str, *, readme: str, picture: str
 ) -> None:
     """Replace the generated blocks of the README, named after the pages, and its picture."""
     blocks = {Path(page).stem: Path(page).read_text(encoding="utf-8") for page in pages}
     blocks["orders"] = _sentence(pd.read_csv(orders))
+    blocks["verdicts"] = _verdicts(read_json(ledger)["claims"])
     text = Path(readme).read_text(encoding="utf-8")
     for name, block in blocks.items():
         text = replace_block(text, name, block)
@@ -41,6 +42,11 @@ def replace_block(text: str, name: str, block: str) -> str:
     if not (text.count(begin) == text.count(end) == 1 == len(pattern.findall(text))):
         raise FprcError(f"README.md: needs the lines {begin} and {end} once each; put them back")
     return pattern.sub(lambda _: f"{begin}\n{block.strip()}\n{end}", text)
+
+
+def _verdicts(claims: Sequence[Mapping[str, str]]) -> str:
+    page = pd.DataFrame(claims)[["id", "claim", "verdict"]].rename(columns=str.capitalize)
+    return page.to_markdown(index=False)
 
 
 def _sentence(orders: pd.DataFrame) -> str:

@@ -68,7 +68,7 @@ def tabulate_tracking(
     table = tables.tracking([_run(path) for path in runs], known, _published(published))
     tried = known["candidates"]
     note = (
-        "Table IV. RMSE of tracking, each run on its own noise.\n"
+        "Table IV. RMSE of tracking; all controllers meet the same noise and drift.\n"
         f"Data: {tables.SOURCES[known['source']]}. The printed gain is the paper's; the identified "
         f"one has the least error of {len(tried)} gains on another reference (sine 0.3 Hz)."
     )

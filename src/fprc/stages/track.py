@@ -34,10 +34,16 @@ CONTROLLERS = {
     "pd_identified": ("pd", "identified"),
 }
 
-#: Number of each run on the rig; with the seed it decides the noise.
-_RUNS = {name: 10 * (i + 1) for i, name in enumerate(
-    ("sine_0p2", "sine_0p5", "sweep", "complex", "disturbance", "identification")
-)}  # fmt: skip
+#: Number of the runs on the rig; with the seed it decides the noise. All controllers meet the
+#: same noise and drift on a reference, so that they differ by what they do alone.
+_RUNS = {
+    "sine_0p2": 10,
+    "sine_0p5": 20,
+    "sweep": 30,
+    "complex": 40,
+    "disturbance": 50,
+    "identification": 60,
+}
 
 
 class Track(NamedTuple):
@@ -180,10 +186,11 @@ def track(
     theta_d = bench.reference(reference)
     settle_s = tracking["references"][reference]["settle_s"]
     pushes = bench.pushes(len(theta_d)) if reference == "disturbance" else None
+    number = _RUNS[reference]
+    model_of = {"fprc": feedforward, "fprc_pd": feedforward, "pd": None}
     for path, name in zip(raw, controllers, strict=True):
         controller, gain = CONTROLLERS[name]
         chosen = known_gains.get(gain)
-        number = _RUNS[reference] + list(CONTROLLERS).index(name)
         description = {
             "experiment": f"track_{reference}_{name}",
             "reference": reference,
@@ -197,9 +204,7 @@ def track(
             "rig": {"rig": rig, "control": control, "tracking": tracking, "gains": chosen},
         }
         try:
-            channels = bench.drive(
-                theta_d, None if controller == "pd" else feedforward, chosen, number, pushes
-            )
+            channels = bench.drive(theta_d, model_of[controller], chosen, number, pushes)
         except RunAbortedError as stopped:
             rescued = path.replace(".h5", ".aborted.h5")
             write_raw(rescued, stopped.channels, **description, aborted=str(stopped))

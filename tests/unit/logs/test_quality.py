@@ -171,7 +171,7 @@ def test_growing_squeeze_is_not_mistaken_for_a_leak_and_does_not_hide_one(record
     """P_o by Boyle's law of a P_i whose swing grows: far from linear, and tied to time."""
     log = log_of(recorded["sweep"])
     t = log.channels["time_s"]
-    p_i = 20.0 * t * (0.5 - 0.5 * np.cos(2.0 * np.pi * t))
+    p_i = t**2 * (0.5 - 0.5 * np.cos(2.0 * np.pi * t))
     noise = 0.1 * np.random.default_rng(0).normal(size=4000)
     log.channels["p_i_kpa"] = p_i
     for leak_kpa_per_min in (0.0, 10.0):
@@ -180,6 +180,13 @@ def test_growing_squeeze_is_not_mistaken_for_a_leak_and_does_not_hide_one(record
         found = judge(log)["checks"]["leak"]
         assert found["kpa_per_min"] == pytest.approx(-leak_kpa_per_min, abs=0.5)
         assert found["passed"] is (leak_kpa_per_min == 0.0)
+
+
+def test_reservoir_that_was_never_driven_has_a_record(log):
+    log.channels["p_i_kpa"][:] = 0.0
+    record = judge(log)
+    assert record["checks"]["leak"]["passed"]
+    json.dumps(record, allow_nan=False)
 
 
 def test_log_of_one_sample_has_a_record(channels):

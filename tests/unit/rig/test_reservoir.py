@@ -199,3 +199,19 @@ def test_push_on_the_reservoir_bends_it_but_hardly_reaches_its_pressure(quiet_ri
     stiffness = quiet_rig["reservoir"]["bending_stiffness_kpa_per_deg"]
     assert pushed.phi_deg - free.phi_deg == pytest.approx(150.0 / stiffness, rel=0.1)
     assert 0.0 < pushed.p_o_kpa - free.p_o_kpa < 2.0
+
+
+def test_fabric_is_only_squeezed_never_stretched(quiet_rig):
+    """A push bends the reservoir and raises P_o; the fabric rests at zero squeeze."""
+    quiet_rig["valve"]["leak"] = 0.0
+    device = SimulatedRig(
+        quiet_rig, seed=1, run=0, sample_rate_hz=200.0, push_kpa=lambda tick: 300.0
+    )
+    device.write(0.0, 0.0)
+    device.wait_until(1.0)
+    state = device.state
+    assert state["squeezed_ml"][0] == 0.0
+    assert state["phi_deg"][0] > 20.0
+    expected = state["passive_gas_kpa_ml"] / gas_volume(state) - ATMOSPHERE_KPA
+    assert state["sensed_kpa"][0, 2] == pytest.approx(expected[0], abs=0.01)
+    assert expected[0] > DEFAULT["precharge_kpa"] + 0.5

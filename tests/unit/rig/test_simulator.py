@@ -343,6 +343,7 @@ def test_chambers_never_leave_the_range_of_vent_and_supply(rig):
         ("reservoir", "squeeze_damping_kpa_s_per_ml", 1e-4, "volume of PAM B"),
         ("main_chamber", "volume_ml", 1e-4, "pressure of the main chamber"),
         ("reservoir_chamber", "volume_ml", 1e-4, "pressure of PAM A"),
+        ("reservoir", "squeeze_stiffness_kpa_per_ml", -1e4, "volume of PAM B"),
     ],
 )
 def test_divergence_names_quantity_and_time(quiet_rig, section, key, value, quantity):
@@ -355,6 +356,15 @@ def test_divergence_names_quantity_and_time(quiet_rig, section, key, value, quan
     failed_at = device._tick / RATE_HZ
     assert f"t = {failed_at:.3f} s" in str(caught.value)
     assert 0.0 < failed_at <= 2.0
+
+
+@pytest.mark.parametrize("volts", [(7.0, 5.0), (5.0, 7.0)])
+def test_divergence_of_either_spool_is_reported(quiet_rig, volts):
+    quiet_rig["valve"]["damping_ratio"] = 10.0
+    device = start(quiet_rig)
+    device.write(*volts)
+    with pytest.raises(SimulationError, match="spool of a valve left its physical range at t = "):
+        device.wait_until(0.2)
 
 
 @pytest.mark.parametrize(
@@ -373,6 +383,38 @@ def test_settings_never_let_the_spool_diverge_in_silence(rate_hz, spool):
     except (ConfigError, SimulationError):
         return
     assert np.abs(states["spool"]).max() < 1.5
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {},
+        {"reservoir": {"squeeze_damping_kpa_s_per_ml": 0.3}},
+        {
+            "reservoir": {
+                "squeeze_damping_kpa_s_per_ml": 0.3,
+                "slip_distance_ml": (0.01, 0.5, 1.2),
+                "friction_kpa": 40.0,
+                "friction_per_kpa": 0.4,
+            }
+        },
+        {"bending": {"inertia_kpa_s2_per_deg": 2e-4, "slip_distance_deg": (0.1, 3, 7, 14)}},
+    ],
+)
+def test_settings_are_integrated_finely_enough_or_refused(changed):
+    """Ten times finer steps must show the same pressure and angle, or an error be reported."""
+    command = swing(0.5, 1)
+    found = []
+    for step_s in (5e-4, 5e-5):
+        try:
+            rig = check({"rig": changed | {"step_s": step_s}}).rig.model_dump()
+            rig["drift"]["sigma_kpa"] = 0.0
+            states, _ = drive(rig, command)
+        except (ConfigError, SimulationError):
+            return
+        found.append(np.column_stack([states["theta_deg"], states["sensed_kpa"][:, 2]]))
+    assert np.ptp(found[1], axis=0).min() > 20.0
+    np.testing.assert_allclose(found[0], found[1], atol=2.0)
 
 
 def numbers_within(limits):
