@@ -264,3 +264,18 @@ class Rig(Section):
     pressure_sensor: PressureSensor = PressureSensor()
     bend_sensor: BendSensor = BendSensor()
     converter: Converter = Converter()
+
+    @model_validator(mode="after")
+    def _squeeze_is_resolved(self) -> "Rig":
+        reservoir = self.reservoir
+        highest = reservoir.friction_kpa + reservoir.friction_per_kpa * self.valve.supply_kpa_abs
+        pairs = zip(reservoir.slip_weight, reservoir.slip_distance_ml, strict=True)
+        stiffness = reservoir.squeeze_stiffness_kpa_per_ml + highest * sum(w / d for w, d in pairs)
+        share = self.step_s * stiffness / reservoir.squeeze_damping_kpa_s_per_ml
+        if share > 0.5:
+            raise ValueError(
+                f"the squeeze of the reservoir moves {share:.2g} of its way in one integration "
+                "step, at most 0.5 is resolved; reduce step_s, or raise slip_distance_ml or "
+                "squeeze_damping_kpa_s_per_ml"
+            )
+        return self

@@ -7,7 +7,7 @@ import numpy as np
 
 from fprc.control.pressure import PressurePI
 from fprc.devices import Clock, Device, Readings
-from fprc.errors import ControlError
+from fprc.errors import ControlError, FprcError
 from fprc.logs import RAW_CHANNELS
 
 #: Gives P_exp and P_i of sample k in kPa, then whatever else is to be remembered.
@@ -87,7 +87,8 @@ def run(
             progress(k + 1)
     except Exception as error:
         recorded = dict(zip(names, rows[:k].T.copy(), strict=True))
-        raise RunAbortedError(f"run stopped at sample {k}: {error}", recorded) from error
+        what = error if isinstance(error, FprcError) else f"{type(error).__name__}: {error}"
+        raise RunAbortedError(f"run stopped at sample {k}: {what}", recorded) from error
     finally:
         device.safe()
     return dict(zip(names, rows.T.copy(), strict=True))

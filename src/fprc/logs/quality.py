@@ -105,7 +105,8 @@ def _longest_run(values: np.ndarray) -> int:
 
 
 def _leak(log: Columns, limit: float) -> dict[str, Any]:
-    # P_o at equal P_i over time: the trend beside a smooth dependence on P_i
+    # P_o at equal P_i over time: the trend beside a smooth dependence on P_i. In logs of less
+    # than a minute the hysteresis passes for a rising trend and can hide a leak.
     p_i = log.channels["p_i_kpa"]
     minutes = log.channels["time_s"] / 60.0
     minutes = minutes - minutes.mean()

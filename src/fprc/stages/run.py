@@ -17,7 +17,8 @@ def run_stage(stage: Callable[..., None], job: Any) -> None:
     """Call ``stage`` with a rule's named inputs, outputs and params as arguments.
 
     Progress goes to the terminal and to the rule's log file. An error that is
-    meant for people ends the process with its message alone and exit code 1.
+    meant for people ends the process with its message alone and exit code 1; the
+    log file has the traceback too.
     Numerical libraries run on one thread, so that results do not depend on the
     machine's load and two jobs do not fight for two cores.
 
@@ -34,13 +35,16 @@ def run_stage(stage: Callable[..., None], job: Any) -> None:
             stage(**arguments)
     except FprcError as error:
         log.error("error: %s", error)
+        log.debug("where it came from:", exc_info=True)
         sys.exit(1)
 
 
 def _log_to(path: str, label: str) -> None:
     Path(path).parent.mkdir(parents=True, exist_ok=True)
     line = logging.Formatter(f"[{label}] %(message)s")
-    for handler in (logging.StreamHandler(), logging.FileHandler(path, mode="w")):
+    terminal, file = logging.StreamHandler(), logging.FileHandler(path, mode="w")
+    terminal.setLevel(logging.INFO)
+    for handler in (terminal, file):
         handler.setFormatter(line)
         log.addHandler(handler)
-    log.setLevel(logging.INFO)
+    log.setLevel(logging.DEBUG)
