@@ -84,11 +84,8 @@ def _loop_width(run: Mapping[str, np.ndarray], settle_s: float) -> tuple[float, 
     """Return the width of the loop of theta over theta_d at mid-reference, and theta's span."""
     judged = run["time_s"] >= settle_s
     theta_d, theta = run["theta_d_deg"][judged], run["theta_deg"][judged]
-    middle = 0.5 * (theta_d.min() + theta_d.max())
-    crossings = np.flatnonzero(np.diff(np.sign(theta_d - middle)) != 0)
-    rising = theta_d[crossings + 1] > theta_d[crossings]
-    width = abs(theta[crossings][rising].mean() - theta[crossings][~rising].mean())
-    return float(width), float(np.ptp(theta))
+    width = _width_at_middle(theta_d, theta)
+    return width, float(np.ptp(theta))
 
 
 def _loops_removed(results: Results, published: Mapping[str, Any]) -> Finding:
@@ -171,12 +168,19 @@ def _frequency_independent(results: Results, published: Mapping[str, Any]) -> Fi
     )
 
 
-def _width_at_middle(theta: np.ndarray, value: np.ndarray) -> float:
-    smooth = uniform_filter1d(theta, 9, mode="nearest")
-    middle = 0.5 * (theta.min() + theta.max())
-    crossings = np.flatnonzero(np.diff(np.sign(smooth - middle)) != 0)
-    rising = smooth[crossings + 1] > smooth[crossings]
-    return float(abs(value[crossings][rising].mean() - value[crossings][~rising].mean()))
+def _width_at_middle(x: np.ndarray, y: np.ndarray) -> float:
+    """Return the width of the loop of ``y`` over ``x`` where ``x`` is half-way.
+
+    ``y`` is interpolated to the very crossing: a whole sample more or less
+    would add a width that grows with frequency.
+    """
+    smooth = uniform_filter1d(x, 9, mode="nearest")
+    away = smooth - 0.5 * (x.min() + x.max())
+    k = np.flatnonzero(np.diff(np.sign(away)) != 0)
+    share = away[k] / (away[k] - away[k + 1])
+    value = y[k] + share * (y[k + 1] - y[k])
+    rising = away[k + 1] > away[k]
+    return float(abs(value[rising].mean() - value[~rising].mean()))
 
 
 CONTROL_TESTS = {

@@ -42,8 +42,8 @@ def _similar_training(results: Results, published: Mapping[str, Any]) -> Finding
         ]
     )
     return Finding(
-        "0.99",
-        _pm(ratios[0]),
+        "ESN / FPRC 0.99 in training",
+        f"ESN / FPRC {_pm(ratios[0])} in training",
         "mean ratio ESN / FPRC within 0.77 to 1.3 in training and validation",
         bool(np.all((ratios.mean(axis=1) > 1 / 1.3) & (ratios.mean(axis=1) < 1.3))),
         _seeds(results),

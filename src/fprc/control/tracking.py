@@ -51,7 +51,7 @@ def tracking_law(
 
     def law(k: int, now: Readings) -> Sequence[float]:
         theta_d = references[k]
-        watch.check(k, theta_d, now)
+        watch.check(theta_d, now)
         p_ff = 0.0 if feedforward is None else feedforward(theta_d, now)
         p_fb = 0.0 if feedback is None else feedback.step(theta_d, now.theta_deg)
         if not math.isfinite(p_ff + p_fb):
@@ -83,7 +83,7 @@ def refuse_impossible(
     """
     low, high = angle_range_deg
     problems = []
-    outside = np.flatnonzero((theta_d_deg < low) | (theta_d_deg > high))
+    outside = np.flatnonzero(~((theta_d_deg >= low) & (theta_d_deg <= high)))
     if outside.size:
         k = outside[0]
         problems.append(
@@ -102,19 +102,22 @@ def refuse_impossible(
 
 
 class _Watch:
-    """Notices a bend sensor that froze."""
+    """Notices a bend sensor that froze: one value while the reference moves."""
 
     def __init__(self, stale_samples: int):
         self.limit = stale_samples
         self.held = math.nan
-        self.since = 0
-        self.theta_d = math.nan
+        self.moving = 0  # samples at which the reference moved and the reading did not
+        self.begun = self.last = math.nan  # references when it froze, and just before
 
-    def check(self, k: int, theta_d: float, now: Readings) -> None:
+    def check(self, theta_d: float, now: Readings) -> None:
         if now.theta_deg != self.held:
-            self.held, self.since, self.theta_d = now.theta_deg, k, theta_d
-        elif k - self.since > self.limit and abs(theta_d - self.theta_d) > 2.0:
+            self.held, self.moving, self.begun = now.theta_deg, 0, theta_d
+        elif theta_d != self.last:
+            self.moving += 1
+        self.last = theta_d
+        if self.moving > self.limit and abs(theta_d - self.begun) > 2.0:
             raise ControlError(
-                f"theta_deg has been {now.theta_deg} for {k - self.since} samples "
-                "while the reference moved; the bend sensor is frozen, check its cable"
+                f"theta_deg has been {now.theta_deg} for {self.moving} samples in which the "
+                "reference moved; the bend sensor is frozen, check its cable"
             )

@@ -8,6 +8,8 @@ from typing import Any
 
 from joblib import Parallel, delayed, parallel_config
 
+from fprc.artifacts import write_text
+
 Cell = Mapping[str, Any]
 
 
@@ -43,14 +45,13 @@ def run_cells(
     checkpoint = Path(checkpoint)
     finished = _resume(checkpoint, key)
     open_cells = [cell for cell in cells if _name(cell) not in finished]
-    checkpoint.parent.mkdir(parents=True, exist_ok=True)
     with checkpoint.open("a", encoding="utf-8") as file:
         for cell, result in _results(judge, open_cells, workers):
             finished[_name(cell)] = result
             file.write(json.dumps({"cell": cell, "result": result}, allow_nan=False) + "\n")
             file.flush()
             os.fsync(file.fileno())
-            progress(len(finished), len(cells))
+            progress(sum(_name(cell) in finished for cell in cells), len(cells))
     return [{**cell, **finished[_name(cell)]} for cell in cells]
 
 
@@ -72,7 +73,8 @@ def _name(cell: Cell) -> str:
 
 def _resume(checkpoint: Path, key: str) -> dict[str, dict[str, Any]]:
     """Return the finished cells, and leave the file ready to be appended to."""
-    lines = checkpoint.read_text(encoding="utf-8").splitlines() if checkpoint.exists() else []
+    text = checkpoint.read_text(encoding="utf-8", errors="replace") if checkpoint.exists() else ""
+    lines = text.splitlines()
     finished = {}
     if lines and lines[0] == json.dumps({"key": key}):
         for line in lines[1:]:
@@ -81,9 +83,8 @@ def _resume(checkpoint: Path, key: str) -> dict[str, dict[str, Any]]:
             except json.JSONDecodeError:
                 break
             finished[_name(entry["cell"])] = entry["result"]
-    checkpoint.parent.mkdir(parents=True, exist_ok=True)
     kept = [{"key": key}] + [
         {"cell": json.loads(name), "result": result} for name, result in finished.items()
     ]
-    checkpoint.write_text("".join(json.dumps(entry) + "\n" for entry in kept), encoding="utf-8")
+    write_text(checkpoint, "".join(json.dumps(entry) + "\n" for entry in kept))
     return finished

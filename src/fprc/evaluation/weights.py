@@ -39,4 +39,6 @@ def normalised_weights(
 
 def _to_unit(taps: np.ndarray) -> np.ndarray:
     # the taps of one signal share its minimum and maximum
+    if taps.min() == taps.max():
+        raise ValueError(f"a signal is {taps.min():g} throughout and cannot be normalised")
     return (taps - taps.min()) / (taps.max() - taps.min())

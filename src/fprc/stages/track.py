@@ -206,7 +206,7 @@ def track(
         try:
             channels = bench.drive(theta_d, model_of[controller], chosen, number, pushes)
         except RunAbortedError as stopped:
-            rescued = path.replace(".h5", ".aborted.h5")
+            rescued = f"{path.removesuffix('.h5')}.aborted.h5"
             write_raw(rescued, stopped.channels, **description, aborted=str(stopped))
             log.error("kept what was recorded in %s", rescued)
             raise

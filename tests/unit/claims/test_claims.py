@@ -113,7 +113,7 @@ def hysteresis_log(growth=0.0, channel="p_exp_kpa"):
     time_s = np.arange(int(60 * RATE_HZ)) / RATE_HZ
     phase = 2 * np.pi * time_s * (0.2 + 0.4 * time_s / time_s[-1])
     log = {"time_s": time_s, "theta_deg": 30.0 - 30.0 * np.cos(phase)}
-    for name, width in (("p_exp_kpa", 20.0), ("p_o_kpa", 4.0)):
+    for name, width in (("p_exp_kpa", 60.0), ("p_o_kpa", 50.0)):
         grown = 1.0 + growth * (name == channel) * time_s / time_s[-1]
         log[name] = 150.0 - 150.0 * np.cos(phase) + width * grown * np.sin(phase)
     return log
@@ -206,7 +206,7 @@ def _epsilon_monotonic(found):
 
 
 def _training_flat(found):
-    if found["n_c"] == 8:
+    if found["model"] == "fprc" and found["n_c"] == 8:
         found["train_rmse_kpa"] = [9.0]
 
 
@@ -263,7 +263,7 @@ IDENTIFIED_SWEEP = "sweep/fprc_pd/identified"
 DISTURBED = "disturbance/fprc_pd/identified"
 PERTURBATIONS = [
     ("C1", "esn_validation", error("sweep", "esn", range(3), validation_rmse_kpa=[15.5, 15.9])),
-    ("C1", "fprc_validation", error("sweep", "fprc", range(3), validation_rmse_kpa=[14.8, 14.9])),
+    ("C1", "esn_too_good", error("sweep", "esn", range(3), validation_rmse_kpa=[8.8, 8.8])),
     ("C2", "esn_on_one_seed", error("sweep", "fprc", [1], test_rmse_kpa=16.6)),
     ("C3", "esn_consistent", error("sweep", "esn", range(3), test_rmse_kpa=12.0)),
     ("C3", "fprc_too_good", error("sweep", "fprc", range(3), test_rmse_kpa=9.0)),
@@ -278,7 +278,7 @@ PERTURBATIONS = [
     ("C8", "p_o", lambda results: results.weights["mean_share"].update(p_o=0.7, theta_d=0.3)),
     ("C8", "theta_d", lambda results: results.weights["mean_share"].update(p_o=0.3, theta_d=0.7)),
     ("C9", "epsilon_monotonic", cells("epsilon", _epsilon_monotonic)),
-    ("C9", "n_c_flat", cells("n_c", lambda found: _training_flat(found))),
+    ("C9", "n_c_flat", cells("n_c", _training_flat)),
     ("C10", "test_doubles", seconds("times_over_n_c", 0.21, phase="test", n_c=16)),
     ("C10", "training_shrinks", seconds("times_over_n_c", 0.1, phase="train", n_c=16)),
     ("C11", "at_one_n_c", cells("n_c", _fuzzy_below_in_one)),
@@ -384,10 +384,25 @@ def test_pd_is_contradicted_below_a_tenth_of_the_reference(ideal, swing, verdict
 def test_lag_of_the_sweep_holds_up_to_30_ms_either_way(ideal, samples, verdict):
     results = deepcopy(ideal)
     channels = results.runs[IDENTIFIED_SWEEP]
-    channels["theta_deg"] = np.roll(channels["theta_deg"], samples)
+    k = np.arange(len(channels["theta_deg"]))
+    channels["theta_deg"] = np.interp(k - samples, k, channels["theta_deg"])
     (row,) = [row for row in judged(results) if row["id"] == "C15"]
     assert f"lag {5 * samples:+d} ms" in row["ours"]
     assert row["verdict"] == verdict
+
+
+def test_loops_of_one_width_at_every_frequency_are_found_so():
+    """On the paper's sweep, sampled at 200 Hz, the samples beside a crossing lie far off it."""
+    time_s = np.arange(int(120 * RATE_HZ)) / RATE_HZ
+    phase = 2 * np.pi * time_s * (0.1 + 0.45 * time_s / 120.0)
+    value = 175.0 - 175.0 * np.cos(phase) + 15.0 * np.sin(phase)
+    log = {"time_s": time_s, "theta_deg": 30.0 - 30.0 * np.cos(phase)}
+    log |= {"p_exp_kpa": value, "p_o_kpa": value}
+    (claim,) = [claim for claim in PUBLISHED["claims"] if claim["id"] == "C18"]
+    empty = dict.fromkeys(Results._fields) | {"sweep": log}
+    (row,) = judge_claims([claim], Results(**empty), PUBLISHED)
+    factors = [float(part.split(" x ")[1]) for part in row["ours"].split(", ")]
+    assert factors == pytest.approx([1.0, 1.0], abs=0.03)
 
 
 def test_settling_part_is_not_judged(ideal):

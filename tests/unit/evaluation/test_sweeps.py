@@ -1,0 +1,183 @@
+import json
+import uuid
+from pathlib import Path
+
+import pytest
+
+from fprc.evaluation.sweeps import run_cells
+
+CELLS = [{"model": "fprc", "n_c": n_c} for n_c in (4, 1, 3, 2)]
+
+
+def make_judge(folder, fails_at=()):
+    """Return a judge that leaves a file per call; local, so it is pickled by value."""
+
+    def judge(cell):
+        import pathlib
+        import uuid
+
+        if cell["n_c"] in fails_at:
+            raise ArithmeticError(f"n_c = {cell['n_c']}")
+        pathlib.Path(folder, f"{cell['n_c']}-{uuid.uuid4().hex}").touch()
+        return {"rmse": 0.1 * cell["n_c"], "folds": [cell["n_c"], 1e-17 / 3.0]}
+
+    return judge
+
+
+@pytest.fixture
+def sweep(tmp_path):
+    """Run cells and return what was found, and which n_c were judged."""
+
+    def go(cells=CELLS, *, key="k", workers=1, fails_at=(), **options):
+        trace = tmp_path / uuid.uuid4().hex
+        trace.mkdir()
+        go.trace = trace
+        judge = make_judge(str(trace), fails_at)
+        found = run_cells(
+            judge, cells, workers=workers, checkpoint=go.checkpoint, key=key, **options
+        )
+        return found, judged_in(trace)
+
+    go.checkpoint = tmp_path / "sub" / "sweep.jsonl"
+    return go
+
+
+def judged_in(trace):
+    return sorted(int(path.name.split("-")[0]) for path in Path(trace).iterdir())
+
+
+def lines(path):
+    return path.read_text(encoding="utf-8").splitlines()
+
+
+def expected(cells=CELLS):
+    return [
+        {**cell, "rmse": 0.1 * cell["n_c"], "folds": [cell["n_c"], 1e-17 / 3.0]} for cell in cells
+    ]
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_results_come_in_the_order_of_the_cells_each_judged_once(sweep, workers):
+    found, judged = sweep(workers=workers)
+    assert found == expected()
+    assert judged == [1, 2, 3, 4]
+
+
+def test_checkpoint_holds_the_key_and_then_every_finished_cell(sweep):
+    sweep()
+    first, *rest = [json.loads(line) for line in lines(sweep.checkpoint)]
+    assert first == {"key": "k"}
+    assert sorted(entry["cell"]["n_c"] for entry in rest) == [1, 2, 3, 4]
+
+
+def test_finished_cell_is_in_the_checkpoint_when_progress_hears_of_it(sweep):
+    seen = []
+
+    def progress(done, total):
+        seen.append((done, total, len(lines(sweep.checkpoint)) - 1))
+
+    sweep(progress=progress)
+    assert seen == [(1, 4, 1), (2, 4, 2), (3, 4, 3), (4, 4, 4)]
+
+
+@pytest.mark.parametrize("done", [1, 3, 4])
+def test_killed_sweep_goes_on_where_it_was(sweep, done):
+    sweep()
+    kept = lines(sweep.checkpoint)[: 1 + done]
+    sweep.checkpoint.write_text("\n".join(kept) + "\n", encoding="utf-8")
+    finished = {json.loads(line)["cell"]["n_c"] for line in kept[1:]}
+    found, judged = sweep()
+    assert found == expected()
+    assert judged == sorted({1, 2, 3, 4} - finished)
+    found, judged = sweep()
+    assert (found, judged) == (expected(), [])
+
+
+def test_last_line_that_was_cut_is_dropped_and_its_cell_judged_again(sweep):
+    sweep()
+    whole = sweep.checkpoint.read_text(encoding="utf-8")
+    last = json.loads(whole.splitlines()[-1])["cell"]["n_c"]
+    begin = len(whole) - len(whole.splitlines(keepends=True)[-1])
+    for cut in range(begin + 1, len(whole) - 1, 7):
+        sweep.checkpoint.write_text(whole[:cut], encoding="utf-8")
+        found, judged = sweep()
+        assert (found, judged) == (expected(), [last]), cut
+        assert len([json.loads(line) for line in lines(sweep.checkpoint)]) == 5
+
+
+@pytest.mark.parametrize("text", ["", "{", '{"key": "other"}\n', "[1, 2]\nnonsense\n"])
+def test_file_without_the_key_is_begun_anew(sweep, text):
+    sweep.checkpoint.parent.mkdir()
+    sweep.checkpoint.write_text(text, encoding="utf-8")
+    found, judged = sweep()
+    assert (found, judged) == (expected(), [1, 2, 3, 4])
+
+
+def test_another_key_forgets_what_was_finished(sweep):
+    sweep(key="a")
+    assert sweep(key="b")[1] == [1, 2, 3, 4]
+    assert lines(sweep.checkpoint)[0] == '{"key": "b"}'
+    assert sweep(key="a")[1] == [1, 2, 3, 4]
+
+
+def test_cell_is_known_by_its_content_not_by_its_place(sweep):
+    sweep()
+    turned = [dict(reversed(cell.items())) for cell in reversed(CELLS)]
+    found, judged = sweep([*turned, {"model": "fprc", "n_c": 9}])
+    assert judged == [9]
+    assert found == expected([*turned, {"model": "fprc", "n_c": 9}])
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_judge_that_raises_leaves_finished_cells_in_the_checkpoint(sweep, workers):
+    sweep(CELLS[:2])
+    with pytest.raises(ArithmeticError, match="n_c = 3"):
+        sweep(workers=workers, fails_at=(3,))
+    kept = {json.loads(line)["cell"]["n_c"] for line in lines(sweep.checkpoint)[1:]}
+    assert {4, 1} <= kept <= {4, 1, 2}
+    found, judged = sweep()
+    assert found == expected()
+    assert judged == sorted({1, 2, 3, 4} - kept)
+
+
+def test_cells_before_the_one_that_raises_are_kept(sweep):
+    with pytest.raises(ArithmeticError):
+        sweep(fails_at=(3,))
+    assert judged_in(sweep.trace) == [1, 4]
+    assert sweep()[1] == [2, 3]
+
+
+def test_result_that_is_not_a_number_is_refused_and_not_kept(sweep):
+    with pytest.raises(ValueError, match="JSON"):
+        run_cells(
+            lambda cell: {"rmse": float("nan")},
+            CELLS[:1],
+            workers=1,
+            checkpoint=sweep.checkpoint,
+            key="k",
+        )
+    assert lines(sweep.checkpoint) == ['{"key": "k"}']
+
+
+def test_progress_never_counts_more_than_the_cells_of_this_sweep(sweep):
+    sweep()
+    seen = []
+    sweep([{"model": "fprc", "n_c": 8}], progress=lambda *counted: seen.append(counted))
+    assert seen == [(1, 1)]
+
+
+def test_kill_while_resuming_loses_no_finished_cell(sweep, monkeypatch):
+    sweep()
+    write = Path.write_text
+
+    def killed(self, text, **options):
+        write(self, text[: len(text) // 2], **options)
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Path, "write_text", killed)
+        try:
+            sweep()
+        except KeyboardInterrupt:
+            pass
+    assert sweep()[1] == []
