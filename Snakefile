@@ -18,6 +18,7 @@ EXPERIMENTS = ["sweep", "complex"]
 
 try:
     SETTINGS = check(config).model_dump(mode="json")
+    config.update(SETTINGS)  # the files' keys in their types, and what they leave out
     RAW = SETTINGS["folders"]["raw"]
     RESULTS = SETTINGS["folders"]["results"]
 except FprcError as error:
@@ -53,6 +54,7 @@ include: "workflow/rules/control.smk"
 include: "workflow/rules/tables.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/claims.smk"
+include: "workflow/rules/report.smk"
 
 
 rule all:

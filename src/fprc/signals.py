@@ -1,9 +1,10 @@
-"""Reference trajectories as functions of time."""
+"""Reference trajectories as functions of time, and loops of one signal over another."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 
 
 def sample_times(duration_s: float, sample_rate_hz: float) -> np.ndarray:
@@ -85,3 +86,18 @@ def random_pushes(
         force[inside] += sigma_kpa * rng.standard_normal() * np.sin(np.pi * phase[inside])
         begin += rng.exponential(every_s)
     return force
+
+
+def width_at_middle(x: np.ndarray, y: np.ndarray) -> float:
+    """Return the width of the loop of ``y`` over ``x`` where ``x`` is half-way.
+
+    ``y`` is interpolated to the very crossing: a whole sample more or less
+    would add a width that grows with frequency.
+    """
+    smooth = uniform_filter1d(x, 9, mode="nearest")
+    away = smooth - 0.5 * (x.min() + x.max())
+    k = np.flatnonzero(np.diff(np.sign(away)) != 0)
+    share = away[k] / (away[k] - away[k + 1])
+    value = y[k] + share * (y[k + 1] - y[k])
+    rising = away[k + 1] > away[k]
+    return float(abs(value[rising].mean() - value[~rising].mean()))

@@ -180,6 +180,35 @@ def tracking(
     return pd.DataFrame(rows)
 
 
+def tracking_over_seeds(
+    replicates: Sequence[Mapping[str, Any]], published: Mapping[str, Any]
+) -> pd.DataFrame:
+    """Table IV over further seeds: mean, standard deviation, range, tidy.
+
+    The gain is identified anew on each seed; its mean is given.
+    """
+    printed = published["table_4_tracking_rmse_deg"]
+    samples = pd.DataFrame(
+        {
+            **dict(zip(("reference", "controller", "gain"), run.split("/"), strict=True)),
+            "rmse_deg": error,
+            "kp_kpa_per_deg": report["gains"].get(run.split("/")[2], {}).get("kp_kpa_per_deg"),
+            "source": report["source"],
+        }
+        for report in replicates
+        for run, error in report["rmse_deg"].items()
+    )
+    groups = samples.groupby(["controller", "gain", "reference"], sort=False)
+    table = groups["rmse_deg"].agg(["mean", "std", "min", "max", "count"]).reset_index()
+    table = table.rename(columns={"mean": "rmse_deg", "count": "seeds"})
+    table["published_rmse_deg"] = [
+        printed.get(row.controller, {}).get(row.reference) for row in table.itertuples()
+    ]
+    table["kp_kpa_per_deg"] = groups["kp_kpa_per_deg"].mean().to_numpy()
+    table["source"] = groups["source"].first().to_numpy()
+    return table
+
+
 def tracking_page(table: pd.DataFrame) -> pd.DataFrame:
     """Return Table IV as the paper prints it, ours beside the published numbers."""
     page = []
@@ -192,7 +221,7 @@ def tracking_page(table: pd.DataFrame) -> pd.DataFrame:
         }
         theirs = {"RMSE [deg]": label, "Whose": "paper"}
         for row in rows.itertuples():
-            line[REFERENCE_NAMES[row.reference]] = spread(row.rmse_deg, None)
+            line[REFERENCE_NAMES[row.reference]] = spread(row.rmse_deg, getattr(row, "std", None))
             theirs[REFERENCE_NAMES[row.reference]] = spread(row.published_rmse_deg, None)
         page.append(line)
         if rows["published_rmse_deg"].notna().any() and gain != "printed":
@@ -230,6 +259,28 @@ def timing(report: Mapping[str, Any], published: Mapping[str, Any]) -> pd.DataFr
             }
         )
     return pd.DataFrame(rows)
+
+
+def steps(report: Mapping[str, Any]) -> pd.DataFrame:
+    """Cost of one control step of each model against the sampling period, tidy."""
+    table = pd.DataFrame(report["steps"])
+    table["share_of_budget"] = table["p99_9_us"] / table["budget_us"]
+    return table.assign(threads=report["threads"], cpu=report["cpu"], source=report["source"])
+
+
+def steps_page(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the cost of a control step as a person reads it."""
+    rows = [
+        (
+            MODEL_NAMES[row.model],
+            _three_digits(row.median_us),
+            _three_digits(row.p99_9_us),
+            f"{100 * row.share_of_budget:.2g} %",
+        )
+        for row in table.itertuples()
+    ]
+    columns = ["Model", "Median [us]", "99.9 % of steps below [us]", "Share of the period"]
+    return pd.DataFrame(rows, columns=columns)
 
 
 def comparison_page(table: pd.DataFrame) -> pd.DataFrame:
@@ -274,6 +325,16 @@ def spread(mean: float, std: float | None) -> str:
 def markdown(page: pd.DataFrame, note: str) -> str:
     """Render a page as a Markdown table under a note."""
     return f"{note}\n\n{page.to_markdown(index=False, disable_numparse=True)}\n"
+
+
+def read_markdown(text: str) -> tuple[str, pd.DataFrame]:
+    """Return note and page of what ``markdown`` rendered; every cell is text."""
+    note, _, grid = text.partition("\n\n")
+    columns, _, *rows = [
+        [cell.strip() for cell in line.strip().removeprefix("|").removesuffix("|").split("|")]
+        for line in grid.strip().splitlines()
+    ]
+    return " ".join(note.split()), pd.DataFrame(rows, columns=columns)
 
 
 def latex(page: pd.DataFrame, note: str) -> str:

@@ -35,7 +35,7 @@ def figures(monkeypatch):
 
     def remember(fig, *arguments):
         saved.append(fig)
-        save(fig, *arguments)
+        return save(fig, *arguments)
 
     monkeypatch.setattr(style, "save", remember)
     return saved
@@ -100,9 +100,44 @@ def test_mark_is_part_of_the_picture(fig, tmp_path):
     assert pictures[0] != pictures[1]
 
 
-def test_figure_of_a_rig_does_not_claim_to_be_simulated(fig, tmp_path):
-    style.save(fig, {"source": "rig"}, str(tmp_path / "f.pdf"), str(tmp_path / "f.png"))
-    assert marks(fig) == ["measured data"]
+@pytest.mark.parametrize(
+    ("data", "mark"),
+    [
+        ({"source": "sim", "seed": 7}, "simulated rig, seed 7"),
+        ({"source": "rig", "seed": 7}, "recorded on the rig"),
+        ({"source": "rig"}, "recorded on the rig"),
+        ({"source": "import"}, "imported recordings"),
+        ({"source": "none"}, "drawing, no data"),
+    ],
+)
+def test_figure_is_marked_by_the_source_of_its_data_alone(fig, tmp_path, data, mark):
+    style.save(fig, data, str(tmp_path / "f.pdf"), str(tmp_path / "f.png"))
+    assert marks(fig) == [mark]
+
+
+def test_saving_gives_back_the_attributes_of_the_data(fig, tmp_path):
+    data = {"source": "sim", "seed": 7, "model": "fprc"}
+    assert style.save(fig, data, str(tmp_path / "f.pdf"), str(tmp_path / "f.png")) is data
+
+
+@DRAWINGS
+def test_drawing_gives_the_attributes_of_the_simulated_log(drawing, log, tmp_path):
+    logs = log("one.h5", source="rig", seed=1), log("two.h5", seed=9)
+    found = drawing(*logs, str(tmp_path / "f.pdf"), str(tmp_path / "f.png"))
+    assert (found["source"], found["seed"]) == ("sim", 9)
+
+
+@pytest.mark.parametrize("source", ["hardware", "SIM", ""])
+def test_figure_of_an_unknown_source_is_not_saved(fig, tmp_path, source):
+    with pytest.raises(KeyError):
+        style.save(fig, {"source": source}, str(tmp_path / "f.pdf"), str(tmp_path / "f.png"))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_simulated_figure_without_a_seed_is_not_saved(fig, tmp_path):
+    with pytest.raises(KeyError, match="seed"):
+        style.save(fig, {"source": "sim"}, str(tmp_path / "f.pdf"), str(tmp_path / "f.png"))
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_figure_without_a_source_is_not_saved(fig, tmp_path):

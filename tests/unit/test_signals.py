@@ -12,6 +12,7 @@ from fprc.signals import (
     random_pushes,
     reference_angle,
     sample_times,
+    width_at_middle,
 )
 
 SWEEP = Settings().experiments.sweep.model_dump()
@@ -147,3 +148,52 @@ def test_pushes_come_as_often_and_as_hard_as_configured():
 
 def test_no_strength_means_no_push():
     assert not pushes(samples=10_000, sigma_kpa=0.0).any()
+
+
+def cosine(f_hz, phase, duration_s=40.0):
+    return -np.cos(2 * np.pi * f_hz * np.arange(int(200 * duration_s)) / 200.0 - phase)
+
+
+@given(
+    st.floats(0.1, 1.5),
+    st.floats(-1.5, 1.5),
+    st.floats(0.1, 100.0),
+    st.floats(-100.0, 100.0),
+)
+def test_width_of_an_ellipse_is_that_of_its_phase_at_every_frequency(f_hz, lag, size, offset):
+    x, y = cosine(f_hz, 0.0), offset + size * cosine(f_hz, lag)
+    assert width_at_middle(x, y) == pytest.approx(2.0 * size * abs(np.sin(lag)), abs=0.01 * size)
+
+
+@given(st.floats(0.0, 0.4), st.integers(100, 800))
+def test_width_of_a_backlash_is_its_play(play, samples):
+    """The output of a play operator is ``play / 2`` behind its input, rising and falling."""
+    leg = np.linspace(0.0, 1.0, samples, endpoint=False)
+    x = np.tile(np.concatenate([leg, 1.0 - leg]), 6)
+    y = np.empty_like(x)
+    held = 0.0
+    for k, value in enumerate(x):
+        held = min(max(held, value - play / 2), value + play / 2)
+        y[k] = held
+    assert width_at_middle(x, y) == pytest.approx(play, abs=1e-9)
+
+
+@given(st.floats(0.1, 1.5))
+def test_curve_without_a_loop_has_no_width(f_hz):
+    x = cosine(f_hz, 0.0)
+    assert width_at_middle(x, np.exp(x)) == pytest.approx(0.0, abs=1e-3)
+
+
+@given(st.floats(0.5, 20.0), st.floats(-50.0, 50.0), st.sampled_from([1.0, -1.0]))
+def test_width_does_not_depend_on_the_unit_of_the_angle_nor_on_its_sense(gain, offset, sense):
+    x, y = cosine(0.4, 0.0), cosine(0.4, 0.6)
+    expected = width_at_middle(x, y)
+    assert width_at_middle(offset + sense * gain * x, y) == pytest.approx(expected, rel=1e-6)
+    assert width_at_middle(x[::-1], y[::-1]) == pytest.approx(expected, rel=1e-6)
+    assert width_at_middle(x, offset - sense * y) == pytest.approx(expected, rel=1e-6)
+
+
+def test_noise_of_the_angle_about_the_middle_adds_little_to_the_width():
+    noise = 0.002 * np.random.default_rng(1).standard_normal(8000)
+    x, y = cosine(0.4, 0.0), cosine(0.4, 0.3)
+    assert width_at_middle(x + noise, y) == pytest.approx(2.0 * np.sin(0.3), rel=0.02)

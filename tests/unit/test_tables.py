@@ -1,11 +1,14 @@
 import copy
 import io
+import statistics
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 import yaml
+from hypothesis import given
+from hypothesis import strategies as st
 
 from fprc import tables
 from fprc.artifacts import write_csv, write_json
@@ -237,6 +240,126 @@ def test_page_of_table_4_names_gains_and_shows_the_paper_once_a_controller():
     ]
 
 
+#: Errors of each run over three seeds, deg; the gain that was identified on each.
+ERRORS_DEG = {
+    "sine_0p2/fprc/none": [2.0, 2.5, 2.1],
+    "sine_0p2/fprc_pd/printed": [1.9, 2.0, 2.4],
+    "sine_0p2/fprc_pd/identified": [0.5, 0.75, 0.625],
+    "sine_0p2/pd/printed": [30.0, 31.0, 29.0],
+    "sweep/fprc/none": [3.0, 4.0, 5.0],
+    "sweep/fprc_pd/printed": [2.5, 3.5, 4.5],
+    "sweep/fprc_pd/identified": [1.5, 1.25, 1.75],
+    "sweep/pd/printed": [33.0, 32.0, 31.0],
+    "disturbance/fprc/none": [2.0, 2.0, 2.0],
+    "disturbance/fprc_pd/printed": [1.5, 1.5, 1.5],
+    "disturbance/fprc_pd/identified": [1.0, 1.0, 1.0],
+    "disturbance/pd/printed": [20.0, 20.0, 20.0],
+}
+KP = [4.0, 5.0, 6.0]
+
+
+def controls(seeds=3):
+    return [
+        {
+            "seed": 101 + k,
+            "source": "sim",
+            "gains": {
+                "printed": {"kp_kpa_per_deg": 0.5, "kd_kpa_s_per_deg": 0.005},
+                "identified": {"kp_kpa_per_deg": KP[k], "kd_kpa_s_per_deg": 0.01 * KP[k]},
+            },
+            "rmse_deg": {run: errors[k] for run, errors in ERRORS_DEG.items()},
+        }
+        for k in range(seeds)
+    ]
+
+
+def test_table_4_over_seeds_has_mean_deviation_and_range_of_every_run():
+    table = tables.tracking_over_seeds(controls(), PUBLISHED)
+    assert len(table) == len(ERRORS_DEG)
+    for row in table.to_dict("records"):
+        errors = ERRORS_DEG[f"{row['reference']}/{row['controller']}/{row['gain']}"]
+        assert row["rmse_deg"] == pytest.approx(sum(errors) / 3)
+        assert row["std"] == pytest.approx(statistics.stdev(errors))
+        assert (row["min"], row["max"], row["seeds"]) == (min(errors), max(errors), 3)
+        assert row["source"] == "sim"
+
+
+def test_table_4_over_seeds_has_the_published_error_where_the_paper_prints_one():
+    table = tables.tracking_over_seeds(controls(), PUBLISHED)
+    printed = PUBLISHED["table_4_tracking_rmse_deg"]
+    for row in table.to_dict("records"):
+        theirs = printed.get(row["controller"], {}).get(row["reference"])
+        assert row["published_rmse_deg"] == theirs or pd.isna(row["published_rmse_deg"])
+        assert pd.isna(row["published_rmse_deg"]) == (theirs is None)
+    assert table["published_rmse_deg"].notna().sum() == 6  # FPRC, FPRC+PD at two gains
+
+
+def test_table_4_over_seeds_has_the_mean_of_the_gains():
+    table = tables.tracking_over_seeds(controls(), PUBLISHED)
+    for row in table.to_dict("records"):
+        if row["gain"] == "none":
+            assert pd.isna(row["kp_kpa_per_deg"])
+        else:
+            assert row["kp_kpa_per_deg"] == {"printed": 0.5, "identified": 5.0}[row["gain"]]
+
+
+def test_table_4_over_seeds_does_not_depend_on_the_order_of_the_seeds():
+    forward, backward = (
+        tables.tracking_over_seeds(reports, PUBLISHED) for reports in (controls(), controls()[::-1])
+    )
+    pd.testing.assert_frame_equal(forward, backward)
+
+
+def test_page_of_table_4_over_seeds_shows_spread_and_mean_gain():
+    page = tables.tracking_page(tables.tracking_over_seeds(controls(), PUBLISHED))
+    assert list(page.columns) == [
+        "RMSE [deg]", "Whose", "Sine 0.2 Hz", "Sweep", "Sine 0.3 Hz, disturbed"
+    ]  # fmt: skip
+    assert page.to_numpy().tolist() == [
+        ["FPRC", "ours", "2.20 ± 0.265", "4.00 ± 1.00", "2.00 ± 0"],
+        ["FPRC", "paper", "2.04", "2.67", ""],
+        ["FPRC+PD, printed gain (0.5 kPa/deg)", "ours", "2.10 ± 0.265", "3.50 ± 1.00", "1.50 ± 0"],
+        ["FPRC+PD, identified gain (5 kPa/deg)", "ours", "0.625 ± 0.125", "1.50 ± 0.250",
+         "1.00 ± 0"],
+        ["FPRC+PD", "paper", "0.795", "1.70", ""],
+        ["PD, printed gain (0.5 kPa/deg)", "ours", "30.0 ± 1.00", "32.0 ± 1.00", "20.0 ± 0"],
+    ]  # fmt: skip
+
+
+def steps():
+    return {
+        "source": "sim",
+        "cpu": "A & B_1 100 %",
+        "threads": 1,
+        "steps": [
+            {"model": model, "samples": 1000, "median_us": us, "p99_9_us": 2.5 * us,
+             "max_us": 9.0 * us, "budget_us": 5000.0}
+            for model, us in (("esn", 300.0), ("fprc", 40.0), ("fuzzy_linear", 8.0))
+        ],
+    }  # fmt: skip
+
+
+def test_cost_of_a_step_is_related_to_the_sampling_period():
+    table = tables.steps(steps())
+    assert table["model"].tolist() == ["esn", "fprc", "fuzzy_linear"]
+    assert table["share_of_budget"].tolist() == pytest.approx([0.15, 0.02, 0.004])
+    assert table["median_us"].tolist() == [300.0, 40.0, 8.0]
+    for name, value in (("cpu", "A & B_1 100 %"), ("threads", 1), ("source", "sim")):
+        assert set(table[name]) == {value}
+
+
+def test_page_of_the_cost_of_a_step_is_for_people():
+    page = tables.steps_page(tables.steps(steps()))
+    assert list(page.columns) == [
+        "Model", "Median [us]", "99.9 % of steps below [us]", "Share of the period"
+    ]  # fmt: skip
+    assert page.to_numpy().tolist() == [
+        ["ESN", "300", "750", "15 %"],
+        ["FPRC", "40.0", "100", "2 %"],
+        ["Fuzzy-linear", "8.00", "20.0", "0.4 %"],
+    ]
+
+
 @pytest.mark.parametrize(
     ("train", "ratio", "close"), [(13.0, 1.3, True), (13.1, 1.31, False), (7.6, 0.76, False)]
 )
@@ -308,12 +431,18 @@ def written(tmp_path):
     tabulate.tabulate_seeds(published, seeds, **files("seeds"), trained_on="sweep")
     tabulate.tabulate_orders(seeds, orders)
     tabulate.tabulate_times(published, str(tmp_path / "times.json"), **files("times"))
+    write_json(tmp_path / "steps.json", steps())
+    tabulate.tabulate_steps(str(tmp_path / "steps.json"), **files("steps"))
+    loops = [str(tmp_path / f"control_{content['seed']}.json") for content in controls(2)]
+    for path, content in zip(loops, controls(2), strict=True):
+        write_json(path, content)
+    tabulate.tabulate_tracking_seeds(published, loops, **files("four"))
     return {path.name: path.read_text(encoding="utf-8") for path in tmp_path.iterdir()}
 
 
 def test_no_file_of_a_table_says_nan_or_none(written):
     pages = {name: text for name, text in written.items() if not name.endswith("json")}
-    assert len(pages) == 4 * 3 + 1
+    assert len(pages) == 6 * 3 + 1
     for name, text in pages.items():
         assert "nan" not in text.lower().replace("fuzzy-linear", ""), name
         assert "None" not in text, name
@@ -334,7 +463,9 @@ def test_pages_show_every_published_number(written, kind):
             assert f" {number.replace('±', sign)} " in written[f"two.{kind}"]
 
 
-@pytest.mark.parametrize("name", ["two.md", "two.tex", "seeds.md", "seeds.tex"])
+@pytest.mark.parametrize(
+    "name", ["two.md", "two.tex", "seeds.md", "seeds.tex", "four.md", "four.tex"]
+)
 def test_pages_say_that_the_rig_was_simulated(written, name):
     assert "simulated rig, not hardware" in written[name]
 
@@ -348,10 +479,21 @@ def test_page_of_the_times_names_repeats_machine_and_threads(written):
     assert "2 repeats on A & B_1 100 %, 1 thread" in written["times.md"]
 
 
+def test_page_of_table_4_over_seeds_says_how_many_there_were(written):
+    assert "over 2 further seeds" in written["four.md"]
+    assert "the gain is identified anew on each, its mean is given" in written["four.md"]
+    assert "(4.5 kPa/deg)" in written["four.md"]
+
+
+def test_page_of_the_cost_of_a_step_names_steps_machine_and_budget(written):
+    assert "each of 1000 steps timed on A & B_1 100 %" in written["steps.md"]
+    assert "sampling period, 5 ms" in written["steps.md"]
+
+
 def test_latex_has_no_bare_special_character(written):
-    for name in ("one.tex", "two.tex", "seeds.tex", "times.tex"):
+    for name in ("one.tex", "two.tex", "seeds.tex", "times.tex", "four.tex", "steps.tex"):
         text = written[name]
-        assert "\\caption{Table" in text
+        assert f"\\caption{{{'Cost' if name == 'steps.tex' else 'Table'}" in text
         assert "±" not in text
         for bare in "_%&":
             assert bare not in text.replace(f"\\{bare}", "").replace(" & ", "")
@@ -369,6 +511,33 @@ def test_markdown_is_a_table_under_a_note():
     assert lines[:2] == ["A note.", ""]
     assert [cell.strip() for cell in lines[2].strip("|").split("|")] == ["a", "b"]
     assert [cell.strip() for cell in lines[4].strip("|").split("|")] == ["1.50", "x"]
+
+
+WORDS = st.text("abcXYZ019.±θ%[]-_/:;*<>&\"' ", max_size=12).map(
+    lambda word: " ".join(word.split())
+)
+COLUMNS_OF_A_PAGE = st.lists(WORDS.filter(bool), min_size=1, max_size=4, unique=True)
+NOTES = st.lists(WORDS.filter(bool), min_size=1, max_size=3)
+
+
+@given(COLUMNS_OF_A_PAGE, st.data(), NOTES)
+def test_page_that_was_rendered_is_read_as_it_was(columns, data, lines):
+    cells = st.lists(WORDS, min_size=len(columns), max_size=len(columns))
+    page = pd.DataFrame(data.draw(st.lists(cells, max_size=4)), columns=columns)
+    note, read = tables.read_markdown(tables.markdown(page, "\n".join(lines)))
+    assert note == " ".join(lines)
+    assert list(read.columns) == columns
+    assert read.to_numpy().tolist() == page.to_numpy().tolist()
+
+
+@pytest.mark.parametrize("name", ["one", "two", "seeds", "four", "times", "steps"])
+def test_every_table_that_is_written_can_be_read_again(written, name):
+    note, page = tables.read_markdown(written[f"{name}.md"])
+    assert written[f"{name}.md"].startswith(note[:20])
+    assert len(page) >= 3
+    csv = pd.read_csv(io.StringIO(written[f"{name}.csv"]))
+    assert page.notna().all(axis=None)
+    assert not csv.empty
 
 
 def test_csv_keeps_six_digits(tmp_path):

@@ -5,19 +5,16 @@ rule ledger:
     input:
         published="config/published.yaml",
         replicates=REPLICATES,
+        sweeps=REPLICATED_SWEEPS,
+        controls=REPLICATED_CONTROL,
         times=TIMES[0],
         times_over_n_c=TIMES[1],
-        weights=f"{RESULTS}/weights/fprc.json",
-        sweeps=list(SWEEPS.values()),
-        runs=[path for paths in TRACKED.values() for path in paths],
-        sweep=f"{RESULTS}/data/sweep.h5",
     output:
         json=f"{RESULTS}/claims.json",
         md=f"{RESULTS}/claims.md",
     log:
         f"{RESULTS}/logs/ledger.log",
     params:
-        quiet_s=SETTINGS["tracking"]["pushes"]["quiet_s"],
         code=code_of("claims"),
     message:
         "Claims C1 to C18"

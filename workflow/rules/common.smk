@@ -8,14 +8,22 @@ OTHER = {"sweep": "complex", "complex": "sweep"}
 
 TABLES = {number: f"{RESULTS}/tables/table{number}.md" for number in (1, 2, 3, 4)}
 REPLICATES = [f"{RESULTS}/replicates/seed_{seed}.json" for seed in SEEDS]
+REPLICATED_SWEEPS = [f"{RESULTS}/replicates/sweeps_{seed}.json" for seed in SEEDS]
+REPLICATED_CONTROL = [f"{RESULTS}/replicates/control_{seed}.json" for seed in SEEDS]
 SEEDS_TABLES = [
-    f"{RESULTS}/tables/{name}" for name in ("table2_seeds.md", "table3_seeds.md", "orders.csv")
+    f"{RESULTS}/tables/{name}"
+    for name in ("table2_seeds.md", "table3_seeds.md", "table4_seeds.md", "orders.csv")
 ]
 FIGURES = {
     int(name[3:5]): f"{RESULTS}/figures/{name}.pdf"
     for name in (
+        "fig01_actuator",
+        "fig02_reservoir",
+        "fig03_apparatus",
         "fig04_hysteresis_actuator",
         "fig05_hysteresis_reservoir",
+        "fig06_esn_system",
+        "fig07_fprc_system",
         "fig08_training",
         "fig09_weights",
         "fig10_settings",
@@ -28,7 +36,24 @@ FIGURES = {
         "fig17_disturbance",
     )
 }
-TIMING = f"{RESULTS}/timing/table2_timing.csv"
+#: The paper's sections that the figures stand in.
+CHAPTERS = {
+    "II Pneumatic bending actuators": range(1, 6),
+    "III Feedforward hysteresis compensation": range(6, 12),
+    "IV Experimental results": range(12, 18),
+}
+DATA = {"sim": "simulated rig, not hardware", "recorded": "recorded logs"}[SETTINGS["source"]]
+
+TIMING = [f"{RESULTS}/timing/{name}.md" for name in ("table2_timing", "step_cost")]
+
+#: What the page shows; without a rig there are no closed loops, further seeds and claims.
+ON_RIG = SETTINGS["source"] == "sim"
+CLAIMS = [f"{RESULTS}/claims.json"] if ON_RIG else []
+SHOWN = {number: path for number, path in FIGURES.items() if ON_RIG or number < 12}
+PAGES = [TABLES[1], TABLES[2], TABLES[3], *TIMING]
+if ON_RIG:
+    II, III, IV, _ = SEEDS_TABLES
+    PAGES = [TABLES[1], TABLES[2], II, TABLES[3], III, TABLES[4], IV, *TIMING]
 
 
 CONTROLLERS = [
@@ -41,9 +66,9 @@ CONTROLLERS = [
 TABLE_IV = ["sine_0p2", "sine_0p5", "sweep", "complex"]
 
 
-def code_of(stage):
-    """Return the fingerprint of what a stage runs."""
-    return fingerprint(f"fprc.stages.{stage}", "fprc.stages.run")
+def code_of(*stages):
+    """Return the fingerprint of what a rule's stages run."""
+    return fingerprint(*(f"fprc.stages.{stage}" for stage in stages), "fprc.stages.run")
 
 
 def settings_of(model):
@@ -90,10 +115,16 @@ def table(name):
 
 
 def figure(name):
-    """Return the two files of a figure."""
-    caption = f"../report/{name.split('_')[0]}.rst"
-    pdf = report(f"{RESULTS}/figures/{name}.pdf", caption=caption, category="Figures")
-    return {"pdf": pdf, "png": f"{RESULTS}/figures/{name}.png"}
+    """Return the files of a figure: two pictures, and where they come from."""
+    number = int(name[3:5])
+    png = report(
+        f"{RESULTS}/figures/{name}.png",
+        caption=f"../report/fig{number:02}.rst",
+        category=next(title for title, numbers in CHAPTERS.items() if number in numbers),
+        labels={"figure": f"Fig. {number}", "data": DATA},
+    )
+    stem = f"{RESULTS}/figures/{name}"
+    return {"pdf": f"{stem}.pdf", "png": png, "sidecar": f"{stem}.json"}
 
 
 SWEEPS = {name: f"{RESULTS}/sweeps/{name}.json" for name in ("epsilon", "n_c", "taps")}
@@ -114,24 +145,37 @@ TARGETS = {
     "table1": [TABLES[1]],
     "table2": through(TABLES[2], *judged("sweep")),
     "table3": through(TABLES[3], *judged("complex")),
-    "timing": through(TIMING, TIMES[0]),
+    "timing": through(*TIMING, TIMES[0], f"{RESULTS}/timing/steps.json"),
+    "fig1": through(FIGURES[1]),
+    "fig2": through(FIGURES[2]),
+    "fig3": [FIGURES[3]],
     "fig4": through(FIGURES[4]),
     "fig5": through(FIGURES[5]),
+    "fig6": [FIGURES[6]],
+    "fig7": [FIGURES[7]],
     "fig8": through(FIGURES[8], *judged("sweep")),
     "fig9": through(FIGURES[9], f"{RESULTS}/weights/fprc.json"),
     "fig10": through(FIGURES[10], SWEEPS["epsilon"], SWEEPS["n_c"], TIMES[1]),
     "fig11": through(FIGURES[11], SWEEPS["taps"]),
 }
-if SETTINGS["source"] == "sim":
+if ON_RIG:
     # these need a rig to run on, not only logs
     TARGETS |= {
-        "seeds": [*SEEDS_TABLES, *REPLICATES],
+        "seeds": [*SEEDS_TABLES, *REPLICATES, *REPLICATED_CONTROL],
         "table4": through(TABLES[4], *LOOP, *sum(TRACKED.values(), [])),
         "fig12": through(FIGURES[12], *LOOP, *TRACKED["sine_0p2"]),
         "fig13": through(FIGURES[13], *LOOP, *TRACKED["sine_0p5"]),
         "fig14": through(FIGURES[14], *LOOP, *TRACKED["sweep"]),
         "fig15": through(FIGURES[15], *LOOP, *TRACKED["complex"]),
         "fig16": through(FIGURES[16], *LOOP, *TRACKED["sine_0p5"], *TRACKED["sweep"]),
-        "claims": [f"{RESULTS}/claims.md", *REPLICATES, *TIMES, *SWEEPS.values()],
+        "claims": [
+            f"{RESULTS}/claims.md",
+            *REPLICATES,
+            *REPLICATED_SWEEPS,
+            *REPLICATED_CONTROL,
+            *TIMES,
+        ],
         "fig17": through(FIGURES[17], *LOOP, *TRACKED["disturbance"]),
     }
+
+TARGETS["report"] = [f"{RESULTS}/report.html", *sum(TARGETS.values(), [])]

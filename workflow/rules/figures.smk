@@ -1,6 +1,50 @@
 # The figures, each from result files alone.
 
 
+rule actuator:
+    input:
+        raw=f"{RAW}/sweep.h5",
+    output:
+        **figure("fig01_actuator"),
+    log:
+        f"{RESULTS}/logs/fig01.log",
+    params:
+        code=code_of("draw_schematics", "figure"),
+    message:
+        "Fig. 1: the bending actuator"
+    script:
+        "../scripts/fig01.py"
+
+
+rule reservoir:
+    input:
+        raw=f"{RAW}/sweep.h5",
+    output:
+        **figure("fig02_reservoir"),
+    log:
+        f"{RESULTS}/logs/fig02.log",
+    params:
+        k_in_kpa_per_deg=SETTINGS["control"]["k_in_kpa_per_deg"],
+        code=code_of("draw_schematics", "figure"),
+    message:
+        "Fig. 2: the physical reservoir"
+    script:
+        "../scripts/fig02.py"
+
+
+rule apparatus:
+    output:
+        **figure("fig03_apparatus"),
+    log:
+        f"{RESULTS}/logs/fig03.log",
+    params:
+        code=code_of("draw_schematics", "figure"),
+    message:
+        "Fig. 3: the apparatus"
+    script:
+        "../scripts/fig03.py"
+
+
 rule actuator_hysteresis:
     input:
         sweep=f"{RESULTS}/data/sweep.h5",
@@ -10,7 +54,7 @@ rule actuator_hysteresis:
     log:
         f"{RESULTS}/logs/fig04.log",
     params:
-        code=code_of("draw"),
+        code=code_of("draw", "figure"),
     message:
         "Fig. 4: hysteresis of the actuator"
     script:
@@ -26,11 +70,40 @@ rule reservoir_hysteresis:
     log:
         f"{RESULTS}/logs/fig05.log",
     params:
-        code=code_of("draw"),
+        code=code_of("draw", "figure"),
     message:
         "Fig. 5: hysteresis of the reservoir"
     script:
         "../scripts/fig05.py"
+
+
+rule esn_system:
+    output:
+        **figure("fig06_esn_system"),
+    log:
+        f"{RESULTS}/logs/fig06.log",
+    params:
+        models=settings_of("esn"),
+        code=code_of("draw_schematics", "figure"),
+    message:
+        "Fig. 6: control with the ESN"
+    script:
+        "../scripts/fig06.py"
+
+
+rule fprc_system:
+    output:
+        **figure("fig07_fprc_system"),
+    log:
+        f"{RESULTS}/logs/fig07.log",
+    params:
+        models=settings_of("fprc"),
+        control=SETTINGS["control"],
+        code=code_of("draw_schematics", "figure"),
+    message:
+        "Fig. 7: control with the FPRC"
+    script:
+        "../scripts/fig07.py"
 
 
 rule training:
@@ -42,7 +115,7 @@ rule training:
     log:
         f"{RESULTS}/logs/fig08.log",
     params:
-        code=code_of("draw"),
+        code=code_of("draw", "figure"),
     message:
         "Fig. 8: FPRC on training and test data"
     script:
@@ -57,7 +130,7 @@ rule weights:
     log:
         f"{RESULTS}/logs/fig09.log",
     params:
-        code=code_of("draw"),
+        code=code_of("draw", "figure"),
     message:
         "Fig. 9: weight contributions"
     script:
@@ -74,7 +147,7 @@ rule settings:
     log:
         f"{RESULTS}/logs/fig10.log",
     params:
-        code=code_of("draw"),
+        code=code_of("draw", "figure"),
     message:
         "Fig. 10: epsilon and n_c"
     script:
@@ -89,7 +162,7 @@ rule taps:
     log:
         f"{RESULTS}/logs/fig11.log",
     params:
-        code=code_of("draw"),
+        code=code_of("draw", "figure"),
     message:
         "Fig. 11: tap sizes"
     script:
@@ -105,7 +178,7 @@ rule following_sine_0p2:
     log:
         f"{RESULTS}/logs/fig12.log",
     params:
-        code=code_of("draw_tracking"),
+        code=code_of("draw_tracking", "figure"),
     message:
         "Fig. 12: tracking sine_0p2"
     script:
@@ -121,7 +194,7 @@ rule following_sine_0p5:
     log:
         f"{RESULTS}/logs/fig13.log",
     params:
-        code=code_of("draw_tracking"),
+        code=code_of("draw_tracking", "figure"),
     message:
         "Fig. 13: tracking sine_0p5"
     script:
@@ -137,7 +210,7 @@ rule following_sweep:
     log:
         f"{RESULTS}/logs/fig14.log",
     params:
-        code=code_of("draw_tracking"),
+        code=code_of("draw_tracking", "figure"),
     message:
         "Fig. 14: tracking sweep"
     script:
@@ -153,7 +226,7 @@ rule following_complex:
     log:
         f"{RESULTS}/logs/fig15.log",
     params:
-        code=code_of("draw_tracking"),
+        code=code_of("draw_tracking", "figure"),
     message:
         "Fig. 15: tracking complex"
     script:
@@ -173,7 +246,7 @@ rule loops:
     log:
         f"{RESULTS}/logs/fig16.log",
     params:
-        code=code_of("draw_tracking"),
+        code=code_of("draw_tracking", "figure"),
     message:
         "Fig. 16: PD against FPRC+PD"
     script:
@@ -189,7 +262,7 @@ rule disturbance:
         f"{RESULTS}/logs/fig17.log",
     params:
         quiet_s=SETTINGS["tracking"]["pushes"]["quiet_s"],
-        code=code_of("draw_tracking"),
+        code=code_of("draw_tracking", "figure"),
     message:
         "Fig. 17: the reservoir disturbed"
     script:

@@ -6,6 +6,16 @@ JUDGEMENT = {
     "split": SETTINGS["evaluation"]["split"],
 }
 
+#: What another seed needs, to begin at the experiments.
+REPLICATION = {
+    **JUDGEMENT,
+    "signals": SETTINGS["experiments"],
+    "control": SETTINGS["control"],
+    "rig": SETTINGS["rig"],
+    "target": SETTINGS["evaluation"]["target"],
+    "seed": lambda wildcards: int(wildcards.seed),
+}
+
 
 rule judge:
     input:
@@ -40,18 +50,48 @@ rule replicate:
     resources:
         mem_mb=2000,
     params:
-        **JUDGEMENT,
+        **REPLICATION,
         models=SETTINGS["models"],
-        signals=SETTINGS["experiments"],
-        control=SETTINGS["control"],
-        rig=SETTINGS["rig"],
-        target=SETTINGS["evaluation"]["target"],
-        seed=lambda wildcards: int(wildcards.seed),
-        code=code_of("judge"),
+        code=code_of("replicate"),
     message:
-        "Tables II and III again with seed {wildcards.seed}"
+        "Tables II and III and the weights again with seed {wildcards.seed}"
     script:
         "../scripts/replicate.py"
+
+
+rule replicate_sweeps:
+    output:
+        cells=f"{RESULTS}/replicates/sweeps_{{seed}}.json",
+    log:
+        f"{RESULTS}/logs/replicate_sweeps_{{seed}}.log",
+    resources:
+        mem_mb=2000,
+    params:
+        **REPLICATION,
+        models=settings_of("fprc"),
+        values=SETTINGS["sweeps"],
+        checkpoint=f"{RESULTS}/replicates/sweeps_{{seed}}.partial.jsonl",
+        version=code_of("replicate"),
+    message:
+        "Sweeps again with seed {wildcards.seed}"
+    script:
+        "../scripts/replicate_sweeps.py"
+
+
+rule replicate_control:
+    output:
+        measures=f"{RESULTS}/replicates/control_{{seed}}.json",
+    log:
+        f"{RESULTS}/logs/replicate_control_{{seed}}.log",
+    params:
+        **REPLICATION,
+        models=settings_of("fprc"),
+        tracking=SETTINGS["tracking"],
+        code=code_of("replicate"),
+    message:
+        "Closed loops again with seed {wildcards.seed}"
+    script:
+        "../scripts/replicate_control.py"
 
 
 rule measure_times:
@@ -141,3 +181,26 @@ rule measure_times_over_n_c:
         "Execution times over n_c, alone on the machine"
     script:
         "../scripts/measure_times_over_n_c.py"
+
+
+rule measure_steps:
+    input:
+        train=f"{RESULTS}/data/sweep.h5",
+        test=f"{RESULTS}/data/complex.h5",
+    output:
+        steps=f"{RESULTS}/timing/steps.json",
+    log:
+        f"{RESULTS}/logs/measure_steps.log",
+    threads: workflow.cores
+    resources:
+        mem_mb=2000,
+    params:
+        models=SETTINGS["models"],
+        control=SETTINGS["control"],
+        tracking={key: SETTINGS["tracking"][key] for key in ("printed_gains", "pressure_limit_kpa")},
+        seed=SETTINGS["seed"],
+        code=code_of("timing"),
+    message:
+        "Cost of a control step, alone on the machine"
+    script:
+        "../scripts/measure_steps.py"

@@ -105,3 +105,34 @@ rule tracking_table:
         "Table 4"
     script:
         "../scripts/tracking_table.py"
+
+
+rule tracking_seeds_table:
+    input:
+        published="config/published.yaml",
+        replicates=REPLICATED_CONTROL,
+    output:
+        **table("tables/table4_seeds"),
+    log:
+        f"{RESULTS}/logs/table4_seeds.log",
+    params:
+        code=code_of("tabulate"),
+    message:
+        "Table 4 over further seeds"
+    script:
+        "../scripts/tracking_seeds_table.py"
+
+
+rule steps_table:
+    input:
+        steps=f"{RESULTS}/timing/steps.json",
+    output:
+        **table("timing/step_cost"),
+    log:
+        f"{RESULTS}/logs/step_cost.log",
+    params:
+        code=code_of("tabulate"),
+    message:
+        "Cost of a control step"
+    script:
+        "../scripts/steps_table.py"

@@ -33,10 +33,10 @@ rule readme:
     input:
         pages=[
             *(TABLES[number] for number in (2, 3, 4)),
-            *SEEDS_TABLES[:2],
-            f"{RESULTS}/timing/table2_timing.md",
+            *SEEDS_TABLES[:3],
+            *TIMING,
         ],
-        orders=SEEDS_TABLES[2],
+        orders=SEEDS_TABLES[3],
         ledger=f"{RESULTS}/claims.json",
         figure=f"{RESULTS}/figures/fig08_training.png",
     log:

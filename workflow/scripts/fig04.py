@@ -1,4 +1,4 @@
 from fprc.stages.draw import draw_actuator_hysteresis
-from fprc.stages.run import run_stage
+from fprc.stages.figure import run_figure
 
-run_stage(draw_actuator_hysteresis, snakemake)  # noqa: F821 (Snakemake provides it)
+run_figure(draw_actuator_hysteresis, snakemake)  # noqa: F821 (Snakemake provides it)

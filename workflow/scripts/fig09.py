@@ -1,4 +1,4 @@
 from fprc.stages.draw import draw_weights
-from fprc.stages.run import run_stage
+from fprc.stages.figure import run_figure
 
-run_stage(draw_weights, snakemake)  # noqa: F821 (Snakemake provides it)
+run_figure(draw_weights, snakemake)  # noqa: F821 (Snakemake provides it)

@@ -1,4 +1,4 @@
 from fprc.stages.draw_tracking import draw_disturbance
-from fprc.stages.run import run_stage
+from fprc.stages.figure import run_figure
 
-run_stage(draw_disturbance, snakemake)  # noqa: F821 (Snakemake provides it)
+run_figure(draw_disturbance, snakemake)  # noqa: F821 (Snakemake provides it)

@@ -1,4 +1,4 @@
 from fprc.stages.draw_tracking import draw_following
-from fprc.stages.run import run_stage
+from fprc.stages.figure import run_figure
 
-run_stage(draw_following, snakemake)  # noqa: F821 (Snakemake provides it)
+run_figure(draw_following, snakemake)  # noqa: F821 (Snakemake provides it)

@@ -2,5 +2,13 @@
 
 from fprc.claims.finding import Finding, Results
 from fprc.claims.ledger import changed_verdicts, judge_claims
+from fprc.claims.measures import measure_hysteresis, measure_runs
 
-__all__ = ["Finding", "Results", "changed_verdicts", "judge_claims"]
+__all__ = [
+    "Finding",
+    "Results",
+    "changed_verdicts",
+    "judge_claims",
+    "measure_hysteresis",
+    "measure_runs",
+]

@@ -5,19 +5,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+#: A number as close as this to its limit is at the limit.
+ROUNDING = 1e-9
+
 
 class Results(NamedTuple):
-    """What the claims are judged on, as read from result files."""
+    """What the claims are judged on, as read from result files; one entry a further seed."""
 
-    replicates: Sequence[Mapping[str, Any]]
+    replicates: Sequence[Mapping[str, Any]]  #: errors of the models, and weights
+    sweeps: Sequence[Mapping[str, Any]]  #: cells of the sweeps, by their name
+    controls: Sequence[Mapping[str, Any]]  #: what ``measures`` found
     times: Mapping[str, Any]
     times_over_n_c: Mapping[str, Any]
-    weights: Mapping[str, Any]
-    sweeps: Mapping[str, Mapping[str, Any]]
-    runs: Mapping[str, Mapping[str, np.ndarray]]  #: closed loop, by "reference/controller/gain"
-    sweep: Mapping[str, np.ndarray]  #: channels of the sweep experiment
-    settle_s: float
-    quiet_s: float
 
 
 class Finding(NamedTuple):
@@ -28,3 +27,13 @@ class Finding(NamedTuple):
     test: str
     holds: bool | None  #: None where the paper contradicts itself
     basis: str
+
+
+def over_seeds(reports: Sequence[Mapping[str, Any]]) -> str:
+    """Say how many seeds a number stands for."""
+    return f"mean ± deviation over {len(reports)} seeds"
+
+
+def pm(values: np.ndarray) -> str:
+    """Format mean and sample standard deviation."""
+    return f"{np.mean(values):.3g} ± {np.std(values, ddof=1):.2g}"

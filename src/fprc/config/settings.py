@@ -131,7 +131,7 @@ class Evaluation(Section):
     replicate_seeds: tuple[Annotated[int, Ge(0), Le(2**31)], ...] = Field(
         (201, 202, 203, 204, 205),
         min_length=2,
-        description="seeds of the further rigs that Tables II and III are repeated on",
+        description="seeds of the further rigs that tables, sweeps and runs are repeated on",
     )
 
     @field_validator("replicate_seeds")
@@ -156,6 +156,9 @@ class Sweeps(Section):
     )
     n_y: tuple[Annotated[int, Ge(1), Le(100)], ...] = quantities(
         tuple(range(1, 11)), "samples", (1, 100), "taps of theta_d", "paper, Fig. 11"
+    )
+    replicate_taps: tuple[Annotated[int, Ge(1), Le(100)], ...] = quantities(
+        (1, 3, 5, 8, 10), "samples", (1, 100), "both taps, on the further seeds", "assumed"
     )
 
 
@@ -231,6 +234,92 @@ class Tracking(Section):
     pushes: Pushes = Pushes()
 
 
+class Plausible(Section):
+    """What a fitted rig should show beside the published errors."""
+
+    angle_deg: tuple[within(1, 120), within(1, 120)] = quantities(
+        (57, 63), "deg", (1, 120), "largest angle of the sweep", "paper: about 60 deg"
+    )
+    loop_kpa: tuple[within(1, 400), within(1, 400)] = quantities(
+        (45, 75), "kPa", (1, 400), "width of the sweep's loop at mid-angle", "the size of 14.9 kPa"
+    )
+    loop_growth: tuple[within(0.1, 10), within(0.1, 10)] = quantities(
+        (0.87, 1.15), "-", (0.1, 10), "its growth from the first to the last quarter",
+        "paper, Sec. II-B: independent of frequency",
+    )  # fmt: skip
+    p_o_swing_kpa: tuple[within(1, 400), within(1, 400)] = quantities(
+        (40, 80), "kPa", (1, 400), "swing of P_o in the sweep", "size of the chambers"
+    )
+    p_o_loop: tuple[within(0.001, 2), within(0.001, 2)] = quantities(
+        (0.17, 0.4), "-", (0.001, 2), "width of P_o's loop over its swing", "paper, Fig. 5"
+    )
+    p_o_loop_growth: tuple[within(0.1, 10), within(0.1, 10)] = quantities(
+        (0.87, 1.15), "-", (0.1, 10), "its growth from the first to the last quarter",
+        "paper, Sec. II-B: independent of frequency",
+    )  # fmt: skip
+
+    @field_validator("*")
+    @classmethod
+    def _range_rises(cls, limits: tuple[float, float]) -> tuple[float, float]:
+        if limits[0] >= limits[1]:
+            raise ValueError(f"{limits} is empty; put the lower end first")
+        return limits
+
+
+class Calibration(Section):
+    """How the rig's free parameters are fitted to Tables II and III."""
+
+    free: tuple[str, ...] = Field(
+        (
+            "valve.dead_zone",
+            "valve.sonic_conductance_ml_per_s_kpa",
+            "main_chamber.volume_ml",
+            "reservoir_chamber.volume_ml",
+            "bending.damping_kpa_s_per_deg",
+            "bending.preload_kpa",
+            "bending.stiffness_kpa_per_deg",
+            "bending.cubic_stiffness_kpa_per_deg3",
+            "bending.gain_loss_per_deg",
+            "bending.relaxation_stiffness_kpa_per_deg.0",
+            "bending.relaxation_stiffness_kpa_per_deg.1",
+            "bending.relaxation_time_s.0",
+            "bending.relaxation_time_s.1",
+            "bending.friction_kpa",
+            "bending.friction_per_kpa",
+            "bending.slip_distance_deg",
+            "drift.sigma_kpa",
+            "drift.time_s",
+            "reservoir.passive_volume_ml",
+            "reservoir.squeeze_damping_kpa_s_per_ml",
+            "reservoir.squeeze_stiffness_kpa_per_ml",
+            "reservoir.back_pressure_gain",
+            "reservoir.friction_kpa",
+            "reservoir.friction_per_kpa",
+            "reservoir.slip_distance_ml",
+            "pressure_sensor.noise_kpa",
+        ),
+        min_length=1,
+        description="parameters of the rig that may change within their ranges; a list is scaled "
+        "as a whole unless one of its numbers is named",
+    )
+    seeds: tuple[Annotated[int, Ge(0), Le(2**31)], ...] = Field(
+        (21, 22, 23, 24), min_length=1, description="noise seeds inside the objective"
+    )
+    population: int = quantity(14, "-", (4, 1000), "rigs per generation of CMA-ES")
+    generations: int = quantity(80, "-", (1, 100000), "generations")
+    step: float = quantity(0.15, "-", (1e-3, 1), "first standard deviation, share of each range")
+    minutes: float = quantity(60, "min", (0.01, 10000), "no generation begins after this time")
+    stride: int = quantity(5, "samples", (1, 1000), "the stand-in fits every n-th row")
+    esn_nodes: int = quantity(150, "-", (1, 10000), "size of the stand-in's ESN")
+    margin: float = quantity(
+        0.05, "-", (0, 1), "FPRC's test error should be below the others' by this, on each seed"
+    )
+    ratio: float = quantity(
+        1.15, "-", (1, 10), "training errors of ESN and FPRC should be within this factor"
+    )
+    plausible: Plausible = Plausible()
+
+
 class Folders(Section):
     """Where files go."""
 
@@ -254,6 +343,7 @@ class Settings(Section):
     evaluation: Evaluation = Evaluation()
     sweeps: Sweeps = Sweeps()
     tracking: Tracking = Tracking()
+    calibration: Calibration = Calibration()
     rig: Rig = Rig()
 
     @model_validator(mode="after")

@@ -52,6 +52,20 @@ def time_model(
     return results
 
 
+def time_steps(step: Callable[[int], object], samples: int) -> np.ndarray:
+    """Return the seconds that each of ``step(0)`` to ``step(samples - 1)`` takes.
+
+    Each call is timed by itself, since a control loop has to keep its
+    deadline at every sample, not in the mean.
+    """
+    seconds = np.empty(samples)
+    for k in range(samples):
+        start = time.perf_counter()
+        step(k)
+        seconds[k] = time.perf_counter() - start
+    return seconds
+
+
 def machine() -> dict[str, Any]:
     """CPU and the largest number of threads of any numerical library."""
     threads = max((pool["num_threads"] for pool in threadpool_info()), default=1)

@@ -90,17 +90,35 @@ def share_legend(fig: Figure, ax: plt.Axes) -> None:
     fig.legend(handles, labels, loc="outside upper center", ncols=2)
 
 
-def save(fig: Figure, attributes: Mapping[str, object], pdf: str, png: str) -> None:
+#: What is printed under a figure, by the source of its data.
+_MARKS = {
+    "sim": "simulated rig, seed {seed}",
+    "rig": "recorded on the rig",
+    "import": "imported recordings",
+    "none": "drawing, no data",
+}
+
+
+def save(fig: Figure, data: Mapping[str, object], pdf: str, png: str) -> Mapping[str, object]:
     """Write a figure as PDF and PNG, marked with the source of its data.
 
     The same figure gives the same bytes: no creation date is written.
+
+    Parameters
+    ----------
+    data : Mapping
+        Attributes of the data: ``source`` (sim, rig, import, or none for a
+        drawing), and ``seed`` where it is simulated.
+
+    Returns
+    -------
+    Mapping
+        ``data``, for whoever says where the figure comes from.
     """
-    if attributes["source"] == "sim":
-        mark = f"simulated rig, seed {attributes['seed']}"
-    else:
-        mark = "measured data"
+    mark = _MARKS[data["source"]].format_map(data)
     fig.supxlabel(mark, x=0.99, ha="right", fontsize=5.5, color="0.45")
     for path, metadata in ((pdf, {"CreationDate": None}), (png, {"Software": None})):
         with replacing(Path(path)) as temporary:
             fig.savefig(temporary, metadata=metadata)
     plt.close(fig)
+    return data

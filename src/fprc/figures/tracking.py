@@ -20,11 +20,20 @@ def plot_following(run: Run, ax: Axes) -> Axes:
     return ax
 
 
-def plot_errors(runs: Sequence[tuple[str, str, Run]], ax: Axes) -> Axes:
-    """Draw theta_d - theta of several runs, given as (label, colour, run)."""
+def plot_errors(
+    runs: Sequence[tuple[str, str, Run]], ax: Axes, *, judged_from_s: float = 0.0
+) -> Axes:
+    """Draw theta_d - theta of several runs, given as (label, colour, run).
+
+    The axis fits the errors after ``judged_from_s``: the step from rest before
+    it would flatten them.
+    """
+    largest = 0.0
     for label, colour, run in runs:
         error = run["theta_d_deg"] - run["theta_deg"]
         ax.plot(run["time_s"], error, color=COLOURS[colour], label=label, linewidth=0.6)
+        largest = max(largest, np.abs(error[run["time_s"] >= judged_from_s]).max())
+    ax.set_ylim(-1.1 * largest, 1.1 * largest)
     ax.axhline(0.0, color="0.4", linewidth=0.4)
     ax.set_ylabel("Error [deg]")
     return ax
@@ -59,6 +68,11 @@ def plot_reservoir(run: Run, ax: Axes) -> tuple[Axes, Axes]:
                label="Bending")  # fmt: skip
     angle.set_ylabel("Bending of the reservoir [deg]", color=COLOURS["phi"])
     return ax, angle
+
+
+def shade_settling(ax: Axes, until_s: float) -> None:
+    """Grey out the time that no error is judged in."""
+    ax.axvspan(0.0, until_s, color="0.92", linewidth=0, zorder=0)
 
 
 def shade(ax: Axes, quiet_until_s: float, end_s: float) -> None:

@@ -20,7 +20,7 @@ _P_EXP = r"$P_\mathrm{exp}$ [kPa]"
 _P_O = r"$P_o$ [kPa]"
 
 
-def draw_actuator_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> None:
+def draw_actuator_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> Mapping[str, Any]:
     """Figure 4: pressure commands and the actuator's hysteresis loops."""
     logs = []
     fig, axes = style.figure(2, 2, style.COLUMN_IN, 3.6)
@@ -34,10 +34,10 @@ def draw_actuator_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> No
         for ax, text in zip(row, title, strict=True):
             style.letter(ax, text)
     add_time_bar(lines, axes.ravel())
-    style.save(fig, _marked(logs), pdf, png)
+    return style.save(fig, _marked(logs), pdf, png)
 
 
-def draw_reservoir_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> None:
+def draw_reservoir_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> Mapping[str, Any]:
     """Figure 5: hysteresis between theta and the reservoir's P_o."""
     logs = []
     fig, axes = style.figure(1, 2, style.COLUMN_IN, 2.2, sharey=True)
@@ -49,10 +49,10 @@ def draw_reservoir_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> N
         ax.label_outer()
         style.letter(ax, title)
     add_time_bar(lines, axes)
-    style.save(fig, _marked(logs), pdf, png)
+    return style.save(fig, _marked(logs), pdf, png)
 
 
-def draw_training(fit: str, prediction: str, pdf: str, png: str) -> None:
+def draw_training(fit: str, prediction: str, pdf: str, png: str) -> Mapping[str, Any]:
     """Figure 8: the model on its training and on its test data."""
     logs = []
     fig, axes = style.figure(4, 1, style.COLUMN_IN, 4.6, height_ratios=(2, 1, 2, 1))
@@ -67,7 +67,7 @@ def draw_training(fit: str, prediction: str, pdf: str, png: str) -> None:
         plot_error(*series, pair[1], colour=style.COLOURS[log.attributes["model"]])
         style.letter(pair[0], title)
     style.legend_above(axes[0])
-    style.save(fig, _marked(logs), pdf, png)
+    return style.save(fig, _marked(logs), pdf, png)
 
 
 def _marked(logs: Sequence[Columns]) -> dict[str, Any]:
@@ -75,7 +75,7 @@ def _marked(logs: Sequence[Columns]) -> dict[str, Any]:
     return min(logs, key=lambda log: log.attributes["source"] != "sim").attributes
 
 
-def draw_weights(weights: str, pdf: str, png: str) -> None:
+def draw_weights(weights: str, pdf: str, png: str) -> Mapping[str, Any]:
     """Figure 9: proportional contribution of the normalised weights."""
     report = read_json(weights)
     table = pd.DataFrame(
@@ -89,13 +89,13 @@ def draw_weights(weights: str, pdf: str, png: str) -> None:
     style.legend_above(ax)
     mean = report["mean_share"]
     style.letter(ax, f"Mean: {100 * mean['p_o']:.0f} %, {100 * mean['theta_d']:.0f} %")
-    style.save(fig, report, pdf, png)
+    return style.save(fig, report, pdf, png)
 
 
 _LABELS = {"fprc": "FPRC, ", "fuzzy_linear": "Fuzzy-linear, "}
 
 
-def draw_settings(epsilon: str, n_c: str, times: str, pdf: str, png: str) -> None:
+def draw_settings(epsilon: str, n_c: str, times: str, pdf: str, png: str) -> Mapping[str, Any]:
     """Figure 10: errors over epsilon and n_c, execution times over n_c."""
     fig, axes = style.figure(3, 1, style.COLUMN_IN, 5.6)
     by_epsilon, by_n_c, timed = read_json(epsilon), read_json(n_c), read_json(times)
@@ -115,10 +115,10 @@ def draw_settings(epsilon: str, n_c: str, times: str, pdf: str, png: str) -> Non
         style.letter(ax, title)
     axes[0].legend(loc="best")
     style.share_legend(fig, axes[1])
-    style.save(fig, by_n_c, pdf, png)
+    return style.save(fig, by_n_c, pdf, png)
 
 
-def draw_taps(taps: str, pdf: str, png: str) -> None:
+def draw_taps(taps: str, pdf: str, png: str) -> Mapping[str, Any]:
     """Figure 11: errors over the tap sizes."""
     report = read_json(taps)
     table = _errors(report["cells"])
@@ -127,7 +127,7 @@ def draw_taps(taps: str, pdf: str, png: str) -> None:
     for ax, (phase, title) in zip(axes, titles.items(), strict=True):
         plot_grid(table, phase, ax)
         style.letter(ax, title)
-    style.save(fig, report, pdf, png)
+    return style.save(fig, report, pdf, png)
 
 
 def _errors(cells: Sequence[Mapping[str, Any]]) -> pd.DataFrame:

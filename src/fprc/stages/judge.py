@@ -11,8 +11,6 @@ from fprc.errors import LogError
 from fprc.evaluation import Judgement, cross_validate, split_rows
 from fprc.logs import read_columns, write_columns
 from fprc.models import ESN, FPRC, FuzzyLinear, SequenceModel, save_model
-from fprc.stages.preprocess import TARGETS
-from fprc.stages.record import acquire
 
 log = logging.getLogger(__name__)
 
@@ -89,7 +87,7 @@ def judge(
     training log (``fit``) and on the test log (``prediction``).
     """
     train_data, test_data = read_data(train), read_data(test)
-    judged, report = _judge(name, models, folds, split, seed, train_data, test_data)
+    judged, report = judge_model(name, models, folds, split, seed, train_data, test_data)
     write_json(errors, report)
     with replacing(model) as temporary:
         save_model(judged.model, temporary)
@@ -100,34 +98,7 @@ def judge(
         write_columns(path, channels, dict(data.attributes) | {"model": name})
 
 
-def replicate(
-    errors: str,
-    *,
-    signals: Mapping[str, Any],
-    control: Mapping[str, Any],
-    rig: Mapping[str, Any],
-    target: str,
-    models: Mapping[str, Any],
-    folds: int,
-    split: str,
-    seed: int,
-) -> None:
-    """Repeat Tables II and III with another seed: another rig, noise, and models."""
-    data = {}
-    for experiment, signal in signals.items():
-        channels = acquire(experiment, signal, control, rig, seed)
-        channels["p_exp_kpa"] = channels[TARGETS[target]]
-        attributes = {"experiment": experiment, "source": "sim", "target": target, "seed": seed}
-        data[experiment] = Data(channels, attributes)
-    reports = [
-        _judge(name, models, folds, split, seed, data[train], data[test])[1]
-        for train, test in (("sweep", "complex"), ("complex", "sweep"))
-        for name in INPUTS
-    ]
-    write_json(errors, {"seed": seed, "source": "sim", "models": reports})
-
-
-def _judge(
+def judge_model(
     name: str,
     models: Mapping[str, Any],
     folds: int,
@@ -136,6 +107,7 @@ def _judge(
     train: Data,
     test: Data,
 ) -> tuple[Judgement, dict[str, Any]]:
+    """Cross-validate and test one model; return it and the report of its errors."""
     refuse_mixture(train, test)
     X, y = train.pair(name)
     log.info("%s: features of %d samples (%s)", name, len(y), train.attributes["experiment"])

@@ -12,8 +12,10 @@ from fprc.errors import FprcError
 
 log = logging.getLogger("fprc")
 
+_NOT_OURS = ("code", "sidecar")
 
-def run_stage(stage: Callable[..., None], job: Any) -> None:
+
+def run_stage(stage: Callable[..., Any], job: Any) -> Any:
     """Call ``stage`` with a rule's named inputs, outputs and params as arguments.
 
     Progress goes to the terminal and to the rule's log file. An error that is
@@ -25,14 +27,20 @@ def run_stage(stage: Callable[..., None], job: Any) -> None:
     Parameters
     ----------
     job : snakemake object of a ``script:``
-        The ``code`` param, the fingerprint of the source, is not passed on.
+        The ``code`` param, the fingerprint of the source, is not passed on, nor is the
+        output ``sidecar``, which the stage does not write.
+
+    Returns
+    -------
+    object
+        What the stage returns.
     """
     _log_to(job.log[0], " ".join([job.rule, *job.wildcards]))
     named = [*job.input.items(), *job.output.items(), *job.params.items()]
-    arguments = {name: value for name, value in named if name != "code"}
+    arguments = {name: value for name, value in named if name not in _NOT_OURS}
     try:
         with threadpool_limits(1):
-            stage(**arguments)
+            return stage(**arguments)
     except FprcError as error:
         log.error("error: %s", error)
         log.debug("where it came from:", exc_info=True)

@@ -13,7 +13,7 @@ from fprc.artifacts import write_json
 from fprc.evaluation import cross_validate, split_rows
 from fprc.evaluation.sweeps import run_cells
 from fprc.evaluation.weights import normalised_weights
-from fprc.stages.judge import build, read_data
+from fprc.stages.judge import Data, build, read_data
 
 log = logging.getLogger(__name__)
 
@@ -58,12 +58,12 @@ def sweep_settings(
         digest.update(Path(path).read_bytes())
     cells = cells_of(sweep, values)
     judged = run_cells(
-        partial(judge_cell, train=train, test=test, **settings),
+        partial(_judge_from_files, train=train, test=test, **settings),
         cells,
         workers=workers,
         checkpoint=checkpoint,
         key=digest.hexdigest(),
-        progress=_report,
+        progress=report_progress,
     )
     source = read_data(train).attributes["source"]
     write_json(results, {"sweep": sweep, "source": source, "seed": seed, "cells": judged})
@@ -73,8 +73,8 @@ def sweep_settings(
 def judge_cell(
     cell: Mapping[str, Any],
     *,
-    train: str,
-    test: str,
+    train: Data,
+    test: Data,
     models: Mapping[str, Any],
     folds: int,
     split: str,
@@ -82,15 +82,20 @@ def judge_cell(
 ) -> dict[str, Any]:
     """Return the errors of one cell."""
     name = cell["model"]
-    X, y = read_data(train).pair(name)
+    X, y = train.pair(name)
     changed = {key: value for key, value in cell.items() if key != "model"}
     model = build(name, models, seed).set_params(**changed)
     judged = cross_validate(model, X, y, split_rows(len(y), folds, split, seed))
     return {
         "train_rmse_kpa": judged.train_rmse,
         "validation_rmse_kpa": judged.validation_rmse,
-        "test_rmse_kpa": judged.test_rmse(*read_data(test).pair(name)),
+        "test_rmse_kpa": judged.test_rmse(*test.pair(name)),
     }
+
+
+def _judge_from_files(cell: Mapping[str, Any], *, train: str, test: str, **settings: Any) -> dict:
+    # in a worker: small arguments, each process reads for itself
+    return judge_cell(cell, train=read_data(train), test=read_data(test), **settings)
 
 
 def weigh(
@@ -104,25 +109,28 @@ def weigh(
 ) -> None:
     """Write the normalised weights of the FPRC, rule by rule."""
     data = read_data(train)
-    X, y = data.pair("fprc")
+    shares = weight_shares(data, models, folds, split, seed)
+    write_json(weights, {"source": data.attributes["source"], "seed": seed, **shares})
+    log.info("mean shares: P_o {p_o:.3f}, theta_d {theta_d:.3f}".format(**shares["mean_share"]))
+
+
+def weight_shares(
+    train: Data, models: Mapping[str, Any], folds: int, split: str, seed: int
+) -> dict[str, Any]:
+    """Return the share of each feature in the weights, by rule and in the mean (Fig. 9)."""
+    X, y = train.pair("fprc")
     model = build("fprc", models, seed)
     shares = normalised_weights(model, X, y, split_rows(len(y), folds, split, seed))
     edges = {"bias": (0, 1), "theta_d": (1, 1 + model.n_y), "p_o": (1 + model.n_y, None)}
     parts = {name: shares[:, slice(*edge)] for name, edge in edges.items()}
-    means = {name: float(part.sum(axis=1).mean()) for name, part in parts.items()}
-    write_json(
-        weights,
-        {
-            "source": data.attributes["source"],
-            "seed": seed,
-            "mean_share": means,
-            "shares": {name: part.tolist() for name, part in parts.items()},
-        },
-    )
-    log.info("mean shares: P_o %.3f, theta_d %.3f", means["p_o"], means["theta_d"])
+    return {
+        "mean_share": {name: float(part.sum(axis=1).mean()) for name, part in parts.items()},
+        "shares": {name: part.tolist() for name, part in parts.items()},
+    }
 
 
-def _report(done: int, total: int) -> None:
+def report_progress(done: int, total: int) -> None:
+    """Draw a bar of finished cells."""
     width = 30
     bar = "#" * (width * done // total)
     log.info("[%-*s] %d of %d cells", width, bar, done, total)

@@ -1,13 +1,19 @@
 """Execution times of the models."""
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from fprc.artifacts import write_json
+from fprc.control import PD, PressurePI, tracking_law
+from fprc.devices import Readings
 from fprc.evaluation import time_model
-from fprc.evaluation.timing import machine
-from fprc.stages.judge import INPUTS, build, read_data, refuse_mixture
+from fprc.evaluation.timing import machine, time_steps
+from fprc.models import SequenceModel
+from fprc.stages.judge import INPUTS, Data, build, read_data, refuse_mixture
+from fprc.stages.track import feedforward
 
 log = logging.getLogger(__name__)
 
@@ -35,6 +41,76 @@ def measure_times(
         )
         results += [{"model": name, **result} for result in timed]
     write_json(times, {"source": train_data.attributes["source"], **machine(), "times": results})
+
+
+def measure_steps(
+    train: str,
+    test: str,
+    steps: str,
+    *,
+    models: Mapping[str, Any],
+    control: Mapping[str, Any],
+    tracking: Mapping[str, Any],
+    seed: int,
+) -> None:
+    """Time what the computer does between two samples of the closed loop, sample by sample.
+
+    The readings of the test log are replayed to the controller: feedforward,
+    PD and both pressure loops, without any rig.
+    """
+    train_data, test_data = read_data(train), read_data(test)
+    period_s = 1.0 / control["sample_rate_hz"]
+    results = []
+    for name in INPUTS:
+        model = build(name, models, seed).fit(*train_data.pair(name))
+        tick = _controller(model, test_data, control, tracking, period_s)
+        samples = len(test_data.channels["time_s"])
+        time_steps(tick, samples)
+        microseconds = 1e6 * time_steps(tick, samples)
+        results.append(
+            {
+                "model": name,
+                "samples": samples,
+                "median_us": float(np.median(microseconds)),
+                "p99_9_us": float(np.percentile(microseconds, 99.9)),
+                "max_us": float(microseconds.max()),
+                "budget_us": 1e6 * period_s,
+            }
+        )
+        log.info("%s: median %.1f us of %.0f", name, results[-1]["median_us"], 1e6 * period_s)
+    write_json(steps, {"source": train_data.attributes["source"], **machine(), "steps": results})
+
+
+def _controller(
+    model: SequenceModel,
+    data: Data,
+    control: Mapping[str, Any],
+    tracking: Mapping[str, Any],
+    period_s: float,
+) -> Callable[[int], object]:
+    theta, p_o, p_exp = (data.channels[name] for name in ("theta_deg", "p_o_kpa", "p_exp_kpa"))
+    readings = [
+        Readings(k * period_s, p_exp[k], theta[k], 0.0, p_o[k], 0.0) for k in range(len(theta))
+    ]
+    law = tracking_law(
+        theta,
+        k_in_kpa_per_deg=control["k_in_kpa_per_deg"],
+        pressure_limit_kpa=tracking["pressure_limit_kpa"],
+        feedforward=feedforward(model),
+        feedback=PD(**tracking["printed_gains"], period_s=period_s),
+    )
+    main_loop, reservoir_loop = (
+        PressurePI(**control[name], period_s=period_s) for name in ("main_loop", "reservoir_loop")
+    )
+
+    def tick(k: int) -> None:
+        now = readings[k]
+        p_exp_kpa, p_i_kpa, *_ = law(k, now)
+        main_loop.step(p_exp_kpa, now.p_exp_kpa)
+        reservoir_loop.step(p_i_kpa, now.p_i_kpa)
+
+    model.reset()
+    return tick
 
 
 def measure_times_over_n_c(

@@ -1,7 +1,7 @@
 """Closed-loop runs of Sec. IV: feedforward, feedback, and both."""
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,7 +17,7 @@ from fprc.control import (
     run,
     tracking_law,
 )
-from fprc.devices import SimulatedRig
+from fprc.devices import Readings, SimulatedRig
 from fprc.evaluation import rmse
 from fprc.logs import write_raw
 from fprc.models import SequenceModel, load_model
@@ -98,7 +98,7 @@ class Track(NamedTuple):
             theta_d,
             k_in_kpa_per_deg=control["k_in_kpa_per_deg"],
             pressure_limit_kpa=self.tracking["pressure_limit_kpa"],
-            feedforward=None if model is None else _feedforward(model),
+            feedforward=None if model is None else feedforward(model),
             feedback=None if gains is None else PD(**gains, period_s=period_s),
         )
         return run(
@@ -109,6 +109,30 @@ class Track(NamedTuple):
             main_loop=PressurePI(**control["main_loop"], period_s=period_s),
             reservoir_loop=PressurePI(**control["reservoir_loop"], period_s=period_s),
             extra=TRACKING_CHANNELS,
+        )
+
+    def follow(
+        self,
+        reference: str,
+        name: str,
+        model: SequenceModel,
+        gains: Mapping[str, Any],
+    ) -> dict[str, np.ndarray]:
+        """Follow a reference with one of the controllers and return its channels.
+
+        Parameters
+        ----------
+        gains : Mapping
+            Gains of the PD controller by their name: printed, identified.
+        """
+        controller, gain = CONTROLLERS[name]
+        theta_d = self.reference(reference)
+        return self.drive(
+            theta_d,
+            None if controller == "pd" else model,
+            gains.get(gain),
+            _RUNS[reference],
+            self.pushes(len(theta_d)) if reference == "disturbance" else None,
         )
 
 
@@ -132,11 +156,10 @@ def identify_gain(
     The D gain keeps its printed ratio to the P gain.
     """
     bench = Track(tracking, control, rig, seed)
-    feedforward = load_model(model)
-    write_json(gains, bench_gain(bench, feedforward))
+    write_json(gains, bench_gain(bench, load_model(model)))
 
 
-def bench_gain(bench: Track, feedforward: SequenceModel) -> dict[str, Any]:
+def bench_gain(bench: Track, model: SequenceModel) -> dict[str, Any]:
     """Return the identified gains and the error of every candidate."""
     printed = bench.tracking["printed_gains"]
     ratio_s = printed["kd_kpa_s_per_deg"] / printed["kp_kpa_per_deg"]
@@ -145,7 +168,7 @@ def bench_gain(bench: Track, feedforward: SequenceModel) -> dict[str, Any]:
     tried = []
     for kp in bench.tracking["candidate_kp_kpa_per_deg"]:
         gains = {"kp_kpa_per_deg": kp, "kd_kpa_s_per_deg": kp * ratio_s}
-        channels = bench.drive(theta_d, feedforward, gains, _RUNS["identification"])
+        channels = bench.drive(theta_d, model, gains, _RUNS["identification"])
         error = tracking_error(channels, settle_s)
         tried.append({**gains, "rmse_deg": rmse(error, np.zeros_like(error))})
         log.info("kp = %g kPa/deg: %.3f deg", kp, tried[-1]["rmse_deg"])
@@ -181,16 +204,11 @@ def track(
         is then kept beside the log as ``*.aborted.h5``.
     """
     bench = Track(tracking, control, rig, seed)
-    feedforward = load_model(model)
+    fitted = load_model(model)
     known_gains = read_json(gains)
-    theta_d = bench.reference(reference)
     settle_s = tracking["references"][reference]["settle_s"]
-    pushes = bench.pushes(len(theta_d)) if reference == "disturbance" else None
-    number = _RUNS[reference]
-    model_of = {"fprc": feedforward, "fprc_pd": feedforward, "pd": None}
     for path, name in zip(raw, controllers, strict=True):
         controller, gain = CONTROLLERS[name]
-        chosen = known_gains.get(gain)
         description = {
             "experiment": f"track_{reference}_{name}",
             "reference": reference,
@@ -201,10 +219,15 @@ def track(
             "sample_rate_hz": control["sample_rate_hz"],
             "seed": seed,
             "software": f"fprc {__version__}",
-            "rig": {"rig": rig, "control": control, "tracking": tracking, "gains": chosen},
+            "rig": {
+                "rig": rig,
+                "control": control,
+                "tracking": tracking,
+                "gains": known_gains.get(gain),
+            },
         }
         try:
-            channels = bench.drive(theta_d, model_of[controller], chosen, number, pushes)
+            channels = bench.follow(reference, name, fitted, known_gains)
         except RunAbortedError as stopped:
             rescued = f"{path.removesuffix('.h5')}.aborted.h5"
             write_raw(rescued, stopped.channels, **description, aborted=str(stopped))
@@ -215,7 +238,8 @@ def track(
         log.info("%s: RMSE %.3f deg", name, rmse(error, np.zeros_like(error)))
 
 
-def _feedforward(model: SequenceModel):
+def feedforward(model: SequenceModel) -> Callable[[float, Readings], float]:
+    """Return the model as what a tracking law asks for P_ff."""
     if model.n_features_in_ == 1:
         return lambda theta_d, now: model.step((theta_d,))
     return lambda theta_d, now: model.step((theta_d, now.p_o_kpa))

@@ -6,6 +6,7 @@ from numpy.testing import assert_allclose
 from threadpoolctl import threadpool_limits
 
 from fprc.evaluation import time_model, timing
+from fprc.evaluation.timing import time_steps
 from fprc.models import ESN, FPRC, FuzzyLinear, RidgeReadout, SequenceModel, TapFeatures
 
 
@@ -148,6 +149,29 @@ def test_every_repeat_begins_the_log_anew():
     whole = Features(n_y=2, n_u=2).fit(train[0]).transform(test[0])
     assert_allclose(Features.stepped[-20:-10], whole, rtol=1e-12)
     assert_allclose(Features.stepped[-10:], whole, rtol=1e-12)
+
+
+def test_every_step_is_timed_by_itself_and_in_order(clock):
+    work = [5.0, 0.0, 100.0, 2.0]
+    called = []
+
+    def step(k):
+        called.append(k)
+        clock.now += work[k]
+
+    seconds = time_steps(step, len(work))
+    assert called == [0, 1, 2, 3]
+    assert seconds.tolist() == [1.0 + spent for spent in work]
+
+
+def test_what_happens_between_two_steps_is_not_timed(monkeypatch):
+    looks = iter([0.0, 1.0, 50.0, 53.0])
+    monkeypatch.setattr(timing, "time", SimpleNamespace(perf_counter=lambda: next(looks)))
+    assert time_steps(lambda k: None, 2).tolist() == [1.0, 3.0]
+
+
+def test_no_step_takes_no_time():
+    assert time_steps(lambda k: 1 / 0, 0).size == 0
 
 
 def test_machine_names_the_cpu_and_the_threads_in_use():

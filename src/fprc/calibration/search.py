@@ -1,0 +1,105 @@
+"""CMA-ES over the unit cube that can be killed and goes on where it was."""
+
+import json
+import os
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import cma
+import numpy as np
+from joblib import Parallel, delayed, parallel_config
+
+from fprc.artifacts import write_text
+
+
+class Found(NamedTuple):
+    """What a search found."""
+
+    point: np.ndarray  #: the best point
+    loss: float
+    generations: int
+    evaluations: int
+    finished: bool  #: False where the time limit ended it
+
+
+def search(
+    loss: Callable[[np.ndarray], float],
+    start: np.ndarray,
+    *,
+    step: float,
+    population: int,
+    generations: int,
+    seed: int,
+    workers: int,
+    checkpoint: Path | str,
+    key: str,
+    seconds: float = np.inf,
+    progress: Callable[[int, int, float, float], None] = lambda done, total, best, elapsed: None,
+) -> Found:
+    """Minimise ``loss`` in the unit cube by CMA-ES (Hansen 2016), in a pool of processes.
+
+    The optimiser is deterministic, so a checkpoint needs no more than the
+    losses of each generation: they are told again, and the search goes on.
+
+    Parameters
+    ----------
+    loss : callable
+        Picklable; takes a point and gives a finite number.
+    step : float
+        First standard deviation, in units of the cube.
+    checkpoint : path
+        JSON lines: first ``key``, then the losses of each generation. A file
+        with another key is begun anew; a last line that was cut is dropped.
+    key : str
+        Stands for everything that the loss depends on.
+    seconds : float
+        No generation is begun after this time.
+    progress : callable
+        Called after each generation with generations done and planned, least
+        loss, and seconds.
+    """
+    settings = {"start": list(start), "step": step, "population": population, "seed": seed}
+    told = _resume(Path(checkpoint), {"key": key} | settings)
+    optimiser = cma.CMAEvolutionStrategy(
+        list(start),
+        step,
+        {"bounds": [0.0, 1.0], "popsize": population, "seed": seed + 1, "verbose": -9},
+    )
+    for losses in told:
+        optimiser.tell(optimiser.ask(), losses)
+    begun = time.monotonic()
+    done = len(told)
+    with (
+        open(checkpoint, "a", encoding="utf-8") as file,
+        parallel_config("loky", inner_max_num_threads=1),
+        Parallel(n_jobs=workers) as pool,
+    ):
+        while done < generations and time.monotonic() - begun < seconds:
+            points = optimiser.ask()
+            losses = pool(delayed(loss)(np.asarray(point)) for point in points)
+            optimiser.tell(points, losses)
+            file.write(json.dumps(losses, allow_nan=False) + "\n")
+            file.flush()
+            os.fsync(file.fileno())
+            done += 1
+            progress(done, generations, optimiser.best.f, time.monotonic() - begun)
+    best = optimiser.best
+    return Found(np.asarray(best.x), float(best.f), done, done * population, done >= generations)
+
+
+def _resume(checkpoint: Path, head: Mapping[str, Any]) -> list[list[float]]:
+    """Return the losses of the finished generations; leave a file that can be appended to."""
+    text = checkpoint.read_text(encoding="utf-8", errors="replace") if checkpoint.exists() else ""
+    first, *lines = text.splitlines() or [""]
+    told = []
+    if first == json.dumps(head):
+        for line in lines:
+            try:
+                told.append(json.loads(line))
+            except json.JSONDecodeError:
+                break
+    kept = [head, *told]
+    write_text(checkpoint, "".join(json.dumps(entry) + "\n" for entry in kept))
+    return told

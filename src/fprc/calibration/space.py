@@ -1,0 +1,87 @@
+"""Free parameters of the rig as a point in the unit cube."""
+
+import copy
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+
+class Free(NamedTuple):
+    """A parameter that the search may change, within its physical range.
+
+    ``path`` names a number ("bending.friction_kpa"), one number of a list
+    ("bending.relaxation_time_s.0"), or a whole list, which is then scaled by
+    one factor. A range that spans a decade or more is searched by its logarithm.
+    """
+
+    path: str
+    low: float
+    high: float
+
+    @property
+    def logarithmic(self) -> bool:
+        """Whether the range is wide enough to be searched by its logarithm."""
+        return self.low > 0 and self.high / self.low >= 10.0
+
+
+def encode(rig: Mapping[str, Any], free: Sequence[Free]) -> np.ndarray:
+    """Return where the rig stands in the unit cube; outside a range is moved to its end."""
+    return np.array([_share(parameter, _get(rig, parameter.path)) for parameter in free])
+
+
+def decode(
+    point: np.ndarray, rig: Mapping[str, Any], free: Sequence[Free], digits: int = 4
+) -> dict[str, Any]:
+    """Return a copy of ``rig`` with its free parameters at ``point``.
+
+    Parameters
+    ----------
+    digits : int
+        Significant digits that are kept, as in the file that the rig goes to:
+        what is judged is what is written.
+    """
+    changed = copy.deepcopy(dict(rig))
+    for share, parameter in zip(point, free, strict=True):
+        _set(changed, parameter.path, _value(parameter, float(share)), digits)
+    return changed
+
+
+def _share(parameter: Free, value: Any) -> float:
+    if isinstance(value, (list, tuple)):
+        value = value[0]
+    low, high = parameter.low, parameter.high
+    if parameter.logarithmic:
+        low, high, value = math.log(low), math.log(high), math.log(max(value, parameter.low))
+    return min(max((value - low) / (high - low), 0.0), 1.0)
+
+
+def _value(parameter: Free, share: float) -> float:
+    low, high = parameter.low, parameter.high
+    if parameter.logarithmic:
+        return low * (high / low) ** share
+    return low + share * (high - low)
+
+
+def _get(rig: Mapping[str, Any], path: str) -> Any:
+    value: Any = rig
+    for key in path.split("."):
+        value = value[int(key)] if isinstance(value, (list, tuple)) else value[key]
+    return value
+
+
+def _set(rig: dict[str, Any], path: str, value: float, digits: int) -> None:
+    *way, last = path.split(".")
+    holder = _get(rig, ".".join(way)) if way else rig
+    if isinstance(holder, list):
+        holder[int(last)] = _rounded(value, digits)
+    elif isinstance(holder[last], (list, tuple)):
+        scale = value / holder[last][0]
+        holder[last] = [_rounded(scale * item, digits) for item in holder[last]]
+    else:
+        holder[last] = _rounded(value, digits)
+
+
+def _rounded(value: float, digits: int) -> float:
+    return float(f"{value:.{digits}g}")

@@ -1,0 +1,58 @@
+"""Errors of the three models by a cheap stand-in for the full comparison."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from fprc.evaluation import rmse
+from fprc.models import ESN, FPRC, FuzzyLinear
+
+Channels = Mapping[str, np.ndarray]
+
+#: Log that trains, log that tests, in both directions.
+DIRECTIONS = (("sweep", "complex"), ("complex", "sweep"))
+
+
+def surrogate_errors(
+    logs: Mapping[str, Channels],
+    models: Mapping[str, Any],
+    *,
+    stride: int,
+    esn_nodes: int,
+    seed: int,
+) -> dict[str, float]:
+    """Return training and test RMSE of each model in both directions, kPa.
+
+    Instead of five folds one readout is fitted to every ``stride``-th row, and
+    the ESN has ``esn_nodes`` nodes. The features, which have memory, are those
+    of the whole log.
+
+    Parameters
+    ----------
+    logs : Mapping
+        Channels of the logs "sweep" and "complex"; ``p_exp_kpa`` is the target.
+
+    Returns
+    -------
+    dict
+        By "trained on/model/phase", with phase train or test.
+    """
+    shared = {"n_y": models["n_y"], "alpha": models["alpha"], "random_state": seed}
+    fuzzy = {key: models["fprc"][key] for key in ("n_c", "sigma")}
+    judged = {
+        "esn": (ESN(**dict(models["esn"]) | {"r": esn_nodes}, **shared), ("theta_deg",)),
+        "fprc": (FPRC(**models["fprc"], **shared), ("theta_deg", "p_o_kpa")),
+        "fuzzy_linear": (FuzzyLinear(**fuzzy, **shared), ("theta_deg",)),
+    }
+    errors = {}
+    for name, (model, inputs) in judged.items():
+        X = {log: np.column_stack([logs[log][key] for key in inputs]) for log in logs}
+        features = model.make_features().fit(X["sweep"])
+        rows = {log: features.transform(X[log])[::stride] for log in logs}
+        y = {log: logs[log]["p_exp_kpa"][::stride] for log in logs}
+        for train, test in DIRECTIONS:
+            readout = model.make_readout().fit(rows[train], y[train])
+            for phase, log in (("train", train), ("test", test)):
+                errors[f"{train}/{name}/{phase}"] = rmse(y[log], readout.predict(rows[log]))
+    return errors

@@ -1,0 +1,118 @@
+"""What claims C13-C18 measure of closed-loop runs and of hysteresis loops."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from fprc.signals import width_at_middle
+
+#: The references of Table IV.
+REFERENCES = ("sine_0p2", "sine_0p5", "sweep", "complex")
+GAINS = ("printed", "identified")
+
+Channels = Mapping[str, np.ndarray]
+
+
+def measure_runs(runs: Mapping[str, Channels], quiet_s: float) -> dict[str, Any]:
+    """Return the numbers that the claims on control are judged by, of one seed.
+
+    Parameters
+    ----------
+    runs : Mapping
+        Channels of each run after its settling time, by "reference/controller/gain".
+    quiet_s : float
+        Time of the first push in the disturbance test.
+
+    Returns
+    -------
+    dict
+        ``rmse_deg`` of every run, by its name; ``effort``, the rms of P_fb over that of P_ff
+        on each reference; ``sweep``, ``loops`` and ``disturbance``, numbers of these.
+    """
+    return {
+        "rmse_deg": {name: rms(_error(run)) for name, run in runs.items()},
+        "effort": {
+            reference: _effort(runs[f"{reference}/fprc_pd/identified"]) for reference in REFERENCES
+        },
+        "sweep": _sweep(runs["sweep/fprc_pd/identified"]),
+        "loops": {
+            f"{controller}/{gain}": _loop(runs[f"sine_0p5/{controller}/{gain}"])
+            for controller in ("pd", "fprc_pd")
+            for gain in GAINS
+        },
+        "disturbance": _disturbance(runs["disturbance/fprc_pd/identified"], quiet_s),
+    }
+
+
+def measure_hysteresis(sweep: Channels) -> dict[str, float]:
+    """Return by how much both loops widen from the first to the last quarter of the sweep."""
+    time_s, theta = sweep["time_s"], sweep["theta_deg"]
+    first, last = time_s < 0.25 * time_s[-1], time_s > 0.75 * time_s[-1]
+    return {
+        name: width_at_middle(theta[last], sweep[channel][last])
+        / width_at_middle(theta[first], sweep[channel][first])
+        for name, channel in (("actuator", "p_exp_kpa"), ("reservoir", "p_o_kpa"))
+    }
+
+
+def rms(values: np.ndarray) -> float:
+    """Return the root of the mean square."""
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def _error(run: Channels) -> np.ndarray:
+    return run["theta_d_deg"] - run["theta_deg"]
+
+
+def _effort(run: Channels) -> float:
+    return rms(run["p_fb_kpa"]) / rms(run["p_ff_kpa"])
+
+
+def _sweep(run: Channels) -> dict[str, float]:
+    """Return largest error, its rms in the first and last third, and the lag in the last 10 s."""
+    error = _error(run)
+    thirds = np.array_split(error, 3)
+    period_s = float(np.mean(np.diff(run["time_s"])))
+    last = round(10.0 / period_s)
+    theta_d, theta = run["theta_d_deg"][-last:], run["theta_deg"][-last:]
+    lags = np.arange(-40, 41)
+    match = [np.corrcoef(theta_d[40:-40], np.roll(theta, -lag)[40:-40])[0, 1] for lag in lags]
+    return {
+        "largest_error_deg": float(np.abs(error).max()),
+        "lag_ms": float(1000.0 * period_s * lags[int(np.argmax(match))]),
+        "first_third_deg": rms(thirds[0]),
+        "last_third_deg": rms(thirds[2]),
+    }
+
+
+def _loop(run: Channels) -> dict[str, float]:
+    """Return width and span of the loop of theta over theta_d, over the reference's span."""
+    span = float(np.ptp(run["theta_deg"]))
+    return {
+        "width_over_span": width_at_middle(run["theta_d_deg"], run["theta_deg"]) / max(span, 1e-9),
+        "span_over_reference": span / float(np.ptp(run["theta_d_deg"])),
+    }
+
+
+def _disturbance(run: Channels, quiet_s: float) -> dict[str, list[float]]:
+    """Return [quiet, pushed] of what P_i does not explain, and of the tracking error, deg."""
+    error = _error(run)
+    quiet = run["time_s"] < quiet_s
+    return {
+        "bending": _unexplained(run, "phi_deg", quiet),
+        "p_o": _unexplained(run, "p_o_kpa", quiet),
+        "rmse_deg": [rms(error[quiet]), rms(error[~quiet])],
+    }
+
+
+def _unexplained(run: Channels, channel: str, quiet: np.ndarray) -> list[float]:
+    """Return rms of what P_i does not explain, over the swing: quiet, then pushed."""
+    time_s, p_i, value = run["time_s"], run["p_i_kpa"], run[channel]
+    rate = np.gradient(p_i, time_s)
+    direction = np.tanh(rate / (np.std(rate) + 1e-9))
+    basis = np.column_stack([p_i**k for k in range(4)] + [direction, direction * p_i])
+    basis = basis / np.abs(basis).max(axis=0)
+    weights, *_ = np.linalg.lstsq(basis[quiet], value[quiet])
+    rest = (value - basis @ weights) / np.ptp(value[quiet])
+    return [rms(rest[quiet]), rms(rest[~quiet])]

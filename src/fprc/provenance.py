@@ -1,0 +1,103 @@
+"""Where a result comes from: code, settings, inputs, versions."""
+
+import hashlib
+import json
+import platform
+import subprocess
+from collections.abc import Mapping, Sequence
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import fprc
+
+_LIBRARIES = (
+    "fprc", "numpy", "scipy", "pandas", "scikit-learn", "numba", "h5py", "matplotlib",
+    "snakemake",
+)  # fmt: skip
+
+
+def describe(
+    data: Mapping[str, Any],
+    *,
+    inputs: Sequence[str],
+    outputs: Sequence[str],
+    settings: Mapping[str, Any],
+) -> dict[str, Any]:
+    """Return what a reader needs to make a result again, or to doubt it.
+
+    Parameters
+    ----------
+    data : Mapping
+        Attributes of the data: ``source``, and ``seed`` if there is one.
+    inputs, outputs : sequence of str
+        Files; each is given with its SHA-256.
+    settings : Mapping
+        The whole configuration; only its hash is kept.
+
+    Returns
+    -------
+    dict
+        ``source``, ``simulated``, ``seeds``, ``commit``, ``dirty``, ``config_sha256``,
+        ``versions``, ``inputs``, ``outputs``. ``commit`` and ``dirty`` are None where the code
+        is not in a git checkout.
+    """
+    commit, dirty = checkout()
+    return {
+        "source": data["source"],
+        "simulated": data["source"] == "sim",
+        "seeds": [int(data["seed"])] if "seed" in data else [],
+        "commit": commit,
+        "dirty": dirty,
+        "config_sha256": hash_of(settings),
+        "versions": versions(),
+        "inputs": {path: _sha256(path) for path in inputs},
+        "outputs": {path: _sha256(path) for path in outputs},
+    }
+
+
+def hash_of(settings: Mapping[str, Any]) -> str:
+    """Return the SHA-256 of settings, whatever the order of their keys."""
+    text = json.dumps(settings, sort_keys=True, default=str)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def versions() -> dict[str, str]:
+    """Return the version of Python and of each library that computes or draws."""
+    found = {"python": platform.python_version()}
+    for name in _LIBRARIES:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            continue
+    return found
+
+
+def checkout(package: Path | None = None) -> tuple[str | None, bool | None]:
+    """Return commit of the code that runs, and whether it was changed since.
+
+    Parameters
+    ----------
+    package : Path, optional
+        Folder of the code, this package's unless given. A package that was
+        installed into a folder which git does not track has no commit.
+    """
+    package = package or Path(fprc.__path__[0])
+    if _git(package, "ls-files", "--error-unmatch", "__init__.py") is None:
+        return None, None
+    commit, changes = _git(package, "rev-parse", "HEAD"), _git(package, "status", "--porcelain")
+    return commit, None if changes is None else bool(changes)
+
+
+def _git(folder: Path, *arguments: str) -> str | None:
+    command = ["git", "--no-optional-locks", "-C", str(folder), *arguments]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=True)
+    except (OSError, subprocess.CalledProcessError):
+        return None
+    return done.stdout.strip()
+
+
+def _sha256(path: str) -> str:
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

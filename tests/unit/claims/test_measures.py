@@ -1,0 +1,229 @@
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fprc.claims import measure_hysteresis, measure_runs
+
+RATE_HZ, QUIET_S = 200.0, 12.0
+REFERENCES = ("sine_0p2", "sine_0p5", "sweep", "complex")
+RUNS = [
+    *(f"{reference}/fprc/none" for reference in REFERENCES),
+    *(
+        f"{reference}/{controller}/{gain}"
+        for reference in (*REFERENCES, "disturbance")
+        for controller in ("fprc_pd", "pd")
+        for gain in ("printed", "identified")
+    ),
+]
+TIME_S = 5.0 + np.arange(int(30 * RATE_HZ)) / RATE_HZ
+PUSHED = TIME_S >= QUIET_S
+
+
+def chirp(time_s, swing=27.5):
+    """From 0.05 to 0.95 Hz, from 5 to 60 deg."""
+    f_hz = 0.05 + 0.45 * (time_s - 5.0) / 30.0
+    return 32.5 - swing * np.cos(2 * np.pi * f_hz * (time_s - 5.0))
+
+
+def sine(lag=0.0, swing=27.5):
+    return 32.5 - swing * np.cos(np.pi * TIME_S - lag)
+
+
+def run(theta_d=None, theta=None, **channels):
+    theta_d = chirp(TIME_S) if theta_d is None else theta_d
+    return {
+        "time_s": TIME_S,
+        "theta_d_deg": theta_d,
+        "theta_deg": theta_d + 0.0 if theta is None else theta,
+        "p_ff_kpa": np.full_like(TIME_S, 200.0),
+        "p_fb_kpa": np.full_like(TIME_S, 10.0),
+        "p_i_kpa": 7.0 * theta_d,
+        "p_o_kpa": 100.0 + 0.5 * theta_d,
+        "phi_deg": 0.9 * theta_d,
+    } | channels
+
+
+def measured(**changed):
+    """Measure perfect runs, some of which are replaced; "/" is written "__" in their names."""
+    runs = {name: run(sine() if "sine" in name else None) for name in RUNS}
+    runs |= {name.replace("__", "/"): replaced for name, replaced in changed.items()}
+    return measure_runs(runs, QUIET_S)
+
+
+@pytest.fixture(scope="module")
+def perfect():
+    return measured()
+
+
+def test_perfect_runs_have_no_error_no_lag_and_no_loop(perfect):
+    assert perfect["rmse_deg"] == dict.fromkeys(RUNS, 0.0)
+    assert perfect["sweep"] == {
+        "largest_error_deg": 0.0,
+        "lag_ms": 0.0,
+        "first_third_deg": 0.0,
+        "last_third_deg": 0.0,
+    }
+    for loop in perfect["loops"].values():
+        assert loop["width_over_span"] == pytest.approx(0.0, abs=1e-3)
+        assert loop["span_over_reference"] == 1.0
+
+
+def test_measures_hold_what_the_claims_read_and_json_can_keep(perfect):
+    assert json.loads(json.dumps(perfect, allow_nan=False)) == perfect
+    assert set(perfect) == {"rmse_deg", "effort", "sweep", "loops", "disturbance"}
+    assert list(perfect["effort"]) == list(REFERENCES)
+    assert set(perfect["loops"]) == {
+        "pd/printed", "pd/identified", "fprc_pd/printed", "fprc_pd/identified"
+    }  # fmt: skip
+
+
+@given(st.lists(st.floats(-50.0, 50.0), min_size=2, max_size=4))
+def test_error_of_a_run_is_the_rms_of_its_own_samples(pattern):
+    error = np.resize(pattern, TIME_S.size)
+    theta_d = chirp(TIME_S)
+    found = measured(complex__fprc__none=run(theta_d, theta_d - error))["rmse_deg"]
+    expected = np.linalg.norm(error) / np.sqrt(error.size)
+    assert found.pop("complex/fprc/none") == pytest.approx(expected, abs=1e-9)
+    assert set(found.values()) == {0.0}
+
+
+@pytest.mark.parametrize("reference", REFERENCES)
+def test_effort_is_rms_of_feedback_over_rms_of_feedforward(reference):
+    alternating = np.resize([3.0, -4.0], TIME_S.size)
+    busy = run(p_fb_kpa=alternating, p_ff_kpa=np.resize([30.0, 40.0], TIME_S.size))
+    found = measured(**{f"{reference}__fprc_pd__identified": busy})["effort"]
+    assert found.pop(reference) == pytest.approx(0.1, rel=1e-12)
+    assert list(found.values()) == pytest.approx([0.05] * 3, rel=1e-12)
+
+
+def swept(theta):
+    return measured(sweep__fprc_pd__identified=run(theta=theta))["sweep"]
+
+
+@pytest.mark.parametrize("samples", [-40, -7, -1, 0, 1, 6, 39])
+def test_lag_is_the_delay_of_the_angle_in_the_last_ten_seconds(samples):
+    theta = chirp(TIME_S - samples / RATE_HZ)
+    assert swept(theta)["lag_ms"] == pytest.approx(5.0 * samples)
+    theta[: -int(10 * RATE_HZ)] = 32.5
+    assert swept(theta)["lag_ms"] == pytest.approx(5.0 * samples)
+
+
+def test_lag_does_not_depend_on_how_far_the_angle_follows():
+    theta = 10.0 + 0.3 * chirp(TIME_S - 0.05)
+    assert swept(theta)["lag_ms"] == pytest.approx(50.0)
+
+
+def test_lag_is_counted_in_the_samples_of_the_log():
+    slow = TIME_S[::4]
+    theta_d = chirp(slow)
+    log = {key: values[::4] for key, values in run().items()}
+    log |= {"time_s": slow, "theta_d_deg": theta_d, "theta_deg": chirp(slow - 0.1)}
+    found = measured(sweep__fprc_pd__identified=log)["sweep"]
+    assert found["lag_ms"] == pytest.approx(100.0)
+
+
+def test_error_of_the_sweep_is_split_into_thirds():
+    error = np.repeat([1.0, 4.0, 2.0], TIME_S.size // 3) * np.resize([1.0, -1.0], TIME_S.size)
+    error[TIME_S.size // 2] = -9.0
+    found = swept(chirp(TIME_S) - error)
+    assert found["first_third_deg"] == pytest.approx(1.0)
+    assert found["last_third_deg"] == pytest.approx(2.0)
+    assert found["largest_error_deg"] == pytest.approx(9.0)
+
+
+@pytest.mark.parametrize("name", ["pd/printed", "pd/identified", "fprc_pd/printed"])
+@pytest.mark.parametrize(("lag", "swing"), [(0.5, 27.5), (0.05, 27.5), (0.3, 5.0), (-0.2, 20.0)])
+def test_loop_of_a_late_sine_is_as_wide_as_the_sine_of_its_phase(name, lag, swing):
+    """An ellipse: at the middle of the reference it is 2 A sin(lag) wide, and spans 2 A."""
+    run_name = f"sine_0p5/{name}".replace("/", "__")
+    loops = measured(**{run_name: run(sine(), sine(lag, swing))})["loops"]
+    assert loops[name]["width_over_span"] == pytest.approx(abs(np.sin(lag)), rel=5e-3)
+    assert loops[name]["span_over_reference"] == pytest.approx(swing / 27.5, rel=1e-3)
+
+
+def test_loop_of_an_angle_that_stands_still_has_no_width():
+    still = run(sine(), np.full_like(TIME_S, 3.0))
+    loop = measured(sine_0p5__pd__printed=still)["loops"]["pd/printed"]
+    assert loop == {"width_over_span": 0.0, "span_over_reference": 0.0}
+
+
+def disturbed(**channels):
+    return measured(disturbance__fprc_pd__identified=run(**channels))["disturbance"]
+
+
+CUBIC = st.lists(st.floats(-3.0, 3.0), min_size=3, max_size=3).filter(
+    lambda powers: np.ptp(np.polyval([*powers, 0.0], np.linspace(-1.0, 1.0, 50))) > 0.1
+)
+
+
+@given(CUBIC, st.floats(-1.0, 1.0))
+def test_what_follows_p_i_and_its_direction_is_explained_whole(powers, loop):
+    """A curve over P_i, and a loop about it that is as wide at every frequency."""
+    theta_d = chirp(TIME_S)
+    rate = np.gradient(theta_d, TIME_S)
+    level = np.polyval([*powers, 0.0], (theta_d - 32.5) / 27.5)
+    channel = 200.0 + 50.0 * level + 2.0 * loop * np.tanh(rate / np.std(rate))
+    found = disturbed(phi_deg=channel, p_o_kpa=channel)
+    assert found["bending"] == pytest.approx([0.0, 0.0], abs=1e-6)
+    assert found["p_o"] == pytest.approx([0.0, 0.0], abs=1e-6)
+
+
+@pytest.mark.parametrize(("name", "key"), [("phi_deg", "bending"), ("p_o_kpa", "p_o")])
+def test_what_the_pushes_add_is_unexplained_in_parts_of_the_quiet_swing(name, key):
+    tone = 4.0 * np.sin(2 * np.pi * 7.0 * TIME_S)
+    found = disturbed(**{name: chirp(TIME_S) + tone * PUSHED})
+    swing = np.ptp(chirp(TIME_S)[~PUSHED])
+    assert found.pop(key) == pytest.approx([0.0, 4.0 / 2**0.5 / swing], abs=2e-4)
+    del found["rmse_deg"]
+    assert list(found.values()) == [pytest.approx([0.0, 0.0], abs=1e-9)]
+
+
+def test_noise_is_unexplained_before_and_after_the_first_push():
+    noise = np.random.default_rng(3).normal(0.0, 2.0, TIME_S.size)
+    theta_d = chirp(TIME_S)
+    channel = theta_d + noise
+    swing = np.ptp(channel[~PUSHED])
+    expected = [np.std(noise[part]) / swing for part in (~PUSHED, PUSHED)]
+    assert disturbed(phi_deg=channel)["bending"] == pytest.approx(expected, rel=0.02)
+
+
+@given(st.floats(0.1, 10.0), st.floats(-100.0, 100.0), st.floats(0.1, 10.0))
+def test_unexplained_part_does_not_depend_on_units(gain, offset, gain_of_p_i):
+    theta_d = chirp(TIME_S)
+    tone = np.sin(2 * np.pi * 7.0 * TIME_S) * np.where(PUSHED, 4.0, 0.5)
+    plain = disturbed(phi_deg=theta_d + tone)
+    other = disturbed(phi_deg=offset + gain * (theta_d + tone), p_i_kpa=gain_of_p_i * theta_d)
+    assert other["bending"] == pytest.approx(plain["bending"], rel=1e-6)
+
+
+def test_tracking_error_is_split_at_the_first_push():
+    error = np.where(PUSHED, 3.0, -2.0)
+    found = disturbed(theta=chirp(TIME_S) - error)
+    assert found["rmse_deg"] == pytest.approx([2.0, 3.0])
+
+
+def hysteresis(**widths):
+    """Loops whose widths are given as functions of time; a sine from 0.1 to 1 Hz."""
+    time_s = np.arange(int(60 * RATE_HZ)) / RATE_HZ
+    phase = 2 * np.pi * time_s * (0.1 + 0.45 * time_s / 60.0)
+    log = {"time_s": time_s, "theta_deg": 30.0 - 30.0 * np.cos(phase)}
+    for name, width in widths.items():
+        log[name] = 175.0 - 175.0 * np.cos(phase) + 0.5 * width(time_s) * np.sin(phase)
+    return log
+
+
+def test_loops_of_one_width_at_every_frequency_are_found_so():
+    """At 200 Hz the samples beside a crossing lie far off it where the sweep is fast."""
+    found = measure_hysteresis(hysteresis(p_exp_kpa=lambda t: 30.0, p_o_kpa=lambda t: 80.0))
+    assert found == pytest.approx({"actuator": 1.0, "reservoir": 1.0}, abs=0.03)
+
+
+def test_loops_are_compared_in_the_first_and_the_last_quarter():
+    log = hysteresis(
+        p_exp_kpa=lambda t: np.where(t < 15.0, 20.0, np.where(t > 45.0, 50.0, 1000.0)),
+        p_o_kpa=lambda t: np.where(t < 15.0, 80.0, np.where(t > 45.0, 20.0, 1000.0)),
+    )
+    assert measure_hysteresis(log) == pytest.approx({"actuator": 2.5, "reservoir": 0.25}, rel=0.02)

@@ -1,0 +1,184 @@
+import hashlib
+import logging
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from threadpoolctl import threadpool_info
+
+from fprc.artifacts import read_json
+from fprc.errors import ControlError
+from fprc.provenance import hash_of, versions
+from fprc.stages.figure import run_figure
+from fprc.stages.run import run_stage
+
+CONFIG = {"seed": 7, "folders": {"results": "results"}}
+
+
+@pytest.fixture(autouse=True)
+def no_handler_left():
+    """Take off the handlers that a stage leaves to its process."""
+    logger = logging.getLogger("fprc")
+    level = logger.level
+    yield
+    for handler in list(logger.handlers):
+        logger.removeHandler(handler)
+        handler.close()
+    logger.setLevel(level)
+
+
+@pytest.fixture(autouse=True)
+def commit(monkeypatch):
+    monkeypatch.setattr("fprc.provenance.checkout", lambda: ("a" * 40, True))
+    return "a" * 40
+
+
+class Files(list):
+    """What Snakemake gives to a script: all files in a row, and names for them."""
+
+    def __init__(self, **named):
+        self.named = named
+        for value in named.values():
+            self.extend(value if isinstance(value, list) else [value])
+
+    def __getattr__(self, name):
+        return self.named[name]
+
+    def items(self):
+        return self.named.items()
+
+
+@pytest.fixture
+def job(tmp_path):
+    """A job with one input, a list of inputs and three outputs."""
+    for name in ("sweep.h5", "a.h5", "b.h5"):
+        (tmp_path / name).write_text(f"content of {name}", encoding="utf-8")
+    return SimpleNamespace(
+        input=Files(
+            sweep=str(tmp_path / "sweep.h5"),
+            runs=[str(tmp_path / "a.h5"), str(tmp_path / "b.h5")],
+        ),
+        output=Files(
+            pdf=str(tmp_path / "fig99.pdf"),
+            png=str(tmp_path / "fig99.png"),
+            sidecar=str(tmp_path / "fig99.json"),
+        ),
+        params=Files(quiet_s=12.0, code="0123"),
+        wildcards=["201"],
+        log=[str(tmp_path / "logs" / "fig99.log")],
+        rule="loops",
+        config=CONFIG,
+    )
+
+
+class Stage:
+    """Draws two files, and remembers what it was given."""
+
+    def __init__(self, data):
+        self.data = data
+
+    def __call__(self, **arguments):
+        self.arguments = arguments
+        self.threads = {pool["num_threads"] for pool in threadpool_info()}
+        Path(arguments["pdf"]).write_bytes(b"%PDF")
+        Path(arguments["png"]).write_bytes(b"\x89PNG")
+        return self.data
+
+
+def sha256(path):
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+
+
+def test_sidecar_says_where_the_figure_comes_from(job, commit):
+    run_figure(Stage({"source": "sim", "seed": 7, "model": "fprc"}), job)
+    assert read_json(job.output.sidecar) == {
+        "source": "sim",
+        "simulated": True,
+        "seeds": [7],
+        "commit": commit,
+        "dirty": True,
+        "config_sha256": hash_of(CONFIG),
+        "versions": versions(),
+        "inputs": {path: sha256(path) for path in (job.input.sweep, *job.input.runs)},
+        "outputs": {path: sha256(path) for path in (job.output.pdf, job.output.png)},
+    }
+
+
+def test_stage_is_given_names_of_files_and_params_but_neither_code_nor_sidecar(job):
+    stage = Stage({"source": "none"})
+    run_figure(stage, job)
+    assert stage.arguments == {
+        "sweep": job.input.sweep,
+        "runs": job.input.runs,
+        "pdf": job.output.pdf,
+        "png": job.output.png,
+        "quiet_s": 12.0,
+    }
+    assert stage.threads <= {1}
+
+
+def test_drawing_without_data_is_neither_simulated_nor_has_it_a_seed(job):
+    run_figure(Stage({"source": "none"}), job)
+    found = read_json(job.output.sidecar)
+    assert (found["source"], found["simulated"], found["seeds"]) == ("none", False, [])
+
+
+def test_sidecar_has_the_same_bytes_when_the_figure_is_drawn_again(job):
+    contents = []
+    for _ in range(2):
+        run_figure(Stage({"source": "sim", "seed": 7}), job)
+        contents.append(Path(job.output.sidecar).read_bytes())
+    assert contents[0] == contents[1]
+
+
+def test_changed_input_changes_its_digest_and_no_other(job):
+    found = []
+    for content in ("one", "two"):
+        Path(job.input.runs[1]).write_text(content, encoding="utf-8")
+        run_figure(Stage({"source": "sim"}), job)
+        found.append(read_json(job.output.sidecar)["inputs"])
+    changed = [path for path in found[0] if found[0][path] != found[1][path]]
+    assert changed == [job.input.runs[1]]
+
+
+def test_stage_that_fails_ends_with_its_message_and_leaves_no_sidecar(job, capsys):
+    def stage(**arguments):
+        raise ControlError("P_i = 500 kPa; reduce it")
+
+    with pytest.raises(SystemExit) as ended:
+        run_figure(stage, job)
+    assert ended.value.code == 1
+    assert not Path(job.output.sidecar).exists()
+    shown = capsys.readouterr().err
+    assert shown == "[loops 201] error: P_i = 500 kPa; reduce it\n"
+    kept = Path(job.log[0]).read_text(encoding="utf-8")
+    assert "error: P_i = 500 kPa; reduce it" in kept
+    assert "Traceback" in kept
+
+
+def test_stage_that_breaks_down_leaves_no_sidecar(job):
+    def stage(**arguments):
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        run_figure(stage, job)
+    assert not Path(job.output.sidecar).exists()
+
+
+@pytest.mark.parametrize("data", [{}, {"seed": 7}])
+def test_figure_of_unknown_source_has_no_sidecar(job, data):
+    with pytest.raises(KeyError, match="source"):
+        run_figure(Stage(data), job)
+    assert not Path(job.output.sidecar).exists()
+
+
+def test_run_stage_returns_what_the_stage_returns(job):
+    data = {"source": "rig"}
+    assert run_stage(Stage(data), job) is data
+
+
+def test_run_stage_gives_a_stage_without_sidecar_all_of_its_outputs(job):
+    job.output = Files(pdf=job.output.pdf, png=job.output.png)
+    stage = Stage(None)
+    assert run_stage(stage, job) is None
+    assert {"pdf", "png"} <= set(stage.arguments)

@@ -1,0 +1,531 @@
+import base64
+import html
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import jinja2
+import pandas as pd
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+from PIL import Image
+
+from fprc.artifacts import write_json
+from fprc.config import Settings
+from fprc.provenance import hash_of
+from fprc.stages import report
+from fprc.stages.report import banner, symbols, write_report
+from fprc.tables import markdown
+
+TEMPLATE = str(Path(__file__).parents[3] / "workflow" / "report" / "page.html.j2")
+DOI = "https://doi.org/10.1109/LRA.2024.3523229"
+DEFAULTS = Settings().model_dump(mode="json")
+EVALUATION = DEFAULTS["evaluation"]
+SETTINGS = DEFAULTS | {
+    "seed": 31,
+    "evaluation": EVALUATION | {"folds": 4, "replicate_seeds": [401, 402]},
+}
+COMMIT = "0123456789abcdef" * 2 + "01234567"
+VOID = {"meta", "link", "img", "br", "hr", "input"}
+
+
+class Page(HTMLParser):
+    """Elements of a page with their attributes and text; refuses tags that do not close."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.elements, self.open, self.declarations = [], [], []
+        self.feed(text)
+        self.close()
+        assert self.open == []
+
+    def handle_decl(self, decl):
+        self.declarations.append(decl)
+
+    def handle_starttag(self, tag, attrs):
+        assert len({name for name, _ in attrs}) == len(attrs), (tag, attrs)
+        self.elements.append({"tag": tag, "text": "", **dict(attrs)})
+        if tag not in VOID:
+            self.open.append(self.elements[-1])
+
+    def handle_startendtag(self, tag, attrs):
+        raise AssertionError(f"<{tag}/>")
+
+    def handle_endtag(self, tag):
+        assert self.open, f"</{tag}>"
+        assert self.open.pop()["tag"] == tag
+
+    def handle_data(self, data):
+        for element in self.open:
+            element["text"] += data
+
+    def all(self, tag, **attributes):
+        return [
+            element
+            for element in self.elements
+            if element["tag"] == tag
+            and all(element.get(name) == value for name, value in attributes.items())
+        ]
+
+    def texts(self, tag, **attributes):
+        return [" ".join(element["text"].split()) for element in self.all(tag, **attributes)]
+
+    def text(self):
+        return " ".join(self.texts("body"))
+
+
+CLAIMS = [
+    {"id": "C1", "claim": "FPRC is best", "published": "11.0 kPa", "ours": "12.0 ± 0.5 kPa",
+     "test": "mean below 13", "basis": "3 seeds", "verdict": "reproduced"},
+    {"id": "C2", "claim": "P_o is unmoved", "published": "so", "ours": "not so",
+     "test": "theta_d within 1 deg", "basis": "main run", "verdict": "not reproduced"},
+    {"id": "C3", "claim": "PD moves", "published": "yes", "ours": "no", "test": "over a tenth",
+     "basis": "3 seeds", "verdict": "contradicted as printed"},
+]  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def fixed(monkeypatch):
+    monkeypatch.setattr(report, "checkout", lambda: (COMMIT, False))
+    monkeypatch.setattr(report, "versions", lambda: {"python": "3.99.1", "numpy": "9.8.7"})
+
+
+class Project:
+    """Files of a report, and what goes to the stage."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        self.claims = [dict(row) for row in CLAIMS]
+        self.ledger = [str(folder / "claims.json")]
+        self.tables, self.figures = [], []
+        self.settings = SETTINGS
+        self.template = TEMPLATE
+
+    def add_table(self, note, **columns):
+        path = self.folder / f"table{len(self.tables)}.md"
+        path.write_text(markdown(pd.DataFrame(columns), note), encoding="utf-8")
+        self.tables.append(str(path))
+
+    def add_figure(self, number, caption="A caption.", source="sim", inputs=None, **origin):
+        stem = self.folder / f"fig{number:02}_name"
+        Image.new("RGB", (20 + number, 10), (number, 100, 200)).save(f"{stem}.png")
+        described = {
+            "source": source,
+            "commit": COMMIT,
+            "dirty": False,
+            "config_sha256": f"{number:064x}"[::-1],
+            "inputs": {"results/data/sweep.h5": "5" * 64} if inputs is None else inputs,
+        }
+        write_json(f"{stem}.json", described | origin)
+        (self.folder / f"fig{number:02}.rst").write_text(caption + "\n", encoding="utf-8")
+        self.figures.append(
+            (f"{stem}.png", f"{stem}.json", str(self.folder / f"fig{number:02}.rst"))
+        )
+
+    def write(self):
+        """Write the report and return its text."""
+        for path in self.ledger:
+            write_json(path, {"source": "sim", "fitted": "Fitted to C2.", "claims": self.claims})
+        pictures, sidecars, captions = zip(*self.figures, strict=True) if self.figures else [()] * 3
+        target = self.folder / "report.html"
+        write_report(
+            self.template, self.ledger, self.tables, pictures, sidecars, captions, str(target),
+            settings=self.settings,
+        )  # fmt: skip
+        return target.read_text(encoding="utf-8")
+
+    def page(self):
+        return Page(self.write())
+
+
+@pytest.fixture
+def project(tmp_path):
+    """Three claims, two tables and three figures, one of which has no data."""
+    project = Project(tmp_path)
+    project.add_table("Table I. Settings: ours and\nas published.", Model=["ESN"], Value=["800"])
+    project.add_table(
+        "Table IV. Tracking: P_ff alone.", **{"RMSE [deg]": ["FPRC", "PD"], "Sweep": ["2.67", ""]}
+    )
+    project.add_figure(4, "Loops of theta over\n  P_exp.")
+    project.add_figure(6, "A drawing.", "none", {})
+    project.add_figure(12, "Following.", inputs={"results/raw/a.h5": "a" * 64, "b.h5": "b" * 64})
+    return project
+
+
+# Symbols
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("P_exp", "<i>P</i><sub>exp</sub>"),
+        ("P_ff", "<i>P</i><sub>ff</sub>"),
+        ("P_fb", "<i>P</i><sub>fb</sub>"),
+        ("P_i", "<i>P</i><sub>i</sub>"),
+        ("P_o", "<i>P</i><sub>o</sub>"),
+        ("P_d", "<i>P</i><sub>d</sub>"),
+        ("K_in", "<i>K</i><sub>in</sub>"),
+        ("n_c", "<i>n</i><sub>c</sub>"),
+        ("n_u", "<i>n</i><sub>u</sub>"),
+        ("n_y", "<i>n</i><sub>y</sub>"),
+        ("f_input", "<i>f</i><sub>input</sub>"),
+        ("theta_d", "<i>θ</i><sub>d</sub>"),
+        ("theta", "<i>θ</i>"),
+        ("epsilon", "<i>ε</i>"),
+        ("gamma", "<i>γ</i>"),
+        ("rho", "<i>ρ</i>"),
+        ("sigma", "<i>σ</i>"),
+        ("alpha", "<i>α</i>"),
+        ("over P_i, P_o.", "over <i>P</i><sub>i</sub>, <i>P</i><sub>o</sub>."),
+        ("P_fb / P_ff", "<i>P</i><sub>fb</sub> / <i>P</i><sub>ff</sub>"),
+        ("(theta_d)", "(<i>θ</i><sub>d</sub>)"),
+    ],
+)
+def test_symbols_of_the_paper_are_shown_as_mathematics(text, shown):
+    assert symbols(text) == shown
+
+
+@pytest.mark.parametrize(
+    "text", ["theta_deg", "P_output", "sP_o", "alphabet", "rhombus", "n_configs", "N_c", "PAM", ""]
+)
+def test_words_that_only_look_like_symbols_are_left_alone(text):
+    assert symbols(text) == text
+
+
+@pytest.mark.parametrize(("value", "shown"), [(8, "8"), (0.5, "0.5"), (True, "True")])
+def test_numbers_can_be_shown_too(value, shown):
+    assert symbols(value) == shown
+
+
+PIECES = st.sampled_from(["<", ">", "&", '"', "'", "P_o", "theta", "<i>", "&lt;", "</td>", " "])
+
+
+@given(st.lists(PIECES | st.text(max_size=4), max_size=12).map("".join))
+def test_whatever_a_text_holds_it_adds_no_other_tag_and_loses_nothing(text):
+    shown = str(symbols(text))
+    assert set(re.findall(r"<[^>]*>", shown)) <= {"<i>", "</i>", "<sub>", "</sub>"}
+    plain = re.sub("<i>(.)</i><sub>(.*?)</sub>", r"\1_\2", shown)
+    plain = html.unescape(re.sub("</?i>", "", plain))
+    for word, letter in (("theta", "θ"), ("epsilon", "ε"), ("gamma", "γ"), ("rho", "ρ"),
+                         ("sigma", "σ"), ("alpha", "α")):  # fmt: skip
+        plain, text = plain.replace(letter, word), text.replace(letter, word)
+    assert plain == text
+
+
+# Banner
+
+
+@pytest.mark.parametrize(
+    ("sources", "text"),
+    [
+        ({"sim"}, "SIMULATED DATA"),
+        ({"sim", "rig"}, "PARTLY SIMULATED DATA"),
+        ({"sim", "import"}, "PARTLY SIMULATED DATA"),
+        ({"sim", "rig", "import"}, "PARTLY SIMULATED DATA"),
+        ({"rig"}, "MEASURED DATA"),
+        ({"import"}, "MEASURED DATA"),
+        ({"rig", "import"}, "MEASURED DATA"),
+    ],
+)
+def test_banner_says_in_capitals_what_the_data_are(sources, text):
+    assert banner(sources) == text
+
+
+@pytest.mark.parametrize(
+    ("sources", "text", "kinds"),
+    [
+        (["sim", "none"], "SIMULATED DATA", "simulated rig, not hardware"),
+        (["rig", "none"], "MEASURED DATA", "recorded on the rig"),
+        (
+            ["rig", "sim"],
+            "PARTLY SIMULATED DATA",
+            "recorded on the rig and simulated rig, not hardware",
+        ),
+        (["import", "rig"], "MEASURED DATA", "imported recordings and recorded on the rig"),
+    ],
+)
+def test_page_begins_with_the_banner_of_its_figures(tmp_path, sources, text, kinds):
+    project = Project(tmp_path)
+    for number, source in enumerate(sources, start=1):
+        project.add_figure(number, source=source)
+    page = project.page()
+    (shown,) = page.texts("div", **{"class": "banner"})
+    assert shown == f"{text}Every number and every curve on this page comes from: {kinds}."
+    assert page.texts("strong") == [text]
+    assert page.texts("title") == [f"fprc: {text.lower()}"]
+    body = [element["tag"] for element in page.elements]
+    assert body[body.index("body") + 1] == "div"
+
+
+def test_simulated_page_has_another_colour_than_a_measured_one(tmp_path):
+    colours = []
+    for source in ("sim", "rig"):
+        (tmp_path / source).mkdir()
+        project = Project(tmp_path / source)
+        project.add_figure(4, source=source)
+        colours.append(re.search(r"\.banner \{ background: (#\w+);", project.write())[1])
+    assert colours[0] != colours[1]
+
+
+# What is on the page
+
+
+def test_page_is_one_html_document_whose_tags_all_close(project):
+    text = project.write()
+    assert text.lstrip().startswith("<!DOCTYPE html>")
+    page = Page(text)
+    assert page.declarations == ["DOCTYPE html"]
+    assert page.all("html")[0]["lang"] == "en"
+    assert page.all("meta", charset="utf-8")
+    assert "{{" not in text
+    assert "{%" not in text
+
+
+def test_every_claim_is_shown_with_its_verdict(project):
+    page = project.page()
+    (table,) = page.texts("table", **{"class": "claims"})
+    for row in CLAIMS:
+        for text in row.values():
+            assert shown(text) in table
+        verdict = page.texts("td", **{"class": row["verdict"].replace(" ", "-")})
+        assert verdict == [row["verdict"]]
+    assert page.texts("ul", **{"class": "counts"}) == [
+        "1 reproduced 1 not reproduced 1 contradicted as printed"
+    ]
+    assert "Fitted to C2." in page.text()
+
+
+def shown(text):
+    """Return a text as it reads on the page, without its tags."""
+    return html.unescape(re.sub("<[^>]*>", "", str(symbols(text))))
+
+
+def test_every_table_is_shown_with_its_title_note_and_cells(project):
+    page = project.page()
+    assert page.texts("h3") == ["Table I. Settings", "Table IV. Tracking"]
+    notes = page.texts("p", **{"class": "note"})
+    assert notes[1:] == ["Ours and as published.", "Pff alone."]
+    assert ["ModelValueESN800", "RMSE [deg]SweepFPRC2.67PD"] == [
+        text.replace(" ", "").replace("RMSE[", "RMSE [") for text in page.texts("table")[1:3]
+    ]
+    assert [cell["text"] for cell in page.all("td", **{"data-label": "Sweep"})] == ["2.67", ""]
+
+
+def test_every_figure_is_shown_with_number_caption_and_origin(project):
+    page = project.page()
+    assert [figure["id"] for figure in page.all("figure")] == ["fig4", "fig6", "fig12"]
+    captions = page.texts("figcaption")
+    assert captions[0].startswith("Fig. 4. Loops of θ over Pexp.")
+    assert captions[1].startswith("Fig. 6. A drawing.")
+    assert [image["alt"] for image in page.all("img")] == [
+        "Loops of theta over P_exp.", "A drawing.", "Following."
+    ]  # fmt: skip
+    assert "simulated rig, not hardware; commit 0123456789ab" in captions[0]
+    assert f"results/data/sweep.h5, SHA-256 {'5' * 16}" in captions[0]
+    assert "drawing, no data; commit" in captions[1]
+    assert "Drawn without data." in captions[1]
+    assert "Made from:" not in captions[1]
+    assert f"results/raw/a.h5, SHA-256 {'a' * 16}" in captions[2]
+    assert f"b.h5, SHA-256 {'b' * 16}" in captions[2]
+    for number, caption in zip((4, 6, 12), captions, strict=True):
+        assert f"Settings: SHA-256 {f'{number:064x}'[::-1][:16]}" in caption
+
+
+def test_pictures_are_the_very_files_in_their_size(project):
+    images = project.page().all("img")
+    for image, (picture, *_), number in zip(images, project.figures, (4, 6, 12), strict=True):
+        kind, _, data = image["src"].partition(",")
+        assert kind == "data:image/png;base64"
+        assert base64.b64decode(data, validate=True) == Path(picture).read_bytes()
+        assert (image["width"], image["height"]) == (str(20 + number), "10")
+
+
+def test_every_setting_seed_and_version_is_on_the_page(project):
+    page = project.page()
+    (settings,) = page.all("pre")
+    assert yaml.safe_load(settings["text"]) == SETTINGS
+    text = page.text()
+    assert "Seed of the tables and figures: 31; further seeds: 401, 402." in text
+    assert "Commit 0123456789ab." in text
+    assert f"Settings: SHA-256 {hash_of(SETTINGS)[:16]}" in text
+    for name, number in (("python", "3.99.1"), ("numpy", "9.8.7")):
+        assert name in text
+        assert number in text
+
+
+def described(changed):
+    page = Page(changed.write())
+    (header,) = page.texts("header")
+    return header, [text for text in page.texts("li") if " instead of " in text]
+
+
+def test_settings_that_are_not_the_papers_are_listed_and_announced(project):
+    header, listed = described(project)
+    assert "2 settings are not the paper's (which); do not compare" in header
+    assert listed == [
+        "evaluation.folds: 4 instead of 5",
+        "evaluation.replicate_seeds: (401, 402) instead of (201, 202, 203, 204, 205)",
+    ]
+
+
+def test_page_of_the_papers_settings_announces_none(project):
+    rig = DEFAULTS["rig"] | {"drift": DEFAULTS["rig"]["drift"] | {"sigma_kpa": 0.125}}
+    folders = {"raw": "somewhere", "results": "else"}
+    project.settings = DEFAULTS | {"seed": 99, "rig": rig, "folders": folders}
+    header, listed = described(project)
+    assert "not the paper's" not in header
+    assert listed == []
+    assert "Every setting beside those of the rig is the paper's" in project.page().text()
+
+
+@pytest.mark.parametrize(
+    ("found", "text"),
+    [
+        ((COMMIT, True), "Commit 0123456789ab with uncommitted changes."),
+        ((COMMIT, False), "Commit 0123456789ab."),
+        ((None, None), "Commit unknown (not a git checkout)."),
+    ],
+)
+def test_page_says_whether_the_code_was_changed_since_its_commit(project, monkeypatch, found, text):
+    monkeypatch.setattr(report, "checkout", lambda: found)
+    assert text in project.page().text()
+
+
+def test_figure_says_whether_its_own_code_was_changed(project):
+    project.add_figure(13, commit="f" * 40, dirty=True)
+    project.add_figure(14, commit=None, dirty=None)
+    captions = project.page().texts("figcaption")
+    assert "commit ffffffffffff with uncommitted changes" in captions[3]
+    assert "commit unknown (not a git checkout)" in captions[4]
+
+
+def test_every_link_within_the_page_has_its_target(project):
+    page = project.page()
+    targets = {element["id"] for element in page.elements if "id" in element}
+    links = [link["href"] for link in page.all("a") if link["href"].startswith("#")]
+    assert set(links) == {"#claims", "#tables", "#figures", "#settings"}
+    assert {link[1:] for link in links} <= targets
+    identifiers = [element["id"] for element in page.elements if "id" in element]
+    assert len(set(identifiers)) == len(identifiers)
+
+
+def test_page_refers_to_nothing_outside_itself_but_the_paper(project):
+    text = project.write()
+    page = Page(text)
+    references = [
+        value
+        for element in page.elements
+        for name, value in element.items()
+        if name in ("src", "href", "srcset", "action", "data", "poster", "xlink:href")
+    ]
+    outside = [link for link in references if not link.startswith(("#", "data:"))]
+    assert outside == [DOI]
+    assert not {"script", "iframe", "object", "embed", "base"} & {e["tag"] for e in page.elements}
+    assert [link["rel"] for link in page.all("link")] == ["icon"]
+    (style,) = page.texts("style")
+    assert not re.search(r"url\(|@import|https?:", style)
+    assert re.findall(r"https?://[^\"<\s]+", text) == [DOI]
+    assert not [name for e in page.elements for name in e if name.startswith("on")]
+
+
+def test_page_shows_no_path_of_the_machine_that_made_it(project):
+    assert str(project.folder) not in project.write()
+
+
+def test_page_without_a_ledger_has_tables_and_figures_but_no_claims(project):
+    project.ledger = []
+    page = project.page()
+    assert "#claims" not in [link["href"] for link in page.all("a")]
+    assert page.all("table", **{"class": "claims"}) == []
+    assert page.texts("h2") == ["Tables", "Figures", "Settings, seeds, versions"]
+    assert len(page.all("figure")) == 3
+
+
+def test_same_files_give_the_same_bytes(project):
+    assert project.write() == project.write()
+
+
+# What must not be on the page
+
+
+EVIL = "<script>alert(1)</script><img src=x onerror=alert(1)>\" onload='x' & {{ 7 * 7 }} </td>"
+
+
+def spoil_claim(project):
+    project.claims[0] |= dict.fromkeys(("claim", "published", "ours", "test", "basis"), EVIL)
+
+
+def spoil_verdict(project):
+    project.claims[0]["verdict"] = EVIL
+
+
+def spoil_table(project):
+    project.add_table(f"{EVIL}: {EVIL}", **{EVIL: [EVIL], f"b {EVIL}": [EVIL]})
+
+
+def spoil_figure(project):
+    project.add_figure(1, EVIL, inputs={EVIL: EVIL}, commit=EVIL)
+
+
+def spoil_settings(project):
+    project.settings = SETTINGS | {"folders": {"raw": EVIL, "results": EVIL}}
+
+
+@pytest.mark.parametrize(
+    "spoil", [spoil_claim, spoil_verdict, spoil_table, spoil_figure, spoil_settings]
+)
+def test_no_text_becomes_markup(project, spoil):
+    before = {element["tag"] for element in project.page().elements}
+    spoil(project)
+    text = project.write()
+    page = Page(text)
+    assert {element["tag"] for element in page.elements} == before
+    assert not [name for e in page.elements for name in e if name.startswith("on")]
+    assert "alert(1)" in page.text()
+    assert "{{ 7 * 7 }}" in page.text()
+    assert all(image["src"].startswith("data:image/png") for image in page.all("img"))
+
+
+@pytest.mark.parametrize("field", ["claim", "ours", "basis"])
+def test_text_of_a_claim_reads_as_it_was_written(project, field):
+    project.claims[0][field] = EVIL
+    (table,) = project.page().texts("table", **{"class": "claims"})
+    assert " ".join(EVIL.split()) in table
+
+
+# What is an error
+
+
+def test_name_that_the_page_does_not_have_is_an_error(project, tmp_path):
+    template = tmp_path / "page.html.j2"
+    template.write_text("<p>{{ banner }} {{ nonsense }}</p>", encoding="utf-8")
+    project.template = str(template)
+    with pytest.raises(jinja2.UndefinedError, match="nonsense"):
+        project.write()
+    assert not (tmp_path / "report.html").exists()
+
+
+@pytest.mark.parametrize("missing", ["seed", "evaluation"])
+def test_missing_setting_is_an_error(project, missing):
+    project.settings = {key: value for key, value in SETTINGS.items() if key != missing}
+    with pytest.raises(jinja2.UndefinedError, match=missing):
+        project.write()
+
+
+def test_figure_without_its_sidecar_or_caption_is_an_error(project):
+    pictures, sidecars, captions = map(list, zip(*project.figures, strict=True))
+    for cut in ((pictures, sidecars[1:], captions), (pictures, sidecars, captions[1:])):
+        with pytest.raises(ValueError, match="shorter|longer"):
+            write_report(
+                TEMPLATE, [], [], *cut, str(project.folder / "r.html"), settings=SETTINGS
+            )  # fmt: skip
+
+
+def test_failure_leaves_the_old_page(project):
+    old = project.write()
+    project.settings = {}
+    with pytest.raises(jinja2.UndefinedError):
+        project.write()
+    assert (project.folder / "report.html").read_text(encoding="utf-8") == old

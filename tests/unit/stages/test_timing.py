@@ -1,0 +1,117 @@
+import numpy as np
+import pytest
+
+from fprc.artifacts import read_json
+from fprc.config import Settings
+from fprc.control import PressurePI
+from fprc.logs import write_columns
+from fprc.models import ESN, FPRC, FuzzyLinear
+from fprc.stages import timing
+
+SAMPLES = 300
+
+
+@pytest.fixture(scope="module")
+def settings():
+    found = Settings().model_dump()
+    found["models"]["esn"] |= {"r": 10, "washout": 5}
+    found["models"]["fprc"] |= {"n_c": 2}
+    return {name: found[name] for name in ("models", "control", "tracking")}
+
+
+@pytest.fixture(scope="module")
+def logs(recorded, tmp_path_factory):
+    """A training log, and the test log whose readings are replayed."""
+    folder = tmp_path_factory.mktemp("data")
+    for name, samples in (("sweep", 2000), ("complex", SAMPLES)):
+        channels = {
+            channel: recorded[name][channel][:samples]
+            for channel in ("time_s", "p_exp_kpa", "theta_deg", "p_o_kpa")
+        }
+        attributes = {"experiment": name, "source": "sim", "seed": 1, "target": "measured"}
+        write_columns(folder / f"{name}.h5", channels, attributes)
+    return str(folder / "sweep.h5"), str(folder / "complex.h5")
+
+
+def measure(logs, settings, folder):
+    timing.measure_steps(*logs, str(folder / "steps.json"), **settings, seed=1)
+    return read_json(folder / "steps.json")
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """Seconds of a round of steps: the first is a warm-up, whose times are wild."""
+    rounds = []
+
+    def time_steps(step, samples):
+        for k in range(samples):
+            step(k)
+        rounds.append(samples)
+        if len(rounds) % 2:
+            return np.full(samples, 1e3)
+        seconds = np.full(samples, 2e-5)
+        seconds[-1] = 4e-3
+        return seconds
+
+    monkeypatch.setattr(timing, "time_steps", time_steps)
+    return rounds
+
+
+def test_cost_of_a_step_is_that_of_a_second_round(logs, settings, tmp_path, clock):
+    report = measure(logs, settings, tmp_path)
+    assert clock == [SAMPLES] * 6
+    assert report["source"] == "sim"
+    assert report["cpu"]
+    assert [entry["model"] for entry in report["steps"]] == ["esn", "fprc", "fuzzy_linear"]
+    for entry in report["steps"]:
+        assert entry["samples"] == SAMPLES
+        assert entry["median_us"] == pytest.approx(20.0)
+        assert entry["max_us"] == pytest.approx(4000.0)
+        assert entry["budget_us"] == pytest.approx(5000.0)
+        # linear interpolation between the two largest of 300: at 0.999 * 299 = 298.701
+        assert entry["p99_9_us"] == pytest.approx(20.0 + 0.701 * 3980.0)
+
+
+@pytest.mark.parametrize(
+    ("model", "columns"), [(ESN, 1), (FPRC, 2), (FuzzyLinear, 1)], ids=lambda x: str(x)[-20:]
+)
+def test_each_step_of_the_controller_is_fed_the_log_sample_by_sample(
+    logs, settings, tmp_path, clock, monkeypatch, model, columns
+):
+    seen = []
+    step = model.step
+
+    def spy(self, x):
+        seen.append(x)
+        return step(self, x)
+
+    monkeypatch.setattr(model, "step", spy)
+    measure(logs, settings, tmp_path)
+    data = timing.read_data(logs[1]).channels
+    expected = np.column_stack([data["theta_deg"], data["p_o_kpa"]])[:, :columns]
+    np.testing.assert_array_equal(seen, np.tile(expected, (2, 1)))
+
+
+def test_each_step_of_the_controller_runs_both_pressure_loops(
+    logs, settings, tmp_path, clock, monkeypatch
+):
+    seen = []
+    step = PressurePI.step
+
+    def spy(self, setpoint, reading):
+        seen.append((setpoint, reading))
+        return step(self, setpoint, reading)
+
+    monkeypatch.setattr(PressurePI, "step", spy)
+    measure(logs, settings, tmp_path)
+    assert len(seen) == 2 * 6 * SAMPLES
+    data = timing.read_data(logs[1]).channels
+    main, reservoir = seen[0 : 2 * SAMPLES : 2], seen[1 : 2 * SAMPLES : 2]
+    np.testing.assert_array_equal([reading for _, reading in main], data["p_exp_kpa"])
+    assert all(0.0 <= setpoint <= 450.0 for setpoint, _ in main)
+    np.testing.assert_allclose([setpoint for setpoint, _ in reservoir], 7.0 * data["theta_deg"])
+
+
+def test_cost_of_a_step_is_measured_for_real_too(logs, settings, tmp_path):
+    for entry in measure(logs, settings, tmp_path)["steps"]:
+        assert 0.0 < entry["median_us"] <= entry["p99_9_us"] <= entry["max_us"]

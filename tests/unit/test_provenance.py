@@ -1,0 +1,265 @@
+import hashlib
+import os
+import platform
+import shutil
+import subprocess
+from importlib.metadata import PackageNotFoundError, version
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fprc import provenance
+from fprc.provenance import checkout, describe, hash_of, versions
+
+needs_git = pytest.mark.skipif(shutil.which("git") is None, reason="no git here")
+
+
+@pytest.fixture(autouse=True)
+def no_settings_of_the_user(monkeypatch):
+    for name in [name for name in os.environ if name.startswith("GIT_")]:
+        monkeypatch.delenv(name)
+    monkeypatch.setenv("GIT_CONFIG_GLOBAL", os.devnull)
+    monkeypatch.setenv("GIT_CONFIG_NOSYSTEM", "1")
+    for role in ("AUTHOR", "COMMITTER"):
+        monkeypatch.setenv(f"GIT_{role}_NAME", "Test")
+        monkeypatch.setenv(f"GIT_{role}_EMAIL", "test@example.org")
+
+
+def git(folder, *arguments):
+    done = subprocess.run(
+        ["git", "-C", str(folder), *arguments], capture_output=True, text=True, check=True
+    )
+    return done.stdout.strip()
+
+
+def add_package(folder):
+    folder.mkdir(parents=True)
+    (folder / "__init__.py").write_text("", encoding="utf-8")
+    (folder / "module.py").write_text("x = 1\n", encoding="utf-8")
+    return folder
+
+
+@pytest.fixture
+def repository(tmp_path):
+    """A repository with one commit, in which results/ and .venv/ are ignored."""
+    root = tmp_path / "project"
+    add_package(root / "src" / "package")
+    (root / ".gitignore").write_text("results/\n.venv/\n", encoding="utf-8")
+    git(tmp_path, "init", "--quiet", "project")
+    git(root, "add", ".")
+    git(root, "commit", "--quiet", "--message", "First")
+    return root
+
+
+@pytest.fixture
+def package(repository):
+    return repository / "src" / "package"
+
+
+@needs_git
+def test_commit_of_a_clean_checkout_is_the_one_that_is_checked_out(repository, package):
+    first = git(repository, "rev-parse", "HEAD")
+    assert len(first) == 40
+    assert checkout(package) == (first, False)
+    git(repository, "commit", "--quiet", "--allow-empty", "--message", "Second")
+    second = git(repository, "rev-parse", "HEAD")
+    assert second != first
+    assert checkout(package) == (second, False)
+
+
+@needs_git
+def test_checkout_is_dirty_from_the_first_change_until_it_is_committed(repository, package):
+    first, _ = checkout(package)
+    (package / "module.py").write_text("x = 2\n", encoding="utf-8")
+    assert checkout(package) == (first, True)
+    git(repository, "add", ".")
+    assert checkout(package) == (first, True)
+    git(repository, "commit", "--quiet", "--message", "Second")
+    assert checkout(package) == (git(repository, "rev-parse", "HEAD"), False)
+    (package / "module.py").unlink()
+    assert checkout(package)[1] is True
+
+
+@needs_git
+def test_new_module_that_git_does_not_know_makes_the_checkout_dirty(package):
+    (package / "new.py").write_text("", encoding="utf-8")
+    assert checkout(package)[1] is True
+
+
+@needs_git
+def test_ignored_results_do_not_make_the_checkout_dirty(repository, package):
+    (repository / "results").mkdir()
+    (repository / "results" / "table.csv").write_text("1\n", encoding="utf-8")
+    assert checkout(package)[1] is False
+
+
+@needs_git
+def test_looking_leaves_the_repository_as_it_was(repository, package):
+    os.utime(package / "module.py", (1.0, 1.0))  # git would like to refresh its index
+    before = (repository / ".git" / "index").read_bytes()
+    assert checkout(package)[1] is False
+    assert (repository / ".git" / "index").read_bytes() == before
+
+
+@needs_git
+def test_package_outside_git_has_no_commit(tmp_path):
+    assert checkout(add_package(tmp_path / "package")) == (None, None)
+
+
+@needs_git
+def test_package_installed_into_an_ignored_folder_has_no_commit(repository):
+    installed = add_package(repository / ".venv" / "lib" / "site-packages" / "package")
+    assert checkout(installed) == (None, None)
+
+
+@needs_git
+def test_package_that_was_never_added_has_no_commit(repository):
+    assert checkout(add_package(repository / "src" / "other")) == (None, None)
+
+
+def test_folder_that_is_not_there_has_no_commit(tmp_path):
+    assert checkout(tmp_path / "nowhere") == (None, None)
+
+
+def test_without_git_there_is_no_commit(tmp_path, monkeypatch):
+    package = add_package(tmp_path / "package")
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert checkout(package) == (None, None)
+    assert checkout() == (None, None)
+
+
+@needs_git
+def test_commit_is_that_of_the_code_wherever_it_runs(package, tmp_path, monkeypatch):
+    monkeypatch.setattr(provenance.fprc, "__path__", [str(package)])
+    expected = checkout(package)
+    monkeypatch.chdir(tmp_path)
+    assert checkout() == expected
+    assert expected[0] is not None
+
+
+VALUES = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner),
+    max_leaves=8,
+)
+
+
+def turned(value):
+    """Return the same settings with the keys of every mapping the other way round."""
+    if isinstance(value, dict):
+        return {key: turned(value[key]) for key in reversed(value)}
+    return [turned(item) for item in value] if isinstance(value, list) else value
+
+
+@given(st.dictionaries(st.text(max_size=5), VALUES))
+def test_hash_of_settings_does_not_depend_on_the_order_of_keys(settings):
+    assert hash_of(turned(settings)) == hash_of(settings)
+    assert len(hash_of(settings)) == 64
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        {"a": {"b": 2}, "c": [1, 2]},
+        {"a": {"b": 1}, "c": [2, 1]},
+        {"a": {"b": 1.5}, "c": [1, 2]},
+        {"a": {"b": "1"}, "c": [1, 2]},
+        {"a": {"b": 1, "d": None}, "c": [1, 2]},
+        {"a": {}, "b": 1, "c": [1, 2]},
+    ],
+)
+def test_other_settings_have_another_hash(other):
+    assert hash_of(other) != hash_of({"a": {"b": 1}, "c": [1, 2]})
+
+
+def test_versions_name_python_and_every_library_that_is_installed():
+    found = versions()
+    assert found.pop("python") == platform.python_version()
+    assert {"fprc", "numpy", "scipy", "scikit-learn", "matplotlib", "h5py"} <= set(found)
+    assert found == {name: version(name) for name in found}
+
+
+def test_library_that_is_not_installed_has_no_version(monkeypatch):
+    def missing(name):
+        if name == "schemdraw":
+            raise PackageNotFoundError(name)
+        return "1.0"
+
+    monkeypatch.setattr(provenance, "version", missing)
+    found = versions()
+    assert "schemdraw" not in found
+    assert found["numpy"] == "1.0"
+
+
+@pytest.fixture
+def files(tmp_path):
+    """Files by their names, with what is in them."""
+    contents = {"empty.bin": b"", "log.h5": bytes(range(256)) * 1000, "fig.png": b"\x89PNG"}
+    for name, content in contents.items():
+        (tmp_path / name).write_bytes(content)
+    return {str(tmp_path / name): content for name, content in contents.items()}
+
+
+def described(data, files, **settings):
+    first, *others = files
+    return describe(data, inputs=others, outputs=[first], settings=settings)
+
+
+def test_every_input_and_output_is_given_with_its_sha_256(files):
+    found = described({"source": "sim", "seed": 7}, files)
+    assert list(found["inputs"]) == list(files)[1:]
+    assert list(found["outputs"]) == list(files)[:1]
+    for path, digest in (found["inputs"] | found["outputs"]).items():
+        assert digest == hashlib.sha256(files[path]).hexdigest()
+    # the well-known digest of nothing
+    assert next(iter(found["outputs"].values())).startswith("e3b0c44298fc1c149afbf4c8996fb924")
+
+
+@pytest.mark.skipif(shutil.which("sha256sum") is None, reason="no sha256sum here")
+def test_digests_are_those_that_a_reader_computes_at_the_shell(files):
+    found = described({"source": "sim"}, files)
+    done = subprocess.run(["sha256sum", *files], capture_output=True, text=True, check=True)
+    theirs = {line.split("  ")[1]: line.split("  ")[0] for line in done.stdout.splitlines()}
+    assert found["inputs"] | found["outputs"] == theirs
+
+
+@pytest.mark.parametrize(
+    ("data", "simulated", "seeds"),
+    [
+        ({"source": "sim", "seed": 7}, True, [7]),
+        ({"source": "sim", "seed": 0}, True, [0]),
+        ({"source": "rig"}, False, []),
+        ({"source": "import", "seed": 3, "model": "fprc"}, False, [3]),
+        ({"source": "none"}, False, []),
+    ],
+)
+def test_source_and_seed_are_those_of_the_data(files, data, simulated, seeds):
+    found = described(data, files)
+    assert (found["source"], found["simulated"], found["seeds"]) == (
+        data["source"],
+        simulated,
+        seeds,
+    )
+
+
+def test_description_holds_code_settings_and_versions(files, monkeypatch):
+    monkeypatch.setattr(provenance, "checkout", lambda: ("a" * 40, True))
+    found = described({"source": "sim"}, files, n_c=8, seed=1)
+    assert (found["commit"], found["dirty"]) == ("a" * 40, True)
+    assert found["config_sha256"] == hash_of({"seed": 1, "n_c": 8})
+    assert found["versions"] == versions()
+    assert list(found) == [
+        "source", "simulated", "seeds", "commit", "dirty", "config_sha256", "versions",
+        "inputs", "outputs",
+    ]  # fmt: skip
+
+
+def test_data_without_a_source_is_an_error(files):
+    with pytest.raises(KeyError, match="source"):
+        described({"seed": 7}, files)
+
+
+def test_input_that_is_gone_is_an_error(tmp_path):
+    with pytest.raises(FileNotFoundError):
+        describe({"source": "sim"}, inputs=[str(tmp_path / "x")], outputs=[], settings={})

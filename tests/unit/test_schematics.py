@@ -1,0 +1,334 @@
+import itertools
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
+from matplotlib.path import Path as Path2D
+from matplotlib.text import Text
+from matplotlib.transforms import Bbox
+
+from fprc.figures import soft_bodies as soft
+from fprc.figures import style
+from fprc.figures.structure import boyle
+from fprc.logs import write_columns
+from fprc.stages import draw_schematics as draw
+
+MODELS = {
+    "n_y": 5,
+    "esn": {"r": 800, "gamma": 0.8, "rho": 0.4, "f_input": 0.02},
+    "fprc": {"epsilon": 0.01, "n_u": 3, "n_c": 8},
+}
+# longer than any number that the sweeps use
+LONG = {
+    "n_y": 10,
+    "esn": {"r": 10000, "gamma": 0.95, "rho": 0.85, "f_input": 0.001},
+    "fprc": {"epsilon": 1e-4, "n_u": 10, "n_c": 16},
+}
+CONTROL, LONG_CONTROL = {"k_in_kpa_per_deg": 7.0}, {"k_in_kpa_per_deg": 12.5}
+
+TIME = np.linspace(0.0, 2.0 * np.pi, 181)
+angles = st.floats(-40.0, 90.0)
+bends = st.floats(1.0, 90.0)
+
+
+def length(points):
+    return np.hypot(*np.diff(points, axis=0).T).sum()
+
+
+@given(angles)
+def test_plate_keeps_its_length_at_every_angle(angle_deg):
+    along = np.linspace(0.0, 1.0, 2001)
+    assert length(soft.bend(along, np.zeros(2001), angle_deg)) == pytest.approx(1.0, abs=1e-6)
+
+
+@given(bends)
+def test_plate_is_an_arc_of_a_circle_about_a_point_beside_the_base(angle_deg):
+    plate = soft.bend(np.linspace(0.0, 1.0, 30), np.zeros(30), angle_deg)
+    radius = 1.0 / np.radians(angle_deg)
+    assert np.hypot(*(plate - (radius, 0.0)).T) == pytest.approx(radius)
+
+
+@given(angles, st.floats(-0.3, 0.3))
+def test_end_is_rotated_by_the_angle_and_the_base_is_not(angle_deg, beside):
+    turn = np.radians(angle_deg)
+    ends = soft.bend(np.array([-0.1, 0.0, 1.0, 1.1]), np.full(4, beside), angle_deg)
+    assert (ends[1] - ends[0]) / 0.1 == pytest.approx((0.0, -1.0))
+    assert (ends[3] - ends[2]) / 0.1 == pytest.approx((np.sin(turn), -np.cos(turn)))
+
+
+@given(st.floats(-0.2, 1.2), st.floats(-0.3, 0.3))
+def test_body_is_straight_without_a_bend(along, beside):
+    point = soft.bend(np.array([along]), np.array([beside]), 0.0)
+    assert point[0] == pytest.approx((beside, -along))
+
+
+@given(bends, st.floats(1.0, 20.0))
+def test_driven_bladder_gets_shorter_and_wider_the_more_it_bends(angle_deg, more_deg):
+    def axis(angle):
+        middle = np.full(200, soft.HALF_PLATE + soft.DIAMETER / 2)
+        return length(soft.bend(np.linspace(0.0, 1.0, 200), middle, angle))
+
+    assert soft.bulge(0.0) == pytest.approx(1.0)
+    assert soft.bulge(angle_deg + more_deg) > soft.bulge(angle_deg) > 1.0
+    assert axis(angle_deg + more_deg) < axis(angle_deg) < 1.0
+
+
+@given(bends)
+def test_threads_of_the_braid_keep_their_length(angle_deg):
+    axis = 1.0 - np.radians(angle_deg) * (soft.HALF_PLATE + soft.DIAMETER / 2)
+    around = np.tan(soft.BRAID) * soft.bulge(angle_deg)
+    assert axis**2 + around**2 == pytest.approx(1.0 + np.tan(soft.BRAID) ** 2)
+
+
+def test_outline_of_a_straight_bladder_is_a_rectangle():
+    outline = soft.bladder(0.0, soft.DIAMETER)
+    assert soft.area(outline) == pytest.approx(soft.DIAMETER)
+    assert outline[:, 0].min() == soft.HALF_PLATE
+    inside = soft.area(soft.bladder(0.0, soft.DIAMETER, 1, soft.WALL))
+    assert inside == pytest.approx((1 - 2 * soft.WALL) * (soft.DIAMETER - 2 * soft.WALL))
+
+
+@given(st.floats(0.0, 60.0), st.floats(0.5, 1.0))
+def test_squeezed_bladder_is_drawn_as_large_as_its_air(angle_deg, share):
+    def drawn(angle, width):
+        return soft.area(soft.bladder(angle, width, -1, soft.WALL))
+
+    width = soft.squeezed(angle_deg, share)
+    assert drawn(angle_deg, width) == pytest.approx(share * drawn(0.0, soft.DIAMETER))
+
+
+@given(st.floats(0.0, 200.0), st.floats(0.0, 300.0))
+def test_sealed_air_keeps_pressure_times_volume(rest_kpa, more_kpa):
+    share = boyle((0.0, rest_kpa, 0.0), (400.0, rest_kpa + more_kpa, 30.0))
+    assert share * (rest_kpa + more_kpa + 101.3) == pytest.approx(rest_kpa + 101.3)
+    assert share <= 1.0
+
+
+def test_drawn_end_is_turned_by_the_angle_and_mirrored_on_request(axes):
+    for mirrored, sign in ((False, 1.0), (True, -1.0)):
+        bladders = [(1, soft.DIAMETER, (1.0, 1.0, 1.0))]
+        soft.plot_body(axes, 33.25, bladders, origin=(2.0, 3.0), scale=0.5, mirrored=mirrored)
+        end = axes.patches[-1].get_xy()
+        side = end[60] - end[0]
+        assert np.degrees(np.arctan2(sign * side[0], -side[1])) == pytest.approx(33.25)
+
+
+@pytest.fixture
+def axes():
+    return style.figure(1, 1, style.COLUMN_IN, 2.0)[1]
+
+
+def write_log(path, **channels):
+    channels = {
+        "p_exp_kpa": 170.0 - 168.0 * np.cos(TIME),
+        "theta_deg": 27.0 - 27.4 * np.cos(TIME - 0.3),
+        "p_i_kpa": 200.0 - 201.0 * np.cos(TIME),
+        "p_o_kpa": 124.0 - 24.0 * np.cos(TIME - 0.2),
+        "phi_deg": 20.0 - 20.0 * np.cos(TIME - 0.1),
+    } | channels
+    write_columns(path, channels, {"source": "sim", "seed": 7})
+    return channels
+
+
+@pytest.fixture(scope="module")
+def draw_in(tmp_path_factory):
+    """Run a stage on its files; return figure, what the stage returned, and the files' bytes."""
+    folder, saved, save = tmp_path_factory.mktemp("drawn"), [], style.save
+    raw, *files = (str(folder / name) for name in ("raw.h5", "f.pdf", "f.png"))
+
+    def remember(fig, *arguments):
+        saved.append(fig)
+        return save(fig, *arguments)
+
+    def call(stage, log=None, **settings):
+        if log is not None:
+            write_log(raw, **log)
+            settings["raw"] = raw
+        data = stage(pdf=files[0], png=files[1], **settings)
+        return saved[-1], data, [Path(file).read_bytes() for file in files]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(style, "save", remember)
+        # fewer pixels and no subsets of fonts, for speed
+        patch.setitem(style._STYLE, "savefig.dpi", 50)
+        patch.setitem(style._STYLE, "pdf.fonttype", 3)
+        yield call
+
+
+CALLS = {
+    "actuator": (draw.draw_actuator, {"log": {}}),
+    "reservoir": (draw.draw_reservoir, {"log": {}, **CONTROL}),
+    "apparatus": (draw.draw_apparatus, {}),
+    "esn": (draw.draw_esn_system, {"models": MODELS}),
+    "fprc": (draw.draw_fprc_system, {"models": MODELS, "control": CONTROL}),
+}
+LONG_CALLS = {
+    "reservoir, long": (
+        draw.draw_reservoir,
+        {"log": {"p_i_kpa": 230.0 - 201.0 * np.cos(TIME)}, **LONG_CONTROL},
+    ),
+    "esn, long": (draw.draw_esn_system, {"models": LONG}),
+    "fprc, long": (draw.draw_fprc_system, {"models": LONG, "control": LONG_CONTROL}),
+}
+
+
+@pytest.fixture(scope="module")
+def drawings(draw_in):
+    """Every figure, drawn once."""
+    calls = (CALLS | LONG_CALLS).items()
+    return {name: draw_in(stage, **settings) for name, (stage, settings) in calls}
+
+
+@pytest.fixture(params=CALLS | LONG_CALLS)
+def picture(request, drawings):
+    return drawings[request.param][0]
+
+
+def words(fig):
+    return [text.get_text() for text in texts(fig)]
+
+
+def texts(fig):
+    """Every text that is seen; ticks outside the limits are not."""
+    found = [text for text in fig.findobj(Text) if text.get_text() and text.get_visible()]
+    unseen = {
+        label
+        for ax in fig.findobj(plt.Axes)
+        for axis in (ax.xaxis, ax.yaxis)
+        for label, at in zip(axis.get_ticklabels(), axis.get_ticklocs(), strict=True)
+        if not ax.axison or not min(axis.get_view_interval()) <= at <= max(axis.get_view_interval())
+    }
+    return [text for text in found if text not in unseen]
+
+
+def extents(fig):
+    fig.draw_without_rendering()
+    return {text: text.get_window_extent() for text in texts(fig)}
+
+
+def test_no_two_texts_overlap_and_none_is_clipped(picture):
+    boxes = extents(picture)
+    assert len(boxes) > 5
+    for (one, first), (other, second) in itertools.combinations(boxes.items(), 2):
+        assert not first.overlaps(second), (one.get_text(), other.get_text())
+    for text, box in boxes.items():
+        assert encloses(picture.bbox, box), text.get_text()
+        assert text.get_fontsize() >= (5.5 if text is picture._supxlabel else 6.0)
+
+
+def test_text_stays_in_its_box(picture):
+    boxes = [patch.get_window_extent() for patch in picture.findobj(FancyBboxPatch)]
+    for text, place in extents(picture).items():
+        for box in boxes:
+            assert encloses(box, place) or not box.overlaps(place), text.get_text()
+
+
+def test_no_line_runs_through_text(picture):
+    places = extents(picture)
+    for arrow in picture.findobj(FancyArrowPatch):
+        line = arrow.get_transform().transform_path(arrow.get_path())
+        for part in line.to_polygons(closed_only=False):
+            for text, place in places.items():
+                assert not Path2D(part).intersects_bbox(place, filled=False), text.get_text()
+
+
+def encloses(outer, inner):
+    return Bbox.union([outer, inner]).bounds == pytest.approx(outer.bounds)
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_drawing_twice_gives_the_same_bytes(name, drawings, draw_in):
+    stage, settings = CALLS[name]
+    assert draw_in(stage, **settings)[2] == drawings[name][2]
+
+
+def test_every_part_of_the_actuator_is_named(drawings):
+    names = " ".join(words(drawings["actuator"][0])).replace("\n", " ")
+    for part in ("Metallic base", "Rubber bladder", "Metal end", "Linking metal plate",
+                 "Inextensible fabric shield"):  # fmt: skip
+        assert part in names
+
+
+def test_every_part_of_the_reservoir_is_named(drawings):
+    names = " ".join(words(drawings["reservoir"][0])).replace("\n", " ")
+    for part in ("PAM A", "PAM B", "Central metal plate", "fabric shield", "Metallic base",
+                 "Metal end", "Air port of A", "Hand valve"):  # fmt: skip
+        assert part in names
+
+
+def test_every_instrument_of_the_apparatus_is_named(drawings):
+    names = " ".join(words(drawings["apparatus"][0])).replace("\n", " ")
+    assert names.count("MPYE-5-M5-010B") == 2
+    for part in ("Computer", "AI-1616L-LPE", "AO-1608L-LPE", "Air supply", "Soft actuator",
+                 "Physical reservoir", "Hand valve", "Bend Labs 1-axis",
+                 "PSE540A-R06", "pneumatic", "electrical", r"P_\mathrm{exp}", "P_i", "P_o",
+                 r"\theta"):  # fmt: skip
+        assert part in names
+
+
+def test_actuator_shows_the_numbers_of_its_log(drawings, tmp_path):
+    fig, data, _ = drawings["actuator"]
+    log = write_log(tmp_path / "raw.h5")
+    p_exp, theta = log["p_exp_kpa"], log["theta_deg"]
+    bent = np.argmax(theta)
+    straight = bent + np.argmin(p_exp[bent:])
+    shown = words(fig)
+    for k in (bent, straight):
+        assert rf"$P_\mathrm{{exp}}$ = {p_exp[k]:.0f} kPa" in shown
+        assert rf"$\theta$ = {theta[k]:.0f}°" in shown
+    assert data["source"] == "sim"
+    assert data["seed"] == 7
+
+
+def test_reservoir_shows_the_numbers_and_the_loop_of_its_log(drawings, tmp_path):
+    fig, data, _ = drawings["reservoir"]
+    log = write_log(tmp_path / "raw.h5")
+    p_i, p_o, phi = (log[name] for name in ("p_i_kpa", "p_o_kpa", "phi_deg"))
+    rest, driven = np.argmin(p_i), np.argmax(phi)
+    shown = words(fig)
+    assert f"A: atmospheric\nB: $P_o$ = {p_o[rest]:.0f} kPa" in shown
+    assert f"A: $P_i$ = {p_i[driven]:.0f} kPa\nB: $P_o$ = {p_o[driven]:.0f} kPa" in shown
+    assert rf"$\phi$ = {phi[driven]:.0f}°" in shown
+    assert "7 kPa/deg" in shown
+    loop = fig.axes[0].child_axes[0].lines[0]
+    assert loop.get_xdata().tolist() == p_i.tolist()
+    assert loop.get_ydata().tolist() == p_o.tolist()
+    assert data["source"] == "sim"
+
+
+def test_squeezed_chamber_is_drawn_smaller_than_at_rest(drawings):
+    fig = drawings["reservoir"][0]
+    rubber = plt.matplotlib.colors.to_rgba(soft.RUBBER)
+    outlines = [patch.get_xy() for patch in fig.axes[0].patches
+                if patch.get_facecolor() == rubber]  # fmt: skip
+    passive = [soft.area(outline) for outline in outlines[1::2]]
+    active = [soft.area(outline) for outline in outlines[::2]]
+    assert passive[0] == pytest.approx(passive[1], rel=1e-3)
+    assert passive[2] < 0.9 * passive[1]
+    assert active[2] > 1.1 * active[1]
+
+
+def test_chamber_that_is_not_vented_shows_its_pressure(drawings):
+    shown = " ".join(words(drawings["reservoir, long"][0]))
+    assert "A: $P_i$ = 29 kPa" in shown
+    assert "atmospheric" not in shown
+
+
+def test_esn_system_shows_its_settings(drawings):
+    fig, data, _ = drawings["esn, long"]
+    shown = " ".join(words(fig))
+    for text in ("$r$ = 10000", "$n_y$ = 10", r"$\gamma$ = 0.95", r"$\rho$ = 0.85", "= 0.001"):
+        assert text in shown
+    assert data == {"source": "none"}
+
+
+def test_fprc_system_shows_its_settings(drawings):
+    fig, data, _ = drawings["fprc, long"]
+    shown = " ".join(words(fig))
+    for text in ("12.5 kPa/deg", "$n_y$ = 10", "$n_u$ = 10", "$n_c$ = 16", "= 0.0001"):
+        assert text in shown
+    assert data == {"source": "none"}

@@ -1,0 +1,127 @@
+"""The report page, opened in a browser as a reader would, and Snakemake's own report."""
+
+import json
+import re
+import shutil
+import subprocess
+import zipfile
+
+import pytest
+
+pytestmark = pytest.mark.slow
+
+BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "chrome"))), None)
+WIDTHS = {"phone": 360, "laptop": 1366}
+
+#: Loads a page into frames as wide as the screens and writes down what is wrong with it.
+HARNESS = """<!DOCTYPE html><meta charset="utf-8"><body>
+<script>
+const widths = %s, found = {};
+function look(frame, name) {
+  const page = frame.contentDocument, root = page.documentElement;
+  const limit = root.clientWidth + 1;
+  const large = page.querySelector(".banner strong");
+  const seen = [...page.body.querySelectorAll("*")].filter(e => e.getClientRects().length);
+  found[name] = {
+    title: page.title,
+    images: page.images.length,
+    broken: [...page.images].filter(i => !i.complete || !i.naturalWidth).map(i => i.alt),
+    scrolls: root.scrollWidth > limit,
+    wide: seen.filter(e => e.getBoundingClientRect().right > limit)
+      .map(e => e.outerHTML.slice(0, 80)),
+    banner: parseFloat(getComputedStyle(large || page.body).fontSize),
+  };
+  if (Object.keys(found).length == Object.keys(widths).length) {
+    const out = document.createElement("pre");
+    out.id = "found";
+    out.textContent = JSON.stringify(found);
+    document.body.append(out);
+  }
+}
+for (const [name, width] of Object.entries(widths)) {
+  const frame = document.createElement("iframe");
+  frame.style = `width:${width}px; height:800px; border:0`;
+  frame.onload = () => look(frame, name);
+  frame.src = %s;
+  document.body.append(frame);
+}
+</script>"""
+
+
+def opened(page, folder):
+    """Return what a headless browser finds in a page on disk, and its console's errors."""
+    harness = folder / "harness.html"
+    harness.write_text(HARNESS % (json.dumps(WIDTHS), json.dumps(page.as_uri())), encoding="utf-8")
+    done = subprocess.run(
+        [
+            BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run",
+            "--disable-background-networking", "--disable-component-update", "--disable-sync",
+            "--disable-dev-shm-usage", "--hide-scrollbars", "--window-size=1400,1000",
+            "--allow-file-access-from-files", "--enable-logging=stderr",
+            f"--user-data-dir={folder / 'profile'}", "--virtual-time-budget=20000",
+            "--dump-dom", harness.as_uri(),
+        ],
+        capture_output=True, text=True, timeout=180,
+    )  # fmt: skip
+    text = re.search(r'<pre id="found">(.*?)</pre>', done.stdout, flags=re.DOTALL)
+    assert text, done.stdout[:2000] + done.stderr[-2000:]
+    plain = text[1].replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&")
+    return json.loads(plain), re.findall(r"CONSOLE[:(].*", done.stderr)
+
+
+needs_browser = pytest.mark.skipif(
+    BROWSER is None, reason="no chromium here; install it to test the page in a browser"
+)
+
+
+@needs_browser
+@pytest.mark.parametrize("screen", WIDTHS)
+def test_page_opens_from_disk_without_error_on_every_screen(smoked, tmp_path, screen):
+    found, console = opened(smoked[0].folder / "results/smoke/report.html", tmp_path)
+    assert console == []
+    assert found[screen]["images"] == 17
+    assert found[screen]["broken"] == []
+    assert not found[screen]["scrolls"]
+    assert found[screen]["wide"] == []
+    assert found[screen]["banner"] > 25
+
+
+@needs_browser
+def test_browser_notices_a_page_that_is_wrong(tmp_path):
+    page = tmp_path / "wrong.html"
+    page.write_text(
+        '<title>wrong</title><img src="gone.png" alt="gone"><p style="width:2000px">wide</p>'
+        '<script>console.error("oh"); undefined.x</script>',
+        encoding="utf-8",
+    )
+    found, console = opened(page, tmp_path)
+    assert len(console) >= 2
+    for screen in WIDTHS:
+        assert found[screen]["broken"] == ["gone"]
+        assert found[screen]["scrolls"]
+        assert any("2000px" in element for element in found[screen]["wide"])
+
+
+def test_page_holds_everything_and_asks_for_nothing(smoked):
+    text = (smoked[0].folder / "results/smoke/report.html").read_text(encoding="utf-8")
+    assert "SIMULATED DATA" in text
+    assert re.findall(r'(?:src|href)="(?!data:|#|https://doi\.org/)[^"]*"', text) == []
+    assert len(set(re.findall(r'<tr><th scope="row">(C\d+)</th>', text))) == 18
+    assert text.index('id="claims"') < text.index('id="tables"') < text.index('id="figures"')
+
+
+def test_snakemakes_own_report_has_every_figure_with_caption_and_category(smoked_copy):
+    done = smoked_copy.smoke("all", "--report", "report.zip")
+    assert done.returncode == 0, done.stdout
+    with zipfile.ZipFile(smoked_copy.folder / "report.zip") as archive:
+        names = archive.namelist()
+        texts = [
+            archive.read(n).decode(errors="replace") for n in names if n.endswith((".html", ".js"))
+        ]
+    for number in range(1, 18):
+        assert any(re.search(rf"fig{number:02}_\w+\.png$", name) for name in names), number
+        assert any(f"Fig. {number}" in text for text in texts), number
+    for category in ("II Pneumatic bending actuators", "IV Experimental results"):
+        assert any(category in text for text in texts)
+    assert any("simulated rig, not hardware" in text for text in texts)
+    assert any("in both experiments" in text for text in texts)  # caption of Fig. 5

@@ -1,0 +1,27 @@
+# Everything on one page.
+
+
+rule report_page:
+    input:
+        template="workflow/report/page.html.j2",
+        ledger=CLAIMS,
+        tables=PAGES,
+        pictures=[path.replace(".pdf", ".png") for path in SHOWN.values()],
+        sidecars=[path.replace(".pdf", ".json") for path in SHOWN.values()],
+        captions=[f"workflow/report/fig{number:02}.rst" for number in SHOWN],
+    output:
+        html=report(
+            f"{RESULTS}/report.html",
+            caption="../report/page.rst",
+            category="The whole reproduction",
+            labels={"page": "report", "data": DATA},
+        ),
+    log:
+        f"{RESULTS}/logs/report_page.log",
+    params:
+        settings=SETTINGS,
+        code=code_of("report"),
+    message:
+        "Report: claims, tables, figures and settings on one page"
+    script:
+        "../scripts/page.py"
