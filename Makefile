@@ -3,7 +3,7 @@ PYTHON ?= python3
 CORES ?= 2
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 
-.PHONY: paper smoke test readme clean
+.PHONY: paper smoke test docs clean
 
 paper: .venv/.ready
 	snakemake --cores $(CORES) all
@@ -19,8 +19,8 @@ test: .venv/.ready
 	lint-imports
 	pytest $(PYTEST)
 
-readme: .venv/.ready
-	snakemake --cores $(CORES) readme
+docs: .venv/.ready
+	snakemake --cores $(CORES) readme calibration_page
 
 .venv/.ready: environment.txt pyproject.toml
 	$(PYTHON) -c 'import sys; v = sys.version_info[:2]; (3, 11) <= v <= (3, 13) or sys.exit(f"fprc needs Python 3.11, 3.12 or 3.13, this is {v[0]}.{v[1]}; use: make PYTHON=python3.12 ...")'

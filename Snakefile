@@ -45,6 +45,7 @@ wildcard_constraints:
     reference="|".join(SETTINGS["tracking"]["references"]),
     sweep="epsilon|n_c|taps",
     seed=r"\d+",
+    target="command|measured",
 
 
 include: "workflow/rules/targets.smk"
@@ -54,6 +55,7 @@ include: "workflow/rules/control.smk"
 include: "workflow/rules/tables.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/claims.smk"
+include: "workflow/rules/calibration.smk"
 include: "workflow/rules/report.smk"
 
 

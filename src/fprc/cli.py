@@ -1,4 +1,4 @@
-"""Command line: ``fprc config ...`` and ``fprc log ...``."""
+"""Command line: ``fprc config ...``, ``fprc calibrate`` and ``fprc log ...``."""
 
 import argparse
 import sys
@@ -39,6 +39,27 @@ def _parser() -> argparse.ArgumentParser:
     ):
         verbs.add_parser(name, help=what).set_defaults(run=_print_config, page=name)
 
+    calibrate = groups.add_parser(
+        "calibrate",
+        help="fit the simulated rig to Tables II and III",
+        description="Fit the free parameters of the simulated rig to the published numbers and "
+        "write a parameter file. A search that was stopped goes on when it is called again.",
+    )
+    calibrate.add_argument(
+        "files",
+        nargs="*",
+        metavar="FILE",
+        default=["config/config.yaml", "config/rig.yaml"],
+        help="configuration, later files over earlier ones (default: %(default)s)",
+    )
+    calibrate.add_argument("--out", default="config/rig.fitted.yaml", help="default: %(default)s")
+    calibrate.add_argument("--published", default="config/published.yaml", help=argparse.SUPPRESS)
+    calibrate.add_argument(
+        "--minutes", type=float, help="time limit (default: the configuration's)"
+    )
+    calibrate.add_argument("--workers", type=int, help="processes (default: one a processor)")
+    calibrate.set_defaults(run=_calibrate)
+
     log = groups.add_parser("log", help="look at experiment logs")
     verbs = log.add_subparsers(required=True, metavar="VERB")
     quality = verbs.add_parser("check", help="read raw logs and print their quality records")
@@ -59,6 +80,19 @@ def _print_config(options: argparse.Namespace) -> int:
     from fprc.config import reference
 
     print(getattr(reference, options.page)(), end="")
+    return 0
+
+
+def _calibrate(options: argparse.Namespace) -> int:
+    from fprc.stages.calibrate import calibrate_from_files
+
+    calibrate_from_files(
+        options.files,
+        options.published,
+        options.out,
+        minutes=options.minutes,
+        workers=options.workers,
+    )
     return 0
 
 

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import os
 import platform
 import subprocess
 from collections.abc import Mapping, Sequence
@@ -86,16 +87,23 @@ def checkout(package: Path | None = None) -> tuple[str | None, bool | None]:
     if _git(package, "ls-files", "--error-unmatch", "__init__.py") is None:
         return None, None
     commit, changes = _git(package, "rev-parse", "HEAD"), _git(package, "status", "--porcelain")
-    return commit, None if changes is None else bool(changes)
+    if commit is None or changes is None:
+        return None, None
+    return commit, bool(changes)
 
 
 def _git(folder: Path, *arguments: str) -> str | None:
     command = ["git", "--no-optional-locks", "-C", str(folder), *arguments]
     try:
-        done = subprocess.run(command, capture_output=True, text=True, check=True)
+        done = subprocess.run(command, capture_output=True, text=True, check=True, env=_outside())
     except (OSError, subprocess.CalledProcessError):
         return None
     return done.stdout.strip()
+
+
+def _outside() -> dict[str, str]:
+    """Return the environment without git's own variables, which a hook sets."""
+    return {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
 
 
 def _sha256(path: str) -> str:

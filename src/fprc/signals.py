@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
+from fprc.errors import EvaluationError
+
 
 def sample_times(duration_s: float, sample_rate_hz: float) -> np.ndarray:
     """Sample instants from 0 up to, not including, ``duration_s``."""
@@ -93,6 +95,11 @@ def width_at_middle(x: np.ndarray, y: np.ndarray) -> float:
 
     ``y`` is interpolated to the very crossing: a whole sample more or less
     would add a width that grows with frequency.
+
+    Raises
+    ------
+    EvaluationError
+        ``x`` does not pass its middle in both directions.
     """
     smooth = uniform_filter1d(x, 9, mode="nearest")
     away = smooth - 0.5 * (x.min() + x.max())
@@ -100,4 +107,9 @@ def width_at_middle(x: np.ndarray, y: np.ndarray) -> float:
     share = away[k] / (away[k] - away[k + 1])
     value = y[k] + share * (y[k + 1] - y[k])
     rising = away[k + 1] > away[k]
+    if rising.all() or not rising.any():
+        raise EvaluationError(
+            f"a loop cannot be measured: in {len(x)} samples its signal does not pass its middle "
+            "in both directions; use a longer experiment"
+        )
     return float(abs(value[rising].mean() - value[~rising].mean()))

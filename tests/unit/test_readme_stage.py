@@ -12,6 +12,13 @@ fprc_lowest_reversed_test,reversed_tests_worse
 """
 
 
+DEVIATIONS = """\
+model,metric,mean,published_mean
+fprc,train_rmse,{},10.0
+esn,test_rmse,{},20.0
+fuzzy_linear,validation_rmse,{},20.0
+"""
+
 LEDGER = '{"claims": [{"id": "C1", "claim": "It is so.", "ours": "1", "verdict": "reproduced"}]}'
 
 
@@ -27,6 +34,7 @@ README = "\n".join(
         "Between.",
         block("table2_seeds", "old"),
         block("orders", "old"),
+        block("deviations", "old"),
         block("verdicts", "old"),
         block("table2_timing", "old"),
         "",
@@ -44,6 +52,8 @@ def project(tmp_path):
         "table2.md": "Table II.\n\n| a |\n|---|\n| 1 ± 2 \\d |\n",
         "table2_seeds.md": "Over seeds.\n",
         "orders.csv": ORDERS,
+        "ii.csv": DEVIATIONS.format(12.0, 11.0, 16.5),
+        "iii.csv": DEVIATIONS.format(9.0, 26.2, 20.0),
         "claims.json": LEDGER,
         "table2_timing.md": "Times.\n",
     }
@@ -58,6 +68,7 @@ def update(project):
     update_readme(
         [str(project / name) for name in pages],
         str(project / "orders.csv"),
+        [str(project / "ii.csv"), str(project / "iii.csv")],
         str(project / "claims.json"),
         str(project / "figure.png"),
         readme=str(project / "README.md"),
@@ -87,6 +98,13 @@ def test_sentence_counts_the_seeds_on_which_the_order_holds(project):
     assert "training, validation and test: on 3 of 3" in text
     assert "with the logs reversed, FPRC has the lowest test RMSE: on 1 of 3" in text
     assert "0.95 to 1.12" in text
+
+
+def test_deviations_from_print_are_counted_over_both_tables(project):
+    # +20, -45, -17.5, -10, +31 and 0 %
+    text = update(project)
+    assert "The 6 means of Tables II and III are off print by 19 % in the median" in text
+    assert "by 45 % at most (Table II, ESN, Test RMSE: 11 against 20 kPa)" in text
 
 
 def test_every_claim_is_shown_with_its_verdict(project):

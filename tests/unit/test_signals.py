@@ -193,7 +193,15 @@ def test_width_does_not_depend_on_the_unit_of_the_angle_nor_on_its_sense(gain, o
     assert width_at_middle(x, offset - sense * y) == pytest.approx(expected, rel=1e-6)
 
 
-def test_noise_of_the_angle_about_the_middle_adds_little_to_the_width():
-    noise = 0.002 * np.random.default_rng(1).standard_normal(8000)
+def test_width_is_taken_half_way_and_not_at_the_mean():
+    """The loop is ``2 (0.25 - x)**2`` wide at x."""
+    time = np.arange(8000) / 200.0
+    x = 0.25 * (1.0 - np.cos(0.8 * np.pi * time)) ** 2 - 0.5  # from -0.5 to 0.5, mean -0.125
+    lens = np.sign(np.sin(0.8 * np.pi * time)) * (0.25 - x) ** 2
+    assert width_at_middle(x, lens) == pytest.approx(2.0 * 0.0625, rel=0.01)
+
+
+def test_crossings_that_noise_adds_do_not_narrow_the_loop():
+    noise = 0.02 * np.random.default_rng(1).standard_normal(8000)
     x, y = cosine(0.4, 0.0), cosine(0.4, 0.3)
-    assert width_at_middle(x + noise, y) == pytest.approx(2.0 * np.sin(0.3), rel=0.02)
+    assert width_at_middle(x + noise, y) == pytest.approx(2.0 * np.sin(0.3), rel=0.03)

@@ -58,11 +58,23 @@ def project(tmp_path):
     return Project(tmp_path)
 
 
-@pytest.fixture
-def smoked_copy(smoked, tmp_path):
-    """Finished smoke run that a test may break."""
-    folder = tmp_path / "copy"
-    shutil.copytree(smoked[0].folder, folder)
+def _copied(project, folder):
+    shutil.copytree(project.folder, folder)
     copy = object.__new__(Project)
     copy.folder = folder
     return copy
+
+
+@pytest.fixture
+def smoked_copy(smoked, tmp_path):
+    """Finished smoke run that a test may break."""
+    return _copied(smoked[0], tmp_path / "copy")
+
+
+@pytest.fixture(scope="session")
+def calibrated(smoked, tmp_path_factory):
+    """Finished smoke run on which the targets outside `all` were made too, and what it printed."""
+    copy = _copied(smoked[0], tmp_path_factory.mktemp("calibrated") / "copy")
+    done = copy.smoke("ensemble", "targets", "sensitivity", "calibrate")
+    assert done.returncode == 0, done.stdout
+    return copy, done.stdout

@@ -7,9 +7,18 @@ TRAINED_ON = {"2": "sweep", "3": "complex"}
 OTHER = {"sweep": "complex", "complex": "sweep"}
 
 TABLES = {number: f"{RESULTS}/tables/table{number}.md" for number in (1, 2, 3, 4)}
-REPLICATES = [f"{RESULTS}/replicates/seed_{seed}.json" for seed in SEEDS]
-REPLICATED_SWEEPS = [f"{RESULTS}/replicates/sweeps_{seed}.json" for seed in SEEDS]
-REPLICATED_CONTROL = [f"{RESULTS}/replicates/control_{seed}.json" for seed in SEEDS]
+TARGET = SETTINGS["evaluation"]["target"]
+
+
+def replicated(name, *targets):
+    """Return the results of every further seed, for one or more targets of the models."""
+    folders = [f"{RESULTS}/replicates/{target}" for target in targets or [TARGET]]
+    return [f"{folder}/{name}_{seed}.json" for folder in folders for seed in SEEDS]
+
+
+REPLICATES = replicated("models")
+REPLICATED_SWEEPS = replicated("sweeps")
+REPLICATED_CONTROL = replicated("control")
 SEEDS_TABLES = [
     f"{RESULTS}/tables/{name}"
     for name in ("table2_seeds.md", "table3_seeds.md", "table4_seeds.md", "orders.csv")
@@ -56,6 +65,7 @@ if ON_RIG:
     PAGES = [TABLES[1], TABLES[2], II, TABLES[3], III, TABLES[4], IV, *TIMING]
 
 
+ENSEMBLE = SETTINGS["ensemble"]
 CONTROLLERS = [
     "fprc",
     "fprc_pd_printed",

@@ -12,7 +12,7 @@ REPLICATION = {
     "signals": SETTINGS["experiments"],
     "control": SETTINGS["control"],
     "rig": SETTINGS["rig"],
-    "target": SETTINGS["evaluation"]["target"],
+    "target": "{target}",
     "seed": lambda wildcards: int(wildcards.seed),
 }
 
@@ -44,9 +44,9 @@ rule judge:
 
 rule replicate:
     output:
-        errors=f"{RESULTS}/replicates/seed_{{seed}}.json",
+        errors=f"{RESULTS}/replicates/{{target}}/models_{{seed}}.json",
     log:
-        f"{RESULTS}/logs/replicate_{{seed}}.log",
+        f"{RESULTS}/logs/replicate_{{target}}_{{seed}}.log",
     resources:
         mem_mb=2000,
     params:
@@ -61,16 +61,16 @@ rule replicate:
 
 rule replicate_sweeps:
     output:
-        cells=f"{RESULTS}/replicates/sweeps_{{seed}}.json",
+        cells=f"{RESULTS}/replicates/{{target}}/sweeps_{{seed}}.json",
     log:
-        f"{RESULTS}/logs/replicate_sweeps_{{seed}}.log",
+        f"{RESULTS}/logs/replicate_sweeps_{{target}}_{{seed}}.log",
     resources:
         mem_mb=2000,
     params:
         **REPLICATION,
         models=settings_of("fprc"),
         values=SETTINGS["sweeps"],
-        checkpoint=f"{RESULTS}/replicates/sweeps_{{seed}}.partial.jsonl",
+        checkpoint=f"{RESULTS}/replicates/{{target}}/sweeps_{{seed}}.partial.jsonl",
         version=code_of("replicate"),
     message:
         "Sweeps again with seed {wildcards.seed}"
@@ -80,9 +80,9 @@ rule replicate_sweeps:
 
 rule replicate_control:
     output:
-        measures=f"{RESULTS}/replicates/control_{{seed}}.json",
+        measures=f"{RESULTS}/replicates/{{target}}/control_{{seed}}.json",
     log:
-        f"{RESULTS}/logs/replicate_control_{{seed}}.log",
+        f"{RESULTS}/logs/replicate_control_{{target}}_{{seed}}.log",
     params:
         **REPLICATION,
         models=settings_of("fprc"),

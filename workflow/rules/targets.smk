@@ -37,6 +37,7 @@ rule readme:
             *TIMING,
         ],
         orders=SEEDS_TABLES[3],
+        seeds=[path.replace(".md", ".csv") for path in SEEDS_TABLES[:2]],
         ledger=f"{RESULTS}/claims.json",
         figure=f"{RESULTS}/figures/fig08_training.png",
     log:

@@ -20,7 +20,10 @@ def _values(results: Results, *keys: str) -> np.ndarray:
 
 
 def _percent(values: np.ndarray, digits: int = 0) -> str:
-    mean, deviation = 100 * np.mean(values), 100 * np.std(values, ddof=1)
+    mean = 100 * np.mean(values)
+    if np.size(values) == 1:
+        return f"{mean:.{digits}f} %"
+    deviation = 100 * np.std(values, ddof=1)
     return f"{mean:.{digits}f} ± {deviation:.{digits}f} %"
 
 

@@ -31,9 +31,11 @@ class Finding(NamedTuple):
 
 def over_seeds(reports: Sequence[Mapping[str, Any]]) -> str:
     """Say how many seeds a number stands for."""
-    return f"mean ± deviation over {len(reports)} seeds"
+    return "one seed" if len(reports) == 1 else f"mean ± deviation over {len(reports)} seeds"
 
 
 def pm(values: np.ndarray) -> str:
-    """Format mean and sample standard deviation."""
+    """Format mean and sample standard deviation, which a single value has not."""
+    if np.size(values) == 1:
+        return f"{np.mean(values):.3g}"
     return f"{np.mean(values):.3g} ± {np.std(values, ddof=1):.2g}"

@@ -302,6 +302,11 @@ class Calibration(Section):
         description="parameters of the rig that may change within their ranges; a list is scaled "
         "as a whole unless one of its numbers is named",
     )
+    ranges: dict[str, tuple[float, float]] = Field(
+        {"bending.friction_kpa": (1.0, 15.0), "bending.friction_per_kpa": (0.05, 0.2)},
+        description="narrower ranges than the physical ones, by free parameter; without these two "
+        "the search replaces the dry friction that the paper names by viscoelasticity",
+    )
     seeds: tuple[Annotated[int, Ge(0), Le(2**31)], ...] = Field(
         (21, 22, 23, 24), min_length=1, description="noise seeds inside the objective"
     )
@@ -318,6 +323,23 @@ class Calibration(Section):
         1.15, "-", (1, 10), "training errors of ESN and FPRC should be within this factor"
     )
     plausible: Plausible = Plausible()
+
+
+class Ensemble(Section):
+    """Rigs drawn from the ranges of the free parameters instead of fitted."""
+
+    rigs: int = quantity(40, "-", (1, 100000), "rigs")
+    chunk: int = quantity(5, "-", (1, 100000), "rigs per job")
+    seed: int = quantity(1000, "-", (0, 2**31), "of the draws, and of each rig's noise")
+    angle_deg: tuple[within(1, 120), within(1, 120)] = quantities(
+        (50, 70), "deg", (1, 120), "a draw with another largest angle is thrown away"
+    )
+    p_o_swing_kpa: tuple[within(1, 400), within(1, 400)] = quantities(
+        (30, 100), "kPa", (1, 400), "a draw with another swing of P_o is thrown away"
+    )
+    sensitivity_steps: int = quantity(
+        5, "-", (2, 100), "values of each parameter in the sensitivity table, end to end"
+    )
 
 
 class Folders(Section):
@@ -344,6 +366,7 @@ class Settings(Section):
     sweeps: Sweeps = Sweeps()
     tracking: Tracking = Tracking()
     calibration: Calibration = Calibration()
+    ensemble: Ensemble = Ensemble()
     rig: Rig = Rig()
 
     @model_validator(mode="after")

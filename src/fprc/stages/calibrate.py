@@ -4,6 +4,7 @@ import hashlib
 import json
 import logging
 import os
+import textwrap
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from functools import partial
@@ -12,6 +13,8 @@ from typing import Any
 
 import numpy as np
 import yaml
+from joblib import Parallel, delayed, parallel_config
+from threadpoolctl import threadpool_limits
 
 from fprc import __version__
 from fprc.artifacts import write_json, write_text
@@ -26,9 +29,11 @@ from fprc.calibration import (
     search,
     surrogate_errors,
 )
+from fprc.config import from_files
 from fprc.config.load import fields
 from fprc.config.rig import Rig
-from fprc.errors import ConfigError, SimulationError
+from fprc.errors import ConfigError, EvaluationError, SimulationError
+from fprc.fingerprint import fingerprint
 from fprc.stages.judge import INPUTS, judge_model
 from fprc.stages.replicate import simulate
 from fprc.tables import PRINTED
@@ -67,7 +72,7 @@ def calibrate(
     """
     printed = yaml.safe_load(Path(published).read_text(encoding="utf-8"))
     aim = target_of(printed, calibration)
-    free = free_parameters(calibration["free"])
+    free = free_parameters(calibration["free"], calibration["ranges"])
     experiments = {"signals": signals, "control": control, "target": target}
     judgement = {"models": models, "folds": folds, "split": split}
     standin = {key: calibration[key] for key in ("stride", "esn_nodes")}
@@ -93,7 +98,7 @@ def calibrate(
         models=models,
         standin=standin,
     )
-    depends_on = [rig, experiments, judgement, calibration["free"], standin, seeds, aim, version]
+    depends_on = [rig, experiments, judgement, free, standin, seeds, aim, version]
     found = search(
         loss,
         start,
@@ -129,8 +134,14 @@ def calibrate(
         "evaluations": found.evaluations,
         "finished": found.finished,
         "parameters": [
-            {"path": p.path, "low": p.low, "high": p.high, "share": float(share)}
-            for p, share in zip(free, found.point, strict=True)
+            {
+                "path": p.path,
+                "low": p.low,
+                "high": p.high,
+                "began_at": float(before),
+                "share": float(share),
+            }
+            for p, before, share in zip(free, start, found.point, strict=True)
         ],
     }
     write_json(report, summary)
@@ -156,16 +167,30 @@ def target_of(published: Mapping[str, Any], calibration: Mapping[str, Any]) -> T
     return Target(errors, calibration["plausible"], calibration["margin"], calibration["ratio"])
 
 
-def free_parameters(paths: Sequence[str]) -> list[Free]:
-    """Return the free parameters with their physical ranges, those of the configuration.
+def free_parameters(
+    paths: Sequence[str], ranges: Mapping[str, Sequence[float]] | None = None
+) -> list[Free]:
+    """Return the free parameters with their ranges.
+
+    Parameters
+    ----------
+    ranges : Mapping, optional
+        Narrower ranges by path; the physical ones of the configuration otherwise.
 
     Raises
     ------
     ConfigError
-        Lists every path that is no number of the rig.
+        Lists every path that is no number of the rig, and every range that is
+        empty, leaves the physical one, or belongs to no free parameter.
     """
+    ranges = ranges or {}
     known = {key: (default, field) for key, default, field, _ in fields(Rig())}
-    free, wrong = [], []
+    wrong = [
+        f"  calibration.ranges: {path} is not free; remove it or add it to calibration.free"
+        for path in ranges
+        if path not in paths
+    ]
+    free = []
     for path in paths:
         key, _, last = path.rpartition(".")
         name, index = (key, int(last)) if last.isdigit() else (path, None)
@@ -177,7 +202,14 @@ def free_parameters(paths: Sequence[str]) -> list[Free]:
         if isinstance(default, tuple) and index is None:
             scales = [item / default[0] for item in default]
             low, high = max(low / s for s in scales), min(high / s for s in scales)
-        free.append(Free(path, low, high))
+        narrow = ranges.get(path, (low, high))
+        if not low <= narrow[0] < narrow[1] <= high:
+            wrong.append(
+                f"  calibration.ranges: {path} is {narrow[0]:g} to {narrow[1]:g}; must rise and "
+                f"lie within {low:g} to {high:g}"
+            )
+            continue
+        free.append(Free(path, *narrow))
     if wrong:
         raise ConfigError("\n".join(["cannot calibrate:", *wrong]))
     return free
@@ -210,7 +242,7 @@ def loss_at(
         judged = [judge_cheaply(candidate, seed, experiments, models, standin) for seed in seeds]
         errors = [{key: ratios[key] * seed[key] for key in ratios} for seed, _ in judged]
         loss = loss_of(errors, [found for _, found in judged], aim)
-    except (SimulationError, ValueError):
+    except (SimulationError, EvaluationError, ValueError):
         return IMPOSSIBLE
     return loss if np.isfinite(loss) else IMPOSSIBLE
 
@@ -235,8 +267,6 @@ def full_errors(
     judgement: Mapping[str, Any],
 ) -> list[dict[str, float]]:
     """Return the errors of Tables II and III by the full models, one mapping a seed."""
-    from joblib import Parallel, delayed, parallel_config
-
     with parallel_config("loky", inner_max_num_threads=1):
         return Parallel(n_jobs=workers)(
             delayed(_judge_fully)(rig, seed, experiments, judgement) for seed in seeds
@@ -287,13 +317,16 @@ _HEAD = """\
 # Deviation from print on the seeds of the fit, full models: median {median:.1f} %, largest
 # {largest:.1f} %:
 {rows}
-# Within 2 % of an end of their range: {edges}.
+{edges}
 """
 
 
 def _edges(parameters: Sequence[Mapping[str, Any]]) -> str:
     near = [p["path"] for p in parameters if not 0.02 <= p["share"] <= 0.98]
-    return ", ".join(near) or "none"
+    text = f"Within 2 % of an end of their range: {', '.join(near) or 'none'}."
+    return textwrap.fill(
+        text, 100, initial_indent="# ", subsequent_indent="# ", break_long_words=False
+    )
 
 
 def _different(rig: Mapping[str, Any], default: Mapping[str, Any]) -> dict[str, Any]:
@@ -312,6 +345,46 @@ def _report_progress(done: int, total: int, best: float, elapsed: float) -> None
     log.info("generation %d of %d, least loss %.4f, %.0f s", done, total, best, elapsed)
 
 
-def default_workers() -> int:
-    """Return how many processors this process may use."""
-    return len(os.sched_getaffinity(0))
+def calibrate_from_files(
+    files: Sequence[str],
+    published: str,
+    out: str,
+    *,
+    minutes: float | None = None,
+    workers: int | None = None,
+) -> None:
+    """Calibrate as configuration files say, without a workflow.
+
+    The report goes beside ``out`` as JSON, and so does the checkpoint of a
+    search that has not ended.
+
+    Raises
+    ------
+    ConfigError
+        The configuration or a limit is wrong; all errors at once.
+    """
+    settings = from_files(files).model_dump(mode="json")
+    calibration = settings["calibration"]
+    if minutes is not None:
+        if not minutes > 0:
+            raise ConfigError(f"--minutes {minutes}: must be above 0")
+        calibration["minutes"] = minutes
+    logging.basicConfig(level=logging.INFO, format="%(message)s")
+    stem = Path(out).with_suffix("")
+    with threadpool_limits(1):
+        calibrate(
+            published,
+            out,
+            f"{stem}.json",
+            rig=settings["rig"],
+            signals=settings["experiments"],
+            control=settings["control"],
+            target=settings["evaluation"]["target"],
+            models=settings["models"],
+            calibration=calibration,
+            folds=settings["evaluation"]["folds"],
+            split=settings["evaluation"]["split"],
+            workers=workers or len(os.sched_getaffinity(0)),
+            checkpoint=f"{stem}.partial.jsonl",
+            version=fingerprint("fprc.stages.calibrate"),
+        )

@@ -50,7 +50,7 @@ def draw_loops(runs: Sequence[str], pdf: str, png: str) -> Mapping[str, Any]:
         for ax, gain, letter in zip(row, gains, "ab" if reference == "sine_0p5" else "cd",
                                     strict=True):  # fmt: skip
             pair = [
-                (label, controller, _find(logs, reference, controller, gain).channels)
+                (label, controller, _judged(_find(logs, reference, controller, gain)))
                 for controller, label in (("pd", "PD"), ("fprc_pd", "FPRC+PD"))
             ]
             plot_reference_loops(pair, ax)
@@ -79,6 +79,11 @@ def draw_disturbance(run: str, pdf: str, png: str, *, quiet_s: float) -> Mapping
     style.legend_above(pressures, angle)
     axes[-1].set_xlabel("Time [s]; yellow: undisturbed, grey: pushed")
     return style.save(fig, log.attributes, pdf, png)
+
+
+def _judged(log: Columns) -> dict[str, Any]:
+    judged = log.channels["time_s"] >= log.attributes["settle_s"]
+    return {name: values[judged] for name, values in log.channels.items()}
 
 
 def _find(logs: Sequence[Columns], reference: str, controller: str, gain: str) -> Columns:

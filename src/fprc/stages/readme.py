@@ -4,32 +4,85 @@ import logging
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
 from fprc.artifacts import read_json, replacing, write_text
 from fprc.errors import FprcError
+from fprc.tables import MODEL_NAMES, deviations
+from fprc.tables.names import ERRORS
 
 log = logging.getLogger(__name__)
 
 
 def update_readme(
-    pages: Sequence[str], orders: str, ledger: str, figure: str, *, readme: str, picture: str
+    pages: Sequence[str],
+    orders: str,
+    seeds: Sequence[str],
+    ledger: str,
+    figure: str,
+    *,
+    readme: str,
+    picture: str,
 ) -> None:
     """Replace the generated blocks of the README, named after the pages, and its picture."""
-    blocks = {Path(page).stem: Path(page).read_text(encoding="utf-8") for page in pages}
-    blocks["orders"] = _sentence(pd.read_csv(orders))
-    blocks["verdicts"] = _verdicts(read_json(ledger)["claims"])
-    text = Path(readme).read_text(encoding="utf-8")
+    blocks = _pages(pages) | {
+        "orders": _sentence(pd.read_csv(orders)),
+        "deviations": _deviations(seeds),
+        "verdicts": _verdicts(read_json(ledger)["claims"]),
+    }
+    _update(readme, blocks)
+    _copy(figure, picture)
+
+
+def update_calibration_page(
+    fit: str, seeds: Sequence[str], pages: Sequence[str], figure: str, *, page: str, picture: str
+) -> None:
+    """Replace the generated blocks of docs/calibration.md, and its picture.
+
+    Parameters
+    ----------
+    fit : str
+        What the calibration wrote of itself, JSON.
+    seeds : sequence of str
+        Tables II and III over further seeds, CSV.
+    pages : sequence of str
+        Tables of the ensemble, of the sensitivity, of the targets, and Table IV over seeds.
+    """
+    known = read_json(fit)
+    blocks = {f"{Path(path).parent.name}_{Path(path).stem}": _read(path) for path in pages}
+    blocks |= {
+        "fit": _fit(known),
+        "properties": _properties(known),
+        "deviations": _deviations(seeds),
+    }
+    _update(page, blocks)
+    _copy(figure, picture)
+
+
+def _pages(paths: Sequence[str]) -> dict[str, str]:
+    return {Path(path).stem: _read(path) for path in paths}
+
+
+def _read(path: str) -> str:
+    return Path(path).read_text(encoding="utf-8")
+
+
+def _update(path: str, blocks: Mapping[str, str]) -> None:
+    text = _read(path)
     for name, block in blocks.items():
-        text = replace_block(text, name, block)
-    write_text(readme, text)
+        text = replace_block(text, name, block, path)
+    write_text(path, text)
+    log.info("updated %s", path)
+
+
+def _copy(figure: str, picture: str) -> None:
     with replacing(picture) as temporary:
         temporary.write_bytes(Path(figure).read_bytes())
-    log.info("updated %s and %s", readme, picture)
 
 
-def replace_block(text: str, name: str, block: str) -> str:
+def replace_block(text: str, name: str, block: str, path: str = "README.md") -> str:
     """Return ``text`` with the lines between the markers of ``name`` replaced.
 
     Raises
@@ -40,7 +93,7 @@ def replace_block(text: str, name: str, block: str) -> str:
     begin, end = f"<!-- {name}: generated -->", f"<!-- {name}: end -->"
     pattern = re.compile(f"{re.escape(begin)}.*?{re.escape(end)}", re.DOTALL)
     if not (text.count(begin) == text.count(end) == 1 == len(pattern.findall(text))):
-        raise FprcError(f"README.md: needs the lines {begin} and {end} once each; put them back")
+        raise FprcError(f"{path}: needs the lines {begin} and {end} once each; put them back")
     return pattern.sub(lambda _: f"{begin}\n{block.strip()}\n{end}", text)
 
 
@@ -62,3 +115,55 @@ def _sentence(orders: pd.DataFrame) -> str:
     span = f"{ratio.min():.2f} to {ratio.max():.2f}"
     lines.append(f"- the ESN's training RMSE over FPRC's: {span} (paper: 0.99)")
     return "\n".join(lines)
+
+
+def _deviations(seeds: Sequence[str]) -> str:
+    """Return what the means over seeds are off print by, in words."""
+    table = deviations(
+        {number: pd.read_csv(path) for number, path in zip(("II", "III"), seeds, strict=True)}
+    )
+    worst = table.iloc[0]
+    return (
+        f"The {len(table)} means of Tables II and III are off print by "
+        f"{100 * table['deviation'].abs().median():.0f} % in the median and by "
+        f"{100 * abs(worst['deviation']):.0f} % at most (Table {worst['table']}, "
+        f"{MODEL_NAMES[worst['model']]}, {ERRORS[worst['metric']]}: {worst['mean']:.3g} against "
+        f"{worst['published_mean']:.3g} kPa)."
+    )
+
+
+def _fit(known: Mapping[str, Any]) -> str:
+    rows = []
+    for key, printed in known["targets_kpa"].items():
+        trained_on, model, phase = key.split("/")
+        rows.append(
+            {
+                "Table": "II" if trained_on == "sweep" else "III",
+                "Model": MODEL_NAMES[model],
+                "RMSE": ERRORS["train_rmse" if phase == "train" else "test_rmse"],
+                "Paper [kPa]": f"{printed:.3g}",
+                "Fitted [kPa]": f"{printed * (1 + known['residuals'][key]):.3g}",
+                "Deviation": f"{100 * known['residuals'][key]:+.1f} %",
+            }
+        )
+    seeds = ", ".join(map(str, known["seeds"]))
+    head = (
+        f"{known['date']}, {known['software']}: {known['evaluations']} rigs in "
+        f"{known['generations']} generations; seeds {seeds}; loss {known['loss_at_start']:.4f} to "
+        f"{known['loss']:.4f}. Full models on the seeds of the fit:"
+    )
+    return f"{head}\n\n{pd.DataFrame(rows).to_markdown(index=False, disable_numparse=True)}"
+
+
+def _properties(known: Mapping[str, Any]) -> str:
+    rows = [
+        {
+            "Property": name,
+            "Asked for": f"{low:g} to {high:g}",
+            "Fitted": f"{known['properties'][name]:.3g}",
+        }
+        for name, (low, high) in known["plausible"].items()
+    ]
+    near = [p["path"] for p in known["parameters"] if not 0.02 <= p["share"] <= 0.98]
+    table = pd.DataFrame(rows).to_markdown(index=False, disable_numparse=True)
+    return f"{table}\n\nWithin 2 % of an end of their range: {', '.join(near) or 'none'}."

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from fprc.artifacts import write_json
-from fprc.claims import measure_hysteresis, measure_runs
+from fprc.claims.measures import measure_hysteresis, measure_runs
 from fprc.evaluation.sweeps import run_cells
 from fprc.stages.judge import INPUTS, Data, judge_model
 from fprc.stages.preprocess import TARGETS
@@ -51,14 +51,21 @@ def replicate(
 ) -> None:
     """Repeat Tables II and III and the weights of Fig. 9."""
     data = simulate(signals, control, rig, target, seed)
+    compared = compare_models(data, models, folds, split, seed)
+    write_json(errors, {"seed": seed, "source": "sim", **compared})
+
+
+def compare_models(
+    data: Mapping[str, Data], models: Mapping[str, Any], folds: int, split: str, seed: int
+) -> dict[str, Any]:
+    """Return the errors of Tables II and III, and the weights of Fig. 9."""
     judgement = (models, folds, split, seed)
     reports = [
         judge_model(name, *judgement, data[train], data[test])[1]
         for train, test in (("sweep", "complex"), ("complex", "sweep"))
         for name in INPUTS
     ]
-    weights = weight_shares(data["sweep"], *judgement)
-    write_json(errors, {"seed": seed, "source": "sim", "models": reports, "weights": weights})
+    return {"models": reports, "weights": weight_shares(data["sweep"], *judgement)}
 
 
 def replicate_sweeps(
@@ -112,21 +119,29 @@ def replicate_control(
 ) -> None:
     """Repeat the closed-loop runs of Sec. IV, gain and all, and measure them."""
     data = simulate(signals, control, rig, target, seed)
-    judged, _ = judge_model("fprc", models, folds, split, seed, data["sweep"], data["complex"])
     bench = Track(tracking, control, rig, seed)
+    measured = measure_control(data, bench, models, folds, split)
+    write_json(measures, {"seed": seed, "source": "sim", **measured})
+
+
+def measure_control(
+    data: Mapping[str, Data], bench: Track, models: Mapping[str, Any], folds: int, split: str
+) -> dict[str, Any]:
+    """Follow every reference with every controller; return what the claims measure."""
+    judged, _ = judge_model(
+        "fprc", models, folds, split, bench.seed, data["sweep"], data["complex"]
+    )
     gains = bench_gain(bench, judged.model)
     runs = {}
-    for reference, described in tracking["references"].items():
+    for reference, described in bench.tracking["references"].items():
         for name, (controller, gain) in CONTROLLERS.items():
             channels = bench.follow(reference, name, judged.model, gains)
             after = channels["time_s"] >= described["settle_s"]
             run = {channel: values[after] for channel, values in channels.items()}
             runs[f"{reference}/{controller}/{gain}"] = run
         log.info("followed %s with every controller", reference)
-    report = {
-        "seed": seed,
-        "source": "sim",
+    return {
         "gains": {name: gains[name] for name in ("printed", "identified")},
         "hysteresis": measure_hysteresis(data["sweep"].channels),
+        **measure_runs(runs, bench.tracking["pushes"]["quiet_s"]),
     }
-    write_json(measures, report | measure_runs(runs, tracking["pushes"]["quiet_s"]))

@@ -86,14 +86,17 @@ def _explanation(sources: set[str]) -> str:
     return f"Every number and every curve on this page comes from: {kinds}."
 
 
+_NOT_COMPARED = ("source", "seed", "folders", "rig", "calibration", "ensemble")
+
+
 def _changed(settings: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
-    """Return the settings that are not the defaults, without rig, folders and seeds of noise."""
+    """Return the settings of models, experiments and evaluation that are not the defaults."""
     default = {key: value for key, value, *_ in fields(Settings())}
     ours = {key: value for key, value, *_ in fields(Settings.model_validate(settings))}
     return {
         key: (value, default[key])
         for key, value in ours.items()
-        if value != default[key] and key.split(".")[0] not in ("rig", "folders", "seed")
+        if value != default[key] and key.split(".")[0] not in _NOT_COMPARED
     }
 
 
@@ -104,13 +107,18 @@ def _claims(ledger: Sequence[str]) -> dict[str, Any]:
     claims = pd.DataFrame(report["claims"])
     counts = claims["verdict"].value_counts().to_dict()
     claims.columns = claims.columns.str.capitalize()
-    return {"claims": claims, "counts": counts, "fitted": report["fitted"]}
+    return {"claims": claims, "counts": counts, "note": report["note"]}
+
+
+#: Whether the rig was fitted to a table's numbers or predicts them.
+_KINDS = {"table2": "fitted", "table3": "fitted", "table4": "predicted"}
 
 
 def _page(path: str) -> dict[str, Any]:
     note, table = read_markdown(Path(path).read_text(encoding="utf-8"))
     title, _, rest = note.partition(": ")
-    return {"title": title, "note": rest[:1].upper() + rest[1:], "table": table}
+    kind = _KINDS.get(Path(path).stem.removesuffix("_seeds"), "")
+    return {"kind": kind, "title": title, "note": rest[:1].upper() + rest[1:], "table": table}
 
 
 def _figure(picture: str, sidecar: str, caption: str) -> dict[str, Any]:

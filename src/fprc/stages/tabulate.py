@@ -48,9 +48,9 @@ def tabulate_seeds(
     reports = [read_json(path) for path in replicates]
     table = tables.over_seeds(reports, _published(published), trained_on)
     note = (
-        f"{_COMPARISONS[trained_on]}: mean ± standard deviation over {len(reports)} further "
-        f"seeds.\nData: {tables.SOURCES[reports[0]['source']]}; each seed is another draw of "
-        "sensors, noise and models."
+        f"{_COMPARISONS[trained_on]}: mean and its 95 % interval over {len(reports)} "
+        f"further seeds.\nData: {tables.SOURCES[reports[0]['source']]}; each seed is another "
+        "draw of sensors, noise and models."
     )
     _write(table, tables.comparison_page(table), note, csv, md, tex)
 
@@ -82,7 +82,7 @@ def tabulate_tracking_seeds(
     reports = [read_json(path) for path in replicates]
     table = tables.tracking_over_seeds(reports, _published(published))
     note = (
-        f"Table IV over seeds: mean ± standard deviation of the RMSE over {len(reports)} further "
+        f"Table IV over seeds: mean RMSE and its 95 % interval over {len(reports)} further "
         f"seeds.\nData: {tables.SOURCES[reports[0]['source']]}; the gain is identified anew on "
         "each, its mean is given."
     )
@@ -95,6 +95,58 @@ def _run(path: str) -> dict[str, Any]:
     judged = time_s >= log.attributes["settle_s"]
     described = {key: log.attributes[key] for key in ("controller", "gain", "reference", "source")}
     return {**described, "error_deg": (theta_d - theta)[judged]}
+
+
+def tabulate_ensemble(summary: str, csv: str, md: str, tex: str) -> None:
+    """On how many rigs that were not fitted each claim holds."""
+    report = read_json(summary)
+    table = tables.ensemble(report)
+    limit = table["least_significant"].iloc[0]
+    note = (
+        f"Ensemble: claims on {report['rigs'] - report['failed']} simulated rigs that were drawn, "
+        f"not fitted; {report['failed']} more could not be judged, {report['draws']} draws in all."
+        f"\nA parameter is named where its rank correlation with the claim exceeds {limit:.2f}, "
+        "which chance alone does in one of twenty ensembles."
+    )
+    _write(table, tables.ensemble_page(table), note, csv, md, tex)
+
+
+def tabulate_sensitivity(effects: str, csv: str, md: str, tex: str) -> None:
+    """How much each error depends on each parameter of the rig."""
+    report = read_json(effects)
+    table = tables.sensitivity(report)
+    impossible = sum(cell["errors"] is None for cell in report["cells"])
+    note = (
+        "Sensitivity: change of each error while one parameter goes from end to end of its range, "
+        f"against the fitted rig.\nSimulated, by the stand-in of the models, mean of "
+        f"{len(report['seeds'])} seeds; {impossible} of {len(report['cells'])} rigs are impossible "
+        "and left out. What changes little is not pinned down by the tables."
+    )
+    _write(table, tables.sensitivity_page(table), note, csv, md, tex)
+
+
+def tabulate_targets(
+    published: str,
+    replicates: Sequence[str],
+    controls: Sequence[str],
+    csv: str,
+    md: str,
+    tex: str,
+    *,
+    names: Sequence[str],
+) -> None:
+    """Compare commanded and measured pressure as what the models learn."""
+    by_target = [
+        {name: [read_json(path) for path in paths if f"/{name}/" in path] for name in names}
+        for paths in (replicates, controls)
+    ]
+    table = tables.targets(*by_target, _published(published))
+    note = (
+        "Target of the models: commanded against measured pressure, mean and its 95 % interval "
+        "over the further seeds.\n"
+        f"Data: {tables.SOURCES[table['source'].iloc[0]]}."
+    )
+    _write(table, tables.targets_page(table), note, csv, md, tex)
 
 
 def tabulate_times(published: str, times: str, csv: str, md: str, tex: str) -> None:

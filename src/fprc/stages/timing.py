@@ -59,6 +59,7 @@ def measure_steps(
     PD and both pressure loops, without any rig.
     """
     train_data, test_data = read_data(train), read_data(test)
+    refuse_mixture(train_data, test_data)
     period_s = 1.0 / control["sample_rate_hz"]
     results = []
     for name in INPUTS:

@@ -181,6 +181,12 @@ def test_what_the_pushes_add_is_unexplained_in_parts_of_the_quiet_swing(name, ke
     assert list(found.values()) == [pytest.approx([0.0, 0.0], abs=1e-9)]
 
 
+def test_what_is_explained_is_learned_before_the_first_push():
+    found = disturbed(phi_deg=chirp(TIME_S) + 10.0 * PUSHED)
+    swing = np.ptp(chirp(TIME_S)[~PUSHED])
+    assert found["bending"] == pytest.approx([0.0, 10.0 / swing], abs=1e-9)
+
+
 def test_noise_is_unexplained_before_and_after_the_first_push():
     noise = np.random.default_rng(3).normal(0.0, 2.0, TIME_S.size)
     theta_d = chirp(TIME_S)

@@ -9,9 +9,13 @@ from fprc.config import Settings, check, reference
 ROOT = Path(__file__).parents[3]
 
 
+#: A setting whose keys are the user's.
+MAPPING = "calibration.ranges"
+
+
 def leaves(values, prefix=""):
     for name, value in values.items():
-        if isinstance(value, dict):
+        if isinstance(value, dict) and prefix + name != MAPPING:
             yield from leaves(value, f"{prefix}{name}.")
         else:
             yield prefix + name, value

@@ -78,11 +78,12 @@ class Page(HTMLParser):
 
 CLAIMS = [
     {"id": "C1", "claim": "FPRC is best", "published": "11.0 kPa", "ours": "12.0 ± 0.5 kPa",
-     "test": "mean below 13", "basis": "3 seeds", "verdict": "reproduced"},
+     "test": "mean below 13", "basis": "3 seeds", "verdict": "reproduced", "rig": "fitted"},
     {"id": "C2", "claim": "P_o is unmoved", "published": "so", "ours": "not so",
-     "test": "theta_d within 1 deg", "basis": "main run", "verdict": "not reproduced"},
+     "test": "theta_d within 1 deg", "basis": "main run", "verdict": "not reproduced",
+     "rig": "predicted"},
     {"id": "C3", "claim": "PD moves", "published": "yes", "ours": "no", "test": "over a tenth",
-     "basis": "3 seeds", "verdict": "contradicted as printed"},
+     "basis": "3 seeds", "verdict": "contradicted as printed", "rig": "timed"},
 ]  # fmt: skip
 
 
@@ -103,8 +104,8 @@ class Project:
         self.settings = SETTINGS
         self.template = TEMPLATE
 
-    def add_table(self, note, **columns):
-        path = self.folder / f"table{len(self.tables)}.md"
+    def add_table(self, note, name=None, **columns):
+        path = self.folder / f"{name or len(self.tables)}.md"
         path.write_text(markdown(pd.DataFrame(columns), note), encoding="utf-8")
         self.tables.append(str(path))
 
@@ -127,7 +128,7 @@ class Project:
     def write(self):
         """Write the report and return its text."""
         for path in self.ledger:
-            write_json(path, {"source": "sim", "fitted": "Fitted to C2.", "claims": self.claims})
+            write_json(path, {"source": "sim", "note": "Fitted to C2.", "claims": self.claims})
         pictures, sidecars, captions = zip(*self.figures, strict=True) if self.figures else [()] * 3
         target = self.folder / "report.html"
         write_report(
@@ -289,8 +290,8 @@ def test_every_claim_is_shown_with_its_verdict(project):
     for row in CLAIMS:
         for text in row.values():
             assert shown(text) in table
-        verdict = page.texts("td", **{"class": row["verdict"].replace(" ", "-")})
-        assert verdict == [row["verdict"]]
+        for mark in (row["verdict"], row["rig"]):
+            assert page.texts("td", **{"class": mark.replace(" ", "-")}) == [mark]
     assert page.texts("ul", **{"class": "counts"}) == [
         "1 reproduced 1 not reproduced 1 contradicted as printed"
     ]
@@ -311,6 +312,23 @@ def test_every_table_is_shown_with_its_title_note_and_cells(project):
         text.replace(" ", "").replace("RMSE[", "RMSE [") for text in page.texts("table")[1:3]
     ]
     assert [cell["text"] for cell in page.all("td", **{"data-label": "Sweep"})] == ["2.67", ""]
+
+
+TABLES = {
+    "table1": "", "table2": "fitted", "table2_seeds": "fitted", "table3": "fitted",
+    "table3_seeds": "fitted", "table4": "predicted", "table4_seeds": "predicted",
+    "table2_timing": "", "step_cost": "",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "kind"), TABLES.items())
+@pytest.mark.parametrize("source", ["sim", "rig"])
+def test_table_of_a_simulated_rig_says_whether_it_was_fitted_to(tmp_path, name, kind, source):
+    project = Project(tmp_path)
+    project.add_table("A title: a note.", name, Model=["ESN"], Value=["800"])
+    project.add_figure(4, source=source)
+    (title,) = project.page().texts("h3")
+    assert title == f"A title {kind if source == 'sim' else ''}".strip()
 
 
 def test_every_figure_is_shown_with_number_caption_and_origin(project):

@@ -73,7 +73,9 @@ def test_cost_of_a_step_is_that_of_a_second_round(logs, settings, tmp_path, cloc
 
 
 @pytest.mark.parametrize(
-    ("model", "columns"), [(ESN, 1), (FPRC, 2), (FuzzyLinear, 1)], ids=lambda x: str(x)[-20:]
+    ("model", "columns"),
+    [(ESN, 1), (FPRC, 2), (FuzzyLinear, 1)],
+    ids=["esn", "fprc", "fuzzy_linear"],
 )
 def test_each_step_of_the_controller_is_fed_the_log_sample_by_sample(
     logs, settings, tmp_path, clock, monkeypatch, model, columns

@@ -1,0 +1,76 @@
+"""On what share of rigs each claim holds, and which parameters decide it."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from scipy.stats import binomtest, norm, rankdata
+
+from fprc.claims.ledger import REPRODUCED
+
+#: Claims that Tables II to IV, weights and loops decide; the others need sweeps or times.
+JUDGED_BY_RIG = ("C1", "C2", "C3", "C4", "C7", "C8", "C13", "C14", "C15", "C16", "C17", "C18")
+
+
+def shares_of(
+    claims: Sequence[Mapping[str, str]],
+    verdicts: Sequence[Mapping[str, str]],
+    parameters: Sequence[Mapping[str, float]],
+    level: float = 0.95,
+) -> list[dict[str, Any]]:
+    """Return share, Wilson interval and rank correlations of each claim.
+
+    Parameters
+    ----------
+    verdicts, parameters : sequences of mapping
+        Verdict by claim, and value by parameter, of each rig.
+
+    Returns
+    -------
+    list of dict
+        ``id``, ``claim``, ``holds``, ``rigs``, ``share``, ``low``, ``high``; ``correlations`` of
+        holding with each parameter (none where all rigs agree), and ``least_significant``, what
+        chance alone exceeds in one of all these correlations with probability 1 - level.
+    """
+    names = list(parameters[0])
+    values = np.array([[rig[name] for name in names] for rig in parameters])
+    rows = []
+    for claim in claims:
+        held = np.array([rig[claim["id"]] == REPRODUCED for rig in verdicts])
+        test = binomtest(int(held.sum()), held.size)
+        interval = test.proportion_ci(level, method="wilson")
+        rows.append(
+            {
+                "id": claim["id"],
+                "claim": claim["text"],
+                "holds": int(held.sum()),
+                "rigs": held.size,
+                "share": float(held.mean()),
+                "low": float(interval.low),
+                "high": float(interval.high),
+                "correlations": _correlations(held, values, names),
+                "least_significant": _least_significant(held.size, len(names), level),
+            }
+        )
+    return rows
+
+
+def _correlations(held: np.ndarray, values: np.ndarray, names: Sequence[str]) -> dict[str, float]:
+    if held.all() or not held.any():
+        return {}
+    ranks = rankdata(values, axis=0)
+    if not (np.ptp(ranks, axis=0) > 0).all():
+        return {}
+    return {
+        name: float(np.corrcoef(held, column)[0, 1])
+        for name, column in zip(names, ranks.T, strict=True)
+    }
+
+
+def _least_significant(rigs: int, parameters: int, level: float) -> float:
+    """Return the Bonferroni limit of a correlation of ``rigs`` pairs, normal approximation."""
+    if rigs < 4:
+        return 1.0
+    quantile = norm.isf((1.0 - level) / (2 * parameters))
+    return float(math.tanh(quantile / math.sqrt(rigs - 3)))

@@ -1,0 +1,45 @@
+"""Claims over an ensemble of rigs: on what share they hold, and what goes with it."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import QuadMesh
+from pandas import DataFrame
+
+from fprc.figures.style import COLOURS
+
+Colours = ScalarMappable | QuadMesh
+
+
+def plot_shares_of_rigs(table: DataFrame, ax: Axes) -> Axes:
+    """Draw the share of rigs that each claim holds on, with its interval.
+
+    Parameters
+    ----------
+    table : DataFrame
+        ``id``, ``share``, ``low``, ``high``, in the order from top to bottom.
+    """
+    rows = np.arange(len(table))
+    arms = np.abs(np.array([table["share"] - table["low"], table["high"] - table["share"]]))
+    ax.errorbar(table["share"], rows, xerr=arms, fmt="o", color=COLOURS["fprc_pd"],
+                markersize=3, capsize=2, linewidth=0.8)  # fmt: skip
+    ax.set(xlim=(-0.03, 1.03), xlabel="Share of rigs", yticks=rows, yticklabels=table["id"])
+    ax.set_ylim(len(table) - 0.5, -0.5)
+    ax.grid(axis="y", color="0.9", linewidth=0.5)
+    return ax
+
+
+def plot_correlations(grid: DataFrame, limit: float, ax: Axes) -> Colours:
+    """Draw rank correlations, a row a claim and a column a parameter.
+
+    A cross marks what exceeds ``limit``; a claim without correlations is grey.
+    """
+    ax.set_facecolor("0.93")
+    image = ax.pcolormesh(grid.to_numpy(float), cmap="PuOr", vmin=-1, vmax=1)
+    strong = np.argwhere(np.abs(grid.to_numpy(float)) > limit)
+    ax.plot(strong[:, 1] + 0.5, strong[:, 0] + 0.5, "x", color="black", markersize=3)
+    ax.set_xticks(np.arange(grid.shape[1]) + 0.5, grid.columns, rotation=90, fontsize=5.5)
+    ax.set_yticks(np.arange(grid.shape[0]) + 0.5, grid.index)
+    ax.set_ylim(grid.shape[0], 0)
+    ax.tick_params(length=0)
+    return image

@@ -1,0 +1,46 @@
+"""Draw what the ensemble of rigs gave."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import pandas as pd
+
+from fprc.artifacts import read_json
+from fprc.figures import style
+from fprc.figures.ensemble import plot_correlations, plot_shares_of_rigs
+
+
+def draw_ensemble(summary: str, pdf: str, png: str) -> Mapping[str, Any]:
+    """Draw shares of rigs, and correlations with the parameters."""
+    report = read_json(summary)
+    table = pd.DataFrame(report["claims"])
+    paths = report["parameters"]
+    grid = pd.DataFrame(
+        [
+            [row["correlations"].get(path, float("nan")) for path in paths]
+            for row in report["claims"]
+        ],
+        index=table["id"],
+        columns=[_short(path) for path in paths],
+    )
+    fig, axes = style.figure(2, 1, style.COLUMN_IN, 6.4, height_ratios=(2, 3))
+    plot_shares_of_rigs(table, axes[0])
+    image = plot_correlations(grid, table["least_significant"].iloc[0], axes[1])
+    bar = fig.colorbar(image, ax=axes[1], location="right", pad=0.02, aspect=30)
+    bar.set_label("Rank correlation")
+    bar.outline.set_visible(False)
+    rigs = report["rigs"] - report["failed"]
+    style.letter(axes[0], f"(a) Claims on {rigs} rigs, 95 % intervals")
+    style.letter(axes[1], "(b) Parameters that go with holding; x: beyond chance")
+    return style.save(fig, report, pdf, png)
+
+
+def _short(path: str) -> str:
+    """Return a parameter's name without its unit, for the edge of a small picture."""
+    section, name, *index = path.split(".")
+    words = name.replace("_per_kpa", "_over_pressure").split("_")
+    units = {"kpa", "deg", "ml", "s", "per", "v", "hz", "rad", "deg3"}
+    while words and words[-1] in units:
+        words.pop()
+    part = "".join(f" {int(number) + 1}" for number in index)
+    return f"{section.replace('_', ' ')}: {' '.join(words)}{part}"

@@ -1,0 +1,53 @@
+"""The paper's tables: result files in, tidy frames and pages out."""
+
+from fprc.tables.models import (
+    comparison,
+    comparison_page,
+    configuration,
+    deviations,
+    orders,
+    over_seeds,
+)
+from fprc.tables.names import CONTROLLER_NAMES, MODEL_NAMES, PRINTED, REFERENCE_NAMES, SOURCES
+from fprc.tables.robustness import (
+    ensemble,
+    ensemble_page,
+    sensitivity,
+    sensitivity_page,
+    targets,
+    targets_page,
+)
+from fprc.tables.text import latex, markdown, read_markdown, spread
+from fprc.tables.timing import steps, steps_page, timing, timing_page
+from fprc.tables.tracking import tracking, tracking_over_seeds, tracking_page
+
+__all__ = [
+    "CONTROLLER_NAMES",
+    "MODEL_NAMES",
+    "PRINTED",
+    "REFERENCE_NAMES",
+    "SOURCES",
+    "comparison",
+    "comparison_page",
+    "configuration",
+    "deviations",
+    "ensemble",
+    "ensemble_page",
+    "latex",
+    "markdown",
+    "orders",
+    "over_seeds",
+    "read_markdown",
+    "sensitivity",
+    "sensitivity_page",
+    "spread",
+    "steps",
+    "steps_page",
+    "targets",
+    "targets_page",
+    "timing",
+    "timing_page",
+    "tracking",
+    "tracking_over_seeds",
+    "tracking_page",
+]

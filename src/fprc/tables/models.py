@@ -1,0 +1,169 @@
+"""Tables I to III: settings and errors of the models."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.stats import t
+
+from fprc.tables.names import ERRORS, MODEL_NAMES, PRINTED
+from fprc.tables.text import mean_of, spread
+
+_SYMBOLS = {
+    ("esn", "r"): "Reservoir size, r",
+    ("esn", "f_input"): "Input scaling factor, f_input",
+    ("esn", "gamma"): "Leaky rate, gamma",
+    ("esn", "rho"): "Spectral radius, rho",
+    ("fprc", "epsilon"): "Filter factor, epsilon",
+    ("fprc", "n_c"): "Fuzzy clusters, n_c",
+    ("fprc", "n_u"): "Reservoir output tap size, n_u",
+    ("fprc", "sigma"): "Gaussian membership scaling, sigma",
+    ("shared", "n_y"): "Tap size of theta_d, n_y",
+    ("shared", "alpha"): "Ridge parameter, alpha",
+}
+
+
+def configuration(models: Mapping[str, Any], published: Mapping[str, Any]) -> pd.DataFrame:
+    """Table I: the settings that the paper prints, ours beside them."""
+    printed = published["table_1_configuration"]
+    rows = []
+    for (model, key), label in _SYMBOLS.items():
+        ours = models[key] if model == "shared" else models[model][key]
+        shown = MODEL_NAMES.get(model, "All models")
+        rows.append((shown, label, ours, printed[model][key]))
+    return pd.DataFrame(rows, columns=["model", "parameter", "value", "published"], dtype=object)
+
+
+def comparison(reports: Sequence[Mapping[str, Any]], published: Mapping[str, Any]) -> pd.DataFrame:
+    """Tables II and III without times: mean and spread over the folds, tidy.
+
+    ``std`` is the sample standard deviation over folds; a test error is one
+    number and has none.
+    """
+    rows = []
+    for report in reports:
+        printed = published[PRINTED[report["trained_on"]]][report["model"]]
+        for metric in ERRORS:
+            ours = np.atleast_1d(report[f"{metric}_kpa"])
+            theirs = np.atleast_1d(printed[f"{metric}_kpa"])
+            rows.append(
+                {
+                    "model": report["model"],
+                    "metric": metric,
+                    "unit": "kPa",
+                    "mean": ours.mean(),
+                    "std": ours.std(ddof=1) if ours.size > 1 else None,
+                    "published_mean": float(theirs[0]),
+                    "published_std": float(theirs[1]) if theirs.size > 1 else None,
+                    "source": report["source"],
+                }
+            )
+    return pd.DataFrame(rows)
+
+
+def over_seeds(
+    replicates: Sequence[Mapping[str, Any]], published: Mapping[str, Any], trained_on: str
+) -> pd.DataFrame:
+    """Tables II and III over further seeds: mean, standard deviation, range, tidy."""
+    samples = pd.DataFrame(
+        {
+            "model": report["model"],
+            "metric": metric,
+            "value": np.mean(report[f"{metric}_kpa"]),
+            "source": replicate["source"],
+        }
+        for replicate in replicates
+        for report in replicate["models"]
+        if report["trained_on"] == trained_on
+        for metric in ERRORS
+    )
+    groups = samples.groupby(["model", "metric"], sort=False)
+    table = groups["value"].agg(["mean", "std", "min", "max", "count"]).reset_index()
+    table = with_interval(table.rename(columns={"count": "seeds"}))
+    table.insert(2, "unit", "kPa")
+    printed = published[PRINTED[trained_on]]
+    table["published_mean"] = [
+        float(np.atleast_1d(printed[row.model][f"{row.metric}_kpa"])[0])
+        for row in table.itertuples()
+    ]
+    table["source"] = groups["source"].first().to_numpy()
+    return table
+
+
+def with_interval(table: pd.DataFrame, level: float = 0.95) -> pd.DataFrame:
+    """Add the interval of the mean by Student's t: ``low`` and ``high``."""
+    half = table["std"] / np.sqrt(table["seeds"]) * t.ppf(0.5 + level / 2, table["seeds"] - 1)
+    return table.assign(low=table["mean"] - half, high=table["mean"] + half)
+
+
+def orders(replicates: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    """Whether the orders of Tables II and III hold, seed by seed."""
+    rows = []
+    for replicate in replicates:
+        error = {
+            (report["trained_on"], report["model"], metric): float(np.mean(report[f"{metric}_kpa"]))
+            for report in replicate["models"]
+            for metric in ERRORS
+        }
+        ratio = error["sweep", "esn", "train_rmse"] / error["sweep", "fprc", "train_rmse"]
+        tests = {key[:2]: value for key, value in error.items() if key[2] == "test_rmse"}
+        rows.append(
+            {
+                "seed": replicate["seed"],
+                "fprc_lowest_test": _lowest(tests, "sweep") == "fprc",
+                "fprc_below_fuzzy_linear": all(
+                    error["sweep", "fprc", metric] < error["sweep", "fuzzy_linear", metric]
+                    for metric in ERRORS
+                ),
+                "esn_over_fprc_training": ratio,
+                "training_within_30_percent": max(ratio, 1.0 / ratio) <= 1.3,
+                "fprc_lowest_reversed_test": _lowest(tests, "complex") == "fprc",
+                "reversed_tests_worse": all(
+                    tests["complex", model] > tests["sweep", model] for model in MODEL_NAMES
+                ),
+                "source": replicate["source"],
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _lowest(tests: Mapping[tuple[str, str], float], trained_on: str) -> str:
+    return min(MODEL_NAMES, key=lambda model: tests[trained_on, model])
+
+
+def comparison_page(table: pd.DataFrame) -> pd.DataFrame:
+    """Table II as the paper prints it, ours beside the published numbers."""
+    page = {"Performance [kPa]": list(ERRORS.values())}
+    for model, name in MODEL_NAMES.items():
+        ours = table[table["model"] == model].set_index("metric")
+        page[f"{name}, ours"] = [mean_of(ours.loc[metric], "mean") for metric in ERRORS]
+        page[f"{name}, paper"] = [
+            spread(ours.loc[metric, "published_mean"], ours.loc[metric].get("published_std"))
+            for metric in ERRORS
+        ]
+    return pd.DataFrame(page)
+
+
+def deviations(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+    """Relative deviation of every mean of Tables II and III from print, largest first.
+
+    Parameters
+    ----------
+    tables : Mapping
+        Tables over seeds by their number, II and III.
+    """
+    rows = [
+        {
+            "table": number,
+            "model": row.model,
+            "metric": row.metric,
+            "mean": row.mean,
+            "published_mean": row.published_mean,
+            "deviation": row.mean / row.published_mean - 1.0,
+        }
+        for number, table in tables.items()
+        for row in table.itertuples()
+    ]
+    table = pd.DataFrame(rows)
+    return table.iloc[np.argsort(-table["deviation"].abs(), kind="stable")]

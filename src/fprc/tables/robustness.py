@@ -1,0 +1,151 @@
+"""What depends on the rig and on the models' target."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import pandas as pd
+
+from fprc.tables.models import over_seeds
+from fprc.tables.names import CONTROLLER_NAMES, ERRORS, MODEL_NAMES, PRINTED, REFERENCE_NAMES
+from fprc.tables.text import mean_of, spread
+from fprc.tables.tracking import tracking_over_seeds
+
+
+def ensemble(summary: Mapping[str, Any]) -> pd.DataFrame:
+    """On how many rigs of the ensemble each claim holds, tidy.
+
+    ``decided_by`` names the parameters whose rank correlation with holding
+    exceeds what chance gives in one of all; ``strongest`` the largest one anyway.
+    """
+    rows = []
+    for claim in summary["claims"]:
+        found = sorted(claim["correlations"].items(), key=lambda item: -abs(item[1]))
+        decisive = [pair for pair in found if abs(pair[1]) > claim["least_significant"]]
+        rows.append(
+            {key: claim[key] for key in ("id", "claim", "holds", "rigs", "share", "low", "high")}
+            | {
+                "decided_by": "; ".join(f"{path} ({rho:+.2f})" for path, rho in decisive),
+                "strongest": f"{found[0][0]} ({found[0][1]:+.2f})" if found else "",
+                "least_significant": claim["least_significant"],
+                "source": summary["source"],
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def ensemble_page(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the ensemble's table as a person reads it."""
+    return pd.DataFrame(
+        {
+            "Claim": row.id,
+            "Text": row.claim,
+            "Holds on": f"{row.holds} of {row.rigs}",
+            "Share, 95 % interval": f"{100 * row.share:.0f} % "
+            f"({100 * row.low:.0f} to {100 * row.high:.0f})",
+            "Decided by (rank correlation)": row.decided_by or "-",
+        }
+        for row in table.itertuples()
+    )
+
+
+def sensitivity(report: Mapping[str, Any]) -> pd.DataFrame:
+    """Errors of the models as one parameter moves, over those of the fitted rig, tidy."""
+    fitted = next(cell["errors"] for cell in report["cells"] if cell["path"] is None)
+    return pd.DataFrame(
+        {
+            "parameter": cell["path"],
+            "share_of_range": cell["share"],
+            "trained_on": key.split("/")[0],
+            "model": key.split("/")[1],
+            "phase": key.split("/")[2],
+            "rmse_kpa": value,
+            "change": value / fitted[key] - 1.0,
+            "source": report["source"],
+        }
+        for cell in report["cells"]
+        if cell["path"] is not None and cell["errors"] is not None
+        for key, value in cell["errors"].items()
+    )
+
+
+def sensitivity_page(table: pd.DataFrame) -> pd.DataFrame:
+    """Return by how much each error changes over a parameter's range, the strongest first."""
+    numbers = {"sweep": "II", "complex": "III"}
+    short = {"train": "training", "test": "test"}
+    lows_and_highs = table.groupby(["parameter", "trained_on", "model", "phase"], sort=False)[
+        "change"
+    ].agg(["min", "max"])
+    strongest = lows_and_highs.abs().max(axis=1).groupby("parameter").max()
+    page = []
+    for parameter in strongest.sort_values(ascending=False).index:
+        row = {"Parameter": parameter}
+        for (trained_on, model, phase), change in lows_and_highs.loc[parameter].iterrows():
+            name = f"{numbers[trained_on]} {MODEL_NAMES[model]} {short[phase]}"
+            row[name] = f"{100 * change['min']:+.0f} to {100 * change['max']:+.0f} %"
+        page.append(row)
+    return pd.DataFrame(page)
+
+
+def targets(
+    replicates: Mapping[str, Sequence[Mapping[str, Any]]],
+    controls: Mapping[str, Sequence[Mapping[str, Any]]],
+    published: Mapping[str, Any],
+) -> pd.DataFrame:
+    """Tables II to IV over seeds for both targets of the models, tidy.
+
+    Parameters
+    ----------
+    replicates, controls : Mapping
+        Reports of the further seeds by target: command, measured.
+    """
+    rows = []
+    for target, reports in replicates.items():
+        for trained_on in PRINTED:
+            for row in over_seeds(reports, published, trained_on).itertuples():
+                rows.append(
+                    {
+                        "target": target,
+                        "table": "II" if trained_on == "sweep" else "III",
+                        "what": f"{MODEL_NAMES[row.model]}, {ERRORS[row.metric]}",
+                        "unit": "kPa",
+                        "mean": row.mean,
+                        "low": row.low,
+                        "high": row.high,
+                        "published": row.published_mean,
+                        "source": row.source,
+                    }
+                )
+        for row in tracking_over_seeds(controls[target], published).itertuples():
+            if row.controller == "pd" or row.gain == "printed":
+                continue
+            rows.append(
+                {
+                    "target": target,
+                    "table": "IV",
+                    "what": f"{CONTROLLER_NAMES[row.controller]}, {REFERENCE_NAMES[row.reference]}",
+                    "unit": "deg",
+                    "mean": row.rmse_deg,
+                    "low": row.low,
+                    "high": row.high,
+                    "published": row.published_rmse_deg,
+                    "source": row.source,
+                }
+            )
+    return pd.DataFrame(rows)
+
+
+def targets_page(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the effect of the target as a person reads it, both beside the paper."""
+    page = []
+    for (number, what, unit), rows in table.groupby(["table", "what", "unit"], sort=False):
+        found = {row.target: mean_of(row._asdict(), "mean") for row in rows.itertuples()}
+        page.append(
+            {
+                "Table": number,
+                "RMSE": f"{what} [{unit}]",
+                "Target command": found["command"],
+                "Target measured": found["measured"],
+                "Paper": spread(rows["published"].iloc[0], None),
+            }
+        )
+    return pd.DataFrame(page)

@@ -1,0 +1,59 @@
+"""Numbers and tables as text."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import pandas as pd
+
+
+def spread(mean: float, std: float | None) -> str:
+    """Format a number to three significant digits, with its spread if any."""
+    text = three_digits(mean)
+    return text if pd.isna(std) else f"{text} ± {three_digits(std)}"
+
+
+def mean_of(row: Mapping[str, Any], name: str) -> str:
+    """Format a mean with its interval if it has one, else with its deviation."""
+    if "low" in row:
+        low, high = three_digits(row["low"]), three_digits(row["high"])
+        return f"{three_digits(row[name])} ({low} to {high})"
+    return spread(row[name], row.get("std"))
+
+
+def three_digits(value: float) -> str:
+    """Format a number to three significant digits; nothing where there is none."""
+    if isinstance(value, str) or pd.isna(value):
+        return ""
+    exponent = int(f"{value:.2e}".split("e")[1])  # of the rounded number: 9.999 is 10.0
+    decimals = max(2 - exponent, 0) if value else 0
+    return f"{value:.{decimals}f}"
+
+
+def markdown(page: pd.DataFrame, note: str) -> str:
+    """Render a page as a Markdown table under a note."""
+    return f"{note}\n\n{page.to_markdown(index=False, disable_numparse=True)}\n"
+
+
+def read_markdown(text: str) -> tuple[str, pd.DataFrame]:
+    """Return note and page of what ``markdown`` rendered; every cell is text."""
+    note, _, grid = text.partition("\n\n")
+    columns, _, *rows = [
+        [cell.strip() for cell in line.strip().removeprefix("|").removesuffix("|").split("|")]
+        for line in grid.strip().splitlines()
+    ]
+    return " ".join(note.split()), pd.DataFrame(rows, columns=columns)
+
+
+def latex(page: pd.DataFrame, note: str) -> str:
+    """Render a page as a LaTeX table (booktabs), the note as its caption."""
+    body = page.map(_escaped)
+    body.columns = [_escaped(name) for name in page.columns]
+    caption = _escaped(" ".join(note.split()))
+    return body.to_latex(index=False, escape=False, caption=caption)
+
+
+def _escaped(text: object) -> str:
+    escaped = str(text)
+    for bare in "_%&":
+        escaped = escaped.replace(bare, f"\\{bare}")
+    return escaped.replace("±", "$\\pm$")

@@ -1,0 +1,82 @@
+"""Execution times, and the cost of a control step."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from fprc.tables.names import MODEL_NAMES
+from fprc.tables.text import spread, three_digits
+
+
+def timing(report: Mapping[str, Any], published: Mapping[str, Any]) -> pd.DataFrame:
+    """Table II, its times: seconds and us per sample, both modes, tidy."""
+    rows = []
+    for entry in report["times"]:
+        seconds = np.array(entry["seconds"])
+        printed = published["table_2_models"][entry["model"]]
+        theirs = (
+            printed["train_time_s"]
+            if entry["phase"] == "train"
+            else [value / 1000.0 for value in printed["test_time_ms"]]
+        )
+        rows.append(
+            {
+                "model": entry["model"],
+                "metric": f"{entry['phase']}_time",
+                "mode": entry["mode"],
+                "unit": "s",
+                "mean": seconds.mean(),
+                "std": seconds.std(ddof=1) if seconds.size > 1 else None,
+                "us_per_sample": 1e6 * seconds.mean() / entry["samples"],
+                "samples": entry["samples"],
+                "repeats": seconds.size,
+                "published_mean": theirs[0],
+                "published_std": theirs[1],
+                "threads": report["threads"],
+                "cpu": report["cpu"],
+                "source": report["source"],
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def timing_page(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the times as a person reads them."""
+    phases = {"train_time": "Training", "test_time": "Test"}
+    rows = [
+        (
+            MODEL_NAMES[row.model],
+            phases[row.metric],
+            row.mode,
+            spread(row.mean, row.std),
+            three_digits(row.us_per_sample),
+            spread(row.published_mean, row.published_std),
+        )
+        for row in table.itertuples()
+    ]
+    columns = ["Model", "Phase", "Mode", "Ours [s]", "Ours [us per sample]", "Paper [s]"]
+    return pd.DataFrame(rows, columns=columns)
+
+
+def steps(report: Mapping[str, Any]) -> pd.DataFrame:
+    """Cost of one control step of each model against the sampling period, tidy."""
+    table = pd.DataFrame(report["steps"])
+    table["share_of_budget"] = table["p99_9_us"] / table["budget_us"]
+    return table.assign(threads=report["threads"], cpu=report["cpu"], source=report["source"])
+
+
+def steps_page(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the cost of a control step as a person reads it."""
+    rows = [
+        (
+            MODEL_NAMES[row.model],
+            three_digits(row.median_us),
+            three_digits(row.p99_9_us),
+            f"{100 * row.share_of_budget:.2g} %",
+        )
+        for row in table.itertuples()
+    ]
+    columns = ["Model", "Median [us]", "99.9 % of steps below [us]", "Share of the period"]
+    return pd.DataFrame(rows, columns=columns)

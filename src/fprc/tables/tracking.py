@@ -1,0 +1,93 @@
+"""Table IV: errors of the closed-loop runs."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from fprc.tables.models import with_interval
+from fprc.tables.names import CONTROLLER_NAMES, REFERENCE_NAMES
+from fprc.tables.text import mean_of, spread
+
+
+def tracking(
+    runs: Sequence[Mapping[str, Any]], gains: Mapping[str, Any], published: Mapping[str, Any]
+) -> pd.DataFrame:
+    """Table IV: errors of every controller on every reference, tidy.
+
+    Parameters
+    ----------
+    runs : sequence of mapping
+        ``controller``, ``gain`` (none, printed, identified), ``reference``,
+        ``error_deg`` (theta_d - theta of the judged samples) and ``source``.
+    gains : mapping
+        Gains of the PD controller by their name.
+    """
+    printed = published["table_4_tracking_rmse_deg"]
+    rows = []
+    for run in runs:
+        error = np.asarray(run["error_deg"])
+        rows.append(
+            {
+                "controller": run["controller"],
+                "gain": run["gain"],
+                "reference": run["reference"],
+                "rmse_deg": np.sqrt(np.mean(error**2)),
+                "max_abs_error_deg": np.abs(error).max(),
+                "published_rmse_deg": printed.get(run["controller"], {}).get(run["reference"]),
+                "kp_kpa_per_deg": gains.get(run["gain"], {}).get("kp_kpa_per_deg"),
+                "source": run["source"],
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def tracking_over_seeds(
+    replicates: Sequence[Mapping[str, Any]], published: Mapping[str, Any]
+) -> pd.DataFrame:
+    """Table IV over further seeds: mean, standard deviation, range, tidy.
+
+    The gain is identified anew on each seed; its mean is given.
+    """
+    printed = published["table_4_tracking_rmse_deg"]
+    samples = pd.DataFrame(
+        {
+            **dict(zip(("reference", "controller", "gain"), run.split("/"), strict=True)),
+            "rmse_deg": error,
+            "kp_kpa_per_deg": report["gains"].get(run.split("/")[2], {}).get("kp_kpa_per_deg"),
+            "source": report["source"],
+        }
+        for report in replicates
+        for run, error in report["rmse_deg"].items()
+    )
+    groups = samples.groupby(["controller", "gain", "reference"], sort=False)
+    table = groups["rmse_deg"].agg(["mean", "std", "min", "max", "count"]).reset_index()
+    table = with_interval(table.rename(columns={"count": "seeds"}))
+    table = table.rename(columns={"mean": "rmse_deg"})
+    table["published_rmse_deg"] = [
+        printed.get(row.controller, {}).get(row.reference) for row in table.itertuples()
+    ]
+    table["kp_kpa_per_deg"] = groups["kp_kpa_per_deg"].mean().to_numpy()
+    table["source"] = groups["source"].first().to_numpy()
+    return table
+
+
+def tracking_page(table: pd.DataFrame) -> pd.DataFrame:
+    """Return Table IV as the paper prints it, ours beside the published numbers."""
+    page = []
+    for (controller, gain), rows in table.groupby(["controller", "gain"], sort=False):
+        kp = rows["kp_kpa_per_deg"].iloc[0]
+        label = CONTROLLER_NAMES[controller]
+        line = {
+            "RMSE [deg]": label if pd.isna(kp) else f"{label}, {gain} gain ({kp:g} kPa/deg)",
+            "Whose": "ours",
+        }
+        theirs = {"RMSE [deg]": label, "Whose": "paper"}
+        for row in rows.itertuples():
+            line[REFERENCE_NAMES[row.reference]] = mean_of(row._asdict(), "rmse_deg")
+            theirs[REFERENCE_NAMES[row.reference]] = spread(row.published_rmse_deg, None)
+        page.append(line)
+        if rows["published_rmse_deg"].notna().any() and gain != "printed":
+            page.append(theirs)
+    return pd.DataFrame(page)

@@ -1,0 +1,189 @@
+import copy
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fprc.calibration import Free, decode, encode
+
+RIG = {
+    "step_s": 0.0004,
+    "bending": {
+        "friction_kpa": 4.0,
+        "relaxation_time_s": [0.25, 4.0],
+        "slip_distance_deg": [1.0, 3.0, 7.0, 14.0],
+    },
+    "drift": {"time_s": 8.0, "sigma_kpa": 5.5},
+}
+FREE = [
+    Free("bending.friction_kpa", 0.0, 15.0),
+    Free("bending.relaxation_time_s.1", 0.05, 30.0),
+    Free("bending.slip_distance_deg", 0.1, 2.857),
+    Free("drift.time_s", 1.0, 60.0),
+    Free("step_s", 0.0001, 0.0005),
+]
+TIME = [Free("drift.time_s", 1.0, 60.0)]
+
+shares = st.floats(0.0, 1.0)
+points = st.lists(shares, min_size=len(FREE), max_size=len(FREE)).map(np.array)
+ranges = st.tuples(st.floats(1e-4, 1e3), st.floats(1.01, 1e4)).map(
+    lambda drawn: (drawn[0], drawn[0] * drawn[1])
+)
+
+
+def at(value):
+    return RIG | {"drift": {"time_s": value}}
+
+
+@given(points)
+def test_encoding_undoes_decoding(point):
+    found = encode(decode(point, RIG, FREE, digits=15), FREE)
+    assert found == pytest.approx(point, abs=1e-9)
+
+
+@given(shares, ranges)
+def test_encoding_undoes_decoding_within_the_rounding_whatever_the_range(share, limits):
+    free = [Free("drift.time_s", *limits)]
+    low, high = limits
+    # four digits are at worst 1.0005 for 1.000
+    worst = 5e-4 * (1.0 / math.log(high / low) if free[0].logarithmic else high / (high - low))
+    (found,) = encode(decode(np.array([share]), RIG, free), free)
+    assert found == pytest.approx(share, abs=1.01 * worst)
+
+
+@given(points)
+def test_written_rig_is_the_rig_that_is_judged(point):
+    judged = decode(point, RIG, FREE)
+    assert decode(encode(judged, FREE), judged, FREE) == judged
+
+
+@given(st.floats(1.0, 60.0), st.integers(2, 8))
+def test_value_with_few_digits_comes_back_exactly(value, digits):
+    value = float(f"{value:.{digits}g}")
+    assert decode(encode(at(value), TIME), at(value), TIME, digits)["drift"]["time_s"] == value
+
+
+@given(shares, shares)
+def test_larger_share_is_no_smaller_value(one, other):
+    low, high = (decode(np.full(5, s), RIG, FREE, digits=15) for s in sorted((one, other)))
+    assert low["bending"]["friction_kpa"] <= high["bending"]["friction_kpa"]
+    assert low["drift"]["time_s"] <= high["drift"]["time_s"]
+    for name in ("relaxation_time_s", "slip_distance_deg"):
+        assert np.less_equal(low["bending"][name], high["bending"][name]).all()
+
+
+@pytest.mark.parametrize(("share", "end"), [(0.0, "low"), (1.0, "high")])
+def test_ends_of_the_cube_are_the_ends_of_the_ranges(share, end):
+    found = decode(np.full(5, share), RIG, FREE)
+    assert [
+        found["bending"]["friction_kpa"],
+        found["bending"]["relaxation_time_s"][1],
+        found["bending"]["slip_distance_deg"][0],
+        found["drift"]["time_s"],
+        found["step_s"],
+    ] == [getattr(parameter, end) for parameter in FREE]
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "logarithmic"),
+    [
+        (1.0, 10.0, True),
+        (0.05, 30.0, True),
+        (1.0, 9.999, False),
+        (20.0, 77.0, False),
+        (0.0, 1000.0, False),
+        (-10.0, 100.0, False),
+    ],
+)
+def test_range_of_a_decade_above_zero_is_logarithmic(low, high, logarithmic):
+    assert Free("drift.time_s", low, high).logarithmic is logarithmic
+    free = [Free("drift.time_s", low, high)]
+    middle = decode(np.array([0.5]), RIG, free, digits=15)["drift"]["time_s"]
+    expected = math.sqrt(low * high) if logarithmic else 0.5 * (low + high)
+    assert middle == pytest.approx(expected, rel=1e-12)
+    assert encode(at(expected), free) == pytest.approx([0.5])
+
+
+@given(shares)
+def test_list_is_scaled_as_a_whole(share):
+    free = [Free("bending.slip_distance_deg", 0.1, 2.8)]
+    before = np.array(RIG["bending"]["slip_distance_deg"])
+    after = np.array(
+        decode(np.array([share]), RIG, free, digits=12)["bending"]["slip_distance_deg"]
+    )
+    assert after / before == pytest.approx(np.full(4, after[0] / before[0]))
+    assert 0.1 <= after[0] <= 2.8
+
+
+@given(shares)
+def test_number_of_a_list_leaves_the_others_alone(share):
+    found = decode(np.array([share]), RIG, [Free("bending.relaxation_time_s.1", 0.05, 30.0)])
+    assert found["bending"]["relaxation_time_s"][0] == 0.25
+    assert 0.05 <= found["bending"]["relaxation_time_s"][1] <= 30.0
+    del found["bending"]["relaxation_time_s"]
+    others = copy.deepcopy(RIG)
+    del others["bending"]["relaxation_time_s"]
+    assert found == others
+
+
+def test_numbers_of_a_tuple_are_scaled_too():
+    rig = RIG | {"bending": {"slip_distance_deg": (1.0, 3.0)}}
+    free = [Free("bending.slip_distance_deg", 0.0, 4.0)]
+    assert encode(rig, free) == pytest.approx([0.25])
+    found = decode(np.array([0.5]), rig, free)
+    assert found["bending"]["slip_distance_deg"] == [2.0, 6.0]
+
+
+@given(points)
+def test_decoding_leaves_its_input_alone(point):
+    rig = copy.deepcopy(RIG)
+    found = decode(point, rig, FREE)
+    for values in found["bending"].values():
+        if isinstance(values, list):
+            values.append(0.0)
+    assert rig == RIG
+
+
+def test_decoding_without_free_parameters_is_a_copy():
+    assert decode(np.array([]), RIG, []) == RIG
+
+
+@pytest.mark.parametrize(
+    ("digits", "value", "slips"),
+    [
+        (1, 10.0, [0.6, 2.0, 4.0, 9.0]),
+        (2, 14.0, [0.63, 1.9, 4.4, 8.8]),
+        (4, 13.56, [0.6281, 1.884, 4.397, 8.794]),
+        (7, 13.56374, [0.628128, 1.884384, 4.396896, 8.793792]),
+    ],
+)
+def test_values_have_that_many_digits(digits, value, slips):
+    share = math.log(13.5637412) / math.log(60.0)
+    whole = Free("bending.slip_distance_deg", 0.0, 1.0)
+    found = decode(np.array([share, 0.628128]), RIG, [*TIME, whole], digits)
+    assert found["drift"]["time_s"] == value
+    assert found["bending"]["slip_distance_deg"] == slips
+
+
+def test_four_digits_are_kept_unless_others_are_asked_for():
+    point = np.array([0.123456789])
+    assert decode(point, RIG, TIME) == decode(point, RIG, TIME, 4) != decode(point, RIG, TIME, 5)
+
+
+@pytest.mark.parametrize(
+    ("value", "share", "moved"), [(0.0, 0.0, 1.0), (0.99, 0.0, 1.0), (61.0, 1.0, 60.0)]
+)
+@pytest.mark.parametrize("low", [1.0, 40.0])
+def test_outside_of_the_range_is_moved_to_its_end(value, share, moved, low):
+    free = [Free("drift.time_s", low, 60.0)]
+    assert encode(at(value), free).tolist() == [share]
+    found = decode(encode(at(value), free), at(value), free)
+    assert found["drift"]["time_s"] == max(moved, low)
+
+
+@pytest.mark.parametrize("size", [0, 2])
+def test_point_of_another_size_is_refused(size):
+    with pytest.raises(ValueError, match="zip"):
+        decode(np.zeros(size), RIG, TIME)
