@@ -129,7 +129,7 @@ class Evaluation(Section):
     )
     timing_repeats: int = quantity(10, "-", (1, 100), "repeats of the timing", "paper, Sec. III-D")
     replicate_seeds: tuple[Annotated[int, Ge(0), Le(2**31)], ...] = Field(
-        (201, 202, 203, 204, 205),
+        (301, 302, 303, 304, 305),
         min_length=2,
         description="seeds of the further rigs that tables, sweeps and runs are repeated on",
     )

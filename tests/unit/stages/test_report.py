@@ -384,7 +384,7 @@ def test_settings_that_are_not_the_papers_are_listed_and_announced(project):
     assert "2 settings are not the paper's (which); do not compare" in header
     assert listed == [
         "evaluation.folds: 4 instead of 5",
-        "evaluation.replicate_seeds: (401, 402) instead of (201, 202, 203, 204, 205)",
+        "evaluation.replicate_seeds: (401, 402) instead of (301, 302, 303, 304, 305)",
     ]
 
 
