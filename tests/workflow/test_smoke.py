@@ -34,6 +34,8 @@ CONTRACT = [
     "timing/table2_timing.csv",
     "timing/step_cost.csv",
     "report.html",
+    "readout/readout.csv",
+    "readout/readout.pdf",
     "claims.json",
     "claims.md",
 ]

@@ -59,10 +59,11 @@ TIMING = [f"{RESULTS}/timing/{name}.md" for name in ("table2_timing", "step_cost
 ON_RIG = SETTINGS["source"] == "sim"
 CLAIMS = [f"{RESULTS}/claims.json"] if ON_RIG else []
 SHOWN = {number: path for number, path in FIGURES.items() if ON_RIG or number < 12}
-PAGES = [TABLES[1], TABLES[2], TABLES[3], *TIMING]
+READOUT = f"{RESULTS}/readout/readout.md"
+PAGES = [TABLES[1], TABLES[2], TABLES[3], READOUT, *TIMING]
 if ON_RIG:
     II, III, IV, _ = SEEDS_TABLES
-    PAGES = [TABLES[1], TABLES[2], II, TABLES[3], III, TABLES[4], IV, *TIMING]
+    PAGES = [TABLES[1], TABLES[2], II, TABLES[3], III, TABLES[4], IV, READOUT, *TIMING]
 
 
 ENSEMBLE = SETTINGS["ensemble"]
@@ -166,6 +167,11 @@ TARGETS = {
     "fig8": through(FIGURES[8], *judged("sweep")),
     "fig9": through(FIGURES[9], f"{RESULTS}/weights/fprc.json"),
     "fig10": through(FIGURES[10], SWEEPS["epsilon"], SWEEPS["n_c"], TIMES[1]),
+    "readout": through(
+        f"{RESULTS}/readout/readout.md",
+        f"{RESULTS}/readout/readout.pdf",
+        f"{RESULTS}/readout/cells.json",
+    ),
     "fig11": through(FIGURES[11], SWEEPS["taps"]),
 }
 if ON_RIG:

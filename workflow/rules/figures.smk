@@ -267,3 +267,20 @@ rule disturbance:
         "Fig. 17: the reservoir disturbed"
     script:
         "../scripts/fig17.py"
+
+
+rule readout_figure:
+    input:
+        cells=f"{RESULTS}/readout/cells.json",
+    output:
+        pdf=f"{RESULTS}/readout/readout.pdf",
+        png=f"{RESULTS}/readout/readout.png",
+        sidecar=f"{RESULTS}/readout/readout.json",
+    log:
+        f"{RESULTS}/logs/readout_figure.log",
+    params:
+        code=code_of("draw_readout", "figure"),
+    message:
+        "What the readout is worth: figure"
+    script:
+        "../scripts/readout_figure.py"

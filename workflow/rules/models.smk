@@ -204,3 +204,29 @@ rule measure_steps:
         "Cost of a control step, alone on the machine"
     script:
         "../scripts/measure_steps.py"
+
+
+rule measure_readout:
+    input:
+        train=f"{RESULTS}/data/sweep.h5",
+        test=f"{RESULTS}/data/complex.h5",
+    output:
+        cells=f"{RESULTS}/readout/cells.json",
+    log:
+        f"{RESULTS}/logs/measure_readout.log",
+    threads: workflow.cores
+    resources:
+        mem_mb=2000,
+    params:
+        models=settings_of("fprc"),
+        epsilon=SETTINGS["sweeps"]["epsilon"],
+        n_u=SETTINGS["sweeps"]["replicate_taps"],
+        folds=SETTINGS["evaluation"]["folds"],
+        seed=SETTINGS["seed"],
+        workers=lambda wildcards, threads: threads,
+        checkpoint=f"{RESULTS}/readout/cells.partial.jsonl",
+        version=code_of("readout"),
+    message:
+        "FPRC with and without P_o, and with stand-ins for it"
+    script:
+        "../scripts/measure_readout.py"

@@ -136,3 +136,18 @@ rule steps_table:
         "Cost of a control step"
     script:
         "../scripts/steps_table.py"
+
+
+rule readout_table:
+    input:
+        cells=f"{RESULTS}/readout/cells.json",
+    output:
+        **table("readout/readout"),
+    log:
+        f"{RESULTS}/logs/readout_table.log",
+    params:
+        code=code_of("tabulate"),
+    message:
+        "What the readout is worth: table"
+    script:
+        "../scripts/readout_table.py"

@@ -35,6 +35,7 @@ rule readme:
             *(TABLES[number] for number in (2, 3, 4)),
             *SEEDS_TABLES[:3],
             *TIMING,
+            READOUT,
         ],
         orders=SEEDS_TABLES[3],
         seeds=[path.replace(".md", ".csv") for path in SEEDS_TABLES[:2]],

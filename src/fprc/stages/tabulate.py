@@ -97,6 +97,20 @@ def _run(path: str) -> dict[str, Any]:
     return {**described, "error_deg": (theta_d - theta)[judged]}
 
 
+def tabulate_readout(cells: str, csv: str, md: str, tex: str) -> None:
+    """Compare FPRC with and without P_o, and with stand-ins for it."""
+    report = read_json(cells)
+    table = tables.readout(report)
+    own = report["own"]
+    note = (
+        "Readout value: FPRC with other things in place of P_o, at epsilon = "
+        f"{own['epsilon']:g} and n_u = {own['n_u']}, mean ± standard deviation over folds.\n"
+        f"Data: {tables.SOURCES[report['source']]}, seed {report['seed']}; trained on the sweep, "
+        "tested on the complex log. Blocked folds keep neighbours in time out of the validation."
+    )
+    _write(table, tables.readout_page(table, own), note, csv, md, tex)
+
+
 def tabulate_ensemble(summary: str, csv: str, md: str, tex: str) -> None:
     """On how many rigs that were not fitted each claim holds."""
     report = read_json(summary)

@@ -9,6 +9,7 @@ from fprc.tables.models import (
     over_seeds,
 )
 from fprc.tables.names import CONTROLLER_NAMES, MODEL_NAMES, PRINTED, REFERENCE_NAMES, SOURCES
+from fprc.tables.readout import readout, readout_page
 from fprc.tables.robustness import (
     ensemble,
     ensemble_page,
@@ -38,6 +39,8 @@ __all__ = [
     "orders",
     "over_seeds",
     "read_markdown",
+    "readout",
+    "readout_page",
     "sensitivity",
     "sensitivity_page",
     "spread",

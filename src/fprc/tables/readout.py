@@ -1,0 +1,48 @@
+"""What the reservoir's readout is worth."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from fprc.tables.text import spread
+
+#: What stands for P_o, as a reader knows it.
+READOUT_NAMES = {
+    "none": "no readout (Fuzzy-linear)",
+    "p_o": "P_o of the reservoir (FPRC)",
+    "theta": "theta in place of P_o: the low-pass alone",
+    "shuffled": "P_o shuffled in time",
+}
+
+_PHASES = ("train", "validation", "test")
+
+
+def readout(report: Mapping[str, Any]) -> pd.DataFrame:
+    """Errors of FPRC with each readout, tidy: mean and deviation over folds."""
+    rows = []
+    for cell in report["cells"]:
+        row = {key: cell[key] for key in ("split", "readout", "epsilon", "n_u")}
+        for phase in _PHASES:
+            errors = np.atleast_1d(cell[f"{phase}_rmse_kpa"])
+            row[f"{phase}_rmse_kpa"] = errors.mean()
+            if phase != "test":
+                row[f"{phase}_std_kpa"] = errors.std(ddof=1)
+        rows.append(row | {"source": report["source"]})
+    return pd.DataFrame(rows)
+
+
+def readout_page(table: pd.DataFrame, own: Mapping[str, float]) -> pd.DataFrame:
+    """Return the readouts at the models' own settings as a person reads them."""
+    at_own = table[(table["epsilon"] == own["epsilon"]) & (table["n_u"] == own["n_u"])]
+    return pd.DataFrame(
+        {
+            "Readout": READOUT_NAMES[row.readout],
+            "Folds": row.split,
+            "Training [kPa]": spread(row.train_rmse_kpa, row.train_std_kpa),
+            "Validation [kPa]": spread(row.validation_rmse_kpa, row.validation_std_kpa),
+            "Test [kPa]": spread(row.test_rmse_kpa, None),
+        }
+        for row in at_own.itertuples()
+    )
