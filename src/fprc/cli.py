@@ -16,6 +16,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except FprcError as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
+    except ModuleNotFoundError as error:
+        print(
+            f"error: {error}; install what the workflow needs: pip install 'fprc[workflow]'",
+            file=sys.stderr,
+        )
+        return 1
+    except KeyboardInterrupt:
+        print("stopped; what was finished is kept", file=sys.stderr)
+        return 130
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -53,7 +62,7 @@ def _parser() -> argparse.ArgumentParser:
         help="configuration, later files over earlier ones (default: %(default)s)",
     )
     calibrate.add_argument("--out", default="config/rig.fitted.yaml", help="default: %(default)s")
-    calibrate.add_argument("--published", default="config/published.yaml", help=argparse.SUPPRESS)
+    calibrate.add_argument("--published", default="config/published.yaml", help="printed numbers")
     calibrate.add_argument(
         "--minutes", type=float, help="time limit (default: the configuration's)"
     )

@@ -30,7 +30,7 @@ def describe(
     Parameters
     ----------
     data : Mapping
-        Attributes of the data: ``source``, and ``seed`` if there is one.
+        Attributes of the data: ``source``, and ``seed`` or ``seeds`` if there are any.
     inputs, outputs : sequence of str
         Files; each is given with its SHA-256.
     settings : Mapping
@@ -47,7 +47,9 @@ def describe(
     return {
         "source": data["source"],
         "simulated": data["source"] == "sim",
-        "seeds": [int(data["seed"])] if "seed" in data else [],
+        "seeds": [
+            int(seed) for seed in data.get("seeds", [data["seed"]] if "seed" in data else [])
+        ],
         "commit": commit,
         "dirty": dirty,
         "config_sha256": hash_of(settings),

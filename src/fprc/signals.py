@@ -113,3 +113,9 @@ def width_at_middle(x: np.ndarray, y: np.ndarray) -> float:
             "in both directions; use a longer experiment"
         )
     return float(abs(value[rising].mean() - value[~rising].mean()))
+
+
+def loop_growth(time_s: np.ndarray, x: np.ndarray, y: np.ndarray) -> float:
+    """Return by what factor a loop widens from the first to the last quarter of a sweep."""
+    first, last = time_s < 0.25 * time_s[-1], time_s > 0.75 * time_s[-1]
+    return width_at_middle(x[last], y[last]) / width_at_middle(x[first], y[first])

@@ -170,6 +170,7 @@ def test_smoke_touches_every_rule(smoked, calibrated):
     working = {
         name for name, body in zip(blocks[::2], blocks[1::2], strict=True) if "script:" in body
     }
+    working |= {f"following_{name}" for name in ("sine_0p2", "sine_0p5", "sweep", "complex")}
     assert len(working) > 40
     # these look at results, and make none
     by_hand = {"check", "readme", "calibration_page"}
@@ -193,7 +194,7 @@ def test_smoke_makes_what_is_asked_for_of_the_calibration(calibrated, name):
 def test_fitted_rig_is_a_configuration_that_the_workflow_takes(calibrated):
     fitted = "results/smoke/calibration/rig.yaml"
     head = (calibrated[0].folder / fitted).read_text()
-    assert "on\n# the noise seeds 21:" in head
+    assert "# on the noise seeds 21:" in head
     done = calibrated[0].snakemake("--dry-run", "table2", "--configfile", fitted)
     assert done.returncode == 0, done.stdout
 

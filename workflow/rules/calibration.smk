@@ -11,6 +11,7 @@ CHUNKS = {
     first: list(range(first, min(first + ENSEMBLE["chunk"], ENSEMBLE["rigs"])))
     for first in range(0, ENSEMBLE["rigs"], ENSEMBLE["chunk"])
 }
+CHUNK_FILES = [f"{RESULTS}/ensemble/rigs_{first}.json" for first in CHUNKS]
 
 
 rule fit_rig:
@@ -49,7 +50,7 @@ rule ensemble_chunk:
         models=SETTINGS["models"],
         tracking=SETTINGS["tracking"],
         numbers=lambda wildcards: CHUNKS[int(wildcards.chunk)],
-        ensemble=ENSEMBLE,
+        ensemble={key: ENSEMBLE[key] for key in ("seed", "angle_deg", "p_o_swing_kpa")},
         paths=SETTINGS["calibration"]["free"],
         ranges=SETTINGS["calibration"]["ranges"],
         checkpoint=f"{RESULTS}/ensemble/rigs_{{chunk}}.partial.jsonl",
@@ -63,13 +64,13 @@ rule ensemble_chunk:
 rule ensemble_summary:
     input:
         published="config/published.yaml",
-        chunks=[f"{RESULTS}/ensemble/rigs_{first}.json" for first in CHUNKS],
+        chunks=CHUNK_FILES,
     output:
         summary=f"{RESULTS}/ensemble/summary.json",
     log:
         f"{RESULTS}/logs/ensemble_summary.log",
     params:
-        code=code_of("ensemble"),
+        code=code_of("ensemble_claims"),
     message:
         "Ensemble: claims rig by rig"
     script:
@@ -174,12 +175,20 @@ rule calibration_page:
             f"{RESULTS}/calibration/targets.md",
         ],
         figure=f"{RESULTS}/ensemble/claims.png",
+        made_from=[
+            *CHUNK_FILES,
+            f"{RESULTS}/ensemble/summary.json",
+            f"{RESULTS}/calibration/sensitivity.json",
+            *replicated("models", "command", "measured"),
+            *replicated("control", "command", "measured"),
+        ],
     log:
         f"{RESULTS}/logs/calibration_page.log",
     localrule: True
     params:
         page="docs/calibration.md",
         picture="docs/images/ensemble.png",
+        rig=SETTINGS["rig"],
         code=code_of("readme"),
     message:
         "Numbers and picture of docs/calibration.md, from the results"
@@ -190,6 +199,7 @@ rule calibration_page:
 rule calibrate:
     input:
         f"{RESULTS}/calibration/rig.yaml",
+        f"{RESULTS}/calibration/fit.json",
     localrule: True
 
 
@@ -197,16 +207,21 @@ rule ensemble:
     input:
         f"{RESULTS}/ensemble/claims.md",
         f"{RESULTS}/ensemble/claims.pdf",
+        f"{RESULTS}/ensemble/summary.json",
+        CHUNK_FILES,
     localrule: True
 
 
 rule sensitivity:
     input:
         f"{RESULTS}/calibration/sensitivity.md",
+        f"{RESULTS}/calibration/sensitivity.json",
     localrule: True
 
 
 rule targets:
     input:
         f"{RESULTS}/calibration/targets.md",
+        replicated("models", "command", "measured"),
+        replicated("control", "command", "measured"),
     localrule: True

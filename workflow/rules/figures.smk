@@ -169,68 +169,24 @@ rule taps:
         "../scripts/fig11.py"
 
 
-rule following_sine_0p2:
-    input:
-        open_loop=tracked("sine_0p2", "fprc"),
-        closed_loop=tracked("sine_0p2", "fprc_pd_identified"),
-    output:
-        **figure("fig12_sine_0p2"),
-    log:
-        f"{RESULTS}/logs/fig12.log",
-    params:
-        code=code_of("draw_tracking", "figure"),
-    message:
-        "Fig. 12: tracking sine_0p2"
-    script:
-        "../scripts/following.py"
+for number, reference in zip((12, 13, 14, 15), TABLE_IV):
 
-
-rule following_sine_0p5:
-    input:
-        open_loop=tracked("sine_0p5", "fprc"),
-        closed_loop=tracked("sine_0p5", "fprc_pd_identified"),
-    output:
-        **figure("fig13_sine_0p5"),
-    log:
-        f"{RESULTS}/logs/fig13.log",
-    params:
-        code=code_of("draw_tracking", "figure"),
-    message:
-        "Fig. 13: tracking sine_0p5"
-    script:
-        "../scripts/following.py"
-
-
-rule following_sweep:
-    input:
-        open_loop=tracked("sweep", "fprc"),
-        closed_loop=tracked("sweep", "fprc_pd_identified"),
-    output:
-        **figure("fig14_sweep"),
-    log:
-        f"{RESULTS}/logs/fig14.log",
-    params:
-        code=code_of("draw_tracking", "figure"),
-    message:
-        "Fig. 14: tracking sweep"
-    script:
-        "../scripts/following.py"
-
-
-rule following_complex:
-    input:
-        open_loop=tracked("complex", "fprc"),
-        closed_loop=tracked("complex", "fprc_pd_identified"),
-    output:
-        **figure("fig15_complex"),
-    log:
-        f"{RESULTS}/logs/fig15.log",
-    params:
-        code=code_of("draw_tracking", "figure"),
-    message:
-        "Fig. 15: tracking complex"
-    script:
-        "../scripts/following.py"
+    rule:
+        name:
+            f"following_{reference}"
+        input:
+            open_loop=tracked(reference, "fprc"),
+            closed_loop=tracked(reference, "fprc_pd_identified"),
+        output:
+            **figure(f"fig{number}_{reference}"),
+        log:
+            f"{RESULTS}/logs/fig{number}.log",
+        params:
+            code=code_of("draw_tracking", "figure"),
+        message:
+            f"Fig. {number}: tracking {reference}"
+        script:
+            "../scripts/following.py"
 
 
 rule loops:

@@ -41,6 +41,7 @@ rule readme:
         seeds=[path.replace(".md", ".csv") for path in SEEDS_TABLES[:2]],
         ledger=f"{RESULTS}/claims.json",
         figure=f"{RESULTS}/figures/fig08_training.png",
+        made_from=sorted(set(sum(TARGETS.values(), []))),
     log:
         f"{RESULTS}/logs/readme.log",
     localrule: True

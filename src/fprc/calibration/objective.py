@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fprc.signals import width_at_middle
+from fprc.signals import loop_growth, width_at_middle
 
 Channels = Mapping[str, np.ndarray]
 
@@ -41,17 +41,14 @@ def properties(logs: Mapping[str, Channels]) -> dict[str, float]:
     time_s, theta, p_exp, p_o = (
         log[name] for name in ("time_s", "theta_deg", "p_exp_kpa", "p_o_kpa")
     )
-    first, last = time_s < 0.25 * time_s[-1], time_s > 0.75 * time_s[-1]
     swing = float(np.ptp(p_o))
     return {
         "angle_deg": float(theta.max()),
         "loop_kpa": width_at_middle(theta, p_exp),
-        "loop_growth": width_at_middle(theta[last], p_exp[last])
-        / width_at_middle(theta[first], p_exp[first]),
+        "loop_growth": loop_growth(time_s, theta, p_exp),
         "p_o_swing_kpa": swing,
         "p_o_loop": width_at_middle(theta, p_o) / swing,
-        "p_o_loop_growth": width_at_middle(theta[last], p_o[last])
-        / width_at_middle(theta[first], p_o[first]),
+        "p_o_loop_growth": loop_growth(time_s, theta, p_o),
     }
 
 

@@ -1,6 +1,7 @@
 """CMA-ES over the unit cube that can be killed and goes on where it was."""
 
 import json
+import logging
 import os
 import time
 from collections.abc import Callable, Mapping
@@ -12,6 +13,8 @@ import numpy as np
 from joblib import Parallel, delayed, parallel_config
 
 from fprc.artifacts import write_text
+
+log = logging.getLogger(__name__)
 
 
 class Found(NamedTuple):
@@ -86,6 +89,8 @@ def search(
             done += 1
             progress(done, generations, optimiser.best.f, time.monotonic() - begun)
     best = optimiser.best
+    if not done:
+        return Found(np.asarray(start, dtype=float), np.inf, 0, 0, False)
     return Found(np.asarray(best.x), float(best.f), done, done * population, done >= generations)
 
 
@@ -94,6 +99,12 @@ def _resume(checkpoint: Path, head: Mapping[str, Any]) -> list[list[float]]:
     text = checkpoint.read_text(encoding="utf-8", errors="replace") if checkpoint.exists() else ""
     first, *lines = text.splitlines() or [""]
     told = []
+    if first and first != json.dumps(head):
+        old = checkpoint.with_name(f"{checkpoint.name}.old")
+        checkpoint.replace(old)
+        log.warning(
+            "warning: %s is of other settings or code; kept as %s, begun anew", checkpoint, old
+        )
     if first == json.dumps(head):
         for line in lines:
             try:

@@ -5,12 +5,13 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from scipy.stats import binomtest, norm, rankdata
+from scipy.stats import binomtest, rankdata, t
 
 from fprc.claims.ledger import REPRODUCED
 
-#: Claims that Tables II to IV, weights and loops decide; the others need sweeps or times.
-JUDGED_BY_RIG = ("C1", "C2", "C3", "C4", "C7", "C8", "C13", "C14", "C15", "C16", "C17", "C18")
+#: Claims that Tables II to IV, weights and loops decide; the others need sweeps or times. C17
+#: is left out: the rig has next to no way from the reservoir's bending to P_o, so it is assumed.
+JUDGED_BY_RIG = ("C1", "C2", "C3", "C4", "C7", "C8", "C13", "C14", "C15", "C16", "C18")
 
 
 def shares_of(
@@ -35,9 +36,15 @@ def shares_of(
     """
     names = list(parameters[0])
     values = np.array([[rig[name] for name in names] for rig in parameters])
+    held_by = {
+        claim["id"]: np.array([rig[claim["id"]] == REPRODUCED for rig in verdicts])
+        for claim in claims
+    }
+    found = {name: _correlations(held, values, names) for name, held in held_by.items()}
+    limit = _least_significant(len(verdicts), sum(map(len, found.values())), level)
     rows = []
     for claim in claims:
-        held = np.array([rig[claim["id"]] == REPRODUCED for rig in verdicts])
+        held = held_by[claim["id"]]
         test = binomtest(int(held.sum()), held.size)
         interval = test.proportion_ci(level, method="wilson")
         rows.append(
@@ -49,8 +56,8 @@ def shares_of(
                 "share": float(held.mean()),
                 "low": float(interval.low),
                 "high": float(interval.high),
-                "correlations": _correlations(held, values, names),
-                "least_significant": _least_significant(held.size, len(names), level),
+                "correlations": found[claim["id"]],
+                "least_significant": limit,
             }
         )
     return rows
@@ -68,9 +75,9 @@ def _correlations(held: np.ndarray, values: np.ndarray, names: Sequence[str]) ->
     }
 
 
-def _least_significant(rigs: int, parameters: int, level: float) -> float:
-    """Return the Bonferroni limit of a correlation of ``rigs`` pairs, normal approximation."""
-    if rigs < 4:
+def _least_significant(rigs: int, correlations: int, level: float) -> float:
+    """Return the Bonferroni limit of a correlation of ``rigs`` pairs, by Student's t."""
+    if rigs < 4 or correlations == 0:
         return 1.0
-    quantile = norm.isf((1.0 - level) / (2 * parameters))
-    return float(math.tanh(quantile / math.sqrt(rigs - 3)))
+    quantile = t.isf((1.0 - level) / (2 * correlations), rigs - 2)
+    return float(quantile / math.sqrt(rigs - 2 + quantile**2))

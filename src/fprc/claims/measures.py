@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from fprc.signals import width_at_middle
+from fprc.signals import loop_growth, width_at_middle
 
 #: The references of Table IV.
 REFERENCES = ("sine_0p2", "sine_0p5", "sweep", "complex")
@@ -48,10 +48,8 @@ def measure_runs(runs: Mapping[str, Channels], quiet_s: float) -> dict[str, Any]
 def measure_hysteresis(sweep: Channels) -> dict[str, float]:
     """Return by how much both loops widen from the first to the last quarter of the sweep."""
     time_s, theta = sweep["time_s"], sweep["theta_deg"]
-    first, last = time_s < 0.25 * time_s[-1], time_s > 0.75 * time_s[-1]
     return {
-        name: width_at_middle(theta[last], sweep[channel][last])
-        / width_at_middle(theta[first], sweep[channel][first])
+        name: loop_growth(time_s, theta, sweep[channel])
         for name, channel in (("actuator", "p_exp_kpa"), ("reservoir", "p_o_kpa"))
     }
 

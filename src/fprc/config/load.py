@@ -1,14 +1,14 @@
 """Check a configuration and report every error at once."""
 
 import difflib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import yaml
-from pydantic import BaseModel, ValidationError
-from pydantic.fields import FieldInfo
+from pydantic import ValidationError
 
+from fprc.config.section import fields
 from fprc.config.settings import Settings
 from fprc.errors import ConfigError
 
@@ -76,19 +76,14 @@ def from_files(paths: Sequence[Path | str]) -> Settings:
     return check(merged)
 
 
-def fields(section: BaseModel, prefix: str = "") -> Iterator[tuple[str, Any, FieldInfo, type]]:
-    """Yield (dotted key, default, field, section) of every setting, depth first."""
-    for name, field in type(section).model_fields.items():
-        value = getattr(section, name)
-        if isinstance(value, BaseModel):
-            yield from fields(value, f"{prefix}{name}.")
-        else:
-            yield f"{prefix}{name}", value, field, type(section)
+#: Settings whose keys are the user's: given, they replace the default as a whole.
+_WHOLE = ("ranges",)
 
 
 def _merge(into: dict, other: Mapping) -> None:
     for key, value in other.items():
-        if isinstance(value, Mapping) and isinstance(into.get(key), dict):
+        nested = isinstance(value, Mapping) and isinstance(into.get(key), dict)
+        if nested and key not in _WHOLE:
             _merge(into[key], value)
         else:
             into[key] = value

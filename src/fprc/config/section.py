@@ -1,9 +1,11 @@
 """What every section of the configuration has in common."""
 
+from collections.abc import Iterator
 from typing import Annotated, Any
 
 from annotated_types import Ge, Le
 from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic.fields import FieldInfo
 
 
 class Section(BaseModel):
@@ -39,3 +41,13 @@ def quantities(default: tuple, unit: str, limits: tuple, meaning: str, source: s
 def within(low: float, high: float) -> Any:
     """Type of one number of a list, with its range."""
     return Annotated[float, Ge(low), Le(high)]
+
+
+def fields(section: BaseModel, prefix: str = "") -> Iterator[tuple[str, Any, FieldInfo, type]]:
+    """Yield (dotted key, default, field, section) of every setting, depth first."""
+    for name, field in type(section).model_fields.items():
+        value = getattr(section, name)
+        if isinstance(value, BaseModel):
+            yield from fields(value, f"{prefix}{name}.")
+        else:
+            yield f"{prefix}{name}", value, field, type(section)

@@ -108,14 +108,15 @@ def save(fig: Figure, data: Mapping[str, object], pdf: str, png: str) -> Mapping
     ----------
     data : Mapping
         Attributes of the data: ``source`` (sim, rig, import, or none for a
-        drawing), and ``seed`` where it is simulated.
+        drawing), and ``seed`` where it is simulated, or ``seeds`` of several
+        simulated rigs.
 
     Returns
     -------
     Mapping
         ``data``, for whoever says where the figure comes from.
     """
-    mark = _MARKS[data["source"]].format_map(data)
+    mark = "simulated rigs" if "seeds" in data else _MARKS[data["source"]].format_map(data)
     fig.supxlabel(mark, x=0.99, ha="right", fontsize=5.5, color="0.45")
     for path, metadata in ((pdf, {"CreationDate": None}), (png, {"Software": None})):
         with replacing(Path(path)) as temporary:

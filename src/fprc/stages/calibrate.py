@@ -29,14 +29,15 @@ from fprc.calibration import (
     search,
     surrogate_errors,
 )
-from fprc.config import from_files
-from fprc.config.load import fields
+from fprc.config import check, from_files
+from fprc.config.free import free_ranges
 from fprc.config.rig import Rig
-from fprc.errors import ConfigError, EvaluationError, SimulationError
+from fprc.errors import ConfigError, FprcError
 from fprc.fingerprint import fingerprint
+from fprc.provenance import hash_of
 from fprc.stages.judge import INPUTS, judge_model
 from fprc.stages.replicate import simulate
-from fprc.tables import PRINTED
+from fprc.tables.names import PRINTED
 
 log = logging.getLogger(__name__)
 
@@ -70,7 +71,10 @@ def calibrate(
     Writes the changed parameters (``fitted``, YAML, to be used as
     config/rig.yaml) and all that is known of the fit (``report``, JSON).
     """
-    printed = yaml.safe_load(Path(published).read_text(encoding="utf-8"))
+    try:
+        printed = yaml.safe_load(Path(published).read_text(encoding="utf-8"))
+    except (OSError, yaml.YAMLError) as error:
+        raise ConfigError(f"{published}: the published numbers cannot be read: {error}") from error
     aim = target_of(printed, calibration)
     free = free_parameters(calibration["free"], calibration["ranges"])
     experiments = {"signals": signals, "control": control, "target": target}
@@ -112,11 +116,14 @@ def calibrate(
         seconds=60.0 * calibration["minutes"],
         progress=_report_progress,
     )
-    best = decode(found.point, rig, free)
+    loss_at_start = loss(start)
+    point = found.point if found.loss <= loss_at_start else start
+    best = decode(point, rig, free)
     log.info("full models on the fitted rig, seeds of the objective")
     errors = full_errors(best, seeds, workers, experiments, judgement)
     measured = [judge_cheaply(best, seed, experiments, models, standin)[1] for seed in seeds]
     after = residuals(errors, aim)
+    on_other_seeds = partial(loss, seeds=calibration["check_seeds"])
     summary = {
         "date": datetime.now(UTC).date().isoformat(),
         "software": f"fprc {__version__}",
@@ -128,8 +135,12 @@ def calibrate(
         "properties": {name: float(np.mean([m[name] for m in measured])) for name in measured[0]},
         "plausible": dict(aim.ranges),
         "standin_ratios": ratios,
-        "loss_at_start": loss(start),
-        "loss": found.loss,
+        "loss_at_start": loss_at_start,
+        "loss": min(found.loss, loss_at_start),
+        "check_seeds": list(calibration["check_seeds"]),
+        "check_loss_at_start": on_other_seeds(start),
+        "check_loss": on_other_seeds(point),
+        "rig_sha256": hash_of(best),
         "generations": found.generations,
         "evaluations": found.evaluations,
         "finished": found.finished,
@@ -141,11 +152,20 @@ def calibrate(
                 "began_at": float(before),
                 "share": float(share),
             }
-            for p, before, share in zip(free, start, found.point, strict=True)
+            for p, before, share in zip(free, start, point, strict=True)
         ],
     }
     write_json(report, summary)
     write_text(fitted, parameter_file(best, summary))
+    log.info(
+        "loss on other seeds: %.4f at the start, %.4f now",
+        summary["check_loss_at_start"], summary["check_loss"],
+    )  # fmt: skip
+    if summary["check_loss"] > summary["check_loss_at_start"]:
+        log.warning(
+            "warning: on seeds outside the fit the rig that the search began at is nearer to "
+            "print; keep that one, or use more calibration.seeds"
+        )
     log.info(
         "median deviation %.1f %%, largest %.1f %%; wrote %s",
         100 * summary["median_deviation"], 100 * summary["largest_deviation"], fitted,
@@ -170,57 +190,18 @@ def target_of(published: Mapping[str, Any], calibration: Mapping[str, Any]) -> T
 def free_parameters(
     paths: Sequence[str], ranges: Mapping[str, Sequence[float]] | None = None
 ) -> list[Free]:
-    """Return the free parameters with their ranges.
-
-    Parameters
-    ----------
-    ranges : Mapping, optional
-        Narrower ranges by path; the physical ones of the configuration otherwise.
+    """Return the free parameters with their ranges, the physical ones unless narrower are given.
 
     Raises
     ------
     ConfigError
-        Lists every path that is no number of the rig, and every range that is
-        empty, leaves the physical one, or belongs to no free parameter.
+        A path or a range is wrong; all at once.
     """
-    ranges = ranges or {}
-    known = {key: (default, field) for key, default, field, _ in fields(Rig())}
-    wrong = [
-        f"  calibration.ranges: {path} is not free; remove it or add it to calibration.free"
-        for path in ranges
-        if path not in paths
-    ]
-    free = []
-    for path in paths:
-        key, _, last = path.rpartition(".")
-        name, index = (key, int(last)) if last.isdigit() else (path, None)
-        if name not in known:
-            wrong.append(f"  calibration.free: {path} is no parameter of the rig")
-            continue
-        default, field = known[name]
-        low, high = _limits(field)
-        if isinstance(default, tuple) and index is None:
-            scales = [item / default[0] for item in default]
-            low, high = max(low / s for s in scales), min(high / s for s in scales)
-        narrow = ranges.get(path, (low, high))
-        if not low <= narrow[0] < narrow[1] <= high:
-            wrong.append(
-                f"  calibration.ranges: {path} is {narrow[0]:g} to {narrow[1]:g}; must rise and "
-                f"lie within {low:g} to {high:g}"
-            )
-            continue
-        free.append(Free(path, *narrow))
-    if wrong:
-        raise ConfigError("\n".join(["cannot calibrate:", *wrong]))
-    return free
-
-
-def _limits(field: Any) -> tuple[float, float]:
-    extra = field.json_schema_extra or {}
-    if "minimum" in extra:
-        return float(extra["minimum"]), float(extra["maximum"])
-    bounds = {type(item).__name__: item for item in field.metadata}
-    return float(bounds["Ge"].ge), float(bounds["Le"].le)
+    try:
+        known = free_ranges(paths, ranges or {})
+    except ValueError as error:
+        raise ConfigError(f"cannot calibrate:\n  {error}") from None
+    return [Free(path, *limits) for path, limits in known.items()]
 
 
 def loss_at(
@@ -242,7 +223,7 @@ def loss_at(
         judged = [judge_cheaply(candidate, seed, experiments, models, standin) for seed in seeds]
         errors = [{key: ratios[key] * seed[key] for key in ratios} for seed, _ in judged]
         loss = loss_of(errors, [found for _, found in judged], aim)
-    except (SimulationError, EvaluationError, ValueError):
+    except (FprcError, ValueError):
         return IMPOSSIBLE
     return loss if np.isfinite(loss) else IMPOSSIBLE
 
@@ -310,9 +291,10 @@ _HEAD = """\
 # Parameters of the simulated rig that differ from their defaults. Written by `fprc calibrate`
 # ({software}, {date}); docs/calibration.md explains it.
 #
-# Fitted, by CMA-ES over {count} parameters within their physical ranges ({evaluations} rigs), on
-# the noise seeds {shown_seeds}: the training and test RMSEs of Tables II and III; the order of
-# the models in them, seed by seed; and plausible loops and swings (calibration.plausible).
+# Fitted, by CMA-ES over {count} parameters within the ranges of `calibration` ({evaluations} rigs),
+# on the noise seeds {shown_seeds}:
+# the training and test RMSEs of Tables II and III; the order of the models in them, seed by seed;
+# and plausible loops and swings (calibration.plausible).
 # No part of the fit: every other seed, Table IV, Figures 9 to 17.
 # Deviation from print on the seeds of the fit, full models: median {median:.1f} %, largest
 # {largest:.1f} %:
@@ -355,8 +337,8 @@ def calibrate_from_files(
 ) -> None:
     """Calibrate as configuration files say, without a workflow.
 
-    The report goes beside ``out`` as JSON, and so does the checkpoint of a
-    search that has not ended.
+    The report goes beside ``out`` as JSON, and so does the checkpoint of the
+    search, with which more generations can be added.
 
     Raises
     ------
@@ -364,11 +346,16 @@ def calibrate_from_files(
         The configuration or a limit is wrong; all errors at once.
     """
     settings = from_files(files).model_dump(mode="json")
-    calibration = settings["calibration"]
     if minutes is not None:
-        if not minutes > 0:
-            raise ConfigError(f"--minutes {minutes}: must be above 0")
-        calibration["minutes"] = minutes
+        changed = settings["calibration"] | {"minutes": minutes}
+        settings = check(settings | {"calibration": changed}).model_dump(mode="json")
+    calibration = settings["calibration"]
+    if workers is not None and workers < 1:
+        raise ConfigError(
+            f"--workers {workers}: must be 1 or more; leave it out for all processors"
+        )
+    if Path(out).suffix not in (".yaml", ".yml"):
+        raise ConfigError(f"--out {out}: must end in .yaml; the report goes beside it as .json")
     logging.basicConfig(level=logging.INFO, format="%(message)s")
     stem = Path(out).with_suffix("")
     with threadpool_limits(1):

@@ -9,15 +9,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 from pydantic import ValidationError
 
-from fprc.artifacts import read_json, write_json
+from fprc.artifacts import write_json
 from fprc.calibration import Free, decode, encode, properties
-from fprc.claims import Results, judge_claims
-from fprc.claims.ensemble import JUDGED_BY_RIG, shares_of
 from fprc.config.rig import Rig
-from fprc.errors import EvaluationError, FprcError, SimulationError
+from fprc.errors import EvaluationError, FprcError
 from fprc.evaluation.sweeps import run_cells
 from fprc.stages.calibrate import free_parameters, judge_cheaply
 from fprc.stages.replicate import compare_models, measure_control, simulate
@@ -25,6 +22,8 @@ from fprc.stages.sweep import report_progress
 from fprc.stages.track import Track
 
 log = logging.getLogger(__name__)
+
+_MOST_DRAWS = 2000
 
 
 def judge_rigs(
@@ -50,10 +49,9 @@ def judge_rigs(
         ``rig``, ``signals``, ``control``, ``tracking``, ``target``, ``models``, ``folds``,
         ``split``.
     """
-    chosen = {key: ensemble[key] for key in ("seed", "angle_deg", "p_o_swing_kpa")}
-    key = json.dumps([chosen, paths, ranges, settings, version], sort_keys=True)
+    key = json.dumps([ensemble, paths, ranges, settings, version], sort_keys=True)
     judged = run_cells(
-        partial(judge_rig, ensemble=chosen, free=free_parameters(paths, ranges), **settings),
+        partial(judge_rig, ensemble=ensemble, free=free_parameters(paths, ranges), **settings),
         [{"rig": number} for number in numbers],
         workers=1,
         checkpoint=checkpoint,
@@ -106,7 +104,10 @@ def draw_rig(
     control: Mapping[str, Any],
     target: str,
 ) -> tuple[dict[str, Any], int]:
-    """Draw rigs, uniform over the ranges, until one bends and squeezes plausibly.
+    """Draw rigs until one bends and squeezes plausibly.
+
+    Free parameters are uniform over their ranges, by the logarithm where a
+    range spans a decade; all else is as in ``rig``.
 
     Returns
     -------
@@ -115,55 +116,22 @@ def draw_rig(
     """
     rng = np.random.default_rng(seed)
     sweep = {"sweep": signals["sweep"]}
-    draws = 0
-    while True:
-        draws += 1
+    for draws in range(1, _MOST_DRAWS + 1):
         drawn = decode(rng.uniform(size=len(free)), rig, free)
         try:
             Rig.model_validate(drawn)
             logs = simulate(sweep, control, drawn, target, seed)
             found = properties({"sweep": logs["sweep"].channels})
-        except (ValidationError, SimulationError, EvaluationError):
+        except (ValidationError, FprcError):
             continue
         if all(
             ensemble[name][0] <= found[name] <= ensemble[name][1]
             for name in ("angle_deg", "p_o_swing_kpa")
         ):
             return drawn, draws
-
-
-def summarise_rigs(published: str, chunks: Sequence[str], summary: str) -> None:
-    """Judge the claims rig by rig; write shares, intervals and correlations."""
-    printed = yaml.safe_load(Path(published).read_text(encoding="utf-8"))
-    rigs = [rig for path in chunks for rig in read_json(path)["rigs"]]
-    good = [rig for rig in rigs if "failed" not in rig]
-    if not good:
-        raise FprcError(
-            f"none of the {len(rigs)} rigs of the ensemble could be judged; the first: "
-            f"{rigs[0]['failed']}"
-        )
-    claims = [claim for claim in printed["claims"] if claim["id"] in JUDGED_BY_RIG]
-    verdicts = [
-        {
-            row["id"]: row["verdict"]
-            for row in judge_claims(
-                claims, Results([rig["compared"]], [], [rig["measured"]], {}, {}), printed
-            )
-        }
-        for rig in good
-    ]
-    parameters = [rig["parameters"] for rig in good]
-    write_json(
-        summary,
-        {
-            "source": "sim",
-            "seed": min(rig["seed"] for rig in rigs),
-            "parameters": list(parameters[0]),
-            "rigs": len(rigs),
-            "failed": len(rigs) - len(good),
-            "draws": sum(rig["draws"] for rig in rigs),
-            "claims": shares_of(claims, verdicts, parameters),
-        },
+    raise EvaluationError(
+        f"none of {_MOST_DRAWS} rigs bends by {ensemble['angle_deg']} deg and swings P_o by "
+        f"{ensemble['p_o_swing_kpa']} kPa; widen ensemble.angle_deg or ensemble.p_o_swing_kpa"
     )
 
 
@@ -219,6 +187,6 @@ def _judge_moved(
     try:
         Rig.model_validate(moved)
         errors = [judge_cheaply(moved, seed, experiments, models, standin)[0] for seed in seeds]
-    except (ValidationError, SimulationError) as error:
-        return {"errors": None, "impossible": str(error).splitlines()[0]}
+    except (ValidationError, FprcError) as error:
+        return {"errors": None, "impossible": " ".join(str(error).split())}
     return {"errors": {key: float(np.mean([e[key] for e in errors])) for key in errors[0]}}

@@ -10,6 +10,7 @@ import pandas as pd
 
 from fprc.artifacts import read_json, replacing, write_text
 from fprc.errors import FprcError
+from fprc.provenance import hash_of
 from fprc.tables import MODEL_NAMES, deviations
 from fprc.tables.names import ERRORS
 
@@ -22,11 +23,16 @@ def update_readme(
     seeds: Sequence[str],
     ledger: str,
     figure: str,
+    made_from: Sequence[str] = (),
     *,
     readme: str,
     picture: str,
 ) -> None:
-    """Replace the generated blocks of the README, named after the pages, and its picture."""
+    """Replace the generated blocks of the README, named after the pages, and its picture.
+
+    ``made_from`` is not read: the rule names what all of it comes from, so that
+    nothing stale is shown after a failed job.
+    """
     blocks = _pages(pages) | {
         "orders": _sentence(pd.read_csv(orders)),
         "deviations": _deviations(seeds),
@@ -37,7 +43,15 @@ def update_readme(
 
 
 def update_calibration_page(
-    fit: str, seeds: Sequence[str], pages: Sequence[str], figure: str, *, page: str, picture: str
+    fit: str,
+    seeds: Sequence[str],
+    pages: Sequence[str],
+    figure: str,
+    made_from: Sequence[str] = (),
+    *,
+    page: str,
+    picture: str,
+    rig: Mapping[str, Any],
 ) -> None:
     """Replace the generated blocks of docs/calibration.md, and its picture.
 
@@ -49,8 +63,22 @@ def update_calibration_page(
         Tables II and III over further seeds, CSV.
     pages : sequence of str
         Tables of the ensemble, of the sensitivity, of the targets, and Table IV over seeds.
+    made_from
+        Not read; see ``update_readme``.
+    rig : Mapping
+        The rig of the configuration.
+
+    Raises
+    ------
+    FprcError
+        ``fit`` is of another rig.
     """
     known = read_json(fit)
+    if known["rig_sha256"] != hash_of(rig):
+        raise FprcError(
+            f"{fit} is of another rig than the configuration's; put both files of one calibration "
+            "into config/"
+        )
     blocks = {f"{Path(path).parent.name}_{Path(path).stem}": _read(path) for path in pages}
     blocks |= {
         "fit": _fit(known),
@@ -150,7 +178,8 @@ def _fit(known: Mapping[str, Any]) -> str:
     head = (
         f"{known['date']}, {known['software']}: {known['evaluations']} rigs in "
         f"{known['generations']} generations; seeds {seeds}; loss {known['loss_at_start']:.4f} to "
-        f"{known['loss']:.4f}. Full models on the seeds of the fit:"
+        f"{known['loss']:.4f}, and {known['check_loss_at_start']:.4f} to "
+        f"{known['check_loss']:.4f} on seeds outside the fit. Full models on the seeds of the fit:"
     )
     return f"{head}\n\n{pd.DataFrame(rows).to_markdown(index=False, disable_numparse=True)}"
 

@@ -13,6 +13,7 @@ from fprc.claims.measures import measure_hysteresis, measure_runs
 from fprc.evaluation.sweeps import run_cells
 from fprc.stages.judge import INPUTS, Data, judge_model
 from fprc.stages.preprocess import TARGETS
+from fprc.stages.readout import judge_readout
 from fprc.stages.record import acquire
 from fprc.stages.sweep import cells_of, judge_cell, report_progress, weight_shares
 from fprc.stages.track import CONTROLLERS, Track, bench_gain
@@ -58,14 +59,27 @@ def replicate(
 def compare_models(
     data: Mapping[str, Data], models: Mapping[str, Any], folds: int, split: str, seed: int
 ) -> dict[str, Any]:
-    """Return the errors of Tables II and III, and the weights of Fig. 9."""
+    """Return the errors of Tables II and III, the weights of Fig. 9, and the filter alone.
+
+    The filter alone is FPRC with theta_d in place of P_o, trained on the sweep.
+    """
     judgement = (models, folds, split, seed)
     reports = [
         judge_model(name, *judgement, data[train], data[test])[1]
         for train, test in (("sweep", "complex"), ("complex", "sweep"))
         for name in INPUTS
     ]
-    return {"models": reports, "weights": weight_shares(data["sweep"], *judgement)}
+    fprc = {
+        "split": split,
+        "readout": "theta",
+        **{k: models["fprc"][k] for k in ("epsilon", "n_u")},
+    }
+    settings = {"models": models, "folds": folds, "seed": seed}
+    return {
+        "models": reports,
+        "weights": weight_shares(data["sweep"], *judgement),
+        "filter_alone": judge_readout(fprc, train=data["sweep"], test=data["complex"], **settings),
+    }
 
 
 def replicate_sweeps(

@@ -151,7 +151,10 @@ def tabulate_targets(
 ) -> None:
     """Compare commanded and measured pressure as what the models learn."""
     by_target = [
-        {name: [read_json(path) for path in paths if f"/{name}/" in path] for name in names}
+        {
+            name: [read_json(path) for path in paths if Path(path).parent.name == name]
+            for name in names
+        }
         for paths in (replicates, controls)
     ]
     table = tables.targets(*by_target, _published(published))

@@ -5,6 +5,7 @@ from typing import Any
 
 import pandas as pd
 
+from fprc.errors import FprcError
 from fprc.tables.models import over_seeds
 from fprc.tables.names import CONTROLLER_NAMES, ERRORS, MODEL_NAMES, PRINTED, REFERENCE_NAMES
 from fprc.tables.text import mean_of, spread
@@ -49,8 +50,16 @@ def ensemble_page(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def sensitivity(report: Mapping[str, Any]) -> pd.DataFrame:
-    """Errors of the models as one parameter moves, over those of the fitted rig, tidy."""
+    """Errors of the models as one parameter moves, over those of the fitted rig, tidy.
+
+    Raises
+    ------
+    FprcError
+        The fitted rig itself is impossible.
+    """
     fitted = next(cell["errors"] for cell in report["cells"] if cell["path"] is None)
+    if fitted is None:
+        raise FprcError("the fitted rig itself cannot be simulated; mend the section rig")
     return pd.DataFrame(
         {
             "parameter": cell["path"],

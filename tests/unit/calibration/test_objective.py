@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fprc.calibration import Target, loss_of, properties, residuals
+from fprc.config import Settings
 
 #: Errors in the order that is wanted: FPRC's test error is the lowest by far.
 ERRORS = {
@@ -229,7 +230,5 @@ def test_properties_are_those_of_the_sweep_and_leave_the_logs_alone():
 
 
 def test_every_property_has_a_range_in_the_configuration():
-    from fprc.config import Settings
-
     plausible = Settings().calibration.plausible.model_dump()
     assert set(properties({"sweep": ellipses(60.0, 1.0, 15.0, 1.0)})) == set(plausible)

@@ -47,7 +47,11 @@ def replicate(scale):
             }
         )
     share = 0.56 + 0.1 * (scale - 1.0)
-    return {"models": models, "weights": {"mean_share": {"p_o": share, "theta_d": 1.0 - share}}}
+    return {
+        "models": models,
+        "weights": {"mean_share": {"p_o": share, "theta_d": 1.0 - share}},
+        "filter_alone": {"test_rmse_kpa": 10.4 + share},
+    }
 
 
 def cell(model, errors, **settings):

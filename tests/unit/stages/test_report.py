@@ -253,7 +253,9 @@ def test_page_begins_with_the_banner_of_its_figures(tmp_path, sources, text, kin
         project.add_figure(number, source=source)
     page = project.page()
     (shown,) = page.texts("div", **{"class": "banner"})
-    assert shown == f"{text}Every number and every curve on this page comes from: {kinds}."
+    assert shown == (
+        f"{text}Every result of ours on this page but the execution times comes from: {kinds}."
+    )
     assert page.texts("strong") == [text]
     assert page.texts("title") == [f"fprc: {text.lower()}"]
     body = [element["tag"] for element in page.elements]

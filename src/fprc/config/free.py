@@ -1,0 +1,73 @@
+"""Which parameters of the rig may change, and how far."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from fprc.config.rig import Rig
+from fprc.config.section import fields
+
+
+def free_ranges(
+    paths: Sequence[str], narrower: Mapping[str, Sequence[float]]
+) -> dict[str, tuple[float, float]]:
+    """Return the range of each free parameter, physical unless a narrower one is given.
+
+    Parameters
+    ----------
+    paths : sequence of str
+        A number of the rig ("bending.friction_kpa"), one number of a list
+        ("bending.relaxation_time_s.0"), or a whole list, which stands for its
+        first number and is scaled as a whole.
+
+    Raises
+    ------
+    ValueError
+        Lists, a line each, every path that is no number of the rig, and every
+        range that is empty, leaves the physical one, or is of no free parameter.
+    """
+    known = {key: (default, field) for key, default, field, _ in fields(Rig())}
+    problems = [
+        f"calibration.ranges: {path} is not free; remove it or add it to calibration.free"
+        for path in narrower
+        if path not in paths
+    ]
+    ranges = {}
+    for path in paths:
+        physical = _physical(path, known)
+        if physical is None:
+            problems.append(f"calibration.free: {path} is no number of the rig")
+            continue
+        low, high = narrower.get(path, physical)
+        if not physical[0] <= low < high <= physical[1]:
+            problems.append(
+                f"calibration.ranges: {path} is {low:g} to {high:g}; must rise and lie within "
+                f"{physical[0]:g} to {physical[1]:g}"
+            )
+            continue
+        ranges[path] = (float(low), float(high))
+    if problems:
+        raise ValueError("\n  ".join(problems))
+    return ranges
+
+
+def _physical(path: str, known: Mapping[str, tuple[Any, Any]]) -> tuple[float, float] | None:
+    key, _, last = path.rpartition(".")
+    name = key if last.isdigit() else path
+    if name not in known:
+        return None
+    default, field = known[name]
+    low, high = _limits(field)
+    if not isinstance(default, tuple):
+        return None if last.isdigit() else (low, high)
+    if last.isdigit():
+        return (low, high) if int(last) < len(default) else None
+    scales = [item / default[0] for item in default]
+    return max(low / scale for scale in scales), min(high / scale for scale in scales)
+
+
+def _limits(field: Any) -> tuple[float, float]:
+    extra = field.json_schema_extra or {}
+    if "minimum" in extra:
+        return float(extra["minimum"]), float(extra["maximum"])
+    bounds = {type(item).__name__: item for item in field.metadata}
+    return float(bounds["Ge"].ge), float(bounds["Le"].le)
