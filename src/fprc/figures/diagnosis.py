@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fprc.figures import style
-from fprc.figures.hysteresis import add_time_bar, plot_loop
+from fprc.figures.hysteresis import plot_loop
 
 #: Marks of what was found.
 _GAP, _FROZEN, _EXTREME, _STEP = "0.75", "#fff3b0", "#d55e00", "#222222"
@@ -21,7 +21,7 @@ def draw_diagnosis(
     channels: Mapping[str, np.ndarray],
     found: Mapping[str, Any],
     *,
-    columns: Mapping[str, str],
+    titles: Mapping[str, str],
     units: Mapping[str, str],
 ) -> Figure:
     """Draw every channel over time with marks, and theta over P_exp.
@@ -30,8 +30,8 @@ def draw_diagnosis(
     ----------
     found : Mapping
         Answer of ``fprc.logs.diagnose``.
-    columns, units : Mapping
-        Name in the file and unit of each channel; no unit, something else.
+    titles, units : Mapping
+        What each channel is, and its unit; an empty text if it is something else.
     """
     rows = max(len(channels), 3)
     fig, axes = style.figure(
@@ -45,8 +45,8 @@ def draw_diagnosis(
     left = axes[: len(channels), 0]
     for ax, (name, values) in zip(left, channels.items(), strict=True):
         plot_channel(time_s, values, name, found, ax)
-        ax.set_ylabel(units[name] or "as in file")
-        style.letter(ax, f"{name} from {columns[name]}")
+        ax.set_ylabel(units[name])
+        style.letter(ax, titles[name])
         ax.set_title(_remarks(found["channels"][name], found["clock"]), loc="right", color="0.3")
         ax.sharex(left[0])
         ax.label_outer()
@@ -54,13 +54,17 @@ def draw_diagnosis(
     left[-1].set_xlabel("Time [s]")
     target = "p_exp_kpa" if "p_exp_kpa" in channels else "p_exp_command_kpa"
     every = -(-len(time_s) // _POINTS)
-    loop = fig.add_subplot(grid[:3, 1])
-    labels = [f"{name} [{units[name] or 'as in file'}]" for name in (target, "theta_deg")]
-    lines = plot_loop(
+    loop = fig.add_subplot(grid[: min(rows, 4), 1])
+    labels = [f"{name} [{units[name]}]" if units[name] else titles[name]
+              for name in (target, "theta_deg")]  # fmt: skip
+    plot_loop(
         channels[target][::every], channels["theta_deg"][::every], time_s[::every], loop, labels
     )
-    style.letter(loop, "Loops")
-    add_time_bar(lines, [loop])
+    style.letter(loop, "Loops, from dark to bright")
+    marks = [ax.get_legend_handles_labels() for ax in left]
+    by_label = {label: mark for pair in marks for mark, label in zip(*pair, strict=True)}
+    if by_label:
+        fig.legend(by_label.values(), by_label, loc="outside upper left", ncols=4)
     return fig
 
 
@@ -70,16 +74,19 @@ def plot_channel(
     """Draw one channel: gaps grey, frozen stretches yellow, extremes thick, steps as lines."""
     ax.plot(time_s, values, color=style.COLOURS[_colour(name)], linewidth=0.6)
     for gap in found["clock"]["gaps"]:
-        ax.axvspan(gap["from_s"], gap["to_s"], color=_GAP, linewidth=0.5, zorder=0)
+        ax.axvspan(gap["from_s"], gap["to_s"], color=_GAP, linewidth=0.5, zorder=0,
+                   label="gap")  # fmt: skip
     for stretch in found["channels"][name]["frozen"]:
-        ax.axvspan(stretch["from_s"], stretch["to_s"], color=_FROZEN, linewidth=0, zorder=0)
+        ax.axvspan(stretch["from_s"], stretch["to_s"], color=_FROZEN, linewidth=0,
+                   zorder=0, label="frozen or at rest")  # fmt: skip
     for extreme in found["channels"][name]["at_extreme"]:
         for first, last in extreme["stretches"]:
             ax.plot(time_s[[first, last]], [extreme["value"]] * 2, color=_EXTREME, linewidth=2.0,
-                    solid_capstyle="round")  # fmt: skip
+                    solid_capstyle="round", label="clipped or held there")  # fmt: skip
     if name == "p_o_kpa" and found["sealed"]:
         for step in found["sealed"]["steps"]:
-            ax.axvline(step["at_s"], color=_STEP, linewidth=0.6, linestyle=(0, (3, 2)))
+            ax.axvline(step["at_s"], color=_STEP, linewidth=0.6, linestyle=(0, (3, 2)),
+                       label="re-fill or sudden loss")  # fmt: skip
     return ax
 
 

@@ -21,6 +21,8 @@ LEAK_KPA_PER_MIN = 2.0
 _POWERS, _LAGS_S, _PLAYS = (1, 2, 3), (0.05, 0.2, 1.0, 5.0), (0.02, 0.05, 0.1, 0.2)
 #: A step is at least this share of the range of P_o.
 _STEP_SHARE = 0.05
+#: Of the variance of P_o, what the fit must explain before its trend is believed.
+_EXPLAINED = 0.8
 _SEALED_HZ = 20
 _MAX_STEPS = 50
 
@@ -193,10 +195,14 @@ def _sealed(time_s: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[str,
         # the slope and the plays take over part of what is not yet accepted as a step
         lasts = height * sudden[k] > 0.25 * sudden[k] ** 2
         (steps if lasts else rejected).append(k)
-    weights, _ = _fit(basis, steps, p_o)
+    weights, rest = _fit(basis, steps, p_o)
     heights = weights[len(basis) :]
+    explained = float(1.0 - rest.var() / p_o.var())
+    if explained < _EXPLAINED:  # not a chamber that this squeezes; a trend would mean nothing
+        return {"relative_to": by, "explained": explained, "slope_kpa_per_min": None, "steps": []}
     return {
         "relative_to": by,
+        "explained": explained,
         "slope_kpa_per_min": float(weights[len(basis) - 1]),
         "steps": [
             {"at_s": float(grid_s[k]), "height_kpa": float(height)}
@@ -332,6 +338,11 @@ def _channel_words(channel: Mapping[str, Any], unit: str, clock: Mapping[str, An
 
 def _sealed_words(sealed: Mapping[str, Any], found: Mapping[str, Any], unit: str) -> list[str]:
     slope, channel = sealed["slope_kpa_per_min"], found["channels"]["p_o_kpa"]
+    if slope is None:
+        return [
+            f"follows {sealed['relative_to']} by {sealed['explained']:.0%} only; a sealed chamber "
+            "follows what squeezes it, so leak and re-fills are not judged"
+        ]
     limit = LEAK_KPA_PER_MIN if unit else 0.05 * (channel["highest"] - channel["lowest"])
     each = f"{abs(slope):.2g} {unit}".rstrip()
     lines = []

@@ -67,7 +67,7 @@ def gather(
         try:
             picked[name] = pick(source, column)
         except LogError as error:
-            problems.append(f"{error} (asked for as {name})")
+            problems.append(f"{source.path}: {name}: {error}")
     if problems:
         raise LogError("\n".join(problems))
     _refuse_unequal(source, wanted, {name: len(values) for name, values in picked.items()})
@@ -115,9 +115,9 @@ def _instants(
     if back.size:
         k = int(back[0]) + 1
         raise LogError(
-            f"{source.path}: {time['column']}: sample {k} at {instants[k]:.9g} does not come after "
-            f"{instants[k - 1]:.9g}, and {back.size - 1} more do not; sort, cut or repair the "
-            "clock, or give time.rate_hz"
+            f"{source.path}: time: {time['column']}: sample {k} at {instants[k]:.16g} does not come "
+            f"after {instants[k - 1]:.16g}, and {back.size - 1} more do not; sort, cut or repair "
+            "the clock, or give time.rate_hz"
         )
     factor = FACTORS[time["unit"]]
     return instants[0] * factor, (instants - instants[0]) * factor
@@ -130,7 +130,6 @@ def _not_finite(
     if not bad.size:
         return []
     return [
-        f"{source.path}: {column}: sample {first + bad[0]} is {values[bad[0]]}, and {bad.size - 1} "
-        f"more are not finite (asked for as {name}); cut them off by start_s and end_s, or fill "
-        "them in"
+        f"{source.path}: {name}: {column}: sample {first + bad[0]} is {values[bad[0]]}, and "
+        f"{bad.size - 1} more are not finite; cut them off by start_s and end_s, or fill them in"
     ]

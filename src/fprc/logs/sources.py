@@ -291,7 +291,8 @@ def pick(source: Source, text: str) -> np.ndarray:
     Raises
     ------
     LogError
-        There is none of that name (with the nearest), or it is no vector.
+        There is none of that name (with the nearest), or it is no vector; the
+        message names the column and not the file.
     """
     if text in source.variables:
         values = source.variables[text]
@@ -299,15 +300,15 @@ def pick(source: Source, text: str) -> np.ndarray:
             return values
         rows, columns = values.shape
         raise LogError(
-            f"{source.path}: {text}: has {rows} rows and {columns} columns; choose one, "
+            f"{text}: has {rows} rows and {columns} columns; choose one, "
             f"as {text}[:, 0] (counted from 0)"
         )
     match = _INDEXED.fullmatch(text)
     if match and match["name"] in source.variables and ":" in (match["row"], match["column"]):
         return _slice(source, text, match)
     if text in source.others:
-        raise LogError(f"{source.path}: {text}: cannot be a channel: {source.others[text]}")
-    raise LogError(f"{source.path}: {text}: no such column; {_nearest(source, text)}")
+        raise LogError(f"{text}: cannot be a channel: {source.others[text]}")
+    raise LogError(f"{text}: no such column; {_nearest(source, text)}")
 
 
 def _slice(source: Source, text: str, match: re.Match) -> np.ndarray:
@@ -318,9 +319,7 @@ def _slice(source: Source, text: str, match: re.Match) -> np.ndarray:
             return values[index]
         except IndexError:
             pass
-    raise LogError(
-        f"{source.path}: {text}: {match['name']} has shape {values.shape}; indices count from 0"
-    )
+    raise LogError(f"{text}: {match['name']} has shape {values.shape}; indices count from 0")
 
 
 def _nearest(source: Source, text: str) -> str:

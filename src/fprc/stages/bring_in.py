@@ -77,8 +77,11 @@ def bring_in(source: str, map_file: str, raw: str) -> None:
     stem = Path(raw).with_suffix("")
     file = {"source": Path(source).name, "log": Path(raw).name, "words": words}
     write_json(f"{stem}.diagnosis.json", file | found)
-    names = {name: spec["column"] for name, spec in columns.items()}
-    fig = draw_diagnosis(recording.time_s, recording.channels, found, columns=names, units=units)
+    titles = {
+        name: f"{name} from {spec['column']}" + (f": {spec['note']}" if spec["note"] else "")
+        for name, spec in columns.items()
+    }
+    fig = draw_diagnosis(recording.time_s, recording.channels, found, titles=titles, units=units)
     style.save_png(fig, {"source": "import"}, f"{stem}.diagnosis.png")
     _report(source, raw, told, found, words, len(time_s))
 
