@@ -1,6 +1,7 @@
 """One picture of a recording that is brought in, with what was found in it."""
 
 from collections.abc import Mapping
+from textwrap import shorten
 from typing import Any
 
 import numpy as np
@@ -46,7 +47,7 @@ def draw_diagnosis(
     for ax, (name, values) in zip(left, channels.items(), strict=True):
         plot_channel(time_s, values, name, found, ax)
         ax.set_ylabel(units[name])
-        style.letter(ax, titles[name])
+        style.letter(ax, shorten(titles[name], 44, placeholder=" ..."))
         ax.set_title(_remarks(found["channels"][name], found["clock"]), loc="right", color="0.3")
         ax.sharex(left[0])
         ax.label_outer()
@@ -54,8 +55,8 @@ def draw_diagnosis(
     left[-1].set_xlabel("Time [s]")
     target = "p_exp_kpa" if "p_exp_kpa" in channels else "p_exp_command_kpa"
     every = -(-len(time_s) // _POINTS)
-    loop = fig.add_subplot(grid[: min(rows, 4), 1])
-    labels = [f"{name} [{units[name]}]" if units[name] else titles[name]
+    loop = fig.add_subplot(grid[:, 1])
+    labels = [f"{name} [{units[name]}]" if units[name] else f"{name}, not in its unit"
               for name in (target, "theta_deg")]  # fmt: skip
     plot_loop(
         channels[target][::every], channels["theta_deg"][::every], time_s[::every], loop, labels
