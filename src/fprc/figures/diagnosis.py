@@ -47,7 +47,7 @@ def draw_diagnosis(
     for ax, (name, values) in zip(left, channels.items(), strict=True):
         plot_channel(time_s, values, name, found, ax)
         ax.set_ylabel(units[name])
-        style.letter(ax, shorten(titles[name], 44, placeholder=" ..."))
+        style.letter(ax, shorten(titles[name], 52, placeholder=" ..."))
         ax.set_title(_remarks(found["channels"][name], found["clock"]), loc="right", color="0.3")
         ax.sharex(left[0])
         ax.label_outer()

@@ -21,7 +21,7 @@ LEAK_KPA_PER_MIN = 2.0
 _POWERS, _LAGS_S, _PLAYS = (1, 2, 3), (0.05, 0.2, 1.0, 5.0), (0.02, 0.05, 0.1, 0.2)
 #: A step is at least this share of the range of P_o.
 _STEP_SHARE = 0.05
-#: Of the variance of P_o, what the fit must explain before its trend is believed.
+#: Of the variance of P_o beside trend and steps, what the squeezing must explain.
 _EXPLAINED = 0.8
 _SEALED_HZ = 20
 _MAX_STEPS = 50
@@ -197,7 +197,8 @@ def _sealed(time_s: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[str,
         (steps if lasts else rejected).append(k)
     weights, rest = _fit(basis, steps, p_o)
     heights = weights[len(basis) :]
-    explained = float(1.0 - rest.var() / p_o.var())
+    _, unsqueezed = _fit([basis[0], minutes], steps, p_o)
+    explained = float(1.0 - rest.var() / unsqueezed.var())
     if explained < _EXPLAINED:  # not a chamber that this squeezes; a trend would mean nothing
         return {"relative_to": by, "explained": explained, "slope_kpa_per_min": None, "steps": []}
     return {

@@ -116,8 +116,8 @@ def _instants(
         k = int(back[0]) + 1
         raise LogError(
             f"{source.path}: time: {time['column']}: sample {k} at {instants[k]:.16g} does not "
-            f"come after {instants[k - 1]:.16g}, and {back.size - 1} more do not; sort, cut or repair "
-            "the clock, or give time.rate_hz"
+            f"come after {instants[k - 1]:.16g}, and {back.size - 1} more do not; sort, cut or "
+            "repair the clock, or give time.rate_hz"
         )
     factor = FACTORS[time["unit"]]
     return instants[0] * factor, (instants - instants[0]) * factor
