@@ -74,7 +74,8 @@ def gather(
 
     begin, since = _instants(source, time, picked)
     last = np.inf if end_s is None else end_s
-    kept = np.flatnonzero((since >= start_s) & (since <= last))
+    # the clock's last digit decides nothing
+    kept = np.flatnonzero((since >= start_s - 1e-9) & (since <= last + 1e-9))
     if len(kept) < 2:
         raise LogError(
             f"{source.path}: {len(kept)} samples lie between start_s = {start_s:g} and end_s = "

@@ -205,7 +205,7 @@ def _read_hdf5(path: Path, *, at: int, matlab: bool) -> Source:
     except Exception as error:  # a damaged file makes the library raise whatever it stumbles over
         raise _damaged(path, "HDF5", error) from error
     kind = "MATLAB 7.3" if matlab else "HDF5"
-    return Source(path, kind, *_sorted_out(variables, others))
+    return Source(path, kind, *_sorted_out(path, variables, others))
 
 
 def _datasets(group: h5py.Group, prefix: str = "") -> Iterator[tuple[str, h5py.Dataset]]:
@@ -233,7 +233,7 @@ def _read_matlab(path: Path) -> Source:
             others[name] = (
                 "not an array of numbers; save tables, timetables and objects as a struct of arrays"
             )
-    return Source(path, "MATLAB 5", *_sorted_out(variables, others))
+    return Source(path, "MATLAB 5", *_sorted_out(path, variables, others))
 
 
 def _fields(struct: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
@@ -247,7 +247,7 @@ def _fields(struct: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, 
 
 
 def _sorted_out(
-    variables: Mapping[str, np.ndarray], others: Mapping[str, str]
+    path: Path, variables: Mapping[str, np.ndarray], others: Mapping[str, str]
 ) -> tuple[dict[str, np.ndarray], dict[str, str]]:
     """Drop empty dimensions, and what has too many or too few."""
     kept, dropped = {}, dict(others)
@@ -257,6 +257,8 @@ def _sorted_out(
             kept[name] = squeezed
         else:
             dropped[name] = f"array of shape {values.shape}"
+    if not kept and not dropped:
+        raise LogError(f"{path}: holds nothing; the file is empty or cut short")
     return kept, dropped
 
 
@@ -324,8 +326,6 @@ def _slice(source: Source, text: str, match: re.Match) -> np.ndarray:
 
 def _nearest(source: Source, text: str) -> str:
     known = [*columns_of(source), *source.others]
-    if not known:
-        return "the file holds none at all"
     lower = {name.lower(): name for name in known}
     nearest = difflib.get_close_matches(text.lower(), lower, n=1, cutoff=0.0)[0]
     return f"did you mean {lower[nearest]}? `fprc import {source.path} --list` shows all"
