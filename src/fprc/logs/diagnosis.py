@@ -20,10 +20,12 @@ LEAK_KPA_PER_MIN = 2.0
 #: and plays (Prandtl-Ishlinskii) with widths as shares of its range.
 _POWERS, _LAGS_S, _PLAYS = (1, 2, 3), (0.05, 0.2, 1.0, 5.0), (0.02, 0.05, 0.1, 0.2)
 #: A step is at least this share of the range of P_o.
-_STEP_SHARE = 0.05
+_STEP_SHARE = 0.08
 #: Of the variance of P_o beside trend and steps, what the squeezing must explain.
-_EXPLAINED = 0.8
+_EXPLAINED = 0.95
 _SEALED_HZ = 20
+#: What may squeeze the chamber, the nearest to it first.
+_SQUEEZES = ("p_i_kpa", "p_i_command_kpa", "theta_deg")
 _MAX_STEPS = 50
 
 
@@ -176,7 +178,7 @@ def _sealed(time_s: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[str,
     p_o = channels.get("p_o_kpa")
     if p_o is None or np.ptp(p_o) == 0.0 or time_s[-1] - time_s[0] < 10.0:
         return None
-    by = "p_i_kpa" if "p_i_kpa" in channels else "theta_deg"
+    by = next(name for name in _SQUEEZES if name in channels)
     grid_s = np.arange(time_s[0], time_s[-1], 1.0 / _SEALED_HZ)
     p_o, drive = (np.interp(grid_s, time_s, values) for values in (p_o, channels[by]))
     minutes = (grid_s - grid_s.mean()) / 60.0
@@ -247,7 +249,8 @@ def _sudden(rest: np.ndarray, known: list[int]) -> np.ndarray:
     means = (total[width:] - total[:-width]) / width
     sudden = np.zeros(len(rest))
     sudden[width : len(rest) - width + 1] = means[width:] - means[:-width]
-    sudden[: 4 * width] = 0.0  # where the lags and plays begin is not known
+    # where the lags and plays begin is not known
+    sudden[: int(max(_LAGS_S) * _SEALED_HZ)] = 0.0
     for k in known:
         sudden[max(k - 2 * width, 0) : k + 2 * width] = 0.0
     return sudden
