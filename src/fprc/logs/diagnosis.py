@@ -20,7 +20,7 @@ LEAK_KPA_PER_MIN = 2.0
 #: and plays (Prandtl-Ishlinskii) with widths as shares of its range.
 _POWERS, _LAGS_S, _PLAYS = (1, 2, 3), (0.05, 0.2, 1.0, 5.0), (0.02, 0.05, 0.1, 0.2)
 #: A step is at least this share of the range of P_o.
-_STEP_SHARE = 0.08
+_STEP_SHARE = 0.065
 #: Of the variance of P_o beside trend and steps, what the squeezing must explain.
 _EXPLAINED = 0.95
 _SEALED_HZ = 20
@@ -352,9 +352,13 @@ def _sealed_words(sealed: Mapping[str, Any], found: Mapping[str, Any], unit: str
     lines = []
     if slope < -limit:
         short = "; in less than a minute that can be hysteresis" * (found["duration_s"] < 60.0)
-        lines.append(f"leaks: at equal squeezing it falls by about {each} a minute{short}")
+        lines.append(
+            f"leaks: at equal {sealed['relative_to']} it falls by about {each} a minute{short}"
+        )
     elif slope > limit:
-        lines.append(f"at equal squeezing it rises by about {each} a minute: warming, or inflow")
+        lines.append(
+            f"at equal {sealed['relative_to']} it rises by about {each} a minute: warming, or inflow"
+        )
     for noun, sign in (("re-fill", 1.0), ("sudden loss", -1.0)):
         steps = [step for step in sealed["steps"] if sign * step["height_kpa"] > 0.0]
         if steps:

@@ -178,7 +178,7 @@ def test_leak_is_measured_against_the_same_log_without_it(squeezed):
     fall = tight["slope_kpa_per_min"] - leaky["slope_kpa_per_min"]
     assert fall == pytest.approx(20.0, rel=1e-6)
     time_s, channels = squeezed(20.0)
-    assert "p_o_kpa: leaks: at equal squeezing it falls by about" in words(channels, time_s)
+    assert "p_o_kpa: leaks: at equal p_i_kpa it falls by about" in words(channels, time_s)
     assert "less than a minute" in words(channels, time_s)
 
 

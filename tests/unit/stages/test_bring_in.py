@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from fprc.artifacts import read_json
 from fprc.cli import main
 from fprc.config import Settings
+from fprc.config.importing import read_map
 from fprc.errors import ConfigError, LogError
 from fprc.logs import RAW_CHANNELS, assess, read_columns, read_raw, write_raw
 from fprc.stages.bring_in import bring_in
@@ -261,3 +262,32 @@ def test_wrong_map_goes_to_stderr_without_a_traceback(tmp_path, capsys):
     said = capsys.readouterr().err
     assert said.startswith(f"error: {tmp_path / 'map.yaml'}: 2 errors in the map:")
     assert "Traceback" not in said
+
+
+# --- the page that explains it --------------------------------------------------------------
+
+PAGE = (Path(__file__).parents[3] / "docs" / "own-data.md").read_text(encoding="utf-8")
+
+
+def blocks(language):
+    return [part.split("```")[0] for part in PAGE.split(f"```{language}\n")[1:]]
+
+
+def test_recording_rehearsed_on_the_page_comes_back(recorded, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    told = {"experiment": "sweep", "sample_rate_hz": 200.0, "seed": 1, "software": "x", "rig": {}}
+    for name in ("sweep", "complex"):
+        write_raw(f"data/raw/{name}.h5", recorded[name], source="sim", **told)
+    (snippet,) = blocks("python")
+    exec(compile(snippet, "docs/own-data.md", "exec"), {})
+    Path("sweep.yaml").write_text(blocks("yaml")[0])
+    bring_in("arm_sweep.csv", "sweep.yaml", "mylogs/sweep.h5")
+    log = read_raw("mylogs/sweep.h5", **RATE)
+    for name in ("theta_deg", "p_exp_command_kpa", "p_o_kpa"):
+        assert log.channels[name] == pytest.approx(recorded["sweep"][name], abs=1e-9)
+
+
+def test_every_map_of_the_page_is_valid(tmp_path):
+    for text in blocks("yaml"):
+        (tmp_path / "map.yaml").write_text(text)
+        assert read_map(tmp_path / "map.yaml")
