@@ -6,10 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from fprc.logs.columns import Columns
-
-#: How the note begins of a channel whose numbers are not in the unit of its name.
-SOMETHING_ELSE = "not in "
+from fprc.logs.columns import Columns, unit_of
 
 _PRESSURES = ("p_exp_kpa", "p_i_kpa", "p_o_kpa")
 _SENSORS = (*_PRESSURES, "theta_deg")
@@ -38,7 +35,7 @@ def assess(
     ranges = {
         name: limits
         for name, limits in ranges.items()
-        if name in log.channels and not notes.get(name, "").startswith(SOMETHING_ELSE)
+        if name in log.channels and not notes.get(name, "").startswith(something_else(name))
     }
     record = {
         "log": log.path.name,
@@ -55,6 +52,11 @@ def assess(
         },
     }
     return record | ({"notes": notes} if notes else {})
+
+
+def something_else(name: str) -> str:
+    """Return how the note of a channel begins whose numbers are not in the unit of its name."""
+    return f"not in {unit_of(name)}: "
 
 
 def notes_of(log: Columns) -> dict[str, str]:

@@ -16,7 +16,7 @@ from fprc.errors import LogError
 from fprc.logs.columns import refuse_cut_file
 
 _HDF5 = b"\x89HDF\r\n\x1a\n"
-_SEPARATORS = (",", ";", "\t", "|")
+_SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars"}
 _SUFFIXES = {
     ".csv": "CSV", ".tsv": "CSV", ".txt": "CSV", ".dat": "CSV",
     ".h5": "HDF5", ".hdf5": "HDF5", ".hdf": "HDF5", ".mat": "MATLAB",
@@ -122,8 +122,8 @@ def _read_csv(
                 f"line {first + bad} holds {texts.iloc[bad]!r}, not a number; set csv.decimal or "
                 "csv.data_line if that is how the file is written"
             )
-    said = {"\t": "tab", r"\s+": "blanks"}.get(separator, separator)
-    return Source(path, f"text, separated by {said}", variables, others)
+    said = _SEPARATORS.get(separator, "blanks" if separator == r"\s+" else separator)
+    return Source(path, f"text separated by {said}", variables, others)
 
 
 def _says_something(line: str) -> bool:

@@ -16,7 +16,7 @@ from fprc.logs import read_columns, write_raw
 from fprc.logs.columns import unit_of
 from fprc.logs.diagnosis import describe, diagnose
 from fprc.logs.importers import gather
-from fprc.logs.quality import SOMETHING_ELSE
+from fprc.logs.quality import something_else
 from fprc.logs.resample import resample
 from fprc.logs.sources import columns_of, read_source
 from fprc.provenance import sha256
@@ -83,14 +83,15 @@ def bring_in(source: str, map_file: str, raw: str) -> None:
     }
     fig = draw_diagnosis(recording.time_s, recording.channels, found, titles=titles, units=units)
     style.save_png(fig, {"source": "import"}, f"{stem}.diagnosis.png")
-    _report(source, raw, told, found, words, len(time_s))
+    same = all(np.array_equal(channels[name], recording.channels[name]) for name in channels)
+    _report(source, raw, told, found, words, len(time_s), same)
 
 
 def _notes(columns: dict[str, dict[str, Any]]) -> dict[str, str]:
     notes = {}
     for name, spec in columns.items():
         if spec["unit"] == "1":
-            notes[name] = f"{SOMETHING_ELSE}{unit_of(name)}: {spec['note']}"
+            notes[name] = something_else(name) + spec["note"]
         elif spec["note"]:
             notes[name] = spec["note"]
     return notes
@@ -108,15 +109,18 @@ def _report(
     found: dict[str, Any],
     words: list[str],
     samples: int,
+    same: bool,
 ) -> None:
     print(f"{source}:")
     for line in words:
         print(f"  {line}")
-    mean_hz, rate_hz = found["clock"]["mean_hz"], told.sample_rate_hz
-    if mean_hz > 1.01 * rate_hz:
+    rate_hz = told.sample_rate_hz
+    if same:
+        how = "as they were"
+    elif found["clock"]["mean_hz"] > 1.01 * rate_hz:
         how = f"low-passed below {0.5 * rate_hz:g} Hz and resampled"
     else:
-        how = "interpolated" if abs(mean_hz / rate_hz - 1.0) > 1e-9 else "as they were"
+        how = "interpolated"
     print(f"{raw}: {samples} samples at {rate_hz:g} Hz, {how}; beside it .diagnosis.json and .png")
 
 

@@ -71,7 +71,7 @@ def test_log_goes_out_as_csv_and_comes_back_the_same(bring, recorded):
     start_s=st.floats(0.0, 1e6),
 )
 def test_any_start_and_rate_give_a_log_that_reads(tmp_path_factory, rows, rate_hz, start_s):
-    folder = tmp_path_factory.getbasetemp()
+    folder = tmp_path_factory.mktemp("any_import")
     rng = np.random.default_rng(rows)
     angle = rng.standard_normal(rows)
     with h5py.File(folder / "any_source.h5", "w") as file:
@@ -186,6 +186,29 @@ def test_newtons_are_not_taken_for_kilopascals(bring, caplog):
     assert note in read_data(str(data)).attributes["notes"]
 
 
+def test_note_on_a_pressure_is_kept_and_its_limits_still_hold(bring):
+    noted = {"column": "p_i_kpa", "unit": "kPa", "scale": 10, "note": "not in use any more"}
+    log = read_raw(bring({"theta_deg": ANGLE, "p_exp_kpa": noted}), **RATE)
+    record = assess(log, sample_rate_hz=200.0, **LIMITS)
+    assert record["notes"] == {"p_exp_kpa": "not in use any more"}
+    assert not record["checks"]["saturation"]["passed"]
+
+
+@pytest.mark.parametrize(
+    ("time_s", "said"),
+    [
+        (lambda t: t, "4000 samples at 200 Hz, as they were"),
+        (lambda t: t * 2.0, "interpolated"),
+        (lambda t: t + 0.001 * np.sin(t), "interpolated"),
+        (lambda t: t / 2.0, "low-passed below 100 Hz and resampled"),
+    ],
+)
+def test_what_was_done_to_the_samples_is_said(bring, recorded, capsys, time_s, said):
+    clock = time_s(recorded["sweep"]["time_s"])
+    bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}, time_s=clock)
+    assert said in capsys.readouterr().out.splitlines()[-1]
+
+
 @pytest.mark.parametrize("missing", ["theta_deg", "time_s", "p_exp_command_kpa or p_exp_kpa"])
 def test_imported_log_must_have_time_angle_and_one_p_exp(channels, tmp_path, missing):
     kept = {
@@ -224,7 +247,7 @@ def test_listing_shows_columns_range_and_clock(bring, tmp_path, capsys):
     capsys.readouterr()
     assert main(["import", str(tmp_path / "log.csv"), "--list"]) == 0
     said = capsys.readouterr().out
-    assert "text, separated by ,, 10 columns" in said
+    assert "text separated by commas, 10 columns" in said
     (clock,) = [line for line in said.splitlines() if "clock?" in line]
     assert clock.split()[:2] == ["time_s", "4000"]
     assert "200 Hz if in s" in clock
