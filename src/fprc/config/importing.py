@@ -157,7 +157,8 @@ def _line(item: Mapping[str, Any]) -> str:
         known = list(_section(way[:-1]).model_fields)
         nearest = difflib.get_close_matches(way[-1], known, n=1, cutoff=0.0)[0]
         return f"  {key}: unknown key; did you mean {'.'.join([*way[:-1], nearest])}?"
-    message = item["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
+    message = item["msg"].removeprefix("Value error, ")
+    message = message.replace("Input should", "must").replace("String should", "must")
     if item["type"] in ("model_type", "model_attributes_type"):
         message = "must hold keys and values"
     if item["type"] == "value_error" and not isinstance(item["input"], (str, int, float)):

@@ -1,5 +1,7 @@
 import pytest
 import yaml
+from hypothesis import given
+from hypothesis import strategies as st
 
 from fprc.config.importing import Channels, ImportMap, read_map
 from fprc.errors import ConfigError
@@ -132,3 +134,30 @@ def test_all_errors_are_told_at_once(problems):
 def test_absent_map_is_an_error(tmp_path):
     with pytest.raises(ConfigError, match=r"none\.yaml: cannot be read"):
         read_map(tmp_path / "none.yaml")
+
+
+KEYS = ["experiment", "time", "channels", "column", "unit", "theta_deg", "p_o_kpa", "csv", "end_s"]
+LEAVES = st.none() | st.booleans() | st.integers() | st.floats() | st.sampled_from(["sweep", "kPa"])
+MAPS = st.dictionaries(
+    st.sampled_from(KEYS) | st.integers(0, 3),
+    st.recursive(
+        LEAVES,
+        lambda inner: (
+            st.lists(inner, max_size=2) | st.dictionaries(st.sampled_from(KEYS), inner, max_size=3)
+        ),
+        max_leaves=8,
+    ),
+)
+
+
+@given(content=MAPS)
+def test_any_map_is_either_valid_or_explained(tmp_path_factory, content):
+    path = tmp_path_factory.getbasetemp() / "any_map.yaml"
+    path.write_text(yaml.safe_dump(content))
+    try:
+        read_map(path)
+    except ConfigError as error:
+        said = str(error)
+    else:
+        said = f"{path}: valid"
+    assert said.startswith(f"{path}: ")

@@ -214,3 +214,10 @@ def test_pressure_that_nothing_squeezes_is_not_judged():
 def test_short_recordings_are_not_judged_for_leaks():
     channels = {"theta_deg": wave()[:1000], "p_o_kpa": wave()[:1000]}
     assert diagnose(TIME_S[:1000], channels)["sealed"] is None
+
+
+def test_pressure_that_only_falls_is_not_judged_either():
+    channels = {"theta_deg": wave(), "p_o_kpa": 200.0 - TIME_S}
+    found = diagnose(TIME_S, channels)["sealed"]
+    assert found["slope_kpa_per_min"] is None
+    assert 0.0 <= found["explained"] < 0.5
