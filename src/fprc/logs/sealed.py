@@ -60,7 +60,8 @@ def fit_sealed(time_s: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[s
     weights, rest = _fit(basis, steps, p_o)
     heights = weights[len(basis) :]
     _, unsqueezed = _fit([basis[0], minutes], steps, p_o)
-    explained = float(1.0 - rest.var() / max(unsqueezed.var(), 1e-12 * p_o.var()))
+    moves = unsqueezed.var() > 1e-12 * p_o.var()
+    explained = float(1.0 - rest.var() / unsqueezed.var()) if moves else 0.0
     if explained < _EXPLAINED:  # not a chamber that this squeezes; a trend would mean nothing
         return {"relative_to": by, "explained": explained, "slope_kpa_per_min": None, "steps": []}
     return {
