@@ -1,4 +1,4 @@
-"""Command line: ``fprc config ...``, ``fprc calibrate`` and ``fprc log ...``."""
+"""Command line: ``fprc config``, ``fprc calibrate``, ``fprc import`` and ``fprc log``."""
 
 import argparse
 import sys
@@ -69,6 +69,18 @@ def _parser() -> argparse.ArgumentParser:
     calibrate.add_argument("--workers", type=int, help="processes (default: one a processor)")
     calibrate.set_defaults(run=_calibrate)
 
+    bring = groups.add_parser(
+        "import",
+        help="turn a CSV, HDF5 or MATLAB file into a raw log",
+        description="Turn a CSV, HDF5 or MATLAB file into a raw log, and diagnose the recording. "
+        "docs/own-data.md describes the map.",
+    )
+    bring.add_argument("source", metavar="SOURCE")
+    bring.add_argument("--list", action="store_true", help="print what the file holds, and stop")
+    bring.add_argument("--map", metavar="MAP.yaml", help="columns, units, clock, rate")
+    bring.add_argument("--out", metavar="FILE.h5", help="raw log to write")
+    bring.set_defaults(run=_import, usage=bring.error)
+
     log = groups.add_parser("log", help="look at experiment logs")
     verbs = log.add_subparsers(required=True, metavar="VERB")
     quality = verbs.add_parser("check", help="read raw logs and print their quality records")
@@ -102,6 +114,18 @@ def _calibrate(options: argparse.Namespace) -> int:
         minutes=options.minutes,
         workers=options.workers,
     )
+    return 0
+
+
+def _import(options: argparse.Namespace) -> int:
+    from fprc.stages.bring_in import bring_in, list_source
+
+    if options.list:
+        list_source(options.source, options.map)
+    elif options.map and options.out:
+        bring_in(options.source, options.map, options.out)
+    else:
+        options.usage("give --list, or both --map and --out")
     return 0
 
 

@@ -54,8 +54,8 @@ def describe(
         "dirty": dirty,
         "config_sha256": hash_of(settings),
         "versions": versions(),
-        "inputs": {path: _sha256(path) for path in inputs},
-        "outputs": {path: _sha256(path) for path in outputs},
+        "inputs": {path: sha256(path) for path in inputs},
+        "outputs": {path: sha256(path) for path in outputs},
     }
 
 
@@ -108,6 +108,7 @@ def _outside() -> dict[str, str]:
     return {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
 
 
-def _sha256(path: str) -> str:
+def sha256(path: str) -> str:
+    """Return the SHA-256 of a file."""
     with open(path, "rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()

@@ -26,6 +26,7 @@ COLOURS = {
     "p_i": "#999933",
     "p_o": "#882255",
     "phi": "#332288",
+    "valve": "#666666",
     "esn": "#cc79a7",
     "fprc": "#d55e00",
     "fuzzy_linear": "#e69f00",
@@ -116,10 +117,19 @@ def save(fig: Figure, data: Mapping[str, object], pdf: str, png: str) -> Mapping
     Mapping
         ``data``, for whoever says where the figure comes from.
     """
+    _write(fig, data, {pdf: {"CreationDate": None}, png: {"Software": None}})
+    return data
+
+
+def save_png(fig: Figure, data: Mapping[str, object], png: str) -> None:
+    """Write a figure as ``save`` does, but as PNG alone."""
+    _write(fig, data, {png: {"Software": None}})
+
+
+def _write(fig: Figure, data: Mapping[str, object], files: Mapping[str, Mapping]) -> None:
     mark = "simulated rigs" if "seeds" in data else _MARKS[data["source"]].format_map(data)
     fig.supxlabel(mark, x=0.99, ha="right", fontsize=5.5, color="0.45")
-    for path, metadata in ((pdf, {"CreationDate": None}), (png, {"Software": None})):
+    for path, metadata in files.items():
         with replacing(Path(path)) as temporary:
             fig.savefig(temporary, metadata=metadata)
     plt.close(fig)
-    return data

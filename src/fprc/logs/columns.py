@@ -44,8 +44,10 @@ def write_columns(
             dataset.attrs["units"] = unit_of(name)
 
 
-def read_columns(path: Path | str, names: tuple[str, ...]) -> Columns:
-    """Read the named channels.
+def read_columns(
+    path: Path | str, names: tuple[str, ...], optional: tuple[str, ...] = ()
+) -> Columns:
+    """Read the named channels, and the optional ones that the file has.
 
     Raises
     ------
@@ -54,13 +56,15 @@ def read_columns(path: Path | str, names: tuple[str, ...]) -> Columns:
         is cut short, a channel is missing, has the wrong unit or shape, or
         holds a value that is not finite (with its sample).
     """
-    columns, problems = gather_columns(path, names)
+    columns, problems = gather_columns(path, names, optional)
     if problems:
         raise LogError("\n".join(problems))
     return columns
 
 
-def gather_columns(path: Path | str, names: tuple[str, ...]) -> tuple[Columns, list[str]]:
+def gather_columns(
+    path: Path | str, names: tuple[str, ...], optional: tuple[str, ...] = ()
+) -> tuple[Columns, list[str]]:
     """Read what can be read of the named channels, and say what is wrong with them.
 
     Raises
@@ -69,10 +73,11 @@ def gather_columns(path: Path | str, names: tuple[str, ...]) -> tuple[Columns, l
         The file cannot be opened, or is cut short.
     """
     path = Path(path)
-    _refuse_cut_file(path)
+    refuse_cut_file(path)
     try:
         with h5py.File(path, "r") as file:
             attributes = {key: _plain(value) for key, value in file.attrs.items()}
+            names = (*names, *(name for name in optional if name in file))
             channels, problems = _read_all(path, file, names)
     except (OSError, RuntimeError, KeyError, TypeError, ValueError) as error:
         # a damaged file makes the library raise whatever it stumbles over
@@ -101,12 +106,20 @@ def _plain(value: Any) -> Any:
     return value.decode("utf-8", "replace") if isinstance(value, bytes) else value
 
 
-def _refuse_cut_file(path: Path) -> None:
-    # A file cut inside its header can make the library wait for ever, so the
-    # length that the superblock promises is compared before it is opened.
+def refuse_cut_file(path: Path, at: int = 0) -> None:
+    """Compare an HDF5 file's length with the one that its superblock, ``at`` bytes in, promises.
+
+    A file cut inside its header can make the library wait for ever.
+
+    Raises
+    ------
+    LogError
+        The file cannot be opened, is no HDF5, or is cut short.
+    """
     try:
         size = path.stat().st_size
         with path.open("rb") as file:
+            file.seek(at)
             head = file.read(48)
     except OSError as error:
         raise LogError(f"{path}: cannot be opened ({error.strerror}); check the path") from error

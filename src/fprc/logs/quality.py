@@ -1,11 +1,12 @@
 """Quality record of a raw log: what a careful experimenter would look at."""
 
-from collections.abc import Mapping, Sequence
+import json
+from collections.abc import Container, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from fprc.logs.columns import Columns
+from fprc.logs.columns import Columns, unit_of
 
 _PRESSURES = ("p_exp_kpa", "p_i_kpa", "p_o_kpa")
 _SENSORS = (*_PRESSURES, "theta_deg")
@@ -25,10 +26,18 @@ def assess(
     """Return the quality record of a readable raw log.
 
     Each check has ``passed``, the measured numbers, and the limit. A failed
-    check does not stop the workflow; the record and the terminal say so.
+    check does not stop the workflow; the record and the terminal say so. What
+    an import left out, or took for something else, is not judged where it
+    would have no meaning.
     """
     ranges = dict.fromkeys(_PRESSURES, pressure_range_kpa) | {"theta_deg": angle_range_deg}
-    return {
+    notes = notes_of(log)
+    ranges = {
+        name: limits
+        for name, limits in ranges.items()
+        if name in log.channels and not notes.get(name, "").startswith(something_else(name))
+    }
+    record = {
         "log": log.path.name,
         "experiment": log.attributes["experiment"],
         "source": log.attributes["source"],
@@ -39,9 +48,20 @@ def assess(
             "not_finite": _not_finite(log),
             "saturation": _saturation(log, ranges),
             "stuck": _stuck(log, stuck_s * sample_rate_hz),
-            "leak": _leak(log, leak_kpa_per_min),
+            "leak": _leak(log, leak_kpa_per_min, ranges),
         },
     }
+    return record | ({"notes": notes} if notes else {})
+
+
+def something_else(name: str) -> str:
+    """Return how the note of a channel begins whose numbers are not in the unit of its name."""
+    return f"not in {unit_of(name)}: "
+
+
+def notes_of(log: Columns) -> dict[str, str]:
+    """Return what an imported log says of its channels, by channel."""
+    return json.loads(log.attributes.get("notes", "{}"))
 
 
 def warnings(record: Mapping[str, Any]) -> list[str]:
@@ -90,7 +110,8 @@ def _saturation(log: Columns, ranges: Mapping[str, Sequence[float]]) -> dict[str
 
 
 def _stuck(log: Columns, limit: float) -> dict[str, Any]:
-    longest = {name: _longest_run(log.channels[name]) for name in _SENSORS}
+    present = [name for name in _SENSORS if name in log.channels]
+    longest = {name: _longest_run(log.channels[name]) for name in present}
     return {
         "passed": max(longest.values()) <= limit,
         "longest_unchanged_samples": longest,
@@ -104,7 +125,9 @@ def _longest_run(values: np.ndarray) -> int:
     return int(np.diff(edges).max())
 
 
-def _leak(log: Columns, limit: float) -> dict[str, Any]:
+def _leak(log: Columns, limit: float, judged: Container[str]) -> dict[str, Any]:
+    if not ("p_i_kpa" in log.channels and "p_o_kpa" in judged):
+        return {"passed": True, "kpa_per_min": None, "why": "needs p_i_kpa, and p_o_kpa in kPa"}
     # P_o at equal P_i over time: the trend beside a smooth dependence on P_i. In logs of less
     # than a minute the hysteresis passes for a rising trend and can hide a leak.
     p_i = log.channels["p_i_kpa"]

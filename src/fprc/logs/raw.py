@@ -1,7 +1,7 @@
 """Raw logs of experiments, as the rig gave them."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +23,10 @@ RAW_CHANNELS = (
     "valve_main_v",
     "valve_reservoir_v",
 )
+
+#: What an imported log must have; further one of ``_TARGETS``. The others may be absent.
+_IMPORTED = ("time_s", "theta_deg")
+_TARGETS = ("p_exp_command_kpa", "p_exp_kpa")
 
 #: Where a log can come from: simulated, recorded here, brought in.
 SOURCES = ("sim", "rig", "import")
@@ -71,10 +75,20 @@ def write_raw(
         "rig": json.dumps(rig),
         **more,
     }
-    missing = [name for name in RAW_CHANNELS if name not in channels]
+    missing = _missing(source, channels)
     if missing:
         raise LogError(f"{path}: not written, channels {', '.join(missing)} are missing")
     write_columns(path, channels, attributes)
+
+
+def _missing(source: str, channels: Container[str]) -> list[str]:
+    """Return the channels that a log of this source must have and has not."""
+    if source != "import":
+        return [name for name in RAW_CHANNELS if name not in channels]
+    missing = [name for name in _IMPORTED if name not in channels]
+    if not any(name in channels for name in _TARGETS):
+        missing.append(" or ".join(_TARGETS))
+    return missing
 
 
 def refuse_to_overwrite(paths: Sequence[Path | str]) -> None:
@@ -119,9 +133,14 @@ def read_raw(
     ------
     LogError
         See ``read_columns``; further an attribute is missing or of the wrong
-        kind, time does not increase, or the rate is not the expected one.
+        kind, time does not increase, or the rate is not the expected one. Of an
+        imported log only time, angle and one of the two P_exp must be there.
     """
-    log, problems = gather_columns(path, RAW_CHANNELS)
+    source = gather_columns(path, ())[0].attributes.get("source")
+    needed = _IMPORTED if source == "import" else RAW_CHANNELS
+    log, problems = gather_columns(path, needed, tuple(n for n in RAW_CHANNELS if n not in needed))
+    if source == "import" and not any(name in log.channels for name in _TARGETS):
+        problems.append(f"{path}: channel {' or '.join(_TARGETS)}: missing; import one of them")
     wrong = _wrong_attributes(path, log.attributes, experiment)
     declared = 0.0 if wrong else log.attributes["sample_rate_hz"]
     problems += wrong

@@ -29,7 +29,19 @@ class Data(NamedTuple):
     attributes: Mapping[str, Any]
 
     def pair(self, model: str) -> tuple[np.ndarray, np.ndarray]:
-        """Return the inputs of a model, and P_exp."""
+        """Return the inputs of a model, and P_exp.
+
+        Raises
+        ------
+        LogError
+            The log has no channel that the model needs.
+        """
+        missing = [name for name in INPUTS[model] if name not in self.channels]
+        if missing:
+            raise LogError(
+                f"the {self.attributes['experiment']} log has no {', '.join(missing)}, which "
+                f"{model} needs; import it with that channel, or judge the other models only"
+            )
         columns = [self.channels[name] for name in INPUTS[model]]
         return np.column_stack(columns), self.channels["p_exp_kpa"]
 
@@ -47,7 +59,7 @@ def build(name: str, models: Mapping[str, Any], seed: int) -> SequenceModel:
 
 def read_data(path: str) -> Data:
     """Read a preprocessed log."""
-    file = read_columns(path, ("time_s", "p_exp_kpa", "theta_deg", "p_o_kpa"))
+    file = read_columns(path, ("time_s", "p_exp_kpa", "theta_deg"), optional=("p_o_kpa",))
     return Data(file.channels, file.attributes)
 
 

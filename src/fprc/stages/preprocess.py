@@ -6,7 +6,7 @@ from typing import Any
 
 from fprc.artifacts import write_json
 from fprc.logs import assess, read_raw, write_columns
-from fprc.logs.quality import warnings
+from fprc.logs.quality import notes_of, warnings
 
 log = logging.getLogger(__name__)
 
@@ -27,7 +27,8 @@ def preprocess(
     """Check a raw log, write its quality record, and select the channels.
 
     Nothing is filtered here: the filter and the taps belong to the models,
-    which apply the same ones in the control loop.
+    which apply the same ones in the control loop. An imported log that has only
+    one of the two P_exp is used with that one.
     """
     source = read_raw(
         raw,
@@ -38,14 +39,21 @@ def preprocess(
     report = assess(source, sample_rate_hz=sample_rate_hz, **limits)
     for warning in warnings(report):
         log.warning("warning: %s", warning)
+    for name, note in notes_of(source).items():
+        log.warning("warning: %s: %s", name, note)
+    if TARGETS[target] not in source.channels:
+        log.warning("warning: no %s in %s; the other P_exp is used", TARGETS[target], raw)
+        target = next(name for name in TARGETS if name != target)
     channels = {
         "time_s": source.channels["time_s"],
         "p_exp_kpa": source.channels[TARGETS[target]],
         "theta_deg": source.channels["theta_deg"],
-        "p_o_kpa": source.channels["p_o_kpa"],
     }
-    kept = ("experiment", "source", "simulated", "sample_rate_hz", "seed")
-    attributes = {name: source.attributes[name] for name in kept} | {"target": target}
+    if "p_o_kpa" in source.channels:
+        channels["p_o_kpa"] = source.channels["p_o_kpa"]
+    kept = ("experiment", "source", "simulated", "sample_rate_hz", "seed", "notes")
+    attributes = {name: source.attributes[name] for name in kept if name in source.attributes}
+    attributes["target"] = target
     write_json(quality, report)
     write_columns(data, channels, attributes)
     passed = sum(check["passed"] for check in report["checks"].values())

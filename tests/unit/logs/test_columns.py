@@ -100,6 +100,18 @@ def test_only_the_channels_asked_for_are_read(path):
     assert read_columns(path, ()).attributes == {"source": "sim"}
 
 
+def test_optional_channels_are_read_where_they_are(path):
+    log = read_columns(path, ("time_s",), optional=("p_o_kpa", "p_i_kpa"))
+    assert list(log.channels) == ["time_s", "p_o_kpa"]
+
+
+def test_optional_channel_that_is_there_must_be_right(path):
+    with h5py.File(path, "r+") as file:
+        file["p_o_kpa"][5] = np.nan
+    with pytest.raises(LogError, match="channel p_o_kpa: sample 5"):
+        read_columns(path, ("time_s",), optional=("p_o_kpa",))
+
+
 def test_whole_numbers_become_floats(path):
     write_columns(path, {"p_o_kpa": [100, 101]}, {})
     assert read_columns(path, ("p_o_kpa",)).channels["p_o_kpa"].tolist() == [100.0, 101.0]

@@ -1,0 +1,112 @@
+"""One picture of a recording that is brought in, with what was found in it."""
+
+from collections.abc import Mapping
+from textwrap import shorten
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from fprc.figures import style
+from fprc.figures.hysteresis import plot_loop
+
+#: Marks of what was found.
+_GAP, _FROZEN, _EXTREME, _STEP = "0.75", "#fff3b0", "#d55e00", "#222222"
+#: More points than this are not seen.
+_POINTS = 20000
+
+
+def draw_diagnosis(
+    time_s: np.ndarray,
+    channels: Mapping[str, np.ndarray],
+    found: Mapping[str, Any],
+    *,
+    titles: Mapping[str, str],
+    units: Mapping[str, str],
+) -> Figure:
+    """Draw every channel over time with marks, and theta over P_exp.
+
+    Parameters
+    ----------
+    found : Mapping
+        Answer of ``fprc.logs.diagnose``.
+    titles, units : Mapping
+        What each channel is, and its unit; an empty text if it is something else.
+    """
+    rows = max(len(channels), 3)
+    fig, axes = style.figure(
+        rows, 2, 2 * style.COLUMN_IN, 0.3 + 0.85 * rows, width_ratios=(2.0, 1.0), squeeze=False
+    )
+    grid = axes[0, 0].get_gridspec()
+    for ax in axes[:, 1]:
+        ax.remove()
+    for ax in axes[len(channels) :, 0]:
+        ax.remove()
+    left = axes[: len(channels), 0]
+    for ax, (name, values) in zip(left, channels.items(), strict=True):
+        plot_channel(time_s, values, name, found, ax)
+        ax.set_ylabel(units[name])
+        style.letter(ax, shorten(titles[name], 52, placeholder=" ..."))
+        ax.set_title(_remarks(found["channels"][name], found["clock"]), loc="right", color="0.3")
+        ax.sharex(left[0])
+        ax.label_outer()
+    left[0].set_xlim(time_s[0], time_s[-1])
+    left[-1].set_xlabel("Time [s]")
+    target = "p_exp_kpa" if "p_exp_kpa" in channels else "p_exp_command_kpa"
+    every = -(-len(time_s) // _POINTS)
+    loop = fig.add_subplot(grid[:, 1])
+    labels = [f"{name} [{units[name]}]" if units[name] else f"{name}, not in its unit"
+              for name in (target, "theta_deg")]  # fmt: skip
+    plot_loop(
+        channels[target][::every], channels["theta_deg"][::every], time_s[::every], loop, labels
+    )
+    style.letter(loop, "Loops, from dark to bright")
+    marks = [ax.get_legend_handles_labels() for ax in left]
+    by_label = {label: mark for pair in marks for mark, label in zip(*pair, strict=True)}
+    if by_label:
+        fig.legend(by_label.values(), by_label, loc="outside upper left", ncols=4)
+    return fig
+
+
+def plot_channel(
+    time_s: np.ndarray, values: np.ndarray, name: str, found: Mapping[str, Any], ax: Axes
+) -> Axes:
+    """Draw one channel: gaps grey, frozen stretches yellow, extremes thick, steps as lines."""
+    ax.plot(time_s, values, color=style.COLOURS[_colour(name)], linewidth=0.6)
+    for gap in found["clock"]["gaps"]:
+        ax.axvspan(gap["from_s"], gap["to_s"], color=_GAP, linewidth=0.5, zorder=0,
+                   label="gap")  # fmt: skip
+    for stretch in found["channels"][name]["frozen"]:
+        ax.axvspan(stretch["from_s"], stretch["to_s"], color=_FROZEN, linewidth=0,
+                   zorder=0, label="frozen or at rest")  # fmt: skip
+    for extreme in found["channels"][name]["at_extreme"]:
+        for first, last in extreme["stretches"]:
+            ax.plot(time_s[[first, last]], [extreme["value"]] * 2, color=_EXTREME, linewidth=2.0,
+                    solid_capstyle="round", label="clipped or held there")  # fmt: skip
+    if name == "p_o_kpa" and found["sealed"]:
+        for step in found["sealed"]["steps"]:
+            ax.axvline(step["at_s"], color=_STEP, linewidth=0.6, linestyle=(0, (3, 2)),
+                       label="re-fill or sudden loss")  # fmt: skip
+    return ax
+
+
+def _colour(name: str) -> str:
+    """Return the quantity of a channel, whose colour it has."""
+    quantity = name.rpartition("_")[0].removesuffix("_command")
+    return "valve" if quantity.startswith("valve") else quantity
+
+
+def _remarks(channel: Mapping[str, Any], clock: Mapping[str, Any]) -> str:
+    remarks = []
+    if channel["lowest"] == channel["highest"]:
+        remarks.append("constant")
+    if channel["held_samples"]:
+        remarks.append(f"held: {clock['median_hz'] / channel['held_samples']:.3g} Hz in fact")
+    if channel["step"]:
+        remarks.append(f"steps of {channel['step']:.2g}")
+    if channel["frozen"] and not remarks:
+        remarks.append("frozen")
+    if channel["at_extreme"]:
+        remarks.append("at " + " and ".join(f"{e['side']}est" for e in channel["at_extreme"]))
+    return ", ".join(remarks)

@@ -1,0 +1,271 @@
+"""What a recording is like before anyone changes it: clock, channels, sealed chamber."""
+
+from collections.abc import Mapping
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from fprc.logs.sealed import fit_sealed
+
+#: Longest time for which a working channel may stay at one value, s.
+FROZEN_S = 2.0
+#: A step longer than so many median steps of the clock is a gap.
+GAP_PERIODS = 1.5
+#: How much oftener than the levels next to it an extreme value must occur.
+CLIPPED_RATIO = 12.0
+#: A sealed chamber that falls faster leaks, kPa/min; trends are found to about half of it.
+LEAK_KPA_PER_MIN = 2.0
+
+
+def diagnose(time_s: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[str, Any]:
+    """Return what is found in a recording, as plain numbers.
+
+    Parameters
+    ----------
+    time_s : ndarray
+        Increasing instants.
+    channels : Mapping
+        Arrays of the same length, in the units of their names.
+
+    Returns
+    -------
+    dict
+        ``samples``, ``duration_s``; ``clock``; ``channels``, each with its range, the rate
+        at which new values come, ``held_samples`` (None unless it is sample-and-hold),
+        ``step`` (None unless it is quantised), ``frozen`` and ``at_extreme``; ``identical``
+        pairs; ``sealed``, the leak and the re-fills of ``p_o_kpa``, or None.
+    """
+    clock = _clock(time_s)
+    found = {name: _channel(time_s, values, clock) for name, values in channels.items()}
+    pairs = [
+        list(pair)
+        for pair in combinations(channels, 2)
+        if np.array_equal(channels[pair[0]], channels[pair[1]])
+    ]
+    return {
+        "samples": len(time_s),
+        "duration_s": float(time_s[-1] - time_s[0]),
+        "clock": clock,
+        "channels": found,
+        "identical": pairs,
+        "sealed": fit_sealed(time_s, channels),
+    }
+
+
+def _clock(time_s: np.ndarray) -> dict[str, Any]:
+    steps = np.diff(time_s)
+    median = float(np.median(steps))
+    gaps = np.flatnonzero(steps > GAP_PERIODS * median)
+    # gaps are no jitter
+    late = steps[steps <= GAP_PERIODS * median] - median
+    low, high = np.percentile(late, [1, 99])
+    return {
+        "mean_hz": float(1.0 / steps.mean()),
+        "median_hz": 1.0 / median,
+        "jitter_p1_s": float(low),
+        "jitter_p99_s": float(high),
+        "jitter_max_s": float(np.abs(late).max()),
+        "gaps": [
+            {
+                "from_s": float(time_s[k]),
+                "to_s": float(time_s[k + 1]),
+                "missing_samples": max(int(round(steps[k] / median)) - 1, 1),
+            }
+            for k in gaps
+        ],
+    }
+
+
+def _runs(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the first sample and the length of every stretch of one value."""
+    begins = np.concatenate([[0], np.flatnonzero(np.diff(values) != 0.0) + 1])
+    return begins, np.diff(np.append(begins, len(values)))
+
+
+def _channel(time_s: np.ndarray, values: np.ndarray, clock: Mapping[str, Any]) -> dict[str, Any]:
+    begins, lengths = _runs(values)
+    step = _step(values)
+    held = None if step else _held(lengths)
+    longest = max(FROZEN_S * clock["median_hz"], 20.0 * (held or 1))
+    frozen = np.flatnonzero(lengths > longest)
+    extremes = (_at_extreme(values, begins, lengths, held or 1, side) for side in ("low", "high"))
+    return {
+        "lowest": float(values.min()),
+        "highest": float(values.max()),
+        "new_values_hz": float((len(begins) - 1) / (time_s[-1] - time_s[0])),
+        "held_samples": held,
+        "step": step,
+        "frozen": [
+            {
+                "from_s": float(time_s[begins[k]]),
+                "to_s": float(time_s[begins[k] + lengths[k] - 1]),
+                "value": float(values[begins[k]]),
+            }
+            for k in frozen
+        ],
+        "at_extreme": [found for found in extremes if found],
+    }
+
+
+def _step(values: np.ndarray) -> float | None:
+    """Return the resolution, if most changes are by one or two steps of it."""
+    changes = np.abs(np.diff(values))
+    changes = changes[changes > 0.0]
+    if len(changes) < 10 or len(changes) > 0.9 * (len(values) - 1):
+        return None  # constant, or new values nearly always: rounding does no harm
+    smallest = np.median(changes[changes < 1.5 * changes.min()])
+    multiples = changes / smallest
+    whole = np.abs(multiples - np.round(multiples)) < 0.05
+    return float(smallest) if whole.mean() > 0.95 and (multiples < 2.5).mean() > 0.5 else None
+
+
+def _held(lengths: np.ndarray) -> int | None:
+    """Return every how many samples a new value comes, if that is regular."""
+    inner = lengths[1:-1]
+    if len(inner) < 5:
+        return None
+    typical = int(np.median(inner))
+    # a value that comes twice, or a jump of the slower clock by one, is no objection
+    multiples = inner / typical
+    regular = (np.abs(inner - typical) <= typical // 4) | (multiples == np.round(multiples))
+    return typical if typical >= 2 and regular.mean() >= 0.8 else None
+
+
+def _at_extreme(
+    values: np.ndarray, begins: np.ndarray, lengths: np.ndarray, held: int, side: str
+) -> dict[str, Any] | None:
+    """Return where a channel stays at its lowest or highest value far oftener than beside it.
+
+    A slow, quantised sine visits its highest level up to five times as often as
+    the ones below, so that twelve times is something else.
+    """
+    levels, counts = np.unique(values, return_counts=True)
+    if len(levels) < 5:
+        return None
+    k, beside = (0, slice(1, 11)) if side == "low" else (-1, slice(-11, -1))
+    here = np.flatnonzero((values[begins] == levels[k]) & (lengths >= 3 * held))
+    if counts[k] < CLIPPED_RATIO * counts[beside].mean() or not here.size:
+        return None
+    return {
+        "side": side,
+        "value": float(levels[k]),
+        "share": float(counts[k] / len(values)),
+        "stretches": [[int(begins[i]), int(begins[i] + lengths[i] - 1)] for i in here],
+    }
+
+
+# --- in words -------------------------------------------------------------------------------
+
+
+def describe(found: Mapping[str, Any], units: Mapping[str, str]) -> list[str]:
+    """Return what was found as sentences, the quiet facts first.
+
+    Parameters
+    ----------
+    found : Mapping
+        Answer of ``diagnose``.
+    units : Mapping
+        Unit to print by channel; an empty text where it is something else.
+    """
+    clock = found["clock"]
+    lines = [
+        f"{found['samples']} samples over {found['duration_s']:.6g} s, mean rate "
+        f"{clock['mean_hz']:.6g} Hz",
+        *_clock_words(clock),
+    ]
+    for name, channel in found["channels"].items():
+        lines += [f"{name}: {text}" for text in _channel_words(channel, units[name], clock)]
+    lines += [f"{a} and {b}: identical, sample by sample" for a, b in found["identical"]]
+    if found["sealed"]:
+        lines += [
+            f"p_o_kpa: {text}" for text in _sealed_words(found["sealed"], found, units["p_o_kpa"])
+        ]
+    return lines
+
+
+def _clock_words(clock: Mapping[str, Any]) -> list[str]:
+    lines = []
+    period_s = 1.0 / clock["median_hz"]
+    jitter = max(-clock["jitter_p1_s"], clock["jitter_p99_s"]) / period_s
+    if jitter < 1e-3:
+        lines.append("clock: even, jitter below 0.1 % of a period")
+    else:
+        lines.append(
+            f"clock: 98 % of the steps differ from the median {1e3 * period_s:.4g} ms by "
+            f"{1e3 * clock['jitter_p1_s']:+.2g} to {1e3 * clock['jitter_p99_s']:+.2g} ms "
+            f"({jitter:.0%} of a period)"
+        )
+    if clock["gaps"]:
+        longest = max(clock["gaps"], key=lambda gap: gap["to_s"] - gap["from_s"])
+        missing = sum(gap["missing_samples"] for gap in clock["gaps"])
+        lines.append(
+            f"clock: {_count(len(clock['gaps']), 'gap')}, about {missing} samples missing; the "
+            f"longest from {longest['from_s']:.4g} to {longest['to_s']:.4g} s; filled by straight "
+            "lines"
+        )
+    return lines
+
+
+def _channel_words(channel: Mapping[str, Any], unit: str, clock: Mapping[str, Any]) -> list[str]:
+    def value(number: float) -> str:
+        return f"{number:.4g} {unit}".rstrip()
+
+    if channel["lowest"] == channel["highest"]:
+        return [f"constant at {value(channel['lowest'])}"]
+    lines = [
+        f"{channel['lowest']:.4g} to {value(channel['highest'])}, "
+        f"{channel['new_values_hz']:.4g} new values a second"
+    ]
+    if channel["held_samples"]:
+        lines.append(
+            f"sample-and-hold: a new value every {channel['held_samples']} samples, "
+            f"{clock['median_hz'] / channel['held_samples']:.4g} Hz in fact"
+        )
+    if channel["step"]:
+        lines.append(f"quantised in steps of {value(channel['step'])}")
+    if channel["frozen"]:
+        longest = max(channel["frozen"], key=lambda one: one["to_s"] - one["from_s"])
+        lines.append(
+            f"frozen or at rest in {_count(len(channel['frozen']), 'stretch')}, the longest "
+            f"from {longest['from_s']:.4g} to {longest['to_s']:.4g} s at {value(longest['value'])}"
+        )
+    for extreme in channel["at_extreme"]:
+        lines.append(
+            f"{extreme['share']:.1%} of the samples are exactly the {extreme['side']}est value, "
+            f"{value(extreme['value'])}, in {_count(len(extreme['stretches']), 'stretch')}: "
+            "clipped, or held there"
+        )
+    return lines
+
+
+def _sealed_words(sealed: Mapping[str, Any], found: Mapping[str, Any], unit: str) -> list[str]:
+    slope, channel = sealed["slope_kpa_per_min"], found["channels"]["p_o_kpa"]
+    if slope is None:
+        return [
+            f"follows {sealed['relative_to']} by {sealed['explained']:.0%} only; a sealed chamber "
+            "follows what squeezes it, so leak and re-fills are not judged"
+        ]
+    limit = LEAK_KPA_PER_MIN if unit else 0.05 * (channel["highest"] - channel["lowest"])
+    each = f"{abs(slope):.2g} {unit}".rstrip()
+    lines = []
+    at_equal = f"at equal {sealed['relative_to']} it"
+    if slope < -limit:
+        short = "; in less than a minute that can be hysteresis" * (found["duration_s"] < 60.0)
+        lines.append(f"leaks: {at_equal} falls by about {each} a minute{short}")
+    elif slope > limit:
+        lines.append(f"{at_equal} rises by about {each} a minute: warming, or inflow")
+    for noun, sign in (("re-fill", 1.0), ("sudden loss", -1.0)):
+        steps = [step for step in sealed["steps"] if sign * step["height_kpa"] > 0.0]
+        if steps:
+            each = [
+                f"{s['height_kpa']:+.3g} {unit}".rstrip() + f" at {s['at_s']:.1f} s" for s in steps
+            ]
+            more = ", ..." if len(each) > 6 else ""
+            lines.append(f"{_count(len(steps), noun)}: {', '.join(each[:6])}{more}")
+    return lines
+
+
+def _count(number: int, noun: str) -> str:
+    plural = {"stretch": "stretches", "sudden loss": "sudden losses"}.get(noun, f"{noun}s")
+    return f"{number} {noun if number == 1 else plural}"

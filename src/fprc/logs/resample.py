@@ -1,0 +1,63 @@
+"""From the instants of a recording to a uniform grid."""
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+from scipy.signal import fftconvolve, firwin, kaiser_beta
+
+#: Of the new Nyquist frequency: what is kept, and where nothing is left.
+PASS, STOP = 0.8, 1.0
+#: Suppression from ``STOP`` on.
+STOP_DB = 70.0
+
+
+def resample(
+    time_s: np.ndarray, channels: Mapping[str, np.ndarray], rate_hz: float
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Return instants and channels on a uniform grid that begins at the first sample.
+
+    Where the grid's instants are those of the recording, values pass unchanged.
+    Else they are interpolated linearly, which never overshoots at held values
+    and gaps; a sine of f Hz, sampled at s Hz, loses at most (pi f / s)^2 / 2.
+
+    To a lower rate this happens on a grid that is a whole number of times finer,
+    at least the recording's rate; then a zero-phase low-pass with a linear
+    phase FIR, flat up to 0.8 of the new Nyquist frequency and at -70 dB from it
+    on, and every n-th sample is kept. At both ends the recording is continued
+    by its reflection in the end point.
+    """
+    source_hz = (len(time_s) - 1) / (time_s[-1] - time_s[0])
+    factor = _refinement(time_s, source_hz, rate_hz)
+    samples = math.floor((time_s[-1] - time_s[0]) * rate_hz + 1e-6) + 1
+    fine_s = time_s[0] + np.arange((samples - 1) * factor + 1) / (factor * rate_hz)
+    aligned = len(fine_s) <= len(time_s) and _aligned(time_s[: len(fine_s)], fine_s)
+    resampled = {}
+    for name, values in channels.items():
+        fine = values[: len(fine_s)] if aligned else np.interp(fine_s, time_s, values)
+        resampled[name] = np.array(fine) if factor == 1 else _lowpass(fine, factor)[::factor]
+    return time_s[0] + np.arange(samples) / rate_hz, resampled
+
+
+def _refinement(time_s: np.ndarray, source_hz: float, rate_hz: float) -> int:
+    """Return how many times finer than the new grid the low-pass works; 1 is without one."""
+    ratio = source_hz / rate_hz
+    if ratio <= 1.01:  # the same rate by a clock a little off
+        return 1
+    whole = round(ratio)
+    grid = time_s[0] + np.arange(len(time_s)) / (whole * rate_hz)
+    # twice the rate where points have to be interpolated: less is lost between them
+    return whole if whole > 1 and _aligned(time_s, grid) else math.ceil(2.0 * ratio)
+
+
+def _aligned(time_s: np.ndarray, grid_s: np.ndarray) -> bool:
+    period_s = grid_s[1] - grid_s[0] if len(grid_s) > 1 else 1.0
+    return bool(np.abs(time_s - grid_s).max() <= 1e-3 * period_s)
+
+
+def _lowpass(values: np.ndarray, factor: int) -> np.ndarray:
+    half = math.ceil((STOP_DB - 7.95) / (2.285 * math.pi * (STOP - PASS)) * factor / 2.0) + 1
+    edge = 0.5 * (PASS + STOP) / factor
+    taps = firwin(2 * half + 1, edge, window=("kaiser", kaiser_beta(STOP_DB)))
+    padded = np.pad(values, half, mode="reflect", reflect_type="odd")
+    return fftconvolve(padded, taps, mode="valid")

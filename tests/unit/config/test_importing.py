@@ -1,0 +1,163 @@
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fprc.config.importing import Channels, ImportMap, read_map
+from fprc.errors import ConfigError
+from fprc.logs import RAW_CHANNELS
+from fprc.logs.columns import unit_of
+from fprc.logs.importers import FACTORS
+
+SMALL = {
+    "experiment": "sweep",
+    "time": {"column": "t"},
+    "channels": {
+        "theta_deg": {"column": "angle", "unit": "deg"},
+        "p_exp_kpa": {"column": "P", "unit": "bar"},
+    },
+}
+
+
+@pytest.fixture
+def read(tmp_path):
+    def read(content):
+        path = tmp_path / "map.yaml"
+        path.write_text(content if isinstance(content, str) else yaml.safe_dump(content))
+        return read_map(path)
+
+    return read
+
+
+@pytest.fixture
+def problems(read):
+    def problems(content):
+        with pytest.raises(ConfigError) as caught:
+            read(content)
+        return str(caught.value)
+
+    return problems
+
+
+def with_channel(name, **column):
+    return SMALL | {"channels": SMALL["channels"] | {name: column}}
+
+
+def test_small_map_has_the_documented_defaults(read):
+    told = read(SMALL)
+    assert (told.sample_rate_hz, told.start_s, told.end_s) == (200.0, 0.0, None)
+    assert (told.time.unit, told.time.rate_hz) == ("s", None)
+    assert (told.channels.theta_deg.scale, told.channels.theta_deg.offset) == (1.0, 0.0)
+    assert told.channels.p_o_kpa is None
+
+
+def test_every_channel_of_a_raw_log_but_time_can_be_mapped():
+    assert set(Channels.model_fields) == set(RAW_CHANNELS) - {"time_s"}
+
+
+def test_every_unit_has_a_factor_and_that_of_the_channel_is_one():
+    for name, field in Channels.model_fields.items():
+        kinds = [field.annotation, *getattr(field.annotation, "__args__", ())]
+        section = next(kind for kind in kinds if hasattr(kind, "model_fields"))
+        units = section.model_fields["unit"].annotation.__args__
+        assert set(units) <= set(FACTORS)
+        assert unit_of(name) in units
+        assert FACTORS[unit_of(name)] == FACTORS["1"] == 1.0
+    assert set(
+        ImportMap.model_fields["time"].annotation.model_fields["unit"].annotation.__args__
+    ) <= set(FACTORS)
+
+
+def test_numbers_of_yaml_serve_as_names_and_as_unit_one(read):
+    told = read(with_channel("p_o_kpa", column=3, unit=1, note="force [N]"))
+    assert (told.channels.p_o_kpa.column, told.channels.p_o_kpa.unit) == ("3", "1")
+
+
+def test_quantity_that_is_something_else_needs_a_note(problems):
+    assert "channels.p_o_kpa: unit 1 stands for a quantity that is something else" in problems(
+        with_channel("p_o_kpa", column="F", unit="1")
+    )
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (SMALL | {"sample_rate": 100}, "sample_rate: unknown key; did you mean sample_rate_hz?"),
+        (
+            with_channel("p_0_kpa", column="P", unit="kPa"),
+            "channels.p_0_kpa: unknown key; did you mean channels.p_o_kpa?",
+        ),
+        (
+            with_channel("p_o_kpa", column="P", unit="kPa", ofset=1),
+            "channels.p_o_kpa.ofset: unknown key; did you mean channels.p_o_kpa.offset?",
+        ),
+        (with_channel("p_o_kpa", column="P", unit="deg"), "channels.p_o_kpa.unit = deg: must be"),
+        (with_channel("p_o_kpa", column="P"), "channels.p_o_kpa.unit: missing"),
+        (with_channel("p_o_kpa", column="P", unit="Pa", scale=0), "scale = 0 leaves nothing"),
+        (with_channel("p_o_kpa", column="P", unit="Pa", scale=float("inf")), "finite"),
+        (with_channel("p_o_kpa", column=True, unit="Pa"), "not yes/no"),
+        (SMALL | {"experiment": "walk"}, "experiment = walk: must be 'sweep' or 'complex'"),
+        (SMALL | {"time": {}}, "time: give either column (with its unit) or rate_hz"),
+        (SMALL | {"time": {"column": "t", "rate_hz": 10}}, "time: give either column"),
+        (SMALL | {"time": {"rate_hz": 10, "unit": "ms"}}, "time: unit belongs to a column"),
+        (SMALL | {"time": {"rate_hz": 0}}, "time.rate_hz = 0: must be greater than 0"),
+        (SMALL | {"start_s": 3, "end_s": 2}, "end_s = 2; must be above start_s = 3"),
+        (SMALL | {"channels": {}}, "channels.theta_deg: missing"),
+        (
+            SMALL | {"channels": {"theta_deg": SMALL["channels"]["theta_deg"]}},
+            "channels: p_exp_kpa or p_exp_command_kpa is missing",
+        ),
+        (SMALL | {"channels": 3}, "channels = 3: must hold keys and values"),
+        ({"experiment": "sweep"}, "channels: missing"),
+        ("[1, 2]", "must hold keys and values, not list"),
+        ("", "must hold keys and values, not NoneType"),
+        ("a: [", "cannot be read as YAML"),
+    ],
+)
+def test_error_names_place_value_and_remedy(problems, content, said):
+    assert said in problems(content)
+
+
+def test_all_errors_are_told_at_once(problems):
+    said = problems(
+        {
+            "experiment": "swep",
+            "rate": 1,
+            "channels": {"theta_deg": {"column": "x", "unit": "kPa"}, "p_exp": {}},
+        }
+    )
+    assert said.splitlines()[0].endswith("5 errors in the map:")
+    for part in ("experiment", "rate", "time", "channels.theta_deg.unit", "channels.p_exp"):
+        assert sum(line.startswith(f"  {part}") for line in said.splitlines()) == 1
+
+
+def test_absent_map_is_an_error(tmp_path):
+    with pytest.raises(ConfigError, match=r"none\.yaml: cannot be read"):
+        read_map(tmp_path / "none.yaml")
+
+
+KEYS = ["experiment", "time", "channels", "column", "unit", "theta_deg", "p_o_kpa", "csv", "end_s"]
+LEAVES = st.none() | st.booleans() | st.integers() | st.floats() | st.sampled_from(["sweep", "kPa"])
+MAPS = st.dictionaries(
+    st.sampled_from(KEYS) | st.integers(0, 3),
+    st.recursive(
+        LEAVES,
+        lambda inner: (
+            st.lists(inner, max_size=2) | st.dictionaries(st.sampled_from(KEYS), inner, max_size=3)
+        ),
+        max_leaves=8,
+    ),
+)
+
+
+@given(content=MAPS)
+def test_any_map_is_either_valid_or_explained(tmp_path_factory, content):
+    path = tmp_path_factory.getbasetemp() / "any_map.yaml"
+    path.write_text(yaml.safe_dump(content))
+    try:
+        read_map(path)
+    except ConfigError as error:
+        said = str(error)
+    else:
+        said = f"{path}: valid"
+    assert said.startswith(f"{path}: ")

@@ -1,0 +1,223 @@
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fprc.logs.diagnosis import describe, diagnose
+
+RATE_HZ = 200.0
+TIME_S = np.arange(8000) / RATE_HZ
+UNITS = {"theta_deg": "deg", "p_exp_kpa": "kPa", "p_i_kpa": "kPa", "p_o_kpa": "kPa"}
+
+
+def wave(time_s=TIME_S, f_hz=0.31, amplitude=30.0, noise=0.01):
+    rng = np.random.default_rng(0)
+    return amplitude * np.sin(2 * np.pi * f_hz * time_s) + noise * rng.standard_normal(len(time_s))
+
+
+def of(values, time_s=TIME_S):
+    return diagnose(time_s, {"theta_deg": values})["channels"]["theta_deg"]
+
+
+def words(channels, time_s=TIME_S):
+    return "\n".join(describe(diagnose(time_s, channels), UNITS))
+
+
+# --- clock ----------------------------------------------------------------------------------
+
+
+def test_clean_recording_has_an_even_clock_and_nothing_else():
+    found = diagnose(TIME_S, {"theta_deg": wave(), "p_exp_kpa": wave(f_hz=0.2)})
+    assert found["clock"]["mean_hz"] == pytest.approx(RATE_HZ)
+    assert found["clock"]["gaps"] == []
+    assert found["identical"] == []
+    assert found["sealed"] is None
+    for channel in found["channels"].values():
+        assert channel["new_values_hz"] == pytest.approx(RATE_HZ)
+        assert (channel["held_samples"], channel["step"]) == (None, None)
+        assert (channel["frozen"], channel["at_extreme"]) == ([], [])
+
+
+def test_record_is_json():
+    found = diagnose(TIME_S, {"theta_deg": wave(), "p_i_kpa": wave(), "p_o_kpa": wave()})
+    assert json.loads(json.dumps(found, allow_nan=False)) == found
+
+
+def test_gap_has_its_place_and_its_missing_samples():
+    time_s = np.delete(TIME_S, slice(1000, 1030))
+    (gap,) = diagnose(time_s, {"theta_deg": wave(time_s)})["clock"]["gaps"]
+    assert (gap["from_s"], gap["to_s"]) == pytest.approx((999 / 200, 1030 / 200))
+    assert gap["missing_samples"] == 30
+    said = words({"theta_deg": wave(time_s)}, time_s)
+    assert "1 gap, about 30 samples missing" in said
+
+
+def test_jitter_is_given_by_its_percentiles():
+    rng = np.random.default_rng(3)
+    time_s = TIME_S + rng.normal(0.0, 2e-4, len(TIME_S))
+    clock = diagnose(time_s, {"theta_deg": wave()})["clock"]
+    # the difference of two normal errors; 2.326 is the 99th percentile of a normal one
+    assert clock["jitter_p99_s"] == pytest.approx(2.326 * np.sqrt(2) * 2e-4, rel=0.1)
+    assert clock["jitter_p1_s"] == pytest.approx(-2.326 * np.sqrt(2) * 2e-4, rel=0.1)
+    assert clock["gaps"] == []
+
+
+# --- channels -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("factor", [2, 4, 7, 20])
+def test_sample_and_hold_is_found_with_its_factor(factor):
+    held = np.repeat(wave()[::factor], factor)[: len(TIME_S)]
+    channel = of(held)
+    assert channel["held_samples"] == factor
+    assert channel["new_values_hz"] == pytest.approx(RATE_HZ / factor, rel=0.01)
+    assert f"every {factor} samples, {RATE_HZ / factor:.4g} Hz" in words({"theta_deg": held})
+
+
+def test_hold_by_a_clock_that_is_not_a_multiple_is_found():
+    held = wave()[(np.floor(np.arange(8000) / 4.3) * 4.3).astype(int)]
+    assert of(held)["held_samples"] == 4
+
+
+@pytest.mark.parametrize("step", [0.1, 0.25, 1.0])
+def test_quantised_signal_is_not_taken_for_a_held_one(step):
+    channel = of(np.round(wave(noise=0.0) / step) * step)
+    assert channel["held_samples"] is None
+    assert channel["step"] == pytest.approx(step)
+    assert channel["at_extreme"] == []
+
+
+def test_frozen_stretch_has_its_place_and_its_value():
+    values = wave()
+    values[2000:2900] = values[2000]
+    (frozen,) = of(values)["frozen"]
+    assert (frozen["from_s"], frozen["to_s"]) == pytest.approx((10.0, 2899 / 200))
+    assert frozen["value"] == values[2000]
+    assert "frozen or at rest in 1 stretch, the longest from 10 to 14.49 s" in words(
+        {"theta_deg": values}
+    )
+
+
+def test_short_rest_is_not_frozen():
+    values = wave()
+    values[2000:2300] = values[2000]
+    assert of(values)["frozen"] == []
+
+
+def test_constant_channel_is_called_constant():
+    assert "theta_deg: constant at 4 deg" in words({"theta_deg": np.full(8000, 4.0)})
+
+
+@pytest.mark.parametrize(("low", "high"), [(-40.0, 25.0), (-25.0, 40.0), (-20.0, 20.0)])
+def test_clipping_is_found_at_the_side_where_it_is(low, high):
+    channel = of(np.clip(wave(), low, high))
+    expected = [name for name, limit in (("low", low), ("high", high)) if abs(limit) < 30.0]
+    assert [extreme["side"] for extreme in channel["at_extreme"]] == expected
+    for extreme in channel["at_extreme"]:
+        assert extreme["value"] in (low, high)
+        inside = wave() >= high if extreme["side"] == "high" else wave() <= low
+        assert extreme["share"] == pytest.approx(inside.mean())
+        first, last = extreme["stretches"][0]
+        assert inside[first : last + 1].all()
+
+
+def test_clipping_of_a_held_signal_is_found():
+    held = np.repeat(np.clip(wave(), -40.0, 20.0)[::10], 10)
+    assert [extreme["side"] for extreme in of(held)["at_extreme"]] == ["high"]
+
+
+@given(
+    f_hz=st.floats(0.05, 2.0),
+    step=st.sampled_from([0.0, 0.01, 0.1, 1.0]),
+    factor=st.sampled_from([1, 2, 5]),
+    phase=st.floats(0.0, 6.2),
+)
+def test_sine_is_never_clipped_or_frozen(f_hz, step, factor, phase):
+    values = 30.0 * np.sin(2 * np.pi * f_hz * TIME_S + phase)
+    values = np.round(values / step) * step if step else values
+    channel = of(np.repeat(values[::factor], factor)[: len(TIME_S)])
+    assert (channel["at_extreme"], channel["frozen"]) == ([], [])
+
+
+def test_identical_channels_are_paired():
+    same = wave()
+    channels = {"theta_deg": wave(f_hz=1.0), "p_exp_kpa": same, "p_i_kpa": same.copy()}
+    assert diagnose(TIME_S, channels)["identical"] == [["p_exp_kpa", "p_i_kpa"]]
+    assert "p_exp_kpa and p_i_kpa: identical" in words(channels)
+
+
+# --- sealed chamber -------------------------------------------------------------------------
+
+
+@pytest.fixture
+def squeezed(recorded):
+    """A simulated sweep with leak and re-fills put in by hand."""
+
+    def make(leak_kpa_per_min=0.0, refills=()):
+        log = recorded["sweep"]
+        time_s = log["time_s"]
+        p_o = log["p_o_kpa"] - leak_kpa_per_min * time_s / 60.0
+        for at_s, kpa in refills:
+            p_o = p_o + kpa * (time_s >= at_s)
+        return time_s, {"theta_deg": log["theta_deg"], "p_i_kpa": log["p_i_kpa"], "p_o_kpa": p_o}
+
+    return make
+
+
+def test_tight_chamber_has_no_steps(squeezed):
+    found = diagnose(*squeezed())["sealed"]
+    assert found["relative_to"] == "p_i_kpa"
+    assert found["explained"] > 0.95
+    assert found["steps"] == []
+
+
+def test_leak_is_measured_against_the_same_log_without_it(squeezed):
+    tight, leaky = (diagnose(*squeezed(leak))["sealed"] for leak in (0.0, 20.0))
+    fall = tight["slope_kpa_per_min"] - leaky["slope_kpa_per_min"]
+    assert fall == pytest.approx(20.0, rel=1e-6)
+    time_s, channels = squeezed(20.0)
+    assert "p_o_kpa: leaks: at equal p_i_kpa it falls by about" in words(channels, time_s)
+    assert "less than a minute" in words(channels, time_s)
+
+
+def test_refills_are_found_where_they_are(squeezed):
+    time_s, channels = squeezed(20.0, [(7.0, 12.0), (14.0, 12.0)])
+    steps = diagnose(time_s, channels)["sealed"]["steps"]
+    assert [step["at_s"] for step in steps] == pytest.approx([7.0, 14.0], abs=0.15)
+    assert [step["height_kpa"] for step in steps] == pytest.approx([12.0, 12.0], rel=0.2)
+    assert "2 re-fills: +" in words(channels, time_s)
+
+
+def test_sudden_loss_is_told_from_a_refill(squeezed):
+    time_s, channels = squeezed(0.0, [(10.0, -15.0)])
+    assert "1 sudden loss: -" in words(channels, time_s)
+    assert "re-fill" not in words(channels, time_s)
+
+
+def test_without_p_i_the_angle_stands_for_the_squeezing(squeezed):
+    time_s, channels = squeezed(0.0, [(10.0, 12.0)])
+    del channels["p_i_kpa"]
+    found = diagnose(time_s, channels)["sealed"]
+    assert found["relative_to"] == "theta_deg"
+    assert [step["at_s"] for step in found["steps"]] == pytest.approx([10.0], abs=0.15)
+
+
+def test_pressure_that_nothing_squeezes_is_not_judged():
+    rng = np.random.default_rng(4)
+    channels = {"theta_deg": wave(), "p_o_kpa": np.cumsum(rng.standard_normal(8000))}
+    assert diagnose(TIME_S, channels)["sealed"]["slope_kpa_per_min"] is None
+    assert "leak and re-fills are not judged" in words(channels)
+
+
+def test_short_recordings_are_not_judged_for_leaks():
+    channels = {"theta_deg": wave()[:1000], "p_o_kpa": wave()[:1000]}
+    assert diagnose(TIME_S[:1000], channels)["sealed"] is None
+
+
+def test_pressure_that_only_falls_is_not_judged_either():
+    channels = {"theta_deg": wave(), "p_o_kpa": 200.0 - TIME_S}
+    found = diagnose(TIME_S, channels)["sealed"]
+    assert found["slope_kpa_per_min"] is None
+    assert 0.0 <= found["explained"] < 0.5

@@ -1,0 +1,120 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.signal import resample_poly
+
+from fprc.logs.resample import resample
+
+
+def sine(time_s, f_hz, phase=0.3):
+    return np.sin(2.0 * np.pi * f_hz * time_s + phase)
+
+
+def only(time_s, values, rate_hz):
+    grid_s, channels = resample(time_s, {"x": values}, rate_hz)
+    return grid_s, channels["x"]
+
+
+@pytest.mark.parametrize("rate_hz", [200.0, 100.0, 1000.0])
+def test_recording_at_the_right_rate_passes_bit_for_bit(rate_hz):
+    time_s = np.arange(500) / rate_hz
+    values = np.random.default_rng(0).standard_normal(500)
+    grid_s, resampled = only(time_s, values, rate_hz)
+    assert grid_s == pytest.approx(time_s, abs=1e-12)
+    assert resampled.tolist() == values.tolist()
+
+
+@pytest.mark.parametrize("source_hz", [400, 1000, 600, 2000])
+@pytest.mark.parametrize("f_hz", [0.5, 10.0, 60.0, 79.0])
+def test_sine_below_the_edge_keeps_amplitude_and_phase(source_hz, f_hz):
+    time_s = np.arange(5 * source_hz) / source_hz
+    grid_s, resampled = only(time_s, sine(time_s, f_hz), 200.0)
+    middle = slice(60, -60)
+    assert np.abs(resampled - sine(grid_s, f_hz))[middle].max() < 2e-3
+
+
+@pytest.mark.parametrize("f_hz", [101.0, 170.0, 199.0, 201.0, 390.0, 499.0])
+def test_sine_above_the_new_nyquist_frequency_leaves_no_alias(f_hz):
+    time_s = np.arange(5000) / 1000.0
+    _, resampled = only(time_s, sine(time_s, f_hz), 200.0)
+    assert np.abs(resampled[60:-60]).max() < 10 ** (-65 / 20)
+
+
+def test_without_the_filter_the_same_sine_would_alias():
+    """What the test above guards against does happen."""
+    assert np.abs(sine(np.arange(1000) / 200.0, 199.0)).max() > 0.9
+
+
+@pytest.mark.parametrize("values", [np.full(3000, 7.5), np.linspace(-3.0, 9.0, 3000)])
+def test_constants_and_ramps_pass_to_the_very_ends(values):
+    time_s = np.arange(3000) / 1000.0
+    grid_s, resampled = only(time_s, values, 200.0)
+    assert resampled == pytest.approx(np.interp(grid_s, time_s, values), abs=1e-3)
+
+
+def test_slow_motion_is_kept_near_the_ends():
+    time_s = np.arange(3000) / 1000.0
+    grid_s, resampled = only(time_s, sine(time_s, 0.5), 200.0)
+    assert np.abs(resampled - sine(grid_s, 0.5)).max() < 2e-3
+
+
+def test_decimation_agrees_with_another_filter_inside_both_passbands():
+    rng = np.random.default_rng(1)
+    time_s = np.arange(10000) / 1000.0
+    values = sum(sine(time_s, f, p) for f, p in rng.uniform((0.1, 0), (50, 6), (20, 2)))
+    _, resampled = only(time_s, values, 200.0)
+    other = resample_poly(values, 1, 5, window=("kaiser", 8.0), padtype="line")
+    # resample_poly's edge is soft: it has begun to fall where ours is flat
+    assert np.abs(resampled - other)[100:-100].max() < 0.01
+
+
+@pytest.mark.parametrize("source_hz", [150.0, 100.0, 50.0, 30.0])
+def test_to_a_higher_rate_a_sine_loses_no_more_than_documented(source_hz):
+    time_s = np.arange(10 * source_hz) / source_hz
+    grid_s, resampled = only(time_s, sine(time_s, 1.0), 200.0)
+    bound = (np.pi * 1.0 / source_hz) ** 2 / 2.0
+    assert np.abs(resampled - sine(grid_s, 1.0)).max() < bound + 1e-9
+
+
+@pytest.mark.parametrize("rate_hz", [333.0, 128.0, 70.0])
+def test_odd_ratios_keep_a_slow_sine(rate_hz):
+    time_s = np.arange(5000) / 1000.0
+    grid_s, resampled = only(time_s, sine(time_s, 3.0), rate_hz)
+    assert np.diff(grid_s) == pytest.approx(1.0 / rate_hz)
+    assert np.abs(resampled - sine(grid_s, 3.0))[60:-60].max() < 2e-3
+
+
+def test_jittering_clock_is_straightened():
+    rng = np.random.default_rng(2)
+    time_s = np.arange(5000) / 1000.0 + rng.uniform(-4e-4, 4e-4, 5000)
+    grid_s, resampled = only(time_s, sine(time_s, 5.0), 200.0)
+    assert np.abs(resampled - sine(grid_s, 5.0))[60:-60].max() < 2e-3
+
+
+def test_clock_that_is_a_little_off_is_not_low_passed():
+    time_s = np.arange(2000) / 200.02
+    grid_s, resampled = only(time_s, sine(time_s, 1.0), 200.0)
+    assert np.abs(resampled - sine(grid_s, 1.0)).max() < 2e-4
+
+
+def test_held_values_never_overshoot_on_the_way_up():
+    values = np.repeat([0.0, 1.0, 0.0, 1.0], 25)
+    _, resampled = only(np.arange(100) / 50.0, values, 200.0)
+    assert (resampled.min(), resampled.max()) == (0.0, 1.0)
+
+
+@given(
+    samples=st.integers(2, 400),
+    source_hz=st.floats(5.0, 3000.0),
+    rate_hz=st.sampled_from([50.0, 200.0, 1000.0]),
+    start_s=st.floats(-10.0, 10.0),
+)
+def test_grid_begins_at_the_first_sample_and_ends_by_the_last(samples, source_hz, rate_hz, start_s):
+    time_s = start_s + np.arange(samples) / source_hz
+    grid_s, resampled = only(time_s, np.ones(samples), rate_hz)
+    assert grid_s[0] == time_s[0]
+    assert grid_s[-1] <= time_s[-1] + 1e-5 / rate_hz
+    assert grid_s[-1] > time_s[-1] - (1.0 + 1e-5) / rate_hz
+    assert len(resampled) == len(grid_s)
+    assert resampled == pytest.approx(1.0, abs=2e-3)
