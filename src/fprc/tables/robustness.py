@@ -43,7 +43,8 @@ def ensemble_page(table: pd.DataFrame) -> pd.DataFrame:
             "Holds on": f"{row.holds} of {row.rigs}",
             "Share, 95 % interval": f"{100 * row.share:.0f} % "
             f"({100 * row.low:.0f} to {100 * row.high:.0f})",
-            "Decided by (rank correlation)": row.decided_by or "-",
+            "Decided by (rank correlation)": row.decided_by
+            or (f"no parameter beyond chance; strongest {row.strongest}" if row.strongest else "-"),
         }
         for row in table.itertuples()
     )
