@@ -41,7 +41,16 @@ CONTRACT = [
 ]
 
 #: What holds times, or is made from them; and what the second build is not asked for.
-TIMED = ("/timing/", "/logs/", "fig10_", "claims.", "report.html", "sweeps/epsilon", "sweeps/n_c")
+TIMED = (
+    "/timing/",
+    "/logs/",
+    "fig10_",
+    "claims.",
+    "report.html",
+    "sweeps/epsilon",
+    "sweeps/n_c",
+    "/sweeps_",
+)
 
 pytestmark = pytest.mark.slow
 
@@ -145,7 +154,7 @@ def test_second_run_has_nothing_to_do(smoked):
 def test_second_build_gives_the_same_bytes(smoked, project):
     # the second one on one core; times are measured and logs name processes
     targets = [f"table{n}" for n in (1, 2, 3, 4)] + [f"fig{n}" for n in range(1, 18) if n != 10]
-    targets += ["seeds"]
+    targets += ["seeds", "readout"]
     done = project.smoke("--cores", "1", *targets)
     assert done.returncode == 0, done.stdout
     first, second = (
