@@ -38,6 +38,13 @@ def quantities(default: tuple, unit: str, limits: tuple, meaning: str, source: s
     return Field(default, min_length=1, description=meaning, json_schema_extra=extra)
 
 
+def rising(limits: tuple[float, float]) -> tuple[float, float]:
+    """Check that a range is not empty."""
+    if limits[0] >= limits[1]:
+        raise ValueError(f"{limits} is empty; put the lower end first")
+    return limits
+
+
 def within(low: float, high: float) -> Any:
     """Type of one number of a list, with its range."""
     return Annotated[float, Ge(low), Le(high)]

@@ -303,12 +303,6 @@ def test_search_without_time_left_still_says_what_was_found_before(run):
 # --- not yet --------------------------------------------------------------------------------------
 
 
-@pytest.mark.xfail(strict=True, reason="the optimiser refuses a single dimension")
-def test_single_free_parameter_is_searched(run):
-    found = run(np.array([0.2]), start=np.array([0.5]), population=8, generations=20)
-    assert found.point == pytest.approx([0.2], abs=0.01)
-
-
 @pytest.mark.usefixtures("clock")
 def test_search_without_any_time_gives_a_point_of_the_cube(run):
     assert run(seconds=0.0).point.shape == (3,)
