@@ -113,7 +113,6 @@ def draw_settings(epsilon: str, n_c: str, times: str, pdf: str, png: str) -> Map
         axes, ("(a) Errors of FPRC", "(b) Errors", "(c) Execution times"), strict=True
     ):
         style.letter(ax, title)
-    axes[0].legend(loc="best")
     style.share_legend(fig, axes[1])
     return style.save(fig, by_n_c, pdf, png)
 
