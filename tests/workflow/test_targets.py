@@ -62,7 +62,11 @@ def test_recorded_logs_plan_nothing_that_needs_a_rig(smoked):
         ("fig16", {"loops", "track"}, {"sweep", "tracking_table"}),
         ("fig17", {"disturbance", "track"}, {"sweep", "tracking_table"}),
         ("smoke", {"smoke"}, {"judge"}),
-        ("readme", {"readme", "timing_table", "ledger", "readout_table"}, {"fit_rig", "ensemble_chunk"}),
+        (
+            "readme",
+            {"readme", "timing_table", "ledger", "readout_table"},
+            {"fit_rig", "ensemble_chunk"},
+        ),
     ],
 )
 def test_named_target_plans_what_it_needs_and_no_more(project, target, needs, spares):

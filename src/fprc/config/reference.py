@@ -16,7 +16,7 @@ _HEAD = """\
 
 def defaults() -> str:
     """Return config/config.yaml: every setting but the rig's, at its default."""
-    values = Settings().model_dump(mode="json", exclude={"rig"})
+    values = Settings().model_dump(mode="json", exclude={"rig", "armed"})
     return _HEAD + yaml.dump(values, Dumper=_Plain, sort_keys=False, default_flow_style=None)
 
 

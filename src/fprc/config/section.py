@@ -18,6 +18,8 @@ class Section(BaseModel):
     @field_validator("*", mode="before")
     @classmethod
     def _no_truth_values_as_numbers(cls, value: Any, info) -> Any:
+        if cls.model_fields[info.field_name].annotation is bool:
+            return value
         parts = value if isinstance(value, (list, tuple)) else [value]
         if any(isinstance(part, bool) for part in parts):
             raise ValueError("must be a number or a text, not yes/no")

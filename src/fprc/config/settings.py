@@ -6,6 +6,7 @@ from annotated_types import Ge, Le
 from pydantic import Field, field_validator, model_validator
 
 from fprc.config.calibration import Calibration, Ensemble
+from fprc.config.hardware import Hardware
 from fprc.config.rig import Rig
 from fprc.config.section import Section, quantities, quantity, rising, within
 
@@ -258,9 +259,13 @@ class Folders(Section):
 class Settings(Section):
     """The whole configuration."""
 
-    source: Literal["sim", "recorded"] = Field(
+    source: Literal["sim", "hardware", "recorded"] = Field(
         "sim",
-        description="where raw logs come from: the simulated rig, or files that are already there",
+        description="where raw logs come from: the simulated rig, the real one, or files that are "
+        "already there",
+    )
+    armed: bool = Field(
+        False, description="whether a real rig may be started; give it on the command line only"
     )
     seed: int = quantity(1, "-", (0, 2**31), "of the rig, its noise and the models")
     folders: Folders = Folders()
@@ -273,6 +278,7 @@ class Settings(Section):
     tracking: Tracking = Tracking()
     calibration: Calibration = Calibration()
     ensemble: Ensemble = Ensemble()
+    hardware: Hardware = Hardware()
     rig: Rig = Rig()
 
     @model_validator(mode="after")
@@ -288,7 +294,7 @@ class Settings(Section):
 
     @model_validator(mode="after")
     def _logs_are_long_enough(self) -> "Settings":
-        if self.source != "sim":
+        if self.source == "recorded":
             return self
         models, folds = self.models, self.evaluation.folds
         needs = {"n_y": models.n_y, "n_u": models.fprc.n_u, "n_c": models.fprc.n_c}

@@ -1,0 +1,122 @@
+"""The real rig: boards, sensors, limits. Read only with ``source: hardware``."""
+
+from typing import Annotated
+
+from annotated_types import Ge, Le
+from pydantic import Field, field_validator, model_validator
+
+from fprc.config.section import Section, quantities, quantity, rising, within
+
+Channel = Annotated[int, Ge(0), Le(63)]
+
+
+class Boards(Section):
+    """Contec analog boards and what is wired to their channels."""
+
+    library: str = Field(
+        "", description="the driver's shared library; empty: libcaio.so, on Windows caio.dll"
+    )
+    input_device: str = Field("AIO000", min_length=1, description="analog input board")
+    output_device: str = Field("AIO001", min_length=1, description="analog output board")
+    p_exp_input: Channel = Field(0, description="channel of the actuator's pressure sensor")
+    p_i_input: Channel = Field(1, description="channel of PAM A's pressure sensor")
+    p_o_input: Channel = Field(2, description="channel of PAM B's pressure sensor")
+    main_output: Channel = Field(0, description="channel of the actuator's valve")
+    reservoir_output: Channel = Field(1, description="channel of the reservoir's valve")
+
+    @model_validator(mode="after")
+    def _channels_differ(self) -> "Boards":
+        if len({self.p_exp_input, self.p_i_input, self.p_o_input}) < 3:
+            raise ValueError("two pressure sensors share an input channel; give each its own")
+        if self.main_output == self.reservoir_output:
+            raise ValueError("both valves share an output channel; give each its own")
+        return self
+
+
+class Transducer(Section):
+    """Calibration of a pressure sensor: P = (V - zero_v) * gain_kpa_per_v."""
+
+    zero_v: float = quantity(1, "V", (-10, 10), "output at 0 kPa gauge", "data sheet: 1-5 V")
+    gain_kpa_per_v: float = quantity(250, "kPa/V", (1, 1000), "gain", "data sheet: 0-1 MPa")
+
+
+class AngleSensor(Section):
+    """Bend Labs one-axis sensor on an I2C bus."""
+
+    bus: int = quantity(1, "-", (0, 63), "number of the I2C bus, as in /dev/i2c-1")
+    address: int = quantity(0x12, "-", (0x08, 0x77), "I2C address", "data sheet: 0x12")
+    ticks: int = quantity(
+        81, "1/16384 s", (33, 16384), "time between two samples", "202.27 Hz, nominally 200"
+    )
+    offset_deg: float = quantity(0, "deg", (-180, 180), "added to the reading")
+    gain: float = quantity(1, "-", (-10, 10), "the reading is multiplied by this first")
+
+
+class Valves(Section):
+    """Voltages of the two proportional valves."""
+
+    neutral_v: float = quantity(5, "V", (0, 10), "closes the valve", "data sheet")
+    vent_v: float = quantity(0, "V", (0, 10), "opens the chamber to the room, fully", "data sheet")
+
+
+class Limits(Section):
+    """What ends a run: both valves go to neutral, then both chambers are vented."""
+
+    p_exp_kpa: tuple[within(-100, 1000), within(-100, 1000)] = quantities(
+        (-20, 480), "kPa", (-100, 1000), "readings allowed of the actuator"
+    )
+    p_i_kpa: tuple[within(-100, 1000), within(-100, 1000)] = quantities(
+        (-20, 480), "kPa", (-100, 1000), "readings allowed of PAM A"
+    )
+    p_o_kpa: tuple[within(-100, 1000), within(-100, 1000)] = quantities(
+        (20, 400), "kPa", (-100, 1000), "readings allowed of PAM B, sealed at 100 kPa"
+    )
+    theta_deg: tuple[within(-360, 360), within(-360, 360)] = quantities(
+        (-20, 100), "deg", (-360, 360), "readings allowed of the actuator's angle"
+    )
+    phi_deg: tuple[within(-360, 360), within(-360, 360)] = quantities(
+        (-120, 120), "deg", (-360, 360), "readings allowed of the reservoir's angle"
+    )
+    pressure_step_kpa: float = quantity(
+        60, "kPa", (1, 1000), "largest change of a pressure between two samples"
+    )
+    angle_step_deg: float = quantity(
+        15, "deg", (0.1, 360), "largest change of an angle between two samples"
+    )
+    stale_s: float = quantity(0.25, "s", (0.01, 10), "longest time without a new value of a sensor")
+    overruns_in_a_row: int = quantity(
+        5, "ticks", (0, 1000), "missed ticks, one after the other, that are put up with"
+    )
+
+    _rises = field_validator("p_exp_kpa", "p_i_kpa", "p_o_kpa", "theta_deg", "phi_deg")(rising)
+
+
+class Loop(Section):
+    """How the loop asks the operating system for punctuality."""
+
+    priority: int = quantity(
+        50, "-", (0, 99), "real-time priority (SCHED_FIFO) to ask for; 0: none"
+    )
+    spin_s: float = quantity(
+        2e-4, "s", (0, 5e-3), "time before a deadline that is waited actively, for less jitter"
+    )
+    stalled_s: float = quantity(
+        0.5, "s", (0.05, 10), "a loop that is silent for longer is ended from outside, and vented"
+    )
+
+
+class Hardware(Section):
+    """The real rig."""
+
+    boards: Boards = Boards()
+    p_exp: Transducer = Transducer()
+    p_i: Transducer = Transducer()
+    p_o: Transducer = Transducer()
+    theta: AngleSensor = AngleSensor()
+    phi: AngleSensor | None = Field(
+        AngleSensor(address=0x13),
+        description="second angle sensor, on the reservoir, for Fig. 17; null: there is none",
+    )
+    valves: Valves = Valves()
+    limits: Limits = Limits()
+    loop: Loop = Loop()
