@@ -1,13 +1,8 @@
 """The real rig: boards, sensors, limits. Read only with ``source: hardware``."""
 
-from typing import Annotated
-
-from annotated_types import Ge, Le
 from pydantic import Field, field_validator, model_validator
 
 from fprc.config.section import Section, quantities, quantity, rising, within
-
-Channel = Annotated[int, Ge(0), Le(63)]
 
 
 class Boards(Section):
@@ -18,11 +13,11 @@ class Boards(Section):
     )
     input_device: str = Field("AIO000", min_length=1, description="analog input board")
     output_device: str = Field("AIO001", min_length=1, description="analog output board")
-    p_exp_input: Channel = Field(0, description="channel of the actuator's pressure sensor")
-    p_i_input: Channel = Field(1, description="channel of PAM A's pressure sensor")
-    p_o_input: Channel = Field(2, description="channel of PAM B's pressure sensor")
-    main_output: Channel = Field(0, description="channel of the actuator's valve")
-    reservoir_output: Channel = Field(1, description="channel of the reservoir's valve")
+    p_exp_input: int = quantity(0, "-", (0, 63), "channel of the actuator's pressure sensor")
+    p_i_input: int = quantity(1, "-", (0, 63), "channel of PAM A's pressure sensor")
+    p_o_input: int = quantity(2, "-", (0, 63), "channel of PAM B's pressure sensor")
+    main_output: int = quantity(0, "-", (0, 63), "channel of the actuator's valve")
+    reservoir_output: int = quantity(1, "-", (0, 63), "channel of the reservoir's valve")
 
     @model_validator(mode="after")
     def _channels_differ(self) -> "Boards":
