@@ -1,4 +1,6 @@
 # The paper from raw logs to tables and figures. Targets: workflow/rules/targets.smk
+from pathlib import Path
+
 from snakemake.exceptions import WorkflowError
 from snakemake.utils import min_version
 

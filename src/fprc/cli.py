@@ -1,4 +1,4 @@
-"""Command line: ``fprc config``, ``fprc calibrate``, ``fprc import`` and ``fprc log``."""
+"""Command line: ``fprc config``, ``calibrate``, ``import``, ``rig`` and ``log``."""
 
 import argparse
 import sys
@@ -81,6 +81,28 @@ def _parser() -> argparse.ArgumentParser:
     bring.add_argument("--out", metavar="FILE.h5", help="raw log to write")
     bring.set_defaults(run=_import, usage=bring.error)
 
+    rig = groups.add_parser("rig", help="check and run the real rig")
+    verbs = rig.add_subparsers(required=True, metavar="VERB")
+    check = verbs.add_parser("check", help="look at valves and sensors one by one")
+    check.set_defaults(run=_check_rig)
+    experiment = verbs.add_parser("run", help="run one experiment and write its raw log")
+    experiment.add_argument("experiment", metavar="EXPERIMENT", help="`list` prints them")
+    experiment.add_argument(
+        "--out", metavar="FILE.h5", help="default: EXPERIMENT.h5 in folders.raw"
+    )
+    experiment.add_argument("--model", help="fitted FPRC (default: of the results folder)")
+    experiment.add_argument("--gains", help="gains (default: of the results folder)")
+    experiment.set_defaults(run=_run_rig)
+    for verb in (check, experiment):
+        verb.add_argument("--armed", action="store_true", help="let valves move")
+        verb.add_argument(
+            "--config",
+            nargs="+",
+            metavar="FILE",
+            default=["config/config.yaml"],
+            help="configuration, later files over earlier ones (default: %(default)s)",
+        )
+
     log = groups.add_parser("log", help="look at experiment logs")
     verbs = log.add_subparsers(required=True, metavar="VERB")
     quality = verbs.add_parser("check", help="read raw logs and print their quality records")
@@ -126,6 +148,27 @@ def _import(options: argparse.Namespace) -> int:
         bring_in(options.source, options.map, options.out)
     else:
         options.usage("give --list, or both --map and --out")
+    return 0
+
+
+def _check_rig(options: argparse.Namespace) -> int:
+    from fprc.stages.rig import check
+
+    check(options.config, armed=options.armed)
+    return 0
+
+
+def _run_rig(options: argparse.Namespace) -> int:
+    from fprc.stages.rig import run_by_name
+
+    run_by_name(
+        options.experiment,
+        options.config,
+        armed=options.armed,
+        raw=options.out,
+        model=options.model,
+        gains=options.gains,
+    )
     return 0
 
 

@@ -27,3 +27,11 @@ class ControlError(FprcError):
 
 class EvaluationError(FprcError):
     """Models cannot be judged on this data with these settings."""
+
+
+class DeviceError(FprcError):
+    """Hardware or its driver failed; the message names the part and what to check."""
+
+
+class SafetyError(ControlError):
+    """A reading or a command left what the rig may do."""

@@ -151,6 +151,17 @@ RAW_LOGS = [
     *(path for paths in TRACKED.values() for path in paths),
 ]
 
+IDENTIFY = [f"identify_{kp:g}" for kp in SETTINGS["tracking"]["candidate_kp_kpa_per_deg"]]
+#: Every experiment of the paper on the real rig.
+RIG_LOGS = [*EXPERIMENTS, *IDENTIFY, *(Path(path).stem for path in RAW_LOGS[2:])]
+
+
+def needed_on_rig(name):
+    """Return what must be there before an experiment can run on the real rig."""
+    model = f"{RESULTS}/models/sweep_fprc.h5"
+    return [] if name in EXPERIMENTS else [model] if name in IDENTIFY else [model, GAINS]
+
+
 #: Each target's files: the result first, then what it is made from.
 TARGETS = {
     "table1": [TABLES[1]],

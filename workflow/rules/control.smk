@@ -8,36 +8,56 @@ TRACKING = {
 }
 
 
-rule identify_gain:
-    input:
-        model=f"{RESULTS}/models/sweep_fprc.h5",
-    output:
-        gains=f"{RESULTS}/control/gains.json",
-    log:
-        f"{RESULTS}/logs/identify_gain.log",
-    params:
-        **TRACKING,
-        code=code_of("track"),
-    message:
-        "P gain with the least error on a reference outside Table IV"
-    script:
-        "../scripts/identify_gain.py"
+if SETTINGS["source"] == "sim":
+
+    rule identify_gain:
+        input:
+            model=f"{RESULTS}/models/sweep_fprc.h5",
+        output:
+            gains=f"{RESULTS}/control/gains.json",
+        log:
+            f"{RESULTS}/logs/identify_gain.log",
+        params:
+            **TRACKING,
+            code=code_of("track"),
+        message:
+            "P gain with the least error on a reference outside Table IV"
+        script:
+            "../scripts/identify_gain.py"
 
 
-rule track:
-    input:
-        model=f"{RESULTS}/models/sweep_fprc.h5",
-        gains=f"{RESULTS}/control/gains.json",
-    output:
-        raw=[tracked("{reference}", controller) for controller in CONTROLLERS],
-    log:
-        f"{RESULTS}/logs/track_{{reference}}.log",
-    params:
-        **TRACKING,
-        reference="{reference}",
-        controllers=CONTROLLERS,
-        code=code_of("track"),
-    message:
-        "Closed loop: {wildcards.reference}"
-    script:
-        "../scripts/track.py"
+    rule track:
+        input:
+            model=f"{RESULTS}/models/sweep_fprc.h5",
+            gains=f"{RESULTS}/control/gains.json",
+        output:
+            raw=[tracked("{reference}", controller) for controller in CONTROLLERS],
+        log:
+            f"{RESULTS}/logs/track_{{reference}}.log",
+        params:
+            **TRACKING,
+            reference="{reference}",
+            controllers=CONTROLLERS,
+            code=code_of("track"),
+        message:
+            "Closed loop: {wildcards.reference}"
+        script:
+            "../scripts/track.py"
+
+
+if SETTINGS["source"] == "hardware":
+
+    rule identify_gain_from_logs:
+        input:
+            raw=[f"{RAW}/{name}.h5" for name in IDENTIFY],
+        output:
+            gains=GAINS,
+        log:
+            f"{RESULTS}/logs/identify_gain_from_logs.log",
+        params:
+            tracking={"printed_gains": SETTINGS["tracking"]["printed_gains"]},
+            code=code_of("track"),
+        message:
+            "P gain with the least error in the logs of the candidates"
+        script:
+            "../scripts/identify_gain_from_logs.py"

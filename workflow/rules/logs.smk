@@ -21,6 +21,32 @@ if SETTINGS["source"] == "sim":
             "../scripts/record.py"
 
 
+if SETTINGS["source"] == "hardware":
+
+    rule record_on_rig:
+        input:
+            lambda wildcards: needed_on_rig(wildcards.name),
+        output:
+            raw=f"{RAW}/{{name}}.h5",
+        log:
+            f"{RESULTS}/logs/record_on_rig_{{name}}.log",
+        # a log that is there has no rule: nothing runs again on it, nothing overwrites it
+        wildcard_constraints:
+            name="|".join(name for name in RIG_LOGS if not Path(f"{RAW}/{name}.h5").exists())
+            or "none",
+        threads: workflow.cores
+        params:
+            name="{name}",
+            settings=SETTINGS,
+            armed=ARMED,
+            model=f"{RESULTS}/models/sweep_fprc.h5",
+            gains=GAINS,
+        message:
+            "Experiment {wildcards.name} on the real rig"
+        script:
+            "../scripts/record_on_rig.py"
+
+
 rule preprocess:
     input:
         raw=f"{RAW}/{{experiment}}.h5",

@@ -32,6 +32,8 @@ def run(
     reservoir_loop: PressurePI,
     extra: tuple[str, ...] = (),
     progress: Callable[[int], None] = lambda k: None,
+    keep: Callable[[int, Sequence[float]], None] = lambda k, row: None,
+    stop: Callable[[], str] = lambda: "",
 ) -> dict[str, np.ndarray]:
     """Run ``law`` for a number of samples and return what happened.
 
@@ -43,35 +45,44 @@ def run(
     ----------
     extra : tuple of str
         Names of what the law gives beyond the two set-points.
+    progress : callable
+        Told how many samples' time has passed.
+    keep : callable
+        Given each tick and its row as soon as the row is complete.
+    stop : callable
+        Asked at every tick for a reason to stop; none if it is empty.
 
     Returns
     -------
     dict of ndarray
-        One array of length ``samples`` for each of ``fprc.logs.RAW_CHANNELS``
-        and of ``extra``; row k holds the readings at tick k and what was
-        commanded and written upon them.
+        One array for each of ``fprc.logs.RAW_CHANNELS`` and of ``extra``; a row
+        holds the readings at a tick and what was commanded and written upon
+        them. There are ``samples`` rows unless the clock missed ticks.
 
     Raises
     ------
     RunAbortedError
-        The law, the device or the loops failed; holds the rows before.
+        The law, the device or the loops failed, a stop was asked for, or the
+        rig could not be made safe; holds the rows before.
     """
     names = (*RAW_CHANNELS, *extra)
     rows = np.empty((samples, len(names)))
-    period_s = main_loop.period_s
-    k = 0
+    done = k = 0
+
+    def recorded() -> dict[str, np.ndarray]:
+        return dict(zip(names, rows[:done].T.copy(), strict=True))
+
     try:
-        for k in range(samples):
-            clock.wait_until(k * period_s)
+        while k < samples and (k := clock.wait_for(k)) < samples:
+            if reason := stop():
+                raise ControlError(reason)
             now = device.read()
-            if not math.isfinite(sum(now)):
-                gone = [name for name, value in now._asdict().items() if not math.isfinite(value)]
-                raise ControlError(f"no reading of {', '.join(gone)}; check the sensor")
+            _refuse_gaps(now)
             p_exp, p_i, *more = law(k, now)
             main_v = main_loop.step(p_exp, now.p_exp_kpa)
             reservoir_v = reservoir_loop.step(p_i, now.p_i_kpa)
             device.write(main_v, reservoir_v)
-            rows[k] = (
+            rows[done] = row = (
                 now.time_s,
                 p_exp,
                 now.p_exp_kpa,
@@ -84,11 +95,33 @@ def run(
                 reservoir_v,
                 *more,
             )
-            progress(k + 1)
+            done += 1
+            keep(k, row)
+            k += 1
+            progress(k)
     except Exception as error:
-        recorded = dict(zip(names, rows[:k].T.copy(), strict=True))
+        unsafe = _make_safe(device)
         what = error if isinstance(error, FprcError) else f"{type(error).__name__}: {error}"
-        raise RunAbortedError(f"run stopped at sample {k}: {what}", recorded) from error
-    finally:
+        raise RunAbortedError(f"run stopped at sample {k}: {what}{unsafe}", recorded()) from error
+    except BaseException:
         device.safe()
-    return dict(zip(names, rows.T.copy(), strict=True))
+        raise
+    if unsafe := _make_safe(device):
+        raise RunAbortedError(f"run finished{unsafe}", recorded())
+    return recorded()
+
+
+def _make_safe(device: Device) -> str:
+    """Make safe at once, whatever else is to be told; say what stood against it."""
+    try:
+        device.safe()
+    except Exception as error:
+        return f"\nthe rig could not be made safe: {error}"
+    return ""
+
+
+def _refuse_gaps(now: Readings) -> None:
+    # the reservoir's angle is for the record alone, and not every rig measures it
+    if not math.isfinite(sum(now[:-1])):
+        gone = [name for name, value in now._asdict().items() if not math.isfinite(value)]
+        raise ControlError(f"no reading of {', '.join(gone)}; check the sensor")

@@ -36,5 +36,5 @@ class Device(Protocol):
 class Clock(Protocol):
     """The clock that a rig lives by."""
 
-    def wait_until(self, time_s: float) -> None:
-        """Return when the rig's time has come to ``time_s``."""
+    def wait_for(self, tick: int) -> int:
+        """Return when this tick is due, and which is: a later one if some were missed."""

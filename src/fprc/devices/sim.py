@@ -20,7 +20,7 @@ _NOISE_BLOCK = 4096
 
 
 class SimulatedRig:
-    """Simulated rig and its clock: time passes only in ``wait_until``.
+    """Simulated rig and its clock: time passes only in ``wait_for`` and ``wait_until``.
 
     Parameters
     ----------
@@ -78,6 +78,11 @@ class SimulatedRig:
         """
         for _ in range(round(time_s / self._period_s) - self._tick):
             self._advance(self._substeps)
+
+    def wait_for(self, tick: int) -> int:
+        """Let the rig live until this tick; simulated time misses none."""
+        self.wait_until(tick * self._period_s)
+        return tick
 
     def read(self) -> Readings:
         """Return the sensor readings of the current tick."""

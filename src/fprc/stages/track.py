@@ -1,5 +1,6 @@
 """Closed-loop runs of Sec. IV: feedforward, feedback, and both."""
 
+import json
 import logging
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -11,6 +12,7 @@ from fprc.artifacts import read_json, write_json
 from fprc.control import (
     PD,
     TRACKING_CHANNELS,
+    Law,
     PressurePI,
     RunAbortedError,
     refuse_impossible,
@@ -19,7 +21,7 @@ from fprc.control import (
 )
 from fprc.devices import Readings, SimulatedRig
 from fprc.evaluation import rmse
-from fprc.logs import write_raw
+from fprc.logs import read_columns, write_raw
 from fprc.models import SequenceModel, load_model
 from fprc.signals import random_pushes, reference_angle
 
@@ -67,11 +69,48 @@ class Track(NamedTuple):
         )
         return theta_d
 
+    def describe(self, reference: str, name: str, gains: Mapping[str, Any]) -> dict[str, Any]:
+        """Return what the log of a controller's run says of it, but for the rig."""
+        controller, gain = CONTROLLERS[name]
+        return {
+            "experiment": f"track_{reference}_{name}",
+            "reference": reference,
+            "controller": controller,
+            "gain": gain,
+            "settle_s": self.tracking["references"][reference]["settle_s"],
+            "sample_rate_hz": self.control["sample_rate_hz"],
+            "seed": self.seed,
+            "software": f"fprc {__version__}",
+            "rig": {
+                "control": self.control,
+                "tracking": self.tracking,
+                "gains": gains.get(gain),
+            },
+        }
+
     def pushes(self, samples: int) -> np.ndarray:
         """Return the forces of the disturbance test."""
         rng = np.random.default_rng([self.seed, 4711])
         rate_hz = self.control["sample_rate_hz"]
         return random_pushes(samples, rate_hz, rng=rng, **self.tracking["pushes"])
+
+    def law(
+        self,
+        theta_d: np.ndarray,
+        model: SequenceModel | None,
+        gains: Mapping[str, float] | None,
+    ) -> Law:
+        """Return the law of one controller; a model begins from rest."""
+        if model is not None:
+            model.reset()
+        period_s = 1.0 / self.control["sample_rate_hz"]
+        return tracking_law(
+            theta_d,
+            k_in_kpa_per_deg=self.control["k_in_kpa_per_deg"],
+            pressure_limit_kpa=self.tracking["pressure_limit_kpa"],
+            feedforward=None if model is None else feedforward(model),
+            feedback=None if gains is None else PD(**gains, period_s=period_s),
+        )
 
     def drive(
         self,
@@ -92,19 +131,10 @@ class Track(NamedTuple):
             sample_rate_hz=control["sample_rate_hz"],
             **push,
         )
-        if model is not None:
-            model.reset()
-        law = tracking_law(
-            theta_d,
-            k_in_kpa_per_deg=control["k_in_kpa_per_deg"],
-            pressure_limit_kpa=self.tracking["pressure_limit_kpa"],
-            feedforward=None if model is None else feedforward(model),
-            feedback=None if gains is None else PD(**gains, period_s=period_s),
-        )
         return run(
             device,
             device,
-            law,
+            self.law(theta_d, model, gains),
             len(theta_d),
             main_loop=PressurePI(**control["main_loop"], period_s=period_s),
             reservoir_loop=PressurePI(**control["reservoir_loop"], period_s=period_s),
@@ -162,24 +192,44 @@ def identify_gain(
 def bench_gain(bench: Track, model: SequenceModel) -> dict[str, Any]:
     """Return the identified gains and the error of every candidate."""
     printed = bench.tracking["printed_gains"]
-    ratio_s = printed["kd_kpa_s_per_deg"] / printed["kp_kpa_per_deg"]
     theta_d = bench.reference("disturbance")
     settle_s = bench.tracking["references"]["disturbance"]["settle_s"]
     tried = []
     for kp in bench.tracking["candidate_kp_kpa_per_deg"]:
-        gains = {"kp_kpa_per_deg": kp, "kd_kpa_s_per_deg": kp * ratio_s}
+        gains = candidate(kp, printed)
         channels = bench.drive(theta_d, model, gains, _RUNS["identification"])
         error = tracking_error(channels, settle_s)
         tried.append({**gains, "rmse_deg": rmse(error, np.zeros_like(error))})
         log.info("kp = %g kPa/deg: %.3f deg", kp, tried[-1]["rmse_deg"])
+    return _identified(tried, printed) | {"source": "sim", "seed": bench.seed}
+
+
+def identify_gain_from_logs(raw: Sequence[str], gains: str, *, tracking: Mapping[str, Any]) -> None:
+    """Find the P gain with the least error in the logs of a real rig, one for each candidate."""
+    tried = []
+    for path in raw:
+        names = ("time_s", "theta_d_deg", "theta_deg")
+        found = read_columns(path, names)
+        error = tracking_error(found.channels, found.attributes["settle_s"])
+        given = json.loads(found.attributes["rig"])["gains"]
+        tried.append({**given, "rmse_deg": rmse(error, np.zeros_like(error))})
+    found = _identified(tried, tracking["printed_gains"])
+    write_json(gains, found | {"source": "rig"})
+
+
+def candidate(kp_kpa_per_deg: float, printed: Mapping[str, float]) -> dict[str, float]:
+    """Return the gains with this P gain; D keeps its printed ratio to P."""
+    ratio_s = printed["kd_kpa_s_per_deg"] / printed["kp_kpa_per_deg"]
+    return {"kp_kpa_per_deg": kp_kpa_per_deg, "kd_kpa_s_per_deg": kp_kpa_per_deg * ratio_s}
+
+
+def _identified(tried: list[dict[str, float]], printed: Mapping[str, float]) -> dict[str, Any]:
     best = min(tried, key=lambda entry: entry["rmse_deg"])
     return {
         "printed": dict(printed),
         "identified": {name: best[name] for name in printed},
         "reference": "disturbance, without pushes",
         "candidates": tried,
-        "source": "sim",
-        "seed": bench.seed,
     }
 
 
@@ -206,35 +256,18 @@ def track(
     bench = Track(tracking, control, rig, seed)
     fitted = load_model(model)
     known_gains = read_json(gains)
-    settle_s = tracking["references"][reference]["settle_s"]
     for path, name in zip(raw, controllers, strict=True):
-        controller, gain = CONTROLLERS[name]
-        description = {
-            "experiment": f"track_{reference}_{name}",
-            "reference": reference,
-            "controller": controller,
-            "gain": gain,
-            "settle_s": settle_s,
-            "source": "sim",
-            "sample_rate_hz": control["sample_rate_hz"],
-            "seed": seed,
-            "software": f"fprc {__version__}",
-            "rig": {
-                "rig": rig,
-                "control": control,
-                "tracking": tracking,
-                "gains": known_gains.get(gain),
-            },
-        }
+        described = bench.describe(reference, name, known_gains)
+        described |= {"source": "sim", "rig": {"rig": rig, **described["rig"]}}
         try:
             channels = bench.follow(reference, name, fitted, known_gains)
         except RunAbortedError as stopped:
             rescued = f"{path.removesuffix('.h5')}.aborted.h5"
-            write_raw(rescued, stopped.channels, **description, aborted=str(stopped))
+            write_raw(rescued, stopped.channels, **described, aborted=str(stopped))
             log.error("kept what was recorded in %s", rescued)
             raise
-        write_raw(path, channels, **description)
-        error = tracking_error(channels, settle_s)
+        write_raw(path, channels, **described)
+        error = tracking_error(channels, described["settle_s"])
         log.info("%s: RMSE %.3f deg", name, rmse(error, np.zeros_like(error)))
 
 

@@ -21,10 +21,11 @@ class Bench:
         if name == self.fail and self.ticks == self.at:
             raise self.error
 
-    def wait_until(self, time_s):
+    def wait_for(self, tick):
         self.ticks += 1
-        self.time_s = time_s
-        self._remember("wait", time_s)
+        self.time_s = tick * 0.005
+        self._remember("wait", tick)
+        return tick
 
     def read(self):
         self._remember("read")
@@ -66,11 +67,67 @@ def test_every_sample_waits_reads_and_writes_in_this_order():
     assert bench.names() == ["wait", "read", "write"] * 3 + ["safe"]
 
 
-def test_samples_lie_on_the_grid_of_the_period():
+def test_ticks_are_waited_for_one_by_one():
     bench = Bench()
-    go(bench, samples=4, period_s=0.01)
-    waited = [call[1] for call in bench.calls if call[0] == "wait"]
-    assert waited == pytest.approx([0.0, 0.01, 0.02, 0.03])
+    go(bench, samples=4)
+    assert [call[1] for call in bench.calls if call[0] == "wait"] == [0, 1, 2, 3]
+
+
+class Stuttering(Bench):
+    """Clock that misses the ticks 2 and 3."""
+
+    def wait_for(self, tick):
+        return super().wait_for(4 if tick == 2 else tick)
+
+
+def test_missed_ticks_leave_a_gap_and_the_law_goes_on_with_the_tick_that_is_due():
+    rows = go(Stuttering(), samples=7)
+    np.testing.assert_allclose(rows["time_s"], 0.005 * np.array([0, 1, 4, 5, 6]))
+    np.testing.assert_array_equal(rows["p_exp_command_kpa"], [100.0, 101.0, 104.0, 105.0, 106.0])
+
+
+def test_run_ends_when_the_clock_has_passed_its_end():
+    rows = go(Stuttering(), samples=3)
+    assert len(rows["time_s"]) == 2
+
+
+def test_each_row_is_handed_on_when_it_is_complete():
+    kept = []
+    bench = Stuttering()
+    rows = go(bench, samples=6, keep=lambda k, row: kept.append((k, row, bench.names()[-1])))
+    assert [k for k, _, _ in kept] == [0, 1, 4, 5]
+    np.testing.assert_array_equal([row for _, row, _ in kept], np.column_stack(list(rows.values())))
+    assert {before for _, _, before in kept} == {"write"}
+
+
+def test_failure_to_keep_a_row_stops_the_run():
+    def full(k, row):
+        raise OSError("No space left on device")
+
+    bench = Bench()
+    with pytest.raises(RunAbortedError, match="No space left"):
+        go(bench, keep=full)
+    assert bench.names()[-1] == "safe"
+
+
+def test_request_to_stop_is_obeyed_within_the_tick_and_its_reason_is_told():
+    bench = Bench()
+    with pytest.raises(RunAbortedError, match="sample 2: SIGTERM") as caught:
+        go(bench, samples=9, stop=lambda: "SIGTERM" if bench.ticks == 2 else "")
+    assert bench.names()[-2:] == ["wait", "safe"]
+    assert len(caught.value.channels["time_s"]) == 2
+
+
+def test_rig_that_cannot_be_made_safe_is_told_beside_the_first_failure():
+    class Stubborn(Bench):
+        def safe(self):
+            raise RuntimeError("valve stuck")
+
+    with pytest.raises(RunAbortedError, match=r"unplugged\n.*not be made safe: valve stuck"):
+        go(Stubborn(fail="read", at=1))
+    with pytest.raises(RunAbortedError, match="valve stuck") as caught:
+        go(Stubborn(), samples=3)
+    assert len(caught.value.channels["time_s"]) == 3
 
 
 def test_row_holds_the_readings_and_what_was_commanded_and_written_upon_them():
@@ -201,7 +258,15 @@ def test_rows_survive_whatever_the_device_raises(error):
     np.testing.assert_array_equal(caught.value.channels["p_exp_kpa"], [10.0, 11.0])
 
 
-@pytest.mark.parametrize("sensor", Readings._fields[1:])
+def test_rig_without_a_sensor_on_the_reservoir_runs():
+    class Without(Bench):
+        def read(self):
+            return super().read()._replace(phi_deg=float("nan"))
+
+    assert np.isnan(go(Without())["phi_deg"]).all()
+
+
+@pytest.mark.parametrize("sensor", Readings._fields[1:-1])
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])
 def test_sensor_without_a_reading_stops_the_run_by_its_name(sensor, value):
     class Dropout(Bench):

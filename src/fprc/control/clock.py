@@ -1,0 +1,100 @@
+"""The clock of a real rig: absolute deadlines, missed ticks counted."""
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from fprc.errors import ControlError
+
+
+class Metronome:
+    """Ticks at start + k * period on a monotonic clock; the loop cannot drift.
+
+    A tick that comes later than a period is given up: the loop goes on with
+    the one that is due. The first tick is due one period after the first call.
+
+    Parameters
+    ----------
+    period_s : float
+        Time between two ticks.
+    overruns_in_a_row : int
+        Missed ticks that are put up with before the loop has caught up again.
+    spin_s : float
+        Time before a deadline that is waited actively: less jitter, more load.
+    now, sleep : callable
+        Monotonic time in s, and a wait.
+
+    Attributes
+    ----------
+    overruns : int
+        Missed ticks so far.
+    """
+
+    def __init__(
+        self,
+        period_s: float,
+        *,
+        overruns_in_a_row: int,
+        spin_s: float = 0.0,
+        now: Callable[[], float] = time.perf_counter,
+        sleep: Callable[[float], None] = time.sleep,
+    ):
+        self.period_s = period_s
+        self.overruns = 0
+        self._allowed = overruns_in_a_row
+        self._spin_s = spin_s
+        self._now = now
+        self._sleep = sleep
+        self._start_s: float | None = None
+        self._in_a_row = 0
+        self._late_s: list[float] = []
+
+    def elapsed(self) -> float:
+        """Return the time since tick 0, s; 0 before the first call of ``wait_for``."""
+        return 0.0 if self._start_s is None else self._now() - self._start_s
+
+    def wait_for(self, tick: int) -> int:
+        """Return when this tick is due, and which is: a later one if some were missed.
+
+        Raises
+        ------
+        ControlError
+            More ticks than allowed were missed in a row.
+        """
+        if self._start_s is None:
+            self._start_s = self._now() + self.period_s - tick * self.period_s
+        due_s = self._start_s + tick * self.period_s
+        late_s = self._now() - due_s
+        if late_s < 0.0:
+            self._in_a_row = 0
+            while (left_s := due_s - self._now()) > 0.0:
+                if left_s > self._spin_s:
+                    self._sleep(left_s - self._spin_s)
+        else:
+            missed = int(late_s / self.period_s)
+            self.overruns += missed
+            self._in_a_row += missed
+            if self._in_a_row > self._allowed:
+                raise ControlError(
+                    f"{self._in_a_row} ticks of {1e3 * self.period_s:g} ms were missed in a row, "
+                    f"{self._allowed} are put up with (hardware.limits.overruns_in_a_row); close "
+                    "other programs, or use a faster model"
+                )
+            tick += missed
+            due_s += missed * self.period_s
+        self._late_s.append(self._now() - due_s)
+        return tick
+
+    def statistics(self) -> dict[str, float]:
+        """Return overruns, and percentiles of how late the ticks began, s."""
+        late_s = np.array(self._late_s or [0.0])
+        p50, p99, p999 = np.percentile(late_s, [50.0, 99.0, 99.9]).tolist()
+        return {
+            "ticks": len(self._late_s),
+            "overruns": self.overruns,
+            "jitter_p50_s": p50,
+            "jitter_p99_s": p99,
+            "jitter_p99_9_s": p999,
+            "jitter_max_s": float(late_s.max()),
+        }

@@ -1,0 +1,151 @@
+"""Contec analog boards through their C driver, libcaio.so or caio.dll.
+
+Every call returns 0 on success, else a code that ``AioGetErrorString`` turns
+into words (Contec API-AIO).
+"""
+
+import ctypes
+import sys
+from collections.abc import Sequence
+
+from fprc.errors import DeviceError
+
+_PM10 = 0  # range of +- 10 V
+_SIGNATURES = {
+    "AioInit": [ctypes.c_char_p, ctypes.POINTER(ctypes.c_short)],
+    "AioExit": [ctypes.c_short],
+    "AioResetDevice": [ctypes.c_short],
+    "AioGetErrorString": [ctypes.c_long, ctypes.c_char_p],
+    "AioSetAiRangeAll": [ctypes.c_short, ctypes.c_short],
+    "AioSetAoRangeAll": [ctypes.c_short, ctypes.c_short],
+    "AioMultiAiEx": [ctypes.c_short, ctypes.c_short, ctypes.POINTER(ctypes.c_float)],
+    "AioSingleAoEx": [ctypes.c_short, ctypes.c_short, ctypes.c_float],
+}
+
+
+def load_library(path: str = "") -> ctypes.CDLL:
+    """Return the driver with the types of its calls declared.
+
+    Parameters
+    ----------
+    path : str
+        Shared library; empty for the driver's own name on this system.
+
+    Raises
+    ------
+    DeviceError
+        There is no such library, or it is not this driver.
+    """
+    windows = sys.platform == "win32"
+    name = path or ("caio.dll" if windows else "libcaio.so")
+    try:
+        # the driver's convention on Windows is stdcall
+        library = ctypes.WinDLL(name) if windows else ctypes.CDLL(name)
+    except OSError as error:
+        raise DeviceError(
+            f"driver {name}: cannot be loaded ({error}); install Contec's API-AIO"
+            f"{'(WDM)' if windows else '(LNX)'} from contec.com, or set hardware.boards.library "
+            "to where it is"
+        ) from error
+    for call, types in _SIGNATURES.items():
+        try:
+            function = getattr(library, call)
+        except AttributeError:
+            raise DeviceError(
+                f"driver {name}: has no {call}; it is not Contec's API-AIO, "
+                "correct hardware.boards.library"
+            ) from None
+        function.argtypes, function.restype = types, ctypes.c_long
+    return library
+
+
+class _Board:
+    """One board: opened on construction, released by ``close``."""
+
+    def __init__(self, library: ctypes.CDLL, name: str, *, reset: bool = True):
+        self.name = name
+        self._library = library
+        self._id = ctypes.c_short()
+        self._call("AioInit", name.encode(), ctypes.byref(self._id))
+        if reset:
+            self._call("AioResetDevice", self._id)
+
+    def close(self) -> None:
+        """Release the board.
+
+        Raises
+        ------
+        DeviceError
+            The driver reports an error.
+        """
+        self._call("AioExit", self._id)
+
+    def _call(self, name: str, *arguments) -> None:
+        code = getattr(self._library, name)(*arguments)
+        if code:
+            raise DeviceError(
+                f"board {self.name}: {name} failed with code {code} ({self._words(code)}); check "
+                "power and cable, and the name in Contec's device utility"
+            )
+
+    def _words(self, code: int) -> str:
+        text = ctypes.create_string_buffer(256)
+        if self._library.AioGetErrorString(code, text):
+            return "no description"
+        try:
+            return text.value.decode("utf-8")
+        except UnicodeDecodeError:
+            return text.value.decode("cp932", "replace")  # Japanese Windows
+
+
+class AnalogInput(_Board):
+    """Analog input board, range +- 10 V.
+
+    Parameters
+    ----------
+    library : CDLL
+        See ``load_library``.
+    name : str
+        Device name, such as AIO000.
+    n_channels : int
+        Channels 0 to ``n_channels`` - 1 are read.
+
+    Raises
+    ------
+    DeviceError
+        The driver reports an error, here and in every method.
+    """
+
+    def __init__(self, library: ctypes.CDLL, name: str, n_channels: int):
+        super().__init__(library, name)
+        self._volts = (ctypes.c_float * n_channels)()
+        self._call("AioSetAiRangeAll", self._id, _PM10)
+
+    def read(self) -> Sequence[float]:
+        """Return the voltages of all channels now; valid until the next call."""
+        self._call("AioMultiAiEx", self._id, len(self._volts), self._volts)
+        return self._volts
+
+
+class AnalogOutput(_Board):
+    """Analog output board, range +- 10 V.
+
+    Parameters
+    ----------
+    reset : bool
+        Whether the board begins from its power-on state; else what it puts
+        out now stays until the first write.
+
+    Raises
+    ------
+    DeviceError
+        The driver reports an error, here and in every method.
+    """
+
+    def __init__(self, library: ctypes.CDLL, name: str, *, reset: bool = True):
+        super().__init__(library, name, reset=reset)
+        self._call("AioSetAoRangeAll", self._id, _PM10)
+
+    def write(self, channel: int, volts: float) -> None:
+        """Hold a voltage on a channel from now on."""
+        self._call("AioSingleAoEx", self._id, channel, volts)

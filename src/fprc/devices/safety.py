@@ -1,0 +1,109 @@
+"""Limits of a real rig: a device that refuses to go on beyond them."""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from fprc.devices.protocol import Device, Readings
+from fprc.errors import SafetyError
+
+_PRESSURES = ("p_exp_kpa", "p_i_kpa", "p_o_kpa")
+_LIMIT_V = 10.0
+
+
+class Guarded:
+    """A rig whose readings and commands are checked at every sample.
+
+    A reading stops the run when it is no number, is out of its range, has
+    jumped further than the rig can move between two samples, or has kept one
+    value for too long: noise alone makes a working sensor change.
+
+    Parameters
+    ----------
+    device : Device
+        What is guarded.
+    limits : Mapping
+        As in ``fprc.config.hardware.Limits``.
+    period_s : float
+        Time between two samples; after missed ticks a reading may have moved
+        further by as much.
+    phi : bool
+        Whether the reservoir has an angle sensor.
+    """
+
+    def __init__(
+        self, device: Device, limits: Mapping[str, Any], period_s: float, *, phi: bool = True
+    ):
+        self._device = device
+        self._period_s = period_s
+        self._stale_s = limits["stale_s"]
+        angles = ("theta_deg", "phi_deg") if phi else ("theta_deg",)
+        steps = dict.fromkeys(_PRESSURES, limits["pressure_step_kpa"])
+        steps |= dict.fromkeys(angles, limits["angle_step_deg"])
+        self._watched = [
+            (Readings._fields.index(name), name, *limits[name], step)
+            for name, step in steps.items()
+        ]
+        self._last: Readings | None = None
+        self._changed_s = dict.fromkeys(steps, 0.0)
+
+    def read(self) -> Readings:
+        """Return the readings.
+
+        Raises
+        ------
+        SafetyError
+            Lists every reading that is beyond its limits, with the key of the limit.
+        DeviceError
+            The device failed.
+        """
+        now = self._device.read()
+        last = self._last or now
+        periods = max((now.time_s - last.time_s) / self._period_s, 1.0)
+        problems: list[str] = []
+        for place, name, low, high, step in self._watched:
+            value, before = now[place], last[place]
+            if not math.isfinite(value):
+                problems.append(f"{name}: no reading; check the sensor's cable")
+                continue
+            if not low <= value <= high:
+                problems.append(
+                    f"{name} = {value:.1f} is outside {low:g} to {high:g} (hardware.limits.{name})"
+                )
+            if abs(value - before) > step * periods:
+                problems.append(
+                    f"{name} jumped from {before:.1f} to {value:.1f} in {periods:.1f} samples, "
+                    f"more than {step:g} a sample; check sensor and cable, or hardware.limits"
+                )
+            if value != before or self._last is None:
+                self._changed_s[name] = now.time_s
+            elif (held_s := now.time_s - self._changed_s[name]) > self._stale_s:
+                problems.append(
+                    f"{name} has been {value:g} for {held_s:.2f} s; the sensor is frozen or its "
+                    "cable is off (hardware.limits.stale_s)"
+                )
+        self._last = now
+        if problems:
+            raise SafetyError("\n".join(problems))
+        return now
+
+    def write(self, main_v: float, reservoir_v: float) -> None:
+        """Hold these voltages on the valves.
+
+        Raises
+        ------
+        SafetyError
+            A voltage is not within 0 to 10 V; nothing was written.
+        """
+        for name, volts in (("actuator", main_v), ("reservoir", reservoir_v)):
+            if not 0.0 <= volts <= _LIMIT_V:
+                raise SafetyError(f"valve of the {name}: {volts} V is outside 0 to {_LIMIT_V:g} V")
+        self._device.write(main_v, reservoir_v)
+
+    def safe(self) -> None:
+        """Make the device safe."""
+        self._device.safe()
+
+    def close(self) -> None:
+        """Make the device safe and release it."""
+        self._device.close()

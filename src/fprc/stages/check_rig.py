@@ -1,0 +1,170 @@
+"""Valves and sensors of the real rig, one by one, before an experiment."""
+
+import logging
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from fprc.control import RunAbortedError, run
+from fprc.devices import Readings
+from fprc.stages.guardian import ALIVE
+from fprc.stages.rig_session import loops, rig, sign
+
+log = logging.getLogger("fprc.rig")
+
+#: Pressure that each chamber is filled to, kPa.
+TEST_KPA = 60.0
+#: Phases: name, set-points of actuator and PAM A in kPa (None: valve neutral), length in s.
+PHASES = (
+    ("rest", None, None, 1.0),
+    ("actuator filled", TEST_KPA, 0.0, 2.0),
+    ("actuator vented", 0.0, 0.0, 2.0),
+    ("PAM A filled", 0.0, TEST_KPA, 2.0),
+    ("PAM A vented", 0.0, 0.0, 2.0),
+)
+_MOVED_KPA = 0.5 * TEST_KPA
+_STILL_KPA = 0.2 * TEST_KPA
+_SENSORS = ("p_exp_kpa", "p_i_kpa", "p_o_kpa", "theta_deg", "phi_deg")
+
+
+def check_rig(settings: Mapping[str, Any], armed: bool, stop: Callable[[], str]) -> int:
+    """Read every sensor at rest; if armed, fill and vent one chamber after the other too.
+
+    Logs what was seen.
+
+    Returns
+    -------
+    int
+        0 if all is as it should be, else 1.
+
+    Raises
+    ------
+    DeviceError
+        Lists the parts that do not answer.
+    """
+    control = settings["control"]
+    rate_hz = control["sample_rate_hz"]
+    phases = PHASES if armed else PHASES[:1]
+    ends = np.cumsum([round(seconds * rate_hz) for *_, seconds in phases])
+    bounds = ends.tolist()
+
+    def law(k: int, now: Readings) -> tuple[float, float]:
+        if k % 10 == 0:
+            sign(ALIVE)
+        _, p_exp, p_i, _ = phases[next(i for i, end in enumerate(bounds) if k < end)]
+        # a set-point equal to the reading leaves the valve neutral
+        return now.p_exp_kpa if p_exp is None else p_exp, now.p_i_kpa if p_i is None else p_i
+
+    trouble = []
+    with rig(settings["hardware"], 1.0 / rate_hz) as (device, clock):
+        try:
+            channels = run(device, clock, law, bounds[-1], **loops(control), stop=stop)
+        except RunAbortedError as stopped:
+            channels = stopped.channels
+            trouble.append(f"stopped: {stopped}")
+        late = clock.statistics()
+    lines, found = describe(channels, ends / rate_hz, phases)
+    lines.append(
+        f"loop: {late['ticks']} ticks, {late['overruns']} missed, late by "
+        f"{1e3 * late['jitter_p50_s']:.3f} ms in the median, "
+        f"{1e3 * late['jitter_max_s']:.3f} ms at most"
+    )
+    if not armed:
+        lines.append("valves: not tried; --armed fills and vents one chamber after the other")
+    trouble += found
+    lines += [f"TROUBLE: {line}" for line in trouble] or ["no trouble found"]
+    for line in lines:
+        log.info("%s", line)
+    return 1 if trouble else 0
+
+
+def describe(
+    channels: Mapping[str, np.ndarray], ends_s: np.ndarray, phases=PHASES
+) -> tuple[list[str], list[str]]:
+    """Say what the sensors showed in each phase, and what is not as it should be.
+
+    Parameters
+    ----------
+    channels : Mapping
+        Of the run; shorter than the phases if it was stopped.
+    ends_s : ndarray
+        End of each phase.
+
+    Returns
+    -------
+    lines, trouble : list of str
+    """
+    time_s = channels["time_s"]
+    begins_s = np.concatenate([[0.0], ends_s[:-1]])
+    settled: dict[str, dict[str, float]] = {}
+    sensors = [name for name in _SENSORS if not np.isnan(channels[name]).all()]
+    lines = [f"{'phase':16}" + "".join(f"{name:>18}" for name in sensors)]
+    for (phase, *_), begin_s, end_s in zip(phases, begins_s, ends_s, strict=True):
+        # the second half: the chamber has come to rest
+        judged = (time_s >= 0.5 * (begin_s + end_s)) & (time_s < end_s)
+        if not judged.any():
+            break
+        values = {name: channels[name][judged] for name in sensors}
+        settled[phase] = {name: float(v.mean()) for name, v in values.items()}
+        cells = [f"{v.mean():.2f} +- {v.std():.2f}" for v in values.values()]
+        lines.append(f"{phase:16}" + "".join(f"{cell:>18}" for cell in cells))
+    return lines, [*_at_rest(settled.get("rest", {})), *_moved(settled)]
+
+
+def _at_rest(rest: Mapping[str, float]) -> list[str]:
+    problems = []
+    for name, what in (("p_exp_kpa", "actuator"), ("p_i_kpa", "PAM A")):
+        if abs(rest.get(name, 0.0)) > 15.0:
+            problems.append(
+                f"{name} = {rest[name]:.1f} at rest, must be near 0; vent the {what}, check its "
+                f"sensor's channel and hardware.{name.removesuffix('_kpa')}"
+            )
+    if not 60.0 <= rest.get("p_o_kpa", 100.0) <= 140.0:
+        problems.append(
+            f"p_o_kpa = {rest['p_o_kpa']:.1f} at rest, must be near 100; fill PAM B to 100 kPa and "
+            "close its hand valve"
+        )
+    if abs(rest.get("theta_deg", 0.0)) > 5.0:
+        problems.append(
+            f"theta_deg = {rest['theta_deg']:.1f} at rest, must be near 0; correct "
+            "hardware.theta.offset_deg"
+        )
+    return problems
+
+
+def _moved(settled: Mapping[str, Mapping[str, float]]) -> list[str]:
+    problems = []
+    pairs = (
+        ("actuator", "p_exp_kpa", "p_i_kpa", "main_output"),
+        ("PAM A", "p_i_kpa", "p_exp_kpa", "reservoir_output"),
+    )
+    for chamber, own, other, output in pairs:
+        filled, vented = settled.get(f"{chamber} filled"), settled.get(f"{chamber} vented")
+        before = settled.get("rest")
+        if filled is None:
+            continue
+        if filled[own] - before[own] < _MOVED_KPA:
+            crossed = filled[other] - before[other] > _STILL_KPA
+            problems.append(
+                f"{chamber} asked for {TEST_KPA:g} kPa, {own} = {filled[own]:.1f}; "
+                + (f"{other} rose instead: hoses, channels or {output} are swapped" if crossed
+                   else f"check supply, valve and hardware.boards.{output}")
+            )  # fmt: skip
+        elif abs(filled[other] - before[other]) > _STILL_KPA:
+            problems.append(
+                f"{chamber} filled, but {other} moved to {filled[other]:.1f} kPa; check the hoses"
+            )
+        if vented is not None and vented[own] > _STILL_KPA:
+            problems.append(
+                f"{chamber} vented, but {own} = {vented[own]:.1f} kPa is left; check the valve, "
+                "and hardware.valves.vent_v"
+            )
+    filled, before = settled.get("actuator filled"), settled.get("rest")
+    if filled is not None and filled["theta_deg"] - before["theta_deg"] < 1.0:
+        problems.append(
+            f"the actuator was filled and theta_deg went from {before['theta_deg']:.1f} to "
+            f"{filled['theta_deg']:.1f}; it must rise: check the sensor, or its sign in "
+            "hardware.theta.gain"
+        )
+    return problems

@@ -1,0 +1,135 @@
+"""The process that drives a real rig; started and watched by ``fprc.stages.guardian``.
+
+It reads a request, one line of JSON, from its standard input and stops when that
+is closed: then the guardian is gone. On its standard output it says ``HOT`` before
+anything moves, gives signs of life meanwhile, and says ``SAFE`` once the rig is safe
+and released.
+"""
+
+import json
+import logging
+import sys
+from collections.abc import Callable, Mapping
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from fprc.control import RunAbortedError, run
+from fprc.control.realtime import be_punctual
+from fprc.errors import FprcError, LogError
+from fprc.logs import RAW_CHANNELS
+from fprc.logs.journal import Journal, recover
+from fprc.stages.check_rig import check_rig
+from fprc.stages.experiments import plan
+from fprc.stages.guardian import ALIVE
+from fprc.stages.rig_session import Stop, loops, rig, sign
+
+log = logging.getLogger("fprc.rig")
+
+_READ_ONLY = 0o444
+
+
+def main() -> int:
+    """Do what the request says; return the exit code."""
+    logging.basicConfig(level=logging.INFO, format="[rig] %(message)s")
+    request = json.loads(sys.stdin.readline())
+    stop = Stop()
+    try:
+        if request["what"] == "check":
+            return check_rig(request["settings"], request["armed"], stop)
+        record(**request["run"], settings=request["settings"], stop=stop)
+    except FprcError as error:
+        log.error("error: %s", error)
+        return 1
+    return 0
+
+
+def record(
+    name: str,
+    raw: str,
+    *,
+    settings: Mapping[str, Any],
+    model: str = "",
+    gains: str = "",
+    stop: Callable[[], str],
+) -> None:
+    """Run an experiment on the real rig and write its raw log, read-only.
+
+    While it runs the samples go into a journal beside the log, named after the
+    log and the time. It is kept.
+
+    Raises
+    ------
+    LogError
+        There is a log of that name already.
+    ControlError, DeviceError
+        The run was refused or stopped; names the journal.
+    """
+    if Path(raw).exists():
+        raise LogError(f"{raw}: exists, and no log is overwritten; move it away to record another")
+    hardware, control = settings["hardware"], settings["control"]
+    period_s = 1.0 / control["sample_rate_hz"]
+    experiment = plan(name, settings, model, gains)
+    stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
+    path = Path(raw).with_suffix(f".{stamp}.journal")
+    with Journal.create(path, experiment.channels, experiment.attributes) as journal:
+        stopped, told = None, {}
+        for line in be_punctual(hardware["loop"]["priority"]):
+            log.info("%s", line)
+        with rig(hardware, period_s) as (device, clock):
+            _announce(name, experiment.samples * period_s, experiment.hint)
+            try:
+                run(
+                    device,
+                    clock,
+                    experiment.law,
+                    experiment.samples,
+                    **loops(control),
+                    extra=experiment.channels[len(RAW_CHANNELS) :],
+                    progress=_Progress(experiment.samples, period_s),
+                    keep=journal.append,
+                    stop=stop,
+                )
+            except RunAbortedError as error:
+                stopped = error
+            told = clock.statistics()
+        journal.close(complete=stopped is None, reason=str(stopped or ""), **told)
+    if stopped:
+        raise RunAbortedError(
+            f"{stopped}\nthe rig was made safe; {journal.samples} samples are in {path}, read "
+            f"them with: fprc log repair {path} --out {Path(raw).with_suffix('.aborted.h5')}",
+            stopped.channels,
+        ) from stopped
+    recover(path, raw)
+    for file in (path, Path(raw)):
+        file.chmod(_READ_ONLY)
+    log.info(
+        "%d samples, %d ticks missed, late by %.3f ms in the median, %.3f ms at 99.9 %%; wrote %s",
+        told["ticks"], told["overruns"], 1e3 * told["jitter_p50_s"], 1e3 * told["jitter_p99_9_s"],
+        raw,
+    )  # fmt: skip
+
+
+def _announce(name: str, seconds: float, hint: str) -> None:
+    log.info("%s begins, %.0f s; Ctrl-C stops it and vents", name, seconds)
+    if hint:
+        log.info("%s", hint)
+
+
+class _Progress:
+    """Signs of life for the guardian, and a line every tenth for the person."""
+
+    def __init__(self, samples: int, period_s: float):
+        self._every = max(int(0.05 / period_s), 1)
+        self._tenth = max(samples // 10, 1)
+        self._samples, self._period_s = samples, period_s
+
+    def __call__(self, done: int) -> None:
+        if done % self._every == 0:
+            sign(ALIVE)
+        if done % self._tenth == 0:
+            log.info("%3.0f of %3.0f s", done * self._period_s, self._samples * self._period_s)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

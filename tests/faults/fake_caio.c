@@ -1,0 +1,142 @@
+/* Stand-in for Contec's libcaio.so: the same symbols, on a file in shared memory.
+
+   The file is named by FAKE_BENCH. Its layout, all little-endian:
+     0    double   in[16]      voltages that the input board reads
+     128  double   out[16]     voltages that the output board holds
+     256  int64    calls       calls of the driver so far
+     264  int64    fail_at     number of the call that fails next, 0 for none
+     272  int64    fail_count  how many calls fail from then on
+     280  int64    fail_code
+     288  int64    failures    calls that did fail
+     296  int64    writes      writes to the output board
+     304  int64    stall_us    time that every read takes
+     312  int64    opened      boards that are open
+     320  double   angles[2], int32 fault: of the fake I2C bus
+     352  char     failed[32]  name of the call that failed last
+     384  double   log[4096][3] time of CLOCK_MONOTONIC, channel, volts of each write
+*/
+#include <fcntl.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <time.h>
+#include <unistd.h>
+
+#define LOGGED 4096
+
+struct bench {
+    double in[16], out[16];
+    int64_t calls, fail_at, fail_count, fail_code, failures, writes, stall_us, opened;
+    double angles[2];
+    int64_t i2c_fault, unused;
+    char failed[32];
+    double log[LOGGED][3];
+};
+
+static struct bench *bench;
+
+static long enter(const char *name)
+{
+    if (!bench) {
+        const char *path = getenv("FAKE_BENCH");
+        int file = path ? open(path, O_RDWR) : -1;
+        if (file < 0)
+            return 10051;
+        void *mapped = mmap(0, sizeof *bench, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+        close(file);
+        if (mapped == MAP_FAILED)
+            return 10051;
+        bench = mapped;
+    }
+    int64_t call = ++bench->calls;
+    if (bench->fail_at && call >= bench->fail_at && call < bench->fail_at + bench->fail_count) {
+        bench->failures++;
+        strncpy(bench->failed, name, sizeof bench->failed - 1);
+        return bench->fail_code;
+    }
+    return 0;
+}
+
+static long device(const char *name, short id)
+{
+    long code = enter(name);
+    return code ? code : (id == 1 || id == 2) ? 0 : 10001;
+}
+
+long AioInit(char *name, short *id)
+{
+    long code = enter("AioInit");
+    if (code)
+        return code;
+    if (strcmp(name, "AIO000") && strcmp(name, "AIO001"))
+        return 10000;
+    *id = strcmp(name, "AIO000") ? 2 : 1;
+    bench->opened++;
+    return 0;
+}
+
+long AioExit(short id)
+{
+    long code = device("AioExit", id);
+    if (!code)
+        bench->opened--;
+    return code;
+}
+
+long AioResetDevice(short id) { return device("AioResetDevice", id); }
+
+long AioSetAiRangeAll(short id, short range)
+{
+    long code = device("AioSetAiRangeAll", id);
+    return code ? code : range ? 11000 : 0;
+}
+
+long AioSetAoRangeAll(short id, short range)
+{
+    long code = device("AioSetAoRangeAll", id);
+    return code ? code : range ? 11000 : 0;
+}
+
+long AioMultiAiEx(short id, short channels, float *volts)
+{
+    long code = device("AioMultiAiEx", id);
+    if (code)
+        return code;
+    if (id != 1 || channels < 1 || channels > 16)
+        return 11001;
+    if (bench->stall_us) {
+        struct timespec wait = {bench->stall_us / 1000000, bench->stall_us % 1000000 * 1000};
+        nanosleep(&wait, 0);
+    }
+    for (int k = 0; k < channels; k++)
+        volts[k] = (float)bench->in[k];
+    return 0;
+}
+
+long AioSingleAoEx(short id, short channel, float volts)
+{
+    long code = device("AioSingleAoEx", id);
+    if (code)
+        return code;
+    if (id != 2 || channel < 0 || channel > 15 || volts < -10.0f || volts > 10.0f)
+        return 11002;
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    double *row = bench->log[bench->writes % LOGGED];
+    row[0] = now.tv_sec + 1e-9 * now.tv_nsec;
+    row[1] = channel;
+    row[2] = volts;
+    bench->out[channel] = volts;
+    bench->writes++;
+    return 0;
+}
+
+long AioGetErrorString(long code, char *text)
+{
+    strcpy(text, code == 10000   ? "unregistered device name"
+                 : code == 10001 ? "invalid device id"
+                 : code == 10051 ? "device not found"
+                                 : "injected failure");
+    return 0;
+}
