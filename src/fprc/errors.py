@@ -27,3 +27,7 @@ class ControlError(FprcError):
 
 class EvaluationError(FprcError):
     """Models cannot be judged on this data with these settings."""
+
+
+class DeviceError(FprcError):
+    """Hardware or its driver failed; the message names the part and what to check."""
