@@ -1,0 +1,176 @@
+"""Bend Labs one-axis angle sensor on an I2C bus.
+
+A packet is three bytes: a code and two bytes of content. Codes and waits are
+those of the maker's driver (github.com/bendlabs/one_axis_ads).
+"""
+
+import struct
+import time
+from collections.abc import Callable
+from typing import Any
+
+from fprc.errors import DeviceError
+
+_RUN, _SPS, _CALIBRATE = 0x00, 0x01, 0x07
+_FIRST, _SECOND, _CLEAR = 0, 1, 2  # points of a calibration
+_SAMPLE = 0x00  # code of an answer that holds an angle
+_LENGTH = 3
+_DEG_PER_COUNT = 1 / 64
+_TICKS_HZ = 16384
+_SETTLE_S = 2e-3
+
+
+def open_bus(number: int) -> Any:
+    """Open an I2C bus with smbus2; the bus keeps its ``number``, for messages.
+
+    Raises
+    ------
+    DeviceError
+        smbus2 is missing, or the bus is missing or closed to this user.
+    """
+    path = f"/dev/i2c-{number}"
+    try:
+        bus = _smbus2().SMBus(number)
+    except FileNotFoundError as error:
+        raise DeviceError(
+            f"I2C bus {number}: {path} does not exist; enable I2C (Raspberry Pi: `sudo "
+            "raspi-config nonint do_i2c 0`, elsewhere `sudo modprobe i2c-dev`), or choose one of "
+            "the buses that `i2cdetect -l` lists"
+        ) from error
+    except PermissionError as error:
+        raise DeviceError(
+            f"I2C bus {number}: {path} may not be opened by this user; run `sudo usermod -aG i2c "
+            "$USER` and log in again"
+        ) from error
+    except OSError as error:
+        raise DeviceError(
+            f"I2C bus {number}: {path} cannot be opened ({error}); check with `i2cdetect -l` that "
+            "it is an I2C bus"
+        ) from error
+    bus.number = number
+    return bus
+
+
+class BendSensor:
+    """One sensor on an open bus.
+
+    angle = packet / 64 * gain + offset_deg
+
+    Parameters
+    ----------
+    bus : smbus2.SMBus
+        Anything with its ``i2c_rdwr``; see ``open_bus``.
+    address : int
+        I2C address, 0x12 unless it was changed.
+    ticks : int, default=81
+        Time between two samples, 1/16384 s; 81 for 202.27 Hz.
+    gain : float, default=1.0
+        The sensor's angle is multiplied by this first.
+    offset_deg : float, default=0.0
+        Added then.
+
+    Raises
+    ------
+    DeviceError
+        The sensor does not answer, here and in every method.
+    """
+
+    def __init__(
+        self,
+        bus: Any,
+        address: int,
+        *,
+        ticks: int = 81,
+        gain: float = 1.0,
+        offset_deg: float = 0.0,
+    ):
+        self._bus = bus
+        self._address = address
+        self._ticks = ticks
+        self._gain = gain
+        self._offset_deg = offset_deg
+        self._message = _smbus2().i2c_msg
+
+    def start(self, sleep: Callable[[float], None] = time.sleep) -> None:
+        """Let the sensor sample at its rate, and wait for the first sample."""
+        self._send("setting the sample rate", _SPS, *self._ticks.to_bytes(2, "little"))
+        sleep(_SETTLE_S)
+        self._send("starting it", _RUN, 1, 0)
+        sleep(max(_SETTLE_S, self._ticks / _TICKS_HZ))
+
+    def read(self) -> float | None:
+        """Return the angle in deg; None if the answer is no sample.
+
+        The sensor repeats its last sample until it has the next one, so an
+        angle equal to the one before may be old.
+        """
+        message = self._message.read(self._address, _LENGTH)
+        self._exchange("reading the angle", message)
+        packet = bytes(message)
+        if len(packet) != _LENGTH:
+            raise self._error(
+                "reading the angle", f"the answer has {len(packet)} bytes, not {_LENGTH}"
+            )
+        code, counts = struct.unpack("<Bh", packet)
+        if code != _SAMPLE:
+            return None
+        return counts * _DEG_PER_COUNT * self._gain + self._offset_deg
+
+    def calibrate(self, angle_deg: int) -> None:
+        """Tell the sensor, in place, the angle at which it is held now.
+
+        The sensor keeps both points: first 0, then a known angle. ``gain``
+        and ``offset_deg`` are no part of it.
+
+        Parameters
+        ----------
+        angle_deg : int
+            0, or 45 to 255; 90 is best.
+        """
+        if angle_deg != 0 and angle_deg not in range(45, 256):
+            raise DeviceError(
+                f"{self._name()}: calibration at {angle_deg:g} deg; must be 0, or a whole number "
+                "from 45 to 255; hold it at 90 if you can"
+            )
+        point = _SECOND if angle_deg else _FIRST
+        self._send(f"calibrating it at {angle_deg:g} deg", _CALIBRATE, point, int(angle_deg))
+
+    def restore_calibration(self) -> None:
+        """Go back to the calibration with which the sensor left the factory."""
+        self._send("restoring its calibration", _CALIBRATE, _CLEAR, 0)
+
+    def shutdown(self) -> None:
+        """Let the sensor sleep until the next ``start``."""
+        # not its command SHUTDOWN, 0x09: out of that only its reset line or power wakes it
+        self._send("stopping it", _RUN, 0, 0)
+
+    def _send(self, asked: str, *packet: int) -> None:
+        self._exchange(asked, self._message.write(self._address, bytes(packet)))
+
+    def _exchange(self, asked: str, message: Any) -> None:
+        try:
+            self._bus.i2c_rdwr(message)
+        except OSError as error:
+            raise self._error(asked, str(error)) from error
+
+    def _error(self, asked: str, reason: str) -> DeviceError:
+        number = getattr(self._bus, "number", "N")
+        return DeviceError(
+            f"{self._name()}: {asked} failed ({reason}); check cable, supply and address: "
+            f"`i2cdetect -y {number}` shows who answers"
+        )
+
+    def _name(self) -> str:
+        number = getattr(self._bus, "number", "of unknown number")
+        return f"angle sensor 0x{self._address:02x} on I2C bus {number}"
+
+
+def _smbus2() -> Any:
+    try:
+        import smbus2
+    except ImportError as error:
+        raise DeviceError(
+            f"I2C needs the package smbus2, on Linux ({error}); install it with "
+            "`pip install 'fprc[hardware]'`"
+        ) from error
+    return smbus2

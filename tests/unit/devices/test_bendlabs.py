@@ -1,0 +1,332 @@
+import errno
+import importlib
+import os
+import struct
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from fprc.devices.bendlabs import BendSensor, open_bus
+from fprc.errors import DeviceError
+
+FAULTS = Path(__file__).parents[2] / "faults"
+
+
+@pytest.fixture(scope="module")
+def fakes():
+    """Fake bus and fake smbus2, the latter importable while the tests of this module run."""
+    names = ("fake_bus", "smbus2")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(FAULTS))
+        for name in names:
+            patch.delitem(sys.modules, name, raising=False)
+        yield SimpleNamespace(**{name: importlib.import_module(name) for name in names})
+        for name in names:
+            del sys.modules[name]
+
+
+@pytest.fixture
+def bus(fakes):
+    """Bus whose sensor is bent by ``bus.bend_deg``."""
+    bus = fakes.fake_bus.FakeBus(lambda: bus.bend_deg)
+    bus.bend_deg = 12.5
+    bus.number = 1
+    return bus
+
+
+@pytest.fixture
+def sensor(bus):
+    """Sensor that was started, on a bus that forgot how."""
+    sensor = BendSensor(bus, 0x12)
+    sensor.start(sleep=lambda seconds: None)
+    bus.exchanged.clear()
+    return sensor
+
+
+def transcript(bus):
+    return [f"{way} {packet.hex(' ')}" for way, packet in bus.exchanged]
+
+
+def test_start_sets_the_rate_then_runs_and_waits_after_each(bus):
+    seen = []
+    BendSensor(bus, 0x12).start(sleep=lambda seconds: seen.append((len(bus.exchanged), seconds)))
+    assert transcript(bus) == ["write 01 51 00", "write 00 01 00"]
+    assert seen == [(1, 0.002), (2, pytest.approx(1 / 202.27, rel=1e-4))]
+    assert (bus.state, bus.ticks) == ("running", 81)
+
+
+@pytest.mark.parametrize(
+    ("ticks", "sent"), [(33, "21 00"), (255, "ff 00"), (256, "00 01"), (16384, "00 40")]
+)
+def test_rate_is_sent_low_byte_first(bus, ticks, sent):
+    BendSensor(bus, 0x12, ticks=ticks).start(sleep=lambda seconds: None)
+    assert transcript(bus)[0] == f"write 01 {sent}"
+    assert bus.ticks == ticks
+
+
+def test_first_sample_is_waited_for_at_any_rate(bus):
+    waits = []
+    BendSensor(bus, 0x12, ticks=1638).start(sleep=waits.append)
+    assert waits[-1] == pytest.approx(0.1, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("bend_deg", "packet"),
+    [(0.0, "00 00 00"), (12.5, "00 20 03"), (-1 / 64, "00 ff ff"), (-90.0, "00 80 e9")],
+)
+def test_angle_is_read_in_one_packet(bus, sensor, bend_deg, packet):
+    bus.bend_deg = bend_deg
+    assert sensor.read() == bend_deg
+    assert transcript(bus) == [f"read {packet}"]
+
+
+@given(st.integers(-32768, 32767))
+@example(-32768)
+@example(32767)
+@example(-1)
+@example(255)
+@example(256)
+def test_every_angle_of_the_sensor_comes_back(fakes, counts):
+    bus = fakes.fake_bus.FakeBus(lambda: counts / 64)
+    sensor = BendSensor(bus, 0x12)
+    sensor.start(sleep=lambda seconds: None)
+    assert sensor.read() == counts / 64
+    assert bus.exchanged[-1] == ("read", b"\x00" + counts.to_bytes(2, "little", signed=True))
+
+
+def test_gain_comes_before_offset(bus):
+    sensor = BendSensor(bus, 0x12, gain=-2.0, offset_deg=3.0)
+    sensor.start(sleep=lambda seconds: None)
+    assert sensor.read() == -22.0
+
+
+def test_sensor_that_was_not_started_gives_no_sample(bus):
+    assert BendSensor(bus, 0x12).read() is None
+    assert transcript(bus) == ["read ff ff ff"]
+
+
+def test_sensor_sleeps_after_shutdown_and_starts_again(bus, sensor):
+    assert sensor.read() == 12.5
+    sensor.shutdown()
+    assert sensor.read() is None
+    sensor.start(sleep=lambda seconds: None)
+    assert sensor.read() == 12.5
+    assert transcript(bus)[1] == "write 00 00 00"
+
+
+@pytest.mark.parametrize(
+    ("command", "state", "answer"),
+    [("05 01 00", "polled", "00 20 03"), ("02 00 00", "standby", "ff ff ff")],
+)
+def test_fake_samples_when_polled_and_not_after_a_reset(fakes, bus, sensor, command, state, answer):
+    bus.i2c_rdwr(
+        fakes.smbus2.i2c_msg.write(0x12, bytes.fromhex(command)),
+        fakes.smbus2.i2c_msg.read(0x12, 3),
+    )
+    assert bus.state == state
+    assert transcript(bus) == [f"write {command}", f"read {answer}"]
+
+
+def test_fake_is_not_woken_from_its_own_shutdown_by_a_start(fakes, bus, sensor):
+    bus.i2c_rdwr(fakes.smbus2.i2c_msg.write(0x12, [9, 0, 0]))
+    with pytest.raises(DeviceError, match="setting the sample rate failed"):
+        sensor.start(sleep=lambda seconds: None)
+    bus.power_cycle()
+    sensor.start(sleep=lambda seconds: None)
+    assert sensor.read() == 12.5
+
+
+@pytest.mark.parametrize("command", ["04 13 00", "03 00 00", "00 02 00", "07 01 2c", "00 01"])
+def test_fake_knows_no_other_command(fakes, bus, command):
+    with pytest.raises(ValueError, match=command):
+        bus.i2c_rdwr(fakes.smbus2.i2c_msg.write(0x12, bytes.fromhex(command)))
+
+
+def test_calibration_takes_out_zero_and_gain_of_the_sensor(fakes):
+    bent_deg = 0.0
+    bus = fakes.fake_bus.FakeBus(lambda: 0.5 * bent_deg + 7.0)
+    sensor = BendSensor(bus, 0x12)
+    sensor.start(sleep=lambda seconds: None)
+    sensor.calibrate(0)
+    bent_deg = 90.0
+    sensor.calibrate(90)
+    bent_deg = 30.0
+    assert sensor.read() == 30.0
+    sensor.restore_calibration()
+    assert sensor.read() == 22.0
+    sent = [line for line in transcript(bus) if line.startswith("write 07")]
+    assert sent == ["write 07 00 00", "write 07 01 5a", "write 07 02 00"]
+
+
+@pytest.mark.parametrize("angle_deg", [-90, 1, 44, 256, 90.5, float("nan")])
+def test_calibration_at_an_angle_that_the_sensor_cannot_take_is_refused(bus, sensor, angle_deg):
+    with pytest.raises(DeviceError, match=r"calibration at .* deg; must be 0, or .* 45 to 255"):
+        sensor.calibrate(angle_deg)
+    assert transcript(bus) == []
+
+
+def test_dropout_names_bus_address_request_and_remedy(bus, sensor):
+    bus.fault = "dropout"
+    with pytest.raises(DeviceError) as caught:
+        sensor.read()
+    assert bus.happened == {"dropout": 1}
+    assert str(caught.value) == (
+        "angle sensor 0x12 on I2C bus 1: reading the angle failed "
+        f"([Errno {errno.EREMOTEIO}] {os.strerror(errno.EREMOTEIO)}); check cable, supply and "
+        "address: `i2cdetect -y 1` shows who answers"
+    )
+
+
+@pytest.mark.parametrize(
+    ("call", "asked"),
+    [
+        (lambda sensor: sensor.start(sleep=lambda seconds: None), "setting the sample rate"),
+        (lambda sensor: sensor.read(), "reading the angle"),
+        (lambda sensor: sensor.calibrate(90), "calibrating it at 90 deg"),
+        (lambda sensor: sensor.restore_calibration(), "restoring its calibration"),
+        (lambda sensor: sensor.shutdown(), "stopping it"),
+    ],
+)
+def test_every_request_to_an_address_where_nobody_answers_fails_in_words(bus, call, asked):
+    with pytest.raises(DeviceError, match=rf"0x13 on I2C bus 1: {asked} failed .*check cable"):
+        call(BendSensor(bus, 0x13))
+    assert transcript(bus) == []
+
+
+def test_bus_without_a_number_is_said_to_have_none(bus):
+    del bus.number
+    with pytest.raises(DeviceError, match="I2C bus of unknown number: .*i2cdetect -y N"):
+        BendSensor(bus, 0x13).read()
+
+
+def test_frozen_sensor_repeats_its_last_sample(bus, sensor):
+    assert sensor.read() == 12.5
+    bus.fault, bus.bend_deg = "freeze", 40.0
+    assert [sensor.read(), sensor.read()] == [12.5, 12.5]
+    assert bus.happened == {"freeze": 2}
+    bus.fault = None
+    assert sensor.read() == 40.0
+
+
+def test_spike_passes_for_a_sample(bus, sensor):
+    bus.fault = "spike"
+    assert sensor.read() == 102.5
+    assert bus.happened == {"spike": 1}
+
+
+@pytest.mark.parametrize(("fault", "packet"), [("type", "03 20 03"), ("order", "20 03 00")])
+def test_packet_of_another_type_or_order_is_no_sample(bus, sensor, fault, packet):
+    bus.fault = fault
+    assert sensor.read() is None
+    assert bus.happened == {fault: 1}
+    assert transcript(bus) == [f"read {packet}"]
+
+
+def test_packet_of_wrong_length_is_an_error(bus, sensor):
+    bus.fault = "length"
+    with pytest.raises(
+        DeviceError, match="reading the angle failed .the answer has 2 bytes, not 3"
+    ):
+        sensor.read()
+    assert bus.happened == {"length": 1}
+
+
+def test_without_smbus2_the_module_loads_and_opening_says_how_to_install_it(monkeypatch):
+    monkeypatch.setitem(sys.modules, "smbus2", None)
+    with pytest.raises(DeviceError, match=r"pip install 'fprc\[hardware\]'"):
+        open_bus(1)
+    code = "import sys; sys.modules['smbus2'] = None; import fprc.devices.bendlabs"
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@pytest.mark.parametrize(
+    ("raised", "advice"),
+    [
+        (FileNotFoundError(2, "No such file"), "/dev/i2c-3 does not exist; enable I2C .*raspi"),
+        (PermissionError(13, "Permission denied"), "may not be opened .*usermod -aG i2c"),
+        (OSError(25, "Inappropriate ioctl"), "cannot be opened .*Inappropriate ioctl.*i2cdetect"),
+    ],
+)
+def test_bus_that_cannot_be_opened_says_what_to_do(fakes, monkeypatch, raised, advice):
+    def refuse(number):
+        raise raised
+
+    monkeypatch.setattr(fakes.smbus2, "SMBus", refuse)
+    with pytest.raises(DeviceError, match=f"^I2C bus 3: .*{advice}"):
+        open_bus(3)
+
+
+class Bench:
+    """The file that the fake smbus2 reads."""
+
+    def __init__(self, path):
+        self.path = path
+        path.write_bytes(bytes(512))
+
+    def set(self, theta_deg, phi_deg, fault=0):
+        with self.path.open("r+b") as file:
+            file.seek(320)
+            file.write(struct.pack("<ddi", theta_deg, phi_deg, fault))
+
+
+@pytest.fixture
+def bench(tmp_path, monkeypatch):
+    bench = Bench(tmp_path / "bench")
+    monkeypatch.setenv("FAKE_BENCH", str(bench.path))
+    return bench
+
+
+def test_sensors_of_the_bench_follow_the_file_and_its_faults(fakes, bench):
+    bench.set(10.0, -20.0)
+    bus = open_bus(1)
+    sensors = [BendSensor(bus, 0x12), BendSensor(bus, 0x13)]
+    for sensor in sensors:
+        sensor.start(sleep=lambda seconds: None)
+
+    def angles():
+        return [sensor.read() for sensor in sensors]
+
+    assert angles() == [10.0, -20.0]
+    bench.set(11.0, -21.0, fault=2)
+    assert angles() == [10.0, -20.0]
+    bench.set(11.0, -21.0, fault=3)
+    assert angles() == [101.0, 69.0]
+    bench.set(11.0, -21.0, fault=4)
+    assert angles() == [None, None]
+    bench.set(11.0, -21.0, fault=1)
+    for sensor in sensors:
+        with pytest.raises(DeviceError, match="on I2C bus 1: reading"):
+            sensor.read()
+    bench.set(11.0, -21.0)
+    assert angles() == [11.0, -21.0]
+    bus.close()
+
+
+def test_bench_is_found_by_another_process(bench):
+    bench.set(33.0, 0.0)
+    code = """if True:
+        from fprc.devices.bendlabs import BendSensor, open_bus
+        sensor = BendSensor(open_bus(1), 0x12)
+        sensor.start()
+        print(sensor.read())
+    """
+    path = os.pathsep.join(filter(None, [str(FAULTS), os.environ.get("PYTHONPATH")]))
+    said = subprocess.run(
+        [sys.executable, "-c", code],
+        env=os.environ | {"PYTHONPATH": path},
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    assert said.stdout == "33.0\n"
+
+
+def test_without_a_bench_there_is_no_bus(fakes, monkeypatch):
+    monkeypatch.delenv("FAKE_BENCH", raising=False)
+    with pytest.raises(DeviceError, match="/dev/i2c-1 does not exist"):
+        open_bus(1)
