@@ -51,7 +51,11 @@ CHAPTERS = {
     "III Feedforward hysteresis compensation": range(6, 12),
     "IV Experimental results": range(12, 18),
 }
-DATA = {"sim": "simulated rig, not hardware", "recorded": "recorded logs"}[SETTINGS["source"]]
+DATA = {
+    "sim": "simulated rig, not hardware",
+    "hardware": "real rig",
+    "recorded": "recorded logs",
+}[SETTINGS["source"]]
 
 TIMING = [f"{RESULTS}/timing/{name}.md" for name in ("table2_timing", "step_cost")]
 

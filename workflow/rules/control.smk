@@ -25,7 +25,6 @@ if SETTINGS["source"] == "sim":
         script:
             "../scripts/identify_gain.py"
 
-
     rule track:
         input:
             model=f"{RESULTS}/models/sweep_fprc.h5",

@@ -115,3 +115,13 @@ class Hardware(Section):
     valves: Valves = Valves()
     limits: Limits = Limits()
     loop: Loop = Loop()
+
+    @model_validator(mode="after")
+    def _sensors_differ(self) -> "Hardware":
+        theta, phi = self.theta, self.phi
+        if phi and (theta.bus, theta.address) == (phi.bus, phi.address):
+            raise ValueError(
+                f"theta and phi share address {theta.address:#x} on I2C bus {theta.bus}; give one "
+                "sensor another address or bus, or set phi: null if there is none"
+            )
+        return self

@@ -92,6 +92,7 @@ class HardwareRig:
         self._channels = [boards[f"{name}_input"] for name in names]
         self._scales = [(hardware[n]["zero_v"], hardware[n]["gain_kpa_per_v"]) for n in names]
         self._elapsed = elapsed
+        self._buses: dict[int, Any] = {}
         with contextlib.ExitStack() as opened:
             parts: dict[str, Any] = {}
 
@@ -104,8 +105,12 @@ class HardwareRig:
                 return ""
 
             def sensor(settings: Mapping[str, Any]) -> BendSensor:
+                number = settings["bus"]
+                if number not in self._buses:
+                    self._buses[number] = bus = open_bus(number)
+                    opened.callback(bus.close)
                 own = {key: settings[key] for key in ("ticks", "gain", "offset_deg")}
-                built = BendSensor(open_bus(settings["bus"]), settings["address"], **own)
+                built = BendSensor(self._buses[number], settings["address"], **own)
                 built.start(sleep=sleep)
                 return built
 
@@ -157,7 +162,8 @@ class HardwareRig:
     def close(self) -> None:
         """Make safe and release boards and sensors; one failure never skips the next."""
         sensors = [sensor.shutdown for sensor in (self._theta, self._phi) if sensor]
-        _each(self._valves.close, self._inputs.close, *sensors)
+        buses = [bus.close for bus in self._buses.values()]
+        _each(self._valves.close, self._inputs.close, *sensors, *buses)
 
 
 def open_valves(hardware: Mapping[str, Any], *, reset: bool = True) -> Valves:
@@ -198,12 +204,12 @@ def _each(*calls: Callable[[], None]) -> None:
     for call in calls:
         try:
             call()
-        except DeviceError as error:
+        except (DeviceError, OSError) as error:
             problems.append(str(error))
     if problems:
         raise DeviceError("\n".join(dict.fromkeys(problems)))
 
 
 def _quietly(call: Callable[[], None]) -> None:
-    with contextlib.suppress(DeviceError):
+    with contextlib.suppress(DeviceError, OSError):
         call()
