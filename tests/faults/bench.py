@@ -1,0 +1,113 @@
+"""The simulated rig on the far side of the fake driver and the fake I2C bus.
+
+In a test the rig lives by the test's own clock; as a program, ``python bench.py FILE``, it
+lives in real time and prints ``ready`` once it does.
+"""
+
+import ctypes
+import json
+import mmap
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+from fprc.config import Settings
+from fprc.devices import SimulatedRig
+
+FOLDER = Path(__file__).parent
+LOGGED = 4096
+
+
+class Layout(ctypes.Structure):
+    """As in fake_caio.c."""
+
+    _fields_ = (
+        ("inputs", ctypes.c_double * 16),
+        ("outputs", ctypes.c_double * 16),
+        ("calls", ctypes.c_int64),
+        ("fail_at", ctypes.c_int64),
+        ("fail_count", ctypes.c_int64),
+        ("fail_code", ctypes.c_int64),
+        ("failures", ctypes.c_int64),
+        ("writes", ctypes.c_int64),
+        ("stall_us", ctypes.c_int64),
+        ("opened", ctypes.c_int64),
+        ("angles", ctypes.c_double * 2),
+        ("i2c_fault", ctypes.c_int64),
+        ("unused", ctypes.c_int64),
+        ("failed", ctypes.c_char * 32),
+        ("log", (ctypes.c_double * 3) * LOGGED),
+    )
+
+
+def compile_driver(folder: Path) -> Path:
+    """Build the fake libcaio.so with the system's compiler."""
+    library = folder / "libcaio.so"
+    flags = ["-shared", "-fPIC", "-O2", "-Wall", "-Wextra", "-Werror"]
+    subprocess.run(["cc", *flags, "-o", library, FOLDER / "fake_caio.c"], check=True)
+    return library
+
+
+class Bench:
+    """Simulated rig wired to the shared memory that the fake driver and the fake bus use.
+
+    It is a clock too: its time passes in ``wait_for``.
+    """
+
+    def __init__(self, path: Path, settings: dict, *, seed: int = 1, run: int = 0):
+        path.write_bytes(bytes(ctypes.sizeof(Layout)))
+        with path.open("r+b") as file:
+            self._map = mmap.mmap(file.fileno(), 0)
+        self.shared = Layout.from_buffer(self._map)
+        rate_hz = settings["control"]["sample_rate_hz"]
+        self.period_s = 1.0 / rate_hz
+        self.tick = 0
+        self.rig = SimulatedRig(settings["rig"], seed=seed, run=run, sample_rate_hz=rate_hz)
+        self._transducers = [settings["hardware"][name] for name in ("p_exp", "p_i", "p_o")]
+        self.shared.outputs[:2] = [5.0, 5.0]
+        self._show()
+
+    def elapsed(self) -> float:
+        return self.tick * self.period_s
+
+    def wait_for(self, tick: int) -> int:
+        """Let the rig live until this tick under the voltages on the output board."""
+        self.rig.write(*self.shared.outputs[:2])
+        self.rig.wait_for(tick)
+        self.tick = tick
+        self._show()
+        return tick
+
+    def statistics(self) -> dict:
+        return {"ticks": self.tick + 1, "overruns": 0}
+
+    def _show(self) -> None:
+        now = self.rig.read()
+        pressures = (now.p_exp_kpa, now.p_i_kpa, now.p_o_kpa)
+        for channel, (kpa, own) in enumerate(zip(pressures, self._transducers, strict=True)):
+            self.shared.inputs[channel] = kpa / own["gain_kpa_per_v"] + own["zero_v"]
+        self.shared.angles[:] = [now.theta_deg, now.phi_deg]
+
+    def writes(self) -> list[tuple[float, int, float]]:
+        """Return time, channel and voltage of every write to the output board."""
+        count = self.shared.writes
+        assert count <= LOGGED, "the log of writes is a ring; make the run shorter"
+        return [(row[0], int(row[1]), row[2]) for row in self.shared.log[:count]]
+
+
+def main() -> None:
+    settings = json.loads(sys.stdin.readline()) if len(sys.argv) > 2 else Settings().model_dump()
+    bench = Bench(Path(sys.argv[1]), settings)
+    bench.wait_for(1)
+    print("ready", flush=True)
+    start_s = time.perf_counter()
+    parent = os.getppid()
+    while os.getppid() == parent:
+        bench.wait_for(1 + int((time.perf_counter() - start_s) / bench.period_s))
+        time.sleep(0.5 * bench.period_s)
+
+
+if __name__ == "__main__":
+    main()
