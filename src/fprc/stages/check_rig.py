@@ -8,6 +8,7 @@ import numpy as np
 
 from fprc.control import RunAbortedError, run
 from fprc.devices import Readings
+from fprc.errors import ControlError
 from fprc.stages.guardian import ALIVE
 from fprc.stages.rig_session import loops, rig, sign
 
@@ -15,9 +16,9 @@ log = logging.getLogger("fprc.rig")
 
 #: Pressure that each chamber is filled to, kPa.
 TEST_KPA = 60.0
-#: Phases: name, set-points of actuator and PAM A in kPa (None: valve neutral), length in s.
+#: Phases: name, set-points of actuator and PAM A in kPa, length in s. At rest nothing is written.
 PHASES = (
-    ("rest", None, None, 1.0),
+    ("rest", 0.0, 0.0, 1.0),
     ("actuator filled", TEST_KPA, 0.0, 2.0),
     ("actuator vented", 0.0, 0.0, 2.0),
     ("PAM A filled", 0.0, TEST_KPA, 2.0),
@@ -43,28 +44,38 @@ def check_rig(settings: Mapping[str, Any], armed: bool, stop: Callable[[], str])
     DeviceError
         Lists the parts that do not answer.
     """
-    control = settings["control"]
-    rate_hz = control["sample_rate_hz"]
+    control, hardware = settings["control"], settings["hardware"]
+    period_s = 1.0 / control["sample_rate_hz"]
     phases = PHASES if armed else PHASES[:1]
-    ends = np.cumsum([round(seconds * rate_hz) for *_, seconds in phases])
-    bounds = ends.tolist()
+    lengths = [round(seconds / period_s) for *_, seconds in phases]
+    bounds = np.cumsum(lengths).tolist()
+    with rig(hardware, period_s) as (device, clock):
+        readings = []
+        for k in range(lengths[0]):
+            clock.wait_for(k)
+            sign(ALIVE)
+            readings.append(device.read())
+            if reason := stop():
+                raise ControlError(reason)
+    channels = dict(zip(Readings._fields, np.array(readings).T, strict=True))
+    late, trouble = clock.statistics(), []
 
     def law(k: int, now: Readings) -> tuple[float, float]:
-        if k % 10 == 0:
-            sign(ALIVE)
-        _, p_exp, p_i, _ = phases[next(i for i, end in enumerate(bounds) if k < end)]
-        # a set-point equal to the reading leaves the valve neutral
-        return now.p_exp_kpa if p_exp is None else p_exp, now.p_i_kpa if p_i is None else p_i
+        sign(ALIVE)
+        _, p_exp, p_i, _ = phases[next(i for i, end in enumerate(bounds) if k + lengths[0] < end)]
+        return p_exp, p_i
 
-    trouble = []
-    with rig(settings["hardware"], 1.0 / rate_hz) as (device, clock):
-        try:
-            channels = run(device, clock, law, bounds[-1], **loops(control), stop=stop)
-        except RunAbortedError as stopped:
-            channels = stopped.channels
-            trouble.append(f"stopped: {stopped}")
-        late = clock.statistics()
-    lines, found = describe(channels, ends / rate_hz, phases)
+    if armed:
+        with rig(hardware, period_s) as (device, clock):
+            try:
+                moved = run(device, clock, law, sum(lengths[1:]), **loops(control), stop=stop)
+            except RunAbortedError as stopped:
+                moved = stopped.channels
+                trouble.append(f"stopped: {stopped}")
+            late = clock.statistics()
+        moved["time_s"] += bounds[0] * period_s
+        channels = {name: np.append(values, moved[name]) for name, values in channels.items()}
+    lines, found = describe(channels, np.array(bounds) * period_s, phases)
     lines.append(
         f"loop: {late['ticks']} ticks, {late['overruns']} missed, late by "
         f"{1e3 * late['jitter_p50_s']:.3f} ms in the median, "
