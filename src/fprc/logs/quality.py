@@ -43,6 +43,7 @@ def assess(
         "source": log.attributes["source"],
         "samples": len(log.channels["time_s"]),
         "checks": {
+            "complete": _complete(log),
             "rate": _rate(log, sample_rate_hz, rate_tolerance),
             "gaps": _gaps(log, gap_periods / sample_rate_hz),
             "not_finite": _not_finite(log),
@@ -71,6 +72,17 @@ def warnings(record: Mapping[str, Any]) -> list[str]:
         for name, check in record["checks"].items()
         if not check["passed"]
     ]
+
+
+def _complete(log: Columns) -> dict[str, Any]:
+    told = log.attributes
+    complete = told.get("complete", "aborted" not in told)
+    reason = told.get("incomplete_reason") or told.get("aborted") or "not said"
+    return {
+        "passed": complete,
+        "reason": None if complete else reason,
+        "lost_samples": told.get("lost_samples", 0),
+    }
 
 
 def _rate(log: Columns, expected_hz: float, tolerance: float) -> dict[str, Any]:

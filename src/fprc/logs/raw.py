@@ -31,7 +31,8 @@ _TARGETS = ("p_exp_command_kpa", "p_exp_kpa")
 #: Where a log can come from: simulated, recorded here, brought in.
 SOURCES = ("sim", "rig", "import")
 
-_ATTRIBUTES = {
+#: Attributes that a raw log must have, and their kinds.
+RAW_ATTRIBUTES = {
     "experiment": str,
     "source": str,
     "simulated": bool,
@@ -40,6 +41,7 @@ _ATTRIBUTES = {
     "software": str,
     "rig": str,
 }
+_OPTIONAL_ATTRIBUTES = {"complete": bool, "incomplete_reason": str, "lost_samples": int}
 
 
 def write_raw(
@@ -75,13 +77,13 @@ def write_raw(
         "rig": json.dumps(rig),
         **more,
     }
-    missing = _missing(source, channels)
+    missing = missing_channels(source, channels)
     if missing:
         raise LogError(f"{path}: not written, channels {', '.join(missing)} are missing")
     write_columns(path, channels, attributes)
 
 
-def _missing(source: str, channels: Container[str]) -> list[str]:
+def missing_channels(source: str, channels: Container[str]) -> list[str]:
     """Return the channels that a log of this source must have and has not."""
     if source != "import":
         return [name for name in RAW_CHANNELS if name not in channels]
@@ -161,9 +163,10 @@ def _wrong_attributes(
     path: Path | str, attributes: Mapping[str, Any], experiment: str | None
 ) -> list[str]:
     problems = []
-    for name, kind in _ATTRIBUTES.items():
+    for name, kind in (RAW_ATTRIBUTES | _OPTIONAL_ATTRIBUTES).items():
         if name not in attributes:
-            problems.append(f"{path}: attribute {name}: missing; see data/raw/README.md")
+            if name in RAW_ATTRIBUTES:
+                problems.append(f"{path}: attribute {name}: missing; see data/raw/README.md")
         elif not isinstance(attributes[name], kind):
             value = attributes[name]
             problems.append(
