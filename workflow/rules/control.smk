@@ -8,36 +8,53 @@ TRACKING = {
 }
 
 
-rule identify_gain:
-    input:
-        model=f"{RESULTS}/models/sweep_fprc.h5",
-    output:
-        gains=f"{RESULTS}/control/gains.json",
-    log:
-        f"{RESULTS}/logs/identify_gain.log",
-    params:
-        **TRACKING,
-        code=code_of("track"),
-    message:
-        "P gain with the least error on a reference outside Table IV"
-    script:
-        "../scripts/identify_gain.py"
+if RECORDS:
 
+    rule identify_gain:
+        input:
+            model=f"{RESULTS}/models/sweep_fprc.h5",
+        output:
+            gains=f"{RESULTS}/control/gains.json",
+        log:
+            f"{RESULTS}/logs/identify_gain.log",
+        params:
+            **TRACKING,
+            code=code_of("track"),
+        message:
+            "P gain with the least error on a reference outside Table IV"
+        script:
+            "../scripts/identify_gain.py"
 
-rule track:
-    input:
-        model=f"{RESULTS}/models/sweep_fprc.h5",
-        gains=f"{RESULTS}/control/gains.json",
-    output:
-        raw=[tracked("{reference}", controller) for controller in CONTROLLERS],
-    log:
-        f"{RESULTS}/logs/track_{{reference}}.log",
-    params:
-        **TRACKING,
-        reference="{reference}",
-        controllers=CONTROLLERS,
-        code=code_of("track"),
-    message:
-        "Closed loop: {wildcards.reference}"
-    script:
-        "../scripts/track.py"
+    rule track:
+        input:
+            model=f"{RESULTS}/models/sweep_fprc.h5",
+            gains=f"{RESULTS}/control/gains.json",
+        output:
+            raw=[tracked("{reference}", controller) for controller in CONTROLLERS],
+        log:
+            f"{RESULTS}/logs/track_{{reference}}.log",
+        params:
+            **TRACKING,
+            reference="{reference}",
+            controllers=CONTROLLERS,
+            code=code_of("track"),
+        message:
+            "Closed loop: {wildcards.reference}"
+        script:
+            "../scripts/track.py"
+
+else:
+
+    rule read_gains:
+        input:
+            runs=[f"{RAW}/{run}.h5" for run in RUNS],
+        output:
+            gains=f"{RESULTS}/control/gains.json",
+        log:
+            f"{RESULTS}/logs/read_gains.log",
+        params:
+            code=code_of("gains"),
+        message:
+            "Gains that the closed-loop logs name"
+        script:
+            "../scripts/read_gains.py"

@@ -157,6 +157,29 @@ def read_raw(
     return log
 
 
+#: What a log of a closed-loop run says further.
+_OF_A_RUN = ("controller", "gain", "reference", "settle_s", "source", "seed")
+
+
+def read_run(path: Path | str, names: tuple[str, ...]) -> Columns:
+    """Read channels of a closed-loop run.
+
+    Raises
+    ------
+    LogError
+        See ``read_columns``; further an attribute of a run is missing.
+    """
+    log, problems = gather_columns(path, names)
+    problems += [
+        f"{path}: attribute {name}: missing; closed-loop logs are described in data/raw/README.md"
+        for name in _OF_A_RUN
+        if name not in log.attributes
+    ]
+    if problems:
+        raise LogError("\n".join(problems))
+    return log
+
+
 def _wrong_attributes(
     path: Path | str, attributes: Mapping[str, Any], experiment: str | None
 ) -> list[str]:
