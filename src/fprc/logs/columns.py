@@ -97,6 +97,23 @@ def gather_columns(
     return Columns(path, channels, attributes), problems
 
 
+def read_header(path: Path | str) -> tuple[frozenset[str], dict[str, Any]]:
+    """Return the names of a file's channels, and its attributes; the samples are not read.
+
+    Raises
+    ------
+    LogError
+        The file cannot be opened, or is cut short.
+    """
+    path = Path(path)
+    refuse_cut_file(path)
+    try:
+        with h5py.File(path, "r") as file:
+            return frozenset(file), {key: plain(value) for key, value in file.attrs.items()}
+    except (OSError, RuntimeError, KeyError, TypeError, ValueError) as error:
+        raise LogError(f"{path}: cannot be read as HDF5 ({error})") from error
+
+
 def plain(value: Any) -> Any:
     """Return an attribute of an HDF5 file as Python has it, whichever program wrote it."""
     if isinstance(value, np.ndarray) and value.size == 1:

@@ -28,7 +28,8 @@ def assess(
     Each check has ``passed``, the measured numbers, and the limit. A failed
     check does not stop the workflow; the record and the terminal say so. What
     an import left out, or took for something else, is not judged where it
-    would have no meaning.
+    would have no meaning. ``loop`` is what the run of a real rig says of its
+    ticks: how many were missed, how late they began.
     """
     ranges = dict.fromkeys(_PRESSURES, pressure_range_kpa) | {"theta_deg": angle_range_deg}
     notes = notes_of(log)
@@ -52,7 +53,8 @@ def assess(
             "leak": _leak(log, leak_kpa_per_min, ranges),
         },
     }
-    return record | ({"notes": notes} if notes else {})
+    more = {"loop": json.loads(log.attributes.get("statistics", "{}")), "notes": notes}
+    return record | {name: content for name, content in more.items() if content}
 
 
 def something_else(name: str) -> str:

@@ -85,12 +85,17 @@ def write_raw(
 
 def missing_channels(source: str, channels: Container[str]) -> list[str]:
     """Return the channels that a log of this source must have and has not."""
-    if source != "import":
-        return [name for name in RAW_CHANNELS if name not in channels]
-    missing = [name for name in _IMPORTED if name not in channels]
-    if not any(name in channels for name in _TARGETS):
+    missing = [name for name in _needed(source) if name not in channels]
+    if source == "import" and not any(name in channels for name in _TARGETS):
         missing.append(" or ".join(_TARGETS))
     return missing
+
+
+def _needed(source: str | None) -> tuple[str, ...]:
+    if source == "import":
+        return _IMPORTED
+    # a real rig may have no angle sensor on the reservoir
+    return RAW_CHANNELS if source != "rig" else tuple(n for n in RAW_CHANNELS if n != "phi_deg")
 
 
 def refuse_to_overwrite(paths: Sequence[Path | str]) -> None:
@@ -136,10 +141,11 @@ def read_raw(
     LogError
         See ``read_columns``; further an attribute is missing or of the wrong
         kind, time does not increase, or the rate is not the expected one. Of an
-        imported log only time, angle and one of the two P_exp must be there.
+        imported log only time, angle and one of the two P_exp must be there, of
+        a real rig's all but ``phi_deg``.
     """
     source = gather_columns(path, ())[0].attributes.get("source")
-    needed = _IMPORTED if source == "import" else RAW_CHANNELS
+    needed = _needed(source)
     log, problems = gather_columns(path, needed, tuple(n for n in RAW_CHANNELS if n not in needed))
     if source == "import" and not any(name in log.channels for name in _TARGETS):
         problems.append(f"{path}: channel {' or '.join(_TARGETS)}: missing; import one of them")
@@ -154,6 +160,29 @@ def read_raw(
             f"{path}: attribute sample_rate_hz = {declared:g}; must be {sample_rate_hz:g}, "
             "resample the log or change control.sample_rate_hz"
         )
+    if problems:
+        raise LogError("\n".join(problems))
+    return log
+
+
+#: What a log of a closed-loop run says further.
+_OF_A_RUN = ("controller", "gain", "reference", "settle_s", "source", "seed")
+
+
+def read_run(path: Path | str, names: tuple[str, ...]) -> Columns:
+    """Read channels of a closed-loop run.
+
+    Raises
+    ------
+    LogError
+        See ``read_columns``; further an attribute of a run is missing.
+    """
+    log, problems = gather_columns(path, names)
+    problems += [
+        f"{path}: attribute {name}: missing; closed-loop logs are described in data/raw/README.md"
+        for name in _OF_A_RUN
+        if name not in log.attributes
+    ]
     if problems:
         raise LogError("\n".join(problems))
     return log

@@ -175,6 +175,8 @@ def _findings(
 def recover(journal: Path | str, raw: Path | str) -> Findings:
     """Write what can be read of a journal as a raw log; the journal stays as it is.
 
+    A channel without a single number, of a sensor that the rig does not have, is left out.
+
     Raises
     ------
     LogError
@@ -196,7 +198,8 @@ def recover(journal: Path | str, raw: Path | str) -> Findings:
     }
     if not findings.complete:
         told["incomplete_reason"] = findings.reason
-    write_raw(raw, channels, **told, rig=attributes["rig"])
+    measured = {name: values for name, values in channels.items() if not np.isnan(values).all()}
+    write_raw(raw, measured, **told, rig=attributes["rig"])
     return findings
 
 

@@ -518,3 +518,30 @@ def test_copy_must_be_called_a_raw_log(path, tmp_path):
     write(path)
     with pytest.raises(LogError, match="name ends in .h5"):
         recover(path, tmp_path / "run.journal2")
+
+
+# --- what a rig does not have, and what its loop says ---------------------------------------
+
+
+def test_sensor_that_the_rig_does_not_have_is_left_out_of_the_log(path, tmp_path):
+    phi = NAMES.index("phi_deg")
+    journal = Journal.create(path, NAMES, ATTRIBUTES)
+    for k in range(20):
+        values = list(row(k))
+        values[phi] = float("nan")
+        journal.append(k, values)
+    journal.close()
+    raw = tmp_path / "sweep.h5"
+    recover(path, raw)
+    log = read_raw(raw, experiment="sweep", sample_rate_hz=200.0, rate_tolerance=0.01)
+    assert set(log.channels) == set(RAW_CHANNELS) - {"phi_deg"}
+
+
+def test_quality_record_tells_what_the_loop_said_of_its_ticks(path, tmp_path):
+    write(path, overruns=3, jitter_p99_s=1e-4)
+    raw = tmp_path / "sweep.h5"
+    recover(path, raw)
+    log = read_raw(raw, experiment="sweep", sample_rate_hz=200.0, rate_tolerance=0.01)
+    limits = Settings().quality.model_dump()
+    record = assess(log, sample_rate_hz=200.0, **limits)
+    assert record["loop"] == {"overruns": 3, "jitter_p99_s": 1e-4}
