@@ -1,4 +1,4 @@
-"""Command line: ``fprc config``, ``fprc calibrate``, ``fprc import`` and ``fprc log``."""
+"""Command line: ``fprc config``, ``calibrate``, ``import``, ``readout`` and ``log``."""
 
 import argparse
 import sys
@@ -81,6 +81,22 @@ def _parser() -> argparse.ArgumentParser:
     bring.add_argument("--out", metavar="FILE.h5", help="raw log to write")
     bring.set_defaults(run=_import, usage=bring.error)
 
+    readout = groups.add_parser(
+        "readout",
+        help="say what the readout P_o of a recording is worth",
+        description="Import a recording, train FPRC with and without P_o on its first part, test "
+        "on its second, and write a report. The map gives test_from_s; docs/own-data.md describes "
+        "it. A run that was stopped goes on when it is called again.",
+    )
+    readout.add_argument("source", metavar="SOURCE")
+    readout.add_argument("--map", required=True, metavar="MAP.yaml", help="columns, units, parts")
+    readout.add_argument("--out", metavar="FOLDER", help="default: results/ and SOURCE's name")
+    readout.add_argument(
+        "--config", nargs="+", default=[], metavar="FILE", help="settings of the models"
+    )
+    readout.add_argument("--workers", type=int, help="processes (default: one a processor)")
+    readout.set_defaults(run=_readout)
+
     log = groups.add_parser("log", help="look at experiment logs")
     verbs = log.add_subparsers(required=True, metavar="VERB")
     quality = verbs.add_parser("check", help="read raw logs and print their quality records")
@@ -126,6 +142,19 @@ def _import(options: argparse.Namespace) -> int:
         bring_in(options.source, options.map, options.out)
     else:
         options.usage("give --list, or both --map and --out")
+    return 0
+
+
+def _readout(options: argparse.Namespace) -> int:
+    from fprc.stages.readout_report import report_readout
+
+    report_readout(
+        options.source,
+        options.map,
+        options.out,
+        config=options.config,
+        workers=options.workers,
+    )
     return 0
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from fprc.config import Settings
 from fprc.logs import Columns, assess
-from fprc.logs.quality import warnings
+from fprc.logs.quality import warnings, unit_told
 from fprc.stages.record import acquire
 
 CHECKS = {"rate", "gaps", "not_finite", "saturation", "stuck", "leak"}
@@ -211,3 +211,17 @@ def test_judging_leaves_the_log_as_it_was(recorded):
     judge(log)
     for name, values in recorded["sweep"].items():
         assert np.array_equal(log.channels[name], values)
+
+
+@pytest.mark.parametrize(
+    ("note", "unit"),
+    [
+        ("not in kPa: motor force F [N]", "N"),
+        ("not in kPa: force [left] of muscle [N m]", "N m"),
+        ("not in kPa: scaled command", "1"),
+        ("motor force F [N]", "kPa"),
+        (None, "kPa"),
+    ],
+)
+def test_unit_of_something_else_is_what_its_note_ends_with(note, unit):
+    assert unit_told("p_exp_kpa", {} if note is None else {"p_exp_kpa": note}) == unit
