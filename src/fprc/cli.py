@@ -1,4 +1,4 @@
-"""Command line: ``fprc config``, ``calibrate``, ``import``, ``rig`` and ``log``."""
+"""Command line: ``fprc config``, ``calibrate``, ``import``, ``readout``, ``rig``, ``log``."""
 
 import argparse
 import sys
@@ -103,6 +103,22 @@ def _parser() -> argparse.ArgumentParser:
             help="configuration, later files over earlier ones (default: %(default)s)",
         )
 
+    readout = groups.add_parser(
+        "readout",
+        help="say what the readout P_o of a recording is worth",
+        description="Import a recording, train FPRC with and without P_o on its first part, test "
+        "on its second, and write a report. The map gives test_from_s; docs/own-data.md describes "
+        "it. A run that was stopped goes on when it is called again.",
+    )
+    readout.add_argument("source", metavar="SOURCE")
+    readout.add_argument("--map", required=True, metavar="MAP.yaml", help="columns, units, parts")
+    readout.add_argument("--out", metavar="FOLDER", help="default: results/ and SOURCE's name")
+    readout.add_argument(
+        "--config", nargs="+", default=[], metavar="FILE", help="settings of the models"
+    )
+    readout.add_argument("--workers", type=int, help="processes (default: one a processor)")
+    readout.set_defaults(run=_readout)
+
     log = groups.add_parser("log", help="check or repair experiment logs")
     verbs = log.add_subparsers(required=True, metavar="VERB")
     quality = verbs.add_parser("check", help="read raw logs and print their quality records")
@@ -177,6 +193,19 @@ def _run_rig(options: argparse.Namespace) -> int:
         raw=options.out,
         model=options.model,
         gains=options.gains,
+    )
+    return 0
+
+
+def _readout(options: argparse.Namespace) -> int:
+    from fprc.stages.readout_report import report_readout
+
+    report_readout(
+        options.source,
+        options.map,
+        options.out,
+        config=options.config,
+        workers=options.workers,
     )
     return 0
 

@@ -165,11 +165,11 @@ def test_figures_are_as_wide_as_the_journal_prints_them():
 
 def test_command_is_drawn_over_time_with_its_unit(axes):
     time = np.linspace(0.0, 4.0, 50)
-    assert plot_command(time, np.sin(time), axes, "#0b3c5d") is axes
+    assert plot_command(time, np.sin(time), axes, "#0b3c5d", "P [kPa]") is axes
     assert axes.lines[0].get_ydata() == pytest.approx(np.sin(time))
     assert axes.get_xlim() == (0.0, 4.0)
     assert axes.get_xlabel() == "Time [s]"
-    assert "[kPa]" in axes.get_ylabel()
+    assert axes.get_ylabel() == "P [kPa]"
 
 
 def test_loop_joins_neighbouring_samples_and_is_coloured_by_time(axes):

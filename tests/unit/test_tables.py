@@ -36,6 +36,7 @@ def report(model, test, train=(10.0, 12.0), validation=(11.0, 14.0), trained_on=
         "source": "sim",
         "seed": 1,
         "target": "command",
+        "unit": "kPa",
         "split": "shuffled",
         "train_rmse_kpa": list(train),
         "validation_rmse_kpa": list(validation),
@@ -107,6 +108,13 @@ def test_page_of_table_2_shows_ours_beside_the_paper():
     assert page["FPRC, ours"].tolist() == ["11.0 ± 1.41", "12.5 ± 2.12", "12.0"]
     for name, printed in PRINTED.items():
         assert page[f"{name}, paper"].tolist() == printed
+
+
+def test_errors_of_something_else_are_in_its_unit():
+    reports = [content | {"unit": "N"} for content in REPORTS]
+    table = tables.comparison(reports, PUBLISHED)
+    assert set(table["unit"]) == {"N"}
+    assert tables.comparison_page(table).columns[0] == "Performance [N]"
 
 
 def test_model_that_is_not_there_has_a_column_that_says_so(written):

@@ -106,9 +106,12 @@ class Csv(Section):
 
 
 class ImportMap(Section):
-    """How one file becomes one raw log."""
+    """How one file becomes one raw log, or two: a training part and a test part."""
 
-    experiment: Literal["sweep", "complex"]
+    experiment: Literal["sweep", "complex"] | None = None
+    test_from_s: float | None = Field(
+        None, gt=0, description="training part before, test part from here, from the first sample"
+    )
     sample_rate_hz: float = Field(200.0, ge=1, le=1e5, description="rate of the raw log")
     time: Time
     start_s: float = Field(0.0, ge=0, description="cut before, from the first sample")
@@ -121,6 +124,31 @@ class ImportMap(Section):
         if self.end_s is not None and self.end_s <= self.start_s:
             raise ValueError(f"end_s = {self.end_s:g}; must be above start_s = {self.start_s:g}")
         return self
+
+    @model_validator(mode="after")
+    def _one_log_or_two(self) -> "ImportMap":
+        if (self.experiment is None) == (self.test_from_s is None):
+            raise ValueError(
+                "give either experiment, for the one log that `fprc import` writes, or "
+                "test_from_s, for the two parts of `fprc readout`"
+            )
+        end_s = float("inf") if self.end_s is None else self.end_s
+        if self.test_from_s is not None and not self.start_s < self.test_from_s < end_s:
+            raise ValueError(
+                f"test_from_s = {self.test_from_s:g}; must lie between start_s = {self.start_s:g} "
+                f"and end_s = {end_s:g}"
+            )
+        return self
+
+    def part(self, experiment: str) -> "ImportMap":
+        """Return the map of one of the two parts."""
+        parts = {
+            # the sample at the border belongs to the test
+            "sweep": {"end_s": self.test_from_s - 0.5 / self.sample_rate_hz},
+            "complex": {"start_s": self.test_from_s},
+        }
+        alone = {"experiment": experiment, "test_from_s": None}
+        return self.model_copy(update=alone | parts[experiment])
 
 
 def read_map(path: Path | str) -> ImportMap:

@@ -7,10 +7,12 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
 
-def plot_command(time_s: np.ndarray, p_exp_kpa: np.ndarray, ax: Axes, colour: str) -> Axes:
+def plot_command(
+    time_s: np.ndarray, p_exp_kpa: np.ndarray, ax: Axes, colour: str, label: str
+) -> Axes:
     """Draw a pressure command over time."""
     ax.plot(time_s, p_exp_kpa, color=colour, linewidth=0.5)
-    ax.set(xlabel="Time [s]", ylabel=r"$P_\mathrm{exp}$ [kPa]")
+    ax.set(xlabel="Time [s]", ylabel=label)
     ax.set_xlim(time_s[0], time_s[-1])
     return ax
 

@@ -20,7 +20,7 @@ def plot_readouts(table: DataFrame, setting: str, error: str, ax: Axes) -> Axes:
     Parameters
     ----------
     table : DataFrame
-        ``readout``, the setting, and the error.
+        ``readout``, the setting, the error, and its ``unit``.
     """
     for readout, (label, colour, marker) in _LOOKS.items():
         rows = table[table["readout"] == readout].sort_values(setting)
@@ -29,6 +29,6 @@ def plot_readouts(table: DataFrame, setting: str, error: str, ax: Axes) -> Axes:
         else:
             ax.plot(rows[setting], rows[error], color=COLOURS[colour], marker=marker,
                     markersize=2.5, label=label)  # fmt: skip
-    ax.set_ylabel("RMSE [kPa]")
+    ax.set_ylabel(f"RMSE [{table['unit'].iloc[0]}]")
     ax.set_ylim(bottom=0)
     return ax

@@ -17,7 +17,7 @@ def plot_errors_over(table: DataFrame, setting: str, label: dict, ax: Axes) -> A
     Parameters
     ----------
     table : DataFrame
-        ``model``, the setting, and mean and std of each phase.
+        ``model``, the setting, mean and std of each phase, and their ``unit``.
     """
     styles = {"fprc": "-", "fuzzy_linear": "--"}
     for model, rows in table.groupby("model", sort=False):
@@ -28,7 +28,7 @@ def plot_errors_over(table: DataFrame, setting: str, label: dict, ax: Axes) -> A
                 color=COLOURS[phase], linestyle=styles[model], marker=_MARKERS[phase],
                 markersize=2.5, linewidth=0.8, capsize=1.5, label=f"{label[model]}{name}",
             )  # fmt: skip
-    ax.set_ylabel("RMSE [kPa]")
+    ax.set_ylabel(f"RMSE [{table['unit'].iloc[0]}]")
     return ax
 
 
@@ -63,7 +63,8 @@ def plot_grid(table: DataFrame, phase: str, ax: Axes) -> Axes:
     best_y, best_u = np.unravel_index(np.argmin(grid.to_numpy()), grid.shape)
     ax.add_patch(_frame(grid.columns[best_u], grid.index[best_y]))
     ax.set(xlabel="$n_u$", ylabel="$n_y$", xticks=grid.columns, yticks=grid.index)
-    ax.figure.colorbar(image, ax=ax, label=f"{_PHASES[phase]} RMSE [kPa]", pad=0.02)
+    unit = table["unit"].iloc[0]
+    ax.figure.colorbar(image, ax=ax, label=f"{_PHASES[phase]} RMSE [{unit}]", pad=0.02)
     return ax
 
 

@@ -1,6 +1,7 @@
 """Quality record of a raw log: what a careful experimenter would look at."""
 
 import json
+import re
 from collections.abc import Container, Mapping, Sequence
 from typing import Any
 
@@ -60,6 +61,18 @@ def assess(
 def something_else(name: str) -> str:
     """Return how the note of a channel begins whose numbers are not in the unit of its name."""
     return f"not in {unit_of(name)}: "
+
+
+def unit_told(name: str, notes: Mapping[str, str]) -> str:
+    """Return the unit of a channel; of something else, what its note ends with in brackets.
+
+    A note without brackets gives ``1``, the map's word for a quantity without a unit.
+    """
+    note = notes.get(name, "")
+    if not note.startswith(something_else(name)):
+        return unit_of(name)
+    told = re.search(r"\[([^\[\]]+)\]\s*$", note)
+    return told[1] if told else "1"
 
 
 def notes_of(log: Columns) -> dict[str, str]:

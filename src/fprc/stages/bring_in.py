@@ -9,7 +9,7 @@ import numpy as np
 from fprc import __version__
 from fprc.artifacts import write_json
 from fprc.config.importing import ImportMap, read_map
-from fprc.errors import LogError
+from fprc.errors import ConfigError, LogError
 from fprc.figures import style
 from fprc.figures.diagnosis import draw_diagnosis
 from fprc.logs import read_columns, write_raw
@@ -39,6 +39,16 @@ def bring_in(source: str, map_file: str, raw: str) -> None:
         The file cannot be used so, or ``raw`` is a log that was not imported.
     """
     told = read_map(map_file)
+    if told.experiment is None:
+        raise ConfigError(
+            f"{map_file}: test_from_s is for `fprc readout`; give experiment (sweep or complex) "
+            "instead, and start_s or end_s"
+        )
+    bring_in_as(told, source, raw)
+
+
+def bring_in_as(told: ImportMap, source: str, raw: str) -> None:
+    """Do as ``bring_in`` with a map that was read."""
     if Path(raw).suffix != ".h5":
         raise LogError(f"{raw}: a raw log's name ends in .h5; write --out {Path(raw).stem}.h5")
     _refuse_to_overwrite(raw)

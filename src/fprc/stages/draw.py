@@ -15,9 +15,13 @@ from fprc.figures.weights import plot_shares
 from fprc.logs import Columns, read_columns
 
 _DATA = ("time_s", "p_exp_kpa", "theta_deg")
-_THETA = r"$\theta$ [deg]"
-_P_EXP = r"$P_\mathrm{exp}$ [kPa]"
-_P_O = r"$P_o$ [kPa]"
+_SYMBOLS = {"theta": r"$\theta$", "p_exp": r"$P_\mathrm{exp}$", "p_o": "$P_o$"}
+_UNITS = {"theta": "deg", "p_exp": "kPa", "p_o": "kPa"}
+
+
+def _label(name: str, log: Columns) -> str:
+    """Return symbol and unit of what a log holds as theta, p_exp or p_o."""
+    return f"{_SYMBOLS[name]} [{log.attributes.get(f'{name}_unit', _UNITS[name])}]"
 
 
 def draw_actuator_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> Mapping[str, Any]:
@@ -29,8 +33,9 @@ def draw_actuator_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> Ma
         log = read_columns(path, _DATA)
         logs.append(log)
         time_s, p_exp, theta = (log.channels[name] for name in _DATA)
-        plot_command(time_s, p_exp, row[0], style.COLOURS["p_exp"])
-        lines = plot_loop(p_exp, theta, time_s, row[1], (_P_EXP, _THETA))
+        labels = _label("p_exp", log), _label("theta", log)
+        plot_command(time_s, p_exp, row[0], style.COLOURS["p_exp"], labels[0])
+        lines = plot_loop(p_exp, theta, time_s, row[1], labels)
         for ax, text in zip(row, title, strict=True):
             style.letter(ax, text)
     add_time_bar(lines, axes.ravel())
@@ -45,7 +50,7 @@ def draw_reservoir_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> M
         log = read_columns(path, ("time_s", "theta_deg", "p_o_kpa"))
         logs.append(log)
         theta, p_o, time_s = (log.channels[name] for name in ("theta_deg", "p_o_kpa", "time_s"))
-        lines = plot_loop(theta, p_o, time_s, ax, (_THETA, _P_O))
+        lines = plot_loop(theta, p_o, time_s, ax, (_label("theta", log), _label("p_o", log)))
         ax.label_outer()
         style.letter(ax, title)
     add_time_bar(lines, axes)
@@ -63,8 +68,9 @@ def draw_training(fit: str, prediction: str, pdf: str, png: str) -> Mapping[str,
         logs.append(log)
         series = tuple(log.channels.values())
         colours = style.COLOURS["p_exp"], style.COLOURS["p_ff"]
-        plot_fit(*series, pair[0], colours=colours)
-        plot_error(*series, pair[1], colour=style.COLOURS[log.attributes["model"]])
+        unit = log.attributes.get("p_exp_unit", "kPa")
+        plot_fit(*series, pair[0], colours=colours, unit=unit)
+        plot_error(*series, pair[1], colour=style.COLOURS[log.attributes["model"]], unit=unit)
         style.letter(pair[0], title)
     style.legend_above(axes[0])
     return style.save(fig, _marked(logs), pdf, png)
@@ -105,14 +111,14 @@ def draw_settings(
     by_n_c, timed = read_json(n_c), read_json(times)
     if epsilon:
         fig, axes = style.figure(3, 1, style.COLUMN_IN, 5.6)
-        plot_errors_over(_errors(read_json(epsilon)["cells"]), "epsilon", {"fprc": ""}, axes[0])
+        plot_errors_over(_errors(read_json(epsilon)), "epsilon", {"fprc": ""}, axes[0])
         axes[0].set_xscale("log")
         axes[0].set_xlabel(r"$\epsilon$")
         style.letter(axes[0], "(a) Errors of FPRC")
     else:
         fig, axes = style.figure(2, 1, style.COLUMN_IN, 3.9)
     errors, seconds = axes[-2:]
-    plot_errors_over(_errors(by_n_c["cells"]), "n_c", _LABELS, errors)
+    plot_errors_over(_errors(by_n_c), "n_c", _LABELS, errors)
     plot_times_over(_seconds(timed["times"]), "n_c", _LABELS, seconds)
     for ax in (errors, seconds):
         ax.set_xscale("log", base=2)
@@ -128,7 +134,7 @@ def draw_settings(
 def draw_taps(taps: str, pdf: str, png: str) -> Mapping[str, Any]:
     """Figure 11: errors over the tap sizes."""
     report = read_json(taps)
-    table = _errors(report["cells"])
+    table = _errors(report)
     fig, axes = style.figure(3, 1, style.COLUMN_IN, 7.4)
     titles = {"train": "(a) Training", "validation": "(b) Validation", "test": "(c) Test"}
     for ax, (phase, title) in zip(axes, titles.items(), strict=True):
@@ -137,10 +143,12 @@ def draw_taps(taps: str, pdf: str, png: str) -> Mapping[str, Any]:
     return style.save(fig, report, pdf, png)
 
 
-def _errors(cells: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+def _errors(report: Mapping[str, Any]) -> pd.DataFrame:
     rows = []
-    for cell in cells:
-        row = {key: value for key, value in cell.items() if not key.endswith("_rmse_kpa")}
+    for cell in report["cells"]:
+        row = {"unit": report["unit"]} | {
+            key: value for key, value in cell.items() if not key.endswith("_rmse_kpa")
+        }
         for phase in ("train", "validation", "test"):
             errors = np.atleast_1d(cell[f"{phase}_rmse_kpa"])
             row |= {f"{phase}_mean": errors.mean(), f"{phase}_std": errors.std()}

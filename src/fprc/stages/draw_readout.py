@@ -21,7 +21,7 @@ def draw_readout(cells: str, pdf: str, png: str) -> Mapping[str, Any]:
     labels = {"epsilon": r"$\epsilon$", "n_u": "$n_u$"}
     fig, axes = style.figure(2, 2, style.COLUMN_IN, 3.8, sharey="row", sharex="col")
     for row, (error, name) in zip(
-        axes, {"validation_rmse_kpa": "Validation", "test_rmse_kpa": "Test"}.items(), strict=True
+        axes, {"validation_rmse": "Validation", "test_rmse": "Test"}.items(), strict=True
     ):
         for ax, setting in zip(row, over, strict=True):
             plot_readouts(over[setting], setting, error, ax)

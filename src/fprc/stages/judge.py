@@ -28,6 +28,11 @@ class Data(NamedTuple):
     channels: Mapping[str, np.ndarray]
     attributes: Mapping[str, Any]
 
+    @property
+    def unit(self) -> str:
+        """Unit of P_exp, and so of every error: kPa, unless an import says something else."""
+        return self.attributes.get("p_exp_unit", "kPa")
+
     def pair(self, model: str) -> tuple[np.ndarray, np.ndarray]:
         """Return the inputs of a model, and P_exp.
 
@@ -78,13 +83,19 @@ def refuse_mixture(train: Data, test: Data) -> None:
     Raises
     ------
     LogError
-        One log is simulated, recorded or imported, and the other is not.
+        One log is simulated, recorded or imported, and the other is not; or
+        their P_exp has different units.
     """
     kinds = train.attributes["source"], test.attributes["source"]
     if kinds[0] != kinds[1]:
         raise LogError(
             f"the training log's source is {kinds[0]}, the test log's {kinds[1]}; "
             "use two logs of one kind"
+        )
+    if train.unit != test.unit:
+        raise LogError(
+            f"P_exp of the training log is in {train.unit}, that of the test log in {test.unit}; "
+            "import both in one unit"
         )
 
 
@@ -150,6 +161,7 @@ def judge_model(
         "source": train.attributes["source"],
         "seed": seed,
         "target": train.attributes["target"],
+        "unit": train.unit,
         "split": split,
         "train_rmse_kpa": judged.train_rmse,
         "validation_rmse_kpa": judged.validation_rmse,

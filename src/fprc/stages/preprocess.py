@@ -6,7 +6,7 @@ from typing import Any
 
 from fprc.artifacts import write_json
 from fprc.logs import assess, read_raw, write_columns
-from fprc.logs.quality import notes_of, warnings
+from fprc.logs.quality import notes_of, unit_told, warnings
 
 log = logging.getLogger(__name__)
 
@@ -54,6 +54,10 @@ def preprocess(
     kept = ("experiment", "source", "simulated", "sample_rate_hz", "seed", "notes")
     attributes = {name: source.attributes[name] for name in kept if name in source.attributes}
     attributes["target"] = target
+    notes = notes_of(source)
+    attributes["p_exp_unit"] = unit_told(TARGETS[target], notes)
+    attributes["theta_unit"] = unit_told("theta_deg", notes)
+    attributes["p_o_unit"] = unit_told("p_o_kpa", notes)
     write_json(quality, report)
     write_columns(data, channels, attributes)
     passed = sum(check["passed"] for check in report["checks"].values())

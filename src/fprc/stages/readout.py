@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -49,6 +49,7 @@ def measure_readout(
     workers: int,
     checkpoint: str,
     version: str,
+    progress: Callable[[int, int], None] = report_progress,
 ) -> None:
     """Cross-validate and test FPRC with each readout."""
     data = read_data(train)
@@ -63,13 +64,12 @@ def measure_readout(
         workers=workers,
         checkpoint=checkpoint,
         key=digest.hexdigest(),
-        progress=report_progress,
+        progress=progress,
     )
     source, target = (data.attributes[key] for key in ("source", "target"))
     own = {key: models["fprc"][key] for key in ("epsilon", "n_u")}
-    write_json(
-        cells, {"source": source, "seed": seed, "target": target, "own": own, "cells": judged}
-    )
+    told = {"source": source, "seed": seed, "target": target, "unit": data.unit, "own": own}
+    write_json(cells, {**told, "cells": judged})
     Path(checkpoint).unlink()
 
 

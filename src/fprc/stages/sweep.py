@@ -56,7 +56,8 @@ def sweep_settings(
     digest = hashlib.sha256(json.dumps([settings, version], sort_keys=True).encode())
     for path in (train, test):
         digest.update(Path(path).read_bytes())
-    models_there = able(read_data(train), read_data(test))
+    data = read_data(train)
+    models_there = able(data, read_data(test))
     cells = [cell for cell in cells_of(sweep, values) if cell["model"] in models_there]
     judged = run_cells(
         partial(_judge_from_files, train=train, test=test, **settings),
@@ -66,8 +67,8 @@ def sweep_settings(
         key=digest.hexdigest(),
         progress=report_progress,
     )
-    source = read_data(train).attributes["source"]
-    write_json(results, {"sweep": sweep, "source": source, "seed": seed, "cells": judged})
+    told = {"sweep": sweep, "source": data.attributes["source"], "seed": seed, "unit": data.unit}
+    write_json(results, {**told, "cells": judged})
     Path(checkpoint).unlink()
 
 

@@ -51,7 +51,7 @@ def comparison(reports: Sequence[Mapping[str, Any]], published: Mapping[str, Any
                 {
                     "model": report["model"],
                     "metric": metric,
-                    "unit": "kPa",
+                    "unit": report["unit"],
                     "mean": ours.mean(),
                     "std": ours.std(ddof=1) if ours.size > 1 else None,
                     "published_mean": float(theirs[0]),
@@ -134,7 +134,7 @@ def _lowest(tests: Mapping[tuple[str, str], float], trained_on: str) -> str:
 
 def comparison_page(table: pd.DataFrame) -> pd.DataFrame:
     """Table II as the paper prints it, ours beside the published numbers."""
-    page = {"Performance [kPa]": list(ERRORS.values())}
+    page = {f"Performance [{table['unit'].iloc[0]}]": list(ERRORS.values())}
     present = set(table["model"])
     for model, name in MODEL_NAMES.items():
         if model not in present:

@@ -26,10 +26,10 @@ def readout(report: Mapping[str, Any]) -> pd.DataFrame:
         row = {key: cell[key] for key in ("split", "readout", "epsilon", "n_u")}
         for phase in _PHASES:
             errors = np.atleast_1d(cell[f"{phase}_rmse_kpa"])
-            row[f"{phase}_rmse_kpa"] = errors.mean()
+            row[f"{phase}_rmse"] = errors.mean()
             if phase != "test":
-                row[f"{phase}_std_kpa"] = errors.std(ddof=1)
-        rows.append(row | {"source": report["source"]})
+                row[f"{phase}_std"] = errors.std(ddof=1)
+        rows.append(row | {"unit": report["unit"], "source": report["source"]})
     return pd.DataFrame(rows)
 
 
@@ -40,9 +40,9 @@ def readout_page(table: pd.DataFrame, own: Mapping[str, float]) -> pd.DataFrame:
         {
             "Readout": READOUT_NAMES[row.readout],
             "Folds": row.split,
-            "Training [kPa]": spread(row.train_rmse_kpa, row.train_std_kpa),
-            "Validation [kPa]": spread(row.validation_rmse_kpa, row.validation_std_kpa),
-            "Test [kPa]": spread(row.test_rmse_kpa, None),
+            f"Training [{row.unit}]": spread(row.train_rmse, row.train_std),
+            f"Validation [{row.unit}]": spread(row.validation_rmse, row.validation_std),
+            f"Test [{row.unit}]": spread(row.test_rmse, None),
         }
         for row in at_own.itertuples()
     )

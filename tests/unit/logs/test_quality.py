@@ -7,7 +7,7 @@ import pytest
 
 from fprc.config import Settings
 from fprc.logs import Columns, assess
-from fprc.logs.quality import warnings
+from fprc.logs.quality import unit_told, warnings
 from fprc.stages.record import acquire
 
 CHECKS = {"complete", "rate", "gaps", "not_finite", "saturation", "stuck", "leak"}
@@ -236,3 +236,17 @@ def test_log_that_is_not_complete_fails_with_its_reason(log, told, expected):
     log.attributes.update(told)
     assert judge(log)["checks"]["complete"] == expected
     assert failed(log) == (set() if expected["passed"] else {"complete"})
+
+
+@pytest.mark.parametrize(
+    ("note", "unit"),
+    [
+        ("not in kPa: motor force F [N]", "N"),
+        ("not in kPa: force [left] of muscle [N m]", "N m"),
+        ("not in kPa: scaled command", "1"),
+        ("motor force F [N]", "kPa"),
+        (None, "kPa"),
+    ],
+)
+def test_unit_of_something_else_is_what_its_note_ends_with(note, unit):
+    assert unit_told("p_exp_kpa", {} if note is None else {"p_exp_kpa": note}) == unit

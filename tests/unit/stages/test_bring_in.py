@@ -17,7 +17,7 @@ from fprc.config.importing import read_map
 from fprc.errors import ConfigError, LogError
 from fprc.logs import RAW_CHANNELS, assess, read_columns, read_raw, write_raw
 from fprc.stages.bring_in import bring_in
-from fprc.stages.judge import read_data
+from fprc.stages.judge import Data, read_data, refuse_mixture
 from fprc.stages.preprocess import preprocess
 
 RATE = {"experiment": "sweep", "sample_rate_hz": 200.0, "rate_tolerance": 0.01}
@@ -314,3 +314,14 @@ def test_every_map_of_the_page_is_valid(tmp_path):
     for text in blocks("yaml"):
         (tmp_path / "map.yaml").write_text(text)
         assert read_map(tmp_path / "map.yaml")
+
+
+def test_units_of_notes_reach_the_data_and_are_not_mixed(bring):
+    force = {"column": "p_i_kpa", "unit": 1, "note": "motor force F [N]"}
+    data = read_data(str(prepared(bring({"theta_deg": ANGLE, "p_exp_kpa": force}))))
+    assert data.unit == "N"
+    assert data.attributes["theta_unit"] == "deg"
+    plain = Data(data.channels, data.attributes | {"p_exp_unit": "kPa"})
+    refuse_mixture(data, data)
+    with pytest.raises(LogError, match="training log is in N, that of the test log in kPa"):
+        refuse_mixture(data, plain)
