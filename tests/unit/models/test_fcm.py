@@ -7,8 +7,10 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose
 from scipy.spatial.distance import cdist
+from sklearn.cluster import kmeans_plusplus
 from sklearn.exceptions import ConvergenceWarning
 
+from fprc.models import fcm
 from fprc.models.fcm import fuzzy_c_means
 
 examples = settings(max_examples=40, deadline=None, derandomize=True)
@@ -114,6 +116,28 @@ def test_default_tolerance_stops_next_to_the_optimum():
     assert_allclose(stopped.objective, optimum.objective, rtol=1e-5)
 
 
+@pytest.mark.parametrize(("n_clusters", "seed"), [(4, 0), (4, 1), (8, 0), (8, 1), (8, 2)])
+def test_extrapolation_ends_in_the_optimum_of_plain_alternation_in_a_third_of_its_iterations(
+    n_clusters, seed
+):
+    X = hysteresis(4000)
+    start, _ = kmeans_plusplus(X, n_clusters, random_state=seed)
+    objective, iterations = alternated(X, start, tolerance=1e-8)
+    ours = fuzzy_c_means(
+        X, n_clusters, random_state=seed, coarse=1, tolerance=1e-8, max_iterations=iterations // 3
+    )
+    assert_allclose(ours.objective, objective, rtol=1e-10)
+
+
+def test_samples_of_more_than_one_block_count_alike(monkeypatch):
+    X = hysteresis(1000)
+    whole = fuzzy_c_means(X, 4, random_state=0, tolerance=1e-9)
+    monkeypatch.setattr(fcm, "BLOCK", 77)
+    parts = fuzzy_c_means(X, 4, random_state=0, tolerance=1e-9)
+    assert_allclose(parts.objective, whole.objective, rtol=1e-12)
+    assert_allclose(parts.memberships, whole.memberships, atol=1e-8)
+
+
 def test_one_cluster_is_the_mean():
     X = blobs(5)
     clusters = fuzzy_c_means(X, 1, random_state=0)
@@ -149,6 +173,20 @@ def test_number_of_clusters_that_the_samples_do_not_allow_is_refused(n_clusters)
 def test_too_few_iterations_warn_with_both_limits():
     with pytest.warns(ConvergenceWarning, match="1e-09 in 2 iterations"):
         fuzzy_c_means(hysteresis(100), 4, random_state=0, tolerance=1e-9, max_iterations=2)
+
+
+def alternated(X, centers, tolerance):
+    """Return the objective that memberships and centres in turn end at, and their iterations."""
+    before = np.zeros((len(X), len(centers)))
+    change, iterations = 1.0, 0
+    while change >= tolerance:
+        iterations += 1
+        closeness = 1.0 / np.maximum(cdist(X, centers, "sqeuclidean"), 1e-24)
+        u = closeness / closeness.sum(axis=1, keepdims=True)
+        change = np.abs(u - before).max()
+        before, shares = u, u**2
+        centers = shares.T @ X / shares.sum(axis=0)[:, None]
+    return (u**2 / closeness).sum(), iterations
 
 
 def blobs(seed):
