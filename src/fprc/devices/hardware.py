@@ -108,7 +108,7 @@ class HardwareRig:
                 number = settings["bus"]
                 if number not in self._buses:
                     self._buses[number] = bus = open_bus(number)
-                    opened.callback(bus.close)
+                    opened.callback(_quietly, bus.close)
                 own = {key: settings[key] for key in ("ticks", "gain", "offset_deg")}
                 built = BendSensor(self._buses[number], settings["address"], **own)
                 built.start(sleep=sleep)
