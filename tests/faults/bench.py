@@ -66,7 +66,6 @@ class Bench:
         self.tick = 0
         self.rig = SimulatedRig(settings["rig"], seed=seed, run=run, sample_rate_hz=rate_hz)
         self._transducers = [settings["hardware"][name] for name in ("p_exp", "p_i", "p_o")]
-        self.shared.outputs[:2] = [5.0, 5.0]
         self._show()
 
     def elapsed(self) -> float:

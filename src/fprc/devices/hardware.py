@@ -167,7 +167,9 @@ class HardwareRig:
 
 
 def open_valves(hardware: Mapping[str, Any], *, reset: bool = True) -> Valves:
-    """Open the output board and close both valves.
+    """Open the output board and vent both chambers.
+
+    A closed valve leaks: a chamber that is left behind it fills slowly.
 
     Parameters
     ----------
@@ -179,13 +181,13 @@ def open_valves(hardware: Mapping[str, Any], *, reset: bool = True) -> Valves:
     DeviceError
         The driver or the board cannot be opened.
     """
-    boards, voltages = hardware["boards"], hardware["valves"]
+    boards = hardware["boards"]
     board = AnalogOutput(load_library(boards["library"]), boards["output_device"], reset=reset)
-    valves = Valves(board, boards, voltages)
+    valves = Valves(board, boards, hardware["valves"])
     try:
-        valves.write(voltages["neutral_v"], voltages["neutral_v"])
+        valves.vent()
     except DeviceError:
-        _quietly(valves.close)
+        _quietly(valves.close)  # which tries once more
         raise
     return valves
 

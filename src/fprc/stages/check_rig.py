@@ -8,6 +8,7 @@ import numpy as np
 
 from fprc.control import RunAbortedError, run
 from fprc.devices import Readings
+from fprc.errors import ControlError
 from fprc.stages.guardian import ALIVE
 from fprc.stages.rig_session import loops, rig, sign
 
@@ -21,7 +22,7 @@ RISE_S = 0.5
 VENT = -1e3
 #: Highest reading of a chamber: with swapped hoses the loop fills one that it does not see.
 HIGHEST_KPA = 3.0 * TEST_KPA
-#: Phases: name, set-points of actuator and PAM A in kPa, length in s.
+#: Phases: name, set-points of actuator and PAM A in kPa, length in s. At rest nothing is written.
 PHASES = (
     ("rest", VENT, VENT, 1.0),
     ("actuator filled", TEST_KPA, VENT, 2.0),
@@ -49,27 +50,37 @@ def check_rig(settings: Mapping[str, Any], armed: bool, stop: Callable[[], str])
     DeviceError
         Lists the parts that do not answer.
     """
-    control = settings["control"]
-    rate_hz = control["sample_rate_hz"]
+    control, hardware = settings["control"], _cautious(settings["hardware"])
+    period_s = 1.0 / control["sample_rate_hz"]
     phases = PHASES if armed else PHASES[:1]
-    ends = np.cumsum([round(seconds * rate_hz) for *_, seconds in phases])
-    samples = int(ends[-1])
-    setpoints = _setpoints(phases, [0, *ends], rate_hz).tolist()
-
-    def law(k: int, now: Readings) -> list[float]:
-        if k % 10 == 0:
+    ends = np.cumsum([round(seconds / period_s) for *_, seconds in phases])
+    with rig(hardware, period_s) as (device, clock):
+        readings = []
+        for k in range(ends[0]):
+            clock.wait_for(k)
             sign(ALIVE)
-        return setpoints[k]
+            readings.append(device.read())
+            if reason := stop():
+                raise ControlError(reason)
+    channels = dict(zip(Readings._fields, np.array(readings).T, strict=True))
+    late, trouble = clock.statistics(), []
+    if armed:
+        setpoints = _setpoints(phases[1:], ends - ends[0], period_s).tolist()
 
-    trouble = []
-    with rig(_cautious(settings["hardware"]), 1.0 / rate_hz) as (device, clock):
-        try:
-            channels = run(device, clock, law, samples, **loops(control), stop=stop)
-        except RunAbortedError as stopped:
-            channels = stopped.channels
-            trouble.append(f"stopped: {stopped}")
-        late = clock.statistics()
-    lines, found = describe(channels, ends / rate_hz, phases)
+        def law(k: int, now: Readings) -> list[float]:
+            sign(ALIVE)
+            return setpoints[k]
+
+        with rig(hardware, period_s) as (device, clock):
+            try:
+                moved = run(device, clock, law, len(setpoints), **loops(control), stop=stop)
+            except RunAbortedError as stopped:
+                moved = stopped.channels
+                trouble.append(f"stopped: {stopped}")
+            late = clock.statistics()
+        moved["time_s"] += ends[0] * period_s
+        channels = {name: np.append(values, moved[name]) for name, values in channels.items()}
+    lines, found = describe(channels, ends * period_s, phases)
     lines.append(
         f"loop: {late['ticks']} ticks, {late['overruns']} missed, late by "
         f"{1e3 * late['jitter_p50_s']:.3f} ms in the median, "
@@ -84,11 +95,11 @@ def check_rig(settings: Mapping[str, Any], armed: bool, stop: Callable[[], str])
     return 1 if trouble else 0
 
 
-def _setpoints(phases, bounds: list[int], rate_hz: float) -> np.ndarray:
+def _setpoints(phases, bounds: np.ndarray, period_s: float) -> np.ndarray:
     """Return the set-points of both chambers at every sample, kPa."""
     found = np.empty((bounds[-1], 2))
-    for (_, *goals, _), begin, end in zip(phases, bounds, bounds[1:], strict=False):
-        risen_kpa = np.arange(end - begin) / rate_hz * TEST_KPA / RISE_S
+    for (_, *goals, _), begin, end in zip(phases, bounds[:-1], bounds[1:], strict=True):
+        risen_kpa = np.arange(end - begin) * period_s * TEST_KPA / RISE_S
         found[begin:end] = np.minimum(risen_kpa[:, None], goals)
     return found
 

@@ -11,7 +11,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
 from fprc.devices.hardware import open_valves
@@ -35,8 +35,9 @@ def guard(request: Mapping[str, Any], hardware: Mapping[str, Any]) -> None:
         signs: queue.SimpleQueue[bytes] = queue.SimpleQueue()
         threading.Thread(target=_listen, args=(process, signs), daemon=True).start()
         with _handing_on_signals(process):
-            process.stdin.write(json.dumps(request).encode() + b"\n")
-            process.stdin.flush()
+            with suppress(BrokenPipeError):  # it ended at once, and says why
+                process.stdin.write(json.dumps(request).encode() + b"\n")
+                process.stdin.flush()
             end = _watch(signs, hardware["loop"]["stalled_s"])
             if end == "silent":
                 process.kill()
@@ -60,9 +61,9 @@ def _listen(process: subprocess.Popen, signs: queue.SimpleQueue) -> None:
 
 
 def _watch(signs: queue.SimpleQueue, stalled_s: float) -> str:
-    """Wait for the end of the process's work; return ``safe``, ``gone`` or ``silent``.
+    """Wait for the end of the process; return ``safe``, ``gone`` or ``silent``.
 
-    The clock of silence runs while the rig is hot: before that nothing moves.
+    The clock of silence runs while the rig is hot: before and after that nothing moves.
     """
     hot = False
     while True:
@@ -70,11 +71,10 @@ def _watch(signs: queue.SimpleQueue, stalled_s: float) -> str:
             chunk = signs.get(timeout=stalled_s if hot else None)
         except queue.Empty:
             return "silent"
-        if SAFE in chunk:
-            return "safe"
         if not chunk:
             return "gone" if hot else "safe"
-        hot = hot or HOT in chunk
+        said = (HOT if hot else SAFE) + chunk
+        hot = said.rfind(HOT) > said.rfind(SAFE)
 
 
 def _vent(hardware: Mapping[str, Any]) -> str:

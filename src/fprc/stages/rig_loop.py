@@ -15,10 +15,10 @@ from pathlib import Path
 from typing import Any
 
 from fprc.control import RunAbortedError, run
-from fprc.control.realtime import be_punctual
 from fprc.errors import FprcError, LogError
 from fprc.logs import RAW_CHANNELS
-from fprc.logs.journal import Journal, recover
+from fprc.logs.journal import Journal
+from fprc.logs.recovery import recover
 from fprc.stages.check_rig import check_rig
 from fprc.stages.experiments import plan
 from fprc.stages.guardian import ALIVE
@@ -74,8 +74,6 @@ def record(
     path = Path(raw).with_suffix(f".{stamp}.journal")
     with Journal.create(path, experiment.channels, experiment.attributes) as journal:
         stopped, told = None, {}
-        for line in be_punctual(hardware["loop"]["priority"]):
-            log.info("%s", line)
         with rig(hardware, period_s) as (device, clock):
             _announce(name, experiment.samples * period_s, experiment.hint)
             try:

@@ -1,5 +1,6 @@
 """A session with the real rig: opened, guarded, on its clock, and made safe at the end."""
 
+import logging
 import os
 import signal
 import sys
@@ -10,9 +11,12 @@ from typing import Any
 
 from fprc.control import PressurePI
 from fprc.control.clock import Metronome
+from fprc.control.realtime import be_punctual
 from fprc.devices.hardware import HardwareRig
 from fprc.devices.safety import Guarded
 from fprc.stages.guardian import HOT, SAFE
+
+log = logging.getLogger("fprc.rig")
 
 _LOOPS = ("main_loop", "reservoir_loop")
 
@@ -31,6 +35,8 @@ def rig(hardware: Mapping[str, Any], period_s: float) -> Iterator[tuple[Guarded,
         period_s, overruns_in_a_row=limits["overruns_in_a_row"], spin_s=hardware["loop"]["spin_s"]
     )
     opened = HardwareRig(hardware, clock.elapsed)
+    for line in be_punctual(hardware["loop"]["priority"]):
+        log.info("%s", line)
     sign(HOT)
     try:
         yield Guarded(opened, limits, period_s, phi=bool(hardware["phi"])), clock
