@@ -121,11 +121,15 @@ class _Progress:
         self._every = max(int(0.05 / period_s), 1)
         self._tenth = max(samples // 10, 1)
         self._samples, self._period_s = samples, period_s
+        self._signed = self._told = 0
 
     def __call__(self, done: int) -> None:
-        if done % self._every == 0:
+        # missed ticks may leap over any single number
+        if done - self._signed >= self._every:
+            self._signed = done
             sign(ALIVE)
-        if done % self._tenth == 0:
+        if done // self._tenth > self._told:
+            self._told = done // self._tenth
             log.info("%3.0f of %3.0f s", done * self._period_s, self._samples * self._period_s)
 
 
