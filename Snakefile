@@ -7,7 +7,8 @@ from snakemake.utils import min_version
 from fprc.config import check
 from fprc.errors import FprcError
 from fprc.fingerprint import fingerprint
-from fprc.logs import refuse_to_overwrite
+from fprc.logs import holdings, refuse_to_overwrite
+from fprc.stages.availability import refusal, unavailable
 
 min_version("9.0")
 

@@ -103,11 +103,20 @@ def _parser() -> argparse.ArgumentParser:
             help="configuration, later files over earlier ones (default: %(default)s)",
         )
 
-    log = groups.add_parser("log", help="look at experiment logs")
+    log = groups.add_parser("log", help="check or repair experiment logs")
     verbs = log.add_subparsers(required=True, metavar="VERB")
     quality = verbs.add_parser("check", help="read raw logs and print their quality records")
     quality.add_argument("files", nargs="+", metavar="FILE")
     quality.set_defaults(run=_check_logs)
+    repair = verbs.add_parser(
+        "repair",
+        help="bring what is left of a run into a raw log",
+        description="Copy what can be read of a journal, or of a damaged raw log, into a new raw "
+        "log and say what is lost. Exit code 0: nothing is; 3: some is; 1: there is nothing.",
+    )
+    repair.add_argument("file", metavar="FILE", help="FILE.journal or FILE.h5; stays as it is")
+    repair.add_argument("--out", metavar="COPY.h5", required=True, help="raw log to write")
+    repair.set_defaults(run=_repair_log)
     return parser
 
 
@@ -176,3 +185,9 @@ def _check_logs(options: argparse.Namespace) -> int:
     from fprc.stages.inspect import inspect_logs
 
     return inspect_logs(options.files)
+
+
+def _repair_log(options: argparse.Namespace) -> int:
+    from fprc.stages.repair import repair_log
+
+    return repair_log(options.file, options.out)

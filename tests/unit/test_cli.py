@@ -35,7 +35,17 @@ def test_version_is_printed(capsys):
 
 
 @pytest.mark.parametrize(
-    "arguments", [[], ["config"], ["log"], ["config", "check"], ["log", "check"], ["nonsense"]]
+    "arguments",
+    [
+        [],
+        ["config"],
+        ["log"],
+        ["config", "check"],
+        ["log", "check"],
+        ["log", "repair"],
+        ["log", "repair", "run.journal"],
+        ["nonsense"],
+    ],
 )
 def test_incomplete_command_is_answered_with_its_usage(arguments, capsys):
     with pytest.raises(SystemExit) as caught:

@@ -109,6 +109,15 @@ def test_page_of_table_2_shows_ours_beside_the_paper():
         assert page[f"{name}, paper"].tolist() == printed
 
 
+def test_model_that_is_not_there_has_a_column_that_says_so(written):
+    note, page = tables.read_markdown(written["lacking.md"])
+    assert note.endswith("No FPRC: needs p_o_kpa.")
+    assert page["FPRC, ours"].tolist() == ["not available"] * 3
+    assert "FPRC, paper" not in page.columns
+    assert page["ESN, ours"].str.contains("±").tolist() == [True, True, False]
+    assert "No " not in tables.read_markdown(written["two.md"])[0]
+
+
 def test_page_does_not_depend_on_the_order_of_the_reports():
     forward, backward = (
         tables.comparison_page(tables.comparison(reports, PUBLISHED))
@@ -237,6 +246,19 @@ def test_page_of_table_4_names_gains_and_shows_the_paper_once_a_controller():
         ["FPRC+PD, printed gain (0.5 kPa/deg)", "ours", "2.00"],
         ["FPRC+PD, identified gain (4 kPa/deg)", "ours", "1.00"],
         ["FPRC+PD", "paper", "1.70"],
+    ]
+
+
+def test_page_of_table_4_leaves_runs_empty_that_are_not_there():
+    runs = [
+        tracked("fprc_pd", "printed", "sweep", [2.0, 2.0]),
+        tracked("fprc_pd", "identified", "complex", [1.0, 1.0]),
+    ]
+    page = tables.tracking_page(tables.tracking(runs, {}, PUBLISHED))
+    assert page.to_numpy().tolist() == [
+        ["FPRC+PD, printed gain", "ours", "2.00", ""],
+        ["FPRC+PD, identified gain", "ours", "", "1.00"],
+        ["FPRC+PD", "paper", "", "0.608"],
     ]
 
 
@@ -427,13 +449,15 @@ def written(tmp_path):
     models = copy.deepcopy(PUBLISHED["table_1_configuration"])
     models |= models.pop("shared")
     tabulate.tabulate_configuration(published, **files("one"), models=configuration_of(models))
-    tabulate.tabulate_comparison(published, errors, **files("two"))
+    tabulate.tabulate_comparison(published, errors, **files("two"), left_out={})
+    lacking = {"left_out": {"fprc": "needs p_o_kpa"}}
+    tabulate.tabulate_comparison(published, errors[:1], **files("lacking"), **lacking)
     orders = str(tmp_path / "orders.csv")
     tabulate.tabulate_seeds(published, seeds, **files("seeds"), trained_on="sweep")
     tabulate.tabulate_orders(seeds, orders)
-    tabulate.tabulate_times(published, str(tmp_path / "times.json"), **files("times"))
+    tabulate.tabulate_times(published, str(tmp_path / "times.json"), **files("times"), left_out={})
     write_json(tmp_path / "steps.json", steps())
-    tabulate.tabulate_steps(str(tmp_path / "steps.json"), **files("steps"))
+    tabulate.tabulate_steps(str(tmp_path / "steps.json"), **files("steps"), left_out={})
     loops = [str(tmp_path / f"control_{content['seed']}.json") for content in controls(2)]
     for path, content in zip(loops, controls(2), strict=True):
         write_json(path, content)
@@ -443,7 +467,7 @@ def written(tmp_path):
 
 def test_no_file_of_a_table_says_nan_or_none(written):
     pages = {name: text for name, text in written.items() if not name.endswith("json")}
-    assert len(pages) == 6 * 3 + 1
+    assert len(pages) == 7 * 3 + 1
     for name, text in pages.items():
         assert "nan" not in text.lower().replace("fuzzy-linear", ""), name
         assert "None" not in text, name

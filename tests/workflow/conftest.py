@@ -19,10 +19,12 @@ class Project:
         for name in ("config", "profiles", "workflow"):
             shutil.copytree(ROOT / name, folder / name)
 
-    def snakemake(self, *arguments: str) -> subprocess.CompletedProcess:
+    def snakemake(
+        self, *arguments: str, cores: tuple[str, ...] = ("--cores", "2")
+    ) -> subprocess.CompletedProcess:
         path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
         return subprocess.run(
-            [sys.executable, "-m", "snakemake", "--cores", "2", *arguments],
+            [sys.executable, "-m", "snakemake", *cores, *arguments],
             cwd=self.folder,
             env=os.environ | {"PATH": path},
             stdout=subprocess.PIPE,
@@ -31,8 +33,8 @@ class Project:
             timeout=600,
         )
 
-    def smoke(self, *arguments: str) -> subprocess.CompletedProcess:
-        return self.snakemake(*arguments, "--configfile", "config/smoke.yaml")
+    def smoke(self, *arguments: str, **options) -> subprocess.CompletedProcess:
+        return self.snakemake(*arguments, "--configfile", "config/smoke.yaml", **options)
 
     def files(self, *folders: str) -> dict[str, bytes]:
         return {

@@ -1,5 +1,49 @@
 # Names that several rules share.
-MODELS = ["esn", "fprc", "fuzzy_linear"]
+CONTROLLERS = [
+    "fprc",
+    "fprc_pd_printed",
+    "fprc_pd_identified",
+    "pd_printed",
+    "pd_identified",
+]
+TABLE_IV = ["sine_0p2", "sine_0p5", "sweep", "complex"]
+ALL_RUNS = [
+    f"track_{reference}_{controller}"
+    for controller in CONTROLLERS
+    for reference in [*TABLE_IV, "disturbance"]
+]
+
+#: Whether the rig is simulated, and with it further ones; whether logs are made at all.
+ON_RIG = SETTINGS["source"] == "sim"
+RECORDS = SETTINGS["source"] != "recorded"
+
+
+def exists(log):
+    """Whether a raw log is there."""
+    return Path(f"{RAW}/{log}.h5").exists()
+
+
+#: The raw logs that are there or will be; what cannot be made of them, and why.
+EVERY_LOG = [*EXPERIMENTS, *ALL_RUNS]
+TO_COME = EVERY_LOG if ON_RIG else [name for name in EVERY_LOG if not exists(name)]
+HELD = holdings(
+    RAW,
+    EVERY_LOG,
+    to_come=TO_COME if RECORDS else [],
+    without=[] if ON_RIG or SETTINGS["hardware"]["phi"] else ["phi_deg"],
+)
+if not HELD:
+    raise WorkflowError(
+        f"source is recorded, and no raw log is in {RAW}: put sweep.h5 and complex.h5 there, or "
+        "set folders.raw; see docs/own-data.md"
+    )
+UNAVAILABLE = unavailable(HELD, RAW, ALL_RUNS, simulated=ON_RIG)
+LOGS = [experiment for experiment in EXPERIMENTS if experiment in HELD]
+RUNS = [run for run in ALL_RUNS if run in HELD]
+
+MODELS = [model for model in ("esn", "fprc", "fuzzy_linear") if model not in UNAVAILABLE]
+#: Why a model is left out of the tables.
+LEFT_OUT = {model: UNAVAILABLE[model] for model in ("fprc",) if model in UNAVAILABLE}
 SEEDS = SETTINGS["evaluation"]["replicate_seeds"]
 
 #: The log that trains the models of a table, and the one that tests them.
@@ -59,31 +103,42 @@ DATA = {
 
 TIMING = [f"{RESULTS}/timing/{name}.md" for name in ("table2_timing", "step_cost")]
 
-#: What the page shows; without a rig there are no closed loops, further seeds and claims.
-ON_RIG = SETTINGS["source"] == "sim"
-CLAIMS = [f"{RESULTS}/claims.json"] if ON_RIG else []
-SHOWN = {number: path for number, path in FIGURES.items() if ON_RIG or number < 12}
+#: What the page shows.
+CLAIMS = [f"{RESULTS}/claims.json"] if "claims" not in UNAVAILABLE else []
+SHOWN = {number: path for number, path in FIGURES.items() if f"fig{number}" not in UNAVAILABLE}
 READOUT = f"{RESULTS}/readout/readout.md"
-PAGES = [TABLES[1], TABLES[2], TABLES[3], READOUT, *TIMING]
-if ON_RIG:
-    II, III, IV, _ = SEEDS_TABLES
-    PAGES = [TABLES[1], TABLES[2], II, TABLES[3], III, TABLES[4], IV, READOUT, *TIMING]
-
+PAGES = [
+    page
+    for target, page in [
+        ("table1", TABLES[1]),
+        ("table2", TABLES[2]),
+        ("seeds", SEEDS_TABLES[0]),
+        ("table3", TABLES[3]),
+        ("seeds", SEEDS_TABLES[1]),
+        ("table4", TABLES[4]),
+        ("seeds", SEEDS_TABLES[2]),
+        ("readout", READOUT),
+        *[("timing", path) for path in TIMING],
+    ]
+    if target not in UNAVAILABLE
+]
+MISSING = {kind: f"{RESULTS}/not_available.{kind}" for kind in ("csv", "md")}
 
 ENSEMBLE = SETTINGS["ensemble"]
-CONTROLLERS = [
-    "fprc",
-    "fprc_pd_printed",
-    "fprc_pd_identified",
-    "pd_printed",
-    "pd_identified",
-]
-TABLE_IV = ["sine_0p2", "sine_0p5", "sweep", "complex"]
 
 
 def code_of(*stages):
     """Return the fingerprint of what a rule's stages run."""
     return fingerprint(*(f"fprc.stages.{stage}" for stage in stages), "fprc.stages.run")
+
+
+def refused(name):
+    """Return an input function that ends the workflow by saying why."""
+
+    def input_of(wildcards):
+        raise WorkflowError(refusal(name, UNAVAILABLE))
+
+    return input_of
 
 
 def settings_of(model):
@@ -118,9 +173,9 @@ def through(*files):
     its outputs, and a target that asked for the final file alone would then
     find that file in place and call the stale result done.
     """
-    logs = [f"{RAW}/{experiment}.h5" for experiment in EXPERIMENTS]
-    data = [f"{RESULTS}/data/{experiment}.h5" for experiment in EXPERIMENTS]
-    quality = [f"{RESULTS}/quality/{experiment}.json" for experiment in EXPERIMENTS]
+    logs = [f"{RAW}/{experiment}.h5" for experiment in LOGS]
+    data = [f"{RESULTS}/data/{experiment}.h5" for experiment in LOGS]
+    quality = [f"{RESULTS}/quality/{experiment}.json" for experiment in LOGS]
     return [*logs, *data, *quality, *files]
 
 
@@ -146,14 +201,16 @@ SWEEPS = {name: f"{RESULTS}/sweeps/{name}.json" for name in ("epsilon", "n_c", "
 TIMES = [f"{RESULTS}/timing/times.json", f"{RESULTS}/timing/times_over_n_c.json"]
 GAINS = f"{RESULTS}/control/gains.json"
 TRACKED = {
-    reference: [tracked(reference, controller) for controller in CONTROLLERS]
+    reference: [
+        tracked(reference, controller)
+        for controller in CONTROLLERS
+        if f"track_{reference}_{controller}" in HELD
+    ]
     for reference in [*TABLE_IV, "disturbance"]
 }
-LOOP = [*judged("sweep"), GAINS]
-RAW_LOGS = [
-    *(f"{RAW}/{experiment}.h5" for experiment in EXPERIMENTS),
-    *(path for paths in TRACKED.values() for path in paths),
-]
+#: What the closed-loop runs come from, if they are not there already.
+LOOP = through(*judged("sweep"), GAINS) if RECORDS else []
+RAW_LOGS = [f"{RAW}/{name}.h5" for name in EVERY_LOG]
 
 IDENTIFY = [f"identify_{kp:g}" for kp in SETTINGS["tracking"]["candidate_kp_kpa_per_deg"]]
 #: Every experiment of the paper on the real rig.
@@ -181,32 +238,36 @@ TARGETS = {
     "fig7": [FIGURES[7]],
     "fig8": through(FIGURES[8], *judged("sweep")),
     "fig9": through(FIGURES[9], f"{RESULTS}/weights/fprc.json"),
-    "fig10": through(FIGURES[10], SWEEPS["epsilon"], SWEEPS["n_c"], TIMES[1]),
+    "fig10": through(
+        FIGURES[10],
+        *([SWEEPS["epsilon"]] if "fig10a" not in UNAVAILABLE else []),
+        SWEEPS["n_c"],
+        TIMES[1],
+    ),
     "readout": through(
         f"{RESULTS}/readout/readout.md",
         f"{RESULTS}/readout/readout.pdf",
         f"{RESULTS}/readout/cells.json",
     ),
     "fig11": through(FIGURES[11], SWEEPS["taps"]),
+    "seeds": [*SEEDS_TABLES, *REPLICATES, *REPLICATED_CONTROL],
+    "table4": [TABLES[4], GAINS, *LOOP, *sum(TRACKED.values(), [])],
+    "fig12": [FIGURES[12], *LOOP, *TRACKED["sine_0p2"]],
+    "fig13": [FIGURES[13], *LOOP, *TRACKED["sine_0p5"]],
+    "fig14": [FIGURES[14], *LOOP, *TRACKED["sweep"]],
+    "fig15": [FIGURES[15], *LOOP, *TRACKED["complex"]],
+    "fig16": [FIGURES[16], *LOOP, *TRACKED["sine_0p5"], *TRACKED["sweep"]],
+    "claims": [
+        f"{RESULTS}/claims.md",
+        *REPLICATES,
+        *REPLICATED_SWEEPS,
+        *REPLICATED_CONTROL,
+        *TIMES,
+    ],
+    "fig17": [FIGURES[17], *LOOP, *TRACKED["disturbance"]],
+    "not_available": [*MISSING.values()],
 }
-if ON_RIG:
-    # these need a rig to run on, not only logs
-    TARGETS |= {
-        "seeds": [*SEEDS_TABLES, *REPLICATES, *REPLICATED_CONTROL],
-        "table4": through(TABLES[4], *LOOP, *sum(TRACKED.values(), [])),
-        "fig12": through(FIGURES[12], *LOOP, *TRACKED["sine_0p2"]),
-        "fig13": through(FIGURES[13], *LOOP, *TRACKED["sine_0p5"]),
-        "fig14": through(FIGURES[14], *LOOP, *TRACKED["sweep"]),
-        "fig15": through(FIGURES[15], *LOOP, *TRACKED["complex"]),
-        "fig16": through(FIGURES[16], *LOOP, *TRACKED["sine_0p5"], *TRACKED["sweep"]),
-        "claims": [
-            f"{RESULTS}/claims.md",
-            *REPLICATES,
-            *REPLICATED_SWEEPS,
-            *REPLICATED_CONTROL,
-            *TIMES,
-        ],
-        "fig17": through(FIGURES[17], *LOOP, *TRACKED["disturbance"]),
-    }
-
+#: Targets that cannot be made of the logs that are there.
+REFUSED = [name for name in [*TARGETS, "readme", "check"] if name in UNAVAILABLE]
+TARGETS = {name: files for name, files in TARGETS.items() if name not in UNAVAILABLE}
 TARGETS["report"] = [f"{RESULTS}/report.html", *sum(TARGETS.values(), [])]

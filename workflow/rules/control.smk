@@ -8,7 +8,7 @@ TRACKING = {
 }
 
 
-if SETTINGS["source"] == "sim":
+if ON_RIG:
 
     rule identify_gain:
         input:
@@ -43,8 +43,7 @@ if SETTINGS["source"] == "sim":
         script:
             "../scripts/track.py"
 
-
-if SETTINGS["source"] == "hardware":
+elif RECORDS:
 
     rule identify_gain_from_logs:
         input:
@@ -60,3 +59,19 @@ if SETTINGS["source"] == "hardware":
             "P gain with the least error in the logs of the candidates"
         script:
             "../scripts/identify_gain_from_logs.py"
+
+else:
+
+    rule read_gains:
+        input:
+            runs=[f"{RAW}/{run}.h5" for run in RUNS],
+        output:
+            gains=f"{RESULTS}/control/gains.json",
+        log:
+            f"{RESULTS}/logs/read_gains.log",
+        params:
+            code=code_of("gains"),
+        message:
+            "Gains that the closed-loop logs name"
+        script:
+            "../scripts/read_gains.py"

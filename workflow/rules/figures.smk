@@ -139,7 +139,7 @@ rule weights:
 
 rule settings:
     input:
-        epsilon=f"{RESULTS}/sweeps/epsilon.json",
+        **({"epsilon": SWEEPS["epsilon"]} if "fig10a" not in UNAVAILABLE else {}),
         n_c=f"{RESULTS}/sweeps/n_c.json",
         times=f"{RESULTS}/timing/times_over_n_c.json",
     output:

@@ -32,8 +32,7 @@ if SETTINGS["source"] == "hardware":
             f"{RESULTS}/logs/record_on_rig_{{name}}.log",
         # a log that is there has no rule: nothing runs again on it, nothing overwrites it
         wildcard_constraints:
-            name="|".join(name for name in RIG_LOGS if not Path(f"{RAW}/{name}.h5").exists())
-            or "none",
+            name="|".join(name for name in RIG_LOGS if not exists(name)) or "none",
         threads: workflow.cores
         params:
             name="{name}",

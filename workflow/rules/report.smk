@@ -1,10 +1,25 @@
-# Everything on one page.
+# Everything on one page, and what could not be made.
+
+
+rule list_unavailable:
+    output:
+        **MISSING,
+    log:
+        f"{RESULTS}/logs/list_unavailable.log",
+    params:
+        reasons=UNAVAILABLE,
+        code=code_of("tabulate"),
+    message:
+        "What the data do not allow, and why"
+    script:
+        "../scripts/list_unavailable.py"
 
 
 rule report_page:
     input:
         template="workflow/report/page.html.j2",
         ledger=CLAIMS,
+        missing=MISSING["csv"],
         tables=PAGES,
         pictures=[path.replace(".pdf", ".png") for path in SHOWN.values()],
         sidecars=[path.replace(".pdf", ".json") for path in SHOWN.values()],

@@ -31,6 +31,7 @@ rule comparison_table:
     log:
         f"{RESULTS}/logs/table{{number}}.log",
     params:
+        left_out=LEFT_OUT,
         code=code_of("tabulate"),
     message:
         "Table {wildcards.number}"
@@ -79,6 +80,7 @@ rule timing_table:
     log:
         f"{RESULTS}/logs/table2_timing.log",
     params:
+        left_out=LEFT_OUT,
         code=code_of("tabulate"),
     message:
         "Execution times of Table II"
@@ -90,16 +92,13 @@ rule tracking_table:
     input:
         published="config/published.yaml",
         gains=f"{RESULTS}/control/gains.json",
-        runs=[
-            tracked(reference, controller)
-            for controller in CONTROLLERS
-            for reference in [*TABLE_IV, "disturbance"]
-        ],
+        runs=[f"{RAW}/{run}.h5" for run in RUNS],
     output:
         **table("tables/table4"),
     log:
         f"{RESULTS}/logs/table4.log",
     params:
+        left_out=[run for run in ALL_RUNS if run not in HELD],
         code=code_of("tabulate"),
     message:
         "Table 4"
@@ -131,6 +130,7 @@ rule steps_table:
     log:
         f"{RESULTS}/logs/step_cost.log",
     params:
+        left_out=LEFT_OUT,
         code=code_of("tabulate"),
     message:
         "Cost of a control step"

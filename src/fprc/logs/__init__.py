@@ -1,15 +1,25 @@
 """Experiment logs: HDF5 files of named channels with units."""
 
 from fprc.logs.columns import Columns, read_columns, write_columns
+from fprc.logs.holdings import COMPLETE, Holding, holdings
+from fprc.logs.journal import Journal
 from fprc.logs.quality import assess
-from fprc.logs.raw import RAW_CHANNELS, read_raw, refuse_to_overwrite, write_raw
+from fprc.logs.raw import RAW_CHANNELS, read_raw, read_run, refuse_to_overwrite, write_raw
+from fprc.logs.recovery import read_journal, recover
 
 __all__ = [
+    "COMPLETE",
     "RAW_CHANNELS",
     "Columns",
+    "Holding",
+    "Journal",
     "assess",
+    "holdings",
     "read_columns",
+    "read_journal",
     "read_raw",
+    "read_run",
+    "recover",
     "refuse_to_overwrite",
     "write_columns",
     "write_raw",

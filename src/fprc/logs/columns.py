@@ -76,7 +76,7 @@ def gather_columns(
     refuse_cut_file(path)
     try:
         with h5py.File(path, "r") as file:
-            attributes = {key: _plain(value) for key, value in file.attrs.items()}
+            attributes = {key: plain(value) for key, value in file.attrs.items()}
             names = (*names, *(name for name in optional if name in file))
             channels, problems = _read_all(path, file, names)
     except (OSError, RuntimeError, KeyError, TypeError, ValueError) as error:
@@ -97,8 +97,25 @@ def gather_columns(
     return Columns(path, channels, attributes), problems
 
 
-def _plain(value: Any) -> Any:
-    """Return an attribute as Python has it, whichever program wrote it."""
+def read_header(path: Path | str) -> tuple[frozenset[str], dict[str, Any]]:
+    """Return the names of a file's channels, and its attributes; the samples are not read.
+
+    Raises
+    ------
+    LogError
+        The file cannot be opened, or is cut short.
+    """
+    path = Path(path)
+    refuse_cut_file(path)
+    try:
+        with h5py.File(path, "r") as file:
+            return frozenset(file), {key: plain(value) for key, value in file.attrs.items()}
+    except (OSError, RuntimeError, KeyError, TypeError, ValueError) as error:
+        raise LogError(f"{path}: cannot be read as HDF5 ({error})") from error
+
+
+def plain(value: Any) -> Any:
+    """Return an attribute of an HDF5 file as Python has it, whichever program wrote it."""
     if isinstance(value, np.ndarray) and value.size == 1:
         value = value.ravel()[0]
     if isinstance(value, np.generic):
@@ -146,7 +163,7 @@ def _read_all(
             found = ", ".join(file) or "none"
             problems.append(f"{path}: channel {name}: missing; the file has {found}")
             continue
-        unit = str(_plain(dataset.attrs.get("units", "none")))
+        unit = str(plain(dataset.attrs.get("units", "none")))
         if unit != unit_of(name):
             problems.append(
                 f"{path}: channel {name}: units are {unit}, must be {unit_of(name)}; "

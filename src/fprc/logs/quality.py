@@ -28,7 +28,8 @@ def assess(
     Each check has ``passed``, the measured numbers, and the limit. A failed
     check does not stop the workflow; the record and the terminal say so. What
     an import left out, or took for something else, is not judged where it
-    would have no meaning.
+    would have no meaning. ``loop`` is what the run of a real rig says of its
+    ticks: how many were missed, how late they began.
     """
     ranges = dict.fromkeys(_PRESSURES, pressure_range_kpa) | {"theta_deg": angle_range_deg}
     notes = notes_of(log)
@@ -43,6 +44,7 @@ def assess(
         "source": log.attributes["source"],
         "samples": len(log.channels["time_s"]),
         "checks": {
+            "complete": _complete(log),
             "rate": _rate(log, sample_rate_hz, rate_tolerance),
             "gaps": _gaps(log, gap_periods / sample_rate_hz),
             "not_finite": _not_finite(log),
@@ -51,7 +53,8 @@ def assess(
             "leak": _leak(log, leak_kpa_per_min, ranges),
         },
     }
-    return record | ({"notes": notes} if notes else {})
+    more = {"loop": json.loads(log.attributes.get("statistics", "{}")), "notes": notes}
+    return record | {name: content for name, content in more.items() if content}
 
 
 def something_else(name: str) -> str:
@@ -71,6 +74,17 @@ def warnings(record: Mapping[str, Any]) -> list[str]:
         for name, check in record["checks"].items()
         if not check["passed"]
     ]
+
+
+def _complete(log: Columns) -> dict[str, Any]:
+    told = log.attributes
+    complete = told.get("complete", "aborted" not in told)
+    reason = told.get("incomplete_reason") or told.get("aborted") or "not said"
+    return {
+        "passed": complete,
+        "reason": None if complete else reason,
+        "lost_samples": told.get("lost_samples", 0),
+    }
 
 
 def _rate(log: Columns, expected_hz: float, tolerance: float) -> dict[str, Any]:

@@ -31,7 +31,8 @@ _TARGETS = ("p_exp_command_kpa", "p_exp_kpa")
 #: Where a log can come from: simulated, recorded here, brought in.
 SOURCES = ("sim", "rig", "import")
 
-_ATTRIBUTES = {
+#: Attributes that a raw log must have, and their kinds.
+RAW_ATTRIBUTES = {
     "experiment": str,
     "source": str,
     "simulated": bool,
@@ -40,6 +41,7 @@ _ATTRIBUTES = {
     "software": str,
     "rig": str,
 }
+_OPTIONAL_ATTRIBUTES = {"complete": bool, "incomplete_reason": str, "lost_samples": int}
 
 
 def write_raw(
@@ -75,20 +77,25 @@ def write_raw(
         "rig": json.dumps(rig),
         **more,
     }
-    missing = _missing(source, channels)
+    missing = missing_channels(source, channels)
     if missing:
         raise LogError(f"{path}: not written, channels {', '.join(missing)} are missing")
     write_columns(path, channels, attributes)
 
 
-def _missing(source: str, channels: Container[str]) -> list[str]:
+def missing_channels(source: str, channels: Container[str]) -> list[str]:
     """Return the channels that a log of this source must have and has not."""
-    if source != "import":
-        return [name for name in RAW_CHANNELS if name not in channels]
-    missing = [name for name in _IMPORTED if name not in channels]
-    if not any(name in channels for name in _TARGETS):
+    missing = [name for name in _needed(source) if name not in channels]
+    if source == "import" and not any(name in channels for name in _TARGETS):
         missing.append(" or ".join(_TARGETS))
     return missing
+
+
+def _needed(source: str | None) -> tuple[str, ...]:
+    if source == "import":
+        return _IMPORTED
+    # a real rig may have no angle sensor on the reservoir
+    return RAW_CHANNELS if source != "rig" else tuple(n for n in RAW_CHANNELS if n != "phi_deg")
 
 
 def refuse_to_overwrite(paths: Sequence[Path | str]) -> None:
@@ -134,10 +141,11 @@ def read_raw(
     LogError
         See ``read_columns``; further an attribute is missing or of the wrong
         kind, time does not increase, or the rate is not the expected one. Of an
-        imported log only time, angle and one of the two P_exp must be there.
+        imported log only time, angle and one of the two P_exp must be there, of
+        a real rig's all but ``phi_deg``.
     """
     source = gather_columns(path, ())[0].attributes.get("source")
-    needed = _IMPORTED if source == "import" else RAW_CHANNELS
+    needed = _needed(source)
     log, problems = gather_columns(path, needed, tuple(n for n in RAW_CHANNELS if n not in needed))
     if source == "import" and not any(name in log.channels for name in _TARGETS):
         problems.append(f"{path}: channel {' or '.join(_TARGETS)}: missing; import one of them")
@@ -157,13 +165,37 @@ def read_raw(
     return log
 
 
+#: What a log of a closed-loop run says further.
+_OF_A_RUN = ("controller", "gain", "reference", "settle_s", "source", "seed")
+
+
+def read_run(path: Path | str, names: tuple[str, ...]) -> Columns:
+    """Read channels of a closed-loop run.
+
+    Raises
+    ------
+    LogError
+        See ``read_columns``; further an attribute of a run is missing.
+    """
+    log, problems = gather_columns(path, names)
+    problems += [
+        f"{path}: attribute {name}: missing; closed-loop logs are described in data/raw/README.md"
+        for name in _OF_A_RUN
+        if name not in log.attributes
+    ]
+    if problems:
+        raise LogError("\n".join(problems))
+    return log
+
+
 def _wrong_attributes(
     path: Path | str, attributes: Mapping[str, Any], experiment: str | None
 ) -> list[str]:
     problems = []
-    for name, kind in _ATTRIBUTES.items():
+    for name, kind in (RAW_ATTRIBUTES | _OPTIONAL_ATTRIBUTES).items():
         if name not in attributes:
-            problems.append(f"{path}: attribute {name}: missing; see data/raw/README.md")
+            if name in RAW_ATTRIBUTES:
+                problems.append(f"{path}: attribute {name}: missing; see data/raw/README.md")
         elif not isinstance(attributes[name], kind):
             value = attributes[name]
             problems.append(

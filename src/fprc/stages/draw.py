@@ -14,7 +14,7 @@ from fprc.figures.training import plot_error, plot_fit
 from fprc.figures.weights import plot_shares
 from fprc.logs import Columns, read_columns
 
-_DATA = ("time_s", "p_exp_kpa", "theta_deg", "p_o_kpa")
+_DATA = ("time_s", "p_exp_kpa", "theta_deg")
 _THETA = r"$\theta$ [deg]"
 _P_EXP = r"$P_\mathrm{exp}$ [kPa]"
 _P_O = r"$P_o$ [kPa]"
@@ -28,7 +28,7 @@ def draw_actuator_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> Ma
     for path, row, title in zip((sweep, complex), axes, titles, strict=True):
         log = read_columns(path, _DATA)
         logs.append(log)
-        time_s, p_exp, theta = (log.channels[name] for name in _DATA[:3])
+        time_s, p_exp, theta = (log.channels[name] for name in _DATA)
         plot_command(time_s, p_exp, row[0], style.COLOURS["p_exp"])
         lines = plot_loop(p_exp, theta, time_s, row[1], (_P_EXP, _THETA))
         for ax, text in zip(row, title, strict=True):
@@ -42,7 +42,7 @@ def draw_reservoir_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> M
     logs = []
     fig, axes = style.figure(1, 2, style.COLUMN_IN, 2.2, sharey=True)
     for path, ax, title in zip((sweep, complex), axes, ("(a) Sweep", "(b) Complex"), strict=True):
-        log = read_columns(path, _DATA)
+        log = read_columns(path, ("time_s", "theta_deg", "p_o_kpa"))
         logs.append(log)
         theta, p_o, time_s = (log.channels[name] for name in ("theta_deg", "p_o_kpa", "time_s"))
         lines = plot_loop(theta, p_o, time_s, ax, (_THETA, _P_O))
@@ -95,25 +95,33 @@ def draw_weights(weights: str, pdf: str, png: str) -> Mapping[str, Any]:
 _LABELS = {"fprc": "FPRC, ", "fuzzy_linear": "Fuzzy-linear, "}
 
 
-def draw_settings(epsilon: str, n_c: str, times: str, pdf: str, png: str) -> Mapping[str, Any]:
-    """Figure 10: errors over epsilon and n_c, execution times over n_c."""
-    fig, axes = style.figure(3, 1, style.COLUMN_IN, 5.6)
-    by_epsilon, by_n_c, timed = read_json(epsilon), read_json(n_c), read_json(times)
-    plot_errors_over(_errors(by_epsilon["cells"]), "epsilon", {"fprc": ""}, axes[0])
-    plot_errors_over(_errors(by_n_c["cells"]), "n_c", _LABELS, axes[1])
-    plot_times_over(_seconds(timed["times"]), "n_c", _LABELS, axes[2])
-    axes[0].set_xscale("log")
-    axes[0].set_xlabel(r"$\epsilon$")
-    for ax in axes[1:]:
+def draw_settings(
+    n_c: str, times: str, pdf: str, png: str, epsilon: str | None = None
+) -> Mapping[str, Any]:
+    """Figure 10: errors over epsilon and n_c, execution times over n_c.
+
+    Without ``epsilon``, where there is no FPRC, (b) and (c) alone are drawn.
+    """
+    by_n_c, timed = read_json(n_c), read_json(times)
+    if epsilon:
+        fig, axes = style.figure(3, 1, style.COLUMN_IN, 5.6)
+        plot_errors_over(_errors(read_json(epsilon)["cells"]), "epsilon", {"fprc": ""}, axes[0])
+        axes[0].set_xscale("log")
+        axes[0].set_xlabel(r"$\epsilon$")
+        style.letter(axes[0], "(a) Errors of FPRC")
+    else:
+        fig, axes = style.figure(2, 1, style.COLUMN_IN, 3.9)
+    errors, seconds = axes[-2:]
+    plot_errors_over(_errors(by_n_c["cells"]), "n_c", _LABELS, errors)
+    plot_times_over(_seconds(timed["times"]), "n_c", _LABELS, seconds)
+    for ax in (errors, seconds):
         ax.set_xscale("log", base=2)
         ax.set_xlabel("$n_c$")
         ax.set_xticks(sorted({cell["n_c"] for cell in by_n_c["cells"]}))
         ax.xaxis.set_major_formatter("{x:g}")
-    for ax, title in zip(
-        axes, ("(a) Errors of FPRC", "(b) Errors", "(c) Execution times"), strict=True
-    ):
-        style.letter(ax, title)
-    style.share_legend(fig, axes[1])
+    style.letter(errors, "(b) Errors")
+    style.letter(seconds, "(c) Execution times")
+    style.share_legend(fig, errors)
     return style.save(fig, by_n_c, pdf, png)
 
 

@@ -13,7 +13,7 @@ from fprc.figures.tracking import (
     shade,
     shade_settling,
 )
-from fprc.logs import Columns, read_columns
+from fprc.logs import Columns, read_run
 
 _CHANNELS = ("time_s", "theta_d_deg", "theta_deg", "p_ff_kpa", "p_fb_kpa")
 _RESERVOIR = ("p_i_kpa", "p_o_kpa", "phi_deg")
@@ -21,7 +21,7 @@ _RESERVOIR = ("p_i_kpa", "p_o_kpa", "phi_deg")
 
 def draw_following(open_loop: str, closed_loop: str, pdf: str, png: str) -> Mapping[str, Any]:
     """Figures 12 to 15: open loop, closed loop, errors, P_ff and P_fb."""
-    opened, closed = read_columns(open_loop, _CHANNELS), read_columns(closed_loop, _CHANNELS)
+    opened, closed = read_run(open_loop, _CHANNELS), read_run(closed_loop, _CHANNELS)
     fig, axes = style.figure(4, 1, style.COLUMN_IN, 5.2, sharex=True)
     plot_following(opened.channels, axes[0])
     plot_following(closed.channels, axes[1])
@@ -42,7 +42,7 @@ def draw_following(open_loop: str, closed_loop: str, pdf: str, png: str) -> Mapp
 
 def draw_loops(runs: Sequence[str], pdf: str, png: str) -> Mapping[str, Any]:
     """Figure 16: actual angle over reference, PD against FPRC+PD, at both gains."""
-    logs = [read_columns(path, _CHANNELS) for path in runs]
+    logs = [read_run(path, _CHANNELS) for path in runs]
     fig, axes = style.figure(2, 2, style.COLUMN_IN, 3.6, sharex=True, sharey=True)
     names = {"sine_0p5": "Sine 0.5 Hz", "sweep": "Sweep"}
     gains = ("printed", "identified")
@@ -62,7 +62,7 @@ def draw_loops(runs: Sequence[str], pdf: str, png: str) -> Mapping[str, Any]:
 
 def draw_disturbance(run: str, pdf: str, png: str, *, quiet_s: float) -> Mapping[str, Any]:
     """Figure 17: tracking and reservoir while the reservoir is pushed about."""
-    log = read_columns(run, (*_CHANNELS, *_RESERVOIR))
+    log = read_run(run, (*_CHANNELS, *_RESERVOIR))
     channels = log.channels
     end_s = channels["time_s"][-1]
     fig, axes = style.figure(3, 1, style.COLUMN_IN, 4.6, sharex=True, height_ratios=(2, 1, 2))

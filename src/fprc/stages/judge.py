@@ -63,6 +63,15 @@ def read_data(path: str) -> Data:
     return Data(file.channels, file.attributes)
 
 
+def able(*logs: Data) -> list[str]:
+    """Return the models whose inputs are in every one of the logs."""
+    return [
+        model
+        for model, names in INPUTS.items()
+        if all(name in data.channels for data in logs for name in names)
+    ]
+
+
 def refuse_mixture(train: Data, test: Data) -> None:
     """Refuse to judge a model that was trained on one kind of data on another.
 

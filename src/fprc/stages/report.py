@@ -25,6 +25,7 @@ log = logging.getLogger(__name__)
 def write_report(
     template: str,
     ledger: Sequence[str],
+    missing: str,
     tables: Sequence[str],
     pictures: Sequence[str],
     sidecars: Sequence[str],
@@ -39,6 +40,8 @@ def write_report(
     ----------
     ledger : sequence of str
         The claims ledger, JSON; empty where there is none.
+    missing : str
+        What cannot be made of the data and why, CSV.
     tables : sequence of str
         Tables as Markdown pages.
     pictures, sidecars, captions : sequences of str
@@ -58,6 +61,7 @@ def write_report(
         banner=banner(drawn_from),
         explanation=_explanation(drawn_from),
         simulated="sim" in drawn_from,
+        missing=pd.read_csv(missing).drop(columns="name"),
         pages=[_page(path) for path in tables],
         figures=figures,
         settings=settings,

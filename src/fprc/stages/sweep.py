@@ -13,7 +13,7 @@ from fprc.artifacts import write_json
 from fprc.evaluation import cross_validate, split_rows
 from fprc.evaluation.sweeps import run_cells
 from fprc.evaluation.weights import normalised_weights
-from fprc.stages.judge import Data, build, read_data
+from fprc.stages.judge import Data, able, build, read_data
 
 log = logging.getLogger(__name__)
 
@@ -56,7 +56,8 @@ def sweep_settings(
     digest = hashlib.sha256(json.dumps([settings, version], sort_keys=True).encode())
     for path in (train, test):
         digest.update(Path(path).read_bytes())
-    cells = cells_of(sweep, values)
+    models_there = able(read_data(train), read_data(test))
+    cells = [cell for cell in cells_of(sweep, values) if cell["model"] in models_there]
     judged = run_cells(
         partial(_judge_from_files, train=train, test=test, **settings),
         cells,

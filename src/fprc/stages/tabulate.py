@@ -1,5 +1,6 @@
 """Write the paper's tables as CSV, Markdown and LaTeX."""
 
+import logging
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,10 @@ import yaml
 
 from fprc import tables
 from fprc.artifacts import read_json, write_csv, write_text
-from fprc.logs import read_columns
+from fprc.logs import read_run
+from fprc.stages.availability import CHORES, TITLES
+
+log = logging.getLogger(__name__)
 
 
 def tabulate_configuration(
@@ -28,8 +32,22 @@ _COMPARISONS = {
 }
 
 
-def tabulate_comparison(published: str, errors: Sequence[str], csv: str, md: str, tex: str) -> None:
-    """Tables II and III: errors of the three models, one seed, spread over folds."""
+def tabulate_comparison(
+    published: str,
+    errors: Sequence[str],
+    csv: str,
+    md: str,
+    tex: str,
+    *,
+    left_out: Mapping[str, str],
+) -> None:
+    """Tables II and III: errors of the three models, one seed, spread over folds.
+
+    Parameters
+    ----------
+    left_out : Mapping
+        Why a model is not in the table, by model.
+    """
     reports = [read_json(path) for path in errors]
     table = tables.comparison(reports, _published(published))
     first = reports[0]
@@ -37,8 +55,15 @@ def tabulate_comparison(published: str, errors: Sequence[str], csv: str, md: str
         f"{_COMPARISONS[first['trained_on']]}: mean ± standard deviation over "
         f"{len(first['train_rmse_kpa'])} {first['split']} folds, seed {first['seed']}.\n"
         f"Data: {tables.SOURCES[first['source']]}. Target: {first['target']} pressure."
+        f"{_without(left_out)}"
     )
     _write(table, tables.comparison_page(table), note, csv, md, tex)
+
+
+def _without(left_out: Mapping[str, str]) -> str:
+    """Return the line of a note that says which models a table lacks, and why."""
+    lines = [f"\nNo {tables.MODEL_NAMES[model]}: {reason}." for model, reason in left_out.items()]
+    return "".join(lines)
 
 
 def tabulate_seeds(
@@ -61,17 +86,37 @@ def tabulate_orders(replicates: Sequence[str], csv: str) -> None:
 
 
 def tabulate_tracking(
-    published: str, gains: str, runs: Sequence[str], csv: str, md: str, tex: str
+    published: str,
+    gains: str,
+    runs: Sequence[str],
+    csv: str,
+    md: str,
+    tex: str,
+    *,
+    left_out: Sequence[str],
 ) -> None:
-    """Table IV: errors of the closed-loop runs."""
+    """Table IV: errors of the closed-loop runs.
+
+    Parameters
+    ----------
+    left_out : sequence of str
+        Runs of a whole Table IV that there is no log of.
+    """
     known = read_json(gains)
     table = tables.tracking([_run(path) for path in runs], known, _published(published))
     tried = known["candidates"]
-    note = (
-        "Table IV. RMSE of tracking: all controllers meet the same noise and drift.\n"
-        f"Data: {tables.SOURCES[known['source']]}. The printed gain is the paper's; the identified "
-        f"one has the least error of {len(tried)} gains on another reference (sine 0.3 Hz)."
-    )
+    title = "Table IV. RMSE of tracking"
+    if known["source"] == "sim":
+        title += ": all controllers meet the same noise and drift"
+    gain = "The gains are those that the logs name."
+    if tried:
+        gain = (
+            "The printed gain is the paper's; the identified one has the least error of "
+            f"{len(tried)} gains on another reference (sine 0.3 Hz)."
+        )
+    note = f"{title}.\nData: {tables.SOURCES[known['source']]}. {gain}"
+    if left_out:
+        note += f"\nNo log of {len(left_out)} of its runs: {', '.join(left_out)}."
     _write(table, tables.tracking_page(table), note, csv, md, tex)
 
 
@@ -90,7 +135,7 @@ def tabulate_tracking_seeds(
 
 
 def _run(path: str) -> dict[str, Any]:
-    log = read_columns(path, ("time_s", "theta_d_deg", "theta_deg"))
+    log = read_run(path, ("time_s", "theta_d_deg", "theta_deg"))
     time_s, theta_d, theta = log.channels.values()
     judged = time_s >= log.attributes["settle_s"]
     described = {key: log.attributes[key] for key in ("controller", "gain", "reference", "source")}
@@ -166,7 +211,9 @@ def tabulate_targets(
     _write(table, tables.targets_page(table), note, csv, md, tex)
 
 
-def tabulate_times(published: str, times: str, csv: str, md: str, tex: str) -> None:
+def tabulate_times(
+    published: str, times: str, csv: str, md: str, tex: str, *, left_out: Mapping[str, str]
+) -> None:
     """Table II, its execution times."""
     report = read_json(times)
     table = tables.timing(report, _published(published))
@@ -175,11 +222,12 @@ def tabulate_times(published: str, times: str, csv: str, md: str, tex: str) -> N
         f"repeats on {report['cpu']}, {report['threads']} thread.\n"
         "Sequential is sample by sample, as a controller pays; batch is a whole log at once. "
         "The paper does not say which it timed, nor on what machine."
+        f"{_without(left_out)}"
     )
     _write(table, tables.timing_page(table), note, csv, md, tex)
 
 
-def tabulate_steps(steps: str, csv: str, md: str, tex: str) -> None:
+def tabulate_steps(steps: str, csv: str, md: str, tex: str, *, left_out: Mapping[str, str]) -> None:
     """Cost of one step of the closed loop against its 5 ms."""
     report = read_json(steps)
     table = tables.steps(report)
@@ -187,9 +235,23 @@ def tabulate_steps(steps: str, csv: str, md: str, tex: str) -> None:
         "Cost of a control step: feedforward, PD and both pressure loops, the controller alone, "
         f"each of {table['samples'].iloc[0]} steps timed on {report['cpu']}.\n"
         f"The budget is the sampling period, {table['budget_us'].iloc[0] / 1000:g} ms; its share "
-        "is that of the 99.9th percentile."
+        f"is that of the 99.9th percentile.{_without(left_out)}"
     )
     _write(table, tables.steps_page(table), note, csv, md, tex)
+
+
+def tabulate_unavailable(csv: str, md: str, *, reasons: Mapping[str, str]) -> None:
+    """List what cannot be made of the data and why, also if that is nothing."""
+    rows = [(name, TITLES[name], why) for name, why in reasons.items() if name not in CHORES]
+    table = pd.DataFrame(rows, columns=["name", "result", "reason"])
+    write_csv(csv, table)
+    if rows:
+        page = table[["result", "reason"]].rename(columns={"result": "Result", "reason": "Why"})
+        write_text(md, tables.markdown(page, "Not available for this data."))
+    else:
+        write_text(md, "Everything is available for this data.\n")
+    for _, title, why in rows:
+        log.info("not available: %s: %s", title, why)
 
 
 def _published(path: str) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from fprc.devices import Readings
 from fprc.evaluation import time_model
 from fprc.evaluation.timing import machine, time_steps
 from fprc.models import SequenceModel
-from fprc.stages.judge import INPUTS, Data, build, read_data, refuse_mixture
+from fprc.stages.judge import Data, able, build, read_data, refuse_mixture
 from fprc.stages.track import feedforward
 
 log = logging.getLogger(__name__)
@@ -31,7 +31,7 @@ def measure_times(
     train_data, test_data = read_data(train), read_data(test)
     refuse_mixture(train_data, test_data)
     results = []
-    for name in INPUTS:
+    for name in able(train_data, test_data):
         timed = time_model(
             build(name, models, seed),
             train_data.pair(name),
@@ -62,7 +62,7 @@ def measure_steps(
     refuse_mixture(train_data, test_data)
     period_s = 1.0 / control["sample_rate_hz"]
     results = []
-    for name in INPUTS:
+    for name in able(train_data, test_data):
         model = build(name, models, seed).fit(*train_data.pair(name))
         tick = _controller(model, test_data, control, tracking, period_s)
         samples = len(test_data.channels["time_s"])
@@ -89,7 +89,8 @@ def _controller(
     tracking: Mapping[str, Any],
     period_s: float,
 ) -> Callable[[int], object]:
-    theta, p_o, p_exp = (data.channels[name] for name in ("theta_deg", "p_o_kpa", "p_exp_kpa"))
+    theta, p_exp = (data.channels[name] for name in ("theta_deg", "p_exp_kpa"))
+    p_o = data.channels.get("p_o_kpa", np.zeros_like(theta))
     readings = [
         Readings(k * period_s, p_exp[k], theta[k], 0.0, p_o[k], 0.0) for k in range(len(theta))
     ]
@@ -128,8 +129,9 @@ def measure_times_over_n_c(
     train_data, test_data = read_data(train), read_data(test)
     refuse_mixture(train_data, test_data)
     results = []
+    models_there = able(train_data, test_data)
     for name in ("fprc", "fuzzy_linear"):
-        for n_c in values:
+        for n_c in values if name in models_there else ():
             timed = time_model(
                 build(name, models, seed).set_params(n_c=n_c),
                 train_data.pair(name),

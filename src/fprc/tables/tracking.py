@@ -79,8 +79,9 @@ def tracking_page(table: pd.DataFrame) -> pd.DataFrame:
     for (controller, gain), rows in table.groupby(["controller", "gain"], sort=False):
         kp = rows["kp_kpa_per_deg"].iloc[0]
         label = CONTROLLER_NAMES[controller]
+        named = label if gain == "none" else f"{label}, {gain} gain"
         line = {
-            "RMSE [deg]": label if pd.isna(kp) else f"{label}, {gain} gain ({kp:g} kPa/deg)",
+            "RMSE [deg]": named if pd.isna(kp) else f"{named} ({kp:g} kPa/deg)",
             "Whose": "ours",
         }
         theirs = {"RMSE [deg]": label, "Whose": "paper"}
@@ -90,4 +91,4 @@ def tracking_page(table: pd.DataFrame) -> pd.DataFrame:
         page.append(line)
         if rows["published_rmse_deg"].notna().any() and gain != "printed":
             page.append(theirs)
-    return pd.DataFrame(page)
+    return pd.DataFrame(page).fillna("")

@@ -10,7 +10,7 @@ from fprc.logs import Columns, assess
 from fprc.logs.quality import warnings
 from fprc.stages.record import acquire
 
-CHECKS = {"rate", "gaps", "not_finite", "saturation", "stuck", "leak"}
+CHECKS = {"complete", "rate", "gaps", "not_finite", "saturation", "stuck", "leak"}
 ATMOSPHERE_KPA = 101.325
 
 
@@ -211,3 +211,28 @@ def test_judging_leaves_the_log_as_it_was(recorded):
     judge(log)
     for name, values in recorded["sweep"].items():
         assert np.array_equal(log.channels[name], values)
+
+
+@pytest.mark.parametrize(
+    ("told", "expected"),
+    [
+        ({}, {"passed": True, "reason": None, "lost_samples": 0}),
+        (
+            {"complete": True, "lost_samples": 0},
+            {"passed": True, "reason": None, "lost_samples": 0},
+        ),
+        (
+            {"complete": False, "incomplete_reason": "not closed", "lost_samples": 3},
+            {"passed": False, "reason": "not closed", "lost_samples": 3},
+        ),
+        (
+            {"aborted": "run stopped at sample 7"},
+            {"passed": False, "reason": "run stopped at sample 7", "lost_samples": 0},
+        ),
+        ({"complete": False}, {"passed": False, "reason": "not said", "lost_samples": 0}),
+    ],
+)
+def test_log_that_is_not_complete_fails_with_its_reason(log, told, expected):
+    log.attributes.update(told)
+    assert judge(log)["checks"]["complete"] == expected
+    assert failed(log) == (set() if expected["passed"] else {"complete"})

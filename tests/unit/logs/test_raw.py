@@ -135,6 +135,14 @@ def test_attribute_of_the_wrong_kind_is_named(with_attributes, name, value):
     assert f"{path}: attribute {name}" in problem(path)
 
 
+@pytest.mark.parametrize(
+    ("name", "value"), [("complete", "yes"), ("incomplete_reason", 1.0), ("lost_samples", "3")]
+)
+def test_attribute_that_need_not_be_there_must_be_of_its_kind(write_log, name, value):
+    path = write_log(**{name: value})
+    assert f"{path}: attribute {name}" in problem(path)
+
+
 def test_unknown_source_is_refused(with_attributes):
     path = with_attributes(source="dream", simulated=False)
     assert f"{path}: attribute source = dream" in problem(path)

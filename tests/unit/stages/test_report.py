@@ -100,6 +100,7 @@ class Project:
         self.folder = folder
         self.claims = [dict(row) for row in CLAIMS]
         self.ledger = [str(folder / "claims.json")]
+        self.missing = []
         self.tables, self.figures = [], []
         self.settings = SETTINGS
         self.template = TEMPLATE
@@ -131,9 +132,11 @@ class Project:
             write_json(path, {"source": "sim", "note": "Fitted to C2.", "claims": self.claims})
         pictures, sidecars, captions = zip(*self.figures, strict=True) if self.figures else [()] * 3
         target = self.folder / "report.html"
+        missing = pd.DataFrame(self.missing, columns=["name", "result", "reason"])
+        missing.to_csv(self.folder / "missing.csv", index=False)
         write_report(
-            self.template, self.ledger, self.tables, pictures, sidecars, captions, str(target),
-            settings=self.settings,
+            self.template, self.ledger, str(self.folder / "missing.csv"), self.tables, pictures,
+            sidecars, captions, str(target), settings=self.settings,
         )  # fmt: skip
         return target.read_text(encoding="utf-8")
 
@@ -539,8 +542,18 @@ def test_figure_without_its_sidecar_or_caption_is_an_error(project):
     for cut in ((pictures, sidecars[1:], captions), (pictures, sidecars, captions[1:])):
         with pytest.raises(ValueError, match="shorter|longer"):
             write_report(
-                TEMPLATE, [], [], *cut, str(project.folder / "r.html"), settings=SETTINGS
+                TEMPLATE, [], "", [], *cut, str(project.folder / "r.html"), settings=SETTINGS
             )  # fmt: skip
+
+
+def test_what_is_not_available_is_listed_with_its_reason(project):
+    assert not project.page().all("h2", id="missing")
+    project.missing = [("fig5", "Fig. 5", "needs p_o_kpa, which sweep.h5 does not have")]
+    page = project.page()
+    assert page.texts("h2", id="missing") == ["Not available for this data"]
+    assert page.texts("dt") == ["Fig. 5"]
+    assert page.texts("dd") == ["needs p_o_kpa, which sweep.h5 does not have"]
+    assert page.texts("a", href="#missing") == ["Not available"]
 
 
 def test_failure_leaves_the_old_page(project):

@@ -1,3 +1,5 @@
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -92,6 +94,23 @@ def test_each_step_of_the_controller_is_fed_the_log_sample_by_sample(
     data = timing.read_data(logs[1]).channels
     expected = np.column_stack([data["theta_deg"], data["p_o_kpa"]])[:, :columns]
     np.testing.assert_array_equal(seen, np.tile(expected, (2, 1)))
+
+
+def test_logs_without_p_o_time_the_models_that_do_without_it(logs, settings, tmp_path):
+    bare = []
+    for path in logs:
+        data = timing.read_data(path)
+        channels = {name: data.channels[name] for name in ("time_s", "p_exp_kpa", "theta_deg")}
+        bare.append(str(tmp_path / Path(path).name))
+        write_columns(bare[-1], channels, data.attributes)
+    timing.measure_steps(*bare, str(tmp_path / "steps.json"), **settings, seed=1)
+    steps = read_json(tmp_path / "steps.json")["steps"]
+    assert [step["model"] for step in steps] == ["esn", "fuzzy_linear"]
+    models, over = settings["models"], {"values": [2], "repeats": 1, "seed": 1}
+    timing.measure_times_over_n_c(*bare, str(tmp_path / "n_c.json"), models=models, **over)
+    assert {entry["model"] for entry in read_json(tmp_path / "n_c.json")["times"]} == {
+        "fuzzy_linear"
+    }
 
 
 def test_each_step_of_the_controller_runs_both_pressure_loops(

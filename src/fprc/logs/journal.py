@@ -1,0 +1,302 @@
+"""Journal of a run on a real rig: on the disk sample by sample, readable whatever ends the run.
+
+    header  samples  end mark
+
+Header and end mark are blocks: marker (8 bytes), length (uint32), JSON, CRC-32. Each is
+written twice, so that no single damage costs it. A sample is its tick (uint64), one float64 per
+channel and a CRC-32, all little-endian. The checksums of samples and end mark begin
+at the header's, so that nothing of another journal passes for this one's (a disk may give
+back an old page after a power cut).
+"""
+
+import errno
+import json
+import os
+import struct
+import threading
+import zlib
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+
+from fprc.errors import LogError
+from fprc.logs.columns import unit_of
+from fprc.logs.raw import RAW_ATTRIBUTES, missing_channels
+
+#: Begins a journal; the digit is the version of the format.
+MAGIC = b"\x89FPRCJ1\n"
+#: Begins the end mark, where the tick of a sample would be.
+END = b"\x89FPRCE1\n"
+
+#: Length of a block's text; a CRC-32 too.
+UINT32 = struct.Struct("<I")
+
+
+class Journal:
+    """Append-only file of samples.
+
+    Each sample is handed to the operating system at once, so that the end of the
+    process costs none. A thread has them written to the disk, so that a power cut
+    costs those of the last ``sync_s`` and the loop does not wait for the disk.
+
+    Use ``Journal.create``. As a context manager it is closed at the end, as incomplete if
+    an exception ended it.
+
+    Attributes
+    ----------
+    samples : int
+        Samples appended.
+    """
+
+    def __init__(self, path: Path, file: int, names: Sequence[str], start: int, seed: int):
+        self.path = path
+        self.samples = 0
+        self._file = file
+        self._start = start
+        self._seed = seed
+        self._record = struct.Struct(f"<Q{len(names)}d")
+        self._buffer = bytearray(self._record.size + UINT32.size)
+        self._checked = memoryview(self._buffer)[: self._record.size]
+        self._last_tick = -1
+        self._problem = ""
+        self._closed = False
+        self._closing = threading.Event()
+        self._syncing: threading.Thread | None = None
+
+    @classmethod
+    def create(
+        cls,
+        path: Path | str,
+        names: Sequence[str],
+        attributes: Mapping[str, Any],
+        *,
+        sync_s: float = 0.5,
+    ) -> Self:
+        """Create a journal; a file that exists is never overwritten.
+
+        Parameters
+        ----------
+        path : Path or str
+            Its name ends in ``.journal``.
+        names : sequence of str
+            Channels, as a raw log has them.
+        attributes : Mapping
+            What ``write_raw`` asks for, and whatever else a reader should know.
+            ``started`` is added: the instant, UTC.
+        sync_s : float, default=0.5
+            Time between two writes to the disk, above 0.
+
+        Raises
+        ------
+        LogError
+            The file exists or cannot be written; a channel or an attribute of a raw log is
+            missing. All that is wrong with names and attributes is said at once.
+        """
+        path = Path(path)
+        _refuse_description(path, names, attributes)
+        started = {"started": datetime.now(UTC).isoformat(timespec="microseconds")}
+        header = _block(MAGIC, started | dict(attributes) | {"names": list(names)})
+        file = _open_new(path)
+        try:
+            _write(file, header + header)
+            os.fsync(file)
+            _sync_folder(path.parent)
+        except OSError as error:
+            os.close(file)
+            path.unlink()
+            raise LogError(
+                f"{path}: cannot be written ({error.strerror}); no run was started, free the "
+                "disk or choose another folder"
+            ) from error
+        journal = cls(path, file, names, 2 * len(header), seed_of(header))
+        journal._syncing = threading.Thread(target=journal._sync, args=(sync_s,), daemon=True)
+        journal._syncing.start()
+        return journal
+
+    def append(self, tick: int, row: Sequence[float]) -> None:
+        """Append one sample.
+
+        Parameters
+        ----------
+        tick : int
+            Number of the sample's tick, above the one before.
+        row : sequence of float
+            One number per channel, in the order of ``names``.
+
+        Raises
+        ------
+        LogError
+            It cannot be written, or samples before it could not be brought to the disk. What
+            was written stays readable.
+        ValueError
+            The tick does not come after the one before, or the row has another length.
+        """
+        if self._problem:
+            raise LogError(self._problem)
+        if tick <= self._last_tick:
+            raise ValueError(f"tick {tick} does not come after tick {self._last_tick}")
+        try:
+            self._record.pack_into(self._buffer, 0, tick, *row)
+        except struct.error as error:
+            raise ValueError(f"row of tick {tick}: {error}") from error
+        UINT32.pack_into(self._buffer, self._record.size, zlib.crc32(self._checked, self._seed))
+        try:
+            _write(self._file, self._buffer)
+        except OSError as error:
+            self._give_up(error)
+        self._last_tick = tick
+        self.samples += 1
+
+    def close(self, complete: bool = True, reason: str = "", **statistics: Any) -> None:
+        """Write the end mark and close the file; a second call does nothing.
+
+        Parameters
+        ----------
+        complete : bool, default=True
+            Whether the run came to its planned end.
+        reason : str
+            Why not.
+        **statistics
+            Of the run, for its log.
+
+        Raises
+        ------
+        LogError
+            The end mark cannot be written. After an error of ``append`` none is raised, and
+            the journal is incomplete whatever is said here.
+        """
+        if self._closed:
+            return
+        self._closed = True
+        self._closing.set()
+        self._syncing.join()
+        told_before = self._problem
+        content = {
+            "complete": complete and not told_before,
+            "reason": told_before or reason,
+            "statistics": statistics,
+        }
+        try:
+            # the file knows better than the count, which an interrupt may have prevented
+            size = os.fstat(self._file).st_size - self._start
+            content["samples"] = size // len(self._buffer)
+            _write(self._file, 2 * _block(END, content, self._seed))
+            os.fsync(self._file)
+        except OSError as error:
+            self._problem = (
+                f"{self.path}: the end mark could not be written ({error.strerror}); the "
+                "samples before it are kept, get them with `fprc log repair`"
+            )
+            if not told_before:
+                raise LogError(self._problem) from error
+        finally:
+            self._problem = self._problem or f"{self.path}: is closed"
+            os.close(self._file)
+
+    def __enter__(self) -> Self:
+        """Return the journal itself."""
+        return self
+
+    def __exit__(self, kind: type | None, error: BaseException | None, trace: Any) -> None:
+        """Close; incomplete if an exception came."""
+        self.close(error is None, "" if error is None else f"{kind.__name__}: {error}")
+
+    def _give_up(self, error: OSError) -> None:
+        self._problem = (
+            f"{self.path}: sample {self.samples} could not be written ({error.strerror}); the "
+            "samples before it are kept, get them with `fprc log repair`, free the disk and "
+            "run again"
+        )
+        raise LogError(self._problem) from error
+
+    def _sync(self, period_s: float) -> None:
+        on_disk = 0
+        while not self._closing.wait(period_s):
+            samples = self.samples
+            if samples == on_disk:
+                continue
+            try:
+                os.fsync(self._file)
+            except OSError as error:
+                self._problem = (
+                    f"{self.path}: samples from {on_disk} on may not have reached the disk "
+                    f"({error.strerror}); check the disk, get what is there with `fprc log repair`"
+                )
+                return
+            on_disk = samples
+
+
+def _refuse_description(path: Path, names: Sequence[str], attributes: Mapping[str, Any]) -> None:
+    problems = []
+    if path.suffix != ".journal":
+        problems.append(f"{path}: a journal's name ends in .journal")
+    for name in names:
+        try:
+            unit_of(name)
+        except LogError as error:
+            problems.append(f"{path}: {error}")
+    twice = sorted({name for name in names if names.count(name) > 1})
+    absent = [name for name in RAW_ATTRIBUTES if name not in attributes and name != "simulated"]
+    missing = missing_channels(attributes.get("source", ""), names)
+    for what, wrong in (
+        ("channels {} are there twice", twice),
+        ("channels {} are missing", missing),
+        ("attributes {} are missing", absent),
+    ):
+        if wrong:
+            problems.append(f"{path}: {what.format(', '.join(wrong))}; see data/raw/README.md")
+    if problems:
+        raise LogError("\n".join(problems))
+
+
+def _open_new(path: Path) -> int:
+    # O_BINARY: Windows would turn every byte 10 into two
+    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND | getattr(os, "O_BINARY", 0)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        return os.open(path, flags, 0o644)
+    except OSError as error:
+        if error.errno == errno.EEXIST and path.exists():
+            raise LogError(
+                f"{path}: exists and is not overwritten; move it away, `fprc log repair` reads it"
+            ) from error
+        raise LogError(f"{path}: cannot be created ({error.strerror}); check the path") from error
+
+
+def _sync_folder(folder: Path) -> None:
+    if os.name != "posix":  # elsewhere a folder cannot be opened
+        return
+    file = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(file)
+    finally:
+        os.close(file)
+
+
+def _write(file: int, data: bytes | bytearray) -> None:
+    # a disk that fills up takes the first part without an error
+    written = os.write(file, data)
+    while written < len(data):
+        written += os.write(file, memoryview(data)[written:])
+
+
+def _block(marker: bytes, content: Mapping[str, Any], seed: int = 0) -> bytes:
+    text = json.dumps(content, default=_as_plain).encode("ascii")
+    block = marker + UINT32.pack(len(text)) + text
+    return block + UINT32.pack(zlib.crc32(block, seed))
+
+
+def seed_of(header: bytes) -> int:
+    """Return the checksum of a header, at which those of its journal begin.
+
+    Over a block with its checksum it would be the same for all.
+    """
+    return zlib.crc32(header[: -UINT32.size])
+
+
+def _as_plain(value: Any) -> Any:
+    """Return what JSON does not know; an odd statistic must not cost the end mark."""
+    return value.item() if isinstance(value, np.generic) else str(value)

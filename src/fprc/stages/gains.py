@@ -1,0 +1,59 @@
+"""Gains of closed-loop runs that are already there."""
+
+import json
+import logging
+from collections.abc import Sequence
+from typing import Any
+
+from fprc.artifacts import write_json
+from fprc.errors import LogError
+from fprc.logs import read_run
+
+log = logging.getLogger(__name__)
+
+
+def read_gains(runs: Sequence[str], gains: str) -> None:
+    """Collect from closed-loop logs the gains of their PD controllers, by name.
+
+    A gain that the logs do not tell, or of which they tell different values, is
+    left out, with a warning.
+
+    Raises
+    ------
+    LogError
+        A log cannot be read, or some are simulated and others are not.
+    """
+    found: dict[str, list[Any]] = {}
+    logs = [read_run(path, ()) for path in runs]
+    kinds = {run.attributes["source"]: str(run.path) for run in logs}
+    if len(kinds) > 1:
+        each = ", ".join(f"{source} ({path})" for source, path in kinds.items())
+        raise LogError(f"closed-loop logs of different sources: {each}; use logs of one kind")
+    for run in logs:
+        name = run.attributes["gain"]
+        if name != "none":
+            known = found.setdefault(name, [])
+            told = _told(run.attributes.get("rig", "{}"))
+            if told not in known:
+                known.append(told)
+    unclear = [name for name, values in found.items() if len(values) > 1 or not values[0]]
+    for name in unclear:
+        log.warning("warning: the logs do not agree on one %s gain; it is not given", name)
+    first = logs[0].attributes
+    write_json(
+        gains,
+        {
+            **{name: values[0] for name, values in found.items() if name not in unclear},
+            "candidates": [],
+            "source": first["source"],
+            "seed": int(first["seed"]),
+        },
+    )
+
+
+def _told(rig: str) -> dict[str, float] | None:
+    try:
+        gains = json.loads(rig).get("gains") or {}
+        return {key: float(gains[key]) for key in ("kp_kpa_per_deg", "kd_kpa_s_per_deg")}
+    except (ValueError, TypeError, AttributeError, KeyError):
+        return None

@@ -1,0 +1,547 @@
+import errno
+import json
+import os
+import struct
+import threading
+import time
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fprc.config import Settings
+from fprc.errors import LogError
+from fprc.logs import RAW_CHANNELS, Journal, assess, read_journal, read_raw, recover
+from fprc.logs import journal as module
+from fprc.logs.journal import END
+
+NAMES = (*RAW_CHANNELS, "theta_d_deg")
+ATTRIBUTES = {
+    "experiment": "sweep",
+    "source": "rig",
+    "sample_rate_hz": 200.0,
+    "seed": 0,
+    "software": "fprc test",
+    "rig": {"boards": {"library": "θ"}},
+    "reference": "sine",
+}
+SIZE = 8 + 8 * len(NAMES) + 4
+
+
+def row(k):
+    return (k / 200.0, *(k + j / 16.0 for j in range(1, len(NAMES))))
+
+
+def write(path, ticks=range(20), close=True, **closing):
+    journal = Journal.create(path, NAMES, ATTRIBUTES)
+    for k in ticks:
+        journal.append(k, row(k))
+    if close:
+        journal.close(**closing)
+        return
+    # as a killed process leaves it
+    journal._closing.set()
+    journal._syncing.join()
+    os.close(journal._file)
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "run.journal"
+
+
+@pytest.fixture(scope="module")
+def closed(tmp_path_factory):
+    """Bytes of a closed journal of 20 samples, and where its samples begin."""
+    path = tmp_path_factory.mktemp("closed") / "run.journal"
+    write(path, overruns=3)
+    data = path.read_bytes()
+    return data, data.index(struct.pack("<Qd", 1, 1 / 200.0)) - SIZE
+
+
+def read_ticks(path):
+    """Ticks of the samples that come back, each of which must be what was written."""
+    channels, attributes, findings = read_journal(path)
+    ticks = np.rint(channels["time_s"] * 200.0).astype(int).tolist()
+    rows = np.column_stack([channels[name] for name in NAMES])
+    assert rows.tolist() == [list(row(k)) for k in ticks]
+    assert ticks == sorted(set(ticks))
+    assert findings.samples == len(ticks)
+    assert {name: attributes[name] for name in ATTRIBUTES} == ATTRIBUTES
+    return ticks, findings
+
+
+# --- round trip -----------------------------------------------------------------------------
+
+
+def test_closed_journal_comes_back_whole(path):
+    write(path, overruns=np.int64(3), jitter_s=1e-4)
+    ticks, findings = read_ticks(path)
+    assert ticks == list(range(20))
+    assert (findings.complete, findings.closed, findings.lost) == (True, True, 0)
+    assert (findings.reason, findings.stretches, findings.missed_ticks) == ("", (), 0)
+    assert findings.statistics == {"overruns": 3, "jitter_s": 1e-4}
+    assert findings.last_s == 19 / 200.0
+
+
+def test_any_numbers_come_back_bit_for_bit(path):
+    odd = (np.nan, np.inf, -np.inf, -0.0, 5e-324, 1.7976931348623157e308, 0.1, -1.0, 0.0, 1e-300, 7)
+    with Journal.create(path, NAMES, ATTRIBUTES) as journal:
+        journal.append(0, odd)
+    channels, _, _ = read_journal(path)
+    back = np.array([channels[name][0] for name in NAMES])
+    assert back.tobytes() == np.array(odd, dtype=np.float64).tobytes()
+
+
+def test_journal_that_is_being_written_can_be_read(path):
+    with Journal.create(path, NAMES, ATTRIBUTES) as journal:
+        for k in range(7):
+            journal.append(k, row(k))
+            ticks, findings = read_ticks(path)
+            assert ticks == list(range(k + 1))
+            assert not findings.closed
+            assert not findings.complete
+
+
+def test_journal_says_when_it_was_started(path):
+    write(path)
+    started = read_journal(path)[1]["started"]
+    assert started.endswith("+00:00")
+
+
+def test_missed_ticks_are_told_from_lost_samples(path):
+    write(path, ticks=[0, 1, 2, 6, 7, 9])
+    ticks, findings = read_ticks(path)
+    assert ticks == [0, 1, 2, 6, 7, 9]
+    assert (findings.missed_ticks, findings.lost, findings.complete) == (4, 0, True)
+
+
+def test_journal_that_was_stopped_says_why(path):
+    write(path, complete=False, reason="p_exp_kpa = 500; limit 480")
+    findings = read_ticks(path)[1]
+    assert findings.closed
+    assert not findings.complete
+    assert findings.reason == "p_exp_kpa = 500; limit 480"
+
+
+def test_exception_leaves_a_closed_journal_that_names_it(path):
+    def run():
+        with Journal.create(path, NAMES, ATTRIBUTES) as journal:
+            journal.append(0, row(0))
+            raise ZeroDivisionError("by zero")
+
+    with pytest.raises(ZeroDivisionError):
+        run()
+    ticks, findings = read_ticks(path)
+    assert (ticks, findings.closed, findings.complete) == ([0], True, False)
+    assert findings.reason == "ZeroDivisionError: by zero"
+
+
+def test_interrupt_between_write_and_count_costs_no_sample(path, monkeypatch):
+    journal = Journal.create(path, NAMES, ATTRIBUTES)
+    journal.append(0, row(0))
+    write_all = module._write
+
+    def interrupted(file, data):
+        write_all(file, data)
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(module, "_write", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            journal.append(1, row(1))
+    journal.close(complete=False, reason="interrupted")
+    ticks, findings = read_ticks(path)
+    assert (ticks, findings.lost) == ([0, 1], 0)
+
+
+# --- refusals -------------------------------------------------------------------------------
+
+
+def test_existing_file_is_not_overwritten(path):
+    write(path)
+    before = path.read_bytes()
+    with pytest.raises(LogError, match="exists and is not overwritten"):
+        Journal.create(path, NAMES, ATTRIBUTES)
+    assert path.read_bytes() == before
+
+
+def test_all_that_is_wrong_with_a_description_is_said_before_the_run(tmp_path):
+    names = [name for name in NAMES if name != "p_o_kpa"] + ["theta_deg", "speed"]
+    attributes = {k: v for k, v in ATTRIBUTES.items() if k not in ("seed", "rig")}
+    with pytest.raises(LogError) as caught:
+        Journal.create(tmp_path / "run.h5", names, attributes)
+    for part in (
+        "name ends in .journal",
+        "channel speed: its name must end in",
+        "channels theta_deg are there twice",
+        "channels p_o_kpa are missing",
+        "attributes seed, rig are missing",
+    ):
+        assert part in str(caught.value)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_folder_that_cannot_be_made_is_an_error(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(LogError, match="cannot be created"):
+        Journal.create(tmp_path / "file" / "run.journal", NAMES, ATTRIBUTES)
+
+
+@pytest.mark.parametrize(
+    ("tick", "values"), [(3, row(3)), (2, row(2)), (4, row(4)[:-1]), (4, (*row(4), 1.0))]
+)
+def test_wrong_sample_is_refused_and_not_written(path, tick, values):
+    with Journal.create(path, NAMES, ATTRIBUTES) as journal:
+        journal.append(3, row(3))
+        with pytest.raises(ValueError, match="tick"):
+            journal.append(tick, values)
+        journal.append(5, row(5))
+    assert read_ticks(path)[0] == [3, 5]
+
+
+def test_closed_journal_takes_no_sample_and_no_second_end(path):
+    write(path)
+    journal = Journal.create(path.with_name("other.journal"), NAMES, ATTRIBUTES)
+    journal.close()
+    size = journal.path.stat().st_size
+    journal.close(complete=False, reason="twice")
+    with pytest.raises(LogError, match="is closed"):
+        journal.append(0, row(0))
+    assert journal.path.stat().st_size == size
+
+
+def test_thread_of_a_journal_ends_with_it(path):
+    before = threading.active_count()
+    with Journal.create(path, NAMES, ATTRIBUTES):
+        assert threading.active_count() == before + 1
+    assert threading.active_count() == before
+
+
+def test_file_is_not_closed_under_a_thread_that_writes_it_to_the_disk(path, monkeypatch):
+    syncing = threading.Event()
+    fsync = os.fsync
+
+    def slow(file):
+        if threading.current_thread() is not threading.main_thread():
+            syncing.set()
+            time.sleep(0.2)
+        fsync(file)
+
+    monkeypatch.setattr(os, "fsync", slow)
+    journal = Journal.create(path, NAMES, ATTRIBUTES, sync_s=0.01)
+    journal.append(0, row(0))
+    assert syncing.wait(10.0)
+    journal.close()
+    assert not journal._syncing.is_alive()
+    assert read_ticks(path)[1].complete
+
+
+# --- the disk -------------------------------------------------------------------------------
+
+
+def test_samples_are_brought_to_the_disk_while_the_run_goes_on(path, monkeypatch):
+    synced = threading.Event()
+    sizes = []
+    fsync = os.fsync
+
+    def noted(file):
+        fsync(file)
+        sizes.append(os.fstat(file).st_size)
+        if len(sizes) > 2:  # the first two: header and folder
+            synced.set()
+
+    monkeypatch.setattr(os, "fsync", noted)
+    with Journal.create(path, NAMES, ATTRIBUTES, sync_s=0.01) as journal:
+        assert len(sizes) == 2
+        journal.append(0, row(0))
+        assert synced.wait(10.0)
+        assert sizes[2] == sizes[0] + SIZE
+
+
+def test_disk_that_fails_ends_the_run_and_keeps_what_is_there(path, monkeypatch):
+    failed = threading.Event()
+
+    def broken(file):
+        failed.set()
+        raise OSError(errno.EIO, "Input/output error")
+
+    journal = Journal.create(path, NAMES, ATTRIBUTES, sync_s=0.01)
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "fsync", broken)
+        journal.append(0, row(0))
+        assert failed.wait(10.0)
+        journal._syncing.join()
+        with pytest.raises(LogError, match="may not have reached the disk .Input/output error"):
+            journal.append(1, row(1))
+    journal.close(complete=True)
+    ticks, findings = read_ticks(path)
+    assert (ticks, findings.complete) == ([0], False)
+    assert "may not have reached the disk" in findings.reason
+
+
+@pytest.mark.parametrize("part", [0, 1, 50])
+def test_full_disk_is_told_and_leaves_whole_samples(path, monkeypatch, part):
+    os_write = os.write
+    journal = Journal.create(path, NAMES, ATTRIBUTES)
+    for k in range(3):
+        journal.append(k, row(k))
+    before, left = path.stat().st_size, [part]
+
+    def full(file, data):
+        if not left[0]:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        taken, left[0] = left[0], 0
+        return os_write(file, bytes(data)[:taken])
+
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "write", full)
+        with pytest.raises(LogError, match=r"sample 3 could not be written \(No space left"):
+            journal.append(3, row(3))
+    assert path.stat().st_size == before + part
+    with pytest.raises(LogError, match="sample 3 could not be written"):
+        journal.append(3, row(3))
+    journal.close(complete=True)
+    ticks, findings = read_ticks(path)
+    assert (ticks, findings.closed, findings.complete, findings.lost) == ([0, 1, 2], True, False, 0)
+    assert "No space left" in findings.reason
+
+
+def test_end_mark_that_cannot_be_written_is_told_and_costs_no_sample(path, monkeypatch):
+    journal = Journal.create(path, NAMES, ATTRIBUTES)
+    journal.append(0, row(0))
+
+    def full(file, data):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "write", full)
+        with pytest.raises(LogError, match=r"end mark could not be written \(No space left"):
+            journal.close()
+    ticks, findings = read_ticks(path)
+    assert (ticks, findings.closed) == ([0], False)
+
+
+def test_journal_whose_header_does_not_fit_is_not_left_behind(path, monkeypatch):
+    def full(file, data):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(os, "write", full)
+    with pytest.raises(LogError, match="no run was started"):
+        Journal.create(path, NAMES, ATTRIBUTES)
+    assert not path.exists()
+
+
+# --- damage ---------------------------------------------------------------------------------
+
+
+def test_journal_cut_at_any_byte_gives_every_whole_sample(closed, path):
+    data, start = closed
+    header = start // 2
+    for cut in range(len(data)):
+        path.write_bytes(data[:cut])
+        if cut < header:
+            with pytest.raises(LogError, match="run.journal: (both copies|not a journal)"):
+                read_journal(path)
+            continue
+        ticks, findings = read_ticks(path)
+        whole = min(max(cut - start, 0) // SIZE, 20)
+        assert ticks == list(range(whole))
+        first_end = start + 20 * SIZE + (len(data) - start - 20 * SIZE) // 2
+        assert findings.closed is (cut >= first_end)
+        assert findings.complete is findings.closed
+        if cut < start + 20 * SIZE:
+            assert findings.lost == (cut > start and (cut - start) % SIZE > 0)
+        elif cut >= start + 20 * SIZE + len(END):
+            assert findings.lost == 0
+
+
+def test_flip_of_any_byte_costs_one_sample_at_most_and_never_gives_a_wrong_one(closed, path):
+    data, start = closed
+    for at in range(len(data)):
+        damaged = bytearray(data)
+        damaged[at] ^= 1 << at % 8
+        path.write_bytes(damaged)
+        ticks, findings = read_ticks(path)
+        hit = [(at - start) // SIZE] if start <= at < start + 20 * SIZE else []
+        assert ticks == [k for k in range(20) if k not in hit]
+        assert findings.closed
+        assert findings.lost == len(hit)
+        assert findings.complete is (not hit)
+
+
+@given(
+    cut=st.integers(0, 10_000),
+    flips=st.lists(st.tuples(st.integers(0, 10_000), st.integers(1, 255)), max_size=8),
+)
+def test_any_damage_leaves_the_other_samples(closed, tmp_path_factory, cut, flips):
+    data, start = closed
+    damaged = bytearray(data[: cut % (len(data) + 1)])
+    touched = set()
+    for at, mask in flips:
+        if at % len(data) < len(damaged):
+            damaged[at % len(data)] ^= mask
+    for at in range(len(damaged)):
+        if damaged[at] != data[at]:
+            touched.add(at)
+    path = tmp_path_factory.getbasetemp() / "run.journal"
+    path.write_bytes(damaged)
+    heads = [range(start // 2), range(start // 2, start)]
+    if all(len(damaged) < head.stop or touched & set(head) for head in heads):
+        with pytest.raises(
+            LogError, match=r"run.journal: (both copies|not a journal|a journal of)"
+        ):
+            read_journal(path)
+        return
+    ticks, findings = read_ticks(path)
+    begins = [start + k * SIZE for k in range(20)]
+    assert ticks == [
+        k
+        for k, at in enumerate(begins)
+        if at + SIZE <= len(damaged) and not touched & set(range(at, at + SIZE))
+    ]
+    if findings.complete:
+        assert ticks == list(range(20))
+
+
+def test_stretches_say_how_many_samples_are_lost_and_from_when_to_when(closed, path):
+    data, start = closed
+    damaged = bytearray(data)
+    for k in (0, 5, 6, 7, 19):
+        damaged[start + k * SIZE + 30] ^= 4
+    path.write_bytes(damaged)
+    findings = read_ticks(path)[1]
+    assert findings.stretches == (
+        (1, None, 1 / 200.0),
+        (3, 4 / 200.0, 8 / 200.0),
+        (1, 18 / 200.0, None),
+    )
+    assert (findings.lost, findings.missed_ticks) == (5, 0)
+    assert findings.reason == "5 of 20 samples are lost"
+
+
+def test_page_of_zeros_at_the_end_is_no_sample(path):
+    write(path, close=False)
+    with path.open("ab") as file:
+        file.write(bytes(3 * SIZE))
+    ticks, findings = read_ticks(path)
+    assert (ticks, findings.lost) == (list(range(20)), 3)
+
+
+def test_samples_of_another_journal_are_not_taken_for_this_ones(closed, path):
+    data, start = closed
+    write(path, overruns=3)
+    other = path.read_bytes()
+    assert len(other) == len(data)
+    mixed = bytearray(data)
+    mixed[start + 4 * SIZE : start + 8 * SIZE] = other[start + 4 * SIZE : start + 8 * SIZE]
+    path.write_bytes(mixed)
+    ticks, findings = read_ticks(path)
+    assert ticks == [*range(4), *range(8, 20)]
+    assert findings.lost == 4
+
+
+@pytest.mark.parametrize("data", [b"\x89HDF\r\n\x1a\n" + bytes(100), b"text", bytes(50)])
+def test_other_files_are_no_journals(path, data):
+    path.write_bytes(data)
+    with pytest.raises(LogError, match="run.journal: not a journal"):
+        read_journal(path)
+
+
+def test_journal_of_a_later_version_is_named_as_such(closed, path):
+    path.write_bytes(closed[0].replace(b"\x89FPRCJ1", b"\x89FPRCJ2"))
+    with pytest.raises(LogError, match="a journal of version 2; read it with a newer fprc"):
+        read_journal(path)
+
+
+def test_absent_journal_is_an_error(path):
+    with pytest.raises(LogError, match="cannot be opened"):
+        read_journal(path)
+
+
+# --- as a raw log ---------------------------------------------------------------------------
+
+
+def raw_of(path):
+    return read_raw(path, experiment="sweep", sample_rate_hz=200.0, rate_tolerance=0.01)
+
+
+def test_recovered_log_is_a_raw_log_with_everything_in_it(path, tmp_path):
+    write(path, overruns=2)
+    before = path.read_bytes()
+    recover(path, tmp_path / "run.h5")
+    log = raw_of(tmp_path / "run.h5")
+    for j, name in enumerate(RAW_CHANNELS):
+        assert log.channels[name].tolist() == [row(k)[j] for k in range(20)]
+    told = log.attributes
+    assert (told["complete"], told["lost_samples"]) == (True, 0)
+    assert "incomplete_reason" not in told
+    assert json.loads(told["statistics"]) == {"overruns": 2}
+    assert json.loads(told["rig"]) == ATTRIBUTES["rig"]
+    assert (told["source"], told["simulated"], told["reference"]) == ("rig", False, "sine")
+    assert path.read_bytes() == before
+
+
+def test_recovered_log_says_that_it_is_incomplete_and_its_quality_too(closed, path, tmp_path):
+    data, start = closed
+    path.write_bytes(data[: start + 12 * SIZE + 5])
+    recover(path, tmp_path / "run.h5")
+    log = raw_of(tmp_path / "run.h5")
+    assert log.attributes["complete"] is False
+    assert log.attributes["lost_samples"] == 1
+    reason = log.attributes["incomplete_reason"]
+    assert reason.startswith("not closed: ")
+    assert "1 of 13 samples are lost" in reason
+    limits = Settings().quality.model_dump()
+    check = assess(log, sample_rate_hz=200.0, **limits)["checks"]["complete"]
+    assert check == {"passed": False, "reason": reason, "lost_samples": 1}
+
+
+def test_recovery_overwrites_nothing(path, tmp_path):
+    write(path)
+    raw = tmp_path / "run.h5"
+    raw.write_text("precious")
+    with pytest.raises(LogError, match="exists and is not overwritten"):
+        recover(path, raw)
+    assert raw.read_text() == "precious"
+
+
+def test_journal_without_a_sample_gives_no_log(path, tmp_path):
+    write(path, ticks=[])
+    with pytest.raises(LogError, match="no sample can be read"):
+        recover(path, tmp_path / "run.h5")
+    assert not (tmp_path / "run.h5").exists()
+
+
+def test_copy_must_be_called_a_raw_log(path, tmp_path):
+    write(path)
+    with pytest.raises(LogError, match="name ends in .h5"):
+        recover(path, tmp_path / "run.journal2")
+
+
+# --- what a rig does not have, and what its loop says ---------------------------------------
+
+
+def test_sensor_that_the_rig_does_not_have_is_left_out_of_the_log(path, tmp_path):
+    phi = NAMES.index("phi_deg")
+    journal = Journal.create(path, NAMES, ATTRIBUTES)
+    for k in range(20):
+        values = list(row(k))
+        values[phi] = float("nan")
+        journal.append(k, values)
+    journal.close()
+    raw = tmp_path / "sweep.h5"
+    recover(path, raw)
+    log = read_raw(raw, experiment="sweep", sample_rate_hz=200.0, rate_tolerance=0.01)
+    assert set(log.channels) == set(RAW_CHANNELS) - {"phi_deg"}
+
+
+def test_quality_record_tells_what_the_loop_said_of_its_ticks(path, tmp_path):
+    write(path, overruns=3, jitter_p99_s=1e-4)
+    raw = tmp_path / "sweep.h5"
+    recover(path, raw)
+    log = read_raw(raw, experiment="sweep", sample_rate_hz=200.0, rate_tolerance=0.01)
+    limits = Settings().quality.model_dump()
+    record = assess(log, sample_rate_hz=200.0, **limits)
+    assert record["loop"] == {"overruns": 3, "jitter_p99_s": 1e-4}

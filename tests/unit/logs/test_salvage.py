@@ -1,0 +1,160 @@
+import os
+import subprocess
+import sys
+
+import h5py
+import numpy as np
+import pytest
+
+from fprc.errors import LogError
+from fprc.logs import RAW_CHANNELS, read_columns
+from fprc.logs import salvage as module
+from fprc.logs.salvage import salvage
+
+
+@pytest.mark.parametrize("share", [0.9, 0.75, 0.5, 0.3])
+def test_numbers_of_a_cut_log_are_those_that_were_written(write_log, share):
+    path = write_log()
+    whole = read_columns(path, RAW_CHANNELS).channels
+    os.truncate(path, int(share * path.stat().st_size))
+    try:
+        found = salvage(path)
+    except LogError:
+        assert share < 0.5
+        return
+    lengths = {len(values) for values in found.channels.values()}
+    assert len(lengths) == 1
+    for name, values in found.channels.items():
+        np.testing.assert_array_equal(values, whole[name][: len(values)])
+    told = "\n".join(found.words)
+    assert "cut short: " in told
+    for name in whole.keys() - found.channels.keys():
+        assert name in told
+
+
+@pytest.mark.parametrize(("there", "kept"), [(300, True), (200, True), (199, False), (0, False)])
+def test_channel_that_lost_more_than_half_is_left_out(write_log, there, kept):
+    path = write_log()
+    with h5py.File(path) as file:
+        begin = file["valve_reservoir_v"].id.get_offset()
+    os.truncate(path, begin + 8 * there + 7)
+    found = salvage(path)
+    assert ("valve_reservoir_v" in found.channels) is kept
+    assert {len(values) for values in found.channels.values()} == {there if kept else 400}
+    assert found.lost == (400 - there if kept else 0)
+    said = f"valve_reservoir_v: {400 - there} of 400 samples lost"
+    assert said + ("" if kept else "; left out of the copy") in found.words
+
+
+def test_chunked_channel_is_read_up_to_its_first_lost_chunk(write_log):
+    path = write_log()
+    values = np.arange(400.0)
+    with h5py.File(path, "r+") as file:
+        del file["valve_reservoir_v"]
+        made = file.create_dataset("valve_reservoir_v", data=values, chunks=(50,), fletcher32=True)
+        made.attrs["units"] = "V"
+        fifth = made.id.get_chunk_info_by_coord((200,)).byte_offset
+    data = bytearray(path.read_bytes())
+    data[fifth + 8] ^= 1
+    path.write_bytes(data)
+    found = salvage(path)
+    assert found.channels["valve_reservoir_v"].tolist() == values[:200].tolist()
+    assert "valve_reservoir_v: 200 of 400 samples lost" in found.words
+
+
+def test_chunk_that_was_cut_off_is_not_taken_for_zeros(write_log):
+    path = write_log()
+    with h5py.File(path, "r+") as file:
+        del file["valve_reservoir_v"]
+        made = file.create_dataset("valve_reservoir_v", data=np.arange(1.0, 401.0), chunks=(50,))
+        made.attrs["units"] = "V"
+        chunks = [made.id.get_chunk_info_by_coord((k,)).byte_offset for k in range(0, 400, 50)]
+    assert chunks == sorted(chunks)
+    os.truncate(path, chunks[6] + 8)
+    found = salvage(path)
+    assert found.channels["valve_reservoir_v"].tolist() == np.arange(1.0, 301.0).tolist()
+    assert "valve_reservoir_v: 100 of 400 samples lost" in found.words
+
+
+def test_channel_in_another_unit_is_left_out_and_named(write_log):
+    path = write_log()
+    with h5py.File(path, "r+") as file:
+        file["p_o_kpa"].attrs["units"] = "bar"
+    found = salvage(path)
+    assert "p_o_kpa" not in found.channels
+    assert "p_o_kpa: cannot be read (units are bar, must be kPa)" in found.words
+
+
+def test_lost_attribute_is_named(write_log):
+    path = write_log()
+    with h5py.File(path, "r+") as file:
+        del file.attrs["seed"]
+    assert salvage(path).words == ["attributes seed: not found"]
+
+
+#: Child process that reads a log and never comes back from its ninth channel.
+STUCK = """
+import sys, time
+from pathlib import Path
+import fprc.logs.salvage as module
+values = module._values
+def stuck(file, name, size):
+    if name == "valve_main_v":
+        print("stuck", flush=True)
+        time.sleep(600.0)
+    return values(file, name, size)
+module._values = stuck
+module._leave(Path(sys.argv[1]), Path(sys.argv[2]))
+"""
+
+
+def test_reading_that_never_ends_is_given_up_and_what_was_read_is_kept(write_log, monkeypatch):
+    path = write_log()
+
+    def run(command, *, timeout, **options):
+        child = subprocess.Popen(
+            [sys.executable, "-c", STUCK, *command[-2:]], stdout=subprocess.PIPE, text=True
+        )
+        with child:
+            assert child.stdout.readline() == "stuck\n"
+            child.kill()
+        raise subprocess.TimeoutExpired(command, timeout)
+
+    monkeypatch.setattr(module.subprocess, "run", run)
+    found = salvage(path, limit_s=5.0)
+    assert "reading did not end within 5 s and was given up" in found.words
+    assert set(found.channels) == set(RAW_CHANNELS) - {"valve_main_v", "valve_reservoir_v"}
+
+
+def test_reading_that_ends_the_process_is_told(write_log, monkeypatch):
+    path = write_log()
+    run = module.subprocess.run
+    crash = "import os, signal; os.kill(os.getpid(), signal.SIGKILL)"
+    monkeypatch.setattr(
+        module.subprocess,
+        "run",
+        lambda command, **options: run([sys.executable, "-c", crash], **options),
+    )
+    with pytest.raises(LogError) as caught:
+        salvage(path)
+    assert "reading ended early: the HDF5 library crashed" in str(caught.value)
+
+
+def test_any_damage_ends_in_a_copy_or_an_error(write_log):
+    """Bytes turned at random in what describes the channels."""
+    path = write_log()
+    whole = path.read_bytes()
+    rng = np.random.default_rng(0)
+    for _ in range(4):
+        data = bytearray(whole)
+        for at in rng.integers(8, 2000, size=20):
+            data[at] ^= int(rng.integers(1, 256))
+        path.write_bytes(data)
+        try:
+            found = salvage(path, limit_s=10.0)
+        except LogError as error:
+            outcome = str(error)
+        else:
+            outcome = "\n".join(found.words)
+            assert len({len(values) for values in found.channels.values()}) == 1
+        assert "no sample can be read" in outcome or "lost" in outcome or "not found" in outcome

@@ -1,0 +1,50 @@
+import pytest
+
+from fprc.artifacts import read_json
+from fprc.errors import LogError
+from fprc.stages.gains import read_gains
+
+PRINTED = {"kp_kpa_per_deg": 0.5, "kd_kpa_s_per_deg": 0.005}
+FOUND = {"kp_kpa_per_deg": 4.0, "kd_kpa_s_per_deg": 0.04}
+
+
+@pytest.fixture
+def gains_of(write_log, tmp_path):
+    def read(*runs, **more):
+        paths = []
+        for number, (gain, rig) in enumerate(runs):
+            told = {"controller": "pd", "gain": gain, "reference": "sweep", "settle_s": 1.0}
+            source = more.get("sources", ["rig"] * len(runs))[number]
+            path = write_log(f"run_{number}.h5", rig=rig, source=source, **told)
+            paths.append(str(path))
+        read_gains(paths, str(tmp_path / "gains.json"))
+        return read_json(tmp_path / "gains.json")
+
+    return read
+
+
+def test_gains_are_those_that_the_logs_name(gains_of):
+    runs = [("none", {"gains": None}), ("printed", {"gains": PRINTED})]
+    found = gains_of(*runs, ("identified", {"gains": FOUND}), ("identified", {"gains": FOUND}))
+    assert found["printed"] == PRINTED
+    assert found["identified"] == FOUND
+    assert "none" not in found
+    assert found["source"] == "rig"
+
+
+@pytest.mark.parametrize("other", [{"gains": FOUND}, {}, {"gains": {"kp_kpa_per_deg": 1}}])
+def test_gain_that_is_not_clear_is_left_out_and_said(gains_of, caplog, other):
+    found = gains_of(("printed", {"gains": PRINTED}), ("printed", other))
+    assert "printed" not in found
+    assert "do not agree on one printed gain" in caplog.text
+
+
+def test_logs_of_two_kinds_make_no_table(gains_of):
+    with pytest.raises(LogError, match=r"different sources: rig \(.*run_0.h5\), sim \("):
+        gains_of(("none", {}), ("none", {}), sources=["rig", "sim"])
+
+
+def test_attribute_of_a_run_that_is_missing_is_named(write_log, tmp_path):
+    path = write_log("run.h5", controller="pd", reference="sweep", settle_s=1.0)
+    with pytest.raises(LogError, match=r"run.h5: attribute gain: missing; .*README"):
+        read_gains([str(path)], str(tmp_path / "gains.json"))

@@ -1,0 +1,170 @@
+import os
+
+import numpy as np
+import pytest
+
+from fprc.cli import main
+from fprc.logs import RAW_CHANNELS, Journal, read_columns, read_raw
+
+ATTRIBUTES = {
+    "experiment": "sweep",
+    "source": "rig",
+    "sample_rate_hz": 200.0,
+    "seed": 0,
+    "software": "fprc test",
+    "rig": {},
+}
+SIZE = 8 + 8 * len(RAW_CHANNELS) + 4
+
+
+@pytest.fixture
+def repair(tmp_path, capsys):
+    """Run `fprc log repair` into copy.h5 and return its exit code, output and errors."""
+
+    def run(path):
+        code = main(["log", "repair", str(path), "--out", str(tmp_path / "copy.h5")])
+        said = capsys.readouterr()
+        return code, said.out, said.err
+
+    return run
+
+
+@pytest.fixture
+def journal(tmp_path, channels):
+    """Journal of 400 samples that is still open."""
+    path = tmp_path / "run.journal"
+    with Journal.create(path, RAW_CHANNELS, ATTRIBUTES) as journal:
+        for k in range(400):
+            journal.append(k, [channels[name][k] for name in RAW_CHANNELS])
+        yield journal
+
+
+def copy_of(tmp_path):
+    return read_raw(
+        tmp_path / "copy.h5", experiment=None, sample_rate_hz=200.0, rate_tolerance=0.05
+    )
+
+
+# --- journals -------------------------------------------------------------------------------
+
+
+def test_whole_journal_is_copied_with_code_0(journal, repair, tmp_path, channels):
+    journal.close()
+    code, out, err = repair(journal.path)
+    assert (code, err) == (0, "")
+    copy = tmp_path / "copy.h5"
+    assert out == f"{copy}: 400 samples from {journal.path}\n  nothing is lost\n"
+    log = copy_of(tmp_path)
+    for name in RAW_CHANNELS:
+        np.testing.assert_array_equal(log.channels[name], channels[name])
+    assert log.attributes["complete"] is True
+
+
+def test_journal_of_a_stopped_run_is_whole_and_says_why_it_was_stopped(journal, repair, tmp_path):
+    journal.close(complete=False, reason="stop button")
+    code, out, _ = repair(journal.path)
+    assert code == 0
+    assert "  incomplete: stop button\n  nothing is lost\n" in out
+    assert copy_of(tmp_path).attributes["incomplete_reason"] == "stop button"
+
+
+def test_journal_of_a_killed_run_is_copied_with_code_3(journal, repair, tmp_path, channels):
+    last_s = channels["time_s"][-1]
+    before = journal.path.read_bytes()
+    code, out, _ = repair(journal.path)
+    assert code == 3
+    assert f"400 samples from {journal.path}" in out
+    assert f"  not closed after {last_s:.3f} s: the program was killed" in out
+    assert "nothing is lost" not in out
+    assert copy_of(tmp_path).attributes["complete"] is False
+    assert journal.path.read_bytes() == before
+
+
+def test_lost_samples_are_told_with_their_times(journal, repair, tmp_path, channels):
+    journal.append(405, [channels[name][-1] + 0.03 for name in RAW_CHANNELS])
+    journal.close()
+    data = bytearray(journal.path.read_bytes())
+    start = data.index(np.float64(channels["time_s"][1]).tobytes()) - 8 - SIZE
+    for k in (0, 100, 101):
+        data[start + k * SIZE + 20] ^= 1
+    journal.path.write_bytes(data)
+    code, out, _ = repair(journal.path)
+    assert code == 3
+    t = channels["time_s"]
+    assert f"  1 sample lost before {t[1]:.3f} s\n" in out
+    assert f"  2 samples lost between {t[99]:.3f} and {t[102]:.3f} s\n" in out
+    assert "  5 ticks were missed by the loop; never acquired\n" in out
+    assert "  incomplete: 3 of 401 samples are lost\n" in out
+    log = copy_of(tmp_path)
+    assert len(log.channels["time_s"]) == 398
+    assert log.attributes["lost_samples"] == 3
+
+
+def test_journal_cut_in_its_header_is_an_error_and_gives_no_copy(journal, repair, tmp_path):
+    journal.close()
+    os.truncate(journal.path, 60)
+    code, out, err = repair(journal.path)
+    assert (code, out) == (1, "")
+    assert err.startswith(f"error: {journal.path}: both copies of the header")
+    assert not (tmp_path / "copy.h5").exists()
+
+
+@pytest.mark.parametrize("kind", ["journal", "hdf5"])
+def test_copy_that_exists_is_not_overwritten(journal, write_log, repair, tmp_path, kind):
+    journal.close()
+    (tmp_path / "copy.h5").write_text("precious")
+    code, _, err = repair(journal.path if kind == "journal" else write_log())
+    assert code == 1
+    assert "exists and is not overwritten" in err
+    assert (tmp_path / "copy.h5").read_text() == "precious"
+
+
+# --- HDF5 -----------------------------------------------------------------------------------
+
+
+def test_whole_hdf5_log_is_copied_with_code_0(write_log, repair, tmp_path):
+    path = write_log()
+    code, out, _ = repair(path)
+    assert code == 0
+    assert "400 samples" in out
+    assert "nothing is lost" in out
+    copy, original = (read_columns(name, RAW_CHANNELS) for name in (tmp_path / "copy.h5", path))
+    assert copy.attributes == original.attributes
+    for name in RAW_CHANNELS:
+        np.testing.assert_array_equal(copy.channels[name], original.channels[name])
+
+
+def test_cut_hdf5_log_is_copied_as_far_as_it_goes_with_code_3(write_log, repair, tmp_path):
+    path = write_log()
+    whole = read_columns(path, RAW_CHANNELS)
+    # the last channel ends the file
+    os.truncate(path, path.stat().st_size - 8 * 100)
+    before = path.read_bytes()
+    code, out, _ = repair(path)
+    assert code == 3
+    assert "valve_reservoir_v: 100 of 400 samples lost" in out
+    assert f"100 samples lost after {whole.channels['time_s'][299]:.3f} s" in out
+    log = copy_of(tmp_path)
+    for name in RAW_CHANNELS:
+        np.testing.assert_array_equal(log.channels[name], whole.channels[name][:300])
+    assert log.attributes["complete"] is False
+    assert log.attributes["lost_samples"] == 100
+    assert log.attributes["experiment"] == "sweep"
+    assert path.read_bytes() == before
+
+
+@pytest.mark.parametrize("content", [b"", b"text", b"\x89HDF\r\n\x1a\n" + bytes(40)])
+def test_file_of_which_nothing_can_be_read_is_an_error(repair, tmp_path, content):
+    path = tmp_path / "log.h5"
+    path.write_bytes(content)
+    code, out, err = repair(path)
+    assert (code, out) == (1, "")
+    assert err.startswith(f"error: {path}: no sample can be read; nothing was written\n")
+    assert not (tmp_path / "copy.h5").exists()
+
+
+@pytest.mark.parametrize("name", ["none.h5", "none.journal"])
+def test_absent_file_is_an_error(repair, tmp_path, name):
+    code, _, err = repair(tmp_path / name)
+    assert code == 1
+    assert f"{tmp_path / name}: cannot be opened (No such file" in err

@@ -1,0 +1,131 @@
+"""Logs of the user's own, of which some channels are missing."""
+
+import json
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from fprc.logs import write_raw
+
+ARGUMENTS = ["--config", "source=recorded", "folders={raw: mylogs, results: results/mine}"]
+
+
+def planned(output):
+    return set(re.findall(r"^(\w+) +\d+$", output, flags=re.MULTILINE)) - {"total"}
+
+
+@pytest.fixture
+def recording(project):
+    """Put logs into mylogs/ as an import would: 10 s, and the channels that are asked for."""
+    (project.folder / "mylogs").mkdir()
+
+    def put(*channels, names=("sweep", "complex")):
+        for number, name in enumerate(names):
+            time_s = np.arange(2000) / 200.0
+            angle = 20.0 - 20.0 * np.cos((1.0 + number) * time_s)
+            held = {
+                "theta_deg": angle,
+                "p_exp_kpa": 5.0 * angle + 20.0 * np.sin(3.0 * time_s),
+                "p_o_kpa": 100.0 + angle,
+                "p_i_kpa": 7.0 * angle,
+                "phi_deg": angle / 2.0,
+            }
+            write_raw(
+                project.folder / f"mylogs/{name}.h5",
+                {"time_s": time_s} | {channel: held[channel] for channel in channels},
+                experiment=name,
+                source="import",
+                sample_rate_hz=200.0,
+                seed=0,
+                software="test",
+                rig={},
+                notes=json.dumps({"p_exp_kpa": "not in kPa: motor force F [N]"}),
+            )
+        return project
+
+    return put
+
+
+def test_all_plans_what_the_logs_allow_and_nothing_else(recording):
+    done = recording("theta_deg", "p_exp_kpa").smoke("--dry-run", "all", *ARGUMENTS)
+    assert done.returncode == 0, done.stdout
+    assert planned(done.stdout) == {
+        "all", "preprocess", "judge", "comparison_table", "configuration_table", "sweep",
+        "measure_times", "measure_times_over_n_c", "measure_steps", "timing_table", "steps_table",
+        "actuator_hysteresis", "settings", "apparatus", "esn_system", "fprc_system",
+        "list_unavailable", "report_page",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("target", "why"),
+    [
+        ("fig5", "Fig. 5 needs p_o_kpa, which sweep.h5 and complex.h5 do not have"),
+        ("readout", "Readout value needs p_o_kpa"),
+        ("table4", "Table IV needs closed-loop logs mylogs/track_"),
+        ("seeds", "further seeds are further simulated rigs"),
+        ("readme", "the README gives the numbers of the simulated rig"),
+    ],
+)
+def test_target_that_is_not_available_is_refused_with_the_reason(recording, target, why):
+    done = recording("theta_deg", "p_exp_kpa").smoke("--dry-run", target, *ARGUMENTS)
+    assert done.returncode != 0
+    assert f"{target}: not available for this data: " in done.stdout
+    assert why in done.stdout
+    assert "MissingInput" not in done.stdout
+
+
+def test_folder_without_logs_is_an_error_that_names_it(project):
+    done = project.smoke("--dry-run", "all", *ARGUMENTS)
+    assert done.returncode != 0
+    assert "no raw log is in mylogs" in done.stdout
+
+
+def test_one_log_alone_gives_what_is_drawn_from_it(recording):
+    everything = ("theta_deg", "p_exp_kpa", "p_o_kpa", "p_i_kpa", "phi_deg")
+    done = recording(*everything, names=["sweep"]).smoke("--dry-run", "all", *ARGUMENTS)
+    assert done.returncode == 0, done.stdout
+    assert {"reservoir", "weights"} <= planned(done.stdout)
+    assert not {"judge", "sweep", "measure_readout"} & planned(done.stdout)
+
+
+@pytest.mark.slow
+def test_logs_without_p_o_give_two_models_and_a_page_that_says_so(recording):
+    project = recording("theta_deg", "p_exp_kpa")
+    done = project.smoke("all", *ARGUMENTS)
+    assert done.returncode == 0, done.stdout
+    results = project.folder / "results/mine"
+    table = pd.read_csv(results / "tables/table2.csv")
+    assert set(table["model"]) == {"esn", "fuzzy_linear"}
+    assert "No FPRC: needs p_o_kpa" in (results / "tables/table2.md").read_text()
+    assert "No FPRC: needs p_o_kpa" in (results / "timing/table2_timing.md").read_text()
+    page = (results / "report.html").read_text(encoding="utf-8")
+    assert "Not available for this data" in page
+    assert "Fig. 5" in (results / "not_available.md").read_text()
+    assert "MEASURED DATA" in page
+
+
+@pytest.mark.slow
+def test_closed_loop_logs_that_are_there_make_table4_and_its_figures(smoked_copy):
+    raw = smoked_copy.folder / "mylogs"
+    (smoked_copy.folder / "results/smoke/raw").rename(raw)
+    for name in ("track_sine_0p2_pd_printed.h5", "complex.h5"):
+        (raw / name).unlink()
+    before = smoked_copy.files("mylogs")
+    done = smoked_copy.smoke("table4", "fig12", "fig16", "fig17", *ARGUMENTS)
+    assert done.returncode == 0, done.stdout
+    assert smoked_copy.files("mylogs") == before
+    results = smoked_copy.folder / "results"
+    mine, simulated = (
+        pd.read_csv(results / folder / "tables/table4.csv").set_index(
+            ["controller", "gain", "reference"]
+        )
+        for folder in ("mine", "smoke")
+    )
+    assert len(mine) == 24
+    pd.testing.assert_frame_equal(mine, simulated.loc[mine.index])
+    page = (results / "mine/tables/table4.md").read_text()
+    assert "No log of 1 of its runs: track_sine_0p2_pd_printed." in page
+    assert (results / "mine/figures/fig17_disturbance.pdf").stat().st_size > 100
