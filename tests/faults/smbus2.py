@@ -7,7 +7,8 @@ to date; without it there is no bus. Little-endian, at these offsets:
 320   float64  angle of the sensor 0x12, deg
 328   float64  angle of the sensor at every other address, deg
 336   int32    fault of both: 0 none, 1 dropout, 2 freeze, 3 spike of
-               +90 deg, 4 wrong packet type
+               +90 deg, 4 wrong packet type, 5 bytes in the wrong order,
+               6 packet cut short
 ====  =======  ======================================================
 """
 
@@ -20,7 +21,7 @@ import struct
 from fake_bus import FakeBus
 
 THETA, PHI, FAULT = 320, 328, 336
-_FAULTS = (None, "dropout", "freeze", "spike", "type")
+_FAULTS = (None, "dropout", "freeze", "spike", "type", "order", "length")
 
 
 class i2c_msg:  # noqa: N801, smbus2's name

@@ -4,6 +4,7 @@ Every call returns 0 on success, else a code that ``AioGetErrorString`` turns
 into words (Contec API-AIO).
 """
 
+import contextlib
 import ctypes
 import sys
 from collections.abc import Sequence
@@ -62,13 +63,19 @@ def load_library(path: str = "") -> ctypes.CDLL:
 class _Board:
     """One board: opened on construction, released by ``close``."""
 
-    def __init__(self, library: ctypes.CDLL, name: str, *, reset: bool = True):
+    def __init__(self, library: ctypes.CDLL, name: str, set_range: str, *, reset: bool = True):
         self.name = name
         self._library = library
         self._id = ctypes.c_short()
         self._call("AioInit", name.encode(), ctypes.byref(self._id))
-        if reset:
-            self._call("AioResetDevice", self._id)
+        try:
+            if reset:
+                self._call("AioResetDevice", self._id)
+            self._call(set_range, self._id, _PM10)
+        except DeviceError:
+            with contextlib.suppress(DeviceError):
+                self.close()
+            raise
 
     def close(self) -> None:
         """Release the board.
@@ -117,9 +124,8 @@ class AnalogInput(_Board):
     """
 
     def __init__(self, library: ctypes.CDLL, name: str, n_channels: int):
-        super().__init__(library, name)
+        super().__init__(library, name, "AioSetAiRangeAll")
         self._volts = (ctypes.c_float * n_channels)()
-        self._call("AioSetAiRangeAll", self._id, _PM10)
 
     def read(self) -> Sequence[float]:
         """Return the voltages of all channels now; valid until the next call."""
@@ -143,8 +149,7 @@ class AnalogOutput(_Board):
     """
 
     def __init__(self, library: ctypes.CDLL, name: str, *, reset: bool = True):
-        super().__init__(library, name, reset=reset)
-        self._call("AioSetAoRangeAll", self._id, _PM10)
+        super().__init__(library, name, "AioSetAoRangeAll", reset=reset)
 
     def write(self, channel: int, volts: float) -> None:
         """Hold a voltage on a channel from now on."""

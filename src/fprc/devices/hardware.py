@@ -54,8 +54,13 @@ class Valves:
         )
 
     def close(self) -> None:
-        """Vent and release the board."""
-        _each(self.vent, self._board.close)
+        """Vent and release the board; a valve that is vented is not closed again before."""
+        _each(self.let_out, self._board.close)
+
+    def let_out(self) -> None:
+        """Open both chambers to the room at once."""
+        vent_v = self._voltages["vent_v"]
+        self.write(vent_v, vent_v)
 
     def _all(self, writes) -> None:
         _each(*(_later(self._board.write, channel, volts) for channel, volts in writes))
@@ -108,7 +113,7 @@ class HardwareRig:
                 number = settings["bus"]
                 if number not in self._buses:
                     self._buses[number] = bus = open_bus(number)
-                    opened.callback(bus.close)
+                    opened.callback(_quietly, bus.close)
                 own = {key: settings[key] for key in ("ticks", "gain", "offset_deg")}
                 built = BendSensor(self._buses[number], settings["address"], **own)
                 built.start(sleep=sleep)
@@ -185,9 +190,9 @@ def open_valves(hardware: Mapping[str, Any], *, reset: bool = True) -> Valves:
     board = AnalogOutput(load_library(boards["library"]), boards["output_device"], reset=reset)
     valves = Valves(board, boards, hardware["valves"])
     try:
-        valves.vent()
+        valves.let_out()
     except DeviceError:
-        _quietly(board.close)
+        _quietly(valves.close)  # which tries once more
         raise
     return valves
 

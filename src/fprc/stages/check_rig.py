@@ -16,13 +16,19 @@ log = logging.getLogger("fprc.rig")
 
 #: Pressure that each chamber is filled to, kPa.
 TEST_KPA = 60.0
+#: Time in which it is reached, s; a step of the set-point would be a jump of the pressure.
+RISE_S = 0.5
+#: A set-point that vents wholly; the loop's integral does not move while it is clamped.
+VENT = -1e3
+#: Highest reading of a chamber: with swapped hoses the loop fills one that it does not see.
+HIGHEST_KPA = 3.0 * TEST_KPA
 #: Phases: name, set-points of actuator and PAM A in kPa, length in s. At rest nothing is written.
 PHASES = (
-    ("rest", 0.0, 0.0, 1.0),
-    ("actuator filled", TEST_KPA, 0.0, 2.0),
-    ("actuator vented", 0.0, 0.0, 2.0),
-    ("PAM A filled", 0.0, TEST_KPA, 2.0),
-    ("PAM A vented", 0.0, 0.0, 2.0),
+    ("rest", VENT, VENT, 1.0),
+    ("actuator filled", TEST_KPA, VENT, 2.0),
+    ("actuator vented", VENT, VENT, 2.0),
+    ("PAM A filled", VENT, TEST_KPA, 2.0),
+    ("PAM A vented", VENT, VENT, 2.0),
 )
 _MOVED_KPA = 0.5 * TEST_KPA
 _STILL_KPA = 0.2 * TEST_KPA
@@ -44,14 +50,13 @@ def check_rig(settings: Mapping[str, Any], armed: bool, stop: Callable[[], str])
     DeviceError
         Lists the parts that do not answer.
     """
-    control, hardware = settings["control"], settings["hardware"]
+    control, hardware = settings["control"], _cautious(settings["hardware"])
     period_s = 1.0 / control["sample_rate_hz"]
     phases = PHASES if armed else PHASES[:1]
-    lengths = [round(seconds / period_s) for *_, seconds in phases]
-    bounds = np.cumsum(lengths).tolist()
+    ends = np.cumsum([round(seconds / period_s) for *_, seconds in phases])
     with rig(hardware, period_s) as (device, clock):
         readings = []
-        for k in range(lengths[0]):
+        for k in range(ends[0]):
             clock.wait_for(k)
             sign(ALIVE)
             readings.append(device.read())
@@ -59,35 +64,55 @@ def check_rig(settings: Mapping[str, Any], armed: bool, stop: Callable[[], str])
                 raise ControlError(reason)
     channels = dict(zip(Readings._fields, np.array(readings).T, strict=True))
     late, trouble = clock.statistics(), []
-
-    def law(k: int, now: Readings) -> tuple[float, float]:
-        sign(ALIVE)
-        _, p_exp, p_i, _ = phases[next(i for i, end in enumerate(bounds) if k + lengths[0] < end)]
-        return p_exp, p_i
-
     if armed:
+        setpoints = _setpoints(phases[1:], ends - ends[0], period_s).tolist()
+
+        def law(k: int, now: Readings) -> list[float]:
+            sign(ALIVE)
+            return setpoints[k]
+
         with rig(hardware, period_s) as (device, clock):
             try:
-                moved = run(device, clock, law, sum(lengths[1:]), **loops(control), stop=stop)
+                moved = run(device, clock, law, len(setpoints), **loops(control), stop=stop)
             except RunAbortedError as stopped:
                 moved = stopped.channels
                 trouble.append(f"stopped: {stopped}")
             late = clock.statistics()
-        moved["time_s"] += bounds[0] * period_s
+        moved["time_s"] += ends[0] * period_s
         channels = {name: np.append(values, moved[name]) for name, values in channels.items()}
-    lines, found = describe(channels, np.array(bounds) * period_s, phases)
+    lines, found = describe(channels, ends * period_s, phases)
     lines.append(
         f"loop: {late['ticks']} ticks, {late['overruns']} missed, late by "
         f"{1e3 * late['jitter_p50_s']:.3f} ms in the median, "
         f"{1e3 * late['jitter_max_s']:.3f} ms at most"
     )
     if not armed:
-        lines.append("valves: not tried; --armed fills and vents one chamber after the other")
+        lines.append("valves: held vented; --armed fills and vents one chamber after the other")
     trouble += found
     lines += [f"TROUBLE: {line}" for line in trouble] or ["no trouble found"]
     for line in lines:
         log.info("%s", line)
     return 1 if trouble else 0
+
+
+def _setpoints(phases, bounds: np.ndarray, period_s: float) -> np.ndarray:
+    """Return the set-points of both chambers at every sample, kPa."""
+    found = np.empty((bounds[-1], 2))
+    for (_, *goals, _), begin, end in zip(phases, bounds[:-1], bounds[1:], strict=True):
+        risen_kpa = np.arange(end - begin) * period_s * TEST_KPA / RISE_S
+        found[begin:end] = np.minimum(risen_kpa[:, None], goals)
+    return found
+
+
+def _cautious(hardware: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the settings with limits that a check needs: PAM B may be empty, nothing is full."""
+    limits = dict(hardware["limits"])
+    for name in ("p_exp_kpa", "p_i_kpa"):
+        low, high = limits[name]
+        limits[name] = (low, min(high, HIGHEST_KPA))
+    low, high = limits["p_o_kpa"]
+    limits["p_o_kpa"] = (min(low, limits["p_i_kpa"][0]), high)
+    return {**hardware, "limits": limits}
 
 
 def describe(
@@ -112,10 +137,11 @@ def describe(
     sensors = [name for name in _SENSORS if not np.isnan(channels[name]).all()]
     lines = [f"{'phase':16}" + "".join(f"{name:>18}" for name in sensors)]
     for (phase, *_), begin_s, end_s in zip(phases, begins_s, ends_s, strict=True):
-        # the second half: the chamber has come to rest
-        judged = (time_s >= 0.5 * (begin_s + end_s)) & (time_s < end_s)
-        if not judged.any():
+        within = time_s[(time_s >= begin_s) & (time_s < end_s)]
+        if not within.size:
             break
+        # the second half: the chamber has come to rest, unless the run was stopped
+        judged = (time_s >= 0.5 * (begin_s + within[-1])) & (time_s <= within[-1])
         values = {name: channels[name][judged] for name in sensors}
         settled[phase] = {name: float(v.mean()) for name, v in values.items()}
         cells = [f"{v.mean():.2f} +- {v.std():.2f}" for v in values.values()]
@@ -168,11 +194,12 @@ def _moved(settled: Mapping[str, Mapping[str, float]]) -> list[str]:
             )
         if vented is not None and vented[own] > _STILL_KPA:
             problems.append(
-                f"{chamber} vented, but {own} = {vented[own]:.1f} kPa is left; check the valve, "
-                "and hardware.valves.vent_v"
+                f"{chamber} vented, but {own} = {vented[own]:.1f} kPa is left; check the valve "
+                "and its way to the room"
             )
     filled, before = settled.get("actuator filled"), settled.get("rest")
-    if filled is not None and filled["theta_deg"] - before["theta_deg"] < 1.0:
+    bent = filled is not None and filled["p_exp_kpa"] - before["p_exp_kpa"] >= _MOVED_KPA
+    if bent and filled["theta_deg"] - before["theta_deg"] < 1.0:
         problems.append(
             f"the actuator was filled and theta_deg went from {before['theta_deg']:.1f} to "
             f"{filled['theta_deg']:.1f}; it must rise: check the sensor, or its sign in "

@@ -31,7 +31,10 @@ def guard(request: Mapping[str, Any], hardware: Mapping[str, Any]) -> None:
         or the message says that they could not be.
     """
     command = [sys.executable, "-m", "fprc.stages.rig_loop"]
-    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
+    pipe = subprocess.PIPE
+    # a session of its own: what befalls a terminal and its group (closed, Ctrl-Z, a kill of the
+    # whole group) reaches this process alone, and the other one stops and vents
+    with subprocess.Popen(command, stdin=pipe, stdout=pipe, start_new_session=True) as process:
         signs: queue.SimpleQueue[bytes] = queue.SimpleQueue()
         threading.Thread(target=_listen, args=(process, signs), daemon=True).start()
         with _handing_on_signals(process):
@@ -89,13 +92,19 @@ def _vent(hardware: Mapping[str, Any]) -> str:
 @contextmanager
 def _handing_on_signals(process: subprocess.Popen):
     def hand_on(number: int, frame: Any) -> None:
-        # Ctrl-C reaches the whole group by itself; twice does no harm
         process.send_signal(signal.SIGTERM)
 
-    numbers = (signal.SIGINT, signal.SIGTERM)
-    before = [signal.signal(number, hand_on) for number in numbers]
+    names = ("SIGINT", "SIGTERM", "SIGHUP")
+    before = {number: signal.getsignal(number) for name in names if (number := _number(name))}
+    heard = [number for number, handler in before.items() if handler != signal.SIG_IGN]  # nohup
+    for number in heard:
+        signal.signal(number, hand_on)
     try:
         yield
     finally:
-        for number, handler in zip(numbers, before, strict=True):
-            signal.signal(number, handler)
+        for number in heard:
+            signal.signal(number, before[number])
+
+
+def _number(name: str) -> int | None:
+    return getattr(signal, name, None)  # Windows has no SIGHUP

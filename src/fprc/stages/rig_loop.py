@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from fprc.control import RunAbortedError, run
-from fprc.errors import FprcError, LogError
+from fprc.errors import DeviceError, FprcError, LogError
 from fprc.logs import RAW_CHANNELS
 from fprc.logs.journal import Journal
 from fprc.logs.recovery import recover
@@ -73,29 +73,35 @@ def record(
     stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
     path = Path(raw).with_suffix(f".{stamp}.journal")
     with Journal.create(path, experiment.channels, experiment.attributes) as journal:
-        stopped, told = None, {}
-        with rig(hardware, period_s) as (device, clock):
-            _announce(name, experiment.samples * period_s, experiment.hint)
-            try:
-                run(
-                    device,
-                    clock,
-                    experiment.law,
-                    experiment.samples,
-                    **loops(control),
-                    extra=experiment.channels[len(RAW_CHANNELS) :],
-                    progress=_Progress(experiment.samples, period_s),
-                    keep=journal.append,
-                    stop=stop,
-                )
-            except RunAbortedError as error:
-                stopped = error
-            told = clock.statistics()
+        stopped, told, vented = None, {}, ""
+        try:
+            with rig(hardware, period_s) as (device, clock):
+                _announce(name, experiment.samples * period_s, experiment.hint)
+                try:
+                    run(
+                        device,
+                        clock,
+                        experiment.law,
+                        experiment.samples,
+                        **loops(control),
+                        extra=experiment.channels[len(RAW_CHANNELS) :],
+                        progress=_Progress(experiment.samples, period_s),
+                        keep=journal.append,
+                        stop=stop,
+                    )
+                except RunAbortedError as error:
+                    stopped = error
+                told = clock.statistics()
+            vented = "the rig was vented; "
+        except DeviceError as error:
+            if not told:  # no run was begun
+                raise
+            stopped = _add(stopped, error)
         journal.close(complete=stopped is None, reason=str(stopped or ""), **told)
     if stopped:
         raise RunAbortedError(
-            f"{stopped}\nthe rig was made safe; {journal.samples} samples are in {path}, read "
-            f"them with: fprc log repair {path} --out {Path(raw).with_suffix('.aborted.h5')}",
+            f"{stopped}\n{vented}{journal.samples} samples are in {path}, read them with: "
+            f"fprc log repair {path} --out {Path(raw).with_suffix('.aborted.h5')}",
             stopped.channels,
         ) from stopped
     recover(path, raw)
@@ -106,6 +112,12 @@ def record(
         told["ticks"], told["overruns"], 1e3 * told["jitter_p50_s"], 1e3 * told["jitter_p99_9_s"],
         raw,
     )  # fmt: skip
+
+
+def _add(stopped: RunAbortedError | None, closing: DeviceError) -> RunAbortedError:
+    """Keep why a run was stopped when its rig cannot be closed either."""
+    why = f"{stopped}\n" if stopped else "the samples are complete, but the rig was not closed: "
+    return RunAbortedError(f"{why}{closing}", stopped.channels if stopped else {})
 
 
 def _announce(name: str, seconds: float, hint: str) -> None:
@@ -121,11 +133,15 @@ class _Progress:
         self._every = max(int(0.05 / period_s), 1)
         self._tenth = max(samples // 10, 1)
         self._samples, self._period_s = samples, period_s
+        self._signed = self._told = 0
 
     def __call__(self, done: int) -> None:
-        if done % self._every == 0:
+        # missed ticks may leap over any single number
+        if done - self._signed >= self._every:
+            self._signed = done
             sign(ALIVE)
-        if done % self._tenth == 0:
+        if done // self._tenth > self._told:
+            self._told = done // self._tenth
             log.info("%3.0f of %3.0f s", done * self._period_s, self._samples * self._period_s)
 
 

@@ -6,7 +6,7 @@ import signal
 import sys
 import threading
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
 from fprc.control import PressurePI
@@ -37,8 +37,8 @@ def rig(hardware: Mapping[str, Any], period_s: float) -> Iterator[tuple[Guarded,
     opened = HardwareRig(hardware, clock.elapsed)
     for line in be_punctual(hardware["loop"]["priority"]):
         log.info("%s", line)
-    sign(HOT)
     try:
+        sign(HOT)
         yield Guarded(opened, limits, period_s, phi=bool(hardware["phi"])), clock
     finally:
         opened.close()
@@ -52,8 +52,9 @@ def loops(control: Mapping[str, Any]) -> dict[str, PressurePI]:
 
 
 def sign(what: bytes) -> None:
-    """Tell the guardian."""
-    os.write(sys.stdout.fileno(), what)
+    """Tell the guardian; if it is gone, ``Stop`` knows."""
+    with suppress(BrokenPipeError):
+        os.write(sys.stdout.fileno(), what)
 
 
 class Stop:
@@ -70,7 +71,7 @@ class Stop:
         return self._reason
 
     def _signalled(self, number: int, frame: Any) -> None:
-        self._reason = f"stopped by {signal.Signals(number).name}"
+        self._reason = self._reason or f"stopped by {signal.Signals(number).name}"
 
     def _wait_for_end(self) -> None:
         sys.stdin.read()

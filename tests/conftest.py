@@ -1,0 +1,113 @@
+"""The fake driver, and a simulated rig wired to it."""
+
+import importlib
+import os
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
+
+from fprc.config import Settings
+from fprc.stages import check_rig, rig_loop, rig_session
+
+FAULTS = Path(__file__).parent / "faults"
+_MODULES = ("bench", "fake_bus", "smbus2")
+
+
+@pytest.fixture(scope="session")
+def compiled_driver(tmp_path_factory):
+    """The fake driver's shared library."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(FAULTS))
+        bench = importlib.import_module("bench")
+        _forget()
+    return bench.compile_driver(tmp_path_factory.mktemp("driver"))
+
+
+@pytest.fixture
+def driver(compiled_driver, tmp_path):
+    """A copy of the library for this test alone: a loaded library keeps its bench."""
+    return Path(shutil.copy(compiled_driver, tmp_path))
+
+
+@pytest.fixture
+def settings(driver):
+    """Default settings of a rig behind the fake driver."""
+    found = Settings().model_dump(mode="json")
+    found["hardware"]["boards"]["library"] = str(driver)
+    return found
+
+
+@pytest.fixture
+def make_bench(tmp_path, monkeypatch):
+    """Return what builds the simulated rig behind the fake driver, once in a test."""
+    monkeypatch.syspath_prepend(str(FAULTS))
+    _forget()
+    monkeypatch.setenv("FAKE_BENCH", str(tmp_path / "bench"))
+
+    def make(settings, **more):
+        return importlib.import_module("bench").Bench(
+            Path(os.environ["FAKE_BENCH"]), settings, **more
+        )
+
+    yield make
+    _forget()
+
+
+@pytest.fixture
+def bench(make_bench, settings):
+    """Simulated rig of the default settings behind the fake driver."""
+    return make_bench(settings)
+
+
+class Session:
+    """Clock of one session on a bench: its ticks begin at 0.
+
+    ``at(tick)`` is called at each tick, once the rig has lived until then; ``clean_tick`` is the
+    last tick before which no call of the driver had failed.
+    """
+
+    def __init__(self, bench, at):
+        self._bench, self._at = bench, at
+        self._begin = bench.tick + 1
+        self.statistics = bench.statistics
+        self.tick = self.clean_tick = -1
+
+    def wait_for(self, tick):
+        self._bench.wait_for(self._begin + tick)
+        self.tick = tick
+        if not self._bench.shared.failures:
+            self.clean_tick = tick
+        self._at(tick)
+        return tick
+
+    def elapsed(self):
+        return (self._bench.tick - self._begin) * self._bench.period_s
+
+
+@pytest.fixture
+def live_by(monkeypatch):
+    """Let sessions with the rig live by the clock of a bench, in this process.
+
+    Gives the list of the sessions, and that of the signs to the guardian.
+    """
+    sessions, signs = [], []
+
+    def live_by(bench, at=lambda tick: None):
+        def begin(*arguments, **more):
+            sessions.append(Session(bench, at))
+            return sessions[-1]
+
+        monkeypatch.setattr(rig_session, "Metronome", begin)
+        monkeypatch.setattr(rig_session, "be_punctual", lambda priority: [])
+        for module in (rig_session, rig_loop, check_rig):
+            monkeypatch.setattr(module, "sign", signs.append)
+        return sessions, signs
+
+    return live_by
+
+
+def _forget():
+    for name in _MODULES:
+        sys.modules.pop(name, None)

@@ -1,0 +1,370 @@
+"""Faults of parts, in this process: the rig lives by its bench's clock, tick by tick."""
+
+import math
+
+import numpy as np
+import pytest
+
+from fprc.errors import DeviceError, FprcError, LogError
+from fprc.logs import read_journal
+from fprc.logs.journal import Journal
+from fprc.stages import rig_loop
+from fprc.stages.guardian import HOT, SAFE
+
+TICKS = 8
+VENTED = [0.0, 0.0]
+_WRITE = "AioSingleAoEx"
+_OPEN = [
+    *[(call, "opening the output board") for call in ("AioInit", "AioResetDevice")],
+    ("AioSetAoRangeAll", "opening the output board"),
+    *[(_WRITE, "venting when opened")] * 2,
+    *[(call, "opening the input board") for call in ("AioInit", "AioResetDevice")],
+    ("AioSetAiRangeAll", "opening the input board"),
+]
+_TICK = [("AioMultiAiEx", "reading pressures"), *[(_WRITE, "writing a valve")] * 2]
+_CLOSE = [*[(_WRITE, "venting at the end")] * 6, *[("AioExit", "releasing a board")] * 2]
+#: Every call of the driver in a run of eight ticks.
+CALLS = [*_OPEN, *_TICK * TICKS, *_CLOSE]
+
+
+class Outcome:
+    """What came of one run: ``error``, ``sessions``, ``samples`` in the journal, ``reason``."""
+
+
+@pytest.fixture
+def record(bench, settings, live_by, monkeypatch, tmp_path):
+    """Record a few ticks of the sweep; ``at(tick)`` injects."""
+    settings["experiments"]["sweep"]["duration_s"] = 2.0
+    plan = rig_loop.plan
+
+    def record(ticks=TICKS, at=lambda tick: None, law=None, stop=lambda: ""):
+        found = Outcome()
+        found.sessions, found.signs = live_by(bench, at)
+
+        def cut(*arguments):
+            experiment = plan(*arguments)
+            return experiment._replace(samples=ticks, law=law or experiment.law)
+
+        monkeypatch.setattr(rig_loop, "plan", cut)
+        found.raw = tmp_path / "sweep.h5"
+        found.error = None
+        try:
+            rig_loop.record("sweep", str(found.raw), settings=settings, stop=stop)
+        except FprcError as error:
+            found.error = error
+        (path,) = tmp_path.glob("*.journal")
+        found.channels, _, findings = read_journal(path)
+        found.samples, found.reason, found.closed = (
+            findings.samples,
+            findings.reason,
+            findings.closed,
+        )
+        assert found.closed
+        assert findings.lost == 0
+        return found
+
+    return record
+
+
+def vented(bench):
+    return list(bench.shared.outputs[:2]) == VENTED
+
+
+def test_run_without_a_fault_makes_the_calls_that_are_tried_below(bench, record):
+    found = record()
+    assert found.error is None
+    assert bench.shared.calls == len(CALLS)
+    assert found.samples == TICKS
+    assert found.raw.exists()
+    assert (found.signs[0], found.signs[-1]) == (HOT, SAFE)
+    assert vented(bench)
+
+
+def ticks_after(found, fault_tick):
+    """Ticks that began after the one in which the fault was."""
+    return found.sessions[-1].tick - fault_tick if found.sessions else 0
+
+
+@pytest.mark.parametrize("at", range(len(CALLS)))
+def test_call_of_the_driver_that_fails_once_ends_the_run_vented(bench, record, matrix, at):
+    call, where = CALLS[at]
+    shared = bench.shared
+    shared.fail_at, shared.fail_count, shared.fail_code = at + 1, 1, 777
+    found = record()
+    assert (shared.failures, shared.failed) == (1, call.encode())
+    assert f"{call} failed with code 777 (injected failure)" in str(found.error)
+    assert f"{call} failed" in found.reason
+    assert vented(bench)
+    last = found.sessions[-1]
+    assert last.tick == last.clean_tick
+    # the sample of the tick in which the call failed was not complete
+    expected = min(max(at - len(_OPEN), 0) // len(_TICK), TICKS)
+    assert found.samples == expected
+    assert not found.raw.exists()
+    opening = at < len(_OPEN)
+    assert (HOT in found.signs) is not opening
+    # without this sign the guardian vents once more
+    assert (SAFE in found.signs) is (not opening and at < len(CALLS) - 4)
+    assert shared.opened == (0 if call != "AioExit" else 1)
+    matrix.add(
+        "a driver call fails once",
+        where,
+        "no run was begun" if opening else "the error of the call",
+        "yes",
+        last.tick - last.clean_tick,
+        expected - found.samples,
+    )
+
+
+@pytest.mark.parametrize("at", range(len(CALLS)))
+def test_board_that_fails_from_then_on_ends_the_run_and_the_guardian_is_not_told_safe(
+    bench, record, matrix, at
+):
+    call, where = CALLS[at]
+    shared = bench.shared
+    shared.fail_at, shared.fail_count, shared.fail_code = at + 1, 1 << 40, 777
+    found = record()
+    assert shared.failures == shared.calls - at
+    assert f"{call} failed with code 777" in str(found.error)
+    last = found.sessions[-1]
+    assert last.tick == last.clean_tick
+    expected = min(max(at - len(_OPEN), 0) // len(_TICK), TICKS)
+    assert found.samples == expected
+    assert SAFE not in found.signs
+    # nothing had moved before the first tick's writes, or it was vented already
+    moved = len(_OPEN) + 1 < at < len(CALLS) - 4
+    assert vented(bench) is not moved
+    if len(_OPEN) <= at < len(CALLS) - len(_CLOSE):
+        assert "the rig could not be made safe" in str(found.error)
+    opening = at < len(_OPEN)
+    matrix.add(
+        "every driver call fails from then on",
+        where,
+        "no run was begun" if opening else "the error of the call",
+        "yes" if not moved else "no: the guardian tries, says to cut the supply",
+        last.tick - last.clean_tick,
+        expected - found.samples,
+    )
+
+
+def inject(bench, code, begin, end=math.inf):
+    """Return what sets a fault of the I2C bus between two ticks."""
+
+    def at(tick):
+        bench.shared.i2c_fault = code if begin <= tick < end else 0
+
+    return at
+
+
+SENSOR = [
+    ("dropout, one packet", 1, 1, "reading the angle failed", 0),
+    ("spike of +90 deg, one packet", 3, 1, "theta_deg jumped from", 0),
+    ("packet cut short, once", 6, 1, "the answer has 2 bytes, not 3", 0),
+    ("frozen", 2, math.inf, "theta_deg has been", 50),
+    ("packets of the wrong type", 4, math.inf, "theta_deg has been", 50),
+    ("packets with their bytes in the wrong order", 5, math.inf, "theta_deg has been", 50),
+]
+
+
+@pytest.mark.parametrize(("fault", "code", "ticks", "said", "until"), SENSOR)
+def test_angle_sensor_that_fails_ends_the_run_vented(
+    bench, record, matrix, fault, code, ticks, said, until
+):
+    begin = 20
+    found = record(ticks=200, at=inject(bench, code, begin, begin + ticks))
+    assert said in str(found.error)
+    assert vented(bench)
+    after = ticks_after(found, begin)
+    assert after == until
+    assert found.samples == begin + until
+    matrix.add(
+        f"angle sensor: {fault}",
+        "mid-run",
+        "frozen sensor" if until else "the reading",
+        "yes",
+        after,
+        begin + after - found.samples,
+    )
+
+
+TOLERATED = [
+    ("frozen for 0.2 s", 2, 40),
+    ("packets of the wrong type for 0.2 s", 4, 40),
+    ("packets with their bytes in the wrong order for 0.2 s", 5, 40),
+]
+
+
+@pytest.mark.parametrize(("fault", "code", "ticks"), TOLERATED)
+def test_angle_sensor_that_recovers_in_time_does_not_end_the_run(
+    bench, record, matrix, fault, code, ticks
+):
+    # early in the sweep the angle does not move far in 0.2 s
+    begin = 20
+    found = record(ticks=100, at=inject(bench, code, begin, begin + ticks))
+    assert found.error is None
+    held = found.channels["theta_deg"][begin : begin + ticks]
+    assert np.ptp(held) < np.ptp(found.channels["theta_deg"])
+    assert len(np.unique(held)) < 5
+    assert found.samples == 100
+    assert vented(bench)
+    matrix.add(
+        f"angle sensor: {fault}", "mid-run", "nothing, it goes on", "yes, at the end", "-", 0
+    )
+
+
+def to_volts(settings, kpa):
+    own = settings["hardware"]["p_exp"]
+    return kpa / own["gain_kpa_per_v"] + own["zero_v"]
+
+
+@pytest.mark.parametrize("sensor", range(3))
+@pytest.mark.parametrize(
+    ("fault", "kpa", "said"),
+    [
+        ("over its limit", 500.0, "is outside"),
+        ("cable off, 0 V", None, "is outside"),
+        ("spike of +100 kPa", "+100", "jumped from"),
+        ("no number", math.nan, "no reading"),
+    ],
+)
+def test_pressure_sensor_that_is_beyond_its_limits_ends_the_run_vented(
+    bench, settings, record, matrix, sensor, fault, kpa, said
+):
+    def at(tick):
+        if tick == 5:
+            inputs = bench.shared.inputs
+            if kpa == "+100":
+                inputs[sensor] += 100.0 / settings["hardware"]["p_exp"]["gain_kpa_per_v"]
+            else:
+                inputs[sensor] = 0.0 if kpa is None else to_volts(settings, kpa)
+
+    found = record(at=at)
+    name = ("p_exp_kpa", "p_i_kpa", "p_o_kpa")[sensor]
+    assert any(
+        line.startswith(name) or f": {name}" in line for line in str(found.error).split("\n")
+    )
+    assert said in str(found.error)
+    assert vented(bench)
+    after = ticks_after(found, 5)
+    assert found.samples == 5
+    matrix.add(
+        f"pressure sensor: {fault}", "mid-run", "the reading", "yes", after, 5 - found.samples
+    )
+
+
+@pytest.mark.parametrize("sensor", range(3))
+def test_pressure_sensor_that_freezes_ends_the_run_vented(bench, record, matrix, sensor):
+    held = []
+
+    def at(tick):
+        if tick == 26:
+            held.append(bench.shared.inputs[sensor])
+        if tick >= 26:
+            bench.shared.inputs[sensor] = held[0]
+
+    found = record(ticks=200, at=at)
+    name = ("p_exp_kpa", "p_i_kpa", "p_o_kpa")[sensor]
+    assert f"{name} has been" in str(found.error)
+    assert vented(bench)
+    after = ticks_after(found, 26)
+    assert after == 51
+    assert found.samples == 26 + after
+    matrix.add("pressure sensor: frozen", "mid-run", "frozen sensor", "yes", after, 0)
+
+
+def raising(k, now):
+    if k == 5:
+        raise ZeroDivisionError("the law broke")
+    return 10.0, 0.0
+
+
+def no_number(k, now):
+    return (math.nan if k == 5 else 10.0), 0.0
+
+
+def nothing(k, now):
+    return () if k == 5 else (10.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("fault", "law", "said"),
+    [
+        ("raises", raising, "ZeroDivisionError: the law broke"),
+        ("gives no number", no_number, "must be finite"),
+        ("gives too few values", nothing, "not enough values"),
+    ],
+)
+def test_controller_that_fails_ends_the_run_vented(bench, record, matrix, fault, law, said):
+    found = record(law=law)
+    assert said in str(found.error)
+    assert vented(bench)
+    assert found.samples == 5
+    after = ticks_after(found, 5)
+    matrix.add(f"the controller {fault}", "mid-run", "its error", "yes", after, 5 - found.samples)
+
+
+def test_stop_that_is_asked_for_ends_the_run_vented(bench, record, matrix):
+    asked = []
+    found = record(
+        at=lambda tick: asked.append(tick),
+        stop=lambda: "stopped by SIGTERM" if asked[-1] == 5 else "",
+    )
+    assert "stopped by SIGTERM" in str(found.error)
+    assert vented(bench)
+    assert found.samples == 5
+    matrix.add("a stop is asked for", "mid-run", "it", "yes", ticks_after(found, 5), 0)
+
+
+def test_disk_that_is_full_ends_the_run_vented(bench, record, matrix, monkeypatch):
+    append = Journal.append
+
+    def full(journal, tick, row):
+        if tick == 5:
+            raise LogError("no space left on device")
+        append(journal, tick, row)
+
+    monkeypatch.setattr(Journal, "append", full)
+    found = record()
+    assert "no space left on device" in str(found.error)
+    assert vented(bench)
+    assert found.samples == 5
+    matrix.add(
+        "the disk is full", "mid-run", "the journal's error", "yes", ticks_after(found, 5),
+        "1, that of the error",
+    )  # fmt: skip
+
+
+def test_defect_of_the_program_is_no_reason_to_leave_a_valve_open(bench, record, matrix):
+    def interrupt(tick):
+        if tick == 5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        record(at=interrupt)
+    assert vented(bench)
+    matrix.add("an exception that no one catches", "mid-run", "it", "yes", 0, 0)
+
+
+def test_error_names_the_journal_and_how_to_read_it(bench, record, tmp_path):
+    shared = bench.shared
+    shared.fail_at, shared.fail_count, shared.fail_code = 20, 1, 777
+    found = record()
+    (path,) = tmp_path.glob("*.journal")
+    assert f"fprc log repair {path} --out " in str(found.error)
+    assert not isinstance(found.error, DeviceError)
+
+
+def test_reason_of_a_run_is_kept_when_the_rig_cannot_be_closed_either(bench, record):
+    found = record(at=inject(bench, 1, 5))
+    for text in (str(found.error), found.reason):
+        assert "run stopped at sample 5: angle sensor 0x12 on I2C bus 1: reading the angle" in text
+        assert "stopping it failed" in text
+
+
+def test_rig_that_cannot_be_closed_after_a_whole_run_costs_no_sample(bench, record):
+    shared = bench.shared
+    shared.fail_at, shared.fail_count, shared.fail_code = len(CALLS), 1, 777
+    found = record()
+    assert "the samples are complete, but the rig was not closed: board AIO000" in str(found.error)
+    assert f"{TICKS} samples are in " in str(found.error)
+    assert found.samples == TICKS

@@ -1,0 +1,83 @@
+import ctypes
+import errno
+import gc
+import os
+from types import SimpleNamespace
+
+import pytest
+
+from fprc.control.realtime import be_punctual
+
+
+@pytest.fixture(autouse=True)
+def collector():
+    yield
+    gc.enable()
+    gc.unfreeze()
+
+
+@pytest.fixture
+def system(monkeypatch):
+    """An operating system that grants everything and keeps what it was asked."""
+    asked = []
+
+    def lock(flags):
+        asked.append(("mlockall", flags))
+        return 0
+
+    monkeypatch.setattr(
+        os,
+        "sched_setscheduler",
+        lambda *request: asked.append(("priority", request[2].sched_priority)),
+        raising=False,
+    )
+    monkeypatch.setattr(ctypes, "CDLL", lambda *a, **k: SimpleNamespace(mlockall=lock))
+    return asked
+
+
+def test_what_is_granted_is_said(system):
+    assert be_punctual(50) == ["real-time priority 50", "memory locked"]
+    assert system == [("priority", 50), ("mlockall", 3)]
+
+
+def test_garbage_is_collected_before_and_not_during_the_run(system):
+    be_punctual(0)
+    assert not gc.isenabled()
+    assert gc.get_freeze_count() > 0
+    assert system == []
+
+
+def test_refused_priority_is_said_with_its_remedy_and_memory_is_still_locked(system, monkeypatch):
+    def refuse(*request):
+        raise PermissionError(errno.EPERM, "Operation not permitted")
+
+    monkeypatch.setattr(os, "sched_setscheduler", refuse)
+    priority, memory = be_punctual(42)
+    assert priority.startswith("no real-time priority (Operation not permitted); going on without")
+    assert "rtprio 42" in priority
+    assert "/etc/security/limits.conf" in priority
+    assert memory == "memory locked"
+
+
+def test_refused_lock_is_said_with_its_reason_and_remedy(system, monkeypatch):
+    def refuse(flags):
+        ctypes.set_errno(errno.ENOMEM)
+        return -1
+
+    monkeypatch.setattr(ctypes, "CDLL", lambda *a, **k: SimpleNamespace(mlockall=refuse))
+    _, memory = be_punctual(1)
+    assert memory.startswith(f"memory not locked ({os.strerror(errno.ENOMEM)}); going on without")
+    assert "memlock unlimited" in memory
+
+
+@pytest.mark.parametrize("raised", [OSError, AttributeError, TypeError])
+def test_system_without_either_is_said(system, monkeypatch, raised):
+    def refuse(*arguments, **more):
+        raise raised
+
+    monkeypatch.delattr(os, "sched_setscheduler")
+    monkeypatch.setattr(ctypes, "CDLL", refuse)
+    priority, memory = be_punctual(1)
+    assert "this system has no SCHED_FIFO; going on without" in priority
+    assert "this system has no mlockall; going on without" in memory
+    assert not gc.isenabled()

@@ -1,0 +1,150 @@
+import ctypes
+import subprocess
+import sys
+
+import pytest
+
+from fprc.devices.contec import AnalogInput, AnalogOutput, load_library
+from fprc.errors import DeviceError
+
+
+@pytest.fixture
+def library(bench, driver):
+    return load_library(str(driver))
+
+
+def fail(bench, code=12345, count=1, skip=0):
+    """Let calls of the driver fail from the next but ``skip`` on."""
+    shared = bench.shared
+    shared.fail_at, shared.fail_count = shared.calls + 1 + skip, count
+    shared.fail_code = code
+
+
+def test_input_board_reads_the_channels_asked_for(bench, library):
+    bench.shared.inputs[:4] = [1.25, -10.0, 9.5, 7.0]
+    board = AnalogInput(library, "AIO000", 3)
+    assert list(board.read()) == [1.25, -10.0, 9.5]
+    bench.shared.inputs[0] = 2.5
+    assert board.read()[0] == 2.5
+
+
+def test_output_board_writes_the_channel_asked_for(bench, library):
+    board = AnalogOutput(library, "AIO001")
+    board.write(1, 2.5)
+    board.write(0, -10.0)
+    assert [row[1:] for row in bench.writes()] == [(1, 2.5), (0, -10.0)]
+    assert list(bench.shared.outputs[:2]) == [-10.0, 2.5]
+
+
+def test_boards_are_opened_once_and_released(bench, library):
+    boards = AnalogInput(library, "AIO000", 1), AnalogOutput(library, "AIO001")
+    assert bench.shared.opened == 2
+    for board in boards:
+        board.close()
+    assert bench.shared.opened == 0
+
+
+def test_board_is_reset_unless_it_must_keep_what_it_puts_out(bench, library):
+    AnalogOutput(library, "AIO001").close()
+    calls = bench.shared.calls
+    AnalogOutput(library, "AIO001", reset=False).close()
+    assert bench.shared.calls - calls == calls - 1
+
+
+@pytest.mark.parametrize(
+    ("at", "call"), [(0, "AioInit"), (1, "AioResetDevice"), (2, "AioSetAiRangeAll")]
+)
+def test_board_that_cannot_be_opened_names_the_call_and_is_released(bench, library, at, call):
+    fail(bench, skip=at)
+    with pytest.raises(DeviceError, match=f"^board AIO000: {call} failed with code 12345"):
+        AnalogInput(library, "AIO000", 3)
+    assert (bench.shared.failures, bench.shared.failed) == (1, call.encode())
+    assert bench.shared.opened == 0
+
+
+def test_failure_to_release_does_not_hide_why_a_board_was_not_opened(bench, library):
+    fail(bench, skip=1, count=2)
+    with pytest.raises(DeviceError, match="AioResetDevice failed"):
+        AnalogOutput(library, "AIO001")
+    assert (bench.shared.failures, bench.shared.failed[:7]) == (2, b"AioExit")
+
+
+@pytest.mark.parametrize(
+    ("use", "call"),
+    [
+        (lambda boards: boards[0].read(), "AIO000: AioMultiAiEx"),
+        (lambda boards: boards[1].write(0, 5.0), "AIO001: AioSingleAoEx"),
+        (lambda boards: boards[1].close(), "AIO001: AioExit"),
+    ],
+)
+def test_code_of_a_call_is_told_in_the_words_of_the_driver(bench, library, use, call):
+    boards = AnalogInput(library, "AIO000", 1), AnalogOutput(library, "AIO001")
+    fail(bench)
+    with pytest.raises(DeviceError) as caught:
+        use(boards)
+    assert str(caught.value).startswith(
+        f"board {call} failed with code 12345 (injected failure); check power and cable"
+    )
+    assert bench.shared.failures == 1
+
+
+@pytest.mark.parametrize(("code", "words"), [(20000, "装置"), (20001, "no description")])
+def test_words_of_a_japanese_driver_are_readable_and_none_are_no_crash(bench, library, code, words):
+    board = AnalogInput(library, "AIO000", 1)
+    fail(bench, code)
+    with pytest.raises(DeviceError, match=rf"failed with code {code} \({words}\)"):
+        board.read()
+
+
+def test_unknown_name_of_a_board_is_told(bench, library):
+    with pytest.raises(DeviceError, match=r"board AIO009: .* 10000 \(unregistered device name\)"):
+        AnalogInput(library, "AIO009", 1)
+    assert bench.shared.opened == 0
+
+
+def test_boards_answer_by_their_own_id(bench, library):
+    # the fake, like the board, refuses to read from an output board
+    board = AnalogInput(library, "AIO001", 1)
+    with pytest.raises(DeviceError, match="AioMultiAiEx failed with code 11001"):
+        board.read()
+    board._id.value = 7
+    with pytest.raises(DeviceError, match=r"code 10001 \(invalid device id\)"):
+        board.read()
+
+
+def test_types_of_the_calls_are_declared(library):
+    with pytest.raises(ctypes.ArgumentError):
+        library.AioSingleAoEx(2, 0, "5 V")
+    with pytest.raises(ctypes.ArgumentError):
+        library.AioInit(1, None)
+    assert library.AioMultiAiEx.restype is ctypes.c_long
+
+
+def test_missing_library_says_where_to_get_it(tmp_path):
+    path = str(tmp_path / "libcaio.so")
+    with pytest.raises(DeviceError) as caught:
+        load_library(path)
+    assert str(caught.value).startswith(f"driver {path}: cannot be loaded (")
+    assert "API-AIO(LNX) from contec.com, or set hardware.boards.library" in str(caught.value)
+
+
+def test_driver_has_its_own_name_on_each_system(monkeypatch):
+    with pytest.raises(DeviceError, match=r"^driver libcaio\.so: cannot"):
+        load_library()
+
+    def missing(name):
+        raise OSError(f"{name} not found")
+
+    monkeypatch.setattr(sys, "platform", "win32")
+    monkeypatch.setattr(ctypes, "WinDLL", missing, raising=False)
+    with pytest.raises(DeviceError, match=r"^driver caio\.dll: .*API-AIO\(WDM\)"):
+        load_library()
+
+
+def test_library_that_is_another_is_told_by_the_call_that_it_lacks(tmp_path):
+    source = tmp_path / "other.c"
+    source.write_text("long AioInit(void) { return 0; }\nlong AioExit(void) { return 0; }\n")
+    other = tmp_path / "other.so"
+    subprocess.run(["cc", "-shared", "-fPIC", "-o", other, source], check=True)
+    with pytest.raises(DeviceError, match="has no AioResetDevice; it is not Contec's API-AIO"):
+        load_library(str(other))

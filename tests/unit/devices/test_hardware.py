@@ -1,0 +1,287 @@
+import math
+
+import pytest
+
+from fprc.devices import Device
+from fprc.devices.bendlabs import open_bus
+from fprc.devices.hardware import HardwareRig, open_valves
+from fprc.errors import DeviceError
+
+VENTED = [(0, 5.0), (1, 5.0), (0, 0.0), (1, 0.0)]
+
+
+@pytest.fixture
+def hardware(settings):
+    return settings["hardware"]
+
+
+@pytest.fixture
+def buses():
+    """Buses that were opened, by number; ``bus.closed`` counts."""
+    return {}
+
+
+@pytest.fixture
+def build(bench, hardware, buses):
+    """Open the rig on buses that are remembered."""
+
+    def open_and_keep(number):
+        assert number not in buses
+        buses[number] = bus = open_bus(number)
+        bus.closed, close = 0, bus.close
+
+        def count():
+            bus.closed += 1
+            close()
+
+        bus.close = count
+        return bus
+
+    def build(**more):
+        more = {"open_bus": open_and_keep, "sleep": lambda seconds: None} | more
+        return HardwareRig(hardware, bench.elapsed, **more)
+
+    return build
+
+
+def written(bench, since=0):
+    return [row[1:] for row in bench.writes()[since:]]
+
+
+def fail(bench, skip=0, count=1):
+    shared = bench.shared
+    shared.fail_at, shared.fail_count = shared.calls + 1 + skip, count
+    shared.fail_code = 4711
+
+
+def states(bus):
+    return {address: sensor.state for address, sensor in bus._sensors.items()}
+
+
+def test_rig_offers_every_method_of_a_device(build):
+    rig = build()
+    assert all(callable(getattr(rig, name)) for name in vars(Device) if name[0] != "_")
+
+
+def test_rig_opens_vented_and_with_both_sensors_running(bench, build, buses):
+    build()
+    assert written(bench) == VENTED[2:]
+    assert bench.shared.opened == 2
+    assert states(buses[1]) == {0x12: "running", 0x13: "running"}
+
+
+def test_voltages_become_pressures_by_channel_and_calibration(bench, hardware, build):
+    hardware["boards"] |= {"p_exp_input": 4, "p_i_input": 0, "p_o_input": 2}
+    hardware["p_exp"] = {"zero_v": 1.0, "gain_kpa_per_v": 250.0}
+    hardware["p_i"] = {"zero_v": 0.5, "gain_kpa_per_v": 100.0}
+    hardware["p_o"] = {"zero_v": -1.0, "gain_kpa_per_v": 10.0}
+    bench.shared.inputs[:5] = [2.5, 9.0, 1.0, 9.0, 3.0]
+    now = build().read()
+    assert (now.p_exp_kpa, now.p_i_kpa, now.p_o_kpa) == (500.0, 200.0, 20.0)
+
+
+def test_angles_come_from_their_own_sensors_and_time_from_the_clock(bench, hardware, build):
+    hardware["theta"] |= {"gain": -2.0, "offset_deg": 1.0}
+    rig = build()
+    bench.shared.angles[:] = [10.0, -30.0]
+    bench.tick = 7
+    now = rig.read()
+    assert (now.theta_deg, now.phi_deg) == (-19.0, -30.0)
+    assert now.time_s == 7 * bench.period_s
+
+
+def test_absent_reservoir_sensor_reads_nan(bench, hardware, build, buses):
+    hardware["phi"] = None
+    rig = build()
+    assert math.isnan(rig.read().phi_deg)
+    rig.close()
+    assert list(states(buses[1])) == [0x12]
+
+
+def test_answer_that_is_no_sample_keeps_the_angle_before(bench, build):
+    rig = build()
+    bench.shared.angles[:] = [10.0, -30.0]
+    rig.read()
+    bench.shared.angles[:] = [20.0, -40.0]
+    bench.shared.i2c_fault = 4
+    now = rig.read()
+    assert (now.theta_deg, now.phi_deg) == (10.0, -30.0)
+    bench.shared.i2c_fault = 0
+    assert rig.read().theta_deg == 20.0
+
+
+def test_sensor_that_never_gave_a_sample_reads_nan(bench, build):
+    rig = build()
+    bench.shared.i2c_fault = 4
+    assert math.isnan(rig.read().theta_deg)
+
+
+def test_each_valve_has_its_own_channel(bench, hardware, build):
+    hardware["boards"] |= {"main_output": 3, "reservoir_output": 2}
+    rig = build()
+    rig.write(6.0, 7.0)
+    assert written(bench, since=2) == [(3, 6.0), (2, 7.0)]
+    rig.safe()
+    assert written(bench, since=4) == [(3, 5.0), (2, 5.0), (3, 0.0), (2, 0.0)]
+
+
+def test_safe_closes_both_valves_then_vents_both_and_may_be_called_twice(bench, build):
+    rig = build()
+    rig.write(9.0, 9.0)
+    rig.safe()
+    rig.safe()
+    assert written(bench, since=4) == VENTED + VENTED
+
+
+def test_voltages_of_the_safe_state_are_those_configured(bench, hardware, build):
+    hardware["valves"] = {"neutral_v": 4.9, "vent_v": 0.3}
+    build().safe()
+    expected = [(channel, pytest.approx(volts)) for volts in (4.9, 0.3) for channel in (0, 1)]
+    assert written(bench) == expected[2:] + expected
+
+
+@pytest.mark.parametrize("at", range(4))
+def test_write_that_fails_while_venting_never_skips_the_next(bench, build, at):
+    rig = build()
+    fail(bench, skip=at)
+    with pytest.raises(DeviceError, match="board AIO001: AioSingleAoEx failed with code 4711"):
+        rig.safe()
+    assert bench.shared.failures == 1
+    assert written(bench, since=2) == VENTED[:at] + VENTED[at + 1 :]
+
+
+@pytest.mark.parametrize("at", range(2))
+def test_valve_that_cannot_be_written_does_not_keep_the_other_from_it(bench, build, at):
+    rig = build()
+    fail(bench, skip=at)
+    with pytest.raises(DeviceError, match="AioSingleAoEx"):
+        rig.write(6.0, 7.0)
+    assert written(bench, since=2) == [[(1, 7.0)], [(0, 6.0)]][at]
+
+
+def test_failures_of_one_kind_are_told_once(bench, build):
+    rig = build()
+    fail(bench, count=100)
+    with pytest.raises(DeviceError) as caught:
+        rig.safe()
+    assert bench.shared.failures == 4
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_close_vents_and_releases_everything(bench, build, buses):
+    rig = build()
+    rig.write(9.0, 9.0)
+    rig.close()
+    assert written(bench, since=4) == VENTED[2:]
+    assert bench.shared.opened == 0
+    assert states(buses[1]) == {0x12: "standby", 0x13: "standby"}
+    assert buses[1].closed == 1
+
+
+@pytest.mark.parametrize("at", range(4))
+def test_failure_in_closing_never_skips_the_next(bench, build, buses, at):
+    rig = build()
+    rig.safe()
+    fail(bench, skip=at)
+    with pytest.raises(DeviceError, match=("AioSingleAoEx" if at < 2 else "AioExit")):
+        rig.close()
+    assert bench.shared.failures == 1
+    assert written(bench, since=6) == [row for k, row in enumerate(VENTED[2:]) if k != at]
+    # not closed again on the way: what was vented is still
+    assert list(bench.shared.outputs[:2]) == [0.0, 0.0]
+    assert bench.shared.opened == (0 if at < 2 else 1)
+    assert states(buses[1]) == {0x12: "standby", 0x13: "standby"}
+    assert buses[1].closed == 1
+
+
+def test_sensor_that_is_gone_does_not_keep_the_valves_from_venting(bench, build, buses):
+    rig = build()
+    bench.shared.i2c_fault = 1
+    with pytest.raises(DeviceError, match="angle sensor 0x12 .*stopping it failed"):
+        rig.close()
+    assert written(bench, since=2) == VENTED[2:]
+    assert (bench.shared.opened, buses[1].closed) == (0, 1)
+
+
+def test_every_part_that_cannot_be_opened_is_told_at_once(bench, hardware, build):
+    hardware["boards"] |= {"input_device": "AIO007", "output_device": "AIO008"}
+    hardware["phi"]["bus"] = 2
+
+    def no_bus(number):
+        raise DeviceError(f"I2C bus {number}: not there")
+
+    with pytest.raises(DeviceError) as caught:
+        build(open_bus=no_bus)
+    assert [line.split(":")[0] for line in str(caught.value).splitlines()] == [
+        "board AIO008", "board AIO007", "I2C bus 1", "I2C bus 2",
+    ]  # fmt: skip
+
+
+def test_one_reason_for_two_parts_is_told_once(bench, hardware, build):
+    hardware["boards"]["library"] = "/nowhere/libcaio.so"
+    with pytest.raises(DeviceError) as caught:
+        build()
+    assert str(caught.value).count("cannot be loaded") == 1
+
+
+@pytest.mark.parametrize("at", range(8))
+def test_rig_that_cannot_be_opened_is_vented_and_released(bench, build, buses, at):
+    fail(bench, skip=at)
+    with pytest.raises(DeviceError, match="failed with code 4711"):
+        build()
+    assert bench.shared.failures == 1
+    assert bench.shared.opened == 0
+    # before the fourth call there is no output board to vent
+    if at >= 3:
+        assert list(bench.shared.outputs[:2]) == [0.0, 0.0]
+    assert states(buses[1]) == {0x12: "standby", 0x13: "standby"}
+    assert buses[1].closed == 1
+
+
+def test_rig_without_an_angle_sensor_is_vented_and_released(bench, build, buses):
+    bench.shared.i2c_fault = 1
+    with pytest.raises(DeviceError) as caught:
+        build()
+    assert [line[:17] for line in str(caught.value).splitlines()] == [
+        "angle sensor 0x12", "angle sensor 0x13",
+    ]  # fmt: skip
+    assert written(bench) == VENTED[2:] + VENTED[2:]
+    assert (bench.shared.opened, buses[1].closed) == (0, 1)
+
+
+def test_bus_that_cannot_be_closed_does_not_hide_why_the_rig_was_not_opened(bench, build, buses):
+    def open_bad(number):
+        bus = open_bus(number)
+
+        def refuse():
+            raise OSError("bus does not close")
+
+        bus.close = refuse
+        return bus
+
+    bench.shared.i2c_fault = 1
+    with pytest.raises(DeviceError, match="angle sensor 0x12"):
+        build(open_bus=open_bad)
+    assert bench.shared.opened == 0
+
+
+def test_valves_alone_are_opened_without_touching_what_the_board_puts_out(bench, hardware):
+    bench.shared.outputs[:2] = [9.0, 9.0]
+    open_valves(hardware, reset=False).close()
+    # AioInit, range, two to vent, two once more, exit
+    assert bench.shared.calls == 7
+    assert written(bench) == VENTED[2:] + VENTED[2:]
+    assert bench.shared.opened == 0
+
+
+@pytest.mark.parametrize("at", range(2, 4))
+def test_valves_that_do_not_vent_at_once_are_tried_again_and_the_failure_is_told(
+    bench, hardware, at
+):
+    bench.shared.outputs[:2] = [9.0, 9.0]
+    fail(bench, skip=at)
+    with pytest.raises(DeviceError, match="AioSingleAoEx failed with code 4711"):
+        open_valves(hardware, reset=False)
+    assert bench.shared.failures == 1
+    assert list(bench.shared.outputs[:2]) == [0.0, 0.0]
+    assert bench.shared.opened == 0
