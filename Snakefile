@@ -1,10 +1,13 @@
 # The paper from raw logs to tables and figures. Targets: workflow/rules/targets.smk
+from pathlib import Path
+
 from snakemake.exceptions import WorkflowError
 from snakemake.utils import min_version
 
+from fprc.artifacts import refuse_unwritable
 from fprc.config import check
 from fprc.errors import FprcError
-from fprc.fingerprint import fingerprint
+from fprc.fingerprint import fingerprint, imports_of
 from fprc.logs import refuse_to_overwrite
 
 min_version("9.0")
@@ -22,6 +25,7 @@ try:
     ARMED = SETTINGS.pop("armed")  # of this run, not of its results
     RAW = SETTINGS["folders"]["raw"]
     RESULTS = SETTINGS["folders"]["results"]
+    refuse_unwritable([RESULTS] if SETTINGS["source"] == "recorded" else [RAW, RESULTS])
 except FprcError as error:
     raise WorkflowError(str(error)) from None
 

@@ -27,3 +27,7 @@ class ControlError(FprcError):
 
 class EvaluationError(FprcError):
     """Models cannot be judged on this data with these settings."""
+
+
+class OutputError(FprcError):
+    """A result cannot be written."""

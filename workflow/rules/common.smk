@@ -77,15 +77,32 @@ CONTROLLERS = [
 TABLE_IV = ["sine_0p2", "sine_0p5", "sweep", "complex"]
 
 
-def code_of(*stages):
-    """Return the fingerprint of what a rule's stages run."""
-    return fingerprint(*(f"fprc.stages.{stage}" for stage in stages), "fprc.stages.run")
+#: Classes of each model, which the stages choose by its name.
+_FUZZY = ["features.TapFeatures", "takagi_sugeno.TakagiSugenoReadout"]
+CLASSES = {
+    "esn": ["esn.ESN", "features.EchoStates", "ridge.RidgeReadout"],
+    "fprc": ["fprc.FPRC", *_FUZZY],
+    "fuzzy_linear": ["fprc.FuzzyLinear", *_FUZZY],
+}
+
+
+def code_of(script, *models):
+    """Return the fingerprint of what a rule's script runs; ``models``: these and no others."""
+    spared = set(sum(CLASSES.values(), []))
+    spared -= {name for model in models or CLASSES for name in CLASSES[model]}
+    return fingerprint(
+        *imports_of(Path(workflow.basedir, f"workflow/scripts/{script}.py")),
+        without=[f"fprc.models.{name}" for name in spared],
+    )
 
 
 def settings_of(model):
-    """Return the settings that a model reads; Fuzzy-linear reads FPRC's."""
-    own = "esn" if model == "esn" else "fprc"
-    return {key: SETTINGS["models"][key] for key in ("n_y", "alpha", own)}
+    """Return the settings that a model reads; Fuzzy-linear reads two of FPRC's."""
+    shared = {key: SETTINGS["models"][key] for key in ("n_y", "alpha")}
+    if model == "fuzzy_linear":
+        own = {key: SETTINGS["models"]["fprc"][key] for key in ("n_c", "sigma")}
+        return {**shared, "fprc": own}
+    return {**shared, model: SETTINGS["models"][model]}
 
 
 def tracked(reference, controller):

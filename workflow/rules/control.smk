@@ -1,11 +1,17 @@
 # Sec. IV: closed-loop runs on the rig, each a raw log like any other.
 
 TRACKING = {
-    "tracking": SETTINGS["tracking"],
     "control": SETTINGS["control"],
     "rig": SETTINGS["rig"],
     "seed": SETTINGS["seed"],
 }
+
+
+def tracking_of(reference, *names):
+    """Return the settings of runs along one reference, and others by name."""
+    names = ("angle_range_deg", "pressure_limit_kpa", *names)
+    one = {reference: SETTINGS["tracking"]["references"][reference]}
+    return {name: SETTINGS["tracking"][name] for name in names} | {"references": one}
 
 
 rule identify_gain:
@@ -17,7 +23,8 @@ rule identify_gain:
         f"{RESULTS}/logs/identify_gain.log",
     params:
         **TRACKING,
-        code=code_of("track"),
+        tracking=tracking_of("disturbance", "printed_gains", "candidate_kp_kpa_per_deg"),
+        code=code_of("identify_gain", "fprc"),
     message:
         "P gain with the least error on a reference outside Table IV"
     script:
@@ -34,9 +41,12 @@ rule track:
         f"{RESULTS}/logs/track_{{reference}}.log",
     params:
         **TRACKING,
+        tracking=lambda wildcards: tracking_of(
+            wildcards.reference, *(["pushes"] if wildcards.reference == "disturbance" else [])
+        ),
         reference="{reference}",
         controllers=CONTROLLERS,
-        code=code_of("track"),
+        code=code_of("track", "fprc"),
     message:
         "Closed loop: {wildcards.reference}"
     script:

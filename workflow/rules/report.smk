@@ -20,7 +20,7 @@ rule report_page:
         f"{RESULTS}/logs/report_page.log",
     params:
         settings=SETTINGS,
-        code=code_of("report"),
+        code=code_of("page"),
     message:
         "Report: claims, tables, figures and settings on one page"
     script:
