@@ -58,18 +58,15 @@ def explaining(path: Path | str) -> Iterator[None]:
     """
     try:
         yield
-    except (OSError, RuntimeError) as error:
-        # HDF5 has the number in its text alone when it fails while it closes a file
-        stated = re.search(r"errno = (\d+)", str(error))
-        number = int(stated[1]) if stated else getattr(error, "errno", None)
-        if number in _NO_ROOM:
+    except OSError as error:
+        if error.errno in _NO_ROOM:
             remedy = "free some space"
-        elif number in _NO_ACCESS:
+        elif error.errno in _NO_ACCESS:
             remedy = "make the folder writable"
         else:
             raise
         raise OutputError(
-            f"{path}: cannot be written ({os.strerror(number)}); {remedy} or choose another place "
+            f"{path}: cannot be written ({error.strerror}); {remedy} or choose another place "
             "with --config 'folders={results: ...}', then run the same again"
         ) from error
 

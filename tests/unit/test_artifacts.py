@@ -101,23 +101,14 @@ def test_file_that_another_process_is_writing_is_left_alone(tmp_path):
     assert other.read_text() == "half"
 
 
-@pytest.mark.parametrize(
-    "error",
-    [
-        OSError(errno.ENOSPC, "No space left on device"),
-        OSError("Can't write data (file write failed, errno = 28, error message = 'No space')"),
-        RuntimeError("Can't decrement id ref count (unable to extend file, errno = 28, ...)"),
-    ],
-    ids=["system", "HDF5", "HDF5 while it closes"],
-)
-def test_full_disk_is_an_error_for_people_and_leaves_the_old_file(tmp_path, error):
+def test_full_disk_is_an_error_for_people_and_leaves_the_old_file(tmp_path):
     target = tmp_path / "log.h5"
     target.write_text("old")
 
     def fill():
         with replacing(target) as temporary:
             temporary.write_text("half")
-            raise error
+            raise OSError(errno.ENOSPC, "No space left on device")
 
     with pytest.raises(
         OutputError, match=r"log\.h5: cannot be written \(No space left .*free some"

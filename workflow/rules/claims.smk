@@ -1,19 +1,4 @@
 # The ledger of the paper's claims; the check of its verdicts and of what lies in the folders.
-from snakemake.io import regex_from_filepattern
-
-
-def made_by_rules():
-    """Return regular expressions of all that the rules write: outputs, logs, checkpoints."""
-    checkpoints = [rule.params.get("checkpoint") for rule in workflow.rules]
-    kept = [rf"{regex_from_filepattern(path)}(\.old)?" for path in checkpoints if path]
-    files = [path for rule in workflow.rules for path in (*rule.output, *rule.log)]
-    return sorted({path.regex().pattern for path in files}.union(kept))
-
-
-def pictures_of_documentation():
-    """Return the pictures that rules put into the documentation, and the figures they are."""
-    rules = [rule for rule in workflow.rules if rule.params.get("picture")]
-    return {rule.params.picture: str(rule.input.figure) for rule in rules}
 
 
 rule ledger:
@@ -45,8 +30,7 @@ rule check:
         f"{RESULTS}/logs/check.log",
     localrule: True
     params:
-        results=RESULTS,
-        raw=RAW,
+        folders=SETTINGS["folders"],
         made=lambda wildcards: made_by_rules(),
         # the documentation shows the paper's results, not those of other settings
         pictures=lambda wildcards: pictures_of_documentation() if RESULTS == "results" else {},

@@ -1,4 +1,6 @@
 # Names that several rules share.
+from snakemake.io import regex_from_filepattern
+
 MODELS = ["esn", "fprc", "fuzzy_linear"]
 SEEDS = SETTINGS["evaluation"]["replicate_seeds"]
 
@@ -212,3 +214,29 @@ if ON_RIG:
     }
 
 TARGETS["report"] = [f"{RESULTS}/report.html", *sum(TARGETS.values(), [])]
+
+
+def swept(*names):
+    """Return the values of sweeps."""
+    return {name: SETTINGS["sweeps"][name] for name in names}
+
+
+def tracking_of(reference, *names):
+    """Return the settings of runs along one reference, and others by name."""
+    names = ("angle_range_deg", "pressure_limit_kpa", *names)
+    one = {reference: SETTINGS["tracking"]["references"][reference]}
+    return {name: SETTINGS["tracking"][name] for name in names} | {"references": one}
+
+
+def made_by_rules():
+    """Return regular expressions of all that the rules write: outputs, logs, checkpoints."""
+    checkpoints = [rule.params.get("checkpoint") for rule in workflow.rules]
+    kept = [rf"{regex_from_filepattern(path)}(\.old)?" for path in checkpoints if path]
+    files = [path for rule in workflow.rules for path in (*rule.output, *rule.log)]
+    return sorted({path.regex().pattern for path in files}.union(kept))
+
+
+def pictures_of_documentation():
+    """Return the pictures that rules put into the documentation, and the figures they are."""
+    rules = [rule for rule in workflow.rules if rule.params.get("picture")]
+    return {rule.params.picture: str(rule.input.figure) for rule in rules}

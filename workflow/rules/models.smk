@@ -11,11 +11,6 @@ SWEPT = {"epsilon": ["fprc"], "n_c": ["fprc", "fuzzy_linear"], "taps": ["fprc"]}
 VALUES = {"epsilon": ["epsilon"], "n_c": ["n_c"], "taps": ["n_u", "n_y"]}
 
 
-def swept(*names):
-    """Return the values of sweeps."""
-    return {name: SETTINGS["sweeps"][name] for name in names}
-
-
 #: What another seed needs, to begin at the experiments.
 REPLICATION = {
     **JUDGEMENT,

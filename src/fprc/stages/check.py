@@ -19,8 +19,7 @@ def check_results(
     ledger: str,
     known: str,
     *,
-    results: str,
-    raw: str,
+    folders: Mapping[str, str],
     made: Sequence[str],
     pictures: Mapping[str, str],
 ) -> None:
@@ -30,8 +29,8 @@ def check_results(
     ----------
     ledger, known : str
         The claims as judged, and the verdicts that are declared as known.
-    results, raw : str
-        Folders of the results and of the raw logs; the latter may hold anything.
+    folders : Mapping
+        Of the results and of the raw logs (``raw``); the latter may hold anything.
     made : sequence of str
         Regular expressions of the files that the rules make.
     pictures : Mapping
@@ -40,7 +39,7 @@ def check_results(
     Raises
     ------
     FprcError
-        Lists every verdict that is not as declared, every file in ``results`` that no rule
+        Lists every verdict that is not as declared, every file among the results that no rule
         makes, and every picture that is not the figure.
     """
     with open(known, encoding="utf-8") as file:
@@ -49,7 +48,7 @@ def check_results(
         f"verdicts are not those of {known}; see the ledger, and declare them there if they are "
         "right": changed_verdicts(read_json(ledger)["claims"], declared),
         "files that no rule makes; remove them, or keep them elsewhere": [
-            *orphans(results, raw, made),
+            *orphans(folders["results"], folders["raw"], made),
             *strangers(pictures),
         ],
         "pictures are not the figures that were built; `make docs` puts those there": [
@@ -72,7 +71,7 @@ def orphans(results: str, raw: str, made: Sequence[str]) -> Iterator[str]:
     Left alone are the raw logs, README.md, hidden files but those that a
     killed process left, and folders with logs of their own: other results.
     """
-    known = re.compile("|".join(f"(?:{pattern})" for pattern in made))
+    known = [re.compile(pattern) for pattern in made]
     todo = [Path(results)]
     while todo:
         folder = todo.pop()
@@ -84,7 +83,7 @@ def orphans(results: str, raw: str, made: Sequence[str]) -> Iterator[str]:
             elif not (
                 path.name.startswith(".")
                 or path == Path(results, "README.md")
-                or known.fullmatch(str(path))
+                or any(pattern.fullmatch(str(path)) for pattern in known)
             ):
                 yield str(path)
 

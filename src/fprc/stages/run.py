@@ -54,7 +54,9 @@ def _log_to(path: str, label: str) -> None:
     _add(logging.StreamHandler(), line, logging.INFO)
     with explaining(path):
         Path(path).parent.mkdir(parents=True, exist_ok=True)
-        _add(logging.FileHandler(path, mode="w"), line)
+        file = logging.FileHandler(path, mode="w")
+    file.handleError = lambda record: None  # on a full disk the terminal still has it
+    _add(file, line)
 
 
 def _add(handler: logging.Handler, line: logging.Formatter, level: int = logging.DEBUG) -> None:

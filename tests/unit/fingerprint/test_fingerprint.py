@@ -319,6 +319,23 @@ def test_what_acts_by_being_imported_counts(package, original, what):
     assert draw != before[1]
 
 
+@pytest.mark.parametrize(
+    "body",
+    [
+        "def draw():\n    import fprc.signals\n",
+        "import fprc.signals\n\n\ndef draw():\n    return 1\n",
+        "from fprc.signals import RATE\n\n\ndef draw():\n    return 1\n",
+    ],
+    ids=["lazily", "module", "name"],
+)
+def test_module_that_is_imported_for_its_effect_counts(package, body):
+    package.write("stages/draw.py", body)
+    package.write("signals.py", "RATE = 200\nfor i in range(9):\n    print(i)\n")
+    _, before = package.both()
+    package.edit("signals.py", "9", "8")
+    assert package.both()[1] != before
+
+
 def test_star_import_counts_whole(package):
     package.write(
         "stages/draw.py", "from fprc.figures import *\n\n\ndef draw():\n    return WIDTH\n"

@@ -8,7 +8,7 @@ from PIL import Image
 from fprc.errors import FprcError
 from fprc.stages.check import check_results
 
-MADE = [r"results/claims\.json", r"results/tables/.+\.csv", r"results/logs/.+\.log"]
+MADE = [r"results/claims\.json", r"results/tables/(?P<n>.+)\.csv", r"results/logs/(?P<n>.+)\.log"]
 
 
 @pytest.fixture
@@ -31,8 +31,7 @@ def folder(tmp_path, monkeypatch):
 
 def check(**changed):
     settings = {
-        "results": "results",
-        "raw": "data/raw",
+        "folders": {"results": "results", "raw": "data/raw"},
         "made": [*MADE, r"results/one\.png"],
         "pictures": {"docs/one.png": "results/one.png", "docs/two.png": "results/two.png"},
     }
@@ -64,7 +63,7 @@ def test_file_that_a_killed_process_left_is_reported(folder):
 def test_raw_logs_below_the_results_may_be_anything(folder):
     (folder / "results/raw").mkdir()
     (folder / "results/raw/mine.csv").write_text("x")
-    check(raw="results/raw")
+    check(folders={"results": "results", "raw": "results/raw"})
     with pytest.raises(FprcError, match=r"results/raw/mine\.csv"):
         check()
 
