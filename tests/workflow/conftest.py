@@ -23,7 +23,7 @@ class Run:
     """Workflow in a session of its own, which may be killed."""
 
     def __init__(self, folder: Path, command: list[str], environment: dict[str, str]):
-        self._output = tempfile.TemporaryFile("w+")  # noqa: SIM115
+        self._output = tempfile.TemporaryFile("a+")
         self.process = subprocess.Popen(
             command,
             cwd=folder,
