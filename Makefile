@@ -3,7 +3,7 @@ PYTHON ?= python3
 CORES ?= 2
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 
-.PHONY: paper smoke test docs clean
+.PHONY: paper smoke test test-kill reproduce-twice docs clean
 
 paper: .venv/.ready
 	snakemake --cores $(CORES) all
@@ -18,6 +18,14 @@ test: .venv/.ready
 	snakemake --lint
 	lint-imports
 	pytest $(PYTEST)
+
+# twenty kills at random moments, half an hour; `make test` makes three
+test-kill: .venv/.ready
+	FPRC_KILLS=20 pytest tests/workflow/test_kill.py
+
+# the last commit in two cold builds, compared byte by byte: half an hour on two cores
+reproduce-twice: .venv/.ready
+	python tests/twice.py
 
 docs: .venv/.ready
 	snakemake --cores $(CORES) readme calibration_page

@@ -4,9 +4,10 @@ from pathlib import Path
 from snakemake.exceptions import WorkflowError
 from snakemake.utils import min_version
 
+from fprc.artifacts import refuse_unwritable
 from fprc.config import check
 from fprc.errors import FprcError
-from fprc.fingerprint import fingerprint
+from fprc.fingerprint import fingerprint, imports_of
 from fprc.logs import holdings, refuse_to_overwrite
 from fprc.stages.availability import refusal, unavailable
 
@@ -25,6 +26,7 @@ try:
     ARMED = SETTINGS.pop("armed")  # of this run, not of its results
     RAW = SETTINGS["folders"]["raw"]
     RESULTS = SETTINGS["folders"]["results"]
+    refuse_unwritable([RESULTS] if SETTINGS["source"] == "recorded" else [RAW, RESULTS])
 except FprcError as error:
     raise WorkflowError(str(error)) from None
 

@@ -1,13 +1,21 @@
 """Result files: written whole or not at all."""
 
+import errno
 import json
 import os
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from glob import escape
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
+
+from fprc.errors import OutputError
+
+_NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+_NO_ACCESS = (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EEXIST, errno.EIO)
 
 
 @contextmanager
@@ -15,18 +23,96 @@ def replacing(path: Path | str) -> Iterator[Path]:
     """Yield a temporary name beside ``path`` and rename it there on success.
 
     After an exception the temporary file is removed and ``path`` is as it was.
-    The suffix is kept, since some writers choose the format by it.
+    The suffix is kept, since some writers choose the format by it. What a
+    process that was killed left under such a name is removed too.
+
+    Raises
+    ------
+    OutputError
+        The disk is full or the folder cannot be written to.
     """
     path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
+    with explaining(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        for leftover in leftovers(path.parent, path.name):
+            leftover.unlink(missing_ok=True)
+        try:
+            yield temporary
+            with temporary.open("rb") as written:
+                os.fsync(written.fileno())
+            temporary.replace(path)
+        finally:
+            with suppress(NotADirectoryError):
+                temporary.unlink(missing_ok=True)
+
+
+@contextmanager
+def explaining(path: Path | str) -> Iterator[None]:
+    """Turn the system's refusal to write ``path`` into an error for people.
+
+    Raises
+    ------
+    OutputError
+        The disk is full or the folder cannot be written to.
+    """
     try:
-        yield temporary
-        with temporary.open("rb") as written:
-            os.fsync(written.fileno())
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
+        yield
+    except OSError as error:
+        if error.errno in _NO_ROOM:
+            remedy = "free some space"
+        elif error.errno in _NO_ACCESS:
+            remedy = "make the folder writable"
+        else:
+            raise
+        raise OutputError(
+            f"{path}: cannot be written ({error.strerror}); {remedy} or choose another place "
+            "with --config 'folders={results: ...}', then run the same again"
+        ) from error
+
+
+def leftovers(folder: Path, name: str | None = None) -> list[Path]:
+    """Return what processes that are gone left of a file, or of any, under temporary names."""
+    pattern = ".*.part*"
+    if name is not None:
+        pattern = f".{escape(Path(name).stem)}.*.part{escape(Path(name).suffix)}"
+    found = folder.glob(pattern)
+    return sorted(path for path in found if not _runs(path))
+
+
+def _runs(temporary: Path) -> bool:
+    number = re.search(r"\.(\d+)\.part(\.\w+)?$", temporary.name)
+    if number is None:
+        return True
+    try:
+        os.kill(int(number[1]), 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:
+        pass
+    return True
+
+
+def refuse_unwritable(folders: Sequence[Path | str]) -> None:
+    """Check that results can be written, before anything is computed.
+
+    Raises
+    ------
+    OutputError
+        Names every folder that is none, or that cannot be written to.
+    """
+    problems = []
+    for folder in map(Path, folders):
+        nearest = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+        if not nearest.is_dir():
+            problems.append(f"{folder}: {nearest} is a file; move it away")
+        elif not os.access(nearest, os.W_OK | os.X_OK):
+            problems.append(
+                f"{folder}: {nearest} cannot be written to; make it writable or choose another "
+                "place with --config 'folders={results: ...}'"
+            )
+    if problems:
+        raise OutputError("\n".join(problems))
 
 
 def write_text(path: Path | str, text: str) -> None:

@@ -35,3 +35,7 @@ class DeviceError(FprcError):
 
 class SafetyError(ControlError):
     """A reading or a command left what the rig may do."""
+
+
+class OutputError(FprcError):
+    """A result cannot be written."""

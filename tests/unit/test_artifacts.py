@@ -1,3 +1,5 @@
+import errno
+import os
 import subprocess
 import sys
 
@@ -5,7 +7,16 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from fprc.artifacts import read_json, replacing, write_csv, write_json, write_text
+from fprc.artifacts import (
+    leftovers,
+    read_json,
+    refuse_unwritable,
+    replacing,
+    write_csv,
+    write_json,
+    write_text,
+)
+from fprc.errors import OutputError
 
 
 def names(folder):
@@ -69,8 +80,63 @@ def test_process_that_dies_while_writing_leaves_the_old_file(tmp_path):
     died = subprocess.run([sys.executable, "-c", code, str(target)], timeout=60, check=False)
     assert died.returncode == 9
     assert target.read_text() == "old"
+    assert leftovers(tmp_path) == [tmp_path / f".table.{number(tmp_path)}.part.csv"]
+    write_text(tmp_path / "chair.csv", "of another file")
+    assert len(leftovers(tmp_path)) == 1
     write_text(target, "new")
     assert target.read_text() == "new"
+    assert names(tmp_path) == ["chair.csv", "table.csv"]
+
+
+def number(folder):
+    (left,) = folder.glob(".table.*.part.csv")
+    return left.name.split(".")[2]
+
+
+def test_file_that_another_process_is_writing_is_left_alone(tmp_path):
+    other = tmp_path / f".a.{os.getppid()}.part.txt"
+    other.write_text("half")
+    write_text(tmp_path / "a.txt", "whole")
+    assert leftovers(tmp_path) == []
+    assert other.read_text() == "half"
+
+
+def test_full_disk_is_an_error_for_people_and_leaves_the_old_file(tmp_path):
+    target = tmp_path / "log.h5"
+    target.write_text("old")
+
+    def fill():
+        with replacing(target) as temporary:
+            temporary.write_text("half")
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+    with pytest.raises(
+        OutputError, match=r"log\.h5: cannot be written \(No space left .*free some"
+    ):
+        fill()
+    assert target.read_text() == "old"
+    assert names(tmp_path) == ["log.h5"]
+
+
+def test_file_in_place_of_a_folder_is_an_error_for_people(tmp_path):
+    (tmp_path / "results").write_text("in the way")
+    with pytest.raises(OutputError, match=r"a\.txt: cannot be written \(.*choose another place"):
+        write_text(tmp_path / "results/tables/a.txt", "x")
+
+
+def test_folders_that_cannot_be_written_to_are_all_named(tmp_path, monkeypatch):
+    (tmp_path / "file").write_text("in the way")
+    (tmp_path / "locked").mkdir()
+    refuse_unwritable([tmp_path / "not yet there" / "nor this", tmp_path])
+    access = os.access
+    monkeypatch.setattr(
+        os, "access", lambda path, mode: path.name != "locked" and access(path, mode)
+    )
+    with pytest.raises(OutputError) as refused:
+        refuse_unwritable([tmp_path / "file/results", tmp_path / "locked/raw", tmp_path])
+    first, second = str(refused.value).splitlines()
+    assert "file is a file; move it away" in first
+    assert "locked cannot be written to; make it writable" in second
 
 
 def test_missing_folders_are_made(tmp_path):

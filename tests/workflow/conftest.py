@@ -1,12 +1,61 @@
+import importlib.util
 import os
 import shutil
+import signal
 import subprocess
 import sys
+import tempfile
+import time
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parents[2]
+SNAKEMAKE = [sys.executable, "-m", "snakemake"]
+TRACING = Path(__file__).parent / "tracing"
+ENVIRONMENT = os.environ | {
+    "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+}
+
+
+class Run:
+    """Workflow in a session of its own, which may be killed."""
+
+    def __init__(self, folder: Path, command: list[str], environment: dict[str, str]):
+        self._output = tempfile.TemporaryFile("a+")
+        self.process = subprocess.Popen(
+            command,
+            cwd=folder,
+            env=ENVIRONMENT | environment,
+            stdout=self._output,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
+
+    def kill(self) -> None:
+        """Kill every process of the session, and see that none is left."""
+        deadline = time.monotonic() + 60
+        while self._members() and time.monotonic() < deadline:
+            for member in self._members():
+                with suppress(ProcessLookupError):
+                    os.kill(member, signal.SIGKILL)
+            with suppress(subprocess.TimeoutExpired):
+                self.process.wait(0.05)
+        assert not self._members()
+
+    def _members(self) -> list[int]:
+        found = []
+        for path in Path("/proc").glob("[0-9]*/stat"):
+            with suppress(OSError):
+                state, _, _, session = path.read_text().rpartition(")")[2].split()[:4]
+                if int(session) == self.process.pid and state != "Z":
+                    found.append(int(path.parent.name))
+        return found
+
+    def printed(self) -> str:
+        self._output.seek(0)
+        return self._output.read()
 
 
 class Project:
@@ -20,13 +69,12 @@ class Project:
             shutil.copytree(ROOT / name, folder / name)
 
     def snakemake(
-        self, *arguments: str, cores: tuple[str, ...] = ("--cores", "2")
+        self, *arguments: str, cores: tuple[str, ...] = ("--cores", "2"), **environment: str
     ) -> subprocess.CompletedProcess:
-        path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
         return subprocess.run(
-            [sys.executable, "-m", "snakemake", *cores, *arguments],
+            [*SNAKEMAKE, *cores, *arguments],
             cwd=self.folder,
-            env=os.environ | {"PATH": path},
+            env=ENVIRONMENT | environment,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
@@ -35,6 +83,9 @@ class Project:
 
     def smoke(self, *arguments: str, **options) -> subprocess.CompletedProcess:
         return self.snakemake(*arguments, "--configfile", "config/smoke.yaml", **options)
+
+    def begin(self, *arguments: str, **environment: str) -> "Run":
+        return Run(self.folder, [*SNAKEMAKE, "--cores", "2", *arguments], environment)
 
     def files(self, *folders: str) -> dict[str, bytes]:
         return {
@@ -53,6 +104,30 @@ def smoked(tmp_path_factory):
     done = project.snakemake("--configfile", "config/smoke.yaml", "all")
     assert done.returncode == 0, done.stdout
     return project, done.stdout
+
+
+@pytest.fixture(scope="session")
+def twice():
+    """Functions of tests/twice.py."""
+    spec = importlib.util.spec_from_file_location("twice", ROOT / "tests/twice.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="session")
+def rebuilt(twice, tmp_path_factory):
+    """Second cold build under other circumstances, and what its processes wrote of themselves."""
+    folder = tmp_path_factory.mktemp("rebuilt") / "a folder"
+    trace = tmp_path_factory.mktemp("trace")
+    folder.mkdir()
+    project = Project(folder)
+    cores, circumstances = twice.CIRCUMSTANCES[1]
+    paths = [str(TRACING), *filter(None, [os.environ.get("PYTHONPATH")])]
+    traced = {"FPRC_TRACE": str(trace), "PYTHONPATH": os.pathsep.join(paths)}
+    done = project.smoke("--cores", cores, "all", **circumstances, **traced)
+    assert done.returncode == 0, done.stdout
+    return project, trace
 
 
 @pytest.fixture

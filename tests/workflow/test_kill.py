@@ -1,15 +1,132 @@
-"""Killed in the middle of a sweep, the workflow goes on where it was."""
+"""Killed at any moment, the workflow goes on where it was and ends the same.
+
+FPRC_KILLS is the number of random kills; continuous integration makes few of them,
+`make test-kill` many.
+"""
 
 import json
 import os
-import signal
+import random
+import re
+import shutil
 import subprocess
-import sys
 import time
+from contextlib import suppress
+from pathlib import Path
 
 import pytest
 
 pytestmark = pytest.mark.slow
+
+KILLS = int(os.environ.get("FPRC_KILLS", "3"))
+MANY = 20
+SEED = int(os.environ.get("FPRC_KILL_SEED", "1"))
+TRACING = str(Path(__file__).parent / "tracing")
+#: What jobs print of their progress, and Snakemake of their end; some 370 lines in a whole run.
+PROGRESS = re.compile(r"^(?:\[[a-z_0-9]+[] ]|Finished jobid)", re.MULTILINE)
+README = Path(__file__).parents[2] / "README.md"
+
+
+def recover(project):
+    """Give the command of the README."""
+    assert "After a kill, `snakemake --unlock`," in README.read_text(encoding="utf-8")
+    done = project.snakemake("--unlock")
+    assert done.returncode == 0, done.stdout
+
+
+def cells(printed):
+    """Yield the job, the number of its finished cells and of all, in the order of printing."""
+    for job, done, total in re.findall(
+        r"^\[([^]]+)\] \[#* *\] (\d+) of (\d+) cells$", printed, re.M
+    ):
+        yield job, int(done), int(total)
+
+
+def assert_no_cell_again(runs):
+    """Refuse a job that counts from lower again, unless it had counted to its end."""
+    furthest = {}
+    for printed in runs:
+        for job, done, total in cells(printed):
+            assert done > furthest.get(job, 0), f"{job}: {done} of {total} again"
+            furthest[job] = 0 if done == total else done
+
+
+def assert_same_results(project, smoked, twice):
+    first, second = (p.folder / "results/smoke" for p in (smoked[0], project))
+    twice.give_measurements(first, second)
+    done = project.smoke("all")
+    assert done.returncode == 0, done.stdout
+    assert twice.differences(twice.hashes(first), twice.hashes(second)) == []
+
+
+def wait_for(run, progress, seconds):
+    """Wait until the jobs have reported so often, and some time more; or until the run ends."""
+    while run.process.poll() is None:
+        if len(PROGRESS.findall(run.printed())) >= progress:
+            with suppress(subprocess.TimeoutExpired):
+                run.process.wait(seconds)
+            return
+        time.sleep(0.05)
+
+
+def test_killed_at_random_moments_the_run_ends_the_same(smoked, project, twice):
+    moments = random.Random(SEED)
+    if KILLS < MANY:
+        # further seeds are kept, to save time; everything that is made from the logs is not
+        shutil.rmtree(project.folder)
+        shutil.copytree(smoked[0].folder, project.folder)
+        shutil.rmtree(project.folder / "results/smoke/raw")
+    runs, kills = [], 0
+    while kills < KILLS:
+        run = project.begin("--configfile", "config/smoke.yaml")
+        wait_for(run, moments.randint(1, 50), moments.uniform(0, 1))
+        status = run.process.poll()
+        run.kill()
+        runs.append(run.printed())
+        kills += status is None
+        recover(project)
+        if status is not None:
+            assert status == 0, run.printed()
+            assert_no_cell_again(runs)
+            assert_same_results(project, smoked, twice)
+            shutil.rmtree(project.folder / "results")
+            runs = []
+    done = project.smoke("all")
+    assert done.returncode == 0, done.stdout
+    assert_no_cell_again([*runs, done.stdout])
+    assert_same_results(project, smoked, twice)
+
+
+def test_counting_from_lower_again_is_noticed():
+    bar = "[sweep taps] [####      ] {} of 4 cells\n"
+    assert_no_cell_again([bar.format(1) + bar.format(2), bar.format(3)])
+    assert_no_cell_again([bar.format(3) + bar.format(4), bar.format(1)])
+    with pytest.raises(AssertionError, match="sweep taps: 2 of 4 again"):
+        assert_no_cell_again([bar.format(1) + bar.format(2), bar.format(2)])
+
+
+@pytest.mark.parametrize(("log", "target"), [("sweep", "logs"), ("track_sweep_fprc", "fig14")])
+def test_killed_while_it_writes_a_raw_log_it_leaves_no_half_log(smoked_copy, log, target):
+    raw = smoked_copy.folder / "results/smoke/raw"
+    before = smoked_copy.files("results/smoke/raw")
+    path = raw / f"{log}.h5"
+    path.unlink()
+    stopping = {
+        "FPRC_STOP_AT": f"raw/.{log}.",
+        "PYTHONPATH": os.pathsep.join([TRACING, os.environ.get("PYTHONPATH", "")]),
+    }
+    run = smoked_copy.begin(target, "--configfile", "config/smoke.yaml", **stopping)
+    deadline = time.monotonic() + 120
+    while not (half := [*raw.glob(f".{log}.*.part.h5")]):
+        assert time.monotonic() < deadline, run.printed()
+        time.sleep(0.01)
+    run.kill()
+    assert half[0].exists()
+    assert not path.exists()
+    recover(smoked_copy)
+    done = smoked_copy.smoke(target)
+    assert done.returncode == 0, done.stdout
+    assert smoked_copy.files("results/smoke/raw") == before
 
 
 def finished_cells(checkpoint):
@@ -19,35 +136,25 @@ def finished_cells(checkpoint):
         return []
 
 
-def test_sweep_that_was_killed_goes_on_at_its_next_cell(smoked, smoked_copy):
+def test_sweep_that_was_killed_goes_on_at_its_next_cell(smoked_copy):
     results = smoked_copy.folder / "results/smoke"
     expected = (results / "sweeps/taps.json").read_bytes()
     (results / "sweeps/taps.json").unlink()
     checkpoint = results / "sweeps/taps.partial.jsonl"
-    command = [sys.executable, "-m", "snakemake", "--cores", "1", "fig11", "--configfile"]
-    process = subprocess.Popen(
-        [*command, "config/smoke.yaml"],
-        cwd=smoked_copy.folder,
-        env=os.environ | {"PATH": f"{os.path.dirname(sys.executable)}:{os.environ['PATH']}"},
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        start_new_session=True,
-    )
+    run = smoked_copy.begin("--cores", "1", "fig11", "--configfile", "config/smoke.yaml")
     deadline = time.monotonic() + 120
     while not (before := finished_cells(checkpoint)) and time.monotonic() < deadline:
         time.sleep(0.005)
-    os.killpg(process.pid, signal.SIGKILL)
-    process.wait()
+    run.kill()
     assert before, "no cell was finished in time"
     assert not (results / "sweeps/taps.json").exists()
     kept = [json.loads(line)["cell"] for line in finished_cells(checkpoint)]
     assert 1 <= len(kept) < 4
 
-    assert smoked_copy.smoke("--unlock").returncode == 0
+    recover(smoked_copy)
     done = smoked_copy.smoke("fig11")
     assert done.returncode == 0, done.stdout
     assert "Sweep over taps" in done.stdout
-    computed = done.stdout.count("of 4 cells")
-    assert computed == 4 - len(kept)
+    assert len([*cells(done.stdout)]) == 4 - len(kept)
     assert (results / "sweeps/taps.json").read_bytes() == expected
     assert not checkpoint.exists()

@@ -30,7 +30,7 @@ rule fit_rig:
         calibration=SETTINGS["calibration"],
         workers=lambda wildcards, threads: threads,
         checkpoint=f"{RESULTS}/calibration/search.partial.jsonl",
-        version=code_of("calibrate"),
+        version=code_of("fit_rig"),
     message:
         "Fit of the rig to Tables II and III"
     script:
@@ -54,7 +54,7 @@ rule ensemble_chunk:
         paths=SETTINGS["calibration"]["free"],
         ranges=SETTINGS["calibration"]["ranges"],
         checkpoint=f"{RESULTS}/ensemble/rigs_{{chunk}}.partial.jsonl",
-        version=code_of("ensemble"),
+        version=code_of("ensemble_chunk"),
     message:
         "Ensemble: rigs from number {wildcards.chunk} through Tables II to IV"
     script:
@@ -70,7 +70,7 @@ rule ensemble_summary:
     log:
         f"{RESULTS}/logs/ensemble_summary.log",
     params:
-        code=code_of("ensemble_claims"),
+        code=code_of("ensemble_summary"),
     message:
         "Ensemble: claims rig by rig"
     script:
@@ -85,7 +85,7 @@ rule ensemble_table:
     log:
         f"{RESULTS}/logs/ensemble_table.log",
     params:
-        code=code_of("tabulate"),
+        code=code_of("ensemble_table"),
     message:
         "Ensemble: table"
     script:
@@ -102,7 +102,7 @@ rule ensemble_figure:
     log:
         f"{RESULTS}/logs/ensemble_figure.log",
     params:
-        code=code_of("draw_ensemble", "figure"),
+        code=code_of("ensemble_figure"),
     message:
         "Ensemble: figure"
     script:
@@ -124,7 +124,7 @@ rule measure_sensitivity:
         standin=STANDIN,
         workers=lambda wildcards, threads: threads,
         checkpoint=f"{RESULTS}/calibration/sensitivity.partial.jsonl",
-        version=code_of("ensemble"),
+        version=code_of("measure_sensitivity"),
     message:
         "Sensitivity of the errors to each parameter of the rig"
     script:
@@ -139,7 +139,7 @@ rule sensitivity_table:
     log:
         f"{RESULTS}/logs/sensitivity_table.log",
     params:
-        code=code_of("tabulate"),
+        code=code_of("sensitivity_table"),
     message:
         "Sensitivity: table"
     script:
@@ -157,7 +157,7 @@ rule targets_table:
         f"{RESULTS}/logs/targets_table.log",
     params:
         names=["command", "measured"],
-        code=code_of("tabulate"),
+        code=code_of("targets_table"),
     message:
         "Commanded against measured pressure as the models' target"
     script:
@@ -189,7 +189,7 @@ rule calibration_page:
         page="docs/calibration.md",
         picture="docs/images/ensemble.png",
         rig=SETTINGS["rig"],
-        code=code_of("readme"),
+        code=code_of("calibration_page"),
     message:
         "Numbers and picture of docs/calibration.md, from the results"
     script:

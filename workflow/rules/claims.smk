@@ -1,4 +1,4 @@
-# The ledger of the paper's claims, and the check of its verdicts.
+# The ledger of the paper's claims; the check of its verdicts and of what lies in the folders.
 
 
 rule ledger:
@@ -15,7 +15,7 @@ rule ledger:
     log:
         f"{RESULTS}/logs/ledger.log",
     params:
-        code=code_of("claims"),
+        code=code_of("ledger"),
     message:
         "Claims C1 to C18"
     script:
@@ -32,8 +32,12 @@ if "check" not in UNAVAILABLE:
             f"{RESULTS}/logs/check.log",
         localrule: True
         params:
-            code=code_of("claims"),
+            folders=SETTINGS["folders"],
+            made=lambda wildcards: made_by_rules(),
+            # the documentation shows the paper's results, not those of other settings
+            pictures=lambda wildcards: pictures_of_documentation() if RESULTS == "results" else {},
+            code=code_of("check"),
         message:
-            "Verdicts against those declared in config/verdicts.yaml"
+            "Verdicts against those declared in config/verdicts.yaml, files, pictures"
         script:
             "../scripts/check.py"

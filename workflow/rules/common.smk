@@ -1,4 +1,6 @@
 # Names that several rules share.
+from snakemake.io import regex_from_filepattern
+
 CONTROLLERS = [
     "fprc",
     "fprc_pd_printed",
@@ -127,9 +129,23 @@ MISSING = {kind: f"{RESULTS}/not_available.{kind}" for kind in ("csv", "md")}
 ENSEMBLE = SETTINGS["ensemble"]
 
 
-def code_of(*stages):
-    """Return the fingerprint of what a rule's stages run."""
-    return fingerprint(*(f"fprc.stages.{stage}" for stage in stages), "fprc.stages.run")
+#: Classes of each model, which the stages choose by its name.
+_FUZZY = ["features.TapFeatures", "takagi_sugeno.TakagiSugenoReadout"]
+CLASSES = {
+    "esn": ["esn.ESN", "features.EchoStates", "ridge.RidgeReadout"],
+    "fprc": ["fprc.FPRC", *_FUZZY],
+    "fuzzy_linear": ["fprc.FuzzyLinear", *_FUZZY],
+}
+
+
+def code_of(script, *models):
+    """Return the fingerprint of what a rule's script runs; ``models``: these and no others."""
+    spared = set(sum(CLASSES.values(), []))
+    spared -= {name for model in models or CLASSES for name in CLASSES[model]}
+    return fingerprint(
+        *imports_of(Path(workflow.basedir, f"workflow/scripts/{script}.py")),
+        without=[f"fprc.models.{name}" for name in spared],
+    )
 
 
 def refused(name):
@@ -142,9 +158,12 @@ def refused(name):
 
 
 def settings_of(model):
-    """Return the settings that a model reads; Fuzzy-linear reads FPRC's."""
-    own = "esn" if model == "esn" else "fprc"
-    return {key: SETTINGS["models"][key] for key in ("n_y", "alpha", own)}
+    """Return the settings that a model reads; Fuzzy-linear reads two of FPRC's."""
+    shared = {key: SETTINGS["models"][key] for key in ("n_y", "alpha")}
+    if model == "fuzzy_linear":
+        own = {key: SETTINGS["models"]["fprc"][key] for key in ("n_c", "sigma")}
+        return {**shared, "fprc": own}
+    return {**shared, model: SETTINGS["models"][model]}
 
 
 def tracked(reference, controller):
@@ -271,3 +290,29 @@ TARGETS = {
 REFUSED = [name for name in [*TARGETS, "readme", "check"] if name in UNAVAILABLE]
 TARGETS = {name: files for name, files in TARGETS.items() if name not in UNAVAILABLE}
 TARGETS["report"] = [f"{RESULTS}/report.html", *sum(TARGETS.values(), [])]
+
+
+def swept(*names):
+    """Return the values of sweeps."""
+    return {name: SETTINGS["sweeps"][name] for name in names}
+
+
+def tracking_of(reference, *names):
+    """Return the settings of runs along one reference, and others by name."""
+    names = ("angle_range_deg", "pressure_limit_kpa", *names)
+    one = {reference: SETTINGS["tracking"]["references"][reference]}
+    return {name: SETTINGS["tracking"][name] for name in names} | {"references": one}
+
+
+def made_by_rules():
+    """Return regular expressions of all that the rules write: outputs, logs, checkpoints."""
+    checkpoints = [rule.params.get("checkpoint") for rule in workflow.rules]
+    kept = [rf"{regex_from_filepattern(path)}(\.old)?" for path in checkpoints if path]
+    files = [path for rule in workflow.rules for path in (*rule.output, *rule.log)]
+    return sorted({path.regex().pattern for path in files}.union(kept))
+
+
+def pictures_of_documentation():
+    """Return the pictures that rules put into the documentation, and the figures they are."""
+    rules = [rule for rule in workflow.rules if rule.params.get("picture")]
+    return {rule.params.picture: str(rule.input.figure) for rule in rules}

@@ -1,7 +1,6 @@
 # Sec. IV: closed-loop runs on the rig, each a raw log like any other.
 
 TRACKING = {
-    "tracking": SETTINGS["tracking"],
     "control": SETTINGS["control"],
     "rig": SETTINGS["rig"],
     "seed": SETTINGS["seed"],
@@ -19,7 +18,8 @@ if ON_RIG:
             f"{RESULTS}/logs/identify_gain.log",
         params:
             **TRACKING,
-            code=code_of("track"),
+            tracking=tracking_of("disturbance", "printed_gains", "candidate_kp_kpa_per_deg"),
+            code=code_of("identify_gain", "fprc"),
         message:
             "P gain with the least error on a reference outside Table IV"
         script:
@@ -35,9 +35,12 @@ if ON_RIG:
             f"{RESULTS}/logs/track_{{reference}}.log",
         params:
             **TRACKING,
+            tracking=lambda wildcards: tracking_of(
+                wildcards.reference, *(["pushes"] if wildcards.reference == "disturbance" else [])
+            ),
             reference="{reference}",
             controllers=CONTROLLERS,
-            code=code_of("track"),
+            code=code_of("track", "fprc"),
         message:
             "Closed loop: {wildcards.reference}"
         script:
@@ -54,7 +57,7 @@ elif RECORDS:
             f"{RESULTS}/logs/identify_gain_from_logs.log",
         params:
             tracking={"printed_gains": SETTINGS["tracking"]["printed_gains"]},
-            code=code_of("track"),
+            code=code_of("identify_gain_from_logs"),
         message:
             "P gain with the least error in the logs of the candidates"
         script:
@@ -70,7 +73,7 @@ else:
         log:
             f"{RESULTS}/logs/read_gains.log",
         params:
-            code=code_of("gains"),
+            code=code_of("read_gains"),
         message:
             "Gains that the closed-loop logs name"
         script:

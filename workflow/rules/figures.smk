@@ -9,7 +9,7 @@ rule actuator:
     log:
         f"{RESULTS}/logs/fig01.log",
     params:
-        code=code_of("draw_schematics", "figure"),
+        code=code_of("fig01"),
     message:
         "Fig. 1: the bending actuator"
     script:
@@ -25,7 +25,7 @@ rule reservoir:
         f"{RESULTS}/logs/fig02.log",
     params:
         k_in_kpa_per_deg=SETTINGS["control"]["k_in_kpa_per_deg"],
-        code=code_of("draw_schematics", "figure"),
+        code=code_of("fig02"),
     message:
         "Fig. 2: the physical reservoir"
     script:
@@ -38,7 +38,7 @@ rule apparatus:
     log:
         f"{RESULTS}/logs/fig03.log",
     params:
-        code=code_of("draw_schematics", "figure"),
+        code=code_of("fig03"),
     message:
         "Fig. 3: the apparatus"
     script:
@@ -54,7 +54,7 @@ rule actuator_hysteresis:
     log:
         f"{RESULTS}/logs/fig04.log",
     params:
-        code=code_of("draw", "figure"),
+        code=code_of("fig04"),
     message:
         "Fig. 4: hysteresis of the actuator"
     script:
@@ -70,7 +70,7 @@ rule reservoir_hysteresis:
     log:
         f"{RESULTS}/logs/fig05.log",
     params:
-        code=code_of("draw", "figure"),
+        code=code_of("fig05"),
     message:
         "Fig. 5: hysteresis of the reservoir"
     script:
@@ -84,7 +84,7 @@ rule esn_system:
         f"{RESULTS}/logs/fig06.log",
     params:
         models=settings_of("esn"),
-        code=code_of("draw_schematics", "figure"),
+        code=code_of("fig06"),
     message:
         "Fig. 6: control with the ESN"
     script:
@@ -99,7 +99,7 @@ rule fprc_system:
     params:
         models=settings_of("fprc"),
         control=SETTINGS["control"],
-        code=code_of("draw_schematics", "figure"),
+        code=code_of("fig07"),
     message:
         "Fig. 7: control with the FPRC"
     script:
@@ -115,7 +115,7 @@ rule training:
     log:
         f"{RESULTS}/logs/fig08.log",
     params:
-        code=code_of("draw", "figure"),
+        code=code_of("fig08"),
     message:
         "Fig. 8: FPRC on training and test data"
     script:
@@ -130,7 +130,7 @@ rule weights:
     log:
         f"{RESULTS}/logs/fig09.log",
     params:
-        code=code_of("draw", "figure"),
+        code=code_of("fig09"),
     message:
         "Fig. 9: weight contributions"
     script:
@@ -147,7 +147,7 @@ rule settings:
     log:
         f"{RESULTS}/logs/fig10.log",
     params:
-        code=code_of("draw", "figure"),
+        code=code_of("fig10"),
     message:
         "Fig. 10: epsilon and n_c"
     script:
@@ -162,7 +162,7 @@ rule taps:
     log:
         f"{RESULTS}/logs/fig11.log",
     params:
-        code=code_of("draw", "figure"),
+        code=code_of("fig11"),
     message:
         "Fig. 11: tap sizes"
     script:
@@ -182,7 +182,7 @@ for number, reference in zip((12, 13, 14, 15), TABLE_IV):
         log:
             f"{RESULTS}/logs/fig{number}.log",
         params:
-            code=code_of("draw_tracking", "figure"),
+            code=code_of("following"),
         message:
             f"Fig. {number}: tracking {reference}"
         script:
@@ -202,7 +202,7 @@ rule loops:
     log:
         f"{RESULTS}/logs/fig16.log",
     params:
-        code=code_of("draw_tracking", "figure"),
+        code=code_of("fig16"),
     message:
         "Fig. 16: PD against FPRC+PD"
     script:
@@ -218,7 +218,7 @@ rule disturbance:
         f"{RESULTS}/logs/fig17.log",
     params:
         quiet_s=SETTINGS["tracking"]["pushes"]["quiet_s"],
-        code=code_of("draw_tracking", "figure"),
+        code=code_of("fig17"),
     message:
         "Fig. 17: the reservoir disturbed"
     script:
@@ -235,7 +235,7 @@ rule readout_figure:
     log:
         f"{RESULTS}/logs/readout_figure.log",
     params:
-        code=code_of("draw_readout", "figure"),
+        code=code_of("readout_figure"),
     message:
         "What the readout is worth: figure"
     script:

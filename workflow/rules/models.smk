@@ -6,6 +6,11 @@ JUDGEMENT = {
     "split": SETTINGS["evaluation"]["split"],
 }
 
+#: Models of each sweep, which decide on the code and the settings that it depends on.
+SWEPT = {"epsilon": ["fprc"], "n_c": ["fprc", "fuzzy_linear"], "taps": ["fprc"]}
+VALUES = {"epsilon": ["epsilon"], "n_c": ["n_c"], "taps": ["n_u", "n_y"]}
+
+
 #: What another seed needs, to begin at the experiments.
 REPLICATION = {
     **JUDGEMENT,
@@ -35,7 +40,7 @@ rule judge:
         models=lambda wildcards: settings_of(wildcards.model),
         name="{model}",
         seed=SETTINGS["seed"],
-        code=code_of("judge"),
+        code=lambda wildcards: code_of("judge", wildcards.model),
     message:
         "Cross-validation and test of {wildcards.model}, trained on {wildcards.experiment}"
     script:
@@ -69,9 +74,9 @@ rule replicate_sweeps:
     params:
         **REPLICATION,
         models=settings_of("fprc"),
-        values=SETTINGS["sweeps"],
+        values=swept("epsilon", "n_c", "replicate_taps"),
         checkpoint=f"{RESULTS}/replicates/{{target}}/sweeps_{{seed}}.partial.jsonl",
-        version=code_of("replicate"),
+        version=code_of("replicate_sweeps", "fprc", "fuzzy_linear"),
     message:
         "Sweeps again with seed {wildcards.seed}"
     script:
@@ -87,7 +92,7 @@ rule replicate_control:
         **REPLICATION,
         models=settings_of("fprc"),
         tracking=SETTINGS["tracking"],
-        code=code_of("replicate"),
+        code=code_of("replicate_control", "fprc"),
     message:
         "Closed loops again with seed {wildcards.seed}"
     script:
@@ -109,7 +114,7 @@ rule measure_times:
         models=SETTINGS["models"],
         repeats=SETTINGS["evaluation"]["timing_repeats"],
         seed=SETTINGS["seed"],
-        code=code_of("timing"),
+        code=code_of("measure_times"),
     message:
         "Execution times, alone on the machine"
     script:
@@ -127,7 +132,7 @@ rule weigh:
         **JUDGEMENT,
         models=settings_of("fprc"),
         seed=SETTINGS["seed"],
-        code=code_of("sweep"),
+        code=code_of("weigh", "fprc"),
     message:
         "Weight contributions of the FPRC"
     script:
@@ -149,11 +154,11 @@ rule sweep:
         **JUDGEMENT,
         models=settings_of("fprc"),
         sweep="{sweep}",
-        values=SETTINGS["sweeps"],
+        values=lambda wildcards: swept(*VALUES[wildcards.sweep]),
         seed=SETTINGS["seed"],
         workers=lambda wildcards, threads: threads,
         checkpoint=f"{RESULTS}/sweeps/{{sweep}}.partial.jsonl",
-        version=code_of("sweep"),
+        version=lambda wildcards: code_of("sweep", *SWEPT[wildcards.sweep]),
     message:
         "Sweep over {wildcards.sweep}, {threads} workers"
     script:
@@ -176,7 +181,7 @@ rule measure_times_over_n_c:
         values=SETTINGS["sweeps"]["n_c"],
         repeats=SETTINGS["evaluation"]["timing_repeats"],
         seed=SETTINGS["seed"],
-        code=code_of("timing"),
+        code=code_of("measure_times_over_n_c", "fprc", "fuzzy_linear"),
     message:
         "Execution times over n_c, alone on the machine"
     script:
@@ -199,7 +204,7 @@ rule measure_steps:
         control=SETTINGS["control"],
         tracking={key: SETTINGS["tracking"][key] for key in ("printed_gains", "pressure_limit_kpa")},
         seed=SETTINGS["seed"],
-        code=code_of("timing"),
+        code=code_of("measure_steps"),
     message:
         "Cost of a control step, alone on the machine"
     script:
@@ -225,7 +230,7 @@ rule measure_readout:
         seed=SETTINGS["seed"],
         workers=lambda wildcards, threads: threads,
         checkpoint=f"{RESULTS}/readout/cells.partial.jsonl",
-        version=code_of("readout"),
+        version=code_of("measure_readout", "fprc", "fuzzy_linear"),
     message:
         "FPRC with and without P_o, and with stand-ins for it"
     script:

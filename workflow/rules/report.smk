@@ -8,7 +8,7 @@ rule list_unavailable:
         f"{RESULTS}/logs/list_unavailable.log",
     params:
         reasons=UNAVAILABLE,
-        code=code_of("tabulate"),
+        code=code_of("list_unavailable"),
     message:
         "What the data do not allow, and why"
     script:
@@ -35,7 +35,7 @@ rule report_page:
         f"{RESULTS}/logs/report_page.log",
     params:
         settings=SETTINGS,
-        code=code_of("report"),
+        code=code_of("page"),
     message:
         "Report: claims, tables, figures and settings on one page"
     script:

@@ -10,7 +10,7 @@ rule configuration_table:
         f"{RESULTS}/logs/table1.log",
     params:
         models=SETTINGS["models"],
-        code=code_of("tabulate"),
+        code=code_of("configuration_table"),
     message:
         "Table I"
     script:
@@ -32,7 +32,7 @@ rule comparison_table:
         f"{RESULTS}/logs/table{{number}}.log",
     params:
         left_out=LEFT_OUT,
-        code=code_of("tabulate"),
+        code=code_of("comparison_table"),
     message:
         "Table {wildcards.number}"
     script:
@@ -49,7 +49,7 @@ rule seeds_table:
         f"{RESULTS}/logs/table{{number}}_seeds.log",
     params:
         trained_on=lambda wildcards: TRAINED_ON[wildcards.number],
-        code=code_of("tabulate"),
+        code=code_of("seeds_table"),
     message:
         "Table {wildcards.number} over further seeds"
     script:
@@ -64,7 +64,7 @@ rule orders_table:
     log:
         f"{RESULTS}/logs/orders.log",
     params:
-        code=code_of("tabulate"),
+        code=code_of("orders_table"),
     message:
         "Orders of Tables 2 and 3 on every seed"
     script:
@@ -81,7 +81,7 @@ rule timing_table:
         f"{RESULTS}/logs/table2_timing.log",
     params:
         left_out=LEFT_OUT,
-        code=code_of("tabulate"),
+        code=code_of("timing_table"),
     message:
         "Execution times of Table II"
     script:
@@ -99,7 +99,7 @@ rule tracking_table:
         f"{RESULTS}/logs/table4.log",
     params:
         left_out=[run for run in ALL_RUNS if run not in HELD],
-        code=code_of("tabulate"),
+        code=code_of("tracking_table"),
     message:
         "Table 4"
     script:
@@ -115,7 +115,7 @@ rule tracking_seeds_table:
     log:
         f"{RESULTS}/logs/table4_seeds.log",
     params:
-        code=code_of("tabulate"),
+        code=code_of("tracking_seeds_table"),
     message:
         "Table 4 over further seeds"
     script:
@@ -131,7 +131,7 @@ rule steps_table:
         f"{RESULTS}/logs/step_cost.log",
     params:
         left_out=LEFT_OUT,
-        code=code_of("tabulate"),
+        code=code_of("steps_table"),
     message:
         "Cost of a control step"
     script:
@@ -146,7 +146,7 @@ rule readout_table:
     log:
         f"{RESULTS}/logs/readout_table.log",
     params:
-        code=code_of("tabulate"),
+        code=code_of("readout_table"),
     message:
         "What the readout is worth: table"
     script:

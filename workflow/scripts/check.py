@@ -1,4 +1,4 @@
-from fprc.stages.claims import check_verdicts
+from fprc.stages.check import check_results
 from fprc.stages.run import run_stage
 
-run_stage(check_verdicts, snakemake)  # noqa: F821 (Snakemake provides it)
+run_stage(check_results, snakemake)  # noqa: F821 (Snakemake provides it)

@@ -8,7 +8,7 @@ from typing import Any
 
 from joblib import Parallel, delayed, parallel_config
 
-from fprc.artifacts import write_text
+from fprc.artifacts import explaining, write_text
 
 Cell = Mapping[str, Any]
 
@@ -48,9 +48,10 @@ def run_cells(
     with checkpoint.open("a", encoding="utf-8") as file:
         for cell, result in _results(judge, open_cells, workers):
             finished[_name(cell)] = result
-            file.write(json.dumps({"cell": cell, "result": result}, allow_nan=False) + "\n")
-            file.flush()
-            os.fsync(file.fileno())
+            with explaining(checkpoint):
+                file.write(json.dumps({"cell": cell, "result": result}, allow_nan=False) + "\n")
+                file.flush()
+                os.fsync(file.fileno())
             progress(sum(_name(cell) in finished for cell in cells), len(cells))
     return [{**cell, **finished[_name(cell)]} for cell in cells]
 

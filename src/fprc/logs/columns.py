@@ -37,11 +37,16 @@ def write_columns(
 
     The same content gives the same bytes.
     """
-    with replacing(path) as temporary, h5py.File(temporary, "w") as file:
+    # in memory: HDF5 crashes the process at its end if it could not write all to a full disk
+    with h5py.File("log", "w", driver="core", backing_store=False) as file:
         file.attrs.update(attributes)
         for name, values in channels.items():
             dataset = file.create_dataset(name, data=np.asarray(values, dtype=np.float64))
             dataset.attrs["units"] = unit_of(name)
+        file.flush()
+        image = file.id.get_file_image()
+    with replacing(path) as temporary:
+        temporary.write_bytes(image)
 
 
 def read_columns(

@@ -31,8 +31,12 @@ def save_model(model: BaseEstimator, path: Path | str) -> None:
         a number nor None.
     """
     plain = _described(model)
-    with h5py.File(path, "w") as file:
+    # in memory: HDF5 crashes the process at its end if it could not write all to a full disk
+    with h5py.File("model", "w", driver="core", backing_store=False) as file:
         _save(plain, file)
+        file.flush()
+        image = file.id.get_file_image()
+    Path(path).write_bytes(image)
 
 
 def load_model(path: Path | str) -> BaseEstimator:

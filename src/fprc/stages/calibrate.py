@@ -373,5 +373,5 @@ def calibrate_from_files(
             split=settings["evaluation"]["split"],
             workers=workers or len(os.sched_getaffinity(0)),
             checkpoint=f"{stem}.partial.jsonl",
-            version=fingerprint("fprc.stages.calibrate"),
+            version=fingerprint("fprc.stages.calibrate.calibrate"),
         )

@@ -1,4 +1,4 @@
-"""Judge the paper's claims on the results, and check the verdicts."""
+"""Judge the paper's claims on the results."""
 
 import logging
 from collections.abc import Sequence
@@ -7,8 +7,7 @@ import pandas as pd
 import yaml
 
 from fprc.artifacts import read_json, write_json, write_text
-from fprc.claims import Results, changed_verdicts, judge_claims
-from fprc.errors import FprcError
+from fprc.claims import Results, judge_claims
 from fprc.tables import SOURCES, markdown
 
 log = logging.getLogger(__name__)
@@ -69,23 +68,3 @@ def write_ledger(
     write_text(md, markdown(page, note))
     for row in ledger:
         log.info("%s: %s", row["id"], row["verdict"])
-
-
-def check_verdicts(ledger: str, known: str) -> None:
-    """Compare the verdicts with those that the configuration declares as known.
-
-    Raises
-    ------
-    FprcError
-        Lists every claim whose verdict differs.
-    """
-    with open(known, encoding="utf-8") as file:
-        declared = yaml.safe_load(file)
-    changed = changed_verdicts(read_json(ledger)["claims"], declared)
-    if changed:
-        lines = "\n".join(f"  {line}" for line in changed)
-        raise FprcError(
-            f"{len(changed)} verdicts are not those of {known}; see the ledger, and declare them "
-            f"there if they are right:\n{lines}"
-        )
-    log.info("all %d verdicts are as declared", len(declared))

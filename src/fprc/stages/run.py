@@ -8,6 +8,7 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
+from fprc.artifacts import explaining
 from fprc.errors import FprcError
 
 log = logging.getLogger("fprc")
@@ -35,10 +36,10 @@ def run_stage(stage: Callable[..., Any], job: Any) -> Any:
     object
         What the stage returns.
     """
-    _log_to(job.log[0], " ".join([job.rule, *job.wildcards]))
     named = [*job.input.items(), *job.output.items(), *job.params.items()]
     arguments = {name: value for name, value in named if name not in _NOT_OURS}
     try:
+        _log_to(job.log[0], " ".join([job.rule, *job.wildcards]))
         with threadpool_limits(1):
             return stage(**arguments)
     except FprcError as error:
@@ -48,11 +49,17 @@ def run_stage(stage: Callable[..., Any], job: Any) -> Any:
 
 
 def _log_to(path: str, label: str) -> None:
-    Path(path).parent.mkdir(parents=True, exist_ok=True)
     line = logging.Formatter(f"[{label}] %(message)s")
-    terminal, file = logging.StreamHandler(), logging.FileHandler(path, mode="w")
-    terminal.setLevel(logging.INFO)
-    for handler in (terminal, file):
-        handler.setFormatter(line)
-        log.addHandler(handler)
     log.setLevel(logging.DEBUG)
+    _add(logging.StreamHandler(), line, logging.INFO)
+    with explaining(path):
+        Path(path).parent.mkdir(parents=True, exist_ok=True)
+        file = logging.FileHandler(path, mode="w")
+    file.handleError = lambda record: None  # on a full disk the terminal still has it
+    _add(file, line)
+
+
+def _add(handler: logging.Handler, line: logging.Formatter, level: int = logging.DEBUG) -> None:
+    handler.setLevel(level)
+    handler.setFormatter(line)
+    log.addHandler(handler)

@@ -1,0 +1,109 @@
+"""Check what the results folder and the documentation show against what the workflow makes."""
+
+import logging
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+
+import yaml
+from PIL import Image
+
+from fprc.artifacts import leftovers, read_json
+from fprc.claims import changed_verdicts
+from fprc.errors import FprcError
+
+log = logging.getLogger(__name__)
+
+
+def check_results(
+    ledger: str,
+    known: str,
+    *,
+    folders: Mapping[str, str],
+    made: Sequence[str],
+    pictures: Mapping[str, str],
+) -> None:
+    """Check verdicts, files and pictures.
+
+    Parameters
+    ----------
+    ledger, known : str
+        The claims as judged, and the verdicts that are declared as known.
+    folders : Mapping
+        Of the results and of the raw logs (``raw``); the latter may hold anything.
+    made : sequence of str
+        Regular expressions of the files that the rules make.
+    pictures : Mapping
+        Pictures of the documentation, and the figures that they are copies of.
+
+    Raises
+    ------
+    FprcError
+        Lists every verdict that is not as declared, every file among the results that no rule
+        makes, and every picture that is not the figure.
+    """
+    with open(known, encoding="utf-8") as file:
+        declared = yaml.safe_load(file)
+    found = {
+        f"verdicts are not those of {known}; see the ledger, and declare them there if they are "
+        "right": changed_verdicts(read_json(ledger)["claims"], declared),
+        "files that no rule makes; remove them, or keep them elsewhere": [
+            *orphans(folders["results"], folders["raw"], made),
+            *strangers(pictures),
+        ],
+        "pictures are not the figures that were built; `make docs` puts those there": [
+            f"{picture} is not {figure}" for picture, figure in stale(pictures)
+        ],
+    }
+    problems = [
+        "\n".join([f"{len(lines)} {what}:", *(f"  {line}" for line in lines)])
+        for what, lines in found.items()
+        if lines
+    ]
+    if problems:
+        raise FprcError("\n".join(problems))
+    log.info("all %d verdicts are as declared; every file has its rule", len(declared))
+
+
+def orphans(results: str, raw: str, made: Sequence[str]) -> Iterator[str]:
+    """Yield the files of a results folder that no rule makes.
+
+    Left alone are the raw logs, README.md, hidden files but those that a
+    killed process left, and folders with logs of their own: other results.
+    """
+    known = [re.compile(pattern) for pattern in made]
+    todo = [Path(results)]
+    while todo:
+        folder = todo.pop()
+        yield from map(str, leftovers(folder))
+        for path in sorted(folder.iterdir()):
+            if path.is_dir():
+                if path != Path(raw) and not (path / "logs").is_dir():
+                    todo.append(path)
+            elif not (
+                path.name.startswith(".")
+                or path == Path(results, "README.md")
+                or any(pattern.fullmatch(str(path)) for pattern in known)
+            ):
+                yield str(path)
+
+
+def strangers(pictures: Mapping[str, str]) -> Iterator[str]:
+    """Yield the files beside the documentation's pictures that no rule puts there."""
+    for folder in sorted({Path(picture).parent for picture in pictures}):
+        yield from (str(p) for p in sorted(folder.iterdir()) if str(p) not in pictures)
+
+
+def stale(pictures: Mapping[str, str]) -> Iterator[tuple[str, str]]:
+    """Yield the pictures that differ from their figure, where that was built."""
+    for picture, figure in pictures.items():
+        if Path(figure).exists() and _pixels(picture) != _pixels(figure):
+            yield picture, figure
+
+
+def _pixels(path: str) -> tuple[tuple[int, int], bytes] | None:
+    try:
+        with Image.open(path) as image:
+            return image.size, image.convert("RGBA").tobytes()
+    except OSError:
+        return None

@@ -1,0 +1,100 @@
+import json
+import os
+
+import pytest
+import yaml
+from PIL import Image
+
+from fprc.errors import FprcError
+from fprc.stages.check import check_results
+
+MADE = [r"results/claims\.json", r"results/tables/(?P<n>.+)\.csv", r"results/logs/(?P<n>.+)\.log"]
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """Results as a run leaves them, and two pictures of the documentation."""
+    monkeypatch.chdir(tmp_path)
+    for name in ("README.md", "tables/a.csv", "logs/a.log", "smoke/logs/b.log", "smoke/c.csv"):
+        path = tmp_path / "results" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("x")
+    (tmp_path / "results/claims.json").write_text(
+        json.dumps({"claims": [{"id": "C1", "verdict": "reproduced"}]})
+    )
+    (tmp_path / "known.yaml").write_text(yaml.safe_dump({"C1": "reproduced"}))
+    (tmp_path / "docs").mkdir()
+    for name in ("docs/one.png", "results/one.png", "docs/two.png"):
+        Image.new("RGB", (4, 3), "red").save(name)
+    return tmp_path
+
+
+def check(**changed):
+    settings = {
+        "folders": {"results": "results", "raw": "data/raw"},
+        "made": [*MADE, r"results/one\.png"],
+        "pictures": {"docs/one.png": "results/one.png", "docs/two.png": "results/two.png"},
+    }
+    check_results("results/claims.json", "known.yaml", **(settings | changed))
+
+
+def test_results_as_a_run_leaves_them_are_in_order(folder):
+    (folder / f"results/tables/.b.{os.getpid()}.part.csv").write_text("being written")
+    check()
+
+
+@pytest.mark.parametrize(
+    "name", ["old.txt", "tables/a.txt", "tables/deep/a.txt", "tables/README.md", "smoked/c.csv"]
+)
+def test_file_that_no_rule_makes_is_reported(folder, name):
+    path = folder / "results" / name
+    path.parent.mkdir(exist_ok=True)
+    path.write_text("x")
+    with pytest.raises(FprcError, match=f"1 files that no rule makes.*:\n  results/{name}$"):
+        check()
+
+
+def test_file_that_a_killed_process_left_is_reported(folder):
+    (folder / "results/tables/.a.4194305.part.csv").write_text("half")
+    with pytest.raises(FprcError, match=r"results/tables/\.a\.4194305\.part\.csv"):
+        check()
+
+
+def test_raw_logs_below_the_results_may_be_anything(folder):
+    (folder / "results/raw").mkdir()
+    (folder / "results/raw/mine.csv").write_text("x")
+    check(folders={"results": "results", "raw": "results/raw"})
+    with pytest.raises(FprcError, match=r"results/raw/mine\.csv"):
+        check()
+
+
+def test_picture_that_is_not_the_figure_is_reported(folder):
+    Image.new("RGB", (4, 3), "blue").save("docs/one.png")
+    with pytest.raises(FprcError, match=r"docs/one\.png is not results/one\.png$"):
+        check()
+
+
+def test_picture_that_is_gone_is_reported(folder):
+    (folder / "docs/one.png").unlink()
+    with pytest.raises(FprcError, match=r"docs/one\.png is not results/one\.png$"):
+        check()
+
+
+def test_same_picture_compressed_otherwise_is_in_order(folder):
+    Image.new("RGBA", (4, 3), "red").save("docs/one.png", compress_level=0)
+    check()
+
+
+def test_picture_that_no_rule_puts_there_is_reported(folder):
+    Image.new("RGB", (4, 3), "red").save("docs/three.png")
+    with pytest.raises(FprcError, match=r"no rule makes.*:\n  docs/three\.png$"):
+        check()
+
+
+def test_everything_is_reported_at_once(folder):
+    (folder / "known.yaml").write_text(yaml.safe_dump({"C1": "not reproduced"}))
+    (folder / "results/old.txt").write_text("x")
+    (folder / "docs/one.png").unlink()
+    with pytest.raises(FprcError) as found:
+        check()
+    assert [line[0] for line in str(found.value).splitlines()] == ["1", " "] * 3

@@ -1,0 +1,102 @@
+"""A full disk, a folder that is locked: one clear line, and nothing half-written."""
+
+import os
+import resource
+import subprocess
+
+import pytest
+
+
+def mounted(folder, size):
+    """Mount a small file system, or skip where that is not allowed."""
+    folder.mkdir(parents=True)
+    command = ["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(folder)]
+    if os.geteuid() != 0 or subprocess.run(command, capture_output=True, check=False).returncode:
+        pytest.skip("no right to mount a file system")
+
+
+@pytest.fixture
+def small_disk(project):
+    """Project with 500 kB for its results."""
+    folder = project.folder / "results/smoke"
+    mounted(folder, "500k")
+    yield project, folder
+    subprocess.run(["umount", "--lazy", str(folder)], check=True)
+
+
+def errors(printed):
+    return [line for line in printed.splitlines() if "] error: " in line]
+
+
+@pytest.mark.slow
+def test_full_disk_is_one_line_and_leaves_nothing_half_written(smoked, small_disk):
+    project, results = small_disk
+    done = project.smoke("logs")
+    assert done.returncode != 0
+    (line, *_) = errors(done.stdout)
+    assert "cannot be written (No space left on device); free some space" in line
+    assert "Traceback" not in done.stdout
+    whole = smoked[0].files("results/smoke/raw")
+    left = project.files("results/smoke/raw")
+    assert left.items() < whole.items(), "a log that is there is whole"
+    subprocess.run(["mount", "-o", "remount,size=100m", str(results)], check=True)
+    done = project.smoke("logs")
+    assert done.returncode == 0, done.stdout
+    assert project.files("results/smoke/raw").keys() == {
+        f"results/smoke/raw/{name}.h5" for name in ("sweep", "complex")
+    }
+    assert project.files("results/smoke/raw").items() <= whole.items()
+
+
+@pytest.mark.slow
+def test_file_that_may_not_grow_is_one_line_and_leaves_nothing_half_written(smoked_copy):
+    raw = smoked_copy.folder / "results/smoke/raw"
+    before = smoked_copy.files("results/smoke/raw")
+    (raw / "sweep.h5").unlink()
+    limit = 100_000
+    run = smoked_copy.begin("logs", "--configfile", "config/smoke.yaml")
+    resource.prlimit(run.process.pid, resource.RLIMIT_FSIZE, (limit, limit))
+    assert run.process.wait(300) != 0
+    (line,) = errors(run.printed())
+    assert "raw/sweep.h5: cannot be written (File too large); free some space" in line
+    assert "Traceback" not in run.printed()
+    assert not [
+        path for path in raw.iterdir() if "sweep.h5" in path.name and "track" not in path.name
+    ]
+    done = smoked_copy.smoke("logs")
+    assert done.returncode == 0, done.stdout
+    assert smoked_copy.files("results/smoke/raw") == before
+
+
+def test_file_in_place_of_the_results_is_refused_before_any_job(project):
+    (project.folder / "results").write_text("in the way")
+    done = project.snakemake("table1")
+    assert done.returncode != 0
+    assert "results is a file; move it away" in done.stdout
+    assert "Traceback" not in done.stdout
+    assert (project.folder / "results").read_text() == "in the way"
+
+
+@pytest.fixture
+def locked(project):
+    """Project whose results folder nobody may write to, not even root."""
+    folder = project.folder / "results"
+    folder.mkdir(mode=0o555)
+    if os.access(folder, os.W_OK):
+        command = ["chattr", "+i", str(folder)]
+        if subprocess.run(command, capture_output=True, check=False).returncode:
+            pytest.skip("no way to lock a folder against root here")
+    yield project
+    subprocess.run(["chattr", "-i", str(folder)], capture_output=True, check=False)
+
+
+def test_locked_results_are_refused_before_any_job(locked):
+    done = locked.snakemake("table1")
+    assert done.returncode != 0
+    assert "results cannot be written to; make it writable or choose another place" in done.stdout
+    assert "Traceback" not in done.stdout
+    assert not locked.files("results")
+    done = locked.snakemake(
+        "table1", "--config", "folders={results: elsewhere, raw: elsewhere/raw}"
+    )
+    assert done.returncode == 0, done.stdout

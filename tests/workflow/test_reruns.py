@@ -1,0 +1,125 @@
+"""An edit of the package reruns what runs that code, and what is made from it; nothing else."""
+
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+
+import fprc
+
+pytestmark = pytest.mark.slow
+
+ESN = {
+    "judge": 2,
+    "replicate": 2,
+    "measure_times": 1,
+    "measure_steps": 1,
+    "comparison_table": 2,
+    "seeds_table": 2,
+    "orders_table": 1,
+    "timing_table": 1,
+    "steps_table": 1,
+    "ledger": 1,
+    "report_page": 1,
+}
+
+FIGURES = (
+    "actuator reservoir apparatus actuator_hysteresis reservoir_hysteresis esn_system fprc_system "
+    "training weights settings taps following_sine_0p2 following_sine_0p5 following_sweep "
+    "following_complex loops disturbance readout_figure"
+).split()
+
+#: File, what is in it and what is put there, and the jobs that must run again.
+EDITS = {
+    "comment": ("models/features.py", "\n\n\ndef ", "\n\n\n# a comment\ndef ", {}),
+    "docstring": ("models/esn.py", '"""Return the unfitted network."""', '"""The net."""', {}),
+    "code that no rule runs": ("cli.py", "import sys", "import sys\n\nUNUSED = 1", {}),
+    "ESN": ("models/esn.py", "gamma=self.gamma,", "gamma=1.0 * self.gamma,", ESN),
+    "its readout": ("models/ridge.py", "return X @ self", "return 1.0 * X @ self", ESN),
+    "its features": ("models/features.py", "self.w_in_ = ", "self.w_in_ = 1.0 * ", ESN),
+    "plot of the tap sizes": (
+        "figures/sweeps.py", "fill=False", "fill=None", {"taps": 1, "report_page": 1},
+    ),
+    "stage of Fig. 7": (
+        "stages/draw_schematics.py", "canvas(2.82)", "canvas(2.8)",
+        {"fprc_system": 1, "report_page": 1},
+    ),
+    "style of every figure": (
+        "figures/style.py", "COLUMN_IN = 3.5", "COLUMN_IN = 3.6",
+        dict.fromkeys([*FIGURES, "report_page"], 1),
+    ),
+    "page of Table IV": (
+        "tables/tracking.py", "return pd.DataFrame(page)", "return pd.DataFrame(list(page))",
+        {"tracking_table": 1, "tracking_seeds_table": 1, "report_page": 1},
+    ),
+}  # fmt: skip
+
+
+def planned(project, *arguments, **environment):
+    """Jobs of a dry run by rule."""
+    done = project.smoke("--dry-run", "all", *arguments, **environment)
+    assert done.returncode == 0, done.stdout
+    counts = re.findall(r"^(\w+) +(\d+)$", done.stdout, flags=re.MULTILINE)
+    return {rule: int(count) for rule, count in counts if rule not in ("total", "all")}
+
+
+@pytest.mark.parametrize("what", EDITS)
+def test_edit_reruns_what_runs_that_code_and_nothing_else(smoked, tmp_path, what):
+    name, old, new, expected = EDITS[what]
+    skipped = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(Path(fprc.__file__).parent, tmp_path / "fprc", ignore=skipped)
+    path = tmp_path / "fprc" / name
+    text = path.read_text(encoding="utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new, 1), encoding="utf-8")
+    assert planned(smoked[0], PYTHONPATH=str(tmp_path)) == expected
+
+
+def test_every_rule_is_fingerprinted_by_its_own_script(project):
+    scripted = fingerprinted = 0
+    for path in (project.folder / "workflow/rules").glob("*.smk"):
+        for rule in re.split(r"(?m)^ *rule\b", path.read_text(encoding="utf-8"))[1:]:
+            script = re.search(r'"\.\./scripts/(\w+)\.py"', rule)
+            if script:
+                scripted += 1
+                fingerprinted += len(re.findall(rf'code_of\(\s*"{script[1]}"', rule))
+    assert scripted > 45
+    assert fingerprinted == scripted
+
+
+#: Settings on the command line, and the jobs that must run again; the report shows all settings.
+CHANGES = {
+    "nothing": ("seed=1", {}),
+    "rigs of the ensemble": ("ensemble={rigs: 6}", {"report_page": 1}),
+    "values of n_c": (
+        "sweeps={n_c: [2, 8]}",
+        {"sweep": 1, "measure_times_over_n_c": 1, "replicate_sweeps": 2, "settings": 1, "ledger": 1,
+         "report_page": 1},
+    ),
+    "taps": ("sweeps={n_u: [1, 2]}", {"sweep": 1, "taps": 1, "report_page": 1}),
+    "candidates of the gain": (
+        "tracking={candidate_kp_kpa_per_deg: [0.5, 3]}",
+        {"identify_gain": 1, "track": 5, "replicate_control": 2, "tracking_table": 1,
+         "tracking_seeds_table": 1, "following_sine_0p2": 1, "following_sine_0p5": 1,
+         "following_sweep": 1, "following_complex": 1, "loops": 1, "disturbance": 1, "ledger": 1,
+         "report_page": 1},
+    ),
+    "one reference": (
+        "tracking={references: {sine_0p2: {duration_s: 9}}}",
+        {"track": 1, "replicate_control": 2, "tracking_table": 1, "tracking_seeds_table": 1,
+         "following_sine_0p2": 1, "ledger": 1, "report_page": 1},
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", CHANGES)
+def test_setting_reruns_what_reads_it_and_nothing_else(smoked, what):
+    change, expected = CHANGES[what]
+    assert planned(smoked[0], "--config", change) == expected
+
+
+def test_filter_factor_spares_fuzzy_linear_and_the_esn(smoked):
+    jobs = planned(smoked[0], "--config", "models={fprc: {epsilon: 0.02}}")
+    assert jobs["judge"] == 2
+    assert "record" not in jobs

@@ -1,0 +1,67 @@
+"""Watch or stop the processes of a build; each imports this if this folder is on PYTHONPATH.
+
+FPRC_TRACE names a folder: write down there which functions of fprc each rule runs. A file
+per process has lines of two kinds: a rule's fingerprint and a function that ran for it; a
+fingerprint and what it was asked for.
+
+FPRC_STOP_AT is a part of a path: stop for ever where such a file is written but not yet in place.
+"""
+
+import json
+import os
+import sys
+import time
+
+FUNCTION = 0x1  # CO_OPTIMIZED: not the body of a module or a class
+
+
+def watch(folder):
+    seen, early = {}, []  # codes are kept, so that no id comes twice
+    file = open(f"{folder}/{os.getpid()}.txt", "a", buffering=1, encoding="utf-8")  # noqa: SIM115
+
+    def write(*words):
+        file.write(" ".join(words) + "\n")
+
+    def asked_for(frame, event, result):
+        if event == "return" and result:
+            roots, without = frame.f_locals["roots"], frame.f_locals["without"]
+            write("asked", result, json.dumps([roots, sorted(without)]))
+        return asked_for
+
+    def on_call(frame, event, _):
+        code = frame.f_code
+        if id(code) in seen:
+            return None
+        module = frame.f_globals.get("__name__") or ""
+        if module == "fprc.fingerprint.closure" and code.co_name == "fingerprint":
+            return asked_for
+        seen[id(code)] = code
+        if not module.startswith("fprc.") or not code.co_flags & FUNCTION:
+            return None
+        if module == "fprc.stages.run" and code.co_name == "run_stage":
+            params = dict(frame.f_locals["job"].params.items())
+            os.environ["FPRC_TRACED_RULE"] = params.get("code") or params["version"]
+        early.append(f"{module}.{code.co_qualname.split('.')[0]}")
+        rule = os.environ.get("FPRC_TRACED_RULE")
+        while rule and early:
+            write("ran", rule, early.pop())
+        return None
+
+    sys.settrace(on_call)
+
+
+def stop_at(part):
+    fsync = os.fsync
+
+    def stopping(file):
+        while part in os.readlink(f"/proc/self/fd/{file}"):
+            time.sleep(1)
+        fsync(file)
+
+    os.fsync = stopping
+
+
+if os.environ.get("FPRC_STOP_AT"):
+    stop_at(os.environ["FPRC_STOP_AT"])
+if os.environ.get("FPRC_TRACE"):
+    watch(os.environ["FPRC_TRACE"])
