@@ -40,18 +40,6 @@ CONTRACT = [
     "claims.md",
 ]
 
-#: What holds times, or is made from them; and what the second build is not asked for.
-TIMED = (
-    "/timing/",
-    "/logs/",
-    "fig10_",
-    "claims.",
-    "report.html",
-    "sweeps/epsilon",
-    "sweeps/n_c",
-    "/sweeps_",
-)
-
 pytestmark = pytest.mark.slow
 
 
@@ -157,14 +145,7 @@ def test_second_build_gives_the_same_bytes(smoked, project):
     targets += ["seeds", "readout"]
     done = project.smoke("--cores", "1", *targets)
     assert done.returncode == 0, done.stdout
-    first, second = (
-        {
-            name: content
-            for name, content in run.files("results").items()
-            if not any(part in name for part in TIMED)
-        }
-        for run in (smoked[0], project)
-    )
+    first, second = smoked[0].untimed(), project.untimed()
     assert first.keys() == second.keys()
     assert [name for name in first if first[name] != second[name]] == []
 
@@ -213,6 +194,17 @@ def test_ensemble_judges_every_rig_once(calibrated):
     assert (table["rigs"] <= 4).all()
     assert table["share"].between(table["low"], table["high"]).all()
     assert {"C1", "C7", "C13", "C18"} <= set(table["id"])
+
+
+def test_sweep_in_chunks_gives_the_same_bytes(smoked, calibrated):
+    whole, joined = (
+        (run.folder / "results/smoke/sweeps/taps.json").read_bytes()
+        for run in (smoked[0], calibrated[0])
+    )
+    assert calibrated[1].count("(Rule: sweep_chunk)") == 3
+    assert joined == whole
+    left = [path.name for path in (calibrated[0].folder / "results/smoke/sweeps").iterdir()]
+    assert sorted(left) == ["epsilon.json", "n_c.json", "taps.json"]
 
 
 @pytest.mark.parametrize("name", FIGURES)

@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from fprc.artifacts import write_json
+from fprc.artifacts import read_json, write_json
 from fprc.evaluation import cross_validate, split_rows
 from fprc.evaluation.sweeps import run_cells
 from fprc.evaluation.weights import normalised_weights
@@ -46,17 +46,24 @@ def sweep_settings(
     workers: int,
     checkpoint: str,
     version: str,
+    chunk: int = 0,
+    chunks: int = 1,
 ) -> None:
-    """Cross-validate and test every cell of one sweep.
+    """Cross-validate and test every cell of one sweep, or of one chunk of it.
 
     ``version``, the fingerprint of the source, is part of the checkpoint's key:
     a checkpoint that other code, data or settings made is not used.
+
+    Parameters
+    ----------
+    chunk, chunks : int
+        Which chunk, from 0, of how many; ``join_sweep`` puts them together.
     """
     settings = {"models": models, "folds": folds, "split": split, "seed": seed}
     digest = hashlib.sha256(json.dumps([settings, version], sort_keys=True).encode())
     for path in (train, test):
         digest.update(Path(path).read_bytes())
-    cells = cells_of(sweep, values)
+    cells = chunk_of(cells_of(sweep, values), chunk, chunks)
     judged = run_cells(
         partial(_judge_from_files, train=train, test=test, **settings),
         cells,
@@ -68,6 +75,18 @@ def sweep_settings(
     source = read_data(train).attributes["source"]
     write_json(results, {"sweep": sweep, "source": source, "seed": seed, "cells": judged})
     Path(checkpoint).unlink()
+
+
+def chunk_of(cells: Sequence[Any], chunk: int, chunks: int) -> list[Any]:
+    """Return one of several runs of neighbours, which differ by one cell at most."""
+    first, last = (len(cells) * edge // chunks for edge in (chunk, chunk + 1))
+    return list(cells[first:last])
+
+
+def join_sweep(chunks: Sequence[str], results: str) -> None:
+    """Write the chunks of a sweep, in order, as if it had been one job."""
+    parts = [read_json(path) for path in chunks]
+    write_json(results, parts[0] | {"cells": [cell for part in parts for cell in part["cells"]]})
 
 
 def judge_cell(
