@@ -23,7 +23,9 @@ EXPERIMENTS = ["sweep", "complex"]
 try:
     SETTINGS = check(config).model_dump(mode="json")
     config.update(SETTINGS)  # the files' keys in their types, and what they leave out
-    ARMED = SETTINGS.pop("armed")  # of this run, not of its results
+    # of this run, not of its results
+    ARMED = SETTINGS.pop("armed")
+    SWEEP_CHUNKS = SETTINGS["sweeps"].pop("chunks")
     RAW = SETTINGS["folders"]["raw"]
     RESULTS = SETTINGS["folders"]["results"]
     refuse_unwritable([RESULTS] if SETTINGS["source"] == "recorded" else [RAW, RESULTS])

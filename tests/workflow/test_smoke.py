@@ -188,6 +188,17 @@ def test_ensemble_judges_every_rig_once(calibrated):
     assert {"C1", "C7", "C13", "C18"} <= set(table["id"])
 
 
+def test_sweep_in_chunks_gives_the_same_bytes(smoked, calibrated):
+    whole, joined = (
+        (run.folder / "results/smoke/sweeps/taps.json").read_bytes()
+        for run in (smoked[0], calibrated[0])
+    )
+    assert calibrated[1].count("(Rule: sweep_chunk)") == 3
+    assert joined == whole
+    left = [path.name for path in (calibrated[0].folder / "results/smoke/sweeps").iterdir()]
+    assert sorted(left) == ["epsilon.json", "n_c.json", "taps.json"]
+
+
 @pytest.mark.parametrize("name", FIGURES)
 def test_sidecar_says_where_its_figure_comes_from(smoked, name):
     folder = smoked[0].folder

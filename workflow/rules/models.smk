@@ -139,30 +139,76 @@ rule weigh:
         "../scripts/weigh.py"
 
 
-rule sweep:
-    input:
-        train=f"{RESULTS}/data/sweep.h5",
-        test=f"{RESULTS}/data/complex.h5",
-    output:
-        results=f"{RESULTS}/sweeps/{{sweep}}.json",
-    log:
-        f"{RESULTS}/logs/sweep_{{sweep}}.log",
-    threads: workflow.cores
-    resources:
-        mem_mb=2000,
-    params:
-        **JUDGEMENT,
-        models=settings_of("fprc"),
-        sweep="{sweep}",
-        values=lambda wildcards: swept(*VALUES[wildcards.sweep]),
-        seed=SETTINGS["seed"],
-        workers=lambda wildcards, threads: threads,
-        checkpoint=f"{RESULTS}/sweeps/{{sweep}}.partial.jsonl",
-        version=lambda wildcards: code_of("sweep", *SWEPT[wildcards.sweep]),
-    message:
-        "Sweep over {wildcards.sweep}, {threads} workers"
-    script:
-        "../scripts/sweep.py"
+SWEEP = {
+    **JUDGEMENT,
+    "models": settings_of("fprc"),
+    "sweep": "{sweep}",
+    "values": lambda wildcards: swept(*VALUES[wildcards.sweep]),
+    "seed": SETTINGS["seed"],
+    "workers": lambda wildcards, threads: threads,
+    "version": lambda wildcards: code_of("sweep", *SWEPT[wildcards.sweep]),
+}
+
+if SWEEP_CHUNKS == 1:
+
+    rule sweep:
+        input:
+            train=f"{RESULTS}/data/sweep.h5",
+            test=f"{RESULTS}/data/complex.h5",
+        output:
+            results=f"{RESULTS}/sweeps/{{sweep}}.json",
+        log:
+            f"{RESULTS}/logs/sweep_{{sweep}}.log",
+        threads: workflow.cores
+        resources:
+            mem_mb=2000,
+        params:
+            **SWEEP,
+            checkpoint=f"{RESULTS}/sweeps/{{sweep}}.partial.jsonl",
+        message:
+            "Sweep over {wildcards.sweep}, {threads} workers"
+        script:
+            "../scripts/sweep.py"
+
+else:
+
+    rule sweep_chunk:
+        input:
+            train=f"{RESULTS}/data/sweep.h5",
+            test=f"{RESULTS}/data/complex.h5",
+        output:
+            results=temp(f"{RESULTS}/sweeps/{{sweep}}_{{chunk}}.json"),
+        log:
+            f"{RESULTS}/logs/sweep_{{sweep}}_{{chunk}}.log",
+        wildcard_constraints:
+            chunk=r"\d+",
+        threads: workflow.cores
+        resources:
+            mem_mb=2000,
+        params:
+            **SWEEP,
+            chunk=lambda wildcards: int(wildcards.chunk),
+            chunks=SWEEP_CHUNKS,
+            checkpoint=f"{RESULTS}/sweeps/{{sweep}}_{{chunk}}.partial.jsonl",
+        message:
+            "Sweep over {wildcards.sweep}, chunk {wildcards.chunk}, {threads} workers"
+        script:
+            "../scripts/sweep.py"
+
+    rule sweep_joined:
+        input:
+            chunks=[f"{RESULTS}/sweeps/{{sweep}}_{chunk}.json" for chunk in range(SWEEP_CHUNKS)],
+        output:
+            results=f"{RESULTS}/sweeps/{{sweep}}.json",
+        log:
+            f"{RESULTS}/logs/sweep_{{sweep}}.log",
+        localrule: True
+        params:
+            code=code_of("join_sweep"),
+        message:
+            "Sweep over {wildcards.sweep}: all chunks"
+        script:
+            "../scripts/join_sweep.py"
 
 
 rule measure_times_over_n_c:

@@ -117,7 +117,7 @@ class Calibration(Section):
 class Ensemble(Section):
     """Rigs drawn from the ranges of the free parameters instead of fitted."""
 
-    rigs: int = quantity(40, "-", (1, 100000), "rigs")
+    rigs: int = quantity(40, "-", (1, 1_000_000), "rigs")
     chunk: int = quantity(5, "-", (1, 100000), "rigs per job")
     seed: int = quantity(1000, "-", (0, 2**31), "of the draws, and of each rig's noise")
     angle_deg: tuple[within(1, 120), within(1, 120)] = quantities(

@@ -157,6 +157,9 @@ class Sweeps(Section):
     replicate_taps: tuple[Annotated[int, Ge(1), Le(100)], ...] = quantities(
         (1, 3, 5, 8, 10), "samples", (1, 100), "both taps, on the further seeds", "assumed"
     )
+    chunks: int = quantity(
+        1, "-", (1, 100), "jobs that each sweep is split into; more than its cells are idle"
+    )
 
     @field_validator("replicate_taps")
     @classmethod

@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from fprc.artifacts import write_json
+from fprc.artifacts import read_json, write_json
 from fprc.evaluation import cross_validate, split_rows
 from fprc.evaluation.sweeps import run_cells
 from fprc.evaluation.weights import normalised_weights
@@ -46,11 +46,18 @@ def sweep_settings(
     workers: int,
     checkpoint: str,
     version: str,
+    chunk: int = 0,
+    chunks: int = 1,
 ) -> None:
-    """Cross-validate and test every cell of one sweep.
+    """Cross-validate and test every cell of one sweep, or of one chunk of it.
 
     ``version``, the fingerprint of the source, is part of the checkpoint's key:
     a checkpoint that other code, data or settings made is not used.
+
+    Parameters
+    ----------
+    chunk, chunks : int
+        Which chunk, from 0, of how many; ``join_sweep`` puts them together.
     """
     settings = {"models": models, "folds": folds, "split": split, "seed": seed}
     digest = hashlib.sha256(json.dumps([settings, version], sort_keys=True).encode())
@@ -58,7 +65,8 @@ def sweep_settings(
         digest.update(Path(path).read_bytes())
     data = read_data(train)
     models_there = able(data, read_data(test))
-    cells = [cell for cell in cells_of(sweep, values) if cell["model"] in models_there]
+    possible = [cell for cell in cells_of(sweep, values) if cell["model"] in models_there]
+    cells = chunk_of(possible, chunk, chunks)
     judged = run_cells(
         partial(_judge_from_files, train=train, test=test, **settings),
         cells,
@@ -70,6 +78,18 @@ def sweep_settings(
     told = {"sweep": sweep, "source": data.attributes["source"], "seed": seed, "unit": data.unit}
     write_json(results, {**told, "cells": judged})
     Path(checkpoint).unlink()
+
+
+def chunk_of(cells: Sequence[Any], chunk: int, chunks: int) -> list[Any]:
+    """Return one of several runs of neighbours, which differ by one cell at most."""
+    first, last = (len(cells) * edge // chunks for edge in (chunk, chunk + 1))
+    return list(cells[first:last])
+
+
+def join_sweep(chunks: Sequence[str], results: str) -> None:
+    """Write the chunks of a sweep, in order, as if it had been one job."""
+    parts = [read_json(path) for path in chunks]
+    write_json(results, parts[0] | {"cells": [cell for part in parts for cell in part["cells"]]})
 
 
 def judge_cell(
