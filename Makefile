@@ -3,7 +3,7 @@ PYTHON ?= python3
 CORES ?= 2
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 
-.PHONY: paper smoke test test-kill reproduce-twice docs clean
+.PHONY: paper smoke test test-kill reproduce-twice docs fault-matrix loop-benchmark clean
 
 paper: .venv/.ready
 	snakemake --cores $(CORES) all
@@ -29,6 +29,14 @@ reproduce-twice: .venv/.ready
 
 docs: .venv/.ready
 	snakemake --cores $(CORES) readme calibration_page
+
+# what comes of each fault of the real rig: docs/faults.md
+fault-matrix: .venv/.ready
+	pytest tests/faults --write-matrix
+
+# how punctual the real rig's loop is on this computer
+loop-benchmark: .venv/.ready
+	python tests/faults/benchmark_loop.py
 
 .venv/.ready: environment.txt pyproject.toml
 	$(PYTHON) -c 'import sys; v = sys.version_info[:2]; (3, 11) <= v <= (3, 13) or sys.exit(f"fprc needs Python 3.11, 3.12 or 3.13, this is {v[0]}.{v[1]}; use: make PYTHON=python3.12 ...")'

@@ -68,9 +68,8 @@ class Session:
     last tick before which no call of the driver had failed.
     """
 
-    def __init__(self, bench, at):
-        self._bench, self._at = bench, at
-        self._begin = bench.tick + 1
+    def __init__(self, bench, at, begin):
+        self._bench, self._at, self._begin = bench, at, begin
         self.statistics = bench.statistics
         self.tick = self.clean_tick = -1
 
@@ -96,7 +95,7 @@ def live_by(monkeypatch):
 
     def live_by(bench, at=lambda tick: None):
         def begin(*arguments, **more):
-            sessions.append(Session(bench, at))
+            sessions.append(Session(bench, at, bench.tick + 1 if sessions else 0))
             return sessions[-1]
 
         monkeypatch.setattr(rig_session, "Metronome", begin)

@@ -1,15 +1,17 @@
 """Faults of parts, in this process: the rig lives by its bench's clock, tick by tick."""
 
+import logging
 import math
 
 import numpy as np
 import pytest
 
-from fprc.errors import DeviceError, FprcError, LogError
+from fprc.errors import ControlError, DeviceError, FprcError, LogError
 from fprc.logs import read_journal
 from fprc.logs.journal import Journal
 from fprc.stages import rig_loop
 from fprc.stages.guardian import HOT, SAFE
+from fprc.stages.rig import record_on_rig
 
 TICKS = 8
 VENTED = [0.0, 0.0]
@@ -142,7 +144,7 @@ def test_board_that_fails_from_then_on_ends_the_run_and_the_guardian_is_not_told
         where,
         "no run was begun" if opening else "the error of the call",
         "yes" if not moved else "no: the guardian tries, says to cut the supply",
-        last.tick - last.clean_tick,
+        "-" if moved else last.tick - last.clean_tick,
         expected - found.samples,
     )
 
@@ -343,6 +345,26 @@ def test_defect_of_the_program_is_no_reason_to_leave_a_valve_open(bench, record,
         record(at=interrupt)
     assert vented(bench)
     matrix.add("an exception that no one catches", "mid-run", "it", "yes", 0, 0)
+
+
+def test_log_that_is_there_is_not_recorded_again(bench, record, tmp_path, monkeypatch, settings):
+    raw = tmp_path / "sweep.h5"
+    raw.write_bytes(b"mine")
+    with pytest.raises(LogError, match="exists, and no log is overwritten; move it away"):
+        rig_loop.record("sweep", str(raw), settings=settings, stop=lambda: "")
+    assert raw.read_bytes() == b"mine"
+    assert bench.shared.calls == 0
+    assert not list(tmp_path.glob("*.journal"))
+
+
+def test_rig_that_is_not_armed_is_not_touched(bench, settings, tmp_path, caplog):
+    caplog.set_level(logging.INFO, logger="fprc.rig")
+    raw = tmp_path / "logs" / "sweep.h5"
+    with pytest.raises(ControlError, match="sweep: not armed, nothing was moved; .* --armed"):
+        record_on_rig(str(raw), name="sweep", settings=settings, armed=False)
+    assert f"sweep: 120 s on the real rig, into {raw}; stops above 480 kPa" in caplog.text
+    assert bench.shared.calls == 0
+    assert not raw.parent.exists()
 
 
 def test_error_names_the_journal_and_how_to_read_it(bench, record, tmp_path):

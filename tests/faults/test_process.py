@@ -1,0 +1,334 @@
+"""Faults of processes, in real time: ``fprc rig`` itself, the rig in a process of its own.
+
+No time is asserted; what was measured goes into the fault matrix.
+"""
+
+import json
+import mmap
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fprc.logs import RAW_CHANNELS, read_journal, read_raw
+
+pytestmark = pytest.mark.skipif(
+    not sys.platform.startswith("linux"), reason="looks for processes in /proc"
+)
+FOLDER = Path(__file__).parent
+PATIENCE_S = 120.0
+# the machine of a test may be busy: nothing ends a run here but what a test is about
+LIMITS = {"overruns_in_a_row": 1000, "stale_s": 10.0, "pressure_step_kpa": 1000.0}
+CLOSED, VENTED = [(0, 5.0), (1, 5.0)], [(0, 0.0), (1, 0.0)]
+PERIOD_S = 0.005
+
+
+def wait_until(true, what):
+    end_s = time.monotonic() + PATIENCE_S
+    while not (found := true()):
+        assert time.monotonic() < end_s, f"waited in vain for {what}"
+        time.sleep(0.002)
+    return found
+
+
+def environment(path):
+    modules = os.pathsep.join(filter(None, [str(FOLDER), os.environ.get("PYTHONPATH")]))
+    return os.environ | {"FAKE_BENCH": str(path), "PYTHONPATH": modules}
+
+
+@pytest.fixture(scope="module")
+def shared(tmp_path_factory, compiled_driver):
+    """Memory of a rig that lives in a process of its own while the tests of this module run."""
+    path = tmp_path_factory.mktemp("bench") / "bench"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(FOLDER))
+        from bench import Layout
+
+        for name in ("bench", "fake_bus", "smbus2"):
+            sys.modules.pop(name, None)
+    with subprocess.Popen(
+        [sys.executable, FOLDER / "bench.py", path],
+        stdout=subprocess.PIPE,
+        env=environment(path),
+    ) as rig:
+        assert rig.stdout.readline() == b"ready\n"
+        with path.open("r+b") as file:
+            layout = Layout.from_buffer(mmap.mmap(file.fileno(), 0))
+        layout.path = path
+        yield layout
+        rig.terminate()
+
+
+@pytest.fixture
+def rig(shared):
+    """The memory, without a trace of the test before."""
+    for name in ("calls", "fail_at", "failures", "writes", "stall_us", "opened", "i2c_fault"):
+        setattr(shared, name, 0)
+    shared.outputs[:2] = [0.0, 0.0]
+    return shared
+
+
+class Program:
+    """``fprc rig`` in a session of its own, as a terminal would start it."""
+
+    def __init__(self, rig, folder, driver, verb, *, armed=True, seconds=10.0, **hardware):
+        self.rig, self.raw = rig, folder / "sweep.h5"
+        config = folder / "bench.yaml"
+        hardware = {
+            "boards": {"library": str(driver)},
+            "limits": LIMITS | hardware.pop("limits", {}),
+            "loop": {"priority": 0, "stalled_s": 10.0} | hardware.pop("loop", {}),
+        }
+        sweep = {"duration_s": seconds, "amplitude_kpa": 50.0, "offset_kpa": 50.0}
+        config.write_text(json.dumps({"experiments": {"sweep": sweep}, "hardware": hardware}))
+        command = ["-c", "import sys; from fprc.cli import main; sys.exit(main())", "rig", *verb]
+        if verb[0] == "run":
+            command += ["--out", str(self.raw)]
+        if armed:
+            command.append("--armed")
+        self.process = subprocess.Popen(
+            [sys.executable, *command, "--config", str(config)],
+            env=environment(rig.path),
+            stderr=subprocess.PIPE,
+            start_new_session=True,
+        )
+
+    def writes(self):
+        return [(row[0], int(row[1]), row[2]) for row in self.rig.log[: self.rig.writes]]
+
+    def is_in_mid_run(self):
+        wait_until(lambda: self.rig.writes > 60 or self.process.poll() is not None, "the run")
+        assert self.process.poll() is None, self.process.stderr.read().decode()
+
+    def loop(self):
+        """Return the number of the process that drives the rig."""
+        for stat in Path("/proc").glob("[0-9]*/stat"):
+            try:
+                after_name = stat.read_text().rpartition(")")[2].split()
+            except OSError:  # ended meanwhile
+                continue
+            if int(after_name[1]) == self.process.pid:
+                return int(stat.parent.name)
+        raise AssertionError("no process drives the rig")
+
+    def end(self):
+        """Wait for the end of both processes; return exit code and what was said."""
+        # the pipe ends with the last process that holds it
+        _, said = self.process.communicate(timeout=PATIENCE_S)
+        return self.process.returncode, said.decode()
+
+    def journal(self):
+        (path,) = self.raw.parent.glob("*.journal")
+        return read_journal(path)
+
+
+@pytest.fixture
+def start(rig, tmp_path, compiled_driver):
+    """Start ``fprc rig``; ended with the test."""
+    started = []
+
+    def start(*verb, **more):
+        started.append(Program(rig, tmp_path, compiled_driver, verb, **more))
+        return started[-1]
+
+    yield start
+    for program in started:
+        if program.process.poll() is None:
+            program.process.kill()
+        program.process.communicate()
+
+
+def split(writes):
+    """Return the rows of the ticks, and those that vent at the end."""
+    rows = [row[1:] for row in writes]
+    assert rows[:2] == VENTED
+    end = len(rows)
+    while end > 2 and rows[end - 1][1] in (0.0, 5.0):
+        end -= 1
+    return writes[2:end], writes[end:]
+
+
+def add(matrix, program, faulted_s, fault, ends, again=0):
+    """Check that the run ended vented with every sample, and add the row."""
+    ticks, venting = split(program.writes())
+    assert list(program.rig.outputs[:2]) == [0.0, 0.0]
+    assert [row[1:] for row in venting][-2:] == VENTED
+    _, _, findings = program.journal()
+    pairs = len(ticks) // 2
+    # a sample is complete once it is written to both valves; the journal is told just after
+    lost = pairs - findings.samples
+    assert findings.lost == 0
+    assert findings.samples >= 20
+    safe_s = next(
+        time_s
+        for k, (time_s, *row) in enumerate(venting)
+        if k and row == [1, 0.0] and venting[k - 1][1:] == (0, 0.0)
+    )
+    ms = max(1e3 * (safe_s - faulted_s), 0.0)
+    matrix.add(
+        fault,
+        "mid-run, real time",
+        ends,
+        "yes",
+        "-",
+        "at most 1" if again else lost,
+        measured=f"{ms:.1f} ms, {ms / 1e3 / PERIOD_S:.1f} ticks",
+    )
+    assert lost in ((0, 1) if again else (0,))
+    return findings
+
+
+def test_run_that_ends_well_leaves_a_log_that_can_be_read_and_not_written(start, rig):
+    program = start("run", "sweep", seconds=2.0)
+    code, said = program.end()
+    assert code == 0, said
+    channels, attributes, findings = program.journal()
+    assert findings.complete
+    assert findings.samples + findings.statistics["overruns"] == 400
+    log = read_raw(program.raw, experiment="sweep", sample_rate_hz=200.0, rate_tolerance=0.9)
+    assert set(log.channels) == set(RAW_CHANNELS)
+    for name, values in log.channels.items():
+        assert np.array_equal(values, channels[name])
+    assert (log.attributes["source"], attributes["source"]) == ("rig", "rig")
+    assert np.ptp(log.channels["p_exp_kpa"]) > 50.0
+    assert [path.stat().st_mode & 0o222 for path in program.raw.parent.glob("sweep*")] == [0, 0]
+    assert rig.opened == 0
+    _, venting = split(program.writes())
+    assert [row[1:] for row in venting] == CLOSED + VENTED + VENTED
+
+
+def test_unarmed_check_looks_and_writes_nothing_but_the_safe_state(start, rig):
+    program = start("check", armed=False)
+    code, said = program.end()
+    assert code == 0, said
+    assert "no trouble found" in said
+    assert "valves: held vented" in said
+    assert {row[2] for row in program.writes()} == {0.0}
+
+
+@pytest.mark.parametrize(
+    ("name", "fault", "send"),
+    [
+        ("SIGTERM", "SIGTERM to the guardian", os.kill),
+        pytest.param("SIGINT", "Ctrl-C, SIGINT to the group", os.killpg, marks=pytest.mark.slow),
+        ("SIGHUP", "terminal closed, SIGHUP to the group", os.killpg),
+    ],
+)
+def test_signal_stops_the_run_and_vents(start, rig, matrix, name, fault, send):
+    program = start("run", "sweep")
+    program.is_in_mid_run()
+    faulted_s = time.monotonic()
+    send(program.process.pid, getattr(signal, name))
+    code, said = program.end()
+    assert code == 1
+    assert "stopped by SIGTERM" in said
+    findings = add(matrix, program, faulted_s, fault, "the stop, at the next tick")
+    assert findings.closed
+    assert not findings.complete
+    assert "stopped by SIGTERM" in findings.reason
+    assert rig.opened == 0
+
+
+def test_loop_that_is_killed_is_vented_by_the_guardian(start, rig, matrix):
+    program = start("run", "sweep")
+    program.is_in_mid_run()
+    loop = program.loop()
+    faulted_s = time.monotonic()
+    os.kill(loop, signal.SIGKILL)
+    code, said = program.end()
+    assert code == 1
+    assert "ended with code -9 in the middle of a run; both chambers were vented" in said
+    findings = add(matrix, program, faulted_s, "SIGKILL to the loop", "the guardian", again=1)
+    assert not findings.closed
+
+
+@pytest.mark.slow
+def test_loop_that_hangs_is_ended_and_vented_by_the_guardian(start, rig, matrix):
+    program = start("run", "sweep", loop={"stalled_s": 0.5})
+    program.is_in_mid_run()
+    faulted_s = time.monotonic()
+    os.kill(program.loop(), signal.SIGSTOP)
+    code, said = program.end()
+    assert code == 1
+    assert "fell silent and was ended in the middle of a run; both chambers were vented" in said
+    findings = add(
+        matrix, program, faulted_s, "SIGSTOP to the loop",
+        "the guardian, after stalled_s = 0.5 s", again=1,
+    )  # fmt: skip
+    assert not findings.closed
+
+
+def test_loop_that_hangs_in_the_driver_is_ended_and_vented_by_the_guardian(start, rig, matrix):
+    program = start("run", "sweep", loop={"stalled_s": 0.5})
+    program.is_in_mid_run()
+    faulted_s = time.monotonic()
+    rig.stall_us = 3_600_000_000
+    code, said = program.end()
+    assert code == 1
+    assert "fell silent and was ended in the middle of a run; both chambers were vented" in said
+    add(
+        matrix, program, faulted_s, "a driver call never returns",
+        "the guardian, after stalled_s = 0.5 s",
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("fault", "send"),
+    [
+        ("SIGKILL to the guardian", os.kill),
+        pytest.param("SIGKILL to the guardian's group", os.killpg, marks=pytest.mark.slow),
+    ],
+)
+def test_loop_whose_guardian_is_killed_stops_and_vents(start, rig, matrix, fault, send):
+    program = start("run", "sweep")
+    program.is_in_mid_run()
+    faulted_s = time.monotonic()
+    send(program.process.pid, signal.SIGKILL)
+    code, said = program.end()
+    assert code == -signal.SIGKILL
+    assert "the process that watches this one is gone" in said
+    findings = add(matrix, program, faulted_s, fault, "the loop, at the next tick")
+    assert findings.closed
+    assert "the process that watches this one is gone" in findings.reason
+    assert rig.opened == 0
+
+
+def test_loop_that_misses_too_many_ticks_in_a_row_stops_and_vents(start, rig, matrix):
+    program = start("run", "sweep", limits={"overruns_in_a_row": 40})
+    program.is_in_mid_run()
+    faulted_s = time.monotonic()
+    rig.stall_us = 60_000
+    code, said = program.end()
+    assert code == 1
+    assert "ticks of 5 ms were missed in a row, 40 are put up with" in said
+    findings = add(
+        matrix, program, faulted_s, "every reading takes 60 ms", "more than 40 overruns in a row"
+    )
+    assert findings.missed_ticks >= 20
+    assert findings.statistics["overruns"] > 40
+
+
+@pytest.mark.slow
+def test_ticks_that_are_missed_are_counted_and_leave_a_gap(start, rig, matrix):
+    program = start("run", "sweep", seconds=3.0)
+    program.is_in_mid_run()
+    rig.stall_us = 150_000
+    calls = rig.calls
+    wait_until(lambda: rig.calls > calls + 3, "a slow reading")
+    rig.stall_us = 0
+    code, said = program.end()
+    assert code == 0, said
+    channels, _, findings = program.journal()
+    assert findings.complete
+    overruns = findings.statistics["overruns"]
+    assert overruns >= 20
+    assert findings.samples + overruns == 600
+    assert findings.missed_ticks <= overruns
+    assert np.diff(channels["time_s"]).max() > 0.1
+    matrix.add("a reading takes 150 ms", "mid-run, real time", "nothing, it goes on",
+               "yes, at the end", "-", "0: ticks are missed and counted")  # fmt: skip

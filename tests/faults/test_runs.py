@@ -1,0 +1,82 @@
+"""Whole experiments through driver and bus, against the simulator's own log."""
+
+import numpy as np
+import pytest
+
+from fprc.artifacts import write_json
+from fprc.control import TRACKING_CHANNELS
+from fprc.logs import RAW_CHANNELS, read_columns, read_journal, read_raw
+from fprc.models import FPRC, load_model, save_model
+from fprc.stages import rig_loop
+from fprc.stages.record import acquire
+from fprc.stages.track import Track
+
+# The driver's voltages are float32: a reading at the edge of a step may fall to the next one, and
+# the loops carry that on.
+PRESSURE_STEP_KPA = 20.0 / 2**16 * 250.0
+ANGLE_STEP_DEG = 1.0 / 64.0
+
+
+def differences(found, expected, name, step):
+    """Check that two records are the same but for few steps of a converter."""
+    difference = np.abs(found - expected)
+    assert np.ptp(expected) > 0.0
+    assert difference.max() <= 4.01 * step, name
+    assert np.mean(difference > 0.5 * step) < 0.2, name
+
+
+def compare(found, expected):
+    for name, step in (
+        ("p_exp_kpa", PRESSURE_STEP_KPA),
+        ("p_i_kpa", PRESSURE_STEP_KPA),
+        ("p_o_kpa", PRESSURE_STEP_KPA),
+        ("theta_deg", ANGLE_STEP_DEG),
+        ("phi_deg", ANGLE_STEP_DEG),
+    ):
+        differences(found[name], expected[name], name, step)
+    assert found["time_s"] == pytest.approx(expected["time_s"], abs=1e-9)
+
+
+def test_whole_hysteresis_experiment_is_that_of_the_simulator(bench, settings, live_by, tmp_path):
+    live_by(bench)
+    raw = tmp_path / "sweep.h5"
+    rig_loop.record("sweep", str(raw), settings=settings, stop=lambda: "")
+    log = read_raw(raw, experiment="sweep", sample_rate_hz=200.0, rate_tolerance=1e-6)
+    signal, control = settings["experiments"]["sweep"], settings["control"]
+    assert len(log.channels["time_s"]) == round(signal["duration_s"] * 200.0) == 24_000
+    compare(log.channels, acquire("sweep", signal, control, settings["rig"], seed=1))
+    assert (log.attributes["source"], log.attributes["complete"]) == ("rig", True)
+    assert not log.attributes["simulated"]
+    assert list(bench.shared.outputs[:2]) == [0.0, 0.0]
+
+
+def test_closed_loop_is_that_of_the_simulator(make_bench, settings, live_by, tmp_path):
+    reference = settings["tracking"]["references"]["sine_0p5"]
+    reference |= {"duration_s": 5.0, "settle_s": 0.5}
+    signal = settings["experiments"]["sweep"] | {"duration_s": 20.0}
+    log = acquire("sweep", signal, settings["control"], settings["rig"], seed=1)
+    X = np.column_stack([log["theta_deg"], log["p_o_kpa"]])
+    model, gains = str(tmp_path / "fprc.h5"), str(tmp_path / "gains.json")
+    save_model(FPRC(n_c=2, random_state=1).fit(X, log["p_exp_command_kpa"]), model)
+    known = {"identified": {"kp_kpa_per_deg": 2.0, "kd_kpa_s_per_deg": 0.02}}
+    write_json(gains, known)
+
+    number = 20
+    live_by(make_bench(settings, run=number))
+    raw, name = tmp_path / "track.h5", "track_sine_0p5_fprc_pd_identified"
+    rig_loop.record(name, str(raw), settings=settings, model=model, gains=gains, stop=lambda: "")
+    found = read_columns(raw, (*RAW_CHANNELS, *TRACKING_CHANNELS))
+
+    simulator = Track(settings["tracking"], settings["control"], settings["rig"], settings["seed"])
+    theta_d = simulator.reference("sine_0p5")
+    expected = simulator.drive(theta_d, load_model(model), known["identified"], number)
+    compare(found.channels, expected)
+    assert np.array_equal(found.channels["theta_d_deg"], theta_d)
+    assert np.ptp(found.channels["p_ff_kpa"]) > 10.0
+    assert np.ptp(found.channels["p_fb_kpa"]) > 1.0
+    assert (found.attributes["experiment"], found.attributes["gain"]) == (name, "identified")
+    (journal,) = tmp_path.glob("*.journal")
+    channels, _, findings = read_journal(journal)
+    assert findings.complete
+    for channel, values in channels.items():
+        assert np.array_equal(values, found.channels[channel])
