@@ -28,8 +28,11 @@ RAW_CHANNELS = (
 _IMPORTED = ("time_s", "theta_deg")
 _TARGETS = ("p_exp_command_kpa", "p_exp_kpa")
 
+#: Source of a log whose reservoir was simulated afterwards, by its own.
+SIMULATED_RESERVOIR = {"rig": "rig+sim", "import": "import+sim"}
+
 #: Where a log can come from: simulated, recorded here, brought in.
-SOURCES = ("sim", "rig", "import")
+SOURCES = ("sim", "rig", "import", *SIMULATED_RESERVOIR.values())
 
 _ATTRIBUTES = {
     "experiment": str,
@@ -68,7 +71,7 @@ def write_raw(
     attributes = {
         "experiment": experiment,
         "source": source,
-        "simulated": source == "sim",
+        "simulated": source.endswith("sim"),
         "sample_rate_hz": sample_rate_hz,
         "seed": seed,
         "software": software,
@@ -83,7 +86,7 @@ def write_raw(
 
 def _missing(source: str, channels: Container[str]) -> list[str]:
     """Return the channels that a log of this source must have and has not."""
-    if source != "import":
+    if not source.startswith("import"):
         return [name for name in RAW_CHANNELS if name not in channels]
     missing = [name for name in _IMPORTED if name not in channels]
     if not any(name in channels for name in _TARGETS):
@@ -137,9 +140,10 @@ def read_raw(
         imported log only time, angle and one of the two P_exp must be there.
     """
     source = gather_columns(path, ())[0].attributes.get("source")
-    needed = _IMPORTED if source == "import" else RAW_CHANNELS
+    brought_in = str(source).startswith("import")
+    needed = _IMPORTED if brought_in else RAW_CHANNELS
     log, problems = gather_columns(path, needed, tuple(n for n in RAW_CHANNELS if n not in needed))
-    if source == "import" and not any(name in log.channels for name in _TARGETS):
+    if brought_in and not any(name in log.channels for name in _TARGETS):
         problems.append(f"{path}: channel {' or '.join(_TARGETS)}: missing; import one of them")
     wrong = _wrong_attributes(path, log.attributes, experiment)
     declared = 0.0 if wrong else log.attributes["sample_rate_hz"]
@@ -198,7 +202,7 @@ def _wrong_attributes(
     source, rate_hz = attributes["source"], attributes["sample_rate_hz"]
     if source not in SOURCES:
         problems.append(f"{path}: attribute source = {source}; must be {', '.join(SOURCES)}")
-    elif attributes["simulated"] != (source == "sim"):
+    elif attributes["simulated"] != source.endswith("sim"):
         problems.append(
             f"{path}: attribute simulated = {attributes['simulated']} contradicts "
             f"source = {source}; correct the wrong one"

@@ -7,7 +7,7 @@ import pytest
 
 from fprc.config import Settings
 from fprc.logs import Columns, assess
-from fprc.logs.quality import warnings, unit_told
+from fprc.logs.quality import unit_told, warnings
 from fprc.stages.record import acquire
 
 CHECKS = {"rate", "gaps", "not_finite", "saturation", "stuck", "leak"}
