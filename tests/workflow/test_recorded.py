@@ -91,6 +91,31 @@ def test_one_log_alone_gives_what_is_drawn_from_it(recording):
     assert not {"judge", "sweep", "measure_readout"} & planned(done.stdout)
 
 
+def test_simulated_reservoir_serves_what_p_o_was_missing_for(recording):
+    asked = [*ARGUMENTS, "evaluation={reservoir: simulated}"]
+    project = recording("theta_deg", "p_exp_kpa")
+    done = project.smoke("--dry-run", "fig2", "fig5", "readout", "table2", *asked)
+    assert done.returncode == 0, done.stdout
+    assert {"add_reservoir", "reservoir", "measure_readout"} <= planned(done.stdout)
+
+
+@pytest.mark.slow
+def test_simulated_reservoir_is_named_wherever_its_data_are_shown(recording):
+    asked = [*ARGUMENTS, "evaluation={reservoir: simulated}"]
+    project = recording("theta_deg", "p_exp_kpa")
+    done = project.smoke("fig2", "fig5", "table2", *asked)
+    assert done.returncode == 0, done.stdout
+    results = project.folder / "results/mine"
+    table = pd.read_csv(results / "tables/table2.csv")
+    assert set(table["model"]) == {"esn", "fprc", "fuzzy_linear"}
+    assert set(table["source"]) == {"import+sim"}
+    words = "imported recordings, P_o simulated, driven by the recorded theta"
+    assert words in (results / "tables/table2.md").read_text()
+    for name in ("fig02_reservoir", "fig05_hysteresis_reservoir"):
+        sidecar = json.loads((results / f"figures/{name}.json").read_text())
+        assert (sidecar["source"], sidecar["simulated"]) == ("import+sim", True)
+
+
 @pytest.mark.slow
 def test_logs_without_p_o_give_two_models_and_a_page_that_says_so(recording):
     project = recording("theta_deg", "p_exp_kpa")

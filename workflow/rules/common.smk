@@ -39,6 +39,13 @@ if not HELD:
         f"source is recorded, and no raw log is in {RAW}: put sweep.h5 and complex.h5 there, or "
         "set folders.raw; see docs/own-data.md"
     )
+DRIVEN = SETTINGS["evaluation"]["reservoir"] == "simulated"
+if DRIVEN:
+    HELD |= {
+        name: HELD[name].having(("p_i_kpa", "p_o_kpa", "phi_deg"))
+        for name in EXPERIMENTS
+        if name in HELD
+    }
 UNAVAILABLE = unavailable(HELD, RAW, ALL_RUNS, simulated=ON_RIG)
 LOGS = [experiment for experiment in EXPERIMENTS if experiment in HELD]
 RUNS = [run for run in ALL_RUNS if run in HELD]
@@ -166,6 +173,11 @@ def settings_of(model):
     return {**shared, model: SETTINGS["models"][model]}
 
 
+def complete(experiment):
+    """Return the raw log of an experiment, or what has a simulated reservoir in its place."""
+    return f"{RESULTS}/reservoir/{experiment}.h5" if DRIVEN else f"{RAW}/{experiment}.h5"
+
+
 def tracked(reference, controller):
     """Return the raw log of one closed-loop run."""
     return f"{RAW}/track_{reference}_{controller}.h5"
@@ -195,7 +207,8 @@ def through(*files):
     logs = [f"{RAW}/{experiment}.h5" for experiment in LOGS]
     data = [f"{RESULTS}/data/{experiment}.h5" for experiment in LOGS]
     quality = [f"{RESULTS}/quality/{experiment}.json" for experiment in LOGS]
-    return [*logs, *data, *quality, *files]
+    driven = [complete(experiment) for experiment in LOGS] if DRIVEN else []
+    return [*logs, *driven, *data, *quality, *files]
 
 
 def table(name):

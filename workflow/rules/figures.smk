@@ -18,7 +18,7 @@ rule actuator:
 
 rule reservoir:
     input:
-        raw=f"{RAW}/sweep.h5",
+        raw=complete("sweep"),
     output:
         **figure("fig02_reservoir"),
     log:

@@ -46,9 +46,33 @@ if SETTINGS["source"] == "hardware":
             "../scripts/record_on_rig.py"
 
 
+if DRIVEN:
+
+    rule add_reservoir:
+        input:
+            raw=f"{RAW}/{{experiment}}.h5",
+        output:
+            driven=f"{RESULTS}/reservoir/{{experiment}}.h5",
+        log:
+            f"{RESULTS}/logs/add_reservoir_{{experiment}}.log",
+        params:
+            experiment="{experiment}",
+            sample_rate_hz=SETTINGS["control"]["sample_rate_hz"],
+            rate_tolerance=SETTINGS["quality"]["rate_tolerance"],
+            zero_deg=SETTINGS["evaluation"]["reservoir_zero_deg"],
+            control=SETTINGS["control"],
+            rig=SETTINGS["rig"],
+            seed=SETTINGS["seed"],
+            code=code_of("add_reservoir"),
+        message:
+            "Simulated reservoir, driven by theta of the {wildcards.experiment} log"
+        script:
+            "../scripts/add_reservoir.py"
+
+
 rule preprocess:
     input:
-        raw=f"{RAW}/{{experiment}}.h5",
+        raw=complete("{experiment}"),
     output:
         data=f"{RESULTS}/data/{{experiment}}.h5",
         quality=f"{RESULTS}/quality/{{experiment}}.json",

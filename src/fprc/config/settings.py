@@ -124,6 +124,14 @@ class Evaluation(Section):
     target: Literal["command", "measured"] = Field(
         "command", description="P_exp that the models learn: commanded or measured pressure"
     )
+    reservoir: Literal["recorded", "simulated"] = Field(
+        "recorded",
+        description="P_o of recorded logs: theirs, or that of the simulated reservoir, driven by "
+        "the recorded theta",
+    )
+    reservoir_zero_deg: float = quantity(
+        0, "deg", (-1e4, 1e4), "recorded theta at which the simulated reservoir is vented"
+    )
     timing_repeats: int = quantity(10, "-", (1, 100), "repeats of the timing", "paper, Sec. III-D")
     replicate_seeds: tuple[Annotated[int, Ge(0), Le(2**31)], ...] = Field(
         (301, 302, 303, 304, 305),
@@ -292,6 +300,15 @@ class Settings(Section):
             raise ValueError(
                 f"evaluation.replicate_seeds: {', '.join(map(str, seen))} is also the main seed or "
                 "one of the calibration's; choose seeds that no fit has seen"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _only_recorded_logs_lack_a_reservoir(self) -> "Settings":
+        if self.evaluation.reservoir == "simulated" and self.source != "recorded":
+            raise ValueError(
+                f"evaluation.reservoir = simulated is for recorded logs, and source is "
+                f"{self.source}; set source: recorded, or remove evaluation.reservoir"
             )
         return self
 

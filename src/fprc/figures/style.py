@@ -96,6 +96,8 @@ _MARKS = {
     "sim": "simulated rig, seed {seed}",
     "rig": "recorded on the rig",
     "import": "imported recordings",
+    "rig+sim": "recorded on the rig; $P_o$ simulated, seed {seed}",
+    "import+sim": "imported recordings; $P_o$ simulated, seed {seed}",
     "none": "drawing, no data",
 }
 
@@ -108,9 +110,8 @@ def save(fig: Figure, data: Mapping[str, object], pdf: str, png: str) -> Mapping
     Parameters
     ----------
     data : Mapping
-        Attributes of the data: ``source`` (sim, rig, import, or none for a
-        drawing), and ``seed`` where it is simulated, or ``seeds`` of several
-        simulated rigs.
+        Attributes of the data: ``source`` (of a log, or none for a drawing), and
+        ``seed`` where it is simulated, or ``seeds`` of several simulated rigs.
 
     Returns
     -------

@@ -23,6 +23,12 @@ class Holding(NamedTuple):
             return []
         return [name for name in names if name not in self.channels]
 
+    def having(self, names: Sequence[str]) -> "Holding":
+        """Return the same log with these channels, as what their names say."""
+        channels = None if self.channels is None else self.channels | {*names}
+        notes = {name: note for name, note in self.notes.items() if name not in names}
+        return Holding(channels, notes)
+
     def instead(self, name: str) -> str | None:
         """Return what a channel holds in place of what its name says, if it does."""
         begins = something_else(name)

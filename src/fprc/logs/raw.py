@@ -28,8 +28,11 @@ RAW_CHANNELS = (
 _IMPORTED = ("time_s", "theta_deg")
 _TARGETS = ("p_exp_command_kpa", "p_exp_kpa")
 
+#: Source of a log whose reservoir was simulated afterwards, by its own.
+SIMULATED_RESERVOIR = {"rig": "rig+sim", "import": "import+sim"}
+
 #: Where a log can come from: simulated, recorded here, brought in.
-SOURCES = ("sim", "rig", "import")
+SOURCES = ("sim", "rig", "import", *SIMULATED_RESERVOIR.values())
 
 #: Attributes that a raw log must have, and their kinds.
 RAW_ATTRIBUTES = {
@@ -70,7 +73,7 @@ def write_raw(
     attributes = {
         "experiment": experiment,
         "source": source,
-        "simulated": source == "sim",
+        "simulated": source.endswith("sim"),
         "sample_rate_hz": sample_rate_hz,
         "seed": seed,
         "software": software,
@@ -86,16 +89,17 @@ def write_raw(
 def missing_channels(source: str, channels: Container[str]) -> list[str]:
     """Return the channels that a log of this source must have and has not."""
     missing = [name for name in _needed(source) if name not in channels]
-    if source == "import" and not any(name in channels for name in _TARGETS):
+    if source.startswith("import") and not any(name in channels for name in _TARGETS):
         missing.append(" or ".join(_TARGETS))
     return missing
 
 
-def _needed(source: str | None) -> tuple[str, ...]:
-    if source == "import":
+def _needed(source: str) -> tuple[str, ...]:
+    if source.startswith("import"):
         return _IMPORTED
-    # a real rig may have no angle sensor on the reservoir
-    return RAW_CHANNELS if source != "rig" else tuple(n for n in RAW_CHANNELS if n != "phi_deg")
+    if source.startswith("rig"):  # it may have no angle sensor on the reservoir
+        return tuple(name for name in RAW_CHANNELS if name != "phi_deg")
+    return RAW_CHANNELS
 
 
 def refuse_to_overwrite(paths: Sequence[Path | str]) -> None:
@@ -145,9 +149,10 @@ def read_raw(
         a real rig's all but ``phi_deg``.
     """
     source = gather_columns(path, ())[0].attributes.get("source")
-    needed = _needed(source)
+    brought_in = str(source).startswith("import")
+    needed = _needed(str(source))
     log, problems = gather_columns(path, needed, tuple(n for n in RAW_CHANNELS if n not in needed))
-    if source == "import" and not any(name in log.channels for name in _TARGETS):
+    if brought_in and not any(name in log.channels for name in _TARGETS):
         problems.append(f"{path}: channel {' or '.join(_TARGETS)}: missing; import one of them")
     wrong = _wrong_attributes(path, log.attributes, experiment)
     declared = 0.0 if wrong else log.attributes["sample_rate_hz"]
@@ -207,7 +212,7 @@ def _wrong_attributes(
     source, rate_hz = attributes["source"], attributes["sample_rate_hz"]
     if source not in SOURCES:
         problems.append(f"{path}: attribute source = {source}; must be {', '.join(SOURCES)}")
-    elif attributes["simulated"] != (source == "sim"):
+    elif attributes["simulated"] != source.endswith("sim"):
         problems.append(
             f"{path}: attribute simulated = {attributes['simulated']} contradicts "
             f"source = {source}; correct the wrong one"

@@ -78,7 +78,7 @@ def draw_training(fit: str, prediction: str, pdf: str, png: str) -> Mapping[str,
 
 def _marked(logs: Sequence[Columns]) -> dict[str, Any]:
     """Return the attributes of the first simulated log, or else of the first."""
-    return min(logs, key=lambda log: log.attributes["source"] != "sim").attributes
+    return min(logs, key=lambda log: not log.attributes["source"].endswith("sim")).attributes
 
 
 def draw_weights(weights: str, pdf: str, png: str) -> Mapping[str, Any]:

@@ -21,6 +21,7 @@ from fprc.stages.bring_in import bring_in_as
 from fprc.stages.draw_readout import draw_readout
 from fprc.stages.preprocess import preprocess
 from fprc.stages.readout import measure_readout
+from fprc.stages.reservoir import add_reservoir
 from fprc.stages.tabulate import tabulate_readout
 
 log = logging.getLogger(__name__)
@@ -60,8 +61,9 @@ def report_readout(
     LogError
         The recording cannot be used so.
     """
-    told = _map_of(map_file)
     settings = from_files(config).model_dump(mode="json")
+    simulated = settings["evaluation"]["reservoir"] == "simulated"
+    told = _map_of(map_file, simulated=simulated)
     if workers is not None and workers < 1:
         raise ConfigError(
             f"--workers {workers}: must be 1 or more; leave it out for all processors"
@@ -73,6 +75,8 @@ def report_readout(
         raw = folder / "raw" / f"{experiment}.h5"
         raw.parent.mkdir(parents=True, exist_ok=True)
         bring_in_as(told.part(experiment), source, str(raw))
+        if simulated:
+            raw = _with_reservoir(raw, folder / "reservoir", experiment, told, settings)
         data[experiment] = str(folder / "data" / f"{experiment}.h5")
         preprocess(
             str(raw),
@@ -97,7 +101,26 @@ def _log_to_terminal() -> None:
     ours.setLevel(logging.INFO)
 
 
-def _map_of(path: str) -> ImportMap:
+def _with_reservoir(
+    raw: Path, folder: Path, experiment: str, told: ImportMap, settings: Mapping[str, Any]
+) -> Path:
+    """Simulate the reservoir of a log, and return the log that has it."""
+    driven = folder / raw.name
+    add_reservoir(
+        str(raw),
+        str(driven),
+        experiment=experiment,
+        sample_rate_hz=told.sample_rate_hz,
+        rate_tolerance=settings["quality"]["rate_tolerance"],
+        zero_deg=settings["evaluation"]["reservoir_zero_deg"],
+        control=settings["control"],
+        rig=settings["rig"],
+        seed=settings["seed"],
+    )
+    return driven
+
+
+def _map_of(path: str, *, simulated: bool) -> ImportMap:
     told = read_map(path)
     problems = []
     if told.test_from_s is None:
@@ -105,9 +128,10 @@ def _map_of(path: str) -> ImportMap:
             f"{path}: test_from_s is missing: the instant at which the test part begins, counted "
             "from the first sample; it takes the place of experiment"
         )
-    if told.channels.p_o_kpa is None:
+    if told.channels.p_o_kpa is None and not simulated:
         problems.append(
-            f"{path}: channels.p_o_kpa is missing: it is the readout that is to be judged"
+            f"{path}: channels.p_o_kpa is missing: it is the readout that is to be judged; "
+            "or set evaluation.reservoir: simulated"
         )
     if problems:
         raise ConfigError("\n".join(problems))
@@ -175,7 +199,7 @@ def _page(
         f"# What the readout of {Path(source).name} is worth",
         "",
         f"Recording: `{source}`, SHA-256 `{sha256(source)[:16]}`; map: `{map_file}`.",
-        f"{tables.SOURCES[made['source']].capitalize()}; {rate_hz:g} samples a second, and epsilon "
+        f"Data: {tables.SOURCES[made['source']]}; {rate_hz:g} samples a second, and epsilon "
         "and taps count in samples.",
         f"Trained before {told.test_from_s:g} s, tested from there on; models as in the paper"
         f"{'' if _as_printed(settings) else ' but for the settings that were given'}.",

@@ -80,7 +80,7 @@ def banner(sources: set[str]) -> str:
     """Return in capitals what kind of data the page shows."""
     if sources == {"sim"}:
         return "SIMULATED DATA"
-    if "sim" in sources:
+    if any(source.endswith("sim") for source in sources):
         return "PARTLY SIMULATED DATA"
     return "MEASURED DATA"
 

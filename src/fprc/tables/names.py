@@ -9,6 +9,8 @@ SOURCES = {
     "sim": "simulated rig, not hardware",
     "rig": "recorded on the rig",
     "import": "imported recordings",
+    "rig+sim": "recorded on the rig, P_o simulated, driven by the recorded theta",
+    "import+sim": "imported recordings, P_o simulated, driven by the recorded theta",
 }
 
 

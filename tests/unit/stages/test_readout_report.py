@@ -170,13 +170,20 @@ def test_bar_is_drawn_every_tenth_where_there_is_no_terminal(capsys):
     assert lines[-1] == f"[{'#' * 30}] 56 of 56 cells"
 
 
-def test_stopped_run_leaves_a_checkpoint_that_the_next_one_uses(recording, tmp_path, monkeypatch):
+def test_stopped_run_goes_on_where_it_was(recording, tmp_path, monkeypatch):
     from fprc.stages import readout_report
 
-    def stop(*paths):
-        raise KeyboardInterrupt
+    seen = []
 
-    monkeypatch.setattr(readout_report, "progress_bar", lambda: lambda done, total: None)
-    monkeypatch.setattr(readout_report, "tabulate_readout", stop)
-    assert run(tmp_path, recording()) == 130
-    assert read_json(tmp_path / "out/readout/cells.json")["cells"]
+    def stop(done, total):
+        seen.append(done)
+        if done == 5:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(readout_report, "progress_bar", lambda: stop)
+    path = recording()
+    assert run(tmp_path, path) == 130
+    assert not (tmp_path / "out/readout/cells.json").exists()
+    assert run(tmp_path, path) == 0
+    assert seen == list(range(1, 27))
+    assert len(read_json(tmp_path / "out/readout/cells.json")["cells"]) == 26
