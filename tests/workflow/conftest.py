@@ -76,7 +76,7 @@ class Project:
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
-            timeout=600,
+            timeout=1800,
         )
 
     def smoke(self, *arguments: str, **environment: str) -> subprocess.CompletedProcess:
