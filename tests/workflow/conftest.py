@@ -69,8 +69,11 @@ class Project:
             shutil.copytree(ROOT / name, folder / name)
 
     def snakemake(self, *arguments: str, **environment: str) -> subprocess.CompletedProcess:
+        return self.run(*SNAKEMAKE, "--cores", "2", *arguments, **environment)
+
+    def run(self, *command: str, **environment: str) -> subprocess.CompletedProcess:
         return subprocess.run(
-            [*SNAKEMAKE, "--cores", "2", *arguments],
+            command,
             cwd=self.folder,
             env=ENVIRONMENT | environment,
             stdout=subprocess.PIPE,
