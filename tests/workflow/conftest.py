@@ -4,7 +4,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 from contextlib import suppress
 from pathlib import Path
@@ -23,15 +22,16 @@ class Run:
     """Workflow in a session of its own, which may be killed."""
 
     def __init__(self, folder: Path, command: list[str], environment: dict[str, str]):
-        self._output = tempfile.TemporaryFile("a+")
-        self.process = subprocess.Popen(
-            command,
-            cwd=folder,
-            env=ENVIRONMENT | environment,
-            stdout=self._output,
-            stderr=subprocess.STDOUT,
-            start_new_session=True,
-        )
+        self._output = folder / "printed.txt"
+        with self._output.open("w") as output:
+            self.process = subprocess.Popen(
+                command,
+                cwd=folder,
+                env=ENVIRONMENT | environment,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+            )
 
     def kill(self) -> None:
         """Kill every process of the session, and see that none is left."""
@@ -54,8 +54,7 @@ class Run:
         return found
 
     def printed(self) -> str:
-        self._output.seek(0)
-        return self._output.read()
+        return self._output.read_text(encoding="utf-8", errors="replace")
 
 
 class Project:
