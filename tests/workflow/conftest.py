@@ -40,9 +40,9 @@ class Run:
             for member in self._members():
                 with suppress(ProcessLookupError):
                     os.kill(member, signal.SIGKILL)
-            with suppress(subprocess.TimeoutExpired):
-                self.process.wait(0.05)
+            time.sleep(0.05)
         assert not self._members()
+        self.process.wait(60)
 
     def _members(self) -> list[int]:
         found = []
