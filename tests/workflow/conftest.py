@@ -4,7 +4,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 from contextlib import suppress
 from pathlib import Path
@@ -23,15 +22,16 @@ class Run:
     """Workflow in a session of its own, which may be killed."""
 
     def __init__(self, folder: Path, command: list[str], environment: dict[str, str]):
-        self._output = tempfile.TemporaryFile("a+")
-        self.process = subprocess.Popen(
-            command,
-            cwd=folder,
-            env=ENVIRONMENT | environment,
-            stdout=self._output,
-            stderr=subprocess.STDOUT,
-            start_new_session=True,
-        )
+        self._output = folder / "printed.txt"
+        with self._output.open("w") as output:
+            self.process = subprocess.Popen(
+                command,
+                cwd=folder,
+                env=ENVIRONMENT | environment,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+            )
 
     def kill(self) -> None:
         """Kill every process of the session, and see that none is left."""
@@ -40,9 +40,9 @@ class Run:
             for member in self._members():
                 with suppress(ProcessLookupError):
                     os.kill(member, signal.SIGKILL)
-            with suppress(subprocess.TimeoutExpired):
-                self.process.wait(0.05)
+            time.sleep(0.05)
         assert not self._members()
+        self.process.wait(60)
 
     def _members(self) -> list[int]:
         found = []
@@ -54,8 +54,7 @@ class Run:
         return found
 
     def printed(self) -> str:
-        self._output.seek(0)
-        return self._output.read()
+        return self._output.read_text(encoding="utf-8", errors="replace")
 
 
 #: What holds times, or is made from them; and what the second build is not asked for.
@@ -84,11 +83,9 @@ class Project:
     def snakemake(
         self, *arguments: str, cores: tuple[str, ...] = ("--cores", "2"), **environment: str
     ) -> subprocess.CompletedProcess:
-        return self.run([*SNAKEMAKE, *cores, *arguments], **environment)
+        return self.run(*SNAKEMAKE, *cores, *arguments, **environment)
 
-    def run(
-        self, command: list[str], timeout_s: float = 600, **environment: str
-    ) -> subprocess.CompletedProcess:
+    def run(self, *command: str, **environment: str) -> subprocess.CompletedProcess:
         return subprocess.run(
             command,
             cwd=self.folder,
@@ -96,7 +93,7 @@ class Project:
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
-            timeout=timeout_s,
+            timeout=1800,
         )
 
     def smoke(self, *arguments: str, **options) -> subprocess.CompletedProcess:

@@ -320,7 +320,9 @@ def tracking_of(reference, *names):
 def made_by_rules():
     """Return regular expressions of all that the rules write: outputs, logs, checkpoints."""
     checkpoints = [rule.params.get("checkpoint") for rule in workflow.rules]
-    kept = [rf"{regex_from_filepattern(path)}(\.old)?" for path in checkpoints if path]
+    kept = [
+        rf"{regex_from_filepattern(path).removesuffix('$')}(\.old)?" for path in checkpoints if path
+    ]
     files = [path for rule in workflow.rules for path in (*rule.output, *rule.log)]
     return sorted({path.regex().pattern for path in files}.union(kept))
 
