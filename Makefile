@@ -3,7 +3,8 @@ PYTHON ?= python3
 CORES ?= 2
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 
-.PHONY: paper smoke test test-kill reproduce-twice docs fault-matrix loop-benchmark clean
+.PHONY: paper smoke test test-kill reproduce-twice slurm test-slurm docs scaling fault-matrix \
+	loop-benchmark clean
 
 paper: .venv/.ready
 	snakemake --cores $(CORES) all
@@ -26,6 +27,27 @@ test-kill: .venv/.ready
 # the last commit in two cold builds, compared byte by byte: half an hour on two cores
 reproduce-twice: .venv/.ready
 	python tests/twice.py
+
+# What tests/workflow/test_slurm.py needs, where it can be had; without it that test is skipped.
+# The plugin asks Slurm at every start of Snakemake, so it has a folder of its own.
+slurm: .venv/.ready
+	@if python tests/slurm/one_node.py --why-not | grep -q "not installed"; then \
+	  if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+	    apt-get -qq update && DEBIAN_FRONTEND=noninteractive \
+	      apt-get -qq install --no-install-recommends slurm-wlm munge >/dev/null \
+	      || echo "slurm: apt-get could not install slurm-wlm and munge"; \
+	  else echo "slurm: neither installed nor to be installed without root and apt-get"; fi; \
+	fi
+	@python -m pip install --quiet --disable-pip-version-check --no-deps --upgrade \
+	  --target .venv/slurm --requirement environment-slurm.txt \
+	  || echo "slurm: no snakemake-executor-plugin-slurm"
+
+# The whole smoke run through Slurm, some minutes; `make test` takes one job of each kind.
+test-slurm: slurm
+	SLURM_TARGETS=all pytest tests/workflow/test_slurm.py
+
+scaling: .venv/.ready
+	snakemake --cores $(CORES) scaling_page
 
 docs: .venv/.ready
 	snakemake --cores $(CORES) readme calibration_page

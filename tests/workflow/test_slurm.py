@@ -1,0 +1,83 @@
+"""Through a real Slurm the workflow gives the bytes that it gives without.
+
+SLURM_TARGETS says what is made; `make test-slurm` asks for all of the smoke run. By default it is
+one of each kind: a group, a job per model, a sweep in chunks and the ensemble in chunks.
+"""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SMALL = "table2 fig11 results/smoke/ensemble/rigs_0.json results/smoke/ensemble/rigs_2.json"
+TARGETS = os.environ.get("SLURM_TARGETS", SMALL).split()
+#: Where `make slurm` puts the executor.
+PLUGIN = Path(sys.prefix) / "slurm"
+ONE_NODE = str(Path(__file__).parents[1] / "slurm/one_node.py")
+#: What a node of this size and a Slurm without accounts need beside the profile.
+HERE = """
+    --profile profiles/slurm --cores 2 --max-threads 2 --slurm-status-command squeue
+    --slurm-no-account --slurm-init-seconds-before-status-checks 2 --seconds-between-status-checks 2
+""".split()
+
+pytestmark = pytest.mark.slow
+
+
+def daemons():
+    """Return the ids of Slurm's daemons on this machine that still run."""
+    asked = ["ps", "-e", "-o", "pid=,stat=,comm="]
+    listed = subprocess.run(asked, capture_output=True, text=True, check=True).stdout
+    rows = [line.split(maxsplit=2) for line in listed.splitlines()]
+    names = ("munged", "slurmctld", "slurmd", "slurmstepd")
+    return {int(pid) for pid, state, name in rows if name in names and not state.startswith("Z")}
+
+
+@pytest.fixture(scope="module")
+def slurm():
+    """Make sure that Slurm can run here."""
+    if not list(PLUGIN.glob("snakemake_executor_plugin_slurm")):
+        pytest.skip("snakemake-executor-plugin-slurm is not installed; `make slurm` does it")
+    done = subprocess.run([sys.executable, ONE_NODE, "--why-not"], capture_output=True, text=True)
+    if done.returncode:
+        pytest.skip(f"Slurm: {done.stdout.strip()}; `make slurm` installs it on Debian, as root")
+
+
+@pytest.mark.usefixtures("slurm")
+def test_slurm_gives_the_same_bytes(calibrated, project, monkeypatch):
+    monkeypatch.setenv("PYTHONPATH", str(PLUGIN), prepend=os.pathsep)
+    before = daemons()
+    # not Python's timeout, which kills: the daemons must be stopped
+    command = ["timeout", "1500", sys.executable, ONE_NODE, sys.executable, "-m", "snakemake"]
+    settings = ["--config", "sweeps={chunks: 2}", "--configfile", "config/smoke.yaml"]
+    done = project.run(*command, *HERE, *TARGETS, *settings)
+    assert done.returncode == 0, done.stdout
+    assert done.stdout.count("has been submitted with SLURM jobid") >= 8
+    assert daemons() <= before
+    assert not Path("/etc/slurm/slurm.conf").exists()
+    local, through_slurm = calibrated[0].untimed(), project.untimed()
+    assert len(through_slurm) > 20
+    assert through_slurm.keys() <= local.keys()
+    assert [name for name in through_slurm if through_slurm[name] != local[name]] == []
+
+
+@pytest.mark.usefixtures("slurm")
+def test_daemons_and_jobs_stop_when_the_command_fails(tmp_path):
+    before = daemons()
+    queued = f"""
+        sinfo --noheader
+        sbatch --mem=50 --output {tmp_path}/job.log --wrap 'sleep 300'
+        srun --mem=50 false
+    """
+    seen = subprocess.run(
+        [sys.executable, ONE_NODE, "sh", "-c", queued],
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert seen.returncode == 1
+    assert "idle" in seen.stdout
+    assert "Submitted batch job" in seen.stdout
+    assert daemons() <= before
+    assert not Path("/etc/slurm/slurm.conf").exists()
