@@ -12,6 +12,7 @@ from sklearn.base import BaseEstimator, TransformerMixin
 from sklearn.utils import check_random_state
 from sklearn.utils.validation import check_is_fitted, validate_data
 
+from fprc.models.echo import echo_states
 from fprc.models.limits import Limit, check_limits
 
 
@@ -229,15 +230,8 @@ class EchoStates(_FeatureMap):
                 "use fewer taps or a longer log"
             )
         references = np.hstack([taps(column, self.n_y) for column in X.T])
-        return np.hstack([references, self._states(X)])
-
-    def _states(self, X: np.ndarray) -> np.ndarray:
-        states = np.empty((len(X), self.r))
-        x = self._settled(X[0])
-        for k, drive in enumerate(X @ self.w_in_.T):
-            states[k] = x
-            x = self._update(x, drive)
-        return states
+        states = echo_states(X, self._settled(X[0]), self.w_in_, self.W_r_, self.gamma)
+        return np.hstack([references, states])
 
     def _update(self, x: np.ndarray, drive: np.ndarray) -> np.ndarray:
         return self.gamma * x + (1.0 - self.gamma) * np.tanh(drive + self.W_r_ @ x)
