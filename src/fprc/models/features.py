@@ -5,6 +5,8 @@ sample (``step``), with the same result. Before a log begins its first sample
 is held for ever.
 """
 
+from math import isfinite
+
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.signal import lfilter
@@ -69,7 +71,7 @@ class _FeatureMap(TransformerMixin, BaseEstimator):
 
     def _checked(self, x: ArrayLike) -> np.ndarray:
         x = np.asarray(x, dtype=np.float64)
-        if x.shape != (self.n_features_in_,) or not np.isfinite(x).all():
+        if x.shape != (self.n_features_in_,) or not all(map(isfinite, x.tolist())):
             raise ValueError(
                 f"sample {x.tolist()}: must be {self.n_features_in_} finite numbers; "
                 "the stream goes on as if it had not come"
@@ -155,9 +157,11 @@ class TapFeatures(_FeatureMap):
         filtered, split = self._filtered, self._split
         filtered[:split] = x[:split]
         filtered[split:] += self.epsilon * (x[split:] - filtered[split:])
-        self._row[1:] = self._row[:-1]
-        self._row[self._first] = self._filtered
-        return self._row.copy()
+        row = np.empty_like(self._row)
+        row[1:] = self._row[:-1]
+        row[self._first] = filtered
+        self._row = row
+        return row
 
 
 class EchoStates(_FeatureMap):
