@@ -8,9 +8,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from glob import escape
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import pandas as pd
+if TYPE_CHECKING:  # most jobs write no table, and importing pandas takes as long as many of them
+    from pandas import DataFrame
 
 from fprc.errors import OutputError
 
@@ -137,6 +138,6 @@ def read_json(path: Path | str) -> dict[str, Any]:
     return json.loads(Path(path).read_text(encoding="utf-8"))
 
 
-def write_csv(path: Path | str, table: pd.DataFrame) -> None:
+def write_csv(path: Path | str, table: "DataFrame") -> None:
     """Write a table, six significant digits, empty where there is no value."""
     write_text(path, table.to_csv(index=False, float_format="%.6g"))

@@ -45,13 +45,13 @@ def slurm():
 
 
 @pytest.mark.usefixtures("slurm")
-def test_slurm_gives_the_same_bytes(calibrated, project, monkeypatch):
-    monkeypatch.setenv("PYTHONPATH", str(PLUGIN), prepend=os.pathsep)
+def test_slurm_gives_the_same_bytes(calibrated, project):
     before = daemons()
     # not Python's timeout, which kills: the daemons must be stopped
     command = ["timeout", "1500", sys.executable, ONE_NODE, sys.executable, "-m", "snakemake"]
     settings = ["--config", "sweeps={chunks: 2}", "--configfile", "config/smoke.yaml"]
-    done = project.run(*command, *HERE, *TARGETS, *settings)
+    path = os.pathsep.join(filter(None, [str(PLUGIN), os.environ.get("PYTHONPATH")]))
+    done = project.run(*command, *HERE, *TARGETS, *settings, PYTHONPATH=path)
     assert done.returncode == 0, done.stdout
     assert done.stdout.count("has been submitted with SLURM jobid") >= 8
     assert daemons() <= before

@@ -29,6 +29,7 @@ class Folded(NamedTuple):
     train_rmse: tuple[float, ...]  #: per fold
     validation_rmse: tuple[float, ...]  #: per fold
     best: int  #: fold with the least sqrt(e_train^2 + e_val^2)
+    fit: np.ndarray  #: output of the best fold's readout for every row
     readout: BaseEstimator  #: trained on the best fold
 
 
@@ -38,12 +39,17 @@ class Judgement(NamedTuple):
     train_rmse: tuple[float, ...]  #: per fold
     validation_rmse: tuple[float, ...]  #: per fold
     best: int  #: fold with the least sqrt(e_train^2 + e_val^2)
+    fit: np.ndarray  #: output of the best fold's model for the whole log
     model: SequenceModel  #: trained on the best fold
+
+    def predict(self, X: np.ndarray) -> np.ndarray:
+        """Output of the best fold's model for another log."""
+        with refusals_of(self.model):
+            return self.model.predict(X)
 
     def test_rmse(self, X: np.ndarray, y: np.ndarray) -> float:
         """Error of the best fold's model on another log."""
-        with refusals_of(self.model):
-            return rmse(y, self.model.predict(X))
+        return rmse(y, self.predict(X))
 
 
 Progress = Callable[[int, float, float], None]
@@ -77,7 +83,7 @@ def cross_validate(
     with refusals_of(model):
         features = model.make_features().fit(X)
         folded = fit_folds(model.make_readout(), features.transform(X), y, folds, progress)
-    return Judgement(*folded[:3], model.assembled(features, folded.readout))
+    return Judgement(*folded[:4], model.assembled(features, folded.readout))
 
 
 def fit_folds(
@@ -92,16 +98,34 @@ def fit_folds(
     A readout that is random starts differently in every fold, at
     ``random_state + fold``.
     """
-    errors, fitted = [], []
-    for i, (train, validation) in enumerate(folds):
-        fitted.append(_started(clone(readout), i).fit(rows[train], y[train]))
-        e_train = rmse(y[train], fitted[i].predict(rows[train]))
-        e_validation = rmse(y[validation], fitted[i].predict(rows[validation]))
+    errors, found = [], []
+    for i, fold_readout in enumerate(_fitted(readout, rows, y, folds)):
+        predicted = fold_readout.predict(rows)
+        found.append((predicted, fold_readout))
+        e_train, e_validation = (rmse(y[part], predicted[part]) for part in folds[i])
         errors.append((e_train, e_validation))
         progress(i, e_train, e_validation)
     best = int(np.argmin([np.hypot(*pair) for pair in errors]))
     train_rmse, validation_rmse = zip(*errors, strict=True)
-    return Folded(train_rmse, validation_rmse, best, fitted[best])
+    return Folded(train_rmse, validation_rmse, best, *found[best])
+
+
+def _fitted(
+    readout: BaseEstimator, rows: np.ndarray, y: np.ndarray, folds: Sequence[Fold]
+) -> Iterator[BaseEstimator]:
+    if hasattr(readout, "fit_complements") and _partition(folds, len(y)):
+        yield from readout.fit_complements(rows, y, [validation for _, validation in folds])
+    else:
+        for i, (train, _) in enumerate(folds):
+            yield _started(clone(readout), i).fit(rows[train], y[train])
+
+
+def _partition(folds: Sequence[Fold], samples: int) -> bool:
+    """Tell whether each row validates once and otherwise trains."""
+    validated = np.sort(np.concatenate([validation for _, validation in folds]))
+    return np.array_equal(validated, np.arange(samples)) and all(
+        np.array_equal(np.sort(np.concatenate(fold)), np.arange(samples)) for fold in folds
+    )
 
 
 def _started(readout: BaseEstimator, fold: int) -> BaseEstimator:

@@ -5,6 +5,8 @@ sample (``step``), with the same result. Before a log begins its first sample
 is held for ever.
 """
 
+from math import isfinite
+
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.signal import lfilter
@@ -12,6 +14,7 @@ from sklearn.base import BaseEstimator, TransformerMixin
 from sklearn.utils import check_random_state
 from sklearn.utils.validation import check_is_fitted, validate_data
 
+from fprc.models.echo import echo_states
 from fprc.models.limits import Limit, check_limits
 
 
@@ -68,7 +71,7 @@ class _FeatureMap(TransformerMixin, BaseEstimator):
 
     def _checked(self, x: ArrayLike) -> np.ndarray:
         x = np.asarray(x, dtype=np.float64)
-        if x.shape != (self.n_features_in_,) or not np.isfinite(x).all():
+        if x.shape != (self.n_features_in_,) or not all(map(isfinite, x.tolist())):
             raise ValueError(
                 f"sample {x.tolist()}: must be {self.n_features_in_} finite numbers; "
                 "the stream goes on as if it had not come"
@@ -154,9 +157,11 @@ class TapFeatures(_FeatureMap):
         filtered, split = self._filtered, self._split
         filtered[:split] = x[:split]
         filtered[split:] += self.epsilon * (x[split:] - filtered[split:])
-        self._row[1:] = self._row[:-1]
-        self._row[self._first] = self._filtered
-        return self._row.copy()
+        row = np.empty_like(self._row)
+        row[1:] = self._row[:-1]
+        row[self._first] = filtered
+        self._row = row
+        return row
 
 
 class EchoStates(_FeatureMap):
@@ -229,15 +234,8 @@ class EchoStates(_FeatureMap):
                 "use fewer taps or a longer log"
             )
         references = np.hstack([taps(column, self.n_y) for column in X.T])
-        return np.hstack([references, self._states(X)])
-
-    def _states(self, X: np.ndarray) -> np.ndarray:
-        states = np.empty((len(X), self.r))
-        x = self._settled(X[0])
-        for k, drive in enumerate(X @ self.w_in_.T):
-            states[k] = x
-            x = self._update(x, drive)
-        return states
+        states = echo_states(X, self._settled(X[0]), self.w_in_, self.W_r_, self.gamma)
+        return np.hstack([references, states])
 
     def _update(self, x: np.ndarray, drive: np.ndarray) -> np.ndarray:
         return self.gamma * x + (1.0 - self.gamma) * np.tanh(drive + self.W_r_ @ x)

@@ -1,11 +1,12 @@
 """Linear readout with a ridge on every weight."""
 
 import warnings
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import LinAlgError, LinAlgWarning, solve
-from sklearn.base import BaseEstimator, RegressorMixin
+from sklearn.base import BaseEstimator, RegressorMixin, clone
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.models.limits import Limit, check_limits
@@ -34,12 +35,22 @@ def ridge_weights(
         The normal equations are singular, which only ``alpha=0`` allows.
     """
     weighted = extended if weight is None else extended * weight[:, None]
-    gram = weighted.T @ extended
-    gram[np.diag_indices_from(gram)] += alpha
+    return solved(weighted.T @ extended, weighted.T @ y, alpha)
+
+
+def solved(gram: np.ndarray, moments: np.ndarray, alpha: float) -> np.ndarray:
+    """Weights of the normal equations (gram + alpha I) w = moments.
+
+    Raises
+    ------
+    ValueError
+        The equations are singular, which only ``alpha=0`` allows.
+    """
+    penalised = gram + alpha * np.eye(len(gram))
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", LinAlgWarning)
-            return solve(gram, weighted.T @ y, assume_a="pos")
+            return solve(penalised, moments, assume_a="pos")
     except (LinAlgError, LinAlgWarning) as error:
         raise ValueError(
             f"the ridge regression is singular with alpha = {alpha}; use a larger alpha"
@@ -72,6 +83,34 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
         X, y = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
         self.w_out_ = ridge_weights(with_bias(X), y, self.alpha)
         return self
+
+    def fit_complements(
+        self, X: ArrayLike, y: ArrayLike, parts: Sequence[np.ndarray]
+    ) -> list["RidgeReadout"]:
+        """Return a fitted copy for each part: trained on all rows but those of the part.
+
+        X^T X of all rows is summed once, and each part's is taken away again.
+
+        Parameters
+        ----------
+        parts : sequence of ndarray
+            Rows; each row is in one part.
+        """
+        check_limits(self, {"alpha": Limit(0)})
+        checked = clone(self)
+        X, y = validate_data(checked, X, y, y_numeric=True, dtype=np.float64)
+        sums = []
+        for part in parts:
+            extended = with_bias(X[part])
+            sums.append((extended.T @ extended, extended.T @ y[part]))
+        gram, moments = (sum(each) for each in zip(*sums, strict=True))
+        fitted = []
+        for gram_of_part, moments_of_part in sums:
+            readout = clone(self)
+            readout.n_features_in_ = checked.n_features_in_
+            readout.w_out_ = solved(gram - gram_of_part, moments - moments_of_part, self.alpha)
+            fitted.append(readout)
+        return fitted
 
     def predict(self, X: ArrayLike) -> np.ndarray:
         """Return the output of each row."""

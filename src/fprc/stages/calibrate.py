@@ -261,7 +261,7 @@ def _judge_fully(
     errors = {}
     for train, test in (("sweep", "complex"), ("complex", "sweep")):
         for name in INPUTS:
-            _, report = judge_model(
+            _, report, _ = judge_model(
                 name, seed=seed, train=data[train], test=data[test], **judgement
             )
             errors[f"{train}/{name}/train"] = float(np.mean(report["train_rmse_kpa"]))

@@ -47,6 +47,9 @@ def guard(request: Mapping[str, Any], hardware: Mapping[str, Any]) -> None:
             # at once: a killed process has left the valves as they were
             vented = "" if end == "safe" else _vent(hardware)
             code = process.wait()
+            if end == "silent":
+                # its last call to the driver may have ended after ours
+                vented = _vent(hardware)
     if end != "safe":
         how = "fell silent and was ended" if end == "silent" else f"ended with code {code}"
         raise ControlError(

@@ -8,7 +8,7 @@ import numpy as np
 
 from fprc.artifacts import replacing, write_json
 from fprc.errors import LogError
-from fprc.evaluation import Judgement, cross_validate, split_rows
+from fprc.evaluation import Judgement, cross_validate, rmse, split_rows
 from fprc.logs import read_columns, write_columns
 from fprc.models import ESN, FPRC, FuzzyLinear, SequenceModel, save_model
 
@@ -119,14 +119,13 @@ def judge(
     training log (``fit``) and on the test log (``prediction``).
     """
     train_data, test_data = read_data(train), read_data(test)
-    judged, report = judge_model(name, models, folds, split, seed, train_data, test_data)
+    judged, report, tested = judge_model(name, models, folds, split, seed, train_data, test_data)
     write_json(errors, report)
     with replacing(model) as temporary:
         save_model(judged.model, temporary)
-    for path, data in ((fit, train_data), (prediction, test_data)):
-        X, _ = data.pair(name)
+    for path, data, output in ((fit, train_data, judged.fit), (prediction, test_data, tested)):
         channels = {key: data.channels[key] for key in ("time_s", "p_exp_kpa")}
-        channels["p_ff_kpa"] = judged.model.predict(X)
+        channels["p_ff_kpa"] = output
         write_columns(path, channels, dict(data.attributes) | {"model": name})
 
 
@@ -138,10 +137,11 @@ def judge_model(
     seed: int,
     train: Data,
     test: Data,
-) -> tuple[Judgement, dict[str, Any]]:
-    """Cross-validate and test one model; return it and the report of its errors."""
+) -> tuple[Judgement, dict[str, Any], np.ndarray]:
+    """Cross-validate and test one model; return it, its errors, and what it gives in the test."""
     refuse_mixture(train, test)
     X, y = train.pair(name)
+    unseen, y_unseen = test.pair(name)
     log.info("%s: features of %d samples (%s)", name, len(y), train.attributes["experiment"])
     judged = cross_validate(
         build(name, models, seed),
@@ -153,18 +153,23 @@ def judge_model(
             name, fold + 1, folds, e_train, e_val,
         ),
     )  # fmt: skip
-    test_rmse = judged.test_rmse(*test.pair(name))
+    tested = judged.predict(unseen)
+    test_rmse = rmse(y_unseen, tested)
     log.info("%s: best fold %d, test %.2f kPa", name, judged.best + 1, test_rmse)
-    return judged, {
-        "model": name,
-        "trained_on": train.attributes["experiment"],
-        "source": train.attributes["source"],
-        "seed": seed,
-        "target": train.attributes["target"],
-        "unit": train.unit,
-        "split": split,
-        "train_rmse_kpa": judged.train_rmse,
-        "validation_rmse_kpa": judged.validation_rmse,
-        "best_fold": judged.best,
-        "test_rmse_kpa": test_rmse,
-    }
+    return (
+        judged,
+        {
+            "model": name,
+            "trained_on": train.attributes["experiment"],
+            "source": train.attributes["source"],
+            "seed": seed,
+            "target": train.attributes["target"],
+            "unit": train.unit,
+            "split": split,
+            "train_rmse_kpa": judged.train_rmse,
+            "validation_rmse_kpa": judged.validation_rmse,
+            "best_fold": judged.best,
+            "test_rmse_kpa": test_rmse,
+        },
+        tested,
+    )

@@ -142,7 +142,7 @@ def measure_control(
     data: Mapping[str, Data], bench: Track, models: Mapping[str, Any], folds: int, split: str
 ) -> dict[str, Any]:
     """Follow every reference with every controller; return what the claims measure."""
-    judged, _ = judge_model(
+    judged, *_ = judge_model(
         "fprc", models, folds, split, bench.seed, data["sweep"], data["complex"]
     )
     gains = bench_gain(bench, judged.model)

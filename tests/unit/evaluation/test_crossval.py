@@ -56,8 +56,8 @@ def test_errors_are_those_of_readouts_trained_fold_by_fold(model):
         if isinstance(readout, TakagiSugenoReadout):
             readout.set_params(random_state=1 + i)
         readout.fit(rows[train], y[train])
-        assert judged.train_rmse[i] == rmse(y[train], readout.predict(rows[train]))
-        assert judged.validation_rmse[i] == rmse(y[validation], readout.predict(rows[validation]))
+        errors = (rmse(y[part], readout.predict(rows[part])) for part in (train, validation))
+        assert_allclose((judged.train_rmse[i], judged.validation_rmse[i]), list(errors), rtol=1e-6)
 
 
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: type(model).__name__)
@@ -66,6 +66,7 @@ def test_model_is_that_of_the_best_fold(model):
     judged = cross_validate(model, X, y, folds)
     train, validation = folds[judged.best]
     predicted = judged.model.predict(X)
+    assert_allclose(judged.fit, predicted, rtol=1e-12)
     assert type(judged.model) is type(model)
     assert judged.train_rmse[judged.best] == pytest.approx(rmse(y[train], predicted[train]))
     expected = rmse(y[validation], predicted[validation])

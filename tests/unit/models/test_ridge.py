@@ -34,6 +34,18 @@ def test_gradient_of_the_printed_objective_is_zero_at_the_solution(problem):
     assert np.all(np.abs(gradient) <= 1e-9 * (scale + alpha * np.abs(w)) + 1e-12)
 
 
+def test_readouts_of_complements_equal_those_trained_on_them():
+    rng = np.random.default_rng(3)
+    X, y = rng.normal(40.0, 20.0, (200, 6)), rng.normal(175.0, 50.0, 200)
+    parts = np.array_split(rng.permutation(200), 4)
+    readouts = RidgeReadout(alpha=1e-3).fit_complements(X, y, parts)
+    for part, ours in zip(parts, readouts, strict=True):
+        rest = np.setdiff1d(np.arange(200), part)
+        plain = RidgeReadout(alpha=1e-3).fit(X[rest], y[rest])
+        assert_allclose(ours.w_out_, plain.w_out_, rtol=1e-9)
+        assert_allclose(ours.predict(X), plain.predict(X), rtol=1e-12)
+
+
 @examples
 @given(problems(), st.integers(0, 2**32 - 1))
 def test_no_other_weights_have_a_smaller_objective(problem, seed):
