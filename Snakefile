@@ -8,7 +8,7 @@ from fprc.artifacts import refuse_unwritable
 from fprc.config import check
 from fprc.errors import FprcError
 from fprc.fingerprint import fingerprint, imports_of
-from fprc.logs import holdings, refuse_to_overwrite
+from fprc.logs import holdings, refuse_simulated, refuse_to_overwrite
 from fprc.stages.availability import refusal, unavailable
 
 min_version("9.0")
@@ -39,11 +39,13 @@ container: "docker://python:3.12-slim"
 include: "workflow/rules/common.smk"
 
 
-if SETTINGS["source"] == "sim":
-    try:
+try:
+    if SETTINGS["source"] == "sim":
         refuse_to_overwrite(RAW_LOGS)
-    except FprcError as error:
-        raise WorkflowError(str(error)) from None
+    elif SETTINGS["source"] == "hardware":
+        refuse_simulated(RAW_LOGS)
+except FprcError as error:
+    raise WorkflowError(str(error)) from None
 
 
 wildcard_constraints:

@@ -20,7 +20,7 @@ rule measure_scale:
         taps=[{"n_u": n_u, "n_y": n_y} for n_u in (1, 10) for n_y in (1, 10)],
         chunk=ENSEMBLE["chunk"],
         seed=SETTINGS["seed"],
-        code=code_of("scale"),
+        code=code_of("measure_scale"),
     message:
         "Cost of a rig, a sweep cell, a closed-loop second and a plan; alone, some minutes"
     script:
@@ -35,7 +35,7 @@ rule scaling_page:
     localrule: True
     params:
         page="docs/scaling.md",
-        code=code_of("scale"),
+        code=code_of("scaling_page"),
     message:
         "Numbers of docs/scaling.md, from the results"
     script:

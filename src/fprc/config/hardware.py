@@ -1,5 +1,7 @@
 """The real rig: boards, sensors, limits. Read only with ``source: hardware``."""
 
+from typing import Any
+
 from pydantic import Field, field_validator, model_validator
 
 from fprc.config.section import Section, quantities, quantity, rising, within
@@ -115,6 +117,11 @@ class Hardware(Section):
     valves: Valves = Valves()
     limits: Limits = Limits()
     loop: Loop = Loop()
+
+    @field_validator("phi", mode="before")
+    @classmethod
+    def _null_on_the_command_line_is_none(cls, value: Any) -> Any:
+        return None if value == "null" else value
 
     @model_validator(mode="after")
     def _sensors_differ(self) -> "Hardware":

@@ -4,7 +4,14 @@ from fprc.logs.columns import Columns, read_columns, write_columns
 from fprc.logs.holdings import COMPLETE, Holding, holdings
 from fprc.logs.journal import Journal
 from fprc.logs.quality import assess
-from fprc.logs.raw import RAW_CHANNELS, read_raw, read_run, refuse_to_overwrite, write_raw
+from fprc.logs.raw import (
+    RAW_CHANNELS,
+    read_raw,
+    read_run,
+    refuse_simulated,
+    refuse_to_overwrite,
+    write_raw,
+)
 from fprc.logs.recovery import read_journal, recover
 
 __all__ = [
@@ -20,6 +27,7 @@ __all__ = [
     "read_raw",
     "read_run",
     "recover",
+    "refuse_simulated",
     "refuse_to_overwrite",
     "write_columns",
     "write_raw",

@@ -124,6 +124,24 @@ def refuse_to_overwrite(paths: Sequence[Path | str]) -> None:
         raise LogError("\n".join(problems))
 
 
+def refuse_simulated(paths: Sequence[Path | str]) -> None:
+    """Check that no log in the place of a real rig's is a simulated one.
+
+    Raises
+    ------
+    LogError
+        Lists those that are.
+    """
+    problems = [
+        f"{path}: is a log of the simulated rig, not of the real one; set folders.raw (and "
+        "folders.results) to folders of their own"
+        for path in filter(Path.exists, map(Path, paths))
+        if gather_columns(path, ())[0].attributes.get("source") == "sim"
+    ]
+    if problems:
+        raise LogError("\n".join(problems))
+
+
 def read_raw(
     path: Path | str,
     *,

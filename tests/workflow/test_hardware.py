@@ -1,0 +1,74 @@
+import re
+
+import pytest
+
+from fprc.logs import write_raw
+from fprc.logs.raw import RAW_CHANNELS
+
+OF_THEIR_OWN = ["source=hardware", "folders={raw: bench/raw, results: bench/results}"]
+
+
+def planned(output):
+    return dict(re.findall(r"^(\w+) +(\d+)$", output, flags=re.MULTILINE))
+
+
+def put(project, name, source):
+    """Write a raw log as if it had been recorded."""
+    time_s = [k / 200.0 for k in range(400)]
+    write_raw(
+        project.folder / f"bench/raw/{name}.h5",
+        dict.fromkeys(RAW_CHANNELS, time_s),
+        experiment=name,
+        source=source,
+        sample_rate_hz=200.0,
+        seed=1,
+        software="test",
+        rig={},
+    )
+
+
+def test_whole_paper_is_planned_on_the_real_rig(project):
+    done = project.snakemake("--dry-run", "all", "--config", *OF_THEIR_OWN)
+    assert done.returncode == 0, done.stdout
+    jobs = planned(done.stdout)
+    assert int(jobs["record_on_rig"]) == 2 + 10 + 25
+    assert not {"record", "track", "identify_gain", "replicate"} & jobs.keys()
+    assert {"identify_gain_from_logs", "tracking_table", "disturbance"} <= jobs.keys()
+
+
+def test_log_that_is_there_is_not_recorded_again(project):
+    put(project, "sweep", "rig")
+    done = project.snakemake("--dry-run", "--forceall", "table2", "--config", *OF_THEIR_OWN)
+    assert done.returncode == 0, done.stdout
+    assert planned(done.stdout)["record_on_rig"] == "1"
+    assert "experiment sweep on the real rig" not in done.stdout.lower()
+
+
+def test_simulated_log_is_not_taken_for_the_real_rigs(project):
+    put(project, "sweep", "sim")
+    done = project.snakemake("--dry-run", "table2", "--config", *OF_THEIR_OWN)
+    assert done.returncode != 0
+    assert re.search(r"sweep\.h5: is a log of the simulated rig.*folders\.raw", done.stdout)
+
+
+def test_real_rig_is_not_started_unless_armed(project):
+    done = project.snakemake("bench/raw/sweep.h5", "--config", *OF_THEIR_OWN)
+    assert done.returncode != 0
+    assert "sweep: not armed, nothing was moved" in done.stdout
+    assert not list((project.folder / "bench/raw").glob("*"))
+
+
+def test_rig_without_an_angle_sensor_on_the_reservoir_makes_no_fig_17(project):
+    without = [*OF_THEIR_OWN, "hardware={phi: null}"]
+    done = project.snakemake("--dry-run", "all", "--config", *without)
+    assert done.returncode == 0, done.stdout
+    assert "disturbance" not in planned(done.stdout)
+    refused = project.snakemake("--dry-run", "fig17", "--config", *without)
+    assert refused.returncode != 0
+    assert "phi_deg" in refused.stdout
+
+
+@pytest.mark.parametrize("source", ["sim", "recorded"])
+def test_armed_is_no_part_of_the_settings_of_results(project, source):
+    done = project.snakemake("--dry-run", "fig3", "--config", f"source={source}", "armed=true")
+    assert ("no raw log" in done.stdout) if source == "recorded" else done.returncode == 0
