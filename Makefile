@@ -18,7 +18,7 @@ test: .venv/.ready
 	snakefmt --check Snakefile workflow/rules
 	snakemake --lint
 	lint-imports
-	pytest $(PYTEST)
+	pytest -n $(CORES) --dist loadgroup $(PYTEST)
 
 # twenty kills at random moments, half an hour; `make test` makes three
 test-kill: .venv/.ready
