@@ -3,7 +3,7 @@ PYTHON ?= python3
 CORES ?= 2
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 
-.PHONY: paper smoke test docs clean
+.PHONY: paper smoke test docs benchmark clean
 
 paper: .venv/.ready
 	snakemake --cores $(CORES) all
@@ -21,6 +21,10 @@ test: .venv/.ready
 
 docs: .venv/.ready
 	snakemake --cores $(CORES) readme calibration_page
+
+benchmark: .venv/.ready
+	python -m pip install --quiet --disable-pip-version-check --constraint environment.txt --editable '.[benchmark]'
+	snakemake --cores $(CORES) --forcerun rule_times -- benchmark performance_page
 
 .venv/.ready: environment.txt pyproject.toml
 	$(PYTHON) -c 'import sys; v = sys.version_info[:2]; (3, 11) <= v <= (3, 13) or sys.exit(f"fprc needs Python 3.11, 3.12 or 3.13, this is {v[0]}.{v[1]}; use: make PYTHON=python3.12 ...")'
