@@ -4,7 +4,7 @@ CORES ?= 2
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 
 .PHONY: paper smoke test test-kill reproduce-twice slurm test-slurm docs scaling fault-matrix \
-	loop-benchmark clean
+	loop-benchmark benchmark clean
 
 paper: .venv/.ready
 	snakemake --cores $(CORES) all
@@ -59,6 +59,11 @@ fault-matrix: .venv/.ready
 # how punctual the real rig's loop is on this computer
 loop-benchmark: .venv/.ready
 	python tests/faults/benchmark_loop.py
+
+# speed beside other libraries, growth, time by rule: docs/performance.md
+benchmark: .venv/.ready
+	python -m pip install --quiet --disable-pip-version-check --constraint environment.txt --editable '.[benchmark]'
+	snakemake --cores $(CORES) --forcerun rule_times -- benchmark performance_page
 
 .venv/.ready: environment.txt pyproject.toml
 	$(PYTHON) -c 'import sys; v = sys.version_info[:2]; (3, 11) <= v <= (3, 13) or sys.exit(f"fprc needs Python 3.11, 3.12 or 3.13, this is {v[0]}.{v[1]}; use: make PYTHON=python3.12 ...")'

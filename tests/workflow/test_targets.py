@@ -61,6 +61,11 @@ def test_recorded_logs_plan_nothing_that_needs_a_rig(smoked):
         ("fig15", {"following_complex", "track"}, {"sweep", "tracking_table"}),
         ("fig16", {"loops", "track"}, {"sweep", "tracking_table"}),
         ("fig17", {"disturbance", "track"}, {"sweep", "tracking_table"}),
+        (
+            "benchmark",
+            {"measure_benchmark", "benchmark_table", "benchmark_figure", "rule_times"},
+            {"judge", "replicate", "performance_page"},
+        ),
         ("smoke", {"smoke"}, {"judge"}),
         (
             "readme",

@@ -2,7 +2,7 @@
 
 import platform
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -63,6 +63,18 @@ def time_steps(step: Callable[[int], object], samples: int) -> np.ndarray:
         start = time.perf_counter()
         step(k)
         seconds[k] = time.perf_counter() - start
+    return seconds
+
+
+def interleaved(work: Mapping[str, Callable[[], object]], rounds: int) -> dict[str, list[float]]:
+    """Return the seconds of each piece of work in each round, one after the other in turn.
+
+    What slows the machine for a while then slows all of them.
+    """
+    seconds: dict[str, list[float]] = {name: [] for name in work}
+    for _ in range(rounds):
+        for name, run in work.items():
+            seconds[name].append(_seconds(run))
     return seconds
 
 

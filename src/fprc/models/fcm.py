@@ -54,7 +54,7 @@ def fuzzy_c_means(
     ``coarse``-th row, which leaves few iterations to do on all of them. Each
     iteration extrapolates the last ones (Anderson 1965), which settles in tens
     of iterations where alternating takes hundreds; where that raised the
-    objective, the plain step is taken instead.
+    objective, a longer step or the plain one is taken instead.
 
     Parameters
     ----------
@@ -87,10 +87,12 @@ def _settle(X: np.ndarray, centers: np.ndarray, tolerance: float, limit: int) ->
     found = Clusters(centers, np.zeros((len(centers), len(X))), np.inf)
     spare = np.empty_like(found.memberships)
     past: deque[tuple[np.ndarray, np.ndarray]] = deque(maxlen=DEPTH + 1)
+    tries, stretch = [centers], 1.0  # the last try is a plain step, which raises no objective
     for _ in range(limit):
+        centers = np.clip(tries.pop(0), lowest, highest)
         objective, change, means = _pass(X, centers, found.memberships, spare)
-        if past and objective > found.objective * (1.0 + ROUNDING):
-            centers = past[-1][0]
+        if tries and objective > found.objective * (1.0 + ROUNDING):
+            stretch = 1.0 if len(tries) == 1 else 2.0 * stretch
             past.clear()
             continue
         found, spare = Clusters(centers, spare, objective), found.memberships
@@ -98,8 +100,12 @@ def _settle(X: np.ndarray, centers: np.ndarray, tolerance: float, limit: int) ->
             break
         if change > SMALL:
             past.clear()
-        past.append((means, means - centers))
-        centers = np.clip(_extrapolated(past), lowest, highest)
+        step = means - centers
+        past.append((means, step))
+        # steps that grow leave a saddle, which is where they would vanish: go on, and further
+        tries = [means]
+        if len(past) > 1:
+            tries = [_extrapolated(past), means + 2.0 * stretch * step, means]
     else:
         warnings.warn(
             f"fuzzy c-means did not settle to {tolerance:g} in {limit} iterations",
@@ -112,7 +118,7 @@ def _settle(X: np.ndarray, centers: np.ndarray, tolerance: float, limit: int) ->
 def _extrapolated(past: Sequence[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
     """Return where the steps so far would vanish if they were linear in the centres.
 
-    ``past`` holds each step's end and the step; a single one is taken as it is.
+    ``past`` holds each step's end and the step, two of them or more.
     """
     ends, steps = (np.array(each).reshape(len(past), -1) for each in zip(*past, strict=True))
     along = np.linalg.lstsq(np.diff(steps, axis=0).T, steps[-1], rcond=RANK)[0]

@@ -89,6 +89,13 @@ def update_calibration_page(
     _copy(figure, picture)
 
 
+def put_blocks(path: str, pages: Mapping[str, str], pictures: Mapping[str, str]) -> None:
+    """Replace blocks of a page by files, named after the blocks; copy pictures from files."""
+    _update(path, {name: _read(file) for name, file in pages.items()})
+    for picture, file in pictures.items():
+        _copy(file, picture)
+
+
 def _pages(paths: Sequence[str]) -> dict[str, str]:
     return {Path(path).stem: _read(path) for path in paths}
 

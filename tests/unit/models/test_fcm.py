@@ -129,6 +129,14 @@ def test_extrapolation_ends_in_the_optimum_of_plain_alternation_in_a_third_of_it
     assert_allclose(ours.objective, objective, rtol=1e-10)
 
 
+def test_saddle_is_left_in_an_eighth_of_the_plain_iterations():
+    X = np.random.default_rng(1).uniform(size=(2000, 2)) * [1.05, 1.0]
+    start = np.array([[0.525, 0.25], [0.525, 0.75]]) + [[1e-4, 0.0], [0.0, 0.0]]
+    objective, iterations = alternated(X, start, tolerance=1e-8)
+    ours = fcm._settle(X, start, 1e-8, iterations // 8)
+    assert_allclose(ours.objective, objective, rtol=1e-10)
+
+
 def test_samples_of_more_than_one_block_count_alike(monkeypatch):
     X = hysteresis(1000)
     whole = fuzzy_c_means(X, 4, random_state=0, tolerance=1e-9)

@@ -1,0 +1,27 @@
+"""How the cost grows with the size of the work."""
+
+from matplotlib.axes import Axes
+from pandas import DataFrame
+
+from fprc.figures.style import COLOURS
+
+
+def plot_growth(table: DataFrame, power: float, ax: Axes) -> Axes:
+    """Draw seconds and memory over the size of one work, both axes logarithmic.
+
+    Parameters
+    ----------
+    table : DataFrame
+        ``size``, ``seconds``, ``peak_mb``.
+    power : float
+        Fitted exponent of the seconds.
+    """
+    ax.loglog(
+        table["size"], table["seconds"], "o-", ms=2.5, color=COLOURS["theta"], label="time [s]"
+    )
+    ax.loglog(
+        table["size"], table["peak_mb"] / 1e3, "s--", ms=2.5, color=COLOURS["pd"],
+        label="peak memory [GB]",
+    )  # fmt: skip
+    ax.text(0.04, 0.94, f"time ~ size$^{{{power:.2f}}}$", transform=ax.transAxes, va="top")
+    return ax

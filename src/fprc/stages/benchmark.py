@@ -1,0 +1,322 @@
+"""How fast we are beside what a user would pick instead, and how the cost grows."""
+
+import itertools
+import logging
+import os
+import tracemalloc
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fprc.artifacts import write_json
+from fprc.evaluation import cross_validate, split_rows
+from fprc.evaluation.crossval import fit_folds
+from fprc.evaluation.timing import interleaved, machine
+from fprc.models import EchoStates, SequenceModel
+from fprc.models.echo import echo_states
+from fprc.models.fcm import fuzzy_c_means
+from fprc.stages import peers
+from fprc.stages.judge import Data, build, read_data
+from fprc.stages.record import acquire
+from fprc.stages.track import Track
+
+log = logging.getLogger(__name__)
+
+
+class Comparison(NamedTuple):
+    """One piece of work, done by us and by another."""
+
+    work: str
+    against: str
+    aim: float  #: times faster
+    ours: Callable[[], Any]
+    theirs: Callable[[], Any]
+    difference: Callable[[Any, Any], float]
+    limit: float  #: the largest difference at which a ratio is given
+    samples: int = 0  #: that the time is given for, 0 for all of it
+
+
+def measure_benchmark(
+    train: str,
+    test: str,
+    report: str,
+    *,
+    models: Mapping[str, Any],
+    signals: Mapping[str, Any],
+    tracking: Mapping[str, Any],
+    control: Mapping[str, Any],
+    rig: Mapping[str, Any],
+    sizes: Mapping[str, Sequence[int]],
+    rounds: int,
+    seed: int,
+) -> None:
+    """Compare with other libraries, and measure the growth of the cost.
+
+    Parameters
+    ----------
+    sizes : Mapping
+        ``r``, ``samples``, ``clusters``, ``cells`` and ``rigs`` of the growth; ``taps``,
+        n_u and n_y of the cells that stand for the tap grid.
+    """
+    peers.refuse_missing()
+    data = [read_data(path) for path in (train, test)]
+    compared = [
+        compare(each, rounds)
+        for each in [
+            *network_comparisons(models, data, seed),
+            *fuzzy_comparisons(models, data[0], sizes["taps"], seed),
+        ]
+    ]
+    content = {
+        "source": data[0].attributes["source"],
+        "seed": seed,
+        "rounds": rounds,
+        "cores": os.cpu_count(),
+        **machine(),
+        "comparisons": compared,
+        "bound": memory_bound(models, data[0], rounds, seed),
+        "real_time": real_time(models, signals, tracking, control, rig, data[0], rounds, seed),
+        "growth": growth(models, signals, control, rig, data[0], sizes, rounds, seed),
+    }
+    write_json(report, content)
+
+
+def compare(each: Comparison, rounds: int) -> dict[str, Any]:
+    """Check that both give the same, then time them in turn; no times where they differ."""
+    difference = float(each.difference(each.ours(), each.theirs()))
+    agrees = difference <= each.limit
+    work = {"ours": each.ours, "theirs": each.theirs}
+    seconds = interleaved(work, rounds) if agrees else {"ours": [], "theirs": []}
+    log.info("%s, against %s: differ by %.1e", each.work, each.against, difference)
+    fields = ("work", "against", "aim", "limit", "samples")
+    named = {field: getattr(each, field) for field in fields}
+    return {**named, "difference": difference, "agrees": agrees, "seconds": seconds}
+
+
+def network_comparisons(
+    models: Mapping[str, Any], data: Sequence[Data], seed: int
+) -> list[Comparison]:
+    """Return the work of the ESN: states of both logs, a step, and the cross-validation."""
+    logs = [each.pair("esn")[0] for each in data]
+    y = data[0].pair("esn")[1]
+    model = build("esn", models, seed)
+    features = model.make_features().fit(logs[0])
+    few = logs[0][:2000]
+    folds = split_rows(len(y), 5, "shuffled", seed)
+
+    def of_both(states: Callable[[EchoStates, np.ndarray], np.ndarray]) -> Callable:
+        return lambda: [states(features, X) for X in logs]
+
+    def single(features: EchoStates, X: np.ndarray) -> np.ndarray:
+        start = peers.start_of(features, X)
+        arrays = (X, start, features.w_in_, features.W_r_)
+        return echo_states(*(each.astype(np.float32) for each in arrays), features.gamma)
+
+    def our_states(features: EchoStates, X: np.ndarray) -> np.ndarray:
+        return echo_states(
+            X, peers.start_of(features, X), features.w_in_, features.W_r_, features.gamma
+        )
+
+    def our_steps() -> np.ndarray:
+        features.reset(few[0])
+        for theta in few:
+            features.step(theta)
+        return features.step(few[-1])[features.n_y :]
+
+    name = f"ESN states, r = {model.r}, {len(logs[0])} + {len(logs[1])} steps"
+    ours = of_both(our_states)
+    return [
+        Comparison(name, "ReservoirPy", 5, ours, of_both(peers.reservoirpy_states), _apart, 1e-12),
+        Comparison(name, "NumPy loop", 5, ours, of_both(peers.numpy_states), _apart, 1e-12),
+        Comparison(
+            f"{name}, float32", "ReservoirPy, float64", 5,
+            of_both(single), of_both(peers.reservoirpy_states), _apart, 1e-4,
+        ),
+        Comparison(
+            "ESN step in a control loop", "ReservoirPy's step", 2,
+            our_steps, lambda: peers.reservoirpy_steps(features, few), _apart, 1e-12, len(few),
+        ),
+        Comparison(
+            f"Cross-validation of the ESN, {len(y)} samples, 5 folds",
+            "five fits that recompute states", 5,
+            lambda: fit_folds(
+                model.make_readout(), features.transform(logs[0]), y, folds
+            ).validation_rmse,
+            lambda: peers.recomputed_folds(features, logs[0], y, folds, model.alpha),
+            _relative, 1e-6,
+        ),
+    ]  # fmt: skip
+
+
+def fuzzy_comparisons(
+    models: Mapping[str, Any], data: Data, taps: Sequence[int], seed: int
+) -> list[Comparison]:
+    """Return the work of the FPRC: a step, the clustering, and the tap grid by some cells."""
+    X, y = data.pair("fprc")
+    model = build("fprc", models, seed).fit(X, y)
+    rows = model.features_.transform(X)
+    few = X[:4000]
+    folds = split_rows(len(y), 5, "shuffled", seed)
+    cells = list(itertools.product(taps, taps))
+
+    def clusters() -> float:
+        return fuzzy_c_means(rows, model.n_c, random_state=seed).objective
+
+    def grid(make: Callable[[SequenceModel], Any]) -> list[float]:
+        errors = []
+        for n_u, n_y in cells:
+            cell = build("fprc", models, seed).set_params(n_u=n_u, n_y=n_y)
+            its_rows = cell.make_features().fit(X).transform(X)
+            errors.append(np.mean(fit_folds(make(cell), its_rows, y, folds).validation_rmse))
+        return errors
+
+    def theirs(cell: SequenceModel) -> peers.SkfuzzyReadout:
+        return peers.SkfuzzyReadout(**cell.make_readout().get_params())
+
+    return [
+        Comparison(
+            "FPRC step in a control loop", "vectorised NumPy on one row", 2,
+            lambda: _stepped(model, few), lambda: peers.numpy_fprc_steps(model, few),
+            _relative, 1e-9, len(few),
+        ),
+        Comparison(
+            f"Fuzzy c-means, {len(rows)} x {rows.shape[1]}, {model.n_c} clusters",
+            "skfuzzy.cmeans", 10, clusters,
+            lambda: peers.skfuzzy_clusters(rows, model.n_c, seed)[2], _relative, 1e-8,
+        ),
+        Comparison(
+            f"Tap grid, by {len(cells)} of its cells, 5 folds",
+            "the same with skfuzzy, random starts", 20,
+            lambda: grid(lambda cell: cell.make_readout()), lambda: grid(theirs), _relative, 2e-2,
+        ),
+    ]  # fmt: skip
+
+
+def _stepped(model: SequenceModel, X: np.ndarray) -> np.ndarray:
+    model.reset()
+    return np.array([model.step(x) for x in X])
+
+
+def _apart(ours: Any, theirs: Any) -> float:
+    return max(np.abs(a - b).max() for a, b in zip(_each(ours), _each(theirs), strict=True))
+
+
+def _each(result: Any) -> list[np.ndarray]:
+    return result if isinstance(result, list) else [np.ravel(result)]
+
+
+def _relative(ours: Any, theirs: Any) -> float:
+    return float(np.abs(np.divide(ours, theirs) - 1.0).max())
+
+
+def memory_bound(models: Mapping[str, Any], data: Data, rounds: int, seed: int) -> dict[str, float]:
+    """Return what W_r x alone takes: a step fetches all of W_r, and cannot be faster."""
+    X = data.pair("esn")[0][:2000]
+    features = build("esn", models, seed).make_features().fit(X)
+    x, W_r = peers.start_of(features, X), features.W_r_
+    seconds = interleaved({"product": lambda: [W_r @ x for _ in range(1000)]}, rounds)["product"]
+    median = float(np.median(seconds)) / 1000
+    return {"product_us": 1e6 * median, "gb_per_s": W_r.nbytes / median / 1e9}
+
+
+def real_time(
+    models: Mapping[str, Any],
+    signals: Mapping[str, Any],
+    tracking: Mapping[str, Any],
+    control: Mapping[str, Any],
+    rig: Mapping[str, Any],
+    data: Data,
+    rounds: int,
+    seed: int,
+) -> list[dict[str, Any]]:
+    """Time an open and a closed loop of the simulated rig."""
+    model = build("fprc", models, seed).fit(*data.pair("fprc"))
+    bench = Track(tracking, control, rig, seed)
+    gains = {"identified": tracking["printed_gains"], "printed": tracking["printed_gains"]}
+    reference = next(iter(tracking["references"]))
+    described = tracking["references"][reference]
+    work = {
+        "open loop": lambda: acquire("sweep", signals["sweep"], control, rig, seed),
+        "closed loop": lambda: bench.follow(reference, "fprc_pd_printed", model, gains),
+    }
+    for run in work.values():
+        run()
+    simulated = {
+        "open loop": signals["sweep"]["duration_s"],
+        "closed loop": described["duration_s"] + described["settle_s"],
+    }
+    timed = interleaved(work, rounds)
+    aims = {"open loop": 1000, "closed loop": 100}
+    return [
+        {"loop": name, "simulated_s": simulated[name], "aim": aims[name], "seconds": timed[name]}
+        for name in work
+    ]
+
+
+def growth(
+    models: Mapping[str, Any],
+    signals: Mapping[str, Any],
+    control: Mapping[str, Any],
+    rig: Mapping[str, Any],
+    data: Data,
+    sizes: Mapping[str, Sequence[int]],
+    rounds: int,
+    seed: int,
+) -> list[dict[str, Any]]:
+    """Return seconds and peak memory of each piece of work over its size."""
+    X, y = data.pair("fprc")
+    rows = build("fprc", models, seed).make_features().fit(X).transform(X)
+    theta = X[:2000, :1]
+    rng = np.random.default_rng(seed)
+
+    def states(r: int) -> Callable[[], object]:
+        # the circle law gives the spectral radius without the eigenvalues
+        W_r = rng.standard_normal((r, r)) * (models["esn"]["rho"] / np.sqrt(r))
+        w_in = models["esn"]["f_input"] * rng.standard_normal((r, 1))
+        return lambda: echo_states(theta, np.zeros(r), w_in, W_r, models["esn"]["gamma"])
+
+    def clustered(samples: int, clusters: int) -> Callable[[], object]:
+        part = rows[rng.permutation(len(rows))[:samples]]
+        return lambda: fuzzy_c_means(part, clusters, random_state=seed)
+
+    def cells(count: int) -> Callable[[], object]:
+        folds = split_rows(len(y), 5, "shuffled", seed)
+        model = build("fprc", models, seed)
+        return lambda: [cross_validate(model, X, y, folds) for _ in range(count)]
+
+    def rigs(count: int) -> Callable[[], object]:
+        return lambda: [
+            acquire("sweep", signals["sweep"], control, rig, seed + i) for i in range(count)
+        ]
+
+    work = {
+        "r": ("ESN states, nodes", states),
+        "samples": ("fuzzy c-means, samples", lambda n: clustered(n, 8)),
+        "clusters": ("fuzzy c-means, clusters", lambda k: clustered(len(rows), k)),
+        "cells": ("sweep, cells", cells),
+        "rigs": ("ensemble, rigs", rigs),
+    }
+    found = []
+    for key, (name, make) in work.items():
+        for size in sizes[key]:
+            run = make(size)
+            found.append(
+                {
+                    "work": name,
+                    "size": size,
+                    "peak_mb": _peak_mb(run),
+                    "seconds": interleaved({"it": run}, rounds)["it"],
+                }
+            )
+            log.info("%s: %d", name, size)
+    return found
+
+
+def _peak_mb(run: Callable[[], object]) -> float:
+    tracemalloc.start()
+    try:
+        run()
+        return tracemalloc.get_traced_memory()[1] / 1e6
+    finally:
+        tracemalloc.stop()

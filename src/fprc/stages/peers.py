@@ -1,0 +1,125 @@
+"""The same work by what a user would pick instead: ReservoirPy, scikit-fuzzy, plain NumPy."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fprc.errors import FprcError
+from fprc.models import FPRC, EchoStates, RidgeReadout, TakagiSugenoReadout, taps
+from fprc.models.membership import gaussian_memberships
+from fprc.models.ridge import ridge_weights, with_bias
+
+try:
+    import skfuzzy
+    from reservoirpy.nodes import Reservoir
+except ImportError:
+    skfuzzy = Reservoir = None
+
+#: scikit-fuzzy stops when the norm of the change of all memberships is below this. Its
+#: documentation's 0.005 leaves the objective of the paper's log 1e-7 above the optimum.
+ERROR = 5e-4
+
+
+def refuse_missing() -> None:
+    """Refuse to go on without the libraries to compare with.
+
+    Raises
+    ------
+    FprcError
+        One of them is not installed.
+    """
+    if Reservoir is None:
+        raise FprcError("the benchmark needs reservoirpy and scikit-fuzzy; use `make benchmark`")
+
+
+def start_of(features: EchoStates, X: np.ndarray) -> np.ndarray:
+    """Return x(0), after the washout."""
+    features.reset(X[0])
+    return features.step(X[0])[features.n_y * X.shape[1] :]
+
+
+def reservoirpy_network(features: EchoStates, X: np.ndarray) -> "Reservoir":
+    """Return ReservoirPy's network with the same weights and state; its leak is 1 - gamma."""
+    network = Reservoir(
+        W=features.W_r_, Win=features.w_in_, bias=np.zeros(features.r), lr=1.0 - features.gamma
+    )
+    network.initialize(X)
+    network.state = {"out": start_of(features, X)}
+    return network
+
+
+def reservoirpy_states(features: EchoStates, X: np.ndarray) -> np.ndarray:
+    """Return x(k) of every sample, by ReservoirPy; it gives x(k+1) upon sample k."""
+    after = reservoirpy_network(features, X).run(X)
+    return np.vstack([start_of(features, X), after[:-1]])
+
+
+def reservoirpy_steps(features: EchoStates, X: np.ndarray) -> np.ndarray:
+    """Return x after the last sample, by ReservoirPy's step."""
+    network = reservoirpy_network(features, X)
+    for theta in X:
+        x = network.step(theta)
+    return x
+
+
+def numpy_states(features: EchoStates, X: np.ndarray) -> np.ndarray:
+    """Return x(k) of every sample, Eq. (3) as a loop."""
+    w_in, W_r, gamma = features.w_in_, features.W_r_, features.gamma
+    states, x = np.empty((len(X), features.r)), start_of(features, X)
+    for k, theta in enumerate(X):
+        states[k] = x
+        x = gamma * x + (1.0 - gamma) * np.tanh(w_in @ theta + W_r @ x)
+    return states
+
+
+def numpy_fprc_steps(model: FPRC, X: np.ndarray) -> np.ndarray:
+    """Return P_ff(k) sample by sample, each formula vectorised over one row."""
+    epsilon, sigma, n_y = model.epsilon, model.sigma, model.n_y
+    centers, W_out = model.readout_.centers_, model.readout_.W_out_
+    filtered = X[0, 1]
+    x = np.repeat(X[0], [n_y, model.n_u])[None]
+    P_ff = np.empty(len(X))
+    for k, (theta, p_o) in enumerate(X):
+        filtered = epsilon * p_o + (1.0 - epsilon) * filtered
+        x = np.roll(x, 1, axis=1)
+        x[0, 0], x[0, n_y] = theta, filtered
+        beta = gaussian_memberships(x, centers, sigma)
+        P_ff[k] = (beta * (with_bias(x) @ W_out.T)).sum()
+    return P_ff
+
+
+def skfuzzy_clusters(X: np.ndarray, n_clusters: int, seed: int) -> tuple[np.ndarray, ...]:
+    """Return centres, memberships and objective by scikit-fuzzy from a random start."""
+    state = np.random.get_state()  # noqa: NPY002 (skfuzzy seeds the global generator)
+    centers, u, _, _, objective, _, _ = skfuzzy.cmeans(
+        X.T, n_clusters, m=2, error=ERROR, maxiter=1000, seed=seed
+    )
+    np.random.set_state(state)  # noqa: NPY002
+    return centers, u.T, objective[-1]
+
+
+class SkfuzzyReadout(TakagiSugenoReadout):
+    """The fuzzy readout with its clusters by scikit-fuzzy."""
+
+    def fit(self, X: np.ndarray, y: np.ndarray) -> "SkfuzzyReadout":
+        """Cluster the rows, then fit each rule."""
+        self.n_features_in_ = X.shape[1]
+        self.centers_, memberships, _ = skfuzzy_clusters(X, self.n_c, self.random_state)
+        extended = with_bias(X)
+        self.W_out_ = np.array(
+            [ridge_weights(extended, y, self.alpha, u**2) for u in memberships.T]
+        )
+        return self
+
+
+def recomputed_folds(
+    features: EchoStates, X: np.ndarray, y: np.ndarray, folds: Sequence, alpha: float
+) -> list[float]:
+    """Return the ESN's validation errors, states and normal equations anew for each fold."""
+    errors = []
+    for train, validation in folds:
+        rows = np.hstack([taps(X[:, 0], features.n_y), numpy_states(features, X)])
+        readout = RidgeReadout(alpha).fit(rows[train], y[train])
+        residual = y[validation] - readout.predict(rows[validation])
+        errors.append(float(np.sqrt(np.mean(residual**2))))
+    return errors

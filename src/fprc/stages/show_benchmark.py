@@ -1,0 +1,73 @@
+"""Table, figure and blocks of the benchmark, from what it measured."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from fprc.artifacts import read_json, write_csv, write_text
+from fprc.figures import style
+from fprc.figures.benchmark import plot_growth
+from fprc.stages.readme import put_blocks
+from fprc.tables import markdown
+from fprc.tables.benchmark import benchmark, benchmark_page, exponent, growth
+
+
+def tabulate_benchmark(report: str, csv: str, growth_csv: str, md: str) -> None:
+    """Write the comparisons, and the growth of the cost."""
+    content = read_json(report)
+    table = benchmark(content)
+    write_csv(csv, table)
+    write_csv(growth_csv, growth(content))
+    bound = content["bound"]
+    note = (
+        f"Speed beside other libraries: medians of {content['rounds']} rounds in turn, on "
+        f"{content['cpu']}, {content['threads']} BLAS thread; in brackets the least and largest "
+        "ratio of a round.\n"
+        f"W_r x alone takes {bound['product_us']:.3g} us, {bound['gb_per_s']:.3g} GB/s: no step of "
+        "the ESN in a control loop can be faster."
+    )
+    write_text(md, markdown(benchmark_page(table), note))
+
+
+def draw_benchmark(report: str, pdf: str, png: str) -> Mapping[str, Any]:
+    """Draw how the cost grows, a panel for each work."""
+    content = read_json(report)
+    groups = list(growth(content).groupby("work", sort=False))
+    fig, axes = style.figure(3, 2, style.COLUMN_IN, 4.6)
+    for ax, (name, table) in zip(axes.flat, groups, strict=False):
+        power = exponent(table["size"].to_numpy(), table["seconds"].to_numpy())
+        plot_growth(table, power, ax)
+        style.letter(ax, name)
+    for ax in axes.flat[len(groups) :]:
+        ax.set_axis_off()
+    style.share_legend(fig, axes[0, 0])
+    return style.save(fig, content, pdf, png)
+
+
+def tabulate_rules(csv: str, *, results: str, metadata: str = ".snakemake/metadata") -> None:
+    """Write what each rule took when it last ran, from what Snakemake keeps of its jobs.
+
+    Parameters
+    ----------
+    results : str
+        The folder of the results; jobs of others do not count.
+    """
+    jobs = {}
+    for path in Path(metadata).rglob("*"):
+        job = read_json(path) if path.is_file() else {}
+        if any(str(log).startswith(f"{results}/logs/") for log in job.get("log") or []):
+            jobs[tuple(job["log"])] = (job["rule"], job["endtime"] - job["starttime"])
+    table = pd.DataFrame(jobs.values(), columns=["rule", "seconds"])
+    summed = table.groupby("rule", as_index=False)["seconds"].agg(["count", "sum", "max"])
+    summed = summed.rename(columns={"count": "jobs", "sum": "seconds", "max": "longest_s"})
+    write_csv(csv, summed.sort_values("seconds", ascending=False))
+
+
+def update_performance(
+    page: str, figure: str, *, readme: str, performance: str, picture: str
+) -> None:
+    """Put the table into the README and docs/performance.md, and the figure beside it."""
+    for path in (readme, performance):
+        put_blocks(path, {"benchmark": page}, {picture: figure})

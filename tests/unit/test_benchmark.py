@@ -1,0 +1,95 @@
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib import pyplot as plt
+
+from fprc.evaluation.timing import interleaved
+from fprc.figures.benchmark import plot_growth
+from fprc.models import FPRC
+from fprc.stages import peers
+from fprc.stages.benchmark import Comparison, compare
+from fprc.stages.show_benchmark import tabulate_rules
+from fprc.tables.benchmark import benchmark, benchmark_page, exponent
+
+
+def comparison(ours, theirs, limit=1e-6):
+    return Comparison(
+        "a sum", "another", 5, lambda: ours, lambda: theirs, lambda a, b: abs(a - b), limit
+    )
+
+
+def measured(*comparisons, real_time=()):
+    return {"comparisons": [compare(each, 3) for each in comparisons], "real_time": real_time}
+
+
+def test_rounds_take_turns():
+    order = []
+    work = {name: lambda name=name: order.append(name) for name in ("a", "b")}
+    seconds = interleaved(work, 3)
+    assert order == ["a", "b"] * 3
+    assert [len(each) for each in seconds.values()] == [3, 3]
+
+
+def test_no_ratio_is_given_where_results_differ():
+    same, other = benchmark(measured(comparison(1.0, 1.0), comparison(1.0, 1.1))).itertuples()
+    assert same.ratio > 0.0
+    assert np.isnan(other.ratio)
+    page = benchmark_page(benchmark(measured(comparison(1.0, 1.1))))
+    assert page["Times faster"].tolist() == ["results differ"]
+    assert page["Ours"].tolist() == [""]
+
+
+def test_ratio_is_the_median_of_those_of_the_rounds():
+    report = measured(comparison(1.0, 1.0))
+    report["comparisons"][0]["seconds"] = {"ours": [1.0, 2.0, 1.0], "theirs": [4.0, 4.0, 6.0]}
+    (row,) = benchmark(report).itertuples()
+    assert (row.ratio, row.ratio_low, row.ratio_high) == (4.0, 2.0, 6.0)
+
+
+def test_simulated_time_is_compared_with_real_time():
+    run = {"loop": "open loop", "simulated_s": 120.0, "aim": 1000, "seconds": [0.1, 0.2, 0.4]}
+    (row,) = benchmark(measured(real_time=[run])).itertuples()
+    assert row.ratio == pytest.approx(600.0)
+
+
+def test_exponent_of_a_power_law():
+    sizes = np.array([100, 200, 400, 800])
+    assert exponent(sizes, 3e-9 * sizes**2.5) == pytest.approx(2.5)
+
+
+def test_growth_is_drawn_on_logarithmic_axes():
+    _, ax = plt.subplots()
+    table = pd.DataFrame({"size": [1, 2], "seconds": [0.1, 0.4], "peak_mb": [1.0, 2.0]})
+    plot_growth(table, 2.0, ax)
+    assert (ax.get_xscale(), ax.get_yscale()) == ("log", "log")
+    assert [line.get_ydata().tolist() for line in ax.lines] == [[0.1, 0.4], [0.001, 0.002]]
+    plt.close()
+
+
+def test_seconds_are_summed_over_the_jobs_of_each_rule(tmp_path):
+    def keep(name, rule, log, seconds):
+        job = {"rule": rule, "log": [log], "starttime": 10.0, "endtime": 10.0 + seconds}
+        (tmp_path / name).write_text(json.dumps(job))
+
+    keep("two", "judge", "results/logs/judge_2.log", 3.0)
+    keep("outputs", "judge", "results/logs/judge_2.log", 3.0)
+    keep("another", "judge", "results/logs/judge_3.log", 5.0)
+    keep("short", "table", "results/logs/table.log", 1.0)
+    keep("elsewhere", "table", "results/smoke/logs/table.log", 9.0)
+    tabulate_rules(str(tmp_path / "rules.csv"), results="results", metadata=str(tmp_path))
+    table = pd.read_csv(tmp_path / "rules.csv")
+    assert table.to_dict("list") == {
+        "rule": ["judge", "table"],
+        "jobs": [2, 1],
+        "seconds": [8.0, 1.0],
+        "longest_s": [5.0, 1.0],
+    }
+
+
+def test_plain_steps_of_fprc_are_those_of_the_model():
+    time = np.arange(300) * 0.02
+    X = np.column_stack([30.0 + 25.0 * np.sin(time), 150.0 + 40.0 * np.sin(time - 0.5)])
+    model = FPRC(n_c=3, random_state=0).fit(X, 5.0 * X[:, 0])
+    assert np.allclose(peers.numpy_fprc_steps(model, X), model.predict(X), rtol=1e-9)
