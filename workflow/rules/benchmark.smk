@@ -79,7 +79,7 @@ rule rule_times:
         f"{RESULTS}/logs/rule_times.log",
     localrule: True
     params:
-        results=RESULTS,
+        results=lambda wildcards: RESULTS,
         code=code_of("rule_times"),
     message:
         "What each rule took when it last ran"
