@@ -15,9 +15,10 @@ FAULTS = Path(__file__).parent / "faults"
 _MODULES = ("bench", "fake_bus", "smbus2")
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config, items):
     """Keep what shares a workflow's run, or the fault matrix, in one process; begin with it."""
-    if not getattr(config.option, "numprocesses", None):
+    if not hasattr(config, "workerinput"):  # of pytest-xdist
         return
     groups = ("workflow", "faults")
     for item in items:
