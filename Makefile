@@ -3,8 +3,8 @@ PYTHON ?= python3
 CORES ?= 2
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 
-.PHONY: paper smoke test test-kill reproduce-twice slurm test-slurm docs scaling fault-matrix \
-	loop-benchmark benchmark clean
+.PHONY: paper smoke test test-parts test-workflow test-kill reproduce-twice slurm \
+	test-slurm docs scaling fault-matrix loop-benchmark benchmark clean
 
 paper: .venv/.ready
 	snakemake --cores $(CORES) all
@@ -18,7 +18,14 @@ test: .venv/.ready
 	snakefmt --check Snakefile workflow/rules
 	snakemake --lint
 	lint-imports
-	pytest -n $(CORES) --dist loadgroup $(PYTEST)
+	$(MAKE) --no-print-directory --jobs 2 --output-sync test-parts test-workflow
+
+# one process waits for the workflow's jobs most of the time, the other one computes
+test-parts:
+	pytest --ignore tests/workflow $(PYTEST)
+
+test-workflow:
+	pytest tests/workflow $(PYTEST)
 
 # twenty kills at random moments, half an hour; `make test` makes three
 test-kill: .venv/.ready

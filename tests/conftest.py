@@ -1,4 +1,4 @@
-"""Order of the tests; the fake driver, and a simulated rig wired to it."""
+"""The fake driver, and a simulated rig wired to it."""
 
 import importlib
 import os
@@ -13,19 +13,6 @@ from fprc.stages import check_rig, rig_loop, rig_session
 
 FAULTS = Path(__file__).parent / "faults"
 _MODULES = ("bench", "fake_bus", "smbus2")
-
-
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(config, items):
-    """Keep what shares a workflow's run, or the fault matrix, in one process; begin with it."""
-    if not hasattr(config, "workerinput"):  # of pytest-xdist
-        return
-    groups = ("workflow", "faults")
-    for item in items:
-        folder = item.path.relative_to(Path(__file__).parent).parts[0]
-        if folder in groups:
-            item.add_marker(pytest.mark.xdist_group(folder))
-    items.sort(key=lambda item: item.path.parts[-2] not in groups[:1])
 
 
 @pytest.fixture(scope="session")
