@@ -518,6 +518,12 @@ def test_page_of_table_4_over_seeds_says_how_many_there_were(written):
     assert "(4.5 kPa/deg)" in written["four.md"]
 
 
+def test_step_longer_than_the_period_is_still_written_in_digits():
+    table = tables.steps(steps())
+    table["share_of_budget"] = 1.0578
+    assert set(tables.steps_page(table)["Share of the period"]) == {"110 %"}
+
+
 def test_page_of_the_cost_of_a_step_names_steps_machine_and_budget(written):
     assert "each of 1000 steps timed on A & B_1 100 %" in written["steps.md"]
     assert "sampling period, 5 ms" in written["steps.md"]

@@ -74,7 +74,7 @@ def steps_page(table: pd.DataFrame) -> pd.DataFrame:
             MODEL_NAMES[row.model],
             three_digits(row.median_us),
             three_digits(row.p99_9_us),
-            f"{100 * row.share_of_budget:.2g} %",
+            f"{float(f'{100 * row.share_of_budget:.2g}'):g} %",
         )
         for row in table.itertuples()
     ]
