@@ -383,7 +383,7 @@ def test_real_ridge_counts_for_judging_and_not_for_the_readme(tmp_path):
     shutil.copytree(REAL, package.folder, ignore=shutil.ignore_patterns("__pycache__"))
     stages = "fprc.stages.judge.judge", "fprc.stages.readme.update_readme"
     judge, readme = (fingerprint(stage) for stage in stages)
-    package.edit("models/ridge.py", "gram + alpha", "gram + 2.0 * alpha")
+    package.edit("models/ridge.py", "+ alpha * np.eye", "+ 2.0 * alpha * np.eye")
     changed, unchanged = package.fingerprints(*stages)
     assert changed != judge
     assert unchanged == readme
