@@ -157,7 +157,7 @@ def test_real_ridge_counts_for_judging_and_not_for_the_readme(tmp_path):
     shutil.copytree(Path(fprc.__file__).parent, package.folder, ignore=skipped)
     stages = "fprc.stages.judge", "fprc.stages.readme"
     judge, readme = (fingerprint(stage) for stage in stages)
-    package.edit("models/ridge.py", "+= alpha", "+= 2.0 * alpha")
+    package.edit("models/ridge.py", "+ alpha * np", "+ 2.0 * alpha * np")
     changed, unchanged = package.fingerprints(*stages)
     assert changed != judge
     assert unchanged == readme
