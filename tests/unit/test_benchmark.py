@@ -65,6 +65,7 @@ def test_growth_is_drawn_on_logarithmic_axes():
     plot_growth(table, 2.0, ax)
     assert (ax.get_xscale(), ax.get_yscale()) == ("log", "log")
     assert [line.get_ydata().tolist() for line in ax.lines] == [[0.1, 0.4], [0.001, 0.002]]
+    assert [label.get_text() for label in ax.get_xticklabels()] == ["1", "2"]
     plt.close()
 
 
@@ -78,7 +79,7 @@ def test_seconds_are_summed_over_the_jobs_of_each_rule(tmp_path):
     keep("another", "judge", "results/logs/judge_3.log", 5.0)
     keep("short", "table", "results/logs/table.log", 1.0)
     keep("elsewhere", "table", "results/smoke/logs/table.log", 9.0)
-    tabulate_rules(str(tmp_path / "rules.csv"), results="results", metadata=str(tmp_path))
+    tabulate_rules(str(tmp_path / "rules.csv"), logs="results/logs", metadata=str(tmp_path))
     table = pd.read_csv(tmp_path / "rules.csv")
     assert table.to_dict("list") == {
         "rule": ["judge", "table"],

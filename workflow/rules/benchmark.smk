@@ -79,7 +79,7 @@ rule rule_times:
         f"{RESULTS}/logs/rule_times.log",
     localrule: True
     params:
-        results=lambda wildcards: RESULTS,
+        logs=f"{RESULTS}/logs",
         code=code_of("rule_times"),
     message:
         "What each rule took when it last ran"

@@ -23,5 +23,7 @@ def plot_growth(table: DataFrame, power: float, ax: Axes) -> Axes:
         table["size"], table["peak_mb"] / 1e3, "s--", ms=2.5, color=COLOURS["pd"],
         label="peak memory [GB]",
     )  # fmt: skip
+    ax.set_xticks(table["size"], [f"{size:g}" for size in table["size"]])
+    ax.minorticks_off()
     ax.text(0.04, 0.94, f"time ~ size$^{{{power:.2f}}}$", transform=ax.transAxes, va="top")
     return ax

@@ -46,18 +46,18 @@ def draw_benchmark(report: str, pdf: str, png: str) -> Mapping[str, Any]:
     return style.save(fig, content, pdf, png)
 
 
-def tabulate_rules(csv: str, *, results: str, metadata: str = ".snakemake/metadata") -> None:
+def tabulate_rules(csv: str, *, logs: str, metadata: str = ".snakemake/metadata") -> None:
     """Write what each rule took when it last ran, from what Snakemake keeps of its jobs.
 
     Parameters
     ----------
-    results : str
-        The folder of the results; jobs of others do not count.
+    logs : str
+        The folder of the rules' logs; jobs that log elsewhere do not count.
     """
     jobs = {}
     for path in Path(metadata).rglob("*"):
         job = read_json(path) if path.is_file() else {}
-        if any(str(log).startswith(f"{results}/logs/") for log in job.get("log") or []):
+        if any(str(log).startswith(f"{logs}/") for log in job.get("log") or []):
             jobs[tuple(job["log"])] = (job["rule"], job["endtime"] - job["starttime"])
     table = pd.DataFrame(jobs.values(), columns=["rule", "seconds"])
     summed = table.groupby("rule", as_index=False)["seconds"].agg(["count", "sum", "max"])
