@@ -20,12 +20,14 @@ test: .venv/.ready
 	lint-imports
 	$(MAKE) --no-print-directory --jobs 2 --output-sync test-parts test-workflow
 
-# one process waits for the workflow's jobs most of the time, the other one computes
+# two processes: one for what needs a finished smoke run, one for plans of the workflow and the rest
+PLANS = tests/workflow/test_targets.py tests/workflow/test_hardware.py
+
 test-parts:
-	pytest --ignore tests/workflow $(PYTEST)
+	pytest --ignore tests/workflow $(PYTEST) && pytest $(PLANS) $(PYTEST)
 
 test-workflow:
-	pytest tests/workflow $(PYTEST)
+	pytest tests/workflow $(PLANS:%=--ignore %) $(PYTEST)
 
 # twenty kills at random moments, half an hour; `make test` makes three
 test-kill: .venv/.ready

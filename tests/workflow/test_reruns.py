@@ -123,3 +123,15 @@ def test_filter_factor_spares_fuzzy_linear_and_the_esn(smoked):
     jobs = planned(smoked[0], "--config", "models={fprc: {epsilon: 0.02}}")
     assert jobs["judge"] == 2
     assert "record" not in jobs
+
+
+def test_number_of_rules_reruns_both_fuzzy_models_and_not_the_esn(smoked):
+    jobs = planned(smoked[0], "--config", "models={fprc: {n_c: 4}}")
+    assert {"comparison_table", "configuration_table", "training"} <= jobs.keys()
+    assert jobs["judge"] == 4  # FPRC and Fuzzy-linear in both directions
+    assert not {"record", "preprocess", "actuator_hysteresis"} & jobs.keys()
+
+
+def test_recorded_logs_plan_nothing_that_needs_a_rig(smoked):
+    jobs = planned(smoked[0], "--config", "source=recorded")
+    assert not {"record", "replicate", "track", "identify_gain"} & jobs.keys()

@@ -23,12 +23,6 @@ def test_default_profile_is_read(project):
     assert "profiles/default" in project.snakemake("--dry-run", "table1").stdout
 
 
-def test_recorded_logs_plan_nothing_that_needs_a_rig(smoked):
-    done = smoked[0].smoke("--dry-run", "all", "--config", "source=recorded")
-    assert done.returncode == 0, done.stdout
-    assert not {"record", "replicate", "track", "identify_gain"} & planned(done.stdout).keys()
-
-
 @pytest.mark.parametrize(
     ("target", "needs", "spares"),
     [
@@ -86,12 +80,3 @@ def test_word_all_after_configfile_means_the_target(project):
     swallowed = project.snakemake("--dry-run", "--configfile", "config/smoke.yaml", "all")
     assert planned(swallowed.stdout)["record"] == 2
     assert "results/smoke" in swallowed.stdout
-
-
-@pytest.mark.slow
-def test_changed_setting_reruns_what_reads_it(smoked):
-    done = smoked[0].smoke("--dry-run", "all", "--config", "models={fprc: {n_c: 4}}")
-    jobs = planned(done.stdout)
-    assert {"comparison_table", "configuration_table", "training"} <= jobs.keys()
-    assert jobs["judge"] == 4  # FPRC and Fuzzy-linear in both directions, not the ESN
-    assert not {"record", "preprocess", "actuator_hysteresis"} & jobs.keys()
