@@ -20,14 +20,14 @@ test: .venv/.ready
 	lint-imports
 	$(MAKE) --no-print-directory --jobs 2 --output-sync test-parts test-workflow
 
-# two processes: one for what needs a finished smoke run, one for plans of the workflow and the rest
-PLANS = tests/workflow/test_targets.py tests/workflow/test_hardware.py
+# two processes: one for what needs a finished smoke run, one for plans, a second build and the rest
+APART = tests/workflow/test_targets.py tests/workflow/test_hardware.py tests/workflow/test_twice.py
 
 test-parts:
-	pytest --ignore tests/workflow $(PYTEST) && pytest $(PLANS) $(PYTEST)
+	pytest --ignore tests/workflow $(PYTEST) && pytest $(APART) $(PYTEST)
 
 test-workflow:
-	pytest tests/workflow $(PLANS:%=--ignore %) $(PYTEST)
+	pytest tests/workflow $(APART:%=--ignore %) $(PYTEST)
 
 # twenty kills at random moments, half an hour; `make test` makes three
 test-kill: .venv/.ready
