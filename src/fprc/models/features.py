@@ -5,6 +5,8 @@ sample (``step``), with the same result. Before a log begins its first sample
 is held for ever.
 """
 
+from collections.abc import Callable
+from functools import cache
 from math import isfinite
 
 import numpy as np
@@ -39,6 +41,14 @@ def lowpass(x: np.ndarray, epsilon: float) -> np.ndarray:
     return filtered
 
 
+@cache
+def _shift() -> Callable[..., None]:
+    # numba is loaded by those who step, not by all who import a model
+    from fprc.models.kernels import shift
+
+    return shift
+
+
 class _FeatureMap(TransformerMixin, BaseEstimator):
     """What the sequential maps share: checks, and the start of a stream."""
 
@@ -64,6 +74,10 @@ class _FeatureMap(TransformerMixin, BaseEstimator):
 
     def step(self, x: ArrayLike) -> np.ndarray:
         """Return the features of the next sample ``x`` of shape (n_inputs,)."""
+        return self.advance(x).copy()
+
+    def advance(self, x: ArrayLike) -> np.ndarray:
+        """Return what ``step`` does, in an array that the next call overwrites."""
         x = self._checked(x)
         if not self._streaming:
             self.reset(x)
@@ -147,21 +161,15 @@ class TapFeatures(_FeatureMap):
 
     def _start(self, x: np.ndarray) -> None:
         split = self._columns()
-        self._filtered = x.copy()
-        self._split = split
         sizes = [self.n_y] * split + [self.n_u] * (len(x) - split)
         self._row = np.repeat(x, sizes)
         self._first = np.cumsum([0, *sizes[:-1]])
+        self._filtered = x.copy()
+        self._split = split
 
     def _step(self, x: np.ndarray) -> np.ndarray:
-        filtered, split = self._filtered, self._split
-        filtered[:split] = x[:split]
-        filtered[split:] += self.epsilon * (x[split:] - filtered[split:])
-        row = np.empty_like(self._row)
-        row[1:] = self._row[:-1]
-        row[self._first] = filtered
-        self._row = row
-        return row
+        _shift()(self._row, self._first, self._filtered, x, self._split, float(self.epsilon))
+        return self._row
 
 
 class EchoStates(_FeatureMap):

@@ -64,4 +64,4 @@ class SequenceModel(RegressorMixin, BaseEstimator):
 
     def step(self, x: ArrayLike) -> float:
         """Return P_ff(k) in kPa upon the next sample, of shape (n_inputs,)."""
-        return self.readout_.output(self.features_.step(x))
+        return self.readout_.output(self.features_.advance(x))

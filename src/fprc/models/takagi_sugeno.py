@@ -1,5 +1,8 @@
 """Takagi-Sugeno fuzzy readout."""
 
+from collections.abc import Callable
+from functools import cache
+
 import numpy as np
 from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator, RegressorMixin
@@ -79,9 +82,12 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
 
     def output(self, x: np.ndarray) -> float:
         """Return the output of one row of features, without checks."""
-        away = self.centers_ - x
-        exponents = np.vecdot(away, away) / (-2.0 * self.sigma**2)
-        exponents -= np.maximum.reduce(exponents)  # half the time of exponents.max()
-        beta = np.exp(exponents)
-        rules = self.W_out_[:, 1:] @ x + self.W_out_[:, 0]
-        return float(np.vecdot(beta, rules) / np.add.reduce(beta))
+        return _blend()(x, self.centers_, self.W_out_, float(self.sigma))
+
+
+@cache
+def _blend() -> Callable[..., float]:
+    # numba is loaded by those who step, not by all who import a model
+    from fprc.models.kernels import blend
+
+    return blend

@@ -1,6 +1,6 @@
 """Mechanics of the soft bending actuator."""
 
-from fprc.rig.compiled import kernel
+from fprc.compiled import kernel
 
 
 @kernel

@@ -1,6 +1,6 @@
 """Gas in a chamber: filled through a valve, or sealed and squeezed."""
 
-from fprc.rig.compiled import kernel
+from fprc.compiled import kernel
 
 ATMOSPHERE_KPA = 101.325
 

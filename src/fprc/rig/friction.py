@@ -4,7 +4,7 @@ Chosen over Bouc-Wen (minor loops need not close), Dahl (one scale) and LuGre
 (rate-dependent): the complex signal's minor loops need nonlocal memory.
 """
 
-from fprc.rig.compiled import kernel
+from fprc.compiled import kernel
 
 
 @kernel

@@ -1,6 +1,6 @@
 """Dual-PAM reservoir: the active chamber squeezes the sealed passive one."""
 
-from fprc.rig.compiled import kernel
+from fprc.compiled import kernel
 
 
 @kernel

@@ -2,7 +2,7 @@
 
 import math
 
-from fprc.rig.compiled import kernel
+from fprc.compiled import kernel
 
 
 @kernel

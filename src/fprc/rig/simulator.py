@@ -9,9 +9,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from fprc.compiled import kernel
 from fprc.rig.bending import angular_acceleration, relax
 from fprc.rig.chamber import ATMOSPHERE_KPA, pressure_rate, sealed_pressure
-from fprc.rig.compiled import kernel
 from fprc.rig.friction import slip
 from fprc.rig.parameters import record
 from fprc.rig.reservoir import bending_rate, passive_volume, squeeze_rate

@@ -2,7 +2,7 @@
 
 import math
 
-from fprc.rig.compiled import kernel
+from fprc.compiled import kernel
 
 #: Above this pressure ratio the ISO 6358 flow is made linear, so that its
 #: slope stays finite where the two pressures meet.

@@ -1,5 +1,6 @@
 import inspect
 import re
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -75,6 +76,21 @@ def test_prediction_between_two_steps_does_not_disturb_the_stream(fitted):
         got.append(fitted.step(x))
         fitted.predict(X[:20])
     assert_allclose(got, fitted.predict(X), rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["fprc", "fuzzy_linear"])
+def test_step_of_a_fuzzy_model_allocates_less_than_one_array_of_its_rules(name):
+    X = inputs(name, 300)
+    model = clone(MODELS[name]).set_params(n_c=20).fit(X, pressure(300))
+    steps(model, X)
+    tracemalloc.start()
+    try:
+        for x in X:
+            model.step(x)
+        _, peak_bytes = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert peak_bytes < model.readout_.centers_.nbytes
 
 
 def test_step_returns_a_plain_number(fitted):

@@ -5,63 +5,61 @@ from pathlib import Path
 import numba
 import pytest
 
-from fprc.rig import compiled
+from fprc import compiled, rig
 
 
 @pytest.fixture
-def package(tmp_path, monkeypatch):
+def package(tmp_path):
     """Copy of the rig package's sources, which the cache folder is named after."""
-    source = Path(compiled.__file__).parent
     copy = tmp_path / "rig"
-    shutil.copytree(source, copy, ignore=shutil.ignore_patterns("__pycache__"))
-    monkeypatch.setattr(compiled, "__file__", str(copy / "compiled.py"))
+    shutil.copytree(rig.__path__[0], copy, ignore=shutil.ignore_patterns("__pycache__"))
     return copy
 
 
 @pytest.fixture
-def kernel_of(tmp_path):
-    """Compile a function of a module of its own, as the rig's modules do."""
+def kernel_of(package):
+    """Compile a function of one of the package's modules."""
 
-    def build(name="doubling"):
-        path = tmp_path / f"{name}.py"
-        path.write_text("def double(x):\n    return 2.0 * x\n", encoding="utf-8")
-        spec = importlib.util.spec_from_file_location(name, path)
+    def build(formula="2.0 * x"):
+        path = package / "of_one_line.py"
+        if not path.exists():
+            path.write_text(f"def f(x):\n    return {formula}\n", encoding="utf-8")
+        spec = importlib.util.spec_from_file_location(path.stem, path)
         module = importlib.util.module_from_spec(spec)
         spec.loader.exec_module(module)
-        return compiled.kernel(module.double)
+        return compiled.kernel(module.f)
 
     return build
 
 
 def test_cache_folder_stays_the_same_while_no_source_changes(package):
-    assert compiled._cache_folder() == compiled._cache_folder()
-    assert compiled._cache_folder().parent == package / "__pycache__"
+    assert compiled._cache_folder(package) == compiled._cache_folder(package)
+    assert compiled._cache_folder(package).parent == package / "__pycache__"
 
 
-def test_cache_folder_is_the_same_wherever_the_package_lies(package, monkeypatch):
-    copied = compiled._cache_folder().name
-    monkeypatch.undo()
-    assert compiled._cache_folder().name == copied
+def test_cache_folder_is_the_same_wherever_the_package_lies(package):
+    original = Path(rig.__path__[0])
+    assert compiled._cache_folder(original).name == compiled._cache_folder(package).name
 
 
 @pytest.mark.parametrize("module", ["friction.py", "simulator.py", "valve.py", "__init__.py"])
 def test_cache_folder_changes_with_any_source(package, module):
-    before = compiled._cache_folder()
+    before = compiled._cache_folder(package)
     source = package / module
     source.write_text(source.read_text(encoding="utf-8") + "\n# changed\n", encoding="utf-8")
-    assert compiled._cache_folder() != before
+    assert compiled._cache_folder(package) != before
 
 
 def test_cache_folder_changes_with_a_new_source(package):
-    before = compiled._cache_folder()
+    before = compiled._cache_folder(package)
     (package / "extra.py").write_text("GAIN = 2.0\n", encoding="utf-8")
-    assert compiled._cache_folder() != before
+    assert compiled._cache_folder(package) != before
 
 
 def test_compiled_function_is_cached_in_that_folder(package, kernel_of):
     double = kernel_of()
     assert double(3.0) == 6.0
-    assert list(compiled._cache_folder().rglob("*.nbi"))
+    assert list(compiled._cache_folder(package).rglob("*.nbi"))
 
 
 def test_changed_source_leads_to_another_cache(package, kernel_of):
@@ -78,13 +76,8 @@ def test_setting_of_numba_is_left_as_it_was(package, kernel_of):
     assert before == numba.config.CACHE_DIR
 
 
-def test_division_by_zero_gives_infinity_and_no_exception(package, tmp_path):
-    path = tmp_path / "inverting.py"
-    path.write_text("def invert(x):\n    return 1.0 / x\n", encoding="utf-8")
-    spec = importlib.util.spec_from_file_location("inverting", path)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    assert compiled.kernel(module.invert)(0.0) == float("inf")
+def test_division_by_zero_gives_infinity_and_no_exception(kernel_of):
+    assert kernel_of("1.0 / x")(0.0) == float("inf")
 
 
 def test_cache_cannot_go_stale_in_a_folder_of_the_users_choice(

@@ -1,4 +1,4 @@
-"""One decorator for the compiled physics, with a cache that cannot go stale."""
+"""One decorator for compiled functions, with a cache that cannot go stale."""
 
 import hashlib
 from collections.abc import Callable
@@ -12,20 +12,20 @@ def kernel(function: Callable) -> Callable:
 
     numba drops a cached kernel when the file that defines it changes, but not
     when a function that it calls from another file does. The cache therefore
-    lies in a folder named after all sources of this package.
+    lies in a folder named after all sources of the package that defines it; a
+    kernel calls no kernel of another package.
     """
     before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(_cache_folder())
+    numba.config.CACHE_DIR = str(_cache_folder(Path(function.__code__.co_filename).parent))
     try:
         return numba.njit(cache=True, error_model="numpy")(function)
     finally:
         numba.config.CACHE_DIR = before
 
 
-def _cache_folder() -> Path:
-    here = Path(__file__).parent
+def _cache_folder(package: Path) -> Path:
     digest = hashlib.sha256()
-    for source in sorted(here.glob("*.py")):
+    for source in sorted(package.glob("*.py")):
         digest.update(source.read_bytes())
-    folder = Path(numba.config.CACHE_DIR or here / "__pycache__")
+    folder = Path(numba.config.CACHE_DIR or package / "__pycache__")
     return folder / f"kernels-{digest.hexdigest()[:16]}"

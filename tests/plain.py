@@ -1,0 +1,118 @@
+"""Time `all` beside the same rules with what a user would write instead, both cold.
+
+    python tests/plain.py results/benchmark/all.json
+
+The last commit is cloned twice. In one clone fuzzy c-means is scikit-fuzzy's from random
+starts, the states of the ESN and a step of the readout are NumPy line by line, and each fold
+solves its ridge anew; whatever else a rule does is the same. Both have the same cores. It
+takes as long as the plain one does: half an hour or more.
+"""
+
+import argparse
+import csv
+import json
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+
+#: What stands at the end of each module instead of our own.
+PLAIN = {
+    "models/fcm.py": """
+def fuzzy_c_means(X, n_clusters, *, random_state=None):
+    from sklearn.utils import check_random_state
+    from fprc.stages.peers import skfuzzy_clusters
+    seed = check_random_state(random_state).randint(2**31)
+    return Clusters(*skfuzzy_clusters(X, n_clusters, seed))
+""",
+    "models/echo.py": """
+def echo_states(X, start, w_in, W_r, gamma):
+    states, x = np.empty((len(X), len(W_r))), start
+    for k, theta in enumerate(X):
+        states[k] = x
+        x = gamma * x + (1.0 - gamma) * np.tanh(w_in @ theta + W_r @ x)
+    return states
+""",
+    "models/takagi_sugeno.py": """
+def _output(self, x):
+    beta = gaussian_memberships(x[None], self.centers_, self.sigma)
+    return float((beta * (with_bias(x[None]) @ self.W_out_.T)).sum())
+
+TakagiSugenoReadout.output = _output
+""",
+    "evaluation/crossval.py": """
+def _partition(folds, samples):
+    return False
+""",
+}
+
+#: Tables whose errors both must give, and the largest relative difference that is the same.
+SAME = ("table2.csv", "table3.csv")
+LIMIT = 2e-2
+
+
+def clone(folder: Path, plain: bool) -> None:
+    """Check the last commit out, with the plain implementations or without."""
+    subprocess.run(["git", "clone", "--quiet", str(ROOT), str(folder)], check=True)
+    for name, code in PLAIN.items() if plain else ():
+        module = folder / "src/fprc" / name
+        module.write_text(module.read_text(encoding="utf-8") + code, encoding="utf-8")
+
+
+def build(folder: Path, cores: int, smoke: bool) -> dict[str, float]:
+    """Run the workflow and return its seconds, on the clock and of all processors."""
+    small = ["--configfile", "config/smoke.yaml"] if smoke else []
+    before, began = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
+    subprocess.run(
+        [sys.executable, "-m", "snakemake", "--cores", str(cores), "all", *small],
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": str(folder / "src")},
+        check=True,
+    )
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    spent = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return {"seconds": time.monotonic() - began, "processor_s": spent}
+
+
+def errors(tables: Path) -> dict[tuple[str, ...], float]:
+    """Return the RMSEs of both tables by what they are of."""
+    found = {}
+    for name in SAME:
+        with (tables / name).open(encoding="utf-8", newline="") as file:
+            for row in csv.DictReader(file):
+                found[name, row["model"], row["metric"]] = float(row["mean"])
+    return found
+
+
+def main() -> int:
+    """Build both; 1 if they do not give the same errors."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("report", type=Path)
+    parser.add_argument("--cores", type=int, default=2)
+    parser.add_argument("--smoke", action="store_true", help="small settings, minutes")
+    given = parser.parse_args()
+    found, tables = {}, []
+    with tempfile.TemporaryDirectory() as scratch:
+        for name in ("ours", "theirs"):
+            folder = Path(scratch, name)
+            clone(folder, plain=name == "theirs")
+            found[name] = build(folder, given.cores, given.smoke)
+            print(f"{name}: {found[name]}", flush=True)
+            tables.append(
+                errors(folder / ("results/smoke" if given.smoke else "results") / "tables")
+            )
+    ours, theirs = tables
+    found["difference"] = max(abs(ours[key] / theirs[key] - 1.0) for key in ours)
+    found |= {"limit": LIMIT, "cores": given.cores}
+    given.report.parent.mkdir(parents=True, exist_ok=True)
+    given.report.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    return int(found["difference"] > LIMIT)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
