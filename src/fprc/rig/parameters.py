@@ -1,6 +1,7 @@
 """Nested settings as one NumPy record that compiled code can read by name."""
 
 from collections.abc import Mapping
+from functools import cache
 
 import numpy as np
 
@@ -21,19 +22,30 @@ def record(settings: Mapping) -> np.ndarray:
     ndarray of shape (1,)
         Indexable by the same names, in Python and in compiled code.
     """
-    return np.array([_values(settings)], dtype=_fields(settings))
+    return np.array([_values(settings)], dtype=_layout(_fields(settings)))
 
 
-def _fields(settings: Mapping) -> list:
+@cache
+def _layout(fields: tuple) -> np.dtype:
+    # to compiled code a layout that is the same object is known at once; to compare two that
+    # are merely equal takes longer than a tick
+    return np.dtype([(name, _type(kind), *shape) for name, kind, *shape in fields])
+
+
+def _type(kind: tuple | None) -> np.dtype:
+    return np.dtype(np.float64) if kind is None else _layout(kind)
+
+
+def _fields(settings: Mapping) -> tuple:
     fields = []
     for name, value in settings.items():
         if isinstance(value, Mapping):
             fields.append((name, _fields(value)))
         elif isinstance(value, (list, tuple)):
-            fields.append((name, np.float64, (len(value),)))
+            fields.append((name, None, (len(value),)))
         else:
-            fields.append((name, np.float64))
-    return fields
+            fields.append((name, None))
+    return tuple(fields)
 
 
 def _values(settings: Mapping) -> tuple:
