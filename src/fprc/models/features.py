@@ -10,8 +10,8 @@ from functools import cache
 from math import isfinite
 
 import numpy as np
+import pandas as pd
 from numpy.typing import ArrayLike
-from scipy.signal import lfilter
 from sklearn.base import BaseEstimator, TransformerMixin
 from sklearn.utils import check_random_state
 from sklearn.utils.validation import check_is_fitted, validate_data
@@ -37,8 +37,8 @@ def taps(x: np.ndarray, size: int) -> np.ndarray:
 
 def lowpass(x: np.ndarray, epsilon: float) -> np.ndarray:
     """Filter x~(k) = epsilon x(k) + (1 - epsilon) x~(k-1), from x~(-1) = x(0)."""
-    filtered, _ = lfilter([epsilon], [1.0, epsilon - 1.0], x, zi=[(1.0 - epsilon) * x[0]])
-    return filtered
+    # scipy.signal.lfilter does it too; to load it takes half a second, and pandas is loaded anyway
+    return pd.Series(x).ewm(alpha=epsilon, adjust=False).mean().to_numpy()
 
 
 @cache

@@ -36,10 +36,10 @@ class Features(TapFeatures):
         self.calls.append(f"transform {len(X)}")
         return super().transform(X)
 
-    def step(self, x):
+    def advance(self, x):
         self.calls.append("step")
-        row = super().step(x)
-        self.stepped.append(row)
+        row = super().advance(x)
+        self.stepped.append(row.copy())
         return row
 
 
