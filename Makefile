@@ -4,7 +4,7 @@ CORES ?= 2
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 
 .PHONY: paper smoke test test-parts test-workflow test-kill reproduce-twice slurm \
-	test-slurm docs scaling fault-matrix loop-benchmark benchmark clean
+	test-slurm docs scaling fault-matrix loop-benchmark benchmark benchmark-all clean
 
 paper: .venv/.ready
 	snakemake --cores $(CORES) all
@@ -73,6 +73,11 @@ loop-benchmark: .venv/.ready
 benchmark: .venv/.ready
 	python -m pip install --quiet --disable-pip-version-check --constraint environment.txt --editable '.[benchmark]'
 	snakemake --cores $(CORES) --forcerun rule_times -- benchmark performance_page
+
+# the whole workflow beside the same rules plainly written: half an hour and more
+benchmark-all: benchmark
+	snakemake --cores $(CORES) --forcerun measure_all -- results/benchmark/all.json
+	snakemake --cores $(CORES) benchmark performance_page
 
 .venv/.ready: environment.txt pyproject.toml
 	$(PYTHON) -c 'import sys; v = sys.version_info[:2]; (3, 11) <= v <= (3, 13) or sys.exit(f"fprc needs Python 3.11, 3.12 or 3.13, this is {v[0]}.{v[1]}; use: make PYTHON=python3.12 ...")'

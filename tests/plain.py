@@ -17,6 +17,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from importlib.util import find_spec
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -96,6 +97,8 @@ def main() -> int:
     parser.add_argument("--cores", type=int, default=2)
     parser.add_argument("--smoke", action="store_true", help="small settings, minutes")
     given = parser.parse_args()
+    if not (find_spec("skfuzzy") and find_spec("reservoirpy")):
+        parser.error("scikit-fuzzy and reservoirpy are not installed; use `make benchmark-all`")
     found, tables = {}, []
     with tempfile.TemporaryDirectory() as scratch:
         for name in ("ours", "theirs"):

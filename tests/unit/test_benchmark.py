@@ -11,7 +11,7 @@ from fprc.models import FPRC
 from fprc.stages import peers
 from fprc.stages.benchmark import Comparison, compare
 from fprc.stages.show_benchmark import tabulate_rules
-from fprc.tables.benchmark import benchmark, benchmark_page, exponent
+from fprc.tables.benchmark import benchmark, benchmark_page, bound_note, exponent
 
 
 def comparison(ours, theirs, limit=1e-6):
@@ -52,6 +52,25 @@ def test_simulated_time_is_compared_with_real_time():
     run = {"loop": "open loop", "simulated_s": 120.0, "aim": 1000, "seconds": [0.1, 0.2, 0.4]}
     (row,) = benchmark(measured(real_time=[run])).itertuples()
     assert row.ratio == pytest.approx(600.0)
+
+
+def test_whole_workflow_stands_in_the_table_once_it_was_measured():
+    whole = {"cores": 2, "ours": {"seconds": 200.0}, "theirs": {"seconds": 3000.0}, "limit": 0.02}
+    report = measured(comparison(1.0, 1.0))
+    assert len(benchmark(report)) == 1
+    _, row = benchmark(report | {"all": whole | {"difference": 0.01}}).itertuples()
+    assert (row.ratio, row.against) == (15.0, "the same rules, plainly written")
+    _, row = benchmark(report | {"all": whole | {"difference": 0.03}}).itertuples()
+    assert np.isnan(row.ratio)
+
+
+def test_share_of_memory_in_a_step_is_told_where_results_agree():
+    steps = {"work": "ESN step in a loop", "agrees": True, "samples": 10}
+    report = {"comparisons": [steps], "bound": {"product_us": 60.0, "gb_per_s": 85.0}}
+    steps["seconds"] = {"ours": [7e-4, 8e-4, 9e-4]}
+    assert bound_note(report).endswith("it is 75 % of ours.")
+    steps["agrees"] = False
+    assert "%" not in bound_note(report)
 
 
 def test_exponent_of_a_power_law():

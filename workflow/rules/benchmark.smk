@@ -1,11 +1,13 @@
 # How fast we are beside other libraries. No part of `all`: `make benchmark` installs what it needs.
 
 BENCHMARK = f"{RESULTS}/benchmark"
+WHOLE = f"{BENCHMARK}/all.json"
 SIZES = {
     "r": [100, 200, 400, 800, 1600, 3200],
     "samples": [1500, 3000, 6000, 12000, 24000],
     "clusters": [2, 4, 8, 16, 32],
     "cells": [1, 2, 4, 8],
+    "workers": [1, 2],
     "rigs": [1, 2, 4, 8],
     "taps": [3, 8],
 }
@@ -38,9 +40,25 @@ rule measure_benchmark:
         "../scripts/measure_benchmark.py"
 
 
+# Half an hour and more, and only worth it when the machine is left alone: `make benchmark-all`.
+rule measure_all:
+    output:
+        report=WHOLE,
+    log:
+        f"{RESULTS}/logs/measure_all.log",
+    threads: workflow.cores
+    params:
+        code=code_of("measure_benchmark"),
+    message:
+        "`all` beside the same rules with plain implementations"
+    shell:
+        "python tests/plain.py {output.report} --cores {threads} > {log} 2>&1"
+
+
 rule benchmark_table:
     input:
         report=f"{BENCHMARK}/benchmark.json",
+        whole=WHOLE if Path(WHOLE).exists() else [],
     output:
         csv=f"{BENCHMARK}/benchmark.csv",
         growth_csv=f"{BENCHMARK}/growth.csv",

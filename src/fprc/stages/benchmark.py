@@ -3,22 +3,27 @@
 import itertools
 import logging
 import os
+import tempfile
 import tracemalloc
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from fprc.artifacts import write_json
-from fprc.evaluation import cross_validate, split_rows
+from fprc.evaluation import split_rows
 from fprc.evaluation.crossval import fit_folds
-from fprc.evaluation.timing import interleaved, machine
+from fprc.evaluation.sweeps import run_cells
+from fprc.evaluation.timing import interleaved, machine, time_steps
 from fprc.models import EchoStates, SequenceModel
 from fprc.models.echo import echo_states
 from fprc.models.fcm import fuzzy_c_means
 from fprc.stages import peers
 from fprc.stages.judge import Data, build, read_data
 from fprc.stages.record import acquire
+from fprc.stages.sweep import judge_cell
 from fprc.stages.track import Track
 
 log = logging.getLogger(__name__)
@@ -56,8 +61,8 @@ def measure_benchmark(
     Parameters
     ----------
     sizes : Mapping
-        ``r``, ``samples``, ``clusters``, ``cells`` and ``rigs`` of the growth; ``taps``,
-        n_u and n_y of the cells that stand for the tap grid.
+        ``r``, ``samples``, ``clusters``, ``cells``, ``workers`` and ``rigs`` of the growth;
+        ``taps``, n_u and n_y of the cells that stand for the tap grid.
     """
     peers.refuse_missing()
     data = [read_data(path) for path in (train, test)]
@@ -76,8 +81,9 @@ def measure_benchmark(
         **machine(),
         "comparisons": compared,
         "bound": memory_bound(models, data[0], rounds, seed),
+        "step": single_steps(models, data[0], seed),
         "real_time": real_time(models, signals, tracking, control, rig, data[0], rounds, seed),
-        "growth": growth(models, signals, control, rig, data[0], sizes, rounds, seed),
+        "growth": growth(models, signals, control, rig, data, sizes, rounds, seed),
     }
     write_json(report, content)
 
@@ -220,6 +226,27 @@ def memory_bound(models: Mapping[str, Any], data: Data, rounds: int, seed: int) 
     return {"product_us": 1e6 * median, "gb_per_s": W_r.nbytes / median / 1e9}
 
 
+def single_steps(models: Mapping[str, Any], data: Data, seed: int) -> dict[str, Any]:
+    """Time each step of the FPRC by itself, as a control loop would have to wait for it."""
+    X, y = data.pair("fprc")
+    model = build("fprc", models, seed).fit(X, y)
+    _stepped(model, X)
+    seconds = time_steps(lambda k: model.step(X[k]), len(X))
+    median_s, most_s = np.percentile(seconds, [50.0, 99.9]).tolist()
+
+    def again() -> None:
+        for x in X[:1000]:
+            model.step(x)
+
+    return {
+        "samples": len(X),
+        "median_us": 1e6 * median_s,
+        "p99_9_us": 1e6 * most_s,
+        "peak_bytes": round(1e6 * _peak_mb(again)),
+        "array_bytes": model.readout_.centers_.nbytes,
+    }
+
+
 def real_time(
     models: Mapping[str, Any],
     signals: Mapping[str, Any],
@@ -259,16 +286,19 @@ def growth(
     signals: Mapping[str, Any],
     control: Mapping[str, Any],
     rig: Mapping[str, Any],
-    data: Data,
+    data: Sequence[Data],
     sizes: Mapping[str, Sequence[int]],
     rounds: int,
     seed: int,
 ) -> list[dict[str, Any]]:
     """Return seconds and peak memory of each piece of work over its size."""
-    X, y = data.pair("fprc")
+    X, y = data[0].pair("fprc")
     rows = build("fprc", models, seed).make_features().fit(X).transform(X)
     theta = X[:2000, :1]
     rng = np.random.default_rng(seed)
+    judge = partial(
+        judge_cell, train=data[0], test=data[1], models=models, folds=5, split="shuffled", seed=seed
+    )
 
     def states(r: int) -> Callable[[], object]:
         # the circle law gives the spectral radius without the eigenvalues
@@ -280,10 +310,10 @@ def growth(
         part = rows[rng.permutation(len(rows))[:samples]]
         return lambda: fuzzy_c_means(part, clusters, random_state=seed)
 
-    def cells(count: int) -> Callable[[], object]:
-        folds = split_rows(len(y), 5, "shuffled", seed)
-        model = build("fprc", models, seed)
-        return lambda: [cross_validate(model, X, y, folds) for _ in range(count)]
+    def cells(count: int, workers: int = 1) -> Callable[[], object]:
+        # what is swept is of no matter here: all cells are the same work
+        planned = [{"model": "fprc", "alpha": 1e-3 + 1e-9 * cell} for cell in range(count)]
+        return lambda: _swept(judge, planned, workers)
 
     def rigs(count: int) -> Callable[[], object]:
         return lambda: [
@@ -295,22 +325,26 @@ def growth(
         "samples": ("fuzzy c-means, samples", lambda n: clustered(n, 8)),
         "clusters": ("fuzzy c-means, clusters", lambda k: clustered(len(rows), k)),
         "cells": ("sweep, cells", cells),
+        "workers": ("sweep of 16 cells, workers", lambda workers: cells(16, workers)),
         "rigs": ("ensemble, rigs", rigs),
     }
     found = []
     for key, (name, make) in work.items():
         for size in sizes[key]:
             run = make(size)
-            found.append(
-                {
-                    "work": name,
-                    "size": size,
-                    "peak_mb": _peak_mb(run),
-                    "seconds": interleaved({"it": run}, rounds)["it"],
-                }
-            )
+            # each worker has memory of its own, and judges a cell at a time
+            peak_mb = size * _peak_mb(cells(1)) if key == "workers" else _peak_mb(run)
+            run()
+            seconds = interleaved({"it": run}, rounds)["it"]
+            found.append({"work": name, "size": size, "peak_mb": peak_mb, "seconds": seconds})
             log.info("%s: %d", name, size)
     return found
+
+
+def _swept(judge: Callable, cells: Sequence[Mapping[str, Any]], workers: int) -> list[Any]:
+    with tempfile.TemporaryDirectory() as folder:
+        checkpoint = Path(folder, "cells.jsonl")
+        return run_cells(judge, cells, workers=workers, checkpoint=checkpoint, key="benchmark")
 
 
 def _peak_mb(run: Callable[[], object]) -> float:

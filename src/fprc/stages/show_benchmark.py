@@ -1,6 +1,6 @@
 """Table, figure and blocks of the benchmark, from what it measured."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,22 +11,34 @@ from fprc.figures import style
 from fprc.figures.benchmark import plot_growth
 from fprc.stages.readme import put_blocks
 from fprc.tables import markdown
-from fprc.tables.benchmark import benchmark, benchmark_page, exponent, growth
+from fprc.tables.benchmark import (
+    benchmark,
+    benchmark_page,
+    bound_note,
+    exponent,
+    growth,
+    step_note,
+)
 
 
-def tabulate_benchmark(report: str, csv: str, growth_csv: str, md: str) -> None:
-    """Write the comparisons, and the growth of the cost."""
+def tabulate_benchmark(
+    report: str, whole: str | Sequence[str], csv: str, growth_csv: str, md: str
+) -> None:
+    """Write the comparisons, and the growth of the cost.
+
+    Parameters
+    ----------
+    whole : str or empty sequence
+        What ``tests/plain.py`` found of the whole workflow; not measured if empty.
+    """
     content = read_json(report)
-    table = benchmark(content)
+    table = benchmark(content | ({"all": read_json(whole)} if whole else {}))
     write_csv(csv, table)
     write_csv(growth_csv, growth(content))
-    bound = content["bound"]
     note = (
         f"Speed beside other libraries: medians of {content['rounds']} rounds in turn, on "
         f"{content['cpu']}, {content['threads']} BLAS thread; in brackets the least and largest "
-        "ratio of a round.\n"
-        f"W_r x alone takes {bound['product_us']:.3g} us, {bound['gb_per_s']:.3g} GB/s: no step of "
-        "the ESN in a control loop can be faster."
+        f"ratio of a round.\n{bound_note(content)}\n{step_note(content['step'])}"
     )
     write_text(md, markdown(benchmark_page(table), note))
 
