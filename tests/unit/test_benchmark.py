@@ -11,7 +11,14 @@ from fprc.models import FPRC
 from fprc.stages import peers
 from fprc.stages.benchmark import Comparison, compare
 from fprc.stages.show_benchmark import tabulate_rules
-from fprc.tables.benchmark import benchmark, benchmark_page, bound_note, exponent
+from fprc.tables.benchmark import (
+    benchmark,
+    benchmark_page,
+    bound_note,
+    exponent,
+    rules_note,
+    rules_page,
+)
 
 
 def comparison(ours, theirs, limit=1e-6):
@@ -106,6 +113,26 @@ def test_seconds_are_summed_over_the_jobs_of_each_rule(tmp_path):
         "seconds": [8.0, 1.0],
         "longest_s": [5.0, 1.0],
     }
+
+
+def test_rules_that_take_little_are_summed():
+    rules = pd.DataFrame(
+        {
+            "rule": ["judge", "sweep", "table", "figure"],
+            "jobs": [6, 3, 1, 2],
+            "seconds": [60.0, 38.0, 0.5, 1.5],
+            "longest_s": [20.0, 30.0, 0.5, 1.0],
+        }
+    )
+    assert rules_page(rules).to_numpy().tolist() == [
+        ["judge", "6", "60.0", "20.0"],
+        ["sweep", "3", "38.0", "30.0"],
+        ["2 other rules", "3", "2.00", "1.00"],
+    ]
+    assert rules_page(rules, least=0.0)["Rule"].tolist() == rules["rule"].tolist()
+    note = rules_note(rules, {"draws": [0.7, 0.9, 0.8]})
+    assert note.startswith("Seconds of the 12 jobs, 100 in all")
+    assert "0.800 s where it draws" in note
 
 
 def test_plain_steps_of_fprc_are_those_of_the_model():

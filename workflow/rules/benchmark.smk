@@ -58,11 +58,13 @@ rule measure_all:
 rule benchmark_table:
     input:
         report=f"{BENCHMARK}/benchmark.json",
+        rules=f"{BENCHMARK}/rules.csv",
         whole=WHOLE if Path(WHOLE).exists() else [],
     output:
         csv=f"{BENCHMARK}/benchmark.csv",
         growth_csv=f"{BENCHMARK}/growth.csv",
         md=f"{BENCHMARK}/benchmark.md",
+        rules_md=f"{BENCHMARK}/rules.md",
     log:
         f"{RESULTS}/logs/benchmark_table.log",
     params:
@@ -108,6 +110,7 @@ rule rule_times:
 rule performance_page:
     input:
         page=f"{BENCHMARK}/benchmark.md",
+        rules=f"{BENCHMARK}/rules.md",
         figure=f"{BENCHMARK}/growth.png",
     log:
         f"{RESULTS}/logs/performance_page.log",
@@ -127,5 +130,4 @@ rule benchmark:
     input:
         f"{BENCHMARK}/benchmark.md",
         f"{BENCHMARK}/growth.pdf",
-        f"{BENCHMARK}/rules.csv",
     localrule: True

@@ -3,6 +3,8 @@
 import itertools
 import logging
 import os
+import subprocess
+import sys
 import tempfile
 import tracemalloc
 from collections.abc import Callable, Mapping, Sequence
@@ -27,6 +29,15 @@ from fprc.stages.sweep import judge_cell
 from fprc.stages.track import Track
 
 log = logging.getLogger(__name__)
+
+
+#: What jobs of each kind import.
+_JOBS = {
+    "fits models": "fprc.stages.judge",
+    "runs the rig": "fprc.stages.track",
+    "draws": "fprc.stages.draw",
+    "writes a table": "fprc.stages.tabulate",
+}
 
 
 class Comparison(NamedTuple):
@@ -83,6 +94,7 @@ def measure_benchmark(
         "bound": memory_bound(models, data[0], rounds, seed),
         "step": single_steps(models, data[0], seed),
         "real_time": real_time(models, signals, tracking, control, rig, data[0], rounds, seed),
+        "starts": starts(rounds),
         "growth": growth(models, signals, control, rig, data, sizes, rounds, seed),
     }
     write_json(report, content)
@@ -279,6 +291,16 @@ def real_time(
         {"loop": name, "simulated_s": simulated[name], "aim": aims[name], "seconds": timed[name]}
         for name in work
     ]
+
+
+def starts(rounds: int) -> dict[str, list[float]]:
+    """Return what the start of a process takes that only imports, for each kind of job."""
+
+    def start(module: str) -> Callable[[], object]:
+        command = [sys.executable, "-c", f"from snakemake import script\nimport {module}"]
+        return lambda: subprocess.run(command, check=True)
+
+    return interleaved({name: start(module) for name, module in _JOBS.items()}, rounds)
 
 
 def growth(

@@ -17,14 +17,22 @@ from fprc.tables.benchmark import (
     bound_note,
     exponent,
     growth,
+    rules_note,
+    rules_page,
     step_note,
 )
 
 
 def tabulate_benchmark(
-    report: str, whole: str | Sequence[str], csv: str, growth_csv: str, md: str
+    report: str,
+    rules: str,
+    whole: str | Sequence[str],
+    csv: str,
+    growth_csv: str,
+    md: str,
+    rules_md: str,
 ) -> None:
-    """Write the comparisons, and the growth of the cost.
+    """Write the comparisons, the growth of the cost, and where the time goes.
 
     Parameters
     ----------
@@ -41,6 +49,8 @@ def tabulate_benchmark(
         f"ratio of a round.\n{bound_note(content)}\n{step_note(content['step'])}"
     )
     write_text(md, markdown(benchmark_page(table), note))
+    times = pd.read_csv(rules)
+    write_text(rules_md, markdown(rules_page(times), rules_note(times, content["starts"])))
 
 
 def draw_benchmark(report: str, pdf: str, png: str) -> Mapping[str, Any]:
@@ -78,8 +88,8 @@ def tabulate_rules(csv: str, *, logs: str, metadata: str = ".snakemake/metadata"
 
 
 def update_performance(
-    page: str, figure: str, *, readme: str, performance: str, picture: str
+    page: str, rules: str, figure: str, *, readme: str, performance: str, picture: str
 ) -> None:
-    """Put the table into the README and docs/performance.md, and the figure beside it."""
-    for path in (readme, performance):
-        put_blocks(path, {"benchmark": page}, {picture: figure})
+    """Put the tables into the README and docs/performance.md, and the figure beside them."""
+    put_blocks(readme, {"benchmark": page}, {})
+    put_blocks(performance, {"benchmark": page, "rules": rules}, {picture: figure})

@@ -121,6 +121,29 @@ def step_note(step: Mapping[str, Any]) -> str:
     )
 
 
+def rules_page(rules: pd.DataFrame, least: float = 0.02) -> pd.DataFrame:
+    """Return the rules that take at least a share ``least`` of all seconds, and the others."""
+    large = rules["seconds"] >= least * rules["seconds"].sum()
+    others = rules[~large]
+    name = f"{len(others)} other rules"
+    longest_s = others["longest_s"].max()
+    last = [name, others["jobs"].sum(), others["seconds"].sum(), longest_s]
+    rows = [*rules[large].itertuples(index=False), last] if len(others) else rules.to_numpy()
+    columns = ["Rule", "Jobs", "Seconds of all", "Seconds of the longest"]
+    texts = [(r, str(n), three_digits(all_s), three_digits(one_s)) for r, n, all_s, one_s in rows]
+    return pd.DataFrame(texts, columns=columns)
+
+
+def rules_note(rules: pd.DataFrame, starts: Mapping[str, Any]) -> str:
+    """Say what all jobs took together, and what of it the start of a process takes."""
+    begun = [f"{three_digits(np.median(each))} s where it {job}" for job, each in starts.items()]
+    jobs, seconds = rules["jobs"].sum(), three_digits(rules["seconds"].sum())
+    return (
+        f"Seconds of the {jobs} jobs, {seconds} in all; the start of a process and its imports take "
+        f"{', '.join(begun)}."
+    )
+
+
 def growth(report: Mapping[str, Any]) -> pd.DataFrame:
     """Return the cost over size: median seconds and peak memory, tidy."""
     table = pd.DataFrame(report["growth"])
