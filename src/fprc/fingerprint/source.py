@@ -62,6 +62,7 @@ def path_of(module: str) -> Path | None:
     return next((file for file in files if file.is_file()), None)
 
 
+@cache
 def modules() -> list[str]:
     """Return the name of every module of this package."""
     root = Path(fprc.__path__[0])

@@ -139,8 +139,8 @@ def rules_note(rules: pd.DataFrame, starts: Mapping[str, Any]) -> str:
     begun = [f"{three_digits(np.median(each))} s where it {job}" for job, each in starts.items()]
     jobs, seconds = rules["jobs"].sum(), three_digits(rules["seconds"].sum())
     return (
-        f"Seconds of the {jobs} jobs, {seconds} in all; the start of a process and its imports take "
-        f"{', '.join(begun)}."
+        f"Seconds of the {jobs} jobs, {seconds} in all. The start of a process with its imports "
+        f"takes {', '.join(begun)}."
     )
 
 
