@@ -97,7 +97,14 @@ def alone():
     "signals.py": "RATE = 200\n",
 }
 
-CACHES = closure._binders, known._kept, known._path, known.source_of, source.path_of
+CACHES = (
+    closure._binders,
+    known._kept,
+    known._path,
+    known.source_of,
+    source.modules,
+    source.path_of,
+)
 
 
 class Package:
