@@ -1,6 +1,7 @@
 """HDF5 files of equally long channels, each with its unit."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -78,18 +79,10 @@ def gather_columns(
         The file cannot be opened, or is cut short.
     """
     path = Path(path)
-    refuse_cut_file(path)
-    try:
-        with h5py.File(path, "r") as file:
-            attributes = {key: plain(value) for key, value in file.attrs.items()}
-            names = (*names, *(name for name in optional if name in file))
-            channels, problems = _read_all(path, file, names)
-    except (OSError, RuntimeError, KeyError, TypeError, ValueError) as error:
-        # a damaged file makes the library raise whatever it stumbles over
-        raise LogError(
-            f"{path}: cannot be read as HDF5 ({error}); the file is cut short or damaged, "
-            "restore it, or delete it and record it again"
-        ) from error
+    with _opened(path) as file:
+        attributes = {key: plain(value) for key, value in file.attrs.items()}
+        names = (*names, *(name for name in optional if name in file))
+        channels, problems = _read_all(path, file, names)
     lengths = {name: len(values) for name, values in channels.items()}
     if len(set(lengths.values())) > 1:
         shortest = min(lengths, key=lengths.get)
@@ -110,13 +103,22 @@ def read_header(path: Path | str) -> tuple[frozenset[str], dict[str, Any]]:
     LogError
         The file cannot be opened, or is cut short.
     """
-    path = Path(path)
+    with _opened(Path(path)) as file:
+        return frozenset(file), {key: plain(value) for key, value in file.attrs.items()}
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[h5py.File]:
     refuse_cut_file(path)
     try:
         with h5py.File(path, "r") as file:
-            return frozenset(file), {key: plain(value) for key, value in file.attrs.items()}
+            yield file
     except (OSError, RuntimeError, KeyError, TypeError, ValueError) as error:
-        raise LogError(f"{path}: cannot be read as HDF5 ({error})") from error
+        # a damaged file makes the library raise whatever it stumbles over
+        raise LogError(
+            f"{path}: cannot be read as HDF5 ({error}); the file is cut short or damaged, "
+            "restore it, or delete it and record it again"
+        ) from error
 
 
 def plain(value: Any) -> Any:
