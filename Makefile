@@ -18,10 +18,12 @@ test: .venv/.ready
 	snakefmt --check Snakefile workflow/rules
 	snakemake --lint
 	lint-imports
-	$(MAKE) --no-print-directory --jobs 2 --output-sync test-parts test-workflow
+	@shared=$$(mktemp -d) && trap 'rm -rf "$$shared"' EXIT && FPRC_SMOKED=$$shared \
+	  $(MAKE) --no-print-directory --jobs 2 --output-sync test-parts test-workflow
 
-# two processes: one for what needs a finished smoke run, one for plans, a second build and the rest
-APART = tests/workflow/test_targets.py tests/workflow/test_hardware.py tests/workflow/test_twice.py
+# two processes of about the same length, which share one smoke run
+APART = tests/workflow/test_targets.py tests/workflow/test_hardware.py \
+	tests/workflow/test_twice.py tests/workflow/test_bad_input.py tests/workflow/test_disk.py
 
 test-parts:
 	pytest --ignore tests/workflow $(PYTEST) && pytest $(APART) $(PYTEST)
@@ -29,7 +31,7 @@ test-parts:
 test-workflow:
 	pytest tests/workflow $(APART:%=--ignore %) $(PYTEST)
 
-# twenty kills at random moments, half an hour; `make test` makes three
+# twenty kills at random moments, ten minutes or more; `make test` makes two
 test-kill: .venv/.ready
 	FPRC_KILLS=20 pytest tests/workflow/test_kill.py
 
@@ -86,5 +88,6 @@ benchmark-all: benchmark
 	python -m pip install --quiet --disable-pip-version-check --no-deps --editable .
 	touch $@
 
+# .snakemake stays: without its records, results of older code would pass for finished
 clean:
-	rm -rf .venv .snakemake
+	rm -rf .venv

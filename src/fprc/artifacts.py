@@ -4,7 +4,7 @@ import errno
 import json
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from glob import escape
 from pathlib import Path
@@ -70,6 +70,26 @@ def explaining(path: Path | str) -> Iterator[None]:
             f"{path}: cannot be written ({error.strerror}); {remedy} or choose another place "
             "with --config 'folders={results: ...}', then run the same again"
         ) from error
+
+
+@contextmanager
+def appending(path: Path | str) -> Iterator[Callable[[str], None]]:
+    """Give a function that appends a line to a file; when it returns the line is on the disk.
+
+    Raises
+    ------
+    OutputError
+        The disk is full or the folder cannot be written to.
+    """
+    # closing writes what is left, and fails again on a full disk: that too is to be explained
+    with explaining(path), open(path, "a", encoding="utf-8") as file:
+
+        def append(line: str) -> None:
+            file.write(f"{line}\n")
+            file.flush()
+            os.fsync(file.fileno())
+
+        yield append
 
 
 def leftovers(folder: Path, name: str | None = None) -> list[Path]:

@@ -12,8 +12,8 @@ def kernel(function: Callable) -> Callable:
 
     numba drops a cached kernel when the file that defines it changes, but not
     when a function that it calls from another file does. The cache therefore
-    lies in a folder named after all sources of the package that defines it; a
-    kernel calls no kernel of another package.
+    lies in a folder named after all sources of the package that defines it, and
+    after this file; a kernel calls no kernel of another package.
     """
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(_cache_folder(Path(function.__code__.co_filename).parent))
@@ -25,7 +25,7 @@ def kernel(function: Callable) -> Callable:
 
 def _cache_folder(package: Path) -> Path:
     digest = hashlib.sha256()
-    for source in sorted(package.glob("*.py")):
+    for source in (Path(__file__), *sorted(package.glob("*.py"))):
         digest.update(source.read_bytes())
     folder = Path(numba.config.CACHE_DIR or package / "__pycache__")
     return folder / f"kernels-{digest.hexdigest()[:16]}"

@@ -1,6 +1,6 @@
 """A Slurm of one node for as long as a command runs.
 
-    python tests/slurm/one_node.py snakemake --profile profiles/slurm ...
+    python tests/slurm/one_node.py snakemake --workflow-profile profiles/slurm ...
     python tests/slurm/one_node.py --why-not     # says what is missing, if anything
 
 munged, slurmctld and slurmd run as root, in a folder that is removed afterwards, on ports that were
@@ -9,6 +9,7 @@ of a job. A machine that has such a file has a Slurm of its own, and is left alo
 """
 
 import os
+import re
 import shutil
 import signal
 import socket
@@ -61,6 +62,7 @@ def why_not() -> str:
         f"not installed: {', '.join(missing)}" if missing else "",
         "needs root" if os.geteuid() else "",
         f"{CONF} is of another Slurm" if CONF.exists() and not _ours() else "",
+        _alive(),
     ]
     return "; ".join(filter(None, problems))
 
@@ -155,6 +157,25 @@ def _ours() -> bool:
     return CONF.read_text(errors="replace").startswith(MARK)
 
 
+def _alive() -> str:
+    """Say if the daemons of another run, which may have been killed, still live."""
+    text = CONF.read_text(errors="replace") if CONF.exists() else ""
+    for daemon in ("Slurmctld", "Slurmd"):
+        named = re.search(rf"^{daemon}PidFile=(.+)$", text, re.MULTILINE)
+        file = Path(named[1]) if named else None
+        pid = file.read_text().strip() if file and file.exists() else ""
+        if pid and Path("/proc", pid).exists():
+            return f"{daemon.lower()} of another run lives, process {pid}; wait, or kill it"
+    return ""
+
+
+def _end(number: int, frame: object) -> None:
+    # a second signal must not break off the clean-up
+    for each in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(each, signal.SIG_IGN)
+    sys.exit(128 + number)
+
+
 def _path() -> str:
     return f"{os.environ['PATH']}:/usr/sbin:/sbin"  # where Debian keeps the daemons
 
@@ -167,7 +188,7 @@ def main(command: list[str]) -> int:
         return 1 if problem else 0
     os.environ["PATH"] = _path()
     for number in (signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, lambda number, frame: sys.exit(128 + number))
+        signal.signal(number, _end)
     with one_node():
         return subprocess.run(command, check=False).returncode
 

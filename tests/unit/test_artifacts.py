@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 from fprc.artifacts import (
+    appending,
     leftovers,
     read_json,
     refuse_unwritable,
@@ -175,3 +176,17 @@ def test_same_table_gives_the_same_bytes(tmp_path):
     for name in ("a.csv", "b.csv"):
         write_csv(tmp_path / name, table)
     assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
+
+
+def test_lines_are_appended_one_by_one(tmp_path):
+    file = tmp_path / "cells.jsonl"
+    file.write_text("first\n")
+    with appending(file) as append:
+        append("second")
+        assert file.read_text() == "first\nsecond\n"
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full on this system")
+def test_line_that_finds_no_room_is_told_as_such_and_not_by_the_closing_of_the_file():
+    with pytest.raises(OutputError, match="No space left"), appending("/dev/full") as append:
+        append("a cell")

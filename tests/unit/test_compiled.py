@@ -50,6 +50,14 @@ def test_cache_folder_changes_with_any_source(package, module):
     assert compiled._cache_folder(package) != before
 
 
+def test_cache_folder_changes_with_how_it_is_compiled(package, tmp_path, monkeypatch):
+    before = compiled._cache_folder(package)
+    other = tmp_path / "compiled.py"
+    other.write_text(Path(compiled.__file__).read_text().replace('"numpy"', '"python"'))
+    monkeypatch.setattr(compiled, "__file__", str(other))
+    assert compiled._cache_folder(package) != before
+
+
 def test_cache_folder_changes_with_a_new_source(package):
     before = compiled._cache_folder(package)
     (package / "extra.py").write_text("GAIN = 2.0\n", encoding="utf-8")

@@ -18,7 +18,7 @@ import pytest
 
 pytestmark = pytest.mark.slow
 
-KILLS = int(os.environ.get("FPRC_KILLS", "3"))
+KILLS = int(os.environ.get("FPRC_KILLS", "2"))
 MANY = 20
 SEED = int(os.environ.get("FPRC_KILL_SEED", "1"))
 TRACING = str(Path(__file__).parent / "tracing")

@@ -47,5 +47,5 @@ def test_every_function_that_ran_is_in_the_fingerprint_of_its_rule(rebuilt):
     missing = {}
     for rule, names in ran.items():
         roots, without = asked[rule]
-        missing[roots[0], roots[-1]] = names - reached(*roots, without=without)
+        missing[rule, roots[0], roots[-1]] = names - reached(*roots, without=without)
     assert {rule: names for rule, names in missing.items() if names} == {}

@@ -2,7 +2,6 @@
 
 import json
 import logging
-import os
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -12,7 +11,7 @@ import cma
 import numpy as np
 from joblib import Parallel, delayed, parallel_config
 
-from fprc.artifacts import write_text
+from fprc.artifacts import appending, write_text
 
 log = logging.getLogger(__name__)
 
@@ -75,7 +74,7 @@ def search(
     begun = time.monotonic()
     done = len(told)
     with (
-        open(checkpoint, "a", encoding="utf-8") as file,
+        appending(checkpoint) as append,
         parallel_config("loky", inner_max_num_threads=1),
         Parallel(n_jobs=workers) as pool,
     ):
@@ -83,9 +82,7 @@ def search(
             points = optimiser.ask()
             losses = pool(delayed(loss)(np.asarray(point)) for point in points)
             optimiser.tell(points, losses)
-            file.write(json.dumps(losses, allow_nan=False) + "\n")
-            file.flush()
-            os.fsync(file.fileno())
+            append(json.dumps(losses, allow_nan=False))
             done += 1
             progress(done, generations, optimiser.best.f, time.monotonic() - begun)
     best = optimiser.best

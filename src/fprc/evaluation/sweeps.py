@@ -1,14 +1,13 @@
 """Many cross-validations at once, with a checkpoint for each."""
 
 import json
-import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from joblib import Parallel, delayed, parallel_config
 
-from fprc.artifacts import explaining, write_text
+from fprc.artifacts import appending, write_text
 
 Cell = Mapping[str, Any]
 
@@ -45,13 +44,10 @@ def run_cells(
     checkpoint = Path(checkpoint)
     finished = _resume(checkpoint, key)
     open_cells = [cell for cell in cells if _name(cell) not in finished]
-    with checkpoint.open("a", encoding="utf-8") as file:
+    with appending(checkpoint) as append:
         for cell, result in _results(judge, open_cells, workers):
             finished[_name(cell)] = result
-            with explaining(checkpoint):
-                file.write(json.dumps({"cell": cell, "result": result}, allow_nan=False) + "\n")
-                file.flush()
-                os.fsync(file.fileno())
+            append(json.dumps({"cell": cell, "result": result}, allow_nan=False))
             progress(sum(_name(cell) in finished for cell in cells), len(cells))
     return [{**cell, **finished[_name(cell)]} for cell in cells]
 

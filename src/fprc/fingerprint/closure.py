@@ -31,7 +31,7 @@ def fingerprint(*roots: str, without: Collection[str] = ()) -> str:
         A name of ``without`` is not defined where it says.
     """
     closure = _closed(roots, without)
-    lines = {f"{module} imports {target}" for module, target in closure.foreign}
+    lines = {f"{user} is {target}" for user, target in closure.bound}
     for module in sorted(closure.seen):
         statements = source_of(module).statements
         codes = [statements[index].code for index in sorted(closure.seen[module])]
@@ -80,7 +80,7 @@ class _Closure:
 
     def __init__(self) -> None:
         self.seen: dict[str, set[int]] = {}
-        self.foreign: set[tuple[str, str]] = set()
+        self.bound: set[tuple[str, str]] = set()
         self.barred: set[tuple[str, int]] = set()
         self._taken: set[tuple[str, str, bool]] = set()
         self._whole: set[str] = set()
@@ -135,7 +135,7 @@ class _Closure:
             self._see(module, index)
         targets = source_of(module).imported.get(first, ())
         for target in targets:
-            self._follow(module, target, rest)
+            self._follow(f"{module}.{first}", target, rest)
         if inside or targets or first in _binders(module):
             return
         if path_of(f"{module}.{first}"):
@@ -144,11 +144,11 @@ class _Closure:
             self.take_all(module)
 
     def _follow(self, user: str, target: str, rest: list[str]) -> None:
+        """Reach what an import binds; that ``user`` stands for it counts too."""
+        self.bound.add((user, target))
         module, _, name = target.partition(":")
         if module.split(".")[0] == "fprc":
             self.arrive(module, [name, *rest] if name else rest)
-        else:
-            self.foreign.add((user, target))
 
     def arrive(self, module: str, rest: list[str]) -> None:
         """Reach a dotted name in a module, or the whole module."""
@@ -167,9 +167,9 @@ class _Closure:
         source = source_of(module)
         for index in range(len(source.statements)):
             self._see(module, index)
-        for targets in source.imported.values():
+        for name, targets in source.imported.items():
             for target in targets:
-                self._follow(module, target, [])
+                self._follow(f"{module}.{name}", target, [])
         for inner in modules():
             if inner.startswith(f"{module}."):
                 self.take_all(inner)

@@ -38,7 +38,7 @@ def taps(x: np.ndarray, size: int) -> np.ndarray:
 def lowpass(x: np.ndarray, epsilon: float) -> np.ndarray:
     """Filter x~(k) = epsilon x(k) + (1 - epsilon) x~(k-1), from x~(-1) = x(0)."""
     # scipy.signal.lfilter does it too; to load it takes half a second, and pandas is loaded anyway
-    return pd.Series(x).ewm(alpha=epsilon, adjust=False).mean().to_numpy()
+    return pd.Series(x).ewm(alpha=float(epsilon), adjust=False).mean().to_numpy()
 
 
 @cache
@@ -67,10 +67,10 @@ class _FeatureMap(TransformerMixin, BaseEstimator):
 
     def reset(self, x: ArrayLike | None = None) -> None:
         """Forget the past; with ``x``, as if it had been held for ever."""
-        self._streaming = False
-        if x is not None:
-            self._start(self._checked(x))
-            self._streaming = True
+        first = None if x is None else self._checked(x)
+        self._streaming = first is not None
+        if first is not None:
+            self._start(first)
 
     def step(self, x: ArrayLike) -> np.ndarray:
         """Return the features of the next sample ``x`` of shape (n_inputs,)."""

@@ -89,7 +89,7 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
     ) -> list["RidgeReadout"]:
         """Return a fitted copy for each part: trained on all rows but those of the part.
 
-        X^T X of all rows is summed once, and each part's is taken away again.
+        X^T X is summed once for each part; a copy adds up those of the other parts.
 
         Parameters
         ----------
@@ -103,12 +103,13 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
         for part in parts:
             extended = with_bias(X[part])
             sums.append((extended.T @ extended, extended.T @ y[part]))
-        gram, moments = (sum(each) for each in zip(*sums, strict=True))
         fitted = []
-        for gram_of_part, moments_of_part in sums:
+        for i in range(len(parts)):
+            others = sums[:i] + sums[i + 1 :]
+            gram, moments = (sum(each) for each in zip(*others, strict=True))
             readout = clone(self)
             readout.n_features_in_ = checked.n_features_in_
-            readout.w_out_ = solved(gram - gram_of_part, moments - moments_of_part, self.alpha)
+            readout.w_out_ = solved(gram, moments, self.alpha)
             fitted.append(readout)
         return fitted
 

@@ -1,6 +1,7 @@
 """A model with memory: a sequential feature map and a row-wise readout."""
 
 from abc import abstractmethod
+from copy import deepcopy
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -51,10 +52,10 @@ class SequenceModel(RegressorMixin, BaseEstimator):
         return self.readout_.predict(self.features_.transform(X))
 
     def assembled(self, features: BaseEstimator, readout: BaseEstimator) -> "SequenceModel":
-        """Return a fitted copy of this model made of fitted parts."""
+        """Return a fitted copy of this model made of fitted parts, with a stream of its own."""
         model = clone(self)
         model.n_features_in_ = features.n_features_in_
-        model.features_ = features
+        model.features_ = deepcopy(features)
         model.readout_ = readout
         return model
 

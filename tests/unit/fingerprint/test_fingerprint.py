@@ -366,6 +366,16 @@ def test_names_that_lead_in_a_circle_end(package):
     assert len(package.both()[1]) == 16
 
 
+def test_it_counts_which_of_two_known_constants_an_import_binds(package):
+    package.write("figures.py", "WIDTH = 3.5\nHEIGHT = 2.0\nBOTH = WIDTH + HEIGHT\n")
+    package.write(
+        "signals.py", "from fprc.figures import BOTH, WIDTH as size\nRATE = size * BOTH\n"
+    )
+    before = package.fingerprints("fprc.signals.RATE")
+    package.edit("signals.py", "WIDTH as size", "HEIGHT as size")
+    assert package.fingerprints("fprc.signals.RATE") != before
+
+
 def test_what_is_left_out_does_not_count_nor_what_it_alone_leads_to():
     models = {f"fprc.models.{name}" for name in ("esn.ESN", "features.EchoStates")}
     assert models <= reached("fprc.stages.judge.judge")

@@ -258,6 +258,16 @@ def test_nan_in_a_stream_is_refused_and_forgotten(features):
     assert_allclose(features.step(X[1]), features.transform(X)[1], rtol=1e-11)
 
 
+@MAPS
+def test_reset_that_is_refused_leaves_the_stream_as_it_was(features):
+    X = log(20)
+    features.fit(X)
+    features.step(X[0])
+    with pytest.raises(ValueError, match="NaN|nan|finite"):
+        features.reset([np.nan, 100.0])
+    assert_allclose(features.step(X[1]), features.transform(X)[1], rtol=1e-11)
+
+
 def log(size):
     time = np.arange(size) / 10.0
     return np.column_stack([20.0 + 15.0 * np.sin(time), 100.0 + 5.0 * np.cos(1.3 * time)])

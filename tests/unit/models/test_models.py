@@ -78,6 +78,16 @@ def test_prediction_between_two_steps_does_not_disturb_the_stream(fitted):
     assert_allclose(got, fitted.predict(X), rtol=0, atol=1e-9)
 
 
+def test_models_assembled_from_the_same_parts_have_streams_of_their_own(fitted):
+    X = other_inputs(fitted)
+    ours, theirs = (fitted.assembled(fitted.features_, fitted.readout_) for _ in range(2))
+    got = []
+    for x in X:
+        got.append(ours.step(x))
+        theirs.step(0.5 * x)
+    assert_allclose(got, fitted.predict(X), rtol=0, atol=1e-9)
+
+
 @pytest.mark.parametrize("name", ["fprc", "fuzzy_linear"])
 def test_step_of_a_fuzzy_model_allocates_less_than_one_array_of_its_rules(name):
     X = inputs(name, 300)
