@@ -33,7 +33,8 @@ except FprcError as error:
     raise WorkflowError(str(error)) from None
 
 
-container: "docker://python:3.12-slim"
+# the image that the Containerfile makes
+container: "docker-daemon://fprc:latest"
 
 
 include: "workflow/rules/common.smk"

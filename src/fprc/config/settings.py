@@ -1,9 +1,10 @@
 """All settings of the workflow; the defaults are the paper's."""
 
+from pathlib import PurePath
 from typing import Annotated, Literal
 
 from annotated_types import Ge, Le
-from pydantic import Field, field_validator, model_validator
+from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from fprc.config.calibration import Calibration, Ensemble
 from fprc.config.hardware import Hardware
@@ -260,11 +261,15 @@ class Tracking(Section):
         return self
 
 
+#: A folder under one name: `out/` and `./out` are `out`.
+Folder = Annotated[str, AfterValidator(lambda folder: str(PurePath(folder)))]
+
+
 class Folders(Section):
     """Where files go."""
 
-    raw: str = Field("data/raw", min_length=1, description="raw logs")
-    results: str = Field("results", min_length=1, description="everything generated")
+    raw: Folder = Field("data/raw", min_length=1, description="raw logs")
+    results: Folder = Field("results", min_length=1, description="everything generated")
 
 
 class Settings(Section):

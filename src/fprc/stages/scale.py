@@ -59,7 +59,7 @@ def measure_scale(
     Parameters
     ----------
     rigs : int
-        Rigs of the ensemble that are judged; the first one more, to warm up.
+        Rigs of the ensemble that are judged.
     jobs : sequence of int
         Sizes of the DAG that are planned.
     taps : sequence of Mapping

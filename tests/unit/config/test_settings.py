@@ -37,6 +37,11 @@ def value_at(settings, key):
     return settings
 
 
+@pytest.mark.parametrize("written", ["out/", "./out", "out//", "out"])
+def test_folder_has_one_name_however_it_is_written(written):
+    assert Settings(folders={"results": written}).folders.results == "out"
+
+
 def test_defaults_are_the_numbers_of_the_paper():
     settings = Settings()
     assert settings.control.sample_rate_hz == 200
