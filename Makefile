@@ -79,7 +79,7 @@ benchmark: .venv/.ready
 # the whole workflow beside the same rules plainly written: half an hour and more
 benchmark-all: benchmark
 	snakemake --cores $(CORES) --forcerun measure_all -- results/benchmark/all.json
-	snakemake --cores $(CORES) benchmark performance_page
+	snakemake --cores $(CORES) --forcerun benchmark_table -- benchmark performance_page
 
 .venv/.ready: environment.txt pyproject.toml
 	$(PYTHON) -c 'import sys; v = sys.version_info[:2]; (3, 11) <= v <= (3, 13) or sys.exit(f"fprc needs Python 3.11, 3.12 or 3.13, this is {v[0]}.{v[1]}; use: make PYTHON=python3.12 ...")'

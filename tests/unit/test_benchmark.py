@@ -105,8 +105,10 @@ def test_seconds_are_summed_over_the_jobs_of_each_rule(tmp_path):
     keep("another", "judge", "results/logs/judge_3.log", 5.0)
     keep("short", "table", "results/logs/table.log", 1.0)
     keep("elsewhere", "table", "results/smoke/logs/table.log", 9.0)
-    tabulate_rules(str(tmp_path / "rules.csv"), logs="results/logs", metadata=str(tmp_path))
-    table = pd.read_csv(tmp_path / "rules.csv")
+    keep("outside", "ensemble_chunk", "results/logs/ensemble_0.log", 900.0)
+    csv = tmp_path / "rules.csv"
+    tabulate_rules(str(csv), rules=["judge", "table"], logs="results/logs", metadata=str(tmp_path))
+    table = pd.read_csv(csv)
     assert table.to_dict("list") == {
         "rule": ["judge", "table"],
         "jobs": [2, 1],

@@ -2,6 +2,12 @@
 
 BENCHMARK = f"{RESULTS}/benchmark"
 WHOLE = f"{BENCHMARK}/all.json"
+#: Rules of `all`, and no others.
+IN_ALL = [
+    each.name
+    for each in workflow.rules
+    if Path(each.snakefile).stem not in ("calibration", "scaling", "benchmark")
+]
 SIZES = {
     "r": [100, 200, 400, 800, 1600, 3200],
     "samples": [1500, 3000, 6000, 12000, 24000],
@@ -59,7 +65,6 @@ rule benchmark_table:
     input:
         report=f"{BENCHMARK}/benchmark.json",
         rules=f"{BENCHMARK}/rules.csv",
-        whole=WHOLE if Path(WHOLE).exists() else [],
     output:
         csv=f"{BENCHMARK}/benchmark.csv",
         growth_csv=f"{BENCHMARK}/growth.csv",
@@ -68,6 +73,7 @@ rule benchmark_table:
     log:
         f"{RESULTS}/logs/benchmark_table.log",
     params:
+        whole=WHOLE,  # no input: it is not made anew for an edit
         code=code_of("benchmark_table"),
     message:
         "Speed beside other libraries: table"
@@ -100,6 +106,7 @@ rule rule_times:
     localrule: True
     params:
         logs=f"{RESULTS}/logs",
+        rules=IN_ALL,
         code=code_of("rule_times"),
     message:
         "What each rule took when it last ran"

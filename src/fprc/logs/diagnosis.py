@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from fprc.logs.resample import rate_of
 from fprc.logs.sealed import fit_sealed
 
 #: Longest time for which a working channel may stay at one value, s.
@@ -63,6 +64,7 @@ def _clock(time_s: np.ndarray) -> dict[str, Any]:
     return {
         "mean_hz": float(1.0 / steps.mean()),
         "median_hz": 1.0 / median,
+        "running_hz": rate_of(time_s),
         "jitter_p1_s": float(low),
         "jitter_p99_s": float(high),
         "jitter_max_s": float(np.abs(late).max()),

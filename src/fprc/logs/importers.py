@@ -109,9 +109,13 @@ def _instants(
     if "time" not in picked:
         return 0.0, np.arange(len(next(iter(picked.values())))) / time["rate_hz"]
     instants = picked["time"]
-    bad = _not_finite(source, time["column"], "time", instants, 0)
-    if bad:
-        raise LogError(bad[0])
+    bad = np.flatnonzero(~np.isfinite(instants))
+    if bad.size:
+        raise LogError(
+            f"{source.path}: time: {time['column']}: sample {bad[0]} is {instants[bad[0]]}, and "
+            f"{bad.size - 1} more are not finite; fill them in, delete those rows, or give "
+            "time.rate_hz"
+        )
     back = np.flatnonzero(np.diff(instants) <= 0.0)
     if back.size:
         k = int(back[0]) + 1

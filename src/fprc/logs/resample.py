@@ -8,6 +8,8 @@ from scipy.signal import fftconvolve, firwin, kaiser_beta
 
 #: Of the new Nyquist frequency: what is kept, and where nothing is left.
 PASS, STOP = 0.8, 1.0
+#: A step longer than this many usual ones is a pause.
+PAUSE_PERIODS = 3.0
 #: Suppression from ``STOP`` on.
 STOP_DB = 70.0
 
@@ -27,7 +29,7 @@ def resample(
     on, and every n-th sample is kept. At both ends the recording is continued
     by its reflection in the end point.
     """
-    source_hz = (len(time_s) - 1) / (time_s[-1] - time_s[0])
+    source_hz = rate_of(time_s)
     factor = _refinement(time_s, source_hz, rate_hz)
     samples = math.floor((time_s[-1] - time_s[0]) * rate_hz + 1e-6) + 1
     fine_s = time_s[0] + np.arange((samples - 1) * factor + 1) / (factor * rate_hz)
@@ -37,6 +39,12 @@ def resample(
         fine = values[: len(fine_s)] if aligned else np.interp(fine_s, time_s, values)
         resampled[name] = np.array(fine) if factor == 1 else _lowpass(fine, factor)[::factor]
     return time_s[0] + np.arange(samples) / rate_hz, resampled
+
+
+def rate_of(time_s: np.ndarray) -> float:
+    """Return the rate of a recording while it recorded, Hz: pauses do not count."""
+    steps_s = np.diff(time_s)
+    return 1.0 / float(steps_s[steps_s <= PAUSE_PERIODS * np.median(steps_s)].mean())
 
 
 def _refinement(time_s: np.ndarray, source_hz: float, rate_hz: float) -> int:

@@ -3,6 +3,7 @@
 import difflib
 import io
 import re
+import warnings
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -146,18 +147,26 @@ def _separator_of(lines: list[str]) -> str:
 
 def _parse(path: Path, lines: list[str], separator: str, columns: int, first: int) -> list:
     try:
-        table = pd.read_csv(
-            io.StringIO("\n".join(lines)),
-            sep=separator,
-            header=None,
-            names=range(columns),
-            index_col=False,
-            dtype=str,
-            skipinitialspace=True,
-            skip_blank_lines=False,
-            on_bad_lines="error",
-        )
-    except (pd.errors.ParserError, pd.errors.EmptyDataError, ValueError) as error:
+        with warnings.catch_warnings():
+            # fields beyond the header's are dropped with a warning alone
+            warnings.simplefilter("error", pd.errors.ParserWarning)
+            table = pd.read_csv(
+                io.StringIO("\n".join(lines)),
+                sep=separator,
+                header=None,
+                names=range(columns),
+                index_col=False,
+                dtype=str,
+                skipinitialspace=True,
+                skip_blank_lines=False,
+                on_bad_lines="error",
+            )
+    except (
+        pd.errors.ParserError,
+        pd.errors.ParserWarning,
+        pd.errors.EmptyDataError,
+        ValueError,
+    ) as error:
         raise LogError(
             f"{path}: cannot be read as text of {columns} columns from line {first} on ({error}); "
             "set csv.separator and csv.header_line"
@@ -173,12 +182,27 @@ def _number(text: str) -> bool:
     return True
 
 
+def _thousands(texts: pd.Series) -> pd.Series:
+    """Mark numbers with a comma, if all have three digits after it and others have no comma."""
+    comma = texts.str.contains(",", regex=False, na=False)
+    grouped = texts[comma].str.fullmatch(r"[+-]?\d{1,3}(,\d{3})+")
+    return comma & bool(comma.any() and not comma.all() and grouped.all())
+
+
 def _numbers(texts: pd.Series, decimal: str | None, *, comma: bool) -> tuple[np.ndarray, Any]:
-    """Return the numbers of a column, and the first row that holds none."""
+    """Return the numbers of a column, and the first row that holds none.
+
+    Where nothing says what a comma is, 980, 990, 1,000 may be thousands: no number.
+    """
     for mark in [decimal] if decimal else [".", ","] if comma else ["."]:
         plain = texts.str.replace(",", ".", regex=False) if mark == "," else texts
         values = pd.to_numeric(plain, errors="coerce")
-        bad = np.flatnonzero(values.isna() & texts.notna() & (texts.str.lower() != "nan"))
+        unread = values.isna() & texts.notna() & (texts.str.lower() != "nan")
+        if mark == ",":
+            unread |= texts.str.contains(".", regex=False, na=False)
+            if not decimal:
+                unread |= _thousands(texts)
+        bad = np.flatnonzero(unread)
         if not bad.size:
             return values.to_numpy(dtype=np.float64), None
     return values.to_numpy(dtype=np.float64), int(bad[0])
@@ -226,7 +250,10 @@ def _read_matlab(path: Path) -> Source:
     variables: dict[str, np.ndarray] = {}
     others: dict[str, str] = {}
     for name, value in _fields(content):
-        array = np.asarray(value)
+        try:
+            array = np.asarray(value)
+        except ValueError:  # a cell array of unlike things
+            array = np.array(None)
         if array.dtype.kind in "fiub":
             variables[name] = array.astype(np.float64)
         else:

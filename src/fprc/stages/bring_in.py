@@ -127,7 +127,7 @@ def _report(
     rate_hz = told.sample_rate_hz
     if same:
         how = "as they were"
-    elif found["clock"]["mean_hz"] > 1.01 * rate_hz:
+    elif found["clock"]["running_hz"] > 1.01 * rate_hz:
         how = f"low-passed below {0.5 * rate_hz:g} Hz and resampled"
     else:
         how = "interpolated"

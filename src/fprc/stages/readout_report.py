@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
@@ -16,6 +17,7 @@ from fprc.config import from_files
 from fprc.config.importing import ImportMap, read_map
 from fprc.errors import ConfigError
 from fprc.fingerprint import fingerprint
+from fprc.logs import read_columns
 from fprc.provenance import describe, sha256
 from fprc.stages.bring_in import bring_in_as
 from fprc.stages.draw_readout import draw_readout
@@ -27,6 +29,7 @@ from fprc.stages.tabulate import tabulate_readout
 log = logging.getLogger(__name__)
 
 PARTS = {"sweep": "training part", "complex": "test part"}
+PREDICTED = {"command": "commanded", "measured": "measured"}
 
 
 def report_readout(
@@ -160,7 +163,8 @@ def _judge(
             version=fingerprint("fprc.stages.readout"),
             progress=progress_bar(),
         )
-    tabulate_readout(cells, *(str(folder / f"readout.{kind}") for kind in ("csv", "md", "tex")))
+    written = (str(folder / f"readout.{kind}") for kind in ("csv", "md", "tex"))
+    tabulate_readout(cells, *written, parts=("the first part", "the second part"))
     drawn = draw_readout(cells, pdf, png)
     origin = describe(drawn, inputs=[cells], outputs=[pdf, png], settings=settings)
     write_json(folder / "readout.json", origin)
@@ -202,11 +206,13 @@ def _page(
         f"Data: {tables.SOURCES[made['source']]}; {rate_hz:g} samples a second, and epsilon "
         "and taps count in samples.",
         f"Trained before {told.test_from_s:g} s, tested from there on; models as in the paper"
-        f"{'' if _as_printed(settings) else ' but for the settings that were given'}.",
+        f"{'' if _as_printed(settings) else ' but for the settings that were given'}. "
+        f"Predicted is the {PREDICTED[made['target']]} P_exp.",
         "",
         "## Finding",
         "",
         *(f"- {line}" for line in findings(table, made["own"])),
+        f"- {scale(folder / 'raw/sweep.h5', settings['models']['fprc']['sigma'])}",
         "",
         "A low-pass of theta and a P_o shuffled in time are controls: what P_o is worth as a "
         "memory is what it gains over both. The spread of the test error is not known from one "
@@ -267,6 +273,17 @@ def findings(table: pd.DataFrame, own: Mapping[str, float]) -> list[str]:
         f"{change} than without a readout. It was chosen by the test, and flatters."
     )
     return lines
+
+
+def scale(log: Path, sigma: float) -> str:
+    """Say how far the inputs spread beside the width of the memberships."""
+    names = ("theta_deg", "p_o_kpa")
+    theta, p_o = (np.std(values) for values in read_columns(log, names).channels.values())
+    return (
+        f"The rules' memberships take distances on the numbers as they are: theta spreads by "
+        f"{theta:.3g} and P_o by {p_o:.3g} (standard deviations, first part) beside sigma = "
+        f"{sigma:g}. Another scale of theta gives another answer; try some."
+    )
 
 
 def _change(ours: float, other: float) -> str:

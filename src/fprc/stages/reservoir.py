@@ -11,7 +11,7 @@ from fprc.control import PressurePI, run
 from fprc.devices import Readings, SimulatedRig
 from fprc.errors import LogError
 from fprc.logs import read_raw, write_columns
-from fprc.logs.quality import notes_of
+from fprc.logs.quality import notes_of, something_else
 from fprc.logs.raw import SIMULATED_RESERVOIR
 from fprc.stages.record import RUNS
 
@@ -62,6 +62,12 @@ def add_reservoir(
         raise LogError(
             f"{raw}: source is {source}; a reservoir is simulated for recorded and imported logs, "
             "set evaluation.reservoir: recorded"
+        )
+    told = notes_of(recording).get("theta_deg", "")
+    if told.startswith(something_else("theta_deg")):
+        raise LogError(
+            f"{raw}: channel theta_deg: {told}; K_in takes degrees, so no reservoir can be "
+            "simulated: set evaluation.reservoir: recorded, or import an angle"
         )
     theta = recording.channels["theta_deg"]
     commands = commands_of(theta, zero_deg, control, raw)

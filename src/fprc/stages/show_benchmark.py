@@ -26,21 +26,22 @@ from fprc.tables.benchmark import (
 def tabulate_benchmark(
     report: str,
     rules: str,
-    whole: str | Sequence[str],
     csv: str,
     growth_csv: str,
     md: str,
     rules_md: str,
+    *,
+    whole: str,
 ) -> None:
     """Write the comparisons, the growth of the cost, and where the time goes.
 
     Parameters
     ----------
-    whole : str or empty sequence
-        What ``tests/plain.py`` found of the whole workflow; not measured if empty.
+    whole : str
+        What ``tests/plain.py`` found of the whole workflow, if it was measured.
     """
     content = read_json(report)
-    table = benchmark(content | ({"all": read_json(whole)} if whole else {}))
+    table = benchmark(content | ({"all": read_json(whole)} if Path(whole).exists() else {}))
     write_csv(csv, table)
     write_csv(growth_csv, growth(content))
     note = (
@@ -68,18 +69,23 @@ def draw_benchmark(report: str, pdf: str, png: str) -> Mapping[str, Any]:
     return style.save(fig, content, pdf, png)
 
 
-def tabulate_rules(csv: str, *, logs: str, metadata: str = ".snakemake/metadata") -> None:
+def tabulate_rules(
+    csv: str, *, rules: Sequence[str], logs: str, metadata: str = ".snakemake/metadata"
+) -> None:
     """Write what each rule took when it last ran, from what Snakemake keeps of its jobs.
 
     Parameters
     ----------
+    rules : sequence of str
+        The rules that count.
     logs : str
         The folder of the rules' logs; jobs that log elsewhere do not count.
     """
     jobs = {}
     for path in Path(metadata).rglob("*"):
         job = read_json(path) if path.is_file() else {}
-        if any(str(log).startswith(f"{logs}/") for log in job.get("log") or []):
+        told = any(str(log).startswith(f"{logs}/") for log in job.get("log") or [])
+        if told and job["rule"] in rules:
             jobs[tuple(job["log"])] = (job["rule"], job["endtime"] - job["starttime"])
     table = pd.DataFrame(jobs.values(), columns=["rule", "seconds"])
     summed = table.groupby("rule", as_index=False)["seconds"].agg(["count", "sum", "max"])

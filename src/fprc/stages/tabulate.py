@@ -142,16 +142,28 @@ def _run(path: str) -> dict[str, Any]:
     return {**described, "error_deg": (theta_d - theta)[judged]}
 
 
-def tabulate_readout(cells: str, csv: str, md: str, tex: str) -> None:
-    """Compare FPRC with and without P_o, and with stand-ins for it."""
+def tabulate_readout(
+    cells: str,
+    csv: str,
+    md: str,
+    tex: str,
+    parts: tuple[str, str] = ("the sweep", "the complex log"),
+) -> None:
+    """Compare FPRC with and without P_o, and with stand-ins for it.
+
+    Parameters
+    ----------
+    parts : tuple of str
+        What the models were trained on, and tested on.
+    """
     report = read_json(cells)
     table = tables.readout(report)
     own = report["own"]
     note = (
         "Readout value: FPRC with other things in place of P_o, at epsilon = "
         f"{own['epsilon']:g} and n_u = {own['n_u']}, mean ± standard deviation over folds.\n"
-        f"Data: {tables.SOURCES[report['source']]}, seed {report['seed']}; trained on the sweep, "
-        "tested on the complex log. Blocked folds keep neighbours in time out of the validation."
+        f"Data: {tables.SOURCES[report['source']]}, seed {report['seed']}; trained on {parts[0]}, "
+        f"tested on {parts[1]}. Blocked folds keep neighbours in time out of the validation."
     )
     _write(table, tables.readout_page(table, own), note, csv, md, tex)
 

@@ -140,6 +140,27 @@ def test_decimal_comma_is_found_out(tmp_path):
     assert pick(read_source(path), "angle").tolist() == COLUMNS["angle"].tolist()
 
 
+def test_decimal_commas_between_commas_are_refused(tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_text("t_ms,p_set,p_o\n0,1,0,50,1\n5,1,1,50,2\n10,1,2,50,3\n")
+    assert "csv.separator" in problem(read_source, path)
+
+
+@pytest.mark.parametrize("numbers", [["990", "999", "1,000"], ["1.5", "1,5", "2"]])
+def test_comma_that_may_be_of_thousands_is_no_number_until_it_is_said(tmp_path, numbers):
+    path = tmp_path / "log.csv"
+    path.write_text("t;p\n" + "".join(f"{k};{text}\n" for k, text in enumerate(numbers)))
+    source = read_source(path)
+    assert "csv.decimal" in source.others["p"]
+    assert "t" in source.variables
+
+
+def test_three_digits_after_every_comma_are_decimals(tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_text("t;p\n0;1,250\n1;1,500\n")
+    assert pick(read_source(path), "p").tolist() == [1.25, 1.5]
+
+
 def test_text_without_header_is_numbered(tmp_path):
     path = tmp_path / "log.csv"
     path.write_text("0,1.5\n1,2.5\n2,3.5\n")
@@ -250,6 +271,15 @@ def test_pictures_texts_and_single_numbers_are_no_channels(tmp_path):
     source = read_source(tmp_path / "log.h5")
     assert list(source.variables) == ["x"]
     assert set(source.others) == {"video", "who", "rate"}
+
+
+def test_cell_array_of_unlike_things_leaves_the_rest_of_the_file(tmp_path):
+    cells = np.empty(2, dtype=object)
+    cells[:] = [{"a": 1.0}, np.arange(5.0)]
+    scipy.io.savemat(tmp_path / "log.mat", {"c": cells, "x": np.arange(4.0)})
+    source = read_source(tmp_path / "log.mat")
+    assert list(source.variables) == ["x"]
+    assert list(source.others) == ["c"]
 
 
 READ_DAMAGED = """
