@@ -46,6 +46,16 @@ def test_readouts_of_complements_equal_those_trained_on_them():
         assert_allclose(ours.predict(X), plain.predict(X), rtol=1e-12)
 
 
+def test_part_that_is_large_costs_the_others_no_digits():
+    rng = np.random.default_rng(4)
+    X, y = rng.normal(0.0, 1.0, (200, 3)), rng.normal(0.0, 1.0, 200)
+    X[:50] *= 1e7
+    parts = np.array_split(np.arange(200), 4)
+    without_large = RidgeReadout(alpha=1e-3).fit_complements(X, y, parts)[0]
+    plain = RidgeReadout(alpha=1e-3).fit(X[50:], y[50:])
+    assert_allclose(without_large.w_out_, plain.w_out_, rtol=1e-9)
+
+
 @examples
 @given(problems(), st.integers(0, 2**32 - 1))
 def test_no_other_weights_have_a_smaller_objective(problem, seed):
