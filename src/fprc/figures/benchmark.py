@@ -14,7 +14,7 @@ def plot_growth(table: DataFrame, power: float, ax: Axes) -> Axes:
     table : DataFrame
         ``size``, ``seconds``, ``peak_mb``.
     power : float
-        Fitted exponent of the seconds.
+        Fitted exponent of the seconds, which stands above the panel.
     """
     ax.loglog(
         table["size"], table["seconds"], "o-", ms=2.5, color=COLOURS["theta"], label="time [s]"
@@ -23,7 +23,11 @@ def plot_growth(table: DataFrame, power: float, ax: Axes) -> Axes:
         table["size"], table["peak_mb"] / 1e3, "s--", ms=2.5, color=COLOURS["pd"],
         label="peak memory [GB]",
     )  # fmt: skip
-    ax.set_xticks(table["size"], [f"{size:g}" for size in table["size"]])
+    ax.set_xticks(table["size"], [_short(size) for size in table["size"]])
     ax.minorticks_off()
-    ax.text(0.04, 0.94, f"time ~ size$^{{{power:.2f}}}$", transform=ax.transAxes, va="top")
+    ax.set_title(f"$n^{{{power:.2f}}}$", loc="right")
     return ax
+
+
+def _short(size: float) -> str:
+    return f"{size:g}" if size < 1000 else f"{size / 1000:g}k"

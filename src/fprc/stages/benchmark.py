@@ -350,10 +350,10 @@ def growth(
 
     work = {
         "r": ("ESN states, nodes", states),
-        "samples": ("fuzzy c-means, samples", lambda n: clustered(n, 8)),
-        "clusters": ("fuzzy c-means, clusters", lambda k: clustered(len(rows), k)),
+        "samples": ("c-means, samples", lambda n: clustered(n, 8)),
+        "clusters": ("c-means, clusters", lambda k: clustered(len(rows), k)),
         "cells": ("sweep, cells", cells),
-        "workers": ("sweep of 16 cells, workers", lambda workers: cells(16, workers)),
+        "workers": ("16 sweep cells, workers", lambda workers: cells(16, workers)),
         "rigs": ("ensemble, rigs", rigs),
     }
     found = []
