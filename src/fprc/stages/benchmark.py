@@ -22,6 +22,7 @@ from fprc.evaluation.timing import interleaved, machine, time_steps
 from fprc.models import EchoStates, SequenceModel
 from fprc.models.echo import echo_states
 from fprc.models.fcm import fuzzy_c_means
+from fprc.models.features import aligned
 from fprc.stages import peers
 from fprc.stages.judge import Data, build, read_data
 from fprc.stages.record import acquire
@@ -238,7 +239,7 @@ def memory_bound(models: Mapping[str, Any], data: Data, rounds: int, seed: int) 
     """Return what W_r x alone takes: a step fetches all of W_r, and cannot be faster."""
     X = data.pair("esn")[0][:2000]
     features = build("esn", models, seed).make_features().fit(X)
-    x, W_r = peers.start_of(features, X), features.W_r_
+    x, W_r = peers.start_of(features, X), aligned(features.W_r_)
     seconds = interleaved({"product": lambda: [W_r @ x for _ in range(1000)]}, rounds)["product"]
     median = float(np.median(seconds)) / 1000
     return {"product_us": 1e6 * median, "gb_per_s": W_r.nbytes / median / 1e9}

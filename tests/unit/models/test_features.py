@@ -6,6 +6,7 @@ from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose
 
 from fprc.models import EchoStates, TapFeatures, lowpass, taps
+from fprc.models.features import aligned
 
 examples = settings(max_examples=50, deadline=None, derandomize=True)
 epsilons = st.floats(1e-4, 1.0)
@@ -266,6 +267,16 @@ def test_reset_that_is_refused_leaves_the_stream_as_it_was(features):
     with pytest.raises(ValueError, match="NaN|nan|finite"):
         features.reset([np.nan, 100.0])
     assert_allclose(features.step(X[1]), features.transform(X)[1], rtol=1e-11)
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_aligned_copy_is_equal_and_begins_at_a_cache_line(dtype):
+    for size in range(1, 40):
+        matrix = np.random.default_rng(size).normal(size=(size, size)).astype(dtype)
+        copy = aligned(matrix)
+        assert np.array_equal(copy, matrix)
+        assert copy.dtype == dtype
+        assert copy.ctypes.data % 64 == 0
 
 
 def log(size):
