@@ -354,7 +354,7 @@ def growth(
         "samples": ("c-means, samples", lambda n: clustered(n, 8)),
         "clusters": ("c-means, clusters", lambda k: clustered(len(rows), k)),
         "cells": ("sweep, cells", cells),
-        "workers": ("16 sweep cells, workers", lambda workers: cells(16, workers)),
+        "workers": ("sweep, workers", lambda workers: cells(16, workers)),
         "rigs": ("ensemble, rigs", rigs),
     }
     found = []
