@@ -96,6 +96,8 @@ class Program:
             env=environment(rig.path),
             stderr=subprocess.PIPE,
             start_new_session=True,
+            # a shell starts what it puts into the background deaf to Ctrl-C; a terminal does not
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
         )
 
     def writes(self):
