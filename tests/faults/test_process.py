@@ -73,6 +73,12 @@ def rig(shared):
     return shared
 
 
+def hear():
+    """Hear the signals that nohup, or a shell's background, makes a process deaf to."""
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)
+
+
 class Program:
     """``fprc rig`` in a session of its own, as a terminal would start it."""
 
@@ -96,8 +102,7 @@ class Program:
             env=environment(rig.path),
             stderr=subprocess.PIPE,
             start_new_session=True,
-            # a shell starts what it puts into the background deaf to Ctrl-C; a terminal does not
-            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+            preexec_fn=hear,
         )
 
     def writes(self):
