@@ -67,6 +67,8 @@ def test_whole_workflow_stands_in_the_table_once_it_was_measured():
     assert len(benchmark(report)) == 1
     _, row = benchmark(report | {"all": whole | {"difference": 0.01}}).itertuples()
     assert (row.ratio, row.against) == (15.0, "the same rules, plainly written")
+    page = benchmark_page(benchmark(report | {"all": whole | {"difference": 0.01}}))
+    assert page["Times faster"].iloc[-1] == "15.0 (once)"
     _, row = benchmark(report | {"all": whole | {"difference": 0.03}}).itertuples()
     assert np.isnan(row.ratio)
 

@@ -93,6 +93,8 @@ def benchmark_page(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _ratio(row: Any) -> str:
+    if row.ratio_low == row.ratio_high:
+        return f"{three_digits(row.ratio)} (once)"
     low, high = three_digits(row.ratio_low), three_digits(row.ratio_high)
     return f"{three_digits(row.ratio)} ({low} to {high})"
 
