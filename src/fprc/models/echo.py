@@ -9,10 +9,8 @@ LENGTH = 600
 MET = 64
 
 
-def echo_states(
-    X: np.ndarray, start: np.ndarray, w_in: np.ndarray, W_r: np.ndarray, gamma: float
-) -> np.ndarray:
-    """Return x(k) of Eq. (3) for each sample, x(0) being ``start``.
+def echo_states(X: np.ndarray, w_in: np.ndarray, W_r: np.ndarray, gamma: float) -> np.ndarray:
+    """Return x(k) of Eq. (3) for each sample, x(0) being 0.
 
     A step alone has to fetch all of W_r from memory, and waits for it. The log
     is therefore cut into segments that run side by side, a step of all of them
@@ -24,7 +22,6 @@ def echo_states(
     Parameters
     ----------
     X : ndarray of shape (n_samples, n_inputs)
-    start : ndarray of shape (r,)
     w_in : ndarray of shape (r, n_inputs)
     W_r : ndarray of shape (r, r)
         Its type, float64 or float32, is that of the arithmetic.
@@ -39,14 +36,13 @@ def echo_states(
         inputs = held.reshape(segments, LENGTH, -1)
         states = np.empty((segments, LENGTH, len(W_r)), W_r.dtype)
         begin = np.zeros((segments, len(W_r)), W_r.dtype)
-        begin[0] = start
         ends, _ = _run(inputs, begin, w_in, W_r, gamma, states)
         begin[1:] = ends[:-1]
         _, met = _run(inputs, begin, w_in, W_r, gamma, states, until_met=True)
         if met:
             return states.reshape(-1, len(W_r))[: len(X)]
     states = np.empty((1, len(X), len(W_r)), W_r.dtype)
-    _run(X[None], start[None].astype(W_r.dtype), w_in, W_r, gamma, states)
+    _run(X[None], np.zeros((1, len(W_r)), W_r.dtype), w_in, W_r, gamma, states)
     return states[0]
 
 

@@ -6,16 +6,14 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial.distance import cdist
 from sklearn.cluster import kmeans_plusplus
 from sklearn.exceptions import ConvergenceWarning
+
+from fprc.models.kernels import alternate
 
 #: A sample within this share of the largest number counts as lying on a centre:
 #: below it a distance is rounding of the centre.
 NEAR = 64.0 * np.finfo(float).eps
-
-#: Samples that are worked on at a time.
-BLOCK = 2048
 
 #: Memberships that change by less are near enough to an optimum to extrapolate; before,
 #: a leap could end in another one.
@@ -83,14 +81,16 @@ def fuzzy_c_means(
 
 
 def _settle(X: np.ndarray, centers: np.ndarray, tolerance: float, limit: int) -> Clusters:
+    columns = np.ascontiguousarray(X.T)
     lowest, highest = X.min(axis=0), X.max(axis=0)
+    floor = max((NEAR * np.abs(X).max()) ** 2, np.finfo(float).tiny ** 0.5)
     found = Clusters(centers, np.zeros((len(centers), len(X))), np.inf)
     spare = np.empty_like(found.memberships)
     past: deque[tuple[np.ndarray, np.ndarray]] = deque(maxlen=DEPTH + 1)
     tries, stretch = [centers], 1.0  # the last try is a plain step, which raises no objective
     for _ in range(limit):
         centers = np.clip(tries.pop(0), lowest, highest)
-        objective, change, means = _pass(X, centers, found.memberships, spare)
+        objective, change, means = alternate(columns, centers, found.memberships, spare, floor)
         if tries and objective > found.objective * (1.0 + ROUNDING):
             stretch = 1.0 if len(tries) == 1 else 2.0 * stretch
             past.clear()
@@ -123,27 +123,3 @@ def _extrapolated(past: Sequence[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
     ends, steps = (np.array(each).reshape(len(past), -1) for each in zip(*past, strict=True))
     along = np.linalg.lstsq(np.diff(steps, axis=0).T, steps[-1], rcond=RANK)[0]
     return (ends[-1] - along @ np.diff(ends, axis=0)).reshape(past[-1][0].shape)
-
-
-def _pass(
-    X: np.ndarray, centers: np.ndarray, before: np.ndarray, memberships: np.ndarray
-) -> tuple[float, float, np.ndarray]:
-    """Write the memberships, a row a cluster; return objective, largest change and new centres.
-
-    Sums over the few clusters run along the rows, in blocks that stay in the cache.
-    """
-    floor = max((NEAR * np.abs(X).max()) ** 2, np.finfo(float).tiny ** 0.5)
-    objective, change = 0.0, 0.0
-    weights, sums = np.zeros((len(centers), 1)), np.zeros(centers.shape)
-    for start in range(0, len(X), BLOCK):
-        block = slice(start, start + BLOCK)
-        closeness = 1.0 / np.maximum(cdist(centers, X[block], "sqeuclidean"), floor)
-        total = closeness.sum(axis=0)
-        u = closeness / total
-        objective += float((1.0 / total).sum())
-        change = max(change, float(np.abs(u - before[:, block]).max()))
-        memberships[:, block] = u
-        shares = u * u
-        weights += shares.sum(axis=1, keepdims=True)
-        sums += shares @ X[block]
-    return objective, change, sums / weights

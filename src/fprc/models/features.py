@@ -5,8 +5,6 @@ sample (``step``), with the same result. Before a log begins its first sample
 is held for ever.
 """
 
-from collections.abc import Callable
-from functools import cache
 from math import isfinite
 
 import numpy as np
@@ -17,6 +15,7 @@ from sklearn.utils import check_random_state
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.models.echo import echo_states
+from fprc.models.kernels import excite, leak, shift
 from fprc.models.limits import Limit, check_limits
 
 
@@ -39,14 +38,6 @@ def lowpass(x: np.ndarray, epsilon: float) -> np.ndarray:
     """Filter x~(k) = epsilon x(k) + (1 - epsilon) x~(k-1), from x~(-1) = x(0)."""
     # scipy.signal.lfilter does it too; to load it takes half a second, and pandas is loaded anyway
     return pd.Series(x).ewm(alpha=float(epsilon), adjust=False).mean().to_numpy()
-
-
-@cache
-def _shift() -> Callable[..., None]:
-    # numba is loaded by those who step, not by all who import a model
-    from fprc.models.kernels import shift
-
-    return shift
 
 
 class _FeatureMap(TransformerMixin, BaseEstimator):
@@ -168,7 +159,7 @@ class TapFeatures(_FeatureMap):
         self._split = split
 
     def _step(self, x: np.ndarray) -> np.ndarray:
-        _shift()(self._row, self._first, self._filtered, x, self._split, float(self.epsilon))
+        shift(self._row, self._first, self._filtered, x, self._split, float(self.epsilon))
         return self._row
 
 
@@ -189,7 +180,8 @@ class EchoStates(_FeatureMap):
     gamma : float, default=0.8
         Leaky rate, in [0, 1).
     rho : float, default=0.4
-        Spectral radius: largest absolute eigenvalue of the dense W_r.
+        Spectral radius: largest absolute eigenvalue of the dense W_r, whose numbers are
+        then rounded to float32.
     n_y : int, default=5
         Taps of every input, >= 1.
     washout : int, default=100
@@ -233,7 +225,9 @@ class EchoStates(_FeatureMap):
         rng = check_random_state(self.random_state)
         self.w_in_ = self.f_input * rng.standard_normal((self.r, n_inputs))
         dense = rng.standard_normal((self.r, self.r))
-        self.W_r_ = dense * (self.rho / np.abs(np.linalg.eigvals(dense)).max())
+        dense *= self.rho / np.abs(np.linalg.eigvals(dense)).max()
+        # to numbers that float32 has: drawn at random as well, and half the bytes in a step
+        self.W_r_ = dense.astype(np.float32).astype(np.float64)
 
     def _transform(self, X: np.ndarray) -> np.ndarray:
         if len(X) < self.n_y:
@@ -242,35 +236,44 @@ class EchoStates(_FeatureMap):
                 "use fewer taps or a longer log"
             )
         references = np.hstack([taps(column, self.n_y) for column in X.T])
-        states = echo_states(X, self._settled(X[0]), self.w_in_, self.W_r_, self.gamma)
+        held = np.concatenate([np.repeat(X[:1], self.washout, axis=0), X])
+        states = echo_states(held, self.w_in_, self.W_r_, self.gamma)[self.washout :]
         return np.hstack([references, states])
 
-    def _update(self, x: np.ndarray, drive: np.ndarray, W_r: np.ndarray) -> np.ndarray:
-        return self.gamma * x + (1.0 - self.gamma) * np.tanh(drive + W_r @ x)
-
-    def _settled(self, first: np.ndarray) -> np.ndarray:
-        x = np.zeros(self.r)
-        drive = self.w_in_ @ first
-        for _ in range(self.washout):
-            x = self._update(x, drive, self.W_r_)
-        return x
-
     def _start(self, x: np.ndarray) -> None:
-        self._W_r = aligned(self.W_r_)
-        self._state = self._settled(x)
-        self._past = np.repeat(x, self.n_y)
+        self._W_r = narrowed(self.W_r_)
+        self._state, self._target = np.zeros(self.r), np.empty(self.r)
+        self._downwards = True
+        for _ in range(self.washout):
+            self._update(x)
+        self._row = np.concatenate([np.repeat(x, self.n_y), self._state])
         self._first = np.arange(len(x)) * self.n_y
+        self._latest = x.copy()
 
     def _step(self, x: np.ndarray) -> np.ndarray:
-        self._past[1:] = self._past[:-1]
-        self._past[self._first] = x
-        row = np.concatenate([self._past, self._state])
-        self._state = self._update(self._state, self.w_in_ @ x, self._W_r)
-        return row
+        shift(self._row[: -self.r], self._first, self._latest, x, len(x), 1.0)
+        self._row[-self.r :] = self._state
+        self._update(x)
+        return self._row
+
+    def _update(self, u: np.ndarray) -> None:
+        excite(self._W_r, self._state, self.w_in_, u, self._target, self._downwards)
+        np.tanh(self._target, out=self._target)
+        leak(self._state, self._target, float(self.gamma))
+        self._downwards = not self._downwards
+
+
+def narrowed(matrix: np.ndarray) -> np.ndarray:
+    """Return the same numbers in half the bytes if float32 has them, from a cache line on.
+
+    A step is bound by memory.
+    """
+    halved = matrix.astype(np.float32)
+    return aligned(halved if np.array_equal(halved, matrix) else matrix)
 
 
 def aligned(matrix: np.ndarray) -> np.ndarray:
-    """Copy to where a cache line begins: a step is bound by memory, and is a tenth faster."""
+    """Copy to where a cache line begins."""
     line = 64
     room = np.empty(matrix.nbytes + line, np.uint8)
     first = -room.ctypes.data % line

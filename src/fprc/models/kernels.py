@@ -1,8 +1,17 @@
-"""A step of the fuzzy models, compiled: on so few numbers NumPy is mostly calls."""
+"""What the models compute most often, compiled.
+
+On the few numbers of one step NumPy is mostly calls; over many rows it writes
+and reads what a compiled loop keeps at hand.
+"""
 
 import math
 
-from fprc.compiled import kernel
+import numpy as np
+
+from fprc.compiled import kernel, summing_kernel
+
+#: Samples that are worked on at a time: what is written for them stays in the cache.
+BLOCK = 512
 
 
 @kernel
@@ -55,3 +64,95 @@ def _distance2(x, center):
         away = x[j] - center[j]
         distance2 += away * away
     return distance2
+
+
+@summing_kernel
+def excite(W_r, x, w_in, u, target, downwards):
+    """Write w_in u + W_r x, four rows at a time, which share what is read of x.
+
+    ``W_r`` may be in float32, the arithmetic is in float64. Who alternates between
+    ``downwards`` and not begins with the rows that the cache still holds.
+    """
+    last, way = len(x) - 1, 1 if downwards else -1
+    first = 0 if downwards else last
+    for i in range(0, len(x), 4):
+        a = first + way * i
+        b = first + way * min(i + 1, last)
+        c = first + way * min(i + 2, last)
+        d = first + way * min(i + 3, last)
+        p = q = r = s = 0.0
+        for k in range(len(x)):
+            p += W_r[a, k] * x[k]
+            q += W_r[b, k] * x[k]
+            r += W_r[c, k] * x[k]
+            s += W_r[d, k] * x[k]
+        target[a], target[b], target[c], target[d] = p, q, r, s
+    for i in range(len(x)):
+        for k in range(u.size):
+            target[i] += w_in[i, k] * u[k]
+
+
+@kernel
+def leak(x, target, gamma):
+    """Move ``x`` towards ``target``, in place (Eq. 3)."""
+    for i in range(x.size):
+        x[i] = gamma * x[i] + (1.0 - gamma) * target[i]
+
+
+@summing_kernel
+def alternate(columns, centers, before, memberships, floor):
+    """Do an iteration of fuzzy c-means: write the memberships in ``centers``, and average.
+
+    Parameters
+    ----------
+    columns : ndarray of shape (n_features, n_samples)
+    centers : ndarray of shape (n_clusters, n_features)
+    before, memberships : ndarray of shape (n_clusters, n_samples)
+    floor : float
+        Least squared distance of a sample from a centre.
+
+    Returns
+    -------
+    tuple of (float, float, ndarray)
+        Objective at ``centers``, largest change of a membership from ``before``,
+        and the new centres.
+    """
+    n_samples, n_clusters = columns.shape[1], len(centers)
+    closeness, total = np.empty((n_clusters, BLOCK)), np.empty(BLOCK)
+    weights, sums = np.zeros(n_clusters), np.zeros(centers.shape)
+    objective = change = 0.0
+    for start in range(0, n_samples, BLOCK):
+        block = slice(start, min(start + BLOCK, n_samples))
+        size = block.stop - start
+        total[:] = 0.0
+        for i in range(n_clusters):
+            near = closeness[i]
+            near[:] = 0.0
+            for j in range(len(columns)):
+                x = columns[j, block]
+                for k in range(size):
+                    away = x[k] - centers[i, j]
+                    near[k] += away * away
+            for k in range(size):
+                near[k] = 1.0 / max(near[k], floor)
+                total[k] += near[k]
+        for k in range(size):
+            total[k] = 1.0 / total[k]
+            objective += total[k]
+        for i in range(n_clusters):
+            share, old, new = closeness[i], before[i, block], memberships[i, block]
+            most = weight = 0.0
+            for k in range(size):
+                new[k] = share[k] * total[k]
+                most = max(most, abs(new[k] - old[k]))
+                share[k] = new[k] * new[k]
+                weight += share[k]
+            change = max(change, most)
+            weights[i] += weight
+            for j in range(len(columns)):
+                x = columns[j, block]
+                moment = 0.0
+                for k in range(size):
+                    moment += share[k] * x[k]
+                sums[i, j] += moment
+    return objective, change, sums / weights.reshape(-1, 1)

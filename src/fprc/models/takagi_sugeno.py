@@ -1,8 +1,5 @@
 """Takagi-Sugeno fuzzy readout."""
 
-from collections.abc import Callable
-from functools import cache
-
 import numpy as np
 from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator, RegressorMixin
@@ -10,6 +7,7 @@ from sklearn.utils import check_random_state
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.models.fcm import fuzzy_c_means
+from fprc.models.kernels import blend
 from fprc.models.limits import Limit, check_limits
 from fprc.models.membership import gaussian_memberships
 from fprc.models.ridge import ridge_weights, with_bias
@@ -82,12 +80,4 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
 
     def output(self, x: np.ndarray) -> float:
         """Return the output of one row of features, without checks."""
-        return _blend()(x, self.centers_, self.W_out_, float(self.sigma))
-
-
-@cache
-def _blend() -> Callable[..., float]:
-    # numba is loaded by those who step, not by all who import a model
-    from fprc.models.kernels import blend
-
-    return blend
+        return blend(x, self.centers_, self.W_out_, float(self.sigma))

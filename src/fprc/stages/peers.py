@@ -32,16 +32,10 @@ def refuse_missing() -> None:
         raise FprcError("the benchmark needs reservoirpy and scikit-fuzzy; use `make benchmark`")
 
 
-def start_of(features: EchoStates, X: np.ndarray) -> np.ndarray:
-    """Return x(0), after the washout."""
-    features.reset(X[0])
-    return features.step(X[0])[features.n_y * X.shape[1] :]
-
-
 def reservoirpy_network(
     features: EchoStates, X: np.ndarray, dtype: type = np.float64
 ) -> "Reservoir":
-    """Return ReservoirPy's network with the same weights and state; its leak is 1 - gamma."""
+    """Return ReservoirPy's network with the same weights, at 0; its leak is 1 - gamma."""
     network = Reservoir(
         W=features.W_r_.astype(dtype),
         Win=features.w_in_.astype(dtype),
@@ -50,14 +44,13 @@ def reservoirpy_network(
         dtype=dtype,
     )
     network.initialize(X.astype(dtype))
-    network.state = {"out": start_of(features, X).astype(dtype)}
     return network
 
 
 def reservoirpy_states(features: EchoStates, X: np.ndarray, dtype: type = np.float64) -> np.ndarray:
     """Return x(k) of every sample, by ReservoirPy; it gives x(k+1) upon sample k."""
     after = reservoirpy_network(features, X, dtype).run(X.astype(dtype))
-    return np.vstack([start_of(features, X).astype(dtype), after[:-1]])
+    return np.vstack([np.zeros_like(after[:1]), after[:-1]])
 
 
 def reservoirpy_steps(features: EchoStates, X: np.ndarray) -> np.ndarray:
@@ -71,7 +64,7 @@ def reservoirpy_steps(features: EchoStates, X: np.ndarray) -> np.ndarray:
 def numpy_states(features: EchoStates, X: np.ndarray) -> np.ndarray:
     """Return x(k) of every sample, Eq. (3) as a loop."""
     w_in, W_r, gamma = features.w_in_, features.W_r_, features.gamma
-    states, x = np.empty((len(X), features.r)), start_of(features, X)
+    states, x = np.empty((len(X), features.r)), np.zeros(features.r)
     for k, theta in enumerate(X):
         states[k] = x
         x = gamma * x + (1.0 - gamma) * np.tanh(w_in @ theta + W_r @ x)

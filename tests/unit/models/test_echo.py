@@ -18,8 +18,8 @@ def angles(size, inputs=1):
     return 30.0 + 25.0 * np.sin(0.01 * time) + np.random.default_rng(1).normal(size=(size, inputs))
 
 
-def by_step(X, x, w_in, W_r, gamma):
-    states = np.empty((len(X), len(W_r)))
+def by_step(X, w_in, W_r, gamma):
+    states, x = np.empty((len(X), len(W_r))), np.zeros(len(W_r))
     for k, theta in enumerate(X):
         states[k] = x
         x = gamma * x + (1.0 - gamma) * np.tanh(w_in @ theta + W_r @ x)
@@ -44,30 +44,30 @@ def runs(monkeypatch):
 @pytest.mark.parametrize("inputs", [1, 2])
 def test_segments_give_the_states_of_steps(size, inputs):
     w_in, W_r = network(inputs=inputs)
-    X, start = angles(size, inputs), np.full(len(W_r), 0.1)
-    expected = by_step(X, start, w_in, W_r, 0.8)
-    assert_allclose(echo_states(X, start, w_in, W_r, 0.8), expected, rtol=0, atol=1e-13)
+    X = angles(size, inputs)
+    expected = by_step(X, w_in, W_r, 0.8)
+    assert_allclose(echo_states(X, w_in, W_r, 0.8), expected, rtol=0, atol=1e-13)
 
 
 def test_network_that_forgets_runs_twice_in_segments(runs):
     w_in, W_r = network()
-    echo_states(angles(3000), np.zeros(len(W_r)), w_in, W_r, 0.8)
+    echo_states(angles(3000), w_in, W_r, 0.8)
     assert runs == [(5, 600), (5, 600)]
 
 
 def test_network_that_does_not_forget_runs_sample_by_sample(runs):
-    w_in, W_r = network(rho=3.0)
-    X, start = angles(3000), np.full(len(W_r), 0.1)
-    states = echo_states(X, start, 0.01 * w_in, W_r, 0.5)
+    w_in, W_r = network(r=100, rho=3.0)
+    X = angles(3000)
+    states = echo_states(X, 0.01 * w_in, W_r, 0.5)
     assert runs[-1] == (1, 3000)
     # chaos: no two ways of rounding agree for long
-    assert_allclose(states[:10], by_step(X[:10], start, 0.01 * w_in, W_r, 0.5), atol=1e-9)
+    assert_allclose(states[:10], by_step(X[:10], 0.01 * w_in, W_r, 0.5), atol=1e-9)
 
 
 def test_single_precision_is_near(runs):
     w_in, W_r = network()
-    X, start = angles(3000), np.zeros(len(W_r))
-    single = echo_states(*(each.astype(np.float32) for each in (X, start, w_in, W_r)), 0.8)
+    X = angles(3000)
+    single = echo_states(*(each.astype(np.float32) for each in (X, w_in, W_r)), 0.8)
     assert single.dtype == np.float32
     assert len(runs) == 2
-    assert_allclose(single, by_step(X, start, w_in, W_r, 0.8), atol=1e-5)
+    assert_allclose(single, by_step(X, w_in, W_r, 0.8), atol=1e-5)

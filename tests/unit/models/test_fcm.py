@@ -12,6 +12,7 @@ from sklearn.exceptions import ConvergenceWarning
 
 from fprc.models import fcm
 from fprc.models.fcm import fuzzy_c_means
+from fprc.models.kernels import BLOCK, alternate
 
 examples = settings(max_examples=40, deadline=None, derandomize=True)
 seeds = st.integers(0, 2**32 - 1)
@@ -137,20 +138,28 @@ def test_saddle_is_left_in_an_eighth_of_the_plain_iterations():
     assert_allclose(ours.objective, objective, rtol=1e-10)
 
 
-def test_samples_of_more_than_one_block_count_alike(monkeypatch):
-    X = hysteresis(1000)
-    whole = fuzzy_c_means(X, 4, random_state=0, tolerance=1e-9)
-    monkeypatch.setattr(fcm, "BLOCK", 77)
-    parts = fuzzy_c_means(X, 4, random_state=0, tolerance=1e-9)
-    assert_allclose(parts.objective, whole.objective, rtol=1e-12)
-    assert_allclose(parts.memberships, whole.memberships, atol=1e-8)
+@pytest.mark.parametrize("size", [1, 2, BLOCK - 1, BLOCK, BLOCK + 1, 3 * BLOCK + 7])
+@pytest.mark.parametrize("n_clusters", [1, 3])
+def test_iteration_equals_its_formulas_for_any_number_of_blocks(size, n_clusters):
+    rng = np.random.default_rng(size)
+    X, centers = rng.normal(size=(size, 2)), rng.normal(size=(n_clusters, 2))
+    before, memberships = rng.uniform(size=(2, n_clusters, size))
+    objective, change, means = alternate(
+        np.ascontiguousarray(X.T), centers, before, memberships, 1e-300
+    )
+    distance2 = cdist(centers, X, "sqeuclidean")
+    u = 1.0 / (distance2 * (1.0 / distance2).sum(axis=0))
+    assert_allclose(memberships, u, rtol=1e-12)
+    assert_allclose(objective, (u**2 * distance2).sum(), rtol=1e-12)
+    assert_allclose(change, np.abs(u - before).max(), rtol=1e-12)
+    assert_allclose(means, u**2 @ X / (u**2).sum(axis=1, keepdims=True), rtol=1e-11, atol=1e-13)
 
 
 def test_one_cluster_is_the_mean():
     X = blobs(5)
     clusters = fuzzy_c_means(X, 1, random_state=0)
     assert_allclose(clusters.centers, X.mean(axis=0, keepdims=True), rtol=1e-12)
-    assert np.all(clusters.memberships == 1.0)
+    assert_allclose(clusters.memberships, 1.0, rtol=1e-15)
 
 
 def test_as_many_clusters_as_samples_leave_nothing_over():
