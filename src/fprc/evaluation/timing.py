@@ -3,6 +3,7 @@
 import platform
 import time
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,9 @@ from sklearn.base import clone
 from threadpoolctl import threadpool_info
 
 from fprc.models import SequenceModel
+
+#: Samples of the warm-up: enough for what is compiled or allocated once.
+WARM_UP = 1000
 
 
 def time_model(
@@ -21,7 +25,7 @@ def time_model(
     modes: tuple[str, ...] = ("sequential", "batch"),
     progress: Callable[[str], None] = lambda what: None,
 ) -> list[dict[str, Any]]:
-    """Time one model, ``repeats`` times in each mode, after a warm-up.
+    """Time one model, ``repeats`` times in each mode, after a warm-up on the first samples.
 
     Sequential is what a controller pays: the features of each sample by
     ``step``, then, in training, the fit of the readout. Batch computes whole
@@ -35,20 +39,20 @@ def time_model(
     """
     fitted = clone(model).fit(*train)
     work = {
-        ("train", "sequential"): lambda: _train_by_step(model, fitted, *train),
-        ("train", "batch"): lambda: _train(model, fitted.features_.transform(train[0]), train[1]),
-        ("test", "sequential"): lambda: _steps(fitted, test[0]),
-        ("test", "batch"): lambda: fitted.predict(test[0]),
+        ("train", "sequential"): lambda X, y: _train_by_step(model, fitted, X, y),
+        ("train", "batch"): lambda X, y: _train(model, fitted.features_.transform(X), y),
+        ("test", "sequential"): lambda X, y: _steps(fitted, X),
+        ("test", "batch"): lambda X, y: fitted.predict(X),
     }
     results = []
     for (phase, mode), run in work.items():
         if mode not in modes:
             continue
         progress(f"{phase}, {mode}")
-        samples = len(train[0] if phase == "train" else test[0])
-        run()
-        seconds = [_seconds(run) for _ in range(repeats)]
-        results.append({"phase": phase, "mode": mode, "samples": samples, "seconds": seconds})
+        X, y = train if phase == "train" else test
+        run(X[:WARM_UP], y[:WARM_UP])
+        seconds = [_seconds(partial(run, X, y)) for _ in range(repeats)]
+        results.append({"phase": phase, "mode": mode, "samples": len(X), "seconds": seconds})
     return results
 
 
