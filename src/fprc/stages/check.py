@@ -25,6 +25,9 @@ def check_results(
 ) -> None:
     """Check verdicts, files and pictures.
 
+    A verdict on execution times that is not as declared is told, and is no
+    problem: another machine may judge them otherwise.
+
     Parameters
     ----------
     ledger, known : str
@@ -44,9 +47,15 @@ def check_results(
     """
     with open(known, encoding="utf-8") as file:
         declared = yaml.safe_load(file)
+    claims = read_json(ledger)["claims"]
+    timed = {row["id"] for row in claims if row["rig"] == "timed"}
+    changed = changed_verdicts(claims, declared)
+    of_times = [line for line in changed if line.split(":")[0] in timed]
+    for line in of_times:
+        log.warning("%s; a time, which this machine may judge otherwise", line)
     found = {
         f"verdicts are not those of {known}; see the ledger, and declare them there if they are "
-        "right": changed_verdicts(read_json(ledger)["claims"], declared),
+        "right": [line for line in changed if line not in of_times],
         "files that no rule makes; remove them, or keep them elsewhere": [
             *orphans(folders["results"], folders["raw"], made),
             *strangers(pictures),
@@ -62,7 +71,10 @@ def check_results(
     ]
     if problems:
         raise FprcError("\n".join(problems))
-    log.info("all %d verdicts are as declared; every file has its rule", len(declared))
+    as_declared = len(declared) - len(of_times)
+    log.info(
+        "%d of %d verdicts are as declared; every file has its rule", as_declared, len(declared)
+    )
 
 
 def orphans(results: str, raw: str, made: Sequence[str]) -> Iterator[str]:

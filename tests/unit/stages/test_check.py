@@ -20,7 +20,7 @@ def folder(tmp_path, monkeypatch):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text("x")
     (tmp_path / "results/claims.json").write_text(
-        json.dumps({"claims": [{"id": "C1", "verdict": "reproduced"}]})
+        json.dumps({"claims": [{"id": "C1", "verdict": "reproduced", "rig": "fitted"}]})
     )
     (tmp_path / "known.yaml").write_text(yaml.safe_dump({"C1": "reproduced"}))
     (tmp_path / "docs").mkdir()
@@ -36,6 +36,24 @@ def check(**changed):
         "pictures": {"docs/one.png": "results/one.png", "docs/two.png": "results/two.png"},
     }
     check_results("results/claims.json", "known.yaml", **(settings | changed))
+
+
+@pytest.mark.parametrize("rig", ["fitted", "predicted", "assumed"])
+def test_verdict_that_is_not_as_declared_is_reported(folder, rig):
+    judge(folder, rig, "not reproduced")
+    with pytest.raises(FprcError, match="C1: not reproduced, but reproduced is declared"):
+        check()
+
+
+def test_verdict_on_times_that_is_not_as_declared_is_told_and_no_problem(folder, caplog):
+    judge(folder, "timed", "not reproduced")
+    check()
+    assert "C1: not reproduced, but reproduced is declared; a time" in caplog.text
+
+
+def judge(folder, rig, verdict):
+    claim = {"id": "C1", "verdict": verdict, "rig": rig}
+    (folder / "results/claims.json").write_text(json.dumps({"claims": [claim]}))
 
 
 def test_results_as_a_run_leaves_them_are_in_order(folder):
