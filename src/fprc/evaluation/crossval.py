@@ -82,7 +82,21 @@ def cross_validate(
     """
     with refusals_of(model):
         features = model.make_features().fit(X)
-        folded = fit_folds(model.make_readout(), features.transform(X), y, folds, progress)
+        rows = features.transform(X)
+    return validate_rows(model, features, rows, y, folds, progress)
+
+
+def validate_rows(
+    model: SequenceModel,
+    features: BaseEstimator,
+    rows: np.ndarray,
+    y: np.ndarray,
+    folds: Sequence[Fold],
+    progress: Progress = lambda fold, e_train, e_validation: None,
+) -> Judgement:
+    """Do as ``cross_validate`` where the features of the log, ``rows``, are known already."""
+    with refusals_of(model):
+        folded = fit_folds(model.make_readout(), rows, y, folds, progress)
     return Judgement(*folded[:4], model.assembled(features, folded.readout))
 
 

@@ -35,7 +35,7 @@ from fprc.config.rig import Rig
 from fprc.errors import ConfigError, FprcError
 from fprc.fingerprint import fingerprint
 from fprc.provenance import hash_of
-from fprc.stages.judge import INPUTS, judge_model
+from fprc.stages.judge import DIRECTIONS, INPUTS, judge_directions
 from fprc.stages.replicate import simulate
 from fprc.tables.names import PRINTED
 
@@ -259,11 +259,9 @@ def _judge_fully(
 ) -> dict[str, float]:
     data = simulate(rig=rig, seed=seed, **experiments)
     errors = {}
-    for train, test in (("sweep", "complex"), ("complex", "sweep")):
-        for name in INPUTS:
-            _, report, _ = judge_model(
-                name, seed=seed, train=data[train], test=data[test], **judgement
-            )
+    for name in INPUTS:
+        judged = judge_directions(name, seed=seed, logs=data, directions=DIRECTIONS, **judgement)
+        for (train, _), (_, report, _) in zip(DIRECTIONS, judged, strict=True):
             errors[f"{train}/{name}/train"] = float(np.mean(report["train_rmse_kpa"]))
             errors[f"{train}/{name}/test"] = report["test_rmse_kpa"]
     return errors

@@ -1,18 +1,25 @@
 """Cross-validation, test and timing of the models."""
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from fprc.artifacts import replacing, write_json
 from fprc.errors import LogError
-from fprc.evaluation import Judgement, cross_validate, rmse, split_rows
+from fprc.evaluation import Judgement, rmse, split_rows
+from fprc.evaluation.crossval import refusals_of, validate_rows
 from fprc.logs import read_columns, write_columns
 from fprc.models import ESN, FPRC, FuzzyLinear, SequenceModel, save_model
 
 log = logging.getLogger(__name__)
+
+#: A judgement, its errors as they are reported, and the output for the log that tests.
+Judged = tuple[Judgement, dict[str, Any], np.ndarray]
+
+#: Tables II and III: the log that trains, and the log that tests.
+DIRECTIONS = (("sweep", "complex"), ("complex", "sweep"))
 
 #: Channels that each model sees, in the order of its columns.
 INPUTS = {
@@ -137,39 +144,60 @@ def judge_model(
     seed: int,
     train: Data,
     test: Data,
-) -> tuple[Judgement, dict[str, Any], np.ndarray]:
+) -> Judged:
     """Cross-validate and test one model; return it, its errors, and what it gives in the test."""
-    refuse_mixture(train, test)
-    X, y = train.pair(name)
-    unseen, y_unseen = test.pair(name)
-    log.info("%s: features of %d samples (%s)", name, len(y), train.attributes["experiment"])
-    judged = cross_validate(
-        build(name, models, seed),
-        X,
-        y,
-        split_rows(len(y), folds, split, seed),
-        progress=lambda fold, e_train, e_val: log.info(
-            "%s: fold %d of %d: training %.2f, validation %.2f kPa",
-            name, fold + 1, folds, e_train, e_val,
-        ),
-    )  # fmt: skip
-    tested = judged.predict(unseen)
-    test_rmse = rmse(y_unseen, tested)
-    log.info("%s: best fold %d, test %.2f kPa", name, judged.best + 1, test_rmse)
-    return (
-        judged,
-        {
+    logs = {"train": train, "test": test}
+    return judge_directions(name, models, folds, split, seed, logs, [("train", "test")])[0]
+
+
+def judge_directions(
+    name: str,
+    models: Mapping[str, Any],
+    folds: int,
+    split: str,
+    seed: int,
+    logs: Mapping[str, Data],
+    directions: Sequence[tuple[str, str]],
+) -> list[Judged]:
+    """Judge one model for each (log that trains, log that tests), as ``judge_model`` does.
+
+    The features of each log are computed once for all directions.
+    """
+    for train, test in directions:
+        refuse_mixture(logs[train], logs[test])
+    model = build(name, models, seed)
+    pairs = {key: data.pair(name) for key, data in logs.items()}
+    log.info(
+        "%s: features of %s samples", name, " and ".join(str(len(y)) for _, y in pairs.values())
+    )
+    with refusals_of(model):
+        features = model.make_features().fit(pairs[directions[0][0]][0])
+        rows = {key: features.transform(X) for key, (X, _) in pairs.items()}
+    found = []
+    for train, test in directions:
+        y = pairs[train][1]
+        judged = validate_rows(
+            model, features, rows[train], y, split_rows(len(y), folds, split, seed),
+            progress=lambda fold, e_train, e_val: log.info(
+                "%s: fold %d of %d: training %.2f, validation %.2f kPa",
+                name, fold + 1, folds, e_train, e_val,
+            ),
+        )  # fmt: skip
+        tested = judged.model.readout_.predict(rows[test])
+        test_rmse = rmse(pairs[test][1], tested)
+        log.info("%s: best fold %d, test %.2f kPa", name, judged.best + 1, test_rmse)
+        report = {
             "model": name,
-            "trained_on": train.attributes["experiment"],
-            "source": train.attributes["source"],
+            "trained_on": logs[train].attributes["experiment"],
+            "source": logs[train].attributes["source"],
             "seed": seed,
-            "target": train.attributes["target"],
-            "unit": train.unit,
+            "target": logs[train].attributes["target"],
+            "unit": logs[train].unit,
             "split": split,
             "train_rmse_kpa": judged.train_rmse,
             "validation_rmse_kpa": judged.validation_rmse,
             "best_fold": judged.best,
             "test_rmse_kpa": test_rmse,
-        },
-        tested,
-    )
+        }
+        found.append((judged, report, tested))
+    return found

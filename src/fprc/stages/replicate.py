@@ -11,7 +11,7 @@ from typing import Any
 from fprc.artifacts import write_json
 from fprc.claims.measures import measure_hysteresis, measure_runs
 from fprc.evaluation.sweeps import run_cells
-from fprc.stages.judge import INPUTS, Data, judge_model
+from fprc.stages.judge import DIRECTIONS, INPUTS, Data, judge_directions, judge_model
 from fprc.stages.preprocess import TARGETS
 from fprc.stages.readout import judge_readout
 from fprc.stages.record import acquire
@@ -64,11 +64,8 @@ def compare_models(
     The filter alone is FPRC with theta_d in place of P_o, trained on the sweep.
     """
     judgement = (models, folds, split, seed)
-    reports = [
-        judge_model(name, *judgement, data[train], data[test])[1]
-        for train, test in (("sweep", "complex"), ("complex", "sweep"))
-        for name in INPUTS
-    ]
+    found = {name: judge_directions(name, *judgement, data, DIRECTIONS) for name in INPUTS}
+    reports = [found[name][i][1] for i in range(len(DIRECTIONS)) for name in INPUTS]
     fprc = {
         "split": split,
         "readout": "theta",
