@@ -1,4 +1,6 @@
 # Names that several rules share.
+from math import prod
+
 from snakemake.io import regex_from_filepattern
 
 CONTROLLERS = [
@@ -308,6 +310,12 @@ TARGETS["report"] = [f"{RESULTS}/report.html", *sum(TARGETS.values(), [])]
 def swept(*names):
     """Return the values of sweeps."""
     return {name: SETTINGS["sweeps"][name] for name in names}
+
+
+def workers_of(wildcards):
+    """Return the processes of a sweep: to start one takes as long as some ten cells."""
+    cells = prod(map(len, swept(*VALUES[wildcards.sweep]).values()))
+    return workflow.cores if cells > 20 else 1
 
 
 def tracking_of(reference, *names):

@@ -10,7 +10,6 @@ JUDGEMENT = {
 SWEPT = {"epsilon": ["fprc"], "n_c": ["fprc", "fuzzy_linear"], "taps": ["fprc"]}
 VALUES = {"epsilon": ["epsilon"], "n_c": ["n_c"], "taps": ["n_u", "n_y"]}
 
-
 #: What another seed needs, to begin at the experiments.
 REPLICATION = {
     **JUDGEMENT,
@@ -159,7 +158,7 @@ if SWEEP_CHUNKS == 1:
             results=f"{RESULTS}/sweeps/{{sweep}}.json",
         log:
             f"{RESULTS}/logs/sweep_{{sweep}}.log",
-        threads: workflow.cores
+        threads: workers_of
         resources:
             mem_mb=2000,
         params:
@@ -182,7 +181,7 @@ else:
             f"{RESULTS}/logs/sweep_{{sweep}}_{{chunk}}.log",
         wildcard_constraints:
             chunk=r"\d+",
-        threads: workflow.cores
+        threads: workers_of
         resources:
             mem_mb=2000,
         params:
