@@ -75,9 +75,10 @@ def test_whole_workflow_stands_in_the_table_once_it_was_measured():
 
 def test_share_of_memory_in_a_step_is_told_where_results_agree():
     steps = {"work": "ESN step in a loop", "agrees": True, "samples": 10}
-    report = {"comparisons": [steps], "bound": {"product_us": 60.0, "gb_per_s": 85.0}}
-    steps["seconds"] = {"ours": [7e-4, 8e-4, 9e-4]}
-    assert bound_note(report).endswith("it is 75 % of ours.")
+    bound = {"bytes_8_us": 60.0, "bytes_4_us": 30.0, "gb_per_s": 85.0}
+    report = {"comparisons": [steps], "bound": bound}
+    steps["seconds"] = {"ours": [3e-4, 4e-4, 5e-4]}
+    assert "75 % of our step" in bound_note(report)
     steps["agrees"] = False
     assert "%" not in bound_note(report)
 

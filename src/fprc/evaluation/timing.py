@@ -83,9 +83,15 @@ def interleaved(work: Mapping[str, Callable[[], object]], rounds: int) -> dict[s
 
 
 def machine() -> dict[str, Any]:
-    """CPU and the largest number of threads of any numerical library."""
-    threads = max((pool["num_threads"] for pool in threadpool_info()), default=1)
-    return {"cpu": _cpu_name(), "threads": threads}
+    """CPU, the largest number of threads of any numerical library, and BLAS's kernels."""
+    pools = threadpool_info()
+    threads = max((pool["num_threads"] for pool in pools), default=1)
+    blas = {
+        f"{pool['internal_api']} {pool.get('architecture', '')}".strip()
+        for pool in pools
+        if pool["user_api"] == "blas"
+    }
+    return {"cpu": _cpu_name(), "threads": threads, "blas": ", ".join(sorted(blas))}
 
 
 def _seconds(run: Callable[[], object]) -> float:

@@ -177,9 +177,10 @@ def test_no_step_takes_no_time():
 def test_machine_names_the_cpu_and_the_threads_in_use():
     with threadpool_limits(1):
         machine = timing.machine()
-    assert set(machine) == {"cpu", "threads"}
+    assert set(machine) == {"cpu", "threads", "blas"}
     assert machine["threads"] == 1
     assert machine["cpu"].strip()
+    assert machine["blas"].strip()
 
 
 def test_machine_without_cpuinfo_still_has_a_name(monkeypatch):
