@@ -75,7 +75,8 @@ class _FeatureMap(TransformerMixin, BaseEstimator):
         return self._step(x)
 
     def _checked(self, x: ArrayLike) -> np.ndarray:
-        x = np.asarray(x, dtype=np.float64)
+        # a copy, since compiled code is compiled anew for a view or for what is read-only
+        x = np.array(x, dtype=np.float64)
         if x.shape != (self.n_features_in_,) or not all(map(isfinite, x.tolist())):
             raise ValueError(
                 f"sample {x.tolist()}: must be {self.n_features_in_} finite numbers; "

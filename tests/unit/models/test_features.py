@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose
 
-from fprc.models import EchoStates, TapFeatures, lowpass, taps
+from fprc.models import EchoStates, TapFeatures, kernels, lowpass, taps
 from fprc.models.features import aligned, narrowed
 
 examples = settings(max_examples=50, deadline=None, derandomize=True)
@@ -229,6 +229,19 @@ def test_transforming_a_log_does_not_disturb_a_stream(features):
     features.transform(X[::-1])
     rest = [features.step(x) for x in X[10:]]
     assert_allclose(rest, features.transform(X)[10:], rtol=1e-11)
+
+
+@MAPS
+def test_rows_of_any_layout_compile_nothing_anew(features):
+    X = log(20)
+    features.fit(X)
+    features.step(X[0])
+    compiled = [list(each.signatures) for each in (kernels.shift, kernels.excite)]
+    fixed = X.copy()
+    fixed.flags.writeable = False
+    for rows in (fixed, X[:, ::-1], np.asfortranarray(X), X.astype(np.float32), X.tolist()):
+        features.step(rows[1])
+    assert [list(each.signatures) for each in (kernels.shift, kernels.excite)] == compiled
 
 
 @MAPS
