@@ -3,11 +3,6 @@ PYTHON ?= python3
 CORES ?= 2
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 
-# OpenBLAS, as NumPy brings it, takes AMD's processors with AVX-512 for older ones without
-ifneq ($(shell grep -m1 -ow avx512vl /proc/cpuinfo 2>/dev/null),)
-export OPENBLAS_CORETYPE ?= SkylakeX
-endif
-
 .PHONY: paper smoke test test-parts test-workflow test-kill reproduce-twice slurm \
 	test-slurm docs scaling fault-matrix loop-benchmark benchmark benchmark-all clean
 
