@@ -32,12 +32,12 @@ def fuzzy_c_means(X, n_clusters, *, random_state=None):
     return Clusters(*skfuzzy_clusters(X, n_clusters, seed))
 """,
     "models/echo.py": """
-def echo_states(X, w_in, W_r, gamma):
-    states, x = np.empty((len(X), len(W_r))), np.zeros(len(W_r))
+def echo_states(X, w_in, W_r, gamma, free=0):
+    rows, x = np.empty((len(X), free + len(W_r))), np.zeros(len(W_r))
     for k, theta in enumerate(X):
-        states[k] = x
+        rows[k, free:] = x
         x = gamma * x + (1.0 - gamma) * np.tanh(w_in @ theta + W_r @ x)
-    return states
+    return rows
 """,
     "models/features.py": """
 def _update(self, u):

@@ -9,7 +9,9 @@ LENGTH = 600
 MET = 64
 
 
-def echo_states(X: np.ndarray, w_in: np.ndarray, W_r: np.ndarray, gamma: float) -> np.ndarray:
+def echo_states(
+    X: np.ndarray, w_in: np.ndarray, W_r: np.ndarray, gamma: float, free: int = 0
+) -> np.ndarray:
     """Return x(k) of Eq. (3) for each sample, x(0) being 0.
 
     A step alone has to fetch all of W_r from memory, and waits for it. The log
@@ -25,25 +27,29 @@ def echo_states(X: np.ndarray, w_in: np.ndarray, W_r: np.ndarray, gamma: float) 
     w_in : ndarray of shape (r, n_inputs)
     W_r : ndarray of shape (r, r)
         Its type, float64 or float32, is that of the arithmetic.
+    free : int, default=0
+        Columns before the states, which are left for the caller to fill.
 
     Returns
     -------
-    ndarray of shape (n_samples, r)
+    ndarray of shape (n_samples, free + r)
     """
+    columns = free + len(W_r)
     segments = -(-len(X) // LENGTH)
     if segments > 1:
         held = np.pad(X, ((0, segments * LENGTH - len(X)), (0, 0)), mode="edge")
         inputs = held.reshape(segments, LENGTH, -1)
-        states = np.empty((segments, LENGTH, len(W_r)), W_r.dtype)
+        rows = np.empty((segments, LENGTH, columns), W_r.dtype)
+        states = rows[:, :, free:]
         begin = np.zeros((segments, len(W_r)), W_r.dtype)
         ends, _ = _run(inputs, begin, w_in, W_r, gamma, states)
         begin[1:] = ends[:-1]
         _, met = _run(inputs, begin, w_in, W_r, gamma, states, until_met=True)
         if met:
-            return states.reshape(-1, len(W_r))[: len(X)]
-    states = np.empty((1, len(X), len(W_r)), W_r.dtype)
-    _run(X[None], np.zeros((1, len(W_r)), W_r.dtype), w_in, W_r, gamma, states)
-    return states[0]
+            return rows.reshape(-1, columns)[: len(X)]
+    rows = np.empty((1, len(X), columns), W_r.dtype)
+    _run(X[None], np.zeros((1, len(W_r)), W_r.dtype), w_in, W_r, gamma, rows[:, :, free:])
+    return rows[0]
 
 
 def _run(

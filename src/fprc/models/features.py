@@ -237,9 +237,11 @@ class EchoStates(_FeatureMap):
                 "use fewer taps or a longer log"
             )
         references = np.hstack([taps(column, self.n_y) for column in X.T])
+        free = references.shape[1]
         held = np.concatenate([np.repeat(X[:1], self.washout, axis=0), X])
-        states = echo_states(held, self.w_in_, self.W_r_, self.gamma)[self.washout :]
-        return np.hstack([references, states])
+        rows = echo_states(held, self.w_in_, self.W_r_, self.gamma, free)[self.washout :]
+        rows[:, :free] = references
+        return rows
 
     def _start(self, x: np.ndarray) -> None:
         self._W_r = narrowed(self.W_r_)
