@@ -107,11 +107,8 @@ def _steps(model: SequenceModel, X: np.ndarray) -> np.ndarray:
 
 def _train_by_step(model: SequenceModel, fitted: SequenceModel, X: np.ndarray, y: np.ndarray):
     features = fitted.features_
-    rows = np.empty((len(X), features.step(X[0]).size))
     features.reset()
-    for k, x in enumerate(X):
-        rows[k] = features.advance(x)
-    return _train(model, rows, y)
+    return _train(model, np.array([features.step(x) for x in X]), y)
 
 
 def _train(model: SequenceModel, rows: np.ndarray, y: np.ndarray):
