@@ -314,7 +314,8 @@ def swept(*names):
 
 def workers_of(wildcards):
     """Return the processes of a sweep: to start one takes as long as some ten cells."""
-    cells = prod(map(len, swept(*VALUES[wildcards.sweep]).values()))
+    grid = prod(map(len, swept(*VALUES[wildcards.sweep]).values()))
+    cells = grid * len(SWEPT[wildcards.sweep]) / SWEEP_CHUNKS
     return workflow.cores if cells > 20 else 1
 
 

@@ -1,9 +1,14 @@
-"""States of an echo state network over a whole log, many segments of it at a time."""
+"""States of an echo state network: a step, and a whole log, four segments of it at a time."""
 
 import numpy as np
 
-#: Samples of a segment: twice what the paper's network takes to forget where it began.
-LENGTH = 600
+from fprc.models.kernels import excite, excite_lanes, leak
+
+#: Segments that run side by side.
+LANES = 4
+
+#: Samples of a segment at least: twice what the paper's network takes to forget where it began.
+SHORTEST = 600
 
 #: Trajectories that are nearer than this many roundings have met; states lie within [-1, 1].
 MET = 64
@@ -15,18 +20,18 @@ def echo_states(
     """Return x(k) of Eq. (3) for each sample, x(0) being 0.
 
     A step alone has to fetch all of W_r from memory, and waits for it. The log
-    is therefore cut into segments that run side by side, a step of all of them
-    being one product of matrices. All but the first begin at a wrong state; they
-    run again from where their predecessor ended, until they meet what they
-    gave before: an echo state network forgets where it began. One that does
-    not forget within a segment is run sample by sample.
+    is therefore cut into segments that run side by side, so that one fetch
+    serves them all. All but the first begin at a wrong state; they run again
+    from where their predecessor ended, until they meet what they gave before:
+    an echo state network forgets where it began. One that does not forget
+    within a segment is run sample by sample.
 
     Parameters
     ----------
     X : ndarray of shape (n_samples, n_inputs)
+        Its type, float64 or float32, is that of the arithmetic.
     w_in : ndarray of shape (r, n_inputs)
     W_r : ndarray of shape (r, r)
-        Its type, float64 or float32, is that of the arithmetic.
     free : int, default=0
         Columns before the states, which are left for the caller to fill.
 
@@ -34,46 +39,88 @@ def echo_states(
     -------
     ndarray of shape (n_samples, free + r)
     """
-    columns = free + len(W_r)
-    segments = -(-len(X) // LENGTH)
-    if segments > 1:
-        held = np.pad(X, ((0, segments * LENGTH - len(X)), (0, 0)), mode="edge")
-        inputs = held.reshape(segments, LENGTH, -1)
-        rows = np.empty((segments, LENGTH, columns), W_r.dtype)
-        states = rows[:, :, free:]
-        begin = np.zeros((segments, len(W_r)), W_r.dtype)
-        ends, _ = _run(inputs, begin, w_in, W_r, gamma, states)
+    r, W_r = len(W_r), narrowed(W_r)
+    length = -(-len(X) // LANES)
+    if length >= SHORTEST:
+        held = np.pad(X, ((0, LANES * length - len(X)), (0, 0)), mode="edge")
+        inputs = held.reshape(LANES, length, -1)
+        rows = np.empty((LANES, length, free + r), X.dtype)
+        begin = np.zeros((LANES, r), X.dtype)
+        ends, _ = _run(inputs, begin, w_in, W_r, gamma, rows[:, :, free:])
         begin[1:] = ends[:-1]
-        _, met = _run(inputs, begin, w_in, W_r, gamma, states, until_met=True)
+        _, met = _run(inputs, begin, w_in, W_r, gamma, rows[:, :, free:], until_met=True)
         if met:
-            return rows.reshape(-1, columns)[: len(X)]
-    rows = np.empty((1, len(X), columns), W_r.dtype)
-    _run(X[None], np.zeros((1, len(W_r)), W_r.dtype), w_in, W_r, gamma, rows[:, :, free:])
-    return rows[0]
+            return rows.reshape(-1, free + r)[: len(X)]
+    rows = np.empty((len(X), free + r), X.dtype)
+    x, target = np.zeros((2, r), X.dtype)
+    for k, u in enumerate(X):
+        rows[k, free:] = x
+        update(x, u, w_in, W_r, gamma, target, downwards=k % 2 == 0)
+    return rows
+
+
+def update(
+    x: np.ndarray,
+    u: np.ndarray,
+    w_in: np.ndarray,
+    W_r: np.ndarray,
+    gamma: float,
+    target: np.ndarray,
+    downwards: bool,
+) -> None:
+    """Move the state ``x`` on by the input ``u``, in place (Eq. 3).
+
+    Parameters
+    ----------
+    target : ndarray of shape (r,)
+        Room for what the state moves towards.
+    downwards : bool
+        Where to begin in W_r; who alternates finds there what the cache still holds.
+    """
+    excite(W_r, x, w_in, u, target, downwards)
+    np.tanh(target, out=target)
+    leak(x, target, float(gamma))
 
 
 def _run(
     inputs: np.ndarray,
-    x: np.ndarray,
+    begin: np.ndarray,
     w_in: np.ndarray,
     W_r: np.ndarray,
     gamma: float,
     states: np.ndarray,
     until_met: bool = False,
 ) -> tuple[np.ndarray, bool]:
-    """Write the states of every segment, a row of ``x`` each; return where they ended.
+    """Write the states of every segment, a row of ``begin`` each; return where they ended.
 
     With ``until_met`` stop where they are what ``states`` held before, and say so.
     """
-    met = MET * np.finfo(W_r.dtype).eps
+    met = MET * np.finfo(begin.dtype).eps
+    x, target = begin.copy(), np.empty_like(begin)
     for k in range(inputs.shape[1]):
         if until_met and np.abs(states[:, k] - x).max() < met:
             return x, True
         states[:, k] = x
-        target = x @ W_r.T
-        target += inputs[:, k] @ w_in.T
+        excite_lanes(W_r, x, w_in, inputs[:, k], target)
         np.tanh(target, out=target)
-        target *= 1.0 - gamma
-        x = gamma * x
-        x += target
+        leak(x.ravel(), target.ravel(), float(gamma))
     return x, False
+
+
+def narrowed(matrix: np.ndarray) -> np.ndarray:
+    """Return the same numbers in half the bytes if float32 has them, from a cache line on.
+
+    A step is bound by memory.
+    """
+    halved = matrix.astype(np.float32)
+    return aligned(halved if np.array_equal(halved, matrix) else matrix)
+
+
+def aligned(matrix: np.ndarray) -> np.ndarray:
+    """Copy to where a cache line begins."""
+    line = 64
+    room = np.empty(matrix.nbytes + line, np.uint8)
+    first = -room.ctypes.data % line
+    copy = room[first : first + matrix.nbytes].view(matrix.dtype).reshape(matrix.shape)
+    copy[:] = matrix
+    return copy

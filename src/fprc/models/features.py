@@ -14,8 +14,8 @@ from sklearn.base import BaseEstimator, TransformerMixin
 from sklearn.utils import check_random_state
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from fprc.models.echo import echo_states
-from fprc.models.kernels import excite, leak, shift
+from fprc.models.echo import echo_states, narrowed, update
+from fprc.models.kernels import shift
 from fprc.models.limits import Limit, check_limits
 
 
@@ -245,7 +245,7 @@ class EchoStates(_FeatureMap):
 
     def _start(self, x: np.ndarray) -> None:
         self._W_r = narrowed(self.W_r_)
-        self._state, self._target = np.zeros(self.r), np.empty(self.r)
+        self._state, self._target = np.zeros((2, len(self.W_r_)))
         self._downwards = True
         for _ in range(self.washout):
             self._update(x)
@@ -254,32 +254,12 @@ class EchoStates(_FeatureMap):
         self._latest = x.copy()
 
     def _step(self, x: np.ndarray) -> np.ndarray:
-        shift(self._row[: -self.r], self._first, self._latest, x, len(x), 1.0)
-        self._row[-self.r :] = self._state
+        free = len(self._row) - len(self._state)
+        shift(self._row[:free], self._first, self._latest, x, len(x), 1.0)
+        self._row[free:] = self._state
         self._update(x)
         return self._row
 
     def _update(self, u: np.ndarray) -> None:
-        excite(self._W_r, self._state, self.w_in_, u, self._target, self._downwards)
-        np.tanh(self._target, out=self._target)
-        leak(self._state, self._target, float(self.gamma))
+        update(self._state, u, self.w_in_, self._W_r, self.gamma, self._target, self._downwards)
         self._downwards = not self._downwards
-
-
-def narrowed(matrix: np.ndarray) -> np.ndarray:
-    """Return the same numbers in half the bytes if float32 has them, from a cache line on.
-
-    A step is bound by memory.
-    """
-    halved = matrix.astype(np.float32)
-    return aligned(halved if np.array_equal(halved, matrix) else matrix)
-
-
-def aligned(matrix: np.ndarray) -> np.ndarray:
-    """Copy to where a cache line begins."""
-    line = 64
-    room = np.empty(matrix.nbytes + line, np.uint8)
-    first = -room.ctypes.data % line
-    copy = room[first : first + matrix.nbytes].view(matrix.dtype).reshape(matrix.shape)
-    copy[:] = matrix
-    return copy

@@ -70,8 +70,7 @@ def _distance2(x, center):
 def excite(W_r, x, w_in, u, target, downwards):
     """Write w_in u + W_r x, four rows at a time, which share what is read of x.
 
-    ``W_r`` may be in float32, the arithmetic is in float64. Who alternates between
-    ``downwards`` and not begins with the rows that the cache still holds.
+    ``W_r`` may be in float32, the arithmetic is of the type of ``x``.
     """
     last, way = len(x) - 1, 1 if downwards else -1
     first = 0 if downwards else last
@@ -80,7 +79,7 @@ def excite(W_r, x, w_in, u, target, downwards):
         b = first + way * min(i + 1, last)
         c = first + way * min(i + 2, last)
         d = first + way * min(i + 3, last)
-        p = q = r = s = 0.0
+        p = q = r = s = x.dtype.type(0.0)
         for k in range(len(x)):
             p += W_r[a, k] * x[k]
             q += W_r[b, k] * x[k]
@@ -90,6 +89,38 @@ def excite(W_r, x, w_in, u, target, downwards):
     for i in range(len(x)):
         for k in range(u.size):
             target[i] += w_in[i, k] * u[k]
+
+
+@summing_kernel
+def excite_lanes(W_r, x, w_in, u, target):
+    """Write w_in u + W_r x of four lanes, a row each of ``x``, ``u`` and ``target``.
+
+    Four rows of W_r by four lanes, so that each number read serves four of the sixteen sums.
+    """
+    size = x.shape[1]
+    last = size - 1
+    for i in range(0, size, 4):
+        a, b, c, d = i, min(i + 1, last), min(i + 2, last), min(i + 3, last)
+        a0 = a1 = a2 = a3 = b0 = b1 = b2 = b3 = x.dtype.type(0.0)
+        c0 = c1 = c2 = c3 = d0 = d1 = d2 = d3 = x.dtype.type(0.0)
+        for k in range(size):
+            p, q, r, s = W_r[a, k], W_r[b, k], W_r[c, k], W_r[d, k]
+            v = x[0, k]
+            a0, b0, c0, d0 = a0 + p * v, b0 + q * v, c0 + r * v, d0 + s * v
+            v = x[1, k]
+            a1, b1, c1, d1 = a1 + p * v, b1 + q * v, c1 + r * v, d1 + s * v
+            v = x[2, k]
+            a2, b2, c2, d2 = a2 + p * v, b2 + q * v, c2 + r * v, d2 + s * v
+            v = x[3, k]
+            a3, b3, c3, d3 = a3 + p * v, b3 + q * v, c3 + r * v, d3 + s * v
+        target[0, a], target[1, a], target[2, a], target[3, a] = a0, a1, a2, a3
+        target[0, b], target[1, b], target[2, b], target[3, b] = b0, b1, b2, b3
+        target[0, c], target[1, c], target[2, c], target[3, c] = c0, c1, c2, c3
+        target[0, d], target[1, d], target[2, d], target[3, d] = d0, d1, d2, d3
+    for lane in range(4):
+        for i in range(size):
+            for k in range(u.shape[1]):
+                target[lane, i] += w_in[i, k] * u[lane, k]
 
 
 @kernel

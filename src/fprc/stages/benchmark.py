@@ -20,9 +20,8 @@ from fprc.evaluation.crossval import fit_folds
 from fprc.evaluation.sweeps import run_cells
 from fprc.evaluation.timing import interleaved, machine, time_steps
 from fprc.models import EchoStates, SequenceModel
-from fprc.models.echo import echo_states
+from fprc.models.echo import aligned, echo_states
 from fprc.models.fcm import fuzzy_c_means
-from fprc.models.features import aligned
 from fprc.stages import peers
 from fprc.stages.judge import Data, build, read_data
 from fprc.stages.record import acquire
@@ -233,7 +232,7 @@ def _relative(ours: Any, theirs: Any) -> float:
 
 
 def memory_bound(models: Mapping[str, Any], data: Data, rounds: int, seed: int) -> dict[str, float]:
-    """Return what W_r x alone takes, whose numbers have 8 bytes or 4: all of W_r is fetched."""
+    """Return what W_r x alone takes by BLAS, whose numbers have 8 bytes or 4."""
     features = build("esn", models, seed).make_features().fit(data.pair("esn")[0])
     x, W_r = np.full(features.r, 0.5), features.W_r_
 

@@ -44,6 +44,8 @@ def reservoirpy_network(
         dtype=dtype,
     )
     network.initialize(X.astype(dtype))
+    # it begins at zeros in float64, which would make float64 of every step
+    network.state = {"out": np.zeros(features.r, dtype)}
     return network
 
 

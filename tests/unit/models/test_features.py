@@ -6,7 +6,7 @@ from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose
 
 from fprc.models import EchoStates, TapFeatures, kernels, lowpass, taps
-from fprc.models.features import aligned, narrowed
+from fprc.models.echo import aligned, narrowed
 
 examples = settings(max_examples=50, deadline=None, derandomize=True)
 epsilons = st.floats(1e-4, 1.0)

@@ -51,6 +51,13 @@ def test_verdict_on_times_that_is_not_as_declared_is_told_and_no_problem(folder,
     assert "C1: not reproduced, but reproduced is declared; a time" in caplog.text
 
 
+def test_claim_on_times_that_is_not_declared_is_reported(folder):
+    judge(folder, "timed", "reproduced")
+    (folder / "known.yaml").write_text("{}")
+    with pytest.raises(FprcError, match="C1: reproduced, but nothing is declared"):
+        check()
+
+
 def judge(folder, rig, verdict):
     claim = {"id": "C1", "verdict": verdict, "rig": rig}
     (folder / "results/claims.json").write_text(json.dumps({"claims": [claim]}))
