@@ -41,9 +41,8 @@ def echo_states(X, w_in, W_r, gamma, free=0):
 """,
     "models/features.py": """
 def _update(self, u):
-    self._state = self.gamma * self._state + (1.0 - self.gamma) * np.tanh(
-        self.w_in_ @ u + self.W_r_ @ self._state
-    )
+    self._state = self.gamma * self._state + (1.0 - self.gamma) * self._target
+    self._target = np.tanh(self.w_in_ @ u + self.W_r_ @ self._state)
 
 EchoStates._update = _update
 """,

@@ -54,32 +54,32 @@ def echo_states(
     rows = np.empty((len(X), free + r), X.dtype)
     x, target = np.zeros((2, r), X.dtype)
     for k, u in enumerate(X):
+        update(x, target, u, w_in, W_r, gamma, k % 2 == 0)
         rows[k, free:] = x
-        update(x, u, w_in, W_r, gamma, target, downwards=k % 2 == 0)
     return rows
 
 
 def update(
     x: np.ndarray,
+    target: np.ndarray,
     u: np.ndarray,
     w_in: np.ndarray,
     W_r: np.ndarray,
     gamma: float,
-    target: np.ndarray,
     downwards: bool,
 ) -> None:
-    """Move the state ``x`` on by the input ``u``, in place (Eq. 3).
+    """Move the state ``x`` to the sample of input ``u``, in place (Eq. 3).
 
     Parameters
     ----------
     target : ndarray of shape (r,)
-        Room for what the state moves towards.
+        tanh(w_in theta + W_r x) of the sample before, in place that of this one; to begin
+        with the state, which then stays.
     downwards : bool
         Where to begin in W_r; who alternates finds there what the cache still holds.
     """
-    excite(W_r, x, w_in, u, target, downwards)
+    excite(W_r, x, w_in, u, target, float(gamma), downwards)
     np.tanh(target, out=target)
-    leak(x, target, float(gamma))
 
 
 def _run(

@@ -256,10 +256,10 @@ class EchoStates(_FeatureMap):
     def _step(self, x: np.ndarray) -> np.ndarray:
         free = len(self._row) - len(self._state)
         shift(self._row[:free], self._first, self._latest, x, len(x), 1.0)
-        self._row[free:] = self._state
         self._update(x)
+        self._row[free:] = self._state
         return self._row
 
     def _update(self, u: np.ndarray) -> None:
-        update(self._state, u, self.w_in_, self._W_r, self.gamma, self._target, self._downwards)
+        update(self._state, self._target, u, self.w_in_, self._W_r, self.gamma, self._downwards)
         self._downwards = not self._downwards

@@ -67,11 +67,14 @@ def _distance2(x, center):
 
 
 @summing_kernel
-def excite(W_r, x, w_in, u, target, downwards):
-    """Write w_in u + W_r x, four rows at a time, which share what is read of x.
+def excite(W_r, x, w_in, u, target, gamma, downwards):
+    """Move ``x`` towards ``target``, in place, then write w_in u + W_r x to it.
 
-    ``W_r`` may be in float32, the arithmetic is of the type of ``x``.
+    Four rows at a time share what is read of x. ``W_r`` may be in float32, the
+    arithmetic is of the type of ``x``.
     """
+    for i in range(len(x)):
+        x[i] = gamma * x[i] + (1.0 - gamma) * target[i]
     last, way = len(x) - 1, 1 if downwards else -1
     first = 0 if downwards else last
     for i in range(0, len(x), 4):
