@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fprc.models.kernels import excite, excite_lanes, leak
+from fprc.models.kernels import excite, excite_lanes
 
 #: Segments that run side by side.
 LANES = 4
@@ -96,15 +96,14 @@ def _run(
     With ``until_met`` stop where they are what ``states`` held before, and say so.
     """
     met = MET * np.finfo(begin.dtype).eps
-    x, target = begin.copy(), np.empty_like(begin)
+    x, target = begin.copy(), begin.copy()
     for k in range(inputs.shape[1]):
+        excite_lanes(W_r, x, w_in, inputs[:, k], target, float(gamma))
         if until_met and np.abs(states[:, k] - x).max() < met:
             return x, True
         states[:, k] = x
-        excite_lanes(W_r, x, w_in, inputs[:, k], target)
         np.tanh(target, out=target)
-        leak(x.ravel(), target.ravel(), float(gamma))
-    return x, False
+    return gamma * x + (1.0 - gamma) * target, False
 
 
 def narrowed(matrix: np.ndarray) -> np.ndarray:

@@ -95,13 +95,16 @@ def excite(W_r, x, w_in, u, target, gamma, downwards):
 
 
 @summing_kernel
-def excite_lanes(W_r, x, w_in, u, target):
-    """Write w_in u + W_r x of four lanes, a row each of ``x``, ``u`` and ``target``.
+def excite_lanes(W_r, x, w_in, u, target, gamma):
+    """Do as ``excite`` for four lanes, a row each of ``x``, ``u`` and ``target``.
 
     Four rows of W_r by four lanes, so that each number read serves four of the sixteen sums.
     """
     size = x.shape[1]
     last = size - 1
+    for lane in range(4):
+        for i in range(size):
+            x[lane, i] = gamma * x[lane, i] + (1.0 - gamma) * target[lane, i]
     for i in range(0, size, 4):
         a, b, c, d = i, min(i + 1, last), min(i + 2, last), min(i + 3, last)
         a0 = a1 = a2 = a3 = b0 = b1 = b2 = b3 = x.dtype.type(0.0)
@@ -124,13 +127,6 @@ def excite_lanes(W_r, x, w_in, u, target):
         for i in range(size):
             for k in range(u.shape[1]):
                 target[lane, i] += w_in[i, k] * u[lane, k]
-
-
-@kernel
-def leak(x, target, gamma):
-    """Move ``x`` towards ``target``, in place (Eq. 3)."""
-    for i in range(x.size):
-        x[i] = gamma * x[i] + (1.0 - gamma) * target[i]
 
 
 @summing_kernel
