@@ -70,6 +70,10 @@ def test_network_that_does_not_forget_runs_sample_by_sample(runs):
     X = angles(3000)
     states = echo_states(X, 0.01 * w_in, W_r, 0.5)
     assert runs == [(4, 750), (4, 750)]
+    x, target = np.zeros((2, len(W_r)))
+    for k, u in enumerate(X):
+        echo.update(x, target, u, 0.01 * w_in, W_r, 0.5, k % 2 == 0)
+        assert np.array_equal(states[k], x)
     # chaos: no two ways of rounding agree for long
     assert_allclose(states[:10], by_step(X[:10], 0.01 * w_in, W_r, 0.5), atol=1e-9)
 
