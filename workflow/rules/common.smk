@@ -312,11 +312,18 @@ def swept(*names):
     return {name: SETTINGS["sweeps"][name] for name in names}
 
 
+def workers_for(cells):
+    """Return the processes of a sweep.
+
+    To start one takes as long as twenty cells; half of the cores are left to other jobs.
+    """
+    return max(1, min(workflow.cores // 2, cells // 20))
+
+
 def workers_of(wildcards):
-    """Return the processes of a sweep: to start one takes as long as some ten cells."""
+    """Return the processes of one of the paper's sweeps, or of a chunk of it."""
     grid = prod(map(len, swept(*VALUES[wildcards.sweep]).values()))
-    cells = grid * len(SWEPT[wildcards.sweep]) / SWEEP_CHUNKS
-    return workflow.cores if cells > 20 else 1
+    return workers_for(grid * len(SWEPT[wildcards.sweep]) // SWEEP_CHUNKS)
 
 
 def tracking_of(reference, *names):

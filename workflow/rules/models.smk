@@ -264,7 +264,8 @@ rule measure_readout:
         cells=f"{RESULTS}/readout/cells.json",
     log:
         f"{RESULTS}/logs/measure_readout.log",
-    threads: workflow.cores
+    # two splits and three readouts over each value
+    threads: workers_for(6 * sum(map(len, swept("epsilon", "replicate_taps").values())))
     resources:
         mem_mb=2000,
     params:
