@@ -89,8 +89,8 @@ def excite(W_r, x, w_in, u, target, gamma, downwards):
             r += W_r[c, k] * x[k]
             s += W_r[d, k] * x[k]
         target[a], target[b], target[c], target[d] = p, q, r, s
-    for i in range(len(x)):
-        for k in range(u.size):
+    for k in range(u.size):
+        for i in range(len(x)):
             target[i] += w_in[i, k] * u[k]
 
 
@@ -124,8 +124,8 @@ def excite_lanes(W_r, x, w_in, u, target, gamma):
         target[0, c], target[1, c], target[2, c], target[3, c] = c0, c1, c2, c3
         target[0, d], target[1, d], target[2, d], target[3, d] = d0, d1, d2, d3
     for lane in range(4):
-        for i in range(size):
-            for k in range(u.shape[1]):
+        for k in range(u.shape[1]):
+            for i in range(size):
                 target[lane, i] += w_in[i, k] * u[lane, k]
 
 
