@@ -97,6 +97,9 @@ rule replicate_control:
     script:
         "../scripts/replicate_control.py"
 
+#: Of what wants the whole machine: it begins when no job runs, before any other does.
+ALONE = 1
+
 
 rule measure_times:
     input:
@@ -107,6 +110,7 @@ rule measure_times:
     log:
         f"{RESULTS}/logs/measure_times.log",
     threads: workflow.cores
+    priority: ALONE
     resources:
         mem_mb=2000,
     params:
@@ -219,6 +223,7 @@ rule measure_times_over_n_c:
     log:
         f"{RESULTS}/logs/measure_times_over_n_c.log",
     threads: workflow.cores
+    priority: ALONE
     resources:
         mem_mb=2000,
     params:
@@ -242,6 +247,7 @@ rule measure_steps:
     log:
         f"{RESULTS}/logs/measure_steps.log",
     threads: workflow.cores
+    priority: ALONE
     resources:
         mem_mb=2000,
     params:
