@@ -97,8 +97,10 @@ rule replicate_control:
     script:
         "../scripts/replicate_control.py"
 
-#: Of what wants the whole machine: it begins when no job runs, before any other does.
-ALONE = 1
+
+#: Priorities: of what takes long, so that it is not left to the end, and of what wants the
+#: whole machine, which begins when no job runs, before any other does.
+LONG, ALONE = 1, 2
 
 
 rule measure_times:
@@ -109,8 +111,8 @@ rule measure_times:
         times=f"{RESULTS}/timing/times.json",
     log:
         f"{RESULTS}/logs/measure_times.log",
-    threads: workflow.cores
     priority: ALONE
+    threads: workflow.cores
     resources:
         mem_mb=2000,
     params:
@@ -162,6 +164,7 @@ if SWEEP_CHUNKS == 1:
             results=f"{RESULTS}/sweeps/{{sweep}}.json",
         log:
             f"{RESULTS}/logs/sweep_{{sweep}}.log",
+        priority: LONG
         threads: workers_of
         resources:
             mem_mb=2000,
@@ -185,6 +188,7 @@ else:
             f"{RESULTS}/logs/sweep_{{sweep}}_{{chunk}}.log",
         wildcard_constraints:
             chunk=r"\d+",
+        priority: LONG
         threads: workers_of
         resources:
             mem_mb=2000,
@@ -222,8 +226,8 @@ rule measure_times_over_n_c:
         times=f"{RESULTS}/timing/times_over_n_c.json",
     log:
         f"{RESULTS}/logs/measure_times_over_n_c.log",
-    threads: workflow.cores
     priority: ALONE
+    threads: workflow.cores
     resources:
         mem_mb=2000,
     params:
@@ -246,8 +250,8 @@ rule measure_steps:
         steps=f"{RESULTS}/timing/steps.json",
     log:
         f"{RESULTS}/logs/measure_steps.log",
-    threads: workflow.cores
     priority: ALONE
+    threads: workflow.cores
     resources:
         mem_mb=2000,
     params:
@@ -270,6 +274,7 @@ rule measure_readout:
         cells=f"{RESULTS}/readout/cells.json",
     log:
         f"{RESULTS}/logs/measure_readout.log",
+    priority: LONG
     # two splits and three readouts over each value
     threads: workers_for(6 * sum(map(len, swept("epsilon", "replicate_taps").values())))
     resources:
