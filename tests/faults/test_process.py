@@ -17,9 +17,10 @@ import pytest
 
 from fprc.logs import RAW_CHANNELS, read_journal, read_raw
 
-pytestmark = pytest.mark.skipif(
-    not sys.platform.startswith("linux"), reason="looks for processes in /proc"
-)
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not sys.platform.startswith("linux"), reason="looks for processes in /proc"),
+]
 FOLDER = Path(__file__).parent
 PATIENCE_S = 120.0
 # the machine of a test may be busy: nothing ends a run here but what a test is about
@@ -222,7 +223,7 @@ def test_unarmed_check_looks_and_writes_nothing_but_the_safe_state(start, rig):
     ("name", "fault", "send"),
     [
         ("SIGTERM", "SIGTERM to the guardian", os.kill),
-        pytest.param("SIGINT", "Ctrl-C, SIGINT to the group", os.killpg, marks=pytest.mark.slow),
+        ("SIGINT", "Ctrl-C, SIGINT to the group", os.killpg),
         ("SIGHUP", "terminal closed, SIGHUP to the group", os.killpg),
     ],
 )
@@ -254,7 +255,6 @@ def test_loop_that_is_killed_is_vented_by_the_guardian(start, rig, matrix):
     assert not findings.closed
 
 
-@pytest.mark.slow
 def test_loop_that_hangs_is_ended_and_vented_by_the_guardian(start, rig, matrix):
     program = start("run", "sweep", loop={"stalled_s": 0.5})
     program.is_in_mid_run()
@@ -288,7 +288,7 @@ def test_loop_that_hangs_in_the_driver_is_ended_and_vented_by_the_guardian(start
     ("fault", "send"),
     [
         ("SIGKILL to the guardian", os.kill),
-        pytest.param("SIGKILL to the guardian's group", os.killpg, marks=pytest.mark.slow),
+        ("SIGKILL to the guardian's group", os.killpg),
     ],
 )
 def test_loop_whose_guardian_is_killed_stops_and_vents(start, rig, matrix, fault, send):
@@ -320,7 +320,6 @@ def test_loop_that_misses_too_many_ticks_in_a_row_stops_and_vents(start, rig, ma
     assert findings.statistics["overruns"] > 40
 
 
-@pytest.mark.slow
 def test_ticks_that_are_missed_are_counted_and_leave_a_gap(start, rig, matrix):
     program = start("run", "sweep", seconds=3.0)
     program.is_in_mid_run()

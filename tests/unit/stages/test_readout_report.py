@@ -61,6 +61,7 @@ def run(tmp_path, map_file):
     ])  # fmt: skip
 
 
+@pytest.mark.slow
 def test_one_command_goes_from_a_recording_to_a_report(recording, tmp_path, capsys):
     assert run(tmp_path, recording()) == 0
     out = tmp_path / "out"
@@ -79,6 +80,7 @@ def test_one_command_goes_from_a_recording_to_a_report(recording, tmp_path, caps
     assert "] 26 of 26 cells" in said.err
 
 
+@pytest.mark.slow
 def test_page_names_recording_parts_units_and_pictures_that_exist(recording, tmp_path):
     assert run(tmp_path, recording()) == 0
     text = (tmp_path / "out/report.md").read_text(encoding="utf-8")
@@ -92,6 +94,7 @@ def test_page_names_recording_parts_units_and_pictures_that_exist(recording, tmp
     assert all((tmp_path / "out" / name).exists() for name in pictures)
 
 
+@pytest.mark.slow
 def test_parts_meet_and_do_not_overlap(recording, tmp_path):
     assert run(tmp_path, recording(start_s=1)) == 0
     train, test = (
@@ -170,6 +173,7 @@ def test_bar_is_drawn_every_tenth_where_there_is_no_terminal(capsys):
     assert lines[-1] == f"[{'#' * 30}] 56 of 56 cells"
 
 
+@pytest.mark.slow
 def test_stopped_run_goes_on_where_it_was(recording, tmp_path, monkeypatch):
     from fprc.stages import readout_report
 
