@@ -65,7 +65,7 @@ def test_smoke_leaves_no_temporary_files(smoked):
 
 def test_progress_names_stage_fold_and_how_far(smoked):
     printed = smoked[1]
-    assert "[judge sweep fprc] fprc: fold 3 of 5: training" in printed
+    assert "[judge fprc] fprc, trained on sweep: fold 3 of 5: training" in printed
     assert "[record sweep]  10 of  20 s" in printed
     assert "[measure_times] esn: test, sequential, 2 repeats" in printed
     assert "(100%) done" in printed

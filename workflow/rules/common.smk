@@ -57,9 +57,8 @@ MODELS = [model for model in ("esn", "fprc", "fuzzy_linear") if model not in UNA
 LEFT_OUT = {model: UNAVAILABLE[model] for model in ("fprc",) if model in UNAVAILABLE}
 SEEDS = SETTINGS["evaluation"]["replicate_seeds"]
 
-#: The log that trains the models of a table, and the one that tests them.
+#: The log that trains the models of a table; the other one tests them.
 TRAINED_ON = {"2": "sweep", "3": "complex"}
-OTHER = {"sweep": "complex", "complex": "sweep"}
 
 TABLES = {number: f"{RESULTS}/tables/table{number}.md" for number in (1, 2, 3, 4)}
 TARGET = SETTINGS["evaluation"]["target"]

@@ -1,5 +1,5 @@
 # Sec. III-D: cross-validation, test and execution times of the three models.
-# The log that trains names the direction; the reversed data set trains on `complex`.
+# The log that trains names the file; the reversed data set trains on `complex`.
 
 JUDGEMENT = {
     "folds": SETTINGS["evaluation"]["folds"],
@@ -23,15 +23,14 @@ REPLICATION = {
 
 rule judge:
     input:
-        train=f"{RESULTS}/data/{{experiment}}.h5",
-        test=lambda wildcards: f"{RESULTS}/data/{OTHER[wildcards.experiment]}.h5",
+        **{log: f"{RESULTS}/data/{log}.h5" for log in EXPERIMENTS},
     output:
-        errors=f"{RESULTS}/crossval/{{experiment}}_{{model}}.json",
-        model=f"{RESULTS}/models/{{experiment}}_{{model}}.h5",
-        fit=f"{RESULTS}/predictions/{{experiment}}_{{model}}_train.h5",
-        prediction=f"{RESULTS}/predictions/{{experiment}}_{{model}}_test.h5",
+        errors=[f"{RESULTS}/crossval/{log}_{{model}}.json" for log in EXPERIMENTS],
+        fitted=[f"{RESULTS}/models/{log}_{{model}}.h5" for log in EXPERIMENTS],
+        fits=[f"{RESULTS}/predictions/{log}_{{model}}_train.h5" for log in EXPERIMENTS],
+        predictions=[f"{RESULTS}/predictions/{log}_{{model}}_test.h5" for log in EXPERIMENTS],
     log:
-        f"{RESULTS}/logs/judge_{{experiment}}_{{model}}.log",
+        f"{RESULTS}/logs/judge_{{model}}.log",
     resources:
         mem_mb=2000,
     params:
@@ -41,7 +40,7 @@ rule judge:
         seed=SETTINGS["seed"],
         code=lambda wildcards: code_of("judge", wildcards.model),
     message:
-        "Cross-validation and test of {wildcards.model}, trained on {wildcards.experiment}"
+        "Cross-validation and test of {wildcards.model}, and with the logs reversed"
     script:
         "../scripts/judge.py"
 

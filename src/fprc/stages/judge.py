@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -107,12 +108,12 @@ def refuse_mixture(train: Data, test: Data) -> None:
 
 
 def judge(
-    train: str,
-    test: str,
-    errors: str,
-    model: str,
-    fit: str,
-    prediction: str,
+    sweep: str,
+    complex: str,
+    errors: Sequence[str],
+    fitted: Sequence[str],
+    fits: Sequence[str],
+    predictions: Sequence[str],
     *,
     name: str,
     models: Mapping[str, Any],
@@ -120,20 +121,28 @@ def judge(
     split: str,
     seed: int,
 ) -> None:
-    """Cross-validate one model on one log and test its best fold on another.
+    """Cross-validate one model on each log and test its best fold on the other.
 
-    Writes the errors, the model of the best fold, and what it predicts on the
-    training log (``fit``) and on the test log (``prediction``).
+    Writes for each of ``DIRECTIONS`` the errors, the model of the best fold, and what
+    it predicts on the training log (``fits``) and on the test log (``predictions``).
     """
-    train_data, test_data = read_data(train), read_data(test)
-    judged, report, tested = judge_model(name, models, folds, split, seed, train_data, test_data)
-    write_json(errors, report)
-    with replacing(model) as temporary:
-        save_model(judged.model, temporary)
-    for path, data, output in ((fit, train_data, judged.fit), (prediction, test_data, tested)):
-        channels = {key: data.channels[key] for key in ("time_s", "p_exp_kpa")}
-        channels["p_ff_kpa"] = output
-        write_columns(path, channels, dict(data.attributes) | {"model": name})
+    logs = {"sweep": read_data(sweep), "complex": read_data(complex)}
+    found = judge_directions(name, models, folds, split, seed, logs, DIRECTIONS)
+    files = zip(errors, fitted, fits, predictions, strict=True)
+    for (train, test), (judged, report, tested), paths in zip(
+        DIRECTIONS, found, files, strict=True
+    ):
+        error, model, fit, prediction = paths
+        write_json(error, report)
+        with replacing(model) as temporary:
+            save_model(judged.model, temporary)
+        for path, data, output in (
+            (fit, logs[train], judged.fit),
+            (prediction, logs[test], tested),
+        ):
+            channels = {key: data.channels[key] for key in ("time_s", "p_exp_kpa")}
+            channels["p_ff_kpa"] = output
+            write_columns(path, channels, dict(data.attributes) | {"model": name})
 
 
 def judge_model(
@@ -176,16 +185,14 @@ def judge_directions(
     found = []
     for train, test in directions:
         y = pairs[train][1]
+        label = f"{name}, trained on {logs[train].attributes['experiment']}"
         judged = validate_rows(
             model, features, rows[train], y, split_rows(len(y), folds, split, seed),
-            progress=lambda fold, e_train, e_val: log.info(
-                "%s: fold %d of %d: training %.2f, validation %.2f kPa",
-                name, fold + 1, folds, e_train, e_val,
-            ),
+            progress=partial(_tell_fold, label, folds),
         )  # fmt: skip
         tested = judged.model.readout_.predict(rows[test])
         test_rmse = rmse(pairs[test][1], tested)
-        log.info("%s: best fold %d, test %.2f kPa", name, judged.best + 1, test_rmse)
+        log.info("%s: best fold %d, test %.2f kPa", label, judged.best + 1, test_rmse)
         report = {
             "model": name,
             "trained_on": logs[train].attributes["experiment"],
@@ -201,3 +208,10 @@ def judge_directions(
         }
         found.append((judged, report, tested))
     return found
+
+
+def _tell_fold(label: str, folds: int, fold: int, e_train: float, e_validation: float) -> None:
+    log.info(
+        "%s: fold %d of %d: training %.2f, validation %.2f kPa",
+        label, fold + 1, folds, e_train, e_validation,
+    )  # fmt: skip

@@ -9,7 +9,7 @@ from fprc.claims import measure_hysteresis, measure_runs
 from fprc.config import Settings
 from fprc.logs import read_columns
 from fprc.stages import replicate as stage
-from fprc.stages.judge import judge
+from fprc.stages.judge import judge, judge_model, read_data
 from fprc.stages.preprocess import preprocess
 from fprc.stages.record import record
 from fprc.stages.sweep import sweep_settings, weigh
@@ -72,6 +72,16 @@ def logs(settings, tmp_path_factory):
     return paths
 
 
+def judge_both(model, logs, judgement, folder):
+    """Judge a model as the main run does; return its files, sweep first."""
+    files = {
+        kind: [str(folder / f"{kind}_{name}") for name in logs]
+        for kind in ("errors", "fitted", "fits", "predictions")
+    }
+    judge(**logs, **files, name=model, **judgement, seed=SEED)
+    return files
+
+
 def text(path):
     return Path(path).read_text(encoding="utf-8")
 
@@ -92,14 +102,19 @@ def test_errors_are_those_of_the_main_run_with_that_seed(errors, logs, judgement
     assert [(entry["trained_on"], entry["model"]) for entry in found["models"]] == [
         (log, model) for log in ("sweep", "complex") for model in ("esn", "fprc", "fuzzy_linear")
     ]
-    other = {"sweep": "complex", "complex": "sweep"}
+    data = {name: read_data(path) for name, path in logs.items()}
+    settings = [judgement[key] for key in ("models", "folds", "split")]
     for entry in found["models"]:
-        names = [str(tmp_path / name) for name in ("errors.json", "model.npz", "fit.h5", "test.h5")]
-        log = entry["trained_on"]
-        judge(
-            logs[log], logs[other[log]], *names, name=entry["model"], **judgement, seed=SEED
-        )  # fmt: skip
-        assert entry == read_json(names[0])
+        train = entry["trained_on"]
+        test = "complex" if train == "sweep" else "sweep"
+        _, report, _ = judge_model(entry["model"], *settings, SEED, data[train], data[test])
+        assert entry == json.loads(json.dumps(report))
+
+
+def test_main_run_writes_the_errors_of_both_directions(errors, logs, judgement, tmp_path):
+    written = judge_both("esn", logs, judgement, tmp_path)
+    replicated = [entry for entry in read_json(errors)["models"] if entry["model"] == "esn"]
+    assert [read_json(path) for path in written["errors"]] == replicated
 
 
 def test_weights_are_those_of_the_main_run_with_that_seed(errors, logs, judgement, tmp_path):
@@ -269,16 +284,15 @@ def control(replication, settings, tmp_path_factory):
 def followed(logs, settings, judgement, tmp_path_factory):
     """Gains and logs of the main run's stages with this seed."""
     folder = tmp_path_factory.mktemp("followed")
-    names = [str(folder / name) for name in ("errors.json", "model.npz", "fit.h5", "test.h5")]
-    judge(logs["sweep"], logs["complex"], *names, name="fprc", **judgement, seed=SEED)
+    model = judge_both("fprc", logs, judgement, folder)["fitted"][0]
     bench = {name: settings[name] for name in ("tracking", "control", "rig")} | {"seed": SEED}
     gains = str(folder / "gains.json")
-    identify_gain(names[1], gains, **bench)
+    identify_gain(model, gains, **bench)
     runs = {}
     for reference in settings["tracking"]["references"]:
         paths = [str(folder / f"{reference}_{name}.h5") for name in CONTROLLERS]
         track(
-            names[1], gains, paths, reference=reference, controllers=list(CONTROLLERS), **bench
+            model, gains, paths, reference=reference, controllers=list(CONTROLLERS), **bench
         )  # fmt: skip
         for path in paths:
             wanted = ("time_s", "theta_d_deg", "theta_deg", "p_ff_kpa", "p_fb_kpa", "p_i_kpa",
