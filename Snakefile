@@ -18,7 +18,7 @@ configfile: "config/config.yaml"
 configfile: "config/rig.yaml"
 
 
-EXPERIMENTS = ["sweep", "complex"]
+EXPERIMENTS = ["sweep", "complex"]  # in the order of fprc.stages.judge.DIRECTIONS
 
 try:
     SETTINGS = check(config).model_dump(mode="json")

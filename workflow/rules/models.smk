@@ -1,5 +1,5 @@
 # Sec. III-D: cross-validation, test and execution times of the three models.
-# The log that trains names the file; the reversed data set trains on `complex`.
+# The log that trains names a result's file; the reversed data set trains on `complex`.
 
 JUDGEMENT = {
     "folds": SETTINGS["evaluation"]["folds"],
@@ -97,9 +97,10 @@ rule replicate_control:
         "../scripts/replicate_control.py"
 
 
-#: Priorities: of what takes long, so that it is not left to the end, and of what wants the
-#: whole machine, which begins when no job runs, before any other does.
-LONG, ALONE = 1, 2
+#: Priorities: of what takes long and waits for logs, so that it is not left to the end, and of
+#: what wants the whole machine, which begins as soon as no job runs. The scheduler adds up what
+#: it begins at once: one that is alone outweighs a long one on every core.
+LONG, ALONE = 1, workflow.cores + 1
 
 
 rule measure_times:
@@ -171,7 +172,7 @@ if SWEEP_CHUNKS == 1:
             **SWEEP,
             checkpoint=f"{RESULTS}/sweeps/{{sweep}}.partial.jsonl",
         message:
-            "Sweep over {wildcards.sweep}, {threads} workers"
+            "Sweep over {wildcards.sweep}, workers: {threads}"
         script:
             "../scripts/sweep.py"
 
@@ -197,7 +198,7 @@ else:
             chunks=SWEEP_CHUNKS,
             checkpoint=f"{RESULTS}/sweeps/{{sweep}}_{{chunk}}.partial.jsonl",
         message:
-            "Sweep over {wildcards.sweep}, chunk {wildcards.chunk}, {threads} workers"
+            "Sweep over {wildcards.sweep}, chunk {wildcards.chunk}, workers: {threads}"
         script:
             "../scripts/sweep.py"
 
@@ -274,7 +275,7 @@ rule measure_readout:
     log:
         f"{RESULTS}/logs/measure_readout.log",
     priority: LONG
-    # two splits and three readouts over each value
+    # about as many cells: two splits and three readouts over each value
     threads: workers_for(6 * sum(map(len, swept("epsilon", "replicate_taps").values())))
     resources:
         mem_mb=2000,

@@ -76,8 +76,10 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
         check_is_fitted(self)
         X = validate_data(self, X, reset=False, dtype=np.float64)
         beta = gaussian_memberships(X, self.centers_, self.sigma)
-        rules = self.W_out_[:, 1:] @ X.T + self.W_out_[:, :1]
-        return (beta.T * rules).sum(axis=0)
+        rules = self.W_out_[:, 1:] @ X.T
+        rules += self.W_out_[:, :1]
+        rules *= beta.T
+        return rules.sum(axis=0)
 
     def output(self, x: np.ndarray) -> float:
         """Return the output of one row of features, without checks."""

@@ -20,7 +20,7 @@ from fprc.evaluation.crossval import fit_folds
 from fprc.evaluation.sweeps import run_cells
 from fprc.evaluation.timing import interleaved, machine, time_steps
 from fprc.models import EchoStates, SequenceModel
-from fprc.models.echo import aligned, echo_states
+from fprc.models.echo import LANES, SHORTEST, aligned, echo_states
 from fprc.models.fcm import fuzzy_c_means
 from fprc.stages import peers
 from fprc.stages.judge import Data, build, read_data
@@ -327,7 +327,7 @@ def growth(
     """Return seconds and peak memory of each piece of work over its size."""
     X, y = data[0].pair("fprc")
     rows = build("fprc", models, seed).make_features().fit(X).transform(X)
-    theta = X[:4800, :1]  # enough for segments
+    theta = X[: 2 * LANES * SHORTEST, :1]
     rng = np.random.default_rng(seed)
     judge = partial(
         judge_cell, train=data[0], test=data[1], models=models, folds=5, split="shuffled", seed=seed

@@ -128,11 +128,9 @@ def judge(
     """
     logs = {"sweep": read_data(sweep), "complex": read_data(complex)}
     found = judge_directions(name, models, folds, split, seed, logs, DIRECTIONS)
-    files = zip(errors, fitted, fits, predictions, strict=True)
-    for (train, test), (judged, report, tested), paths in zip(
-        DIRECTIONS, found, files, strict=True
+    for (train, test), (judged, report, tested), error, model, fit, prediction in zip(
+        DIRECTIONS, found, errors, fitted, fits, predictions, strict=True
     ):
-        error, model, fit, prediction = paths
         write_json(error, report)
         with replacing(model) as temporary:
             save_model(judged.model, temporary)

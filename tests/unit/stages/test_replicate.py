@@ -3,11 +3,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from fprc.artifacts import read_json
 from fprc.claims import measure_hysteresis, measure_runs
 from fprc.config import Settings
 from fprc.logs import read_columns
+from fprc.models import load_model
 from fprc.stages import replicate as stage
 from fprc.stages.judge import judge, judge_model, read_data
 from fprc.stages.preprocess import preprocess
@@ -96,7 +98,7 @@ def errors(replication, tmp_path_factory):
     return path
 
 
-def test_errors_are_those_of_the_main_run_with_that_seed(errors, logs, judgement, tmp_path):
+def test_errors_are_those_of_each_direction_judged_alone(errors, logs, judgement):
     found = read_json(errors)
     assert (found["seed"], found["source"]) == (SEED, "sim")
     assert [(entry["trained_on"], entry["model"]) for entry in found["models"]] == [
@@ -111,10 +113,25 @@ def test_errors_are_those_of_the_main_run_with_that_seed(errors, logs, judgement
         assert entry == json.loads(json.dumps(report))
 
 
-def test_main_run_writes_the_errors_of_both_directions(errors, logs, judgement, tmp_path):
-    written = judge_both("esn", logs, judgement, tmp_path)
-    replicated = [entry for entry in read_json(errors)["models"] if entry["model"] == "esn"]
-    assert [read_json(path) for path in written["errors"]] == replicated
+@pytest.mark.parametrize("model", ["esn", "fprc", "fuzzy_linear"])
+def test_main_run_writes_the_same_errors_and_what_they_are_of(
+    model, errors, logs, judgement, tmp_path
+):
+    written = judge_both(model, logs, judgement, tmp_path)
+    reports = [read_json(path) for path in written["errors"]]
+    assert reports == [entry for entry in read_json(errors)["models"] if entry["model"] == model]
+    for i, (train, test) in enumerate([("sweep", "complex"), ("complex", "sweep")]):
+        fit, prediction = (
+            read_columns(written[kind][i], ("p_exp_kpa", "p_ff_kpa"))
+            for kind in ("fits", "predictions")
+        )
+        assert fit.attributes["experiment"] == train
+        assert prediction.attributes["experiment"] == test
+        away_kpa = prediction.channels["p_ff_kpa"] - prediction.channels["p_exp_kpa"]
+        assert np.sqrt(np.mean(away_kpa**2)) == pytest.approx(reports[i]["test_rmse_kpa"])
+        again = load_model(written["fitted"][i])
+        X, _ = read_data(logs[test]).pair(model)
+        assert_allclose(again.predict(X), prediction.channels["p_ff_kpa"], rtol=1e-9)
 
 
 def test_weights_are_those_of_the_main_run_with_that_seed(errors, logs, judgement, tmp_path):

@@ -4,6 +4,7 @@ from fprc.config import Settings
 from fprc.evaluation.sweeps import run_cells
 from fprc.logs import write_columns
 from fprc.stages import sweep as stage
+from fprc.stages.readout import measure_readout
 from fprc.stages.sweep import chunk_of, join_sweep, sweep_settings
 
 VALUES = {"n_u": [1, 2], "n_y": [1, 3, 2]}
@@ -29,7 +30,7 @@ def sweep(logs, tmp_path):
     models = Settings().models.model_dump(mode="json")
     models["fprc"] |= {"n_c": 2}
 
-    def call(name, **chunk):
+    def call(name, **others):
         path = str(tmp_path / f"{name}.json")
         sweep_settings(
             *logs,
@@ -40,10 +41,9 @@ def sweep(logs, tmp_path):
             folds=2,
             split="shuffled",
             seed=1,
-            workers=1,
             checkpoint=str(tmp_path / f"{name}.jsonl"),
             version="v",
-            **chunk,
+            **{"workers": 1} | others,
         )
         return path
 
@@ -60,6 +60,21 @@ def test_sweep_in_chunks_is_the_same_file(sweep, tmp_path, chunks):
     parts = [sweep(f"part{k}", chunk=k, chunks=chunks) for k in range(chunks)]
     join_sweep(parts, str(tmp_path / "joined.json"))
     assert read(tmp_path / "joined.json") == read(sweep("whole"))
+
+
+def test_two_processes_write_what_one_does(sweep):
+    assert read(sweep("two", workers=2)) == read(sweep("one"))
+
+
+def test_two_processes_compare_the_readouts_as_one_does(logs, tmp_path):
+    models = Settings().models.model_dump(mode="json")
+    models["fprc"] |= {"n_c": 2}
+    for workers in (1, 2):
+        measure_readout(
+            *logs, str(tmp_path / f"{workers}.json"), models=models, epsilon=[0.1], n_u=[1],
+            folds=2, seed=1, workers=workers, checkpoint=str(tmp_path / "cells.jsonl"), version="v",
+        )  # fmt: skip
+    assert read(tmp_path / "2.json") == read(tmp_path / "1.json")
 
 
 def test_chunk_that_was_killed_goes_on_at_its_next_cell(sweep, monkeypatch):
