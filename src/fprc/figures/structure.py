@@ -98,7 +98,7 @@ def plot_reservoir(rest: Squeeze, driven: Squeeze, ax: Axes, *, limit_kpa: float
     }
     _name_parts(ax, structure, parts, 0.8)
 
-    first, second = Body(1.84, 2.95, rest[2]), Body(2.7, 2.95, driven[2])
+    first, second = Body(1.81, 2.95, rest[2]), Body(2.63, 2.95, driven[2])
     for body, state, title in ((first, rest, "(b) At rest"), (second, driven, "(c) A driven")):
         full = [max(kpa, 0.0) / limit_kpa for kpa in state[:2]]
         widths = _plot_dual(ax, body, full, boyle(rest, state))

@@ -63,6 +63,7 @@ def plot_grid(table: DataFrame, phase: str, ax: Axes) -> Axes:
     best_y, best_u = np.unravel_index(np.argmin(grid.to_numpy()), grid.shape)
     ax.add_patch(_frame(grid.columns[best_u], grid.index[best_y]))
     ax.set(xlabel="$n_u$", ylabel="$n_y$", xticks=grid.columns, yticks=grid.index)
+    ax.tick_params(length=0)  # beside a number a tick looks like a minus sign
     unit = table["unit"].iloc[0]
     ax.figure.colorbar(image, ax=ax, label=f"{_PHASES[phase]} RMSE [{unit}]", pad=0.02)
     return ax

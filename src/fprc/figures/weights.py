@@ -34,4 +34,5 @@ def plot_shares(table: DataFrame, ax: Axes) -> Axes:
                 color="#d62728", linestyle="--", linewidth=0.9)  # fmt: skip
     ax.set(xlabel="Fuzzy rule", ylabel="Share of the weights", ylim=(0, 1), xticks=rules)
     ax.set_xlim(rules[0] - 0.5, rules[-1] + 0.5)
+    ax.tick_params(axis="x", length=0)
     return ax

@@ -93,8 +93,8 @@ def draw_weights(weights: str, pdf: str, png: str) -> Mapping[str, Any]:
     fig, ax = style.figure(1, 1, style.COLUMN_IN, 2.4)
     plot_shares(table, ax)
     style.legend_above(ax)
-    mean = report["mean_share"]
-    style.letter(ax, f"Mean: {100 * mean['p_o']:.0f} %, {100 * mean['theta_d']:.0f} %")
+    mean = {name: f"{100 * share:.0f} %" for name, share in report["mean_share"].items()}
+    style.letter(ax, rf"Mean: $\tilde{{P}}_o$ {mean['p_o']}, $\theta_d$ {mean['theta_d']}")
     return style.save(fig, report, pdf, png)
 
 
