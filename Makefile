@@ -35,7 +35,7 @@ test-workflow:
 test-kill: .venv/.ready
 	FPRC_KILLS=20 pytest tests/workflow/test_kill.py
 
-# the last commit in two cold builds, compared byte by byte: some 15 minutes on two cores
+# the last commit in two cold builds, compared byte by byte: some ten minutes on two cores
 reproduce-twice: .venv/.ready
 	python tests/twice.py
 
