@@ -53,7 +53,7 @@ def test_all_plans_what_the_logs_allow_and_nothing_else(recording):
     assert done.returncode == 0, done.stdout
     assert planned(done.stdout) == {
         "all", "preprocess", "judge", "comparison_table", "configuration_table", "sweep",
-        "measure_times", "measure_times_over_n_c", "measure_steps", "timing_table", "steps_table",
+        "measure_times", "measure_times_over_n_c", "timing_table", "steps_table",
         "actuator_hysteresis", "settings", "apparatus", "esn_system", "fprc_system",
         "list_unavailable", "report_page",
     }  # fmt: skip

@@ -41,7 +41,7 @@ def test_default_profile_is_read(project):
         ("report", {"report_page", "ledger", "taps"}, {"ensemble_chunk", "fit_rig"}),
         ("ensemble", {"ensemble_chunk", "ensemble_figure"}, {"judge", "replicate"}),
         ("sensitivity", {"measure_sensitivity", "sensitivity_table"}, {"replicate"}),
-        ("targets", {"targets_table", "replicate", "replicate_control"}, {"replicate_sweeps"}),
+        ("targets", {"targets_table", "replicate"}, {"judge"}),
         ("calibrate", {"fit_rig"}, {"replicate"}),
         ("fig4", {"actuator_hysteresis"}, {"judge", "measure_times"}),
         ("fig5", {"reservoir_hysteresis"}, {"judge", "measure_times"}),

@@ -10,15 +10,11 @@ JUDGEMENT = {
 SWEPT = {"epsilon": ["fprc"], "n_c": ["fprc", "fuzzy_linear"], "taps": ["fprc"]}
 VALUES = {"epsilon": ["epsilon"], "n_c": ["n_c"], "taps": ["n_u", "n_y"]}
 
-#: What another seed needs, to begin at the experiments.
-REPLICATION = {
-    **JUDGEMENT,
-    "signals": SETTINGS["experiments"],
-    "control": SETTINGS["control"],
-    "rig": SETTINGS["rig"],
-    "target": "{target}",
-    "seed": lambda wildcards: int(wildcards.seed),
-}
+
+#: Priorities: of what takes long and waits for logs, so that it is not left to the end, and of
+#: what wants the whole machine, which begins as soon as no job runs. The scheduler adds up what
+#: it begins at once: one that is alone outweighs a long one on every core.
+LONG, ALONE = 1, workflow.cores + 1
 
 
 rule judge:
@@ -47,60 +43,29 @@ rule judge:
 
 rule replicate:
     output:
-        errors=f"{RESULTS}/replicates/{{target}}/models_{{seed}}.json",
-    log:
-        f"{RESULTS}/logs/replicate_{{target}}_{{seed}}.log",
-    resources:
-        mem_mb=2000,
-    params:
-        **REPLICATION,
-        models=SETTINGS["models"],
-        code=code_of("replicate"),
-    message:
-        "Tables II and III and the weights again with seed {wildcards.seed}"
-    script:
-        "../scripts/replicate.py"
-
-
-rule replicate_sweeps:
-    output:
+        compared=f"{RESULTS}/replicates/{{target}}/models_{{seed}}.json",
         cells=f"{RESULTS}/replicates/{{target}}/sweeps_{{seed}}.json",
-    log:
-        f"{RESULTS}/logs/replicate_sweeps_{{target}}_{{seed}}.log",
-    resources:
-        mem_mb=2000,
-    params:
-        **REPLICATION,
-        models=settings_of("fprc"),
-        values=swept("epsilon", "n_c", "replicate_taps"),
-        checkpoint=f"{RESULTS}/replicates/{{target}}/sweeps_{{seed}}.partial.jsonl",
-        version=code_of("replicate_sweeps", "fprc", "fuzzy_linear"),
-    message:
-        "Sweeps again with seed {wildcards.seed}"
-    script:
-        "../scripts/replicate_sweeps.py"
-
-
-rule replicate_control:
-    output:
         measures=f"{RESULTS}/replicates/{{target}}/control_{{seed}}.json",
     log:
-        f"{RESULTS}/logs/replicate_control_{{target}}_{{seed}}.log",
+        f"{RESULTS}/logs/replicate_{{target}}_{{seed}}.log",
+    priority: LONG
+    resources:
+        mem_mb=2000,
     params:
-        **REPLICATION,
-        models=settings_of("fprc"),
+        **JUDGEMENT,
+        signals=SETTINGS["experiments"],
+        control=SETTINGS["control"],
+        rig=SETTINGS["rig"],
+        target="{target}",
+        models=SETTINGS["models"],
+        values=swept("epsilon", "n_c", "replicate_taps"),
         tracking=SETTINGS["tracking"],
-        code=code_of("replicate_control", "fprc"),
+        seed=lambda wildcards: int(wildcards.seed),
+        code=code_of("replicate"),
     message:
-        "Closed loops again with seed {wildcards.seed}"
+        "All that a claim rests on, again with seed {wildcards.seed}"
     script:
-        "../scripts/replicate_control.py"
-
-
-#: Priorities: of what takes long and waits for logs, so that it is not left to the end, and of
-#: what wants the whole machine, which begins as soon as no job runs. The scheduler adds up what
-#: it begins at once: one that is alone outweighs a long one on every core.
-LONG, ALONE = 1, workflow.cores + 1
+        "../scripts/replicate.py"
 
 
 rule measure_times:
@@ -109,6 +74,7 @@ rule measure_times:
         test=f"{RESULTS}/data/complex.h5",
     output:
         times=f"{RESULTS}/timing/times.json",
+        steps=f"{RESULTS}/timing/steps.json",
     log:
         f"{RESULTS}/logs/measure_times.log",
     priority: ALONE
@@ -117,11 +83,13 @@ rule measure_times:
         mem_mb=2000,
     params:
         models=SETTINGS["models"],
+        control=SETTINGS["control"],
+        tracking={key: SETTINGS["tracking"][key] for key in ("printed_gains", "pressure_limit_kpa")},
         repeats=SETTINGS["evaluation"]["timing_repeats"],
         seed=SETTINGS["seed"],
         code=code_of("measure_times"),
     message:
-        "Execution times, alone on the machine"
+        "Execution times, and the cost of a control step, alone on the machine"
     script:
         "../scripts/measure_times.py"
 
@@ -240,30 +208,6 @@ rule measure_times_over_n_c:
         "Execution times over n_c, alone on the machine"
     script:
         "../scripts/measure_times_over_n_c.py"
-
-
-rule measure_steps:
-    input:
-        train=f"{RESULTS}/data/sweep.h5",
-        test=f"{RESULTS}/data/complex.h5",
-    output:
-        steps=f"{RESULTS}/timing/steps.json",
-    log:
-        f"{RESULTS}/logs/measure_steps.log",
-    priority: ALONE
-    threads: workflow.cores
-    resources:
-        mem_mb=2000,
-    params:
-        models=SETTINGS["models"],
-        control=SETTINGS["control"],
-        tracking={key: SETTINGS["tracking"][key] for key in ("printed_gains", "pressure_limit_kpa")},
-        seed=SETTINGS["seed"],
-        code=code_of("measure_steps"),
-    message:
-        "Cost of a control step, alone on the machine"
-    script:
-        "../scripts/measure_steps.py"
 
 
 rule measure_readout:

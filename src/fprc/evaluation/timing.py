@@ -110,7 +110,10 @@ def _steps(model: SequenceModel, X: np.ndarray) -> np.ndarray:
 def _train_by_step(model: SequenceModel, fitted: SequenceModel, X: np.ndarray, y: np.ndarray):
     features = fitted.features_
     features.reset()
-    return _train(model, np.array([features.step(x) for x in X]), y)
+    rows = np.empty((len(X), fitted.readout_.n_features_in_))
+    for row, x in zip(rows, X, strict=True):
+        row[:] = features.advance(x)
+    return _train(model, rows, y)
 
 
 def _train(model: SequenceModel, rows: np.ndarray, y: np.ndarray):

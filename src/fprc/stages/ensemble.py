@@ -87,9 +87,8 @@ def judge_rig(
     }
     try:
         data = simulate(signals, control, drawn, target, seed)
-        compared = compare_models(data, models, folds, split, seed)
-        bench = Track(tracking, control, drawn, seed)
-        measured = measure_control(data, bench, models, folds, split)
+        compared, fprc = compare_models(data, models, folds, split, seed)
+        measured = measure_control(data, Track(tracking, control, drawn, seed), fprc)
     except FprcError as error:
         return described | {"failed": str(error)}
     return described | {"compared": compared, "measured": measured}

@@ -22,12 +22,15 @@ def measure_times(
     train: str,
     test: str,
     times: str,
+    steps: str,
     *,
     models: Mapping[str, Any],
+    control: Mapping[str, Any],
+    tracking: Mapping[str, Any],
     repeats: int,
     seed: int,
 ) -> None:
-    """Time training and test of every model on this machine."""
+    """Time training and test of every model on this machine, and a step of the closed loop."""
     train_data, test_data = read_data(train), read_data(test)
     refuse_mixture(train_data, test_data)
     results = []
@@ -40,35 +43,34 @@ def measure_times(
             progress=lambda what, name=name: log.info("%s: %s, %d repeats", name, what, repeats),
         )
         results += [{"model": name, **result} for result in timed]
-    write_json(times, {"source": train_data.attributes["source"], **machine(), "times": results})
+    costs = step_costs(train_data, test_data, models, control, tracking, seed)
+    described = {"source": train_data.attributes["source"], **machine()}
+    write_json(times, described | {"times": results})
+    write_json(steps, described | {"steps": costs})
 
 
-def measure_steps(
-    train: str,
-    test: str,
-    steps: str,
-    *,
+def step_costs(
+    train: Data,
+    test: Data,
     models: Mapping[str, Any],
     control: Mapping[str, Any],
     tracking: Mapping[str, Any],
     seed: int,
-) -> None:
+) -> list[dict[str, Any]]:
     """Time what the computer does between two samples of the closed loop, sample by sample.
 
     The readings of the test log are replayed to the controller: feedforward,
     PD and both pressure loops, without any rig.
     """
-    train_data, test_data = read_data(train), read_data(test)
-    refuse_mixture(train_data, test_data)
     period_s = 1.0 / control["sample_rate_hz"]
-    results = []
-    for name in able(train_data, test_data):
-        model = build(name, models, seed).fit(*train_data.pair(name))
-        tick = _controller(model, test_data, control, tracking, period_s)
-        samples = len(test_data.channels["time_s"])
+    samples = len(test.channels["time_s"])
+    costs = []
+    for name in able(train, test):
+        model = build(name, models, seed).fit(*train.pair(name))
+        tick = _controller(model, test, control, tracking, period_s)
         time_steps(tick, samples)
         microseconds = 1e6 * time_steps(tick, samples)
-        results.append(
+        costs.append(
             {
                 "model": name,
                 "samples": samples,
@@ -78,8 +80,8 @@ def measure_steps(
                 "budget_us": 1e6 * period_s,
             }
         )
-        log.info("%s: median %.1f us of %.0f", name, results[-1]["median_us"], 1e6 * period_s)
-    write_json(steps, {"source": train_data.attributes["source"], **machine(), "steps": results})
+        log.info("%s: median %.1f us of %.0f", name, costs[-1]["median_us"], 1e6 * period_s)
+    return costs
 
 
 def _controller(

@@ -68,13 +68,13 @@ def quickly(monkeypatch):
     """Judge rigs without models and closed loops; the results tell the rig by its numbers."""
     monkeypatch.setattr(
         stage, "compare_models",
-        lambda data, models, folds, split, seed: {
-            "seed": seed, "theta": float(data["sweep"].channels["theta_deg"].sum()),
-        },
+        lambda data, models, folds, split, seed: (
+            {"seed": seed, "theta": float(data["sweep"].channels["theta_deg"].sum())}, None,
+        ),
     )  # fmt: skip
     monkeypatch.setattr(
         stage, "measure_control",
-        lambda data, bench, models, folds, split: {
+        lambda data, bench, fprc: {
             "seed": bench.seed, "stiffness": bench.rig["bending"]["stiffness_kpa_per_deg"],
         },
     )  # fmt: skip
@@ -331,7 +331,7 @@ def test_errors_are_those_of_the_full_models_on_the_drawn_rig(real, settings):
         drawn, seed = rig_of(rig, settings), rig["seed"]
         data = simulate(settings["signals"], settings["control"], drawn, "command", seed)
         judgement = (settings["models"], settings["folds"], settings["split"])
-        assert rig["compared"] == compare_models(data, *judgement, seed)
+        assert rig["compared"] == compare_models(data, *judgement, seed)[0]
 
 
 def with_fprc_best(rig, number, best):

@@ -50,10 +50,46 @@ def judgement(settings):
 
 
 @pytest.fixture(scope="module")
-def replication(settings, judgement):
-    """What every stage of this module takes, without a seed."""
-    rig = {name: settings[name] for name in ("control", "rig")}
-    return {"signals": settings["experiments"], "target": "command"} | rig | judgement
+def repeat(settings, judgement):
+    """Repeat everything with a seed; return the files by what they hold."""
+
+    def call(folder, seed=SEED, target="command"):
+        files = {name: folder / f"{name}.json" for name in ("compared", "cells", "measures")}
+        stage.replicate(
+            **{name: str(path) for name, path in files.items()},
+            signals=settings["experiments"],
+            **{name: settings[name] for name in ("control", "rig", "tracking")},
+            **judgement,
+            target=target,
+            values=VALUES,
+            seed=seed,
+        )
+        return files
+
+    return call
+
+
+@pytest.fixture(scope="module")
+def repeated(repeat, tmp_path_factory):
+    """What the stage wrote, and the runs that it measured."""
+    seen = []
+
+    def spy(runs, quiet_s):
+        seen.append((runs, quiet_s))
+        return measure_runs(runs, quiet_s)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(stage, "measure_runs", spy)
+        files = repeat(tmp_path_factory.mktemp("repeated"))
+    ((runs, quiet_s),) = seen
+    assert quiet_s == QUIET_S
+    return files, runs
+
+
+@pytest.fixture(scope="module")
+def other(repeat, tmp_path_factory):
+    """The files of another seed."""
+    return repeat(tmp_path_factory.mktemp("other"), seed=SEED + 1)
 
 
 @pytest.fixture(scope="module")
@@ -88,19 +124,33 @@ def text(path):
     return Path(path).read_text(encoding="utf-8")
 
 
+def test_one_seed_gives_the_same_bytes(repeated, repeat, tmp_path):
+    again = repeat(tmp_path)
+    assert {name: text(path) for name, path in again.items()} == {
+        name: text(path) for name, path in repeated[0].items()
+    }
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "cells.json", "compared.json", "measures.json"
+    ]  # fmt: skip
+
+
+def test_every_file_names_its_seed_and_the_simulated_rig(repeated, other):
+    for files, seed in ((repeated[0], SEED), (other, SEED + 1)):
+        for path in files.values():
+            found = read_json(path)
+            assert (found["seed"], found["source"]) == (seed, "sim")
+
+
 # Tables II and III, and the weights
 
 
 @pytest.fixture(scope="module")
-def errors(replication, tmp_path_factory):
-    path = tmp_path_factory.mktemp("errors") / "seed_7.json"
-    stage.replicate(str(path), **replication, seed=SEED)
-    return path
+def errors(repeated):
+    return repeated[0]["compared"]
 
 
 def test_errors_are_those_of_each_direction_judged_alone(errors, logs, judgement):
     found = read_json(errors)
-    assert (found["seed"], found["source"]) == (SEED, "sim")
     assert [(entry["trained_on"], entry["model"]) for entry in found["models"]] == [
         (log, model) for log in ("sweep", "complex") for model in ("esn", "fprc", "fuzzy_linear")
     ]
@@ -142,47 +192,28 @@ def test_weights_are_those_of_the_main_run_with_that_seed(errors, logs, judgemen
     assert sum(main["mean_share"].values()) <= 1.0 + 1e-9
 
 
-def test_errors_of_one_seed_have_the_same_bytes_and_those_of_another_differ(
-    errors, replication, tmp_path
-):
-    for name, seed in (("again.json", SEED), ("other.json", SEED + 1)):
-        stage.replicate(str(tmp_path / name), **replication, seed=seed)
-    assert text(tmp_path / "again.json") == text(errors)
-    ours, other = read_json(errors), read_json(tmp_path / "other.json")
-    assert other["seed"] == SEED + 1
-    for mine, theirs in zip(ours["models"], other["models"], strict=True):
+def test_errors_of_another_seed_differ(errors, other):
+    ours, others = read_json(errors), read_json(other["compared"])
+    for mine, theirs in zip(ours["models"], others["models"], strict=True):
         assert mine["test_rmse_kpa"] != theirs["test_rmse_kpa"]
-    assert ours["weights"]["mean_share"] != other["weights"]["mean_share"]
+    assert ours["weights"]["mean_share"] != others["weights"]["mean_share"]
 
 
-def test_measured_pressure_is_another_target_than_the_command(errors, replication, tmp_path):
-    stage.replicate(str(tmp_path / "m.json"), **replication | {"target": "measured"}, seed=SEED)
-    ours, other = (read_json(path)["models"] for path in (errors, tmp_path / "m.json"))
+def test_measured_pressure_is_another_target_than_the_command(errors, repeat, tmp_path):
+    measured = repeat(tmp_path, target="measured")["compared"]
+    ours, others = (read_json(path)["models"] for path in (errors, measured))
     assert {entry["target"] for entry in ours} == {"command"}
-    assert {entry["target"] for entry in other} == {"measured"}
-    for mine, theirs in zip(ours, other, strict=True):
+    assert {entry["target"] for entry in others} == {"measured"}
+    for mine, theirs in zip(ours, others, strict=True):
         assert mine["test_rmse_kpa"] != theirs["test_rmse_kpa"]
 
 
 # Sweeps
 
 
-def sweep(folder, replication, seed=SEED, version="v", name="cells.json"):
-    folder.mkdir(exist_ok=True)
-    stage.replicate_sweeps(
-        str(folder / name),
-        **replication,
-        values=VALUES,
-        seed=seed,
-        version=version,
-        checkpoint=str(folder / "cells.partial.jsonl"),
-    )
-    return folder / name
-
-
 @pytest.fixture(scope="module")
-def cells(replication, tmp_path_factory):
-    return sweep(tmp_path_factory.mktemp("cells"), replication)
+def cells(repeated):
+    return repeated[0]["cells"]
 
 
 def described(cell):
@@ -191,8 +222,8 @@ def described(cell):
 
 def test_sweeps_hold_every_cell_and_taps_on_the_coarse_grid_only(cells):
     found = read_json(cells)
-    assert (found.pop("seed"), found.pop("source")) == (SEED, "sim")
-    assert {name: [described(cell) for cell in group] for name, group in found.items()} == SWEEPS
+    assert {name: [described(cell) for cell in found[name]] for name in SWEEPS} == SWEEPS
+    assert found.keys() == {*SWEEPS, "seed", "source"}
 
 
 @pytest.mark.parametrize("name", SWEEPS)
@@ -206,95 +237,20 @@ def test_cells_are_those_of_the_main_run_with_that_seed(cells, name, logs, judge
     assert read_json(cells)[name] == read_json(path)["cells"]
 
 
-def test_cells_of_one_seed_have_the_same_bytes_and_those_of_another_differ(
-    cells, replication, tmp_path
-):
-    assert text(sweep(tmp_path, replication)) == text(cells)
-    other = read_json(sweep(tmp_path, replication, seed=SEED + 1, name="other.json"))
+def test_cells_of_another_seed_differ(cells, other):
+    others = read_json(other["cells"])
     for name in SWEEPS:
-        for mine, theirs in zip(read_json(cells)[name], other[name], strict=True):
+        for mine, theirs in zip(read_json(cells)[name], others[name], strict=True):
             assert mine["test_rmse_kpa"] != theirs["test_rmse_kpa"]
-
-
-def test_finished_sweeps_leave_no_checkpoint(cells):
-    assert [path.name for path in cells.parent.iterdir()] == ["cells.json"]
-
-
-@pytest.fixture
-def judged(monkeypatch):
-    """Cells in the order in which they are judged; stops before number ``judged.stop``."""
-
-    class Judge:
-        def __init__(self):
-            self.cells, self.stop = [], None
-
-        def __call__(self, cell, **settings):
-            if len(self.cells) == self.stop:
-                raise KeyboardInterrupt
-            self.cells.append(described(cell))
-            return judge_cell(cell, **settings)
-
-    judge_cell = stage.judge_cell
-    spy = Judge()
-    monkeypatch.setattr(stage, "judge_cell", spy)
-    return spy
-
-
-ALL = [cell for group in SWEEPS.values() for cell in group]
-
-
-def stopped(folder, replication, judged, after):
-    judged.stop = after
-    with pytest.raises(KeyboardInterrupt):
-        sweep(folder, replication)
-    assert [path.name for path in folder.iterdir()] == ["cells.partial.jsonl"]
-    judged.cells, judged.stop = [], None
-
-
-def test_stopped_sweeps_go_on_where_they_were(cells, replication, tmp_path, judged):
-    stopped(tmp_path, replication, judged, after=3)
-    assert text(sweep(tmp_path, replication)) == text(cells)
-    assert judged.cells == ALL[3:]
-    assert [path.name for path in tmp_path.iterdir()] == ["cells.json"]
-
-
-@pytest.mark.parametrize("what", ["version", "seed", "rig", "models", "folds"])
-def test_checkpoint_of_other_code_or_settings_is_not_used(
-    replication, tmp_path, judged, settings, what
-):
-    stopped(tmp_path, replication, judged, after=3)
-    models = settings["models"] | {"alpha": 0.5}
-    rig = settings["rig"] | {"drift": settings["rig"]["drift"] | {"sigma_kpa": 0.0}}
-    changes = {
-        "version": {"version": "w"},
-        "seed": {"seed": SEED + 1},
-        "rig": {"replication": replication | {"rig": rig}},
-        "models": {"replication": replication | {"models": models}},
-        "folds": {"replication": replication | {"folds": 3}},
-    }
-    sweep(tmp_path, **{"replication": replication} | changes[what])
-    assert judged.cells == ALL
 
 
 # Closed loops
 
 
 @pytest.fixture(scope="module")
-def control(replication, settings, tmp_path_factory):
-    """What the stage wrote, and the runs that it measured."""
-    path = tmp_path_factory.mktemp("control") / "control.json"
-    seen = []
-
-    def spy(runs, quiet_s):
-        seen.append((runs, quiet_s))
-        return measure_runs(runs, quiet_s)
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(stage, "measure_runs", spy)
-        stage.replicate_control(str(path), **replication, tracking=settings["tracking"], seed=SEED)
-    ((runs, quiet_s),) = seen
-    assert quiet_s == QUIET_S
-    return path, runs
+def control(repeated):
+    """What the stage wrote of the closed loops, and the runs that it measured."""
+    return repeated[0]["measures"], repeated[1]
 
 
 @pytest.fixture(scope="module")
@@ -324,7 +280,6 @@ def followed(logs, settings, judgement, tmp_path_factory):
 def test_gains_are_those_of_the_main_run_with_that_seed(control, followed):
     found = read_json(control[0])
     assert found["gains"] == {name: followed[0][name] for name in ("printed", "identified")}
-    assert (found["seed"], found["source"]) == (SEED, "sim")
 
 
 def test_settling_part_of_every_run_is_cut_off_before_it_is_measured(control, followed):
@@ -353,14 +308,7 @@ def test_other_measures_are_those_of_the_runs_and_of_the_sweep(control, logs):
     assert {key: found[key] for key in again} == json.loads(json.dumps(again))
 
 
-def test_measures_of_one_seed_have_the_same_bytes_and_those_of_another_differ(
-    control, replication, settings, tmp_path
-):
-    for name, seed in (("again.json", SEED), ("other.json", SEED + 1)):
-        stage.replicate_control(
-            str(tmp_path / name), **replication, tracking=settings["tracking"], seed=seed
-        )
-    assert text(tmp_path / "again.json") == text(control[0])
-    ours, other = read_json(control[0]), read_json(tmp_path / "other.json")
+def test_measures_of_another_seed_differ(control, other):
+    ours, others = read_json(control[0]), read_json(other["measures"])
     for key in ("rmse_deg", "effort", "hysteresis"):
-        assert all(ours[key][name] != other[key][name] for name in ours[key])
+        assert all(ours[key][name] != others[key][name] for name in ours[key])

@@ -35,9 +35,15 @@ def logs(recorded, tmp_path_factory):
     return str(folder / "sweep.h5"), str(folder / "complex.h5")
 
 
-def measure(logs, settings, folder):
-    timing.measure_steps(*logs, str(folder / "steps.json"), **settings, seed=1)
-    return read_json(folder / "steps.json")
+def measure(logs, settings):
+    return timing.step_costs(*map(timing.read_data, logs), **settings, seed=1)
+
+
+def write(logs, settings, folder):
+    """Write both files of the stage; return what is in them."""
+    files = [str(folder / name) for name in ("times.json", "steps.json")]
+    timing.measure_times(*logs, *files, **settings, repeats=1, seed=1)
+    return [read_json(path) for path in files]
 
 
 @pytest.fixture
@@ -59,13 +65,11 @@ def clock(monkeypatch):
     return rounds
 
 
-def test_cost_of_a_step_is_that_of_a_second_round(logs, settings, tmp_path, clock):
-    report = measure(logs, settings, tmp_path)
+def test_cost_of_a_step_is_that_of_a_second_round(logs, settings, clock):
+    costs = measure(logs, settings)
     assert clock == [SAMPLES] * 6
-    assert report["source"] == "sim"
-    assert report["cpu"]
-    assert [entry["model"] for entry in report["steps"]] == ["esn", "fprc", "fuzzy_linear"]
-    for entry in report["steps"]:
+    assert [entry["model"] for entry in costs] == ["esn", "fprc", "fuzzy_linear"]
+    for entry in costs:
         assert entry["samples"] == SAMPLES
         assert entry["median_us"] == pytest.approx(20.0)
         assert entry["max_us"] == pytest.approx(4000.0)
@@ -80,7 +84,7 @@ def test_cost_of_a_step_is_that_of_a_second_round(logs, settings, tmp_path, cloc
     ids=["esn", "fprc", "fuzzy_linear"],
 )
 def test_each_step_of_the_controller_is_fed_the_log_sample_by_sample(
-    logs, settings, tmp_path, clock, monkeypatch, model, columns
+    logs, settings, clock, monkeypatch, model, columns
 ):
     seen = []
     step = model.step
@@ -90,7 +94,7 @@ def test_each_step_of_the_controller_is_fed_the_log_sample_by_sample(
         return step(self, x)
 
     monkeypatch.setattr(model, "step", spy)
-    measure(logs, settings, tmp_path)
+    measure(logs, settings)
     data = timing.read_data(logs[1]).channels
     expected = np.column_stack([data["theta_deg"], data["p_o_kpa"]])[:, :columns]
     np.testing.assert_array_equal(seen, np.tile(expected, (2, 1)))
@@ -103,9 +107,12 @@ def test_logs_without_p_o_time_the_models_that_do_without_it(logs, settings, tmp
         channels = {name: data.channels[name] for name in ("time_s", "p_exp_kpa", "theta_deg")}
         bare.append(str(tmp_path / Path(path).name))
         write_columns(bare[-1], channels, data.attributes)
-    timing.measure_steps(*bare, str(tmp_path / "steps.json"), **settings, seed=1)
-    steps = read_json(tmp_path / "steps.json")["steps"]
-    assert [step["model"] for step in steps] == ["esn", "fuzzy_linear"]
+    times, steps = write(bare, settings, tmp_path)
+    for report in (times["times"], steps["steps"]):
+        assert {entry["model"] for entry in report} == {"esn", "fuzzy_linear"}
+    for report in (times, steps):
+        assert report["source"] == "sim"
+        assert report["cpu"]
     models, over = settings["models"], {"values": [2], "repeats": 1, "seed": 1}
     timing.measure_times_over_n_c(*bare, str(tmp_path / "n_c.json"), models=models, **over)
     assert {entry["model"] for entry in read_json(tmp_path / "n_c.json")["times"]} == {
@@ -113,9 +120,7 @@ def test_logs_without_p_o_time_the_models_that_do_without_it(logs, settings, tmp
     }
 
 
-def test_each_step_of_the_controller_runs_both_pressure_loops(
-    logs, settings, tmp_path, clock, monkeypatch
-):
+def test_each_step_of_the_controller_runs_both_pressure_loops(logs, settings, clock, monkeypatch):
     seen = []
     step = PressurePI.step
 
@@ -124,7 +129,7 @@ def test_each_step_of_the_controller_runs_both_pressure_loops(
         return step(self, setpoint, reading)
 
     monkeypatch.setattr(PressurePI, "step", spy)
-    measure(logs, settings, tmp_path)
+    measure(logs, settings)
     assert len(seen) == 2 * 6 * SAMPLES
     data = timing.read_data(logs[1]).channels
     main, reservoir = seen[0 : 2 * SAMPLES : 2], seen[1 : 2 * SAMPLES : 2]
@@ -133,6 +138,6 @@ def test_each_step_of_the_controller_runs_both_pressure_loops(
     np.testing.assert_allclose([setpoint for setpoint, _ in reservoir], 7.0 * data["theta_deg"])
 
 
-def test_cost_of_a_step_is_measured_for_real_too(logs, settings, tmp_path):
-    for entry in measure(logs, settings, tmp_path)["steps"]:
+def test_cost_of_a_step_is_measured_for_real_too(logs, settings):
+    for entry in measure(logs, settings):
         assert 0.0 < entry["median_us"] <= entry["p99_9_us"] <= entry["max_us"]
