@@ -66,7 +66,9 @@ DRAWINGS = pytest.mark.parametrize(
 
 
 @DRAWINGS
-def test_figure_drawn_twice_has_the_same_bytes(drawing, log, tmp_path):
+def test_figure_is_marked_as_simulated_and_drawn_twice_has_the_same_bytes(
+    drawing, log, tmp_path, figures
+):
     logs = log("one.h5"), log("two.h5")
     contents = []
     for name in ("first", "second"):
@@ -76,12 +78,7 @@ def test_figure_drawn_twice_has_the_same_bytes(drawing, log, tmp_path):
     assert contents[0] == contents[1]
     assert contents[0][0].startswith(b"%PDF")
     assert contents[0][1].startswith(b"\x89PNG")
-
-
-@DRAWINGS
-def test_drawn_figure_is_marked_as_simulated_and_closed(drawing, log, tmp_path, figures):
-    drawing(log("one.h5"), log("two.h5"), str(tmp_path / "f.pdf"), str(tmp_path / "f.png"))
-    assert marks(figures[0]) == ["simulated rig, seed 7"]
+    assert [marks(each) for each in figures] == [["simulated rig, seed 7"]] * 2
     assert plt.get_fignums() == []
 
 
@@ -121,7 +118,8 @@ def test_saving_gives_back_the_attributes_of_the_data(fig, tmp_path):
 
 
 @DRAWINGS
-def test_drawing_gives_the_attributes_of_the_simulated_log(drawing, log, tmp_path):
+def test_drawing_gives_the_attributes_of_the_simulated_log(drawing, log, tmp_path, monkeypatch):
+    monkeypatch.setattr(style, "save", lambda fig, data, pdf, png: data)
     logs = log("one.h5", source="rig", seed=1), log("two.h5", seed=9)
     found = drawing(*logs, str(tmp_path / "f.pdf"), str(tmp_path / "f.png"))
     assert (found["source"], found["seed"]) == ("sim", 9)

@@ -10,13 +10,13 @@ import fprc
 
 pytestmark = pytest.mark.slow
 
-ESN = {
+#: Further seeds, which are one job each, and what is made of them alone.
+SEEDS = {"replicate": 2, "seeds_table": 2, "orders_table": 1, "tracking_seeds_table": 1}
+
+ESN = SEEDS | {
     "judge": 1,
-    "replicate": 2,
     "measure_times": 1,
     "comparison_table": 2,
-    "seeds_table": 2,
-    "orders_table": 1,
     "timing_table": 1,
     "steps_table": 1,
     "ledger": 1,
@@ -93,21 +93,20 @@ CHANGES = {
     "rigs of the ensemble": ("ensemble={rigs: 6}", {"report_page": 1}),
     "values of n_c": (
         "sweeps={n_c: [2, 8]}",
-        {"sweep": 1, "measure_times_over_n_c": 1, "replicate": 2, "settings": 1, "ledger": 1,
-         "report_page": 1},
+        SEEDS | {"sweep": 1, "measure_times_over_n_c": 1, "settings": 1, "ledger": 1,
+                 "report_page": 1},
     ),
     "taps": ("sweeps={n_u: [1, 2]}", {"sweep": 1, "taps": 1, "report_page": 1}),
     "candidates of the gain": (
         "tracking={candidate_kp_kpa_per_deg: [0.5, 3]}",
-        {"identify_gain": 1, "track": 5, "replicate": 2, "tracking_table": 1,
-         "tracking_seeds_table": 1, "following_sine_0p2": 1, "following_sine_0p5": 1,
-         "following_sweep": 1, "following_complex": 1, "loops": 1, "disturbance": 1, "ledger": 1,
-         "report_page": 1},
+        SEEDS | {"identify_gain": 1, "track": 5, "tracking_table": 1, "following_sine_0p2": 1,
+                 "following_sine_0p5": 1, "following_sweep": 1, "following_complex": 1, "loops": 1,
+                 "disturbance": 1, "ledger": 1, "report_page": 1},
     ),
     "one reference": (
         "tracking={references: {sine_0p2: {duration_s: 9}}}",
-        {"track": 1, "replicate": 2, "tracking_table": 1, "tracking_seeds_table": 1,
-         "following_sine_0p2": 1, "ledger": 1, "report_page": 1},
+        SEEDS | {"track": 1, "tracking_table": 1, "following_sine_0p2": 1, "ledger": 1,
+                 "report_page": 1},
     ),
 }  # fmt: skip
 

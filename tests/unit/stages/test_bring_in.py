@@ -3,6 +3,7 @@ import logging
 from pathlib import Path
 
 import h5py
+import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import pytest
@@ -15,6 +16,7 @@ from fprc.cli import main
 from fprc.config import Settings
 from fprc.config.importing import read_map
 from fprc.errors import ConfigError, LogError
+from fprc.figures import style
 from fprc.logs import RAW_CHANNELS, assess, read_columns, read_raw, write_raw
 from fprc.stages.bring_in import bring_in
 from fprc.stages.judge import Data, read_data, refuse_mixture
@@ -24,6 +26,18 @@ RATE = {"experiment": "sweep", "sample_rate_hz": 200.0, "rate_tolerance": 0.01}
 LIMITS = Settings().quality.model_dump()
 ANGLE = {"column": "theta_deg", "unit": "deg"}
 COMMAND = {"column": "p_exp_command_kpa", "unit": "kPa"}
+
+
+@pytest.fixture
+def drawn():
+    """Asked for by who looks at the picture."""
+
+
+@pytest.fixture(autouse=True)
+def undrawn(request, monkeypatch):
+    """No picture for the others: to draw one takes longer than all else."""
+    if "drawn" not in request.fixturenames:
+        monkeypatch.setattr(style, "save_png", lambda fig, data, png: plt.close(fig))
 
 
 @pytest.fixture
@@ -101,7 +115,7 @@ def test_log_says_where_it_comes_from_and_how(bring):
     assert json.loads(attributes["map"])["channels"]["theta_deg"]["column"] == "theta_deg"
 
 
-def test_diagnosis_and_picture_lie_beside_the_log(bring, capsys):
+def test_diagnosis_and_picture_lie_beside_the_log(bring, capsys, drawn):
     raw = bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND})
     record = read_json(raw.with_suffix(".diagnosis.json"))
     assert (record["source"], record["log"], record["samples"]) == ("log.csv", "sweep.h5", 4000)
@@ -110,7 +124,7 @@ def test_diagnosis_and_picture_lie_beside_the_log(bring, capsys):
     assert all(line in said for line in record["words"])
 
 
-def test_same_file_gives_the_same_bytes(bring):
+def test_same_file_gives_the_same_bytes(bring, drawn):
     channels = {"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}
     names = ["sweep.h5", "sweep.diagnosis.json", "sweep.diagnosis.png"]
     folder = bring(channels).parent

@@ -62,6 +62,7 @@ def test_sweep_in_chunks_is_the_same_file(sweep, tmp_path, chunks):
     assert read(tmp_path / "joined.json") == read(sweep("whole"))
 
 
+@pytest.mark.slow
 def test_two_processes_write_what_one_does(sweep):
     assert read(sweep("two", workers=2)) == read(sweep("one"))
 
