@@ -8,7 +8,7 @@ from fprc.artifacts import refuse_unwritable
 from fprc.config import check
 from fprc.errors import FprcError
 from fprc.fingerprint import fingerprint, imports_of
-from fprc.logs import holdings, refuse_simulated, refuse_to_overwrite
+from fprc.logs import EXPERIMENTS, holdings, refuse_simulated, refuse_to_overwrite
 from fprc.stages.availability import refusal, unavailable
 
 min_version("9.0")
@@ -17,8 +17,6 @@ min_version("9.0")
 configfile: "config/config.yaml"
 configfile: "config/rig.yaml"
 
-
-EXPERIMENTS = ["sweep", "complex"]  # in the order of fprc.stages.judge.DIRECTIONS
 
 try:
     SETTINGS = check(config).model_dump(mode="json")

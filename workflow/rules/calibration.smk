@@ -1,11 +1,5 @@
 # How the simulated rig was set, and what depends on it. None of this is part of `all`.
 
-EXPERIMENTS_ON_RIG = {
-    "rig": SETTINGS["rig"],
-    "signals": SETTINGS["experiments"],
-    "control": SETTINGS["control"],
-    "target": TARGET,
-}
 STANDIN = {key: SETTINGS["calibration"][key] for key in ("stride", "esn_nodes")}
 CHUNKS = {
     first: list(range(first, min(first + ENSEMBLE["chunk"], ENSEMBLE["rigs"])))

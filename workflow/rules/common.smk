@@ -57,6 +57,14 @@ MODELS = [model for model in ("esn", "fprc", "fuzzy_linear") if model not in UNA
 LEFT_OUT = {model: UNAVAILABLE[model] for model in ("fprc",) if model in UNAVAILABLE}
 SEEDS = SETTINGS["evaluation"]["replicate_seeds"]
 
+#: What simulates the hysteresis experiments.
+EXPERIMENTS_ON_RIG = {
+    "rig": SETTINGS["rig"],
+    "signals": SETTINGS["experiments"],
+    "control": SETTINGS["control"],
+    "target": SETTINGS["evaluation"]["target"],
+}
+
 #: The log that trains the models of a table; the other one tests them.
 TRAINED_ON = {"2": "sweep", "3": "complex"}
 

@@ -11,8 +11,8 @@ SWEPT = {"epsilon": ["fprc"], "n_c": ["fprc", "fuzzy_linear"], "taps": ["fprc"]}
 VALUES = {"epsilon": ["epsilon"], "n_c": ["n_c"], "taps": ["n_u", "n_y"]}
 
 
-#: Priorities: of what takes long and waits for logs, so that it is not left to the end, and of
-#: what wants the whole machine, which begins as soon as no job runs. The scheduler adds up what
+#: Priorities: of what takes long, so that it is not left to the end, and of what wants the whole
+#: machine, which begins as soon as no job runs. The scheduler adds up what
 #: it begins at once: one that is alone outweighs a long one on every core.
 LONG, ALONE = 1, workflow.cores + 1
 
@@ -53,17 +53,14 @@ rule replicate:
         mem_mb=2000,
     params:
         **JUDGEMENT,
-        signals=SETTINGS["experiments"],
-        control=SETTINGS["control"],
-        rig=SETTINGS["rig"],
-        target="{target}",
+        **EXPERIMENTS_ON_RIG | {"target": "{target}"},
         models=SETTINGS["models"],
         values=swept("epsilon", "n_c", "replicate_taps"),
         tracking=SETTINGS["tracking"],
         seed=lambda wildcards: int(wildcards.seed),
         code=code_of("replicate"),
     message:
-        "All that a claim rests on, again with seed {wildcards.seed}"
+        "Tables, sweeps and closed loops again with seed {wildcards.seed}"
     script:
         "../scripts/replicate.py"
 

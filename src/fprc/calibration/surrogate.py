@@ -6,12 +6,10 @@ from typing import Any
 import numpy as np
 
 from fprc.evaluation import rmse
+from fprc.logs import EXPERIMENTS
 from fprc.models import ESN, FPRC, FuzzyLinear
 
 Channels = Mapping[str, np.ndarray]
-
-#: Log that trains, log that tests, in both directions.
-DIRECTIONS = (("sweep", "complex"), ("complex", "sweep"))
 
 
 def surrogate_errors(
@@ -51,7 +49,7 @@ def surrogate_errors(
         features = model.make_features().fit(X["sweep"])
         rows = {log: features.transform(X[log])[::stride] for log in logs}
         y = {log: logs[log]["p_exp_kpa"][::stride] for log in logs}
-        for train, test in DIRECTIONS:
+        for train, test in (EXPERIMENTS, EXPERIMENTS[::-1]):
             readout = model.make_readout().fit(rows[train], y[train])
             for phase, log in (("train", train), ("test", test)):
                 errors[f"{train}/{name}/{phase}"] = rmse(y[log], readout.predict(rows[log]))

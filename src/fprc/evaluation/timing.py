@@ -28,8 +28,8 @@ def time_model(
 ) -> list[dict[str, Any]]:
     """Time one model, ``repeats`` times in each mode, after a warm-up.
 
-    Sequential is what a controller pays: the features of each sample by
-    ``step``, then, in training, the fit of the readout. Batch computes whole
+    Sequential is what a controller pays: the features sample by sample, then, in
+    training, the fit of the readout. Batch computes whole
     logs at once. To draw the ESN's weights is no part of its training.
 
     Returns

@@ -5,6 +5,7 @@ from fprc.logs.holdings import COMPLETE, Holding, holdings
 from fprc.logs.journal import Journal
 from fprc.logs.quality import assess
 from fprc.logs.raw import (
+    EXPERIMENTS,
     RAW_CHANNELS,
     read_raw,
     read_run,
@@ -16,6 +17,7 @@ from fprc.logs.recovery import read_journal, recover
 
 __all__ = [
     "COMPLETE",
+    "EXPERIMENTS",
     "RAW_CHANNELS",
     "Columns",
     "Holding",

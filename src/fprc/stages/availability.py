@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from fprc.logs import Holding
+from fprc.logs import EXPERIMENTS, Holding
 from fprc.logs.columns import unit_of
 
 #: Closed-loop runs of each figure, as reference and controller.
@@ -46,24 +46,22 @@ class Need(NamedTuple):
     literal: Sequence[str] = ()
 
 
-_BOTH = ("sweep", "complex")
-
 #: What each result needs; what is not here needs no log.
 NEEDS = {
-    "table2": Need(_BOTH),
-    "table3": Need(_BOTH),
-    "timing": Need(_BOTH),
-    "fprc": Need(_BOTH, ("p_o_kpa",)),
+    "table2": Need(EXPERIMENTS),
+    "table3": Need(EXPERIMENTS),
+    "timing": Need(EXPERIMENTS),
+    "fprc": Need(EXPERIMENTS, ("p_o_kpa",)),
     "fig1": Need(("sweep",), ("p_exp_kpa",), ("p_exp_kpa", "theta_deg")),
     "fig2": Need(("sweep",), ("p_i_kpa", "p_o_kpa", "phi_deg"), ("p_i_kpa", "p_o_kpa", "phi_deg")),
-    "fig4": Need(_BOTH),
-    "fig5": Need(_BOTH, ("p_o_kpa",)),
-    "fig8": Need(_BOTH, ("p_o_kpa",)),
+    "fig4": Need(EXPERIMENTS),
+    "fig5": Need(EXPERIMENTS, ("p_o_kpa",)),
+    "fig8": Need(EXPERIMENTS, ("p_o_kpa",)),
     "fig9": Need(("sweep",), ("p_o_kpa",)),
-    "fig10": Need(_BOTH),
-    "fig10a": Need(_BOTH, ("p_o_kpa",)),
-    "fig11": Need(_BOTH, ("p_o_kpa",)),
-    "readout": Need(_BOTH, ("p_o_kpa",)),
+    "fig10": Need(EXPERIMENTS),
+    "fig10a": Need(EXPERIMENTS, ("p_o_kpa",)),
+    "fig11": Need(EXPERIMENTS, ("p_o_kpa",)),
+    "readout": Need(EXPERIMENTS, ("p_o_kpa",)),
 } | {
     name: Need([run_log(*run) for run in runs], ("p_i_kpa", "p_o_kpa", "phi_deg"))
     if name == "fig17"

@@ -88,7 +88,7 @@ def judge_rig(
     try:
         data = simulate(signals, control, drawn, target, seed)
         compared, fprc = compare_models(data, models, folds, split, seed)
-        measured = measure_control(data, Track(tracking, control, drawn, seed), fprc)
+        measured = measure_control(data["sweep"], Track(tracking, control, drawn, seed), fprc)
     except FprcError as error:
         return described | {"failed": str(error)}
     return described | {"compared": compared, "measured": measured}

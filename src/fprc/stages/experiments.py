@@ -7,12 +7,11 @@ from fprc import __version__
 from fprc.artifacts import read_json
 from fprc.control import TRACKING_CHANNELS, Law, hysteresis_law
 from fprc.errors import ConfigError
-from fprc.logs import RAW_CHANNELS
+from fprc.logs import EXPERIMENTS, RAW_CHANNELS
 from fprc.models import SequenceModel, load_model
 from fprc.signals import pressure_command
 from fprc.stages.track import CONTROLLERS, Track, candidate
 
-HYSTERESIS = ("sweep", "complex")
 _IDENTIFY = "identify_"
 
 
@@ -44,7 +43,7 @@ def names(settings: Mapping[str, Any]) -> list[str]:
     """Return the experiments of the paper in the order in which they are run."""
     tracking = settings["tracking"]
     return [
-        *HYSTERESIS,
+        *EXPERIMENTS,
         *(f"{_IDENTIFY}{kp:g}" for kp in tracking["candidate_kp_kpa_per_deg"]),
         *(
             f"track_{reference}_{one}"
@@ -74,7 +73,7 @@ def plan(name: str, settings: Mapping[str, Any], model: str = "", gains: str = "
     known = names(settings)
     if name not in known:
         raise ConfigError(f"no experiment {name}; there are {', '.join(known)}")
-    if name in HYSTERESIS:
+    if name in EXPERIMENTS:
         return _hysteresis(name, settings)
     bench = Track(settings["tracking"], settings["control"], settings["hardware"], settings["seed"])
     if name.startswith(_IDENTIFY):

@@ -1,4 +1,4 @@
-"""Cross-validation, test and timing of the models."""
+"""Cross-validation and test of the models."""
 
 import logging
 from collections.abc import Mapping, Sequence
@@ -11,16 +11,13 @@ from fprc.artifacts import replacing, write_json
 from fprc.errors import LogError
 from fprc.evaluation import Judgement, rmse, split_rows
 from fprc.evaluation.crossval import refusals_of, validate_rows
-from fprc.logs import read_columns, write_columns
+from fprc.logs import EXPERIMENTS, read_columns, write_columns
 from fprc.models import ESN, FPRC, FuzzyLinear, SequenceModel, save_model
 
 log = logging.getLogger(__name__)
 
-#: A judgement, its errors as they are reported, and the output for the log that tests.
-Judged = tuple[Judgement, dict[str, Any], np.ndarray]
-
 #: Tables II and III: the log that trains, and the log that tests.
-DIRECTIONS = (("sweep", "complex"), ("complex", "sweep"))
+DIRECTIONS = (EXPERIMENTS, EXPERIMENTS[::-1])
 
 #: Channels that each model sees, in the order of its columns.
 INPUTS = {
@@ -28,6 +25,14 @@ INPUTS = {
     "fprc": ("theta_deg", "p_o_kpa"),
     "fuzzy_linear": ("theta_deg",),
 }
+
+
+class Judged(NamedTuple):
+    """A model that was cross-validated on one log and tested on another."""
+
+    judgement: Judgement
+    report: dict[str, Any]  #: its errors
+    tested: np.ndarray  #: output for the log that tests
 
 
 class Data(NamedTuple):
@@ -143,20 +148,6 @@ def judge(
             write_columns(path, channels, dict(data.attributes) | {"model": name})
 
 
-def judge_model(
-    name: str,
-    models: Mapping[str, Any],
-    folds: int,
-    split: str,
-    seed: int,
-    train: Data,
-    test: Data,
-) -> Judged:
-    """Cross-validate and test one model; return it, its errors, and what it gives in the test."""
-    logs = {"train": train, "test": test}
-    return judge_directions(name, models, folds, split, seed, logs, [("train", "test")])[0]
-
-
 def judge_directions(
     name: str,
     models: Mapping[str, Any],
@@ -166,7 +157,7 @@ def judge_directions(
     logs: Mapping[str, Data],
     directions: Sequence[tuple[str, str]],
 ) -> list[Judged]:
-    """Judge one model for each (log that trains, log that tests), as ``judge_model`` does.
+    """Cross-validate and test one model for each (log that trains, log that tests).
 
     The features of each log are computed once for all directions.
     """
@@ -204,7 +195,7 @@ def judge_directions(
             "best_fold": judged.best,
             "test_rmse_kpa": test_rmse,
         }
-        found.append((judged, report, tested))
+        found.append(Judged(judged, report, tested))
     return found
 
 

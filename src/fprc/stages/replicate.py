@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Mapping
+from itertools import chain
 from typing import Any
 
 from fprc.artifacts import write_json
@@ -50,7 +51,7 @@ def replicate(
     split: str,
     seed: int,
 ) -> None:
-    """Repeat everything that a claim rests on, from the experiments on.
+    """Repeat all but the execution times with another seed, from the experiments on.
 
     Writes Tables II and III and the weights of Fig. 9 (``compared``), the sweeps of
     Figs. 10 and 11 (``cells``), and the closed loops of Sec. IV (``measures``).
@@ -62,7 +63,7 @@ def replicate(
     write_json(compared, described | found)
     write_json(cells, described | sweep_models(data, values, *judgement))
     bench = Track(tracking, control, rig, seed)
-    write_json(measures, described | measure_control(data, bench, fprc))
+    write_json(measures, described | measure_control(data["sweep"], bench, fprc))
 
 
 def compare_models(
@@ -75,7 +76,7 @@ def compare_models(
     """
     judgement = (models, folds, split, seed)
     found = {name: judge_directions(name, *judgement, data, DIRECTIONS) for name in INPUTS}
-    reports = [found[name][i][1] for i in range(len(DIRECTIONS)) for name in INPUTS]
+    in_order = chain.from_iterable(zip(*found.values(), strict=True))
     fprc = {
         "split": split,
         "readout": "theta",
@@ -83,11 +84,11 @@ def compare_models(
     }
     settings = {"models": models, "folds": folds, "seed": seed}
     compared = {
-        "models": reports,
+        "models": [judged.report for judged in in_order],
         "weights": weight_shares(data["sweep"], *judgement),
         "filter_alone": judge_readout(fprc, train=data["sweep"], test=data["complex"], **settings),
     }
-    return compared, found["fprc"][0][0].model
+    return compared, found["fprc"][0].judgement.model
 
 
 def sweep_models(
@@ -111,7 +112,7 @@ def sweep_models(
     return found
 
 
-def measure_control(data: Mapping[str, Data], bench: Track, fprc: SequenceModel) -> dict[str, Any]:
+def measure_control(sweep: Data, bench: Track, fprc: SequenceModel) -> dict[str, Any]:
     """Follow every reference with every controller; return what the claims measure."""
     gains = bench_gain(bench, fprc)
     runs = {}
@@ -124,6 +125,6 @@ def measure_control(data: Mapping[str, Data], bench: Track, fprc: SequenceModel)
         log.info("followed %s with every controller", reference)
     return {
         "gains": {name: gains[name] for name in ("printed", "identified")},
-        "hysteresis": measure_hysteresis(data["sweep"].channels),
+        "hysteresis": measure_hysteresis(sweep.channels),
         **measure_runs(runs, bench.tracking["pushes"]["quiet_s"]),
     }

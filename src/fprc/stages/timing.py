@@ -1,4 +1,4 @@
-"""Execution times of the models."""
+"""Execution times of the models, and of a step of the control loop."""
 
 import logging
 from collections.abc import Callable, Mapping, Sequence

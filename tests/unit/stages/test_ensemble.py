@@ -69,13 +69,15 @@ def quickly(monkeypatch):
     monkeypatch.setattr(
         stage, "compare_models",
         lambda data, models, folds, split, seed: (
-            {"seed": seed, "theta": float(data["sweep"].channels["theta_deg"].sum())}, None,
+            {"seed": seed, "theta": float(data["sweep"].channels["theta_deg"].sum())},
+            f"FPRC of {seed}",
         ),
     )  # fmt: skip
     monkeypatch.setattr(
         stage, "measure_control",
-        lambda data, bench, fprc: {
+        lambda sweep, bench, fprc: {
             "seed": bench.seed, "stiffness": bench.rig["bending"]["stiffness_kpa_per_deg"],
+            "theta": float(sweep.channels["theta_deg"].sum()), "fprc": fprc,
         },
     )  # fmt: skip
 
@@ -140,9 +142,11 @@ def test_all_parts_of_a_judgement_are_of_one_rig_and_one_seed(judge, settings):
         drawn = rig_of(rig, settings)
         sweep = {"sweep": settings["signals"]["sweep"]}
         log = simulate(sweep, settings["control"], drawn, "command", rig["seed"])["sweep"].channels
-        assert rig["compared"] == {"seed": rig["seed"], "theta": float(log["theta_deg"].sum())}
+        theta = float(log["theta_deg"].sum())
+        assert rig["compared"] == {"seed": rig["seed"], "theta": theta}
         assert rig["measured"] == {
             "seed": rig["seed"], "stiffness": drawn["bending"]["stiffness_kpa_per_deg"],
+            "theta": theta, "fprc": f"FPRC of {rig['seed']}",
         }  # fmt: skip
 
 

@@ -11,7 +11,7 @@ from fprc.config import Settings
 from fprc.logs import read_columns
 from fprc.models import load_model
 from fprc.stages import replicate as stage
-from fprc.stages.judge import judge, judge_model, read_data
+from fprc.stages.judge import judge, judge_directions, read_data
 from fprc.stages.preprocess import preprocess
 from fprc.stages.record import record
 from fprc.stages.sweep import sweep_settings, weigh
@@ -53,14 +53,14 @@ def judgement(settings):
 def repeat(settings, judgement):
     """Repeat everything with a seed; return the files by what they hold."""
 
-    def call(folder, seed=SEED, target="command"):
+    def call(folder, seed=SEED):
         files = {name: folder / f"{name}.json" for name in ("compared", "cells", "measures")}
         stage.replicate(
             **{name: str(path) for name, path in files.items()},
             signals=settings["experiments"],
             **{name: settings[name] for name in ("control", "rig", "tracking")},
             **judgement,
-            target=target,
+            target="command",
             values=VALUES,
             seed=seed,
         )
@@ -159,8 +159,8 @@ def test_errors_are_those_of_each_direction_judged_alone(errors, logs, judgement
     for entry in found["models"]:
         train = entry["trained_on"]
         test = "complex" if train == "sweep" else "sweep"
-        _, report, _ = judge_model(entry["model"], *settings, SEED, data[train], data[test])
-        assert entry == json.loads(json.dumps(report))
+        (judged,) = judge_directions(entry["model"], *settings, SEED, data, [(train, test)])
+        assert entry == json.loads(json.dumps(judged.report))
 
 
 @pytest.mark.parametrize("model", ["esn", "fprc", "fuzzy_linear"])
@@ -199,9 +199,11 @@ def test_errors_of_another_seed_differ(errors, other):
     assert ours["weights"]["mean_share"] != others["weights"]["mean_share"]
 
 
-def test_measured_pressure_is_another_target_than_the_command(errors, repeat, tmp_path):
-    measured = repeat(tmp_path, target="measured")["compared"]
-    ours, others = (read_json(path)["models"] for path in (errors, measured))
+def test_measured_pressure_is_another_target_than_the_command(errors, settings, judgement):
+    rig = [settings[name] for name in ("experiments", "control", "rig")]
+    measured = stage.simulate(*rig, "measured", SEED)
+    ours = read_json(errors)["models"]
+    others = stage.compare_models(measured, **judgement, seed=SEED)[0]["models"]
     assert {entry["target"] for entry in ours} == {"command"}
     assert {entry["target"] for entry in others} == {"measured"}
     for mine, theirs in zip(ours, others, strict=True):

@@ -100,6 +100,18 @@ def test_each_step_of_the_controller_is_fed_the_log_sample_by_sample(
     np.testing.assert_array_equal(seen, np.tile(expected, (2, 1)))
 
 
+def test_both_files_hold_every_model_and_say_what_they_were_measured_on(logs, settings, tmp_path):
+    models = ["esn", "fprc", "fuzzy_linear"]
+    times, steps = write(logs, settings, tmp_path)
+    assert [entry["model"] for entry in times["times"]] == [
+        name for name in models for _ in range(4)
+    ]
+    assert [entry["model"] for entry in steps["steps"]] == models
+    for report in (times, steps):
+        assert report["source"] == "sim"
+        assert report["cpu"]
+
+
 def test_logs_without_p_o_time_the_models_that_do_without_it(logs, settings, tmp_path):
     bare = []
     for path in logs:
@@ -108,11 +120,8 @@ def test_logs_without_p_o_time_the_models_that_do_without_it(logs, settings, tmp
         bare.append(str(tmp_path / Path(path).name))
         write_columns(bare[-1], channels, data.attributes)
     times, steps = write(bare, settings, tmp_path)
-    for report in (times["times"], steps["steps"]):
-        assert {entry["model"] for entry in report} == {"esn", "fuzzy_linear"}
-    for report in (times, steps):
-        assert report["source"] == "sim"
-        assert report["cpu"]
+    assert {entry["model"] for entry in times["times"]} == {"esn", "fuzzy_linear"}
+    assert [entry["model"] for entry in steps["steps"]] == ["esn", "fuzzy_linear"]
     models, over = settings["models"], {"values": [2], "repeats": 1, "seed": 1}
     timing.measure_times_over_n_c(*bare, str(tmp_path / "n_c.json"), models=models, **over)
     assert {entry["model"] for entry in read_json(tmp_path / "n_c.json")["times"]} == {
