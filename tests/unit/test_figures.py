@@ -14,8 +14,9 @@ SIMULATED = {"source": "sim", "seed": 7, "model": "fprc"}
 
 @pytest.fixture(autouse=True)
 def coarse(monkeypatch):
-    """Fewer pixels, for speed, and no figure left open."""
+    """Fewer pixels and no subsets of fonts, for speed, and no figure left open."""
     monkeypatch.setitem(style._STYLE, "savefig.dpi", 50)
+    monkeypatch.setitem(style._STYLE, "pdf.fonttype", 3)
     yield
     plt.close("all")
 

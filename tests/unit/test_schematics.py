@@ -119,7 +119,9 @@ def test_drawn_end_is_turned_by_the_angle_and_mirrored_on_request(axes):
 
 @pytest.fixture
 def axes():
-    return style.figure(1, 1, style.COLUMN_IN, 2.0)[1]
+    fig, ax = style.figure(1, 1, style.COLUMN_IN, 2.0)
+    yield ax
+    plt.close(fig)
 
 
 def write_log(path, **channels):
@@ -183,9 +185,16 @@ def drawings(draw_in):
     return {name: draw_in(stage, **settings) for name, (stage, settings) in calls}
 
 
-@pytest.fixture(params=CALLS | LONG_CALLS)
+@pytest.fixture(scope="module", params=CALLS | LONG_CALLS)
 def picture(request, drawings):
     return drawings[request.param][0]
+
+
+@pytest.fixture(scope="module")
+def places(picture):
+    """Where each text of the picture is."""
+    picture.draw_without_rendering()
+    return {text: text.get_window_extent() for text in texts(picture)}
 
 
 def words(fig):
@@ -205,30 +214,23 @@ def texts(fig):
     return [text for text in found if text not in unseen]
 
 
-def extents(fig):
-    fig.draw_without_rendering()
-    return {text: text.get_window_extent() for text in texts(fig)}
-
-
-def test_no_two_texts_overlap_and_none_is_clipped(picture):
-    boxes = extents(picture)
-    assert len(boxes) > 5
-    for (one, first), (other, second) in itertools.combinations(boxes.items(), 2):
+def test_no_two_texts_overlap_and_none_is_clipped(picture, places):
+    assert len(places) > 5
+    for (one, first), (other, second) in itertools.combinations(places.items(), 2):
         assert not first.overlaps(second), (one.get_text(), other.get_text())
-    for text, box in boxes.items():
+    for text, box in places.items():
         assert encloses(picture.bbox, box), text.get_text()
         assert text.get_fontsize() >= (5.5 if text is picture._supxlabel else 6.0)
 
 
-def test_text_stays_in_its_box(picture):
+def test_text_stays_in_its_box(picture, places):
     boxes = [patch.get_window_extent() for patch in picture.findobj(FancyBboxPatch)]
-    for text, place in extents(picture).items():
+    for text, place in places.items():
         for box in boxes:
             assert encloses(box, place) or not box.overlaps(place), text.get_text()
 
 
-def test_no_line_runs_through_text(picture):
-    places = extents(picture)
+def test_no_line_runs_through_text(picture, places):
     for arrow in picture.findobj(FancyArrowPatch):
         line = arrow.get_transform().transform_path(arrow.get_path())
         for part in line.to_polygons(closed_only=False):

@@ -67,6 +67,7 @@ def test_two_processes_write_what_one_does(sweep):
     assert read(sweep("two", workers=2)) == read(sweep("one"))
 
 
+@pytest.mark.slow
 def test_two_processes_compare_the_readouts_as_one_does(logs, tmp_path):
     models = Settings().models.model_dump(mode="json")
     models["fprc"] |= {"n_c": 2}
