@@ -3,7 +3,7 @@ PYTHON ?= python3
 CORES ?= 2
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 
-.PHONY: paper smoke test test-parts test-workflow test-on-slurm test-kill reproduce-twice slurm \
+.PHONY: paper smoke test test-parts test-workflow test-kill reproduce-twice slurm \
 	test-slurm docs scaling fault-matrix loop-benchmark benchmark benchmark-all clean
 
 paper: .venv/.ready
@@ -19,21 +19,17 @@ test: .venv/.ready
 	snakemake --lint
 	lint-imports
 	@shared=$$(mktemp -d) && trap 'rm -rf "$$shared"' EXIT && FPRC_SMOKED=$$shared \
-	  $(MAKE) --no-print-directory --jobs 3 --output-sync test-parts test-workflow test-on-slurm
+	  $(MAKE) --no-print-directory --jobs 2 --output-sync test-parts test-workflow
 
-# two processes of about the same length, which share one smoke run; a third mostly waits
+# two processes of about the same length, which share one smoke run
 APART = tests/workflow/test_targets.py tests/workflow/test_hardware.py \
 	tests/workflow/test_twice.py tests/workflow/test_bad_input.py tests/workflow/test_disk.py
-WAITS = tests/workflow/test_slurm.py
 
 test-parts:
 	pytest --ignore tests/workflow $(PYTEST) && pytest $(APART) $(PYTEST)
 
 test-workflow:
-	pytest tests/workflow $(APART:%=--ignore %) $(WAITS:%=--ignore %) $(PYTEST)
-
-test-on-slurm:
-	pytest $(WAITS) $(PYTEST)
+	pytest tests/workflow $(APART:%=--ignore %) $(PYTEST)
 
 # twenty kills at random moments, ten minutes or more; `make test` makes two
 test-kill: .venv/.ready
