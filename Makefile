@@ -76,7 +76,7 @@ benchmark: .venv/.ready
 	python -m pip install --quiet --disable-pip-version-check --constraint environment.txt --editable '.[benchmark]'
 	snakemake --cores $(CORES) --forcerun rule_times -- benchmark performance_page
 
-# the whole workflow beside the same rules plainly written: half an hour and more
+# the whole workflow beside the same rules plainly written: half an hour or so
 benchmark-all: benchmark
 	snakemake --cores $(CORES) --forcerun measure_all -- results/benchmark/all.json
 	snakemake --cores $(CORES) --forcerun benchmark_table -- benchmark performance_page

@@ -5,7 +5,7 @@
 The last commit is cloned twice. In one clone fuzzy c-means is scikit-fuzzy's from random
 starts, the states of the ESN and the steps of both are NumPy line by line, and each fold
 solves its ridge anew; whatever else a rule does is the same. Both have the same cores. It
-takes as long as the plain one does: half an hour or more.
+takes as long as the plain one does: half an hour or so.
 """
 
 import argparse

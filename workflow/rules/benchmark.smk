@@ -46,7 +46,7 @@ rule measure_benchmark:
         "../scripts/measure_benchmark.py"
 
 
-# Half an hour and more, and only worth it when the machine is left alone: `make benchmark-all`.
+# Half an hour or so, and only worth it when the machine is left alone: `make benchmark-all`.
 rule measure_all:
     output:
         report=WHOLE,

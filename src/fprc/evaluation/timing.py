@@ -29,8 +29,8 @@ def time_model(
     """Time one model, ``repeats`` times in each mode, after a warm-up.
 
     Sequential is what a controller pays: the features sample by sample, then, in
-    training, the fit of the readout. Batch computes whole
-    logs at once. To draw the ESN's weights is no part of its training.
+    training, the fit of the readout. Batch computes whole logs at once. To draw
+    the ESN's weights is no part of its training.
 
     Returns
     -------
@@ -112,7 +112,7 @@ def _train_by_step(model: SequenceModel, fitted: SequenceModel, X: np.ndarray, y
     features.reset()
     rows = np.empty((len(X), fitted.readout_.n_features_in_))
     for row, x in zip(rows, X, strict=True):
-        row[:] = features.advance(x)
+        row[:] = features.advance(x)  # `step` would copy it first
     return _train(model, rows, y)
 
 
