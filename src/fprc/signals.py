@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
 
 from fprc.errors import EvaluationError
 
@@ -101,7 +100,7 @@ def width_at_middle(x: np.ndarray, y: np.ndarray) -> float:
     EvaluationError
         ``x`` does not pass its middle in both directions.
     """
-    smooth = uniform_filter1d(x, 9, mode="nearest")
+    smooth = np.convolve(np.pad(x, 4, mode="edge"), np.full(9, 1.0 / 9.0), mode="valid")
     away = smooth - 0.5 * (x.min() + x.max())
     k = np.flatnonzero(np.diff(np.sign(away)) != 0)
     share = away[k] / (away[k] - away[k + 1])

@@ -76,12 +76,12 @@ class SimulatedRig:
         SimulationError
             The state left all physical range; names the quantity and the time.
         """
-        for _ in range(round(time_s / self._period_s) - self._tick):
-            self._advance(self._substeps)
+        self.wait_for(round(time_s / self._period_s))
 
     def wait_for(self, tick: int) -> int:
         """Let the rig live until this tick; simulated time misses none."""
-        self.wait_until(tick * self._period_s)
+        while self._tick < tick:
+            self._advance(self._substeps)
         return tick
 
     def read(self) -> Readings:

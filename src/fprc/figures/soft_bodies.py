@@ -11,7 +11,6 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
-from scipy.optimize import brentq
 
 #: Half of the plate, bladder at rest, its wall, gap up to the shield.
 HALF_PLATE, DIAMETER, WALL, GAP = 0.02, 0.19, 0.016, 0.016
@@ -92,11 +91,11 @@ def area(outline: np.ndarray) -> float:
 def squeezed(angle_deg: float, share: float) -> float:
     """Width of the outer bladder whose air fills ``share`` of its area at rest."""
     rest = area(bladder(0.0, DIAMETER, -1, WALL))
-
-    def excess(width: float) -> float:
-        return area(bladder(angle_deg, width, -1, WALL)) - share * rest
-
-    return float(brentq(excess, 0.0, 3.0 * DIAMETER))
+    # the outline is linear in the width, so its area is quadratic; the form holds where a vanishes
+    widths = DIAMETER * np.arange(3.0)
+    excess = [area(bladder(angle_deg, width, -1, WALL)) - share * rest for width in widths]
+    a, b, c = np.polyfit(widths, excess, 2)
+    return float(-2.0 * c / (b + np.sqrt(b * b - 4.0 * a * c)))
 
 
 def tint(colour: str, share: float) -> np.ndarray:

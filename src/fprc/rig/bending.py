@@ -26,7 +26,7 @@ def angular_acceleration(bending, theta, omega, relaxed, slip_force, p_kpa, dist
     torque -= bending.preload_kpa + bending.damping_kpa_s_per_deg * omega
     torque -= bending.stiffness_kpa_per_deg * theta
     torque -= bending.cubic_stiffness_kpa_per_deg3 * theta**3
-    for j in range(relaxed.size):
+    for j in range(len(relaxed)):
         torque -= bending.relaxation_stiffness_kpa_per_deg[j] * (theta - relaxed[j])
     torque -= (bending.friction_kpa + bending.friction_per_kpa * max(p_kpa, 0.0)) * slip_force
     if theta < 0.0:
@@ -38,5 +38,5 @@ def angular_acceleration(bending, theta, omega, relaxed, slip_force, p_kpa, dist
 @kernel
 def relax(relaxed, theta, relaxation_time_s, dt):
     """Advance the relaxed angles in place: e_j' = (th - e_j) / tau_j."""
-    for j in range(relaxed.size):
+    for j in range(len(relaxed)):
         relaxed[j] += dt * (theta - relaxed[j]) / relaxation_time_s[j]

@@ -20,7 +20,7 @@ def slip(z, increment, slip_distance, weight):
         Deflections, changed in place, in the unit of ``increment``.
     """
     force = 0.0
-    for j in range(z.size):
+    for j in range(len(z)):
         z[j] = min(max(z[j] + increment, -slip_distance[j]), slip_distance[j])
         force += weight[j] * z[j] / slip_distance[j]
     return force

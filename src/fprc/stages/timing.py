@@ -10,7 +10,7 @@ from fprc.artifacts import write_json
 from fprc.control import PD, PressurePI, tracking_law
 from fprc.devices import Readings
 from fprc.evaluation import time_model
-from fprc.evaluation.timing import machine, time_steps
+from fprc.evaluation.timing import WARM_UP, machine, time_steps
 from fprc.models import SequenceModel
 from fprc.stages.judge import Data, able, build, read_data, refuse_mixture
 from fprc.stages.track import feedforward
@@ -33,55 +33,45 @@ def measure_times(
     """Time training and test of every model on this machine, and a step of the closed loop."""
     train_data, test_data = read_data(train), read_data(test)
     refuse_mixture(train_data, test_data)
-    results = []
+    results, costs = [], []
     for name in able(train_data, test_data):
+        model = build(name, models, seed).fit(*train_data.pair(name))
         timed = time_model(
-            build(name, models, seed),
+            model,
             train_data.pair(name),
             test_data.pair(name),
             repeats,
             progress=lambda what, name=name: log.info("%s: %s, %d repeats", name, what, repeats),
         )
         results += [{"model": name, **result} for result in timed]
-    costs = step_costs(train_data, test_data, models, control, tracking, seed)
+        cost = step_cost(model, test_data, control, tracking)
+        costs.append({"model": name, **cost})
+        log.info("%s: median %.1f us of %.0f", name, cost["median_us"], cost["budget_us"])
     described = {"source": train_data.attributes["source"], **machine()}
     write_json(times, described | {"times": results})
     write_json(steps, described | {"steps": costs})
 
 
-def step_costs(
-    train: Data,
-    test: Data,
-    models: Mapping[str, Any],
-    control: Mapping[str, Any],
-    tracking: Mapping[str, Any],
-    seed: int,
-) -> list[dict[str, Any]]:
+def step_cost(
+    model: SequenceModel, test: Data, control: Mapping[str, Any], tracking: Mapping[str, Any]
+) -> dict[str, float]:
     """Time what the computer does between two samples of the closed loop, sample by sample.
 
-    The readings of the test log are replayed to the controller: feedforward,
-    PD and both pressure loops, without any rig.
+    The readings of the test log are replayed to the controller: feedforward by the
+    fitted model, PD and both pressure loops, without any rig.
     """
     period_s = 1.0 / control["sample_rate_hz"]
     samples = len(test.channels["time_s"])
-    costs = []
-    for name in able(train, test):
-        model = build(name, models, seed).fit(*train.pair(name))
-        tick = _controller(model, test, control, tracking, period_s)
-        time_steps(tick, samples)
-        microseconds = 1e6 * time_steps(tick, samples)
-        costs.append(
-            {
-                "model": name,
-                "samples": samples,
-                "median_us": float(np.median(microseconds)),
-                "p99_9_us": float(np.percentile(microseconds, 99.9)),
-                "max_us": float(microseconds.max()),
-                "budget_us": 1e6 * period_s,
-            }
-        )
-        log.info("%s: median %.1f us of %.0f", name, costs[-1]["median_us"], 1e6 * period_s)
-    return costs
+    tick = _controller(model, test, control, tracking, period_s)
+    time_steps(tick, min(WARM_UP, samples))
+    microseconds = 1e6 * time_steps(tick, samples)
+    return {
+        "samples": samples,
+        "median_us": float(np.median(microseconds)),
+        "p99_9_us": float(np.percentile(microseconds, 99.9)),
+        "max_us": float(microseconds.max()),
+        "budget_us": 1e6 * period_s,
+    }
 
 
 def _controller(
@@ -134,9 +124,10 @@ def measure_times_over_n_c(
     models_there = able(train_data, test_data)
     for name in ("fprc", "fuzzy_linear"):
         for n_c in values if name in models_there else ():
+            pair = train_data.pair(name)
             timed = time_model(
-                build(name, models, seed).set_params(n_c=n_c),
-                train_data.pair(name),
+                build(name, models, seed).set_params(n_c=n_c).fit(*pair),
+                pair,
                 test_data.pair(name),
                 repeats,
                 modes=("batch",),

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.special import stdtrit
 
 from fprc.tables.names import ERRORS, MODEL_NAMES, PRINTED
 from fprc.tables.text import mean_of, spread
@@ -93,6 +92,8 @@ def over_seeds(
 
 def with_interval(table: pd.DataFrame, level: float = 0.95) -> pd.DataFrame:
     """Add the interval of the mean by Student's t: ``low`` and ``high``."""
+    from scipy.special import stdtrit  # most tables have no use for it, and it loads slowly
+
     half = table["std"] / np.sqrt(table["seeds"]) * stdtrit(table["seeds"] - 1, 0.5 + level / 2)
     return table.assign(low=table["mean"] - half, high=table["mean"] + half)
 

@@ -60,6 +60,10 @@ class Model(SequenceModel):
         return Readout()
 
 
+def fitted():
+    return Model().fit(*log(20))
+
+
 @pytest.fixture(autouse=True)
 def forget():
     Features.calls.clear()
@@ -73,7 +77,7 @@ def forget():
     ids=lambda model: type(model).__name__,
 )
 def test_both_phases_are_timed_in_both_modes(model):
-    results = time_model(model, log(60), log(40), repeats=2)
+    results = time_model(model.fit(*log(60)), log(60), log(40), repeats=2)
     assert [(entry["phase"], entry["mode"], entry["samples"]) for entry in results] == [
         ("train", "sequential", 60),
         ("train", "batch", 60),
@@ -85,14 +89,15 @@ def test_both_phases_are_timed_in_both_modes(model):
         assert all(type(seconds) is float for seconds in entry["seconds"])
 
 
-def test_given_model_stays_unfitted():
-    model = Model()
-    time_model(model, log(20), log(10), repeats=1)
-    assert not hasattr(model, "readout_")
+def test_given_model_stays_as_it_is_fitted():
+    model = fitted()
+    before = model.readout_.w_out_.copy()
+    time_model(model, [part[:10] for part in log(20)], log(10), repeats=1)
+    np.testing.assert_array_equal(model.readout_.w_out_, before)
 
 
 def test_each_time_is_the_difference_of_two_looks_at_the_clock(clock):
-    results = time_model(Model(), log(20), log(10), repeats=3)
+    results = time_model(fitted(), log(20), log(10), repeats=3)
     assert [entry["seconds"] for entry in results] == [[1.0] * 3] * 4
 
 
@@ -109,7 +114,7 @@ def test_time_of_a_test_is_that_of_its_samples(clock, monkeypatch):
     monkeypatch.setattr(Model, "step", slow_step)
     results = {
         (entry["phase"], entry["mode"]): entry["seconds"]
-        for entry in time_model(Model(), log(20), log(10), repeats=2)
+        for entry in time_model(fitted(), log(20), log(10), repeats=2)
     }
     assert results["test", "batch"] == [101.0, 101.0]
     assert results["test", "sequential"] == [71.0, 71.0]
@@ -121,7 +126,7 @@ def test_sequential_work_goes_sample_by_sample_and_batch_work_at_once():
     def heard(what):
         calls[what] = len(Features.calls)
 
-    time_model(Model(), log(20), log(10), repeats=2, progress=heard)
+    time_model(fitted(), log(20), log(10), repeats=2, progress=heard)
     starts = [*calls.values(), len(Features.calls)]
     work = [Features.calls[a:b] for a, b in zip(starts, starts[1:], strict=False)]
     assert list(calls) == [
@@ -136,7 +141,7 @@ def test_sequential_work_goes_sample_by_sample_and_batch_work_at_once():
 
 
 def test_sequential_training_trains_on_the_same_rows_as_batch_training():
-    time_model(Model(), log(20), log(10), repeats=2)
+    time_model(fitted(), log(20), log(10), repeats=2)
     whole, *trained = Readout.trained
     assert len(trained) == 2 * 3
     for rows in trained:
@@ -145,7 +150,7 @@ def test_sequential_training_trains_on_the_same_rows_as_batch_training():
 
 def test_every_repeat_begins_the_log_anew():
     train, test = log(20), log(10)
-    time_model(Model(), train, test, repeats=2)
+    time_model(fitted(), train, test, repeats=2)
     whole = Features(n_y=2, n_u=2).fit(train[0]).transform(test[0])
     assert_allclose(Features.stepped[-20:-10], whole, rtol=1e-12)
     assert_allclose(Features.stepped[-10:], whole, rtol=1e-12)
