@@ -56,7 +56,7 @@ def expected(cells=CELLS):
     ]
 
 
-@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize("workers", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_results_come_in_the_order_of_the_cells_each_judged_once(sweep, workers):
     found, judged = sweep(workers=workers)
     assert found == expected()
@@ -128,7 +128,7 @@ def test_cell_is_known_by_its_content_not_by_its_place(sweep):
     assert found == expected([*turned, {"model": "fprc", "n_c": 9}])
 
 
-@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize("workers", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_judge_that_raises_leaves_finished_cells_in_the_checkpoint(sweep, workers):
     sweep(CELLS[:2])
     with pytest.raises(ArithmeticError, match="n_c = 3"):
