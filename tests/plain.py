@@ -26,11 +26,8 @@ ROOT = Path(__file__).parents[1]
 #: What stands at the end of each module instead of our own.
 PLAIN = {
     "compiled.py": """
-_compiled = kernel
-
 def kernel(function, **options):
-    of_rig = Path(function.__code__.co_filename).parent.name == "rig"
-    return function if of_rig else _compiled(function, **options)
+    return function
 """,
     "rig/parameters.py": """
 def record(settings):
@@ -76,10 +73,11 @@ EchoStates._update = _update
 
 
 def _step(self, x):
-    change = np.where(np.arange(len(x)) < self._split, 1.0, self.epsilon) * (x - self._filtered)
-    self._filtered = self._filtered + change
+    split, filtered = self._split, self._filtered
+    filtered[:split] = x[:split]
+    filtered[split:] += self.epsilon * (x[split:] - filtered[split:])
     self._row[1:] = self._row[:-1]
-    self._row[self._first] = self._filtered
+    self._row[self._first] = filtered
     return self._row
 
 TapFeatures._step = _step
@@ -105,8 +103,14 @@ LIMIT = 2e-2
 def clone(folder: Path, plain: bool) -> None:
     """Check the last commit out, with the plain implementations or without."""
     subprocess.run(["git", "clone", "--quiet", str(ROOT), str(folder)], check=True)
-    for name, code in PLAIN.items() if plain else ():
-        module = folder / "src/fprc" / name
+    if plain:
+        make_plain(folder / "src/fprc")
+
+
+def make_plain(package: Path) -> None:
+    """Let a copy of the package compute plainly."""
+    for name, code in PLAIN.items():
+        module = package / name
         module.write_text(module.read_text(encoding="utf-8") + code, encoding="utf-8")
 
 

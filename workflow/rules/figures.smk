@@ -146,7 +146,7 @@ rule settings:
         **figure("fig10_settings"),
     log:
         f"{RESULTS}/logs/fig10.log",
-    priority: LONG  # last to begin, and the report waits for it
+    priority: LONG  # its times come last, and the report waits for it
     params:
         code=code_of("fig10"),
     message:

@@ -11,9 +11,9 @@ SWEPT = {"epsilon": ["fprc"], "n_c": ["fprc", "fuzzy_linear"], "taps": ["fprc"]}
 VALUES = {"epsilon": ["epsilon"], "n_c": ["n_c"], "taps": ["n_u", "n_y"]}
 
 
-#: Priorities: of what takes long, so that it is not left to the end, and of what wants the whole
-#: machine, which begins as soon as no job runs. The scheduler adds up what it begins at once: one
-#: that is alone outweighs a long one on every core.
+#: Priorities: of what takes long or is waited for, so that it is not left to the end, and of what
+#: wants the whole machine, which begins as soon as no job runs. The scheduler adds up what it begins
+#: at once: one that is alone outweighs a long one on every core.
 LONG, ALONE = 1, workflow.cores + 1
 
 

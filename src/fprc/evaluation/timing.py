@@ -29,7 +29,8 @@ def time_model(
 
     Sequential is what a controller pays: the features sample by sample, then, in
     training, the fit of the readout. Batch computes whole logs at once. To draw
-    the ESN's weights is no part of its training. The model itself stays as it is fitted.
+    the ESN's weights is no part of its training. The model keeps its weights, and
+    is left in the midst of a log.
 
     Returns
     -------

@@ -7,7 +7,7 @@ from fprc.artifacts import read_json
 from fprc.config import Settings
 from fprc.control import PressurePI
 from fprc.logs import write_columns
-from fprc.models import ESN, FPRC, FuzzyLinear
+from fprc.models import ESN, FPRC, FuzzyLinear, SequenceModel
 from fprc.stages import timing
 from fprc.stages.judge import build
 
@@ -118,6 +118,19 @@ def test_both_files_hold_every_model_and_say_what_they_were_measured_on(logs, se
     for report in (times, steps):
         assert report["source"] == "sim"
         assert report["cpu"]
+
+
+def test_one_fit_serves_the_execution_times_and_the_step(logs, settings, tmp_path, monkeypatch):
+    fitted = []
+    fit = SequenceModel.fit
+
+    def spy(self, X, y):
+        fitted.append(type(self).__name__)
+        return fit(self, X, y)
+
+    monkeypatch.setattr(SequenceModel, "fit", spy)
+    write(logs, settings, tmp_path)
+    assert fitted == ["ESN", "FPRC", "FuzzyLinear"]
 
 
 def test_logs_without_p_o_time_the_models_that_do_without_it(logs, settings, tmp_path):
