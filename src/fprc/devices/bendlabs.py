@@ -171,6 +171,6 @@ def _smbus2() -> Any:
     except ImportError as error:
         raise DeviceError(
             f"I2C needs the package smbus2, on Linux ({error}); install it with "
-            "`pip install 'fprc[hardware]'`"
+            "`pip install --editable '.[hardware]'` in the project's folder"
         ) from error
     return smbus2

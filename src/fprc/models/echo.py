@@ -7,7 +7,8 @@ from fprc.models.kernels import excite, excite_lanes
 #: Segments that run side by side.
 LANES = 4
 
-#: Samples of a segment at least: twice what the paper's network takes to forget where it began.
+#: Samples of a segment at least: almost three times what the paper's network takes to forget where
+#: it began.
 SHORTEST = 600
 
 #: Trajectories that are nearer than this many roundings have met; states lie within [-1, 1].

@@ -60,7 +60,8 @@ def check_results(
             *orphans(folders["results"], folders["raw"], made),
             *strangers(pictures),
         ],
-        "pictures are not the figures that were built; `make docs` puts those there": [
+        "pictures are not the figures that were built; `make docs` puts those there, and `make "
+        "benchmark` growth.png": [
             f"{picture} is not {figure}" for picture, figure in stale(pictures)
         ],
     }
@@ -81,7 +82,8 @@ def orphans(results: str, raw: str, made: Sequence[str]) -> Iterator[str]:
     """Yield the files of a results folder that no rule makes.
 
     Left alone are the raw logs, README.md, hidden files but those that a
-    killed process left, and folders with logs of their own: other results.
+    killed process left, and folders of other results: with logs of their own, or the
+    report of `fprc readout`.
     """
     known = [re.compile(pattern) for pattern in made]
     todo = [Path(results)]
@@ -90,7 +92,8 @@ def orphans(results: str, raw: str, made: Sequence[str]) -> Iterator[str]:
         yield from map(str, leftovers(folder))
         for path in sorted(folder.iterdir()):
             if path.is_dir():
-                if path != Path(raw) and not (path / "logs").is_dir():
+                other = (path / "logs").is_dir() or (path / "report.md").exists()
+                if path != Path(raw) and not other:
                     todo.append(path)
             elif not (
                 path.name.startswith(".")

@@ -1,19 +1,17 @@
 """The same work by what a user would pick instead: ReservoirPy, scikit-fuzzy, plain NumPy."""
 
 from collections.abc import Sequence
+from importlib.util import find_spec
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fprc.errors import FprcError
 from fprc.models import FPRC, EchoStates, RidgeReadout, TakagiSugenoReadout, taps
-from fprc.models.membership import gaussian_memberships
 from fprc.models.ridge import ridge_weights, with_bias
 
-try:
-    import skfuzzy
+if TYPE_CHECKING:
     from reservoirpy.nodes import Reservoir
-except ImportError:
-    skfuzzy = Reservoir = None
 
 #: scikit-fuzzy stops when the norm of the change of all memberships is below this, in its
 #: documentation.
@@ -28,7 +26,7 @@ def refuse_missing() -> None:
     FprcError
         One of them is not installed.
     """
-    if Reservoir is None:
+    if not (find_spec("reservoirpy") and find_spec("skfuzzy")):
         raise FprcError("the benchmark needs reservoirpy and scikit-fuzzy; use `make benchmark`")
 
 
@@ -36,6 +34,8 @@ def reservoirpy_network(
     features: EchoStates, X: np.ndarray, dtype: type = np.float64
 ) -> "Reservoir":
     """Return ReservoirPy's network with the same weights, at 0; its leak is 1 - gamma."""
+    from reservoirpy.nodes import Reservoir
+
     network = Reservoir(
         W=features.W_r_.astype(dtype),
         Win=features.w_in_.astype(dtype),
@@ -50,9 +50,8 @@ def reservoirpy_network(
 
 
 def reservoirpy_states(features: EchoStates, X: np.ndarray, dtype: type = np.float64) -> np.ndarray:
-    """Return x(k) of every sample, by ReservoirPy; it gives x(k+1) upon sample k."""
-    after = reservoirpy_network(features, X, dtype).run(X.astype(dtype))
-    return np.vstack([np.zeros_like(after[:1]), after[:-1]])
+    """Return x(k+1) of every sample k, by ReservoirPy."""
+    return reservoirpy_network(features, X, dtype).run(X.astype(dtype))
 
 
 def reservoirpy_steps(features: EchoStates, X: np.ndarray) -> np.ndarray:
@@ -75,17 +74,20 @@ def numpy_states(features: EchoStates, X: np.ndarray) -> np.ndarray:
 
 def numpy_fprc_steps(model: FPRC, X: np.ndarray) -> np.ndarray:
     """Return P_ff(k) sample by sample, each formula vectorised over one row."""
-    epsilon, sigma, n_y = model.epsilon, model.sigma, model.n_y
-    centers, W_out = model.readout_.centers_, model.readout_.W_out_
+    epsilon, n_y, width = model.epsilon, model.n_y, 2.0 * model.sigma**2
+    centers, bias = model.readout_.centers_, model.readout_.W_out_[:, 0]
+    W_out = np.ascontiguousarray(model.readout_.W_out_[:, 1:])
     filtered = X[0, 1]
-    x = np.repeat(X[0], [n_y, model.n_u])[None]
+    x = np.repeat(X[0], [n_y, model.n_u])
     P_ff = np.empty(len(X))
     for k, (theta, p_o) in enumerate(X):
         filtered = epsilon * p_o + (1.0 - epsilon) * filtered
-        x = np.roll(x, 1, axis=1)
-        x[0, 0], x[0, n_y] = theta, filtered
-        beta = gaussian_memberships(x, centers, sigma)
-        P_ff[k] = (beta * (with_bias(x) @ W_out.T)).sum()
+        x[1:] = x[:-1]
+        x[0], x[n_y] = theta, filtered
+        away = x - centers
+        distance2 = (away * away).sum(axis=1)
+        beta = np.exp((distance2.min() - distance2) / width)
+        P_ff[k] = beta @ (bias + W_out @ x) / beta.sum()
     return P_ff
 
 
@@ -93,6 +95,8 @@ def skfuzzy_clusters(
     X: np.ndarray, n_clusters: int, seed: int, error: float = ERROR
 ) -> tuple[np.ndarray, ...]:
     """Return centres, memberships and objective by scikit-fuzzy from a random start."""
+    import skfuzzy
+
     state = np.random.get_state()  # noqa: NPY002 (skfuzzy seeds the global generator)
     centers, u, _, _, objective, _, _ = skfuzzy.cmeans(
         X.T, n_clusters, m=2, error=error, maxiter=1000, seed=seed

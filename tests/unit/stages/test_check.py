@@ -15,7 +15,15 @@ MADE = [r"results/claims\.json", r"results/tables/(?P<n>.+)\.csv", r"results/log
 def folder(tmp_path, monkeypatch):
     """Results as a run leaves them, and two pictures of the documentation."""
     monkeypatch.chdir(tmp_path)
-    for name in ("README.md", "tables/a.csv", "logs/a.log", "smoke/logs/b.log", "smoke/c.csv"):
+    for name in (
+        "README.md",
+        "tables/a.csv",
+        "logs/a.log",
+        "smoke/logs/b.log",
+        "smoke/c.csv",
+        "mine/report.md",
+        "mine/raw/sweep.h5",
+    ):
         path = tmp_path / "results" / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text("x")
