@@ -37,7 +37,7 @@ rule measure_benchmark:
         control=SETTINGS["control"],
         rig=SETTINGS["rig"],
         sizes=SIZES,
-        rounds=5,
+        rounds=9,
         seed=SETTINGS["seed"],
         code=code_of("measure_benchmark"),
     message:
