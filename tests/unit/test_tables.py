@@ -509,7 +509,7 @@ def test_page_of_table_2_says_how_it_was_judged(written):
 
 
 def test_page_of_the_times_names_repeats_machine_and_threads(written):
-    assert "2 repeats on A & B_1 100 %, 1 thread" in written["times.md"]
+    assert "2 repeats in turn on A & B_1 100 %, 1 thread" in written["times.md"]
 
 
 def test_page_of_table_4_over_seeds_says_how_many_there_were(written):

@@ -3,6 +3,6 @@
 from fprc.evaluation.crossval import Judgement, cross_validate
 from fprc.evaluation.folds import split_rows
 from fprc.evaluation.metrics import rmse
-from fprc.evaluation.timing import time_model
+from fprc.evaluation.timing import time_models
 
-__all__ = ["Judgement", "cross_validate", "rmse", "split_rows", "time_model"]
+__all__ = ["Judgement", "cross_validate", "rmse", "split_rows", "time_models"]

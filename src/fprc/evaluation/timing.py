@@ -2,7 +2,7 @@
 
 import platform
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -17,43 +17,49 @@ from fprc.models import SequenceModel
 WARM_UP = 1000
 
 
-def time_model(
-    model: SequenceModel,
-    train: tuple[np.ndarray, np.ndarray],
-    test: tuple[np.ndarray, np.ndarray],
+#: A log: inputs and P_exp.
+Log = tuple[np.ndarray, np.ndarray]
+
+
+def time_models(
+    fitted: Mapping[Hashable, tuple[SequenceModel, Log, Log]],
     repeats: int,
     modes: tuple[str, ...] = ("sequential", "batch"),
     progress: Callable[[str], None] = lambda what: None,
-) -> list[dict[str, Any]]:
-    """Time a fitted model, ``repeats`` times in each mode, after a warm-up.
+) -> dict[Hashable, list[dict[str, Any]]]:
+    """Time fitted models, ``repeats`` times in each mode, after a warm-up.
 
     Sequential is what a controller pays: the features sample by sample, then, in
     training, the fit of the readout. Batch computes whole logs at once. To draw
-    the ESN's weights is no part of its training. The model keeps its weights, and
-    is left in the midst of a log.
+    the ESN's weights is no part of its training. The models take turns, so that what
+    slows the machine for a while slows all of them; they keep their weights, and are
+    left in the midst of a log.
+
+    Parameters
+    ----------
+    fitted : Mapping
+        By a name: the model, the log that trains it, and the log that tests it.
 
     Returns
     -------
-    list of dict
-        ``phase`` (train or test), ``mode`` (sequential or batch), ``samples``,
-        ``seconds`` (one per repeat).
+    dict of list of dict
+        By the same names: ``phase`` (train or test), ``mode`` (sequential or batch),
+        ``samples``, ``seconds`` (one per repeat).
     """
-    work = {
-        ("train", "sequential"): lambda X, y: _train_by_step(model, X, y),
-        ("train", "batch"): lambda X, y: _train(model, model.features_.transform(X), y),
-        ("test", "sequential"): lambda X, y: _steps(model, X),
-        ("test", "batch"): lambda X, y: model.predict(X),
-    }
-    results = []
-    for (phase, mode), run in work.items():
+    results: dict[Hashable, list[dict[str, Any]]] = {name: [] for name in fitted}
+    for (phase, mode), run in _WORK.items():
         if mode not in modes:
             continue
         progress(f"{phase}, {mode}")
-        X, y = train if phase == "train" else test
         warm = slice(WARM_UP if mode == "sequential" else None)
-        run(X[warm], y[warm])
-        seconds = [_seconds(partial(run, X, y)) for _ in range(repeats)]
-        results.append({"phase": phase, "mode": mode, "samples": len(X), "seconds": seconds})
+        work, samples = {}, {}
+        for name, (model, train, test) in fitted.items():
+            X, y = train if phase == "train" else test
+            run(model, X[warm], y[warm])
+            work[name], samples[name] = partial(run, model, X, y), len(X)
+        for name, seconds in interleaved(work, repeats).items():
+            told = {"phase": phase, "mode": mode, "samples": samples[name]}
+            results[name].append({**told, "seconds": seconds})
     return results
 
 
@@ -71,12 +77,14 @@ def time_steps(step: Callable[[int], object], samples: int) -> np.ndarray:
     return seconds
 
 
-def interleaved(work: Mapping[str, Callable[[], object]], rounds: int) -> dict[str, list[float]]:
+def interleaved(
+    work: Mapping[Hashable, Callable[[], object]], rounds: int
+) -> dict[Hashable, list[float]]:
     """Return the seconds of each piece of work in each round, one after the other in turn.
 
     What slows the machine for a while then slows all of them.
     """
-    seconds: dict[str, list[float]] = {name: [] for name in work}
+    seconds: dict[Hashable, list[float]] = {name: [] for name in work}
     for _ in range(rounds):
         for name, run in work.items():
             seconds[name].append(_seconds(run))
@@ -101,22 +109,34 @@ def _seconds(run: Callable[[], object]) -> float:
     return time.perf_counter() - start
 
 
-def _steps(model: SequenceModel, X: np.ndarray) -> np.ndarray:
-    model.reset()
-    return np.array([model.step(x) for x in X])
-
-
 def _train_by_step(model: SequenceModel, X: np.ndarray, y: np.ndarray):
     features = model.features_
     features.reset()
     rows = np.empty((len(X), model.readout_.n_features_in_))
     for row, x in zip(rows, X, strict=True):
         row[:] = features.advance(x)  # `step` would copy it first
-    return _train(model, rows, y)
-
-
-def _train(model: SequenceModel, rows: np.ndarray, y: np.ndarray):
     return model.make_readout().fit(rows, y)
+
+
+def _train_at_once(model: SequenceModel, X: np.ndarray, y: np.ndarray):
+    return model.make_readout().fit(model.features_.transform(X), y)
+
+
+def _test_by_step(model: SequenceModel, X: np.ndarray, y: np.ndarray):
+    model.reset()
+    return np.array([model.step(x) for x in X])
+
+
+def _test_at_once(model: SequenceModel, X: np.ndarray, y: np.ndarray):
+    return model.predict(X)
+
+
+_WORK = {
+    ("train", "sequential"): _train_by_step,
+    ("train", "batch"): _train_at_once,
+    ("test", "sequential"): _test_by_step,
+    ("test", "batch"): _test_at_once,
+}
 
 
 def _cpu_name() -> str:

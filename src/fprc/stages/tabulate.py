@@ -231,7 +231,7 @@ def tabulate_times(
     table = tables.timing(report, _published(published))
     note = (
         f"Table II, execution times: mean ± standard deviation of {table['repeats'].iloc[0]} "
-        f"repeats on {report['cpu']}, {report['threads']} thread.\n"
+        f"repeats in turn on {report['cpu']}, {report['threads']} thread.\n"
         "Sequential is sample by sample, as a controller pays; batch is a whole log at once. "
         "The paper does not say which it timed, nor on what machine."
         f"{_without(left_out)}"

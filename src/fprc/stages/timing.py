@@ -9,7 +9,7 @@ import numpy as np
 from fprc.artifacts import write_json
 from fprc.control import PD, PressurePI, tracking_law
 from fprc.devices import Readings
-from fprc.evaluation import time_model
+from fprc.evaluation import time_models
 from fprc.evaluation.timing import WARM_UP, machine, time_steps
 from fprc.models import SequenceModel
 from fprc.stages.judge import Data, able, build, read_data, refuse_mixture
@@ -33,20 +33,21 @@ def measure_times(
     """Time training and test of every model on this machine, and a step of the closed loop."""
     train_data, test_data = read_data(train), read_data(test)
     refuse_mixture(train_data, test_data)
-    results, costs = [], []
-    for name in able(train_data, test_data):
-        model = build(name, models, seed).fit(*train_data.pair(name))
-        timed = time_model(
-            model,
-            train_data.pair(name),
-            test_data.pair(name),
-            repeats,
-            progress=lambda what, name=name: log.info("%s: %s, %d repeats", name, what, repeats),
-        )
-        results += [{"model": name, **result} for result in timed]
+    logs = {
+        name: (train_data.pair(name), test_data.pair(name)) for name in able(train_data, test_data)
+    }
+    fitted = {name: build(name, models, seed).fit(*pairs[0]) for name, pairs in logs.items()}
+    timed = time_models(
+        {name: (model, *logs[name]) for name, model in fitted.items()},
+        repeats,
+        progress=lambda what: log.info("%s, %d repeats in turn", what, repeats),
+    )
+    costs = []
+    for name, model in fitted.items():
         cost = step_cost(model, test_data, control, tracking)
         costs.append({"model": name, **cost})
         log.info("%s: median %.1f us of %.0f", name, cost["median_us"], cost["budget_us"])
+    results = [{"model": name, **entry} for name, entries in timed.items() for entry in entries]
     described = {"source": train_data.attributes["source"], **machine()}
     write_json(times, described | {"times": results})
     write_json(steps, described | {"steps": costs})
@@ -120,18 +121,21 @@ def measure_times_over_n_c(
     """Time FPRC and Fuzzy-linear over the number of rules (Fig. 10c)."""
     train_data, test_data = read_data(train), read_data(test)
     refuse_mixture(train_data, test_data)
-    results = []
-    models_there = able(train_data, test_data)
-    for name in ("fprc", "fuzzy_linear"):
-        for n_c in values if name in models_there else ():
-            pair = train_data.pair(name)
-            timed = time_model(
-                build(name, models, seed).set_params(n_c=n_c).fit(*pair),
-                pair,
-                test_data.pair(name),
-                repeats,
-                modes=("batch",),
-            )
-            log.info("%s: n_c = %d", name, n_c)
-            results += [{"model": name, "n_c": n_c, **result} for result in timed]
+    fitted = {}
+    for name in able(train_data, test_data):
+        for n_c in values if name != "esn" else ():
+            train_pair, test_pair = train_data.pair(name), test_data.pair(name)
+            model = build(name, models, seed).set_params(n_c=n_c).fit(*train_pair)
+            fitted[name, n_c] = (model, train_pair, test_pair)
+    timed = time_models(
+        fitted,
+        repeats,
+        modes=("batch",),
+        progress=lambda what: log.info("%s, %d repeats in turn", what, repeats),
+    )
+    results = [
+        {"model": name, "n_c": n_c, **entry}
+        for (name, n_c), entries in timed.items()
+        for entry in entries
+    ]
     write_json(times, {"source": train_data.attributes["source"], **machine(), "times": results})

@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 from threadpoolctl import threadpool_limits
 
-from fprc.evaluation import time_model, timing
+from fprc.evaluation import time_models, timing
 from fprc.evaluation.timing import time_steps
 from fprc.models import ESN, FPRC, FuzzyLinear, RidgeReadout, SequenceModel, TapFeatures
 
@@ -62,6 +62,10 @@ class Model(SequenceModel):
 
 def fitted():
     return Model().fit(*log(20))
+
+
+def time_model(model, train, test, repeats, **more):
+    return time_models({"it": (model, train, test)}, repeats, **more)["it"]
 
 
 @pytest.fixture(autouse=True)
@@ -154,6 +158,28 @@ def test_every_repeat_begins_the_log_anew():
     whole = Features(n_y=2, n_u=2).fit(train[0]).transform(test[0])
     assert_allclose(Features.stepped[-20:-10], whole, rtol=1e-12)
     assert_allclose(Features.stepped[-10:], whole, rtol=1e-12)
+
+
+def test_models_take_turns_and_keep_their_own_times(clock, monkeypatch):
+    turns = []
+
+    def predict(self, X):
+        turns.append((self.slowness, len(X)))
+        clock.now += self.slowness
+        return np.zeros(len(X))
+
+    monkeypatch.setattr(Model, "predict", predict)
+    models = {}
+    for name, slowness, samples in (("a", 10.0, 8), (("b", 2), 20.0, 9)):
+        model = fitted()
+        model.slowness = slowness
+        models[name] = (model, log(20), log(samples))
+    found = time_models(models, repeats=2, modes=("batch",))
+    assert turns == [(10.0, 8), (20.0, 9)] * 3
+    assert list(found) == ["a", ("b", 2)]
+    tests = [entries[1] for entries in found.values()]
+    assert [(entry["phase"], entry["samples"]) for entry in tests] == [("test", 8), ("test", 9)]
+    assert [entry["seconds"] for entry in tests] == [[11.0] * 2, [21.0] * 2]
 
 
 def test_every_step_is_timed_by_itself_and_in_order(clock):
