@@ -138,16 +138,16 @@ def test_sequential_work_goes_sample_by_sample_and_batch_work_at_once():
     ]  # fmt: skip
     assert work == [
         (["step"] * 20 + ["fit"]) * 3,
-        ["transform 20", "fit"] * 3,
+        ["transform 20", "fit"] * 5,  # brief: once untimed before each turn
         ["step"] * 10 * 3,
-        ["transform 10"] * 3,
+        ["transform 10"] * 5,
     ]
 
 
 def test_sequential_training_trains_on_the_same_rows_as_batch_training():
     time_model(fitted(), log(20), log(10), repeats=2)
     whole, *trained = Readout.trained
-    assert len(trained) == 2 * 3
+    assert len(trained) == 3 + 5
     for rows in trained:
         assert_allclose(rows, whole, rtol=1e-12)
 
@@ -180,6 +180,23 @@ def test_models_take_turns_and_keep_their_own_times(clock, monkeypatch):
     tests = [entries[1] for entries in found.values()]
     assert [(entry["phase"], entry["samples"]) for entry in tests] == [("test", 8), ("test", 9)]
     assert [entry["seconds"] for entry in tests] == [[11.0] * 2, [21.0] * 2]
+
+
+@pytest.mark.parametrize(("seconds", "runs"), [(0.04, 5), (0.06, 3)])
+def test_brief_work_is_done_untimed_before_each_turn(monkeypatch, seconds, runs):
+    now = [0.0]
+    monkeypatch.setattr(timing, "time", SimpleNamespace(perf_counter=lambda: now[0]))
+    done = []
+
+    def predict(self, X):
+        done.append(len(X))
+        now[0] += seconds
+        return np.zeros(len(X))
+
+    monkeypatch.setattr(Model, "predict", predict)
+    found = time_model(fitted(), log(20), log(10), repeats=2, modes=("batch",))
+    assert len(done) == runs
+    assert_allclose(found[1]["seconds"], [seconds] * 2)
 
 
 def test_every_step_is_timed_by_itself_and_in_order(clock):
