@@ -67,7 +67,7 @@ def test_progress_names_stage_fold_and_how_far(smoked):
     printed = smoked[1]
     assert "[judge fprc] fprc, trained on sweep: fold 3 of 5: training" in printed
     assert "[record sweep]  10 of  20 s" in printed
-    assert "[measure_times] esn: test, sequential, 2 repeats" in printed
+    assert "[measure_times] test, sequential, 2 repeats in turn" in printed
     assert "(100%) done" in printed
 
 
