@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from fprc import __version__
 from fprc.errors import FprcError
+from fprc.escape import terminal
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -14,7 +15,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return options.run(options)
     except FprcError as error:
-        print(f"error: {error}", file=sys.stderr)
+        print(terminal(f"error: {error}"), file=sys.stderr)
         return 1
     except ModuleNotFoundError as error:
         print(

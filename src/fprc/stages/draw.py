@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from fprc import escape
 from fprc.artifacts import read_json
 from fprc.figures import style
 from fprc.figures.hysteresis import add_time_bar, plot_command, plot_loop
@@ -21,7 +22,8 @@ _UNITS = {"theta": "deg", "p_exp": "kPa", "p_o": "kPa"}
 
 def _label(name: str, log: Columns) -> str:
     """Return symbol and unit of what a log holds as theta, p_exp or p_o."""
-    return f"{_SYMBOLS[name]} [{log.attributes.get(f'{name}_unit', _UNITS[name])}]"
+    unit = log.attributes.get(f"{name}_unit", _UNITS[name])
+    return f"{_SYMBOLS[name]} [{escape.figure(unit)}]"
 
 
 def draw_actuator_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> Mapping[str, Any]:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from fprc.config import Settings
 from fprc.errors import LogError
+from fprc.escape import terminal
 from fprc.logs import assess, read_raw
 from fprc.logs.quality import warnings
 
@@ -26,12 +27,12 @@ def inspect_logs(paths: Sequence[str]) -> int:
                 rate_tolerance=limits["rate_tolerance"],
             )
         except LogError as error:
-            print(f"error: {error}", file=sys.stderr)
+            print(terminal(f"error: {error}"), file=sys.stderr)
             failed = True
             continue
         record = assess(log, sample_rate_hz=log.attributes["sample_rate_hz"], **limits)
         print(json.dumps(record, indent=2))
         for warning in warnings(record):
-            print(f"warning: {warning}", file=sys.stderr)
+            print(terminal(f"warning: {warning}"), file=sys.stderr)
             failed = True
     return int(failed)
