@@ -49,7 +49,8 @@ class Experiments(Section):
 class PressureLoop(Section):
     """Software PI loop on a valve voltage."""
 
-    kp_v_per_kpa: float = quantity(0.03, "V/kPa", (0, 1), "proportional gain", "paper, Sec. IV")
+    # above 0: more voltage fills, so that the gain's sign is the loop's
+    kp_v_per_kpa: float = quantity(0.03, "V/kPa", (1e-4, 1), "proportional gain", "paper, Sec. IV")
     ki_v_per_kpa_s: float = quantity(1e-6, "V/(kPa s)", (0, 1), "integral gain", "paper, Sec. IV")
 
 
