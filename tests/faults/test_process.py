@@ -452,3 +452,12 @@ def test_watchdog_relay_vents_when_both_processes_are_killed(start, rig, matrix)
         "SIGKILL to both processes, with a heartbeat and a watchdog relay", "mid-run, real time",
         "the relay", "yes, by the relay", "-", "-",
     )  # fmt: skip
+
+
+def test_unarmed_run_says_what_it_would_do_and_touches_nothing(start, rig):
+    program = start("run", "sweep", armed=False, seconds=2.0)
+    code, said = program.end()
+    assert code == 1
+    assert "sweep: 2 s on the real rig" in said
+    assert "not armed, nothing was moved" in said
+    assert rig.calls == 0
