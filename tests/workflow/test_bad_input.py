@@ -2,6 +2,9 @@ import h5py
 import numpy as np
 import pytest
 
+from fprc.errors import ConfigError
+from fprc.yaml_file import read_yaml
+
 
 def test_all_config_errors_at_once_before_any_job(project):
     done = project.snakemake(
@@ -15,6 +18,42 @@ def test_all_config_errors_at_once_before_any_job(project):
     assert "models.esn.gamma = lots" in done.stdout
     assert not project.files("results", "data")
     assert "Traceback" not in done.stdout
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("mine.yaml", "seed: 2\nsource: sim\nseed: 3\nmodels: {n_y: 5, n_y: 6}\n"),
+        ("mine.json", '{\n\t"seed": 2, "source": "sim",\n\n"seed": 3,"models":{"n_y":5,"n_y":6}}'),
+    ],
+)
+def test_repeated_key_of_a_configuration_file_is_refused(project, name, text):
+    path = project.folder / name
+    path.write_text(text)
+    with pytest.raises(ConfigError) as caught:
+        read_yaml(path)
+    done = project.snakemake("--dry-run", "all", "--configfile", name)
+    assert done.returncode != 0
+    assert str(caught.value) in done.stdout
+    assert "seed is given 2 times: 2 in line" in done.stdout
+    assert "models.n_y is given 2 times: 5 in line" in done.stdout
+    assert "Traceback" not in done.stdout
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("where", ["--configfile", "config/config.yaml", "--config"])
+def test_number_with_zeros_before_it_is_decimal(project, where):
+    """As an octal number it would be 64, which is allowed."""
+    text = "models: {fprc: {n_c: 0100}}\n"
+    if where == "--config":
+        done = project.snakemake("--dry-run", "all", where, "models={fprc: {n_c: 0100}}")
+    else:
+        name = "mine.yaml" if where == "--configfile" else where
+        (project.folder / name).write_text(text)
+        done = project.snakemake("--dry-run", "all", "--configfile", name)
+    assert done.returncode != 0
+    assert "must be less than or equal to 64" in done.stdout
 
 
 def truncate(path):
