@@ -1,3 +1,5 @@
+import shlex
+
 import h5py
 import numpy as np
 import pytest
@@ -54,6 +56,31 @@ def test_number_with_zeros_before_it_is_decimal(project, where):
         done = project.snakemake("--dry-run", "all", "--configfile", name)
     assert done.returncode != 0
     assert "must be less than or equal to 64" in done.stdout
+
+
+@pytest.mark.slow
+def test_folders_that_would_do_harm_are_refused_before_any_job(project):
+    before = project.files(".")
+    done = project.snakemake("all", "--config", "folders={raw: config, results: workflow/report}")
+    assert done.returncode != 0
+    assert "2 errors in the configuration" in done.stdout
+    assert "folders.raw: 'config' is in config" in done.stdout
+    assert "folders.results: 'workflow/report' is in workflow" in done.stdout
+    assert "Traceback" not in done.stdout
+    kept = {k: v for k, v in project.files(".").items() if not k.startswith(".snakemake/")}
+    assert kept == before
+
+
+@pytest.mark.slow
+def test_name_of_a_folder_is_no_command(project):
+    folder = "it's; touch owned"
+    targets = ["smoke", f"{folder}/benchmark/all.json"]
+    settings = ["--config", f'folders={{results: "{folder}"}}']
+    told = project.snakemake("--dry-run", "--printshellcmds", *targets, *settings)
+    assert told.returncode == 0, told.stdout
+    assert f"| tee {shlex.quote(folder + '/logs/smoke.log')}" in told.stdout
+    assert f"tests/plain.py {shlex.quote(folder + '/benchmark/all.json')} " in told.stdout
+    assert f"> {shlex.quote(folder + '/logs/measure_all.log')} " in told.stdout
 
 
 def truncate(path):

@@ -1,5 +1,6 @@
 """Pages that are generated from the typed settings: defaults, schema, reference."""
 
+import inspect
 import json
 from typing import Any
 
@@ -49,7 +50,7 @@ def reference() -> str:
     for key, default, field, section in fields(Settings()):
         group = key.rpartition(".")[0]
         if group != before:
-            lines += ["", f"## {group or 'Top level'}", "", section.__doc__.strip(), ""]
+            lines += ["", f"## {group or 'Top level'}", "", inspect.getdoc(section), ""]
             lines += ["| key | unit | default | range | meaning | source |", "|" + "---|" * 6]
             before = group
         lines.append(_row(key.rpartition(".")[2], default, field, section))
