@@ -5,11 +5,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-import yaml
 from pydantic import BaseModel, BeforeValidator, Field, ValidationError, model_validator
 
 from fprc.config.section import Section
 from fprc.errors import ConfigError
+from fprc.yaml_file import read_yaml
 
 
 def _as_text(value: Any) -> Any:
@@ -160,14 +160,7 @@ def read_map(path: Path | str) -> ImportMap:
         The file is no YAML of keys and values; or lists every unknown key with
         the nearest valid one, every missing key, and every wrong value.
     """
-    try:
-        loaded = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise ConfigError(f"{path}: cannot be read as YAML: {error}") from error
-    if not isinstance(loaded, dict):
-        raise ConfigError(
-            f"{path}: must hold keys and values, not {type(loaded).__name__}; see docs/own-data.md"
-        )
+    loaded = read_yaml(path)
     try:
         return ImportMap.model_validate(loaded)
     except ValidationError as error:

@@ -5,12 +5,12 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-import yaml
 from PIL import Image
 
 from fprc.artifacts import leftovers, read_json
 from fprc.claims import changed_verdicts
 from fprc.errors import FprcError
+from fprc.yaml_file import read_yaml
 
 log = logging.getLogger(__name__)
 
@@ -45,8 +45,7 @@ def check_results(
         Lists every verdict that is not as declared, every file among the results that no rule
         makes, and every picture that is not the figure.
     """
-    with open(known, encoding="utf-8") as file:
-        declared = yaml.safe_load(file)
+    declared = read_yaml(known)
     claims = read_json(ledger)["claims"]
     timed = {row["id"] for row in claims if row["rig"] == "timed"} & declared.keys()
     changed = changed_verdicts(claims, declared)
