@@ -5,6 +5,7 @@ from pathlib import Path
 from fprc.logs.columns import write_columns
 from fprc.logs.recovery import Findings, Stretch, recover, refuse_existing
 from fprc.logs.salvage import salvage
+from fprc.text_escape import visible
 
 #: Exit codes. Nothing at all is an error, 1.
 WHOLE, SOME_LOST = 0, 3
@@ -42,7 +43,7 @@ def repair_log(source: str, raw: str) -> int:
         samples = len(next(iter(found.channels.values())))
         print(f"{raw}: {samples} samples from {source}")
     for line in [*words, "nothing is lost"] if whole else words:
-        print(f"  {line}")
+        print(f"  {visible(line)}")
     return WHOLE if whole else SOME_LOST
 
 
