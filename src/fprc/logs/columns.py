@@ -1,7 +1,7 @@
 """HDF5 files of equally long channels, each with its unit and its checksum."""
 
 import zlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -11,7 +11,14 @@ import numpy as np
 from fprc.artifacts import replacing
 from fprc.errors import LogError
 from fprc.logs.attributes import as_written, read_attributes
-from fprc.logs.hdf5 import channel_of, opened, refuse_cut_file, refuse_never_written, too_large
+from fprc.logs.hdf5 import (
+    channel_of,
+    links_of,
+    opened,
+    refuse_cut_file,
+    refuse_never_written,
+    too_large,
+)
 
 __all__ = [
     "UNITS",
@@ -141,13 +148,17 @@ def read_header(path: Path | str) -> tuple[frozenset[str], dict[str, Any]]:
     Raises
     ------
     LogError
-        The file cannot be opened, or is cut short; or an attribute is not what it must be.
+        The file cannot be opened, or is cut short; an attribute is not what it must be; a
+        channel is a link to somewhere else.
     """
     with opened(Path(path)) as file:
         names = frozenset(file)
         told, wrong = read_attributes(file.attrs)
-    if wrong:
-        raise LogError("\n".join(f"{path}: {problem}" for problem in _of_attributes(wrong)))
+        channels = [name for name in links_of(file) if name.endswith(tuple(UNITS))]
+        _, problems = _find(file, channels)
+    problems += _of_attributes(wrong)
+    if problems:
+        raise LogError("\n".join(f"{path}: {problem}" for problem in problems))
     return names, told
 
 
@@ -161,14 +172,7 @@ def _read_all(
     file: h5py.File, names: tuple[str, ...]
 ) -> tuple[dict[str, np.ndarray], tuple[str, ...], list[str]]:
     """Return the channels, those that have no checksum, and what is wrong."""
-    problems = []
-    datasets: dict[str, h5py.Dataset] = {}
-    for name in names:
-        try:
-            datasets[name] = dataset = channel_of(file, name)
-            refuse_never_written(dataset)
-        except LogError as error:
-            problems.append(f"channel {name}: {error}")
+    datasets, problems = _find(file, names)
     if why := too_large(datasets.values()):
         return {}, (), [*problems, why]
     channels, unchecked = {}, []
@@ -186,6 +190,19 @@ def _read_all(
         if "crc32" not in told:
             unchecked.append(name)
     return channels, tuple(unchecked), problems + _wrong_lengths(channels)
+
+
+def _find(file: h5py.File, names: Iterable[str]) -> tuple[dict[str, h5py.Dataset], list[str]]:
+    """Return the channels that can be read, and what is wrong with the others."""
+    found, problems = {}, []
+    for name in names:
+        try:
+            dataset = channel_of(file, name)
+            refuse_never_written(dataset)
+            found[name] = dataset
+        except LogError as error:
+            problems.append(f"channel {name}: {error}")
+    return found, problems
 
 
 def _wrong_numbers(values: np.ndarray, crc32: int | None) -> str:

@@ -78,6 +78,18 @@ def promised_length(head: bytes) -> int:
     return int.from_bytes(number, "little") if len(number) == 8 else 0
 
 
+def links_of(file: h5py.File) -> list[str]:
+    """Return the names in a file that stand for something elsewhere; none is followed."""
+    found = []
+
+    def note(name: bytes, info: h5py.h5l.LinkInfo) -> None:
+        if info.type != h5py.h5l.TYPE_HARD:
+            found.append(name.decode("utf-8", "surrogateescape"))
+
+    file.id.links.iterate(note, info=True)
+    return found
+
+
 def channel_of(file: h5py.File, name: str) -> h5py.Dataset:
     """Return the dataset of a channel, of which all samples are in the file itself.
 
@@ -148,6 +160,6 @@ def too_large(datasets: Iterable[h5py.Dataset]) -> str:
 
 def listed(names: Iterable[str], most: int = 12) -> str:
     """Return names for a message, the first ones if there are many."""
-    found = list(map(visible, names))
+    found = list(names)
     more = f" and {len(found) - most} more" if len(found) > most else ""
-    return (", ".join(found[:most]) or "none") + more
+    return (", ".join(map(visible, found[:most])) or "none") + more

@@ -7,6 +7,7 @@ as soon as it has it.
 
 import json
 import shutil
+import stat
 import subprocess
 import sys
 import tempfile
@@ -22,11 +23,14 @@ from fprc.logs.attributes import is_text, read_attribute, read_attributes
 from fprc.logs.columns import checksum, unit_of
 from fprc.logs.hdf5 import MAX_BYTES, bytes_of, channel_of, promised_length
 from fprc.logs.isolated import limit_memory, time_limit_s
-from fprc.logs.raw import RAW_ATTRIBUTES, RAW_CHANNELS, missing_channels
+from fprc.logs.raw import RAW_ATTRIBUTES, RAW_CHANNELS, TRACKING_CHANNELS, missing_channels
 from fprc.text_escape import visible
 
 #: Most memory that the child may ask for, bytes.
 _LIMIT_BYTES = 2 << 30
+_KNOWN_CHANNELS = (*RAW_CHANNELS, *TRACKING_CHANNELS)
+#: A raw log has room for so many channels beside those that every one has.
+_MOST_OTHERS = 100
 #: A promised length beyond so many times the real one is itself damaged.
 _BELIEVABLE = 1000
 
@@ -62,6 +66,8 @@ def salvage(path: Path | str, *, limit_s: float | None = None) -> Salvaged:
     """
     path = Path(path)
     try:
+        if not stat.S_ISREG(path.stat().st_mode):  # to open a pipe would take for ever
+            raise LogError(f"{path}: cannot be opened (it is no file); check the path")
         path.open("rb").close()
     except OSError as error:
         raise LogError(f"{path}: cannot be opened ({error.strerror}); check the path") from error
@@ -169,8 +175,12 @@ def _leave_attributes(file: h5py.File, say: Callable[..., None]) -> None:
 
 def _leave_channels(file: h5py.File, size: int, folder: Path, say: Callable[..., None]) -> None:
     room = MAX_BYTES
-    names, listed = _names(file, RAW_CHANNELS)
-    for k, name in enumerate(names):
+    names, listed = _names(file, _KNOWN_CHANNELS)
+    first = [name for name in _KNOWN_CHANNELS if name in names]
+    rest = [name for name in names if name not in _KNOWN_CHANNELS]
+    if len(rest) > _MOST_OTHERS:
+        say(words=[f"{len(rest) - _MOST_OTHERS} channels left out: there are too many"])
+    for k, name in enumerate([*first, *rest[:_MOST_OTHERS]]):
         try:
             values, length, words = _values(file, name, size, room)
         except Exception as error:

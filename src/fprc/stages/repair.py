@@ -36,7 +36,7 @@ def repair_log(source: str, raw: str) -> int:
         whole = not words
         damage = {
             "complete": False,
-            "incomplete_reason": "; ".join(["damaged", *words]),
+            "incomplete_reason": visible("; ".join(["damaged", *words])),
             "lost_samples": found.lost,
         }
         write_columns(raw, found.channels, found.attributes | ({} if whole else damage))

@@ -243,7 +243,7 @@ def test_flipped_bit_is_refused_or_carries_nothing(write_run, tmp_path):
     found = outcomes(path, cases, names, timeout_s=300)
     assert set(found) == {"LogError", "read"}
     # what is left free in the blocks of names and attributes, and the library's account of it
-    assert found.count("read") < 0.1 * len(found)
+    assert found.count("read") < 0.2 * len(found)
 
 
 # --- what is wrong inside -----------------------------------------------------------------------
