@@ -8,7 +8,7 @@ from fprc.artifacts import refuse_unwritable
 from fprc.config import from_files
 from fprc.errors import FprcError
 from fprc.fingerprint import fingerprint, imports_of
-from fprc.logs import EXPERIMENTS, holdings, refuse_simulated, refuse_to_overwrite
+from fprc.logs import EXPERIMENTS, headers, holdings, refuse_simulated, refuse_to_overwrite
 from fprc.stages.availability import refusal, unavailable
 
 min_version("9.0")
@@ -45,9 +45,9 @@ include: "workflow/rules/common.smk"
 
 try:
     if SETTINGS["source"] == "sim":
-        refuse_to_overwrite(RAW_LOGS)
+        refuse_to_overwrite(THERE)
     elif SETTINGS["source"] == "hardware":
-        refuse_simulated(RAW_LOGS)
+        refuse_simulated(THERE)
 except FprcError as error:
     raise WorkflowError(str(error)) from None
 

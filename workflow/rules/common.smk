@@ -27,11 +27,18 @@ def exists(log):
     return Path(f"{RAW}/{log}.h5").exists()
 
 
-#: The raw logs that are there or will be; what cannot be made of them, and why.
 EVERY_LOG = [*EXPERIMENTS, *ALL_RUNS]
+RAW_LOGS = [f"{RAW}/{name}.h5" for name in EVERY_LOG]
+# a job reads this file again; by then its main process has looked at the logs, from a safe place
+try:
+    THERE = headers(RAW_LOGS, alone=workflow.is_main_process)
+except FprcError as error:
+    raise WorkflowError(str(error)) from None
+
+#: The raw logs that are there or will be; what cannot be made of them, and why.
 TO_COME = EVERY_LOG if ON_RIG else [name for name in EVERY_LOG if not exists(name)]
 HELD = holdings(
-    RAW,
+    THERE,
     EVERY_LOG,
     to_come=TO_COME if RECORDS else [],
     without=[] if ON_RIG or SETTINGS["hardware"]["phi"] else ["phi_deg"],
@@ -252,7 +259,6 @@ TRACKED = {
 }
 #: What the closed-loop runs come from, if they are not there already.
 LOOP = through(*judged("sweep"), GAINS) if RECORDS else []
-RAW_LOGS = [f"{RAW}/{name}.h5" for name in EVERY_LOG]
 
 IDENTIFY = [f"identify_{kp:g}" for kp in SETTINGS["tracking"]["candidate_kp_kpa_per_deg"]]
 #: Every experiment of the paper on the real rig.

@@ -75,16 +75,31 @@ class Quality(Section):
     gap_periods: float = quantity(1.5, "periods", (1.01, 100), "a longer step is a gap")
     stuck_s: float = quantity(2.0, "s", (0.05, 60), "a channel is stuck if unchanged for longer")
     pressure_range_kpa: tuple[within(-100, 1000), within(-100, 1000)] = quantities(
-        (-20, 995), "kPa", (-100, 1000), "readings outside are saturated"
+        (-20, 995), "kPa", (-100, 1000), "commands and readings outside are implausible"
     )
     angle_range_deg: tuple[within(-360, 360), within(-360, 360)] = quantities(
-        (-45, 120), "deg", (-360, 360), "readings outside are saturated"
+        (-45, 120), "deg", (-360, 360), "theta and theta_d outside are implausible"
+    )
+    reservoir_angle_range_deg: tuple[within(-360, 360), within(-360, 360)] = quantities(
+        (-120, 120), "deg", (-360, 360), "phi outside is implausible"
+    )
+    voltage_range_v: tuple[within(-20, 20), within(-20, 20)] = quantities(
+        (0, 10), "V", (-20, 20), "voltages of the valves outside are implausible"
+    )
+    effort_range_kpa: tuple[within(-10000, 10000), within(-10000, 10000)] = quantities(
+        (-1000, 1000), "kPa", (-10000, 10000), "P_ff and P_fb outside are implausible"
     )
     leak_kpa_per_min: float = quantity(
         5.0, "kPa/min", (0, 100), "a faster fall of P_o at equal P_i is a leak"
     )
 
-    _rises = field_validator("pressure_range_kpa", "angle_range_deg")(rising)
+    _rises = field_validator(
+        "pressure_range_kpa",
+        "angle_range_deg",
+        "reservoir_angle_range_deg",
+        "voltage_range_v",
+        "effort_range_kpa",
+    )(rising)
 
 
 class Esn(Section):

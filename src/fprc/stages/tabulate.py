@@ -9,7 +9,8 @@ import pandas as pd
 
 from fprc import tables
 from fprc.artifacts import read_json, write_csv, write_text
-from fprc.logs import read_run
+from fprc.logs import Columns, read_run
+from fprc.logs.isolated import isolated_each
 from fprc.stages.availability import CHORES, TITLES
 from fprc.yaml_file import read_yaml
 
@@ -103,7 +104,8 @@ def tabulate_tracking(
         Runs of a whole Table IV that there is no log of.
     """
     known = read_json(gains)
-    table = tables.tracking([_run(path) for path in runs], known, read_yaml(published))
+    logs = isolated_each(read_run, runs, names=("time_s", "theta_d_deg", "theta_deg"))
+    table = tables.tracking([_run(log) for log in logs], known, read_yaml(published))
     tried = known["candidates"]
     title = "Table IV. RMSE of tracking"
     if known["source"] == "sim":
@@ -134,8 +136,7 @@ def tabulate_tracking_seeds(
     _write(table, tables.tracking_page(table), note, csv, md, tex)
 
 
-def _run(path: str) -> dict[str, Any]:
-    log = read_run(path, ("time_s", "theta_d_deg", "theta_deg"))
+def _run(log: Columns) -> dict[str, Any]:
     time_s, theta_d, theta = log.channels.values()
     judged = time_s >= log.attributes["settle_s"]
     described = {key: log.attributes[key] for key in ("controller", "gain", "reference", "source")}
