@@ -5,6 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 from pandas import DataFrame
 
+from fprc import escape
 from fprc.figures.style import COLOURS
 
 _PHASES = {"train": "Training", "validation": "Validation", "test": "Test"}
@@ -21,7 +22,7 @@ def plot_errors_over(table: DataFrame, setting: str, label: dict, ax: Axes) -> A
         ``model``, the setting, ``phase``, ``mean``, ``std``, ``unit``.
     """
     _plot_over(table, setting, label, ax)
-    ax.set_ylabel(f"RMSE [{table['unit'].iloc[0]}]")
+    ax.set_ylabel(f"RMSE [{escape.figure(table['unit'].iloc[0])}]")
     return ax
 
 
@@ -59,7 +60,7 @@ def plot_grid(table: DataFrame, phase: str, ax: Axes) -> Axes:
     ax.add_patch(_frame(grid.columns[best_u], grid.index[best_y]))
     ax.set(xlabel="$n_u$", ylabel="$n_y$", xticks=grid.columns, yticks=grid.index)
     ax.tick_params(length=0)  # beside a number a tick looks like a minus sign
-    unit = table["unit"].iloc[0]
+    unit = escape.figure(table["unit"].iloc[0])
     ax.figure.colorbar(image, ax=ax, label=f"{_PHASES[phase]} RMSE [{unit}]", pad=0.02)
     return ax
 

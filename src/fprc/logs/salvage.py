@@ -19,12 +19,12 @@ import h5py
 import numpy as np
 
 from fprc.errors import LogError
+from fprc.escape import visible
 from fprc.logs.attributes import is_text, read_attribute, read_attributes
 from fprc.logs.columns import checksum, unit_of
 from fprc.logs.hdf5 import MAX_BYTES, bytes_of, channel_of, promised_length
 from fprc.logs.isolated import limit_memory, time_limit_s
 from fprc.logs.raw import RAW_ATTRIBUTES, RAW_CHANNELS, TRACKING_CHANNELS, missing_channels
-from fprc.text_escape import visible
 
 #: Most memory that the child may ask for, bytes.
 _LIMIT_BYTES = 2 << 30

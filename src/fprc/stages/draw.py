@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from fprc import escape
 from fprc.artifacts import read_json, write_csv
 from fprc.figures import style
 from fprc.figures.hysteresis import add_time_bar, plot_command, plot_loop
@@ -19,7 +20,8 @@ _UNITS = {"theta": "deg", "p_exp": "kPa", "p_o": "kPa"}
 
 def _label(name: str, log: Columns) -> str:
     """Return symbol and unit of what a log holds as theta, p_exp or p_o."""
-    return f"{_SYMBOLS[name]} [{log.attributes.get(f'{name}_unit', _UNITS[name])}]"
+    unit = log.attributes.get(f"{name}_unit", _UNITS[name])
+    return f"{_SYMBOLS[name]} [{escape.figure(unit)}]"
 
 
 def draw_actuator_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> Mapping[str, Any]:
