@@ -54,7 +54,7 @@ def test_rig_without_a_watchdog_has_no_heartbeat():
 @pytest.mark.parametrize(
     ("sensor", "changed", "what"),
     [
-        ("p_exp", {"zero_v": 0.0}, "without its cable, at 0 V, the sensor would read -0 kPa"),
+        ("p_exp", {"zero_v": 0.0}, "without its cable, at 0 V, the sensor would read 0 kPa"),
         ("p_i", {"zero_v": 0.05}, "without its cable, at 0 V, the sensor would read -12.5 kPa"),
         ("p_exp", {"gain_kpa_per_v": 100.0}, "at its full 5 V the sensor would read 400 kPa"),
         ("p_o", {"zero_v": 3.5}, "at its full 5 V the sensor would read 375 kPa"),
