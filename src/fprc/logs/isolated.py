@@ -19,7 +19,7 @@ from fprc.errors import LogError
 #: Longest time that reading one file may take, s.
 LIMIT_S = 30.0
 #: The same of raw logs: so many s, and one more for each so many bytes.
-_LIMIT_S, _BYTES_PER_S = 8.0, 20e6
+_LIMIT_S, _BYTES_PER_S = 5.0, 20e6
 #: Most memory that the process may ask for, bytes; of which libraries take some 0.5 GB.
 LIMIT_BYTES = 4 << 30
 
@@ -147,7 +147,7 @@ def _call(
             env=os.environ | {"OPENBLAS_NUM_THREADS": "1"},  # each thread reserves memory
         )
     except subprocess.TimeoutExpired as late:
-        return list(_answers(late.stdout or b"")), f"not read within {limit_s:g} s; {_DAMAGED}"
+        return list(_answers(late.stdout or b"")), f"not read within {limit_s:.3g} s; {_DAMAGED}"
     said = done.stderr.decode(errors="replace").strip().splitlines()
     why = said[-1] if done.returncode > 0 and said else "the library crashed"
     return list(_answers(done.stdout)), f"cannot be read ({why}); {_DAMAGED}"
