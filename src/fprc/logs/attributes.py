@@ -98,7 +98,7 @@ def read_attribute(holder: h5py.AttributeManager, name: str, *, mend: bool = Fal
 
 
 def is_text(text: str | bytes) -> bool:
-    """Whether text, or a name, was UTF-8 in the file; where it was not the library may give bytes."""
+    """Whether text, or a name, was UTF-8 in the file; else the library may give bytes."""
     if isinstance(text, bytes):
         return False
     try:
