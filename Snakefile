@@ -5,7 +5,7 @@ from snakemake.exceptions import WorkflowError
 from snakemake.utils import min_version
 
 from fprc.artifacts import refuse_unwritable
-from fprc.config import check
+from fprc.config import from_files
 from fprc.errors import FprcError
 from fprc.fingerprint import fingerprint, imports_of
 from fprc.logs import EXPERIMENTS, headers, holdings, refuse_simulated, refuse_to_overwrite
@@ -14,12 +14,17 @@ from fprc.stages.availability import refusal, unavailable
 min_version("9.0")
 
 
-configfile: "config/config.yaml"
-configfile: "config/rig.yaml"
-
+# Snakemake's `configfile:` takes the last of repeated keys, and 010 for 8; what it made of the
+# files of the command line is not used either
+OWN = ["config/config.yaml", "config/rig.yaml"]
+if workflow.config_settings.replace_workflow_config:
+    OWN = []
+workflow.configfiles += OWN
 
 try:
-    SETTINGS = check(config).model_dump(mode="json")
+    SETTINGS = from_files(
+        [*OWN, *workflow.overwrite_configfiles], workflow.config_settings.config
+    ).model_dump(mode="json")
     config.update(SETTINGS)  # the files' keys in their types, and what they leave out
     # of this run, not of its results
     ARMED = SETTINGS.pop("armed")

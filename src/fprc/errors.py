@@ -4,7 +4,7 @@ Each message says what is wrong, where, and what to do about it. The command
 line and the workflow print the message alone, without a traceback.
 """
 
-from fprc.text_escape import visible
+from fprc.escape import terminal
 
 
 class FprcError(Exception):
@@ -15,7 +15,7 @@ class FprcError(Exception):
 
     def __str__(self) -> str:
         """Return the message; its lines have no control characters."""
-        return "\n".join(map(visible, super().__str__().split("\n")))
+        return terminal(super().__str__())
 
 
 class ConfigError(FprcError):

@@ -232,8 +232,8 @@ def table(name):
     return {kind: f"{RESULTS}/{name}.{kind}" for kind in ("csv", "md", "tex")}
 
 
-def figure(name):
-    """Return the files of a figure: two pictures, and where they come from."""
+def figure(name, statistics=False):
+    """Return the files of a figure: two pictures, where they come from, the numbers drawn."""
     number = int(name[3:5])
     png = report(
         f"{RESULTS}/figures/{name}.png",
@@ -242,7 +242,8 @@ def figure(name):
         labels={"figure": f"Fig. {number}", "data": DATA},
     )
     stem = f"{RESULTS}/figures/{name}"
-    return {"pdf": f"{stem}.pdf", "png": png, "sidecar": f"{stem}.json"}
+    files = {"pdf": f"{stem}.pdf", "png": png, "sidecar": f"{stem}.json"}
+    return files | ({"csv": f"{stem}.csv"} if statistics else {})
 
 
 SWEEPS = {name: f"{RESULTS}/sweeps/{name}.json" for name in ("epsilon", "n_c", "taps")}

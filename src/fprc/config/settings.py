@@ -1,12 +1,12 @@
 """All settings of the workflow; the defaults are the paper's."""
 
-from pathlib import PurePath
 from typing import Annotated, Literal
 
 from annotated_types import Ge, Le
-from pydantic import AfterValidator, Field, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from fprc.config.calibration import Calibration, Ensemble
+from fprc.config.folders import Folders
 from fprc.config.hardware import Hardware
 from fprc.config.rig import Rig
 from fprc.config.section import Section, quantities, quantity, rising, within
@@ -49,7 +49,8 @@ class Experiments(Section):
 class PressureLoop(Section):
     """Software PI loop on a valve voltage."""
 
-    kp_v_per_kpa: float = quantity(0.03, "V/kPa", (0, 1), "proportional gain", "paper, Sec. IV")
+    # above 0: more voltage fills, so that the gain's sign is the loop's
+    kp_v_per_kpa: float = quantity(0.03, "V/kPa", (1e-4, 1), "proportional gain", "paper, Sec. IV")
     ki_v_per_kpa_s: float = quantity(1e-6, "V/(kPa s)", (0, 1), "integral gain", "paper, Sec. IV")
 
 
@@ -274,17 +275,6 @@ class Tracking(Section):
                 f"= {reference.settle_s:g} s and the end of the run at {end_s:g} s"
             )
         return self
-
-
-#: A folder under one name: `out/` and `./out` are `out`.
-Folder = Annotated[str, AfterValidator(lambda folder: str(PurePath(folder)))]
-
-
-class Folders(Section):
-    """Where files go."""
-
-    raw: Folder = Field("data/raw", min_length=1, description="raw logs")
-    results: Folder = Field("results", min_length=1, description="everything generated")
 
 
 class Settings(Section):

@@ -10,7 +10,7 @@ from pathlib import Path
 import h5py
 
 from fprc.errors import LogError
-from fprc.text_escape import visible
+from fprc.escape import visible
 
 #: Most that the channels of one file may take in memory, bytes: 9 h of ten channels at 200 Hz.
 MAX_BYTES = 512 << 20

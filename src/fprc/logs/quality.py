@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from fprc.escape import visible
 from fprc.logs.columns import Columns, unit_of
-from fprc.text_escape import visible
 
 #: The channels that each range is for.
 _RANGES = {

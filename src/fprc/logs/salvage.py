@@ -19,6 +19,7 @@ import h5py
 import numpy as np
 
 from fprc.errors import LogError
+from fprc.escape import visible
 from fprc.logs.attributes import is_text, read_attribute, read_attributes
 from fprc.logs.columns import checksum, unit_of
 from fprc.logs.hdf5 import MAX_BYTES, bytes_of, channel_of, promised_length, shown

@@ -5,10 +5,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from fprc.artifacts import write_json
+from fprc.escape import visible
 from fprc.logs import assess, read_raw, write_columns
 from fprc.logs.isolated import isolated_each
 from fprc.logs.quality import notes_of, unit_told, warnings
-from fprc.text_escape import visible
 
 log = logging.getLogger(__name__)
 

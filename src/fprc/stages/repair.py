@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
+from fprc.escape import visible
 from fprc.logs.columns import write_columns
 from fprc.logs.recovery import Findings, Stretch, recover, refuse_existing
 from fprc.logs.salvage import salvage
-from fprc.text_escape import visible
 
 #: Exit codes. Nothing at all is an error, 1.
 WHOLE, SOME_LOST = 0, 3

@@ -3,7 +3,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fprc.errors import LogError
-from fprc.text_escape import visible
+from fprc.escape import visible
 
 
 @pytest.mark.parametrize(
