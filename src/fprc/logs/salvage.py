@@ -8,7 +8,6 @@ as soon as it has it.
 import json
 import shutil
 import stat
-import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Mapping
@@ -19,11 +18,10 @@ import h5py
 import numpy as np
 
 from fprc.errors import LogError
-from fprc.escape import visible
 from fprc.logs.attributes import is_text, read_attribute, read_attributes
 from fprc.logs.columns import checksum, unit_of
 from fprc.logs.hdf5 import MAX_BYTES, bytes_of, channel_of, promised_length, shown
-from fprc.logs.isolated import limit_memory, time_limit_s
+from fprc.logs.isolated import limit_process, run_limited, time_limit_s
 from fprc.logs.raw import RAW_ATTRIBUTES, RAW_CHANNELS, TRACKING_CHANNELS, missing_channels
 
 #: Most memory that the child may ask for, bytes.
@@ -92,15 +90,9 @@ def salvage(path: Path | str, *, limit_s: float | None = None) -> Salvaged:
 
 
 def _read_in_child(path: Path, folder: str, limit_s: float) -> list[str]:
-    command = [sys.executable, "-m", "fprc.logs.salvage", str(path), folder]
-    try:
-        done = subprocess.run(command, timeout=limit_s, capture_output=True, check=False)
-    except subprocess.TimeoutExpired:
-        return [f"reading did not end within {limit_s:.3g} s and was given up"]
-    if done.returncode == 0:
-        return []
-    said = done.stderr.decode(errors="replace").strip().splitlines()
-    return [f"reading ended early: {said[-1] if said else 'the HDF5 library crashed'}"]
+    command = [sys.executable, "-m", "fprc.logs.salvage", str(limit_s), str(path), folder]
+    _, ended = run_limited(command, limit_s)
+    return [f"reading ended early: {ended}"] if ended else []
 
 
 def _collect(
@@ -262,5 +254,5 @@ def _values_of_chunks(dataset: h5py.Dataset, size: int) -> np.ndarray:
 
 
 if __name__ == "__main__":
-    limit_memory(_LIMIT_BYTES)
-    _leave(Path(sys.argv[1]), Path(sys.argv[2]))
+    limit_process(_LIMIT_BYTES, float(sys.argv[1]))
+    _leave(Path(sys.argv[2]), Path(sys.argv[3]))

@@ -1,7 +1,9 @@
 import json
+import re
 import subprocess
 import sys
 import zlib
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -401,3 +403,16 @@ def test_all_problems_are_reported_at_once(path, edited):
     assert all(line.startswith(f"{path}: channel ") for line in lines)
     for part in ("p_o_kpa: missing", "theta_deg: units", "theta_deg: sample 3", "time_s: 299"):
         assert sum(f"channel {part}" in line for line in lines) == 1
+
+
+def test_code_of_the_documentation_writes_checksums(tmp_path, monkeypatch):
+    page = (Path(__file__).parents[3] / "data/raw/README.md").read_text(encoding="utf-8")
+    (code,) = re.findall("```python\n(.*?)```", page, flags=re.DOTALL)
+    units = {name: unit_of(name) for name in NAMES}
+    monkeypatch.chdir(tmp_path)
+    exec(code, {"h5py": h5py, "np": np, "zlib": zlib, "channels": three_channels(), "units": units})
+    log = read_columns("sweep.h5", NAMES)
+    assert (log.attributes, log.unchecked) == ({"source": "rig"}, ())
+    size = (tmp_path / "sweep.h5").stat().st_size
+    cases = [{"bytes": [at], "flip": 0xFF} for at in range(0, size, 41)]
+    assert set(outcomes(tmp_path / "sweep.h5", cases)) <= {"LogError", "read"}

@@ -8,7 +8,7 @@ import pytest
 
 from fprc.errors import LogError
 from fprc.logs import RAW_CHANNELS, read_columns
-from fprc.logs import salvage as module
+from fprc.logs import isolated as module
 from fprc.logs.columns import unit_of
 from fprc.logs.salvage import salvage
 
@@ -188,6 +188,7 @@ def test_reading_that_never_ends_is_given_up_and_what_was_read_is_kept(write_log
     path = write_log()
 
     def run(command, *, timeout, **options):
+        assert timeout > 5.0
         child = subprocess.Popen(
             [sys.executable, "-c", STUCK, *command[-2:]], stdout=subprocess.PIPE, text=True
         )
@@ -198,7 +199,7 @@ def test_reading_that_never_ends_is_given_up_and_what_was_read_is_kept(write_log
 
     monkeypatch.setattr(module.subprocess, "run", run)
     found = salvage(path, limit_s=5.0)
-    assert "reading did not end within 5 s and was given up" in found.words
+    assert "reading ended early: not read within 5 s" in found.words
     assert set(found.channels) == set(RAW_CHANNELS) - {"valve_main_v", "valve_reservoir_v"}
 
 
@@ -213,7 +214,7 @@ def test_reading_that_ends_the_process_is_told(write_log, monkeypatch):
     )
     with pytest.raises(LogError) as caught:
         salvage(path)
-    assert "reading ended early: the HDF5 library crashed" in str(caught.value)
+    assert "reading ended early: cannot be read (the library crashed)" in str(caught.value)
 
 
 def test_any_damage_ends_in_a_copy_or_an_error(write_log):
