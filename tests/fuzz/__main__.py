@@ -65,7 +65,6 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--cases", type=int, default=10_000, help="default: %(default)s")
     parser.add_argument("--seed", type=int, default=1, help="default: %(default)s")
     parser.add_argument("--case", type=int, help="this case alone, and what it printed")
-    parser.add_argument("--kind", help="only cases whose kind contains this")
     parser.add_argument("--workers", type=int, default=2, help="default: %(default)s")
     parser.add_argument("--keep", default=".fuzz", help="default: %(default)s")
     parser.add_argument("--write", metavar="PAGE.md", help="write the table there")
@@ -109,10 +108,9 @@ def _work(options: argparse.Namespace) -> int:
     os.dup2(2, 1)  # what is printed beside is no answer
     with tempfile.TemporaryDirectory(prefix="fuzz") as folder:
         cases.warm_up(Path(folder))
-        for number in range(options.worker, options.cases, options.workers):
-            found = cases.run(options.seed, number, Path(folder), Path(options.keep), options.kind)
-            if found is not None:
-                print(json.dumps(found), file=answer, flush=True)
+        numbers = range(options.worker, options.cases, options.workers)
+        for found in cases.run(options.seed, numbers, Path(folder), Path(options.keep)):
+            print(json.dumps(found), file=answer, flush=True)
     return 0
 
 

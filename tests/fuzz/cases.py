@@ -2,7 +2,7 @@
 
 import io
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,7 @@ import mat_files
 import numpy as np
 import raw_logs
 import signals
+import supervised
 from fprc.cli import main
 from judging import Case
 
@@ -46,34 +47,22 @@ def made(seed: int, number: int, folder: Path) -> Case:
     return make(np.random.default_rng([seed, number]), folder)
 
 
-def run(
-    seed: int, number: int, folder: Path, keep: Path, kind: str | None
-) -> dict[str, Any] | None:
-    """Run a case; return what came of it, and keep its files if that must not be."""
-    place = folder / "case"
-    place.mkdir()
-    try:
-        case = made(seed, number, place)
-        if kind and kind not in case.kind:
-            return None
-        original = folder / "original"
-        shutil.copytree(place, original, symlinks=True)
-        results = [found for found, _ in judging.run(case, place)]
-        bad = [found for found in results if found.outcome in judging.FAULTS]
-        if bad:
-            kept = keep / f"seed_{seed}_case_{number}"
-            shutil.rmtree(kept, ignore_errors=True)
-            shutil.copytree(original, kept, symlinks=True)
-            lines = [f"{case.kind}: {case.what}"]
-            lines += [f"{step.row}: {' '.join(step.command)}" for step in case.steps]
-            lines += [f"{found.row}: {found.outcome}: {found.why}" for found in results]
-            (kept / "WHAT.txt").write_text("\n".join(lines) + "\n", "utf-8", "backslashreplace")
-        return {
-            "number": number, "kind": case.kind, "what": case.what, "results": results,
-        }  # fmt: skip
-    finally:
-        for name in ("case", "original"):
-            shutil.rmtree(folder / name, ignore_errors=True)
+def run(seed: int, numbers: Iterable[int], folder: Path, keep: Path) -> Iterator[dict[str, Any]]:
+    """Yield what came of each case; keep the files of those that ended as they must not."""
+
+    def make(number: int, place: Path) -> Case:
+        return made(seed, number, place)
+
+    for number, found in supervised.results(numbers, make, folder):
+        if any(outcome in judging.FAULTS for _, outcome, *_ in found["results"]):
+            place = keep / f"seed_{seed}_case_{number}"
+            shutil.rmtree(place, ignore_errors=True)
+            place.mkdir(parents=True)
+            make(number, place)
+            lines = [f"{found['kind']}: {found['what']}"]
+            lines += [f"{row}: {outcome}: {why}" for row, outcome, why, _ in found["results"]]
+            (place / "WHAT.txt").write_text("\n".join(lines) + "\n", "utf-8", "backslashreplace")
+        yield {"number": number, **found}
 
 
 def show(seed: int, number: int, folder: Path) -> int:
@@ -81,11 +70,13 @@ def show(seed: int, number: int, folder: Path) -> int:
     place = folder / "case"
     place.mkdir()
     case = made(seed, number, place)
-    print(f"{case.kind}: {case.what}\nfiles in {place}")
+    print(f"{case.kind}: {case.what}\nfiles in {place}", flush=True)
     bad = False
-    for found, ended in judging.run(case, place):
-        print(f"--- {found.row}: {found.outcome} {found.why} ({found.seconds:.1f} s)")
+    for step in case.steps:
+        print(f"--- {step.row}: {' '.join(step.command)}", flush=True)
+        found, ended = judging.run(step, case, place, lambda: None)
         print(f"exit code {ended.code}\n{ended.out[-3000:]}{ended.err[-3000:]}")
+        print(f"{found.outcome}: {found.why} ({found.seconds:.1f} s)", flush=True)
         bad |= found.outcome in judging.FAULTS
     return int(bad)
 

@@ -65,4 +65,4 @@ def _log(rng: np.random.Generator, folder: Path) -> Case:
 
 def _step(folder: Path, more: list[str], names: tuple[str, ...], judge) -> Step:
     command = (sys.executable, "-m", "snakemake", "-n", "--cores", "1", *more)
-    return Step(command, _ROW, names, judge, folder=str(project(folder.parent)))
+    return Step(command, _ROW, names, judge, folder=str(project(folder.parent)), limit_s=60.0)

@@ -1,16 +1,14 @@
 """What came of a command on a damaged file: told by what a user sees, and by what comes out."""
 
 import hashlib
-import json
 import re
-import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import watched
 from fprc.cli import main
-from watched import LIMIT_BYTES, Ended
+from watched import LIMIT_BYTES, LIMIT_S, Ended
 
 REFUSED, SAME, SAID = "refused", "same", "different but said"
 TRACEBACK, HANG, MEMORY = "traceback", "hang", "over 1 GB"
@@ -47,6 +45,8 @@ class Step(NamedTuple):
         Whether the command took the file for usable.
     folder : str
         Where it runs, if not in the folder of the case.
+    limit_s : float
+        Longest time that it may take.
     """
 
     command: tuple[str, ...]
@@ -56,6 +56,7 @@ class Step(NamedTuple):
     leaves: tuple[str, ...] = ()
     accepts: Callable[[Ended], bool] = lambda ended: ended.code == 0
     folder: str = ""
+    limit_s: float = LIMIT_S
 
 
 class Case(NamedTuple):
@@ -82,19 +83,25 @@ class Result(NamedTuple):
     seconds: float
 
 
-def run(case: Case, folder: Path) -> Iterator[tuple[Result, Ended]]:
-    """Run the steps of a case and judge each; yield with it how the command ended."""
-    for step in case.steps:
-        before = _content(folder)
-        where = Path(step.folder) if step.folder else folder
-        if step.row.startswith("fprc"):
-            ended = watched.call(lambda step=step: main(step.command), where)
-        else:
-            ended = watched.command(step.command, where)
-        outcome, why = _outcome(step, folder, before, ended)
-        if case.sound and outcome == REFUSED:
-            outcome, why = UNTIDY, f"nothing is wrong with it: {why}"
-        yield Result(step.row, outcome, why, ended.seconds), ended
+def run(step: Step, case: Case, folder: Path, judging: Callable[[], None]) -> tuple[Result, Ended]:
+    """Run one step of a case and judge it.
+
+    Parameters
+    ----------
+    judging : callable
+        Called when the command is done and what came out is looked at.
+    """
+    before = _content(folder)
+    where = Path(step.folder) if step.folder else folder
+    if step.row.startswith("fprc"):
+        ended = watched.call(lambda: main(step.command), where)
+    else:
+        ended = watched.command(step.command, where, limit_s=step.limit_s)
+    judging()
+    outcome, why = _outcome(step, folder, before, ended)
+    if case.sound and outcome == REFUSED:
+        outcome, why = UNTIDY, f"nothing is wrong with it: {why}"
+    return Result(step.row, outcome, why, ended.seconds), ended
 
 
 def _outcome(step: Step, folder: Path, before: dict[str, str], ended: Ended) -> Verdict:
@@ -121,15 +128,10 @@ def _outcome(step: Step, folder: Path, before: dict[str, str], ended: Ended) -> 
         return UNTIDY, untidy
     if not accepted:
         return REFUSED, last
-    verdict = watched.call(lambda: _judge(step, folder, ended), folder)
-    if verdict.code:
-        return SILENT, f"what came out cannot be judged: {verdict.err.strip()[-300:]}"
-    outcome, why = json.loads(verdict.out.splitlines()[-1])
-    return outcome, why
-
-
-def _judge(step: Step, folder: Path, ended: Ended) -> None:
-    print(json.dumps(step.judge(folder, ended)), file=sys.stdout)
+    try:
+        return step.judge(folder, ended)
+    except Exception as error:
+        return SILENT, f"what came out cannot be judged: {type(error).__name__}: {error}"
 
 
 def _untidy(ended: Ended) -> str:

@@ -4,6 +4,7 @@ import os
 import resource
 import select
 import signal
+import subprocess
 import sys
 import tempfile
 import time
@@ -11,14 +12,15 @@ import traceback
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import NamedTuple
+from typing import IO, NamedTuple
 
 #: Longest time and most memory that a command may take.
 LIMIT_S = 10.0
 LIMIT_BYTES = 1 << 30
 #: Exit code of a function that raised.
 RAISED = 70
-_LOOK_S = 0.03
+#: Between two looks at the memory of a process.
+LOOK_S = 0.03
 
 
 class Ended(NamedTuple):
@@ -42,21 +44,16 @@ class Ended(NamedTuple):
     seconds: float
 
 
-def call(
-    function: Callable[[], int | None],
-    folder: Path | str,
-    *,
-    limit_s: float = LIMIT_S,
-    limit_bytes: int = LIMIT_BYTES,
-) -> Ended:
-    """Call a function in a fork of this process, in a folder."""
-
-    def begin(out: int, err: int) -> None:
-        os.dup2(out, 1)
-        os.dup2(err, 2)
+def call(function: Callable[[], int | None], folder: Path | str) -> Ended:
+    """Call a function in this process, in a folder; who watches this process ends it."""
+    begun_s = time.monotonic()
+    here = os.getcwd()
+    kept = os.dup(1), os.dup(2)
+    code = RAISED
+    with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
+        os.dup2(out.fileno(), 1)
+        os.dup2(err.fileno(), 2)
         os.chdir(folder)
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-        code = RAISED
         try:
             code = function() or 0
         except SystemExit as end:
@@ -64,12 +61,23 @@ def call(
         except BaseException:
             traceback.print_exc()
         finally:
-            with suppress(Exception):
-                sys.stdout.flush()
-                sys.stderr.flush()
-            os._exit(code)
+            sys.stdout.flush()
+            sys.stderr.flush()
+            os.chdir(here)
+            for number, old in enumerate(kept, start=1):
+                os.dup2(old, number)
+                os.close(old)
+        used = (resource.getrusage(who) for who in _WHOSE)
+        peak = 1024 * max(one.ru_maxrss for one in used)
+        return Ended(code, _text(out), _text(err), "", peak, time.monotonic() - begun_s)
 
-    return _watch(begin, limit_s, limit_bytes)
+
+_WHOSE = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
+
+
+def _text(file: IO[bytes]) -> str:
+    file.seek(0)
+    return file.read().decode("utf-8", "surrogateescape")
 
 
 def command(
@@ -82,43 +90,25 @@ def command(
 ) -> Ended:
     """Run a command in a folder."""
 
-    def begin(out: int, err: int) -> None:
-        try:
-            os.dup2(out, 1)
-            os.dup2(err, 2)
-            os.chdir(folder)
-            os.execvpe(arguments[0], arguments, {**os.environ, **(environment or {})})
-        finally:
-            os._exit(127)
-
-    return _watch(begin, limit_s, limit_bytes)
-
-
-def _watch(begin: Callable[[int, int], None], limit_s: float, limit_bytes: int) -> Ended:
-    sys.stdout.flush()
-    sys.stderr.flush()
+    begun_s = time.monotonic()
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
-        begun_s = time.monotonic()
-        number = os.fork()
-        if number == 0:
-            os.setsid()  # so that its children can be stopped with it
-            begin(out.fileno(), err.fileno())
-        stopped, peak = _wait(number, begun_s + limit_s, limit_bytes)
-        with suppress(ProcessLookupError):
-            os.killpg(number, signal.SIGKILL)
-        _, status, used = os.wait4(number, 0)
-        said = []
-        for file in (out, err):
-            file.seek(0)
-            said.append(file.read().decode("utf-8", "surrogateescape"))
-        return Ended(
-            code=os.waitstatus_to_exitcode(status),
-            out=said[0],
-            err=said[1],
-            stopped=stopped,
-            peak_bytes=max(peak, used.ru_maxrss * 1024),
-            seconds=time.monotonic() - begun_s,
-        )
+        process = subprocess.Popen(
+            arguments, cwd=folder, env={**os.environ, **(environment or {})},
+            stdin=subprocess.DEVNULL, stdout=out, stderr=err, start_new_session=True,
+        )  # fmt: skip
+        stopped, peak = _wait(process.pid, begun_s + limit_s, limit_bytes)
+        end_session(process.pid)
+        _, status, used = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        peak = max(peak, 1024 * used.ru_maxrss)
+        took_s = time.monotonic() - begun_s
+        return Ended(process.returncode, _text(out), _text(err), stopped, peak, took_s)
+
+
+def end_session(leader: int) -> None:
+    """End a process and those that it started."""
+    with suppress(ProcessLookupError):
+        os.killpg(leader, signal.SIGKILL)
 
 
 def _wait(number: int, end_s: float, limit_bytes: int) -> tuple[str, int]:
@@ -126,8 +116,8 @@ def _wait(number: int, end_s: float, limit_bytes: int) -> tuple[str, int]:
     peak = 0
     handle = os.pidfd_open(number)
     try:
-        while not select.select([handle], [], [], _LOOK_S)[0]:
-            peak = max(peak, sum(_memory(one) for one in _family(number)))
+        while not select.select([handle], [], [], LOOK_S)[0]:
+            peak = max(peak, memory(number))
             if peak > limit_bytes:
                 return "memory", peak
             if time.monotonic() > end_s:
@@ -137,19 +127,15 @@ def _wait(number: int, end_s: float, limit_bytes: int) -> tuple[str, int]:
     return "", peak
 
 
-def _family(number: int) -> list[int]:
-    """Return a process and its descendants."""
-    found = [number]
-    for one in found:
-        with suppress(OSError):
-            children = Path(f"/proc/{one}/task/{one}/children").read_text().split()
-            found += map(int, children)
-    return found
+def memory(number: int) -> int:
+    """Return the memory of a process and its descendants, without the files that it has mapped."""
+    family, total = [number], 0
+    for one in family:
+        with suppress(OSError, ValueError, IndexError):
+            resident, shared = Path(f"/proc/{one}/statm").read_text().split()[1:3]
+            total += (int(resident) - int(shared)) * _PAGE
+            family += map(int, Path(f"/proc/{one}/task/{one}/children").read_text().split())
+    return total
 
 
-def _memory(number: int) -> int:
-    """Return the memory of a process, without the files that it has mapped."""
-    with suppress(OSError, ValueError, IndexError):
-        resident, shared = Path(f"/proc/{number}/statm").read_text().split()[1:3]
-        return (int(resident) - int(shared)) * os.sysconf("SC_PAGE_SIZE")
-    return 0
+_PAGE = os.sysconf("SC_PAGE_SIZE")
