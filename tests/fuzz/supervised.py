@@ -6,6 +6,7 @@ import select
 import shutil
 import sys
 import time
+import traceback
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
@@ -87,6 +88,8 @@ def _ask(
         else:
             outcome = ()
         if outcome:
+            if "rows" not in found:
+                raise RuntimeError(f"case {number} could not be made")
             if judging:
                 outcome = SILENT, f"what came out cannot be judged: {outcome[1]}"
             row = found["rows"][step]
@@ -131,8 +134,10 @@ def _fork(make: Callable[[int, Path], Case], folder: Path) -> _Child:
         with os.fdopen(to_child) as requests, os.fdopen(from_child, "w") as answers:
             for line in requests:
                 _serve(*json.loads(line), make, folder, answers)
+    except BaseException:
+        traceback.print_exc()
     finally:
-        os._exit(0)
+        os._exit(watched.RAISED)
 
 
 def _serve(
