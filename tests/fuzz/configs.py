@@ -80,7 +80,7 @@ def compare(folder: Path, wrong: str) -> Verdict:
 def _names(data: bytes) -> tuple[str, ...]:
     """Return what a refusal must name: the file, or a key of it."""
     text = data.decode("utf-8", "replace")
-    keys = re.findall(r"\b([A-Za-z]\w{2,})['\"]?\s*:", text)
+    keys = re.findall(r"\b(\w{3,})['\"]?\s*:", text)
     return (NAME, *sorted(set(keys)))
 
 

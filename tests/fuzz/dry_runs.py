@@ -2,7 +2,6 @@
 
 import shutil
 import sys
-from functools import cache
 from pathlib import Path
 
 import configs
@@ -16,10 +15,11 @@ ROOT = Path(__file__).parents[2]
 _ROW = "snakemake -n"
 
 
-@cache
 def project(folder: Path) -> Path:
     """Return a copy of the workflow in a folder of its own."""
     copy = folder / "project"
+    if copy.exists():  # made by the child before
+        return copy
     copy.mkdir()
     for name in ("Snakefile", "all"):
         shutil.copy(ROOT / name, copy)
