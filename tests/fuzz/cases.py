@@ -18,8 +18,9 @@ import numpy as np
 import raw_logs
 import signals
 import supervised
-from fprc.cli import main
 from judging import Case
+
+from fprc.cli import main
 
 Make = Callable[[np.random.Generator, Path], Case]
 

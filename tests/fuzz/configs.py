@@ -10,10 +10,11 @@ import damage
 import numpy as np
 import reading
 import yaml
-from fprc.config import Settings, from_files
-from fprc.config.section import fields
 from judging import SAME, SILENT, Case, Step, Verdict
 from watched import Ended
+
+from fprc.config import Settings, from_files
+from fprc.config.section import fields
 
 NAME = "mine.yaml"
 
@@ -31,8 +32,9 @@ _ODD = (
 #: Places where results must not go; a pair is both folders.
 _NOT_THERE = (
     "/", "src", "./src", "src/", "src/fprc", ".git", ".git/hooks", "config", "config/maps",
-    "workflow", ".", "a\0b", "{experiment}", "a{b", "}", "x" * 300, "a\nb", "a\rb", "results/../src",
-    ("mine", "mine"), ("mine", "./mine"), ("mine", "mine/"), ("data/raw", "data/../data/raw"),
+    "workflow", ".", "a\0b", "{experiment}", "a{b", "}", "x" * 300, "a\nb", "a\rb",
+    "results/../src", ("mine", "mine"), ("mine", "./mine"), ("mine", "mine/"),
+    ("data/raw", "data/../data/raw"),
 )  # fmt: skip
 _THERE = ("data/mine", "results/mine", "/tmp/mine", "my results", "größe", ("a/raw", "a"))
 
@@ -80,8 +82,12 @@ def compare(folder: Path, wrong: str) -> Verdict:
 def _names(data: bytes) -> tuple[str, ...]:
     """Return what a refusal must name: the file, or a key of it."""
     text = data.decode("utf-8", "replace")
-    keys = re.findall(r"\b(\w{3,})['\"]?\s*:", text)
-    return (NAME, *sorted(set(keys)))
+    keys = set(re.findall(r"\b(\w+) ?['\"]?\s*:", text))
+    # "a" is part of many a word, "a:" is not
+    return (
+        NAME,
+        *sorted(key if len(key) > 2 else f" {key}{mark}" for key in keys for mark in ":="),
+    )
 
 
 def _some(rng: np.random.Generator, placeholders: int = 0) -> dict[str, Any]:
@@ -194,11 +200,12 @@ def _aliases(rng):
 
 def _file(rng):
     made = [
-        b"", b"\n\n", b"# nothing\n", b"5", b"[1, 2]", b"seed", b"a: 1\n---\nb: 2\n", b"--- {}\n...\n",
-        b"\xff\xfes\0e\0e\0d\0:\0 \x005\0", b"\xef\xbb\xbfseed: 5\n", b"seed: 5\r\nsource: sim\r\n",
-        b"seed: 5\rsource: sim", b"seed:\t5", b"\tseed: 5", b"gr\xf6\xdfe: 5", b"seed: 5 # gr\xf6\xdfe",
-        b"\0", b"seed: 5\0", b"{seed: 5", b"seed: 5}", b"%YAML 1.1\n---\nseed: 5\n",
-        b"%YAML 2.0\n---\nseed: 5\n", b"seed: 5\n" + b" " * 10**6, b"# " + b"x" * 10**6 + b"\nseed: 5",
+        b"", b"\n\n", b"# nothing\n", b"5", b"[1, 2]", b"seed", b"a: 1\n---\nb: 2\n",
+        b"--- {}\n...\n", b"\xff\xfes\0e\0e\0d\0:\0 \x005\0", b"\xef\xbb\xbfseed: 5\n",
+        b"seed: 5\r\nsource: sim\r\n", b"seed: 5\rsource: sim", b"seed:\t5", b"\tseed: 5",
+        b"gr\xf6\xdfe: 5", b"seed: 5 # gr\xf6\xdfe", b"\0", b"seed: 5\0", b"{seed: 5", b"seed: 5}",
+        b"%YAML 1.1\n---\nseed: 5\n", b"%YAML 2.0\n---\nseed: 5\n", b"seed: 5\n" + b" " * 10**6,
+        b"# " + b"x" * 10**6 + b"\nseed: 5",
         b"x: " + b"y" * 10**6, b"\x1b[31mseed: 5", b"PK\x03\x04" + bytes(100), b"seed: \xc2\x9b5",
     ]  # fmt: skip
     k = int(rng.integers(len(made)))

@@ -172,8 +172,8 @@ def _ragged(rng, header, rows):
 def _odd_field(rng, header, rows):
     k, j = int(rng.integers(len(rows))), int(rng.integers(len(rows[0])))
     odd = [
-        "", " ", "nan", "NaN", "inf", "-inf", "1e400", "1e308", "1,000", "1_0", "x", "\x1b[31m", "--",
-        "0x10", "1.2.3", "=1+1", "#N/A", "null", '"', "'1", "1 2", "½", "٣", "1e", "+", "9" * 400,
+        "", " ", "nan", "NaN", "inf", "-inf", "1e400", "1e308", "1,000", "1_0", "x", "\x1b[31m",
+        "--", "0x10", "1.2.3", "=1+1", "#N/A", "null", '"', "'1", "1 2", "½", "٣", "1e", "+", "9" * 400,
         "y" * 200000, "\u2028", "1\x0b2",
     ]  # fmt: skip
     rows[k][j] = odd[rng.integers(len(odd))]
@@ -254,8 +254,8 @@ _TABLE = (
 def _insert(rng: np.random.Generator, data: bytes):
     """Put bytes in that have a meaning somewhere."""
     some = (
-        b'"', b"'", b",", b";", b"\n", b"\r", b"\0", b"\xff", b"\xef\xbb\xbf", b"\x1b[2J", b"#", b"\t",
-        b'""', b"\xc2\x85", b"e", b"-", b".",
+        b'"', b"'", b",", b";", b"\n", b"\r", b"\0", b"\xff", b"\xef\xbb\xbf", b"\x1b[2J", b"#",
+        b"\t", b'""', b"\xc2\x85", b"e", b"-", b".",
     )  # fmt: skip
     at, what = int(rng.integers(len(data))), some[rng.integers(len(some))]
     return data[:at] + what + data[at:], f"{what!r} at byte {at}"

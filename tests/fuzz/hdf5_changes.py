@@ -114,7 +114,16 @@ def _rename_channel(rng, file):
 
 def _units(rng, file):
     name = str(rng.choice(sorted(file)))
-    value = [b"bar", "rad", "", "\x1b[2Jx", 1.0, np.arange(2), np.bytes_(b"\xff\xfe"), h5py.Empty("f")]
+    value = [
+        b"bar",
+        "rad",
+        "",
+        "\x1b[2Jx",
+        1.0,
+        np.arange(2),
+        np.bytes_(b"\xff\xfe"),
+        h5py.Empty("f"),
+    ]
     chosen = value[rng.integers(len(value))]
     file[name].attrs["units"] = chosen
     return f"units of {name} = {chosen!r}"

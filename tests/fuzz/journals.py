@@ -10,10 +10,11 @@ from typing import Any, NamedTuple
 import damage
 import numpy as np
 import signals
-from fprc.logs import RAW_CHANNELS, Journal
 from judging import SAID, SAME, SILENT, Case, Step, Verdict, differing
 from raw_logs import content
 from watched import Ended
+
+from fprc.logs import RAW_CHANNELS, Journal
 
 
 class Run(NamedTuple):

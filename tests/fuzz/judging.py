@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import watched
-from fprc.cli import main
 from watched import LIMIT_BYTES, LIMIT_S, Ended
+
+from fprc.cli import main
 
 REFUSED, SAME, SAID = "refused", "same", "different but said"
 TRACEBACK, HANG, MEMORY = "traceback", "hang", "over 1 GB"

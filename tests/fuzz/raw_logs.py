@@ -12,9 +12,10 @@ import h5py
 import hdf5_changes
 import numpy as np
 import signals
-from fprc.logs import write_raw
 from judging import SAID, SAME, SILENT, Case, Step, Verdict, differing
 from watched import Ended
+
+from fprc.logs import write_raw
 
 
 class Log(NamedTuple):

@@ -57,9 +57,7 @@ def results(
             _end(child)
 
 
-def _ask(
-    child: _Child, number: int, first: int, found: dict[str, Any]
-) -> tuple[int | None, bool]:
+def _ask(child: _Child, number: int, first: int, found: dict[str, Any]) -> tuple[int | None, bool]:
     """Have a case run from one step on; return the next step, and whether the child is spoiled."""
     print(json.dumps([number, first]), file=child.requests, flush=True)
     step, judging, end_s = first, False, time.monotonic() + watched.LIMIT_S
@@ -158,4 +156,3 @@ def _serve(
         spoiled |= ended.peak_bytes > watched.LIMIT_BYTES
         tell(result=result)
     tell(spoiled=spoiled)
-
