@@ -37,7 +37,8 @@ _FILES_HEAD = """\
 
 ## Files and settings
 
-Each fault is made by a test in `tests/faults/test_files.py` and given to the command as a user would.
+Each fault is made by a test in `tests/faults/test_files.py`, and given to the command as a user
+would.
 
 - *what comes of it*: what the message names if it is refused
 - *left behind*: what is there afterwards that was not there before

@@ -83,11 +83,9 @@ def _names(data: bytes) -> tuple[str, ...]:
     """Return what a refusal must name: the file, or a key of it."""
     text = data.decode("utf-8", "replace")
     keys = set(re.findall(r"\b(\w+) ?['\"]?\s*:", text))
-    # "a" is part of many a word, "a:" is not
-    return (
-        NAME,
-        *sorted(key if len(key) > 2 else f" {key}{mark}" for key in keys for mark in ":="),
-    )
+    # "a" is part of many a word, " a:" is not
+    short = [f" {key}{mark}" for key in keys for mark in (":", " =") if len(key) < 3]
+    return (NAME, *sorted(key for key in keys if len(key) > 2), *sorted(short))
 
 
 def _some(rng: np.random.Generator, placeholders: int = 0) -> dict[str, Any]:

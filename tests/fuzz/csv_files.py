@@ -173,8 +173,8 @@ def _odd_field(rng, header, rows):
     k, j = int(rng.integers(len(rows))), int(rng.integers(len(rows[0])))
     odd = [
         "", " ", "nan", "NaN", "inf", "-inf", "1e400", "1e308", "1,000", "1_0", "x", "\x1b[31m",
-        "--", "0x10", "1.2.3", "=1+1", "#N/A", "null", '"', "'1", "1 2", "½", "٣", "1e", "+", "9" * 400,
-        "y" * 200000, "\u2028", "1\x0b2",
+        "--", "0x10", "1.2.3", "=1+1", "#N/A", "null", '"', "'1", "1 2", "½", "٣", "1e", "+",
+        "9" * 400, "y" * 200000, "\u2028", "1\x0b2",
     ]  # fmt: skip
     rows[k][j] = odd[rng.integers(len(odd))]
     return f"row {k}, column {j}: {rows[k][j][:20]!r}"

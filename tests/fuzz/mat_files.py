@@ -63,6 +63,7 @@ def case(rng: np.random.Generator, folder: Path) -> Case:
 
 def _write(kind: str, arrays: Mapping[str, Any]) -> bytes:
     if kind.startswith("v5"):
+        arrays = {name: values for name, values in arrays.items() if values is not None}
         content = {"run": arrays} if kind == "v5 struct" else arrays
         file = io.BytesIO()
         scipy.io.savemat(file, content, do_compression="compressed" in kind, oned_as="column")
@@ -96,8 +97,11 @@ def _put(file: h5py.File, name: str, values: Any, kind: str) -> None:
         return
     if isinstance(values, (list, str)):
         values = np.frombuffer(str(values).encode("utf-16-le"), np.uint16)
+    if values is None:
+        file[name] = h5py.Empty("f8")
+        return
     values = np.asarray(values)
-    if values.dtype.kind in "OUV":
+    if values.dtype.kind in "OU":
         values = np.arange(3.0)
     if values.dtype.kind == "c":
         values = np.rec.fromarrays([values.real, values.imag], names="real,imag")
@@ -154,6 +158,8 @@ def _more(rng, arrays):
         np.empty((0, 0)), "text", ["a", 5], np.zeros((3, 3, 3)), np.arange(300) * 1j, 5.0, {},
         np.array([True, False]), np.array([], float), {"a": {"b": np.arange(3.0)}}, np.arange(300),
         np.array([{"y": 1.0}, {"y": 2.0}], object), np.zeros((300, 2)), np.full(300, np.nan),
+        np.array([{"y": np.arange(300.0)}, {"y": np.arange(300.0)}], object),
+        np.zeros(300, [("a", "f8"), ("b", "f8")]), np.empty(0, [("a", "f8")]), None,
     ]  # fmt: skip
     k = int(rng.integers(len(odd)))
     # names as MATLAB has them

@@ -13,28 +13,32 @@ Written by `make fuzz PAGE=docs/fuzz.md`: seed {seed}, {cases} cases. Each case 
 made of the seed and the number of the case alone; `python tests/fuzz --seed {seed} --case 4711`
 repeats one and shows what was said. The commands are those of a user, each in a process of its own.
 
-- *refused*: the exit code says so, a message names the file (in a configuration: or a key), nothing
-  is left behind
-- *same*: what comes out is what the file was before the damage; of a file that has no checksums, as a
-  CSV file has none, what another reader finds in it
-- *different but said*: something is lost or not right, and by its name or in a warning that is told
+- *refused*: the exit code says so, a message names the file (in a configuration: or a key), and
+  nothing is left behind
+- *same*: what comes out is what was written before the damage; where a file has no checksums, as a
+  CSV file, what another reader finds in it
+- *different but said*: something is lost or not right, and a warning or its name says so
 - *traceback*: or the process crashed
-- *hang*: not done after 10 s
+- *hang*: not done after 10 s, a dry run after 60 s
 - *over 1 GB*: of memory, the command's children included
-- *accepted in silence*: what comes out is something else, or must not be accepted, and no line says so
+- *accepted in silence*: what comes out is something else, or must not be accepted, and no line says
+  so
 - *untidy*: refused without naming the file, something left behind, a file changed, control
-  characters on the terminal, a library's warning, NaN in what is printed; refused though nothing is
-  wrong with it
+  characters on the terminal, a library's warning, NaN in what is printed; or refused though nothing
+  is wrong with it
 
-| kind of file | what is done to it |
-|---|---|
-| configuration | other values, keys twice or unknown, deep, endless, bytes changed, folders that must not be used |
-| journal | bytes changed, cut, zeros, samples exchanged, repeated, of another run, other headers |
-| raw log, flipped bytes | one to three bytes, in numbers or in metadata; a simulated, a closed-loop, an imported and a recorded log |
-| raw log, torn | cut, zeros, noise, stretches taken out, exchanged, repeated |
-| raw log, other content | by way of HDF5: samples, channels, units, types, shapes, attributes, links, sizes that are only declared; a fifth is plausible and must be accepted, or refused for its checksum |
-| recording | quotes, separators, header, fields, clocks, MATLAB classes and shapes, bytes changed; maps that are wrong |
-| dry run | `snakemake -n` on such configurations and logs |
+The files:
+
+- *configuration*: other values, keys twice or unknown, deep, endless, bytes changed, folders that
+  must not be used
+- *journal*: bytes changed, cut, zeros, samples exchanged, repeated or of another run, other headers
+- *raw log*, simulated, of a closed loop, imported or recorded; *flipped bytes*: one to three, in
+  numbers or in metadata; *torn*: cut, zeros, noise, stretches taken out, exchanged, repeated;
+  *other content*: samples, channels, units, types, shapes, attributes, links and sizes changed by
+  way of HDF5, a fifth of them so that nothing is wrong with the result
+- *recording*: quotes, separators, headers, fields, clocks, MATLAB's classes and shapes, bytes
+  changed; maps that are wrong
+- *dry run*: such configurations and logs
 
 """
 
