@@ -65,10 +65,10 @@ def case(rng: np.random.Generator, folder: Path) -> Case:
     imports.write_map(folder, told)
     text = f"{written.separator!r} {headers[1][:20]!r}: {'; '.join(done) or 'as it should be'}"
 
-    def read(path: Path) -> dict[str, Any]:
-        return _read(path.read_bytes(), written)
+    def reading(path: Path) -> dict[str, Any]:
+        return read(path.read_bytes(), written)
 
-    steps = imports.steps(rng, NAME, told, read, draw=0.5)
+    steps = imports.steps(rng, NAME, told, reading, draw=0.5)
     return Case("recording, CSV", text, steps, sound=not done and headers in _PLAIN)
 
 
@@ -108,7 +108,7 @@ def _write(rng: np.random.Generator, header: list, rows: list) -> Written:
     return Written(data, separator, comma, encoding, before)
 
 
-def _read(data: bytes, written: Written) -> dict[str, np.ndarray | None]:
+def read(data: bytes, written: Written) -> dict[str, np.ndarray | None]:
     """Return the columns of a file, by Python's own reader.
 
     Raises

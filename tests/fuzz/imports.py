@@ -182,8 +182,9 @@ def expect(
     since = since[kept] - since[kept][0]
     channels = {}
     for name, spec in told["channels"].items():
-        values = picked[name][kept] * spec.get("scale", 1.0) + spec.get("offset", 0.0)
-        channels[name] = values * _FACTORS[str(spec["unit"])]
+        with np.errstate(over="ignore"):
+            values = picked[name][kept] * spec.get("scale", 1.0) + spec.get("offset", 0.0)
+            channels[name] = values * _FACTORS[str(spec["unit"])]
         if not np.isfinite(channels[name]).all():
             raise WrongError(f"{name}: no numbers")
     steps_s = np.diff(since)

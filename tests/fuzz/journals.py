@@ -210,7 +210,7 @@ def _compare(path: Path, run: Run, ended: Ended) -> Verdict:
         other.append("channels")
     else:
         rows = np.column_stack([channels[name] for name in run.names])
-        if not _in_order(rows, run.rows):
+        if not in_order(rows, run.rows):
             other.append("samples")
         elif len(rows) < len(run.rows) and ended.code == 0:
             other.append(f"{len(run.rows) - len(rows)} samples fewer")
@@ -224,7 +224,7 @@ def _compare(path: Path, run: Run, ended: Ended) -> Verdict:
     return (SAME, "") if ended.code == 0 else (SAID, "")
 
 
-def _in_order(rows: np.ndarray, written: np.ndarray) -> bool:
+def in_order(rows: np.ndarray, written: np.ndarray) -> bool:
     """Return whether rows are some of those that were written, in their order."""
     place = {row.tobytes(): k for k, row in enumerate(written)}
     found = [place.get(row.tobytes(), -1) for row in np.ascontiguousarray(rows)]

@@ -99,13 +99,13 @@ def run(step: Step, case: Case, folder: Path, judging: Callable[[], None]) -> tu
     else:
         ended = watched.command(step.command, where, limit_s=step.limit_s)
     judging()
-    outcome, why = _outcome(step, folder, before, ended)
+    outcome, why = outcome_of(step, folder, before, ended)
     if case.sound and outcome == REFUSED:
         outcome, why = UNTIDY, f"nothing is wrong with it: {why}"
     return Result(step.row, outcome, why, ended.seconds), ended
 
 
-def _outcome(step: Step, folder: Path, before: dict[str, str], ended: Ended) -> Verdict:
+def outcome_of(step: Step, folder: Path, before: dict[str, str], ended: Ended) -> Verdict:
     said = ended.err + ended.out
     last = (ended.err.strip().splitlines() or [""])[-1]
     if ended.stopped == "time":

@@ -117,13 +117,13 @@ def flipped(rng: np.random.Generator, folder: Path) -> Case:
     name, log = _any(rng)
     if rng.random() < 0.02:
         (folder / "log.h5").write_bytes(log.data)
-        return _case(rng, "raw log, flipped bytes", f"{name}: as it should be", log)._replace(
+        return case_of(rng, "raw log, flipped bytes", f"{name}: as it should be", log)._replace(
             sound=True
         )
     where = ("numbers", log.payload) if rng.random() < 0.4 else ("metadata", log.rest)
     data, told = damage.flip(rng, log.data, where[1])
     (folder / "log.h5").write_bytes(data)
-    return _case(rng, "raw log, flipped bytes", f"{name}, {where[0]}: {told}", log)
+    return case_of(rng, "raw log, flipped bytes", f"{name}, {where[0]}: {told}", log)
 
 
 def torn(rng: np.random.Generator, folder: Path) -> Case:
@@ -132,7 +132,7 @@ def torn(rng: np.random.Generator, folder: Path) -> Case:
     way = damage.ROUGH[rng.integers(len(damage.ROUGH))]
     data, told = way(rng, log.data)
     (folder / "log.h5").write_bytes(data)
-    return _case(rng, "raw log, torn", f"{name}: {told}", log)
+    return case_of(rng, "raw log, torn", f"{name}: {told}", log)
 
 
 def altered(rng: np.random.Generator, folder: Path) -> Case:
@@ -148,7 +148,7 @@ def altered(rng: np.random.Generator, folder: Path) -> Case:
         attributes={key: attributes[key] for key in log.attributes if key in attributes},
     )
     truth = there if plausible else None
-    return _case(rng, "raw log, other content", f"{name}: {told}", truth, there)
+    return case_of(rng, "raw log, other content", f"{name}: {told}", truth, there)
 
 
 def _any(rng: np.random.Generator) -> tuple[str, Log]:
@@ -156,7 +156,7 @@ def _any(rng: np.random.Generator) -> tuple[str, Log]:
     return name, logs()[name]
 
 
-def _case(
+def case_of(
     rng: np.random.Generator, kind: str, what: str, truth: Log | None, there: Log | None = None
 ) -> Case:
     """Return what is done with a log: ``truth`` is what it should hold, None if it is wrong."""
