@@ -1,18 +1,19 @@
 """Result files: written whole or not at all."""
 
 import errno
+import glob
 import json
 import os
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from glob import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:  # most jobs write no table, and importing pandas takes as long as many of them
     from pandas import DataFrame
 
+from fprc import escape
 from fprc.errors import OutputError
 
 _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
@@ -25,27 +26,44 @@ def replacing(path: Path | str) -> Iterator[Path]:
 
     After an exception the temporary file is removed and ``path`` is as it was.
     The suffix is kept, since some writers choose the format by it. What a
-    process that was killed left under such a name is removed too.
+    process that was killed left under such a name is removed too. A name that
+    is temporary already is yielded as it is.
 
     Raises
     ------
     OutputError
         The disk is full or the folder cannot be written to.
     """
-    path = Path(path)
-    temporary = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
-    with explaining(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        for leftover in leftovers(path.parent, path.name):
-            leftover.unlink(missing_ok=True)
+    if _owner(Path(path)) == os.getpid():
+        yield Path(path)
+        return
+    with replacing_all(path) as (temporary,):
+        yield temporary
+
+
+@contextmanager
+def replacing_all(*paths: Path | str) -> Iterator[list[Path]]:
+    """Do as ``replacing`` with several files: all are renamed, the last one last, or none."""
+    found = [Path(path) for path in paths]
+    temporaries = [
+        path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}") for path in found
+    ]
+    with explaining(found[-1]):
+        for path in found:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            for leftover in leftovers(path.parent, path.name):
+                leftover.unlink(missing_ok=True)
         try:
-            yield temporary
-            with temporary.open("rb") as written:
-                os.fsync(written.fileno())
-            temporary.replace(path)
+            yield temporaries
+            for temporary in temporaries:
+                with temporary.open("rb") as written:
+                    os.fsync(written.fileno())
+            for temporary, path in zip(temporaries, found, strict=True):
+                temporary.replace(path)
         finally:
-            with suppress(NotADirectoryError):
-                temporary.unlink(missing_ok=True)
+            for temporary in temporaries:
+                with suppress(NotADirectoryError):
+                    temporary.unlink(missing_ok=True)
 
 
 @contextmanager
@@ -96,17 +114,23 @@ def leftovers(folder: Path, name: str | None = None) -> list[Path]:
     """Return what processes that are gone left of a file, or of any, under temporary names."""
     pattern = ".*.part*"
     if name is not None:
-        pattern = f".{escape(Path(name).stem)}.*.part{escape(Path(name).suffix)}"
+        pattern = f".{glob.escape(Path(name).stem)}.*.part{glob.escape(Path(name).suffix)}"
     found = folder.glob(pattern)
     return sorted(path for path in found if not _runs(path))
 
 
+def _owner(path: Path) -> int | None:
+    """Return the number of the process whose temporary name a path is."""
+    number = re.search(r"\.(\d+)\.part(\.\w+)?$", path.name)
+    return int(number[1]) if number else None
+
+
 def _runs(temporary: Path) -> bool:
-    number = re.search(r"\.(\d+)\.part(\.\w+)?$", temporary.name)
-    if number is None:
+    owner = _owner(temporary)
+    if owner is None:
         return True
     try:
-        os.kill(int(number[1]), 0)
+        os.kill(owner, 0)
     except ProcessLookupError:
         return False
     except PermissionError:
@@ -160,4 +184,7 @@ def read_json(path: Path | str) -> dict[str, Any]:
 
 def write_csv(path: Path | str, table: "DataFrame") -> None:
     """Write a table, six significant digits, empty where there is no value."""
-    write_text(path, table.to_csv(index=False, float_format="%.6g"))
+    texts = table.select_dtypes(exclude="number").map(
+        lambda cell: escape.spreadsheet(cell) if isinstance(cell, str) else cell
+    )
+    write_text(path, table.assign(**texts).to_csv(index=False, float_format="%.6g"))

@@ -12,6 +12,7 @@
      304  int64    stall_us    time that every read takes
      312  int64    opened      boards that are open
      320  double   angles[2], int32 fault: of the fake I2C bus
+     344  int64    watchdog    output that a watchdog relay listens to, 0 for no relay
      352  char     failed[32]  name of the call that failed last
      384  double   log[4096][3] time of CLOCK_MONOTONIC, channel, volts of each write
 */
@@ -29,7 +30,7 @@ struct bench {
     double in[16], out[16];
     int64_t calls, fail_at, fail_count, fail_code, failures, writes, stall_us, opened;
     double angles[2];
-    int64_t i2c_fault, unused;
+    int64_t i2c_fault, watchdog;
     char failed[32];
     double log[LOGGED][3];
 };

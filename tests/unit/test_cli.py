@@ -101,8 +101,11 @@ def test_log_with_a_fault_prints_its_record_and_a_warning(write_log, changed, ca
     path = write_log(changed=changed("theta_deg", slice(10, 20), 500.0))
     assert main(["log", "check", str(path)]) == 1
     said = capsys.readouterr()
-    assert json.loads(said.out)["checks"]["saturation"]["passed"] is False
-    assert said.err.startswith("warning: log.h5: saturation")
+    assert json.loads(said.out)["checks"]["range"]["passed"] is False
+    assert said.err.splitlines()[0] == (
+        "warning: log.h5: range: channel theta_deg: sample 10 is 500 deg, outside of -45 to 120, "
+        "and 9 more"
+    )
 
 
 def test_unreadable_log_is_named_and_the_next_one_still_judged(

@@ -1,6 +1,11 @@
+import shlex
+
 import h5py
 import numpy as np
 import pytest
+
+from fprc.errors import ConfigError
+from fprc.yaml_file import read_yaml
 
 
 def test_all_config_errors_at_once_before_any_job(project):
@@ -15,6 +20,67 @@ def test_all_config_errors_at_once_before_any_job(project):
     assert "models.esn.gamma = lots" in done.stdout
     assert not project.files("results", "data")
     assert "Traceback" not in done.stdout
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("mine.yaml", "seed: 2\nsource: sim\nseed: 3\nmodels: {n_y: 5, n_y: 6}\n"),
+        ("mine.json", '{\n\t"seed": 2, "source": "sim",\n\n"seed": 3,"models":{"n_y":5,"n_y":6}}'),
+    ],
+)
+def test_repeated_key_of_a_configuration_file_is_refused(project, name, text):
+    path = project.folder / name
+    path.write_text(text)
+    with pytest.raises(ConfigError) as caught:
+        read_yaml(path)
+    done = project.snakemake("--dry-run", "all", "--configfile", name)
+    assert done.returncode != 0
+    assert str(caught.value) in done.stdout
+    assert "seed is given 2 times: 2 in line" in done.stdout
+    assert "models.n_y is given 2 times: 5 in line" in done.stdout
+    assert "Traceback" not in done.stdout
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("where", ["--configfile", "config/config.yaml", "--config"])
+def test_number_with_zeros_before_it_is_decimal(project, where):
+    """As an octal number it would be 64, which is allowed."""
+    text = "models: {fprc: {n_c: 0100}}\n"
+    if where == "--config":
+        done = project.snakemake("--dry-run", "all", where, "models={fprc: {n_c: 0100}}")
+    else:
+        name = "mine.yaml" if where == "--configfile" else where
+        (project.folder / name).write_text(text)
+        done = project.snakemake("--dry-run", "all", "--configfile", name)
+    assert done.returncode != 0
+    assert "must be less than or equal to 64" in done.stdout
+
+
+@pytest.mark.slow
+def test_folders_that_would_do_harm_are_refused_before_any_job(project):
+    before = project.files(".")
+    done = project.snakemake("all", "--config", "folders={raw: config, results: workflow/report}")
+    assert done.returncode != 0
+    assert "2 errors in the configuration" in done.stdout
+    assert "folders.raw: 'config' is in config" in done.stdout
+    assert "folders.results: 'workflow/report' is in workflow" in done.stdout
+    assert "Traceback" not in done.stdout
+    kept = {k: v for k, v in project.files(".").items() if not k.startswith(".snakemake/")}
+    assert kept == before
+
+
+@pytest.mark.slow
+def test_name_of_a_folder_is_no_command(project):
+    folder = "it's; touch owned"
+    targets = ["smoke", f"{folder}/benchmark/all.json"]
+    settings = ["--config", f'folders={{results: "{folder}"}}']
+    told = project.snakemake("--dry-run", "--printshellcmds", *targets, *settings)
+    assert told.returncode == 0, told.stdout
+    assert f"| tee {shlex.quote(folder + '/logs/smoke.log')}" in told.stdout
+    assert f"tests/plain.py {shlex.quote(folder + '/benchmark/all.json')} " in told.stdout
+    assert f"> {shlex.quote(folder + '/logs/measure_all.log')} " in told.stdout
 
 
 def truncate(path):

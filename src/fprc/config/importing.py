@@ -1,15 +1,16 @@
 """The map of an import: which column of a foreign file is which channel, in which unit."""
 
 import difflib
-from collections.abc import Mapping
+import re
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, NamedTuple
 
-import yaml
-from pydantic import BaseModel, BeforeValidator, Field, ValidationError, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, Field, ValidationError
 
 from fprc.config.section import Section
 from fprc.errors import ConfigError
+from fprc.yaml_file import read_yaml
 
 
 def _as_text(value: Any) -> Any:
@@ -22,24 +23,21 @@ _AS_TEXT = BeforeValidator(_as_text)
 Text = Annotated[str, _AS_TEXT]
 
 
+def _not_zero(value: float) -> float:
+    if value == 0.0:
+        raise ValueError("leaves nothing of the column; remove the key for 1")
+    return value
+
+
 class Column(Section):
     """Where a channel comes from: unit of (scale * column + offset)."""
 
     column: Text = Field(min_length=1, description="CSV header, HDF5 path or MATLAB variable")
-    scale: float = Field(1.0, description="factor on the numbers of the file")
+    scale: Annotated[float, AfterValidator(_not_zero)] = Field(
+        1.0, description="factor on the numbers of the file"
+    )
     offset: float = Field(0.0, description="added after the factor, in `unit`")
     note: str = Field("", description="what the reader of the log has to know")
-
-    @model_validator(mode="after")
-    def _something_else_is_explained(self) -> "Column":
-        if self.unit == "1" and not self.note:
-            raise ValueError(
-                "unit 1 stands for a quantity that is something else; say which, and its unit, "
-                "in `note`"
-            )
-        if self.scale == 0.0:
-            raise ValueError("scale = 0 leaves nothing of the column; remove the key for 1")
-        return self
 
 
 class Pressure(Column):
@@ -73,33 +71,23 @@ class Channels(Section):
     valve_main_v: Voltage | None = None
     valve_reservoir_v: Voltage | None = None
 
-    @model_validator(mode="after")
-    def _pressure_to_predict(self) -> "Channels":
-        if self.p_exp_kpa is None and self.p_exp_command_kpa is None:
-            raise ValueError("p_exp_kpa or p_exp_command_kpa is missing; the models predict it")
-        return self
-
 
 class Time(Section):
     """Instants of the samples: a column and its unit, or a rate."""
 
     column: Text | None = Field(None, description="column that holds the instants")
-    unit: Literal["s", "ms", "us", "min"] = Field("s", description="of the column")
+    unit: Literal["s", "ms", "us", "ns", "min"] = Field("s", description="of the column")
+    repeated: Literal["first", "mean"] | None = Field(
+        None, description="of samples with one instant, keep the first, or average them"
+    )
+    unordered: Literal["sort"] | None = Field(None, description="sort samples by their instants")
     rate_hz: float | None = Field(None, gt=0, le=1e6, description="rate, without a column")
-
-    @model_validator(mode="after")
-    def _one_of_two(self) -> "Time":
-        if (self.column is None) == (self.rate_hz is None):
-            raise ValueError("give either column (with its unit) or rate_hz")
-        if self.rate_hz is not None and "unit" in self.model_fields_set:
-            raise ValueError("unit belongs to a column; remove it beside rate_hz")
-        return self
 
 
 class Csv(Section):
     """How a text file is written; only where the automatic answer is wrong."""
 
-    separator: str | None = Field(None, min_length=1, max_length=1)
+    separator: str | None = Field(None, pattern=r'^[^"\r\n]$', description="one character")
     decimal: Literal[".", ","] | None = None
     header_line: int | None = Field(None, ge=1, description="line of the names, from 1")
     data_line: int | None = Field(None, ge=2, description="line of the first sample, from 1")
@@ -119,27 +107,6 @@ class ImportMap(Section):
     channels: Channels
     csv: Csv = Csv()
 
-    @model_validator(mode="after")
-    def _cut_leaves_something(self) -> "ImportMap":
-        if self.end_s is not None and self.end_s <= self.start_s:
-            raise ValueError(f"end_s = {self.end_s:g}; must be above start_s = {self.start_s:g}")
-        return self
-
-    @model_validator(mode="after")
-    def _one_log_or_two(self) -> "ImportMap":
-        if (self.experiment is None) == (self.test_from_s is None):
-            raise ValueError(
-                "give either experiment, for the one log that `fprc import` writes, or "
-                "test_from_s, for the two parts of `fprc readout`"
-            )
-        end_s = float("inf") if self.end_s is None else self.end_s
-        if self.test_from_s is not None and not self.start_s < self.test_from_s < end_s:
-            raise ValueError(
-                f"test_from_s = {self.test_from_s:g}; must lie between start_s = {self.start_s:g} "
-                f"and end_s = {end_s:g}"
-            )
-        return self
-
     def part(self, experiment: str) -> "ImportMap":
         """Return the map of one of the two parts."""
         parts = {
@@ -158,22 +125,116 @@ def read_map(path: Path | str) -> ImportMap:
     ------
     ConfigError
         The file is no YAML of keys and values; or lists every unknown key with
-        the nearest valid one, every missing key, and every wrong value.
+        the nearest valid one, every missing key, every wrong value, and what contradicts
+        something else.
     """
+    loaded = read_yaml(path)
+    lines = []
     try:
-        loaded = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise ConfigError(f"{path}: cannot be read as YAML: {error}") from error
-    if not isinstance(loaded, dict):
-        raise ConfigError(
-            f"{path}: must hold keys and values, not {type(loaded).__name__}; see docs/own-data.md"
-        )
-    try:
-        return ImportMap.model_validate(loaded)
+        told = ImportMap.model_validate(loaded)
     except ValidationError as error:
         lines = [_line(item) for item in error.errors()]
-    noun = "error" if len(lines) == 1 else "errors"
-    raise ConfigError("\n".join([f"{path}: {len(lines)} {noun} in the map:", *lines]))
+    lines += [f"  {text}" for text in _contradictions(loaded)]
+    if lines:
+        noun = "error" if len(lines) == 1 else "errors"
+        raise ConfigError("\n".join([f"{path}: {len(lines)} {noun} in the map:", *lines]))
+    return told
+
+
+class Draft(NamedTuple):
+    """What a map, right or wrong, says of its file: columns by key, and how text is written."""
+
+    columns: dict[str, str]
+    csv: dict[str, Any]
+
+
+def read_draft(path: Path | str) -> Draft:
+    """Read of a map what can be compared with the file, whatever else is wrong with it.
+
+    Raises
+    ------
+    ConfigError
+        The file is no YAML of keys and values.
+    """
+    loaded = read_yaml(path)
+    try:
+        csv = Csv.model_validate(loaded.get("csv", {})).model_dump()
+    except ValidationError:
+        return Draft({}, {})
+    channels = _mapping(loaded.get("channels"))
+    specs = {"time": loaded.get("time")} | {f"channels.{name}": channels[name] for name in channels}
+    columns = {key: _as_text(_mapping(spec).get("column")) for key, spec in specs.items()}
+    named = {key: column for key, column in columns.items() if isinstance(column, str)}
+    return Draft(named, csv)
+
+
+# --- what is wrong --------------------------------------------------------------------------
+
+
+def _contradictions(loaded: Mapping[str, Any]) -> Iterator[str]:
+    """Yield what does not fit together, however wrong each value may be by itself.
+
+    Nothing is called missing where an unknown key may be meant for it.
+    """
+    given = {key for key, value in loaded.items() if value is not None}
+    if {"experiment", "test_from_s"} <= given or (
+        not {"experiment", "test_from_s"} & given and given <= set(ImportMap.model_fields)
+    ):
+        yield (
+            "give either experiment, for the one log that `fprc import` writes, or test_from_s, "
+            "for the two parts of `fprc readout`"
+        )
+    start_s, end_s, test_from_s = (
+        _number(loaded.get(key)) for key in ("start_s", "end_s", "test_from_s")
+    )
+    start_s, end_s = start_s or 0.0, float("inf") if end_s is None else end_s
+    if end_s <= start_s:
+        yield f"end_s = {end_s:g}; must be above start_s = {start_s:g}"
+    elif test_from_s is not None and not start_s < test_from_s < end_s:
+        yield (
+            f"test_from_s = {test_from_s:g}; must lie between start_s = {start_s:g} and end_s = "
+            f"{end_s:g}"
+        )
+    yield from _of_time(loaded.get("time"))
+    yield from _of_channels(loaded.get("channels"))
+
+
+def _of_time(time: Any) -> Iterator[str]:
+    if not isinstance(time, dict):
+        return
+    given = {key for key, value in time.items() if value is not None}
+    both = {"column", "rate_hz"} & given
+    if len(both) == 2 or (not both and given <= set(Time.model_fields)):
+        yield "time: give either column (with its unit) or rate_hz"
+    elif both == {"rate_hz"}:
+        for key in ("unit", "repeated", "unordered"):
+            if key in given:
+                yield f"time: {key} belongs to a column; remove it beside rate_hz"
+
+
+def _of_channels(channels: Any) -> Iterator[str]:
+    if not isinstance(channels, dict):
+        return
+    targets = [channels.get(name) for name in ("p_exp_kpa", "p_exp_command_kpa")]
+    if targets == [None, None] and set(channels) <= set(Channels.model_fields):
+        yield ("channels: p_exp_kpa or p_exp_command_kpa is missing; the models predict it")
+    for name, spec in channels.items():
+        if _as_text(_mapping(spec).get("unit")) == "1" and not spec.get("note"):
+            yield (
+                f"channels.{name}: unit 1 stands for a quantity that is something else; say "
+                "which, and its unit, in `note`"
+            )
+
+
+def _mapping(value: Any) -> Mapping[str, Any]:
+    return value if isinstance(value, dict) else {}
+
+
+def _number(value: Any) -> float | None:
+    try:
+        return None if isinstance(value, bool) else float(value)
+    except (TypeError, ValueError, OverflowError):
+        return None
 
 
 def _line(item: Mapping[str, Any]) -> str:
@@ -189,9 +250,16 @@ def _line(item: Mapping[str, Any]) -> str:
     message = message.replace("Input should", "must").replace("String should", "must")
     if item["type"] in ("model_type", "model_attributes_type"):
         message = "must hold keys and values"
-    if item["type"] == "value_error" and not isinstance(item["input"], (str, int, float)):
-        return f"  {key}: {message}" if key else f"  {message}"
+    if item["type"] == "literal_error":
+        message += _meant(str(item["input"]), item["ctx"]["expected"])
     return f"  {key} = {item['input']}: {message}"
+
+
+def _meant(text: str, expected: str) -> str:
+    """Return which of the words that pydantic expects a wrong one may stand for."""
+    words = {word.lower(): word for word in re.findall(r"'([^']+)'", expected)}
+    near = difflib.get_close_matches(text.lower(), words, n=1, cutoff=0.5)
+    return f"; did you mean {words[near[0]]}?" if near else ""
 
 
 def _section(way: list[str]) -> type[BaseModel]:

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from fprc import escape
 from fprc.figures import style
 from fprc.figures.hysteresis import plot_loop
 
@@ -47,7 +48,7 @@ def draw_diagnosis(
     for ax, (name, values) in zip(left, channels.items(), strict=True):
         plot_channel(time_s, values, name, found, ax)
         ax.set_ylabel(units[name])
-        style.letter(ax, shorten(titles[name], 52, placeholder=" ..."))
+        style.letter(ax, escape.figure(shorten(titles[name], 52, placeholder=" ...")))
         ax.set_title(_remarks(found["channels"][name], found["clock"]), loc="right", color="0.3")
         ax.sharex(left[0])
         ax.label_outer()

@@ -3,6 +3,7 @@
 from matplotlib.axes import Axes
 from pandas import DataFrame
 
+from fprc import escape
 from fprc.figures.style import COLOURS
 
 #: Label, colour and marker of each readout.
@@ -29,6 +30,6 @@ def plot_readouts(table: DataFrame, setting: str, error: str, ax: Axes) -> Axes:
         else:
             ax.plot(rows[setting], rows[error], color=COLOURS[colour], marker=marker,
                     markersize=2.5, label=label)  # fmt: skip
-    ax.set_ylabel(f"RMSE [{table['unit'].iloc[0]}]")
+    ax.set_ylabel(f"RMSE [{escape.figure(table['unit'].iloc[0])}]")
     ax.set_ylim(bottom=0)
     return ax

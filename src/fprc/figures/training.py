@@ -3,6 +3,8 @@
 import numpy as np
 from matplotlib.axes import Axes
 
+from fprc import escape
+
 
 def plot_fit(
     time_s: np.ndarray,
@@ -16,7 +18,9 @@ def plot_fit(
     """Draw P_exp and P_ff over time."""
     ax.plot(time_s, truth_kpa, color=colours[0], linewidth=1.2, label=r"$P_\mathrm{exp}$")
     ax.plot(time_s, model_kpa, color=colours[1], linewidth=0.4, label=r"$P_\mathrm{ff}$")
-    ax.set(ylabel="Pressure [kPa]" if unit == "kPa" else rf"$P_\mathrm{{exp}}$ [{unit}]")
+    ax.set(
+        ylabel="Pressure [kPa]" if unit == "kPa" else rf"$P_\mathrm{{exp}}$ [{escape.figure(unit)}]"
+    )
     ax.set_xlim(time_s[0], time_s[-1])
     return ax
 
@@ -27,14 +31,15 @@ def plot_error(
     model_kpa: np.ndarray,
     ax: Axes,
     *,
+    rmse: float,
     colour: str,
     unit: str = "kPa",
 ) -> Axes:
     """Draw P_ff - P_exp over time, with its RMSE in the corner."""
     error = model_kpa - truth_kpa
-    rmse = np.sqrt(np.mean(error**2))
     ax.plot(time_s, error, color=colour, linewidth=0.4)
     ax.axhline(0.0, color="0.4", linewidth=0.4)
+    unit = escape.figure(unit)
     ax.text(
         0.99, 0.96, f"RMSE {rmse:.1f} {unit}", transform=ax.transAxes, ha="right", va="top",
         fontsize=6, bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1},

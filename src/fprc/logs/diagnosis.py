@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from fprc.logs.clock import UNMENDED
 from fprc.logs.resample import rate_of
 from fprc.logs.sealed import fit_sealed
 
@@ -19,7 +20,11 @@ CLIPPED_RATIO = 12.0
 LEAK_KPA_PER_MIN = 2.0
 
 
-def diagnose(time_s: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[str, Any]:
+def diagnose(
+    time_s: np.ndarray,
+    channels: Mapping[str, np.ndarray],
+    mended: Mapping[str, Any] = UNMENDED,
+) -> dict[str, Any]:
     """Return what is found in a recording, as plain numbers.
 
     Parameters
@@ -28,16 +33,18 @@ def diagnose(time_s: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[str
         Increasing instants.
     channels : Mapping
         Arrays of the same length, in the units of their names.
+    mended : Mapping
+        What was done to the clock of the file, see ``fprc.logs.clock.Clock``.
 
     Returns
     -------
     dict
-        ``samples``, ``duration_s``; ``clock``; ``channels``, each with its range, the rate
-        at which new values come, ``held_samples`` (None unless it is sample-and-hold),
-        ``step`` (None unless it is quantised), ``frozen`` and ``at_extreme``; ``identical``
-        pairs; ``sealed``, the leak and the re-fills of ``p_o_kpa``, or None.
+        ``samples``, ``duration_s``; ``clock``, with ``mended``; ``channels``, each with its
+        range, the rate at which new values come, ``held_samples`` (None unless it is
+        sample-and-hold), ``step`` (None unless it is quantised), ``frozen`` and ``at_extreme``;
+        ``identical`` pairs; ``sealed``, the leak and the re-fills of ``p_o_kpa``, or None.
     """
-    clock = _clock(time_s)
+    clock = _clock(time_s) | mended
     found = {name: _channel(time_s, values, clock) for name, values in channels.items()}
     pairs = [
         list(pair)
@@ -197,6 +204,17 @@ def _clock_words(clock: Mapping[str, Any]) -> list[str]:
             f"clock: 98 % of the steps differ from the median {1e3 * period_s:.4g} ms by "
             f"{1e3 * clock['jitter_p1_s']:+.2g} to {1e3 * clock['jitter_p99_s']:+.2g} ms "
             f"({jitter:.0%} of a period)"
+        )
+    if clock["unordered_samples"]:
+        lines.append(
+            f"clock: {_count(clock['unordered_samples'], 'sample')} came before an earlier one; "
+            "all were sorted"
+        )
+    if clock["repeated_samples"]:
+        kept = {"first": "the first of each instant is kept", "mean": "each instant is averaged"}
+        lines.append(
+            f"clock: {_count(clock['repeated_samples'], 'sample')} had the instant of an earlier "
+            f"one; {kept[clock['repeated']]}"
         )
     if clock["gaps"]:
         longest = max(clock["gaps"], key=lambda gap: gap["to_s"] - gap["from_s"])

@@ -12,6 +12,8 @@ PASS, STOP = 0.8, 1.0
 PAUSE_PERIODS = 3.0
 #: Suppression from ``STOP`` on.
 STOP_DB = 70.0
+#: Half the length of the low-pass, in new samples (Kaiser's formula).
+_HALF_TAPS = (STOP_DB - 7.95) / (2.285 * math.pi * (STOP - PASS)) / 2.0
 
 
 def resample(
@@ -44,7 +46,14 @@ def resample(
 def rate_of(time_s: np.ndarray) -> float:
     """Return the rate of a recording while it recorded, Hz: pauses do not count."""
     steps_s = np.diff(time_s)
-    return 1.0 / float(steps_s[steps_s <= PAUSE_PERIODS * np.median(steps_s)].mean())
+    return float(1.0 / steps_s[steps_s <= PAUSE_PERIODS * np.median(steps_s)].mean())
+
+
+def points_of(time_s: np.ndarray, rate_hz: float) -> float:
+    """Return on how many samples at most ``resample`` would work, without doing it."""
+    ratio = rate_of(time_s) / rate_hz
+    finer = 1.0 if ratio <= 1.01 else 2.0 * ratio + 1.0
+    return ((time_s[-1] - time_s[0]) * rate_hz + 2.0 * _HALF_TAPS) * finer
 
 
 def _refinement(time_s: np.ndarray, source_hz: float, rate_hz: float) -> int:
@@ -64,7 +73,7 @@ def _aligned(time_s: np.ndarray, grid_s: np.ndarray) -> bool:
 
 
 def _lowpass(values: np.ndarray, factor: int) -> np.ndarray:
-    half = math.ceil((STOP_DB - 7.95) / (2.285 * math.pi * (STOP - PASS)) * factor / 2.0) + 1
+    half = math.ceil(_HALF_TAPS * factor) + 1
     edge = 0.5 * (PASS + STOP) / factor
     taps = firwin(2 * half + 1, edge, window=("kaiser", kaiser_beta(STOP_DB)))
     padded = np.pad(values, half, mode="reflect", reflect_type="odd")

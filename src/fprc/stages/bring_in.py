@@ -1,50 +1,103 @@
 """Bring in a recording that another program made."""
 
 import json
+from collections.abc import Callable
+from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from fprc import __version__
-from fprc.artifacts import write_json
-from fprc.config.importing import ImportMap, read_map
+from fprc.artifacts import replacing_all, write_json
+from fprc.config.importing import ImportMap, read_draft, read_map
 from fprc.errors import ConfigError, LogError
+from fprc.escape import terminal, visible
 from fprc.figures import style
 from fprc.figures.diagnosis import draw_diagnosis
 from fprc.logs import read_columns, write_raw
+from fprc.logs.clock import likely, other_unit, refuse_length
 from fprc.logs.columns import unit_of
 from fprc.logs.diagnosis import describe, diagnose
 from fprc.logs.importers import gather
 from fprc.logs.quality import something_else
 from fprc.logs.resample import resample
-from fprc.logs.sources import columns_of, read_source
+from fprc.logs.sources import read_source
+from fprc.logs.variables import columns_of, pick
 from fprc.provenance import sha256
 
-#: Rates of a log that a guess takes for likely, Hz.
-_LIKELY_HZ = (10.0, 20000.0)
+#: Most lines that say why something in a file is no channel.
+_MOST_OTHERS = 50
 
 
 def bring_in(source: str, map_file: str, raw: str) -> None:
     """Write a raw log from a foreign file, say what was found in it, and draw it.
 
-    Beside ``raw`` it writes ``*.diagnosis.json`` and ``*.diagnosis.png``. What is
-    diagnosed is the recording before it is resampled.
+    Beside ``raw`` it writes ``*.diagnosis.json`` and ``*.diagnosis.png``: all three
+    or none. What is diagnosed is the recording before it is resampled.
 
     Raises
     ------
     ConfigError
-        The map is wrong.
+        The map is wrong, or names columns that the file has not: everything at once.
     LogError
         The file cannot be used so, or ``raw`` is a log that was not imported.
     """
-    told = read_map(map_file)
-    if told.experiment is None:
-        raise ConfigError(
-            f"{map_file}: test_from_s is for `fprc readout`; give experiment (sweep or complex) "
-            "instead, and start_s or end_s"
-        )
+    told = checked_map(map_file, source, partial(_not_one_log, map_file))
     bring_in_as(told, source, raw)
+
+
+def _not_one_log(map_file: str, told: ImportMap) -> list[str]:
+    if told.experiment is not None:
+        return []
+    return [
+        f"{map_file}: test_from_s is for `fprc readout`; give experiment (sweep or complex) "
+        "instead, and start_s or end_s"
+    ]
+
+
+def checked_map(
+    map_file: str, source: str, problems_of: Callable[[ImportMap], list[str]]
+) -> ImportMap:
+    """Read a map; if it is wrong, say beside what else does not fit the file.
+
+    Parameters
+    ----------
+    problems_of : callable
+        Returns what makes a right map the wrong one.
+
+    Raises
+    ------
+    ConfigError
+        Everything that is wrong with the map.
+    """
+    try:
+        told = read_map(map_file)
+        problems = problems_of(told)
+    except ConfigError as error:
+        problems = [str(error)]
+    if problems:
+        raise ConfigError("\n".join([*problems, *_not_there(map_file, source)]))
+    return told
+
+
+def _not_there(map_file: str, source: str) -> list[str]:
+    """Return which columns of a map, right or wrong, the file has not."""
+    try:
+        draft = read_draft(map_file)
+        content = read_source(source, **draft.csv)
+    except ConfigError:  # no map at all, which was said
+        return []
+    except LogError as error:
+        return [str(error)]
+    problems = []
+    for key, column in draft.columns.items():
+        try:
+            pick(content, column)
+        except LogError as error:
+            problems.append(f"{source}: {key}: {error}")
+    return problems
 
 
 def bring_in_as(told: ImportMap, source: str, raw: str) -> None:
@@ -53,46 +106,43 @@ def bring_in_as(told: ImportMap, source: str, raw: str) -> None:
         raise LogError(f"{raw}: a raw log's name ends in .h5; write --out {Path(raw).stem}.h5")
     _refuse_to_overwrite(raw)
     columns = told.channels.model_dump(exclude_none=True)
-    recording = gather(
-        read_source(source, **told.csv.model_dump()),
-        time=told.time.model_dump(),
-        channels=columns,
-        start_s=told.start_s,
-        end_s=told.end_s,
-    )
+    content = read_source(source, **told.csv.model_dump())
+    time = told.time.model_dump()
+    recording = gather(content, time=time, channels=columns, start_s=told.start_s, end_s=told.end_s)
+    refuse_length(content, time, recording.clock, told.sample_rate_hz)
     units = {name: "" if spec["unit"] == "1" else unit_of(name) for name, spec in columns.items()}
-    found = diagnose(recording.time_s, recording.channels)
+    found = diagnose(recording.time_s, recording.channels, recording.clock.mended)
     words = describe(found, units)
+    doubt = told.time.column and other_unit(recording.clock, told.time.unit)
+    if doubt:
+        words.insert(1, f"clock: {doubt}")
     time_s, channels = resample(recording.time_s, recording.channels, told.sample_rate_hz)
-    if len(time_s) < 2:
-        raise LogError(
-            f"{source}: {found['duration_s']:g} s are less than a sample at "
-            f"{told.sample_rate_hz:g} Hz; cut less off"
-        )
-    write_raw(
-        raw,
-        {"time_s": time_s, **channels},
-        experiment=told.experiment,
-        source="import",
-        sample_rate_hz=told.sample_rate_hz,
-        seed=0,
-        software=f"fprc {__version__}",
-        rig={},
-        imported_from=Path(source).name,
-        imported_sha256=sha256(source),
-        imported_start_s=recording.start_s,
-        map=json.dumps(told.model_dump(exclude_none=True)),
-        notes=json.dumps(_notes(columns)),
-    )
+    attributes = {
+        "experiment": told.experiment,
+        "source": "import",
+        "sample_rate_hz": told.sample_rate_hz,
+        "seed": 0,
+        "software": f"fprc {__version__}",
+        "rig": {},
+        "imported_from": visible(Path(source).name),
+        "imported_sha256": sha256(source),
+        "imported_start_s": recording.start_s,
+        "map": json.dumps(told.model_dump(exclude_none=True)),
+        "notes": json.dumps(_notes(columns)),
+    }
     stem = Path(raw).with_suffix("")
-    file = {"source": Path(source).name, "log": Path(raw).name, "words": words}
-    write_json(f"{stem}.diagnosis.json", file | found)
     titles = {
         name: f"{name} from {spec['column']}" + (f": {spec['note']}" if spec["note"] else "")
         for name, spec in columns.items()
     }
-    fig = draw_diagnosis(recording.time_s, recording.channels, found, titles=titles, units=units)
-    style.save_png(fig, {"source": "import"}, f"{stem}.diagnosis.png")
+    with replacing_all(f"{stem}.diagnosis.json", f"{stem}.diagnosis.png", raw) as (page, png, log):
+        file = {"source": Path(source).name, "log": Path(raw).name, "words": words}
+        write_json(page, file | found)
+        fig = draw_diagnosis(
+            recording.time_s, recording.channels, found, titles=titles, units=units
+        )
+        style.save_png(fig, {"source": "import"}, str(png))
+        write_raw(log, {"time_s": time_s, **channels}, **attributes)
     same = all(np.array_equal(channels[name], recording.channels[name]) for name in channels)
     _report(source, raw, told, found, words, len(time_s), same)
 
@@ -121,9 +171,6 @@ def _report(
     samples: int,
     same: bool,
 ) -> None:
-    print(f"{source}:")
-    for line in words:
-        print(f"  {line}")
     rate_hz = told.sample_rate_hz
     if same:
         how = "as they were"
@@ -131,7 +178,12 @@ def _report(
         how = f"low-passed below {0.5 * rate_hz:g} Hz and resampled"
     else:
         how = "interpolated"
-    print(f"{raw}: {samples} samples at {rate_hz:g} Hz, {how}; beside it .diagnosis.json and .png")
+    lines = [
+        f"{source}:",
+        *(f"  {line}" for line in words),
+        f"{raw}: {samples} samples at {rate_hz:g} Hz, {how}; beside it .diagnosis.json and .png",
+    ]
+    print(terminal("\n".join(lines)))
 
 
 def list_source(source: str, map_file: str | None = None) -> None:
@@ -142,29 +194,30 @@ def list_source(source: str, map_file: str | None = None) -> None:
     map_file : str, optional
         Only its ``csv`` section is used.
     """
-    csv = read_map(map_file).csv.model_dump() if map_file else {}
-    content = read_source(source, **csv)
-    columns = columns_of(content)
-    print(f"{source}: {content.kind}, {len(columns)} columns")
+    content = read_source(source, **(read_draft(map_file).csv if map_file else {}))
+    columns = {visible(name): v for name, v in columns_of(content).items()}
+    print(terminal(f"{source}: {content.kind}, {len(columns)} columns"))
     width = max(map(len, [*columns, "column"]))
     print(f"  {'column':{width}}  {'samples':>8}  {'lowest':>10}  {'highest':>10}  remark")
+    clocks = 0
     for name, values in columns.items():
         finite = values[np.isfinite(values)]
         low, high = (f"{v:.4g}" for v in (finite.min(), finite.max())) if finite.size else "--"
-        print(
-            f"  {name:{width}}  {len(values):8}  {low:>10}  {high:>10}  {_remark(values)}".rstrip()
-        )
-    for name, why in content.others.items():
-        print(f"  {name}: cannot be a channel: {why}")
-    if not any(_rate(values) for values in columns.values()):
+        guess = _rate(values)
+        clocks += guess is not None
+        remark = _remark(values, len(finite), guess)
+        print(f"  {name:{width}}  {len(values):8}  {low:>10}  {high:>10}  {remark}".rstrip())
+    for name, why in islice(content.others.items(), _MOST_OTHERS):
+        print(visible(f"  {name}: cannot be a channel: {why}"))
+    if len(content.others) > _MOST_OTHERS:
+        print(f"  {len(content.others) - _MOST_OTHERS} more cannot be channels")
+    if not clocks:
         print("no column looks like a clock; give time.rate_hz in the map")
 
 
-def _remark(values: np.ndarray) -> str:
-    missing = int((~np.isfinite(values)).sum())
-    if missing:
-        return f"{missing} values are not finite"
-    guess = _rate(values)
+def _remark(values: np.ndarray, finite: int, guess: tuple[float, str] | None) -> str:
+    if finite < len(values):
+        return f"{len(values) - finite} values are not finite"
     if guess:
         return f"a clock? {guess[0]:.4g} Hz if in {guess[1]}"
     fresh = np.count_nonzero(np.diff(values)) / max(len(values) - 1, 1)
@@ -173,13 +226,10 @@ def _remark(values: np.ndarray) -> str:
 
 def _rate(values: np.ndarray) -> tuple[float, str] | None:
     """Return the likely rate and unit of a column that increases as a clock does."""
+    if len(values) < 3 or not np.isfinite(values).all():
+        return None
     steps = np.diff(values)
-    if len(steps) < 2 or not np.isfinite(values).all() or not (steps > 0.0).all():
-        return None
     step = float(np.median(steps))
-    if not (np.abs(steps - step) < 0.5 * step).mean() > 0.9:
+    if (steps < 0.0).any():  # repeated stamps are no objection
         return None
-    for unit, factor in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6)):
-        if _LIKELY_HZ[0] <= 1.0 / (step * factor) <= _LIKELY_HZ[1]:
-            return 1.0 / (step * factor), unit
-    return None
+    return likely(step) if (np.abs(steps - step) < 0.5 * step).mean() > 0.9 else None

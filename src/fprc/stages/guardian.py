@@ -1,24 +1,38 @@
 """Watch over the process that drives a real rig, and vent if it ends or falls silent.
 
-A process that is killed cannot close a valve. What drives the rig therefore runs
-in a process of its own, and this one does nothing but wait for its signs of life.
+A process that is killed cannot close a valve. What drives the rig therefore runs in a
+process of its own, and this one waits for its signs of life and gives signs of its own:
+each of the two vents when the other is silent.
 """
 
 import json
+import logging
+import os
 import queue
 import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Mapping
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from typing import Any
 
-from fprc.devices.hardware import open_valves
+from fprc.devices.locks import describe, locked
+from fprc.devices.pneumatics import NotVentedError, board_names, not_vented, vent
 from fprc.errors import ControlError, DeviceError
+
+log = logging.getLogger("fprc.rig")
 
 #: What the process says: the rig is hot, it is alive, the rig is safe and released.
 HOT, ALIVE, SAFE = b"H", b".", b"S"
+#: Time between two signs of life of this process, s.
+BEAT_S = 0.05
+#: Time between two attempts to vent, and between two messages about them, s.
+_RETRY_S, _SAY_S = 0.1, 1.0
+
+_VENTED = "both chambers are vented, as their sensors show"
+_NOT_VENTED = "THE CHAMBERS COULD NOT BE VENTED, cut the supply and open them by hand"
 
 
 def guard(request: Mapping[str, Any], hardware: Mapping[str, Any]) -> None:
@@ -26,30 +40,43 @@ def guard(request: Mapping[str, Any], hardware: Mapping[str, Any]) -> None:
 
     Raises
     ------
+    DeviceError
+        Another process has the boards; nothing was started.
     ControlError
-        The process failed, was killed or fell silent. The chambers were vented,
-        or the message says that they could not be.
+        The process failed, was killed or fell silent; says whether the chambers are vented.
     """
-    command = [sys.executable, "-m", "fprc.stages.rig_loop"]
+    boards = hardware["boards"]
+    with locked(board_names(boards), boards["lock_folder"]) as locks:
+        _guard(request, hardware, locks)
+
+
+def _guard(request: Mapping[str, Any], hardware: Mapping[str, Any], locks: Sequence[int]) -> None:
     pipe = subprocess.PIPE
     # a session of its own: what befalls a terminal and its group (closed, Ctrl-Z, a kill of the
     # whole group) reaches this process alone, and the other one stops and vents
-    with subprocess.Popen(command, stdin=pipe, stdout=pipe, start_new_session=True) as process:
-        signs: queue.SimpleQueue[bytes] = queue.SimpleQueue()
-        threading.Thread(target=_listen, args=(process, signs), daemon=True).start()
-        with _handing_on_signals(process):
-            with suppress(BrokenPipeError):  # it ended at once, and says why
-                process.stdin.write(json.dumps(request).encode() + b"\n")
-                process.stdin.flush()
-            end = _watch(signs, hardware["loop"]["stalled_s"])
-            if end == "silent":
-                process.kill()
-            # at once: a killed process has left the valves as they were
-            vented = "" if end == "safe" else _vent(hardware)
-            code = process.wait()
-            if end == "silent":
-                # its last call to the driver may have ended after ours
-                vented = _vent(hardware)
+    process = subprocess.Popen(
+        [sys.executable, "-m", "fprc.stages.rig_loop"],
+        stdin=pipe,
+        stdout=pipe,
+        start_new_session=True,
+        pass_fds=locks if os.name == "posix" else (),
+    )
+    describe(locks, f" (drives the rig by process {process.pid})")
+    signs: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+    threading.Thread(target=_listen, args=(process, signs), daemon=True).start()
+    with _handing_on_signals(process) as heard:
+        with suppress(BrokenPipeError):  # it ended at once, and says why
+            process.stdin.write(json.dumps(request).encode() + b"\n")
+            process.stdin.flush()
+        end = _watch(signs, _beating(process), hardware["loop"]["stalled_s"])
+        if end == "silent":
+            process.kill()
+        # at once: a killed process has left the valves as they were
+        vented = "" if end == "safe" else _vent(hardware, heard)
+        code = _wait(process, heard)
+        if end == "silent" and code is not None:
+            # its last call to the driver may have ended after ours
+            vented = _vent(hardware, heard)
     if end != "safe":
         how = "fell silent and was ended" if end == "silent" else f"ended with code {code}"
         raise ControlError(
@@ -66,35 +93,115 @@ def _listen(process: subprocess.Popen, signs: queue.SimpleQueue) -> None:
     signs.put(b"")
 
 
-def _watch(signs: queue.SimpleQueue, stalled_s: float) -> str:
+def _beating(process: subprocess.Popen) -> Callable[[], None]:
+    """Return what gives the process a sign of life, and never waits for it."""
+    pipe = process.stdin.fileno()
+    with suppress(OSError, AttributeError):  # Windows, before Python 3.12
+        os.set_blocking(pipe, False)
+
+    def beat() -> None:
+        with suppress(BrokenPipeError, BlockingIOError):
+            os.write(pipe, ALIVE)
+
+    return beat
+
+
+def _watch(signs: queue.SimpleQueue, beat: Callable[[], None], stalled_s: float) -> str:
     """Wait for the end of the process; return ``safe``, ``gone`` or ``silent``.
 
-    The clock of silence runs while the rig is hot: before and after that nothing moves.
+    Silence counts while the rig is hot: before and after that nothing moves. It is counted in
+    waits of this process and not by a clock: after this process itself was stopped, it first
+    hears what was said meanwhile.
     """
-    hot = False
+    hot, silent = False, 0
     while True:
+        beat()
         try:
-            chunk = signs.get(timeout=stalled_s if hot else None)
+            chunk = signs.get(timeout=BEAT_S)
         except queue.Empty:
-            return "silent"
+            silent += 1
+            if hot and silent * BEAT_S >= stalled_s:
+                return "silent"
+            continue
         if not chunk:
             return "gone" if hot else "safe"
-        said = (HOT if hot else SAFE) + chunk
+        said, silent = (HOT if hot else SAFE) + chunk, 0
         hot = said.rfind(HOT) > said.rfind(SAFE)
 
 
-def _vent(hardware: Mapping[str, Any]) -> str:
-    """Vent over a connection of our own; say what came of it."""
-    try:
-        open_valves(hardware, reset=False).close()
-    except DeviceError as error:
-        return f"THE CHAMBERS COULD NOT BE VENTED, cut the supply by hand ({error})"
-    return "both chambers were vented"
+def _vent(hardware: Mapping[str, Any], heard: Sequence[int]) -> str:
+    """Vent until the valves were told to, or a person gives up; say what came of it.
+
+    A call of the driver may never return: attempts are made in a thread, so that this one can
+    say every second what stands, and hear a person.
+    """
+    before, began_s = len(heard), time.monotonic()
+    outcome: queue.SimpleQueue[str] = queue.SimpleQueue()
+    last, written, given_up = ["the driver has not answered yet"], [], threading.Event()
+
+    def attempts() -> None:
+        while not given_up.is_set():
+            try:
+                vent(hardware, written=lambda: written.append(time.monotonic()))
+            except NotVentedError as error:
+                outcome.put(str(error))
+                return
+            except DeviceError as error:
+                if str(error) != last[0]:
+                    log.error("%s (%s)", _NOT_VENTED, error)
+                last[0] = str(error)
+                given_up.wait(_RETRY_S)
+            else:
+                outcome.put(_VENTED)
+                return
+
+    threading.Thread(target=attempts, daemon=True).start()
+    while True:
+        try:
+            return outcome.get(timeout=_SAY_S)
+        except queue.Empty:
+            now_s = time.monotonic()
+            if written and now_s - written[0] > hardware["valves"]["vent_s"] + _SAY_S:
+                return str(not_vented("no pressure can be read: the driver does not answer"))
+            if len(heard) > before:
+                given_up.set()
+                return f"{_NOT_VENTED} ({last[0]})"
+            stands = "the valves were told to vent" if written else last[0]
+            log.error(
+                "the chambers are not known to be vented after %.0f s (%s); cut the supply by "
+                "hand. Ctrl-C gives up",
+                now_s - began_s,
+                stands,
+            )
+
+
+def _wait(process: subprocess.Popen, heard: Sequence[int]) -> int | None:
+    """Wait for the end of a process and return its exit code; None if a person gave up."""
+    before = len(heard)
+    while True:
+        try:
+            code = process.wait(timeout=_SAY_S)
+        except subprocess.TimeoutExpired:
+            if len(heard) > before:
+                return None
+            log.error(
+                "process %d has not ended: it may be in a call of the driver that does not "
+                "return. Ctrl-C stops waiting for it",
+                process.pid,
+            )
+        else:
+            process.stdin.close()
+            process.stdout.close()
+            return code
 
 
 @contextmanager
-def _handing_on_signals(process: subprocess.Popen):
+def _handing_on_signals(process: subprocess.Popen) -> Iterator[list[int]]:
+    """Have the process stop at a signal to this one; yield the signals so far."""
+    received: list[int] = []
+
     def hand_on(number: int, frame: Any) -> None:
+        received.append(number)
         process.send_signal(signal.SIGTERM)
 
     names = ("SIGINT", "SIGTERM", "SIGHUP")
@@ -103,7 +210,7 @@ def _handing_on_signals(process: subprocess.Popen):
     for number in heard:
         signal.signal(number, hand_on)
     try:
-        yield
+        yield received
     finally:
         for number in heard:
             signal.signal(number, before[number])

@@ -4,6 +4,7 @@ import logging
 import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +15,13 @@ from threadpoolctl import threadpool_limits
 from fprc import tables
 from fprc.artifacts import read_json, write_json, write_text
 from fprc.config import from_files
-from fprc.config.importing import ImportMap, read_map
+from fprc.config.importing import ImportMap
 from fprc.errors import ConfigError
+from fprc.escape import TerminalFormatter, code
 from fprc.fingerprint import fingerprint
 from fprc.logs import read_columns
 from fprc.provenance import describe, sha256
-from fprc.stages.bring_in import bring_in_as
+from fprc.stages.bring_in import bring_in_as, checked_map
 from fprc.stages.draw_readout import draw_readout
 from fprc.stages.preprocess import preprocess
 from fprc.stages.readout import measure_readout
@@ -66,7 +68,7 @@ def report_readout(
     """
     settings = from_files(config).model_dump(mode="json")
     simulated = settings["evaluation"]["reservoir"] == "simulated"
-    told = _map_of(map_file, simulated=simulated)
+    told = checked_map(map_file, source, partial(_no_parts, map_file, simulated=simulated))
     if workers is not None and workers < 1:
         raise ConfigError(
             f"--workers {workers}: must be 1 or more; leave it out for all processors"
@@ -100,7 +102,9 @@ def _log_to_terminal() -> None:
     # our own words alone: what draws the figure has much to say at this level too
     ours = logging.getLogger("fprc")
     if not ours.handlers:
-        ours.addHandler(logging.StreamHandler())
+        handler = logging.StreamHandler()
+        handler.setFormatter(TerminalFormatter())
+        ours.addHandler(handler)
     ours.setLevel(logging.INFO)
 
 
@@ -123,8 +127,7 @@ def _with_reservoir(
     return driven
 
 
-def _map_of(path: str, *, simulated: bool) -> ImportMap:
-    told = read_map(path)
+def _no_parts(path: str, told: ImportMap, *, simulated: bool) -> list[str]:
     problems = []
     if told.test_from_s is None:
         problems.append(
@@ -136,9 +139,7 @@ def _map_of(path: str, *, simulated: bool) -> ImportMap:
             f"{path}: channels.p_o_kpa is missing: it is the readout that is to be judged; "
             "or set evaluation.reservoir: simulated"
         )
-    if problems:
-        raise ConfigError("\n".join(problems))
-    return told
+    return problems
 
 
 def _judge(
@@ -200,9 +201,9 @@ def _page(
     note, grid = (folder / "readout/readout.md").read_text(encoding="utf-8").split("\n\n", 1)
     rate_hz = told.sample_rate_hz
     lines = [
-        f"# What the readout of {Path(source).name} is worth",
+        f"# What the readout of {code(Path(source).name)} is worth",
         "",
-        f"Recording: `{source}`, SHA-256 `{sha256(source)[:16]}`; map: `{map_file}`.",
+        f"Recording: {code(source)}, SHA-256 `{sha256(source)[:16]}`; map: {code(map_file)}.",
         f"Data: {tables.SOURCES[made['source']]}; {rate_hz:g} samples a second, and epsilon "
         "and taps count in samples.",
         f"Trained before {told.test_from_s:g} s, tested from there on; models as in the paper"

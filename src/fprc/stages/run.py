@@ -10,6 +10,7 @@ from threadpoolctl import threadpool_limits
 
 from fprc.artifacts import explaining
 from fprc.errors import FprcError
+from fprc.escape import TerminalFormatter
 
 log = logging.getLogger("fprc")
 
@@ -49,7 +50,7 @@ def run_stage(stage: Callable[..., Any], job: Any) -> Any:
 
 
 def _log_to(path: str, label: str) -> None:
-    line = logging.Formatter(f"[{label}] %(message)s")
+    line = TerminalFormatter(f"[{label}] %(message)s")
     log.setLevel(logging.DEBUG)
     _add(logging.StreamHandler(), line, logging.INFO)
     with explaining(path):

@@ -59,7 +59,7 @@ def _whole(report: Mapping[str, Any]) -> list[dict[str, Any]]:
     found = report["all"]
     return [
         {
-            "work": f"`all`, cold, {found['cores']} cores",
+            "work": f"all, cold, {found['cores']} cores",
             "against": "the same rules, plainly written",
             "aim": 10,
             "samples": 0,

@@ -1,9 +1,12 @@
 """Numbers and tables as text."""
 
-from collections.abc import Mapping
+import re
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import pandas as pd
+
+from fprc import escape
 
 
 def spread(mean: float, std: float | None) -> str:
@@ -31,6 +34,7 @@ def three_digits(value: float) -> str:
 
 def markdown(page: pd.DataFrame, note: str) -> str:
     """Render a page as a Markdown table under a note."""
+    page = _escaped(page, escape.markdown)
     return f"{note}\n\n{page.to_markdown(index=False, disable_numparse=True)}\n"
 
 
@@ -38,7 +42,7 @@ def read_markdown(text: str) -> tuple[str, pd.DataFrame]:
     """Return note and page of what ``markdown`` rendered; every cell is text."""
     note, _, grid = text.partition("\n\n")
     columns, _, *rows = [
-        [cell.strip() for cell in line.strip().removeprefix("|").removesuffix("|").split("|")]
+        [escape.unmarkdown(cell.strip()) for cell in re.split(r"(?<!\\)\|", line.strip())[1:-1]]
         for line in grid.strip().splitlines()
     ]
     return " ".join(note.split()), pd.DataFrame(rows, columns=columns)
@@ -46,14 +50,11 @@ def read_markdown(text: str) -> tuple[str, pd.DataFrame]:
 
 def latex(page: pd.DataFrame, note: str) -> str:
     """Render a page as a LaTeX table (booktabs), the note as its caption."""
-    body = page.map(_escaped)
-    body.columns = [_escaped(name) for name in page.columns]
-    caption = _escaped(" ".join(note.split()))
+    caption = escape.latex(" ".join(note.split()))
+    body = _escaped(page.map(str), escape.latex)
     return body.to_latex(index=False, escape=False, caption=caption)
 
 
-def _escaped(text: object) -> str:
-    escaped = str(text)
-    for bare in "_%&":
-        escaped = escaped.replace(bare, f"\\{bare}")
-    return escaped.replace("±", "$\\pm$")
+def _escaped(page: pd.DataFrame, escaped: Callable[[str], str]) -> pd.DataFrame:
+    page = page.map(lambda cell: escaped(cell) if isinstance(cell, str) else cell)
+    return page.rename(columns=escaped)

@@ -4,7 +4,8 @@ import pytest
 
 from fprc.devices import Device
 from fprc.devices.bendlabs import open_bus
-from fprc.devices.hardware import HardwareRig, open_valves
+from fprc.devices.hardware import HardwareRig
+from fprc.devices.pneumatics import open_valves
 from fprc.errors import DeviceError
 
 VENTED = [(0, 5.0), (1, 5.0), (0, 0.0), (1, 0.0)]
@@ -178,7 +179,8 @@ def test_close_vents_and_releases_everything(bench, build, buses):
     assert buses[1].closed == 1
 
 
-@pytest.mark.parametrize("at", range(4))
+# the third call reads whether the chambers are vented, and is tried again
+@pytest.mark.parametrize("at", [0, 1, 3, 4])
 def test_failure_in_closing_never_skips_the_next(bench, build, buses, at):
     rig = build()
     rig.safe()
@@ -284,4 +286,40 @@ def test_valves_that_do_not_vent_at_once_are_tried_again_and_the_failure_is_told
         open_valves(hardware, reset=False)
     assert bench.shared.failures == 1
     assert list(bench.shared.outputs[:2]) == [0.0, 0.0]
+    assert bench.shared.opened == 0
+
+
+def test_heart_beats_at_every_sample_that_reached_both_valves_and_at_no_other(
+    bench, hardware, build
+):
+    hardware["boards"]["heartbeat_output"] = 6
+    rig = build()
+    for _ in range(3):
+        rig.write(6.0, 7.0)
+    assert [volts for channel, volts in written(bench) if channel == 6] == [5.0, 0.0, 5.0]
+    fail(bench)
+    with pytest.raises(DeviceError):
+        rig.write(6.0, 7.0)
+    rig.safe()
+    rig.close()
+    assert [volts for channel, volts in written(bench) if channel == 6] == [5.0, 0.0, 5.0]
+
+
+def test_rig_is_closed_once_a_reading_shows_that_it_is_vented(bench, build):
+    rig = build(sleep=bench.wait)
+    rig.write(9.0, 9.0)
+    bench.wait(0.3)
+    assert rig.read().p_exp_kpa > 100.0
+    rig.close()
+    assert abs(bench.rig.read().p_exp_kpa) < 15.0
+
+
+def test_rig_whose_chamber_keeps_its_pressure_is_released_and_not_called_vented(
+    bench, hardware, build
+):
+    hardware["valves"]["vent_s"] = 0.1
+    rig = build()
+    bench.shared.inputs[1] = 2.0
+    with pytest.raises(DeviceError, match=r"after 0.1 s p_exp_kpa = .* p_i_kpa = 250.0, where 15"):
+        rig.close()
     assert bench.shared.opened == 0

@@ -12,7 +12,8 @@ from hypothesis.extra.numpy import arrays
 
 from fprc.errors import LogError
 from fprc.logs.importers import FACTORS, gather
-from fprc.logs.sources import columns_of, pick, read_source
+from fprc.logs.sources import read_source
+from fprc.logs.variables import columns_of, pick
 
 PLAIN = {"scale": 1.0, "offset": 0.0}
 T = np.arange(50) / 100.0

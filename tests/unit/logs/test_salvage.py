@@ -98,11 +98,11 @@ import sys, time
 from pathlib import Path
 import fprc.logs.salvage as module
 values = module._values
-def stuck(file, name, size):
+def stuck(file, name, *rest):
     if name == "valve_main_v":
         print("stuck", flush=True)
         time.sleep(600.0)
-    return values(file, name, size)
+    return values(file, name, *rest)
 module._values = stuck
 module._leave(Path(sys.argv[1]), Path(sys.argv[2]))
 """

@@ -3,8 +3,9 @@ import re
 
 import pytest
 
-from fprc.errors import ControlError, SafetyError
+from fprc.errors import ControlError, DeviceError
 from fprc.stages.check_rig import check_rig
+from fprc.stages.guardian import SAFE
 
 
 @pytest.fixture
@@ -15,7 +16,7 @@ def look(make_bench, settings, live_by, caplog):
         look.bench = bench = make_bench(settings)
         touch(bench)
 
-        live_by(bench)
+        _, look.signs = live_by(bench)
         caplog.set_level(logging.INFO, logger="fprc.rig")
         code = check_rig(settings, armed, stop)
         look.said = caplog.messages
@@ -37,6 +38,7 @@ def test_unarmed_check_moves_no_valve_and_says_so(look):
     assert look(armed=False) == (0, [])
     assert any(line.startswith("valves: held vented; --armed") for line in look.said)
     assert look.bench.tick == 200 - 1
+    assert look.signs[-1] == SAFE
     # only those at opening and closing
     assert [volts for *_, volts in look.bench.writes()] == [0.0] * 4
 
@@ -83,6 +85,9 @@ def test_valve_that_stays_where_it_was_is_named(look, settings, output, chamber,
     settings["hardware"]["boards"][output] = 5
     code, troubles = look(touch=stay)
     assert code == 1
+    assert troubles[0].startswith("THE CHAMBERS MAY BE UNDER PRESSURE")
+    # nor was the other chamber filled
+    assert {volts for *_, volts in look.bench.writes()} == {0.0}
     assert any(
         line.startswith(f"{own}_kpa = ") and f"hardware.{own}" in line and "at rest" in line
         for line in troubles
@@ -116,9 +121,11 @@ def test_pam_b_that_is_not_filled_to_100_kpa_is_named(look, settings, precharge_
 
 def test_sensor_without_a_cable_stops_the_check_and_is_named(look, settings):
     settings["hardware"]["boards"]["p_i_input"] = 9
-    with pytest.raises(SafetyError) as caught:
+    with pytest.raises(DeviceError) as caught:
         look()
-    assert "p_i_kpa = -250.0 is outside -20 to 180 (hardware.limits.p_i_kpa)" in str(caught.value)
+    stopped, unvented = str(caught.value).splitlines()
+    assert stopped == "p_i_kpa = -250.0 is outside -20 to 180 (hardware.limits.p_i_kpa)"
+    assert "after 5 s p_exp_kpa = 1.5 and p_i_kpa = -250.0" in unvented
     assert list(look.bench.shared.outputs[:2]) == [0.0, 0.0]
 
 

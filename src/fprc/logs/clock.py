@@ -1,0 +1,209 @@
+"""Instants of a recording: order, repeats, and whether its length can be meant."""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fprc.errors import LogError
+from fprc.logs.resample import points_of
+from fprc.logs.variables import Source
+
+#: Seconds in a unit of time; the finest last, for guesses.
+SECONDS = {"min": 60.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+#: Rates of a log that a guess takes for likely, Hz.
+LIKELY_HZ = (10.0, 20000.0)
+#: Longest recording, from its first instant to its last, s.
+LONGEST_S = 86400.0
+#: Most samples that resampling may work on, a channel.
+MOST_POINTS = 5_000_000
+
+
+#: What is said of a clock to which nothing was done.
+UNMENDED = {"unordered_samples": 0, "repeated_samples": 0, "repeated": None}
+
+
+class Clock(NamedTuple):
+    """When the samples of a file were taken, in order.
+
+    Attributes
+    ----------
+    begin_s : float
+        First instant on the clock of the file.
+    since_s : ndarray
+        Each instant since then, increasing.
+    samples : ndarray
+        Samples of the file that are used, in the order of time.
+    first : ndarray
+        Where in ``samples`` those of each instant begin.
+    mended : dict
+        ``unordered_samples`` of the file, ``repeated_samples``, and ``repeated``: how they
+        became one, ``first`` or ``mean``.
+    """
+
+    begin_s: float
+    since_s: np.ndarray
+    samples: np.ndarray
+    first: np.ndarray
+    mended: dict[str, Any]
+
+    def part(self, begin: int, end: int) -> "Clock":
+        """Return the clock of some of the instants."""
+        ends = [*self.first[end : end + 1], len(self.samples)]
+        return self._replace(
+            since_s=self.since_s[begin:end],
+            samples=self.samples[self.first[begin] : ends[0]],
+            first=self.first[begin:end] - self.first[begin],
+        )
+
+    def mean(self, values: np.ndarray) -> np.ndarray:
+        """Return one value an instant, of those of ``samples``."""
+        counts = np.diff(np.append(self.first, len(values)))
+        return np.add.reduceat(values, self.first) / counts
+
+
+def even(samples: int, rate_hz: float) -> Clock:
+    """Return the clock of samples at a rate."""
+    count = np.arange(samples)
+    return Clock(0.0, count / rate_hz, count, count, UNMENDED)
+
+
+def read_clock(source: Source, time: Mapping[str, Any], instants: np.ndarray) -> Clock:
+    """Return the clock of a column of instants.
+
+    Parameters
+    ----------
+    time : Mapping
+        ``column`` and ``unit``; what becomes of ``repeated`` instants (``first``, ``mean``)
+        and of ``unordered`` ones (``sort``), if anything.
+
+    Raises
+    ------
+    LogError
+        Instants are not finite, or are repeated or unordered and nothing is said of it.
+    """
+    where = f"{source.path}: time: {time['column']}"
+    bad = np.flatnonzero(~np.isfinite(instants))
+    if bad.size:
+        raise LogError(
+            f"{where}: {source.sample(bad[0])} is {instants[bad[0]]}, and {bad.size - 1} more are "
+            "not finite; fill them in, delete those rows, or give time.rate_hz"
+        )
+    latest = np.maximum.accumulate(instants)
+    late = np.flatnonzero(instants < latest)
+    order = np.argsort(instants, kind="stable") if late.size else np.arange(len(instants))
+    ordered = instants[order]
+    fresh = np.append(True, ordered[1:] != ordered[:-1])
+    repeated = order[~fresh]
+    problems = _disorder(source, time, instants, late, repeated)
+    if problems:
+        raise LogError("\n".join(f"{where}: {problem}" for problem in problems))
+    mended = {
+        "unordered_samples": int(late.size),
+        "repeated_samples": int(repeated.size),
+        "repeated": time["repeated"] if repeated.size else None,
+    }
+    if time.get("repeated") != "mean":
+        order, ordered, fresh = order[fresh], ordered[fresh], fresh[fresh]
+    first = np.flatnonzero(fresh)
+    factor = SECONDS[time["unit"]]
+    with np.errstate(over="ignore"):  # too long is refused later
+        # clocks that count from 1970 would lose digits in seconds
+        since_s = (ordered[first] - ordered[0]) * factor
+        return Clock(float(ordered[0] * factor), since_s, order, first, mended)
+
+
+def _disorder(
+    source: Source,
+    time: Mapping[str, Any],
+    instants: np.ndarray,
+    late: np.ndarray,
+    repeated: np.ndarray,
+) -> list[str]:
+    """Say of which samples that come late, or repeat an instant, nobody says what they become."""
+    total, problems = len(instants), []
+    if late.size and not time.get("unordered"):
+        k = int(late[0])
+        before = int(np.argmax(instants[:k]))
+        problems.append(
+            f"{late.size} of {total} samples come before an earlier one, at first "
+            f"{source.sample(k)} at {instants[k]:.16g} after {source.sample(before)} at "
+            f"{instants[before]:.16g}; set time.unordered: sort if the instants are right and "
+            "samples were only written out of order; repair the clock if it was set back or began "
+            "again"
+        )
+    if repeated.size and not time.get("repeated"):
+        k = int(repeated.min())
+        problems.append(
+            f"{repeated.size} of {total} samples have the instant of an earlier one, at first "
+            f"{source.sample(k)} at {instants[k]:.16g}; set time.repeated: first to keep the "
+            "first of each instant, or mean to average them; or give time.rate_hz"
+        )
+    return problems
+
+
+def likely(step: float) -> tuple[float, str] | None:
+    """Return rate in Hz and unit of a clock by its step, if one is likely."""
+    for unit in ("s", "ms", "us", "ns"):
+        rate_hz = 1.0 / max(step * SECONDS[unit], 1e-12)
+        if LIKELY_HZ[0] <= rate_hz <= LIKELY_HZ[1]:
+            return rate_hz, unit
+    return None
+
+
+def other_unit(clock: Clock, unit: str) -> str | None:
+    """Return in words which unit would make the rate of a clock likely, where its own does not."""
+    step_s = float(np.median(np.diff(clock.since_s)))
+    guess = likely(step_s / SECONDS[unit])
+    if guess is None or LIKELY_HZ[0] * step_s <= 1.0 <= LIKELY_HZ[1] * step_s:
+        return None
+    return (
+        f"a step of {step_s:.4g} s is no usual one; in {guess[1]} the rate would be "
+        f"{guess[0]:.4g} Hz: set time.unit: {guess[1]} if that is right"
+    )
+
+
+def refuse_length(source: Source, time: Mapping[str, Any], clock: Clock, rate_hz: float) -> None:
+    """Check that a recording is not too short or too long to be resampled, before it is.
+
+    Raises
+    ------
+    LogError
+        It is; the message names the sample at which the clock jumped, or the unit that
+        would make a likely rate.
+    """
+    since_s = clock.since_s
+    duration_s = float(since_s[-1] - since_s[0])
+    where = f"{source.path}: time: {time.get('column') or 'rate_hz'}"
+    with np.errstate(all="ignore"):
+        points = points_of(since_s, rate_hz)
+        remedy = _remedy(source, time, clock)
+    if duration_s * rate_hz < 1.0:
+        raise LogError(
+            f"{where}: {duration_s:.4g} s are less than a sample at sample_rate_hz = {rate_hz:g}; "
+            f"cut less off{remedy}"
+        )
+    if not (duration_s <= LONGEST_S and points <= MOST_POINTS):
+        raise LogError(
+            f"{where}: {duration_s:.4g} s, resampled to sample_rate_hz = {rate_hz:g}, take "
+            f"{points:.2g} samples; at most {LONGEST_S:g} s and {MOST_POINTS:.2g} samples are "
+            f"taken, cut by start_s and end_s{remedy}"
+        )
+
+
+def _remedy(source: Source, time: Mapping[str, Any], clock: Clock) -> str:
+    """Return what may be wrong with a clock, as the end of a message."""
+    if not time.get("column"):
+        return "; or correct time.rate_hz"
+    unit, steps_s = time["unit"], np.diff(clock.since_s)
+    said = ""
+    k = int(np.argmax(steps_s))
+    if len(steps_s) > 1 and steps_s[k] > 0.5 * steps_s.sum():
+        before, after = (clock.samples[clock.first[i]] for i in (k, k + 1))
+        at = [(clock.begin_s + clock.since_s[i]) / SECONDS[unit] for i in (k, k + 1)]
+        said = (
+            f"; the clock jumps from {at[0]:.10g} {unit} at {source.sample(before)} to "
+            f"{at[1]:.10g} {unit} at {source.sample(after)}: repair it there"
+        )
+    doubt = other_unit(clock, unit)
+    return f"{said}; {doubt}" if doubt else said

@@ -1,0 +1,274 @@
+"""Text tables of other programs: CSV and its kin."""
+
+import csv
+import io
+import re
+from codecs import BOM_UTF16_BE, BOM_UTF16_LE
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from itertools import islice
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from fprc.errors import LogError
+from fprc.logs.variables import Source
+
+#: Largest text file; to read it takes some ten times as much memory.
+LARGEST_TEXT_BYTES = 256 << 20
+#: What may stand between fields; a blank is any number of blanks and tabs.
+_SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars", " ": "blanks"}
+#: Samples by which the separator is found out.
+_TRIED = 5
+#: What stands for a value that is missing.
+_MISSING = {"", "-nan", "na", "n/a", "#n/a", "#na", "<na>", "null", "none", "1.#qnan", "-1.#ind"}
+
+
+class _Text(NamedTuple):
+    path: Path
+    lines: list[str]
+
+
+class _Row(NamedTuple):
+    line: int
+    last_line: int
+    fields: list[str]
+
+
+def read_text(
+    path: Path,
+    *,
+    separator: str | None,
+    decimal: str | None,
+    header_line: int | None,
+    data_line: int | None,
+) -> Source:
+    """Read a text table; one parser, which knows quotes, reads header and rows.
+
+    Lines that begin with ``#`` or ``%`` are comments. A separator at the end of a
+    line makes no field.
+
+    Raises
+    ------
+    LogError
+        The file is no text, or too large; lines have more or fewer fields than the
+        header; a name is there twice.
+    """
+    text = _Text(path, _lines(path))
+    mark = separator or _separator_of(text, header_line, data_line)
+    header, below = _parts(text, mark, header_line, data_line)
+    rows = _fitted(path, header, below, mark)
+    names = [name.strip() for name in header.fields]
+    if names and header_line is None and all(_number(_pointed(name)) is not None for name in names):
+        names = [""] * len(names)
+        if data_line is None:
+            rows.insert(0, header)
+    if not rows:
+        raise LogError(
+            f"{path}: no samples below line {header.last_line}; check csv.header_line, "
+            "csv.data_line, and that every quotation mark is closed"
+        )
+    # a name and a value nowhere: of separators at the ends of the lines
+    present = [
+        k for k, name in enumerate(names) if name or any(row.fields[k].strip() for row in rows)
+    ]
+    shown = {k: names[k] or str(k) for k in present}
+    twice = [name for name, count in Counter(shown.values()).items() if count > 1]
+    if twice:
+        raise LogError(f"{path}: column {twice[0]}: is there twice; rename one in the header")
+    variables, others = {}, {}
+    for k, name in shown.items():
+        texts = [row.fields[k] for row in rows]
+        values, bad = _numbers(texts, decimal)
+        if bad is None:
+            variables[name] = values
+        else:
+            others[name] = (
+                f"line {rows[bad].line} holds {texts[bad]!r}, not a number; set csv.decimal or "
+                "csv.data_line if that is how the file is written"
+            )
+    kind = f"text separated by {_SEPARATORS.get(mark, mark)}"
+    return Source(path, kind, variables, others, np.array([row.line for row in rows]))
+
+
+def _lines(path: Path) -> list[str]:
+    size = path.stat().st_size
+    if size > LARGEST_TEXT_BYTES:
+        raise LogError(
+            f"{path}: {size >> 20} MB of text; at most {LARGEST_TEXT_BYTES >> 20} MB are read, "
+            "split it or save it as HDF5"
+        )
+    raw = path.read_bytes()
+    wide = raw.startswith((BOM_UTF16_LE, BOM_UTF16_BE))
+    if b"\0" in raw and not wide:
+        raise LogError(f"{path}: not a text file; give it the ending of what it is")
+    try:
+        text = raw.decode("utf-16" if wide else "utf-8-sig")
+    except UnicodeDecodeError:
+        text = raw.decode("latin-1")
+    return list(io.StringIO(text.rstrip("\r\n"), newline=""))
+
+
+# --- rows -----------------------------------------------------------------------------------
+
+
+def _parts(
+    text: _Text, mark: str, header_line: int | None, data_line: int | None
+) -> tuple[_Row, Iterator[_Row]]:
+    """Return the header, and the rows below it as they are asked for."""
+    header = next(_rows(text, header_line or 1, mark, as_it_is=header_line is not None), None)
+    if header is None or not header.fields:
+        raise LogError(f"{text.path}: no samples; the file is empty, or csv.header_line beyond it")
+    if data_line is not None and data_line <= header.last_line:
+        raise LogError(
+            f"{text.path}: csv.data_line = {data_line}; must be below the header, which ends in "
+            f"line {header.last_line}"
+        )
+    return header, _rows(text, data_line or header.last_line + 1, mark)
+
+
+def _rows(text: _Text, first: int, mark: str, *, as_it_is: bool = False) -> Iterator[_Row]:
+    """Yield the rows from a line on, without comments and the blank lines before the first.
+
+    Parameters
+    ----------
+    as_it_is : bool
+        Whether the first line is a row, whatever it looks like.
+    """
+    begins = last = first
+    between, begun = not as_it_is, as_it_is
+
+    def fed() -> Iterator[str]:
+        nonlocal begins, last, between
+        for number, line in enumerate(islice(text.lines, first - 1, None), first):
+            if between:
+                if line.lstrip().startswith(("#", "%")) or not (begun or line.strip()):
+                    continue
+                begins, between = number, False
+            last = number
+            yield re.sub(r'("[^"]*")|\t', _unquoted_blank, line) if mark == " " else line
+
+    reader = csv.reader(fed(), delimiter=mark, skipinitialspace=True, strict=True)
+    while True:
+        try:
+            fields = next(reader)
+        except StopIteration:
+            return
+        except csv.Error as error:
+            raise LogError(
+                f"{text.path}: line {begins} cannot be read ({error}); a quotation mark is too "
+                "many or missing"
+            ) from error
+        begun = between = True
+        yield _Row(begins, last, fields)
+
+
+def _unquoted_blank(found: re.Match) -> str:
+    return found[1] or " "
+
+
+def _separator_of(text: _Text, header_line: int | None, data_line: int | None) -> str:
+    """Return what splits the header and the first samples into equally many fields.
+
+    Of several, the one that leaves the most numbers; of none, the one that splits the
+    header into the most fields.
+    """
+
+    def score(mark: str) -> tuple[bool, float, int]:
+        try:
+            header, below = _parts(text, mark, header_line, data_line)
+            rows = [_fit(row.fields, header.fields) for row in islice(below, _TRIED)]
+        except LogError:
+            return (False, 0.0, 0)
+        width = len(header.fields) - (not header.fields[-1].strip())
+        fields = [field for row in rows for field in row or ()]
+        known = [_value(field if mark == "," else _pointed(field)) for field in fields]
+        numbers = 1.0 - known.count(None) / max(len(known), 1)
+        # one column is one only if it holds numbers: else it is many by another separator
+        fits = None not in rows and (width > 1 or numbers == 1.0)
+        return (fits, numbers if fits else 0.0, width)
+
+    return max(_SEPARATORS, key=score)
+
+
+def _fit(fields: list[str], header: Sequence[str]) -> list[str] | None:
+    """Return as many fields as the header has, or None; a separator at the end makes none."""
+    surplus = len(fields) - len(header)
+    if surplus == 1 and not fields[-1].strip():
+        return fields[:-1]
+    if surplus == -1 and not header[-1].strip():
+        return [*fields, ""]
+    return fields if surplus == 0 else None
+
+
+def _fitted(path: Path, header: _Row, below: Iterator[_Row], mark: str) -> list[_Row]:
+    rows, unfit = [], []
+    for row in below:
+        fields = _fit(row.fields, header.fields)
+        if row.last_line > row.line:
+            raise LogError(
+                f"{path}: a quotation mark in line {row.line} is not closed there; close it"
+            )
+        if fields is None:
+            unfit.append(row)
+        else:
+            rows.append(row._replace(fields=fields))
+    if unfit:
+        said = f"{len(unfit[0].fields)} separated by {_SEPARATORS.get(mark, mark)}"
+        raise LogError(
+            f"{path}: the header, line {header.line}, has {len(header.fields)} fields, line "
+            f"{unfit[0].line} {said}, and {len(unfit) - 1} more lines do not fit; repair "
+            "them, or set csv.separator, csv.header_line and csv.data_line"
+        )
+    return rows
+
+
+# --- numbers --------------------------------------------------------------------------------
+
+
+def _number(text: str) -> float | None:
+    try:
+        return None if "_" in text else float(text)
+    except ValueError:
+        return None
+
+
+def _value(text: str) -> float | None:
+    """Return a number, NaN for a missing one, None for what is neither."""
+    number = _number(text)
+    return np.nan if number is None and text.strip().lower() in _MISSING else number
+
+
+def _pointed(text: str) -> str:
+    return text.replace(",", ".")
+
+
+def _numbers(texts: list[str], decimal: str | None) -> tuple[np.ndarray, int | None]:
+    """Return the numbers of a column, and the first row that holds none."""
+    for mark in [decimal] if decimal else [".", ","]:
+        values = _decimals(texts, mark, sure=decimal is not None)
+        if None not in values:
+            return np.array(values), None
+    return np.array([]), values.index(None)
+
+
+def _decimals(texts: list[str], mark: str, *, sure: bool) -> list[float | None]:
+    """Return numbers, None for what is none with this decimal mark.
+
+    Where nothing says what a comma is, 980, 990, 1,000 may be thousands: no number.
+    """
+    if mark == ".":
+        return [_value(text) for text in texts]
+    doubtful = not sure and _may_be_thousands(texts)
+    return [
+        None if "." in text or (doubtful and "," in text) else _value(_pointed(text))
+        for text in texts
+    ]
+
+
+def _may_be_thousands(texts: list[str]) -> bool:
+    """Say whether all numbers with a comma have three digits after it, and others have none."""
+    with_comma = [text for text in texts if "," in text]
+    grouped = re.compile(r"\s*[+-]?\d{1,3}(,\d{3})+\s*")
+    return 0 < len(with_comma) < len(texts) and all(map(grouped.fullmatch, with_comma))

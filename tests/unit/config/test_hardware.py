@@ -1,0 +1,53 @@
+import pytest
+
+from fprc.config import check
+from fprc.config.hardware import VENT_MARGIN_V
+from fprc.errors import ConfigError
+
+
+def refused(hardware):
+    with pytest.raises(ConfigError) as caught:
+        check({"hardware": hardware})
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("neutral_v", "vent_v"), [(5.0, 5.0), (5.0, 3.1), (5.0, 4.999), (3.0, 1.5), (7.0, 5.0001)]
+)
+def test_vent_voltage_that_does_not_open_the_valve_to_the_room_is_refused(neutral_v, vent_v):
+    said = refused({"valves": {"neutral_v": neutral_v, "vent_v": vent_v}})
+    assert "hardware.valves" in said
+    assert "vent_v" in said
+
+
+@pytest.mark.parametrize("vent_v", [10.0, 6.0])
+def test_vent_voltage_that_fills_is_refused(vent_v):
+    assert "hardware.valves.vent_v" in refused({"valves": {"vent_v": vent_v}})
+
+
+def test_vent_voltage_at_the_margin_is_taken():
+    valves = {"neutral_v": 5.0, "vent_v": 5.0 - VENT_MARGIN_V}
+    assert check({"hardware": {"valves": valves}}).hardware.valves.vent_v == 3.0
+
+
+@pytest.mark.parametrize("name", ["p_exp_kpa", "p_i_kpa"])
+@pytest.mark.parametrize("limits", [(0.0, 400.0), (10.0, 400.0), (-90.0, -10.0)])
+def test_limits_that_leave_out_a_vented_chamber_are_refused(name, limits):
+    assert f"hardware.limits.{name}" in refused({"limits": {name: limits}})
+
+
+@pytest.mark.parametrize("loop", ["main_loop", "reservoir_loop"])
+@pytest.mark.parametrize("gain", [0.0, -0.03])
+def test_gain_without_the_sign_of_the_loop_is_refused(loop, gain):
+    with pytest.raises(ConfigError, match=rf"control\.{loop}\.kp_v_per_kpa"):
+        check({"control": {loop: {"kp_v_per_kpa": gain}}})
+
+
+@pytest.mark.parametrize("output", ["main_output", "reservoir_output"])
+def test_heartbeat_on_the_channel_of_a_valve_is_refused(output):
+    assert "share a channel" in refused({"boards": {output: 5, "heartbeat_output": 5}})
+
+
+def test_rig_without_a_watchdog_has_no_heartbeat():
+    assert check({}).hardware.boards.heartbeat_output is None
+    assert check({"hardware": {"boards": {"heartbeat_output": 4}}}).hardware.boards.heartbeat_output
