@@ -4,7 +4,7 @@ CORES ?= 2
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 
 .PHONY: paper smoke test test-parts test-workflow test-kill reproduce-twice processors slurm \
-	test-slurm docs scaling fault-matrix loop-benchmark benchmark benchmark-all clean
+	test-slurm docs scaling fault-matrix fuzz loop-benchmark benchmark benchmark-all clean
 
 paper: .venv/.ready
 	snakemake --cores $(CORES) all
@@ -67,9 +67,16 @@ scaling: .venv/.ready
 docs: .venv/.ready
 	snakemake --cores $(CORES) readme calibration_page
 
-# what comes of each fault of the real rig: docs/faults.md
+# what comes of each fault of the real rig, of files and of settings: docs/faults.md
 fault-matrix: .venv/.ready
 	pytest tests/faults --write-matrix
+
+# damaged files through the commands that read them, some 15 minutes on two cores; fewer with
+# CASES=500, others with SEED=2, the counts as a page with PAGE=docs/fuzz.md
+CASES ?= 10000
+SEED ?= 1
+fuzz: .venv/.ready
+	python tests/fuzz --cases $(CASES) --seed $(SEED) $(PAGE:%=--write %)
 
 # how punctual the real rig's loop is on this computer
 loop-benchmark: .venv/.ready
