@@ -5,21 +5,26 @@ from snakemake.exceptions import WorkflowError
 from snakemake.utils import min_version
 
 from fprc.artifacts import refuse_unwritable
-from fprc.config import check
+from fprc.config import from_files
 from fprc.errors import FprcError
 from fprc.fingerprint import fingerprint, imports_of
-from fprc.logs import EXPERIMENTS, holdings, refuse_simulated, refuse_to_overwrite
+from fprc.logs import EXPERIMENTS, headers, holdings, refuse_simulated, refuse_to_overwrite
 from fprc.stages.availability import refusal, unavailable
 
 min_version("9.0")
 
 
-configfile: "config/config.yaml"
-configfile: "config/rig.yaml"
-
+# Snakemake's `configfile:` takes the last of repeated keys, and 010 for 8; what it made of the
+# files of the command line is not used either
+OWN = ["config/config.yaml", "config/rig.yaml"]
+if workflow.config_settings.replace_workflow_config:
+    OWN = []
+workflow.configfiles += OWN
 
 try:
-    SETTINGS = check(config).model_dump(mode="json")
+    SETTINGS = from_files(
+        [*OWN, *workflow.overwrite_configfiles], workflow.config_settings.config
+    ).model_dump(mode="json")
     config.update(SETTINGS)  # the files' keys in their types, and what they leave out
     # of this run, not of its results
     ARMED = SETTINGS.pop("armed")
@@ -40,9 +45,9 @@ include: "workflow/rules/common.smk"
 
 try:
     if SETTINGS["source"] == "sim":
-        refuse_to_overwrite(RAW_LOGS)
+        refuse_to_overwrite(THERE)
     elif SETTINGS["source"] == "hardware":
-        refuse_simulated(RAW_LOGS)
+        refuse_simulated(THERE)
 except FprcError as error:
     raise WorkflowError(str(error)) from None
 

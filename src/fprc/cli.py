@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 from fprc import __version__
 from fprc.errors import FprcError
-from fprc.escape import terminal
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -15,7 +14,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return options.run(options)
     except FprcError as error:
-        print(terminal(f"error: {error}"), file=sys.stderr)
+        print(f"error: {error}", file=sys.stderr)
         return 1
     except ModuleNotFoundError as error:
         print(

@@ -4,9 +4,18 @@ Each message says what is wrong, where, and what to do about it. The command
 line and the workflow print the message alone, without a traceback.
 """
 
+from fprc.escape import terminal
+
 
 class FprcError(Exception):
-    """Base of every error that this package raises on purpose."""
+    """Base of every error that this package raises on purpose.
+
+    What a message quotes of a file cannot command the terminal.
+    """
+
+    def __str__(self) -> str:
+        """Return the message; its lines have no control characters."""
+        return terminal(super().__str__())
 
 
 class ConfigError(FprcError):

@@ -15,20 +15,23 @@ _LATEX = {
 }  # fmt: skip
 
 
-def terminal(text: str, *, lines: bool = True) -> str:
-    r"""Return text without control characters: each is shown as ``\x1b``, ``\u202e``, ...
+def visible(text: str) -> str:
+    r"""Return one line of text with all that cannot be printed written as escapes.
 
-    So are invisible marks and blanks that are not the usual one, and what no
-    encoding can write.
-
-    Parameters
-    ----------
-    lines : bool
-        Whether line ends and tabs stay, as in a message of several lines.
+    A terminal obeys control characters, and half of a surrogate pair cannot be
+    encoded: ``\x1b``, ``\n``, ``\u202e``, ``\udce9``.
     """
+    return _escaped(text, kept="")
+
+
+def terminal(text: str) -> str:
+    """Return a message as ``visible`` would show it, with its line ends and tabs."""
+    return _escaped(text, kept="\n\t")
+
+
+def _escaped(text: str, kept: str) -> str:
     if text.isprintable():
         return text
-    kept = "\n\t" if lines else ""
     return "".join(
         mark if mark.isprintable() or mark in kept else mark.encode("unicode_escape").decode()
         for mark in text
@@ -45,7 +48,7 @@ class TerminalFormatter(logging.Formatter):
 
 def figure(text: str) -> str:
     """Return text that Matplotlib draws as it is: ``$`` begins no formula."""
-    return terminal(text, lines=False).replace("$", r"\$")
+    return visible(text).replace("$", r"\$")
 
 
 def spreadsheet(text: str) -> str:
@@ -55,7 +58,7 @@ def spreadsheet(text: str) -> str:
 
 def markdown(text: str) -> str:
     """Return text that Markdown shows as it is, in a table's cell too."""
-    return re.sub(r"([\\`*<>|&$])", r"\\\1", terminal(text, lines=False))
+    return re.sub(r"([\\`*<>|&$])", r"\\\1", visible(text))
 
 
 def unmarkdown(text: str) -> str:
@@ -65,7 +68,7 @@ def unmarkdown(text: str) -> str:
 
 def code(text: str) -> str:
     """Return text as code in Markdown, whatever backticks it holds."""
-    text = terminal(text, lines=False)
+    text = visible(text)
     longest = max(map(len, re.findall("`+", text)), default=0)
     fence = "`" * (longest + 1)
     blank = " " if text.startswith("`") or text.endswith("`") else ""

@@ -18,6 +18,8 @@ from fprc.devices import SimulatedRig
 
 FOLDER = Path(__file__).parent
 LOGGED = 4096
+#: Longest time without a heartbeat that the stand-in for a watchdog relay puts up with, s.
+RELAY_S = 0.5
 
 
 class Layout(ctypes.Structure):
@@ -36,7 +38,7 @@ class Layout(ctypes.Structure):
         ("opened", ctypes.c_int64),
         ("angles", ctypes.c_double * 2),
         ("i2c_fault", ctypes.c_int64),
-        ("unused", ctypes.c_int64),
+        ("watchdog", ctypes.c_int64),
         ("failed", ctypes.c_char * 32),
         ("log", (ctypes.c_double * 3) * LOGGED),
     )
@@ -71,13 +73,20 @@ class Bench:
     def elapsed(self) -> float:
         return self.tick * self.period_s
 
-    def wait_for(self, tick: int) -> int:
-        """Let the rig live until this tick under the voltages on the output board."""
-        self.rig.write(*self.shared.outputs[:2])
+    def wait_for(self, tick: int, tripped: bool = False) -> int:
+        """Let the rig live until this tick under the voltages on the output board.
+
+        A watchdog relay that has tripped vents both chambers instead.
+        """
+        self.rig.write(*([0.0, 0.0] if tripped else self.shared.outputs[:2]))
         self.rig.wait_for(tick)
         self.tick = tick
         self._show()
         return tick
+
+    def wait(self, seconds: float) -> None:
+        """Let the rig live for so long."""
+        self.wait_for(self.tick + round(seconds / self.period_s))
 
     def statistics(self) -> dict:
         jitter = ("jitter_p50_s", "jitter_p99_s", "jitter_p99_9_s", "jitter_max_s")
@@ -102,10 +111,14 @@ def main() -> None:
     bench = Bench(Path(sys.argv[1]), settings)
     bench.wait_for(1)
     print("ready", flush=True)
-    start_s = time.perf_counter()
-    parent = os.getppid()
+    start_s = beat_s = time.perf_counter()
+    parent, level = os.getppid(), 0.0
     while os.getppid() == parent:
-        bench.wait_for(1 + int((time.perf_counter() - start_s) / bench.period_s))
+        now_s, channel = time.perf_counter(), bench.shared.watchdog
+        if channel and bench.shared.outputs[channel] != level:
+            beat_s, level = now_s, bench.shared.outputs[channel]
+        tripped = bool(channel) and now_s - beat_s > RELAY_S
+        bench.wait_for(1 + int((now_s - start_s) / bench.period_s), tripped)
         time.sleep(0.5 * bench.period_s)
 
 

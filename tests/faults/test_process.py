@@ -68,7 +68,8 @@ def shared(tmp_path_factory, compiled_driver):
 @pytest.fixture
 def rig(shared):
     """The memory, without a trace of the test before."""
-    for name in ("calls", "fail_at", "failures", "writes", "stall_us", "opened", "i2c_fault"):
+    for name in ("calls", "fail_at", "failures", "writes", "stall_us", "opened", "i2c_fault",
+                 "watchdog"):  # fmt: skip
         setattr(shared, name, 0)
     shared.outputs[:2] = [0.0, 0.0]
     return shared
@@ -87,9 +88,11 @@ class Program:
         self.rig, self.raw = rig, folder / "sweep.h5"
         config = folder / "bench.yaml"
         hardware = {
-            "boards": {"library": str(driver)},
+            "boards": {"library": str(driver), "lock_folder": str(folder)}
+            | hardware.pop("boards", {}),
             "limits": LIMITS | hardware.pop("limits", {}),
             "loop": {"priority": 0, "stalled_s": 10.0} | hardware.pop("loop", {}),
+            "valves": hardware.pop("valves", {}),
         }
         sweep = {"duration_s": seconds, "amplitude_kpa": 50.0, "offset_kpa": 50.0}
         config.write_text(json.dumps({"experiments": {"sweep": sweep}, "hardware": hardware}))
@@ -207,7 +210,9 @@ def test_run_that_ends_well_leaves_a_log_that_can_be_read_and_not_written(start,
     assert [path.stat().st_mode & 0o222 for path in program.raw.parent.glob("sweep*")] == [0, 0]
     assert rig.opened == 0
     _, venting = split(program.writes())
-    assert [row[1:] for row in venting] == CLOSED + VENTED + VENTED
+    rows = [row[1:] for row in venting]
+    assert rows[:4] == CLOSED + VENTED
+    assert rows[4:] == VENTED * (len(rows[4:]) // 2)
 
 
 def test_unarmed_check_looks_and_writes_nothing_but_the_safe_state(start, rig):
@@ -250,9 +255,40 @@ def test_loop_that_is_killed_is_vented_by_the_guardian(start, rig, matrix):
     os.kill(loop, signal.SIGKILL)
     code, said = program.end()
     assert code == 1
-    assert "ended with code -9 in the middle of a run; both chambers were vented" in said
+    assert "ended with code -9 in the middle of a run; both chambers are vented" in said
     findings = add(matrix, program, faulted_s, "SIGKILL to the loop", "the guardian", again=1)
     assert not findings.closed
+
+
+def test_driver_that_prints_does_not_pass_for_a_sign_that_all_is_safe(
+    start, rig, matrix, monkeypatch
+):
+    monkeypatch.setenv("FAKE_CHATTY", "1")
+    program = start("run", "sweep")
+    program.is_in_mid_run()
+    faulted_s = time.monotonic()
+    os.kill(program.loop(), signal.SIGKILL)
+    code, said = program.end()
+    assert code == 1
+    assert "ended with code -9 in the middle of a run; both chambers are vented" in said
+    add(matrix, program, faulted_s, "SIGKILL to the loop, whose driver prints", "the guardian",
+        again=1)  # fmt: skip
+
+
+def test_board_that_fails_for_a_moment_in_mid_run_leaves_no_valve_open(start, rig, matrix):
+    program = start("run", "sweep")
+    program.is_in_mid_run()
+    faulted_s = time.monotonic()
+    rig.fail_code, rig.fail_count, rig.fail_at = 777, 12, rig.calls + 1
+    code, said = program.end()
+    assert code == 1
+    assert "failed with code 777" in said
+    assert rig.failures == 12
+    findings = add(
+        matrix, program, faulted_s, "twelve calls of the driver fail", "the error of the call",
+        again=1,
+    )  # fmt: skip
+    assert findings.closed
 
 
 def test_loop_that_hangs_is_ended_and_vented_by_the_guardian(start, rig, matrix):
@@ -262,7 +298,7 @@ def test_loop_that_hangs_is_ended_and_vented_by_the_guardian(start, rig, matrix)
     os.kill(program.loop(), signal.SIGSTOP)
     code, said = program.end()
     assert code == 1
-    assert "fell silent and was ended in the middle of a run; both chambers were vented" in said
+    assert "fell silent and was ended in the middle of a run; both chambers are vented" in said
     findings = add(
         matrix, program, faulted_s, "SIGSTOP to the loop",
         "the guardian, after stalled_s = 0.5 s", again=1,
@@ -271,13 +307,15 @@ def test_loop_that_hangs_is_ended_and_vented_by_the_guardian(start, rig, matrix)
 
 
 def test_loop_that_hangs_in_the_driver_is_ended_and_vented_by_the_guardian(start, rig, matrix):
-    program = start("run", "sweep", loop={"stalled_s": 0.5})
+    program = start("run", "sweep", loop={"stalled_s": 0.5}, valves={"vent_s": 1.0})
     program.is_in_mid_run()
     faulted_s = time.monotonic()
     rig.stall_us = 3_600_000_000
     code, said = program.end()
     assert code == 1
-    assert "fell silent and was ended in the middle of a run; both chambers were vented" in said
+    # the guardian's own reading hangs too
+    assert "fell silent and was ended in the middle of a run; THE CHAMBERS MAY BE" in said
+    assert "the driver does not answer" in said
     add(
         matrix, program, faulted_s, "a driver call never returns",
         "the guardian, after stalled_s = 0.5 s",
@@ -338,3 +376,122 @@ def test_ticks_that_are_missed_are_counted_and_leave_a_gap(start, rig, matrix):
     assert np.diff(channels["time_s"]).max() > 0.1
     matrix.add("a reading takes 150 ms", "mid-run, real time", "nothing, it goes on",
                "yes, at the end", "-", "0: ticks are missed and counted")  # fmt: skip
+
+
+def wait_until_vented(rig):
+    wait_until(lambda: list(rig.outputs[:2]) == [0.0, 0.0], "the valves")
+
+
+def test_guardian_that_is_stopped_is_missed_and_the_loop_vents(start, rig, matrix):
+    program = start("run", "sweep", loop={"stalled_s": 0.5})
+    program.is_in_mid_run()
+    faulted_s = time.monotonic()
+    os.kill(program.process.pid, signal.SIGSTOP)
+    wait_until_vented(rig)
+    os.kill(program.process.pid, signal.SIGCONT)
+    code, said = program.end()
+    assert code == 1
+    assert "the process that watches this one has been silent for" in said
+    findings = add(
+        matrix, program, faulted_s, "SIGSTOP to the guardian", "the loop, after stalled_s = 0.5 s"
+    )
+    assert findings.closed
+    assert rig.opened == 0
+
+
+def test_loop_that_is_killed_while_its_guardian_is_stopped_has_vented_before(start, rig, matrix):
+    program = start("run", "sweep", loop={"stalled_s": 0.5})
+    program.is_in_mid_run()
+    faulted_s = time.monotonic()
+    loop = program.loop()
+    os.kill(program.process.pid, signal.SIGSTOP)
+    wait_until_vented(rig)
+    os.kill(loop, signal.SIGKILL)
+    os.kill(program.process.pid, signal.SIGCONT)
+    code, _ = program.end()
+    assert code == 1
+    add(matrix, program, faulted_s, "SIGSTOP to the guardian, SIGKILL to the loop once it vented",
+        "the loop, after stalled_s = 0.5 s", again=1)  # fmt: skip
+
+
+def test_processes_that_are_both_stopped_and_go_on_end_the_run_vented(start, rig, matrix):
+    program = start("run", "sweep", loop={"stalled_s": 0.5}, limits={"overruns_in_a_row": 20})
+    program.is_in_mid_run()
+    both = [program.loop(), program.process.pid]
+    for process in both:
+        os.kill(process, signal.SIGSTOP)
+    time.sleep(1.0)
+    faulted_s = time.monotonic()
+    for process in both:
+        os.kill(process, signal.SIGCONT)
+    code, _ = program.end()
+    assert code == 1
+    add(matrix, program, faulted_s, "SIGSTOP to both processes, SIGCONT a second later",
+        "the loop, once it goes on", again=1)  # fmt: skip
+
+
+def test_board_that_fails_when_the_loop_is_killed_is_vented_once_it_recovers(start, rig, matrix):
+    program = start("run", "sweep")
+    program.is_in_mid_run()
+    faulted_s = time.monotonic()
+    rig.fail_code, rig.fail_count, rig.fail_at = 777, 1 << 40, rig.calls + 1
+    os.kill(program.loop(), signal.SIGKILL)
+    heard = b""
+    while b"THE CHAMBERS COULD NOT BE VENTED" not in heard:
+        heard += (said := os.read(program.process.stderr.fileno(), 1000))
+        assert said, heard
+    rig.fail_at = 0
+    code, said = program.end()
+    assert code == 1
+    assert "both chambers are vented" in said
+    add(matrix, program, faulted_s, "SIGKILL to the loop, and the board fails for a while",
+        "the guardian, once the board answers", again=1)  # fmt: skip
+
+
+def test_rig_that_is_in_use_is_left_alone_and_its_user_named(start, rig, matrix):
+    program = start("run", "sweep", seconds=1000.0)
+    program.is_in_mid_run()
+    for *verb, armed in (("run", "complex", True), ("check", False), ("check", True)):
+        second = start(*verb, armed=armed)
+        code, said = second.end()
+        assert code == 1
+        assert f"board AIO000 is in use by process {program.process.pid} " in said
+        assert "rig run sweep" in said
+        assert not second.raw.with_name("complex.h5").exists()
+        matrix.add(
+            f"{' '.join(verb)}{' --armed' if armed else ''} while another run is on",
+            "mid-run, real time", "nothing, the second is refused", "yes, at the end", "-", 0,
+        )  # fmt: skip
+    samples = rig.writes // 2
+    assert program.process.poll() is None
+    os.kill(program.process.pid, signal.SIGTERM)
+    program.end()
+    # neither opened nor vented meanwhile: each write was one of a tick
+    assert rig.opened == 0
+    assert program.journal()[2].samples >= samples - 1
+
+
+def test_watchdog_relay_vents_when_both_processes_are_killed(start, rig, matrix):
+    rig.watchdog = 5
+    program = start("run", "sweep", boards={"heartbeat_output": 5})
+    wait_until(lambda: rig.inputs[0] > 1.1 or program.process.poll() is not None, "25 kPa")
+    loop = program.loop()
+    os.kill(program.process.pid, signal.SIGSTOP)  # so that neither has time to vent
+    os.kill(loop, signal.SIGKILL)
+    os.kill(program.process.pid, signal.SIGKILL)
+    program.end()
+    assert rig.outputs[0] > 0.0
+    wait_until(lambda: rig.inputs[0] < 1.02 and rig.inputs[1] < 1.02, "the relay")
+    matrix.add(
+        "SIGKILL to both processes, with a heartbeat and a watchdog relay", "mid-run, real time",
+        "the relay", "yes, by the relay", "-", "-",
+    )  # fmt: skip
+
+
+def test_unarmed_run_says_what_it_would_do_and_touches_nothing(start, rig):
+    program = start("run", "sweep", armed=False, seconds=2.0)
+    code, said = program.end()
+    assert code == 1
+    assert "sweep: 2 s on the real rig" in said
+    assert "not armed, nothing was moved" in said
+    assert rig.calls == 0

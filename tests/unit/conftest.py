@@ -91,6 +91,25 @@ def write_log(channels, tmp_path):
 
 
 @pytest.fixture
+def write_run(write_log, channels):
+    """Write a small log of a closed-loop run; see ``write_log``."""
+
+    def write(name="run.h5", changed=None, **attributes):
+        told = {
+            "experiment": "track_sweep_pd_printed",
+            "controller": "pd",
+            "gain": "printed",
+            "reference": "sweep",
+            "settle_s": 1.0,
+        }
+        run = {"theta_d_deg": channels["theta_deg"] + 1.0}
+        run |= dict.fromkeys(("p_ff_kpa", "p_fb_kpa"), np.zeros(400))
+        return write_log(name, run | (changed or {}), **told | attributes)
+
+    return write
+
+
+@pytest.fixture
 def changed(channels):
     """Return a copy of one channel of ``channels`` with some samples replaced."""
 

@@ -9,15 +9,13 @@ from matplotlib.cbook import is_math_text
 from matplotlib.mathtext import MathTextParser
 
 from fprc import escape
+from fprc.errors import LogError
 
 TEXTS = st.text(max_size=30) | st.text("$\\_^{}|`<>*&[]=+-@'\"\x1b\n\t1e.,", max_size=30)
 
 
 @given(text=TEXTS)
 def test_terminal_gets_no_control_characters(text):
-    shown = escape.terminal(text, lines=False)
-    assert shown.isprintable()
-    assert shown.encode().decode() == shown
     kept = escape.terminal(text)
     assert all(mark.isprintable() or mark in "\n\t" for mark in kept)
     assert kept.count("\n") == text.count("\n")
@@ -26,16 +24,26 @@ def test_terminal_gets_no_control_characters(text):
 @pytest.mark.parametrize(
     ("text", "shown"),
     [
-        ("angle [°]\n", "angle [°]\\n"),
-        ("\x1b[31mred", "\\x1b[31mred"),
-        ("\u202egpj.exe", "\\u202egpj.exe"),
-        ("a\xa0b", "a\\xa0b"),
-        ("\udcff", "\\udcff"),
-        ("über 日本 😀", "über 日本 😀"),
+        ("theta [°], 角度 😀", "theta [°], 角度 😀"),
+        ("\x1b[31mred\x07", r"\x1b[31mred\x07"),
+        ("two\nlines\r", r"two\nlines\r"),
+        ("a\xa0b", r"a\xa0b"),
+        ("\udce9", r"\udce9"),
+        ("abc\u202etxt.exe", r"abc\u202etxt.exe"),
     ],
 )
 def test_what_cannot_be_seen_is_named(text, shown):
-    assert escape.terminal(text, lines=False) == shown
+    assert escape.visible(text) == shown
+
+
+@given(st.text(st.characters(codec=None)))
+def test_any_text_becomes_one_printable_line_that_can_be_encoded(text):
+    assert escape.visible(text).isprintable()
+    escape.visible(text).encode("utf-8")
+
+
+def test_messages_keep_their_lines_and_cannot_command_the_terminal():
+    assert str(LogError("a.h5: \x1b[2J\nb.h5: ok")) == "a.h5: \\x1b[2J\nb.h5: ok"
 
 
 def test_lines_of_a_log_are_those_of_a_terminal():
@@ -50,7 +58,7 @@ def test_figure_shows_text_and_no_formula(text):
     fig = plt.figure()
     try:
         assert fig.text(0, 0, "")._preprocess_math(shown) == (
-            escape.terminal(text, lines=False),
+            escape.visible(text),
             False,
         )
     finally:
@@ -71,7 +79,7 @@ def test_markdown_comes_back_and_stays_in_its_cell(text):
     shown = escape.markdown(text)
     assert "\n" not in shown
     assert not re.search(r"(?<!\\)(\\\\)*[|<`*]", shown)
-    assert escape.unmarkdown(shown) == escape.terminal(text, lines=False)
+    assert escape.unmarkdown(shown) == escape.visible(text)
 
 
 @given(text=TEXTS)
@@ -83,7 +91,7 @@ def test_code_of_markdown_ends_where_the_text_does(text):
     assert fence not in re.findall("`+", inner)
     if inner.startswith(" ") and inner.endswith(" ") and inner.strip():
         inner = inner[1:-1]
-    assert inner.strip() == escape.terminal(text, lines=False).strip()
+    assert inner.strip() == escape.visible(text).strip()
 
 
 @pytest.mark.parametrize("text", ["=1+1", "+SUM(A1)", "-cmd|'/c'!A0", "@x", "\t=1", "-", "--1"])

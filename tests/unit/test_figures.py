@@ -1,3 +1,4 @@
+import inspect
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -71,6 +72,12 @@ DRAWINGS = pytest.mark.parametrize(
 )
 
 
+def written(drawing, pdf, png):
+    """Return the files that a drawing writes, its table first if it has one."""
+    tables = [pdf.with_suffix(".csv")] if "csv" in inspect.signature(drawing).parameters else []
+    return [str(path) for path in (*tables, pdf, png)]
+
+
 @DRAWINGS
 def test_figure_is_marked_as_simulated_and_drawn_twice_has_the_same_bytes(
     drawing, log, tmp_path, figures
@@ -79,7 +86,7 @@ def test_figure_is_marked_as_simulated_and_drawn_twice_has_the_same_bytes(
     contents = []
     for name in ("first", "second"):
         pdf, png = tmp_path / f"{name}.pdf", tmp_path / f"{name}.png"
-        drawing(*logs, str(pdf), str(png))
+        drawing(*logs, *written(drawing, pdf, png))
         contents.append((pdf.read_bytes(), png.read_bytes()))
     assert contents[0] == contents[1]
     assert contents[0][0].startswith(b"%PDF")
@@ -90,7 +97,7 @@ def test_figure_is_marked_as_simulated_and_drawn_twice_has_the_same_bytes(
 
 def test_figure_of_which_one_log_is_simulated_is_marked_so(log, tmp_path, figures):
     logs = log("one.h5"), log("two.h5", source="rig")
-    draw.draw_training(*logs, str(tmp_path / "f.pdf"), str(tmp_path / "f.png"))
+    draw.draw_training(*logs, *written(draw.draw_training, tmp_path / "f.pdf", tmp_path / "f.png"))
     assert "simulated" in marks(figures[0])[0]
 
 
@@ -127,7 +134,7 @@ def test_saving_gives_back_the_attributes_of_the_data(fig, tmp_path):
 def test_drawing_gives_the_attributes_of_the_simulated_log(drawing, log, tmp_path, monkeypatch):
     monkeypatch.setattr(style, "save", lambda fig, data, pdf, png: data)
     logs = log("one.h5", source="rig", seed=1), log("two.h5", seed=9)
-    found = drawing(*logs, str(tmp_path / "f.pdf"), str(tmp_path / "f.png"))
+    found = drawing(*logs, *written(drawing, tmp_path / "f.pdf", tmp_path / "f.png"))
     assert (found["source"], found["seed"]) == ("sim", 9)
 
 
@@ -153,7 +160,9 @@ def test_figure_without_a_source_is_not_saved(fig, tmp_path):
 def test_model_without_a_colour_is_an_error(log, tmp_path):
     logs = log("one.h5", model="lstm"), log("two.h5", model="lstm")
     with pytest.raises((KeyError, FprcError), match="lstm"):
-        draw.draw_training(*logs, str(tmp_path / "f.pdf"), str(tmp_path / "f.png"))
+        draw.draw_training(
+            *logs, *written(draw.draw_training, tmp_path / "f.pdf", tmp_path / "f.png")
+        )
     assert not (tmp_path / "f.pdf").exists()
 
 
@@ -224,7 +233,8 @@ def test_fit_shows_truth_and_model(axes):
 
 def test_error_is_model_minus_truth_with_its_rmse(axes):
     time = np.array([0.0, 1.0, 2.0, 3.0])
-    plot_error(time, np.zeros(4), np.array([1.0, -1.0, 5.0, -3.0]), axes, colour="#c0392b")
+    errors = np.array([1.0, -1.0, 5.0, -3.0])
+    plot_error(time, np.zeros(4), errors, axes, rmse=3.0, colour="#c0392b")
     assert axes.lines[0].get_ydata().tolist() == [1.0, -1.0, 5.0, -3.0]
     assert [text.get_text() for text in axes.texts] == ["RMSE 3.0 kPa"]
 

@@ -1,6 +1,11 @@
+import shlex
+
 import h5py
 import numpy as np
 import pytest
+
+from fprc.errors import ConfigError
+from fprc.yaml_file import read_yaml
 
 
 def test_all_config_errors_at_once_before_any_job(project):
@@ -15,6 +20,67 @@ def test_all_config_errors_at_once_before_any_job(project):
     assert "models.esn.gamma = lots" in done.stdout
     assert not project.files("results", "data")
     assert "Traceback" not in done.stdout
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("mine.yaml", "seed: 2\nsource: sim\nseed: 3\nmodels: {n_y: 5, n_y: 6}\n"),
+        ("mine.json", '{\n\t"seed": 2, "source": "sim",\n\n"seed": 3,"models":{"n_y":5,"n_y":6}}'),
+    ],
+)
+def test_repeated_key_of_a_configuration_file_is_refused(project, name, text):
+    path = project.folder / name
+    path.write_text(text)
+    with pytest.raises(ConfigError) as caught:
+        read_yaml(path)
+    done = project.snakemake("--dry-run", "all", "--configfile", name)
+    assert done.returncode != 0
+    assert str(caught.value) in done.stdout
+    assert "seed is given 2 times: 2 in line" in done.stdout
+    assert "models.n_y is given 2 times: 5 in line" in done.stdout
+    assert "Traceback" not in done.stdout
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("where", ["--configfile", "config/config.yaml", "--config"])
+def test_number_with_zeros_before_it_is_decimal(project, where):
+    """As an octal number it would be 64, which is allowed."""
+    text = "models: {fprc: {n_c: 0100}}\n"
+    if where == "--config":
+        done = project.snakemake("--dry-run", "all", where, "models={fprc: {n_c: 0100}}")
+    else:
+        name = "mine.yaml" if where == "--configfile" else where
+        (project.folder / name).write_text(text)
+        done = project.snakemake("--dry-run", "all", "--configfile", name)
+    assert done.returncode != 0
+    assert "must be less than or equal to 64" in done.stdout
+
+
+@pytest.mark.slow
+def test_folders_that_would_do_harm_are_refused_before_any_job(project):
+    before = project.files(".")
+    done = project.snakemake("all", "--config", "folders={raw: config, results: workflow/report}")
+    assert done.returncode != 0
+    assert "2 errors in the configuration" in done.stdout
+    assert "folders.raw: 'config' is in config" in done.stdout
+    assert "folders.results: 'workflow/report' is in workflow" in done.stdout
+    assert "Traceback" not in done.stdout
+    kept = {k: v for k, v in project.files(".").items() if not k.startswith(".snakemake/")}
+    assert kept == before
+
+
+@pytest.mark.slow
+def test_name_of_a_folder_is_no_command(project):
+    folder = "it's; touch owned"
+    targets = ["smoke", f"{folder}/benchmark/all.json"]
+    settings = ["--config", f'folders={{results: "{folder}"}}']
+    told = project.snakemake("--dry-run", "--printshellcmds", *targets, *settings)
+    assert told.returncode == 0, told.stdout
+    assert f"| tee {shlex.quote(folder + '/logs/smoke.log')}" in told.stdout
+    assert f"tests/plain.py {shlex.quote(folder + '/benchmark/all.json')} " in told.stdout
+    assert f"> {shlex.quote(folder + '/logs/measure_all.log')} " in told.stdout
 
 
 def truncate(path):
@@ -39,11 +105,32 @@ def change_unit(path):
 def stretch_time(path):
     with h5py.File(path, "a") as log:
         log["time_s"][:] *= 2.0
+        del log["time_s"].attrs["crc32"]
 
 
 def swap_samples(path):
     with h5py.File(path, "a") as log:
         log["time_s"][77] = 0.0
+        del log["time_s"].attrs["crc32"]
+
+
+def turn_a_bit(path):
+    with h5py.File(path) as log:
+        at = log["p_exp_command_kpa"].id.get_offset() + 1000
+    data = bytearray(path.read_bytes())
+    data[at] ^= 1
+    path.write_bytes(data)
+
+
+def link_elsewhere(path):
+    with h5py.File(path, "a") as log:
+        del log["p_o_kpa"]
+        log["p_o_kpa"] = h5py.ExternalLink("/etc/passwd", "p_o_kpa")
+
+
+def break_notes(path):
+    with h5py.File(path, "a") as log:
+        log.attrs["notes"] = "{"
 
 
 @pytest.mark.slow
@@ -56,6 +143,9 @@ def swap_samples(path):
         (change_unit, ["channel p_i_kpa", "units are bar, must be kPa"]),
         (stretch_time, ["channel time_s", "100 Hz, must be 200 Hz"]),
         (swap_samples, ["channel time_s", "sample 77"]),
+        (turn_a_bit, ["channel p_exp_command_kpa", "checksum is wrong"]),
+        (link_elsewhere, ["channel p_o_kpa", "link to another file"]),
+        (break_notes, ["attribute notes", "JSON object"]),
     ],
 )
 def test_bad_raw_log_is_one_line_and_nothing_is_overwritten(smoked_copy, spoil, words):
@@ -149,3 +239,62 @@ def test_impossible_reference_is_refused_with_time_and_value(smoked_copy):
     assert done.returncode != 0
     assert "leaves the actuator's range of 0 to 65 deg" in done.stdout
     assert "exceeds the reservoir's limit of 450 kPa" in done.stdout
+
+
+# --- logs of others ---------------------------------------------------------------------------
+
+
+def without_feedforward(log):
+    del log["p_ff_kpa"]
+
+
+def spoiled_reference(log):
+    log["theta_d_deg"][11] = np.nan
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("spoil", "said"),
+    [
+        (without_feedforward, "channel p_ff_kpa: missing"),
+        (spoiled_reference, "channel theta_d_deg: sample 11 is nan"),
+    ],
+)
+def test_closed_loop_log_that_is_not_whole_makes_no_table(smoked_copy, spoil, said):
+    """Although Table IV needs no P_ff."""
+    raw = smoked_copy.folder / "mylogs"
+    (smoked_copy.folder / "results/smoke/raw").rename(raw)
+    with h5py.File(raw / "track_sine_0p2_fprc.h5", "a") as log:
+        spoil(log)
+    settings = ["source=recorded", "folders={raw: mylogs, results: results/mine}"]
+    done = smoked_copy.smoke("table4", "--config", *settings)
+    assert done.returncode != 0
+    assert f"mylogs/track_sine_0p2_fprc.h5: {said}" in done.stdout
+    assert "Traceback" not in done.stdout
+    assert not (smoked_copy.folder / "results/mine/tables").exists()
+
+
+def hanging(path):
+    """Write a log of the oldest HDF5 format, of which one bit makes the library wait for ever."""
+    with h5py.File(path, "w", libver="earliest") as log:
+        log.attrs["source"] = "rig"
+        log["time_s"] = np.arange(400.0)
+        log["time_s"].attrs["units"] = "s"
+        log["p_o_kpa"] = np.arange(400.0)
+        log["p_o_kpa"].attrs["units"] = "kPa"
+    data = bytearray(path.read_bytes())
+    data[data.index(b"kPa", data.index(b"GCOL")) - 7] ^= 1  # the length of this text
+    path.write_bytes(data)
+
+
+@pytest.mark.slow
+def test_log_on_which_the_library_hangs_is_named_before_any_job(project):
+    (project.folder / "mylogs").mkdir()
+    hanging(project.folder / "mylogs/sweep.h5")
+    (project.folder / "mylogs/complex.h5").write_bytes(b"no log")
+    settings = ["source=recorded", "folders={raw: mylogs, results: results/mine}"]
+    done = project.smoke("--dry-run", "table2", "--config", *settings)
+    assert done.returncode != 0
+    assert "mylogs/sweep.h5: not read within 5" in done.stdout
+    assert "mylogs/complex.h5: not an HDF5 file" in done.stdout
+    assert "Traceback" not in done.stdout

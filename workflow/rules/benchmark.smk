@@ -58,7 +58,7 @@ rule measure_all:
     message:
         "`all` beside the same rules with plain implementations"
     shell:
-        "python tests/plain.py {output.report} --cores {threads} > {log} 2>&1"
+        "python tests/plain.py {output.report:q} --cores {threads} > {log:q} 2>&1"
 
 
 rule benchmark_table:

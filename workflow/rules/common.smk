@@ -27,11 +27,18 @@ def exists(log):
     return Path(f"{RAW}/{log}.h5").exists()
 
 
-#: The raw logs that are there or will be; what cannot be made of them, and why.
 EVERY_LOG = [*EXPERIMENTS, *ALL_RUNS]
-TO_COME = EVERY_LOG if ON_RIG else [name for name in EVERY_LOG if not exists(name)]
+RAW_LOGS = [f"{RAW}/{name}.h5" for name in EVERY_LOG]
+# a job reads this file again; by then its main process has looked at the logs, from a safe place
+try:
+    THERE = headers(RAW_LOGS, alone=workflow.is_main_process)
+except FprcError as error:
+    raise WorkflowError(str(error)) from None
+
+#: The raw logs that are there or will be; what cannot be made of them, and why.
+TO_COME = EVERY_LOG if ON_RIG else [name for name in EVERY_LOG if name not in THERE]
 HELD = holdings(
-    RAW,
+    THERE,
     EVERY_LOG,
     to_come=TO_COME if RECORDS else [],
     without=[] if ON_RIG or SETTINGS["hardware"]["phi"] else ["phi_deg"],
@@ -225,8 +232,8 @@ def table(name):
     return {kind: f"{RESULTS}/{name}.{kind}" for kind in ("csv", "md", "tex")}
 
 
-def figure(name):
-    """Return the files of a figure: two pictures, and where they come from."""
+def figure(name, statistics=False):
+    """Return the files of a figure: two pictures, where they come from, the numbers drawn."""
     number = int(name[3:5])
     png = report(
         f"{RESULTS}/figures/{name}.png",
@@ -235,7 +242,8 @@ def figure(name):
         labels={"figure": f"Fig. {number}", "data": DATA},
     )
     stem = f"{RESULTS}/figures/{name}"
-    return {"pdf": f"{stem}.pdf", "png": png, "sidecar": f"{stem}.json"}
+    files = {"pdf": f"{stem}.pdf", "png": png, "sidecar": f"{stem}.json"}
+    return files | ({"csv": f"{stem}.csv"} if statistics else {})
 
 
 SWEEPS = {name: f"{RESULTS}/sweeps/{name}.json" for name in ("epsilon", "n_c", "taps")}
@@ -251,7 +259,6 @@ TRACKED = {
 }
 #: What the closed-loop runs come from, if they are not there already.
 LOOP = through(*judged("sweep"), GAINS) if RECORDS else []
-RAW_LOGS = [f"{RAW}/{name}.h5" for name in EVERY_LOG]
 
 IDENTIFY = [f"identify_{kp:g}" for kp in SETTINGS["tracking"]["candidate_kp_kpa_per_deg"]]
 #: Every experiment of the paper on the real rig.

@@ -111,7 +111,7 @@ rule training:
         fit=f"{RESULTS}/predictions/sweep_fprc_train.h5",
         prediction=f"{RESULTS}/predictions/sweep_fprc_test.h5",
     output:
-        **figure("fig08_training"),
+        **figure("fig08_training", statistics=True),
     log:
         f"{RESULTS}/logs/fig08.log",
     params:
@@ -126,7 +126,7 @@ rule weights:
     input:
         weights=f"{RESULTS}/weights/fprc.json",
     output:
-        **figure("fig09_weights"),
+        **figure("fig09_weights", statistics=True),
     log:
         f"{RESULTS}/logs/fig09.log",
     params:
@@ -143,7 +143,7 @@ rule settings:
         n_c=f"{RESULTS}/sweeps/n_c.json",
         times=f"{RESULTS}/timing/times_over_n_c.json",
     output:
-        **figure("fig10_settings"),
+        **figure("fig10_settings", statistics=True),
     log:
         f"{RESULTS}/logs/fig10.log",
     priority: LONG  # its times come last, and the report waits for it
@@ -159,7 +159,7 @@ rule taps:
     input:
         taps=f"{RESULTS}/sweeps/taps.json",
     output:
-        **figure("fig11_taps"),
+        **figure("fig11_taps", statistics=True),
     log:
         f"{RESULTS}/logs/fig11.log",
     params:

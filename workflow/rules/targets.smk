@@ -36,7 +36,7 @@ rule smoke:
         "The whole workflow on small settings, into results/smoke"
     shell:
         "snakemake --cores {threads} --nolock --configfile config/smoke.yaml"
-        " -- all 2>&1 | tee {log}"
+        " -- all 2>&1 | tee {log:q}"
 
 
 if "readme" not in UNAVAILABLE:

@@ -1,10 +1,17 @@
 """The real rig: boards, sensors, limits. Read only with ``source: hardware``."""
 
-from typing import Any
+from pathlib import PurePath
+from typing import Annotated, Any
 
+from annotated_types import Ge, Le
 from pydantic import Field, field_validator, model_validator
 
 from fprc.config.section import Section, quantities, quantity, rising, within
+
+
+def none_for_null(value: Any) -> Any:
+    """Return None for the text null, which is what the command line gives."""
+    return None if value == "null" else value
 
 
 class Boards(Section):
@@ -20,13 +27,38 @@ class Boards(Section):
     p_o_input: int = quantity(2, "-", (0, 63), "channel of PAM B's pressure sensor")
     main_output: int = quantity(0, "-", (0, 63), "channel of the actuator's valve")
     reservoir_output: int = quantity(1, "-", (0, 63), "channel of the reservoir's valve")
+    heartbeat_output: Annotated[int, Ge(0), Le(63)] | None = Field(
+        None,
+        description="channel that changes between 0 and 5 V at every sample, for a watchdog relay "
+        "that vents when it stops; null: there is none",
+    )
+    lock_folder: str = Field(
+        "",
+        description="folder of the locks that keep a second program from the boards, the same for "
+        "every user of the computer; empty: /run/lock, elsewhere the system's temporary folder",
+    )
+
+    _null = field_validator("heartbeat_output", mode="before")(none_for_null)
+
+    @field_validator("lock_folder")
+    @classmethod
+    def _is_the_same_from_everywhere(cls, folder: str) -> str:
+        if folder and not PurePath(folder).is_absolute():
+            raise ValueError(f"{folder}: must be an absolute path, the same for every program")
+        return folder
 
     @model_validator(mode="after")
     def _channels_differ(self) -> "Boards":
         if len({self.p_exp_input, self.p_i_input, self.p_o_input}) < 3:
             raise ValueError("two pressure sensors share an input channel; give each its own")
-        if self.main_output == self.reservoir_output:
-            raise ValueError("both valves share an output channel; give each its own")
+        outputs = [self.main_output, self.reservoir_output, self.heartbeat_output]
+        if len(set(outputs)) < 3:
+            raise ValueError("two of the outputs share a channel; give each its own")
+        if self.input_device == self.output_device:
+            raise ValueError(
+                f"input_device and output_device are both {self.input_device}; give each board its "
+                "name in Contec's device utility"
+            )
         return self
 
 
@@ -34,7 +66,7 @@ class Transducer(Section):
     """Calibration of a pressure sensor: P = (V - zero_v) * gain_kpa_per_v."""
 
     zero_v: float = quantity(1, "V", (-10, 10), "output at 0 kPa gauge", "data sheet: 1-5 V")
-    gain_kpa_per_v: float = quantity(250, "kPa/V", (1, 1000), "gain", "data sheet: 0-1 MPa")
+    gain_kpa_per_v: float = quantity(250, "kPa/V", (50, 1000), "gain", "data sheet: 0-1 MPa")
 
 
 class AngleSensor(Section):
@@ -48,12 +80,38 @@ class AngleSensor(Section):
     offset_deg: float = quantity(0, "deg", (-180, 180), "added to the reading")
     gain: float = quantity(1, "-", (-10, 10), "the reading is multiplied by this first")
 
+    @field_validator("gain")
+    @classmethod
+    def _reads_something(cls, gain: float) -> float:
+        if abs(gain) < 0.1:
+            raise ValueError(f"{gain}: must be 0.1 or more, or -0.1 or less")
+        return gain
+
+
+#: The pressure loops open a valve to the supply by more voltage, so that less must vent; by at
+#: least this much, V, for the valve to be open by 40 % and beyond its dead zone.
+VENT_MARGIN_V = 2.0
+
 
 class Valves(Section):
     """Voltages of the two proportional valves."""
 
-    neutral_v: float = quantity(5, "V", (0, 10), "closes the valve", "data sheet")
-    vent_v: float = quantity(0, "V", (0, 10), "opens the chamber to the room, fully", "data sheet")
+    neutral_v: float = quantity(5, "V", (4.5, 5.5), "closes the valve", "data sheet")
+    vent_v: float = quantity(0, "V", (0, 3), "opens the chamber to the room, fully", "data sheet")
+    vented_kpa: float = quantity(
+        15, "kPa", (1, 25), "a chamber that reads no more is vented", "twice the sensor's 0.7 %"
+    )
+    vent_s: float = quantity(5, "s", (0.1, 60), "time that a chamber is given to vent")
+
+    @model_validator(mode="after")
+    def _vents(self) -> "Valves":
+        highest = self.neutral_v - VENT_MARGIN_V
+        if self.vent_v > highest:
+            raise ValueError(
+                f"vent_v = {self.vent_v:g} does not vent: more voltage than neutral_v = "
+                f"{self.neutral_v:g} fills a chamber; set vent_v to {highest:g} or less"
+            )
+        return self
 
 
 class Limits(Section):
@@ -87,6 +145,15 @@ class Limits(Section):
 
     _rises = field_validator("p_exp_kpa", "p_i_kpa", "p_o_kpa", "theta_deg", "phi_deg")(rising)
 
+    @field_validator("p_exp_kpa", "p_i_kpa")
+    @classmethod
+    def _hold_a_vented_chamber(cls, limits: tuple[float, float]) -> tuple[float, float]:
+        if not limits[0] < 0.0 < limits[1]:
+            raise ValueError(
+                f"{limits} leaves out 0 kPa, which a vented chamber reads; begin below 0"
+            )
+        return limits
+
 
 class Loop(Section):
     """How the loop asks the operating system for punctuality."""
@@ -98,7 +165,11 @@ class Loop(Section):
         2e-4, "s", (0, 5e-3), "time before a deadline that is waited actively, for less jitter"
     )
     stalled_s: float = quantity(
-        0.5, "s", (0.05, 10), "a loop that is silent for longer is ended from outside, and vented"
+        0.5,
+        "s",
+        (0.2, 10),
+        "a loop that is silent for longer is ended from outside, and vented; "
+        "a loop whose watching process is silent for longer ends itself, vented",
     )
 
 
@@ -118,10 +189,28 @@ class Hardware(Section):
     limits: Limits = Limits()
     loop: Loop = Loop()
 
-    @field_validator("phi", mode="before")
-    @classmethod
-    def _null_on_the_command_line_is_none(cls, value: Any) -> Any:
-        return None if value == "null" else value
+    _null = field_validator("phi", mode="before")(none_for_null)
+
+    @model_validator(mode="after")
+    def _pressures_tell_a_fault(self) -> "Hardware":
+        problems = []
+        for name in ("p_exp", "p_i", "p_o"):
+            sensor, (low, high) = getattr(self, name), getattr(self.limits, f"{name}_kpa")
+            off, full = ((volts - sensor.zero_v) * sensor.gain_kpa_per_v for volts in (0.0, 5.0))
+            if off >= min(low, -self.valves.vented_kpa):
+                problems.append(
+                    f"{name}: without its cable, at 0 V, the sensor would read {off:g} kPa, which "
+                    f"passes for a pressure; check zero_v, gain_kpa_per_v and limits.{name}_kpa"
+                )
+            if full <= high:
+                problems.append(
+                    f"{name}: at its full 5 V the sensor would read {full:g} kPa, so that no "
+                    f"pressure exceeds {high:g}; check zero_v, gain_kpa_per_v and "
+                    f"limits.{name}_kpa"
+                )
+        if problems:
+            raise ValueError("; ".join(problems))
+        return self
 
     @model_validator(mode="after")
     def _sensors_differ(self) -> "Hardware":

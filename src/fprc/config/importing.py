@@ -6,11 +6,11 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
-import yaml
 from pydantic import AfterValidator, BaseModel, BeforeValidator, Field, ValidationError
 
 from fprc.config.section import Section
 from fprc.errors import ConfigError
+from fprc.yaml_file import read_yaml
 
 
 def _as_text(value: Any) -> Any:
@@ -128,7 +128,7 @@ def read_map(path: Path | str) -> ImportMap:
         the nearest valid one, every missing key, every wrong value, and what contradicts
         something else.
     """
-    loaded = _load(path)
+    loaded = read_yaml(path)
     lines = []
     try:
         told = ImportMap.model_validate(loaded)
@@ -156,7 +156,7 @@ def read_draft(path: Path | str) -> Draft:
     ConfigError
         The file is no YAML of keys and values.
     """
-    loaded = _load(path)
+    loaded = read_yaml(path)
     try:
         csv = Csv.model_validate(loaded.get("csv", {})).model_dump()
     except ValidationError:
@@ -166,18 +166,6 @@ def read_draft(path: Path | str) -> Draft:
     columns = {key: _as_text(_mapping(spec).get("column")) for key, spec in specs.items()}
     named = {key: column for key, column in columns.items() if isinstance(column, str)}
     return Draft(named, csv)
-
-
-def _load(path: Path | str) -> dict[str, Any]:
-    try:
-        loaded = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise ConfigError(f"{path}: cannot be read as YAML: {error}") from error
-    if not isinstance(loaded, dict):
-        raise ConfigError(
-            f"{path}: must hold keys and values, not {type(loaded).__name__}; see docs/own-data.md"
-        )
-    return loaded
 
 
 # --- what is wrong --------------------------------------------------------------------------

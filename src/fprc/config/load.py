@@ -5,12 +5,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import yaml
 from pydantic import ValidationError
 
 from fprc.config.section import fields
 from fprc.config.settings import Settings
 from fprc.errors import ConfigError
+from fprc.yaml_file import read_yaml
 
 
 def check(config: Mapping[str, Any]) -> Settings:
@@ -60,19 +60,24 @@ def _restored(config: Any, item: Mapping) -> bool:
     return True
 
 
-def from_files(paths: Sequence[Path | str]) -> Settings:
-    """Merge YAML files, later ones over earlier ones, and check the result."""
+def from_files(paths: Sequence[Path | str], over: Mapping[str, Any] | None = None) -> Settings:
+    """Merge YAML files, later ones over earlier ones and ``over`` over all, and check the result.
+
+    Raises
+    ------
+    ConfigError
+        Lists what is wrong in each file that cannot be read; or all that ``check`` does.
+    """
     merged: dict[str, Any] = {}
+    problems = []
     for path in paths:
         try:
-            loaded = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
-        except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-            raise ConfigError(f"{path}: cannot be read as YAML: {error}") from error
-        if loaded is None:
-            continue
-        if not isinstance(loaded, dict):
-            raise ConfigError(f"{path}: must hold keys and values, not a {type(loaded).__name__}")
-        _merge(merged, loaded)
+            _merge(merged, read_yaml(path))
+        except ConfigError as error:
+            problems.append(str(error))
+    if problems:
+        raise ConfigError("\n".join(problems))
+    _merge(merged, over or {})
     return check(merged)
 
 

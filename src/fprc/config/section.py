@@ -22,7 +22,7 @@ class Section(BaseModel):
             return value
         parts = value if isinstance(value, (list, tuple)) else [value]
         if any(isinstance(part, bool) for part in parts):
-            raise ValueError("must be a number or a text, not yes/no")
+            raise ValueError("must be a number or a text, not true/false")
         return value
 
 

@@ -1,12 +1,12 @@
 """All settings of the workflow; the defaults are the paper's."""
 
-from pathlib import PurePath
 from typing import Annotated, Literal
 
 from annotated_types import Ge, Le
-from pydantic import AfterValidator, Field, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from fprc.config.calibration import Calibration, Ensemble
+from fprc.config.folders import Folders
 from fprc.config.hardware import Hardware
 from fprc.config.rig import Rig
 from fprc.config.section import Section, quantities, quantity, rising, within
@@ -49,7 +49,8 @@ class Experiments(Section):
 class PressureLoop(Section):
     """Software PI loop on a valve voltage."""
 
-    kp_v_per_kpa: float = quantity(0.03, "V/kPa", (0, 1), "proportional gain", "paper, Sec. IV")
+    # above 0: more voltage fills, so that the gain's sign is the loop's
+    kp_v_per_kpa: float = quantity(0.03, "V/kPa", (1e-4, 1), "proportional gain", "paper, Sec. IV")
     ki_v_per_kpa_s: float = quantity(1e-6, "V/(kPa s)", (0, 1), "integral gain", "paper, Sec. IV")
 
 
@@ -74,16 +75,31 @@ class Quality(Section):
     gap_periods: float = quantity(1.5, "periods", (1.01, 100), "a longer step is a gap")
     stuck_s: float = quantity(2.0, "s", (0.05, 60), "a channel is stuck if unchanged for longer")
     pressure_range_kpa: tuple[within(-100, 1000), within(-100, 1000)] = quantities(
-        (-20, 995), "kPa", (-100, 1000), "readings outside are saturated"
+        (-20, 995), "kPa", (-100, 1000), "commands and readings outside are implausible"
     )
     angle_range_deg: tuple[within(-360, 360), within(-360, 360)] = quantities(
-        (-45, 120), "deg", (-360, 360), "readings outside are saturated"
+        (-45, 120), "deg", (-360, 360), "theta and theta_d outside are implausible"
+    )
+    reservoir_angle_range_deg: tuple[within(-360, 360), within(-360, 360)] = quantities(
+        (-120, 120), "deg", (-360, 360), "phi outside is implausible"
+    )
+    voltage_range_v: tuple[within(-20, 20), within(-20, 20)] = quantities(
+        (0, 10), "V", (-20, 20), "voltages of the valves outside are implausible"
+    )
+    effort_range_kpa: tuple[within(-10000, 10000), within(-10000, 10000)] = quantities(
+        (-1000, 1000), "kPa", (-10000, 10000), "P_ff and P_fb outside are implausible"
     )
     leak_kpa_per_min: float = quantity(
         5.0, "kPa/min", (0, 100), "a faster fall of P_o at equal P_i is a leak"
     )
 
-    _rises = field_validator("pressure_range_kpa", "angle_range_deg")(rising)
+    _rises = field_validator(
+        "pressure_range_kpa",
+        "angle_range_deg",
+        "reservoir_angle_range_deg",
+        "voltage_range_v",
+        "effort_range_kpa",
+    )(rising)
 
 
 class Esn(Section):
@@ -220,7 +236,7 @@ class References(Section):
 class Gains(Section):
     """PD controller of the bending angle."""
 
-    kp_kpa_per_deg: float = quantity(0.5, "kPa/deg", (0, 50), "P gain", "paper, Sec. IV")
+    kp_kpa_per_deg: float = quantity(0.5, "kPa/deg", (1e-3, 50), "P gain", "paper, Sec. IV")
     kd_kpa_s_per_deg: float = quantity(0.005, "kPa s/deg", (0, 5), "D gain", "paper, Sec. IV")
 
 
@@ -259,17 +275,6 @@ class Tracking(Section):
                 f"= {reference.settle_s:g} s and the end of the run at {end_s:g} s"
             )
         return self
-
-
-#: A folder under one name: `out/` and `./out` are `out`.
-Folder = Annotated[str, AfterValidator(lambda folder: str(PurePath(folder)))]
-
-
-class Folders(Section):
-    """Where files go."""
-
-    raw: Folder = Field("data/raw", min_length=1, description="raw logs")
-    results: Folder = Field("results", min_length=1, description="everything generated")
 
 
 class Settings(Section):

@@ -4,7 +4,8 @@ from fprc.control.hysteresis import hysteresis_law
 from fprc.control.loop import Law, RunAbortedError, run
 from fprc.control.pd import PD
 from fprc.control.pressure import PressurePI
-from fprc.control.tracking import TRACKING_CHANNELS, refuse_impossible, tracking_law
+from fprc.control.tracking import refuse_impossible, tracking_law
+from fprc.logs import TRACKING_CHANNELS
 
 __all__ = [
     "PD",

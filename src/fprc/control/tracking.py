@@ -10,9 +10,6 @@ from fprc.control.pd import PD
 from fprc.devices import Readings
 from fprc.errors import ControlError
 
-#: What a tracking law adds to the channels of a raw log.
-TRACKING_CHANNELS = ("theta_d_deg", "p_ff_kpa", "p_fb_kpa")
-
 Feedforward = Callable[[float, Readings], float]
 
 

@@ -7,63 +7,18 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from fprc.devices.bendlabs import BendSensor, open_bus
-from fprc.devices.contec import AnalogInput, AnalogOutput, load_library
+from fprc.devices.locks import locked
+from fprc.devices.pneumatics import (
+    Pressures,
+    Valves,
+    board_names,
+    each,
+    open_valves,
+    quietly,
+    vent,
+)
 from fprc.devices.protocol import Readings
 from fprc.errors import DeviceError
-
-
-class Valves:
-    """Both proportional valves on the output board.
-
-    Parameters
-    ----------
-    boards, voltages : Mapping
-        As in ``fprc.config.hardware``: ``boards`` and ``valves``.
-    """
-
-    def __init__(self, board: AnalogOutput, boards: Mapping[str, Any], voltages: Mapping[str, Any]):
-        self._board = board
-        self._main = boards["main_output"]
-        self._reservoir = boards["reservoir_output"]
-        self._voltages = voltages
-
-    def write(self, main_v: float, reservoir_v: float) -> None:
-        """Hold these voltages.
-
-        Raises
-        ------
-        DeviceError
-            The driver reports an error; the other valve was written all the same.
-        """
-        self._all([(self._main, main_v), (self._reservoir, reservoir_v)])
-
-    def vent(self) -> None:
-        """Close both valves, then open both chambers to the room.
-
-        Each of the four writes is tried whatever became of those before.
-
-        Raises
-        ------
-        DeviceError
-            The driver reports an error.
-        """
-        self._all(
-            (channel, self._voltages[state])
-            for state in ("neutral_v", "vent_v")
-            for channel in (self._main, self._reservoir)
-        )
-
-    def close(self) -> None:
-        """Vent and release the board; a valve that is vented is not closed again before."""
-        _each(self.let_out, self._board.close)
-
-    def let_out(self) -> None:
-        """Open both chambers to the room at once."""
-        vent_v = self._voltages["vent_v"]
-        self.write(vent_v, vent_v)
-
-    def _all(self, writes) -> None:
-        _each(*(_later(self._board.write, channel, volts) for channel, volts in writes))
 
 
 class HardwareRig:
@@ -75,8 +30,15 @@ class HardwareRig:
         As in ``fprc.config.hardware.Hardware``.
     elapsed : callable
         Gives the time since the start of the run, s: the stamp of a reading.
+    has_lock : bool
+        Whether this process holds the locks of the boards already; see ``fprc.devices.locks``.
+    persist : callable
+        Asked when the rig is closed and the valves cannot be written for ``vent_s``: whether to
+        go on trying.
     open_bus : callable
         Gives the I2C bus of a number.
+    sleep, now : callable
+        A wait, and a clock that does not go back, s.
 
     Raises
     ------
@@ -89,16 +51,21 @@ class HardwareRig:
         hardware: Mapping[str, Any],
         elapsed: Callable[[], float],
         *,
+        has_lock: bool = False,
+        persist: Callable[[], bool] = lambda: False,
         open_bus: Callable[[int], Any] = open_bus,
         sleep: Callable[[float], None] = time.sleep,
+        now: Callable[[], float] = time.monotonic,
     ):
         boards = hardware["boards"]
-        names = ("p_exp", "p_i", "p_o")
-        self._channels = [boards[f"{name}_input"] for name in names]
-        self._scales = [(hardware[n]["zero_v"], hardware[n]["gain_kpa_per_v"]) for n in names]
+        self._voltages = hardware["valves"]
         self._elapsed = elapsed
+        self._venting = {"persist": persist, "sleep": sleep, "now": now}
         self._buses: dict[int, Any] = {}
         with contextlib.ExitStack() as opened:
+            locks = opened.enter_context(contextlib.ExitStack())
+            if not has_lock:
+                locks.enter_context(locked(board_names(boards), boards["lock_folder"]))
             parts: dict[str, Any] = {}
 
             def attempt(name: str, build: Callable[[], Any], release: str) -> str:
@@ -106,14 +73,14 @@ class HardwareRig:
                     parts[name] = part = build()
                 except DeviceError as error:
                     return str(error)
-                opened.callback(_quietly, getattr(part, release))
+                opened.callback(quietly, getattr(part, release))
                 return ""
 
             def sensor(settings: Mapping[str, Any]) -> BendSensor:
                 number = settings["bus"]
                 if number not in self._buses:
                     self._buses[number] = bus = open_bus(number)
-                    opened.callback(_quietly, bus.close)
+                    opened.callback(quietly, bus.close)
                 own = {key: settings[key] for key in ("ticks", "gain", "offset_deg")}
                 built = BendSensor(self._buses[number], settings["address"], **own)
                 built.start(sleep=sleep)
@@ -121,7 +88,7 @@ class HardwareRig:
 
             tried = [
                 attempt("valves", lambda: open_valves(hardware), "close"),
-                attempt("inputs", lambda: _inputs(boards, 1 + max(self._channels)), "close"),
+                attempt("inputs", lambda: Pressures(hardware), "close"),
                 attempt("theta", lambda: sensor(hardware["theta"]), "shutdown"),
             ]
             if hardware["phi"]:
@@ -130,8 +97,9 @@ class HardwareRig:
             if problems:
                 raise DeviceError("\n".join(problems))
             opened.pop_all()
+        self._locks = locks
         self._valves: Valves = parts["valves"]
-        self._inputs: AnalogInput = parts["inputs"]
+        self._inputs: Pressures = parts["inputs"]
         self._theta: BendSensor = parts["theta"]
         self._phi: BendSensor | None = parts.get("phi")
         self._angles = [math.nan, math.nan]
@@ -145,11 +113,7 @@ class HardwareRig:
             A board or a sensor does not answer.
         """
         stamp = self._elapsed()
-        volts = self._inputs.read()
-        kpa = [
-            (volts[channel] - zero) * gain
-            for channel, (zero, gain) in zip(self._channels, self._scales, strict=True)
-        ]
+        kpa = self._inputs.read()
         for k, sensor in enumerate((self._theta, self._phi)):
             angle = None if sensor is None else sensor.read()
             if angle is not None:
@@ -165,58 +129,21 @@ class HardwareRig:
         self._valves.vent()
 
     def close(self) -> None:
-        """Make safe and release boards and sensors; one failure never skips the next."""
+        """Vent, wait until readings show it, release; one failure never skips the next.
+
+        Raises
+        ------
+        DeviceError
+            No reading shows that both chambers are vented; the driver or a sensor reports an
+            error.
+        """
         sensors = [sensor.shutdown for sensor in (self._theta, self._phi) if sensor]
         buses = [bus.close for bus in self._buses.values()]
-        _each(self._valves.close, self._inputs.close, *sensors, *buses)
-
-
-def open_valves(hardware: Mapping[str, Any], *, reset: bool = True) -> Valves:
-    """Open the output board and vent both chambers.
-
-    A closed valve leaks: a chamber that is left behind it fills slowly.
-
-    Parameters
-    ----------
-    reset : bool
-        See ``AnalogOutput``.
-
-    Raises
-    ------
-    DeviceError
-        The driver or the board cannot be opened.
-    """
-    boards = hardware["boards"]
-    board = AnalogOutput(load_library(boards["library"]), boards["output_device"], reset=reset)
-    valves = Valves(board, boards, hardware["valves"])
-    try:
-        valves.let_out()
-    except DeviceError:
-        _quietly(valves.close)  # which tries once more
-        raise
-    return valves
-
-
-def _inputs(boards: Mapping[str, Any], n_channels: int) -> AnalogInput:
-    return AnalogInput(load_library(boards["library"]), boards["input_device"], n_channels)
-
-
-def _later(call: Callable[..., None], *arguments) -> Callable[[], None]:
-    return lambda: call(*arguments)
-
-
-def _each(*calls: Callable[[], None]) -> None:
-    """Make every call, then raise what went wrong in any of them."""
-    problems = []
-    for call in calls:
-        try:
-            call()
-        except (DeviceError, OSError) as error:
-            problems.append(str(error))
-    if problems:
-        raise DeviceError("\n".join(dict.fromkeys(problems)))
-
-
-def _quietly(call: Callable[[], None]) -> None:
-    with contextlib.suppress(DeviceError, OSError):
-        call()
+        with self._locks:
+            each(
+                lambda: vent(self._valves, lambda: self._inputs, self._voltages, **self._venting),
+                self._valves.release,
+                self._inputs.close,
+                *sensors,
+                *buses,
+            )

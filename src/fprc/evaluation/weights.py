@@ -12,7 +12,7 @@ from fprc.models import FPRC
 def normalised_weights(
     model: FPRC, X: np.ndarray, y: np.ndarray, folds: Sequence[Fold]
 ) -> np.ndarray:
-    """Absolute weights of the FPRC on min-max normalised features, each rule summing to 1.
+    """Absolute weights of the FPRC on normalised features, each rule summing to 1 (Eqs. 13, 14).
 
     theta and the filtered P_o are each brought to [0, 1] by their own minimum
     and maximum in the training data; the model is then cross-validated as

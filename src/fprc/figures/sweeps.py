@@ -9,6 +9,7 @@ from fprc import escape
 from fprc.figures.style import COLOURS
 
 _PHASES = {"train": "Training", "validation": "Validation", "test": "Test"}
+_STYLES = {"fprc": "-", "fuzzy_linear": "--"}
 _MARKERS = {"train": "o", "validation": "s", "test": "^"}
 
 
@@ -18,35 +19,29 @@ def plot_errors_over(table: DataFrame, setting: str, label: dict, ax: Axes) -> A
     Parameters
     ----------
     table : DataFrame
-        ``model``, the setting, mean and std of each phase, and their ``unit``.
+        ``model``, the setting, ``phase``, ``mean``, ``std``, ``unit``.
     """
-    styles = {"fprc": "-", "fuzzy_linear": "--"}
-    for model, rows in table.groupby("model", sort=False):
-        rows = rows.sort_values(setting)
-        for phase, name in _PHASES.items():
-            ax.errorbar(
-                rows[setting], rows[f"{phase}_mean"], yerr=rows[f"{phase}_std"],
-                color=COLOURS[phase], linestyle=styles[model], marker=_MARKERS[phase],
-                markersize=2.5, linewidth=0.8, capsize=1.5, label=f"{label[model]}{name}",
-            )  # fmt: skip
+    _plot_over(table, setting, label, ax)
     ax.set_ylabel(f"RMSE [{escape.figure(table['unit'].iloc[0])}]")
     return ax
 
 
 def plot_times_over(table: DataFrame, setting: str, label: dict, ax: Axes) -> Axes:
-    """Draw training and test times over a setting."""
-    styles = {"fprc": "-", "fuzzy_linear": "--"}
-    shades = {"train": "train", "test": "test"}
-    for (model, phase), rows in table.groupby(["model", "phase"], sort=False):
-        rows = rows.sort_values(setting)
-        ax.errorbar(
-            rows[setting], rows["mean"], yerr=rows["std"], color=COLOURS[shades[phase]],
-            linestyle=styles[model], marker=_MARKERS[phase], markersize=2.5, linewidth=0.8,
-            capsize=1.5, label=f"{label[model]}{_PHASES[phase]}",
-        )  # fmt: skip
+    """Draw training and test times over a setting; the table as for ``plot_errors_over``."""
+    _plot_over(table, setting, label, ax)
     ax.set_ylabel("Time [s]")
     ax.set_yscale("log")
     return ax
+
+
+def _plot_over(table: DataFrame, setting: str, label: dict, ax: Axes) -> None:
+    for (model, phase), rows in table.groupby(["model", "phase"], sort=False):
+        rows = rows.sort_values(setting)
+        ax.errorbar(
+            rows[setting], rows["mean"], yerr=rows["std"], color=COLOURS[phase],
+            linestyle=_STYLES[model], marker=_MARKERS[phase], markersize=2.5, linewidth=0.8,
+            capsize=1.5, label=f"{label[model]}{_PHASES[phase]}",
+        )  # fmt: skip
 
 
 def plot_grid(table: DataFrame, phase: str, ax: Axes) -> Axes:
@@ -54,7 +49,7 @@ def plot_grid(table: DataFrame, phase: str, ax: Axes) -> Axes:
 
     Every cell wears its number; the least is framed.
     """
-    grid = table.pivot(index="n_y", columns="n_u", values=f"{phase}_mean")
+    grid = table[table["phase"] == phase].pivot(index="n_y", columns="n_u", values="mean")
     image = ax.pcolormesh(grid.columns, grid.index, grid, cmap="cividis", shading="nearest")
     middle = (grid.to_numpy().max() + grid.to_numpy().min()) / 2.0
     for n_y, row in grid.iterrows():

@@ -31,12 +31,12 @@ def plot_error(
     model_kpa: np.ndarray,
     ax: Axes,
     *,
+    rmse: float,
     colour: str,
     unit: str = "kPa",
 ) -> Axes:
     """Draw P_ff - P_exp over time, with its RMSE in the corner."""
     error = model_kpa - truth_kpa
-    rmse = np.sqrt(np.mean(error**2))
     ax.plot(time_s, error, color=colour, linewidth=0.4)
     ax.axhline(0.0, color="0.4", linewidth=0.4)
     unit = escape.figure(unit)

@@ -1,16 +1,22 @@
 """Experiment logs: HDF5 files of named channels with units."""
 
 from fprc.logs.columns import Columns, read_columns, write_columns
-from fprc.logs.holdings import COMPLETE, Holding, holdings
+from fprc.logs.holdings import (
+    COMPLETE,
+    Holding,
+    headers,
+    holdings,
+    refuse_simulated,
+    refuse_to_overwrite,
+)
 from fprc.logs.journal import Journal
 from fprc.logs.quality import assess
 from fprc.logs.raw import (
     EXPERIMENTS,
     RAW_CHANNELS,
+    TRACKING_CHANNELS,
     read_raw,
     read_run,
-    refuse_simulated,
-    refuse_to_overwrite,
     write_raw,
 )
 from fprc.logs.recovery import read_journal, recover
@@ -19,10 +25,12 @@ __all__ = [
     "COMPLETE",
     "EXPERIMENTS",
     "RAW_CHANNELS",
+    "TRACKING_CHANNELS",
     "Columns",
     "Holding",
     "Journal",
     "assess",
+    "headers",
     "holdings",
     "read_columns",
     "read_journal",

@@ -1,7 +1,7 @@
-"""HDF5 files of equally long channels, each with its unit."""
+"""HDF5 files of equally long channels, each with its unit and its checksum."""
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+import zlib
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -10,17 +10,44 @@ import numpy as np
 
 from fprc.artifacts import replacing
 from fprc.errors import LogError
+from fprc.logs.attributes import as_written, read_attributes
+from fprc.logs.hdf5 import (
+    channel_of,
+    links_of,
+    opened,
+    refuse_cut_file,
+    refuse_never_written,
+    too_large,
+)
+
+__all__ = [
+    "UNITS",
+    "Columns",
+    "gather_columns",
+    "read_columns",
+    "read_header",
+    "refuse_cut_file",
+    "unit_of",
+    "write_columns",
+]
 
 #: Unit of a channel by the ending of its name.
 UNITS = {"_kpa": "kPa", "_deg": "deg", "_s": "s", "_v": "V"}
 
+#: Attributes of a channel.
+_OF_A_CHANNEL = ("units", "crc32")
+
+#: The oldest format in which all that describes the channels has checksums of its own.
+_FORMAT = ("v108", "v108")
+
 
 class Columns(NamedTuple):
-    """Channels of one file, and its attributes."""
+    """Channels of one file, its attributes, and the channels of which no checksum tells damage."""
 
     path: Path
     channels: dict[str, np.ndarray]
     attributes: dict[str, Any]
+    unchecked: tuple[str, ...] = ()
 
 
 def unit_of(name: str) -> str:
@@ -31,23 +58,38 @@ def unit_of(name: str) -> str:
     raise LogError(f"channel {name}: its name must end in one of {', '.join(UNITS)}")
 
 
+def checksum(values: np.ndarray) -> int:
+    """Return the CRC-32 of a channel's numbers as float64, little-endian."""
+    return zlib.crc32(np.ascontiguousarray(values, dtype="<f8"))
+
+
 def write_columns(
     path: Path | str, channels: Mapping[str, np.ndarray], attributes: Mapping[str, Any]
 ) -> None:
     """Write channels and attributes under a temporary name, then rename.
 
-    The same content gives the same bytes.
+    The same content gives the same bytes. Attributes that are mappings are written as JSON.
     """
     # in memory: HDF5 crashes the process at its end if it could not write all to a full disk
-    with h5py.File("log", "w", driver="core", backing_store=False) as file:
-        file.attrs.update(attributes)
-        for name, values in channels.items():
-            dataset = file.create_dataset(name, data=np.asarray(values, dtype=np.float64))
-            dataset.attrs["units"] = unit_of(name)
+    with h5py.File("log", "w", driver="core", backing_store=False, libver=_FORMAT) as file:
+        _describe(file, attributes)
+        numbers = {name: np.asarray(values, np.float64) for name, values in channels.items()}
+        for name, values in numbers.items():
+            dataset = file.create_dataset(name, values.shape, np.float64)
+            _describe(dataset, {"units": unit_of(name), "crc32": np.uint32(checksum(values))})
+        # what describes the numbers comes before them: of a file that is cut most can be read
+        file.flush()
+        for name, values in numbers.items():
+            file[name][...] = values
         file.flush()
         image = file.id.get_file_image()
     with replacing(path) as temporary:
         temporary.write_bytes(image)
+
+
+def _describe(what: h5py.File | h5py.Dataset, attributes: Mapping[str, Any]) -> None:
+    for name, value in attributes.items():
+        what.attrs[name] = as_written(value)
 
 
 def read_columns(
@@ -59,7 +101,8 @@ def read_columns(
     ------
     LogError
         Names every problem at once, a line each: the file cannot be opened or
-        is cut short, a channel is missing, has the wrong unit or shape, or
+        is cut short; an attribute is not what it must be; a channel is missing, is
+        not in the file itself, is too large, has the wrong unit, shape or checksum, or
         holds a value that is not finite (with its sample).
     """
     columns, problems = gather_columns(path, names, optional)
@@ -69,9 +112,17 @@ def read_columns(
 
 
 def gather_columns(
-    path: Path | str, names: tuple[str, ...], optional: tuple[str, ...] = ()
+    path: Path | str,
+    names: tuple[str, ...],
+    optional: tuple[str, ...] = (),
+    attributes: tuple[str, ...] = (),
 ) -> tuple[Columns, list[str]]:
     """Read what can be read of the named channels, and say what is wrong with them.
+
+    Parameters
+    ----------
+    attributes : tuple of str
+        Those that the file must have; all others are read too.
 
     Raises
     ------
@@ -79,20 +130,19 @@ def gather_columns(
         The file cannot be opened, or is cut short.
     """
     path = Path(path)
-    with _opened(path) as file:
-        attributes = {key: plain(value) for key, value in file.attrs.items()}
-        names = (*names, *(name for name in optional if name in file))
-        channels, problems = _read_all(path, file, names)
-    lengths = {name: len(values) for name, values in channels.items()}
-    if len(set(lengths.values())) > 1:
-        shortest = min(lengths, key=lengths.get)
-        problems.append(
-            f"{path}: channel {shortest}: {lengths[shortest]} samples, but others have up to "
-            f"{max(lengths.values())}; record the log again"
-        )
-    elif 0 in lengths.values():
-        problems.append(f"{path}: no samples; record the log again")
-    return Columns(path, channels, attributes), problems
+    with opened(path) as file:
+        told, wrong = read_attributes(file.attrs)
+        wrong |= {
+            name: "missing; see data/raw/README.md"
+            for name in attributes
+            if name not in told and name not in wrong
+        }
+        problems = _of_attributes(wrong)
+        there = frozenset(file)  # to ask the file for a name would follow a link
+        names = (*names, *(name for name in optional if name in there))
+        channels, unchecked, more = _read_all(file, names)
+    problems = [f"{path}: {problem}" for problem in (*more, *problems)]
+    return Columns(path, channels, told, unchecked), problems
 
 
 def read_header(path: Path | str) -> tuple[frozenset[str], dict[str, Any]]:
@@ -101,93 +151,86 @@ def read_header(path: Path | str) -> tuple[frozenset[str], dict[str, Any]]:
     Raises
     ------
     LogError
-        The file cannot be opened, or is cut short.
+        The file cannot be opened, or is cut short; an attribute is not what it must be; a
+        channel is a link to somewhere else.
     """
-    with _opened(Path(path)) as file:
-        return frozenset(file), {key: plain(value) for key, value in file.attrs.items()}
+    with opened(Path(path)) as file:
+        names = frozenset(file)
+        told, wrong = read_attributes(file.attrs)
+        channels = [name for name in links_of(file) if name.endswith(tuple(UNITS))]
+        _, problems = _find(file, channels)
+    problems += _of_attributes(wrong)
+    if problems:
+        raise LogError("\n".join(f"{path}: {problem}" for problem in problems))
+    return names, told
 
 
-@contextmanager
-def _opened(path: Path) -> Iterator[h5py.File]:
-    refuse_cut_file(path)
-    try:
-        with h5py.File(path, "r") as file:
-            yield file
-    except (OSError, RuntimeError, KeyError, TypeError, ValueError) as error:
-        # a damaged file makes the library raise whatever it stumbles over
-        raise LogError(
-            f"{path}: cannot be read as HDF5 ({error}); the file is cut short or damaged, "
-            "restore it, or delete it and record it again"
-        ) from error
-
-
-def plain(value: Any) -> Any:
-    """Return an attribute of an HDF5 file as Python has it, whichever program wrote it."""
-    if isinstance(value, np.ndarray) and value.size == 1:
-        value = value.ravel()[0]
-    if isinstance(value, np.generic):
-        value = value.item()
-    return value.decode("utf-8", "replace") if isinstance(value, bytes) else value
-
-
-def refuse_cut_file(path: Path, at: int = 0) -> None:
-    """Compare an HDF5 file's length with the one that its superblock, ``at`` bytes in, promises.
-
-    A file cut inside its header can make the library wait for ever.
-
-    Raises
-    ------
-    LogError
-        The file cannot be opened, is no HDF5, or is cut short.
-    """
-    try:
-        size = path.stat().st_size
-        with path.open("rb") as file:
-            file.seek(at)
-            head = file.read(48)
-    except OSError as error:
-        raise LogError(f"{path}: cannot be opened ({error.strerror}); check the path") from error
-    if head[:8] != b"\x89HDF\r\n\x1a\n":
-        raise LogError(f"{path}: not an HDF5 file; raw logs are described in data/raw/README.md")
-    known = len(head) == 48 and head[8] == 0  # version 0 of the superblock
-    promised = int.from_bytes(head[40:48], "little") if known else 0
-    if len(head) < 48 or size < promised:
-        total = f" of {promised}" if promised else ""
-        raise LogError(
-            f"{path}: cut short, {size}{total} bytes are left; restore it, or delete it and "
-            "record it again"
-        )
+def _of_attributes(wrong: Mapping[str, str]) -> list[str]:
+    return [
+        f"attribute {name}{'' if why.startswith('=') else ':'} {why}" for name, why in wrong.items()
+    ]
 
 
 def _read_all(
-    path: Path, file: h5py.File, names: tuple[str, ...]
-) -> tuple[dict[str, np.ndarray], list[str]]:
-    channels: dict[str, np.ndarray] = {}
-    problems = []
+    file: h5py.File, names: tuple[str, ...]
+) -> tuple[dict[str, np.ndarray], tuple[str, ...], list[str]]:
+    """Return the channels, those that have no checksum, and what is wrong."""
+    datasets, problems = _find(file, names)
+    if why := too_large(datasets.values()):
+        return {}, (), [*problems, why]
+    channels, unchecked = {}, []
+    for name, dataset in datasets.items():
+        told, wrong = read_attributes(dataset.attrs)
+        channels[name] = values = dataset[:].astype(np.float64, copy=False)
+        more = _of_attributes({key: wrong[key] for key in _OF_A_CHANNEL if key in wrong})
+        unit = told.get("units", "none")
+        if unit != unit_of(name) and "units" not in wrong:
+            more.append(
+                f"units are {unit}, must be {unit_of(name)}; convert the values and set the "
+                "attribute"
+            )
+        if why := _wrong_numbers(values, told.get("crc32")):
+            more.append(why)
+        problems += [f"channel {name}: {problem}" for problem in more]
+        if "crc32" not in told:
+            unchecked.append(name)
+    return channels, tuple(unchecked), problems + _wrong_lengths(channels)
+
+
+def _find(file: h5py.File, names: Iterable[str]) -> tuple[dict[str, h5py.Dataset], list[str]]:
+    """Return the channels that can be read, and what is wrong with the others."""
+    found, problems = {}, []
     for name in names:
-        dataset = file.get(name)
-        if not isinstance(dataset, h5py.Dataset):
-            found = ", ".join(file) or "none"
-            problems.append(f"{path}: channel {name}: missing; the file has {found}")
-            continue
-        unit = str(plain(dataset.attrs.get("units", "none")))
-        if unit != unit_of(name):
-            problems.append(
-                f"{path}: channel {name}: units are {unit}, must be {unit_of(name)}; "
-                "convert the values and set the attribute"
-            )
-        if dataset.ndim != 1 or dataset.dtype.kind not in "fiu":
-            problems.append(
-                f"{path}: channel {name}: must be one number per sample, "
-                f"not {dataset.dtype} of shape {dataset.shape}"
-            )
-            continue
-        values = dataset[:].astype(np.float64)
-        bad = np.flatnonzero(~np.isfinite(values))
-        if bad.size:
-            problems.append(
-                f"{path}: channel {name}: sample {bad[0]} is {values[bad[0]]}, and "
-                f"{bad.size - 1} more are not finite; cut them out or record again"
-            )
-        channels[name] = values
-    return channels, problems
+        try:
+            dataset = channel_of(file, name)
+            refuse_never_written(dataset)
+            found[name] = dataset
+        except LogError as error:
+            problems.append(f"channel {name}: {error}")
+    return found, problems
+
+
+def _wrong_numbers(values: np.ndarray, crc32: int | None) -> str:
+    bad = np.flatnonzero(~np.isfinite(values))
+    if bad.size:
+        return (
+            f"sample {bad[0]} is {values[bad[0]]}, and {bad.size - 1} more are not finite; cut "
+            "them out or record again"
+        )
+    if crc32 is not None and checksum(values) != crc32:
+        return (
+            "its checksum is wrong: some of its numbers are not those that were written; restore "
+            "the file, or if you changed them, delete the attribute crc32 of the channel"
+        )
+    return ""
+
+
+def _wrong_lengths(channels: Mapping[str, np.ndarray]) -> list[str]:
+    lengths = {name: len(values) for name, values in channels.items()}
+    if len(set(lengths.values())) > 1:
+        shortest = min(lengths, key=lengths.get)
+        return [
+            f"channel {shortest}: {lengths[shortest]} samples, but others have up to "
+            f"{max(lengths.values())}; record the log again"
+        ]
+    return ["no samples; record the log again"] if 0 in lengths.values() else []

@@ -1,177 +1,171 @@
-"""HDF5 files of other programs, among them MATLAB's since version 7.3."""
+"""HDF5 files that may be damaged, or made to do harm: what is judged before samples are read."""
 
-from collections.abc import Iterator
+import math
+import os
+import stat
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import h5py
-import numpy as np
 
 from fprc.errors import LogError
-from fprc.logs.columns import plain, refuse_cut_file
-from fprc.logs.matlab import EMPTY, OBJECT, SPARSE, elements
-from fprc.logs.variables import MOST_NUMBERS, Source, sorted_out
+from fprc.escape import visible
 
-#: Most datasets and links; the library takes 0.2 ms for each.
-MOST_OBJECTS = 20_000
-#: MATLAB's classes of numbers.
-_NUMBERS = {"double", "single", "logical"} | {
-    f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)
-}
+#: Most that the channels of one file may take in memory, bytes: 9 h of ten channels at 200 Hz.
+MAX_BYTES = 512 << 20
 
-#: A part of a file: its name, and what is there, its numbers, or why it has none.
-_Part = tuple[str, h5py.Dataset | np.ndarray | str]
+#: Where superblocks keep the length of the file, by their version.
+_LENGTH_AT = {0: 40, 1: 44, 2: 28, 3: 28}
 
 
-def read_hdf5(path: Path, *, at: int, matlab: bool) -> Source:
-    """Read an HDF5 file.
-
-    Parts of MATLAB's variables have the names that MATLAB gives them, see
-    ``fprc.logs.matlab.read_matlab``. Links are not followed.
-
-    Parameters
-    ----------
-    at : int
-        Where HDF5 begins in the file, bytes.
+@contextmanager
+def opened(path: Path) -> Iterator[h5py.File]:
+    """Open a file to read it; what the library raises meanwhile becomes an error for people.
 
     Raises
     ------
     LogError
-        The file is damaged, cut short, or has too many parts.
+        The file cannot be opened, is cut short or damaged.
     """
-    refuse_cut_file(path, at=at)
-    variables: dict[str, np.ndarray] = {}
-    others: dict[str, str] = {}
-    left = MOST_NUMBERS
+    refuse_cut_file(path)
     try:
         with h5py.File(path, "r") as file:
-            parts = _variables(file) if matlab else _datasets(file)
-            for count, (name, part) in enumerate(parts):
-                if count == MOST_OBJECTS:
-                    raise _too_many(path)
-                if isinstance(part, h5py.Dataset):
-                    part = _why_not(part, left, matlab=matlab) or _read(part, matlab=matlab)
-                if isinstance(part, str):
-                    others[name] = part
-                else:
-                    variables[name] = part
-                    left -= part.size
-    except (LogError, MemoryError):
+            yield file
+    except LogError:
         raise
     except Exception as error:  # a damaged file makes the library raise whatever it stumbles over
         raise LogError(
-            f"{path}: cannot be read as HDF5 ({type(error).__name__}: {error}); the file is cut "
-            "short, damaged, or something else"
+            f"{path}: cannot be read as HDF5 ({error}); the file is cut short or damaged, "
+            "restore it, or delete it and record it again"
         ) from error
-    kind = "MATLAB 7.3" if matlab else "HDF5"
-    return Source(path, kind, *sorted_out(path, variables, others))
 
 
-def _too_many(path: Path | str) -> LogError:
-    return LogError(
-        f"{path}: more than {MOST_OBJECTS} datasets; save the columns as one matrix, or a struct "
-        "array as a struct of arrays"
+def refuse_cut_file(path: Path, at: int = 0) -> None:
+    """Compare an HDF5 file's length with the one that its superblock, ``at`` bytes in, promises.
+
+    A file cut inside its header can make the library wait for ever.
+
+    Raises
+    ------
+    LogError
+        The file cannot be opened, is no HDF5, or is cut short.
+    """
+    try:
+        found = path.stat()
+        if not stat.S_ISREG(found.st_mode):  # to open a pipe would take for ever
+            raise LogError(f"{path}: cannot be opened (it is no file); check the path")
+        with path.open("rb") as file:
+            file.seek(at)
+            head = file.read(52)
+    except OSError as error:
+        raise LogError(f"{path}: cannot be opened ({error.strerror}); check the path") from error
+    if head[:8] != b"\x89HDF\r\n\x1a\n":
+        raise LogError(f"{path}: not an HDF5 file; raw logs are described in data/raw/README.md")
+    size = found.st_size
+    promised = promised_length(head)
+    if len(head) < 48 or size < promised:
+        total = f" of {promised}" if promised else ""
+        raise LogError(
+            f"{path}: cut short, {size}{total} bytes are left; restore it, or delete it and "
+            "record it again"
+        )
+
+
+def promised_length(head: bytes) -> int:
+    """Return the length that a superblock says the file has; 0 if it cannot be told."""
+    begin = _LENGTH_AT.get(head[8] if len(head) > 8 else -1, len(head))
+    number = head[begin : begin + 8]
+    return int.from_bytes(number, "little") if len(number) == 8 else 0
+
+
+def links_of(file: h5py.File) -> list[str]:
+    """Return the names in a file that stand for something elsewhere; none is followed."""
+    found = []
+
+    def note(name: bytes, info: h5py.h5l.LinkInfo) -> None:
+        if info.type != h5py.h5l.TYPE_HARD:
+            found.append(name.decode("utf-8", "surrogateescape"))
+
+    file.id.links.iterate(note, info=True)
+    return found
+
+
+def channel_of(file: h5py.File, name: str) -> h5py.Dataset:
+    """Return the dataset of a channel, of which all samples are in the file itself.
+
+    Raises
+    ------
+    LogError
+        Says why it cannot be used; the message names neither file nor channel.
+    """
+    link = file.get(name, getlink=True)
+    if isinstance(link, h5py.ExternalLink):
+        where = visible(f"{link.filename} {link.path}")
+        raise LogError(f"is a link to another file, {where}; copy the samples into this one")
+    if isinstance(link, h5py.SoftLink):
+        raise LogError(f"is a link to {visible(link.path)}; copy the samples into a dataset")
+    dataset = None if link is None else file.get(name)
+    if not isinstance(dataset, h5py.Dataset):
+        raise LogError(f"missing; the file has {listed(file)}")
+    if dataset.is_virtual or dataset.external:
+        raise LogError("its samples are in another file; copy them into this one")
+    if dataset.ndim != 1 or dataset.dtype.kind not in "fiu":
+        raise LogError(
+            f"must be one number per sample, not {dataset.dtype} of shape {dataset.shape}"
+        )
+    return dataset
+
+
+def refuse_never_written(dataset: h5py.Dataset) -> None:
+    """Check that no sample of a channel is one that the library makes up.
+
+    It does so of those that were never written; a small file can declare any number of them.
+
+    Raises
+    ------
+    LogError
+        Some were never written; the message does not name the channel.
+    """
+    layout = dataset.id.get_create_plist().get_layout()
+    if layout == h5py.h5d.CHUNKED:
+        there = dataset.id.get_num_chunks() >= -(-len(dataset) // dataset.chunks[0])
+    else:
+        there = layout == h5py.h5d.COMPACT or dataset.id.get_offset() is not None
+    if len(dataset) and not there:
+        raise LogError(
+            f"declares {len(dataset)} samples, and not all of them were ever written; record the "
+            "log again"
+        )
+
+
+def bytes_of(dataset: h5py.Dataset) -> int:
+    """Return what a channel takes in memory, bytes; a chunk is read as a whole."""
+    samples = max(dataset.size, math.prod(dataset.chunks or ()))
+    return samples * max(dataset.dtype.itemsize, 8)
+
+
+def too_large(datasets: Iterable[h5py.Dataset]) -> str:
+    """Return why channels are not to be read together; empty if they may be."""
+    sizes = {dataset: bytes_of(dataset) for dataset in datasets}
+    total = sum(sizes.values())
+    if total <= MAX_BYTES:
+        return ""
+    largest = max(sizes, key=sizes.get)
+    return (
+        f"channel {largest.name.lstrip('/')}: declares {largest.size} samples; all channels "
+        f"would take {total >> 20} MB and may take {MAX_BYTES >> 20} MB; the file is damaged, or "
+        "too large: split it"
     )
 
 
-def _why_not(dataset: h5py.Dataset, left: int, *, matlab: bool) -> str | None:
-    """Return why a dataset cannot be a channel, by what it declares."""
-    kind = str(plain(dataset.attrs.get("MATLAB_class", "double"))) if matlab else "double"
-    if not dataset.size or (matlab and "MATLAB_empty" in dataset.attrs):
-        return EMPTY
-    if kind not in _NUMBERS:
-        return "text" if kind == "char" else OBJECT.format(kind)
-    if dataset.ndim > 2 or dataset.dtype.kind not in "fiub":
-        return f"{dataset.dtype} of shape {dataset.shape}"
-    if dataset.external or dataset.is_virtual:
-        return "kept in another file; copy it into this one"
-    largest = max(dataset.size, int(np.prod(dataset.chunks or (1,), dtype=float)))
-    if largest > left:
-        return (
-            f"declares {largest:,} numbers; at most {MOST_NUMBERS:,} are read of a file, split it"
-        )
-    return None
+def shown(name: str | bytes) -> str:
+    """Return a name in a file for a message; the library gives bytes of what is not UTF-8."""
+    return visible(os.fsdecode(name))
 
 
-def _read(dataset: h5py.Dataset, *, matlab: bool) -> np.ndarray | str:
-    try:
-        values = np.asarray(dataset[()], dtype=np.float64)
-    except (OSError, RuntimeError) as error:  # of this dataset alone
-        return f"cannot be read ({error})"
-    return values.T if matlab else values  # MATLAB keeps arrays by columns
-
-
-def _members(group: h5py.Group) -> Iterator[tuple[str, Any]]:
-    """Yield names and objects of a group; for a link to elsewhere, a text."""
-    if len(group) > MOST_OBJECTS:
-        raise _too_many(group.file.filename)
-    for name in group:
-        link = group.get(name, getlink=True)
-        if isinstance(link, h5py.HardLink):
-            yield name, group[name]
-        else:
-            where = getattr(link, "filename", "")
-            yield name, f"a link to {where or link.path}, which is not followed"
-
-
-def _datasets(group: h5py.Group, prefix: str = "") -> Iterator[_Part]:
-    for name, member in _members(group):
-        if isinstance(member, h5py.Group):
-            yield from _datasets(member, f"{prefix}{name}/")
-        elif isinstance(member, (h5py.Dataset, str)):
-            yield f"{prefix}{name}", member
-
-
-# --- MATLAB ---------------------------------------------------------------------------------
-
-
-def _variables(file: h5py.File) -> Iterator[_Part]:
-    for name, member in _members(file):
-        if not name.startswith("#"):  # where MATLAB keeps what its cells refer to
-            yield from _parts(name, member)
-
-
-def _parts(name: str, thing: Any) -> Iterator[_Part]:
-    if isinstance(thing, h5py.Group):
-        if "MATLAB_sparse" in thing.attrs:
-            yield name, SPARSE
-            return
-        for field, member in _members(thing):
-            if _refers(member) and "MATLAB_class" not in member.attrs:
-                yield from _field(name, field, member)
-            else:
-                yield from _parts(f"{name}.{field}", member)
-    elif _refers(thing):
-        for text, target in _targets(thing):
-            yield from _parts(f"{name}{{{text}}}", target)
-    elif isinstance(thing, (h5py.Dataset, str)):
-        yield name, thing
-
-
-def _field(name: str, field: str, member: h5py.Dataset) -> Iterator[_Part]:
-    """Yield the parts of a field of a struct array: each element refers to its own."""
-    each = list(_targets(member))
-    targets = [target for _, target in each]
-    if all(isinstance(target, h5py.Dataset) and target.size == 1 and not _refers(target)
-           and _why_not(target, 1, matlab=True) is None for target in targets):  # fmt: skip
-        yield f"[{name}.{field}]", np.array([float(target[()].item()) for target in targets])
-    else:
-        for text, target in each:
-            yield from _parts(f"{name}({text}).{field}", target)
-
-
-def _refers(thing: Any) -> bool:
-    """Say whether a dataset's elements are references: a cell array's, a struct array's."""
-    return isinstance(thing, h5py.Dataset) and h5py.check_ref_dtype(thing.dtype) is h5py.Reference
-
-
-def _targets(dataset: h5py.Dataset) -> Iterator[tuple[str, Any]]:
-    """Yield what a dataset's elements refer to, and their index as MATLAB writes it."""
-    if not dataset.size or dataset.size > MOST_OBJECTS:
-        if dataset.size:
-            raise _too_many(dataset.file.filename)
-        return
-    references = np.asarray(dataset[()]).T
-    for index, text in elements(references.shape):
-        reference = references[index]
-        yield text, dataset.file[reference] if reference else EMPTY
+def listed(names: Iterable[str], most: int = 12) -> str:
+    """Return names for a message, the first ones if there are many."""
+    found = list(names)
+    more = f" and {len(found) - most} more" if len(found) > most else ""
+    return (", ".join(map(shown, found[:most])) or "none") + more

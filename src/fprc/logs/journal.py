@@ -240,7 +240,7 @@ def _refuse_description(path: Path, names: Sequence[str], attributes: Mapping[st
             problems.append(f"{path}: {error}")
     twice = sorted({name for name in names if names.count(name) > 1})
     absent = [name for name in RAW_ATTRIBUTES if name not in attributes and name != "simulated"]
-    missing = missing_channels(attributes.get("source", ""), names)
+    missing = missing_channels(attributes, names)
     for what, wrong in (
         ("channels {} are there twice", twice),
         ("channels {} are missing", missing),

@@ -1,16 +1,29 @@
 """Quality record of a raw log: what a careful experimenter would look at."""
 
-import json
 import re
 from collections.abc import Container, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
+from fprc.escape import visible
 from fprc.logs.columns import Columns, unit_of
 
-_PRESSURES = ("p_exp_kpa", "p_i_kpa", "p_o_kpa")
-_SENSORS = (*_PRESSURES, "theta_deg")
+#: The channels that each range is for.
+_RANGES = {
+    "pressure_range_kpa": (
+        "p_exp_command_kpa",
+        "p_exp_kpa",
+        "p_i_command_kpa",
+        "p_i_kpa",
+        "p_o_kpa",
+    ),
+    "angle_range_deg": ("theta_deg", "theta_d_deg"),
+    "reservoir_angle_range_deg": ("phi_deg",),
+    "voltage_range_v": ("valve_main_v", "valve_reservoir_v"),
+    "effort_range_kpa": ("p_ff_kpa", "p_fb_kpa"),
+}
+_SENSORS = ("p_exp_kpa", "p_i_kpa", "p_o_kpa", "theta_deg")
 
 
 def assess(
@@ -20,9 +33,8 @@ def assess(
     rate_tolerance: float,
     gap_periods: float,
     stuck_s: float,
-    pressure_range_kpa: Sequence[float],
-    angle_range_deg: Sequence[float],
     leak_kpa_per_min: float,
+    **ranges: Sequence[float],
 ) -> dict[str, Any]:
     """Return the quality record of a readable raw log.
 
@@ -30,15 +42,25 @@ def assess(
     check does not stop the workflow; the record and the terminal say so. What
     an import left out, or took for something else, is not judged where it
     would have no meaning. ``loop`` is what the run of a real rig says of its
-    ticks: how many were missed, how late they began.
+    ticks: how many were missed, how late they began. ``no_checksum`` lists the
+    channels of which a damaged number would not be noticed.
+
+    Parameters
+    ----------
+    **ranges
+        Lowest and highest plausible number: ``pressure_range_kpa`` of what is commanded
+        and measured, ``angle_range_deg`` of theta and theta_d, ``reservoir_angle_range_deg``
+        of phi, ``voltage_range_v`` of the valves, ``effort_range_kpa`` of P_ff and P_fb.
     """
-    ranges = dict.fromkeys(_PRESSURES, pressure_range_kpa) | {"theta_deg": angle_range_deg}
     notes = notes_of(log)
-    ranges = {
-        name: limits
-        for name, limits in ranges.items()
+    limits = {
+        name: ranges[key]
+        for key, names in _RANGES.items()
+        for name in names
         if name in log.channels and not notes.get(name, "").startswith(something_else(name))
     }
+    outside = _outside(log, limits)
+    plausible = [name for name, count in outside["samples"].items() if not count]
     record = {
         "log": log.path.name,
         "experiment": log.attributes["experiment"],
@@ -49,12 +71,16 @@ def assess(
             "rate": _rate(log, sample_rate_hz, rate_tolerance),
             "gaps": _gaps(log, gap_periods / sample_rate_hz),
             "not_finite": _not_finite(log),
-            "saturation": _saturation(log, ranges),
+            "range": outside,
             "stuck": _stuck(log, stuck_s * sample_rate_hz),
-            "leak": _leak(log, leak_kpa_per_min, ranges),
+            "leak": _leak(log, leak_kpa_per_min, plausible),
         },
     }
-    more = {"loop": json.loads(log.attributes.get("statistics", "{}")), "notes": notes}
+    more = {
+        "loop": log.attributes.get("statistics"),
+        "notes": notes,
+        "no_checksum": list(log.unchecked),
+    }
     return record | {name: content for name, content in more.items() if content}
 
 
@@ -77,16 +103,27 @@ def unit_told(name: str, notes: Mapping[str, str]) -> str:
 
 def notes_of(log: Columns) -> dict[str, str]:
     """Return what an imported log says of its channels, by channel."""
-    return json.loads(log.attributes.get("notes", "{}"))
+    return log.attributes.get("notes", {})
 
 
 def warnings(record: Mapping[str, Any]) -> list[str]:
     """Return one line for each failed check of a quality record."""
     return [
-        f"{record['log']}: {name}: {check}"
+        visible(f"{record['log']}: {name}: {_words(name, check)}")
         for name, check in record["checks"].items()
         if not check["passed"]
     ]
+
+
+def _words(name: str, check: Mapping[str, Any]) -> str:
+    if name != "range":
+        return str(check)
+    return "; ".join(
+        f"channel {channel}: sample {one['sample']} is {one['value']:g} {unit_of(channel)}, "
+        f"outside of {one['limits'][0]:g} to {one['limits'][1]:g}, and "
+        f"{check['samples'][channel] - 1} more"
+        for channel, one in check["first"].items()
+    )
 
 
 def _complete(log: Columns) -> dict[str, Any]:
@@ -128,12 +165,16 @@ def _not_finite(log: Columns) -> dict[str, Any]:
     return {"passed": count == 0, "count": count}
 
 
-def _saturation(log: Columns, ranges: Mapping[str, Sequence[float]]) -> dict[str, Any]:
-    counts = {}
-    for name, (low, high) in ranges.items():
+def _outside(log: Columns, limits: Mapping[str, Sequence[float]]) -> dict[str, Any]:
+    counts, first = {}, {}
+    for name, (low, high) in limits.items():
         values = log.channels[name]
-        counts[name] = int(((values < low) | (values > high)).sum())
-    return {"passed": not any(counts.values()), "samples": counts}
+        outside = np.flatnonzero(np.isfinite(values) & ((values < low) | (values > high)))
+        counts[name] = int(outside.size)
+        if outside.size:
+            k = int(outside[0])
+            first[name] = {"sample": k, "value": float(values[k]), "limits": [low, high]}
+    return {"passed": not first, "samples": counts, "first": first}
 
 
 def _stuck(log: Columns, limit: float) -> dict[str, Any]:
@@ -147,23 +188,26 @@ def _stuck(log: Columns, limit: float) -> dict[str, Any]:
 
 
 def _longest_run(values: np.ndarray) -> int:
-    changes = np.flatnonzero(np.diff(values) != 0.0) + 1
+    changes = np.flatnonzero(values[1:] != values[:-1]) + 1
     edges = np.concatenate([[0], changes, [len(values)]])
     return int(np.diff(edges).max())
 
 
-def _leak(log: Columns, limit: float, judged: Container[str]) -> dict[str, Any]:
-    if not ("p_i_kpa" in log.channels and "p_o_kpa" in judged):
-        return {"passed": True, "kpa_per_min": None, "why": "needs p_i_kpa, and p_o_kpa in kPa"}
+def _leak(log: Columns, limit: float, plausible: Container[str]) -> dict[str, Any]:
+    if "p_i_kpa" not in log.channels or "p_o_kpa" not in plausible:
+        why = "needs p_i_kpa, and p_o_kpa within its range"
+        return {"passed": True, "kpa_per_min": None, "why": why}
     # P_o at equal P_i over time: the trend beside a smooth dependence on P_i. In logs of less
     # than a minute the hysteresis passes for a rising trend and can hide a leak.
     p_i = log.channels["p_i_kpa"]
+    p_i = p_i / (np.abs(p_i).max() or 1.0)
     minutes = log.channels["time_s"] / 60.0
     minutes = minutes - minutes.mean()
     basis = np.column_stack([np.ones_like(p_i), p_i, p_i**2, p_i**3, minutes])
     scale = np.abs(basis).max(axis=0)
     if len(p_i) < 10 * basis.shape[1] or not scale.all():
         return {"passed": True, "kpa_per_min": None, "why": "too short, or P_i constant at 0"}
-    weights, *_ = np.linalg.lstsq(basis / scale, log.channels["p_o_kpa"])
+    basis /= scale
+    weights, *_ = np.linalg.lstsq(basis, log.channels["p_o_kpa"])
     slope = float(weights[-1] / scale[-1])
     return {"passed": slope >= -limit, "kpa_per_min": slope, "limit_kpa_per_min": -limit}

@@ -1,14 +1,13 @@
 """Raw logs of experiments, as the rig gave them."""
 
-import json
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Container, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from fprc.errors import LogError
-from fprc.logs.columns import Columns, gather_columns, read_columns, write_columns
+from fprc.logs.columns import Columns, gather_columns, write_columns
 
 #: The two hysteresis experiments: in Table II the first trains and the second tests, in Table III
 #: the other way round.
@@ -28,6 +27,12 @@ RAW_CHANNELS = (
     "valve_reservoir_v",
 )
 
+#: What the log of a closed-loop run has besides: reference, feedforward and feedback.
+TRACKING_CHANNELS = ("theta_d_deg", "p_ff_kpa", "p_fb_kpa")
+
+#: How the experiment of a closed-loop run begins.
+RUNS = ("track_", "identify_")
+
 #: What an imported log must have; further one of ``_TARGETS``. The others may be absent.
 _IMPORTED = ("time_s", "theta_deg")
 _TARGETS = ("p_exp_command_kpa", "p_exp_kpa")
@@ -38,17 +43,20 @@ SIMULATED_RESERVOIR = {"rig": "rig+sim", "import": "import+sim"}
 #: Where a log can come from: simulated, recorded here, brought in.
 SOURCES = ("sim", "rig", "import", *SIMULATED_RESERVOIR.values())
 
-#: Attributes that a raw log must have, and their kinds.
-RAW_ATTRIBUTES = {
-    "experiment": str,
-    "source": str,
-    "simulated": bool,
-    "sample_rate_hz": (int, float),
-    "seed": int,
-    "software": str,
-    "rig": str,
-}
-_OPTIONAL_ATTRIBUTES = {"complete": bool, "incomplete_reason": str, "lost_samples": int}
+#: Attributes that a raw log must have, and those that a closed-loop run must have besides.
+RAW_ATTRIBUTES = (
+    "experiment",
+    "source",
+    "simulated",
+    "sample_rate_hz",
+    "seed",
+    "software",
+    "rig",
+)
+RUN_ATTRIBUTES = ("controller", "gain", "reference", "settle_s")
+
+#: No clock, sensor or command gives a number beyond this, and squares of it are numbers still.
+_BEYOND = 1e10
 
 
 def write_raw(
@@ -81,69 +89,38 @@ def write_raw(
         "sample_rate_hz": sample_rate_hz,
         "seed": seed,
         "software": software,
-        "rig": json.dumps(rig),
+        "rig": rig,
         **more,
     }
-    missing = missing_channels(source, channels)
+    missing = missing_channels(attributes, channels)
     if missing:
         raise LogError(f"{path}: not written, channels {', '.join(missing)} are missing")
     write_columns(path, channels, attributes)
 
 
-def missing_channels(source: str, channels: Container[str]) -> list[str]:
-    """Return the channels that a log of this source must have and has not."""
-    missing = [name for name in _needed(source) if name not in channels]
-    if source.startswith("import") and not any(name in channels for name in _TARGETS):
+def missing_channels(told: Mapping[str, Any], channels: Container[str]) -> list[str]:
+    """Return the channels that a log with these attributes must have and has not."""
+    missing = [name for name in _needed(told) if name not in channels]
+    if _is_imported(told) and not any(name in channels for name in _TARGETS):
         missing.append(" or ".join(_TARGETS))
     return missing
 
 
-def _needed(source: str) -> tuple[str, ...]:
-    if source.startswith("import"):
-        return _IMPORTED
-    if source.startswith("rig"):  # it may have no angle sensor on the reservoir
-        return tuple(name for name in RAW_CHANNELS if name != "phi_deg")
-    return RAW_CHANNELS
+def _needed(told: Mapping[str, Any]) -> tuple[str, ...]:
+    names = RAW_CHANNELS
+    if _is_imported(told):
+        names = _IMPORTED
+    elif str(told.get("source")).startswith("rig"):  # there may be no angle sensor on the reservoir
+        names = tuple(name for name in RAW_CHANNELS if name != "phi_deg")
+    return (*names, *(TRACKING_CHANNELS if _is_run(told) else ()))
 
 
-def refuse_to_overwrite(paths: Sequence[Path | str]) -> None:
-    """Check that no log which the simulated rig would replace is anything else.
-
-    Raises
-    ------
-    LogError
-        A file exists that is not a simulated log, or cannot be read.
-    """
-    problems = []
-    for path in filter(Path.exists, map(Path, paths)):
-        try:
-            if read_columns(path, ()).attributes.get("source") != "sim":
-                problems.append(
-                    f"{path}: is not a log of the simulated rig and will not be overwritten; "
-                    "set source: recorded to use it, or move it away"
-                )
-        except LogError as error:
-            problems.append(str(error))
-    if problems:
-        raise LogError("\n".join(problems))
+def _is_imported(told: Mapping[str, Any]) -> bool:
+    return str(told.get("source")).startswith("import")
 
 
-def refuse_simulated(paths: Sequence[Path | str]) -> None:
-    """Check that no log in the place of a real rig's is a simulated one.
-
-    Raises
-    ------
-    LogError
-        Lists those that are.
-    """
-    problems = [
-        f"{path}: is a log of the simulated rig, not of the real one; set folders.raw (and "
-        "folders.results) to folders of their own"
-        for path in filter(Path.exists, map(Path, paths))
-        if gather_columns(path, ())[0].attributes.get("source") == "sim"
-    ]
-    if problems:
-        raise LogError("\n".join(problems))
+def _is_run(told: Mapping[str, Any]) -> bool:
+    return str(told.get("experiment")).startswith(RUNS)
 
 
 def read_raw(
@@ -165,24 +142,24 @@ def read_raw(
     Raises
     ------
     LogError
-        See ``read_columns``; further an attribute is missing or of the wrong
-        kind, time does not increase, or the rate is not the expected one. Of an
+        See ``read_columns``; further an attribute is missing, time does not increase, a
+        number is beyond all measuring, or the rate is not the expected one. Of an
         imported log only time, angle and one of the two P_exp must be there, of
-        a real rig's all but ``phi_deg``.
+        a real rig's all but ``phi_deg``; of a closed-loop run ``TRACKING_CHANNELS`` and
+        ``RUN_ATTRIBUTES`` besides.
     """
-    source = gather_columns(path, ())[0].attributes.get("source")
-    brought_in = str(source).startswith("import")
-    needed = _needed(str(source))
-    log, problems = gather_columns(path, needed, tuple(n for n in RAW_CHANNELS if n not in needed))
-    if brought_in and not any(name in log.channels for name in _TARGETS):
-        problems.append(f"{path}: channel {' or '.join(_TARGETS)}: missing; import one of them")
-    wrong = _wrong_attributes(path, log.attributes, experiment)
-    declared = 0.0 if wrong else log.attributes["sample_rate_hz"]
-    problems += wrong
-    if "time_s" in log.channels:
-        expected = sample_rate_hz or declared
-        problems += _wrong_times(path, log.channels["time_s"], expected, rate_tolerance)
-    if sample_rate_hz and declared and abs(declared / sample_rate_hz - 1.0) > rate_tolerance:
+    log, problems = _gather(path)
+    told = log.attributes
+    if experiment is not None and told.get("experiment", experiment) != experiment:
+        problems.append(
+            f"{path}: attribute experiment = {told['experiment']}; must be {experiment}, "
+            "the file has another experiment's name"
+        )
+    declared = told.get("sample_rate_hz", 0.0)
+    expected = sample_rate_hz or declared
+    if expected > 0.0 and _is_clock(log.channels.get("time_s")):
+        problems += _wrong_rate(path, log.channels["time_s"], expected, rate_tolerance)
+    if sample_rate_hz and declared > 0.0 and abs(declared / sample_rate_hz - 1.0) > rate_tolerance:
         problems.append(
             f"{path}: attribute sample_rate_hz = {declared:g}; must be {sample_rate_hz:g}, "
             "resample the log or change control.sample_rate_hz"
@@ -192,77 +169,104 @@ def read_raw(
     return log
 
 
-#: What a log of a closed-loop run says further.
-_OF_A_RUN = ("controller", "gain", "reference", "settle_s", "source", "seed")
-
-
 def read_run(path: Path | str, names: tuple[str, ...]) -> Columns:
-    """Read channels of a closed-loop run.
+    """Read channels of a closed-loop run; the whole log is checked as ``read_raw`` does.
 
     Raises
     ------
     LogError
-        See ``read_columns``; further an attribute of a run is missing.
+        See ``read_raw``, but for the rate; further it is no log of a closed-loop run.
     """
-    log, problems = gather_columns(path, names)
-    problems += [
-        f"{path}: attribute {name}: missing; closed-loop logs are described in data/raw/README.md"
-        for name in _OF_A_RUN
-        if name not in log.attributes
-    ]
+    log, problems = _gather(path, names, RUN_ATTRIBUTES)
+    told = log.attributes
+    if "experiment" in told and not _is_run(told):
+        problems.append(
+            f"{path}: attribute experiment = {told['experiment']}; that of a closed-loop run "
+            f"begins with {' or '.join(RUNS)}"
+        )
     if problems:
         raise LogError("\n".join(problems))
-    return log
+    return log._replace(channels={name: log.channels[name] for name in names})
 
 
-def _wrong_attributes(
-    path: Path | str, attributes: Mapping[str, Any], experiment: str | None
-) -> list[str]:
+def _gather(
+    path: Path | str, also: tuple[str, ...] = (), attributes: tuple[str, ...] = ()
+) -> tuple[Columns, list[str]]:
+    """Read a raw log by what its attributes say it is."""
+    told = gather_columns(path, ())[0].attributes
+    needed = tuple(dict.fromkeys([*_needed(told), *also]))
+    if _is_run(told):
+        attributes = RUN_ATTRIBUTES
+    log, problems = gather_columns(
+        path,
+        needed,
+        tuple(name for name in RAW_CHANNELS if name not in needed),
+        (*RAW_ATTRIBUTES, *attributes),
+    )
+    if _is_imported(told) and not any(name in log.channels for name in _TARGETS):
+        problems.append(f"{path}: channel {' or '.join(_TARGETS)}: missing; import one of them")
+    more = [*_contradictions(told), *_far_away(log.channels)]
+    if _is_clock(log.channels.get("time_s")):
+        more += _wrong_times(log.channels["time_s"], told.get("settle_s"))
+    return log, problems + [f"{path}: {problem}" for problem in more]
+
+
+def _contradictions(told: Mapping[str, Any]) -> list[str]:
     problems = []
-    for name, kind in (RAW_ATTRIBUTES | _OPTIONAL_ATTRIBUTES).items():
-        if name not in attributes:
-            if name in RAW_ATTRIBUTES:
-                problems.append(f"{path}: attribute {name}: missing; see data/raw/README.md")
-        elif not isinstance(attributes[name], kind):
-            value = attributes[name]
-            problems.append(
-                f"{path}: attribute {name} = {value!r}: is a {type(value).__name__}; "
-                "see data/raw/README.md"
-            )
-    if problems:
-        return problems
-    source, rate_hz = attributes["source"], attributes["sample_rate_hz"]
-    if source not in SOURCES:
-        problems.append(f"{path}: attribute source = {source}; must be {', '.join(SOURCES)}")
-    elif attributes["simulated"] != source.endswith("sim"):
+    source, simulated = told.get("source"), told.get("simulated")
+    if source is not None and source not in SOURCES:
+        problems.append(f"attribute source = {source}; must be {', '.join(SOURCES)}")
+    elif None not in (source, simulated) and simulated != source.endswith("sim"):
         problems.append(
-            f"{path}: attribute simulated = {attributes['simulated']} contradicts "
-            f"source = {source}; correct the wrong one"
+            f"attribute simulated = {simulated} contradicts source = {source}; correct the wrong "
+            "one"
         )
-    if experiment is not None and attributes["experiment"] != experiment:
-        problems.append(
-            f"{path}: attribute experiment = {attributes['experiment']}; must be {experiment}, "
-            "the file has another experiment's name"
-        )
-    if not rate_hz > 0.0:
-        problems.append(f"{path}: attribute sample_rate_hz = {rate_hz}; must be above 0")
+    if not told.get("sample_rate_hz", 1.0) > 0.0:
+        problems.append(f"attribute sample_rate_hz = {told['sample_rate_hz']}; must be above 0")
     return problems
 
 
-def _wrong_times(
-    path: Path | str, time_s: np.ndarray, expected_hz: float, tolerance: float
-) -> list[str]:
-    steps = np.diff(time_s)
-    back = np.flatnonzero(steps <= 0.0)
+def _far_away(channels: Mapping[str, np.ndarray]) -> list[str]:
+    problems = []
+    for name, values in channels.items():
+        far = np.flatnonzero(np.isfinite(values) & (np.abs(values) > _BEYOND))
+        if far.size:
+            problems.append(
+                f"channel {name}: sample {far[0]} is {values[far[0]]:g}, and {far.size - 1} more "
+                f"are beyond {_BEYOND:g}, which nothing measures; restore the file or record again"
+            )
+    return problems
+
+
+def _is_clock(time_s: np.ndarray | None) -> bool:
+    return time_s is not None and time_s.size > 0 and bool((np.abs(time_s) <= _BEYOND).all())
+
+
+def _wrong_times(time_s: np.ndarray, settle_s: float | None) -> list[str]:
+    back = np.flatnonzero(time_s[1:] <= time_s[:-1])
     if back.size:
         k = int(back[0]) + 1
         return [
-            f"{path}: channel time_s: sample {k} at {time_s[k]:.6f} s does not come after "
+            f"channel time_s: sample {k} at {time_s[k]:.6f} s does not come after "
             f"{time_s[k - 1]:.6f} s; sort or cut the log"
         ]
-    if expected_hz and steps.size and abs(steps.mean() * expected_hz - 1.0) > tolerance:
+    if settle_s is not None and settle_s > time_s[-1]:
         return [
-            f"{path}: channel time_s: sample {len(time_s) - 1}: the mean rate up to here is "
-            f"{1.0 / steps.mean():.4g} Hz, must be {expected_hz:g} Hz; resample the log"
+            f"attribute settle_s = {settle_s:g}; the log ends at {time_s[-1]:g} s, so that nothing "
+            "is judged"
         ]
     return []
+
+
+def _wrong_rate(
+    path: Path | str, time_s: np.ndarray, expected_hz: float, tolerance: float
+) -> list[str]:
+    if len(time_s) < 2 or (time_s[1:] <= time_s[:-1]).any():
+        return []
+    period_s = float(time_s[-1] - time_s[0]) / (len(time_s) - 1)
+    if abs(period_s * expected_hz - 1.0) <= tolerance:
+        return []
+    return [
+        f"{path}: channel time_s: sample {len(time_s) - 1}: the mean rate up to here is "
+        f"{1.0 / period_s:.4g} Hz, must be {expected_hz:g} Hz; resample the log"
+    ]

@@ -186,20 +186,16 @@ def recover(journal: Path | str, raw: Path | str) -> Findings:
     channels, attributes, findings = read_journal(journal)
     if not findings.samples:
         raise LogError(f"{journal}: no sample can be read; nothing was written")
-    told = {
-        name: value if isinstance(value, str | bool | int | float) else json.dumps(value)
-        for name, value in attributes.items()
-        if name not in ("rig", "simulated")
-    }
+    told = {name: value for name, value in attributes.items() if name != "simulated"}
     told |= {
-        "statistics": json.dumps(findings.statistics),
+        "statistics": findings.statistics,
         "complete": findings.complete,
         "lost_samples": findings.lost,
     }
     if not findings.complete:
         told["incomplete_reason"] = findings.reason
     measured = {name: values for name, values in channels.items() if not np.isnan(values).all()}
-    write_raw(raw, measured, **told, rig=attributes["rig"])
+    write_raw(raw, measured, **told)
     return findings
 
 

@@ -7,10 +7,10 @@ as soon as it has it.
 
 import json
 import shutil
-import subprocess
+import stat
 import sys
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,11 +18,17 @@ import h5py
 import numpy as np
 
 from fprc.errors import LogError
-from fprc.logs.columns import plain, unit_of
-from fprc.logs.raw import RAW_ATTRIBUTES, RAW_CHANNELS, missing_channels
+from fprc.logs.attributes import is_text, read_attribute, read_attributes
+from fprc.logs.columns import checksum, unit_of
+from fprc.logs.hdf5 import MAX_BYTES, bytes_of, channel_of, promised_length, shown
+from fprc.logs.isolated import limit_process, run_limited, time_limit_s
+from fprc.logs.raw import RAW_ATTRIBUTES, RAW_CHANNELS, TRACKING_CHANNELS, missing_channels
 
-#: Where superblocks keep the length of the file, by their version.
-_LENGTH_AT = {0: 40, 1: 44, 2: 28, 3: 28}
+#: Most memory that the child may ask for, bytes.
+_LIMIT_BYTES = 2 << 30
+_KNOWN_CHANNELS = (*RAW_CHANNELS, *TRACKING_CHANNELS)
+#: A raw log has room for so many channels beside those that every one has.
+_MOST_OTHERS = 100
 #: A promised length beyond so many times the real one is itself damaged.
 _BELIEVABLE = 1000
 
@@ -39,16 +45,16 @@ class Salvaged(NamedTuple):
     words: list[str]
 
 
-def salvage(path: Path | str, *, limit_s: float = 30.0) -> Salvaged:
+def salvage(path: Path | str, *, limit_s: float | None = None) -> Salvaged:
     """Read what can be read of a raw log; the file stays as it is.
 
     Each channel is read up to its first sample that cannot be. One that has less than half
-    of the longest is left out, and the others are cut to the same length. HDF5 logs have
-    no checksums: a wrong number inside a channel is not noticed.
+    of the longest is left out, and the others are cut to the same length. A channel whose
+    checksum is wrong is kept, and said; where there is none a wrong number is not noticed.
 
     Parameters
     ----------
-    limit_s : float, default=30
+    limit_s : float, optional
         Time after which reading is ended; what was read until then is kept.
 
     Raises
@@ -58,11 +64,13 @@ def salvage(path: Path | str, *, limit_s: float = 30.0) -> Salvaged:
     """
     path = Path(path)
     try:
+        if not stat.S_ISREG(path.stat().st_mode):  # to open a pipe would take for ever
+            raise LogError(f"{path}: cannot be opened (it is no file); check the path")
         path.open("rb").close()
     except OSError as error:
         raise LogError(f"{path}: cannot be opened ({error.strerror}); check the path") from error
     with tempfile.TemporaryDirectory() as folder:
-        words = _read_in_child(path, folder, limit_s)
+        words = _read_in_child(path, folder, limit_s or time_limit_s([path]))
         channels, lengths, attributes, more = _collect(Path(folder))
     kept, left_out = _of_one_length(channels, lengths)
     words += more + left_out
@@ -71,7 +79,7 @@ def salvage(path: Path | str, *, limit_s: float = 30.0) -> Salvaged:
     gone = [name for name in RAW_ATTRIBUTES if name not in attributes]
     if gone:
         words.append(f"attributes {', '.join(gone)}: not found")
-    gone = [n for n in missing_channels(attributes.get("source", ""), kept) if n not in lengths]
+    gone = [name for name in missing_channels(attributes, kept) if name not in lengths]
     if gone:
         words.append(f"channels {', '.join(gone)}: not found")
     length = len(next(iter(kept.values())))
@@ -82,15 +90,9 @@ def salvage(path: Path | str, *, limit_s: float = 30.0) -> Salvaged:
 
 
 def _read_in_child(path: Path, folder: str, limit_s: float) -> list[str]:
-    command = [sys.executable, "-m", "fprc.logs.salvage", str(path), folder]
-    try:
-        done = subprocess.run(command, timeout=limit_s, capture_output=True, check=False)
-    except subprocess.TimeoutExpired:
-        return [f"reading did not end within {limit_s:g} s and was given up"]
-    if done.returncode == 0:
-        return []
-    said = done.stderr.decode(errors="replace").strip().splitlines()
-    return [f"reading ended early: {said[-1] if said else 'the HDF5 library crashed'}"]
+    command = [sys.executable, "-m", "fprc.logs.salvage", str(limit_s), str(path), folder]
+    _, ended = run_limited(command, limit_s)
+    return [f"reading ended early: {ended}"] if ended else []
 
 
 def _collect(
@@ -148,35 +150,45 @@ def _leave(path: Path, folder: Path) -> None:
         except Exception as error:  # a damaged file makes the library raise whatever it likes
             say(words=[f"cannot be opened as HDF5 ({error})"])
             return
-        names, listed = _names(file.attrs, tuple(RAW_ATTRIBUTES))
-        for name in names:
-            try:
-                value = plain(file.attrs[name])
-                if not isinstance(value, str | bool | int | float):
-                    raise LogError("neither text nor number")
-                say(attributes={name: value})
-            except Exception as error:
-                if listed:
-                    say(words=[f"attribute {name}: cannot be read ({error})"])
-        names, listed = _names(file, RAW_CHANNELS)
-        for k, name in enumerate(names):
-            try:
-                values, length = _values(file, name, size)
-            except Exception as error:
-                if listed:
-                    say(words=[f"{name}: cannot be read ({error})"])
-                continue
-            np.save(folder / f"{k}.npy", values)
-            say(channel=name, length=length, file=f"{k}.npy")
+        _leave_attributes(file, say)
+        _leave_channels(file, size, folder, say)
+
+
+def _leave_attributes(file: h5py.File, say: Callable[..., None]) -> None:
+    names, listed = _names(file.attrs, RAW_ATTRIBUTES)
+    for name in names:
+        try:
+            value, words = _attribute(file.attrs, name)
+            say(attributes={name: value}, words=words)
+        except Exception as error:
+            if listed:
+                say(words=[f"attribute {shown(name)}: left out ({error})"])
+
+
+def _leave_channels(file: h5py.File, size: int, folder: Path, say: Callable[..., None]) -> None:
+    room = MAX_BYTES
+    names, listed = _names(file, _KNOWN_CHANNELS)
+    first = [name for name in _KNOWN_CHANNELS if name in names]
+    rest = [name for name in names if name not in _KNOWN_CHANNELS]
+    if len(rest) > _MOST_OTHERS:
+        say(words=[f"{len(rest) - _MOST_OTHERS} channels left out: there are too many"])
+    for k, name in enumerate([*first, *rest[:_MOST_OTHERS]]):
+        try:
+            values, length, words = _values(file, name, size, room)
+        except Exception as error:
+            if listed:
+                say(words=[f"{shown(name)}: cannot be read ({error})"])
+            continue
+        room -= values.nbytes
+        np.save(folder / f"{k}.npy", values)
+        say(channel=name, length=length, file=f"{k}.npy", words=words)
 
 
 def _restore_length(path: Path, size: int) -> None:
     """Append as many zeros as were cut off; the library opens no file that is too short."""
-    head = path.read_bytes()[:52]
-    at = _LENGTH_AT.get(head[8] if len(head) > 8 else None, len(head))
-    promised = int.from_bytes(head[at : at + 8], "little")
-    if size < promised <= _BELIEVABLE * size:
-        with path.open("r+b") as file:
+    with path.open("r+b") as file:
+        promised = promised_length(file.read(52))
+        if size < promised <= _BELIEVABLE * size:
             file.truncate(promised)
 
 
@@ -189,26 +201,43 @@ def _names(members: Mapping[str, Any], known: tuple[str, ...]) -> tuple[tuple[st
         return known, False
 
 
-def _values(file: h5py.File, name: str, size: int) -> tuple[np.ndarray, int]:
-    """Return the samples of a channel up to the first that is lost, and how many there were."""
-    dataset = file[name]
-    if (
-        not isinstance(dataset, h5py.Dataset)
-        or dataset.ndim != 1
-        or dataset.dtype.kind not in "fiu"
-    ):
-        raise LogError("not one number per sample")
-    unit = dataset.attrs.get("units")
-    if unit is not None and str(plain(unit)) != unit_of(name):
-        raise LogError(f"units are {plain(unit)}, must be {unit_of(name)}")
-    length, item = len(dataset), dataset.dtype.itemsize
+def _attribute(attributes: h5py.AttributeManager, name: str) -> tuple[Any, list[str]]:
+    """Return an attribute, and words if it is no longer the same."""
+    if not is_text(name):
+        raise LogError("its name is not UTF-8")
+    try:
+        return read_attribute(attributes, name), []
+    except LogError:
+        mended = read_attribute(attributes, name, mend=True)
+    return mended, [f"attribute {shown(name)}: what was not UTF-8 is replaced"]
+
+
+def _values(file: h5py.File, name: str, size: int, room: int) -> tuple[np.ndarray, int, list[str]]:
+    """Return a channel's samples up to the first that is lost, how many there were, and words."""
+    if not is_text(name):
+        raise LogError("its name is not UTF-8")
+    dataset = channel_of(file, name)
+    told, wrong = read_attributes(dataset.attrs)
+    unit = wrong.get("units") or told.get("units", unit_of(name))
+    if unit != unit_of(name):
+        raise LogError(f"units are {unit}, must be {unit_of(name)}")
+    if bytes_of(dataset) > room:
+        raise LogError(
+            f"declares {len(dataset)} samples; a log may take {MAX_BYTES >> 20} MB of memory"
+        )
+    length = len(dataset)
     if dataset.chunks:
-        return _values_of_chunks(dataset, size), length
-    offset = dataset.id.get_offset()
-    there = length if offset is None else min(max((size - offset) // item, 0), length)
-    if there * item > size:
-        raise LogError(f"{length} samples do not fit into {size} bytes")
-    return dataset[:there].astype(np.float64), length
+        values = _values_of_chunks(dataset, size)
+    else:
+        offset, item = dataset.id.get_offset(), dataset.dtype.itemsize
+        there = length if offset is None else min(max((size - offset) // item, 0), length)
+        if there * item > size:
+            raise LogError(f"{length} samples do not fit into {size} bytes")
+        values = dataset[:there].astype(np.float64)
+    words = []
+    if len(values) == length and told.get("crc32", checksum(values)) != checksum(values):
+        words = [f"{name}: its checksum is wrong; some of its numbers may be wrong"]
+    return values, length, words
 
 
 def _values_of_chunks(dataset: h5py.Dataset, size: int) -> np.ndarray:
@@ -225,4 +254,5 @@ def _values_of_chunks(dataset: h5py.Dataset, size: int) -> np.ndarray:
 
 
 if __name__ == "__main__":
-    _leave(Path(sys.argv[1]), Path(sys.argv[2]))
+    limit_process(_LIMIT_BYTES, float(sys.argv[1]))
+    _leave(Path(sys.argv[2]), Path(sys.argv[3]))

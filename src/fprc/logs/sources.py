@@ -4,7 +4,7 @@ from pathlib import Path
 
 from fprc.errors import LogError
 from fprc.logs.delimited import read_text
-from fprc.logs.hdf5 import read_hdf5
+from fprc.logs.hdf5_source import read_hdf5
 from fprc.logs.isolated import isolated
 from fprc.logs.matlab import read_matlab
 from fprc.logs.variables import Source

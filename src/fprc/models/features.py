@@ -1,8 +1,8 @@
 """Sequential feature maps: taps, filtered taps and echo states.
 
 Each maps a log to a matrix of features in one go (``transform``) or sample by
-sample (``step``), with the same result. Before a log begins its first sample
-is held for ever.
+sample (``step``), with the same result. Before a log begins, the signals are taken
+to have the values of its first sample.
 """
 
 from math import isfinite
@@ -35,7 +35,7 @@ def taps(x: np.ndarray, size: int) -> np.ndarray:
 
 
 def lowpass(x: np.ndarray, epsilon: float) -> np.ndarray:
-    """Filter x~(k) = epsilon x(k) + (1 - epsilon) x~(k-1), from x~(-1) = x(0)."""
+    """Filter x~(k) = epsilon x(k) + (1 - epsilon) x~(k-1), from x~(-1) = x(0) (Eq. 6)."""
     # scipy.signal.lfilter does it too; to load it takes half a second, and pandas is loaded anyway
     return pd.Series(x).ewm(alpha=float(epsilon), adjust=False).mean().to_numpy()
 
@@ -57,7 +57,7 @@ class _FeatureMap(TransformerMixin, BaseEstimator):
         return self._transform(validate_data(self, X, reset=False, dtype=np.float64))
 
     def reset(self, x: ArrayLike | None = None) -> None:
-        """Forget the past; with ``x``, as if it had been held for ever."""
+        """Begin a new stream; ``x`` is the sample at all times before it."""
         first = None if x is None else self._checked(x)
         self._streaming = first is not None
         if first is not None:
@@ -68,7 +68,15 @@ class _FeatureMap(TransformerMixin, BaseEstimator):
         return self.advance(x).copy()
 
     def advance(self, x: ArrayLike) -> np.ndarray:
-        """Return what ``step`` does, in an array that the next call overwrites."""
+        """Return what ``step`` does, in an array that the next call overwrites.
+
+        Raises
+        ------
+        NotFittedError
+            ``fit`` was not called.
+        ValueError
+            The sample is not finite or has another number of inputs.
+        """
         x = self._checked(x)
         if not self._streaming:
             self.reset(x)
@@ -77,6 +85,8 @@ class _FeatureMap(TransformerMixin, BaseEstimator):
     def _checked(self, x: ArrayLike) -> np.ndarray:
         # a copy, since compiled code is compiled anew for a view or for what is read-only
         x = np.array(x, dtype=np.float64)
+        if not hasattr(self, "n_features_in_"):
+            check_is_fitted(self)
         if x.shape != (self.n_features_in_,) or not all(map(isfinite, x.tolist())):
             raise ValueError(
                 f"sample {x.tolist()}: must be {self.n_features_in_} finite numbers; "
@@ -95,7 +105,7 @@ class TapFeatures(_FeatureMap):
     """Taps of references and of low-passed reservoir readouts.
 
     x(k) = [theta(k), ..., theta(k-n_y+1), P~(k), ..., P~(k-n_u+1)], with
-    P~(k) = epsilon P(k) + (1 - epsilon) P~(k-1)      (Sec. III-B)
+    P~(k) = epsilon P(k) + (1 - epsilon) P~(k-1)      (6)
 
     Parameters
     ----------

@@ -39,7 +39,7 @@ def shift(row, first, filtered, x, references, epsilon):
 
 @kernel
 def blend(x, centers, W_out, sigma):
-    """Return beta_bar W_out [1, x] of one row of features (Eqs. 9, 10, 12).
+    """Return beta_bar W_out [1, x] of one row of features (Eqs. 10-12).
 
     The largest exponent is subtracted first, as in ``gaussian_memberships``.
     """

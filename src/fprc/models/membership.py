@@ -5,7 +5,7 @@ from scipy.spatial.distance import cdist
 
 
 def gaussian_memberships(X: np.ndarray, centers: np.ndarray, sigma: float) -> np.ndarray:
-    """Normalised memberships beta_bar of each row (Eqs. 9, 10).
+    """Normalised memberships beta_bar of each row (Eqs. 10, 11).
 
     beta_i = exp(-||x - c_i||^2 / (2 sigma^2)), divided by their sum. The
     largest exponent is subtracted first, which changes nothing in exact

@@ -13,7 +13,7 @@ from fprc.models.limits import Limit, check_limits
 
 
 def with_bias(X: np.ndarray) -> np.ndarray:
-    """Return [1, X], the extended state of Eqs. (4) and (6)."""
+    """Return [1, X], the extended state of Eqs. (4) and (7)."""
     return np.column_stack([np.ones(len(X)), X])
 
 

@@ -60,9 +60,29 @@ class SequenceModel(RegressorMixin, BaseEstimator):
         return model
 
     def reset(self, x: ArrayLike | None = None) -> None:
-        """Begin a new stream; with ``x``, as if it had been held for ever."""
+        """Begin a new stream; ``x`` is the sample at all times before it.
+
+        Raises
+        ------
+        NotFittedError
+            ``fit`` was not called.
+        """
+        check_is_fitted(self)
         self.features_.reset(x)
 
     def step(self, x: ArrayLike) -> float:
-        """Return P_ff(k) in kPa upon the next sample, of shape (n_inputs,)."""
-        return self.readout_.output(self.features_.advance(x))
+        """Return P_ff(k), kPa, given the next sample of shape (n_inputs,).
+
+        Raises
+        ------
+        NotFittedError
+            ``fit`` was not called.
+        ValueError
+            The sample is not finite or has another number of inputs.
+        """
+        try:
+            features, readout = self.features_, self.readout_
+        except AttributeError:
+            check_is_fitted(self)
+            raise
+        return readout.output(features.advance(x))

@@ -19,7 +19,7 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
     P_ff(k) = beta_bar(k) W_out [1, x(k)]        (12, with the leading 1)
 
     The last form of Eq. (12) as printed drops the 1 that its line before and
-    Eq. (6) have; it is kept here.
+    Eq. (7) have; it is kept here.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
 
     References
     ----------
-    Paper, Sec. III-B, Eqs. (6)-(12).
+    Paper, Sec. III-B, Eqs. (7)-(12).
     """
 
     def __init__(
@@ -59,7 +59,7 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
     LIMITS = {"n_c": Limit(1), "sigma": Limit(0, low_open=True), "alpha": Limit(0)}
 
     def fit(self, X: ArrayLike, y: ArrayLike) -> "TakagiSugenoReadout":
-        """Cluster the rows, then fit each rule weighted by u_i^2 (Eq. 7)."""
+        """Cluster the rows, then fit each rule weighted by u_i^2 (Eq. 8)."""
         check_limits(self, self.LIMITS)
         X, y = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
         rng = check_random_state(self.random_state)

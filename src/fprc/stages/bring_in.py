@@ -13,7 +13,7 @@ from fprc import __version__
 from fprc.artifacts import replacing_all, write_json
 from fprc.config.importing import ImportMap, read_draft, read_map
 from fprc.errors import ConfigError, LogError
-from fprc.escape import terminal
+from fprc.escape import terminal, visible
 from fprc.figures import style
 from fprc.figures.diagnosis import draw_diagnosis
 from fprc.logs import read_columns, write_raw
@@ -124,7 +124,7 @@ def bring_in_as(told: ImportMap, source: str, raw: str) -> None:
         "seed": 0,
         "software": f"fprc {__version__}",
         "rig": {},
-        "imported_from": terminal(Path(source).name, lines=False),
+        "imported_from": visible(Path(source).name),
         "imported_sha256": sha256(source),
         "imported_start_s": recording.start_s,
         "map": json.dumps(told.model_dump(exclude_none=True)),
@@ -195,7 +195,7 @@ def list_source(source: str, map_file: str | None = None) -> None:
         Only its ``csv`` section is used.
     """
     content = read_source(source, **(read_draft(map_file).csv if map_file else {}))
-    columns = {terminal(name, lines=False): v for name, v in columns_of(content).items()}
+    columns = {visible(name): v for name, v in columns_of(content).items()}
     print(terminal(f"{source}: {content.kind}, {len(columns)} columns"))
     width = max(map(len, [*columns, "column"]))
     print(f"  {'column':{width}}  {'samples':>8}  {'lowest':>10}  {'highest':>10}  remark")
@@ -208,7 +208,7 @@ def list_source(source: str, map_file: str | None = None) -> None:
         remark = _remark(values, len(finite), guess)
         print(f"  {name:{width}}  {len(values):8}  {low:>10}  {high:>10}  {remark}".rstrip())
     for name, why in islice(content.others.items(), _MOST_OTHERS):
-        print(terminal(f"  {name}: cannot be a channel: {why}", lines=False))
+        print(visible(f"  {name}: cannot be a channel: {why}"))
     if len(content.others) > _MOST_OTHERS:
         print(f"  {len(content.others) - _MOST_OTHERS} more cannot be channels")
     if not clocks:

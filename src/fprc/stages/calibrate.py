@@ -38,6 +38,7 @@ from fprc.provenance import hash_of
 from fprc.stages.judge import DIRECTIONS, INPUTS, judge_directions
 from fprc.stages.replicate import simulate
 from fprc.tables.names import PRINTED
+from fprc.yaml_file import read_yaml
 
 log = logging.getLogger(__name__)
 
@@ -71,10 +72,7 @@ def calibrate(
     Writes the changed parameters (``fitted``, YAML, to be used as
     config/rig.yaml) and all that is known of the fit (``report``, JSON).
     """
-    try:
-        printed = yaml.safe_load(Path(published).read_text(encoding="utf-8"))
-    except (OSError, yaml.YAMLError) as error:
-        raise ConfigError(f"{published}: the published numbers cannot be read: {error}") from error
+    printed = read_yaml(published)
     aim = target_of(printed, calibration)
     free = free_parameters(calibration["free"], calibration["ranges"])
     experiments = {"signals": signals, "control": control, "target": target}

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from fprc.control import RunAbortedError, run
+from fprc.control import PressurePI, RunAbortedError, run
 from fprc.devices import Readings
-from fprc.errors import ControlError
+from fprc.errors import ControlError, DeviceError
 from fprc.stages.guardian import ALIVE
 from fprc.stages.rig_session import loops, rig, sign
 
@@ -54,30 +54,11 @@ def check_rig(settings: Mapping[str, Any], armed: bool, stop: Callable[[], str])
     period_s = 1.0 / control["sample_rate_hz"]
     phases = PHASES if armed else PHASES[:1]
     ends = np.cumsum([round(seconds / period_s) for *_, seconds in phases])
-    with rig(hardware, period_s) as (device, clock):
-        readings = []
-        for k in range(ends[0]):
-            clock.wait_for(k)
-            sign(ALIVE)
-            readings.append(device.read())
-            if reason := stop():
-                raise ControlError(reason)
-    channels = dict(zip(Readings._fields, np.array(readings).T, strict=True))
-    late, trouble = clock.statistics(), []
-    if armed:
+    channels, late, trouble = _look(hardware, period_s, int(ends[0]), stop)
+    if armed and not trouble:  # a rig that does not vent is not filled
         setpoints = _setpoints(phases[1:], ends - ends[0], period_s).tolist()
-
-        def law(k: int, now: Readings) -> list[float]:
-            sign(ALIVE)
-            return setpoints[k]
-
-        with rig(hardware, period_s) as (device, clock):
-            try:
-                moved = run(device, clock, law, len(setpoints), **loops(control), stop=stop)
-            except RunAbortedError as stopped:
-                moved = stopped.channels
-                trouble.append(f"stopped: {stopped}")
-            late = clock.statistics()
+        both = loops(control, hardware["valves"]["neutral_v"])
+        moved, late, trouble = _move(hardware, period_s, setpoints, both, stop)
         moved["time_s"] += ends[0] * period_s
         channels = {name: np.append(values, moved[name]) for name, values in channels.items()}
     lines, found = describe(channels, ends * period_s, phases)
@@ -93,6 +74,57 @@ def check_rig(settings: Mapping[str, Any], armed: bool, stop: Callable[[], str])
     for line in lines:
         log.info("%s", line)
     return 1 if trouble else 0
+
+
+def _look(
+    hardware: Mapping[str, Any], period_s: float, samples: int, stop: Callable[[], str]
+) -> tuple[dict[str, np.ndarray], dict[str, float], list[str]]:
+    """Return the readings at rest, how late the loop was, and what went wrong at the end."""
+    readings: list[Readings] = []
+    late, trouble = {}, []
+    try:
+        with rig(hardware, period_s) as (device, clock):
+            for k in range(samples):
+                clock.wait_for(k)
+                sign(ALIVE)
+                readings.append(device.read())
+                if reason := stop():
+                    raise ControlError(reason)
+            late = clock.statistics()
+    except DeviceError as error:
+        if not late:
+            raise
+        trouble.append(str(error))
+    return dict(zip(Readings._fields, np.array(readings).T, strict=True)), late, trouble
+
+
+def _move(
+    hardware: Mapping[str, Any],
+    period_s: float,
+    setpoints: list[list[float]],
+    both: Mapping[str, PressurePI],
+    stop: Callable[[], str],
+) -> tuple[dict[str, np.ndarray], dict[str, float], list[str]]:
+    """Follow set-points; return the channels, how late the loop was, and what went wrong."""
+    late, trouble = {}, []
+
+    def law(k: int, now: Readings) -> list[float]:
+        sign(ALIVE)
+        return setpoints[k]
+
+    try:
+        with rig(hardware, period_s) as (device, clock):
+            try:
+                moved = run(device, clock, law, len(setpoints), **both, stop=stop)
+            except RunAbortedError as stopped:
+                moved = stopped.channels
+                trouble.append(f"stopped: {stopped}")
+            late = clock.statistics()
+    except DeviceError as error:
+        if not late:
+            raise
+        trouble.append(str(error))
+    return moved, late, trouble
 
 
 def _setpoints(phases, bounds: np.ndarray, period_s: float) -> np.ndarray:

@@ -4,11 +4,11 @@ import logging
 from collections.abc import Sequence
 
 import pandas as pd
-import yaml
 
 from fprc.artifacts import read_json, write_json, write_text
 from fprc.claims import Results, judge_claims
 from fprc.tables import SOURCES, markdown
+from fprc.yaml_file import read_yaml
 
 log = logging.getLogger(__name__)
 
@@ -44,8 +44,7 @@ def write_ledger(
     md: str,
 ) -> None:
     """Write the claims ledger: published, ours, test and verdict of C1 to C18."""
-    with open(published, encoding="utf-8") as file:
-        printed = yaml.safe_load(file)
+    printed = read_yaml(published)
     results = Results(
         replicates=[read_json(path) for path in replicates],
         sweeps=[read_json(path) for path in sweeps],

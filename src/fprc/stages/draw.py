@@ -3,17 +3,15 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
-import pandas as pd
-
 from fprc import escape
-from fprc.artifacts import read_json
+from fprc.artifacts import read_json, write_csv
 from fprc.figures import style
 from fprc.figures.hysteresis import add_time_bar, plot_command, plot_loop
 from fprc.figures.sweeps import plot_errors_over, plot_grid, plot_times_over
 from fprc.figures.training import plot_error, plot_fit
 from fprc.figures.weights import plot_shares
 from fprc.logs import Columns, read_columns
+from fprc.tables.drawn import fit_errors, panels, swept_errors, swept_times, weight_shares
 
 _DATA = ("time_s", "p_exp_kpa", "theta_deg")
 _SYMBOLS = {"theta": r"$\theta$", "p_exp": r"$P_\mathrm{exp}$", "p_o": "$P_o$"}
@@ -59,23 +57,27 @@ def draw_reservoir_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> M
     return style.save(fig, _marked(logs), pdf, png)
 
 
-def draw_training(fit: str, prediction: str, pdf: str, png: str) -> Mapping[str, Any]:
+def draw_training(fit: str, prediction: str, csv: str, pdf: str, png: str) -> Mapping[str, Any]:
     """Figure 8: the model on its training and on its test data."""
-    logs = []
+    names = ("time_s", "p_exp_kpa", "p_ff_kpa")
+    logs = {"train": read_columns(fit, names), "test": read_columns(prediction, names)}
+    table = fit_errors(logs)
+    write_csv(csv, table)
     fig, axes = style.figure(4, 1, style.COLUMN_IN, 4.6, height_ratios=(2, 1, 2, 1))
-    for path, pair, title in zip(
-        (fit, prediction), (axes[:2], axes[2:]), ("(a) Training", "(b) Test"), strict=True
+    for log, row, pair, title in zip(
+        logs.values(),
+        table.itertuples(),
+        (axes[:2], axes[2:]),
+        ("(a) Training", "(b) Test"),
+        strict=True,
     ):
-        log = read_columns(path, ("time_s", "p_exp_kpa", "p_ff_kpa"))
-        logs.append(log)
         series = tuple(log.channels.values())
         colours = style.COLOURS["p_exp"], style.COLOURS["p_ff"]
-        unit = log.attributes.get("p_exp_unit", "kPa")
-        plot_fit(*series, pair[0], colours=colours, unit=unit)
-        plot_error(*series, pair[1], colour=style.COLOURS[log.attributes["model"]], unit=unit)
+        plot_fit(*series, pair[0], colours=colours, unit=row.unit)
+        plot_error(*series, pair[1], rmse=row.rmse, colour=style.COLOURS[row.model], unit=row.unit)
         style.letter(pair[0], title)
     style.legend_above(axes[0])
-    return style.save(fig, _marked(logs), pdf, png)
+    return style.save(fig, _marked([*logs.values()]), pdf, png)
 
 
 def _marked(logs: Sequence[Columns]) -> dict[str, Any]:
@@ -83,15 +85,11 @@ def _marked(logs: Sequence[Columns]) -> dict[str, Any]:
     return min(logs, key=lambda log: not log.attributes["source"].endswith("sim")).attributes
 
 
-def draw_weights(weights: str, pdf: str, png: str) -> Mapping[str, Any]:
+def draw_weights(weights: str, csv: str, pdf: str, png: str) -> Mapping[str, Any]:
     """Figure 9: proportional contribution of the normalised weights."""
     report = read_json(weights)
-    table = pd.DataFrame(
-        {"rule": rule, "feature": feature, "lag": lag, "share": share}
-        for feature, rules in report["shares"].items()
-        for rule, lags in enumerate(rules, start=1)
-        for lag, share in enumerate(lags)
-    )
+    table = weight_shares(report)
+    write_csv(csv, table)
     fig, ax = style.figure(1, 1, style.COLUMN_IN, 2.4)
     plot_shares(table, ax)
     style.legend_above(ax)
@@ -104,28 +102,30 @@ _LABELS = {"fprc": "FPRC, ", "fuzzy_linear": "Fuzzy-linear, "}
 
 
 def draw_settings(
-    n_c: str, times: str, pdf: str, png: str, epsilon: str | None = None
+    n_c: str, times: str, csv: str, pdf: str, png: str, epsilon: str | None = None
 ) -> Mapping[str, Any]:
     """Figure 10: errors over epsilon and n_c, execution times over n_c.
 
     Without ``epsilon``, where there is no FPRC, (b) and (c) alone are drawn.
     """
     by_n_c, timed = read_json(n_c), read_json(times)
+    tables = {"b": swept_errors(by_n_c, "n_c"), "c": swept_times(timed, "n_c")}
     if epsilon:
-        fig, axes = style.figure(3, 1, style.COLUMN_IN, 5.6)
-        plot_errors_over(_errors(read_json(epsilon)), "epsilon", {"fprc": ""}, axes[0])
+        tables = {"a": swept_errors(read_json(epsilon), "epsilon"), **tables}
+    write_csv(csv, panels(tables))
+    fig, axes = style.figure(len(tables), 1, style.COLUMN_IN, 5.6 if epsilon else 3.9)
+    if epsilon:
+        plot_errors_over(tables["a"], "epsilon", {"fprc": ""}, axes[0])
         axes[0].set_xscale("log")
         axes[0].set_xlabel(r"$\epsilon$")
         style.letter(axes[0], "(a) Errors of FPRC")
-    else:
-        fig, axes = style.figure(2, 1, style.COLUMN_IN, 3.9)
     errors, seconds = axes[-2:]
-    plot_errors_over(_errors(by_n_c), "n_c", _LABELS, errors)
-    plot_times_over(_seconds(timed["times"]), "n_c", _LABELS, seconds)
+    plot_errors_over(tables["b"], "n_c", _LABELS, errors)
+    plot_times_over(tables["c"], "n_c", _LABELS, seconds)
     for ax in (errors, seconds):
         ax.set_xscale("log", base=2)
         ax.set_xlabel("$n_c$")
-        ax.set_xticks(sorted({cell["n_c"] for cell in by_n_c["cells"]}))
+        ax.set_xticks(sorted(tables["b"]["n_c"].unique()))
         ax.xaxis.set_major_formatter("{x:g}")
     style.letter(errors, "(b) Errors")
     style.letter(seconds, "(c) Execution times")
@@ -133,40 +133,14 @@ def draw_settings(
     return style.save(fig, by_n_c, pdf, png)
 
 
-def draw_taps(taps: str, pdf: str, png: str) -> Mapping[str, Any]:
+def draw_taps(taps: str, csv: str, pdf: str, png: str) -> Mapping[str, Any]:
     """Figure 11: errors over the tap sizes."""
     report = read_json(taps)
-    table = _errors(report)
+    table = swept_errors(report, "n_u", "n_y")
+    write_csv(csv, table)
     fig, axes = style.figure(3, 1, style.COLUMN_IN, 7.4)
     titles = {"train": "(a) Training", "validation": "(b) Validation", "test": "(c) Test"}
     for ax, (phase, title) in zip(axes, titles.items(), strict=True):
         plot_grid(table, phase, ax)
         style.letter(ax, title)
     return style.save(fig, report, pdf, png)
-
-
-def _errors(report: Mapping[str, Any]) -> pd.DataFrame:
-    rows = []
-    for cell in report["cells"]:
-        row = {"unit": report["unit"]} | {
-            key: value for key, value in cell.items() if not key.endswith("_rmse_kpa")
-        }
-        for phase in ("train", "validation", "test"):
-            errors = np.atleast_1d(cell[f"{phase}_rmse_kpa"])
-            row |= {f"{phase}_mean": errors.mean(), f"{phase}_std": errors.std()}
-        rows.append(row)
-    return pd.DataFrame(rows)
-
-
-def _seconds(times: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
-    return pd.DataFrame(
-        {
-            "model": entry["model"],
-            "phase": entry["phase"],
-            "n_c": entry["n_c"],
-            "mean": np.mean(entry["seconds"]),
-            "std": np.std(entry["seconds"]),
-        }
-        for entry in times
-        if entry["mode"] == "batch"
-    )

@@ -11,13 +11,14 @@ from fprc.figures.blocks import canvas
 from fprc.figures.diagrams import plot_esn_system, plot_fprc_system
 from fprc.figures.structure import plot_actuator, plot_mapping, plot_reservoir
 from fprc.logs import read_columns
+from fprc.logs.isolated import isolated_each
 
 _NO_DATA = {"source": "none"}
 
 
 def draw_actuator(raw: str, pdf: str, png: str) -> Mapping[str, Any]:
     """Figure 1: the actuator where it is bent most, and where its pressure is least after that."""
-    log = read_columns(raw, ("p_exp_kpa", "theta_deg"))
+    (log,) = isolated_each(read_columns, [raw], names=("p_exp_kpa", "theta_deg"))
     p_exp, theta = log.channels.values()
     bent = int(np.argmax(theta))
     straight = bent + int(np.argmin(p_exp[bent:]))
@@ -29,7 +30,7 @@ def draw_actuator(raw: str, pdf: str, png: str) -> Mapping[str, Any]:
 
 def draw_reservoir(raw: str, pdf: str, png: str, *, k_in_kpa_per_deg: float) -> Mapping[str, Any]:
     """Figure 2: the reservoir where P_i is least and where it is bent most; P_o over P_i."""
-    log = read_columns(raw, ("p_i_kpa", "p_o_kpa", "phi_deg"))
+    (log,) = isolated_each(read_columns, [raw], names=("p_i_kpa", "p_o_kpa", "phi_deg"))
     p_i, p_o, phi = log.channels.values()
     rest, driven = (
         (float(p_i[k]), float(p_o[k]), float(phi[k])) for k in (np.argmin(p_i), np.argmax(phi))

@@ -14,6 +14,7 @@ from fprc.figures.tracking import (
     shade_settling,
 )
 from fprc.logs import Columns, read_run
+from fprc.logs.isolated import isolated_each
 
 _CHANNELS = ("time_s", "theta_d_deg", "theta_deg", "p_ff_kpa", "p_fb_kpa")
 _RESERVOIR = ("p_i_kpa", "p_o_kpa", "phi_deg")
@@ -21,7 +22,7 @@ _RESERVOIR = ("p_i_kpa", "p_o_kpa", "phi_deg")
 
 def draw_following(open_loop: str, closed_loop: str, pdf: str, png: str) -> Mapping[str, Any]:
     """Figures 12 to 15: open loop, closed loop, errors, P_ff and P_fb."""
-    opened, closed = read_run(open_loop, _CHANNELS), read_run(closed_loop, _CHANNELS)
+    opened, closed = isolated_each(read_run, [open_loop, closed_loop], names=_CHANNELS)
     fig, axes = style.figure(4, 1, style.COLUMN_IN, 5.2, sharex=True)
     plot_following(opened.channels, axes[0])
     plot_following(closed.channels, axes[1])
@@ -42,7 +43,7 @@ def draw_following(open_loop: str, closed_loop: str, pdf: str, png: str) -> Mapp
 
 def draw_loops(runs: Sequence[str], pdf: str, png: str) -> Mapping[str, Any]:
     """Figure 16: actual angle over reference, PD against FPRC+PD, at both gains."""
-    logs = [read_run(path, _CHANNELS) for path in runs]
+    logs = isolated_each(read_run, runs, names=_CHANNELS)
     fig, axes = style.figure(2, 2, style.COLUMN_IN, 3.6, sharex=True, sharey=True)
     names = {"sine_0p5": "Sine 0.5 Hz", "sweep": "Sweep"}
     gains = ("printed", "identified")
@@ -62,7 +63,7 @@ def draw_loops(runs: Sequence[str], pdf: str, png: str) -> Mapping[str, Any]:
 
 def draw_disturbance(run: str, pdf: str, png: str, *, quiet_s: float) -> Mapping[str, Any]:
     """Figure 17: tracking and reservoir while the reservoir is pushed about."""
-    log = read_run(run, (*_CHANNELS, *_RESERVOIR))
+    (log,) = isolated_each(read_run, [run], names=(*_CHANNELS, *_RESERVOIR))
     channels = log.channels
     end_s = channels["time_s"][-1]
     fig, axes = style.figure(3, 1, style.COLUMN_IN, 4.6, sharex=True, height_ratios=(2, 1, 2))

@@ -1,19 +1,17 @@
 """Judge the claims on every rig of the ensemble."""
 
 from collections.abc import Sequence
-from pathlib import Path
-
-import yaml
 
 from fprc.artifacts import read_json, write_json
 from fprc.claims import Results, judge_claims
 from fprc.claims.ensemble import JUDGED_BY_RIG, shares_of
 from fprc.errors import FprcError
+from fprc.yaml_file import read_yaml
 
 
 def summarise_rigs(published: str, chunks: Sequence[str], summary: str) -> None:
     """Judge the claims rig by rig; write shares, intervals and correlations."""
-    printed = yaml.safe_load(Path(published).read_text(encoding="utf-8"))
+    printed = read_yaml(published)
     rigs = [rig for path in chunks for rig in read_json(path)["rigs"]]
     good = [rig for rig in rigs if "failed" not in rig]
     if not good:

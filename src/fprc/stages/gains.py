@@ -1,15 +1,17 @@
 """Gains of closed-loop runs that are already there."""
 
-import json
 import logging
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from fprc.artifacts import write_json
 from fprc.errors import LogError
 from fprc.logs import read_run
+from fprc.logs.isolated import isolated_each
 
 log = logging.getLogger(__name__)
+
+_GAINS = ("kp_kpa_per_deg", "kd_kpa_s_per_deg")
 
 
 def read_gains(runs: Sequence[str], gains: str) -> None:
@@ -24,7 +26,7 @@ def read_gains(runs: Sequence[str], gains: str) -> None:
         A log cannot be read, or some are simulated and others are not.
     """
     found: dict[str, list[Any]] = {}
-    logs = [read_run(path, ()) for path in runs]
+    logs = isolated_each(read_run, runs, names=())
     kinds = {run.attributes["source"]: str(run.path) for run in logs}
     if len(kinds) > 1:
         each = ", ".join(f"{source} ({path})" for source, path in kinds.items())
@@ -33,7 +35,7 @@ def read_gains(runs: Sequence[str], gains: str) -> None:
         name = run.attributes["gain"]
         if name != "none":
             known = found.setdefault(name, [])
-            told = _told(run.attributes.get("rig", "{}"))
+            told = gains_told(run.attributes)
             if told not in known:
                 known.append(told)
     unclear = [name for name, values in found.items() if len(values) > 1 or not values[0]]
@@ -51,9 +53,10 @@ def read_gains(runs: Sequence[str], gains: str) -> None:
     )
 
 
-def _told(rig: str) -> dict[str, float] | None:
-    try:
-        gains = json.loads(rig).get("gains") or {}
-        return {key: float(gains[key]) for key in ("kp_kpa_per_deg", "kd_kpa_s_per_deg")}
-    except (ValueError, TypeError, AttributeError, KeyError):
+def gains_told(attributes: Mapping[str, Any]) -> dict[str, float] | None:
+    """Return the gains of the PD controller that a closed-loop log names, if it does."""
+    told = attributes["rig"].get("gains")
+    found = [told.get(key) for key in _GAINS] if isinstance(told, Mapping) else [None]
+    if not all(isinstance(value, float | int) for value in found):
         return None
+    return dict(zip(_GAINS, map(float, found), strict=True))

@@ -2,12 +2,13 @@
 
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from fprc.config import Settings
 from fprc.errors import LogError
-from fprc.escape import terminal
 from fprc.logs import assess, read_raw
+from fprc.logs.isolated import attempt_each
 from fprc.logs.quality import warnings
 
 
@@ -16,23 +17,22 @@ def inspect_logs(paths: Sequence[str]) -> int:
 
     The limits are the default ones; the sample rate is each log's own.
     """
-    limits = Settings().quality.model_dump()
     failed = False
-    for path in paths:
-        try:
-            log = read_raw(
-                path,
-                experiment=None,
-                sample_rate_hz=None,
-                rate_tolerance=limits["rate_tolerance"],
-            )
-        except LogError as error:
-            print(terminal(f"error: {error}"), file=sys.stderr)
+    limits = Settings().quality.model_dump()
+    for record in attempt_each(_record, paths, limits=limits):
+        if isinstance(record, LogError):
+            print(f"error: {record}", file=sys.stderr)
             failed = True
             continue
-        record = assess(log, sample_rate_hz=log.attributes["sample_rate_hz"], **limits)
         print(json.dumps(record, indent=2))
         for warning in warnings(record):
-            print(terminal(f"warning: {warning}"), file=sys.stderr)
+            print(f"warning: {warning}", file=sys.stderr)
             failed = True
     return int(failed)
+
+
+def _record(path: str, limits: Mapping[str, Any]) -> dict[str, Any]:
+    log = read_raw(
+        path, experiment=None, sample_rate_hz=None, rate_tolerance=limits["rate_tolerance"]
+    )
+    return assess(log, sample_rate_hz=log.attributes["sample_rate_hz"], **limits)

@@ -5,7 +5,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from fprc.artifacts import write_json
+from fprc.escape import visible
 from fprc.logs import assess, read_raw, write_columns
+from fprc.logs.isolated import isolated_each
 from fprc.logs.quality import notes_of, unit_told, warnings
 
 log = logging.getLogger(__name__)
@@ -30,8 +32,9 @@ def preprocess(
     which apply the same ones in the control loop. An imported log that has only
     one of the two P_exp is used with that one.
     """
-    source = read_raw(
-        raw,
+    (source,) = isolated_each(
+        read_raw,
+        [raw],
         experiment=experiment,
         sample_rate_hz=sample_rate_hz,
         rate_tolerance=limits["rate_tolerance"],
@@ -40,7 +43,7 @@ def preprocess(
     for warning in warnings(report):
         log.warning("warning: %s", warning)
     for name, note in notes_of(source).items():
-        log.warning("warning: %s: %s", name, note)
+        log.warning("warning: %s: %s", visible(name), visible(note))
     if TARGETS[target] not in source.channels:
         log.warning("warning: no %s in %s; the other P_exp is used", TARGETS[target], raw)
         target = next(name for name in TARGETS if name != target)

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from fprc.escape import visible
 from fprc.logs.columns import write_columns
 from fprc.logs.recovery import Findings, Stretch, recover, refuse_existing
 from fprc.logs.salvage import salvage
@@ -35,14 +36,14 @@ def repair_log(source: str, raw: str) -> int:
         whole = not words
         damage = {
             "complete": False,
-            "incomplete_reason": "; ".join(["damaged", *words]),
+            "incomplete_reason": visible("; ".join(["damaged", *words])),
             "lost_samples": found.lost,
         }
         write_columns(raw, found.channels, found.attributes | ({} if whole else damage))
         samples = len(next(iter(found.channels.values())))
         print(f"{raw}: {samples} samples from {source}")
     for line in [*words, "nothing is lost"] if whole else words:
-        print(f"  {line}")
+        print(f"  {visible(line)}")
     return WHOLE if whole else SOME_LOST
 
 

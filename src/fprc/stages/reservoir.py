@@ -1,6 +1,5 @@
 """A simulated reservoir for a recording that has none: P_i follows the recorded theta."""
 
-import json
 import logging
 from collections.abc import Mapping
 from typing import Any
@@ -11,6 +10,7 @@ from fprc.control import PressurePI, run
 from fprc.devices import Readings, SimulatedRig
 from fprc.errors import LogError
 from fprc.logs import read_raw, write_columns
+from fprc.logs.isolated import isolated_each
 from fprc.logs.quality import notes_of, something_else
 from fprc.logs.raw import SIMULATED_RESERVOIR
 from fprc.stages.record import RUNS
@@ -54,8 +54,12 @@ def add_reservoir(
     SimulationError
         The simulation diverges.
     """
-    recording = read_raw(
-        raw, experiment=experiment, sample_rate_hz=sample_rate_hz, rate_tolerance=rate_tolerance
+    (recording,) = isolated_each(
+        read_raw,
+        [raw],
+        experiment=experiment,
+        sample_rate_hz=sample_rate_hz,
+        rate_tolerance=rate_tolerance,
     )
     source = recording.attributes["source"]
     if source not in SIMULATED_RESERVOIR:
@@ -77,7 +81,7 @@ def add_reservoir(
         "source": SIMULATED_RESERVOIR[source],
         "simulated": True,
         "seed": seed,
-        "notes": json.dumps(notes),
+        "notes": notes,
         "reservoir_zero_deg": zero_deg,
         "reservoir_k_in_kpa_per_deg": control["k_in_kpa_per_deg"],
     }

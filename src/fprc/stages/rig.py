@@ -21,6 +21,7 @@ def check(files: Sequence[str], *, armed: bool) -> None:
     ControlError
         Something is not as it should be.
     """
+    _show_messages()
     settings = _settings(files)
     guard({"what": "check", "settings": settings, "armed": armed}, settings["hardware"])
 
@@ -43,6 +44,7 @@ def run_by_name(
     raw, model, gains : str, optional
         Log to write, fitted FPRC and gains; the workflow's own if left out.
     """
+    _show_messages()
     settings = _settings(files)
     if name == "list":
         print("\n".join(names(settings)))
@@ -90,6 +92,10 @@ def record_on_rig(
     Path(raw).parent.mkdir(parents=True, exist_ok=True)
     run = {"name": name, "raw": raw, "model": model, "gains": gains}
     guard({"what": "run", "settings": dict(settings), "run": run}, settings["hardware"])
+
+
+def _show_messages() -> None:
+    logging.basicConfig(level=logging.INFO, format="%(message)s")
 
 
 def _settings(files: Sequence[str]) -> dict[str, Any]:

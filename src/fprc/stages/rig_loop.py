@@ -1,13 +1,14 @@
 """The process that drives a real rig; started and watched by ``fprc.stages.guardian``.
 
-It reads a request, one line of JSON, from its standard input and stops when that
-is closed: then the guardian is gone. On its standard output it says ``HOT`` before
-anything moves, gives signs of life meanwhile, and says ``SAFE`` once the rig is safe
-and released.
+It reads a request, one line of JSON, from its standard input, and then the guardian's
+signs of life; it stops when they end or when the input is closed. On its standard output
+it says ``HOT`` before anything moves, gives signs of life meanwhile, and says ``SAFE``
+once a reading shows that the rig is vented, and it is released.
 """
 
 import json
 import logging
+import os
 import sys
 from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
@@ -22,7 +23,7 @@ from fprc.logs.recovery import recover
 from fprc.stages.check_rig import check_rig
 from fprc.stages.experiments import plan
 from fprc.stages.guardian import ALIVE
-from fprc.stages.rig_session import Stop, loops, rig, sign
+from fprc.stages.rig_session import Stop, keep_signs_apart, loops, rig, sign
 
 log = logging.getLogger("fprc.rig")
 
@@ -32,8 +33,9 @@ _READ_ONLY = 0o444
 def main() -> int:
     """Do what the request says; return the exit code."""
     logging.basicConfig(level=logging.INFO, format="[rig] %(message)s")
-    request = json.loads(sys.stdin.readline())
-    stop = Stop()
+    request = json.loads(_line())
+    keep_signs_apart()
+    stop = Stop(request["settings"]["hardware"]["loop"]["stalled_s"])
     try:
         if request["what"] == "check":
             return check_rig(request["settings"], request["armed"], stop)
@@ -42,6 +44,14 @@ def main() -> int:
         log.error("error: %s", error)
         return 1
     return 0
+
+
+def _line() -> bytes:
+    """Return a line of the standard input and not a byte more: what follows are signs."""
+    line = b""
+    while not line.endswith(b"\n") and (byte := os.read(0, 1)):
+        line += byte
+    return line
 
 
 def record(
@@ -83,7 +93,7 @@ def record(
                         clock,
                         experiment.law,
                         experiment.samples,
-                        **loops(control),
+                        **loops(control, hardware["valves"]["neutral_v"]),
                         extra=experiment.channels[len(RAW_CHANNELS) :],
                         progress=_Progress(experiment.samples, period_s),
                         keep=journal.append,
@@ -92,7 +102,7 @@ def record(
                 except RunAbortedError as error:
                     stopped = error
                 told = clock.statistics()
-            vented = "the rig was vented; "
+            vented = "both chambers are vented, as their sensors show; "
         except DeviceError as error:
             if not told:  # no run was begun
                 raise

@@ -6,12 +6,13 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
-import yaml
 
 from fprc import tables
 from fprc.artifacts import read_json, write_csv, write_text
-from fprc.logs import read_run
+from fprc.logs import Columns, read_run
+from fprc.logs.isolated import isolated_each
 from fprc.stages.availability import CHORES, TITLES
+from fprc.yaml_file import read_yaml
 
 log = logging.getLogger(__name__)
 
@@ -20,7 +21,7 @@ def tabulate_configuration(
     published: str, csv: str, md: str, tex: str, *, models: Mapping[str, Any]
 ) -> None:
     """Table I: the settings of the models."""
-    table = tables.configuration(models, _published(published))
+    table = tables.configuration(models, read_yaml(published))
     note = "Table I. Configuration of the models: ours and as published."
     _write(table, table.astype(str), note, csv, md, tex)
 
@@ -49,7 +50,7 @@ def tabulate_comparison(
         Why a model is not in the table, by model.
     """
     reports = [read_json(path) for path in errors]
-    table = tables.comparison(reports, _published(published))
+    table = tables.comparison(reports, read_yaml(published))
     first = reports[0]
     note = (
         f"{_COMPARISONS[first['trained_on']]}: mean ± standard deviation over "
@@ -71,7 +72,7 @@ def tabulate_seeds(
 ) -> None:
     """Tables II and III over further seeds."""
     reports = [read_json(path) for path in replicates]
-    table = tables.over_seeds(reports, _published(published), trained_on)
+    table = tables.over_seeds(reports, read_yaml(published), trained_on)
     note = (
         f"{_COMPARISONS[trained_on]}: mean and its 95 % interval over {len(reports)} "
         f"further seeds.\nData: {tables.SOURCES[reports[0]['source']]}; each seed is another "
@@ -103,7 +104,8 @@ def tabulate_tracking(
         Runs of a whole Table IV that there is no log of.
     """
     known = read_json(gains)
-    table = tables.tracking([_run(path) for path in runs], known, _published(published))
+    logs = isolated_each(read_run, runs, names=("time_s", "theta_d_deg", "theta_deg"))
+    table = tables.tracking([_run(log) for log in logs], known, read_yaml(published))
     tried = known["candidates"]
     title = "Table IV. RMSE of tracking"
     if known["source"] == "sim":
@@ -125,7 +127,7 @@ def tabulate_tracking_seeds(
 ) -> None:
     """Table IV over further seeds."""
     reports = [read_json(path) for path in replicates]
-    table = tables.tracking_over_seeds(reports, _published(published))
+    table = tables.tracking_over_seeds(reports, read_yaml(published))
     note = (
         f"Table IV over seeds: mean RMSE and its 95 % interval over {len(reports)} further "
         f"seeds.\nData: {tables.SOURCES[reports[0]['source']]}; the gain is identified anew on "
@@ -134,8 +136,7 @@ def tabulate_tracking_seeds(
     _write(table, tables.tracking_page(table), note, csv, md, tex)
 
 
-def _run(path: str) -> dict[str, Any]:
-    log = read_run(path, ("time_s", "theta_d_deg", "theta_deg"))
+def _run(log: Columns) -> dict[str, Any]:
     time_s, theta_d, theta = log.channels.values()
     judged = time_s >= log.attributes["settle_s"]
     described = {key: log.attributes[key] for key in ("controller", "gain", "reference", "source")}
@@ -214,7 +215,7 @@ def tabulate_targets(
         }
         for paths in (replicates, controls)
     ]
-    table = tables.targets(*by_target, _published(published))
+    table = tables.targets(*by_target, read_yaml(published))
     note = (
         "Target of the models: commanded against measured pressure, mean and its 95 % interval "
         "over the further seeds.\n"
@@ -228,7 +229,7 @@ def tabulate_times(
 ) -> None:
     """Table II, its execution times."""
     report = read_json(times)
-    table = tables.timing(report, _published(published))
+    table = tables.timing(report, read_yaml(published))
     note = (
         f"Table II, execution times: mean ± standard deviation of {table['repeats'].iloc[0]} "
         f"repeats in turn on {report['cpu']}, {report['threads']} thread.\n"
@@ -264,10 +265,6 @@ def tabulate_unavailable(csv: str, md: str, *, reasons: Mapping[str, str]) -> No
         write_text(md, "Everything is available for this data.\n")
     for _, title, why in rows:
         log.info("not available: %s: %s", title, why)
-
-
-def _published(path: str) -> dict[str, Any]:
-    return yaml.safe_load(Path(path).read_text(encoding="utf-8"))
 
 
 def _write(table: pd.DataFrame, page: pd.DataFrame, note: str, csv: str, md: str, tex: str) -> None:

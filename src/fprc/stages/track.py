@@ -1,6 +1,5 @@
 """Closed-loop runs of Sec. IV: feedforward, feedback, and both."""
 
-import json
 import logging
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -20,10 +19,13 @@ from fprc.control import (
     tracking_law,
 )
 from fprc.devices import Readings, SimulatedRig
+from fprc.errors import LogError
 from fprc.evaluation import rmse
-from fprc.logs import read_columns, write_raw
+from fprc.logs import read_run, write_raw
+from fprc.logs.isolated import isolated_each
 from fprc.models import SequenceModel, load_model
 from fprc.signals import random_pushes, reference_angle
+from fprc.stages.gains import gains_told
 
 log = logging.getLogger(__name__)
 
@@ -207,11 +209,12 @@ def bench_gain(bench: Track, model: SequenceModel) -> dict[str, Any]:
 def identify_gain_from_logs(raw: Sequence[str], gains: str, *, tracking: Mapping[str, Any]) -> None:
     """Find the P gain with the least error in the logs of a real rig, one for each candidate."""
     tried = []
-    for path in raw:
-        names = ("time_s", "theta_d_deg", "theta_deg")
-        found = read_columns(path, names)
+    names = ("time_s", "theta_d_deg", "theta_deg")
+    for found in isolated_each(read_run, raw, names=names):
         error = tracking_error(found.channels, found.attributes["settle_s"])
-        given = json.loads(found.attributes["rig"])["gains"]
+        given = gains_told(found.attributes)
+        if given is None:
+            raise LogError(f"{found.path}: attribute rig: names no gains; record the log again")
         tried.append({**given, "rmse_deg": rmse(error, np.zeros_like(error))})
     found = _identified(tried, tracking["printed_gains"])
     write_json(gains, found | {"source": "rig"})

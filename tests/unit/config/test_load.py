@@ -177,7 +177,7 @@ def test_empty_file_changes_nothing(written, text):
         ("a: 1\n b: 2\n", "cannot be read as YAML"),
         ("- 1\n- 2\n", "not a list"),
         ("just words\n", "not a str"),
-        ("a: !!python/object/apply:os.getcwd []\n", "cannot be read as YAML"),
+        ("a: !!python/object/apply:os.getcwd []\n", "remove the tag"),
     ],
 )
 def test_file_that_is_no_settings_file_is_named(written, text, what):
@@ -213,6 +213,35 @@ def test_exponent_without_a_point_is_read_as_a_number(written):
     text = "control: {main_loop: {ki_v_per_kpa_s: 2e-6}}\n"
     assert isinstance(yaml.safe_load(text)["control"]["main_loop"]["ki_v_per_kpa_s"], str)
     assert from_files(written(text)).control.main_loop.ki_v_per_kpa_s == 2e-6
+
+
+def test_every_file_that_cannot_be_read_is_told_at_once(written):
+    paths = written("seed: 1\nseed: 2\n", "seed: 3\n", "a: [\n", "- 1\n")
+    with pytest.raises(ConfigError) as caught:
+        from_files(paths)
+    told = [line for line in str(caught.value).splitlines() if not line.startswith("  ")]
+    assert [line.split(":")[0] for line in told] == [str(paths[k]) for k in (0, 2, 3)]
+
+
+def test_settings_beside_the_files_win_and_are_checked(written):
+    paths = written("seed: 5\nmodels: {n_y: 7, fprc: {n_u: 2}}\n")
+    settings = from_files(paths, {"models": {"n_y": "08"}})
+    assert (settings.seed, settings.models.n_y, settings.models.fprc.n_u) == (5, 8, 2)
+    with pytest.raises(ConfigError, match=r"models\.n_z: unknown key"):
+        from_files(paths, {"models": {"n_z": 1}})
+
+
+@pytest.mark.parametrize("text", ["seed: 1:30", "seed: .nan", "seed: .inf", "seed: 2026-01-02"])
+def test_word_that_is_no_number_is_refused_where_one_is_needed(written, text):
+    with pytest.raises(ConfigError, match="seed = .*must be a"):
+        from_files(written(text))
+
+
+@pytest.mark.parametrize(
+    ("word", "armed"), [("true", True), ("yes", True), ("on", True), ("no", False), ("off", False)]
+)
+def test_words_for_truth_values_serve_where_one_is_needed(written, word, armed):
+    assert from_files(written(f"armed: {word}\n")).armed is armed
 
 
 # --- the files of this repository -----------------------------------------------------------

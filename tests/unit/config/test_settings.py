@@ -131,7 +131,7 @@ def test_list_with_a_number_that_is_not_finite_is_refused(key):
 @pytest.mark.parametrize("value", [True, False])
 @pytest.mark.parametrize("key", ["seed", "models.alpha", "folders.results", "evaluation.split"])
 def test_yes_or_no_is_no_number_and_no_text(key, value):
-    assert "must be a number or a text, not yes/no" in refused(key, value)
+    assert "must be a number or a text, not true/false" in refused(key, value)
 
 
 @pytest.mark.parametrize(

@@ -1,127 +1,153 @@
+"""Files that are small, and declare, link or hide what would be large or elsewhere."""
+
 import h5py
 import numpy as np
 import pytest
 
 from fprc.errors import LogError
-from fprc.logs import hdf5
-from fprc.logs.sources import read_arrays
-from fprc.logs.variables import pick
+from fprc.logs import hdf5, read_columns, write_columns
+from fprc.logs.columns import read_header
+from fprc.logs.salvage import salvage
+
+NAMES = ("time_s", "p_o_kpa")
 
 
 @pytest.fixture
-def written(tmp_path):
-    """Let a function write an HDF5 file, and return what is read of it."""
-
-    def written(write):
-        with h5py.File(tmp_path / "log.h5", "w") as file:
-            write(file)
-        return read_arrays(tmp_path / "log.h5", matlab=False)
-
-    return written
+def path(tmp_path):
+    time_s = np.arange(300) / 200.0
+    write_columns(tmp_path / "log.h5", {"time_s": time_s, "p_o_kpa": 100.0 + time_s}, {})
+    return tmp_path / "log.h5"
 
 
-@pytest.mark.parametrize("shape", [(50,), (50, 1), (1, 50)])
-def test_rows_and_columns_are_vectors_alike(written, shape):
-    source = written(lambda file: file.create_dataset("x", data=np.arange(50.0).reshape(shape)))
-    assert pick(source, "x").tolist() == list(range(50))
+def replace(path, make):
+    """Put something else in the place of p_o_kpa."""
+    with h5py.File(path, "r+") as file:
+        del file["p_o_kpa"]
+        made = make(file)
+        if made is not None:
+            made.attrs["units"] = "kPa"
 
 
-def test_pictures_texts_and_single_numbers_are_no_channels(written):
-    def write(file):
-        file["video"] = np.zeros((4, 3, 3))
-        file["who"] = "me"
-        file["rate"] = 100.0
-        file["none"] = h5py.Empty("f8")
-        file["no"] = np.zeros(0)
-        file["on"] = np.arange(5) > 2
-        file["x"] = np.arange(5)
-
-    source = written(write)
-    assert list(source.variables) == ["on", "x"]
-    assert set(source.others) == {"video", "who", "rate", "none", "no"}
+def problem(read, *arguments):
+    with pytest.raises(LogError) as caught:
+        read(*arguments)
+    return str(caught.value)
 
 
-def test_links_are_named_and_not_followed(written, tmp_path):
-    with h5py.File(tmp_path / "other.h5", "w") as other:
-        other["y"] = np.arange(3.0)
-
-    def write(file):
-        file["x"] = np.arange(5.0)
-        file["same"] = file["x"]
-        file["outside"] = h5py.ExternalLink(str(tmp_path / "other.h5"), "/y")
-        file["nowhere"] = h5py.SoftLink("/gone")
-        layout = h5py.VirtualLayout((3,), "f8")
-        layout[:] = h5py.VirtualSource(tmp_path / "other.h5", "y", (3,))
-        file.create_virtual_dataset("virtual", layout)
-        file.create_dataset("raw", (3,), "f8", external=[(tmp_path / "x.bin", 0, 24)])
-
-    source = written(write)
-    assert list(source.variables) == ["same", "x"]
-    assert f"link to {tmp_path / 'other.h5'}, which is not followed" in source.others["outside"]
-    assert "link to /gone" in source.others["nowhere"]
-    assert "in another file" in source.others["virtual"]
-    assert "in another file" in source.others["raw"]
+# --- elsewhere ------------------------------------------------------------------------------
 
 
-def test_group_that_holds_itself_is_refused(written):
-    def write(file):
-        file["x"] = np.arange(5.0)
-        file["group/again"] = file["/"]
-
-    with pytest.raises(LogError, match="cannot be read as HDF5|more than"):
-        written(write)
+def linked_outside(file):
+    file["p_o_kpa"] = h5py.ExternalLink("other.h5", "/secret")
 
 
-def test_dataset_that_cannot_be_read_leaves_the_others(written, tmp_path):
-    def write(file):
-        file["x"] = np.arange(5.0)
-        file.create_dataset("bad", data=np.arange(5.0), chunks=(5,), fletcher32=True)
-
-    written(write)
-    path = tmp_path / "log.h5"
-    with h5py.File(path) as file:
-        at = file["bad"].id.get_chunk_info(0).byte_offset
-    content = bytearray(path.read_bytes())
-    content[at] ^= 1
-    path.write_bytes(content)
-    source = read_arrays(path, matlab=False)
-    assert list(source.variables) == ["x"]
-    assert "cannot be read" in source.others["bad"]
+def linked_inside(file):
+    file["p_o_kpa"] = h5py.SoftLink("/time_s")
 
 
-# --- sizes ----------------------------------------------------------------------------------
+def stored_outside(file):
+    outside = [("other.bin", 0, h5py.h5f.UNLIMITED)]
+    return file.create_dataset("p_o_kpa", (300,), np.float64, external=outside)
+
+
+def virtual(file):
+    layout = h5py.VirtualLayout((300,), np.float64)
+    layout[:] = h5py.VirtualSource("other.h5", "secret", (300,))
+    return file.create_virtual_dataset("p_o_kpa", layout)
 
 
 @pytest.mark.parametrize(
-    "declared",
+    ("make", "why"),
     [
-        {"shape": (10**9,)},
-        {"shape": (10**9,), "chunks": (10**6,), "compression": "gzip"},
-        {"shape": (10**5, 10**4), "chunks": (100, 100), "fillvalue": 1.0},
-        {"shape": (10,), "maxshape": (None,), "chunks": (10**9 // 8,), "compression": "gzip"},
+        (linked_outside, "is a link to another file, other.h5 /secret"),
+        (linked_inside, "is a link to /time_s"),
+        (stored_outside, "its samples are in another file"),
+        (virtual, "its samples are in another file"),
     ],
 )
-def test_dataset_that_declares_too_much_is_not_read(written, tmp_path, monkeypatch, declared):
-    def write(file):
-        file["t"] = np.arange(10.0)
-        file.create_dataset("x", dtype="f8", **declared)
-
-    monkeypatch.setattr(hdf5, "_read", lambda dataset, matlab: np.zeros(dataset.shape))
-    source = written(write)
-    assert (tmp_path / "log.h5").stat().st_size < 1 << 16
-    assert list(source.variables) == ["t"]
-    assert "numbers; at most 50,000,000 are read of a file" in source.others["x"]
-
-
-def test_datasets_that_declare_too_much_together_are_not_all_read(written, monkeypatch):
-    monkeypatch.setattr(hdf5, "MOST_NUMBERS", 25)
-    source = written(lambda file: [file.create_dataset(name, data=np.zeros(10)) for name in "abc"])
-    assert list(source.variables) == ["a", "b"]
-    assert "declares 10 numbers" in source.others["c"]
+def test_channel_that_is_elsewhere_is_refused_with_the_reason(path, tmp_path, make, why):
+    with h5py.File(tmp_path / "other.h5", "w") as other:
+        other["secret"] = np.zeros(300)
+    (tmp_path / "other.bin").write_bytes(bytes(2400))
+    replace(path, make)
+    assert problem(read_columns, path, NAMES).startswith(f"{path}: channel p_o_kpa: {why}")
+    with pytest.raises(LogError, match="channel p_o_kpa"):
+        read_columns(path, ("time_s",), optional=("p_o_kpa",))
+    found = salvage(path)
+    assert list(found.channels) == ["time_s"]
+    assert any(word.startswith(f"p_o_kpa: cannot be read ({why}") for word in found.words)
 
 
-def test_file_of_too_many_datasets_is_refused_before_they_are_opened(written, monkeypatch):
-    monkeypatch.setattr(hdf5, "MOST_OBJECTS", 9)
-    monkeypatch.setattr(hdf5, "_read", None)
-    with pytest.raises(LogError, match="more than 9 datasets; save the columns as one matrix"):
-        written(lambda file: [file.create_dataset(f"c{k}", data=np.zeros(5)) for k in range(10)])
+@pytest.mark.parametrize("make", [linked_outside, linked_inside])
+def test_header_of_a_log_with_a_link_is_refused(path, make):
+    replace(path, make)
+    assert f"{path}: channel p_o_kpa: is a link to " in problem(read_header, path)
+
+
+# --- too large --------------------------------------------------------------------------------
+
+
+def huge(samples, **more):
+    def make(file):
+        return file.create_dataset("p_o_kpa", (samples,), np.float64, **more)
+
+    return make
+
+
+@pytest.mark.parametrize(
+    ("make", "samples"),
+    [
+        (huge(10**9, chunks=(10**5,), compression="gzip"), 10**9),
+        (huge(10**14, chunks=(10**6,)), 10**14),
+        (huge(300), 300),
+        (huge(300, chunks=(10,)), 300),
+    ],
+)
+def test_samples_that_were_never_written_are_refused_before_they_are_made_up(path, make, samples):
+    replace(path, make)
+    message = problem(read_columns, path, NAMES)
+    assert f"{path}: channel p_o_kpa: declares {samples} samples, and not all" in message
+
+
+@pytest.mark.parametrize("chunk", [10, 1000])
+def test_channels_together_have_a_limit_that_is_judged_before_reading(path, monkeypatch, chunk):
+    """300 samples, and a chunk is unpacked as a whole."""
+    replace(
+        path,
+        lambda file: file.create_dataset(
+            "p_o_kpa", data=np.zeros(300), chunks=(chunk,), maxshape=(None,), compression="gzip"
+        ),
+    )
+    whole = 8 * 300 + 8 * max(300, chunk)
+    monkeypatch.setattr(hdf5, "MAX_BYTES", whole)
+    assert len(read_columns(path, NAMES).channels["p_o_kpa"]) == 300
+    monkeypatch.setattr(hdf5, "MAX_BYTES", whole - 1)
+    monkeypatch.setattr(h5py.Dataset, "__getitem__", None)
+    largest = "p_o_kpa" if chunk == 1000 else "time_s"
+    message = problem(read_columns, path, NAMES)
+    assert message.startswith(f"{path}: channel {largest}: declares 300 samples; all channels")
+
+
+def test_channel_that_is_too_large_to_salvage_is_left_out_and_said(path):
+    replace(path, huge(10**9, chunks=(10**5,), compression="gzip"))
+    found = salvage(path)
+    assert list(found.channels) == ["time_s"]
+    assert any("declares 1000000000 samples" in word for word in found.words)
+
+
+def test_thousands_of_channels_are_named_in_part(path):
+    with h5py.File(path, "r+", libver="latest") as file:
+        del file["p_o_kpa"]
+        file.create_group("others")
+        for number in range(2000):
+            file[f"x{number:05}_kpa"] = file["others"]
+    message = problem(read_columns, path, NAMES)
+    assert message.startswith(f"{path}: channel p_o_kpa: missing; the file has others, time_s, x0")
+    assert message.endswith(", x00009_kpa and 1990 more")
+
+
+def test_names_cannot_command_the_terminal(path):
+    with h5py.File(path, "r+") as file:
+        file["\x1b[2J"] = 1.0
+        del file["p_o_kpa"]
+    assert r"the file has \x1b[2J, time_s" in problem(read_columns, path, NAMES)

@@ -1,16 +1,32 @@
+import os
+import subprocess
+
 import h5py
 import pytest
 
-from fprc.logs import COMPLETE, holdings
+from fprc.errors import LogError
+from fprc.logs import (
+    COMPLETE,
+    headers,
+    holdings,
+    isolated,
+    refuse_simulated,
+    refuse_to_overwrite,
+)
 
 NAMES = ["sweep", "complex", "track_sweep_fprc"]
 
 
-def test_channels_and_notes_of_the_logs_that_are_there(write_log, tmp_path):
-    path = write_log("sweep.h5", notes='{"theta_deg": "not in deg: x [mm]", "p_o_kpa": "muscle 1"}')
+def there(folder, alone=False):
+    return headers([folder / f"{name}.h5" for name in NAMES], alone=alone)
+
+
+@pytest.mark.parametrize("alone", [False, True])
+def test_channels_and_notes_of_the_logs_that_are_there(write_log, tmp_path, alone):
+    path = write_log("sweep.h5", notes={"theta_deg": "not in deg: x [mm]", "p_o_kpa": "muscle 1"})
     with h5py.File(path, "a") as log:
         del log["phi_deg"]
-    found = holdings(tmp_path, NAMES)
+    found = holdings(there(tmp_path, alone), NAMES)
     assert list(found) == ["sweep"]
     assert found["sweep"].lacks(["phi_deg", "p_o_kpa"]) == ["phi_deg"]
     assert found["sweep"].instead("theta_deg") == "x [mm]"
@@ -19,22 +35,72 @@ def test_channels_and_notes_of_the_logs_that_are_there(write_log, tmp_path):
 
 
 def test_logs_to_come_count_as_complete(tmp_path):
-    found = holdings(tmp_path, NAMES, to_come=["complex"])
+    found = holdings(there(tmp_path), NAMES, to_come=["complex"])
     assert found == {"complex": COMPLETE}
     assert COMPLETE.lacks(["phi_deg", "anything"]) == []
 
 
-@pytest.mark.parametrize("content", [b"", b"\x89HDF\r\n\x1a\n", b"no log at all"])
-def test_file_that_cannot_be_read_is_left_to_its_reader(tmp_path, content):
-    (tmp_path / "sweep.h5").write_bytes(content)
-    assert holdings(tmp_path, NAMES) == {"sweep": COMPLETE}
-
-
-def test_notes_that_are_no_json_are_left_to_their_reader(write_log, tmp_path):
-    write_log("sweep.h5", notes="{")
-    assert holdings(tmp_path, NAMES) == {"sweep": COMPLETE}
-
-
 def test_logs_to_come_lack_what_the_rig_does_not_measure(tmp_path):
-    found = holdings(tmp_path, NAMES, to_come=NAMES, without=["phi_deg"])
+    found = holdings(there(tmp_path), NAMES, to_come=NAMES, without=["phi_deg"])
     assert found["sweep"].lacks(["phi_deg", "p_o_kpa"]) == ["phi_deg"]
+
+
+def test_every_file_that_cannot_be_read_is_named(write_log, tmp_path):
+    (tmp_path / "sweep.h5").write_bytes(b"no log at all")
+    write_log("complex.h5", notes="{")
+    write_log("track_sweep_fprc.h5")
+    with pytest.raises(LogError) as caught:
+        there(tmp_path, alone=True)
+    first, second = str(caught.value).splitlines()
+    assert first.startswith(f"{tmp_path / 'sweep.h5'}: not an HDF5 file")
+    assert second.startswith(f"{tmp_path / 'complex.h5'}: attribute notes = '{{': must be a JSON")
+
+
+def test_pipe_in_the_place_of_a_log_is_refused_at_once(tmp_path):
+    os.mkfifo(tmp_path / "sweep.h5")
+    with pytest.raises(LogError, match=r"sweep\.h5: cannot be opened \(it is no file\)"):
+        there(tmp_path)
+
+
+def test_folder_without_logs_starts_no_process(tmp_path, monkeypatch):
+    monkeypatch.setattr(isolated.subprocess, "run", None)
+    assert there(tmp_path, alone=True) == {}
+
+
+def test_all_logs_are_read_in_one_process(write_log, tmp_path, monkeypatch):
+    started, run = [], subprocess.run
+    monkeypatch.setattr(
+        isolated.subprocess, "run", lambda *a, **more: started.append(a) or run(*a, **more)
+    )
+    for name in NAMES:
+        write_log(f"{name}.h5")
+    assert list(there(tmp_path, alone=True)) == NAMES
+    assert len(started) == 1
+
+
+# --- what may be overwritten ------------------------------------------------------------------
+
+
+def test_simulated_logs_and_absent_ones_may_be_overwritten(write_log, tmp_path):
+    write_log("sweep.h5")
+    refuse_to_overwrite(there(tmp_path))
+    with pytest.raises(LogError, match=r"sweep\.h5: is a log of the simulated rig, not of"):
+        refuse_simulated(there(tmp_path))
+
+
+@pytest.mark.parametrize("source", ["rig", "import"])
+def test_every_log_of_a_real_rig_is_named_and_not_overwritten(write_log, tmp_path, source):
+    paths = [write_log("sweep.h5", source=source), write_log("complex.h5", source=source)]
+    write_log("track_sweep_fprc.h5")
+    with pytest.raises(LogError, match="will not be overwritten") as caught:
+        refuse_to_overwrite(there(tmp_path))
+    lines = str(caught.value).splitlines()
+    assert [line.split(": ")[0] for line in lines] == [str(path) for path in paths]
+
+
+def test_log_that_does_not_say_where_it_comes_from_is_not_overwritten(write_log, tmp_path):
+    with h5py.File(write_log("sweep.h5"), "r+") as file:
+        del file.attrs["source"]
+    with pytest.raises(LogError, match="will not be overwritten"):
+        refuse_to_overwrite(there(tmp_path))
+    refuse_simulated(there(tmp_path))

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fprc.errors import LogError
-from fprc.logs import hdf5, matlab
+from fprc.logs import hdf5_source, matlab
 from fprc.logs.matlab import elements
 from fprc.logs.sources import read_arrays
 from fprc.logs.variables import columns_of, pick
@@ -170,7 +170,7 @@ def test_compressed_file_is_refused_by_what_it_unpacks_to(tmp_path, monkeypatch)
 
 def test_file_of_more_parts_than_can_be_meant_is_refused(read, monkeypatch):
     monkeypatch.setattr(matlab, "MOST_VARIABLES", 9)
-    monkeypatch.setattr(hdf5, "MOST_OBJECTS", 9)
+    monkeypatch.setattr(hdf5_source, "MOST_OBJECTS", 9)
     with pytest.raises(LogError, match="more than 9 "):
         read({"c": Cells((1, 10), [Y] * 10)})
 

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from fprc.config import Settings
-from fprc.logs import Columns, assess
+from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS, Columns, assess
+from fprc.logs.columns import unit_of
 from fprc.logs.quality import unit_told, warnings
 from fprc.stages.record import acquire
 
-CHECKS = {"complete", "rate", "gaps", "not_finite", "saturation", "stuck", "leak"}
+CHECKS = {"complete", "rate", "gaps", "not_finite", "range", "stuck", "leak"}
 ATMOSPHERE_KPA = 101.325
 
 
@@ -84,21 +85,57 @@ def test_slow_clock_is_a_matter_of_rate_alone(log):
 
 
 @pytest.mark.parametrize(
-    ("channel", "value"),
+    ("channel", "value", "limits"),
     [
-        ("p_exp_kpa", 1000.0),
-        ("p_i_kpa", 999.0),
-        ("p_o_kpa", -60.0),
-        ("theta_deg", 300.0),
-        ("theta_deg", -90.0),
+        ("p_exp_command_kpa", 1e6, [-20.0, 995.0]),
+        ("p_exp_kpa", 1000.0, [-20.0, 995.0]),
+        ("p_i_command_kpa", -30.0, [-20.0, 995.0]),
+        ("p_i_kpa", 999.0, [-20.0, 995.0]),
+        ("p_o_kpa", -60.0, [-20.0, 995.0]),
+        ("theta_deg", 300.0, [-45.0, 120.0]),
+        ("theta_deg", -90.0, [-45.0, 120.0]),
+        ("theta_d_deg", 121.0, [-45.0, 120.0]),
+        ("phi_deg", 121.0, [-120.0, 120.0]),
+        ("valve_main_v", -0.1, [0.0, 10.0]),
+        ("valve_reservoir_v", 10.1, [0.0, 10.0]),
+        ("p_ff_kpa", 1001.0, [-1000.0, 1000.0]),
+        ("p_fb_kpa", -2000.0, [-1000.0, 1000.0]),
     ],
 )
-def test_saturated_samples_are_counted_by_channel(log, channel, value):
-    log.channels[channel][200:203] = value
-    assert "saturation" in failed(log)
-    counts = judge(log)["checks"]["saturation"]["samples"]
+def test_implausible_samples_of_every_channel_are_counted_and_the_first_is_named(
+    log, channel, value, limits
+):
+    log.channels.setdefault(channel, np.zeros(4000))[200:203] = value
+    assert "range" in failed(log)
+    record = judge(log)
+    counts = record["checks"]["range"]["samples"]
     assert counts[channel] == 3
     assert sum(counts.values()) == 3
+    first = record["checks"]["range"]["first"]
+    assert first == {channel: {"sample": 200, "value": value, "limits": limits}}
+    (line,) = [line for line in warnings(record) if ": range: " in line]
+    assert line == (
+        f"log.h5: range: channel {channel}: sample 200 is {value:g} {unit_of(channel)}, outside of "
+        f"{limits[0]:g} to {limits[1]:g}, and 2 more"
+    )
+
+
+def test_every_channel_of_a_raw_log_has_its_range(log):
+    log.channels.update(dict.fromkeys(TRACKING_CHANNELS, np.zeros(4000)))
+    judged = judge(log)["checks"]["range"]["samples"]
+    assert set(judged) == {*RAW_CHANNELS, *TRACKING_CHANNELS} - {"time_s"}
+
+
+@pytest.mark.parametrize(("channel", "value"), [("p_i_kpa", 9e9), ("p_o_kpa", 9e9)])
+def test_huge_pressure_has_a_record_that_can_be_written(log, channel, value):
+    log.channels[channel][200:300:7] = value
+    assert "range" in failed(log)
+    json.dumps(judge(log), allow_nan=False)
+
+
+def test_channels_without_a_checksum_are_listed(log):
+    assert "no_checksum" not in judge(log)
+    assert judge(log._replace(unchecked=("p_o_kpa",)))["no_checksum"] == ["p_o_kpa"]
 
 
 @pytest.mark.parametrize("channel", ["p_exp_kpa", "p_i_kpa", "p_o_kpa", "theta_deg"])
@@ -202,7 +239,7 @@ def test_each_failed_check_gives_one_warning_that_names_log_and_check(log):
     lines = warnings(judge(log))
     assert [line.split(": ")[:2] for line in lines] == [
         ["log.h5", "rate"],
-        ["log.h5", "saturation"],
+        ["log.h5", "range"],
     ]
 
 

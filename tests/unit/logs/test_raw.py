@@ -1,11 +1,9 @@
-import json
-
 import h5py
 import numpy as np
 import pytest
 
 from fprc.errors import LogError
-from fprc.logs import RAW_CHANNELS, read_raw, refuse_to_overwrite, write_raw
+from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS, read_raw, read_run, write_raw
 
 RATE = {"experiment": None, "sample_rate_hz": 200.0, "rate_tolerance": 0.01}
 ATTRIBUTES = ("experiment", "source", "simulated", "sample_rate_hz", "seed", "software", "rig")
@@ -40,7 +38,7 @@ def test_raw_log_comes_back_as_it_was_written(write_log, channels):
         assert log.channels[name].tobytes() == channels[name].tobytes()
     assert log.attributes["experiment"] == "complex"
     assert log.attributes["seed"] == 5
-    assert json.loads(log.attributes["rig"]) == {"valve": {"leak": 0.0}}
+    assert log.attributes["rig"] == {"valve": {"leak": 0.0}}
 
 
 @pytest.mark.parametrize(("source", "simulated"), [("sim", True), ("rig", False)])
@@ -57,8 +55,8 @@ def test_same_experiment_gives_the_same_bytes(write_log):
 
 def test_channels_of_a_raw_log_carry_their_units(write_log):
     with h5py.File(write_log()) as file:
-        units = [file[name].attrs["units"] for name in RAW_CHANNELS]
-    assert units == ["s", "kPa", "kPa", "deg", "kPa", "kPa", "kPa", "deg", "V", "V"]
+        units = b" ".join(file[name].attrs["units"] for name in RAW_CHANNELS)
+    assert units == b"s kPa kPa deg kPa kPa kPa deg V V"
 
 
 def test_expected_rate_may_be_the_logs_own(write_log, channels):
@@ -165,8 +163,107 @@ def test_channels_beyond_the_raw_ones_are_kept(write_log):
     path = write_log(changed={"theta_d_deg": np.arange(400.0)})
     with h5py.File(path) as file:
         np.testing.assert_array_equal(file["theta_d_deg"][:], np.arange(400.0))
-        assert file["theta_d_deg"].attrs["units"] == "deg"
+        assert file["theta_d_deg"].attrs["units"] == b"deg"
     assert tuple(read_raw(path, **RATE).channels) == RAW_CHANNELS
+
+
+@pytest.mark.parametrize("value", [2e10, -1e300])
+@pytest.mark.parametrize("name", ["time_s", "p_exp_command_kpa", "phi_deg"])
+def test_number_that_nothing_measures_is_named_with_its_sample(write_log, changed, name, value):
+    path = write_log(changed=changed(name, slice(7, 9), value))
+    lines = problem(path).splitlines()
+    assert lines == [
+        f"{path}: channel {name}: sample 7 is {value:g}, and 1 more are beyond 1e+10, which "
+        "nothing measures; restore the file or record again"
+    ]
+
+
+@pytest.mark.parametrize("rate", [np.inf, 1e300, 1e-300])
+def test_rate_that_no_log_has_is_an_error_of_the_log(write_log, rate):
+    path = write_log(sample_rate_hz=rate)
+    assert f"{path}: " in problem(path, sample_rate_hz=None)
+
+
+# --- closed-loop runs -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("experiment", ["track_sweep_fprc", "identify_0.5"])
+def test_run_has_reference_feedforward_and_feedback(write_run, experiment):
+    path = write_run(experiment=experiment)
+    assert tuple(read_raw(path, **RATE).channels) == (*RAW_CHANNELS, *TRACKING_CHANNELS)
+    assert tuple(read_run(path, ("theta_d_deg", "p_i_kpa")).channels) == ("theta_d_deg", "p_i_kpa")
+
+
+def without(name):
+    def change(file):
+        del file[name]
+
+    return change
+
+
+def spoiled(name):
+    def change(file):
+        file[name][11] = np.nan
+
+    return change
+
+
+def attribute(name, value=None):
+    def change(file):
+        del file.attrs[name]
+        if value is not None:
+            file.attrs[name] = value
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (without("p_ff_kpa"), "channel p_ff_kpa: missing"),
+        (without("valve_main_v"), "channel valve_main_v: missing"),
+        (spoiled("theta_d_deg"), "channel theta_d_deg: sample 11 is nan"),
+        (spoiled("p_fb_kpa"), "channel p_fb_kpa: sample 11 is nan"),
+        (attribute("gain"), "attribute gain: missing"),
+        (attribute("settle_s"), "attribute settle_s: missing"),
+        (attribute("settle_s", "5"), "attribute settle_s = '5': must be a finite number"),
+        (attribute("settle_s", 2.0), "attribute settle_s = 2; the log ends at 1.995 s"),
+        (attribute("reference", 3), "attribute reference = 3: must be text"),
+        (attribute("source", "dream"), "attribute source = dream; must be sim, rig"),
+        (attribute("simulated"), "attribute simulated: missing"),
+    ],
+)
+def test_run_that_is_not_whole_is_refused_by_check_and_workflow(write_run, change, said):
+    """Whatever of it the workflow asks for."""
+    path = write_run()
+    with h5py.File(path, "r+") as file:
+        change(file)
+    assert problem(path).startswith(f"{path}: {said}")
+    with pytest.raises(LogError) as caught:
+        read_run(path, ("time_s", "theta_deg"))
+    assert str(caught.value) == problem(path)
+
+
+def test_log_of_an_experiment_is_no_run(write_log):
+    path = write_log(controller="pd", gain="printed", reference="sweep", settle_s=0.0)
+    with pytest.raises(LogError, match="attribute experiment = sweep; that of a closed-loop run"):
+        read_run(path, ("time_s",))
+
+
+@pytest.mark.parametrize("absent", ["p_i_kpa", "valve_main_v"])
+def test_imported_run_may_lack_what_an_import_may_lack(write_run, absent):
+    path = write_run(source="import")
+    with h5py.File(path, "r+") as file:
+        del file[absent]
+    assert list(read_run(path, ("theta_d_deg",)).channels) == ["theta_d_deg"]
+    with pytest.raises(LogError, match=f"channel {absent}: missing"):
+        read_run(path, (absent,))
+
+
+def test_run_without_its_own_channels_is_not_written(write_run, write_log, tmp_path):
+    with pytest.raises(LogError, match="channels theta_d_deg, p_ff_kpa, p_fb_kpa are missing"):
+        write_log("run.h5", experiment="track_sweep_fprc")
+    assert not (tmp_path / "run.h5").exists()
 
 
 def test_log_without_all_raw_channels_is_not_written(tmp_path):
@@ -204,33 +301,3 @@ def test_problems_of_channels_time_and_attributes_are_reported_together(with_att
         "attribute seed: missing",
     ):
         assert part in message
-
-
-# --- refuse_to_overwrite ------------------------------------------------------------------------
-
-
-def test_simulated_logs_and_absent_ones_may_be_overwritten(write_log, tmp_path):
-    refuse_to_overwrite([write_log(), str(tmp_path / "none.h5")])
-
-
-@pytest.mark.parametrize("source", ["rig", "import"])
-def test_log_of_a_real_rig_is_not_overwritten(write_log, source):
-    path = write_log(source=source)
-    with pytest.raises(LogError, match="will not be overwritten") as caught:
-        refuse_to_overwrite([path])
-    assert str(path) in str(caught.value)
-
-
-def test_log_that_does_not_say_where_it_comes_from_is_not_overwritten(with_attributes):
-    with pytest.raises(LogError, match="will not be overwritten"):
-        refuse_to_overwrite([with_attributes(source=None)])
-
-
-def test_every_file_that_would_be_lost_is_named(write_log, tmp_path):
-    note = tmp_path / "note.h5"
-    note.write_text("not a log")
-    paths = [write_log("a.h5", source="rig"), note, write_log("c.h5"), tmp_path]
-    with pytest.raises(LogError) as caught:
-        refuse_to_overwrite(paths)
-    lines = str(caught.value).splitlines()
-    assert [line.split(": ")[0] for line in lines] == [str(paths[0]), str(note), str(tmp_path)]

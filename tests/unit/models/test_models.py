@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from sklearn.base import BaseEstimator, clone
+from sklearn.exceptions import NotFittedError
 
 import fprc.models
 from fprc.models import (
@@ -280,3 +281,18 @@ def other_inputs(model):
 def pressure(size):
     time = np.arange(size) / 10.0
     return 175.0 + 120.0 * np.sin(time + 0.2) + 20.0 * np.sin(time) ** 2
+
+
+@pytest.mark.parametrize("model", [ESN(r=10), FPRC(), FuzzyLinear()])
+@pytest.mark.parametrize("call", ["step", "reset", "predict"])
+def test_model_that_was_not_fitted_says_so(model, call):
+    sample = [[1.0, 2.0]] if call == "predict" else [1.0, 2.0]
+    with pytest.raises(NotFittedError):
+        getattr(model, call)(sample)
+
+
+@pytest.mark.parametrize("features", [EchoStates(r=10), TapFeatures()])
+@pytest.mark.parametrize("call", ["step", "advance", "reset"])
+def test_features_that_were_not_fitted_say_so(features, call):
+    with pytest.raises(NotFittedError):
+        getattr(features, call)([1.0, 2.0])

@@ -1,8 +1,11 @@
 import json
 import os
+from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
+from matplotlib.figure import Figure
 from PIL import Image
 
 from fprc.errors import FprcError
@@ -33,7 +36,7 @@ def folder(tmp_path, monkeypatch):
     (tmp_path / "known.yaml").write_text(yaml.safe_dump({"C1": "reproduced"}))
     (tmp_path / "docs").mkdir()
     for name in ("docs/one.png", "results/one.png", "docs/two.png"):
-        Image.new("RGB", (4, 3), "red").save(name)
+        Image.new("RGB", (40, 30), "red").save(name)
     return tmp_path
 
 
@@ -102,7 +105,7 @@ def test_raw_logs_below_the_results_may_be_anything(folder):
 
 
 def test_picture_that_is_not_the_figure_is_reported(folder):
-    Image.new("RGB", (4, 3), "blue").save("docs/one.png")
+    Image.new("RGB", (40, 30), "blue").save("docs/one.png")
     with pytest.raises(FprcError, match=r"docs/one\.png is not results/one\.png$"):
         check()
 
@@ -114,12 +117,72 @@ def test_picture_that_is_gone_is_reported(folder):
 
 
 def test_same_picture_compressed_otherwise_is_in_order(folder):
-    Image.new("RGBA", (4, 3), "red").save("docs/one.png", compress_level=0)
+    Image.new("RGBA", (40, 30), "red").save("docs/one.png", compress_level=0)
     check()
 
 
+def test_picture_of_another_size_is_reported(folder):
+    Image.new("RGB", (40, 31), "red").save("docs/one.png")
+    with pytest.raises(FprcError, match=r"docs/one\.png is not results/one\.png$"):
+        check()
+
+
+def drawn(path, *, factor=0.0, curve_px=0.0, dot_px=0.0, bar_px=0.0, text="RMSE 11.9 kPa"):
+    """Draw a curve, a dot, a bar and a text, moved by pixels."""
+    fig = Figure(figsize=(2, 1.5), dpi=150)
+    ax = fig.add_axes([0, 0, 1, 1], xlim=(0, 300), ylim=(0, 225))
+    noise = np.random.default_rng(0).normal(size=(2, 8000))
+    x = np.linspace(0, 300, 8000)
+    ax.plot(x, (100 + 40 * np.sin(x / 9) + noise[0] + curve_px) * (1 + factor * noise[1]), lw=0.4)
+    ax.plot([50 + dot_px + factor * 50], [30], "o", ms=3)
+    ax.bar([250], [20 + bar_px + factor * 20], width=30, color="0.8")
+    ax.text(100, 200, text, fontsize=6)
+    fig.savefig(path)
+
+
+def test_picture_of_the_numbers_of_another_processor_is_in_order(folder):
+    drawn("docs/one.png")
+    drawn("results/one.png", factor=1e-6)
+    assert Path("docs/one.png").read_bytes() != Path("results/one.png").read_bytes()
+    check()
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"curve_px": 0.25},
+        {"dot_px": 1.0},
+        {"bar_px": 1.0},
+        {"text": "RMSE 11.8 kPa"},
+        {"text": "RMSE 17.9 kPa"},
+    ],
+    ids=str,
+)
+def test_picture_that_shows_something_else_is_reported(folder, change):
+    drawn("docs/one.png")
+    drawn("results/one.png", **change)
+    with pytest.raises(FprcError, match=r"docs/one\.png is not results/one\.png$"):
+        check()
+
+
+@pytest.mark.parametrize(
+    ("levels", "pixels", "reported"),
+    [(16, 1200, False), (17, 20, False), (255, 20, False), (17, 21, True), (255, 1200, True)],
+)
+def test_few_pixels_or_faint_differences_are_no_other_picture(folder, levels, pixels, reported):
+    pixel = np.zeros((30, 40, 3), np.uint8)
+    Image.fromarray(pixel).save("docs/one.png")
+    pixel.reshape(-1, 3)[:pixels, 1] = levels
+    Image.fromarray(pixel).save("results/one.png")
+    if reported:
+        with pytest.raises(FprcError, match="is not results/one"):
+            check()
+    else:
+        check()
+
+
 def test_picture_that_no_rule_puts_there_is_reported(folder):
-    Image.new("RGB", (4, 3), "red").save("docs/three.png")
+    Image.new("RGB", (40, 30), "red").save("docs/three.png")
     with pytest.raises(FprcError, match=r"no rule makes.*:\n  docs/three\.png$"):
         check()
 

@@ -1,3 +1,4 @@
+import h5py
 import pytest
 
 from fprc.artifacts import read_json
@@ -9,13 +10,12 @@ FOUND = {"kp_kpa_per_deg": 4.0, "kd_kpa_s_per_deg": 0.04}
 
 
 @pytest.fixture
-def gains_of(write_log, tmp_path):
+def gains_of(write_run, tmp_path):
     def read(*runs, **more):
         paths = []
         for number, (gain, rig) in enumerate(runs):
-            told = {"controller": "pd", "gain": gain, "reference": "sweep", "settle_s": 1.0}
             source = more.get("sources", ["rig"] * len(runs))[number]
-            path = write_log(f"run_{number}.h5", rig=rig, source=source, **told)
+            path = write_run(f"run_{number}.h5", rig=rig, source=source, gain=gain)
             paths.append(str(path))
         read_gains(paths, str(tmp_path / "gains.json"))
         return read_json(tmp_path / "gains.json")
@@ -44,7 +44,14 @@ def test_logs_of_two_kinds_make_no_table(gains_of):
         gains_of(("none", {}), ("none", {}), sources=["rig", "sim"])
 
 
-def test_attribute_of_a_run_that_is_missing_is_named(write_log, tmp_path):
-    path = write_log("run.h5", controller="pd", reference="sweep", settle_s=1.0)
+@pytest.mark.parametrize("told", [[], 5, {"kp_kpa_per_deg": "nan", "kd_kpa_s_per_deg": 0.1}])
+def test_gains_that_are_none_are_left_out(gains_of, told):
+    assert "printed" not in gains_of(("printed", {"gains": told}))
+
+
+def test_attribute_of_a_run_that_is_missing_is_named(write_run, tmp_path):
+    path = write_run("run.h5")
+    with h5py.File(path, "r+") as file:
+        del file.attrs["gain"]
     with pytest.raises(LogError, match=r"run.h5: attribute gain: missing; .*README"):
         read_gains([str(path)], str(tmp_path / "gains.json"))

@@ -63,8 +63,9 @@ def test_log_keeps_its_channels_and_says_what_is_simulated(add, recorded):
     assert log.attributes["seed"] == 4
     for name in ("theta_deg", "p_exp_kpa"):
         assert log.channels[name].tolist() == recorded["sweep"][name].tolist()
-    notes = json.loads(log.attributes["notes"])
-    assert notes == dict.fromkeys(CHANNELS, "simulated, driven by the recorded theta")
+    assert log.attributes["notes"] == dict.fromkeys(
+        CHANNELS, "simulated, driven by the recorded theta"
+    )
 
 
 def test_recorded_p_o_is_replaced(add, recorded):
@@ -128,7 +129,7 @@ def test_reservoir_is_simulated_for_recorded_logs_only(source):
 def test_theta_that_is_no_angle_asks_no_reservoir_for_pressures(add, tmp_path):
     raw, _ = add()
     log = read_raw(raw, **RATE)
-    notes = json.dumps({"theta_deg": "not in deg: displacement x [mm]"})
+    notes = {"theta_deg": "not in deg: displacement x [mm]"}
     write_columns(raw, log.channels, log.attributes | {"notes": notes})
     with pytest.raises(LogError, match=r"theta_deg: not in deg: displacement"):
         add_reservoir(

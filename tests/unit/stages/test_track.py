@@ -70,7 +70,7 @@ def test_every_controller_has_its_raw_log_with_what_it_was(logs, settings):
         assert (found["source"], found["simulated"]) == ("sim", True)
         assert (found["settle_s"], found["seed"], found["sample_rate_hz"]) == (0.5, 1, 200.0)
         assert "aborted" not in found
-        described = json.loads(found["rig"])
+        described = found["rig"]
         assert (
             described["gains"]
             == {

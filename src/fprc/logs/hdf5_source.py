@@ -1,0 +1,180 @@
+"""HDF5 files of other programs, among them MATLAB's since version 7.3."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from fprc.errors import LogError
+from fprc.logs.attributes import read_attribute
+from fprc.logs.hdf5 import refuse_cut_file
+from fprc.logs.matlab import EMPTY, OBJECT, SPARSE, elements
+from fprc.logs.variables import MOST_NUMBERS, Source, sorted_out
+
+#: Most datasets and links; the library takes 0.2 ms for each.
+MOST_OBJECTS = 10_000
+#: MATLAB's classes of numbers.
+_NUMBERS = {"double", "single", "logical"} | {
+    f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)
+}
+
+#: A part of a file: its name, and what is there, its numbers, or why it has none.
+_Part = tuple[str, h5py.Dataset | np.ndarray | str]
+
+
+def read_hdf5(path: Path, *, at: int, matlab: bool) -> Source:
+    """Read an HDF5 file.
+
+    Parts of MATLAB's variables have the names that MATLAB gives them, see
+    ``fprc.logs.matlab.read_matlab``. Links are not followed.
+
+    Parameters
+    ----------
+    at : int
+        Where HDF5 begins in the file, bytes.
+
+    Raises
+    ------
+    LogError
+        The file is damaged, cut short, or has too many parts.
+    """
+    refuse_cut_file(path, at=at)
+    variables: dict[str, np.ndarray] = {}
+    others: dict[str, str] = {}
+    left = MOST_NUMBERS
+    try:
+        with h5py.File(path, "r") as file:
+            parts = _variables(file) if matlab else _datasets(file)
+            for count, (name, part) in enumerate(parts):
+                if count == MOST_OBJECTS:
+                    raise _too_many(path)
+                if isinstance(part, h5py.Dataset):
+                    part = _why_not(part, left, matlab=matlab) or _read(part, matlab=matlab)
+                if isinstance(part, str):
+                    others[name] = part
+                else:
+                    variables[name] = part
+                    left -= part.size
+    except (LogError, MemoryError):
+        raise
+    except Exception as error:  # a damaged file makes the library raise whatever it stumbles over
+        raise LogError(
+            f"{path}: cannot be read as HDF5 ({type(error).__name__}: {error}); the file is cut "
+            "short, damaged, or something else"
+        ) from error
+    kind = "MATLAB 7.3" if matlab else "HDF5"
+    return Source(path, kind, *sorted_out(path, variables, others))
+
+
+def _too_many(path: Path | str) -> LogError:
+    return LogError(
+        f"{path}: more than {MOST_OBJECTS} datasets; save the columns as one matrix, or a struct "
+        "array as a struct of arrays"
+    )
+
+
+def _why_not(dataset: h5py.Dataset, left: int, *, matlab: bool) -> str | None:
+    """Return why a dataset cannot be a channel, by what it declares."""
+    kind = "double"
+    if matlab and "MATLAB_class" in dataset.attrs:
+        kind = read_attribute(dataset.attrs, "MATLAB_class")
+    if not dataset.size or (matlab and "MATLAB_empty" in dataset.attrs):
+        return EMPTY
+    if kind not in _NUMBERS:
+        return "text" if kind == "char" else OBJECT.format(kind)
+    if dataset.ndim > 2 or dataset.dtype.kind not in "fiub":
+        return f"{dataset.dtype} of shape {dataset.shape}"
+    if dataset.external or dataset.is_virtual:
+        return "kept in another file; copy it into this one"
+    largest = max(dataset.size, int(np.prod(dataset.chunks or (1,), dtype=float)))
+    if largest > left:
+        return (
+            f"declares {largest:,} numbers; at most {MOST_NUMBERS:,} are read of a file, split it"
+        )
+    return None
+
+
+def _read(dataset: h5py.Dataset, *, matlab: bool) -> np.ndarray | str:
+    try:
+        values = np.asarray(dataset[()], dtype=np.float64)
+    except (OSError, RuntimeError) as error:  # of this dataset alone
+        return f"cannot be read ({error})"
+    return values.T if matlab else values  # MATLAB keeps arrays by columns
+
+
+def _members(group: h5py.Group) -> Iterator[tuple[str, Any]]:
+    """Yield names and objects of a group; for a link to elsewhere, a text."""
+    if len(group) > MOST_OBJECTS:
+        raise _too_many(group.file.filename)
+    for name in group:
+        link = group.get(name, getlink=True)
+        if isinstance(link, h5py.HardLink):
+            yield name, group[name]
+        else:
+            where = getattr(link, "filename", "")
+            yield name, f"a link to {where or link.path}, which is not followed"
+
+
+def _datasets(group: h5py.Group, prefix: str = "") -> Iterator[_Part]:
+    for name, member in _members(group):
+        if isinstance(member, h5py.Group):
+            yield from _datasets(member, f"{prefix}{name}/")
+        elif isinstance(member, (h5py.Dataset, str)):
+            yield f"{prefix}{name}", member
+
+
+# --- MATLAB ---------------------------------------------------------------------------------
+
+
+def _variables(file: h5py.File) -> Iterator[_Part]:
+    for name, member in _members(file):
+        if not name.startswith("#"):  # where MATLAB keeps what its cells refer to
+            yield from _parts(name, member)
+
+
+def _parts(name: str, thing: Any) -> Iterator[_Part]:
+    if isinstance(thing, h5py.Group):
+        if "MATLAB_sparse" in thing.attrs:
+            yield name, SPARSE
+            return
+        for field, member in _members(thing):
+            if _refers(member) and "MATLAB_class" not in member.attrs:
+                yield from _field(name, field, member)
+            else:
+                yield from _parts(f"{name}.{field}", member)
+    elif _refers(thing):
+        for text, target in _targets(thing):
+            yield from _parts(f"{name}{{{text}}}", target)
+    elif isinstance(thing, (h5py.Dataset, str)):
+        yield name, thing
+
+
+def _field(name: str, field: str, member: h5py.Dataset) -> Iterator[_Part]:
+    """Yield the parts of a field of a struct array: each element refers to its own."""
+    each = list(_targets(member))
+    targets = [target for _, target in each]
+    if all(isinstance(target, h5py.Dataset) and target.size == 1 and not _refers(target)
+           and _why_not(target, 1, matlab=True) is None for target in targets):  # fmt: skip
+        yield f"[{name}.{field}]", np.array([float(target[()].item()) for target in targets])
+    else:
+        for text, target in each:
+            yield from _parts(f"{name}({text}).{field}", target)
+
+
+def _refers(thing: Any) -> bool:
+    """Say whether a dataset's elements are references: a cell array's, a struct array's."""
+    return isinstance(thing, h5py.Dataset) and h5py.check_ref_dtype(thing.dtype) is h5py.Reference
+
+
+def _targets(dataset: h5py.Dataset) -> Iterator[tuple[str, Any]]:
+    """Yield what a dataset's elements refer to, and their index as MATLAB writes it."""
+    if not dataset.size or dataset.size > MOST_OBJECTS:
+        if dataset.size:
+            raise _too_many(dataset.file.filename)
+        return
+    references = np.asarray(dataset[()]).T
+    for index, text in elements(references.shape):
+        reference = references[index]
+        yield text, dataset.file[reference] if reference else EMPTY

@@ -1,0 +1,118 @@
+"""The statistics that figures draw, as tidy tables; written beside each figure."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+_PHASES = ("train", "validation", "test")
+
+
+def fit_errors(parts: Mapping[str, Any]) -> pd.DataFrame:
+    """RMSE of a model on the logs of Fig. 8.
+
+    Parameters
+    ----------
+    parts : Mapping
+        By phase: a log with ``p_exp_kpa`` and ``p_ff_kpa``.
+    """
+    return pd.DataFrame(
+        {
+            "phase": phase,
+            "model": log.attributes["model"],
+            "rmse": _rmse(log.channels["p_ff_kpa"] - log.channels["p_exp_kpa"]),
+            "unit": log.attributes.get("p_exp_unit", "kPa"),
+            "source": log.attributes["source"],
+        }
+        for phase, log in parts.items()
+    )
+
+
+def weight_shares(report: Mapping[str, Any]) -> pd.DataFrame:
+    """Share of each weight in its rule, and the mean over rules of each feature's (Fig. 9)."""
+    return pd.DataFrame(
+        {
+            "rule": rule,
+            "feature": feature,
+            "lag": lag,
+            "share": share,
+            "mean_of_feature": report["mean_share"].get(feature),
+            "source": report["source"],
+        }
+        for feature, rules in report["shares"].items()
+        for rule, lags in enumerate(rules, start=1)
+        for lag, share in enumerate(lags)
+    )
+
+
+def swept_errors(report: Mapping[str, Any], *settings: str) -> pd.DataFrame:
+    """Mean and standard deviation over folds of each phase's RMSE (Figs. 10a, 10b, 11).
+
+    Parameters
+    ----------
+    settings : str
+        Keys of a cell that tell it from the others.
+
+    Returns
+    -------
+    DataFrame
+        ``model``, the settings, ``phase``, ``mean``, ``std`` (sample; NaN where there is one
+        value), ``values``, ``unit``, ``source``.
+    """
+    rows = [
+        {
+            "model": cell["model"],
+            **{name: cell[name] for name in settings},
+            "phase": phase,
+            **_spread(cell[f"{phase}_rmse_kpa"]),
+            "unit": report["unit"],
+            "source": report["source"],
+        }
+        for cell in report["cells"]
+        for phase in _PHASES
+    ]
+    return pd.DataFrame(rows)
+
+
+def swept_times(report: Mapping[str, Any], setting: str) -> pd.DataFrame:
+    """Mean and standard deviation over repeats of the batch execution times (Fig. 10c)."""
+    return pd.DataFrame(
+        {
+            "model": entry["model"],
+            setting: entry[setting],
+            "phase": entry["phase"],
+            **_spread(entry["seconds"]),
+            "unit": "s",
+            "source": report["source"],
+        }
+        for entry in report["times"]
+        if entry["mode"] == "batch"
+    )
+
+
+def panels(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+    """Return the tables of a figure's panels as one; ``setting`` names what ``value`` is.
+
+    Parameters
+    ----------
+    tables : Mapping
+        Of ``swept_errors`` or ``swept_times`` over one setting, by panel.
+    """
+    renamed = []
+    for panel, table in tables.items():
+        setting = table.columns[1]
+        renamed.append(table.rename(columns={setting: "value"}))
+        renamed[-1].insert(1, "setting", setting)
+        renamed[-1].insert(0, "panel", panel)
+    return pd.concat(renamed, ignore_index=True)
+
+
+def _spread(values: float | Sequence[float]) -> dict[str, float | int]:
+    found = np.atleast_1d(np.asarray(values, dtype=float))
+    std = found.std(ddof=1) if found.size > 1 else np.nan
+    return {"mean": found.mean(), "std": std, "values": found.size}
+
+
+def _rmse(error: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(error**2)))

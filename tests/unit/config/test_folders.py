@@ -1,0 +1,174 @@
+import os
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from fprc.config import check
+from fprc.config.folders import MADE, OWN
+from fprc.errors import ConfigError
+
+ROOT = Path(__file__).parents[3]
+
+
+def refused(**folders):
+    with pytest.raises(ConfigError) as caught:
+        check({"folders": folders})
+    return str(caught.value)
+
+
+@pytest.fixture
+def project(tmp_path, monkeypatch):
+    """The folder that commands are run in, below the home folder's."""
+    home = tmp_path / "home"
+    project = tmp_path / "work/project"
+    for folder in (home, project):
+        folder.mkdir(parents=True)
+    monkeypatch.setenv("HOME", str(home))
+    monkeypatch.chdir(project)
+    return project
+
+
+@pytest.mark.parametrize("key", ["raw", "results"])
+@pytest.mark.parametrize(
+    ("folder", "reason"),
+    [
+        ("/", "holds it"),
+        ("//", "holds it"),
+        (".", "is the project's folder"),
+        ("..", "holds it"),
+        ("../..", "holds it"),
+        ("{project}", "is the project's folder"),
+        ("{project}/..", "holds it"),
+        ("../project", "is the project's folder"),
+        ("{home}", "is your home folder"),
+        ("src", "is in src"),
+        ("config", "is in config"),
+        ("tests/out", "is in tests"),
+        ("{project}/docs/images", "is in docs"),
+        ("results/../workflow", "is in workflow"),
+        ("../project/profiles", "is in profiles"),
+        (".git", "is in .git"),
+        (".snakemake/x", "is in .snakemake"),
+        ("./.venv", "is in .venv"),
+        ("a\0b", "cannot be printed"),
+        ("a\nb", "cannot be printed"),
+        ("a\x1b[31mb", "cannot be printed"),
+        ("a\u2028b", "cannot be printed"),
+        ("a{b}", "a brace"),
+        ("a}", "a brace"),
+        ("a" * 300, "more than 255 bytes"),
+        ("x/" + "ü" * 128, "more than 255 bytes"),
+        ("abc/" * 300, "longer than 1000 bytes"),
+        (" a", "a blank"),
+        ("a /b", "a blank"),
+        (" ", "a blank"),
+        ("~", "begins with ~"),
+        ("~/results", "begins with ~"),
+        ("-rf", "begins with -"),
+    ],
+)
+def test_folder_that_would_do_harm_is_refused_with_a_reason(project, key, folder, reason):
+    places = {"{project}": str(project), "{home}": os.environ["HOME"]}
+    for name, place in places.items():
+        folder = folder.replace(name, place)
+    said = refused(**{key: folder})
+    assert said.startswith(f"1 error in the configuration:\n  folders.{key}: ")
+    assert reason in said
+    assert len(said.splitlines()) == 2
+    assert said.replace("\n", "").isprintable()
+    assert len(said) < 300
+
+
+def test_every_reason_is_given_at_once():
+    said = refused(raw="src/{x\n", results="~" + "y" * 300)
+    assert said.startswith("2 errors in the configuration:\n")
+    for reason in ("a brace", "cannot be printed", "is in src", "begins with ~", "255 bytes"):
+        assert reason in said
+
+
+@pytest.mark.parametrize(
+    ("raw", "results", "reason"),
+    [
+        ("results", "results", "raw and results are both results"),
+        ("a/../results", "results", "each its own folder"),
+        ("{here}/results", "results", "each its own folder"),
+        ("mine", "mine/results", "is inside raw = mine"),
+        ("data/raw", "{here}/data/raw/x", "is inside raw = data/raw"),
+        ("results/data", "results", "is where rules write"),
+        ("out/logs/raw", "{here}/out", "is where rules write"),
+    ],
+)
+def test_raw_logs_and_results_that_would_mix_are_refused(project, raw, results, reason):
+    raw, results = (folder.replace("{here}", str(project)) for folder in (raw, results))
+    said = refused(raw=raw, results=results)
+    assert said.startswith("1 error in the configuration:\n  folders: ")
+    assert reason in said
+
+
+@pytest.mark.parametrize(
+    ("raw", "results"),
+    [
+        ("data/raw", "results"),
+        ("results/smoke/raw", "results/smoke"),
+        ("mylogs", "results/mine"),
+        ("data/raw", "results/blocked"),
+        ("/mnt/disk/raw", "/mnt/disk/results"),
+        ("../logs", "../results of mine"),
+        ("raw-2026.05", "Ergebnisse/für Lösung 3"),
+        ("raw", "results, second; it's a try"),
+        ("configs", "source"),
+        ("data/.hidden", "out/src"),
+    ],
+)
+def test_folders_that_do_no_harm_are_taken_as_they_are(project, raw, results):
+    folders = check({"folders": {"raw": raw, "results": results}}).folders
+    assert (folders.raw, folders.results) == (raw, results)
+
+
+NAMES = st.text(max_size=6) | st.sampled_from([".", "..", "src", ".git", "results", "data", "~"])
+PATHS = st.builds(lambda root, names: root + "/".join(names), st.sampled_from(["", "/", "./"]),
+                  st.lists(NAMES, max_size=5))  # fmt: skip
+
+
+@given(raw=PATHS, results=PATHS)
+def test_folders_are_refused_or_can_be_made_apart_from_the_project(tmp_path_factory, raw, results):
+    """Where they would come to lie, by the file system's own rules."""
+    assume("\ud800" not in raw + results)
+    project = tmp_path_factory.getbasetemp() / "any/project"
+    project.mkdir(parents=True, exist_ok=True)
+    before = os.getcwd()
+    os.chdir(project)
+    try:
+        folders = check({"folders": {"raw": raw, "results": results}}).folders
+        places = [Path(folder).resolve() for folder in (folders.raw, folders.results)]
+    except ConfigError as error:
+        assert " in the configuration:\n  folders" in str(error)  # noqa: PT017
+        return
+    finally:
+        os.chdir(before)
+    assert places[0] != places[1]
+    assert not places[1].is_relative_to(places[0])
+    for place in places:
+        assert not project.is_relative_to(place)
+        inside = place.relative_to(project).parts if place.is_relative_to(project) else ("..",)
+        assert inside[0] == ".." or not inside[0].startswith(".")
+        assert inside[0] not in ("src", "config")
+
+
+def test_own_folders_are_those_of_the_repository():
+    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
+    if listed.returncode:
+        pytest.skip("not in a git repository")
+    folders = {line.split("/")[0] for line in listed.stdout.splitlines() if "/" in line}
+    links = {path.name for path in ROOT.iterdir() if path.is_symlink() and path.is_dir()}
+    hidden = {name for name in folders | links if name.startswith(".")}
+    assert (folders | links) - hidden - {"data", "results"} == OWN
+
+
+def test_folders_that_rules_make_are_those_of_the_rules():
+    rules = "".join(path.read_text() for path in sorted((ROOT / "workflow/rules").glob("*.smk")))
+    assert set(re.findall(r"\{RESULTS\}/(\w+)/", rules)) | {"benchmark", "tables"} == MADE

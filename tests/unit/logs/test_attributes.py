@@ -1,0 +1,131 @@
+"""What attributes may be, and that nothing else gets through."""
+
+import json
+
+import h5py
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fprc.errors import LogError
+from fprc.logs import read_columns, write_columns
+from fprc.logs.attributes import KINDS
+
+
+@pytest.fixture
+def attributes_of(tmp_path):
+    """Write attributes as another program would, and read them."""
+
+    def read(told):
+        path = tmp_path / "log.h5"
+        with h5py.File(path, "w") as file:
+            for name, value in told.items():
+                file.attrs[name] = value
+        return read_columns(path, ()).attributes
+
+    return read
+
+
+def read_back(folder, told):
+    write_columns(folder / "any.h5", {}, told)
+    return read_columns(folder / "any.h5", ()).attributes
+
+
+TEXT = st.text(st.characters(codec="utf-8", exclude_characters="\0"))
+NUMBER = st.floats(allow_nan=False, allow_infinity=False)
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | NUMBER | TEXT,
+    lambda inner: st.lists(inner) | st.dictionaries(TEXT, inner),
+    max_leaves=10,
+)
+TOLD = st.fixed_dictionaries(
+    {},
+    optional={
+        "experiment": TEXT,
+        "simulated": st.booleans(),
+        "seed": st.integers(-(2**63), 2**63 - 1),
+        "settle_s": NUMBER,
+        "rig": st.dictionaries(TEXT, JSON),
+        "notes": st.dictionaries(TEXT, TEXT),
+        "of_someone_else": TEXT | NUMBER,
+    },
+)
+
+
+@given(told=TOLD)
+def test_attributes_come_back_as_they_were(tmp_path_factory, told):
+    assert read_back(tmp_path_factory.getbasetemp(), told) == told
+
+
+@pytest.mark.parametrize("length", [0, 1, 60_000, 200_000])
+def test_text_of_any_length_comes_back(tmp_path, length):
+    """More than 64 kB have no room in the header of the file."""
+    assert read_back(tmp_path, {"software": "ö" * length}) == {"software": "ö" * length}
+
+
+def test_number_that_is_none_is_null_in_json(tmp_path):
+    told = {"statistics": {"jitter_s": float("nan"), "late_s": [float("inf"), 1.0]}}
+    assert read_back(tmp_path, told) == {"statistics": {"jitter_s": None, "late_s": [None, 1.0]}}
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("experiment", 3),
+        ("software", b"LabVIEW \xb5"),
+        ("software", ["a", "b"]),
+        ("software", h5py.Empty("f8")),
+        ("simulated", 1),
+        ("simulated", "yes"),
+        ("sample_rate_hz", np.inf),
+        ("sample_rate_hz", np.nan),
+        ("sample_rate_hz", "200"),
+        ("sample_rate_hz", True),
+        ("settle_s", -np.inf),
+        ("seed", 1.5),
+        ("seed", True),
+        ("lost_samples", "3"),
+        ("rig", "{"),
+        ("rig", "[1, 2]"),
+        ("rig", "[" * 100_000),
+        ("rig", '{"a": NaN}'),
+        ("rig", '{"a": 1e999}'),
+        ("rig", '{"a": "\\udce9"}'),
+        ("statistics", 5),
+        ("statistics", "5"),
+        ("notes", "{"),
+        ("notes", '{"theta_deg": 5}'),
+        ("map", "null"),
+    ],
+)
+def test_attribute_that_is_not_of_its_kind_is_named(attributes_of, name, value):
+    value = np.bytes_(value) if isinstance(value, bytes) else value
+    with pytest.raises(LogError, match=rf"log\.h5: attribute {name}( =|: )") as caught:
+        attributes_of({name: value})
+    assert len(str(caught.value)) < 400
+
+
+def test_every_kind_is_refused_at_once(attributes_of):
+    values = {str: 1.0, bool: "x", float: "x", int: "x", dict: "x"}
+    told = {name: values[kind] for name, kind in KINDS.items()}
+    with pytest.raises(LogError) as caught:
+        attributes_of(told)
+    assert len(str(caught.value).splitlines()) == len(KINDS)
+
+
+def test_attributes_of_other_programs_are_kept_where_they_are_plain_and_else_left_out(
+    attributes_of,
+):
+    told = {"operator": "Zoë", "room_deg": 21.5, "temperature": np.nan, "matrix": np.eye(3)}
+    assert attributes_of(told) == {"operator": "Zoë", "room_deg": 21.5}
+
+
+def test_text_of_a_fixed_length_is_understood(attributes_of):
+    told = {"source": np.bytes_("rig"), "notes": np.bytes_(json.dumps({"theta_deg": "°"}))}
+    assert attributes_of(told) == {"source": "rig", "notes": {"theta_deg": "°"}}
+
+
+def test_message_shows_the_control_characters_of_an_attribute(attributes_of):
+    with pytest.raises(LogError, match=r"attribute rig = '\\x1b\[2J': must be a JSON object"):
+        attributes_of({"rig": "\x1b[2J"})

@@ -1,0 +1,146 @@
+"""What a figure draws is in its table, and was computed there."""
+
+import statistics
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+import pytest
+
+from fprc.artifacts import write_json
+from fprc.figures import style
+from fprc.logs import write_columns
+from fprc.stages import draw
+
+FOLDS = {1: [10.0, 12.0, 11.0, 16.0], 2: [9.0, 9.5, 8.0, 8.5], 4: [7.0, 7.1, 7.2, 7.7]}
+
+
+@pytest.fixture
+def figures(monkeypatch):
+    """Figures in the order in which they are saved."""
+    saved = []
+    monkeypatch.setattr(style, "save", lambda fig, data, pdf, png: saved.append(fig) or data)
+    yield saved
+    plt.close("all")
+
+
+@pytest.fixture
+def place(tmp_path):
+    return lambda name: str(tmp_path / name)
+
+
+def sweep(setting, place):
+    cells = [
+        {"model": model, setting: value, "train_rmse_kpa": folds, "test_rmse_kpa": folds[0],
+         "validation_rmse_kpa": [2.0 * error for error in folds]}
+        for model in (("fprc", "fuzzy_linear") if setting == "n_c" else ("fprc",))
+        for value, folds in FOLDS.items()
+    ]  # fmt: skip
+    path = place(f"{setting}.json")
+    write_json(path, {"source": "sim", "seed": 1, "unit": "kPa", "cells": cells})
+    return path
+
+
+def times(place):
+    entries = [
+        {"model": model, "n_c": n_c, "phase": phase, "mode": mode, "seconds": folds}
+        for model in ("fprc", "fuzzy_linear")
+        for n_c, folds in FOLDS.items()
+        for phase in ("train", "test")
+        for mode in ("batch", "sequential")
+    ]
+    write_json(place("times.json"), {"source": "sim", "times": entries})
+    return place("times.json")
+
+
+def drawn(ax):
+    """Return x, y and half the length of the bars of each line of a panel."""
+    found = {}
+    for bars in ax.containers:
+        line, _, (arms,) = bars.lines
+        # without a deviation there is no bar
+        segments = [segment for segment in arms.get_segments() if len(segment)]
+        halves = [0.5 * abs(end[1] - begin[1]) for begin, end in segments]
+        found[bars.get_label()] = (line.get_xdata(), line.get_ydata(), np.array(halves))
+    return found
+
+
+def test_fig_10_draws_the_means_and_sample_deviations_of_its_table(figures, place):
+    csv = place("fig10.csv")
+    draw.draw_settings(
+        sweep("n_c", place), times(place), csv, place("f.pdf"), place("f.png"),
+        epsilon=sweep("epsilon", place),
+    )  # fmt: skip
+    table = pd.read_csv(csv)
+    assert list(table["panel"].unique()) == ["a", "b", "c"]
+    assert set(table["source"]) == {"sim"}
+    names = {"fprc": "FPRC, ", "fuzzy_linear": "Fuzzy-linear, "}
+    phases = {"train": "Training", "validation": "Validation", "test": "Test"}
+    for panel, ax in zip("abc", figures[0].axes, strict=True):
+        lines = drawn(ax)
+        rows = table[table["panel"] == panel]
+        for (model, phase), group in rows.groupby(["model", "phase"]):
+            x, y, halves = lines.pop(("" if panel == "a" else names[model]) + phases[phase])
+            assert x == pytest.approx(group["value"].tolist())
+            assert y == pytest.approx(group["mean"].tolist(), rel=1e-5)
+            if group["values"].iloc[0] > 1:
+                assert halves == pytest.approx(group["std"].tolist(), rel=1e-5)
+                factor = 2.0 if phase == "validation" else 1.0
+                expected = [factor * statistics.stdev(folds) for folds in FOLDS.values()]
+                assert halves == pytest.approx(expected)
+            else:
+                assert halves.size == 0
+        assert not lines
+
+
+def test_fig_10_without_fprc_has_no_panel_a(figures, place):
+    csv = place("fig10.csv")
+    draw.draw_settings(sweep("n_c", place), times(place), csv, place("f.pdf"), place("f.png"))
+    assert list(pd.read_csv(csv)["panel"].unique()) == ["b", "c"]
+    assert len(figures[0].axes) == 2
+
+
+def test_fig_11_draws_the_means_of_its_table(figures, place):
+    cells = [
+        {"model": "fprc", "n_u": n_u, "n_y": n_y, "train_rmse_kpa": [n_u, n_y],
+         "validation_rmse_kpa": [n_u, 3.0 * n_y], "test_rmse_kpa": n_u + 10.0 * n_y}
+        for n_u in (1, 2, 3)
+        for n_y in (1, 2)
+    ]  # fmt: skip
+    write_json(place("taps.json"), {"source": "sim", "seed": 1, "unit": "kPa", "cells": cells})
+    draw.draw_taps(place("taps.json"), place("t.csv"), place("f.pdf"), place("f.png"))
+    table = pd.read_csv(place("t.csv"))
+    for phase, ax in zip(("train", "validation", "test"), figures[0].axes, strict=False):
+        (mesh,) = ax.collections[:1]
+        rows = table[table["phase"] == phase].sort_values(["n_y", "n_u"])
+        assert mesh.get_array().ravel().tolist() == pytest.approx(rows["mean"].tolist(), rel=1e-5)
+
+
+def test_fig_8_writes_the_rmse_that_it_shows(figures, place):
+    for name, offset in (("fit.h5", 3.0), ("test.h5", -5.0)):
+        time_s = np.arange(20) / 20.0
+        write_columns(
+            place(name),
+            {"time_s": time_s, "p_exp_kpa": 100.0 * time_s, "p_ff_kpa": 100.0 * time_s + offset},
+            {"source": "sim", "seed": 7, "model": "fprc"},
+        )
+    draw.draw_training(
+        place("fit.h5"), place("test.h5"), place("t.csv"), place("f.pdf"), place("f.png")
+    )
+    table = pd.read_csv(place("t.csv"))
+    assert table["rmse"].tolist() == pytest.approx([3.0, 5.0])
+    shown = [text.get_text() for ax in figures[0].axes for text in ax.texts]
+    assert [text for text in shown if "RMSE" in text] == ["RMSE 3.0 kPa", "RMSE 5.0 kPa"]
+
+
+def test_fig_9_writes_the_shares_and_their_means(figures, place):
+    shares = {"bias": [[0.1], [0.2]], "p_o": [[0.3, 0.1], [0.1, 0.1]], "theta_d": [[0.5], [0.6]]}
+    means = {"p_o": 0.3, "theta_d": 0.55}
+    report = {"source": "sim", "seed": 1, "shares": shares, "mean_share": means}
+    write_json(place("weights.json"), report)
+    draw.draw_weights(place("weights.json"), place("t.csv"), place("f.pdf"), place("f.png"))
+    table = pd.read_csv(place("t.csv"))
+    assert table.groupby("rule")["share"].sum().tolist() == pytest.approx([1.0, 1.0])
+    of_p_o = table[table["feature"] == "p_o"]
+    assert of_p_o.groupby("rule")["share"].sum().mean() == pytest.approx(0.3)
+    assert set(of_p_o["mean_of_feature"]) == {0.3}

@@ -1,0 +1,217 @@
+import json
+import math
+
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fprc.errors import ConfigError
+from fprc.yaml_file import read_yaml
+
+
+@pytest.fixture(scope="session")
+def read(tmp_path_factory):
+    """Read a text, or bytes, as a file."""
+    path = tmp_path_factory.mktemp("yaml") / "mine.yaml"
+
+    def read_text(text):
+        path.write_bytes(text if isinstance(text, bytes) else text.encode("utf-8"))
+        return read_yaml(path)
+
+    return read_text
+
+
+def refused(read, text):
+    """Return the lines of the refusal, without the file's name."""
+    with pytest.raises(ConfigError) as caught:
+        read(text)
+    path, said = str(caught.value).split(": ", 1)
+    assert path.endswith("mine.yaml")
+    return said.splitlines()
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [
+        ("010", 10),
+        ("-007", -7),
+        ("+12", 12),
+        ("0o17", 15),
+        ("0x1F", 31),
+        ("1e3", 1000.0),
+        ("1e-3", 0.001),
+        ("2.5E+2", 250.0),
+        (".5", 0.5),
+        ("5.", 5.0),
+        ("-0.0", -0.0),
+        ("-.inf", -math.inf),
+        ("1:30", "1:30"),
+        ("1:30.5", "1:30.5"),
+        ("0b11", "0b11"),
+        ("1_000", "1_000"),
+        ("2026-01-02", "2026-01-02"),
+        ("1.2.3", "1.2.3"),
+        ("inf", "inf"),
+        ("'010'", "010"),
+        ('"true"', "true"),
+        ("true", True),
+        ("False", False),
+        ("tRUE", "tRUE"),
+        ("", None),
+        ("~", None),
+        ("null", None),
+    ],
+)
+def test_word_means_what_yaml_1_2_says(read, written, meant):
+    found = read(f"key: {written}\n")["key"]
+    assert (type(found), str(found)) == (type(meant), str(meant))
+
+
+@pytest.mark.parametrize("word", ["yes", "no", "on", "off", "y", "N", "Yes", "OFF"])
+def test_words_that_yaml_1_1_takes_for_truth_values_are_texts(read, word):
+    assert read(f"{word}: {word}\n") == {word: word}
+
+
+def test_nan_is_a_number(read):
+    assert math.isnan(read("a: .nan\n")["a"])
+
+
+@pytest.mark.parametrize("digits", ["9" * 5000, "0x" + "f" * 5000, "0o" + "7" * 5000])
+def test_number_of_thousands_of_digits_is_no_traceback(read, digits):
+    assert not isinstance(read(f"a: {digits}\n")["a"], int)
+
+
+@given(number=st.integers(0, 10**9), zeros=st.integers(0, 9), sign=st.sampled_from(["", "-", "+"]))
+def test_zeros_before_a_whole_number_change_nothing(read, number, zeros, sign):
+    written = f"{sign}{'0' * zeros}{number}"
+    assert read(f"a: [{written}]\n") == {"a": [int(f"{sign}{number}")]}
+
+
+#: Characters that YAML has in common with JSON.
+TEXT = st.text(
+    st.characters(exclude_categories=["Cs", "Cc"], exclude_characters="\ufeff\ufffe\uffff")
+)
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers(-(2**70), 2**70) | st.floats(allow_nan=False,
+    allow_infinity=False) | TEXT,
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(TEXT, inner, max_size=4),
+    max_leaves=12,
+)  # fmt: skip
+
+
+@given(content=st.dictionaries(TEXT, JSON, max_size=4), indent=st.sampled_from([None, 2, "\t"]))
+def test_json_is_read_as_a_json_reader_does(read, content, indent):
+    written = json.dumps(content, indent=indent, ensure_ascii=False)
+    assert read(written) == json.loads(written)
+
+
+@given(content=st.dictionaries(st.from_regex("[a-z]{1,5}", fullmatch=True), JSON, min_size=1))
+def test_key_given_again_is_refused_whatever_its_values(read, content):
+    whole = json.dumps(content, ensure_ascii=False)
+    for key in content:
+        again = f"{whole[:-1]}, {json.dumps(key)}: 1}}"
+        assert any(f" {key} is given 2 times: " in line for line in refused(read, again))
+
+
+def test_every_repeated_key_is_told_with_its_lines_and_values(read):
+    text = (
+        "seed: 2\n"
+        "seed: 3\n"
+        "models: {n_y: 7}\n"
+        "tracking:\n"
+        "  references:\n"
+        "  - {form: chirp, 'form': multisine}\n"
+        "models:\n"
+        "  fprc: {n_c: 4}\n"
+        "'seed': 3\n"
+    )
+    assert refused(read, text) == [
+        "3 errors in the file:",
+        "  line 1: seed is given 3 times: 2 in line 1, 3 in line 9; keep one",
+        "  line 3: models is given 2 times: {'n_y': 7} in line 3, {'fprc': {'n_c': 4}} in line 7; "
+        "keep one",
+        "  line 6: tracking.references.0.form is given 2 times: chirp in line 6, multisine in line "
+        "6; keep one",
+    ]
+
+
+def test_keys_that_are_the_same_number_are_the_same_key(read):
+    assert refused(read, "10: a\n010: b\n10.0: c\n")[1] == (
+        "  line 1: 10 is given 3 times: a in line 1, c in line 3; keep one"
+    )
+
+
+def test_same_key_of_different_sections_is_no_repetition(read):
+    text = "a: {x: 1}\nb: {x: 2}\nc: [{x: 3}, {x: 4}]\n"
+    assert read(text) == yaml.safe_load(text)
+
+
+def test_value_is_shown_short_and_without_control_characters(read):
+    shown = refused(read, f'a: "\\e[31m"\na: {"x" * 1000}\n')[1]
+    assert "'\\x1b[31m' in line 1" in shown
+    assert len(shown) < 120
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("a: &x 1\nb: *x\n", "  line 2: b: *x stands for"),
+        ("a: &x {c: 1}\nb:\n  <<: *x\n", "  line 3: b.<<: *x stands for"),
+        ("a: &x [*x]\n", "  line 1: a.0: *x stands for"),
+        ("a: !!int 010\n", "  line 1: a: remove the tag"),
+        ("a: 1\n---\nb: 2\n", "  line 2: --- begins another document"),
+        ("? [1, 2]\n: 3\n", "  line 1: [1, 2]: a key must be a single word"),
+        ("? {1: 2}\n: 3\n", "  line 1: {1: 2}: a key must be a single word"),
+    ],
+)
+def test_what_settings_do_not_need_is_refused_with_its_line(read, text, line):
+    first, second = refused(read, text)
+    assert first == "1 error in the file:"
+    assert second.startswith(line)
+
+
+@pytest.mark.parametrize("kind", ["[{}]", "{{x: {}, y: {}}}"])
+def test_few_lines_that_stand_for_gigabytes_are_refused_by_their_first_alias(read, kind):
+    lines = ["a0: &a0 [x, x]"]
+    lines += [f"a{n}: &a{n} {kind.format(*[f'*a{n - 1}'] * 2)}" for n in range(1, 60)]
+    assert refused(read, "\n".join(lines))[1].startswith("  line 2: a1.")
+
+
+@pytest.mark.parametrize(
+    "text", ["[" * 100_000, "\n".join(" " * n + "a:" for n in range(1000)), "- " * 10_000]
+)
+def test_value_that_is_nested_too_deeply_is_refused(read, text):
+    (line,) = refused(read, text)
+    assert "more than 50 levels" in line
+
+
+def test_file_that_is_too_large_is_not_read(read):
+    (line,) = refused(read, b"#" * 1_000_001)
+    assert "larger than 1000000 bytes" in line
+    assert read(b"#" * 1_000_000) == {}
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("a: [1, 2\n", "line 2, column 1: while parsing a flow sequence"),
+        ("a:\n\tb: 1\n", "line 2, column 1: "),
+        ("a: \0", "control characters are not allowed"),
+        (b"\xff\xfea", "can't decode byte 0xff"),
+    ],
+)
+def test_file_that_is_no_yaml_is_refused_in_one_line(read, content, words):
+    (line,) = refused(read, content)
+    assert line.startswith("cannot be read as YAML: ")
+    assert words in line
+
+
+@pytest.mark.parametrize("text", ["", "# nothing\n", "---\n", "\ufeff", "{}"])
+def test_file_without_keys_holds_nothing(read, text):
+    assert read(text) == {}
+
+
+@pytest.mark.parametrize(("text", "kind"), [("- 1\n", "list"), ("7", "int"), ("false", "bool")])
+def test_file_that_holds_something_else_is_refused(read, text, kind):
+    assert refused(read, text) == [f"must hold keys and values, not a {kind}"]
