@@ -3,7 +3,7 @@ PYTHON ?= python3
 CORES ?= 2
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 
-.PHONY: paper smoke test test-parts test-workflow test-kill reproduce-twice slurm \
+.PHONY: paper smoke test test-parts test-workflow test-kill reproduce-twice processors slurm \
 	test-slurm docs scaling fault-matrix fuzz loop-benchmark benchmark benchmark-all clean
 
 paper: .venv/.ready
@@ -38,6 +38,10 @@ test-kill: .venv/.ready
 # the last commit in two cold builds, compared byte by byte: some ten minutes on two cores
 reproduce-twice: .venv/.ready
 	python tests/twice.py
+
+# the last commit as older processors compute it, small settings: some ten minutes on one core
+processors: .venv/.ready
+	python tests/twice.py --smoke --processors
 
 # What tests/workflow/test_slurm.py needs, where it can be had; without it that test is skipped.
 # The plugin asks Slurm at every start of Snakemake, so it has a folder of its own.

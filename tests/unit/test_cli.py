@@ -2,6 +2,7 @@ import json
 from importlib.metadata import entry_points
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
@@ -120,6 +121,47 @@ def test_unreadable_log_is_named_and_the_next_one_still_judged(
     for path in (paths[0], bad, tmp_path):
         assert f"error: {path}: " in said.err
     assert "channel theta_deg: sample 7" in said.err
+
+
+def test_closed_loop_log_is_checked_as_one(write_run, capsys):
+    path = write_run()
+    with h5py.File(path, "r+") as file:
+        del file["p_ff_kpa"]
+        file["theta_d_deg"][11] = np.nan
+        del file.attrs["gain"]
+    assert main(["log", "check", str(path)]) == 1
+    said = capsys.readouterr()
+    assert said.out == ""
+    for part in ("channel p_ff_kpa: missing", "channel theta_d_deg: sample 11 is nan",
+                 "attribute gain: missing"):  # fmt: skip
+        assert f"{path}: {part}" in said.err
+
+
+def test_log_without_checksums_is_clean_and_its_record_says_so(long_log, capsys):
+    path = long_log()
+    with h5py.File(path, "r+") as file:
+        for name in ("theta_deg", "p_o_kpa"):
+            del file[name].attrs["crc32"]
+    assert main(["log", "check", str(path)]) == 0
+    assert json.loads(capsys.readouterr().out)["no_checksum"] == ["theta_deg", "p_o_kpa"]
+
+
+@pytest.mark.slow
+def test_log_on_which_the_library_hangs_is_named_and_the_next_one_still_judged(
+    long_log, tmp_path, capsys
+):
+    """Of the oldest HDF5 format, with a wrong length of a text."""
+    path = tmp_path / "hung.h5"
+    with h5py.File(path, "w", libver="earliest") as file:
+        file["time_s"] = np.arange(400.0)
+        file["time_s"].attrs["units"] = "seconds"
+    data = bytearray(path.read_bytes())
+    data[data.index(b"seconds") - 7] ^= 1
+    path.write_bytes(data)
+    assert main(["log", "check", str(path), str(long_log("good.h5"))]) == 1
+    said = capsys.readouterr()
+    assert said.err.startswith(f"error: {path}: not read within ")
+    assert json.loads(said.out)["log"] == "good.h5"
 
 
 def test_log_is_judged_at_its_own_rate(write_log, recorded, capsys):

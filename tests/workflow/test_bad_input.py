@@ -105,11 +105,32 @@ def change_unit(path):
 def stretch_time(path):
     with h5py.File(path, "a") as log:
         log["time_s"][:] *= 2.0
+        del log["time_s"].attrs["crc32"]
 
 
 def swap_samples(path):
     with h5py.File(path, "a") as log:
         log["time_s"][77] = 0.0
+        del log["time_s"].attrs["crc32"]
+
+
+def turn_a_bit(path):
+    with h5py.File(path) as log:
+        at = log["p_exp_command_kpa"].id.get_offset() + 1000
+    data = bytearray(path.read_bytes())
+    data[at] ^= 1
+    path.write_bytes(data)
+
+
+def link_elsewhere(path):
+    with h5py.File(path, "a") as log:
+        del log["p_o_kpa"]
+        log["p_o_kpa"] = h5py.ExternalLink("/etc/passwd", "p_o_kpa")
+
+
+def break_notes(path):
+    with h5py.File(path, "a") as log:
+        log.attrs["notes"] = "{"
 
 
 @pytest.mark.slow
@@ -122,6 +143,9 @@ def swap_samples(path):
         (change_unit, ["channel p_i_kpa", "units are bar, must be kPa"]),
         (stretch_time, ["channel time_s", "100 Hz, must be 200 Hz"]),
         (swap_samples, ["channel time_s", "sample 77"]),
+        (turn_a_bit, ["channel p_exp_command_kpa", "checksum is wrong"]),
+        (link_elsewhere, ["channel p_o_kpa", "link to another file"]),
+        (break_notes, ["attribute notes", "JSON object"]),
     ],
 )
 def test_bad_raw_log_is_one_line_and_nothing_is_overwritten(smoked_copy, spoil, words):
@@ -215,3 +239,62 @@ def test_impossible_reference_is_refused_with_time_and_value(smoked_copy):
     assert done.returncode != 0
     assert "leaves the actuator's range of 0 to 65 deg" in done.stdout
     assert "exceeds the reservoir's limit of 450 kPa" in done.stdout
+
+
+# --- logs of others ---------------------------------------------------------------------------
+
+
+def without_feedforward(log):
+    del log["p_ff_kpa"]
+
+
+def spoiled_reference(log):
+    log["theta_d_deg"][11] = np.nan
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("spoil", "said"),
+    [
+        (without_feedforward, "channel p_ff_kpa: missing"),
+        (spoiled_reference, "channel theta_d_deg: sample 11 is nan"),
+    ],
+)
+def test_closed_loop_log_that_is_not_whole_makes_no_table(smoked_copy, spoil, said):
+    """Although Table IV needs no P_ff."""
+    raw = smoked_copy.folder / "mylogs"
+    (smoked_copy.folder / "results/smoke/raw").rename(raw)
+    with h5py.File(raw / "track_sine_0p2_fprc.h5", "a") as log:
+        spoil(log)
+    settings = ["source=recorded", "folders={raw: mylogs, results: results/mine}"]
+    done = smoked_copy.smoke("table4", "--config", *settings)
+    assert done.returncode != 0
+    assert f"mylogs/track_sine_0p2_fprc.h5: {said}" in done.stdout
+    assert "Traceback" not in done.stdout
+    assert not (smoked_copy.folder / "results/mine/tables").exists()
+
+
+def hanging(path):
+    """Write a log of the oldest HDF5 format, of which one bit makes the library wait for ever."""
+    with h5py.File(path, "w", libver="earliest") as log:
+        log.attrs["source"] = "rig"
+        log["time_s"] = np.arange(400.0)
+        log["time_s"].attrs["units"] = "s"
+        log["p_o_kpa"] = np.arange(400.0)
+        log["p_o_kpa"].attrs["units"] = "kPa"
+    data = bytearray(path.read_bytes())
+    data[data.index(b"kPa", data.index(b"GCOL")) - 7] ^= 1  # the length of this text
+    path.write_bytes(data)
+
+
+@pytest.mark.slow
+def test_log_on_which_the_library_hangs_is_named_before_any_job(project):
+    (project.folder / "mylogs").mkdir()
+    hanging(project.folder / "mylogs/sweep.h5")
+    (project.folder / "mylogs/complex.h5").write_bytes(b"no log")
+    settings = ["source=recorded", "folders={raw: mylogs, results: results/mine}"]
+    done = project.smoke("--dry-run", "table2", "--config", *settings)
+    assert done.returncode != 0
+    assert "mylogs/sweep.h5: not read within 5" in done.stdout
+    assert "mylogs/complex.h5: not an HDF5 file" in done.stdout
+    assert "Traceback" not in done.stdout

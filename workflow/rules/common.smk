@@ -36,7 +36,7 @@ except FprcError as error:
     raise WorkflowError(str(error)) from None
 
 #: The raw logs that are there or will be; what cannot be made of them, and why.
-TO_COME = EVERY_LOG if ON_RIG else [name for name in EVERY_LOG if not exists(name)]
+TO_COME = EVERY_LOG if ON_RIG else [name for name in EVERY_LOG if name not in THERE]
 HELD = holdings(
     THERE,
     EVERY_LOG,

@@ -97,8 +97,10 @@ def read_attribute(holder: h5py.AttributeManager, name: str, *, mend: bool = Fal
     return _of_kind(value, kind or type(value))
 
 
-def is_text(text: str) -> bool:
-    """Whether text, or a name, was UTF-8 in the file."""
+def is_text(text: str | bytes) -> bool:
+    """Whether text, or a name, was UTF-8 in the file; else the library may give bytes."""
+    if isinstance(text, bytes):
+        return False
     try:
         text.encode("utf-8")
     except UnicodeEncodeError:

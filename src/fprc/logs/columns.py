@@ -34,6 +34,9 @@ __all__ = [
 #: Unit of a channel by the ending of its name.
 UNITS = {"_kpa": "kPa", "_deg": "deg", "_s": "s", "_v": "V"}
 
+#: Attributes of a channel.
+_OF_A_CHANNEL = ("units", "crc32")
+
 #: The oldest format in which all that describes the channels has checksums of its own.
 _FORMAT = ("v108", "v108")
 
@@ -179,14 +182,16 @@ def _read_all(
     for name, dataset in datasets.items():
         told, wrong = read_attributes(dataset.attrs)
         channels[name] = values = dataset[:].astype(np.float64, copy=False)
+        more = _of_attributes({key: wrong[key] for key in _OF_A_CHANNEL if key in wrong})
         unit = told.get("units", "none")
-        if unit != unit_of(name):
-            problems.append(
-                f"channel {name}: units are {wrong.get('units', unit)}, must be {unit_of(name)}; "
-                "convert the values and set the attribute"
+        if unit != unit_of(name) and "units" not in wrong:
+            more.append(
+                f"units are {unit}, must be {unit_of(name)}; convert the values and set the "
+                "attribute"
             )
-        if why := wrong.get("crc32") or _wrong_numbers(values, told.get("crc32")):
-            problems.append(f"channel {name}: {why}")
+        if why := _wrong_numbers(values, told.get("crc32")):
+            more.append(why)
+        problems += [f"channel {name}: {problem}" for problem in more]
         if "crc32" not in told:
             unchecked.append(name)
     return channels, tuple(unchecked), problems + _wrong_lengths(channels)

@@ -1,6 +1,7 @@
 """HDF5 files that may be damaged, or made to do harm: what is judged before samples are read."""
 
 import math
+import os
 import stat
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -158,8 +159,13 @@ def too_large(datasets: Iterable[h5py.Dataset]) -> str:
     )
 
 
+def shown(name: str | bytes) -> str:
+    """Return a name in a file for a message; the library gives bytes of what is not UTF-8."""
+    return visible(os.fsdecode(name))
+
+
 def listed(names: Iterable[str], most: int = 12) -> str:
     """Return names for a message, the first ones if there are many."""
     found = list(names)
     more = f" and {len(found) - most} more" if len(found) > most else ""
-    return (", ".join(map(visible, found[:most])) or "none") + more
+    return (", ".join(map(shown, found[:most])) or "none") + more

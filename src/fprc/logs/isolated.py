@@ -6,8 +6,10 @@ the process. Files that come from outside are therefore read in a child process.
 
 import contextlib
 import io
+import math
 import os
 import pickle
+import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
@@ -16,10 +18,10 @@ from typing import Any
 
 from fprc.errors import LogError
 
-#: Longest time that reading one file may take, s.
-LIMIT_S = 30.0
-#: The same of raw logs: so many s, and one more for each so many bytes.
-_LIMIT_S, _BYTES_PER_S = 8.0, 20e6
+#: Longest time that a processor may spend on reading: so many s, and one for each so many bytes.
+_LIMIT_S, _BYTES_PER_S = 5.0, 20e6
+#: The process is ended too if it takes so many times longer by the clock: it waits for something.
+_PATIENCE = 6.0
 #: Most memory that the process may ask for, bytes; of which libraries take some 0.5 GB.
 LIMIT_BYTES = 4 << 30
 
@@ -30,7 +32,7 @@ def isolated(
     function: Callable[..., Any],
     *arguments: Any,
     what: str,
-    limit_s: float = LIMIT_S,
+    limit_s: float | None = None,
     limit_bytes: int = LIMIT_BYTES,
     **keywords: Any,
 ) -> Any:
@@ -42,8 +44,10 @@ def isolated(
         Of a module, not nested; with its arguments and its result it is pickled.
     what : str
         File that is read, for the message.
-    limit_s, limit_bytes : float, int
-        Time and address space of the process.
+    limit_s : float, optional
+        Processor time of the process; by default what a file of that size may take.
+    limit_bytes : int
+        Its address space.
 
     Raises
     ------
@@ -52,6 +56,7 @@ def isolated(
     Exception
         What the function raised.
     """
+    limit_s = limit_s or time_limit_s([what])
     answers, ended = _call(function, [arguments], keywords, limit_s, limit_bytes)
     if not answers:
         raise LogError(f"{what}: {ended}")
@@ -92,7 +97,7 @@ def attempt_each(
     function : callable
         Takes a path, and ``keywords``; see ``isolated``.
     limit_s : float, optional
-        Time of a process.
+        Processor time of a process.
     """
     found: list[Any] = []
     while left := list(paths)[len(found) :]:
@@ -114,16 +119,18 @@ def attempt_each(
 
 
 def time_limit_s(paths: Sequence[Path | str]) -> float:
-    """Return the longest time that reading raw logs may take, s."""
+    """Return the longest time that a processor may spend on reading files, s."""
     sizes = [path.stat().st_size for path in map(Path, paths) if path.is_file()]
     return _LIMIT_S + sum(sizes) / _BYTES_PER_S
 
 
-def limit_memory(limit_bytes: int) -> None:
-    """Let this process ask for so much memory and no more, and leave no image of a crash."""
+def limit_process(limit_bytes: int, limit_s: float) -> None:
+    """Let this process have so much memory and processor time, and leave no image of a crash."""
     with contextlib.suppress(ImportError):  # Windows has no such limits
         import resource
 
+        seconds = math.ceil(limit_s)
+        resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
         resource.setrlimit(resource.RLIMIT_AS, (limit_bytes, limit_bytes))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
@@ -136,21 +143,33 @@ def _call(
     limit_bytes: int,
 ) -> tuple[list[tuple[Any, Any]], str]:
     """Return result and error of each request that was answered, and what ended the process."""
-    code = f"from fprc.logs.isolated import answer; answer({int(limit_bytes)})"
+    code = f"from fprc.logs.isolated import answer; answer({int(limit_bytes)}, {limit_s})"
+    request = pickle.dumps((function, requests, keywords))
+    answers, ended = run_limited([sys.executable, "-c", code], limit_s, request)
+    return list(_answers(answers)), f"{ended}; {_DAMAGED}"
+
+
+def run_limited(command: Sequence[str], limit_s: float, request: bytes = b"") -> tuple[bytes, str]:
+    """Run a process that calls ``limit_process``; return what it wrote, and what ended it early."""
+    late = f"not read within {limit_s:.3g} s"
     try:
         done = subprocess.run(
-            [sys.executable, "-c", code],
-            input=pickle.dumps((function, requests, keywords)),
+            command,
+            input=request,
             capture_output=True,
-            timeout=limit_s,
+            timeout=_PATIENCE * limit_s,
             check=False,
             env=os.environ | {"OPENBLAS_NUM_THREADS": "1"},  # each thread reserves memory
         )
-    except subprocess.TimeoutExpired as late:
-        return list(_answers(late.stdout or b"")), f"not read within {limit_s:g} s; {_DAMAGED}"
+    except subprocess.TimeoutExpired as waited:
+        return waited.stdout or b"", late
+    if done.returncode == 0:
+        return done.stdout, ""
+    if done.returncode == -getattr(signal, "SIGXCPU", 0):
+        return done.stdout, late
     said = done.stderr.decode(errors="replace").strip().splitlines()
     why = said[-1] if done.returncode > 0 and said else "the library crashed"
-    return list(_answers(done.stdout)), f"cannot be read ({why}); {_DAMAGED}"
+    return done.stdout, f"cannot be read ({why})"
 
 
 def _answers(stream: bytes) -> Iterator[tuple[Any, Any]]:
@@ -175,11 +194,11 @@ def _result(answer: tuple[Any, Any], what: str, limit_bytes: int) -> Any:
     return result
 
 
-def answer(limit_bytes: int) -> None:
+def answer(limit_bytes: int, limit_s: float) -> None:
     """Answer the requests on the standard input, one by one, on the standard output."""
     output = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what a library prints is no answer
-    limit_memory(limit_bytes)
+    limit_process(limit_bytes, limit_s)
     function, requests, keywords = pickle.load(sys.stdin.buffer)
     with output:
         for arguments in requests:

@@ -8,7 +8,6 @@ as soon as it has it.
 import json
 import shutil
 import stat
-import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Mapping
@@ -19,11 +18,10 @@ import h5py
 import numpy as np
 
 from fprc.errors import LogError
-from fprc.escape import visible
 from fprc.logs.attributes import is_text, read_attribute, read_attributes
 from fprc.logs.columns import checksum, unit_of
-from fprc.logs.hdf5 import MAX_BYTES, bytes_of, channel_of, promised_length
-from fprc.logs.isolated import limit_memory, time_limit_s
+from fprc.logs.hdf5 import MAX_BYTES, bytes_of, channel_of, promised_length, shown
+from fprc.logs.isolated import limit_process, run_limited, time_limit_s
 from fprc.logs.raw import RAW_ATTRIBUTES, RAW_CHANNELS, TRACKING_CHANNELS, missing_channels
 
 #: Most memory that the child may ask for, bytes.
@@ -92,15 +90,9 @@ def salvage(path: Path | str, *, limit_s: float | None = None) -> Salvaged:
 
 
 def _read_in_child(path: Path, folder: str, limit_s: float) -> list[str]:
-    command = [sys.executable, "-m", "fprc.logs.salvage", str(path), folder]
-    try:
-        done = subprocess.run(command, timeout=limit_s, capture_output=True, check=False)
-    except subprocess.TimeoutExpired:
-        return [f"reading did not end within {limit_s:g} s and was given up"]
-    if done.returncode == 0:
-        return []
-    said = done.stderr.decode(errors="replace").strip().splitlines()
-    return [f"reading ended early: {said[-1] if said else 'the HDF5 library crashed'}"]
+    command = [sys.executable, "-m", "fprc.logs.salvage", str(limit_s), str(path), folder]
+    _, ended = run_limited(command, limit_s)
+    return [f"reading ended early: {ended}"] if ended else []
 
 
 def _collect(
@@ -170,7 +162,7 @@ def _leave_attributes(file: h5py.File, say: Callable[..., None]) -> None:
             say(attributes={name: value}, words=words)
         except Exception as error:
             if listed:
-                say(words=[f"attribute {visible(name)}: left out ({error})"])
+                say(words=[f"attribute {shown(name)}: left out ({error})"])
 
 
 def _leave_channels(file: h5py.File, size: int, folder: Path, say: Callable[..., None]) -> None:
@@ -185,7 +177,7 @@ def _leave_channels(file: h5py.File, size: int, folder: Path, say: Callable[...,
             values, length, words = _values(file, name, size, room)
         except Exception as error:
             if listed:
-                say(words=[f"{visible(name)}: cannot be read ({error})"])
+                say(words=[f"{shown(name)}: cannot be read ({error})"])
             continue
         room -= values.nbytes
         np.save(folder / f"{k}.npy", values)
@@ -217,14 +209,14 @@ def _attribute(attributes: h5py.AttributeManager, name: str) -> tuple[Any, list[
         return read_attribute(attributes, name), []
     except LogError:
         mended = read_attribute(attributes, name, mend=True)
-    return mended, [f"attribute {visible(name)}: what was not UTF-8 is replaced"]
+    return mended, [f"attribute {shown(name)}: what was not UTF-8 is replaced"]
 
 
 def _values(file: h5py.File, name: str, size: int, room: int) -> tuple[np.ndarray, int, list[str]]:
     """Return a channel's samples up to the first that is lost, how many there were, and words."""
-    dataset = channel_of(file, name)
     if not is_text(name):
         raise LogError("its name is not UTF-8")
+    dataset = channel_of(file, name)
     told, wrong = read_attributes(dataset.attrs)
     unit = wrong.get("units") or told.get("units", unit_of(name))
     if unit != unit_of(name):
@@ -262,5 +254,5 @@ def _values_of_chunks(dataset: h5py.Dataset, size: int) -> np.ndarray:
 
 
 if __name__ == "__main__":
-    limit_memory(_LIMIT_BYTES)
-    _leave(Path(sys.argv[1]), Path(sys.argv[2]))
+    limit_process(_LIMIT_BYTES, float(sys.argv[1]))
+    _leave(Path(sys.argv[2]), Path(sys.argv[3]))

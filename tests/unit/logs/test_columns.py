@@ -1,6 +1,9 @@
 import json
+import re
 import subprocess
 import sys
+import zlib
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -246,6 +249,64 @@ def test_flipped_bit_is_refused_or_carries_nothing(write_run, tmp_path):
     assert found.count("read") < 0.2 * len(found)
 
 
+# --- checksums ----------------------------------------------------------------------------------
+
+
+def turn(path, name, sample):
+    """Turn one bit of one sample, as a bad disk does."""
+    with h5py.File(path) as file:
+        at = file[name].id.get_offset() + 8 * sample + 2
+    data = bytearray(path.read_bytes())
+    data[at] ^= 4
+    path.write_bytes(data)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_channel_of_which_a_bit_was_turned_is_named(path, name):
+    turn(path, name, 150)
+    message = problem(path)
+    assert message.startswith(f"{path}: channel {name}: its checksum is wrong: some of its numbers")
+    assert len(message.splitlines()) == 1
+
+
+def test_checksum_is_that_of_the_journal_over_the_numbers_as_they_lie_in_the_file(path):
+    with h5py.File(path) as file:
+        at = file["p_o_kpa"].id.get_offset()
+        told = file["p_o_kpa"].attrs["crc32"]
+    assert zlib.crc32(path.read_bytes()[at : at + 8 * 300]) == told
+
+
+def test_numbers_that_are_changed_on_purpose_need_a_new_checksum_or_none(path):
+    with h5py.File(path, "r+") as file:
+        file["p_o_kpa"][:] = 1.5
+    assert "channel p_o_kpa: its checksum is wrong" in problem(path)
+    with h5py.File(path, "r+") as file:
+        del file["p_o_kpa"].attrs["crc32"]
+    log = read_columns(path, NAMES)
+    assert log.unchecked == ("p_o_kpa",)
+    with h5py.File(path, "r+") as file:
+        file["p_o_kpa"].attrs["crc32"] = zlib.crc32(np.full(300, 1.5).tobytes())
+    assert read_columns(path, NAMES).unchecked == ()
+
+
+def test_checksum_is_of_the_numbers_however_they_are_stored(path):
+    """In single precision, chunks and compressed: other programs choose that."""
+    values = np.arange(300, dtype=np.float32)
+    with h5py.File(path, "r+") as file:
+        told = dict(file["p_o_kpa"].attrs) | {"crc32": zlib.crc32(values.astype("<f8").tobytes())}
+        del file["p_o_kpa"]
+        file.create_dataset("p_o_kpa", data=values, chunks=(7,), compression="gzip")
+        file["p_o_kpa"].attrs.update(told)
+    log = read_columns(path, NAMES)
+    assert (log.channels["p_o_kpa"].tolist(), log.unchecked) == (values.tolist(), ())
+
+
+def test_checksum_that_is_no_number_is_refused(path):
+    with h5py.File(path, "r+") as file:
+        file["p_o_kpa"].attrs["crc32"] = "none"
+    assert "channel p_o_kpa: attribute crc32 = 'none': must be a whole number" in problem(path)
+
+
 # --- what is wrong inside -----------------------------------------------------------------------
 
 
@@ -282,7 +343,7 @@ def test_absent_units_are_an_error(path, edited):
 
 def test_units_of_several_words_are_an_error(path, edited):
     message = edited(lambda file: file["p_o_kpa"].attrs.__setitem__("units", ["kPa", "gauge"]))
-    assert f"{path}: channel p_o_kpa: units" in message
+    assert message == f"{path}: channel p_o_kpa: attribute units: no single value"
 
 
 def test_fixed_length_text_of_other_programs_is_understood(path):
@@ -342,3 +403,16 @@ def test_all_problems_are_reported_at_once(path, edited):
     assert all(line.startswith(f"{path}: channel ") for line in lines)
     for part in ("p_o_kpa: missing", "theta_deg: units", "theta_deg: sample 3", "time_s: 299"):
         assert sum(f"channel {part}" in line for line in lines) == 1
+
+
+def test_code_of_the_documentation_writes_checksums(tmp_path, monkeypatch):
+    page = (Path(__file__).parents[3] / "data/raw/README.md").read_text(encoding="utf-8")
+    (code,) = re.findall("```python\n(.*?)```", page, flags=re.DOTALL)
+    units = {name: unit_of(name) for name in NAMES}
+    monkeypatch.chdir(tmp_path)
+    exec(code, {"h5py": h5py, "np": np, "zlib": zlib, "channels": three_channels(), "units": units})
+    log = read_columns("sweep.h5", NAMES)
+    assert (log.attributes, log.unchecked) == ({"source": "rig"}, ())
+    size = (tmp_path / "sweep.h5").stat().st_size
+    cases = [{"bytes": [at], "flip": 0xFF} for at in range(0, size, 41)]
+    assert set(outcomes(tmp_path / "sweep.h5", cases)) <= {"LogError", "read"}

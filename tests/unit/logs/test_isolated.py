@@ -6,7 +6,7 @@ import pytest
 
 from fprc.errors import LogError
 from fprc.logs.columns import read_columns
-from fprc.logs.isolated import isolated
+from fprc.logs.isolated import attempt_each, isolated, isolated_each, time_limit_s
 
 
 def test_result_is_that_of_the_function():
@@ -40,3 +40,52 @@ def test_function_that_crashes_is_told_and_the_file_named():
 def test_function_that_asks_for_too_much_memory_is_ended_and_the_file_named():
     with pytest.raises(LogError, match=r"my\.h5: reading it takes more than 4096 MB"):
         isolated(np.ones, 1 << 32, what="my.h5")
+
+
+# --- several files --------------------------------------------------------------------------
+
+
+def test_results_are_in_the_order_of_the_files():
+    assert isolated_each(len, ["abc", "a", ""]) == [3, 1, 0]
+    assert isolated_each(len, []) == []
+
+
+@pytest.mark.slow
+def test_file_that_ends_the_process_is_named_and_the_others_are_read():
+    code = {
+        "fine": "3",
+        "crash": "__import__('ctypes').string_at(0)",
+        "hang": "sum(iter(int, 1))",
+        "too much": "__import__('numpy').ones(1 << 32)",
+        "last": "5",
+    }
+    found = dict(zip(code, attempt_each(eval, list(code.values()), limit_s=2.0), strict=True))
+    assert (found.pop("fine"), found.pop("last")) == (3, 5)
+    assert {name: type(error) for name, error in found.items()} == dict.fromkeys(found, LogError)
+    for name, words in (
+        ("crash", ": cannot be read (the library crashed); the file is damaged"),
+        ("hang", ": not read within 2 s"),
+        ("too much", ": reading it takes more than 4096 MB"),
+    ):
+        assert str(found[name]).startswith(code[name] + words)
+
+
+def test_all_that_is_wrong_is_said_at_once(tmp_path):
+    paths = [tmp_path / "a.h5", tmp_path, tmp_path / "c.h5"]
+    with pytest.raises(LogError) as caught:
+        isolated_each(read_columns, paths, names=())
+    assert [line.split(": ")[0] for line in str(caught.value).splitlines()] == list(map(str, paths))
+
+
+def test_error_that_is_not_for_people_is_not_taken_for_one():
+    with pytest.raises(ZeroDivisionError):
+        isolated_each(eval, ["1 / 0"])
+
+
+def test_larger_files_have_more_time(tmp_path):
+    path = tmp_path / "a.h5"
+    path.touch()
+    least = time_limit_s([path, tmp_path / "none.h5"])
+    with path.open("wb") as file:
+        file.truncate(200_000_000)
+    assert time_limit_s([path]) == pytest.approx(least + 10.0)

@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from fprc.errors import LogError
-from fprc.logs import RAW_CHANNELS, read_raw, write_raw
+from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS, read_raw, read_run, write_raw
 
 RATE = {"experiment": None, "sample_rate_hz": 200.0, "rate_tolerance": 0.01}
 ATTRIBUTES = ("experiment", "source", "simulated", "sample_rate_hz", "seed", "software", "rig")
@@ -165,6 +165,105 @@ def test_channels_beyond_the_raw_ones_are_kept(write_log):
         np.testing.assert_array_equal(file["theta_d_deg"][:], np.arange(400.0))
         assert file["theta_d_deg"].attrs["units"] == b"deg"
     assert tuple(read_raw(path, **RATE).channels) == RAW_CHANNELS
+
+
+@pytest.mark.parametrize("value", [2e10, -1e300])
+@pytest.mark.parametrize("name", ["time_s", "p_exp_command_kpa", "phi_deg"])
+def test_number_that_nothing_measures_is_named_with_its_sample(write_log, changed, name, value):
+    path = write_log(changed=changed(name, slice(7, 9), value))
+    lines = problem(path).splitlines()
+    assert lines == [
+        f"{path}: channel {name}: sample 7 is {value:g}, and 1 more are beyond 1e+10, which "
+        "nothing measures; restore the file or record again"
+    ]
+
+
+@pytest.mark.parametrize("rate", [np.inf, 1e300, 1e-300])
+def test_rate_that_no_log_has_is_an_error_of_the_log(write_log, rate):
+    path = write_log(sample_rate_hz=rate)
+    assert f"{path}: " in problem(path, sample_rate_hz=None)
+
+
+# --- closed-loop runs -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("experiment", ["track_sweep_fprc", "identify_0.5"])
+def test_run_has_reference_feedforward_and_feedback(write_run, experiment):
+    path = write_run(experiment=experiment)
+    assert tuple(read_raw(path, **RATE).channels) == (*RAW_CHANNELS, *TRACKING_CHANNELS)
+    assert tuple(read_run(path, ("theta_d_deg", "p_i_kpa")).channels) == ("theta_d_deg", "p_i_kpa")
+
+
+def without(name):
+    def change(file):
+        del file[name]
+
+    return change
+
+
+def spoiled(name):
+    def change(file):
+        file[name][11] = np.nan
+
+    return change
+
+
+def attribute(name, value=None):
+    def change(file):
+        del file.attrs[name]
+        if value is not None:
+            file.attrs[name] = value
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (without("p_ff_kpa"), "channel p_ff_kpa: missing"),
+        (without("valve_main_v"), "channel valve_main_v: missing"),
+        (spoiled("theta_d_deg"), "channel theta_d_deg: sample 11 is nan"),
+        (spoiled("p_fb_kpa"), "channel p_fb_kpa: sample 11 is nan"),
+        (attribute("gain"), "attribute gain: missing"),
+        (attribute("settle_s"), "attribute settle_s: missing"),
+        (attribute("settle_s", "5"), "attribute settle_s = '5': must be a finite number"),
+        (attribute("settle_s", 2.0), "attribute settle_s = 2; the log ends at 1.995 s"),
+        (attribute("reference", 3), "attribute reference = 3: must be text"),
+        (attribute("source", "dream"), "attribute source = dream; must be sim, rig"),
+        (attribute("simulated"), "attribute simulated: missing"),
+    ],
+)
+def test_run_that_is_not_whole_is_refused_by_check_and_workflow(write_run, change, said):
+    """Whatever of it the workflow asks for."""
+    path = write_run()
+    with h5py.File(path, "r+") as file:
+        change(file)
+    assert problem(path).startswith(f"{path}: {said}")
+    with pytest.raises(LogError) as caught:
+        read_run(path, ("time_s", "theta_deg"))
+    assert str(caught.value) == problem(path)
+
+
+def test_log_of_an_experiment_is_no_run(write_log):
+    path = write_log(controller="pd", gain="printed", reference="sweep", settle_s=0.0)
+    with pytest.raises(LogError, match="attribute experiment = sweep; that of a closed-loop run"):
+        read_run(path, ("time_s",))
+
+
+@pytest.mark.parametrize("absent", ["p_i_kpa", "valve_main_v"])
+def test_imported_run_may_lack_what_an_import_may_lack(write_run, absent):
+    path = write_run(source="import")
+    with h5py.File(path, "r+") as file:
+        del file[absent]
+    assert list(read_run(path, ("theta_d_deg",)).channels) == ["theta_d_deg"]
+    with pytest.raises(LogError, match=f"channel {absent}: missing"):
+        read_run(path, (absent,))
+
+
+def test_run_without_its_own_channels_is_not_written(write_run, write_log, tmp_path):
+    with pytest.raises(LogError, match="channels theta_d_deg, p_ff_kpa, p_fb_kpa are missing"):
+        write_log("run.h5", experiment="track_sweep_fprc")
+    assert not (tmp_path / "run.h5").exists()
 
 
 def test_log_without_all_raw_channels_is_not_written(tmp_path):

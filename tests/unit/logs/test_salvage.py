@@ -8,7 +8,8 @@ import pytest
 
 from fprc.errors import LogError
 from fprc.logs import RAW_CHANNELS, read_columns
-from fprc.logs import salvage as module
+from fprc.logs import isolated as module
+from fprc.logs.columns import unit_of
 from fprc.logs.salvage import salvage
 
 
@@ -92,6 +93,81 @@ def test_lost_attribute_is_named(write_log):
     assert salvage(path).words == ["attributes seed: not found"]
 
 
+def old_log(path, **attributes):
+    """Write a log as others do: text of any length, no checksum."""
+    with h5py.File(path, "w") as file:
+        file.attrs.update(attributes)
+        for name in RAW_CHANNELS:
+            file[name] = np.arange(400.0)
+            file[name].attrs["units"] = unit_of(name)
+    return path
+
+
+def test_text_that_is_not_utf_8_is_replaced_and_said(tmp_path):
+    broken = np.bytes_(b"LabVIEW \xb5")
+    found = salvage(old_log(tmp_path / "log.h5", software=broken, operator=broken, seed=3))
+    assert found.attributes == {"software": "LabVIEW �", "operator": "LabVIEW �", "seed": 3}
+    assert "attribute software: what was not UTF-8 is replaced" in found.words
+    assert "attribute operator: what was not UTF-8 is replaced" in found.words
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("statistics", 5), ("notes", "{"), ("sample_rate_hz", np.inf), ("seed", "one"), ("rig", "[]")],
+)
+def test_attribute_that_is_not_of_its_kind_is_left_out_and_said(tmp_path, name, value):
+    found = salvage(old_log(tmp_path / "log.h5", **{"software": "x", name: value}))
+    assert found.attributes == {"software": "x"}
+    assert any(word.startswith(f"attribute {name}: left out (= ") for word in found.words)
+
+
+def test_name_that_is_not_utf_8_is_left_out_and_said(tmp_path):
+    path = old_log(tmp_path / "log.h5")
+    with h5py.File(path, "r+") as file:
+        h5py.h5d.create(file.id, b"p\xe9_kpa", h5py.h5t.IEEE_F64LE, h5py.h5s.create_simple((400,)))
+    found = salvage(path)
+    assert set(found.channels) == set(RAW_CHANNELS)
+    assert r"p\udce9_kpa: cannot be read (its name is not UTF-8)" in found.words
+
+
+def test_channel_whose_checksum_is_wrong_is_kept_and_said(write_log):
+    path = write_log()
+    with h5py.File(path) as file:
+        at = file["p_o_kpa"].id.get_offset()
+    data = bytearray(path.read_bytes())
+    data[at + 3] ^= 1
+    path.write_bytes(data)
+    found = salvage(path)
+    assert found.words == ["p_o_kpa: its checksum is wrong; some of its numbers may be wrong"]
+    assert set(found.channels) == set(RAW_CHANNELS)
+    assert found.lost == 0
+
+
+def test_dataset_that_is_no_channel_by_its_name_is_left_out_and_said(write_log):
+    path = write_log()
+    with h5py.File(path, "r+") as file:
+        file["picture"] = np.zeros(400)
+    found = salvage(path)
+    assert "picture" not in found.channels
+    assert any("picture: cannot be read (channel picture: its name" in one for one in found.words)
+
+
+def test_more_datasets_than_a_log_has_are_left_out_and_counted(write_log):
+    path = write_log()
+    with h5py.File(path, "r+") as file:
+        for number in range(130):
+            file[f"a{number}_kpa"] = np.zeros(1)
+    found = salvage(path)
+    assert set(found.channels) == set(RAW_CHANNELS)
+    assert "30 channels left out: there are too many" in found.words
+
+
+def test_pipe_is_refused_at_once(tmp_path):
+    os.mkfifo(tmp_path / "log.h5")
+    with pytest.raises(LogError, match=r"log\.h5: cannot be opened \(it is no file\)"):
+        salvage(tmp_path / "log.h5")
+
+
 #: Child process that reads a log and never comes back from its ninth channel.
 STUCK = """
 import sys, time
@@ -112,6 +188,7 @@ def test_reading_that_never_ends_is_given_up_and_what_was_read_is_kept(write_log
     path = write_log()
 
     def run(command, *, timeout, **options):
+        assert timeout > 5.0
         child = subprocess.Popen(
             [sys.executable, "-c", STUCK, *command[-2:]], stdout=subprocess.PIPE, text=True
         )
@@ -122,7 +199,7 @@ def test_reading_that_never_ends_is_given_up_and_what_was_read_is_kept(write_log
 
     monkeypatch.setattr(module.subprocess, "run", run)
     found = salvage(path, limit_s=5.0)
-    assert "reading did not end within 5 s and was given up" in found.words
+    assert "reading ended early: not read within 5 s" in found.words
     assert set(found.channels) == set(RAW_CHANNELS) - {"valve_main_v", "valve_reservoir_v"}
 
 
@@ -137,7 +214,7 @@ def test_reading_that_ends_the_process_is_told(write_log, monkeypatch):
     )
     with pytest.raises(LogError) as caught:
         salvage(path)
-    assert "reading ended early: the HDF5 library crashed" in str(caught.value)
+    assert "reading ended early: cannot be read (the library crashed)" in str(caught.value)
 
 
 def test_any_damage_ends_in_a_copy_or_an_error(write_log):

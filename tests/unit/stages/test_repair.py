@@ -1,5 +1,6 @@
 import os
 
+import h5py
 import numpy as np
 import pytest
 
@@ -151,6 +152,35 @@ def test_cut_hdf5_log_is_copied_as_far_as_it_goes_with_code_3(write_log, repair,
     assert log.attributes["lost_samples"] == 100
     assert log.attributes["experiment"] == "sweep"
     assert path.read_bytes() == before
+
+
+def test_flipped_number_is_said_and_the_copy_says_so_too(write_log, repair, tmp_path):
+    path = write_log()
+    data = bytearray(path.read_bytes())
+    data[-1] ^= 1  # the last number of the last channel
+    path.write_bytes(data)
+    code, out, _ = repair(path)
+    assert code == 3
+    assert "  valve_reservoir_v: its checksum is wrong" in out
+    log = copy_of(tmp_path)
+    assert len(log.channels["valve_reservoir_v"]) == 400
+    assert log.attributes["complete"] is False
+    assert "valve_reservoir_v: its checksum is wrong" in log.attributes["incomplete_reason"]
+
+
+def test_text_that_is_not_utf_8_is_replaced_in_the_copy(write_log, repair, tmp_path):
+    path = write_log()
+    with h5py.File(path, "r+") as file:
+        del file.attrs["software"]
+        file.attrs["software"] = np.bytes_(b"LabVIEW \xb5")
+        file.attrs[b"a\xb5"] = np.bytes_(b"\x1b[2J\xb5")
+    assert main(["log", "check", str(path)]) == 1
+    code, out, err = repair(path)
+    assert code == 3
+    assert "  attribute software: what was not UTF-8 is replaced\n" in out
+    assert "  attribute a\\udcb5: left out (its name is not UTF-8)\n" in out
+    assert out.replace("\n", "").isprintable()
+    assert copy_of(tmp_path).attributes["software"] == "LabVIEW �"
 
 
 @pytest.mark.parametrize("content", [b"", b"text", b"\x89HDF\r\n\x1a\n" + bytes(40)])
