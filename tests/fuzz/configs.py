@@ -82,7 +82,7 @@ def compare(folder: Path, wrong: str) -> Verdict:
 def _names(data: bytes) -> tuple[str, ...]:
     """Return what a refusal must name: the file, or a key of it."""
     text = data.decode("utf-8", "replace")
-    keys = set(re.findall(r"\b(\w+) ?['\"]?\s*:", text))
+    keys = set(re.findall(r"""([^\s:{},'"\[\]]+) ?['"]?\s*:""", text))
     # "a" is part of many a word, " a:" is not
     short = [f" {key}{mark}" for key in keys for mark in (":", " =") if len(key) < 3]
     return (NAME, *sorted(key for key in keys if len(key) > 2), *sorted(short))

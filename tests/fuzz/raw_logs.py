@@ -99,10 +99,14 @@ def content(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
                 owners[f"{name}."] = dataset
         for prefix, owner in owners.items():
             for name in owner.attrs:
-                value = owner.attrs[name]
-                single = getattr(value, "size", 0) == 1
-                attributes[prefix + name] = value.item() if single else value
+                attributes[prefix + name] = _plain(owner.attrs[name])
     return channels, attributes
+
+
+def _plain(value: Any) -> Any:
+    """Return a value as Python has it; there are several ways to write the same text."""
+    value = value.item() if getattr(value, "size", 0) == 1 else value
+    return value.decode("utf-8", "surrogateescape") if isinstance(value, bytes) else value
 
 
 def _get(file: h5py.File, name: str) -> Any:
