@@ -21,6 +21,7 @@ from fprc.errors import LogError
 from fprc.logs.attributes import is_text, read_attribute, read_attributes
 from fprc.logs.columns import checksum, unit_of
 from fprc.logs.hdf5 import MAX_BYTES, bytes_of, channel_of, promised_length, shown
+from fprc.logs.hdf5_headers import mend_checksums
 from fprc.logs.isolated import limit_process, run_limited, time_limit_s
 from fprc.logs.raw import RAW_ATTRIBUTES, RAW_CHANNELS, TRACKING_CHANNELS, missing_channels
 
@@ -145,6 +146,9 @@ def _leave(path: Path, folder: Path) -> None:
 
         if patched.stat().st_size > size:
             say(words=[f"cut short: {size} of {patched.stat().st_size} bytes are there"])
+        wrong = _mend_headers(patched)
+        if wrong:
+            say(words=[f"headers damaged: {wrong}; what they say, as the attributes, may be wrong"])
         try:
             file = h5py.File(patched, "r")
         except Exception as error:  # a damaged file makes the library raise whatever it likes
@@ -156,6 +160,8 @@ def _leave(path: Path, folder: Path) -> None:
 
 def _leave_attributes(file: h5py.File, say: Callable[..., None]) -> None:
     names, listed = _names(file.attrs, RAW_ATTRIBUTES)
+    if not listed:
+        say(words=["attributes: they cannot be listed; any but the usual ones are lost"])
     for name in names:
         try:
             value, words = _attribute(file.attrs, name)
@@ -168,6 +174,8 @@ def _leave_attributes(file: h5py.File, say: Callable[..., None]) -> None:
 def _leave_channels(file: h5py.File, size: int, folder: Path, say: Callable[..., None]) -> None:
     room = MAX_BYTES
     names, listed = _names(file, _KNOWN_CHANNELS)
+    if not listed:
+        say(words=["channels: they cannot be listed; any but the usual ones are lost"])
     first = [name for name in _KNOWN_CHANNELS if name in names]
     rest = [name for name in names if name not in _KNOWN_CHANNELS]
     if len(rest) > _MOST_OTHERS:
@@ -190,6 +198,15 @@ def _restore_length(path: Path, size: int) -> None:
         promised = promised_length(file.read(52))
         if size < promised <= _BELIEVABLE * size:
             file.truncate(promised)
+
+
+def _mend_headers(path: Path) -> int:
+    """Give headers their checksums, without which the library opens none; return how many."""
+    data = bytearray(path.read_bytes())
+    wrong = mend_checksums(data)
+    if wrong:
+        path.write_bytes(data)
+    return wrong
 
 
 def _names(members: Mapping[str, Any], known: tuple[str, ...]) -> tuple[tuple[str, ...], bool]:
