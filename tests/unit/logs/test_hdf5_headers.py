@@ -31,9 +31,9 @@ def test_every_checksum_of_a_whole_log_is_right(write_log):
 
 
 @given(at=st.integers(0, len(b"fprc test") - 1), flip=st.integers(1, 255))
-def test_wrong_byte_of_an_attribute_costs_no_channel(log_bytes, at, flip):
-    damaged = bytearray(log_bytes)
-    damaged[log_bytes.index(b"fprc test") + at] ^= flip
+def test_wrong_byte_of_an_attribute_costs_no_channel(whole, at, flip):
+    damaged = bytearray(whole.read_bytes())
+    damaged[damaged.index(b"fprc test") + at] ^= flip
     with pytest.raises((OSError, KeyError), match="checksum"):
         names_in(damaged)
     assert mend_checksums(damaged) == 1
@@ -51,22 +51,21 @@ def test_any_bytes_are_looked_through(data):
 
 
 @pytest.fixture(scope="module")
-def log_bytes(channels, tmp_path_factory):
+def whole(channels, tmp_path_factory):
     from fprc.logs import write_raw
 
     path = tmp_path_factory.mktemp("whole") / "log.h5"
     described = {"experiment": "sweep", "source": "sim", "sample_rate_hz": 200.0, "seed": 1}
     write_raw(path, channels, **described, software="fprc test", rig={})
-    return path.read_bytes()
+    return path
 
 
-def test_log_with_a_wrong_byte_in_an_attribute_is_salvaged_with_every_channel(tmp_path, log_bytes):
-    damaged = bytearray(log_bytes)
-    damaged[log_bytes.index(b"fprc test") + 2] ^= 0x20
+def test_log_with_a_wrong_byte_in_an_attribute_is_salvaged_with_every_channel(tmp_path, whole):
+    damaged = bytearray(whole.read_bytes())
+    damaged[damaged.index(b"fprc test") + 2] ^= 0x20
     (tmp_path / "log.h5").write_bytes(damaged)
-    (tmp_path / "whole.h5").write_bytes(log_bytes)
     found = salvage(tmp_path / "log.h5")
-    whole = read_columns(tmp_path / "whole.h5", tuple(found.channels))
+    expected = read_columns(whole, tuple(found.channels))
     assert len(found.channels) == 10
-    assert all((found.channels[name] == whole.channels[name]).all() for name in found.channels)
+    assert all((found.channels[name] == expected.channels[name]).all() for name in found.channels)
     assert any(words.startswith("headers damaged: 1") for words in found.words)
