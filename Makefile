@@ -3,8 +3,8 @@ PYTHON ?= python3
 CORES ?= 2
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 
-.PHONY: paper smoke test test-parts test-workflow test-kill reproduce-twice slurm \
-	test-slurm docs scaling fault-matrix loop-benchmark benchmark benchmark-all clean
+.PHONY: paper smoke test test-parts test-workflow test-kill reproduce-twice processors slurm \
+	test-slurm docs scaling fault-matrix fuzz loop-benchmark benchmark benchmark-all clean
 
 paper: .venv/.ready
 	snakemake --cores $(CORES) all
@@ -39,6 +39,10 @@ test-kill: .venv/.ready
 reproduce-twice: .venv/.ready
 	python tests/twice.py
 
+# the last commit as older processors compute it, small settings: some ten minutes on one core
+processors: .venv/.ready
+	python tests/twice.py --smoke --processors
+
 # What tests/workflow/test_slurm.py needs, where it can be had; without it that test is skipped.
 # The plugin asks Slurm at every start of Snakemake, so it has a folder of its own.
 slurm: .venv/.ready
@@ -63,9 +67,16 @@ scaling: .venv/.ready
 docs: .venv/.ready
 	snakemake --cores $(CORES) readme calibration_page
 
-# what comes of each fault of the real rig: docs/faults.md
+# what comes of each fault of the real rig, of files and of settings: docs/faults.md
 fault-matrix: .venv/.ready
 	pytest tests/faults --write-matrix
+
+# damaged files through the commands that read them, some 15 minutes on two cores; fewer with
+# CASES=500, others with SEED=2, the counts as a page with PAGE=docs/fuzz.md
+CASES ?= 10000
+SEED ?= 1
+fuzz: .venv/.ready
+	python tests/fuzz --cases $(CASES) --seed $(SEED) $(PAGE:%=--write %)
 
 # how punctual the real rig's loop is on this computer
 loop-benchmark: .venv/.ready

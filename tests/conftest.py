@@ -103,13 +103,16 @@ def live_by(monkeypatch):
         monkeypatch.setattr(rig_session, "Metronome", begin)
         monkeypatch.setattr(rig_session, "be_punctual", lambda priority: [])
         for module in (rig_session, rig_loop, check_rig):
-            monkeypatch.setattr(module, "sign", signs.append)
+            monkeypatch.setattr(module, "sign", lambda what: signs.append(what) or True)
+        waited_s = [0.0]
 
         def wait(seconds):
+            waited_s[0] += seconds
             if sessions and sessions[-1].tick >= 0:  # the session begins once the rig is open
                 bench.wait(seconds)
 
         monkeypatch.setattr(rig_session, "_wait", wait)
+        monkeypatch.setattr(rig_session, "_now", lambda: waited_s[0])
         return sessions, signs
 
     return live_by

@@ -2,22 +2,37 @@
 
     python tests/twice.py            # the paper, as `make reproduce-twice` does
     python tests/twice.py --smoke    # small settings
+    python tests/twice.py --processors --smoke    # as on other processors, `make processors`
 
 Execution times are measured and differ; the second build is therefore given the first
 one's measurements, and made again from there. Then every table, figure and page must be
 the same, byte by byte. Logs name processes and are not compared.
+
+With ``--processors`` (Linux, x86-64) the first build computes as this processor does, and each
+further one as an older processor would. The numbers of the results are compared.
 """
 
 import argparse
 import hashlib
+import json
+import math
 import os
+import re
 import shutil
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pandas as pd
+from PIL import Image
+
+from fprc.stages.check import pixels_apart
 
 ROOT = Path(__file__).parents[1]
 
@@ -40,6 +55,39 @@ CIRCUMSTANCES = (
     ),
 )
 
+#: What makes the libraries leave out instructions that this processor may have.
+PROCESSORS = {
+    "OpenBLAS without AVX-512": {"OPENBLAS_CORETYPE": "Haswell"},
+    "nothing with AVX or FMA": {
+        "OPENBLAS_CORETYPE": "Nehalem",
+        "NPY_DISABLE_CPU_FEATURES": ",".join(
+            np.show_config(mode="dicts").get("SIMD Extensions", {}).get("found", [])
+        ),
+        "NUMBA_CPU_NAME": "nehalem",
+        "NUMBA_CPU_FEATURES": "",
+        "GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F,-AVX512VL",
+    },
+}
+
+#: By how much numbers may differ before they are other results.
+AGREE = 0.01
+
+#: Results that are compared by their numbers; the others are made of them.
+KINDS = {
+    "the two experiments": r"(raw|data|quality)/(sweep|complex)\.",
+    "ESN, Fuzzy-linear": r"(crossval|predictions)/\w+_(esn|fuzzy_linear)",
+    "FPRC": r"(crossval|predictions)/\w+_fprc",
+    "fitted weights": r"(models|weights)/",
+    "sweeps, readout": r"sweeps/.*json|readout/cells",
+    "further seeds, models": r"replicates/.*/(models|sweeps)_",
+    "Tables II, III": r"tables/(table[23]|orders).*csv",
+    "closed loop, samples": r"raw/track_",
+    "closed loop, errors": r"control/|replicates/.*/control_",
+    "Table IV": r"tables/table4.*csv",
+    "claims": r"claims\.json",
+    "figures": r"figures/.*png",
+}
+
 
 def give_measurements(first: Path, second: Path) -> None:
     """Put the first results' measured times among the second's."""
@@ -47,12 +95,19 @@ def give_measurements(first: Path, second: Path) -> None:
         shutil.copyfile(first / name, second / name)
 
 
+def files(results: Path) -> dict[str, Path]:
+    """Return every result but the logs, by name."""
+    return {
+        str(path.relative_to(results)): path
+        for path in sorted(results.rglob("*"))
+        if path.is_file() and path.relative_to(results).parts[0] not in ("logs", "smoke")
+    }
+
+
 def hashes(results: Path) -> dict[str, str]:
     """Return the SHA-256 of every result but the logs."""
     return {
-        str(path.relative_to(results)): hashlib.sha256(path.read_bytes()).hexdigest()
-        for path in sorted(results.rglob("*"))
-        if path.is_file() and path.relative_to(results).parts[0] not in ("logs", "smoke")
+        name: hashlib.sha256(path.read_bytes()).hexdigest() for name, path in files(results).items()
     }
 
 
@@ -74,6 +129,67 @@ def table(first: Mapping[str, str], different: Sequence[str]) -> str:
     return "\n".join([*lines, *(f"different: {name}" for name in different)])
 
 
+def apart(one: Path, other: Path) -> float:
+    """Return by how much the numbers of two files differ, relative to the largest of their list.
+
+    Of pictures, the share of pixels that differ visibly. Infinity: something else differs.
+    """
+    if one.read_bytes() == other.read_bytes():
+        return 0.0
+    if one.suffix == ".png":
+        with Image.open(one) as picture:
+            return pixels_apart(one, other) / math.prod(picture.size)
+    first, second = dict(_held(one)), dict(_held(other))
+    if first.keys() != second.keys():
+        return math.inf
+    return max(_apart(np.asarray(first[name]), np.asarray(second[name])) for name in first)
+
+
+def _held(path: Path) -> Iterator[tuple[str, Any]]:
+    """Yield the lists, columns or values of a file by name."""
+    if path.suffix == ".h5":
+        found = []
+        with h5py.File(path) as file:
+            file.visit(found.append)
+            yield from ((n, file[n][()]) for n in found if isinstance(file[n], h5py.Dataset))
+    elif path.suffix == ".csv":
+        yield from pd.read_csv(path).items()
+    else:
+        yield from _leaves(json.loads(path.read_text(encoding="utf-8")))
+
+
+def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
+    if isinstance(value, list) and value and all(isinstance(item, float) for item in value):
+        yield name, value
+    elif isinstance(value, list | dict):
+        for key, item in value.items() if isinstance(value, dict) else enumerate(value):
+            yield from _leaves(item, f"{name}.{key}")
+    else:
+        yield name, value
+
+
+def _apart(one: np.ndarray, other: np.ndarray) -> float:
+    if one.dtype.kind != "f" or other.dtype.kind != "f":
+        return 0.0 if np.array_equal(one, other) else math.inf
+    if one.shape != other.shape or not np.array_equal(np.isnan(one), np.isnan(other)):
+        return math.inf
+    largest = np.nanmax(np.abs(one), initial=0.0)
+    return float(np.nanmax(np.abs(one - other), initial=0.0) / (largest or 1.0))
+
+
+def digits(first: Mapping[str, Path], second: Mapping[str, Path]) -> tuple[str, float]:
+    """Return a table of how far two builds agree, and by how much they differ at most."""
+    lines = [f"{'result':21}  files  same bytes  apart", f"{'-' * 21}  -----  ----------  -------"]
+    largest = 0.0
+    for kind, pattern in KINDS.items():
+        names = [name for name in first if re.match(pattern, name)]
+        found = [apart(first[n], second[n]) if n in second else math.inf for n in names]
+        same = sum(first[n].read_bytes() == second[n].read_bytes() for n in names if n in second)
+        largest = max(largest, *found)
+        lines.append(f"{kind:21}  {len(names):5}  {same:10}  {max(found, default=math.inf):7.1e}")
+    return "\n".join(lines), largest
+
+
 def build(folder: Path, circumstances: tuple[str, Mapping[str, str]], *arguments: str) -> None:
     """Run the workflow of a checkout with its own package."""
     cores, environment = circumstances
@@ -85,30 +201,47 @@ def build(folder: Path, circumstances: tuple[str, Mapping[str, str]], *arguments
     )
 
 
+def built(scratch: Path, circumstances: Sequence[tuple], small: bool) -> Iterator[Path]:
+    """Build in a folder for each of the circumstances, and yield the folders of the results."""
+    arguments = ["--configfile", "config/smoke.yaml"] if small else []
+    first = None
+    for number, circumstance in enumerate(circumstances):
+        folder = scratch / f"build {number}" if number else scratch / "build"
+        clone = ["git", "clone", "--quiet", "--no-hardlinks", str(ROOT), str(folder)]
+        subprocess.run(clone, check=True)
+        began = time.monotonic()
+        build(folder, circumstance, *arguments)
+        print(f"{folder}: {time.monotonic() - began:.0f} s, {circumstance}", flush=True)
+        results = folder / ("results/smoke" if small else "results")
+        if first:
+            give_measurements(first, results)
+            build(folder, circumstance, *arguments)
+        first = first or results
+        if not small:
+            (folder / "data/raw").rename(results / "raw")
+        yield results
+
+
 def main() -> int:
-    """Build twice and say what differs; 1 if anything does."""
+    """Build more than once and say what differs; 1 if anything does that must not."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--smoke", action="store_true", help="small settings, minutes")
-    small = parser.parse_args().smoke
-    arguments = ["--configfile", "config/smoke.yaml"] if small else []
+    parser.add_argument("--processors", action="store_true", help="compute as on other processors")
+    options = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch:
-        folders = Path(scratch, "one"), Path(scratch, "a folder", "two")
-        for folder, circumstances in zip(folders, CIRCUMSTANCES, strict=True):
-            clone = ["git", "clone", "--quiet", "--no-hardlinks", str(ROOT), str(folder)]
-            subprocess.run(clone, check=True)
-            began = time.monotonic()
-            build(folder, circumstances, *arguments)
-            print(f"{folder}: {time.monotonic() - began:.0f} s, {circumstances}", flush=True)
-        results = [folder / ("results/smoke" if small else "results") for folder in folders]
-        give_measurements(*results)
-        build(folders[1], CIRCUMSTANCES[1], *arguments)
-        first, second = map(hashes, results)
-        if not small:
-            first |= {f"raw/{k}": v for k, v in hashes(folders[0] / "data/raw").items()}
-            second |= {f"raw/{k}": v for k, v in hashes(folders[1] / "data/raw").items()}
-    different = differences(first, second)
-    print(table(first, different))
-    return int(bool(different))
+        if not options.processors:
+            first, second = map(hashes, built(Path(scratch), CIRCUMSTANCES, options.smoke))
+            different = differences(first, second)
+            print(table(first, different))
+            return int(bool(different))
+        circumstances = [("1", {}), *(("1", lacking) for lacking in PROCESSORS.values())]
+        first, *others = map(files, built(Path(scratch), circumstances, options.smoke))
+        largest = 0.0
+        for name, other in zip(PROCESSORS, others, strict=True):
+            shown, most = digits(first, other)
+            print(f"\n{name}:\n{shown}")
+            largest = max(largest, most)
+    return int(largest > AGREE)
 
 
 if __name__ == "__main__":

@@ -1,5 +1,7 @@
-"""The fault matrix: tests put rows into it; docs/faults.md must hold the same."""
+"""The tables of docs/faults.md: tests put rows into them; the page must hold the same."""
 
+import importlib.util
+import re
 import sys
 from pathlib import Path
 from typing import NamedTuple
@@ -10,8 +12,14 @@ PAGE = Path(__file__).parents[2] / "docs" / "faults.md"
 _HEAD = """\
 # What happens when something fails
 
-Written by the tests: `make fault-matrix`. Another test fails when a column but the last differs
+Written by the tests: `make fault-matrix`. Another test fails when a column but *measured* differs
 from what it finds.
+
+`make fuzz` tries some thousand files more, damaged at random: configurations, logs, recordings and
+journals; `make fuzz CASES=500 SEED=2` fewer and others. It counts what comes of them, and keeps the
+files of those that end as they must not.
+
+## The real rig
 
 The real devices' code runs with a stand-in for Contec's driver, a C library with the same symbols,
 and one for the bus of the angle sensors; behind both is the simulated rig. **Nothing of this was
@@ -25,6 +33,18 @@ tried on hardware.**
   of the writes that vent, on the computer that wrote this page
 
 """
+_FILES_HEAD = """\
+
+## Files and settings
+
+Each fault is made by a test in `tests/faults/test_files.py`, and given to the command as a user
+would.
+
+- *what comes of it*: what the message names if it is refused
+- *left behind*: what is there afterwards that was not there before
+
+"""
+_FILES_COLUMNS = ("fault", "command", "what comes of it", "exit code", "left behind")
 _COLUMNS = ("fault", "where", "places", "what ends the run", "safe", "ticks", "lost", "measured")
 
 
@@ -54,13 +74,32 @@ class Matrix:
         self.rows[row] = self.rows.get(row, 0) + 1
         self.measured[row] = measured
 
-    def lines(self, measured=True):
-        """Return the table; without what is measured for a comparison."""
+    def lines(self):
+        """Return the table."""
         table = [_COLUMNS, ("---",) * len(_COLUMNS)]
         for row, places in self.rows.items():
-            last = self.measured[row] if measured else ""
-            table.append((row.fault, row.where, str(places), *row[2:6], last))
-        return [f"| {' | '.join(cells)} |" for cells in table]
+            table.append((row.fault, row.where, str(places), *row[2:6], self.measured[row]))
+        return _lines(table)
+
+
+class Files:
+    """What came of files and settings, in the order of the tests."""
+
+    def __init__(self):
+        self.rows: dict[tuple[str, ...], None] = {}
+
+    def add(self, *cells):
+        """Add what came of one fault; the same row is there once."""
+        self.rows[tuple(map(str, cells))] = None
+
+    def lines(self):
+        """Return the table."""
+        return _lines([_FILES_COLUMNS, ("---",) * len(_FILES_COLUMNS), *self.rows])
+
+
+def _lines(table):
+    # a bar would end a cell
+    return [f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in row)} |" for row in table]
 
 
 def pytest_addoption(parser):
@@ -87,25 +126,124 @@ def matrix(_matrix, request):
     _passed.add(request.node.nodeid)
 
 
-_passed: set[str] = set()
+@pytest.fixture(scope="session")
+def _files():
+    return Files()
 
 
 @pytest.fixture
-def whole_matrix(_matrix, request):
-    """The table once every test has added to it; else the test is skipped."""
-    files = {item.path.name for item in request.session.items}
-    filling = {i.nodeid for i in request.session.items if "matrix" in i.fixturenames}
+def files(_files, request):
+    """The table of files and settings, to add to."""
+    yield _files
+    _passed.add(request.node.nodeid)
+
+
+_passed: set[str] = set()
+_FILLING = {"test_matrix.py", "test_process.py", "test_files.py"}
+
+
+@pytest.fixture
+def whole_matrix(_matrix, _files, request):
+    """The page once every test has added to it; else the test is skipped."""
+    present = {item.path.name for item in request.session.items}
+    filling = {i.nodeid for i in request.session.items if {"matrix", "files"} & {*i.fixturenames}}
     chosen = request.config.option.keyword or request.config.option.markexpr
-    if not {"test_matrix.py", "test_process.py"} <= files or chosen or filling != _passed:
-        pytest.skip("not every test of the matrix was run")
-    return _matrix
+    if not present >= _FILLING or chosen or filling != _passed:
+        pytest.skip("not every test of the tables was run")
+    return "\n".join([_HEAD + "\n".join(_matrix.lines()), _FILES_HEAD + "\n".join(_files.lines())])
 
 
 @pytest.fixture
 def page(request, whole_matrix):
-    """Lines of the table as committed; written first if that was asked for."""
+    """The page as committed; written first if that was asked for."""
     if request.config.getoption("write_matrix", False):
-        PAGE.write_text(_HEAD + "\n".join(whole_matrix.lines()) + "\n", encoding="utf-8")
-    text = PAGE.read_text(encoding="utf-8") if PAGE.exists() else ""
-    assert text.startswith(_HEAD), "run `make fault-matrix`"
-    return text[len(_HEAD) :].splitlines()
+        PAGE.write_text(whole_matrix + "\n", encoding="utf-8")
+    return PAGE.read_text(encoding="utf-8") if PAGE.exists() else ""
+
+
+# --- files and settings ---------------------------------------------------------------------
+
+_COMMAND = [sys.executable, "-c", "import sys; from fprc.cli import main; sys.exit(main())"]
+#: Longest time that a command may take on a busy machine; what hangs takes longer.
+_PATIENCE_S = 60.0
+_CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f]")
+
+
+def _of_fuzz(name):
+    path = Path(__file__).parents[1] / "fuzz" / f"{name}.py"
+    spec = importlib.util.spec_from_file_location(f"fuzz_{name}", path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="session")
+def signals():
+    """Channels of logs with which nothing is wrong."""
+    return _of_fuzz("signals")
+
+
+class Said(NamedTuple):
+    """What came of a command: exit code, what was printed, files that are new."""
+
+    code: int
+    text: str
+    left: list[str]
+
+    def refuses(self, **named):
+        """Check that the command refused, named these things, and left nothing; say so."""
+        assert self.code not in (0, 3), self.text
+        for what, word in named.items():
+            assert re.search(word, self.text), f"{what} is not named: {self.text}"
+        assert not self.left
+        return f"refused, named: {', '.join(named)}" if named else "refused"
+
+
+class User:
+    """Somebody in a folder, who types commands."""
+
+    def __init__(self, folder, capfd):
+        self.folder = folder
+        self._capfd = capfd
+
+    def types(self, *command):
+        """Run ``fprc`` in this process."""
+        from fprc.cli import main
+
+        before = self._there()
+        self._capfd.readouterr()
+        try:
+            code = main(command)
+        except SystemExit as end:
+            code = end.code
+        return self._said(code, "".join(self._capfd.readouterr()), before)
+
+    def starts(self, *command, program=_COMMAND, folder=None, **environment):
+        """Run it in a process of its own, with limits on its time and its memory."""
+        watched = _of_fuzz("watched")
+        before = self._there()
+        ended = watched.command(
+            [*program, *command], folder or self.folder, environment=environment,
+            limit_s=_PATIENCE_S,
+        )  # fmt: skip
+        assert not ended.stopped, f"{command}: stopped for its {ended.stopped}"
+        assert ended.code >= 0, f"{command}: ended by signal {-ended.code}"
+        assert ended.peak_bytes < watched.LIMIT_BYTES
+        return self._said(ended.code, ended.out + ended.err, before)
+
+    def _said(self, code, text, before):
+        assert "Traceback" not in text
+        assert not _CONTROL.search(text), f"{text!r}"
+        return Said(code, text, sorted(self._there() - before))
+
+    def _there(self):
+        return {str(path.relative_to(self.folder)) for path in self.folder.rglob("*")}
+
+
+@pytest.fixture
+def user(tmp_path, monkeypatch, capfd):
+    """Somebody in a folder of the test's own."""
+    folder = tmp_path / "user"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    return User(folder, capfd)

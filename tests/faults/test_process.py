@@ -210,7 +210,9 @@ def test_run_that_ends_well_leaves_a_log_that_can_be_read_and_not_written(start,
     assert [path.stat().st_mode & 0o222 for path in program.raw.parent.glob("sweep*")] == [0, 0]
     assert rig.opened == 0
     _, venting = split(program.writes())
-    assert [row[1:] for row in venting] == CLOSED + VENTED + VENTED
+    rows = [row[1:] for row in venting]
+    assert rows[:4] == CLOSED + VENTED
+    assert rows[4:] == VENTED * (len(rows[4:]) // 2)
 
 
 def test_unarmed_check_looks_and_writes_nothing_but_the_safe_state(start, rig):
@@ -256,6 +258,37 @@ def test_loop_that_is_killed_is_vented_by_the_guardian(start, rig, matrix):
     assert "ended with code -9 in the middle of a run; both chambers are vented" in said
     findings = add(matrix, program, faulted_s, "SIGKILL to the loop", "the guardian", again=1)
     assert not findings.closed
+
+
+def test_driver_that_prints_does_not_pass_for_a_sign_that_all_is_safe(
+    start, rig, matrix, monkeypatch
+):
+    monkeypatch.setenv("FAKE_CHATTY", "1")
+    program = start("run", "sweep")
+    program.is_in_mid_run()
+    faulted_s = time.monotonic()
+    os.kill(program.loop(), signal.SIGKILL)
+    code, said = program.end()
+    assert code == 1
+    assert "ended with code -9 in the middle of a run; both chambers are vented" in said
+    add(matrix, program, faulted_s, "SIGKILL to the loop, whose driver prints", "the guardian",
+        again=1)  # fmt: skip
+
+
+def test_board_that_fails_for_a_moment_in_mid_run_leaves_no_valve_open(start, rig, matrix):
+    program = start("run", "sweep")
+    program.is_in_mid_run()
+    faulted_s = time.monotonic()
+    rig.fail_code, rig.fail_count, rig.fail_at = 777, 12, rig.calls + 1
+    code, said = program.end()
+    assert code == 1
+    assert "failed with code 777" in said
+    assert rig.failures == 12
+    findings = add(
+        matrix, program, faulted_s, "twelve calls of the driver fail", "the error of the call",
+        again=1,
+    )  # fmt: skip
+    assert findings.closed
 
 
 def test_loop_that_hangs_is_ended_and_vented_by_the_guardian(start, rig, matrix):
@@ -405,7 +438,8 @@ def test_board_that_fails_when_the_loop_is_killed_is_vented_once_it_recovers(sta
     os.kill(program.loop(), signal.SIGKILL)
     heard = b""
     while b"THE CHAMBERS COULD NOT BE VENTED" not in heard:
-        heard += os.read(program.process.stderr.fileno(), 1000)
+        heard += (said := os.read(program.process.stderr.fileno(), 1000))
+        assert said, heard
     rig.fail_at = 0
     code, said = program.end()
     assert code == 1
@@ -415,7 +449,7 @@ def test_board_that_fails_when_the_loop_is_killed_is_vented_once_it_recovers(sta
 
 
 def test_rig_that_is_in_use_is_left_alone_and_its_user_named(start, rig, matrix):
-    program = start("run", "sweep", seconds=100.0)
+    program = start("run", "sweep", seconds=1000.0)
     program.is_in_mid_run()
     for *verb, armed in (("run", "complex", True), ("check", False), ("check", True)):
         second = start(*verb, armed=armed)

@@ -1,4 +1,6 @@
 import copy
+import importlib.util
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -56,6 +58,16 @@ def recorded(signals):
 def channels(recorded):
     """Every channel of a raw log of 2 s. Read only."""
     return {name: values[:400] for name, values in recorded["sweep"].items()}
+
+
+@pytest.fixture(scope="session")
+def matlab_files():
+    """Return the module that writes files as MATLAB does."""
+    path = Path(__file__).with_name("matlab_files.py")
+    spec = importlib.util.spec_from_file_location("matlab_files", path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
 @pytest.fixture

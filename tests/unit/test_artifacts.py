@@ -13,6 +13,7 @@ from fprc.artifacts import (
     read_json,
     refuse_unwritable,
     replacing,
+    replacing_all,
     write_csv,
     write_json,
     write_text,
@@ -53,6 +54,51 @@ def test_failure_leaves_the_old_file_and_no_litter(tmp_path, error, written):
         fail()
     assert target.read_text() == "old"
     assert names(tmp_path) == ["log.h5"]
+
+
+@pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt, None])
+def test_several_files_are_all_replaced_or_none(tmp_path, error):
+    paths = [tmp_path / "a.json", tmp_path / "a.b.png", tmp_path / "a.h5"]
+    paths[2].write_text("old")
+
+    def write():
+        with replacing_all(*paths) as (first, second, third):
+            write_json(first, {"x": 1})
+            with replacing(third) as inner:
+                assert inner == third
+                inner.write_text("new")
+            assert names(tmp_path) == sorted(["a.h5", first.name, third.name])
+            if error:
+                raise error
+            second.write_text("new")
+
+    if error:
+        with pytest.raises(error):
+            write()
+        assert names(tmp_path) == ["a.h5"]
+        assert paths[2].read_text() == "old"
+    else:
+        write()
+        assert names(tmp_path) == ["a.b.png", "a.h5", "a.json"]
+        assert paths[2].read_text() == "new"
+
+
+def test_process_that_dies_while_writing_several_leaves_none(tmp_path):
+    code = (
+        "import os, sys\n"
+        "from fprc.artifacts import replacing_all, write_text\n"
+        "with replacing_all('a.json', 'a.h5') as (page, log):\n"
+        "    write_text(page, 'half')\n"
+        "    write_text(log, 'half')\n"
+        "    os._exit(9)\n"
+    )
+    died = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, timeout=60, check=False)
+    assert died.returncode == 9
+    assert len(leftovers(tmp_path)) == 2
+    with replacing_all(tmp_path / "a.json", tmp_path / "a.h5") as temporaries:
+        for temporary in temporaries:
+            temporary.write_text("new")
+    assert names(tmp_path) == ["a.h5", "a.json"]
 
 
 def test_failure_leaves_no_file_where_none_was(tmp_path):

@@ -1,30 +1,116 @@
+import logging
+import re
+
+import matplotlib.pyplot as plt
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from matplotlib.cbook import is_math_text
+from matplotlib.mathtext import MathTextParser
 
+from fprc import escape
 from fprc.errors import LogError
-from fprc.escape import visible
+
+TEXTS = st.text(max_size=30) | st.text("$\\_^{}|`<>*&[]=+-@'\"\x1b\n\t1e.,", max_size=30)
+
+
+@given(text=TEXTS)
+def test_terminal_gets_no_control_characters(text):
+    kept = escape.terminal(text)
+    assert all(mark.isprintable() or mark in "\n\t" for mark in kept)
+    assert kept.count("\n") == text.count("\n")
 
 
 @pytest.mark.parametrize(
     ("text", "shown"),
     [
-        ("theta [°], 角度", "theta [°], 角度"),
+        ("theta [°], 角度 😀", "theta [°], 角度 😀"),
         ("\x1b[31mred\x07", r"\x1b[31mred\x07"),
         ("two\nlines\r", r"two\nlines\r"),
+        ("a\xa0b", r"a\xa0b"),
         ("\udce9", r"\udce9"),
         ("abc\u202etxt.exe", r"abc\u202etxt.exe"),
     ],
 )
-def test_what_cannot_be_printed_is_shown_as_its_escape(text, shown):
-    assert visible(text) == shown
+def test_what_cannot_be_seen_is_named(text, shown):
+    assert escape.visible(text) == shown
 
 
 @given(st.text(st.characters(codec=None)))
 def test_any_text_becomes_one_printable_line_that_can_be_encoded(text):
-    assert visible(text).isprintable()
-    visible(text).encode("utf-8")
+    assert escape.visible(text).isprintable()
+    escape.visible(text).encode("utf-8")
 
 
 def test_messages_keep_their_lines_and_cannot_command_the_terminal():
     assert str(LogError("a.h5: \x1b[2J\nb.h5: ok")) == "a.h5: \\x1b[2J\nb.h5: ok"
+
+
+def test_lines_of_a_log_are_those_of_a_terminal():
+    record = logging.LogRecord("x", logging.INFO, "", 0, "note %s", ("\x1b[2J",), None)
+    assert escape.TerminalFormatter("[a] %(message)s").format(record) == "[a] note \\x1b[2J"
+
+
+@given(text=TEXTS)
+def test_figure_shows_text_and_no_formula(text):
+    shown = escape.figure(text)
+    assert not is_math_text(shown)
+    fig = plt.figure()
+    try:
+        assert fig.text(0, 0, "")._preprocess_math(shown) == (
+            escape.visible(text),
+            False,
+        )
+    finally:
+        plt.close(fig)
+
+
+@pytest.mark.parametrize("text", [r"$\frac{$", "$$", r"\$", "a_b^c", "$x$", "{", r"\\$ \alpha"])
+def test_text_beside_a_formula_is_none(text):
+    """As in the label of an axis: a symbol, and a unit from a file in brackets."""
+    parser = MathTextParser("path")
+    assert parser.parse(rf"$P_o$ [{escape.figure(text)}]").width > 0
+    glyphs = [chr(glyph[2]) for glyph in parser.parse(f"$o${escape.figure(text)}").glyphs]
+    assert "".join(glyphs) == f"o{text}"
+
+
+@given(text=TEXTS)
+def test_markdown_comes_back_and_stays_in_its_cell(text):
+    shown = escape.markdown(text)
+    assert "\n" not in shown
+    assert not re.search(r"(?<!\\)(\\\\)*[|<`*]", shown)
+    assert escape.unmarkdown(shown) == escape.visible(text)
+
+
+@given(text=TEXTS)
+def test_code_of_markdown_ends_where_the_text_does(text):
+    shown = escape.code(text)
+    fence = re.match("`+", shown)[0]
+    inner = shown[len(fence) : -len(fence)]
+    assert shown.endswith(fence)
+    assert fence not in re.findall("`+", inner)
+    if inner.startswith(" ") and inner.endswith(" ") and inner.strip():
+        inner = inner[1:-1]
+    assert inner.strip() == escape.visible(text).strip()
+
+
+@pytest.mark.parametrize("text", ["=1+1", "+SUM(A1)", "-cmd|'/c'!A0", "@x", "\t=1", "-", "--1"])
+def test_spreadsheet_computes_nothing(text):
+    assert escape.spreadsheet(text) == f"'{text}"
+
+
+@pytest.mark.parametrize("text", ["-1.5", "+2", "-.5e-3", "1=1", "N", "", "% of its scale", "m=s"])
+def test_numbers_and_plain_texts_are_no_formulae(text):
+    assert escape.spreadsheet(text) == text
+
+
+@given(text=TEXTS)
+def test_no_cell_begins_as_a_formula_does(text):
+    assert not escape.spreadsheet(text).startswith(("=", "@", "\t", "\r"))
+
+
+def test_latex_commands_are_text():
+    assert escape.latex(r"\a{b}$c$_#~^%&") == (
+        r"\textbackslash{}a\{b\}\$c\$\_\#\textasciitilde{}\textasciicircum{}\%\&"
+    )
+    assert escape.latex("1 ± 2") == "1 $\\pm$ 2"

@@ -1,14 +1,18 @@
 import inspect
+from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+import pandas as pd
 import pytest
 
 from fprc.errors import FprcError
+from fprc.escape import figure
 from fprc.figures import style
 from fprc.figures.hysteresis import plot_command, plot_loop
+from fprc.figures.sweeps import plot_grid
 from fprc.figures.training import plot_error, plot_fit
-from fprc.logs import write_columns
+from fprc.logs import Columns, write_columns
 from fprc.stages import draw
 
 SIMULATED = {"source": "sim", "seed": 7, "model": "fprc"}
@@ -179,6 +183,23 @@ def test_command_is_drawn_over_time_with_its_unit(axes):
     assert axes.get_xlim() == (0.0, 4.0)
     assert axes.get_xlabel() == "Time [s]"
     assert axes.get_ylabel() == "P [kPa]"
+
+
+@pytest.mark.parametrize("unit", [r"$\frac{$", "$x$", "\x1b[31mN"])
+def test_unit_from_a_file_is_drawn_as_text(axes, unit):
+    """A pair of dollars would be a formula, and a wrong one an error."""
+    time = np.linspace(0.0, 4.0, 5)
+    plot_fit(time, time, time, axes, colours=("k", "k"), unit=unit)
+    axes.figure.canvas.draw()
+    assert axes.get_ylabel() == rf"$P_\mathrm{{exp}}$ [{figure(unit)}]"
+    plot_error(time, time, time, axes, colour="k", unit=unit)
+    axes.figure.canvas.draw()
+    assert axes.get_ylabel() == f"Error [{figure(unit)}]"
+    log = Columns(Path("x.h5"), {}, {"p_exp_unit": unit})
+    table = pd.DataFrame({"n_y": [1, 1], "n_u": [1, 2], "train_mean": [1.0, 2.0], "unit": unit})
+    plot_grid(table, "train", axes)
+    axes.set_xlabel(draw._label("p_exp", log))
+    axes.figure.canvas.draw()
 
 
 def test_loop_joins_neighbouring_samples_and_is_coloured_by_time(axes):

@@ -552,7 +552,7 @@ def test_markdown_is_a_table_under_a_note():
     assert [cell.strip() for cell in lines[4].strip("|").split("|")] == ["1.50", "x"]
 
 
-WORDS = st.text("abcXYZ019.±θ%[]-_/:;*<>&\"' ", max_size=12).map(
+WORDS = st.text("abcXYZ019.±θ%[]-_/:;*<>&\"'|`\\$ ", max_size=12).map(
     lambda word: " ".join(word.split())
 )
 COLUMNS_OF_A_PAGE = st.lists(WORDS.filter(bool), min_size=1, max_size=4, unique=True)
@@ -577,6 +577,22 @@ def test_every_table_that_is_written_can_be_read_again(written, name):
     csv = pd.read_csv(io.StringIO(written[f"{name}.csv"]))
     assert page.notna().all(axis=None)
     assert not csv.empty
+
+
+def test_unit_that_would_mark_up_a_page_is_text():
+    """As a note may end: in the brackets of an imported channel's unit."""
+    page = pd.DataFrame({"Test [<b>|`$x]": ["1.50", "_#^"]})
+    head = tables.markdown(page, "A note.").splitlines()[2]
+    assert head.strip("| ") == "Test [\\<b\\>\\|\\`\\$x]"
+    typeset = tables.latex(page, "A note.")
+    assert "Test [<b>|`\\$x]" in typeset
+    assert "\\_\\#\\textasciicircum{}" in typeset
+
+
+def test_text_that_is_a_formula_is_none_in_a_csv(tmp_path):
+    table = pd.DataFrame({"unit": ["=1+1", "N", None], "x": [-1.5, 2.0, 3.0]})
+    write_csv(tmp_path / "t.csv", table)
+    assert (tmp_path / "t.csv").read_text() == "unit,x\n'=1+1,-1.5\nN,2\n,3\n"
 
 
 def test_csv_keeps_six_digits(tmp_path):

@@ -1,8 +1,15 @@
 """A second cold build: one core, another folder, time zone, locale and hash seed."""
 
 import json
+import math
+import shutil
+import time
 
+import h5py
+import numpy as np
+import pandas as pd
 import pytest
+from PIL import Image
 
 from fprc.fingerprint import reached
 
@@ -49,3 +56,91 @@ def test_every_function_that_ran_is_in_the_fingerprint_of_its_rule(rebuilt):
         roots, without = asked[rule]
         missing[rule, roots[0], roots[-1]] = names - reached(*roots, without=without)
     assert {rule: names for rule, names in missing.items() if names} == {}
+
+
+@pytest.fixture
+def written(tmp_path):
+    """Write one result of each kind into a folder; numbers times ``factor``."""
+
+    def write(name, factor=1.0, **texts):
+        folder = tmp_path / name
+        for part in ("predictions", "tables", "control", "figures", "timing"):
+            (folder / part).mkdir(parents=True, exist_ok=True)
+        with h5py.File(folder / "predictions/sweep_esn_test.h5", "w") as file:
+            file["p_ff_kpa"] = np.array([1e-9, 100.0, np.nan]) * factor
+            file["count"] = np.arange(3)
+        table = {"model": ["ESN", texts.get("model", "FPRC")], "rmse_kpa": [10.0, 20 * factor]}
+        pd.DataFrame(table).to_csv(folder / "tables/table2.csv", index=False)
+        gains = {"seed": 1, "gains": [{"kp": [0.5, 4.0 * factor], "reference": "sine"}]}
+        (folder / "control/gains.json").write_text(json.dumps(gains))
+        (folder / "claims.json").write_text(json.dumps({"verdict": texts.get("verdict", "yes")}))
+        pixels = np.zeros((30, 40), np.uint8)
+        pixels[: texts.get("rows", 0)] = 200
+        Image.fromarray(pixels).save(folder / "figures/fig01.png")
+        for name in ("times", "times_over_n_c", "steps"):
+            (folder / f"timing/{name}.json").write_text(str(time.monotonic()))
+        return folder
+
+    return write
+
+
+@pytest.fixture
+def few_kinds(twice, monkeypatch):
+    names = ("ESN, Fuzzy-linear", "Tables II, III", "closed loop, errors", "claims", "figures")
+    monkeypatch.setattr(twice, "KINDS", {name: twice.KINDS[name] for name in names})
+
+
+def test_builds_are_compared_by_their_numbers(twice, few_kinds, written):
+    first = twice.files(written("one"))
+    shown, largest = twice.digits(first, twice.files(written("two", 1 + 1e-6)))
+    assert largest == pytest.approx(1e-6)
+    apart = [line.split()[-1] for line in shown.splitlines()[2:]]
+    assert apart == ["1.0e-06", "1.0e-06", "1.0e-06", "0.0e+00", "0.0e+00"]
+    same = [line.split()[-2] for line in shown.splitlines()[2:]]
+    assert same == ["0", "0", "0", "1", "1"]
+    assert twice.digits(first, first)[1] == 0.0
+
+
+def test_share_of_pixels_that_differ_is_told(twice, few_kinds, written):
+    first, second = (twice.files(written(str(rows), rows=rows)) for rows in (0, 3))
+    assert twice.digits(first, second)[1] == 3 / 30
+
+
+@pytest.mark.parametrize("change", [{"verdict": "no"}, {"model": "other"}, {"factor": np.nan}])
+def test_other_results_are_infinitely_apart(twice, few_kinds, written, change):
+    first, second = written("one"), written("two", **change)
+    assert twice.digits(*map(twice.files, (first, second)))[1] == math.inf
+
+
+def test_file_that_only_one_build_has_is_infinitely_far(twice, few_kinds, written):
+    first, second = written("one"), written("two")
+    (second / "claims.json").unlink()
+    assert twice.digits(*map(twice.files, (first, second)))[1] == math.inf
+
+
+@pytest.mark.parametrize(
+    ("arguments", "factor", "code"),
+    [
+        (["--smoke"], 1.0, 0),
+        (["--smoke"], 1 + 1e-9, 1),
+        (["--smoke", "--processors"], 1 + 1e-9, 0),
+        (["--smoke", "--processors"], 1.1, 1),
+    ],
+)
+def test_exit_code_says_whether_builds_agree(
+    twice, few_kinds, written, monkeypatch, arguments, factor, code
+):
+    begun = []
+
+    def build(folder, circumstances, *options):
+        assert options == ("--configfile", "config/smoke.yaml")
+        assert (folder / "Snakefile").exists()
+        if folder not in begun:
+            begun.append(folder)
+            found = written(f"build {len(begun)}", factor if len(begun) == 2 else 1.0)
+            shutil.copytree(found, folder / "results/smoke")
+
+    monkeypatch.setattr(twice, "build", build)
+    monkeypatch.setattr("sys.argv", ["twice.py", *arguments])
+    assert twice.main() == code
+    assert len(begun) == (3 if "--processors" in arguments else 2)

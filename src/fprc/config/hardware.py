@@ -1,11 +1,17 @@
 """The real rig: boards, sensors, limits. Read only with ``source: hardware``."""
 
+from pathlib import PurePath
 from typing import Annotated, Any
 
 from annotated_types import Ge, Le
 from pydantic import Field, field_validator, model_validator
 
 from fprc.config.section import Section, quantities, quantity, rising, within
+
+
+def none_for_null(value: Any) -> Any:
+    """Return None for the text null, which is what the command line gives."""
+    return None if value == "null" else value
 
 
 class Boards(Section):
@@ -32,6 +38,15 @@ class Boards(Section):
         "every user of the computer; empty: /run/lock, elsewhere the system's temporary folder",
     )
 
+    _null = field_validator("heartbeat_output", mode="before")(none_for_null)
+
+    @field_validator("lock_folder")
+    @classmethod
+    def _is_the_same_from_everywhere(cls, folder: str) -> str:
+        if folder and not PurePath(folder).is_absolute():
+            raise ValueError(f"{folder}: must be an absolute path, the same for every program")
+        return folder
+
     @model_validator(mode="after")
     def _channels_differ(self) -> "Boards":
         if len({self.p_exp_input, self.p_i_input, self.p_o_input}) < 3:
@@ -39,6 +54,11 @@ class Boards(Section):
         outputs = [self.main_output, self.reservoir_output, self.heartbeat_output]
         if len(set(outputs)) < 3:
             raise ValueError("two of the outputs share a channel; give each its own")
+        if self.input_device == self.output_device:
+            raise ValueError(
+                f"input_device and output_device are both {self.input_device}; give each board its "
+                "name in Contec's device utility"
+            )
         return self
 
 
@@ -46,7 +66,7 @@ class Transducer(Section):
     """Calibration of a pressure sensor: P = (V - zero_v) * gain_kpa_per_v."""
 
     zero_v: float = quantity(1, "V", (-10, 10), "output at 0 kPa gauge", "data sheet: 1-5 V")
-    gain_kpa_per_v: float = quantity(250, "kPa/V", (1, 1000), "gain", "data sheet: 0-1 MPa")
+    gain_kpa_per_v: float = quantity(250, "kPa/V", (50, 1000), "gain", "data sheet: 0-1 MPa")
 
 
 class AngleSensor(Section):
@@ -60,6 +80,13 @@ class AngleSensor(Section):
     offset_deg: float = quantity(0, "deg", (-180, 180), "added to the reading")
     gain: float = quantity(1, "-", (-10, 10), "the reading is multiplied by this first")
 
+    @field_validator("gain")
+    @classmethod
+    def _reads_something(cls, gain: float) -> float:
+        if abs(gain) < 0.1:
+            raise ValueError(f"{gain}: must be 0.1 or more, or -0.1 or less")
+        return gain
+
 
 #: The pressure loops open a valve to the supply by more voltage, so that less must vent; by at
 #: least this much, V, for the valve to be open by 40 % and beyond its dead zone.
@@ -69,10 +96,10 @@ VENT_MARGIN_V = 2.0
 class Valves(Section):
     """Voltages of the two proportional valves."""
 
-    neutral_v: float = quantity(5, "V", (3, 7), "closes the valve", "data sheet")
-    vent_v: float = quantity(0, "V", (0, 5), "opens the chamber to the room, fully", "data sheet")
+    neutral_v: float = quantity(5, "V", (4.5, 5.5), "closes the valve", "data sheet")
+    vent_v: float = quantity(0, "V", (0, 3), "opens the chamber to the room, fully", "data sheet")
     vented_kpa: float = quantity(
-        15, "kPa", (1, 50), "a chamber that reads no more is vented", "twice the sensor's 0.7 %"
+        15, "kPa", (1, 25), "a chamber that reads no more is vented", "twice the sensor's 0.7 %"
     )
     vent_s: float = quantity(5, "s", (0.1, 60), "time that a chamber is given to vent")
 
@@ -162,10 +189,28 @@ class Hardware(Section):
     limits: Limits = Limits()
     loop: Loop = Loop()
 
-    @field_validator("phi", mode="before")
-    @classmethod
-    def _null_on_the_command_line_is_none(cls, value: Any) -> Any:
-        return None if value == "null" else value
+    _null = field_validator("phi", mode="before")(none_for_null)
+
+    @model_validator(mode="after")
+    def _pressures_tell_a_fault(self) -> "Hardware":
+        problems = []
+        for name in ("p_exp", "p_i", "p_o"):
+            sensor, (low, high) = getattr(self, name), getattr(self.limits, f"{name}_kpa")
+            off, full = ((volts - sensor.zero_v) * sensor.gain_kpa_per_v for volts in (0.0, 5.0))
+            if off >= min(low, -self.valves.vented_kpa):
+                problems.append(
+                    f"{name}: without its cable, at 0 V, the sensor would read {off:g} kPa, which "
+                    f"passes for a pressure; check zero_v, gain_kpa_per_v and limits.{name}_kpa"
+                )
+            if full <= high:
+                problems.append(
+                    f"{name}: at its full 5 V the sensor would read {full:g} kPa, so that no "
+                    f"pressure exceeds {high:g}; check zero_v, gain_kpa_per_v and "
+                    f"limits.{name}_kpa"
+                )
+        if problems:
+            raise ValueError("; ".join(problems))
+        return self
 
     @model_validator(mode="after")
     def _sensors_differ(self) -> "Hardware":

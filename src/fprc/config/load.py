@@ -99,6 +99,8 @@ def _line(item: Mapping) -> str:
     defaults = {name: default for name, default, _, _ in fields(Settings())}
     if item["type"] == "extra_forbidden":
         return f"  {key}: unknown key; did you mean {_nearest(key, list(defaults))}?"
+    if item["type"] == "invalid_key":
+        return f"  {key}: unknown key; every key is a word, as seed"
     message = item["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
     where = f"{key} = {item['input']}: " if key and item["type"] != "value_error" else ""
     remedy = f"; remove the key for {defaults[key]!r}" if key in defaults else ""

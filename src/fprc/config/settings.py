@@ -236,7 +236,7 @@ class References(Section):
 class Gains(Section):
     """PD controller of the bending angle."""
 
-    kp_kpa_per_deg: float = quantity(0.5, "kPa/deg", (0, 50), "P gain", "paper, Sec. IV")
+    kp_kpa_per_deg: float = quantity(0.5, "kPa/deg", (1e-3, 50), "P gain", "paper, Sec. IV")
     kd_kpa_s_per_deg: float = quantity(0.005, "kPa s/deg", (0, 5), "D gain", "paper, Sec. IV")
 
 

@@ -15,7 +15,7 @@ from fprc.devices.pneumatics import (
     each,
     open_valves,
     quietly,
-    see_vented,
+    vent,
 )
 from fprc.devices.protocol import Readings
 from fprc.errors import DeviceError
@@ -32,8 +32,13 @@ class HardwareRig:
         Gives the time since the start of the run, s: the stamp of a reading.
     has_lock : bool
         Whether this process holds the locks of the boards already; see ``fprc.devices.locks``.
+    persist : callable
+        Asked when the rig is closed and the valves cannot be written for ``vent_s``: whether to
+        go on trying.
     open_bus : callable
         Gives the I2C bus of a number.
+    sleep, now : callable
+        A wait, and a clock that does not go back, s.
 
     Raises
     ------
@@ -47,13 +52,15 @@ class HardwareRig:
         elapsed: Callable[[], float],
         *,
         has_lock: bool = False,
+        persist: Callable[[], bool] = lambda: False,
         open_bus: Callable[[int], Any] = open_bus,
         sleep: Callable[[float], None] = time.sleep,
+        now: Callable[[], float] = time.monotonic,
     ):
         boards = hardware["boards"]
         self._voltages = hardware["valves"]
         self._elapsed = elapsed
-        self._sleep = sleep
+        self._venting = {"persist": persist, "sleep": sleep, "now": now}
         self._buses: dict[int, Any] = {}
         with contextlib.ExitStack() as opened:
             locks = opened.enter_context(contextlib.ExitStack())
@@ -122,21 +129,19 @@ class HardwareRig:
         self._valves.vent()
 
     def close(self) -> None:
-        """Vent, wait until a reading shows it, release; one failure never skips the next.
+        """Vent, wait until readings show it, release; one failure never skips the next.
 
         Raises
         ------
-        NotVentedError
-            No reading shows that both chambers are vented; says what was read.
         DeviceError
-            The driver or a sensor reports an error.
+            No reading shows that both chambers are vented; the driver or a sensor reports an
+            error.
         """
         sensors = [sensor.shutdown for sensor in (self._theta, self._phi) if sensor]
         buses = [bus.close for bus in self._buses.values()]
         with self._locks:
             each(
-                self._valves.let_out,
-                lambda: see_vented(self._inputs, self._voltages, self._sleep),
+                lambda: vent(self._valves, lambda: self._inputs, self._voltages, **self._venting),
                 self._valves.release,
                 self._inputs.close,
                 *sensors,

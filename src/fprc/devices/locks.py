@@ -1,27 +1,20 @@
 """One program at a time has a board: locks that hold over processes and users."""
 
 import contextlib
+import errno
 import getpass
 import os
 import sys
-import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from datetime import datetime
 from pathlib import Path
 
 from fprc.errors import DeviceError
+from fprc.escape import visible
 
-try:
-    import fcntl
-except ImportError:  # Windows
-    fcntl = None
-    import msvcrt
-
-#: Folder whose files every user may lock, where the system has it.
-_SHARED = Path("/run/lock")
-#: Windows locks bytes, and nobody can read those that are locked.
-_LOCKED_BYTE = 1 << 20
+#: Folders whose files every user may lock: the first that the system has.
+_SHARED = (Path("/run/lock"), Path("/tmp"))
 
 
 @contextmanager
@@ -45,7 +38,7 @@ def locked(boards: Sequence[str], folder: str = "") -> Iterator[list[int]]:
     DeviceError
         Names the process that has a board, or why it cannot be locked.
     """
-    place = Path(folder) if folder else _SHARED if _SHARED.is_dir() else Path(tempfile.gettempdir())
+    place = Path(folder) if folder else next(filter(Path.is_dir, _SHARED))
     with contextlib.ExitStack() as held:
         files = []
         for board in sorted(set(boards)):
@@ -67,41 +60,51 @@ def describe(files: Sequence[int], more: str) -> None:
     since = datetime.now().astimezone().isoformat(sep=" ", timespec="seconds")
     text = f"process {os.getpid()}{more} of {_user()}, since {since}: {command}\n"
     for file in files:
-        os.truncate(file, 0)
-        os.lseek(file, 0, os.SEEK_SET)
-        os.write(file, text.encode(errors="replace"))
+        with contextlib.suppress(OSError):  # on a full disk the lock holds all the same
+            os.truncate(file, 0)
+            os.lseek(file, 0, os.SEEK_SET)
+            os.write(file, text.encode(errors="replace"))
 
 
 def _lock(board: str, path: Path) -> int:
     try:
+        import fcntl
+
         file = _open(path)
-    except OSError as error:
+    except ImportError as error:
         raise DeviceError(
-            f"board {board}: its lock {path} cannot be opened ({error.strerror}), so that another "
-            "program could use the board too; make the file writable for all, or set "
-            "hardware.boards.lock_folder"
+            "boards are locked on Linux alone, so that no other program moves a valve meanwhile; "
+            "run the real rig on Linux"
         ) from error
+    except OSError as error:
+        raise _not_locked(board, path, error) from error
     try:
-        if fcntl:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        else:
-            os.lseek(file, _LOCKED_BYTE, os.SEEK_SET)
-            msvcrt.locking(file, msvcrt.LK_NBLCK, 1)
-    except OSError:
-        os.lseek(file, 0, os.SEEK_SET)
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
         holder = os.read(file, 1000).decode(errors="replace").strip()
-        holder = "".join(c if c.isprintable() else "?" for c in holder)
         os.close(file)
+        if error.errno not in (errno.EWOULDBLOCK, errno.EACCES):
+            raise _not_locked(board, path, error) from error
         raise DeviceError(
-            f"board {board} is in use by {holder or 'another process'}; nothing was moved. "
-            f"Wait for its end, or stop it ({path})"
+            f"board {board} is in use by {visible(holder) or 'another process'}; nothing was "
+            f"moved. Wait for its end, or stop it; to delete {path} does not free the board"
         ) from None
     return file
 
 
+def _not_locked(board: str, path: Path, error: OSError) -> DeviceError:
+    remedy = "make the file writable for all"
+    if isinstance(error, FileNotFoundError):
+        remedy = f"there is no folder {path.parent}: make it"
+    return DeviceError(
+        f"board {board}: {path} cannot be locked ({error.strerror}), so that another program could "
+        f"use the board too; {remedy}, or set hardware.boards.lock_folder"
+    )
+
+
 def _open(path: Path) -> int:
     """Open a lock, or make it, for every user to write; a link is not followed."""
-    flags = os.O_RDWR | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_CLOEXEC", 0)
+    flags = os.O_RDWR | os.O_NOFOLLOW | os.O_CLOEXEC
     # a system may refuse O_CREAT for another user's file in a folder that all can write to
     with contextlib.suppress(FileNotFoundError):
         return os.open(path, flags)
@@ -109,7 +112,7 @@ def _open(path: Path) -> int:
         file = os.open(path, flags | os.O_CREAT | os.O_EXCL, 0o666)
     except FileExistsError:  # another process was faster
         return os.open(path, flags)
-    os.chmod(file if os.chmod in os.supports_fd else path, 0o666)  # whatever the umask
+    os.fchmod(file, 0o666)  # whatever the umask
     return file
 
 

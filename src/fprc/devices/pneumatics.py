@@ -10,8 +10,10 @@ from fprc.errors import DeviceError
 
 #: The two voltages of the heartbeat, which a watchdog relay counts.
 _HEARTBEAT_V = (0.0, 5.0)
-#: Time between two readings of a chamber that vents, s.
+#: Time between two looks at a chamber that vents, s.
 _LOOK_S = 0.02
+#: So many readings in a row must be those of a vented chamber.
+_IN_A_ROW = 10
 
 
 class NotVentedError(DeviceError):
@@ -23,17 +25,18 @@ class Valves:
 
     Parameters
     ----------
-    boards, voltages : Mapping
-        As in ``fprc.config.hardware``: ``boards`` and ``valves``.
+    hardware : Mapping
+        As in ``fprc.config.hardware.Hardware``.
     """
 
-    def __init__(self, board: AnalogOutput, boards: Mapping[str, Any], voltages: Mapping[str, Any]):
+    def __init__(self, board: AnalogOutput, hardware: Mapping[str, Any]):
+        boards = hardware["boards"]
         self._board = board
         self._main = boards["main_output"]
         self._reservoir = boards["reservoir_output"]
         self._heartbeat = boards["heartbeat_output"]
         self._beats = 0
-        self._voltages = voltages
+        self._voltages = hardware["valves"]
 
     def write(self, main_v: float, reservoir_v: float) -> None:
         """Hold these voltages; if both valves have them, the heart beats.
@@ -124,68 +127,94 @@ def board_names(boards: Mapping[str, Any]) -> list[str]:
 
 
 def vent(
-    hardware: Mapping[str, Any],
+    valves: Valves,
+    open_inputs: Callable[[], Pressures],
+    voltages: Mapping[str, Any],
     *,
-    written: Callable[[], None] = lambda: None,
+    told: Callable[[str], None] = lambda what: None,
+    persist: Callable[[], bool] = lambda: False,
     sleep: Callable[[float], None] = time.sleep,
+    now: Callable[[], float] = time.monotonic,
 ) -> None:
-    """Vent both chambers over a connection of its own, and wait until a reading shows it.
+    """Tell both valves to vent, again and again, until readings show that both chambers did.
 
-    The caller holds the locks of the boards, or does without: another process may have left the
-    valves open.
+    A chamber is vented when its sensor has read ``vented_kpa`` or less ten times in a row, and
+    is not frozen: its reading has changed since the beginning. The valves are told anew before
+    each reading: a board may fail for a moment.
 
     Parameters
     ----------
-    written : callable
-        Called once the valves were told to vent, before anything is read.
+    open_inputs : callable
+        Gives the input board; called again after it raised DeviceError.
+    told : callable
+        Given why the valves could not be told; empty once they were.
+    persist : callable
+        Asked, after ``vent_s`` in which the valves could not be told, whether to go on.
 
     Raises
     ------
     NotVentedError
-        The valves were told to vent, and no reading shows that the chambers did.
+        The valves were told to vent for ``vent_s``, and no reading shows that the chambers did.
     DeviceError
         The valves could not be told.
     """
-    valves = open_valves(hardware, reset=False)
-    written()
-    try:
-        with contextlib.ExitStack() as opened:
-            try:
-                inputs = Pressures(hardware)
-            except DeviceError as error:
-                raise not_vented(f"no pressure can be read ({error})") from error
-            opened.callback(quietly, inputs.close)
-            see_vented(inputs, hardware["valves"], sleep)
-    finally:
-        quietly(valves.close)
-
-
-def see_vented(
-    inputs: Pressures, voltages: Mapping[str, Any], sleep: Callable[[float], None]
-) -> None:
-    """Wait until both chambers read vented; a reading that fails is taken again.
-
-    Raises
-    ------
-    NotVentedError
-        They do not after ``vent_s``; says what was read last.
-    """
-    limit_kpa, vent_s = voltages["vented_kpa"], voltages["vent_s"]
-    for _ in range(1 + round(vent_s / _LOOK_S)):
+    began_s, written_s = now(), None
+    looks = _Looks(voltages["vented_kpa"])
+    while True:
+        failed = ""
         try:
-            p_exp, p_i, _ = inputs.read()
+            valves.let_out()
         except DeviceError as error:
-            seen = f"no pressure can be read ({error})"
+            failed = f"{error}; "
+            told(str(error))
+            if written_s is None and now() - began_s > voltages["vent_s"] and not persist():
+                raise
         else:
-            # a sensor without a cable reads far below 0
-            if abs(p_exp) <= limit_kpa and abs(p_i) <= limit_kpa:
+            told("")
+            written_s = now() if written_s is None else written_s
+        seen = looks.look(open_inputs)
+        if written_s is not None:
+            if looks.vented:
                 return
-            seen = (
-                f"after {vent_s:g} s p_exp_kpa = {p_exp:.1f} and p_i_kpa = {p_i:.1f}, where "
-                f"{limit_kpa:g} or less is vented (hardware.valves.vented_kpa)"
-            )
+            if now() - written_s > voltages["vent_s"]:
+                raise not_vented(f"after {voltages['vent_s']:g} s {failed}{seen}")
         sleep(_LOOK_S)
-    raise not_vented(seen)
+
+
+class _Looks:
+    """Readings of both chambers, one after the other."""
+
+    def __init__(self, limit_kpa: float):
+        self._limit_kpa = limit_kpa
+        self._first: list[float] = []
+        self._changed = [False, False]
+        self._in_a_row = 0
+
+    @property
+    def vented(self) -> bool:
+        return self._in_a_row >= _IN_A_ROW and all(self._changed)
+
+    def look(self, open_inputs: Callable[[], Pressures]) -> str:
+        """Read once more; return what was seen."""
+        try:
+            kpa = open_inputs().read()[:2]
+        except DeviceError as error:
+            self._in_a_row = 0
+            return f"no pressure can be read ({error})"
+        self._first = self._first or kpa
+        self._changed = [
+            moved or a != b for moved, a, b in zip(self._changed, self._first, kpa, strict=True)
+        ]
+        # a sensor without a cable reads far below 0
+        within = all(abs(value) <= self._limit_kpa for value in kpa)
+        self._in_a_row = self._in_a_row + 1 if within else 0
+        names = ("p_exp_kpa", "p_i_kpa")
+        frozen = [name for name, moved in zip(names, self._changed, strict=True) if not moved]
+        return (
+            " and ".join(f"{name} = {value:.1f}" for name, value in zip(names, kpa, strict=True))
+            + f", where {self._limit_kpa:g} or less is vented (hardware.valves.vented_kpa)"
+            + (f"; {' and '.join(frozen)} never changed, a frozen sensor" if frozen else "")
+        )
 
 
 def not_vented(why: str) -> NotVentedError:
@@ -197,30 +226,60 @@ def not_vented(why: str) -> NotVentedError:
     )
 
 
-def open_valves(hardware: Mapping[str, Any], *, reset: bool = True) -> Valves:
-    """Open the output board and vent both chambers.
+def vent_from_outside(hardware: Mapping[str, Any], told: Callable[[str], None]) -> None:
+    """Vent both chambers over connections of its own, whatever another process left them at.
 
-    A closed valve leaks: a chamber that is left behind it fills slowly.
+    The caller holds the locks of the boards.
 
     Parameters
     ----------
-    reset : bool
-        See ``AnalogOutput``.
+    told : callable
+        See ``vent``.
+
+    Raises
+    ------
+    NotVentedError
+        See ``vent``.
+    DeviceError
+        The output board cannot be opened, or the valves cannot be told.
+    """
+    opened: list[Pressures] = []
+
+    def open_inputs() -> Pressures:
+        if not opened:
+            opened.append(Pressures(hardware))
+        return opened[0]
+
+    valves = Valves(_output_board(hardware, reset=False), hardware)
+    try:
+        vent(valves, open_inputs, hardware["valves"], told=told)
+    finally:
+        for part in (valves, *opened):
+            quietly(part.close)
+
+
+def open_valves(hardware: Mapping[str, Any]) -> Valves:
+    """Open the output board in its power-on state and vent both chambers.
+
+    A closed valve leaks: a chamber that is left behind it fills slowly.
 
     Raises
     ------
     DeviceError
         The driver or the board cannot be opened.
     """
-    boards = hardware["boards"]
-    board = AnalogOutput(load_library(boards["library"]), boards["output_device"], reset=reset)
-    valves = Valves(board, boards, hardware["valves"])
+    valves = Valves(_output_board(hardware, reset=True), hardware)
     try:
         valves.let_out()
     except DeviceError:
         quietly(valves.close)  # which tries once more
         raise
     return valves
+
+
+def _output_board(hardware: Mapping[str, Any], *, reset: bool) -> AnalogOutput:
+    boards = hardware["boards"]
+    return AnalogOutput(load_library(boards["library"]), boards["output_device"], reset=reset)
 
 
 def _later(call: Callable[..., None], *arguments) -> Callable[[], None]:

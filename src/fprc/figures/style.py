@@ -1,5 +1,6 @@
 """One look for every figure: journal widths, colours, saving."""
 
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -131,6 +132,8 @@ def _write(fig: Figure, data: Mapping[str, object], files: Mapping[str, Mapping]
     mark = "simulated rigs" if "seeds" in data else _MARKS[data["source"]].format_map(data)
     fig.supxlabel(mark, x=0.99, ha="right", fontsize=5.5, color="0.45")
     for path, metadata in files.items():
-        with replacing(Path(path)) as temporary:
+        with replacing(Path(path)) as temporary, warnings.catch_warnings():
+            # a column's name in letters that the font lacks is drawn as boxes
+            warnings.filterwarnings("ignore", "Glyph .* missing from font")
             fig.savefig(temporary, metadata=metadata)
     plt.close(fig)

@@ -176,14 +176,14 @@ def refuse_length(source: Source, time: Mapping[str, Any], clock: Clock, rate_hz
     duration_s = float(since_s[-1] - since_s[0])
     where = f"{source.path}: time: {time.get('column') or 'rate_hz'}"
     with np.errstate(all="ignore"):
-        points = points_of(since_s, rate_hz)
+        points = points_of(since_s, rate_hz) if duration_s <= LONGEST_S else duration_s * rate_hz
         remedy = _remedy(source, time, clock)
     if duration_s * rate_hz < 1.0:
         raise LogError(
             f"{where}: {duration_s:.4g} s are less than a sample at sample_rate_hz = {rate_hz:g}; "
             f"cut less off{remedy}"
         )
-    if not (duration_s <= LONGEST_S and points <= MOST_POINTS):
+    if duration_s > LONGEST_S or points > MOST_POINTS:
         raise LogError(
             f"{where}: {duration_s:.4g} s, resampled to sample_rate_hz = {rate_hz:g}, take "
             f"{points:.2g} samples; at most {LONGEST_S:g} s and {MOST_POINTS:.2g} samples are "

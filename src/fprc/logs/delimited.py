@@ -175,15 +175,16 @@ def _separator_of(text: _Text, header_line: int | None, data_line: int | None) -
     header into the most fields.
     """
 
-    def score(mark: str) -> tuple[bool, float, int]:
+    def score(mark: str) -> tuple[bool, float, float]:
         try:
             header, below = _parts(text, mark, header_line, data_line)
             rows = [_fit(row.fields, header.fields) for row in islice(below, _TRIED)]
-        except LogError:
-            return (False, 0.0, 0)
+        except LogError:  # a quotation mark at a field's begin: this one may well be meant
+            return (False, 0.0, np.inf)
         width = len(header.fields) - (not header.fields[-1].strip())
         fields = [field for row in rows for field in row or ()]
-        known = [_value(field if mark == "," else _pointed(field)) for field in fields]
+        plain = mark == "," or width == 1
+        known = [_value(field if plain else _pointed(field)) for field in fields]
         numbers = 1.0 - known.count(None) / max(len(known), 1)
         # one column is one only if it holds numbers: else it is many by another separator
         fits = None not in rows and (width > 1 or numbers == 1.0)
@@ -246,11 +247,13 @@ def _pointed(text: str) -> str:
 
 def _numbers(texts: list[str], decimal: str | None) -> tuple[np.ndarray, int | None]:
     """Return the numbers of a column, and the first row that holds none."""
+    bad = []
     for mark in [decimal] if decimal else [".", ","]:
         values = _decimals(texts, mark, sure=decimal is not None)
         if None not in values:
             return np.array(values), None
-    return np.array([]), values.index(None)
+        bad.append(values.index(None))
+    return np.array([]), max(bad)  # by the mark that reads the most
 
 
 def _decimals(texts: list[str], mark: str, *, sure: bool) -> list[float | None]:

@@ -120,7 +120,7 @@ def _channel(time_s: np.ndarray, values: np.ndarray, clock: Mapping[str, Any]) -
 def _step(values: np.ndarray) -> float | None:
     """Return the resolution, if most changes are by one or two steps of it."""
     changes = np.abs(np.diff(values))
-    changes = changes[changes > 0.0]
+    changes = changes[changes > 1e-12 * np.ptp(values)]  # less is rounding
     if len(changes) < 10 or len(changes) > 0.9 * (len(values) - 1):
         return None  # constant, or new values nearly always: rounding does no harm
     smallest = np.median(changes[changes < 1.5 * changes.min()])

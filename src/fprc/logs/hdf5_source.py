@@ -14,7 +14,7 @@ from fprc.logs.matlab import EMPTY, OBJECT, SPARSE, elements
 from fprc.logs.variables import MOST_NUMBERS, Source, sorted_out
 
 #: Most datasets and links; the library takes 0.2 ms for each.
-MOST_OBJECTS = 20_000
+MOST_OBJECTS = 10_000
 #: MATLAB's classes of numbers.
 _NUMBERS = {"double", "single", "logical"} | {
     f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)

@@ -12,6 +12,7 @@ back an old page after a power cut).
 import errno
 import json
 import os
+import reprlib
 import struct
 import threading
 import zlib
@@ -23,8 +24,9 @@ from typing import Any, Self
 import numpy as np
 
 from fprc.errors import LogError
+from fprc.logs.attributes import wrong_kinds
 from fprc.logs.columns import unit_of
-from fprc.logs.raw import RAW_ATTRIBUTES, missing_channels
+from fprc.logs.raw import RAW_ATTRIBUTES, SOURCES, missing_channels
 
 #: Begins a journal; the digit is the version of the format.
 MAGIC = b"\x89FPRCJ1\n"
@@ -96,7 +98,7 @@ class Journal:
             missing. All that is wrong with names and attributes is said at once.
         """
         path = Path(path)
-        _refuse_description(path, names, attributes)
+        refuse_description(path, names, attributes)
         started = {"started": datetime.now(UTC).isoformat(timespec="microseconds")}
         header = _block(MAGIC, started | dict(attributes) | {"names": list(names)})
         file = _open_new(path)
@@ -229,8 +231,24 @@ class Journal:
             on_disk = samples
 
 
-def _refuse_description(path: Path, names: Sequence[str], attributes: Mapping[str, Any]) -> None:
-    problems = []
+def refuse_description(path: Path, names: Sequence[str], attributes: Mapping[str, Any]) -> None:
+    """Check what a header says of a run.
+
+    Raises
+    ------
+    LogError
+        Lists channels and attributes that are missing, repeated or not of their kind.
+    """
+    if not (isinstance(names, Sequence) and all(isinstance(name, str) for name in names)):
+        raise LogError(f"{path}: names = {reprlib.repr(names)}: must be the channels' names")
+    problems = [f"{path}: attribute {text}" for text in wrong_kinds(attributes)]
+    if attributes.get("source", "rig") not in SOURCES:
+        problems.append(
+            f"{path}: attribute source = {attributes['source']}: must be one of "
+            f"{', '.join(SOURCES)}"
+        )
+    if problems:  # what must be there depends on them
+        raise LogError("\n".join(problems))
     if path.suffix != ".journal":
         problems.append(f"{path}: a journal's name ends in .journal")
     for name in names:

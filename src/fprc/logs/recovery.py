@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fprc.errors import LogError
-from fprc.logs.journal import END, MAGIC, UINT32, seed_of
+from fprc.logs.journal import END, MAGIC, UINT32, refuse_description, seed_of
 from fprc.logs.raw import write_raw
 
 
@@ -63,7 +63,8 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
     Raises
     ------
     LogError
-        The file cannot be opened, is no journal, or both copies of its header are damaged.
+        The file cannot be opened, is no journal, or both copies of its header are damaged; the
+        header lacks something, or something in it is not of its kind.
     """
     path = Path(path)
     try:
@@ -74,7 +75,8 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
     if header is None:
         raise LogError(_no_header(path, data))
     attributes = header.content
-    names = attributes.pop("names")
+    names = attributes.pop("names", None)
+    refuse_description(path, names, attributes)
     # of two copies, the one that begins the file is the first
     start = header.at + (2 if header.at == 0 else 1) * len(header.raw)
     seed = seed_of(header.raw)
@@ -101,8 +103,12 @@ def _find(data: bytes, marker: bytes, start: int, seed: int = 0) -> _Block | Non
             if crc_at + UINT32.size <= len(data):
                 (crc,) = UINT32.unpack_from(data, crc_at)
                 if zlib.crc32(data[at:crc_at], seed) == crc:
-                    content = json.loads(data[text_at:crc_at])
-                    return _Block(content, at, data[at : crc_at + UINT32.size])
+                    try:
+                        content = json.loads(data[text_at:crc_at])
+                    except (ValueError, RecursionError):
+                        content = None
+                    if isinstance(content, dict):
+                        return _Block(content, at, data[at : crc_at + UINT32.size])
         at = data.find(marker, at + 1)
     return None
 

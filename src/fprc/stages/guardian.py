@@ -19,8 +19,8 @@ from contextlib import contextmanager, suppress
 from typing import Any
 
 from fprc.devices.locks import describe, locked
-from fprc.devices.pneumatics import NotVentedError, board_names, not_vented, vent
-from fprc.errors import ControlError, DeviceError
+from fprc.devices.pneumatics import NotVentedError, board_names, not_vented, vent_from_outside
+from fprc.errors import ControlError
 
 log = logging.getLogger("fprc.rig")
 
@@ -28,8 +28,11 @@ log = logging.getLogger("fprc.rig")
 HOT, ALIVE, SAFE = b"H", b".", b"S"
 #: Time between two signs of life of this process, s.
 BEAT_S = 0.05
-#: Time between two attempts to vent, and between two messages about them, s.
-_RETRY_S, _SAY_S = 0.1, 1.0
+#: Time between two attempts to vent, between two messages about them, and between two looks at
+#: what came of them, s.
+_RETRY_S, _SAY_S, _LOOK_S = 0.1, 1.0, 0.02
+#: So many signals end a process that does not stop at the first; then this one vents.
+_INSISTS = 3
 
 _VENTED = "both chambers are vented, as their sensors show"
 _NOT_VENTED = "THE CHAMBERS COULD NOT BE VENTED, cut the supply and open them by hand"
@@ -41,7 +44,7 @@ def guard(request: Mapping[str, Any], hardware: Mapping[str, Any]) -> None:
     Raises
     ------
     DeviceError
-        Another process has the boards; nothing was started.
+        Another process has the boards, or this is not Linux; nothing was started.
     ControlError
         The process failed, was killed or fell silent; says whether the chambers are vented.
     """
@@ -59,7 +62,7 @@ def _guard(request: Mapping[str, Any], hardware: Mapping[str, Any], locks: Seque
         stdin=pipe,
         stdout=pipe,
         start_new_session=True,
-        pass_fds=locks if os.name == "posix" else (),
+        pass_fds=locks,
     )
     describe(locks, f" (drives the rig by process {process.pid})")
     signs: queue.SimpleQueue[bytes] = queue.SimpleQueue()
@@ -74,17 +77,23 @@ def _guard(request: Mapping[str, Any], hardware: Mapping[str, Any], locks: Seque
         # at once: a killed process has left the valves as they were
         vented = "" if end == "safe" else _vent(hardware, heard)
         code = _wait(process, heard)
-        if end == "silent" and code is not None:
+        if code is None:
+            raise ControlError(
+                f"process {process.pid}, which drives the rig, does not end: IT MAY STILL OPEN A "
+                "VALVE. Cut the supply and open the chambers by hand, then restart the computer"
+            )
+        if end == "silent":
             # its last call to the driver may have ended after ours
             vented = _vent(hardware, heard)
     if end != "safe":
         how = "fell silent and was ended" if end == "silent" else f"ended with code {code}"
+        kept = ". What it recorded is in the journal beside the log: fprc log repair"
         raise ControlError(
-            f"the process that drives the rig {how} in the middle of a run; {vented}. What it "
-            "recorded is in the journal beside the log: fprc log repair"
+            f"the process that drives the rig {how} in the middle of a run; {vented}"
+            + (kept if request["what"] == "run" else "")
         )
     if code:
-        raise ControlError("the rig did not do what was asked; see above")
+        raise ControlError(f"the rig did not do what was asked (exit code {code}); see above")
 
 
 def _listen(process: subprocess.Popen, signs: queue.SimpleQueue) -> None:
@@ -96,8 +105,7 @@ def _listen(process: subprocess.Popen, signs: queue.SimpleQueue) -> None:
 def _beating(process: subprocess.Popen) -> Callable[[], None]:
     """Return what gives the process a sign of life, and never waits for it."""
     pipe = process.stdin.fileno()
-    with suppress(OSError, AttributeError):  # Windows, before Python 3.12
-        os.set_blocking(pipe, False)
+    os.set_blocking(pipe, False)
 
     def beat() -> None:
         with suppress(BrokenPipeError, BlockingIOError):
@@ -132,57 +140,78 @@ def _watch(signs: queue.SimpleQueue, beat: Callable[[], None], stalled_s: float)
 def _vent(hardware: Mapping[str, Any], heard: Sequence[int]) -> str:
     """Vent until the valves were told to, or a person gives up; say what came of it.
 
-    A call of the driver may never return: attempts are made in a thread, so that this one can
-    say every second what stands, and hear a person.
+    A call of the driver may never return, and a terminal that is held takes no messages:
+    attempts are made in a thread that says nothing, and this one says every second what stands.
     """
-    before, began_s = len(heard), time.monotonic()
-    outcome: queue.SimpleQueue[str] = queue.SimpleQueue()
-    last, written, given_up = ["the driver has not answered yet"], [], threading.Event()
-
-    def attempts() -> None:
-        while not given_up.is_set():
-            try:
-                vent(hardware, written=lambda: written.append(time.monotonic()))
-            except NotVentedError as error:
-                outcome.put(str(error))
-                return
-            except DeviceError as error:
-                if str(error) != last[0]:
-                    log.error("%s (%s)", _NOT_VENTED, error)
-                last[0] = str(error)
-                given_up.wait(_RETRY_S)
-            else:
-                outcome.put(_VENTED)
-                return
-
-    threading.Thread(target=attempts, daemon=True).start()
+    before, began_s = heard.count(signal.SIGINT), time.monotonic()
+    attempts = _Attempts(hardware)
+    attempts.start()
+    said_s, said = began_s, ""
     while True:
-        try:
-            return outcome.get(timeout=_SAY_S)
-        except queue.Empty:
-            now_s = time.monotonic()
-            if written and now_s - written[0] > hardware["valves"]["vent_s"] + _SAY_S:
-                return str(not_vented("no pressure can be read: the driver does not answer"))
-            if len(heard) > before:
-                given_up.set()
-                return f"{_NOT_VENTED} ({last[0]})"
-            stands = "the valves were told to vent" if written else last[0]
+        with suppress(queue.Empty):
+            return attempts.outcome.get(timeout=_LOOK_S)
+        now_s, stands = time.monotonic(), attempts.stands
+        since_s = attempts.written_s
+        if since_s and now_s - since_s > 2.0 * hardware["valves"]["vent_s"] + _SAY_S:
+            return str(not_vented("no pressure can be read: the driver does not answer"))
+        if heard.count(signal.SIGINT) > before:
+            attempts.given_up.set()
+            if since_s:
+                return str(not_vented("a person ended the waiting for the pressures"))
+            return f"{_NOT_VENTED} ({stands})"
+        if (stands and not said) or now_s - said_s > _SAY_S:
+            said_s, said = now_s, stands
             log.error(
-                "the chambers are not known to be vented after %.0f s (%s); cut the supply by "
-                "hand. Ctrl-C gives up",
+                "%s after %.1f s (%s). It is tried again and again; Ctrl-C gives up",
+                "the valves were told to vent, and no reading shows yet that they did"
+                if since_s
+                else _NOT_VENTED,
                 now_s - began_s,
-                stands,
+                stands or "the driver has not answered yet",
             )
+
+
+class _Attempts(threading.Thread):
+    """Attempts to vent, one after the other."""
+
+    def __init__(self, hardware: Mapping[str, Any]):
+        super().__init__(daemon=True)
+        self.outcome: queue.SimpleQueue[str] = queue.SimpleQueue()
+        self.given_up = threading.Event()
+        self.stands = ""  # why the valves could not be told
+        self.written_s = 0.0  # when they were
+        self._hardware = hardware
+
+    def run(self) -> None:
+        """Vent, and put what came of it into ``outcome``."""
+        while not self.given_up.is_set():
+            try:
+                vent_from_outside(self._hardware, self._told)
+            except NotVentedError as error:
+                self.outcome.put(str(error))
+            except Exception as error:  # whatever a driver raises: the next attempt may succeed
+                self._told(f"{type(error).__name__}: {error}")
+                self.given_up.wait(_RETRY_S)
+                continue
+            else:
+                self.outcome.put(_VENTED)
+            return
+
+    def _told(self, why: str) -> None:
+        if why:
+            self.stands = why
+        elif not self.written_s:
+            self.written_s = time.monotonic()
 
 
 def _wait(process: subprocess.Popen, heard: Sequence[int]) -> int | None:
     """Wait for the end of a process and return its exit code; None if a person gave up."""
-    before = len(heard)
+    before = heard.count(signal.SIGINT)
     while True:
         try:
             code = process.wait(timeout=_SAY_S)
         except subprocess.TimeoutExpired:
-            if len(heard) > before:
+            if heard.count(signal.SIGINT) > before:
                 return None
             log.error(
                 "process %d has not ended: it may be in a call of the driver that does not "
@@ -202,10 +231,10 @@ def _handing_on_signals(process: subprocess.Popen) -> Iterator[list[int]]:
 
     def hand_on(number: int, frame: Any) -> None:
         received.append(number)
-        process.send_signal(signal.SIGTERM)
+        process.send_signal(signal.SIGKILL if len(received) >= _INSISTS else signal.SIGTERM)
 
-    names = ("SIGINT", "SIGTERM", "SIGHUP")
-    before = {number: signal.getsignal(number) for name in names if (number := _number(name))}
+    names = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    before = {number: signal.getsignal(number) for number in names}
     heard = [number for number, handler in before.items() if handler != signal.SIG_IGN]  # nohup
     for number in heard:
         signal.signal(number, hand_on)
@@ -214,7 +243,3 @@ def _handing_on_signals(process: subprocess.Popen) -> Iterator[list[int]]:
     finally:
         for number in heard:
             signal.signal(number, before[number])
-
-
-def _number(name: str) -> int | None:
-    return getattr(signal, name, None)  # Windows has no SIGHUP

@@ -8,6 +8,7 @@ once a reading shows that the rig is vented, and it is released.
 
 import json
 import logging
+import os
 import sys
 from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
@@ -22,7 +23,7 @@ from fprc.logs.recovery import recover
 from fprc.stages.check_rig import check_rig
 from fprc.stages.experiments import plan
 from fprc.stages.guardian import ALIVE
-from fprc.stages.rig_session import Stop, loops, rig, sign
+from fprc.stages.rig_session import Stop, keep_signs_apart, loops, rig, sign
 
 log = logging.getLogger("fprc.rig")
 
@@ -32,7 +33,8 @@ _READ_ONLY = 0o444
 def main() -> int:
     """Do what the request says; return the exit code."""
     logging.basicConfig(level=logging.INFO, format="[rig] %(message)s")
-    request = json.loads(sys.stdin.buffer.readline())
+    request = json.loads(_line())
+    keep_signs_apart()
     stop = Stop(request["settings"]["hardware"]["loop"]["stalled_s"])
     try:
         if request["what"] == "check":
@@ -42,6 +44,14 @@ def main() -> int:
         log.error("error: %s", error)
         return 1
     return 0
+
+
+def _line() -> bytes:
+    """Return a line of the standard input and not a byte more: what follows are signs."""
+    line = b""
+    while not line.endswith(b"\n") and (byte := os.read(0, 1)):
+        line += byte
+    return line
 
 
 def record(

@@ -3,11 +3,10 @@
 import logging
 import os
 import signal
-import sys
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from typing import Any
 
 from fprc.control import PressurePI
@@ -38,12 +37,22 @@ def rig(hardware: Mapping[str, Any], period_s: float) -> Iterator[tuple[Guarded,
     clock = Metronome(
         period_s, overruns_in_a_row=limits["overruns_in_a_row"], spin_s=hardware["loop"]["spin_s"]
     )
-    # the guardian holds the locks of the boards, and this process has inherited them
-    opened = HardwareRig(hardware, clock.elapsed, has_lock=True, sleep=_wait)
     for line in be_punctual(hardware["loop"]["priority"]):
         log.info("%s", line)
+    sign(HOT)  # before the boards are opened: a call that hangs is then noticed
+    try:
+        opened = HardwareRig(
+            hardware,
+            clock.elapsed,
+            has_lock=True,  # the guardian's, which this process has inherited
+            persist=_is_alone,
+            sleep=_wait,
+            now=_now,
+        )
+    except DeviceError:
+        sign(SAFE)  # nothing was moved
+        raise
     with _closing(opened):
-        sign(HOT)
         yield Guarded(opened, limits, period_s, phi=bool(hardware["phi"])), clock
 
 
@@ -80,15 +89,50 @@ def loops(control: Mapping[str, Any], neutral_v: float) -> dict[str, PressurePI]
     }
 
 
-def sign(what: bytes) -> None:
-    """Tell the guardian; if it is gone, ``Stop`` knows."""
-    with suppress(BrokenPipeError):
-        os.write(sys.stdout.fileno(), what)
+#: Where signs to the guardian go, and where its own come from.
+_pipes = {"out": 1, "in": 0}
+
+
+def keep_signs_apart() -> None:
+    """Keep the pipes of the guardian for signs: what a library prints goes to the terminal."""
+    _pipes.update(out=os.dup(1), **{"in": os.dup(0)})
+    os.dup2(2, 1)
+    with open(os.devnull, "rb") as nothing:
+        os.dup2(nothing.fileno(), 0)
+
+
+def sign(what: bytes) -> bool:
+    """Tell the guardian; return whether it is there. If it is not, ``Stop`` knows."""
+    try:
+        os.write(_pipes["out"], what)
+    except BrokenPipeError:
+        return False
+    return True
+
+
+def _is_alone() -> bool:
+    """Return whether nobody else would vent: the guardian is gone."""
+    if sign(ALIVE):
+        return False
+    if _now() - _told_s[0] > 1.0:
+        _told_s[0] = _now()
+        log.error(
+            "THE CHAMBERS COULD NOT BE VENTED, and the watching process is gone; cut the supply "
+            "and open them by hand. It is tried again and again"
+        )
+    return True
+
+
+_told_s = [0.0]
+
+
+def _now() -> float:
+    return time.monotonic()
 
 
 def _boottime() -> float:
-    """Return a clock that goes on while the computer is suspended, where the system has one."""
-    return time.clock_gettime(getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC))
+    """Return a clock that goes on while the computer is suspended."""
+    return time.clock_gettime(time.CLOCK_BOOTTIME)
 
 
 class Stop:
@@ -114,7 +158,7 @@ class Stop:
         self._monotonic, self._boottime = monotonic, boottime
         self._suspended_s = boottime() - monotonic()
         self._heard_s = monotonic()
-        for number in (signal.SIGINT, signal.SIGTERM):
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, self._signalled)
         threading.Thread(target=self._listen, daemon=True).start()
 
@@ -138,7 +182,6 @@ class Stop:
         self._reason = self._reason or f"stopped by {signal.Signals(number).name}"
 
     def _listen(self) -> None:
-        # without the buffer of sys.stdin, whose lock the end of the process would wait for
-        while os.read(sys.stdin.fileno(), 64):
+        while os.read(_pipes["in"], 64):
             self._heard_s = self._monotonic()
         self._reason = self._reason or "the process that watches this one is gone"

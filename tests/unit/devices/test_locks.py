@@ -1,3 +1,4 @@
+import errno
 import os
 import subprocess
 import sys
@@ -40,7 +41,7 @@ def test_what_is_known_of_the_holder_is_shown_without_control_characters(tmp_pat
             locked(["AIO000"], str(tmp_path)),
         ):
             pass
-    assert f"process {os.getpid()} ?[31m(drives the rig) of user" in str(caught.value)
+    assert f"process {os.getpid()} \\x1b[31m(drives the rig) of user" in str(caught.value)
 
 
 def test_lock_ends_with_the_process_that_held_it(tmp_path):
@@ -78,7 +79,7 @@ def test_lock_can_be_written_by_every_user_whatever_the_umask(tmp_path):
 def test_lock_that_cannot_be_opened_is_no_leave_to_go_on(tmp_path):
     (tmp_path / "fprc-AIO000.lock").symlink_to(tmp_path / "elsewhere")
     with (
-        pytest.raises(DeviceError, match=r"fprc-AIO000\.lock cannot be opened .*lock_folder"),
+        pytest.raises(DeviceError, match=r"fprc-AIO000\.lock cannot be locked .*lock_folder"),
         locked(["AIO000"], str(tmp_path)),
     ):
         pass
@@ -86,17 +87,55 @@ def test_lock_that_cannot_be_opened_is_no_leave_to_go_on(tmp_path):
 
 
 def test_folder_of_the_system_is_used_where_none_is_given(tmp_path, monkeypatch):
-    monkeypatch.setattr(locks, "_SHARED", tmp_path)
+    monkeypatch.setattr(locks, "_SHARED", (tmp_path / "absent", tmp_path))
     with locked(["AIO000"]):
         assert (tmp_path / "fprc-AIO000.lock").exists()
 
 
+def test_folder_that_is_not_there_is_named(tmp_path):
+    with (
+        pytest.raises(DeviceError, match=r"there is no folder .*/absent: make it"),
+        locked(["AIO000"], str(tmp_path / "absent")),
+    ):
+        pass
+
+
+def test_file_that_cannot_be_locked_is_not_said_to_be_in_use(tmp_path, monkeypatch):
+    def refuse(file, how):
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    monkeypatch.setattr("fcntl.flock", refuse)
+    with (
+        pytest.raises(DeviceError, match="cannot be locked .No locks available"),
+        locked(["AIO000"], str(tmp_path)),
+    ):
+        pass
+
+
+def test_lock_holds_where_its_holder_cannot_be_written_down(tmp_path, monkeypatch):
+    def refuse(file, text):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "write", refuse)
+    with (
+        locked(["AIO000"], str(tmp_path)),
+        pytest.raises(DeviceError, match="in use by another process"),
+        locked(["AIO000"], str(tmp_path)),
+    ):
+        pass
+
+
 def test_rig_that_is_opened_from_a_program_has_its_boards_alone(bench, settings):
     hardware = settings["hardware"]
-    rig = HardwareRig(hardware, bench.elapsed, sleep=lambda seconds: None)
+
+    def build():
+        rig = HardwareRig(hardware, bench.elapsed, sleep=bench.wait, now=bench.elapsed)
+        return rig
+
+    rig = build()
     calls = bench.shared.calls
     with pytest.raises(DeviceError, match="AIO000 is in use by process"):
-        HardwareRig(hardware, bench.elapsed)
+        build()
     assert bench.shared.calls == calls
     rig.close()
-    HardwareRig(hardware, bench.elapsed, sleep=lambda seconds: None).close()
+    build().close()

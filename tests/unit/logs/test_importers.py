@@ -1,6 +1,3 @@
-import subprocess
-import sys
-
 import h5py
 import numpy as np
 import pandas as pd
@@ -11,9 +8,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from fprc.errors import LogError
-from fprc.logs.importers import FACTORS, gather
-from fprc.logs.sources import read_source
-from fprc.logs.variables import columns_of, pick
+from fprc.logs.importers import FACTORS, LARGEST, gather
+from fprc.logs.sources import read_arrays, read_source
 
 PLAIN = {"scale": 1.0, "offset": 0.0}
 T = np.arange(50) / 100.0
@@ -56,6 +52,13 @@ WRITERS = {
 numbers = st.floats(-1e9, 1e9, allow_subnormal=False)
 
 
+def read(path):
+    """Read a file as ``read_source`` does, but arrays in this process too: sooner."""
+    if path.suffix == ".csv":
+        return read_source(path)
+    return read_arrays(path, matlab=path.suffix == ".mat")
+
+
 def problem(call, *arguments, **named):
     with pytest.raises(LogError) as caught:
         call(*arguments, **named)
@@ -67,7 +70,7 @@ def source(request, tmp_path):
     """The same three columns in each format, as (source, name in the format)."""
     write, file, name = WRITERS[request.param]
     write(tmp_path / file, COLUMNS)
-    return read_source(tmp_path / file), name
+    return read(tmp_path / file), name
 
 
 def asked(name, **more):
@@ -97,7 +100,7 @@ def test_any_numbers_come_back_bit_for_bit(kind, values, tmp_path_factory):
     path = tmp_path_factory.getbasetemp() / f"any_{file}"
     write(path, {"angle": values, "force": -values})
     channels = asked(name)["channels"]
-    recording = gather(read_source(path), time={"rate_hz": 10.0}, channels=channels)
+    recording = gather(read(path), time={"rate_hz": 10.0}, channels=channels)
     assert recording.channels["theta_deg"].tolist() == values.tolist()
     assert recording.channels["p_exp_kpa"].tolist() == (-values).tolist()
     assert recording.time_s == pytest.approx(np.arange(len(values)) / 10.0)
@@ -120,215 +123,10 @@ def test_value_that_is_kept_and_not_finite_is_named_with_its_sample(tmp_path):
     force[[30, 40]] = np.nan
     for write, file, name in WRITERS.values():
         write(tmp_path / file, COLUMNS | {"force": force})
-        content = read_source(tmp_path / file)
+        content = read(tmp_path / file)
         said = problem(gather, content, **asked(name, start_s=0.1))
-        assert f"p_exp_kpa: {name.format('force')}: sample 30 is nan, and 1 more" in said
+        assert f"p_exp_kpa: {name.format('force')}: {content.sample(30)} is nan, and 1 more" in said
         assert len(gather(content, **asked(name, end_s=0.295)).time_s) == 30
-
-
-# --- text -----------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("separator", [",", ";", "\t", "|", " "])
-def test_separator_is_found_out(tmp_path, separator):
-    write_csv(tmp_path / "log.txt", COLUMNS, separator)
-    assert list(columns_of(read_source(tmp_path / "log.txt"))) == list(COLUMNS)
-
-
-def test_decimal_comma_is_found_out(tmp_path):
-    path = tmp_path / "log.csv"
-    pd.DataFrame(COLUMNS).to_csv(path, index=False, sep=";", decimal=",")
-    assert pick(read_source(path), "angle").tolist() == COLUMNS["angle"].tolist()
-
-
-def test_decimal_commas_between_commas_are_refused(tmp_path):
-    path = tmp_path / "log.csv"
-    path.write_text("t_ms,p_set,p_o\n0,1,0,50,1\n5,1,1,50,2\n10,1,2,50,3\n")
-    assert "csv.separator" in problem(read_source, path)
-
-
-@pytest.mark.parametrize("numbers", [["990", "999", "1,000"], ["1.5", "1,5", "2"]])
-def test_comma_that_may_be_of_thousands_is_no_number_until_it_is_said(tmp_path, numbers):
-    path = tmp_path / "log.csv"
-    path.write_text("t;p\n" + "".join(f"{k};{text}\n" for k, text in enumerate(numbers)))
-    source = read_source(path)
-    assert "csv.decimal" in source.others["p"]
-    assert "t" in source.variables
-
-
-def test_three_digits_after_every_comma_are_decimals(tmp_path):
-    path = tmp_path / "log.csv"
-    path.write_text("t;p\n0;1,250\n1;1,500\n")
-    assert pick(read_source(path), "p").tolist() == [1.25, 1.5]
-
-
-def test_text_without_header_is_numbered(tmp_path):
-    path = tmp_path / "log.csv"
-    path.write_text("0,1.5\n1,2.5\n2,3.5\n")
-    assert pick(read_source(path), "1").tolist() == [1.5, 2.5, 3.5]
-
-
-def test_comments_marks_quotes_and_foreign_letters_do_no_harm(tmp_path):
-    path = tmp_path / "log.csv"
-    path.write_bytes(b'# made in 2019\n\n"t","angle [\xb0]"\n0, 1.5\n1, 2.5\n\n')
-    assert list(columns_of(read_source(path))) == ["t", "angle [\xb0]"]
-    path.write_bytes("\ufefft,x\n0,1\n1,2\n".encode())
-    assert list(columns_of(read_source(path))) == ["t", "x"]
-
-
-def test_lines_of_header_and_data_may_be_given(tmp_path):
-    path = tmp_path / "log.csv"
-    path.write_text("made by a logger, version 3\nt,x\ns,mm\n0,1.5\n1,2.5\n")
-    content = read_source(path, header_line=2, data_line=4)
-    assert pick(content, "x").tolist() == [1.5, 2.5]
-
-
-def test_column_that_is_no_number_is_named_with_its_line(tmp_path):
-    path = tmp_path / "log.csv"
-    path.write_text("t,x\n0,1.5\n1,off\n2,3.5\n")
-    assert "x: cannot be a channel: line 3 holds 'off', not a number" in problem(
-        pick, read_source(path), "x"
-    )
-
-
-@pytest.mark.parametrize(
-    ("content", "said"),
-    [
-        ("", "no samples"),
-        ("t,x\n", "no samples below line 1"),
-        ("t,x\n0,1\n1,2,3\n", "cannot be read as text of 2 columns from line 2"),
-        ("t,t\n0,1\n1,2\n", "column t: is there twice"),
-        ("t,x\0\n", "not a text file"),
-    ],
-)
-def test_text_that_is_no_table_is_refused(tmp_path, content, said):
-    path = tmp_path / "log.csv"
-    path.write_text(content)
-    assert f"{path}: " in problem(read_source, path)
-    assert said in problem(read_source, path)
-
-
-def test_short_line_is_a_missing_value_at_its_sample(tmp_path):
-    path = tmp_path / "log.csv"
-    path.write_text("t,angle,force\n0,1,1\n1,2\n2,3,3\n")
-    assert "force: sample 1 is nan" in problem(gather, read_source(path), **asked("{}"))
-
-
-# --- HDF5 and MATLAB ------------------------------------------------------------------------
-
-
-@pytest.fixture(params=["matlab", "matlab73"])
-def matrix(request, tmp_path):
-    """A matrix of three columns, as MATLAB's old and new formats keep it."""
-    values = np.arange(30.0).reshape(10, 3)
-    path = tmp_path / "log.mat"
-    if request.param == "matlab":
-        scipy.io.savemat(path, {"run": {"q": values}, "name": "arm"})
-    else:
-        write_matlab73(path, {"q": values.T})
-    return read_source(path), values
-
-
-def test_column_of_a_matrix_is_chosen_by_its_index(matrix):
-    source, values = matrix
-    assert pick(source, "run.q[:, 2]").tolist() == values[:, 2].tolist()
-    assert pick(source, "run.q[4,:]").tolist() == values[4].tolist()
-    assert list(columns_of(source)) == [f"run.q[:, {j}]" for j in range(3)]
-
-
-def test_text_beside_the_arrays_is_listed_as_no_channel(matrix):
-    source, _ = matrix
-    (name,) = source.others
-    assert "cannot be a channel" in problem(pick, source, name)
-
-
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("run.q", "has 10 rows and 3 columns; choose one, as run.q[:, 0]"),
-        ("run.q[:, 3]", "has shape (10, 3); indices count from 0"),
-        ("run.q[:, :]", "has shape (10, 3)"),
-        ("run.q[1, 1]", "no such column"),
-        ("run.Q[:, 1]", "did you mean run.q[:, 1]?"),
-    ],
-)
-def test_wrong_index_is_told_the_shape(matrix, text, said):
-    assert said in problem(pick, matrix[0], text)
-
-
-@pytest.mark.parametrize("shape", [(50,), (50, 1), (1, 50)])
-def test_rows_and_columns_are_vectors_alike(tmp_path, shape):
-    with h5py.File(tmp_path / "log.h5", "w") as file:
-        file["x"] = np.arange(50.0).reshape(shape)
-    assert pick(read_source(tmp_path / "log.h5"), "x").tolist() == list(range(50))
-
-
-def test_pictures_texts_and_single_numbers_are_no_channels(tmp_path):
-    with h5py.File(tmp_path / "log.h5", "w") as file:
-        file["video"] = np.zeros((4, 3, 3))
-        file["who"] = "me"
-        file["rate"] = 100.0
-        file["x"] = np.arange(5)
-    source = read_source(tmp_path / "log.h5")
-    assert list(source.variables) == ["x"]
-    assert set(source.others) == {"video", "who", "rate"}
-
-
-def test_cell_array_of_unlike_things_leaves_the_rest_of_the_file(tmp_path):
-    cells = np.empty(2, dtype=object)
-    cells[:] = [{"a": 1.0}, np.arange(5.0)]
-    scipy.io.savemat(tmp_path / "log.mat", {"c": cells, "x": np.arange(4.0)})
-    source = read_source(tmp_path / "log.mat")
-    assert list(source.variables) == ["x"]
-    assert list(source.others) == ["c"]
-
-
-READ_DAMAGED = """
-import sys
-from pathlib import Path
-from fprc.errors import LogError
-from fprc.logs.sources import read_source
-
-path = Path(sys.argv[1])
-whole = path.read_bytes()
-damaged = path.with_stem("damaged")
-for cut in sorted({128, *range(0, len(whole), max(len(whole) // 60, 1))}):
-    damaged.write_bytes(whole[:cut])
-    try:
-        read_source(damaged)
-    except LogError as error:
-        print("LogError" if str(error).startswith(str(damaged)) else str(error))
-    except BaseException as error:
-        print(cut, type(error).__name__, error)
-    else:
-        print("read")
-"""
-
-
-@pytest.mark.parametrize("kind", ["hdf5", "matlab", "matlab73"])
-def test_file_cut_anywhere_is_refused_with_a_message_and_never_hangs(tmp_path, kind):
-    write, file, _ = WRITERS[kind]
-    write(tmp_path / file, COLUMNS)
-    run = subprocess.run(
-        [sys.executable, "-c", READ_DAMAGED, str(tmp_path / file)],
-        capture_output=True, text=True, timeout=60, check=True,
-    )  # fmt: skip
-    assert set(run.stdout.splitlines()) == {"LogError"}
-
-
-@pytest.mark.parametrize("name", ["log.h5", "log.mat", "log.csv"])
-def test_absent_file_is_named(tmp_path, name):
-    assert f"{tmp_path / name}: cannot be opened" in problem(read_source, tmp_path / name)
-
-
-def test_unknown_ending_is_answered_by_the_known_ones(tmp_path):
-    assert "must be one of .csv" in problem(read_source, tmp_path / "log.xlsx")
-
-
-@pytest.mark.parametrize("name", ["log.h5", "log.mat"])
-def test_text_under_another_ending_is_refused(tmp_path, name):
-    write_csv(tmp_path / name, COLUMNS)
-    assert f"{tmp_path / name}: " in problem(read_source, tmp_path / name)
 
 
 # --- clock, cut, units ----------------------------------------------------------------------
@@ -358,18 +156,36 @@ def test_clock_that_counts_from_1970_keeps_its_microseconds(csv):
     assert np.diff(recording.time_s) == pytest.approx(0.005, abs=1e-12)
 
 
-@pytest.mark.parametrize("wrong", [0.04, 0.05])
-def test_clock_that_does_not_increase_is_named_with_its_sample(csv, wrong):
-    t = T.copy()
-    t[6] = wrong
-    said = problem(gather, csv(t=t), **asked("{}"))
-    assert f"time: t: sample 6 at {wrong} does not come after 0.05, and 0 more" in said
+def test_samples_of_one_instant_become_one_as_the_map_says(csv):
+    source = csv(t=np.repeat(T[:25], 2))
+    time = {"column": "t", "unit": "s"}
+    first = gather(source, **asked("{}") | {"time": time | {"repeated": "first"}})
+    mean = gather(source, **asked("{}") | {"time": time | {"repeated": "mean"}})
+    assert first.time_s.tolist() == mean.time_s.tolist() == T[:25].tolist()
+    force = COLUMNS["force"]
+    assert first.channels["p_exp_kpa"].tolist() == force[::2].tolist()
+    assert mean.channels["p_exp_kpa"].tolist() == ((force[::2] + force[1::2]) / 2.0).tolist()
+    assert first.clock.mended == {
+        "unordered_samples": 0, "repeated_samples": 25, "repeated": "first",
+    }  # fmt: skip
 
 
-def test_clock_with_a_hole_is_named_with_its_sample(csv):
-    t = T.copy()
-    t[6] = np.nan
-    assert "time: t: sample 6 is nan" in problem(gather, csv(t=t), **asked("{}"))
+def test_value_that_is_not_kept_may_be_missing(csv):
+    force = COLUMNS["force"].copy()
+    force[1] = np.nan
+    source = csv(t=np.repeat(T[:25], 2), force=force)
+    time = {"column": "t", "unit": "s"}
+    gather(source, **asked("{}") | {"time": time | {"repeated": "first"}})
+    said = problem(gather, source, **asked("{}") | {"time": time | {"repeated": "mean"}})
+    assert "p_exp_kpa: force: sample 1 (line 3) is nan, and 0 more" in said
+
+
+def test_samples_out_of_order_are_sorted_if_the_map_says_so(csv):
+    order = np.random.default_rng(0).permutation(50)
+    source = csv(**{name: values[order] for name, values in COLUMNS.items()})
+    time = {"column": "t", "unit": "s", "unordered": "sort"}
+    recording = gather(source, **asked("{}", start_s=0.1) | {"time": time})
+    assert recording.channels["p_exp_kpa"].tolist() == COLUMNS["force"][10:].tolist()
 
 
 def test_cut_is_counted_from_the_first_sample(csv):
@@ -387,7 +203,7 @@ def test_cut_that_leaves_nothing_says_how_long_the_file_is(csv):
 
 def test_unequal_columns_are_counted(tmp_path):
     write_hdf5(tmp_path / "log.h5", COLUMNS | {"force": np.zeros(49)})
-    said = problem(gather, read_source(tmp_path / "log.h5"), **asked("run/{}"))
+    said = problem(gather, read(tmp_path / "log.h5"), **asked("run/{}"))
     assert "unequal numbers of samples (run/t 50, run/angle 50, run/force 49)" in said
 
 
@@ -410,3 +226,31 @@ def test_scale_and_offset_come_before_the_unit(csv):
     recording = gather(csv(), **told)
     assert recording.channels["theta_deg"] == pytest.approx((COLUMNS["angle"] - 1.0) * 250.0)
     assert recording.channels["p_exp_kpa"] == pytest.approx(100 * COLUMNS["force"] - 101.325)
+
+
+@pytest.mark.parametrize(
+    "spec", [{"scale": 1e308}, {"scale": 1e308, "offset": 1e308}, {"unit": "MPa", "scale": 1e9}]
+)
+def test_value_that_scale_offset_and_unit_make_too_large_is_named(csv, spec):
+    told = asked("{}")
+    told["channels"]["p_exp_kpa"] |= spec
+    said = problem(gather, csv(), **told)
+    assert "p_exp_kpa: force: sample " in said
+    assert f"by scale, offset and unit beyond {LARGEST:g}" in said
+    assert "nan" not in said
+
+
+def test_everything_wrong_with_a_recording_is_told_at_once(csv):
+    t, angle = T.copy(), COLUMNS["angle"].copy()
+    t[[6, 9]] = t[[5, 3]]
+    source = csv(t=t, angle=angle)
+    told = asked("{}")
+    told["channels"]["p_o_kpa"] = {"column": "pressure", "unit": "kPa", **PLAIN}
+    lines = problem(gather, source, **told).splitlines()
+    assert [line.split(": ")[1:3] for line in lines] == [
+        ["p_o_kpa", "pressure"], ["time", "t"], ["time", "t"],
+    ]  # fmt: skip
+    angle[7] = np.inf
+    told["channels"]["p_i_kpa"] = {"column": "force", "unit": "kPa", **PLAIN, "scale": 1e300}
+    lines = problem(gather, csv(angle=angle), **told).splitlines()
+    assert [line.split(": ")[1] for line in lines] == ["p_o_kpa", "theta_deg", "p_i_kpa"]

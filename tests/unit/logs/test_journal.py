@@ -544,3 +544,25 @@ def test_quality_record_tells_what_the_loop_said_of_its_ticks(path, tmp_path):
     limits = Settings().quality.model_dump()
     record = assess(log, sample_rate_hz=200.0, **limits)
     assert record["loop"] == {"overruns": 3, "jitter_p99_s": 1e-4}
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("names", None),
+        ("names", 5),
+        ("source", None),
+        ("source", []),
+        ("source", "moon"),
+        ("seed", None),
+        ("sample_rate_hz", "fast"),
+        ("rig", "{"),
+    ],
+)
+def test_header_that_says_nothing_that_can_be_used_is_refused(tmp_path, name, value):
+    described = {"names": list(NAMES), "started": "now"} | ATTRIBUTES | {name: value}
+    block = module._block(module.MAGIC, described)
+    path = tmp_path / "run.journal"
+    path.write_bytes(block + block)
+    with pytest.raises(LogError, match=name):
+        read_journal(path)

@@ -36,7 +36,12 @@ def drawn():
 def undrawn(request, monkeypatch):
     """No picture for the others: to draw one takes longer than all else."""
     if "drawn" not in request.fixturenames:
-        monkeypatch.setattr(style, "save_png", lambda fig, data, png: plt.close(fig))
+        monkeypatch.setattr(style, "save_png", touch)
+
+
+def touch(fig, data, png):
+    Path(png).touch()
+    plt.close(fig)
 
 
 @pytest.fixture
@@ -87,8 +92,8 @@ def test_any_start_and_rate_give_a_log_that_reads(tmp_path_factory, rows, rate_h
     folder = tmp_path_factory.mktemp("any_import")
     rng = np.random.default_rng(rows)
     angle = rng.standard_normal(rows)
-    with h5py.File(folder / "any_source.h5", "w") as file:
-        file["t"], file["a"], file["p"] = start_s + np.arange(rows) / rate_hz, angle, angle
+    columns = {"t": start_s + np.arange(rows) / rate_hz, "a": angle, "p": angle}
+    pd.DataFrame(columns).to_csv(folder / "any_source.csv", index=False)
     told = {
         "experiment": "sweep",
         "sample_rate_hz": rate_hz,
@@ -99,7 +104,7 @@ def test_any_start_and_rate_give_a_log_that_reads(tmp_path_factory, rows, rate_h
         },
     }
     (folder / "any.yaml").write_text(yaml.safe_dump(told))
-    names = [str(folder / name) for name in ("any_source.h5", "any.yaml", "any.h5")]
+    names = [str(folder / name) for name in ("any_source.csv", "any.yaml", "any.h5")]
     bring_in(*names)
     log = read_raw(names[2], **RATE | {"sample_rate_hz": rate_hz})
     assert log.channels["theta_deg"] == pytest.approx(angle, abs=1e-6 * max(start_s, 1.0))
@@ -142,6 +147,92 @@ def test_log_that_was_not_imported_is_not_overwritten(bring, write_log):
     write_log("sweep.h5", source="rig")
     with pytest.raises(LogError, match="is a log that was not imported"):
         bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND})
+
+
+# --- all or nothing -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("old", [True, False])
+@pytest.mark.parametrize("fails", ["draw_diagnosis", "write_json", "write_raw", "resample"])
+def test_import_that_fails_leaves_everything_as_it_was(bring, monkeypatch, old, fails):
+    channels = {"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}
+    folder = bring(channels).parent
+    if not old:
+        for path in folder.glob("sweep.*"):
+            path.unlink()
+    before = {path: path.read_bytes() for path in folder.iterdir()}
+
+    def fail(*arguments, **named):
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(f"fprc.stages.bring_in.{fails}", fail)
+    with pytest.raises(ZeroDivisionError):
+        bring(channels)
+    assert {path: path.read_bytes() for path in folder.iterdir()} == before
+
+
+@pytest.mark.parametrize("name", [r"$\frac{$", "$x$ `b` | <i>", "=1, a\n\x1b[2J", "日本"])
+@pytest.mark.filterwarnings("ignore:Glyph")
+def test_column_of_any_name_is_imported_and_drawn(tmp_path, drawn, name):
+    table = pd.DataFrame({"t": np.arange(20) / 200.0, name: np.arange(20.0), "p": np.ones(20)})
+    table.to_csv(tmp_path / "log.csv", index=False)
+    theta = {"column": name, "unit": "deg", "note": f"from {name}"}
+    raw = imported(tmp_path, {"theta_deg": theta, "p_exp_kpa": {"column": "p", "unit": "kPa"}})
+    assert read_raw(raw, **RATE).channels["theta_deg"].tolist() == list(range(20))
+    assert sorted(path.name for path in tmp_path.glob("sweep*")) == [
+        "sweep.diagnosis.json", "sweep.diagnosis.png", "sweep.h5",
+    ]  # fmt: skip
+
+
+def imported(folder, channels, time=None, source="log.csv"):
+    """Import a file of a folder by the command line, and return the log."""
+    told = {"experiment": "sweep", "time": time or {"column": "t"}, "channels": channels}
+    (folder / "map.yaml").write_text(yaml.safe_dump(told))
+    names = [str(folder / name) for name in (source, "map.yaml", "sweep.h5")]
+    assert main(["import", names[0], "--map", names[1], "--out", names[2]]) == 0
+    return folder / "sweep.h5"
+
+
+@pytest.mark.parametrize("scale", [1e308, 1e15])
+def test_overflow_of_scale_and_offset_is_told_and_leaves_nothing(bring, scale):
+    theta = ANGLE | {"scale": scale, "offset": scale}
+    with pytest.raises(LogError, match=r"theta_deg: theta_deg: sample 0 \(line 2\) is "):
+        bring({"theta_deg": theta, "p_exp_command_kpa": COMMAND})
+
+
+def test_clock_that_jumps_is_refused_and_leaves_nothing(bring, recorded, tmp_path):
+    time_s = recorded["sweep"]["time_s"].copy()
+    time_s[-1] += 1e6
+    with pytest.raises(LogError, match=r"jumps from 19\.99 s at sample 3998 \(line 4000\) to "):
+        bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}, time_s=time_s)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["log.csv", "map.yaml"]
+
+
+def test_repeated_instants_are_merged_and_the_diagnosis_says_so(bring, recorded, capsys):
+    time_s = recorded["sweep"]["time_s"].copy()
+    time_s[1::100] = time_s[::100]
+    channels = {"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}
+    with pytest.raises(LogError, match="40 of 4000 samples have the instant of an earlier one"):
+        bring(channels, time_s=time_s)
+    time = {"column": "time_s", "repeated": "first"}
+    raw = bring(channels, time_s=time_s, time=time)
+    clock = read_json(raw.with_suffix(".diagnosis.json"))["clock"]
+    assert (clock["repeated_samples"], clock["repeated"]) == (40, "first")
+    assert clock["unordered_samples"] == 0
+    assert (
+        "clock: 40 samples had the instant of an earlier one; the first" in capsys.readouterr().out
+    )
+    angle = recorded["sweep"]["theta_deg"]
+    assert read_raw(raw, **RATE).channels["theta_deg"][2::100] == pytest.approx(angle[2::100])
+
+
+def test_unlikely_clock_is_doubted(bring, recorded, capsys):
+    bring(
+        {"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND},
+        time_s=recorded["sweep"]["time_s"] * 1e3,
+        sample_rate_hz=1.0,
+    )
+    assert "in ms the rate would be 200 Hz: set time.unit: ms" in capsys.readouterr().out
 
 
 def test_name_that_is_no_log_is_refused(tmp_path):
@@ -252,6 +343,36 @@ def test_log_of_a_rig_must_still_have_its_channels(write_log, source, channel):
         read_raw(path, **RATE)
 
 
+# --- everything wrong at once ---------------------------------------------------------------
+
+
+def test_wrong_unit_hides_no_wrong_column(bring):
+    with pytest.raises(ConfigError) as caught:
+        bring({
+            "theta_deg": {"column": "angle", "unit": "degrees"},
+            "p_exp_command_kpa": COMMAND | {"unit": "baar"},
+            "p_o_kpa": {"column": "p_o", "unit": "kPa"},
+        }, end_s=-1)  # fmt: skip
+    lines = str(caught.value).splitlines()
+    assert [line.split(" = ")[0] for line in lines[1:5]] == [
+        "  end_s", "  channels.p_exp_command_kpa.unit", "  channels.theta_deg.unit", "  end_s",
+    ]  # fmt: skip
+    assert lines[2].endswith("; did you mean bar?")
+    assert lines[3].endswith("; did you mean deg?")
+    assert "channels.p_o_kpa: p_o: no such column; did you mean p_o_kpa?" in lines[5]
+    assert "channels.theta_deg: angle: no such column" in lines[6]
+    assert len(lines) == 7
+
+
+def test_map_of_the_wrong_kind_hides_no_wrong_column(bring):
+    with pytest.raises(ConfigError) as caught:
+        bring({"theta_deg": ANGLE, "p_exp_kpa": COMMAND | {"column": "p"}},
+              experiment=None, test_from_s=3)  # fmt: skip
+    first, second = str(caught.value).splitlines()
+    assert "test_from_s is for `fprc readout`" in first
+    assert "channels.p_exp_kpa: p: no such column" in second
+
+
 # --- command line ---------------------------------------------------------------------------
 
 
@@ -264,6 +385,54 @@ def test_listing_shows_columns_range_and_clock(bring, tmp_path, capsys):
     (clock,) = [line for line in said.splitlines() if "clock?" in line]
     assert clock.split()[:2] == ["time_s", "4000"]
     assert "200 Hz if in s" in clock
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("version", ["5", "7.3"])
+def test_words_of_the_listing_are_those_of_the_map(tmp_path, capsys, matlab_files, version):
+    """Parts of cells and struct arrays, of which some are no numbers or empty."""
+    write = {"5": matlab_files.write_matlab5, "7.3": matlab_files.write_matlab73}[version]
+    count = np.arange(50.0).reshape(-1, 1)
+    runs = [{"t": 0.01 * count, "q": np.hstack([k * count, -k * count])} for k in (1, 2)]
+    rows = [{"p": 3.0 * k} for k in range(50)]
+    write(tmp_path / "log.mat", {
+        "train": matlab_files.Cells((1, 2), runs),
+        "rows": matlab_files.Structs((50, 1), rows),
+        "none": np.zeros((0, 0)),
+    })  # fmt: skip
+    assert main(["import", str(tmp_path / "log.mat"), "--list"]) == 0
+    said = capsys.readouterr().out.splitlines()
+    names = [line[2:].split("  ")[0] for line in said[2:] if "cannot be" not in line]
+    assert sorted(names) == sorted(
+        [
+            "[rows.p]",
+            *(f"train{{{k}}}.{part}" for k in (1, 2) for part in ("t", "q[:, 0]", "q[:, 1]")),
+        ]
+    )
+    assert "  none: cannot be a channel: empty" in said
+    raw = imported(
+        tmp_path,
+        {
+            "theta_deg": {"column": "train{2}.q[:, 1]", "unit": "deg"},
+            "p_exp_kpa": {"column": "[rows.p]", "unit": "kPa"},
+        },
+        time={"column": "train{1}.t"},
+        source="log.mat",
+    )
+    log = read_raw(raw, **RATE)
+    assert log.channels["theta_deg"][::2] == pytest.approx(-2.0 * count.ravel())
+    assert log.channels["p_exp_kpa"][::2] == pytest.approx(3.0 * count.ravel())
+
+
+def test_long_list_of_what_is_no_column_is_cut(tmp_path, capsys):
+    head = ",".join(f"x\x1b{k}" for k in range(60))
+    (tmp_path / "log.csv").write_text(f"t,{head}\n1{',off' * 60}\n2{',off' * 60}\n")
+    assert main(["import", str(tmp_path / "log.csv"), "--list"]) == 0
+    said = capsys.readouterr().out
+    assert said.count("cannot be a channel") == 50
+    assert "  10 more cannot be channels" in said
+    assert "x\\x1b0: cannot" in said
+    assert "\x1b" not in said
 
 
 def test_listing_without_a_clock_asks_for_the_rate(tmp_path, capsys):

@@ -1,0 +1,126 @@
+"""Damaged and odd files through the commands that read them: `make fuzz`.
+
+Each case is made of the seed and its number alone, so that it can be repeated alone:
+
+    python tests/fuzz --seed 1 --case 4711
+
+The files of cases that end as they must not are kept in the folder of ``--keep``.
+"""
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+os.environ["OPENBLAS_NUM_THREADS"] = "1"  # a process with threads is not to be forked
+
+
+def main() -> int:
+    """Run the cases; return 1 if one ended as it must not."""
+    options = _parser().parse_args()
+    if options.worker is not None:
+        return _work(options)
+    if options.case is not None:
+        return _repeat(options)
+    begun_s = time.monotonic()
+    print(f"seed {options.seed}, {options.cases} cases", flush=True)
+    counts: Counter[tuple[str, str, str]] = Counter()
+    cases: Counter[str] = Counter()
+    seconds: Counter[tuple[str, str]] = Counter()
+    for found in _results(options):
+        cases[found["kind"]] += 1
+        for row, outcome, why, took_s in found["results"]:
+            counts[found["kind"], row, outcome] += 1
+            seconds[found["kind"], row] += took_s
+            if outcome in _faults():
+                print(f"case {found['number']}, {row}: {outcome}: {why}", flush=True)
+                print(f"    {found['kind']}: {found['what']}", flush=True)
+    import page
+
+    for line in page.table(cases, counts):
+        print(line)
+    if options.times:
+        print("\n".join(page.times(counts, seconds)))
+    if options.write:
+        page.write(options.write, options.seed, cases, counts)
+    bad = sum(number for (_, _, outcome), number in counts.items() if outcome in _faults())
+    missing = options.cases - sum(cases.values())
+    print(f"{time.monotonic() - begun_s:.0f} s; {bad} ended as they must not", flush=True)
+    if missing:
+        print(f"{missing} cases were not run: a worker ended", flush=True)
+    if bad:
+        print(f"their files are in {options.keep}; one again: --seed {options.seed} --case N")
+    return int(bool(bad or missing))
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python tests/fuzz", description=__doc__.split("\n")[0])
+    parser.add_argument("--cases", type=int, default=10_000, help="default: %(default)s")
+    parser.add_argument("--seed", type=int, default=1, help="default: %(default)s")
+    parser.add_argument("--case", type=int, help="this case alone, and what it printed")
+    parser.add_argument("--workers", type=int, default=2, help="default: %(default)s")
+    parser.add_argument("--keep", default=".fuzz", help="default: %(default)s")
+    parser.add_argument("--write", metavar="PAGE.md", help="write the table there")
+    parser.add_argument("--times", action="store_true", help="print the time of each command")
+    parser.add_argument("--worker", type=int, help=argparse.SUPPRESS)
+    return parser
+
+
+def _faults() -> tuple[str, ...]:
+    from judging import FAULTS
+
+    return FAULTS
+
+
+def _results(options: argparse.Namespace) -> Iterator[dict[str, Any]]:
+    """Yield what the workers find, in the order in which they find it."""
+    import selectors
+
+    same = [sys.executable, str(Path(__file__).parent), *sys.argv[1:]]
+    with selectors.DefaultSelector() as selector:
+        for worker in range(options.workers):
+            process = subprocess.Popen(
+                [*same, "--worker", str(worker)], stdout=subprocess.PIPE, text=True
+            )
+            selector.register(process.stdout, selectors.EVENT_READ, process)
+        while selector.get_map():
+            for key, _ in selector.select():
+                line = key.fileobj.readline()
+                if line:
+                    yield json.loads(line)
+                else:
+                    selector.unregister(key.fileobj)
+                    key.data.communicate()
+
+
+def _work(options: argparse.Namespace) -> int:
+    """Run every n-th case, and print what came of each as JSON."""
+    import cases
+
+    answer = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)  # what is printed beside is no answer
+    with tempfile.TemporaryDirectory(prefix="fuzz") as folder:
+        cases.warm_up(Path(folder))
+        numbers = range(options.worker, options.cases, options.workers)
+        for found in cases.run(options.seed, numbers, Path(folder), Path(options.keep)):
+            print(json.dumps(found), file=answer, flush=True)
+    return 0
+
+
+def _repeat(options: argparse.Namespace) -> int:
+    """Run one case again, leave its files, and print what each command said."""
+    import cases
+
+    folder = Path(tempfile.mkdtemp(prefix="fuzz"))
+    return cases.show(options.seed, options.case, folder)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

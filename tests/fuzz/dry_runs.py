@@ -1,0 +1,68 @@
+"""The workflow's dry run on damaged configurations and logs: seconds each, so a few of them."""
+
+import shutil
+import sys
+from pathlib import Path
+
+import configs
+import damage
+import numpy as np
+import raw_logs
+from judging import SAME, Case, Step, Verdict
+from watched import Ended
+
+ROOT = Path(__file__).parents[2]
+_ROW = "snakemake -n"
+
+
+def project(folder: Path) -> Path:
+    """Return a copy of the workflow in a folder of its own."""
+    copy = folder / "project"
+    if copy.exists():  # made by the child before
+        return copy
+    copy.mkdir()
+    for name in ("Snakefile", "all"):
+        shutil.copy(ROOT / name, copy)
+    for name in ("config", "profiles", "workflow"):
+        shutil.copytree(ROOT / name, copy / name)
+    return copy
+
+
+def case(rng: np.random.Generator, folder: Path) -> Case:
+    """Make a case of a configuration or a log, for the dry run."""
+    return (_config if rng.random() < 0.5 else _log)(rng, folder)
+
+
+def _config(rng: np.random.Generator, folder: Path) -> Case:
+    made = configs.case(rng, folder)
+    (step,) = made.steps
+
+    def planned(folder: Path, ended: Ended) -> Verdict:
+        return step.judge(folder, ended)
+
+    command = ["--configfile", str(folder / configs.NAME)]
+    return Case("dry run", made.what, [step, _step(folder, command, step.names, planned)])
+
+
+def _log(rng: np.random.Generator, folder: Path) -> Case:
+    raw = folder / "raw"
+    raw.mkdir()
+    log = raw_logs.logs()["sweep"]
+    if rng.random() < 0.7:
+        data, told = damage.flip(rng, log.data, log.rest)
+    else:
+        data, told = damage.ROUGH[rng.integers(len(damage.ROUGH))](rng, log.data)
+    (raw / "sweep.h5").write_bytes(data)
+    folders = f"folders={{raw: {raw}, results: {folder / 'results'}}}"
+    command = ["table2", "--config", "source=recorded", folders]
+
+    # samples are read by the jobs, which do not run
+    def planned(folder: Path, ended: Ended) -> Verdict:
+        return SAME, ""
+
+    return Case("dry run", told, [_step(folder, command, ("sweep.h5", "complex.h5"), planned)])
+
+
+def _step(folder: Path, more: list[str], names: tuple[str, ...], judge) -> Step:
+    command = (sys.executable, "-m", "snakemake", "-n", "--cores", "1", *more)
+    return Step(command, _ROW, names, judge, folder=str(project(folder.parent)), limit_s=60.0)

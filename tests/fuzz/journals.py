@@ -1,0 +1,231 @@
+"""Journals: bytes that changed, stretches that are lost or moved, two runs in one file."""
+
+import json
+import tempfile
+import zlib
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import damage
+import numpy as np
+import signals
+from judging import SAID, SAME, SILENT, Case, Step, Verdict, differing
+from raw_logs import content
+from watched import Ended
+
+from fprc.logs import RAW_CHANNELS, Journal
+
+
+class Run(NamedTuple):
+    """A journal that is right, and what it says."""
+
+    data: bytes
+    names: tuple[str, ...]
+    rows: np.ndarray
+    attributes: dict[str, Any]
+
+
+@cache
+def runs() -> dict[str, Run]:
+    """Return a run that was closed, one that was killed, one that was stopped."""
+    return {
+        "closed": _run(close={"complete": True, "overruns": 2}),
+        "killed": _run(close=None),
+        "stopped": _run(close={"complete": False, "reason": "stopped by SIGTERM"}),
+        "without phi": _run(close={"complete": True}, without="phi_deg"),
+        "another": _run(close={"complete": True}, seed=2),
+    }
+
+
+def _run(close: dict[str, Any] | None, without: str = "", seed: int = 1) -> Run:
+    channels = signals.hysteresis(300)
+    names = tuple(channels)
+    rows = np.column_stack(list(channels.values()))
+    rows[:, 1:] += seed
+    if without:
+        rows[:, names.index(without)] = np.nan
+    ticks = np.arange(len(rows)) + (np.arange(len(rows)) > 100)  # one was missed
+    attributes = {
+        "experiment": "sweep", "source": "rig", "sample_rate_hz": signals.RATE_HZ, "seed": seed,
+        "software": "fprc fuzz", "rig": {"control": {"k_in_kpa_per_deg": 7.0}},
+    }  # fmt: skip
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "run.journal")
+        journal = Journal.create(path, names, attributes)
+        for tick, row in zip(ticks.tolist(), rows.tolist(), strict=True):
+            journal.append(tick, row)
+        if close is not None:
+            journal.close(**close)
+        data = path.read_bytes()
+        if close is None:
+            journal.close()  # ends its thread; the copy is without an end mark
+    # the same bytes whenever it is made
+    data = _under(_header(data) | {"started": "2024-01-01T00:00:00.000000+00:00"}, data, len(rows))
+    kept = [k for k, name in enumerate(names) if name != without]
+    return Run(data, tuple(names[k] for k in kept), rows[:, kept], attributes)
+
+
+def case(rng: np.random.Generator, folder: Path) -> Case:
+    """Make a case of a damaged journal."""
+    if rng.random() < 0.1:
+        return other_header(rng, folder)
+    name = str(rng.choice(list(runs())))
+    run = runs()[name]
+    way = rng.random()
+    if way < 0.02:
+        data, told = run.data, "as it should be"
+    elif way < 0.4:
+        data, told = damage.flip(rng, run.data)
+    elif way < 0.8:
+        data, told = damage.ROUGH[rng.integers(len(damage.ROUGH))](rng, run.data)
+    else:
+        data, told = _OWN[rng.integers(len(_OWN))](rng, run)
+    (folder / "run.journal").write_bytes(data)
+
+    def repaired(folder: Path, ended: Ended) -> Verdict:
+        return _compare(folder / "run.h5", run, ended)
+
+    return Case("journal", f"{name}: {told}", [_repair(repaired)], sound=data == run.data)
+
+
+def _grid(data: bytes) -> tuple[int, int]:
+    """Return where the samples begin, and the size of one."""
+    size = 8 + 8 * len(RAW_CHANNELS) + 4
+    header = int.from_bytes(data[8:12], "little") + 16
+    return 2 * header, size
+
+
+def _swap_samples(rng, run):
+    begin, size = _grid(run.data)
+    a, b = sorted(int(k) for k in rng.choice(len(run.rows), 2, replace=False))
+    at, to = begin + a * size, begin + b * size
+    data = bytearray(run.data)
+    data[at : at + size], data[to : to + size] = data[to : to + size], data[at : at + size]
+    return bytes(data), f"samples {a} and {b} exchanged"
+
+
+def _repeat_samples(rng, run):
+    begin, size = _grid(run.data)
+    a, n = int(rng.integers(len(run.rows) - 20)), int(rng.integers(1, 20))
+    at = begin + a * size
+    return run.data[: at + n * size] + run.data[at:], f"samples {a} to {a + n} twice"
+
+
+def _drop_samples(rng, run):
+    begin, size = _grid(run.data)
+    a, n = int(rng.integers(len(run.rows) - 20)), int(rng.integers(1, 20))
+    at = begin + a * size
+    return run.data[:at] + run.data[at + n * size :], f"samples {a} to {a + n} taken out"
+
+
+def _another_run(rng, run):
+    """Put samples of another run in, as a disk may give back an old page."""
+    other = runs()["another" if run is not runs()["another"] else "closed"]
+    begin, size = _grid(run.data)
+    a, n = int(rng.integers(len(run.rows) - 60)), int(rng.integers(1, 60))
+    at, to = begin + a * size, begin + (a + n) * size
+    old = other.data[at : to if len(other.data) >= to else len(other.data)]
+    return run.data[:at] + old + run.data[to:], f"samples {a} to {a + n} of another run"
+
+
+def _header_alone(rng, run):
+    begin, _ = _grid(run.data)
+    at = int(rng.choice([0, 7, 8, 12, begin // 2, begin - 1, begin, begin + 5]))
+    return run.data[:at], f"cut at byte {at}, in the header"
+
+
+_OWN = (_swap_samples, _repeat_samples, _drop_samples, _another_run, _header_alone)
+
+#: What a program may have put into a header that is not right.
+_WRONG = {
+    "experiment": [None, 5, [], {}],
+    "source": [None, 5, "moon", []],
+    "sample_rate_hz": [None, -1, "x", [], 0],
+    "seed": [None, "x", [], 1.5],
+    "software": [None, 5, []],
+    "rig": [None, 5, [], "x"],
+    "names": [None, 5, [], ["time_s"], [5, None], "x", ["\x1b[31m"], {"time_s": 1}],
+}  # fmt: skip
+
+
+def other_header(rng: np.random.Generator, folder: Path) -> Case:
+    """Make a case of a journal with right checksums and a header that is not right."""
+    run = runs()["closed"]
+    told = _header(run.data)
+    key = str(rng.choice(list(_WRONG)))
+    if rng.random() < 0.2:
+        del told[key]
+        value = "nothing"
+    else:
+        value = told[key] = _WRONG[key][rng.integers(len(_WRONG[key]))]
+    data = _under(told, run.data, len(run.rows))
+    (folder / "run.journal").write_bytes(data)
+
+    def repaired(folder: Path, ended: Ended) -> Verdict:
+        named = key in ended.out or key in ended.err
+        return (SAID, "") if named else (SILENT, f"{key} = {value!r} in the header")
+
+    return Case("journal", f"header: {key} = {value!r}", [_repair(repaired)])
+
+
+def _header(data: bytes) -> dict[str, Any]:
+    return json.loads(data[12 : 12 + int.from_bytes(data[8:12], "little")])
+
+
+def _under(told: dict[str, Any], data: bytes, samples: int) -> bytes:
+    """Return a journal with another header, and every checksum right."""
+    begin, size = _grid(data)
+    header = _block(data[:8], json.dumps(told).encode(), 0)
+    seed = zlib.crc32(header[:-4])
+    end = begin + size * samples
+    parts = [data[at : at + size - 4] for at in range(begin, end, size)]
+    whole = 2 * header + b"".join(_sealed(part, seed) for part in parts)
+    if len(data) > end:
+        mark = (len(data) - end) // 2
+        whole += 2 * _block(data[end : end + 8], data[end + 12 : end + mark - 4], seed)
+    return whole
+
+
+def _block(marker: bytes, text: bytes, seed: int) -> bytes:
+    return _sealed(marker + len(text).to_bytes(4, "little") + text, seed)
+
+
+def _sealed(content: bytes, seed: int) -> bytes:
+    return content + zlib.crc32(content, seed).to_bytes(4, "little")
+
+
+def _repair(judge) -> Step:
+    return Step(
+        ("log", "repair", "run.journal", "--out", "run.h5"), "fprc log repair", ("run.journal",),
+        judge, ("run.h5",), lambda ended: ended.code in (0, 3),
+    )  # fmt: skip
+
+
+def _compare(path: Path, run: Run, ended: Ended) -> Verdict:
+    """Compare the log of a journal: each sample is one that was written, in their order."""
+    channels, attributes = content(path)
+    other = []
+    if set(channels) != set(run.names):
+        other.append("channels")
+    else:
+        rows = np.column_stack([channels[name] for name in run.names])
+        if not in_order(rows, run.rows):
+            other.append("samples")
+        elif len(rows) < len(run.rows) and ended.code == 0:
+            other.append(f"{len(run.rows) - len(rows)} samples fewer")
+    told = {name: value for name, value in run.attributes.items() if name != "rig"}
+    found = {name: attributes.get(name) for name in told}
+    other += differing(found, told)
+    if json.loads(attributes["rig"]) != run.attributes["rig"]:
+        other.append("rig")
+    if other:
+        return SILENT, f"differ: {', '.join(other)}"
+    return (SAME, "") if ended.code == 0 else (SAID, "")
+
+
+def in_order(rows: np.ndarray, written: np.ndarray) -> bool:
+    """Return whether rows are some of those that were written, in their order."""
+    place = {row.tobytes(): k for k, row in enumerate(written)}
+    found = [place.get(row.tobytes(), -1) for row in np.ascontiguousarray(rows)]
+    return -1 not in found and found == sorted(set(found))

@@ -1,0 +1,179 @@
+"""What came of a command on a damaged file: told by what a user sees, and by what comes out."""
+
+import hashlib
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import watched
+from watched import LIMIT_BYTES, LIMIT_S, Ended
+
+from fprc.cli import main
+
+REFUSED, SAME, SAID = "refused", "same", "different but said"
+TRACEBACK, HANG, MEMORY = "traceback", "hang", "over 1 GB"
+SILENT, UNTIDY = "accepted in silence", "untidy"
+#: Fine, and what must not be.
+GOOD = (REFUSED, SAME, SAID)
+FAULTS = (TRACEBACK, HANG, MEMORY, SILENT, UNTIDY)
+
+#: What a terminal would take for a command, and what cannot be printed.
+_CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\udc80-\udcff]")
+#: A library talks to its programmer.
+_LIBRARY = re.compile(r"^.*\b\w*Warning: .*$", re.MULTILINE)
+_NO_NUMBER = re.compile(r"[:\[,]\s*-?(NaN|Infinity)\b")
+
+Verdict = tuple[str, str]
+
+
+class Step(NamedTuple):
+    """One command on the files of a case.
+
+    Attributes
+    ----------
+    command : tuple of str
+        Arguments of ``fprc``; or a whole command, if ``row`` does not begin with fprc.
+    row : str
+        Line of the table.
+    names : tuple of str
+        What a refusal must name, one of them at the least.
+    judge : callable
+        Compares what came out with what should have, once the command has accepted the file.
+    leaves : tuple of str
+        Files that it may leave when it accepts.
+    accepts : callable
+        Whether the command took the file for usable.
+    folder : str
+        Where it runs, if not in the folder of the case.
+    limit_s : float
+        Longest time that it may take.
+    """
+
+    command: tuple[str, ...]
+    row: str
+    names: tuple[str, ...]
+    judge: Callable[[Path, Ended], Verdict]
+    leaves: tuple[str, ...] = ()
+    accepts: Callable[[Ended], bool] = lambda ended: ended.code == 0
+    folder: str = ""
+    limit_s: float = LIMIT_S
+
+
+class Case(NamedTuple):
+    """Files in a folder, and what is done with them.
+
+    Attributes
+    ----------
+    sound : bool
+        Whether nothing is wrong with them, so that a refusal is.
+    """
+
+    kind: str
+    what: str
+    steps: list[Step]
+    sound: bool = False
+
+
+class Result(NamedTuple):
+    """What came of one step."""
+
+    row: str
+    outcome: str
+    why: str
+    seconds: float
+
+
+def run(step: Step, case: Case, folder: Path, judging: Callable[[], None]) -> tuple[Result, Ended]:
+    """Run one step of a case and judge it.
+
+    Parameters
+    ----------
+    judging : callable
+        Called when the command is done and what came out is looked at.
+    """
+    before = _content(folder)
+    where = Path(step.folder) if step.folder else folder
+    if step.row.startswith("fprc"):
+        ended = watched.call(lambda: main(step.command), where)
+    else:
+        ended = watched.command(step.command, where, limit_s=step.limit_s)
+    judging()
+    outcome, why = outcome_of(step, folder, before, ended)
+    if case.sound and outcome == REFUSED:
+        outcome, why = UNTIDY, f"nothing is wrong with it: {why}"
+    return Result(step.row, outcome, why, ended.seconds), ended
+
+
+def outcome_of(step: Step, folder: Path, before: dict[str, str], ended: Ended) -> Verdict:
+    said = ended.err + ended.out
+    last = (ended.err.strip().splitlines() or [""])[-1]
+    if ended.stopped == "time":
+        return HANG, f"not done after {ended.seconds:.0f} s"
+    if ended.stopped == "memory" or ended.peak_bytes > LIMIT_BYTES:
+        return MEMORY, f"{ended.peak_bytes >> 20} MB"
+    if ended.code < 0:
+        return TRACEBACK, f"ended by signal {-ended.code}"
+    if "Traceback (most recent call last)" in said:
+        return TRACEBACK, last
+    after = _content(folder)
+    changed = sorted(name for name in before if after.get(name) != before[name])
+    if changed:
+        return UNTIDY, f"changed {', '.join(changed)}"
+    accepted = step.accepts(ended)
+    untidy = _untidy(ended) or _unnamed(step, accepted, said, last)
+    left = sorted(set(after) - set(before) - set(step.leaves if accepted else ()))
+    if left:
+        untidy = f"left {', '.join(left)}; said {last[:200]}"
+    if untidy:
+        return UNTIDY, untidy
+    if not accepted:
+        return REFUSED, last
+    try:
+        return step.judge(folder, ended)
+    except Exception as error:
+        return SILENT, f"what came out cannot be judged: {type(error).__name__}: {error}"
+
+
+def _untidy(ended: Ended) -> str:
+    for text in (ended.err, ended.out):
+        if found := _CONTROL.search(text):
+            return f"printed {found[0]!r}"
+        if found := _LIBRARY.search(text):
+            return f"a library's words: {found[0][:200]}"
+    if found := _NO_NUMBER.search(ended.out):
+        return f"printed {found[1]}"
+    return ""
+
+
+def _unnamed(step: Step, accepted: bool, said: str, last: str) -> str:
+    if accepted or any(name in said for name in step.names):
+        return ""
+    return f"refused without naming {' or '.join(step.names[:3])}: {last[:200]}"
+
+
+def _content(folder: Path) -> dict[str, str]:
+    found = {}
+    for path in sorted(folder.rglob("*")):
+        name = str(path.relative_to(folder))
+        if path.is_file() and not path.is_symlink():
+            found[name] = hashlib.sha256(path.read_bytes()).hexdigest()
+        else:
+            found[name] = "no file"
+    return found
+
+
+def differing(found: dict[str, Any], expected: dict[str, Any]) -> list[str]:
+    """Return the names under which two groups of arrays or values are not the same."""
+    names = found.keys() | expected.keys()
+    return sorted(
+        name
+        for name in names
+        if name not in found or name not in expected or not _same(found[name], expected[name])
+    )
+
+
+def _same(one: Any, other: Any) -> bool:
+    if hasattr(one, "tobytes") and hasattr(other, "tobytes"):
+        return one.shape == other.shape and one.tobytes() == other.tobytes()
+    return type(one) is type(other) and one == other

@@ -1,0 +1,234 @@
+"""Raw logs: damaged bytes, and what a program may have written that is not right."""
+
+import json
+import tempfile
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import damage
+import h5py
+import hdf5_changes
+import numpy as np
+import signals
+from judging import SAID, SAME, SILENT, Case, Step, Verdict, differing
+from watched import Ended
+
+from fprc.logs import write_raw
+
+
+class Log(NamedTuple):
+    """A log that is right: its file and content, and where in the file its numbers are."""
+
+    data: bytes
+    channels: dict[str, np.ndarray]
+    attributes: dict[str, Any]
+    payload: np.ndarray
+    rest: np.ndarray
+
+
+_DESCRIBED = {"sample_rate_hz": signals.RATE_HZ, "software": "fprc fuzz"}
+#: Samples beyond these are promised, not there.
+_BELIEVABLE = 10**6
+_CONTROL = {"control": {"k_in_kpa_per_deg": 7.0}}
+
+
+@cache
+def logs() -> dict[str, Log]:
+    """Return a log of each kind."""
+    sweep = signals.hysteresis()
+    imported = {name: sweep[name] for name in ("time_s", "theta_deg", "p_exp_kpa", "p_o_kpa")}
+    recorded = {name: values for name, values in sweep.items() if name != "phi_deg"}
+    return {
+        "sweep": _log(
+            sweep, experiment="sweep", source="sim", seed=1, rig={"valve": {"leak": 0.0}}
+        ),
+        "track": _log(
+            signals.tracking(), experiment="track_sine_0p2_fprc_pd_printed", source="sim", seed=1,
+            reference="sine_0p2", controller="fprc_pd", gain="printed", settle_s=0.5,
+            rig=_CONTROL | {"gains": {"kp_kpa_per_deg": 0.5, "kd_kpa_s_per_deg": 0.005}},
+        ),
+        "imported": _log(
+            imported, experiment="complex", source="import", seed=0, rig={},
+            imported_from="arm.csv", imported_sha256="0" * 64, imported_start_s=0.0,
+            map=json.dumps({"experiment": "complex"}),
+            notes=json.dumps({"p_o_kpa": "read as absolute"}),
+        ),
+        "recorded": _log(
+            recorded, experiment="sweep", source="rig", seed=1, rig=_CONTROL,
+            complete=True, lost_samples=0, started="2024-01-01T00:00:00.000000+00:00",
+            statistics=json.dumps({"overruns": 3, "late_p99_s": 0.0004}),
+        ),
+    }  # fmt: skip
+
+
+def _log(channels: Mapping[str, np.ndarray], **attributes: Any) -> Log:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "log.h5")
+        write_raw(path, channels, **_DESCRIBED, **attributes)
+        data = path.read_bytes()
+        found, told = content(path)
+        numbers = np.zeros(len(data), bool)
+        with h5py.File(path) as file:
+            for dataset in file.values():
+                for begin, size in _stretches(dataset):
+                    numbers[begin : begin + size] = True
+    names = {"simulated", "units", *_DESCRIBED, *attributes}
+    kept = {name: value for name, value in told.items() if name.rpartition(".")[2] in names}
+    used = np.frombuffer(data, np.uint8) != 0  # most of the rest is room that HDF5 left
+    return Log(data, found, kept, np.flatnonzero(numbers), np.flatnonzero(~numbers & used))
+
+
+def _stretches(dataset: h5py.Dataset) -> list[tuple[int, int]]:
+    if dataset.chunks is None:
+        return [(dataset.id.get_offset(), dataset.id.get_storage_size())]
+    chunks = (dataset.id.get_chunk_info(k) for k in range(dataset.id.get_num_chunks()))
+    return [(chunk.byte_offset, chunk.size) for chunk in chunks]
+
+
+def content(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+    """Return the channels of a file, and its attributes, by the library alone."""
+    channels, attributes = {}, {}
+    with h5py.File(path, "r") as file:
+        owners = {"": file}
+        for name in file:
+            dataset = _get(file, name)
+            if isinstance(dataset, h5py.Dataset) and (dataset.size or 0) < _BELIEVABLE:
+                channels[name] = np.asarray(dataset[()])
+                owners[f"{name}."] = dataset
+        for prefix, owner in owners.items():
+            for name in owner.attrs:
+                attributes[prefix + name] = _plain(owner.attrs[name])
+    return channels, attributes
+
+
+def _plain(value: Any) -> Any:
+    """Return a value as Python has it; there are several ways to write the same text."""
+    value = value.item() if getattr(value, "size", 0) == 1 else value
+    return value.decode("utf-8", "surrogateescape") if isinstance(value, bytes) else value
+
+
+def _get(file: h5py.File, name: str) -> Any:
+    try:
+        return file.get(name)
+    except (OSError, RuntimeError):  # a link that leads in a circle, or to a file that is not there
+        return None
+
+
+def flipped(rng: np.random.Generator, folder: Path) -> Case:
+    """Make a case of single bytes that changed."""
+    name, log = _any(rng)
+    if rng.random() < 0.02:
+        (folder / "log.h5").write_bytes(log.data)
+        return case_of(rng, "raw log, flipped bytes", f"{name}: as it should be", log)._replace(
+            sound=True
+        )
+    where = ("numbers", log.payload) if rng.random() < 0.4 else ("metadata", log.rest)
+    data, told = damage.flip(rng, log.data, where[1])
+    (folder / "log.h5").write_bytes(data)
+    return case_of(rng, "raw log, flipped bytes", f"{name}, {where[0]}: {told}", log)
+
+
+def torn(rng: np.random.Generator, folder: Path) -> Case:
+    """Make a case of stretches that are lost, moved or overwritten."""
+    name, log = _any(rng)
+    way = damage.ROUGH[rng.integers(len(damage.ROUGH))]
+    data, told = way(rng, log.data)
+    (folder / "log.h5").write_bytes(data)
+    return case_of(rng, "raw log, torn", f"{name}: {told}", log)
+
+
+def altered(rng: np.random.Generator, folder: Path) -> Case:
+    """Make a case of a log that some program wrote, or changed, by way of the library."""
+    name, log = _any(rng)
+    path = folder / "log.h5"
+    path.write_bytes(log.data)
+    told, plausible = hdf5_changes.change(rng, path)
+    found, attributes = content(path)
+    # what is there is to be copied, whatever it says
+    there = log._replace(
+        channels={key: _as_read(found[key]) for key in log.channels if key in found},
+        attributes={key: attributes[key] for key in log.attributes if key in attributes},
+    )
+    truth = there if plausible else None
+    return case_of(rng, "raw log, other content", f"{name}: {told}", truth, there)
+
+
+def _any(rng: np.random.Generator) -> tuple[str, Log]:
+    name = str(rng.choice(list(logs())))
+    return name, logs()[name]
+
+
+def case_of(
+    rng: np.random.Generator, kind: str, what: str, truth: Log | None, there: Log | None = None
+) -> Case:
+    """Return what is done with a log: ``truth`` is what it should hold, None if it is wrong."""
+
+    def checked(folder: Path, ended: Ended) -> Verdict:
+        return _compare(folder / "log.h5", truth, ended.code == 1)
+
+    def repaired(folder: Path, ended: Ended) -> Verdict:
+        return _compare_copy(folder / "copy.h5", there or truth, ended)
+
+    steps = []
+    # repairing takes a process, and with it as long as several other cases
+    repair = rng.random() < 0.3
+    if not repair or rng.random() < 0.3:
+        steps.append(
+            Step(("log", "check", "log.h5"), "fprc log check", ("log.h5",), checked, (), usable)
+        )
+    if repair:
+        steps.append(
+            Step(
+                ("log", "repair", "log.h5", "--out", "copy.h5"), "fprc log repair", ("log.h5",),
+                repaired, ("copy.h5",), lambda ended: ended.code in (0, 3),
+            )
+        )  # fmt: skip
+    return Case(kind, what, steps)
+
+
+def usable(ended: Ended) -> bool:
+    """Return whether a check took the log for one, clean or not."""
+    return ended.code in (0, 1) and "error:" not in ended.err
+
+
+def _compare(path: Path, truth: Log | None, warned: bool) -> Verdict:
+    if truth is None:
+        return (SAID, "") if warned else (SILENT, "what must be told is not")
+    other = _others(*content(path), truth)
+    if not other:
+        return SAME, ""
+    return (SAID if warned else SILENT), f"differ: {', '.join(other)}"
+
+
+def _others(channels: Mapping, attributes: Mapping, log: Log) -> list[str]:
+    # a log may have more than was written; what was written is compared
+    found = {name: _as_read(channels[name]) for name in log.channels if name in channels}
+    told = {name: attributes[name] for name in log.attributes if name in attributes}
+    return differing(found, log.channels) + differing(told, log.attributes)
+
+
+def _as_read(values: np.ndarray) -> np.ndarray:
+    return values.astype(np.float64) if values.dtype.kind in "fiu" else values
+
+
+def _compare_copy(path: Path, log: Log, ended: Ended) -> Verdict:
+    """Compare a copy with what it should be; what differs must be told by its name."""
+    channels, attributes = content(path)
+    if ended.code == 0:
+        other = _others(channels, attributes, log)
+        return (SILENT, f"differ: {', '.join(other)}") if other else (SAME, "")
+    silent = []
+    for name, values in log.channels.items():
+        found = channels.get(name)
+        begins = found is not None and found.tobytes() == values[: len(found)].tobytes()
+        if not begins and name not in ended.out:
+            silent.append(name)
+    for name in sorted(log.attributes.keys() - {"complete", "incomplete_reason", "lost_samples"}):
+        channel, _, key = name.rpartition(".")
+        # the units of a channel that is left out are left out with it
+        gone = channel and channel not in channels
+        if not gone and attributes.get(name) != log.attributes[name] and key not in ended.out:
+            silent.append(name)
+    return (SILENT, f"differ: {', '.join(silent)}") if silent else (SAID, "")

@@ -1,0 +1,198 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from fprc.errors import LogError
+from fprc.logs.clock import (
+    LONGEST_S,
+    MOST_POINTS,
+    SECONDS,
+    even,
+    likely,
+    other_unit,
+    read_clock,
+    refuse_length,
+)
+from fprc.logs.resample import resample
+from fprc.logs.variables import Source
+
+T = np.arange(400) / 200.0
+MENDING = {"repeated": "mean", "unordered": "sort"}
+
+
+def source(count=400, first_line=None):
+    lines = None if first_line is None else np.arange(count) + first_line
+    return Source(Path("log.csv"), "", {}, {}, lines)
+
+
+def clock_of(instants, unit="s", **more):
+    return read_clock(source(), {"column": "t", "unit": unit, **more}, np.asarray(instants))
+
+
+def refusal(call, *arguments, **named):
+    with pytest.raises(LogError) as caught:
+        call(*arguments, **named)
+    return str(caught.value)
+
+
+def length_refused(instants, unit="s", rate_hz=200.0, **more):
+    time = {"column": "t", "unit": unit, **more}
+    clock = read_clock(source(len(instants), 2), time, np.asarray(instants, dtype=float))
+    return refusal(refuse_length, source(len(instants), 2), time, clock, rate_hz)
+
+
+# --- order ----------------------------------------------------------------------------------
+
+
+def test_even_clock_uses_every_sample():
+    clock = even(5, 10.0)
+    assert clock.since_s == pytest.approx([0.0, 0.1, 0.2, 0.3, 0.4])
+    assert clock.mean(np.arange(5.0)).tolist() == [0, 1, 2, 3, 4]
+
+
+@given(
+    instants=arrays(np.int64, st.integers(1, 30), elements=st.integers(-5, 5)),
+    repeated=st.sampled_from(["first", "mean"]),
+)
+def test_mended_clock_agrees_with_one_instant_after_the_other(instants, repeated):
+    values = np.arange(len(instants), dtype=float)
+    clock = clock_of(instants.astype(float), repeated=repeated, unordered="sort")
+    groups = [values[instants == instant] for instant in np.unique(instants)]
+    expected = [group[0] if repeated == "first" else group.mean() for group in groups]
+    assert clock.mean(values[clock.samples]).tolist() == pytest.approx(expected)
+    assert clock.since_s.tolist() == [i - instants.min() for i in np.unique(instants)]
+    assert clock.mended["repeated_samples"] == len(instants) - len(groups)
+    late = sum(instants[k] < instants[:k].max() for k in range(1, len(instants)))
+    assert clock.mended["unordered_samples"] == late
+
+
+@given(count=st.integers(2, 20), data=st.data())
+def test_part_of_a_clock_is_that_of_its_instants(count, data):
+    instants = np.sort(data.draw(arrays(np.int64, count, elements=st.integers(0, 9)))).astype(float)
+    clock = clock_of(instants, repeated="mean")
+    begin = data.draw(st.integers(0, len(clock.since_s) - 1))
+    end = data.draw(st.integers(begin + 1, len(clock.since_s)))
+    part = clock.part(begin, end)
+    values = np.random.default_rng(count).standard_normal(count)
+    whole = clock.mean(values[clock.samples])
+    assert part.mean(values[part.samples]) == pytest.approx(whole[begin:end])
+    assert part.since_s.tolist() == clock.since_s[begin:end].tolist()
+
+
+def test_repeated_instants_are_counted_and_the_way_on_is_told():
+    instants = np.repeat(T[:200], 2)
+    said = refusal(read_clock, source(400, 2), {"column": "t", "unit": "s"}, instants)
+    assert "time: t: 200 of 400 samples have the instant of an earlier one" in said
+    assert "sample 1 (line 3) at 0;" in said
+    assert "time.repeated: first" in said
+
+
+def test_late_samples_are_counted_and_the_way_on_is_told():
+    instants = T.copy()
+    instants[10:12] = instants[[11, 10]]
+    instants[20] = 0.0123
+    said = refusal(read_clock, source(400, 2), {"column": "t", "unit": "s"}, instants)
+    assert "2 of 400 samples come before an earlier one" in said
+    assert "sample 11 (line 13) at 0.05 after sample 10 (line 12) at 0.055" in said
+    assert "time.unordered: sort" in said
+
+
+def test_late_and_repeated_samples_are_told_at_once():
+    instants = T.copy()
+    instants[10] = instants[3]
+    assert len(refusal(clock_of, instants).splitlines()) == 2
+    assert len(refusal(clock_of, instants, repeated="mean").splitlines()) == 1
+    assert len(clock_of(instants, **MENDING).since_s) == 399
+
+
+def test_instant_that_is_none_is_named_with_its_sample():
+    instants = T.copy()
+    instants[[6, 9]] = np.nan, np.inf
+    assert "time: t: sample 6 is nan, and 1 more" in refusal(clock_of, instants)
+
+
+# --- length ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("jump_s", [1e6, 1e9, 1e300])
+def test_last_stamp_that_jumps_is_named(jump_s):
+    instants = T.copy()
+    instants[-1] += jump_s
+    said = length_refused(instants)
+    assert "the clock jumps from 1.99 s at sample 398 (line 400) to " in said
+    assert "s at sample 399 (line 401): repair it there" in said
+
+
+def test_clock_that_goes_on_elsewhere_is_named_at_the_jump():
+    said = length_refused(1e3 * np.append(T[:100], T[100:] + 1e6), unit="ms")
+    assert "jumps from 495 ms at sample 99 (line 101) to 1000000500 ms at sample 100" in said
+
+
+def test_stamp_that_was_sorted_to_the_end_is_named_where_it_was():
+    instants = T.copy()
+    instants[50] += 1e6
+    assert "at sample 50 (line 52): repair" in length_refused(instants, **MENDING)
+
+
+@pytest.mark.parametrize(
+    ("unit", "told"), [("ns", "us"), ("ns", "s"), ("us", "s"), ("ms", "s"), ("ms", "min")]
+)
+def test_unit_that_is_too_long_is_answered_by_the_likely_one(unit, told):
+    instants = np.arange(40_000) / 200.0 / SECONDS[unit]
+    said = length_refused(instants, unit=told)
+    assert f"in {unit} the rate would be 200 Hz: set time.unit: {unit}" in said
+
+
+@pytest.mark.parametrize(("unit", "told"), [("s", "us"), ("ms", "ns")])
+def test_unit_that_is_too_short_is_answered_by_the_likely_one(unit, told):
+    said = length_refused(T / SECONDS[unit], unit=told)
+    assert "less than a sample at sample_rate_hz = 200" in said
+    assert f"set time.unit: {unit}" in said
+
+
+def test_likely_clock_is_not_doubted():
+    assert other_unit(clock_of(T), "s") is None
+    assert other_unit(clock_of(1e9 * T, unit="us"), "us").endswith("time.unit: ns if that is right")
+    assert other_unit(clock_of(1e-9 * T), "s") is None
+    assert likely(5.0) == (pytest.approx(200.0), "ms")
+
+
+def test_steps_far_finer_than_the_grid_are_refused():
+    """Else the low-pass alone would take 3 GB."""
+    instants = np.append(np.arange(50) * 1e-9, 1.0)
+    assert "take 2.4e+09 samples" in length_refused(instants)
+
+
+def test_rate_that_is_too_low_is_told_as_such():
+    with pytest.raises(LogError, match=r"time: rate_hz: .*correct time\.rate_hz"):
+        refuse_length(source(), {"rate_hz": 1e-3}, even(400, 1e-3), 200.0)
+
+
+@given(
+    instants=st.one_of(
+        arrays(np.float64, st.integers(2, 40), elements=st.floats(-1e308, 1e308)),
+        arrays(np.float64, st.integers(2, 40), elements=st.floats(0.0, 1e5)),
+        st.floats(1e-9, 1e6).map(lambda step: step * np.arange(30.0)),
+    ),
+    unit=st.sampled_from(sorted(SECONDS)),
+    rate_hz=st.sampled_from([1.0, 200.0, 1e5]),
+)
+def test_any_instants_are_refused_or_resampled_in_bounds(instants, unit, rate_hz):
+    time = {"column": "t", "unit": unit, **MENDING}
+    clock = read_clock(source(), time, instants)
+    if len(clock.since_s) < 2:
+        return
+    try:
+        refuse_length(source(), time, clock, rate_hz)
+    except LogError:
+        return
+    assert clock.since_s[-1] <= LONGEST_S
+    assert clock.since_s[-1] * rate_hz <= MOST_POINTS
+    if clock.since_s[-1] * rate_hz < 1e4:
+        grid_s, channels = resample(clock.since_s, {"x": clock.since_s}, rate_hz)
+        assert len(grid_s) <= MOST_POINTS
+        assert np.isfinite(channels["x"]).all()

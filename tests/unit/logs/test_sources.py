@@ -1,0 +1,147 @@
+import resource
+import struct
+import subprocess
+import sys
+import zlib
+
+import h5py
+import numpy as np
+import pytest
+import scipy.io
+
+from fprc.errors import LogError
+from fprc.logs import sources
+from fprc.logs.sources import read_source
+
+COLUMNS = {"t": np.arange(50) / 100.0, "force": np.arange(50.0) ** 2}
+
+
+def write_hdf5(path):
+    with h5py.File(path, "w") as file:
+        for name, values in COLUMNS.items():
+            file[name] = values
+
+
+def write_matlab5(path):
+    scipy.io.savemat(path, COLUMNS, do_compression=True)
+
+
+def write_matlab73(path):
+    with h5py.File(path, "w", userblock_size=512) as file:
+        for name, values in COLUMNS.items():
+            file.create_dataset(name, data=np.atleast_2d(values))
+    with path.open("r+b") as file:
+        file.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\0\2IM")
+
+
+WRITERS = {"hdf5": (write_hdf5, "log.h5"), "matlab5": (write_matlab5, "log.mat"),
+           "matlab73": (write_matlab73, "log.mat")}  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", WRITERS)
+def test_arrays_come_out_of_the_other_process_as_they_were(tmp_path, kind):
+    write, name = WRITERS[kind]
+    write(tmp_path / name)
+    found = read_source(tmp_path / name).variables
+    assert {column: values.tolist() for column, values in found.items()} == {
+        column: values.tolist() for column, values in COLUMNS.items()
+    }
+
+
+@pytest.mark.parametrize("name", ["log.h5", "log.mat"])
+def test_arrays_are_read_in_another_process(tmp_path, monkeypatch, name):
+    asked = []
+    monkeypatch.setattr(sources, "isolated", lambda *call, **more: asked.append((call, more)))
+    (tmp_path / name).write_bytes(b"x")
+    read_source(tmp_path / name)
+    ((function, path), more) = asked[0]
+    assert function is sources.read_arrays
+    assert path == tmp_path / name
+    assert more == {"matlab": name.endswith("mat"), "what": str(path)}
+
+
+READ_DAMAGED = """
+import sys
+from pathlib import Path
+from fprc.errors import LogError
+from fprc.logs.sources import read_arrays
+
+path = Path(sys.argv[1])
+whole = path.read_bytes()
+damaged = path.with_stem("damaged")
+for cut in sorted({128, *range(0, len(whole), max(len(whole) // 60, 1))}):
+    damaged.write_bytes(whole[:cut])
+    try:
+        read_arrays(damaged, matlab=path.suffix == ".mat")
+    except LogError as error:
+        print("LogError" if str(error).startswith(str(damaged)) else str(error))
+    except BaseException as error:
+        print(cut, type(error).__name__, error)
+    else:
+        print("read")
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", WRITERS)
+def test_file_cut_anywhere_is_refused_with_a_message_and_never_hangs(tmp_path, kind):
+    write, name = WRITERS[kind]
+    write(tmp_path / name)
+    run = subprocess.run(
+        [sys.executable, "-c", READ_DAMAGED, str(tmp_path / name)],
+        capture_output=True, text=True, timeout=60, check=True,
+    )  # fmt: skip
+    assert set(run.stdout.splitlines()) == {"LogError"}
+
+
+def zeros_of_matlab(count):
+    """Return a MATLAB 5 file of one compressed row of zeros."""
+
+    def element(kind, content):
+        return struct.pack("<II", kind, len(content)) + content + bytes(-len(content) % 8)
+
+    head = element(6, struct.pack("<II", 6, 0)) + element(5, struct.pack("<ii", 1, count))
+    head += element(1, b"x") + struct.pack("<II", 9, 8 * count)
+    packer = zlib.compressobj(1)
+    parts = [packer.compress(struct.pack("<II", 14, len(head) + 8 * count) + head)]
+    parts += [packer.compress(bytes(8 << 20)) for _ in range(count >> 20)]
+    packed = b"".join([*parts, packer.flush()])
+    head = b"MATLAB 5.0 MAT-file".ljust(124) + struct.pack("<H", 0x100) + b"IM"
+    return head + struct.pack("<II", 15, len(packed)) + packed
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["hdf5", "matlab5"])
+def test_small_file_of_a_billion_bytes_is_refused_in_little_memory(tmp_path, kind):
+    path = tmp_path / WRITERS[kind][1]
+    if kind == "matlab5":
+        path.write_bytes(zeros_of_matlab(128 << 20))
+        with pytest.raises(LogError, match="take more than 381 MB"):
+            read_source(path)
+    else:
+        with h5py.File(path, "w") as file:
+            file.create_dataset("x", shape=(10**9,), dtype="f8", chunks=(10**6,), compression=1)
+        assert "declares 1,000,000,000 numbers" in read_source(path).others["x"]
+    assert path.stat().st_size < 10 << 20
+    assert resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss < 1 << 20
+
+
+@pytest.mark.parametrize("name", ["log.h5", "log.mat", "log.csv"])
+def test_absent_file_is_named(tmp_path, name):
+    with pytest.raises(LogError, match="cannot be opened") as caught:
+        read_source(tmp_path / name)
+    assert str(caught.value).startswith(str(tmp_path / name))
+
+
+def test_unknown_ending_is_answered_by_the_known_ones(tmp_path):
+    with pytest.raises(LogError, match="must be one of .csv"):
+        read_source(tmp_path / "log.xlsx")
+
+
+@pytest.mark.parametrize("name", ["log.h5", "log.mat"])
+def test_text_under_another_ending_is_refused(tmp_path, name):
+    (tmp_path / name).write_text("t,angle\n0,1\n")
+    with pytest.raises(LogError) as caught:
+        sources.read_arrays(tmp_path / name, matlab=name.endswith("mat"))
+    assert str(caught.value).startswith(str(tmp_path / name))
