@@ -169,15 +169,20 @@ def read_raw(
     return log
 
 
-def read_run(path: Path | str, names: tuple[str, ...]) -> Columns:
+def read_run(path: Path | str, names: tuple[str, ...] | None = None) -> Columns:
     """Read channels of a closed-loop run; the whole log is checked as ``read_raw`` does.
+
+    Parameters
+    ----------
+    names : tuple of str, optional
+        By default all that a raw log has.
 
     Raises
     ------
     LogError
         See ``read_raw``, but for the rate; further it is no log of a closed-loop run.
     """
-    log, problems = _gather(path, names, RUN_ATTRIBUTES)
+    log, problems = _gather(path, names or (), RUN_ATTRIBUTES)
     told = log.attributes
     if "experiment" in told and not _is_run(told):
         problems.append(
@@ -186,6 +191,8 @@ def read_run(path: Path | str, names: tuple[str, ...]) -> Columns:
         )
     if problems:
         raise LogError("\n".join(problems))
+    if names is None:
+        return log
     return log._replace(channels={name: log.channels[name] for name in names})
 
 
