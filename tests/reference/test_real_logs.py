@@ -93,7 +93,7 @@ def test_antagonistic_pair_is_a_clean_recording_in_newtons(imported):
     assert found["clock"]["mean_hz"] == pytest.approx(1000.0)
     assert found["clock"]["gaps"] == found["identical"] == []
     assert all(not channel["held_samples"] for channel in found["channels"].values())
-    assert "not in kPa: motor force F [N]" in log.attributes["notes"]
+    assert log.attributes["notes"]["p_exp_kpa"] == "not in kPa: motor force F [N]"
     assert log.channels["p_o_kpa"].min() == pytest.approx(359.7, abs=0.5)
 
 

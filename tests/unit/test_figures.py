@@ -192,11 +192,13 @@ def test_unit_from_a_file_is_drawn_as_text(axes, unit):
     plot_fit(time, time, time, axes, colours=("k", "k"), unit=unit)
     axes.figure.canvas.draw()
     assert axes.get_ylabel() == rf"$P_\mathrm{{exp}}$ [{figure(unit)}]"
-    plot_error(time, time, time, axes, colour="k", unit=unit)
+    plot_error(time, time, time, axes, colour="k", rmse=0.0, unit=unit)
     axes.figure.canvas.draw()
     assert axes.get_ylabel() == f"Error [{figure(unit)}]"
     log = Columns(Path("x.h5"), {}, {"p_exp_unit": unit})
-    table = pd.DataFrame({"n_y": [1, 1], "n_u": [1, 2], "train_mean": [1.0, 2.0], "unit": unit})
+    table = pd.DataFrame(
+        {"n_y": [1, 1], "n_u": [1, 2], "mean": [1.0, 2.0], "unit": unit, "phase": "train"}
+    )
     plot_grid(table, "train", axes)
     axes.set_xlabel(draw._label("p_exp", log))
     axes.figure.canvas.draw()

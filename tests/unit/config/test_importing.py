@@ -3,7 +3,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fprc.config.importing import Channels, Time, read_map
+from fprc.config.importing import Channels, Draft, Time, read_draft, read_map
 from fprc.errors import ConfigError
 from fprc.logs import RAW_CHANNELS
 from fprc.logs.clock import SECONDS
@@ -128,6 +128,67 @@ def test_all_errors_are_told_at_once(problems):
     assert said.splitlines()[0].endswith("5 errors in the map:")
     for part in ("experiment", "rate", "time", "channels.theta_deg.unit", "channels.p_exp"):
         assert sum(line.startswith(f"  {part}") for line in said.splitlines()) == 1
+
+
+def test_wrong_values_hide_no_contradiction(problems):
+    content = {
+        "experiment": "sweep",
+        "test_from_s": 9,
+        "start_s": 3,
+        "end_s": 2,
+        "time": {"rate_hz": "often", "unit": "ms", "repeated": "mean"},
+        "channels": {"theta_deg": {"column": "x", "unit": 1, "scale": 0}},
+    }
+    told = [line.split(" = ")[0].split(";")[0] for line in problems(content).splitlines()[1:]]
+    assert told == [
+        "  time.rate_hz",
+        "  channels.theta_deg.scale",
+        "  give either experiment, for the one log that `fprc import` writes, or test_from_s, for "
+        "the two parts of `fprc readout`",
+        "  end_s",
+        "  time: unit belongs to a column",
+        "  time: repeated belongs to a column",
+        "  channels: p_exp_kpa or p_exp_command_kpa is missing",
+        "  channels.theta_deg: unit 1 stands for a quantity that is something else",
+    ]
+
+
+def test_what_an_unknown_key_may_mean_is_not_called_missing(problems):
+    said = problems({
+        "experimnt": "sweep",
+        "time": {"colum": "t"},
+        "channels": {"theta_deg": SMALL["channels"]["theta_deg"], "p_exp_kp": {}},
+    })  # fmt: skip
+    assert {line.rpartition("did you mean ")[2] for line in said.splitlines()[1:]} == {
+        "experiment?", "time.column?", "channels.p_exp_kpa?",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("content", "meant"),
+    [
+        (with_channel("p_o_kpa", column="P", unit="baar"), "bar"),
+        (with_channel("p_o_kpa", column="P", unit="KPA"), "kPa"),
+        (with_channel("p_o_kpa", column="P", unit="banana"), None),
+        (with_channel("phi_deg", column="P", unit="degrees"), "deg"),
+        (SMALL | {"time": {"column": "t", "unit": "msec"}}, "ms"),
+        (SMALL | {"time": {"column": "t", "repeated": "avg"}}, None),
+        (SMALL | {"time": {"column": "t", "repeated": "means"}}, "mean"),
+        (SMALL | {"experiment": "swep"}, "sweep"),
+    ],
+)
+def test_wrong_word_is_answered_by_the_nearest(problems, content, meant):
+    _, _, said = problems(content).partition("; did you mean ")
+    assert said == (f"{meant}?" if meant else "")
+
+
+def test_draft_has_the_columns_of_a_wrong_map(tmp_path):
+    path = tmp_path / "map.yaml"
+    channels = {"theta_deg": {"column": 3, "unit": "x"}, "p_o_kpa": 5, "p_i_kpa": {"column": []}}
+    path.write_text(yaml.safe_dump({"time": {"column": "t"}, "channels": channels, "x": 1}))
+    assert read_draft(path).columns == {"time": "t", "channels.theta_deg": "3"}
+    path.write_text(yaml.safe_dump({"time": {"column": "t"}, "csv": {"decimal": ";"}}))
+    assert read_draft(path) == Draft({}, {})
 
 
 def test_absent_map_is_an_error(tmp_path):
