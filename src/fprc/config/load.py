@@ -13,8 +13,13 @@ from fprc.errors import ConfigError
 from fprc.yaml_file import read_yaml
 
 
-def check(config: Mapping[str, Any]) -> Settings:
+def check(config: Mapping[str, Any], files: Sequence[Path | str] = ()) -> Settings:
     """Return the typed settings of a nested mapping.
+
+    Parameters
+    ----------
+    files : sequence
+        What it was read from, for the message.
 
     Raises
     ------
@@ -39,7 +44,8 @@ def check(config: Mapping[str, Any]) -> Settings:
     if not lines:
         return settings
     noun = "error" if len(lines) == 1 else "errors"
-    raise ConfigError("\n".join([f"{len(lines)} {noun} in the configuration:", *lines]))
+    read = f" ({', '.join(map(str, files))})" if files else ""
+    raise ConfigError("\n".join([f"{len(lines)} {noun} in the configuration{read}:", *lines]))
 
 
 def _restored(config: Any, item: Mapping) -> bool:
@@ -78,7 +84,7 @@ def from_files(paths: Sequence[Path | str], over: Mapping[str, Any] | None = Non
     if problems:
         raise ConfigError("\n".join(problems))
     _merge(merged, over or {})
-    return check(merged)
+    return check(merged, paths)
 
 
 #: Settings whose keys are the user's: given, they replace the default as a whole.

@@ -242,10 +242,14 @@ def refuse_description(path: Path, names: Sequence[str], attributes: Mapping[str
     if not (isinstance(names, Sequence) and all(isinstance(name, str) for name in names)):
         raise LogError(f"{path}: names = {reprlib.repr(names)}: must be the channels' names")
     problems = [f"{path}: attribute {text}" for text in wrong_kinds(attributes)]
-    if attributes.get("source", "rig") not in SOURCES:
+    if not problems and attributes.get("source", "rig") not in SOURCES:
         problems.append(
             f"{path}: attribute source = {attributes['source']}: must be one of "
             f"{', '.join(SOURCES)}"
+        )
+    if not problems and not attributes.get("sample_rate_hz", 1.0) > 0.0:
+        problems.append(
+            f"{path}: attribute sample_rate_hz = {attributes['sample_rate_hz']}: must be above 0"
         )
     if problems:  # what must be there depends on them
         raise LogError("\n".join(problems))

@@ -40,6 +40,8 @@ class Findings(NamedTuple):
     reason: str
     #: What the run said of itself when it was closed.
     statistics: dict[str, Any]
+    #: Samples that do not come after those before them, counted as lost.
+    misplaced: int = 0
 
 
 class _Block(NamedTuple):
@@ -87,10 +89,23 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
     there = max(min(there, begun), 0)
     records = np.frombuffer(data, record, there, start) if there else np.empty(0, record)
     right = np.flatnonzero(_checksums(data, start, records, seed) == records["crc"])
+    right, misplaced = _in_order(records["tick"], right)
     rows = records["row"][right]
     channels = {name: rows[:, j].copy() for j, name in enumerate(names)}
     ticks = records["tick"][right].astype(np.int64)
-    return channels, attributes, _findings(right, begun, ticks, channels["time_s"], end)
+    findings = _findings(right, begun, ticks, channels["time_s"], end)
+    return channels, attributes, findings._replace(misplaced=misplaced)
+
+
+def _in_order(ticks: np.ndarray, right: np.ndarray) -> tuple[np.ndarray, int]:
+    """Return the samples that come after all before them, and how many do not.
+
+    A disk may give back a page in the place of another one.
+    """
+    before = np.maximum.accumulate(ticks[right])
+    fits = np.ones(len(right), bool)
+    fits[1:] = ticks[right][1:] > before[:-1]
+    return right[fits], int((~fits).sum())
 
 
 def _find(data: bytes, marker: bytes, start: int, seed: int = 0) -> _Block | None:

@@ -11,7 +11,7 @@ import numpy as np
 from fprc.errors import LogError
 
 #: Most numbers that are read of a file, all its arrays together: 10 channels of 1 kHz for 80 min.
-MOST_NUMBERS = 50_000_000
+MOST_NUMBERS = 20_000_000
 #: Most arrays, texts, ... in a file.
 MOST_VARIABLES = 200_000
 

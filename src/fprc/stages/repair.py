@@ -49,6 +49,8 @@ def repair_log(source: str, raw: str) -> int:
 
 def _words(findings: Findings) -> list[str]:
     words = [_stretch(stretch) for stretch in findings.stretches]
+    if findings.misplaced:
+        words.append(f"{findings.misplaced} of the lost samples are there, in the wrong place")
     if findings.missed_ticks:
         words.append(f"{findings.missed_ticks} ticks were missed by the loop; never acquired")
     if not findings.closed:

@@ -110,7 +110,7 @@ def test_dataset_that_declares_too_much_is_not_read(written, tmp_path, monkeypat
     source = written(write)
     assert (tmp_path / "log.h5").stat().st_size < 1 << 16
     assert list(source.variables) == ["t"]
-    assert "numbers; at most 50,000,000 are read of a file" in source.others["x"]
+    assert "numbers; at most 20,000,000 are read of a file" in source.others["x"]
 
 
 def test_datasets_that_declare_too_much_together_are_not_all_read(written, monkeypatch):

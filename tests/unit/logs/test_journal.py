@@ -566,3 +566,20 @@ def test_header_that_says_nothing_that_can_be_used_is_refused(tmp_path, name, va
     path.write_bytes(block + block)
     with pytest.raises(LogError, match=name):
         read_journal(path)
+
+
+def test_samples_in_the_wrong_place_are_left_out_and_counted(tmp_path):
+    path = tmp_path / "run.journal"
+    write(path, ticks=range(20), complete=True)
+    data = bytearray(path.read_bytes())
+    start = data.index(struct.pack("<Q", 1), len(data) - 20 * SIZE - 2000) - SIZE
+    rows = [bytes(data[start + k * SIZE : start + (k + 1) * SIZE]) for k in range(20)]
+    rows[4], rows[15] = rows[15], rows[4]
+    data[start : start + 20 * SIZE] = b"".join(rows)
+    path.write_bytes(data)
+    channels, _, findings = read_journal(path)
+    assert (np.diff(channels["time_s"]) > 0.0).all()
+    assert findings.misplaced > 0
+    assert findings.lost == findings.misplaced
+    assert findings.samples + findings.lost == 20
+    assert not findings.complete
