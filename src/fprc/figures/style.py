@@ -133,7 +133,7 @@ def _write(fig: Figure, data: Mapping[str, object], files: Mapping[str, Mapping]
     fig.supxlabel(mark, x=0.99, ha="right", fontsize=5.5, color="0.45")
     for path, metadata in files.items():
         with replacing(Path(path)) as temporary, warnings.catch_warnings():
-            # a column's name in letters that the font lacks is drawn as boxes
-            warnings.filterwarnings("ignore", "Glyph .* missing from font")
+            # names from files may have letters that the font lacks: a box is drawn for each
+            warnings.filterwarnings("ignore", message="Glyph .* missing from font")
             fig.savefig(temporary, metadata=metadata)
     plt.close(fig)

@@ -93,6 +93,8 @@ def _why_not(dataset: h5py.Dataset, left: int, *, matlab: bool) -> str | None:
         return (
             f"declares {largest:,} numbers; at most {MOST_NUMBERS:,} are read of a file, split it"
         )
+    if not dataset.id.get_storage_size():
+        return f"declares {dataset.size:,} numbers, of which none was written"
     return None
 
 

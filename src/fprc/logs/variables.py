@@ -10,7 +10,7 @@ import numpy as np
 
 from fprc.errors import LogError
 
-#: Most numbers that are read of a file, all its arrays together: 10 channels of 1 kHz for 80 min.
+#: Most numbers that are read of a file, all its arrays together: 10 channels of 1 kHz for 33 min.
 MOST_NUMBERS = 20_000_000
 #: Most arrays, texts, ... in a file.
 MOST_VARIABLES = 200_000

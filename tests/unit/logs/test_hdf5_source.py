@@ -95,7 +95,6 @@ def test_dataset_that_cannot_be_read_leaves_the_others(written, tmp_path):
 @pytest.mark.parametrize(
     "declared",
     [
-        {"shape": (10**9,)},
         {"shape": (10**9,), "chunks": (10**6,), "compression": "gzip"},
         {"shape": (10**5, 10**4), "chunks": (100, 100), "fillvalue": 1.0},
         {"shape": (10,), "maxshape": (None,), "chunks": (10**9 // 8,), "compression": "gzip"},
@@ -111,6 +110,17 @@ def test_dataset_that_declares_too_much_is_not_read(written, tmp_path, monkeypat
     assert (tmp_path / "log.h5").stat().st_size < 1 << 16
     assert list(source.variables) == ["t"]
     assert "numbers; at most 20,000,000 are read of a file" in source.others["x"]
+
+
+def test_dataset_that_was_never_written_is_no_column(written):
+    def write(file):
+        file["t"] = np.arange(10.0)
+        file.create_dataset("x", shape=(10**6,), dtype="f8")
+        file.create_dataset("y", shape=(10,), dtype="f8", chunks=(5,))[:5] = 1.0
+
+    source = written(write)
+    assert list(source.variables) == ["t", "y"]
+    assert source.others["x"] == "declares 1,000,000 numbers, of which none was written"
 
 
 def test_datasets_that_declare_too_much_together_are_not_all_read(written, monkeypatch):
