@@ -1,6 +1,7 @@
 """Raw logs: damaged bytes, and what a program may have written that is not right."""
 
 import json
+import re
 import tempfile
 from collections.abc import Mapping
 from contextlib import suppress
@@ -32,6 +33,8 @@ class Log(NamedTuple):
 _DESCRIBED = {"sample_rate_hz": signals.RATE_HZ, "software": "fprc fuzz"}
 #: Samples beyond these are promised, not there.
 _BELIEVABLE = 10**6
+#: What says that attributes may be lost or wrong of which the file no longer tells the names.
+_ALL_ATTRIBUTES = re.compile(r"attributes\b.*\b(lost|wrong)")
 _CONTROL = {"control": {"k_in_kpa_per_deg": 7.0}}
 
 
@@ -231,6 +234,7 @@ def _compare_copy(path: Path, log: Log, ended: Ended) -> Verdict:
         channel, _, key = name.rpartition(".")
         # the units of a channel that is left out are left out with it
         gone = channel and channel not in channels
-        if not gone and attributes.get(name) != log.attributes[name] and key not in ended.out:
+        told = key in ended.out or _ALL_ATTRIBUTES.search(ended.out)
+        if not gone and not told and attributes.get(name) != log.attributes[name]:
             silent.append(name)
     return (SILENT, f"differ: {', '.join(silent)}") if silent else (SAID, "")
