@@ -32,9 +32,14 @@ KINDS = {
     "statistics": dict,
     "notes": dict,
     "map": dict,
+    "imported_from": str,
+    "imported_sha256": str,
+    "imported_start_s": float,
     "units": str,
     "crc32": int,
 }
+#: Of these, what a channel has.
+OF_A_CHANNEL = ("units", "crc32")
 _WORDS = {
     str: "text",
     bool: "true or false",

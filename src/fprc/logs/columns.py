@@ -10,7 +10,7 @@ import numpy as np
 
 from fprc.artifacts import replacing
 from fprc.errors import LogError
-from fprc.logs.attributes import as_written, read_attributes
+from fprc.logs.attributes import OF_A_CHANNEL, as_written, read_attributes
 from fprc.logs.hdf5 import (
     channel_of,
     links_of,
@@ -33,9 +33,6 @@ __all__ = [
 
 #: Unit of a channel by the ending of its name.
 UNITS = {"_kpa": "kPa", "_deg": "deg", "_s": "s", "_v": "V"}
-
-#: Attributes of a channel.
-_OF_A_CHANNEL = ("units", "crc32")
 
 #: The oldest format in which all that describes the channels has checksums of its own.
 _FORMAT = (h5py.h5f.LIBVER_V18, h5py.h5f.LIBVER_V18)
@@ -101,6 +98,7 @@ def _in_memory() -> h5py.File:
     # one beside the other in the header, where a wrong byte costs one of them; beyond eight
     # the library would keep them in a heap, where it costs all
     creation.set_attr_phase_change(_MOST_ATTRIBUTES, 0)
+    creation.set_obj_track_times(False)  # the same content gives the same bytes
     return h5py.File(h5py.h5f.create(b"log", h5py.h5f.ACC_TRUNC, creation, access))
 
 
@@ -199,7 +197,7 @@ def _read_all(
     for name, dataset in datasets.items():
         told, wrong = read_attributes(dataset.attrs)
         channels[name] = values = dataset[:].astype(np.float64, copy=False)
-        more = _of_attributes({key: wrong[key] for key in _OF_A_CHANNEL if key in wrong})
+        more = _of_attributes({key: wrong[key] for key in OF_A_CHANNEL if key in wrong})
         unit = told.get("units", "none")
         if unit != unit_of(name) and "units" not in wrong:
             more.append(

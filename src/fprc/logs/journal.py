@@ -16,6 +16,7 @@ import reprlib
 import struct
 import threading
 import zlib
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
@@ -26,7 +27,7 @@ import numpy as np
 from fprc.errors import LogError
 from fprc.logs.attributes import wrong_kinds
 from fprc.logs.columns import unit_of
-from fprc.logs.raw import RAW_ATTRIBUTES, SOURCES, missing_channels
+from fprc.logs.raw import RAW_ATTRIBUTES, contradictions, missing_channels
 
 #: Begins a journal; the digit is the version of the format.
 MAGIC = b"\x89FPRCJ1\n"
@@ -241,18 +242,10 @@ def refuse_description(path: Path, names: Sequence[str], attributes: Mapping[str
     """
     if not (isinstance(names, Sequence) and all(isinstance(name, str) for name in names)):
         raise LogError(f"{path}: names = {reprlib.repr(names)}: must be the channels' names")
-    problems = [f"{path}: attribute {text}" for text in wrong_kinds(attributes)]
-    if not problems and attributes.get("source", "rig") not in SOURCES:
-        problems.append(
-            f"{path}: attribute source = {attributes['source']}: must be one of "
-            f"{', '.join(SOURCES)}"
-        )
-    if not problems and not attributes.get("sample_rate_hz", 1.0) > 0.0:
-        problems.append(
-            f"{path}: attribute sample_rate_hz = {attributes['sample_rate_hz']}: must be above 0"
-        )
+    problems = [f"attribute {text}" for text in wrong_kinds(attributes)]
+    problems = problems or contradictions(attributes)
     if problems:  # what must be there depends on them
-        raise LogError("\n".join(problems))
+        raise LogError("\n".join(f"{path}: {problem}" for problem in problems))
     if path.suffix != ".journal":
         problems.append(f"{path}: a journal's name ends in .journal")
     for name in names:
@@ -260,7 +253,7 @@ def refuse_description(path: Path, names: Sequence[str], attributes: Mapping[str
             unit_of(name)
         except LogError as error:
             problems.append(f"{path}: {error}")
-    twice = sorted({name for name in names if names.count(name) > 1})
+    twice = sorted(name for name, count in Counter(names).items() if count > 1)
     absent = [name for name in RAW_ATTRIBUTES if name not in attributes and name != "simulated"]
     missing = missing_channels(attributes, names)
     for what, wrong in (

@@ -212,13 +212,14 @@ def _gather(
     )
     if _is_imported(told) and not any(name in log.channels for name in _TARGETS):
         problems.append(f"{path}: channel {' or '.join(_TARGETS)}: missing; import one of them")
-    more = [*_contradictions(told), *_far_away(log.channels)]
+    more = [*contradictions(told), *_far_away(log.channels)]
     if _is_clock(log.channels.get("time_s")):
         more += _wrong_times(log.channels["time_s"], told.get("settle_s"))
     return log, problems + [f"{path}: {problem}" for problem in more]
 
 
-def _contradictions(told: Mapping[str, Any]) -> list[str]:
+def contradictions(told: Mapping[str, Any]) -> list[str]:
+    """Return what attributes say that cannot be, each of them being of its kind."""
     problems = []
     source, simulated = told.get("source"), told.get("simulated")
     if source is not None and source not in SOURCES:
@@ -230,6 +231,10 @@ def _contradictions(told: Mapping[str, Any]) -> list[str]:
         )
     if not told.get("sample_rate_hz", 1.0) > 0.0:
         problems.append(f"attribute sample_rate_hz = {told['sample_rate_hz']}; must be above 0")
+    if told.get("experiment") == "":
+        problems.append("attribute experiment: is empty; must be sweep, complex or a run's name")
+    if told.get("lost_samples", 0) < 0:
+        problems.append(f"attribute lost_samples = {told['lost_samples']}; must not be below 0")
     return problems
 
 
