@@ -269,7 +269,7 @@ def _nested(rng, file):
 
 def _long_json(rng, file):
     told = json.dumps({f"c{k}_kpa": "x" for k in range(3000)})
-    file.attrs["notes"] = told[: int(rng.choice([100, 60000]))]
+    file.attrs["notes"] = told[: int(rng.choice([100, 20000]))]
     return "notes cut short"
 
 
