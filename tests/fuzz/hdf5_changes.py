@@ -183,8 +183,8 @@ def _attribute_gone(rng, file):
 
 _WRONG_ATTRIBUTES = {
     "experiment": ["", 5, np.bytes_(b"swe\xff\xfep")],
-    "source": ["", "moon", 1, np.bytes_(b"\xff"), np.array(["sim", "rig"])],
-    "simulated": ["yes", 7, np.array([True, False]), "\x00"],
+    "source": ["", "moon", 1, np.bytes_(b"\xff"), ["sim", "rig"]],
+    "simulated": ["yes", 7, np.array([True, False]), np.bytes_(b"\x00")],
     "sample_rate_hz": [0.0, -200.0, np.nan, np.inf, 1e300, 1e-300, "200", np.array([200.0, 100.0])],
     "seed": ["one", np.nan, 1.5, np.array([1, 2])],
     "software": [1, np.bytes_(b"\xfffprc"), h5py.Empty("S1")],
