@@ -71,8 +71,8 @@ docs: .venv/.ready
 fault-matrix: .venv/.ready
 	pytest tests/faults --write-matrix
 
-# damaged files through the commands that read them, some 15 minutes on two cores; fewer with
-# CASES=500, others with SEED=2, the counts as a page with PAGE=docs/fuzz.md
+# damaged files through the commands that read them, some quarter of an hour on two cores; fewer
+# with CASES=500, others with SEED=2, the counts as a page with PAGE=docs/fuzz.md
 CASES ?= 10000
 SEED ?= 1
 fuzz: .venv/.ready

@@ -26,13 +26,13 @@ Make = Callable[[np.random.Generator, Path], Case]
 
 #: Of 500 cases: as many as fit into 15 minutes on two cores for 10,000, those that take long least.
 MIX: tuple[tuple[Make, int], ...] = (
-    (configs.case, 189),
-    (journals.case, 70),
-    (csv_files.case, 90),
-    (mat_files.case, 40),
-    (raw_logs.flipped, 55),
-    (raw_logs.torn, 20),
-    (raw_logs.altered, 35),
+    (configs.case, 215),
+    (journals.case, 75),
+    (csv_files.case, 85),
+    (mat_files.case, 34),
+    (raw_logs.flipped, 45),
+    (raw_logs.torn, 16),
+    (raw_logs.altered, 29),
 )
 _TURNS = [make for make, number in MIX for _ in range(number)]
 #: One of 500 is a dry run, soon enough to be among 200.

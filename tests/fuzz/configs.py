@@ -18,6 +18,12 @@ from fprc.config.section import fields
 
 NAME = "mine.yaml"
 
+#: A word before a colon, tried at its beginning alone: some words are a million letters long.
+_KEY = re.compile(r"""(?<![^\s:{},'"\[\]])([^\s:{},'"\[\]]+) ?['"]?\s*:""")
+
+#: Keys that are no words, as a message shows them.
+_AS_READ = {"true": "True", "false": "False", "null": "None"}
+
 #: What may stand in place of a value, as it is written.
 _ODD = (
     "010", "1:30", "0o17", "0x10", "1_000", "1e3", "1e-06", "+5", "-0", ".5", "5.", '"7"', "'1e3'",
@@ -82,7 +88,8 @@ def compare(folder: Path, wrong: str) -> Verdict:
 def _names(data: bytes) -> tuple[str, ...]:
     """Return what a refusal must name: the file, or a key of it."""
     text = data.decode("utf-8", "replace")
-    keys = set(re.findall(r"\b(\w+) ?['\"]?\s*:", text))
+    keys = set(_KEY.findall(text))
+    keys |= {_AS_READ[key] for key in keys & _AS_READ.keys()}
     # "a" is part of many a word, " a:" is not
     short = [f" {key}{mark}" for key in keys for mark in (":", " =") if len(key) < 3]
     return (NAME, *sorted(key for key in keys if len(key) > 2), *sorted(short))

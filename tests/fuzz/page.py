@@ -11,7 +11,7 @@ _HEAD = """\
 
 Written by `make fuzz PAGE=docs/fuzz.md`: seed {seed}, {cases} cases. Each case is a file, or two,
 made of the seed and the number of the case alone; `python tests/fuzz --seed {seed} --case 4711`
-repeats one and shows what was said. The commands are those of a user, each in a process of its own.
+repeats one and shows what was said. The commands are those of a user, in a process that is watched.
 
 - *refused*: the exit code says so, a message names the file (in a configuration: or a key), and
   nothing is left behind

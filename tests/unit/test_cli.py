@@ -76,7 +76,7 @@ def test_errors_of_a_configuration_go_to_stderr_without_a_traceback(tmp_path, ca
     assert main(["config", "check", str(CONFIG / "config.yaml"), str(path)]) == 1
     said = capsys.readouterr()
     assert said.out == ""
-    assert said.err.startswith("error: 2 errors in the configuration:\n")
+    assert said.err.startswith("error: 2 errors in the configuration (")
     assert "did you mean models?" in said.err
     assert "Traceback" not in said.err
 

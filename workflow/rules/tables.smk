@@ -99,6 +99,7 @@ rule tracking_table:
         f"{RESULTS}/logs/table4.log",
     params:
         left_out=[run for run in ALL_RUNS if run not in HELD],
+        limits=SETTINGS["quality"],
         code=code_of("tracking_table"),
     message:
         "Table 4"

@@ -13,8 +13,13 @@ from fprc.errors import ConfigError
 from fprc.yaml_file import read_yaml
 
 
-def check(config: Mapping[str, Any]) -> Settings:
+def check(config: Mapping[str, Any], files: Sequence[Path | str] = ()) -> Settings:
     """Return the typed settings of a nested mapping.
+
+    Parameters
+    ----------
+    files : sequence
+        What it was read from, for the message.
 
     Raises
     ------
@@ -39,7 +44,8 @@ def check(config: Mapping[str, Any]) -> Settings:
     if not lines:
         return settings
     noun = "error" if len(lines) == 1 else "errors"
-    raise ConfigError("\n".join([f"{len(lines)} {noun} in the configuration:", *lines]))
+    read = f" ({', '.join(map(str, files))})" if files else ""
+    raise ConfigError("\n".join([f"{len(lines)} {noun} in the configuration{read}:", *lines]))
 
 
 def _restored(config: Any, item: Mapping) -> bool:
@@ -78,7 +84,7 @@ def from_files(paths: Sequence[Path | str], over: Mapping[str, Any] | None = Non
     if problems:
         raise ConfigError("\n".join(problems))
     _merge(merged, over or {})
-    return check(merged)
+    return check(merged, paths)
 
 
 #: Settings whose keys are the user's: given, they replace the default as a whole.
@@ -99,6 +105,9 @@ def _line(item: Mapping) -> str:
     defaults = {name: default for name, default, _, _ in fields(Settings())}
     if item["type"] == "extra_forbidden":
         return f"  {key}: unknown key; did you mean {_nearest(key, list(defaults))}?"
+    if item["type"] == "invalid_key":
+        named = ".".join(map(str, [*item["loc"][:-1], item["input"]]))
+        return f"  {named}: unknown key; every key is a word, as seed"
     message = item["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
     where = f"{key} = {item['input']}: " if key and item["type"] != "value_error" else ""
     remedy = f"; remove the key for {defaults[key]!r}" if key in defaults else ""

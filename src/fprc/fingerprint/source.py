@@ -19,6 +19,8 @@ _DYNAMIC = (
     "sys.executable",
     "sys.modules",
 )
+#: Starts a process for a function that its callers name, and that counts by its name.
+_STARTS_WHAT_IS_NAMED = "fprc.logs.isolated"
 _DYNAMIC_BUILTINS = {"__import__", "eval", "exec", "globals"}
 
 _BUILTINS = set(dir(builtins))
@@ -98,7 +100,7 @@ def read(content: bytes, module: str, *, is_package: bool) -> Source:
             uses=tuple(sorted(u for u in names if _root(u) in imported.keys() | defined)),
             imports=tuple(_imports(node, package)),
             acts=_acts(node, package, imported, defined, used),
-            dynamic=_is_dynamic(node, names, imported, defined),
+            dynamic=module != _STARTS_WHAT_IS_NAMED and _is_dynamic(node, names, imported, defined),
         )
         for node, names in zip(tree.body, uses, strict=True)
     )

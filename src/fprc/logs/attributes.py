@@ -3,6 +3,7 @@
 import json
 import math
 import reprlib
+from collections.abc import Mapping
 from typing import Any
 
 import h5py
@@ -31,9 +32,14 @@ KINDS = {
     "statistics": dict,
     "notes": dict,
     "map": dict,
+    "imported_from": str,
+    "imported_sha256": str,
+    "imported_start_s": float,
     "units": str,
     "crc32": int,
 }
+#: Of these, what a channel has.
+OF_A_CHANNEL = ("units", "crc32")
 _WORDS = {
     str: "text",
     bool: "true or false",
@@ -95,6 +101,18 @@ def read_attribute(holder: h5py.AttributeManager, name: str, *, mend: bool = Fal
     if not isinstance(value, bool | int | float):
         raise LogError("neither text nor a number")
     return _of_kind(value, kind or type(value))
+
+
+def wrong_kinds(attributes: Mapping[str, Any]) -> list[str]:
+    """Return what is wrong with attributes that have their kinds already, as JSON gives them."""
+    wrong = []
+    for name, kind in KINDS.items():
+        if name in attributes:
+            try:
+                _of_kind(attributes[name], kind)
+            except LogError as error:
+                wrong.append(f"{name} {error}")
+    return wrong
 
 
 def is_text(text: str | bytes) -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 
 from fprc.artifacts import replacing
 from fprc.errors import LogError
-from fprc.logs.attributes import as_written, read_attributes
+from fprc.logs.attributes import OF_A_CHANNEL, as_written, read_attributes
 from fprc.logs.hdf5 import (
     channel_of,
     links_of,
@@ -34,11 +34,10 @@ __all__ = [
 #: Unit of a channel by the ending of its name.
 UNITS = {"_kpa": "kPa", "_deg": "deg", "_s": "s", "_v": "V"}
 
-#: Attributes of a channel.
-_OF_A_CHANNEL = ("units", "crc32")
-
 #: The oldest format in which all that describes the channels has checksums of its own.
-_FORMAT = ("v108", "v108")
+_FORMAT = (h5py.h5f.LIBVER_V18, h5py.h5f.LIBVER_V18)
+#: More than a log has.
+_MOST_ATTRIBUTES = 1000
 
 
 class Columns(NamedTuple):
@@ -70,8 +69,7 @@ def write_columns(
 
     The same content gives the same bytes. Attributes that are mappings are written as JSON.
     """
-    # in memory: HDF5 crashes the process at its end if it could not write all to a full disk
-    with h5py.File("log", "w", driver="core", backing_store=False, libver=_FORMAT) as file:
+    with _in_memory() as file:
         _describe(file, attributes)
         numbers = {name: np.asarray(values, np.float64) for name, values in channels.items()}
         for name, values in numbers.items():
@@ -85,6 +83,23 @@ def write_columns(
         image = file.id.get_file_image()
     with replacing(path) as temporary:
         temporary.write_bytes(image)
+
+
+def _in_memory() -> h5py.File:
+    """Return a new file that is not on a disk.
+
+    HDF5 crashes the process at its end if it could not write all to a full disk.
+    """
+    access = h5py.h5p.create(h5py.h5p.FILE_ACCESS)
+    access.set_fapl_core(backing_store=False)
+    access.set_libver_bounds(*_FORMAT)
+    access.set_meta_block_size(1)  # no room for what does not come
+    creation = h5py.h5p.create(h5py.h5p.FILE_CREATE)
+    # one beside the other in the header, where a wrong byte costs one of them; beyond eight
+    # the library would keep them in a heap, where it costs all
+    creation.set_attr_phase_change(_MOST_ATTRIBUTES, 0)
+    creation.set_obj_track_times(False)  # the same content gives the same bytes
+    return h5py.File(h5py.h5f.create(b"log", h5py.h5f.ACC_TRUNC, creation, access))
 
 
 def _describe(what: h5py.File | h5py.Dataset, attributes: Mapping[str, Any]) -> None:
@@ -182,7 +197,7 @@ def _read_all(
     for name, dataset in datasets.items():
         told, wrong = read_attributes(dataset.attrs)
         channels[name] = values = dataset[:].astype(np.float64, copy=False)
-        more = _of_attributes({key: wrong[key] for key in _OF_A_CHANNEL if key in wrong})
+        more = _of_attributes({key: wrong[key] for key in OF_A_CHANNEL if key in wrong})
         unit = told.get("units", "none")
         if unit != unit_of(name) and "units" not in wrong:
             more.append(

@@ -12,8 +12,8 @@ import h5py
 from fprc.errors import LogError
 from fprc.escape import visible
 
-#: Most that the channels of one file may take in memory, bytes: 9 h of ten channels at 200 Hz.
-MAX_BYTES = 512 << 20
+#: Most that the channels of one file may take in memory, bytes: 7 h of ten channels at 200 Hz.
+MAX_BYTES = 384 << 20
 
 #: Where superblocks keep the length of the file, by their version.
 _LENGTH_AT = {0: 40, 1: 44, 2: 28, 3: 28}

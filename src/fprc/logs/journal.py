@@ -12,9 +12,11 @@ back an old page after a power cut).
 import errno
 import json
 import os
+import reprlib
 import struct
 import threading
 import zlib
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
@@ -23,8 +25,9 @@ from typing import Any, Self
 import numpy as np
 
 from fprc.errors import LogError
+from fprc.logs.attributes import wrong_kinds
 from fprc.logs.columns import unit_of
-from fprc.logs.raw import RAW_ATTRIBUTES, missing_channels
+from fprc.logs.raw import RAW_ATTRIBUTES, contradictions, missing_channels
 
 #: Begins a journal; the digit is the version of the format.
 MAGIC = b"\x89FPRCJ1\n"
@@ -96,7 +99,7 @@ class Journal:
             missing. All that is wrong with names and attributes is said at once.
         """
         path = Path(path)
-        _refuse_description(path, names, attributes)
+        refuse_description(path, names, attributes)
         started = {"started": datetime.now(UTC).isoformat(timespec="microseconds")}
         header = _block(MAGIC, started | dict(attributes) | {"names": list(names)})
         file = _open_new(path)
@@ -229,8 +232,20 @@ class Journal:
             on_disk = samples
 
 
-def _refuse_description(path: Path, names: Sequence[str], attributes: Mapping[str, Any]) -> None:
-    problems = []
+def refuse_description(path: Path, names: Sequence[str], attributes: Mapping[str, Any]) -> None:
+    """Check what a header says of a run.
+
+    Raises
+    ------
+    LogError
+        Lists channels and attributes that are missing, repeated or not of their kind.
+    """
+    if not (isinstance(names, Sequence) and all(isinstance(name, str) for name in names)):
+        raise LogError(f"{path}: names = {reprlib.repr(names)}: must be the channels' names")
+    problems = [f"attribute {text}" for text in wrong_kinds(attributes)]
+    problems = problems or contradictions(attributes)
+    if problems:  # what must be there depends on them
+        raise LogError("\n".join(f"{path}: {problem}" for problem in problems))
     if path.suffix != ".journal":
         problems.append(f"{path}: a journal's name ends in .journal")
     for name in names:
@@ -238,7 +253,7 @@ def _refuse_description(path: Path, names: Sequence[str], attributes: Mapping[st
             unit_of(name)
         except LogError as error:
             problems.append(f"{path}: {error}")
-    twice = sorted({name for name in names if names.count(name) > 1})
+    twice = sorted(name for name, count in Counter(names).items() if count > 1)
     absent = [name for name in RAW_ATTRIBUTES if name not in attributes and name != "simulated"]
     missing = missing_channels(attributes, names)
     for what, wrong in (

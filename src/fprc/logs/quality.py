@@ -53,13 +53,7 @@ def assess(
         of phi, ``voltage_range_v`` of the valves, ``effort_range_kpa`` of P_ff and P_fb.
     """
     notes = notes_of(log)
-    limits = {
-        name: ranges[key]
-        for key, names in _RANGES.items()
-        for name in names
-        if name in log.channels and not notes.get(name, "").startswith(something_else(name))
-    }
-    outside = _outside(log, limits)
+    outside = _outside(log, ranges)
     plausible = [name for name, count in outside["samples"].items() if not count]
     record = {
         "log": log.path.name,
@@ -82,6 +76,18 @@ def assess(
         "no_checksum": list(log.unchecked),
     }
     return record | {name: content for name, content in more.items() if content}
+
+
+def implausible(log: Columns, ranges: Mapping[str, Sequence[float]]) -> list[str]:
+    """Return a line that names the channels of a log which leave their ranges, if any do.
+
+    Parameters
+    ----------
+    ranges : Mapping
+        As ``assess`` takes them; other keys are for its other checks.
+    """
+    check = _outside(log, ranges)
+    return [] if check["passed"] else [_line(log.path.name, "range", check)]
 
 
 def something_else(name: str) -> str:
@@ -109,15 +115,17 @@ def notes_of(log: Columns) -> dict[str, str]:
 def warnings(record: Mapping[str, Any]) -> list[str]:
     """Return one line for each failed check of a quality record."""
     return [
-        visible(f"{record['log']}: {name}: {_words(name, check)}")
+        _line(record["log"], name, check)
         for name, check in record["checks"].items()
         if not check["passed"]
     ]
 
 
-def _words(name: str, check: Mapping[str, Any]) -> str:
-    if name != "range":
-        return str(check)
+def _line(log: str, name: str, check: Mapping[str, Any]) -> str:
+    return visible(f"{log}: {name}: {_outside_words(check) if name == 'range' else check}")
+
+
+def _outside_words(check: Mapping[str, Any]) -> str:
     return "; ".join(
         f"channel {channel}: sample {one['sample']} is {one['value']:g} {unit_of(channel)}, "
         f"outside of {one['limits'][0]:g} to {one['limits'][1]:g}, and "
@@ -165,7 +173,14 @@ def _not_finite(log: Columns) -> dict[str, Any]:
     return {"passed": count == 0, "count": count}
 
 
-def _outside(log: Columns, limits: Mapping[str, Sequence[float]]) -> dict[str, Any]:
+def _outside(log: Columns, ranges: Mapping[str, Sequence[float]]) -> dict[str, Any]:
+    notes = notes_of(log)
+    limits = {
+        name: ranges[key]
+        for key, names in _RANGES.items()
+        for name in names
+        if name in log.channels and not notes.get(name, "").startswith(something_else(name))
+    }
     counts, first = {}, {}
     for name, (low, high) in limits.items():
         values = log.channels[name]

@@ -169,15 +169,20 @@ def read_raw(
     return log
 
 
-def read_run(path: Path | str, names: tuple[str, ...]) -> Columns:
+def read_run(path: Path | str, names: tuple[str, ...] | None = None) -> Columns:
     """Read channels of a closed-loop run; the whole log is checked as ``read_raw`` does.
+
+    Parameters
+    ----------
+    names : tuple of str, optional
+        By default all that a raw log has.
 
     Raises
     ------
     LogError
         See ``read_raw``, but for the rate; further it is no log of a closed-loop run.
     """
-    log, problems = _gather(path, names, RUN_ATTRIBUTES)
+    log, problems = _gather(path, names or (), RUN_ATTRIBUTES)
     told = log.attributes
     if "experiment" in told and not _is_run(told):
         problems.append(
@@ -186,6 +191,8 @@ def read_run(path: Path | str, names: tuple[str, ...]) -> Columns:
         )
     if problems:
         raise LogError("\n".join(problems))
+    if names is None:
+        return log
     return log._replace(channels={name: log.channels[name] for name in names})
 
 
@@ -205,13 +212,14 @@ def _gather(
     )
     if _is_imported(told) and not any(name in log.channels for name in _TARGETS):
         problems.append(f"{path}: channel {' or '.join(_TARGETS)}: missing; import one of them")
-    more = [*_contradictions(told), *_far_away(log.channels)]
+    more = [*contradictions(told), *_far_away(log.channels)]
     if _is_clock(log.channels.get("time_s")):
         more += _wrong_times(log.channels["time_s"], told.get("settle_s"))
     return log, problems + [f"{path}: {problem}" for problem in more]
 
 
-def _contradictions(told: Mapping[str, Any]) -> list[str]:
+def contradictions(told: Mapping[str, Any]) -> list[str]:
+    """Return what attributes say that cannot be, each of them being of its kind."""
     problems = []
     source, simulated = told.get("source"), told.get("simulated")
     if source is not None and source not in SOURCES:
@@ -223,6 +231,10 @@ def _contradictions(told: Mapping[str, Any]) -> list[str]:
         )
     if not told.get("sample_rate_hz", 1.0) > 0.0:
         problems.append(f"attribute sample_rate_hz = {told['sample_rate_hz']}; must be above 0")
+    if told.get("experiment") == "":
+        problems.append("attribute experiment: is empty; must be sweep, complex or a run's name")
+    if told.get("lost_samples", 0) < 0:
+        problems.append(f"attribute lost_samples = {told['lost_samples']}; must not be below 0")
     return problems
 
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fprc.errors import LogError
-from fprc.logs.journal import END, MAGIC, UINT32, seed_of
+from fprc.logs.journal import END, MAGIC, UINT32, refuse_description, seed_of
 from fprc.logs.raw import write_raw
 
 
@@ -30,8 +30,10 @@ class Findings(NamedTuple):
     stretches: tuple[Stretch, ...]
     #: Instant of the last sample that can be read; None if there is none.
     last_s: float | None
-    #: Ticks between the first and the last sample for which none was written.
+    #: Ticks between the first and the last sample for which none was written, if that is known.
     missed_ticks: int
+    #: Samples that were not in their place, or twice; their ticks tell their order.
+    misplaced: int
     #: Whether the end mark is there.
     closed: bool
     #: Whether the run came to its planned end and nothing is lost.
@@ -63,7 +65,8 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
     Raises
     ------
     LogError
-        The file cannot be opened, is no journal, or both copies of its header are damaged.
+        The file cannot be opened, is no journal, or both copies of its header are damaged; the
+        header lacks something, or something in it is not of its kind.
     """
     path = Path(path)
     try:
@@ -74,21 +77,27 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
     if header is None:
         raise LogError(_no_header(path, data))
     attributes = header.content
-    names = attributes.pop("names")
+    names = attributes.pop("names", None)
+    refuse_description(path, names, attributes)
     # of two copies, the one that begins the file is the first
     start = header.at + (2 if header.at == 0 else 1) * len(header.raw)
     seed = seed_of(header.raw)
     record = np.dtype([("tick", "<u8"), ("row", "<f8", (len(names),)), ("crc", "<u4")])
     end = _find(data, END, start, seed)
-    there = (len(data) - start) // record.itemsize
-    begun = end.content["samples"] if end else _begun(data, start, record)
-    there = max(min(there, begun), 0)
+    room = _room(data, start, record)
+    begun = end.content["samples"] if end else room
+    there = max(min((len(data) - start) // record.itemsize, room), 0)
     records = np.frombuffer(data, record, there, start) if there else np.empty(0, record)
     right = np.flatnonzero(_checksums(data, start, records, seed) == records["crc"])
-    rows = records["row"][right]
+    found = records["tick"][right].astype(np.int64)
+    misplaced = int((found[1:] <= np.maximum.accumulate(found)[:-1]).sum())
+    ticks, first = np.unique(found, return_index=True)
+    if misplaced and not end:
+        begun -= len(found) - len(ticks)
+    rows = records["row"][right[first]]
     channels = {name: rows[:, j].copy() for j, name in enumerate(names)}
-    ticks = records["tick"][right].astype(np.int64)
-    return channels, attributes, _findings(right, begun, ticks, channels["time_s"], end)
+    findings = _findings(right[first], begun, ticks, channels["time_s"], misplaced, end)
+    return channels, attributes, findings
 
 
 def _find(data: bytes, marker: bytes, start: int, seed: int = 0) -> _Block | None:
@@ -101,8 +110,12 @@ def _find(data: bytes, marker: bytes, start: int, seed: int = 0) -> _Block | Non
             if crc_at + UINT32.size <= len(data):
                 (crc,) = UINT32.unpack_from(data, crc_at)
                 if zlib.crc32(data[at:crc_at], seed) == crc:
-                    content = json.loads(data[text_at:crc_at])
-                    return _Block(content, at, data[at : crc_at + UINT32.size])
+                    try:
+                        content = json.loads(data[text_at:crc_at])
+                    except (ValueError, RecursionError):
+                        content = None
+                    if isinstance(content, dict):
+                        return _Block(content, at, data[at : crc_at + UINT32.size])
         at = data.find(marker, at + 1)
     return None
 
@@ -119,7 +132,7 @@ def _no_header(path: Path, data: bytes) -> str:
     return f"{path}: not a journal; journals are described in data/raw/README.md"
 
 
-def _begun(data: bytes, start: int, record: np.dtype) -> int:
+def _room(data: bytes, start: int, record: np.dtype) -> int:
     """Return how many samples the file has room for, the last one perhaps in part."""
     for at in range(start, len(data), record.itemsize):
         if data.startswith(END, at):
@@ -137,18 +150,26 @@ def _checksums(data: bytes, start: int, records: np.ndarray, seed: int) -> np.nd
 
 
 def _findings(
-    right: np.ndarray, begun: int, ticks: np.ndarray, times_s: np.ndarray, end: _Block | None
+    places: np.ndarray,
+    begun: int,
+    ticks: np.ndarray,
+    times_s: np.ndarray,
+    misplaced: int,
+    end: _Block | None,
 ) -> Findings:
-    lost = begun - len(right)
-    edges = np.concatenate([[-1], right, [begun]])
+    lost = max(begun - len(places), 0)
+    # of samples that are not in their place nobody knows between which of them others are lost
+    known = lost and not misplaced
+    edges = np.concatenate([[-1], places, [begun]])
     stretches = tuple(
         Stretch(
             int(edges[k + 1] - edges[k]) - 1,
             float(times_s[k - 1]) if k > 0 else None,
             float(times_s[k]) if k < len(times_s) else None,
         )
-        for k in np.flatnonzero(np.diff(edges) > 1)
+        for k in (np.flatnonzero(np.diff(edges) > 1) if known else ())
     )
+    missed = int(np.ptp(ticks) - np.ptp(places)) if len(ticks) and not misplaced else 0
     reasons = []
     if end is None:
         reasons.append("not closed: the program was killed or the power failed")
@@ -156,12 +177,15 @@ def _findings(
         reasons.append(end.content["reason"] or "stopped before its end")
     if lost:
         reasons.append(f"{lost} of {begun} samples are lost")
+    if misplaced:
+        reasons.append(f"samples that were not in their place: {misplaced}")
     return Findings(
-        samples=len(right),
+        samples=len(places),
         lost=lost,
         stretches=stretches,
         last_s=float(times_s[-1]) if len(times_s) else None,
-        missed_ticks=int((np.diff(ticks) - np.diff(right)).sum()),
+        missed_ticks=max(missed, 0),
+        misplaced=misplaced,
         closed=end is not None,
         complete=not reasons,
         reason="; ".join(reasons),

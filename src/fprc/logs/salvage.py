@@ -10,7 +10,7 @@ import shutil
 import stat
 import sys
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,9 +18,10 @@ import h5py
 import numpy as np
 
 from fprc.errors import LogError
-from fprc.logs.attributes import is_text, read_attribute, read_attributes
+from fprc.logs.attributes import KINDS, OF_A_CHANNEL, is_text, read_attribute, read_attributes
 from fprc.logs.columns import checksum, unit_of
 from fprc.logs.hdf5 import MAX_BYTES, bytes_of, channel_of, promised_length, shown
+from fprc.logs.hdf5_headers import mend_checksums
 from fprc.logs.isolated import limit_process, run_limited, time_limit_s
 from fprc.logs.raw import RAW_ATTRIBUTES, RAW_CHANNELS, TRACKING_CHANNELS, missing_channels
 
@@ -145,29 +146,43 @@ def _leave(path: Path, folder: Path) -> None:
 
         if patched.stat().st_size > size:
             say(words=[f"cut short: {size} of {patched.stat().st_size} bytes are there"])
+        wrong = _mend_headers(patched)
+        if wrong:
+            say(words=[f"headers damaged: {wrong}; what they say may be wrong"])
         try:
             file = h5py.File(patched, "r")
         except Exception as error:  # a damaged file makes the library raise whatever it likes
             say(words=[f"cannot be opened as HDF5 ({error})"])
             return
-        _leave_attributes(file, say)
+        _leave_attributes(file, say, doubtful=wrong > 0)
         _leave_channels(file, size, folder, say)
 
 
-def _leave_attributes(file: h5py.File, say: Callable[..., None]) -> None:
-    names, listed = _names(file.attrs, RAW_ATTRIBUTES)
+def _leave_attributes(file: h5py.File, say: Callable[..., None], *, doubtful: bool) -> None:
+    known = [name for name in KINDS if name not in OF_A_CHANNEL]
+    names, listed = _names(file.attrs, known)
+    found = []
     for name in names:
         try:
             value, words = _attribute(file.attrs, name)
             say(attributes={name: value}, words=words)
+            found.append(name)
         except Exception as error:
             if listed:
                 say(words=[f"attribute {shown(name)}: left out ({error})"])
+    # which ones there were nobody knows
+    if doubtful and found:
+        say(words=[f"attributes {', '.join(found)}: may be wrong"])
+    lost = [name for name in known if name not in (*found, *RAW_ATTRIBUTES)]
+    if doubtful or not listed:
+        say(words=[f"attributes {', '.join(lost)}: lost if they were there"])
 
 
 def _leave_channels(file: h5py.File, size: int, folder: Path, say: Callable[..., None]) -> None:
     room = MAX_BYTES
     names, listed = _names(file, _KNOWN_CHANNELS)
+    if not listed:
+        say(words=["channels: they cannot be listed; any but the usual ones are lost"])
     first = [name for name in _KNOWN_CHANNELS if name in names]
     rest = [name for name in names if name not in _KNOWN_CHANNELS]
     if len(rest) > _MOST_OTHERS:
@@ -192,7 +207,16 @@ def _restore_length(path: Path, size: int) -> None:
             file.truncate(promised)
 
 
-def _names(members: Mapping[str, Any], known: tuple[str, ...]) -> tuple[tuple[str, ...], bool]:
+def _mend_headers(path: Path) -> int:
+    """Give headers their checksums, without which the library opens none; return how many."""
+    data = bytearray(path.read_bytes())
+    wrong = mend_checksums(data)
+    if wrong:
+        path.write_bytes(data)
+    return wrong
+
+
+def _names(members: Mapping[str, Any], known: Sequence[str]) -> tuple[Sequence[str], bool]:
     """Return the names of the members, and whether the file lists them."""
     try:
         return tuple(members), True

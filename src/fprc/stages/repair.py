@@ -29,7 +29,7 @@ def repair_log(source: str, raw: str) -> int:
         findings = recover(source, raw)
         print(f"{raw}: {findings.samples} samples from {source}")
         words = _words(findings)
-        whole = findings.closed and not findings.lost
+        whole = findings.closed and not (findings.lost or findings.misplaced)
     else:
         found = salvage(source)
         words = found.words
@@ -51,6 +51,8 @@ def _words(findings: Findings) -> list[str]:
     words = [_stretch(stretch) for stretch in findings.stretches]
     if findings.missed_ticks:
         words.append(f"{findings.missed_ticks} ticks were missed by the loop; never acquired")
+    if findings.misplaced:
+        words.append(f"put in the order of their ticks: {findings.misplaced} samples")
     if not findings.closed:
         words.append(
             f"not closed after {findings.last_s:.3f} s: the program was killed, or the power "

@@ -11,6 +11,7 @@ from fprc import tables
 from fprc.artifacts import read_json, write_csv, write_text
 from fprc.logs import Columns, read_run
 from fprc.logs.isolated import isolated_each
+from fprc.logs.quality import implausible
 from fprc.stages.availability import CHORES, TITLES
 from fprc.yaml_file import read_yaml
 
@@ -95,17 +96,22 @@ def tabulate_tracking(
     tex: str,
     *,
     left_out: Sequence[str],
+    limits: Mapping[str, Any],
 ) -> None:
-    """Table IV: errors of the closed-loop runs.
+    """Table IV: errors of the closed-loop runs; implausible channels of their logs are named.
 
     Parameters
     ----------
+    limits : Mapping
+        What is plausible; see ``fprc.logs.assess``.
     left_out : sequence of str
         Runs of a whole Table IV that there is no log of.
     """
     known = read_json(gains)
-    logs = isolated_each(read_run, runs, names=("time_s", "theta_d_deg", "theta_deg"))
-    table = tables.tracking([_run(log) for log in logs], known, read_yaml(published))
+    logs = isolated_each(read_run, runs)
+    for line in sum((implausible(run, limits) for run in logs), []):
+        log.warning("warning: %s", line)
+    table = tables.tracking([_run(run) for run in logs], known, read_yaml(published))
     tried = known["candidates"]
     title = "Table IV. RMSE of tracking"
     if known["source"] == "sim":
@@ -136,10 +142,10 @@ def tabulate_tracking_seeds(
     _write(table, tables.tracking_page(table), note, csv, md, tex)
 
 
-def _run(log: Columns) -> dict[str, Any]:
-    time_s, theta_d, theta = log.channels.values()
-    judged = time_s >= log.attributes["settle_s"]
-    described = {key: log.attributes[key] for key in ("controller", "gain", "reference", "source")}
+def _run(run: Columns) -> dict[str, Any]:
+    time_s, theta_d, theta = (run.channels[n] for n in ("time_s", "theta_d_deg", "theta_deg"))
+    judged = time_s >= run.attributes["settle_s"]
+    described = {key: run.attributes[key] for key in ("controller", "gain", "reference", "source")}
     return {**described, "error_deg": (theta_d - theta)[judged]}
 
 

@@ -268,3 +268,11 @@ def test_smoke_configuration_merges_and_is_a_shorter_run():
     assert smoke.folders.raw != full.folders.raw
     assert smoke.folders.results != full.folders.results
     assert smoke.rig == full.rig
+
+
+def test_key_that_is_no_word_is_refused(tmp_path):
+    path = tmp_path / "mine.yaml"
+    path.write_text("10: 3\nnull: 4\n", encoding="utf-8")
+    with pytest.raises(ConfigError) as caught:
+        from_files([path])
+    assert str(caught.value).count("unknown key; every key is a word") == 2

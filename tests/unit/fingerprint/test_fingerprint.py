@@ -404,3 +404,10 @@ def test_real_ridge_counts_for_judging_and_not_for_the_readme(tmp_path):
     changed, unchanged = package.fingerprints(*stages)
     assert changed != judge
     assert unchanged == readme
+
+
+def test_process_that_reads_a_log_counts_what_it_is_given_and_nothing_else():
+    found = reached("fprc.stages.preprocess.preprocess")
+    assert "fprc.logs.raw.read_raw" in found
+    assert "fprc.logs.isolated.run_limited" in found
+    assert not [name for name in found if name.startswith(("fprc.cli", "fprc.models"))]

@@ -404,6 +404,40 @@ def test_any_damage_leaves_the_other_samples(closed, tmp_path_factory, cut, flip
         assert ticks == list(range(20))
 
 
+@pytest.mark.parametrize("close", [True, False])
+@pytest.mark.parametrize(
+    ("order", "misplaced"),
+    [
+        ([*range(5), 9, *range(6, 9), 5, *range(10, 20)], 4),  # 5 and 9 exchanged
+        ([*range(8), 5, 6, 7, *range(8, 20)], 3),  # three twice
+    ],
+)
+def test_samples_that_are_not_in_their_place_are_put_there_and_said(path, order, misplaced, close):
+    write(path, close=close)
+    data = path.read_bytes()
+    start = data.index(struct.pack("<Qd", 1, 1 / 200.0)) - SIZE
+    samples = [data[start + k * SIZE : start + (k + 1) * SIZE] for k in order]
+    path.write_bytes(data[:start] + b"".join(samples) + data[start + 20 * SIZE :])
+    ticks, findings = read_ticks(path)
+    assert ticks == list(range(20))
+    assert (findings.misplaced, findings.lost, findings.stretches) == (misplaced, 0, ())
+    assert not findings.complete
+    assert f"samples that were not in their place: {misplaced}" in findings.reason
+
+
+def test_samples_that_are_lost_and_others_not_in_their_place_are_counted(closed, path):
+    data, start = closed
+    swapped = bytearray(data)
+    for at, k in ((3, 7), (7, 3)):
+        swapped[start + at * SIZE : start + (at + 1) * SIZE] = data[start + k * SIZE :][:SIZE]
+    swapped[start + 12 * SIZE + 30] ^= 4
+    path.write_bytes(swapped)
+    ticks, findings = read_ticks(path)
+    assert ticks == [k for k in range(20) if k != 12]
+    assert (findings.lost, findings.missed_ticks) == (1, 0)
+    assert "1 of 20 samples are lost; samples that were not in their place: 4" in findings.reason
+
+
 def test_stretches_say_how_many_samples_are_lost_and_from_when_to_when(closed, path):
     data, start = closed
     damaged = bytearray(data)
@@ -544,3 +578,25 @@ def test_quality_record_tells_what_the_loop_said_of_its_ticks(path, tmp_path):
     limits = Settings().quality.model_dump()
     record = assess(log, sample_rate_hz=200.0, **limits)
     assert record["loop"] == {"overruns": 3, "jitter_p99_s": 1e-4}
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("names", None),
+        ("names", 5),
+        ("source", None),
+        ("source", []),
+        ("source", "moon"),
+        ("seed", None),
+        ("sample_rate_hz", "fast"),
+        ("rig", "{"),
+    ],
+)
+def test_header_that_says_nothing_that_can_be_used_is_refused(tmp_path, name, value):
+    described = {"names": list(NAMES), "started": "now"} | ATTRIBUTES | {name: value}
+    block = module._block(module.MAGIC, described)
+    path = tmp_path / "run.journal"
+    path.write_bytes(block + block)
+    with pytest.raises(LogError, match=name):
+        read_journal(path)

@@ -143,6 +143,21 @@ def test_channel_whose_checksum_is_wrong_is_kept_and_said(write_log):
     assert found.lost == 0
 
 
+def test_attributes_of_which_a_byte_is_wrong_are_named(write_log):
+    path = write_log(controller="pd")
+    data = path.read_bytes()
+    path.write_bytes(data.replace(b"fprc test", b"fprc tesu"))
+    with pytest.raises(LogError, match="cannot be read as HDF5"):
+        read_columns(path, ())
+    found = salvage(path)
+    assert found.attributes["software"] == "fprc tesu"
+    (doubtful,) = [word for word in found.words if word.endswith(": may be wrong")]
+    assert {"software", "controller", "rig"} <= set(doubtful[11:-14].split(", "))
+    (lost,) = [word for word in found.words if word.endswith(": lost if they were there")]
+    assert {"gain", "notes", "started"} <= set(lost[11:-25].split(", "))
+    assert "controller" not in lost
+
+
 def test_dataset_that_is_no_channel_by_its_name_is_left_out_and_said(write_log):
     path = write_log()
     with h5py.File(path, "r+") as file:

@@ -101,6 +101,21 @@ def test_lost_samples_are_told_with_their_times(journal, repair, tmp_path, chann
     assert log.attributes["lost_samples"] == 3
 
 
+def test_samples_that_were_not_in_their_place_are_said_with_code_3(journal, repair, tmp_path):
+    journal.close()
+    data = bytearray(journal.path.read_bytes())
+    start = data.index(b"\x01" + bytes(7)) - SIZE
+    first, second = (bytes(data[start + k * SIZE :][:SIZE]) for k in (10, 11))
+    data[start + 10 * SIZE : start + 12 * SIZE] = second + first
+    journal.path.write_bytes(data)
+    code, out, _ = repair(journal.path)
+    assert code == 3
+    assert "  put in the order of their ticks: 1 samples\n" in out
+    log = copy_of(tmp_path)
+    assert (np.diff(log.channels["time_s"]) > 0.0).all()
+    assert len(log.channels["time_s"]) == 400
+
+
 def test_journal_cut_in_its_header_is_an_error_and_gives_no_copy(journal, repair, tmp_path):
     journal.close()
     os.truncate(journal.path, 60)

@@ -1,0 +1,62 @@
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pandas as pd
+import pytest
+
+from fprc.artifacts import write_json
+from fprc.config import Settings
+from fprc.errors import LogError
+from fprc.stages.tabulate import tabulate_tracking
+
+PUBLISHED = str(Path(__file__).parents[3] / "config/published.yaml")
+LIMITS = Settings().quality.model_dump()
+
+
+@pytest.fixture
+def table_of(tmp_path):
+    """Make Table IV of closed-loop logs."""
+
+    def make(*runs):
+        gains = tmp_path / "gains.json"
+        write_json(gains, {"candidates": [], "source": "sim", "seed": 1})
+        files = {kind: str(tmp_path / f"table4.{kind}") for kind in ("csv", "md", "tex")}
+        tabulate_tracking(
+            PUBLISHED, str(gains), list(map(str, runs)), **files, left_out=[], limits=LIMITS
+        )
+        return pd.read_csv(files["csv"])
+
+    return make
+
+
+def test_error_is_that_after_the_settling_time(table_of, write_run, channels, caplog):
+    error = np.where(channels["time_s"] < 1.0, 20.0, 2.0)
+    theta_d = channels["theta_deg"] + np.where(np.arange(400) % 2, error, -error)
+    table = table_of(write_run(changed={"theta_d_deg": theta_d}))
+    assert table["rmse_deg"].tolist() == pytest.approx([2.0])
+    assert caplog.text == ""
+
+
+def test_implausible_samples_are_named(table_of, write_run, changed, caplog):
+    spoiled = changed("p_o_kpa", slice(7, 9), 5000.0) | {"p_fb_kpa": np.full(400, -2e3)}
+    assert len(table_of(write_run(changed=spoiled))) == 1
+    assert (
+        "warning: run.h5: range: channel p_o_kpa: sample 7 is 5000 kPa, outside of -20 to 995, "
+        "and 1 more; channel p_fb_kpa: sample 0 is -2000 kPa, outside of -1000 to 1000, "
+        "and 399 more"
+    ) in caplog.text
+
+
+def test_all_logs_that_are_not_whole_are_named_at_once(table_of, write_run, tmp_path):
+    paths = [write_run("a.h5"), write_run("b.h5"), write_run("c.h5")]
+    for path in paths[::2]:
+        with h5py.File(path, "r+") as file:
+            del file["p_ff_kpa"]
+    with pytest.raises(LogError) as caught:
+        table_of(*paths)
+    lines = str(caught.value).splitlines()
+    assert [line.split(";")[0] for line in lines] == [
+        f"{path}: channel p_ff_kpa: missing" for path in paths[::2]
+    ]
+    assert not (tmp_path / "table4.csv").exists()
