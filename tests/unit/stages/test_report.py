@@ -493,7 +493,7 @@ def spoil_figure(project):
 
 
 def spoil_settings(project):
-    project.settings = SETTINGS | {"folders": {"raw": EVIL, "results": EVIL}}
+    project.settings = SETTINGS | {"hardware": {"boards": {"library": EVIL}}}
 
 
 @pytest.mark.parametrize(
