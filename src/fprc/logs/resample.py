@@ -50,10 +50,12 @@ def rate_of(time_s: np.ndarray) -> float:
 
 
 def points_of(time_s: np.ndarray, rate_hz: float) -> float:
-    """Return on how many samples at most ``resample`` would work, without doing it."""
-    ratio = rate_of(time_s) / rate_hz
-    finer = 1.0 if ratio <= 1.01 else 2.0 * ratio + 1.0
-    return ((time_s[-1] - time_s[0]) * rate_hz + 2.0 * _HALF_TAPS) * finer
+    """Return on how many samples a channel ``resample`` would work, without doing it."""
+    source_hz = rate_of(time_s)
+    if not source_hz < 1e9 * rate_hz:  # the instants are all but the same
+        return math.inf
+    factor = _refinement(time_s, source_hz, rate_hz)
+    return factor * float((time_s[-1] - time_s[0]) * rate_hz + 2.0 * _HALF_TAPS)
 
 
 def _refinement(time_s: np.ndarray, source_hz: float, rate_hz: float) -> int:

@@ -15,7 +15,8 @@ _POWERS, _LAGS_S, _PLAYS = (1, 2, 3), (0.05, 0.2, 1.0, 5.0), (0.02, 0.05, 0.1, 0
 _STEP_SHARE = 0.065
 #: Of the variance of P_o beside trend and steps, what the squeezing must explain.
 _EXPLAINED = 0.95
-_SEALED_HZ = 20
+#: Samples a second that are looked at, and most of them: a longer recording has fewer a second.
+_SEALED_HZ, _MOST = 20.0, 200_000
 #: What may squeeze the chamber, the nearest to it first.
 _SQUEEZES = ("p_i_kpa", "p_i_command_kpa", "theta_deg")
 _MAX_STEPS = 50
@@ -25,7 +26,8 @@ def fit_sealed(time_s: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[s
     """Fit P_o = squeezing by P_i or theta + slope t + steps, and return slope and steps.
 
     Without the hysteresis of the squeezing its loops would pass for steps and
-    trends. Work is done on 20 samples a second: leak and re-fill are no faster.
+    trends. Work is done on 20 samples a second, in recordings of hours on fewer: leak and
+    re-fill are no faster.
 
     Returns
     -------
@@ -39,16 +41,17 @@ def fit_sealed(time_s: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[s
     if p_o is None or np.ptp(p_o) == 0.0 or time_s[-1] - time_s[0] < 10.0:
         return None
     by = next(name for name in _SQUEEZES if name in channels)
-    grid_s = np.arange(time_s[0], time_s[-1], 1.0 / _SEALED_HZ)
+    hz = min(_SEALED_HZ, _MOST / (time_s[-1] - time_s[0]))
+    grid_s = np.arange(time_s[0], time_s[-1], 1.0 / hz)
     p_o, drive = (np.interp(grid_s, time_s, values) for values in (p_o, channels[by]))
     minutes = (grid_s - grid_s.mean()) / 60.0
-    basis = [np.ones_like(p_o), *_squeezings(drive), minutes]
+    basis = [np.ones_like(p_o), *_squeezings(drive, hz), minutes]
 
     steps: list[int] = []
     rejected: list[int] = []
     while len(steps) + len(rejected) < _MAX_STEPS:
         weights, rest = _fit(basis, steps, p_o)
-        sudden = _sudden(rest, [*steps, *rejected])
+        sudden = _sudden(rest, [*steps, *rejected], hz)
         k = int(np.abs(sudden).argmax())
         usual = 1.4826 * np.median(np.abs(sudden))
         if abs(sudden[k]) < max(6.0 * usual, _STEP_SHARE * np.ptp(p_o)):
@@ -75,13 +78,13 @@ def fit_sealed(time_s: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[s
     }
 
 
-def _squeezings(drive: np.ndarray) -> list[np.ndarray]:
+def _squeezings(drive: np.ndarray, hz: float) -> list[np.ndarray]:
     if np.ptp(drive) == 0.0:
         return []
     u = (drive - drive.min()) / np.ptp(drive)
     found = [u**power for power in _POWERS]
     for lag_s in _LAGS_S:
-        share = 1.0 - np.exp(-1.0 / (_SEALED_HZ * lag_s))
+        share = 1.0 - np.exp(-1.0 / (hz * lag_s))
         found.append(lfilter([share], [1.0, share - 1.0], u, zi=[(1.0 - share) * u[0]])[0])
     for width in _PLAYS:
         behind = list(accumulate(u, partial(_play, width=width)))
@@ -103,15 +106,15 @@ def _fit(
     return weights, values - columns @ weights
 
 
-def _sudden(rest: np.ndarray, known: list[int]) -> np.ndarray:
+def _sudden(rest: np.ndarray, known: list[int], hz: float) -> np.ndarray:
     """Return at each sample by how much the next half second differs from the last one."""
-    width = int(0.5 * _SEALED_HZ)
+    width = max(int(0.5 * hz), 1)
     total = np.concatenate([[0.0], np.cumsum(rest)])
     means = (total[width:] - total[:-width]) / width
     sudden = np.zeros(len(rest))
     sudden[width : len(rest) - width + 1] = means[width:] - means[:-width]
     # where the lags and plays begin is not known
-    sudden[: int(max(_LAGS_S) * _SEALED_HZ)] = 0.0
+    sudden[: int(max(_LAGS_S) * hz)] = 0.0
     for k in known:
         sudden[max(k - 2 * width, 0) : k + 2 * width] = 0.0
     return sudden

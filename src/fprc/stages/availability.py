@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+from fprc.escape import terminal
 from fprc.logs import EXPERIMENTS, Holding
 from fprc.logs.columns import unit_of
 
@@ -166,4 +167,4 @@ def _listed(names: Sequence[str]) -> str:
 
 def refusal(name: str, reasons: Mapping[str, str]) -> str:
     """Return what to tell someone who asks for a target that cannot be made."""
-    return f"{name}: not available for this data: {TITLES[name]} {reasons[name]}"
+    return terminal(f"{name}: not available for this data: {TITLES[name]} {reasons[name]}")

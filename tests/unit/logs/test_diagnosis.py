@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fprc.logs import sealed
 from fprc.logs.diagnosis import describe, diagnose
 
 RATE_HZ = 200.0
@@ -221,3 +222,16 @@ def test_pressure_that_only_falls_is_not_judged_either():
     found = diagnose(TIME_S, channels)["sealed"]
     assert found["slope_kpa_per_min"] is None
     assert 0.0 <= found["explained"] < 0.5
+
+
+@pytest.mark.parametrize("most", [1500, 3000, 200_000])
+def test_refill_of_a_long_recording_is_found_by_fewer_samples(monkeypatch, most):
+    monkeypatch.setattr(sealed, "_MOST", most)
+    time_s = np.arange(0.0, 600.0, 0.1)
+    wave = np.sin(2.0 * np.pi * time_s / 60.0)
+    p_o = 150.0 + 30.0 * wave + 20.0 * (time_s > 270.0)
+    found = diagnose(time_s, {"theta_deg": 20.0 * wave, "p_o_kpa": p_o})["sealed"]
+    (step,) = found["steps"]
+    assert step["at_s"] == pytest.approx(270.0, abs=0.5)
+    assert step["height_kpa"] == pytest.approx(20.0, rel=0.01)
+    assert found["slope_kpa_per_min"] == pytest.approx(0.0, abs=0.1)
