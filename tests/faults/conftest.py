@@ -40,7 +40,7 @@ _FILES_HEAD = """\
 Each fault is made by a test in `tests/faults/test_files.py`, and given to the command as a user
 would.
 
-- *what comes of it*: what the message names if it is refused
+- *what comes of it*: what comes out, or what is named by the message of a command that ends with 1
 - *left behind*: what is there afterwards that was not there before
 
 """
@@ -196,7 +196,7 @@ class Said(NamedTuple):
         for what, word in named.items():
             assert re.search(word, self.text), f"{what} is not named: {self.text}"
         assert not self.left
-        return f"refused, named: {', '.join(named)}" if named else "refused"
+        return f"a message that names {', '.join(named)}"
 
 
 class User:

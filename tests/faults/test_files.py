@@ -273,8 +273,8 @@ def test_everything_wrong_with_a_map_is_said_at_once(user, files):
     )
     said = user.types("import", "arm.csv", *IMPORT)
     came = said.refuses(
-        unit="baar", nearest=r"did you mean \W*bar\b", column="anglle",
-        **{"nearest column": r"did you mean \W*angle\b"},
+        unit="baar", column="anglle", **{"the nearest unit": r"did you mean \W*bar\b"},
+        **{"the nearest column": r"did you mean \W*angle\b"},
     )  # fmt: skip
     files.add("a wrong unit and a wrong column in one map", _IMPORTS, came, said.code, "nothing")
 

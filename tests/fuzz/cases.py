@@ -56,10 +56,12 @@ def run(seed: int, numbers: Iterable[int], folder: Path, keep: Path) -> Iterator
 
     for number, found in supervised.results(numbers, make, folder):
         if any(outcome in judging.FAULTS for _, outcome, *_ in found["results"]):
-            place = keep / f"seed_{seed}_case_{number}"
+            place, again = keep / f"seed_{seed}_case_{number}", folder / "again"
+            shutil.rmtree(again, ignore_errors=True)
+            again.mkdir()
+            make(number, again)
             shutil.rmtree(place, ignore_errors=True)
-            place.mkdir(parents=True)
-            make(number, place)
+            shutil.copytree(again, place, symlinks=True)
             lines = [f"{found['kind']}: {found['what']}"]
             lines += [f"{row}: {outcome}: {why}" for row, outcome, why, _ in found["results"]]
             (place / "WHAT.txt").write_text("\n".join(lines) + "\n", "utf-8", "backslashreplace")

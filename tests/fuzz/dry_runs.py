@@ -65,4 +65,6 @@ def _log(rng: np.random.Generator, folder: Path) -> Case:
 
 def _step(folder: Path, more: list[str], names: tuple[str, ...], judge) -> Step:
     command = (sys.executable, "-m", "snakemake", "-n", "--cores", "1", *more)
+    # text that is no YAML is refused by Snakemake itself, which does not name the file
+    names = (*names, "Config file is not valid JSON or YAML")
     return Step(command, _ROW, names, judge, folder=str(project(folder.parent)), limit_s=60.0)

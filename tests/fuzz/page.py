@@ -19,7 +19,7 @@ repeats one and shows what was said. The commands are those of a user, in a proc
   CSV file, what another reader finds in it
 - *different but said*: something is lost or not right, and a warning or its name says so
 - *traceback*: or the process crashed
-- *hang*: not done after 10 s, a dry run after 60 s
+- *hang*: not done after 10 s of a processor or 30 s by the clock, a dry run after 60 s by the clock
 - *over 1 GB*: of memory, the command's children included
 - *accepted in silence*: what comes out is something else, or must not be accepted, and no line says
   so

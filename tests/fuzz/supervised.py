@@ -17,13 +17,25 @@ from judging import HANG, MEMORY, SILENT, TRACEBACK, Case, run
 
 #: Cases after which the child is replaced: what it forgot to free goes with it.
 _CASES_EACH = 100
-_GRACE_S = 5.0
 
 
 class _Child(NamedTuple):
     number: int
     requests: IO[str]
     answers: IO[bytes]
+
+
+class _Limit:
+    """Time that something in a process may take from now on."""
+
+    def __init__(self, number: int, limit_s: float):
+        self._number = number
+        self._processor_s = watched.processor_s(number) + limit_s
+        self._clock_s = time.monotonic() + watched.PATIENCE * limit_s
+
+    def is_over(self) -> bool:
+        late = time.monotonic() > self._clock_s
+        return late or watched.processor_s(self._number) > self._processor_s
 
 
 def results(
@@ -60,7 +72,7 @@ def results(
 def _ask(child: _Child, number: int, first: int, found: dict[str, Any]) -> tuple[int | None, bool]:
     """Have a case run from one step on; return the next step, and whether the child is spoiled."""
     print(json.dumps([number, first]), file=child.requests, flush=True)
-    step, judging, end_s = first, False, time.monotonic() + watched.LIMIT_S
+    step, judging, limit = first, False, _Limit(child.number, watched.LIMIT_S)
     buffer = b""
     while True:
         if select.select([child.answers], [], [], watched.LOOK_S)[0]:
@@ -70,10 +82,10 @@ def _ask(child: _Child, number: int, first: int, found: dict[str, Any]) -> tuple
             for line in map(json.loads, lines):
                 if "begin" in line:
                     step, judging = line["begin"], False
-                    end_s = time.monotonic() + line["limit_s"]
+                    limit = _Limit(child.number, line["limit_s"])
                     found |= line["case"]
                 elif "judging" in line:
-                    judging, end_s = True, time.monotonic() + watched.LIMIT_S
+                    judging, limit = True, _Limit(child.number, watched.LIMIT_S)
                 elif "result" in line:
                     found["results"].append(line["result"])
                 else:
@@ -81,7 +93,7 @@ def _ask(child: _Child, number: int, first: int, found: dict[str, Any]) -> tuple
             outcome = () if more else (TRACEBACK, f"the process ended {_how(child)}")
         elif watched.memory(child.number) > watched.LIMIT_BYTES:
             outcome = MEMORY, "more than 1 GB"
-        elif time.monotonic() > end_s:
+        elif limit.is_over():
             outcome = HANG, "not done in time"
         else:
             outcome = ()
@@ -151,7 +163,7 @@ def _serve(
     told = {"kind": case.kind, "what": case.what, "rows": [step.row for step in case.steps]}
     spoiled = False
     for k, step in enumerate(case.steps[first:], start=first):
-        tell(begin=k, limit_s=step.limit_s + (_GRACE_S if step.folder else 0.0), case=told)
+        tell(begin=k, limit_s=step.limit_s, case=told)
         result, ended = run(step, case, place, lambda: tell(judging=True))
         spoiled |= ended.peak_bytes > watched.LIMIT_BYTES
         tell(result=result)

@@ -14,9 +14,11 @@ from contextlib import suppress
 from pathlib import Path
 from typing import IO, NamedTuple
 
-#: Longest time and most memory that a command may take.
+#: Most of a processor's time that a command may take, and most memory.
 LIMIT_S = 10.0
 LIMIT_BYTES = 1 << 30
+#: The clock may run so many times longer: others use the processors too.
+PATIENCE = 3.0
 #: Exit code of a function that raised.
 RAISED = 70
 #: Between two looks at the memory of a process.
@@ -136,6 +138,17 @@ def memory(number: int) -> int:
             total += (int(resident) - int(shared)) * _PAGE
             family += map(int, Path(f"/proc/{one}/task/{one}/children").read_text().split())
     return total
+
+
+def processor_s(number: int) -> float:
+    """Return the time that processors spent on a process and its descendants, dead ones too."""
+    family, ticks = [number], 0
+    for one in family:
+        with suppress(OSError, ValueError, IndexError):
+            after_name = Path(f"/proc/{one}/stat").read_text().rpartition(")")[2].split()
+            ticks += sum(map(int, after_name[11:15]))
+            family += map(int, Path(f"/proc/{one}/task/{one}/children").read_text().split())
+    return ticks / os.sysconf("SC_CLK_TCK")
 
 
 _PAGE = os.sysconf("SC_PAGE_SIZE")
