@@ -54,7 +54,7 @@ def main() -> int:
     missing = options.cases - sum(cases.values())
     print(f"{time.monotonic() - begun_s:.0f} s; {bad} ended as they must not", flush=True)
     if missing:
-        print(f"{missing} cases were not run: a worker ended", flush=True)
+        print(f"{missing} cases were not run", flush=True)
     if bad:
         print(f"their files are in {options.keep}; one again: --seed {options.seed} --case N")
     return int(bool(bad or missing))
@@ -98,6 +98,8 @@ def _results(options: argparse.Namespace) -> Iterator[dict[str, Any]]:
                 else:
                     selector.unregister(key.fileobj)
                     key.data.communicate()
+                    if key.data.returncode:
+                        print(f"a worker ended with code {key.data.returncode}", flush=True)
 
 
 def _work(options: argparse.Namespace) -> int:
