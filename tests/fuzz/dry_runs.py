@@ -13,6 +13,8 @@ from watched import Ended
 
 ROOT = Path(__file__).parents[2]
 _ROW = "snakemake -n"
+#: Snakemake's words for text that is no YAML, or endless, before it asks for our code.
+_BY_ITSELF = ("Config file is not valid JSON or YAML", "RecursionError")
 
 
 def project(folder: Path) -> Path:
@@ -65,6 +67,11 @@ def _log(rng: np.random.Generator, folder: Path) -> Case:
 
 def _step(folder: Path, more: list[str], names: tuple[str, ...], judge) -> Step:
     command = (sys.executable, "-m", "snakemake", "-n", "--cores", "1", *more)
-    # text that is no YAML is refused by Snakemake itself, which does not name the file
-    names = (*names, "Config file is not valid JSON or YAML")
-    return Step(command, _ROW, names, judge, folder=str(project(folder.parent)), limit_s=60.0)
+    return Step(
+        command,
+        _ROW,
+        (*names, *_BY_ITSELF),
+        judge,
+        folder=str(project(folder.parent)),
+        limit_s=60.0,
+    )

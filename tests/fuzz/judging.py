@@ -22,6 +22,10 @@ FAULTS = (TRACEBACK, HANG, MEMORY, SILENT, UNTIDY)
 _CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\udc80-\udcff]")
 #: A library talks to its programmer.
 _LIBRARY = re.compile(r"^.*\b\w*Warning: .*$", re.MULTILINE)
+#: A line of a traceback that is not Snakemake's own: that one fails before it asks for our code.
+_OUR_FRAME = re.compile(
+    r'File "[^"]*(Snakefile|workflow/rules/[^"]*|fprc/(config|logs|stages|artifacts)[^"]*)", line.*'
+)
 _NO_NUMBER = re.compile(r"[:\[,]\s*-?(NaN|Infinity)\b")
 
 Verdict = tuple[str, str]
@@ -114,7 +118,8 @@ def outcome_of(step: Step, folder: Path, before: dict[str, str], ended: Ended) -
         return MEMORY, f"{ended.peak_bytes >> 20} MB"
     if ended.code < 0:
         return TRACEBACK, f"ended by signal {-ended.code}"
-    if "Traceback (most recent call last)" in said:
+    ours = step.row.startswith("fprc") or _OUR_FRAME.search(said)
+    if "Traceback (most recent call last)" in said and ours:
         return TRACEBACK, last
     after = _content(folder)
     changed = sorted(name for name in before if after.get(name) != before[name])
