@@ -187,4 +187,5 @@ def write_csv(path: Path | str, table: "DataFrame") -> None:
     texts = table.select_dtypes(exclude="number").map(
         lambda cell: escape.spreadsheet(cell) if isinstance(cell, str) else cell
     )
+    texts = texts.astype(object)  # `map` makes floats of mixed numbers, which are written otherwise
     write_text(path, table.assign(**texts).to_csv(index=False, float_format="%.6g"))

@@ -2,6 +2,7 @@
 
 import logging
 import math
+import signal
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from fprc.logs.journal import Journal
 from fprc.stages import rig_loop
 from fprc.stages.guardian import HOT, SAFE
 from fprc.stages.rig import record_on_rig
+from fprc.stages.rig_session import Stop
 
 TICKS = 8
 VENTED = [0.0, 0.0]
@@ -358,6 +360,24 @@ def test_stop_that_is_asked_for_ends_the_run_vented(bench, record, matrix):
     assert vented(bench)
     assert found.samples == 5
     matrix.add("a stop is asked for", "mid-run", "it", "yes", ticks_after(found, 5), 0)
+
+
+def test_computer_that_was_suspended_ends_the_run_vented(bench, record, matrix, monkeypatch):
+    suspended_s = [0.0]
+    monkeypatch.setattr(Stop, "_listen", lambda self: None)
+    monkeypatch.setattr(signal, "signal", lambda number, handler: None)
+    stop = Stop(1e6, monotonic=lambda: 5.0, boottime=lambda: 5.0 + suspended_s[0])
+
+    def at(tick):
+        if tick == 5:
+            suspended_s[0] = 3.0
+
+    found = record(at=at, stop=stop)
+    assert "the computer was suspended for 3.0 s" in str(found.error)
+    assert vented(bench)
+    assert found.samples == 5
+    matrix.add("the computer is suspended", "mid-run", "the loop, once the computer goes on", "yes",
+               ticks_after(found, 5), 0)  # fmt: skip
 
 
 def test_disk_that_is_full_ends_the_run_vented(bench, record, matrix, monkeypatch):

@@ -236,3 +236,11 @@ def test_lines_are_appended_one_by_one(tmp_path):
 def test_line_that_finds_no_room_is_told_as_such_and_not_by_the_closing_of_the_file():
     with pytest.raises(OutputError, match="No space left"), appending("/dev/full") as append:
         append("a cell")
+
+
+def test_numbers_of_a_mixed_column_are_written_as_they_are(tmp_path):
+    table = pd.DataFrame(
+        [("r", 800, 2.0), ("alpha", 3, 1e-3)], columns=["a", "b", "c"], dtype=object
+    )
+    write_csv(tmp_path / "t.csv", table)
+    assert (tmp_path / "t.csv").read_text() == "a,b,c\nr,800,2.0\nalpha,3,0.001\n"
