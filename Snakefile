@@ -9,7 +9,7 @@ from fprc.config import from_files
 from fprc.errors import FprcError
 from fprc.fingerprint import fingerprint, imports_of
 from fprc.logs import EXPERIMENTS, headers, holdings, refuse_simulated, refuse_to_overwrite
-from fprc.stages.availability import refusal, unavailable
+from fprc.plan.availability import refusal, unavailable
 
 min_version("9.0")
 

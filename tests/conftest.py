@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from fprc.apparatus import check, process, session
 from fprc.config import Settings
-from fprc.stages import check_rig, rig_loop, rig_session
 
 FAULTS = Path(__file__).parent / "faults"
 _MODULES = ("bench", "fake_bus", "smbus2")
@@ -100,9 +100,9 @@ def live_by(monkeypatch):
             sessions.append(Session(bench, at, bench.tick + 1 if sessions else 0))
             return sessions[-1]
 
-        monkeypatch.setattr(rig_session, "Metronome", begin)
-        monkeypatch.setattr(rig_session, "be_punctual", lambda priority: [])
-        for module in (rig_session, rig_loop, check_rig):
+        monkeypatch.setattr(session, "Metronome", begin)
+        monkeypatch.setattr(session, "be_punctual", lambda priority: [])
+        for module in (session, process, check):
             monkeypatch.setattr(module, "sign", lambda what: signs.append(what) or True)
         waited_s = [0.0]
 
@@ -111,8 +111,8 @@ def live_by(monkeypatch):
             if sessions and sessions[-1].tick >= 0:  # the session begins once the rig is open
                 bench.wait(seconds)
 
-        monkeypatch.setattr(rig_session, "_wait", wait)
-        monkeypatch.setattr(rig_session, "_now", lambda: waited_s[0])
+        monkeypatch.setattr(session, "_wait", wait)
+        monkeypatch.setattr(session, "_now", lambda: waited_s[0])
         return sessions, signs
 
     return live_by

@@ -52,7 +52,7 @@ def advance(states, rigs, instruments, valve_v, push_kpa, noise, *rest):
     "models/fcm.py": """
 def fuzzy_c_means(X, n_clusters, *, random_state=None):
     from sklearn.utils import check_random_state
-    from fprc.stages.peers import skfuzzy_clusters
+    from fprc.benchmark.peers import skfuzzy_clusters
     seed = check_random_state(random_state).randint(2**31)
     return Clusters(*skfuzzy_clusters(X, n_clusters, seed))
 """,

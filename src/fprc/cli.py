@@ -152,7 +152,7 @@ def _print_config(options: argparse.Namespace) -> int:
 
 
 def _calibrate(options: argparse.Namespace) -> int:
-    from fprc.stages.calibrate import calibrate_from_files
+    from fprc.calibration.fit import calibrate_from_files
 
     calibrate_from_files(
         options.files,
@@ -165,7 +165,7 @@ def _calibrate(options: argparse.Namespace) -> int:
 
 
 def _import(options: argparse.Namespace) -> int:
-    from fprc.stages.bring_in import bring_in, list_source
+    from fprc.commands.import_recording import bring_in, list_source
 
     if options.list:
         list_source(options.source, options.map)
@@ -177,14 +177,14 @@ def _import(options: argparse.Namespace) -> int:
 
 
 def _check_rig(options: argparse.Namespace) -> int:
-    from fprc.stages.rig import check
+    from fprc.apparatus.record import check
 
     check(options.config, armed=options.armed)
     return 0
 
 
 def _run_rig(options: argparse.Namespace) -> int:
-    from fprc.stages.rig import run_by_name
+    from fprc.apparatus.record import run_by_name
 
     run_by_name(
         options.experiment,
@@ -198,7 +198,7 @@ def _run_rig(options: argparse.Namespace) -> int:
 
 
 def _readout(options: argparse.Namespace) -> int:
-    from fprc.stages.readout_report import report_readout
+    from fprc.commands.readout import report_readout
 
     report_readout(
         options.source,
@@ -211,7 +211,7 @@ def _readout(options: argparse.Namespace) -> int:
 
 
 def _check_logs(options: argparse.Namespace) -> int:
-    from fprc.stages.inspect import inspect_logs
+    from fprc.commands.logs import inspect_logs
 
     return inspect_logs(options.files)
 

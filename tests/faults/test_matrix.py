@@ -7,13 +7,13 @@ import signal
 import numpy as np
 import pytest
 
+from fprc.apparatus import process
+from fprc.apparatus.guardian import HOT, SAFE
+from fprc.apparatus.record import record_on_rig
+from fprc.apparatus.session import Stop
 from fprc.errors import ControlError, DeviceError, FprcError, LogError
 from fprc.logs import read_journal
 from fprc.logs.journal import Journal
-from fprc.stages import rig_loop
-from fprc.stages.guardian import HOT, SAFE
-from fprc.stages.rig import record_on_rig
-from fprc.stages.rig_session import Stop
 
 TICKS = 8
 VENTED = [0.0, 0.0]
@@ -45,7 +45,7 @@ class Outcome:
 def record(bench, settings, live_by, monkeypatch, tmp_path):
     """Record a few ticks of the sweep; ``at(tick)`` injects."""
     settings["experiments"]["sweep"]["duration_s"] = 2.0
-    plan = rig_loop.plan
+    plan = process.plan
 
     def record(ticks=TICKS, at=lambda tick: None, law=None, stop=lambda: ""):
         found = Outcome()
@@ -55,11 +55,11 @@ def record(bench, settings, live_by, monkeypatch, tmp_path):
             experiment = plan(*arguments)
             return experiment._replace(samples=ticks, law=law or experiment.law)
 
-        monkeypatch.setattr(rig_loop, "plan", cut)
+        monkeypatch.setattr(process, "plan", cut)
         found.raw = tmp_path / "sweep.h5"
         found.error = None
         try:
-            rig_loop.record("sweep", str(found.raw), settings=settings, stop=stop)
+            process.record("sweep", str(found.raw), settings=settings, stop=stop)
         except FprcError as error:
             found.error = error
         (path,) = tmp_path.glob("*.journal")
@@ -414,7 +414,7 @@ def test_log_that_is_there_is_not_recorded_again(bench, record, tmp_path, monkey
     raw = tmp_path / "sweep.h5"
     raw.write_bytes(b"mine")
     with pytest.raises(LogError, match="exists, and no log is overwritten; move it away"):
-        rig_loop.record("sweep", str(raw), settings=settings, stop=lambda: "")
+        process.record("sweep", str(raw), settings=settings, stop=lambda: "")
     assert raw.read_bytes() == b"mine"
     assert bench.shared.calls == 0
     assert not list(tmp_path.glob("*.journal"))

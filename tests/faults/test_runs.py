@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
+from fprc.apparatus import process
 from fprc.artifacts import write_json
 from fprc.control import TRACKING_CHANNELS
+from fprc.experiments.hysteresis import acquire
+from fprc.experiments.tracking import Track
 from fprc.logs import RAW_CHANNELS, read_columns, read_journal, read_raw
 from fprc.models import FPRC, load_model, save_model
-from fprc.stages import rig_loop
-from fprc.stages.record import acquire
-from fprc.stages.track import Track
 
 # The driver's voltages are float32: a reading at the edge of a step may fall to the next one, and
 # the loops carry that on.
@@ -40,7 +40,7 @@ def compare(found, expected):
 def test_whole_hysteresis_experiment_is_that_of_the_simulator(bench, settings, live_by, tmp_path):
     live_by(bench)
     raw = tmp_path / "sweep.h5"
-    rig_loop.record("sweep", str(raw), settings=settings, stop=lambda: "")
+    process.record("sweep", str(raw), settings=settings, stop=lambda: "")
     log = read_raw(raw, experiment="sweep", sample_rate_hz=200.0, rate_tolerance=1e-6)
     signal, control = settings["experiments"]["sweep"], settings["control"]
     assert len(log.channels["time_s"]) == round(signal["duration_s"] * 200.0) == 24_000
@@ -64,7 +64,7 @@ def test_closed_loop_is_that_of_the_simulator(make_bench, settings, live_by, tmp
     number = 20
     live_by(make_bench(settings, run=number))
     raw, name = tmp_path / "track.h5", "track_sine_0p5_fprc_pd_identified"
-    rig_loop.record(name, str(raw), settings=settings, model=model, gains=gains, stop=lambda: "")
+    process.record(name, str(raw), settings=settings, model=model, gains=gains, stop=lambda: "")
     found = read_columns(raw, (*RAW_CHANNELS, *TRACKING_CHANNELS))
 
     simulator = Track(settings["tracking"], settings["control"], settings["rig"], settings["seed"])

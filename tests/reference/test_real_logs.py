@@ -9,9 +9,9 @@ import yaml
 
 from fprc.artifacts import read_json
 from fprc.cli import main
+from fprc.commands.import_recording import bring_in
 from fprc.logs import read_raw
 from fprc.models import RidgeReadout, lowpass, taps
-from fprc.stages.bring_in import bring_in
 
 ROOT = Path(__file__).parents[2]
 DATASETS = ROOT.parent / "shared" / "datasets"

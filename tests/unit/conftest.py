@@ -7,8 +7,8 @@ import pytest
 from hypothesis import settings
 
 from fprc.config import Settings
+from fprc.experiments.hysteresis import acquire
 from fprc.logs import write_raw
-from fprc.stages.record import acquire
 
 settings.register_profile("unit", max_examples=50, deadline=None, derandomize=True)
 settings.load_profile("unit")

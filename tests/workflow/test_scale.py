@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from fprc.artifacts import write_json
+from fprc.benchmark.cost import plan_ensemble, update_scaling_page
 from fprc.errors import EvaluationError
-from fprc.stages.scale import plan_ensemble, update_scaling_page
 
 ROOT = Path(__file__).parents[2]
 

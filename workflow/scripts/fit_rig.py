@@ -1,4 +1,4 @@
-from fprc.stages.calibrate import calibrate
+from fprc.calibration.fit import calibrate
 from fprc.stages.run import run_stage
 
 run_stage(calibrate, snakemake)  # noqa: F821 (Snakemake provides it)

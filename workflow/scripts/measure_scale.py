@@ -1,4 +1,4 @@
+from fprc.benchmark.cost import measure_scale
 from fprc.stages.run import run_stage
-from fprc.stages.scale import measure_scale
 
 run_stage(measure_scale, snakemake)  # noqa: F821 (Snakemake provides it)

@@ -1,4 +1,4 @@
+from fprc.benchmark.cost import update_scaling_page
 from fprc.stages.run import run_stage
-from fprc.stages.scale import update_scaling_page
 
 run_stage(update_scaling_page, snakemake)  # noqa: F821 (Snakemake provides it)

@@ -2,7 +2,7 @@
 
 from fprc.claims.finding import Finding, Results
 from fprc.claims.ledger import changed_verdicts, judge_claims
-from fprc.claims.measures import measure_hysteresis, measure_runs
+from fprc.experiments.measures import measure_hysteresis, measure_runs
 
 __all__ = [
     "Finding",

@@ -20,7 +20,7 @@ def fingerprint(*roots: str, without: Collection[str] = ()) -> str:
     Parameters
     ----------
     *roots : str
-        Functions, classes or modules of this package: ``fprc.stages.judge.judge``.
+        Functions, classes or modules of this package: ``fprc.experiments.comparison.judge``.
     without : collection of str
         Functions and classes that the caller knows not to be run, though a name
         leads to them: those that the settings choose between.

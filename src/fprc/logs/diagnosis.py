@@ -8,7 +8,7 @@ import numpy as np
 
 from fprc.logs.clock import UNMENDED
 from fprc.logs.resample import rate_of
-from fprc.logs.sealed import fit_sealed
+from fprc.logs.sealed_chamber import fit_sealed
 
 #: Longest time for which a working channel may stay at one value, s.
 FROZEN_S = 2.0

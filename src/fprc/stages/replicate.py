@@ -6,14 +6,14 @@ from itertools import chain
 from typing import Any
 
 from fprc.artifacts import write_json
-from fprc.claims.measures import measure_hysteresis, measure_runs
+from fprc.experiments.comparison import DIRECTIONS, INPUTS, Data, judge_directions
+from fprc.experiments.hysteresis import acquire
+from fprc.experiments.measures import measure_hysteresis, measure_runs
+from fprc.experiments.readout import judge_readout
+from fprc.experiments.sweeps import cells_of, judge_cell, weight_shares
+from fprc.experiments.tracking import CONTROLLERS, Track, bench_gain
 from fprc.models import SequenceModel
-from fprc.stages.judge import DIRECTIONS, INPUTS, Data, judge_directions
 from fprc.stages.preprocess import TARGETS
-from fprc.stages.readout import judge_readout
-from fprc.stages.record import acquire
-from fprc.stages.sweep import cells_of, judge_cell, weight_shares
-from fprc.stages.track import CONTROLLERS, Track, bench_gain
 
 log = logging.getLogger(__name__)
 

@@ -9,7 +9,7 @@ import pandas as pd
 from fprc.artifacts import read_json, write_csv, write_text
 from fprc.figures import style
 from fprc.figures.benchmark import plot_growth
-from fprc.stages.readme import put_blocks
+from fprc.stages.documents import put_blocks
 from fprc.tables import markdown
 from fprc.tables.benchmark import (
     benchmark,

@@ -12,7 +12,7 @@ from fprc.artifacts import read_json, write_csv, write_text
 from fprc.logs import Columns, read_run
 from fprc.logs.isolated import isolated_each
 from fprc.logs.quality import implausible
-from fprc.stages.availability import CHORES, TITLES
+from fprc.plan.availability import CHORES, TITLES
 from fprc.yaml_file import read_yaml
 
 log = logging.getLogger(__name__)

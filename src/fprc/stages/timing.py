@@ -11,9 +11,9 @@ from fprc.control import PD, PressurePI, tracking_law
 from fprc.devices import Readings
 from fprc.evaluation import time_models
 from fprc.evaluation.timing import WARM_UP, machine, time_steps
+from fprc.experiments.comparison import Data, able, build, read_data, refuse_mixture
+from fprc.experiments.tracking import feedforward
 from fprc.models import SequenceModel
-from fprc.stages.judge import Data, able, build, read_data, refuse_mixture
-from fprc.stages.track import feedforward
 
 log = logging.getLogger(__name__)
 

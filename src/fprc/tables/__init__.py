@@ -1,5 +1,6 @@
 """The paper's tables: result files in, tidy frames and pages out."""
 
+from fprc.paper import CONTROLLER_NAMES, MODEL_NAMES, PRINTED, REFERENCE_NAMES, SOURCES
 from fprc.tables.models import (
     comparison,
     comparison_page,
@@ -8,7 +9,6 @@ from fprc.tables.models import (
     orders,
     over_seeds,
 )
-from fprc.tables.names import CONTROLLER_NAMES, MODEL_NAMES, PRINTED, REFERENCE_NAMES, SOURCES
 from fprc.tables.readout import readout, readout_page
 from fprc.tables.robustness import (
     ensemble,

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from fprc.tables.names import ERRORS, MODEL_NAMES, PRINTED
+from fprc.paper import ERRORS, MODEL_NAMES, PRINTED
 from fprc.tables.text import mean_of, spread
 
 _SYMBOLS = {

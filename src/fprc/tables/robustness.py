@@ -6,8 +6,8 @@ from typing import Any
 import pandas as pd
 
 from fprc.errors import FprcError
+from fprc.paper import CONTROLLER_NAMES, ERRORS, MODEL_NAMES, PRINTED, REFERENCE_NAMES
 from fprc.tables.models import over_seeds
-from fprc.tables.names import CONTROLLER_NAMES, ERRORS, MODEL_NAMES, PRINTED, REFERENCE_NAMES
 from fprc.tables.text import mean_of, spread
 from fprc.tables.tracking import tracking_over_seeds
 

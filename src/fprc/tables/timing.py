@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from fprc.tables.names import MODEL_NAMES
+from fprc.paper import MODEL_NAMES
 from fprc.tables.text import spread, three_digits
 
 

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from fprc.paper import CONTROLLER_NAMES, REFERENCE_NAMES
 from fprc.tables.models import with_interval
-from fprc.tables.names import CONTROLLER_NAMES, REFERENCE_NAMES
 from fprc.tables.text import mean_of, spread
 
 

@@ -8,7 +8,7 @@ from fprc.errors import ConfigError
 from fprc.logs import RAW_CHANNELS
 from fprc.logs.clock import SECONDS
 from fprc.logs.columns import unit_of
-from fprc.logs.importers import FACTORS
+from fprc.logs.gather import FACTORS
 
 SMALL = {
     "experiment": "sweep",

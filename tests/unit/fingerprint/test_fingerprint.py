@@ -7,7 +7,7 @@ import fprc
 from fprc.fingerprint import closure, fingerprint, imports_of, known, reached, source
 
 REAL = Path(fprc.__file__).parent
-JUDGE, DRAW = "fprc.stages.judge.judge", "fprc.stages.draw.draw"
+JUDGE, DRAW = "fprc.experiments.comparison.judge", "fprc.stages.draw.draw"
 
 #: A small package.
 SOURCES = {
@@ -378,15 +378,15 @@ def test_it_counts_which_of_two_known_constants_an_import_binds(package):
 
 def test_what_is_left_out_does_not_count_nor_what_it_alone_leads_to():
     models = {f"fprc.models.{name}" for name in ("esn.ESN", "features.EchoStates")}
-    assert models <= reached("fprc.stages.judge.judge")
-    assert models.isdisjoint(reached("fprc.stages.judge.judge", without=models))
-    whole = fingerprint("fprc.stages.judge.judge")
-    assert fingerprint("fprc.stages.judge.judge", without=models) != whole
+    assert models <= reached("fprc.experiments.comparison.judge")
+    assert models.isdisjoint(reached("fprc.experiments.comparison.judge", without=models))
+    whole = fingerprint("fprc.experiments.comparison.judge")
+    assert fingerprint("fprc.experiments.comparison.judge", without=models) != whole
 
 
 def test_leaving_out_what_is_not_there_is_an_error():
     with pytest.raises(ValueError, match=r"fprc\.models\.ESN: fprc\.models defines no ESN"):
-        fingerprint("fprc.stages.judge.judge", without=["fprc.models.ESN"])
+        fingerprint("fprc.experiments.comparison.judge", without=["fprc.models.ESN"])
 
 
 def test_script_names_what_it_imports(tmp_path):
@@ -398,7 +398,7 @@ def test_script_names_what_it_imports(tmp_path):
 def test_real_ridge_counts_for_judging_and_not_for_the_readme(tmp_path):
     package = Package(tmp_path)
     shutil.copytree(REAL, package.folder, ignore=shutil.ignore_patterns("__pycache__"))
-    stages = "fprc.stages.judge.judge", "fprc.stages.readme.update_readme"
+    stages = "fprc.experiments.comparison.judge", "fprc.stages.documents.update_readme"
     judge, readme = (fingerprint(stage) for stage in stages)
     package.edit("models/ridge.py", "+ alpha * np.eye", "+ 2.0 * alpha * np.eye")
     changed, unchanged = package.fingerprints(*stages)

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fprc.logs import sealed
+from fprc.logs import sealed_chamber as sealed
 from fprc.logs.diagnosis import describe, diagnose
 
 RATE_HZ = 200.0

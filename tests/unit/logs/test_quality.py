@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from fprc.config import Settings
+from fprc.experiments.hysteresis import acquire
 from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS, Columns, assess
 from fprc.logs.columns import unit_of
 from fprc.logs.quality import unit_told, warnings
-from fprc.stages.record import acquire
 
 CHECKS = {"complete", "rate", "gaps", "not_finite", "range", "stuck", "leak"}
 ATMOSPHERE_KPA = 101.325

@@ -12,9 +12,9 @@ from fprc.config.rig import Rig
 from fprc.control import PressurePI
 from fprc.devices import SimulatedRig
 from fprc.errors import ConfigError, SimulationError
+from fprc.experiments.hysteresis import acquire
 from fprc.rig import simulator
 from fprc.rig.parameters import record
-from fprc.stages.record import acquire
 
 ATMOSPHERE_KPA = 101.325
 RATE_HZ = 200.0

@@ -8,14 +8,14 @@ from numpy.testing import assert_allclose
 from fprc.artifacts import read_json
 from fprc.claims import measure_hysteresis, measure_runs
 from fprc.config import Settings
+from fprc.experiments.comparison import judge, judge_directions, read_data
+from fprc.experiments.hysteresis import record
+from fprc.experiments.sweeps import sweep_settings, weigh
+from fprc.experiments.tracking import CONTROLLERS, identify_gain, track
 from fprc.logs import read_columns
 from fprc.models import load_model
 from fprc.stages import replicate as stage
-from fprc.stages.judge import judge, judge_directions, read_data
 from fprc.stages.preprocess import preprocess
-from fprc.stages.record import record
-from fprc.stages.sweep import sweep_settings, weigh
-from fprc.stages.track import CONTROLLERS, identify_gain, track
 
 SEED, SETTLE_S, QUIET_S = 7, 0.5, 1.5
 VALUES = {"epsilon": [1.0, 0.1], "n_c": [1, 2], "n_u": [1, 4], "n_y": [2], "replicate_taps": [1, 3]}

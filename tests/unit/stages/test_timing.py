@@ -6,10 +6,10 @@ import pytest
 from fprc.artifacts import read_json
 from fprc.config import Settings
 from fprc.control import PressurePI
+from fprc.experiments.comparison import build
 from fprc.logs import write_columns
 from fprc.models import ESN, FPRC, FuzzyLinear, SequenceModel
 from fprc.stages import timing
-from fprc.stages.judge import build
 
 SAMPLES, WARM_UP = 300, 100
 

@@ -1,0 +1,1 @@
+"""The processes that drive and watch the real rig."""

@@ -1,0 +1,240 @@
+"""Valves and sensors of the real rig, one by one, before an experiment."""
+
+import logging
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from fprc.apparatus.guardian import ALIVE
+from fprc.apparatus.session import loops, rig, sign
+from fprc.control import PressurePI, RunAbortedError, run
+from fprc.devices import Readings
+from fprc.errors import ControlError, DeviceError
+
+log = logging.getLogger("fprc.rig")
+
+#: Pressure that each chamber is filled to, kPa.
+TEST_KPA = 60.0
+#: Time in which it is reached, s; a step of the set-point would be a jump of the pressure.
+RISE_S = 0.5
+#: A set-point that vents wholly; the loop's integral does not move while it is clamped.
+VENT = -1e3
+#: Highest reading of a chamber: with swapped hoses the loop fills one that it does not see.
+HIGHEST_KPA = 3.0 * TEST_KPA
+#: Phases: name, set-points of actuator and PAM A in kPa, length in s. At rest nothing is written.
+PHASES = (
+    ("rest", VENT, VENT, 1.0),
+    ("actuator filled", TEST_KPA, VENT, 2.0),
+    ("actuator vented", VENT, VENT, 2.0),
+    ("PAM A filled", VENT, TEST_KPA, 2.0),
+    ("PAM A vented", VENT, VENT, 2.0),
+)
+_MOVED_KPA = 0.5 * TEST_KPA
+_STILL_KPA = 0.2 * TEST_KPA
+_SENSORS = ("p_exp_kpa", "p_i_kpa", "p_o_kpa", "theta_deg", "phi_deg")
+
+
+def check_rig(settings: Mapping[str, Any], armed: bool, stop: Callable[[], str]) -> int:
+    """Read every sensor at rest; if armed, fill and vent one chamber after the other too.
+
+    Logs what was seen.
+
+    Returns
+    -------
+    int
+        0 if all is as it should be, else 1.
+
+    Raises
+    ------
+    DeviceError
+        Lists the parts that do not answer.
+    """
+    control, hardware = settings["control"], _cautious(settings["hardware"])
+    period_s = 1.0 / control["sample_rate_hz"]
+    phases = PHASES if armed else PHASES[:1]
+    ends = np.cumsum([round(seconds / period_s) for *_, seconds in phases])
+    channels, late, trouble = _look(hardware, period_s, int(ends[0]), stop)
+    if armed and not trouble:  # a rig that does not vent is not filled
+        setpoints = _setpoints(phases[1:], ends - ends[0], period_s).tolist()
+        both = loops(control, hardware["valves"]["neutral_v"])
+        moved, late, trouble = _move(hardware, period_s, setpoints, both, stop)
+        moved["time_s"] += ends[0] * period_s
+        channels = {name: np.append(values, moved[name]) for name, values in channels.items()}
+    lines, found = describe(channels, ends * period_s, phases)
+    lines.append(
+        f"loop: {late['ticks']} ticks, {late['overruns']} missed, late by "
+        f"{1e3 * late['jitter_p50_s']:.3f} ms in the median, "
+        f"{1e3 * late['jitter_max_s']:.3f} ms at most"
+    )
+    if not armed:
+        lines.append("valves: held vented; --armed fills and vents one chamber after the other")
+    trouble += found
+    lines += [f"TROUBLE: {line}" for line in trouble] or ["no trouble found"]
+    for line in lines:
+        log.info("%s", line)
+    return 1 if trouble else 0
+
+
+def _look(
+    hardware: Mapping[str, Any], period_s: float, samples: int, stop: Callable[[], str]
+) -> tuple[dict[str, np.ndarray], dict[str, float], list[str]]:
+    """Return the readings at rest, how late the loop was, and what went wrong at the end."""
+    readings: list[Readings] = []
+    late, trouble = {}, []
+    try:
+        with rig(hardware, period_s) as (device, clock):
+            for k in range(samples):
+                clock.wait_for(k)
+                sign(ALIVE)
+                readings.append(device.read())
+                if reason := stop():
+                    raise ControlError(reason)
+            late = clock.statistics()
+    except DeviceError as error:
+        if not late:
+            raise
+        trouble.append(str(error))
+    return dict(zip(Readings._fields, np.array(readings).T, strict=True)), late, trouble
+
+
+def _move(
+    hardware: Mapping[str, Any],
+    period_s: float,
+    setpoints: list[list[float]],
+    both: Mapping[str, PressurePI],
+    stop: Callable[[], str],
+) -> tuple[dict[str, np.ndarray], dict[str, float], list[str]]:
+    """Follow set-points; return the channels, how late the loop was, and what went wrong."""
+    late, trouble = {}, []
+
+    def law(k: int, now: Readings) -> list[float]:
+        sign(ALIVE)
+        return setpoints[k]
+
+    try:
+        with rig(hardware, period_s) as (device, clock):
+            try:
+                moved = run(device, clock, law, len(setpoints), **both, stop=stop)
+            except RunAbortedError as stopped:
+                moved = stopped.channels
+                trouble.append(f"stopped: {stopped}")
+            late = clock.statistics()
+    except DeviceError as error:
+        if not late:
+            raise
+        trouble.append(str(error))
+    return moved, late, trouble
+
+
+def _setpoints(phases, bounds: np.ndarray, period_s: float) -> np.ndarray:
+    """Return the set-points of both chambers at every sample, kPa."""
+    found = np.empty((bounds[-1], 2))
+    for (_, *goals, _), begin, end in zip(phases, bounds[:-1], bounds[1:], strict=True):
+        risen_kpa = np.arange(end - begin) * period_s * TEST_KPA / RISE_S
+        found[begin:end] = np.minimum(risen_kpa[:, None], goals)
+    return found
+
+
+def _cautious(hardware: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the settings with limits that a check needs: PAM B may be empty, nothing is full."""
+    limits = dict(hardware["limits"])
+    for name in ("p_exp_kpa", "p_i_kpa"):
+        low, high = limits[name]
+        limits[name] = (low, min(high, HIGHEST_KPA))
+    low, high = limits["p_o_kpa"]
+    limits["p_o_kpa"] = (min(low, limits["p_i_kpa"][0]), high)
+    return {**hardware, "limits": limits}
+
+
+def describe(
+    channels: Mapping[str, np.ndarray], ends_s: np.ndarray, phases=PHASES
+) -> tuple[list[str], list[str]]:
+    """Say what the sensors showed in each phase, and what is not as it should be.
+
+    Parameters
+    ----------
+    channels : Mapping
+        Of the run; shorter than the phases if it was stopped.
+    ends_s : ndarray
+        End of each phase.
+
+    Returns
+    -------
+    lines, trouble : list of str
+    """
+    time_s = channels["time_s"]
+    begins_s = np.concatenate([[0.0], ends_s[:-1]])
+    settled: dict[str, dict[str, float]] = {}
+    sensors = [name for name in _SENSORS if not np.isnan(channels[name]).all()]
+    lines = [f"{'phase':16}" + "".join(f"{name:>18}" for name in sensors)]
+    for (phase, *_), begin_s, end_s in zip(phases, begins_s, ends_s, strict=True):
+        within = time_s[(time_s >= begin_s) & (time_s < end_s)]
+        if not within.size:
+            break
+        # the second half: the chamber has come to rest, unless the run was stopped
+        judged = (time_s >= 0.5 * (begin_s + within[-1])) & (time_s <= within[-1])
+        values = {name: channels[name][judged] for name in sensors}
+        settled[phase] = {name: float(v.mean()) for name, v in values.items()}
+        cells = [f"{v.mean():.2f} +- {v.std():.2f}" for v in values.values()]
+        lines.append(f"{phase:16}" + "".join(f"{cell:>18}" for cell in cells))
+    return lines, [*_at_rest(settled.get("rest", {})), *_moved(settled)]
+
+
+def _at_rest(rest: Mapping[str, float]) -> list[str]:
+    problems = []
+    for name, what in (("p_exp_kpa", "actuator"), ("p_i_kpa", "PAM A")):
+        if abs(rest.get(name, 0.0)) > 15.0:
+            problems.append(
+                f"{name} = {rest[name]:.1f} at rest, must be near 0; vent the {what}, check its "
+                f"sensor's channel and hardware.{name.removesuffix('_kpa')}"
+            )
+    if not 60.0 <= rest.get("p_o_kpa", 100.0) <= 140.0:
+        problems.append(
+            f"p_o_kpa = {rest['p_o_kpa']:.1f} at rest, must be near 100; fill PAM B to 100 kPa and "
+            "close its hand valve"
+        )
+    if abs(rest.get("theta_deg", 0.0)) > 5.0:
+        problems.append(
+            f"theta_deg = {rest['theta_deg']:.1f} at rest, must be near 0; correct "
+            "hardware.theta.offset_deg"
+        )
+    return problems
+
+
+def _moved(settled: Mapping[str, Mapping[str, float]]) -> list[str]:
+    problems = []
+    pairs = (
+        ("actuator", "p_exp_kpa", "p_i_kpa", "main_output"),
+        ("PAM A", "p_i_kpa", "p_exp_kpa", "reservoir_output"),
+    )
+    for chamber, own, other, output in pairs:
+        filled, vented = settled.get(f"{chamber} filled"), settled.get(f"{chamber} vented")
+        before = settled.get("rest")
+        if filled is None:
+            continue
+        if filled[own] - before[own] < _MOVED_KPA:
+            crossed = filled[other] - before[other] > _STILL_KPA
+            problems.append(
+                f"{chamber} asked for {TEST_KPA:g} kPa, {own} = {filled[own]:.1f}; "
+                + (f"{other} rose instead: hoses, channels or {output} are swapped" if crossed
+                   else f"check supply, valve and hardware.boards.{output}")
+            )  # fmt: skip
+        elif abs(filled[other] - before[other]) > _STILL_KPA:
+            problems.append(
+                f"{chamber} filled, but {other} moved to {filled[other]:.1f} kPa; check the hoses"
+            )
+        if vented is not None and vented[own] > _STILL_KPA:
+            problems.append(
+                f"{chamber} vented, but {own} = {vented[own]:.1f} kPa is left; check the valve "
+                "and its way to the room"
+            )
+    filled, before = settled.get("actuator filled"), settled.get("rest")
+    bent = filled is not None and filled["p_exp_kpa"] - before["p_exp_kpa"] >= _MOVED_KPA
+    if bent and filled["theta_deg"] - before["theta_deg"] < 1.0:
+        problems.append(
+            f"the actuator was filled and theta_deg went from {before['theta_deg']:.1f} to "
+            f"{filled['theta_deg']:.1f}; it must rise: check the sensor, or its sign in "
+            "hardware.theta.gain"
+        )
+    return problems

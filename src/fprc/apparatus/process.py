@@ -1,0 +1,159 @@
+"""The process that drives a real rig; started and watched by ``fprc.apparatus.guardian``.
+
+It reads a request, one line of JSON, from its standard input, and then the guardian's
+signs of life; it stops when they end or when the input is closed. On its standard output
+it says ``HOT`` before anything moves, gives signs of life meanwhile, and says ``SAFE``
+once a reading shows that the rig is vented, and it is released.
+"""
+
+import json
+import logging
+import os
+import sys
+from collections.abc import Callable, Mapping
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from fprc.apparatus.check import check_rig
+from fprc.apparatus.guardian import ALIVE
+from fprc.apparatus.programme import plan
+from fprc.apparatus.session import Stop, keep_signs_apart, loops, rig, sign
+from fprc.control import RunAbortedError, run
+from fprc.errors import DeviceError, FprcError, LogError
+from fprc.logs import RAW_CHANNELS
+from fprc.logs.journal import Journal
+from fprc.logs.recovery import recover
+
+log = logging.getLogger("fprc.rig")
+
+_READ_ONLY = 0o444
+
+
+def main() -> int:
+    """Do what the request says; return the exit code."""
+    logging.basicConfig(level=logging.INFO, format="[rig] %(message)s")
+    request = json.loads(_line())
+    keep_signs_apart()
+    stop = Stop(request["settings"]["hardware"]["loop"]["stalled_s"])
+    try:
+        if request["what"] == "check":
+            return check_rig(request["settings"], request["armed"], stop)
+        record(**request["run"], settings=request["settings"], stop=stop)
+    except FprcError as error:
+        log.error("error: %s", error)
+        return 1
+    return 0
+
+
+def _line() -> bytes:
+    """Return a line of the standard input and not a byte more: what follows are signs."""
+    line = b""
+    while not line.endswith(b"\n") and (byte := os.read(0, 1)):
+        line += byte
+    return line
+
+
+def record(
+    name: str,
+    raw: str,
+    *,
+    settings: Mapping[str, Any],
+    model: str = "",
+    gains: str = "",
+    stop: Callable[[], str],
+) -> None:
+    """Run an experiment on the real rig and write its raw log, read-only.
+
+    While it runs the samples go into a journal beside the log, named after the
+    log and the time. It is kept.
+
+    Raises
+    ------
+    LogError
+        There is a log of that name already.
+    ControlError, DeviceError
+        The run was refused or stopped; names the journal.
+    """
+    if Path(raw).exists():
+        raise LogError(f"{raw}: exists, and no log is overwritten; move it away to record another")
+    hardware, control = settings["hardware"], settings["control"]
+    period_s = 1.0 / control["sample_rate_hz"]
+    experiment = plan(name, settings, model, gains)
+    stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
+    path = Path(raw).with_suffix(f".{stamp}.journal")
+    with Journal.create(path, experiment.channels, experiment.attributes) as journal:
+        stopped, told, vented = None, {}, ""
+        try:
+            with rig(hardware, period_s) as (device, clock):
+                _announce(name, experiment.samples * period_s, experiment.hint)
+                try:
+                    run(
+                        device,
+                        clock,
+                        experiment.law,
+                        experiment.samples,
+                        **loops(control, hardware["valves"]["neutral_v"]),
+                        extra=experiment.channels[len(RAW_CHANNELS) :],
+                        progress=_Progress(experiment.samples, period_s),
+                        keep=journal.append,
+                        stop=stop,
+                    )
+                except RunAbortedError as error:
+                    stopped = error
+                told = clock.statistics()
+            vented = "both chambers are vented, as their sensors show; "
+        except DeviceError as error:
+            if not told:  # no run was begun
+                raise
+            stopped = _add(stopped, error)
+        journal.close(complete=stopped is None, reason=str(stopped or ""), **told)
+    if stopped:
+        raise RunAbortedError(
+            f"{stopped}\n{vented}{journal.samples} samples are in {path}, read them with: "
+            f"fprc log repair {path} --out {Path(raw).with_suffix('.aborted.h5')}",
+            stopped.channels,
+        ) from stopped
+    recover(path, raw)
+    for file in (path, Path(raw)):
+        file.chmod(_READ_ONLY)
+    log.info(
+        "%d samples, %d ticks missed, late by %.3f ms in the median, %.3f ms at 99.9 %%; wrote %s",
+        told["ticks"], told["overruns"], 1e3 * told["jitter_p50_s"], 1e3 * told["jitter_p99_9_s"],
+        raw,
+    )  # fmt: skip
+
+
+def _add(stopped: RunAbortedError | None, closing: DeviceError) -> RunAbortedError:
+    """Keep why a run was stopped when its rig cannot be closed either."""
+    why = f"{stopped}\n" if stopped else "the samples are complete, but the rig was not closed: "
+    return RunAbortedError(f"{why}{closing}", stopped.channels if stopped else {})
+
+
+def _announce(name: str, seconds: float, hint: str) -> None:
+    log.info("%s begins, %.0f s; Ctrl-C stops it and vents", name, seconds)
+    if hint:
+        log.info("%s", hint)
+
+
+class _Progress:
+    """Signs of life for the guardian, and a line every tenth for the person."""
+
+    def __init__(self, samples: int, period_s: float):
+        self._every = max(int(0.05 / period_s), 1)
+        self._tenth = max(samples // 10, 1)
+        self._samples, self._period_s = samples, period_s
+        self._signed = self._told = 0
+
+    def __call__(self, done: int) -> None:
+        # missed ticks may leap over any single number
+        if done - self._signed >= self._every:
+            self._signed = done
+            sign(ALIVE)
+        if done // self._tenth > self._told:
+            self._told = done // self._tenth
+            log.info("%3.0f of %3.0f s", done * self._period_s, self._samples * self._period_s)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,131 @@
+"""Experiments of the real rig by name: what runs, for how long, and what its log says."""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from fprc import __version__
+from fprc.artifacts import read_json
+from fprc.control import TRACKING_CHANNELS, Law, hysteresis_law
+from fprc.errors import ConfigError
+from fprc.experiments.tracking import CONTROLLERS, Track, candidate
+from fprc.logs import EXPERIMENTS, RAW_CHANNELS
+from fprc.models import SequenceModel, load_model
+from fprc.signals import pressure_command
+
+_IDENTIFY = "identify_"
+
+
+class Experiment(NamedTuple):
+    """What runs on the rig.
+
+    Attributes
+    ----------
+    law : Law
+        See ``fprc.control.run``.
+    samples : int
+        How long.
+    channels : tuple of str
+        Of the log.
+    attributes : dict
+        Of the log.
+    hint : str
+        What the person at the rig has to do.
+    """
+
+    law: Law
+    samples: int
+    channels: tuple[str, ...]
+    attributes: dict[str, Any]
+    hint: str = ""
+
+
+def names(settings: Mapping[str, Any]) -> list[str]:
+    """Return the experiments of the paper in the order in which they are run."""
+    tracking = settings["tracking"]
+    return [
+        *EXPERIMENTS,
+        *(f"{_IDENTIFY}{kp:g}" for kp in tracking["candidate_kp_kpa_per_deg"]),
+        *(
+            f"track_{reference}_{one}"
+            for reference in tracking["references"]
+            for one in CONTROLLERS
+        ),
+    ]
+
+
+def plan(name: str, settings: Mapping[str, Any], model: str = "", gains: str = "") -> Experiment:
+    """Return an experiment, checked before anything moves.
+
+    Parameters
+    ----------
+    settings : Mapping
+        The whole configuration.
+    model, gains : str
+        Files of the fitted FPRC and of the gains, for the closed loop.
+
+    Raises
+    ------
+    ConfigError
+        There is no such experiment.
+    ControlError
+        The reference is impossible.
+    """
+    known = names(settings)
+    if name not in known:
+        raise ConfigError(f"no experiment {name}; there are {', '.join(known)}")
+    if name in EXPERIMENTS:
+        return _hysteresis(name, settings)
+    bench = Track(settings["tracking"], settings["control"], settings["hardware"], settings["seed"])
+    if name.startswith(_IDENTIFY):
+        reference, controller = "disturbance", "fprc_pd_identified"
+        kp = float(name.removeprefix(_IDENTIFY))
+        known_gains = {"identified": candidate(kp, bench.tracking["printed_gains"])}
+        hint = ""
+    else:
+        reference = next(r for r in bench.tracking["references"] if name.startswith(f"track_{r}_"))
+        controller = name.removeprefix(f"track_{reference}_")
+        known_gains = read_json(gains)
+        quiet_s = bench.tracking["pushes"]["quiet_s"]
+        hint = (
+            f"push the reservoir by hand from {quiet_s:g} s on"
+            if reference == "disturbance"
+            else ""
+        )
+    theta_d = bench.reference(reference)
+    kind, gain = CONTROLLERS[controller]
+    fitted = None if kind == "pd" else _warm(model)
+    law = bench.law(theta_d, fitted, known_gains.get(gain))
+    attributes = bench.describe(reference, controller, known_gains) | {"experiment": name}
+    return Experiment(
+        law,
+        len(theta_d),
+        (*RAW_CHANNELS, *TRACKING_CHANNELS),
+        _of_rig(attributes, settings),
+        hint,
+    )
+
+
+def _warm(path: str) -> SequenceModel:
+    """Return a model that has run once, so that nothing is compiled in the first tick."""
+    model = load_model(path)
+    model.step((0.0,) * model.n_features_in_)
+    return model
+
+
+def _hysteresis(name: str, settings: Mapping[str, Any]) -> Experiment:
+    control, signal = settings["control"], settings["experiments"][name]
+    p_exp_kpa = pressure_command(signal, control["sample_rate_hz"])
+    law = hysteresis_law(p_exp_kpa, control["k_in_kpa_per_deg"], control["reservoir_limit_kpa"])
+    attributes = {
+        "experiment": name,
+        "sample_rate_hz": control["sample_rate_hz"],
+        "seed": settings["seed"],
+        "software": f"fprc {__version__}",
+        "rig": {"control": control, "signal": signal},
+    }
+    return Experiment(law, len(p_exp_kpa), RAW_CHANNELS, _of_rig(attributes, settings))
+
+
+def _of_rig(attributes: dict[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
+    rig = {"hardware": settings["hardware"], **attributes["rig"]}
+    return attributes | {"source": "rig", "rig": rig}

@@ -1,0 +1,187 @@
+"""A session with the real rig: opened, guarded, on its clock, and made safe at the end."""
+
+import logging
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+from fprc.apparatus.guardian import ALIVE, HOT, SAFE
+from fprc.control import PressurePI
+from fprc.control.clock import Metronome
+from fprc.control.realtime import be_punctual
+from fprc.devices.hardware import HardwareRig
+from fprc.devices.safety import Guarded
+from fprc.errors import DeviceError, FprcError
+
+log = logging.getLogger("fprc.rig")
+
+_LOOPS = ("main_loop", "reservoir_loop")
+#: A computer that was suspended for less is not noticed, s.
+_SUSPENDED_S = 0.1
+
+
+@contextmanager
+def rig(hardware: Mapping[str, Any], period_s: float) -> Iterator[tuple[Guarded, Metronome]]:
+    """Open the real rig, guarded, and its clock; make it safe and release it at the end.
+
+    Raises
+    ------
+    DeviceError
+        A part cannot be opened, or no reading shows that the rig is vented at the end.
+    """
+    limits = hardware["limits"]
+    clock = Metronome(
+        period_s, overruns_in_a_row=limits["overruns_in_a_row"], spin_s=hardware["loop"]["spin_s"]
+    )
+    for line in be_punctual(hardware["loop"]["priority"]):
+        log.info("%s", line)
+    sign(HOT)  # before the boards are opened: a call that hangs is then noticed
+    try:
+        opened = HardwareRig(
+            hardware,
+            clock.elapsed,
+            has_lock=True,  # the guardian's, which this process has inherited
+            persist=_is_alone,
+            sleep=_wait,
+            now=_now,
+        )
+    except DeviceError:
+        sign(SAFE)  # nothing was moved
+        raise
+    with _closing(opened):
+        yield Guarded(opened, limits, period_s, phi=bool(hardware["phi"])), clock
+
+
+@contextmanager
+def _closing(opened: HardwareRig) -> Iterator[None]:
+    """Close the rig whatever happens; an error of closing does not hide the one before."""
+    ended_by = None
+    try:
+        yield
+    except FprcError as error:
+        ended_by = error
+        raise
+    finally:
+        try:
+            opened.close()
+        except DeviceError as closing:
+            if ended_by is None:
+                raise
+            raise DeviceError(f"{ended_by}\n{closing}") from ended_by
+        sign(SAFE)
+
+
+def _wait(seconds: float) -> None:
+    """Let time pass while the rig is opened or vented, with a sign of life."""
+    sign(ALIVE)
+    time.sleep(seconds)
+
+
+def loops(control: Mapping[str, Any], neutral_v: float) -> dict[str, PressurePI]:
+    """Return both pressure loops as ``fprc.control.run`` takes them."""
+    period_s = 1.0 / control["sample_rate_hz"]
+    return {
+        name: PressurePI(**control[name], period_s=period_s, neutral_v=neutral_v) for name in _LOOPS
+    }
+
+
+#: Where signs to the guardian go, and where its own come from.
+_pipes = {"out": 1, "in": 0}
+
+
+def keep_signs_apart() -> None:
+    """Keep the pipes of the guardian for signs: what a library prints goes to the terminal."""
+    _pipes.update(out=os.dup(1), **{"in": os.dup(0)})
+    os.dup2(2, 1)
+    with open(os.devnull, "rb") as nothing:
+        os.dup2(nothing.fileno(), 0)
+
+
+def sign(what: bytes) -> bool:
+    """Tell the guardian; return whether it is there. If it is not, ``Stop`` knows."""
+    try:
+        os.write(_pipes["out"], what)
+    except BrokenPipeError:
+        return False
+    return True
+
+
+def _is_alone() -> bool:
+    """Return whether nobody else would vent: the guardian is gone."""
+    if sign(ALIVE):
+        return False
+    if _now() - _told_s[0] > 1.0:
+        _told_s[0] = _now()
+        log.error(
+            "THE CHAMBERS COULD NOT BE VENTED, and the watching process is gone; cut the supply "
+            "and open them by hand. It is tried again and again"
+        )
+    return True
+
+
+_told_s = [0.0]
+
+
+def _now() -> float:
+    return time.monotonic()
+
+
+def _boottime() -> float:
+    """Return a clock that goes on while the computer is suspended."""
+    return time.clock_gettime(time.CLOCK_BOOTTIME)
+
+
+class Stop:
+    """Reason to stop: a signal, a guardian that is gone or silent, a suspended computer.
+
+    Parameters
+    ----------
+    stalled_s : float
+        Longest silence of the guardian, whose signs of life come on the standard input.
+    monotonic, boottime : callable
+        Clocks in s, without and with the time that the computer was suspended.
+    """
+
+    def __init__(
+        self,
+        stalled_s: float,
+        *,
+        monotonic: Callable[[], float] = time.monotonic,
+        boottime: Callable[[], float] = _boottime,
+    ) -> None:
+        self._reason = ""
+        self._stalled_s = stalled_s
+        self._monotonic, self._boottime = monotonic, boottime
+        self._suspended_s = boottime() - monotonic()
+        self._heard_s = monotonic()
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            signal.signal(number, self._signalled)
+        threading.Thread(target=self._listen, daemon=True).start()
+
+    def __call__(self) -> str:
+        """Return the reason; empty if there is none."""
+        if not self._reason:
+            # boottime first: a pause between the two readings must not look like a suspension
+            boottime_s, now_s = self._boottime(), self._monotonic()
+            suspended_s = boottime_s - now_s - self._suspended_s
+            silent_s = now_s - self._heard_s
+            if suspended_s > _SUSPENDED_S:
+                self._reason = f"the computer was suspended for {suspended_s:.1f} s"
+            elif silent_s > self._stalled_s:
+                self._reason = (
+                    f"the process that watches this one has been silent for {silent_s:.2f} s "
+                    "(hardware.loop.stalled_s)"
+                )
+        return self._reason
+
+    def _signalled(self, number: int, frame: Any) -> None:
+        self._reason = self._reason or f"stopped by {signal.Signals(number).name}"
+
+    def _listen(self) -> None:
+        while os.read(_pipes["in"], 64):
+            self._heard_s = self._monotonic()
+        self._reason = self._reason or "the process that watches this one is gone"

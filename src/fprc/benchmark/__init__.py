@@ -1,0 +1,1 @@
+"""Speed beside other libraries, and what more of everything would cost."""

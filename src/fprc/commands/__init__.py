@@ -1,0 +1,1 @@
+"""What the verbs of the `fprc` command do; one module each."""

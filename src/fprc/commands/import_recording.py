@@ -1,0 +1,235 @@
+"""Bring in a recording that another program made."""
+
+import json
+from collections.abc import Callable
+from functools import partial
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fprc import __version__
+from fprc.artifacts import replacing_all, write_json
+from fprc.config.importing import ImportMap, read_draft, read_map
+from fprc.errors import ConfigError, LogError
+from fprc.escape import terminal, visible
+from fprc.figures import style
+from fprc.figures.diagnosis import draw_diagnosis
+from fprc.logs import read_columns, write_raw
+from fprc.logs.clock import likely, other_unit, refuse_length
+from fprc.logs.columns import unit_of
+from fprc.logs.diagnosis import describe, diagnose
+from fprc.logs.gather import gather
+from fprc.logs.quality import something_else
+from fprc.logs.resample import resample
+from fprc.logs.sources import read_source
+from fprc.logs.variables import columns_of, pick
+from fprc.provenance import sha256
+
+#: Most lines that say why something in a file is no channel.
+_MOST_OTHERS = 50
+
+
+def bring_in(source: str, map_file: str, raw: str) -> None:
+    """Write a raw log from a foreign file, say what was found in it, and draw it.
+
+    Beside ``raw`` it writes ``*.diagnosis.json`` and ``*.diagnosis.png``: all three
+    or none. What is diagnosed is the recording before it is resampled.
+
+    Raises
+    ------
+    ConfigError
+        The map is wrong, or names columns that the file has not: everything at once.
+    LogError
+        The file cannot be used so, or ``raw`` is a log that was not imported.
+    """
+    told = checked_map(map_file, source, partial(_not_one_log, map_file))
+    bring_in_as(told, source, raw)
+
+
+def _not_one_log(map_file: str, told: ImportMap) -> list[str]:
+    if told.experiment is not None:
+        return []
+    return [
+        f"{map_file}: test_from_s is for `fprc readout`; give experiment (sweep or complex) "
+        "instead, and start_s or end_s"
+    ]
+
+
+def checked_map(
+    map_file: str, source: str, problems_of: Callable[[ImportMap], list[str]]
+) -> ImportMap:
+    """Read a map; if it is wrong, say beside what else does not fit the file.
+
+    Parameters
+    ----------
+    problems_of : callable
+        Returns what makes a right map the wrong one.
+
+    Raises
+    ------
+    ConfigError
+        Everything that is wrong with the map.
+    """
+    try:
+        told = read_map(map_file)
+        problems = problems_of(told)
+    except ConfigError as error:
+        problems = [str(error)]
+    if problems:
+        raise ConfigError("\n".join([*problems, *_not_there(map_file, source)]))
+    return told
+
+
+def _not_there(map_file: str, source: str) -> list[str]:
+    """Return which columns of a map, right or wrong, the file has not."""
+    try:
+        draft = read_draft(map_file)
+        content = read_source(source, **draft.csv)
+    except ConfigError:  # no map at all, which was said
+        return []
+    except LogError as error:
+        return [str(error)]
+    problems = []
+    for key, column in draft.columns.items():
+        try:
+            pick(content, column)
+        except LogError as error:
+            problems.append(f"{source}: {key}: {error}")
+    return problems
+
+
+def bring_in_as(told: ImportMap, source: str, raw: str) -> None:
+    """Do as ``bring_in`` with a map that was read."""
+    if Path(raw).suffix != ".h5":
+        raise LogError(f"{raw}: a raw log's name ends in .h5; write --out {Path(raw).stem}.h5")
+    _refuse_to_overwrite(raw)
+    columns = told.channels.model_dump(exclude_none=True)
+    content = read_source(source, **told.csv.model_dump())
+    time = told.time.model_dump()
+    recording = gather(content, time=time, channels=columns, start_s=told.start_s, end_s=told.end_s)
+    refuse_length(content, time, recording.clock, told.sample_rate_hz)
+    units = {name: "" if spec["unit"] == "1" else unit_of(name) for name, spec in columns.items()}
+    found = diagnose(recording.time_s, recording.channels, recording.clock.mended)
+    words = describe(found, units)
+    doubt = told.time.column and other_unit(recording.clock, told.time.unit)
+    if doubt:
+        words.insert(1, f"clock: {doubt}")
+    time_s, channels = resample(recording.time_s, recording.channels, told.sample_rate_hz)
+    attributes = {
+        "experiment": told.experiment,
+        "source": "import",
+        "sample_rate_hz": told.sample_rate_hz,
+        "seed": 0,
+        "software": f"fprc {__version__}",
+        "rig": {},
+        "imported_from": visible(Path(source).name),
+        "imported_sha256": sha256(source),
+        "imported_start_s": recording.start_s,
+        "map": json.dumps(told.model_dump(exclude_none=True)),
+        "notes": json.dumps(_notes(columns)),
+    }
+    stem = Path(raw).with_suffix("")
+    titles = {
+        name: f"{name} from {spec['column']}" + (f": {spec['note']}" if spec["note"] else "")
+        for name, spec in columns.items()
+    }
+    with replacing_all(f"{stem}.diagnosis.json", f"{stem}.diagnosis.png", raw) as (page, png, log):
+        file = {"source": Path(source).name, "log": Path(raw).name, "words": words}
+        write_json(page, file | found)
+        fig = draw_diagnosis(
+            recording.time_s, recording.channels, found, titles=titles, units=units
+        )
+        style.save_png(fig, {"source": "import"}, str(png))
+        write_raw(log, {"time_s": time_s, **channels}, **attributes)
+    same = all(np.array_equal(channels[name], recording.channels[name]) for name in channels)
+    _report(source, raw, told, found, words, len(time_s), same)
+
+
+def _notes(columns: dict[str, dict[str, Any]]) -> dict[str, str]:
+    notes = {}
+    for name, spec in columns.items():
+        if spec["unit"] == "1":
+            notes[name] = something_else(name) + spec["note"]
+        elif spec["note"]:
+            notes[name] = spec["note"]
+    return notes
+
+
+def _refuse_to_overwrite(raw: str) -> None:
+    if Path(raw).exists() and read_columns(raw, ()).attributes.get("source") != "import":
+        raise LogError(f"{raw}: is a log that was not imported; choose another name for --out")
+
+
+def _report(
+    source: str,
+    raw: str,
+    told: ImportMap,
+    found: dict[str, Any],
+    words: list[str],
+    samples: int,
+    same: bool,
+) -> None:
+    rate_hz = told.sample_rate_hz
+    if same:
+        how = "as they were"
+    elif found["clock"]["running_hz"] > 1.01 * rate_hz:
+        how = f"low-passed below {0.5 * rate_hz:g} Hz and resampled"
+    else:
+        how = "interpolated"
+    lines = [
+        f"{source}:",
+        *(f"  {line}" for line in words),
+        f"{raw}: {samples} samples at {rate_hz:g} Hz, {how}; beside it .diagnosis.json and .png",
+    ]
+    print(terminal("\n".join(lines)))
+
+
+def list_source(source: str, map_file: str | None = None) -> None:
+    """Print the columns of a foreign file: samples, range, new values, a guess of the rate.
+
+    Parameters
+    ----------
+    map_file : str, optional
+        Only its ``csv`` section is used.
+    """
+    content = read_source(source, **(read_draft(map_file).csv if map_file else {}))
+    columns = {visible(name): v for name, v in columns_of(content).items()}
+    print(terminal(f"{source}: {content.kind}, {len(columns)} columns"))
+    width = max(map(len, [*columns, "column"]))
+    print(f"  {'column':{width}}  {'samples':>8}  {'lowest':>10}  {'highest':>10}  remark")
+    clocks = 0
+    for name, values in columns.items():
+        finite = values[np.isfinite(values)]
+        low, high = (f"{v:.4g}" for v in (finite.min(), finite.max())) if finite.size else "--"
+        guess = _rate(values)
+        clocks += guess is not None
+        remark = _remark(values, len(finite), guess)
+        print(f"  {name:{width}}  {len(values):8}  {low:>10}  {high:>10}  {remark}".rstrip())
+    for name, why in islice(content.others.items(), _MOST_OTHERS):
+        print(visible(f"  {name}: cannot be a channel: {why}"))
+    if len(content.others) > _MOST_OTHERS:
+        print(f"  {len(content.others) - _MOST_OTHERS} more cannot be channels")
+    if not clocks:
+        print("no column looks like a clock; give time.rate_hz in the map")
+
+
+def _remark(values: np.ndarray, finite: int, guess: tuple[float, str] | None) -> str:
+    if finite < len(values):
+        return f"{len(values) - finite} values are not finite"
+    if guess:
+        return f"a clock? {guess[0]:.4g} Hz if in {guess[1]}"
+    fresh = np.count_nonzero(np.diff(values)) / max(len(values) - 1, 1)
+    return "constant" if fresh == 0.0 else f"{fresh:.0%} new values" if fresh < 0.9 else ""
+
+
+def _rate(values: np.ndarray) -> tuple[float, str] | None:
+    """Return the likely rate and unit of a column that increases as a clock does."""
+    if len(values) < 3 or not np.isfinite(values).all():
+        return None
+    steps = np.diff(values)
+    step = float(np.median(steps))
+    if (steps < 0.0).any():  # repeated stamps are no objection
+        return None
+    return likely(step) if (np.abs(steps - step) < 0.5 * step).mean() > 0.9 else None

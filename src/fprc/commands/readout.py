@@ -1,0 +1,292 @@
+"""From one recording to a report of what its P_o is worth, without the workflow."""
+
+import logging
+import os
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from threadpoolctl import threadpool_limits
+
+from fprc import tables
+from fprc.artifacts import read_json, write_json, write_text
+from fprc.commands.import_recording import bring_in_as, checked_map
+from fprc.config import from_files
+from fprc.config.importing import ImportMap
+from fprc.errors import ConfigError
+from fprc.escape import TerminalFormatter, code
+from fprc.experiments.readout import measure_readout
+from fprc.experiments.reservoir import add_reservoir
+from fprc.fingerprint import fingerprint
+from fprc.logs import read_columns
+from fprc.provenance import describe, sha256
+from fprc.stages.draw_readout import draw_readout
+from fprc.stages.preprocess import preprocess
+from fprc.stages.tabulate import tabulate_readout
+
+log = logging.getLogger(__name__)
+
+PARTS = {"sweep": "training part", "complex": "test part"}
+PREDICTED = {"command": "commanded", "measured": "measured"}
+
+
+def report_readout(
+    source: str,
+    map_file: str,
+    out: str | None = None,
+    *,
+    config: Sequence[str] = (),
+    workers: int | None = None,
+) -> None:
+    """Import a recording, judge FPRC with and without its P_o, and write a report.
+
+    Writes ``report.md``, ``readout/`` (table, figure, cells), ``raw/`` (both
+    logs with their diagnoses), ``data/`` and ``quality/`` into ``out``, as the
+    workflow would.
+
+    Parameters
+    ----------
+    source, map_file : str
+        Recording and its map, which says by ``test_from_s`` where the test begins.
+    out : str, optional
+        Folder; ``results/`` and the recording's name unless given.
+    config : sequence of str
+        Configuration files over the defaults.
+    workers : int, optional
+        Processes; one a processor unless given.
+
+    Raises
+    ------
+    ConfigError
+        The map or the configuration cannot be used so.
+    LogError
+        The recording cannot be used so.
+    """
+    settings = from_files(config).model_dump(mode="json")
+    simulated = settings["evaluation"]["reservoir"] == "simulated"
+    told = checked_map(map_file, source, partial(_no_parts, map_file, simulated=simulated))
+    if workers is not None and workers < 1:
+        raise ConfigError(
+            f"--workers {workers}: must be 1 or more; leave it out for all processors"
+        )
+    folder = Path(out or Path("results", Path(source).stem))
+    _log_to_terminal()
+    data = {}
+    for experiment in PARTS:
+        raw = folder / "raw" / f"{experiment}.h5"
+        raw.parent.mkdir(parents=True, exist_ok=True)
+        bring_in_as(told.part(experiment), source, str(raw))
+        if simulated:
+            raw = _with_reservoir(raw, folder / "reservoir", experiment, told, settings)
+        data[experiment] = str(folder / "data" / f"{experiment}.h5")
+        preprocess(
+            str(raw),
+            data[experiment],
+            str(folder / "quality" / f"{experiment}.json"),
+            experiment=experiment,
+            target=settings["evaluation"]["target"],
+            sample_rate_hz=told.sample_rate_hz,
+            limits=settings["quality"],
+        )
+    made = _judge(data, folder / "readout", settings, workers or len(os.sched_getaffinity(0)))
+    page = folder / "report.md"
+    write_text(page, _page(source, map_file, told, settings, folder, made))
+    log.info("%s", page)
+
+
+def _log_to_terminal() -> None:
+    # our own words alone: what draws the figure has much to say at this level too
+    ours = logging.getLogger("fprc")
+    if not ours.handlers:
+        handler = logging.StreamHandler()
+        handler.setFormatter(TerminalFormatter())
+        ours.addHandler(handler)
+    ours.setLevel(logging.INFO)
+
+
+def _with_reservoir(
+    raw: Path, folder: Path, experiment: str, told: ImportMap, settings: Mapping[str, Any]
+) -> Path:
+    """Simulate the reservoir of a log, and return the log that has it."""
+    driven = folder / raw.name
+    add_reservoir(
+        str(raw),
+        str(driven),
+        experiment=experiment,
+        sample_rate_hz=told.sample_rate_hz,
+        rate_tolerance=settings["quality"]["rate_tolerance"],
+        zero_deg=settings["evaluation"]["reservoir_zero_deg"],
+        control=settings["control"],
+        rig=settings["rig"],
+        seed=settings["seed"],
+    )
+    return driven
+
+
+def _no_parts(path: str, told: ImportMap, *, simulated: bool) -> list[str]:
+    problems = []
+    if told.test_from_s is None:
+        problems.append(
+            f"{path}: test_from_s is missing: the instant at which the test part begins, counted "
+            "from the first sample; it takes the place of experiment"
+        )
+    if told.channels.p_o_kpa is None and not simulated:
+        problems.append(
+            f"{path}: channels.p_o_kpa is missing: it is the readout that is to be judged; "
+            "or set evaluation.reservoir: simulated"
+        )
+    return problems
+
+
+def _judge(
+    data: Mapping[str, str], folder: Path, settings: Mapping[str, Any], workers: int
+) -> dict[str, Any]:
+    """Run the cells, write table and figure, and return the cells' report."""
+    folder.mkdir(parents=True, exist_ok=True)
+    cells, png, pdf = (str(folder / name) for name in ("cells.json", "readout.png", "readout.pdf"))
+    sweeps, evaluation = settings["sweeps"], settings["evaluation"]
+    with threadpool_limits(1):
+        measure_readout(
+            data["sweep"],
+            data["complex"],
+            cells,
+            models={key: settings["models"][key] for key in ("n_y", "alpha", "fprc")},
+            epsilon=sweeps["epsilon"],
+            n_u=sweeps["replicate_taps"],
+            folds=evaluation["folds"],
+            seed=settings["seed"],
+            workers=workers,
+            checkpoint=str(folder / "cells.partial.jsonl"),
+            version=fingerprint("fprc.experiments.readout"),
+            progress=progress_bar(),
+        )
+    written = (str(folder / f"readout.{kind}") for kind in ("csv", "md", "tex"))
+    tabulate_readout(cells, *written, parts=("the first part", "the second part"))
+    drawn = draw_readout(cells, pdf, png)
+    origin = describe(drawn, inputs=[cells], outputs=[pdf, png], settings=settings)
+    write_json(folder / "readout.json", origin)
+    return read_json(cells)
+
+
+def progress_bar() -> Callable[[int, int], None]:
+    """Return what draws a bar of finished cells: in place on a terminal, else every tenth."""
+    terminal = sys.stderr.isatty()
+    width = 30
+
+    def draw(done: int, total: int) -> None:
+        bar = "#" * (width * done // total)
+        line = f"[{bar:{width}}] {done} of {total} cells"
+        if terminal:
+            print(f"\r{line}", end="\n" if done == total else "", file=sys.stderr, flush=True)
+        elif done == total or done % max(total // 10, 1) == 0:
+            print(line, file=sys.stderr, flush=True)
+
+    return draw
+
+
+def _page(
+    source: str,
+    map_file: str,
+    told: ImportMap,
+    settings: Mapping[str, Any],
+    folder: Path,
+    made: Mapping[str, Any],
+) -> str:
+    """Return the report as Markdown; pictures are beside it."""
+    table = tables.readout(made)
+    note, grid = (folder / "readout/readout.md").read_text(encoding="utf-8").split("\n\n", 1)
+    rate_hz = told.sample_rate_hz
+    lines = [
+        f"# What the readout of {code(Path(source).name)} is worth",
+        "",
+        f"Recording: {code(source)}, SHA-256 `{sha256(source)[:16]}`; map: {code(map_file)}.",
+        f"Data: {tables.SOURCES[made['source']]}; {rate_hz:g} samples a second, and epsilon "
+        "and taps count in samples.",
+        f"Trained before {told.test_from_s:g} s, tested from there on; models as in the paper"
+        f"{'' if _as_printed(settings) else ' but for the settings that were given'}. "
+        f"Predicted is the {PREDICTED[made['target']]} P_exp.",
+        "",
+        "## Finding",
+        "",
+        *(f"- {line}" for line in findings(table, made["own"])),
+        f"- {scale(folder / 'raw/sweep.h5', settings['models']['fprc']['sigma'])}",
+        "",
+        "A low-pass of theta and a P_o shuffled in time are controls: what P_o is worth as a "
+        "memory is what it gains over both. The spread of the test error is not known from one "
+        "recording.",
+        "",
+        "## Table",
+        "",
+        note,
+        "",
+        grid.strip(),
+        "",
+        "Every setting: [readout/readout.csv](readout/readout.csv).",
+        "",
+        "![Errors over epsilon and taps](readout/readout.png)",
+        "",
+        "## The recording",
+    ]
+    for experiment, part in PARTS.items():
+        found = read_json(folder / f"raw/{experiment}.diagnosis.json")
+        lines += ["", f"### {part.capitalize()}", "", *(f"- {word}" for word in found["words"])]
+        lines += ["", f"![{part}](raw/{experiment}.diagnosis.png)"]
+    return "\n".join(lines) + "\n"
+
+
+def _as_printed(settings: Mapping[str, Any]) -> bool:
+    return settings["models"] == from_files([]).model_dump(mode="json")["models"]
+
+
+def findings(table: pd.DataFrame, own: Mapping[str, float]) -> list[str]:
+    """Return what P_o changes, in words: at the models' own settings, and at the best.
+
+    Parameters
+    ----------
+    table : DataFrame
+        As ``fprc.tables.readout`` gives it.
+    own : Mapping
+        ``epsilon`` and ``n_u`` of the models.
+    """
+    blocked = table[table["split"] == "blocked"]
+    at_own = blocked[(blocked["epsilon"] == own["epsilon"]) & (blocked["n_u"] == own["n_u"])]
+    at_own = at_own.set_index("readout")
+    lines = []
+    for phase, what in (("validation", "On blocked folds"), ("test", "On the test part")):
+        errors = at_own[f"{phase}_rmse"]
+        changes = ", ".join(
+            f"{_change(errors['p_o'], errors[other])} {name}"
+            for other, name in (
+                ("none", "than without a readout"),
+                ("theta", "than with theta low-passed"),
+                ("shuffled", "than with P_o shuffled"),
+            )
+        )
+        lines.append(f"{what} FPRC's error is {changes}.")
+    best = blocked[blocked["readout"] == "p_o"].sort_values("test_rmse").iloc[0]
+    change = _change(best["test_rmse"], at_own["test_rmse"]["none"])
+    lines.append(
+        f"Of the settings tried, epsilon = {best['epsilon']:g} and n_u = {best['n_u']} test best: "
+        f"{change} than without a readout. It was chosen by the test, and flatters."
+    )
+    return lines
+
+
+def scale(log: Path, sigma: float) -> str:
+    """Say how far the inputs spread beside the width of the memberships."""
+    names = ("theta_deg", "p_o_kpa")
+    theta, p_o = (np.std(values) for values in read_columns(log, names).channels.values())
+    return (
+        f"The rules' memberships take distances on the numbers as they are: theta spreads by "
+        f"{theta:.3g} and P_o by {p_o:.3g} (standard deviations, first part) beside sigma = "
+        f"{sigma:g}. Another scale of theta gives another answer; try some."
+    )
+
+
+def _change(ours: float, other: float) -> str:
+    percent = 100.0 * (ours / other - 1.0)
+    return f"{abs(percent):.1f} % {'higher' if percent > 0.0 else 'lower'}"

@@ -1,0 +1,205 @@
+"""Put the numbers of the results into the README."""
+
+import logging
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from fprc.artifacts import read_json, replacing, write_text
+from fprc.errors import FprcError
+from fprc.paper import ERRORS
+from fprc.provenance import hash_of
+from fprc.tables import MODEL_NAMES, deviations
+
+log = logging.getLogger(__name__)
+
+
+def update_readme(
+    pages: Sequence[str],
+    orders: str,
+    seeds: Sequence[str],
+    ledger: str,
+    figure: str,
+    made_from: Sequence[str] = (),
+    *,
+    readme: str,
+    picture: str,
+) -> None:
+    """Replace the generated blocks of the README, named after the pages, and its picture.
+
+    ``made_from`` is not read: the rule names what all of it comes from, so that
+    nothing stale is shown after a failed job.
+    """
+    blocks = _pages(pages) | {
+        "orders": _sentence(pd.read_csv(orders)),
+        "deviations": _deviations(seeds),
+        "verdicts": _verdicts(read_json(ledger)["claims"]),
+    }
+    _update(readme, blocks)
+    _copy(figure, picture)
+
+
+def update_calibration_page(
+    fit: str,
+    seeds: Sequence[str],
+    pages: Sequence[str],
+    figure: str,
+    made_from: Sequence[str] = (),
+    *,
+    page: str,
+    picture: str,
+    rig: Mapping[str, Any],
+) -> None:
+    """Replace the generated blocks of docs/calibration.md, and its picture.
+
+    Parameters
+    ----------
+    fit : str
+        What the calibration wrote of itself, JSON.
+    seeds : sequence of str
+        Tables II and III over further seeds, CSV.
+    pages : sequence of str
+        Tables of the ensemble, of the sensitivity, of the targets, and Table IV over seeds.
+    made_from
+        Not read; see ``update_readme``.
+    rig : Mapping
+        The rig of the configuration.
+
+    Raises
+    ------
+    FprcError
+        ``fit`` is of another rig.
+    """
+    known = read_json(fit)
+    if known["rig_sha256"] != hash_of(rig):
+        raise FprcError(
+            f"{fit} is of another rig than the configuration's; put both files of one calibration "
+            "into config/"
+        )
+    blocks = {f"{Path(path).parent.name}_{Path(path).stem}": _read(path) for path in pages}
+    blocks |= {
+        "fit": _fit(known),
+        "properties": _properties(known),
+        "deviations": _deviations(seeds),
+    }
+    _update(page, blocks)
+    _copy(figure, picture)
+
+
+def put_blocks(path: str, pages: Mapping[str, str], pictures: Mapping[str, str]) -> None:
+    """Replace blocks of a page by files, named after the blocks; copy pictures from files."""
+    _update(path, {name: _read(file) for name, file in pages.items()})
+    for picture, file in pictures.items():
+        _copy(file, picture)
+
+
+def _pages(paths: Sequence[str]) -> dict[str, str]:
+    return {Path(path).stem: _read(path) for path in paths}
+
+
+def _read(path: str) -> str:
+    return Path(path).read_text(encoding="utf-8")
+
+
+def _update(path: str, blocks: Mapping[str, str]) -> None:
+    text = _read(path)
+    for name, block in blocks.items():
+        text = replace_block(text, name, block, path)
+    write_text(path, text)
+    log.info("updated %s", path)
+
+
+def _copy(figure: str, picture: str) -> None:
+    with replacing(picture) as temporary:
+        temporary.write_bytes(Path(figure).read_bytes())
+
+
+def replace_block(text: str, name: str, block: str, path: str = "README.md") -> str:
+    """Return ``text`` with the lines between the markers of ``name`` replaced.
+
+    Raises
+    ------
+    FprcError
+        The markers are not there exactly once.
+    """
+    begin, end = f"<!-- {name}: generated -->", f"<!-- {name}: end -->"
+    pattern = re.compile(f"{re.escape(begin)}.*?{re.escape(end)}", re.DOTALL)
+    if not (text.count(begin) == text.count(end) == 1 == len(pattern.findall(text))):
+        raise FprcError(f"{path}: needs the lines {begin} and {end} once each; put them back")
+    return pattern.sub(lambda _: f"{begin}\n{block.strip()}\n{end}", text)
+
+
+def _verdicts(claims: Sequence[Mapping[str, str]]) -> str:
+    page = pd.DataFrame(claims)[["id", "claim", "verdict"]].rename(columns=str.capitalize)
+    return page.to_markdown(index=False)
+
+
+def _sentence(orders: pd.DataFrame) -> str:
+    ratio = orders["esn_over_fprc_training"]
+    held = {
+        "FPRC has the lowest test RMSE": "fprc_lowest_test",
+        "FPRC is below Fuzzy-linear in training, validation and test": "fprc_below_fuzzy_linear",
+        "ESN and FPRC are within 30 % of each other in training": "training_within_30_percent",
+        "with the logs reversed, FPRC has the lowest test RMSE": "fprc_lowest_reversed_test",
+        "with the logs reversed, every test RMSE is worse": "reversed_tests_worse",
+    }
+    lines = [f"- {what}: on {orders[key].sum()} of {len(orders)}" for what, key in held.items()]
+    span = f"{ratio.min():.2f} to {ratio.max():.2f}"
+    lines.append(f"- the ESN's training RMSE over FPRC's: {span} (paper: 0.99)")
+    return "\n".join(lines)
+
+
+def _deviations(seeds: Sequence[str]) -> str:
+    """Return what the means over seeds are off print by, in words."""
+    table = deviations(
+        {number: pd.read_csv(path) for number, path in zip(("II", "III"), seeds, strict=True)}
+    )
+    worst = table.iloc[0]
+    return (
+        f"The {len(table)} means of Tables II and III are off print by "
+        f"{100 * table['deviation'].abs().median():.0f} % in the median and by "
+        f"{100 * abs(worst['deviation']):.0f} % at most (Table {worst['table']}, "
+        f"{MODEL_NAMES[worst['model']]}, {ERRORS[worst['metric']]}: {worst['mean']:.3g} against "
+        f"{worst['published_mean']:.3g} kPa)."
+    )
+
+
+def _fit(known: Mapping[str, Any]) -> str:
+    rows = []
+    for key, printed in known["targets_kpa"].items():
+        trained_on, model, phase = key.split("/")
+        rows.append(
+            {
+                "Table": "II" if trained_on == "sweep" else "III",
+                "Model": MODEL_NAMES[model],
+                "RMSE": ERRORS["train_rmse" if phase == "train" else "test_rmse"],
+                "Paper [kPa]": f"{printed:.3g}",
+                "Fitted [kPa]": f"{printed * (1 + known['residuals'][key]):.3g}",
+                "Deviation": f"{100 * known['residuals'][key]:+.1f} %",
+            }
+        )
+    seeds = ", ".join(map(str, known["seeds"]))
+    head = (
+        f"{known['date']}, {known['software']}: {known['evaluations']} rigs in "
+        f"{known['generations']} generations; seeds {seeds}; loss {known['loss_at_start']:.4f} to "
+        f"{known['loss']:.4f}, and {known['check_loss_at_start']:.4f} to "
+        f"{known['check_loss']:.4f} on seeds outside the fit. Full models on the seeds of the fit:"
+    )
+    return f"{head}\n\n{pd.DataFrame(rows).to_markdown(index=False, disable_numparse=True)}"
+
+
+def _properties(known: Mapping[str, Any]) -> str:
+    rows = [
+        {
+            "Property": name,
+            "Asked for": f"{low:g} to {high:g}",
+            "Fitted": f"{known['properties'][name]:.3g}",
+        }
+        for name, (low, high) in known["plausible"].items()
+    ]
+    near = [p["path"] for p in known["parameters"] if not 0.02 <= p["share"] <= 0.98]
+    table = pd.DataFrame(rows).to_markdown(index=False, disable_numparse=True)
+    return f"{table}\n\nWithin 2 % of an end of their range: {', '.join(near) or 'none'}."

@@ -1,0 +1,146 @@
+import logging
+import re
+
+import pytest
+
+from fprc.apparatus.check import check_rig
+from fprc.apparatus.guardian import HOT, SAFE
+from fprc.errors import ControlError, DeviceError
+
+
+@pytest.fixture
+def look(make_bench, settings, live_by, caplog):
+    """Check a rig that lives by its bench's clock; return exit code and troubles."""
+
+    def look(*, armed=True, stop=lambda: "", touch=lambda bench: None):
+        look.bench = bench = make_bench(settings)
+        touch(bench)
+
+        _, look.signs = live_by(bench)
+        caplog.set_level(logging.INFO, logger="fprc.rig")
+        code = check_rig(settings, armed, stop)
+        look.said = caplog.messages
+        return code, [m.removeprefix("TROUBLE: ") for m in caplog.messages if "TROUBLE" in m]
+
+    return look
+
+
+def test_rig_as_it_should_be_passes_and_ends_vented(look):
+    assert look() == (0, [])
+    assert look.said[-1] == "no trouble found"
+    phases = ("rest", "actuator filled", "actuator vented", "PAM A filled", "PAM A vented")
+    assert [line[:16].strip() for line in look.said[1:6]] == list(phases)
+    assert list(look.bench.shared.outputs[:2]) == [0.0, 0.0]
+    assert sum(look.signs.count(sign) for sign in (HOT, SAFE)) == 4
+    assert look.bench.tick >= 1800
+
+
+def test_unarmed_check_moves_no_valve_and_says_so(look):
+    assert look(armed=False) == (0, [])
+    assert any(line.startswith("valves: held vented; --armed") for line in look.said)
+    assert 200 <= look.bench.tick < 260
+    assert look.signs[-1] == SAFE
+    # only those at opening and closing
+    assert {volts for *_, volts in look.bench.writes()} == {0.0}
+
+
+@pytest.mark.parametrize(
+    "wiring",
+    [
+        {"main_output": 1, "reservoir_output": 0},
+        {"p_exp_input": 1, "p_i_input": 0},
+    ],
+)
+def test_swapped_hoses_or_channels_are_named_before_the_wrong_chamber_is_full(
+    look, settings, wiring
+):
+    settings["hardware"]["boards"] |= wiring
+    code, (stopped, swapped) = look()
+    assert code == 1
+    assert re.match(r"stopped: .* p_i_kpa = (1[89]|20)\d\.\d is outside -20 to 180", stopped)
+    assert swapped.startswith("actuator asked for 60 kPa, p_exp_kpa = ")
+    assert swapped.endswith("p_i_kpa rose instead: hoses, channels or main_output are swapped")
+    assert list(look.bench.shared.outputs[:2]) == [0.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("output", "chamber", "own"),
+    [("main_output", "actuator", "p_exp_kpa"), ("reservoir_output", "PAM A", "p_i_kpa")],
+)
+def test_dead_valve_is_named(look, settings, output, chamber, own):
+    settings["hardware"]["boards"][output] = 5
+    code, (trouble,) = look()
+    assert code == 1
+    assert trouble.startswith(f"{chamber} asked for 60 kPa, {own} = ")
+    assert trouble.endswith(f"; check supply, valve and hardware.boards.{output}")
+
+
+@pytest.mark.parametrize(
+    ("output", "chamber", "own"),
+    [("main_output", "actuator", "p_exp"), ("reservoir_output", "PAM A", "p_i")],
+)
+def test_valve_that_stays_where_it_was_is_named(look, settings, output, chamber, own):
+    def stay(bench):
+        bench.shared.outputs[:2] = [5.0, 5.0]  # a closed valve leaks
+
+    settings["hardware"]["boards"][output] = 5
+    code, troubles = look(touch=stay)
+    assert code == 1
+    assert troubles[0].startswith("THE CHAMBERS MAY BE UNDER PRESSURE")
+    # nor was the other chamber filled
+    assert {volts for *_, volts in look.bench.writes()} == {0.0}
+    assert any(
+        line.startswith(f"{own}_kpa = ") and f"hardware.{own}" in line and "at rest" in line
+        for line in troubles
+    )
+
+
+def test_wrong_sign_of_the_angle_is_named(look, settings):
+    settings["hardware"]["theta"]["gain"] = -1.0
+    code, (trouble,) = look()
+    assert code == 1
+    assert trouble.startswith("the actuator was filled and theta_deg went from 0.")
+    assert "it must rise: check the sensor, or its sign in hardware.theta.gain" in trouble
+
+
+def test_angle_that_is_not_zero_at_rest_is_named(look, settings):
+    settings["hardware"]["theta"]["offset_deg"] = 8.0
+    code, (trouble,) = look(armed=False)
+    assert code == 1
+    assert trouble.startswith("theta_deg = 7.8 at rest")
+    assert "correct hardware.theta.offset_deg" in trouble
+
+
+@pytest.mark.parametrize("precharge_kpa", [0.0, 50.0, 150.0])
+@pytest.mark.parametrize("armed", [True, False])
+def test_pam_b_that_is_not_filled_to_100_kpa_is_named(look, settings, precharge_kpa, armed):
+    settings["rig"]["reservoir"]["precharge_kpa"] = precharge_kpa
+    code, (trouble,) = look(armed=armed)
+    assert code == 1
+    assert re.match(r"p_o_kpa = \S+ at rest, must be near 100; fill PAM B to 100 kPa", trouble)
+
+
+def test_sensor_without_a_cable_stops_the_check_and_is_named(look, settings):
+    settings["hardware"]["boards"]["p_i_input"] = 9
+    with pytest.raises(DeviceError) as caught:
+        look()
+    stopped, unvented = str(caught.value).splitlines()
+    assert stopped == "p_i_kpa = -250.0 is outside -20 to 180 (hardware.limits.p_i_kpa)"
+    assert "and p_i_kpa = -250.0, where 15 or less is vented" in unvented
+    assert list(look.bench.shared.outputs[:2]) == [0.0, 0.0]
+
+
+def test_check_that_is_stopped_says_so_and_shows_what_it_saw(look):
+    reasons = iter([""] * 500 + ["stopped by SIGTERM"] * 2)
+    code, (trouble,) = look(stop=lambda: next(reasons))
+    assert code == 1
+    assert trouble == "stopped: run stopped at sample 300: stopped by SIGTERM"
+    assert [line.split("  ")[0] for line in look.said[1:3]] == ["rest", "actuator filled"]
+    assert list(look.bench.shared.outputs[:2]) == [0.0, 0.0]
+
+
+def test_check_that_is_stopped_at_rest_ends_vented(look):
+    with pytest.raises(ControlError, match="stopped by SIGINT"):
+        look(stop=lambda: "stopped by SIGINT")
+    assert look.bench.tick < 60
+    assert list(look.bench.shared.outputs[:2]) == [0.0, 0.0]

@@ -1,0 +1,275 @@
+import io
+import queue
+import signal
+import threading
+import time
+from functools import partial
+from types import SimpleNamespace
+
+import pytest
+
+from fprc.apparatus import guardian
+from fprc.apparatus.guardian import BEAT_S, _listen, _vent, _wait, _watch
+from fprc.devices import pneumatics
+
+
+def signs(*chunks):
+    told = queue.SimpleQueue()
+    for chunk in chunks:
+        told.put(chunk)
+    return told
+
+
+@pytest.fixture
+def heard():
+    """Signals of a person to the guardian."""
+    return []
+
+
+@pytest.fixture
+def alive(bench, monkeypatch):
+    """A bench that lives on while the guardian waits."""
+    vent = partial(pneumatics.vent, sleep=bench.wait, now=bench.elapsed)
+    monkeypatch.setattr(pneumatics, "vent", vent)
+    return bench
+
+
+@pytest.fixture
+def quick(monkeypatch):
+    monkeypatch.setattr(guardian, "_SAY_S", 0.02)
+    monkeypatch.setattr(guardian, "_RETRY_S", 0.005)
+
+
+@pytest.mark.parametrize(
+    ("chunks", "end"),
+    [
+        ([b""], "safe"),  # it ended before anything could move
+        ([b"H", b""], "gone"),
+        ([b"H..", b".", b""], "gone"),
+        ([b"H...", b".S", b""], "safe"),
+        ([b"H.SH..S", b""], "safe"),  # a check: two sessions
+        ([b"H.SH", b""], "gone"),
+        ([b"H.S", b"H.", b""], "gone"),
+        ([b"H"], "silent"),
+        ([b"H.SH", b"..."], "silent"),
+    ],
+)
+def test_end_of_the_loop_is_told_from_its_signs(chunks, end):
+    assert _watch(signs(*chunks), lambda: None, 0.01) == end
+
+
+class Waits(queue.SimpleQueue):
+    """Signs of a loop; each None is a wait in vain."""
+
+    def __init__(self, *chunks):
+        self.left = list(chunks)
+
+    def get(self, timeout):
+        if (chunk := self.left.pop(0)) is None:
+            raise queue.Empty
+        return chunk
+
+
+def test_silence_of_a_rig_that_is_safe_is_waited_out_with_signs_of_life_of_the_guardian():
+    beats = []
+    told = Waits(*[None] * 30, b"H", b".S", *[None] * 30, b"")
+    assert _watch(told, lambda: beats.append(1), 0.5) == "safe"
+    assert len(beats) == 63
+
+
+def test_silence_is_counted_in_waits_so_that_a_guardian_that_was_stopped_hears_first():
+    stalled = round(0.5 / BEAT_S)
+    nearly = [None] * (stalled - 1)
+    assert _watch(Waits(b"H", *nearly, b".", *nearly, b"S", b""), lambda: None, 0.5) == "safe"
+    assert _watch(Waits(b"H", *nearly, b".", *nearly, None), lambda: None, 0.5) == "silent"
+
+
+def test_end_of_the_output_is_passed_on():
+    told = queue.SimpleQueue()
+    _listen(SimpleNamespace(stdout=io.BytesIO(b"H.S")), told)
+    assert [told.get(), told.get()] == [b"H.S", b""]
+
+
+VENTED = "both chambers are vented, as their sensors show"
+
+
+def fail(bench, count):
+    shared = bench.shared
+    shared.fail_at, shared.fail_count, shared.fail_code = 1, count, 777
+
+
+def fill(bench):
+    """Fill both chambers and leave the valves open, as a loop that is killed does."""
+    bench.shared.outputs[:2] = [9.0, 9.0]
+    bench.wait(0.3)
+    assert bench.rig.read().p_exp_kpa > 100.0
+
+
+def test_chambers_are_vented_over_a_connection_of_its_own(alive, settings, heard):
+    fill(alive)
+    assert _vent(settings["hardware"], heard) == VENTED
+    assert list(alive.shared.outputs[:2]) == [0.0, 0.0]
+    assert abs(alive.rig.read().p_exp_kpa) < 15.0
+    assert alive.shared.opened == 0
+
+
+def test_chambers_that_read_pressure_are_not_called_vented(alive, settings, heard):
+    settings["hardware"]["boards"]["main_output"] = 5  # the valve does not hear
+    fill(alive)
+    said = _vent(settings["hardware"], heard)
+    assert said.startswith("THE CHAMBERS MAY BE UNDER PRESSURE")
+    assert "after 5 s p_exp_kpa = " in said
+
+
+def test_sensor_that_is_frozen_does_not_show_that_a_chamber_is_vented(bench, settings, heard):
+    settings["hardware"]["valves"]["vent_s"] = 0.3
+    said = _vent(settings["hardware"], heard)  # the bench stands still
+    assert "p_exp_kpa and p_i_kpa never changed, a frozen sensor" in said
+
+
+def test_chambers_that_no_sensor_shows_are_not_called_vented(alive, settings, heard):
+    settings["hardware"]["boards"]["input_device"] = "AIO007"
+    said = _vent(settings["hardware"], heard)
+    assert "no pressure can be read (board AIO007: AioInit failed with code 10000" in said
+    assert list(alive.shared.outputs[:2]) == [0.0, 0.0]
+    assert alive.shared.opened == 0
+
+
+@pytest.mark.parametrize("failures", [1, 6, 40])
+def test_board_that_fails_and_recovers_is_tried_until_it_vents(
+    alive, settings, heard, quick, failures
+):
+    fill(alive)
+    fail(alive, failures)
+    assert _vent(settings["hardware"], heard) == VENTED
+    assert alive.shared.failures == failures
+    assert list(alive.shared.outputs[:2]) == [0.0, 0.0]
+
+
+def in_the_background(work):
+    person = threading.Thread(target=work, daemon=True)
+    person.start()
+    return person
+
+
+def wait_for(true):
+    for _ in range(6000):
+        if true():
+            return
+        time.sleep(0.01)
+    raise AssertionError("waited in vain")
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGHUP, signal.SIGTERM])
+def test_venting_is_given_up_only_by_a_person(alive, settings, heard, quick, caplog, number):
+    fail(alive, 1 << 40)
+
+    def send():
+        wait_for(lambda: len(caplog.messages) >= 5)
+        heard.append(number)
+        if number != signal.SIGINT:  # a terminal that is closed does not end it
+            wait_for(lambda: len(caplog.messages) >= 10)
+            alive.shared.fail_count = 0
+
+    person = in_the_background(send)
+    said = _vent(settings["hardware"], heard)
+    person.join()
+    if number == signal.SIGINT:
+        assert said.startswith("THE CHAMBERS COULD NOT BE VENTED")
+        assert "failed with code 777" in said
+    else:
+        assert said == VENTED
+    assert alive.shared.failures > 5
+    assert all("THE CHAMBERS COULD NOT BE VENTED" in message for message in caplog.messages)
+    assert any("failed with code 777" in message for message in caplog.messages)
+
+
+def test_driver_that_raises_anything_is_tried_again(settings, heard, quick, monkeypatch):
+    raised = []
+
+    def vent(hardware, told):
+        if len(raised) < 3:
+            raised.append(OSError("exception: access violation"))
+            raise raised[-1]
+
+    monkeypatch.setattr(guardian, "vent_from_outside", vent)
+    assert _vent(settings["hardware"], heard) == VENTED
+    assert len(raised) == 3
+
+
+def test_terminal_that_takes_no_message_does_not_keep_from_venting(
+    alive, settings, heard, quick, monkeypatch
+):
+    fill(alive)
+    fail(alive, 6)
+    held = threading.Event()
+    monkeypatch.setattr(guardian.log, "error", lambda *arguments: held.wait(30.0))
+
+    def look():
+        wait_for(lambda: list(alive.shared.outputs[:2]) == [0.0, 0.0])
+        held.set()
+
+    person = in_the_background(look)
+    assert _vent(settings["hardware"], heard) == VENTED
+    person.join()
+
+
+def test_driver_that_never_answers_is_told_while_it_is_waited_for(
+    settings, heard, quick, caplog, monkeypatch
+):
+    answer = threading.Event()
+    monkeypatch.setattr(guardian, "vent_from_outside", lambda hardware, told: answer.wait(30.0))
+
+    def recover():
+        wait_for(lambda: len(caplog.messages) >= 2)
+        answer.set()
+
+    person = in_the_background(recover)
+    assert _vent(settings["hardware"], heard) == VENTED
+    person.join()
+    assert "the driver has not answered yet" in caplog.messages[0]
+
+
+def test_driver_that_does_not_answer_a_reading_is_not_waited_for_without_end(
+    settings, heard, quick, monkeypatch
+):
+    never = threading.Event()
+
+    def vent(hardware, told):
+        told("")
+        never.wait(30.0)
+
+    monkeypatch.setattr(guardian, "vent_from_outside", vent)
+    settings["hardware"]["valves"]["vent_s"] = 0.1
+    said = _vent(settings["hardware"], heard)
+    never.set()
+    assert "both valves were told to vent, but no pressure can be read: the driver" in said
+
+
+def test_guardian_asks_for_no_reset_of_what_the_board_puts_out(alive, settings, heard, monkeypatch):
+    resets = []
+    driver = pneumatics.AnalogOutput
+
+    def spy(*arguments, reset):
+        resets.append(reset)
+        return driver(*arguments, reset=reset)
+
+    monkeypatch.setattr(pneumatics, "AnalogOutput", spy)
+    _vent(settings["hardware"], heard)
+    assert resets == [False]
+
+
+def test_process_that_does_not_end_is_told_and_waited_for_until_a_person_gives_up(quick, caplog):
+    class Process:
+        pid = 4711
+
+        def wait(self, timeout):
+            waits.append(timeout)
+            if len(waits) == 4:
+                heard.append(signal.SIGINT)
+            raise guardian.subprocess.TimeoutExpired("rig", timeout)
+
+    waits, heard = [], []
+    assert _wait(Process(), heard) is None
+    assert len(waits) == 4
+    assert all("process 4711 has not ended" in message for message in caplog.messages)

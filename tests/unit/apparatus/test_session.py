@@ -1,0 +1,78 @@
+import signal
+
+import pytest
+
+from fprc.apparatus import session
+from fprc.apparatus.session import Stop, loops
+
+
+class Clocks:
+    """A computer that runs and is suspended."""
+
+    def __init__(self):
+        self.ran_s, self.suspended_s = 100.0, 7.0
+
+    def monotonic(self):
+        return self.ran_s
+
+    def boottime(self):
+        return self.ran_s + self.suspended_s
+
+
+@pytest.fixture
+def clocks():
+    return Clocks()
+
+
+@pytest.fixture
+def stop(clocks, monkeypatch):
+    """Built without a guardian on the standard input."""
+    monkeypatch.setattr(Stop, "_listen", lambda self: None)
+    before = {n: signal.getsignal(n) for n in (signal.SIGINT, signal.SIGTERM)}
+    yield Stop(0.5, monotonic=clocks.monotonic, boottime=clocks.boottime)
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+def test_run_goes_on_while_its_guardian_is_heard(stop, clocks):
+    for _ in range(5):
+        clocks.ran_s += 0.4
+        assert stop() == ""
+        stop._heard_s = clocks.ran_s
+
+
+def test_guardian_that_is_silent_ends_the_run(stop, clocks):
+    clocks.ran_s += 0.49
+    assert stop() == ""
+    clocks.ran_s += 0.02
+    assert "has been silent for 0.51 s (hardware.loop.stalled_s)" in stop()
+    # and hearing it again changes nothing
+    stop._heard_s = clocks.ran_s
+    assert "has been silent for 0.51 s" in stop()
+
+
+@pytest.mark.parametrize(("seconds", "ends"), [(0.05, False), (0.2, True), (3600.0, True)])
+def test_computer_that_was_suspended_ends_the_run(stop, clocks, seconds, ends):
+    clocks.suspended_s += seconds
+    assert ("the computer was suspended for" in stop()) is ends
+
+
+def test_pause_between_the_two_clocks_does_not_pass_for_a_suspension(clocks, monkeypatch):
+    def boottime():
+        found = clocks.boottime()
+        clocks.ran_s += 0.3  # the process is not run for a while
+        return found
+
+    monkeypatch.setattr(Stop, "_listen", lambda self: None)
+    stop = Stop(10.0, monotonic=clocks.monotonic, boottime=boottime)
+    assert stop() == ""
+
+
+def test_clock_of_suspensions_never_runs_behind():
+    before_s = session.time.monotonic()
+    assert session._boottime() >= before_s
+
+
+def test_pressure_loops_close_the_valve_at_its_own_neutral_voltage(settings):
+    for loop in loops(settings["control"], 4.7).values():
+        assert loop.step(0.0, 0.0) == 4.7

@@ -1,0 +1,508 @@
+import logging
+from pathlib import Path
+
+import h5py
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fprc.artifacts import read_json
+from fprc.cli import main
+from fprc.commands.import_recording import bring_in
+from fprc.config import Settings
+from fprc.config.importing import read_map
+from fprc.errors import ConfigError, LogError
+from fprc.experiments.comparison import Data, read_data, refuse_mixture
+from fprc.figures import style
+from fprc.logs import RAW_CHANNELS, assess, read_columns, read_raw, write_raw
+from fprc.stages.preprocess import preprocess
+
+RATE = {"experiment": "sweep", "sample_rate_hz": 200.0, "rate_tolerance": 0.01}
+LIMITS = Settings().quality.model_dump()
+ANGLE = {"column": "theta_deg", "unit": "deg"}
+COMMAND = {"column": "p_exp_command_kpa", "unit": "kPa"}
+
+
+@pytest.fixture
+def drawn():
+    """Asked for by who looks at the picture."""
+
+
+@pytest.fixture(autouse=True)
+def undrawn(request, monkeypatch):
+    """No picture for the others: to draw one takes longer than all else."""
+    if "drawn" not in request.fixturenames:
+        monkeypatch.setattr(style, "save_png", touch)
+
+
+def touch(fig, data, png):
+    Path(png).touch()
+    plt.close(fig)
+
+
+@pytest.fixture
+def bring(recorded, tmp_path):
+    """Import a simulated sweep, written as CSV, with the channels that are asked for."""
+
+    def bring(channels, time_s=None, **more):
+        columns = dict(recorded["sweep"]) | ({} if time_s is None else {"time_s": time_s})
+        pd.DataFrame(columns).to_csv(tmp_path / "log.csv", index=False)
+        told = {"experiment": "sweep", "time": {"column": "time_s"}, "channels": channels} | more
+        (tmp_path / "map.yaml").write_text(yaml.safe_dump(told))
+        raw = tmp_path / "sweep.h5"
+        bring_in(str(tmp_path / "log.csv"), str(tmp_path / "map.yaml"), str(raw))
+        return raw
+
+    return bring
+
+
+def prepared(raw, target="command"):
+    data, quality = raw.with_name("data.h5"), raw.with_name("quality.json")
+    preprocess(
+        str(raw), str(data), str(quality),
+        experiment="sweep", target=target, sample_rate_hz=200.0, limits=LIMITS,
+    )  # fmt: skip
+    return data
+
+
+def test_log_goes_out_as_csv_and_comes_back_the_same(bring, recorded):
+    names = [name for name in RAW_CHANNELS if name != "time_s"]
+    units = {"kpa": "kPa", "deg": "deg", "_v": "V"}
+    unit = {name: next(u for end, u in units.items() if name.endswith(end)) for name in names}
+    raw = bring({name: {"column": name, "unit": unit[name]} for name in names})
+    log = read_raw(raw, **RATE)
+    assert set(log.channels) == set(RAW_CHANNELS)
+    for name in names:
+        assert log.channels[name].tolist() == recorded["sweep"][name].tolist()
+    assert log.attributes["source"] == "import"
+    assert log.attributes["simulated"] is False
+
+
+@settings(max_examples=6)
+@given(
+    rows=st.integers(2, 60),
+    rate_hz=st.sampled_from([200.0, 100.0, 37.0]),
+    start_s=st.floats(0.0, 1e6),
+)
+def test_any_start_and_rate_give_a_log_that_reads(tmp_path_factory, rows, rate_hz, start_s):
+    folder = tmp_path_factory.mktemp("any_import")
+    rng = np.random.default_rng(rows)
+    angle = rng.standard_normal(rows)
+    columns = {"t": start_s + np.arange(rows) / rate_hz, "a": angle, "p": angle}
+    pd.DataFrame(columns).to_csv(folder / "any_source.csv", index=False)
+    told = {
+        "experiment": "sweep",
+        "sample_rate_hz": rate_hz,
+        "time": {"column": "t"},
+        "channels": {
+            "theta_deg": {"column": "a", "unit": "deg"},
+            "p_exp_kpa": {"column": "p", "unit": "kPa"},
+        },
+    }
+    (folder / "any.yaml").write_text(yaml.safe_dump(told))
+    names = [str(folder / name) for name in ("any_source.csv", "any.yaml", "any.h5")]
+    bring_in(*names)
+    log = read_raw(names[2], **RATE | {"sample_rate_hz": rate_hz})
+    assert log.channels["theta_deg"] == pytest.approx(angle, abs=1e-6 * max(start_s, 1.0))
+
+
+def test_log_says_where_it_comes_from_and_how(bring):
+    raw = bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}, start_s=2.0)
+    attributes = read_columns(raw, ()).attributes
+    assert attributes["imported_from"] == "log.csv"
+    assert len(attributes["imported_sha256"]) == 64
+    assert attributes["imported_start_s"] == pytest.approx(2.0)
+    assert attributes["map"]["channels"]["theta_deg"]["column"] == "theta_deg"
+
+
+def test_diagnosis_and_picture_lie_beside_the_log(bring, capsys, drawn):
+    raw = bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND})
+    record = read_json(raw.with_suffix(".diagnosis.json"))
+    assert (record["source"], record["log"], record["samples"]) == ("log.csv", "sweep.h5", 4000)
+    assert raw.with_suffix(".diagnosis.png").read_bytes().startswith(b"\x89PNG")
+    said = capsys.readouterr().out
+    assert all(line in said for line in record["words"])
+
+
+def test_same_file_gives_the_same_bytes(bring, drawn):
+    channels = {"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}
+    names = ["sweep.h5", "sweep.diagnosis.json", "sweep.diagnosis.png"]
+    folder = bring(channels).parent
+    first = [(folder / name).read_bytes() for name in names]
+    bring(channels)
+    assert [(folder / name).read_bytes() for name in names] == first
+
+
+def test_recording_at_another_rate_is_resampled(bring, recorded):
+    fast = recorded["sweep"]["time_s"] / 5.0
+    raw = bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}, time_s=fast)
+    assert np.diff(read_raw(raw, **RATE).channels["time_s"]) == pytest.approx(0.005)
+
+
+def test_log_that_was_not_imported_is_not_overwritten(bring, write_log):
+    write_log("sweep.h5", source="rig")
+    with pytest.raises(LogError, match="is a log that was not imported"):
+        bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND})
+
+
+# --- all or nothing -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("old", [True, False])
+@pytest.mark.parametrize("fails", ["draw_diagnosis", "write_json", "write_raw", "resample"])
+def test_import_that_fails_leaves_everything_as_it_was(bring, monkeypatch, old, fails):
+    channels = {"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}
+    folder = bring(channels).parent
+    if not old:
+        for path in folder.glob("sweep.*"):
+            path.unlink()
+    before = {path: path.read_bytes() for path in folder.iterdir()}
+
+    def fail(*arguments, **named):
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(f"fprc.commands.import_recording.{fails}", fail)
+    with pytest.raises(ZeroDivisionError):
+        bring(channels)
+    assert {path: path.read_bytes() for path in folder.iterdir()} == before
+
+
+@pytest.mark.parametrize("name", [r"$\frac{$", "$x$ `b` | <i>", "=1, a\n\x1b[2J", "日本"])
+def test_column_of_any_name_is_imported_and_drawn(tmp_path, drawn, name):
+    table = pd.DataFrame({"t": np.arange(20) / 200.0, name: np.arange(20.0), "p": np.ones(20)})
+    table.to_csv(tmp_path / "log.csv", index=False)
+    theta = {"column": name, "unit": "deg", "note": f"from {name}"}
+    raw = imported(tmp_path, {"theta_deg": theta, "p_exp_kpa": {"column": "p", "unit": "kPa"}})
+    assert read_raw(raw, **RATE).channels["theta_deg"].tolist() == list(range(20))
+    assert sorted(path.name for path in tmp_path.glob("sweep*")) == [
+        "sweep.diagnosis.json", "sweep.diagnosis.png", "sweep.h5",
+    ]  # fmt: skip
+
+
+def imported(folder, channels, time=None, source="log.csv"):
+    """Import a file of a folder by the command line, and return the log."""
+    told = {"experiment": "sweep", "time": time or {"column": "t"}, "channels": channels}
+    (folder / "map.yaml").write_text(yaml.safe_dump(told))
+    names = [str(folder / name) for name in (source, "map.yaml", "sweep.h5")]
+    assert main(["import", names[0], "--map", names[1], "--out", names[2]]) == 0
+    return folder / "sweep.h5"
+
+
+@pytest.mark.parametrize("scale", [1e308, 1e15])
+def test_overflow_of_scale_and_offset_is_told_and_leaves_nothing(bring, scale):
+    theta = ANGLE | {"scale": scale, "offset": scale}
+    with pytest.raises(LogError, match=r"theta_deg: theta_deg: sample 0 \(line 2\) is "):
+        bring({"theta_deg": theta, "p_exp_command_kpa": COMMAND})
+
+
+def test_clock_that_jumps_is_refused_and_leaves_nothing(bring, recorded, tmp_path):
+    time_s = recorded["sweep"]["time_s"].copy()
+    time_s[-1] += 1e6
+    with pytest.raises(LogError, match=r"jumps from 19\.99 s at sample 3998 \(line 4000\) to "):
+        bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}, time_s=time_s)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["log.csv", "map.yaml"]
+
+
+def test_repeated_instants_are_merged_and_the_diagnosis_says_so(bring, recorded, capsys):
+    time_s = recorded["sweep"]["time_s"].copy()
+    time_s[1::100] = time_s[::100]
+    channels = {"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}
+    with pytest.raises(LogError, match="40 of 4000 samples have the instant of an earlier one"):
+        bring(channels, time_s=time_s)
+    time = {"column": "time_s", "repeated": "first"}
+    raw = bring(channels, time_s=time_s, time=time)
+    clock = read_json(raw.with_suffix(".diagnosis.json"))["clock"]
+    assert (clock["repeated_samples"], clock["repeated"]) == (40, "first")
+    assert clock["unordered_samples"] == 0
+    assert (
+        "clock: 40 samples had the instant of an earlier one; the first" in capsys.readouterr().out
+    )
+    angle = recorded["sweep"]["theta_deg"]
+    assert read_raw(raw, **RATE).channels["theta_deg"][2::100] == pytest.approx(angle[2::100])
+
+
+def test_unlikely_clock_is_doubted(bring, recorded, capsys):
+    bring(
+        {"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND},
+        time_s=recorded["sweep"]["time_s"] * 1e3,
+        sample_rate_hz=1.0,
+    )
+    assert "in ms the rate would be 200 Hz: set time.unit: ms" in capsys.readouterr().out
+
+
+def test_name_that_is_no_log_is_refused(tmp_path):
+    with pytest.raises((LogError, ConfigError)):
+        bring_in("x.csv", str(tmp_path / "none.yaml"), "out.csv")
+
+
+# --- what may be absent ---------------------------------------------------------------------
+
+
+def test_quality_judges_what_there_is(bring):
+    log = read_raw(bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}), **RATE)
+    checks = assess(log, sample_rate_hz=200.0, **LIMITS)["checks"]
+    assert set(checks["range"]["samples"]) == {"theta_deg", "p_exp_command_kpa"}
+    assert checks["leak"]["kpa_per_min"] is None
+    assert all(check["passed"] for check in checks.values())
+
+
+@pytest.mark.parametrize("target", ["command", "measured"])
+def test_only_p_exp_is_the_target_whatever_was_asked(bring, recorded, caplog, target):
+    with caplog.at_level(logging.INFO):
+        data = prepared(bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}), target)
+    read = read_data(str(data))
+    assert read.attributes["target"] == "command"
+    command = recorded["sweep"]["p_exp_command_kpa"]
+    assert read.channels["p_exp_kpa"].tolist() == command.tolist()
+    assert ("the other P_exp is used" in caplog.text) is (target == "measured")
+
+
+def test_models_without_reservoir_do_without_p_o_and_fprc_says_so(bring):
+    data = read_data(str(prepared(bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}))))
+    assert data.pair("esn")[0].shape == data.pair("fuzzy_linear")[0].shape == (4000, 1)
+    with pytest.raises(LogError, match="the sweep log has no p_o_kpa, which fprc needs"):
+        data.pair("fprc")
+
+
+def test_log_with_p_o_serves_every_model(bring):
+    p_o = {"column": "p_o_kpa", "unit": "kPa"}
+    raw = bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND, "p_o_kpa": p_o})
+    assert read_data(str(prepared(raw))).pair("fprc")[0].shape == (4000, 2)
+
+
+def test_newtons_are_not_taken_for_kilopascals(bring, caplog):
+    force = {"column": "p_i_kpa", "unit": 1, "scale": 10, "note": "motor force F [N]"}
+    raw = bring({"theta_deg": ANGLE, "p_exp_kpa": force})
+    note = "not in kPa: motor force F [N]"
+    log = read_raw(raw, **RATE)
+    record = assess(log, sample_rate_hz=200.0, **LIMITS)
+    assert log.channels["p_exp_kpa"].max() > LIMITS["pressure_range_kpa"][1]
+    assert record["notes"] == {"p_exp_kpa": note}
+    assert record["checks"]["range"]["passed"]
+    with caplog.at_level(logging.WARNING):
+        data = prepared(raw)
+    assert f"p_exp_kpa: {note}" in caplog.text
+    assert read_data(str(data)).attributes["notes"] == {"p_exp_kpa": note}
+
+
+def test_note_on_a_pressure_is_kept_and_its_limits_still_hold(bring):
+    noted = {"column": "p_i_kpa", "unit": "kPa", "scale": 10, "note": "not in use any more"}
+    log = read_raw(bring({"theta_deg": ANGLE, "p_exp_kpa": noted}), **RATE)
+    record = assess(log, sample_rate_hz=200.0, **LIMITS)
+    assert record["notes"] == {"p_exp_kpa": "not in use any more"}
+    assert not record["checks"]["range"]["passed"]
+
+
+@pytest.mark.parametrize(
+    ("time_s", "said"),
+    [
+        (lambda t: t, "4000 samples at 200 Hz, as they were"),
+        (lambda t: t * 2.0, "interpolated"),
+        (lambda t: t + 0.001 * np.sin(t), "interpolated"),
+        (lambda t: t / 2.0, "low-passed below 100 Hz and resampled"),
+    ],
+)
+def test_what_was_done_to_the_samples_is_said(bring, recorded, capsys, time_s, said):
+    clock = time_s(recorded["sweep"]["time_s"])
+    bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}, time_s=clock)
+    assert said in capsys.readouterr().out.splitlines()[-1]
+
+
+@pytest.mark.parametrize("missing", ["theta_deg", "time_s", "p_exp_command_kpa or p_exp_kpa"])
+def test_imported_log_must_have_time_angle_and_one_p_exp(channels, tmp_path, missing):
+    kept = {
+        name: values
+        for name, values in channels.items()
+        if name in ("time_s", "theta_deg", "p_exp_kpa") and name not in missing
+    }
+    told = {"experiment": "sweep", "sample_rate_hz": 200.0, "seed": 0, "software": "x", "rig": {}}
+    with pytest.raises(LogError, match=f"channels {missing} are missing"):
+        write_raw(tmp_path / "log.h5", kept, source="import", **told)
+    whole = tmp_path / "log.h5"
+    write_raw(whole, {n: channels[n] for n in ("time_s", "theta_deg", "p_exp_kpa")},
+              source="import", **told)  # fmt: skip
+    with h5py.File(whole, "r+") as file:
+        for name in ("time_s", "theta_deg", "p_exp_kpa"):
+            if name in missing:
+                del file[name]
+    with pytest.raises(LogError, match=f"channel {missing}: missing"):
+        read_raw(whole, **RATE)
+
+
+@pytest.mark.parametrize(("source", "channel"), [("sim", "phi_deg"), ("rig", "p_o_kpa")])
+def test_log_of_a_rig_must_still_have_its_channels(write_log, source, channel):
+    path = write_log(source=source)
+    with h5py.File(path, "r+") as file:
+        del file[channel]
+    with pytest.raises(LogError, match=f"channel {channel}: missing"):
+        read_raw(path, **RATE)
+
+
+# --- everything wrong at once ---------------------------------------------------------------
+
+
+def test_wrong_unit_hides_no_wrong_column(bring):
+    with pytest.raises(ConfigError) as caught:
+        bring({
+            "theta_deg": {"column": "angle", "unit": "degrees"},
+            "p_exp_command_kpa": COMMAND | {"unit": "baar"},
+            "p_o_kpa": {"column": "p_o", "unit": "kPa"},
+        }, end_s=-1)  # fmt: skip
+    lines = str(caught.value).splitlines()
+    assert [line.split(" = ")[0] for line in lines[1:5]] == [
+        "  end_s", "  channels.p_exp_command_kpa.unit", "  channels.theta_deg.unit", "  end_s",
+    ]  # fmt: skip
+    assert lines[2].endswith("; did you mean bar?")
+    assert lines[3].endswith("; did you mean deg?")
+    assert "channels.p_o_kpa: p_o: no such column; did you mean p_o_kpa?" in lines[5]
+    assert "channels.theta_deg: angle: no such column" in lines[6]
+    assert len(lines) == 7
+
+
+def test_map_of_the_wrong_kind_hides_no_wrong_column(bring):
+    with pytest.raises(ConfigError) as caught:
+        bring({"theta_deg": ANGLE, "p_exp_kpa": COMMAND | {"column": "p"}},
+              experiment=None, test_from_s=3)  # fmt: skip
+    first, second = str(caught.value).splitlines()
+    assert "test_from_s is for `fprc readout`" in first
+    assert "channels.p_exp_kpa: p: no such column" in second
+
+
+# --- command line ---------------------------------------------------------------------------
+
+
+def test_listing_shows_columns_range_and_clock(bring, tmp_path, capsys):
+    bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND})
+    capsys.readouterr()
+    assert main(["import", str(tmp_path / "log.csv"), "--list"]) == 0
+    said = capsys.readouterr().out
+    assert "text separated by commas, 10 columns" in said
+    (clock,) = [line for line in said.splitlines() if "clock?" in line]
+    assert clock.split()[:2] == ["time_s", "4000"]
+    assert "200 Hz if in s" in clock
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("version", ["5", "7.3"])
+def test_words_of_the_listing_are_those_of_the_map(tmp_path, capsys, matlab_files, version):
+    """Parts of cells and struct arrays, of which some are no numbers or empty."""
+    write = {"5": matlab_files.write_matlab5, "7.3": matlab_files.write_matlab73}[version]
+    count = np.arange(50.0).reshape(-1, 1)
+    runs = [{"t": 0.01 * count, "q": np.hstack([k * count, -k * count])} for k in (1, 2)]
+    rows = [{"p": 3.0 * k} for k in range(50)]
+    write(tmp_path / "log.mat", {
+        "train": matlab_files.Cells((1, 2), runs),
+        "rows": matlab_files.Structs((50, 1), rows),
+        "none": np.zeros((0, 0)),
+    })  # fmt: skip
+    assert main(["import", str(tmp_path / "log.mat"), "--list"]) == 0
+    said = capsys.readouterr().out.splitlines()
+    names = [line[2:].split("  ")[0] for line in said[2:] if "cannot be" not in line]
+    assert sorted(names) == sorted(
+        [
+            "[rows.p]",
+            *(f"train{{{k}}}.{part}" for k in (1, 2) for part in ("t", "q[:, 0]", "q[:, 1]")),
+        ]
+    )
+    assert "  none: cannot be a channel: empty" in said
+    raw = imported(
+        tmp_path,
+        {
+            "theta_deg": {"column": "train{2}.q[:, 1]", "unit": "deg"},
+            "p_exp_kpa": {"column": "[rows.p]", "unit": "kPa"},
+        },
+        time={"column": "train{1}.t"},
+        source="log.mat",
+    )
+    log = read_raw(raw, **RATE)
+    assert log.channels["theta_deg"][::2] == pytest.approx(-2.0 * count.ravel())
+    assert log.channels["p_exp_kpa"][::2] == pytest.approx(3.0 * count.ravel())
+
+
+def test_long_list_of_what_is_no_column_is_cut(tmp_path, capsys):
+    head = ",".join(f"x\x1b{k}" for k in range(60))
+    (tmp_path / "log.csv").write_text(f"t,{head}\n1{',off' * 60}\n2{',off' * 60}\n")
+    assert main(["import", str(tmp_path / "log.csv"), "--list"]) == 0
+    said = capsys.readouterr().out
+    assert said.count("cannot be a channel") == 50
+    assert "  10 more cannot be channels" in said
+    assert "x\\x1b0: cannot" in said
+    assert "\x1b" not in said
+
+
+def test_listing_without_a_clock_asks_for_the_rate(tmp_path, capsys):
+    (tmp_path / "log.csv").write_text("a,b\n1,x\n3,2\n2,5\n2,\n")
+    assert main(["import", str(tmp_path / "log.csv"), "--list"]) == 0
+    said = capsys.readouterr().out
+    assert "b: cannot be a channel: line 2 holds 'x'" in said
+    assert "give time.rate_hz" in said
+
+
+def test_import_from_the_command_line_writes_the_log(bring, tmp_path, capsys):
+    raw = bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND})
+    raw.unlink()
+    names = [str(tmp_path / name) for name in ("log.csv", "map.yaml", "sweep.h5")]
+    assert main(["import", names[0], "--map", names[1], "--out", names[2]]) == 0
+    assert Path(names[2]).exists()
+    assert main(["log", "check", names[2]]) == 0
+
+
+@pytest.mark.parametrize("arguments", [[], ["--map", "m.yaml"], ["--out", "o.h5"]])
+def test_half_an_import_is_answered_with_its_usage(arguments, capsys):
+    with pytest.raises(SystemExit) as caught:
+        main(["import", "log.csv", *arguments])
+    assert caught.value.code == 2
+    assert "both --map and --out" in capsys.readouterr().err
+
+
+def test_wrong_map_goes_to_stderr_without_a_traceback(tmp_path, capsys):
+    (tmp_path / "map.yaml").write_text("experiment: sweep\n")
+    names = ["log.csv", "--map", str(tmp_path / "map.yaml"), "--out", str(tmp_path / "log.h5")]
+    assert main(["import", *names]) == 1
+    said = capsys.readouterr().err
+    assert said.startswith(f"error: {tmp_path / 'map.yaml'}: 2 errors in the map:")
+    assert "Traceback" not in said
+
+
+# --- the page that explains it --------------------------------------------------------------
+
+PAGE = (Path(__file__).parents[3] / "docs" / "own-data.md").read_text(encoding="utf-8")
+
+
+def blocks(language):
+    return [part.split("```")[0] for part in PAGE.split(f"```{language}\n")[1:]]
+
+
+def test_recording_rehearsed_on_the_page_comes_back(recorded, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    told = {"experiment": "sweep", "sample_rate_hz": 200.0, "seed": 1, "software": "x", "rig": {}}
+    for name in ("sweep", "complex"):
+        write_raw(f"data/raw/{name}.h5", recorded[name], source="sim", **told)
+    (snippet,) = blocks("python")
+    exec(compile(snippet, "docs/own-data.md", "exec"), {})
+    Path("sweep.yaml").write_text(blocks("yaml")[0])
+    bring_in("arm_sweep.csv", "sweep.yaml", "mylogs/sweep.h5")
+    log = read_raw("mylogs/sweep.h5", **RATE)
+    for name in ("theta_deg", "p_exp_command_kpa", "p_o_kpa"):
+        assert log.channels[name] == pytest.approx(recorded["sweep"][name], abs=1e-9)
+
+
+def test_every_map_of_the_page_is_valid(tmp_path):
+    for text in blocks("yaml"):
+        (tmp_path / "map.yaml").write_text(text)
+        assert read_map(tmp_path / "map.yaml")
+
+
+def test_units_of_notes_reach_the_data_and_are_not_mixed(bring):
+    force = {"column": "p_i_kpa", "unit": 1, "note": "motor force F [N]"}
+    data = read_data(str(prepared(bring({"theta_deg": ANGLE, "p_exp_kpa": force}))))
+    assert data.unit == "N"
+    assert data.attributes["theta_unit"] == "deg"
+    plain = Data(data.channels, data.attributes | {"p_exp_unit": "kPa"})
+    refuse_mixture(data, data)
+    with pytest.raises(LogError, match="training log is in N, that of the test log in kPa"):
+        refuse_mixture(data, plain)

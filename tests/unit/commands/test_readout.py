@@ -1,0 +1,193 @@
+import logging
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+
+from fprc.artifacts import read_json
+from fprc.cli import main
+from fprc.commands.import_recording import bring_in
+from fprc.commands.readout import findings, progress_bar, report_readout
+from fprc.config.importing import read_map
+from fprc.errors import ConfigError
+from fprc.logs import read_columns
+
+CHANNELS = {
+    "theta_deg": {"column": "angle", "unit": "deg"},
+    "p_exp_kpa": {"column": "force", "unit": 1, "note": "motor force F [N]"},
+    "p_o_kpa": {"column": "memory", "unit": "kPa"},
+}
+FEW = {
+    "models": {"fprc": {"n_c": 2}, "n_y": 2},
+    "sweeps": {"epsilon": [0.1, 0.01], "replicate_taps": [1, 2, 3]},
+    "evaluation": {"folds": 3},
+}
+
+
+@pytest.fixture(autouse=True)
+def quiet():
+    """Leave the package's logger as it was."""
+    ours = logging.getLogger("fprc")
+    before, level = list(ours.handlers), ours.level
+    yield
+    ours.handlers[:] = before
+    ours.setLevel(level)
+
+
+@pytest.fixture
+def recording(tmp_path):
+    """Write 12 s of a force that P_o has a part in; a map of them, too, whose path is returned."""
+    time_s = np.arange(2400) / 200.0
+    rng = np.random.default_rng(5)
+    angle = 20.0 + 10.0 * np.sin(2.0 * time_s) + 8.0 * np.sin(3.3 * time_s)
+    past = np.cumsum(rng.standard_normal(len(time_s)))
+    columns = {"t": time_s, "angle": angle, "memory": past, "force": 3.0 * angle + 5.0 * past}
+    pd.DataFrame(columns).to_csv(tmp_path / "log.csv", index=False)
+    (tmp_path / "few.yaml").write_text(yaml.safe_dump(FEW))
+
+    def write(channels=CHANNELS, **more):
+        told = {"test_from_s": 7, "time": {"column": "t"}, "channels": channels} | more
+        (tmp_path / "map.yaml").write_text(yaml.safe_dump(told))
+        return str(tmp_path / "map.yaml")
+
+    return write
+
+
+def run(tmp_path, map_file):
+    return main([
+        "readout", str(tmp_path / "log.csv"), "--map", map_file, "--out", str(tmp_path / "out"),
+        "--config", str(tmp_path / "few.yaml"), "--workers", "1",
+    ])  # fmt: skip
+
+
+@pytest.mark.slow
+def test_one_command_goes_from_a_recording_to_a_report(recording, tmp_path, capsys):
+    assert run(tmp_path, recording()) == 0
+    out = tmp_path / "out"
+    for name in ("readout.csv", "readout.md", "readout.pdf", "readout.png", "readout.json"):
+        assert (out / "readout" / name).stat().st_size > 100, name
+    assert not list((out / "readout").glob("*.partial*"))
+    table = pd.read_csv(out / "readout/readout.csv")
+    assert set(table["readout"]) == {"none", "p_o", "theta", "shuffled"}
+    assert set(table["split"]) == {"shuffled", "blocked"}
+    assert set(table["unit"]) == {"N"}
+    own = table[(table["epsilon"] == 0.1) & (table["split"] == "blocked")].set_index("readout")
+    # the force is made of P_o, and nothing else knows it
+    assert own.loc["p_o", "test_rmse"] < 0.7 * own.loc["shuffled", "test_rmse"]
+    said = capsys.readouterr()
+    assert "cells" not in said.out
+    assert "] 26 of 26 cells" in said.err
+
+
+@pytest.mark.slow
+def test_page_names_recording_parts_units_and_pictures_that_exist(recording, tmp_path):
+    assert run(tmp_path, recording()) == 0
+    text = (tmp_path / "out/report.md").read_text(encoding="utf-8")
+    assert text.startswith("# What the readout of `log.csv` is worth\n")
+    assert "Trained before 7 s, tested from there on" in text
+    assert "but for the settings that were given" in text
+    assert "Test [N]" in text
+    assert "kPa]" not in text
+    pictures = [line.split("(")[1].rstrip(")") for line in text.splitlines() if line[:1] == "!"]
+    assert len(pictures) == 3
+    assert all((tmp_path / "out" / name).exists() for name in pictures)
+
+
+@pytest.mark.slow
+def test_parts_meet_and_do_not_overlap(recording, tmp_path):
+    assert run(tmp_path, recording(start_s=1)) == 0
+    train, test = (
+        read_columns(tmp_path / f"out/raw/{name}.h5", ("time_s", "theta_deg"))
+        for name in ("sweep", "complex")
+    )
+    assert train.attributes["imported_start_s"] == pytest.approx(1.0)
+    assert test.attributes["imported_start_s"] == pytest.approx(7.0)
+    assert len(train.channels["time_s"]) == 1200
+    assert len(test.channels["time_s"]) == 1000
+
+
+def test_map_that_lacks_parts_and_readout_is_told_so_at_once(recording, tmp_path):
+    without = {name: spec for name, spec in CHANNELS.items() if name != "p_o_kpa"}
+    path = recording(without, test_from_s=None, experiment="sweep")
+    with pytest.raises(ConfigError) as caught:
+        report_readout(str(tmp_path / "log.csv"), path, str(tmp_path / "out"))
+    first, second = str(caught.value).splitlines()
+    assert "test_from_s is missing" in first
+    assert "channels.p_o_kpa is missing" in second
+    assert not (tmp_path / "out").exists()
+
+
+def test_map_of_two_parts_is_refused_where_one_log_is_asked_for(recording, tmp_path):
+    with pytest.raises(ConfigError, match="test_from_s is for `fprc readout`; give experiment"):
+        bring_in(str(tmp_path / "log.csv"), recording(), str(tmp_path / "sweep.h5"))
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        ({"experiment": "sweep"}, "give either experiment"),
+        ({"test_from_s": None}, "give either experiment"),
+        ({"test_from_s": 3, "start_s": 4}, "must lie between start_s = 4 and end_s = inf"),
+        ({"test_from_s": 9, "end_s": 8}, "must lie between start_s = 0 and end_s = 8"),
+    ],
+)
+def test_map_says_one_log_or_two_parts(recording, more, said):
+    with pytest.raises(ConfigError, match=said):
+        read_map(recording(**more))
+
+
+def test_no_workers_is_an_error(recording, tmp_path):
+    with pytest.raises(ConfigError, match="--workers 0: must be 1 or more"):
+        report_readout(str(tmp_path / "log.csv"), recording(), workers=0)
+
+
+def table_of(errors):
+    """Rows of blocked folds at the own settings, and P_o at another one."""
+    rows = [(name, 0.01, value) for name, value in errors.items()] + [("p_o", 0.1, 5.0)]
+    return pd.DataFrame(
+        {"split": "blocked", "readout": name, "epsilon": epsilon, "n_u": 3,
+         "validation_rmse": 2.0 * value, "test_rmse": value}
+        for name, epsilon, value in rows
+    )  # fmt: skip
+
+
+def test_findings_compare_p_o_with_nothing_and_with_both_controls():
+    table = table_of({"none": 10.0, "p_o": 8.0, "theta": 6.4, "shuffled": 16.0})
+    validation, test, best = findings(table, {"epsilon": 0.01, "n_u": 3})
+    changes = (
+        "20.0 % lower than without a readout, 25.0 % higher than with theta low-passed, "
+        "50.0 % lower than with P_o shuffled."
+    )
+    assert validation == f"On blocked folds FPRC's error is {changes}"
+    assert test == f"On the test part FPRC's error is {changes}"
+    assert "epsilon = 0.1 and n_u = 3 test best: 50.0 % lower" in best
+
+
+def test_bar_is_drawn_every_tenth_where_there_is_no_terminal(capsys):
+    draw = progress_bar()
+    for done in range(1, 57):
+        draw(done, 56)
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 12
+    assert lines[-1] == f"[{'#' * 30}] 56 of 56 cells"
+
+
+@pytest.mark.slow
+def test_stopped_run_goes_on_where_it_was(recording, tmp_path, monkeypatch):
+    from fprc.commands import readout as readout_report
+
+    seen = []
+
+    def stop(done, total):
+        seen.append(done)
+        if done == 5:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(readout_report, "progress_bar", lambda: stop)
+    path = recording()
+    assert run(tmp_path, path) == 130
+    assert not (tmp_path / "out/readout/cells.json").exists()
+    assert run(tmp_path, path) == 0
+    assert seen == list(range(1, 27))
+    assert len(read_json(tmp_path / "out/readout/cells.json")["cells"]) == 26

@@ -1,0 +1,256 @@
+import h5py
+import numpy as np
+import pandas as pd
+import pytest
+import scipy.io
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from fprc.errors import LogError
+from fprc.logs.gather import FACTORS, LARGEST, gather
+from fprc.logs.sources import read_arrays, read_source
+
+PLAIN = {"scale": 1.0, "offset": 0.0}
+T = np.arange(50) / 100.0
+COLUMNS = {"t": T, "angle": np.sin(T), "force": np.arange(50.0) ** 2}
+
+
+def write_csv(path, columns, separator=","):
+    pd.DataFrame(columns).to_csv(path, index=False, sep=separator)
+
+
+def write_hdf5(path, columns):
+    with h5py.File(path, "w") as file:
+        for name, values in columns.items():
+            file[f"run/{name}"] = values
+
+
+def write_matlab(path, columns):
+    scipy.io.savemat(path, {"run": dict(columns)}, do_compression=True)
+
+
+def write_matlab73(path, columns):
+    """Write what MATLAB's -v7.3 writes: HDF5 behind a text of 512 bytes, arrays by columns."""
+    with h5py.File(path, "w", userblock_size=512) as file:
+        for name, values in columns.items():
+            dataset = file.create_dataset(f"run/{name}", data=np.atleast_2d(values))
+            dataset.attrs["MATLAB_class"] = np.bytes_("double")
+        file["#refs#/a"] = [1.0]
+        file["label"] = np.array([[104], [105]], dtype=np.uint16)
+        file["label"].attrs["MATLAB_class"] = np.bytes_("char")
+    with path.open("r+b") as file:
+        file.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\0\2IM")
+
+
+WRITERS = {
+    "csv": (write_csv, "log.csv", "{}"),
+    "hdf5": (write_hdf5, "log.h5", "run/{}"),
+    "matlab": (write_matlab, "log.mat", "run.{}"),
+    "matlab73": (write_matlab73, "new.mat", "run.{}"),
+}
+numbers = st.floats(-1e9, 1e9, allow_subnormal=False)
+
+
+def read(path):
+    """Read a file as ``read_source`` does, but arrays in this process too: sooner."""
+    if path.suffix == ".csv":
+        return read_source(path)
+    return read_arrays(path, matlab=path.suffix == ".mat")
+
+
+def problem(call, *arguments, **named):
+    with pytest.raises(LogError) as caught:
+        call(*arguments, **named)
+    return str(caught.value)
+
+
+@pytest.fixture(params=WRITERS)
+def source(request, tmp_path):
+    """The same three columns in each format, as (source, name in the format)."""
+    write, file, name = WRITERS[request.param]
+    write(tmp_path / file, COLUMNS)
+    return read(tmp_path / file), name
+
+
+def asked(name, **more):
+    """Arguments that ask for angle and force on the clock t."""
+    spec = {
+        "theta_deg": {"column": name.format("angle"), "unit": "deg", **PLAIN},
+        "p_exp_kpa": {"column": name.format("force"), "unit": "1", **PLAIN},
+    }
+    return {"time": {"column": name.format("t"), "unit": "s"}, "channels": spec} | more
+
+
+# --- every format ---------------------------------------------------------------------------
+
+
+def test_channels_come_back_from_every_format(source):
+    content, name = source
+    recording = gather(content, **asked(name))
+    assert recording.time_s.tolist() == T.tolist()
+    assert recording.channels["theta_deg"].tolist() == COLUMNS["angle"].tolist()
+    assert recording.channels["p_exp_kpa"].tolist() == COLUMNS["force"].tolist()
+
+
+@pytest.mark.parametrize("kind", WRITERS)
+@given(values=arrays(np.float64, st.integers(2, 30), elements=numbers))
+def test_any_numbers_come_back_bit_for_bit(kind, values, tmp_path_factory):
+    write, file, name = WRITERS[kind]
+    path = tmp_path_factory.getbasetemp() / f"any_{file}"
+    write(path, {"angle": values, "force": -values})
+    channels = asked(name)["channels"]
+    recording = gather(read(path), time={"rate_hz": 10.0}, channels=channels)
+    assert recording.channels["theta_deg"].tolist() == values.tolist()
+    assert recording.channels["p_exp_kpa"].tolist() == (-values).tolist()
+    assert recording.time_s == pytest.approx(np.arange(len(values)) / 10.0)
+
+
+def test_unknown_column_is_answered_by_the_nearest(source):
+    content, name = source
+    wrong = asked(name)
+    wrong["channels"]["theta_deg"]["column"] = name.format("Angel")
+    wrong["channels"]["p_exp_kpa"]["column"] = name.format("forces")
+    lines = problem(gather, content, **wrong).splitlines()
+    assert len(lines) == 2
+    assert f"{content.path}: theta_deg: {name.format('Angel')}: no such column" in lines[0]
+    assert f"did you mean {name.format('angle')}?" in lines[0]
+    assert f"did you mean {name.format('force')}?" in lines[1]
+
+
+def test_value_that_is_kept_and_not_finite_is_named_with_its_sample(tmp_path):
+    force = COLUMNS["force"].copy()
+    force[[30, 40]] = np.nan
+    for write, file, name in WRITERS.values():
+        write(tmp_path / file, COLUMNS | {"force": force})
+        content = read(tmp_path / file)
+        said = problem(gather, content, **asked(name, start_s=0.1))
+        assert f"p_exp_kpa: {name.format('force')}: {content.sample(30)} is nan, and 1 more" in said
+        assert len(gather(content, **asked(name, end_s=0.295)).time_s) == 30
+
+
+# --- clock, cut, units ----------------------------------------------------------------------
+
+
+@pytest.fixture
+def csv(tmp_path):
+    def read(**columns):
+        write_csv(tmp_path / "log.csv", COLUMNS | columns)
+        return read_source(tmp_path / "log.csv")
+
+    return read
+
+
+@pytest.mark.parametrize(("unit", "per_s"), [("s", 1), ("ms", 1e3), ("us", 1e6), ("min", 1 / 60)])
+def test_clock_of_any_unit_and_start_counts_from_zero(csv, unit, per_s):
+    source = csv(t=(T + 3600.0) * per_s)
+    told = asked("{}") | {"time": {"column": "t", "unit": unit}}
+    recording = gather(source, **told)
+    assert recording.time_s == pytest.approx(T, abs=1e-9)
+    assert recording.start_s == pytest.approx(3600.0)
+
+
+def test_clock_that_counts_from_1970_keeps_its_microseconds(csv):
+    source = csv(t=np.arange(50) * 5000 + 1_700_000_000_000_000)
+    recording = gather(source, **asked("{}") | {"time": {"column": "t", "unit": "us"}})
+    assert np.diff(recording.time_s) == pytest.approx(0.005, abs=1e-12)
+
+
+def test_samples_of_one_instant_become_one_as_the_map_says(csv):
+    source = csv(t=np.repeat(T[:25], 2))
+    time = {"column": "t", "unit": "s"}
+    first = gather(source, **asked("{}") | {"time": time | {"repeated": "first"}})
+    mean = gather(source, **asked("{}") | {"time": time | {"repeated": "mean"}})
+    assert first.time_s.tolist() == mean.time_s.tolist() == T[:25].tolist()
+    force = COLUMNS["force"]
+    assert first.channels["p_exp_kpa"].tolist() == force[::2].tolist()
+    assert mean.channels["p_exp_kpa"].tolist() == ((force[::2] + force[1::2]) / 2.0).tolist()
+    assert first.clock.mended == {
+        "unordered_samples": 0, "repeated_samples": 25, "repeated": "first",
+    }  # fmt: skip
+
+
+def test_value_that_is_not_kept_may_be_missing(csv):
+    force = COLUMNS["force"].copy()
+    force[1] = np.nan
+    source = csv(t=np.repeat(T[:25], 2), force=force)
+    time = {"column": "t", "unit": "s"}
+    gather(source, **asked("{}") | {"time": time | {"repeated": "first"}})
+    said = problem(gather, source, **asked("{}") | {"time": time | {"repeated": "mean"}})
+    assert "p_exp_kpa: force: sample 1 (line 3) is nan, and 0 more" in said
+
+
+def test_samples_out_of_order_are_sorted_if_the_map_says_so(csv):
+    order = np.random.default_rng(0).permutation(50)
+    source = csv(**{name: values[order] for name, values in COLUMNS.items()})
+    time = {"column": "t", "unit": "s", "unordered": "sort"}
+    recording = gather(source, **asked("{}", start_s=0.1) | {"time": time})
+    assert recording.channels["p_exp_kpa"].tolist() == COLUMNS["force"][10:].tolist()
+
+
+def test_cut_is_counted_from_the_first_sample(csv):
+    recording = gather(csv(t=T + 5.0), **asked("{}", start_s=0.1, end_s=0.2))
+    assert recording.time_s == pytest.approx(np.arange(11) / 100.0)
+    assert recording.channels["p_exp_kpa"].tolist() == COLUMNS["force"][10:21].tolist()
+    assert recording.start_s == pytest.approx(5.1)
+
+
+def test_cut_that_leaves_nothing_says_how_long_the_file_is(csv):
+    said = problem(gather, csv(), **asked("{}", start_s=9.0))
+    assert "0 samples lie between start_s = 9" in said
+    assert "50, over 0.49 s" in said
+
+
+def test_unequal_columns_are_counted(tmp_path):
+    write_hdf5(tmp_path / "log.h5", COLUMNS | {"force": np.zeros(49)})
+    said = problem(gather, read(tmp_path / "log.h5"), **asked("run/{}"))
+    assert "unequal numbers of samples (run/t 50, run/angle 50, run/force 49)" in said
+
+
+@pytest.mark.parametrize(
+    ("unit", "one"),
+    [
+        ("kPa", 1.0), ("Pa", 0.001), ("mbar", 0.1), ("bar", 100.0), ("MPa", 1000.0),
+        ("psi", 6.894757), ("deg", 1.0), ("rad", 57.29578), ("V", 1.0), ("mV", 0.001), ("1", 1.0),
+    ],
+)  # fmt: skip
+def test_one_of_each_unit(unit, one):
+    assert FACTORS[unit] == pytest.approx(one, rel=1e-7)
+
+
+def test_scale_and_offset_come_before_the_unit(csv):
+    """1 to 5 V of a sensor of 0 to 1 MPa; absolute bar."""
+    told = asked("{}")
+    told["channels"]["theta_deg"] |= {"unit": "kPa", "scale": 250.0, "offset": -250.0}
+    told["channels"]["p_exp_kpa"] |= {"unit": "bar", "offset": -1.01325}
+    recording = gather(csv(), **told)
+    assert recording.channels["theta_deg"] == pytest.approx((COLUMNS["angle"] - 1.0) * 250.0)
+    assert recording.channels["p_exp_kpa"] == pytest.approx(100 * COLUMNS["force"] - 101.325)
+
+
+@pytest.mark.parametrize(
+    "spec", [{"scale": 1e308}, {"scale": 1e308, "offset": 1e308}, {"unit": "MPa", "scale": 1e9}]
+)
+def test_value_that_scale_offset_and_unit_make_too_large_is_named(csv, spec):
+    told = asked("{}")
+    told["channels"]["p_exp_kpa"] |= spec
+    said = problem(gather, csv(), **told)
+    assert "p_exp_kpa: force: sample " in said
+    assert f"by scale, offset and unit beyond {LARGEST:g}" in said
+    assert "nan" not in said
+
+
+def test_everything_wrong_with_a_recording_is_told_at_once(csv):
+    t, angle = T.copy(), COLUMNS["angle"].copy()
+    t[[6, 9]] = t[[5, 3]]
+    source = csv(t=t, angle=angle)
+    told = asked("{}")
+    told["channels"]["p_o_kpa"] = {"column": "pressure", "unit": "kPa", **PLAIN}
+    lines = problem(gather, source, **told).splitlines()
+    assert [line.split(": ")[1:3] for line in lines] == [
+        ["p_o_kpa", "pressure"], ["time", "t"], ["time", "t"],
+    ]  # fmt: skip
+    angle[7] = np.inf
+    told["channels"]["p_i_kpa"] = {"column": "force", "unit": "kPa", **PLAIN, "scale": 1e300}
+    lines = problem(gather, csv(angle=angle), **told).splitlines()
+    assert [line.split(": ")[1] for line in lines] == ["p_o_kpa", "theta_deg", "p_i_kpa"]

@@ -1,0 +1,125 @@
+import pandas as pd
+import pytest
+
+from fprc.experiments.tracking import CONTROLLERS
+from fprc.logs import COMPLETE, RAW_CHANNELS, Holding
+from fprc.plan.availability import NEEDS, TITLES, refusal, run_log, unavailable
+from fprc.stages.tabulate import tabulate_unavailable
+
+REFERENCES = ["sine_0p2", "sine_0p5", "sweep", "complex", "disturbance"]
+RUNS = [run_log(reference, name) for reference in REFERENCES for name in CONTROLLERS]
+EXPERIMENTS = ["sweep", "complex"]
+OF_RIGS = {"seeds", "claims", "check", "readme"}
+CLOSED_LOOP = {"table4", *(f"fig{number}" for number in range(12, 18))}
+
+
+def without(*channels, **notes):
+    return Holding(frozenset(RAW_CHANNELS) - {*channels}, notes)
+
+
+def both(holding):
+    return dict.fromkeys(EXPERIMENTS, holding)
+
+
+def of(held, simulated=False):
+    return unavailable(held, "mylogs", RUNS, simulated=simulated)
+
+
+def test_nothing_is_missing_where_the_workflow_makes_every_log():
+    every = dict.fromkeys([*EXPERIMENTS, *RUNS], COMPLETE)
+    assert of(every, simulated=True) == {}
+    assert of(every).keys() == OF_RIGS
+
+
+def test_both_experiments_in_full_lack_the_closed_loop_and_the_further_rigs():
+    assert of(both(without())).keys() == OF_RIGS | CLOSED_LOOP
+
+
+def test_without_p_o_what_shows_fprc_or_the_reservoir_is_missing():
+    found = of(both(without("p_o_kpa")))
+    assert found.keys() - OF_RIGS - CLOSED_LOOP == {
+        "fprc", "readout", "fig2", "fig5", "fig8", "fig9", "fig10a", "fig11"
+    }  # fmt: skip
+    assert found["fig5"] == "needs p_o_kpa, which sweep.h5 and complex.h5 do not have"
+    assert found["fig9"] == "needs p_o_kpa, which sweep.h5 does not have"
+
+
+def test_p_o_in_one_log_alone_is_not_enough():
+    found = of({"sweep": without(), "complex": without("p_o_kpa")})
+    assert found["fprc"] == "needs p_o_kpa, which complex.h5 does not have"
+    assert "fig9" not in found
+
+
+def test_one_experiment_alone_gives_what_is_drawn_from_it():
+    found = of({"sweep": without()})
+    assert found["table2"] == "needs complex.h5, which is not in mylogs"
+    assert not {"fig1", "fig2", "fig9"} & found.keys()
+    assert "fprc" not in found  # a table that is not there lacks no model
+    assert "fig10a" not in found
+
+
+def test_drawing_of_the_actuator_needs_angle_and_pressure_as_such():
+    odd = without(theta_deg="not in deg: displacement x [mm]", p_exp_kpa="of the regulator")
+    found = of(both(odd))
+    assert found["fig1"] == "needs theta_deg in deg; in sweep.h5 it is displacement x [mm]"
+    assert "fig4" not in found
+
+
+def test_reasons_add_up():
+    odd = without("p_exp_kpa", theta_deg="not in deg: x [mm]")
+    assert of(both(odd))["fig1"] == (
+        "needs p_exp_kpa, which sweep.h5 does not have; and theta_deg in deg; "
+        "in sweep.h5 it is x [mm]"
+    )
+
+
+@pytest.mark.parametrize("number", range(12, 18))
+def test_closed_loop_figure_is_made_of_its_own_runs(number):
+    name = f"fig{number}"
+    own = dict.fromkeys(NEEDS[name].logs, COMPLETE)
+    assert set(own) <= set(RUNS)
+    assert name not in of(own)
+    for run in own:
+        rest = {key: value for key, value in own.items() if key != run}
+        assert f"{run}.h5, which is not in mylogs" in of(rest)[name]
+
+
+def test_disturbance_needs_the_bending_of_the_reservoir():
+    run = run_log("disturbance", "fprc_pd_identified")
+    found = of({run: without("phi_deg")})
+    assert found["fig17"] == f"needs phi_deg, which {run}.h5 does not have"
+
+
+def test_part_of_table4_is_made_and_the_rest_is_named():
+    held = dict.fromkeys(RUNS[1:], COMPLETE)
+    found = of(held)
+    assert "table4" not in found
+    assert found["table4_runs"] == f"no {RUNS[0]}.h5 in mylogs"
+    assert "table4_runs" not in of(dict.fromkeys(RUNS, COMPLETE))
+
+
+def test_every_result_has_a_title_and_a_refusal_gives_it_with_the_reason():
+    found = of({})
+    assert found.keys() <= TITLES.keys()
+    assert refusal("fig5", found) == (
+        "fig5: not available for this data: "
+        "Fig. 5 needs sweep.h5 and complex.h5, which are not in mylogs"
+    )
+
+
+def test_list_for_readers_is_in_the_order_of_the_paper_and_has_no_chores(tmp_path, caplog):
+    caplog.set_level("INFO")
+    csv, md = tmp_path / "list.csv", tmp_path / "list.md"
+    tabulate_unavailable(str(csv), str(md), reasons=of(both(without("p_o_kpa"))))
+    table = pd.read_csv(csv)
+    assert list(table["name"])[-5:] == ["fig13", "fig14", "fig15", "fig16", "fig17"]
+    assert not {"readme", "check"} & set(table["name"])
+    assert "| Fig. 5 " in md.read_text()
+    assert "not available: Fig. 5: needs p_o_kpa" in caplog.text
+
+
+def test_list_is_written_too_when_all_is_there(tmp_path):
+    csv, md = tmp_path / "list.csv", tmp_path / "list.md"
+    tabulate_unavailable(str(csv), str(md), reasons={})
+    assert md.read_text() == "Everything is available for this data.\n"
+    assert pd.read_csv(csv).empty
