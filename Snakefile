@@ -6,10 +6,12 @@ from snakemake.utils import min_version
 
 from fprc.artifacts import refuse_unwritable
 from fprc.config import from_files
-from fprc.errors import FprcError
-from fprc.fingerprint import fingerprint, imports_of
-from fprc.logs import EXPERIMENTS, headers, holdings, refuse_simulated, refuse_to_overwrite
-from fprc.plan.availability import refusal, unavailable
+from fprc.errors import FprcError, LogError
+from fprc.fingerprint import fingerprint
+from fprc.logs import headers, refuse_simulated, refuse_to_overwrite
+from fprc.paper import DIRECTIONS, EXPERIMENTS, REFERENCES, run_log
+from fprc.plan import BY_NAME, Plan, refusal
+from fprc.registry import MODELS, class_module, settings_of
 
 min_version("9.0")
 
@@ -43,19 +45,10 @@ container: "docker-daemon://fprc:latest"
 include: "workflow/rules/common.smk"
 
 
-try:
-    if SETTINGS["source"] == "sim":
-        refuse_to_overwrite(THERE)
-    elif SETTINGS["source"] == "hardware":
-        refuse_simulated(THERE)
-except FprcError as error:
-    raise WorkflowError(str(error)) from None
-
-
 wildcard_constraints:
     experiment="|".join(EXPERIMENTS),
-    model="|".join(MODELS),
-    number="|".join(TRAINED_ON),
+    model="|".join(PLAN.models),
+    number="2|3",
     reference="|".join(SETTINGS["tracking"]["references"]),
     sweep="epsilon|n_c|taps",
     seed=r"\d+",
@@ -78,5 +71,5 @@ include: "workflow/rules/benchmark.smk"
 rule all:
     default_target: True
     input:
-        sorted(set(sum(TARGETS.values(), []))),
+        TARGETS["report"],
     localrule: True

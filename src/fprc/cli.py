@@ -152,7 +152,7 @@ def _print_config(options: argparse.Namespace) -> int:
 
 
 def _calibrate(options: argparse.Namespace) -> int:
-    from fprc.calibration.fit import calibrate_from_files
+    from fprc.commands.calibrate import calibrate_from_files
 
     calibrate_from_files(
         options.files,
@@ -177,14 +177,14 @@ def _import(options: argparse.Namespace) -> int:
 
 
 def _check_rig(options: argparse.Namespace) -> int:
-    from fprc.apparatus.record import check
+    from fprc.commands.rig import check
 
     check(options.config, armed=options.armed)
     return 0
 
 
 def _run_rig(options: argparse.Namespace) -> int:
-    from fprc.apparatus.record import run_by_name
+    from fprc.commands.rig import run_by_name
 
     run_by_name(
         options.experiment,
@@ -217,6 +217,6 @@ def _check_logs(options: argparse.Namespace) -> int:
 
 
 def _repair_log(options: argparse.Namespace) -> int:
-    from fprc.stages.repair import repair_log
+    from fprc.commands.logs import repair_log
 
     return repair_log(options.file, options.out)

@@ -1,8 +1,33 @@
-"""Names, as a reader knows them, of what the results call by key."""
+"""The paper's vocabulary: what it names by key, and how a reader knows it."""
 
-#: Printed name of each model, in the paper's order.
-MODEL_NAMES = {"esn": "ESN", "fprc": "FPRC", "fuzzy_linear": "Fuzzy-linear"}
+#: The two hysteresis experiments: in Table II the first trains and the second tests, in Table III
+#: the other way round.
+EXPERIMENTS = ("sweep", "complex")
 
+#: Tables II and III: the log that trains, and the log that tests.
+DIRECTIONS = (EXPERIMENTS, EXPERIMENTS[::-1])
+
+#: The references of Table IV.
+REFERENCES = ("sine_0p2", "sine_0p5", "sweep", "complex")
+
+#: That of the disturbance test, Fig. 17.
+DISTURBANCE = "disturbance"
+
+#: Gains of the PD controller, by name: the paper's, and the one that was identified.
+GAINS = ("printed", "identified")
+
+#: Controllers of the closed-loop runs, with the gain that PD has.
+CONTROLLERS = (
+    "fprc",
+    "fprc_pd_printed",
+    "fprc_pd_identified",
+    "pd_printed",
+    "pd_identified",
+)
+
+#: Models of each sweep of Figs. 10 and 11, and the settings that it changes.
+SWEPT = {"epsilon": ("fprc",), "n_c": ("fprc", "fuzzy_linear"), "taps": ("fprc",)}
+SWEPT_SETTINGS = {"epsilon": ("epsilon",), "n_c": ("n_c",), "taps": ("n_u", "n_y")}
 
 #: What a log's ``source`` means to a reader.
 SOURCES = {
@@ -13,10 +38,6 @@ SOURCES = {
     "import+sim": "imported recordings, P_o simulated, driven by the recorded theta",
 }
 
-
-CONTROLLER_NAMES = {"fprc": "FPRC", "fprc_pd": "FPRC+PD", "pd": "PD"}
-
-
 REFERENCE_NAMES = {
     "sine_0p2": "Sine 0.2 Hz",
     "sine_0p5": "Sine 0.5 Hz",
@@ -25,10 +46,24 @@ REFERENCE_NAMES = {
     "disturbance": "Sine 0.3 Hz, disturbed",
 }
 
-
 #: Where ``config/published.yaml`` has the errors, by the log that trained.
 PRINTED = {"sweep": "table_2_models", "complex": "table_3_reversed"}
 
+ERRORS = {
+    "train_rmse": "Training RMSE",
+    "validation_rmse": "Validation RMSE",
+    "test_rmse": "Test RMSE",
+}
 
-ERRORS = {"train_rmse": "Training RMSE", "validation_rmse": "Validation RMSE",
-           "test_rmse": "Test RMSE"}  # fmt: skip
+
+def controller_and_gain(name: str) -> tuple[str, str]:
+    """Return what a log calls ``controller`` and ``gain``: fprc_pd and printed, fprc and none."""
+    for gain in GAINS:
+        if name.endswith(f"_{gain}"):
+            return name.removesuffix(f"_{gain}"), gain
+    return name, "none"
+
+
+def run_log(reference: str, controller: str) -> str:
+    """Return the name of the log of one closed-loop run."""
+    return f"track_{reference}_{controller}"

@@ -1,6 +1,6 @@
 # How fast we are beside other libraries. No part of `all`: `make benchmark` installs what it needs.
 
-BENCHMARK = f"{RESULTS}/benchmark"
+BENCHMARK = PATHS.below("benchmark")
 WHOLE = f"{BENCHMARK}/all.json"
 #: Rules of `all`, and no others.
 IN_ALL = [
@@ -21,29 +21,27 @@ SIZES = {
 
 rule measure_benchmark:
     input:
-        train=f"{RESULTS}/data/sweep.h5",
-        test=f"{RESULTS}/data/complex.h5",
+        train=PATHS.below("data/sweep.h5"),
+        test=PATHS.below("data/complex.h5"),
     output:
         report=f"{BENCHMARK}/benchmark.json",
     log:
-        f"{RESULTS}/logs/measure_benchmark.log",
+        PATHS.messages("measure_benchmark"),
     threads: workflow.cores
     resources:
         mem_mb=4000,
     params:
+        **stage("benchmark.measure_benchmark", *MODELS),
         models=SETTINGS["models"],
-        signals=SETTINGS["experiments"],
+        on_rig=ON_RIG,
         tracking=SETTINGS["tracking"],
-        control=SETTINGS["control"],
-        rig=SETTINGS["rig"],
         sizes=SIZES,
         rounds=9,
         seed=SETTINGS["seed"],
-        code=code_of("measure_benchmark"),
     message:
         "Speed beside other libraries, alone on the machine"
     script:
-        "../scripts/measure_benchmark.py"
+        "../scripts/stage.py"
 
 
 # Half an hour or so, and only worth it when the machine is left alone: `make benchmark-all`.
@@ -51,10 +49,10 @@ rule measure_all:
     output:
         report=WHOLE,
     log:
-        f"{RESULTS}/logs/measure_all.log",
+        PATHS.messages("measure_all"),
     threads: workflow.cores
     params:
-        code=code_of("measure_benchmark"),
+        code=stage("benchmark.measure_benchmark", *MODELS)["code"],
     message:
         "`all` beside the same rules with plain implementations"
     shell:
@@ -71,47 +69,45 @@ rule benchmark_table:
         md=f"{BENCHMARK}/benchmark.md",
         rules_md=f"{BENCHMARK}/rules.md",
     log:
-        f"{RESULTS}/logs/benchmark_table.log",
+        PATHS.messages("benchmark_table"),
     params:
+        **stage("show_benchmark.tabulate_benchmark"),
         whole=WHOLE,  # no input: it is not made anew for an edit
-        code=code_of("benchmark_table"),
     message:
         "Speed beside other libraries: table"
     script:
-        "../scripts/benchmark_table.py"
+        "../scripts/stage.py"
 
 
 rule benchmark_figure:
     input:
         report=f"{BENCHMARK}/benchmark.json",
     output:
-        pdf=f"{BENCHMARK}/growth.pdf",
-        png=f"{BENCHMARK}/growth.png",
-        sidecar=f"{BENCHMARK}/growth.json",
+        **drawn(f"{BENCHMARK}/growth"),
     log:
-        f"{RESULTS}/logs/benchmark_figure.log",
+        PATHS.messages("benchmark_figure"),
     params:
-        code=code_of("benchmark_figure"),
+        **stage("show_benchmark.draw_benchmark"),
     message:
         "Growth of the cost: figure"
     script:
-        "../scripts/benchmark_figure.py"
+        "../scripts/stage.py"
 
 
 rule rule_times:
     output:
         csv=f"{BENCHMARK}/rules.csv",
     log:
-        f"{RESULTS}/logs/rule_times.log",
+        PATHS.messages("rule_times"),
     localrule: True
     params:
-        logs=f"{RESULTS}/logs",
+        **stage("show_benchmark.tabulate_rules"),
+        logs=PATHS.below("logs"),
         rules=IN_ALL,
-        code=code_of("rule_times"),
     message:
         "What each rule took when it last ran"
     script:
-        "../scripts/rule_times.py"
+        "../scripts/stage.py"
 
 
 rule performance_page:
@@ -120,17 +116,17 @@ rule performance_page:
         rules=f"{BENCHMARK}/rules.md",
         figure=f"{BENCHMARK}/growth.png",
     log:
-        f"{RESULTS}/logs/performance_page.log",
+        PATHS.messages("performance_page"),
     localrule: True
     params:
+        **stage("documents.update_performance"),
         readme="README.md",
         performance="docs/performance.md",
         picture="docs/images/growth.png",
-        code=code_of("performance_page"),
     message:
         "Benchmark in README.md and docs/performance.md, from the results"
     script:
-        "../scripts/performance_page.py"
+        "../scripts/stage.py"
 
 
 rule benchmark:

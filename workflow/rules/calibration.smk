@@ -1,221 +1,220 @@
 # How the simulated rig was set, and what depends on it. None of this is part of `all`.
 
+ENSEMBLE = SETTINGS["ensemble"]
+TARGET_NAMES = ["command", "measured"]
 STANDIN = {key: SETTINGS["calibration"][key] for key in ("stride", "esn_nodes")}
+DRAWN = {key: ENSEMBLE[key] for key in ("seed", "angle_deg", "p_o_swing_kpa")}
+FREE = {"paths": SETTINGS["calibration"]["free"], "ranges": SETTINGS["calibration"]["ranges"]}
 CHUNKS = {
     first: list(range(first, min(first + ENSEMBLE["chunk"], ENSEMBLE["rigs"])))
     for first in range(0, ENSEMBLE["rigs"], ENSEMBLE["chunk"])
 }
-CHUNK_FILES = [f"{RESULTS}/ensemble/rigs_{first}.json" for first in CHUNKS]
+CHUNK_FILES = [PATHS.below(f"ensemble/rigs_{first}.json") for first in CHUNKS]
 
 
 rule fit_rig:
     input:
-        published="config/published.yaml",
+        published=PUBLISHED,
     output:
-        fitted=f"{RESULTS}/calibration/rig.yaml",
-        report=f"{RESULTS}/calibration/fit.json",
+        fitted=PATHS.below("calibration/rig.yaml"),
+        report=PATHS.below("calibration/fit.json"),
     log:
-        f"{RESULTS}/logs/fit_rig.log",
+        PATHS.messages("fit_rig"),
     threads: workflow.cores
     params:
-        **EXPERIMENTS_ON_RIG,
-        **JUDGEMENT,
-        models=SETTINGS["models"],
+        **stage("calibrate.calibrate", *MODELS, key="version"),
+        on_rig=ON_RIG,
+        judgement=judgement(seed=None),
         calibration=SETTINGS["calibration"],
         workers=lambda wildcards, threads: threads,
-        checkpoint=f"{RESULTS}/calibration/search.partial.jsonl",
-        version=code_of("fit_rig"),
+        checkpoint=PATHS.below("calibration/search.partial.jsonl"),
     message:
         "Fit of the rig to Tables II and III"
     script:
-        "../scripts/fit_rig.py"
+        "../scripts/stage.py"
 
 
 rule ensemble_chunk:
     output:
-        rigs=f"{RESULTS}/ensemble/rigs_{{chunk}}.json",
+        rigs=PATHS.below("ensemble/rigs_{chunk}.json"),
     log:
-        f"{RESULTS}/logs/ensemble_{{chunk}}.log",
+        PATHS.messages("ensemble_{chunk}"),
     resources:
         mem_mb=2000,
     params:
-        **EXPERIMENTS_ON_RIG,
-        **JUDGEMENT,
-        models=SETTINGS["models"],
+        **stage("ensemble.judge_rigs", *MODELS, key="version"),
+        on_rig=ON_RIG,
+        judgement=judgement(seed=None),
         tracking=SETTINGS["tracking"],
         numbers=lambda wildcards: CHUNKS[int(wildcards.chunk)],
-        ensemble={key: ENSEMBLE[key] for key in ("seed", "angle_deg", "p_o_swing_kpa")},
-        paths=SETTINGS["calibration"]["free"],
-        ranges=SETTINGS["calibration"]["ranges"],
-        checkpoint=f"{RESULTS}/ensemble/rigs_{{chunk}}.partial.jsonl",
-        version=code_of("ensemble_chunk"),
+        ensemble=DRAWN,
+        free=FREE,
+        checkpoint=PATHS.below("ensemble/rigs_{chunk}.partial.jsonl"),
     message:
         "Ensemble: rigs from number {wildcards.chunk} through Tables II to IV"
     script:
-        "../scripts/ensemble_chunk.py"
+        "../scripts/stage.py"
 
 
 rule ensemble_summary:
     input:
-        published="config/published.yaml",
+        published=PUBLISHED,
         chunks=CHUNK_FILES,
     output:
-        summary=f"{RESULTS}/ensemble/summary.json",
+        summary=PATHS.below("ensemble/summary.json"),
     log:
-        f"{RESULTS}/logs/ensemble_summary.log",
+        PATHS.messages("ensemble_summary"),
     params:
-        code=code_of("ensemble_summary"),
+        **stage("ensemble.summarise_rigs"),
     message:
         "Ensemble: claims rig by rig"
     script:
-        "../scripts/ensemble_summary.py"
+        "../scripts/stage.py"
 
 
 rule ensemble_table:
     input:
-        summary=f"{RESULTS}/ensemble/summary.json",
+        summary=PATHS.below("ensemble/summary.json"),
     output:
-        **table("ensemble/claims"),
+        **PATHS.table("ensemble/claims"),
     log:
-        f"{RESULTS}/logs/ensemble_table.log",
+        PATHS.messages("ensemble_table"),
     params:
-        code=code_of("ensemble_table"),
+        **stage("tabulate.tabulate_ensemble"),
     message:
         "Ensemble: table"
     script:
-        "../scripts/ensemble_table.py"
+        "../scripts/stage.py"
 
 
 rule ensemble_figure:
     input:
-        summary=f"{RESULTS}/ensemble/summary.json",
+        summary=PATHS.below("ensemble/summary.json"),
     output:
-        pdf=f"{RESULTS}/ensemble/claims.pdf",
-        png=f"{RESULTS}/ensemble/claims.png",
-        sidecar=f"{RESULTS}/ensemble/claims.json",
+        **drawn(PATHS.below("ensemble/claims")),
     log:
-        f"{RESULTS}/logs/ensemble_figure.log",
+        PATHS.messages("ensemble_figure"),
     params:
-        code=code_of("ensemble_figure"),
+        **stage("draw_ensemble.draw_ensemble"),
     message:
         "Ensemble: figure"
     script:
-        "../scripts/ensemble_figure.py"
+        "../scripts/stage.py"
 
 
 rule measure_sensitivity:
     output:
-        effects=f"{RESULTS}/calibration/sensitivity.json",
+        effects=PATHS.below("calibration/sensitivity.json"),
     log:
-        f"{RESULTS}/logs/measure_sensitivity.log",
+        PATHS.messages("measure_sensitivity"),
     threads: workflow.cores
     params:
-        **EXPERIMENTS_ON_RIG,
+        **stage("ensemble.measure_sensitivity", *MODELS, key="version"),
+        on_rig=ON_RIG,
         models=SETTINGS["models"],
         paths=SETTINGS["calibration"]["free"],
         steps=ENSEMBLE["sensitivity_steps"],
-        seeds=SEEDS[:2],
+        seeds=EVALUATION["replicate_seeds"][:2],
         standin=STANDIN,
         workers=lambda wildcards, threads: threads,
-        checkpoint=f"{RESULTS}/calibration/sensitivity.partial.jsonl",
-        version=code_of("measure_sensitivity"),
+        checkpoint=PATHS.below("calibration/sensitivity.partial.jsonl"),
     message:
         "Sensitivity of the errors to each parameter of the rig"
     script:
-        "../scripts/measure_sensitivity.py"
+        "../scripts/stage.py"
 
 
 rule sensitivity_table:
     input:
-        effects=f"{RESULTS}/calibration/sensitivity.json",
+        effects=PATHS.below("calibration/sensitivity.json"),
     output:
-        **table("calibration/sensitivity"),
+        **PATHS.table("calibration/sensitivity"),
     log:
-        f"{RESULTS}/logs/sensitivity_table.log",
+        PATHS.messages("sensitivity_table"),
     params:
-        code=code_of("sensitivity_table"),
+        **stage("tabulate.tabulate_sensitivity"),
     message:
         "Sensitivity: table"
     script:
-        "../scripts/sensitivity_table.py"
+        "../scripts/stage.py"
 
 
 rule targets_table:
     input:
-        published="config/published.yaml",
-        replicates=replicated("models", "command", "measured"),
-        controls=replicated("control", "command", "measured"),
+        published=PUBLISHED,
+        replicates=PLAN.replicates("models", TARGET_NAMES),
+        controls=PLAN.replicates("control", TARGET_NAMES),
     output:
-        **table("calibration/targets"),
+        **PATHS.table("calibration/targets"),
     log:
-        f"{RESULTS}/logs/targets_table.log",
+        PATHS.messages("targets_table"),
     params:
-        names=["command", "measured"],
-        code=code_of("targets_table"),
+        **stage("tabulate.tabulate_targets"),
+        names=TARGET_NAMES,
     message:
         "Commanded against measured pressure as the models' target"
     script:
-        "../scripts/targets_table.py"
+        "../scripts/stage.py"
 
 
 rule calibration_page:
     input:
         fit="config/rig.json",
-        seeds=[path.replace(".md", ".csv") for path in SEEDS_TABLES[:2]],
+        seeds=[path.replace(".md", ".csv") for path in PLAN.seeds_tables[:2]],
         pages=[
-            SEEDS_TABLES[2],
-            f"{RESULTS}/ensemble/claims.md",
-            f"{RESULTS}/calibration/sensitivity.md",
-            f"{RESULTS}/calibration/targets.md",
+            PLAN.seeds_tables[2],
+            PATHS.below("ensemble/claims.md"),
+            PATHS.below("calibration/sensitivity.md"),
+            PATHS.below("calibration/targets.md"),
         ],
-        figure=f"{RESULTS}/ensemble/claims.png",
+        figure=PATHS.below("ensemble/claims.png"),
         made_from=[
             *CHUNK_FILES,
-            f"{RESULTS}/ensemble/summary.json",
-            f"{RESULTS}/calibration/sensitivity.json",
-            *replicated("models", "command", "measured"),
-            *replicated("control", "command", "measured"),
+            PATHS.below("ensemble/summary.json"),
+            PATHS.below("calibration/sensitivity.json"),
+            *PLAN.replicates("models", TARGET_NAMES),
+            *PLAN.replicates("control", TARGET_NAMES),
         ],
     log:
-        f"{RESULTS}/logs/calibration_page.log",
+        PATHS.messages("calibration_page"),
     localrule: True
     params:
+        **stage("documents.update_calibration_page"),
         page="docs/calibration.md",
         picture="docs/images/ensemble.png",
         rig=SETTINGS["rig"],
-        code=code_of("calibration_page"),
     message:
         "Numbers and picture of docs/calibration.md, from the results"
     script:
-        "../scripts/calibration_page.py"
+        "../scripts/stage.py"
 
 
 rule calibrate:
     input:
-        f"{RESULTS}/calibration/rig.yaml",
-        f"{RESULTS}/calibration/fit.json",
+        PATHS.below("calibration/rig.yaml"),
+        PATHS.below("calibration/fit.json"),
     localrule: True
 
 
 rule ensemble:
     input:
-        f"{RESULTS}/ensemble/claims.md",
-        f"{RESULTS}/ensemble/claims.pdf",
-        f"{RESULTS}/ensemble/summary.json",
+        PATHS.below("ensemble/claims.md"),
+        PATHS.below("ensemble/claims.pdf"),
+        PATHS.below("ensemble/summary.json"),
         CHUNK_FILES,
     localrule: True
 
 
 rule sensitivity:
     input:
-        f"{RESULTS}/calibration/sensitivity.md",
-        f"{RESULTS}/calibration/sensitivity.json",
+        PATHS.below("calibration/sensitivity.md"),
+        PATHS.below("calibration/sensitivity.json"),
     localrule: True
 
 
 rule targets:
     input:
-        f"{RESULTS}/calibration/targets.md",
-        replicated("models", "command", "measured"),
-        replicated("control", "command", "measured"),
+        PATHS.below("calibration/targets.md"),
+        PLAN.replicates("models", TARGET_NAMES),
+        PLAN.replicates("control", TARGET_NAMES),
     localrule: True

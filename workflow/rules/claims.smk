@@ -3,41 +3,41 @@
 
 rule ledger:
     input:
-        published="config/published.yaml",
-        replicates=REPLICATES,
-        sweeps=REPLICATED_SWEEPS,
-        controls=REPLICATED_CONTROL,
-        times=TIMES[0],
-        times_over_n_c=TIMES[1],
+        published=PUBLISHED,
+        replicates=PLAN.replicates("models"),
+        sweeps=PLAN.replicates("sweeps"),
+        controls=PLAN.replicates("control"),
+        times=PATHS.below("timing/times.json"),
+        times_over_n_c=PATHS.below("timing/times_over_n_c.json"),
     output:
-        json=f"{RESULTS}/claims.json",
-        md=f"{RESULTS}/claims.md",
+        json=PATHS.below("claims.json"),
+        md=PATHS.below("claims.md"),
     log:
-        f"{RESULTS}/logs/ledger.log",
+        PATHS.messages("ledger"),
     params:
-        code=code_of("ledger"),
+        **stage("claims.write_ledger"),
     message:
         "Claims C1 to C18"
     script:
-        "../scripts/ledger.py"
+        "../scripts/stage.py"
 
 
-if "check" not in UNAVAILABLE:
+if "check" not in PLAN.unavailable:
 
     rule check:
         input:
-            ledger=f"{RESULTS}/claims.json",
+            ledger=PATHS.below("claims.json"),
             known="config/verdicts.yaml",
         log:
-            f"{RESULTS}/logs/check.log",
+            PATHS.messages("check"),
         localrule: True
         params:
+            **stage("check.check_results"),
             folders=SETTINGS["folders"],
             made=lambda wildcards: made_by_rules(),
             # the documentation shows the paper's results, not those of other settings
             pictures=lambda wildcards: pictures_of_documentation() if RESULTS == "results" else {},
-            code=code_of("check"),
         message:
             "Verdicts against those declared in config/verdicts.yaml, files, pictures"
         script:
-            "../scripts/check.py"
+            "../scripts/stage.py"

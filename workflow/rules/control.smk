@@ -7,74 +7,83 @@ TRACKING = {
 }
 
 
-if ON_RIG:
+def tracking_of(reference, *names):
+    """Return the settings of runs along one reference, and others by name."""
+    names = ("angle_range_deg", "pressure_limit_kpa", *names)
+    one = {reference: SETTINGS["tracking"]["references"][reference]}
+    return {name: SETTINGS["tracking"][name] for name in names} | {"references": one}
+
+
+if PLAN.on_simulated_rig:
 
     rule identify_gain:
         input:
-            model=f"{RESULTS}/models/sweep_fprc.h5",
+            model=PATHS.model("sweep", "fprc"),
         output:
-            gains=f"{RESULTS}/control/gains.json",
+            gains=GAINS,
         log:
-            f"{RESULTS}/logs/identify_gain.log",
+            PATHS.messages("identify_gain"),
         params:
             **TRACKING,
+            **stage("track.identify_gain", "fprc"),
             tracking=tracking_of("disturbance", "printed_gains", "candidate_kp_kpa_per_deg"),
-            code=code_of("identify_gain", "fprc"),
         message:
             "P gain with the least error on a reference outside Table IV"
         script:
-            "../scripts/identify_gain.py"
+            "../scripts/stage.py"
 
     rule track:
         input:
-            model=f"{RESULTS}/models/sweep_fprc.h5",
-            gains=f"{RESULTS}/control/gains.json",
+            models=[PATHS.model("sweep", model) for model in PLAN.feedforward],
+            gains=GAINS,
         output:
-            raw=[tracked("{reference}", controller) for controller in CONTROLLERS],
+            raw=[PATHS.log(run_log("{reference}", each)) for each in PLAN.controllers],
         log:
-            f"{RESULTS}/logs/track_{{reference}}.log",
+            PATHS.messages("track_{reference}"),
         params:
             **TRACKING,
+            **stage("track.track", *PLAN.feedforward),
             tracking=lambda wildcards: tracking_of(
                 wildcards.reference, *(["pushes"] if wildcards.reference == "disturbance" else [])
             ),
             reference="{reference}",
-            controllers=CONTROLLERS,
-            code=code_of("track", "fprc"),
+            names=PLAN.feedforward,
+            controllers=PLAN.controllers,
+            classes={"others": SETTINGS["models"]["others"]},
         message:
             "Closed loop: {wildcards.reference}"
         script:
-            "../scripts/track.py"
+            "../scripts/stage.py"
 
-elif RECORDS:
+elif PLAN.records:
 
     rule identify_gain_from_logs:
         input:
-            raw=[f"{RAW}/{name}.h5" for name in IDENTIFY],
+            raw=[PATHS.log(name) for name in IDENTIFY],
         output:
             gains=GAINS,
         log:
-            f"{RESULTS}/logs/identify_gain_from_logs.log",
+            PATHS.messages("identify_gain_from_logs"),
         params:
+            **stage("track.identify_gain_from_logs"),
             tracking={"printed_gains": SETTINGS["tracking"]["printed_gains"]},
-            code=code_of("identify_gain_from_logs"),
         message:
             "P gain with the least error in the logs of the candidates"
         script:
-            "../scripts/identify_gain_from_logs.py"
+            "../scripts/stage.py"
 
 else:
 
     rule read_gains:
         input:
-            runs=[f"{RAW}/{run}.h5" for run in RUNS],
+            runs=[PATHS.log(run) for run in PLAN.runs],
         output:
-            gains=f"{RESULTS}/control/gains.json",
+            gains=GAINS,
         log:
-            f"{RESULTS}/logs/read_gains.log",
+            PATHS.messages("read_gains"),
         params:
-            code=code_of("read_gains"),
+            **stage("track.read_gains"),
         message:
             "Gains that the closed-loop logs name"
         script:
-            "../scripts/read_gains.py"
+            "../scripts/stage.py"

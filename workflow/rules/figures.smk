@@ -1,243 +1,254 @@
 # The figures, each from result files alone.
 
 
-rule actuator:
+rule draw_fig1:
     input:
-        raw=f"{RAW}/sweep.h5",
+        raw=PATHS.log("sweep"),
     output:
-        **figure("fig01_actuator"),
+        **figure(1),
     log:
-        f"{RESULTS}/logs/fig01.log",
+        PATHS.messages("fig01"),
     params:
-        code=code_of("fig01"),
+        **stage("draw_schematics.draw_actuator"),
     message:
         "Fig. 1: the bending actuator"
     script:
-        "../scripts/fig01.py"
+        "../scripts/stage.py"
 
 
-rule reservoir:
+rule draw_fig2:
     input:
-        raw=complete("sweep"),
+        raw=PLAN.log_of("sweep"),
     output:
-        **figure("fig02_reservoir"),
+        **figure(2),
     log:
-        f"{RESULTS}/logs/fig02.log",
+        PATHS.messages("fig02"),
     params:
+        **stage("draw_schematics.draw_reservoir"),
         k_in_kpa_per_deg=SETTINGS["control"]["k_in_kpa_per_deg"],
-        code=code_of("fig02"),
     message:
         "Fig. 2: the physical reservoir"
     script:
-        "../scripts/fig02.py"
+        "../scripts/stage.py"
 
 
-rule apparatus:
+rule draw_fig3:
     output:
-        **figure("fig03_apparatus"),
+        **figure(3),
     log:
-        f"{RESULTS}/logs/fig03.log",
+        PATHS.messages("fig03"),
     params:
-        code=code_of("fig03"),
+        **stage("draw_schematics.draw_apparatus"),
     message:
         "Fig. 3: the apparatus"
     script:
-        "../scripts/fig03.py"
+        "../scripts/stage.py"
 
 
-rule actuator_hysteresis:
+rule draw_fig4:
     input:
-        sweep=f"{RESULTS}/data/sweep.h5",
-        complex=f"{RESULTS}/data/complex.h5",
+        sweep=PATHS.data("sweep"),
+        complex=PATHS.data("complex"),
     output:
-        **figure("fig04_hysteresis_actuator"),
+        **figure(4),
     log:
-        f"{RESULTS}/logs/fig04.log",
+        PATHS.messages("fig04"),
     params:
-        code=code_of("fig04"),
+        **stage("draw.draw_actuator_hysteresis"),
     message:
         "Fig. 4: hysteresis of the actuator"
     script:
-        "../scripts/fig04.py"
+        "../scripts/stage.py"
 
 
-rule reservoir_hysteresis:
+rule draw_fig5:
     input:
-        sweep=f"{RESULTS}/data/sweep.h5",
-        complex=f"{RESULTS}/data/complex.h5",
+        sweep=PATHS.data("sweep"),
+        complex=PATHS.data("complex"),
     output:
-        **figure("fig05_hysteresis_reservoir"),
+        **figure(5),
     log:
-        f"{RESULTS}/logs/fig05.log",
+        PATHS.messages("fig05"),
     params:
-        code=code_of("fig05"),
+        **stage("draw.draw_reservoir_hysteresis"),
     message:
         "Fig. 5: hysteresis of the reservoir"
     script:
-        "../scripts/fig05.py"
+        "../scripts/stage.py"
 
 
-rule esn_system:
+rule draw_fig6:
     output:
-        **figure("fig06_esn_system"),
+        **figure(6),
     log:
-        f"{RESULTS}/logs/fig06.log",
+        PATHS.messages("fig06"),
     params:
-        models=settings_of("esn"),
-        code=code_of("fig06"),
+        **stage("draw_schematics.draw_esn_system"),
+        models=settings_of("esn", SETTINGS["models"]),
     message:
         "Fig. 6: control with the ESN"
     script:
-        "../scripts/fig06.py"
+        "../scripts/stage.py"
 
 
-rule fprc_system:
+rule draw_fig7:
     output:
-        **figure("fig07_fprc_system"),
+        **figure(7),
     log:
-        f"{RESULTS}/logs/fig07.log",
+        PATHS.messages("fig07"),
     params:
-        models=settings_of("fprc"),
+        **stage("draw_schematics.draw_fprc_system"),
+        models=settings_of("fprc", SETTINGS["models"]),
         control=SETTINGS["control"],
-        code=code_of("fig07"),
     message:
         "Fig. 7: control with the FPRC"
     script:
-        "../scripts/fig07.py"
+        "../scripts/stage.py"
 
 
-rule training:
+rule draw_fig8:
     input:
-        fit=f"{RESULTS}/predictions/sweep_fprc_train.h5",
-        prediction=f"{RESULTS}/predictions/sweep_fprc_test.h5",
+        fit=PATHS.prediction("sweep", "fprc", "train"),
+        prediction=PATHS.prediction("sweep", "fprc", "test"),
     output:
-        **figure("fig08_training", statistics=True),
+        **figure(8, statistics=True),
     log:
-        f"{RESULTS}/logs/fig08.log",
+        PATHS.messages("fig08"),
     params:
-        code=code_of("fig08"),
+        **stage("draw.draw_training"),
     message:
         "Fig. 8: FPRC on training and test data"
     script:
-        "../scripts/fig08.py"
+        "../scripts/stage.py"
 
 
-rule weights:
+rule draw_training:
     input:
-        weights=f"{RESULTS}/weights/fprc.json",
+        fit=PATHS.prediction("sweep", "{other}", "train"),
+        prediction=PATHS.prediction("sweep", "{other}", "test"),
     output:
-        **figure("fig09_weights", statistics=True),
+        **drawn(PATHS.below("figures/training_{other}"), statistics=True),
     log:
-        f"{RESULTS}/logs/fig09.log",
+        PATHS.messages("training_{other}"),
+    wildcard_constraints:
+        other="|".join(PLAN.others) or "none",
     params:
-        code=code_of("fig09"),
+        **stage("draw.draw_training"),
+    message:
+        "{wildcards.other} on training and test data"
+    script:
+        "../scripts/stage.py"
+
+
+rule draw_fig9:
+    input:
+        weights=PATHS.below("weights/fprc.json"),
+    output:
+        **figure(9, statistics=True),
+    log:
+        PATHS.messages("fig09"),
+    params:
+        **stage("draw.draw_weights"),
     message:
         "Fig. 9: weight contributions"
     script:
-        "../scripts/fig09.py"
+        "../scripts/stage.py"
 
 
-rule settings:
+rule draw_fig10:
     input:
-        **({"epsilon": SWEEPS["epsilon"]} if "fig10a" not in UNAVAILABLE else {}),
-        n_c=f"{RESULTS}/sweeps/n_c.json",
-        times=f"{RESULTS}/timing/times_over_n_c.json",
+        **({"epsilon": PATHS.sweep("epsilon")} if "fig10a" not in PLAN.unavailable else {}),
+        n_c=PATHS.sweep("n_c"),
+        times=PATHS.below("timing/times_over_n_c.json"),
     output:
-        **figure("fig10_settings", statistics=True),
+        **figure(10, statistics=True),
     log:
-        f"{RESULTS}/logs/fig10.log",
+        PATHS.messages("fig10"),
     priority: LONG  # its times come last, and the report waits for it
     params:
-        code=code_of("fig10"),
+        **stage("draw.draw_settings"),
     message:
         "Fig. 10: epsilon and n_c"
     script:
-        "../scripts/fig10.py"
+        "../scripts/stage.py"
 
 
-rule taps:
+rule draw_fig11:
     input:
-        taps=f"{RESULTS}/sweeps/taps.json",
+        taps=PATHS.sweep("taps"),
     output:
-        **figure("fig11_taps", statistics=True),
+        **figure(11, statistics=True),
     log:
-        f"{RESULTS}/logs/fig11.log",
+        PATHS.messages("fig11"),
     params:
-        code=code_of("fig11"),
+        **stage("draw.draw_taps"),
     message:
         "Fig. 11: tap sizes"
     script:
-        "../scripts/fig11.py"
+        "../scripts/stage.py"
 
 
-for number, reference in zip((12, 13, 14, 15), TABLE_IV):
+for number, reference in enumerate(REFERENCES, start=12):
 
     rule:
         name:
-            f"following_{reference}"
+            f"draw_fig{number}"
         input:
-            open_loop=tracked(reference, "fprc"),
-            closed_loop=tracked(reference, "fprc_pd_identified"),
+            open_loop=PATHS.log(run_log(reference, "fprc")),
+            closed_loop=PATHS.log(run_log(reference, "fprc_pd_identified")),
         output:
-            **figure(f"fig{number}_{reference}"),
+            **figure(number),
         log:
-            f"{RESULTS}/logs/fig{number}.log",
+            PATHS.messages(f"fig{number}"),
         params:
-            code=code_of("following"),
+            **stage("draw_tracking.draw_following"),
         message:
             f"Fig. {number}: tracking {reference}"
         script:
-            "../scripts/following.py"
+            "../scripts/stage.py"
 
 
-rule loops:
+rule draw_fig16:
     input:
-        runs=[
-            tracked(reference, f"{controller}_{gain}")
-            for reference in ("sine_0p5", "sweep")
-            for controller in ("pd", "fprc_pd")
-            for gain in ("printed", "identified")
-        ],
+        runs=[PATHS.log(run) for run in BY_NAME["fig16"].logs],
     output:
-        **figure("fig16_loops"),
+        **figure(16),
     log:
-        f"{RESULTS}/logs/fig16.log",
+        PATHS.messages("fig16"),
     params:
-        code=code_of("fig16"),
+        **stage("draw_tracking.draw_loops"),
     message:
         "Fig. 16: PD against FPRC+PD"
     script:
-        "../scripts/fig16.py"
+        "../scripts/stage.py"
 
 
-rule disturbance:
+rule draw_fig17:
     input:
-        run=tracked("disturbance", "fprc_pd_identified"),
+        run=PATHS.log(BY_NAME["fig17"].logs[0]),
     output:
-        **figure("fig17_disturbance"),
+        **figure(17),
     log:
-        f"{RESULTS}/logs/fig17.log",
+        PATHS.messages("fig17"),
     params:
+        **stage("draw_tracking.draw_disturbance"),
         quiet_s=SETTINGS["tracking"]["pushes"]["quiet_s"],
-        code=code_of("fig17"),
     message:
         "Fig. 17: the reservoir disturbed"
     script:
-        "../scripts/fig17.py"
+        "../scripts/stage.py"
 
 
-rule readout_figure:
+rule draw_readout:
     input:
-        cells=f"{RESULTS}/readout/cells.json",
+        cells=PATHS.below("readout/cells.json"),
     output:
-        pdf=f"{RESULTS}/readout/readout.pdf",
-        png=f"{RESULTS}/readout/readout.png",
-        sidecar=f"{RESULTS}/readout/readout.json",
+        **drawn(PATHS.below("readout/readout")),
     log:
-        f"{RESULTS}/logs/readout_figure.log",
+        PATHS.messages("readout_figure"),
     params:
-        code=code_of("readout_figure"),
+        **stage("draw.draw_readout"),
     message:
         "What the readout is worth: figure"
     script:
-        "../scripts/readout_figure.py"
+        "../scripts/stage.py"

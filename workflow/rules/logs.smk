@@ -1,90 +1,105 @@
 # Sec. II-B: the two hysteresis experiments, recorded and checked.
 
 
-if SETTINGS["source"] == "sim":
+if PLAN.on_simulated_rig:
 
     rule record:
         output:
-            raw=f"{RAW}/{{experiment}}.h5",
+            raw=PATHS.log("{experiment}"),
         log:
-            f"{RESULTS}/logs/record_{{experiment}}.log",
+            PATHS.messages("record_{experiment}"),
         params:
+            **stage("record.record"),
             experiment="{experiment}",
             signal=lambda wildcards: SETTINGS["experiments"][wildcards.experiment],
             control=SETTINGS["control"],
             rig=SETTINGS["rig"],
             seed=SETTINGS["seed"],
-            code=code_of("record"),
         message:
             "Experiment {wildcards.experiment} on the simulated rig"
         script:
-            "../scripts/record.py"
+            "../scripts/stage.py"
+
+
+IDENTIFY = [f"identify_{kp:g}" for kp in SETTINGS["tracking"]["candidate_kp_kpa_per_deg"]]
 
 
 if SETTINGS["source"] == "hardware":
 
+    FITTED = PATHS.model("sweep", "fprc")
+
+    def needed_on_rig(wildcards):
+        """Return what must be there before an experiment can run on the real rig."""
+        if wildcards.name in EXPERIMENTS:
+            return []
+        return [FITTED] if wildcards.name in IDENTIFY else [FITTED, GAINS]
+
     rule record_on_rig:
         input:
-            lambda wildcards: needed_on_rig(wildcards.name),
+            needed_on_rig,
         output:
-            raw=f"{RAW}/{{name}}.h5",
+            raw=PATHS.log("{name}"),
         log:
-            f"{RESULTS}/logs/record_on_rig_{{name}}.log",
+            PATHS.messages("record_on_rig_{name}"),
         # a log that is there has no rule: nothing runs again on it, nothing overwrites it
         wildcard_constraints:
-            name="|".join(name for name in RIG_LOGS if not exists(name)) or "none",
+            name="|".join(
+                name for name in [*PLAN.every_log, *IDENTIFY] if not Path(PATHS.log(name)).exists()
+            )
+            or "none",
         threads: workflow.cores
         params:
+            stage="record_on_rig.record_on_rig",
             name="{name}",
             settings=SETTINGS,
             armed=ARMED,
-            model=f"{RESULTS}/models/sweep_fprc.h5",
+            model=FITTED,
             gains=GAINS,
         message:
             "Experiment {wildcards.name} on the real rig"
         script:
-            "../scripts/record_on_rig.py"
+            "../scripts/stage.py"
 
 
-if DRIVEN:
+if PLAN.driven:
 
     rule add_reservoir:
         input:
-            raw=f"{RAW}/{{experiment}}.h5",
+            raw=PATHS.log("{experiment}"),
         output:
-            driven=f"{RESULTS}/reservoir/{{experiment}}.h5",
+            driven=PATHS.driven("{experiment}"),
         log:
-            f"{RESULTS}/logs/add_reservoir_{{experiment}}.log",
+            PATHS.messages("add_reservoir_{experiment}"),
         params:
+            **stage("reservoir.add_reservoir"),
             experiment="{experiment}",
             sample_rate_hz=SETTINGS["control"]["sample_rate_hz"],
             rate_tolerance=SETTINGS["quality"]["rate_tolerance"],
-            zero_deg=SETTINGS["evaluation"]["reservoir_zero_deg"],
+            zero_deg=EVALUATION["reservoir_zero_deg"],
             control=SETTINGS["control"],
             rig=SETTINGS["rig"],
             seed=SETTINGS["seed"],
-            code=code_of("add_reservoir"),
         message:
             "Simulated reservoir, driven by theta of the {wildcards.experiment} log"
         script:
-            "../scripts/add_reservoir.py"
+            "../scripts/stage.py"
 
 
 rule preprocess:
     input:
-        raw=complete("{experiment}"),
+        raw=PLAN.log_of("{experiment}"),
     output:
-        data=f"{RESULTS}/data/{{experiment}}.h5",
-        quality=f"{RESULTS}/quality/{{experiment}}.json",
+        data=PATHS.data("{experiment}"),
+        quality=PATHS.quality("{experiment}"),
     log:
-        f"{RESULTS}/logs/preprocess_{{experiment}}.log",
+        PATHS.messages("preprocess_{experiment}"),
     params:
+        **stage("preprocess.preprocess"),
         experiment="{experiment}",
-        target=SETTINGS["evaluation"]["target"],
+        target=EVALUATION["target"],
         sample_rate_hz=SETTINGS["control"]["sample_rate_hz"],
         limits=SETTINGS["quality"],
-        code=code_of("preprocess"),
     message:
         "Quality and channels of the {wildcards.experiment} log"
     script:
-        "../scripts/preprocess.py"
+        "../scripts/stage.py"

@@ -1,156 +1,143 @@
-# Sec. III-D: cross-validation, test and execution times of the three models.
+# Sec. III-D: cross-validation, test and execution times of the models.
 # The log that trains names a result's file; the reversed data set trains on `complex`.
+from math import prod
 
-JUDGEMENT = {
-    "folds": SETTINGS["evaluation"]["folds"],
-    "split": SETTINGS["evaluation"]["split"],
-}
+from fprc.paper import SWEPT, SWEPT_SETTINGS
 
-#: Models of each sweep, which decide on the code and the settings that it depends on.
-SWEPT = {"epsilon": ["fprc"], "n_c": ["fprc", "fuzzy_linear"], "taps": ["fprc"]}
-VALUES = {"epsilon": ["epsilon"], "n_c": ["n_c"], "taps": ["n_u", "n_y"]}
-
-
-#: Priorities: of what takes long or is waited for, so that it is not left to the end, and of what
-#: wants the whole machine, which begins as soon as no job runs. The scheduler adds up what it begins
-#: at once: one that is alone outweighs a long one on every core.
-LONG, ALONE = 1, workflow.cores + 1
+TRAIN_AND_TEST = {"train": PATHS.data("sweep"), "test": PATHS.data("complex")}
 
 
 rule judge:
     input:
-        **{log: f"{RESULTS}/data/{log}.h5" for log in EXPERIMENTS},
+        **{log: PATHS.data(log) for log in EXPERIMENTS},
     output:
-        errors=[f"{RESULTS}/crossval/{log}_{{model}}.json" for log in EXPERIMENTS],
-        fitted=[f"{RESULTS}/models/{log}_{{model}}.h5" for log in EXPERIMENTS],
-        fits=[f"{RESULTS}/predictions/{log}_{{model}}_train.h5" for log in EXPERIMENTS],
-        predictions=[f"{RESULTS}/predictions/{log}_{{model}}_test.h5" for log in EXPERIMENTS],
+        errors=[PATHS.errors(log, "{model}") for log in EXPERIMENTS],
+        fitted=[PATHS.model(log, "{model}") for log in EXPERIMENTS],
+        fits=[PATHS.prediction(log, "{model}", "train") for log in EXPERIMENTS],
+        predictions=[PATHS.prediction(log, "{model}", "test") for log in EXPERIMENTS],
     log:
-        f"{RESULTS}/logs/judge_{{model}}.log",
+        PATHS.messages("judge_{model}"),
     resources:
         mem_mb=2000,
     params:
-        **JUDGEMENT,
-        models=lambda wildcards: settings_of(wildcards.model),
         name="{model}",
-        seed=SETTINGS["seed"],
-        code=lambda wildcards: code_of("judge", wildcards.model),
+        judgement=lambda wildcards: judgement(wildcards.model),
+        stage="judge.judge",
+        code=lambda wildcards: stage("judge.judge", wildcards.model)["code"],
     message:
         "Cross-validation and test of {wildcards.model}, and with the logs reversed"
     script:
-        "../scripts/judge.py"
+        "../scripts/stage.py"
 
 
 rule replicate:
     output:
-        compared=f"{RESULTS}/replicates/{{target}}/models_{{seed}}.json",
-        cells=f"{RESULTS}/replicates/{{target}}/sweeps_{{seed}}.json",
-        measures=f"{RESULTS}/replicates/{{target}}/control_{{seed}}.json",
+        compared=PATHS.replicate("models", "{target}", "{seed}"),
+        cells=PATHS.replicate("sweeps", "{target}", "{seed}"),
+        measures=PATHS.replicate("control", "{target}", "{seed}"),
     log:
-        f"{RESULTS}/logs/replicate_{{target}}_{{seed}}.log",
+        PATHS.messages("replicate_{target}_{seed}"),
     priority: LONG
     resources:
         mem_mb=2000,
     params:
-        **JUDGEMENT,
-        **EXPERIMENTS_ON_RIG | {"target": "{target}"},
-        models=SETTINGS["models"],
+        **stage("replicate.replicate", *PLAN.models),
+        on_rig=lambda wildcards: ON_RIG | {"target": wildcards.target},
+        judgement=lambda wildcards: judgement(seed=int(wildcards.seed)),
         values=swept("epsilon", "n_c", "replicate_taps"),
         tracking=SETTINGS["tracking"],
-        seed=lambda wildcards: int(wildcards.seed),
-        code=code_of("replicate"),
     message:
         "Tables, sweeps and closed loops again with seed {wildcards.seed}"
     script:
-        "../scripts/replicate.py"
+        "../scripts/stage.py"
 
 
 rule measure_times:
     input:
-        train=f"{RESULTS}/data/sweep.h5",
-        test=f"{RESULTS}/data/complex.h5",
+        **TRAIN_AND_TEST,
     output:
-        times=f"{RESULTS}/timing/times.json",
-        steps=f"{RESULTS}/timing/steps.json",
+        times=PATHS.below("timing/times.json"),
+        steps=PATHS.below("timing/steps.json"),
     log:
-        f"{RESULTS}/logs/measure_times.log",
+        PATHS.messages("measure_times"),
     priority: ALONE
     threads: workflow.cores
     resources:
         mem_mb=2000,
     params:
+        **stage("timing.measure_times", *PLAN.models),
         models=SETTINGS["models"],
         control=SETTINGS["control"],
         tracking={key: SETTINGS["tracking"][key] for key in ("printed_gains", "pressure_limit_kpa")},
-        repeats=SETTINGS["evaluation"]["timing_repeats"],
+        repeats=EVALUATION["timing_repeats"],
         seed=SETTINGS["seed"],
-        code=code_of("measure_times"),
     message:
         "Execution times, and the cost of a control step, alone on the machine"
     script:
-        "../scripts/measure_times.py"
+        "../scripts/stage.py"
 
 
 rule weigh:
     input:
-        train=f"{RESULTS}/data/sweep.h5",
+        train=PATHS.data("sweep"),
     output:
-        weights=f"{RESULTS}/weights/fprc.json",
+        weights=PATHS.below("weights/fprc.json"),
     log:
-        f"{RESULTS}/logs/weigh.log",
+        PATHS.messages("weigh"),
     params:
-        **JUDGEMENT,
-        models=settings_of("fprc"),
-        seed=SETTINGS["seed"],
-        code=code_of("weigh", "fprc"),
+        **stage("sweep.weigh", "fprc"),
+        judgement=judgement("fprc"),
     message:
         "Weight contributions of the FPRC"
     script:
-        "../scripts/weigh.py"
+        "../scripts/stage.py"
+
+
+def workers_of(wildcards):
+    """Return the processes of one of the paper's sweeps, or of a chunk of it."""
+    grid = prod(map(len, swept(*SWEPT_SETTINGS[wildcards.sweep]).values()))
+    return workers_for(grid * len(SWEPT[wildcards.sweep]) // SWEEP_CHUNKS)
 
 
 SWEEP = {
-    **JUDGEMENT,
-    "models": settings_of("fprc"),
+    "stage": "sweep.sweep_settings",
     "sweep": "{sweep}",
-    "values": lambda wildcards: swept(*VALUES[wildcards.sweep]),
-    "seed": SETTINGS["seed"],
+    "values": lambda wildcards: swept(*SWEPT_SETTINGS[wildcards.sweep]),
+    "judgement": judgement("fprc"),
     "workers": lambda wildcards, threads: threads,
-    "version": lambda wildcards: code_of("sweep", *SWEPT[wildcards.sweep]),
+    "version": lambda wildcards: stage("sweep.sweep_settings", *SWEPT[wildcards.sweep])["code"],
 }
 
 if SWEEP_CHUNKS == 1:
 
     rule sweep:
         input:
-            train=f"{RESULTS}/data/sweep.h5",
-            test=f"{RESULTS}/data/complex.h5",
+            **TRAIN_AND_TEST,
         output:
-            results=f"{RESULTS}/sweeps/{{sweep}}.json",
+            results=PATHS.sweep("{sweep}"),
         log:
-            f"{RESULTS}/logs/sweep_{{sweep}}.log",
+            PATHS.messages("sweep_{sweep}"),
         priority: LONG
         threads: workers_of
         resources:
             mem_mb=2000,
         params:
             **SWEEP,
-            checkpoint=f"{RESULTS}/sweeps/{{sweep}}.partial.jsonl",
+            checkpoint=PATHS.below("sweeps/{sweep}.partial.jsonl"),
         message:
             "Sweep over {wildcards.sweep}, workers: {threads}"
         script:
-            "../scripts/sweep.py"
+            "../scripts/stage.py"
 
 else:
 
     rule sweep_chunk:
         input:
-            train=f"{RESULTS}/data/sweep.h5",
-            test=f"{RESULTS}/data/complex.h5",
+            **TRAIN_AND_TEST,
         output:
-            results=temp(f"{RESULTS}/sweeps/{{sweep}}_{{chunk}}.json"),
+            results=temp(PATHS.sweep("{sweep}_{chunk}")),
         log:
-            f"{RESULTS}/logs/sweep_{{sweep}}_{{chunk}}.log",
+            PATHS.messages("sweep_{sweep}_{chunk}"),
         wildcard_constraints:
             chunk=r"\d+",
         priority: LONG
@@ -161,75 +148,71 @@ else:
             **SWEEP,
             chunk=lambda wildcards: int(wildcards.chunk),
             chunks=SWEEP_CHUNKS,
-            checkpoint=f"{RESULTS}/sweeps/{{sweep}}_{{chunk}}.partial.jsonl",
+            checkpoint=PATHS.below("sweeps/{sweep}_{chunk}.partial.jsonl"),
         message:
             "Sweep over {wildcards.sweep}, chunk {wildcards.chunk}, workers: {threads}"
         script:
-            "../scripts/sweep.py"
+            "../scripts/stage.py"
 
     rule sweep_joined:
         input:
-            chunks=[f"{RESULTS}/sweeps/{{sweep}}_{chunk}.json" for chunk in range(SWEEP_CHUNKS)],
+            chunks=[PATHS.sweep(f"{{sweep}}_{chunk}") for chunk in range(SWEEP_CHUNKS)],
         output:
-            results=f"{RESULTS}/sweeps/{{sweep}}.json",
+            results=PATHS.sweep("{sweep}"),
         log:
-            f"{RESULTS}/logs/sweep_{{sweep}}.log",
+            PATHS.messages("sweep_{sweep}"),
         localrule: True
         params:
-            code=code_of("join_sweep"),
+            **stage("sweep.join_sweep"),
         message:
             "Sweep over {wildcards.sweep}: all chunks"
         script:
-            "../scripts/join_sweep.py"
+            "../scripts/stage.py"
 
 
 rule measure_times_over_n_c:
     input:
-        train=f"{RESULTS}/data/sweep.h5",
-        test=f"{RESULTS}/data/complex.h5",
+        **TRAIN_AND_TEST,
     output:
-        times=f"{RESULTS}/timing/times_over_n_c.json",
+        times=PATHS.below("timing/times_over_n_c.json"),
     log:
-        f"{RESULTS}/logs/measure_times_over_n_c.log",
+        PATHS.messages("measure_times_over_n_c"),
     priority: ALONE
     threads: workflow.cores
     resources:
         mem_mb=2000,
     params:
+        **stage("timing.measure_times_over_n_c", *SWEPT["n_c"]),
         models=SETTINGS["models"],
         values=SETTINGS["sweeps"]["n_c"],
-        repeats=SETTINGS["evaluation"]["timing_repeats"],
+        repeats=EVALUATION["timing_repeats"],
         seed=SETTINGS["seed"],
-        code=code_of("measure_times_over_n_c", "fprc", "fuzzy_linear"),
     message:
         "Execution times over n_c, alone on the machine"
     script:
-        "../scripts/measure_times_over_n_c.py"
+        "../scripts/stage.py"
 
 
 rule measure_readout:
     input:
-        train=f"{RESULTS}/data/sweep.h5",
-        test=f"{RESULTS}/data/complex.h5",
+        **TRAIN_AND_TEST,
     output:
-        cells=f"{RESULTS}/readout/cells.json",
+        cells=PATHS.below("readout/cells.json"),
     log:
-        f"{RESULTS}/logs/measure_readout.log",
+        PATHS.messages("measure_readout"),
     priority: LONG
     # about as many cells: two splits and three readouts over each value
     threads: workers_for(6 * sum(map(len, swept("epsilon", "replicate_taps").values())))
     resources:
         mem_mb=2000,
     params:
-        models=settings_of("fprc"),
+        **stage("readout.measure_readout", "fprc", "fuzzy_linear", key="version"),
+        judgement=judgement("fprc"),
         epsilon=SETTINGS["sweeps"]["epsilon"],
         n_u=SETTINGS["sweeps"]["replicate_taps"],
-        folds=SETTINGS["evaluation"]["folds"],
-        seed=SETTINGS["seed"],
         workers=lambda wildcards, threads: threads,
-        checkpoint=f"{RESULTS}/readout/cells.partial.jsonl",
-        version=code_of("measure_readout", "fprc", "fuzzy_linear"),
+        checkpoint=PATHS.below("readout/cells.partial.jsonl"),
     message:
         "FPRC with and without P_o, and with stand-ins for it"
     script:
-        "../scripts/measure_readout.py"
+        "../scripts/stage.py"

@@ -3,40 +3,41 @@
 
 rule list_unavailable:
     output:
-        **MISSING,
+        csv=PATHS.below("not_available.csv"),
+        md=PATHS.below("not_available.md"),
     log:
-        f"{RESULTS}/logs/list_unavailable.log",
+        PATHS.messages("list_unavailable"),
     params:
-        reasons=UNAVAILABLE,
-        code=code_of("list_unavailable"),
+        **stage("tabulate.tabulate_unavailable"),
+        reasons=PLAN.not_available,
     message:
         "What the data do not allow, and why"
     script:
-        "../scripts/list_unavailable.py"
+        "../scripts/stage.py"
 
 
 rule report_page:
     input:
         template="workflow/report/page.html.j2",
-        ledger=CLAIMS,
-        missing=MISSING["csv"],
-        tables=PAGES,
-        pictures=[path.replace(".pdf", ".png") for path in SHOWN.values()],
-        sidecars=[path.replace(".pdf", ".json") for path in SHOWN.values()],
-        captions=[f"workflow/report/fig{number:02}.rst" for number in SHOWN],
+        ledger=[PATHS.below("claims.json")] if "claims" in PLAN.targets else [],
+        missing=PATHS.below("not_available.csv"),
+        tables=PLAN.pages,
+        pictures=[f"{stem}.png" for stem in PLAN.figures.values()],
+        sidecars=[f"{stem}.json" for stem in PLAN.figures.values()],
+        captions=[f"workflow/report/fig{number:02}.rst" for number in PLAN.figures],
     output:
         html=report(
-            f"{RESULTS}/report.html",
+            PATHS.below("report.html"),
             caption="../report/page.rst",
             category="The whole reproduction",
             labels={"page": "report", "data": DATA},
         ),
     log:
-        f"{RESULTS}/logs/report_page.log",
+        PATHS.messages("report_page"),
     params:
+        **stage("report.write_report"),
         settings=SETTINGS,
-        code=code_of("page"),
     message:
         "Report: claims, tables, figures and settings on one page"
     script:
-        "../scripts/page.py"
+        "../scripts/stage.py"

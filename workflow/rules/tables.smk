@@ -1,154 +1,153 @@
-# Tables I to III.
+# Tables I to IV, over seeds, and of what the paper does not print.
+
+TRAINED_ON = {"2": "sweep", "3": "complex"}
 
 
 rule configuration_table:
     input:
-        published="config/published.yaml",
+        published=PUBLISHED,
     output:
-        **table("tables/table1"),
+        **PATHS.table("tables/table1"),
     log:
-        f"{RESULTS}/logs/table1.log",
+        PATHS.messages("table1"),
     params:
+        **stage("tabulate.tabulate_configuration"),
         models=SETTINGS["models"],
-        code=code_of("configuration_table"),
     message:
         "Table I"
     script:
-        "../scripts/configuration_table.py"
+        "../scripts/stage.py"
 
 
 rule comparison_table:
     input:
-        published="config/published.yaml",
-        errors=lambda wildcards: expand(
-            "{results}/crossval/{experiment}_{model}.json",
-            results=RESULTS,
-            experiment=TRAINED_ON[wildcards.number],
-            model=MODELS,
-        ),
+        published=PUBLISHED,
+        errors=lambda wildcards: [
+            PATHS.errors(TRAINED_ON[wildcards.number], model) for model in PLAN.models
+        ],
     output:
-        **table("tables/table{number}"),
+        **PATHS.table("tables/table{number}"),
     log:
-        f"{RESULTS}/logs/table{{number}}.log",
+        PATHS.messages("table{number}"),
     params:
-        left_out=LEFT_OUT,
-        code=code_of("comparison_table"),
+        **stage("tabulate.tabulate_comparison"),
+        left_out=PLAN.left_out,
     message:
         "Table {wildcards.number}"
     script:
-        "../scripts/comparison_table.py"
+        "../scripts/stage.py"
 
 
 rule seeds_table:
     input:
-        published="config/published.yaml",
-        replicates=REPLICATES,
+        published=PUBLISHED,
+        replicates=PLAN.replicates("models"),
     output:
-        **table("tables/table{number}_seeds"),
+        **PATHS.table("tables/table{number}_seeds"),
     log:
-        f"{RESULTS}/logs/table{{number}}_seeds.log",
+        PATHS.messages("table{number}_seeds"),
     params:
+        **stage("tabulate.tabulate_seeds"),
         trained_on=lambda wildcards: TRAINED_ON[wildcards.number],
-        code=code_of("seeds_table"),
     message:
         "Table {wildcards.number} over further seeds"
     script:
-        "../scripts/seeds_table.py"
+        "../scripts/stage.py"
 
 
 rule orders_table:
     input:
-        replicates=REPLICATES,
+        replicates=PLAN.replicates("models"),
     output:
-        csv=f"{RESULTS}/tables/orders.csv",
+        csv=PATHS.below("tables/orders.csv"),
     log:
-        f"{RESULTS}/logs/orders.log",
+        PATHS.messages("orders"),
     params:
-        code=code_of("orders_table"),
+        **stage("tabulate.tabulate_orders"),
     message:
         "Orders of Tables 2 and 3 on every seed"
     script:
-        "../scripts/orders_table.py"
+        "../scripts/stage.py"
 
 
 rule timing_table:
     input:
-        published="config/published.yaml",
-        times=f"{RESULTS}/timing/times.json",
+        published=PUBLISHED,
+        times=PATHS.below("timing/times.json"),
     output:
-        **table("timing/table2_timing"),
+        **PATHS.table("timing/table2_timing"),
     log:
-        f"{RESULTS}/logs/table2_timing.log",
+        PATHS.messages("table2_timing"),
     params:
-        left_out=LEFT_OUT,
-        code=code_of("timing_table"),
+        **stage("tabulate.tabulate_times"),
+        left_out=PLAN.left_out,
     message:
         "Execution times of Table II"
     script:
-        "../scripts/timing_table.py"
+        "../scripts/stage.py"
 
 
 rule tracking_table:
     input:
-        published="config/published.yaml",
-        gains=f"{RESULTS}/control/gains.json",
-        runs=[f"{RAW}/{run}.h5" for run in RUNS],
+        published=PUBLISHED,
+        gains=GAINS,
+        runs=[PATHS.log(run) for run in PLAN.runs],
     output:
-        **table("tables/table4"),
+        **PATHS.table("tables/table4"),
     log:
-        f"{RESULTS}/logs/table4.log",
+        PATHS.messages("table4"),
     params:
-        left_out=[run for run in ALL_RUNS if run not in HELD],
+        **stage("tabulate.tabulate_tracking"),
+        left_out=[run for run in PLAN.every_run if run not in PLAN.held],
         limits=SETTINGS["quality"],
-        code=code_of("tracking_table"),
     message:
         "Table 4"
     script:
-        "../scripts/tracking_table.py"
+        "../scripts/stage.py"
 
 
 rule tracking_seeds_table:
     input:
-        published="config/published.yaml",
-        replicates=REPLICATED_CONTROL,
+        published=PUBLISHED,
+        replicates=PLAN.replicates("control"),
     output:
-        **table("tables/table4_seeds"),
+        **PATHS.table("tables/table4_seeds"),
     log:
-        f"{RESULTS}/logs/table4_seeds.log",
+        PATHS.messages("table4_seeds"),
     params:
-        code=code_of("tracking_seeds_table"),
+        **stage("tabulate.tabulate_tracking_seeds"),
     message:
         "Table 4 over further seeds"
     script:
-        "../scripts/tracking_seeds_table.py"
+        "../scripts/stage.py"
 
 
 rule steps_table:
     input:
-        steps=f"{RESULTS}/timing/steps.json",
+        steps=PATHS.below("timing/steps.json"),
     output:
-        **table("timing/step_cost"),
+        **PATHS.table("timing/step_cost"),
     log:
-        f"{RESULTS}/logs/step_cost.log",
+        PATHS.messages("step_cost"),
     params:
-        left_out=LEFT_OUT,
-        code=code_of("steps_table"),
+        **stage("tabulate.tabulate_steps"),
+        left_out=PLAN.left_out,
     message:
         "Cost of a control step"
     script:
-        "../scripts/steps_table.py"
+        "../scripts/stage.py"
 
 
 rule readout_table:
     input:
-        cells=f"{RESULTS}/readout/cells.json",
+        cells=PATHS.below("readout/cells.json"),
     output:
-        **table("readout/readout"),
+        **PATHS.table("readout/readout"),
     log:
-        f"{RESULTS}/logs/readout_table.log",
+        PATHS.messages("readout_table"),
     params:
-        code=code_of("readout_table"),
+        **stage("tabulate.tabulate_readout"),
     message:
         "What the readout is worth: table"
     script:
-        "../scripts/readout_table.py"
+        "../scripts/stage.py"

@@ -1,7 +1,7 @@
 # What a user asks for by name.
 
 
-for target in REFUSED:
+for target in PLAN.refused:
 
     rule:
         name:
@@ -10,6 +10,9 @@ for target in REFUSED:
             refused(target),
         localrule: True
 
+
+EVERYTHING = sorted(set(sum(PLAN.targets.values(), [])))
+TARGETS = PLAN.targets | {"report": [PATHS.below("report.html"), *EVERYTHING]}
 
 for target, files in TARGETS.items():
 
@@ -23,13 +26,13 @@ for target, files in TARGETS.items():
 
 rule logs:
     input:
-        expand("{raw}/{experiment}.h5", raw=RAW, experiment=LOGS),
+        [PATHS.log(experiment) for experiment in PLAN.experiments],
     localrule: True
 
 
 rule smoke:
     log:
-        f"{RESULTS}/logs/smoke.log",
+        PATHS.messages("smoke"),
     localrule: True
     threads: workflow.cores
     message:
@@ -39,29 +42,24 @@ rule smoke:
         " -- all 2>&1 | tee {log:q}"
 
 
-if "readme" not in UNAVAILABLE:
+if "readme" not in PLAN.unavailable:
 
     rule readme:
         input:
-            pages=[
-                *(TABLES[number] for number in (2, 3, 4)),
-                *SEEDS_TABLES[:3],
-                *TIMING,
-                READOUT,
-            ],
-            orders=SEEDS_TABLES[3],
-            seeds=[path.replace(".md", ".csv") for path in SEEDS_TABLES[:2]],
-            ledger=f"{RESULTS}/claims.json",
-            figure=f"{RESULTS}/figures/fig08_training.png",
-            made_from=sorted(set(sum(TARGETS.values(), []))),
+            pages=PLAN.pages[1:],
+            orders=PATHS.below("tables/orders.csv"),
+            seeds=[path.replace(".md", ".csv") for path in PLAN.seeds_tables[:2]],
+            ledger=PATHS.below("claims.json"),
+            figure=PATHS.below("figures/fig08_training.png"),
+            made_from=TARGETS["report"],
         log:
-            f"{RESULTS}/logs/readme.log",
+            PATHS.messages("readme"),
         localrule: True
         params:
+            **stage("documents.update_readme"),
             readme="README.md",
             picture="docs/images/fig08_training.png",
-            code=code_of("readme"),
         message:
             "Numbers and picture of the README, from the results"
         script:
-            "../scripts/readme.py"
+            "../scripts/stage.py"

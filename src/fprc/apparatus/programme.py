@@ -7,9 +7,10 @@ from fprc import __version__
 from fprc.artifacts import read_json
 from fprc.control import TRACKING_CHANNELS, Law, hysteresis_law
 from fprc.errors import ConfigError
-from fprc.experiments.tracking import CONTROLLERS, Track, candidate
-from fprc.logs import EXPERIMENTS, RAW_CHANNELS
+from fprc.experiments.tracking import Track, candidate
+from fprc.logs import RAW_CHANNELS
 from fprc.models import SequenceModel, load_model
+from fprc.paper import CONTROLLERS, EXPERIMENTS, controller_and_gain, run_log
 from fprc.signals import pressure_command
 
 _IDENTIFY = "identify_"
@@ -45,11 +46,7 @@ def names(settings: Mapping[str, Any]) -> list[str]:
     return [
         *EXPERIMENTS,
         *(f"{_IDENTIFY}{kp:g}" for kp in tracking["candidate_kp_kpa_per_deg"]),
-        *(
-            f"track_{reference}_{one}"
-            for reference in tracking["references"]
-            for one in CONTROLLERS
-        ),
+        *(run_log(reference, one) for reference in tracking["references"] for one in CONTROLLERS),
     ]
 
 
@@ -92,7 +89,7 @@ def plan(name: str, settings: Mapping[str, Any], model: str = "", gains: str = "
             else ""
         )
     theta_d = bench.reference(reference)
-    kind, gain = CONTROLLERS[controller]
+    kind, gain = controller_and_gain(controller)
     fitted = None if kind == "pd" else _warm(model)
     law = bench.law(theta_d, fitted, known_gains.get(gain))
     attributes = bench.describe(reference, controller, known_gains) | {"experiment": name}

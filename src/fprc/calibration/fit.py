@@ -1,44 +1,31 @@
-"""Fit the simulated rig to published numbers, and write what came of it."""
+"""Fit the simulated rig to published numbers."""
 
 import hashlib
 import json
 import logging
-import os
-import textwrap
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 from joblib import Parallel, delayed, parallel_config
-from threadpoolctl import threadpool_limits
 
 from fprc import __version__
-from fprc.artifacts import write_json, write_text
-from fprc.calibration import (
-    Free,
-    Target,
-    decode,
-    encode,
-    loss_of,
-    properties,
-    residuals,
-    search,
-    surrogate_errors,
-)
-from fprc.config import check, from_files
+from fprc.calibration.objective import Target, loss_of, properties, residuals
+from fprc.calibration.search import search
+from fprc.calibration.space import Free, decode, encode
+from fprc.calibration.surrogate import surrogate_errors
 from fprc.config.free import free_ranges
 from fprc.config.rig import Rig
 from fprc.errors import ConfigError, FprcError
-from fprc.experiments.comparison import DIRECTIONS, INPUTS, judge_directions
-from fprc.fingerprint import fingerprint
-from fprc.paper import PRINTED
+from fprc.experiments.comparison import judge_directions
+from fprc.experiments.hysteresis import simulate
+from fprc.experiments.settings import Judgement, RigSettings
+from fprc.paper import DIRECTIONS, PRINTED
 from fprc.provenance import hash_of
-from fprc.stages.replicate import simulate
-from fprc.yaml_file import read_yaml
+from fprc.registry import MODELS
 
 log = logging.getLogger(__name__)
 
@@ -46,61 +33,55 @@ log = logging.getLogger(__name__)
 IMPOSSIBLE = 100.0
 
 
-def calibrate(
-    published: str,
-    fitted: str,
-    report: str,
-    *,
-    rig: Mapping[str, Any],
-    signals: Mapping[str, Any],
-    control: Mapping[str, Any],
-    target: str,
-    models: Mapping[str, Any],
+def fit_rig(
+    printed: Mapping[str, Any],
+    on_rig: RigSettings,
+    judgement: Mapping[str, Any],
     calibration: Mapping[str, Any],
-    folds: int,
-    split: str,
+    *,
     workers: int,
     checkpoint: str,
     version: str,
-) -> None:
-    """Fit the free parameters by CMA-ES, beginning at ``rig``.
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Fit the free parameters by CMA-ES, beginning at the rig of ``on_rig``.
 
     The stand-in of the models is first compared with the full models on the
     rig that the search begins at; their ratios correct it. At the end the
     full models judge the fitted rig on the seeds of the objective.
 
-    Writes the changed parameters (``fitted``, YAML, to be used as
-    config/rig.yaml) and all that is known of the fit (``report``, JSON).
+    Parameters
+    ----------
+    printed : Mapping
+        The published numbers.
+    judgement : Mapping
+        As ``Judgement`` takes it, but for the seed.
+    calibration : Mapping
+        That section of the configuration.
+
+    Returns
+    -------
+    dict, dict
+        The fitted rig, and all that is known of the fit.
     """
-    printed = read_yaml(published)
     aim = target_of(printed, calibration)
     free = free_parameters(calibration["free"], calibration["ranges"])
-    experiments = {"signals": signals, "control": control, "target": target}
-    judgement = {"models": models, "folds": folds, "split": split}
     standin = {key: calibration[key] for key in ("stride", "esn_nodes")}
-    seeds = calibration["seeds"]
+    seeds, models = calibration["seeds"], judgement["models"]
 
     log.info("full models on the rig that the search begins at")
-    start = encode(rig, free)
-    begun_at = decode(start, rig, free)
-    full = full_errors(begun_at, seeds[:2], workers, experiments, judgement)
-    cheap = [judge_cheaply(begun_at, s, experiments, models, standin)[0] for s in seeds[:2]]
-    ratios = {
-        key: float(np.mean([e[key] for e in full]) / np.mean([e[key] for e in cheap]))
-        for key in aim.errors
-    }
+    start = encode(on_rig.rig, free)
+    begun_at = replace(on_rig, rig=decode(start, on_rig.rig, free))
     loss = partial(
         loss_at,
-        rig=rig,
+        on_rig=on_rig,
         free=free,
         seeds=seeds,
         aim=aim,
-        ratios=ratios,
-        experiments=experiments,
+        ratios=_ratios(begun_at, aim, seeds[:2], workers, judgement, standin),
         models=models,
         standin=standin,
     )
-    depends_on = [rig, experiments, judgement, free, standin, seeds, aim, version]
+    depends_on = [asdict(on_rig), judgement, free, standin, seeds, aim, version]
     found = search(
         loss,
         start,
@@ -116,11 +97,10 @@ def calibrate(
     )
     loss_at_start = loss(start)
     point = found.point if found.loss <= loss_at_start else start
-    best = decode(point, rig, free)
+    best = replace(on_rig, rig=decode(point, on_rig.rig, free))
     log.info("full models on the fitted rig, seeds of the objective")
-    errors = full_errors(best, seeds, workers, experiments, judgement)
-    measured = [judge_cheaply(best, seed, experiments, models, standin)[1] for seed in seeds]
-    after = residuals(errors, aim)
+    after = residuals(full_errors(best, seeds, workers, judgement), aim)
+    measured = [judge_cheaply(best, seed, models, standin)[1] for seed in seeds]
     on_other_seeds = partial(loss, seeds=calibration["check_seeds"])
     summary = {
         "date": datetime.now(UTC).date().isoformat(),
@@ -132,13 +112,13 @@ def calibrate(
         "largest_deviation": float(np.max(np.abs(list(after.values())))),
         "properties": {name: float(np.mean([m[name] for m in measured])) for name in measured[0]},
         "plausible": dict(aim.ranges),
-        "standin_ratios": ratios,
+        "standin_ratios": loss.keywords["ratios"],
         "loss_at_start": loss_at_start,
         "loss": min(found.loss, loss_at_start),
         "check_seeds": list(calibration["check_seeds"]),
         "check_loss_at_start": on_other_seeds(start),
         "check_loss": on_other_seeds(point),
-        "rig_sha256": hash_of(best),
+        "rig_sha256": hash_of(best.rig),
         "generations": found.generations,
         "evaluations": found.evaluations,
         "finished": found.finished,
@@ -153,21 +133,24 @@ def calibrate(
             for p, before, share in zip(free, start, point, strict=True)
         ],
     }
-    write_json(report, summary)
-    write_text(fitted, parameter_file(best, summary))
-    log.info(
-        "loss on other seeds: %.4f at the start, %.4f now",
-        summary["check_loss_at_start"], summary["check_loss"],
-    )  # fmt: skip
-    if summary["check_loss"] > summary["check_loss_at_start"]:
-        log.warning(
-            "warning: on seeds outside the fit the rig that the search began at is nearer to "
-            "print; keep that one, or use more calibration.seeds"
-        )
-    log.info(
-        "median deviation %.1f %%, largest %.1f %%; wrote %s",
-        100 * summary["median_deviation"], 100 * summary["largest_deviation"], fitted,
-    )  # fmt: skip
+    return best.rig, summary
+
+
+def _ratios(
+    on_rig: RigSettings,
+    aim: Target,
+    seeds: Sequence[int],
+    workers: int,
+    judgement: Mapping[str, Any],
+    standin: Mapping[str, int],
+) -> dict[str, float]:
+    """Return the errors of the full models over those of the stand-in."""
+    full = full_errors(on_rig, seeds, workers, judgement)
+    cheap = [judge_cheaply(on_rig, seed, judgement["models"], standin)[0] for seed in seeds]
+    return {
+        key: float(np.mean([e[key] for e in full]) / np.mean([e[key] for e in cheap]))
+        for key in aim.errors
+    }
 
 
 def target_of(published: Mapping[str, Any], calibration: Mapping[str, Any]) -> Target:
@@ -178,7 +161,7 @@ def target_of(published: Mapping[str, Any], calibration: Mapping[str, Any]) -> T
     """
     errors = {}
     for trained_on, table in PRINTED.items():
-        for model in INPUTS:
+        for model in MODELS:
             printed = published[table][model]
             errors[f"{trained_on}/{model}/train"] = float(printed["train_rmse_kpa"][0])
             errors[f"{trained_on}/{model}/test"] = float(printed["test_rmse_kpa"])
@@ -205,20 +188,19 @@ def free_parameters(
 def loss_at(
     point: np.ndarray,
     *,
-    rig: Mapping[str, Any],
+    on_rig: RigSettings,
     free: Sequence[Free],
     seeds: Sequence[int],
     aim: Target,
     ratios: Mapping[str, float],
-    experiments: Mapping[str, Any],
     models: Mapping[str, Any],
     standin: Mapping[str, int],
 ) -> float:
     """Return the loss of one point of the unit cube."""
-    candidate = decode(point, rig, free)
+    candidate = replace(on_rig, rig=decode(point, on_rig.rig, free))
     try:
-        Rig.model_validate(candidate)
-        judged = [judge_cheaply(candidate, seed, experiments, models, standin) for seed in seeds]
+        Rig.model_validate(candidate.rig)
+        judged = [judge_cheaply(candidate, seed, models, standin) for seed in seeds]
         errors = [{key: ratios[key] * seed[key] for key in ratios} for seed, _ in judged]
         loss = loss_of(errors, [found for _, found in judged], aim)
     except (FprcError, ValueError):
@@ -227,147 +209,42 @@ def loss_at(
 
 
 def judge_cheaply(
-    rig: Mapping[str, Any],
+    on_rig: RigSettings,
     seed: int,
-    experiments: Mapping[str, Any],
     models: Mapping[str, Any],
     standin: Mapping[str, int],
 ) -> tuple[dict[str, float], dict[str, float]]:
     """Return the stand-in's errors and the properties of a rig, one seed."""
-    logs = {name: d.channels for name, d in simulate(rig=rig, seed=seed, **experiments).items()}
+    logs = {name: data.channels for name, data in simulate(on_rig, seed).items()}
     return surrogate_errors(logs, models, seed=seed, **standin), properties(logs)
 
 
 def full_errors(
-    rig: Mapping[str, Any],
-    seeds: Sequence[int],
-    workers: int,
-    experiments: Mapping[str, Any],
-    judgement: Mapping[str, Any],
+    on_rig: RigSettings, seeds: Sequence[int], workers: int, judgement: Mapping[str, Any]
 ) -> list[dict[str, float]]:
-    """Return the errors of Tables II and III by the full models, one mapping a seed."""
+    """Return the errors of Tables II and III by the full models, one mapping a seed.
+
+    Parameters
+    ----------
+    judgement : Mapping
+        As ``Judgement`` takes it, but for the seed.
+    """
     with parallel_config("loky", inner_max_num_threads=1):
         return Parallel(n_jobs=workers)(
-            delayed(_judge_fully)(rig, seed, experiments, judgement) for seed in seeds
+            delayed(_judge_fully)(on_rig, Judgement(**judgement, seed=seed)) for seed in seeds
         )
 
 
-def _judge_fully(
-    rig: Mapping[str, Any], seed: int, experiments: Mapping, judgement: Mapping
-) -> dict[str, float]:
-    data = simulate(rig=rig, seed=seed, **experiments)
+def _judge_fully(on_rig: RigSettings, judgement: Judgement) -> dict[str, float]:
+    data = simulate(on_rig, judgement.seed)
     errors = {}
-    for name in INPUTS:
-        judged = judge_directions(name, seed=seed, logs=data, directions=DIRECTIONS, **judgement)
+    for name in MODELS:
+        judged = judge_directions(name, judgement, data, DIRECTIONS)
         for (train, _), (_, report, _) in zip(DIRECTIONS, judged, strict=True):
             errors[f"{train}/{name}/train"] = float(np.mean(report["train_rmse_kpa"]))
             errors[f"{train}/{name}/test"] = report["test_rmse_kpa"]
     return errors
 
 
-def parameter_file(rig: Mapping[str, Any], summary: Mapping[str, Any]) -> str:
-    """Return the rig as YAML, only what differs from the defaults, under its provenance."""
-    changed = _different(rig, Rig().model_dump(mode="json"))
-    head = _HEAD.format(
-        **summary,
-        median=100 * summary["median_deviation"],
-        largest=100 * summary["largest_deviation"],
-        shown_seeds=", ".join(map(str, summary["seeds"])),
-        count=len(summary["parameters"]),
-        rows="\n".join(
-            f"#   {key}: {summary['targets_kpa'][key]:g} kPa, {100 * value:+.1f} %"
-            for key, value in summary["residuals"].items()
-        ),
-        edges=_edges(summary["parameters"]),
-    )
-    return head + yaml.safe_dump({"rig": changed}, sort_keys=False, default_flow_style=None)
-
-
-_HEAD = """\
-# Parameters of the simulated rig that differ from their defaults. Written by `fprc calibrate`
-# ({software}, {date}); docs/calibration.md explains it.
-#
-# Fitted, by CMA-ES over {count} parameters within the ranges of `calibration` ({evaluations} rigs),
-# on the noise seeds {shown_seeds}:
-# the training and test RMSEs of Tables II and III; the order of the models in them, seed by seed;
-# and plausible loops and swings (calibration.plausible).
-# No part of the fit: every other seed, Table IV, Figures 9 to 17.
-# Deviation from print on the seeds of the fit, full models: median {median:.1f} %, largest
-# {largest:.1f} %:
-{rows}
-{edges}
-"""
-
-
-def _edges(parameters: Sequence[Mapping[str, Any]]) -> str:
-    near = [p["path"] for p in parameters if not 0.02 <= p["share"] <= 0.98]
-    text = f"Within 2 % of an end of their range: {', '.join(near) or 'none'}."
-    return textwrap.fill(
-        text, 100, initial_indent="# ", subsequent_indent="# ", break_long_words=False
-    )
-
-
-def _different(rig: Mapping[str, Any], default: Mapping[str, Any]) -> dict[str, Any]:
-    changed = {}
-    for key, value in rig.items():
-        if isinstance(value, Mapping):
-            inner = _different(value, default[key])
-            if inner:
-                changed[key] = inner
-        elif value != default[key]:
-            changed[key] = value
-    return changed
-
-
 def _report_progress(done: int, total: int, best: float, elapsed: float) -> None:
     log.info("generation %d of %d, least loss %.4f, %.0f s", done, total, best, elapsed)
-
-
-def calibrate_from_files(
-    files: Sequence[str],
-    published: str,
-    out: str,
-    *,
-    minutes: float | None = None,
-    workers: int | None = None,
-) -> None:
-    """Calibrate as configuration files say, without a workflow.
-
-    The report goes beside ``out`` as JSON, and so does the checkpoint of the
-    search, with which more generations can be added.
-
-    Raises
-    ------
-    ConfigError
-        The configuration or a limit is wrong; all errors at once.
-    """
-    settings = from_files(files).model_dump(mode="json")
-    if minutes is not None:
-        changed = settings["calibration"] | {"minutes": minutes}
-        settings = check(settings | {"calibration": changed}).model_dump(mode="json")
-    calibration = settings["calibration"]
-    if workers is not None and workers < 1:
-        raise ConfigError(
-            f"--workers {workers}: must be 1 or more; leave it out for all processors"
-        )
-    if Path(out).suffix not in (".yaml", ".yml"):
-        raise ConfigError(f"--out {out}: must end in .yaml; the report goes beside it as .json")
-    logging.basicConfig(level=logging.INFO, format="%(message)s")
-    stem = Path(out).with_suffix("")
-    with threadpool_limits(1):
-        calibrate(
-            published,
-            out,
-            f"{stem}.json",
-            rig=settings["rig"],
-            signals=settings["experiments"],
-            control=settings["control"],
-            target=settings["evaluation"]["target"],
-            models=settings["models"],
-            calibration=calibration,
-            folds=settings["evaluation"]["folds"],
-            split=settings["evaluation"]["split"],
-            workers=workers or len(os.sched_getaffinity(0)),
-            checkpoint=f"{stem}.partial.jsonl",
-            version=fingerprint("fprc.calibration.fit.calibrate"),
-        )

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from fprc.evaluation import rmse
-from fprc.logs import EXPERIMENTS
-from fprc.models import ESN, FPRC, FuzzyLinear
+from fprc.paper import DIRECTIONS
+from fprc.registry import MODELS, build
 
 Channels = Mapping[str, np.ndarray]
 
@@ -36,20 +36,16 @@ def surrogate_errors(
     dict
         By "trained on/model/phase", with phase train or test.
     """
-    shared = {"n_y": models["n_y"], "alpha": models["alpha"], "random_state": seed}
-    fuzzy = {key: models["fprc"][key] for key in ("n_c", "sigma")}
-    judged = {
-        "esn": (ESN(**dict(models["esn"]) | {"r": esn_nodes}, **shared), ("theta_deg",)),
-        "fprc": (FPRC(**models["fprc"], **shared), ("theta_deg", "p_o_kpa")),
-        "fuzzy_linear": (FuzzyLinear(**fuzzy, **shared), ("theta_deg",)),
-    }
     errors = {}
-    for name, (model, inputs) in judged.items():
-        X = {log: np.column_stack([logs[log][key] for key in inputs]) for log in logs}
+    for name, entry in MODELS.items():
+        model = build(name, models, seed)
+        if name == "esn":
+            model.set_params(r=esn_nodes)
+        X = {log: np.column_stack([logs[log][key] for key in entry.inputs]) for log in logs}
         features = model.make_features().fit(X["sweep"])
         rows = {log: features.transform(X[log])[::stride] for log in logs}
         y = {log: logs[log]["p_exp_kpa"][::stride] for log in logs}
-        for train, test in (EXPERIMENTS, EXPERIMENTS[::-1]):
+        for train, test in DIRECTIONS:
             readout = model.make_readout().fit(rows[train], y[train])
             for phase, log in (("train", train), ("test", test)):
                 errors[f"{train}/{name}/{phase}"] = rmse(y[log], readout.predict(rows[log]))

@@ -2,13 +2,10 @@
 
 from fprc.claims.finding import Finding, Results
 from fprc.claims.ledger import changed_verdicts, judge_claims
-from fprc.experiments.measures import measure_hysteresis, measure_runs
 
 __all__ = [
     "Finding",
     "Results",
     "changed_verdicts",
     "judge_claims",
-    "measure_hysteresis",
-    "measure_runs",
 ]

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from fprc.claims.finding import ROUNDING, Finding, Results, over_seeds, pm
-from fprc.experiments.measures import GAINS, REFERENCES
+from fprc.paper import GAINS, REFERENCES
 
 
 def _values(results: Results, *keys: str) -> np.ndarray:

@@ -1,15 +1,22 @@
-"""Look at logs outside the workflow."""
+"""`fprc log`: check raw logs, and repair what is left of a run."""
 
 import json
 import sys
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from fprc.config import Settings
 from fprc.errors import LogError
-from fprc.logs import assess, read_raw
+from fprc.escape import visible
+from fprc.logs import assess, read_raw, write_columns
 from fprc.logs.isolated import attempt_each
 from fprc.logs.quality import warnings
+from fprc.logs.recovery import Findings, Stretch, recover, refuse_existing
+from fprc.logs.salvage import salvage
+
+#: Exit codes. Nothing at all is an error, 1.
+WHOLE, SOME_LOST = 0, 3
 
 
 def inspect_logs(paths: Sequence[str]) -> int:
@@ -36,3 +43,64 @@ def _record(path: str, limits: Mapping[str, Any]) -> dict[str, Any]:
         path, experiment=None, sample_rate_hz=None, rate_tolerance=limits["rate_tolerance"]
     )
     return assess(log, sample_rate_hz=log.attributes["sample_rate_hz"], **limits)
+
+
+def repair_log(source: str, raw: str) -> int:
+    """Copy what can be read of a journal or of an HDF5 log, and print what cannot.
+
+    Returns
+    -------
+    int
+        0: what was acquired is all there; 3: some of it is lost, or may be.
+
+    Raises
+    ------
+    LogError
+        Nothing can be read, or ``raw`` exists.
+    """
+    refuse_existing(raw)
+    if Path(source).suffix == ".journal":
+        findings = recover(source, raw)
+        print(f"{raw}: {findings.samples} samples from {source}")
+        words = _words(findings)
+        whole = findings.closed and not (findings.lost or findings.misplaced)
+    else:
+        found = salvage(source)
+        words = found.words
+        whole = not words
+        damage = {
+            "complete": False,
+            "incomplete_reason": visible("; ".join(["damaged", *words])),
+            "lost_samples": found.lost,
+        }
+        write_columns(raw, found.channels, found.attributes | ({} if whole else damage))
+        samples = len(next(iter(found.channels.values())))
+        print(f"{raw}: {samples} samples from {source}")
+    for line in [*words, "nothing is lost"] if whole else words:
+        print(f"  {visible(line)}")
+    return WHOLE if whole else SOME_LOST
+
+
+def _words(findings: Findings) -> list[str]:
+    words = [_stretch(stretch) for stretch in findings.stretches]
+    if findings.missed_ticks:
+        words.append(f"{findings.missed_ticks} ticks were missed by the loop; never acquired")
+    if findings.misplaced:
+        words.append(f"put in the order of their ticks: {findings.misplaced} samples")
+    if not findings.closed:
+        words.append(
+            f"not closed after {findings.last_s:.3f} s: the program was killed, or the power "
+            "failed and up to a second more is lost"
+        )
+    elif not findings.complete:
+        words.append(f"incomplete: {findings.reason}")
+    return words
+
+
+def _stretch(stretch: Stretch) -> str:
+    count = f"{stretch.samples} samples lost" if stretch.samples > 1 else "1 sample lost"
+    if stretch.from_s is None:
+        return f"{count} before {stretch.to_s:.3f} s"
+    if stretch.to_s is None:
+        return f"{count} after {stretch.from_s:.3f} s"
+    return f"{count} between {stretch.from_s:.3f} and {stretch.to_s:.3f} s"

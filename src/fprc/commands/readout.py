@@ -19,13 +19,15 @@ from fprc.config import from_files
 from fprc.config.importing import ImportMap
 from fprc.errors import ConfigError
 from fprc.escape import TerminalFormatter, code
-from fprc.experiments.readout import measure_readout
-from fprc.experiments.reservoir import add_reservoir
 from fprc.fingerprint import fingerprint
 from fprc.logs import read_columns
+from fprc.paper import SOURCES
 from fprc.provenance import describe, sha256
-from fprc.stages.draw_readout import draw_readout
+from fprc.registry import settings_of
+from fprc.stages.draw import draw_readout
 from fprc.stages.preprocess import preprocess
+from fprc.stages.readout import measure_readout
+from fprc.stages.reservoir import add_reservoir
 from fprc.stages.tabulate import tabulate_readout
 
 log = logging.getLogger(__name__)
@@ -154,14 +156,17 @@ def _judge(
             data["sweep"],
             data["complex"],
             cells,
-            models={key: settings["models"][key] for key in ("n_y", "alpha", "fprc")},
+            judgement={
+                "models": settings_of("fprc", settings["models"]),
+                "folds": evaluation["folds"],
+                "split": evaluation["split"],
+                "seed": settings["seed"],
+            },
             epsilon=sweeps["epsilon"],
             n_u=sweeps["replicate_taps"],
-            folds=evaluation["folds"],
-            seed=settings["seed"],
             workers=workers,
             checkpoint=str(folder / "cells.partial.jsonl"),
-            version=fingerprint("fprc.experiments.readout"),
+            version=fingerprint("fprc.stages.readout"),
             progress=progress_bar(),
         )
     written = (str(folder / f"readout.{kind}") for kind in ("csv", "md", "tex"))
@@ -204,7 +209,7 @@ def _page(
         f"# What the readout of {code(Path(source).name)} is worth",
         "",
         f"Recording: {code(source)}, SHA-256 `{sha256(source)[:16]}`; map: {code(map_file)}.",
-        f"Data: {tables.SOURCES[made['source']]}; {rate_hz:g} samples a second, and epsilon "
+        f"Data: {SOURCES[made['source']]}; {rate_hz:g} samples a second, and epsilon "
         "and taps count in samples.",
         f"Trained before {told.test_from_s:g} s, tested from there on; models as in the paper"
         f"{'' if _as_printed(settings) else ' but for the settings that were given'}. "

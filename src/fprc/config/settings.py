@@ -10,6 +10,7 @@ from fprc.config.folders import Folders
 from fprc.config.hardware import Hardware
 from fprc.config.rig import Rig
 from fprc.config.section import Section, quantities, quantity, rising, within
+from fprc.registry import MODELS
 
 
 class Chirp(Section):
@@ -121,6 +122,18 @@ class Fprc(Section):
     sigma: float = quantity(2.0, "-", (1e-3, 1e3), "Gaussian membership scaling", "paper, Table I")
 
 
+class Other(Section):
+    """A model from outside this package; docs/extending.md shows one."""
+
+    estimator: str = Field(
+        pattern=r"^[A-Za-z_]\w*(\.[A-Za-z_]\w*)+$", description="its class, module.Class"
+    )
+    inputs: tuple[Literal["theta_deg"]] | tuple[Literal["theta_deg"], Literal["p_o_kpa"]] = Field(
+        ("theta_deg",), description="channels that it sees, in the order of its columns"
+    )
+    settings: dict[str, float | int | str] = Field({}, description="parameters of its constructor")
+
+
 class Models(Section):
     """The three models; Fuzzy-linear shares n_c and sigma with FPRC."""
 
@@ -128,6 +141,17 @@ class Models(Section):
     alpha: float = quantity(1e-3, "-", (0, 1e6), "ridge parameter", "paper, Sec. III-D")
     esn: Esn = Esn()
     fprc: Fprc = Fprc()
+    others: dict[Annotated[str, Field(pattern=r"^[a-z][a-z0-9]*(_[a-z0-9]+)*$")], Other] = Field(
+        {}, description="models from outside this package, by name; docs/extending.md"
+    )
+
+    @field_validator("others")
+    @classmethod
+    def _names_are_free(cls, others: dict[str, Other]) -> dict[str, Other]:
+        taken = [name for name in others if name in (*MODELS, "pd") or name.endswith("_pd")]
+        if taken:
+            raise ValueError(f"{', '.join(taken)} is taken; choose another name")
+        return others
 
 
 class Evaluation(Section):

@@ -4,7 +4,7 @@ from fprc.control.hysteresis import hysteresis_law
 from fprc.control.loop import Law, RunAbortedError, run
 from fprc.control.pd import PD
 from fprc.control.pressure import PressurePI
-from fprc.control.tracking import refuse_impossible, tracking_law
+from fprc.control.tracking import feedforward, refuse_impossible, tracking_law
 from fprc.logs import TRACKING_CHANNELS
 
 __all__ = [
@@ -13,6 +13,7 @@ __all__ = [
     "RunAbortedError",
     "Law",
     "PressurePI",
+    "feedforward",
     "hysteresis_law",
     "refuse_impossible",
     "run",

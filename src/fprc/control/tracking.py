@@ -9,6 +9,7 @@ from fprc.control.loop import Law
 from fprc.control.pd import PD
 from fprc.devices import Readings
 from fprc.errors import ControlError
+from fprc.models import SequenceModel
 
 Feedforward = Callable[[float, Readings], float]
 
@@ -96,6 +97,13 @@ def refuse_impossible(
         )
     if problems:
         raise ControlError("\n".join(problems))
+
+
+def feedforward(model: SequenceModel) -> Feedforward:
+    """Return a model as what ``tracking_law`` asks for P_ff: of theta_d, or of theta_d and P_o."""
+    if model.n_features_in_ == 1:
+        return lambda theta_d, now: model.step((theta_d,))
+    return lambda theta_d, now: model.step((theta_d, now.p_o_kpa))
 
 
 class _Watch:

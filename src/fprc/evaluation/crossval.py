@@ -33,7 +33,7 @@ class Folded(NamedTuple):
     readout: BaseEstimator  #: trained on the best fold
 
 
-class Judgement(NamedTuple):
+class CrossValidated(NamedTuple):
     """What cross-validation found of one model."""
 
     train_rmse: tuple[float, ...]  #: per fold
@@ -61,7 +61,7 @@ def cross_validate(
     y: np.ndarray,
     folds: Sequence[Fold],
     progress: Progress = lambda fold, e_train, e_validation: None,
-) -> Judgement:
+) -> CrossValidated:
     """Train ``model`` once per fold and keep the best (Sec. III-D).
 
     The features are computed once over the whole log, in the order of time;
@@ -93,11 +93,11 @@ def validate_rows(
     y: np.ndarray,
     folds: Sequence[Fold],
     progress: Progress = lambda fold, e_train, e_validation: None,
-) -> Judgement:
+) -> CrossValidated:
     """Do as ``cross_validate`` where the features of the log, ``rows``, are known already."""
     with refusals_of(model):
         folded = fit_folds(model.make_readout(), rows, y, folds, progress)
-    return Judgement(*folded[:4], model.assembled(features, folded.readout))
+    return CrossValidated(*folded[:4], model.assembled(features, folded.readout))
 
 
 def fit_folds(

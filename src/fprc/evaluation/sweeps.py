@@ -1,6 +1,7 @@
 """Many cross-validations at once, with a checkpoint for each."""
 
 import json
+import logging
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -8,6 +9,8 @@ from typing import Any
 from joblib import Parallel, delayed, parallel_config
 
 from fprc.artifacts import appending, write_text
+
+log = logging.getLogger(__name__)
 
 Cell = Mapping[str, Any]
 
@@ -85,3 +88,10 @@ def _resume(checkpoint: Path, key: str) -> dict[str, dict[str, Any]]:
     ]
     write_text(checkpoint, "".join(json.dumps(entry) + "\n" for entry in kept))
     return finished
+
+
+def log_progress(done: int, total: int) -> None:
+    """Draw a bar of finished cells."""
+    width = 30
+    bar = "#" * (width * done // total)
+    log.info("[%-*s] %d of %d cells", width, bar, done, total)

@@ -6,11 +6,11 @@ import numpy as np
 
 from fprc.evaluation.crossval import fit_folds, refusals_of
 from fprc.evaluation.folds import Fold
-from fprc.models import FPRC
+from fprc.models import SequenceModel
 
 
 def normalised_weights(
-    model: FPRC, X: np.ndarray, y: np.ndarray, folds: Sequence[Fold]
+    model: SequenceModel, X: np.ndarray, y: np.ndarray, folds: Sequence[Fold]
 ) -> np.ndarray:
     """Absolute weights of the FPRC on normalised features, each rule summing to 1 (Eqs. 13, 14).
 

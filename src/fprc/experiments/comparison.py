@@ -1,159 +1,62 @@
-"""Cross-validation and test of the models."""
+"""Tables II and III: cross-validation and test of the models (Sec. III-D)."""
 
 import logging
 from collections.abc import Mapping, Sequence
 from functools import partial
+from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from fprc.artifacts import replacing, write_json
-from fprc.errors import LogError
-from fprc.evaluation import Judgement, rmse, split_rows
+from fprc.evaluation import CrossValidated, rmse, split_rows
 from fprc.evaluation.crossval import refusals_of, validate_rows
-from fprc.logs import EXPERIMENTS, read_columns, write_columns
-from fprc.models import ESN, FPRC, FuzzyLinear, SequenceModel, save_model
+from fprc.experiments.data import Data, refuse_mixture
+from fprc.experiments.readout import judge_readout
+from fprc.experiments.settings import Judgement
+from fprc.experiments.sweeps import weight_shares
+from fprc.models import SequenceModel
+from fprc.paper import DIRECTIONS
+from fprc.registry import build, entries
 
 log = logging.getLogger(__name__)
-
-#: Tables II and III: the log that trains, and the log that tests.
-DIRECTIONS = (EXPERIMENTS, EXPERIMENTS[::-1])
-
-#: Channels that each model sees, in the order of its columns.
-INPUTS = {
-    "esn": ("theta_deg",),
-    "fprc": ("theta_deg", "p_o_kpa"),
-    "fuzzy_linear": ("theta_deg",),
-}
 
 
 class Judged(NamedTuple):
     """A model that was cross-validated on one log and tested on another."""
 
-    judgement: Judgement
+    validated: CrossValidated
     report: dict[str, Any]  #: its errors
     tested: np.ndarray  #: output for the log that tests
 
 
-class Data(NamedTuple):
-    """One log as the models see it."""
+def compare_models(
+    data: Mapping[str, Data], judgement: Judgement
+) -> tuple[dict[str, Any], dict[str, SequenceModel]]:
+    """Return the errors of Tables II and III, the weights of Fig. 9, and the filter alone.
 
-    channels: Mapping[str, np.ndarray]
-    attributes: Mapping[str, Any]
-
-    @property
-    def unit(self) -> str:
-        """Unit of P_exp, and so of every error: kPa, unless an import says something else."""
-        return self.attributes.get("p_exp_unit", "kPa")
-
-    def pair(self, model: str) -> tuple[np.ndarray, np.ndarray]:
-        """Return the inputs of a model, and P_exp.
-
-        Raises
-        ------
-        LogError
-            The log has no channel that the model needs.
-        """
-        missing = [name for name in INPUTS[model] if name not in self.channels]
-        if missing:
-            raise LogError(
-                f"the {self.attributes['experiment']} log has no {', '.join(missing)}, which "
-                f"{model} needs; import it with that channel, or judge the other models only"
-            )
-        columns = [self.channels[name] for name in INPUTS[model]]
-        return np.column_stack(columns), self.channels["p_exp_kpa"]
-
-
-def build(name: str, models: Mapping[str, Any], seed: int) -> SequenceModel:
-    """Return the unfitted model of that name with its settings."""
-    shared = {"n_y": models["n_y"], "alpha": models["alpha"], "random_state": seed}
-    if name == "esn":
-        return ESN(**models["esn"], **shared)
-    if name == "fprc":
-        return FPRC(**models["fprc"], **shared)
-    fuzzy = {key: models["fprc"][key] for key in ("n_c", "sigma")}
-    return FuzzyLinear(**fuzzy, **shared)
-
-
-def read_data(path: str) -> Data:
-    """Read a preprocessed log."""
-    file = read_columns(path, ("time_s", "p_exp_kpa", "theta_deg"), optional=("p_o_kpa",))
-    return Data(file.channels, file.attributes)
-
-
-def able(*logs: Data) -> list[str]:
-    """Return the models whose inputs are in every one of the logs."""
-    return [
-        model
-        for model, names in INPUTS.items()
-        if all(name in data.channels for data in logs for name in names)
-    ]
-
-
-def refuse_mixture(train: Data, test: Data) -> None:
-    """Refuse to judge a model that was trained on one kind of data on another.
-
-    Raises
-    ------
-    LogError
-        One log is simulated, recorded or imported, and the other is not; or
-        their P_exp has different units.
+    The filter alone is FPRC with theta_d in place of P_o, trained on the sweep. With them
+    come the models of the sweep, some of which drive the closed loops.
     """
-    kinds = train.attributes["source"], test.attributes["source"]
-    if kinds[0] != kinds[1]:
-        raise LogError(
-            f"the training log's source is {kinds[0]}, the test log's {kinds[1]}; "
-            "use two logs of one kind"
-        )
-    if train.unit != test.unit:
-        raise LogError(
-            f"P_exp of the training log is in {train.unit}, that of the test log in {test.unit}; "
-            "import both in one unit"
-        )
-
-
-def judge(
-    sweep: str,
-    complex: str,
-    errors: Sequence[str],
-    fitted: Sequence[str],
-    fits: Sequence[str],
-    predictions: Sequence[str],
-    *,
-    name: str,
-    models: Mapping[str, Any],
-    folds: int,
-    split: str,
-    seed: int,
-) -> None:
-    """Cross-validate one model on each log and test its best fold on the other.
-
-    Writes for each of ``DIRECTIONS`` the errors, the model of the best fold, and what
-    it predicts on the training log (``fits``) and on the test log (``predictions``).
-    """
-    logs = {"sweep": read_data(sweep), "complex": read_data(complex)}
-    found = judge_directions(name, models, folds, split, seed, logs, DIRECTIONS)
-    for (train, test), (judged, report, tested), error, model, fit, prediction in zip(
-        DIRECTIONS, found, errors, fitted, fits, predictions, strict=True
-    ):
-        write_json(error, report)
-        with replacing(model) as temporary:
-            save_model(judged.model, temporary)
-        for path, data, output in (
-            (fit, logs[train], judged.fit),
-            (prediction, logs[test], tested),
-        ):
-            channels = {key: data.channels[key] for key in ("time_s", "p_exp_kpa")}
-            channels["p_ff_kpa"] = output
-            write_columns(path, channels, dict(data.attributes) | {"model": name})
+    found = {
+        name: judge_directions(name, judgement, data, DIRECTIONS)
+        for name in entries(judgement.models)
+    }
+    in_order = chain.from_iterable(zip(*found.values(), strict=True))
+    own = {key: judgement.models["fprc"][key] for key in ("epsilon", "n_u")}
+    filter_alone = {"split": judgement.split, "readout": "theta", **own}
+    compared = {
+        "models": [judged.report for judged in in_order],
+        "weights": weight_shares(data["sweep"], judgement),
+        "filter_alone": judge_readout(
+            filter_alone, train=data["sweep"], test=data["complex"], judgement=judgement
+        ),
+    }
+    return compared, {name: judged[0].validated.model for name, judged in found.items()}
 
 
 def judge_directions(
     name: str,
-    models: Mapping[str, Any],
-    folds: int,
-    split: str,
-    seed: int,
+    judgement: Judgement,
     logs: Mapping[str, Data],
     directions: Sequence[tuple[str, str]],
 ) -> list[Judged]:
@@ -163,8 +66,9 @@ def judge_directions(
     """
     for train, test in directions:
         refuse_mixture(logs[train], logs[test])
-    model = build(name, models, seed)
-    pairs = {key: data.pair(name) for key, data in logs.items()}
+    folds, split, seed = judgement.folds, judgement.split, judgement.seed
+    model = build(name, judgement.models, seed)
+    pairs = {key: data.pair(name, judgement.models) for key, data in logs.items()}
     log.info(
         "%s: features of %s samples", name, " and ".join(str(len(y)) for _, y in pairs.values())
     )

@@ -1,4 +1,4 @@
-"""Run an experiment on the rig and keep its raw log."""
+"""The hysteresis experiments on the simulated rig (Sec. II-B)."""
 
 import logging
 from collections.abc import Mapping
@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from fprc import __version__
 from fprc.control import PressurePI, hysteresis_law, run
 from fprc.devices import SimulatedRig
-from fprc.logs import write_raw
+from fprc.experiments.data import TARGETS, Data
+from fprc.experiments.settings import RigSettings
 from fprc.signals import pressure_command
 
 log = logging.getLogger(__name__)
@@ -18,28 +18,20 @@ log = logging.getLogger(__name__)
 RUNS = {"sweep": 0, "complex": 1}
 
 
-def record(
-    raw: str,
-    *,
-    experiment: str,
-    signal: Mapping[str, Any],
-    control: Mapping[str, Any],
-    rig: Mapping[str, Any],
-    seed: int,
-) -> None:
-    """Record one hysteresis experiment (Sec. II-B) on the simulated rig."""
-    channels = acquire(experiment, signal, control, rig, seed, report=True)
-    write_raw(
-        raw,
-        channels,
-        experiment=experiment,
-        source="sim",
-        sample_rate_hz=control["sample_rate_hz"],
-        seed=seed,
-        software=f"fprc {__version__}",
-        rig={"rig": rig, "control": control, "signal": signal},
-    )
-    log.info("simulated %d samples, wrote %s", len(channels["time_s"]), raw)
+def simulate(settings: RigSettings, seed: int) -> dict[str, Data]:
+    """Return both hysteresis experiments, as the models see them."""
+    data = {}
+    for experiment, signal in settings.signals.items():
+        channels = acquire(experiment, signal, settings.control, settings.rig, seed)
+        channels["p_exp_kpa"] = channels[TARGETS[settings.target]]
+        attributes = {
+            "experiment": experiment,
+            "source": "sim",
+            "target": settings.target,
+            "seed": seed,
+        }
+        data[experiment] = Data(channels, attributes)
+    return data
 
 
 def acquire(

@@ -5,11 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from fprc.paper import GAINS, REFERENCES
 from fprc.signals import loop_growth, width_at_middle
-
-#: The references of Table IV.
-REFERENCES = ("sine_0p2", "sine_0p5", "sweep", "complex")
-GAINS = ("printed", "identified")
 
 Channels = Mapping[str, np.ndarray]
 

@@ -1,19 +1,14 @@
 """What the reservoir's readout is worth: FPRC with P_o, without, and with stand-ins for it."""
 
-import hashlib
-import json
-from collections.abc import Callable, Mapping, Sequence
-from functools import partial
-from pathlib import Path
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from fprc.artifacts import write_json
 from fprc.evaluation import cross_validate, split_rows
-from fprc.evaluation.sweeps import run_cells
-from fprc.experiments.comparison import Data, build, read_data, refuse_mixture
-from fprc.experiments.sweeps import report_progress
+from fprc.experiments.data import Data
+from fprc.experiments.settings import Judgement
+from fprc.registry import build
 
 #: What takes the place of P_o in FPRC. ``theta`` has the low-pass but no reservoir; ``shuffled``
 #: has P_o's values at random times; ``none`` is Fuzzy-linear.
@@ -36,63 +31,22 @@ def readout_cells(
     ]
 
 
-def measure_readout(
-    train: str,
-    test: str,
-    cells: str,
-    *,
-    models: Mapping[str, Any],
-    epsilon: Sequence[float],
-    n_u: Sequence[int],
-    folds: int,
-    seed: int,
-    workers: int,
-    checkpoint: str,
-    version: str,
-    progress: Callable[[int, int], None] = report_progress,
-) -> None:
-    """Cross-validate and test FPRC with each readout."""
-    data = read_data(train)
-    refuse_mixture(data, read_data(test))
-    settings = {"models": models, "folds": folds, "seed": seed}
-    digest = hashlib.sha256(json.dumps([settings, version], sort_keys=True).encode())
-    for path in (train, test):
-        digest.update(Path(path).read_bytes())
-    judged = run_cells(
-        partial(_judge_from_files, train=train, test=test, **settings),
-        readout_cells(models, epsilon, n_u),
-        workers=workers,
-        checkpoint=checkpoint,
-        key=digest.hexdigest(),
-        progress=progress,
-    )
-    source, target = (data.attributes[key] for key in ("source", "target"))
-    own = {key: models["fprc"][key] for key in ("epsilon", "n_u")}
-    told = {"source": source, "seed": seed, "target": target, "unit": data.unit, "own": own}
-    write_json(cells, {**told, "cells": judged})
-    Path(checkpoint).unlink()
-
-
-def _judge_from_files(cell: Mapping[str, Any], *, train: str, test: str, **settings: Any) -> dict:
-    return judge_readout(cell, train=read_data(train), test=read_data(test), **settings)
-
-
 def judge_readout(
     cell: Mapping[str, Any],
     *,
     train: Data,
     test: Data,
-    models: Mapping[str, Any],
-    folds: int,
-    seed: int,
+    judgement: Judgement,
 ) -> dict[str, Any]:
-    """Return the errors of one cell."""
+    """Return the errors of one cell, which names the split."""
+    seed = judgement.seed
     name = "fuzzy_linear" if cell["readout"] == "none" else "fprc"
-    model = build(name, models, seed)
+    model = build(name, judgement.models, seed)
     if name == "fprc":
         model.set_params(epsilon=cell["epsilon"], n_u=cell["n_u"])
     X, y = inputs_with(cell["readout"], train, seed)
-    judged = cross_validate(model, X, y, split_rows(len(y), folds, cell["split"], seed))
+    folds = split_rows(len(y), judgement.folds, cell["split"], seed)
+    judged = cross_validate(model, X, y, folds)
     return {
         "train_rmse_kpa": judged.train_rmse,
         "validation_rmse_kpa": judged.validation_rmse,

@@ -1,6 +1,5 @@
 """A simulated reservoir for a recording that has none: P_i follows the recorded theta."""
 
-import logging
 from collections.abc import Mapping
 from typing import Any
 
@@ -9,13 +8,6 @@ import numpy as np
 from fprc.control import PressurePI, run
 from fprc.devices import Readings, SimulatedRig
 from fprc.errors import LogError
-from fprc.experiments.hysteresis import RUNS
-from fprc.logs import read_raw, write_columns
-from fprc.logs.isolated import isolated_each
-from fprc.logs.quality import notes_of, something_else
-from fprc.logs.raw import SIMULATED_RESERVOIR
-
-log = logging.getLogger(__name__)
 
 #: The reservoir rests at the first angle before the recording begins, s.
 _BEFORE_S = 5.0
@@ -24,69 +16,8 @@ _BEFORE_S = 5.0
 #: more than so much of the limit: an angle at rest has noise.
 _OUTSIDE, _MARGIN = 0.01, 0.02
 
-_NOTE = "simulated, driven by the recorded theta"
-
 #: What the simulated reservoir gives.
 CHANNELS = ("p_i_command_kpa", "p_i_kpa", "p_o_kpa", "phi_deg")
-
-
-def add_reservoir(
-    raw: str,
-    driven: str,
-    *,
-    experiment: str,
-    sample_rate_hz: float,
-    rate_tolerance: float,
-    zero_deg: float,
-    control: Mapping[str, Any],
-    rig: Mapping[str, Any],
-    seed: int,
-) -> None:
-    """Write a raw log whose reservoir is simulated: ``CHANNELS`` are added, or replaced.
-
-    The log's ``source`` ends in ``+sim``, and a note says so of each channel.
-
-    Raises
-    ------
-    LogError
-        The log cannot be used, or its theta asks for pressures that the
-        reservoir cannot have.
-    SimulationError
-        The simulation diverges.
-    """
-    (recording,) = isolated_each(
-        read_raw,
-        [raw],
-        experiment=experiment,
-        sample_rate_hz=sample_rate_hz,
-        rate_tolerance=rate_tolerance,
-    )
-    source = recording.attributes["source"]
-    if source not in SIMULATED_RESERVOIR:
-        raise LogError(
-            f"{raw}: source is {source}; a reservoir is simulated for recorded and imported logs, "
-            "set evaluation.reservoir: recorded"
-        )
-    told = notes_of(recording).get("theta_deg", "")
-    if told.startswith(something_else("theta_deg")):
-        raise LogError(
-            f"{raw}: channel theta_deg: {told}; K_in takes degrees, so no reservoir can be "
-            "simulated: set evaluation.reservoir: recorded, or import an angle"
-        )
-    theta = recording.channels["theta_deg"]
-    commands = commands_of(theta, zero_deg, control, raw)
-    simulated = drive(commands, sample_rate_hz, control, rig, seed, RUNS[experiment])
-    notes = notes_of(recording) | dict.fromkeys(CHANNELS, _NOTE)
-    attributes = recording.attributes | {
-        "source": SIMULATED_RESERVOIR[source],
-        "simulated": True,
-        "seed": seed,
-        "notes": notes,
-        "reservoir_zero_deg": zero_deg,
-        "reservoir_k_in_kpa_per_deg": control["k_in_kpa_per_deg"],
-    }
-    write_columns(driven, recording.channels | simulated, attributes)
-    log.warning("warning: %s: P_o, P_i and phi are %s", raw, _NOTE)
 
 
 def commands_of(

@@ -1,42 +1,32 @@
 """Closed-loop runs of Sec. IV: feedforward, feedback, and both."""
 
 import logging
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from fprc import __version__
-from fprc.artifacts import read_json, write_json
 from fprc.control import (
     PD,
     TRACKING_CHANNELS,
     Law,
     PressurePI,
-    RunAbortedError,
+    feedforward,
     refuse_impossible,
     run,
     tracking_law,
 )
-from fprc.devices import Readings, SimulatedRig
-from fprc.errors import LogError
+from fprc.devices import SimulatedRig
 from fprc.evaluation import rmse
-from fprc.logs import read_run, write_raw
-from fprc.logs.isolated import isolated_each
-from fprc.models import SequenceModel, load_model
+from fprc.experiments.data import Data
+from fprc.experiments.measures import measure_hysteresis, measure_runs
+from fprc.models import SequenceModel
+from fprc.paper import controller_and_gain
+from fprc.registry import feedforward_of
 from fprc.signals import random_pushes, reference_angle
-from fprc.stages.gains import gains_told
 
 log = logging.getLogger(__name__)
-
-#: Controller and gain of each run, by the name that its file has.
-CONTROLLERS = {
-    "fprc": ("fprc", "none"),
-    "fprc_pd_printed": ("fprc_pd", "printed"),
-    "fprc_pd_identified": ("fprc_pd", "identified"),
-    "pd_printed": ("pd", "printed"),
-    "pd_identified": ("pd", "identified"),
-}
 
 #: Number of the runs on the rig; with the seed it decides the noise. All controllers meet the
 #: same noise and drift on a reference, so that they differ by what they do alone.
@@ -73,7 +63,7 @@ class Track(NamedTuple):
 
     def describe(self, reference: str, name: str, gains: Mapping[str, Any]) -> dict[str, Any]:
         """Return what the log of a controller's run says of it, but for the rig."""
-        controller, gain = CONTROLLERS[name]
+        controller, gain = controller_and_gain(name)
         return {
             "experiment": f"track_{reference}_{name}",
             "reference": reference,
@@ -147,17 +137,19 @@ class Track(NamedTuple):
         self,
         reference: str,
         name: str,
-        model: SequenceModel,
+        model: SequenceModel | None,
         gains: Mapping[str, Any],
     ) -> dict[str, np.ndarray]:
         """Follow a reference with one of the controllers and return its channels.
 
         Parameters
         ----------
+        model : SequenceModel or None
+            Gives the feedforward; PD alone does not use it.
         gains : Mapping
             Gains of the PD controller by their name: printed, identified.
         """
-        controller, gain = CONTROLLERS[name]
+        controller, gain = controller_and_gain(name)
         theta_d = self.reference(reference)
         return self.drive(
             theta_d,
@@ -174,23 +166,6 @@ def tracking_error(channels: Mapping[str, np.ndarray], settle_s: float) -> np.nd
     return (channels["theta_d_deg"] - channels["theta_deg"])[judged]
 
 
-def identify_gain(
-    model: str,
-    gains: str,
-    *,
-    tracking: Mapping[str, Any],
-    control: Mapping[str, Any],
-    rig: Mapping[str, Any],
-    seed: int,
-) -> None:
-    """Find the P gain with the least error on a reference outside Table IV.
-
-    The D gain keeps its printed ratio to the P gain.
-    """
-    bench = Track(tracking, control, rig, seed)
-    write_json(gains, bench_gain(bench, load_model(model)))
-
-
 def bench_gain(bench: Track, model: SequenceModel) -> dict[str, Any]:
     """Return the identified gains and the error of every candidate."""
     printed = bench.tracking["printed_gains"]
@@ -203,21 +178,7 @@ def bench_gain(bench: Track, model: SequenceModel) -> dict[str, Any]:
         error = tracking_error(channels, settle_s)
         tried.append({**gains, "rmse_deg": rmse(error, np.zeros_like(error))})
         log.info("kp = %g kPa/deg: %.3f deg", kp, tried[-1]["rmse_deg"])
-    return _identified(tried, printed) | {"source": "sim", "seed": bench.seed}
-
-
-def identify_gain_from_logs(raw: Sequence[str], gains: str, *, tracking: Mapping[str, Any]) -> None:
-    """Find the P gain with the least error in the logs of a real rig, one for each candidate."""
-    tried = []
-    names = ("time_s", "theta_d_deg", "theta_deg")
-    for found in isolated_each(read_run, raw, names=names):
-        error = tracking_error(found.channels, found.attributes["settle_s"])
-        given = gains_told(found.attributes)
-        if given is None:
-            raise LogError(f"{found.path}: attribute rig: names no gains; record the log again")
-        tried.append({**given, "rmse_deg": rmse(error, np.zeros_like(error))})
-    found = _identified(tried, tracking["printed_gains"])
-    write_json(gains, found | {"source": "rig"})
+    return identified(tried, printed) | {"source": "sim", "seed": bench.seed}
 
 
 def candidate(kp_kpa_per_deg: float, printed: Mapping[str, float]) -> dict[str, float]:
@@ -226,7 +187,8 @@ def candidate(kp_kpa_per_deg: float, printed: Mapping[str, float]) -> dict[str, 
     return {"kp_kpa_per_deg": kp_kpa_per_deg, "kd_kpa_s_per_deg": kp_kpa_per_deg * ratio_s}
 
 
-def _identified(tried: list[dict[str, float]], printed: Mapping[str, float]) -> dict[str, Any]:
+def identified(tried: list[dict[str, float]], printed: Mapping[str, float]) -> dict[str, Any]:
+    """Return the gains by name, the identified one that of the candidate with the least error."""
     best = min(tried, key=lambda entry: entry["rmse_deg"])
     return {
         "printed": dict(printed),
@@ -236,49 +198,32 @@ def _identified(tried: list[dict[str, float]], printed: Mapping[str, float]) -> 
     }
 
 
-def track(
-    model: str,
-    gains: str,
-    raw: Sequence[str],
-    *,
-    reference: str,
-    controllers: Sequence[str],
-    tracking: Mapping[str, Any],
-    control: Mapping[str, Any],
-    rig: Mapping[str, Any],
-    seed: int,
-) -> None:
-    """Follow one reference with every controller; one raw log each.
+def measure_control(
+    sweep: Data, bench: Track, models: Mapping[str, SequenceModel], controllers: Sequence[str]
+) -> dict[str, Any]:
+    """Follow every reference with every controller; return what the claims measure.
 
-    Raises
-    ------
-    ControlError
-        The reference is impossible, or a run was stopped; what it recorded
-        is then kept beside the log as ``*.aborted.h5``.
+    Parameters
+    ----------
+    models : Mapping
+        What gives the feedforward, by name; the gain is identified with FPRC.
     """
-    bench = Track(tracking, control, rig, seed)
-    fitted = load_model(model)
-    known_gains = read_json(gains)
-    for path, name in zip(raw, controllers, strict=True):
-        described = bench.describe(reference, name, known_gains)
-        described |= {"source": "sim", "rig": {"rig": rig, **described["rig"]}}
-        try:
-            channels = bench.follow(reference, name, fitted, known_gains)
-        except RunAbortedError as stopped:
-            rescued = f"{path.removesuffix('.h5')}.aborted.h5"
-            write_raw(rescued, stopped.channels, **described, aborted=str(stopped))
-            log.error("kept what was recorded in %s", rescued)
-            raise
-        write_raw(path, channels, **described)
-        error = tracking_error(channels, described["settle_s"])
-        log.info("%s: RMSE %.3f deg", name, rmse(error, np.zeros_like(error)))
-
-
-def feedforward(model: SequenceModel) -> Callable[[float, Readings], float]:
-    """Return the model as what a tracking law asks for P_ff."""
-    if model.n_features_in_ == 1:
-        return lambda theta_d, now: model.step((theta_d,))
-    return lambda theta_d, now: model.step((theta_d, now.p_o_kpa))
+    gains = bench_gain(bench, models["fprc"])
+    runs = {}
+    for reference, described in bench.tracking["references"].items():
+        for name in controllers:
+            controller, gain = controller_and_gain(name)
+            model = models.get(feedforward_of(controller) or "")
+            channels = bench.follow(reference, name, model, gains)
+            after = channels["time_s"] >= described["settle_s"]
+            run = {channel: values[after] for channel, values in channels.items()}
+            runs[f"{reference}/{controller}/{gain}"] = run
+        log.info("followed %s with every controller", reference)
+    return {
+        "gains": {name: gains[name] for name in ("printed", "identified")},
+        "hysteresis": measure_hysteresis(sweep.channels),
+        **measure_runs(runs, bench.tracking["pushes"]["quiet_s"]),
+    }
 
 
 def _held(values: np.ndarray):

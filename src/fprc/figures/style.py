@@ -12,6 +12,7 @@ import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 
 from fprc.artifacts import replacing
+from fprc.registry import MODELS
 
 #: Width of a journal's column, inches; every figure is drawn at it.
 COLUMN_IN = 3.5
@@ -28,9 +29,7 @@ COLOURS = {
     "p_o": "#882255",
     "phi": "#332288",
     "valve": "#666666",
-    "esn": "#cc79a7",
-    "fprc": "#d55e00",
-    "fuzzy_linear": "#e69f00",
+    **{name: entry.colour for name, entry in MODELS.items()},
     "pd": "#009e73",
     "fprc_pd": "#0072b2",
     "bias": "#bbbbbb",

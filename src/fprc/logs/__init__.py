@@ -12,7 +12,6 @@ from fprc.logs.holdings import (
 from fprc.logs.journal import Journal
 from fprc.logs.quality import assess
 from fprc.logs.raw import (
-    EXPERIMENTS,
     RAW_CHANNELS,
     TRACKING_CHANNELS,
     read_raw,
@@ -23,7 +22,6 @@ from fprc.logs.recovery import read_journal, recover
 
 __all__ = [
     "COMPLETE",
-    "EXPERIMENTS",
     "RAW_CHANNELS",
     "TRACKING_CHANNELS",
     "Columns",

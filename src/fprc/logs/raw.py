@@ -9,10 +9,6 @@ import numpy as np
 from fprc.errors import LogError
 from fprc.logs.columns import Columns, gather_columns, write_columns
 
-#: The two hysteresis experiments: in Table II the first trains and the second tests, in Table III
-#: the other way round.
-EXPERIMENTS = ("sweep", "complex")
-
 #: Every channel of a raw log. ``command`` is what was asked, the rest measured.
 RAW_CHANNELS = (
     "time_s",

@@ -1,7 +1,8 @@
 """Feedforward hysteresis compensation models, as scikit-learn estimators."""
 
+from fprc.models.echo_features import EchoStates
 from fprc.models.esn import ESN
-from fprc.models.features import EchoStates, TapFeatures, lowpass, taps
+from fprc.models.features import TapFeatures, lowpass, taps
 from fprc.models.fprc import FPRC, FuzzyLinear
 from fprc.models.ridge import RidgeReadout
 from fprc.models.sequence import SequenceModel

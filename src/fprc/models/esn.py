@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fprc.models.features import EchoStates
+from fprc.models.echo_features import EchoStates
 from fprc.models.ridge import RidgeReadout
 from fprc.models.sequence import SequenceModel
 

@@ -11,10 +11,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator, TransformerMixin
-from sklearn.utils import check_random_state
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from fprc.models.echo import echo_states, narrowed, update
 from fprc.models.kernels import shift
 from fprc.models.limits import Limit, check_limits
 
@@ -40,10 +38,10 @@ def lowpass(x: np.ndarray, epsilon: float) -> np.ndarray:
     return pd.Series(x).ewm(alpha=float(epsilon), adjust=False).mean().to_numpy()
 
 
-class _FeatureMap(TransformerMixin, BaseEstimator):
+class FeatureMap(TransformerMixin, BaseEstimator):
     """What the sequential maps share: checks, and the start of a stream."""
 
-    def fit(self, X: ArrayLike, y: ArrayLike | None = None) -> "_FeatureMap":
+    def fit(self, X: ArrayLike, y: ArrayLike | None = None) -> "FeatureMap":
         """Learn the number of columns, and draw what is random."""
         check_limits(self, self.LIMITS)
         X = validate_data(self, X, dtype=np.float64)
@@ -95,13 +93,14 @@ class _FeatureMap(TransformerMixin, BaseEstimator):
         return x
 
     def __sklearn_is_fitted__(self) -> bool:
+        """Tell scikit-learn whether ``fit`` was called."""
         return hasattr(self, "n_features_in_")
 
     def _prepare(self, n_inputs: int) -> None:
         """Draw what is random."""
 
 
-class TapFeatures(_FeatureMap):
+class TapFeatures(FeatureMap):
     """Taps of references and of low-passed reservoir readouts.
 
     x(k) = [theta(k), ..., theta(k-n_y+1), P~(k), ..., P~(k-n_u+1)], with
@@ -172,104 +171,3 @@ class TapFeatures(_FeatureMap):
     def _step(self, x: np.ndarray) -> np.ndarray:
         shift(self._row, self._first, self._filtered, x, self._split, float(self.epsilon))
         return self._row
-
-
-class EchoStates(_FeatureMap):
-    """Taps of the input beside the state of a leaky echo state network.
-
-    x(k+1) = gamma x(k) + (1 - gamma) tanh(w_in theta(k) + W_r x(k))     (3)
-    features(k) = [theta(k), ..., theta(k-n_y+1), x(k)]
-
-    Libraries that speak of a leak mean 1 - gamma.
-
-    Parameters
-    ----------
-    r : int, default=800
-        Reservoir size.
-    f_input : float, default=0.02
-        Factor on the N(0, 1) input weights.
-    gamma : float, default=0.8
-        Leaky rate, in [0, 1).
-    rho : float, default=0.4
-        Spectral radius: largest absolute eigenvalue of the dense W_r, whose numbers are
-        then rounded to float32.
-    n_y : int, default=5
-        Taps of every input, >= 1.
-    washout : int, default=100
-        Steps of the first sample, held, that settle x before the log begins.
-    random_state : int, RandomState or None, default=None
-        Of the weights.
-
-    Attributes
-    ----------
-    w_in_ : ndarray of shape (r, n_inputs)
-    W_r_ : ndarray of shape (r, r)
-    """
-
-    def __init__(
-        self,
-        r: int = 800,
-        f_input: float = 0.02,
-        gamma: float = 0.8,
-        rho: float = 0.4,
-        n_y: int = 5,
-        washout: int = 100,
-        random_state: int | np.random.RandomState | None = None,
-    ):
-        self.r = r
-        self.f_input = f_input
-        self.gamma = gamma
-        self.rho = rho
-        self.n_y = n_y
-        self.washout = washout
-        self.random_state = random_state
-
-    LIMITS = {
-        "r": Limit(1),
-        "gamma": Limit(0, 1),
-        "rho": Limit(0),
-        "n_y": Limit(1),
-        "washout": Limit(0),
-    }
-
-    def _prepare(self, n_inputs: int) -> None:
-        rng = check_random_state(self.random_state)
-        self.w_in_ = self.f_input * rng.standard_normal((self.r, n_inputs))
-        dense = rng.standard_normal((self.r, self.r))
-        dense *= self.rho / np.abs(np.linalg.eigvals(dense)).max()
-        # to numbers that float32 has: drawn at random as well, and half the bytes in a step
-        self.W_r_ = dense.astype(np.float32).astype(np.float64)
-
-    def _transform(self, X: np.ndarray) -> np.ndarray:
-        if len(X) < self.n_y:
-            raise ValueError(
-                f"n_samples = {len(X)} is less than the tap size n_y = {self.n_y}; "
-                "use fewer taps or a longer log"
-            )
-        references = np.hstack([taps(column, self.n_y) for column in X.T])
-        free = references.shape[1]
-        held = np.concatenate([np.repeat(X[:1], self.washout, axis=0), X])
-        rows = echo_states(held, self.w_in_, self.W_r_, self.gamma, free)[self.washout :]
-        rows[:, :free] = references
-        return rows
-
-    def _start(self, x: np.ndarray) -> None:
-        self._W_r = narrowed(self.W_r_)
-        self._state, self._target = np.zeros((2, len(self.W_r_)))
-        self._downwards = True
-        for _ in range(self.washout):
-            self._update(x)
-        self._row = np.concatenate([np.repeat(x, self.n_y), self._state])
-        self._first = np.arange(len(x)) * self.n_y
-        self._latest = x.copy()
-
-    def _step(self, x: np.ndarray) -> np.ndarray:
-        free = len(self._row) - len(self._state)
-        shift(self._row[:free], self._first, self._latest, x, len(x), 1.0)
-        self._update(x)
-        self._row[free:] = self._state
-        return self._row
-
-    def _update(self, u: np.ndarray) -> None:
-        update(self._state, self._target, u, self.w_in_, self._W_r, self.gamma, self._downwards)
-        self._downwards = not self._downwards

@@ -1,7 +1,9 @@
 """Fitted models in HDF5 files."""
 
 import json
-from collections.abc import Mapping
+import sys
+from collections.abc import Collection, Mapping
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -11,18 +13,27 @@ from sklearn.base import BaseEstimator
 from sklearn.utils.validation import check_is_fitted
 
 from fprc.errors import FprcError
-from fprc.models.esn import ESN
-from fprc.models.features import EchoStates, TapFeatures
-from fprc.models.fprc import FPRC, FuzzyLinear
-from fprc.models.ridge import RidgeReadout
-from fprc.models.takagi_sugeno import TakagiSugenoReadout
 
-_CLASSES = (ESN, FPRC, FuzzyLinear, EchoStates, TapFeatures, RidgeReadout, TakagiSugenoReadout)
-_KNOWN = {known.__name__: known for known in _CLASSES}
+#: Where the classes are that are saved: a model is read without those of other models.
+_MODULES = {
+    "ESN": "fprc.models.esn",
+    "EchoStates": "fprc.models.echo_features",
+    "FPRC": "fprc.models.fprc",
+    "FuzzyLinear": "fprc.models.fprc",
+    "TapFeatures": "fprc.models.features",
+    "RidgeReadout": "fprc.models.ridge",
+    "TakagiSugenoReadout": "fprc.models.takagi_sugeno",
+}
 
 
-def save_model(model: BaseEstimator, path: Path | str) -> None:
+def save_model(model: BaseEstimator, path: Path | str, classes: Collection[type] = ()) -> None:
     """Write a fitted model: class, parameters, and every learned attribute.
+
+    Parameters
+    ----------
+    classes : collection of type
+        Models from outside this package that may be saved too, and with each the estimators of
+        its module.
 
     Raises
     ------
@@ -30,7 +41,7 @@ def save_model(model: BaseEstimator, path: Path | str) -> None:
         The class is not one of this package's, or ``random_state`` is neither
         a number nor None.
     """
-    plain = _described(model)
+    plain = _described(model, _beside(classes))
     # in memory: HDF5 crashes the process at its end if it could not write all to a full disk
     with h5py.File("model", "w", driver="core", backing_store=False) as file:
         _save(plain, file)
@@ -39,8 +50,13 @@ def save_model(model: BaseEstimator, path: Path | str) -> None:
     Path(path).write_bytes(image)
 
 
-def load_model(path: Path | str) -> BaseEstimator:
+def load_model(path: Path | str, classes: Collection[type] = ()) -> BaseEstimator:
     """Read a model that ``save_model`` wrote.
+
+    Parameters
+    ----------
+    classes : collection of type
+        As ``save_model`` takes them.
 
     Raises
     ------
@@ -49,23 +65,40 @@ def load_model(path: Path | str) -> BaseEstimator:
     """
     try:
         with h5py.File(path, "r") as file:
-            return _load(file, path)
+            return _load(file, path, _beside(classes))
     except (OSError, KeyError, TypeError, json.JSONDecodeError) as error:
         raise FprcError(f"{path}: holds no model of fprc ({error}); train it again") from error
 
 
-def _described(model: BaseEstimator) -> dict[str, Any]:
+def _beside(classes: Collection[type]) -> dict[str, type]:
+    """Return classes from outside by name, and with each the estimators of its module."""
+    beside = [
+        found
+        for each in classes
+        for found in vars(sys.modules[each.__module__]).values()
+        if isinstance(found, type) and issubclass(found, BaseEstimator)
+    ]
+    return {known.__name__: known for known in (*classes, *beside)}
+
+
+def _class(name: str, outside: Mapping[str, type]) -> type | None:
+    if name in _MODULES:
+        return getattr(import_module(_MODULES[name]), name)
+    return outside.get(name)
+
+
+def _described(model: BaseEstimator, outside: Mapping[str, type]) -> dict[str, Any]:
     """Return all that is to be written, so that a refusal comes before the file."""
     name = type(model).__name__
-    if name not in _KNOWN:
-        raise FprcError(f"{name} is not a model of fprc; save one of {', '.join(_KNOWN)}")
+    if name not in {*_MODULES, *outside}:
+        raise FprcError(f"{name} is not a model of fprc; save one of {', '.join(_MODULES)}")
     check_is_fitted(model)
     try:
         parameters = json.dumps(model.get_params(deep=False), default=_number)
     except TypeError as error:
         raise FprcError(f"{name}: {error}; give random_state a number to save the model") from error
     learned = {
-        key: _described(value) if isinstance(value, BaseEstimator) else value
+        key: _described(value, outside) if isinstance(value, BaseEstimator) else value
         for key, value in sorted(vars(model).items())
         if key.endswith("_") and not key.startswith("_")
     }
@@ -89,14 +122,17 @@ def _save(described: Mapping[str, Any], group: h5py.Group) -> None:
             group.create_dataset(key, data=value)
 
 
-def _load(group: h5py.Group, path: Path | str) -> BaseEstimator:
-    name = group.attrs["class"]
-    if name not in _KNOWN:
-        raise FprcError(f"{path}: class {name} is unknown; it was saved by another version")
-    model = _KNOWN[name](**json.loads(group.attrs["parameters"]))
+def _load(group: h5py.Group, path: Path | str, outside: Mapping[str, type]) -> BaseEstimator:
+    cls = _class(group.attrs["class"], outside)
+    if cls is None:
+        raise FprcError(
+            f"{path}: class {group.attrs['class']} is unknown; it was saved by another version"
+        )
+    model = cls(**json.loads(group.attrs["parameters"]))
     for key in json.loads(group.attrs["learned"]):
         value = group[key]
-        setattr(model, key, _load(value, path) if isinstance(value, h5py.Group) else _plain(value))
+        is_part = isinstance(value, h5py.Group)
+        setattr(model, key, _load(value, path, outside) if is_part else _plain(value))
     if hasattr(model, "reset"):
         model.reset()
     return model

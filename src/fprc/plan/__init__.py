@@ -1,1 +1,8 @@
 """Which results there are, what each is made of, and which can be made of the logs at hand."""
+
+from fprc.plan.availability import refusal
+from fprc.plan.paths import Paths
+from fprc.plan.plan import Plan
+from fprc.plan.results import BY_NAME
+
+__all__ = ["BY_NAME", "Paths", "Plan", "refusal"]

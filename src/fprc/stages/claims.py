@@ -7,7 +7,8 @@ import pandas as pd
 
 from fprc.artifacts import read_json, write_json, write_text
 from fprc.claims import Results, judge_claims
-from fprc.tables import SOURCES, markdown
+from fprc.paper import SOURCES
+from fprc.tables import markdown
 from fprc.yaml_file import read_yaml
 
 log = logging.getLogger(__name__)

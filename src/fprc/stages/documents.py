@@ -1,4 +1,4 @@
-"""Put the numbers of the results into the README."""
+"""Put the numbers of the results into the README and the pages of docs/."""
 
 import logging
 import re
@@ -12,7 +12,8 @@ from fprc.artifacts import read_json, replacing, write_text
 from fprc.errors import FprcError
 from fprc.paper import ERRORS
 from fprc.provenance import hash_of
-from fprc.tables import MODEL_NAMES, deviations
+from fprc.registry import title_of
+from fprc.tables import deviations, scaling
 
 log = logging.getLogger(__name__)
 
@@ -89,7 +90,28 @@ def update_calibration_page(
     _copy(figure, picture)
 
 
-def put_blocks(path: str, pages: Mapping[str, str], pictures: Mapping[str, str]) -> None:
+def update_performance(
+    page: str, rules: str, figure: str, *, readme: str, performance: str, picture: str
+) -> None:
+    """Put the tables into the README and docs/performance.md, and the figure beside them."""
+    _put_blocks(readme, {"benchmark": page}, {})
+    _put_blocks(performance, {"benchmark": page, "rules": rules}, {picture: figure})
+
+
+def update_scaling_page(scale: str, *, page: str) -> None:
+    """Replace the generated blocks of docs/scaling.md."""
+    measured = read_json(scale)
+    text = _read(page)
+    tables = {"costs": scaling.costs, "dag": scaling.dag, "plan": scaling.plan}
+    for name, table in tables.items():
+        shown = table(measured).to_markdown(index=False, disable_numparse=True)
+        text = replace_block(text, name, shown, page)
+    text = replace_block(text, "machine", f"Measured on {measured['cpu']}.", page)
+    write_text(page, text)
+    log.info("updated %s", page)
+
+
+def _put_blocks(path: str, pages: Mapping[str, str], pictures: Mapping[str, str]) -> None:
     """Replace blocks of a page by files, named after the blocks; copy pictures from files."""
     _update(path, {name: _read(file) for name, file in pages.items()})
     for picture, file in pictures.items():
@@ -162,7 +184,7 @@ def _deviations(seeds: Sequence[str]) -> str:
         f"The {len(table)} means of Tables II and III are off print by "
         f"{100 * table['deviation'].abs().median():.0f} % in the median and by "
         f"{100 * abs(worst['deviation']):.0f} % at most (Table {worst['table']}, "
-        f"{MODEL_NAMES[worst['model']]}, {ERRORS[worst['metric']]}: {worst['mean']:.3g} against "
+        f"{title_of(worst['model'])}, {ERRORS[worst['metric']]}: {worst['mean']:.3g} against "
         f"{worst['published_mean']:.3g} kPa)."
     )
 
@@ -174,7 +196,7 @@ def _fit(known: Mapping[str, Any]) -> str:
         rows.append(
             {
                 "Table": "II" if trained_on == "sweep" else "III",
-                "Model": MODEL_NAMES[model],
+                "Model": title_of(model),
                 "RMSE": ERRORS["train_rmse" if phase == "train" else "test_rmse"],
                 "Paper [kPa]": f"{printed:.3g}",
                 "Fitted [kPa]": f"{printed * (1 + known['residuals'][key]):.3g}",

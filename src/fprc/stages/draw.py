@@ -3,14 +3,16 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from fprc import escape
+from fprc import escape, tables
 from fprc.artifacts import read_json, write_csv
 from fprc.figures import style
 from fprc.figures.hysteresis import add_time_bar, plot_command, plot_loop
+from fprc.figures.readout import plot_readouts
 from fprc.figures.sweeps import plot_errors_over, plot_grid, plot_times_over
 from fprc.figures.training import plot_error, plot_fit
 from fprc.figures.weights import plot_shares
 from fprc.logs import Columns, read_columns
+from fprc.registry import colour_of
 from fprc.tables.drawn import fit_errors, panels, swept_errors, swept_times, weight_shares
 
 _DATA = ("time_s", "p_exp_kpa", "theta_deg")
@@ -74,7 +76,7 @@ def draw_training(fit: str, prediction: str, csv: str, pdf: str, png: str) -> Ma
         series = tuple(log.channels.values())
         colours = style.COLOURS["p_exp"], style.COLOURS["p_ff"]
         plot_fit(*series, pair[0], colours=colours, unit=row.unit)
-        plot_error(*series, pair[1], rmse=row.rmse, colour=style.COLOURS[row.model], unit=row.unit)
+        plot_error(*series, pair[1], rmse=row.rmse, colour=colour_of(row.model), unit=row.unit)
         style.letter(pair[0], title)
     style.legend_above(axes[0])
     return style.save(fig, _marked([*logs.values()]), pdf, png)
@@ -109,23 +111,23 @@ def draw_settings(
     Without ``epsilon``, where there is no FPRC, (b) and (c) alone are drawn.
     """
     by_n_c, timed = read_json(n_c), read_json(times)
-    tables = {"b": swept_errors(by_n_c, "n_c"), "c": swept_times(timed, "n_c")}
+    drawn = {"b": swept_errors(by_n_c, "n_c"), "c": swept_times(timed, "n_c")}
     if epsilon:
-        tables = {"a": swept_errors(read_json(epsilon), "epsilon"), **tables}
-    write_csv(csv, panels(tables))
-    fig, axes = style.figure(len(tables), 1, style.COLUMN_IN, 5.6 if epsilon else 3.9)
+        drawn = {"a": swept_errors(read_json(epsilon), "epsilon"), **drawn}
+    write_csv(csv, panels(drawn))
+    fig, axes = style.figure(len(drawn), 1, style.COLUMN_IN, 5.6 if epsilon else 3.9)
     if epsilon:
-        plot_errors_over(tables["a"], "epsilon", {"fprc": ""}, axes[0])
+        plot_errors_over(drawn["a"], "epsilon", {"fprc": ""}, axes[0])
         axes[0].set_xscale("log")
         axes[0].set_xlabel(r"$\epsilon$")
         style.letter(axes[0], "(a) Errors of FPRC")
     errors, seconds = axes[-2:]
-    plot_errors_over(tables["b"], "n_c", _LABELS, errors)
-    plot_times_over(tables["c"], "n_c", _LABELS, seconds)
+    plot_errors_over(drawn["b"], "n_c", _LABELS, errors)
+    plot_times_over(drawn["c"], "n_c", _LABELS, seconds)
     for ax in (errors, seconds):
         ax.set_xscale("log", base=2)
         ax.set_xlabel("$n_c$")
-        ax.set_xticks(sorted(tables["b"]["n_c"].unique()))
+        ax.set_xticks(sorted(drawn["b"]["n_c"].unique()))
         ax.xaxis.set_major_formatter("{x:g}")
     style.letter(errors, "(b) Errors")
     style.letter(seconds, "(c) Execution times")
@@ -143,4 +145,30 @@ def draw_taps(taps: str, csv: str, pdf: str, png: str) -> Mapping[str, Any]:
     for ax, (phase, title) in zip(axes, titles.items(), strict=True):
         plot_grid(table, phase, ax)
         style.letter(ax, title)
+    return style.save(fig, report, pdf, png)
+
+
+def draw_readout(cells: str, pdf: str, png: str) -> Mapping[str, Any]:
+    """Draw validation (blocked folds) and test errors over epsilon and n_u."""
+    report = read_json(cells)
+    table, own = tables.readout(report), report["own"]
+    table = table[table["split"] == "blocked"]
+    over = {
+        "epsilon": table[table["n_u"] == own["n_u"]],
+        "n_u": table[table["epsilon"] == own["epsilon"]],
+    }
+    labels = {"epsilon": r"$\epsilon$", "n_u": "$n_u$"}
+    fig, axes = style.figure(2, 2, style.COLUMN_IN, 3.8, sharey="row", sharex="col")
+    for row, (error, name) in zip(
+        axes, {"validation_rmse": "Validation", "test_rmse": "Test"}.items(), strict=True
+    ):
+        for ax, setting in zip(row, over, strict=True):
+            plot_readouts(over[setting], setting, error, ax)
+            if error.startswith("test"):
+                ax.set_xlabel(labels[setting])
+            ax.label_outer()
+        style.letter(row[0], f"{name}, over {labels['epsilon']}")
+        style.letter(row[1], f"{name}, over {labels['n_u']}")
+    axes[0, 0].set_xscale("log")
+    style.share_legend(fig, axes[0, 0])
     return style.save(fig, report, pdf, png)

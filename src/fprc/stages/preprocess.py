@@ -6,14 +6,12 @@ from typing import Any
 
 from fprc.artifacts import write_json
 from fprc.escape import visible
+from fprc.experiments.data import TARGETS
 from fprc.logs import assess, read_raw, write_columns
 from fprc.logs.isolated import isolated_each
 from fprc.logs.quality import notes_of, unit_told, warnings
 
 log = logging.getLogger(__name__)
-
-#: Channel of a raw log that plays P_exp for the models, by config's choice.
-TARGETS = {"command": "p_exp_command_kpa", "measured": "p_exp_kpa"}
 
 
 def preprocess(

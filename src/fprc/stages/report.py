@@ -16,8 +16,9 @@ from PIL import Image
 from fprc.artifacts import read_json, write_text
 from fprc.config import Settings
 from fprc.config.load import fields
+from fprc.paper import SOURCES
 from fprc.provenance import checkout, hash_of, versions
-from fprc.tables import SOURCES, read_markdown
+from fprc.tables import read_markdown
 
 log = logging.getLogger(__name__)
 

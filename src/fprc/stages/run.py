@@ -2,25 +2,30 @@
 
 import logging
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from fprc.artifacts import explaining
+from fprc.artifacts import explaining, write_json
 from fprc.errors import FprcError
 from fprc.escape import TerminalFormatter
+from fprc.provenance import describe
 
 log = logging.getLogger("fprc")
 
-_NOT_OURS = ("code", "sidecar")
+#: Params and outputs of a rule that its stage does not take.
+_NOT_OURS = ("stage", "code", "sidecar")
 
 
-def run_stage(stage: Callable[..., Any], job: Any) -> Any:
-    """Call ``stage`` with a rule's named inputs, outputs and params as arguments.
+def run_stage(job: Any) -> None:
+    """Call the stage of a rule with its named inputs, outputs and params as arguments.
 
-    Progress goes to the terminal and to the rule's log file. An error that is
+    The param ``stage`` names it: ``judge.judge`` is ``fprc.stages.judge.judge``. A stage that
+    draws returns the attributes of its data; where it comes from is then written to the output
+    ``sidecar``. Progress goes to the terminal and to the rule's log file. An error that is
     meant for people ends the process with its message alone and exit code 1; the
     log file has the traceback too.
     Numerical libraries run on one thread, so that results do not depend on the
@@ -29,24 +34,33 @@ def run_stage(stage: Callable[..., Any], job: Any) -> Any:
     Parameters
     ----------
     job : snakemake object of a ``script:``
-        The ``code`` param, the fingerprint of the source, is not passed on, nor is the
-        output ``sidecar``, which the stage does not write.
-
-    Returns
-    -------
-    object
-        What the stage returns.
+        The param ``code``, the fingerprint of the source, is not passed on.
     """
     named = [*job.input.items(), *job.output.items(), *job.params.items()]
     arguments = {name: value for name, value in named if name not in _NOT_OURS}
     try:
         _log_to(job.log[0], " ".join([job.rule, *job.wildcards]))
         with threadpool_limits(1):
-            return stage(**arguments)
+            drawn = stage_of(job.params.stage)(**arguments)
+        if "sidecar" in job.output.keys():
+            _write_sidecar(drawn, job)
     except FprcError as error:
         log.error("error: %s", error)
         log.debug("where it came from:", exc_info=True)
         sys.exit(1)
+
+
+def stage_of(name: str) -> Callable[..., Any]:
+    """Return the function that a rule names: ``judge.judge``."""
+    module, _, function = name.rpartition(".")
+    return getattr(import_module(f"fprc.stages.{module}"), function)
+
+
+def _write_sidecar(data: Mapping[str, Any], job: Any) -> None:
+    sidecar = job.output.sidecar
+    files = [path for path in job.output if path != sidecar]
+    described = describe(data, inputs=list(job.input), outputs=files, settings=job.config)
+    write_json(sidecar, described)
 
 
 def _log_to(path: str, label: str) -> None:

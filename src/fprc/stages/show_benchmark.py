@@ -9,7 +9,6 @@ import pandas as pd
 from fprc.artifacts import read_json, write_csv, write_text
 from fprc.figures import style
 from fprc.figures.benchmark import plot_growth
-from fprc.stages.documents import put_blocks
 from fprc.tables import markdown
 from fprc.tables.benchmark import (
     benchmark,
@@ -91,11 +90,3 @@ def tabulate_rules(
     summed = table.groupby("rule", as_index=False)["seconds"].agg(["count", "sum", "max"])
     summed = summed.rename(columns={"count": "jobs", "sum": "seconds", "max": "longest_s"})
     write_csv(csv, summed.sort_values("seconds", ascending=False))
-
-
-def update_performance(
-    page: str, rules: str, figure: str, *, readme: str, performance: str, picture: str
-) -> None:
-    """Put the tables into the README and docs/performance.md, and the figure beside them."""
-    put_blocks(readme, {"benchmark": page}, {})
-    put_blocks(performance, {"benchmark": page, "rules": rules}, {picture: figure})

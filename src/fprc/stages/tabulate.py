@@ -12,7 +12,8 @@ from fprc.artifacts import read_json, write_csv, write_text
 from fprc.logs import Columns, read_run
 from fprc.logs.isolated import isolated_each
 from fprc.logs.quality import implausible
-from fprc.plan.availability import CHORES, TITLES
+from fprc.paper import SOURCES
+from fprc.registry import title_of
 from fprc.yaml_file import read_yaml
 
 log = logging.getLogger(__name__)
@@ -56,7 +57,7 @@ def tabulate_comparison(
     note = (
         f"{_COMPARISONS[first['trained_on']]}: mean ± standard deviation over "
         f"{len(first['train_rmse_kpa'])} {first['split']} folds, seed {first['seed']}.\n"
-        f"Data: {tables.SOURCES[first['source']]}. Target: {first['target']} pressure."
+        f"Data: {SOURCES[first['source']]}. Target: {first['target']} pressure."
         f"{_without(left_out)}"
     )
     _write(table, tables.comparison_page(table), note, csv, md, tex)
@@ -64,7 +65,7 @@ def tabulate_comparison(
 
 def _without(left_out: Mapping[str, str]) -> str:
     """Return the line of a note that says which models a table lacks, and why."""
-    lines = [f"\nNo {tables.MODEL_NAMES[model]}: {reason}." for model, reason in left_out.items()]
+    lines = [f"\nNo {title_of(model)}: {reason}." for model, reason in left_out.items()]
     return "".join(lines)
 
 
@@ -76,7 +77,7 @@ def tabulate_seeds(
     table = tables.over_seeds(reports, read_yaml(published), trained_on)
     note = (
         f"{_COMPARISONS[trained_on]}: mean and its 95 % interval over {len(reports)} "
-        f"further seeds.\nData: {tables.SOURCES[reports[0]['source']]}; each seed is another "
+        f"further seeds.\nData: {SOURCES[reports[0]['source']]}; each seed is another "
         "draw of sensors, noise and models."
     )
     _write(table, tables.comparison_page(table), note, csv, md, tex)
@@ -122,7 +123,7 @@ def tabulate_tracking(
             "The printed gain is the paper's; the identified one has the least error of "
             f"{len(tried)} gains on another reference (sine 0.3 Hz)."
         )
-    note = f"{title}.\nData: {tables.SOURCES[known['source']]}. {gain}"
+    note = f"{title}.\nData: {SOURCES[known['source']]}. {gain}"
     if left_out:
         note += f"\nNo log of {len(left_out)} of its runs: {', '.join(left_out)}."
     _write(table, tables.tracking_page(table), note, csv, md, tex)
@@ -136,7 +137,7 @@ def tabulate_tracking_seeds(
     table = tables.tracking_over_seeds(reports, read_yaml(published))
     note = (
         f"Table IV over seeds: mean RMSE and its 95 % interval over {len(reports)} further "
-        f"seeds.\nData: {tables.SOURCES[reports[0]['source']]}; the gain is identified anew on "
+        f"seeds.\nData: {SOURCES[reports[0]['source']]}; the gain is identified anew on "
         "each, its mean is given."
     )
     _write(table, tables.tracking_page(table), note, csv, md, tex)
@@ -169,7 +170,7 @@ def tabulate_readout(
     note = (
         "Readout value: FPRC with other things in place of P_o, at epsilon = "
         f"{own['epsilon']:g} and n_u = {own['n_u']}, mean ± standard deviation over folds.\n"
-        f"Data: {tables.SOURCES[report['source']]}, seed {report['seed']}; trained on {parts[0]}, "
+        f"Data: {SOURCES[report['source']]}, seed {report['seed']}; trained on {parts[0]}, "
         f"tested on {parts[1]}. Blocked folds keep neighbours in time out of the validation."
     )
     _write(table, tables.readout_page(table, own), note, csv, md, tex)
@@ -225,7 +226,7 @@ def tabulate_targets(
     note = (
         "Target of the models: commanded against measured pressure, mean and its 95 % interval "
         "over the further seeds.\n"
-        f"Data: {tables.SOURCES[table['source'].iloc[0]]}."
+        f"Data: {SOURCES[table['source'].iloc[0]]}."
     )
     _write(table, tables.targets_page(table), note, csv, md, tex)
 
@@ -259,9 +260,15 @@ def tabulate_steps(steps: str, csv: str, md: str, tex: str, *, left_out: Mapping
     _write(table, tables.steps_page(table), note, csv, md, tex)
 
 
-def tabulate_unavailable(csv: str, md: str, *, reasons: Mapping[str, str]) -> None:
-    """List what cannot be made of the data and why, also if that is nothing."""
-    rows = [(name, TITLES[name], why) for name, why in reasons.items() if name not in CHORES]
+def tabulate_unavailable(csv: str, md: str, *, reasons: Mapping[str, tuple[str, str]]) -> None:
+    """List what cannot be made of the data and why, also if that is nothing.
+
+    Parameters
+    ----------
+    reasons : Mapping
+        Title and reason of each result.
+    """
+    rows = [(name, *known) for name, known in reasons.items()]
     table = pd.DataFrame(rows, columns=["name", "result", "reason"])
     write_csv(csv, table)
     if rows:

@@ -1,6 +1,5 @@
 """The paper's tables: result files in, tidy frames and pages out."""
 
-from fprc.paper import CONTROLLER_NAMES, MODEL_NAMES, PRINTED, REFERENCE_NAMES, SOURCES
 from fprc.tables.models import (
     comparison,
     comparison_page,
@@ -23,11 +22,6 @@ from fprc.tables.timing import steps, steps_page, timing, timing_page
 from fprc.tables.tracking import tracking, tracking_over_seeds, tracking_page
 
 __all__ = [
-    "CONTROLLER_NAMES",
-    "MODEL_NAMES",
-    "PRINTED",
-    "REFERENCE_NAMES",
-    "SOURCES",
     "comparison",
     "comparison_page",
     "configuration",

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from fprc.paper import ERRORS, MODEL_NAMES, PRINTED
+from fprc.paper import ERRORS, PRINTED
+from fprc.registry import MODELS, title_of
 from fprc.tables.text import mean_of, spread
 
 _SYMBOLS = {
@@ -29,7 +30,7 @@ def configuration(models: Mapping[str, Any], published: Mapping[str, Any]) -> pd
     rows = []
     for (model, key), label in _SYMBOLS.items():
         ours = models[key] if model == "shared" else models[model][key]
-        shown = MODEL_NAMES.get(model, "All models")
+        shown = title_of(model) if model in MODELS else "All models"
         rows.append((shown, label, ours, printed[model][key]))
     return pd.DataFrame(rows, columns=["model", "parameter", "value", "published"], dtype=object)
 
@@ -42,10 +43,10 @@ def comparison(reports: Sequence[Mapping[str, Any]], published: Mapping[str, Any
     """
     rows = []
     for report in reports:
-        printed = published[PRINTED[report["trained_on"]]][report["model"]]
+        printed = published[PRINTED[report["trained_on"]]].get(report["model"], {})
         for metric in ERRORS:
             ours = np.atleast_1d(report[f"{metric}_kpa"])
-            theirs = np.atleast_1d(printed[f"{metric}_kpa"])
+            theirs = np.atleast_1d(printed.get(f"{metric}_kpa", np.nan))
             rows.append(
                 {
                     "model": report["model"],
@@ -83,7 +84,7 @@ def over_seeds(
     table.insert(2, "unit", "kPa")
     printed = published[PRINTED[trained_on]]
     table["published_mean"] = [
-        float(np.atleast_1d(printed[row.model][f"{row.metric}_kpa"])[0])
+        float(np.atleast_1d(printed.get(row.model, {}).get(f"{row.metric}_kpa", np.nan))[0])
         for row in table.itertuples()
     ]
     table["source"] = groups["source"].first().to_numpy()
@@ -121,7 +122,7 @@ def orders(replicates: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
                 "training_within_30_percent": max(ratio, 1.0 / ratio) <= 1.3,
                 "fprc_lowest_reversed_test": _lowest(tests, "complex") == "fprc",
                 "reversed_tests_worse": all(
-                    tests["complex", model] > tests["sweep", model] for model in MODEL_NAMES
+                    tests["complex", model] > tests["sweep", model] for model in MODELS
                 ),
                 "source": replicate["source"],
             }
@@ -130,21 +131,22 @@ def orders(replicates: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
 
 
 def _lowest(tests: Mapping[tuple[str, str], float], trained_on: str) -> str:
-    return min(MODEL_NAMES, key=lambda model: tests[trained_on, model])
+    return min(MODELS, key=lambda model: tests[trained_on, model])
 
 
 def comparison_page(table: pd.DataFrame) -> pd.DataFrame:
     """Table II as the paper prints it, ours beside the published numbers."""
     page = {f"Performance [{table['unit'].iloc[0]}]": list(ERRORS.values())}
     present = set(table["model"])
-    for model, name in MODEL_NAMES.items():
+    for model in dict.fromkeys([*MODELS, *table["model"]]):
+        name = title_of(model)
         if model not in present:
             page[f"{name}, ours"] = ["not available"] * len(ERRORS)
             continue
         ours = table[table["model"] == model].set_index("metric")
         page[f"{name}, ours"] = [mean_of(ours.loc[metric], "mean") for metric in ERRORS]
         page[f"{name}, paper"] = [
-            spread(ours.loc[metric, "published_mean"], ours.loc[metric].get("published_std"))
+            spread(ours.loc[metric, "published_mean"], ours.loc[metric].get("published_std")) or "-"
             for metric in ERRORS
         ]
     return pd.DataFrame(page)

@@ -6,7 +6,8 @@ from typing import Any
 import pandas as pd
 
 from fprc.errors import FprcError
-from fprc.paper import CONTROLLER_NAMES, ERRORS, MODEL_NAMES, PRINTED, REFERENCE_NAMES
+from fprc.paper import ERRORS, PRINTED, REFERENCE_NAMES
+from fprc.registry import controller_title, title_of
 from fprc.tables.models import over_seeds
 from fprc.tables.text import mean_of, spread
 from fprc.tables.tracking import tracking_over_seeds
@@ -90,7 +91,7 @@ def sensitivity_page(table: pd.DataFrame) -> pd.DataFrame:
     for parameter in strongest.sort_values(ascending=False).index:
         row = {"Parameter": parameter}
         for (trained_on, model, phase), change in lows_and_highs.loc[parameter].iterrows():
-            name = f"{numbers[trained_on]} {MODEL_NAMES[model]} {short[phase]}"
+            name = f"{numbers[trained_on]} {title_of(model)} {short[phase]}"
             row[name] = f"{100 * change['min']:+.0f} to {100 * change['max']:+.0f} %"
         page.append(row)
     return pd.DataFrame(page)
@@ -116,7 +117,7 @@ def targets(
                     {
                         "target": target,
                         "table": "II" if trained_on == "sweep" else "III",
-                        "what": f"{MODEL_NAMES[row.model]}, {ERRORS[row.metric]}",
+                        "what": f"{title_of(row.model)}, {ERRORS[row.metric]}",
                         "unit": "kPa",
                         "mean": row.mean,
                         "low": row.low,
@@ -132,7 +133,7 @@ def targets(
                 {
                     "target": target,
                     "table": "IV",
-                    "what": f"{CONTROLLER_NAMES[row.controller]}, {REFERENCE_NAMES[row.reference]}",
+                    "what": f"{controller_title(row.controller)}, {REFERENCE_NAMES[row.reference]}",
                     "unit": "deg",
                     "mean": row.rmse_deg,
                     "low": row.low,

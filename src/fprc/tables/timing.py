@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from fprc.paper import MODEL_NAMES
+from fprc.registry import title_of
 from fprc.tables.text import spread, three_digits
 
 
@@ -15,11 +15,11 @@ def timing(report: Mapping[str, Any], published: Mapping[str, Any]) -> pd.DataFr
     rows = []
     for entry in report["times"]:
         seconds = np.array(entry["seconds"])
-        printed = published["table_2_models"][entry["model"]]
+        printed = published["table_2_models"].get(entry["model"], {})
         theirs = (
-            printed["train_time_s"]
+            printed.get("train_time_s", (None, None))
             if entry["phase"] == "train"
-            else [value / 1000.0 for value in printed["test_time_ms"]]
+            else [value / 1000.0 for value in printed.get("test_time_ms", ())] or (None, None)
         )
         rows.append(
             {
@@ -47,12 +47,12 @@ def timing_page(table: pd.DataFrame) -> pd.DataFrame:
     phases = {"train_time": "Training", "test_time": "Test"}
     rows = [
         (
-            MODEL_NAMES[row.model],
+            title_of(row.model),
             phases[row.metric],
             row.mode,
             spread(row.mean, row.std),
             three_digits(row.us_per_sample),
-            spread(row.published_mean, row.published_std),
+            spread(row.published_mean, row.published_std) or "-",
         )
         for row in table.itertuples()
     ]
@@ -71,7 +71,7 @@ def steps_page(table: pd.DataFrame) -> pd.DataFrame:
     """Return the cost of a control step as a person reads it."""
     rows = [
         (
-            MODEL_NAMES[row.model],
+            title_of(row.model),
             three_digits(row.median_us),
             three_digits(row.p99_9_us),
             f"{float(f'{100 * row.share_of_budget:.2g}'):g} %",

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from fprc.paper import CONTROLLER_NAMES, REFERENCE_NAMES
+from fprc.paper import REFERENCE_NAMES
+from fprc.registry import controller_title
 from fprc.tables.models import with_interval
 from fprc.tables.text import mean_of, spread
 
@@ -78,7 +79,7 @@ def tracking_page(table: pd.DataFrame) -> pd.DataFrame:
     page = []
     for (controller, gain), rows in table.groupby(["controller", "gain"], sort=False):
         kp = rows["kp_kpa_per_deg"].iloc[0]
-        label = CONTROLLER_NAMES[controller]
+        label = controller_title(controller)
         named = label if gain == "none" else f"{label}, {gain} gain"
         line = {
             "RMSE [deg]": named if pd.isna(kp) else f"{named} ({kp:g} kPa/deg)",

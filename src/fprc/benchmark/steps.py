@@ -1,0 +1,108 @@
+"""What a step, a second of the rig and the start of a process cost."""
+
+import subprocess
+import sys
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from fprc.benchmark.comparisons import stepped
+from fprc.benchmark.growth import peak_mb
+from fprc.evaluation.timing import interleaved, time_steps
+from fprc.experiments.data import Data
+from fprc.experiments.hysteresis import acquire
+from fprc.experiments.settings import RigSettings
+from fprc.experiments.tracking import Track
+from fprc.models.echo import aligned
+from fprc.registry import build
+
+#: What jobs of each kind import.
+_JOBS = {
+    "fits models": "fprc.stages.judge",
+    "runs the rig": "fprc.stages.track",
+    "draws": "fprc.stages.draw",
+    "writes a table": "fprc.stages.tabulate",
+}
+
+
+def memory_bound(models: Mapping[str, Any], data: Data, rounds: int, seed: int) -> dict[str, float]:
+    """Return what W_r x alone takes by BLAS, whose numbers have 8 bytes or 4."""
+    features = build("esn", models, seed).make_features().fit(data.pair("esn")[0])
+    x, W_r = np.full(features.r, 0.5), features.W_r_
+
+    def products(dtype: type) -> Callable[[], object]:
+        matrix, vector = aligned(W_r.astype(dtype)), x.astype(dtype)
+        return lambda: [matrix @ vector for _ in range(1000)]
+
+    seconds = interleaved({"8": products(np.float64), "4": products(np.float32)}, rounds)
+    bytes_8_us, bytes_4_us = (1e3 * float(np.median(each)) for each in seconds.values())
+    return {
+        "bytes_8_us": bytes_8_us,
+        "bytes_4_us": bytes_4_us,
+        "gb_per_s": 1e-3 * W_r.nbytes / bytes_8_us,
+    }
+
+
+def single_steps(models: Mapping[str, Any], data: Data, seed: int) -> dict[str, Any]:
+    """Time each step of the FPRC by itself, as a control loop would have to wait for it."""
+    X, y = data.pair("fprc")
+    model = build("fprc", models, seed).fit(X, y)
+    stepped(model, X)
+    seconds = time_steps(lambda k: model.step(X[k]), len(X))
+    median_s, most_s = np.percentile(seconds, [50.0, 99.9]).tolist()
+
+    def again() -> None:
+        for x in X[:1000]:
+            model.step(x)
+
+    return {
+        "samples": len(X),
+        "median_us": 1e6 * median_s,
+        "p99_9_us": 1e6 * most_s,
+        "peak_bytes": round(1e6 * peak_mb(again)),
+        "array_bytes": model.readout_.centers_.nbytes,
+    }
+
+
+def real_time(
+    models: Mapping[str, Any],
+    on_rig: RigSettings,
+    tracking: Mapping[str, Any],
+    data: Data,
+    rounds: int,
+    seed: int,
+) -> list[dict[str, Any]]:
+    """Time an open and a closed loop of the simulated rig."""
+    model = build("fprc", models, seed).fit(*data.pair("fprc"))
+    sweep = on_rig.signals["sweep"]
+    bench = Track(tracking, on_rig.control, on_rig.rig, seed)
+    gains = {"identified": tracking["printed_gains"], "printed": tracking["printed_gains"]}
+    reference = next(iter(tracking["references"]))
+    described = tracking["references"][reference]
+    work = {
+        "open loop": lambda: acquire("sweep", sweep, on_rig.control, on_rig.rig, seed),
+        "closed loop": lambda: bench.follow(reference, "fprc_pd_printed", model, gains),
+    }
+    for run in work.values():
+        run()
+    simulated = {
+        "open loop": sweep["duration_s"],
+        "closed loop": described["duration_s"] + described["settle_s"],
+    }
+    timed = interleaved(work, rounds)
+    aims = {"open loop": 1000, "closed loop": 100}
+    return [
+        {"loop": name, "simulated_s": simulated[name], "aim": aims[name], "seconds": timed[name]}
+        for name in work
+    ]
+
+
+def starts(rounds: int) -> dict[str, list[float]]:
+    """Return what the start of a process takes that only imports, for each kind of job."""
+
+    def start(module: str) -> Callable[[], object]:
+        command = [sys.executable, "-c", f"from snakemake import script\nimport {module}"]
+        return lambda: subprocess.run(command, check=True)
+
+    return interleaved({name: start(module) for name, module in _JOBS.items()}, rounds)

@@ -1,0 +1,65 @@
+"""`fprc rig`: check the real rig, run an experiment on it."""
+
+import logging
+from collections.abc import Sequence
+from typing import Any
+
+from fprc.apparatus.guardian import guard
+from fprc.apparatus.programme import names
+from fprc.apparatus.record import record_on_rig
+from fprc.config import from_files
+
+
+def check(files: Sequence[str], *, armed: bool) -> None:
+    """Look at the sensors of the real rig, and if armed at its valves.
+
+    Raises
+    ------
+    ControlError
+        Something is not as it should be.
+    """
+    _show_messages()
+    settings = _settings(files)
+    guard({"what": "check", "settings": settings, "armed": armed}, settings["hardware"])
+
+
+def run_by_name(
+    name: str,
+    files: Sequence[str],
+    *,
+    armed: bool,
+    raw: str | None = None,
+    model: str | None = None,
+    gains: str | None = None,
+) -> None:
+    """Run one experiment on the real rig; unless armed, say what would be run.
+
+    Parameters
+    ----------
+    name : str
+        Experiment; ``list`` prints those that there are.
+    raw, model, gains : str, optional
+        Log to write, fitted FPRC and gains; the workflow's own if left out.
+    """
+    _show_messages()
+    settings = _settings(files)
+    if name == "list":
+        print("\n".join(names(settings)))
+        return
+    results, folder = settings["folders"]["results"], settings["folders"]["raw"]
+    record_on_rig(
+        raw or f"{folder}/{name}.h5",
+        name=name,
+        settings=settings,
+        armed=armed,
+        model=model or f"{results}/models/sweep_fprc.h5",
+        gains=gains or f"{results}/control/gains.json",
+    )
+
+
+def _show_messages() -> None:
+    logging.basicConfig(level=logging.INFO, format="%(message)s")
+
+
+def _settings(files: Sequence[str]) -> dict[str, Any]:
+    return from_files(files).model_dump(mode="json")

@@ -1,0 +1,81 @@
+"""Logs as the models see them."""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fprc.errors import LogError
+from fprc.logs import read_columns
+from fprc.registry import entries
+
+#: Channel of a raw log that plays P_exp for the models, by config's choice.
+TARGETS = {"command": "p_exp_command_kpa", "measured": "p_exp_kpa"}
+
+
+class Data(NamedTuple):
+    """One log as the models see it."""
+
+    channels: Mapping[str, np.ndarray]
+    attributes: Mapping[str, Any]
+
+    @property
+    def unit(self) -> str:
+        """Unit of P_exp, and so of every error: kPa, unless an import says something else."""
+        return self.attributes.get("p_exp_unit", "kPa")
+
+    def pair(
+        self, model: str, models: Mapping[str, Any] | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return the inputs of a model, and P_exp.
+
+        Raises
+        ------
+        LogError
+            The log has no channel that the model needs.
+        """
+        inputs = entries(models)[model].inputs
+        missing = [name for name in inputs if name not in self.channels]
+        if missing:
+            raise LogError(
+                f"the {self.attributes['experiment']} log has no {', '.join(missing)}, which "
+                f"{model} needs; import it with that channel, or judge the other models only"
+            )
+        return np.column_stack([self.channels[name] for name in inputs]), self.channels["p_exp_kpa"]
+
+
+def read_data(path: str) -> Data:
+    """Read a preprocessed log."""
+    file = read_columns(path, ("time_s", "p_exp_kpa", "theta_deg"), optional=("p_o_kpa",))
+    return Data(file.channels, file.attributes)
+
+
+def models_for(models: Mapping[str, Any], *logs: Data) -> list[str]:
+    """Return the models whose inputs are in every one of the logs."""
+    return [
+        model
+        for model, entry in entries(models).items()
+        if all(name in data.channels for data in logs for name in entry.inputs)
+    ]
+
+
+def refuse_mixture(train: Data, test: Data) -> None:
+    """Refuse to judge a model that was trained on one kind of data on another.
+
+    Raises
+    ------
+    LogError
+        One log is simulated, recorded or imported, and the other is not; or
+        their P_exp has different units.
+    """
+    kinds = train.attributes["source"], test.attributes["source"]
+    if kinds[0] != kinds[1]:
+        raise LogError(
+            f"the training log's source is {kinds[0]}, the test log's {kinds[1]}; "
+            "use two logs of one kind"
+        )
+    if train.unit != test.unit:
+        raise LogError(
+            f"P_exp of the training log is in {train.unit}, that of the test log in {test.unit}; "
+            "import both in one unit"
+        )

@@ -1,0 +1,67 @@
+"""What a step of the closed loop costs the computer."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from fprc.control import PD, PressurePI, feedforward, tracking_law
+from fprc.devices import Readings
+from fprc.evaluation.timing import WARM_UP, time_steps
+from fprc.experiments.data import Data
+from fprc.models import SequenceModel
+
+
+def step_cost(
+    model: SequenceModel, test: Data, control: Mapping[str, Any], tracking: Mapping[str, Any]
+) -> dict[str, float]:
+    """Time what the computer does between two samples of the closed loop, sample by sample.
+
+    The readings of the test log are replayed to the controller: feedforward by the
+    fitted model, PD and both pressure loops, without any rig.
+    """
+    period_s = 1.0 / control["sample_rate_hz"]
+    samples = len(test.channels["time_s"])
+    tick = _controller(model, test, control, tracking, period_s)
+    time_steps(tick, min(WARM_UP, samples))
+    microseconds = 1e6 * time_steps(tick, samples)
+    return {
+        "samples": samples,
+        "median_us": float(np.median(microseconds)),
+        "p99_9_us": float(np.percentile(microseconds, 99.9)),
+        "max_us": float(microseconds.max()),
+        "budget_us": 1e6 * period_s,
+    }
+
+
+def _controller(
+    model: SequenceModel,
+    data: Data,
+    control: Mapping[str, Any],
+    tracking: Mapping[str, Any],
+    period_s: float,
+) -> Callable[[int], object]:
+    theta, p_exp = (data.channels[name] for name in ("theta_deg", "p_exp_kpa"))
+    p_o = data.channels.get("p_o_kpa", np.zeros_like(theta))
+    readings = [
+        Readings(k * period_s, p_exp[k], theta[k], 0.0, p_o[k], 0.0) for k in range(len(theta))
+    ]
+    law = tracking_law(
+        theta,
+        k_in_kpa_per_deg=control["k_in_kpa_per_deg"],
+        pressure_limit_kpa=tracking["pressure_limit_kpa"],
+        feedforward=feedforward(model),
+        feedback=PD(**tracking["printed_gains"], period_s=period_s),
+    )
+    main_loop, reservoir_loop = (
+        PressurePI(**control[name], period_s=period_s) for name in ("main_loop", "reservoir_loop")
+    )
+
+    def tick(k: int) -> None:
+        now = readings[k]
+        p_exp_kpa, p_i_kpa, *_ = law(k, now)
+        main_loop.step(p_exp_kpa, now.p_exp_kpa)
+        reservoir_loop.step(p_i_kpa, now.p_i_kpa)
+
+    model.reset()
+    return tick

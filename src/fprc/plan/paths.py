@@ -1,0 +1,59 @@
+"""Where every file of the workflow is."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Paths:
+    """Files below the folders ``raw`` and ``results``; wildcards are kept as they are given."""
+
+    raw: str
+    results: str
+
+    def below(self, name: str) -> str:
+        """Return a file below the results folder."""
+        return f"{self.results}/{name}"
+
+    def log(self, name: str) -> str:
+        """Return the raw log of an experiment or a run."""
+        return f"{self.raw}/{name}.h5"
+
+    def messages(self, name: str) -> str:
+        """Return the file that a job's messages go to."""
+        return self.below(f"logs/{name}.log")
+
+    def data(self, experiment: str) -> str:
+        """Return the channels of a log as the models see them."""
+        return self.below(f"data/{experiment}.h5")
+
+    def quality(self, experiment: str) -> str:
+        """Return the quality record of a raw log."""
+        return self.below(f"quality/{experiment}.json")
+
+    def driven(self, experiment: str) -> str:
+        """Return a recorded log whose reservoir is simulated."""
+        return self.below(f"reservoir/{experiment}.h5")
+
+    def errors(self, experiment: str, model: str) -> str:
+        """Return the errors of a model that was trained on one log."""
+        return self.below(f"crossval/{experiment}_{model}.json")
+
+    def model(self, experiment: str, model: str) -> str:
+        """Return the model of the best fold."""
+        return self.below(f"models/{experiment}_{model}.h5")
+
+    def prediction(self, experiment: str, model: str, phase: str) -> str:
+        """Return what it predicts; phase: train or test."""
+        return self.below(f"predictions/{experiment}_{model}_{phase}.h5")
+
+    def sweep(self, name: str) -> str:
+        """Return the cells of a sweep."""
+        return self.below(f"sweeps/{name}.json")
+
+    def replicate(self, part: str, target: str, seed: int | str) -> str:
+        """Return what a further seed gave; part: models, sweeps or control."""
+        return self.below(f"replicates/{target}/{part}_{seed}.json")
+
+    def table(self, name: str) -> dict[str, str]:
+        """Return the files of a table by kind."""
+        return {kind: self.below(f"{name}.{kind}") for kind in ("csv", "md", "tex")}

@@ -1,0 +1,253 @@
+"""What the workflow makes of the logs that are there, with the settings that are given."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from fprc.logs import Holding, holdings
+from fprc.logs.holdings import Header
+from fprc.paper import DISTURBANCE, EXPERIMENTS, REFERENCES, controller_and_gain, run_log
+from fprc.plan.availability import unavailable, why_not
+from fprc.plan.paths import Paths
+from fprc.plan.results import BY_NAME, CHORES, RESULTS, Result, figure_number
+from fprc.registry import controllers, entries, feedforward_of
+
+_RESERVOIR = ("p_i_kpa", "p_o_kpa", "phi_deg")
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Targets, models and runs of the workflow.
+
+    Attributes
+    ----------
+    settings : Mapping
+        The whole configuration.
+    there : Mapping
+        Headers of the raw logs that are there, by name; see ``fprc.logs.headers``.
+    """
+
+    settings: Mapping[str, Any]
+    there: Mapping[str, Header]
+
+    @cached_property
+    def paths(self) -> Paths:
+        """Every file of the workflow."""
+        folders = self.settings["folders"]
+        return Paths(folders["raw"], folders["results"])
+
+    @property
+    def on_simulated_rig(self) -> bool:
+        """Whether the rig is simulated, and with it further ones."""
+        return self.settings["source"] == "sim"
+
+    @property
+    def records(self) -> bool:
+        """Whether logs are made at all."""
+        return self.settings["source"] != "recorded"
+
+    @property
+    def driven(self) -> bool:
+        """Whether a simulated reservoir is added to the recorded logs."""
+        return self.settings["evaluation"]["reservoir"] == "simulated"
+
+    @cached_property
+    def controllers(self) -> list[str]:
+        """Controllers of the closed-loop runs."""
+        return controllers(self.settings["models"])
+
+    @cached_property
+    def every_run(self) -> list[str]:
+        """Logs of every closed-loop run."""
+        return [
+            run_log(reference, controller)
+            for controller in self.controllers
+            for reference in (*REFERENCES, DISTURBANCE)
+        ]
+
+    @cached_property
+    def every_log(self) -> list[str]:
+        """Names of all raw logs that results are made of."""
+        return [*EXPERIMENTS, *self.every_run]
+
+    @cached_property
+    def held(self) -> dict[str, Holding]:
+        """The raw logs that are there, or will be."""
+        missing = [name for name in self.every_log if name not in self.there]
+        coming = self.every_log if self.on_simulated_rig else missing
+        whole = self.on_simulated_rig or self.settings["hardware"]["phi"]
+        held = holdings(
+            self.there,
+            self.every_log,
+            to_come=coming if self.records else [],
+            without=[] if whole else ["phi_deg"],
+        )
+        if self.driven:
+            held |= {name: held[name].having(_RESERVOIR) for name in EXPERIMENTS if name in held}
+        return held
+
+    @cached_property
+    def experiments(self) -> list[str]:
+        """Those of the two hysteresis experiments whose logs are there, or will be."""
+        return [name for name in EXPERIMENTS if name in self.held]
+
+    @cached_property
+    def runs(self) -> list[str]:
+        """Those of the closed-loop runs whose logs are there, or will be."""
+        return [run for run in self.every_run if run in self.held]
+
+    @cached_property
+    def unavailable(self) -> dict[str, str]:
+        """Why a target cannot be made, by its name."""
+        return unavailable(
+            self.held, self.paths.raw, self.every_run, simulated=self.on_simulated_rig
+        )
+
+    @cached_property
+    def not_available(self) -> dict[str, tuple[str, str]]:
+        """Title and reason of each result that cannot be made."""
+        chores = {each.name for each in CHORES}
+        return {
+            name: (BY_NAME[name].title, why)
+            for name, why in self.unavailable.items()
+            if name not in chores
+        }
+
+    @cached_property
+    def left_out(self) -> dict[str, str]:
+        """Why a model is not in the tables, by the model."""
+        if "table2" in self.unavailable:
+            return {}
+        needs = {
+            model: Result(model, "", logs=EXPERIMENTS, channels=entry.inputs)
+            for model, entry in entries(self.settings["models"]).items()
+        }
+        reasons = {name: why_not(need, self.held, self.paths.raw) for name, need in needs.items()}
+        return {name: reason for name, reason in reasons.items() if reason}
+
+    @cached_property
+    def models(self) -> list[str]:
+        """The models whose inputs are in the logs."""
+        return [name for name in entries(self.settings["models"]) if name not in self.left_out]
+
+    @cached_property
+    def feedforward(self) -> list[str]:
+        """The models that drive the closed loops."""
+        found = (feedforward_of(controller_and_gain(name)[0]) for name in self.controllers)
+        return list(dict.fromkeys(name for name in found if name))
+
+    @cached_property
+    def targets(self) -> dict[str, list[str]]:
+        """Files of each target that can be made: the result first, then what it is made of.
+
+        A target names its intermediates too: when a job fails, Snakemake removes its outputs,
+        and a target that asked for the final file alone would then find that file in place and
+        call the stale result done.
+        """
+        found = {
+            result.name: self._files_of(result)
+            for result in RESULTS
+            if result.files and result.name not in self.unavailable
+        }
+        return found | {f"training_{name}": self._training(name) for name in self.others}
+
+    @cached_property
+    def refused(self) -> list[str]:
+        """Targets that cannot be made."""
+        names = (each.name for each in (*RESULTS, *CHORES) if not each.part_of)
+        return [name for name in names if name in self.unavailable]
+
+    @cached_property
+    def others(self) -> list[str]:
+        """The models from outside this package."""
+        return [name for name in self.settings["models"]["others"] if name in self.models]
+
+    @cached_property
+    def figures(self) -> dict[int, str]:
+        """The paper's figures that can be made, without the ending, by number."""
+        return {
+            figure_number(result): self.paths.below(result.files[0].removesuffix(".pdf"))
+            for result in RESULTS
+            if figure_number(result) and result.name in self.targets
+        }
+
+    @cached_property
+    def pages(self) -> list[str]:
+        """Tables that the report shows, each of the paper's followed by that over seeds."""
+        seeds = dict(zip(("table2", "table3", "table4"), self.seeds_tables, strict=True))
+        found = []
+        for name in ("table1", "table2", "table3", "table4", "readout", "timing"):
+            if name in self.targets:
+                files = BY_NAME[name].files
+                found += [self.paths.below(file) for file in files if file.endswith(".md")]
+            if name in seeds and "seeds" in self.targets:
+                found.append(seeds[name])
+        return found
+
+    @cached_property
+    def seeds_tables(self) -> list[str]:
+        """Tables II to IV over further seeds."""
+        return [self.paths.below(file) for file in BY_NAME["seeds"].files[:3]]
+
+    def replicates(self, part: str, targets: Sequence[str] = ()) -> list[str]:
+        """Return one part of what each further seed gave, for one or more targets."""
+        evaluation = self.settings["evaluation"]
+        return [
+            self.paths.replicate(part, target, seed)
+            for target in targets or [evaluation["target"]]
+            for seed in evaluation["replicate_seeds"]
+        ]
+
+    def log_of(self, experiment: str) -> str:
+        """Return the raw log of an experiment, or what has a simulated reservoir in its place."""
+        return self.paths.driven(experiment) if self.driven else self.paths.log(experiment)
+
+    def _training(self, model: str) -> list[str]:
+        return [
+            self.paths.below(f"figures/training_{model}.pdf"),
+            *self._files_of(BY_NAME["fig8"])[1:],
+        ]
+
+    def _files_of(self, result: Result) -> list[str]:
+        made_of = [file for name in result.made_of for file in self._expanded(name, result)]
+        parts = (each for each in RESULTS if each.part_of == result.name)
+        for part in parts:
+            if part.name not in self.unavailable:
+                made_of += [file for name in part.made_of for file in self._expanded(name, part)]
+        return list(dict.fromkeys([*map(self.paths.below, result.files), *made_of]))
+
+    def _expanded(self, name: str, result: Result) -> Iterable[str]:
+        if name == "data":
+            return self._data
+        if name == "seeds":
+            return [
+                file for part in ("models", "sweeps", "control") for file in self.replicates(part)
+            ]
+        if name == "loops":
+            followed = [r for r in (*REFERENCES, DISTURBANCE) if _follows(result, r)]
+            logs = [run_log(r, controller) for r in followed for controller in self.controllers]
+            return [*self._loops, *(self.paths.log(log) for log in logs if log in self.held)]
+        return [self.paths.below(name.format(model=model)) for model in self.models]
+
+    @cached_property
+    def _data(self) -> list[str]:
+        paths, logs = self.paths, self.experiments
+        driven = [paths.driven(log) for log in logs] if self.driven else []
+        return [
+            *map(paths.log, logs), *driven, *map(paths.data, logs), *map(paths.quality, logs)
+        ]  # fmt: skip
+
+    @cached_property
+    def _loops(self) -> list[str]:
+        """What the closed-loop runs come from, if they are not there already."""
+        if not self.records:
+            return []
+        judged = BY_NAME["table2"].made_of[1:]
+        models = [self.paths.below(name.format(model=m)) for name in judged for m in self.models]
+        return [*self._data, *models, self.paths.below("control/gains.json")]
+
+
+def _follows(result: Result, reference: str) -> bool:
+    """Tell whether a result shows a reference; Table IV, which needs no run in particular, all."""
+    return not result.logs or any(log.startswith(f"track_{reference}_") for log in result.logs)

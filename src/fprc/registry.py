@@ -1,0 +1,185 @@
+"""The models that are compared, one entry each; tables, figures and rules read them here.
+
+A class is named, not imported: what only wants a model's title or colour loads no numerics.
+"""
+
+from collections.abc import Mapping
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from fprc.errors import ConfigError
+from fprc.paper import CONTROLLERS, GAINS
+
+if TYPE_CHECKING:
+    from fprc.models import SequenceModel
+
+Settings = Mapping[str, Any]
+
+
+class Entry(NamedTuple):
+    """What is known of a model beside its class.
+
+    Attributes
+    ----------
+    cls : str
+        Its class, ``module.Class``.
+    inputs : tuple of str
+        Channels that it sees, in the order of its columns.
+    settings : tuple of str
+        Where its parameters stand in the section ``models``: a key, a section of which every key
+        is one, or ``section.key``.
+    title : str
+        As a reader knows it.
+    colour : str
+        In every figure.
+    """
+
+    cls: str
+    inputs: tuple[str, ...]
+    settings: tuple[str, ...]
+    title: str
+    colour: str
+
+
+#: The paper's models, in its order.
+MODELS = {
+    "esn": Entry("fprc.models.esn.ESN", ("theta_deg",), ("n_y", "alpha", "esn"), "ESN", "#cc79a7"),
+    "fprc": Entry(
+        "fprc.models.fprc.FPRC",
+        ("theta_deg", "p_o_kpa"),
+        ("n_y", "alpha", "fprc"),
+        "FPRC",
+        "#d55e00",
+    ),
+    "fuzzy_linear": Entry(
+        "fprc.models.fprc.FuzzyLinear",
+        ("theta_deg",),
+        ("n_y", "alpha", "fprc.n_c", "fprc.sigma"),
+        "Fuzzy-linear",
+        "#e69f00",
+    ),
+}
+
+#: Colour of every model from outside this package.
+_OUTSIDE = "#44aa99"
+
+
+def entries(models: Settings | None = None) -> dict[str, Entry]:
+    """Return every model by name: the paper's, and those of ``models.others``."""
+    return MODELS | {
+        name: Entry(
+            other["estimator"],
+            tuple(other["inputs"]),
+            (f"others.{name}",),
+            title_of(name),
+            _OUTSIDE,
+        )
+        for name, other in (models or {}).get("others", {}).items()
+    }
+
+
+def title_of(name: str) -> str:
+    """Return a model's name as a reader knows it."""
+    return MODELS[name].title if name in MODELS else name[:1].upper() + name[1:].replace("_", " ")
+
+
+def colour_of(name: str) -> str:
+    """Return a model's colour."""
+    return MODELS[name].colour if name in MODELS else _OUTSIDE
+
+
+def settings_of(name: str, models: Settings) -> dict[str, Any]:
+    """Return the part of the section ``models`` that one model reads."""
+    found: dict[str, Any] = {}
+    for path in entries(models)[name].settings:
+        section, _, key = path.partition(".")
+        if key:
+            found.setdefault(section, {})[key] = models[section][key]
+        else:
+            found[section] = models[section]
+    return found
+
+
+def build(name: str, models: Settings, seed: int) -> "SequenceModel":
+    """Return the unfitted model of that name with its settings.
+
+    Raises
+    ------
+    ConfigError
+        The class cannot be imported, or does not take the settings.
+    """
+    cls = load_class(name, models)
+    if name in models.get("others", {}):
+        parameters = dict(models["others"][name]["settings"])
+    else:
+        parameters = {}
+        for key, value in settings_of(name, models).items():
+            parameters |= value if isinstance(value, Mapping) else {key: value}
+    model = _made(name, cls, parameters)
+    if "random_state" in model.get_params():
+        model.set_params(random_state=seed)
+    return model
+
+
+def _made(name: str, cls: type, parameters: Settings) -> "SequenceModel":
+    try:
+        return cls(**parameters)
+    except TypeError as error:
+        raise ConfigError(f"models.others.{name}.settings: {error}") from error
+
+
+def load_class(name: str, models: Settings) -> type:
+    """Import the class of a model.
+
+    Raises
+    ------
+    ConfigError
+        There is no such module, or it has no such class; names the key.
+    """
+    path = entries(models)[name].cls
+    module, _, cls = path.rpartition(".")
+    try:
+        return getattr(import_module(module), cls)
+    except (ImportError, AttributeError, ValueError) as error:
+        raise ConfigError(
+            f"models.others.{name}.estimator: {path} cannot be imported ({error}); give "
+            "module.Class of a module that Python finds, for instance with PYTHONPATH"
+        ) from error
+
+
+def class_module(name: str, models: Settings) -> str:
+    """Return the module of a model's class; one from outside this package is imported."""
+    if name in models.get("others", {}):
+        return load_class(name, models).__module__
+    return MODELS[name].cls.rpartition(".")[0]
+
+
+def outside_class(name: str, models: Settings) -> list[type]:
+    """Return the class of a model of ``models.others``, for ``load_model``; else nothing."""
+    return [load_class(name, models)] if name in models.get("others", {}) else []
+
+
+def controllers(models: Settings) -> list[str]:
+    """Return the controllers of the closed-loop runs.
+
+    Beside the paper's there is each model of ``models.others`` whose class has ``step``: alone,
+    and with the PD controller at both gains.
+    """
+    found = list(CONTROLLERS)
+    for name in models.get("others", {}):
+        if hasattr(load_class(name, models), "step"):
+            found += [name, *(f"{name}_pd_{gain}" for gain in GAINS)]
+    return found
+
+
+def feedforward_of(controller: str) -> str | None:
+    """Return the model that gives a controller's P_ff; None for PD alone."""
+    return None if controller == "pd" else controller.removesuffix("_pd")
+
+
+def controller_title(controller: str) -> str:
+    """Return a controller's name as a reader knows it."""
+    model = feedforward_of(controller)
+    if model is None:
+        return "PD"
+    return f"{title_of(model)}+PD" if controller.endswith("_pd") else title_of(model)

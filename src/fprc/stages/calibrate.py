@@ -1,0 +1,56 @@
+"""Fit the simulated rig to published numbers, and write what came of it."""
+
+import logging
+from collections.abc import Mapping
+from typing import Any
+
+from fprc.artifacts import write_json, write_text
+from fprc.calibration.fit import fit_rig
+from fprc.calibration.rig_file import parameter_file
+from fprc.experiments.settings import RigSettings
+from fprc.yaml_file import read_yaml
+
+log = logging.getLogger(__name__)
+
+
+def calibrate(
+    published: str,
+    fitted: str,
+    report: str,
+    *,
+    on_rig: Mapping[str, Any],
+    judgement: Mapping[str, Any],
+    calibration: Mapping[str, Any],
+    workers: int,
+    checkpoint: str,
+    version: str,
+) -> None:
+    """Fit the free parameters of the rig, beginning at that of ``on_rig``.
+
+    Writes the changed parameters (``fitted``, YAML, to be used as
+    config/rig.yaml) and all that is known of the fit (``report``, JSON).
+    """
+    best, summary = fit_rig(
+        read_yaml(published),
+        RigSettings(**on_rig),
+        judgement,
+        calibration,
+        workers=workers,
+        checkpoint=checkpoint,
+        version=version,
+    )
+    write_json(report, summary)
+    write_text(fitted, parameter_file(best, summary))
+    log.info(
+        "loss on other seeds: %.4f at the start, %.4f now",
+        summary["check_loss_at_start"], summary["check_loss"],
+    )  # fmt: skip
+    if summary["check_loss"] > summary["check_loss_at_start"]:
+        log.warning(
+            "warning: on seeds outside the fit the rig that the search began at is nearer to "
+            "print; keep that one, or use more calibration.seeds"
+        )
+    log.info(
+        "median deviation %.1f %%, largest %.1f %%; wrote %s",
+        100 * summary["median_deviation"], 100 * summary["largest_deviation"], fitted,
+    )  # fmt: skip

@@ -1,0 +1,138 @@
+"""Take rigs that were not fitted through the paper, and judge the claims on each."""
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fprc.artifacts import read_json, write_json
+from fprc.calibration.ensemble import judge_moved, judge_rig
+from fprc.calibration.fit import free_parameters
+from fprc.claims import Results, judge_claims
+from fprc.claims.ensemble import JUDGED_BY_RIG, shares_of
+from fprc.errors import FprcError
+from fprc.evaluation.sweeps import log_progress, run_cells
+from fprc.experiments.settings import RigSettings
+from fprc.yaml_file import read_yaml
+
+
+def judge_rigs(
+    rigs: str,
+    *,
+    numbers: Sequence[int],
+    ensemble: Mapping[str, Any],
+    free: Mapping[str, Any],
+    on_rig: Mapping[str, Any],
+    tracking: Mapping[str, Any],
+    judgement: Mapping[str, Any],
+    checkpoint: str,
+    version: str,
+) -> None:
+    """Take some rigs of the ensemble through Tables II to IV.
+
+    Parameters
+    ----------
+    numbers : sequence of int
+        Which rigs; a rig is the same in whatever chunk it is.
+    free : Mapping
+        ``paths`` and ``ranges`` of the free parameters, as ``free_parameters`` takes them.
+    on_rig : Mapping
+        As ``RigSettings`` takes it.
+    judgement : Mapping
+        As ``judge_rig`` takes it.
+    """
+    settings = [ensemble, free, on_rig, tracking, judgement]
+    key = json.dumps([*settings, version], sort_keys=True)
+    judged = run_cells(
+        partial(
+            judge_rig,
+            ensemble=ensemble,
+            free=free_parameters(**free),
+            on_rig=RigSettings(**on_rig),
+            tracking=tracking,
+            judgement=judgement,
+        ),
+        [{"rig": number} for number in numbers],
+        workers=1,
+        checkpoint=checkpoint,
+        key=hashlib.sha256(key.encode()).hexdigest(),
+        progress=log_progress,
+    )
+    write_json(rigs, {"source": "sim", "rigs": judged})
+    Path(checkpoint).unlink()
+
+
+def measure_sensitivity(
+    effects: str,
+    *,
+    paths: Sequence[str],
+    steps: int,
+    seeds: Sequence[int],
+    standin: Mapping[str, int],
+    on_rig: Mapping[str, Any],
+    models: Mapping[str, Any],
+    workers: int,
+    checkpoint: str,
+    version: str,
+) -> None:
+    """Move one parameter at a time over its range, and judge the rig by the stand-in.
+
+    Parameters
+    ----------
+    on_rig : Mapping
+        As ``RigSettings`` takes it.
+    """
+    shares = np.linspace(0.0, 1.0, steps).tolist()
+    cells = [{"path": path, "share": share} for path in paths for share in shares]
+    key = json.dumps([seeds, standin, on_rig, models, version], sort_keys=True)
+    judged = run_cells(
+        partial(
+            judge_moved, seeds=seeds, standin=standin, on_rig=RigSettings(**on_rig), models=models
+        ),
+        [{"path": None, "share": None}, *cells],
+        workers=workers,
+        checkpoint=checkpoint,
+        key=hashlib.sha256(key.encode()).hexdigest(),
+        progress=log_progress,
+    )
+    write_json(effects, {"source": "sim", "seeds": list(seeds), "cells": judged})
+    Path(checkpoint).unlink()
+
+
+def summarise_rigs(published: str, chunks: Sequence[str], summary: str) -> None:
+    """Judge the claims rig by rig; write shares, intervals and correlations."""
+    printed = read_yaml(published)
+    rigs = [rig for path in chunks for rig in read_json(path)["rigs"]]
+    good = [rig for rig in rigs if "failed" not in rig]
+    if not good:
+        raise FprcError(
+            f"none of the {len(rigs)} rigs of the ensemble could be judged; the first: "
+            f"{rigs[0]['failed']}"
+        )
+    claims = [claim for claim in printed["claims"] if claim["id"] in JUDGED_BY_RIG]
+    verdicts = [
+        {
+            row["id"]: row["verdict"]
+            for row in judge_claims(
+                claims, Results([rig["compared"]], [], [rig["measured"]], {}, {}), printed
+            )
+        }
+        for rig in good
+    ]
+    parameters = [rig["parameters"] for rig in good]
+    write_json(
+        summary,
+        {
+            "source": "sim",
+            "seeds": [rig["seed"] for rig in rigs],
+            "parameters": list(parameters[0]),
+            "rigs": len(rigs),
+            "failed": len(rigs) - len(good),
+            "draws": sum(rig["draws"] for rig in rigs),
+            "claims": shares_of(claims, verdicts, parameters),
+        },
+    )

@@ -1,0 +1,76 @@
+"""Add a simulated reservoir to a recording that has none."""
+
+import logging
+from collections.abc import Mapping
+from typing import Any
+
+from fprc.errors import LogError
+from fprc.experiments.hysteresis import RUNS
+from fprc.experiments.reservoir import CHANNELS, commands_of, drive
+from fprc.logs import read_raw, write_columns
+from fprc.logs.isolated import isolated_each
+from fprc.logs.quality import notes_of, something_else
+from fprc.logs.raw import SIMULATED_RESERVOIR
+
+log = logging.getLogger(__name__)
+
+_NOTE = "simulated, driven by the recorded theta"
+
+
+def add_reservoir(
+    raw: str,
+    driven: str,
+    *,
+    experiment: str,
+    sample_rate_hz: float,
+    rate_tolerance: float,
+    zero_deg: float,
+    control: Mapping[str, Any],
+    rig: Mapping[str, Any],
+    seed: int,
+) -> None:
+    """Write a raw log whose reservoir is simulated: ``CHANNELS`` are added, or replaced.
+
+    The log's ``source`` ends in ``+sim``, and a note says so of each channel.
+
+    Raises
+    ------
+    LogError
+        The log cannot be used, or its theta asks for pressures that the
+        reservoir cannot have.
+    SimulationError
+        The simulation diverges.
+    """
+    (recording,) = isolated_each(
+        read_raw,
+        [raw],
+        experiment=experiment,
+        sample_rate_hz=sample_rate_hz,
+        rate_tolerance=rate_tolerance,
+    )
+    source = recording.attributes["source"]
+    if source not in SIMULATED_RESERVOIR:
+        raise LogError(
+            f"{raw}: source is {source}; a reservoir is simulated for recorded and imported logs, "
+            "set evaluation.reservoir: recorded"
+        )
+    note = notes_of(recording).get("theta_deg", "")
+    if note.startswith(something_else("theta_deg")):
+        raise LogError(
+            f"{raw}: channel theta_deg: {note}; K_in takes degrees, so no reservoir can be "
+            "simulated: set evaluation.reservoir: recorded, or import an angle"
+        )
+    theta = recording.channels["theta_deg"]
+    commands = commands_of(theta, zero_deg, control, raw)
+    simulated = drive(commands, sample_rate_hz, control, rig, seed, RUNS[experiment])
+    notes = notes_of(recording) | dict.fromkeys(CHANNELS, _NOTE)
+    attributes = recording.attributes | {
+        "source": SIMULATED_RESERVOIR[source],
+        "simulated": True,
+        "seed": seed,
+        "notes": notes,
+        "reservoir_zero_deg": zero_deg,
+        "reservoir_k_in_kpa_per_deg": control["k_in_kpa_per_deg"],
+    }
+    write_columns(driven, recording.channels | simulated, attributes)
+    log.warning("warning: %s: P_o, P_i and phi are %s", raw, _NOTE)

@@ -1,0 +1,89 @@
+"""Control-variable sweeps of Sec. III-E, and the weights of Fig. 9."""
+
+import hashlib
+import json
+import logging
+from collections.abc import Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from fprc.artifacts import read_json, write_json
+from fprc.evaluation.sweeps import log_progress, run_cells
+from fprc.experiments.data import models_for, read_data
+from fprc.experiments.settings import Judgement
+from fprc.experiments.sweeps import cells_of, chunk_of, judge_cell, weight_shares
+
+log = logging.getLogger(__name__)
+
+
+def sweep_settings(
+    train: str,
+    test: str,
+    results: str,
+    *,
+    sweep: str,
+    values: Mapping[str, Sequence[float]],
+    judgement: Mapping[str, Any],
+    workers: int,
+    checkpoint: str,
+    version: str,
+    chunk: int = 0,
+    chunks: int = 1,
+) -> None:
+    """Cross-validate and test every cell of one sweep, or of one chunk of it.
+
+    ``version``, the fingerprint of the source, is part of the checkpoint's key:
+    a checkpoint that other code, data or settings made is not used.
+
+    Parameters
+    ----------
+    judgement : Mapping
+        As ``fprc.experiments.settings.Judgement`` takes it.
+    chunk, chunks : int
+        Which chunk, from 0, of how many; ``join_sweep`` puts them together.
+    """
+    digest = hashlib.sha256(json.dumps([judgement, version], sort_keys=True).encode())
+    for path in (train, test):
+        digest.update(Path(path).read_bytes())
+    data = read_data(train)
+    models_there = models_for(judgement["models"], data, read_data(test))
+    possible = [cell for cell in cells_of(sweep, values) if cell["model"] in models_there]
+    judged = run_cells(
+        partial(_judge_from_files, train=train, test=test, judgement=Judgement(**judgement)),
+        chunk_of(possible, chunk, chunks),
+        workers=workers,
+        checkpoint=checkpoint,
+        key=digest.hexdigest(),
+        progress=log_progress,
+    )
+    described = {
+        "sweep": sweep,
+        "source": data.attributes["source"],
+        "seed": judgement["seed"],
+        "unit": data.unit,
+    }
+    write_json(results, {**described, "cells": judged})
+    Path(checkpoint).unlink()
+
+
+def _judge_from_files(
+    cell: Mapping[str, Any], *, train: str, test: str, judgement: Judgement
+) -> dict[str, Any]:
+    # in a worker: small arguments, each process reads for itself
+    return judge_cell(cell, train=read_data(train), test=read_data(test), judgement=judgement)
+
+
+def join_sweep(chunks: Sequence[str], results: str) -> None:
+    """Write the chunks of a sweep, in order, as if it had been one job."""
+    parts = [read_json(path) for path in chunks]
+    write_json(results, parts[0] | {"cells": [cell for part in parts for cell in part["cells"]]})
+
+
+def weigh(train: str, weights: str, *, judgement: Mapping[str, Any]) -> None:
+    """Write the normalised weights of the FPRC, rule by rule."""
+    data = read_data(train)
+    shares = weight_shares(data, Judgement(**judgement))
+    described = {"source": data.attributes["source"], "seed": judgement["seed"]}
+    write_json(weights, {**described, **shares})
+    log.info("mean shares: P_o {p_o:.3f}, theta_d {theta_d:.3f}".format(**shares["mean_share"]))

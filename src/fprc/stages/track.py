@@ -1,0 +1,152 @@
+"""Closed-loop runs of Sec. IV, and the gains of their PD controllers."""
+
+import logging
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from fprc.artifacts import read_json, write_json
+from fprc.control import RunAbortedError
+from fprc.errors import LogError
+from fprc.evaluation import rmse
+from fprc.experiments.tracking import Track, bench_gain, identified, tracking_error
+from fprc.logs import read_run, write_raw
+from fprc.logs.isolated import isolated_each
+from fprc.models import load_model
+from fprc.paper import controller_and_gain
+from fprc.registry import feedforward_of, outside_class
+
+log = logging.getLogger(__name__)
+
+_GAINS = ("kp_kpa_per_deg", "kd_kpa_s_per_deg")
+
+
+def identify_gain(
+    model: str,
+    gains: str,
+    *,
+    tracking: Mapping[str, Any],
+    control: Mapping[str, Any],
+    rig: Mapping[str, Any],
+    seed: int,
+) -> None:
+    """Find the P gain with the least error on a reference outside Table IV.
+
+    The D gain keeps its printed ratio to the P gain.
+    """
+    bench = Track(tracking, control, rig, seed)
+    write_json(gains, bench_gain(bench, load_model(model)))
+
+
+def identify_gain_from_logs(raw: Sequence[str], gains: str, *, tracking: Mapping[str, Any]) -> None:
+    """Find the P gain with the least error in the logs of a real rig, one for each candidate."""
+    tried = []
+    names = ("time_s", "theta_d_deg", "theta_deg")
+    for run in isolated_each(read_run, raw, names=names):
+        error = tracking_error(run.channels, run.attributes["settle_s"])
+        named = gains_of(run.attributes)
+        if named is None:
+            raise LogError(f"{run.path}: attribute rig: names no gains; record the log again")
+        tried.append({**named, "rmse_deg": rmse(error, np.zeros_like(error))})
+    gain = identified(tried, tracking["printed_gains"])
+    write_json(gains, gain | {"source": "rig"})
+
+
+def track(
+    models: Sequence[str],
+    gains: str,
+    raw: Sequence[str],
+    *,
+    reference: str,
+    names: Sequence[str],
+    controllers: Sequence[str],
+    tracking: Mapping[str, Any],
+    control: Mapping[str, Any],
+    rig: Mapping[str, Any],
+    seed: int,
+    classes: Mapping[str, Any] | None = None,
+) -> None:
+    """Follow one reference with every controller; one raw log each.
+
+    Parameters
+    ----------
+    models, names : sequences of str
+        Files of the models that give feedforward, and their names.
+    classes : Mapping, optional
+        The section ``models`` of the configuration, for models from outside this package.
+
+    Raises
+    ------
+    ControlError
+        The reference is impossible, or a run was stopped; what it recorded
+        is then kept beside the log as ``*.aborted.h5``.
+    """
+    bench = Track(tracking, control, rig, seed)
+    fitted = {
+        name: load_model(path, outside_class(name, classes or {}))
+        for name, path in zip(names, models, strict=True)
+    }
+    known_gains = read_json(gains)
+    for path, name in zip(raw, controllers, strict=True):
+        described = bench.describe(reference, name, known_gains)
+        described |= {"source": "sim", "rig": {"rig": rig, **described["rig"]}}
+        model = fitted.get(feedforward_of(controller_and_gain(name)[0]) or "")
+        try:
+            channels = bench.follow(reference, name, model, known_gains)
+        except RunAbortedError as stopped:
+            rescued = f"{path.removesuffix('.h5')}.aborted.h5"
+            write_raw(rescued, stopped.channels, **described, aborted=str(stopped))
+            log.error("kept what was recorded in %s", rescued)
+            raise
+        write_raw(path, channels, **described)
+        error = tracking_error(channels, described["settle_s"])
+        log.info("%s: RMSE %.3f deg", name, rmse(error, np.zeros_like(error)))
+
+
+def read_gains(runs: Sequence[str], gains: str) -> None:
+    """Collect from closed-loop logs the gains of their PD controllers, by name.
+
+    A gain that the logs do not name, or for which they name different values, is
+    left out, with a warning.
+
+    Raises
+    ------
+    LogError
+        A log cannot be read, or some are simulated and others are not.
+    """
+    found: dict[str, list[Any]] = {}
+    logs = isolated_each(read_run, runs, names=())
+    kinds = {run.attributes["source"]: str(run.path) for run in logs}
+    if len(kinds) > 1:
+        each = ", ".join(f"{source} ({path})" for source, path in kinds.items())
+        raise LogError(f"closed-loop logs of different sources: {each}; use logs of one kind")
+    for run in logs:
+        name = run.attributes["gain"]
+        if name != "none":
+            different = found.setdefault(name, [])
+            named = gains_of(run.attributes)
+            if named not in different:
+                different.append(named)
+    unclear = [name for name, values in found.items() if len(values) > 1 or not values[0]]
+    for name in unclear:
+        log.warning("warning: the logs do not agree on one %s gain; it is not given", name)
+    first = logs[0].attributes
+    write_json(
+        gains,
+        {
+            **{name: values[0] for name, values in found.items() if name not in unclear},
+            "candidates": [],
+            "source": first["source"],
+            "seed": int(first["seed"]),
+        },
+    )
+
+
+def gains_of(attributes: Mapping[str, Any]) -> dict[str, float] | None:
+    """Return the gains of the PD controller that a closed-loop log names, if it does."""
+    named = attributes["rig"].get("gains")
+    found = [named.get(key) for key in _GAINS] if isinstance(named, Mapping) else [None]
+    if not all(isinstance(value, float | int) for value in found):
+        return None
+    return dict(zip(_GAINS, map(float, found), strict=True))

@@ -1,0 +1,3 @@
+from fprc.stages.run import run_stage
+
+run_stage(snakemake)  # noqa: F821 (Snakemake provides it)
