@@ -119,9 +119,12 @@ def record(
         file.chmod(_READ_ONLY)
     log.info(
         "%d samples, %d ticks missed, late by %.3f ms in the median, %.3f ms at 99.9 %%; wrote %s",
-        statistics["ticks"], statistics["overruns"], 1e3 * statistics["jitter_p50_s"], 1e3 * statistics["jitter_p99_9_s"],
+        statistics["ticks"],
+        statistics["overruns"],
+        1e3 * statistics["jitter_p50_s"],
+        1e3 * statistics["jitter_p99_9_s"],
         raw,
-    )  # fmt: skip
+    )
 
 
 def _add(stopped: RunAbortedError | None, closing: DeviceError) -> RunAbortedError:
