@@ -39,7 +39,7 @@ def properties(logs: Mapping[str, Channels]) -> dict[str, float]:
     """
     log = logs["sweep"]
     time_s, theta, p_exp, p_o = (
-        log[name] for name in ("time_s", "theta_deg", "p_exp_kpa", "p_o_kpa")
+        log[name] for name in ("time_s", "theta_deg", "p_target_kpa", "p_o_kpa")
     )
     swing = float(np.ptp(p_o))
     return {
