@@ -1,8 +1,8 @@
 """The picture of the layers in CONTRIBUTING.md, from the imports of src/fprc: `make layers`.
 
-The layers are those of the contract "One direction" in pyproject.toml. An arrow means that a package
-imports another one; it is left out where other arrows lead there too. Single modules, which import
-no package, have none.
+The layers are those of the contract "One direction" in pyproject.toml. An arrow means that one
+imports the other; it is left out where other arrows lead there too. Single modules at the bottom,
+which import no package, have none.
 """
 
 import re
@@ -54,15 +54,13 @@ def block() -> str:
     packages = {room for room in arrows if (ROOT / f"src/{PACKAGE}/{room}").is_dir()}
     rows = [_row(layer, packages) for layer in layers()]
     lines = ["```mermaid", "flowchart TB"]
-    for number, row in enumerate(rows):
-        lines += [f'  subgraph floor{number}[" "]', "    direction LR"]
-        lines += [f'    {node}["{label}"]' for node, label in row.items()]
-        lines += ["  end"]
-    for layer in layers():
-        for room in sorted(layer):
-            lines += [f"  {room} --> {other}" for other in sorted(arrows[room] & packages)]
-    # what has no arrow stays in its layer by a line that is not seen
-    lines += [f"  floor{above} ~~~ floor{below}" for above, below in pairwise(range(len(rows)))]
+    lines += [f'  {node}["{text}"]' for row in rows for node, text in row.items() if node != text]
+    # each row below the one before, by lines that are not seen
+    lines += [f"  {' & '.join(above)} ~~~ {' & '.join(below)}" for above, below in pairwise(rows)]
+    for row in rows:
+        for room in row:
+            shown = sorted(arrows[room] & packages)
+            lines += [f"  {room} --> {' & '.join(shown)}"] if shown else []
     return "\n".join([*lines, "```", ""])
 
 

@@ -2,6 +2,8 @@ import re
 
 import pytest
 
+from fprc.yaml_file import read_yaml
+
 
 def planned(output: str) -> dict[str, int]:
     """Jobs of a dry run by rule."""
@@ -17,6 +19,19 @@ def test_dry_run_of_the_paper_plans_every_stage(project):
     assert jobs["measure_times"] == 1
     assert jobs["track"] == 5
     assert jobs["sweep"] == 3
+
+
+def test_profile_of_slurm_names_rules_that_there_are_and_groups_every_drawing(project):
+    rules = set()
+    for chunks in (1, 2):
+        asked = project.snakemake("--list-rules", "--config", f"sweeps={{chunks: {chunks}}}")
+        rules |= set(asked.stdout.split())
+    profile = read_yaml(project.folder / "profiles/slurm/config.yaml")
+    threads, groups = (
+        dict(each.split("=") for each in profile[key]) for key in ("set-threads", "groups")
+    )
+    assert threads.keys() | profile["set-resources"].keys() | groups.keys() <= rules
+    assert {rule for rule in rules if rule.startswith("draw_")} <= groups.keys()
 
 
 def test_default_profile_is_read(project):
