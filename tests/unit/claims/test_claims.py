@@ -6,13 +6,8 @@ import numpy as np
 import pytest
 import yaml
 
-from fprc.claims import (
-    Results,
-    changed_verdicts,
-    judge_claims,
-    measure_hysteresis,
-    measure_runs,
-)
+from fprc.claims import Results, changed_verdicts, judge_claims
+from fprc.experiments.measures import measure_hysteresis, measure_runs
 
 PUBLISHED = yaml.safe_load(
     (Path(__file__).parents[3] / "config" / "published.yaml").read_text(encoding="utf-8")

@@ -16,7 +16,7 @@ from fprc.commands.import_recording import bring_in
 from fprc.config import Settings
 from fprc.config.importing import read_map
 from fprc.errors import ConfigError, LogError
-from fprc.experiments.comparison import Data, read_data, refuse_mixture
+from fprc.experiments.data import Data, read_data, refuse_mixture
 from fprc.figures import style
 from fprc.logs import RAW_CHANNELS, assess, read_columns, read_raw, write_raw
 from fprc.stages.preprocess import preprocess

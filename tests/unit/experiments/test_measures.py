@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fprc.claims import measure_hysteresis, measure_runs
+from fprc.experiments.measures import measure_hysteresis, measure_runs
 
 RATE_HZ, QUIET_S = 200.0, 12.0
 REFERENCES = ("sine_0p2", "sine_0p5", "sweep", "complex")

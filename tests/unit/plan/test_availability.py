@@ -1,14 +1,13 @@
 import pandas as pd
 import pytest
 
-from fprc.experiments.tracking import CONTROLLERS
 from fprc.logs import COMPLETE, RAW_CHANNELS, Holding
-from fprc.plan.availability import NEEDS, TITLES, refusal, run_log, unavailable
+from fprc.paper import CONTROLLERS, EXPERIMENTS, REFERENCES, run_log
+from fprc.plan.availability import refusal, unavailable
+from fprc.plan.results import BY_NAME
 from fprc.stages.tabulate import tabulate_unavailable
 
-REFERENCES = ["sine_0p2", "sine_0p5", "sweep", "complex", "disturbance"]
-RUNS = [run_log(reference, name) for reference in REFERENCES for name in CONTROLLERS]
-EXPERIMENTS = ["sweep", "complex"]
+RUNS = [run_log(reference, name) for reference in (*REFERENCES, "disturbance") for name in CONTROLLERS]
 OF_RIGS = {"seeds", "claims", "check", "readme"}
 CLOSED_LOOP = {"table4", *(f"fig{number}" for number in range(12, 18))}
 
@@ -76,7 +75,7 @@ def test_reasons_add_up():
 @pytest.mark.parametrize("number", range(12, 18))
 def test_closed_loop_figure_is_made_of_its_own_runs(number):
     name = f"fig{number}"
-    own = dict.fromkeys(NEEDS[name].logs, COMPLETE)
+    own = dict.fromkeys(BY_NAME[name].logs, COMPLETE)
     assert set(own) <= set(RUNS)
     assert name not in of(own)
     for run in own:

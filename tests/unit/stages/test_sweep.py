@@ -2,10 +2,10 @@ import pytest
 
 from fprc.config import Settings
 from fprc.evaluation.sweeps import run_cells
-from fprc.experiments import sweeps as stage
-from fprc.experiments.readout import measure_readout
-from fprc.experiments.sweeps import chunk_of, join_sweep, sweep_settings
 from fprc.logs import write_columns
+from fprc.stages import sweep as stage
+from fprc.stages.readout import measure_readout
+from fprc.stages.sweep import join_sweep, sweep_settings
 
 VALUES = {"n_u": [1, 2], "n_y": [1, 3, 2]}
 
@@ -24,11 +24,16 @@ def logs(recorded, tmp_path_factory):
     return str(folder / "sweep.h5"), str(folder / "complex.h5")
 
 
-@pytest.fixture
-def sweep(logs, tmp_path):
-    """Make one sweep over the taps and return its file's name."""
+@pytest.fixture(scope="module")
+def judgement():
     models = Settings().models.model_dump(mode="json")
     models["fprc"] |= {"n_c": 2}
+    return {"models": models, "folds": 2, "split": "shuffled", "seed": 1}
+
+
+@pytest.fixture
+def sweep(logs, judgement, tmp_path):
+    """Make one sweep over the taps and return its file's name."""
 
     def call(name, **others):
         path = str(tmp_path / f"{name}.json")
@@ -37,10 +42,7 @@ def sweep(logs, tmp_path):
             path,
             sweep="taps",
             values=VALUES,
-            models=models,
-            folds=2,
-            split="shuffled",
-            seed=1,
+            judgement=judgement,
             checkpoint=str(tmp_path / f"{name}.jsonl"),
             version="v",
             **{"workers": 1} | others,
@@ -68,13 +70,11 @@ def test_two_processes_write_what_one_does(sweep):
 
 
 @pytest.mark.slow
-def test_two_processes_compare_the_readouts_as_one_does(logs, tmp_path):
-    models = Settings().models.model_dump(mode="json")
-    models["fprc"] |= {"n_c": 2}
+def test_two_processes_compare_the_readouts_as_one_does(logs, judgement, tmp_path):
     for workers in (1, 2):
         measure_readout(
-            *logs, str(tmp_path / f"{workers}.json"), models=models, epsilon=[0.1], n_u=[1],
-            folds=2, seed=1, workers=workers, checkpoint=str(tmp_path / "cells.jsonl"), version="v",
+            *logs, str(tmp_path / f"{workers}.json"), judgement=judgement, epsilon=[0.1], n_u=[1],
+            workers=workers, checkpoint=str(tmp_path / "cells.jsonl"), version="v",
         )  # fmt: skip
     assert read(tmp_path / "2.json") == read(tmp_path / "1.json")
 
@@ -108,11 +108,3 @@ def test_chunk_that_was_killed_goes_on_at_its_next_cell(sweep, monkeypatch):
     assert len(judged) == 2
     assert len(asked) == 1
     assert asked[0] not in judged
-
-
-@pytest.mark.parametrize("chunks", [1, 2, 3, 7, 10, 23])
-def test_every_cell_is_in_one_chunk_in_order(chunks):
-    cells = list(range(10))
-    parts = [chunk_of(cells, k, chunks) for k in range(chunks)]
-    assert sum(parts, []) == cells
-    assert max(map(len, parts)) - min(map(len, parts)) <= 1

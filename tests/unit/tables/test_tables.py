@@ -14,7 +14,7 @@ from fprc import tables
 from fprc.artifacts import write_csv, write_json
 from fprc.stages import tabulate
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 PUBLISHED = yaml.safe_load((ROOT / "config/published.yaml").read_text(encoding="utf-8"))
 
 COLUMNS = [
