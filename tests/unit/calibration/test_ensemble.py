@@ -8,8 +8,7 @@ import yaml
 from pydantic import ValidationError
 
 from fprc.artifacts import read_json, write_json
-from fprc.calibration import decode
-from fprc.calibration import ensemble
+from fprc.calibration import decode, ensemble
 from fprc.calibration.fit import free_parameters, judge_cheaply
 from fprc.claims import Results, judge_claims
 from fprc.claims.ensemble import JUDGED_BY_RIG
@@ -330,9 +329,7 @@ def test_checkpoint_of_other_code_or_settings_is_not_used(judge, judged, change)
 def real(settings, on_rig, drawing):
     """Two rigs through all of the tables, and in doing so through all of the code."""
     how = settings | {"ensemble": drawing, "free": FREE, "on_rig": on_rig}
-    return [
-        {"rig": number} | ensemble.judge_rig({"rig": number}, **how) for number in (0, 1)
-    ]
+    return [{"rig": number} | ensemble.judge_rig({"rig": number}, **how) for number in (0, 1)]
 
 
 def test_errors_are_those_of_the_full_models_on_the_drawn_rig(real, on_rig, settings):
