@@ -165,12 +165,12 @@ def _calibrate(options: argparse.Namespace) -> int:
 
 
 def _import(options: argparse.Namespace) -> int:
-    from fprc.commands.import_recording import bring_in, list_source
+    from fprc.commands.import_recording import import_recording, list_source
 
     if options.list:
         list_source(options.source, options.map)
     elif options.map and options.out:
-        bring_in(options.source, options.map, options.out)
+        import_recording(options.source, options.map, options.out)
     else:
         options.usage("give --list, or both --map and --out")
     return 0

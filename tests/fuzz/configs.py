@@ -45,8 +45,8 @@ _NOT_THERE = (
 _THERE = ("data/mine", "results/mine", "/tmp/mine", "my results", "größe", ("a/raw", "a"))
 
 
-@cache
 def _defaults() -> dict[str, Any]:
+    """Return the settings of an empty file; not cached, because a case may change them."""
     return Settings().model_dump(mode="json")
 
 
@@ -99,8 +99,9 @@ def _some(rng: np.random.Generator, placeholders: int = 0) -> dict[str, Any]:
     """Return some settings, nested; the first of them are to be filled in."""
     names = rng.permutation(_leaves())[: int(rng.integers(1, 12))]
     tree: dict[str, Any] = {}
+    defaults = _defaults()
     for k, name in enumerate(names):
-        value: Any = _defaults()
+        value: Any = defaults
         for part in name.split("."):
             value = value[part]
         if isinstance(value, float) and rng.random() < 0.5:

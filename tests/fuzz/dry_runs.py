@@ -13,8 +13,13 @@ from watched import Ended
 
 ROOT = Path(__file__).parents[2]
 _ROW = "snakemake -n"
-#: Snakemake's words for text that is no YAML, or endless, before it asks for our code.
-_BY_ITSELF = ("Config file is not valid JSON or YAML", "RecursionError")
+#: What Snakemake prints when it cannot read a configuration by itself: that is before it runs any
+#: of our code, and it does not name the file.
+_BY_ITSELF = (
+    "Config file is not valid JSON or YAML",
+    "Config file must be given as JSON or YAML",
+    ", in load_configfile",  # an error of the YAML library, which Snakemake lets through
+)
 
 
 def project(folder: Path) -> Path:
@@ -42,8 +47,13 @@ def _config(rng: np.random.Generator, folder: Path) -> Case:
     def planned(folder: Path, ended: Ended) -> Verdict:
         return step.judge(folder, ended)
 
+    return Case("dry run", made.what, [step, config_step(folder, step.names, planned)])
+
+
+def config_step(folder: Path, names: tuple[str, ...], judge) -> Step:
+    """Return the dry run of the configuration in a folder."""
     command = ["--configfile", str(folder / configs.NAME)]
-    return Case("dry run", made.what, [step, _step(folder, command, step.names, planned)])
+    return _step(folder, command, (*names, *_BY_ITSELF), judge)
 
 
 def _log(rng: np.random.Generator, folder: Path) -> Case:
@@ -67,11 +77,4 @@ def _log(rng: np.random.Generator, folder: Path) -> Case:
 
 def _step(folder: Path, more: list[str], names: tuple[str, ...], judge) -> Step:
     command = (sys.executable, "-m", "snakemake", "-n", "--cores", "1", *more)
-    return Step(
-        command,
-        _ROW,
-        (*names, *_BY_ITSELF),
-        judge,
-        folder=str(project(folder.parent)),
-        limit_s=60.0,
-    )
+    return Step(command, _ROW, names, judge, folder=str(project(folder.parent)), limit_s=60.0)

@@ -10,6 +10,9 @@ import numpy as np
 import pytest
 import yaml
 
+from fprc.errors import LogError
+from fprc.logs import read_raw
+
 FUZZ = Path(__file__).parent
 LINUX = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="looks into /proc")
 
@@ -78,6 +81,21 @@ def test_text_that_says_nothing_or_two_things_is_unclear(text):
     reading = module("reading")
     with pytest.raises(reading.UnclearError):
         reading.read(text.encode())
+
+
+def test_settings_that_a_case_changes_are_its_own(tmp_path):
+    configs = module("configs")
+
+    def empty(tree):
+        for inner in tree.values() if isinstance(tree, dict) else ():
+            empty(inner)
+        if isinstance(tree, (dict, list)):
+            tree.clear()
+
+    for seed in range(50):
+        empty(configs._some(np.random.default_rng(seed)))
+    (tmp_path / configs.NAME).write_text("seed: 5\n")
+    assert configs.compare(tmp_path, "") == ("same", "")
 
 
 # --- the judgement of what comes out --------------------------------------------------------
@@ -173,6 +191,37 @@ def test_log_in_which_one_thing_is_changed_is_not_the_same(
         else:
             file["p_ff_kpa"].attrs["units"] = "bar"
     assert judged(log, tmp_path, ended(code)) == outcome
+
+
+@pytest.mark.parametrize("kind", ["sweep", "track", "imported", "recorded"])
+def test_log_without_a_channel_that_it_needs_is_refused(tmp_path, kind):
+    raw_logs, changes = module("raw_logs"), module("hdf5_changes")
+    path = tmp_path / "log.h5"
+    gone = set()
+    for seed in range(10):
+        path.write_bytes(raw_logs.logs()[kind].data)
+        with h5py.File(path, "a") as file:
+            gone.add(changes._drop_channel(np.random.default_rng(seed), file))
+        with pytest.raises(LogError):
+            read_raw(path, experiment=None, sample_rate_hz=None, rate_tolerance=1e-3)
+    assert len(gone) > 1
+
+
+@pytest.mark.parametrize(
+    "text",
+    [b"seed: [", b"5", b"seed: '\xb3'", b"seed: !!float x", b"seed: " + b"[" * 5000 + b"]" * 5000],
+    ids=["no YAML", "no keys", "no UTF-8", "no number", "endless"],
+)
+@pytest.mark.slow
+def test_configuration_that_snakemake_cannot_read_is_told_by_its_words(tmp_path, text):
+    judging, configs, dry_runs = module("judging"), module("configs"), module("dry_runs")
+    folder = tmp_path / "case"
+    folder.mkdir()
+    (folder / configs.NAME).write_bytes(text)
+    step = dry_runs.config_step(folder, ("no such name",), lambda folder, ended: ("same", ""))
+    found, ended = judging.run(step, judging.Case("dry run", "", [step]), folder, lambda: None)
+    assert found.outcome == "refused"
+    assert configs.NAME not in ended.out + ended.err
 
 
 @pytest.mark.parametrize("way", [None, "exchanged", "changed"])

@@ -2,12 +2,6 @@
 
 BENCHMARK = PATHS.below("benchmark")
 WHOLE = f"{BENCHMARK}/all.json"
-#: Rules of `all`, and no others.
-IN_ALL = [
-    each.name
-    for each in workflow.rules
-    if Path(each.snakefile).stem not in ("calibration", "scaling", "benchmark")
-]
 SIZES = {
     "r": [100, 200, 400, 800, 1600, 3200],
     "samples": [1500, 3000, 6000, 12000, 24000],
@@ -102,8 +96,7 @@ rule rule_times:
     localrule: True
     params:
         **stage("show_benchmark.tabulate_rules"),
-        logs=PATHS.below("logs"),
-        rules=IN_ALL,
+        files=TARGETS["report"],
     message:
         "What each rule took when it last ran"
     script:

@@ -39,6 +39,9 @@ rule ensemble_chunk:
         rigs=PATHS.below("ensemble/rigs_{chunk}.json"),
     log:
         PATHS.messages("ensemble_{chunk}"),
+    # a chunk of another size is no file of ours
+    wildcard_constraints:
+        chunk="|".join(map(str, CHUNKS)),
     resources:
         mem_mb=2000,
     params:

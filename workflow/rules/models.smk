@@ -139,7 +139,7 @@ else:
         log:
             PATHS.messages("sweep_{sweep}_{chunk}"),
         wildcard_constraints:
-            chunk=r"\d+",
+            chunk="|".join(map(str, range(SWEEP_CHUNKS))),
         priority: LONG
         threads: workers_of
         resources:

@@ -83,7 +83,7 @@ def record(
     stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
     path = Path(raw).with_suffix(f".{stamp}.journal")
     with Journal.create(path, experiment.channels, experiment.attributes) as journal:
-        stopped, told, vented = None, {}, ""
+        stopped, statistics, vented = None, {}, ""
         try:
             with rig(hardware, period_s) as (device, clock):
                 _announce(name, experiment.samples * period_s, experiment.hint)
@@ -101,13 +101,13 @@ def record(
                     )
                 except RunAbortedError as error:
                     stopped = error
-                told = clock.statistics()
+                statistics = clock.statistics()
             vented = "both chambers are vented, as their sensors show; "
         except DeviceError as error:
-            if not told:  # no run was begun
+            if not statistics:  # no run was begun
                 raise
             stopped = _add(stopped, error)
-        journal.close(complete=stopped is None, reason=str(stopped or ""), **told)
+        journal.close(complete=stopped is None, reason=str(stopped or ""), **statistics)
     if stopped:
         raise RunAbortedError(
             f"{stopped}\n{vented}{journal.samples} samples are in {path}, read them with: "
@@ -119,9 +119,12 @@ def record(
         file.chmod(_READ_ONLY)
     log.info(
         "%d samples, %d ticks missed, late by %.3f ms in the median, %.3f ms at 99.9 %%; wrote %s",
-        told["ticks"], told["overruns"], 1e3 * told["jitter_p50_s"], 1e3 * told["jitter_p99_9_s"],
+        statistics["ticks"],
+        statistics["overruns"],
+        1e3 * statistics["jitter_p50_s"],
+        1e3 * statistics["jitter_p99_9_s"],
         raw,
-    )  # fmt: skip
+    )
 
 
 def _add(stopped: RunAbortedError | None, closing: DeviceError) -> RunAbortedError:

@@ -1,13 +1,13 @@
 """Fitting the simulated rig to published numbers, in the open."""
 
-from fprc.calibration.objective import Target, loss_of, properties, residuals
+from fprc.calibration.objective import Aim, loss_of, properties, residuals
 from fprc.calibration.search import search
 from fprc.calibration.space import Free, decode, encode
 from fprc.calibration.surrogate import surrogate_errors
 
 __all__ = [
     "Free",
-    "Target",
+    "Aim",
     "decode",
     "encode",
     "loss_of",

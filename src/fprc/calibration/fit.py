@@ -13,7 +13,7 @@ import numpy as np
 from joblib import Parallel, delayed, parallel_config
 
 from fprc import __version__
-from fprc.calibration.objective import Target, loss_of, properties, residuals
+from fprc.calibration.objective import Aim, loss_of, properties, residuals
 from fprc.calibration.search import search
 from fprc.calibration.space import Free, decode, encode
 from fprc.calibration.surrogate import surrogate_errors
@@ -63,7 +63,7 @@ def fit_rig(
     dict, dict
         The fitted rig, and all that is known of the fit.
     """
-    aim = target_of(printed, calibration)
+    aim = aim_of(printed, calibration)
     free = free_parameters(calibration["free"], calibration["ranges"])
     standin = {key: calibration[key] for key in ("stride", "esn_nodes")}
     seeds, models = calibration["seeds"], judgement["models"]
@@ -138,7 +138,7 @@ def fit_rig(
 
 def _ratios(
     on_rig: RigSettings,
-    aim: Target,
+    aim: Aim,
     seeds: Sequence[int],
     workers: int,
     judgement: Mapping[str, Any],
@@ -153,7 +153,7 @@ def _ratios(
     }
 
 
-def target_of(published: Mapping[str, Any], calibration: Mapping[str, Any]) -> Target:
+def aim_of(published: Mapping[str, Any], calibration: Mapping[str, Any]) -> Aim:
     """Return what the search aims at: Tables II and III, orders, plausible properties.
 
     Validation errors are left to follow the training errors, which they hardly
@@ -165,7 +165,7 @@ def target_of(published: Mapping[str, Any], calibration: Mapping[str, Any]) -> T
             printed = published[table][model]
             errors[f"{trained_on}/{model}/train"] = float(printed["train_rmse_kpa"][0])
             errors[f"{trained_on}/{model}/test"] = float(printed["test_rmse_kpa"])
-    return Target(errors, calibration["plausible"], calibration["margin"], calibration["ratio"])
+    return Aim(errors, calibration["plausible"], calibration["margin"], calibration["ratio"])
 
 
 def free_parameters(
@@ -191,7 +191,7 @@ def loss_at(
     on_rig: RigSettings,
     free: Sequence[Free],
     seeds: Sequence[int],
-    aim: Target,
+    aim: Aim,
     ratios: Mapping[str, float],
     models: Mapping[str, Any],
     standin: Mapping[str, int],

@@ -11,7 +11,7 @@ from fprc.signals import loop_growth, width_at_middle
 Channels = Mapping[str, np.ndarray]
 
 
-class Target(NamedTuple):
+class Aim(NamedTuple):
     """What the search aims at.
 
     ``errors`` are the published RMSEs by "trained on/model/phase"; ``ranges``
@@ -39,7 +39,7 @@ def properties(logs: Mapping[str, Channels]) -> dict[str, float]:
     """
     log = logs["sweep"]
     time_s, theta, p_exp, p_o = (
-        log[name] for name in ("time_s", "theta_deg", "p_exp_kpa", "p_o_kpa")
+        log[name] for name in ("time_s", "theta_deg", "p_target_kpa", "p_o_kpa")
     )
     swing = float(np.ptp(p_o))
     return {
@@ -52,7 +52,7 @@ def properties(logs: Mapping[str, Channels]) -> dict[str, float]:
     }
 
 
-def residuals(errors: Sequence[Mapping[str, float]], target: Target) -> dict[str, float]:
+def residuals(errors: Sequence[Mapping[str, float]], target: Aim) -> dict[str, float]:
     """Return the relative deviation of each mean error from print, one mapping a seed."""
     return {
         key: float(np.mean([seed[key] for seed in errors]) / printed - 1.0)
@@ -63,7 +63,7 @@ def residuals(errors: Sequence[Mapping[str, float]], target: Target) -> dict[str
 def loss_of(
     errors: Sequence[Mapping[str, float]],
     found: Sequence[Mapping[str, float]],
-    target: Target,
+    target: Aim,
 ) -> float:
     """Return what the search minimises.
 
@@ -86,7 +86,7 @@ def loss_of(
     return _mean_square(deviations) + _mean_square(misses) + _mean_square(outside)
 
 
-def _order_misses(errors: Mapping[str, float], target: Target) -> list[float]:
+def _order_misses(errors: Mapping[str, float], target: Aim) -> list[float]:
     misses = []
     for trained_on in ("sweep", "complex"):
         others = min(errors[f"{trained_on}/{model}/test"] for model in ("esn", "fuzzy_linear"))

@@ -16,7 +16,7 @@ from fprc.artifacts import appending, write_text
 log = logging.getLogger(__name__)
 
 
-class Found(NamedTuple):
+class SearchResult(NamedTuple):
     """What a search found."""
 
     point: np.ndarray  #: the best point
@@ -39,11 +39,11 @@ def search(
     key: str,
     seconds: float = np.inf,
     progress: Callable[[int, int, float, float], None] = lambda done, total, best, elapsed: None,
-) -> Found:
+) -> SearchResult:
     """Minimise ``loss`` in the unit cube by CMA-ES (Hansen 2016), in a pool of processes.
 
     The optimiser is deterministic, so a checkpoint needs no more than the
-    losses of each generation: they are told again, and the search goes on.
+    losses of each generation: they are given to the search again, and the search goes on.
 
     Parameters
     ----------
@@ -63,16 +63,16 @@ def search(
         loss, and seconds.
     """
     settings = {"start": list(start), "step": step, "population": population, "seed": seed}
-    told = _resume(Path(checkpoint), {"key": key} | settings)
+    losses_before = _resume(Path(checkpoint), {"key": key} | settings)
     optimiser = cma.CMAEvolutionStrategy(
         list(start),
         step,
         {"bounds": [0.0, 1.0], "popsize": population, "seed": seed + 1, "verbose": -9},
     )
-    for losses in told:
+    for losses in losses_before:
         optimiser.tell(optimiser.ask(), losses)
     begun = time.monotonic()
-    done = len(told)
+    done = len(losses_before)
     with (
         appending(checkpoint) as append,
         parallel_config("loky", inner_max_num_threads=1),
@@ -87,15 +87,17 @@ def search(
             progress(done, generations, optimiser.best.f, time.monotonic() - begun)
     best = optimiser.best
     if not done:
-        return Found(np.asarray(start, dtype=float), np.inf, 0, 0, False)
-    return Found(np.asarray(best.x), float(best.f), done, done * population, done >= generations)
+        return SearchResult(np.asarray(start, dtype=float), np.inf, 0, 0, False)
+    return SearchResult(
+        np.asarray(best.x), float(best.f), done, done * population, done >= generations
+    )
 
 
 def _resume(checkpoint: Path, head: Mapping[str, Any]) -> list[list[float]]:
     """Return the losses of the finished generations; leave a file that can be appended to."""
     text = checkpoint.read_text(encoding="utf-8", errors="replace") if checkpoint.exists() else ""
     first, *lines = text.splitlines() or [""]
-    told = []
+    losses_before = []
     if first and first != json.dumps(head):
         old = checkpoint.with_name(f"{checkpoint.name}.old")
         checkpoint.replace(old)
@@ -105,9 +107,9 @@ def _resume(checkpoint: Path, head: Mapping[str, Any]) -> list[list[float]]:
     if first == json.dumps(head):
         for line in lines:
             try:
-                told.append(json.loads(line))
+                losses_before.append(json.loads(line))
             except json.JSONDecodeError:
                 break
-    kept = [head, *told]
+    kept = [head, *losses_before]
     write_text(checkpoint, "".join(json.dumps(entry) + "\n" for entry in kept))
-    return told
+    return losses_before

@@ -29,7 +29,7 @@ def surrogate_errors(
     Parameters
     ----------
     logs : Mapping
-        Channels of the logs "sweep" and "complex"; ``p_exp_kpa`` is the target.
+        Channels of the logs "sweep" and "complex"; ``p_target_kpa`` is the target.
 
     Returns
     -------
@@ -44,7 +44,7 @@ def surrogate_errors(
         X = {log: np.column_stack([logs[log][key] for key in entry.inputs]) for log in logs}
         features = model.make_features().fit(X["sweep"])
         rows = {log: features.transform(X[log])[::stride] for log in logs}
-        y = {log: logs[log]["p_exp_kpa"][::stride] for log in logs}
+        y = {log: logs[log]["p_target_kpa"][::stride] for log in logs}
         for train, test in DIRECTIONS:
             readout = model.make_readout().fit(rows[train], y[train])
             for phase, log in (("train", train), ("test", test)):

@@ -31,7 +31,7 @@ from fprc.provenance import sha256
 _MOST_OTHERS = 50
 
 
-def bring_in(source: str, map_file: str, raw: str) -> None:
+def import_recording(source: str, map_file: str, raw: str) -> None:
     """Write a raw log from a foreign file, say what was found in it, and draw it.
 
     Beside ``raw`` it writes ``*.diagnosis.json`` and ``*.diagnosis.png``: all three
@@ -44,12 +44,12 @@ def bring_in(source: str, map_file: str, raw: str) -> None:
     LogError
         The file cannot be used so, or ``raw`` is a log that was not imported.
     """
-    told = checked_map(map_file, source, partial(_not_one_log, map_file))
-    bring_in_as(told, source, raw)
+    mapping = checked_map(map_file, source, partial(_not_one_log, map_file))
+    import_mapped(mapping, source, raw)
 
 
-def _not_one_log(map_file: str, told: ImportMap) -> list[str]:
-    if told.experiment is not None:
+def _not_one_log(map_file: str, mapping: ImportMap) -> list[str]:
+    if mapping.experiment is not None:
         return []
     return [
         f"{map_file}: test_from_s is for `fprc readout`; give experiment (sweep or complex) "
@@ -73,13 +73,13 @@ def checked_map(
         Everything that is wrong with the map.
     """
     try:
-        told = read_map(map_file)
-        problems = problems_of(told)
+        mapping = read_map(map_file)
+        problems = problems_of(mapping)
     except ConfigError as error:
         problems = [str(error)]
     if problems:
         raise ConfigError("\n".join([*problems, *_not_there(map_file, source)]))
-    return told
+    return mapping
 
 
 def _not_there(map_file: str, source: str) -> list[str]:
@@ -100,34 +100,36 @@ def _not_there(map_file: str, source: str) -> list[str]:
     return problems
 
 
-def bring_in_as(told: ImportMap, source: str, raw: str) -> None:
-    """Do as ``bring_in`` with a map that was read."""
+def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
+    """Do as ``import_recording`` with a map that was read."""
     if Path(raw).suffix != ".h5":
         raise LogError(f"{raw}: a raw log's name ends in .h5; write --out {Path(raw).stem}.h5")
     _refuse_to_overwrite(raw)
-    columns = told.channels.model_dump(exclude_none=True)
-    content = read_source(source, **told.csv.model_dump())
-    time = told.time.model_dump()
-    recording = gather(content, time=time, channels=columns, start_s=told.start_s, end_s=told.end_s)
-    refuse_length(content, time, recording.clock, told.sample_rate_hz)
+    columns = mapping.channels.model_dump(exclude_none=True)
+    content = read_source(source, **mapping.csv.model_dump())
+    time = mapping.time.model_dump()
+    recording = gather(
+        content, time=time, channels=columns, start_s=mapping.start_s, end_s=mapping.end_s
+    )
+    refuse_length(content, time, recording.clock, mapping.sample_rate_hz)
     units = {name: "" if spec["unit"] == "1" else unit_of(name) for name, spec in columns.items()}
     found = diagnose(recording.time_s, recording.channels, recording.clock.mended)
     words = describe(found, units)
-    doubt = told.time.column and other_unit(recording.clock, told.time.unit)
+    doubt = mapping.time.column and other_unit(recording.clock, mapping.time.unit)
     if doubt:
         words.insert(1, f"clock: {doubt}")
-    time_s, channels = resample(recording.time_s, recording.channels, told.sample_rate_hz)
+    time_s, channels = resample(recording.time_s, recording.channels, mapping.sample_rate_hz)
     attributes = {
-        "experiment": told.experiment,
+        "experiment": mapping.experiment,
         "source": "import",
-        "sample_rate_hz": told.sample_rate_hz,
+        "sample_rate_hz": mapping.sample_rate_hz,
         "seed": 0,
         "software": f"fprc {__version__}",
         "rig": {},
         "imported_from": visible(Path(source).name),
         "imported_sha256": sha256(source),
         "imported_start_s": recording.start_s,
-        "map": json.dumps(told.model_dump(exclude_none=True)),
+        "map": json.dumps(mapping.model_dump(exclude_none=True)),
         "notes": json.dumps(_notes(columns)),
     }
     stem = Path(raw).with_suffix("")
@@ -144,7 +146,7 @@ def bring_in_as(told: ImportMap, source: str, raw: str) -> None:
         style.save_png(fig, {"source": "import"}, str(png))
         write_raw(log, {"time_s": time_s, **channels}, **attributes)
     same = all(np.array_equal(channels[name], recording.channels[name]) for name in channels)
-    _report(source, raw, told, found, words, len(time_s), same)
+    _report(source, raw, mapping, found, words, len(time_s), same)
 
 
 def _notes(columns: dict[str, dict[str, Any]]) -> dict[str, str]:
@@ -165,13 +167,13 @@ def _refuse_to_overwrite(raw: str) -> None:
 def _report(
     source: str,
     raw: str,
-    told: ImportMap,
+    mapping: ImportMap,
     found: dict[str, Any],
     words: list[str],
     samples: int,
     same: bool,
 ) -> None:
-    rate_hz = told.sample_rate_hz
+    rate_hz = mapping.sample_rate_hz
     if same:
         how = "as they were"
     elif found["clock"]["running_hz"] > 1.01 * rate_hz:

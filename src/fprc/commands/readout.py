@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_limits
 
 from fprc import tables
 from fprc.artifacts import read_json, write_json, write_text
-from fprc.commands.import_recording import bring_in_as, checked_map
+from fprc.commands.import_recording import checked_map, import_mapped
 from fprc.config import from_files
 from fprc.config.importing import ImportMap
 from fprc.errors import ConfigError
@@ -70,7 +70,7 @@ def report_readout(
     """
     settings = from_files(config).model_dump(mode="json")
     simulated = settings["evaluation"]["reservoir"] == "simulated"
-    told = checked_map(map_file, source, partial(_no_parts, map_file, simulated=simulated))
+    mapping = checked_map(map_file, source, partial(_no_parts, map_file, simulated=simulated))
     if workers is not None and workers < 1:
         raise ConfigError(
             f"--workers {workers}: must be 1 or more; leave it out for all processors"
@@ -81,9 +81,9 @@ def report_readout(
     for experiment in PARTS:
         raw = folder / "raw" / f"{experiment}.h5"
         raw.parent.mkdir(parents=True, exist_ok=True)
-        bring_in_as(told.part(experiment), source, str(raw))
+        import_mapped(mapping.part(experiment), source, str(raw))
         if simulated:
-            raw = _with_reservoir(raw, folder / "reservoir", experiment, told, settings)
+            raw = _with_reservoir(raw, folder / "reservoir", experiment, mapping, settings)
         data[experiment] = str(folder / "data" / f"{experiment}.h5")
         preprocess(
             str(raw),
@@ -91,12 +91,12 @@ def report_readout(
             str(folder / "quality" / f"{experiment}.json"),
             experiment=experiment,
             target=settings["evaluation"]["target"],
-            sample_rate_hz=told.sample_rate_hz,
+            sample_rate_hz=mapping.sample_rate_hz,
             limits=settings["quality"],
         )
     made = _judge(data, folder / "readout", settings, workers or len(os.sched_getaffinity(0)))
     page = folder / "report.md"
-    write_text(page, _page(source, map_file, told, settings, folder, made))
+    write_text(page, _page(source, map_file, mapping, settings, folder, made))
     log.info("%s", page)
 
 
@@ -111,7 +111,7 @@ def _log_to_terminal() -> None:
 
 
 def _with_reservoir(
-    raw: Path, folder: Path, experiment: str, told: ImportMap, settings: Mapping[str, Any]
+    raw: Path, folder: Path, experiment: str, mapping: ImportMap, settings: Mapping[str, Any]
 ) -> Path:
     """Simulate the reservoir of a log, and return the log that has it."""
     driven = folder / raw.name
@@ -119,7 +119,7 @@ def _with_reservoir(
         str(raw),
         str(driven),
         experiment=experiment,
-        sample_rate_hz=told.sample_rate_hz,
+        sample_rate_hz=mapping.sample_rate_hz,
         rate_tolerance=settings["quality"]["rate_tolerance"],
         zero_deg=settings["evaluation"]["reservoir_zero_deg"],
         control=settings["control"],
@@ -129,14 +129,14 @@ def _with_reservoir(
     return driven
 
 
-def _no_parts(path: str, told: ImportMap, *, simulated: bool) -> list[str]:
+def _no_parts(path: str, mapping: ImportMap, *, simulated: bool) -> list[str]:
     problems = []
-    if told.test_from_s is None:
+    if mapping.test_from_s is None:
         problems.append(
             f"{path}: test_from_s is missing: the instant at which the test part begins, counted "
             "from the first sample; it takes the place of experiment"
         )
-    if told.channels.p_o_kpa is None and not simulated:
+    if mapping.channels.p_o_kpa is None and not simulated:
         problems.append(
             f"{path}: channels.p_o_kpa is missing: it is the readout that is to be judged; "
             "or set evaluation.reservoir: simulated"
@@ -196,7 +196,7 @@ def progress_bar() -> Callable[[int, int], None]:
 def _page(
     source: str,
     map_file: str,
-    told: ImportMap,
+    mapping: ImportMap,
     settings: Mapping[str, Any],
     folder: Path,
     made: Mapping[str, Any],
@@ -204,14 +204,14 @@ def _page(
     """Return the report as Markdown; pictures are beside it."""
     table = tables.readout(made)
     note, grid = (folder / "readout/readout.md").read_text(encoding="utf-8").split("\n\n", 1)
-    rate_hz = told.sample_rate_hz
+    rate_hz = mapping.sample_rate_hz
     lines = [
         f"# What the readout of {code(Path(source).name)} is worth",
         "",
         f"Recording: {code(source)}, SHA-256 `{sha256(source)[:16]}`; map: {code(map_file)}.",
         f"Data: {SOURCES[made['source']]}; {rate_hz:g} samples a second, and epsilon "
         "and taps count in samples.",
-        f"Trained before {told.test_from_s:g} s, tested from there on; models as in the paper"
+        f"Trained before {mapping.test_from_s:g} s, tested from there on; models as in the paper"
         f"{'' if _as_printed(settings) else ' but for the settings that were given'}. "
         f"Predicted is the {PREDICTED[made['target']]} P_exp.",
         "",

@@ -131,14 +131,14 @@ def read_map(path: Path | str) -> ImportMap:
     loaded = read_yaml(path)
     lines = []
     try:
-        told = ImportMap.model_validate(loaded)
+        mapping = ImportMap.model_validate(loaded)
     except ValidationError as error:
         lines = [_line(item) for item in error.errors()]
     lines += [f"  {text}" for text in _contradictions(loaded)]
     if lines:
         noun = "error" if len(lines) == 1 else "errors"
         raise ConfigError("\n".join([f"{path}: {len(lines)} {noun} in the map:", *lines]))
-    return told
+    return mapping
 
 
 class Draft(NamedTuple):

@@ -21,7 +21,8 @@ errors, told at once with their lines. `fprc config check FILE ...` runs nothing
 
 Snakemake reads `--config` itself. There the last of repeated keys counts, without a word; numbers
 are decimal as in files. It also opens the files of `--configfile` before this project does, and
-writes out their aliases, which may take all memory: check a file from elsewhere first.
+writes out their aliases, which may take all memory: check a file from elsewhere first. If
+it cannot read one, its message does not name the file; `fprc config check FILE` says what is wrong.
 """
 
 

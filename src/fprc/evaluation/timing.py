@@ -64,8 +64,8 @@ def time_models(
             if mode == "batch" and warm_s < BRIEF_S:
                 brief.append(name)
         for name, seconds in interleaved(work, repeats, brief).items():
-            told = {"phase": phase, "mode": mode, "samples": samples[name]}
-            results[name].append({**told, "seconds": seconds})
+            described = {"phase": phase, "mode": mode, "samples": samples[name]}
+            results[name].append({**described, "seconds": seconds})
     return results
 
 

@@ -9,12 +9,12 @@ from fprc.errors import LogError
 from fprc.logs import read_columns
 from fprc.registry import entries
 
-#: Channel of a raw log that plays P_exp for the models, by config's choice.
+#: Channel of a raw log that is P_exp for the models, their target, by config's choice.
 TARGETS = {"command": "p_exp_command_kpa", "measured": "p_exp_kpa"}
 
 
 class Data(NamedTuple):
-    """One log as the models see it."""
+    """One log as the models see it; ``p_target_kpa`` is P_exp, commanded or measured."""
 
     channels: Mapping[str, np.ndarray]
     attributes: Mapping[str, Any]
@@ -22,7 +22,7 @@ class Data(NamedTuple):
     @property
     def unit(self) -> str:
         """Unit of P_exp, and so of every error: kPa, unless an import says something else."""
-        return self.attributes.get("p_exp_unit", "kPa")
+        return self.attributes.get("p_target_unit", "kPa")
 
     def pair(
         self, model: str, models: Mapping[str, Any] | None = None
@@ -41,12 +41,14 @@ class Data(NamedTuple):
                 f"the {self.attributes['experiment']} log has no {', '.join(missing)}, which "
                 f"{model} needs; import it with that channel, or judge the other models only"
             )
-        return np.column_stack([self.channels[name] for name in inputs]), self.channels["p_exp_kpa"]
+        return np.column_stack([self.channels[name] for name in inputs]), self.channels[
+            "p_target_kpa"
+        ]
 
 
 def read_data(path: str) -> Data:
     """Read a preprocessed log."""
-    file = read_columns(path, ("time_s", "p_exp_kpa", "theta_deg"), optional=("p_o_kpa",))
+    file = read_columns(path, ("time_s", "p_target_kpa", "theta_deg"), optional=("p_o_kpa",))
     return Data(file.channels, file.attributes)
 
 

@@ -23,7 +23,7 @@ def simulate(settings: RigSettings, seed: int) -> dict[str, Data]:
     data = {}
     for experiment, signal in settings.signals.items():
         channels = acquire(experiment, signal, settings.control, settings.rig, seed)
-        channels["p_exp_kpa"] = channels[TARGETS[settings.target]]
+        channels["p_target_kpa"] = channels[TARGETS[settings.target]]
         attributes = {
             "experiment": experiment,
             "source": "sim",

@@ -56,7 +56,7 @@ def judge_readout(
 
 def inputs_with(readout: str, data: Data, seed: int) -> tuple[np.ndarray, np.ndarray]:
     """Return theta_d and what stands for P_o as columns, and P_exp."""
-    theta, p_exp = data.channels["theta_deg"], data.channels["p_exp_kpa"]
+    theta, p_exp = data.channels["theta_deg"], data.channels["p_target_kpa"]
     if readout == "none":
         return theta[:, None], p_exp
     second = theta if readout == "theta" else data.channels["p_o_kpa"]

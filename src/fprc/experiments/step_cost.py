@@ -41,7 +41,7 @@ def _controller(
     tracking: Mapping[str, Any],
     period_s: float,
 ) -> Callable[[int], object]:
-    theta, p_exp = (data.channels[name] for name in ("theta_deg", "p_exp_kpa"))
+    theta, p_exp = (data.channels[name] for name in ("theta_deg", "p_target_kpa"))
     p_o = data.channels.get("p_o_kpa", np.zeros_like(theta))
     readings = [
         Readings(k * period_s, p_exp[k], theta[k], 0.0, p_o[k], 0.0) for k in range(len(theta))

@@ -50,7 +50,8 @@ def salvage(path: Path | str, *, limit_s: float | None = None) -> Salvaged:
     """Read what can be read of a raw log; the file stays as it is.
 
     Each channel is read up to its first sample that cannot be. One that has less than half
-    of the longest is left out, and the others are cut to the same length. A channel whose
+    of the longest is left out, and the others are cut to the same length; each that is
+    shorter than the longest is named. A channel whose
     checksum is wrong is kept, and said; where there is none a wrong number is not noticed.
 
     Parameters
@@ -121,11 +122,12 @@ def _of_one_length(
     common = min((len(values) for values in kept.values()), default=0)
     words = []
     for name, values in channels.items():
-        if len(values) < lengths[name]:
-            fate = "" if name in kept else "; left out of the copy"
-            words.append(
-                f"{name}: {lengths[name] - len(values)} of {lengths[name]} samples lost{fate}"
-            )
+        there, length = len(values), lengths[name]
+        fate = "" if name in kept else "; left out of the copy"
+        if there < length:
+            words.append(f"{name}: {length - there} of {length} samples lost{fate}")
+        elif there < longest:
+            words.append(f"{name}: {there} samples, but others have up to {longest}{fate}")
     return {name: values[:common] for name, values in kept.items()}, words
 
 
@@ -259,8 +261,10 @@ def _values(file: h5py.File, name: str, size: int, room: int) -> tuple[np.ndarra
             raise LogError(f"{length} samples do not fit into {size} bytes")
         values = dataset[:there].astype(np.float64)
     words = []
+    if name in _KNOWN_CHANNELS and "units" not in told:
+        words.append(f"{name}: attribute units: not found; taken for {unit_of(name)}")
     if len(values) == length and told.get("crc32", checksum(values)) != checksum(values):
-        words = [f"{name}: its checksum is wrong; some of its numbers may be wrong"]
+        words.append(f"{name}: its checksum is wrong; some of its numbers may be wrong")
     return values, length, words
 
 

@@ -1,15 +1,14 @@
 """Every result of the paper: what it is called, which file it is, and what it is made of."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from fprc.paper import EXPERIMENTS, REFERENCES, run_log
+from fprc.paper import EXPERIMENTS, GAINS, REFERENCES, run_log
 
-_II = "II Pneumatic bending actuators"
-_III = "III Feedforward hysteresis compensation"
-_IV = "IV Experimental results"
-
-_P_O = ("p_o_kpa",)
-_RESERVOIR = ("p_i_kpa", "p_o_kpa", "phi_deg")
+_CHAPTERS = (
+    "II Pneumatic bending actuators",
+    "III Feedforward hysteresis compensation",
+    "IV Experimental results",
+)
 
 
 class Result(NamedTuple):
@@ -64,174 +63,72 @@ def _judged(experiment: str) -> tuple[str, ...]:
     )
 
 
+def _figure(number: int, stem: str, *made_of: str, **needs: Any) -> Result:
+    """Return a figure of the paper; it stands in Sec. II, III or IV by its number."""
+    chapter = _CHAPTERS[(number > 5) + (number > 11)]
+    file = f"figures/fig{number:02}_{stem}.pdf"
+    return Result(f"fig{number}", f"Fig. {number}", (file,), made_of, chapter=chapter, **needs)
+
+
 def _following(number: int, reference: str) -> Result:
-    """Return the figure of one of the references."""
-    return Result(
-        f"fig{number}",
-        f"Fig. {number}",
-        (f"figures/fig{number}_{reference}.pdf",),
-        ("loops",),
-        (run_log(reference, "fprc"), run_log(reference, "fprc_pd_identified")),
-        chapter=_IV,
-    )
+    logs = run_log(reference, "fprc"), run_log(reference, "fprc_pd_identified")
+    return _figure(number, reference, "loops", logs=logs)
 
 
 _GAINS = "control/gains.json"
+_TIMES, _OVER_N_C = "timing/times.json", "timing/times_over_n_c.json"
 _SEEDS = tuple(f"tables/table{number}_seeds.md" for number in (2, 3, 4))
+_LOOPS = tuple(
+    run_log(reference, f"{controller}_{gain}")
+    for reference in ("sine_0p5", "sweep")
+    for controller in ("pd", "fprc_pd")
+    for gain in GAINS
+)
+_BOTH = {"logs": EXPERIMENTS}
+_BOTH_WITH_P_O = {"logs": EXPERIMENTS, "channels": ("p_o_kpa",)}
+_SWEEP = {"logs": ("sweep",)}
+_RESERVOIR = ("p_i_kpa", "p_o_kpa", "phi_deg")
 
+# fmt: off
 #: In the order in which a reader is told of them.
 RESULTS = (
     Result("table1", "Table I", ("tables/table1.md",)),
-    Result("table2", "Table II", ("tables/table2.md",), ("data", *_judged("sweep")), EXPERIMENTS),
-    Result(
-        "table3", "Table III", ("tables/table3.md",), ("data", *_judged("complex")), EXPERIMENTS
-    ),
+    Result("table2", "Table II", ("tables/table2.md",), ("data", *_judged("sweep")), **_BOTH),
+    Result("table3", "Table III", ("tables/table3.md",), ("data", *_judged("complex")), **_BOTH),
     Result("table4", "Table IV", ("tables/table4.md",), (_GAINS, "loops")),
     Result("table4_runs", "Table IV, some of its runs", part_of="table4"),
-    Result(
-        "timing",
-        "Execution times",
-        ("timing/table2_timing.md", "timing/step_cost.md"),
-        ("data", "timing/times.json", "timing/steps.json"),
-        EXPERIMENTS,
-    ),
-    Result(
-        "fprc",
-        "FPRC in Tables II and III and in the execution times",
-        logs=EXPERIMENTS,
-        channels=_P_O,
-        part_of="table2",
-    ),
-    Result(
-        "readout",
-        "Readout value",
-        ("readout/readout.md", "readout/readout.pdf"),
-        ("data", "readout/cells.json"),
-        EXPERIMENTS,
-        _P_O,
-    ),
-    Result(
-        "seeds",
-        "Tables II to IV over further seeds",
-        (*_SEEDS, "tables/orders.csv"),
-        ("seeds",),
-        on_rigs="needs source: sim: further seeds are further simulated rigs",
-    ),
-    Result(
-        "claims",
-        "Claims",
-        ("claims.md",),
-        ("seeds", "timing/times.json", "timing/times_over_n_c.json"),
-        on_rigs="needs source: sim: the verdicts are taken over further simulated rigs",
-    ),
-    Result(
-        "fig1",
-        "Fig. 1",
-        ("figures/fig01_actuator.pdf",),
-        ("data",),
-        ("sweep",),
-        ("p_exp_kpa",),
-        ("p_exp_kpa", "theta_deg"),
-        chapter=_II,
-    ),
-    Result(
-        "fig2",
-        "Fig. 2",
-        ("figures/fig02_reservoir.pdf",),
-        ("data",),
-        ("sweep",),
-        _RESERVOIR,
-        _RESERVOIR,
-        chapter=_II,
-    ),
-    Result("fig3", "Fig. 3", ("figures/fig03_apparatus.pdf",), chapter=_II),
-    Result(
-        "fig4",
-        "Fig. 4",
-        ("figures/fig04_hysteresis_actuator.pdf",),
-        ("data",),
-        EXPERIMENTS,
-        chapter=_II,
-    ),
-    Result(
-        "fig5",
-        "Fig. 5",
-        ("figures/fig05_hysteresis_reservoir.pdf",),
-        ("data",),
-        EXPERIMENTS,
-        _P_O,
-        chapter=_II,
-    ),
-    Result("fig6", "Fig. 6", ("figures/fig06_esn_system.pdf",), chapter=_III),
-    Result("fig7", "Fig. 7", ("figures/fig07_fprc_system.pdf",), chapter=_III),
-    Result(
-        "fig8",
-        "Fig. 8",
-        ("figures/fig08_training.pdf",),
-        ("data", *_judged("sweep")),
-        EXPERIMENTS,
-        _P_O,
-        chapter=_III,
-    ),
-    Result(
-        "fig9",
-        "Fig. 9",
-        ("figures/fig09_weights.pdf",),
-        ("data", "weights/fprc.json"),
-        ("sweep",),
-        _P_O,
-        chapter=_III,
-    ),
-    Result(
-        "fig10",
-        "Fig. 10",
-        ("figures/fig10_settings.pdf",),
-        ("data", "sweeps/n_c.json", "timing/times_over_n_c.json"),
-        EXPERIMENTS,
-        chapter=_III,
-    ),
-    Result(
-        "fig10a",
-        "Fig. 10(a), and FPRC in (b) and (c)",
-        made_of=("sweeps/epsilon.json",),
-        logs=EXPERIMENTS,
-        channels=_P_O,
-        part_of="fig10",
-    ),
-    Result(
-        "fig11",
-        "Fig. 11",
-        ("figures/fig11_taps.pdf",),
-        ("data", "sweeps/taps.json"),
-        EXPERIMENTS,
-        _P_O,
-        chapter=_III,
-    ),
+    Result("timing", "Execution times", ("timing/table2_timing.md", "timing/step_cost.md"),
+           ("data", _TIMES, "timing/steps.json"), **_BOTH),
+    Result("fprc", "FPRC in Tables II and III and in the execution times", part_of="table2",
+           **_BOTH_WITH_P_O),
+    Result("readout", "Readout value", ("readout/readout.md", "readout/readout.pdf"),
+           ("data", "readout/cells.json"), **_BOTH_WITH_P_O),
+    Result("seeds", "Tables II to IV over further seeds", (*_SEEDS, "tables/orders.csv"),
+           ("seeds",),
+           on_rigs="needs source: sim: further seeds are further simulated rigs"),
+    Result("claims", "Claims", ("claims.md",), ("seeds", _TIMES, _OVER_N_C),
+           on_rigs="needs source: sim: the verdicts are taken over further simulated rigs"),
+    _figure(1, "actuator", "data", channels=("p_exp_kpa",), literal=("p_exp_kpa", "theta_deg"),
+            **_SWEEP),
+    _figure(2, "reservoir", "data", channels=_RESERVOIR, literal=_RESERVOIR, **_SWEEP),
+    _figure(3, "apparatus"),
+    _figure(4, "hysteresis_actuator", "data", **_BOTH),
+    _figure(5, "hysteresis_reservoir", "data", **_BOTH_WITH_P_O),
+    _figure(6, "esn_system"),
+    _figure(7, "fprc_system"),
+    _figure(8, "training", "data", *_judged("sweep"), **_BOTH_WITH_P_O),
+    _figure(9, "weights", "data", "weights/fprc.json", channels=("p_o_kpa",), **_SWEEP),
+    _figure(10, "settings", "data", "sweeps/n_c.json", _OVER_N_C, **_BOTH),
+    Result("fig10a", "Fig. 10(a), and FPRC in (b) and (c)", made_of=("sweeps/epsilon.json",),
+           part_of="fig10", **_BOTH_WITH_P_O),
+    _figure(11, "taps", "data", "sweeps/taps.json", **_BOTH_WITH_P_O),
     *(_following(number, reference) for number, reference in enumerate(REFERENCES, start=12)),
-    Result(
-        "fig16",
-        "Fig. 16",
-        ("figures/fig16_loops.pdf",),
-        ("loops",),
-        tuple(
-            run_log(reference, f"{controller}_{gain}")
-            for reference in ("sine_0p5", "sweep")
-            for controller in ("pd", "fprc_pd")
-            for gain in ("printed", "identified")
-        ),
-        chapter=_IV,
-    ),
-    Result(
-        "fig17",
-        "Fig. 17",
-        ("figures/fig17_disturbance.pdf",),
-        ("loops",),
-        (run_log("disturbance", "fprc_pd_identified"),),
-        _RESERVOIR,
-        chapter=_IV,
-    ),
+    _figure(16, "loops", "loops", logs=_LOOPS),
+    _figure(17, "disturbance", "loops", channels=_RESERVOIR,
+            logs=(run_log("disturbance", "fprc_pd_identified"),)),
     Result("not_available", "", ("not_available.csv", "not_available.md")),
 )
+# fmt: on
 
 #: Targets that are no results.
 CHORES = (

@@ -15,13 +15,13 @@ from fprc.logs import Columns, read_columns
 from fprc.registry import colour_of
 from fprc.tables.drawn import fit_errors, panels, swept_errors, swept_times, weight_shares
 
-_DATA = ("time_s", "p_exp_kpa", "theta_deg")
-_SYMBOLS = {"theta": r"$\theta$", "p_exp": r"$P_\mathrm{exp}$", "p_o": "$P_o$"}
-_UNITS = {"theta": "deg", "p_exp": "kPa", "p_o": "kPa"}
+_DATA = ("time_s", "p_target_kpa", "theta_deg")
+_SYMBOLS = {"theta": r"$\theta$", "p_target": r"$P_\mathrm{exp}$", "p_o": "$P_o$"}
+_UNITS = {"theta": "deg", "p_target": "kPa", "p_o": "kPa"}
 
 
 def _label(name: str, log: Columns) -> str:
-    """Return symbol and unit of what a log holds as theta, p_exp or p_o."""
+    """Return symbol and unit of what a log holds as theta, p_target or p_o."""
     unit = log.attributes.get(f"{name}_unit", _UNITS[name])
     return f"{_SYMBOLS[name]} [{escape.figure(unit)}]"
 
@@ -35,7 +35,7 @@ def draw_actuator_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> Ma
         log = read_columns(path, _DATA)
         logs.append(log)
         time_s, p_exp, theta = (log.channels[name] for name in _DATA)
-        labels = _label("p_exp", log), _label("theta", log)
+        labels = _label("p_target", log), _label("theta", log)
         plot_command(time_s, p_exp, row[0], style.COLOURS["p_exp"], labels[0])
         lines = plot_loop(p_exp, theta, time_s, row[1], labels)
         for ax, text in zip(row, title, strict=True):
@@ -61,7 +61,7 @@ def draw_reservoir_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> M
 
 def draw_training(fit: str, prediction: str, csv: str, pdf: str, png: str) -> Mapping[str, Any]:
     """Figure 8: the model on its training and on its test data."""
-    names = ("time_s", "p_exp_kpa", "p_ff_kpa")
+    names = ("time_s", "p_target_kpa", "p_ff_kpa")
     logs = {"train": read_columns(fit, names), "test": read_columns(prediction, names)}
     table = fit_errors(logs)
     write_csv(csv, table)

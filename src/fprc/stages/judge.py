@@ -42,6 +42,6 @@ def judge(
             (fit, logs[train], validated.fit),
             (prediction, logs[test], tested),
         ):
-            channels = {key: data.channels[key] for key in ("time_s", "p_exp_kpa")}
+            channels = {key: data.channels[key] for key in ("time_s", "p_target_kpa")}
             channels["p_ff_kpa"] = output
             write_columns(path, channels, dict(data.attributes) | {"model": name})

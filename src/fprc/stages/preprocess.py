@@ -47,7 +47,7 @@ def preprocess(
         target = next(name for name in TARGETS if name != target)
     channels = {
         "time_s": source.channels["time_s"],
-        "p_exp_kpa": source.channels[TARGETS[target]],
+        "p_target_kpa": source.channels[TARGETS[target]],
         "theta_deg": source.channels["theta_deg"],
     }
     if "p_o_kpa" in source.channels:
@@ -56,7 +56,7 @@ def preprocess(
     attributes = {name: source.attributes[name] for name in kept if name in source.attributes}
     attributes["target"] = target
     notes = notes_of(source)
-    attributes["p_exp_unit"] = unit_told(TARGETS[target], notes)
+    attributes["p_target_unit"] = unit_told(TARGETS[target], notes)
     attributes["theta_unit"] = unit_told("theta_deg", notes)
     attributes["p_o_unit"] = unit_told("p_o_kpa", notes)
     write_json(quality, report)

@@ -1,5 +1,6 @@
 """Table, figure and blocks of the benchmark, from what it measured."""
 
+from base64 import b64decode
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -69,24 +70,27 @@ def draw_benchmark(report: str, pdf: str, png: str) -> Mapping[str, Any]:
 
 
 def tabulate_rules(
-    csv: str, *, rules: Sequence[str], logs: str, metadata: str = ".snakemake/metadata"
+    csv: str, *, files: Sequence[str], metadata: str = ".snakemake/metadata"
 ) -> None:
     """Write what each rule took when it last ran, from what Snakemake keeps of its jobs.
 
     Parameters
     ----------
-    rules : sequence of str
-        The rules that count.
-    logs : str
-        The folder of the rules' logs; jobs that log elsewhere do not count.
+    files : sequence of str
+        Files of `all`; a job that made none of them does not count.
     """
     jobs = {}
     for path in Path(metadata).rglob("*"):
-        job = read_json(path) if path.is_file() else {}
-        told = any(str(log).startswith(f"{logs}/") for log in job.get("log") or [])
-        if told and job["rule"] in rules:
+        if path.is_file() and _described(path, metadata) in files:
+            job = read_json(path)
             jobs[tuple(job["log"])] = (job["rule"], job["endtime"] - job["starttime"])
     table = pd.DataFrame(jobs.values(), columns=["rule", "seconds"])
     summed = table.groupby("rule", as_index=False)["seconds"].agg(["count", "sum", "max"])
     summed = summed.rename(columns={"count": "jobs", "sum": "seconds", "max": "longest_s"})
     write_csv(csv, summed.sort_values("seconds", ascending=False))
+
+
+def _described(path: Path, metadata: str) -> str:
+    """Return the output that a record is about: its name is that of the record, in base 64."""
+    parts = path.relative_to(metadata).parts
+    return b64decode("".join(part.removeprefix("@") for part in parts)).decode()

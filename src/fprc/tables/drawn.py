@@ -15,14 +15,14 @@ def fit_errors(parts: Mapping[str, Any]) -> pd.DataFrame:
     Parameters
     ----------
     parts : Mapping
-        By phase: a log with ``p_exp_kpa`` and ``p_ff_kpa``.
+        By phase: a log with ``p_target_kpa`` and ``p_ff_kpa``.
     """
     return pd.DataFrame(
         {
             "phase": phase,
             "model": log.attributes["model"],
-            "rmse": _rmse(log.channels["p_ff_kpa"] - log.channels["p_exp_kpa"]),
-            "unit": log.attributes.get("p_exp_unit", "kPa"),
+            "rmse": _rmse(log.channels["p_ff_kpa"] - log.channels["p_target_kpa"]),
+            "unit": log.attributes.get("p_target_unit", "kPa"),
             "source": log.attributes["source"],
         }
         for phase, log in parts.items()

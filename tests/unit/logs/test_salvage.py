@@ -47,6 +47,36 @@ def test_channel_that_lost_more_than_half_is_left_out(write_log, there, kept):
     assert said + ("" if kept else "; left out of the copy") in found.words
 
 
+@pytest.mark.parametrize("name", ["theta_deg", "time_s"])
+@pytest.mark.parametrize(("length", "kept"), [(399, True), (200, True), (199, False), (0, False)])
+def test_channel_that_was_written_shorter_than_the_others_is_named(write_log, name, length, kept):
+    path = write_log()
+    with h5py.File(path, "r+") as file:
+        values, unit = file[name][:length], file[name].attrs["units"]
+        del file[name]
+        file.create_dataset(name, data=values).attrs["units"] = unit
+    found = salvage(path)
+    assert (name in found.channels) is kept
+    assert {len(values) for values in found.channels.values()} == {length if kept else 400}
+    assert found.lost == (400 - length if kept else 0)
+    fate = "" if kept else "; left out of the copy"
+    assert f"{name}: {length} samples, but others have up to 400{fate}" in found.words
+
+
+def test_channels_that_are_left_out_for_one_that_is_longer_are_named(write_log):
+    path = write_log()
+    with h5py.File(path, "r+") as file:
+        names = set(file) - {"p_o_kpa"}
+        del file["p_o_kpa"]
+        file.create_dataset("p_o_kpa", data=np.arange(801.0)).attrs["units"] = "kPa"
+    found = salvage(path)
+    assert found.channels.keys() == {"p_o_kpa"}
+    for name in names:
+        assert (
+            f"{name}: 400 samples, but others have up to 801; left out of the copy" in found.words
+        )
+
+
 def test_chunked_channel_is_read_up_to_its_first_lost_chunk(write_log):
     path = write_log()
     values = np.arange(400.0)
@@ -84,6 +114,15 @@ def test_channel_in_another_unit_is_left_out_and_named(write_log):
     found = salvage(path)
     assert "p_o_kpa" not in found.channels
     assert "p_o_kpa: cannot be read (units are bar, must be kPa)" in found.words
+
+
+def test_channel_whose_unit_is_not_there_is_kept_and_said(write_log):
+    path = write_log()
+    with h5py.File(path, "r+") as file:
+        del file["p_o_kpa"].attrs["units"]
+    found = salvage(path)
+    assert len(found.channels["p_o_kpa"]) == 400
+    assert found.words == ["p_o_kpa: attribute units: not found; taken for kPa"]
 
 
 def test_lost_attribute_is_named(write_log):

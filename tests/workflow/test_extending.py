@@ -1,0 +1,110 @@
+"""The model of docs/extending.md, from outside the package, through the workflow."""
+
+import re
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pandas as pd
+import pytest
+
+from fprc.models import load_model
+
+pytestmark = pytest.mark.slow
+
+PAGE = (Path(__file__).parents[2] / "docs/extending.md").read_text(encoding="utf-8")
+TARGETS = ["table2", "table3", "timing", "seeds", "table4", "training_ridge_on_taps"]
+
+
+def block(language):
+    """The first block of the page in a language."""
+    return re.search(rf"```{language}\n(.*?)```", PAGE, flags=re.DOTALL)[1]
+
+
+@pytest.fixture(scope="module")
+def extended(smoked, tmp_path_factory):
+    """Results folder of a smoke run with a fourth model."""
+    project = smoked[0]
+    folder = tmp_path_factory.mktemp("extended")
+    (folder / "my_models.py").write_text(block("python"), encoding="utf-8")
+    folders = f"folders: {{raw: {folder}/logs, results: {folder}/results}}\n"
+    mine = re.sub(r"folders: .*\n", folders, block("yaml"))
+    (folder / "mine.yaml").write_text(mine, encoding="utf-8")
+    files = ["config/smoke.yaml", str(folder / "mine.yaml")]
+    done = project.snakemake(
+        "--nolock", "--configfile", *files, "--", *TARGETS, PYTHONPATH=str(folder)
+    )
+    assert done.returncode == 0, done.stdout
+    return folder
+
+
+@pytest.mark.parametrize("name", ["table2", "table3", "table2_seeds", "table3_seeds"])
+def test_model_is_in_the_tables_with_nothing_printed(extended, name):
+    table = pd.read_csv(extended / f"results/tables/{name}.csv").set_index("model")
+    assert list(dict.fromkeys(table.index)) == ["esn", "fprc", "fuzzy_linear", "ridge_on_taps"]
+    ours = table.loc["ridge_on_taps"]
+    assert np.isfinite(ours["mean"]).all()
+    assert ours["published_mean"].isna().all()
+    assert table.loc["fprc", "published_mean"].notna().all()
+    page = (extended / f"results/tables/{name}.md").read_text(encoding="utf-8")
+    cells = [row.split("|")[-2].strip() for row in page.splitlines() if row.startswith("| T")]
+    assert cells == ["-", "-"]
+
+
+def test_times_and_steps_are_measured(extended):
+    times = pd.read_csv(extended / "results/timing/table2_timing.csv")
+    assert (times["model"] == "ridge_on_taps").sum() == 4
+    steps = pd.read_csv(extended / "results/timing/step_cost.csv").set_index("model")
+    assert steps.loc["ridge_on_taps", "median_us"] > 0
+
+
+def test_model_is_ridge_regression_on_taps(extended):
+    model = load_model(extended / "results/models/sweep_ridge_on_taps.h5", [_class(extended)])
+    X = np.random.default_rng(1).uniform(0, 60, (40, 1))
+    held = np.concatenate([np.full(9, X[0, 0]), X[:, 0]])
+    rows = np.array([held[k : k + 10][::-1] for k in range(len(X))])
+    w = model.readout_.w_out_
+    assert np.allclose(model.predict(X), w[0] + rows @ w[1:])
+
+
+def _class(folder):
+    namespace = {"__name__": "my_models"}
+    exec((folder / "my_models.py").read_text(encoding="utf-8"), namespace)
+    cls = namespace["RidgeOnTaps"]
+    cls.__module__ = __name__
+    return cls
+
+
+def test_model_drives_closed_loops(extended):
+    table = pd.read_csv(extended / "results/tables/table4.csv")
+    ours = table[table["controller"].str.startswith("ridge_on_taps")]
+    assert set(zip(ours["controller"], ours["gain"], strict=True)) == {
+        ("ridge_on_taps", "none"),
+        ("ridge_on_taps_pd", "printed"),
+        ("ridge_on_taps_pd", "identified"),
+    }
+    assert np.isfinite(ours["rmse_deg"]).all()
+    with h5py.File(extended / "logs/track_sine_0p2_ridge_on_taps.h5") as log:
+        model = load_model(extended / "results/models/sweep_ridge_on_taps.h5", [_class(extended)])
+        expected = model.predict(log["theta_d_deg"][:, None])
+        assert np.allclose(log["p_ff_kpa"], expected)
+
+
+def test_figure_shows_the_model(extended):
+    errors = pd.read_csv(extended / "results/figures/training_ridge_on_taps.csv")
+    assert set(errors["model"]) == {"ridge_on_taps"}
+    table = pd.read_csv(extended / "results/tables/table2.csv").set_index(["model", "metric"])
+    tested = errors.set_index("part").loc["test", "rmse"] if "part" in errors else None
+    assert tested is None or tested == pytest.approx(
+        table.loc[("ridge_on_taps", "test_rmse"), "mean"]
+    )
+    assert (extended / "results/figures/training_ridge_on_taps.pdf").stat().st_size > 1000
+
+
+def test_class_that_is_not_there_is_refused_by_its_key(smoked, tmp_path):
+    mine = tmp_path / "mine.yaml"
+    mine.write_text("models: {others: {gone: {estimator: nowhere.Gone}}}", encoding="utf-8")
+    done = smoked[0].snakemake("--nolock", "-n", "--configfile", str(mine), "--", "table2")
+    assert done.returncode == 1
+    assert "models.others.gone.estimator" in done.stdout
+    assert "Traceback" not in done.stdout
