@@ -162,7 +162,7 @@ def test_range_of_a_parameter_that_is_not_free_any_more_can_be_taken_away():
 
 def test_target_is_the_training_and_test_errors_of_tables_2_and_3():
     calibration = Settings().calibration.model_dump(mode="json")
-    aim = stage.target_of(PRINTED, calibration)
+    aim = stage.aim_of(PRINTED, calibration)
     assert aim.errors == {
         "sweep/esn/train": 11.5, "sweep/esn/test": 16.5,
         "sweep/fprc/train": 11.6, "sweep/fprc/test": 11.0,
@@ -178,7 +178,7 @@ def test_target_is_the_training_and_test_errors_of_tables_2_and_3():
 def test_target_follows_the_published_file():
     printed = copy.deepcopy(PRINTED)
     printed["table_3_reversed"]["esn"] |= {"train_rmse_kpa": [1.5, 9.0], "test_rmse_kpa": 2.5}
-    aim = stage.target_of(printed, {"plausible": {}, "margin": 0.0, "ratio": 1.0})
+    aim = stage.aim_of(printed, {"plausible": {}, "margin": 0.0, "ratio": 1.0})
     assert (aim.errors["complex/esn/train"], aim.errors["complex/esn/test"]) == (1.5, 2.5)
 
 
@@ -233,7 +233,7 @@ def loss_of_point(settings, on_rig):
     """Return the loss of a point whose coordinates are these parameters."""
 
     def call(point, paths, **changes):
-        aim = stage.target_of(PRINTED, settings["calibration"])
+        aim = stage.aim_of(PRINTED, settings["calibration"])
         arguments = {
             "on_rig": replace(on_rig, rig=RIG),
             "free": stage.free_parameters(paths),
@@ -271,7 +271,7 @@ def judged_as(monkeypatch, factor=1.0, found=None, failure=None):
     def judge(on_rig, seed, models, standin):
         if failure is not None:
             raise failure
-        aim = stage.target_of(PRINTED, Settings().calibration.model_dump())
+        aim = stage.aim_of(PRINTED, Settings().calibration.model_dump())
         middle = {name: np.sqrt(low * high) for name, (low, high) in aim.ranges.items()}
         return {key: factor * value for key, value in aim.errors.items()}, middle | (found or {})
 
@@ -280,7 +280,7 @@ def judged_as(monkeypatch, factor=1.0, found=None, failure=None):
 
 def test_ratios_correct_the_stand_in(loss_of_point, monkeypatch):
     judged_as(monkeypatch, factor=0.5)
-    aim = stage.target_of(PRINTED, Settings().calibration.model_dump())
+    aim = stage.aim_of(PRINTED, Settings().calibration.model_dump())
     twice = dict.fromkeys(aim.errors, 2.0)
     assert loss_of_point([0.5], ["drift.sigma_kpa"], ratios=twice) == pytest.approx(0.0)
     assert loss_of_point([0.5], ["drift.sigma_kpa"]) == pytest.approx(np.log(2.0) ** 2)
@@ -384,7 +384,7 @@ def test_only_free_parameters_are_changed(fitted, settings):
 def test_residuals_are_those_of_the_full_models_on_the_fitted_rig(fitted, report, settings, on_rig):
     best = replace(on_rig, rig=written(fitted))
     (errors,) = stage.full_errors(best, [21], 1, settings["judgement"])
-    aim = stage.target_of(PRINTED, settings["calibration"])
+    aim = stage.aim_of(PRINTED, settings["calibration"])
     expected = {key: errors[key] / aim.errors[key] - 1.0 for key in aim.errors}
     assert report["residuals"] == pytest.approx(expected, rel=1e-9)
     deviations = np.abs(list(expected.values()))
@@ -456,7 +456,7 @@ def test_interrupted_fit_goes_on_where_it_was(fitted, settings, tmp_path, judged
 
 def quickly(monkeypatch, loss, on_other_seeds=None):
     """Replace all that simulates; the losses become functions of the point."""
-    aim = stage.target_of(PRINTED, Settings().calibration.model_dump())
+    aim = stage.aim_of(PRINTED, Settings().calibration.model_dump())
     errors = dict.fromkeys(aim.errors, 1.0)
     calls = []
 

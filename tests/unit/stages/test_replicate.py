@@ -185,12 +185,12 @@ def test_main_run_writes_the_same_errors_and_what_they_are_of(
     assert reports == [entry for entry in read_json(errors)["models"] if entry["model"] == model]
     for i, (train, test) in enumerate([("sweep", "complex"), ("complex", "sweep")]):
         fit, prediction = (
-            read_columns(written[kind][i], ("p_exp_kpa", "p_ff_kpa"))
+            read_columns(written[kind][i], ("p_target_kpa", "p_ff_kpa"))
             for kind in ("fits", "predictions")
         )
         assert fit.attributes["experiment"] == train
         assert prediction.attributes["experiment"] == test
-        away_kpa = prediction.channels["p_ff_kpa"] - prediction.channels["p_exp_kpa"]
+        away_kpa = prediction.channels["p_ff_kpa"] - prediction.channels["p_target_kpa"]
         assert np.sqrt(np.mean(away_kpa**2)) == pytest.approx(reports[i]["test_rmse_kpa"])
         again = load_model(written["fitted"][i])
         X, _ = read_data(logs[test]).pair(model)
@@ -315,7 +315,7 @@ def test_errors_of_the_runs_are_those_of_the_logs_after_settling(control, follow
 
 def test_other_measures_are_those_of_the_runs_and_of_the_sweep(control, logs):
     found = read_json(control[0])
-    sweep = read_columns(logs["sweep"], ("time_s", "p_exp_kpa", "theta_deg", "p_o_kpa"))
+    sweep = read_columns(logs["sweep"], ("time_s", "p_target_kpa", "theta_deg", "p_o_kpa"))
     assert found["hysteresis"] == pytest.approx(measure_hysteresis(sweep.channels), rel=1e-12)
     again = measure_runs(control[1], QUIET_S)
     assert {key: found[key] for key in again} == json.loads(json.dumps(again))

@@ -11,14 +11,11 @@ VALUES = {"n_u": [1, 2], "n_y": [1, 3, 2]}
 
 
 @pytest.fixture(scope="module")
-def logs(recorded, tmp_path_factory):
+def logs(seen, tmp_path_factory):
     """Training and test data, 500 samples each."""
     folder = tmp_path_factory.mktemp("data")
     for name in ("sweep", "complex"):
-        channels = {
-            channel: recorded[name][channel][:500]
-            for channel in ("time_s", "p_exp_kpa", "theta_deg", "p_o_kpa")
-        }
+        channels = {channel: values[:500] for channel, values in seen[name].items()}
         attributes = {"experiment": name, "source": "sim", "seed": 1, "target": "measured"}
         write_columns(folder / f"{name}.h5", channels, attributes)
     return str(folder / "sweep.h5"), str(folder / "complex.h5")
