@@ -55,6 +55,16 @@ def recorded(signals):
 
 
 @pytest.fixture(scope="session")
+def seen(recorded):
+    """Both experiments as the models see them, P_exp as it was measured. Read only."""
+    names = ("time_s", "theta_deg", "p_o_kpa")
+    return {
+        name: {each: log[each] for each in names} | {"p_target_kpa": log["p_exp_kpa"]}
+        for name, log in recorded.items()
+    }
+
+
+@pytest.fixture(scope="session")
 def channels(recorded):
     """Every channel of a raw log of 2 s. Read only."""
     return {name: values[:400] for name, values in recorded["sweep"].items()}

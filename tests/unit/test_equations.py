@@ -22,7 +22,7 @@ NAMED = {
     "models.echo.echo_states": {"x(k+1)"},
     "models.echo.update": {"x(k+1)"},
     "models.esn.ESN": {"x(k+1)", "P_ff of the ESN", "ridge of the ESN"},
-    "models.features.EchoStates": {"x(k+1)"},
+    "models.echo_features.EchoStates": {"x(k+1)"},
     "models.features.TapFeatures": {"low-pass"},
     "models.features.lowpass": {"low-pass"},
     "models.fprc.FPRC": {PAPER[number] for number in range(6, 13)},

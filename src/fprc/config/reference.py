@@ -2,6 +2,7 @@
 
 import inspect
 import json
+from itertools import chain
 from typing import Any
 
 import yaml
@@ -47,15 +48,15 @@ def reference() -> str:
         "",
         *_FILES.splitlines(),
     ]
-    before = None
+    groups: dict[str, list[str]] = {}
     for key, default, field, section in fields(Settings()):
-        group = key.rpartition(".")[0]
-        if group != before:
-            lines += ["", f"## {group or 'Top level'}", "", inspect.getdoc(section), ""]
-            lines += ["| key | unit | default | range | meaning | source |", "|" + "---|" * 6]
-            before = group
-        lines.append(_row(key.rpartition(".")[2], default, field, section))
-    return "\n".join(lines) + "\n"
+        group, _, name = key.rpartition(".")
+        if group not in groups:
+            groups[group] = ["", f"## {group or 'Top level'}", "", inspect.getdoc(section), ""]
+            groups[group] += ["| key | unit | default | range | meaning | source |"]
+            groups[group] += ["|" + "---|" * 6]
+        groups[group].append(_row(name, default, field, section))
+    return "\n".join([*lines, *chain.from_iterable(groups.values())]) + "\n"
 
 
 def _row(name: str, default: Any, field: Any, section: type) -> str:

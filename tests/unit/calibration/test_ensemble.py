@@ -1,4 +1,5 @@
 import copy
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -7,8 +8,7 @@ import yaml
 from pydantic import ValidationError
 
 from fprc.artifacts import read_json, write_json
-from fprc.calibration import decode
-from fprc.calibration import ensemble as stage
+from fprc.calibration import decode, ensemble
 from fprc.calibration.fit import free_parameters, judge_cheaply
 from fprc.claims import Results, judge_claims
 from fprc.claims.ensemble import JUDGED_BY_RIG
@@ -16,8 +16,10 @@ from fprc.config import Settings
 from fprc.config.rig import Rig
 from fprc.control.loop import RunAbortedError
 from fprc.errors import EvaluationError, FprcError, SimulationError
-from fprc.stages.ensemble_claims import summarise_rigs
-from fprc.stages.replicate import compare_models, simulate
+from fprc.experiments.comparison import compare_models
+from fprc.experiments.hysteresis import simulate
+from fprc.experiments.settings import Judgement, RigSettings
+from fprc.stages import ensemble as stage
 
 PUBLISHED = Path(__file__).parents[3] / "config/published.yaml"
 PATHS = [
@@ -46,20 +48,22 @@ def settings():
     models = found["models"] | {"n_y": 2}
     models["esn"] |= {"r": 12, "washout": 10}
     models["fprc"] |= {"n_c": 2, "n_u": 2}
+    rig = {"rig": found["rig"], "signals": signals, "control": found["control"]}
     return {
-        "rig": found["rig"],
-        "signals": signals,
-        "control": found["control"],
+        "on_rig": rig | {"target": "command"},
         "tracking": tracking,
-        "target": "command",
-        "models": models,
-        "folds": 2,
-        "split": "shuffled",
+        "judgement": {"models": models, "folds": 2, "split": "shuffled"},
     }
 
 
 @pytest.fixture(scope="module")
-def ensemble():
+def on_rig(settings):
+    return RigSettings(**settings["on_rig"])
+
+
+@pytest.fixture(scope="module")
+def drawing():
+    """What the draws are taken from."""
     return Settings().ensemble.model_dump(mode="json")
 
 
@@ -67,32 +71,31 @@ def ensemble():
 def quickly(monkeypatch):
     """Judge rigs without models and closed loops; the results tell the rig by its numbers."""
     monkeypatch.setattr(
-        stage, "compare_models",
-        lambda data, models, folds, split, seed: (
-            {"seed": seed, "theta": float(data["sweep"].channels["theta_deg"].sum())},
-            f"FPRC of {seed}",
+        ensemble, "compare_models",
+        lambda data, how: (
+            {"seed": how.seed, "theta": float(data["sweep"].channels["theta_deg"].sum())},
+            {"fprc": f"FPRC of {how.seed}"},
         ),
     )  # fmt: skip
     monkeypatch.setattr(
-        stage, "measure_control",
-        lambda sweep, bench, fprc: {
+        ensemble, "measure_control",
+        lambda sweep, bench, models, controllers: {
             "seed": bench.seed, "stiffness": bench.rig["bending"]["stiffness_kpa_per_deg"],
-            "theta": float(sweep.channels["theta_deg"].sum()), "fprc": fprc,
+            "theta": float(sweep.channels["theta_deg"].sum()), **models,
         },
     )  # fmt: skip
 
 
 @pytest.fixture
-def judge(tmp_path, settings, ensemble):
+def judge(tmp_path, settings, drawing):
     """Judge a chunk of rigs and return them."""
 
     def call(*numbers, name="rigs.json", version="v", **changes):
         stage.judge_rigs(
             str(tmp_path / name),
             numbers=list(numbers),
-            ensemble=ensemble | changes,
-            paths=PATHS,
-            ranges=RANGES,
+            ensemble=drawing | changes,
+            free={"paths": PATHS, "ranges": RANGES},
             checkpoint=str(tmp_path / "partial.jsonl"),
             version=version,
             **settings,
@@ -104,10 +107,16 @@ def judge(tmp_path, settings, ensemble):
     return call
 
 
-def rig_of(judged, settings):
+def rig_of(judged, on_rig):
     """Return the rig that the shares of a report stand for."""
     shares = np.array([judged["parameters"][path] for path in PATHS])
-    return decode(shares, settings["rig"], FREE)
+    return replace(on_rig, rig=decode(shares, on_rig.rig, FREE))
+
+
+def sweep_of(on_rig, seed):
+    """Return the channels of the sweep alone."""
+    alone = replace(on_rig, signals={"sweep": on_rig.signals["sweep"]})
+    return simulate(alone, seed)["sweep"].channels
 
 
 # --- draws ----------------------------------------------------------------------------------------
@@ -137,24 +146,21 @@ def test_another_seed_of_the_ensemble_gives_other_rigs(judge):
 
 
 @pytest.mark.usefixtures("quickly")
-def test_all_parts_of_a_judgement_are_of_one_rig_and_one_seed(judge, settings):
+def test_all_parts_of_a_judgement_are_of_one_rig_and_one_seed(judge, on_rig):
     for rig in judge(0, 1):
-        drawn = rig_of(rig, settings)
-        sweep = {"sweep": settings["signals"]["sweep"]}
-        log = simulate(sweep, settings["control"], drawn, "command", rig["seed"])["sweep"].channels
-        theta = float(log["theta_deg"].sum())
+        drawn = rig_of(rig, on_rig)
+        theta = float(sweep_of(drawn, rig["seed"])["theta_deg"].sum())
         assert rig["compared"] == {"seed": rig["seed"], "theta": theta}
         assert rig["measured"] == {
-            "seed": rig["seed"], "stiffness": drawn["bending"]["stiffness_kpa_per_deg"],
+            "seed": rig["seed"], "stiffness": drawn.rig["bending"]["stiffness_kpa_per_deg"],
             "theta": theta, "fprc": f"FPRC of {rig['seed']}",
         }  # fmt: skip
 
 
 @pytest.fixture
-def draw(settings, ensemble):
+def draw(on_rig, drawing):
     def call(seed=SEED, **changes):
-        rest = [settings[key] for key in ("rig", "signals", "control", "target")]
-        return stage.draw_rig(seed, ensemble | changes, FREE, *rest)
+        return ensemble.draw_rig(seed, drawing | changes, FREE, on_rig)
 
     return call
 
@@ -163,30 +169,29 @@ WINDOWS = {"angle_deg": (52.0, 66.0), "p_o_swing_kpa": (50.0, 85.0)}
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_first_plausible_draw_within_the_ranges_is_taken(draw, settings, seed):
+def test_first_plausible_draw_within_the_ranges_is_taken(draw, on_rig, seed):
     rng = np.random.default_rng(seed)
-    sweep = {"sweep": settings["signals"]["sweep"]}
     (least, most), (weakest, strongest) = WINDOWS.values()
     drawn, draws = draw(seed, **WINDOWS)
     for number in range(1, draws + 1):
-        rig = decode(rng.uniform(size=len(FREE)), settings["rig"], FREE)
-        log = simulate(sweep, settings["control"], rig, "command", seed)["sweep"].channels
+        rig = decode(rng.uniform(size=len(FREE)), on_rig.rig, FREE)
+        log = sweep_of(replace(on_rig, rig=rig), seed)
         bends = least <= log["theta_deg"].max() <= most
         squeezes = weakest <= np.ptp(log["p_o_kpa"]) <= strongest
         assert bool(bends and squeezes) is (number == draws)
-    assert drawn == rig
-    Rig.model_validate(drawn)
-    assert 2.5 <= drawn["bending"]["stiffness_kpa_per_deg"] <= 4.0
-    assert 20.0 <= drawn["bending"]["preload_kpa"] <= 77.0
-    assert 5.0 <= drawn["reservoir"]["squeeze_stiffness_kpa_per_ml"] <= 150.0
+    assert drawn == replace(on_rig, rig=rig)
+    Rig.model_validate(drawn.rig)
+    assert 2.5 <= drawn.rig["bending"]["stiffness_kpa_per_deg"] <= 4.0
+    assert 20.0 <= drawn.rig["bending"]["preload_kpa"] <= 77.0
+    assert 5.0 <= drawn.rig["reservoir"]["squeeze_stiffness_kpa_per_ml"] <= 150.0
 
 
-def test_parameters_that_are_not_free_are_those_of_the_rig(draw, settings):
+def test_parameters_that_are_not_free_are_those_of_the_rig(draw, on_rig):
     drawn, _ = draw()
     for path in PATHS:
         section, name = path.split(".")
-        drawn[section][name] = settings["rig"][section][name]
-    assert drawn == settings["rig"]
+        drawn.rig[section][name] = on_rig.rig[section][name]
+    assert drawn == on_rig
 
 
 @pytest.mark.parametrize(
@@ -209,25 +214,24 @@ def test_draw_that_cannot_be_simulated_is_thrown_away(draw, monkeypatch, failure
         return simulate(*arguments)
 
     first, _ = draw(**wide)
-    monkeypatch.setattr(stage, "simulate", simulate_once)
+    monkeypatch.setattr(ensemble, "simulate", simulate_once)
     second, draws = draw(**wide)
     assert draws == 2
     assert second != first
 
 
-def test_draw_that_breaks_a_rule_is_thrown_away(settings):
+def test_draw_that_breaks_a_rule_is_thrown_away(on_rig):
     narrow = {
         "reservoir.squeeze_damping_kpa_s_per_ml": [0.3, 2.0],
         "reservoir.slip_distance_ml": [0.01, 0.05],
     }
     free = free_parameters(list(narrow), narrow)
     rng, broken = np.random.default_rng(2), 0
-    while breaks_a_rule(decode(rng.uniform(size=2), settings["rig"], free)):
+    while breaks_a_rule(decode(rng.uniform(size=2), on_rig.rig, free)):
         broken += 1
     wide = {"angle_deg": (1.0, 120.0), "p_o_swing_kpa": (1.0, 400.0)}
-    rest = [settings[key] for key in ("rig", "signals", "control", "target")]
-    drawn, draws = stage.draw_rig(2, wide, free, *rest)
-    assert not breaks_a_rule(drawn)
+    drawn, draws = ensemble.draw_rig(2, wide, free, on_rig)
+    assert not breaks_a_rule(drawn.rig)
     assert draws == broken + 1 > 1
 
 
@@ -240,7 +244,7 @@ def breaks_a_rule(rig):
 
 
 def test_windows_that_no_rig_fits_into_are_an_error(draw, monkeypatch):
-    monkeypatch.setattr(stage, "_MOST_DRAWS", 3)
+    monkeypatch.setattr(ensemble, "_MOST_DRAWS", 3)
     with pytest.raises(EvaluationError, match=r"none of 3 rigs bends by \(1.0, 2.0\) deg"):
         draw(angle_deg=(1.0, 2.0))
 
@@ -251,15 +255,15 @@ def test_windows_that_no_rig_fits_into_are_an_error(draw, monkeypatch):
 def test_rig_that_cannot_be_judged_is_reported_and_the_next_one_still_judged(
     judge, monkeypatch, quickly
 ):
-    compare = stage.compare_models
+    compare = ensemble.compare_models
 
-    def fail(data, models, folds, split, seed):
-        if seed == SEED + 1:
+    def fail(data, how):
+        if how.seed == SEED + 1:
             raise EvaluationError("the model's output is not finite")
-        return compare(data, models, folds, split, seed)
+        return compare(data, how)
 
     expected = judge(0, 1, 2)
-    monkeypatch.setattr(stage, "compare_models", fail)
+    monkeypatch.setattr(ensemble, "compare_models", fail)
     first, second, third = judge(0, 1, 2)
     assert (first, third) == (expected[0], expected[2])
     del expected[1]["compared"], expected[1]["measured"]
@@ -270,14 +274,14 @@ def test_rig_whose_closed_loop_diverges_is_reported(judge, monkeypatch, quickly)
     def fail(*arguments):
         raise RunAbortedError("run stopped at sample 3: it diverged", {})
 
-    monkeypatch.setattr(stage, "measure_control", fail)
+    monkeypatch.setattr(ensemble, "measure_control", fail)
     (rig,) = judge(0)
     assert rig["failed"] == "run stopped at sample 3: it diverged"
     assert "compared" not in rig
 
 
 def test_error_that_is_no_property_of_the_rig_ends_the_chunk(judge, monkeypatch, quickly):
-    monkeypatch.setattr(stage, "compare_models", None)
+    monkeypatch.setattr(ensemble, "compare_models", None)
     with pytest.raises(TypeError):
         judge(0)
 
@@ -322,20 +326,17 @@ def test_checkpoint_of_other_code_or_settings_is_not_used(judge, judged, change)
 
 
 @pytest.fixture(scope="module")
-def real(settings, ensemble):
+def real(settings, on_rig, drawing):
     """Two rigs through all of the tables, and in doing so through all of the code."""
-    return [
-        {"rig": number} | stage.judge_rig({"rig": number}, ensemble=ensemble, free=FREE, **settings)
-        for number in (0, 1)
-    ]
+    how = settings | {"ensemble": drawing, "free": FREE, "on_rig": on_rig}
+    return [{"rig": number} | ensemble.judge_rig({"rig": number}, **how) for number in (0, 1)]
 
 
-def test_errors_are_those_of_the_full_models_on_the_drawn_rig(real, settings):
+def test_errors_are_those_of_the_full_models_on_the_drawn_rig(real, on_rig, settings):
     for rig in real:
-        drawn, seed = rig_of(rig, settings), rig["seed"]
-        data = simulate(settings["signals"], settings["control"], drawn, "command", seed)
-        judgement = (settings["models"], settings["folds"], settings["split"])
-        assert rig["compared"] == compare_models(data, *judgement, seed)[0]
+        data = simulate(rig_of(rig, on_rig), rig["seed"])
+        how = Judgement(**settings["judgement"], seed=rig["seed"])
+        assert rig["compared"] == compare_models(data, how)[0]
 
 
 def with_fprc_best(rig, number, best):
@@ -356,7 +357,7 @@ def summarise(tmp_path):
         for number, rigs in enumerate(chunks):
             paths.append(str(tmp_path / f"{number}.json"))
             write_json(paths[-1], {"source": "sim", "rigs": rigs})
-        summarise_rigs(str(PUBLISHED), paths, str(tmp_path / "summary.json"))
+        stage.summarise_rigs(str(PUBLISHED), paths, str(tmp_path / "summary.json"))
         return read_json(tmp_path / "summary.json")
 
     return call
@@ -426,12 +427,10 @@ MOVED = ["bending.preload_kpa", "drift.sigma_kpa"]
 @pytest.fixture
 def sensitivity(tmp_path, settings):
     def call(paths=MOVED, steps=3, **changes):
-        arguments = {
-            key: settings[key] for key in ("rig", "signals", "control", "target", "models")
-        }
         stage.measure_sensitivity(
             str(tmp_path / "effects.json"),
-            **arguments | {
+            on_rig=settings["on_rig"], models=settings["judgement"]["models"],
+            **{
                 "paths": paths, "steps": steps, "seeds": [3, 4], "standin": STANDIN, "workers": 1,
                 "checkpoint": str(tmp_path / "partial.jsonl"), "version": "v",
             } | changes,
@@ -446,7 +445,8 @@ def moved(monkeypatch):
     """Rigs and seeds in the order in which the stand-in meets them."""
     seen = []
 
-    def judge(rig, seed, experiments, models, standin):
+    def judge(on_rig, seed, models, standin):
+        rig = on_rig.rig
         if rig["bending"]["preload_kpa"] == 77.0:
             raise judge.failure
         seen.append((rig, seed))
@@ -454,26 +454,26 @@ def moved(monkeypatch):
 
     judge.failure = DIVERGED
     judge.seen = seen
-    monkeypatch.setattr(stage, "judge_cheaply", judge)
+    monkeypatch.setattr(ensemble, "judge_cheaply", judge)
     return judge
 
 
 def test_unmoved_rig_comes_first_and_then_each_parameter_from_end_to_end(
-    sensitivity, moved, settings
+    sensitivity, moved, on_rig
 ):
     found = sensitivity()
     assert (found["source"], found["seeds"]) == ("sim", [3, 4])
     assert [(cell["path"], cell["share"]) for cell in found["cells"]] == [
         (None, None), *((path, share) for path in MOVED for share in (0.0, 0.5, 1.0)),
     ]  # fmt: skip
-    assert moved.seen[0] == (settings["rig"], 3)
+    assert moved.seen[0] == (on_rig.rig, 3)
     assert [seed for _, seed in moved.seen] == [3, 4] * 6
     values = [(r["bending"]["preload_kpa"], r["drift"]["sigma_kpa"]) for r, _ in moved.seen[::2]]
     assert values == [(45.0, 8.0), (20.0, 8.0), (48.5, 8.0), (45.0, 0.0), (45.0, 7.5), (45.0, 15.0)]
     for rig, _ in moved.seen:
         rest = copy.deepcopy(rig)
         rest["bending"]["preload_kpa"], rest["drift"]["sigma_kpa"] = 45.0, 8.0
-        assert rest == settings["rig"]
+        assert rest == on_rig.rig
 
 
 def test_errors_are_the_means_of_the_seeds(sensitivity, moved):
@@ -519,12 +519,11 @@ def test_rule_that_is_broken_is_recorded(sensitivity, moved):
     assert "squeeze of the reservoir" in low["impossible"]
 
 
-def test_errors_are_those_of_the_stand_in_on_the_moved_rig(sensitivity, settings):
-    experiments = {key: settings[key] for key in ("signals", "control", "target")}
-    rig = copy.deepcopy(settings["rig"])
+def test_errors_are_those_of_the_stand_in_on_the_moved_rig(sensitivity, settings, on_rig):
+    rig = copy.deepcopy(on_rig.rig)
     rig["drift"]["sigma_kpa"] = 15.0
-    alone = [judge_cheaply(rig, seed, experiments, settings["models"], STANDIN)[0]
-             for seed in (3, 4)]  # fmt: skip
+    moved, models = replace(on_rig, rig=rig), settings["judgement"]["models"]
+    alone = [judge_cheaply(moved, seed, models, STANDIN)[0] for seed in (3, 4)]
     expected = {key: np.mean([errors[key] for errors in alone]) for key in alone[0]}
     assert sensitivity(["drift.sigma_kpa"], steps=2)["cells"][-1]["errors"] == pytest.approx(
         expected

@@ -1,6 +1,7 @@
 import copy
 import importlib
 import re
+from dataclasses import replace
 from itertools import chain, pairwise, repeat
 from pathlib import Path
 from types import SimpleNamespace
@@ -8,7 +9,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import yaml
-from hypothesis import assume, given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
@@ -18,7 +18,9 @@ from fprc.calibration import fit as stage
 from fprc.config import Settings, check, reference
 from fprc.config.rig import Rig
 from fprc.errors import ConfigError, EvaluationError, SimulationError
+from fprc.experiments.settings import RigSettings
 from fprc.provenance import hash_of
+from fprc.stages.calibrate import calibrate
 
 ROOT = Path(__file__).parents[3]
 PUBLISHED = ROOT / "config/published.yaml"
@@ -26,6 +28,7 @@ PRINTED = yaml.safe_load(PUBLISHED.read_text(encoding="utf-8"))
 RIG = Rig().model_dump(mode="json")
 PATHS = Settings().calibration.free
 FREE = stage.free_parameters(PATHS)
+STANDIN = {"stride": 7, "esn_nodes": 8}
 
 points = st.lists(st.floats(0.0, 1.0), min_size=len(FREE), max_size=len(FREE)).map(np.array)
 
@@ -159,7 +162,7 @@ def test_range_of_a_parameter_that_is_not_free_any_more_can_be_taken_away():
 
 def test_target_is_the_training_and_test_errors_of_tables_2_and_3():
     calibration = Settings().calibration.model_dump(mode="json")
-    aim = stage.target_of(PRINTED, calibration)
+    aim = stage.aim_of(PRINTED, calibration)
     assert aim.errors == {
         "sweep/esn/train": 11.5, "sweep/esn/test": 16.5,
         "sweep/fprc/train": 11.6, "sweep/fprc/test": 11.0,
@@ -175,7 +178,7 @@ def test_target_is_the_training_and_test_errors_of_tables_2_and_3():
 def test_target_follows_the_published_file():
     printed = copy.deepcopy(PRINTED)
     printed["table_3_reversed"]["esn"] |= {"train_rmse_kpa": [1.5, 9.0], "test_rmse_kpa": 2.5}
-    aim = stage.target_of(printed, {"plausible": {}, "margin": 0.0, "ratio": 1.0})
+    aim = stage.aim_of(printed, {"plausible": {}, "margin": 0.0, "ratio": 1.0})
     assert (aim.errors["complex/esn/train"], aim.errors["complex/esn/test"]) == (1.5, 2.5)
 
 
@@ -207,39 +210,38 @@ def settings():
     rig["bending"] |= {"friction_kpa": 14.0, "friction_per_kpa": 0.19}
     rig["drift"]["sigma_kpa"] = 14.0
     return {
-        "rig": rig,
-        "signals": signals,
-        "control": found["control"],
-        "target": "command",
-        "models": models,
+        "on_rig": {
+            "rig": rig,
+            "signals": signals,
+            "control": found["control"],
+            "target": "command",
+        },
+        "judgement": {"models": models, "folds": 2, "split": "shuffled"},
         "calibration": calibration,
-        "folds": 2,
-        "split": "shuffled",
         "workers": 1,
         "version": "v",
     }
 
 
 @pytest.fixture(scope="module")
-def experiments(settings):
-    return {key: settings[key] for key in ("signals", "control", "target")}
+def on_rig(settings):
+    return RigSettings(**settings["on_rig"])
 
 
 @pytest.fixture
-def loss_of_point(settings, experiments):
+def loss_of_point(settings, on_rig):
     """Return the loss of a point whose coordinates are these parameters."""
 
     def call(point, paths, **changes):
-        aim = stage.target_of(PRINTED, settings["calibration"])
+        aim = stage.aim_of(PRINTED, settings["calibration"])
         arguments = {
-            "rig": RIG,
+            "on_rig": replace(on_rig, rig=RIG),
             "free": stage.free_parameters(paths),
             "seeds": [21, 22],
             "aim": aim,
             "ratios": dict.fromkeys(aim.errors, 1.0),
-            "experiments": experiments,
-            "models": settings["models"],
-            "standin": {"stride": 7, "esn_nodes": 8},
+            "models": settings["judgement"]["models"],
+            "standin": STANDIN,
         }
         return stage.loss_at(np.array(point), **arguments | changes)
 
@@ -266,10 +268,10 @@ def test_possible_rig_costs_less_than_an_impossible_one(loss_of_point):
 def judged_as(monkeypatch, factor=1.0, found=None, failure=None):
     """Replace the stand-in: errors are the printed ones by a factor, properties in the middle."""
 
-    def judge(rig, seed, experiments, models, standin):
+    def judge(on_rig, seed, models, standin):
         if failure is not None:
             raise failure
-        aim = stage.target_of(PRINTED, Settings().calibration.model_dump())
+        aim = stage.aim_of(PRINTED, Settings().calibration.model_dump())
         middle = {name: np.sqrt(low * high) for name, (low, high) in aim.ranges.items()}
         return {key: factor * value for key, value in aim.errors.items()}, middle | (found or {})
 
@@ -278,7 +280,7 @@ def judged_as(monkeypatch, factor=1.0, found=None, failure=None):
 
 def test_ratios_correct_the_stand_in(loss_of_point, monkeypatch):
     judged_as(monkeypatch, factor=0.5)
-    aim = stage.target_of(PRINTED, Settings().calibration.model_dump())
+    aim = stage.aim_of(PRINTED, Settings().calibration.model_dump())
     twice = dict.fromkeys(aim.errors, 2.0)
     assert loss_of_point([0.5], ["drift.sigma_kpa"], ratios=twice) == pytest.approx(0.0)
     assert loss_of_point([0.5], ["drift.sigma_kpa"]) == pytest.approx(np.log(2.0) ** 2)
@@ -305,7 +307,7 @@ def test_rig_that_cannot_be_judged_is_impossible(loss_of_point, monkeypatch, fai
     assert loss_of_point([0.5], ["drift.sigma_kpa"]) == stage.IMPOSSIBLE
 
 
-def test_rig_that_diverges_is_impossible(loss_of_point, experiments):
+def test_rig_that_diverges_is_impossible(loss_of_point, on_rig):
     # as soft as can be, and pressed as hard as can be: it bends by more than half a turn
     soft = [
         "bending.stiffness_kpa_per_deg", "bending.cubic_stiffness_kpa_per_deg3",
@@ -315,102 +317,22 @@ def test_rig_that_diverges_is_impossible(loss_of_point, experiments):
     hard = {"amplitude_kpa": 225.0, "offset_kpa": 230.0, "f_start_hz": 0.3}
     signals = {
         name: signal | (hard if name == "sweep" else {}) | {"duration_s": 4.0}
-        for name, signal in experiments["signals"].items()
+        for name, signal in on_rig.signals.items()
     }
-    changed = experiments | {"signals": signals}
-    assert loss_of_point(np.zeros(5), soft, experiments=changed) == stage.IMPOSSIBLE
+    changed = RigSettings(RIG, on_rig.control, signals, on_rig.target)
+    assert loss_of_point(np.zeros(5), soft, on_rig=changed) == stage.IMPOSSIBLE
 
 
-# --- parameter file -------------------------------------------------------------------------------
-
-
-def summary(**changes):
-    """Return what is known of a fit, as the stage writes it."""
-    return {
-        "date": "2030-01-02",
-        "software": "fprc 9.8.7",
-        "seeds": [21, 22, 23, 24],
-        "targets_kpa": {"sweep/esn/train": 11.5, "complex/fprc/test": 26.2},
-        "residuals": {"sweep/esn/train": 0.0123, "complex/fprc/test": -0.21},
-        "median_deviation": 0.0456,
-        "largest_deviation": 0.21,
-        "evaluations": 1120,
-        "parameters": [
-            {"path": path, "low": 0.0, "high": 1.0, "share": 0.5} for path in PATHS
-        ],
-    } | changes  # fmt: skip
-
-
-def head_of(text):
-    return [line for line in text.splitlines() if line.startswith("#")]
-
-
-@given(points)
-def test_file_gives_the_very_rig_back(point):
-    rig = decode(point, RIG, FREE)
-    try:
-        expected = Rig.model_validate(rig)
-    except ValidationError:
-        assume(False)
-    text = stage.parameter_file(rig, summary())
-    assert check(yaml.safe_load(text)).rig == expected
-    assert check(yaml.safe_load(text)).model_dump(exclude={"rig"}) == Settings().model_dump(
-        exclude={"rig"}
-    )
-
-
-def test_file_holds_only_what_differs_from_the_defaults():
-    rig = copy.deepcopy(RIG)
-    rig["bending"]["relaxation_time_s"][1] = 5.5
-    rig["drift"]["sigma_kpa"] = 1e-5
-    assert yaml.safe_load(stage.parameter_file(rig, summary())) == {
-        "rig": {"bending": {"relaxation_time_s": [0.25, 5.5]}, "drift": {"sigma_kpa": 1e-5}}
-    }
-
-
-def test_file_of_the_default_rig_changes_nothing():
-    text = stage.parameter_file(RIG, summary())
-    assert check(yaml.safe_load(text)) == Settings()
-
-
-def test_head_names_software_seeds_and_deviations_from_print():
-    head = "\n".join(head_of(stage.parameter_file(RIG, summary())))
-    for part in (
-        "fprc 9.8.7, 2030-01-02", f"over {len(PATHS)} parameters", "(1120 rigs)",
-        "noise seeds 21, 22, 23, 24:", "median 4.6 %", "largest\n# 21.0 %",
-        "#   sweep/esn/train: 11.5 kPa, +1.2 %", "#   complex/fprc/test: 26.2 kPa, -21.0 %",
-        "# Within 2 % of an end of their range: none.",
-    ):  # fmt: skip
-        assert part in head
-
-
-def test_head_names_the_parameters_that_ended_near_an_end_and_no_others():
-    shares = dict.fromkeys(PATHS, 0.5) | dict(
-        zip(PATHS, (0.0, 0.0199, 0.0201, 0.9799, 0.9801, 1.0), strict=False)
-    )
-    parameters = [{"path": path, "share": share} for path, share in shares.items()]
-    head = " ".join(head_of(stage.parameter_file(RIG, summary(parameters=parameters))))
-    edges = head.partition("an end of their range: ")[2].replace("# ", "").rstrip(".")
-    assert edges.split(", ") == [PATHS[k] for k in (0, 1, 4, 5)]
-
-
-@pytest.mark.parametrize("share", [0.5, 1.0])
-def test_no_line_of_the_head_is_longer_than_the_page(share):
-    parameters = [{"path": path, "share": share} for path in PATHS]
-    for line in head_of(stage.parameter_file(RIG, summary(parameters=parameters))):
-        assert len(line) <= 100
-
+# --- the whole fit --------------------------------------------------------------------------------
 
 #: Losses at the end of a fit: on its seeds at the start, and on other seeds there and at the end.
 AFTERWARDS = 3
-
-# --- the whole fit --------------------------------------------------------------------------------
 
 
 def fit(folder, settings, **changes):
     folder.mkdir(exist_ok=True)
     paths = [str(folder / name) for name in ("rig.yaml", "fit.json")]
-    stage.calibrate(
+    calibrate(
         str(PUBLISHED), *paths, **settings | {"checkpoint": str(folder / "search.jsonl")} | changes
     )
     return folder
@@ -441,17 +363,17 @@ def test_fit_improves_the_loss(report):
 def test_report_and_file_are_of_the_same_rig(fitted, report, settings):
     free = stage.free_parameters(*(settings["calibration"][key] for key in ("free", "ranges")))
     shares = np.array([parameter["share"] for parameter in report["parameters"]])
-    assert written(fitted) == decode(shares, settings["rig"], free)
+    assert written(fitted) == decode(shares, settings["on_rig"]["rig"], free)
     assert [(p["path"], p["low"], p["high"]) for p in report["parameters"]] == [
         tuple(parameter) for parameter in free
     ]
     began_at = [parameter["began_at"] for parameter in report["parameters"]]
-    assert began_at == encode(settings["rig"], free).tolist()
+    assert began_at == encode(settings["on_rig"]["rig"], free).tolist()
     assert report["rig_sha256"] == hash_of(written(fitted))
 
 
 def test_only_free_parameters_are_changed(fitted, settings):
-    found, before = written(fitted), copy.deepcopy(settings["rig"])
+    found, before = written(fitted), copy.deepcopy(settings["on_rig"]["rig"])
     for path in settings["calibration"]["free"]:
         section, name = path.split(".")
         assert found[section][name] != before[section][name]
@@ -459,12 +381,10 @@ def test_only_free_parameters_are_changed(fitted, settings):
     assert found == before
 
 
-def test_residuals_are_those_of_the_full_models_on_the_fitted_rig(
-    fitted, report, settings, experiments
-):
-    judgement = {key: settings[key] for key in ("models", "folds", "split")}
-    (errors,) = stage.full_errors(written(fitted), [21], 1, experiments, judgement)
-    aim = stage.target_of(PRINTED, settings["calibration"])
+def test_residuals_are_those_of_the_full_models_on_the_fitted_rig(fitted, report, settings, on_rig):
+    best = replace(on_rig, rig=written(fitted))
+    (errors,) = stage.full_errors(best, [21], 1, settings["judgement"])
+    aim = stage.aim_of(PRINTED, settings["calibration"])
     expected = {key: errors[key] / aim.errors[key] - 1.0 for key in aim.errors}
     assert report["residuals"] == pytest.approx(expected, rel=1e-9)
     deviations = np.abs(list(expected.values()))
@@ -473,24 +393,23 @@ def test_residuals_are_those_of_the_full_models_on_the_fitted_rig(
     assert report["targets_kpa"] == aim.errors
 
 
-def test_stand_in_is_corrected_by_its_ratios_on_the_rig_at_the_start(report, settings, experiments):
-    judgement = {key: settings[key] for key in ("models", "folds", "split")}
-    (full,) = stage.full_errors(settings["rig"], [21], 1, experiments, judgement)
-    cheap, _ = stage.judge_cheaply(
-        settings["rig"], 21, experiments, settings["models"], {"stride": 7, "esn_nodes": 8}
-    )
+def test_stand_in_is_corrected_by_its_ratios_on_the_rig_at_the_start(report, settings, on_rig):
+    judgement = settings["judgement"]
+    (full,) = stage.full_errors(on_rig, [21], 1, judgement)
+    cheap, _ = stage.judge_cheaply(on_rig, 21, judgement["models"], STANDIN)
     expected = {key: full[key] / cheap[key] for key in full}
     assert report["standin_ratios"] == pytest.approx(expected, rel=1e-9)
 
 
-def test_properties_of_the_report_are_those_of_the_fitted_rig(
-    fitted, report, settings, experiments
-):
-    _, found = stage.judge_cheaply(
-        written(fitted), 21, experiments, settings["models"], {"stride": 7, "esn_nodes": 8}
-    )
+def test_properties_of_the_report_are_those_of_the_fitted_rig(fitted, report, settings, on_rig):
+    best = replace(on_rig, rig=written(fitted))
+    _, found = stage.judge_cheaply(best, 21, settings["judgement"]["models"], STANDIN)
     assert report["properties"] == pytest.approx(found, rel=1e-9)
     assert report["plausible"] == settings["calibration"]["plausible"]
+
+
+def head_of(text):
+    return [line for line in text.splitlines() if line.startswith("#")]
 
 
 def test_head_of_the_fit_names_its_seed_and_its_residuals(fitted, report):
@@ -537,7 +456,7 @@ def test_interrupted_fit_goes_on_where_it_was(fitted, settings, tmp_path, judged
 
 def quickly(monkeypatch, loss, on_other_seeds=None):
     """Replace all that simulates; the losses become functions of the point."""
-    aim = stage.target_of(PRINTED, Settings().calibration.model_dump())
+    aim = stage.aim_of(PRINTED, Settings().calibration.model_dump())
     errors = dict.fromkeys(aim.errors, 1.0)
     calls = []
 
@@ -548,16 +467,18 @@ def quickly(monkeypatch, loss, on_other_seeds=None):
 
     monkeypatch.setattr(stage, "loss_at", loss_at)
     monkeypatch.setattr(stage, "judge_cheaply", lambda *arguments: (errors, {"angle_deg": 60.0}))
-    monkeypatch.setattr(stage, "full_errors", lambda rig, seeds, *rest: [errors for _ in seeds])
+    monkeypatch.setattr(stage, "full_errors", lambda on_rig, seeds, *rest: [errors for _ in seeds])
     return calls
 
 
 CHANGES = {
     "version": lambda s: {"version": "w"},
-    "rig": lambda s: {"rig": s["rig"] | {"step_s": 1e-4}},
-    "models": lambda s: {"models": s["models"] | {"alpha": 0.5}},
-    "folds": lambda s: {"folds": 3},
-    "target": lambda s: {"target": "measured"},
+    "rig": lambda s: {"on_rig": s["on_rig"] | {"rig": s["on_rig"]["rig"] | {"step_s": 1e-4}}},
+    "target": lambda s: {"on_rig": s["on_rig"] | {"target": "measured"}},
+    "models": lambda s: {
+        "judgement": s["judgement"] | {"models": s["judgement"]["models"] | {"alpha": 0.5}}
+    },
+    "folds": lambda s: {"judgement": s["judgement"] | {"folds": 3}},
     **{
         key: lambda s, key=key, value=value: {"calibration": s["calibration"] | {key: value}}
         for key, value in {
@@ -606,7 +527,7 @@ def test_worse_rigs_of_later_generations_do_not_replace_a_better_one(
 
 def test_fit_is_no_worse_than_the_rig_that_it_began_at(settings, tmp_path, monkeypatch):
     free = stage.free_parameters(*(settings["calibration"][key] for key in ("free", "ranges")))
-    start = encode(settings["rig"], free)
+    start = encode(settings["on_rig"]["rig"], free)
     quickly(monkeypatch, lambda point: float(np.sum((point - start) ** 2)))
     found = read_json(fit(tmp_path, settings) / "fit.json")
     assert found["loss_at_start"] == 0.0
@@ -635,7 +556,7 @@ def test_published_numbers_that_cannot_be_read_are_an_error(settings, tmp_path):
     broken.write_text("a: [")
     for path in (tmp_path / "none.yaml", broken):
         with pytest.raises(ConfigError, match=re.escape(str(path))):
-            stage.calibrate(str(path), "x", "y", checkpoint="z", **settings)
+            calibrate(str(path), "x", "y", checkpoint="z", **settings)
 
 
 def test_progress_of_the_search_is_logged(settings, tmp_path, monkeypatch, caplog):

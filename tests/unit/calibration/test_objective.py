@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fprc.calibration import Target, loss_of, properties, residuals
+from fprc.calibration import Aim, loss_of, properties, residuals
 from fprc.config import Settings
 
 #: Errors in the order that is wanted: FPRC's test error is the lowest by far.
@@ -25,7 +25,7 @@ ERRORS = {
 RANGES = {"angle_deg": (57.0, 63.0), "loop_kpa": (45.0, 75.0), "p_o_loop": (0.2, 0.4)}
 PROPERTIES = {"angle_deg": 60.0, "loop_kpa": 60.0, "p_o_loop": 0.3}
 MARGIN, RATIO = 0.05, 1.15
-TARGET = Target(ERRORS, RANGES, MARGIN, RATIO)
+TARGET = Aim(ERRORS, RANGES, MARGIN, RATIO)
 
 keys = st.sampled_from(list(ERRORS))
 factors = st.floats(1.0, 10.0)
@@ -192,7 +192,9 @@ def ellipses(width_kpa, growth, p_o_width_kpa, p_o_growth):
     return {
         "time_s": t,
         "theta_deg": 30.0 + 30.0 * along,
-        "p_exp_kpa": 175.0 + 170.0 * along + 0.5 * width_kpa * np.where(late, growth, 1.0) * across,
+        "p_target_kpa": 175.0
+        + 170.0 * along
+        + 0.5 * width_kpa * np.where(late, growth, 1.0) * across,
         "p_o_kpa": 130.0
         + 25.0 * along
         + 0.5 * p_o_width_kpa * np.where(late, p_o_growth, 1.0) * across,

@@ -20,12 +20,12 @@ CASES = [
 
 
 @pytest.fixture(scope="module")
-def logs(recorded):
+def logs(seen):
     """The first 8 s of both experiments; of different lengths, since the paper's are."""
     lengths = {"sweep": 1600, "complex": 1403}
     return {
         name: {channel: values[: lengths[name]] for channel, values in log.items()}
-        for name, log in recorded.items()
+        for name, log in seen.items()
     }
 
 
@@ -61,7 +61,7 @@ def build(name):
 
 
 def pair(logs, log, name):
-    return np.column_stack([logs[log][key] for key in INPUTS[name]]), logs[log]["p_exp_kpa"]
+    return np.column_stack([logs[log][key] for key in INPUTS[name]]), logs[log]["p_target_kpa"]
 
 
 def rms(values):
@@ -112,4 +112,4 @@ def test_stand_in_leaves_settings_and_logs_alone(logs, models):
     before = copy.deepcopy(models)
     surrogate_errors(logs, models, stride=50, esn_nodes=5, seed=1)
     assert models == before
-    assert "p_exp_kpa" in logs["sweep"]
+    assert "p_target_kpa" in logs["sweep"]

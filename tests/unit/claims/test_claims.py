@@ -6,13 +6,8 @@ import numpy as np
 import pytest
 import yaml
 
-from fprc.claims import (
-    Results,
-    changed_verdicts,
-    judge_claims,
-    measure_hysteresis,
-    measure_runs,
-)
+from fprc.claims import Results, changed_verdicts, judge_claims
+from fprc.experiments.measures import measure_hysteresis, measure_runs
 
 PUBLISHED = yaml.safe_load(
     (Path(__file__).parents[3] / "config" / "published.yaml").read_text(encoding="utf-8")
@@ -132,11 +127,11 @@ def pushes(time_s, size):
     return size * np.sin(2 * np.pi * 1.7 * time_s) * (time_s >= QUIET_S)
 
 
-def hysteresis_log(growth=0.0, channel="p_exp_kpa"):
+def hysteresis_log(growth=0.0, channel="p_target_kpa"):
     time_s = np.arange(int(60 * RATE_HZ)) / RATE_HZ
     phase = 2 * np.pi * time_s * (0.2 + 0.4 * time_s / time_s[-1])
     log = {"time_s": time_s, "theta_deg": 30.0 - 30.0 * np.cos(phase)}
-    for name, width in (("p_exp_kpa", 60.0), ("p_o_kpa", 50.0)):
+    for name, width in (("p_target_kpa", 60.0), ("p_o_kpa", 50.0)):
         grown = 1.0 + growth * (name == channel) * time_s / time_s[-1]
         log[name] = 150.0 - 150.0 * np.cos(phase) + width * grown * np.sin(phase)
     return log
@@ -486,7 +481,7 @@ PERTURBATIONS = [
     ("C17", "tracking_mean", angle(DISTURBED, error_when_pushed, ONE), 2.6, 2.4),
     *(
         ("C18", f"{name}_{side}", grown(channel, seeds), *x)
-        for name, channel in (("actuator", "p_exp_kpa"), ("reservoir", "p_o_kpa"))
+        for name, channel in (("actuator", "p_target_kpa"), ("reservoir", "p_o_kpa"))
         for side, seeds, *x in (
             ("widens", EVERY, 0.3, 0.25),
             ("narrows", EVERY, -0.235, -0.2),

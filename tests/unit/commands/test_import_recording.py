@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 
 from fprc.artifacts import read_json
 from fprc.cli import main
-from fprc.commands.import_recording import bring_in
+from fprc.commands.import_recording import import_recording
 from fprc.config import Settings
 from fprc.config.importing import read_map
 from fprc.errors import ConfigError, LogError
-from fprc.experiments.comparison import Data, read_data, refuse_mixture
+from fprc.experiments.data import Data, read_data, refuse_mixture
 from fprc.figures import style
 from fprc.logs import RAW_CHANNELS, assess, read_columns, read_raw, write_raw
 from fprc.stages.preprocess import preprocess
@@ -54,7 +54,7 @@ def bring(recorded, tmp_path):
         told = {"experiment": "sweep", "time": {"column": "time_s"}, "channels": channels} | more
         (tmp_path / "map.yaml").write_text(yaml.safe_dump(told))
         raw = tmp_path / "sweep.h5"
-        bring_in(str(tmp_path / "log.csv"), str(tmp_path / "map.yaml"), str(raw))
+        import_recording(str(tmp_path / "log.csv"), str(tmp_path / "map.yaml"), str(raw))
         return raw
 
     return bring
@@ -105,7 +105,7 @@ def test_any_start_and_rate_give_a_log_that_reads(tmp_path_factory, rows, rate_h
     }
     (folder / "any.yaml").write_text(yaml.safe_dump(told))
     names = [str(folder / name) for name in ("any_source.csv", "any.yaml", "any.h5")]
-    bring_in(*names)
+    import_recording(*names)
     log = read_raw(names[2], **RATE | {"sample_rate_hz": rate_hz})
     assert log.channels["theta_deg"] == pytest.approx(angle, abs=1e-6 * max(start_s, 1.0))
 
@@ -236,7 +236,7 @@ def test_unlikely_clock_is_doubted(bring, recorded, capsys):
 
 def test_name_that_is_no_log_is_refused(tmp_path):
     with pytest.raises((LogError, ConfigError)):
-        bring_in("x.csv", str(tmp_path / "none.yaml"), "out.csv")
+        import_recording("x.csv", str(tmp_path / "none.yaml"), "out.csv")
 
 
 # --- what may be absent ---------------------------------------------------------------------
@@ -485,7 +485,7 @@ def test_recording_rehearsed_on_the_page_comes_back(recorded, tmp_path, monkeypa
     (snippet,) = blocks("python")
     exec(compile(snippet, "docs/own-data.md", "exec"), {})
     Path("sweep.yaml").write_text(blocks("yaml")[0])
-    bring_in("arm_sweep.csv", "sweep.yaml", "mylogs/sweep.h5")
+    import_recording("arm_sweep.csv", "sweep.yaml", "mylogs/sweep.h5")
     log = read_raw("mylogs/sweep.h5", **RATE)
     for name in ("theta_deg", "p_exp_command_kpa", "p_o_kpa"):
         assert log.channels[name] == pytest.approx(recorded["sweep"][name], abs=1e-9)
@@ -502,7 +502,7 @@ def test_units_of_notes_reach_the_data_and_are_not_mixed(bring):
     data = read_data(str(prepared(bring({"theta_deg": ANGLE, "p_exp_kpa": force}))))
     assert data.unit == "N"
     assert data.attributes["theta_unit"] == "deg"
-    plain = Data(data.channels, data.attributes | {"p_exp_unit": "kPa"})
+    plain = Data(data.channels, data.attributes | {"p_target_unit": "kPa"})
     refuse_mixture(data, data)
     with pytest.raises(LogError, match="training log is in N, that of the test log in kPa"):
         refuse_mixture(data, plain)

@@ -7,7 +7,7 @@ import yaml
 
 from fprc.artifacts import read_json
 from fprc.cli import main
-from fprc.commands.import_recording import bring_in
+from fprc.commands.import_recording import import_recording
 from fprc.commands.readout import findings, progress_bar, report_readout
 from fprc.config.importing import read_map
 from fprc.errors import ConfigError
@@ -120,7 +120,7 @@ def test_map_that_lacks_parts_and_readout_is_told_so_at_once(recording, tmp_path
 
 def test_map_of_two_parts_is_refused_where_one_log_is_asked_for(recording, tmp_path):
     with pytest.raises(ConfigError, match="test_from_s is for `fprc readout`; give experiment"):
-        bring_in(str(tmp_path / "log.csv"), recording(), str(tmp_path / "sweep.h5"))
+        import_recording(str(tmp_path / "log.csv"), recording(), str(tmp_path / "sweep.h5"))
 
 
 @pytest.mark.parametrize(

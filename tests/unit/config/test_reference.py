@@ -9,13 +9,13 @@ from fprc.config import Settings, check, reference
 ROOT = Path(__file__).parents[3]
 
 
-#: A setting whose keys are the user's.
-MAPPING = "calibration.ranges"
+#: Settings whose keys are the user's.
+MAPPINGS = ("calibration.ranges", "models.others")
 
 
 def leaves(values, prefix=""):
     for name, value in values.items():
-        if isinstance(value, dict) and prefix + name != MAPPING:
+        if isinstance(value, dict) and prefix + name not in MAPPINGS:
             yield from leaves(value, f"{prefix}{name}.")
         else:
             yield prefix + name, value
@@ -75,6 +75,11 @@ def test_any_float_is_written_so_that_yaml_reads_the_same_float(value):
 
 def test_generated_yaml_is_valid_and_gives_the_defaults():
     assert check(yaml.safe_load(reference.defaults())) == Settings()
+
+
+def test_page_has_one_table_for_each_section():
+    headings = [line for line in reference.reference().splitlines() if line.startswith("## ")]
+    assert len(set(headings)) == len(headings) > 20
 
 
 def test_page_documents_every_setting_once():

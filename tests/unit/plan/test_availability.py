@@ -1,14 +1,13 @@
-import pandas as pd
 import pytest
 
-from fprc.experiments.tracking import CONTROLLERS
 from fprc.logs import COMPLETE, RAW_CHANNELS, Holding
-from fprc.plan.availability import NEEDS, TITLES, refusal, run_log, unavailable
-from fprc.stages.tabulate import tabulate_unavailable
+from fprc.paper import CONTROLLERS, EXPERIMENTS, REFERENCES, run_log
+from fprc.plan.availability import refusal, unavailable
+from fprc.plan.results import BY_NAME
 
-REFERENCES = ["sine_0p2", "sine_0p5", "sweep", "complex", "disturbance"]
-RUNS = [run_log(reference, name) for reference in REFERENCES for name in CONTROLLERS]
-EXPERIMENTS = ["sweep", "complex"]
+RUNS = [
+    run_log(reference, name) for reference in (*REFERENCES, "disturbance") for name in CONTROLLERS
+]
 OF_RIGS = {"seeds", "claims", "check", "readme"}
 CLOSED_LOOP = {"table4", *(f"fig{number}" for number in range(12, 18))}
 
@@ -76,7 +75,7 @@ def test_reasons_add_up():
 @pytest.mark.parametrize("number", range(12, 18))
 def test_closed_loop_figure_is_made_of_its_own_runs(number):
     name = f"fig{number}"
-    own = dict.fromkeys(NEEDS[name].logs, COMPLETE)
+    own = dict.fromkeys(BY_NAME[name].logs, COMPLETE)
     assert set(own) <= set(RUNS)
     assert name not in of(own)
     for run in own:
@@ -100,26 +99,8 @@ def test_part_of_table4_is_made_and_the_rest_is_named():
 
 def test_every_result_has_a_title_and_a_refusal_gives_it_with_the_reason():
     found = of({})
-    assert found.keys() <= TITLES.keys()
+    assert all(BY_NAME[name].title for name in found)
     assert refusal("fig5", found) == (
         "fig5: not available for this data: "
         "Fig. 5 needs sweep.h5 and complex.h5, which are not in mylogs"
     )
-
-
-def test_list_for_readers_is_in_the_order_of_the_paper_and_has_no_chores(tmp_path, caplog):
-    caplog.set_level("INFO")
-    csv, md = tmp_path / "list.csv", tmp_path / "list.md"
-    tabulate_unavailable(str(csv), str(md), reasons=of(both(without("p_o_kpa"))))
-    table = pd.read_csv(csv)
-    assert list(table["name"])[-5:] == ["fig13", "fig14", "fig15", "fig16", "fig17"]
-    assert not {"readme", "check"} & set(table["name"])
-    assert "| Fig. 5 " in md.read_text()
-    assert "not available: Fig. 5: needs p_o_kpa" in caplog.text
-
-
-def test_list_is_written_too_when_all_is_there(tmp_path):
-    csv, md = tmp_path / "list.csv", tmp_path / "list.md"
-    tabulate_unavailable(str(csv), str(md), reasons={})
-    assert md.read_text() == "Everything is available for this data.\n"
-    assert pd.read_csv(csv).empty

@@ -6,16 +6,22 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fprc.artifacts import read_json
-from fprc.claims import measure_hysteresis, measure_runs
 from fprc.config import Settings
-from fprc.experiments.comparison import judge, judge_directions, read_data
-from fprc.experiments.hysteresis import record
-from fprc.experiments.sweeps import sweep_settings, weigh
-from fprc.experiments.tracking import CONTROLLERS, identify_gain, track
+from fprc.experiments import tracking
+from fprc.experiments.comparison import compare_models, judge_directions
+from fprc.experiments.data import read_data
+from fprc.experiments.hysteresis import simulate
+from fprc.experiments.measures import measure_hysteresis, measure_runs
+from fprc.experiments.settings import Judgement, RigSettings
 from fprc.logs import read_columns
 from fprc.models import load_model
-from fprc.stages import replicate as stage
+from fprc.paper import CONTROLLERS
+from fprc.stages.judge import judge
 from fprc.stages.preprocess import preprocess
+from fprc.stages.record import record
+from fprc.stages.replicate import replicate
+from fprc.stages.sweep import sweep_settings, weigh
+from fprc.stages.track import identify_gain, track
 
 SEED, SETTLE_S, QUIET_S = 7, 0.5, 1.5
 VALUES = {"epsilon": [1.0, 0.1], "n_c": [1, 2], "n_u": [1, 4], "n_y": [2], "replicate_taps": [1, 3]}
@@ -46,23 +52,31 @@ def settings():
 
 @pytest.fixture(scope="module")
 def judgement(settings):
-    return {"models": settings["models"], "folds": 2, "split": "shuffled"}
+    return {"models": settings["models"], "folds": 2, "split": "shuffled", "seed": SEED}
 
 
 @pytest.fixture(scope="module")
-def repeat(settings, judgement):
+def on_rig(settings):
+    return {
+        "rig": settings["rig"],
+        "control": settings["control"],
+        "signals": settings["experiments"],
+        "target": "command",
+    }
+
+
+@pytest.fixture(scope="module")
+def repeat(settings, judgement, on_rig):
     """Repeat everything with a seed; return the files by what they hold."""
 
     def call(folder, seed=SEED):
         files = {name: folder / f"{name}.json" for name in ("compared", "cells", "measures")}
-        stage.replicate(
+        replicate(
             **{name: str(path) for name, path in files.items()},
-            signals=settings["experiments"],
-            **{name: settings[name] for name in ("control", "rig", "tracking")},
-            **judgement,
-            target="command",
+            on_rig=on_rig,
+            judgement=judgement | {"seed": seed},
             values=VALUES,
-            seed=seed,
+            tracking=settings["tracking"],
         )
         return files
 
@@ -79,7 +93,7 @@ def repeated(repeat, tmp_path_factory):
         return measure_runs(runs, quiet_s)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(stage, "measure_runs", spy)
+        patch.setattr(tracking, "measure_runs", spy)
         files = repeat(tmp_path_factory.mktemp("repeated"))
     ((runs, quiet_s),) = seen
     assert quiet_s == QUIET_S
@@ -116,7 +130,7 @@ def judge_both(model, logs, judgement, folder):
         kind: [str(folder / f"{kind}_{name}") for name in logs]
         for kind in ("errors", "fitted", "fits", "predictions")
     }
-    judge(**logs, **files, name=model, **judgement, seed=SEED)
+    judge(**logs, **files, name=model, judgement=judgement)
     return files
 
 
@@ -155,11 +169,10 @@ def test_errors_are_those_of_each_direction_judged_alone(errors, logs, judgement
         (log, model) for log in ("sweep", "complex") for model in ("esn", "fprc", "fuzzy_linear")
     ]
     data = {name: read_data(path) for name, path in logs.items()}
-    settings = [judgement[key] for key in ("models", "folds", "split")]
     for entry in found["models"]:
         train = entry["trained_on"]
         test = "complex" if train == "sweep" else "sweep"
-        (judged,) = judge_directions(entry["model"], *settings, SEED, data, [(train, test)])
+        (judged,) = judge_directions(entry["model"], Judgement(**judgement), data, [(train, test)])
         assert entry == json.loads(json.dumps(judged.report))
 
 
@@ -172,12 +185,12 @@ def test_main_run_writes_the_same_errors_and_what_they_are_of(
     assert reports == [entry for entry in read_json(errors)["models"] if entry["model"] == model]
     for i, (train, test) in enumerate([("sweep", "complex"), ("complex", "sweep")]):
         fit, prediction = (
-            read_columns(written[kind][i], ("p_exp_kpa", "p_ff_kpa"))
+            read_columns(written[kind][i], ("p_target_kpa", "p_ff_kpa"))
             for kind in ("fits", "predictions")
         )
         assert fit.attributes["experiment"] == train
         assert prediction.attributes["experiment"] == test
-        away_kpa = prediction.channels["p_ff_kpa"] - prediction.channels["p_exp_kpa"]
+        away_kpa = prediction.channels["p_ff_kpa"] - prediction.channels["p_target_kpa"]
         assert np.sqrt(np.mean(away_kpa**2)) == pytest.approx(reports[i]["test_rmse_kpa"])
         again = load_model(written["fitted"][i])
         X, _ = read_data(logs[test]).pair(model)
@@ -186,7 +199,7 @@ def test_main_run_writes_the_same_errors_and_what_they_are_of(
 
 def test_weights_are_those_of_the_main_run_with_that_seed(errors, logs, judgement, tmp_path):
     path = str(tmp_path / "weights.json")
-    weigh(logs["sweep"], path, **judgement, seed=SEED)
+    weigh(logs["sweep"], path, judgement=judgement)
     main = read_json(path)
     assert read_json(errors)["weights"] == {key: main[key] for key in ("mean_share", "shares")}
     assert sum(main["mean_share"].values()) <= 1.0 + 1e-9
@@ -199,11 +212,10 @@ def test_errors_of_another_seed_differ(errors, other):
     assert ours["weights"]["mean_share"] != others["weights"]["mean_share"]
 
 
-def test_measured_pressure_is_another_target_than_the_command(errors, settings, judgement):
-    rig = [settings[name] for name in ("experiments", "control", "rig")]
-    measured = stage.simulate(*rig, "measured", SEED)
+def test_measured_pressure_is_another_target_than_the_command(errors, on_rig, judgement):
+    measured = simulate(RigSettings(**on_rig | {"target": "measured"}), SEED)
     ours = read_json(errors)["models"]
-    others = stage.compare_models(measured, **judgement, seed=SEED)[0]["models"]
+    others = compare_models(measured, Judgement(**judgement))[0]["models"]
     assert {entry["target"] for entry in ours} == {"command"}
     assert {entry["target"] for entry in others} == {"measured"}
     for mine, theirs in zip(ours, others, strict=True):
@@ -233,8 +245,8 @@ def test_cells_are_those_of_the_main_run_with_that_seed(cells, name, logs, judge
     coarse = VALUES | dict.fromkeys(("n_u", "n_y"), VALUES["replicate_taps"])
     path = str(tmp_path / f"{name}.json")
     sweep_settings(
-        logs["sweep"], logs["complex"], path, sweep=name, values=coarse, **judgement,
-        seed=SEED, workers=1, checkpoint=str(tmp_path / "partial.jsonl"), version="v",
+        logs["sweep"], logs["complex"], path, sweep=name, values=coarse,
+        judgement=judgement, workers=1, checkpoint=str(tmp_path / "partial.jsonl"), version="v",
     )  # fmt: skip
     assert read_json(cells)[name] == read_json(path)["cells"]
 
@@ -266,9 +278,8 @@ def followed(logs, settings, judgement, tmp_path_factory):
     runs = {}
     for reference in settings["tracking"]["references"]:
         paths = [str(folder / f"{reference}_{name}.h5") for name in CONTROLLERS]
-        track(
-            model, gains, paths, reference=reference, controllers=list(CONTROLLERS), **bench
-        )  # fmt: skip
+        names = {"names": ["fprc"], "controllers": CONTROLLERS}
+        track([model], gains, paths, reference=reference, **names, **bench)
         for path in paths:
             wanted = ("time_s", "theta_d_deg", "theta_deg", "p_ff_kpa", "p_fb_kpa", "p_i_kpa",
                       "p_o_kpa", "phi_deg")  # fmt: skip
@@ -304,7 +315,7 @@ def test_errors_of_the_runs_are_those_of_the_logs_after_settling(control, follow
 
 def test_other_measures_are_those_of_the_runs_and_of_the_sweep(control, logs):
     found = read_json(control[0])
-    sweep = read_columns(logs["sweep"], ("time_s", "p_exp_kpa", "theta_deg", "p_o_kpa"))
+    sweep = read_columns(logs["sweep"], ("time_s", "p_target_kpa", "theta_deg", "p_o_kpa"))
     assert found["hysteresis"] == pytest.approx(measure_hysteresis(sweep.channels), rel=1e-12)
     again = measure_runs(control[1], QUIET_S)
     assert {key: found[key] for key in again} == json.loads(json.dumps(again))

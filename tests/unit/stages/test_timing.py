@@ -6,9 +6,11 @@ import pytest
 from fprc.artifacts import read_json
 from fprc.config import Settings
 from fprc.control import PressurePI
-from fprc.experiments.comparison import build
+from fprc.experiments import step_cost as cost
+from fprc.experiments.data import read_data
 from fprc.logs import write_columns
 from fprc.models import ESN, FPRC, FuzzyLinear, SequenceModel
+from fprc.registry import build
 from fprc.stages import timing
 
 SAMPLES, WARM_UP = 300, 100
@@ -23,14 +25,11 @@ def settings():
 
 
 @pytest.fixture(scope="module")
-def logs(recorded, tmp_path_factory):
+def logs(seen, tmp_path_factory):
     """A training log, and the test log whose readings are replayed."""
     folder = tmp_path_factory.mktemp("data")
     for name, samples in (("sweep", 2000), ("complex", SAMPLES)):
-        channels = {
-            channel: recorded[name][channel][:samples]
-            for channel in ("time_s", "p_exp_kpa", "theta_deg", "p_o_kpa")
-        }
+        channels = {channel: values[:samples] for channel, values in seen[name].items()}
         attributes = {"experiment": name, "source": "sim", "seed": 1, "target": "measured"}
         write_columns(folder / f"{name}.h5", channels, attributes)
     return str(folder / "sweep.h5"), str(folder / "complex.h5")
@@ -38,13 +37,13 @@ def logs(recorded, tmp_path_factory):
 
 def measure(logs, settings):
     """Cost of a step of each model's controller."""
-    train, test = map(timing.read_data, logs)
+    train, test = map(read_data, logs)
     control, tracking = settings["control"], settings["tracking"]
     models = [
         build(name, settings["models"], seed=1).fit(*train.pair(name))
         for name in ("esn", "fprc", "fuzzy_linear")
     ]
-    return [timing.step_cost(model, test, control, tracking) for model in models]
+    return [cost.step_cost(model, test, control, tracking) for model in models]
 
 
 def write(logs, settings, folder):
@@ -57,7 +56,7 @@ def write(logs, settings, folder):
 @pytest.fixture
 def clock(monkeypatch):
     """Seconds of a round of steps: the first is a warm-up, whose times are wild."""
-    monkeypatch.setattr(timing, "WARM_UP", WARM_UP)
+    monkeypatch.setattr(cost, "WARM_UP", WARM_UP)
     rounds = []
 
     def time_steps(step, samples):
@@ -70,7 +69,7 @@ def clock(monkeypatch):
         seconds[-1] = 4e-3
         return seconds
 
-    monkeypatch.setattr(timing, "time_steps", time_steps)
+    monkeypatch.setattr(cost, "time_steps", time_steps)
     return rounds
 
 
@@ -103,7 +102,7 @@ def test_each_step_of_the_controller_is_fed_the_log_sample_by_sample(
 
     monkeypatch.setattr(model, "step", spy)
     measure(logs, settings)
-    data = timing.read_data(logs[1]).channels
+    data = read_data(logs[1]).channels
     expected = np.column_stack([data["theta_deg"], data["p_o_kpa"]])[:, :columns]
     np.testing.assert_array_equal(seen, np.concatenate([expected[:WARM_UP], expected]))
 
@@ -136,8 +135,8 @@ def test_one_fit_serves_the_execution_times_and_the_step(logs, settings, tmp_pat
 def test_logs_without_p_o_time_the_models_that_do_without_it(logs, settings, tmp_path):
     bare = []
     for path in logs:
-        data = timing.read_data(path)
-        channels = {name: data.channels[name] for name in ("time_s", "p_exp_kpa", "theta_deg")}
+        data = read_data(path)
+        channels = {name: data.channels[name] for name in ("time_s", "p_target_kpa", "theta_deg")}
         bare.append(str(tmp_path / Path(path).name))
         write_columns(bare[-1], channels, data.attributes)
     times, steps = write(bare, settings, tmp_path)
@@ -161,10 +160,10 @@ def test_each_step_of_the_controller_runs_both_pressure_loops(logs, settings, cl
     monkeypatch.setattr(PressurePI, "step", spy)
     measure(logs, settings)
     assert len(seen) == 2 * 3 * (WARM_UP + SAMPLES)
-    data = timing.read_data(logs[1]).channels
+    data = read_data(logs[1]).channels
     begin, end = 2 * WARM_UP, 2 * (WARM_UP + SAMPLES)
     main, reservoir = seen[begin:end:2], seen[begin + 1 : end : 2]
-    np.testing.assert_array_equal([reading for _, reading in main], data["p_exp_kpa"])
+    np.testing.assert_array_equal([reading for _, reading in main], data["p_target_kpa"])
     assert all(0.0 <= setpoint <= 450.0 for setpoint, _ in main)
     np.testing.assert_allclose([setpoint for setpoint, _ in reservoir], 7.0 * data["theta_deg"])
 

@@ -9,19 +9,13 @@ from fprc.config import Settings
 from fprc.control import TRACKING_CHANNELS, RunAbortedError
 from fprc.devices import SimulatedRig
 from fprc.errors import ControlError
-from fprc.experiments.tracking import (
-    CONTROLLERS,
-    Track,
-    bench_gain,
-    identify_gain,
-    track,
-    tracking_error,
-)
+from fprc.experiments.tracking import Track, bench_gain, tracking_error
 from fprc.logs import RAW_CHANNELS, read_columns
 from fprc.models import FPRC, FuzzyLinear, load_model, save_model
+from fprc.paper import CONTROLLERS, controller_and_gain
+from fprc.stages.track import identify_gain, track
 
 NAMES = (*RAW_CHANNELS, *TRACKING_CHANNELS)
-EVERY = tuple(CONTROLLERS)
 
 
 @pytest.fixture(scope="module")
@@ -52,10 +46,10 @@ def gains(tmp_path_factory):
     return path
 
 
-def follow(folder, model, gains, settings, controllers=EVERY, reference="sine_0p5", **more):
+def follow(folder, model, gains, settings, controllers=CONTROLLERS, reference="sine_0p5", **more):
     paths = [str(folder / f"{name}.h5") for name in controllers]
     chosen = {"reference": reference, "controllers": controllers, "seed": 1} | settings | more
-    track(model, gains, paths, **chosen)
+    track([model], gains, paths, names=["fprc"], **chosen)
     return {name: read_columns(path, NAMES) for name, path in zip(controllers, paths, strict=True)}
 
 
@@ -66,7 +60,8 @@ def logs(model, gains, settings, tmp_path_factory):
 
 
 def test_every_controller_has_its_raw_log_with_what_it_was(logs, settings):
-    for name, (controller, gain) in CONTROLLERS.items():
+    for name in CONTROLLERS:
+        controller, gain = controller_and_gain(name)
         found = logs[name].attributes
         assert (found["reference"], found["controller"], found["gain"]) == (
             "sine_0p5",
@@ -198,7 +193,7 @@ def made_safe(monkeypatch):
 def test_aborted_run_keeps_its_rows_and_says_why(
     at, tmp_path, model, gains, settings, monkeypatch, made_safe
 ):
-    monkeypatch.setattr("fprc.experiments.tracking.load_model", lambda path: Broken(at))
+    monkeypatch.setattr("fprc.stages.track.load_model", lambda path, classes: Broken(at))
     with pytest.raises(RunAbortedError, match=f"sample {at}: the controller gave P_ff = nan"):
         follow(tmp_path, model, gains, settings, ("pd_printed", "fprc", "fprc_pd_printed"))
     assert made_safe == [[0.0, 0.0]] * 2
@@ -215,7 +210,7 @@ def test_aborted_run_keeps_its_rows_and_says_why(
 def test_aborted_log_lies_beside_its_log_in_any_folder(
     tmp_path, model, gains, settings, monkeypatch
 ):
-    monkeypatch.setattr("fprc.experiments.tracking.load_model", lambda path: Broken(5))
+    monkeypatch.setattr("fprc.stages.track.load_model", lambda path, classes: Broken(5))
     folder = tmp_path / "logs.h5.d"
     folder.mkdir()
     with pytest.raises(RunAbortedError):

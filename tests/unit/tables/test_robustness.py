@@ -20,7 +20,7 @@ from fprc.figures import style
 from fprc.stages import tabulate
 from fprc.stages.draw_ensemble import draw_ensemble
 
-PUBLISHED = Path(__file__).parents[2] / "config/published.yaml"
+PUBLISHED = Path(__file__).parents[3] / "config/published.yaml"
 PRINTED = yaml.safe_load(PUBLISHED.read_text(encoding="utf-8"))
 PATHS = list(Settings().calibration.free)
 MODELS = ("esn", "fprc", "fuzzy_linear")

@@ -121,7 +121,7 @@ def test_fig_8_writes_the_rmse_that_it_shows(figures, place):
         time_s = np.arange(20) / 20.0
         write_columns(
             place(name),
-            {"time_s": time_s, "p_exp_kpa": 100.0 * time_s, "p_ff_kpa": 100.0 * time_s + offset},
+            {"time_s": time_s, "p_target_kpa": 100.0 * time_s, "p_ff_kpa": 100.0 * time_s + offset},
             {"source": "sim", "seed": 7, "model": "fprc"},
         )
     draw.draw_training(

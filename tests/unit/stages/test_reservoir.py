@@ -5,15 +5,16 @@ import pytest
 
 from fprc.config import check
 from fprc.errors import ConfigError, LogError
-from fprc.experiments.comparison import read_data, refuse_mixture
-from fprc.experiments.reservoir import CHANNELS, add_reservoir, commands_of, drive
+from fprc.experiments.data import read_data, refuse_mixture
+from fprc.experiments.reservoir import CHANNELS, commands_of, drive
 from fprc.figures import style
 from fprc.logs import read_raw, write_raw
 from fprc.logs.columns import write_columns
+from fprc.paper import SOURCES
 from fprc.provenance import describe
 from fprc.stages.preprocess import preprocess
 from fprc.stages.report import banner
-from fprc.tables import SOURCES
+from fprc.stages.reservoir import add_reservoir
 
 RATE = {"experiment": "sweep", "sample_rate_hz": 200.0, "rate_tolerance": 0.01}
 

@@ -54,7 +54,7 @@ def log(tmp_path):
         time = np.arange(80) / 20.0
         channels = {
             "time_s": time,
-            "p_exp_kpa": 175.0 + 100.0 * np.sin(time),
+            "p_target_kpa": 175.0 + 100.0 * np.sin(time),
             "theta_deg": 20.0 + 15.0 * np.sin(time - 0.3),
             "p_o_kpa": 100.0 + 5.0 * np.sin(time - 0.5),
             "p_ff_kpa": 177.0 + 100.0 * np.sin(time),
@@ -195,7 +195,7 @@ def test_unit_from_a_file_is_drawn_as_text(axes, unit):
     plot_error(time, time, time, axes, colour="k", rmse=0.0, unit=unit)
     axes.figure.canvas.draw()
     assert axes.get_ylabel() == f"Error [{figure(unit)}]"
-    log = Columns(Path("x.h5"), {}, {"p_exp_unit": unit})
+    log = Columns(Path("x.h5"), {}, {"p_target_unit": unit})
     table = pd.DataFrame(
         {"n_y": [1, 1], "n_u": [1, 2], "mean": [1.0, 2.0], "unit": unit, "phase": "train"}
     )

@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 
 from fprc import tables
 from fprc.artifacts import write_csv, write_json
+from fprc.registry import MODELS
 from fprc.stages import tabulate
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 PUBLISHED = yaml.safe_load((ROOT / "config/published.yaml").read_text(encoding="utf-8"))
 
 COLUMNS = [
@@ -197,7 +198,7 @@ def test_orders_notice_a_reversed_test_that_is_not_worse():
     models = [
         report(model, error, trained_on=trained_on)
         for trained_on, errors in (("sweep", (16, 12, 18)), ("complex", (30, 12, 40)))
-        for model, error in zip(tables.MODEL_NAMES, errors, strict=True)
+        for model, error in zip(MODELS, errors, strict=True)
     ]
     row = tables.orders([{"seed": 1, "source": "sim", "models": models}]).iloc[0]
     assert not row["reversed_tests_worse"]
@@ -205,7 +206,7 @@ def test_orders_notice_a_reversed_test_that_is_not_worse():
 
 
 def test_table_3_carries_its_own_published_numbers():
-    reports = [report(model, 30.0, trained_on="complex") for model in tables.MODEL_NAMES]
+    reports = [report(model, 30.0, trained_on="complex") for model in MODELS]
     row = by_metric(tables.comparison(reports, PUBLISHED), "esn")
     assert row["published_mean"].tolist() == [10.2, 10.2, 60.32]
     seeds = by_metric(tables.over_seeds(REPLICATES, PUBLISHED, "complex"), "esn")
@@ -399,7 +400,7 @@ def test_orders_compare_training_in_both_directions(train, ratio, close):
         report("esn", 16.0, train=(train, train)),
         report("fprc", 12.0, train=(10.0, 10.0)),
         report("fuzzy_linear", 18.0, train=(15.0, 15.0), validation=(16.0, 16.0)),
-        *(report(model, 30.0, trained_on="complex") for model in tables.MODEL_NAMES),
+        *(report(model, 30.0, trained_on="complex") for model in MODELS),
     ]
     row = tables.orders([{"seed": 1, "source": "sim", "models": models}]).iloc[0]
     assert row["esn_over_fprc_training"] == pytest.approx(ratio)
