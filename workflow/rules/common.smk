@@ -52,8 +52,9 @@ def stage(name, *models, key="code"):
 
     ``key``: ``version`` where a checkpoint depends on it.
     """
-    classes = [class_module(model, SETTINGS["models"]) for model in models]
-    return {"stage": name, key: fingerprint(f"fprc.stages.{name.split('.')[0]}", *classes)}
+    modules = ["fprc.stages.run", f"fprc.stages.{name.partition('.')[0]}"]
+    modules += [class_module(model, SETTINGS["models"]) for model in models]
+    return {"stage": name, key: fingerprint(*modules)}
 
 
 def judgement(model=None, seed=SETTINGS["seed"]):
