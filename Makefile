@@ -4,7 +4,7 @@ CORES ?= 2
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 
 .PHONY: paper smoke test test-parts test-workflow test-kill reproduce-twice processors slurm \
-	test-slurm docs scaling fault-matrix fuzz loop-benchmark benchmark benchmark-all clean
+	test-slurm docs layers scaling fault-matrix fuzz loop-benchmark benchmark benchmark-all clean
 
 paper: .venv/.ready
 	snakemake --cores $(CORES) all
@@ -66,6 +66,10 @@ scaling: .venv/.ready
 
 docs: .venv/.ready
 	snakemake --cores $(CORES) readme calibration_page
+
+# the picture of the packages in CONTRIBUTING.md, from the imports
+layers: .venv/.ready
+	python tests/layers.py
 
 # what comes of each fault of the real rig, of files and of settings: docs/faults.md
 fault-matrix: .venv/.ready

@@ -9,7 +9,7 @@ from fprc.config import from_files
 from fprc.errors import FprcError, LogError
 from fprc.fingerprint import fingerprint
 from fprc.logs import headers, refuse_simulated, refuse_to_overwrite
-from fprc.paper import DIRECTIONS, EXPERIMENTS, REFERENCES, run_log
+from fprc.paper import EXPERIMENTS, REFERENCES, SWEPT, SWEPT_SETTINGS, run_log
 from fprc.plan import BY_NAME, Plan, refusal
 from fprc.registry import MODELS, class_module, settings_of
 

@@ -54,8 +54,7 @@ def test_all_plans_what_the_logs_allow_and_nothing_else(recording):
     assert planned(done.stdout) == {
         "all", "preprocess", "judge", "comparison_table", "configuration_table", "sweep",
         "measure_times", "measure_times_over_n_c", "timing_table", "steps_table",
-        "actuator_hysteresis", "settings", "apparatus", "esn_system", "fprc_system",
-        "list_unavailable", "report_page",
+        "draw_fig3", "draw_fig4", "draw_fig6", "draw_fig7", "draw_fig10", "list_unavailable", "report_page",
     }  # fmt: skip
 
 
@@ -87,7 +86,7 @@ def test_one_log_alone_gives_what_is_drawn_from_it(recording):
     everything = ("theta_deg", "p_exp_kpa", "p_o_kpa", "p_i_kpa", "phi_deg")
     done = recording(*everything, names=["sweep"]).smoke("--dry-run", "all", *ARGUMENTS)
     assert done.returncode == 0, done.stdout
-    assert {"reservoir", "weights"} <= planned(done.stdout)
+    assert {"draw_fig2", "draw_fig9"} <= planned(done.stdout)
     assert not {"judge", "sweep", "measure_readout"} & planned(done.stdout)
 
 
@@ -96,7 +95,7 @@ def test_simulated_reservoir_serves_what_p_o_was_missing_for(recording):
     project = recording("theta_deg", "p_exp_kpa")
     done = project.smoke("--dry-run", "fig2", "fig5", "readout", "table2", *asked)
     assert done.returncode == 0, done.stdout
-    assert {"add_reservoir", "reservoir", "measure_readout"} <= planned(done.stdout)
+    assert {"add_reservoir", "draw_fig2", "measure_readout"} <= planned(done.stdout)
 
 
 @pytest.mark.slow

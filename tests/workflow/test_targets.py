@@ -2,6 +2,8 @@ import re
 
 import pytest
 
+from fprc.yaml_file import read_yaml
+
 
 def planned(output: str) -> dict[str, int]:
     """Jobs of a dry run by rule."""
@@ -19,6 +21,19 @@ def test_dry_run_of_the_paper_plans_every_stage(project):
     assert jobs["sweep"] == 3
 
 
+def test_profile_of_slurm_names_rules_that_there_are_and_groups_every_drawing(project):
+    rules = set()
+    for chunks in (1, 2):
+        asked = project.snakemake("--list-rules", "--config", f"sweeps={{chunks: {chunks}}}")
+        rules |= set(asked.stdout.split())
+    profile = read_yaml(project.folder / "profiles/slurm/config.yaml")
+    threads, groups = (
+        dict(each.split("=") for each in profile[key]) for key in ("set-threads", "groups")
+    )
+    assert threads.keys() | profile["set-resources"].keys() | groups.keys() <= rules
+    assert {rule for rule in rules if rule.startswith("draw_")} <= groups.keys()
+
+
 def test_default_profile_is_read(project):
     assert "profiles/default" in project.snakemake("--dry-run", "table1").stdout
 
@@ -33,28 +48,28 @@ def test_default_profile_is_read(project):
         ("table4", {"tracking_table", "track", "identify_gain"}, {"sweep", "replicate"}),
         ("seeds", {"seeds_table", "orders_table", "replicate"}, {"judge", "record"}),
         ("timing", {"timing_table", "measure_times"}, {"judge"}),
-        ("fig1", {"actuator", "record"}, {"judge"}),
-        ("fig3", {"apparatus"}, {"record"}),
-        ("fig6", {"esn_system"}, {"record"}),
-        ("fig7", {"fprc_system"}, {"record"}),
-        ("readout", {"readout_table", "readout_figure", "measure_readout"}, {"judge"}),
-        ("report", {"report_page", "ledger", "taps"}, {"ensemble_chunk", "fit_rig"}),
+        ("fig1", {"draw_fig1", "record"}, {"judge"}),
+        ("fig3", {"draw_fig3"}, {"record"}),
+        ("fig6", {"draw_fig6"}, {"record"}),
+        ("fig7", {"draw_fig7"}, {"record"}),
+        ("readout", {"readout_table", "draw_readout", "measure_readout"}, {"judge"}),
+        ("report", {"report_page", "ledger", "draw_fig11"}, {"ensemble_chunk", "fit_rig"}),
         ("ensemble", {"ensemble_chunk", "ensemble_figure"}, {"judge", "replicate"}),
         ("sensitivity", {"measure_sensitivity", "sensitivity_table"}, {"replicate"}),
         ("targets", {"targets_table", "replicate"}, {"judge"}),
         ("calibrate", {"fit_rig"}, {"replicate"}),
-        ("fig4", {"actuator_hysteresis"}, {"judge", "measure_times"}),
-        ("fig5", {"reservoir_hysteresis"}, {"judge", "measure_times"}),
-        ("fig8", {"training", "judge"}, {"replicate", "measure_times"}),
-        ("fig9", {"weights", "weigh"}, {"judge", "sweep"}),
-        ("fig10", {"settings", "sweep", "measure_times_over_n_c"}, {"judge", "track"}),
-        ("fig11", {"taps", "sweep"}, {"judge", "measure_times_over_n_c"}),
-        ("fig12", {"following_sine_0p2", "track"}, {"sweep", "tracking_table"}),
-        ("fig13", {"following_sine_0p5", "track"}, {"sweep", "tracking_table"}),
-        ("fig14", {"following_sweep", "track"}, {"sweep", "tracking_table"}),
-        ("fig15", {"following_complex", "track"}, {"sweep", "tracking_table"}),
-        ("fig16", {"loops", "track"}, {"sweep", "tracking_table"}),
-        ("fig17", {"disturbance", "track"}, {"sweep", "tracking_table"}),
+        ("fig4", {"draw_fig4"}, {"judge", "measure_times"}),
+        ("fig5", {"draw_fig5"}, {"judge", "measure_times"}),
+        ("fig8", {"draw_fig8", "judge"}, {"replicate", "measure_times"}),
+        ("fig9", {"draw_fig9", "weigh"}, {"judge", "sweep"}),
+        ("fig10", {"draw_fig10", "sweep", "measure_times_over_n_c"}, {"judge", "track"}),
+        ("fig11", {"draw_fig11", "sweep"}, {"judge", "measure_times_over_n_c"}),
+        ("fig12", {"draw_fig12", "track"}, {"sweep", "tracking_table"}),
+        ("fig13", {"draw_fig13", "track"}, {"sweep", "tracking_table"}),
+        ("fig14", {"draw_fig14", "track"}, {"sweep", "tracking_table"}),
+        ("fig15", {"draw_fig15", "track"}, {"sweep", "tracking_table"}),
+        ("fig16", {"draw_fig16", "track"}, {"sweep", "tracking_table"}),
+        ("fig17", {"draw_fig17", "track"}, {"sweep", "tracking_table"}),
         (
             "benchmark",
             {"measure_benchmark", "benchmark_table", "benchmark_figure", "rule_times"},

@@ -36,7 +36,11 @@ if "check" not in PLAN.unavailable:
             folders=SETTINGS["folders"],
             made=lambda wildcards: made_by_rules(),
             # the documentation shows the paper's results, not those of other settings
-            pictures=lambda wildcards: pictures_of_documentation() if RESULTS == "results" else {},
+            pictures=lambda wildcards: {
+                rule.params.picture: str(rule.input.figure)
+                for rule in workflow.rules
+                if RESULTS == "results" and rule.params.get("picture")
+            },
         message:
             "Verdicts against those declared in config/verdicts.yaml, files, pictures"
         script:

@@ -1,8 +1,10 @@
 # What several rules share.
+from math import prod
+
 from snakemake.io import regex_from_filepattern
 
 try:
-    # a job reads this file again; by then its main process has looked at the logs, from a safe place
+    # a job reads this file again; by then the main process has looked at the logs, from a safe place
     THERE = headers(
         [f"{RAW}/{name}.h5" for name in Plan(SETTINGS, {}).every_log],
         alone=workflow.is_main_process,
@@ -40,16 +42,15 @@ DATA = {
     "recorded": "recorded logs",
 }[SETTINGS["source"]]
 
-#: Priorities: of what takes long or is waited for, so that it is not left to the end, and of what
-#: wants the whole machine, which begins as soon as no job runs. The scheduler adds up what it begins
-#: at once: one that is alone outweighs a long one on every core.
+#: Priorities: of what takes long, so that it is not left to the end, and of what wants the whole
+#: machine. The scheduler adds up what it begins at once: ALONE outweighs a LONG one on every core.
 LONG, ALONE = 1, workflow.cores + 1
 
 
 def stage(name, *models, key="code"):
-    """Return the params that name a rule's stage and the fingerprint of what it runs.
+    """Return the params that name a stage, and the fingerprint of it and of the models it runs.
 
-    ``models``: those whose code it runs. ``key``: ``version`` where a checkpoint depends on it.
+    ``key``: ``version`` where a checkpoint depends on it.
     """
     classes = [class_module(model, SETTINGS["models"]) for model in models]
     return {"stage": name, key: fingerprint(f"fprc.stages.{name.split('.')[0]}", *classes)}
@@ -91,16 +92,27 @@ def figure(number, statistics=False):
 
 
 def workers_for(cells):
-    """Return the processes of a sweep.
-
-    To start one takes as long as twenty cells; half of the cores are left to other jobs.
-    """
+    """Return the processes of a sweep: to start one takes as long as 20 cells."""
+    # half of the cores are left to other jobs
     return max(1, min(workflow.cores // 2, cells // 20))
 
 
 def swept(*names):
     """Return the values of sweeps."""
     return {name: SETTINGS["sweeps"][name] for name in names}
+
+
+def workers_of(wildcards):
+    """Return the processes of one of the paper's sweeps, or of a chunk of it."""
+    grid = prod(map(len, swept(*SWEPT_SETTINGS[wildcards.sweep]).values()))
+    return workers_for(grid * len(SWEPT[wildcards.sweep]) // SWEEP_CHUNKS)
+
+
+def tracking_of(reference, *names):
+    """Return the settings of runs along one reference, and others by name."""
+    names = ("angle_range_deg", "pressure_limit_kpa", *names)
+    one = {reference: SETTINGS["tracking"]["references"][reference]}
+    return {name: SETTINGS["tracking"][name] for name in names} | {"references": one}
 
 
 def made_by_rules():
@@ -111,9 +123,3 @@ def made_by_rules():
     ]
     files = [path for rule in workflow.rules for path in (*rule.output, *rule.log)]
     return sorted({path.regex().pattern for path in files}.union(kept))
-
-
-def pictures_of_documentation():
-    """Return the pictures that rules put into the documentation, and the figures they are."""
-    rules = [rule for rule in workflow.rules if rule.params.get("picture")]
-    return {rule.params.picture: str(rule.input.figure) for rule in rules}

@@ -7,13 +7,6 @@ TRACKING = {
 }
 
 
-def tracking_of(reference, *names):
-    """Return the settings of runs along one reference, and others by name."""
-    names = ("angle_range_deg", "pressure_limit_kpa", *names)
-    one = {reference: SETTINGS["tracking"]["references"][reference]}
-    return {name: SETTINGS["tracking"][name] for name in names} | {"references": one}
-
-
 if PLAN.on_simulated_rig:
 
     rule identify_gain:

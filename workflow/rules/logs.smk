@@ -28,15 +28,13 @@ if SETTINGS["source"] == "hardware":
 
     FITTED = PATHS.model("sweep", "fprc")
 
-    def needed_on_rig(wildcards):
-        """Return what must be there before an experiment can run on the real rig."""
-        if wildcards.name in EXPERIMENTS:
-            return []
-        return [FITTED] if wildcards.name in IDENTIFY else [FITTED, GAINS]
-
     rule record_on_rig:
         input:
-            needed_on_rig,
+            lambda wildcards: (
+                []
+                if wildcards.name in EXPERIMENTS
+                else [FITTED] if wildcards.name in IDENTIFY else [FITTED, GAINS]
+            ),
         output:
             raw=PATHS.log("{name}"),
         log:

@@ -1,8 +1,5 @@
 # Sec. III-D: cross-validation, test and execution times of the models.
 # The log that trains names a result's file; the reversed data set trains on `complex`.
-from math import prod
-
-from fprc.paper import SWEPT, SWEPT_SETTINGS
 
 TRAIN_AND_TEST = {"train": PATHS.data("sweep"), "test": PATHS.data("complex")}
 
@@ -91,12 +88,6 @@ rule weigh:
         "Weight contributions of the FPRC"
     script:
         "../scripts/stage.py"
-
-
-def workers_of(wildcards):
-    """Return the processes of one of the paper's sweeps, or of a chunk of it."""
-    grid = prod(map(len, swept(*SWEPT_SETTINGS[wildcards.sweep]).values()))
-    return workers_for(grid * len(SWEPT[wildcards.sweep]) // SWEEP_CHUNKS)
 
 
 SWEEP = {

@@ -40,8 +40,9 @@ def run_stage(job: Any) -> None:
     arguments = {name: value for name, value in named if name not in _NOT_OURS}
     try:
         _log_to(job.log[0], " ".join([job.rule, *job.wildcards]))
+        stage = stage_of(job.params.stage)  # before the limit, which holds for what is loaded
         with threadpool_limits(1):
-            drawn = stage_of(job.params.stage)(**arguments)
+            drawn = stage(**arguments)
         if "sidecar" in job.output.keys():
             _write_sidecar(drawn, job)
     except FprcError as error:

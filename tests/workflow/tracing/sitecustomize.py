@@ -1,8 +1,8 @@
 """Watch or stop the processes of a build; each imports this if this folder is on PYTHONPATH.
 
-FPRC_TRACE names a folder: write down there which functions of fprc each rule runs. A file
-per process has lines of two kinds: a rule's fingerprint and a function that ran for it; a
-fingerprint and what it was asked for.
+FPRC_TRACE names a folder: write down there which modules of fprc each rule runs. A file
+per process has lines of two kinds: a rule's fingerprint and a module of which a function ran for
+it; a fingerprint and the modules that it was asked for.
 
 FPRC_STOP_AT is a part of a path: stop for ever where such a file is written but not yet in place.
 """
@@ -24,8 +24,7 @@ def watch(folder):
 
     def asked_for(frame, event, result):
         if event == "return" and result:
-            roots, without = frame.f_locals["roots"], frame.f_locals["without"]
-            write("asked", result, json.dumps([roots, sorted(without)]))
+            write("asked", result, json.dumps(frame.f_locals["modules"]))
         return asked_for
 
     def on_call(frame, event, _):
@@ -33,7 +32,7 @@ def watch(folder):
         if id(code) in seen:
             return None
         module = frame.f_globals.get("__name__") or ""
-        if module == "fprc.fingerprint.closure" and code.co_name == "fingerprint":
+        if module == "fprc.fingerprint" and code.co_name == "fingerprint":
             return asked_for
         seen[id(code)] = code
         if not module.startswith("fprc.") or not code.co_flags & FUNCTION:
@@ -41,7 +40,8 @@ def watch(folder):
         if module == "fprc.stages.run" and code.co_name == "run_stage":
             params = dict(frame.f_locals["job"].params.items())
             os.environ["FPRC_TRACED_RULE"] = params.get("code") or params["version"]
-        early.append(f"{module}.{code.co_qualname.split('.')[0]}")
+        if not code.co_qualname.startswith("<"):  # a lambda or comprehension at a module's top
+            early.append(module)
         rule = os.environ.get("FPRC_TRACED_RULE")
         while rule and early:
             write("ran", rule, early.pop())

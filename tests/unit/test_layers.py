@@ -1,0 +1,40 @@
+"""The picture of the packages in CONTRIBUTING.md is what the imports say."""
+
+import importlib.util
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="module")
+def layers():
+    spec = importlib.util.spec_from_file_location("layers", ROOT / "tests/layers.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_picture_is_what_the_imports_say(layers):
+    page = layers.PAGE.read_text(encoding="utf-8")
+    assert layers.updated(page) == page, "the imports have changed: make layers"
+
+
+def test_arrow_that_others_lead_to_is_left_out(layers):
+    arrows = {"a": {"b", "c", "d"}, "b": {"c"}, "c": {"d"}, "d": set()}
+    assert layers.reduced(arrows) == {"a": {"b"}, "b": {"c"}, "c": {"d"}, "d": set()}
+
+
+def test_every_package_is_in_the_picture_with_arrows_downwards_only(layers):
+    floors = {room: floor for floor, layer in enumerate(layers.layers()) for room in layer}
+    found = layers.imported()
+    assert found.keys() == floors.keys()
+    assert all(floors[room] < floors[other] for room in found for other in found[room])
+    assert {"devices", "rig"} <= found.keys()
+    assert "rig" in found["devices"]
+
+
+def test_page_without_its_block_is_an_error(layers):
+    with pytest.raises(SystemExit, match="one block"):
+        layers.updated("# Contributing\n")
