@@ -1,4 +1,4 @@
-"""The real rig: boards, sensors, limits. Read only with ``source: hardware``."""
+"""The real rig: boards, sensors, limits. Read only with ``source: rig``."""
 
 from pathlib import PurePath
 from typing import Annotated, Any

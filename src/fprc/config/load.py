@@ -100,8 +100,15 @@ def _merge(into: dict, other: Mapping) -> None:
             into[key] = value
 
 
+#: What earlier versions called keys and values.
+_RENAMED = {"sweeps": "grids", "source = hardware": "source = rig"}
+
+
 def _line(item: Mapping) -> str:
     key = ".".join(str(part) for part in item["loc"])
+    renamed = _RENAMED.get(key) or _RENAMED.get(f"{key} = {item['input']}")
+    if renamed:
+        return f"  {key}: is called {renamed} now; change it"
     defaults = {name: default for name, default, _, _ in fields(Settings())}
     if item["type"] == "extra_forbidden":
         return f"  {key}: unknown key; did you mean {_nearest(key, list(defaults))}?"

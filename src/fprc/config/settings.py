@@ -177,7 +177,7 @@ class Evaluation(Section):
     replicate_seeds: tuple[Annotated[int, Ge(0), Le(2**31)], ...] = Field(
         (301, 302, 303, 304, 305),
         min_length=2,
-        description="seeds of the further rigs that tables, sweeps and runs are repeated on",
+        description="seeds of the further rigs that tables, grids and runs are repeated on",
     )
 
     @field_validator("replicate_seeds")
@@ -188,8 +188,8 @@ class Evaluation(Section):
         return seeds
 
 
-class Sweeps(Section):
-    """Values of the control-variable sweeps, Sec. III-E."""
+class Grids(Section):
+    """Grids of control variables, Sec. III-E."""
 
     epsilon: tuple[within(1e-6, 1.0), ...] = quantities(
         (1.0, 0.1, 0.01, 1e-3, 1e-4), "-", (1e-6, 1), "filter factors", "paper, Fig. 10(a)"
@@ -207,7 +207,7 @@ class Sweeps(Section):
         (1, 3, 5, 8, 10), "samples", (1, 100), "both taps, on the further seeds", "assumed"
     )
     chunks: int = quantity(
-        1, "-", (1, 100), "jobs that each sweep is split into; more than its cells are idle"
+        1, "-", (1, 100), "jobs that each grid is split into; more than its cells are idle"
     )
 
     @field_validator("replicate_taps")
@@ -304,7 +304,7 @@ class Tracking(Section):
 class Settings(Section):
     """The whole configuration."""
 
-    source: Literal["sim", "hardware", "recorded"] = Field(
+    source: Literal["sim", "rig", "recorded"] = Field(
         "sim",
         description="where raw logs come from: the simulated rig, the real one, or files that are "
         "already there",
@@ -319,7 +319,7 @@ class Settings(Section):
     quality: Quality = Quality()
     models: Models = Models()
     evaluation: Evaluation = Evaluation()
-    sweeps: Sweeps = Sweeps()
+    grids: Grids = Grids()
     tracking: Tracking = Tracking()
     calibration: Calibration = Calibration()
     ensemble: Ensemble = Ensemble()

@@ -1,11 +1,11 @@
 import pytest
 
 from fprc.config import Settings
-from fprc.evaluation.sweeps import run_cells
+from fprc.evaluation.cells import run_cells
 from fprc.logs import write_columns
-from fprc.stages import sweep as stage
+from fprc.stages import grid as stage
+from fprc.stages.grid import join_grid, judge_grid
 from fprc.stages.readout import measure_readout
-from fprc.stages.sweep import join_sweep, sweep_settings
 
 VALUES = {"n_u": [1, 2], "n_y": [1, 3, 2]}
 
@@ -34,7 +34,7 @@ def sweep(logs, judgement, tmp_path):
 
     def call(name, **others):
         path = str(tmp_path / f"{name}.json")
-        sweep_settings(
+        judge_grid(
             *logs,
             path,
             sweep="taps",
@@ -57,7 +57,7 @@ def read(path):
 @pytest.mark.parametrize("chunks", [2, 4, 8])
 def test_sweep_in_chunks_is_the_same_file(sweep, tmp_path, chunks):
     parts = [sweep(f"part{k}", chunk=k, chunks=chunks) for k in range(chunks)]
-    join_sweep(parts, str(tmp_path / "joined.json"))
+    join_grid(parts, str(tmp_path / "joined.json"))
     assert read(tmp_path / "joined.json") == read(sweep("whole"))
 
 

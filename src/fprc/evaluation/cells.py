@@ -27,7 +27,7 @@ def run_cells(
     """Judge every cell in a pool of processes, each on one thread.
 
     A finished cell is written to the checkpoint at once, so that a killed
-    sweep goes on where it was.
+    grid goes on where it was.
 
     Parameters
     ----------
