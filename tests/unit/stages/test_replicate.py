@@ -245,7 +245,7 @@ def test_cells_are_those_of_the_main_run_with_that_seed(cells, name, logs, judge
     coarse = VALUES | dict.fromkeys(("n_u", "n_y"), VALUES["replicate_taps"])
     path = str(tmp_path / f"{name}.json")
     judge_grid(
-        logs["sweep"], logs["complex"], path, sweep=name, values=coarse,
+        logs["sweep"], logs["complex"], path, grid=name, values=coarse,
         judgement=judgement, workers=1, checkpoint=str(tmp_path / "partial.jsonl"), version="v",
     )  # fmt: skip
     assert read_json(cells)[name] == read_json(path)["cells"]
