@@ -116,7 +116,7 @@ def test_seconds_are_summed_over_the_jobs_of_each_rule(tmp_path):
         ("results/models/a_name_longer_than_one_folder.h5", "judge", "results/logs/judge_fprc.log",
          3.0),
         ("results/crossval/sweep_esn.json", "judge", "results/logs/judge_esn.log", 5.0),
-        ("results größe~/tables/table2.md", "table", "results/logs/table.log", 1.0),
+        ("results~~/tables/table2.md", "table", "results/logs/table.log", 1.0),
     ]  # fmt: skip
     others = [
         ("results/smoke/tables/table2.md", "table", "results/smoke/logs/table.log", 9.0),
