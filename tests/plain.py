@@ -64,14 +64,14 @@ def echo_states(X, w_in, W_r, gamma, free=0):
         x = gamma * x + (1.0 - gamma) * np.tanh(w_in @ theta + W_r @ x)
     return rows
 """,
-    "models/features.py": """
+    "models/echo_features.py": """
 def _update(self, u):
     self._state = self.gamma * self._state + (1.0 - self.gamma) * self._target
     self._target = np.tanh(self.w_in_ @ u + self.W_r_ @ self._state)
 
 EchoStates._update = _update
-
-
+""",
+    "models/features.py": """
 def _step(self, x):
     split, filtered = self._split, self._filtered
     filtered[:split] = x[:split]

@@ -257,7 +257,7 @@ def test_only_p_exp_is_the_target_whatever_was_asked(bring, recorded, caplog, ta
     read = read_data(str(data))
     assert read.attributes["target"] == "command"
     command = recorded["sweep"]["p_exp_command_kpa"]
-    assert read.channels["p_exp_kpa"].tolist() == command.tolist()
+    assert read.channels["p_target_kpa"].tolist() == command.tolist()
     assert ("the other P_exp is used" in caplog.text) is (target == "measured")
 
 

@@ -6,13 +6,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from fprc.errors import FprcError
 from fprc.escape import figure
 from fprc.figures import style
 from fprc.figures.hysteresis import plot_command, plot_loop
 from fprc.figures.sweeps import plot_grid
 from fprc.figures.training import plot_error, plot_fit
 from fprc.logs import Columns, write_columns
+from fprc.registry import MODELS, colour_of
 from fprc.stages import draw
 
 SIMULATED = {"source": "sim", "seed": 7, "model": "fprc"}
@@ -157,18 +157,16 @@ def test_figure_without_a_source_is_not_saved(fig, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_model_without_a_colour_is_an_error(log, tmp_path):
+def test_model_from_outside_is_drawn_too(log, tmp_path):
     logs = log("one.h5", model="lstm"), log("two.h5", model="lstm")
-    with pytest.raises((KeyError, FprcError), match="lstm"):
-        draw.draw_training(
-            *logs, *written(draw.draw_training, tmp_path / "f.pdf", tmp_path / "f.png")
-        )
-    assert not (tmp_path / "f.pdf").exists()
+    draw.draw_training(*logs, *written(draw.draw_training, tmp_path / "f.pdf", tmp_path / "f.png"))
+    assert (tmp_path / "f.pdf").read_bytes().startswith(b"%PDF")
 
 
-def test_every_model_has_a_colour_of_its_own():
-    colours = [style.COLOURS[model] for model in ("esn", "fprc", "fuzzy_linear")]
-    assert len(set(colours)) == 3
+def test_every_model_has_a_colour_of_its_own_and_those_from_outside_share_another():
+    colours = [colour_of(model) for model in (*MODELS, "lstm")]
+    assert len(set(colours)) == 4
+    assert colour_of("ridge_taps") == colour_of("lstm")
 
 
 def test_figures_are_as_wide_as_the_journal_prints_them():
@@ -200,7 +198,7 @@ def test_unit_from_a_file_is_drawn_as_text(axes, unit):
         {"n_y": [1, 1], "n_u": [1, 2], "mean": [1.0, 2.0], "unit": unit, "phase": "train"}
     )
     plot_grid(table, "train", axes)
-    axes.set_xlabel(draw._label("p_exp", log))
+    axes.set_xlabel(draw._label("p_target", log))
     axes.figure.canvas.draw()
 
 

@@ -1,0 +1,303 @@
+"""What the workflow makes, by the settings and the logs that are there."""
+
+import dataclasses
+from collections import Counter
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from fprc.config import Settings, check
+from fprc.logs import RAW_CHANNELS
+from fprc.logs.holdings import Header
+from fprc.paper import CONTROLLERS, EXPERIMENTS, REFERENCES, run_log
+from fprc.plan import Paths, Plan
+from fprc.plan.results import CHORES, RESULTS
+from fprc.stages.tabulate import tabulate_unavailable
+
+MODELS = ("esn", "fprc", "fuzzy_linear")
+FIVE = (*REFERENCES, "disturbance")
+DATA = {
+    f"{folder}/{name}.{kind}"
+    for name in EXPERIMENTS
+    for folder, kind in (("data/raw", "h5"), ("results/data", "h5"), ("results/quality", "json"))
+}
+OF_RIGS = {"seeds", "claims", "check", "readme"}
+CLOSED_LOOP = {"table4", *(f"fig{number}" for number in range(12, 18))}
+
+
+def judged(experiment, models=MODELS):
+    return {
+        f"results/{file}"
+        for model in models
+        for file in (
+            f"crossval/{experiment}_{model}.json",
+            f"models/{experiment}_{model}.h5",
+            f"predictions/{experiment}_{model}_train.h5",
+            f"predictions/{experiment}_{model}_test.h5",
+        )
+    }
+
+
+def raw(*references, controllers=CONTROLLERS):
+    return {f"data/raw/{run_log(r, c)}.h5" for r in references for c in controllers}
+
+
+@pytest.fixture(scope="module")
+def simulated():
+    """The plan of the default settings."""
+    return Plan(Settings().model_dump(mode="json"), {})
+
+
+def recorded(*names, lacking=(), notes=None, **evaluation):
+    """Return the plan of logs that were recorded elsewhere."""
+    settings = check({"source": "recorded", "evaluation": evaluation}).model_dump(mode="json")
+    channels = frozenset(RAW_CHANNELS) - {*lacking}
+    there = {
+        name: Header(Path(f"data/raw/{name}.h5"), channels, {"notes": notes or {}})
+        for name in names
+    }
+    return Plan(settings, there)
+
+
+# --- the table of results -------------------------------------------------------------------------
+
+
+def test_every_result_has_a_name_and_files_of_its_own():
+    names = [result.name for result in (*RESULTS, *CHORES)]
+    files = [file for result in RESULTS for file in result.files]
+    assert len(set(names)) == len(names)
+    assert len(set(files)) == len(files)
+
+
+def test_every_part_is_one_of_a_result_that_there_is():
+    by_name = {result.name: result for result in RESULTS}
+    parts = [result for result in RESULTS if result.part_of]
+    assert parts
+    for part in parts:
+        assert by_name[part.part_of].files
+        assert not part.files
+
+
+def test_every_result_but_the_list_of_them_has_a_title():
+    assert [result.name for result in RESULTS if not result.title] == ["not_available"]
+
+
+# --- on the simulated rig -------------------------------------------------------------------------
+
+
+def test_every_result_can_be_made_on_the_simulated_rig(simulated):
+    assert list(simulated.targets) == [result.name for result in RESULTS if result.files]
+    assert simulated.refused == []
+    assert simulated.not_available == {}
+    assert simulated.models == list(MODELS)
+
+
+def test_target_begins_with_its_result_and_names_no_file_twice(simulated):
+    for result in RESULTS:
+        if result.files:
+            files = simulated.targets[result.name]
+            assert files[: len(result.files)] == [f"results/{file}" for file in result.files]
+            assert max(Counter(files).values()) == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "files"),
+    [
+        ("table1", {"results/tables/table1.md"}),
+        ("table2", {"results/tables/table2.md"} | DATA | judged("sweep")),
+        ("table3", {"results/tables/table3.md"} | DATA | judged("complex")),
+        (
+            "table4",
+            {"results/tables/table4.md", "results/control/gains.json"}
+            | DATA | judged("sweep") | raw(*FIVE),
+        ),
+        (
+            "timing",
+            {f"results/timing/{name}" for name in
+             ("table2_timing.md", "step_cost.md", "times.json", "steps.json")} | DATA,
+        ),
+        ("fig3", {"results/figures/fig03_apparatus.pdf"}),
+        ("fig8", {"results/figures/fig08_training.pdf"} | DATA | judged("sweep")),
+        ("fig9", {"results/figures/fig09_weights.pdf", "results/weights/fprc.json"} | DATA),
+        (
+            "fig10",
+            {
+                "results/figures/fig10_settings.pdf", "results/sweeps/epsilon.json",
+                "results/sweeps/n_c.json", "results/timing/times_over_n_c.json",
+            } | DATA,
+        ),
+        (
+            "fig13",
+            {"results/figures/fig13_sine_0p5.pdf", "results/control/gains.json"}
+            | DATA | judged("sweep") | raw("sine_0p5"),
+        ),
+        (
+            "fig16",
+            {"results/figures/fig16_loops.pdf", "results/control/gains.json"}
+            | DATA | judged("sweep") | raw("sine_0p5", "sweep"),
+        ),
+    ],
+)  # fmt: skip
+def test_target_names_its_result_and_all_that_it_is_made_of(simulated, name, files):
+    assert set(simulated.targets[name]) == files
+
+
+def test_seeds_and_claims_are_made_of_every_replicate(simulated):
+    seeds = simulated.settings["evaluation"]["replicate_seeds"]
+    replicates = {
+        f"results/replicates/command/{part}_{seed}.json"
+        for part in ("models", "sweeps", "control")
+        for seed in seeds
+    }
+    for name in ("seeds", "claims"):
+        assert replicates <= set(simulated.targets[name])
+
+
+def test_runs_are_those_of_every_reference_with_every_controller(simulated):
+    assert len(simulated.every_run) == len(set(simulated.every_run)) == 25
+    assert {f"data/raw/{run}.h5" for run in simulated.every_run} == raw(*FIVE)
+    assert simulated.every_log == [*EXPERIMENTS, *simulated.every_run]
+
+
+def test_figures_are_the_papers_in_order(simulated):
+    assert list(simulated.figures) == list(range(1, 18))
+    assert simulated.figures[7] == "results/figures/fig07_fprc_system"
+
+
+def test_pages_of_the_report_are_in_the_order_of_the_paper(simulated):
+    tables = ["table1", "table2", "table2_seeds", "table3", "table3_seeds", "table4"]
+    assert simulated.pages == [
+        *(f"results/tables/{name}.md" for name in (*tables, "table4_seeds")),
+        "results/readout/readout.md",
+        "results/timing/table2_timing.md",
+        "results/timing/step_cost.md",
+    ]
+
+
+def test_plan_and_its_paths_are_frozen(simulated):
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        simulated.settings = {}
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        simulated.paths.raw = "elsewhere"
+
+
+def test_every_file_lies_below_one_of_the_two_folders():
+    settings = check({"folders": {"raw": "mine/raw", "results": "mine/made"}})
+    plan = Plan(settings.model_dump(mode="json"), {})
+    for files in plan.targets.values():
+        for file in files:
+            assert file.startswith(("mine/raw/", "mine/made/"))
+
+
+def test_paths_keep_wildcards_and_differ():
+    paths = Paths("raw", "results")
+    found = [
+        paths.log("{e}"), paths.data("{e}"), paths.quality("{e}"), paths.driven("{e}"),
+        paths.errors("{e}", "{m}"), paths.model("{e}", "{m}"), paths.sweep("{e}"),
+        paths.prediction("{e}", "{m}", "train"), paths.prediction("{e}", "{m}", "test"),
+        paths.replicate("models", "{e}", "{seed}"), paths.messages("{e}"),
+        *paths.table("tables/{e}").values(),
+    ]  # fmt: skip
+    assert len(set(found)) == len(found)
+    assert all("{e}" in path for path in found)
+
+
+def test_tables_have_three_files():
+    assert Paths("raw", "results").table("tables/table2") == {
+        kind: f"results/tables/table2.{kind}" for kind in ("csv", "md", "tex")
+    }
+
+
+# --- on recorded logs -----------------------------------------------------------------------------
+
+
+def test_without_closed_loops_what_shows_them_is_refused():
+    plan = recorded(*EXPERIMENTS)
+    assert set(plan.refused) == CLOSED_LOOP | OF_RIGS
+    assert not plan.targets.keys() & (CLOSED_LOOP | OF_RIGS)
+    assert set(plan.targets["table2"]) == (
+        {"results/tables/table2.md"} | DATA | judged("sweep")
+    )  # fmt: skip
+    assert plan.runs == []
+    assert list(plan.figures) == list(range(1, 12))
+    assert [Path(page).stem for page in plan.pages] == [
+        "table1", "table2", "table3", "readout", "table2_timing", "step_cost"
+    ]  # fmt: skip
+
+
+def test_one_experiment_refuses_what_needs_both():
+    plan = recorded("sweep")
+    assert {"table2", "table3", "timing", "fig4", "fig8", "fig10"} <= set(plan.refused)
+    assert {"fig1", "fig2", "fig9"} <= plan.targets.keys()
+    assert set(plan.targets["fig1"]) == {
+        "results/figures/fig01_actuator.pdf", *(file for file in DATA if "sweep" in file)
+    }  # fmt: skip
+
+
+def test_closed_loop_results_of_recorded_logs_are_made_of_the_runs_that_are_there():
+    runs = [run_log("sine_0p5", name) for name in ("fprc", "fprc_pd_identified", "pd_printed")]
+    plan = recorded(*EXPERIMENTS, *runs)
+    assert plan.runs == sorted(runs, key=plan.every_run.index)
+    logs = {f"data/raw/{run}.h5" for run in runs}
+    made_of = {"results/control/gains.json"} | logs
+    assert set(plan.targets["table4"]) == {"results/tables/table4.md"} | made_of
+    assert set(plan.targets["fig13"]) == {"results/figures/fig13_sine_0p5.pdf"} | logs
+    assert {"fig12", "fig14", "fig15", "fig16", "fig17"} <= set(plan.refused)
+    assert "table4_runs" in plan.not_available
+
+
+def test_without_p_o_fprc_is_left_out_everywhere():
+    plan = recorded(*EXPERIMENTS, lacking=["p_o_kpa"])
+    assert plan.models == ["esn", "fuzzy_linear"]
+    assert plan.left_out == {"fprc": "needs p_o_kpa, which sweep.h5 and complex.h5 do not have"}
+    assert set(plan.targets["table2"]) == (
+        {"results/tables/table2.md"} | DATA | judged("sweep", plan.models)
+    )
+    assert "results/sweeps/epsilon.json" not in plan.targets["fig10"]
+    assert "results/sweeps/n_c.json" in plan.targets["fig10"]
+
+
+def test_simulated_reservoir_takes_the_place_of_one_that_is_not_there():
+    plan = recorded(*EXPERIMENTS, lacking=["p_o_kpa", "p_i_kpa", "phi_deg"], reservoir="simulated")
+    assert plan.models == list(MODELS)
+    assert plan.log_of("sweep") == "results/reservoir/sweep.h5"
+    assert {"results/reservoir/sweep.h5", "data/raw/sweep.h5"} <= set(plan.targets["table2"])
+    assert recorded(*EXPERIMENTS).log_of("sweep") == "data/raw/sweep.h5"
+
+
+def test_model_from_outside_is_judged_drawn_and_drives_if_it_can():
+    other = {"estimator": "fprc.models.fprc.FuzzyLinear", "inputs": ["theta_deg"]}
+    settings = check({"models": {"others": {"taps": other}}}).model_dump(mode="json")
+    plan = Plan(settings, {})
+    assert plan.models == [*MODELS, "taps"]
+    assert judged("sweep", ["taps"]) <= set(plan.targets["table2"])
+    assert plan.targets["training_taps"][0] == "results/figures/training_taps.pdf"
+    assert judged("sweep", ["taps"]) <= set(plan.targets["training_taps"])
+    assert raw(*FIVE, controllers=["taps", "taps_pd_printed", "taps_pd_identified"]) <= set(
+        plan.targets["table4"]
+    )
+    assert "taps" in plan.feedforward
+
+
+# --- what a reader is told ------------------------------------------------------------------------
+
+
+def test_list_for_readers_is_in_the_order_of_the_paper_and_has_no_chores(tmp_path, caplog):
+    caplog.set_level("INFO")
+    csv, md = tmp_path / "list.csv", tmp_path / "list.md"
+    plan = recorded(*EXPERIMENTS, lacking=["p_o_kpa"])
+    tabulate_unavailable(str(csv), str(md), reasons=plan.not_available)
+    table = pd.read_csv(csv)
+    assert list(table["name"])[-5:] == ["fig13", "fig14", "fig15", "fig16", "fig17"]
+    assert not {"readme", "check"} & set(table["name"])
+    assert not table.isna().any(axis=None)
+    assert "| Fig. 5 " in md.read_text(encoding="utf-8")
+    assert "not available: Fig. 5: needs p_o_kpa" in caplog.text
+
+
+def test_list_is_written_too_when_all_is_there(simulated, tmp_path):
+    csv, md = tmp_path / "list.csv", tmp_path / "list.md"
+    tabulate_unavailable(str(csv), str(md), reasons=simulated.not_available)
+    assert md.read_text(encoding="utf-8") == "Everything is available for this data.\n"
+    assert pd.read_csv(csv).empty

@@ -1,0 +1,47 @@
+"""Every rule names a stage that there is, and every stage is named."""
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+import fprc
+from fprc.stages.run import stage_of
+
+PACKAGE = Path(fprc.__file__).parent
+RULES = "".join(
+    path.read_text(encoding="utf-8")
+    for path in sorted((Path(__file__).parents[3] / "workflow/rules").glob("*.smk"))
+)
+NAMED = set(re.findall(r'\bstage(?:\(|=)\s*"([^"]*)"', RULES))
+
+
+def test_every_rule_with_the_script_names_its_stage():
+    scripts = RULES.count('"../scripts/stage.py"')
+    assert scripts >= len(NAMED) > 50
+    assert set(re.findall(r'"\.\./scripts/([^"]*)"', RULES)) == {"stage.py"}
+
+
+@pytest.mark.parametrize("name", sorted(NAMED))
+def test_stage_that_a_rule_names_is_a_function(name):
+    assert callable(stage_of(name))
+
+
+def test_every_public_function_is_the_stage_of_a_rule_or_has_a_use():
+    """What no rule names and nothing calls is dead."""
+    trees = {path: ast.parse(path.read_text(encoding="utf-8")) for path in PACKAGE.rglob("*.py")}
+    nodes = [node for tree in trees.values() for node in ast.walk(tree)]
+    used = {node.id for node in nodes if isinstance(node, ast.Name)}
+    used |= {node.attr for node in nodes if isinstance(node, ast.Attribute)}
+    idle = [
+        f"{path.stem}.{node.name}"
+        for path, tree in trees.items()
+        if path.parent.name == "stages"
+        for node in tree.body
+        if isinstance(node, ast.FunctionDef)
+        and not node.name.startswith("_")
+        and node.name not in used
+        and f"{path.stem}.{node.name}" not in NAMED
+    ]
+    assert idle == ["run.run_stage"]  # the one script calls it

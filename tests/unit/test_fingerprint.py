@@ -1,0 +1,223 @@
+"""What changes the hash of the code that a rule runs, and what does not."""
+
+import ast
+import shutil
+import sys
+import types
+from pathlib import Path
+
+import pytest
+
+import fprc
+from fprc import fingerprint as module
+from fprc.fingerprint import fingerprint
+
+REAL = Path(fprc.__path__[0])
+
+#: A stage, and what it imports directly, through a package, lazily, and for its types alone.
+FAKE = {
+    "__init__.py": "VERSION = 1\n",
+    "stages/__init__.py": "HEAD = 1\n",
+    "stages/judge.py": """
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fprc.data import read
+from fprc.models import FPRC
+
+if TYPE_CHECKING:
+    from fprc.typed import Named
+
+
+def judge(path: str) -> "Named":
+    from fprc.lazy import late
+
+    return late(FPRC().fit(read(path)))
+""",
+    "data.py": "import fprc.files\n\n\ndef read(path):\n    return fprc.files.load(path)\n",
+    "files.py": "def load(path):\n    return path\n",
+    "models/__init__.py": "from fprc.models.esn import ESN\nfrom fprc.models.own import FPRC\n",
+    "models/esn.py": "class ESN:\n    pass\n",
+    "models/own.py": "from fprc import shared\n\n\nclass FPRC:\n    fit = shared.solve\n",
+    "shared.py": "def solve(x):\n    return x\n",
+    "lazy.py": "def late(x):\n    return x\n",
+    "typed.py": "class Named:\n    pass\n",
+    "other.py": "def unused():\n    return 1\n",
+}
+
+
+def forget():
+    """Begin as a new process would."""
+    for cached in (module._path, module._source, module._kept):
+        cached.cache_clear()
+    module._fresh.clear()
+
+
+@pytest.fixture
+def package(tmp_path, monkeypatch):
+    """Take a fake package for ours; gives its folder."""
+    monkeypatch.setattr(fprc, "__path__", [str(tmp_path / "fprc")])
+    for name, text in FAKE.items():
+        path = tmp_path / "fprc" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    forget()
+    yield tmp_path / "fprc"
+    forget()
+
+
+def code(*names):
+    forget()
+    return fingerprint(*(names or ("fprc.stages.judge",)))
+
+
+def edit(path, old, new):
+    text = path.read_text(encoding="utf-8")
+    assert text.count(old) == 1
+    path.write_text(text.replace(old, new), encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", ["stages/judge", "data", "files", "models/own", "shared", "lazy"])
+def test_edit_of_what_is_imported_changes_it(package, name):
+    before = code()
+    path = package / f"{name}.py"
+    path.write_text(path.read_text(encoding="utf-8") + "\n\nLIMIT = 2\n", encoding="utf-8")
+    assert code() != before
+
+
+@pytest.mark.parametrize(
+    "name", ["other", "typed", "models/esn", "models/__init__", "stages/__init__", "__init__"]
+)
+def test_edit_of_what_is_not_imported_does_not(package, name):
+    before = code()
+    path = package / f"{name}.py"
+    path.write_text(path.read_text(encoding="utf-8") + "\n\nLIMIT = 2\n", encoding="utf-8")
+    assert code() == before
+
+
+def test_changed_function_changes_it(package):
+    before = code()
+    edit(package / "files.py", "return path", "return path.strip()")
+    assert code() != before
+
+
+def test_comment_docstring_and_layout_do_not(package):
+    before = code()
+    path = package / "files.py"
+    path.write_text(
+        '"""Files."""\n\n\ndef load(\n    path,\n):\n    """Load."""\n    # quickly\n'
+        "    return (path)\n",
+        encoding="utf-8",
+    )
+    assert code() == before
+
+
+def test_text_that_is_no_docstring_counts(package):
+    edit(package / "files.py", "return path", 'return path + "a"')
+    before = code()
+    edit(package / "files.py", '"a"', '"b"')
+    assert code() != before
+
+
+def test_name_that_a_package_defines_itself_counts_the_package(package):
+    edit(package / "stages/judge.py", "import FPRC", "import FPRC, LIMIT")
+    edit(package / "models/__init__.py", "import ESN\n", "import ESN\nLIMIT = 2\n")
+    before = code()
+    edit(package / "models/__init__.py", "LIMIT = 2", "LIMIT = 3")
+    assert code() != before
+
+
+def test_modules_are_counted_in_any_order_and_once(package):
+    both = code("fprc.data", "fprc.lazy")
+    assert both == code("fprc.lazy", "fprc.data", "fprc.files", "fprc.lazy")
+    assert both not in (code("fprc.data"), code("fprc.lazy"))
+
+
+def test_circle_of_imports_is_no_obstacle(package):
+    path = package / "files.py"
+    path.write_text("import fprc.data\n\n" + path.read_text(encoding="utf-8"), encoding="utf-8")
+    assert code("fprc.data") == code("fprc.files")
+
+
+def test_module_from_outside_counts_by_its_own_file(package, tmp_path, monkeypatch):
+    path = tmp_path / "taps.py"
+    path.write_text("import fprc.data\n\n\nclass Taps:\n    order = 1\n", encoding="utf-8")
+    outside = types.ModuleType("taps")
+    outside.__file__ = str(path)
+    monkeypatch.setitem(sys.modules, "taps", outside)
+    before = code("fprc.lazy", "taps")
+    assert before != code("fprc.lazy")
+    edit(path, "order = 1", "order = 2")
+    assert code("fprc.lazy", "taps") != before
+
+
+def kept(package):
+    """Return the files that were kept for the next process."""
+    return list((package / "__pycache__").glob("sources-*"))
+
+
+def test_next_process_reads_no_source_twice(package, monkeypatch):
+    before = code()
+    assert len(kept(package)) == 1
+    monkeypatch.setattr(module.ast, "parse", None)
+    assert code() == before
+
+
+@pytest.mark.parametrize("content", [b"", b'{"fprc.data 12": ["', b"\xff\x00\xfe"])
+def test_damaged_cache_is_made_anew(package, content):
+    before = code()
+    (path,) = kept(package)
+    path.write_bytes(content)
+    assert code() == before
+    assert kept(package) == [path]
+    assert path.read_bytes() != content
+
+
+def test_cache_that_cannot_be_written_is_no_error(package):
+    (package / "__pycache__").write_text("a file where the folder should be")
+    before = code()
+    assert code() == before
+    edit(package / "files.py", "return path", "return path.strip()")
+    assert code() != before
+
+
+@pytest.fixture
+def ours(tmp_path, monkeypatch):
+    """Take a copy of our own package for it, free to change."""
+    shutil.copytree(REAL, tmp_path / "fprc", ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(fprc, "__path__", [str(tmp_path / "fprc")])
+    yield tmp_path / "fprc"
+    forget()
+
+
+@pytest.mark.parametrize(
+    ("edited", "runs", "rerun"),
+    [
+        ("models/esn.py", ("fprc.stages.judge", "fprc.models.fprc"), False),
+        ("models/echo.py", ("fprc.stages.judge", "fprc.models.fprc"), False),
+        ("models/fprc.py", ("fprc.stages.judge", "fprc.models.esn"), False),
+        ("models/esn.py", ("fprc.stages.judge", "fprc.models.esn"), True),
+        ("models/ridge.py", ("fprc.stages.judge", "fprc.models.esn"), True),
+        ("rig/valve.py", ("fprc.stages.record",), True),
+        ("rig/valve.py", ("fprc.stages.judge", "fprc.models.fprc"), False),
+        ("rig/valve.py", ("fprc.stages.replicate",), True),
+        ("figures/style.py", ("fprc.stages.judge", "fprc.models.fprc"), False),
+        ("figures/style.py", ("fprc.stages.draw",), True),
+    ],
+)
+def test_promises_about_our_own_code_are_kept(ours, edited, runs, rerun):
+    before = code(*runs)
+    path = ours / edited
+    path.write_text(path.read_text(encoding="utf-8") + "\n# a comment\n", encoding="utf-8")
+    assert code(*runs) == before
+    path.write_text(path.read_text(encoding="utf-8") + "\nEDITED = 1\n", encoding="utf-8")
+    assert (code(*runs) != before) is rerun
+
+
+def test_our_own_code_has_no_import_that_would_not_be_followed():
+    for path in REAL.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom):
+                assert node.level == 0, path
+                assert not (node.module.startswith("fprc") and node.names[0].name == "*"), path
