@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 
 import fprc
-from fprc.stages.run import stage_of
 
 pytestmark = pytest.mark.slow
 
@@ -101,7 +100,7 @@ def test_edit_reruns_what_runs_that_code_and_nothing_else(smoked, tmp_path, what
     assert planned(smoked[0], PYTHONPATH=str(tmp_path)) == expected
 
 
-def test_every_rule_names_a_stage_that_there_is_and_carries_its_fingerprint(project):
+def test_every_rule_carries_the_fingerprint_of_its_stage(project):
     named, bare = set(), set()
     for path in (project.folder / "workflow/rules").glob("*.smk"):
         # settings of several rules are one of its dicts, for example SWEEP
@@ -115,7 +114,6 @@ def test_every_rule_names_a_stage_that_there_is_and_carries_its_fingerprint(proj
                 named.add(name)
                 bare |= set() if "stage(" in rule else {name}
     assert len(named) > 40
-    assert all(callable(stage_of(name)) for name in named)
     # a log of a real rig that is there has no rule at all
     assert bare == {"record_on_rig.record_on_rig"}
 
