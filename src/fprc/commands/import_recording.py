@@ -117,7 +117,7 @@ def bring_in_as(told: ImportMap, source: str, raw: str) -> None:
     if doubt:
         words.insert(1, f"clock: {doubt}")
     time_s, channels = resample(recording.time_s, recording.channels, told.sample_rate_hz)
-    attributes = {
+    attributes: dict[str, Any] = {
         "experiment": told.experiment,
         "source": "import",
         "sample_rate_hz": told.sample_rate_hz,

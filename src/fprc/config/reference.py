@@ -5,8 +5,9 @@ import json
 from typing import Any
 
 import yaml
+from pydantic import BaseModel
 
-from fprc.config.load import fields
+from fprc.config.section import fields
 from fprc.config.settings import Settings
 
 _HEAD = """\
@@ -50,14 +51,14 @@ def reference() -> str:
     for key, default, field, section in fields(Settings()):
         group = key.rpartition(".")[0]
         if group != before:
-            lines += ["", f"## {group or 'Top level'}", "", inspect.getdoc(section), ""]
+            lines += ["", f"## {group or 'Top level'}", "", inspect.getdoc(section) or "", ""]
             lines += ["| key | unit | default | range | meaning | source |", "|" + "---|" * 6]
             before = group
         lines.append(_row(key.rpartition(".")[2], default, field, section))
     return "\n".join(lines) + "\n"
 
 
-def _row(name: str, default: Any, field: Any, section: type) -> str:
+def _row(name: str, default: Any, field: Any, section: type[BaseModel]) -> str:
     schema = section.model_json_schema()["properties"][name]
     low, high = schema.get("minimum"), schema.get("maximum")
     limits = f"{low:g} to {high:g}" if low is not None else " or ".join(schema.get("enum", []))

@@ -4,6 +4,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from fprc.stages.ensemble_claims import summarise_rigs
 from pydantic import ValidationError
 
 from fprc.artifacts import read_json, write_json
@@ -16,7 +17,6 @@ from fprc.config import Settings
 from fprc.config.rig import Rig
 from fprc.control.loop import RunAbortedError
 from fprc.errors import EvaluationError, FprcError, SimulationError
-from fprc.stages.ensemble_claims import summarise_rigs
 from fprc.stages.replicate import compare_models, simulate
 
 PUBLISHED = Path(__file__).parents[3] / "config/published.yaml"

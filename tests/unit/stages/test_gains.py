@@ -1,9 +1,9 @@
 import h5py
 import pytest
+from fprc.stages.gains import read_gains
 
 from fprc.artifacts import read_json
 from fprc.errors import LogError
-from fprc.stages.gains import read_gains
 
 PRINTED = {"kp_kpa_per_deg": 0.5, "kd_kpa_s_per_deg": 0.005}
 FOUND = {"kp_kpa_per_deg": 4.0, "kd_kpa_s_per_deg": 0.04}

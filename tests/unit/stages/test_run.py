@@ -4,12 +4,12 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from fprc.stages.figure import run_figure
 from threadpoolctl import threadpool_info
 
 from fprc.artifacts import read_json
 from fprc.errors import ControlError
 from fprc.provenance import hash_of, versions
-from fprc.stages.figure import run_figure
 from fprc.stages.run import run_stage
 
 CONFIG = {"seed": 7, "folders": {"results": "results"}}
