@@ -82,7 +82,9 @@ def growth(
     return found
 
 
-def _judged(judge: Callable, cells: Sequence[Mapping[str, Any]], workers: int) -> list[Any]:
+def _judged(
+    judge: Callable[..., Any], cells: Sequence[Mapping[str, Any]], workers: int
+) -> list[Any]:
     with tempfile.TemporaryDirectory() as folder:
         checkpoint = Path(folder, "cells.jsonl")
         return run_cells(judge, cells, workers=workers, checkpoint=checkpoint, key="benchmark")

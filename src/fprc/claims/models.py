@@ -267,7 +267,9 @@ def _tap_sizes(results: Results, published: Mapping[str, Any]) -> Finding:
     )
 
 
-def _tap_grid(cells: Sequence[Mapping[str, Any]]) -> tuple[np.ndarray, np.ndarray, dict]:
+def _tap_grid(
+    cells: Sequence[Mapping[str, Any]],
+) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]:
     cells = sorted(cells, key=lambda cell: (cell["n_u"], cell["n_y"]))
     n_u, n_y = (np.array([cell[key] for cell in cells]) for key in ("n_u", "n_y"))
     return n_u, n_y, {p: np.array([np.mean(cell[p]) for cell in cells]) for p in PHASES}

@@ -169,8 +169,8 @@ def _judge(
             version=fingerprint("fprc.stages.readout"),
             progress=progress_bar(),
         )
-    written = (str(folder / f"readout.{kind}") for kind in ("csv", "md", "tex"))
-    tabulate_readout(cells, *written, parts=("the first part", "the second part"))
+    csv, md, tex = (str(folder / f"readout.{kind}") for kind in ("csv", "md", "tex"))
+    tabulate_readout(cells, csv, md, tex, parts=("the first part", "the second part"))
     drawn = draw_readout(cells, pdf, png)
     origin = describe(drawn, inputs=[cells], outputs=[pdf, png], settings=settings)
     write_json(folder / "readout.json", origin)

@@ -63,7 +63,7 @@ def _results(
         yield from pool(delayed(_judged)(judge, cell) for cell in cells)
 
 
-def _judged(judge: Callable, cell: Cell) -> tuple[Cell, dict[str, Any]]:
+def _judged(judge: Callable[[Cell], Mapping[str, Any]], cell: Cell) -> tuple[Cell, dict[str, Any]]:
     return cell, dict(judge(cell))
 
 

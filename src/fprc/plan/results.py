@@ -84,9 +84,9 @@ _LOOPS = tuple(
     for controller in ("pd", "fprc_pd")
     for gain in GAINS
 )
-_BOTH = {"logs": EXPERIMENTS}
-_BOTH_WITH_P_O = {"logs": EXPERIMENTS, "channels": ("p_o_kpa",)}
-_SWEEP = {"logs": ("sweep",)}
+_BOTH: dict[str, Any] = {"logs": EXPERIMENTS}
+_BOTH_WITH_P_O: dict[str, Any] = {"logs": EXPERIMENTS, "channels": ("p_o_kpa",)}
+_SWEEP: dict[str, Any] = {"logs": ("sweep",)}
 _RESERVOIR = ("p_i_kpa", "p_o_kpa", "phi_deg")
 
 # fmt: off

@@ -73,10 +73,12 @@ def draw_training(fit: str, prediction: str, csv: str, pdf: str, png: str) -> Ma
         ("(a) Training", "(b) Test"),
         strict=True,
     ):
-        series = tuple(log.channels.values())
+        time_s, p_exp, p_ff = log.channels.values()
         colours = style.COLOURS["p_exp"], style.COLOURS["p_ff"]
-        plot_fit(*series, pair[0], colours=colours, unit=row.unit)
-        plot_error(*series, pair[1], rmse=row.rmse, colour=colour_of(row.model), unit=row.unit)
+        plot_fit(time_s, p_exp, p_ff, pair[0], colours=colours, unit=row.unit)
+        plot_error(
+            time_s, p_exp, p_ff, pair[1], rmse=row.rmse, colour=colour_of(row.model), unit=row.unit
+        )
         style.letter(pair[0], title)
     style.legend_above(axes[0])
     return style.save(fig, _marked([*logs.values()]), pdf, png)

@@ -63,7 +63,7 @@ def test_sweep_in_chunks_is_the_same_file(grid, tmp_path, chunks):
 
 @pytest.mark.slow
 def test_two_processes_write_what_one_does(grid):
-    assert read(grid("two", workers=2)) == read(sweep("one"))
+    assert read(grid("two", workers=2)) == read(grid("one"))
 
 
 @pytest.mark.slow
