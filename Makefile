@@ -3,7 +3,7 @@ PYTHON ?= python3
 CORES ?= 2
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 
-.PHONY: paper smoke test test-parts test-workflow test-kill reproduce-twice processors slurm \
+.PHONY: paper smoke test test-parts test-workflow types test-kill reproduce-twice processors slurm \
 	test-slurm docs scaling fault-matrix fuzz loop-benchmark benchmark benchmark-all clean
 
 paper: .venv/.ready
@@ -18,8 +18,12 @@ test: .venv/.ready
 	snakefmt --check Snakefile workflow/rules
 	snakemake --lint
 	lint-imports
+	$(MAKE) --no-print-directory types
 	@shared=$$(mktemp -d) && trap 'rm -rf "$$shared"' EXIT && FPRC_SMOKED=$$shared \
 	  $(MAKE) --no-print-directory --jobs 2 --output-sync test-parts test-workflow
+
+types: .venv/.ready
+	mypy
 
 # two processes of about the same length, which share one smoke run
 APART = tests/workflow/test_targets.py tests/workflow/test_hardware.py \
