@@ -18,8 +18,12 @@ test: .venv/.ready
 	snakefmt --check Snakefile workflow/rules
 	snakemake --lint
 	lint-imports
+	$(MAKE) --no-print-directory types
 	@shared=$$(mktemp -d) && trap 'rm -rf "$$shared"' EXIT && FPRC_SMOKED=$$shared \
 	  $(MAKE) --no-print-directory --jobs 2 --output-sync test-parts test-workflow
+
+types: .venv/.ready
+	mypy
 
 # two processes of about the same length, which share one smoke run
 APART = tests/workflow/test_targets.py tests/workflow/test_hardware.py \

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -110,7 +110,7 @@ def skfuzzy_clusters(
 class SkfuzzyReadout(TakagiSugenoReadout):
     """The fuzzy readout with its clusters by scikit-fuzzy."""
 
-    def fit(self, X: ArrayLike, y: ArrayLike) -> "SkfuzzyReadout":
+    def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
         """Cluster the rows, then fit each rule."""
         rows, targets = np.asarray(X), np.asarray(y)
         self.n_features_in_ = rows.shape[1]

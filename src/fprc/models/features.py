@@ -6,6 +6,7 @@ to have the values of its first sample.
 """
 
 from math import isfinite
+from typing import Self
 
 import numpy as np
 import pandas as pd
@@ -41,7 +42,7 @@ def lowpass(x: np.ndarray, epsilon: float) -> np.ndarray:
 class FeatureMap(TransformerMixin, BaseEstimator):
     """What the sequential maps share: checks, and the start of a stream."""
 
-    def fit(self, X: ArrayLike, y: ArrayLike | None = None) -> "FeatureMap":
+    def fit(self, X: ArrayLike, y: ArrayLike | None = None) -> Self:
         """Learn the number of columns, and draw what is random."""
         check_limits(self, self.LIMITS)
         self._prepare(validate_data(self, X, dtype=np.float64).shape[1])

@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Sequence
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -77,7 +78,7 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
     def __init__(self, alpha: float = 1e-3):
         self.alpha = alpha
 
-    def fit(self, X: ArrayLike, y: ArrayLike) -> "RidgeReadout":
+    def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
         """Solve the normal equations for one output."""
         check_limits(self, {"alpha": Limit(0)})
         rows, targets = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
@@ -86,7 +87,7 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
 
     def fit_complements(
         self, X: ArrayLike, y: ArrayLike, parts: Sequence[np.ndarray]
-    ) -> list["RidgeReadout"]:
+    ) -> list[Self]:
         """Return a fitted copy for each part: trained on all rows but those of the part.
 
         X^T X is summed once for each part; a copy adds up those of the other parts.

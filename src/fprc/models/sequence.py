@@ -2,6 +2,7 @@
 
 from abc import abstractmethod
 from copy import deepcopy
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,7 +26,7 @@ class SequenceModel(RegressorMixin, BaseEstimator):
     def make_readout(self) -> BaseEstimator:
         """Return the unfitted readout."""
 
-    def fit(self, X: ArrayLike, y: ArrayLike) -> "SequenceModel":
+    def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
         """Train on one log.
 
         Parameters
@@ -51,7 +52,7 @@ class SequenceModel(RegressorMixin, BaseEstimator):
         X = validate_data(self, X, reset=False, dtype=np.float64)
         return self.readout_.predict(self.features_.transform(X))
 
-    def assembled(self, features: BaseEstimator, readout: BaseEstimator) -> "SequenceModel":
+    def assembled(self, features: BaseEstimator, readout: BaseEstimator) -> Self:
         """Return a fitted copy of this model made of fitted parts, with a stream of its own."""
         model = clone(self)
         model.n_features_in_ = features.n_features_in_

@@ -1,5 +1,7 @@
 """Takagi-Sugeno fuzzy readout."""
 
+from typing import Self
+
 import numpy as np
 from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator, RegressorMixin
@@ -58,7 +60,7 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
 
     LIMITS = {"n_c": Limit(1), "sigma": Limit(0, low_open=True), "alpha": Limit(0)}
 
-    def fit(self, X: ArrayLike, y: ArrayLike) -> "TakagiSugenoReadout":
+    def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
         """Cluster the rows, then fit each rule weighted by u_i^2 (Eq. 8)."""
         check_limits(self, self.LIMITS)
         rows, targets = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
