@@ -1,5 +1,6 @@
 """The model of docs/extending.md, from outside the package, through the workflow."""
 
+import os
 import re
 from pathlib import Path
 
@@ -31,9 +32,8 @@ def extended(smoked, tmp_path_factory):
     mine = re.sub(r"folders: .*\n", folders, block("yaml"))
     (folder / "mine.yaml").write_text(mine, encoding="utf-8")
     files = ["config/smoke.yaml", str(folder / "mine.yaml")]
-    done = project.snakemake(
-        "--nolock", "--configfile", *files, "--", *TARGETS, PYTHONPATH=str(folder)
-    )
+    path = os.pathsep.join(filter(None, [str(folder), os.environ.get("PYTHONPATH")]))
+    done = project.snakemake("--nolock", "--configfile", *files, "--", *TARGETS, PYTHONPATH=path)
     assert done.returncode == 0, done.stdout
     return folder
 

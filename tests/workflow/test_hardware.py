@@ -5,7 +5,7 @@ import pytest
 from fprc.logs import write_raw
 from fprc.logs.raw import RAW_CHANNELS
 
-OF_THEIR_OWN = ["source=hardware", "folders={raw: bench/raw, results: bench/results}"]
+OF_THEIR_OWN = ["source=rig", "folders={raw: bench/raw, results: bench/results}"]
 
 
 def planned(output):
@@ -33,7 +33,7 @@ def test_whole_paper_is_planned_on_the_real_rig(project):
     jobs = planned(done.stdout)
     assert int(jobs["record_on_rig"]) == 2 + 10 + 25
     assert not {"record", "track", "identify_gain", "replicate"} & jobs.keys()
-    assert {"identify_gain_from_logs", "tracking_table", "disturbance"} <= jobs.keys()
+    assert {"identify_gain_from_logs", "tracking_table", "draw_fig17"} <= jobs.keys()
 
 
 def test_log_that_is_there_is_not_recorded_again(project):

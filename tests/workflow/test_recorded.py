@@ -54,7 +54,8 @@ def test_all_plans_what_the_logs_allow_and_nothing_else(recording):
     assert planned(done.stdout) == {
         "all", "preprocess", "judge", "comparison_table", "configuration_table", "sweep",
         "measure_times", "measure_times_over_n_c", "timing_table", "steps_table",
-        "draw_fig3", "draw_fig4", "draw_fig6", "draw_fig7", "draw_fig10", "list_unavailable", "report_page",
+        "draw_fig3", "draw_fig4", "draw_fig6", "draw_fig7", "draw_fig10", "list_unavailable",
+        "report_page",
     }  # fmt: skip
 
 

@@ -23,11 +23,33 @@ ESN = SEEDS | {
     "report_page": 1,
 }
 
-FIGURES = (
-    "actuator reservoir apparatus actuator_hysteresis reservoir_hysteresis esn_system fprc_system "
-    "training weights settings taps following_sine_0p2 following_sine_0p5 following_sweep "
-    "following_complex loops disturbance readout_figure"
-).split()
+
+def figures(*numbers):
+    """Return one job for each of these figures."""
+    return {f"draw_fig{number}": 1 for number in numbers}
+
+
+#: What every model shares: all but the experiments and what is made of their logs alone.
+MODELS = ESN | figures(*range(8, 18)) | {
+    "judge": 3,
+    "sweep": 3,
+    "weigh": 1,
+    "measure_times_over_n_c": 1,
+    "measure_readout": 1,
+    "readout_table": 1,
+    "draw_readout": 1,
+    "identify_gain": 1,
+    "track": 5,
+    "tracking_table": 1,
+}  # fmt: skip
+RIG = MODELS | figures(1, 2, 4, 5) | {"record": 2, "preprocess": 2}
+ALL = RIG | figures(3, 6, 7) | {"configuration_table": 1, "list_unavailable": 1}
+#: Those whose stages are in one module.
+TABLES = dict.fromkeys([rule for rule in ALL if rule.endswith("_table")], 1) | {
+    "comparison_table": 2, "seeds_table": 2, "list_unavailable": 1
+}  # fmt: skip
+DRAWN = figures(4, 5, 8, 9, 10, 11) | {"draw_readout": 1}
+REPORT = {"report_page": 1}
 
 #: File, what is in it and what is put there, and the jobs that must run again.
 EDITS = {
@@ -35,22 +57,25 @@ EDITS = {
     "docstring": ("models/esn.py", '"""Return the unfitted network."""', '"""The net."""', {}),
     "code that no rule runs": ("cli.py", "import sys", "import sys\n\nUNUSED = 1", {}),
     "ESN": ("models/esn.py", "gamma=self.gamma,", "gamma=1.0 * self.gamma,", ESN),
-    "its readout": ("models/ridge.py", "return X @ self", "return 1.0 * X @ self", ESN),
-    "its features": ("models/features.py", "self.w_in_ = ", "self.w_in_ = 1.0 * ", ESN),
-    "plot of the tap sizes": (
-        "figures/sweeps.py", "fill=False", "fill=None", {"taps": 1, "report_page": 1},
+    "its features": ("models/echo_features.py", "self.w_in_ = ", "self.w_in_ = 1.0 * ", ESN),
+    "its states": ("models/echo.py", "LANES = ", "LANES = 1 * ", ESN),
+    "ridge": ("models/ridge.py", "return X @ self", "return 1.0 * X @ self", MODELS),
+    "rig": ("rig/friction.py", "return force", "return 1.0 * force", RIG),
+    "what runs every stage": (
+        "stages/run.py", "threadpool_limits(1)", "threadpool_limits(limits=1)", ALL,
     ),
+    "plot of the tap sizes": ("figures/grids.py", "fill=False", "fill=None", DRAWN | REPORT),
     "stage of Fig. 7": (
         "stages/draw_schematics.py", "canvas(2.82)", "canvas(2.8)",
-        {"fprc_system": 1, "report_page": 1},
+        figures(1, 2, 3, 6, 7) | REPORT,
     ),
     "style of every figure": (
         "figures/style.py", "COLUMN_IN = 3.5", "COLUMN_IN = 3.6",
-        dict.fromkeys([*FIGURES, "report_page"], 1),
+        figures(*range(1, 18)) | {"draw_readout": 1} | REPORT,
     ),
     "page of Table IV": (
         "tables/tracking.py", "return pd.DataFrame(page)", "return pd.DataFrame(list(page))",
-        {"tracking_table": 1, "tracking_seeds_table": 1, "report_page": 1},
+        TABLES | DRAWN | REPORT,
     ),
 }  # fmt: skip
 
@@ -75,16 +100,22 @@ def test_edit_reruns_what_runs_that_code_and_nothing_else(smoked, tmp_path, what
     assert planned(smoked[0], PYTHONPATH=str(tmp_path)) == expected
 
 
-def test_every_rule_is_fingerprinted_by_its_own_script(project):
-    scripts, missing = set(), set()
+def test_every_rule_carries_the_fingerprint_of_its_stage(project):
+    named, bare = set(), set()
     for path in (project.folder / "workflow/rules").glob("*.smk"):
+        # settings of several rules are one of its dicts, for example SWEEP
         text = path.read_text(encoding="utf-8")
-        found = set(re.findall(r'"\.\./scripts/(\w+)\.py"', text))
-        missing |= {name for name in found if not re.search(rf'code_of\(\s*"{name}"', text)}
-        scripts |= found
-    assert len(scripts) > 45
+        shared = dict(re.findall(r"^([A-Z]+) = (\{.*?^\})", text, flags=re.MULTILINE | re.DOTALL))
+        for rule in re.split(r"^ *rule(?: \w+)?:$", text, flags=re.MULTILINE)[1:]:
+            rule, scripted, _ = rule.partition('"../scripts/stage.py"')
+            rule += "".join(code for name, code in shared.items() if f"**{name}" in rule)
+            if scripted:
+                (name,) = set(re.findall(r'\bstage(?:\(\s*|=|": )"([\w.]+)"', rule))
+                named.add(name)
+                bare |= set() if "stage(" in rule else {name}
+    assert len(named) > 40
     # a log of a real rig that is there has no rule at all
-    assert missing == {"record_on_rig"}
+    assert bare == {"record_on_rig.record_on_rig"}
 
 
 #: Settings on the command line, and the jobs that must run again; the report shows all settings.
@@ -92,20 +123,19 @@ CHANGES = {
     "nothing": ("seed=1", {}),
     "rigs of the ensemble": ("ensemble={rigs: 6}", {"report_page": 1}),
     "values of n_c": (
-        "sweeps={n_c: [2, 8]}",
-        SEEDS | {"sweep": 1, "measure_times_over_n_c": 1, "settings": 1, "ledger": 1,
+        "grids={n_c: [2, 8]}",
+        SEEDS | {"sweep": 1, "measure_times_over_n_c": 1, "draw_fig10": 1, "ledger": 1,
                  "report_page": 1},
     ),
-    "taps": ("sweeps={n_u: [1, 2]}", {"sweep": 1, "taps": 1, "report_page": 1}),
+    "taps": ("grids={n_u: [1, 2]}", {"sweep": 1, "draw_fig11": 1, "report_page": 1}),
     "candidates of the gain": (
         "tracking={candidate_kp_kpa_per_deg: [0.5, 3]}",
-        SEEDS | {"identify_gain": 1, "track": 5, "tracking_table": 1, "following_sine_0p2": 1,
-                 "following_sine_0p5": 1, "following_sweep": 1, "following_complex": 1, "loops": 1,
-                 "disturbance": 1, "ledger": 1, "report_page": 1},
+        SEEDS | {"identify_gain": 1, "track": 5, "tracking_table": 1, "ledger": 1, "report_page": 1}
+        | figures(*range(12, 18)),
     ),
     "one reference": (
         "tracking={references: {sine_0p2: {duration_s: 9}}}",
-        SEEDS | {"track": 1, "tracking_table": 1, "following_sine_0p2": 1, "ledger": 1,
+        SEEDS | {"track": 1, "tracking_table": 1, "draw_fig12": 1, "ledger": 1,
                  "report_page": 1},
     ),
 }  # fmt: skip
@@ -125,9 +155,9 @@ def test_filter_factor_spares_fuzzy_linear_and_the_esn(smoked):
 
 def test_number_of_rules_reruns_both_fuzzy_models_and_not_the_esn(smoked):
     jobs = planned(smoked[0], "--config", "models={fprc: {n_c: 4}}")
-    assert {"comparison_table", "configuration_table", "training"} <= jobs.keys()
+    assert {"comparison_table", "configuration_table", "draw_fig8"} <= jobs.keys()
     assert jobs["judge"] == 2
-    assert not {"record", "preprocess", "actuator_hysteresis"} & jobs.keys()
+    assert not {"record", "preprocess", "draw_fig4"} & jobs.keys()
 
 
 def test_recorded_logs_plan_nothing_that_needs_a_rig(smoked):

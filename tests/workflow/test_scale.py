@@ -6,8 +6,9 @@ from pathlib import Path
 import pytest
 
 from fprc.artifacts import write_json
-from fprc.benchmark.cost import plan_ensemble, update_scaling_page
+from fprc.benchmark.cost import plan_ensemble
 from fprc.errors import EvaluationError
+from fprc.stages.documents import update_scaling_page
 
 ROOT = Path(__file__).parents[2]
 
