@@ -101,10 +101,12 @@ def test_lost_samples_are_told_with_their_times(journal, repair, tmp_path, chann
     assert log.attributes["lost_samples"] == 3
 
 
-def test_samples_that_were_not_in_their_place_are_said_with_code_3(journal, repair, tmp_path):
+def test_samples_that_were_not_in_their_place_are_said_with_code_3(
+    journal, repair, tmp_path, channels
+):
     journal.close()
     data = bytearray(journal.path.read_bytes())
-    start = data.index(b"\x01" + bytes(7)) - SIZE
+    start = data.index(np.float64(channels["time_s"][1]).tobytes()) - 8 - SIZE
     first, second = (bytes(data[start + k * SIZE :][:SIZE]) for k in (10, 11))
     data[start + 10 * SIZE : start + 12 * SIZE] = second + first
     journal.path.write_bytes(data)
