@@ -9,7 +9,7 @@ from fprc.config import from_files
 from fprc.errors import FprcError, LogError
 from fprc.fingerprint import fingerprint
 from fprc.logs import headers, refuse_simulated, refuse_to_overwrite
-from fprc.paper import EXPERIMENTS, REFERENCES, SWEPT, SWEPT_SETTINGS, run_log
+from fprc.paper import EXPERIMENTS, REFERENCES, GRID_MODELS, GRID_SETTINGS, run_log
 from fprc.plan import BY_NAME, Plan, refusal
 from fprc.registry import MODELS, class_module, settings_of
 
@@ -30,7 +30,7 @@ try:
     config.update(SETTINGS)  # the files' keys in their types, and what they leave out
     # of this run, not of its results
     ARMED = SETTINGS.pop("armed")
-    SWEEP_CHUNKS = SETTINGS["sweeps"].pop("chunks")
+    GRID_CHUNKS = SETTINGS["grids"].pop("chunks")
     RAW = SETTINGS["folders"]["raw"]
     RESULTS = SETTINGS["folders"]["results"]
     refuse_unwritable([RESULTS] if SETTINGS["source"] == "recorded" else [RAW, RESULTS])
@@ -50,7 +50,7 @@ wildcard_constraints:
     model="|".join(PLAN.models),
     number="2|3",
     reference="|".join(SETTINGS["tracking"]["references"]),
-    sweep="epsilon|n_c|taps",
+    grid="epsilon|n_c|taps",
     seed=r"\d+",
     target="command|measured",
 

@@ -39,7 +39,7 @@ ROOT = Path(__file__).parents[1]
 #: What is measured, not computed.
 MEASURED = ("timing/times.json", "timing/times_over_n_c.json", "timing/steps.json")
 
-#: Cores, time zone and locale of the builds. With four cores the long sweeps have two processes; in
+#: Cores, time zone and locale of the builds. With four cores the long grids have two processes; in
 #: the second build text that names no encoding is ASCII.
 CIRCUMSTANCES = (
     ("4", {"TZ": "America/St_Johns", "LC_ALL": "C.UTF-8"}),
@@ -78,8 +78,8 @@ KINDS = {
     "ESN, Fuzzy-linear": r"(crossval|predictions)/\w+_(esn|fuzzy_linear)",
     "FPRC": r"(crossval|predictions)/\w+_fprc",
     "fitted weights": r"(models|weights)/",
-    "sweeps, readout": r"sweeps/.*json|readout/cells",
-    "further seeds, models": r"replicates/.*/(models|sweeps)_",
+    "grids, readout": r"grids/.*json|readout/cells",
+    "further seeds, models": r"replicates/.*/(models|grids)_",
     "Tables II, III": r"tables/(table[23]|orders).*csv",
     "closed loop, samples": r"raw/track_",
     "closed loop, errors": r"control/|replicates/.*/control_",

@@ -7,8 +7,10 @@ from typing import Any
 
 import numba
 
+_CONFIG: Any = numba.config
 
-def kernel(function: Callable, **options: Any) -> Callable:
+
+def kernel(function: Callable[..., Any], **options: Any) -> Callable[..., Any]:
     """Compile ``function`` with numba and cache the machine code on disk.
 
     numba drops a cached kernel when the file that defines it changes, but not
@@ -16,15 +18,15 @@ def kernel(function: Callable, **options: Any) -> Callable:
     lies in a folder named after all sources of the package that defines it, and
     after this file; a kernel calls no kernel of another package.
     """
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(_cache_folder(Path(function.__code__.co_filename).parent))
+    before = _CONFIG.CACHE_DIR
+    _CONFIG.CACHE_DIR = str(_cache_folder(Path(function.__code__.co_filename).parent))
     try:
         return numba.njit(cache=True, error_model="numpy", **options)(function)
     finally:
-        numba.config.CACHE_DIR = before
+        _CONFIG.CACHE_DIR = before
 
 
-def summing_kernel(function: Callable) -> Callable:
+def summing_kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile as ``kernel``, with sums in an order that fills the processor's vectors."""
     return kernel(function, fastmath={"reassoc", "contract"})
 
@@ -33,5 +35,5 @@ def _cache_folder(package: Path) -> Path:
     digest = hashlib.sha256()
     for source in (Path(__file__), *sorted(package.glob("*.py"))):
         digest.update(source.read_bytes())
-    folder = Path(numba.config.CACHE_DIR or package / "__pycache__")
+    folder = Path(_CONFIG.CACHE_DIR or package / "__pycache__")
     return folder / f"kernels-{digest.hexdigest()[:16]}"

@@ -7,6 +7,7 @@ this imports, without comments and docstrings.
 
 import ast
 import hashlib
+import inspect
 import json
 import os
 import sys
@@ -54,7 +55,8 @@ def _defining(module: str, name: str | None) -> str:
         return module
     if _path(f"{module}.{name}"):
         return f"{module}.{name}"
-    if _path(module).name == "__init__.py":
+    path = _path(module)
+    if path and path.name == "__init__.py":
         for origin, imported in _source(module).imports:
             if imported == name and _path(origin):
                 return _defining(origin, name)
@@ -72,7 +74,7 @@ def _path(module: str) -> Path | None:
 
 @cache
 def _source(module: str) -> Source:
-    path = _path(module) or Path(sys.modules[module].__file__)
+    path = _path(module) or Path(inspect.getfile(sys.modules[module]))
     content = path.read_bytes()
     key = f"{module} {hashlib.sha256(content).hexdigest()}"
     if key not in _kept():

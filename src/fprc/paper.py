@@ -25,9 +25,9 @@ CONTROLLERS = (
     "pd_identified",
 )
 
-#: Models of each sweep of Figs. 10 and 11, and the settings that it changes.
-SWEPT = {"epsilon": ("fprc",), "n_c": ("fprc", "fuzzy_linear"), "taps": ("fprc",)}
-SWEPT_SETTINGS = {"epsilon": ("epsilon",), "n_c": ("n_c",), "taps": ("n_u", "n_y")}
+#: Models of each grid of Figs. 10 and 11, and the settings that it changes.
+GRID_MODELS = {"epsilon": ("fprc",), "n_c": ("fprc", "fuzzy_linear"), "taps": ("fprc",)}
+GRID_SETTINGS = {"epsilon": ("epsilon",), "n_c": ("n_c",), "taps": ("n_u", "n_y")}
 
 #: What a log's ``source`` means to a reader.
 SOURCES = {

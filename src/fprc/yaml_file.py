@@ -84,7 +84,7 @@ def _parse(text: str) -> tuple[Any, list[tuple[int, str]]]:
 
 
 def _value(
-    event: yaml.Event, events: Iterator[yaml.Event], way: list, problems: list[tuple[int, str]]
+    event: yaml.Event, events: Iterator[yaml.Event], way: list[Any], problems: list[tuple[int, str]]
 ) -> Any:
     """Return the value that begins with an event, and take its other events."""
     line = event.start_mark.line + 1
@@ -99,7 +99,7 @@ def _value(
     if isinstance(event, yaml.MappingStartEvent):
         return _mapping(events, way, problems)
     if isinstance(event, yaml.SequenceStartEvent):
-        items = []
+        items: list[Any] = []
         while not isinstance(event := next(events), yaml.SequenceEndEvent):
             items.append(_value(event, events, [*way, len(items)], problems))
         return items
@@ -108,7 +108,7 @@ def _value(
 
 
 def _mapping(
-    events: Iterator[yaml.Event], way: list, problems: list[tuple[int, str]]
+    events: Iterator[yaml.Event], way: list[Any], problems: list[tuple[int, str]]
 ) -> dict[Any, Any]:
     given: dict[Any, list[tuple[Any, int]]] = {}
     while not isinstance(event := next(events), yaml.MappingEndEvent):
@@ -130,7 +130,7 @@ def _mapping(
     return {key: values[-1][0] for key, values in given.items()}
 
 
-def _dotted(way: list) -> str:
+def _dotted(way: list[Any]) -> str:
     return ".".join(map(_short, way))
 
 
@@ -148,8 +148,8 @@ def _short(value: Any) -> str:
 
 
 def _said(error: Exception) -> str:
-    mark = getattr(error, "problem_mark", None)
-    if mark is None:
+    if not isinstance(error, yaml.MarkedYAMLError) or error.problem_mark is None:
         return " ".join(str(error).split())
     what = ", ".join(filter(None, [error.context, error.problem]))
+    mark = error.problem_mark
     return f"line {mark.line + 1}, column {mark.column + 1}: {what}"

@@ -196,7 +196,7 @@ def _aliases(rng):
         ),
         "models: &m {n_y: 3}\nx: {<<: *m}\n",
         "experiments: {sweep: &s {duration_s: 50}, complex: {<<: *s, duration_s: 60}}\n",
-        "sweeps: {epsilon: &e [0.1, 0.2], n_c: [1, 2]}\ncalibration: {ranges: *e}\n",
+        "grids: {epsilon: &e [0.1, 0.2], n_c: [1, 2]}\ncalibration: {ranges: *e}\n",
         "seed: *b\n",
         "&x seed: 5\n",
     ]

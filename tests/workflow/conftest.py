@@ -182,8 +182,8 @@ def calibrated(smoked, tmp_path_factory):
     """Finished smoke run on which the targets outside `all` were made too, and what it printed."""
     copy = _copied(smoked[0], tmp_path_factory.mktemp("calibrated") / "copy")
     # and a sweep again, in chunks this time
-    (copy.folder / "results/smoke/sweeps/taps.json").unlink()
+    (copy.folder / "results/smoke/grids/taps.json").unlink()
     targets = ["ensemble", "targets", "sensitivity", "calibrate"]
-    done = copy.smoke(*targets, "results/smoke/sweeps/taps.json", "--config", "sweeps={chunks: 3}")
+    done = copy.smoke(*targets, "results/smoke/grids/taps.json", "--config", "grids={chunks: 3}")
     assert done.returncode == 0, done.stdout
     return copy, done.stdout

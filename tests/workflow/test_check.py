@@ -12,7 +12,7 @@ def lines(printed):
 def test_file_that_no_rule_makes_is_reported_and_nothing_else(smoked_copy):
     results = smoked_copy.folder / "results/smoke"
     # what a run that was killed, a search that was begun anew and other settings leave
-    for name in ("sweeps/taps.partial.jsonl", "calibration/search.partial.jsonl.old",
+    for name in ("grids/taps.partial.jsonl", "calibration/search.partial.jsonl.old",
                  "blocked/logs/record_sweep.log", "blocked/tables/table2.md"):  # fmt: skip
         (results / name).parent.mkdir(parents=True, exist_ok=True)
         (results / name).write_text("x")
@@ -21,11 +21,11 @@ def test_file_that_no_rule_makes_is_reported_and_nothing_else(smoked_copy):
     assert "verdicts are not those of config/verdicts.yaml" in done.stdout
     assert lines(done.stdout) == []
     (results / "tables/table9.md").write_text("x")
-    (results / "sweeps/.taps.4194305.part.json").write_text("half")
+    (results / "grids/.taps.4194305.part.json").write_text("half")
     done = smoked_copy.smoke("check")
     assert done.returncode != 0
     assert "2 files that no rule makes" in done.stdout
     assert sorted(lines(done.stdout)) == [
-        "  results/smoke/sweeps/.taps.4194305.part.json",
+        "  results/smoke/grids/.taps.4194305.part.json",
         "  results/smoke/tables/table9.md",
     ]

@@ -5,7 +5,7 @@ import pytest
 from fprc.logs import write_raw
 from fprc.logs.raw import RAW_CHANNELS
 
-OF_THEIR_OWN = ["source=hardware", "folders={raw: bench/raw, results: bench/results}"]
+OF_THEIR_OWN = ["source=rig", "folders={raw: bench/raw, results: bench/results}"]
 
 
 def planned(output):

@@ -140,16 +140,16 @@ def finished_cells(checkpoint):
 
 def test_sweep_that_was_killed_goes_on_at_its_next_cell(smoked_copy):
     results = smoked_copy.folder / "results/smoke"
-    expected = (results / "sweeps/taps.json").read_bytes()
-    (results / "sweeps/taps.json").unlink()
-    checkpoint = results / "sweeps/taps.partial.jsonl"
+    expected = (results / "grids/taps.json").read_bytes()
+    (results / "grids/taps.json").unlink()
+    checkpoint = results / "grids/taps.partial.jsonl"
     run = smoked_copy.begin("--cores", "1", "fig11", "--configfile", "config/smoke.yaml")
     deadline = time.monotonic() + 120
     while not (before := finished_cells(checkpoint)) and time.monotonic() < deadline:
         time.sleep(0.005)
     run.kill()
     assert before, "no cell was finished in time"
-    assert not (results / "sweeps/taps.json").exists()
+    assert not (results / "grids/taps.json").exists()
     kept = [json.loads(line)["cell"] for line in finished_cells(checkpoint)]
     assert 1 <= len(kept) < 4
 
@@ -158,5 +158,5 @@ def test_sweep_that_was_killed_goes_on_at_its_next_cell(smoked_copy):
     assert done.returncode == 0, done.stdout
     assert "Sweep over taps" in done.stdout
     assert len([*cells(done.stdout)]) == 4 - len(kept)
-    assert (results / "sweeps/taps.json").read_bytes() == expected
+    assert (results / "grids/taps.json").read_bytes() == expected
     assert not checkpoint.exists()

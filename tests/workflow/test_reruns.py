@@ -64,7 +64,7 @@ EDITS = {
     "what runs every stage": (
         "stages/run.py", "threadpool_limits(1)", "threadpool_limits(limits=1)", ALL,
     ),
-    "plot of the tap sizes": ("figures/sweeps.py", "fill=False", "fill=None", DRAWN | REPORT),
+    "plot of the tap sizes": ("figures/grids.py", "fill=False", "fill=None", DRAWN | REPORT),
     "stage of Fig. 7": (
         "stages/draw_schematics.py", "canvas(2.82)", "canvas(2.8)",
         figures(1, 2, 3, 6, 7) | REPORT,
@@ -123,11 +123,11 @@ CHANGES = {
     "nothing": ("seed=1", {}),
     "rigs of the ensemble": ("ensemble={rigs: 6}", {"report_page": 1}),
     "values of n_c": (
-        "sweeps={n_c: [2, 8]}",
+        "grids={n_c: [2, 8]}",
         SEEDS | {"sweep": 1, "measure_times_over_n_c": 1, "draw_fig10": 1, "ledger": 1,
                  "report_page": 1},
     ),
-    "taps": ("sweeps={n_u: [1, 2]}", {"sweep": 1, "draw_fig11": 1, "report_page": 1}),
+    "taps": ("grids={n_u: [1, 2]}", {"sweep": 1, "draw_fig11": 1, "report_page": 1}),
     "candidates of the gain": (
         "tracking={candidate_kp_kpa_per_deg: [0.5, 3]}",
         SEEDS | {"identify_gain": 1, "track": 5, "tracking_table": 1, "ledger": 1, "report_page": 1}

@@ -103,7 +103,7 @@ def test_table4_has_every_controller_gain_and_reference(smoked):
 
 
 def test_sweeps_leave_every_cell_and_no_checkpoint(smoked):
-    folder = smoked[0].folder / "results/smoke/sweeps"
+    folder = smoked[0].folder / "results/smoke/grids"
     assert sorted(path.name for path in folder.iterdir()) == [
         "epsilon.json", "n_c.json", "taps.json"
     ]  # fmt: skip
@@ -199,12 +199,12 @@ def test_ensemble_judges_every_rig_once(calibrated):
 
 def test_sweep_in_chunks_gives_the_same_bytes(smoked, calibrated):
     whole, joined = (
-        (run.folder / "results/smoke/sweeps/taps.json").read_bytes()
+        (run.folder / "results/smoke/grids/taps.json").read_bytes()
         for run in (smoked[0], calibrated[0])
     )
-    assert calibrated[1].count("(Rule: sweep_chunk)") == 3
+    assert calibrated[1].count("(Rule: grid_chunk)") == 3
     assert joined == whole
-    left = [path.name for path in (calibrated[0].folder / "results/smoke/sweeps").iterdir()]
+    left = [path.name for path in (calibrated[0].folder / "results/smoke/grids").iterdir()]
     assert sorted(left) == ["epsilon.json", "n_c.json", "taps.json"]
 
 

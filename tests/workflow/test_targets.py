@@ -24,7 +24,7 @@ def test_dry_run_of_the_paper_plans_every_stage(project):
 def test_profile_of_slurm_names_rules_that_there_are_and_groups_every_drawing(project):
     rules = set()
     for chunks in (1, 2):
-        asked = project.snakemake("--list-rules", "--config", f"sweeps={{chunks: {chunks}}}")
+        asked = project.snakemake("--list-rules", "--config", f"grids={{chunks: {chunks}}}")
         rules |= set(asked.stdout.split())
     profile = read_yaml(project.folder / "profiles/slurm/config.yaml")
     threads, groups = (

@@ -5,7 +5,7 @@ rule ledger:
     input:
         published=PUBLISHED,
         replicates=PLAN.replicates("models"),
-        sweeps=PLAN.replicates("sweeps"),
+        grids=PLAN.replicates("grids"),
         controls=PLAN.replicates("control"),
         times=PATHS.below("timing/times.json"),
         times_over_n_c=PATHS.below("timing/times_over_n_c.json"),

@@ -11,10 +11,10 @@ try:
     )
     if SETTINGS["source"] == "sim":
         refuse_to_overwrite(THERE)
-    elif SETTINGS["source"] == "hardware":
+    elif SETTINGS["source"] == "rig":
         refuse_simulated(THERE)
     PLAN = Plan(SETTINGS, THERE)
-    if not PLAN.held:
+    if not PLAN.contents:
         raise LogError(
             f"source is recorded, and no raw log is in {RAW}: put sweep.h5 and complex.h5 there, "
             "or set folders.raw; see docs/own-data.md"
@@ -38,7 +38,7 @@ ON_RIG = {
 #: What a report says of the data.
 DATA = {
     "sim": "simulated rig, not hardware",
-    "hardware": "real rig",
+    "rig": "real rig",
     "recorded": "recorded logs",
 }[SETTINGS["source"]]
 
@@ -93,20 +93,20 @@ def figure(number, statistics=False):
 
 
 def workers_for(cells):
-    """Return the processes of a sweep: to start one takes as long as 20 cells."""
+    """Return the processes of a grid: to start one takes as long as 20 cells."""
     # half of the cores are left to other jobs
     return max(1, min(workflow.cores // 2, cells // 20))
 
 
-def swept(*names):
-    """Return the values of sweeps."""
-    return {name: SETTINGS["sweeps"][name] for name in names}
+def grid_values(*names):
+    """Return the values of grids."""
+    return {name: SETTINGS["grids"][name] for name in names}
 
 
 def workers_of(wildcards):
-    """Return the processes of one of the paper's sweeps, or of a chunk of it."""
-    grid = prod(map(len, swept(*SWEPT_SETTINGS[wildcards.sweep]).values()))
-    return workers_for(grid * len(SWEPT[wildcards.sweep]) // SWEEP_CHUNKS)
+    """Return the processes of one of the paper's grids, or of a chunk of it."""
+    grid = prod(map(len, grid_values(*GRID_SETTINGS[wildcards.grid]).values()))
+    return workers_for(grid * len(GRID_MODELS[wildcards.grid]) // GRID_CHUNKS)
 
 
 def tracking_of(reference, *names):

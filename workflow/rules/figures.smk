@@ -157,8 +157,8 @@ rule draw_fig9:
 
 rule draw_fig10:
     input:
-        **({"epsilon": PATHS.sweep("epsilon")} if "fig10a" not in PLAN.unavailable else {}),
-        n_c=PATHS.sweep("n_c"),
+        **({"epsilon": PATHS.grid("epsilon")} if "fig10a" not in PLAN.unavailable else {}),
+        n_c=PATHS.grid("n_c"),
         times=PATHS.below("timing/times_over_n_c.json"),
     output:
         **figure(10, statistics=True),
@@ -175,7 +175,7 @@ rule draw_fig10:
 
 rule draw_fig11:
     input:
-        taps=PATHS.sweep("taps"),
+        taps=PATHS.grid("taps"),
     output:
         **figure(11, statistics=True),
     log:

@@ -24,7 +24,7 @@ if PLAN.on_simulated_rig:
 IDENTIFY = [f"identify_{kp:g}" for kp in SETTINGS["tracking"]["candidate_kp_kpa_per_deg"]]
 
 
-if SETTINGS["source"] == "hardware":
+if SETTINGS["source"] == "rig":
 
     FITTED = PATHS.model("sweep", "fprc")
 

@@ -30,7 +30,7 @@ rule judge:
 rule replicate:
     output:
         compared=PATHS.replicate("models", "{target}", "{seed}"),
-        cells=PATHS.replicate("sweeps", "{target}", "{seed}"),
+        cells=PATHS.replicate("grids", "{target}", "{seed}"),
         measures=PATHS.replicate("control", "{target}", "{seed}"),
     log:
         PATHS.messages("replicate_{target}_{seed}"),
@@ -41,10 +41,10 @@ rule replicate:
         **stage("replicate.replicate", *PLAN.models),
         on_rig=lambda wildcards: ON_RIG | {"target": wildcards.target},
         judgement=lambda wildcards: judgement(seed=int(wildcards.seed)),
-        values=swept("epsilon", "n_c", "replicate_taps"),
+        values=grid_values("epsilon", "n_c", "replicate_taps"),
         tracking=SETTINGS["tracking"],
     message:
-        "Tables, sweeps and closed loops again with seed {wildcards.seed}"
+        "Tables, grids and closed loops again with seed {wildcards.seed}"
     script:
         "../scripts/stage.py"
 
@@ -82,7 +82,7 @@ rule weigh:
     log:
         PATHS.messages("weigh"),
     params:
-        **stage("sweep.weigh", "fprc"),
+        **stage("grid.weigh", "fprc"),
         judgement=judgement("fprc"),
     message:
         "Weight contributions of the FPRC"
@@ -90,73 +90,73 @@ rule weigh:
         "../scripts/stage.py"
 
 
-SWEEP = {
-    "stage": "sweep.sweep_settings",
-    "sweep": "{sweep}",
-    "values": lambda wildcards: swept(*SWEPT_SETTINGS[wildcards.sweep]),
+GRID = {
+    "stage": "grid.judge_grid",
+    "grid": "{grid}",
+    "values": lambda wildcards: grid_values(*GRID_SETTINGS[wildcards.grid]),
     "judgement": judgement("fprc"),
     "workers": lambda wildcards, threads: threads,
-    "version": lambda wildcards: stage("sweep.sweep_settings", *SWEPT[wildcards.sweep])["code"],
+    "version": lambda wildcards: stage("grid.judge_grid", *GRID_MODELS[wildcards.grid])["code"],
 }
 
-if SWEEP_CHUNKS == 1:
+if GRID_CHUNKS == 1:
 
-    rule sweep:
+    rule grid:
         input:
             **TRAIN_AND_TEST,
         output:
-            results=PATHS.sweep("{sweep}"),
+            results=PATHS.grid("{grid}"),
         log:
-            PATHS.messages("sweep_{sweep}"),
+            PATHS.messages("grid_{grid}"),
         priority: LONG
         threads: workers_of
         resources:
             mem_mb=2000,
         params:
-            **SWEEP,
-            checkpoint=PATHS.below("sweeps/{sweep}.partial.jsonl"),
+            **GRID,
+            checkpoint=PATHS.below("grids/{grid}.partial.jsonl"),
         message:
-            "Sweep over {wildcards.sweep}, workers: {threads}"
+            "Sweep over {wildcards.grid}, workers: {threads}"
         script:
             "../scripts/stage.py"
 
 else:
 
-    rule sweep_chunk:
+    rule grid_chunk:
         input:
             **TRAIN_AND_TEST,
         output:
-            results=temp(PATHS.sweep("{sweep}_{chunk}")),
+            results=temp(PATHS.grid("{grid}_{chunk}")),
         log:
-            PATHS.messages("sweep_{sweep}_{chunk}"),
+            PATHS.messages("grid_{grid}_{chunk}"),
         wildcard_constraints:
-            chunk="|".join(map(str, range(SWEEP_CHUNKS))),
+            chunk="|".join(map(str, range(GRID_CHUNKS))),
         priority: LONG
         threads: workers_of
         resources:
             mem_mb=2000,
         params:
-            **SWEEP,
+            **GRID,
             chunk=lambda wildcards: int(wildcards.chunk),
-            chunks=SWEEP_CHUNKS,
-            checkpoint=PATHS.below("sweeps/{sweep}_{chunk}.partial.jsonl"),
+            chunks=GRID_CHUNKS,
+            checkpoint=PATHS.below("grids/{grid}_{chunk}.partial.jsonl"),
         message:
-            "Sweep over {wildcards.sweep}, chunk {wildcards.chunk}, workers: {threads}"
+            "Sweep over {wildcards.grid}, chunk {wildcards.chunk}, workers: {threads}"
         script:
             "../scripts/stage.py"
 
-    rule sweep_joined:
+    rule grid_joined:
         input:
-            chunks=[PATHS.sweep(f"{{sweep}}_{chunk}") for chunk in range(SWEEP_CHUNKS)],
+            chunks=[PATHS.grid(f"{{grid}}_{chunk}") for chunk in range(GRID_CHUNKS)],
         output:
-            results=PATHS.sweep("{sweep}"),
+            results=PATHS.grid("{grid}"),
         log:
-            PATHS.messages("sweep_{sweep}"),
+            PATHS.messages("grid_{grid}"),
         localrule: True
         params:
-            **stage("sweep.join_sweep"),
+            **stage("grid.join_grid"),
         message:
-            "Sweep over {wildcards.sweep}: all chunks"
+            "Sweep over {wildcards.grid}: all chunks"
         script:
             "../scripts/stage.py"
 
@@ -173,9 +173,9 @@ rule measure_times_over_n_c:
     resources:
         mem_mb=2000,
     params:
-        **stage("timing.measure_times_over_n_c", *SWEPT["n_c"]),
+        **stage("timing.measure_times_over_n_c", *GRID_MODELS["n_c"]),
         models=SETTINGS["models"],
-        values=SETTINGS["sweeps"]["n_c"],
+        values=SETTINGS["grids"]["n_c"],
         repeats=EVALUATION["timing_repeats"],
         seed=SETTINGS["seed"],
     message:
@@ -193,14 +193,14 @@ rule measure_readout:
         PATHS.messages("measure_readout"),
     priority: LONG
     # about as many cells: two splits and three readouts over each value
-    threads: workers_for(6 * sum(map(len, swept("epsilon", "replicate_taps").values())))
+    threads: workers_for(6 * sum(map(len, grid_values("epsilon", "replicate_taps").values())))
     resources:
         mem_mb=2000,
     params:
         **stage("readout.measure_readout", "fprc", "fuzzy_linear", key="version"),
         judgement=judgement("fprc"),
-        epsilon=SETTINGS["sweeps"]["epsilon"],
-        n_u=SETTINGS["sweeps"]["replicate_taps"],
+        epsilon=SETTINGS["grids"]["epsilon"],
+        n_u=SETTINGS["grids"]["replicate_taps"],
         workers=lambda wildcards, threads: threads,
         checkpoint=PATHS.below("readout/cells.partial.jsonl"),
     message:

@@ -20,7 +20,7 @@ rule measure_scale:
         chunk=ENSEMBLE["chunk"],
         seed=SETTINGS["seed"],
     message:
-        "Cost of a rig, a sweep cell, a closed-loop second and a plan; alone, some minutes"
+        "Cost of a rig, a cell of a grid, a closed-loop second and a plan; alone, some minutes"
     script:
         "../scripts/stage.py"
 

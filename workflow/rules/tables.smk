@@ -98,7 +98,7 @@ rule tracking_table:
         PATHS.messages("table4"),
     params:
         **stage("tabulate.tabulate_tracking"),
-        left_out=[run for run in PLAN.every_run if run not in PLAN.held],
+        left_out=[run for run in PLAN.every_run if run not in PLAN.contents],
         limits=SETTINGS["quality"],
     message:
         "Table 4"

@@ -1,14 +1,14 @@
 """Valves and sensors of the real rig, one by one, before an experiment."""
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from fprc.apparatus.guardian import ALIVE
 from fprc.apparatus.session import loops, rig, sign
-from fprc.control import PressurePI, RunAbortedError, run
+from fprc.control import RunAbortedError, run
 from fprc.devices import Readings
 from fprc.errors import ControlError, DeviceError
 
@@ -23,7 +23,8 @@ VENT = -1e3
 #: Highest reading of a chamber: with swapped hoses the loop fills one that it does not see.
 HIGHEST_KPA = 3.0 * TEST_KPA
 #: Phases: name, set-points of actuator and PAM A in kPa, length in s. At rest nothing is written.
-PHASES = (
+Phase = tuple[str, float, float, float]
+PHASES: tuple[Phase, ...] = (
     ("rest", VENT, VENT, 1.0),
     ("actuator filled", TEST_KPA, VENT, 2.0),
     ("actuator vented", VENT, VENT, 2.0),
@@ -102,7 +103,7 @@ def _move(
     hardware: Mapping[str, Any],
     period_s: float,
     setpoints: list[list[float]],
-    both: Mapping[str, PressurePI],
+    both: Mapping[str, Any],
     stop: Callable[[], str],
 ) -> tuple[dict[str, np.ndarray], dict[str, float], list[str]]:
     """Follow set-points; return the channels, how late the loop was, and what went wrong."""
@@ -127,7 +128,7 @@ def _move(
     return moved, late, trouble
 
 
-def _setpoints(phases, bounds: np.ndarray, period_s: float) -> np.ndarray:
+def _setpoints(phases: Sequence[Phase], bounds: np.ndarray, period_s: float) -> np.ndarray:
     """Return the set-points of both chambers at every sample, kPa."""
     found = np.empty((bounds[-1], 2))
     for (_, *goals, _), begin, end in zip(phases, bounds[:-1], bounds[1:], strict=True):
@@ -148,7 +149,7 @@ def _cautious(hardware: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def describe(
-    channels: Mapping[str, np.ndarray], ends_s: np.ndarray, phases=PHASES
+    channels: Mapping[str, np.ndarray], ends_s: np.ndarray, phases: Sequence[Phase] = PHASES
 ) -> tuple[list[str], list[str]]:
     """Say what the sensors showed in each phase, and what is not as it should be.
 
@@ -203,14 +204,13 @@ def _at_rest(rest: Mapping[str, float]) -> list[str]:
 
 
 def _moved(settled: Mapping[str, Mapping[str, float]]) -> list[str]:
-    problems = []
+    problems, before = [], settled.get("rest", {})
     pairs = (
         ("actuator", "p_exp_kpa", "p_i_kpa", "main_output"),
         ("PAM A", "p_i_kpa", "p_exp_kpa", "reservoir_output"),
     )
     for chamber, own, other, output in pairs:
         filled, vented = settled.get(f"{chamber} filled"), settled.get(f"{chamber} vented")
-        before = settled.get("rest")
         if filled is None:
             continue
         if filled[own] - before[own] < _MOVED_KPA:
@@ -229,8 +229,8 @@ def _moved(settled: Mapping[str, Mapping[str, float]]) -> list[str]:
                 f"{chamber} vented, but {own} = {vented[own]:.1f} kPa is left; check the valve "
                 "and its way to the room"
             )
-    filled, before = settled.get("actuator filled"), settled.get("rest")
-    bent = filled is not None and filled["p_exp_kpa"] - before["p_exp_kpa"] >= _MOVED_KPA
+    filled = settled.get("actuator filled", {})
+    bent = filled and filled["p_exp_kpa"] - before["p_exp_kpa"] >= _MOVED_KPA
     if bent and filled["theta_deg"] - before["theta_deg"] < 1.0:
         problems.append(
             f"the actuator was filled and theta_deg went from {before['theta_deg']:.1f} to "

@@ -16,7 +16,8 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from typing import Any
+from io import BufferedReader
+from typing import IO, Any
 
 from fprc.devices.locks import describe, locked
 from fprc.devices.pneumatics import NotVentedError, board_names, not_vented, vent_from_outside
@@ -57,7 +58,7 @@ def _guard(request: Mapping[str, Any], hardware: Mapping[str, Any], locks: Seque
     pipe = subprocess.PIPE
     # a session of its own: what befalls a terminal and its group (closed, Ctrl-Z, a kill of the
     # whole group) reaches this process alone, and the other one stops and vents
-    process = subprocess.Popen(
+    process = _Process(
         [sys.executable, "-m", "fprc.apparatus.process"],
         stdin=pipe,
         stdout=pipe,
@@ -96,13 +97,20 @@ def _guard(request: Mapping[str, Any], hardware: Mapping[str, Any], locks: Seque
         raise ControlError(f"the rig did not do what was asked (exit code {code}); see above")
 
 
-def _listen(process: subprocess.Popen, signs: queue.SimpleQueue) -> None:
+class _Process(subprocess.Popen[bytes]):
+    """A process that reads from and writes to pipes."""
+
+    stdin: IO[bytes]
+    stdout: BufferedReader
+
+
+def _listen(process: _Process, signs: queue.SimpleQueue[bytes]) -> None:
     while chunk := process.stdout.read1(64):
         signs.put(chunk)
     signs.put(b"")
 
 
-def _beating(process: subprocess.Popen) -> Callable[[], None]:
+def _beating(process: _Process) -> Callable[[], None]:
     """Return what gives the process a sign of life, and never waits for it."""
     pipe = process.stdin.fileno()
     os.set_blocking(pipe, False)
@@ -114,7 +122,7 @@ def _beating(process: subprocess.Popen) -> Callable[[], None]:
     return beat
 
 
-def _watch(signs: queue.SimpleQueue, beat: Callable[[], None], stalled_s: float) -> str:
+def _watch(signs: queue.SimpleQueue[bytes], beat: Callable[[], None], stalled_s: float) -> str:
     """Wait for the end of the process; return ``safe``, ``gone`` or ``silent``.
 
     Silence counts while the rig is hot: before and after that nothing moves. It is counted in
@@ -204,7 +212,7 @@ class _Attempts(threading.Thread):
             self.written_s = time.monotonic()
 
 
-def _wait(process: subprocess.Popen, heard: Sequence[int]) -> int | None:
+def _wait(process: _Process, heard: Sequence[int]) -> int | None:
     """Wait for the end of a process and return its exit code; None if a person gave up."""
     before = heard.count(signal.SIGINT)
     while True:
@@ -225,7 +233,7 @@ def _wait(process: subprocess.Popen, heard: Sequence[int]) -> int | None:
 
 
 @contextmanager
-def _handing_on_signals(process: subprocess.Popen) -> Iterator[list[int]]:
+def _handing_on_signals(process: _Process) -> Iterator[list[int]]:
     """Have the process stop at a signal to this one; yield the signals so far."""
     received: list[int] = []
 

@@ -62,12 +62,12 @@ def network_comparisons(
     few = logs[0][:2000]
     folds = split_rows(len(y), 5, "shuffled", seed)
 
-    def of_both(states: Callable[[EchoStates, np.ndarray], np.ndarray]) -> Callable:
+    def of_both(states: Callable[[EchoStates, np.ndarray], np.ndarray]) -> Callable[[], Any]:
         return lambda: [states(features, X) for X in logs]
 
     def single(features: EchoStates, X: np.ndarray) -> np.ndarray:
-        arrays = (X, features.w_in_, features.W_r_)
-        return echo_states(*(each.astype(np.float32) for each in arrays), features.gamma)
+        x, w_in, W_r = (a.astype(np.float32) for a in (X, features.w_in_, features.W_r_))
+        return echo_states(x, w_in, W_r, features.gamma)
 
     def our_states(features: EchoStates, X: np.ndarray) -> np.ndarray:
         return echo_states(X, features.w_in_, features.W_r_, features.gamma)
@@ -126,7 +126,8 @@ def fuzzy_comparisons(
         for n_u, n_y in cells:
             cell = build("fprc", models, seed).set_params(n_u=n_u, n_y=n_y)
             its_rows = cell.make_features().fit(X).transform(X)
-            errors.append(np.mean(fit_folds(make(cell), its_rows, y, folds).validation_rmse))
+            found = fit_folds(make(cell), its_rows, y, folds)
+            errors.append(float(np.mean(found.validation_rmse)))
         return errors
 
     def theirs(cell: SequenceModel) -> peers.SkfuzzyReadout:

@@ -1,4 +1,4 @@
-"""What a rig, a sweep cell, a closed-loop second and a job cost, by processor time.
+"""What a rig, a cell of a grid, a closed-loop second and a job cost, by processor time.
 
 Neighbours on the machine disturb it little.
 """
@@ -18,9 +18,9 @@ from typing import Any
 from fprc.calibration.ensemble import judge_rig
 from fprc.calibration.fit import free_parameters
 from fprc.errors import EvaluationError
+from fprc.experiments.grids import judge_cell
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import Judgement, RigSettings
-from fprc.experiments.sweeps import judge_cell
 from fprc.experiments.tracking import Track
 from fprc.registry import build
 
@@ -54,14 +54,14 @@ def costs(
     judgement: Mapping[str, Any],
     seed: int,
 ) -> dict[str, dict[str, float]]:
-    """Measure what a rig, a sweep cell and a closed-loop second cost, by processor time.
+    """Measure what a rig, a cell of a grid and a closed-loop second cost, by processor time.
 
     Parameters
     ----------
     rigs : int
         Rigs of the ensemble that are judged.
     taps : sequence of Mapping
-        ``n_u`` and ``n_y`` of the sweep cells that are judged.
+        ``n_u`` and ``n_y`` of the cells that are judged.
     judgement : Mapping
         As ``Judgement`` takes it, but for the seed.
     """
@@ -78,7 +78,7 @@ def costs(
     cells = [
         _timed(judge_cell, {"model": "fprc", **pair}, **logs, judgement=how)[0] for pair in taps
     ]
-    log.info("a sweep cell: %.2f s", sum(cells) / len(cells))
+    log.info("a cell of a grid: %.2f s", sum(cells) / len(cells))
     rig = partial(
         judge_rig,
         ensemble=ensemble,

@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from fprc.evaluation.sweeps import run_cells
+from fprc.evaluation.cells import run_cells
 from fprc.evaluation.timing import interleaved
 from fprc.experiments.data import Data
+from fprc.experiments.grids import judge_cell
 from fprc.experiments.hysteresis import acquire
 from fprc.experiments.settings import Judgement, RigSettings
-from fprc.experiments.sweeps import judge_cell
 from fprc.models.echo import LANES, SHORTEST, echo_states
 from fprc.models.fcm import fuzzy_c_means
 from fprc.registry import build
@@ -53,7 +53,7 @@ def growth(
     def cells(count: int, workers: int = 1) -> Callable[[], object]:
         # what is swept is of no matter here: all cells are the same work
         planned = [{"model": "fprc", "alpha": 1e-3 + 1e-9 * cell} for cell in range(count)]
-        return lambda: _swept(judge, planned, workers)
+        return lambda: _judged(judge, planned, workers)
 
     def rigs(count: int) -> Callable[[], object]:
         return lambda: [
@@ -65,8 +65,8 @@ def growth(
         "r": ("ESN states, nodes", states),
         "samples": ("c-means, samples", lambda n: clustered(n, 8)),
         "clusters": ("c-means, clusters", lambda k: clustered(len(rows), k)),
-        "cells": ("sweep, cells", cells),
-        "workers": ("sweep, workers", lambda workers: cells(16, workers)),
+        "cells": ("grid, cells", cells),
+        "workers": ("grid, workers", lambda workers: cells(16, workers)),
         "rigs": ("ensemble, rigs", rigs),
     }
     found = []
@@ -82,7 +82,9 @@ def growth(
     return found
 
 
-def _swept(judge: Callable, cells: Sequence[Mapping[str, Any]], workers: int) -> list[Any]:
+def _judged(
+    judge: Callable[..., Any], cells: Sequence[Mapping[str, Any]], workers: int
+) -> list[Any]:
     with tempfile.TemporaryDirectory() as folder:
         checkpoint = Path(folder, "cells.jsonl")
         return run_cells(judge, cells, workers=workers, checkpoint=checkpoint, key="benchmark")

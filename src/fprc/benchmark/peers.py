@@ -2,11 +2,13 @@
 
 from collections.abc import Sequence
 from importlib.util import find_spec
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fprc.errors import FprcError
+from fprc.evaluation.folds import Fold
 from fprc.models import FPRC, EchoStates, RidgeReadout, TakagiSugenoReadout, taps
 from fprc.models.ridge import ridge_weights, with_bias
 
@@ -92,7 +94,7 @@ def numpy_fprc_steps(model: FPRC, X: np.ndarray) -> np.ndarray:
 
 
 def skfuzzy_clusters(
-    X: np.ndarray, n_clusters: int, seed: int, error: float = ERROR
+    X: np.ndarray, n_clusters: int, seed: Any, error: float = ERROR
 ) -> tuple[np.ndarray, ...]:
     """Return centres, memberships and objective by scikit-fuzzy from a random start."""
     import skfuzzy
@@ -108,19 +110,20 @@ def skfuzzy_clusters(
 class SkfuzzyReadout(TakagiSugenoReadout):
     """The fuzzy readout with its clusters by scikit-fuzzy."""
 
-    def fit(self, X: np.ndarray, y: np.ndarray) -> "SkfuzzyReadout":
+    def fit(self, X: ArrayLike, y: ArrayLike) -> "SkfuzzyReadout":
         """Cluster the rows, then fit each rule."""
-        self.n_features_in_ = X.shape[1]
-        self.centers_, memberships, _ = skfuzzy_clusters(X, self.n_c, self.random_state)
-        extended = with_bias(X)
+        rows, targets = np.asarray(X), np.asarray(y)
+        self.n_features_in_ = rows.shape[1]
+        self.centers_, memberships, _ = skfuzzy_clusters(rows, self.n_c, self.random_state)
+        extended = with_bias(rows)
         self.W_out_ = np.array(
-            [ridge_weights(extended, y, self.alpha, u**2) for u in memberships.T]
+            [ridge_weights(extended, targets, self.alpha, u**2) for u in memberships.T]
         )
         return self
 
 
 def recomputed_folds(
-    features: EchoStates, X: np.ndarray, y: np.ndarray, folds: Sequence, alpha: float
+    features: EchoStates, X: np.ndarray, y: np.ndarray, folds: Sequence[Fold], alpha: float
 ) -> list[float]:
     """Return the ESN's validation errors, states and normal equations anew for each fold."""
     errors = []

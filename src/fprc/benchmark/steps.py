@@ -31,8 +31,9 @@ def memory_bound(models: Mapping[str, Any], data: Data, rounds: int, seed: int) 
     features = build("esn", models, seed).make_features().fit(data.pair("esn")[0])
     x, W_r = np.full(features.r, 0.5), features.W_r_
 
-    def products(dtype: type) -> Callable[[], object]:
-        matrix, vector = aligned(W_r.astype(dtype)), x.astype(dtype)
+    def products(dtype: Any) -> Callable[[], object]:
+        matrix: np.ndarray = aligned(W_r.astype(dtype))
+        vector: np.ndarray = x.astype(dtype)
         return lambda: [matrix @ vector for _ in range(1000)]
 
     seconds = interleaved({"8": products(np.float64), "4": products(np.float32)}, rounds)
@@ -80,7 +81,7 @@ def real_time(
     gains = {"identified": tracking["printed_gains"], "printed": tracking["printed_gains"]}
     reference = next(iter(tracking["references"]))
     described = tracking["references"][reference]
-    work = {
+    work: dict[str, Callable[[], object]] = {
         "open loop": lambda: acquire("sweep", sweep, on_rig.control, on_rig.rig, seed),
         "closed loop": lambda: bench.follow(reference, "fprc_pd_printed", model, gains),
     }

@@ -42,7 +42,7 @@ def fit_rig(
     workers: int,
     checkpoint: str,
     version: str,
-) -> tuple[dict[str, Any], dict[str, Any]]:
+) -> tuple[Mapping[str, Any], dict[str, Any]]:
     """Fit the free parameters by CMA-ES, beginning at the rig of ``on_rig``.
 
     The stand-in of the models is first compared with the full models on the

@@ -9,7 +9,7 @@ from scipy.stats import binomtest, rankdata, t
 
 from fprc.claims.ledger import REPRODUCED
 
-#: Claims that Tables II to IV, weights and loops decide; the others need sweeps or times. C17
+#: Claims that Tables II to IV, weights and loops decide; the others need grids or times. C17
 #: is left out: the rig has next to no way from the reservoir's bending to P_o, so it is assumed.
 JUDGED_BY_RIG = ("C1", "C2", "C3", "C4", "C7", "C8", "C13", "C14", "C15", "C16", "C18")
 

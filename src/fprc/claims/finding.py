@@ -13,7 +13,7 @@ class Results(NamedTuple):
     """What the claims are judged on, as read from result files; one entry a further seed."""
 
     replicates: Sequence[Mapping[str, Any]]  #: errors of the models, and weights
-    sweeps: Sequence[Mapping[str, Any]]  #: cells of the sweeps, by their name
+    grids: Sequence[Mapping[str, Any]]  #: cells of the grids, by their name
     controls: Sequence[Mapping[str, Any]]  #: what ``measures`` found
     times: Mapping[str, Any]
     times_over_n_c: Mapping[str, Any]

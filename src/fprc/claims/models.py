@@ -173,11 +173,11 @@ def _equal_shares(results: Results, published: Mapping[str, Any]) -> Finding:
     )
 
 
-def _cells(results: Results, sweep: str, model: str, setting: str, phase: str) -> np.ndarray:
+def _cells(results: Results, grid: str, model: str, setting: str, phase: str) -> np.ndarray:
     """Return errors over a setting, a row a seed; folds are averaged."""
     rows = []
-    for report in results.sweeps:
-        cells = [cell for cell in report[sweep] if cell["model"] == model]
+    for report in results.grids:
+        cells = [cell for cell in report[grid] if cell["model"] == model]
         cells.sort(key=lambda cell: cell[setting])
         rows.append([np.mean(cell[phase]) for cell in cells])
     return np.array(rows)
@@ -203,7 +203,7 @@ def _settings_help(results: Results, published: Mapping[str, Any]) -> Finding:
         ),
         "mean training error falls at every step of both; mean test error is monotonic in neither",
         bool(falls and not any(_monotone(values) for values in test.values())),
-        f"means over {len(results.sweeps)} seeds",
+        f"means over {len(results.grids)} seeds",
     )
 
 
@@ -236,12 +236,12 @@ def _below_at_every_n_c(results: Results, published: Mapping[str, Any]) -> Findi
         f"{np.sum(below)} of {np.size(below)} comparisons",
         "FPRC below Fuzzy-linear in training, validation and test at every n_c on every seed",
         bool(np.all(below)),
-        f"{len(results.sweeps)} seeds",
+        f"{len(results.grids)} seeds",
     )
 
 
 def _tap_sizes(results: Results, published: Mapping[str, Any]) -> Finding:
-    grids = [_tap_grid(report["taps"]) for report in results.sweeps]
+    grids = [_tap_grid(report["taps"]) for report in results.grids]
     trends = np.array(
         [
             [
@@ -263,11 +263,13 @@ def _tap_sizes(results: Results, published: Mapping[str, Any]) -> Finding:
         "mean rank correlation of training and validation error above 0 with n_u and below 0 with "
         "n_y; best mean test error at neither end of n_u",
         bool(min(means[::2]) > 0 > max(means[1::2]) and sizes[0] < best < sizes[-1]),
-        over_seeds(results.sweeps),
+        over_seeds(results.grids),
     )
 
 
-def _tap_grid(cells: Sequence[Mapping[str, Any]]) -> tuple[np.ndarray, np.ndarray, dict]:
+def _tap_grid(
+    cells: Sequence[Mapping[str, Any]],
+) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]:
     cells = sorted(cells, key=lambda cell: (cell["n_u"], cell["n_y"]))
     n_u, n_y = (np.array([cell[key] for cell in cells]) for key in ("n_u", "n_y"))
     return n_u, n_y, {p: np.array([np.mean(cell[p]) for cell in cells]) for p in PHASES}

@@ -119,7 +119,7 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
     if doubt:
         words.insert(1, f"clock: {doubt}")
     time_s, channels = resample(recording.time_s, recording.channels, mapping.sample_rate_hz)
-    attributes = {
+    attributes: dict[str, Any] = {
         "experiment": mapping.experiment,
         "source": "import",
         "sample_rate_hz": mapping.sample_rate_hz,

@@ -150,7 +150,7 @@ def _judge(
     """Run the cells, write table and figure, and return the cells' report."""
     folder.mkdir(parents=True, exist_ok=True)
     cells, png, pdf = (str(folder / name) for name in ("cells.json", "readout.png", "readout.pdf"))
-    sweeps, evaluation = settings["sweeps"], settings["evaluation"]
+    grids, evaluation = settings["grids"], settings["evaluation"]
     with threadpool_limits(1):
         measure_readout(
             data["sweep"],
@@ -162,15 +162,15 @@ def _judge(
                 "split": evaluation["split"],
                 "seed": settings["seed"],
             },
-            epsilon=sweeps["epsilon"],
-            n_u=sweeps["replicate_taps"],
+            epsilon=grids["epsilon"],
+            n_u=grids["replicate_taps"],
             workers=workers,
             checkpoint=str(folder / "cells.partial.jsonl"),
             version=fingerprint("fprc.stages.readout"),
             progress=progress_bar(),
         )
-    written = (str(folder / f"readout.{kind}") for kind in ("csv", "md", "tex"))
-    tabulate_readout(cells, *written, parts=("the first part", "the second part"))
+    csv, md, tex = (str(folder / f"readout.{kind}") for kind in ("csv", "md", "tex"))
+    tabulate_readout(cells, csv, md, tex, parts=("the first part", "the second part"))
     drawn = draw_readout(cells, pdf, png)
     origin = describe(drawn, inputs=[cells], outputs=[pdf, png], settings=settings)
     write_json(folder / "readout.json", origin)

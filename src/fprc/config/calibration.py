@@ -2,33 +2,32 @@
 
 from typing import Annotated
 
-from annotated_types import Ge, Le
 from pydantic import Field, field_validator, model_validator
 
 from fprc.config.free import free_ranges
-from fprc.config.section import Section, quantities, quantity, rising, within
+from fprc.config.section import Pair, Section, quantities, quantity, rising, within
 
 
 class Plausible(Section):
     """What a fitted rig should show beside the published errors."""
 
-    angle_deg: tuple[within(1, 120), within(1, 120)] = quantities(
+    angle_deg: Pair[Annotated[float, within(1, 120)]] = quantities(
         (57, 63), "deg", (1, 120), "largest angle of the sweep", "paper: about 60 deg"
     )
-    loop_kpa: tuple[within(1, 400), within(1, 400)] = quantities(
+    loop_kpa: Pair[Annotated[float, within(1, 400)]] = quantities(
         (45, 75), "kPa", (1, 400), "width of the sweep's loop at mid-angle", "the size of 14.9 kPa"
     )
-    loop_growth: tuple[within(0.1, 10), within(0.1, 10)] = quantities(
+    loop_growth: Pair[Annotated[float, within(0.1, 10)]] = quantities(
         (0.87, 1.15), "-", (0.1, 10), "its growth from the first to the last quarter",
         "paper, Sec. II-B: independent of frequency",
     )  # fmt: skip
-    p_o_swing_kpa: tuple[within(1, 400), within(1, 400)] = quantities(
+    p_o_swing_kpa: Pair[Annotated[float, within(1, 400)]] = quantities(
         (40, 80), "kPa", (1, 400), "swing of P_o in the sweep", "size of the chambers"
     )
-    p_o_loop: tuple[within(0.001, 2), within(0.001, 2)] = quantities(
+    p_o_loop: Pair[Annotated[float, within(0.001, 2)]] = quantities(
         (0.17, 0.4), "-", (0.001, 2), "width of P_o's loop over its swing", "paper, Fig. 5"
     )
-    p_o_loop_growth: tuple[within(0.1, 10), within(0.1, 10)] = quantities(
+    p_o_loop_growth: Pair[Annotated[float, within(0.1, 10)]] = quantities(
         (0.87, 1.15), "-", (0.1, 10), "its growth from the first to the last quarter",
         "paper, Sec. II-B: independent of frequency",
     )  # fmt: skip
@@ -84,12 +83,12 @@ class Calibration(Section):
         description="narrower ranges than the physical ones, by free parameter; without them the "
         "search makes the loops without dry friction, and fits slow drift to the seeds",
     )
-    seeds: tuple[Annotated[int, Ge(0), Le(2**31)], ...] = Field(
+    seeds: tuple[Annotated[int, within(0, 2**31)], ...] = Field(
         (21, 22, 23, 24, 25, 26, 27, 28),
         min_length=1,
         description="noise seeds inside the objective; with few of them it fits their noise",
     )
-    check_seeds: tuple[Annotated[int, Ge(0), Le(2**31)], ...] = Field(
+    check_seeds: tuple[Annotated[int, within(0, 2**31)], ...] = Field(
         (41, 42, 43, 44, 45, 46, 47, 48),
         min_length=1,
         description="noise seeds on which the fitted rig is compared with the one before it",
@@ -120,10 +119,10 @@ class Ensemble(Section):
     rigs: int = quantity(40, "-", (1, 1_000_000), "rigs")
     chunk: int = quantity(5, "-", (1, 100000), "rigs per job")
     seed: int = quantity(1000, "-", (0, 2**31), "of the draws, and of each rig's noise")
-    angle_deg: tuple[within(1, 120), within(1, 120)] = quantities(
+    angle_deg: Pair[Annotated[float, within(1, 120)]] = quantities(
         (50, 70), "deg", (1, 120), "a draw with another largest angle is thrown away"
     )
-    p_o_swing_kpa: tuple[within(1, 400), within(1, 400)] = quantities(
+    p_o_swing_kpa: Pair[Annotated[float, within(1, 400)]] = quantities(
         (30, 100), "kPa", (1, 400), "a draw with another swing of P_o is thrown away"
     )
     sensitivity_steps: int = quantity(

@@ -15,7 +15,7 @@ OWN = frozenset({"config", "docs", "profiles", "src", "tests", "workflow"})
 MADE = frozenset(
     {
         "benchmark", "calibration", "control", "crossval", "data", "ensemble", "figures", "logs",
-        "models", "predictions", "quality", "readout", "replicates", "reservoir", "sweeps",
+        "models", "predictions", "quality", "readout", "replicates", "reservoir", "grids",
         "tables", "timing", "weights",
     }
 )  # fmt: skip

@@ -1,12 +1,11 @@
-"""The real rig: boards, sensors, limits. Read only with ``source: hardware``."""
+"""The real rig: boards, sensors, limits. Read only with ``source: rig``."""
 
 from pathlib import PurePath
 from typing import Annotated, Any
 
-from annotated_types import Ge, Le
 from pydantic import Field, field_validator, model_validator
 
-from fprc.config.section import Section, quantities, quantity, rising, within
+from fprc.config.section import Pair, Section, quantities, quantity, rising, within
 
 
 def none_for_null(value: Any) -> Any:
@@ -27,7 +26,7 @@ class Boards(Section):
     p_o_input: int = quantity(2, "-", (0, 63), "channel of PAM B's pressure sensor")
     main_output: int = quantity(0, "-", (0, 63), "channel of the actuator's valve")
     reservoir_output: int = quantity(1, "-", (0, 63), "channel of the reservoir's valve")
-    heartbeat_output: Annotated[int, Ge(0), Le(63)] | None = Field(
+    heartbeat_output: Annotated[int, within(0, 63)] | None = Field(
         None,
         description="channel that changes between 0 and 5 V at every sample, for a watchdog relay "
         "that vents when it stops; null: there is none",
@@ -117,19 +116,19 @@ class Valves(Section):
 class Limits(Section):
     """What ends a run: both valves go to neutral, then both chambers are vented."""
 
-    p_exp_kpa: tuple[within(-100, 1000), within(-100, 1000)] = quantities(
+    p_exp_kpa: Pair[Annotated[float, within(-100, 1000)]] = quantities(
         (-20, 480), "kPa", (-100, 1000), "readings allowed of the actuator"
     )
-    p_i_kpa: tuple[within(-100, 1000), within(-100, 1000)] = quantities(
+    p_i_kpa: Pair[Annotated[float, within(-100, 1000)]] = quantities(
         (-20, 480), "kPa", (-100, 1000), "readings allowed of PAM A"
     )
-    p_o_kpa: tuple[within(-100, 1000), within(-100, 1000)] = quantities(
+    p_o_kpa: Pair[Annotated[float, within(-100, 1000)]] = quantities(
         (20, 400), "kPa", (-100, 1000), "readings allowed of PAM B, sealed at 100 kPa"
     )
-    theta_deg: tuple[within(-360, 360), within(-360, 360)] = quantities(
+    theta_deg: Pair[Annotated[float, within(-360, 360)]] = quantities(
         (-20, 100), "deg", (-360, 360), "readings allowed of the actuator's angle"
     )
-    phi_deg: tuple[within(-360, 360), within(-360, 360)] = quantities(
+    phi_deg: Pair[Annotated[float, within(-360, 360)]] = quantities(
         (-120, 120), "deg", (-360, 360), "readings allowed of the reservoir's angle"
     )
     pressure_step_kpa: float = quantity(

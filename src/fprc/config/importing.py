@@ -108,8 +108,16 @@ class ImportMap(Section):
     csv: Csv = Csv()
 
     def part(self, experiment: str) -> "ImportMap":
-        """Return the map of one of the two parts."""
-        parts = {
+        """Return the map of one of the two parts.
+
+        Raises
+        ------
+        ValueError
+            The map is of one log: it has no ``test_from_s``.
+        """
+        if self.test_from_s is None:
+            raise ValueError("no parts without test_from_s")
+        parts: dict[str, dict[str, Any]] = {
             # the sample at the border belongs to the test
             "sweep": {"end_s": self.test_from_s - 0.5 / self.sample_rate_hz},
             "complex": {"start_s": self.test_from_s},

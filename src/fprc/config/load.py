@@ -48,7 +48,7 @@ def check(config: Mapping[str, Any], files: Sequence[Path | str] = ()) -> Settin
     raise ConfigError("\n".join([f"{len(lines)} {noun} in the configuration{read}:", *lines]))
 
 
-def _restored(config: Any, item: Mapping) -> bool:
+def _restored(config: Any, item: Mapping[str, Any]) -> bool:
     """Put the default in place of a wrong value; False if there is no one value."""
     *way, last = [part for part in item["loc"] if isinstance(part, str)] or [""]
     default: Any = Settings().model_dump()
@@ -91,7 +91,7 @@ def from_files(paths: Sequence[Path | str], over: Mapping[str, Any] | None = Non
 _WHOLE = ("ranges",)
 
 
-def _merge(into: dict, other: Mapping) -> None:
+def _merge(into: dict[str, Any], other: Mapping[str, Any]) -> None:
     for key, value in other.items():
         nested = isinstance(value, Mapping) and isinstance(into.get(key), dict)
         if nested and key not in _WHOLE:
@@ -100,8 +100,15 @@ def _merge(into: dict, other: Mapping) -> None:
             into[key] = value
 
 
-def _line(item: Mapping) -> str:
+#: What earlier versions called keys and values.
+_RENAMED = {"sweeps": "grids", "source = hardware": "source = rig"}
+
+
+def _line(item: Mapping[str, Any]) -> str:
     key = ".".join(str(part) for part in item["loc"])
+    renamed = _RENAMED.get(key) or _RENAMED.get(f"{key} = {item['input']}")
+    if renamed:
+        return f"  {key}: is called {renamed} now; change it"
     defaults = {name: default for name, default, _, _ in fields(Settings())}
     if item["type"] == "extra_forbidden":
         return f"  {key}: unknown key; did you mean {_nearest(key, list(defaults))}?"

@@ -6,8 +6,9 @@ from itertools import chain
 from typing import Any
 
 import yaml
+from pydantic import BaseModel
 
-from fprc.config.load import fields
+from fprc.config.section import fields
 from fprc.config.settings import Settings
 
 _HEAD = """\
@@ -52,14 +53,20 @@ def reference() -> str:
     for key, default, field, section in fields(Settings()):
         group, _, name = key.rpartition(".")
         if group not in groups:
-            groups[group] = ["", f"## {group or 'Top level'}", "", inspect.getdoc(section), ""]
+            groups[group] = [
+                "",
+                f"## {group or 'Top level'}",
+                "",
+                inspect.getdoc(section) or "",
+                "",
+            ]
             groups[group] += ["| key | unit | default | range | meaning | source |"]
             groups[group] += ["|" + "---|" * 6]
         groups[group].append(_row(name, default, field, section))
     return "\n".join([*lines, *chain.from_iterable(groups.values())]) + "\n"
 
 
-def _row(name: str, default: Any, field: Any, section: type) -> str:
+def _row(name: str, default: Any, field: Any, section: type[BaseModel]) -> str:
     schema = section.model_json_schema()["properties"][name]
     low, high = schema.get("minimum"), schema.get("maximum")
     limits = f"{low:g} to {high:g}" if low is not None else " or ".join(schema.get("enum", []))

@@ -4,6 +4,8 @@
 ``config/rig.yaml`` so that the rig shows the paper's Tables II and III.
 """
 
+from typing import Annotated
+
 from pydantic import model_validator
 
 from fprc.config.section import Section, quantities, quantity, within
@@ -99,10 +101,10 @@ class Bending(Section):
         "loss of the muscle's gain with contraction, g0",
         "McKibben muscle",
     )
-    relaxation_stiffness_kpa_per_deg: tuple[within(0.0, 3.0), ...] = quantities(
+    relaxation_stiffness_kpa_per_deg: tuple[Annotated[float, within(0.0, 3.0)], ...] = quantities(
         (0.5, 0.5), "kPa/deg", (0, 3), "stiffness of each viscoelastic branch", "rubber; fitted"
     )
-    relaxation_time_s: tuple[within(0.05, 30.0), ...] = quantities(
+    relaxation_time_s: tuple[Annotated[float, within(0.05, 30.0)], ...] = quantities(
         (0.25, 4.0), "s", (0.05, 30), "time constant of each viscoelastic branch", "rubber; fitted"
     )
     friction_kpa: float = quantity(
@@ -112,11 +114,11 @@ class Bending(Section):
         0.08, "-", (0.0, 0.2), "growth of the dry friction with pressure, mu",
         "fabric pressed on rubber; fitted",
     )  # fmt: skip
-    slip_distance_deg: tuple[within(0.1, 40.0), ...] = quantities(
+    slip_distance_deg: tuple[Annotated[float, within(0.1, 40.0)], ...] = quantities(
         (1, 3, 7, 14), "deg", (0.1, 40), "angle at which each Maxwell element slips",
         "rounded loops need several",
     )  # fmt: skip
-    slip_weight: tuple[within(0.0, 1.0), ...] = quantities(
+    slip_weight: tuple[Annotated[float, within(0.0, 1.0)], ...] = quantities(
         (0.3, 0.3, 0.25, 0.15), "-", (0, 1), "share of each Maxwell element; they sum to 1",
         "rounded loops need several",
     )  # fmt: skip
@@ -169,10 +171,10 @@ class Reservoir(Section):
         0.12, "-", (0, 0.4), "growth of that friction with the active pressure",
         "loop width over swing 0.17-0.4; fitted",
     )  # fmt: skip
-    slip_distance_ml: tuple[within(0.01, 10.0), ...] = quantities(
+    slip_distance_ml: tuple[Annotated[float, within(0.01, 10.0)], ...] = quantities(
         (0.15, 0.5, 1.2), "mL", (0.01, 10), "squeeze at which each Maxwell element slips", "fitted"
     )
-    slip_weight: tuple[within(0.0, 1.0), ...] = quantities(
+    slip_weight: tuple[Annotated[float, within(0.0, 1.0)], ...] = quantities(
         (0.4, 0.35, 0.25), "-", (0, 1), "share of each Maxwell element; they sum to 1", "fitted"
     )
     leak_ml_per_s_kpa: float = quantity(

@@ -1,11 +1,15 @@
 """What every section of the configuration has in common."""
 
 from collections.abc import Iterator
-from typing import Annotated, Any
+from typing import Any, TypeVar
 
-from annotated_types import Ge, Le
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from annotated_types import Interval
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 from pydantic.fields import FieldInfo
+
+T = TypeVar("T")
+#: Lower and upper end of a range.
+Pair = tuple[T, T]
 
 
 class Section(BaseModel):
@@ -17,8 +21,8 @@ class Section(BaseModel):
 
     @field_validator("*", mode="before")
     @classmethod
-    def _no_truth_values_as_numbers(cls, value: Any, info) -> Any:
-        if cls.model_fields[info.field_name].annotation is bool:
+    def _no_truth_values_as_numbers(cls, value: Any, info: ValidationInfo) -> Any:
+        if cls.model_fields[str(info.field_name)].annotation is bool:
             return value
         parts = value if isinstance(value, (list, tuple)) else [value]
         if any(isinstance(part, bool) for part in parts):
@@ -26,33 +30,37 @@ class Section(BaseModel):
         return value
 
 
-def quantity(default: float, unit: str, limits: tuple, meaning: str, source: str = "") -> Any:
+def quantity(default: float, unit: str, limits: Pair[float], meaning: str, source: str = "") -> Any:
     """Declare a number with its unit, its range, its meaning and its source."""
     low, high = limits
-    extra = {"unit": unit, "source": source}
+    extra: dict[str, Any] = {"unit": unit, "source": source}
     return Field(default, ge=low, le=high, description=meaning, json_schema_extra=extra)
 
 
-def quantities(default: tuple, unit: str, limits: tuple, meaning: str, source: str = "") -> Any:
+def quantities(
+    default: tuple[float, ...], unit: str, limits: Pair[float], meaning: str, source: str = ""
+) -> Any:
     """Declare a list of numbers, each within the same range."""
     low, high = limits
-    extra = {"unit": unit, "source": source, "minimum": low, "maximum": high}
+    extra: dict[str, Any] = {"unit": unit, "source": source, "minimum": low, "maximum": high}
     return Field(default, min_length=1, description=meaning, json_schema_extra=extra)
 
 
-def rising(limits: tuple[float, float]) -> tuple[float, float]:
+def rising(limits: Pair[float]) -> Pair[float]:
     """Check that a range is not empty."""
     if limits[0] >= limits[1]:
         raise ValueError(f"{limits} is empty; put the lower end first")
     return limits
 
 
-def within(low: float, high: float) -> Any:
-    """Type of one number of a list, with its range."""
-    return Annotated[float, Ge(low), Le(high)]
+def within(low: float, high: float) -> Interval:
+    """Range of one number of a list."""
+    return Interval(ge=low, le=high)
 
 
-def fields(section: BaseModel, prefix: str = "") -> Iterator[tuple[str, Any, FieldInfo, type]]:
+def fields(
+    section: BaseModel, prefix: str = ""
+) -> Iterator[tuple[str, Any, FieldInfo, type[BaseModel]]]:
     """Yield (dotted key, default, field, section) of every setting, depth first."""
     for name, field in type(section).model_fields.items():
         value = getattr(section, name)

@@ -2,14 +2,13 @@
 
 from typing import Annotated, Literal
 
-from annotated_types import Ge, Le
 from pydantic import Field, field_validator, model_validator
 
 from fprc.config.calibration import Calibration, Ensemble
 from fprc.config.folders import Folders
 from fprc.config.hardware import Hardware
 from fprc.config.rig import Rig
-from fprc.config.section import Section, quantities, quantity, rising, within
+from fprc.config.section import Pair, Section, quantities, quantity, rising, within
 from fprc.registry import MODELS
 
 
@@ -33,7 +32,7 @@ class Multisine(Section):
 
     form: Literal["multisine"] = Field("multisine", description="sum of equal sines")
     duration_s: float = quantity(80, "s", (1, 3600), "length", "paper, Fig. 4(c)")
-    f_hz: tuple[within(0.001, 10.0), ...] = quantities(
+    f_hz: tuple[Annotated[float, within(0.001, 10.0)], ...] = quantities(
         (0.12, 0.04, 0.31, 0.29, 0.25), "Hz", (0.001, 10), "frequencies", "paper, Fig. 4(c)"
     )
     amplitude_kpa: float = quantity(35, "kPa", (0, 225), "of each sine", "paper, Fig. 4(c)")
@@ -75,19 +74,19 @@ class Quality(Section):
     rate_tolerance: float = quantity(0.01, "-", (0, 0.2), "relative error of the mean sample rate")
     gap_periods: float = quantity(1.5, "periods", (1.01, 100), "a longer step is a gap")
     stuck_s: float = quantity(2.0, "s", (0.05, 60), "a channel is stuck if unchanged for longer")
-    pressure_range_kpa: tuple[within(-100, 1000), within(-100, 1000)] = quantities(
+    pressure_range_kpa: Pair[Annotated[float, within(-100, 1000)]] = quantities(
         (-20, 995), "kPa", (-100, 1000), "commands and readings outside are implausible"
     )
-    angle_range_deg: tuple[within(-360, 360), within(-360, 360)] = quantities(
+    angle_range_deg: Pair[Annotated[float, within(-360, 360)]] = quantities(
         (-45, 120), "deg", (-360, 360), "theta and theta_d outside are implausible"
     )
-    reservoir_angle_range_deg: tuple[within(-360, 360), within(-360, 360)] = quantities(
+    reservoir_angle_range_deg: Pair[Annotated[float, within(-360, 360)]] = quantities(
         (-120, 120), "deg", (-360, 360), "phi outside is implausible"
     )
-    voltage_range_v: tuple[within(-20, 20), within(-20, 20)] = quantities(
+    voltage_range_v: Pair[Annotated[float, within(-20, 20)]] = quantities(
         (0, 10), "V", (-20, 20), "voltages of the valves outside are implausible"
     )
-    effort_range_kpa: tuple[within(-10000, 10000), within(-10000, 10000)] = quantities(
+    effort_range_kpa: Pair[Annotated[float, within(-10000, 10000)]] = quantities(
         (-1000, 1000), "kPa", (-10000, 10000), "P_ff and P_fb outside are implausible"
     )
     leak_kpa_per_min: float = quantity(
@@ -174,10 +173,10 @@ class Evaluation(Section):
         0, "deg", (-1e4, 1e4), "recorded theta at which the simulated reservoir is vented"
     )
     timing_repeats: int = quantity(10, "-", (1, 100), "repeats of the timing", "paper, Sec. III-D")
-    replicate_seeds: tuple[Annotated[int, Ge(0), Le(2**31)], ...] = Field(
+    replicate_seeds: tuple[Annotated[int, within(0, 2**31)], ...] = Field(
         (301, 302, 303, 304, 305),
         min_length=2,
-        description="seeds of the further rigs that tables, sweeps and runs are repeated on",
+        description="seeds of the further rigs that tables, grids and runs are repeated on",
     )
 
     @field_validator("replicate_seeds")
@@ -188,26 +187,26 @@ class Evaluation(Section):
         return seeds
 
 
-class Sweeps(Section):
-    """Values of the control-variable sweeps, Sec. III-E."""
+class Grids(Section):
+    """Grids of control variables, Sec. III-E."""
 
-    epsilon: tuple[within(1e-6, 1.0), ...] = quantities(
+    epsilon: tuple[Annotated[float, within(1e-6, 1.0)], ...] = quantities(
         (1.0, 0.1, 0.01, 1e-3, 1e-4), "-", (1e-6, 1), "filter factors", "paper, Fig. 10(a)"
     )
-    n_c: tuple[Annotated[int, Ge(1), Le(64)], ...] = quantities(
+    n_c: tuple[Annotated[int, within(1, 64)], ...] = quantities(
         (1, 2, 4, 8, 16), "-", (1, 64), "fuzzy rules", "paper, Fig. 10(b)"
     )
-    n_u: tuple[Annotated[int, Ge(1), Le(100)], ...] = quantities(
+    n_u: tuple[Annotated[int, within(1, 100)], ...] = quantities(
         tuple(range(1, 11)), "samples", (1, 100), "taps of P_o", "paper, Fig. 11"
     )
-    n_y: tuple[Annotated[int, Ge(1), Le(100)], ...] = quantities(
+    n_y: tuple[Annotated[int, within(1, 100)], ...] = quantities(
         tuple(range(1, 11)), "samples", (1, 100), "taps of theta_d", "paper, Fig. 11"
     )
-    replicate_taps: tuple[Annotated[int, Ge(1), Le(100)], ...] = quantities(
+    replicate_taps: tuple[Annotated[int, within(1, 100)], ...] = quantities(
         (1, 3, 5, 8, 10), "samples", (1, 100), "both taps, on the further seeds", "assumed"
     )
     chunks: int = quantity(
-        1, "-", (1, 100), "jobs that each sweep is split into; more than its cells are idle"
+        1, "-", (1, 100), "jobs that each grid is split into; more than its cells are idle"
     )
 
     @field_validator("replicate_taps")
@@ -224,7 +223,7 @@ class Reference(Section):
     form: Literal["multisine", "chirp"] = Field(
         "multisine", description="sum of equal sines, or linear frequency sweep"
     )
-    f_hz: tuple[within(0.001, 10.0), ...] = quantities(
+    f_hz: tuple[Annotated[float, within(0.001, 10.0)], ...] = quantities(
         (0.2,), "Hz", (0.001, 10), "frequencies of the sum, or first and last of the sweep"
     )
     amplitude_deg: float = quantity(
@@ -277,14 +276,14 @@ class Tracking(Section):
 
     references: References = References()
     printed_gains: Gains = Gains()
-    candidate_kp_kpa_per_deg: tuple[within(0.0, 50.0), ...] = quantities(
+    candidate_kp_kpa_per_deg: tuple[Annotated[float, within(0.0, 50.0)], ...] = quantities(
         (0.5, 1, 2, 3, 4, 5, 6, 8, 10, 12), "kPa/deg", (0, 50),
         "P gains tried on the disturbance reference, undisturbed; D keeps the printed ratio",
     )  # fmt: skip
     pressure_limit_kpa: float = quantity(
         450, "kPa", (100, 500), "highest pressure asked of the actuator", "as the reservoir's"
     )
-    angle_range_deg: tuple[within(-10, 120), within(-10, 120)] = quantities(
+    angle_range_deg: Pair[Annotated[float, within(-10, 120)]] = quantities(
         (0, 65), "deg", (-10, 120), "references outside are refused", "paper: about 60 deg"
     )
     pushes: Pushes = Pushes()
@@ -304,7 +303,7 @@ class Tracking(Section):
 class Settings(Section):
     """The whole configuration."""
 
-    source: Literal["sim", "hardware", "recorded"] = Field(
+    source: Literal["sim", "rig", "recorded"] = Field(
         "sim",
         description="where raw logs come from: the simulated rig, the real one, or files that are "
         "already there",
@@ -319,7 +318,7 @@ class Settings(Section):
     quality: Quality = Quality()
     models: Models = Models()
     evaluation: Evaluation = Evaluation()
-    sweeps: Sweeps = Sweeps()
+    grids: Grids = Grids()
     tracking: Tracking = Tracking()
     calibration: Calibration = Calibration()
     ensemble: Ensemble = Ensemble()

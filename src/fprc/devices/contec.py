@@ -7,7 +7,7 @@ into words (Contec API-AIO).
 import contextlib
 import ctypes
 import sys
-from collections.abc import Sequence
+from typing import Any
 
 from fprc.errors import DeviceError
 
@@ -41,7 +41,7 @@ def load_library(path: str = "") -> ctypes.CDLL:
     name = path or ("caio.dll" if windows else "libcaio.so")
     try:
         # the driver's convention on Windows is stdcall
-        library = ctypes.WinDLL(name) if windows else ctypes.CDLL(name)
+        library = getattr(ctypes, "WinDLL", ctypes.CDLL)(name)
     except OSError as error:
         raise DeviceError(
             f"driver {name}: cannot be loaded ({error}); install Contec's API-AIO"
@@ -87,7 +87,7 @@ class _Board:
         """
         self._call("AioExit", self._id)
 
-    def _call(self, name: str, *arguments) -> None:
+    def _call(self, name: str, *arguments: Any) -> None:
         code = getattr(self._library, name)(*arguments)
         if code:
             raise DeviceError(
@@ -127,7 +127,7 @@ class AnalogInput(_Board):
         super().__init__(library, name, "AioSetAiRangeAll")
         self._volts = (ctypes.c_float * n_channels)()
 
-    def read(self) -> Sequence[float]:
+    def read(self) -> "ctypes.Array[ctypes.c_float]":
         """Return the voltages of all channels now; valid until the next call."""
         self._call("AioMultiAiEx", self._id, len(self._volts), self._volts)
         return self._volts

@@ -60,7 +60,7 @@ class HardwareRig:
         boards = hardware["boards"]
         self._voltages = hardware["valves"]
         self._elapsed = elapsed
-        self._venting = {"persist": persist, "sleep": sleep, "now": now}
+        self._venting: dict[str, Any] = {"persist": persist, "sleep": sleep, "now": now}
         self._buses: dict[int, Any] = {}
         with contextlib.ExitStack() as opened:
             locks = opened.enter_context(contextlib.ExitStack())

@@ -2,7 +2,7 @@
 
 import contextlib
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from fprc.devices.contec import AnalogInput, AnalogOutput, load_library
@@ -80,7 +80,7 @@ class Valves:
         """Release the board, which holds its last voltages."""
         self._board.close()
 
-    def _all(self, writes) -> None:
+    def _all(self, writes: Iterable[tuple[int, float]]) -> None:
         each(*(_later(self._board.write, channel, volts) for channel, volts in writes))
 
 
@@ -254,8 +254,8 @@ def vent_from_outside(hardware: Mapping[str, Any], told: Callable[[str], None]) 
     try:
         vent(valves, open_inputs, hardware["valves"], told=told)
     finally:
-        for part in (valves, *opened):
-            quietly(part.close)
+        for close in (valves.close, *(inputs.close for inputs in opened)):
+            quietly(close)
 
 
 def open_valves(hardware: Mapping[str, Any]) -> Valves:
@@ -282,7 +282,7 @@ def _output_board(hardware: Mapping[str, Any], *, reset: bool) -> AnalogOutput:
     return AnalogOutput(load_library(boards["library"]), boards["output_device"], reset=reset)
 
 
-def _later(call: Callable[..., None], *arguments) -> Callable[[], None]:
+def _later(call: Callable[..., None], *arguments: Any) -> Callable[[], None]:
     return lambda: call(*arguments)
 
 

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
@@ -40,7 +41,7 @@ class SimulatedRig:
 
     def __init__(
         self,
-        rig: Mapping,
+        rig: Mapping[str, Any],
         *,
         seed: int,
         run: int,

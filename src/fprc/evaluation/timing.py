@@ -5,7 +5,7 @@ import time
 from collections.abc import Callable, Collection, Hashable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from threadpoolctl import threadpool_info
@@ -21,16 +21,17 @@ WARM_UP = 1000
 BRIEF_S = 0.05
 
 
+Name = TypeVar("Name", bound=Hashable)
 #: A log: inputs and P_exp.
 Log = tuple[np.ndarray, np.ndarray]
 
 
 def time_models(
-    fitted: Mapping[Hashable, tuple[SequenceModel, Log, Log]],
+    fitted: Mapping[Name, tuple[SequenceModel, Log, Log]],
     repeats: int,
     modes: tuple[str, ...] = ("sequential", "batch"),
     progress: Callable[[str], None] = lambda what: None,
-) -> dict[Hashable, list[dict[str, Any]]]:
+) -> dict[Name, list[dict[str, Any]]]:
     """Time fitted models, ``repeats`` times in each mode, after a warm-up.
 
     Sequential is what a controller pays: the features sample by sample, then, in
@@ -50,7 +51,7 @@ def time_models(
         By the same names: ``phase`` (train or test), ``mode`` (sequential or batch),
         ``samples``, ``seconds`` (one per repeat).
     """
-    results: dict[Hashable, list[dict[str, Any]]] = {name: [] for name in fitted}
+    results: dict[Name, list[dict[str, Any]]] = {name: [] for name in fitted}
     for (phase, mode), run in _WORK.items():
         if mode not in modes:
             continue
@@ -84,14 +85,14 @@ def time_steps(step: Callable[[int], object], samples: int) -> np.ndarray:
 
 
 def interleaved(
-    work: Mapping[Hashable, Callable[[], object]], rounds: int, twice: Collection[Hashable] = ()
-) -> dict[Hashable, list[float]]:
+    work: Mapping[Name, Callable[[], object]], rounds: int, twice: Collection[Name] = ()
+) -> dict[Name, list[float]]:
     """Return the seconds of each piece of work in each round, one after the other in turn.
 
     What slows the machine for a while then slows all of them. What is named in ``twice``
     is done once untimed before.
     """
-    seconds: dict[Hashable, list[float]] = {name: [] for name in work}
+    seconds: dict[Name, list[float]] = {name: [] for name in work}
     for _ in range(rounds):
         for name, run in work.items():
             if name in twice:
@@ -118,7 +119,7 @@ def _seconds(run: Callable[[], object]) -> float:
     return time.perf_counter() - start
 
 
-def _train_by_step(model: SequenceModel, X: np.ndarray, y: np.ndarray):
+def _train_by_step(model: SequenceModel, X: np.ndarray, y: np.ndarray) -> object:
     features = model.features_
     features.reset()
     rows = np.empty((len(X), model.readout_.n_features_in_))
@@ -127,16 +128,16 @@ def _train_by_step(model: SequenceModel, X: np.ndarray, y: np.ndarray):
     return model.make_readout().fit(rows, y)
 
 
-def _train_at_once(model: SequenceModel, X: np.ndarray, y: np.ndarray):
+def _train_at_once(model: SequenceModel, X: np.ndarray, y: np.ndarray) -> object:
     return model.make_readout().fit(model.features_.transform(X), y)
 
 
-def _test_by_step(model: SequenceModel, X: np.ndarray, y: np.ndarray):
+def _test_by_step(model: SequenceModel, X: np.ndarray, y: np.ndarray) -> np.ndarray:
     model.reset()
     return np.array([model.step(x) for x in X])
 
 
-def _test_at_once(model: SequenceModel, X: np.ndarray, y: np.ndarray):
+def _test_at_once(model: SequenceModel, X: np.ndarray, y: np.ndarray) -> np.ndarray:
     return model.predict(X)
 
 

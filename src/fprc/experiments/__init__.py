@@ -1,1 +1,1 @@
-"""What the paper does, in memory: experiments, comparison, sweeps, closed loops."""
+"""What the paper does, in memory: experiments, comparison, grids, closed loops."""

@@ -11,9 +11,9 @@ import numpy as np
 from fprc.evaluation import CrossValidated, rmse, split_rows
 from fprc.evaluation.crossval import refusals_of, validate_rows
 from fprc.experiments.data import Data, refuse_mixture
+from fprc.experiments.grids import weight_shares
 from fprc.experiments.readout import judge_readout
 from fprc.experiments.settings import Judgement
-from fprc.experiments.sweeps import weight_shares
 from fprc.models import SequenceModel
 from fprc.paper import DIRECTIONS
 from fprc.registry import build, entries

@@ -1,7 +1,7 @@
 """Closed-loop runs of Sec. IV: feedforward, feedback, and both."""
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -226,6 +226,6 @@ def measure_control(
     }
 
 
-def _held(values: np.ndarray):
+def _held(values: np.ndarray) -> Callable[[int], float]:
     listed = values.tolist()
     return lambda tick: listed[min(max(tick, 0), len(listed) - 1)]

@@ -1,5 +1,7 @@
 """Figure 3: the apparatus, its pneumatic and its electrical lines."""
 
+from typing import Any
+
 from matplotlib.axes import Axes
 from matplotlib.transforms import Bbox
 
@@ -7,7 +9,7 @@ from fprc.figures import soft_bodies as soft
 from fprc.figures.blocks import SIGNAL, Point, box, dot, hand_valve, wire, write
 from fprc.figures.style import COLOURS
 
-_AIR = {"colour": "#0072b2", "width": 1.4}
+_AIR: dict[str, Any] = {"colour": "#0072b2", "width": 1.4}
 #: Heights of the air lines to actuator and reservoir, and where the plates start.
 _UPPER, _LOWER = 2.9, 1.88
 _ACTUATOR, _RESERVOIR = (2.86, 2.52), (2.76, 1.52)

@@ -1,5 +1,7 @@
 """Drawings in inches: boxes, wires, names with leader lines."""
 
+from typing import Any
+
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyArrowPatch, FancyBboxPatch
@@ -25,10 +27,10 @@ def canvas(height: float) -> tuple[Figure, Axes]:
     return fig, ax
 
 
-def write(ax: Axes, at: Point, text: str, **options: object) -> None:
+def write(ax: Axes, at: Point, text: str, **options: Any) -> None:
     """Write text, centred, in the size of names."""
-    options = {"ha": "center", "va": "center", "fontsize": TEXT} | options
-    ax.text(*at, text, **options)
+    look: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": TEXT}
+    ax.text(*at, text, **look | options)
 
 
 def panel(ax: Axes, corner: Point, title: str) -> None:
@@ -36,7 +38,7 @@ def panel(ax: Axes, corner: Point, title: str) -> None:
     write(ax, corner, title, ha="left", va="top", fontsize=SIGNAL)
 
 
-def box(ax: Axes, centre: Point, size: Point, text: str = "", **options: object) -> Bbox:
+def box(ax: Axes, centre: Point, size: Point, text: str = "", **options: Any) -> Bbox:
     """Draw a box with text and return where it is.
 
     Parameters
@@ -46,9 +48,9 @@ def box(ax: Axes, centre: Point, size: Point, text: str = "", **options: object)
     """
     (x, y), (width, height) = centre, size
     corner = x - width / 2, y - height / 2
-    look = {"facecolor": PALE, "edgecolor": "black", "linewidth": 0.7} | options
+    look: dict[str, Any] = {"facecolor": PALE, "edgecolor": "black", "linewidth": 0.7}
     rounded = "round,pad=0,rounding_size=0.025"
-    ax.add_patch(FancyBboxPatch(corner, width, height, boxstyle=rounded, **look))
+    ax.add_patch(FancyBboxPatch(corner, width, height, boxstyle=rounded, **look | options))
     if text:
         write(ax, centre, text)
     return Bbox.from_bounds(*corner, width, height)
@@ -110,7 +112,7 @@ def node(ax: Axes, centre: Point, sign: str = "+") -> Bbox:
     return Bbox.from_bounds(x - radius, y - radius, 2 * radius, 2 * radius)
 
 
-def name(ax: Axes, text: str, at: Point, part: Point, **options: object) -> None:
+def name(ax: Axes, text: str, at: Point, part: Point, **options: Any) -> None:
     """Write a part's name and lead a line from it to the part."""
     ax.annotate(
         text, part, at, fontsize=TEXT, va="center",

@@ -60,7 +60,11 @@ def draw_diagnosis(
     labels = [f"{name} [{units[name]}]" if units[name] else f"{name}, not in its unit"
               for name in (target, "theta_deg")]  # fmt: skip
     plot_loop(
-        channels[target][::every], channels["theta_deg"][::every], time_s[::every], loop, labels
+        channels[target][::every],
+        channels["theta_deg"][::every],
+        time_s[::every],
+        loop,
+        (labels[0], labels[1]),
     )
     style.letter(loop, "Loops, from dark to bright")
     marks = [ax.get_legend_handles_labels() for ax in left]

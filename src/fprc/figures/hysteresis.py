@@ -27,7 +27,7 @@ def plot_loop(
     points = np.column_stack([x, y])
     segments = np.stack([points[:-1], points[1:]], axis=1)
     elapsed = (time_s[:-1] - time_s[0]) / (time_s[-1] - time_s[0])
-    lines = LineCollection(segments, cmap="viridis", array=elapsed, linewidth=0.3)
+    lines = LineCollection(list(segments), cmap="viridis", array=elapsed, linewidth=0.3)
     lines.set_rasterized(True)
     ax.add_collection(lines)
     ax.autoscale_view()

@@ -7,6 +7,7 @@ Proportions are ours, for the paper prints none; the bend is that of the data.
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -123,7 +124,7 @@ def plot_body(
     """
     across = -scale if mirrored else scale
 
-    def fill(outline: np.ndarray, face: object, edge: object = "none", **more: object) -> None:
+    def fill(outline: np.ndarray, face: Any, edge: Any = "none", **more: Any) -> None:
         # lines are drawn for a plate of an inch
         ax.fill(*(outline * (across, scale) + origin).T, facecolor=face, edgecolor=edge,
                 linewidth=0.6 * min(1.0, 1.3 * scale), joinstyle="round", **more)  # fmt: skip
@@ -146,6 +147,6 @@ def plot_body(
 
 def bar(along: tuple[float, float], sides: tuple[float, float], angle_deg: float) -> np.ndarray:
     """Outline of a part of constant width, from outer to inner side."""
-    along = np.linspace(*along, len(_ALONG))
-    left, right = np.full_like(along, -sides[0]), np.full_like(along, sides[1])
-    return np.concatenate([bend(along, left, angle_deg), bend(along[::-1], right, angle_deg)])
+    places = np.linspace(*along, len(_ALONG))
+    left, right = np.full_like(places, -sides[0]), np.full_like(places, sides[1])
+    return np.concatenate([bend(places, left, angle_deg), bend(places[::-1], right, angle_deg)])

@@ -3,8 +3,10 @@
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import matplotlib
+from matplotlib.axes import Axes
 
 matplotlib.use("Agg")
 
@@ -38,7 +40,7 @@ COLOURS = {
     "test": "#d55e00",
 }
 
-_STYLE = {
+_STYLE: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 7,
     "axes.titlesize": 7,
@@ -60,7 +62,9 @@ _STYLE = {
 }
 
 
-def figure(rows: int, columns: int, width_in: float, height_in: float, **options: object):
+def figure(
+    rows: int, columns: int, width_in: float, height_in: float, **options: Any
+) -> tuple[Figure, Any]:
     """Return a figure with a grid of axes in the house style."""
     plt.rcParams.update(_STYLE)
     return plt.subplots(
@@ -68,12 +72,12 @@ def figure(rows: int, columns: int, width_in: float, height_in: float, **options
     )
 
 
-def letter(ax: plt.Axes, text: str) -> None:
+def letter(ax: Axes, text: str) -> None:
     """Put a panel's letter and title above its left edge."""
     ax.set_title(text, loc="left")
 
 
-def legend_above(*axes: plt.Axes) -> None:
+def legend_above(*axes: Axes) -> None:
     """Put the legend of the first axes, and of its twins, above its right edge."""
     handles, labels = [], []
     for ax in axes:
@@ -85,7 +89,7 @@ def legend_above(*axes: plt.Axes) -> None:
                    columnspacing=1.0)  # fmt: skip
 
 
-def share_legend(fig: Figure, ax: plt.Axes) -> None:
+def share_legend(fig: Figure, ax: Axes) -> None:
     """Put the legend of one axes above the whole figure, for all of them."""
     handles, labels = ax.get_legend_handles_labels()
     fig.legend(handles, labels, loc="outside upper center", ncols=2)
@@ -102,7 +106,7 @@ _MARKS = {
 }
 
 
-def save(fig: Figure, data: Mapping[str, object], pdf: str, png: str) -> Mapping[str, object]:
+def save(fig: Figure, data: Mapping[str, Any], pdf: str, png: str) -> Mapping[str, Any]:
     """Write a figure as PDF and PNG, marked with the source of its data.
 
     The same figure gives the same bytes: no creation date is written.
@@ -122,12 +126,12 @@ def save(fig: Figure, data: Mapping[str, object], pdf: str, png: str) -> Mapping
     return data
 
 
-def save_png(fig: Figure, data: Mapping[str, object], png: str) -> None:
+def save_png(fig: Figure, data: Mapping[str, Any], png: str) -> None:
     """Write a figure as ``save`` does, but as PNG alone."""
     _write(fig, data, {png: {"Software": None}})
 
 
-def _write(fig: Figure, data: Mapping[str, object], files: Mapping[str, Mapping]) -> None:
+def _write(fig: Figure, data: Mapping[str, Any], files: Mapping[str, Mapping[str, Any]]) -> None:
     mark = "simulated rigs" if "seeds" in data else _MARKS[data["source"]].format_map(data)
     fig.supxlabel(mark, x=0.99, ha="right", fontsize=5.5, color="0.45")
     for path, metadata in files.items():

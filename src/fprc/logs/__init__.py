@@ -1,11 +1,11 @@
 """Experiment logs: HDF5 files of named channels with units."""
 
 from fprc.logs.columns import Columns, read_columns, write_columns
-from fprc.logs.holdings import (
-    COMPLETE,
-    Holding,
+from fprc.logs.folder import (
+    WHOLE,
+    Content,
+    contents,
     headers,
-    holdings,
     refuse_simulated,
     refuse_to_overwrite,
 )
@@ -21,15 +21,15 @@ from fprc.logs.raw import (
 from fprc.logs.recovery import read_journal, recover
 
 __all__ = [
-    "COMPLETE",
+    "WHOLE",
     "RAW_CHANNELS",
     "TRACKING_CHANNELS",
     "Columns",
-    "Holding",
+    "Content",
     "Journal",
     "assess",
     "headers",
-    "holdings",
+    "contents",
     "read_columns",
     "read_journal",
     "read_raw",

@@ -127,7 +127,7 @@ def is_text(text: str | bytes) -> bool:
 
 
 def _of_kind(value: Any, kind: type) -> Any:
-    fitting = {float: (float, int)}.get(kind, kind)
+    fitting = (float, int) if kind is float else kind
     finite = not isinstance(value, float) or math.isfinite(value)
     if not isinstance(value, fitting) or (isinstance(value, bool) and kind is not bool):
         finite = False

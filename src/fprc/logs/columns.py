@@ -59,7 +59,7 @@ def unit_of(name: str) -> str:
 
 def checksum(values: np.ndarray) -> int:
     """Return the CRC-32 of a channel's numbers as float64, little-endian."""
-    return zlib.crc32(np.ascontiguousarray(values, dtype="<f8"))
+    return zlib.crc32(np.ascontiguousarray(values, dtype="<f8").data)
 
 
 def write_columns(
@@ -243,7 +243,7 @@ def _wrong_numbers(values: np.ndarray, crc32: int | None) -> str:
 def _wrong_lengths(channels: Mapping[str, np.ndarray]) -> list[str]:
     lengths = {name: len(values) for name, values in channels.items()}
     if len(set(lengths.values())) > 1:
-        shortest = min(lengths, key=lengths.get)
+        shortest = min(lengths, key=lengths.__getitem__)
         return [
             f"channel {shortest}: {lengths[shortest]} samples, but others have up to "
             f"{max(lengths.values())}; record the log again"

@@ -164,7 +164,7 @@ def _rows(text: _Text, first: int, mark: str, *, as_it_is: bool = False) -> Iter
         yield _Row(begins, last, fields)
 
 
-def _unquoted_blank(found: re.Match) -> str:
+def _unquoted_blank(found: re.Match[str]) -> str:
     return found[1] or " "
 
 

@@ -44,7 +44,7 @@ def diagnose(
         sample-and-hold), ``step`` (None unless it is quantised), ``frozen`` and ``at_extreme``;
         ``identical`` pairs; ``sealed``, the leak and the re-fills of ``p_o_kpa``, or None.
     """
-    clock = _clock(time_s) | mended
+    clock = {**_clock(time_s), **mended}
     found = {name: _channel(time_s, values, clock) for name, values in channels.items()}
     pairs = [
         list(pair)
@@ -278,11 +278,11 @@ def _sealed_words(sealed: Mapping[str, Any], found: Mapping[str, Any], unit: str
     for noun, sign in (("re-fill", 1.0), ("sudden loss", -1.0)):
         steps = [step for step in sealed["steps"] if sign * step["height_kpa"] > 0.0]
         if steps:
-            each = [
+            heights = [
                 f"{s['height_kpa']:+.3g} {unit}".rstrip() + f" at {s['at_s']:.1f} s" for s in steps
             ]
-            more = ", ..." if len(each) > 6 else ""
-            lines.append(f"{_count(len(steps), noun)}: {', '.join(each[:6])}{more}")
+            more = ", ..." if len(heights) > 6 else ""
+            lines.append(f"{_count(len(steps), noun)}: {', '.join(heights[:6])}{more}")
     return lines
 
 

@@ -81,14 +81,14 @@ def gather(
         except LogError as error:
             problems.append(str(error))
     converted = {}
-    for name in channels if clock else ():
-        if name in picked:
+    for name in channels:
+        if clock and name in picked:
             where = f"{source.path}: {name}: {wanted[name]}"
             try:
                 converted[name] = _convert(source, where, picked[name], channels[name], clock)
             except LogError as error:
                 problems.append(str(error))
-    if problems:
+    if problems or clock is None:
         raise LogError("\n".join(problems))
     cut = clock.since_s[0]
     return Recording(clock.since_s - cut, converted, float(clock.begin_s + cut), clock)

@@ -151,7 +151,7 @@ def too_large(datasets: Iterable[h5py.Dataset]) -> str:
     total = sum(sizes.values())
     if total <= MAX_BYTES:
         return ""
-    largest = max(sizes, key=sizes.get)
+    largest = max(sizes, key=sizes.__getitem__)
     return (
         f"channel {largest.name.lstrip('/')}: declares {largest.size} samples; all channels "
         f"would take {total >> 20} MB and may take {MAX_BYTES >> 20} MB; the file is damaged, or "

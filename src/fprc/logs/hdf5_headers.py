@@ -30,7 +30,7 @@ def mend_checksums(data: bytearray) -> int:
     return wrong
 
 
-def _blocks(data: bytes) -> Iterator[tuple[int, int]]:
+def _blocks(data: bytes | bytearray) -> Iterator[tuple[int, int]]:
     """Yield begin and end of the headers, and of the blocks in which they go on."""
     begin, count = data.find(_HEADER), 0
     while begin >= 0 and count < _MOST_BLOCKS:
@@ -50,7 +50,7 @@ def _blocks(data: bytes) -> Iterator[tuple[int, int]]:
 _Block = tuple[int, int, int, bool]
 
 
-def _of_header(data: bytes, begin: int) -> _Block | None:
+def _of_header(data: bytes | bytearray, begin: int) -> _Block | None:
     if len(data) < begin + 6 or data[begin + 4] != 2:
         return None
     flags = data[begin + 5]
@@ -61,7 +61,7 @@ def _of_header(data: bytes, begin: int) -> _Block | None:
     return (begin, messages, end, bool(flags & 4)) if end <= len(data) else None
 
 
-def _continued(data: bytes, at: int, end: int, ordered: bool) -> Iterator[_Block]:
+def _continued(data: bytes | bytearray, at: int, end: int, ordered: bool) -> Iterator[_Block]:
     head = 6 if ordered else 4
     while at + head <= end:
         kind, size = data[at], int.from_bytes(data[at + 1 : at + 3], "little")
@@ -73,7 +73,7 @@ def _continued(data: bytes, at: int, end: int, ordered: bool) -> Iterator[_Block
         at += head + size
 
 
-def lookup3(data: bytes, seed: int = 0) -> int:
+def lookup3(data: bytes | bytearray, seed: int = 0) -> int:
     """Return Jenkins' hash of 32 bits (``hashlittle`` of lookup3.c)."""
     mask = 0xFFFFFFFF
     a = b = c = (0xDEADBEEF + len(data) + seed) & mask

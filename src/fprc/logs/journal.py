@@ -67,7 +67,7 @@ class Journal:
         self._problem = ""
         self._closed = False
         self._closing = threading.Event()
-        self._syncing: threading.Thread | None = None
+        self._syncing: threading.Thread
 
     @classmethod
     def create(
@@ -205,7 +205,7 @@ class Journal:
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: Any) -> None:
         """Close; incomplete if an exception came."""
-        self.close(error is None, "" if error is None else f"{kind.__name__}: {error}")
+        self.close(error is None, "" if error is None else f"{type(error).__name__}: {error}")
 
     def _give_up(self, error: OSError) -> None:
         self._problem = (

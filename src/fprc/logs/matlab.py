@@ -125,7 +125,7 @@ def _parts(name: str, value: Any) -> Iterator[tuple[str, np.ndarray | str]]:
 
 
 def _struct(name: str, value: np.ndarray) -> Iterator[tuple[str, np.ndarray | str]]:
-    for field in value.dtype.names:
+    for field in value.dtype.names or ():
         each = [(value[field][index], text) for index, text in elements(value.shape)]
         if len(each) == 1:
             yield from _parts(f"{name}.{field}", each[0][0])

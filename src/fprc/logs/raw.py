@@ -103,7 +103,7 @@ def missing_channels(told: Mapping[str, Any], channels: Container[str]) -> list[
 
 
 def _needed(told: Mapping[str, Any]) -> tuple[str, ...]:
-    names = RAW_CHANNELS
+    names: tuple[str, ...] = RAW_CHANNELS
     if _is_imported(told):
         names = _IMPORTED
     elif str(told.get("source")).startswith("rig"):  # there may be no angle sensor on the reservoir
@@ -220,7 +220,7 @@ def contradictions(told: Mapping[str, Any]) -> list[str]:
     source, simulated = told.get("source"), told.get("simulated")
     if source is not None and source not in SOURCES:
         problems.append(f"attribute source = {source}; must be {', '.join(SOURCES)}")
-    elif None not in (source, simulated) and simulated != source.endswith("sim"):
+    elif source and simulated is not None and simulated != source.endswith("sim"):
         problems.append(
             f"attribute simulated = {simulated} contradicts source = {source}; correct the wrong "
             "one"

@@ -101,7 +101,8 @@ def _collect(
     folder: Path,
 ) -> tuple[dict[str, np.ndarray], dict[str, int], dict[str, Any], list[str]]:
     """Return what the child left: channels, the lengths they had, attributes, and words."""
-    channels, lengths, attributes, words = {}, {}, {}, []
+    channels, lengths, words = {}, {}, []
+    attributes: dict[str, Any] = {}
     said = folder / "said.jsonl"
     for line in said.read_text(encoding="utf-8").split("\n")[:-1] if said.exists() else ():
         entry = json.loads(line)

@@ -112,7 +112,7 @@ def pick(source: Source, text: str) -> np.ndarray:
     )
 
 
-def _slice(source: Source, text: str, match: re.Match) -> np.ndarray:
+def _slice(source: Source, text: str, match: re.Match[str]) -> np.ndarray:
     values = source.variables[match["name"]]
     index = tuple(slice(None) if part == ":" else int(part) for part in match.group(2, 3))
     if values.ndim == 2 and index != (slice(None), slice(None)):

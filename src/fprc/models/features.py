@@ -44,8 +44,7 @@ class FeatureMap(TransformerMixin, BaseEstimator):
     def fit(self, X: ArrayLike, y: ArrayLike | None = None) -> "FeatureMap":
         """Learn the number of columns, and draw what is random."""
         check_limits(self, self.LIMITS)
-        X = validate_data(self, X, dtype=np.float64)
-        self._prepare(X.shape[1])
+        self._prepare(validate_data(self, X, dtype=np.float64).shape[1])
         self.reset()
         return self
 

@@ -80,8 +80,8 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
     def fit(self, X: ArrayLike, y: ArrayLike) -> "RidgeReadout":
         """Solve the normal equations for one output."""
         check_limits(self, {"alpha": Limit(0)})
-        X, y = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
-        self.w_out_ = ridge_weights(with_bias(X), y, self.alpha)
+        rows, targets = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
+        self.w_out_ = ridge_weights(with_bias(rows), targets, self.alpha)
         return self
 
     def fit_complements(
@@ -98,11 +98,11 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
         """
         check_limits(self, {"alpha": Limit(0)})
         checked = clone(self)
-        X, y = validate_data(checked, X, y, y_numeric=True, dtype=np.float64)
+        rows, targets = validate_data(checked, X, y, y_numeric=True, dtype=np.float64)
         sums = []
         for part in parts:
-            extended = with_bias(X[part])
-            sums.append((extended.T @ extended, extended.T @ y[part]))
+            extended = with_bias(rows[part])
+            sums.append((extended.T @ extended, extended.T @ targets[part]))
         fitted = []
         for i in range(len(parts)):
             others = sums[:i] + sums[i + 1 :]

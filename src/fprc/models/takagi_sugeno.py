@@ -61,22 +61,22 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
     def fit(self, X: ArrayLike, y: ArrayLike) -> "TakagiSugenoReadout":
         """Cluster the rows, then fit each rule weighted by u_i^2 (Eq. 8)."""
         check_limits(self, self.LIMITS)
-        X, y = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
+        rows, targets = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
         rng = check_random_state(self.random_state)
-        clusters = fuzzy_c_means(X, self.n_c, random_state=rng)
-        extended = with_bias(X)
+        clusters = fuzzy_c_means(rows, self.n_c, random_state=rng)
+        extended = with_bias(rows)
         self.centers_ = clusters.centers
         self.W_out_ = np.array(
-            [ridge_weights(extended, y, self.alpha, u**2) for u in clusters.memberships.T]
+            [ridge_weights(extended, targets, self.alpha, u**2) for u in clusters.memberships.T]
         )
         return self
 
     def predict(self, X: ArrayLike) -> np.ndarray:
         """Return the blended output of each row."""
         check_is_fitted(self)
-        X = validate_data(self, X, reset=False, dtype=np.float64)
-        beta = gaussian_memberships(X, self.centers_, self.sigma)
-        rules = self.W_out_[:, 1:] @ X.T
+        rows = validate_data(self, X, reset=False, dtype=np.float64)
+        beta = gaussian_memberships(rows, self.centers_, self.sigma)
+        rules = self.W_out_[:, 1:] @ rows.T
         rules += self.W_out_[:, :1]
         rules *= beta.T
         return rules.sum(axis=0)

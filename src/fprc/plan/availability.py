@@ -3,14 +3,14 @@
 from collections.abc import Mapping, Sequence
 
 from fprc.escape import terminal
-from fprc.logs import Holding
+from fprc.logs import Content
 from fprc.logs.columns import unit_of
 from fprc.paper import run_log
 from fprc.plan.results import BY_NAME, CHORES, RESULTS, Result
 
 
 def unavailable(
-    held: Mapping[str, Holding], folder: str, runs: Sequence[str], *, simulated: bool
+    held: Mapping[str, Content], folder: str, runs: Sequence[str], *, simulated: bool
 ) -> dict[str, str]:
     """Return what cannot be made, and why, in words.
 
@@ -37,7 +37,7 @@ def unavailable(
     return {name: why for name, why in found.items() if BY_NAME[name].part_of not in found}
 
 
-def why_not(need: Result, held: Mapping[str, Holding], folder: str) -> str | None:
+def why_not(need: Result, held: Mapping[str, Content], folder: str) -> str | None:
     """Return why a result cannot be made of the logs, in words; None if it can."""
     absent = [f"{name}.h5" for name in need.logs if name not in held]
     if absent:
@@ -56,7 +56,7 @@ def why_not(need: Result, held: Mapping[str, Holding], folder: str) -> str | Non
     return "needs " + "; and ".join(reasons) if reasons else None
 
 
-def _grouped(need: Result, held: Mapping[str, Holding]) -> dict[tuple[str, ...], list[str]]:
+def _grouped(need: Result, held: Mapping[str, Content]) -> dict[tuple[str, ...], list[str]]:
     """Return the logs by the channels that they lack."""
     groups: dict[tuple[str, ...], list[str]] = {}
     for name in need.logs:

@@ -46,12 +46,12 @@ class Paths:
         """Return what it predicts; phase: train or test."""
         return self.below(f"predictions/{experiment}_{model}_{phase}.h5")
 
-    def sweep(self, name: str) -> str:
-        """Return the cells of a sweep."""
-        return self.below(f"sweeps/{name}.json")
+    def grid(self, name: str) -> str:
+        """Return the cells of a grid."""
+        return self.below(f"grids/{name}.json")
 
     def replicate(self, part: str, target: str, seed: int | str) -> str:
-        """Return what a further seed gave; part: models, sweeps or control."""
+        """Return what a further seed gave; part: models, grids or control."""
         return self.below(f"replicates/{target}/{part}_{seed}.json")
 
     def table(self, name: str) -> dict[str, str]:

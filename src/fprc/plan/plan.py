@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from fprc.logs import Holding, holdings
-from fprc.logs.holdings import Header
+from fprc.logs import Content, contents
+from fprc.logs.folder import Header
 from fprc.paper import DISTURBANCE, EXPERIMENTS, REFERENCES, controller_and_gain, run_log
 from fprc.plan.availability import unavailable, why_not
 from fprc.plan.paths import Paths
@@ -72,12 +72,12 @@ class Plan:
         return [*EXPERIMENTS, *self.every_run]
 
     @cached_property
-    def held(self) -> dict[str, Holding]:
+    def contents(self) -> dict[str, Content]:
         """The raw logs that are there, or will be."""
         missing = [name for name in self.every_log if name not in self.there]
         coming = self.every_log if self.on_simulated_rig else missing
         whole = self.on_simulated_rig or self.settings["hardware"]["phi"]
-        held = holdings(
+        held = contents(
             self.there,
             self.every_log,
             to_come=coming if self.records else [],
@@ -90,18 +90,18 @@ class Plan:
     @cached_property
     def experiments(self) -> list[str]:
         """Those of the two hysteresis experiments whose logs are there, or will be."""
-        return [name for name in EXPERIMENTS if name in self.held]
+        return [name for name in EXPERIMENTS if name in self.contents]
 
     @cached_property
     def runs(self) -> list[str]:
         """Those of the closed-loop runs whose logs are there, or will be."""
-        return [run for run in self.every_run if run in self.held]
+        return [run for run in self.every_run if run in self.contents]
 
     @cached_property
     def unavailable(self) -> dict[str, str]:
         """Why a target cannot be made, by its name."""
         return unavailable(
-            self.held, self.paths.raw, self.every_run, simulated=self.on_simulated_rig
+            self.contents, self.paths.raw, self.every_run, simulated=self.on_simulated_rig
         )
 
     @cached_property
@@ -123,7 +123,9 @@ class Plan:
             model: Result(model, "", logs=EXPERIMENTS, channels=entry.inputs)
             for model, entry in entries(self.settings["models"]).items()
         }
-        reasons = {name: why_not(need, self.held, self.paths.raw) for name, need in needs.items()}
+        reasons = {
+            name: why_not(need, self.contents, self.paths.raw) for name, need in needs.items()
+        }
         return {name: reason for name, reason in reasons.items() if reason}
 
     @cached_property
@@ -222,12 +224,12 @@ class Plan:
             return self._data
         if name == "seeds":
             return [
-                file for part in ("models", "sweeps", "control") for file in self.replicates(part)
+                file for part in ("models", "grids", "control") for file in self.replicates(part)
             ]
         if name == "loops":
             followed = [r for r in (*REFERENCES, DISTURBANCE) if _follows(result, r)]
             logs = [run_log(r, controller) for r in followed for controller in self.controllers]
-            return [*self._loops, *(self.paths.log(log) for log in logs if log in self.held)]
+            return [*self._loops, *(self.paths.log(log) for log in logs if log in self.contents)]
         return [self.paths.below(name.format(model=model)) for model in self.models]
 
     @cached_property

@@ -84,9 +84,9 @@ _LOOPS = tuple(
     for controller in ("pd", "fprc_pd")
     for gain in GAINS
 )
-_BOTH = {"logs": EXPERIMENTS}
-_BOTH_WITH_P_O = {"logs": EXPERIMENTS, "channels": ("p_o_kpa",)}
-_SWEEP = {"logs": ("sweep",)}
+_BOTH: dict[str, Any] = {"logs": EXPERIMENTS}
+_BOTH_WITH_P_O: dict[str, Any] = {"logs": EXPERIMENTS, "channels": ("p_o_kpa",)}
+_SWEEP: dict[str, Any] = {"logs": ("sweep",)}
 _RESERVOIR = ("p_i_kpa", "p_o_kpa", "phi_deg")
 
 # fmt: off
@@ -118,10 +118,10 @@ RESULTS = (
     _figure(7, "fprc_system"),
     _figure(8, "training", "data", *_judged("sweep"), **_BOTH_WITH_P_O),
     _figure(9, "weights", "data", "weights/fprc.json", channels=("p_o_kpa",), **_SWEEP),
-    _figure(10, "settings", "data", "sweeps/n_c.json", _OVER_N_C, **_BOTH),
-    Result("fig10a", "Fig. 10(a), and FPRC in (b) and (c)", made_of=("sweeps/epsilon.json",),
+    _figure(10, "settings", "data", "grids/n_c.json", _OVER_N_C, **_BOTH),
+    Result("fig10a", "Fig. 10(a), and FPRC in (b) and (c)", made_of=("grids/epsilon.json",),
            part_of="fig10", **_BOTH_WITH_P_O),
-    _figure(11, "taps", "data", "sweeps/taps.json", **_BOTH_WITH_P_O),
+    _figure(11, "taps", "data", "grids/taps.json", **_BOTH_WITH_P_O),
     *(_following(number, reference) for number, reference in enumerate(REFERENCES, start=12)),
     _figure(16, "loops", "loops", logs=_LOOPS),
     _figure(17, "disturbance", "loops", channels=_RESERVOIR,

@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping
 from functools import cache
+from typing import Any
 
 import numpy as np
 
 
-def record(settings: Mapping) -> np.ndarray:
+def record(settings: Mapping[str, Any]) -> np.ndarray:
     """Pack nested numbers into a structured array of shape (1,).
 
     Numbers become float64 fields, sequences fixed-length arrays, mappings
@@ -26,18 +27,18 @@ def record(settings: Mapping) -> np.ndarray:
 
 
 @cache
-def _layout(fields: tuple) -> np.dtype:
+def _layout(fields: tuple[Any, ...]) -> np.dtype:
     # to compiled code a layout that is the same object is known at once; to compare two that
     # are merely equal takes longer than a tick
     return np.dtype([(name, _type(kind), *shape) for name, kind, *shape in fields])
 
 
-def _type(kind: tuple | None) -> np.dtype:
+def _type(kind: tuple[Any, ...] | None) -> np.dtype:
     return np.dtype(np.float64) if kind is None else _layout(kind)
 
 
-def _fields(settings: Mapping) -> tuple:
-    fields = []
+def _fields(settings: Mapping[str, Any]) -> tuple[Any, ...]:
+    fields: list[tuple[Any, ...]] = []
     for name, value in settings.items():
         if isinstance(value, Mapping):
             fields.append((name, _fields(value)))
@@ -48,8 +49,8 @@ def _fields(settings: Mapping) -> tuple:
     return tuple(fields)
 
 
-def _values(settings: Mapping) -> tuple:
-    values = []
+def _values(settings: Mapping[str, Any]) -> tuple[Any, ...]:
+    values: list[Any] = []
     for value in settings.values():
         if isinstance(value, Mapping):
             values.append(_values(value))

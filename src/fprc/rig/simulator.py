@@ -6,6 +6,7 @@ equation lives in its own module. Integration is semi-implicit Euler.
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -30,7 +31,7 @@ DIVERGED = {1: "pressure of the main chamber", 2: "pressure of PAM A", 3: "bendi
             4: "volume of PAM B", 5: "spool of a valve"}  # fmt: skip
 
 
-def initial_state(rig: Mapping, rng: np.random.Generator) -> np.ndarray:
+def initial_state(rig: Mapping[str, Any], rng: np.random.Generator) -> np.ndarray:
     """State of a rig at rest: vented, straight, passive chamber pre-charged.
 
     The drift and the phase of the bend sensor's clock are drawn from ``rng``.
@@ -63,7 +64,7 @@ def initial_state(rig: Mapping, rng: np.random.Generator) -> np.ndarray:
     )
 
 
-def draw_instruments(rig: Mapping, rng: np.random.Generator) -> np.ndarray:
+def draw_instruments(rig: Mapping[str, Any], rng: np.random.Generator) -> np.ndarray:
     """Calibration errors of the three pressure sensors, drawn once per rig.
 
     Gain, offset and bow share the linearity that the data sheet allows.

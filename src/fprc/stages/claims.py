@@ -37,7 +37,7 @@ def _rig(claim: str) -> str:
 def write_ledger(
     published: str,
     replicates: Sequence[str],
-    sweeps: Sequence[str],
+    grids: Sequence[str],
     controls: Sequence[str],
     times: str,
     times_over_n_c: str,
@@ -48,7 +48,7 @@ def write_ledger(
     printed = read_yaml(published)
     results = Results(
         replicates=[read_json(path) for path in replicates],
-        sweeps=[read_json(path) for path in sweeps],
+        grids=[read_json(path) for path in grids],
         controls=[read_json(path) for path in controls],
         times=read_json(times),
         times_over_n_c=read_json(times_over_n_c),

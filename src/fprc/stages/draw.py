@@ -6,14 +6,14 @@ from typing import Any
 from fprc import escape, tables
 from fprc.artifacts import read_json, write_csv
 from fprc.figures import style
+from fprc.figures.grids import plot_errors_over, plot_grid, plot_times_over
 from fprc.figures.hysteresis import add_time_bar, plot_command, plot_loop
 from fprc.figures.readout import plot_readouts
-from fprc.figures.sweeps import plot_errors_over, plot_grid, plot_times_over
 from fprc.figures.training import plot_error, plot_fit
 from fprc.figures.weights import plot_shares
 from fprc.logs import Columns, read_columns
 from fprc.registry import colour_of
-from fprc.tables.drawn import fit_errors, panels, swept_errors, swept_times, weight_shares
+from fprc.tables.drawn import fit_errors, grid_errors, grid_times, panels, weight_shares
 
 _DATA = ("time_s", "p_target_kpa", "theta_deg")
 _SYMBOLS = {"theta": r"$\theta$", "p_target": r"$P_\mathrm{exp}$", "p_o": "$P_o$"}
@@ -73,10 +73,12 @@ def draw_training(fit: str, prediction: str, csv: str, pdf: str, png: str) -> Ma
         ("(a) Training", "(b) Test"),
         strict=True,
     ):
-        series = tuple(log.channels.values())
+        time_s, p_exp, p_ff = log.channels.values()
         colours = style.COLOURS["p_exp"], style.COLOURS["p_ff"]
-        plot_fit(*series, pair[0], colours=colours, unit=row.unit)
-        plot_error(*series, pair[1], rmse=row.rmse, colour=colour_of(row.model), unit=row.unit)
+        plot_fit(time_s, p_exp, p_ff, pair[0], colours=colours, unit=row.unit)
+        plot_error(
+            time_s, p_exp, p_ff, pair[1], rmse=row.rmse, colour=colour_of(row.model), unit=row.unit
+        )
         style.letter(pair[0], title)
     style.legend_above(axes[0])
     return style.save(fig, _marked([*logs.values()]), pdf, png)
@@ -111,9 +113,9 @@ def draw_settings(
     Without ``epsilon``, where there is no FPRC, (b) and (c) alone are drawn.
     """
     by_n_c, timed = read_json(n_c), read_json(times)
-    drawn = {"b": swept_errors(by_n_c, "n_c"), "c": swept_times(timed, "n_c")}
+    drawn = {"b": grid_errors(by_n_c, "n_c"), "c": grid_times(timed, "n_c")}
     if epsilon:
-        drawn = {"a": swept_errors(read_json(epsilon), "epsilon"), **drawn}
+        drawn = {"a": grid_errors(read_json(epsilon), "epsilon"), **drawn}
     write_csv(csv, panels(drawn))
     fig, axes = style.figure(len(drawn), 1, style.COLUMN_IN, 5.6 if epsilon else 3.9)
     if epsilon:
@@ -138,7 +140,7 @@ def draw_settings(
 def draw_taps(taps: str, csv: str, pdf: str, png: str) -> Mapping[str, Any]:
     """Figure 11: errors over the tap sizes."""
     report = read_json(taps)
-    table = swept_errors(report, "n_u", "n_y")
+    table = grid_errors(report, "n_u", "n_y")
     write_csv(csv, table)
     fig, axes = style.figure(3, 1, style.COLUMN_IN, 7.4)
     titles = {"train": "(a) Training", "validation": "(b) Validation", "test": "(c) Test"}

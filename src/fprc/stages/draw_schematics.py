@@ -22,9 +22,9 @@ def draw_actuator(raw: str, pdf: str, png: str) -> Mapping[str, Any]:
     p_exp, theta = log.channels.values()
     bent = int(np.argmax(theta))
     straight = bent + int(np.argmin(p_exp[bent:]))
-    states = [(float(p_exp[k]), float(theta[k])) for k in (bent, straight)]
+    at_bent, at_straight = ((float(p_exp[k]), float(theta[k])) for k in (bent, straight))
     fig, ax = canvas(2.1)
-    plot_actuator(*states, ax, limit_kpa=float(p_exp.max()))
+    plot_actuator(at_bent, at_straight, ax, limit_kpa=float(p_exp.max()))
     return style.save(fig, log.attributes, pdf, png)
 
 

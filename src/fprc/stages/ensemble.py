@@ -15,7 +15,7 @@ from fprc.calibration.fit import free_parameters
 from fprc.claims import Results, judge_claims
 from fprc.claims.ensemble import JUDGED_BY_RIG, shares_of
 from fprc.errors import FprcError
-from fprc.evaluation.sweeps import log_progress, run_cells
+from fprc.evaluation.cells import log_progress, run_cells
 from fprc.experiments.settings import RigSettings
 from fprc.yaml_file import read_yaml
 

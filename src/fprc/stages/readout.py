@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from fprc.artifacts import write_json
-from fprc.evaluation.sweeps import log_progress, run_cells
+from fprc.evaluation.cells import log_progress, run_cells
 from fprc.experiments.data import read_data, refuse_mixture
 from fprc.experiments.readout import judge_readout, readout_cells
 from fprc.experiments.settings import Judgement

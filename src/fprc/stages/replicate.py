@@ -5,9 +5,9 @@ from typing import Any
 
 from fprc.artifacts import write_json
 from fprc.experiments.comparison import compare_models
+from fprc.experiments.grids import judge_grids
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import Judgement, RigSettings
-from fprc.experiments.sweeps import sweep_models
 from fprc.experiments.tracking import Track, measure_control
 from fprc.registry import controllers
 
@@ -24,7 +24,7 @@ def replicate(
 ) -> None:
     """Repeat all but the execution times with another seed, from the experiments on.
 
-    Writes Tables II and III and the weights of Fig. 9 (``compared``), the sweeps of
+    Writes Tables II and III and the weights of Fig. 9 (``compared``), the grids of
     Figs. 10 and 11 (``cells``), and the closed loops of Sec. IV (``measures``).
 
     Parameters
@@ -38,7 +38,7 @@ def replicate(
     found, models = compare_models(data, how)
     described = {"seed": how.seed, "source": "sim"}
     write_json(compared, described | found)
-    write_json(cells, described | sweep_models(data, values, how))
+    write_json(cells, described | judge_grids(data, values, how))
     bench = Track(tracking, settings.control, settings.rig, how.seed)
     measured = measure_control(data["sweep"], bench, models, controllers(how.models))
     write_json(measures, described | measured)

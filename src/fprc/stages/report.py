@@ -15,7 +15,7 @@ from PIL import Image
 
 from fprc.artifacts import read_json, write_text
 from fprc.config import Settings
-from fprc.config.load import fields
+from fprc.config.section import fields
 from fprc.paper import SOURCES
 from fprc.provenance import checkout, hash_of, versions
 from fprc.tables import read_markdown
@@ -131,7 +131,7 @@ def _figure(picture: str, sidecar: str, caption: str) -> dict[str, Any]:
     with Image.open(picture) as image:
         width, height = image.size
     return {
-        "number": int(re.match(r"fig(\d+)", Path(picture).name)[1]),
+        "number": int(re.findall(r"^fig(\d+)", Path(picture).name)[0]),
         "png": base64.b64encode(Path(picture).read_bytes()).decode(),
         "width": width,
         "height": height,
@@ -159,7 +159,7 @@ _SYMBOL = re.compile(
 def symbols(text: object) -> Markup:
     """Return text as HTML, the paper's symbols as mathematics: P_o with a subscript, θ."""
 
-    def shown(match: re.Match) -> str:
+    def shown(match: re.Match[str]) -> str:
         letter, index, greek = match.groups()
         if greek:
             return f"<i>{_GREEK[greek]}</i>"

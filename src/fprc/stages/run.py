@@ -71,7 +71,8 @@ def _log_to(path: str, label: str) -> None:
     with explaining(path):
         Path(path).parent.mkdir(parents=True, exist_ok=True)
         file = logging.FileHandler(path, mode="w")
-    file.handleError = lambda record: None  # on a full disk the terminal still has it
+    # on a full disk the terminal still has it; a class of its own would say no more
+    file.handleError = lambda record: None  # type: ignore[method-assign]
     _add(file, line)
 
 

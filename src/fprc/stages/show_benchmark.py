@@ -1,6 +1,6 @@
 """Table, figure and blocks of the benchmark, from what it measured."""
 
-from base64 import b64decode
+from base64 import urlsafe_b64decode
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -93,4 +93,4 @@ def tabulate_rules(
 def _described(path: Path, metadata: str) -> str:
     """Return the output that a record is about: its name is that of the record, in base 64."""
     parts = path.relative_to(metadata).parts
-    return b64decode("".join(part.removeprefix("@") for part in parts)).decode()
+    return urlsafe_b64decode("".join(part.removeprefix("@") for part in parts)).decode()

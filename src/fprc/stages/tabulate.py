@@ -215,14 +215,14 @@ def tabulate_targets(
     names: Sequence[str],
 ) -> None:
     """Compare commanded and measured pressure as what the models learn."""
-    by_target = [
+    of_models, of_control = (
         {
             name: [read_json(path) for path in paths if Path(path).parent.name == name]
             for name in names
         }
         for paths in (replicates, controls)
-    ]
-    table = tables.targets(*by_target, read_yaml(published))
+    )
+    table = tables.targets(of_models, of_control, read_yaml(published))
     note = (
         "Target of the models: commanded against measured pressure, mean and its 95 % interval "
         "over the further seeds.\n"

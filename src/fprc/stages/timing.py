@@ -9,7 +9,7 @@ from fprc.evaluation import time_models
 from fprc.evaluation.timing import machine
 from fprc.experiments.data import models_for, read_data, refuse_mixture
 from fprc.experiments.step_cost import step_cost
-from fprc.paper import SWEPT
+from fprc.paper import GRID_MODELS
 from fprc.registry import build
 
 log = logging.getLogger(__name__)
@@ -68,7 +68,7 @@ def measure_times_over_n_c(
     refuse_mixture(train_data, test_data)
     fitted = {}
     for name in models_for(models, train_data, test_data):
-        for n_c in values if name in SWEPT["n_c"] else ():
+        for n_c in values if name in GRID_MODELS["n_c"] else ():
             train_pair, test_pair = train_data.pair(name), test_data.pair(name)
             model = build(name, models, seed).set_params(n_c=n_c).fit(*train_pair)
             fitted[name, n_c] = (model, train_pair, test_pair)

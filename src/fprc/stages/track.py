@@ -146,7 +146,7 @@ def read_gains(runs: Sequence[str], gains: str) -> None:
 def gains_of(attributes: Mapping[str, Any]) -> dict[str, float] | None:
     """Return the gains of the PD controller that a closed-loop log names, if it does."""
     named = attributes["rig"].get("gains")
-    found = [named.get(key) for key in _GAINS] if isinstance(named, Mapping) else [None]
+    found: list[Any] = [named.get(key) for key in _GAINS] if isinstance(named, Mapping) else [None]
     if not all(isinstance(value, float | int) for value in found):
         return None
     return dict(zip(_GAINS, map(float, found), strict=True))

@@ -46,7 +46,7 @@ def weight_shares(report: Mapping[str, Any]) -> pd.DataFrame:
     )
 
 
-def swept_errors(report: Mapping[str, Any], *settings: str) -> pd.DataFrame:
+def grid_errors(report: Mapping[str, Any], *settings: str) -> pd.DataFrame:
     """Mean and standard deviation over folds of each phase's RMSE (Figs. 10a, 10b, 11).
 
     Parameters
@@ -75,7 +75,7 @@ def swept_errors(report: Mapping[str, Any], *settings: str) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def swept_times(report: Mapping[str, Any], setting: str) -> pd.DataFrame:
+def grid_times(report: Mapping[str, Any], setting: str) -> pd.DataFrame:
     """Mean and standard deviation over repeats of the batch execution times (Fig. 10c)."""
     return pd.DataFrame(
         {
@@ -97,7 +97,7 @@ def panels(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
     Parameters
     ----------
     tables : Mapping
-        Of ``swept_errors`` or ``swept_times`` over one setting, by panel.
+        Of ``grid_errors`` or ``grid_times`` over one setting, by panel.
     """
     renamed = []
     for panel, table in tables.items():

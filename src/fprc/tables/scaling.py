@@ -17,7 +17,7 @@ def costs(scale: Mapping[str, Any]) -> pd.DataFrame:
     """Processor seconds of each thing that is repeated."""
     rows = [
         ("one rig of the ensemble: draws, both logs, Tables II to IV", "rig", "rigs"),
-        ("one cell of a sweep: five folds and a test of FPRC", "cell", "cells"),
+        ("one cell of a grid: five folds and a test of FPRC", "cell", "cells"),
         ("one closed-loop second: rig, FPRC+PD and both pressure loops", "loop", "s"),
     ]
     table = [

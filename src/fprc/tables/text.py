@@ -12,7 +12,7 @@ from fprc import escape
 def spread(mean: float, std: float | None) -> str:
     """Format a number to three significant digits, with its spread if any."""
     text = three_digits(mean)
-    return text if pd.isna(std) else f"{text} ± {three_digits(std)}"
+    return text if std is None or pd.isna(std) else f"{text} ± {three_digits(std)}"
 
 
 def mean_of(row: Mapping[str, Any], name: str) -> str:

@@ -1,4 +1,6 @@
 import json
+import textwrap
+from base64 import urlsafe_b64encode
 
 import numpy as np
 import pandas as pd
@@ -98,19 +100,32 @@ def test_growth_is_drawn_on_logarithmic_axes():
     plt.close()
 
 
-def test_seconds_are_summed_over_the_jobs_of_each_rule(tmp_path):
-    def keep(name, rule, log, seconds):
-        job = {"rule": rule, "log": [log], "starttime": 10.0, "endtime": 10.0 + seconds}
-        (tmp_path / name).write_text(json.dumps(job))
+def keep(folder, file, rule, log, seconds):
+    """Write what Snakemake keeps of a job, where it keeps it for one of the job's outputs."""
+    name = urlsafe_b64encode(file.encode()).decode()
+    *first, last = textwrap.wrap(name, 40)
+    path = folder.joinpath(*(f"@{part}" for part in first), last)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    job = {"rule": rule, "log": [log], "starttime": 10.0, "endtime": 10.0 + seconds}
+    path.write_text(json.dumps(job), encoding="utf-8")
 
-    keep("two", "judge", "results/logs/judge_2.log", 3.0)
-    keep("outputs", "judge", "results/logs/judge_2.log", 3.0)
-    keep("another", "judge", "results/logs/judge_3.log", 5.0)
-    keep("short", "table", "results/logs/table.log", 1.0)
-    keep("elsewhere", "table", "results/smoke/logs/table.log", 9.0)
-    keep("outside", "ensemble_chunk", "results/logs/ensemble_0.log", 900.0)
-    csv = tmp_path / "rules.csv"
-    tabulate_rules(str(csv), rules=["judge", "table"], logs="results/logs", metadata=str(tmp_path))
+
+def test_seconds_are_summed_over_the_jobs_of_each_rule(tmp_path):
+    jobs = [
+        ("results/crossval/sweep_fprc.json", "judge", "results/logs/judge_fprc.log", 3.0),
+        ("results/models/a_name_longer_than_one_folder.h5", "judge", "results/logs/judge_fprc.log",
+         3.0),
+        ("results/crossval/sweep_esn.json", "judge", "results/logs/judge_esn.log", 5.0),
+        ("results~~/tables/table2.md", "table", "results/logs/table.log", 1.0),
+    ]  # fmt: skip
+    others = [
+        ("results/smoke/tables/table2.md", "table", "results/smoke/logs/table.log", 9.0),
+        ("results/ensemble/rigs_0.json", "ensemble_chunk", "results/logs/ensemble_0.log", 900.0),
+    ]
+    for job in (*jobs, *others):
+        keep(tmp_path / "metadata", *job)
+    csv, files = tmp_path / "rules.csv", [file for file, *_ in jobs]
+    tabulate_rules(str(csv), files=files, metadata=str(tmp_path / "metadata"))
     table = pd.read_csv(csv)
     assert table.to_dict("list") == {
         "rule": ["judge", "table"],

@@ -53,7 +53,7 @@ def cell(model, errors, **settings):
     return {"model": model} | settings | dict(zip(PHASES, errors, strict=True))
 
 
-def swept():
+def grid_values():
     tests = (12.0, 10.5, 11.0, 10.0, 11.5)
     cells = {"epsilon": [], "n_c": []}
     for name, values in (("epsilon", (1.0, 0.1, 0.01, 1e-3, 1e-4)), ("n_c", N_C)):
@@ -143,7 +143,7 @@ def ideal():
     material = SimpleNamespace(
         measured=[None for _ in SCALES],  # of runs and logs, until they are changed
         replicates=[replicate(scale) for scale in SCALES],
-        sweeps=[swept() for _ in SCALES],
+        grids=[grid_values() for _ in SCALES],
         runs=[runs(scale) for scale in SCALES],
         logs=[hysteresis_log() for _ in SCALES],
         times={
@@ -173,7 +173,7 @@ def results_of(material):
             material.measured[seed] = measure_runs(material.runs[seed], QUIET_S) | loops
     return Results(
         replicates=material.replicates,
-        sweeps=material.sweeps,
+        grids=material.grids,
         controls=material.measured,
         times=material.times,
         times_over_n_c=material.times_over_n_c,
@@ -248,7 +248,7 @@ def cells(sweep, phase, seeds=EVERY, **which):
     def by(value):
         def change(material):
             for seed in seeds:
-                for found in material.sweeps[seed][sweep]:
+                for found in material.grids[seed][sweep]:
                     if all(found[key] == wanted for key, wanted in which.items()):
                         number = value(found) if callable(value) else value
                         found[phase] = number if phase == TEST else [number]
@@ -617,7 +617,7 @@ def test_ledger_says_how_many_seeds_a_verdict_stands_on(ideal):
 
 def test_order_of_the_seeds_does_not_matter(ideal):
     turned = SimpleNamespace(**vars(ideal))
-    for name in ("replicates", "sweeps", "runs", "logs", "measured"):
+    for name in ("replicates", "grids", "runs", "logs", "measured"):
         setattr(turned, name, getattr(ideal, name)[::-1])
     assert judged(turned) == judged(ideal)
 
@@ -626,7 +626,7 @@ def test_order_of_models_cells_and_times_does_not_matter(ideal):
     turned = deepcopy(ideal)
     for found in turned.replicates:
         found["models"].reverse()
-    for group in turned.sweeps[1].values():
+    for group in turned.grids[1].values():
         group.reverse()
     turned.times["times"].reverse()
     turned.times_over_n_c["times"].reverse()

@@ -276,3 +276,11 @@ def test_key_that_is_no_word_is_refused(tmp_path):
     with pytest.raises(ConfigError) as caught:
         from_files([path])
     assert str(caught.value).count("unknown key; every key is a word") == 2
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [({"sweeps": {"n_c": [2, 4]}}, "grids"), ({"source": "hardware"}, "source = rig")],
+)
+def test_what_was_renamed_is_refused_with_its_new_name(old, new):
+    assert f"is called {new} now" in message(old)

@@ -99,21 +99,21 @@ def test_effort_is_rms_of_feedback_over_rms_of_feedforward(reference):
     assert list(found.values()) == pytest.approx([0.05] * 3, rel=1e-12)
 
 
-def swept(theta):
+def grid_values(theta):
     return measured(sweep__fprc_pd__identified=run(theta=theta))["sweep"]
 
 
 @pytest.mark.parametrize("samples", [-40, -7, -1, 0, 1, 6, 39])
 def test_lag_is_the_delay_of_the_angle_in_the_last_ten_seconds(samples):
     theta = chirp(TIME_S - samples / RATE_HZ)
-    assert swept(theta)["lag_ms"] == pytest.approx(5.0 * samples)
+    assert grid_values(theta)["lag_ms"] == pytest.approx(5.0 * samples)
     theta[: -int(10 * RATE_HZ)] = 32.5
-    assert swept(theta)["lag_ms"] == pytest.approx(5.0 * samples)
+    assert grid_values(theta)["lag_ms"] == pytest.approx(5.0 * samples)
 
 
 def test_lag_does_not_depend_on_how_far_the_angle_follows():
     theta = 10.0 + 0.3 * chirp(TIME_S - 0.05)
-    assert swept(theta)["lag_ms"] == pytest.approx(50.0)
+    assert grid_values(theta)["lag_ms"] == pytest.approx(50.0)
 
 
 def test_lag_is_counted_in_the_samples_of_the_log():
@@ -128,7 +128,7 @@ def test_lag_is_counted_in_the_samples_of_the_log():
 def test_error_of_the_sweep_is_split_into_thirds():
     error = np.repeat([1.0, 4.0, 2.0], TIME_S.size // 3) * np.resize([1.0, -1.0], TIME_S.size)
     error[TIME_S.size // 2] = -9.0
-    found = swept(chirp(TIME_S) - error)
+    found = grid_values(chirp(TIME_S) - error)
     assert found["first_third_deg"] == pytest.approx(1.0)
     assert found["last_third_deg"] == pytest.approx(2.0)
     assert found["largest_error_deg"] == pytest.approx(9.0)

@@ -8,8 +8,8 @@ import pytest
 
 from fprc.escape import figure
 from fprc.figures import style
+from fprc.figures.grids import plot_grid
 from fprc.figures.hysteresis import plot_command, plot_loop
-from fprc.figures.sweeps import plot_grid
 from fprc.figures.training import plot_error, plot_fit
 from fprc.logs import Columns, write_columns
 from fprc.registry import MODELS, colour_of

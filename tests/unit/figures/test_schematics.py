@@ -22,7 +22,7 @@ MODELS = {
     "esn": {"r": 800, "gamma": 0.8, "rho": 0.4, "f_input": 0.02},
     "fprc": {"epsilon": 0.01, "n_u": 3, "n_c": 8},
 }
-# longer than any number that the sweeps use
+# longer than any number that the grids use
 LONG = {
     "n_y": 10,
     "esn": {"r": 10000, "gamma": 0.95, "rho": 0.85, "f_input": 0.001},

@@ -1,6 +1,6 @@
 import pytest
 
-from fprc.logs import COMPLETE, RAW_CHANNELS, Holding
+from fprc.logs import RAW_CHANNELS, WHOLE, Content
 from fprc.paper import CONTROLLERS, EXPERIMENTS, REFERENCES, run_log
 from fprc.plan.availability import refusal, unavailable
 from fprc.plan.results import BY_NAME
@@ -13,7 +13,7 @@ CLOSED_LOOP = {"table4", *(f"fig{number}" for number in range(12, 18))}
 
 
 def without(*channels, **notes):
-    return Holding(frozenset(RAW_CHANNELS) - {*channels}, notes)
+    return Content(frozenset(RAW_CHANNELS) - {*channels}, notes)
 
 
 def both(holding):
@@ -25,7 +25,7 @@ def of(held, simulated=False):
 
 
 def test_nothing_is_missing_where_the_workflow_makes_every_log():
-    every = dict.fromkeys([*EXPERIMENTS, *RUNS], COMPLETE)
+    every = dict.fromkeys([*EXPERIMENTS, *RUNS], WHOLE)
     assert of(every, simulated=True) == {}
     assert of(every).keys() == OF_RIGS
 
@@ -75,7 +75,7 @@ def test_reasons_add_up():
 @pytest.mark.parametrize("number", range(12, 18))
 def test_closed_loop_figure_is_made_of_its_own_runs(number):
     name = f"fig{number}"
-    own = dict.fromkeys(BY_NAME[name].logs, COMPLETE)
+    own = dict.fromkeys(BY_NAME[name].logs, WHOLE)
     assert set(own) <= set(RUNS)
     assert name not in of(own)
     for run in own:
@@ -90,11 +90,11 @@ def test_disturbance_needs_the_bending_of_the_reservoir():
 
 
 def test_part_of_table4_is_made_and_the_rest_is_named():
-    held = dict.fromkeys(RUNS[1:], COMPLETE)
+    held = dict.fromkeys(RUNS[1:], WHOLE)
     found = of(held)
     assert "table4" not in found
     assert found["table4_runs"] == f"no {RUNS[0]}.h5 in mylogs"
-    assert "table4_runs" not in of(dict.fromkeys(RUNS, COMPLETE))
+    assert "table4_runs" not in of(dict.fromkeys(RUNS, WHOLE))
 
 
 def test_every_result_has_a_title_and_a_refusal_gives_it_with_the_reason():

@@ -9,7 +9,7 @@ import pytest
 
 from fprc.config import Settings, check
 from fprc.logs import RAW_CHANNELS
-from fprc.logs.holdings import Header
+from fprc.logs.folder import Header
 from fprc.paper import CONTROLLERS, EXPERIMENTS, REFERENCES, run_log
 from fprc.plan import Paths, Plan
 from fprc.plan.results import CHORES, RESULTS
@@ -123,8 +123,8 @@ def test_target_begins_with_its_result_and_names_no_file_twice(simulated):
         (
             "fig10",
             {
-                "results/figures/fig10_settings.pdf", "results/sweeps/epsilon.json",
-                "results/sweeps/n_c.json", "results/timing/times_over_n_c.json",
+                "results/figures/fig10_settings.pdf", "results/grids/epsilon.json",
+                "results/grids/n_c.json", "results/timing/times_over_n_c.json",
             } | DATA,
         ),
         (
@@ -147,7 +147,7 @@ def test_seeds_and_claims_are_made_of_every_replicate(simulated):
     seeds = simulated.settings["evaluation"]["replicate_seeds"]
     replicates = {
         f"results/replicates/command/{part}_{seed}.json"
-        for part in ("models", "sweeps", "control")
+        for part in ("models", "grids", "control")
         for seed in seeds
     }
     for name in ("seeds", "claims"):
@@ -194,7 +194,7 @@ def test_paths_keep_wildcards_and_differ():
     paths = Paths("raw", "results")
     found = [
         paths.log("{e}"), paths.data("{e}"), paths.quality("{e}"), paths.driven("{e}"),
-        paths.errors("{e}", "{m}"), paths.model("{e}", "{m}"), paths.sweep("{e}"),
+        paths.errors("{e}", "{m}"), paths.model("{e}", "{m}"), paths.grid("{e}"),
         paths.prediction("{e}", "{m}", "train"), paths.prediction("{e}", "{m}", "test"),
         paths.replicate("models", "{e}", "{seed}"), paths.messages("{e}"),
         *paths.table("tables/{e}").values(),
@@ -254,8 +254,8 @@ def test_without_p_o_fprc_is_left_out_everywhere():
     assert set(plan.targets["table2"]) == (
         {"results/tables/table2.md"} | DATA | judged("sweep", plan.models)
     )
-    assert "results/sweeps/epsilon.json" not in plan.targets["fig10"]
-    assert "results/sweeps/n_c.json" in plan.targets["fig10"]
+    assert "results/grids/epsilon.json" not in plan.targets["fig10"]
+    assert "results/grids/n_c.json" in plan.targets["fig10"]
 
 
 def test_simulated_reservoir_takes_the_place_of_one_that_is_not_there():

@@ -554,7 +554,7 @@ def test_angle_sensor_lives_on_its_own_clock(quiet_rig):
 
 
 def test_angle_sensor_at_the_sampling_rate_repeats_no_pattern(quiet_rig):
-    """202.27 Hz against 200 Hz: the age of the sample sweeps 0-5 ms, a beat of 0.44 s."""
+    """202.27 Hz against 200 Hz: the age of the sample grids 0-5 ms, a beat of 0.44 s."""
     states, _ = drive(quiet_rig, swing(0.5, 2))
     period = 1.0 / quiet_rig["bend_sensor"]["rate_hz"]
     age_s = states["time_s"] - (states["bend_next_s"] - period)

@@ -16,11 +16,11 @@ from fprc.experiments.settings import Judgement, RigSettings
 from fprc.logs import read_columns
 from fprc.models import load_model
 from fprc.paper import CONTROLLERS
+from fprc.stages.grid import judge_grid, weigh
 from fprc.stages.judge import judge
 from fprc.stages.preprocess import preprocess
 from fprc.stages.record import record
 from fprc.stages.replicate import replicate
-from fprc.stages.sweep import sweep_settings, weigh
 from fprc.stages.track import identify_gain, track
 
 SEED, SETTLE_S, QUIET_S = 7, 0.5, 1.5
@@ -222,7 +222,7 @@ def test_measured_pressure_is_another_target_than_the_command(errors, on_rig, ju
         assert mine["test_rmse_kpa"] != theirs["test_rmse_kpa"]
 
 
-# Sweeps
+# Grids
 
 
 @pytest.fixture(scope="module")
@@ -244,8 +244,8 @@ def test_sweeps_hold_every_cell_and_taps_on_the_coarse_grid_only(cells):
 def test_cells_are_those_of_the_main_run_with_that_seed(cells, name, logs, judgement, tmp_path):
     coarse = VALUES | dict.fromkeys(("n_u", "n_y"), VALUES["replicate_taps"])
     path = str(tmp_path / f"{name}.json")
-    sweep_settings(
-        logs["sweep"], logs["complex"], path, sweep=name, values=coarse,
+    judge_grid(
+        logs["sweep"], logs["complex"], path, grid=name, values=coarse,
         judgement=judgement, workers=1, checkpoint=str(tmp_path / "partial.jsonl"), version="v",
     )  # fmt: skip
     assert read_json(cells)[name] == read_json(path)["cells"]

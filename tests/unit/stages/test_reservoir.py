@@ -119,7 +119,7 @@ def test_simulated_log_is_refused(add, recorded):
         add(source="sim", channels=tuple(name for name in recorded["sweep"] if name != "time_s"))
 
 
-@pytest.mark.parametrize("source", ["sim", "hardware"])
+@pytest.mark.parametrize("source", ["sim", "rig"])
 def test_reservoir_is_simulated_for_recorded_logs_only(source):
     asked = {"evaluation": {"reservoir": "simulated"}}
     check(asked | {"source": "recorded"})

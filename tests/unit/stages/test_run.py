@@ -4,12 +4,12 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from fprc.stages.figure import run_figure
 from threadpoolctl import threadpool_info
 
 from fprc.artifacts import read_json
 from fprc.errors import ControlError
 from fprc.provenance import hash_of, versions
+from fprc.stages import run as runner
 from fprc.stages.run import run_stage
 
 CONFIG = {"seed": 7, "folders": {"results": "results"}}
@@ -34,7 +34,7 @@ def commit(monkeypatch):
 
 
 class Files(list):
-    """What Snakemake gives to a script: all files in a row, and names for them."""
+    """What Snakemake gives to a script: all files or values in a row, and their names."""
 
     def __init__(self, **named):
         self.named = named
@@ -43,6 +43,9 @@ class Files(list):
 
     def __getattr__(self, name):
         return self.named[name]
+
+    def keys(self):
+        return self.named.keys()
 
     def items(self):
         return self.named.items()
@@ -63,7 +66,7 @@ def job(tmp_path):
             png=str(tmp_path / "fig99.png"),
             sidecar=str(tmp_path / "fig99.json"),
         ),
-        params=Files(quiet_s=12.0, code="0123"),
+        params=Files(stage="loops.draw", quiet_s=12.0, code="0123"),
         wildcards=["201"],
         log=[str(tmp_path / "logs" / "fig99.log")],
         rule="loops",
@@ -85,12 +88,23 @@ class Stage:
         return self.data
 
 
+@pytest.fixture
+def run(job, monkeypatch):
+    """Run a function as the stage of the job."""
+
+    def call(stage):
+        monkeypatch.setattr(runner, "stage_of", {"loops.draw": stage}.__getitem__)
+        run_stage(job)
+
+    return call
+
+
 def sha256(path):
     return hashlib.sha256(Path(path).read_bytes()).hexdigest()
 
 
-def test_sidecar_says_where_the_figure_comes_from(job, commit):
-    run_figure(Stage({"source": "sim", "seed": 7, "model": "fprc"}), job)
+def test_sidecar_says_where_the_figure_comes_from(job, run, commit):
+    run(Stage({"source": "sim", "seed": 7, "model": "fprc"}))
     assert read_json(job.output.sidecar) == {
         "source": "sim",
         "simulated": True,
@@ -104,9 +118,9 @@ def test_sidecar_says_where_the_figure_comes_from(job, commit):
     }
 
 
-def test_stage_is_given_names_of_files_and_params_but_neither_code_nor_sidecar(job):
+def test_stage_is_given_files_and_params_but_not_its_name_nor_code_nor_sidecar(job, run):
     stage = Stage({"source": "none"})
-    run_figure(stage, job)
+    run(stage)
     assert stage.arguments == {
         "sweep": job.input.sweep,
         "runs": job.input.runs,
@@ -117,36 +131,36 @@ def test_stage_is_given_names_of_files_and_params_but_neither_code_nor_sidecar(j
     assert stage.threads <= {1}
 
 
-def test_drawing_without_data_is_neither_simulated_nor_has_it_a_seed(job):
-    run_figure(Stage({"source": "none"}), job)
+def test_drawing_without_data_is_neither_simulated_nor_has_it_a_seed(job, run):
+    run(Stage({"source": "none"}))
     found = read_json(job.output.sidecar)
     assert (found["source"], found["simulated"], found["seeds"]) == ("none", False, [])
 
 
-def test_sidecar_has_the_same_bytes_when_the_figure_is_drawn_again(job):
+def test_sidecar_has_the_same_bytes_when_the_figure_is_drawn_again(job, run):
     contents = []
     for _ in range(2):
-        run_figure(Stage({"source": "sim", "seed": 7}), job)
+        run(Stage({"source": "sim", "seed": 7}))
         contents.append(Path(job.output.sidecar).read_bytes())
     assert contents[0] == contents[1]
 
 
-def test_changed_input_changes_its_digest_and_no_other(job):
+def test_changed_input_changes_its_digest_and_no_other(job, run):
     found = []
     for content in ("one", "two"):
         Path(job.input.runs[1]).write_text(content, encoding="utf-8")
-        run_figure(Stage({"source": "sim"}), job)
+        run(Stage({"source": "sim"}))
         found.append(read_json(job.output.sidecar)["inputs"])
     changed = [path for path in found[0] if found[0][path] != found[1][path]]
     assert changed == [job.input.runs[1]]
 
 
-def test_stage_that_fails_ends_with_its_message_and_leaves_no_sidecar(job, capsys):
+def test_stage_that_fails_ends_with_its_message_and_leaves_no_sidecar(job, run, capsys):
     def stage(**arguments):
         raise ControlError("P_i = 500 kPa; reduce it")
 
     with pytest.raises(SystemExit) as ended:
-        run_figure(stage, job)
+        run(stage)
     assert ended.value.code == 1
     assert not Path(job.output.sidecar).exists()
     shown = capsys.readouterr().err
@@ -156,29 +170,28 @@ def test_stage_that_fails_ends_with_its_message_and_leaves_no_sidecar(job, capsy
     assert "Traceback" in kept
 
 
-def test_stage_that_breaks_down_leaves_no_sidecar(job):
+def test_stage_that_breaks_down_leaves_no_sidecar(job, run):
     def stage(**arguments):
         raise ZeroDivisionError
 
     with pytest.raises(ZeroDivisionError):
-        run_figure(stage, job)
+        run(stage)
     assert not Path(job.output.sidecar).exists()
 
 
 @pytest.mark.parametrize("data", [{}, {"seed": 7}])
-def test_figure_of_unknown_source_has_no_sidecar(job, data):
+def test_figure_of_unknown_source_has_no_sidecar(job, run, data):
     with pytest.raises(KeyError, match="source"):
-        run_figure(Stage(data), job)
+        run(Stage(data))
     assert not Path(job.output.sidecar).exists()
 
 
-def test_run_stage_returns_what_the_stage_returns(job):
-    data = {"source": "rig"}
-    assert run_stage(Stage(data), job) is data
-
-
-def test_run_stage_gives_a_stage_without_sidecar_all_of_its_outputs(job):
+def test_stage_without_sidecar_is_given_all_of_its_outputs(job, run):
     job.output = Files(pdf=job.output.pdf, png=job.output.png)
     stage = Stage(None)
-    assert run_stage(stage, job) is None
+    run(stage)
     assert {"pdf", "png"} <= set(stage.arguments)
+
+
+def test_stage_is_found_by_its_name():
+    assert runner.stage_of("run.stage_of") is runner.stage_of

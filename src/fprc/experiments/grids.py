@@ -1,4 +1,4 @@
-"""Control-variable sweeps of Sec. III-E, and the weights of Fig. 9."""
+"""Grids of control variables, Sec. III-E, and the weights of Fig. 9."""
 
 import itertools
 import logging
@@ -9,18 +9,18 @@ from fprc.evaluation import cross_validate, split_rows
 from fprc.evaluation.weights import normalised_weights
 from fprc.experiments.data import Data
 from fprc.experiments.settings import Judgement
-from fprc.paper import SWEPT, SWEPT_SETTINGS
+from fprc.paper import GRID_MODELS, GRID_SETTINGS
 from fprc.registry import build
 
 log = logging.getLogger(__name__)
 
 
-def cells_of(sweep: str, values: Mapping[str, Sequence[float]]) -> list[dict[str, Any]]:
-    """Return what each cell of a sweep changes: a model and some of its settings."""
+def cells_of(grid: str, values: Mapping[str, Sequence[float]]) -> list[dict[str, Any]]:
+    """Return what each cell of a grid changes: a model and some of its settings."""
     return [
-        {"model": model, **dict(zip(SWEPT_SETTINGS[sweep], cell, strict=True))}
-        for model in SWEPT[sweep]
-        for cell in itertools.product(*(values[name] for name in SWEPT_SETTINGS[sweep]))
+        {"model": model, **dict(zip(GRID_SETTINGS[grid], cell, strict=True))}
+        for model in GRID_MODELS[grid]
+        for cell in itertools.product(*(values[name] for name in GRID_SETTINGS[grid]))
     ]
 
 
@@ -52,19 +52,19 @@ def judge_cell(
     }
 
 
-def sweep_models(
+def judge_grids(
     data: Mapping[str, Data], values: Mapping[str, Any], judgement: Judgement
 ) -> dict[str, list[dict[str, Any]]]:
-    """Return the cells of every sweep, the tap sizes on a coarser grid."""
+    """Return the cells of every grid, that of the tap sizes coarser."""
     coarse = dict(values) | {"n_u": values["replicate_taps"], "n_y": values["replicate_taps"]}
     logs = {"train": data["sweep"], "test": data["complex"]}
     found = {}
-    for sweep in ("epsilon", "n_c", "taps"):
-        found[sweep] = [
+    for grid in ("epsilon", "n_c", "taps"):
+        found[grid] = [
             {**cell, **judge_cell(cell, **logs, judgement=judgement)}
-            for cell in cells_of(sweep, coarse)
+            for cell in cells_of(grid, coarse)
         ]
-        log.info("swept %s: %d cells", sweep, len(found[sweep]))
+        log.info("judged grid %s: %d cells", grid, len(found[grid]))
     return found
 
 

@@ -27,7 +27,7 @@ def run_cells(
     """Judge every cell in a pool of processes, each on one thread.
 
     A finished cell is written to the checkpoint at once, so that a killed
-    sweep goes on where it was.
+    grid goes on where it was.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def _results(
         yield from pool(delayed(_judged)(judge, cell) for cell in cells)
 
 
-def _judged(judge: Callable, cell: Cell) -> tuple[Cell, dict[str, Any]]:
+def _judged(judge: Callable[[Cell], Mapping[str, Any]], cell: Cell) -> tuple[Cell, dict[str, Any]]:
     return cell, dict(judge(cell))
 
 

@@ -19,7 +19,7 @@ class Header(NamedTuple):
     attributes: Mapping[str, Any]
 
 
-class Holding(NamedTuple):
+class Content(NamedTuple):
     """One log: its channels (None: every one), and what an import said of them."""
 
     channels: frozenset[str] | None
@@ -31,11 +31,11 @@ class Holding(NamedTuple):
             return []
         return [name for name in names if name not in self.channels]
 
-    def having(self, names: Sequence[str]) -> "Holding":
+    def having(self, names: Sequence[str]) -> "Content":
         """Return the same log with these channels, as what their names say."""
         channels = None if self.channels is None else self.channels | {*names}
         notes = {name: note for name, note in self.notes.items() if name not in names}
-        return Holding(channels, notes)
+        return Content(channels, notes)
 
     def instead(self, name: str) -> str | None:
         """Return what a channel holds in place of what its name says, if it does."""
@@ -45,7 +45,7 @@ class Holding(NamedTuple):
 
 
 #: A log that has, or will have, every channel.
-COMPLETE = Holding(None, {})
+WHOLE = Content(None, {})
 
 
 def headers(paths: Iterable[Path | str], *, alone: bool) -> dict[str, Header]:
@@ -69,12 +69,12 @@ def headers(paths: Iterable[Path | str], *, alone: bool) -> dict[str, Header]:
     return {path.stem: Header(path, *each) for path, each in zip(there, found, strict=True)}
 
 
-def holdings(
+def contents(
     there: Mapping[str, Header],
     names: Sequence[str],
     to_come: Container[str] = (),
     without: Sequence[str] = (),
-) -> dict[str, Holding]:
+) -> dict[str, Content]:
     """Return those of the named logs that are there, or will be.
 
     Parameters
@@ -88,14 +88,14 @@ def holdings(
     without : sequence of str
         Channels that logs to come will lack all the same.
     """
-    coming = Holding(frozenset(RAW_CHANNELS) - set(without), {}) if without else COMPLETE
+    coming = Content(frozenset(RAW_CHANNELS) - set(without), {}) if without else WHOLE
     found = {}
     for name in names:
         if name in to_come:
             found[name] = coming
         elif name in there:
             told = there[name]
-            found[name] = Holding(told.channels, told.attributes.get("notes", {}))
+            found[name] = Content(told.channels, told.attributes.get("notes", {}))
     return found
 
 

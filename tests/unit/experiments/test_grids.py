@@ -1,6 +1,6 @@
 import pytest
 
-from fprc.experiments.sweeps import chunk_of
+from fprc.experiments.grids import chunk_of
 
 
 @pytest.mark.parametrize("chunks", [1, 2, 3, 7, 10, 23])

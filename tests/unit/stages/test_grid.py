@@ -1,11 +1,11 @@
 import pytest
 
 from fprc.config import Settings
-from fprc.evaluation.sweeps import run_cells
+from fprc.evaluation.cells import run_cells
 from fprc.logs import write_columns
-from fprc.stages import sweep as stage
+from fprc.stages import grid as stage
+from fprc.stages.grid import join_grid, judge_grid
 from fprc.stages.readout import measure_readout
-from fprc.stages.sweep import join_sweep, sweep_settings
 
 VALUES = {"n_u": [1, 2], "n_y": [1, 3, 2]}
 
@@ -29,15 +29,15 @@ def judgement():
 
 
 @pytest.fixture
-def sweep(logs, judgement, tmp_path):
-    """Make one sweep over the taps and return its file's name."""
+def grid(logs, judgement, tmp_path):
+    """Make one grid over the taps and return its file's name."""
 
     def call(name, **others):
         path = str(tmp_path / f"{name}.json")
-        sweep_settings(
+        judge_grid(
             *logs,
             path,
-            sweep="taps",
+            grid="taps",
             values=VALUES,
             judgement=judgement,
             checkpoint=str(tmp_path / f"{name}.jsonl"),
@@ -55,15 +55,15 @@ def read(path):
 
 
 @pytest.mark.parametrize("chunks", [2, 4, 8])
-def test_sweep_in_chunks_is_the_same_file(sweep, tmp_path, chunks):
-    parts = [sweep(f"part{k}", chunk=k, chunks=chunks) for k in range(chunks)]
-    join_sweep(parts, str(tmp_path / "joined.json"))
-    assert read(tmp_path / "joined.json") == read(sweep("whole"))
+def test_sweep_in_chunks_is_the_same_file(grid, tmp_path, chunks):
+    parts = [grid(f"part{k}", chunk=k, chunks=chunks) for k in range(chunks)]
+    join_grid(parts, str(tmp_path / "joined.json"))
+    assert read(tmp_path / "joined.json") == read(grid("whole"))
 
 
 @pytest.mark.slow
-def test_two_processes_write_what_one_does(sweep):
-    assert read(sweep("two", workers=2)) == read(sweep("one"))
+def test_two_processes_write_what_one_does(grid):
+    assert read(grid("two", workers=2)) == read(grid("one"))
 
 
 @pytest.mark.slow
@@ -76,8 +76,8 @@ def test_two_processes_compare_the_readouts_as_one_does(logs, judgement, tmp_pat
     assert read(tmp_path / "2.json") == read(tmp_path / "1.json")
 
 
-def test_chunk_that_was_killed_goes_on_at_its_next_cell(sweep, monkeypatch):
-    expected = read(sweep("whole", chunk=1, chunks=2))
+def test_chunk_that_was_killed_goes_on_at_its_next_cell(grid, monkeypatch):
+    expected = read(grid("whole", chunk=1, chunks=2))
     judge = stage.judge_cell
     judged = []
 
@@ -89,7 +89,7 @@ def test_chunk_that_was_killed_goes_on_at_its_next_cell(sweep, monkeypatch):
 
     monkeypatch.setattr(stage, "judge_cell", judge_two)
     with pytest.raises(KeyboardInterrupt):
-        sweep("killed", chunk=1, chunks=2)
+        grid("killed", chunk=1, chunks=2)
     asked = []
 
     def count(judge, cells, **settings):
@@ -101,7 +101,7 @@ def test_chunk_that_was_killed_goes_on_at_its_next_cell(sweep, monkeypatch):
 
     monkeypatch.setattr(stage, "judge_cell", judge)
     monkeypatch.setattr(stage, "run_cells", count)
-    assert read(sweep("killed", chunk=1, chunks=2)) == expected
+    assert read(grid("killed", chunk=1, chunks=2)) == expected
     assert len(judged) == 2
     assert len(asked) == 1
     assert asked[0] not in judged

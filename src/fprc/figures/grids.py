@@ -13,7 +13,7 @@ _STYLES = {"fprc": "-", "fuzzy_linear": "--"}
 _MARKERS = {"train": "o", "validation": "s", "test": "^"}
 
 
-def plot_errors_over(table: DataFrame, setting: str, label: dict, ax: Axes) -> Axes:
+def plot_errors_over(table: DataFrame, setting: str, label: dict[str, str], ax: Axes) -> Axes:
     """Draw training, validation and test RMSE over a setting, a line style a model.
 
     Parameters
@@ -26,7 +26,7 @@ def plot_errors_over(table: DataFrame, setting: str, label: dict, ax: Axes) -> A
     return ax
 
 
-def plot_times_over(table: DataFrame, setting: str, label: dict, ax: Axes) -> Axes:
+def plot_times_over(table: DataFrame, setting: str, label: dict[str, str], ax: Axes) -> Axes:
     """Draw training and test times over a setting; the table as for ``plot_errors_over``."""
     _plot_over(table, setting, label, ax)
     ax.set_ylabel("Time [s]")
@@ -34,7 +34,7 @@ def plot_times_over(table: DataFrame, setting: str, label: dict, ax: Axes) -> Ax
     return ax
 
 
-def _plot_over(table: DataFrame, setting: str, label: dict, ax: Axes) -> None:
+def _plot_over(table: DataFrame, setting: str, label: dict[str, str], ax: Axes) -> None:
     for (model, phase), rows in table.groupby(["model", "phase"], sort=False):
         rows = rows.sort_values(setting)
         ax.errorbar(

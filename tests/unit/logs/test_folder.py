@@ -6,9 +6,9 @@ import pytest
 
 from fprc.errors import LogError
 from fprc.logs import (
-    COMPLETE,
+    WHOLE,
+    contents,
     headers,
-    holdings,
     isolated,
     refuse_simulated,
     refuse_to_overwrite,
@@ -26,7 +26,7 @@ def test_channels_and_notes_of_the_logs_that_are_there(write_log, tmp_path, alon
     path = write_log("sweep.h5", notes={"theta_deg": "not in deg: x [mm]", "p_o_kpa": "muscle 1"})
     with h5py.File(path, "a") as log:
         del log["phi_deg"]
-    found = holdings(there(tmp_path, alone), NAMES)
+    found = contents(there(tmp_path, alone), NAMES)
     assert list(found) == ["sweep"]
     assert found["sweep"].lacks(["phi_deg", "p_o_kpa"]) == ["phi_deg"]
     assert found["sweep"].instead("theta_deg") == "x [mm]"
@@ -35,13 +35,13 @@ def test_channels_and_notes_of_the_logs_that_are_there(write_log, tmp_path, alon
 
 
 def test_logs_to_come_count_as_complete(tmp_path):
-    found = holdings(there(tmp_path), NAMES, to_come=["complex"])
-    assert found == {"complex": COMPLETE}
-    assert COMPLETE.lacks(["phi_deg", "anything"]) == []
+    found = contents(there(tmp_path), NAMES, to_come=["complex"])
+    assert found == {"complex": WHOLE}
+    assert WHOLE.lacks(["phi_deg", "anything"]) == []
 
 
 def test_logs_to_come_lack_what_the_rig_does_not_measure(tmp_path):
-    found = holdings(there(tmp_path), NAMES, to_come=NAMES, without=["phi_deg"])
+    found = contents(there(tmp_path), NAMES, to_come=NAMES, without=["phi_deg"])
     assert found["sweep"].lacks(["phi_deg", "p_o_kpa"]) == ["phi_deg"]
 
 

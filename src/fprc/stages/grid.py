@@ -1,4 +1,4 @@
-"""Control-variable sweeps of Sec. III-E, and the weights of Fig. 9."""
+"""Grids of control variables, Sec. III-E, and the weights of Fig. 9."""
 
 import hashlib
 import json
@@ -9,20 +9,20 @@ from pathlib import Path
 from typing import Any
 
 from fprc.artifacts import read_json, write_json
-from fprc.evaluation.sweeps import log_progress, run_cells
+from fprc.evaluation.cells import log_progress, run_cells
 from fprc.experiments.data import models_for, read_data
+from fprc.experiments.grids import cells_of, chunk_of, judge_cell, weight_shares
 from fprc.experiments.settings import Judgement
-from fprc.experiments.sweeps import cells_of, chunk_of, judge_cell, weight_shares
 
 log = logging.getLogger(__name__)
 
 
-def sweep_settings(
+def judge_grid(
     train: str,
     test: str,
     results: str,
     *,
-    sweep: str,
+    grid: str,
     values: Mapping[str, Sequence[float]],
     judgement: Mapping[str, Any],
     workers: int,
@@ -31,7 +31,7 @@ def sweep_settings(
     chunk: int = 0,
     chunks: int = 1,
 ) -> None:
-    """Cross-validate and test every cell of one sweep, or of one chunk of it.
+    """Cross-validate and test every cell of one grid, or of one chunk of it.
 
     ``version``, the fingerprint of the source, is part of the checkpoint's key:
     a checkpoint that other code, data or settings made is not used.
@@ -41,14 +41,14 @@ def sweep_settings(
     judgement : Mapping
         As ``fprc.experiments.settings.Judgement`` takes it.
     chunk, chunks : int
-        Which chunk, from 0, of how many; ``join_sweep`` puts them together.
+        Which chunk, from 0, of how many; ``join_grid`` puts them together.
     """
     digest = hashlib.sha256(json.dumps([judgement, version], sort_keys=True).encode())
     for path in (train, test):
         digest.update(Path(path).read_bytes())
     data = read_data(train)
     models_there = models_for(judgement["models"], data, read_data(test))
-    possible = [cell for cell in cells_of(sweep, values) if cell["model"] in models_there]
+    possible = [cell for cell in cells_of(grid, values) if cell["model"] in models_there]
     judged = run_cells(
         partial(_judge_from_files, train=train, test=test, judgement=Judgement(**judgement)),
         chunk_of(possible, chunk, chunks),
@@ -58,7 +58,7 @@ def sweep_settings(
         progress=log_progress,
     )
     described = {
-        "sweep": sweep,
+        "grid": grid,
         "source": data.attributes["source"],
         "seed": judgement["seed"],
         "unit": data.unit,
@@ -74,8 +74,8 @@ def _judge_from_files(
     return judge_cell(cell, train=read_data(train), test=read_data(test), judgement=judgement)
 
 
-def join_sweep(chunks: Sequence[str], results: str) -> None:
-    """Write the chunks of a sweep, in order, as if it had been one job."""
+def join_grid(chunks: Sequence[str], results: str) -> None:
+    """Write the chunks of a grid, in order, as if it had been one job."""
     parts = [read_json(path) for path in chunks]
     write_json(results, parts[0] | {"cells": [cell for part in parts for cell in part["cells"]]})
 

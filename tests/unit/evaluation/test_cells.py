@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from fprc.evaluation.sweeps import run_cells
+from fprc.evaluation.cells import run_cells
 
 CELLS = [{"model": "fprc", "n_c": n_c} for n_c in (4, 1, 3, 2)]
 
