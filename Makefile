@@ -3,53 +3,56 @@ PYTHON ?= python3
 CORES ?= 2
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 
-.PHONY: paper smoke test test-parts test-workflow test-kill reproduce-twice processors slurm \
-	test-slurm docs layers scaling fault-matrix fuzz loop-benchmark benchmark benchmark-all clean
+.PHONY: help paper smoke quick types lint test test-kill reproduce-twice processors slurm test-slurm \
+	docs layers scaling fault-matrix fuzz loop-benchmark benchmark benchmark-all clean
 
-paper: .venv/.ready
+help:  ## what each target does
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  %-16s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+
+paper: .venv/.ready  ## every table and figure of the paper, into results/
 	snakemake --cores $(CORES) all
 
-smoke: .venv/.ready
+smoke: .venv/.ready  ## the same rules on small settings, into results/smoke
 	snakemake --cores $(CORES) smoke
 
-test: .venv/.ready
+quick: .venv/.ready  ## style, types and the fast unit tests, while you work
+	ruff check --quiet .
+	ruff format --quiet --check .
+	mypy
+	pytest --quiet --numprocesses $(CORES) --dist loadfile -m "not slow" tests/unit $(PYTEST)
+
+types: .venv/.ready  ## the types of src
+	mypy
+
+lint: .venv/.ready  ## style, types, layers, the lint of the workflow
 	ruff check .
 	ruff format --check .
+	mypy
 	snakefmt --check Snakefile workflow/rules
 	snakemake --lint
 	lint-imports
-	$(MAKE) --no-print-directory types
+
+# The longest first. The third process works while the others wait: of what they start, much sleeps.
+test: lint  ## everything that must be green
 	@shared=$$(mktemp -d) && trap 'rm -rf "$$shared"' EXIT && FPRC_SMOKED=$$shared \
-	  $(MAKE) --no-print-directory --jobs 2 --output-sync test-parts test-workflow
-
-types: .venv/.ready
-	mypy
-
-# two processes of about the same length, which share one smoke run
-APART = tests/workflow/test_targets.py tests/workflow/test_hardware.py \
-	tests/workflow/test_twice.py tests/workflow/test_bad_input.py tests/workflow/test_disk.py
-
-test-parts:
-	pytest --ignore tests/workflow $(PYTEST) && pytest $(APART) $(PYTEST)
-
-test-workflow:
-	pytest tests/workflow $(APART:%=--ignore %) $(PYTEST)
+	  pytest --numprocesses 3 --dist loadfile tests/workflow tests/faults tests/fuzz \
+	  tests/reference tests/unit $(PYTEST)
 
 # twenty kills at random moments, ten minutes or more; `make test` makes two
-test-kill: .venv/.ready
+test-kill: .venv/.ready  ## twenty kills at random moments of the workflow; `make test` makes two
 	FPRC_KILLS=20 pytest tests/workflow/test_kill.py
 
 # the last commit in two cold builds, compared byte by byte: some ten minutes on two cores
-reproduce-twice: .venv/.ready
+reproduce-twice: .venv/.ready  ## the last commit in two cold builds, compared byte by byte
 	python tests/twice.py
 
 # the last commit as older processors compute it, small settings: some ten minutes on one core
-processors: .venv/.ready
+processors: .venv/.ready  ## the last commit as older processors compute it, small settings
 	python tests/twice.py --smoke --processors
 
 # What tests/workflow/test_slurm.py needs, where it can be had; without it that test is skipped.
 # The plugin asks Slurm at every start of Snakemake, so it has a folder of its own.
-slurm: .venv/.ready
+slurm: .venv/.ready  ## what the test of Slurm needs, where it can be had
 	@if python tests/slurm/one_node.py --why-not | grep -q "not installed"; then \
 	  if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
 	    apt-get -qq update && DEBIAN_FRONTEND=noninteractive \
@@ -62,41 +65,41 @@ slurm: .venv/.ready
 	  || echo "slurm: no snakemake-executor-plugin-slurm"
 
 # The whole smoke run through Slurm, some minutes; `make test` takes one job of each kind.
-test-slurm: slurm
+test-slurm: slurm  ## the smoke run through Slurm
 	SLURM_TARGETS=all pytest tests/workflow/test_slurm.py
 
-scaling: .venv/.ready
+scaling: .venv/.ready  ## the numbers of docs/scaling.md
 	snakemake --cores $(CORES) scaling_page
 
-docs: .venv/.ready
+docs: .venv/.ready  ## the numbers and pictures of README.md and docs/calibration.md
 	snakemake --cores $(CORES) readme calibration_page
 
 # the picture of the packages in CONTRIBUTING.md, from the imports
-layers: .venv/.ready
+layers: .venv/.ready  ## the picture of the packages in CONTRIBUTING.md
 	python tests/layers.py
 
 # what comes of each fault of the real rig, of files and of settings: docs/faults.md
-fault-matrix: .venv/.ready
+fault-matrix: .venv/.ready  ## the tables of docs/faults.md
 	pytest tests/faults --write-matrix
 
 # damaged files through the commands that read them, some quarter of an hour on two cores; fewer
 # with CASES=500, others with SEED=2, the counts as a page with PAGE=docs/fuzz.md
 CASES ?= 10000
 SEED ?= 1
-fuzz: .venv/.ready
+fuzz: .venv/.ready  ## 10,000 damaged files through the commands that read them
 	python tests/fuzz --cases $(CASES) --seed $(SEED) $(PAGE:%=--write %)
 
 # how punctual the real rig's loop is on this computer
-loop-benchmark: .venv/.ready
+loop-benchmark: .venv/.ready  ## how punctual the real rig's loop is on this computer
 	python tests/faults/benchmark_loop.py
 
 # speed beside other libraries, growth, time by rule: docs/performance.md
-benchmark: .venv/.ready
+benchmark: .venv/.ready  ## speed beside other libraries
 	python -m pip install --quiet --disable-pip-version-check --constraint environment.txt --editable '.[benchmark]'
 	snakemake --cores $(CORES) --forcerun rule_times -- benchmark performance_page
 
 # the whole workflow beside the same rules plainly written: half an hour or so
-benchmark-all: benchmark
+benchmark-all: benchmark  ## the whole workflow beside the same rules plainly written
 	snakemake --cores $(CORES) --forcerun measure_all -- results/benchmark/all.json
 	snakemake --cores $(CORES) --forcerun benchmark_table -- benchmark performance_page
 
@@ -108,5 +111,5 @@ benchmark-all: benchmark
 	touch $@
 
 # .snakemake stays: without its records, results of older code would pass for finished
-clean:
+clean:  ## remove .venv
 	rm -rf .venv
