@@ -19,7 +19,8 @@ quick: .venv/.ready  ## style, types and the fast unit tests, while you work
 	ruff check --quiet .
 	ruff format --quiet --check .
 	mypy
-	pytest --quiet --numprocesses $(CORES) --dist loadfile -m "not slow" tests/unit $(PYTEST)
+	FPRC_EXAMPLES=10 pytest --quiet --numprocesses $(CORES) --dist loadfile -m "not slow" tests/unit \
+	  $(PYTEST)
 
 types: .venv/.ready  ## the types of src
 	mypy

@@ -1,5 +1,6 @@
 import copy
 import importlib.util
+import os
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,9 @@ from fprc.config import Settings
 from fprc.experiments.hysteresis import acquire
 from fprc.logs import write_raw
 
-settings.register_profile("unit", max_examples=50, deadline=None, derandomize=True)
+# `make quick` asks for fewer examples
+EXAMPLES = int(os.environ.get("FPRC_EXAMPLES", "50"))
+settings.register_profile("unit", max_examples=EXAMPLES, deadline=None, derandomize=True)
 settings.load_profile("unit")
 
 

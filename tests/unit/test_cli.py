@@ -10,6 +10,8 @@ from fprc import __version__
 from fprc.cli import main
 from fprc.config import reference
 
+pytestmark = pytest.mark.slow
+
 CONFIG = Path(__file__).parents[2] / "config"
 
 

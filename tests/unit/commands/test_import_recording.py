@@ -21,6 +21,8 @@ from fprc.figures import style
 from fprc.logs import RAW_CHANNELS, assess, read_columns, read_raw, write_raw
 from fprc.stages.preprocess import preprocess
 
+pytestmark = pytest.mark.slow
+
 RATE = {"experiment": "sweep", "sample_rate_hz": 200.0, "rate_tolerance": 0.01}
 LIMITS = Settings().quality.model_dump()
 ANGLE = {"column": "theta_deg", "unit": "deg"}

@@ -7,6 +7,8 @@ import pytest
 from fprc.cli import main
 from fprc.logs import RAW_CHANNELS, Journal, read_columns, read_raw
 
+pytestmark = pytest.mark.slow
+
 ATTRIBUTES = {
     "experiment": "sweep",
     "source": "rig",

@@ -15,6 +15,8 @@ from fprc.logs import Columns, write_columns
 from fprc.registry import MODELS, colour_of
 from fprc.stages import draw
 
+pytestmark = pytest.mark.slow
+
 SIMULATED = {"source": "sim", "seed": 7, "model": "fprc"}
 
 

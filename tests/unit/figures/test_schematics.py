@@ -17,6 +17,8 @@ from fprc.figures.structure import boyle
 from fprc.logs import write_columns
 from fprc.stages import draw_schematics as draw
 
+pytestmark = pytest.mark.slow
+
 MODELS = {
     "n_y": 5,
     "esn": {"r": 800, "gamma": 0.8, "rho": 0.4, "f_input": 0.02},

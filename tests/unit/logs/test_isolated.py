@@ -8,6 +8,8 @@ from fprc.errors import LogError
 from fprc.logs.columns import read_columns
 from fprc.logs.isolated import attempt_each, isolated, isolated_each, time_limit_s
 
+pytestmark = pytest.mark.slow
+
 
 def test_result_is_that_of_the_function():
     table = np.arange(6.0).reshape(2, 3)

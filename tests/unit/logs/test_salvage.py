@@ -12,6 +12,8 @@ from fprc.logs import isolated as module
 from fprc.logs.columns import unit_of
 from fprc.logs.salvage import salvage
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("share", [0.9, 0.75, 0.5, 0.3])
 def test_numbers_of_a_cut_log_are_those_that_were_written(write_log, share):

@@ -23,6 +23,8 @@ from fprc.stages.record import record
 from fprc.stages.replicate import replicate
 from fprc.stages.track import identify_gain, track
 
+pytestmark = pytest.mark.slow
+
 SEED, SETTLE_S, QUIET_S = 7, 0.5, 1.5
 VALUES = {"epsilon": [1.0, 0.1], "n_c": [1, 2], "n_u": [1, 4], "n_y": [2], "replicate_taps": [1, 3]}
 SWEEPS = {

@@ -20,6 +20,8 @@ from fprc.figures import style
 from fprc.stages import tabulate
 from fprc.stages.draw_ensemble import draw_ensemble
 
+pytestmark = pytest.mark.slow
+
 PUBLISHED = Path(__file__).parents[3] / "config/published.yaml"
 PRINTED = yaml.safe_load(PUBLISHED.read_text(encoding="utf-8"))
 PATHS = list(Settings().calibration.free)
