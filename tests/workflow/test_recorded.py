@@ -52,7 +52,7 @@ def test_all_plans_what_the_logs_allow_and_nothing_else(recording):
     done = recording("theta_deg", "p_exp_kpa").smoke("--dry-run", "all", *ARGUMENTS)
     assert done.returncode == 0, done.stdout
     assert planned(done.stdout) == {
-        "all", "preprocess", "judge", "comparison_table", "configuration_table", "sweep",
+        "all", "preprocess", "judge", "comparison_table", "configuration_table", "grid",
         "measure_times", "measure_times_over_n_c", "timing_table", "steps_table",
         "draw_fig3", "draw_fig4", "draw_fig6", "draw_fig7", "draw_fig10", "list_unavailable",
         "report_page",
@@ -88,7 +88,7 @@ def test_one_log_alone_gives_what_is_drawn_from_it(recording):
     done = recording(*everything, names=["sweep"]).smoke("--dry-run", "all", *ARGUMENTS)
     assert done.returncode == 0, done.stdout
     assert {"draw_fig2", "draw_fig9"} <= planned(done.stdout)
-    assert not {"judge", "sweep", "measure_readout"} & planned(done.stdout)
+    assert not {"judge", "grid", "measure_readout"} & planned(done.stdout)
 
 
 def test_simulated_reservoir_serves_what_p_o_was_missing_for(recording):

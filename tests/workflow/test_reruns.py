@@ -32,7 +32,7 @@ def figures(*numbers):
 #: What every model shares: all but the experiments and what is made of their logs alone.
 MODELS = ESN | figures(*range(8, 18)) | {
     "judge": 3,
-    "sweep": 3,
+    "grid": 3,
     "weigh": 1,
     "measure_times_over_n_c": 1,
     "measure_readout": 1,
@@ -103,7 +103,7 @@ def test_edit_reruns_what_runs_that_code_and_nothing_else(smoked, tmp_path, what
 def test_every_rule_carries_the_fingerprint_of_its_stage(project):
     named, bare = set(), set()
     for path in (project.folder / "workflow/rules").glob("*.smk"):
-        # settings of several rules are one of its dicts, for example SWEEP
+        # settings of several rules are one of its dicts, for example GRID
         text = path.read_text(encoding="utf-8")
         shared = dict(re.findall(r"^([A-Z]+) = (\{.*?^\})", text, flags=re.MULTILINE | re.DOTALL))
         for rule in re.split(r"^ *rule(?: \w+)?:$", text, flags=re.MULTILINE)[1:]:
@@ -124,10 +124,10 @@ CHANGES = {
     "rigs of the ensemble": ("ensemble={rigs: 6}", {"report_page": 1}),
     "values of n_c": (
         "grids={n_c: [2, 8]}",
-        SEEDS | {"sweep": 1, "measure_times_over_n_c": 1, "draw_fig10": 1, "ledger": 1,
+        SEEDS | {"grid": 1, "measure_times_over_n_c": 1, "draw_fig10": 1, "ledger": 1,
                  "report_page": 1},
     ),
-    "taps": ("grids={n_u: [1, 2]}", {"sweep": 1, "draw_fig11": 1, "report_page": 1}),
+    "taps": ("grids={n_u: [1, 2]}", {"grid": 1, "draw_fig11": 1, "report_page": 1}),
     "candidates of the gain": (
         "tracking={candidate_kp_kpa_per_deg: [0.5, 3]}",
         SEEDS | {"identify_gain": 1, "track": 5, "tracking_table": 1, "ledger": 1, "report_page": 1}

@@ -18,7 +18,7 @@ def test_dry_run_of_the_paper_plans_every_stage(project):
     assert jobs["replicate"] == 5
     assert jobs["measure_times"] == 1
     assert jobs["track"] == 5
-    assert jobs["sweep"] == 3
+    assert jobs["grid"] == 3
 
 
 def test_profile_of_slurm_names_rules_that_there_are_and_groups_every_drawing(project):
@@ -45,7 +45,7 @@ def test_default_profile_is_read(project):
         ("table1", {"configuration_table"}, {"record"}),
         ("table2", {"comparison_table", "judge"}, {"measure_times", "replicate"}),
         ("table3", {"comparison_table", "judge"}, {"measure_times", "replicate"}),
-        ("table4", {"tracking_table", "track", "identify_gain"}, {"sweep", "replicate"}),
+        ("table4", {"tracking_table", "track", "identify_gain"}, {"grid", "replicate"}),
         ("seeds", {"seeds_table", "orders_table", "replicate"}, {"judge", "record"}),
         ("timing", {"timing_table", "measure_times"}, {"judge"}),
         ("fig1", {"draw_fig1", "record"}, {"judge"}),
@@ -61,15 +61,15 @@ def test_default_profile_is_read(project):
         ("fig4", {"draw_fig4"}, {"judge", "measure_times"}),
         ("fig5", {"draw_fig5"}, {"judge", "measure_times"}),
         ("fig8", {"draw_fig8", "judge"}, {"replicate", "measure_times"}),
-        ("fig9", {"draw_fig9", "weigh"}, {"judge", "sweep"}),
-        ("fig10", {"draw_fig10", "sweep", "measure_times_over_n_c"}, {"judge", "track"}),
-        ("fig11", {"draw_fig11", "sweep"}, {"judge", "measure_times_over_n_c"}),
-        ("fig12", {"draw_fig12", "track"}, {"sweep", "tracking_table"}),
-        ("fig13", {"draw_fig13", "track"}, {"sweep", "tracking_table"}),
-        ("fig14", {"draw_fig14", "track"}, {"sweep", "tracking_table"}),
-        ("fig15", {"draw_fig15", "track"}, {"sweep", "tracking_table"}),
-        ("fig16", {"draw_fig16", "track"}, {"sweep", "tracking_table"}),
-        ("fig17", {"draw_fig17", "track"}, {"sweep", "tracking_table"}),
+        ("fig9", {"draw_fig9", "weigh"}, {"judge", "grid"}),
+        ("fig10", {"draw_fig10", "grid", "measure_times_over_n_c"}, {"judge", "track"}),
+        ("fig11", {"draw_fig11", "grid"}, {"judge", "measure_times_over_n_c"}),
+        ("fig12", {"draw_fig12", "track"}, {"grid", "tracking_table"}),
+        ("fig13", {"draw_fig13", "track"}, {"grid", "tracking_table"}),
+        ("fig14", {"draw_fig14", "track"}, {"grid", "tracking_table"}),
+        ("fig15", {"draw_fig15", "track"}, {"grid", "tracking_table"}),
+        ("fig16", {"draw_fig16", "track"}, {"grid", "tracking_table"}),
+        ("fig17", {"draw_fig17", "track"}, {"grid", "tracking_table"}),
         (
             "benchmark",
             {"measure_benchmark", "benchmark_table", "benchmark_figure", "rule_times"},
