@@ -1,6 +1,7 @@
 import fcntl
 import importlib.util
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -94,6 +95,13 @@ class Project:
     def begin(self, *arguments: str, **environment: str) -> "Run":
         return Run(self.folder, [*SNAKEMAKE, "--cores", "2", *arguments], environment)
 
+    def recover(self) -> None:
+        """Give the command of the README for after a kill, word by word."""
+        text = (ROOT / "README.md").read_text(encoding="utf-8")
+        command = re.search("After a kill, `(snakemake [^`]+)`", text)
+        done = self.run(*command[1].split())
+        assert done.returncode == 0, done.stdout
+
     def files(self, *folders: str) -> dict[str, bytes]:
         return {
             str(path.relative_to(self.folder)): path.read_bytes()
@@ -112,23 +120,34 @@ class Project:
 
 
 @pytest.fixture(scope="session")
-def smoked(tmp_path_factory):
-    """Project with a finished smoke run, and what the run printed. Read only.
+def shared(tmp_path_factory):
+    """Folder for what several processes share: FPRC_SMOKED, or one of this process alone."""
+    return Path(os.environ.get("FPRC_SMOKED") or tmp_path_factory.mktemp("smoked"))
 
-    FPRC_SMOKED is an empty folder for it that several processes share.
-    """
-    shared = Path(os.environ.get("FPRC_SMOKED") or tmp_path_factory.mktemp("smoked"))
-    folder, printed = shared / "project", shared / "printed.txt"
-    with (shared / "lock").open("w") as lock:
+
+def once(shared: Path, name: str, make) -> tuple[Project, str]:
+    """Return a project of that name that ``make(folder)`` prepares once, and what it printed."""
+    folder, printed = shared / name, shared / f"{name}.txt"
+    with (shared / f"{name}.lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not printed.exists():
             shutil.rmtree(folder, ignore_errors=True)
-            folder.mkdir()
-            # the words in this order are in the README; see the file `all`
-            done = Project(folder).snakemake("--configfile", "config/smoke.yaml", "all")
+            done = make(folder)
             assert done.returncode == 0, done.stdout
             printed.write_text(done.stdout, encoding="utf-8")
     return _existing(folder), printed.read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="session")
+def smoked(shared):
+    """Project with a finished smoke run, and what the run printed. Read only."""
+
+    def make(folder):
+        folder.mkdir()
+        # the words in this order are in the README; see the file `all`
+        return Project(folder).snakemake("--configfile", "config/smoke.yaml", "all")
+
+    return once(shared, "project", make)
 
 
 @pytest.fixture(scope="session")
@@ -142,7 +161,10 @@ def twice():
 
 @pytest.fixture(scope="session")
 def rebuilt(twice, tmp_path_factory):
-    """Second cold build under other circumstances, and what its processes wrote of themselves."""
+    """Second cold build under other circumstances, and what its processes wrote of themselves.
+
+    It is killed after ten jobs, and goes on.
+    """
     folder = tmp_path_factory.mktemp("rebuilt") / "a folder"
     trace = tmp_path_factory.mktemp("trace")
     folder.mkdir()
@@ -150,6 +172,12 @@ def rebuilt(twice, tmp_path_factory):
     cores, circumstances = twice.CIRCUMSTANCES[1]
     paths = [str(TRACING), *filter(None, [os.environ.get("PYTHONPATH")])]
     traced = {"FPRC_TRACE": str(trace), "PYTHONPATH": os.pathsep.join(paths)}
+    run = project.begin("--configfile", "config/smoke.yaml", **circumstances, **traced)
+    while run.process.poll() is None and run.printed().count("Finished jobid") < 10:
+        time.sleep(0.05)
+    assert run.process.poll() is None, run.printed()
+    run.kill()
+    project.recover()
     done = project.smoke("--cores", cores, "all", **circumstances, **traced)
     assert done.returncode == 0, done.stdout
     return project, trace
@@ -178,12 +206,15 @@ def smoked_copy(smoked, tmp_path):
 
 
 @pytest.fixture(scope="session")
-def calibrated(smoked, tmp_path_factory):
+def calibrated(smoked, shared):
     """Finished smoke run on which the targets outside `all` were made too, and what it printed."""
-    copy = _copied(smoked[0], tmp_path_factory.mktemp("calibrated") / "copy")
-    # and a sweep again, in chunks this time
-    (copy.folder / "results/smoke/grids/taps.json").unlink()
-    targets = ["ensemble", "targets", "sensitivity", "calibrate"]
-    done = copy.smoke(*targets, "results/smoke/grids/taps.json", "--config", "grids={chunks: 3}")
-    assert done.returncode == 0, done.stdout
-    return copy, done.stdout
+
+    def make(folder):
+        copy = _copied(smoked[0], folder)
+        # and a grid again, in chunks this time
+        (folder / "results/smoke/grids/taps.json").unlink()
+        targets = ["ensemble", "targets", "sensitivity", "calibrate"]
+        chunks = ["--config", "grids={chunks: 3}"]
+        return copy.smoke(*targets, "results/smoke/grids/taps.json", *chunks)
+
+    return once(shared, "calibrated", make)
