@@ -11,7 +11,7 @@ from fprc.fingerprint import fingerprint
 from fprc.logs import headers, refuse_simulated, refuse_to_overwrite
 from fprc.paper import EXPERIMENTS, REFERENCES, GRID_MODELS, GRID_SETTINGS, run_log
 from fprc.plan import BY_NAME, Plan, refusal
-from fprc.registry import MODELS, class_module, settings_of
+from fprc.registry import MODELS, class_module, model_of_run, settings_of
 
 min_version("9.0")
 

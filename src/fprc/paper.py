@@ -67,3 +67,11 @@ def controller_and_gain(name: str) -> tuple[str, str]:
 def run_log(reference: str, controller: str) -> str:
     """Return the name of the log of one closed-loop run."""
     return f"track_{reference}_{controller}"
+
+
+def reference_and_controller(log: str) -> tuple[str, str]:
+    """Return what ``run_log`` made a name of."""
+    for reference in (*REFERENCES, DISTURBANCE):
+        if log.startswith(run_log(reference, "")):
+            return reference, log.removeprefix(run_log(reference, ""))
+    raise ValueError(f"{log} is no closed-loop run")

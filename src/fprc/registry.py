@@ -8,7 +8,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fprc.errors import ConfigError
-from fprc.paper import CONTROLLERS, GAINS
+from fprc.paper import CONTROLLERS, GAINS, controller_and_gain, reference_and_controller
 
 if TYPE_CHECKING:
     from fprc.models import SequenceModel
@@ -175,6 +175,13 @@ def controllers(models: Settings) -> list[str]:
 def feedforward_of(controller: str) -> str | None:
     """Return the model that gives a controller's P_ff; None for PD alone."""
     return None if controller == "pd" else controller.removesuffix("_pd")
+
+
+def model_of_run(log: str) -> str:
+    """Return the model that a run of the closed loop needs; FPRC where it needs none."""
+    if not log.startswith("track_"):
+        return "fprc"
+    return feedforward_of(controller_and_gain(reference_and_controller(log)[1])[0]) or "fprc"
 
 
 def controller_title(controller: str) -> str:

@@ -26,15 +26,14 @@ IDENTIFY = [f"identify_{kp:g}" for kp in SETTINGS["tracking"]["candidate_kp_kpa_
 
 if SETTINGS["source"] == "rig":
 
-    FITTED = PATHS.model("sweep", "fprc")
+    FITTED = lambda wildcards: PATHS.model("sweep", model_of_run(wildcards.name))
 
     rule record_on_rig:
         input:
-            lambda wildcards: (
-                []
-                if wildcards.name in EXPERIMENTS
-                else [FITTED] if wildcards.name in IDENTIFY else [FITTED, GAINS]
-            ),
+            lambda wildcards: [
+                *([] if wildcards.name in EXPERIMENTS else [FITTED(wildcards)]),
+                *([] if wildcards.name in [*EXPERIMENTS, *IDENTIFY] else [GAINS]),
+            ],
         output:
             raw=PATHS.log("{name}"),
         log:
@@ -51,7 +50,7 @@ if SETTINGS["source"] == "rig":
             name="{name}",
             settings=SETTINGS,
             armed=ARMED,
-            model=FITTED,
+            model=lambda wildcards: FITTED(wildcards),
             gains=GAINS,
         message:
             "Experiment {wildcards.name} on the real rig"

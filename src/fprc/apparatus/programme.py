@@ -1,6 +1,6 @@
 """Experiments of the real rig by name: what runs, for how long, and what its log says."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any, NamedTuple
 
 from fprc import __version__
@@ -10,7 +10,8 @@ from fprc.errors import ConfigError
 from fprc.experiments.tracking import Track, candidate
 from fprc.logs import RAW_CHANNELS
 from fprc.models import SequenceModel, load_model
-from fprc.paper import CONTROLLERS, EXPERIMENTS, controller_and_gain, run_log
+from fprc.paper import EXPERIMENTS, controller_and_gain, reference_and_controller, run_log
+from fprc.registry import controllers, model_of_run, outside_class
 from fprc.signals import pressure_command
 
 _IDENTIFY = "identify_"
@@ -46,7 +47,11 @@ def names(settings: Mapping[str, Any]) -> list[str]:
     return [
         *EXPERIMENTS,
         *(f"{_IDENTIFY}{kp:g}" for kp in tracking["candidate_kp_kpa_per_deg"]),
-        *(run_log(reference, one) for reference in tracking["references"] for one in CONTROLLERS),
+        *(
+            run_log(reference, one)
+            for reference in tracking["references"]
+            for one in controllers(settings["models"])
+        ),
     ]
 
 
@@ -79,8 +84,7 @@ def plan(name: str, settings: Mapping[str, Any], model: str = "", gains: str = "
         known_gains = {"identified": candidate(kp, bench.tracking["printed_gains"])}
         hint = ""
     else:
-        reference = next(r for r in bench.tracking["references"] if name.startswith(f"track_{r}_"))
-        controller = name.removeprefix(f"track_{reference}_")
+        reference, controller = reference_and_controller(name)
         known_gains = read_json(gains)
         quiet_s = bench.tracking["pushes"]["quiet_s"]
         hint = (
@@ -90,7 +94,8 @@ def plan(name: str, settings: Mapping[str, Any], model: str = "", gains: str = "
         )
     theta_d = bench.reference(reference)
     kind, gain = controller_and_gain(controller)
-    fitted = None if kind == "pd" else _warm(model)
+    outside = outside_class(model_of_run(name), settings["models"])
+    fitted = None if kind == "pd" else _warm(model, outside)
     law = bench.law(theta_d, fitted, known_gains.get(gain))
     attributes = bench.describe(reference, controller, known_gains) | {"experiment": name}
     return Experiment(
@@ -102,9 +107,9 @@ def plan(name: str, settings: Mapping[str, Any], model: str = "", gains: str = "
     )
 
 
-def _warm(path: str) -> SequenceModel:
+def _warm(path: str, outside: Collection[type]) -> SequenceModel:
     """Return a model that has run once, so that nothing is compiled in the first tick."""
-    model = load_model(path)
+    model = load_model(path, outside)
     model.step((0.0,) * model.n_features_in_)
     return model
 

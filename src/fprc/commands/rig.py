@@ -8,6 +8,7 @@ from fprc.apparatus.guardian import guard
 from fprc.apparatus.programme import names
 from fprc.apparatus.record import record_on_rig
 from fprc.config import from_files
+from fprc.registry import model_of_run
 
 
 def check(files: Sequence[str], *, armed: bool) -> None:
@@ -52,7 +53,7 @@ def run_by_name(
         name=name,
         settings=settings,
         armed=armed,
-        model=model or f"{results}/models/sweep_fprc.h5",
+        model=model or f"{results}/models/sweep_{model_of_run(name)}.h5",
         gains=gains or f"{results}/control/gains.json",
     )
 

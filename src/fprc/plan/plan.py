@@ -7,7 +7,14 @@ from typing import Any
 
 from fprc.logs import Content, contents
 from fprc.logs.folder import Header
-from fprc.paper import DISTURBANCE, EXPERIMENTS, REFERENCES, controller_and_gain, run_log
+from fprc.paper import (
+    DISTURBANCE,
+    EXPERIMENTS,
+    REFERENCES,
+    controller_and_gain,
+    reference_and_controller,
+    run_log,
+)
 from fprc.plan.availability import unavailable, why_not
 from fprc.plan.paths import Paths
 from fprc.plan.results import BY_NAME, CHORES, RESULTS, Result, figure_number
@@ -252,4 +259,4 @@ class Plan:
 
 def _follows(result: Result, reference: str) -> bool:
     """Tell whether a result shows a reference; Table IV, which needs no run in particular, all."""
-    return not result.logs or any(log.startswith(f"track_{reference}_") for log in result.logs)
+    return not result.logs or reference in {reference_and_controller(log)[0] for log in result.logs}

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from fprc import escape, tables
+from fprc import escape
 from fprc.artifacts import read_json, write_csv
 from fprc.figures import style
 from fprc.figures.grids import plot_errors_over, plot_grid, plot_times_over
@@ -14,6 +14,7 @@ from fprc.figures.weights import plot_shares
 from fprc.logs import Columns, read_columns
 from fprc.registry import colour_of
 from fprc.tables.drawn import fit_errors, grid_errors, grid_times, panels, weight_shares
+from fprc.tables.readout import readout as readout_errors
 
 _DATA = ("time_s", "p_target_kpa", "theta_deg")
 _SYMBOLS = {"theta": r"$\theta$", "p_target": r"$P_\mathrm{exp}$", "p_o": "$P_o$"}
@@ -153,7 +154,7 @@ def draw_taps(taps: str, csv: str, pdf: str, png: str) -> Mapping[str, Any]:
 def draw_readout(cells: str, pdf: str, png: str) -> Mapping[str, Any]:
     """Draw validation (blocked folds) and test errors over epsilon and n_u."""
     report = read_json(cells)
-    table, own = tables.readout(report), report["own"]
+    table, own = readout_errors(report), report["own"]
     table = table[table["split"] == "blocked"]
     over = {
         "epsilon": table[table["n_u"] == own["n_u"]],
