@@ -36,8 +36,8 @@ lint: .venv/.ready  ## style, types, layers, the lint of the workflow
 # The longest first. The third process works while the others wait: of what they start, much sleeps.
 test: lint  ## everything that must be green
 	@shared=$$(mktemp -d) && trap 'rm -rf "$$shared"' EXIT && FPRC_SMOKED=$$shared \
-	  pytest --numprocesses 3 --dist loadfile tests/workflow tests/faults tests/fuzz \
-	  tests/reference tests/unit $(PYTEST)
+	  pytest --numprocesses 3 --dist loadfile --no-loadscope-reorder tests/workflow tests/faults \
+	  tests/fuzz tests/reference tests/unit $(PYTEST)
 
 # twenty kills at random moments, ten minutes or more; `make test` makes two
 test-kill: .venv/.ready  ## twenty kills at random moments of the workflow; `make test` makes two

@@ -112,7 +112,8 @@ _fresh: list[str] = []
 def _kept() -> dict[str, Any]:
     """Return what was read before by other processes: each job asks again."""
     with suppress(OSError, ValueError):
-        return json.loads(_file().read_text(encoding="utf-8"))
+        kept = json.loads(_file().read_text(encoding="utf-8"))
+        return kept if isinstance(kept, dict) else {}
     return {}
 
 
