@@ -33,11 +33,13 @@ lint: .venv/.ready  ## style, types, layers, the lint of the workflow
 	snakemake --lint
 	lint-imports
 
+LONGEST = tests/workflow/test_twice.py tests/workflow/test_slurm.py tests/workflow/test_kill.py
+
 # The longest first. The third process works while the others wait: of what they start, much sleeps.
 test: lint  ## everything that must be green
 	@shared=$$(mktemp -d) && trap 'rm -rf "$$shared"' EXIT && FPRC_SMOKED=$$shared \
-	  pytest --numprocesses 3 --dist loadfile --no-loadscope-reorder tests/workflow tests/faults \
-	  tests/fuzz tests/reference tests/unit $(PYTEST)
+	  pytest --numprocesses 3 --dist loadfile --no-loadscope-reorder $(LONGEST) tests/workflow \
+	  tests/faults tests/fuzz tests/reference tests/unit $(PYTEST)
 
 # twenty kills at random moments, ten minutes or more; `make test` makes two
 test-kill: .venv/.ready  ## twenty kills at random moments of the workflow; `make test` makes two
