@@ -41,8 +41,8 @@ test: lint  ## everything that must be green
 	  pytest --numprocesses 3 --dist loadfile --no-loadscope-reorder $(LONGEST) tests/workflow \
 	  tests/faults tests/fuzz tests/reference tests/unit $(PYTEST)
 
-# twenty kills at random moments, ten minutes or more; `make test` makes two
-test-kill: .venv/.ready  ## twenty kills at random moments of the workflow; `make test` makes two
+# ten minutes or more; `make test` kills one build
+test-kill: .venv/.ready  ## twenty kills at random moments of the workflow
 	FPRC_KILLS=20 pytest tests/workflow/test_kill.py
 
 # the last commit in two cold builds, compared byte by byte: some ten minutes on two cores
