@@ -2,6 +2,8 @@
 PYTHON ?= python3
 CORES ?= 2
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
+# a job is a process: what it imports is compiled once
+export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: help paper smoke quick types lint test test-kill reproduce-twice processors slurm test-slurm \
 	docs layers scaling fault-matrix fuzz loop-benchmark benchmark benchmark-all clean

@@ -199,6 +199,12 @@ def _copied(project, folder):
     return _existing(folder)
 
 
+@pytest.fixture(scope="session")
+def copied():
+    """Return what copies a project into a folder."""
+    return _copied
+
+
 @pytest.fixture
 def smoked_copy(smoked, tmp_path):
     """Finished smoke run that a test may break."""

@@ -1,10 +1,14 @@
 import shlex
+import shutil
+from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 
-from fprc.errors import ConfigError
+from fprc.config import Settings
+from fprc.errors import ConfigError, LogError
+from fprc.stages.preprocess import preprocess
 from fprc.yaml_file import read_yaml
 
 
@@ -133,21 +137,38 @@ def break_notes(path):
         log.attrs["notes"] = "{"
 
 
+SPOILED = [
+    (truncate, ["cut short"]),
+    (drop_channel, ["channel p_o_kpa", "missing"]),
+    (spoil_sample, ["channel theta_deg", "sample 123"]),
+    (change_unit, ["channel p_i_kpa", "units are bar, must be kPa"]),
+    (stretch_time, ["channel time_s", "100 Hz, must be 200 Hz"]),
+    (swap_samples, ["channel time_s", "sample 77"]),
+    (turn_a_bit, ["channel p_exp_command_kpa", "checksum is wrong"]),
+    (link_elsewhere, ["channel p_o_kpa", "link to another file"]),
+    (break_notes, ["attribute notes", "JSON object"]),
+]
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("spoil", "words"),
-    [
-        (truncate, ["cut short"]),
-        (drop_channel, ["channel p_o_kpa", "missing"]),
-        (spoil_sample, ["channel theta_deg", "sample 123"]),
-        (change_unit, ["channel p_i_kpa", "units are bar, must be kPa"]),
-        (stretch_time, ["channel time_s", "100 Hz, must be 200 Hz"]),
-        (swap_samples, ["channel time_s", "sample 77"]),
-        (turn_a_bit, ["channel p_exp_command_kpa", "checksum is wrong"]),
-        (link_elsewhere, ["channel p_o_kpa", "link to another file"]),
-        (break_notes, ["attribute notes", "JSON object"]),
-    ],
-)
+@pytest.mark.parametrize(("spoil", "words"), SPOILED)
+def test_bad_raw_log_is_refused_before_anything_is_written(smoked, tmp_path, spoil, words):
+    raw = shutil.copy(smoked[0].folder / "results/smoke/raw/sweep.h5", tmp_path)
+    spoil(Path(raw))
+    limits = Settings().quality.model_dump()
+    with pytest.raises(LogError) as refused:
+        preprocess(
+            str(raw), str(tmp_path / "data.h5"), str(tmp_path / "quality.json"),
+            experiment="sweep", target="command", sample_rate_hz=200.0, limits=limits,
+        )  # fmt: skip
+    assert "sweep.h5: " in str(refused.value)
+    for word in words:
+        assert word in str(refused.value)
+    assert [path.name for path in tmp_path.iterdir()] == ["sweep.h5"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("spoil", "words"), [SPOILED[0], SPOILED[2]])
 def test_bad_raw_log_is_one_line_and_nothing_is_overwritten(smoked_copy, spoil, words):
     raw = smoked_copy.folder / "results/smoke/raw/sweep.h5"
     spoil(raw)

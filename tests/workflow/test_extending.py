@@ -23,43 +23,43 @@ def block(language):
 
 
 @pytest.fixture(scope="module")
-def extended(smoked, tmp_path_factory):
-    """Results folder of a smoke run with a fourth model."""
-    project = smoked[0]
-    folder = tmp_path_factory.mktemp("extended")
+def extended(smoked, copied, tmp_path_factory):
+    """Results of a smoke run to which a fourth model was added."""
+    folder = tmp_path_factory.mktemp("extended") / "project"
+    project = copied(smoked[0], folder)
     (folder / "my_models.py").write_text(block("python"), encoding="utf-8")
-    folders = f"folders: {{raw: {folder}/logs, results: {folder}/results}}\n"
-    mine = re.sub(r"folders: .*\n", folders, block("yaml"))
+    mine = re.sub(r"folders: .*\n", "", block("yaml"))
     (folder / "mine.yaml").write_text(mine, encoding="utf-8")
-    files = ["config/smoke.yaml", str(folder / "mine.yaml")]
     path = os.pathsep.join(filter(None, [str(folder), os.environ.get("PYTHONPATH")]))
-    done = project.snakemake("--nolock", "--configfile", *files, "--", *TARGETS, PYTHONPATH=path)
+    asked = ["--configfile", "config/smoke.yaml", "mine.yaml", "--", *TARGETS]
+    done = project.snakemake(*asked, PYTHONPATH=path)
     assert done.returncode == 0, done.stdout
-    return folder
+    assert re.search(r"^judge +1$", done.stdout, re.MULTILINE)
+    return folder / "results/smoke"
 
 
 @pytest.mark.parametrize("name", ["table2", "table3", "table2_seeds", "table3_seeds"])
 def test_model_is_in_the_tables_with_nothing_printed(extended, name):
-    table = pd.read_csv(extended / f"results/tables/{name}.csv").set_index("model")
+    table = pd.read_csv(extended / f"tables/{name}.csv").set_index("model")
     assert list(dict.fromkeys(table.index)) == ["esn", "fprc", "fuzzy_linear", "ridge_on_taps"]
     ours = table.loc["ridge_on_taps"]
     assert np.isfinite(ours["mean"]).all()
     assert ours["published_mean"].isna().all()
     assert table.loc["fprc", "published_mean"].notna().all()
-    page = (extended / f"results/tables/{name}.md").read_text(encoding="utf-8")
+    page = (extended / f"tables/{name}.md").read_text(encoding="utf-8")
     cells = [row.split("|")[-2].strip() for row in page.splitlines() if row.startswith("| T")]
     assert cells == ["-", "-"]
 
 
 def test_times_and_steps_are_measured(extended):
-    times = pd.read_csv(extended / "results/timing/table2_timing.csv")
+    times = pd.read_csv(extended / "timing/table2_timing.csv")
     assert (times["model"] == "ridge_on_taps").sum() == 4
-    steps = pd.read_csv(extended / "results/timing/step_cost.csv").set_index("model")
+    steps = pd.read_csv(extended / "timing/step_cost.csv").set_index("model")
     assert steps.loc["ridge_on_taps", "median_us"] > 0
 
 
 def test_model_is_ridge_regression_on_taps(extended):
-    model = load_model(extended / "results/models/sweep_ridge_on_taps.h5", [_class(extended)])
+    model = load_model(extended / "models/sweep_ridge_on_taps.h5", [_class(extended)])
     X = np.random.default_rng(1).uniform(0, 60, (40, 1))
     held = np.concatenate([np.full(9, X[0, 0]), X[:, 0]])
     rows = np.array([held[k : k + 10][::-1] for k in range(len(X))])
@@ -69,14 +69,14 @@ def test_model_is_ridge_regression_on_taps(extended):
 
 def _class(folder):
     namespace = {"__name__": "my_models"}
-    exec((folder / "my_models.py").read_text(encoding="utf-8"), namespace)
+    exec((folder.parents[1] / "my_models.py").read_text(encoding="utf-8"), namespace)
     cls = namespace["RidgeOnTaps"]
     cls.__module__ = __name__
     return cls
 
 
 def test_model_drives_closed_loops(extended):
-    table = pd.read_csv(extended / "results/tables/table4.csv")
+    table = pd.read_csv(extended / "tables/table4.csv")
     ours = table[table["controller"].str.startswith("ridge_on_taps")]
     assert set(zip(ours["controller"], ours["gain"], strict=True)) == {
         ("ridge_on_taps", "none"),
@@ -84,19 +84,19 @@ def test_model_drives_closed_loops(extended):
         ("ridge_on_taps_pd", "identified"),
     }
     assert np.isfinite(ours["rmse_deg"]).all()
-    with h5py.File(extended / "logs/track_sine_0p2_ridge_on_taps.h5") as log:
-        model = load_model(extended / "results/models/sweep_ridge_on_taps.h5", [_class(extended)])
+    with h5py.File(extended / "raw/track_sine_0p2_ridge_on_taps.h5") as log:
+        model = load_model(extended / "models/sweep_ridge_on_taps.h5", [_class(extended)])
         expected = model.predict(log["theta_d_deg"][:][:, None])
         assert np.allclose(log["p_ff_kpa"], expected)
 
 
 def test_figure_shows_the_model(extended):
-    errors = pd.read_csv(extended / "results/figures/training_ridge_on_taps.csv")
+    errors = pd.read_csv(extended / "figures/training_ridge_on_taps.csv")
     assert set(errors["model"]) == {"ridge_on_taps"}
-    table = pd.read_csv(extended / "results/tables/table2.csv").set_index(["model", "metric"])
+    table = pd.read_csv(extended / "tables/table2.csv").set_index(["model", "metric"])
     tested = errors.set_index("phase").loc["test", "rmse"]
     assert tested == pytest.approx(table.loc[("ridge_on_taps", "test_rmse"), "mean"])
-    assert (extended / "results/figures/training_ridge_on_taps.pdf").stat().st_size > 1000
+    assert (extended / "figures/training_ridge_on_taps.pdf").stat().st_size > 1000
 
 
 def test_class_that_is_not_there_is_refused_by_its_key(smoked, tmp_path):
