@@ -1,10 +1,10 @@
-"""Damaged and odd files through the commands that read them: `make fuzz`.
+"""Run the commands on damaged and odd files: `make fuzz`.
 
-Each case is made of the seed and its number alone, so that it can be repeated alone:
+Each case depends only on the seed and its number, so it can be repeated alone:
 
     python tests/fuzz --seed 1 --case 4711
 
-The files of cases that end as they must not are kept in the folder of ``--keep``.
+The folder given by ``--keep`` gets the files of cases with a forbidden outcome.
 """
 
 import argparse

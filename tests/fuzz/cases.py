@@ -1,4 +1,4 @@
-"""Which case has which number, and how it is run."""
+"""The kind of each case by its number, and how a case runs."""
 
 import io
 import shutil

@@ -1,4 +1,4 @@
-"""Configurations: some settings, written in YAML, and then damaged or odd."""
+"""Configurations: settings written as YAML and then damaged or made odd."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""The modules of the program are imported by their plain names, as it does itself."""
+"""Import the modules of the fuzzing program by their plain names, as the program does."""
 
 import sys
 from pathlib import Path

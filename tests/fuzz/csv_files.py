@@ -1,4 +1,4 @@
-"""Recordings as text: separators, quotes, headers and numbers, as they should not be."""
+"""Recordings as text, with wrong separators, quotes, headers and numbers."""
 
 import csv
 import io

@@ -1,4 +1,4 @@
-"""Damage to the bytes of a file, whatever it holds."""
+"""Damage to the bytes of a file of any kind."""
 
 from collections.abc import Callable, Sequence
 

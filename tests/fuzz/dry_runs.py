@@ -1,4 +1,4 @@
-"""The workflow's dry run on damaged configurations and logs: seconds each, so a few of them."""
+"""Dry runs of the workflow on damaged configurations and logs; few, since each takes seconds."""
 
 import shutil
 import sys

@@ -1,7 +1,7 @@
-"""What a program may have done to a raw log, or written in place of one.
+"""Changes that a program may make to a raw log, or errors when it writes one.
 
-A change is plausible if its result is a log of other measurements, with which nothing is wrong:
-one sample a little higher, a channel more, numbers in single precision. All others must be told.
+A plausible change gives a valid log of other measurements: one sample a little higher, one more
+channel, numbers in single precision. All other changes must be detected.
 """
 
 import json

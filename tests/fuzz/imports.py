@@ -1,4 +1,4 @@
-"""Maps of an import, what must come of them, and the commands that are tried."""
+"""Maps of an import, the expected log, and the commands to run."""
 
 import json
 from collections.abc import Callable, Mapping

@@ -1,4 +1,4 @@
-"""Journals: bytes that changed, stretches that are lost or moved, two runs in one file."""
+"""Journals with changed bytes, lost or moved parts, or two runs in one file."""
 
 import json
 import tempfile

@@ -1,4 +1,4 @@
-"""What came of a command on a damaged file: told by what a user sees, and by what comes out."""
+"""Judge the outcome of a command on a damaged file by its messages and its output files."""
 
 import hashlib
 import re

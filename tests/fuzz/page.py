@@ -1,4 +1,4 @@
-"""The counts of a run as a table."""
+"""The counts of a run as a Markdown page."""
 
 from collections import Counter
 from collections.abc import Iterable

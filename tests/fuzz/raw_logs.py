@@ -1,4 +1,4 @@
-"""Raw logs: damaged bytes, and what a program may have written that is not right."""
+"""Raw logs with damaged bytes, or with errors of the program that wrote them."""
 
 import json
 import re

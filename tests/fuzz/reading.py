@@ -1,6 +1,6 @@
-"""What a configuration says to who reads it: YAML 1.2, by none of the code that is tried.
+"""An independent reader of configurations (YAML 1.2) that uses no code under test.
 
-A key that is there twice says nothing. Numbers are decimal unless they begin with 0x or 0o.
+A duplicate key has no value. Numbers are decimal unless they begin with 0x or 0o.
 """
 
 import re

@@ -1,4 +1,4 @@
-"""What a rig might have measured, without a simulation."""
+"""Plausible measurements of a rig, without a simulation."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Cases in a child process that is replaced when one hangs, crashes or takes too much memory."""
+"""Run cases in a child process, and replace it if it hangs, crashes or uses too much memory."""
 
 import json
 import os

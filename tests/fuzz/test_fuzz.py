@@ -1,4 +1,4 @@
-"""The fuzzing program: 200 of its cases, and whether it would notice what it looks for."""
+"""The fuzzing program: 200 of its cases, and whether it detects wrong behaviour."""
 
 import importlib
 import subprocess

@@ -1,4 +1,4 @@
-"""Run something in a process of its own, and watch its time and its memory."""
+"""Run a function or command in another process with limits on time and memory."""
 
 import os
 import resource

@@ -1,7 +1,7 @@
-"""Killed at any moment, the workflow goes on where it was and ends the same.
+"""After a kill at any moment the workflow continues and gives the same results.
 
-FPRC_KILLS is the number of random kills: `make test-kill` makes twenty. In every run of the tests
-the second build of test_twice.py is killed once.
+FPRC_KILLS is the number of random kills; `make test-kill` makes twenty. Every run of the tests
+kills the second build of test_twice.py once.
 """
 
 import json

@@ -1,4 +1,4 @@
-"""An edit of the package reruns what runs that code, and what is made from it; nothing else."""
+"""After an edit of the package only the rules that run the edited code, and those after them, rerun."""
 
 import re
 import shutil
