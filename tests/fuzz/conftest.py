@@ -10,7 +10,7 @@ FUZZ = Path(__file__).parent
 
 @pytest.fixture(scope="session", autouse=True)
 def _modules():
-    """Find the program's modules in this session, and leave none of their names behind."""
+    """Make the program's modules importable during this session only."""
     sys.path.insert(0, str(FUZZ))
     yield
     sys.path.remove(str(FUZZ))

@@ -1,4 +1,4 @@
-"""After an edit of the package only the rules that run the edited code, and those after them, rerun."""
+"""After an edit only the rules that run the edited code, and those after them, run again."""
 
 import re
 import shutil
