@@ -8,13 +8,13 @@ export PYTHONDONTWRITEBYTECODE :=
 .PHONY: help paper smoke quick types lint test test-kill reproduce-twice processors slurm test-slurm \
 	docs layers scaling fault-matrix fuzz loop-benchmark benchmark benchmark-all clean
 
-help:  ## what each target does
+help:  ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  %-16s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 paper: .venv/.ready  ## every table and figure of the paper, into results/
 	snakemake --cores $(CORES) all
 
-smoke: .venv/.ready  ## the same rules on small settings, into results/smoke
+smoke: .venv/.ready  ## the same rules with small settings, into results/smoke
 	snakemake --cores $(CORES) smoke
 
 quick: .venv/.ready  ## style, types and the fast unit tests, while you work
@@ -24,10 +24,10 @@ quick: .venv/.ready  ## style, types and the fast unit tests, while you work
 	FPRC_EXAMPLES=10 pytest --quiet --numprocesses $(CORES) --dist loadfile -m "not slow" tests/unit \
 	  $(PYTEST)
 
-types: .venv/.ready  ## the types of src
+types: .venv/.ready  ## type-check src
 	mypy
 
-lint: .venv/.ready  ## style, types, layers, the lint of the workflow
+lint: .venv/.ready  ## style, types, layers, workflow lint
 	ruff check .
 	ruff format --check .
 	mypy
@@ -37,74 +37,64 @@ lint: .venv/.ready  ## style, types, layers, the lint of the workflow
 
 LONGEST = tests/workflow/test_twice.py tests/workflow/test_slurm.py tests/workflow/test_kill.py
 
-# The longest first. The third process works while the others wait: of what they start, much sleeps.
-test: lint  ## everything that must be green
+# Longest first. Three processes, because tests often wait for the programs that they start.
+test: lint  ## everything that must pass
 	@shared=$$(mktemp -d) && trap 'rm -rf "$$shared"' EXIT && FPRC_SMOKED=$$shared \
 	  pytest --numprocesses 3 --dist loadfile --no-loadscope-reorder $(LONGEST) tests/workflow \
 	  tests/faults tests/fuzz tests/reference tests/unit $(PYTEST)
 
-# ten minutes or more; `make test` kills one build
-test-kill: .venv/.ready  ## twenty kills at random moments of the workflow
+test-kill: .venv/.ready  ## kill the workflow at twenty random moments: ten minutes or more
 	FPRC_KILLS=20 pytest tests/workflow/test_kill.py
 
-# the last commit in two cold builds, compared byte by byte: some ten minutes on two cores
-reproduce-twice: .venv/.ready  ## the last commit in two cold builds, compared byte by byte
+reproduce-twice: .venv/.ready  ## compare two cold builds byte by byte: ten minutes on two cores
 	python tests/twice.py
 
-# the last commit as older processors compute it, small settings: some ten minutes on one core
-processors: .venv/.ready  ## the last commit as older processors compute it, small settings
+processors: .venv/.ready  ## compare with builds as on older processors: ten minutes on one core
 	python tests/twice.py --smoke --processors
 
-# What tests/workflow/test_slurm.py needs, where it can be had; without it that test is skipped.
-# The plugin asks Slurm at every start of Snakemake, so it has a folder of its own.
-slurm: .venv/.ready  ## what the test of Slurm needs, where it can be had
+# Without Slurm, tests/workflow/test_slurm.py is skipped. The plugin has its own folder because, once
+# installed, it calls Slurm at every start of Snakemake.
+slurm: .venv/.ready  ## install Slurm for its test, as root on Debian
 	@if python tests/slurm/one_node.py --why-not | grep -q "not installed"; then \
 	  if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
 	    apt-get -qq update && DEBIAN_FRONTEND=noninteractive \
 	      apt-get -qq install --no-install-recommends slurm-wlm munge >/dev/null \
 	      || echo "slurm: apt-get could not install slurm-wlm and munge"; \
-	  else echo "slurm: neither installed nor to be installed without root and apt-get"; fi; \
+	  else echo "slurm: not installed; installing it needs root and apt-get"; fi; \
 	fi
 	@python -m pip install --quiet --disable-pip-version-check --no-deps --upgrade \
 	  --target .venv/slurm --requirement environment-slurm.txt \
 	  || echo "slurm: no snakemake-executor-plugin-slurm"
 
-# The whole smoke run through Slurm, some minutes; `make test` takes one job of each kind.
-test-slurm: slurm  ## the smoke run through Slurm
+test-slurm: slurm  ## the smoke run through Slurm; `make test` runs one job of each kind
 	SLURM_TARGETS=all pytest tests/workflow/test_slurm.py
 
-scaling: .venv/.ready  ## the numbers of docs/scaling.md
+scaling: .venv/.ready  ## measure the numbers in docs/scaling.md
 	snakemake --cores $(CORES) scaling_page
 
-docs: .venv/.ready  ## the numbers and pictures of README.md and docs/calibration.md
+docs: .venv/.ready  ## update numbers and pictures in README.md and docs/calibration.md
 	snakemake --cores $(CORES) readme calibration_page
 
-# the picture of the packages in CONTRIBUTING.md, from the imports
-layers: .venv/.ready  ## the picture of the packages in CONTRIBUTING.md
+layers: .venv/.ready  ## draw the packages in CONTRIBUTING.md from the imports
 	python tests/layers.py
 
-# what comes of each fault of the real rig, of files and of settings: docs/faults.md
-fault-matrix: .venv/.ready  ## the tables of docs/faults.md
+fault-matrix: .venv/.ready  ## inject faults and write the outcomes to docs/faults.md
 	pytest tests/faults --write-matrix
 
-# damaged files through the commands that read them, some quarter of an hour on two cores; fewer
-# with CASES=500, others with SEED=2, the counts as a page with PAGE=docs/fuzz.md
+# CASES=500: fewer cases; SEED=2: other cases; PAGE=docs/fuzz.md: write the counts to a page
 CASES ?= 10000
 SEED ?= 1
-fuzz: .venv/.ready  ## 10,000 damaged files through the commands that read them
+fuzz: .venv/.ready  ## run the commands on 10,000 damaged files: a quarter of an hour
 	python tests/fuzz --cases $(CASES) --seed $(SEED) $(PAGE:%=--write %)
 
-# how punctual the real rig's loop is on this computer
-loop-benchmark: .venv/.ready  ## how punctual the real rig's loop is on this computer
+loop-benchmark: .venv/.ready  ## measure the timing of the real rig's loop on this computer
 	python tests/faults/benchmark_loop.py
 
-# speed beside other libraries, growth, time by rule: docs/performance.md
-benchmark: .venv/.ready  ## speed beside other libraries
+benchmark: .venv/.ready  ## compare speed with other libraries, for docs/performance.md
 	python -m pip install --quiet --disable-pip-version-check --constraint environment.txt --editable '.[benchmark]'
 	snakemake --cores $(CORES) --forcerun rule_times -- benchmark performance_page
 
-# the whole workflow beside the same rules plainly written: half an hour or so
-benchmark-all: benchmark  ## the whole workflow beside the same rules plainly written
+benchmark-all: benchmark  ## compare the workflow with an uncompiled one: half an hour
 	snakemake --cores $(CORES) --forcerun measure_all -- results/benchmark/all.json
 	snakemake --cores $(CORES) --forcerun benchmark_table -- benchmark performance_page
 
@@ -115,6 +105,6 @@ benchmark-all: benchmark  ## the whole workflow beside the same rules plainly wr
 	python -m pip install --quiet --disable-pip-version-check --no-deps --editable .
 	touch $@
 
-# .snakemake stays: without its records, results of older code would pass for finished
+# .snakemake stays: without its records, Snakemake would treat results of older code as finished
 clean:  ## remove .venv
 	rm -rf .venv

@@ -1,4 +1,4 @@
-"""The fake driver, and a simulated rig wired to it."""
+"""Fixtures: the fake driver, and a simulated rig connected to it."""
 
 import importlib
 import os

@@ -1,8 +1,8 @@
-"""The picture of the layers in CONTRIBUTING.md, from the imports of src/fprc: `make layers`.
+"""Draw the layers in CONTRIBUTING.md from the imports of src/fprc: `make layers`.
 
-The layers are those of the contract "One direction" in pyproject.toml. An arrow means that one
-imports the other; it is left out where other arrows lead there too. Single modules at the bottom,
-which import no package, have none.
+The layers are those of the contract "One direction" in pyproject.toml. An arrow means "imports"; it
+is omitted if other arrows lead to the same place. Single modules at the bottom, which import no
+package, have no arrows.
 """
 
 import re

@@ -1,9 +1,9 @@
-"""Print a hash of what each operation gives; the same bits have the same hash.
+"""Print a hash of the result of each operation; equal bits have equal hashes.
 
 diff <(python tests/operations.py) <(OPENBLAS_CORETYPE=Haswell python tests/operations.py)
 
-names the operations whose bits depend on OpenBLAS's kernel. Other libraries are held back as in
-``PROCESSORS`` of tests/twice.py.
+shows the operations whose bits depend on OpenBLAS's kernel. ``PROCESSORS`` in tests/twice.py has
+the variables that restrict other libraries.
 """
 
 import hashlib

@@ -1,12 +1,11 @@
-"""Time `all` beside the same rules with nothing of ours compiled, both cold.
+"""Time `all` against the same rules without compiled code, both from scratch.
 
     python tests/plain.py results/benchmark/all.json
 
-The last commit is cloned twice. In one clone nothing of ours is compiled: fuzzy c-means is
-scikit-fuzzy's from random starts, the states of the ESN and the steps of the models are NumPy
-line by line, the rig is the same equations in Python on plain numbers; and each fold solves its
-ridge anew. Whatever else a rule does is the same. Both have the same cores. It takes as long
-as the plain one does: half an hour or so.
+The last commit is cloned twice. One clone uses no compiled code of ours: scikit-fuzzy's fuzzy
+c-means from random starts, NumPy line by line for the ESN states and the steps of the models, and
+Python numbers for the rig's equations; each fold solves its own ridge. Everything else is the
+same, and so is the number of cores. The plain clone takes about half an hour.
 """
 
 import argparse

@@ -1,15 +1,15 @@
-"""Build everything twice under different circumstances and compare every file.
+"""Build everything twice under different conditions and compare every file.
 
     python tests/twice.py            # the paper, as `make reproduce-twice` does
     python tests/twice.py --smoke    # small settings
     python tests/twice.py --processors --smoke    # as on other processors, `make processors`
 
-Execution times are measured and differ; the second build is therefore given the first
-one's measurements, and made again from there. Then every table, figure and page must be
-the same, byte by byte. Logs name processes and are not compared.
+Execution times differ from build to build, so the second build gets the measurements of the first
+and is made again from there. Then every table, figure and page must have the same bytes. Logs
+contain process ids and are not compared.
 
-With ``--processors`` (Linux, x86-64) the first build computes as this processor does, and each
-further one as an older processor would. The numbers of the results are compared.
+With ``--processors`` (Linux, x86-64) the first build uses this processor's instructions, and each
+further build those of an older processor. The numbers in the results are compared.
 """
 
 import argparse

@@ -1,7 +1,7 @@
-"""The simulated rig on the far side of the fake driver and the fake I2C bus.
+"""The simulated rig behind the fake driver and the fake I2C bus.
 
-In a test the rig lives by the test's own clock; as a program, ``python bench.py FILE``, it
-lives in real time and prints ``ready`` once it does.
+In a test the rig follows the test's clock. As a program, ``python bench.py FILE``, it runs in
+real time and prints ``ready`` when it has started.
 """
 
 import ctypes

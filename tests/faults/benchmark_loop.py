@@ -1,7 +1,7 @@
-"""How punctual is the loop on this computer? Run by `make loop-benchmark`.
+"""Measure the timing of the control loop on this computer: `make loop-benchmark`.
 
-`fprc rig run` drives the stand-in for the driver, whose simulated rig lives in another process.
-Prints overruns and how late the ticks began.
+`fprc rig run` uses the fake driver; its simulated rig runs in another process. Prints overruns
+and the delays of the ticks.
 """
 
 import argparse

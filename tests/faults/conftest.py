@@ -1,4 +1,4 @@
-"""The tables of docs/faults.md: tests put rows into them; the page must hold the same."""
+"""The tables of docs/faults.md: tests add rows to them, and the page must contain the same rows."""
 
 import importlib.util
 import re

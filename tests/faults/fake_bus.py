@@ -1,6 +1,6 @@
-"""An I2C bus with one simulated Bend Labs sensor on it, which can be made to fail.
+"""An I2C bus with one simulated Bend Labs sensor, which can be made to fail.
 
-Written from the maker's driver and without fprc, so that both must agree.
+Written from the manufacturer's driver, without using fprc, so it tests fprc independently.
 """
 
 import errno

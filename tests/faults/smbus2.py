@@ -1,7 +1,7 @@
-"""Stands for smbus2 where there is no I2C: put this folder on PYTHONPATH.
+"""Replacement of smbus2 where there is no I2C: put this folder on PYTHONPATH.
 
-The environment variable FAKE_BENCH names a file that another process keeps up
-to date; without it there is no bus. Little-endian, at these offsets:
+The environment variable FAKE_BENCH names a file that another process updates continuously;
+without it there is no bus. Little-endian, at these offsets:
 
 ====  =======  ======================================================
 320   float64  angle of the sensor 0x12, deg

@@ -1,4 +1,4 @@
-"""Faults of files and settings, as a user meets them; each row is what the command answers."""
+"""Faults in files and settings; each row is the answer of a command."""
 
 import json
 import re

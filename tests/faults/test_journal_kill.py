@@ -1,4 +1,4 @@
-"""A process that is killed, or runs out of disk, leaves every sample that it appended."""
+"""A process that is killed or runs out of disk space loses no sample that it has appended."""
 
 import random
 import resource

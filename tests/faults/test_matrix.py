@@ -1,4 +1,4 @@
-"""Faults of parts, in this process: the rig lives by its bench's clock, tick by tick."""
+"""Faults of single parts, in this process: the rig follows the bench's clock, tick by tick."""
 
 import logging
 import math

@@ -1,6 +1,6 @@
-"""Faults of processes, in real time: ``fprc rig`` itself, the rig in a process of its own.
+"""Faults of processes, in real time: ``fprc rig`` itself, with the rig in another process.
 
-No time is asserted; what was measured goes into the fault matrix.
+No time is asserted; the measurements go into the fault matrix.
 """
 
 import json

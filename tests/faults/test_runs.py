@@ -1,4 +1,4 @@
-"""Whole experiments through driver and bus, against the simulator's own log."""
+"""Whole experiments through driver and bus, compared with the simulator's own log."""
 
 import numpy as np
 import pytest

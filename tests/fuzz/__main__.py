@@ -1,10 +1,10 @@
-"""Damaged and odd files through the commands that read them: `make fuzz`.
+"""Run the commands on damaged and odd files: `make fuzz`.
 
-Each case is made of the seed and its number alone, so that it can be repeated alone:
+Each case depends only on the seed and its number, so it can be repeated alone:
 
     python tests/fuzz --seed 1 --case 4711
 
-The files of cases that end as they must not are kept in the folder of ``--keep``.
+The folder given by ``--keep`` gets the files of cases with a forbidden outcome.
 """
 
 import argparse
@@ -19,11 +19,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-os.environ["OPENBLAS_NUM_THREADS"] = "1"  # a process with threads is not to be forked
+os.environ["OPENBLAS_NUM_THREADS"] = "1"  # fork needs a process without threads
 
 
 def main() -> int:
-    """Run the cases; return 1 if one ended as it must not."""
+    """Run the cases; return 1 if one has a forbidden outcome."""
     options = _parser().parse_args()
     if options.worker is not None:
         return _work(options)
@@ -52,11 +52,11 @@ def main() -> int:
         page.write(options.write, options.seed, cases, counts)
     bad = sum(number for (_, _, outcome), number in counts.items() if outcome in _faults())
     missing = options.cases - sum(cases.values())
-    print(f"{time.monotonic() - begun_s:.0f} s; {bad} ended as they must not", flush=True)
+    print(f"{time.monotonic() - begun_s:.0f} s; {bad} forbidden outcomes", flush=True)
     if missing:
         print(f"{missing} cases were not run", flush=True)
     if bad:
-        print(f"their files are in {options.keep}; one again: --seed {options.seed} --case N")
+        print(f"their files are in {options.keep}; repeat one with --seed {options.seed} --case N")
     return int(bool(bad or missing))
 
 
@@ -64,7 +64,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python tests/fuzz", description=__doc__.split("\n")[0])
     parser.add_argument("--cases", type=int, default=10_000, help="default: %(default)s")
     parser.add_argument("--seed", type=int, default=1, help="default: %(default)s")
-    parser.add_argument("--case", type=int, help="this case alone, and what it printed")
+    parser.add_argument("--case", type=int, help="run only this case and show its output")
     parser.add_argument("--workers", type=int, default=2, help="default: %(default)s")
     parser.add_argument("--keep", default=".fuzz", help="default: %(default)s")
     parser.add_argument("--write", metavar="PAGE.md", help="write the table there")
@@ -80,7 +80,7 @@ def _faults() -> tuple[str, ...]:
 
 
 def _results(options: argparse.Namespace) -> Iterator[dict[str, Any]]:
-    """Yield what the workers find, in the order in which they find it."""
+    """Yield the results of the workers as they arrive."""
     import selectors
 
     same = [sys.executable, str(Path(__file__).parent), *sys.argv[1:]]
@@ -103,11 +103,11 @@ def _results(options: argparse.Namespace) -> Iterator[dict[str, Any]]:
 
 
 def _work(options: argparse.Namespace) -> int:
-    """Run every n-th case, and print what came of each as JSON."""
+    """Run every n-th case and print its result as JSON."""
     import cases
 
     answer = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    os.dup2(2, 1)  # what is printed beside is no answer
+    os.dup2(2, 1)  # other output must not mix with the answers
     with tempfile.TemporaryDirectory(prefix="fuzz") as folder:
         cases.warm_up(Path(folder))
         numbers = range(options.worker, options.cases, options.workers)
@@ -117,7 +117,7 @@ def _work(options: argparse.Namespace) -> int:
 
 
 def _repeat(options: argparse.Namespace) -> int:
-    """Run one case again, leave its files, and print what each command said."""
+    """Run one case again, keep its files, and print the output of each command."""
     import cases
 
     folder = Path(tempfile.mkdtemp(prefix="fuzz"))

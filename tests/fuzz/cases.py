@@ -1,4 +1,4 @@
-"""Which case has which number, and how it is run."""
+"""The kind of each case by its number, and how a case runs."""
 
 import io
 import shutil
@@ -24,7 +24,7 @@ from fprc.cli import main
 
 Make = Callable[[np.random.Generator, Path], Case]
 
-#: Of 500 cases: as many as fit into 15 minutes on two cores for 10,000, those that take long least.
+#: Counts per 500 cases, fewer of the slow kinds: 10,000 cases take 15 minutes on two cores.
 MIX: tuple[tuple[Make, int], ...] = (
     (configs.case, 215),
     (journals.case, 75),
@@ -35,11 +35,11 @@ MIX: tuple[tuple[Make, int], ...] = (
     (raw_logs.altered, 29),
 )
 _TURNS = [make for make, number in MIX for _ in range(number)]
-#: One of 500 is a dry run, soon enough to be among 200.
+#: Position of the one dry run in 500 cases; `make test` runs the first 200.
 _DRY_RUN_AT = 100
 
 
-def made(seed: int, number: int, folder: Path) -> Case:
+def make_case(seed: int, number: int, folder: Path) -> Case:
     """Write the files of a case into an empty folder."""
     order = np.random.default_rng(seed).permutation(len(_TURNS))
     turns = [_TURNS[k] for k in order]
@@ -49,10 +49,10 @@ def made(seed: int, number: int, folder: Path) -> Case:
 
 
 def run(seed: int, numbers: Iterable[int], folder: Path, keep: Path) -> Iterator[dict[str, Any]]:
-    """Yield what came of each case; keep the files of those that ended as they must not."""
+    """Yield the result of each case; keep the files of cases with a forbidden outcome."""
 
     def make(number: int, place: Path) -> Case:
-        return made(seed, number, place)
+        return make_case(seed, number, place)
 
     for number, found in supervised.results(numbers, make, folder):
         if any(outcome in judging.FAULTS for _, outcome, *_ in found["results"]):
@@ -69,10 +69,10 @@ def run(seed: int, numbers: Iterable[int], folder: Path, keep: Path) -> Iterator
 
 
 def show(seed: int, number: int, folder: Path) -> int:
-    """Run a case, print what its commands said, and leave its files."""
+    """Run a case, print the output of its commands, and keep its files."""
     place = folder / "case"
     place.mkdir()
-    case = made(seed, number, place)
+    case = make_case(seed, number, place)
     print(f"{case.kind}: {case.what}\nfiles in {place}", flush=True)
     bad = False
     for step in case.steps:
@@ -85,7 +85,7 @@ def show(seed: int, number: int, folder: Path) -> int:
 
 
 def warm_up(folder: Path) -> None:
-    """Let this process do once what its forks will do, so that each of them finds it done."""
+    """Run each kind of command once before forking, so imports and compilation are done."""
     place = folder / "warm"
     place.mkdir()
     (place / "log.h5").write_bytes(raw_logs.logs()["sweep"].data)
@@ -96,8 +96,8 @@ def warm_up(folder: Path) -> None:
         header=",".join(channels), comments="",
     )  # fmt: skip
     columns = {name: name for name in ("theta_deg", "p_exp_kpa", "p_o_kpa")}
-    told = imports.any_map(np.random.default_rng(0), columns, {"column": "time_s"}, 200.0)
-    imports.write_map(place, told)
+    mapping = imports.any_map(np.random.default_rng(0), columns, {"column": "time_s"}, 200.0)
+    imports.write_map(place, mapping)
     (place / "run.journal").write_bytes(journals.runs()["closed"].data)
     names = {name: str(place / name) for name in (configs.NAME, csv_files.NAME, imports.MAP)}
     for command in (

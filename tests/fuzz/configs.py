@@ -1,4 +1,4 @@
-"""Configurations: some settings, written in YAML, and then damaged or odd."""
+"""Configurations: settings written as YAML and then damaged or made odd."""
 
 import json
 import re
@@ -18,13 +18,13 @@ from fprc.config.section import fields
 
 NAME = "mine.yaml"
 
-#: A word before a colon, tried at its beginning alone: some words are a million letters long.
+#: A word before a colon. Matches start only at a word's start: words may have a million letters.
 _KEY = re.compile(r"""(?<![^\s:{},'"\[\]])([^\s:{},'"\[\]]+) ?['"]?\s*:""")
 
-#: Keys that are no words, as a message shows them.
+#: Keys that YAML does not read as text, as a message shows them.
 _AS_READ = {"true": "True", "false": "False", "null": "None"}
 
-#: What may stand in place of a value, as it is written.
+#: Odd values, as YAML text.
 _ODD = (
     "010", "1:30", "0o17", "0x10", "1_000", "1e3", "1e-06", "+5", "-0", ".5", "5.", '"7"', "'1e3'",
     ".nan", ".inf", "-.inf", "1e400", "1e308", "-1e308", "1" * 5000, "1" + "0" * 30, "0.1.2", "1,5",
@@ -35,7 +35,7 @@ _ODD = (
     "@x", "`x`", "%x", "- 5", "sim", "FPRC", "{{x}}", "${HOME}", "=1+1", "nan", "inf", "Infinity",
 )  # fmt: skip
 
-#: Places where results must not go; a pair is both folders.
+#: Forbidden folders of results; a pair is (raw, results).
 _NOT_THERE = (
     "/", "src", "./src", "src/", "src/fprc", ".git", ".git/hooks", "config", "config/maps",
     "workflow", ".", "a\0b", "{experiment}", "a{b", "}", "x" * 300, "a\nb", "a\rb",
@@ -46,7 +46,7 @@ _THERE = ("data/mine", "results/mine", "/tmp/mine", "my results", "größe", ("a
 
 
 def _defaults() -> dict[str, Any]:
-    """Return the settings of an empty file; not cached, because a case may change them."""
+    """Return the default settings; not cached, because a case may change them."""
     return Settings().model_dump(mode="json")
 
 
@@ -59,9 +59,9 @@ def case(rng: np.random.Generator, folder: Path) -> Case:
     """Make a case of a configuration."""
     way, weight = list(_WAYS), np.array(list(_WAYS.values()), float)
     make = way[rng.choice(len(way), p=weight / weight.sum())]
-    data, told, wrong = make(rng)
+    data, change, wrong = make(rng)
     (folder / NAME).write_bytes(data)
-    if make is _folders:  # as in a project: what the names lead to is there
+    if make is _folders:  # the project's own folders exist
         for name in ("src/fprc", ".git/hooks", "config/maps", "workflow", "data/raw"):
             (folder / name).mkdir(parents=True)
 
@@ -69,34 +69,34 @@ def case(rng: np.random.Generator, folder: Path) -> Case:
         return compare(folder, wrong)
 
     step = Step(("config", "check", NAME), "fprc config check", _names(data), checked)
-    return Case("configuration", told, [step])
+    return Case("configuration", change, [step])
 
 
 def compare(folder: Path, wrong: str) -> Verdict:
-    """Compare the settings that were accepted with what the file says."""
+    """Compare the accepted settings with the text of the file."""
     if wrong:
         return SILENT, wrong
     try:
         said = reading.read((folder / NAME).read_bytes())
     except reading.UnclearError as error:
-        return SILENT, f"accepted, and says nothing: {str(error)[:200]}"
+        return SILENT, f"accepted without a unique meaning: {str(error)[:200]}"
     got = from_files([folder / NAME]).model_dump(mode="json")
     other = reading.differing(got, said, _defaults())
     return (SILENT, "; ".join(other)[:500]) if other else (SAME, "")
 
 
 def _names(data: bytes) -> tuple[str, ...]:
-    """Return what a refusal must name: the file, or a key of it."""
+    """Return the names of which a refusal must contain one: the file, or a key of it."""
     text = data.decode("utf-8", "replace")
     keys = set(_KEY.findall(text))
     keys |= {_AS_READ[key] for key in keys & _AS_READ.keys()}
-    # "a" is part of many a word, " a:" is not
+    # many words contain "a"; " a:" is unambiguous
     short = [f" {key}{mark}" for key in keys for mark in (":", " =") if len(key) < 3]
     return (NAME, *sorted(key for key in keys if len(key) > 2), *sorted(short))
 
 
 def _some(rng: np.random.Generator, placeholders: int = 0) -> dict[str, Any]:
-    """Return some settings, nested; the first of them are to be filled in."""
+    """Return random settings, nested; the values of the first are placeholders."""
     names = rng.permutation(_leaves())[: int(rng.integers(1, 12))]
     tree: dict[str, Any] = {}
     defaults = _defaults()
@@ -120,20 +120,21 @@ def _dump(rng: np.random.Generator, tree: dict[str, Any]) -> str:
     return f"# mine\n{text}" if rng.random() < 0.3 else text
 
 
-# Each way returns the file, what was done, and why it must be refused if the text does not say.
+# Each function returns the file, a description, and, if the text does not show it, why it must be
+# refused.
 
 
 def _whole(rng):
-    return _dump(rng, _some(rng)).encode(), "as it should be", ""
+    return _dump(rng, _some(rng)).encode(), "unchanged", ""
 
 
 def _odd_value(rng):
-    text, told = _dump(rng, _some(rng, 2)), []
+    text, values = _dump(rng, _some(rng, 2)), []
     for mark in ("'@0@'", "'@1@'"):
         value = str(rng.choice(_ODD))
         text = text.replace(mark, value)
-        told.append(value[:40])
-    return text.encode(), f"values {' and '.join(told)}", ""
+        values.append(value[:40])
+    return text.encode(), f"values {' and '.join(values)}", ""
 
 
 def _twice(rng):

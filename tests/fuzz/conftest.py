@@ -1,4 +1,4 @@
-"""The modules of the program are imported by their plain names, as it does itself."""
+"""Import the modules of the fuzzing program by their plain names, as the program does."""
 
 import sys
 from pathlib import Path
@@ -10,7 +10,7 @@ FUZZ = Path(__file__).parent
 
 @pytest.fixture(scope="session", autouse=True)
 def _modules():
-    """Find the program's modules in this session, and leave none of their names behind."""
+    """Make the program's modules importable during this session only."""
     sys.path.insert(0, str(FUZZ))
     yield
     sys.path.remove(str(FUZZ))

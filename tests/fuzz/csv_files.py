@@ -1,4 +1,4 @@
-"""Recordings as text: separators, quotes, headers and numbers, as they should not be."""
+"""Recordings as text, with wrong separators, quotes, headers and numbers."""
 
 import csv
 import io
@@ -28,7 +28,7 @@ _PLAIN = [_HEADERS[k] for k in (0, 1, 2, 4, 5, 7, 8)]
 
 
 class Written(NamedTuple):
-    """How a text file is written."""
+    """Format of a text file."""
 
     data: bytes
     separator: str
@@ -44,7 +44,7 @@ def case(rng: np.random.Generator, folder: Path) -> Case:
     table, unit = _table(rate_hz, str(rng.choice(["s", "ms"])))
     rows = [list(row) for row in zip(*table.values(), strict=True)]
     header = list(headers)
-    told = imports.any_map(
+    mapping = imports.any_map(
         rng, dict(zip(("theta_deg", "p_exp_kpa", "p_o_kpa"), headers[1:], strict=True)),
         {"column": headers[0], "unit": unit}, rate_hz,
     )  # fmt: skip
@@ -58,17 +58,17 @@ def case(rng: np.random.Generator, folder: Path) -> Case:
         data, what = ways[rng.integers(len(ways))](rng, data)
         done.append(what)
     if written.comma or rng.random() < 0.3:
-        told["csv"] = {"separator": written.separator, "decimal": "," if written.comma else "."}
+        mapping["csv"] = {"separator": written.separator, "decimal": "," if written.comma else "."}
     if rng.random() < 0.25:
-        done.append(f"map: {imports.spoil(rng, told)}")
+        done.append(f"map: {imports.spoil(rng, mapping)}")
     (folder / NAME).write_bytes(data)
-    imports.write_map(folder, told)
+    imports.write_map(folder, mapping)
     text = f"{written.separator!r} {headers[1][:20]!r}: {'; '.join(done) or 'as it should be'}"
 
     def reading(path: Path) -> dict[str, Any]:
         return read(path.read_bytes(), written)
 
-    steps = imports.steps(rng, NAME, told, reading, draw=0.5)
+    steps = imports.steps(rng, NAME, mapping, reading, draw=0.5)
     return Case("recording, CSV", text, steps, sound=not done and headers in _PLAIN)
 
 
@@ -109,12 +109,12 @@ def _write(rng: np.random.Generator, header: list, rows: list) -> Written:
 
 
 def read(data: bytes, written: Written) -> dict[str, np.ndarray | None]:
-    """Return the columns of a file, by Python's own reader.
+    """Return the columns of a file, read by Python's csv module.
 
     Raises
     ------
     imports.WrongError
-        A name is there twice, or a row has not as many fields as the header.
+        A name is repeated, or a row and the header differ in the number of fields.
     """
     try:
         text = data.decode("utf-8-sig")
@@ -139,7 +139,7 @@ def read(data: bytes, written: Written) -> dict[str, np.ndarray | None]:
 
 
 def _again(header: list[str], rows: list[list[str]]):
-    """Yield the columns under their names as the map has them, with blanks around."""
+    """Yield the columns under the names in the map, which may have blanks around them."""
     for name, column in zip(header, zip(*rows, strict=True), strict=True):
         yield f" {name}", column
         yield f"{name} ", column
@@ -152,7 +152,7 @@ def _numbers(texts, comma: bool) -> np.ndarray | None:
         return None
 
 
-# --- what a table may be like ---------------------------------------------------------------
+# --- variants of a table ---------------------------------------------------------------
 
 
 def _ragged(rng, header, rows):
@@ -252,7 +252,7 @@ _TABLE = (
 
 
 def _insert(rng: np.random.Generator, data: bytes):
-    """Put bytes in that have a meaning somewhere."""
+    """Insert bytes that are special in CSV, text encodings or terminals."""
     some = (
         b'"', b"'", b",", b";", b"\n", b"\r", b"\0", b"\xff", b"\xef\xbb\xbf", b"\x1b[2J", b"#",
         b"\t", b'""', b"\xc2\x85", b"e", b"-", b".",

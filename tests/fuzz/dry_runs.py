@@ -1,4 +1,4 @@
-"""The workflow's dry run on damaged configurations and logs: seconds each, so a few of them."""
+"""Dry runs of the workflow on damaged configurations and logs; few, since each takes seconds."""
 
 import shutil
 import sys
@@ -13,19 +13,19 @@ from watched import Ended
 
 ROOT = Path(__file__).parents[2]
 _ROW = "snakemake -n"
-#: What Snakemake prints when it cannot read a configuration by itself: that is before it runs any
-#: of our code, and it does not name the file.
+#: Errors of Snakemake when it cannot read a configuration. It reads the file before it runs our
+#: code, and does not name it.
 _BY_ITSELF = (
     "Config file is not valid JSON or YAML",
     "Config file must be given as JSON or YAML",
-    ", in load_configfile",  # an error of the YAML library, which Snakemake lets through
+    ", in load_configfile",  # an uncaught error of the YAML library
 )
 
 
 def project(folder: Path) -> Path:
-    """Return a copy of the workflow in a folder of its own."""
+    """Return a copy of the workflow in its own folder."""
     copy = folder / "project"
-    if copy.exists():  # made by the child before
+    if copy.exists():  # made by the previous child
         return copy
     copy.mkdir()
     for name in ("Snakefile", "all"):
@@ -36,7 +36,7 @@ def project(folder: Path) -> Path:
 
 
 def case(rng: np.random.Generator, folder: Path) -> Case:
-    """Make a case of a configuration or a log, for the dry run."""
+    """Make a case with a configuration or a log for the dry run."""
     return (_config if rng.random() < 0.5 else _log)(rng, folder)
 
 
@@ -61,18 +61,18 @@ def _log(rng: np.random.Generator, folder: Path) -> Case:
     raw.mkdir()
     log = raw_logs.logs()["sweep"]
     if rng.random() < 0.7:
-        data, told = damage.flip(rng, log.data, log.rest)
+        data, change = damage.flip(rng, log.data, log.rest)
     else:
-        data, told = damage.ROUGH[rng.integers(len(damage.ROUGH))](rng, log.data)
+        data, change = damage.ROUGH[rng.integers(len(damage.ROUGH))](rng, log.data)
     (raw / "sweep.h5").write_bytes(data)
     folders = f"folders={{raw: {raw}, results: {folder / 'results'}}}"
     command = ["table2", "--config", "source=recorded", folders]
 
-    # samples are read by the jobs, which do not run
+    # a dry run does not read the samples
     def planned(folder: Path, ended: Ended) -> Verdict:
         return SAME, ""
 
-    return Case("dry run", told, [_step(folder, command, ("sweep.h5", "complex.h5"), planned)])
+    return Case("dry run", change, [_step(folder, command, ("sweep.h5", "complex.h5"), planned)])
 
 
 def _step(folder: Path, more: list[str], names: tuple[str, ...], judge) -> Step:

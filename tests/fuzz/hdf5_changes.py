@@ -1,7 +1,7 @@
-"""What a program may have done to a raw log, or written in place of one.
+"""Changes that a program may make to a raw log, or errors when it writes one.
 
-A change is plausible if its result is a log of other measurements, with which nothing is wrong:
-one sample a little higher, a channel more, numbers in single precision. All others must be told.
+A plausible change gives a valid log of other measurements: one sample a little higher, one more
+channel, numbers in single precision. All other changes must be detected.
 """
 
 import json
@@ -16,13 +16,13 @@ _ODD = (np.nan, np.inf, -np.inf, 1e6, -1e6, 1e30, -1e300, 1.7e308)
 
 
 def change(rng: np.random.Generator, path: Path) -> tuple[str, bool]:
-    """Change a log in place; return what was done, and whether the result is plausible."""
+    """Change a log in place; return a description, and whether the result is plausible."""
     plausible = rng.random() < 0.2
     ways = PLAUSIBLE if plausible else WRONG
     way = ways[rng.integers(len(ways))]
     with h5py.File(path, "a") as file:
-        told = way(rng, file)
-    return told, plausible
+        description = way(rng, file)
+    return description, plausible
 
 
 def _channel(rng: np.random.Generator, file: h5py.File) -> str:
@@ -35,7 +35,7 @@ def _rewrite(file: h5py.File, name: str, values: np.ndarray, **how) -> None:
     file.create_dataset(name, data=values, **how).attrs["units"] = units
 
 
-# --- with which nothing is wrong ------------------------------------------------------------
+# --- valid changes --------------------------------------------------------------------------
 
 
 def _nudge(rng, file):
@@ -87,7 +87,7 @@ PLAUSIBLE: tuple[Change, ...] = (
 )  # fmt: skip
 
 
-# --- what must be told ----------------------------------------------------------------------
+# --- changes that must be detected ----------------------------------------------------------
 
 
 def _odd_sample(rng, file):
@@ -105,7 +105,7 @@ def _odd_channel(rng, file):
 
 def _drop_channel(rng, file):
     needed = {"theta_deg", "p_exp_kpa", "time_s", "theta_d_deg", "p_ff_kpa", "p_fb_kpa"}
-    if file.attrs["source"] != b"import":  # an import may lack these
+    if file.attrs["source"] != b"import":  # optional in imported logs
         needed |= {"p_o_kpa", "valve_main_v", "p_i_command_kpa"}
     name = str(rng.choice(sorted(needed & set(file))))
     del file[name]
@@ -207,7 +207,7 @@ def _attribute(rng, file):
 
 
 def _no_text(rng, file):
-    """Write text that is no UTF-8 as if it were."""
+    """Write invalid UTF-8 that is declared as UTF-8."""
     name = str(rng.choice(["experiment", "software", "rig", "source"]))
     kind = h5py.h5t.TypeID.copy(h5py.h5t.C_S1)
     kind.set_size(8)
@@ -268,8 +268,8 @@ def _nested(rng, file):
 
 
 def _long_json(rng, file):
-    told = json.dumps({f"c{k}_kpa": "x" for k in range(3000)})
-    file.attrs["notes"] = told[: int(rng.choice([100, 20000]))]
+    notes = json.dumps({f"c{k}_kpa": "x" for k in range(3000)})
+    file.attrs["notes"] = notes[: int(rng.choice([100, 20000]))]
     return "notes cut short"
 
 

@@ -1,4 +1,4 @@
-"""Maps of an import, what must come of them, and the commands that are tried."""
+"""Maps of an import, the expected log, and the commands to run."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -17,30 +17,30 @@ _FACTORS = {
     "s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0,
 }  # fmt: skip
 
-#: Columns of a file by name; None if what is there is no column of numbers.
+#: Columns of a file by name; None for anything but a column of numbers.
 Reading = Callable[[Path], Mapping[str, np.ndarray | None]]
 
 
 class WrongError(Exception):
-    """The file cannot be used so, and that must be said."""
+    """The import must refuse the file with this map."""
 
 
 def steps(
-    rng: np.random.Generator, source: str, told: dict[str, Any], read: Reading, *, draw: float
+    rng: np.random.Generator, source: str, mapping: dict[str, Any], read: Reading, *, draw: float
 ) -> list[Step]:
     """Return the commands on a recording: listing it, importing it, or both.
 
     Parameters
     ----------
     draw : float
-        How often to import; the picture takes as long as ten listings.
+        Probability of an import; drawing its picture takes as long as ten listings.
     """
 
     def listed(folder: Path, ended: Ended) -> Verdict:
         return (SAME, "") if source in ended.out else (SILENT, "the file is not named")
 
     def imported(folder: Path, ended: Ended) -> Verdict:
-        return compare(folder, told, lambda: read(folder / source), ended)
+        return compare(folder, mapping, lambda: read(folder / source), ended)
 
     imports = rng.random() < draw
     found = []
@@ -58,9 +58,9 @@ def steps(
     return found
 
 
-def write_map(folder: Path, told: Mapping[str, Any]) -> None:
+def write_map(folder: Path, mapping: Mapping[str, Any]) -> None:
     """Write a map."""
-    text = yaml.safe_dump(dict(told), allow_unicode=True, sort_keys=False)
+    text = yaml.safe_dump(dict(mapping), allow_unicode=True, sort_keys=False)
     (folder / MAP).write_text(text, encoding="utf-8")
 
 
@@ -75,16 +75,16 @@ def any_map(
         channels[channel] = {"column": column, "unit": unit}
         if rng.random() < 0.3:
             channels[channel] |= {"scale": 2.0, "offset": -1.0}
-    told = {"experiment": "sweep", "sample_rate_hz": rate_hz, "time": time, "channels": channels}
+    mapping = {"experiment": "sweep", "sample_rate_hz": rate_hz, "time": time, "channels": channels}
     if rng.random() < 0.2:
-        told |= {"start_s": 0.2}
+        mapping |= {"start_s": 0.2}
     if rng.random() < 0.1:
-        told |= {"end_s": 1.0}
-    return told
+        mapping |= {"end_s": 1.0}
+    return mapping
 
 
-def spoil(rng: np.random.Generator, told: dict[str, Any]) -> str:
-    """Put what is not right into a map; return what, or nothing."""
+def spoil(rng: np.random.Generator, mapping: dict[str, Any]) -> str:
+    """Put an error into a map and return its description."""
     ways = [
         ("channels", "theta_deg", "unit", ["grad", "kPa", 5, None, "\x1b[31m"]),
         ("channels", "theta_deg", "column", ["nothing", "", "angle[:, 7]", "\x1b[31mx", "(.*", 99]),
@@ -105,7 +105,7 @@ def spoil(rng: np.random.Generator, told: dict[str, Any]) -> str:
     *way, values = ways[rng.integers(len(ways))]
     value = values[rng.integers(len(values))]
     way = [part for part in way if part is not None]
-    inner = told
+    inner = mapping
     for part in way[:-1]:
         inner = inner[part]
     if isinstance(inner, dict):
@@ -115,11 +115,11 @@ def spoil(rng: np.random.Generator, told: dict[str, Any]) -> str:
 
 def compare(
     folder: Path,
-    told: Mapping[str, Any],
+    mapping: Mapping[str, Any],
     read: Callable[[], Mapping[str, np.ndarray | None]],
     ended: Ended,
 ) -> Verdict:
-    """Compare the log that an import wrote with what it should be."""
+    """Compare the log that an import wrote with the expected one."""
     for name in ("out.h5", "out.diagnosis.json", "out.diagnosis.png"):
         if not (folder / name).exists():
             return SILENT, f"no {name}"
@@ -129,11 +129,11 @@ def compare(
     if not all(np.isfinite(values).all() for values in found.values()):
         return SILENT, "no numbers in the log"
     try:
-        expected, gaps = expect(told, read())
+        expected, gaps = expect(mapping, read())
     except WrongError as error:
         return SILENT, f"accepted: {error}"
     if gaps and "gap" not in ended.out:
-        return SILENT, f"{gaps} gaps are not told"
+        return SILENT, f"{gaps} gaps are not reported"
     if expected is None:
         return SAME, ""
     other = [
@@ -151,20 +151,20 @@ def _refuse(text: str) -> None:
 
 
 def expect(
-    told: Mapping[str, Any], columns: Mapping[str, np.ndarray | None]
+    mapping: Mapping[str, Any], columns: Mapping[str, np.ndarray | None]
 ) -> tuple[dict[str, np.ndarray] | None, int]:
-    """Return the channels that a log must have, and how many gaps its recording has.
+    """Return the expected channels of a log, and the number of gaps in its recording.
 
-    None for what comes of a low-pass: that is judged elsewhere.
+    The channels are None if the import applies a low-pass, which other tests check.
 
     Raises
     ------
     WrongError
-        What the map asks for is not there.
+        The recording does not have what the map needs.
     """
-    picked = {name: _column(columns, spec["column"]) for name, spec in told["channels"].items()}
+    picked = {name: _column(columns, spec["column"]) for name, spec in mapping["channels"].items()}
     length = len(next(iter(picked.values())))
-    time = told["time"]
+    time = mapping["time"]
     if time.get("column") is None:
         since = np.arange(length) / time["rate_hz"]
     else:
@@ -177,11 +177,11 @@ def expect(
     since, picked = _once(since, picked, time.get("repeated"))
     if not (np.diff(since) > 0.0).all():
         raise WrongError("the clock does not increase")
-    end_s = told.get("end_s", np.inf)
-    kept = (since >= told.get("start_s", 0.0) - 1e-9) & (since <= end_s + 1e-9)
+    end_s = mapping.get("end_s", np.inf)
+    kept = (since >= mapping.get("start_s", 0.0) - 1e-9) & (since <= end_s + 1e-9)
     since = since[kept] - since[kept][0]
     channels = {}
-    for name, spec in told["channels"].items():
+    for name, spec in mapping["channels"].items():
         with np.errstate(over="ignore"):
             values = picked[name][kept] * spec.get("scale", 1.0) + spec.get("offset", 0.0)
             channels[name] = values * _FACTORS[str(spec["unit"])]
@@ -189,13 +189,13 @@ def expect(
             raise WrongError(f"{name}: no numbers")
     steps_s = np.diff(since)
     gaps = int((steps_s > 1.5 * np.median(steps_s)).sum())
-    return _on_grid(since, channels, told.get("sample_rate_hz", 200.0)), gaps
+    return _on_grid(since, channels, mapping.get("sample_rate_hz", 200.0)), gaps
 
 
 def _once(
     since: np.ndarray, picked: Mapping[str, np.ndarray], how: str | None
 ) -> tuple[np.ndarray, Mapping[str, np.ndarray]]:
-    """Return one sample for each instant, if the map says how."""
+    """Merge samples with the same time stamp, if the map says how."""
     if how not in ("first", "mean") or not len(since):
         return since, picked
     order = np.argsort(since, kind="stable")

@@ -1,4 +1,4 @@
-"""Journals: bytes that changed, stretches that are lost or moved, two runs in one file."""
+"""Journals with changed bytes, lost or moved parts, or two runs in one file."""
 
 import json
 import tempfile
@@ -18,7 +18,7 @@ from fprc.logs import RAW_CHANNELS, Journal
 
 
 class Run(NamedTuple):
-    """A journal that is right, and what it says."""
+    """A valid journal and its content."""
 
     data: bytes
     names: tuple[str, ...]
@@ -28,7 +28,7 @@ class Run(NamedTuple):
 
 @cache
 def runs() -> dict[str, Run]:
-    """Return a run that was closed, one that was killed, one that was stopped."""
+    """Return journals of runs that were closed, killed or stopped."""
     return {
         "closed": _run(close={"complete": True, "overruns": 2}),
         "killed": _run(close=None),
@@ -45,7 +45,7 @@ def _run(close: dict[str, Any] | None, without: str = "", seed: int = 1) -> Run:
     rows[:, 1:] += seed
     if without:
         rows[:, names.index(without)] = np.nan
-    ticks = np.arange(len(rows)) + (np.arange(len(rows)) > 100)  # one was missed
+    ticks = np.arange(len(rows)) + (np.arange(len(rows)) > 100)  # one missed tick
     attributes = {
         "experiment": "sweep", "source": "rig", "sample_rate_hz": signals.RATE_HZ, "seed": seed,
         "software": "fprc fuzz", "rig": {"control": {"k_in_kpa_per_deg": 7.0}},
@@ -59,38 +59,40 @@ def _run(close: dict[str, Any] | None, without: str = "", seed: int = 1) -> Run:
             journal.close(**close)
         data = path.read_bytes()
         if close is None:
-            journal.close()  # ends its thread; the copy is without an end mark
-    # the same bytes whenever it is made
-    data = _under(_header(data) | {"started": "2024-01-01T00:00:00.000000+00:00"}, data, len(rows))
+            journal.close()  # ends its thread; ``data`` has no end mark
+    # a fixed start time gives the same bytes each time
+    data = _with_header(
+        _header(data) | {"started": "2024-01-01T00:00:00.000000+00:00"}, data, len(rows)
+    )
     kept = [k for k, name in enumerate(names) if name != without]
     return Run(data, tuple(names[k] for k in kept), rows[:, kept], attributes)
 
 
 def case(rng: np.random.Generator, folder: Path) -> Case:
-    """Make a case of a damaged journal."""
+    """Make a case with a damaged journal."""
     if rng.random() < 0.1:
         return other_header(rng, folder)
     name = str(rng.choice(list(runs())))
     run = runs()[name]
     way = rng.random()
     if way < 0.02:
-        data, told = run.data, "as it should be"
+        data, change = run.data, "unchanged"
     elif way < 0.4:
-        data, told = damage.flip(rng, run.data)
+        data, change = damage.flip(rng, run.data)
     elif way < 0.8:
-        data, told = damage.ROUGH[rng.integers(len(damage.ROUGH))](rng, run.data)
+        data, change = damage.ROUGH[rng.integers(len(damage.ROUGH))](rng, run.data)
     else:
-        data, told = _OWN[rng.integers(len(_OWN))](rng, run)
+        data, change = _OWN[rng.integers(len(_OWN))](rng, run)
     (folder / "run.journal").write_bytes(data)
 
     def repaired(folder: Path, ended: Ended) -> Verdict:
         return _compare(folder / "run.h5", run, ended)
 
-    return Case("journal", f"{name}: {told}", [_repair(repaired)], sound=data == run.data)
+    return Case("journal", f"{name}: {change}", [_repair(repaired)], sound=data == run.data)
 
 
 def _grid(data: bytes) -> tuple[int, int]:
-    """Return where the samples begin, and the size of one."""
+    """Return the position of the first sample and the size of a sample, bytes."""
     size = 8 + 8 * len(RAW_CHANNELS) + 4
     header = int.from_bytes(data[8:12], "little") + 16
     return 2 * header, size
@@ -120,7 +122,7 @@ def _drop_samples(rng, run):
 
 
 def _another_run(rng, run):
-    """Put samples of another run in, as a disk may give back an old page."""
+    """Insert samples of another run, as if the disk returned an old page."""
     other = runs()["another" if run is not runs()["another"] else "closed"]
     begin, size = _grid(run.data)
     a, n = int(rng.integers(len(run.rows) - 60)), int(rng.integers(1, 60))
@@ -137,7 +139,7 @@ def _header_alone(rng, run):
 
 _OWN = (_swap_samples, _repeat_samples, _drop_samples, _another_run, _header_alone)
 
-#: What a program may have put into a header that is not right.
+#: Invalid values in a header.
 _WRONG = {
     "experiment": [None, 5, [], {}],
     "source": [None, 5, "moon", []],
@@ -150,16 +152,16 @@ _WRONG = {
 
 
 def other_header(rng: np.random.Generator, folder: Path) -> Case:
-    """Make a case of a journal with right checksums and a header that is not right."""
+    """Make a case with an invalid header and correct checksums."""
     run = runs()["closed"]
-    told = _header(run.data)
+    header = _header(run.data)
     key = str(rng.choice(list(_WRONG)))
     if rng.random() < 0.2:
-        del told[key]
+        del header[key]
         value = "nothing"
     else:
-        value = told[key] = _WRONG[key][rng.integers(len(_WRONG[key]))]
-    data = _under(told, run.data, len(run.rows))
+        value = header[key] = _WRONG[key][rng.integers(len(_WRONG[key]))]
+    data = _with_header(header, run.data, len(run.rows))
     (folder / "run.journal").write_bytes(data)
 
     def repaired(folder: Path, ended: Ended) -> Verdict:
@@ -173,10 +175,10 @@ def _header(data: bytes) -> dict[str, Any]:
     return json.loads(data[12 : 12 + int.from_bytes(data[8:12], "little")])
 
 
-def _under(told: dict[str, Any], data: bytes, samples: int) -> bytes:
-    """Return a journal with another header, and every checksum right."""
+def _with_header(content: dict[str, Any], data: bytes, samples: int) -> bytes:
+    """Return a journal with another header and correct checksums."""
     begin, size = _grid(data)
-    header = _block(data[:8], json.dumps(told).encode(), 0)
+    header = _block(data[:8], json.dumps(content).encode(), 0)
     seed = zlib.crc32(header[:-4])
     end = begin + size * samples
     parts = [data[at : at + size - 4] for at in range(begin, end, size)]
@@ -203,7 +205,7 @@ def _repair(judge) -> Step:
 
 
 def _compare(path: Path, run: Run, ended: Ended) -> Verdict:
-    """Compare the log of a journal: each sample is one that was written, in their order."""
+    """Compare the log with its journal: only written samples, in the order of writing."""
     channels, attributes = content(path)
     other = []
     if set(channels) != set(run.names):
@@ -214,9 +216,9 @@ def _compare(path: Path, run: Run, ended: Ended) -> Verdict:
             other.append("samples")
         elif len(rows) < len(run.rows) and ended.code == 0:
             other.append(f"{len(run.rows) - len(rows)} samples fewer")
-    told = {name: value for name, value in run.attributes.items() if name != "rig"}
-    found = {name: attributes.get(name) for name in told}
-    other += differing(found, told)
+    expected = {name: value for name, value in run.attributes.items() if name != "rig"}
+    found = {name: attributes.get(name) for name in expected}
+    other += differing(found, expected)
     if json.loads(attributes["rig"]) != run.attributes["rig"]:
         other.append("rig")
     if other:
@@ -225,7 +227,7 @@ def _compare(path: Path, run: Run, ended: Ended) -> Verdict:
 
 
 def in_order(rows: np.ndarray, written: np.ndarray) -> bool:
-    """Return whether rows are some of those that were written, in their order."""
+    """Return whether all rows were written, and in this order."""
     place = {row.tobytes(): k for k, row in enumerate(written)}
     found = [place.get(row.tobytes(), -1) for row in np.ascontiguousarray(rows)]
     return -1 not in found and found == sorted(set(found))

@@ -1,4 +1,4 @@
-"""What came of a command on a damaged file: told by what a user sees, and by what comes out."""
+"""Judge the outcome of a command on a damaged file by its messages and its output files."""
 
 import hashlib
 import re
@@ -11,18 +11,18 @@ from watched import LIMIT_BYTES, LIMIT_S, Ended
 
 from fprc.cli import main
 
-REFUSED, SAME, SAID = "refused", "same", "different but said"
+REFUSED, SAME, SAID = "refused", "same", "different, reported"
 TRACEBACK, HANG, MEMORY = "traceback", "hang", "over 1 GB"
-SILENT, UNTIDY = "accepted in silence", "untidy"
-#: Fine, and what must not be.
+SILENT, UNTIDY = "accepted silently", "untidy"
+#: Allowed and forbidden outcomes.
 GOOD = (REFUSED, SAME, SAID)
 FAULTS = (TRACEBACK, HANG, MEMORY, SILENT, UNTIDY)
 
-#: What a terminal would take for a command, and what cannot be printed.
+#: Control characters of a terminal, and characters that cannot be printed.
 _CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\udc80-\udcff]")
-#: A library talks to its programmer.
+#: A Python warning of a library, which users should not see.
 _LIBRARY = re.compile(r"^.*\b\w*Warning: .*$", re.MULTILINE)
-#: A line of a traceback that is not Snakemake's own: that one fails before it asks for our code.
+#: A line of our code in a traceback; Snakemake's own errors come before it runs our code.
 _OUR_FRAME = re.compile(
     r'File "[^"]*(Snakefile|workflow/rules/[^"]*|'
     r'fprc/(config|logs|plan|registry|stages|artifacts)[^"]*)", line.*'
@@ -33,7 +33,7 @@ Verdict = tuple[str, str]
 
 
 class Step(NamedTuple):
-    """One command on the files of a case.
+    """One command that runs on the files of a case.
 
     Attributes
     ----------
@@ -42,17 +42,17 @@ class Step(NamedTuple):
     row : str
         Line of the table.
     names : tuple of str
-        What a refusal must name, one of them at the least.
+        A refusal must contain at least one of them.
     judge : callable
-        Compares what came out with what should have, once the command has accepted the file.
+        Compares the output with the expected one if the command accepted the file.
     leaves : tuple of str
-        Files that it may leave when it accepts.
+        Files that the command may write if it accepts.
     accepts : callable
-        Whether the command took the file for usable.
+        Whether the command accepted the file.
     folder : str
-        Where it runs, if not in the folder of the case.
+        Working folder, if not that of the case.
     limit_s : float
-        Longest time that it may take.
+        Time limit.
     """
 
     command: tuple[str, ...]
@@ -66,12 +66,12 @@ class Step(NamedTuple):
 
 
 class Case(NamedTuple):
-    """Files in a folder, and what is done with them.
+    """Files in a folder, and the commands that run on them.
 
     Attributes
     ----------
     sound : bool
-        Whether nothing is wrong with them, so that a refusal is.
+        Whether the files are valid, so that a refusal is a fault.
     """
 
     kind: str
@@ -81,7 +81,7 @@ class Case(NamedTuple):
 
 
 class Result(NamedTuple):
-    """What came of one step."""
+    """Outcome of one step."""
 
     row: str
     outcome: str
@@ -95,7 +95,7 @@ def run(step: Step, case: Case, folder: Path, judging: Callable[[], None]) -> tu
     Parameters
     ----------
     judging : callable
-        Called when the command is done and what came out is looked at.
+        Called when the command has ended and judging begins.
     """
     before = _content(folder)
     where = Path(step.folder) if step.folder else folder
@@ -106,7 +106,7 @@ def run(step: Step, case: Case, folder: Path, judging: Callable[[], None]) -> tu
     judging()
     outcome, why = outcome_of(step, folder, before, ended)
     if case.sound and outcome == REFUSED:
-        outcome, why = UNTIDY, f"nothing is wrong with it: {why}"
+        outcome, why = UNTIDY, f"refused though valid: {why}"
     return Result(step.row, outcome, why, ended.seconds), ended
 
 
@@ -138,7 +138,7 @@ def outcome_of(step: Step, folder: Path, before: dict[str, str], ended: Ended) -
     try:
         return step.judge(folder, ended)
     except Exception as error:
-        return SILENT, f"what came out cannot be judged: {type(error).__name__}: {error}"
+        return SILENT, f"the output cannot be judged: {type(error).__name__}: {error}"
 
 
 def _untidy(ended: Ended) -> str:
@@ -146,7 +146,7 @@ def _untidy(ended: Ended) -> str:
         if found := _CONTROL.search(text):
             return f"printed {found[0]!r}"
         if found := _LIBRARY.search(text):
-            return f"a library's words: {found[0][:200]}"
+            return f"a library's warning: {found[0][:200]}"
     if found := _NO_NUMBER.search(ended.out):
         return f"printed {found[1]}"
     return ""
@@ -170,7 +170,7 @@ def _content(folder: Path) -> dict[str, str]:
 
 
 def differing(found: dict[str, Any], expected: dict[str, Any]) -> list[str]:
-    """Return the names under which two groups of arrays or values are not the same."""
+    """Return the names of arrays or values that differ or exist on one side only."""
     names = found.keys() | expected.keys()
     return sorted(
         name

@@ -15,7 +15,7 @@ import scipy.io
 import signals
 from judging import Case
 
-#: Variable by channel.
+#: Name of the variable for each channel.
 _VARIABLES = {"theta_deg": "angle", "p_exp_kpa": "p", "p_o_kpa": "z"}
 _KINDS = ("v5", "v5 compressed", "v5 struct", "v7.3", "HDF5", "HDF5 compressed")
 
@@ -28,7 +28,7 @@ def _arrays() -> dict[str, np.ndarray]:
 
 
 def case(rng: np.random.Generator, folder: Path) -> Case:
-    """Make a case of a binary recording and a map."""
+    """Make a case with a binary recording and a map."""
     kind = _KINDS[rng.integers(len(_KINDS))]
     arrays: dict[str, Any] = dict(_arrays())
     done = []
@@ -45,20 +45,20 @@ def case(rng: np.random.Generator, folder: Path) -> Case:
     name = "arm.mat" if kind.startswith("v") else "arm.h5"
     (folder / name).write_bytes(data)
     prefix = "run." if kind == "v5 struct" else ""
-    told = imports.any_map(
+    mapping = imports.any_map(
         rng, {channel: prefix + column for channel, column in _VARIABLES.items()},
         {"column": f"{prefix}t", "unit": "s"}, signals.RATE_HZ,
     )  # fmt: skip
     if rng.random() < 0.15:
-        done.append(f"map: {imports.spoil(rng, told)}")
-    imports.write_map(folder, told)
+        done.append(f"map: {imports.spoil(rng, mapping)}")
+    imports.write_map(folder, mapping)
 
     def read(path: Path) -> Mapping[str, np.ndarray | None]:
         return _read(path, kind)
 
     text = f"{kind}: {'; '.join(done) or 'as it should be'}"
     label = "recording, MATLAB 5" if kind.startswith("v5") else "recording, HDF5 and MATLAB 7.3"
-    return Case(label, text, imports.steps(rng, name, told, read, draw=0.4), sound=not done)
+    return Case(label, text, imports.steps(rng, name, mapping, read, draw=0.4), sound=not done)
 
 
 def _write(kind: str, arrays: Mapping[str, Any]) -> bytes:
@@ -125,7 +125,7 @@ def _promise(rng: np.random.Generator, kind: str) -> tuple[bytes, str]:
 
 
 def _read(path: Path, kind: str) -> Mapping[str, np.ndarray | None]:
-    """Return the variables as the library gives them, one by one."""
+    """Return the variables, read one by one by the library."""
     found: dict[str, np.ndarray | None] = {}
     if kind.startswith("v5"):
         names = "run" if kind == "v5 struct" else list(_arrays())
@@ -150,7 +150,7 @@ def _flat(values: Any) -> np.ndarray | None:
     return values if values.dtype.kind in "fiub" and values.ndim == 1 else None
 
 
-# --- what a file may hold -------------------------------------------------------------------
+# --- variants of the content ----------------------------------------------------------------
 
 
 def _more(rng, arrays):
@@ -162,7 +162,7 @@ def _more(rng, arrays):
         np.zeros(300, [("a", "f8"), ("b", "f8")]), np.empty(0, [("a", "f8")]), None,
     ]  # fmt: skip
     k = int(rng.integers(len(odd)))
-    # names as MATLAB has them
+    # MATLAB's names
     arrays["more"] = odd[k]
     return f"a variable more, {k}"
 

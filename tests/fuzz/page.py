@@ -1,4 +1,4 @@
-"""The counts of a run as a table."""
+"""The counts of a run as a Markdown page."""
 
 from collections import Counter
 from collections.abc import Iterable
@@ -9,36 +9,35 @@ from judging import FAULTS, GOOD
 _HEAD = """\
 # Damaged and odd files
 
-Written by `make fuzz PAGE=docs/fuzz.md`: seed {seed}, {cases} cases. Each case is a file, or two,
-made of the seed and the number of the case alone; `python tests/fuzz --seed {seed} --case 4711`
-repeats one and shows what was said. The commands are those of a user, in a process that is watched.
+Written by `make fuzz PAGE=docs/fuzz.md`: seed {seed}, {cases} cases. Each case is one or two files
+that depend only on seed and number of the case; `python tests/fuzz --seed {seed} --case 4711`
+repeats one and shows its output. The commands are a user's, with limits on time and memory.
 
-- *refused*: the exit code says so, a message names the file (in a configuration: or a key), and
-  nothing is left behind
-- *same*: what comes out is what was written before the damage; where a file has no checksums, as a
-  CSV file, what another reader finds in it
-- *different but said*: something is lost or not right, and a warning or its name says so
-- *traceback*: or the process crashed
-- *hang*: not done after 10 s of a processor or 30 s by the clock, a dry run after 60 s by the clock
-- *over 1 GB*: of memory, the command's children included
-- *accepted in silence*: what comes out is something else, or must not be accepted, and no line says
-  so
-- *untidy*: refused without naming the file, something left behind, a file changed, control
-  characters on the terminal, a library's warning, NaN in what is printed; or refused though nothing
-  is wrong with it
+- *refused*: a non-zero exit code, a message with the file (or a key of a configuration), and
+  no file left behind
+- *same*: the output has the values from before the damage; for files without checksums, such as
+  CSV, the values that an independent reader finds
+- *different, reported*: something is lost or wrong, and a warning or its name is printed
+- *traceback*: a traceback or a crash
+- *hang*: not done after 10 s of CPU time or 30 s wall-clock time, a dry run after 60 s wall-clock
+- *over 1 GB*: memory, including the command's children
+- *accepted silently*: a wrong output, or an invalid file that was accepted, without a message
+- *untidy*: refused without naming the file, a file left behind or changed, control characters on
+  the terminal, a library's warning, NaN in the output; or a valid file refused
 
 The files:
 
-- *configuration*: other values, keys twice or unknown, deep, endless, bytes changed, folders that
-  must not be used
-- *journal*: bytes changed, cut, zeros, samples exchanged, repeated or of another run, other headers
+- *configuration*: other values, duplicate or unknown keys, deep or endless nesting, changed bytes,
+  forbidden folders
+- *journal*: changed bytes, truncation, zeros, samples exchanged, repeated or from another run,
+  other headers
 - *raw log*, simulated, of a closed loop, imported or recorded; *flipped bytes*: one to three, in
-  numbers or in metadata; *torn*: cut, zeros, noise, stretches taken out, exchanged, repeated;
-  *other content*: samples, channels, units, types, shapes, attributes, links and sizes changed by
-  way of HDF5, a fifth of them so that nothing is wrong with the result
-- *recording*: quotes, separators, headers, fields, clocks, MATLAB's classes and shapes, bytes
-  changed; maps that are wrong
-- *dry run*: such configurations and logs
+  numbers or in metadata; *torn*: truncation, zeros, noise, parts removed, exchanged or repeated;
+  *other content*: samples, channels, units, types, shapes, attributes, links and sizes changed
+  through HDF5; a fifth of these changes give a valid log
+- *recording*: quotes, separators, headers, fields, clocks, MATLAB's classes and shapes, changed
+  bytes; wrong maps
+- *dry run*: the same kinds of configurations and logs
 
 """
 

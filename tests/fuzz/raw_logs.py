@@ -1,4 +1,4 @@
-"""Raw logs: damaged bytes, and what a program may have written that is not right."""
+"""Raw logs with damaged bytes, or with errors of the program that wrote them."""
 
 import json
 import re
@@ -21,7 +21,7 @@ from fprc.logs import write_raw
 
 
 class Log(NamedTuple):
-    """A log that is right: its file and content, and where in the file its numbers are."""
+    """A valid log: file, content, and the positions of samples and of other bytes in the file."""
 
     data: bytes
     channels: dict[str, np.ndarray]
@@ -31,9 +31,9 @@ class Log(NamedTuple):
 
 
 _DESCRIBED = {"sample_rate_hz": signals.RATE_HZ, "software": "fprc fuzz"}
-#: Samples beyond these are promised, not there.
+#: Larger datasets are declared only; their samples do not exist.
 _BELIEVABLE = 10**6
-#: What says that attributes may be lost or wrong of which the file no longer tells the names.
+#: A message that attributes with unknown names may be lost or wrong.
 _ALL_ATTRIBUTES = re.compile(r"attributes\b.*\b(lost|wrong)")
 _CONTROL = {"control": {"k_in_kpa_per_deg": 7.0}}
 
@@ -72,15 +72,15 @@ def _log(channels: Mapping[str, np.ndarray], **attributes: Any) -> Log:
         path = Path(folder, "log.h5")
         write_raw(path, channels, **_DESCRIBED, **attributes)
         data = path.read_bytes()
-        found, told = content(path)
+        found, stored = content(path)
         numbers = np.zeros(len(data), bool)
         with h5py.File(path) as file:
             for dataset in file.values():
                 for begin, size in _stretches(dataset):
                     numbers[begin : begin + size] = True
     names = {"simulated", "units", *_DESCRIBED, *attributes}
-    kept = {name: value for name, value in told.items() if name.rpartition(".")[2] in names}
-    used = np.frombuffer(data, np.uint8) != 0  # most of the rest is room that HDF5 left
+    kept = {name: value for name, value in stored.items() if name.rpartition(".")[2] in names}
+    used = np.frombuffer(data, np.uint8) != 0  # most other bytes are free space
     return Log(data, found, kept, np.flatnonzero(numbers), np.flatnonzero(~numbers & used))
 
 
@@ -92,14 +92,14 @@ def _stretches(dataset: h5py.Dataset) -> list[tuple[int, int]]:
 
 
 def content(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
-    """Return the channels of a file, and its attributes, by the library alone."""
+    """Return the channels and attributes of a file, read by h5py alone."""
     channels, attributes = {}, {}
     with h5py.File(path, "r") as file:
         owners = {"": file}
         for name in file:
             dataset = _get(file, name)
             if isinstance(dataset, h5py.Dataset) and (dataset.size or 0) < _BELIEVABLE:
-                with suppress(OSError):  # its samples are in a file that is not there
+                with suppress(OSError):  # its samples are in a missing file
                     channels[name] = np.asarray(dataset[()])
                 owners[f"{name}."] = dataset
         for prefix, owner in owners.items():
@@ -109,7 +109,7 @@ def content(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value as Python has it; there are several ways to write the same text."""
+    """Return a value as a Python object, however its text is stored."""
     value = value.item() if getattr(value, "size", 0) == 1 else value
     return value.decode("utf-8", "surrogateescape") if isinstance(value, bytes) else value
 
@@ -117,47 +117,47 @@ def _plain(value: Any) -> Any:
 def _get(file: h5py.File, name: str) -> Any:
     try:
         return file.get(name)
-    except (OSError, RuntimeError):  # a link that leads in a circle, or to a file that is not there
+    except (OSError, RuntimeError):  # a circular link, or one to a missing file
         return None
 
 
 def flipped(rng: np.random.Generator, folder: Path) -> Case:
-    """Make a case of single bytes that changed."""
+    """Make a case with single changed bytes."""
     name, log = _any(rng)
     if rng.random() < 0.02:
         (folder / "log.h5").write_bytes(log.data)
-        return case_of(rng, "raw log, flipped bytes", f"{name}: as it should be", log)._replace(
+        return case_of(rng, "raw log, flipped bytes", f"{name}: unchanged", log)._replace(
             sound=True
         )
     where = ("numbers", log.payload) if rng.random() < 0.4 else ("metadata", log.rest)
-    data, told = damage.flip(rng, log.data, where[1])
+    data, change = damage.flip(rng, log.data, where[1])
     (folder / "log.h5").write_bytes(data)
-    return case_of(rng, "raw log, flipped bytes", f"{name}, {where[0]}: {told}", log)
+    return case_of(rng, "raw log, flipped bytes", f"{name}, {where[0]}: {change}", log)
 
 
 def torn(rng: np.random.Generator, folder: Path) -> Case:
-    """Make a case of stretches that are lost, moved or overwritten."""
+    """Make a case with lost, moved or overwritten parts."""
     name, log = _any(rng)
     way = damage.ROUGH[rng.integers(len(damage.ROUGH))]
-    data, told = way(rng, log.data)
+    data, change = way(rng, log.data)
     (folder / "log.h5").write_bytes(data)
-    return case_of(rng, "raw log, torn", f"{name}: {told}", log)
+    return case_of(rng, "raw log, torn", f"{name}: {change}", log)
 
 
 def altered(rng: np.random.Generator, folder: Path) -> Case:
-    """Make a case of a log that some program wrote, or changed, by way of the library."""
+    """Make a case with a log that a program wrote or changed through the library."""
     name, log = _any(rng)
     path = folder / "log.h5"
     path.write_bytes(log.data)
-    told, plausible = hdf5_changes.change(rng, path)
+    change, plausible = hdf5_changes.change(rng, path)
     found, attributes = content(path)
-    # what is there is to be copied, whatever it says
+    # a copy must have the content of the file, valid or not
     there = log._replace(
         channels={key: _as_read(found[key]) for key in log.channels if key in found},
         attributes={key: attributes[key] for key in log.attributes if key in attributes},
     )
     truth = there if plausible else None
-    return case_of(rng, "raw log, other content", f"{name}: {told}", truth, there)
+    return case_of(rng, "raw log, other content", f"{name}: {change}", truth, there)
 
 
 def _any(rng: np.random.Generator) -> tuple[str, Log]:
@@ -168,7 +168,7 @@ def _any(rng: np.random.Generator) -> tuple[str, Log]:
 def case_of(
     rng: np.random.Generator, kind: str, what: str, truth: Log | None, there: Log | None = None
 ) -> Case:
-    """Return what is done with a log: ``truth`` is what it should hold, None if it is wrong."""
+    """Return the commands on a log; ``truth`` is its expected content, None if it is invalid."""
 
     def checked(folder: Path, ended: Ended) -> Verdict:
         return _compare(folder / "log.h5", truth, ended.code == 1)
@@ -177,7 +177,7 @@ def case_of(
         return _compare_copy(folder / "copy.h5", there or truth, ended)
 
     steps = []
-    # repairing takes a process, and with it as long as several other cases
+    # a repair starts a process and takes as long as several other cases
     repair = rng.random() < 0.3
     if not repair or rng.random() < 0.3:
         steps.append(
@@ -194,13 +194,13 @@ def case_of(
 
 
 def usable(ended: Ended) -> bool:
-    """Return whether a check took the log for one, clean or not."""
+    """Return whether a check accepted the file as a log, clean or not."""
     return ended.code in (0, 1) and "error:" not in ended.err
 
 
 def _compare(path: Path, truth: Log | None, warned: bool) -> Verdict:
     if truth is None:
-        return (SAID, "") if warned else (SILENT, "what must be told is not")
+        return (SAID, "") if warned else (SILENT, "an error is not reported")
     other = _others(*content(path), truth)
     if not other:
         return SAME, ""
@@ -208,10 +208,10 @@ def _compare(path: Path, truth: Log | None, warned: bool) -> Verdict:
 
 
 def _others(channels: Mapping, attributes: Mapping, log: Log) -> list[str]:
-    # a log may have more than was written; what was written is compared
+    # the log may have additional content; only what was written is compared
     found = {name: _as_read(channels[name]) for name in log.channels if name in channels}
-    told = {name: attributes[name] for name in log.attributes if name in attributes}
-    return differing(found, log.channels) + differing(told, log.attributes)
+    kept = {name: attributes[name] for name in log.attributes if name in attributes}
+    return differing(found, log.channels) + differing(kept, log.attributes)
 
 
 def _as_read(values: np.ndarray) -> np.ndarray:
@@ -219,7 +219,7 @@ def _as_read(values: np.ndarray) -> np.ndarray:
 
 
 def _compare_copy(path: Path, log: Log, ended: Ended) -> Verdict:
-    """Compare a copy with what it should be; what differs must be told by its name."""
+    """Compare a copy with the expected log; each difference must be reported by name."""
     channels, attributes = content(path)
     if ended.code == 0:
         other = _others(channels, attributes, log)
@@ -229,14 +229,14 @@ def _compare_copy(path: Path, log: Log, ended: Ended) -> Verdict:
         found = channels.get(name)
         begins = found is not None and found.tobytes() == values[: len(found)].tobytes()
         # its name itself may be damaged
-        told = name in ended.out or (found is None and ": cannot be read" in ended.out)
-        if not begins and not told:
+        reported = name in ended.out or (found is None and ": cannot be read" in ended.out)
+        if not begins and not reported:
             silent.append(name)
     for name in sorted(log.attributes.keys() - {"complete", "incomplete_reason", "lost_samples"}):
         channel, _, key = name.rpartition(".")
-        # the units of a channel that is left out are left out with it
+        # a missing channel has no units
         gone = channel and channel not in channels
-        told = key in ended.out or _ALL_ATTRIBUTES.search(ended.out)
-        if not gone and not told and attributes.get(name) != log.attributes[name]:
+        reported = key in ended.out or _ALL_ATTRIBUTES.search(ended.out)
+        if not gone and not reported and attributes.get(name) != log.attributes[name]:
             silent.append(name)
     return (SILENT, f"differ: {', '.join(silent)}") if silent else (SAID, "")

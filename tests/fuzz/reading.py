@@ -1,6 +1,6 @@
-"""What a configuration says to who reads it: YAML 1.2, by none of the code that is tried.
+"""An independent reader of configurations (YAML 1.2) that uses no code under test.
 
-A key that is there twice says nothing. Numbers are decimal unless they begin with 0x or 0o.
+A duplicate key has no value. Numbers are decimal unless they begin with 0x or 0o.
 """
 
 import re
@@ -11,27 +11,27 @@ import yaml
 
 _NUMBER = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
 _MOST = 100_000
-#: The one in C knows that a tab may stand before a value.
+#: Only the loader in C accepts a tab before a value.
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 class UnclearError(Exception):
-    """The text says nothing, or two things."""
+    """The text has no unique meaning."""
 
 
 class Text(NamedTuple):
-    """A value as it is written."""
+    """A value as text."""
 
     text: str
 
 
 def read(data: bytes) -> dict[str, Any]:
-    """Return nested keys with their values as they are written.
+    """Return nested keys with their values as text.
 
     Raises
     ------
     UnclearError
-        It is no YAML of keys and values; a key is there twice; it is too large, or endless.
+        Not a YAML mapping; a duplicate key; too large or recursive.
     """
     try:
         node = yaml.compose(data.decode("utf-8"), Loader=_LOADER)
@@ -57,19 +57,19 @@ def _tree(node: yaml.Node, count: list[int], depth: int) -> Any:
     merged: dict[str, Any] = {}
     for key, value in node.value:
         if not isinstance(key, yaml.ScalarNode):
-            raise UnclearError("a key is no text")
+            raise UnclearError("a key is not text")
         inner = _tree(value, count, depth + 1)
         if key.value == "<<" and isinstance(inner, dict):
             merged |= inner
         elif key.value in found:
-            raise UnclearError(f"{key.value}: there twice")
+            raise UnclearError(f"{key.value}: duplicate key")
         else:
             found[key.value] = inner
     return merged | found
 
 
 def differing(got: Any, said: Any, default: Any, key: str = "") -> list[str]:
-    """Return the keys under which the settings are not what the text says.
+    """Return the keys whose settings differ from the text.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def differing(got: Any, said: Any, default: Any, key: str = "") -> list[str]:
     said : dict
         See ``read``.
     default : dict
-        What holds where nothing is said.
+        Defaults of keys that the text does not have.
     """
     if isinstance(got, Mapping) and isinstance(said, dict):
         whole = key.endswith(".ranges")

@@ -1,4 +1,4 @@
-"""What a rig might have measured, without a simulation."""
+"""Plausible measurements of a rig, without a simulation."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ RATE_HZ = 200.0
 
 
 def hysteresis(samples: int = 400) -> dict[str, np.ndarray]:
-    """Return every channel of a raw log, with nothing that a quality record warns of."""
+    """Return every channel of a raw log that passes all quality checks."""
     rng = np.random.default_rng(7)
     time_s = np.arange(samples) / RATE_HZ
     p_exp = 175.0 - 120.0 * np.cos(2.0 * np.pi * 0.9 * time_s)

@@ -1,4 +1,4 @@
-"""Cases in a child process that is replaced when one hangs, crashes or takes too much memory."""
+"""Run cases in a child process, and replace it if it hangs, crashes or uses too much memory."""
 
 import json
 import os
@@ -15,7 +15,7 @@ from typing import IO, Any, NamedTuple
 import watched
 from judging import HANG, MEMORY, SILENT, TRACEBACK, Case, run
 
-#: Cases after which the child is replaced: what it forgot to free goes with it.
+#: The child is replaced after this many cases, which frees leaked memory.
 _CASES_EACH = 100
 
 
@@ -26,7 +26,7 @@ class _Child(NamedTuple):
 
 
 class _Limit:
-    """Time that something in a process may take from now on."""
+    """Deadline of a process in CPU and wall-clock time, counted from now."""
 
     def __init__(self, number: int, limit_s: float):
         self._number = number
@@ -41,14 +41,14 @@ class _Limit:
 def results(
     numbers: Iterable[int], make: Callable[[int, Path], Case], folder: Path
 ) -> Iterator[tuple[int, dict[str, Any]]]:
-    """Yield what came of each case.
+    """Yield the result of each case.
 
     Parameters
     ----------
     make : callable
-        Gives the case of a number and writes its files into an empty folder.
+        Returns the case with a given number and writes its files into an empty folder.
     folder : Path
-        Where that folder is made.
+        Parent of that folder.
     """
     child, done = None, 0
     try:
@@ -70,7 +70,7 @@ def results(
 
 
 def _ask(child: _Child, number: int, first: int, found: dict[str, Any]) -> tuple[int | None, bool]:
-    """Have a case run from one step on; return the next step, and whether the child is spoiled."""
+    """Run a case from a given step; return the next step, and whether to replace the child."""
     print(json.dumps([number, first]), file=child.requests, flush=True)
     step, judging, limit = first, False, _Limit(child.number, watched.LIMIT_S)
     buffer = b""
@@ -101,7 +101,7 @@ def _ask(child: _Child, number: int, first: int, found: dict[str, Any]) -> tuple
             if "rows" not in found:
                 raise RuntimeError(f"case {number} could not be made")
             if judging:
-                outcome = SILENT, f"what came out cannot be judged: {outcome[1]}"
+                outcome = SILENT, f"the output cannot be judged: {outcome[1]}"
             row = found["rows"][step]
             found["results"].append([row, *outcome, 0.0])
             return (step + 1 if step + 1 < len(found["rows"]) else None), True
@@ -139,7 +139,7 @@ def _fork(make: Callable[[int, Path], Case], folder: Path) -> _Child:
         os.setsid()
         os.close(from_here)
         os.close(to_here)
-        # in a process of its own each command would be warned once, not the first alone
+        # show a warning for every command, as in separate processes
         warnings.simplefilter("always", RuntimeWarning)
         with os.fdopen(to_child) as requests, os.fdopen(from_child, "w") as answers:
             for line in requests:
@@ -153,18 +153,18 @@ def _fork(make: Callable[[int, Path], Case], folder: Path) -> _Child:
 def _serve(
     number: int, first: int, make: Callable[[int, Path], Case], folder: Path, answers: IO[str]
 ) -> None:
-    def tell(**what: Any) -> None:
+    def answer(**what: Any) -> None:
         print(json.dumps(what), file=answers, flush=True)
 
     place = folder / "case"
     shutil.rmtree(place, ignore_errors=True)
     place.mkdir()
     case = make(number, place)
-    told = {"kind": case.kind, "what": case.what, "rows": [step.row for step in case.steps]}
+    described = {"kind": case.kind, "what": case.what, "rows": [step.row for step in case.steps]}
     spoiled = False
     for k, step in enumerate(case.steps[first:], start=first):
-        tell(begin=k, limit_s=step.limit_s, case=told)
-        result, ended = run(step, case, place, lambda: tell(judging=True))
+        answer(begin=k, limit_s=step.limit_s, case=described)
+        result, ended = run(step, case, place, lambda: answer(judging=True))
         spoiled |= ended.peak_bytes > watched.LIMIT_BYTES
-        tell(result=result)
-    tell(spoiled=spoiled)
+        answer(result=result)
+    answer(spoiled=spoiled)

@@ -1,4 +1,4 @@
-"""The fuzzing program: 200 of its cases, and whether it would notice what it looks for."""
+"""The fuzzing program: 200 of its cases, and whether it detects wrong behaviour."""
 
 import importlib
 import subprocess
@@ -23,14 +23,14 @@ def module(name):
 
 @LINUX
 @pytest.mark.slow
-def test_two_hundred_damaged_files_end_as_they_may(tmp_path):
+def test_two_hundred_damaged_files_have_allowed_outcomes(tmp_path):
     command = [sys.executable, FUZZ, "--cases", "200", "--workers", "1", "--keep", tmp_path]
     done = subprocess.run(command, capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "| all | 200 |" in done.stdout
 
 
-# --- the watch ------------------------------------------------------------------------------
+# --- limits on time and memory --------------------------------------------------------------
 
 
 @LINUX
@@ -43,7 +43,7 @@ def test_two_hundred_damaged_files_end_as_they_may(tmp_path):
         ("print('done')", "", 0),
     ],
 )
-def test_command_that_hangs_grows_or_crashes_is_stopped_and_told(tmp_path, program, stopped, code):
+def test_command_that_hangs_grows_or_crashes_is_stopped(tmp_path, program, stopped, code):
     ended = module("watched").command(
         [sys.executable, "-c", program], tmp_path, limit_s=1.0, limit_bytes=1 << 27
     )
@@ -77,7 +77,7 @@ def test_settings_are_compared_with_what_a_person_reads(text, got, same):
 
 
 @pytest.mark.parametrize("text", ["a: 1\na: 2", "- 1", "5", "a: &x [*x]", "{a", "a: " + "[" * 5000])
-def test_text_that_says_nothing_or_two_things_is_unclear(text):
+def test_text_without_a_unique_meaning_is_unclear(text):
     reading = module("reading")
     with pytest.raises(reading.UnclearError):
         reading.read(text.encode())
@@ -98,12 +98,12 @@ def test_settings_that_a_case_changes_are_its_own(tmp_path):
     assert configs.compare(tmp_path, "") == ("same", "")
 
 
-# --- the judgement of what comes out --------------------------------------------------------
+# --- judging the outcome --------------------------------------------------------------------
 
 
 @pytest.fixture
 def ended():
-    """A command that ended well, or as is said."""
+    """Make the record of a command that ended; by default it succeeded."""
     watched = module("watched")
 
     def ended(code=0, out="", err="", stopped="", peak_bytes=0):
@@ -128,7 +128,7 @@ def ended():
         ({"err": "x.py:3: RuntimeWarning: overflow"}, "untidy"),
     ],
 )
-def test_outcome_is_told_by_what_a_user_sees(tmp_path, ended, what, outcome):
+def test_outcome_is_judged_by_what_a_user_sees(tmp_path, ended, what, outcome):
     judging = module("judging")
     step = judging.Step(("x",), "fprc x", ("log.h5",), lambda folder, ended: ("same", ""))
     assert judging.outcome_of(step, tmp_path, {}, ended(**what))[0] == outcome
@@ -155,7 +155,7 @@ def test_file_that_is_changed_is_untidy(tmp_path, ended):
 
 @pytest.fixture
 def log(tmp_path):
-    """A raw log in a file, and what it holds."""
+    """A raw log, also written to a file."""
     found = module("raw_logs").logs()["track"]
     (tmp_path / "log.h5").write_bytes(found.data)
     return found
@@ -177,7 +177,7 @@ def test_log_as_it_was_is_the_same(tmp_path, ended, log):
 
 
 @pytest.mark.parametrize(
-    ("code", "outcome"), [(0, "accepted in silence"), (1, "different but said")]
+    ("code", "outcome"), [(0, "accepted silently"), (1, "different, reported")]
 )
 @pytest.mark.parametrize("what", ["number", "attribute", "unit"])
 def test_log_in_which_one_thing_is_changed_is_not_the_same(
@@ -213,7 +213,7 @@ def test_log_without_a_channel_that_it_needs_is_refused(tmp_path, kind):
     ids=["no YAML", "no keys", "no UTF-8", "no number", "endless"],
 )
 @pytest.mark.slow
-def test_configuration_that_snakemake_cannot_read_is_told_by_its_words(tmp_path, text):
+def test_error_of_snakemake_on_a_configuration_is_recognised(tmp_path, text):
     judging, configs, dry_runs = module("judging"), module("configs"), module("dry_runs")
     folder = tmp_path / "case"
     folder.mkdir()
@@ -237,7 +237,7 @@ def test_samples_of_a_journal_are_those_that_were_written(way):
 
 
 @pytest.fixture
-def told():
+def mapping():
     """Map of a recording at the rate of the log."""
     return {
         "sample_rate_hz": 100.0,
@@ -246,17 +246,17 @@ def told():
     }
 
 
-def test_import_is_expected_in_the_units_of_the_log(told):
+def test_import_is_expected_in_the_units_of_the_log(mapping):
     columns = {"t": 10.0 * np.arange(5) + 1e6, "p": np.arange(5.0)}
-    expected, gaps = module("imports").expect(told, columns)
+    expected, gaps = module("imports").expect(mapping, columns)
     assert expected["p_exp_kpa"] == pytest.approx([-100.0, 100.0, 300.0, 500.0, 700.0])
     assert expected["time_s"] == pytest.approx([0.0, 0.01, 0.02, 0.03, 0.04])
     assert gaps == 0
 
 
-def test_gap_is_expected_to_be_told(told):
+def test_gap_is_expected_to_be_reported(mapping):
     columns = {"t": np.array([0.0, 10.0, 20.0, 50.0, 60.0]), "p": np.arange(5.0)}
-    expected, gaps = module("imports").expect(told, columns)
+    expected, gaps = module("imports").expect(mapping, columns)
     assert gaps == 1
     assert expected["p_exp_kpa"] == pytest.approx(
         200.0 * np.array([0, 1, 2, 7 / 3, 8 / 3, 3, 4]) - 100
@@ -264,10 +264,10 @@ def test_gap_is_expected_to_be_told(told):
 
 
 @pytest.mark.parametrize(("how", "value"), [("first", 2.0), ("mean", 2.5)])
-def test_repeated_stamps_are_expected_once(told, how, value):
-    told["time"]["repeated"] = how
+def test_repeated_stamps_are_expected_once(mapping, how, value):
+    mapping["time"]["repeated"] = how
     columns = {"t": np.array([0.0, 10.0, 20.0, 20.0, 30.0]), "p": np.arange(5.0)}
-    expected, _ = module("imports").expect(told, columns)
+    expected, _ = module("imports").expect(mapping, columns)
     assert expected["p_exp_kpa"][2] == pytest.approx(200.0 * value - 100.0)
 
 
@@ -283,10 +283,10 @@ def test_repeated_stamps_are_expected_once(told, how, value):
     ],
     ids=["clock", "no number", "overflow", "text", "length", "absent"],
 )
-def test_recording_that_is_wrong_is_expected_to_be_refused(told, columns):
+def test_recording_that_is_wrong_is_expected_to_be_refused(mapping, columns):
     imports = module("imports")
     with pytest.raises(imports.WrongError):
-        imports.expect(told, columns)
+        imports.expect(mapping, columns)
 
 
 @pytest.mark.parametrize(
@@ -318,10 +318,10 @@ def test_case_is_made_of_its_seed_and_its_number_alone(tmp_path):
     made = []
     for folder in (tmp_path / "one", tmp_path / "two"):
         folder.mkdir()
-        cases.made(5, 3, folder)  # something else before
+        cases.make_case(5, 3, folder)  # another case before
         for path in folder.iterdir():
             path.unlink()
-        case = cases.made(5, 17, folder)
+        case = cases.make_case(5, 17, folder)
         made.append((case.what, {path.name: path.read_bytes() for path in folder.iterdir()}))
     assert made[0] == made[1]
 
@@ -330,7 +330,7 @@ def test_map_of_a_recording_is_yaml(tmp_path):
     imports = module("imports")
     rng = np.random.default_rng(1)
     for _ in range(50):
-        told = imports.any_map(rng, {"theta_deg": "a"}, {"column": "t", "unit": "s"}, 200.0)
-        imports.spoil(rng, told)
-        imports.write_map(tmp_path, told)
+        mapping = imports.any_map(rng, {"theta_deg": "a"}, {"column": "t", "unit": "s"}, 200.0)
+        imports.spoil(rng, mapping)
+        imports.write_map(tmp_path, mapping)
         assert isinstance(yaml.safe_load((tmp_path / "map.yaml").read_text()), dict)

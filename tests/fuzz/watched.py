@@ -1,4 +1,4 @@
-"""Run something in a process of its own, and watch its time and its memory."""
+"""Run a function or command in another process with limits on time and memory."""
 
 import os
 import resource
@@ -14,14 +14,14 @@ from contextlib import suppress
 from pathlib import Path
 from typing import IO, NamedTuple
 
-#: Most of a processor's time that a command may take, and most memory.
+#: Limits of a command: CPU time and memory.
 LIMIT_S = 10.0
 LIMIT_BYTES = 1 << 30
-#: The clock may run so many times longer: others use the processors too.
+#: Wall-clock limit over CPU limit: other processes use the CPU too.
 PATIENCE = 3.0
 #: Exit code of a function that raised.
 RAISED = 70
-#: Between two looks at the memory of a process.
+#: Time between two checks of a process's memory.
 LOOK_S = 0.03
 
 
@@ -31,11 +31,11 @@ class Ended(NamedTuple):
     Attributes
     ----------
     code : int
-        Exit code; of a process that a signal ended, minus its number.
+        Exit code, or minus the number of the signal that ended the process.
     stopped : str
-        ``time`` or ``memory`` if it was stopped for that, else empty.
+        The limit that was exceeded, ``time`` or ``memory``, or empty.
     peak_bytes : int
-        Most memory that the process and its children held.
+        Peak memory of the process and its children.
     """
 
     code: int
@@ -47,7 +47,7 @@ class Ended(NamedTuple):
 
 
 def call(function: Callable[[], int | None], folder: Path | str) -> Ended:
-    """Call a function in this process, in a folder; who watches this process ends it."""
+    """Call a function in this process, in a folder, without limits of its own."""
     begun_s = time.monotonic()
     here = os.getcwd()
     kept = os.dup(1), os.dup(2)
@@ -114,7 +114,7 @@ def end_session(leader: int) -> None:
 
 
 def _wait(number: int, end_s: float, limit_bytes: int) -> tuple[str, int]:
-    """Wait for the end of a process or the breach of a limit; return which, and its memory."""
+    """Wait until a process ends or exceeds a limit; return that limit and its peak memory."""
     peak = 0
     handle = os.pidfd_open(number)
     try:
@@ -130,7 +130,7 @@ def _wait(number: int, end_s: float, limit_bytes: int) -> tuple[str, int]:
 
 
 def memory(number: int) -> int:
-    """Return the memory of a process and its descendants, without the files that it has mapped."""
+    """Return the memory of a process and its descendants, without mapped files."""
     family, total = [number], 0
     for one in family:
         with suppress(OSError, ValueError, IndexError):
@@ -141,7 +141,7 @@ def memory(number: int) -> int:
 
 
 def processor_s(number: int) -> float:
-    """Return the time that processors spent on a process and its descendants, dead ones too."""
+    """Return the CPU time of a process and its descendants, including ended ones."""
     family, ticks = [number], 0
     for one in family:
         with suppress(OSError, ValueError, IndexError):

@@ -1,4 +1,4 @@
-"""Models against other libraries, and against the paper's equations written as plain loops."""
+"""The models against other libraries, and against the paper's equations as plain loops."""
 
 import decimal
 import math

@@ -1,4 +1,4 @@
-"""Two public recordings, read where they lie beside the project; skipped where they do not."""
+"""Two public recordings, read from a folder beside the project; skipped if they are not there."""
 
 from pathlib import Path
 

@@ -1,11 +1,11 @@
-"""A Slurm of one node for as long as a command runs.
+"""Run a command on a Slurm of one node, and stop Slurm afterwards.
 
     python tests/slurm/one_node.py snakemake --workflow-profile profiles/slurm ...
-    python tests/slurm/one_node.py --why-not     # says what is missing, if anything
+    python tests/slurm/one_node.py --why-not     # prints what is missing, if anything
 
-munged, slurmctld and slurmd run as root, in a folder that is removed afterwards, on ports that were
-free. Only /etc/slurm/slurm.conf is written elsewhere: the executor clears SLURM_CONF for the steps
-of a job. A machine that has such a file has a Slurm of its own, and is left alone.
+munged, slurmctld and slurmd run as root, in a temporary folder, on free ports. The only other file
+written is /etc/slurm/slurm.conf, because the executor clears SLURM_CONF for the steps of a job. If
+the machine already has that file, it has its own Slurm, and nothing is started.
 """
 
 import os

@@ -1,4 +1,4 @@
-"""Files as MATLAB writes them: to version 7 by SciPy, since 7.3 as HDF5 with references."""
+"""Files as MATLAB writes them: up to version 7 by SciPy, version 7.3 as HDF5 with references."""
 
 from typing import NamedTuple
 

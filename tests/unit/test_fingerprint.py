@@ -1,4 +1,4 @@
-"""What changes the hash of the code that a rule runs, and what does not."""
+"""Which edits change the fingerprint of a rule, and which do not."""
 
 import ast
 import shutil

@@ -1,4 +1,4 @@
-"""The picture of the packages in CONTRIBUTING.md is what the imports say."""
+"""The picture of the packages in CONTRIBUTING.md matches the imports."""
 
 import importlib.util
 from pathlib import Path

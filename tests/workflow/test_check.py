@@ -1,4 +1,4 @@
-"""`snakemake check` on the results of a run, and with files among them that no rule makes."""
+"""`snakemake check` on the results of a run, with and without files that no rule makes."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""A full disk, a folder that is locked: one clear line, and nothing half-written."""
+"""A full disk or a locked folder gives a one-line error and no incomplete file."""
 
 import os
 import resource

@@ -1,4 +1,4 @@
-"""The model of docs/extending.md, from outside the package, through the workflow."""
+"""The model in docs/extending.md, from outside the package, through the workflow."""
 
 import os
 import re

@@ -1,7 +1,7 @@
-"""Killed at any moment, the workflow goes on where it was and ends the same.
+"""After a kill at any moment the workflow continues and gives the same results.
 
-FPRC_KILLS is the number of random kills: `make test-kill` makes twenty. In every run of the tests
-the second build of test_twice.py is killed once.
+FPRC_KILLS is the number of random kills; `make test-kill` makes twenty. Every run of the tests
+kills the second build of test_twice.py once.
 """
 
 import json
@@ -85,10 +85,10 @@ def test_killed_at_random_moments_the_run_ends_the_same(smoked, project, twice):
 
 
 def test_counting_from_lower_again_is_noticed():
-    bar = "[sweep taps] [####      ] {} of 4 cells\n"
+    bar = "[grid taps] [####      ] {} of 4 cells\n"
     assert_no_cell_again([bar.format(1) + bar.format(2), bar.format(3)])
     assert_no_cell_again([bar.format(3) + bar.format(4), bar.format(1)])
-    with pytest.raises(AssertionError, match="sweep taps: 2 of 4 again"):
+    with pytest.raises(AssertionError, match="grid taps: 2 of 4 again"):
         assert_no_cell_again([bar.format(1) + bar.format(2), bar.format(2)])
 
 
@@ -123,7 +123,7 @@ def finished_cells(checkpoint):
         return []
 
 
-def test_sweep_that_was_killed_goes_on_at_its_next_cell(smoked_copy):
+def test_killed_grid_continues_at_its_next_cell(smoked_copy):
     results = smoked_copy.folder / "results/smoke"
     expected = (results / "grids/taps.json").read_bytes()
     (results / "grids/taps.json").unlink()

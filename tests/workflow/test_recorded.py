@@ -1,4 +1,4 @@
-"""Logs of the user's own, of which some channels are missing."""
+"""Recorded logs of a user, some of them without some channels."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""The report page, opened in a browser as a reader would, and Snakemake's own report."""
+"""The report page in a browser, and Snakemake's own report."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""An edit of the package reruns what runs that code, and what is made from it; nothing else."""
+"""After an edit only the rules that run the edited code, and those after them, run again."""
 
 import re
 import shutil

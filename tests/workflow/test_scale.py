@@ -1,4 +1,4 @@
-"""What `make scaling` measures and writes."""
+"""The measurements of `make scaling` and its page."""
 
 import shutil
 from pathlib import Path

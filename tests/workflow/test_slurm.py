@@ -1,7 +1,7 @@
-"""Through a real Slurm the workflow gives the bytes that it gives without.
+"""The workflow gives the same bytes with and without Slurm.
 
-SLURM_TARGETS says what is made; `make test-slurm` asks for all of the smoke run. By default it is
-one of each kind: a group, a job per model, a sweep in chunks and the ensemble in chunks.
+SLURM_TARGETS names the targets; `make test-slurm` runs the whole smoke run. By default there is one
+job of each kind: a group, a job per model, a grid in chunks and the ensemble in chunks.
 """
 
 import os

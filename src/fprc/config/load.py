@@ -101,14 +101,15 @@ def _merge(into: dict[str, Any], other: Mapping[str, Any]) -> None:
 
 
 #: What earlier versions called keys and values.
-_RENAMED = {"sweeps": "grids", "source = hardware": "source = rig"}
+_RENAMED = {"sweeps": "grids", "source = hardware": "rig"}
 
 
 def _line(item: Mapping[str, Any]) -> str:
     key = ".".join(str(part) for part in item["loc"])
     renamed = _RENAMED.get(key) or _RENAMED.get(f"{key} = {item['input']}")
     if renamed:
-        return f"  {key}: is called {renamed} now; change it"
+        was = item["input"] if isinstance(item["input"], str) else key
+        return f"  {key}: {was} is called {renamed} now; rename it"
     defaults = {name: default for name, default, _, _ in fields(Settings())}
     if item["type"] == "extra_forbidden":
         return f"  {key}: unknown key; did you mean {_nearest(key, list(defaults))}?"

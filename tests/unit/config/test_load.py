@@ -280,7 +280,10 @@ def test_key_that_is_no_word_is_refused(tmp_path):
 
 @pytest.mark.parametrize(
     ("old", "new"),
-    [({"sweeps": {"n_c": [2, 4]}}, "grids"), ({"source": "hardware"}, "source = rig")],
+    [
+        ({"sweeps": {"n_c": [2, 4]}}, "sweeps: sweeps is called grids"),
+        ({"source": "hardware"}, "source: hardware is called rig"),
+    ],
 )
 def test_what_was_renamed_is_refused_with_its_new_name(old, new):
-    assert f"is called {new} now" in message(old)
+    assert f"{new} now" in message(old)

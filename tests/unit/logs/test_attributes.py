@@ -1,4 +1,4 @@
-"""What attributes may be, and that nothing else gets through."""
+"""Which attributes are valid, and that all others are refused."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""Files that are small, and declare, link or hide what would be large or elsewhere."""
+"""Small files that declare huge data, or that link to or hide data elsewhere."""
 
 import h5py
 import numpy as np

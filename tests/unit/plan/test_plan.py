@@ -1,4 +1,4 @@
-"""What the workflow makes, by the settings and the logs that are there."""
+"""The files that the workflow makes, for given settings and logs."""
 
 import dataclasses
 from collections import Counter

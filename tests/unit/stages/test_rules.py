@@ -1,4 +1,4 @@
-"""Every rule names a stage that there is, and every stage is named."""
+"""Every rule names an existing stage, and every stage is used by a rule."""
 
 import ast
 import re

@@ -1,4 +1,4 @@
-"""What a figure draws is in its table, and was computed there."""
+"""Each figure's table has the numbers that are drawn."""
 
 import statistics
 

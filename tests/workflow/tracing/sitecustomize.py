@@ -1,10 +1,10 @@
-"""Watch or stop the processes of a build; each imports this if this folder is on PYTHONPATH.
+"""Trace or stop the processes of a build; each process imports this if its folder is on PYTHONPATH.
 
-FPRC_TRACE names a folder: write down there which modules of fprc each rule runs. A file
-per process has lines of two kinds: a rule's fingerprint and a module of which a function ran for
-it; a fingerprint and the modules that it was asked for.
+FPRC_TRACE names a folder. Each process writes a file there. A line has either a rule's fingerprint
+and a module of which a function ran for that rule, or a fingerprint and the modules from which it
+was computed.
 
-FPRC_STOP_AT is a part of a path: stop for ever where such a file is written but not yet in place.
+FPRC_STOP_AT is a part of a path: a process that writes such a file stops before the rename.
 """
 
 import json
