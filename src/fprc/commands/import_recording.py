@@ -21,7 +21,7 @@ from fprc.logs.clock import likely, other_unit, refuse_length
 from fprc.logs.columns import unit_of
 from fprc.logs.diagnosis import describe, diagnose
 from fprc.logs.gather import gather
-from fprc.logs.quality import something_else
+from fprc.logs.quality import other_quantity
 from fprc.logs.resample import resample
 from fprc.logs.sources import read_source
 from fprc.logs.variables import columns_of, pick
@@ -153,7 +153,7 @@ def _notes(columns: dict[str, dict[str, Any]]) -> dict[str, str]:
     notes = {}
     for name, spec in columns.items():
         if spec["unit"] == "1":
-            notes[name] = something_else(name) + spec["note"]
+            notes[name] = other_quantity(name) + spec["note"]
         elif spec["note"]:
             notes[name] = spec["note"]
     return notes

@@ -159,36 +159,36 @@ def _rows(text: _Text, first: int, mark: str, *, as_it_is: bool = False) -> Iter
             return
         except csv.Error as error:
             raise LogError(
-                f"{text.path}: line {begins} cannot be read ({error}); a quotation mark is too "
-                "many or missing"
+                f"{text.path}: line {begins} cannot be read ({error}); it has an extra quotation "
+                "mark, or lacks one"
             ) from error
         begun = between = True
         yield _Row(begins, last, fields)
 
 
-def _unquoted_blank(found: re.Match[str]) -> str:
-    return found[1] or " "
+def _unquoted_blank(match: re.Match[str]) -> str:
+    return match[1] or " "
 
 
 def _separator_of(text: _Text, header_line: int | None, data_line: int | None) -> str:
-    """Return what splits the header and the first samples into equally many fields.
+    """Return the separator that splits the header and the first rows into equally many fields.
 
-    Of several, the one that leaves the most numbers; of none, the one that splits the
-    header into the most fields.
+    If several do, choose the one that yields the most numbers; if none does, the one that
+    splits the header into the most fields.
     """
 
     def score(mark: str) -> tuple[bool, float, float]:
         try:
             header, below = _parts(text, mark, header_line, data_line)
             rows = [_fit(row.fields, header.fields) for row in islice(below, _TRIED)]
-        except LogError:  # a quotation mark at a field's begin: this one may well be meant
+        except LogError:  # unbalanced quotation marks; may still be the right separator
             return (False, 0.0, np.inf)
         width = len(header.fields) - (not header.fields[-1].strip())
         fields = [field for row in rows for field in row or ()]
         plain = mark == "," or width == 1
         known = [_value(field if plain else _pointed(field)) for field in fields]
         numbers = 1.0 - known.count(None) / max(len(known), 1)
-        # one column is one only if it holds numbers: else it is many by another separator
+        # accept a single column only if it holds numbers: text hides another separator
         fits = None not in rows and (width > 1 or numbers == 1.0)
         return (fits, numbers if fits else 0.0, width)
 

@@ -9,7 +9,7 @@ from fprc.config import Settings
 from fprc.experiments.hysteresis import acquire
 from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS, Columns, assess
 from fprc.logs.columns import unit_of
-from fprc.logs.quality import unit_told, warnings
+from fprc.logs.quality import noted_unit, warnings
 
 CHECKS = {"complete", "rate", "gaps", "not_finite", "range", "stuck", "leak"}
 ATMOSPHERE_KPA = 101.325
@@ -286,4 +286,4 @@ def test_log_that_is_not_complete_fails_with_its_reason(log, told, expected):
     ],
 )
 def test_unit_of_something_else_is_what_its_note_ends_with(note, unit):
-    assert unit_told("p_exp_kpa", {} if note is None else {"p_exp_kpa": note}) == unit
+    assert noted_unit("p_exp_kpa", {} if note is None else {"p_exp_kpa": note}) == unit
