@@ -9,7 +9,7 @@ from fprc.escape import visible
 from fprc.experiments.data import TARGETS
 from fprc.logs import assess, read_raw, write_columns
 from fprc.logs.isolated import isolated_each
-from fprc.logs.quality import notes_of, noted_unit, warnings
+from fprc.logs.quality import noted_unit, notes_of, warnings
 
 log = logging.getLogger(__name__)
 
