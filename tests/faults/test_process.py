@@ -285,7 +285,7 @@ def test_board_that_fails_for_a_moment_in_mid_run_leaves_no_valve_open(start, ri
     assert "failed with code 777" in said
     assert rig.failures == 12
     findings = add(
-        matrix, program, faulted_s, "twelve calls of the driver fail", "the error of the call",
+        matrix, program, faulted_s, "twelve calls of the driver fail", "the driver's error",
         again=1,
     )  # fmt: skip
     assert findings.closed
@@ -336,10 +336,10 @@ def test_loop_whose_guardian_is_killed_stops_and_vents(start, rig, matrix, fault
     send(program.process.pid, signal.SIGKILL)
     code, said = program.end()
     assert code == -signal.SIGKILL
-    assert "the process that watches this one is gone" in said
+    assert "the guardian process has ended" in said
     findings = add(matrix, program, faulted_s, fault, "the loop, at the next tick")
     assert findings.closed
-    assert "the process that watches this one is gone" in findings.reason
+    assert "the guardian process has ended" in findings.reason
     assert rig.opened == 0
 
 
@@ -374,7 +374,7 @@ def test_ticks_that_are_missed_are_counted_and_leave_a_gap(start, rig, matrix):
     assert findings.samples + overruns == 600
     assert findings.missed_ticks <= overruns
     assert np.diff(channels["time_s"]).max() > 0.1
-    matrix.add("a reading takes 150 ms", "mid-run, real time", "nothing, it goes on",
+    matrix.add("a reading takes 150 ms", "mid-run, real time", "nothing: the run continues",
                "yes, at the end", "-", "0: ticks are missed and counted")  # fmt: skip
 
 
@@ -391,7 +391,7 @@ def test_guardian_that_is_stopped_is_missed_and_the_loop_vents(start, rig, matri
     os.kill(program.process.pid, signal.SIGCONT)
     code, said = program.end()
     assert code == 1
-    assert "the process that watches this one has been silent for" in said
+    assert "the guardian process has been silent for" in said
     findings = add(
         matrix, program, faulted_s, "SIGSTOP to the guardian", "the loop, after stalled_s = 0.5 s"
     )
@@ -426,8 +426,8 @@ def test_processes_that_are_both_stopped_and_go_on_end_the_run_vented(start, rig
         os.kill(process, signal.SIGCONT)
     code, _ = program.end()
     assert code == 1
-    add(matrix, program, faulted_s, "SIGSTOP to both processes, SIGCONT a second later",
-        "the loop, once it goes on", again=1)  # fmt: skip
+    add(matrix, program, faulted_s, "SIGSTOP to both processes, SIGCONT one second later",
+        "the loop, once it resumes", again=1)  # fmt: skip
 
 
 def test_board_that_fails_when_the_loop_is_killed_is_vented_once_it_recovers(start, rig, matrix):
@@ -459,8 +459,8 @@ def test_rig_that_is_in_use_is_left_alone_and_its_user_named(start, rig, matrix)
         assert "rig run sweep" in said
         assert not second.raw.with_name("complex.h5").exists()
         matrix.add(
-            f"{' '.join(verb)}{' --armed' if armed else ''} while another run is on",
-            "mid-run, real time", "nothing, the second is refused", "yes, at the end", "-", 0,
+            f"{' '.join(verb)}{' --armed' if armed else ''} while another run is in progress",
+            "mid-run, real time", "nothing: the second command is refused", "yes, at the end", "-", 0,
         )  # fmt: skip
     samples = rig.writes // 2
     assert program.process.poll() is None
