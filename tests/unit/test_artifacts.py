@@ -167,7 +167,7 @@ def test_full_disk_is_an_error_for_people_and_leaves_the_old_file(tmp_path):
 
 def test_file_in_place_of_a_folder_is_an_error_for_people(tmp_path):
     (tmp_path / "results").write_text("in the way")
-    with pytest.raises(OutputError, match=r"a\.txt: cannot be written \(.*choose another place"):
+    with pytest.raises(OutputError, match=r"a\.txt: cannot be written \(.*choose another folder"):
         write_text(tmp_path / "results/tables/a.txt", "x")
 
 

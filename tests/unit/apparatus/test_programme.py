@@ -64,7 +64,7 @@ def test_every_name_can_be_planned(settings, model, gains):
 
 
 def test_unknown_experiment_is_told_with_those_that_there_are(settings):
-    with pytest.raises(ConfigError, match="no experiment sweeep; there are sweep, complex, ident"):
+    with pytest.raises(ConfigError, match="no experiment sweeep; must be one of sweep, complex, ident"):
         plan("sweeep", settings)
 
 

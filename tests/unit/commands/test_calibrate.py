@@ -175,7 +175,7 @@ def test_absent_published_numbers_are_an_error(tmp_path, capsys, monkeypatch):
 def test_fit_that_is_stopped_by_hand_says_that_it_can_go_on(run, fit, capsys):
     fit.failure = KeyboardInterrupt()
     assert run()[0] == 130
-    assert capsys.readouterr().err == "stopped; what was finished is kept\n"
+    assert capsys.readouterr().err == "stopped; finished results are kept\n"
 
 
 def test_library_that_is_not_installed_is_named_with_the_remedy(run, fit, capsys):

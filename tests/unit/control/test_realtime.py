@@ -53,7 +53,7 @@ def test_refused_priority_is_said_with_its_remedy_and_memory_is_still_locked(sys
 
     monkeypatch.setattr(os, "sched_setscheduler", refuse)
     priority, memory = be_punctual(42)
-    assert priority.startswith("no real-time priority (Operation not permitted); going on without")
+    assert priority.startswith("no real-time priority (Operation not permitted); continuing without")
     assert "rtprio 42" in priority
     assert "/etc/security/limits.conf" in priority
     assert memory == "memory locked"
@@ -66,7 +66,7 @@ def test_refused_lock_is_said_with_its_reason_and_remedy(system, monkeypatch):
 
     monkeypatch.setattr(ctypes, "CDLL", lambda *a, **k: SimpleNamespace(mlockall=refuse))
     _, memory = be_punctual(1)
-    assert memory.startswith(f"memory not locked ({os.strerror(errno.ENOMEM)}); going on without")
+    assert memory.startswith(f"memory not locked ({os.strerror(errno.ENOMEM)}); continuing without")
     assert "memlock unlimited" in memory
 
 
@@ -78,6 +78,6 @@ def test_system_without_either_is_said(system, monkeypatch, raised):
     monkeypatch.delattr(os, "sched_setscheduler")
     monkeypatch.setattr(ctypes, "CDLL", refuse)
     priority, memory = be_punctual(1)
-    assert "this system has no SCHED_FIFO; going on without" in priority
-    assert "this system has no mlockall; going on without" in memory
+    assert "this system has no SCHED_FIFO; continuing without" in priority
+    assert "this system has no mlockall; continuing without" in memory
     assert not gc.isenabled()

@@ -94,7 +94,7 @@ def test_folder_of_the_system_is_used_where_none_is_given(tmp_path, monkeypatch)
 
 def test_folder_that_is_not_there_is_named(tmp_path):
     with (
-        pytest.raises(DeviceError, match=r"there is no folder .*/absent: make it"),
+        pytest.raises(DeviceError, match=r"create the folder .*/absent"),
         locked(["AIO000"], str(tmp_path / "absent")),
     ):
         pass

@@ -102,7 +102,7 @@ def test_jump_is_judged_by_the_time_that_passed(rig, guarded, name, jump, period
     rig.now["time_s"] += (periods - 1) * PERIOD_S
     text = refusal(rig, guarded, **{name: 1.0 - 0.03 * jump * periods})
     assert f"{name} jumped from" in text
-    assert f"in {periods:.1f} samples, more than {jump:g} a sample" in text
+    assert f"in {periods:.1f} samples, more than {jump:g} per sample" in text
 
 
 @pytest.mark.parametrize("name", QUANTITIES)

@@ -236,7 +236,7 @@ def test_value_that_scale_offset_and_unit_make_too_large_is_named(csv, spec):
     told["channels"]["p_exp_kpa"] |= spec
     said = problem(gather, csv(), **told)
     assert "p_exp_kpa: force: sample " in said
-    assert f"by scale, offset and unit beyond {LARGEST:g}" in said
+    assert f"exceed {LARGEST:g}" in said
     assert "nan" not in said
 
 

@@ -174,7 +174,7 @@ def test_all_that_is_wrong_with_a_description_is_said_before_the_run(tmp_path):
     for part in (
         "name ends in .journal",
         "channel speed: its name must end in",
-        "channels theta_deg are there twice",
+        "channels theta_deg occur twice",
         "channels p_o_kpa are missing",
         "attributes seed, rig are missing",
     ):
@@ -422,7 +422,7 @@ def test_samples_that_are_not_in_their_place_are_put_there_and_said(path, order,
     assert ticks == list(range(20))
     assert (findings.misplaced, findings.lost, findings.stretches) == (misplaced, 0, ())
     assert not findings.complete
-    assert f"samples that were not in their place: {misplaced}" in findings.reason
+    assert f"samples out of order or repeated: {misplaced}" in findings.reason
 
 
 def test_samples_that_are_lost_and_others_not_in_their_place_are_counted(closed, path):
@@ -435,7 +435,7 @@ def test_samples_that_are_lost_and_others_not_in_their_place_are_counted(closed,
     ticks, findings = read_ticks(path)
     assert ticks == [k for k in range(20) if k != 12]
     assert (findings.lost, findings.missed_ticks) == (1, 0)
-    assert "1 of 20 samples are lost; samples that were not in their place: 4" in findings.reason
+    assert "1 of 20 samples are lost; samples out of order or repeated: 4" in findings.reason
 
 
 def test_stretches_say_how_many_samples_are_lost_and_from_when_to_when(closed, path):

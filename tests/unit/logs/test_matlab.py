@@ -118,7 +118,7 @@ def test_column_of_a_matrix_is_chosen_by_its_index_from_zero(read):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("run.q", "has 10 rows and 3 columns; choose one, as run.q[:, 0]"),
+        ("run.q", "has 10 rows and 3 columns; choose one of them, such as run.q[:, 0]"),
         ("run.q[:, 3]", "has shape (10, 3); indices count from 0"),
         ("run.q[:, :]", "has shape (10, 3)"),
         ("run.q[1, 1]", "no such column"),
@@ -164,7 +164,7 @@ def test_compressed_file_is_refused_by_what_it_unpacks_to(tmp_path, monkeypatch)
     assert path.stat().st_size < 1 << 13
     monkeypatch.setattr(matlab, "MOST_NUMBERS", (2 << 20) // 8)
     monkeypatch.setattr(scipy.io, "loadmat", None)
-    with pytest.raises(LogError, match=r"bomb\.mat: its variables take more than 2 MB"):
+    with pytest.raises(LogError, match=r"bomb\.mat: its variables need more than 2 MB"):
         read_arrays(path, matlab=True)
 
 

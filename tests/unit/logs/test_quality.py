@@ -266,7 +266,7 @@ def test_judging_leaves_the_log_as_it_was(recorded):
             {"aborted": "run stopped at sample 7"},
             {"passed": False, "reason": "run stopped at sample 7", "lost_samples": 0},
         ),
-        ({"complete": False}, {"passed": False, "reason": "not said", "lost_samples": 0}),
+        ({"complete": False}, {"passed": False, "reason": "unknown", "lost_samples": 0}),
     ],
 )
 def test_log_that_is_not_complete_fails_with_its_reason(log, told, expected):
