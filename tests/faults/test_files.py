@@ -266,7 +266,7 @@ def test_repeated_stamps_become_one_sample_if_the_map_says_how(user, files, how)
     )  # fmt: skip
 
 
-def test_everything_wrong_with_a_map_is_said_at_once(user, files):
+def test_all_problems_of_a_map_are_reported_together(user, files):
     write_csv(user.folder / "arm.csv", table())
     write_map(
         user.folder,
@@ -309,7 +309,7 @@ def write_log(user, signals):
 
 
 @pytest.mark.parametrize("track", [False, True])
-def test_log_with_which_nothing_is_wrong_passes(user, write_log, track):
+def test_good_log_passes(user, write_log, track):
     write_log(track=track)
     said = user.types("log", "check", "log.h5")
     assert said.code == 0, said.text
@@ -327,7 +327,7 @@ def test_log_with_which_nothing_is_wrong_passes(user, write_log, track):
         ("theta_d_deg", 5e3, True),
     ],
 )
-def test_channel_that_leaves_its_range_is_told(user, files, write_log, channel, value, track):
+def test_channel_that_leaves_its_range_is_reported(user, files, write_log, channel, value, track):
     write_log(changed={channel: (123, value)}, track=track)
     said = user.types("log", "check", "log.h5")
     came = said.refuses(file="log.h5", channel=channel)
@@ -477,7 +477,9 @@ def spoil_text(path, text):
 
 
 @pytest.mark.parametrize("writer", ["fprc", "another program"])
-def test_bad_byte_in_an_attribute_is_told_by_the_repair(user, files, write_log, signals, writer):
+def test_bad_byte_in_an_attribute_is_reported_by_the_repair(
+    user, files, write_log, signals, writer
+):
     path = user.folder / "log.h5"
     if writer == "fprc":
         write_log(software="mine")

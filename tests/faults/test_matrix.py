@@ -146,9 +146,7 @@ def test_call_of_the_driver_that_fails_once_ends_the_run_vented(bench, record, m
 
 
 @pytest.mark.parametrize("at", range(len(CALLS)))
-def test_board_that_fails_from_then_on_ends_the_run_and_the_guardian_is_not_told_safe(
-    bench, record, matrix, at
-):
+def test_board_that_fails_for_good_ends_the_run_without_the_sign_safe(bench, record, matrix, at):
     part, call, where = CALLS[at]
     shared = bench.shared
     shared.fail_at, shared.fail_count, shared.fail_code = at + 1, 1 << 40, 777
@@ -362,7 +360,7 @@ def test_controller_that_fails_ends_the_run_vented(bench, record, matrix, fault,
     )
 
 
-def test_stop_that_is_asked_for_ends_the_run_vented(bench, record, matrix):
+def test_requested_stop_ends_the_run_vented(bench, record, matrix):
     asked = []
     found = record(
         at=lambda tick: asked.append(tick),
@@ -411,7 +409,7 @@ def test_disk_that_is_full_ends_the_run_vented(bench, record, matrix, monkeypatc
     )  # fmt: skip
 
 
-def test_defect_of_the_program_is_no_reason_to_leave_a_valve_open(bench, record, matrix):
+def test_unexpected_exception_leaves_no_valve_open(bench, record, matrix):
     def interrupt(tick):
         if tick == 5:
             raise KeyboardInterrupt

@@ -63,7 +63,7 @@ def refused(read, text):
         ("null", None),
     ],
 )
-def test_word_means_what_yaml_1_2_says(read, written, meant):
+def test_word_has_its_meaning_in_yaml_1_2(read, written, meant):
     found = read(f"key: {written}\n")["key"]
     assert (type(found), str(found)) == (type(meant), str(meant))
 
@@ -107,14 +107,14 @@ def test_json_is_read_as_a_json_reader_does(read, content, indent):
 
 
 @given(content=st.dictionaries(st.from_regex("[a-z]{1,5}", fullmatch=True), JSON, min_size=1))
-def test_key_given_again_is_refused_whatever_its_values(read, content):
+def test_duplicate_key_is_refused_for_any_values(read, content):
     whole = json.dumps(content, ensure_ascii=False)
     for key in content:
         again = f"{whole[:-1]}, {json.dumps(key)}: 1}}"
         assert any(f" {key} is given 2 times: " in line for line in refused(read, again))
 
 
-def test_every_repeated_key_is_told_with_its_lines_and_values(read):
+def test_every_repeated_key_is_reported_with_its_lines_and_values(read):
     text = (
         "seed: 2\n"
         "seed: 3\n"
@@ -165,7 +165,7 @@ def test_value_is_shown_short_and_without_control_characters(read):
         ("? {1: 2}\n: 3\n", "  line 1: {1: 2}: a key must be a single word"),
     ],
 )
-def test_what_settings_do_not_need_is_refused_with_its_line(read, text, line):
+def test_yaml_features_that_settings_do_not_need_are_refused_with_their_line(read, text, line):
     first, second = refused(read, text)
     assert first == "1 error in the file:"
     assert second.startswith(line)

@@ -34,7 +34,7 @@ def stop(clocks, monkeypatch):
         signal.signal(number, handler)
 
 
-def test_run_goes_on_while_its_guardian_is_heard(stop, clocks):
+def test_run_continues_while_the_guardian_gives_signs(stop, clocks):
     for _ in range(5):
         clocks.ran_s += 0.4
         assert stop() == ""

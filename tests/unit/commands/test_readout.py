@@ -107,7 +107,7 @@ def test_parts_meet_and_do_not_overlap(recording, tmp_path):
     assert len(test.channels["time_s"]) == 1000
 
 
-def test_map_that_lacks_parts_and_readout_is_told_so_at_once(recording, tmp_path):
+def test_map_without_parts_and_readout_is_refused_for_both(recording, tmp_path):
     without = {name: spec for name, spec in CHANNELS.items() if name != "p_o_kpa"}
     path = recording(without, test_from_s=None, experiment="sweep")
     with pytest.raises(ConfigError) as caught:

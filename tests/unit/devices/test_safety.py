@@ -119,7 +119,7 @@ def test_value_that_changes_once_in_time_is_not_frozen(rig, guarded):
         step(rig, guarded, 50, theta_deg=1.0 + k)
 
 
-def test_every_problem_is_told_at_once(rig, guarded):
+def test_every_problem_is_reported_together(rig, guarded):
     step(rig, guarded)
     text = refusal(rig, guarded, p_exp_kpa=500.0, theta_deg=float("nan"), phi_deg=30.0)
     assert [line.split()[0] for line in text.splitlines()] == [
@@ -149,7 +149,7 @@ def test_voltage_that_no_valve_takes_is_never_written(rig, guarded, place, wrong
     assert rig.asked == []
 
 
-def test_safe_and_close_reach_the_rig_whatever_was_read(rig, guarded):
+def test_safe_and_close_reach_the_rig_after_any_reading(rig, guarded):
     refusal(rig, guarded, theta_deg=1e3)
     guarded.safe()
     guarded.close()

@@ -212,7 +212,7 @@ def test_log_of_the_newest_hdf5_format_is_read_whole_and_refused_when_cut(path):
     assert outcomes(newest, [{"cut": size}]) == ["read"]
 
 
-def test_message_of_a_cut_log_compares_what_is_left_with_what_was(path):
+def test_message_of_a_cut_log_compares_its_length_with_the_original(path):
     whole = path.read_bytes()
     path.write_bytes(whole[:1000])
     assert f"{path}: cut short, 1000 of {len(whole)} bytes are left" in problem(path)
@@ -264,7 +264,7 @@ def turn(path, name, sample):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_channel_of_which_a_bit_was_turned_is_named(path, name):
+def test_channel_with_a_flipped_bit_is_named(path, name):
     turn(path, name, 150)
     message = problem(path)
     assert message.startswith(f"{path}: channel {name}: its checksum is wrong: some numbers")
@@ -322,7 +322,7 @@ def edited(path):
     return edit
 
 
-def test_missing_channel_is_named_with_what_there_is(path):
+def test_missing_channel_is_named_with_the_existing_ones(path):
     message = problem(path, (*NAMES, "p_i_kpa"))
     assert message == (f"{path}: channel p_i_kpa: missing; the file has p_o_kpa, theta_deg, time_s")
 

@@ -167,14 +167,14 @@ def test_decimal_commas_between_commas_are_refused(refusal):
 
 
 @pytest.mark.parametrize("numbers", [["990", "999", "1,000"], ["1.5", "1,5", "2"]])
-def test_comma_that_may_be_of_thousands_is_no_number_until_it_is_said(table, numbers):
+def test_ambiguous_comma_is_not_a_number_unless_declared_decimal(table, numbers):
     text = "t;p\n" + "".join(f"{k};{number}\n" for k, number in enumerate(numbers))
     source = table(text)
     assert "csv.decimal" in source.others["p"]
     assert "t" in source.variables
 
 
-def test_decimal_that_is_told_is_believed(table):
+def test_declared_decimal_mark_is_used(table):
     assert columns(table("t;p\n0;990\n1;1,000\n", decimal=","))["p"] == [990.0, 1.0]
 
 
@@ -196,7 +196,7 @@ def test_text_without_header_is_numbered(table):
     assert columns(table("0,1.5\n1,2.5\n2,3.5\n")) == {"0": [0, 1, 2], "1": [1.5, 2.5, 3.5]}
 
 
-def test_numbers_may_be_names_where_that_is_told(table):
+def test_numbers_may_be_names_on_a_declared_header_line(table):
     assert columns(table("100,200\n1,2\n", header_line=1)) == {"100": [1], "200": [2]}
 
 
@@ -250,7 +250,7 @@ def test_text_that_is_no_table_is_refused(refusal, content, said):
         ({"data_line": 9}, "no samples below line 1"),
     ],
 )
-def test_lines_that_are_not_there_are_refused(refusal, told, said):
+def test_lines_beyond_the_file_are_refused(refusal, told, said):
     assert said in refusal("t,x\n0,1\n1,2\n", **told)
 
 

@@ -43,7 +43,7 @@ def test_clean_log_passes_every_check(recorded, experiment):
     assert warnings(judge(log)) == []
 
 
-def test_record_says_what_was_judged_and_is_json(log):
+def test_record_holds_every_check_and_is_json(log):
     record = judge(log)
     assert (record["log"], record["experiment"]) == ("log.h5", "sweep")
     assert (record["source"], record["samples"]) == ("sim", 4000)
@@ -285,5 +285,5 @@ def test_log_that_is_not_complete_fails_with_its_reason(log, told, expected):
         (None, "kPa"),
     ],
 )
-def test_unit_of_something_else_is_what_its_note_ends_with(note, unit):
+def test_unit_of_another_quantity_is_read_from_its_note(note, unit):
     assert noted_unit("p_exp_kpa", {} if note is None else {"p_exp_kpa": note}) == unit

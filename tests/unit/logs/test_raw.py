@@ -169,7 +169,7 @@ def test_channels_beyond_the_raw_ones_are_kept(write_log):
 
 @pytest.mark.parametrize("value", [2e10, -1e300])
 @pytest.mark.parametrize("name", ["time_s", "p_exp_command_kpa", "phi_deg"])
-def test_number_that_nothing_measures_is_named_with_its_sample(write_log, changed, name, value):
+def test_impossibly_large_number_is_named_with_its_sample(write_log, changed, name, value):
     path = write_log(changed=changed(name, slice(7, 9), value))
     lines = problem(path).splitlines()
     assert lines == [
@@ -251,7 +251,7 @@ def test_log_of_an_experiment_is_no_run(write_log):
 
 
 @pytest.mark.parametrize("absent", ["p_i_kpa", "valve_main_v"])
-def test_imported_run_may_lack_what_an_import_may_lack(write_run, absent):
+def test_imported_run_may_lack_the_optional_channels_of_an_import(write_run, absent):
     path = write_run(source="import")
     with h5py.File(path, "r+") as file:
         del file[absent]
