@@ -261,8 +261,8 @@ def test_repeated_stamps_become_one_sample_if_the_map_says_how(user, files, how)
     words = json.loads((user.folder / "out.diagnosis.json").read_text())["words"]
     assert any(re.search(r"\b4\b.*(stamp|instant|repeat)", line) for line in words), words
     files.add(
-        f"repeated time stamps, `time.repeated: {how}`", _IMPORTS, "one sample per time stamp, with a note",
-        said.code, "log and diagnosis",
+        f"repeated time stamps, `time.repeated: {how}`", _IMPORTS,
+        "one sample per time stamp, with a note", said.code, "log and diagnosis",
     )  # fmt: skip
 
 

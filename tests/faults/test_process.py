@@ -462,7 +462,8 @@ def test_rig_that_is_in_use_is_left_alone_and_its_user_named(start, rig, matrix)
         assert not second.raw.with_name("complex.h5").exists()
         matrix.add(
             f"{' '.join(verb)}{' --armed' if armed else ''} while another run is in progress",
-            "mid-run, real time", "nothing: the second command is refused", "yes, at the end", "-", 0,
+            "mid-run, real time", "nothing: the second command is refused", "yes, at the end",
+            "-", 0,
         )  # fmt: skip
     samples = rig.writes // 2
     assert program.process.poll() is None

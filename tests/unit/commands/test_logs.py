@@ -77,7 +77,7 @@ def test_journal_of_a_killed_run_is_copied_with_code_3(journal, repair, tmp_path
     code, out, _ = repair(journal.path)
     assert code == 3
     assert f"400 samples from {journal.path}" in out
-    assert f"  not closed after {last_s:.3f} s: the program was killed" in out
+    assert f"  the end mark is missing after {last_s:.3f} s: the program was killed" in out
     assert "nothing is lost" not in out
     assert copy_of(tmp_path).attributes["complete"] is False
     assert journal.path.read_bytes() == before
@@ -194,7 +194,7 @@ def test_text_that_is_not_utf_8_is_replaced_in_the_copy(write_log, repair, tmp_p
     assert main(["log", "check", str(path)]) == 1
     code, out, err = repair(path)
     assert code == 3
-    assert "  attribute software: what was not UTF-8 is replaced\n" in out
+    assert "  attribute software: bytes that were not UTF-8 are replaced\n" in out
     assert "  attribute a\\udcb5: left out (its name is not UTF-8)\n" in out
     assert out.replace("\n", "").isprintable()
     assert copy_of(tmp_path).attributes["software"] == "LabVIEW �"

@@ -124,7 +124,7 @@ def test_channel_without_a_unit_is_kept_and_reported(write_log):
         del file["p_o_kpa"].attrs["units"]
     found = salvage(path)
     assert len(found.channels["p_o_kpa"]) == 400
-    assert found.words == ["p_o_kpa: attribute units: not found; taken for kPa"]
+    assert found.words == ["p_o_kpa: attribute units: not found; assumed to be kPa"]
 
 
 def test_lost_attribute_is_named(write_log):
@@ -148,8 +148,8 @@ def test_text_that_is_not_utf_8_is_replaced_and_reported(tmp_path):
     broken = np.bytes_(b"LabVIEW \xb5")
     found = salvage(old_log(tmp_path / "log.h5", software=broken, operator=broken, seed=3))
     assert found.attributes == {"software": "LabVIEW �", "operator": "LabVIEW �", "seed": 3}
-    assert "attribute software: what was not UTF-8 is replaced" in found.words
-    assert "attribute operator: what was not UTF-8 is replaced" in found.words
+    assert "attribute software: bytes that were not UTF-8 are replaced" in found.words
+    assert "attribute operator: bytes that were not UTF-8 are replaced" in found.words
 
 
 @pytest.mark.parametrize(
@@ -194,7 +194,7 @@ def test_attributes_with_a_wrong_byte_are_named(write_log):
     assert found.attributes["software"] == "fprc tesu"
     (doubtful,) = [word for word in found.words if word.endswith(": may be wrong")]
     assert {"software", "controller", "rig"} <= set(doubtful[11:-14].split(", "))
-    (lost,) = [word for word in found.words if word.endswith(": lost if they were there")]
+    (lost,) = [word for word in found.words if word.endswith(": lost if the file had them")]
     assert {"gain", "notes", "started"} <= set(lost[11:-25].split(", "))
     assert "controller" not in lost
 
@@ -220,7 +220,7 @@ def test_more_datasets_than_a_log_has_are_left_out_and_counted(write_log):
 
 def test_pipe_is_refused_at_once(tmp_path):
     os.mkfifo(tmp_path / "log.h5")
-    with pytest.raises(LogError, match=r"log\.h5: cannot be opened \(it is no file\)"):
+    with pytest.raises(LogError, match=r"log\.h5: cannot be opened \(not a regular file\)"):
         salvage(tmp_path / "log.h5")
 
 
@@ -236,7 +236,7 @@ def stuck(file, name, *rest):
         time.sleep(600.0)
     return values(file, name, *rest)
 module._values = stuck
-module._leave(Path(sys.argv[1]), Path(sys.argv[2]))
+module._export(Path(sys.argv[1]), Path(sys.argv[2]))
 """
 
 
