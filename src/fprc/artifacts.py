@@ -1,4 +1,4 @@
-"""Result files: written whole or not at all."""
+"""Atomic writing of result files: whole or not at all."""
 
 import errno
 import glob
@@ -24,10 +24,10 @@ _NO_ACCESS = (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EEXIS
 def replacing(path: Path | str) -> Iterator[Path]:
     """Yield a temporary name beside ``path`` and rename it there on success.
 
-    After an exception the temporary file is removed and ``path`` is as it was.
-    The suffix is kept, since some writers choose the format by it. What a
-    process that was killed left under such a name is removed too. A name that
-    is temporary already is yielded as it is.
+    On an exception the temporary file is removed and ``path`` is unchanged. The
+    suffix is kept, since some writers choose the format by it. Temporary files of
+    killed processes are removed too. If ``path`` is already a temporary name of
+    this process, it is yielded itself.
 
     Raises
     ------
@@ -43,13 +43,13 @@ def replacing(path: Path | str) -> Iterator[Path]:
 
 @contextmanager
 def replacing_all(*paths: Path | str) -> Iterator[list[Path]]:
-    """Do as ``replacing`` with several files: all are renamed, the last one last, or none."""
-    found = [Path(path) for path in paths]
+    """Replace several files as ``replacing`` does: all, in the order given, or none."""
+    targets = [Path(path) for path in paths]
     temporaries = [
-        path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}") for path in found
+        path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}") for path in targets
     ]
-    with explaining(found[-1]):
-        for path in found:
+    with explaining(targets[-1]):
+        for path in targets:
             path.parent.mkdir(parents=True, exist_ok=True)
             for leftover in leftovers(path.parent, path.name):
                 leftover.unlink(missing_ok=True)
@@ -58,7 +58,7 @@ def replacing_all(*paths: Path | str) -> Iterator[list[Path]]:
             for temporary in temporaries:
                 with temporary.open("rb") as written:
                     os.fsync(written.fileno())
-            for temporary, path in zip(temporaries, found, strict=True):
+            for temporary, path in zip(temporaries, targets, strict=True):
                 temporary.replace(path)
         finally:
             for temporary in temporaries:
@@ -68,7 +68,7 @@ def replacing_all(*paths: Path | str) -> Iterator[list[Path]]:
 
 @contextmanager
 def explaining(path: Path | str) -> Iterator[None]:
-    """Turn the system's refusal to write ``path`` into an error for people.
+    """Turn an operating system error on writing ``path`` into ``OutputError``.
 
     Raises
     ------
@@ -85,21 +85,21 @@ def explaining(path: Path | str) -> Iterator[None]:
         else:
             raise
         raise OutputError(
-            f"{path}: cannot be written ({error.strerror}); {remedy} or choose another place "
-            "with --config 'folders={results: ...}', then run the same again"
+            f"{path}: cannot be written ({error.strerror}); {remedy} or choose another folder "
+            "with --config 'folders={results: ...}', then repeat the command"
         ) from error
 
 
 @contextmanager
 def appending(path: Path | str) -> Iterator[Callable[[str], None]]:
-    """Give a function that appends a line to a file; when it returns the line is on the disk.
+    """Yield a function that appends a line to a file and syncs it to the disk.
 
     Raises
     ------
     OutputError
         The disk is full or the folder cannot be written to.
     """
-    # closing writes what is left, and fails again on a full disk: that too is to be explained
+    # closing the file flushes it, which fails again on a full disk: explain that error too
     with explaining(path), open(path, "a", encoding="utf-8") as file:
 
         def append(line: str) -> None:
@@ -111,21 +111,20 @@ def appending(path: Path | str) -> Iterator[Callable[[str], None]]:
 
 
 def leftovers(folder: Path, name: str | None = None) -> list[Path]:
-    """Return what processes that are gone left of a file, or of any, under temporary names."""
+    """Return temporary files of ended processes in a folder: of one file, or of all."""
     pattern = ".*.part*"
     if name is not None:
         pattern = f".{glob.escape(Path(name).stem)}.*.part{glob.escape(Path(name).suffix)}"
-    found = folder.glob(pattern)
-    return sorted(path for path in found if not _runs(path))
+    return sorted(path for path in folder.glob(pattern) if not _in_use(path))
 
 
 def _owner(path: Path) -> int | None:
-    """Return the number of the process whose temporary name a path is."""
+    """Return the process number in a temporary name; None for other names."""
     number = re.search(r"\.(\d+)\.part(\.\w+)?$", path.name)
     return int(number[1]) if number else None
 
 
-def _runs(temporary: Path) -> bool:
+def _in_use(temporary: Path) -> bool:
     owner = _owner(temporary)
     if owner is None:
         return True
@@ -144,7 +143,7 @@ def refuse_unwritable(folders: Sequence[Path | str]) -> None:
     Raises
     ------
     OutputError
-        Names every folder that is none, or that cannot be written to.
+        Names every path that is not a folder, or cannot be written to.
     """
     problems = []
     for folder in map(Path, folders):
@@ -154,7 +153,7 @@ def refuse_unwritable(folders: Sequence[Path | str]) -> None:
         elif not os.access(nearest, os.W_OK | os.X_OK):
             problems.append(
                 f"{folder}: {nearest} cannot be written to; make it writable or choose another "
-                "place with --config 'folders={results: ...}'"
+                "folder with --config 'folders={results: ...}'"
             )
     if problems:
         raise OutputError("\n".join(problems))
@@ -183,9 +182,9 @@ def read_json(path: Path | str) -> dict[str, Any]:
 
 
 def write_csv(path: Path | str, table: "DataFrame") -> None:
-    """Write a table, six significant digits, empty where there is no value."""
+    """Write a table with six significant digits; missing values are empty."""
     texts = table.select_dtypes(exclude="number").map(
         lambda cell: escape.spreadsheet(cell) if isinstance(cell, str) else cell
     )
-    texts = texts.astype(object)  # `map` makes floats of mixed numbers, which are written otherwise
+    texts = texts.astype(object)  # `map` turns mixed numbers into floats, which print differently
     write_text(path, table.assign(**texts).to_csv(index=False, float_format="%.6g"))

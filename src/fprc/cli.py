@@ -23,7 +23,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         )
         return 1
     except KeyboardInterrupt:
-        print("stopped; what was finished is kept", file=sys.stderr)
+        print("stopped; finished results are kept", file=sys.stderr)
         return 130
 
 
@@ -52,46 +52,46 @@ def _parser() -> argparse.ArgumentParser:
         "calibrate",
         help="fit the simulated rig to Tables II and III",
         description="Fit the free parameters of the simulated rig to the published numbers and "
-        "write a parameter file. A search that was stopped goes on when it is called again.",
+        "write a parameter file. Repeat the command to continue a search that was stopped.",
     )
     calibrate.add_argument(
         "files",
         nargs="*",
         metavar="FILE",
         default=["config/config.yaml", "config/rig.yaml"],
-        help="configuration, later files over earlier ones (default: %(default)s)",
+        help="configuration; later files override earlier ones (default: %(default)s)",
     )
     calibrate.add_argument("--out", default="config/rig.fitted.yaml", help="default: %(default)s")
     calibrate.add_argument("--published", default="config/published.yaml", help="printed numbers")
     calibrate.add_argument(
         "--minutes", type=float, help="time limit (default: the configuration's)"
     )
-    calibrate.add_argument("--workers", type=int, help="processes (default: one a processor)")
+    calibrate.add_argument("--workers", type=int, help="processes (default: one per processor)")
     calibrate.set_defaults(run=_calibrate)
 
-    bring = groups.add_parser(
+    importer = groups.add_parser(
         "import",
         help="turn a CSV, HDF5 or MATLAB file into a raw log",
         description="Turn a CSV, HDF5 or MATLAB file into a raw log, and diagnose the recording. "
         "docs/own-data.md describes the map.",
     )
-    bring.add_argument("source", metavar="SOURCE")
-    bring.add_argument("--list", action="store_true", help="print what the file holds, and stop")
-    bring.add_argument("--map", metavar="MAP.yaml", help="columns, units, clock, rate")
-    bring.add_argument("--out", metavar="FILE.h5", help="raw log to write")
-    bring.set_defaults(run=_import, usage=bring.error)
+    importer.add_argument("source", metavar="SOURCE")
+    importer.add_argument("--list", action="store_true", help="print the file's columns and exit")
+    importer.add_argument("--map", metavar="MAP.yaml", help="columns, units, clock, rate")
+    importer.add_argument("--out", metavar="FILE.h5", help="raw log to write")
+    importer.set_defaults(run=_import, usage=importer.error)
 
     rig = groups.add_parser("rig", help="check and run the real rig")
     verbs = rig.add_subparsers(required=True, metavar="VERB")
-    check = verbs.add_parser("check", help="look at valves and sensors one by one")
+    check = verbs.add_parser("check", help="check valves and sensors one by one")
     check.set_defaults(run=_check_rig)
     experiment = verbs.add_parser("run", help="run one experiment and write its raw log")
     experiment.add_argument("experiment", metavar="EXPERIMENT", help="`list` prints them")
     experiment.add_argument(
         "--out", metavar="FILE.h5", help="default: EXPERIMENT.h5 in folders.raw"
     )
-    experiment.add_argument("--model", help="fitted FPRC (default: of the results folder)")
-    experiment.add_argument("--gains", help="gains (default: of the results folder)")
+    experiment.add_argument("--model", help="fitted FPRC (default: that in the results folder)")
+    experiment.add_argument("--gains", help="gains (default: those in the results folder)")
     experiment.set_defaults(run=_run_rig)
     for verb in (check, experiment):
         verb.add_argument("--armed", action="store_true", help="let valves move")
@@ -100,15 +100,15 @@ def _parser() -> argparse.ArgumentParser:
             nargs="+",
             metavar="FILE",
             default=["config/config.yaml"],
-            help="configuration, later files over earlier ones (default: %(default)s)",
+            help="configuration; later files override earlier ones (default: %(default)s)",
         )
 
     readout = groups.add_parser(
         "readout",
-        help="say what the readout P_o of a recording is worth",
+        help="measure what the readout P_o of a recording is worth",
         description="Import a recording, train FPRC with and without P_o on its first part, test "
         "on its second, and write a report. The map gives test_from_s; docs/own-data.md describes "
-        "it. A run that was stopped goes on when it is called again.",
+        "it. Repeat the command to continue a run that was stopped.",
     )
     readout.add_argument("source", metavar="SOURCE")
     readout.add_argument("--map", required=True, metavar="MAP.yaml", help="columns, units, parts")
@@ -116,7 +116,7 @@ def _parser() -> argparse.ArgumentParser:
     readout.add_argument(
         "--config", nargs="+", default=[], metavar="FILE", help="settings of the models"
     )
-    readout.add_argument("--workers", type=int, help="processes (default: one a processor)")
+    readout.add_argument("--workers", type=int, help="processes (default: one per processor)")
     readout.set_defaults(run=_readout)
 
     log = groups.add_parser("log", help="check or repair experiment logs")
@@ -126,11 +126,11 @@ def _parser() -> argparse.ArgumentParser:
     quality.set_defaults(run=_check_logs)
     repair = verbs.add_parser(
         "repair",
-        help="bring what is left of a run into a raw log",
-        description="Copy what can be read of a journal, or of a damaged raw log, into a new raw "
-        "log and say what is lost. Exit code 0: nothing is; 3: some is; 1: there is nothing.",
+        help="recover a raw log from a journal or a damaged log",
+        description="Copy the readable part of a journal or of a damaged raw log to a new raw log, "
+        "and print what is lost. Exit code 0: nothing is lost; 3: some is; 1: nothing is readable.",
     )
-    repair.add_argument("file", metavar="FILE", help="FILE.journal or FILE.h5; stays as it is")
+    repair.add_argument("file", metavar="FILE", help="FILE.journal or FILE.h5; is not changed")
     repair.add_argument("--out", metavar="COPY.h5", required=True, help="raw log to write")
     repair.set_defaults(run=_repair_log)
     return parser

@@ -1,25 +1,25 @@
-"""Exceptions that are meant to be read by a person.
+"""Exceptions with messages for users.
 
 Each message says what is wrong, where, and what to do about it. The command
-line and the workflow print the message alone, without a traceback.
+line and the workflow print it without a traceback.
 """
 
 from fprc.escape import terminal
 
 
 class FprcError(Exception):
-    """Base of every error that this package raises on purpose.
+    """Base class of the errors that this package raises on purpose.
 
-    What a message quotes of a file cannot command the terminal.
+    Messages may quote files; control characters in them are escaped.
     """
 
     def __str__(self) -> str:
-        """Return the message; its lines have no control characters."""
+        """Return the message, with control characters escaped."""
         return terminal(super().__str__())
 
 
 class ConfigError(FprcError):
-    """The configuration holds unknown keys or values out of range."""
+    """The configuration has unknown keys, or values out of range."""
 
 
 class LogError(FprcError):
@@ -27,7 +27,7 @@ class LogError(FprcError):
 
 
 class SimulationError(FprcError):
-    """The simulated rig left the range in which its physics means anything."""
+    """The simulated rig left the range in which its model is valid."""
 
 
 class ControlError(FprcError):
@@ -35,7 +35,7 @@ class ControlError(FprcError):
 
 
 class EvaluationError(FprcError):
-    """Models cannot be judged on this data with these settings."""
+    """Models cannot be evaluated on this data with these settings."""
 
 
 class DeviceError(FprcError):
@@ -43,7 +43,7 @@ class DeviceError(FprcError):
 
 
 class SafetyError(ControlError):
-    """A reading or a command left what the rig may do."""
+    """A reading or a command exceeded a safety limit of the rig."""
 
 
 class OutputError(FprcError):

@@ -1,7 +1,7 @@
-"""Text from files, so written that it is text in every medium.
+"""Escape text from files for terminals, spreadsheets, Markdown, LaTeX and figures.
 
-Column names, notes, units and file names come from outside. What would steer a terminal,
-compute in a spreadsheet, or mark up a page or a figure is shown as what it is.
+Column names, notes, units and file names come from outside. Terminal commands, formulas and
+markup in them are shown as plain text.
 """
 
 import logging
@@ -16,16 +16,16 @@ _LATEX = {
 
 
 def visible(text: str) -> str:
-    r"""Return one line of text with all that cannot be printed written as escapes.
+    r"""Return text on one line, with unprintable characters written as escapes.
 
-    A terminal obeys control characters, and half of a surrogate pair cannot be
+    A terminal executes control characters, and a lone surrogate cannot be
     encoded: ``\x1b``, ``\n``, ``\u202e``, ``\udce9``.
     """
     return _escaped(text, kept="")
 
 
 def terminal(text: str) -> str:
-    """Return a message as ``visible`` would show it, with its line ends and tabs."""
+    """Escape a message as ``visible`` does, but keep its line ends and tabs."""
     return _escaped(text, kept="\n\t")
 
 
@@ -39,35 +39,35 @@ def _escaped(text: str, kept: str) -> str:
 
 
 class TerminalFormatter(logging.Formatter):
-    """A log's lines as ``terminal`` writes them."""
+    """Logging formatter that escapes its lines with ``terminal``."""
 
     def format(self, record: logging.LogRecord) -> str:
-        """Return the record as text."""
+        """Return the escaped text of a record."""
         return terminal(super().format(record))
 
 
 def figure(text: str) -> str:
-    """Return text that Matplotlib draws as it is: ``$`` begins no formula."""
+    """Return text that Matplotlib draws literally: ``$`` does not begin a formula."""
     return visible(text).replace("$", r"\$")
 
 
 def spreadsheet(text: str) -> str:
-    """Return text that a spreadsheet takes for text: no formula begins a cell of a CSV file."""
+    """Return text that a spreadsheet does not read as a formula, for a cell of a CSV file."""
     return f"'{text}" if _FORMULA.match(text) else text
 
 
 def markdown(text: str) -> str:
-    """Return text that Markdown shows as it is, in a table's cell too."""
+    """Return text that Markdown shows literally, also in a table cell."""
     return re.sub(r"([\\`*<>|&$])", r"\\\1", visible(text))
 
 
 def unmarkdown(text: str) -> str:
-    """Return the text of which ``markdown`` made this."""
+    """Undo ``markdown``, for text without escapes of ``visible``."""
     return re.sub(r"\\([\\`*<>|&$])", r"\1", text)
 
 
 def code(text: str) -> str:
-    """Return text as code in Markdown, whatever backticks it holds."""
+    """Return text as Markdown code; the text may contain backticks."""
     text = visible(text)
     longest = max(map(len, re.findall("`+", text)), default=0)
     fence = "`" * (longest + 1)
@@ -76,5 +76,5 @@ def code(text: str) -> str:
 
 
 def latex(text: str) -> str:
-    """Return text that LaTeX sets as it is."""
+    """Return text that LaTeX typesets literally."""
     return "".join(_LATEX.get(mark, mark) for mark in text)

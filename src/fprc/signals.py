@@ -1,4 +1,4 @@
-"""Reference trajectories as functions of time, and loops of one signal over another."""
+"""Reference trajectories, and measures of hysteresis loops."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -9,7 +9,7 @@ from fprc.errors import EvaluationError
 
 
 def sample_times(duration_s: float, sample_rate_hz: float) -> np.ndarray:
-    """Sample instants from 0 up to, not including, ``duration_s``."""
+    """Return sample times from 0 up to, but not including, ``duration_s``."""
     return np.arange(round(duration_s * sample_rate_hz)) / sample_rate_hz
 
 
@@ -22,7 +22,7 @@ def chirp(
     amplitude: float,
     offset: float,
 ) -> np.ndarray:
-    """Sine whose frequency rises linearly; it begins at ``offset - amplitude``."""
+    """Return a sine whose frequency rises linearly; it begins at ``offset - amplitude``."""
     slope = (f_end_hz - f_start_hz) / duration_s
     cycles = t_s * (f_start_hz + 0.5 * slope * t_s)
     return amplitude * np.sin(2.0 * np.pi * cycles - 0.5 * np.pi) + offset
@@ -31,7 +31,7 @@ def chirp(
 def multisine(
     t_s: np.ndarray, *, f_hz: Sequence[float], amplitude: float, offset: float
 ) -> np.ndarray:
-    """Sum of equal sines; it begins at ``offset - len(f_hz) * amplitude``."""
+    """Return a sum of sines of equal amplitude; it begins at ``offset - len(f_hz) * amplitude``."""
     phases = 2.0 * np.pi * np.multiply.outer(t_s, np.asarray(f_hz)) - 0.5 * np.pi
     return amplitude * np.sin(phases).sum(axis=-1) + offset
 
@@ -49,7 +49,7 @@ def pressure_command(experiment: Mapping[str, Any], sample_rate_hz: float) -> np
 def reference_angle(reference: Mapping[str, Any], sample_rate_hz: float) -> np.ndarray:
     """Return theta_d of a tracking experiment in deg, one value per sample (Sec. IV).
 
-    It begins at its lowest value, held for ``settle_s``.
+    It begins at its lowest value, which it holds for ``settle_s``.
     """
     t_s = sample_times(reference["duration_s"], sample_rate_hz)
     level = {"amplitude": reference["amplitude_deg"], "offset": reference["offset_deg"]}
@@ -72,9 +72,9 @@ def random_pushes(
     sigma_kpa: float,
     rng: np.random.Generator,
 ) -> np.ndarray:
-    """Return forces of a hand: half sines of random size, length and time, kPa.
+    """Return the pushes of a hand: half sines of random size, duration and time, kPa.
 
-    Nothing happens before ``quiet_s``; then a push begins every ``every_s`` on
+    There is no push before ``quiet_s``; then one begins every ``every_s`` on
     average and lasts 0.2 to 1 s.
     """
     t_s = np.arange(samples) / sample_rate_hz
@@ -90,15 +90,15 @@ def random_pushes(
 
 
 def width_at_middle(x: np.ndarray, y: np.ndarray) -> float:
-    """Return the width of the loop of ``y`` over ``x`` where ``x`` is half-way.
+    """Return the width of the loop of ``y`` over ``x`` at the middle of the range of ``x``.
 
-    ``y`` is interpolated to the very crossing: a whole sample more or less
-    would add a width that grows with frequency.
+    ``y`` is interpolated at the crossing: an error of one sample would add a width
+    that grows with frequency.
 
     Raises
     ------
     EvaluationError
-        ``x`` does not pass its middle in both directions.
+        ``x`` does not cross its middle in both directions.
     """
     smooth = np.convolve(np.pad(x, 4, mode="edge"), np.full(9, 1.0 / 9.0), mode="valid")
     away = smooth - 0.5 * (x.min() + x.max())
@@ -108,13 +108,13 @@ def width_at_middle(x: np.ndarray, y: np.ndarray) -> float:
     rising = away[k + 1] > away[k]
     if rising.all() or not rising.any():
         raise EvaluationError(
-            f"a loop cannot be measured: in {len(x)} samples its signal does not pass its middle "
-            "in both directions; use a longer experiment"
+            f"the width of a loop cannot be measured: in {len(x)} samples the signal does not "
+            "cross its middle in both directions; use a longer experiment"
         )
     return float(abs(value[rising].mean() - value[~rising].mean()))
 
 
 def loop_growth(time_s: np.ndarray, x: np.ndarray, y: np.ndarray) -> float:
-    """Return by what factor a loop widens from the first to the last quarter of a sweep."""
+    """Return the loop width in the last quarter of a sweep over that in the first quarter."""
     first, last = time_s < 0.25 * time_s[-1], time_s > 0.75 * time_s[-1]
     return width_at_middle(x[last], y[last]) / width_at_middle(x[first], y[first])

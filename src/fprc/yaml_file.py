@@ -1,4 +1,4 @@
-"""Read the YAML files that people write: each key once, and numbers as they look."""
+"""Read YAML files strictly: no duplicate keys, and YAML 1.2 numbers."""
 
 import re
 from collections.abc import Iterator
@@ -9,8 +9,8 @@ import yaml
 
 from fprc.errors import ConfigError
 
-#: The core schema of YAML 1.2; PyYAML has that of 1.1, where 010 is 8, 1:30 is 90 and `no` is
-#: false. The lengths are far beyond any setting, and short of what Python refuses to print.
+#: The core schema of YAML 1.2; PyYAML uses that of 1.1, where 010 is 8, 1:30 is 90 and `no` is
+#: false. Digits are limited to 400: enough for any setting, and few enough for Python to print.
 _CORE = tuple(
     (re.compile(pattern), meaning)
     for pattern, meaning in (
@@ -29,49 +29,48 @@ _LIMIT_BYTES = 1_000_000
 _LIMIT_LEVELS = 50
 _LIMIT_SHOWN = 40
 
-#: The one in C is faster by eight times.
+#: The C loader is eight times as fast.
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 def read_yaml(path: Path | str) -> dict[Any, Any]:
-    """Read a file of keys and values, YAML 1.2 or JSON; an empty one holds none.
+    """Read a file of keys and values, YAML 1.2 or JSON; an empty file gives an empty dict.
 
-    Words without quotes are numbers, truth values or nothing by YAML's core
-    schema: ``010`` is 10; ``1:30`` and ``no`` are texts. Aliases, tags and merge
-    keys are no part of it: a value stands where it is set, and a small file
-    cannot stand for a huge one.
+    Unquoted words are numbers, booleans or null according to YAML's core schema:
+    ``010`` is 10; ``1:30`` and ``no`` are text. Aliases, tags and merge keys are
+    refused: each value is written where it is used, and a small file cannot expand
+    to a huge one.
 
     Raises
     ------
     ConfigError
-        The file cannot be read, is no YAML, or holds no keys and values; or
-        lists, with their lines, all keys that are given more than once and all
-        else that is refused.
+        The file cannot be read, is not YAML, or has no keys and values; or lists,
+        with their lines, all duplicate keys and all other refused content.
     """
     try:
         with open(path, "rb") as file:
             content = file.read(_LIMIT_BYTES + 1)
         if len(content) > _LIMIT_BYTES:
             raise ConfigError(
-                f"{path}: is larger than {_LIMIT_BYTES} bytes, too large for settings"
+                f"{path}: is larger than {_LIMIT_BYTES} bytes, the limit for settings"
             )
-        found, problems = _parse(content.decode("utf-8"))
+        settings, problems = _parse(content.decode("utf-8"))
     except (OSError, ValueError, yaml.YAMLError) as error:
-        raise ConfigError(f"{path}: cannot be read as YAML: {_said(error)}") from error
+        raise ConfigError(f"{path}: cannot be read as YAML: {_message(error)}") from error
     if problems:
         noun = "error" if len(problems) == 1 else "errors"
         lines = [f"  line {line}: {what}" for line, what in sorted(problems)]
         raise ConfigError("\n".join([f"{path}: {len(problems)} {noun} in the file:", *lines]))
-    if not isinstance(found, dict | None):
-        raise ConfigError(f"{path}: must hold keys and values, not a {type(found).__name__}")
-    return found or {}
+    if not isinstance(settings, dict | None):
+        raise ConfigError(f"{path}: must hold keys and values, not a {type(settings).__name__}")
+    return settings or {}
 
 
 def _parse(text: str) -> tuple[Any, list[tuple[int, str]]]:
-    """Return what a text holds; and what is wrong with it, by line."""
-    found, problems = None, []
+    """Return the parsed content, and the problems with their line numbers."""
+    content, problems = None, []
     begun = False
-    # events and not nodes: what is nested too deeply is never built, and aliases can be seen
+    # parse events, not nodes: this stops at deep nesting, and shows aliases
     events = yaml.parse(text, Loader=_LOADER)
     for event in events:
         if isinstance(event, yaml.DocumentStartEvent):
@@ -79,59 +78,62 @@ def _parse(text: str) -> tuple[Any, list[tuple[int, str]]]:
                 line = event.start_mark.line + 1
                 problems.append((line, "--- begins another document; use one file for each"))
             begun = True
-            found = _value(next(events), events, [], problems)
-    return found, problems
+            content = _value(next(events), events, [], problems)
+    return content, problems
 
 
 def _value(
-    event: yaml.Event, events: Iterator[yaml.Event], way: list[Any], problems: list[tuple[int, str]]
+    event: yaml.Event,
+    events: Iterator[yaml.Event],
+    keys: list[Any],
+    problems: list[tuple[int, str]],
 ) -> Any:
-    """Return the value that begins with an event, and take its other events."""
+    """Return the value that begins with an event; consumes its remaining events."""
     line = event.start_mark.line + 1
-    if len(way) > _LIMIT_LEVELS:
-        raise ValueError(f"line {line}: more than {_LIMIT_LEVELS} levels, too many for settings")
+    if len(keys) > _LIMIT_LEVELS:
+        raise ValueError(f"line {line}: more than {_LIMIT_LEVELS} levels, the limit for settings")
     if isinstance(event, yaml.AliasEvent):
-        what = f"*{event.anchor} stands for a value elsewhere; write out the value"
-        problems.append((line, f"{_dotted(way)}: {what}"))
+        what = f"*{event.anchor} is an alias of another value; write out the value"
+        problems.append((line, f"{_dotted(keys)}: {what}"))
         return None
     if event.tag is not None:
-        problems.append((line, f"{_dotted(way)}: remove the tag {event.tag}"))
+        problems.append((line, f"{_dotted(keys)}: remove the tag {event.tag}"))
     if isinstance(event, yaml.MappingStartEvent):
-        return _mapping(events, way, problems)
+        return _mapping(events, keys, problems)
     if isinstance(event, yaml.SequenceStartEvent):
         items: list[Any] = []
         while not isinstance(event := next(events), yaml.SequenceEndEvent):
-            items.append(_value(event, events, [*way, len(items)], problems))
+            items.append(_value(event, events, [*keys, len(items)], problems))
         return items
     is_plain, _ = event.implicit
     return _scalar(event.value) if is_plain else event.value
 
 
 def _mapping(
-    events: Iterator[yaml.Event], way: list[Any], problems: list[tuple[int, str]]
+    events: Iterator[yaml.Event], keys: list[Any], problems: list[tuple[int, str]]
 ) -> dict[Any, Any]:
     given: dict[Any, list[tuple[Any, int]]] = {}
     while not isinstance(event := next(events), yaml.MappingEndEvent):
         line = event.start_mark.line + 1
-        key = _value(event, events, [*way, "?"], problems)
+        key = _value(event, events, [*keys, "?"], problems)
         if isinstance(key, dict | list):
-            problems.append((line, f"{_dotted([*way, key])}: a key must be a single word"))
+            problems.append((line, f"{_dotted([*keys, key])}: a key must be a single word"))
             key = str(key)
-        value = _value(next(events), events, [*way, key], problems)
+        value = _value(next(events), events, [*keys, key], problems)
         given.setdefault(key, []).append((value, line))
     for key, values in given.items():
         if len(values) > 1:
             (first, line), *_, (last, last_line) = values
             what = (
-                f"{_dotted([*way, key])} is given {len(values)} times: {_short(first)} in line "
-                f"{line}, {_short(last)} in line {last_line}; keep one"
+                f"{_dotted([*keys, key])} is given {len(values)} times: {_short(first)} on line "
+                f"{line}, {_short(last)} on line {last_line}; keep one"
             )
             problems.append((line, what))
     return {key: values[-1][0] for key, values in given.items()}
 
 
-def _dotted(way: list[Any]) -> str:
-    return ".".join(map(_short, way))
+def _dotted(keys: list[Any]) -> str:
+    return ".".join(map(_short, keys))
 
 
 def _scalar(text: str) -> Any:
@@ -142,12 +144,12 @@ def _scalar(text: str) -> Any:
 
 
 def _short(value: Any) -> str:
-    """Return a value in one line."""
+    """Return a value as short text on one line."""
     shown = value if isinstance(value, str) and value.isprintable() else repr(value)
     return shown if len(shown) <= _LIMIT_SHOWN else f"{shown[: _LIMIT_SHOWN - 3]}..."
 
 
-def _said(error: Exception) -> str:
+def _message(error: Exception) -> str:
     if not isinstance(error, yaml.MarkedYAMLError) or error.problem_mark is None:
         return " ".join(str(error).split())
     what = ", ".join(filter(None, [error.context, error.problem]))

@@ -73,7 +73,7 @@ def test_quoted_comma_in_a_header_shifts_no_column(user, files):
     assert found["p_exp_kpa"] == pytest.approx(columns["p"])
     assert said.left == IMPORTED
     files.add(
-        'CSV header `t,"a,deg",p,z`', _IMPORTS, "the columns of these names", said.code,
+        'CSV header `t,"a,deg",p,z`', _IMPORTS, "columns of these names", said.code,
         "log and diagnosis",
     )  # fmt: skip
 
@@ -87,7 +87,9 @@ def test_row_of_other_length_than_the_header_is_refused(user, files, fault, more
     write_map(user.folder)
     said = user.types("import", "arm.csv", *IMPORT)
     came = said.refuses(file="arm.csv", line=r"\b17\b")
-    files.add(f"CSV row with a field {fault} than the header", _IMPORTS, came, said.code, "nothing")
+    files.add(
+        f"CSV row with one field {fault} than the header", _IMPORTS, came, said.code, "nothing"
+    )
 
 
 def test_text_that_matplotlib_takes_for_a_formula_is_drawn_as_it_is(user, files):
@@ -99,7 +101,7 @@ def test_text_that_matplotlib_takes_for_a_formula_is_drawn_as_it_is(user, files)
     assert said.left == IMPORTED
     assert imported(user.folder)["theta_deg"] == pytest.approx(columns["angle"])
     files.add(
-        "column named `$\\frac{$`", _IMPORTS, "the name as it is", said.code, "log and diagnosis"
+        "column named `$\\frac{$`", _IMPORTS, "the name, unchanged", said.code, "log and diagnosis"
     )
 
 
@@ -123,7 +125,7 @@ def test_commands_to_the_terminal_are_not_printed(user, files, place):
     said = user.types("import", "arm.csv", "--list")
     assert said.code == 0, said.text
     files.add(
-        "commands to the terminal (ANSI) in a CSV file", _LISTS, "escaped", said.code,
+        "terminal control codes (ANSI) in a CSV file", _LISTS, "escaped", said.code,
         nothing_or(said.left),
     )  # fmt: skip
 
@@ -148,7 +150,7 @@ def test_file_that_declares_more_than_it_can_hold_is_refused(user, files, promis
     said = user.starts("import", "arm.h5", *(("--list",) if command == _LISTS else IMPORT))
     if command == _LISTS and said.code == 0:  # it may list what cannot be used, with the reason
         assert re.search(r"arm\.h5.*\bangle: cannot be a channel", said.text, re.DOTALL)
-        came = "listed as what cannot be used"
+        came = "listed as unusable"
     else:
         came = said.refuses(file="arm.h5")
     files.add("HDF5 file that declares 1e9 samples", command, came, said.code, "nothing")
@@ -174,7 +176,7 @@ def test_clock_in_another_unit_than_the_map_says_is_refused(user, files):
     write_map(user.folder, time={"column": "t", "unit": "us"})
     said = user.starts("import", "arm.csv", *IMPORT)
     came = said.refuses(file="arm.csv|map.yaml", column="time")
-    files.add("two minutes of ns, and `us` in the map", _IMPORTS, came, said.code, "nothing")
+    files.add("two minutes in ns, and `us` in the map", _IMPORTS, came, said.code, "nothing")
 
 
 @pytest.mark.slow
@@ -185,7 +187,7 @@ def test_hundred_thousand_columns_are_listed(user, files):
     said = user.starts("import", "wide.csv", "--list")
     assert said.code == 0, said.text
     assert "c99999" in said.text
-    files.add("CSV file of 100,000 columns", _LISTS, "all are listed", said.code, "nothing")
+    files.add("CSV file of 100,000 columns", _LISTS, "all columns listed", said.code, "nothing")
 
 
 def test_empty_variable_leaves_the_others(user, files):
@@ -201,7 +203,7 @@ def test_empty_variable_leaves_the_others(user, files):
     assert said.code == 0, said.text
     assert imported(user.folder)["p_exp_kpa"] == pytest.approx(columns["p"])
     files.add(
-        "an empty variable in a MATLAB 7.3 file", _IMPORTS, "the others", said.code,
+        "an empty variable in a MATLAB 7.3 file", _IMPORTS, "the other variables", said.code,
         "log and diagnosis",
     )  # fmt: skip
 
@@ -259,12 +261,12 @@ def test_repeated_stamps_become_one_sample_if_the_map_says_how(user, files, how)
     words = json.loads((user.folder / "out.diagnosis.json").read_text())["words"]
     assert any(re.search(r"\b4\b.*(stamp|instant|repeat)", line) for line in words), words
     files.add(
-        f"repeated time stamps, `time.repeated: {how}`", _IMPORTS, "one sample each, which is told",
-        said.code, "log and diagnosis",
+        f"repeated time stamps, `time.repeated: {how}`", _IMPORTS,
+        "one sample per time stamp, with a note", said.code, "log and diagnosis",
     )  # fmt: skip
 
 
-def test_everything_wrong_with_a_map_is_said_at_once(user, files):
+def test_all_problems_of_a_map_are_reported_together(user, files):
     write_csv(user.folder / "arm.csv", table())
     write_map(
         user.folder,
@@ -307,7 +309,7 @@ def write_log(user, signals):
 
 
 @pytest.mark.parametrize("track", [False, True])
-def test_log_with_which_nothing_is_wrong_passes(user, write_log, track):
+def test_good_log_passes(user, write_log, track):
     write_log(track=track)
     said = user.types("log", "check", "log.h5")
     assert said.code == 0, said.text
@@ -325,7 +327,7 @@ def test_log_with_which_nothing_is_wrong_passes(user, write_log, track):
         ("theta_d_deg", 5e3, True),
     ],
 )
-def test_channel_that_leaves_its_range_is_told(user, files, write_log, channel, value, track):
+def test_channel_that_leaves_its_range_is_reported(user, files, write_log, channel, value, track):
     write_log(changed={channel: (123, value)}, track=track)
     said = user.types("log", "check", "log.h5")
     came = said.refuses(file="log.h5", channel=channel)
@@ -475,7 +477,9 @@ def spoil_text(path, text):
 
 
 @pytest.mark.parametrize("writer", ["fprc", "another program"])
-def test_bad_byte_in_an_attribute_is_told_by_the_repair(user, files, write_log, signals, writer):
+def test_bad_byte_in_an_attribute_is_reported_by_the_repair(
+    user, files, write_log, signals, writer
+):
     path = user.folder / "log.h5"
     if writer == "fprc":
         write_log(software="mine")
@@ -513,7 +517,7 @@ def test_huge_numbers_are_no_reason_to_fall_over(user, files, write_log, channel
     write_log(changed={channel: (slice(None, None, 2), 1e200)})
     said = user.types("log", "check", "log.h5")
     came = said.refuses(file="log.h5", channel=channel)
-    files.add("1e200 in what the leak test reads", "fprc log check", came, said.code, "nothing")
+    files.add("1e200 in a channel of the leak test", "fprc log check", came, said.code, "nothing")
 
 
 # --- configurations -------------------------------------------------------------------------

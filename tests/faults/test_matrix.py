@@ -21,7 +21,7 @@ _WRITE = "AioSingleAoEx"
 _OPEN = [
     *[(call, "opening the output board") for call in ("AioInit", "AioResetDevice")],
     ("AioSetAoRangeAll", "opening the output board"),
-    *[(_WRITE, "venting when opened")] * 2,
+    *[(_WRITE, "venting on opening")] * 2,
     *[(call, "opening the input board") for call in ("AioInit", "AioResetDevice")],
     ("AioSetAiRangeAll", "opening the input board"),
 ]
@@ -134,11 +134,11 @@ def test_call_of_the_driver_that_fails_once_ends_the_run_vented(bench, record, m
     # without this sign the guardian vents once more
     assert (found.signs[0], SAFE in found.signs) == (HOT, part != "exit")
     assert shared.opened == (0 if call != "AioExit" else 1)
-    ends = {"open": "no run was begun", "look": "nothing, it is tried again"}
+    ends = {"open": "the run does not start", "look": "nothing: it is retried"}
     matrix.add(
         "a driver call fails once",
         where,
-        ends.get(part, "the error of the call"),
+        ends.get(part, "the driver's error"),
         "yes",
         "-" if healed else last.tick - last.clean_tick,
         samples_before(at) - found.samples,
@@ -146,9 +146,7 @@ def test_call_of_the_driver_that_fails_once_ends_the_run_vented(bench, record, m
 
 
 @pytest.mark.parametrize("at", range(len(CALLS)))
-def test_board_that_fails_from_then_on_ends_the_run_and_the_guardian_is_not_told_safe(
-    bench, record, matrix, at
-):
+def test_board_that_fails_for_good_ends_the_run_without_the_sign_safe(bench, record, matrix, at):
     part, call, where = CALLS[at]
     shared = bench.shared
     shared.fail_at, shared.fail_count, shared.fail_code = at + 1, 1 << 40, 777
@@ -169,7 +167,7 @@ def test_board_that_fails_from_then_on_ends_the_run_and_the_guardian_is_not_told
     matrix.add(
         "every driver call fails from then on",
         where,
-        "no run was begun" if part == "open" else "the error of the call",
+        "the run does not start" if part == "open" else "the driver's error",
         "yes" if not moved else "no: the guardian tries until it succeeds",
         "-" if moved else last.tick - last.clean_tick,
         samples_before(at) - found.samples,
@@ -190,7 +188,7 @@ def test_board_that_fails_for_a_moment_is_vented_as_soon_as_it_answers(
     # told again at every look, not when the time to vent is over
     lost = bench.tick - found.sessions[-1].tick
     assert lost * bench.period_s < 0.02 * (failures + 15)
-    matrix.add("the board fails for a moment", "mid-run", "the error of the call",
+    matrix.add("the board fails for a moment", "mid-run", "the driver's error",
                "yes, once it answers", "-", 0)  # fmt: skip
 
 
@@ -206,7 +204,7 @@ def inject(bench, code, begin, end=math.inf):
 SENSOR = [
     ("dropout, one packet", 1, 1, "reading the angle failed", 0),
     ("spike of +90 deg, one packet", 3, 1, "theta_deg jumped from", 0),
-    ("packet cut short, once", 6, 1, "the answer has 2 bytes, not 3", 0),
+    ("packet cut short, once", 6, 1, "the reply has 2 bytes, not 3", 0),
     ("frozen", 2, math.inf, "theta_deg has been", 50),
     ("packets of the wrong type", 4, math.inf, "theta_deg has been", 50),
     ("packets with their bytes in the wrong order", 5, math.inf, "theta_deg has been", 50),
@@ -227,7 +225,7 @@ def test_angle_sensor_that_fails_ends_the_run_vented(
     matrix.add(
         f"angle sensor: {fault}",
         "mid-run",
-        "frozen sensor" if until else "the reading",
+        "frozen sensor" if until else "a rejected reading",
         "yes",
         after,
         begin + after - found.samples,
@@ -255,7 +253,7 @@ def test_angle_sensor_that_recovers_in_time_does_not_end_the_run(
     assert found.samples == 100
     assert vented(bench)
     matrix.add(
-        f"angle sensor: {fault}", "mid-run", "nothing, it goes on", "yes, at the end", "-", 0
+        f"angle sensor: {fault}", "mid-run", "nothing: the run continues", "yes, at the end", "-", 0
     )
 
 
@@ -295,7 +293,12 @@ def test_pressure_sensor_that_is_beyond_its_limits_ends_the_run_vented(
     after = ticks_after(found, 5)
     assert found.samples == 5
     matrix.add(
-        f"pressure sensor: {fault}", "mid-run", "the reading", "yes", after, 5 - found.samples
+        f"pressure sensor: {fault}",
+        "mid-run",
+        "a rejected reading",
+        "yes",
+        after,
+        5 - found.samples,
     )
 
 
@@ -347,10 +350,17 @@ def test_controller_that_fails_ends_the_run_vented(bench, record, matrix, fault,
     assert vented(bench)
     assert found.samples == 5
     after = ticks_after(found, 5)
-    matrix.add(f"the controller {fault}", "mid-run", "its error", "yes", after, 5 - found.samples)
+    matrix.add(
+        f"the controller {fault}",
+        "mid-run",
+        "the controller's error",
+        "yes",
+        after,
+        5 - found.samples,
+    )
 
 
-def test_stop_that_is_asked_for_ends_the_run_vented(bench, record, matrix):
+def test_requested_stop_ends_the_run_vented(bench, record, matrix):
     asked = []
     found = record(
         at=lambda tick: asked.append(tick),
@@ -359,7 +369,7 @@ def test_stop_that_is_asked_for_ends_the_run_vented(bench, record, matrix):
     assert "stopped by SIGTERM" in str(found.error)
     assert vented(bench)
     assert found.samples == 5
-    matrix.add("a stop is asked for", "mid-run", "it", "yes", ticks_after(found, 5), 0)
+    matrix.add("a stop is requested", "mid-run", "the request", "yes", ticks_after(found, 5), 0)
 
 
 def test_computer_that_was_suspended_ends_the_run_vented(bench, record, matrix, monkeypatch):
@@ -376,7 +386,7 @@ def test_computer_that_was_suspended_ends_the_run_vented(bench, record, matrix, 
     assert "the computer was suspended for 3.0 s" in str(found.error)
     assert vented(bench)
     assert found.samples == 5
-    matrix.add("the computer is suspended", "mid-run", "the loop, once the computer goes on", "yes",
+    matrix.add("the computer is suspended", "mid-run", "the loop, once the computer resumes", "yes",
                ticks_after(found, 5), 0)  # fmt: skip
 
 
@@ -395,11 +405,11 @@ def test_disk_that_is_full_ends_the_run_vented(bench, record, matrix, monkeypatc
     assert found.samples == 5
     matrix.add(
         "the disk is full", "mid-run", "the journal's error", "yes", ticks_after(found, 5),
-        "1, that of the error",
+        "1, the one at the error",
     )  # fmt: skip
 
 
-def test_defect_of_the_program_is_no_reason_to_leave_a_valve_open(bench, record, matrix):
+def test_unexpected_exception_leaves_no_valve_open(bench, record, matrix):
     def interrupt(tick):
         if tick == 5:
             raise KeyboardInterrupt
@@ -407,7 +417,7 @@ def test_defect_of_the_program_is_no_reason_to_leave_a_valve_open(bench, record,
     with pytest.raises(KeyboardInterrupt):
         record(at=interrupt)
     assert vented(bench)
-    matrix.add("an exception that no one catches", "mid-run", "it", "yes", 0, 0)
+    matrix.add("an unexpected exception", "mid-run", "the exception", "yes", 0, 0)
 
 
 def test_log_that_is_there_is_not_recorded_again(bench, record, tmp_path, monkeypatch, settings):

@@ -220,7 +220,7 @@ def test_unarmed_check_looks_and_writes_nothing_but_the_safe_state(start, rig):
     code, said = program.end()
     assert code == 0, said
     assert "no trouble found" in said
-    assert "valves: held vented" in said
+    assert "valves: kept vented" in said
     assert {row[2] for row in program.writes()} == {0.0}
 
 
@@ -285,7 +285,7 @@ def test_board_that_fails_for_a_moment_in_mid_run_leaves_no_valve_open(start, ri
     assert "failed with code 777" in said
     assert rig.failures == 12
     findings = add(
-        matrix, program, faulted_s, "twelve calls of the driver fail", "the error of the call",
+        matrix, program, faulted_s, "twelve calls of the driver fail", "the driver's error",
         again=1,
     )  # fmt: skip
     assert findings.closed
@@ -298,7 +298,9 @@ def test_loop_that_hangs_is_ended_and_vented_by_the_guardian(start, rig, matrix)
     os.kill(program.loop(), signal.SIGSTOP)
     code, said = program.end()
     assert code == 1
-    assert "fell silent and was ended in the middle of a run; both chambers are vented" in said
+    assert (
+        "stopped responding and was killed in the middle of a run; both chambers are vented" in said
+    )
     findings = add(
         matrix, program, faulted_s, "SIGSTOP to the loop",
         "the guardian, after stalled_s = 0.5 s", again=1,
@@ -314,7 +316,7 @@ def test_loop_that_hangs_in_the_driver_is_ended_and_vented_by_the_guardian(start
     code, said = program.end()
     assert code == 1
     # the guardian's own reading hangs too
-    assert "fell silent and was ended in the middle of a run; THE CHAMBERS MAY BE" in said
+    assert "stopped responding and was killed in the middle of a run; THE CHAMBERS MAY BE" in said
     assert "the driver does not answer" in said
     add(
         matrix, program, faulted_s, "a driver call never returns",
@@ -336,10 +338,10 @@ def test_loop_whose_guardian_is_killed_stops_and_vents(start, rig, matrix, fault
     send(program.process.pid, signal.SIGKILL)
     code, said = program.end()
     assert code == -signal.SIGKILL
-    assert "the process that watches this one is gone" in said
+    assert "the guardian process has ended" in said
     findings = add(matrix, program, faulted_s, fault, "the loop, at the next tick")
     assert findings.closed
-    assert "the process that watches this one is gone" in findings.reason
+    assert "the guardian process has ended" in findings.reason
     assert rig.opened == 0
 
 
@@ -350,7 +352,7 @@ def test_loop_that_misses_too_many_ticks_in_a_row_stops_and_vents(start, rig, ma
     rig.stall_us = 60_000
     code, said = program.end()
     assert code == 1
-    assert "ticks of 5 ms were missed in a row, 40 are put up with" in said
+    assert "ticks of 5 ms were missed in a row, the limit is 40" in said
     findings = add(
         matrix, program, faulted_s, "every reading takes 60 ms", "more than 40 overruns in a row"
     )
@@ -374,7 +376,7 @@ def test_ticks_that_are_missed_are_counted_and_leave_a_gap(start, rig, matrix):
     assert findings.samples + overruns == 600
     assert findings.missed_ticks <= overruns
     assert np.diff(channels["time_s"]).max() > 0.1
-    matrix.add("a reading takes 150 ms", "mid-run, real time", "nothing, it goes on",
+    matrix.add("a reading takes 150 ms", "mid-run, real time", "nothing: the run continues",
                "yes, at the end", "-", "0: ticks are missed and counted")  # fmt: skip
 
 
@@ -391,7 +393,7 @@ def test_guardian_that_is_stopped_is_missed_and_the_loop_vents(start, rig, matri
     os.kill(program.process.pid, signal.SIGCONT)
     code, said = program.end()
     assert code == 1
-    assert "the process that watches this one has been silent for" in said
+    assert "the guardian process has been silent for" in said
     findings = add(
         matrix, program, faulted_s, "SIGSTOP to the guardian", "the loop, after stalled_s = 0.5 s"
     )
@@ -426,8 +428,8 @@ def test_processes_that_are_both_stopped_and_go_on_end_the_run_vented(start, rig
         os.kill(process, signal.SIGCONT)
     code, _ = program.end()
     assert code == 1
-    add(matrix, program, faulted_s, "SIGSTOP to both processes, SIGCONT a second later",
-        "the loop, once it goes on", again=1)  # fmt: skip
+    add(matrix, program, faulted_s, "SIGSTOP to both processes, SIGCONT one second later",
+        "the loop, once it resumes", again=1)  # fmt: skip
 
 
 def test_board_that_fails_when_the_loop_is_killed_is_vented_once_it_recovers(start, rig, matrix):
@@ -459,8 +461,9 @@ def test_rig_that_is_in_use_is_left_alone_and_its_user_named(start, rig, matrix)
         assert "rig run sweep" in said
         assert not second.raw.with_name("complex.h5").exists()
         matrix.add(
-            f"{' '.join(verb)}{' --armed' if armed else ''} while another run is on",
-            "mid-run, real time", "nothing, the second is refused", "yes, at the end", "-", 0,
+            f"{' '.join(verb)}{' --armed' if armed else ''} while another run is in progress",
+            "mid-run, real time", "nothing: the second command is refused", "yes, at the end",
+            "-", 0,
         )  # fmt: skip
     samples = rig.writes // 2
     assert program.process.poll() is None
@@ -488,7 +491,7 @@ def test_watchdog_relay_vents_when_both_processes_are_killed(start, rig, matrix)
     )  # fmt: skip
 
 
-def test_unarmed_run_says_what_it_would_do_and_touches_nothing(start, rig):
+def test_unarmed_run_prints_its_plan_and_touches_nothing(start, rig):
     program = start("run", "sweep", armed=False, seconds=2.0)
     code, said = program.end()
     assert code == 1

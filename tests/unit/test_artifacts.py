@@ -165,9 +165,9 @@ def test_full_disk_is_an_error_for_people_and_leaves_the_old_file(tmp_path):
     assert names(tmp_path) == ["log.h5"]
 
 
-def test_file_in_place_of_a_folder_is_an_error_for_people(tmp_path):
+def test_file_in_place_of_a_folder_is_an_output_error(tmp_path):
     (tmp_path / "results").write_text("in the way")
-    with pytest.raises(OutputError, match=r"a\.txt: cannot be written \(.*choose another place"):
+    with pytest.raises(OutputError, match=r"a\.txt: cannot be written \(.*choose another folder"):
         write_text(tmp_path / "results/tables/a.txt", "x")
 
 
@@ -233,7 +233,7 @@ def test_lines_are_appended_one_by_one(tmp_path):
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full on this system")
-def test_line_that_finds_no_room_is_told_as_such_and_not_by_the_closing_of_the_file():
+def test_full_disk_is_reported_by_the_line_and_not_by_closing_the_file():
     with pytest.raises(OutputError, match="No space left"), appending("/dev/full") as append:
         append("a cell")
 

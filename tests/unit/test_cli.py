@@ -149,7 +149,7 @@ def test_log_without_checksums_is_clean_and_its_record_says_so(long_log, capsys)
 
 
 @pytest.mark.slow
-def test_log_on_which_the_library_hangs_is_named_and_the_next_one_still_judged(
+def test_log_that_hangs_the_library_is_named_and_the_next_one_still_checked(
     long_log, tmp_path, capsys
 ):
     """Of the oldest HDF5 format, with a wrong length of a text."""

@@ -32,7 +32,7 @@ def test_terminal_gets_no_control_characters(text):
         ("abc\u202etxt.exe", r"abc\u202etxt.exe"),
     ],
 )
-def test_what_cannot_be_seen_is_named(text, shown):
+def test_undetectable_damage_is_named(text, shown):
     assert escape.visible(text) == shown
 
 

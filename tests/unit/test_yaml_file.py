@@ -63,7 +63,7 @@ def refused(read, text):
         ("null", None),
     ],
 )
-def test_word_means_what_yaml_1_2_says(read, written, meant):
+def test_word_has_its_meaning_in_yaml_1_2(read, written, meant):
     found = read(f"key: {written}\n")["key"]
     assert (type(found), str(found)) == (type(meant), str(meant))
 
@@ -107,14 +107,14 @@ def test_json_is_read_as_a_json_reader_does(read, content, indent):
 
 
 @given(content=st.dictionaries(st.from_regex("[a-z]{1,5}", fullmatch=True), JSON, min_size=1))
-def test_key_given_again_is_refused_whatever_its_values(read, content):
+def test_duplicate_key_is_refused_for_any_values(read, content):
     whole = json.dumps(content, ensure_ascii=False)
     for key in content:
         again = f"{whole[:-1]}, {json.dumps(key)}: 1}}"
         assert any(f" {key} is given 2 times: " in line for line in refused(read, again))
 
 
-def test_every_repeated_key_is_told_with_its_lines_and_values(read):
+def test_every_repeated_key_is_reported_with_its_lines_and_values(read):
     text = (
         "seed: 2\n"
         "seed: 3\n"
@@ -128,17 +128,17 @@ def test_every_repeated_key_is_told_with_its_lines_and_values(read):
     )
     assert refused(read, text) == [
         "3 errors in the file:",
-        "  line 1: seed is given 3 times: 2 in line 1, 3 in line 9; keep one",
-        "  line 3: models is given 2 times: {'n_y': 7} in line 3, {'fprc': {'n_c': 4}} in line 7; "
+        "  line 1: seed is given 3 times: 2 on line 1, 3 on line 9; keep one",
+        "  line 3: models is given 2 times: {'n_y': 7} on line 3, {'fprc': {'n_c': 4}} on line 7; "
         "keep one",
-        "  line 6: tracking.references.0.form is given 2 times: chirp in line 6, multisine in line "
+        "  line 6: tracking.references.0.form is given 2 times: chirp on line 6, multisine on line "
         "6; keep one",
     ]
 
 
 def test_keys_that_are_the_same_number_are_the_same_key(read):
     assert refused(read, "10: a\n010: b\n10.0: c\n")[1] == (
-        "  line 1: 10 is given 3 times: a in line 1, c in line 3; keep one"
+        "  line 1: 10 is given 3 times: a on line 1, c on line 3; keep one"
     )
 
 
@@ -149,23 +149,23 @@ def test_same_key_of_different_sections_is_no_repetition(read):
 
 def test_value_is_shown_short_and_without_control_characters(read):
     shown = refused(read, f'a: "\\e[31m"\na: {"x" * 1000}\n')[1]
-    assert "'\\x1b[31m' in line 1" in shown
+    assert "'\\x1b[31m' on line 1" in shown
     assert len(shown) < 120
 
 
 @pytest.mark.parametrize(
     ("text", "line"),
     [
-        ("a: &x 1\nb: *x\n", "  line 2: b: *x stands for"),
-        ("a: &x {c: 1}\nb:\n  <<: *x\n", "  line 3: b.<<: *x stands for"),
-        ("a: &x [*x]\n", "  line 1: a.0: *x stands for"),
+        ("a: &x 1\nb: *x\n", "  line 2: b: *x is an alias"),
+        ("a: &x {c: 1}\nb:\n  <<: *x\n", "  line 3: b.<<: *x is an alias"),
+        ("a: &x [*x]\n", "  line 1: a.0: *x is an alias"),
         ("a: !!int 010\n", "  line 1: a: remove the tag"),
         ("a: 1\n---\nb: 2\n", "  line 2: --- begins another document"),
         ("? [1, 2]\n: 3\n", "  line 1: [1, 2]: a key must be a single word"),
         ("? {1: 2}\n: 3\n", "  line 1: {1: 2}: a key must be a single word"),
     ],
 )
-def test_what_settings_do_not_need_is_refused_with_its_line(read, text, line):
+def test_yaml_features_that_settings_do_not_need_are_refused_with_their_line(read, text, line):
     first, second = refused(read, text)
     assert first == "1 error in the file:"
     assert second.startswith(line)

@@ -93,7 +93,7 @@ def locked(project):
 def test_locked_results_are_refused_before_any_job(locked):
     done = locked.snakemake("table1")
     assert done.returncode != 0
-    assert "results cannot be written to; make it writable or choose another place" in done.stdout
+    assert "results cannot be written to; make it writable or choose another folder" in done.stdout
     assert "Traceback" not in done.stdout
     assert not locked.files("results")
     done = locked.snakemake(

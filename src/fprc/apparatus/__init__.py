@@ -1,1 +1,1 @@
-"""The processes that drive and watch the real rig."""
+"""Processes that drive and supervise the real rig."""

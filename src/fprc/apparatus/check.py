@@ -1,4 +1,4 @@
-"""Valves and sensors of the real rig, one by one, before an experiment."""
+"""Check the valves and sensors of the real rig one by one, before an experiment."""
 
 import logging
 from collections.abc import Callable, Mapping, Sequence
@@ -14,15 +14,15 @@ from fprc.errors import ControlError, DeviceError
 
 log = logging.getLogger("fprc.rig")
 
-#: Pressure that each chamber is filled to, kPa.
+#: Test pressure of each chamber, kPa.
 TEST_KPA = 60.0
-#: Time in which it is reached, s; a step of the set-point would be a jump of the pressure.
+#: Rise time of the setpoint, s; a step would make the pressure exceed its jump limit.
 RISE_S = 0.5
-#: A set-point that vents wholly; the loop's integral does not move while it is clamped.
+#: Setpoint that vents fully; the PI integral is frozen while the output is clamped.
 VENT = -1e3
-#: Highest reading of a chamber: with swapped hoses the loop fills one that it does not see.
+#: Pressure limit during the check: with swapped hoses the loop fills a chamber it does not measure.
 HIGHEST_KPA = 3.0 * TEST_KPA
-#: Phases: name, set-points of actuator and PAM A in kPa, length in s. At rest nothing is written.
+#: Phases: name, setpoints of actuator and PAM A in kPa, duration in s. Nothing is written at rest.
 Phase = tuple[str, float, float, float]
 PHASES: tuple[Phase, ...] = (
     ("rest", VENT, VENT, 1.0),
@@ -37,14 +37,14 @@ _SENSORS = ("p_exp_kpa", "p_i_kpa", "p_o_kpa", "theta_deg", "phi_deg")
 
 
 def check_rig(settings: Mapping[str, Any], armed: bool, stop: Callable[[], str]) -> int:
-    """Read every sensor at rest; if armed, fill and vent one chamber after the other too.
+    """Read every sensor at rest; if armed, also fill and vent the chambers in turn.
 
-    Logs what was seen.
+    Logs the readings and all problems.
 
     Returns
     -------
     int
-        0 if all is as it should be, else 1.
+        0 if there is no problem, else 1.
 
     Raises
     ------
@@ -55,32 +55,32 @@ def check_rig(settings: Mapping[str, Any], armed: bool, stop: Callable[[], str])
     period_s = 1.0 / control["sample_rate_hz"]
     phases = PHASES if armed else PHASES[:1]
     ends = np.cumsum([round(seconds / period_s) for *_, seconds in phases])
-    channels, late, trouble = _look(hardware, period_s, int(ends[0]), stop)
-    if armed and not trouble:  # a rig that does not vent is not filled
+    channels, late, trouble = _rest(hardware, period_s, int(ends[0]), stop)
+    if armed and not trouble:  # never fill a rig that may not vent
         setpoints = _setpoints(phases[1:], ends - ends[0], period_s).tolist()
         both = loops(control, hardware["valves"]["neutral_v"])
         moved, late, trouble = _move(hardware, period_s, setpoints, both, stop)
         moved["time_s"] += ends[0] * period_s
         channels = {name: np.append(values, moved[name]) for name, values in channels.items()}
-    lines, found = describe(channels, ends * period_s, phases)
+    lines, problems = describe(channels, ends * period_s, phases)
     lines.append(
-        f"loop: {late['ticks']} ticks, {late['overruns']} missed, late by "
-        f"{1e3 * late['jitter_p50_s']:.3f} ms in the median, "
-        f"{1e3 * late['jitter_max_s']:.3f} ms at most"
+        f"loop: {late['ticks']} ticks, {late['overruns']} missed, lateness "
+        f"{1e3 * late['jitter_p50_s']:.3f} ms median, "
+        f"{1e3 * late['jitter_max_s']:.3f} ms maximum"
     )
     if not armed:
-        lines.append("valves: held vented; --armed fills and vents one chamber after the other")
-    trouble += found
+        lines.append("valves: kept vented; --armed fills and vents each chamber in turn")
+    trouble += problems
     lines += [f"TROUBLE: {line}" for line in trouble] or ["no trouble found"]
     for line in lines:
         log.info("%s", line)
     return 1 if trouble else 0
 
 
-def _look(
+def _rest(
     hardware: Mapping[str, Any], period_s: float, samples: int, stop: Callable[[], str]
 ) -> tuple[dict[str, np.ndarray], dict[str, float], list[str]]:
-    """Return the readings at rest, how late the loop was, and what went wrong at the end."""
+    """Return the readings at rest, the lateness of the loop, and errors of closing the rig."""
     readings: list[Readings] = []
     late, trouble = {}, []
     try:
@@ -106,7 +106,7 @@ def _move(
     both: Mapping[str, Any],
     stop: Callable[[], str],
 ) -> tuple[dict[str, np.ndarray], dict[str, float], list[str]]:
-    """Follow set-points; return the channels, how late the loop was, and what went wrong."""
+    """Follow setpoints; return the channels, the lateness of the loop, and the errors."""
     late, trouble = {}, []
 
     def law(k: int, now: Readings) -> list[float]:
@@ -129,16 +129,16 @@ def _move(
 
 
 def _setpoints(phases: Sequence[Phase], bounds: np.ndarray, period_s: float) -> np.ndarray:
-    """Return the set-points of both chambers at every sample, kPa."""
-    found = np.empty((bounds[-1], 2))
+    """Return the setpoints of both chambers at every sample, kPa."""
+    setpoints = np.empty((bounds[-1], 2))
     for (_, *goals, _), begin, end in zip(phases, bounds[:-1], bounds[1:], strict=True):
         risen_kpa = np.arange(end - begin) * period_s * TEST_KPA / RISE_S
-        found[begin:end] = np.minimum(risen_kpa[:, None], goals)
-    return found
+        setpoints[begin:end] = np.minimum(risen_kpa[:, None], goals)
+    return setpoints
 
 
 def _cautious(hardware: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the settings with limits that a check needs: PAM B may be empty, nothing is full."""
+    """Adapt the limits to a check: an empty PAM B is allowed, pressures are capped."""
     limits = dict(hardware["limits"])
     for name in ("p_exp_kpa", "p_i_kpa"):
         low, high = limits[name]
@@ -151,12 +151,12 @@ def _cautious(hardware: Mapping[str, Any]) -> dict[str, Any]:
 def describe(
     channels: Mapping[str, np.ndarray], ends_s: np.ndarray, phases: Sequence[Phase] = PHASES
 ) -> tuple[list[str], list[str]]:
-    """Say what the sensors showed in each phase, and what is not as it should be.
+    """Summarise the sensors in each phase, and list the problems.
 
     Parameters
     ----------
     channels : Mapping
-        Of the run; shorter than the phases if it was stopped.
+        Channels of the run; shorter than the phases if it was stopped.
     ends_s : ndarray
         End of each phase.
 
@@ -173,7 +173,7 @@ def describe(
         within = time_s[(time_s >= begin_s) & (time_s < end_s)]
         if not within.size:
             break
-        # the second half: the chamber has come to rest, unless the run was stopped
+        # second half of the phase, when the chamber has settled
         judged = (time_s >= 0.5 * (begin_s + within[-1])) & (time_s <= within[-1])
         values = {name: channels[name][judged] for name in sensors}
         settled[phase] = {name: float(v.mean()) for name, v in values.items()}
@@ -187,8 +187,8 @@ def _at_rest(rest: Mapping[str, float]) -> list[str]:
     for name, what in (("p_exp_kpa", "actuator"), ("p_i_kpa", "PAM A")):
         if abs(rest.get(name, 0.0)) > 15.0:
             problems.append(
-                f"{name} = {rest[name]:.1f} at rest, must be near 0; vent the {what}, check its "
-                f"sensor's channel and hardware.{name.removesuffix('_kpa')}"
+                f"{name} = {rest[name]:.1f} at rest, must be near 0; vent the {what}, check the "
+                f"channel of its sensor and hardware.{name.removesuffix('_kpa')}"
             )
     if not 60.0 <= rest.get("p_o_kpa", 100.0) <= 140.0:
         problems.append(
@@ -216,7 +216,7 @@ def _moved(settled: Mapping[str, Mapping[str, float]]) -> list[str]:
         if filled[own] - before[own] < _MOVED_KPA:
             crossed = filled[other] - before[other] > _STILL_KPA
             problems.append(
-                f"{chamber} asked for {TEST_KPA:g} kPa, {own} = {filled[own]:.1f}; "
+                f"{chamber}: setpoint {TEST_KPA:g} kPa, but {own} = {filled[own]:.1f}; "
                 + (f"{other} rose instead: hoses, channels or {output} are swapped" if crossed
                    else f"check supply, valve and hardware.boards.{output}")
             )  # fmt: skip
@@ -226,14 +226,14 @@ def _moved(settled: Mapping[str, Mapping[str, float]]) -> list[str]:
             )
         if vented is not None and vented[own] > _STILL_KPA:
             problems.append(
-                f"{chamber} vented, but {own} = {vented[own]:.1f} kPa is left; check the valve "
-                "and its way to the room"
+                f"{chamber} vented, but {own} is still {vented[own]:.1f} kPa; check the valve "
+                "and its exhaust"
             )
     filled = settled.get("actuator filled", {})
     bent = filled and filled["p_exp_kpa"] - before["p_exp_kpa"] >= _MOVED_KPA
     if bent and filled["theta_deg"] - before["theta_deg"] < 1.0:
         problems.append(
-            f"the actuator was filled and theta_deg went from {before['theta_deg']:.1f} to "
+            f"the actuator was filled, but theta_deg went from {before['theta_deg']:.1f} to "
             f"{filled['theta_deg']:.1f}; it must rise: check the sensor, or its sign in "
             "hardware.theta.gain"
         )

@@ -1,8 +1,8 @@
-"""Watch over the process that drives a real rig, and vent if it ends or falls silent.
+"""Supervise the process that drives a real rig, and vent if it ends or stops responding.
 
-A process that is killed cannot close a valve. What drives the rig therefore runs in a
-process of its own, and this one waits for its signs of life and gives signs of its own:
-each of the two vents when the other is silent.
+A killed process cannot close a valve. The rig is therefore driven by a child process, the loop,
+and this process, the guardian, watches it. Each sends signs of life to the other, and vents when
+the other's signs of life stop.
 """
 
 import json
@@ -25,29 +25,29 @@ from fprc.errors import ControlError
 
 log = logging.getLogger("fprc.rig")
 
-#: What the process says: the rig is hot, it is alive, the rig is safe and released.
+#: Signs of the loop: the rig may move, the loop is alive, the rig is safe and released.
 HOT, ALIVE, SAFE = b"H", b".", b"S"
-#: Time between two signs of life of this process, s.
+#: Time between two signs of life of the guardian, s.
 BEAT_S = 0.05
-#: Time between two attempts to vent, between two messages about them, and between two looks at
-#: what came of them, s.
-_RETRY_S, _SAY_S, _LOOK_S = 0.1, 1.0, 0.02
-#: So many signals end a process that does not stop at the first; then this one vents.
-_INSISTS = 3
+#: Time between two attempts to vent, between two messages about them, and between two polls of
+#: their outcome, s.
+_RETRY_S, _MESSAGE_S, _POLL_S = 0.1, 1.0, 0.02
+#: Number of stop signals after which the guardian kills the loop and vents.
+_KILL_AFTER = 3
 
 _VENTED = "both chambers are vented, as their sensors show"
 _NOT_VENTED = "THE CHAMBERS COULD NOT BE VENTED, cut the supply and open them by hand"
 
 
 def guard(request: Mapping[str, Any], hardware: Mapping[str, Any]) -> None:
-    """Have a request done by a process of its own (see ``fprc.apparatus.process``).
+    """Run a request in a child process and supervise it (see ``fprc.apparatus.process``).
 
     Raises
     ------
     DeviceError
-        Another process has the boards, or this is not Linux; nothing was started.
+        Another process holds the boards, or this is not Linux; nothing was started.
     ControlError
-        The process failed, was killed or fell silent; says whether the chambers are vented.
+        The child failed, was killed or stopped responding; says whether the chambers are vented.
     """
     boards = hardware["boards"]
     with locked(board_names(boards), boards["lock_folder"]) as locks:
@@ -56,8 +56,8 @@ def guard(request: Mapping[str, Any], hardware: Mapping[str, Any]) -> None:
 
 def _guard(request: Mapping[str, Any], hardware: Mapping[str, Any], locks: Sequence[int]) -> None:
     pipe = subprocess.PIPE
-    # a session of its own: what befalls a terminal and its group (closed, Ctrl-Z, a kill of the
-    # whole group) reaches this process alone, and the other one stops and vents
+    # the loop gets its own session: a closed terminal, Ctrl-Z or a kill of the process group
+    # hits the guardian alone, and the loop then stops and vents
     process = _Process(
         [sys.executable, "-m", "fprc.apparatus.process"],
         stdin=pipe,
@@ -68,37 +68,37 @@ def _guard(request: Mapping[str, Any], hardware: Mapping[str, Any], locks: Seque
     describe(locks, f" (drives the rig by process {process.pid})")
     signs: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     threading.Thread(target=_listen, args=(process, signs), daemon=True).start()
-    with _handing_on_signals(process) as heard:
-        with suppress(BrokenPipeError):  # it ended at once, and says why
+    with _forwarding_signals(process) as received:
+        with suppress(BrokenPipeError):  # it has already ended, with a message
             process.stdin.write(json.dumps(request).encode() + b"\n")
             process.stdin.flush()
         end = _watch(signs, _beating(process), hardware["loop"]["stalled_s"])
         if end == "silent":
             process.kill()
-        # at once: a killed process has left the valves as they were
-        vented = "" if end == "safe" else _vent(hardware, heard)
-        code = _wait(process, heard)
+        # do not wait for the process first: until this vents, the valves hold their voltages
+        vented = "" if end == "safe" else _vent(hardware, received)
+        code = _wait(process, received)
         if code is None:
             raise ControlError(
                 f"process {process.pid}, which drives the rig, does not end: IT MAY STILL OPEN A "
                 "VALVE. Cut the supply and open the chambers by hand, then restart the computer"
             )
         if end == "silent":
-            # its last call to the driver may have ended after ours
-            vented = _vent(hardware, heard)
+            # again: the killed process's last driver call may have completed after ours
+            vented = _vent(hardware, received)
     if end != "safe":
-        how = "fell silent and was ended" if end == "silent" else f"ended with code {code}"
-        kept = ". What it recorded is in the journal beside the log: fprc log repair"
+        how = "stopped responding and was killed" if end == "silent" else f"ended with code {code}"
+        kept = ". Its samples are in the journal beside the log: fprc log repair"
         raise ControlError(
             f"the process that drives the rig {how} in the middle of a run; {vented}"
             + (kept if request["what"] == "run" else "")
         )
     if code:
-        raise ControlError(f"the rig did not do what was asked (exit code {code}); see above")
+        raise ControlError(f"the rig process failed (exit code {code}); see its messages above")
 
 
 class _Process(subprocess.Popen[bytes]):
-    """A process that reads from and writes to pipes."""
+    """A process with pipes on its standard input and output."""
 
     stdin: IO[bytes]
     stdout: BufferedReader
@@ -111,7 +111,7 @@ def _listen(process: _Process, signs: queue.SimpleQueue[bytes]) -> None:
 
 
 def _beating(process: _Process) -> Callable[[], None]:
-    """Return what gives the process a sign of life, and never waits for it."""
+    """Return a function that sends the process a sign of life, without blocking."""
     pipe = process.stdin.fileno()
     os.set_blocking(pipe, False)
 
@@ -125,9 +125,9 @@ def _beating(process: _Process) -> Callable[[], None]:
 def _watch(signs: queue.SimpleQueue[bytes], beat: Callable[[], None], stalled_s: float) -> str:
     """Wait for the end of the process; return ``safe``, ``gone`` or ``silent``.
 
-    Silence counts while the rig is hot: before and after that nothing moves. It is counted in
-    waits of this process and not by a clock: after this process itself was stopped, it first
-    hears what was said meanwhile.
+    Silence counts only between ``HOT`` and ``SAFE``; otherwise nothing moves. It is counted in
+    timeouts rather than by a clock, so that a guardian that was itself suspended first reads the
+    signs that arrived meanwhile.
     """
     hot, silent = False, 0
     while True:
@@ -141,89 +141,88 @@ def _watch(signs: queue.SimpleQueue[bytes], beat: Callable[[], None], stalled_s:
             continue
         if not chunk:
             return "gone" if hot else "safe"
-        said, silent = (HOT if hot else SAFE) + chunk, 0
-        hot = said.rfind(HOT) > said.rfind(SAFE)
+        history, silent = (HOT if hot else SAFE) + chunk, 0
+        hot = history.rfind(HOT) > history.rfind(SAFE)
 
 
-def _vent(hardware: Mapping[str, Any], heard: Sequence[int]) -> str:
-    """Vent until the valves were told to, or a person gives up; say what came of it.
+def _vent(hardware: Mapping[str, Any], received: Sequence[int]) -> str:
+    """Vent until the sensors confirm it or the user gives up; return the outcome as text.
 
-    A call of the driver may never return, and a terminal that is held takes no messages:
-    attempts are made in a thread that says nothing, and this one says every second what stands.
+    A driver call may never return, and writing to a blocked terminal may block: one thread
+    makes the attempts and prints nothing, this one prints the state every second.
     """
-    before, began_s = heard.count(signal.SIGINT), time.monotonic()
+    before, began_s = received.count(signal.SIGINT), time.monotonic()
     attempts = _Attempts(hardware)
     attempts.start()
-    said_s, said = began_s, ""
+    printed_s, printed = began_s, ""
     while True:
         with suppress(queue.Empty):
-            return attempts.outcome.get(timeout=_LOOK_S)
-        now_s, stands = time.monotonic(), attempts.stands
+            return attempts.outcome.get(timeout=_POLL_S)
+        now_s, problem = time.monotonic(), attempts.problem
         since_s = attempts.written_s
-        if since_s and now_s - since_s > 2.0 * hardware["valves"]["vent_s"] + _SAY_S:
+        if since_s and now_s - since_s > 2.0 * hardware["valves"]["vent_s"] + _MESSAGE_S:
             return str(not_vented("no pressure can be read: the driver does not answer"))
-        if heard.count(signal.SIGINT) > before:
+        if received.count(signal.SIGINT) > before:
             attempts.given_up.set()
             if since_s:
-                return str(not_vented("a person ended the waiting for the pressures"))
-            return f"{_NOT_VENTED} ({stands})"
-        if (stands and not said) or now_s - said_s > _SAY_S:
-            said_s, said = now_s, stands
+                return str(not_vented("Ctrl-C ended the wait for the pressures"))
+            return f"{_NOT_VENTED} ({problem})"
+        if (problem and not printed) or now_s - printed_s > _MESSAGE_S:
+            printed_s, printed = now_s, problem
             log.error(
-                "%s after %.1f s (%s). It is tried again and again; Ctrl-C gives up",
-                "the valves were told to vent, and no reading shows yet that they did"
+                "%s after %.1f s (%s). Still trying; Ctrl-C gives up",
+                "the valves were set to vent, but no reading confirms it yet"
                 if since_s
                 else _NOT_VENTED,
                 now_s - began_s,
-                stands or "the driver has not answered yet",
+                problem or "the driver has not answered yet",
             )
 
 
 class _Attempts(threading.Thread):
-    """Attempts to vent, one after the other."""
+    """Thread that tries to vent until it succeeds or is given up."""
 
     def __init__(self, hardware: Mapping[str, Any]):
         super().__init__(daemon=True)
         self.outcome: queue.SimpleQueue[str] = queue.SimpleQueue()
         self.given_up = threading.Event()
-        self.stands = ""  # why the valves could not be told
-        self.written_s = 0.0  # when they were
+        self.problem = ""  # error of the last failed write
+        self.written_s = 0.0  # time of the first successful write
         self._hardware = hardware
 
     def run(self) -> None:
-        """Vent, and put what came of it into ``outcome``."""
+        """Vent, and put the outcome as text into ``outcome``."""
         while not self.given_up.is_set():
             try:
-                vent_from_outside(self._hardware, self._told)
+                vent_from_outside(self._hardware, self._on_write)
             except NotVentedError as error:
                 self.outcome.put(str(error))
-            except Exception as error:  # whatever a driver raises: the next attempt may succeed
-                self._told(f"{type(error).__name__}: {error}")
+            except Exception as error:  # of any type: the next attempt may succeed
+                self._on_write(f"{type(error).__name__}: {error}")
                 self.given_up.wait(_RETRY_S)
                 continue
             else:
                 self.outcome.put(_VENTED)
             return
 
-    def _told(self, why: str) -> None:
-        if why:
-            self.stands = why
+    def _on_write(self, error: str) -> None:
+        if error:
+            self.problem = error
         elif not self.written_s:
             self.written_s = time.monotonic()
 
 
-def _wait(process: _Process, heard: Sequence[int]) -> int | None:
-    """Wait for the end of a process and return its exit code; None if a person gave up."""
-    before = heard.count(signal.SIGINT)
+def _wait(process: _Process, received: Sequence[int]) -> int | None:
+    """Wait for the end of a process and return its exit code; None if the user gave up."""
+    before = received.count(signal.SIGINT)
     while True:
         try:
-            code = process.wait(timeout=_SAY_S)
+            code = process.wait(timeout=_MESSAGE_S)
         except subprocess.TimeoutExpired:
-            if heard.count(signal.SIGINT) > before:
+            if received.count(signal.SIGINT) > before:
                 return None
             log.error(
-                "process %d has not ended: it may be in a call of the driver that does not "
-                "return. Ctrl-C stops waiting for it",
+                "process %d has not ended: it may hang in a driver call. Ctrl-C stops the wait",
                 process.pid,
             )
         else:
@@ -233,21 +232,21 @@ def _wait(process: _Process, heard: Sequence[int]) -> int | None:
 
 
 @contextmanager
-def _handing_on_signals(process: _Process) -> Iterator[list[int]]:
-    """Have the process stop at a signal to this one; yield the signals so far."""
+def _forwarding_signals(process: _Process) -> Iterator[list[int]]:
+    """Stop the process when this one receives a stop signal; yield the signals received."""
     received: list[int] = []
 
-    def hand_on(number: int, frame: Any) -> None:
+    def forward(number: int, frame: Any) -> None:
         received.append(number)
-        process.send_signal(signal.SIGKILL if len(received) >= _INSISTS else signal.SIGTERM)
+        process.send_signal(signal.SIGKILL if len(received) >= _KILL_AFTER else signal.SIGTERM)
 
     names = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
     before = {number: signal.getsignal(number) for number in names}
-    heard = [number for number, handler in before.items() if handler != signal.SIG_IGN]  # nohup
-    for number in heard:
-        signal.signal(number, hand_on)
+    handled = [number for number, handler in before.items() if handler != signal.SIG_IGN]  # nohup
+    for number in handled:
+        signal.signal(number, forward)
     try:
         yield received
     finally:
-        for number in heard:
+        for number in handled:
             signal.signal(number, before[number])

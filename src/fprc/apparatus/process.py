@@ -1,9 +1,9 @@
-"""The process that drives a real rig; started and watched by ``fprc.apparatus.guardian``.
+"""The process that drives a real rig; started and supervised by ``fprc.apparatus.guardian``.
 
-It reads a request, one line of JSON, from its standard input, and then the guardian's
-signs of life; it stops when they end or when the input is closed. On its standard output
-it says ``HOT`` before anything moves, gives signs of life meanwhile, and says ``SAFE``
-once a reading shows that the rig is vented, and it is released.
+It reads a request, one line of JSON, from standard input, then the guardian's signs of life; it
+stops when these cease or the input is closed. On standard output it sends ``HOT`` before
+anything can move, then signs of life, and ``SAFE`` once readings show that the rig is vented
+and it is released.
 """
 
 import json
@@ -31,7 +31,7 @@ _READ_ONLY = 0o444
 
 
 def main() -> int:
-    """Do what the request says; return the exit code."""
+    """Carry out the request; return the exit code."""
     logging.basicConfig(level=logging.INFO, format="[rig] %(message)s")
     request = json.loads(_line())
     keep_signs_apart()
@@ -47,7 +47,7 @@ def main() -> int:
 
 
 def _line() -> bytes:
-    """Return a line of the standard input and not a byte more: what follows are signs."""
+    """Read one line from standard input, unbuffered: the bytes after it are signs of life."""
     line = b""
     while not line.endswith(b"\n") and (byte := os.read(0, 1)):
         line += byte
@@ -65,18 +65,18 @@ def record(
 ) -> None:
     """Run an experiment on the real rig and write its raw log, read-only.
 
-    While it runs the samples go into a journal beside the log, named after the
-    log and the time. It is kept.
+    During the run the samples go into a journal beside the log, named after the
+    log and the time. The journal is kept.
 
     Raises
     ------
     LogError
-        There is a log of that name already.
+        The log already exists.
     ControlError, DeviceError
         The run was refused or stopped; names the journal.
     """
     if Path(raw).exists():
-        raise LogError(f"{raw}: exists, and no log is overwritten; move it away to record another")
+        raise LogError(f"{raw}: exists and is not overwritten; move it away to record another")
     hardware, control = settings["hardware"], settings["control"]
     period_s = 1.0 / control["sample_rate_hz"]
     experiment = plan(name, settings, model, gains)
@@ -104,13 +104,13 @@ def record(
                 statistics = clock.statistics()
             vented = "both chambers are vented, as their sensors show; "
         except DeviceError as error:
-            if not statistics:  # no run was begun
+            if not statistics:  # the run did not start
                 raise
             stopped = _add(stopped, error)
         journal.close(complete=stopped is None, reason=str(stopped or ""), **statistics)
     if stopped:
         raise RunAbortedError(
-            f"{stopped}\n{vented}{journal.samples} samples are in {path}, read them with: "
+            f"{stopped}\n{vented}{journal.samples} samples are in {path}, copy them with: "
             f"fprc log repair {path} --out {Path(raw).with_suffix('.aborted.h5')}",
             stopped.channels,
         ) from stopped
@@ -118,7 +118,7 @@ def record(
     for file in (path, Path(raw)):
         file.chmod(_READ_ONLY)
     log.info(
-        "%d samples, %d ticks missed, late by %.3f ms in the median, %.3f ms at 99.9 %%; wrote %s",
+        "%d samples, %d ticks missed, lateness %.3f ms median, %.3f ms at 99.9 %%; wrote %s",
         statistics["ticks"],
         statistics["overruns"],
         1e3 * statistics["jitter_p50_s"],
@@ -128,33 +128,33 @@ def record(
 
 
 def _add(stopped: RunAbortedError | None, closing: DeviceError) -> RunAbortedError:
-    """Keep why a run was stopped when its rig cannot be closed either."""
+    """Combine the error that stopped a run with the error of closing the rig."""
     why = f"{stopped}\n" if stopped else "the samples are complete, but the rig was not closed: "
     return RunAbortedError(f"{why}{closing}", stopped.channels if stopped else {})
 
 
 def _announce(name: str, seconds: float, hint: str) -> None:
-    log.info("%s begins, %.0f s; Ctrl-C stops it and vents", name, seconds)
+    log.info("%s starts, %.0f s; Ctrl-C stops it and vents", name, seconds)
     if hint:
         log.info("%s", hint)
 
 
 class _Progress:
-    """Signs of life for the guardian, and a line every tenth for the person."""
+    """Signs of life for the guardian, and a progress line for the user every tenth of the run."""
 
     def __init__(self, samples: int, period_s: float):
         self._every = max(int(0.05 / period_s), 1)
         self._tenth = max(samples // 10, 1)
         self._samples, self._period_s = samples, period_s
-        self._signed = self._told = 0
+        self._signed = self._printed = 0
 
     def __call__(self, done: int) -> None:
-        # missed ticks may leap over any single number
+        # compare, do not count: missed ticks skip numbers
         if done - self._signed >= self._every:
             self._signed = done
             sign(ALIVE)
-        if done // self._tenth > self._told:
-            self._told = done // self._tenth
+        if done // self._tenth > self._printed:
+            self._printed = done // self._tenth
             log.info("%3.0f of %3.0f s", done * self._period_s, self._samples * self._period_s)
 
 

@@ -1,4 +1,4 @@
-"""Experiments of the real rig by name: what runs, for how long, and what its log says."""
+"""Experiments on the real rig by name: control law, duration, and attributes of the log."""
 
 from collections.abc import Collection, Mapping
 from typing import Any, NamedTuple
@@ -18,20 +18,20 @@ _IDENTIFY = "identify_"
 
 
 class Experiment(NamedTuple):
-    """What runs on the rig.
+    """Experiment on the rig.
 
     Attributes
     ----------
     law : Law
         See ``fprc.control.run``.
     samples : int
-        How long.
+        Duration.
     channels : tuple of str
-        Of the log.
+        Channels of the log.
     attributes : dict
-        Of the log.
+        Attributes of the log.
     hint : str
-        What the person at the rig has to do.
+        Instruction for the user at the rig.
     """
 
     law: Law
@@ -42,7 +42,7 @@ class Experiment(NamedTuple):
 
 
 def names(settings: Mapping[str, Any]) -> list[str]:
-    """Return the experiments of the paper in the order in which they are run."""
+    """Return the names of the paper's experiments in the order of their runs."""
     tracking = settings["tracking"]
     return [
         *EXPERIMENTS,
@@ -56,7 +56,7 @@ def names(settings: Mapping[str, Any]) -> list[str]:
 
 
 def plan(name: str, settings: Mapping[str, Any], model: str = "", gains: str = "") -> Experiment:
-    """Return an experiment, checked before anything moves.
+    """Return an experiment, after checking it.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def plan(name: str, settings: Mapping[str, Any], model: str = "", gains: str = "
     """
     known = names(settings)
     if name not in known:
-        raise ConfigError(f"no experiment {name}; there are {', '.join(known)}")
+        raise ConfigError(f"no experiment {name}; must be one of {', '.join(known)}")
     if name in EXPERIMENTS:
         return _hysteresis(name, settings)
     bench = Track(settings["tracking"], settings["control"], settings["hardware"], settings["seed"])
@@ -108,7 +108,7 @@ def plan(name: str, settings: Mapping[str, Any], model: str = "", gains: str = "
 
 
 def _warm(path: str, outside: Collection[type]) -> SequenceModel:
-    """Return a model that has run once, so that nothing is compiled in the first tick."""
+    """Load a model and run one step, so that the first tick compiles nothing."""
     model = load_model(path, outside)
     model.step((0.0,) * model.n_features_in_)
     return model

@@ -26,8 +26,7 @@ def record_on_rig(
     Raises
     ------
     ControlError
-        Not armed, or the run was stopped; says what would be run, or where the
-        samples are.
+        Not armed, or the run was stopped; names the experiment, or the journal.
     """
     experiment = plan(name, settings, model, gains)
     seconds = experiment.samples / settings["control"]["sample_rate_hz"]
@@ -38,7 +37,7 @@ def record_on_rig(
     )  # fmt: skip
     if not armed:
         raise ControlError(
-            f"{name}: not armed, nothing was moved; look at the rig, run `fprc rig check --armed`, "
+            f"{name}: not armed, nothing was moved; inspect the rig, run `fprc rig check --armed`, "
             "then give --armed (fprc rig run) or --config armed=true (snakemake)"
         )
     Path(raw).parent.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""A session with the real rig: opened, guarded, on its clock, and made safe at the end."""
+"""A session with the real rig: open it with safety limits and clock, make it safe at the end."""
 
 import logging
 import os
@@ -20,18 +20,18 @@ from fprc.errors import DeviceError, FprcError
 log = logging.getLogger("fprc.rig")
 
 _LOOPS = ("main_loop", "reservoir_loop")
-#: A computer that was suspended for less is not noticed, s.
+#: Shortest suspension of the computer that stops a run, s.
 _SUSPENDED_S = 0.1
 
 
 @contextmanager
 def rig(hardware: Mapping[str, Any], period_s: float) -> Iterator[tuple[Guarded, Metronome]]:
-    """Open the real rig, guarded, and its clock; make it safe and release it at the end.
+    """Open the real rig with its safety limits and clock; make it safe and release it at the end.
 
     Raises
     ------
     DeviceError
-        A part cannot be opened, or no reading shows that the rig is vented at the end.
+        A part cannot be opened, or at the end no reading shows that the rig is vented.
     """
     limits = hardware["limits"]
     clock = Metronome(
@@ -39,12 +39,12 @@ def rig(hardware: Mapping[str, Any], period_s: float) -> Iterator[tuple[Guarded,
     )
     for line in be_punctual(hardware["loop"]["priority"]):
         log.info("%s", line)
-    sign(HOT)  # before the boards are opened: a call that hangs is then noticed
+    sign(HOT)  # before opening the boards, so that the guardian notices a call that hangs
     try:
         opened = HardwareRig(
             hardware,
             clock.elapsed,
-            has_lock=True,  # the guardian's, which this process has inherited
+            has_lock=True,  # inherited from the guardian
             persist=_is_alone,
             sleep=_wait,
             now=_now,
@@ -58,7 +58,7 @@ def rig(hardware: Mapping[str, Any], period_s: float) -> Iterator[tuple[Guarded,
 
 @contextmanager
 def _closing(opened: HardwareRig) -> Iterator[None]:
-    """Close the rig whatever happens; an error of closing does not hide the one before."""
+    """Close the rig in any case; an error of closing does not hide an earlier one."""
     ended_by = None
     try:
         yield
@@ -76,7 +76,7 @@ def _closing(opened: HardwareRig) -> Iterator[None]:
 
 
 def _wait(seconds: float) -> None:
-    """Let time pass while the rig is opened or vented, with a sign of life."""
+    """Sleep while the rig is opened or vented, after a sign of life."""
     sign(ALIVE)
     time.sleep(seconds)
 
@@ -89,12 +89,12 @@ def loops(control: Mapping[str, Any], neutral_v: float) -> dict[str, PressurePI]
     }
 
 
-#: Where signs to the guardian go, and where its own come from.
+#: File descriptors for signs to the guardian, and for its signs of life.
 _pipes = {"out": 1, "in": 0}
 
 
 def keep_signs_apart() -> None:
-    """Keep the pipes of the guardian for signs: what a library prints goes to the terminal."""
+    """Reserve the guardian's pipes for signs; output that libraries print goes to stderr."""
     _pipes.update(out=os.dup(1), **{"in": os.dup(0)})
     os.dup2(2, 1)
     with open(os.devnull, "rb") as nothing:
@@ -102,7 +102,7 @@ def keep_signs_apart() -> None:
 
 
 def sign(what: bytes) -> bool:
-    """Tell the guardian; return whether it is there. If it is not, ``Stop`` knows."""
+    """Send a sign to the guardian; return whether it exists. If not, ``Stop`` ends the run."""
     try:
         os.write(_pipes["out"], what)
     except BrokenPipeError:
@@ -111,19 +111,19 @@ def sign(what: bytes) -> bool:
 
 
 def _is_alone() -> bool:
-    """Return whether nobody else would vent: the guardian is gone."""
+    """Return whether the guardian has ended, so that only this process can vent."""
     if sign(ALIVE):
         return False
-    if _now() - _told_s[0] > 1.0:
-        _told_s[0] = _now()
+    if _now() - _printed_s[0] > 1.0:
+        _printed_s[0] = _now()
         log.error(
-            "THE CHAMBERS COULD NOT BE VENTED, and the watching process is gone; cut the supply "
-            "and open them by hand. It is tried again and again"
+            "THE CHAMBERS COULD NOT BE VENTED, and the guardian process has ended; cut the supply "
+            "and open them by hand. Still trying to vent"
         )
     return True
 
 
-_told_s = [0.0]
+_printed_s = [0.0]
 
 
 def _now() -> float:
@@ -131,19 +131,19 @@ def _now() -> float:
 
 
 def _boottime() -> float:
-    """Return a clock that goes on while the computer is suspended."""
+    """Return the time of a clock that also runs while the computer is suspended."""
     return time.clock_gettime(time.CLOCK_BOOTTIME)
 
 
 class Stop:
-    """Reason to stop: a signal, a guardian that is gone or silent, a suspended computer.
+    """Reason to stop: a signal, a guardian that ended or is silent, a suspended computer.
 
     Parameters
     ----------
     stalled_s : float
-        Longest silence of the guardian, whose signs of life come on the standard input.
+        Longest time between signs of life of the guardian, which come on standard input.
     monotonic, boottime : callable
-        Clocks in s, without and with the time that the computer was suspended.
+        Clocks in s, the first without and the second with the time spent suspended.
     """
 
     def __init__(
@@ -157,7 +157,7 @@ class Stop:
         self._stalled_s = stalled_s
         self._monotonic, self._boottime = monotonic, boottime
         self._suspended_s = boottime() - monotonic()
-        self._heard_s = monotonic()
+        self._sign_s = monotonic()
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, self._signalled)
         threading.Thread(target=self._listen, daemon=True).start()
@@ -165,15 +165,15 @@ class Stop:
     def __call__(self) -> str:
         """Return the reason; empty if there is none."""
         if not self._reason:
-            # boottime first: a pause between the two readings must not look like a suspension
+            # boottime first: a delay between the two calls then cannot look like a suspension
             boottime_s, now_s = self._boottime(), self._monotonic()
             suspended_s = boottime_s - now_s - self._suspended_s
-            silent_s = now_s - self._heard_s
+            silent_s = now_s - self._sign_s
             if suspended_s > _SUSPENDED_S:
                 self._reason = f"the computer was suspended for {suspended_s:.1f} s"
             elif silent_s > self._stalled_s:
                 self._reason = (
-                    f"the process that watches this one has been silent for {silent_s:.2f} s "
+                    f"the guardian process has been silent for {silent_s:.2f} s "
                     "(hardware.loop.stalled_s)"
                 )
         return self._reason
@@ -183,5 +183,5 @@ class Stop:
 
     def _listen(self) -> None:
         while os.read(_pipes["in"], 64):
-            self._heard_s = self._monotonic()
-        self._reason = self._reason or "the process that watches this one is gone"
+            self._sign_s = self._monotonic()
+        self._reason = self._reason or "the guardian process has ended"

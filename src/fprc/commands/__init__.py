@@ -1,1 +1,1 @@
-"""What the verbs of the `fprc` command do; one module each."""
+"""Subcommands of `fprc`, one module each."""

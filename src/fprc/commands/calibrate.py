@@ -1,4 +1,4 @@
-"""`fprc calibrate`: fit the simulated rig without a workflow."""
+"""`fprc calibrate`: fit the simulated rig, outside the workflow."""
 
 import logging
 import os
@@ -21,15 +21,15 @@ def calibrate_from_files(
     minutes: float | None = None,
     workers: int | None = None,
 ) -> None:
-    """Calibrate as configuration files say, without a workflow.
+    """Calibrate with the settings of configuration files, outside the workflow.
 
-    The report goes beside ``out`` as JSON, and so does the checkpoint of the
-    search, with which more generations can be added.
+    The report is written beside ``out`` as JSON, and so is the checkpoint of the
+    search, from which it can be continued.
 
     Raises
     ------
     ConfigError
-        The configuration or a limit is wrong; all errors at once.
+        The configuration or an option is wrong; lists all errors.
     """
     settings = from_files(files).model_dump(mode="json")
     if minutes is not None:
@@ -37,11 +37,9 @@ def calibrate_from_files(
         settings = check(settings | {"calibration": changed}).model_dump(mode="json")
     calibration = settings["calibration"]
     if workers is not None and workers < 1:
-        raise ConfigError(
-            f"--workers {workers}: must be 1 or more; leave it out for all processors"
-        )
+        raise ConfigError(f"--workers {workers}: must be 1 or more; omit it to use all processors")
     if Path(out).suffix not in (".yaml", ".yml"):
-        raise ConfigError(f"--out {out}: must end in .yaml; the report goes beside it as .json")
+        raise ConfigError(f"--out {out}: must end in .yaml; the report has the same name, .json")
     logging.basicConfig(level=logging.INFO, format="%(message)s")
     stem = Path(out).with_suffix("")
     with threadpool_limits(1):

@@ -1,4 +1,4 @@
-"""Bring in a recording that another program made."""
+"""`fprc import`: convert a recording of another program to a raw log."""
 
 import json
 from collections.abc import Callable
@@ -21,28 +21,28 @@ from fprc.logs.clock import likely, other_unit, refuse_length
 from fprc.logs.columns import unit_of
 from fprc.logs.diagnosis import describe, diagnose
 from fprc.logs.gather import gather
-from fprc.logs.quality import something_else
+from fprc.logs.quality import other_quantity
 from fprc.logs.resample import resample
 from fprc.logs.sources import read_source
 from fprc.logs.variables import columns_of, pick
 from fprc.provenance import sha256
 
-#: Most lines that say why something in a file is no channel.
+#: Most lines on variables that cannot be channels.
 _MOST_OTHERS = 50
 
 
 def import_recording(source: str, map_file: str, raw: str) -> None:
-    """Write a raw log from a foreign file, say what was found in it, and draw it.
+    """Convert a foreign file to a raw log, diagnose it, and draw it.
 
-    Beside ``raw`` it writes ``*.diagnosis.json`` and ``*.diagnosis.png``: all three
-    or none. What is diagnosed is the recording before it is resampled.
+    Writes ``*.diagnosis.json`` and ``*.diagnosis.png`` beside ``raw``: all three
+    or none. The diagnosis is of the recording before resampling.
 
     Raises
     ------
     ConfigError
-        The map is wrong, or names columns that the file has not: everything at once.
+        The map is wrong, or names columns that the file lacks; lists all errors.
     LogError
-        The file cannot be used so, or ``raw`` is a log that was not imported.
+        The file cannot be used with this map, or ``raw`` is a log that was not imported.
     """
     mapping = checked_map(map_file, source, partial(_not_one_log, map_file))
     import_mapped(mapping, source, raw)
@@ -60,17 +60,17 @@ def _not_one_log(map_file: str, mapping: ImportMap) -> list[str]:
 def checked_map(
     map_file: str, source: str, problems_of: Callable[[ImportMap], list[str]]
 ) -> ImportMap:
-    """Read a map; if it is wrong, say beside what else does not fit the file.
+    """Read a map and check it; if it is wrong, also check its columns against the file.
 
     Parameters
     ----------
     problems_of : callable
-        Returns what makes a right map the wrong one.
+        Returns the problems of a valid map for the present command.
 
     Raises
     ------
     ConfigError
-        Everything that is wrong with the map.
+        Lists everything that is wrong with the map.
     """
     try:
         mapping = read_map(map_file)
@@ -83,11 +83,11 @@ def checked_map(
 
 
 def _not_there(map_file: str, source: str) -> list[str]:
-    """Return which columns of a map, right or wrong, the file has not."""
+    """Return an error text for each column of a map, valid or not, that the file lacks."""
     try:
         draft = read_draft(map_file)
         content = read_source(source, **draft.csv)
-    except ConfigError:  # no map at all, which was said
+    except ConfigError:  # unreadable map, already reported
         return []
     except LogError as error:
         return [str(error)]
@@ -101,7 +101,7 @@ def _not_there(map_file: str, source: str) -> list[str]:
 
 
 def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
-    """Do as ``import_recording`` with a map that was read."""
+    """Import as ``import_recording`` does, with a map that was read before."""
     if Path(raw).suffix != ".h5":
         raise LogError(f"{raw}: a raw log's name ends in .h5; write --out {Path(raw).stem}.h5")
     _refuse_to_overwrite(raw)
@@ -113,8 +113,8 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
     )
     refuse_length(content, time, recording.clock, mapping.sample_rate_hz)
     units = {name: "" if spec["unit"] == "1" else unit_of(name) for name, spec in columns.items()}
-    found = diagnose(recording.time_s, recording.channels, recording.clock.mended)
-    words = describe(found, units)
+    diagnosis = diagnose(recording.time_s, recording.channels, recording.clock.mended)
+    words = describe(diagnosis, units)
     doubt = mapping.time.column and other_unit(recording.clock, mapping.time.unit)
     if doubt:
         words.insert(1, f"clock: {doubt}")
@@ -139,21 +139,21 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
     }
     with replacing_all(f"{stem}.diagnosis.json", f"{stem}.diagnosis.png", raw) as (page, png, log):
         file = {"source": Path(source).name, "log": Path(raw).name, "words": words}
-        write_json(page, file | found)
+        write_json(page, file | diagnosis)
         fig = draw_diagnosis(
-            recording.time_s, recording.channels, found, titles=titles, units=units
+            recording.time_s, recording.channels, diagnosis, titles=titles, units=units
         )
         style.save_png(fig, {"source": "import"}, str(png))
         write_raw(log, {"time_s": time_s, **channels}, **attributes)
     same = all(np.array_equal(channels[name], recording.channels[name]) for name in channels)
-    _report(source, raw, mapping, found, words, len(time_s), same)
+    _report(source, raw, mapping, diagnosis, words, len(time_s), same)
 
 
 def _notes(columns: dict[str, dict[str, Any]]) -> dict[str, str]:
     notes = {}
     for name, spec in columns.items():
         if spec["unit"] == "1":
-            notes[name] = something_else(name) + spec["note"]
+            notes[name] = other_quantity(name) + spec["note"]
         elif spec["note"]:
             notes[name] = spec["note"]
     return notes
@@ -168,15 +168,15 @@ def _report(
     source: str,
     raw: str,
     mapping: ImportMap,
-    found: dict[str, Any],
+    diagnosis: dict[str, Any],
     words: list[str],
     samples: int,
     same: bool,
 ) -> None:
     rate_hz = mapping.sample_rate_hz
     if same:
-        how = "as they were"
-    elif found["clock"]["running_hz"] > 1.01 * rate_hz:
+        how = "unchanged"
+    elif diagnosis["clock"]["running_hz"] > 1.01 * rate_hz:
         how = f"low-passed below {0.5 * rate_hz:g} Hz and resampled"
     else:
         how = "interpolated"
@@ -189,7 +189,7 @@ def _report(
 
 
 def list_source(source: str, map_file: str | None = None) -> None:
-    """Print the columns of a foreign file: samples, range, new values, a guess of the rate.
+    """Print the columns of a foreign file: samples, range, share of new values, guessed rate.
 
     Parameters
     ----------
@@ -227,11 +227,11 @@ def _remark(values: np.ndarray, finite: int, guess: tuple[float, str] | None) ->
 
 
 def _rate(values: np.ndarray) -> tuple[float, str] | None:
-    """Return the likely rate and unit of a column that increases as a clock does."""
+    """Guess rate and unit of a column that increases evenly, as a clock does."""
     if len(values) < 3 or not np.isfinite(values).all():
         return None
     steps = np.diff(values)
     step = float(np.median(steps))
-    if (steps < 0.0).any():  # repeated stamps are no objection
+    if (steps < 0.0).any():  # repeated stamps are allowed
         return None
     return likely(step) if (np.abs(steps - step) < 0.5 * step).mean() > 0.9 else None

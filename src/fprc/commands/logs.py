@@ -1,4 +1,4 @@
-"""`fprc log`: check raw logs, and repair what is left of a run."""
+"""`fprc log`: check raw logs; repair journals and damaged logs."""
 
 import json
 import sys
@@ -15,14 +15,14 @@ from fprc.logs.quality import warnings
 from fprc.logs.recovery import Findings, Stretch, recover, refuse_existing
 from fprc.logs.salvage import salvage
 
-#: Exit codes. Nothing at all is an error, 1.
+#: Exit codes; 1 if nothing can be read.
 WHOLE, SOME_LOST = 0, 3
 
 
 def inspect_logs(paths: Sequence[str]) -> int:
-    """Print the quality record of each raw log; return 1 if one is not clean.
+    """Print the quality record of each raw log; return 1 if one has a failed check.
 
-    The limits are the default ones; the sample rate is each log's own.
+    The limits are the defaults; the expected sample rate is that in the log's attributes.
     """
     failed = False
     limits = Settings().quality.model_dump()
@@ -46,12 +46,12 @@ def _record(path: str, limits: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def repair_log(source: str, raw: str) -> int:
-    """Copy what can be read of a journal or of an HDF5 log, and print what cannot.
+    """Copy the readable part of a journal or HDF5 log, and print what is lost.
 
     Returns
     -------
     int
-        0: what was acquired is all there; 3: some of it is lost, or may be.
+        0: every acquired sample was copied; 3: some samples are lost, or may be.
 
     Raises
     ------
@@ -65,16 +65,16 @@ def repair_log(source: str, raw: str) -> int:
         words = _words(findings)
         whole = findings.closed and not (findings.lost or findings.misplaced)
     else:
-        found = salvage(source)
-        words = found.words
+        salvaged = salvage(source)
+        words = salvaged.words
         whole = not words
         damage = {
             "complete": False,
             "incomplete_reason": visible("; ".join(["damaged", *words])),
-            "lost_samples": found.lost,
+            "lost_samples": salvaged.lost,
         }
-        write_columns(raw, found.channels, found.attributes | ({} if whole else damage))
-        samples = len(next(iter(found.channels.values())))
+        write_columns(raw, salvaged.channels, salvaged.attributes | ({} if whole else damage))
+        samples = len(next(iter(salvaged.channels.values())))
         print(f"{raw}: {samples} samples from {source}")
     for line in [*words, "nothing is lost"] if whole else words:
         print(f"  {visible(line)}")
@@ -86,11 +86,11 @@ def _words(findings: Findings) -> list[str]:
     if findings.missed_ticks:
         words.append(f"{findings.missed_ticks} ticks were missed by the loop; never acquired")
     if findings.misplaced:
-        words.append(f"put in the order of their ticks: {findings.misplaced} samples")
+        words.append(f"{findings.misplaced} samples out of order or repeated; sorted by tick")
     if not findings.closed:
         words.append(
-            f"not closed after {findings.last_s:.3f} s: the program was killed, or the power "
-            "failed and up to a second more is lost"
+            f"the end mark is missing after {findings.last_s:.3f} s: the program was killed, or "
+            "the power failed and up to a second more is lost"
         )
     elif not findings.complete:
         words.append(f"incomplete: {findings.reason}")

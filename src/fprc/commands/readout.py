@@ -1,4 +1,4 @@
-"""From one recording to a report of what its P_o is worth, without the workflow."""
+"""`fprc readout`: report what the readout P_o of one recording is worth."""
 
 import logging
 import os
@@ -44,37 +44,35 @@ def report_readout(
     config: Sequence[str] = (),
     workers: int | None = None,
 ) -> None:
-    """Import a recording, judge FPRC with and without its P_o, and write a report.
+    """Import a recording, evaluate FPRC with and without its P_o, and write a report.
 
     Writes ``report.md``, ``readout/`` (table, figure, cells), ``raw/`` (both
-    logs with their diagnoses), ``data/`` and ``quality/`` into ``out``, as the
-    workflow would.
+    logs with their diagnoses), ``data/`` and ``quality/`` into ``out``, in the
+    workflow's formats.
 
     Parameters
     ----------
     source, map_file : str
-        Recording and its map, which says by ``test_from_s`` where the test begins.
+        Recording and its map; the map's ``test_from_s`` is where the test part begins.
     out : str, optional
-        Folder; ``results/`` and the recording's name unless given.
+        Folder; by default ``results/`` and the recording's name.
     config : sequence of str
-        Configuration files over the defaults.
+        Configuration files that override the defaults.
     workers : int, optional
-        Processes; one a processor unless given.
+        Processes; by default one per processor.
 
     Raises
     ------
     ConfigError
-        The map or the configuration cannot be used so.
+        The map or the configuration is wrong.
     LogError
-        The recording cannot be used so.
+        The recording cannot be used with this map.
     """
     settings = from_files(config).model_dump(mode="json")
     simulated = settings["evaluation"]["reservoir"] == "simulated"
     mapping = checked_map(map_file, source, partial(_no_parts, map_file, simulated=simulated))
     if workers is not None and workers < 1:
-        raise ConfigError(
-            f"--workers {workers}: must be 1 or more; leave it out for all processors"
-        )
+        raise ConfigError(f"--workers {workers}: must be 1 or more; omit it to use all processors")
     folder = Path(out or Path("results", Path(source).stem))
     _log_to_terminal()
     data = {}
@@ -101,7 +99,7 @@ def report_readout(
 
 
 def _log_to_terminal() -> None:
-    # our own words alone: what draws the figure has much to say at this level too
+    # fprc's messages only: Matplotlib logs a lot at this level
     ours = logging.getLogger("fprc")
     if not ours.handlers:
         handler = logging.StreamHandler()
@@ -113,7 +111,7 @@ def _log_to_terminal() -> None:
 def _with_reservoir(
     raw: Path, folder: Path, experiment: str, mapping: ImportMap, settings: Mapping[str, Any]
 ) -> Path:
-    """Simulate the reservoir of a log, and return the log that has it."""
+    """Simulate the reservoir for a log; return the path of the extended log."""
     driven = folder / raw.name
     add_reservoir(
         str(raw),
@@ -133,13 +131,13 @@ def _no_parts(path: str, mapping: ImportMap, *, simulated: bool) -> list[str]:
     problems = []
     if mapping.test_from_s is None:
         problems.append(
-            f"{path}: test_from_s is missing: the instant at which the test part begins, counted "
-            "from the first sample; it takes the place of experiment"
+            f"{path}: test_from_s is missing: the time in s at which the test part begins, counted "
+            "from the first sample; give it instead of experiment"
         )
     if mapping.channels.p_o_kpa is None and not simulated:
         problems.append(
-            f"{path}: channels.p_o_kpa is missing: it is the readout that is to be judged; "
-            "or set evaluation.reservoir: simulated"
+            f"{path}: channels.p_o_kpa is missing: it is the readout to evaluate; add it, or set "
+            "evaluation.reservoir: simulated"
         )
     return problems
 
@@ -147,7 +145,7 @@ def _no_parts(path: str, mapping: ImportMap, *, simulated: bool) -> list[str]:
 def _judge(
     data: Mapping[str, str], folder: Path, settings: Mapping[str, Any], workers: int
 ) -> dict[str, Any]:
-    """Run the cells, write table and figure, and return the cells' report."""
+    """Run the grid's cells, write table and figure, and return the cells' results."""
     folder.mkdir(parents=True, exist_ok=True)
     cells, png, pdf = (str(folder / name) for name in ("cells.json", "readout.png", "readout.pdf"))
     grids, evaluation = settings["grids"], settings["evaluation"]
@@ -178,7 +176,7 @@ def _judge(
 
 
 def progress_bar() -> Callable[[int, int], None]:
-    """Return what draws a bar of finished cells: in place on a terminal, else every tenth."""
+    """Return a function that draws a progress bar: in place on a terminal, else every tenth."""
     terminal = sys.stderr.isatty()
     width = 30
 
@@ -201,28 +199,27 @@ def _page(
     folder: Path,
     made: Mapping[str, Any],
 ) -> str:
-    """Return the report as Markdown; pictures are beside it."""
+    """Return the report as Markdown, with links to the figures."""
     table = tables.readout(made)
     note, grid = (folder / "readout/readout.md").read_text(encoding="utf-8").split("\n\n", 1)
     rate_hz = mapping.sample_rate_hz
     lines = [
-        f"# What the readout of {code(Path(source).name)} is worth",
+        f"# Worth of the readout in {code(Path(source).name)}",
         "",
         f"Recording: {code(source)}, SHA-256 `{sha256(source)[:16]}`; map: {code(map_file)}.",
-        f"Data: {SOURCES[made['source']]}; {rate_hz:g} samples a second, and epsilon "
-        "and taps count in samples.",
-        f"Trained before {mapping.test_from_s:g} s, tested from there on; models as in the paper"
-        f"{'' if _as_printed(settings) else ' but for the settings that were given'}. "
-        f"Predicted is the {PREDICTED[made['target']]} P_exp.",
+        f"Data: {SOURCES[made['source']]}; {rate_hz:g} samples per second; epsilon "
+        "and taps are in samples.",
+        f"Trained before {mapping.test_from_s:g} s, tested after; models as in the paper"
+        f"{'' if _as_printed(settings) else ', except for the settings given'}. "
+        f"The models predict the {PREDICTED[made['target']]} P_exp.",
         "",
         "## Finding",
         "",
         *(f"- {line}" for line in findings(table, made["own"])),
         f"- {scale(folder / 'raw/sweep.h5', settings['models']['fprc']['sigma'])}",
         "",
-        "A low-pass of theta and a P_o shuffled in time are controls: what P_o is worth as a "
-        "memory is what it gains over both. The spread of the test error is not known from one "
-        "recording.",
+        "A low-pass of theta and a P_o shuffled in time are controls: the worth of P_o as a "
+        "memory is its gain over both. One recording does not show the spread of the test error.",
         "",
         "## Table",
         "",
@@ -248,7 +245,7 @@ def _as_printed(settings: Mapping[str, Any]) -> bool:
 
 
 def findings(table: pd.DataFrame, own: Mapping[str, float]) -> list[str]:
-    """Return what P_o changes, in words: at the models' own settings, and at the best.
+    """Describe the effect of P_o on the error: at the models' settings, and at the best ones.
 
     Parameters
     ----------
@@ -276,19 +273,19 @@ def findings(table: pd.DataFrame, own: Mapping[str, float]) -> list[str]:
     change = _change(best["test_rmse"], at_own["test_rmse"]["none"])
     lines.append(
         f"Of the settings tried, epsilon = {best['epsilon']:g} and n_u = {best['n_u']} test best: "
-        f"{change} than without a readout. It was chosen by the test, and flatters."
+        f"{change} than without a readout. This is optimistic: the test selected them."
     )
     return lines
 
 
 def scale(log: Path, sigma: float) -> str:
-    """Say how far the inputs spread beside the width of the memberships."""
+    """Compare the spread of the inputs with the width of the memberships."""
     names = ("theta_deg", "p_o_kpa")
     theta, p_o = (np.std(values) for values in read_columns(log, names).channels.values())
     return (
-        f"The rules' memberships take distances on the numbers as they are: theta spreads by "
-        f"{theta:.3g} and P_o by {p_o:.3g} (standard deviations, first part) beside sigma = "
-        f"{sigma:g}. Another scale of theta gives another answer; try some."
+        f"The rules' memberships use distances of unscaled inputs: the standard deviation of theta "
+        f"is {theta:.3g}, of P_o {p_o:.3g} (first part), and sigma = {sigma:g}. Results depend on "
+        "the scale of theta; try several."
     )
 
 

@@ -1,4 +1,4 @@
-"""`fprc rig`: check the real rig, run an experiment on it."""
+"""`fprc rig`: check the real rig, or run an experiment on it."""
 
 import logging
 from collections.abc import Sequence
@@ -12,12 +12,12 @@ from fprc.registry import model_of_run
 
 
 def check(files: Sequence[str], *, armed: bool) -> None:
-    """Look at the sensors of the real rig, and if armed at its valves.
+    """Check the sensors of the real rig and, if armed, its valves.
 
     Raises
     ------
     ControlError
-        Something is not as it should be.
+        The check found a problem.
     """
     _show_messages()
     settings = _settings(files)
@@ -33,14 +33,14 @@ def run_by_name(
     model: str | None = None,
     gains: str | None = None,
 ) -> None:
-    """Run one experiment on the real rig; unless armed, say what would be run.
+    """Run one experiment on the real rig; unless armed, print what would be run.
 
     Parameters
     ----------
     name : str
-        Experiment; ``list`` prints those that there are.
+        Experiment; ``list`` prints all names.
     raw, model, gains : str, optional
-        Log to write, fitted FPRC and gains; the workflow's own if left out.
+        Log to write, fitted FPRC and gains; by default the workflow's files.
     """
     _show_messages()
     settings = _settings(files)

@@ -1,4 +1,4 @@
-"""What runs on the computer at every sample."""
+"""Controllers and the sampled control loop."""
 
 from fprc.control.hysteresis import hysteresis_law
 from fprc.control.loop import Law, RunAbortedError, run

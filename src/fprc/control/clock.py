@@ -1,4 +1,4 @@
-"""The clock of a real rig: absolute deadlines, missed ticks counted."""
+"""Clock of a real rig: absolute deadlines; counts missed ticks."""
 
 import time
 from collections.abc import Callable
@@ -11,19 +11,19 @@ from fprc.errors import ControlError
 class Metronome:
     """Ticks at start + k * period on a monotonic clock; the loop cannot drift.
 
-    A tick that comes later than a period is given up: the loop goes on with
-    the one that is due. The first tick is due one period after the first call.
+    A tick that is late by a period or more is skipped: the loop continues with
+    the tick now due. The first tick is due one period after the first call.
 
     Parameters
     ----------
     period_s : float
         Time between two ticks.
     overruns_in_a_row : int
-        Missed ticks that are put up with before the loop has caught up again.
+        Most missed ticks before the loop is on time again.
     spin_s : float
-        Time before a deadline that is waited actively: less jitter, more load.
+        Busy-wait before each deadline: less jitter, more load.
     now, sleep : callable
-        Monotonic time in s, and a wait.
+        Monotonic time in s, and a sleep function.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class Metronome:
         return 0.0 if self._start_s is None else self._now() - self._start_s
 
     def wait_for(self, tick: int) -> int:
-        """Return when this tick is due, and which is: a later one if some were missed.
+        """Wait until this tick is due; return the tick now due, a later one if some were missed.
 
         Raises
         ------
@@ -78,7 +78,7 @@ class Metronome:
             if self._in_a_row > self._allowed:
                 raise ControlError(
                     f"{self._in_a_row} ticks of {1e3 * self.period_s:g} ms were missed in a row, "
-                    f"{self._allowed} are put up with (hardware.limits.overruns_in_a_row); close "
+                    f"the limit is {self._allowed} (hardware.limits.overruns_in_a_row); close "
                     "other programs, or use a faster model"
                 )
             tick += missed
@@ -87,7 +87,7 @@ class Metronome:
         return tick
 
     def statistics(self) -> dict[str, float]:
-        """Return overruns, and percentiles of how late the ticks began, s."""
+        """Return counts of ticks and overruns, and percentiles of the ticks' lateness, s."""
         late_s = np.array(self._late_s or [0.0])
         p50, p99, p999 = np.percentile(late_s, [50.0, 99.0, 99.9]).tolist()
         return {

@@ -1,4 +1,4 @@
-"""Law of the hysteresis experiments: a fixed P_exp, theta fed to the reservoir."""
+"""Control law of the hysteresis experiments: prescribed P_exp; P_i follows theta."""
 
 import numpy as np
 
@@ -9,9 +9,9 @@ from fprc.devices import Readings
 def hysteresis_law(
     p_exp_kpa: np.ndarray, k_in_kpa_per_deg: float, reservoir_limit_kpa: float
 ) -> Law:
-    """Return the set-points of sample k: P_exp(k) and P_i(k) = K_in theta(k).
+    """Return the law with setpoints P_exp(k) and P_i(k) = K_in theta(k).
 
-    P_i is kept between 0 and the reservoir's limit (Sec. II-B, Eq. 1).
+    P_i is clamped between 0 and the reservoir's limit (Sec. II-B, Eq. 1).
     """
     commands = np.asarray(p_exp_kpa, dtype=float).tolist()
 

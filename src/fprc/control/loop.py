@@ -1,4 +1,4 @@
-"""The sampled loop: wait, read, decide, write, remember."""
+"""The sampled control loop: wait, read, compute, write, record."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -10,12 +10,12 @@ from fprc.devices import Clock, Device, Readings
 from fprc.errors import ControlError, FprcError
 from fprc.logs import RAW_CHANNELS
 
-#: Gives P_exp and P_i of sample k in kPa, then whatever else is to be remembered.
+#: Returns the setpoints P_exp and P_i of sample k in kPa, then any further values to record.
 Law = Callable[[int, Readings], Sequence[float]]
 
 
 class RunAbortedError(ControlError):
-    """A run ended early; ``channels`` holds what was recorded before."""
+    """A run ended early; ``channels`` holds the samples recorded until then."""
 
     def __init__(self, message: str, channels: dict[str, np.ndarray]):
         super().__init__(message)
@@ -35,35 +35,35 @@ def run(
     keep: Callable[[int, Sequence[float]], None] = lambda k, row: None,
     stop: Callable[[], str] = lambda: "",
 ) -> dict[str, np.ndarray]:
-    """Run ``law`` for a number of samples and return what happened.
+    """Run ``law`` for a number of samples and return the recorded channels.
 
-    ``law(k, readings)`` gives the set-points of both chambers in kPa; the two
-    PI loops turn them into valve voltages. The device is made safe at the end,
-    whatever ends the run.
+    ``law(k, readings)`` returns the setpoints of both chambers in kPa; the two
+    PI loops convert them to valve voltages. The device is made safe at the end,
+    however the run ends.
 
     Parameters
     ----------
     extra : tuple of str
-        Names of what the law gives beyond the two set-points.
+        Names of the values that the law returns after the two setpoints.
     progress : callable
-        Told how many samples' time has passed.
+        Called with the number of ticks that have passed.
     keep : callable
-        Given each tick and its row as soon as the row is complete.
+        Called with each tick and its row as soon as the row is complete.
     stop : callable
-        Asked at every tick for a reason to stop; none if it is empty.
+        Called at every tick; returns a reason to stop, or an empty text.
 
     Returns
     -------
     dict of ndarray
-        One array for each of ``fprc.logs.RAW_CHANNELS`` and of ``extra``; a row
-        holds the readings at a tick and what was commanded and written upon
+        One array for each of ``fprc.logs.RAW_CHANNELS`` and of ``extra``. Row k
+        holds the readings at a tick, and the setpoints and voltages computed from
         them. There are ``samples`` rows unless the clock missed ticks.
 
     Raises
     ------
     RunAbortedError
-        The law, the device or the loops failed, a stop was asked for, or the
-        rig could not be made safe; holds the rows before.
+        The law, the device or a loop failed, a stop was requested, or the rig
+        could not be made safe; holds the rows recorded until then.
     """
     names = (*RAW_CHANNELS, *extra)
     rows = np.empty((samples, len(names)))
@@ -112,7 +112,7 @@ def run(
 
 
 def _make_safe(device: Device) -> str:
-    """Make safe at once, whatever else is to be told; say what stood against it."""
+    """Make the device safe; return an error text if that fails."""
     try:
         device.safe()
     except Exception as error:
@@ -121,7 +121,7 @@ def _make_safe(device: Device) -> str:
 
 
 def _refuse_gaps(now: Readings) -> None:
-    # the reservoir's angle is for the record alone, and not every rig measures it
+    # phi, the last one, is optional: it is only recorded
     if not math.isfinite(sum(now[:-1])):
         gone = [name for name, value in now._asdict().items() if not math.isfinite(value)]
         raise ControlError(f"no reading of {', '.join(gone)}; check the sensor")

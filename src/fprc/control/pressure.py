@@ -1,4 +1,4 @@
-"""Software PI loop from a chamber's pressure to its valve voltage."""
+"""PI loop that sets a valve's voltage to control a chamber's pressure."""
 
 import math
 
@@ -6,7 +6,7 @@ import math
 class PressurePI:
     """V = V_neutral + kp e + ki integral(e), clamped to the board's 0-10 V.
 
-    The integral stops while the output is clamped.
+    The integral is frozen while the output is clamped.
 
     Parameters
     ----------
@@ -40,14 +40,14 @@ class PressurePI:
         Raises
         ------
         ValueError
-            Set-point or reading is not finite; the integral is left as it was.
+            Setpoint or reading is not finite; the integral is unchanged.
         """
         error = setpoint_kpa - measured_kpa
         integral = self.integral_kpa_s + error * self.period_s
         volts = self.neutral_v + self.kp_v_per_kpa * error + self.ki_v_per_kpa_s * integral
         if not math.isfinite(volts):
             raise ValueError(
-                f"set-point {setpoint_kpa} kPa and reading {measured_kpa} kPa must be finite"
+                f"setpoint {setpoint_kpa} kPa and reading {measured_kpa} kPa must be finite"
             )
         if volts < 0.0:
             return 0.0

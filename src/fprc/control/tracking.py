@@ -1,4 +1,4 @@
-"""Law of the tracking experiments: feedforward, feedback, or both (Sec. IV)."""
+"""Control law of the tracking experiments: feedforward, feedback, or both (Sec. IV)."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -30,19 +30,19 @@ def tracking_law(
     theta_d_deg : ndarray of shape (n_samples,)
         Reference; see ``refuse_impossible``.
     pressure_limit_kpa : float
-        P_d is kept between 0 and this.
+        P_d is clamped between 0 and this.
     feedforward : callable, optional
-        Gives P_ff of theta_d and the readings of the sample; 0 if left out.
+        Returns P_ff from theta_d and the sample's readings; by default P_ff = 0.
     feedback : PD, optional
-        Gives P_fb; 0 if left out.
+        Computes P_fb; by default P_fb = 0.
     stale_samples : int
-        A bend sensor that repeats one value longer than this while the
-        reference moves has frozen.
+        Samples for which the bend sensor may repeat one value while the
+        reference moves; beyond that it counts as frozen.
 
     Raises
     ------
     ControlError
-        From the law: an output is not finite, or the bend sensor froze.
+        Raised by the law: an output is not finite, or the bend sensor froze.
     """
     references = np.asarray(theta_d_deg, dtype=float).tolist()
     watch = _Watch(stale_samples)
@@ -77,7 +77,7 @@ def refuse_impossible(
     ------
     ControlError
         Names the first time and value at which the reference leaves the
-        actuator's range, or pushes P_i = K_in theta_d over the limit.
+        actuator's range, or P_i = K_in theta_d exceeds its limit.
     """
     low, high = angle_range_deg
     problems = []
@@ -100,14 +100,14 @@ def refuse_impossible(
 
 
 def feedforward(model: SequenceModel) -> Feedforward:
-    """Return a model as what ``tracking_law`` asks for P_ff: of theta_d, or of theta_d and P_o."""
+    """Return a model as the feedforward of ``tracking_law``; inputs theta_d, or theta_d and P_o."""
     if model.n_features_in_ == 1:
         return lambda theta_d, now: model.step((theta_d,))
     return lambda theta_d, now: model.step((theta_d, now.p_o_kpa))
 
 
 class _Watch:
-    """Notices a bend sensor that froze: one value while the reference moves."""
+    """Detects a frozen bend sensor: its value is constant while the reference moves."""
 
     def __init__(self, stale_samples: int):
         self.limit = stale_samples

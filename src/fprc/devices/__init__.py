@@ -1,4 +1,4 @@
-"""The boundary to a rig, simulated or real."""
+"""Interface to a rig, simulated or real."""
 
 from fprc.devices.protocol import NEUTRAL_V, Clock, Device, Readings
 from fprc.devices.sim import SimulatedRig

@@ -1,7 +1,7 @@
 """Bend Labs one-axis angle sensor on an I2C bus.
 
-A packet is three bytes: a code and two bytes of content. Codes and waits are
-those of the maker's driver (github.com/bendlabs/one_axis_ads).
+A packet has three bytes: a code and two bytes of content. Codes and delays are
+those of the manufacturer's driver (github.com/bendlabs/one_axis_ads).
 """
 
 import struct
@@ -13,7 +13,7 @@ from fprc.errors import DeviceError
 
 _RUN, _SPS, _CALIBRATE = 0x00, 0x01, 0x07
 _FIRST, _SECOND, _CLEAR = 0, 1, 2  # points of a calibration
-_SAMPLE = 0x00  # code of an answer that holds an angle
+_SAMPLE = 0x00  # code of a reply that holds an angle
 _LENGTH = 3
 _DEG_PER_COUNT = 1 / 64
 _TICKS_HZ = 16384
@@ -21,12 +21,12 @@ _SETTLE_S = 2e-3
 
 
 def open_bus(number: int) -> Any:
-    """Open an I2C bus with smbus2; the bus keeps its ``number``, for messages.
+    """Open an I2C bus with smbus2, and store its ``number`` on it for messages.
 
     Raises
     ------
     DeviceError
-        smbus2 is missing, or the bus is missing or closed to this user.
+        smbus2 is missing, the bus is missing, or this user may not open it.
     """
     path = f"/dev/i2c-{number}"
     try:
@@ -39,8 +39,8 @@ def open_bus(number: int) -> Any:
         ) from error
     except PermissionError as error:
         raise DeviceError(
-            f"I2C bus {number}: {path} may not be opened by this user; run `sudo usermod -aG i2c "
-            "$USER` and log in again"
+            f"I2C bus {number}: this user may not open {path}; run `sudo usermod -aG i2c $USER` "
+            "and log in again"
         ) from error
     except OSError as error:
         raise DeviceError(
@@ -59,20 +59,20 @@ class BendSensor:
     Parameters
     ----------
     bus : smbus2.SMBus
-        Anything with its ``i2c_rdwr``; see ``open_bus``.
+        Only ``i2c_rdwr`` is used; see ``open_bus``.
     address : int
-        I2C address, 0x12 unless it was changed.
+        I2C address, 0x12 by default.
     ticks : int, default=81
-        Time between two samples, 1/16384 s; 81 for 202.27 Hz.
+        Sample period in units of 1/16384 s; 81 for 202.27 Hz.
     gain : float, default=1.0
-        The sensor's angle is multiplied by this first.
+        Factor on the sensor's angle.
     offset_deg : float, default=0.0
-        Added then.
+        Added after the gain.
 
     Raises
     ------
     DeviceError
-        The sensor does not answer, here and in every method.
+        The sensor does not answer; raised by the constructor and every method.
     """
 
     def __init__(
@@ -92,24 +92,24 @@ class BendSensor:
         self._message = _smbus2().i2c_msg
 
     def start(self, sleep: Callable[[float], None] = time.sleep) -> None:
-        """Let the sensor sample at its rate, and wait for the first sample."""
+        """Start sampling, and wait for the first sample."""
         self._send("setting the sample rate", _SPS, *self._ticks.to_bytes(2, "little"))
         sleep(_SETTLE_S)
         self._send("starting it", _RUN, 1, 0)
         sleep(max(_SETTLE_S, self._ticks / _TICKS_HZ))
 
     def read(self) -> float | None:
-        """Return the angle in deg; None if the answer is no sample.
+        """Return the angle in deg; None if the reply is not a sample.
 
-        The sensor repeats its last sample until it has the next one, so an
-        angle equal to the one before may be old.
+        The sensor repeats its last sample until the next one is ready, so an
+        unchanged angle may be stale.
         """
         message = self._message.read(self._address, _LENGTH)
         self._exchange("reading the angle", message)
         packet = bytes(message)
         if len(packet) != _LENGTH:
             raise self._error(
-                "reading the angle", f"the answer has {len(packet)} bytes, not {_LENGTH}"
+                "reading the angle", f"the reply has {len(packet)} bytes, not {_LENGTH}"
             )
         code, counts = struct.unpack("<Bh", packet)
         if code != _SAMPLE:
@@ -117,10 +117,10 @@ class BendSensor:
         return counts * _DEG_PER_COUNT * self._gain + self._offset_deg
 
     def calibrate(self, angle_deg: int) -> None:
-        """Tell the sensor, in place, the angle at which it is held now.
+        """Calibrate the mounted sensor at its present angle.
 
-        The sensor keeps both points: first 0, then a known angle. ``gain``
-        and ``offset_deg`` are no part of it.
+        The sensor stores two points: first 0, then a known angle. ``gain``
+        and ``offset_deg`` do not enter.
 
         Parameters
         ----------
@@ -130,34 +130,34 @@ class BendSensor:
         if angle_deg != 0 and angle_deg not in range(45, 256):
             raise DeviceError(
                 f"{self._name()}: calibration at {angle_deg:g} deg; must be 0, or a whole number "
-                "from 45 to 255; hold it at 90 if you can"
+                "from 45 to 255; use 90 if possible"
             )
         point = _SECOND if angle_deg else _FIRST
         self._send(f"calibrating it at {angle_deg:g} deg", _CALIBRATE, point, int(angle_deg))
 
     def restore_calibration(self) -> None:
-        """Go back to the calibration with which the sensor left the factory."""
+        """Restore the factory calibration."""
         self._send("restoring its calibration", _CALIBRATE, _CLEAR, 0)
 
     def shutdown(self) -> None:
-        """Let the sensor sleep until the next ``start``."""
-        # not its command SHUTDOWN, 0x09: out of that only its reset line or power wakes it
+        """Stop sampling until the next ``start``."""
+        # not its command SHUTDOWN, 0x09: only the reset line or a power cycle wakes it from that
         self._send("stopping it", _RUN, 0, 0)
 
-    def _send(self, asked: str, *packet: int) -> None:
-        self._exchange(asked, self._message.write(self._address, bytes(packet)))
+    def _send(self, action: str, *packet: int) -> None:
+        self._exchange(action, self._message.write(self._address, bytes(packet)))
 
-    def _exchange(self, asked: str, message: Any) -> None:
+    def _exchange(self, action: str, message: Any) -> None:
         try:
             self._bus.i2c_rdwr(message)
         except OSError as error:
-            raise self._error(asked, str(error)) from error
+            raise self._error(action, str(error)) from error
 
-    def _error(self, asked: str, reason: str) -> DeviceError:
+    def _error(self, action: str, reason: str) -> DeviceError:
         number = getattr(self._bus, "number", "N")
         return DeviceError(
-            f"{self._name()}: {asked} failed ({reason}); check cable, supply and address: "
-            f"`i2cdetect -y {number}` shows who answers"
+            f"{self._name()}: {action} failed ({reason}); check cable, supply and address: "
+            f"`i2cdetect -y {number}` lists the devices that answer"
         )
 
     def _name(self) -> str:
@@ -170,7 +170,7 @@ def _smbus2() -> Any:
         import smbus2
     except ImportError as error:
         raise DeviceError(
-            f"I2C needs the package smbus2, on Linux ({error}); install it with "
+            f"I2C needs Linux and the package smbus2 ({error}); install it with "
             "`pip install --editable '.[hardware]'` in the project's folder"
         ) from error
     return smbus2

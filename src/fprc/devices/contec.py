@@ -1,7 +1,7 @@
 """Contec analog boards through their C driver, libcaio.so or caio.dll.
 
-Every call returns 0 on success, else a code that ``AioGetErrorString`` turns
-into words (Contec API-AIO).
+Every call returns 0 on success, else a code that ``AioGetErrorString`` translates
+(Contec API-AIO).
 """
 
 import contextlib
@@ -25,17 +25,17 @@ _SIGNATURES = {
 
 
 def load_library(path: str = "") -> ctypes.CDLL:
-    """Return the driver with the types of its calls declared.
+    """Load the driver and declare the types of its calls.
 
     Parameters
     ----------
     path : str
-        Shared library; empty for the driver's own name on this system.
+        Shared library; empty for the driver's default name on this system.
 
     Raises
     ------
     DeviceError
-        There is no such library, or it is not this driver.
+        The library is missing, or is not this driver.
     """
     windows = sys.platform == "win32"
     name = path or ("caio.dll" if windows else "libcaio.so")
@@ -46,7 +46,7 @@ def load_library(path: str = "") -> ctypes.CDLL:
         raise DeviceError(
             f"driver {name}: cannot be loaded ({error}); install Contec's API-AIO"
             f"{'(WDM)' if windows else '(LNX)'} from contec.com, or set hardware.boards.library "
-            "to where it is"
+            "to its path"
         ) from error
     for call, types in _SIGNATURES.items():
         try:
@@ -61,7 +61,7 @@ def load_library(path: str = "") -> ctypes.CDLL:
 
 
 class _Board:
-    """One board: opened on construction, released by ``close``."""
+    """One board: opened by the constructor, released by ``close``."""
 
     def __init__(self, library: ctypes.CDLL, name: str, set_range: str, *, reset: bool = True):
         self.name = name
@@ -120,7 +120,7 @@ class AnalogInput(_Board):
     Raises
     ------
     DeviceError
-        The driver reports an error, here and in every method.
+        The driver reports an error; raised by the constructor and every method.
     """
 
     def __init__(self, library: ctypes.CDLL, name: str, n_channels: int):
@@ -128,7 +128,7 @@ class AnalogInput(_Board):
         self._volts = (ctypes.c_float * n_channels)()
 
     def read(self) -> "ctypes.Array[ctypes.c_float]":
-        """Return the voltages of all channels now; valid until the next call."""
+        """Return the present voltages of all channels; valid until the next call."""
         self._call("AioMultiAiEx", self._id, len(self._volts), self._volts)
         return self._volts
 
@@ -139,18 +139,18 @@ class AnalogOutput(_Board):
     Parameters
     ----------
     reset : bool
-        Whether the board begins from its power-on state; else what it puts
-        out now stays until the first write.
+        Whether to reset the board to its power-on state; if not, its outputs hold their
+        voltages until the first write.
 
     Raises
     ------
     DeviceError
-        The driver reports an error, here and in every method.
+        The driver reports an error; raised by the constructor and every method.
     """
 
     def __init__(self, library: ctypes.CDLL, name: str, *, reset: bool = True):
         super().__init__(library, name, "AioSetAoRangeAll", reset=reset)
 
     def write(self, channel: int, volts: float) -> None:
-        """Hold a voltage on a channel from now on."""
+        """Set the voltage of a channel, which holds it until the next write."""
         self._call("AioSingleAoEx", self._id, channel, volts)

@@ -29,21 +29,21 @@ class HardwareRig:
     hardware : Mapping
         As in ``fprc.config.hardware.Hardware``.
     elapsed : callable
-        Gives the time since the start of the run, s: the stamp of a reading.
+        Returns the time since the start of the run, s, with which readings are stamped.
     has_lock : bool
-        Whether this process holds the locks of the boards already; see ``fprc.devices.locks``.
+        Whether this process already holds the locks of the boards; see ``fprc.devices.locks``.
     persist : callable
-        Asked when the rig is closed and the valves cannot be written for ``vent_s``: whether to
-        go on trying.
+        Called by ``close`` if the valves could not be written for ``vent_s``; returns whether
+        to keep trying.
     open_bus : callable
-        Gives the I2C bus of a number.
+        Opens the I2C bus with a given number.
     sleep, now : callable
-        A wait, and a clock that does not go back, s.
+        Sleep function, and a monotonic clock, s.
 
     Raises
     ------
     DeviceError
-        Lists every part that cannot be opened; those that could are released.
+        Lists every part that cannot be opened; the others are released.
     """
 
     def __init__(
@@ -105,7 +105,7 @@ class HardwareRig:
         self._angles = [math.nan, math.nan]
 
     def read(self) -> Readings:
-        """Return the latest reading of every sensor; an absent one reads NaN.
+        """Return the latest reading of every sensor; NaN for a sensor that the rig lacks.
 
         Raises
         ------
@@ -121,7 +121,7 @@ class HardwareRig:
         return Readings(stamp, kpa[0], self._angles[0], kpa[1], kpa[2], self._angles[1])
 
     def write(self, main_v: float, reservoir_v: float) -> None:
-        """Hold these voltages on the valves of actuator and reservoir."""
+        """Set the voltages of both valves, actuator and reservoir."""
         self._valves.write(main_v, reservoir_v)
 
     def safe(self) -> None:
@@ -129,13 +129,13 @@ class HardwareRig:
         self._valves.vent()
 
     def close(self) -> None:
-        """Vent, wait until readings show it, release; one failure never skips the next.
+        """Vent, wait until readings confirm it, release; a failure does not skip later steps.
 
         Raises
         ------
         DeviceError
-            No reading shows that both chambers are vented; the driver or a sensor reports an
-            error.
+            No reading confirms that both chambers are vented; the driver or a sensor reports
+            an error.
         """
         sensors = [sensor.shutdown for sensor in (self._theta, self._phi) if sensor]
         buses = [bus.close for bus in self._buses.values()]

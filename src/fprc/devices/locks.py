@@ -1,4 +1,4 @@
-"""One program at a time has a board: locks that hold over processes and users."""
+"""Locks that give one program at a time access to a board, across processes and users."""
 
 import contextlib
 import errno
@@ -13,30 +13,30 @@ from pathlib import Path
 from fprc.errors import DeviceError
 from fprc.escape import visible
 
-#: Folders whose files every user may lock: the first that the system has.
+#: Folders in which every user may lock files; the first existing one is used.
 _SHARED = (Path("/run/lock"), Path("/tmp"))
 
 
 @contextmanager
 def locked(boards: Sequence[str], folder: str = "") -> Iterator[list[int]]:
-    """Hold the locks of boards; the operating system releases them when the process ends.
+    """Hold the locks of boards; the operating system releases them if the process ends.
 
     Parameters
     ----------
     boards : sequence of str
         Device names, such as AIO000.
     folder : str
-        Where the locks are; empty for the system's own.
+        Folder of the lock files; empty for the system's default.
 
     Yields
     ------
     list of int
-        Descriptors. A process that inherits them holds the locks too, until it ends.
+        File descriptors. A process that inherits them also holds the locks until it ends.
 
     Raises
     ------
     DeviceError
-        Names the process that has a board, or why it cannot be locked.
+        Names the process that holds a board, or the reason why it cannot be locked.
     """
     place = Path(folder) if folder else next(filter(Path.is_dir, _SHARED))
     with contextlib.ExitStack() as held:
@@ -49,18 +49,18 @@ def locked(boards: Sequence[str], folder: str = "") -> Iterator[list[int]]:
 
 
 def describe(files: Sequence[int], more: str) -> None:
-    """Write into locks who holds them, for whoever finds them held.
+    """Write the holder into lock files, for the error message of other programs.
 
     Parameters
     ----------
     more : str
-        What is known beyond this process, its user and its command.
+        Added after this process's number.
     """
     command = " ".join([Path(sys.argv[0]).name, *sys.argv[1:]])[:200]
     since = datetime.now().astimezone().isoformat(sep=" ", timespec="seconds")
     text = f"process {os.getpid()}{more} of {_user()}, since {since}: {command}\n"
     for file in files:
-        with contextlib.suppress(OSError):  # on a full disk the lock holds all the same
+        with contextlib.suppress(OSError):  # the lock holds even if the disk is full
             os.truncate(file, 0)
             os.lseek(file, 0, os.SEEK_SET)
             os.write(file, text.encode(errors="replace"))
@@ -73,8 +73,7 @@ def _lock(board: str, path: Path) -> int:
         file = _open(path)
     except ImportError as error:
         raise DeviceError(
-            "boards are locked on Linux alone, so that no other program moves a valve meanwhile; "
-            "run the real rig on Linux"
+            "boards can be locked against other programs only on Linux; run the real rig on Linux"
         ) from error
     except OSError as error:
         raise _not_locked(board, path, error) from error
@@ -87,25 +86,25 @@ def _lock(board: str, path: Path) -> int:
             raise _not_locked(board, path, error) from error
         raise DeviceError(
             f"board {board} is in use by {visible(holder) or 'another process'}; nothing was "
-            f"moved. Wait for its end, or stop it; to delete {path} does not free the board"
+            f"moved. Wait until it ends, or stop it; deleting {path} does not free the board"
         ) from None
     return file
 
 
 def _not_locked(board: str, path: Path, error: OSError) -> DeviceError:
-    remedy = "make the file writable for all"
+    remedy = "make the file writable for all users"
     if isinstance(error, FileNotFoundError):
-        remedy = f"there is no folder {path.parent}: make it"
+        remedy = f"create the folder {path.parent}"
     return DeviceError(
-        f"board {board}: {path} cannot be locked ({error.strerror}), so that another program could "
+        f"board {board}: {path} cannot be locked ({error.strerror}), so another program could "
         f"use the board too; {remedy}, or set hardware.boards.lock_folder"
     )
 
 
 def _open(path: Path) -> int:
-    """Open a lock, or make it, for every user to write; a link is not followed."""
+    """Open a lock file, or create it, writable for every user; links are not followed."""
     flags = os.O_RDWR | os.O_NOFOLLOW | os.O_CLOEXEC
-    # a system may refuse O_CREAT for another user's file in a folder that all can write to
+    # in a world-writable folder, O_CREAT can be refused for another user's file
     with contextlib.suppress(FileNotFoundError):
         return os.open(path, flags)
     try:

@@ -1,4 +1,4 @@
-"""The pneumatic side of the real rig: both valves, the pressure sensors, and how to vent."""
+"""Pneumatics of the real rig: both valves, the pressure sensors, and venting."""
 
 import contextlib
 import time
@@ -8,20 +8,20 @@ from typing import Any
 from fprc.devices.contec import AnalogInput, AnalogOutput, load_library
 from fprc.errors import DeviceError
 
-#: The two voltages of the heartbeat, which a watchdog relay counts.
+#: The two voltages of the heartbeat, for a watchdog relay.
 _HEARTBEAT_V = (0.0, 5.0)
-#: Time between two looks at a chamber that vents, s.
-_LOOK_S = 0.02
-#: So many readings in a row must be those of a vented chamber.
+#: Time between two readings while venting, s.
+_POLL_S = 0.02
+#: Consecutive readings that must show a vented chamber.
 _IN_A_ROW = 10
 
 
 class NotVentedError(DeviceError):
-    """The valves were told to vent, and no reading shows that the chambers did."""
+    """The valves were set to vent, but no reading confirms that the chambers are vented."""
 
 
 class Valves:
-    """Both proportional valves on the output board, and the heartbeat if it has one.
+    """Both proportional valves on the output board, and the optional heartbeat output.
 
     Parameters
     ----------
@@ -39,12 +39,12 @@ class Valves:
         self._voltages = hardware["valves"]
 
     def write(self, main_v: float, reservoir_v: float) -> None:
-        """Hold these voltages; if both valves have them, the heart beats.
+        """Set both voltages; if both writes succeed, toggle the heartbeat.
 
         Raises
         ------
         DeviceError
-            The driver reports an error; the other valve was written all the same.
+            The driver reports an error; the other valve is written even so.
         """
         self._all([(self._main, main_v), (self._reservoir, reservoir_v)])
         if self._heartbeat is not None:
@@ -54,7 +54,7 @@ class Valves:
     def vent(self) -> None:
         """Close both valves, then open both chambers to the room.
 
-        Each of the four writes is tried whatever became of those before.
+        Each of the four writes is tried even if earlier ones fail.
 
         Raises
         ------
@@ -68,7 +68,7 @@ class Valves:
         )
 
     def close(self) -> None:
-        """Vent and release the board; a valve that is vented is not closed again before."""
+        """Vent and release the board, without closing the valves first."""
         each(self.let_out, self.release)
 
     def let_out(self) -> None:
@@ -77,7 +77,7 @@ class Valves:
         self._all([(self._main, vent_v), (self._reservoir, vent_v)])
 
     def release(self) -> None:
-        """Release the board, which holds its last voltages."""
+        """Release the board; its outputs hold their voltages."""
         self._board.close()
 
     def _all(self, writes: Iterable[tuple[int, float]]) -> None:
@@ -107,7 +107,7 @@ class Pressures:
         self.close = self._board.close
 
     def read(self) -> list[float]:
-        """Return P_exp, P_i and P_o now, kPa gauge.
+        """Return the present P_exp, P_i and P_o, kPa gauge.
 
         Raises
         ------
@@ -131,58 +131,59 @@ def vent(
     open_inputs: Callable[[], Pressures],
     voltages: Mapping[str, Any],
     *,
-    told: Callable[[str], None] = lambda what: None,
+    on_write: Callable[[str], None] = lambda error: None,
     persist: Callable[[], bool] = lambda: False,
     sleep: Callable[[float], None] = time.sleep,
     now: Callable[[], float] = time.monotonic,
 ) -> None:
-    """Tell both valves to vent, again and again, until readings show that both chambers did.
+    """Set both valves to vent, repeatedly, until readings show that both chambers are vented.
 
-    A chamber is vented when its sensor has read ``vented_kpa`` or less ten times in a row, and
-    is not frozen: its reading has changed since the beginning. The valves are told anew before
-    each reading: a board may fail for a moment.
+    A chamber is vented if its sensor has read ``vented_kpa`` or less ten times in a row and has
+    changed since the first reading, so that it is not frozen. The valves are written again
+    before each reading, because the board may fail for a moment.
 
     Parameters
     ----------
     open_inputs : callable
-        Gives the input board; called again after it raised DeviceError.
-    told : callable
-        Given why the valves could not be told; empty once they were.
+        Returns the input board; called again after a DeviceError.
+    on_write : callable
+        Called after each write to the valves with its error; empty if it succeeded.
     persist : callable
-        Asked, after ``vent_s`` in which the valves could not be told, whether to go on.
+        Called if every write has failed for ``vent_s``; returns whether to keep trying.
 
     Raises
     ------
     NotVentedError
-        The valves were told to vent for ``vent_s``, and no reading shows that the chambers did.
+        ``vent_s`` after the first successful write, no reading shows that both chambers are
+        vented.
     DeviceError
-        The valves could not be told.
+        The valves could not be written.
     """
     began_s, written_s = now(), None
-    looks = _Looks(voltages["vented_kpa"])
+    chambers = _Chambers(voltages["vented_kpa"])
     while True:
         failed = ""
         try:
             valves.let_out()
         except DeviceError as error:
             failed = f"{error}; "
-            told(str(error))
+            on_write(str(error))
             if written_s is None and now() - began_s > voltages["vent_s"] and not persist():
                 raise
         else:
-            told("")
+            on_write("")
             written_s = now() if written_s is None else written_s
-        seen = looks.look(open_inputs)
+        state = chambers.read(open_inputs)
         if written_s is not None:
-            if looks.vented:
+            if chambers.vented:
                 return
             if now() - written_s > voltages["vent_s"]:
-                raise not_vented(f"after {voltages['vent_s']:g} s {failed}{seen}")
-        sleep(_LOOK_S)
+                raise not_vented(f"after {voltages['vent_s']:g} s {failed}{state}")
+        sleep(_POLL_S)
 
 
-class _Looks:
-    """Readings of both chambers, one after the other."""
+class _Chambers:
+    """Judges from successive readings whether both chambers are vented."""
 
     def __init__(self, limit_kpa: float):
         self._limit_kpa = limit_kpa
@@ -194,8 +195,8 @@ class _Looks:
     def vented(self) -> bool:
         return self._in_a_row >= _IN_A_ROW and all(self._changed)
 
-    def look(self, open_inputs: Callable[[], Pressures]) -> str:
-        """Read once more; return what was seen."""
+    def read(self, open_inputs: Callable[[], Pressures]) -> str:
+        """Read both pressures; return them as text for a message."""
         try:
             kpa = open_inputs().read()[:2]
         except DeviceError as error:
@@ -205,35 +206,35 @@ class _Looks:
         self._changed = [
             moved or a != b for moved, a, b in zip(self._changed, self._first, kpa, strict=True)
         ]
-        # a sensor without a cable reads far below 0
+        # abs: a disconnected sensor reads far below 0
         within = all(abs(value) <= self._limit_kpa for value in kpa)
         self._in_a_row = self._in_a_row + 1 if within else 0
         names = ("p_exp_kpa", "p_i_kpa")
         frozen = [name for name, moved in zip(names, self._changed, strict=True) if not moved]
         return (
             " and ".join(f"{name} = {value:.1f}" for name, value in zip(names, kpa, strict=True))
-            + f", where {self._limit_kpa:g} or less is vented (hardware.valves.vented_kpa)"
-            + (f"; {' and '.join(frozen)} never changed, a frozen sensor" if frozen else "")
+            + f"; vented is {self._limit_kpa:g} or less (hardware.valves.vented_kpa)"
+            + (f"; {' and '.join(frozen)} never changed: frozen sensor" if frozen else "")
         )
 
 
 def not_vented(why: str) -> NotVentedError:
-    """Return the error of valves that were told to vent, with what is to be done by hand."""
+    """Return the error for chambers that may still be under pressure, with the remedy."""
     return NotVentedError(
-        f"THE CHAMBERS MAY BE UNDER PRESSURE: both valves were told to vent, but {why}. Cut the "
+        f"THE CHAMBERS MAY BE UNDER PRESSURE: both valves were set to vent, but {why}. Cut the "
         "supply and open the chambers by hand; if a gauge shows 0 kPa, check the sensors' cables "
         "and zero_v"
     )
 
 
-def vent_from_outside(hardware: Mapping[str, Any], told: Callable[[str], None]) -> None:
-    """Vent both chambers over connections of its own, whatever another process left them at.
+def vent_from_outside(hardware: Mapping[str, Any], on_write: Callable[[str], None]) -> None:
+    """Vent both chambers after another process has driven them, over new connections.
 
     The caller holds the locks of the boards.
 
     Parameters
     ----------
-    told : callable
+    on_write : callable
         See ``vent``.
 
     Raises
@@ -241,7 +242,7 @@ def vent_from_outside(hardware: Mapping[str, Any], told: Callable[[str], None]) 
     NotVentedError
         See ``vent``.
     DeviceError
-        The output board cannot be opened, or the valves cannot be told.
+        The output board cannot be opened, or the valves cannot be written.
     """
     opened: list[Pressures] = []
 
@@ -252,16 +253,16 @@ def vent_from_outside(hardware: Mapping[str, Any], told: Callable[[str], None]) 
 
     valves = Valves(_output_board(hardware, reset=False), hardware)
     try:
-        vent(valves, open_inputs, hardware["valves"], told=told)
+        vent(valves, open_inputs, hardware["valves"], on_write=on_write)
     finally:
         for close in (valves.close, *(inputs.close for inputs in opened)):
             quietly(close)
 
 
 def open_valves(hardware: Mapping[str, Any]) -> Valves:
-    """Open the output board in its power-on state and vent both chambers.
+    """Reset and open the output board, and vent both chambers.
 
-    A closed valve leaks: a chamber that is left behind it fills slowly.
+    Venting matters even at rest: a closed valve leaks, and would slowly fill the chamber.
 
     Raises
     ------
@@ -272,7 +273,7 @@ def open_valves(hardware: Mapping[str, Any]) -> Valves:
     try:
         valves.let_out()
     except DeviceError:
-        quietly(valves.close)  # which tries once more
+        quietly(valves.close)  # tries to vent once more
         raise
     return valves
 
@@ -287,7 +288,7 @@ def _later(call: Callable[..., None], *arguments: Any) -> Callable[[], None]:
 
 
 def each(*calls: Callable[[], None]) -> None:
-    """Make every call, then raise what went wrong in any of them."""
+    """Make every call, then raise all their errors together."""
     problems = []
     for call in calls:
         try:
@@ -299,6 +300,6 @@ def each(*calls: Callable[[], None]) -> None:
 
 
 def quietly(call: Callable[[], None]) -> None:
-    """Make a call whose failure is told elsewhere, or does not matter any more."""
+    """Make a call and ignore its failure, which is reported elsewhere or no longer matters."""
     with contextlib.suppress(DeviceError, OSError):
         call()

@@ -1,4 +1,4 @@
-"""What every rig can do: read sensors, write valve voltages, be safe, close."""
+"""Interface of every rig: read sensors, write valve voltages, make safe, close."""
 
 from typing import NamedTuple, Protocol
 
@@ -7,7 +7,7 @@ NEUTRAL_V = 5.0
 
 
 class Readings(NamedTuple):
-    """One sample of all sensors. Pressures are gauge; phi is the reservoir's bending."""
+    """One sample of all sensors. Pressures are gauge; phi is the reservoir's bending angle."""
 
     time_s: float
     p_exp_kpa: float
@@ -24,17 +24,17 @@ class Device(Protocol):
         """Return the latest reading of every sensor."""
 
     def write(self, main_v: float, reservoir_v: float) -> None:
-        """Hold these voltages on the valves of actuator and reservoir."""
+        """Set the voltages of both valves, actuator and reservoir."""
 
     def safe(self) -> None:
-        """Bring the rig to its safe state; may be called at any time, twice too."""
+        """Bring the rig to its safe state; may be called at any time, and repeatedly."""
 
     def close(self) -> None:
         """Make safe and release the hardware."""
 
 
 class Clock(Protocol):
-    """The clock that a rig lives by."""
+    """Clock of a rig."""
 
     def wait_for(self, tick: int) -> int:
-        """Return when this tick is due, and which is: a later one if some were missed."""
+        """Wait until this tick is due; return the tick now due, a later one if some were missed."""

@@ -1,4 +1,4 @@
-"""Limits of a real rig: a device that refuses to go on beyond them."""
+"""Safety limits of a real rig: a wrapper that stops the run when one is exceeded."""
 
 import math
 from collections.abc import Mapping
@@ -14,19 +14,19 @@ _LIMIT_V = 10.0
 class Guarded:
     """A rig whose readings and commands are checked at every sample.
 
-    A reading stops the run when it is no number, is out of its range, has
-    jumped further than the rig can move between two samples, or has kept one
-    value for too long: noise alone makes a working sensor change.
+    A reading stops the run if it is not finite, is out of range, jumps further
+    than the rig can move between two samples, or stays constant for too long
+    (a working sensor has noise).
 
     Parameters
     ----------
     device : Device
-        What is guarded.
+        The rig to guard.
     limits : Mapping
         As in ``fprc.config.hardware.Limits``.
     period_s : float
-        Time between two samples; after missed ticks a reading may have moved
-        further by as much.
+        Time between two samples; the limit on jumps scales with the time
+        since the last reading.
     phi : bool
         Whether the reservoir has an angle sensor.
     """
@@ -53,7 +53,7 @@ class Guarded:
         Raises
         ------
         SafetyError
-            Lists every reading that is beyond its limits, with the key of the limit.
+            Lists every reading beyond its limits, with the key of the limit.
         DeviceError
             The device failed.
         """
@@ -73,14 +73,14 @@ class Guarded:
             if abs(value - before) > step * periods:
                 problems.append(
                     f"{name} jumped from {before:.1f} to {value:.1f} in {periods:.1f} samples, "
-                    f"more than {step:g} a sample; check sensor and cable, or hardware.limits"
+                    f"more than {step:g} per sample; check sensor and cable, or hardware.limits"
                 )
             if value != before or self._last is None:
                 self._changed_s[name] = now.time_s
             elif (held_s := now.time_s - self._changed_s[name]) > self._stale_s:
                 problems.append(
-                    f"{name} has been {value:g} for {held_s:.2f} s; the sensor is frozen or its "
-                    "cable is off (hardware.limits.stale_s)"
+                    f"{name} has been {value:g} for {held_s:.2f} s; the sensor is frozen or "
+                    "disconnected (hardware.limits.stale_s)"
                 )
         self._last = now
         if problems:
@@ -88,12 +88,12 @@ class Guarded:
         return now
 
     def write(self, main_v: float, reservoir_v: float) -> None:
-        """Hold these voltages on the valves.
+        """Set the voltages of both valves.
 
         Raises
         ------
         SafetyError
-            A voltage is not within 0 to 10 V; nothing was written.
+            A voltage is outside 0 to 10 V; nothing was written.
         """
         for name, volts in (("actuator", main_v), ("reservoir", reservoir_v)):
             if not 0.0 <= volts <= _LIMIT_V:

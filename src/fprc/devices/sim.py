@@ -21,22 +21,22 @@ _NOISE_BLOCK = 4096
 
 
 class SimulatedRig:
-    """Simulated rig and its clock: time passes only in ``wait_for`` and ``wait_until``.
+    """Simulated rig and its clock: time advances only in ``wait_for`` and ``wait_until``.
 
     Parameters
     ----------
     rig : Mapping
         Parameters, nested as in ``fprc.config.rig.Rig``.
     seed : int
-        Of the rig: the calibration errors of its sensors.
+        Seed of the rig: draws the calibration errors of its sensors.
     run : int
-        Of the run: all noise and drift. Two runs with the same ``seed`` are
-        two experiments on the same rig.
+        Seed of the run: draws all noise and drift. Two runs with the same ``seed``
+        are two experiments on the same rig.
     sample_rate_hz : float
         Ticks per second.
     push_kpa : callable, optional
-        Force from outside on the reservoir's bending as a function of the
-        tick, as a hand would apply it; none if left out.
+        External push on the reservoir's bending, as by a hand, as a function of
+        the tick; none by default.
     """
 
     def __init__(
@@ -70,17 +70,17 @@ class SimulatedRig:
         return self._state.copy()
 
     def wait_until(self, time_s: float) -> None:
-        """Let the rig live until the tick nearest to ``time_s``.
+        """Simulate up to the tick nearest to ``time_s``.
 
         Raises
         ------
         SimulationError
-            The state left all physical range; names the quantity and the time.
+            The state left its physical range; names the quantity and the time.
         """
         self.wait_for(round(time_s / self._period_s))
 
     def wait_for(self, tick: int) -> int:
-        """Let the rig live until this tick; simulated time misses none."""
+        """Simulate up to this tick; no tick is ever missed."""
         while self._tick < tick:
             self._advance(self._substeps)
         return tick
@@ -99,12 +99,12 @@ class SimulatedRig:
         )
 
     def write(self, main_v: float, reservoir_v: float) -> None:
-        """Hold these voltages on the valves from now on."""
+        """Set the voltages of both valves."""
         self._valve_v[0] = main_v
         self._valve_v[1] = reservoir_v
 
     def safe(self) -> None:
-        """Vent both chambers, as the neutral valve would not."""
+        """Vent both chambers; a valve in neutral would keep their pressure."""
         self._valve_v[:] = 0.0
 
     def close(self) -> None:

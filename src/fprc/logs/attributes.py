@@ -1,4 +1,4 @@
-"""Attributes of HDF5 files, checked once, where they are read."""
+"""Attributes of HDF5 files; their types are checked here, once, on reading."""
 
 import json
 import math
@@ -11,7 +11,7 @@ import numpy as np
 
 from fprc.errors import LogError
 
-#: What must be of its kind wherever it is; ``dict``: a JSON object.
+#: Type of each known attribute; ``dict``: a JSON object.
 KINDS = {
     "experiment": str,
     "source": str,
@@ -38,8 +38,8 @@ KINDS = {
     "units": str,
     "crc32": int,
 }
-#: Of these, what a channel has.
-OF_A_CHANNEL = ("units", "crc32")
+#: Those of a channel; the rest belong to the file.
+CHANNEL_ATTRIBUTES = ("units", "crc32")
 _WORDS = {
     str: "text",
     bool: "true or false",
@@ -52,19 +52,19 @@ _WORDS = {
 def read_attributes(
     holder: h5py.AttributeManager,
 ) -> tuple[dict[str, Any], dict[str, str]]:
-    """Return the attributes of a file or of a dataset, and what is wrong with others.
+    """Return the valid attributes of a file or dataset, and an error text for each invalid one.
 
-    Numbers and text are as Python has them, JSON is parsed. What is not of ``KINDS`` and no
-    number or text is left out.
+    Values are Python numbers and text; JSON is parsed. Attributes that are not in ``KINDS``
+    and are neither a number nor text are skipped.
     """
-    found, wrong = {}, {}
+    valid, wrong = {}, {}
     for name in filter(is_text, holder):
         try:
-            found[name] = read_attribute(holder, name)
-        except (LogError, TypeError) as error:  # TypeError: of a type that Python does not have
+            valid[name] = read_attribute(holder, name)
+        except (LogError, TypeError) as error:  # TypeError: no Python equivalent of its type
             if name in KINDS:
                 wrong[name] = str(error)
-    return found, wrong
+    return valid, wrong
 
 
 def read_attribute(holder: h5py.AttributeManager, name: str, *, mend: bool = False) -> Any:
@@ -73,14 +73,15 @@ def read_attribute(holder: h5py.AttributeManager, name: str, *, mend: bool = Fal
     Parameters
     ----------
     mend : bool, default=False
-        Replace what is not UTF-8 instead of refusing it.
+        Replace bytes that are not UTF-8 instead of raising.
 
     Raises
     ------
     LogError
-        It is not of its kind, or neither a finite number nor text; the message does not name it.
+        Its type is wrong, or it is neither a finite number nor text. The message does not
+        contain the attribute's name.
     """
-    # many values may be more than memory holds; an empty one has none
+    # an array may be too large for memory, or empty
     if holder.get_id(name).get_space().get_simple_extent_npoints() != 1:
         raise LogError("no single value")
     value = holder[name]
@@ -94,8 +95,8 @@ def read_attribute(holder: h5py.AttributeManager, name: str, *, mend: bool = Fal
             value = value.encode("utf-8", "surrogateescape").decode("utf-8", "replace")
         if not is_text(value):
             raise LogError(
-                f"= {reprlib.repr(value)}: is not UTF-8; write it again, or let `fprc log repair` "
-                "replace what is not"
+                f"= {reprlib.repr(value)}: is not UTF-8; rewrite it, or have `fprc log repair` "
+                "replace the invalid bytes"
             )
         return _object(name, value) if kind is dict else _of_kind(value, kind or str)
     if not isinstance(value, bool | int | float):
@@ -104,7 +105,7 @@ def read_attribute(holder: h5py.AttributeManager, name: str, *, mend: bool = Fal
 
 
 def wrong_kinds(attributes: Mapping[str, Any]) -> list[str]:
-    """Return what is wrong with attributes that have their kinds already, as JSON gives them."""
+    """Return an error text for each attribute of the wrong type; values as parsed from JSON."""
     wrong = []
     for name, kind in KINDS.items():
         if name in attributes:
@@ -116,7 +117,7 @@ def wrong_kinds(attributes: Mapping[str, Any]) -> list[str]:
 
 
 def is_text(text: str | bytes) -> bool:
-    """Whether text, or a name, was UTF-8 in the file; else the library may give bytes."""
+    """Return whether h5py could decode a name or text as UTF-8; if not, it may return bytes."""
     if isinstance(text, bytes):
         return False
     try:
@@ -127,26 +128,27 @@ def is_text(text: str | bytes) -> bool:
 
 
 def _of_kind(value: Any, kind: type) -> Any:
-    fitting = (float, int) if kind is float else kind
-    finite = not isinstance(value, float) or math.isfinite(value)
-    if not isinstance(value, fitting) or (isinstance(value, bool) and kind is not bool):
-        finite = False
-    if not finite:
+    accepted = (float, int) if kind is float else kind
+    valid = not isinstance(value, float) or math.isfinite(value)
+    if not isinstance(value, accepted) or (isinstance(value, bool) and kind is not bool):
+        valid = False
+    if not valid:
         raise LogError(f"= {reprlib.repr(value)}: must be {_WORDS[kind]}; see data/raw/README.md")
     return value
 
 
 def _object(name: str, text: str) -> dict[str, Any]:
     try:
-        found = json.loads(text, parse_float=_finite, parse_constant=_finite)
-        json.dumps(found, ensure_ascii=False).encode("utf-8")  # half characters, as \\udce9
+        content = json.loads(text, parse_float=_finite, parse_constant=_finite)
+        # fails on lone surrogates such as \\udce9
+        json.dumps(content, ensure_ascii=False).encode("utf-8")
     except (ValueError, RecursionError) as error:
         raise LogError(f"= {reprlib.repr(text)}: must be a JSON object ({error})") from error
-    if not isinstance(found, dict):
+    if not isinstance(content, dict):
         raise LogError(f"= {reprlib.repr(text)}: must be a JSON object; see data/raw/README.md")
-    if name == "notes" and not all(isinstance(note, str) for note in found.values()):
-        raise LogError(f"= {reprlib.repr(text)}: must have a text for each channel")
-    return found
+    if name == "notes" and not all(isinstance(note, str) for note in content.values()):
+        raise LogError(f"= {reprlib.repr(text)}: must map each channel to a text")
+    return content
 
 
 def _finite(text: str) -> float:
@@ -156,9 +158,9 @@ def _finite(text: str) -> float:
 
 
 def as_written(value: Any) -> Any:
-    """Return an attribute as HDF5 keeps it: text of its own length, JSON where it is no scalar.
+    """Return an attribute as stored in HDF5: fixed-length text; JSON if it is not a scalar.
 
-    Text of any length the library would keep where no checksum covers it. JSON has no NaN.
+    HDF5 stores variable-length text outside its checksums. JSON has no NaN: it becomes null.
     """
     if not isinstance(value, str | bool | int | float | np.generic):
         value = json.dumps(json.loads(json.dumps(value), parse_constant=lambda text: None))

@@ -1,4 +1,4 @@
-"""Instants of a recording: order, repeats, and whether its length can be meant."""
+"""Time stamps of a recording: order, repeats, and whether its duration is plausible."""
 
 from collections.abc import Mapping
 from typing import Any, NamedTuple
@@ -9,36 +9,36 @@ from fprc.errors import LogError
 from fprc.logs.resample import points_of
 from fprc.logs.variables import Source
 
-#: Seconds in a unit of time; the finest last, for guesses.
+#: Seconds per unit of time, coarsest first.
 SECONDS = {"min": 60.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
-#: Rates of a log that a guess takes for likely, Hz.
+#: Range of plausible sample rates, Hz.
 LIKELY_HZ = (10.0, 20000.0)
-#: Longest recording, from its first instant to its last, s.
+#: Longest recording, from first to last time stamp, s.
 LONGEST_S = 86400.0
-#: Most samples that resampling may work on, a channel.
+#: Most samples per channel that resampling may process.
 MOST_POINTS = 5_000_000
 
 
-#: What is said of a clock to which nothing was done.
+#: ``Clock.mended`` of a clock that needed no correction.
 UNMENDED = {"unordered_samples": 0, "repeated_samples": 0, "repeated": None}
 
 
 class Clock(NamedTuple):
-    """When the samples of a file were taken, in order.
+    """Time stamps of a file's samples, sorted.
 
     Attributes
     ----------
     begin_s : float
-        First instant on the clock of the file.
+        First time stamp, on the file's clock.
     since_s : ndarray
-        Each instant since then, increasing.
+        Distinct time stamps relative to ``begin_s``, increasing.
     samples : ndarray
-        Samples of the file that are used, in the order of time.
+        Indices of the file's samples that are used, in order of time.
     first : ndarray
-        Where in ``samples`` those of each instant begin.
+        For each entry of ``since_s``, the index in ``samples`` of its first sample.
     mended : dict
-        ``unordered_samples`` of the file, ``repeated_samples``, and ``repeated``: how they
-        became one, ``first`` or ``mean``.
+        ``unordered_samples``, ``repeated_samples``: counts in the file; ``repeated``: how
+        repeated time stamps were merged, ``first`` or ``mean``.
     """
 
     begin_s: float
@@ -48,7 +48,7 @@ class Clock(NamedTuple):
     mended: dict[str, Any]
 
     def part(self, begin: int, end: int) -> "Clock":
-        """Return the clock of some of the instants."""
+        """Return the clock restricted to time stamps ``begin`` to ``end`` (exclusive)."""
         ends = [*self.first[end : end + 1], len(self.samples)]
         return self._replace(
             since_s=self.since_s[begin:end],
@@ -57,30 +57,31 @@ class Clock(NamedTuple):
         )
 
     def mean(self, values: np.ndarray) -> np.ndarray:
-        """Return one value an instant, of those of ``samples``."""
+        """Average the values of ``samples`` that share a time stamp."""
         counts = np.diff(np.append(self.first, len(values)))
         return np.add.reduceat(values, self.first) / counts
 
 
 def even(samples: int, rate_hz: float) -> Clock:
-    """Return the clock of samples at a rate."""
+    """Return the clock of samples taken at a constant rate."""
     count = np.arange(samples)
     return Clock(0.0, count / rate_hz, count, count, UNMENDED)
 
 
 def read_clock(source: Source, time: Mapping[str, Any], instants: np.ndarray) -> Clock:
-    """Return the clock of a column of instants.
+    """Return the clock of a column of time stamps.
 
     Parameters
     ----------
     time : Mapping
-        ``column`` and ``unit``; what becomes of ``repeated`` instants (``first``, ``mean``)
-        and of ``unordered`` ones (``sort``), if anything.
+        ``column`` and ``unit``; optionally how to treat ``repeated`` time stamps (``first``,
+        ``mean``) and ``unordered`` ones (``sort``).
 
     Raises
     ------
     LogError
-        Instants are not finite, or are repeated or unordered and nothing is said of it.
+        Time stamps are not finite, or are repeated or unordered and ``time`` does not say how
+        to treat them.
     """
     where = f"{source.path}: time: {time['column']}"
     bad = np.flatnonzero(~np.isfinite(instants))
@@ -107,8 +108,8 @@ def read_clock(source: Source, time: Mapping[str, Any], instants: np.ndarray) ->
         order, ordered, fresh = order[fresh], ordered[fresh], fresh[fresh]
     first = np.flatnonzero(fresh)
     factor = SECONDS[time["unit"]]
-    with np.errstate(over="ignore"):  # too long is refused later
-        # clocks that count from 1970 would lose digits in seconds
+    with np.errstate(over="ignore"):  # ``refuse_length`` rejects the overflow
+        # subtract before converting: stamps counted from 1970 would lose digits in seconds
         since_s = (ordered[first] - ordered[0]) * factor
         return Clock(float(ordered[0] * factor), since_s, order, first, mended)
 
@@ -120,30 +121,30 @@ def _disorder(
     late: np.ndarray,
     repeated: np.ndarray,
 ) -> list[str]:
-    """Say of which samples that come late, or repeat an instant, nobody says what they become."""
+    """Return an error text for unordered and for repeated samples that the map does not treat."""
     total, problems = len(instants), []
     if late.size and not time.get("unordered"):
         k = int(late[0])
         before = int(np.argmax(instants[:k]))
         problems.append(
-            f"{late.size} of {total} samples come before an earlier one, at first "
-            f"{source.sample(k)} at {instants[k]:.16g} after {source.sample(before)} at "
-            f"{instants[before]:.16g}; set time.unordered: sort if the instants are right and "
-            "samples were only written out of order; repair the clock if it was set back or began "
-            "again"
+            f"{late.size} of {total} samples are out of order; the first is "
+            f"{source.sample(k)} at {instants[k]:.16g}, after {source.sample(before)} at "
+            f"{instants[before]:.16g}; set time.unordered: sort if the time stamps are right and "
+            "the samples were only written out of order; repair the clock if it was set back or "
+            "restarted"
         )
     if repeated.size and not time.get("repeated"):
         k = int(repeated.min())
         problems.append(
-            f"{repeated.size} of {total} samples have the instant of an earlier one, at first "
+            f"{repeated.size} of {total} samples repeat an earlier time stamp; the first is "
             f"{source.sample(k)} at {instants[k]:.16g}; set time.repeated: first to keep the "
-            "first of each instant, or mean to average them; or give time.rate_hz"
+            "first sample of each time stamp, or mean to average them; or give time.rate_hz"
         )
     return problems
 
 
 def likely(step: float) -> tuple[float, str] | None:
-    """Return rate in Hz and unit of a clock by its step, if one is likely."""
+    """Guess rate in Hz and unit of a clock from its step; None if no unit is plausible."""
     for unit in ("s", "ms", "us", "ns"):
         rate_hz = 1.0 / max(step * SECONDS[unit], 1e-12)
         if LIKELY_HZ[0] <= rate_hz <= LIKELY_HZ[1]:
@@ -152,25 +153,25 @@ def likely(step: float) -> tuple[float, str] | None:
 
 
 def other_unit(clock: Clock, unit: str) -> str | None:
-    """Return in words which unit would make the rate of a clock likely, where its own does not."""
+    """Suggest a unit that makes an implausible rate plausible; None if the rate is fine."""
     step_s = float(np.median(np.diff(clock.since_s)))
     guess = likely(step_s / SECONDS[unit])
     if guess is None or LIKELY_HZ[0] * step_s <= 1.0 <= LIKELY_HZ[1] * step_s:
         return None
     return (
-        f"a step of {step_s:.4g} s is no usual one; in {guess[1]} the rate would be "
+        f"a step of {step_s:.4g} s is unusual; in {guess[1]} the rate would be "
         f"{guess[0]:.4g} Hz: set time.unit: {guess[1]} if that is right"
     )
 
 
 def refuse_length(source: Source, time: Mapping[str, Any], clock: Clock, rate_hz: float) -> None:
-    """Check that a recording is not too short or too long to be resampled, before it is.
+    """Check, before resampling, that a recording is neither too short nor too long.
 
     Raises
     ------
     LogError
         It is; the message names the sample at which the clock jumped, or the unit that
-        would make a likely rate.
+        gives a plausible rate.
     """
     since_s = clock.since_s
     duration_s = float(since_s[-1] - since_s[0])
@@ -180,19 +181,19 @@ def refuse_length(source: Source, time: Mapping[str, Any], clock: Clock, rate_hz
         remedy = _remedy(source, time, clock)
     if duration_s * rate_hz < 1.0:
         raise LogError(
-            f"{where}: {duration_s:.4g} s are less than a sample at sample_rate_hz = {rate_hz:g}; "
-            f"cut less off{remedy}"
+            f"{where}: {duration_s:.4g} s are shorter than one sample at sample_rate_hz = "
+            f"{rate_hz:g}; keep more by start_s and end_s{remedy}"
         )
     if duration_s > LONGEST_S or points > MOST_POINTS:
         raise LogError(
             f"{where}: {duration_s:.4g} s, resampled to sample_rate_hz = {rate_hz:g}, take "
             f"{points:.2g} samples; at most {LONGEST_S:g} s and {MOST_POINTS:.2g} samples are "
-            f"taken, cut by start_s and end_s{remedy}"
+            f"allowed; shorten it by start_s and end_s{remedy}"
         )
 
 
 def _remedy(source: Source, time: Mapping[str, Any], clock: Clock) -> str:
-    """Return what may be wrong with a clock, as the end of a message."""
+    """Return a hint at what may be wrong with a clock, to end a message with."""
     if not time.get("column"):
         return "; or correct time.rate_hz"
     unit, steps_s = time["unit"], np.diff(clock.since_s)

@@ -1,4 +1,4 @@
-"""HDF5 files of equally long channels, each with its unit and its checksum."""
+"""HDF5 files of channels of equal length, each with a unit and a checksum."""
 
 import zlib
 from collections.abc import Iterable, Mapping
@@ -10,7 +10,7 @@ import numpy as np
 
 from fprc.artifacts import replacing
 from fprc.errors import LogError
-from fprc.logs.attributes import OF_A_CHANNEL, as_written, read_attributes
+from fprc.logs.attributes import CHANNEL_ATTRIBUTES, as_written, read_attributes
 from fprc.logs.hdf5 import (
     channel_of,
     links_of,
@@ -34,14 +34,14 @@ __all__ = [
 #: Unit of a channel by the ending of its name.
 UNITS = {"_kpa": "kPa", "_deg": "deg", "_s": "s", "_v": "V"}
 
-#: The oldest format in which all that describes the channels has checksums of its own.
+#: The oldest format whose metadata has checksums.
 _FORMAT = (h5py.h5f.LIBVER_V18, h5py.h5f.LIBVER_V18)
-#: More than a log has.
+#: Attributes that a header may hold; no log has as many.
 _MOST_ATTRIBUTES = 1000
 
 
 class Columns(NamedTuple):
-    """Channels of one file, its attributes, and the channels of which no checksum tells damage."""
+    """Channels of one file, its attributes, and the names of channels without a checksum."""
 
     path: Path
     channels: dict[str, np.ndarray]
@@ -50,7 +50,7 @@ class Columns(NamedTuple):
 
 
 def unit_of(name: str) -> str:
-    """Return the unit that the ending of a channel's name stands for."""
+    """Return the unit of a channel, from the ending of its name."""
     for ending, unit in UNITS.items():
         if name.endswith(ending):
             return unit
@@ -75,7 +75,7 @@ def write_columns(
         for name, values in numbers.items():
             dataset = file.create_dataset(name, values.shape, np.float64)
             _describe(dataset, {"units": unit_of(name), "crc32": np.uint32(checksum(values))})
-        # what describes the numbers comes before them: of a file that is cut most can be read
+        # metadata before samples: most of a truncated file can then be read
         file.flush()
         for name, values in numbers.items():
             file[name][...] = values
@@ -86,17 +86,17 @@ def write_columns(
 
 
 def _in_memory() -> h5py.File:
-    """Return a new file that is not on a disk.
+    """Return a new file in memory.
 
-    HDF5 crashes the process at its end if it could not write all to a full disk.
+    On a full disk, HDF5 crashes the process at exit.
     """
     access = h5py.h5p.create(h5py.h5p.FILE_ACCESS)
     access.set_fapl_core(backing_store=False)
     access.set_libver_bounds(*_FORMAT)
-    access.set_meta_block_size(1)  # no room for what does not come
+    access.set_meta_block_size(1)  # no padding
     creation = h5py.h5p.create(h5py.h5p.FILE_CREATE)
-    # one beside the other in the header, where a wrong byte costs one of them; beyond eight
-    # the library would keep them in a heap, where it costs all
+    # keep attributes in the header, where a wrong byte damages one of them; by default, more than
+    # eight go to a heap, where it damages all
     creation.set_attr_phase_change(_MOST_ATTRIBUTES, 0)
     creation.set_obj_track_times(False)  # the same content gives the same bytes
     return h5py.File(h5py.h5f.create(b"log", h5py.h5f.ACC_TRUNC, creation, access))
@@ -115,10 +115,10 @@ def read_columns(
     Raises
     ------
     LogError
-        Names every problem at once, a line each: the file cannot be opened or
-        is cut short; an attribute is not what it must be; a channel is missing, is
-        not in the file itself, is too large, has the wrong unit, shape or checksum, or
-        holds a value that is not finite (with its sample).
+        Lists every problem, one per line: the file cannot be opened or is cut short; an
+        attribute has the wrong type; a channel is missing, is stored in another file, is too
+        large, has the wrong unit, shape or checksum, or holds a value that is not finite
+        (with its sample).
     """
     columns, problems = gather_columns(path, names, optional)
     if problems:
@@ -132,12 +132,12 @@ def gather_columns(
     optional: tuple[str, ...] = (),
     attributes: tuple[str, ...] = (),
 ) -> tuple[Columns, list[str]]:
-    """Read what can be read of the named channels, and say what is wrong with them.
+    """Read the named channels as far as possible, and return the problems found.
 
     Parameters
     ----------
     attributes : tuple of str
-        Those that the file must have; all others are read too.
+        Required attributes; all others are read too.
 
     Raises
     ------
@@ -146,18 +146,18 @@ def gather_columns(
     """
     path = Path(path)
     with opened(path) as file:
-        told, wrong = read_attributes(file.attrs)
+        values, wrong = read_attributes(file.attrs)
         wrong |= {
             name: "missing; see data/raw/README.md"
             for name in attributes
-            if name not in told and name not in wrong
+            if name not in values and name not in wrong
         }
-        problems = _of_attributes(wrong)
-        there = frozenset(file)  # to ask the file for a name would follow a link
-        names = (*names, *(name for name in optional if name in there))
+        problems = _attribute_problems(wrong)
+        present = frozenset(file)  # `name in file` would follow a link
+        names = (*names, *(name for name in optional if name in present))
         channels, unchecked, more = _read_all(file, names)
     problems = [f"{path}: {problem}" for problem in (*more, *problems)]
-    return Columns(path, channels, told, unchecked), problems
+    return Columns(path, channels, values, unchecked), problems
 
 
 def read_header(path: Path | str) -> tuple[frozenset[str], dict[str, Any]]:
@@ -166,21 +166,21 @@ def read_header(path: Path | str) -> tuple[frozenset[str], dict[str, Any]]:
     Raises
     ------
     LogError
-        The file cannot be opened, or is cut short; an attribute is not what it must be; a
-        channel is a link to somewhere else.
+        The file cannot be opened, or is cut short; an attribute has the wrong type; a
+        channel is a link.
     """
     with opened(Path(path)) as file:
         names = frozenset(file)
-        told, wrong = read_attributes(file.attrs)
+        attributes, wrong = read_attributes(file.attrs)
         channels = [name for name in links_of(file) if name.endswith(tuple(UNITS))]
         _, problems = _find(file, channels)
-    problems += _of_attributes(wrong)
+    problems += _attribute_problems(wrong)
     if problems:
         raise LogError("\n".join(f"{path}: {problem}" for problem in problems))
-    return names, told
+    return names, attributes
 
 
-def _of_attributes(wrong: Mapping[str, str]) -> list[str]:
+def _attribute_problems(wrong: Mapping[str, str]) -> list[str]:
     return [
         f"attribute {name}{'' if why.startswith('=') else ':'} {why}" for name, why in wrong.items()
     ]
@@ -189,40 +189,40 @@ def _of_attributes(wrong: Mapping[str, str]) -> list[str]:
 def _read_all(
     file: h5py.File, names: tuple[str, ...]
 ) -> tuple[dict[str, np.ndarray], tuple[str, ...], list[str]]:
-    """Return the channels, those that have no checksum, and what is wrong."""
+    """Return the channels, the names of those without a checksum, and the problems."""
     datasets, problems = _find(file, names)
     if why := too_large(datasets.values()):
         return {}, (), [*problems, why]
     channels, unchecked = {}, []
     for name, dataset in datasets.items():
-        told, wrong = read_attributes(dataset.attrs)
+        attributes, wrong = read_attributes(dataset.attrs)
         channels[name] = values = dataset[:].astype(np.float64, copy=False)
-        more = _of_attributes({key: wrong[key] for key in OF_A_CHANNEL if key in wrong})
-        unit = told.get("units", "none")
+        more = _attribute_problems({key: wrong[key] for key in CHANNEL_ATTRIBUTES if key in wrong})
+        unit = attributes.get("units", "none")
         if unit != unit_of(name) and "units" not in wrong:
             more.append(
                 f"units are {unit}, must be {unit_of(name)}; convert the values and set the "
                 "attribute"
             )
-        if why := _wrong_numbers(values, told.get("crc32")):
+        if why := _wrong_numbers(values, attributes.get("crc32")):
             more.append(why)
         problems += [f"channel {name}: {problem}" for problem in more]
-        if "crc32" not in told:
+        if "crc32" not in attributes:
             unchecked.append(name)
     return channels, tuple(unchecked), problems + _wrong_lengths(channels)
 
 
 def _find(file: h5py.File, names: Iterable[str]) -> tuple[dict[str, h5py.Dataset], list[str]]:
-    """Return the channels that can be read, and what is wrong with the others."""
-    found, problems = {}, []
+    """Return the readable channels, and the problems of the others."""
+    datasets, problems = {}, []
     for name in names:
         try:
             dataset = channel_of(file, name)
             refuse_never_written(dataset)
-            found[name] = dataset
+            datasets[name] = dataset
         except LogError as error:
             problems.append(f"channel {name}: {error}")
-    return found, problems
+    return datasets, problems
 
 
 def _wrong_numbers(values: np.ndarray, crc32: int | None) -> str:
@@ -234,8 +234,8 @@ def _wrong_numbers(values: np.ndarray, crc32: int | None) -> str:
         )
     if crc32 is not None and checksum(values) != crc32:
         return (
-            "its checksum is wrong: some of its numbers are not those that were written; restore "
-            "the file, or if you changed them, delete the attribute crc32 of the channel"
+            "its checksum is wrong: some numbers have changed since they were written; restore "
+            "the file, or, if you changed them, delete the channel's attribute crc32"
         )
     return ""
 

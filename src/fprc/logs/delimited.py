@@ -1,4 +1,4 @@
-"""Text tables of other programs: CSV and its kin."""
+"""Text tables written by other programs: CSV and similar."""
 
 import csv
 import io
@@ -15,13 +15,13 @@ import numpy as np
 from fprc.errors import LogError
 from fprc.logs.variables import Source
 
-#: Largest text file; to read it takes some ten times as much memory.
+#: Largest text file; reading it takes about ten times as much memory.
 LARGEST_TEXT_BYTES = 256 << 20
-#: What may stand between fields; a blank is any number of blanks and tabs.
+#: Accepted separators and their names; a blank stands for any run of blanks and tabs.
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars", " ": "blanks"}
-#: Samples by which the separator is found out.
+#: Rows used to detect the separator.
 _TRIED = 5
-#: What stands for a value that is missing.
+#: Texts that stand for a missing value.
 _MISSING = {"", "-nan", "na", "n/a", "#n/a", "#na", "<na>", "null", "none", "1.#qnan", "-1.#ind"}
 
 
@@ -44,16 +44,16 @@ def read_text(
     header_line: int | None,
     data_line: int | None,
 ) -> Source:
-    """Read a text table; one parser, which knows quotes, reads header and rows.
+    """Read a text table with one header line; fields may be quoted.
 
     Lines that begin with ``#`` or ``%`` are comments. A separator at the end of a
-    line makes no field.
+    line adds no field.
 
     Raises
     ------
     LogError
-        The file is no text, or too large; lines have more or fewer fields than the
-        header; a name is there twice.
+        The file is not text, or too large; lines have more or fewer fields than the
+        header; a column name occurs twice.
     """
     text = _Text(path, _lines(path))
     mark = separator or _separator_of(text, header_line, data_line)
@@ -69,14 +69,14 @@ def read_text(
             f"{path}: no samples below line {header.last_line}; check csv.header_line, "
             "csv.data_line, and that every quotation mark is closed"
         )
-    # a name and a value nowhere: of separators at the ends of the lines
+    # separators at the line ends make columns without a name or any value
     present = [
         k for k, name in enumerate(names) if name or any(row.fields[k].strip() for row in rows)
     ]
     shown = {k: names[k] or str(k) for k in present}
     twice = [name for name, count in Counter(shown.values()).items() if count > 1]
     if twice:
-        raise LogError(f"{path}: column {twice[0]}: is there twice; rename one in the header")
+        raise LogError(f"{path}: column {twice[0]}: occurs twice; rename one in the header")
     variables, others = {}, {}
     for k, name in shown.items():
         texts = [row.fields[k] for row in rows]
@@ -85,8 +85,8 @@ def read_text(
             variables[name] = values
         else:
             others[name] = (
-                f"line {rows[bad].line} holds {texts[bad]!r}, not a number; set csv.decimal or "
-                "csv.data_line if that is how the file is written"
+                f"line {rows[bad].line} holds {texts[bad]!r}, not a number; if the file is right, "
+                "set csv.decimal or csv.data_line"
             )
     kind = f"text separated by {_SEPARATORS.get(mark, mark)}"
     return Source(path, kind, variables, others, np.array([row.line for row in rows]))
@@ -96,13 +96,13 @@ def _lines(path: Path) -> list[str]:
     size = path.stat().st_size
     if size > LARGEST_TEXT_BYTES:
         raise LogError(
-            f"{path}: {size >> 20} MB of text; at most {LARGEST_TEXT_BYTES >> 20} MB are read, "
+            f"{path}: {size >> 20} MB of text; must be at most {LARGEST_TEXT_BYTES >> 20} MB, "
             "split it or save it as HDF5"
         )
     raw = path.read_bytes()
     wide = raw.startswith((BOM_UTF16_LE, BOM_UTF16_BE))
     if b"\0" in raw and not wide:
-        raise LogError(f"{path}: not a text file; give it the ending of what it is")
+        raise LogError(f"{path}: not a text file; give it the file name ending of its format")
     try:
         text = raw.decode("utf-16" if wide else "utf-8-sig")
     except UnicodeDecodeError:
@@ -116,25 +116,27 @@ def _lines(path: Path) -> list[str]:
 def _parts(
     text: _Text, mark: str, header_line: int | None, data_line: int | None
 ) -> tuple[_Row, Iterator[_Row]]:
-    """Return the header, and the rows below it as they are asked for."""
+    """Return the header, and an iterator over the rows below it."""
     header = next(_rows(text, header_line or 1, mark, as_it_is=header_line is not None), None)
     if header is None or not header.fields:
-        raise LogError(f"{text.path}: no samples; the file is empty, or csv.header_line beyond it")
+        raise LogError(
+            f"{text.path}: no samples; the file is empty, or csv.header_line is past its end"
+        )
     if data_line is not None and data_line <= header.last_line:
         raise LogError(
-            f"{text.path}: csv.data_line = {data_line}; must be below the header, which ends in "
+            f"{text.path}: csv.data_line = {data_line}; must be below the header, which ends on "
             f"line {header.last_line}"
         )
     return header, _rows(text, data_line or header.last_line + 1, mark)
 
 
 def _rows(text: _Text, first: int, mark: str, *, as_it_is: bool = False) -> Iterator[_Row]:
-    """Yield the rows from a line on, without comments and the blank lines before the first.
+    """Yield the rows from line ``first`` on; skip comments, and blank lines before the first row.
 
     Parameters
     ----------
     as_it_is : bool
-        Whether the first line is a row, whatever it looks like.
+        Whether the first line is a row even if it is blank or looks like a comment.
     """
     begins = last = first
     between, begun = not as_it_is, as_it_is
@@ -157,36 +159,36 @@ def _rows(text: _Text, first: int, mark: str, *, as_it_is: bool = False) -> Iter
             return
         except csv.Error as error:
             raise LogError(
-                f"{text.path}: line {begins} cannot be read ({error}); a quotation mark is too "
-                "many or missing"
+                f"{text.path}: line {begins} cannot be read ({error}); it has an extra quotation "
+                "mark, or lacks one"
             ) from error
         begun = between = True
         yield _Row(begins, last, fields)
 
 
-def _unquoted_blank(found: re.Match[str]) -> str:
-    return found[1] or " "
+def _unquoted_blank(match: re.Match[str]) -> str:
+    return match[1] or " "
 
 
 def _separator_of(text: _Text, header_line: int | None, data_line: int | None) -> str:
-    """Return what splits the header and the first samples into equally many fields.
+    """Return the separator that splits the header and the first rows into equally many fields.
 
-    Of several, the one that leaves the most numbers; of none, the one that splits the
-    header into the most fields.
+    If several do, choose the one that yields the most numbers; if none does, the one that
+    splits the header into the most fields.
     """
 
     def score(mark: str) -> tuple[bool, float, float]:
         try:
             header, below = _parts(text, mark, header_line, data_line)
             rows = [_fit(row.fields, header.fields) for row in islice(below, _TRIED)]
-        except LogError:  # a quotation mark at a field's begin: this one may well be meant
+        except LogError:  # unbalanced quotation marks; may still be the right separator
             return (False, 0.0, np.inf)
         width = len(header.fields) - (not header.fields[-1].strip())
         fields = [field for row in rows for field in row or ()]
         plain = mark == "," or width == 1
         known = [_value(field if plain else _pointed(field)) for field in fields]
         numbers = 1.0 - known.count(None) / max(len(known), 1)
-        # one column is one only if it holds numbers: else it is many by another separator
+        # accept a single column only if it holds numbers: text hides another separator
         fits = None not in rows and (width > 1 or numbers == 1.0)
         return (fits, numbers if fits else 0.0, width)
 
@@ -194,7 +196,7 @@ def _separator_of(text: _Text, header_line: int | None, data_line: int | None) -
 
 
 def _fit(fields: list[str], header: Sequence[str]) -> list[str] | None:
-    """Return as many fields as the header has, or None; a separator at the end makes none."""
+    """Return one field per header field, or None; a separator at the line end adds no field."""
     surplus = len(fields) - len(header)
     if surplus == 1 and not fields[-1].strip():
         return fields[:-1]
@@ -209,18 +211,18 @@ def _fitted(path: Path, header: _Row, below: Iterator[_Row], mark: str) -> list[
         fields = _fit(row.fields, header.fields)
         if row.last_line > row.line:
             raise LogError(
-                f"{path}: a quotation mark in line {row.line} is not closed there; close it"
+                f"{path}: a quotation mark on line {row.line} is not closed on that line; close it"
             )
         if fields is None:
             unfit.append(row)
         else:
             rows.append(row._replace(fields=fields))
     if unfit:
-        said = f"{len(unfit[0].fields)} separated by {_SEPARATORS.get(mark, mark)}"
         raise LogError(
-            f"{path}: the header, line {header.line}, has {len(header.fields)} fields, line "
-            f"{unfit[0].line} {said}, and {len(unfit) - 1} more lines do not fit; repair "
-            "them, or set csv.separator, csv.header_line and csv.data_line"
+            f"{path}: the header, line {header.line}, has {len(header.fields)} fields separated by "
+            f"{_SEPARATORS.get(mark, mark)}, line {unfit[0].line} has {len(unfit[0].fields)}, and "
+            f"{len(unfit) - 1} more lines do not match; repair them, or set csv.separator, "
+            "csv.header_line and csv.data_line"
         )
     return rows
 
@@ -236,7 +238,7 @@ def _number(text: str) -> float | None:
 
 
 def _value(text: str) -> float | None:
-    """Return a number, NaN for a missing one, None for what is neither."""
+    """Return a number; NaN for a missing value; None for any other text."""
     number = _number(text)
     return np.nan if number is None and text.strip().lower() in _MISSING else number
 
@@ -246,20 +248,20 @@ def _pointed(text: str) -> str:
 
 
 def _numbers(texts: list[str], decimal: str | None) -> tuple[np.ndarray, int | None]:
-    """Return the numbers of a column, and the first row that holds none."""
+    """Return the numbers of a column, or the first row that is not a number."""
     bad = []
     for mark in [decimal] if decimal else [".", ","]:
         values = _decimals(texts, mark, sure=decimal is not None)
         if None not in values:
             return np.array(values), None
         bad.append(values.index(None))
-    return np.array([]), max(bad)  # by the mark that reads the most
+    return np.array([]), max(bad)  # with the decimal mark that gets furthest
 
 
 def _decimals(texts: list[str], mark: str, *, sure: bool) -> list[float | None]:
-    """Return numbers, None for what is none with this decimal mark.
+    """Parse texts with a decimal mark; None where that fails.
 
-    Where nothing says what a comma is, 980, 990, 1,000 may be thousands: no number.
+    Unless the mark is ``sure``, a column such as 980, 990, 1,000 is ambiguous (thousands?): None.
     """
     if mark == ".":
         return [_value(text) for text in texts]
@@ -271,7 +273,7 @@ def _decimals(texts: list[str], mark: str, *, sure: bool) -> list[float | None]:
 
 
 def _may_be_thousands(texts: list[str]) -> bool:
-    """Say whether all numbers with a comma have three digits after it, and others have none."""
+    """Return whether some numbers have commas, and only ones that could group thousands."""
     with_comma = [text for text in texts if "," in text]
     grouped = re.compile(r"\s*[+-]?\d{1,3}(,\d{3})+\s*")
     return 0 < len(with_comma) < len(texts) and all(map(grouped.fullmatch, with_comma))

@@ -1,4 +1,4 @@
-"""What a recording is like before anyone changes it: clock, channels, sealed chamber."""
+"""Diagnosis of a recording before it is resampled: clock, channels, sealed chamber."""
 
 from collections.abc import Mapping
 from itertools import combinations
@@ -10,13 +10,13 @@ from fprc.logs.clock import UNMENDED
 from fprc.logs.resample import rate_of
 from fprc.logs.sealed_chamber import fit_sealed
 
-#: Longest time for which a working channel may stay at one value, s.
+#: Longest time that a working channel may keep one value, s.
 FROZEN_S = 2.0
-#: A step longer than so many median steps of the clock is a gap.
+#: A clock step longer than this many median steps is a gap.
 GAP_PERIODS = 1.5
-#: How much oftener than the levels next to it an extreme value must occur.
+#: A channel is clipped if its extreme occurs this many times as often as the levels next to it.
 CLIPPED_RATIO = 12.0
-#: A sealed chamber that falls faster leaks, kPa/min; trends are found to about half of it.
+#: A sealed chamber whose pressure falls faster leaks, kPa/min; half of that can be detected.
 LEAK_KPA_PER_MIN = 2.0
 
 
@@ -25,27 +25,27 @@ def diagnose(
     channels: Mapping[str, np.ndarray],
     mended: Mapping[str, Any] = UNMENDED,
 ) -> dict[str, Any]:
-    """Return what is found in a recording, as plain numbers.
+    """Measure clock, channels and sealed chamber of a recording.
 
     Parameters
     ----------
     time_s : ndarray
-        Increasing instants.
+        Time stamps, increasing.
     channels : Mapping
         Arrays of the same length, in the units of their names.
     mended : Mapping
-        What was done to the clock of the file, see ``fprc.logs.clock.Clock``.
+        Corrections made to the file's clock, see ``fprc.logs.clock.Clock``.
 
     Returns
     -------
     dict
         ``samples``, ``duration_s``; ``clock``, with ``mended``; ``channels``, each with its
-        range, the rate at which new values come, ``held_samples`` (None unless it is
-        sample-and-hold), ``step`` (None unless it is quantised), ``frozen`` and ``at_extreme``;
-        ``identical`` pairs; ``sealed``, the leak and the re-fills of ``p_o_kpa``, or None.
+        range, the rate of new values, ``held_samples`` (None unless sample-and-hold),
+        ``step`` (None unless quantised), ``frozen`` and ``at_extreme``; ``identical`` pairs;
+        ``sealed``, leak and re-fills of ``p_o_kpa``, or None.
     """
     clock = {**_clock(time_s), **mended}
-    found = {name: _channel(time_s, values, clock) for name, values in channels.items()}
+    diagnoses = {name: _channel(time_s, values, clock) for name, values in channels.items()}
     pairs = [
         list(pair)
         for pair in combinations(channels, 2)
@@ -55,7 +55,7 @@ def diagnose(
         "samples": len(time_s),
         "duration_s": float(time_s[-1] - time_s[0]),
         "clock": clock,
-        "channels": found,
+        "channels": diagnoses,
         "identical": pairs,
         "sealed": fit_sealed(time_s, channels),
     }
@@ -65,7 +65,7 @@ def _clock(time_s: np.ndarray) -> dict[str, Any]:
     steps = np.diff(time_s)
     median = float(np.median(steps))
     gaps = np.flatnonzero(steps > GAP_PERIODS * median)
-    # gaps are no jitter
+    # jitter without the gaps
     late = steps[steps <= GAP_PERIODS * median] - median
     low, high = np.percentile(late, [1, 99])
     return {
@@ -87,7 +87,7 @@ def _clock(time_s: np.ndarray) -> dict[str, Any]:
 
 
 def _runs(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the first sample and the length of every stretch of one value."""
+    """Return first sample and length of every run of equal values."""
     begins = np.concatenate([[0], np.flatnonzero(np.diff(values) != 0.0) + 1])
     return begins, np.diff(np.append(begins, len(values)))
 
@@ -113,7 +113,7 @@ def _channel(time_s: np.ndarray, values: np.ndarray, clock: Mapping[str, Any]) -
             }
             for k in frozen
         ],
-        "at_extreme": [found for found in extremes if found],
+        "at_extreme": [extreme for extreme in extremes if extreme],
     }
 
 
@@ -122,7 +122,7 @@ def _step(values: np.ndarray) -> float | None:
     changes = np.abs(np.diff(values))
     changes = changes[changes > 1e-12 * np.ptp(values)]  # less is rounding
     if len(changes) < 10 or len(changes) > 0.9 * (len(values) - 1):
-        return None  # constant, or new values nearly always: rounding does no harm
+        return None  # constant, or nearly every sample is new: quantisation is negligible
     smallest = np.median(changes[changes < 1.5 * changes.min()])
     multiples = changes / smallest
     whole = np.abs(multiples - np.round(multiples)) < 0.05
@@ -130,12 +130,12 @@ def _step(values: np.ndarray) -> float | None:
 
 
 def _held(lengths: np.ndarray) -> int | None:
-    """Return every how many samples a new value comes, if that is regular."""
+    """Return the hold time of a sample-and-hold channel in samples; None if it is irregular."""
     inner = lengths[1:-1]
     if len(inner) < 5:
         return None
     typical = int(np.median(inner))
-    # a value that comes twice, or a jump of the slower clock by one, is no objection
+    # allow a value that is sampled twice in a row, and jitter of the slower clock
     multiples = inner / typical
     regular = (np.abs(inner - typical) <= typical // 4) | (multiples == np.round(multiples))
     return typical if typical >= 2 and regular.mean() >= 0.8 else None
@@ -144,10 +144,10 @@ def _held(lengths: np.ndarray) -> int | None:
 def _at_extreme(
     values: np.ndarray, begins: np.ndarray, lengths: np.ndarray, held: int, side: str
 ) -> dict[str, Any] | None:
-    """Return where a channel stays at its lowest or highest value far oftener than beside it.
+    """Return where a channel is clipped at its lowest or highest value; None if it is not.
 
-    A slow, quantised sine visits its highest level up to five times as often as
-    the ones below, so that twelve times is something else.
+    A slow, quantised sine takes its highest level up to five times as often as the levels
+    below it, hence the threshold of twelve.
     """
     levels, counts = np.unique(values, return_counts=True)
     if len(levels) < 5:
@@ -167,29 +167,28 @@ def _at_extreme(
 # --- in words -------------------------------------------------------------------------------
 
 
-def describe(found: Mapping[str, Any], units: Mapping[str, str]) -> list[str]:
-    """Return what was found as sentences, the quiet facts first.
+def describe(diagnosis: Mapping[str, Any], units: Mapping[str, str]) -> list[str]:
+    """Return a diagnosis as lines of text.
 
     Parameters
     ----------
-    found : Mapping
-        Answer of ``diagnose``.
+    diagnosis : Mapping
+        Result of ``diagnose``.
     units : Mapping
-        Unit to print by channel; an empty text where it is something else.
+        Unit to print, by channel; empty if the channel's unit is not that of its name.
     """
-    clock = found["clock"]
+    clock, sealed = diagnosis["clock"], diagnosis["sealed"]
     lines = [
-        f"{found['samples']} samples over {found['duration_s']:.6g} s, mean rate "
+        f"{diagnosis['samples']} samples over {diagnosis['duration_s']:.6g} s, mean rate "
         f"{clock['mean_hz']:.6g} Hz",
         *_clock_words(clock),
     ]
-    for name, channel in found["channels"].items():
+    for name, channel in diagnosis["channels"].items():
         lines += [f"{name}: {text}" for text in _channel_words(channel, units[name], clock)]
-    lines += [f"{a} and {b}: identical, sample by sample" for a, b in found["identical"]]
-    if found["sealed"]:
-        lines += [
-            f"p_o_kpa: {text}" for text in _sealed_words(found["sealed"], found, units["p_o_kpa"])
-        ]
+    lines += [f"{a} and {b}: identical, sample by sample" for a, b in diagnosis["identical"]]
+    if sealed:
+        words = _sealed_words(sealed, diagnosis, units["p_o_kpa"])
+        lines += [f"p_o_kpa: {text}" for text in words]
     return lines
 
 
@@ -207,22 +206,21 @@ def _clock_words(clock: Mapping[str, Any]) -> list[str]:
         )
     if clock["unordered_samples"]:
         lines.append(
-            f"clock: {_count(clock['unordered_samples'], 'sample')} came before an earlier one; "
-            "all were sorted"
+            f"clock: {_count(clock['unordered_samples'], 'sample')} out of order; sorted by time"
         )
     if clock["repeated_samples"]:
-        kept = {"first": "the first of each instant is kept", "mean": "each instant is averaged"}
+        kept = {"first": "kept the first of each", "mean": "averaged those of each"}
         lines.append(
-            f"clock: {_count(clock['repeated_samples'], 'sample')} had the instant of an earlier "
-            f"one; {kept[clock['repeated']]}"
+            f"clock: {_count(clock['repeated_samples'], 'sample')} repeated an earlier time stamp; "
+            f"{kept[clock['repeated']]} time stamp"
         )
     if clock["gaps"]:
         longest = max(clock["gaps"], key=lambda gap: gap["to_s"] - gap["from_s"])
         missing = sum(gap["missing_samples"] for gap in clock["gaps"])
         lines.append(
             f"clock: {_count(len(clock['gaps']), 'gap')}, about {missing} samples missing; the "
-            f"longest from {longest['from_s']:.4g} to {longest['to_s']:.4g} s; filled by straight "
-            "lines"
+            f"longest from {longest['from_s']:.4g} to {longest['to_s']:.4g} s; filled by linear "
+            "interpolation"
         )
     return lines
 
@@ -239,8 +237,8 @@ def _channel_words(channel: Mapping[str, Any], unit: str, clock: Mapping[str, An
     ]
     if channel["held_samples"]:
         lines.append(
-            f"sample-and-hold: a new value every {channel['held_samples']} samples, "
-            f"{clock['median_hz'] / channel['held_samples']:.4g} Hz in fact"
+            f"sample-and-hold: a new value every {channel['held_samples']} samples, effectively "
+            f"{clock['median_hz'] / channel['held_samples']:.4g} Hz"
         )
     if channel["step"]:
         lines.append(f"quantised in steps of {value(channel['step'])}")
@@ -259,19 +257,19 @@ def _channel_words(channel: Mapping[str, Any], unit: str, clock: Mapping[str, An
     return lines
 
 
-def _sealed_words(sealed: Mapping[str, Any], found: Mapping[str, Any], unit: str) -> list[str]:
-    slope, channel = sealed["slope_kpa_per_min"], found["channels"]["p_o_kpa"]
+def _sealed_words(sealed: Mapping[str, Any], diagnosis: Mapping[str, Any], unit: str) -> list[str]:
+    slope, channel = sealed["slope_kpa_per_min"], diagnosis["channels"]["p_o_kpa"]
     if slope is None:
         return [
-            f"follows {sealed['relative_to']} by {sealed['explained']:.0%} only; a sealed chamber "
-            "follows what squeezes it, so leak and re-fills are not judged"
+            f"{sealed['relative_to']} explains only {sealed['explained']:.0%} of its variance, too "
+            "little for a sealed chamber; leak and re-fills are not evaluated"
         ]
     limit = LEAK_KPA_PER_MIN if unit else 0.05 * (channel["highest"] - channel["lowest"])
     each = f"{abs(slope):.2g} {unit}".rstrip()
     lines = []
     at_equal = f"at equal {sealed['relative_to']} it"
     if slope < -limit:
-        short = "; in less than a minute that can be hysteresis" * (found["duration_s"] < 60.0)
+        short = "; hysteresis can cause this in under a minute" * (diagnosis["duration_s"] < 60.0)
         lines.append(f"leaks: {at_equal} falls by about {each} a minute{short}")
     elif slope > limit:
         lines.append(f"{at_equal} rises by about {each} a minute: warming, or inflow")

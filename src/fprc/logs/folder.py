@@ -1,4 +1,4 @@
-"""What a folder of raw logs holds, without reading their samples."""
+"""Contents of a folder of raw logs, from their headers alone."""
 
 from collections.abc import Container, Iterable, Mapping, Sequence
 from pathlib import Path
@@ -7,12 +7,12 @@ from typing import Any, NamedTuple
 from fprc.errors import LogError
 from fprc.logs.columns import read_header
 from fprc.logs.isolated import isolated_each
-from fprc.logs.quality import something_else
+from fprc.logs.quality import other_quantity
 from fprc.logs.raw import RAW_CHANNELS
 
 
 class Header(NamedTuple):
-    """What a log says of itself: the names of its channels, and its attributes."""
+    """Header of a log: the names of its channels, and its attributes."""
 
     path: Path
     channels: frozenset[str]
@@ -20,53 +20,53 @@ class Header(NamedTuple):
 
 
 class Content(NamedTuple):
-    """One log: its channels (None: every one), and what an import said of them."""
+    """One log: its channels (None: all of them), and the import's notes by channel."""
 
     channels: frozenset[str] | None
     notes: Mapping[str, str]
 
     def lacks(self, names: Sequence[str]) -> list[str]:
-        """Return those of the named channels that the log does not have."""
+        """Return the names of channels that the log does not have."""
         if self.channels is None:
             return []
         return [name for name in names if name not in self.channels]
 
     def having(self, names: Sequence[str]) -> "Content":
-        """Return the same log with these channels, as what their names say."""
+        """Return the log with these channels added; their notes are dropped."""
         channels = None if self.channels is None else self.channels | {*names}
         notes = {name: note for name, note in self.notes.items() if name not in names}
         return Content(channels, notes)
 
     def instead(self, name: str) -> str | None:
-        """Return what a channel holds in place of what its name says, if it does."""
-        begins = something_else(name)
+        """Return the quantity that a channel holds instead of the one it is named after, if so."""
+        begins = other_quantity(name)
         note = self.notes.get(name, "")
         return note.removeprefix(begins) if note.startswith(begins) else None
 
 
-#: A log that has, or will have, every channel.
+#: A log with every channel.
 WHOLE = Content(None, {})
 
 
 def headers(paths: Iterable[Path | str], *, alone: bool) -> dict[str, Header]:
-    """Return what those of the raw logs that are there say of themselves, by name.
+    """Return the headers of the raw logs that exist, by log name.
 
     Parameters
     ----------
     alone : bool
-        Read them in a process of its own, so that no damaged file can hang or end this one.
+        Read them in a child process, so that a damaged file cannot hang or crash this one.
 
     Raises
     ------
     LogError
         Names every file that cannot be read.
     """
-    there = [path for path in map(Path, paths) if path.exists()]
-    if alone and there:
-        found = isolated_each(read_header, there)
+    present = [path for path in map(Path, paths) if path.exists()]
+    if alone and present:
+        read = isolated_each(read_header, present)
     else:
-        found = list(map(read_header, there))
-    return {path.stem: Header(path, *each) for path, each in zip(there, found, strict=True)}
+        read = list(map(read_header, present))
+    return {path.stem: Header(path, *each) for path, each in zip(present, read, strict=True)}
 
 
 def contents(
@@ -75,55 +75,55 @@ def contents(
     to_come: Container[str] = (),
     without: Sequence[str] = (),
 ) -> dict[str, Content]:
-    """Return those of the named logs that are there, or will be.
+    """Return the contents of the named logs that exist or will be recorded.
 
     Parameters
     ----------
     there : Mapping
-        See ``headers``.
+        Headers of the existing logs, see ``headers``.
     names : sequence of str
         Names of logs, without ``.h5``.
     to_come : container of str
-        Those that the workflow records itself; they count as complete.
+        Logs that the workflow will record; assumed to have every channel.
     without : sequence of str
-        Channels that logs to come will lack all the same.
+        Channels that the logs ``to_come`` will lack.
     """
     coming = Content(frozenset(RAW_CHANNELS) - set(without), {}) if without else WHOLE
-    found = {}
+    logs = {}
     for name in names:
         if name in to_come:
-            found[name] = coming
+            logs[name] = coming
         elif name in there:
-            told = there[name]
-            found[name] = Content(told.channels, told.attributes.get("notes", {}))
-    return found
+            header = there[name]
+            logs[name] = Content(header.channels, header.attributes.get("notes", {}))
+    return logs
 
 
 def refuse_to_overwrite(there: Mapping[str, Header]) -> None:
-    """Check that no log which the simulated rig would replace is anything else.
+    """Check that the simulated rig would overwrite only its own logs.
 
     Raises
     ------
     LogError
-        Lists those that are.
+        Lists the other logs that it would overwrite.
     """
     _refuse(
-        [told.path for told in there.values() if told.attributes.get("source") != "sim"],
+        [header.path for header in there.values() if header.attributes.get("source") != "sim"],
         "is not a log of the simulated rig and will not be overwritten; set source: recorded to "
         "use it, or move it away",
     )
 
 
 def refuse_simulated(there: Mapping[str, Header]) -> None:
-    """Check that no log in the place of a real rig's is a simulated one.
+    """Check that none of the logs, which should be of a real rig, is simulated.
 
     Raises
     ------
     LogError
-        Lists those that are.
+        Lists those that are simulated.
     """
     _refuse(
-        [told.path for told in there.values() if told.attributes.get("source") == "sim"],
+        [header.path for header in there.values() if header.attributes.get("source") == "sim"],
         "is a log of the simulated rig, not of the real one; set folders.raw (and "
         "folders.results) to folders of their own",
     )

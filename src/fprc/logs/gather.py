@@ -1,4 +1,4 @@
-"""Columns of a foreign file as channels of a raw log."""
+"""Convert columns of a foreign file to channels of a raw log."""
 
 from collections.abc import Mapping
 from typing import Any, NamedTuple
@@ -9,26 +9,26 @@ from fprc.errors import LogError
 from fprc.logs.clock import Clock, even, read_clock
 from fprc.logs.variables import Source, pick
 
-#: What a number in a unit is multiplied by; ``1`` is something else, taken as it is.
+#: Factor from each unit to that of a raw log; ``1``: another quantity, not converted.
 FACTORS = {
     "kPa": 1.0, "Pa": 1e-3, "mbar": 0.1, "bar": 100.0, "psi": 6.894757293168361, "MPa": 1e3,
     "deg": 1.0, "rad": 180.0 / np.pi, "V": 1.0, "mV": 1e-3, "1": 1.0,
 }  # fmt: skip
-#: What no channel reaches, in the unit of its name or any other.
+#: Largest magnitude of a converted sample, in any unit.
 LARGEST = 1e12
 
 
 class Recording(NamedTuple):
-    """Channels as they were sampled, in the units of a raw log.
+    """Channels at their original time stamps, in the units of a raw log.
 
     Attributes
     ----------
     time_s : ndarray
-        Instants, from 0 at the first sample that is kept.
+        Time stamps, 0 at the first sample kept.
     start_s : float
-        That sample's instant on the clock of the file.
+        Time stamp of that sample on the file's clock.
     clock : Clock
-        Which samples of the file these are.
+        Maps ``time_s`` to the samples of the file.
     """
 
     time_s: np.ndarray
@@ -45,7 +45,7 @@ def gather(
     start_s: float = 0.0,
     end_s: float | None = None,
 ) -> Recording:
-    """Pick, convert and cut the channels of a file.
+    """Select, convert and cut the channels of a file.
 
     Parameters
     ----------
@@ -54,14 +54,14 @@ def gather(
     channels : Mapping
         By channel: ``column``, ``unit``, ``scale``, ``offset``.
     start_s, end_s : float
-        What is kept, counted from the first sample.
+        Interval to keep, counted from the first sample.
 
     Raises
     ------
     LogError
-        Every problem at once: a column is not there, lengths differ, time does
-        not increase, or a value that is kept is not finite or too large, as it is or in its
-        unit (with its sample in the file, from 0).
+        Lists every problem: a column is missing, lengths differ, time does not increase, or a
+        value in the interval is not finite or, converted, too large (with its sample in the
+        file, from 0).
     """
     wanted = {name: spec["column"] for name, spec in channels.items()}
     if time.get("column") is not None:
@@ -72,8 +72,8 @@ def gather(
     if len(set(lengths.values())) > 1:
         each = ", ".join(f"{wanted[name]} {length}" for name, length in lengths.items())
         problems.append(
-            f"{source.path}: columns have unequal numbers of samples ({each}); bring them to one "
-            "clock first"
+            f"{source.path}: columns have unequal numbers of samples ({each}); resample them to "
+            "one clock first"
         )
     elif "time" in picked or ("time" not in wanted and picked):
         try:
@@ -112,7 +112,7 @@ def _clock(source: Source, time: Mapping[str, Any], picked: Mapping[str, np.ndar
 
 def _window(source: Source, clock: Clock, start_s: float, end_s: float | None) -> Clock:
     last = np.inf if end_s is None else end_s
-    # the clock's last digit decides nothing
+    # tolerate rounding of the clock
     begin = int(np.searchsorted(clock.since_s, start_s - 1e-9, side="left"))
     end = int(np.searchsorted(clock.since_s, last + 1e-9, side="right"))
     if end - begin < 2:
@@ -126,7 +126,7 @@ def _window(source: Source, clock: Clock, start_s: float, end_s: float | None) -
 def _convert(
     source: Source, where: str, values: np.ndarray, spec: Mapping[str, Any], clock: Clock
 ) -> np.ndarray:
-    """Return the samples of a clock in the unit of a raw log."""
+    """Return the clock's samples of a column, converted to the unit of a raw log."""
     used = values[clock.samples]
     bad = clock.samples[~np.isfinite(used)]
     if bad.size:
@@ -141,7 +141,7 @@ def _convert(
     if bad.size:
         k = int(bad.min())
         raise LogError(
-            f"{where}: {source.sample(k)} is {values[k]:g}, by scale, offset and unit beyond "
-            f"{LARGEST:g}, and {bad.size - 1} more are; correct them, or the file"
+            f"{where}: {source.sample(k)} is {values[k]:g}; after scale, offset and unit it and "
+            f"{bad.size - 1} more exceed {LARGEST:g}; correct these settings, or the file"
         )
     return clock.mean(scaled)

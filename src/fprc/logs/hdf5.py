@@ -1,4 +1,4 @@
-"""HDF5 files that may be damaged, or made to do harm: what is judged before samples are read."""
+"""Checks of HDF5 files that may be damaged or malicious, before any sample is read."""
 
 import math
 import os
@@ -12,16 +12,16 @@ import h5py
 from fprc.errors import LogError
 from fprc.escape import visible
 
-#: Most that the channels of one file may take in memory, bytes: 7 h of ten channels at 200 Hz.
+#: Memory limit for the channels of one file, bytes: 7 h of ten channels at 200 Hz.
 MAX_BYTES = 384 << 20
 
-#: Where superblocks keep the length of the file, by their version.
+#: Offset of the file's length in the superblock, by superblock version.
 _LENGTH_AT = {0: 40, 1: 44, 2: 28, 3: 28}
 
 
 @contextmanager
 def opened(path: Path) -> Iterator[h5py.File]:
-    """Open a file to read it; what the library raises meanwhile becomes an error for people.
+    """Open a file for reading; turn the library's exceptions into ``LogError``.
 
     Raises
     ------
@@ -34,7 +34,7 @@ def opened(path: Path) -> Iterator[h5py.File]:
             yield file
     except LogError:
         raise
-    except Exception as error:  # a damaged file makes the library raise whatever it stumbles over
+    except Exception as error:  # on a damaged file the library raises many types
         raise LogError(
             f"{path}: cannot be read as HDF5 ({error}); the file is cut short or damaged, "
             "restore it, or delete it and record it again"
@@ -42,9 +42,9 @@ def opened(path: Path) -> Iterator[h5py.File]:
 
 
 def refuse_cut_file(path: Path, at: int = 0) -> None:
-    """Compare an HDF5 file's length with the one that its superblock, ``at`` bytes in, promises.
+    """Check an HDF5 file's length against its superblock, which begins at byte ``at``.
 
-    A file cut inside its header can make the library wait for ever.
+    A file cut inside its header can make the library hang.
 
     Raises
     ------
@@ -52,9 +52,9 @@ def refuse_cut_file(path: Path, at: int = 0) -> None:
         The file cannot be opened, is no HDF5, or is cut short.
     """
     try:
-        found = path.stat()
-        if not stat.S_ISREG(found.st_mode):  # to open a pipe would take for ever
-            raise LogError(f"{path}: cannot be opened (it is no file); check the path")
+        status = path.stat()
+        if not stat.S_ISREG(status.st_mode):  # opening a pipe would block
+            raise LogError(f"{path}: cannot be opened (not a regular file); check the path")
         with path.open("rb") as file:
             file.seek(at)
             head = file.read(52)
@@ -62,7 +62,7 @@ def refuse_cut_file(path: Path, at: int = 0) -> None:
         raise LogError(f"{path}: cannot be opened ({error.strerror}); check the path") from error
     if head[:8] != b"\x89HDF\r\n\x1a\n":
         raise LogError(f"{path}: not an HDF5 file; raw logs are described in data/raw/README.md")
-    size = found.st_size
+    size = status.st_size
     promised = promised_length(head)
     if len(head) < 48 or size < promised:
         total = f" of {promised}" if promised else ""
@@ -73,31 +73,31 @@ def refuse_cut_file(path: Path, at: int = 0) -> None:
 
 
 def promised_length(head: bytes) -> int:
-    """Return the length that a superblock says the file has; 0 if it cannot be told."""
+    """Return the file length stored in a superblock; 0 if it is unknown."""
     begin = _LENGTH_AT.get(head[8] if len(head) > 8 else -1, len(head))
     number = head[begin : begin + 8]
     return int.from_bytes(number, "little") if len(number) == 8 else 0
 
 
 def links_of(file: h5py.File) -> list[str]:
-    """Return the names in a file that stand for something elsewhere; none is followed."""
-    found = []
+    """Return the names of the soft and external links in a file; none is followed."""
+    names = []
 
     def note(name: bytes, info: h5py.h5l.LinkInfo) -> None:
         if info.type != h5py.h5l.TYPE_HARD:
-            found.append(name.decode("utf-8", "surrogateescape"))
+            names.append(name.decode("utf-8", "surrogateescape"))
 
     file.id.links.iterate(note, info=True)
-    return found
+    return names
 
 
 def channel_of(file: h5py.File, name: str) -> h5py.Dataset:
-    """Return the dataset of a channel, of which all samples are in the file itself.
+    """Return the dataset of a channel; all its samples must be in the file itself.
 
     Raises
     ------
     LogError
-        Says why it cannot be used; the message names neither file nor channel.
+        The dataset cannot be used. The message names neither file nor channel.
     """
     link = file.get(name, getlink=True)
     if isinstance(link, h5py.ExternalLink):
@@ -112,41 +112,40 @@ def channel_of(file: h5py.File, name: str) -> h5py.Dataset:
         raise LogError("its samples are in another file; copy them into this one")
     if dataset.ndim != 1 or dataset.dtype.kind not in "fiu":
         raise LogError(
-            f"must be one number per sample, not {dataset.dtype} of shape {dataset.shape}"
+            f"is {dataset.dtype} of shape {dataset.shape}; must be one number per sample"
         )
     return dataset
 
 
 def refuse_never_written(dataset: h5py.Dataset) -> None:
-    """Check that no sample of a channel is one that the library makes up.
+    """Check that every sample of a channel was written.
 
-    It does so of those that were never written; a small file can declare any number of them.
+    The library returns fill values for the others, and a small file can declare any number.
 
     Raises
     ------
     LogError
-        Some were never written; the message does not name the channel.
+        Some were never written. The message does not name the channel.
     """
     layout = dataset.id.get_create_plist().get_layout()
     if layout == h5py.h5d.CHUNKED:
-        there = dataset.id.get_num_chunks() >= -(-len(dataset) // dataset.chunks[0])
+        written = dataset.id.get_num_chunks() >= -(-len(dataset) // dataset.chunks[0])
     else:
-        there = layout == h5py.h5d.COMPACT or dataset.id.get_offset() is not None
-    if len(dataset) and not there:
+        written = layout == h5py.h5d.COMPACT or dataset.id.get_offset() is not None
+    if len(dataset) and not written:
         raise LogError(
-            f"declares {len(dataset)} samples, and not all of them were ever written; record the "
-            "log again"
+            f"declares {len(dataset)} samples, but some were never written; record the log again"
         )
 
 
 def bytes_of(dataset: h5py.Dataset) -> int:
-    """Return what a channel takes in memory, bytes; a chunk is read as a whole."""
+    """Return the memory a channel needs, bytes; chunks are read whole."""
     samples = max(dataset.size, math.prod(dataset.chunks or ()))
     return samples * max(dataset.dtype.itemsize, 8)
 
 
 def too_large(datasets: Iterable[h5py.Dataset]) -> str:
-    """Return why channels are not to be read together; empty if they may be."""
+    """Return an error text if the channels together exceed the memory limit, else ''."""
     sizes = {dataset: bytes_of(dataset) for dataset in datasets}
     total = sum(sizes.values())
     if total <= MAX_BYTES:
@@ -154,18 +153,18 @@ def too_large(datasets: Iterable[h5py.Dataset]) -> str:
     largest = max(sizes, key=sizes.__getitem__)
     return (
         f"channel {largest.name.lstrip('/')}: declares {largest.size} samples; all channels "
-        f"would take {total >> 20} MB and may take {MAX_BYTES >> 20} MB; the file is damaged, or "
-        "too large: split it"
+        f"need {total >> 20} MB, the limit is {MAX_BYTES >> 20} MB; the file is damaged, or too "
+        "large: split it"
     )
 
 
 def shown(name: str | bytes) -> str:
-    """Return a name in a file for a message; the library gives bytes of what is not UTF-8."""
+    """Return a name from a file for a message; h5py returns bytes if it is not UTF-8."""
     return visible(os.fsdecode(name))
 
 
 def listed(names: Iterable[str], most: int = 12) -> str:
-    """Return names for a message, the first ones if there are many."""
-    found = list(names)
-    more = f" and {len(found) - most} more" if len(found) > most else ""
-    return (", ".join(map(shown, found[:most])) or "none") + more
+    """Return names for a message, at most the first ``most``."""
+    every = list(names)
+    more = f" and {len(every) - most} more" if len(every) > most else ""
+    return (", ".join(map(shown, every[:most])) or "none") + more

@@ -1,25 +1,25 @@
-"""Checksums of HDF5's object headers: a copy of a damaged file with right ones can be opened.
+"""Recompute the checksums of HDF5 object headers, so that a damaged file can be opened.
 
-One wrong byte in an attribute would otherwise cost the whole file, since the library refuses
-the header that the attribute is in. HDF5 File Format Specification, version 3, Sec. IV.A.1.b;
-the checksum is Jenkins' lookup3.
+Otherwise one wrong byte in an attribute costs the whole file, because the library rejects the
+header that holds it. HDF5 File Format Specification, version 3, Sec. IV.A.1.b; the checksum
+is Jenkins' lookup3.
 """
 
 import struct
 from collections.abc import Iterator
 
 _HEADER, _MORE = b"OHDR", b"OCHK"
-#: Type of the message that says where a header goes on.
+#: Type of the message that points to a header's next block.
 _CONTINUATION = 0x10
 _CHECKSUM = 4
-#: More blocks than the logs of this package have by far.
+#: Limit on blocks; logs have far fewer.
 _MOST_BLOCKS = 10_000
 
 
 def mend_checksums(data: bytearray) -> int:
-    """Put right checksums into the object headers of a file, in place; return how many were wrong.
+    """Correct the checksums of a file's object headers in place; return how many were wrong.
 
-    What a wrong byte did to a header stays: it may name another thing, or nothing.
+    The damaged bytes stay: a header may now hold a wrong name or value.
     """
     wrong = 0
     for begin, end in _blocks(data):
@@ -31,7 +31,7 @@ def mend_checksums(data: bytearray) -> int:
 
 
 def _blocks(data: bytes | bytearray) -> Iterator[tuple[int, int]]:
-    """Yield begin and end of the headers, and of the blocks in which they go on."""
+    """Yield begin and end of the headers and of their continuation blocks."""
     begin, count = data.find(_HEADER), 0
     while begin >= 0 and count < _MOST_BLOCKS:
         todo = [_of_header(data, begin)]
@@ -46,7 +46,7 @@ def _blocks(data: bytes | bytearray) -> Iterator[tuple[int, int]]:
         begin = data.find(_HEADER, begin + 1)
 
 
-#: Begin of a block, begin of its messages, its end, and whether messages have a number.
+#: Begin of a block, begin of its messages, its end, and whether messages are numbered.
 _Block = tuple[int, int, int, bool]
 
 

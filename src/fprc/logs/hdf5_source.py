@@ -1,4 +1,4 @@
-"""HDF5 files of other programs, among them MATLAB's since version 7.3."""
+"""HDF5 files of other programs, including MATLAB 7.3."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,29 +11,29 @@ from fprc.errors import LogError
 from fprc.logs.attributes import read_attribute
 from fprc.logs.hdf5 import refuse_cut_file
 from fprc.logs.matlab import EMPTY, OBJECT, SPARSE, elements
-from fprc.logs.variables import MOST_NUMBERS, Source, sorted_out
+from fprc.logs.variables import MOST_NUMBERS, Source, squeezed
 
 #: Most datasets and links; the library takes 0.2 ms for each.
 MOST_OBJECTS = 10_000
-#: MATLAB's classes of numbers.
+#: MATLAB's numeric classes.
 _NUMBERS = {"double", "single", "logical"} | {
     f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)
 }
 
-#: A part of a file: its name, and what is there, its numbers, or why it has none.
+#: Name of a part of a file, and its dataset, its numbers, or why it cannot be a channel.
 _Part = tuple[str, h5py.Dataset | np.ndarray | str]
 
 
 def read_hdf5(path: Path, *, at: int, matlab: bool) -> Source:
     """Read an HDF5 file.
 
-    Parts of MATLAB's variables have the names that MATLAB gives them, see
-    ``fprc.logs.matlab.read_matlab``. Links are not followed.
+    Parts of MATLAB variables are named as in MATLAB, see ``fprc.logs.matlab.read_matlab``.
+    Links are not followed.
 
     Parameters
     ----------
     at : int
-        Where HDF5 begins in the file, bytes.
+        Offset of the HDF5 data in the file, bytes.
 
     Raises
     ------
@@ -59,13 +59,13 @@ def read_hdf5(path: Path, *, at: int, matlab: bool) -> Source:
                     left -= part.size
     except (LogError, MemoryError):
         raise
-    except Exception as error:  # a damaged file makes the library raise whatever it stumbles over
+    except Exception as error:  # on a damaged file the library raises many types
         raise LogError(
             f"{path}: cannot be read as HDF5 ({type(error).__name__}: {error}); the file is cut "
-            "short, damaged, or something else"
+            "short, damaged, or of another format"
         ) from error
     kind = "MATLAB 7.3" if matlab else "HDF5"
-    return Source(path, kind, *sorted_out(path, variables, others))
+    return Source(path, kind, *squeezed(path, variables, others))
 
 
 def _too_many(path: Path | str) -> LogError:
@@ -76,7 +76,7 @@ def _too_many(path: Path | str) -> LogError:
 
 
 def _why_not(dataset: h5py.Dataset, left: int, *, matlab: bool) -> str | None:
-    """Return why a dataset cannot be a channel, by what it declares."""
+    """Return why a dataset cannot be a channel, judged by its metadata."""
     kind = "double"
     if matlab and "MATLAB_class" in dataset.attrs:
         kind = read_attribute(dataset.attrs, "MATLAB_class")
@@ -87,27 +87,25 @@ def _why_not(dataset: h5py.Dataset, left: int, *, matlab: bool) -> str | None:
     if dataset.ndim > 2 or dataset.dtype.kind not in "fiub":
         return f"{dataset.dtype} of shape {dataset.shape}"
     if dataset.external or dataset.is_virtual:
-        return "kept in another file; copy it into this one"
+        return "stored in another file; copy it into this one"
     largest = max(dataset.size, int(np.prod(dataset.chunks or (1,), dtype=float)))
     if largest > left:
-        return (
-            f"declares {largest:,} numbers; at most {MOST_NUMBERS:,} are read of a file, split it"
-        )
+        return f"declares {largest:,} numbers; a file may have {MOST_NUMBERS:,} in all, split it"
     if not dataset.id.get_storage_size():
-        return f"declares {dataset.size:,} numbers, of which none was written"
+        return f"declares {dataset.size:,} numbers, but none was written"
     return None
 
 
 def _read(dataset: h5py.Dataset, *, matlab: bool) -> np.ndarray | str:
     try:
         values = np.asarray(dataset[()], dtype=np.float64)
-    except (OSError, RuntimeError) as error:  # of this dataset alone
+    except (OSError, RuntimeError) as error:  # other datasets may be readable
         return f"cannot be read ({error})"
-    return values.T if matlab else values  # MATLAB keeps arrays by columns
+    return values.T if matlab else values  # MATLAB stores arrays by columns
 
 
 def _members(group: h5py.Group) -> Iterator[tuple[str, Any]]:
-    """Yield names and objects of a group; for a link to elsewhere, a text."""
+    """Yield names and objects of a group; for a soft or external link, a text."""
     if len(group) > MOST_OBJECTS:
         raise _too_many(group.file.filename)
     for name in group:
@@ -132,7 +130,7 @@ def _datasets(group: h5py.Group, prefix: str = "") -> Iterator[_Part]:
 
 def _variables(file: h5py.File) -> Iterator[_Part]:
     for name, member in _members(file):
-        if not name.startswith("#"):  # where MATLAB keeps what its cells refer to
+        if not name.startswith("#"):  # MATLAB's storage for the targets of references
             yield from _parts(name, member)
 
 
@@ -154,7 +152,7 @@ def _parts(name: str, thing: Any) -> Iterator[_Part]:
 
 
 def _field(name: str, field: str, member: h5py.Dataset) -> Iterator[_Part]:
-    """Yield the parts of a field of a struct array: each element refers to its own."""
+    """Yield the parts of a field of a struct array, which holds one reference per element."""
     each = list(_targets(member))
     targets = [target for _, target in each]
     if all(isinstance(target, h5py.Dataset) and target.size == 1 and not _refers(target)
@@ -166,12 +164,12 @@ def _field(name: str, field: str, member: h5py.Dataset) -> Iterator[_Part]:
 
 
 def _refers(thing: Any) -> bool:
-    """Say whether a dataset's elements are references: a cell array's, a struct array's."""
+    """Return whether a dataset holds references, as cell arrays and struct arrays do."""
     return isinstance(thing, h5py.Dataset) and h5py.check_ref_dtype(thing.dtype) is h5py.Reference
 
 
 def _targets(dataset: h5py.Dataset) -> Iterator[tuple[str, Any]]:
-    """Yield what a dataset's elements refer to, and their index as MATLAB writes it."""
+    """Yield each element's index in MATLAB notation, and the object it refers to."""
     if not dataset.size or dataset.size > MOST_OBJECTS:
         if dataset.size:
             raise _too_many(dataset.file.filename)

@@ -1,7 +1,7 @@
-"""Call a function in a process of its own, with limits on its time and memory.
+"""Call a function in a child process, with limits on its time and memory.
 
-On a damaged file the HDF5 library and SciPy's reader of MATLAB files can hang, or crash
-the process. Files that come from outside are therefore read in a child process.
+On a damaged file the HDF5 library and SciPy's MATLAB reader can hang or crash the process.
+Files from outside are therefore read in a child process.
 """
 
 import contextlib
@@ -18,14 +18,14 @@ from typing import Any
 
 from fprc.errors import LogError
 
-#: Longest time that a processor may spend on reading: so many s, and one for each so many bytes.
+#: Limit on processor time: _LIMIT_S + size / _BYTES_PER_S.
 _LIMIT_S, _BYTES_PER_S = 5.0, 20e6
-#: The process is ended too if it takes so many times longer by the clock: it waits for something.
+#: Limit on wall time, as a multiple of that: ends a process that is blocked.
 _PATIENCE = 6.0
-#: Most memory that the process may ask for, bytes; of which libraries take some 0.5 GB.
+#: Limit on the process's address space, bytes; libraries take about 0.5 GB of it.
 LIMIT_BYTES = 4 << 30
 
-_DAMAGED = "the file is damaged; `fprc log repair` saves what can be read of a raw log"
+_DAMAGED = "the file is damaged; `fprc log repair` copies the readable part of a raw log"
 
 
 def isolated(
@@ -36,25 +36,25 @@ def isolated(
     limit_bytes: int = LIMIT_BYTES,
     **keywords: Any,
 ) -> Any:
-    """Return what a function returns that runs in a process of its own.
+    """Call a function in a child process and return its result.
 
     Parameters
     ----------
     function : callable
-        Of a module, not nested; with its arguments and its result it is pickled.
+        At module level: it is pickled, and so are its arguments and result.
     what : str
-        File that is read, for the message.
+        File to read; named in messages.
     limit_s : float, optional
-        Processor time of the process; by default what a file of that size may take.
+        Limit on processor time; by default it follows from the file's size.
     limit_bytes : int
-        Its address space.
+        Limit on the address space.
 
     Raises
     ------
     LogError
-        The process crashed, took too long or asked for too much memory; names ``what``.
+        The process crashed, or exceeded a limit; names ``what``.
     Exception
-        What the function raised.
+        Any exception that the function raised.
     """
     limit_s = limit_s or time_limit_s([what])
     answers, ended = _call(function, [arguments], keywords, limit_s, limit_bytes)
@@ -66,18 +66,18 @@ def isolated(
 def isolated_each(
     function: Callable[..., Any], paths: Sequence[Path | str], **keywords: Any
 ) -> list[Any]:
-    """Return what a function returns for each of several raw logs; see ``attempt_each``.
+    """Call a function on each of several raw logs and return its results; see ``attempt_each``.
 
     Raises
     ------
     LogError
-        All that is wrong with the files, each named.
+        Lists the errors of all files.
     """
-    found = attempt_each(function, paths, **keywords)
-    problems = [str(each) for each in found if isinstance(each, LogError)]
+    results = attempt_each(function, paths, **keywords)
+    problems = [str(each) for each in results if isinstance(each, LogError)]
     if problems:
         raise LogError("\n".join(problems))
-    return found
+    return results
 
 
 def attempt_each(
@@ -88,19 +88,19 @@ def attempt_each(
     limit_bytes: int = LIMIT_BYTES,
     **keywords: Any,
 ) -> list[Any]:
-    """Return what a function returns for each of several raw logs, or the error that says why not.
+    """Call a function on each of several raw logs; return its result or ``LogError`` for each.
 
-    One process reads them all. After a file that it does not survive another goes on.
+    One child process reads all files. If a file crashes it, a new one continues with the next.
 
     Parameters
     ----------
     function : callable
         Takes a path, and ``keywords``; see ``isolated``.
     limit_s : float, optional
-        Processor time of a process.
+        Limit on a process's processor time.
     """
-    found: list[Any] = []
-    while left := list(paths)[len(found) :]:
+    results: list[Any] = []
+    while left := list(paths)[len(results) :]:
         answers, ended = _call(
             function,
             [(path,) for path in left],
@@ -110,22 +110,22 @@ def attempt_each(
         )
         for path, answer in zip(left, answers, strict=False):
             try:
-                found.append(_result(answer, str(path), limit_bytes))
+                results.append(_result(answer, str(path), limit_bytes))
             except LogError as error:
-                found.append(error)
+                results.append(error)
         if len(answers) < len(left):
-            found.append(LogError(f"{left[len(answers)]}: {ended}"))
-    return found
+            results.append(LogError(f"{left[len(answers)]}: {ended}"))
+    return results
 
 
 def time_limit_s(paths: Sequence[Path | str]) -> float:
-    """Return the longest time that a processor may spend on reading files, s."""
+    """Return the limit on the processor time for reading files, s."""
     sizes = [path.stat().st_size for path in map(Path, paths) if path.is_file()]
     return _LIMIT_S + sum(sizes) / _BYTES_PER_S
 
 
 def limit_process(limit_bytes: int, limit_s: float) -> None:
-    """Let this process have so much memory and processor time, and leave no image of a crash."""
+    """Limit this process's memory and processor time, and disable core dumps."""
     with contextlib.suppress(ImportError):  # Windows has no such limits
         import resource
 
@@ -142,7 +142,7 @@ def _call(
     limit_s: float,
     limit_bytes: int,
 ) -> tuple[list[tuple[Any, Any]], str]:
-    """Return result and error of each request that was answered, and what ended the process."""
+    """Return result and error of each answered request, and why the process ended early."""
     code = f"from fprc.logs.isolated import answer; answer({int(limit_bytes)}, {limit_s})"
     request = pickle.dumps((function, requests, keywords))
     answers, ended = run_limited([sys.executable, "-c", code], limit_s, request)
@@ -150,7 +150,7 @@ def _call(
 
 
 def run_limited(command: Sequence[str], limit_s: float, request: bytes = b"") -> tuple[bytes, str]:
-    """Run a process that calls ``limit_process``; return what it wrote, and what ended it early."""
+    """Run a process that calls ``limit_process``; return its output, and why it ended early."""
     late = f"not read within {limit_s:.3g} s"
     try:
         done = subprocess.run(
@@ -167,13 +167,13 @@ def run_limited(command: Sequence[str], limit_s: float, request: bytes = b"") ->
         return done.stdout, ""
     if done.returncode == -getattr(signal, "SIGXCPU", 0):
         return done.stdout, late
-    said = done.stderr.decode(errors="replace").strip().splitlines()
-    why = said[-1] if done.returncode > 0 and said else "the library crashed"
+    errors = done.stderr.decode(errors="replace").strip().splitlines()
+    why = errors[-1] if done.returncode > 0 and errors else "the library crashed"
     return done.stdout, f"cannot be read ({why})"
 
 
 def _answers(stream: bytes) -> Iterator[tuple[Any, Any]]:
-    """Return the answers that are whole."""
+    """Yield the complete answers."""
     file = io.BytesIO(stream)
     while True:
         try:
@@ -186,7 +186,7 @@ def _result(answer: tuple[Any, Any], what: str, limit_bytes: int) -> Any:
     result, error = answer
     if isinstance(error, MemoryError):
         raise LogError(
-            f"{what}: reading it takes more than {limit_bytes >> 20} MB of memory; it is damaged, "
+            f"{what}: reading it needs more than {limit_bytes >> 20} MB of memory; it is damaged, "
             "or too large: split it"
         )
     if error is not None:
@@ -195,9 +195,9 @@ def _result(answer: tuple[Any, Any], what: str, limit_bytes: int) -> Any:
 
 
 def answer(limit_bytes: int, limit_s: float) -> None:
-    """Answer the requests on the standard input, one by one, on the standard output."""
+    """Read requests from standard input and write the answers to standard output, one by one."""
     output = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
-    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what a library prints is no answer
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # keep library prints out of the answers
     limit_process(limit_bytes, limit_s)
     function, requests, keywords = pickle.load(sys.stdin.buffer)
     with output:

@@ -1,12 +1,12 @@
-"""Journal of a run on a real rig: on the disk sample by sample, readable whatever ends the run.
+"""Journal of a run on a real rig: written sample by sample, readable however the run ends.
 
     header  samples  end mark
 
-Header and end mark are blocks: marker (8 bytes), length (uint32), JSON, CRC-32. Each is
-written twice, so that no single damage costs it. A sample is its tick (uint64), one float64 per
-channel and a CRC-32, all little-endian. The checksums of samples and end mark begin
-at the header's, so that nothing of another journal passes for this one's (a disk may give
-back an old page after a power cut).
+Header and end mark are blocks: marker (8 bytes), length (uint32), JSON, CRC-32. Each is written
+twice, so that one damaged copy does no harm. A sample is its tick (uint64), one float64 per
+channel and a CRC-32, all little-endian. The checksums of samples and end mark start from the
+header's checksum, so that blocks of another journal are rejected (after a power cut a disk
+may return an old page).
 """
 
 import errno
@@ -29,24 +29,24 @@ from fprc.logs.attributes import wrong_kinds
 from fprc.logs.columns import unit_of
 from fprc.logs.raw import RAW_ATTRIBUTES, contradictions, missing_channels
 
-#: Begins a journal; the digit is the version of the format.
+#: Marker of the header; the digit is the version of the format.
 MAGIC = b"\x89FPRCJ1\n"
-#: Begins the end mark, where the tick of a sample would be.
+#: Marker of the end mark; it stands where a sample has its tick.
 END = b"\x89FPRCE1\n"
 
-#: Length of a block's text; a CRC-32 too.
+#: Encoding of a block's length, and of a CRC-32.
 UINT32 = struct.Struct("<I")
 
 
 class Journal:
     """Append-only file of samples.
 
-    Each sample is handed to the operating system at once, so that the end of the
-    process costs none. A thread has them written to the disk, so that a power cut
-    costs those of the last ``sync_s`` and the loop does not wait for the disk.
+    Each sample is passed to the operating system at once, so that none is lost if the process
+    ends. A thread syncs the file every ``sync_s``, so that a power cut loses at most the samples
+    since then, and the loop does not wait for the disk.
 
-    Use ``Journal.create``. As a context manager it is closed at the end, as incomplete if
-    an exception ended it.
+    Use ``Journal.create``. As a context manager it closes itself; an exception marks it
+    incomplete.
 
     Attributes
     ----------
@@ -78,7 +78,7 @@ class Journal:
         *,
         sync_s: float = 0.5,
     ) -> Self:
-        """Create a journal; a file that exists is never overwritten.
+        """Create a journal; never overwrites a file.
 
         Parameters
         ----------
@@ -87,16 +87,16 @@ class Journal:
         names : sequence of str
             Channels, as a raw log has them.
         attributes : Mapping
-            What ``write_raw`` asks for, and whatever else a reader should know.
-            ``started`` is added: the instant, UTC.
+            Those that ``write_raw`` requires, and any others.
+            ``started`` is added: the present time, UTC.
         sync_s : float, default=0.5
-            Time between two writes to the disk, above 0.
+            Time between two syncs to the disk, above 0.
 
         Raises
         ------
         LogError
             The file exists or cannot be written; a channel or an attribute of a raw log is
-            missing. All that is wrong with names and attributes is said at once.
+            missing. Lists all problems of names and attributes.
         """
         path = Path(path)
         refuse_description(path, names, attributes)
@@ -125,17 +125,17 @@ class Journal:
         Parameters
         ----------
         tick : int
-            Number of the sample's tick, above the one before.
+            Tick of the sample; must increase.
         row : sequence of float
             One number per channel, in the order of ``names``.
 
         Raises
         ------
         LogError
-            It cannot be written, or samples before it could not be brought to the disk. What
-            was written stays readable.
+            It cannot be written, or earlier samples could not be synced. Samples already
+            written stay readable.
         ValueError
-            The tick does not come after the one before, or the row has another length.
+            The tick does not increase, or the row has the wrong length.
         """
         if self._problem:
             raise LogError(self._problem)
@@ -159,41 +159,41 @@ class Journal:
         Parameters
         ----------
         complete : bool, default=True
-            Whether the run came to its planned end.
+            Whether the run reached its planned end.
         reason : str
             Why not.
         **statistics
-            Of the run, for its log.
+            Statistics of the run, for its log.
 
         Raises
         ------
         LogError
-            The end mark cannot be written. After an error of ``append`` none is raised, and
-            the journal is incomplete whatever is said here.
+            The end mark cannot be written. Not raised after an error of ``append``, which
+            marks the journal incomplete in any case.
         """
         if self._closed:
             return
         self._closed = True
         self._closing.set()
         self._syncing.join()
-        told_before = self._problem
+        problem_before = self._problem
         content = {
-            "complete": complete and not told_before,
-            "reason": told_before or reason,
+            "complete": complete and not problem_before,
+            "reason": problem_before or reason,
             "statistics": statistics,
         }
         try:
-            # the file knows better than the count, which an interrupt may have prevented
+            # from the file size: an interrupt may have skipped the count
             size = os.fstat(self._file).st_size - self._start
             content["samples"] = size // len(self._buffer)
             _write(self._file, 2 * _block(END, content, self._seed))
             os.fsync(self._file)
         except OSError as error:
             self._problem = (
-                f"{self.path}: the end mark could not be written ({error.strerror}); the "
-                "samples before it are kept, get them with `fprc log repair`"
+                f"{self.path}: the end mark could not be written ({error.strerror}); all "
+                "samples are kept, copy them with `fprc log repair`"
             )
-            if not told_before:
+            if not problem_before:
                 raise LogError(self._problem) from error
         finally:
             self._problem = self._problem or f"{self.path}: is closed"
@@ -204,13 +204,13 @@ class Journal:
         return self
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: Any) -> None:
-        """Close; incomplete if an exception came."""
+        """Close; an exception marks the journal incomplete."""
         self.close(error is None, "" if error is None else f"{type(error).__name__}: {error}")
 
     def _give_up(self, error: OSError) -> None:
         self._problem = (
             f"{self.path}: sample {self.samples} could not be written ({error.strerror}); the "
-            "samples before it are kept, get them with `fprc log repair`, free the disk and "
+            "samples before it are kept, copy them with `fprc log repair`, free the disk and "
             "run again"
         )
         raise LogError(self._problem) from error
@@ -226,25 +226,25 @@ class Journal:
             except OSError as error:
                 self._problem = (
                     f"{self.path}: samples from {on_disk} on may not have reached the disk "
-                    f"({error.strerror}); check the disk, get what is there with `fprc log repair`"
+                    f"({error.strerror}); check the disk, copy the others with `fprc log repair`"
                 )
                 return
             on_disk = samples
 
 
 def refuse_description(path: Path, names: Sequence[str], attributes: Mapping[str, Any]) -> None:
-    """Check what a header says of a run.
+    """Check the description of a run in a journal's header.
 
     Raises
     ------
     LogError
-        Lists channels and attributes that are missing, repeated or not of their kind.
+        Lists channels and attributes that are missing, repeated or of the wrong type.
     """
     if not (isinstance(names, Sequence) and all(isinstance(name, str) for name in names)):
         raise LogError(f"{path}: names = {reprlib.repr(names)}: must be the channels' names")
     problems = [f"attribute {text}" for text in wrong_kinds(attributes)]
     problems = problems or contradictions(attributes)
-    if problems:  # what must be there depends on them
+    if problems:  # they decide which channels are required
         raise LogError("\n".join(f"{path}: {problem}" for problem in problems))
     if path.suffix != ".journal":
         problems.append(f"{path}: a journal's name ends in .journal")
@@ -257,7 +257,7 @@ def refuse_description(path: Path, names: Sequence[str], attributes: Mapping[str
     absent = [name for name in RAW_ATTRIBUTES if name not in attributes and name != "simulated"]
     missing = missing_channels(attributes, names)
     for what, wrong in (
-        ("channels {} are there twice", twice),
+        ("channels {} occur twice", twice),
         ("channels {} are missing", missing),
         ("attributes {} are missing", absent),
     ):
@@ -276,7 +276,7 @@ def _open_new(path: Path) -> int:
     except OSError as error:
         if error.errno == errno.EEXIST and path.exists():
             raise LogError(
-                f"{path}: exists and is not overwritten; move it away, `fprc log repair` reads it"
+                f"{path}: exists and is not overwritten; move it away (`fprc log repair` reads it)"
             ) from error
         raise LogError(f"{path}: cannot be created ({error.strerror}); check the path") from error
 
@@ -292,7 +292,7 @@ def _sync_folder(folder: Path) -> None:
 
 
 def _write(file: int, data: bytes | bytearray) -> None:
-    # a disk that fills up takes the first part without an error
+    # on a disk that fills up, a write can end early without an error
     written = os.write(file, data)
     while written < len(data):
         written += os.write(file, memoryview(data)[written:])
@@ -305,13 +305,13 @@ def _block(marker: bytes, content: Mapping[str, Any], seed: int = 0) -> bytes:
 
 
 def seed_of(header: bytes) -> int:
-    """Return the checksum of a header, at which those of its journal begin.
+    """Return the checksum of a header, the initial value of its journal's checksums.
 
-    Over a block with its checksum it would be the same for all.
+    Its own CRC field is excluded: a CRC-32 over data and its CRC is the same for all data.
     """
     return zlib.crc32(header[: -UINT32.size])
 
 
 def _as_plain(value: Any) -> Any:
-    """Return what JSON does not know; an odd statistic must not cost the end mark."""
+    """Convert a type unknown to JSON; an odd statistic must not prevent the end mark."""
     return value.item() if isinstance(value, np.generic) else str(value)

@@ -1,4 +1,4 @@
-"""MATLAB files up to version 7, and how MATLAB writes the parts of its variables."""
+"""MATLAB files up to version 7, and MATLAB's notation for the parts of variables."""
 
 import struct
 import zlib
@@ -11,16 +11,16 @@ import scipy.io
 from scipy.io.matlab import MatlabFunction, MatlabOpaque
 
 from fprc.errors import LogError
-from fprc.logs.variables import MOST_NUMBERS, MOST_VARIABLES, Source, sorted_out
+from fprc.logs.variables import MOST_NUMBERS, MOST_VARIABLES, Source, squeezed
 
 _COMPRESSED = 15
 _CHUNK_BYTES = 1 << 20
 
 
 def elements(shape: tuple[int, ...]) -> Iterator[tuple[tuple[int, ...], str]]:
-    """Yield the indices of an array down its columns, and MATLAB's way to write them.
+    """Yield the indices of an array, column by column, and their MATLAB notation.
 
-    It counts from 1; one number does for a vector.
+    MATLAB counts from 1; a vector has one index.
     """
     vector = sum(n > 1 for n in shape) < 2
     for reverse in np.ndindex(*reversed(shape)):
@@ -32,9 +32,9 @@ def elements(shape: tuple[int, ...]) -> Iterator[tuple[tuple[int, ...], str]]:
 def read_matlab(path: Path) -> Source:
     """Read a file of MATLAB 4 to 7 (not 7.3).
 
-    Structs, struct arrays and cell arrays are taken apart; their parts have the
-    names that MATLAB gives them: ``s.y``, ``s(2).y``, ``c{1}.y``. A field that is one
-    number in every element of a struct array is an array, ``[s.y]``.
+    Structs, struct arrays and cell arrays are split into parts, which are named as in
+    MATLAB: ``s.y``, ``s(2).y``, ``c{1}.y``. A field that is a scalar in every element of a
+    struct array becomes an array, ``[s.y]``.
 
     Raises
     ------
@@ -57,16 +57,16 @@ def read_matlab(path: Path) -> Source:
                 )
     except (LogError, MemoryError):
         raise
-    except Exception as error:  # the library raises whatever it stumbles over
+    except Exception as error:  # on a damaged file the library raises many types
         raise LogError(
             f"{path}: cannot be read as MATLAB ({type(error).__name__}: {error}); the file is "
-            "cut short, damaged, or something else"
+            "cut short, damaged, or of another format"
         ) from error
-    return Source(path, "MATLAB 5", *sorted_out(path, variables, others))
+    return Source(path, "MATLAB 5", *squeezed(path, variables, others))
 
 
 def _refuse_large(path: Path) -> None:
-    """Unpack what is compressed, a piece at a time, and refuse what is too much."""
+    """Decompress the variables piece by piece, and refuse files that become too large."""
     most = 8 * MOST_NUMBERS
     size = path.stat().st_size
     with path.open("rb") as file:
@@ -79,34 +79,35 @@ def _refuse_large(path: Path) -> None:
                 file.seek(length, 1)
     if size > most:
         raise LogError(
-            f"{path}: its variables take more than {most >> 20} MB; save only those that are "
-            "needed, or as HDF5"
+            f"{path}: its variables need more than {most >> 20} MB; save only those that you "
+            "need, or save them as HDF5"
         )
 
 
 def _unpacked_bytes(packed: bytes, most: int) -> int:
-    """Return how many bytes this is unpacked, or soon after ``most``."""
+    """Return the decompressed size in bytes; stop counting soon after ``most``."""
     unpacker, size = zlib.decompressobj(), 0
     try:
         while packed and size <= most:
             size += len(unpacker.decompress(packed, _CHUNK_BYTES))
             packed = unpacker.unconsumed_tail
     except zlib.error:
-        pass  # who reads the variable says what is wrong
+        pass  # reported when the variable is read
     return size
 
 
 def _variables(content: Mapping[str, Any]) -> Iterator[tuple[str, np.ndarray | str]]:
     for name, value in content.items():
-        if not name.startswith("__"):  # what the library says of the file
+        if not name.startswith("__"):  # metadata added by the library
             yield from _parts(name, value)
 
 
 def _parts(name: str, value: Any) -> Iterator[tuple[str, np.ndarray | str]]:
-    """Yield the arrays of numbers in a variable; for what is none, why it cannot be a channel."""
+    """Yield the numeric arrays in a variable; for other parts, why they cannot be channels."""
     if isinstance(value, MatlabOpaque):
-        told = [field.decode() for field in value[0].item()[:3] if isinstance(field, bytes)]
-        yield told[0] if told else name, OBJECT.format(told[-1] if told else "object")
+        # variable name, type system and class name
+        header = [field.decode() for field in value[0].item()[:3] if isinstance(field, bytes)]
+        yield header[0] if header else name, OBJECT.format(header[-1] if header else "object")
     elif isinstance(value, MatlabFunction):
         yield name, OBJECT.format("function")
     elif not isinstance(value, np.ndarray):
@@ -137,7 +138,7 @@ def _struct(name: str, value: np.ndarray) -> Iterator[tuple[str, np.ndarray | st
                 yield from _parts(f"{name}({text}).{field}", part)
 
 
-#: Why a part of a file is no channel.
+#: Reasons why a part of a file cannot be a channel.
 EMPTY = "empty"
 SPARSE = "a sparse matrix; save full(...) of it"
 OBJECT = (

@@ -1,4 +1,4 @@
-"""Quality record of a raw log: what a careful experimenter would look at."""
+"""Quality record of a raw log: completeness, rate, gaps, ranges, stuck sensors, leak."""
 
 import re
 from collections.abc import Container, Mapping, Sequence
@@ -9,7 +9,7 @@ import numpy as np
 from fprc.escape import visible
 from fprc.logs.columns import Columns, unit_of
 
-#: The channels that each range is for.
+#: Channels that each range applies to.
 _RANGES = {
     "pressure_range_kpa": (
         "p_exp_command_kpa",
@@ -38,18 +38,17 @@ def assess(
 ) -> dict[str, Any]:
     """Return the quality record of a readable raw log.
 
-    Each check has ``passed``, the measured numbers, and the limit. A failed
-    check does not stop the workflow; the record and the terminal say so. What
-    an import left out, or took for something else, is not judged where it
-    would have no meaning. ``loop`` is what the run of a real rig says of its
-    ticks: how many were missed, how late they began. ``no_checksum`` lists the
-    channels of which a damaged number would not be noticed.
+    Each check has ``passed``, the measured numbers, and the limit. A failed check is
+    recorded and printed, and does not stop the workflow. Channels that an import left out,
+    or that hold another quantity, are skipped where a check does not apply. ``loop`` holds
+    the loop statistics of a real rig: ticks missed, and how late ticks began.
+    ``no_checksum`` lists the channels in which damage would go unnoticed.
 
     Parameters
     ----------
     **ranges
-        Lowest and highest plausible number: ``pressure_range_kpa`` of what is commanded
-        and measured, ``angle_range_deg`` of theta and theta_d, ``reservoir_angle_range_deg``
+        Lowest and highest plausible value: ``pressure_range_kpa`` of commanded and measured
+        pressures, ``angle_range_deg`` of theta and theta_d, ``reservoir_angle_range_deg``
         of phi, ``voltage_range_v`` of the valves, ``effort_range_kpa`` of P_ff and P_fb.
     """
     notes = notes_of(log)
@@ -79,36 +78,36 @@ def assess(
 
 
 def implausible(log: Columns, ranges: Mapping[str, Sequence[float]]) -> list[str]:
-    """Return a line that names the channels of a log which leave their ranges, if any do.
+    """Return a line that names the channels outside their ranges; an empty list if none is.
 
     Parameters
     ----------
     ranges : Mapping
-        As ``assess`` takes them; other keys are for its other checks.
+        Ranges as for ``assess``; other keys are ignored.
     """
     check = _outside(log, ranges)
     return [] if check["passed"] else [_line(log.path.name, "range", check)]
 
 
-def something_else(name: str) -> str:
-    """Return how the note of a channel begins whose numbers are not in the unit of its name."""
+def other_quantity(name: str) -> str:
+    """Return the beginning of a channel's note that says it is not in the unit of its name."""
     return f"not in {unit_of(name)}: "
 
 
-def unit_told(name: str, notes: Mapping[str, str]) -> str:
-    """Return the unit of a channel; of something else, what its note ends with in brackets.
+def noted_unit(name: str, notes: Mapping[str, str]) -> str:
+    """Return the unit of a channel; if it holds another quantity, the unit in its note.
 
-    A note without brackets gives ``1``, the map's word for a quantity without a unit.
+    The note ends with the unit in brackets. Without brackets the unit is ``1``.
     """
     note = notes.get(name, "")
-    if not note.startswith(something_else(name)):
+    if not note.startswith(other_quantity(name)):
         return unit_of(name)
-    told = re.search(r"\[([^\[\]]+)\]\s*$", note)
-    return told[1] if told else "1"
+    unit = re.search(r"\[([^\[\]]+)\]\s*$", note)
+    return unit[1] if unit else "1"
 
 
 def notes_of(log: Columns) -> dict[str, str]:
-    """Return what an imported log says of its channels, by channel."""
+    """Return the notes of an imported log, by channel."""
     return log.attributes.get("notes", {})
 
 
@@ -135,13 +134,13 @@ def _outside_words(check: Mapping[str, Any]) -> str:
 
 
 def _complete(log: Columns) -> dict[str, Any]:
-    told = log.attributes
-    complete = told.get("complete", "aborted" not in told)
-    reason = told.get("incomplete_reason") or told.get("aborted") or "not said"
+    attributes = log.attributes
+    complete = attributes.get("complete", "aborted" not in attributes)
+    reason = attributes.get("incomplete_reason") or attributes.get("aborted") or "unknown"
     return {
         "passed": complete,
         "reason": None if complete else reason,
-        "lost_samples": told.get("lost_samples", 0),
+        "lost_samples": attributes.get("lost_samples", 0),
     }
 
 
@@ -179,7 +178,7 @@ def _outside(log: Columns, ranges: Mapping[str, Sequence[float]]) -> dict[str, A
         name: ranges[key]
         for key, names in _RANGES.items()
         for name in names
-        if name in log.channels and not notes.get(name, "").startswith(something_else(name))
+        if name in log.channels and not notes.get(name, "").startswith(other_quantity(name))
     }
     counts, first = {}, {}
     for name, (low, high) in limits.items():
@@ -212,8 +211,8 @@ def _leak(log: Columns, limit: float, plausible: Container[str]) -> dict[str, An
     if "p_i_kpa" not in log.channels or "p_o_kpa" not in plausible:
         why = "needs p_i_kpa, and p_o_kpa within its range"
         return {"passed": True, "kpa_per_min": None, "why": why}
-    # P_o at equal P_i over time: the trend beside a smooth dependence on P_i. In logs of less
-    # than a minute the hysteresis passes for a rising trend and can hide a leak.
+    # linear trend of P_o over time, fitted together with a cubic in P_i. In logs shorter than a
+    # minute, hysteresis looks like a rising trend and can hide a leak.
     p_i = log.channels["p_i_kpa"]
     p_i = p_i / (np.abs(p_i).max() or 1.0)
     minutes = log.channels["time_s"] / 60.0

@@ -1,4 +1,4 @@
-"""Raw logs of experiments, as the rig gave them."""
+"""Raw logs of experiments, as recorded."""
 
 from collections.abc import Container, Mapping
 from pathlib import Path
@@ -9,7 +9,7 @@ import numpy as np
 from fprc.errors import LogError
 from fprc.logs.columns import Columns, gather_columns, write_columns
 
-#: Every channel of a raw log. ``command`` is what was asked, the rest measured.
+#: Every channel of a raw log: setpoints (``command``), measurements, valve voltages.
 RAW_CHANNELS = (
     "time_s",
     "p_exp_command_kpa",
@@ -23,23 +23,23 @@ RAW_CHANNELS = (
     "valve_reservoir_v",
 )
 
-#: What the log of a closed-loop run has besides: reference, feedforward and feedback.
+#: Further channels of a closed-loop run: reference, feedforward and feedback.
 TRACKING_CHANNELS = ("theta_d_deg", "p_ff_kpa", "p_fb_kpa")
 
-#: How the experiment of a closed-loop run begins.
+#: Prefixes of the experiment names of closed-loop runs.
 RUNS = ("track_", "identify_")
 
-#: What an imported log must have; further one of ``_TARGETS``. The others may be absent.
+#: Required channels of an imported log, which also needs one of ``_TARGETS``.
 _IMPORTED = ("time_s", "theta_deg")
 _TARGETS = ("p_exp_command_kpa", "p_exp_kpa")
 
-#: Source of a log whose reservoir was simulated afterwards, by its own.
+#: Source of a log after its reservoir was simulated, by source of the original log.
 SIMULATED_RESERVOIR = {"rig": "rig+sim", "import": "import+sim"}
 
-#: Where a log can come from: simulated, recorded here, brought in.
+#: Sources of a log: simulated, recorded on the real rig, imported.
 SOURCES = ("sim", "rig", "import", *SIMULATED_RESERVOIR.values())
 
-#: Attributes that a raw log must have, and those that a closed-loop run must have besides.
+#: Required attributes of a raw log, and further ones of a closed-loop run.
 RAW_ATTRIBUTES = (
     "experiment",
     "source",
@@ -51,8 +51,8 @@ RAW_ATTRIBUTES = (
 )
 RUN_ATTRIBUTES = ("controller", "gain", "reference", "settle_s")
 
-#: No clock, sensor or command gives a number beyond this, and squares of it are numbers still.
-_BEYOND = 1e10
+#: Largest plausible magnitude in any channel; its square does not overflow.
+_LARGEST = 1e10
 
 
 def write_raw(
@@ -67,14 +67,14 @@ def write_raw(
     rig: Mapping[str, Any],
     **more: Any,
 ) -> None:
-    """Write a raw log; channels beyond ``RAW_CHANNELS`` are kept too.
+    """Write a raw log; channels other than ``RAW_CHANNELS`` are written too.
 
     Parameters
     ----------
     source : str
-        ``sim``, ``rig`` or ``import``: simulated, recorded here, brought in.
+        ``sim``, ``rig`` or ``import``: simulated, recorded on the real rig, imported.
     rig : Mapping
-        Configuration of rig and control, kept as JSON.
+        Configuration of rig and control, stored as JSON.
     **more
         Further attributes of the run.
     """
@@ -94,29 +94,29 @@ def write_raw(
     write_columns(path, channels, attributes)
 
 
-def missing_channels(told: Mapping[str, Any], channels: Container[str]) -> list[str]:
-    """Return the channels that a log with these attributes must have and has not."""
-    missing = [name for name in _needed(told) if name not in channels]
-    if _is_imported(told) and not any(name in channels for name in _TARGETS):
+def missing_channels(attributes: Mapping[str, Any], channels: Container[str]) -> list[str]:
+    """Return the required channels that a log with these attributes lacks."""
+    missing = [name for name in _needed(attributes) if name not in channels]
+    if _is_imported(attributes) and not any(name in channels for name in _TARGETS):
         missing.append(" or ".join(_TARGETS))
     return missing
 
 
-def _needed(told: Mapping[str, Any]) -> tuple[str, ...]:
+def _needed(attributes: Mapping[str, Any]) -> tuple[str, ...]:
     names: tuple[str, ...] = RAW_CHANNELS
-    if _is_imported(told):
+    if _is_imported(attributes):
         names = _IMPORTED
-    elif str(told.get("source")).startswith("rig"):  # there may be no angle sensor on the reservoir
+    elif str(attributes.get("source")).startswith("rig"):  # its angle sensor for phi is optional
         names = tuple(name for name in RAW_CHANNELS if name != "phi_deg")
-    return (*names, *(TRACKING_CHANNELS if _is_run(told) else ()))
+    return (*names, *(TRACKING_CHANNELS if _is_run(attributes) else ()))
 
 
-def _is_imported(told: Mapping[str, Any]) -> bool:
-    return str(told.get("source")).startswith("import")
+def _is_imported(attributes: Mapping[str, Any]) -> bool:
+    return str(attributes.get("source")).startswith("import")
 
 
-def _is_run(told: Mapping[str, Any]) -> bool:
-    return str(told.get("experiment")).startswith(RUNS)
+def _is_run(attributes: Mapping[str, Any]) -> bool:
+    return str(attributes.get("experiment")).startswith(RUNS)
 
 
 def read_raw(
@@ -126,32 +126,32 @@ def read_raw(
     sample_rate_hz: float | None,
     rate_tolerance: float,
 ) -> Columns:
-    """Read a raw log and check that it can be used at all.
+    """Read a raw log and check that it can be used.
 
     Parameters
     ----------
     experiment : str or None
-        Expected experiment; None takes any.
+        Expected experiment; None accepts any.
     sample_rate_hz : float or None
-        Expected rate; None takes the one that the log declares.
+        Expected rate; None uses the rate in the log's attributes.
 
     Raises
     ------
     LogError
-        See ``read_columns``; further an attribute is missing, time does not increase, a
-        number is beyond all measuring, or the rate is not the expected one. Of an
-        imported log only time, angle and one of the two P_exp must be there, of
-        a real rig's all but ``phi_deg``; of a closed-loop run ``TRACKING_CHANNELS`` and
-        ``RUN_ATTRIBUTES`` besides.
+        See ``read_columns``; also, an attribute is missing, time does not increase, a
+        value is impossibly large, or the rate is not the expected one. Required are: time,
+        angle and one of the two P_exp in an imported log; all channels but ``phi_deg`` in a
+        log of the real rig; also ``TRACKING_CHANNELS`` and ``RUN_ATTRIBUTES`` in a
+        closed-loop run.
     """
     log, problems = _gather(path)
-    told = log.attributes
-    if experiment is not None and told.get("experiment", experiment) != experiment:
+    attributes = log.attributes
+    if experiment is not None and attributes.get("experiment", experiment) != experiment:
         problems.append(
-            f"{path}: attribute experiment = {told['experiment']}; must be {experiment}, "
-            "the file has another experiment's name"
+            f"{path}: attribute experiment = {attributes['experiment']}; must be {experiment}, "
+            "or the file has the wrong name"
         )
-    declared = told.get("sample_rate_hz", 0.0)
+    declared = attributes.get("sample_rate_hz", 0.0)
     expected = sample_rate_hz or declared
     if expected > 0.0 and _is_clock(log.channels.get("time_s")):
         problems += _wrong_rate(path, log.channels["time_s"], expected, rate_tolerance)
@@ -166,24 +166,24 @@ def read_raw(
 
 
 def read_run(path: Path | str, names: tuple[str, ...] | None = None) -> Columns:
-    """Read channels of a closed-loop run; the whole log is checked as ``read_raw`` does.
+    """Read channels of a closed-loop run; checks the whole log as ``read_raw`` does.
 
     Parameters
     ----------
     names : tuple of str, optional
-        By default all that a raw log has.
+        Channels to return; by default all.
 
     Raises
     ------
     LogError
-        See ``read_raw``, but for the rate; further it is no log of a closed-loop run.
+        See ``read_raw`` (the rate is not checked); also, the log is not of a closed-loop run.
     """
     log, problems = _gather(path, names or (), RUN_ATTRIBUTES)
-    told = log.attributes
-    if "experiment" in told and not _is_run(told):
+    attributes = log.attributes
+    if "experiment" in attributes and not _is_run(attributes):
         problems.append(
-            f"{path}: attribute experiment = {told['experiment']}; that of a closed-loop run "
-            f"begins with {' or '.join(RUNS)}"
+            f"{path}: attribute experiment = {attributes['experiment']}; must begin with "
+            f"{' or '.join(RUNS)}, as of a closed-loop run"
         )
     if problems:
         raise LogError("\n".join(problems))
@@ -193,61 +193,62 @@ def read_run(path: Path | str, names: tuple[str, ...] | None = None) -> Columns:
 
 
 def _gather(
-    path: Path | str, also: tuple[str, ...] = (), attributes: tuple[str, ...] = ()
+    path: Path | str, also: tuple[str, ...] = (), required: tuple[str, ...] = ()
 ) -> tuple[Columns, list[str]]:
-    """Read a raw log by what its attributes say it is."""
-    told = gather_columns(path, ())[0].attributes
-    needed = tuple(dict.fromkeys([*_needed(told), *also]))
-    if _is_run(told):
-        attributes = RUN_ATTRIBUTES
+    """Read a raw log with the channels and attributes that its kind requires."""
+    attributes = gather_columns(path, ())[0].attributes
+    needed = tuple(dict.fromkeys([*_needed(attributes), *also]))
+    if _is_run(attributes):
+        required = RUN_ATTRIBUTES
     log, problems = gather_columns(
         path,
         needed,
         tuple(name for name in RAW_CHANNELS if name not in needed),
-        (*RAW_ATTRIBUTES, *attributes),
+        (*RAW_ATTRIBUTES, *required),
     )
-    if _is_imported(told) and not any(name in log.channels for name in _TARGETS):
+    if _is_imported(attributes) and not any(name in log.channels for name in _TARGETS):
         problems.append(f"{path}: channel {' or '.join(_TARGETS)}: missing; import one of them")
-    more = [*contradictions(told), *_far_away(log.channels)]
+    more = [*contradictions(attributes), *_too_large(log.channels)]
     if _is_clock(log.channels.get("time_s")):
-        more += _wrong_times(log.channels["time_s"], told.get("settle_s"))
+        more += _wrong_times(log.channels["time_s"], attributes.get("settle_s"))
     return log, problems + [f"{path}: {problem}" for problem in more]
 
 
-def contradictions(told: Mapping[str, Any]) -> list[str]:
-    """Return what attributes say that cannot be, each of them being of its kind."""
+def contradictions(attributes: Mapping[str, Any]) -> list[str]:
+    """Return the impossible or contradictory values of attributes whose types are right."""
     problems = []
-    source, simulated = told.get("source"), told.get("simulated")
+    source, simulated = attributes.get("source"), attributes.get("simulated")
+    rate_hz, lost = attributes.get("sample_rate_hz", 1.0), attributes.get("lost_samples", 0)
     if source is not None and source not in SOURCES:
         problems.append(f"attribute source = {source}; must be {', '.join(SOURCES)}")
     elif source and simulated is not None and simulated != source.endswith("sim"):
         problems.append(
-            f"attribute simulated = {simulated} contradicts source = {source}; correct the wrong "
-            "one"
+            f"attribute simulated = {simulated} contradicts source = {source}; correct one of them"
         )
-    if not told.get("sample_rate_hz", 1.0) > 0.0:
-        problems.append(f"attribute sample_rate_hz = {told['sample_rate_hz']}; must be above 0")
-    if told.get("experiment") == "":
+    if not rate_hz > 0.0:
+        problems.append(f"attribute sample_rate_hz = {rate_hz}; must be above 0")
+    if attributes.get("experiment") == "":
         problems.append("attribute experiment: is empty; must be sweep, complex or a run's name")
-    if told.get("lost_samples", 0) < 0:
-        problems.append(f"attribute lost_samples = {told['lost_samples']}; must not be below 0")
+    if lost < 0:
+        problems.append(f"attribute lost_samples = {lost}; must not be below 0")
     return problems
 
 
-def _far_away(channels: Mapping[str, np.ndarray]) -> list[str]:
+def _too_large(channels: Mapping[str, np.ndarray]) -> list[str]:
     problems = []
     for name, values in channels.items():
-        far = np.flatnonzero(np.isfinite(values) & (np.abs(values) > _BEYOND))
-        if far.size:
+        beyond = np.flatnonzero(np.isfinite(values) & (np.abs(values) > _LARGEST))
+        if beyond.size:
             problems.append(
-                f"channel {name}: sample {far[0]} is {values[far[0]]:g}, and {far.size - 1} more "
-                f"are beyond {_BEYOND:g}, which nothing measures; restore the file or record again"
+                f"channel {name}: sample {beyond[0]} is {values[beyond[0]]:g}; it and "
+                f"{beyond.size - 1} more exceed {_LARGEST:g}, far more than any sensor reads; "
+                "restore the file or record again"
             )
     return problems
 
 
 def _is_clock(time_s: np.ndarray | None) -> bool:
-    return time_s is not None and time_s.size > 0 and bool((np.abs(time_s) <= _BEYOND).all())
+    return time_s is not None and time_s.size > 0 and bool((np.abs(time_s) <= _LARGEST).all())
 
 
 def _wrong_times(time_s: np.ndarray, settle_s: float | None) -> list[str]:
@@ -260,8 +261,8 @@ def _wrong_times(time_s: np.ndarray, settle_s: float | None) -> list[str]:
         ]
     if settle_s is not None and settle_s > time_s[-1]:
         return [
-            f"attribute settle_s = {settle_s:g}; the log ends at {time_s[-1]:g} s, so that nothing "
-            "is judged"
+            f"attribute settle_s = {settle_s:g}; must be at most {time_s[-1]:g}, the end of the log, "
+            "or nothing is left to evaluate"
         ]
     return []
 
@@ -275,6 +276,6 @@ def _wrong_rate(
     if abs(period_s * expected_hz - 1.0) <= tolerance:
         return []
     return [
-        f"{path}: channel time_s: sample {len(time_s) - 1}: the mean rate up to here is "
+        f"{path}: channel time_s: the mean rate up to sample {len(time_s) - 1} is "
         f"{1.0 / period_s:.4g} Hz, must be {expected_hz:g} Hz; resample the log"
     ]

@@ -1,4 +1,4 @@
-"""Read the journal of a run, whatever ended it, and bring it into a raw log."""
+"""Read the journal of a run, however it ended, and convert it to a raw log."""
 
 import json
 import zlib
@@ -13,7 +13,7 @@ from fprc.logs.raw import write_raw
 
 
 class Stretch(NamedTuple):
-    """Samples that cannot be read, one after the other, between two that can."""
+    """Consecutive unreadable samples, and the times of the readable ones before and after."""
 
     samples: int
     from_s: float | None
@@ -21,26 +21,26 @@ class Stretch(NamedTuple):
 
 
 class Findings(NamedTuple):
-    """What became of a run's samples."""
+    """State of a run's samples."""
 
-    #: Samples that can be read.
+    #: Readable samples.
     samples: int
     #: Samples that were written and cannot be read.
     lost: int
     stretches: tuple[Stretch, ...]
-    #: Instant of the last sample that can be read; None if there is none.
+    #: Time of the last readable sample; None if there is none.
     last_s: float | None
-    #: Ticks between the first and the last sample for which none was written, if that is known.
+    #: Ticks without a sample between the first and the last one; 0 if unknown.
     missed_ticks: int
-    #: Samples that were not in their place, or twice; their ticks tell their order.
+    #: Samples out of order or repeated; sorted by tick.
     misplaced: int
-    #: Whether the end mark is there.
+    #: Whether the end mark exists.
     closed: bool
-    #: Whether the run came to its planned end and nothing is lost.
+    #: Whether the run reached its planned end and no sample is lost.
     complete: bool
-    #: Why not.
+    #: Why it is not complete.
     reason: str
-    #: What the run said of itself when it was closed.
+    #: Statistics from the end mark.
     statistics: dict[str, Any]
 
 
@@ -51,7 +51,7 @@ class _Block(NamedTuple):
 
 
 def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any], Findings]:
-    """Read a journal, whole or cut or damaged, or one that is being written.
+    """Read a journal, even if it is truncated, damaged, or still being written.
 
     Returns
     -------
@@ -65,8 +65,8 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
     Raises
     ------
     LogError
-        The file cannot be opened, is no journal, or both copies of its header are damaged; the
-        header lacks something, or something in it is not of its kind.
+        The file cannot be opened, is not a journal, or both copies of its header are damaged;
+        an entry of the header is missing or of the wrong type.
     """
     path = Path(path)
     try:
@@ -79,21 +79,21 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
     attributes = header.content
     names = attributes.pop("names", None)
     refuse_description(path, names, attributes)
-    # of two copies, the one that begins the file is the first
+    # a header at byte 0 is the first copy, so the second one follows
     start = header.at + (2 if header.at == 0 else 1) * len(header.raw)
     seed = seed_of(header.raw)
     record = np.dtype([("tick", "<u8"), ("row", "<f8", (len(names),)), ("crc", "<u4")])
     end = _find(data, END, start, seed)
     room = _room(data, start, record)
     begun = end.content["samples"] if end else room
-    there = max(min((len(data) - start) // record.itemsize, room), 0)
-    records = np.frombuffer(data, record, there, start) if there else np.empty(0, record)
+    whole = max(min((len(data) - start) // record.itemsize, room), 0)
+    records = np.frombuffer(data, record, whole, start) if whole else np.empty(0, record)
     right = np.flatnonzero(_checksums(data, start, records, seed) == records["crc"])
-    found = records["tick"][right].astype(np.int64)
-    misplaced = int((found[1:] <= np.maximum.accumulate(found)[:-1]).sum())
-    ticks, first = np.unique(found, return_index=True)
+    stored = records["tick"][right].astype(np.int64)
+    misplaced = int((stored[1:] <= np.maximum.accumulate(stored)[:-1]).sum())
+    ticks, first = np.unique(stored, return_index=True)
     if misplaced and not end:
-        begun -= len(found) - len(ticks)
+        begun -= len(stored) - len(ticks)
     rows = records["row"][right[first]]
     channels = {name: rows[:, j].copy() for j, name in enumerate(names)}
     findings = _findings(right[first], begun, ticks, channels["time_s"], misplaced, end)
@@ -101,7 +101,7 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
 
 
 def _find(data: bytes, marker: bytes, start: int, seed: int = 0) -> _Block | None:
-    """Return the first block of this kind whose checksum is right."""
+    """Return the first block with this marker and a correct checksum."""
     at = data.find(marker, start)
     while at >= 0:
         text_at = at + len(marker) + UINT32.size
@@ -126,14 +126,14 @@ def _no_header(path: Path, data: bytes) -> str:
         return f"{path}: a journal of version {version.decode()}; read it with a newer fprc"
     if MAGIC in data or MAGIC.startswith(data[: len(MAGIC)]):
         return (
-            f"{path}: both copies of the header are damaged or cut, and without it nobody knows "
-            "what the numbers are; restore the file, or run again"
+            f"{path}: both copies of the header are damaged or cut, and without it the samples "
+            "have no meaning; restore the file, or run again"
         )
     return f"{path}: not a journal; journals are described in data/raw/README.md"
 
 
 def _room(data: bytes, start: int, record: np.dtype) -> int:
-    """Return how many samples the file has room for, the last one perhaps in part."""
+    """Return how many samples the file has room for; counts an incomplete last one."""
     for at in range(start, len(data), record.itemsize):
         if data.startswith(END, at):
             return (at - start) // record.itemsize
@@ -158,7 +158,7 @@ def _findings(
     end: _Block | None,
 ) -> Findings:
     lost = max(begun - len(places), 0)
-    # of samples that are not in their place nobody knows between which of them others are lost
+    # with misplaced samples, the positions of the lost ones are unknown
     known = lost and not misplaced
     edges = np.concatenate([[-1], places, [begun]])
     stretches = tuple(
@@ -174,11 +174,11 @@ def _findings(
     if end is None:
         reasons.append("not closed: the program was killed or the power failed")
     elif not end.content["complete"]:
-        reasons.append(end.content["reason"] or "stopped before its end")
+        reasons.append(end.content["reason"] or "stopped early")
     if lost:
         reasons.append(f"{lost} of {begun} samples are lost")
     if misplaced:
-        reasons.append(f"samples that were not in their place: {misplaced}")
+        reasons.append(f"samples out of order or repeated: {misplaced}")
     return Findings(
         samples=len(places),
         lost=lost,
@@ -197,39 +197,39 @@ def _findings(
 
 
 def recover(journal: Path | str, raw: Path | str) -> Findings:
-    """Write what can be read of a journal as a raw log; the journal stays as it is.
+    """Write the readable samples of a journal as a raw log; the journal is not changed.
 
-    A channel without a single number, of a sensor that the rig does not have, is left out.
+    A channel that is NaN throughout belongs to a sensor that the rig lacks, and is left out.
 
     Raises
     ------
     LogError
-        See ``read_journal``; further there is no sample, or ``raw`` exists.
+        See ``read_journal``; also, there is no sample, or ``raw`` exists.
     """
     refuse_existing(raw)
     channels, attributes, findings = read_journal(journal)
     if not findings.samples:
         raise LogError(f"{journal}: no sample can be read; nothing was written")
-    told = {name: value for name, value in attributes.items() if name != "simulated"}
-    told |= {
+    raw_attributes = {name: value for name, value in attributes.items() if name != "simulated"}
+    raw_attributes |= {
         "statistics": findings.statistics,
         "complete": findings.complete,
         "lost_samples": findings.lost,
     }
     if not findings.complete:
-        told["incomplete_reason"] = findings.reason
+        raw_attributes["incomplete_reason"] = findings.reason
     measured = {name: values for name, values in channels.items() if not np.isnan(values).all()}
-    write_raw(raw, measured, **told)
+    write_raw(raw, measured, **raw_attributes)
     return findings
 
 
 def refuse_existing(raw: Path | str) -> None:
-    """Check that a copy can be written under this name.
+    """Check that a new raw log can have this name.
 
     Raises
     ------
     LogError
-        Something is there, or the name is none of a raw log.
+        The file exists, or its name does not end in ``.h5``.
     """
     if Path(raw).suffix != ".h5":
         raise LogError(f"{raw}: a raw log's name ends in .h5; write --out {Path(raw).stem}.h5")

@@ -1,4 +1,4 @@
-"""From the instants of a recording to a uniform grid."""
+"""Resample a recording to a uniform time grid."""
 
 import math
 from collections.abc import Mapping
@@ -6,11 +6,11 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.signal import fftconvolve, firwin, kaiser_beta
 
-#: Of the new Nyquist frequency: what is kept, and where nothing is left.
+#: Edges of pass band and stop band, as shares of the new Nyquist frequency.
 PASS, STOP = 0.8, 1.0
-#: A step longer than this many usual ones is a pause.
+#: A time step longer than this many median steps is a pause.
 PAUSE_PERIODS = 3.0
-#: Suppression from ``STOP`` on.
+#: Attenuation in the stop band, dB.
 STOP_DB = 70.0
 #: Half the length of the low-pass, in new samples (Kaiser's formula).
 _HALF_TAPS = (STOP_DB - 7.95) / (2.285 * math.pi * (STOP - PASS)) / 2.0
@@ -19,17 +19,16 @@ _HALF_TAPS = (STOP_DB - 7.95) / (2.285 * math.pi * (STOP - PASS)) / 2.0
 def resample(
     time_s: np.ndarray, channels: Mapping[str, np.ndarray], rate_hz: float
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Return instants and channels on a uniform grid that begins at the first sample.
+    """Return times and channels on a uniform grid that begins at the first sample.
 
-    Where the grid's instants are those of the recording, values pass unchanged.
-    Else they are interpolated linearly, which never overshoots at held values
-    and gaps; a sine of f Hz, sampled at s Hz, loses at most (pi f / s)^2 / 2.
+    Where the grid coincides with the recording's time stamps, values are copied. Elsewhere they
+    are interpolated linearly, which does not overshoot at held values and gaps; a sine of
+    f Hz, sampled at s Hz, loses at most (pi f / s)^2 / 2.
 
-    To a lower rate this happens on a grid that is a whole number of times finer,
-    at least the recording's rate; then a zero-phase low-pass with a linear
-    phase FIR, flat up to 0.8 of the new Nyquist frequency and at -70 dB from it
-    on, and every n-th sample is kept. At both ends the recording is continued
-    by its reflection in the end point.
+    To a lower rate, values are first interpolated on a grid that is an integer factor finer and
+    no slower than the recording. A linear-phase FIR low-pass, applied without delay, is flat up to
+    0.8 of the new Nyquist frequency and at -70 dB above it; then every n-th sample is
+    kept. At both ends the recording is extended by point reflection in the end point.
     """
     source_hz = rate_of(time_s)
     factor = _refinement(time_s, source_hz, rate_hz)
@@ -44,28 +43,28 @@ def resample(
 
 
 def rate_of(time_s: np.ndarray) -> float:
-    """Return the rate of a recording while it recorded, Hz: pauses do not count."""
+    """Return the mean sample rate of a recording, Hz; pauses are excluded."""
     steps_s = np.diff(time_s)
     return float(1.0 / steps_s[steps_s <= PAUSE_PERIODS * np.median(steps_s)].mean())
 
 
 def points_of(time_s: np.ndarray, rate_hz: float) -> float:
-    """Return on how many samples a channel ``resample`` would work, without doing it."""
+    """Return how many samples per channel ``resample`` would process."""
     source_hz = rate_of(time_s)
-    if not source_hz < 1e9 * rate_hz:  # the instants are all but the same
+    if not source_hz < 1e9 * rate_hz:  # the time stamps are nearly equal
         return math.inf
     factor = _refinement(time_s, source_hz, rate_hz)
     return factor * float((time_s[-1] - time_s[0]) * rate_hz + 2.0 * _HALF_TAPS)
 
 
 def _refinement(time_s: np.ndarray, source_hz: float, rate_hz: float) -> int:
-    """Return how many times finer than the new grid the low-pass works; 1 is without one."""
+    """Return the factor by which the low-pass grid is finer than the new one; 1: no low-pass."""
     ratio = source_hz / rate_hz
-    if ratio <= 1.01:  # the same rate by a clock a little off
+    if ratio <= 1.01:  # the same rate, with clock error
         return 1
     whole = round(ratio)
     grid = time_s[0] + np.arange(len(time_s)) / (whole * rate_hz)
-    # twice the rate where points have to be interpolated: less is lost between them
+    # where points are interpolated, double the rate: linear interpolation then loses less
     return whole if whole > 1 and _aligned(time_s, grid) else math.ceil(2.0 * ratio)
 
 

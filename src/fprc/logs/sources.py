@@ -1,4 +1,4 @@
-"""Files of other programs as named arrays: CSV, HDF5, MATLAB."""
+"""Read files of other programs as named arrays: CSV, HDF5, MATLAB."""
 
 from pathlib import Path
 
@@ -26,25 +26,23 @@ def read_source(
 ) -> Source:
     """Read every variable of a file that can be a channel.
 
-    Libraries can hang on a damaged file or crash: HDF5 and MATLAB files are read
-    in a process of their own.
+    HDF5 and MATLAB files are read in a child process, because their libraries can hang or
+    crash on a damaged file.
 
     Parameters
     ----------
     separator, decimal, header_line, data_line
-        Of a text file, lines counted from 1; None finds out.
+        Format of a text file, lines counted from 1; None: detect it.
 
     Raises
     ------
     LogError
-        The file cannot be read as what its name's ending says, or is too large.
+        The file does not have the format of its name's ending, or is too large.
     """
     path = Path(path)
     kind = _SUFFIXES.get(path.suffix.lower())
     if kind is None:
-        raise LogError(
-            f"{path}: cannot tell what it is by its ending; must be one of {', '.join(_SUFFIXES)}"
-        )
+        raise LogError(f"{path}: unknown file name ending; must be one of {', '.join(_SUFFIXES)}")
     try:
         path.open("rb").close()
     except OSError as error:

@@ -1,4 +1,4 @@
-"""What a file of another program holds, as named arrays, and one column of it by name."""
+"""Content of another program's file as named arrays, and its columns by name."""
 
 import difflib
 import re
@@ -10,25 +10,25 @@ import numpy as np
 
 from fprc.errors import LogError
 
-#: Most numbers that are read of a file, all its arrays together: 10 channels of 1 kHz for 33 min.
+#: Most numbers in a file, over all its arrays: 10 channels of 1 kHz for 33 min.
 MOST_NUMBERS = 20_000_000
-#: Most arrays, texts, ... in a file.
+#: Most variables in a file.
 MOST_VARIABLES = 200_000
 
 
 class Source(NamedTuple):
-    """What a file holds.
+    """Content of a file.
 
     Attributes
     ----------
     kind : str
-        In words.
+        File format, for messages.
     variables : dict
-        Arrays of one or two dimensions by name.
+        Arrays of one or two dimensions, by name.
     others : dict
-        Names of what cannot be a channel, and why.
+        Why other variables cannot be channels, by name.
     lines : ndarray or None
-        Line of each sample in a text file, from 1.
+        Line number of each sample in a text file, from 1.
     """
 
     path: Path
@@ -38,30 +38,30 @@ class Source(NamedTuple):
     lines: np.ndarray | None = None
 
     def sample(self, number: int) -> str:
-        """Return a sample, counted from 0, as a message names it."""
+        """Return the name of a sample, counted from 0, for a message."""
         line = "" if self.lines is None else f" (line {self.lines[number]})"
         return f"sample {number}{line}"
 
 
-def sorted_out(
+def squeezed(
     path: Path, variables: Mapping[str, np.ndarray], others: Mapping[str, str]
 ) -> tuple[dict[str, np.ndarray], dict[str, str]]:
-    """Drop empty dimensions, and what has too many or too few.
+    """Squeeze the variables; move those that are not 1-D or 2-D to the others.
 
     Raises
     ------
     LogError
-        Nothing is there at all.
+        The file has no content.
     """
     kept, dropped = {}, dict(others)
     for name, values in variables.items():
-        squeezed = values.reshape([n for n in values.shape if n != 1])
-        if squeezed.ndim in (1, 2) and squeezed.size:
-            kept[name] = squeezed
+        array = values.reshape([n for n in values.shape if n != 1])
+        if array.ndim in (1, 2) and array.size:
+            kept[name] = array
         else:
             dropped[name] = f"array of shape {values.shape}"
     if not kept and not dropped:
-        raise LogError(f"{path}: holds nothing; the file is empty or cut short")
+        raise LogError(f"{path}: has no content; the file is empty or cut short")
     return kept, dropped
 
 
@@ -71,26 +71,26 @@ _INDEXED = re.compile(r"(?P<name>.+?)\s*\[\s*(?P<row>:|\d+)\s*,\s*(?P<column>:|\
 
 
 def columns_of(source: Source) -> dict[str, np.ndarray]:
-    """Return every column that a map can name; those of a matrix as ``name[:, j]``, j from 0."""
-    found = {}
+    """Return every column by the name that a map uses; of a matrix ``name[:, j]``, j from 0."""
+    columns = {}
     for name, values in source.variables.items():
         if values.ndim == 1:
-            found[name] = values
+            columns[name] = values
         elif values.shape[0] >= values.shape[1]:
-            found |= {f"{name}[:, {j}]": values[:, j] for j in range(values.shape[1])}
+            columns |= {f"{name}[:, {j}]": values[:, j] for j in range(values.shape[1])}
         else:
-            found |= {f"{name}[{j}, :]": values[j] for j in range(values.shape[0])}
-    return found
+            columns |= {f"{name}[{j}, :]": values[j] for j in range(values.shape[0])}
+    return columns
 
 
 def pick(source: Source, text: str) -> np.ndarray:
-    """Return the column that a map names.
+    """Return a column by the name that a map uses.
 
     Raises
     ------
     LogError
-        There is none of that name (with the nearest), or it is no vector; the
-        message names the column and not the file.
+        There is no such column (names the nearest), or it is not a vector. The message
+        does not name the file.
     """
     if text in source.variables:
         values = source.variables[text]
@@ -98,8 +98,8 @@ def pick(source: Source, text: str) -> np.ndarray:
             return values
         rows, columns = values.shape
         raise LogError(
-            f"{text}: has {rows} rows and {columns} columns; choose one, "
-            f"as {text}[:, 0] (counted from 0)"
+            f"{text}: has {rows} rows and {columns} columns; choose one of them, "
+            f"such as {text}[:, 0] (counted from 0)"
         )
     match = _INDEXED.fullmatch(text)
     if match and match["name"] in source.variables and ":" in (match["row"], match["column"]):
@@ -124,11 +124,11 @@ def _slice(source: Source, text: str, match: re.Match[str]) -> np.ndarray:
 
 
 def nearest(text: str, known: Iterable[str]) -> str:
-    """Return the name most like ``text``, of many: bounds on the likeness come first."""
+    """Return the name most similar to ``text``; fast for many names."""
     matcher = difflib.SequenceMatcher(autojunk=False, b=text.lower())
     best, likeness = "", -1.0
     for name in known:
-        matcher.set_seq1(name.lower())
+        matcher.set_seq1(name.lower())  # cheap upper bounds on the ratio come first
         if matcher.real_quick_ratio() > likeness and matcher.quick_ratio() > likeness:
             ratio = matcher.ratio()
             if ratio > likeness:

@@ -9,7 +9,7 @@ from fprc.escape import visible
 from fprc.experiments.data import TARGETS
 from fprc.logs import assess, read_raw, write_columns
 from fprc.logs.isolated import isolated_each
-from fprc.logs.quality import notes_of, unit_told, warnings
+from fprc.logs.quality import noted_unit, notes_of, warnings
 
 log = logging.getLogger(__name__)
 
@@ -56,9 +56,9 @@ def preprocess(
     attributes = {name: source.attributes[name] for name in kept if name in source.attributes}
     attributes["target"] = target
     notes = notes_of(source)
-    attributes["p_target_unit"] = unit_told(TARGETS[target], notes)
-    attributes["theta_unit"] = unit_told("theta_deg", notes)
-    attributes["p_o_unit"] = unit_told("p_o_kpa", notes)
+    attributes["p_target_unit"] = noted_unit(TARGETS[target], notes)
+    attributes["theta_unit"] = noted_unit("theta_deg", notes)
+    attributes["p_o_unit"] = noted_unit("p_o_kpa", notes)
     write_json(quality, report)
     write_columns(data, channels, attributes)
     passed = sum(check["passed"] for check in report["checks"].values())

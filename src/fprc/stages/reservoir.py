@@ -9,7 +9,7 @@ from fprc.experiments.hysteresis import RUNS
 from fprc.experiments.reservoir import CHANNELS, commands_of, drive
 from fprc.logs import read_raw, write_columns
 from fprc.logs.isolated import isolated_each
-from fprc.logs.quality import notes_of, something_else
+from fprc.logs.quality import notes_of, other_quantity
 from fprc.logs.raw import SIMULATED_RESERVOIR
 
 log = logging.getLogger(__name__)
@@ -55,7 +55,7 @@ def add_reservoir(
             "set evaluation.reservoir: recorded"
         )
     note = notes_of(recording).get("theta_deg", "")
-    if note.startswith(something_else("theta_deg")):
+    if note.startswith(other_quantity("theta_deg")):
         raise LogError(
             f"{raw}: channel theta_deg: {note}; K_in takes degrees, so no reservoir can be "
             "simulated: set evaluation.reservoir: recorded, or import an angle"

@@ -37,7 +37,7 @@ def test_rig_as_it_should_be_passes_and_ends_vented(look):
 
 def test_unarmed_check_moves_no_valve_and_says_so(look):
     assert look(armed=False) == (0, [])
-    assert any(line.startswith("valves: held vented; --armed") for line in look.said)
+    assert any(line.startswith("valves: kept vented; --armed") for line in look.said)
     assert 200 <= look.bench.tick < 260
     assert look.signs[-1] == SAFE
     # only those at opening and closing
@@ -58,7 +58,7 @@ def test_swapped_hoses_or_channels_are_named_before_the_wrong_chamber_is_full(
     code, (stopped, swapped) = look()
     assert code == 1
     assert re.match(r"stopped: .* p_i_kpa = (1[89]|20)\d\.\d is outside -20 to 180", stopped)
-    assert swapped.startswith("actuator asked for 60 kPa, p_exp_kpa = ")
+    assert swapped.startswith("actuator: setpoint 60 kPa, but p_exp_kpa = ")
     assert swapped.endswith("p_i_kpa rose instead: hoses, channels or main_output are swapped")
     assert list(look.bench.shared.outputs[:2]) == [0.0, 0.0]
 
@@ -71,7 +71,7 @@ def test_dead_valve_is_named(look, settings, output, chamber, own):
     settings["hardware"]["boards"][output] = 5
     code, (trouble,) = look()
     assert code == 1
-    assert trouble.startswith(f"{chamber} asked for 60 kPa, {own} = ")
+    assert trouble.startswith(f"{chamber}: setpoint 60 kPa, but {own} = ")
     assert trouble.endswith(f"; check supply, valve and hardware.boards.{output}")
 
 
@@ -99,7 +99,7 @@ def test_wrong_sign_of_the_angle_is_named(look, settings):
     settings["hardware"]["theta"]["gain"] = -1.0
     code, (trouble,) = look()
     assert code == 1
-    assert trouble.startswith("the actuator was filled and theta_deg went from 0.")
+    assert trouble.startswith("the actuator was filled, but theta_deg went from 0.")
     assert "it must rise: check the sensor, or its sign in hardware.theta.gain" in trouble
 
 
@@ -126,7 +126,7 @@ def test_sensor_without_a_cable_stops_the_check_and_is_named(look, settings):
         look()
     stopped, unvented = str(caught.value).splitlines()
     assert stopped == "p_i_kpa = -250.0 is outside -20 to 180 (hardware.limits.p_i_kpa)"
-    assert "and p_i_kpa = -250.0, where 15 or less is vented" in unvented
+    assert "and p_i_kpa = -250.0; vented is 15 or less" in unvented
     assert list(look.bench.shared.outputs[:2]) == [0.0, 0.0]
 
 

@@ -36,7 +36,7 @@ def alive(bench, monkeypatch):
 
 @pytest.fixture
 def quick(monkeypatch):
-    monkeypatch.setattr(guardian, "_SAY_S", 0.02)
+    monkeypatch.setattr(guardian, "_MESSAGE_S", 0.02)
     monkeypatch.setattr(guardian, "_RETRY_S", 0.005)
 
 
@@ -54,7 +54,7 @@ def quick(monkeypatch):
         ([b"H.SH", b"..."], "silent"),
     ],
 )
-def test_end_of_the_loop_is_told_from_its_signs(chunks, end):
+def test_end_of_the_loop_is_derived_from_its_signs(chunks, end):
     assert _watch(signs(*chunks), lambda: None, 0.01) == end
 
 
@@ -124,7 +124,7 @@ def test_chambers_that_read_pressure_are_not_called_vented(alive, settings, hear
 def test_sensor_that_is_frozen_does_not_show_that_a_chamber_is_vented(bench, settings, heard):
     settings["hardware"]["valves"]["vent_s"] = 0.3
     said = _vent(settings["hardware"], heard)  # the bench stands still
-    assert "p_exp_kpa and p_i_kpa never changed, a frozen sensor" in said
+    assert "p_exp_kpa and p_i_kpa never changed: frozen sensor" in said
 
 
 def test_chambers_that_no_sensor_shows_are_not_called_vented(alive, settings, heard):
@@ -161,7 +161,7 @@ def wait_for(true):
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGHUP, signal.SIGTERM])
-def test_venting_is_given_up_only_by_a_person(alive, settings, heard, quick, caplog, number):
+def test_venting_is_given_up_only_by_the_user(alive, settings, heard, quick, caplog, number):
     fail(alive, 1 << 40)
 
     def send():
@@ -214,11 +214,11 @@ def test_terminal_that_takes_no_message_does_not_keep_from_venting(
     person.join()
 
 
-def test_driver_that_never_answers_is_told_while_it_is_waited_for(
+def test_driver_that_never_answers_is_reported_during_the_wait(
     settings, heard, quick, caplog, monkeypatch
 ):
     answer = threading.Event()
-    monkeypatch.setattr(guardian, "vent_from_outside", lambda hardware, told: answer.wait(30.0))
+    monkeypatch.setattr(guardian, "vent_from_outside", lambda hardware, on_write: answer.wait(30.0))
 
     def recover():
         wait_for(lambda: len(caplog.messages) >= 2)
@@ -243,10 +243,10 @@ def test_driver_that_does_not_answer_a_reading_is_not_waited_for_without_end(
     settings["hardware"]["valves"]["vent_s"] = 0.1
     said = _vent(settings["hardware"], heard)
     never.set()
-    assert "both valves were told to vent, but no pressure can be read: the driver" in said
+    assert "both valves were set to vent, but no pressure can be read: the driver" in said
 
 
-def test_guardian_asks_for_no_reset_of_what_the_board_puts_out(alive, settings, heard, monkeypatch):
+def test_guardian_does_not_reset_the_outputs_of_the_board(alive, settings, heard, monkeypatch):
     resets = []
     driver = pneumatics.AnalogOutput
 
@@ -259,7 +259,7 @@ def test_guardian_asks_for_no_reset_of_what_the_board_puts_out(alive, settings, 
     assert resets == [False]
 
 
-def test_process_that_does_not_end_is_told_and_waited_for_until_a_person_gives_up(quick, caplog):
+def test_process_that_does_not_end_is_reported_and_awaited_until_the_user_gives_up(quick, caplog):
     class Process:
         pid = 4711
 

@@ -34,11 +34,11 @@ def stop(clocks, monkeypatch):
         signal.signal(number, handler)
 
 
-def test_run_goes_on_while_its_guardian_is_heard(stop, clocks):
+def test_run_continues_while_the_guardian_gives_signs(stop, clocks):
     for _ in range(5):
         clocks.ran_s += 0.4
         assert stop() == ""
-        stop._heard_s = clocks.ran_s
+        stop._sign_s = clocks.ran_s
 
 
 def test_guardian_that_is_silent_ends_the_run(stop, clocks):
@@ -47,7 +47,7 @@ def test_guardian_that_is_silent_ends_the_run(stop, clocks):
     clocks.ran_s += 0.02
     assert "has been silent for 0.51 s (hardware.loop.stalled_s)" in stop()
     # and hearing it again changes nothing
-    stop._heard_s = clocks.ran_s
+    stop._sign_s = clocks.ran_s
     assert "has been silent for 0.51 s" in stop()
 
 

@@ -146,13 +146,13 @@ def test_absent_configuration_is_an_error(run, tmp_path, capsys):
     assert str(tmp_path / "none.yaml") in capsys.readouterr().err
 
 
-def test_failure_of_the_fit_is_told_without_a_traceback(run, fit, capsys):
+def test_failure_of_the_fit_is_reported_without_a_traceback(run, fit, capsys):
     fit.failure = SimulationError("the bending angle left its physical range")
     assert run()[0] == 1
     assert capsys.readouterr().err == "error: the bending angle left its physical range\n"
 
 
-def test_paths_that_are_no_parameters_are_told_all_at_once(run, tmp_path, capsys):
+def test_paths_that_are_no_parameters_are_reported_together(run, tmp_path, capsys):
     path = tmp_path / "mine.yaml"
     free = [*Settings().calibration.ranges, "a.b", "c.d"]
     path.write_text(f"calibration: {{free: {json.dumps(free)}}}\n")
@@ -175,7 +175,7 @@ def test_absent_published_numbers_are_an_error(tmp_path, capsys, monkeypatch):
 def test_fit_that_is_stopped_by_hand_says_that_it_can_go_on(run, fit, capsys):
     fit.failure = KeyboardInterrupt()
     assert run()[0] == 130
-    assert capsys.readouterr().err == "stopped; what was finished is kept\n"
+    assert capsys.readouterr().err == "stopped; finished results are kept\n"
 
 
 def test_library_that_is_not_installed_is_named_with_the_remedy(run, fit, capsys):

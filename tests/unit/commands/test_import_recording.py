@@ -195,7 +195,7 @@ def imported(folder, channels, time=None, source="log.csv"):
 
 
 @pytest.mark.parametrize("scale", [1e308, 1e15])
-def test_overflow_of_scale_and_offset_is_told_and_leaves_nothing(bring, scale):
+def test_overflow_of_scale_and_offset_is_reported_and_leaves_nothing(bring, scale):
     theta = ANGLE | {"scale": scale, "offset": scale}
     with pytest.raises(LogError, match=r"theta_deg: theta_deg: sample 0 \(line 2\) is "):
         bring({"theta_deg": theta, "p_exp_command_kpa": COMMAND})
@@ -213,7 +213,7 @@ def test_repeated_instants_are_merged_and_the_diagnosis_says_so(bring, recorded,
     time_s = recorded["sweep"]["time_s"].copy()
     time_s[1::100] = time_s[::100]
     channels = {"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}
-    with pytest.raises(LogError, match="40 of 4000 samples have the instant of an earlier one"):
+    with pytest.raises(LogError, match="40 of 4000 samples repeat an earlier time stamp"):
         bring(channels, time_s=time_s)
     time = {"column": "time_s", "repeated": "first"}
     raw = bring(channels, time_s=time_s, time=time)
@@ -221,7 +221,8 @@ def test_repeated_instants_are_merged_and_the_diagnosis_says_so(bring, recorded,
     assert (clock["repeated_samples"], clock["repeated"]) == (40, "first")
     assert clock["unordered_samples"] == 0
     assert (
-        "clock: 40 samples had the instant of an earlier one; the first" in capsys.readouterr().out
+        "clock: 40 samples repeated an earlier time stamp; kept the first"
+        in capsys.readouterr().out
     )
     angle = recorded["sweep"]["theta_deg"]
     assert read_raw(raw, **RATE).channels["theta_deg"][2::100] == pytest.approx(angle[2::100])
@@ -244,7 +245,7 @@ def test_name_that_is_no_log_is_refused(tmp_path):
 # --- what may be absent ---------------------------------------------------------------------
 
 
-def test_quality_judges_what_there_is(bring):
+def test_quality_checks_the_channels_present(bring):
     log = read_raw(bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}), **RATE)
     checks = assess(log, sample_rate_hz=200.0, **LIMITS)["checks"]
     assert set(checks["range"]["samples"]) == {"theta_deg", "p_exp_command_kpa"}
@@ -302,13 +303,13 @@ def test_note_on_a_pressure_is_kept_and_its_limits_still_hold(bring):
 @pytest.mark.parametrize(
     ("time_s", "said"),
     [
-        (lambda t: t, "4000 samples at 200 Hz, as they were"),
+        (lambda t: t, "4000 samples at 200 Hz, unchanged"),
         (lambda t: t * 2.0, "interpolated"),
         (lambda t: t + 0.001 * np.sin(t), "interpolated"),
         (lambda t: t / 2.0, "low-passed below 100 Hz and resampled"),
     ],
 )
-def test_what_was_done_to_the_samples_is_said(bring, recorded, capsys, time_s, said):
+def test_treatment_of_the_samples_is_reported(bring, recorded, capsys, time_s, said):
     clock = time_s(recorded["sweep"]["time_s"])
     bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}, time_s=clock)
     assert said in capsys.readouterr().out.splitlines()[-1]
@@ -425,7 +426,7 @@ def test_words_of_the_listing_are_those_of_the_map(tmp_path, capsys, matlab_file
     assert log.channels["p_exp_kpa"][::2] == pytest.approx(3.0 * count.ravel())
 
 
-def test_long_list_of_what_is_no_column_is_cut(tmp_path, capsys):
+def test_long_list_of_unusable_variables_is_cut(tmp_path, capsys):
     head = ",".join(f"x\x1b{k}" for k in range(60))
     (tmp_path / "log.csv").write_text(f"t,{head}\n1{',off' * 60}\n2{',off' * 60}\n")
     assert main(["import", str(tmp_path / "log.csv"), "--list"]) == 0

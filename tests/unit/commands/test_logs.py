@@ -77,13 +77,13 @@ def test_journal_of_a_killed_run_is_copied_with_code_3(journal, repair, tmp_path
     code, out, _ = repair(journal.path)
     assert code == 3
     assert f"400 samples from {journal.path}" in out
-    assert f"  not closed after {last_s:.3f} s: the program was killed" in out
+    assert f"  the end mark is missing after {last_s:.3f} s: the program was killed" in out
     assert "nothing is lost" not in out
     assert copy_of(tmp_path).attributes["complete"] is False
     assert journal.path.read_bytes() == before
 
 
-def test_lost_samples_are_told_with_their_times(journal, repair, tmp_path, channels):
+def test_lost_samples_are_reported_with_their_times(journal, repair, tmp_path, channels):
     journal.append(405, [channels[name][-1] + 0.03 for name in RAW_CHANNELS])
     journal.close()
     data = bytearray(journal.path.read_bytes())
@@ -103,9 +103,7 @@ def test_lost_samples_are_told_with_their_times(journal, repair, tmp_path, chann
     assert log.attributes["lost_samples"] == 3
 
 
-def test_samples_that_were_not_in_their_place_are_said_with_code_3(
-    journal, repair, tmp_path, channels
-):
+def test_misplaced_samples_are_reported_with_code_3(journal, repair, tmp_path, channels):
     journal.close()
     data = bytearray(journal.path.read_bytes())
     start = data.index(np.float64(channels["time_s"][1]).tobytes()) - 8 - SIZE
@@ -114,7 +112,7 @@ def test_samples_that_were_not_in_their_place_are_said_with_code_3(
     journal.path.write_bytes(data)
     code, out, _ = repair(journal.path)
     assert code == 3
-    assert "  put in the order of their ticks: 1 samples\n" in out
+    assert "  1 samples out of order or repeated; sorted by tick\n" in out
     log = copy_of(tmp_path)
     assert (np.diff(log.channels["time_s"]) > 0.0).all()
     assert len(log.channels["time_s"]) == 400
@@ -173,7 +171,7 @@ def test_cut_hdf5_log_is_copied_as_far_as_it_goes_with_code_3(write_log, repair,
     assert path.read_bytes() == before
 
 
-def test_flipped_number_is_said_and_the_copy_says_so_too(write_log, repair, tmp_path):
+def test_flipped_number_is_reported_and_the_copy_says_so_too(write_log, repair, tmp_path):
     path = write_log()
     data = bytearray(path.read_bytes())
     data[-1] ^= 1  # the last number of the last channel
@@ -196,14 +194,14 @@ def test_text_that_is_not_utf_8_is_replaced_in_the_copy(write_log, repair, tmp_p
     assert main(["log", "check", str(path)]) == 1
     code, out, err = repair(path)
     assert code == 3
-    assert "  attribute software: what was not UTF-8 is replaced\n" in out
+    assert "  attribute software: bytes that were not UTF-8 are replaced\n" in out
     assert "  attribute a\\udcb5: left out (its name is not UTF-8)\n" in out
     assert out.replace("\n", "").isprintable()
     assert copy_of(tmp_path).attributes["software"] == "LabVIEW �"
 
 
 @pytest.mark.parametrize("content", [b"", b"text", b"\x89HDF\r\n\x1a\n" + bytes(40)])
-def test_file_of_which_nothing_can_be_read_is_an_error(repair, tmp_path, content):
+def test_file_without_readable_content_is_an_error(repair, tmp_path, content):
     path = tmp_path / "log.h5"
     path.write_bytes(content)
     code, out, err = repair(path)

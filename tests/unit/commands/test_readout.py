@@ -84,9 +84,9 @@ def test_one_command_goes_from_a_recording_to_a_report(recording, tmp_path, caps
 def test_page_names_recording_parts_units_and_pictures_that_exist(recording, tmp_path):
     assert run(tmp_path, recording()) == 0
     text = (tmp_path / "out/report.md").read_text(encoding="utf-8")
-    assert text.startswith("# What the readout of `log.csv` is worth\n")
-    assert "Trained before 7 s, tested from there on" in text
-    assert "but for the settings that were given" in text
+    assert text.startswith("# Worth of the readout in `log.csv`\n")
+    assert "Trained before 7 s, tested after" in text
+    assert "except for the settings given" in text
     assert "Test [N]" in text
     assert "kPa]" not in text
     pictures = [line.split("(")[1].rstrip(")") for line in text.splitlines() if line[:1] == "!"]
@@ -107,7 +107,7 @@ def test_parts_meet_and_do_not_overlap(recording, tmp_path):
     assert len(test.channels["time_s"]) == 1000
 
 
-def test_map_that_lacks_parts_and_readout_is_told_so_at_once(recording, tmp_path):
+def test_map_without_parts_and_readout_is_refused_for_both(recording, tmp_path):
     without = {name: spec for name, spec in CHANNELS.items() if name != "p_o_kpa"}
     path = recording(without, test_from_s=None, experiment="sweep")
     with pytest.raises(ConfigError) as caught:

@@ -97,7 +97,7 @@ def test_more_missed_ticks_than_allowed_end_the_run(time, missed, ends):
     with pytest.raises(ControlError) as caught:
         clock.wait_for(1)
     assert str(caught.value).startswith(
-        f"{missed:.0f} ticks of 3.90625 ms were missed in a row, 3 are put up with"
+        f"{missed:.0f} ticks of 3.90625 ms were missed in a row, the limit is 3"
     )
     assert "hardware.limits.overruns_in_a_row" in str(caught.value)
 

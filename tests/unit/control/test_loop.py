@@ -110,7 +110,7 @@ def test_failure_to_keep_a_row_stops_the_run():
     assert bench.names()[-1] == "safe"
 
 
-def test_request_to_stop_is_obeyed_within_the_tick_and_its_reason_is_told():
+def test_request_to_stop_ends_the_run_within_the_tick_with_its_reason():
     bench = Bench()
     with pytest.raises(RunAbortedError, match="sample 2: SIGTERM") as caught:
         go(bench, samples=9, stop=lambda: "SIGTERM" if bench.ticks == 2 else "")
@@ -118,7 +118,7 @@ def test_request_to_stop_is_obeyed_within_the_tick_and_its_reason_is_told():
     assert len(caught.value.channels["time_s"]) == 2
 
 
-def test_rig_that_cannot_be_made_safe_is_told_beside_the_first_failure():
+def test_failure_to_make_safe_is_reported_with_the_first_failure():
     class Stubborn(Bench):
         def safe(self):
             raise RuntimeError("valve stuck")
@@ -130,7 +130,7 @@ def test_rig_that_cannot_be_made_safe_is_told_beside_the_first_failure():
     assert len(caught.value.channels["time_s"]) == 3
 
 
-def test_row_holds_the_readings_and_what_was_commanded_and_written_upon_them():
+def test_row_holds_the_readings_and_the_commands_computed_from_them():
     bench = Bench()
     rows = go(bench)
     assert tuple(rows) == RAW_CHANNELS
@@ -251,7 +251,7 @@ def test_aborted_run_says_where_and_hands_out_the_rows_before(where):
 
 
 @pytest.mark.parametrize("error", [OSError("unplugged"), ValueError("broken frame")])
-def test_rows_survive_whatever_the_device_raises(error):
+def test_rows_survive_any_exception_of_the_device(error):
     """As documented: the law, the device or the loops failed; holds the rows before."""
     with pytest.raises(RunAbortedError) as caught:
         go(Bench(fail="read", at=2, error=error))

@@ -17,7 +17,7 @@ def test_derivative_is_the_backward_difference_of_the_error():
     np.testing.assert_allclose(found, 3.0 * e + 0.02 * np.diff(e, prepend=e[0]) / 0.01)
 
 
-def test_error_that_stands_still_has_no_derivative():
+def test_constant_error_has_no_derivative():
     pd = PD(2.0, 100.0, 0.005)
     assert [pd.step(10.0, 7.0) for _ in range(3)] == pytest.approx([6.0, 6.0, 6.0])
 

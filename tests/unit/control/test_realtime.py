@@ -35,7 +35,7 @@ def system(monkeypatch):
     return asked
 
 
-def test_what_is_granted_is_said(system):
+def test_granted_requests_are_reported(system):
     assert be_punctual(50) == ["real-time priority 50", "memory locked"]
     assert system == [("priority", 50), ("mlockall", 3)]
 
@@ -47,37 +47,41 @@ def test_garbage_is_collected_before_and_not_during_the_run(system):
     assert system == []
 
 
-def test_refused_priority_is_said_with_its_remedy_and_memory_is_still_locked(system, monkeypatch):
+def test_refused_priority_is_reported_with_its_remedy_and_memory_is_still_locked(
+    system, monkeypatch
+):
     def refuse(*request):
         raise PermissionError(errno.EPERM, "Operation not permitted")
 
     monkeypatch.setattr(os, "sched_setscheduler", refuse)
     priority, memory = be_punctual(42)
-    assert priority.startswith("no real-time priority (Operation not permitted); going on without")
+    assert priority.startswith(
+        "no real-time priority (Operation not permitted); continuing without"
+    )
     assert "rtprio 42" in priority
     assert "/etc/security/limits.conf" in priority
     assert memory == "memory locked"
 
 
-def test_refused_lock_is_said_with_its_reason_and_remedy(system, monkeypatch):
+def test_refused_lock_is_reported_with_its_reason_and_remedy(system, monkeypatch):
     def refuse(flags):
         ctypes.set_errno(errno.ENOMEM)
         return -1
 
     monkeypatch.setattr(ctypes, "CDLL", lambda *a, **k: SimpleNamespace(mlockall=refuse))
     _, memory = be_punctual(1)
-    assert memory.startswith(f"memory not locked ({os.strerror(errno.ENOMEM)}); going on without")
+    assert memory.startswith(f"memory not locked ({os.strerror(errno.ENOMEM)}); continuing without")
     assert "memlock unlimited" in memory
 
 
 @pytest.mark.parametrize("raised", [OSError, AttributeError, TypeError])
-def test_system_without_either_is_said(system, monkeypatch, raised):
+def test_system_without_either_is_reported(system, monkeypatch, raised):
     def refuse(*arguments, **more):
         raise raised
 
     monkeypatch.delattr(os, "sched_setscheduler")
     monkeypatch.setattr(ctypes, "CDLL", refuse)
     priority, memory = be_punctual(1)
-    assert "this system has no SCHED_FIFO; going on without" in priority
-    assert "this system has no mlockall; going on without" in memory
+    assert "this system has no SCHED_FIFO; continuing without" in priority
+    assert "this system has no mlockall; continuing without" in memory
     assert not gc.isenabled()

@@ -178,7 +178,7 @@ def test_dropout_names_bus_address_request_and_remedy(bus, sensor):
     assert str(caught.value) == (
         "angle sensor 0x12 on I2C bus 1: reading the angle failed "
         f"([Errno {errno.EREMOTEIO}] {os.strerror(errno.EREMOTEIO)}); check cable, supply and "
-        "address: `i2cdetect -y 1` shows who answers"
+        "address: `i2cdetect -y 1` lists the devices that answer"
     )
 
 
@@ -192,7 +192,7 @@ def test_dropout_names_bus_address_request_and_remedy(bus, sensor):
         (lambda sensor: sensor.shutdown(), "stopping it"),
     ],
 )
-def test_every_request_to_an_address_where_nobody_answers_fails_in_words(bus, call, asked):
+def test_every_request_to_an_empty_address_raises_device_error(bus, call, asked):
     with pytest.raises(DeviceError, match=rf"0x13 on I2C bus 1: {asked} failed .*check cable"):
         call(BendSensor(bus, 0x13))
     assert transcript(bus) == []
@@ -229,9 +229,7 @@ def test_packet_of_another_type_or_order_is_no_sample(bus, sensor, fault, packet
 
 def test_packet_of_wrong_length_is_an_error(bus, sensor):
     bus.fault = "length"
-    with pytest.raises(
-        DeviceError, match="reading the angle failed .the answer has 2 bytes, not 3"
-    ):
+    with pytest.raises(DeviceError, match="reading the angle failed .the reply has 2 bytes, not 3"):
         sensor.read()
     assert bus.happened == {"length": 1}
 
@@ -248,7 +246,7 @@ def test_without_smbus2_the_module_loads_and_opening_says_how_to_install_it(monk
     ("raised", "advice"),
     [
         (FileNotFoundError(2, "No such file"), "/dev/i2c-3 does not exist; enable I2C .*raspi"),
-        (PermissionError(13, "Permission denied"), "may not be opened .*usermod -aG i2c"),
+        (PermissionError(13, "Permission denied"), "this user may not open .*usermod -aG i2c"),
         (OSError(25, "Inappropriate ioctl"), "cannot be opened .*Inappropriate ioctl.*i2cdetect"),
     ],
 )

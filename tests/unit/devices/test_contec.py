@@ -45,7 +45,7 @@ def test_boards_are_opened_once_and_released(bench, library):
     assert bench.shared.opened == 0
 
 
-def test_board_is_reset_unless_it_must_keep_what_it_puts_out(bench, library):
+def test_board_is_reset_unless_its_outputs_must_hold(bench, library):
     AnalogOutput(library, "AIO001").close()
     calls = bench.shared.calls
     AnalogOutput(library, "AIO001", reset=False).close()
@@ -78,7 +78,7 @@ def test_failure_to_release_does_not_hide_why_a_board_was_not_opened(bench, libr
         (lambda boards: boards[1].close(), "AIO001: AioExit"),
     ],
 )
-def test_code_of_a_call_is_told_in_the_words_of_the_driver(bench, library, use, call):
+def test_error_code_of_a_call_is_translated_by_the_driver(bench, library, use, call):
     boards = AnalogInput(library, "AIO000", 1), AnalogOutput(library, "AIO001")
     fail(bench)
     with pytest.raises(DeviceError) as caught:
@@ -97,7 +97,7 @@ def test_words_of_a_japanese_driver_are_readable_and_none_are_no_crash(bench, li
         board.read()
 
 
-def test_unknown_name_of_a_board_is_told(bench, library):
+def test_unknown_name_of_a_board_is_reported(bench, library):
     with pytest.raises(DeviceError, match=r"board AIO009: .* 10000 \(unregistered device name\)"):
         AnalogInput(library, "AIO009", 1)
     assert bench.shared.opened == 0
@@ -143,7 +143,7 @@ def test_driver_has_its_own_name_on_each_system(monkeypatch):
 
 
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler, cc")
-def test_library_that_is_another_is_told_by_the_call_that_it_lacks(tmp_path):
+def test_wrong_library_is_reported_with_the_call_that_it_lacks(tmp_path):
     source = tmp_path / "other.c"
     source.write_text("long AioInit(void) { return 0; }\nlong AioExit(void) { return 0; }\n")
     other = tmp_path / "other.so"

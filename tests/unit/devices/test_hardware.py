@@ -166,7 +166,7 @@ def test_valve_that_cannot_be_written_does_not_keep_the_other_from_it(bench, bui
     assert written(bench, since=2) == [[(1, 7.0)], [(0, 6.0)]][at]
 
 
-def test_failures_of_one_kind_are_told_once(bench, build):
+def test_failures_of_one_kind_are_reported_once(bench, build):
     rig = build()
     fail(bench, count=100)
     with pytest.raises(DeviceError) as caught:
@@ -219,7 +219,7 @@ def test_sensor_that_is_gone_does_not_keep_the_valves_from_venting(bench, build,
     assert (bench.shared.opened, buses[1].closed) == (0, 1)
 
 
-def test_every_part_that_cannot_be_opened_is_told_at_once(bench, hardware, build):
+def test_every_part_that_cannot_be_opened_is_reported_together(bench, hardware, build):
     hardware["boards"] |= {"input_device": "AIO007", "output_device": "AIO008"}
     hardware["phi"]["bus"] = 2
 
@@ -233,7 +233,7 @@ def test_every_part_that_cannot_be_opened_is_told_at_once(bench, hardware, build
     ]  # fmt: skip
 
 
-def test_one_reason_for_two_parts_is_told_once(bench, hardware, build):
+def test_reason_shared_by_two_parts_is_reported_once(bench, hardware, build):
     hardware["boards"]["library"] = "/nowhere/libcaio.so"
     with pytest.raises(DeviceError) as caught:
         build()
@@ -281,9 +281,7 @@ def test_bus_that_cannot_be_closed_does_not_hide_why_the_rig_was_not_opened(benc
     assert bench.shared.opened == 0
 
 
-def test_valves_are_vented_from_outside_without_touching_what_the_board_puts_out(
-    bench, hardware, monkeypatch
-):
+def test_valves_are_vented_from_outside_without_resetting_the_outputs(bench, hardware, monkeypatch):
     monkeypatch.setattr(
         pneumatics, "vent", partial(pneumatics.vent, sleep=bench.wait, now=bench.elapsed)
     )
@@ -329,7 +327,9 @@ def test_rig_whose_chamber_keeps_its_pressure_is_released_and_not_called_vented(
     rig = build()
     bench.shared.outputs[1] = 9.0
     bench.wait(0.3)
-    with pytest.raises(DeviceError, match=r"after 5 s p_exp_kpa = .* p_i_kpa = [45]\d\d.*where 15"):
+    with pytest.raises(
+        DeviceError, match=r"after 5 s p_exp_kpa = .* p_i_kpa = [45]\d\d.*vented is 15"
+    ):
         rig.close()
     assert bench.shared.opened == 0
 
@@ -360,5 +360,5 @@ def test_sensor_that_is_frozen_shows_nothing(bench, hardware, build):
 
     bench.shared.inputs[0] = 1.01
     rig._venting["sleep"] = freeze
-    with pytest.raises(DeviceError, match="p_exp_kpa never changed, a frozen sensor"):
+    with pytest.raises(DeviceError, match="p_exp_kpa never changed: frozen sensor"):
         rig.close()

@@ -33,7 +33,7 @@ def test_board_that_is_in_use_leaves_the_other_free(tmp_path):
         pass
 
 
-def test_what_is_known_of_the_holder_is_shown_without_control_characters(tmp_path):
+def test_holder_of_a_lock_is_shown_without_control_characters(tmp_path):
     with locked(["AIO000"], str(tmp_path)) as files:
         describe(files, " \x1b[31m(drives the rig)")
         with (
@@ -92,9 +92,9 @@ def test_folder_of_the_system_is_used_where_none_is_given(tmp_path, monkeypatch)
         assert (tmp_path / "fprc-AIO000.lock").exists()
 
 
-def test_folder_that_is_not_there_is_named(tmp_path):
+def test_missing_folder_is_named(tmp_path):
     with (
-        pytest.raises(DeviceError, match=r"there is no folder .*/absent: make it"),
+        pytest.raises(DeviceError, match=r"create the folder .*/absent"),
         locked(["AIO000"], str(tmp_path / "absent")),
     ):
         pass

@@ -102,7 +102,7 @@ def test_jump_is_judged_by_the_time_that_passed(rig, guarded, name, jump, period
     rig.now["time_s"] += (periods - 1) * PERIOD_S
     text = refusal(rig, guarded, **{name: 1.0 - 0.03 * jump * periods})
     assert f"{name} jumped from" in text
-    assert f"in {periods:.1f} samples, more than {jump:g} a sample" in text
+    assert f"in {periods:.1f} samples, more than {jump:g} per sample" in text
 
 
 @pytest.mark.parametrize("name", QUANTITIES)
@@ -119,7 +119,7 @@ def test_value_that_changes_once_in_time_is_not_frozen(rig, guarded):
         step(rig, guarded, 50, theta_deg=1.0 + k)
 
 
-def test_every_problem_is_told_at_once(rig, guarded):
+def test_every_problem_is_reported_together(rig, guarded):
     step(rig, guarded)
     text = refusal(rig, guarded, p_exp_kpa=500.0, theta_deg=float("nan"), phi_deg=30.0)
     assert [line.split()[0] for line in text.splitlines()] == [
@@ -149,7 +149,7 @@ def test_voltage_that_no_valve_takes_is_never_written(rig, guarded, place, wrong
     assert rig.asked == []
 
 
-def test_safe_and_close_reach_the_rig_whatever_was_read(rig, guarded):
+def test_safe_and_close_reach_the_rig_after_any_reading(rig, guarded):
     refusal(rig, guarded, theta_deg=1e3)
     guarded.safe()
     guarded.close()

@@ -83,25 +83,25 @@ def test_part_of_a_clock_is_that_of_its_instants(count, data):
     assert part.since_s.tolist() == clock.since_s[begin:end].tolist()
 
 
-def test_repeated_instants_are_counted_and_the_way_on_is_told():
+def test_repeated_time_stamps_are_counted_and_the_remedy_is_named():
     instants = np.repeat(T[:200], 2)
     said = refusal(read_clock, source(400, 2), {"column": "t", "unit": "s"}, instants)
-    assert "time: t: 200 of 400 samples have the instant of an earlier one" in said
+    assert "time: t: 200 of 400 samples repeat an earlier time stamp" in said
     assert "sample 1 (line 3) at 0;" in said
     assert "time.repeated: first" in said
 
 
-def test_late_samples_are_counted_and_the_way_on_is_told():
+def test_unordered_samples_are_counted_and_the_remedy_is_named():
     instants = T.copy()
     instants[10:12] = instants[[11, 10]]
     instants[20] = 0.0123
     said = refusal(read_clock, source(400, 2), {"column": "t", "unit": "s"}, instants)
-    assert "2 of 400 samples come before an earlier one" in said
-    assert "sample 11 (line 13) at 0.05 after sample 10 (line 12) at 0.055" in said
+    assert "2 of 400 samples are out of order" in said
+    assert "sample 11 (line 13) at 0.05, after sample 10 (line 12) at 0.055" in said
     assert "time.unordered: sort" in said
 
 
-def test_late_and_repeated_samples_are_told_at_once():
+def test_unordered_and_repeated_samples_are_reported_together():
     instants = T.copy()
     instants[10] = instants[3]
     assert len(refusal(clock_of, instants).splitlines()) == 2
@@ -148,9 +148,9 @@ def test_unit_that_is_too_long_is_answered_by_the_likely_one(unit, told):
 
 
 @pytest.mark.parametrize(("unit", "told"), [("s", "us"), ("ms", "ns")])
-def test_unit_that_is_too_short_is_answered_by_the_likely_one(unit, told):
+def test_implausible_unit_is_answered_with_the_plausible_one(unit, told):
     said = length_refused(T / SECONDS[unit], unit=told)
-    assert "less than a sample at sample_rate_hz = 200" in said
+    assert "shorter than one sample at sample_rate_hz = 200" in said
     assert f"set time.unit: {unit}" in said
 
 
@@ -167,7 +167,7 @@ def test_steps_far_finer_than_the_grid_are_refused():
     assert "take 2.4e+09 samples" in length_refused(instants)
 
 
-def test_rate_that_is_too_low_is_told_as_such():
+def test_rate_that_is_too_low_is_reported_as_such():
     with pytest.raises(LogError, match=r"time: rate_hz: .*correct time\.rate_hz"):
         refuse_length(source(), {"rate_hz": 1e-3}, even(400, 1e-3), 200.0)
 

@@ -74,7 +74,9 @@ def test_sample_and_hold_is_found_with_its_factor(factor):
     channel = of(held)
     assert channel["held_samples"] == factor
     assert channel["new_values_hz"] == pytest.approx(RATE_HZ / factor, rel=0.01)
-    assert f"every {factor} samples, {RATE_HZ / factor:.4g} Hz" in words({"theta_deg": held})
+    assert f"every {factor} samples, effectively {RATE_HZ / factor:.4g} Hz" in words(
+        {"theta_deg": held}
+    )
 
 
 def test_hold_by_a_clock_that_is_not_a_multiple_is_found():
@@ -180,7 +182,7 @@ def test_leak_is_measured_against_the_same_log_without_it(squeezed):
     assert fall == pytest.approx(20.0, rel=1e-6)
     time_s, channels = squeezed(20.0)
     assert "p_o_kpa: leaks: at equal p_i_kpa it falls by about" in words(channels, time_s)
-    assert "less than a minute" in words(channels, time_s)
+    assert "in under a minute" in words(channels, time_s)
 
 
 def test_refills_are_found_where_they_are(squeezed):
@@ -191,13 +193,13 @@ def test_refills_are_found_where_they_are(squeezed):
     assert "2 re-fills: +" in words(channels, time_s)
 
 
-def test_sudden_loss_is_told_from_a_refill(squeezed):
+def test_sudden_loss_is_distinguished_from_a_refill(squeezed):
     time_s, channels = squeezed(0.0, [(10.0, -15.0)])
     assert "1 sudden loss: -" in words(channels, time_s)
     assert "re-fill" not in words(channels, time_s)
 
 
-def test_without_p_i_the_angle_stands_for_the_squeezing(squeezed):
+def test_without_p_i_the_angle_drives_the_squeezing(squeezed):
     time_s, channels = squeezed(0.0, [(10.0, 12.0)])
     del channels["p_i_kpa"]
     found = diagnose(time_s, channels)["sealed"]
@@ -205,11 +207,11 @@ def test_without_p_i_the_angle_stands_for_the_squeezing(squeezed):
     assert [step["at_s"] for step in found["steps"]] == pytest.approx([10.0], abs=0.15)
 
 
-def test_pressure_that_nothing_squeezes_is_not_judged():
+def test_pressure_that_nothing_squeezes_is_not_evaluated():
     rng = np.random.default_rng(4)
     channels = {"theta_deg": wave(), "p_o_kpa": np.cumsum(rng.standard_normal(8000))}
     assert diagnose(TIME_S, channels)["sealed"]["slope_kpa_per_min"] is None
-    assert "leak and re-fills are not judged" in words(channels)
+    assert "leak and re-fills are not evaluated" in words(channels)
 
 
 def test_short_recordings_are_not_judged_for_leaks():

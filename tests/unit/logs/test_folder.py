@@ -58,7 +58,7 @@ def test_every_file_that_cannot_be_read_is_named(write_log, tmp_path):
 
 def test_pipe_in_the_place_of_a_log_is_refused_at_once(tmp_path):
     os.mkfifo(tmp_path / "sweep.h5")
-    with pytest.raises(LogError, match=r"sweep\.h5: cannot be opened \(it is no file\)"):
+    with pytest.raises(LogError, match=r"sweep\.h5: cannot be opened \(not a regular file\)"):
         there(tmp_path)
 
 

@@ -236,11 +236,11 @@ def test_value_that_scale_offset_and_unit_make_too_large_is_named(csv, spec):
     told["channels"]["p_exp_kpa"] |= spec
     said = problem(gather, csv(), **told)
     assert "p_exp_kpa: force: sample " in said
-    assert f"by scale, offset and unit beyond {LARGEST:g}" in said
+    assert f"exceed {LARGEST:g}" in said
     assert "nan" not in said
 
 
-def test_everything_wrong_with_a_recording_is_told_at_once(csv):
+def test_all_problems_of_a_recording_are_reported_together(csv):
     t, angle = T.copy(), COLUMNS["angle"].copy()
     t[[6, 9]] = t[[5, 3]]
     source = csv(t=t, angle=angle)

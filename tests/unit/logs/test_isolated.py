@@ -17,7 +17,7 @@ def test_result_is_that_of_the_function():
     assert isolated(sorted, [3, 1, 2], what="x", reverse=True) == [3, 2, 1]
 
 
-def test_what_is_printed_is_no_part_of_the_result():
+def test_prints_do_not_enter_the_result():
     assert isolated(print, "noise", what="x") is None
 
 
@@ -34,13 +34,13 @@ def test_function_that_hangs_is_ended_and_the_file_named():
         isolated(time.sleep, 60.0, what="my.h5", limit_s=0.2)
 
 
-def test_function_that_crashes_is_told_and_the_file_named():
+def test_function_that_crashes_is_reported_and_the_file_named():
     with pytest.raises(LogError, match=r"my\.h5: cannot be read \(the library crashed\)"):
         isolated(ctypes.string_at, 0, what="my.h5")
 
 
 def test_function_that_asks_for_too_much_memory_is_ended_and_the_file_named():
-    with pytest.raises(LogError, match=r"my\.h5: reading it takes more than 4096 MB"):
+    with pytest.raises(LogError, match=r"my\.h5: reading it needs more than 4096 MB"):
         isolated(np.ones, 1 << 32, what="my.h5")
 
 
@@ -67,12 +67,12 @@ def test_file_that_ends_the_process_is_named_and_the_others_are_read():
     for name, words in (
         ("crash", ": cannot be read (the library crashed); the file is damaged"),
         ("hang", ": not read within 2 s"),
-        ("too much", ": reading it takes more than 4096 MB"),
+        ("too much", ": reading it needs more than 4096 MB"),
     ):
         assert str(found[name]).startswith(code[name] + words)
 
 
-def test_all_that_is_wrong_is_said_at_once(tmp_path):
+def test_all_problems_are_reported_together(tmp_path):
     paths = [tmp_path / "a.h5", tmp_path, tmp_path / "c.h5"]
     with pytest.raises(LogError) as caught:
         isolated_each(read_columns, paths, names=())

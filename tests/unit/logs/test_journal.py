@@ -109,7 +109,7 @@ def test_journal_says_when_it_was_started(path):
     assert started.endswith("+00:00")
 
 
-def test_missed_ticks_are_told_from_lost_samples(path):
+def test_missed_ticks_are_distinguished_from_lost_samples(path):
     write(path, ticks=[0, 1, 2, 6, 7, 9])
     ticks, findings = read_ticks(path)
     assert ticks == [0, 1, 2, 6, 7, 9]
@@ -166,7 +166,7 @@ def test_existing_file_is_not_overwritten(path):
     assert path.read_bytes() == before
 
 
-def test_all_that_is_wrong_with_a_description_is_said_before_the_run(tmp_path):
+def test_all_problems_of_a_description_are_reported_before_the_run(tmp_path):
     names = [name for name in NAMES if name != "p_o_kpa"] + ["theta_deg", "speed"]
     attributes = {k: v for k, v in ATTRIBUTES.items() if k not in ("seed", "rig")}
     with pytest.raises(LogError) as caught:
@@ -174,7 +174,7 @@ def test_all_that_is_wrong_with_a_description_is_said_before_the_run(tmp_path):
     for part in (
         "name ends in .journal",
         "channel speed: its name must end in",
-        "channels theta_deg are there twice",
+        "channels theta_deg occur twice",
         "channels p_o_kpa are missing",
         "attributes seed, rig are missing",
     ):
@@ -259,7 +259,7 @@ def test_samples_are_brought_to_the_disk_while_the_run_goes_on(path, monkeypatch
         assert sizes[2] == sizes[0] + SIZE
 
 
-def test_disk_that_fails_ends_the_run_and_keeps_what_is_there(path, monkeypatch):
+def test_disk_that_fails_ends_the_run_and_keeps_the_samples_written(path, monkeypatch):
     failed = threading.Event()
 
     def broken(file):
@@ -281,7 +281,7 @@ def test_disk_that_fails_ends_the_run_and_keeps_what_is_there(path, monkeypatch)
 
 
 @pytest.mark.parametrize("part", [0, 1, 50])
-def test_full_disk_is_told_and_leaves_whole_samples(path, monkeypatch, part):
+def test_full_disk_is_reported_and_leaves_whole_samples(path, monkeypatch, part):
     os_write = os.write
     journal = Journal.create(path, NAMES, ATTRIBUTES)
     for k in range(3):
@@ -307,7 +307,7 @@ def test_full_disk_is_told_and_leaves_whole_samples(path, monkeypatch, part):
     assert "No space left" in findings.reason
 
 
-def test_end_mark_that_cannot_be_written_is_told_and_costs_no_sample(path, monkeypatch):
+def test_end_mark_that_cannot_be_written_is_reported_and_loses_no_sample(path, monkeypatch):
     journal = Journal.create(path, NAMES, ATTRIBUTES)
     journal.append(0, row(0))
 
@@ -412,7 +412,7 @@ def test_any_damage_leaves_the_other_samples(closed, tmp_path_factory, cut, flip
         ([*range(8), 5, 6, 7, *range(8, 20)], 3),  # three twice
     ],
 )
-def test_samples_that_are_not_in_their_place_are_put_there_and_said(path, order, misplaced, close):
+def test_misplaced_samples_are_sorted_and_reported(path, order, misplaced, close):
     write(path, close=close)
     data = path.read_bytes()
     start = data.index(struct.pack("<Qd", 1, 1 / 200.0)) - SIZE
@@ -422,10 +422,10 @@ def test_samples_that_are_not_in_their_place_are_put_there_and_said(path, order,
     assert ticks == list(range(20))
     assert (findings.misplaced, findings.lost, findings.stretches) == (misplaced, 0, ())
     assert not findings.complete
-    assert f"samples that were not in their place: {misplaced}" in findings.reason
+    assert f"samples out of order or repeated: {misplaced}" in findings.reason
 
 
-def test_samples_that_are_lost_and_others_not_in_their_place_are_counted(closed, path):
+def test_lost_and_misplaced_samples_are_counted(closed, path):
     data, start = closed
     swapped = bytearray(data)
     for at, k in ((3, 7), (7, 3)):
@@ -435,7 +435,7 @@ def test_samples_that_are_lost_and_others_not_in_their_place_are_counted(closed,
     ticks, findings = read_ticks(path)
     assert ticks == [k for k in range(20) if k != 12]
     assert (findings.lost, findings.missed_ticks) == (1, 0)
-    assert "1 of 20 samples are lost; samples that were not in their place: 4" in findings.reason
+    assert "1 of 20 samples are lost; samples out of order or repeated: 4" in findings.reason
 
 
 def test_stretches_say_how_many_samples_are_lost_and_from_when_to_when(closed, path):
@@ -570,7 +570,7 @@ def test_sensor_that_the_rig_does_not_have_is_left_out_of_the_log(path, tmp_path
     assert set(log.channels) == set(RAW_CHANNELS) - {"phi_deg"}
 
 
-def test_quality_record_tells_what_the_loop_said_of_its_ticks(path, tmp_path):
+def test_quality_record_holds_the_statistics_of_the_loop(path, tmp_path):
     write(path, overruns=3, jitter_p99_s=1e-4)
     raw = tmp_path / "sweep.h5"
     recover(path, raw)

@@ -82,7 +82,7 @@ def test_table_as_a_struct_array_of_rows_is_columns(read):
     assert source.others["tt(2).note"] == "text"
 
 
-def test_what_is_empty_or_no_number_leaves_the_rest_of_the_file(read):
+def test_empty_and_non_numeric_parts_leave_the_rest_of_the_file(read):
     nothing = np.zeros((0, 0))
     source = read(
         {
@@ -118,7 +118,7 @@ def test_column_of_a_matrix_is_chosen_by_its_index_from_zero(read):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("run.q", "has 10 rows and 3 columns; choose one, as run.q[:, 0]"),
+        ("run.q", "has 10 rows and 3 columns; choose one of them, such as run.q[:, 0]"),
         ("run.q[:, 3]", "has shape (10, 3); indices count from 0"),
         ("run.q[:, :]", "has shape (10, 3)"),
         ("run.q[1, 1]", "no such column"),
@@ -127,7 +127,7 @@ def test_column_of_a_matrix_is_chosen_by_its_index_from_zero(read):
         ("name", "cannot be a channel: text"),
     ],
 )
-def test_wrong_column_is_told_what_is_right(read, text, said):
+def test_wrong_column_is_refused_with_the_right_ones(read, text, said):
     content = {"run": {"q": np.arange(30.0).reshape(10, 3)}, "name": "arm"}
     if text.startswith("run("):
         content = {"run": Structs((1, 2), [{"y": Y}] * 2), "name": "arm"}
@@ -158,13 +158,13 @@ def compressed(element):
     return head + struct.pack("<II", 15, len(packed)) + packed
 
 
-def test_compressed_file_is_refused_by_what_it_unpacks_to(tmp_path, monkeypatch):
+def test_compressed_file_is_refused_by_its_unpacked_size(tmp_path, monkeypatch):
     path = tmp_path / "bomb.mat"
     path.write_bytes(compressed(bytes(3 << 20)))
     assert path.stat().st_size < 1 << 13
     monkeypatch.setattr(matlab, "MOST_NUMBERS", (2 << 20) // 8)
     monkeypatch.setattr(scipy.io, "loadmat", None)
-    with pytest.raises(LogError, match=r"bomb\.mat: its variables take more than 2 MB"):
+    with pytest.raises(LogError, match=r"bomb\.mat: its variables need more than 2 MB"):
         read_arrays(path, matlab=True)
 
 

@@ -9,7 +9,7 @@ from fprc.config import Settings
 from fprc.experiments.hysteresis import acquire
 from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS, Columns, assess
 from fprc.logs.columns import unit_of
-from fprc.logs.quality import unit_told, warnings
+from fprc.logs.quality import noted_unit, warnings
 
 CHECKS = {"complete", "rate", "gaps", "not_finite", "range", "stuck", "leak"}
 ATMOSPHERE_KPA = 101.325
@@ -43,7 +43,7 @@ def test_clean_log_passes_every_check(recorded, experiment):
     assert warnings(judge(log)) == []
 
 
-def test_record_says_what_was_judged_and_is_json(log):
+def test_record_holds_every_check_and_is_json(log):
     record = judge(log)
     assert (record["log"], record["experiment"]) == ("log.h5", "sweep")
     assert (record["source"], record["samples"]) == ("sim", 4000)
@@ -266,7 +266,7 @@ def test_judging_leaves_the_log_as_it_was(recorded):
             {"aborted": "run stopped at sample 7"},
             {"passed": False, "reason": "run stopped at sample 7", "lost_samples": 0},
         ),
-        ({"complete": False}, {"passed": False, "reason": "not said", "lost_samples": 0}),
+        ({"complete": False}, {"passed": False, "reason": "unknown", "lost_samples": 0}),
     ],
 )
 def test_log_that_is_not_complete_fails_with_its_reason(log, told, expected):
@@ -285,5 +285,5 @@ def test_log_that_is_not_complete_fails_with_its_reason(log, told, expected):
         (None, "kPa"),
     ],
 )
-def test_unit_of_something_else_is_what_its_note_ends_with(note, unit):
-    assert unit_told("p_exp_kpa", {} if note is None else {"p_exp_kpa": note}) == unit
+def test_unit_of_another_quantity_is_read_from_its_note(note, unit):
+    assert noted_unit("p_exp_kpa", {} if note is None else {"p_exp_kpa": note}) == unit

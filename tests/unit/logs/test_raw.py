@@ -98,7 +98,7 @@ def test_repeated_instant_is_named_with_its_sample(write_log, changed, channels)
 def test_wrong_rate_is_named_with_the_right_one(write_log, channels, factor):
     path = write_log(changed={"time_s": channels["time_s"] / factor})
     message = problem(path)
-    assert f"{path}: channel time_s: sample 399" in message
+    assert f"{path}: channel time_s: the mean rate up to sample 399" in message
     assert f"{200.0 * factor:.4g} Hz, must be 200 Hz" in message
 
 
@@ -169,12 +169,12 @@ def test_channels_beyond_the_raw_ones_are_kept(write_log):
 
 @pytest.mark.parametrize("value", [2e10, -1e300])
 @pytest.mark.parametrize("name", ["time_s", "p_exp_command_kpa", "phi_deg"])
-def test_number_that_nothing_measures_is_named_with_its_sample(write_log, changed, name, value):
+def test_impossibly_large_number_is_named_with_its_sample(write_log, changed, name, value):
     path = write_log(changed=changed(name, slice(7, 9), value))
     lines = problem(path).splitlines()
     assert lines == [
-        f"{path}: channel {name}: sample 7 is {value:g}, and 1 more are beyond 1e+10, which "
-        "nothing measures; restore the file or record again"
+        f"{path}: channel {name}: sample 7 is {value:g}; it and 1 more exceed 1e+10, far "
+        "more than any sensor reads; restore the file or record again"
     ]
 
 
@@ -227,7 +227,7 @@ def attribute(name, value=None):
         (attribute("gain"), "attribute gain: missing"),
         (attribute("settle_s"), "attribute settle_s: missing"),
         (attribute("settle_s", "5"), "attribute settle_s = '5': must be a finite number"),
-        (attribute("settle_s", 2.0), "attribute settle_s = 2; the log ends at 1.995 s"),
+        (attribute("settle_s", 2.0), "attribute settle_s = 2; must be at most 1.995"),
         (attribute("reference", 3), "attribute reference = 3: must be text"),
         (attribute("source", "dream"), "attribute source = dream; must be sim, rig"),
         (attribute("simulated"), "attribute simulated: missing"),
@@ -246,12 +246,12 @@ def test_run_that_is_not_whole_is_refused_by_check_and_workflow(write_run, chang
 
 def test_log_of_an_experiment_is_no_run(write_log):
     path = write_log(controller="pd", gain="printed", reference="sweep", settle_s=0.0)
-    with pytest.raises(LogError, match="attribute experiment = sweep; that of a closed-loop run"):
+    with pytest.raises(LogError, match="attribute experiment = sweep; must begin with"):
         read_run(path, ("time_s",))
 
 
 @pytest.mark.parametrize("absent", ["p_i_kpa", "valve_main_v"])
-def test_imported_run_may_lack_what_an_import_may_lack(write_run, absent):
+def test_imported_run_may_lack_the_optional_channels_of_an_import(write_run, absent):
     path = write_run(source="import")
     with h5py.File(path, "r+") as file:
         del file[absent]

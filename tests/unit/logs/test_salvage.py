@@ -118,13 +118,13 @@ def test_channel_in_another_unit_is_left_out_and_named(write_log):
     assert "p_o_kpa: cannot be read (units are bar, must be kPa)" in found.words
 
 
-def test_channel_whose_unit_is_not_there_is_kept_and_said(write_log):
+def test_channel_without_a_unit_is_kept_and_reported(write_log):
     path = write_log()
     with h5py.File(path, "r+") as file:
         del file["p_o_kpa"].attrs["units"]
     found = salvage(path)
     assert len(found.channels["p_o_kpa"]) == 400
-    assert found.words == ["p_o_kpa: attribute units: not found; taken for kPa"]
+    assert found.words == ["p_o_kpa: attribute units: not found; assumed to be kPa"]
 
 
 def test_lost_attribute_is_named(write_log):
@@ -144,25 +144,25 @@ def old_log(path, **attributes):
     return path
 
 
-def test_text_that_is_not_utf_8_is_replaced_and_said(tmp_path):
+def test_text_that_is_not_utf_8_is_replaced_and_reported(tmp_path):
     broken = np.bytes_(b"LabVIEW \xb5")
     found = salvage(old_log(tmp_path / "log.h5", software=broken, operator=broken, seed=3))
     assert found.attributes == {"software": "LabVIEW �", "operator": "LabVIEW �", "seed": 3}
-    assert "attribute software: what was not UTF-8 is replaced" in found.words
-    assert "attribute operator: what was not UTF-8 is replaced" in found.words
+    assert "attribute software: bytes that were not UTF-8 are replaced" in found.words
+    assert "attribute operator: bytes that were not UTF-8 are replaced" in found.words
 
 
 @pytest.mark.parametrize(
     ("name", "value"),
     [("statistics", 5), ("notes", "{"), ("sample_rate_hz", np.inf), ("seed", "one"), ("rig", "[]")],
 )
-def test_attribute_that_is_not_of_its_kind_is_left_out_and_said(tmp_path, name, value):
+def test_attribute_that_is_not_of_its_kind_is_left_out_and_reported(tmp_path, name, value):
     found = salvage(old_log(tmp_path / "log.h5", **{"software": "x", name: value}))
     assert found.attributes == {"software": "x"}
     assert any(word.startswith(f"attribute {name}: left out (= ") for word in found.words)
 
 
-def test_name_that_is_not_utf_8_is_left_out_and_said(tmp_path):
+def test_name_that_is_not_utf_8_is_left_out_and_reported(tmp_path):
     path = old_log(tmp_path / "log.h5")
     with h5py.File(path, "r+") as file:
         h5py.h5d.create(file.id, b"p\xe9_kpa", h5py.h5t.IEEE_F64LE, h5py.h5s.create_simple((400,)))
@@ -171,7 +171,7 @@ def test_name_that_is_not_utf_8_is_left_out_and_said(tmp_path):
     assert r"p\udce9_kpa: cannot be read (its name is not UTF-8)" in found.words
 
 
-def test_channel_whose_checksum_is_wrong_is_kept_and_said(write_log):
+def test_channel_whose_checksum_is_wrong_is_kept_and_reported(write_log):
     path = write_log()
     with h5py.File(path) as file:
         at = file["p_o_kpa"].id.get_offset()
@@ -184,7 +184,7 @@ def test_channel_whose_checksum_is_wrong_is_kept_and_said(write_log):
     assert found.lost == 0
 
 
-def test_attributes_of_which_a_byte_is_wrong_are_named(write_log):
+def test_attributes_with_a_wrong_byte_are_named(write_log):
     path = write_log(controller="pd")
     data = path.read_bytes()
     path.write_bytes(data.replace(b"fprc test", b"fprc tesu"))
@@ -194,12 +194,12 @@ def test_attributes_of_which_a_byte_is_wrong_are_named(write_log):
     assert found.attributes["software"] == "fprc tesu"
     (doubtful,) = [word for word in found.words if word.endswith(": may be wrong")]
     assert {"software", "controller", "rig"} <= set(doubtful[11:-14].split(", "))
-    (lost,) = [word for word in found.words if word.endswith(": lost if they were there")]
+    (lost,) = [word for word in found.words if word.endswith(": lost if the file had them")]
     assert {"gain", "notes", "started"} <= set(lost[11:-25].split(", "))
     assert "controller" not in lost
 
 
-def test_dataset_that_is_no_channel_by_its_name_is_left_out_and_said(write_log):
+def test_dataset_without_the_name_of_a_channel_is_left_out_and_reported(write_log):
     path = write_log()
     with h5py.File(path, "r+") as file:
         file["picture"] = np.zeros(400)
@@ -215,12 +215,12 @@ def test_more_datasets_than_a_log_has_are_left_out_and_counted(write_log):
             file[f"a{number}_kpa"] = np.zeros(1)
     found = salvage(path)
     assert set(found.channels) == set(RAW_CHANNELS)
-    assert "30 channels left out: there are too many" in found.words
+    assert "30 channels left out: too many channels" in found.words
 
 
 def test_pipe_is_refused_at_once(tmp_path):
     os.mkfifo(tmp_path / "log.h5")
-    with pytest.raises(LogError, match=r"log\.h5: cannot be opened \(it is no file\)"):
+    with pytest.raises(LogError, match=r"log\.h5: cannot be opened \(not a regular file\)"):
         salvage(tmp_path / "log.h5")
 
 
@@ -236,11 +236,11 @@ def stuck(file, name, *rest):
         time.sleep(600.0)
     return values(file, name, *rest)
 module._values = stuck
-module._leave(Path(sys.argv[1]), Path(sys.argv[2]))
+module._export(Path(sys.argv[1]), Path(sys.argv[2]))
 """
 
 
-def test_reading_that_never_ends_is_given_up_and_what_was_read_is_kept(write_log, monkeypatch):
+def test_reading_that_hangs_is_stopped_and_the_channels_read_are_kept(write_log, monkeypatch):
     path = write_log()
 
     def run(command, *, timeout, **options):
@@ -259,7 +259,7 @@ def test_reading_that_never_ends_is_given_up_and_what_was_read_is_kept(write_log
     assert set(found.channels) == set(RAW_CHANNELS) - {"valve_main_v", "valve_reservoir_v"}
 
 
-def test_reading_that_ends_the_process_is_told(write_log, monkeypatch):
+def test_reading_that_ends_the_process_is_reported(write_log, monkeypatch):
     path = write_log()
     run = module.subprocess.run
     crash = "import os, signal; os.kill(os.getpid(), signal.SIGKILL)"

@@ -117,7 +117,7 @@ def test_small_file_of_a_billion_bytes_is_refused_in_little_memory(tmp_path, kin
     path = tmp_path / WRITERS[kind][1]
     if kind == "matlab5":
         path.write_bytes(zeros_of_matlab(128 << 20))
-        with pytest.raises(LogError, match="take more than 152 MB"):
+        with pytest.raises(LogError, match="need more than 152 MB"):
             read_source(path)
     else:
         with h5py.File(path, "w") as file:
