@@ -72,7 +72,7 @@ def measure_sensitivity(
     paths: Sequence[str],
     steps: int,
     seeds: Sequence[int],
-    standin: Mapping[str, int],
+    surrogate: Mapping[str, int],
     on_rig: Mapping[str, Any],
     models: Mapping[str, Any],
     workers: int,
@@ -88,10 +88,14 @@ def measure_sensitivity(
     """
     shares = np.linspace(0.0, 1.0, steps).tolist()
     cells = [{"path": path, "share": share} for path in paths for share in shares]
-    key = json.dumps([seeds, standin, on_rig, models, version], sort_keys=True)
+    key = json.dumps([seeds, surrogate, on_rig, models, version], sort_keys=True)
     judged = run_cells(
         partial(
-            judge_moved, seeds=seeds, standin=standin, on_rig=RigSettings(**on_rig), models=models
+            judge_moved,
+            seeds=seeds,
+            surrogate=surrogate,
+            on_rig=RigSettings(**on_rig),
+            models=models,
         ),
         [{"path": None, "share": None}, *cells],
         workers=workers,

@@ -28,7 +28,7 @@ PRINTED = yaml.safe_load(PUBLISHED.read_text(encoding="utf-8"))
 RIG = Rig().model_dump(mode="json")
 PATHS = Settings().calibration.free
 FREE = stage.free_parameters(PATHS)
-STANDIN = {"stride": 7, "esn_nodes": 8}
+SURROGATE = {"stride": 7, "esn_nodes": 8}
 
 points = st.lists(st.floats(0.0, 1.0), min_size=len(FREE), max_size=len(FREE)).map(np.array)
 
@@ -241,7 +241,7 @@ def loss_of_point(settings, on_rig):
             "aim": aim,
             "ratios": dict.fromkeys(aim.errors, 1.0),
             "models": settings["judgement"]["models"],
-            "standin": STANDIN,
+            "surrogate": SURROGATE,
         }
         return stage.loss_at(np.array(point), **arguments | changes)
 
@@ -268,7 +268,7 @@ def test_possible_rig_costs_less_than_an_impossible_one(loss_of_point):
 def judged_as(monkeypatch, factor=1.0, found=None, failure=None):
     """Replace the stand-in: errors are the printed ones by a factor, properties in the middle."""
 
-    def judge(on_rig, seed, models, standin):
+    def judge(on_rig, seed, models, surrogate):
         if failure is not None:
             raise failure
         aim = stage.aim_of(PRINTED, Settings().calibration.model_dump())
@@ -396,14 +396,14 @@ def test_residuals_are_those_of_the_full_models_on_the_fitted_rig(fitted, report
 def test_stand_in_is_corrected_by_its_ratios_on_the_rig_at_the_start(report, settings, on_rig):
     judgement = settings["judgement"]
     (full,) = stage.full_errors(on_rig, [21], 1, judgement)
-    cheap, _ = stage.judge_cheaply(on_rig, 21, judgement["models"], STANDIN)
+    cheap, _ = stage.judge_cheaply(on_rig, 21, judgement["models"], SURROGATE)
     expected = {key: full[key] / cheap[key] for key in full}
     assert report["standin_ratios"] == pytest.approx(expected, rel=1e-9)
 
 
 def test_properties_of_the_report_are_those_of_the_fitted_rig(fitted, report, settings, on_rig):
     best = replace(on_rig, rig=written(fitted))
-    _, found = stage.judge_cheaply(best, 21, settings["judgement"]["models"], STANDIN)
+    _, found = stage.judge_cheaply(best, 21, settings["judgement"]["models"], SURROGATE)
     assert report["properties"] == pytest.approx(found, rel=1e-9)
     assert report["plausible"] == settings["calibration"]["plausible"]
 
