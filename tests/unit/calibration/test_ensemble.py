@@ -431,8 +431,8 @@ def sensitivity(tmp_path, settings):
             str(tmp_path / "effects.json"),
             on_rig=settings["on_rig"], models=settings["judgement"]["models"],
             **{
-                "paths": paths, "steps": steps, "seeds": [3, 4], "surrogate": SURROGATE, "workers": 1,
-                "checkpoint": str(tmp_path / "partial.jsonl"), "version": "v",
+                "paths": paths, "steps": steps, "seeds": [3, 4], "surrogate": SURROGATE,
+                "workers": 1, "checkpoint": str(tmp_path / "partial.jsonl"), "version": "v",
             } | changes,
         )  # fmt: skip
         return read_json(tmp_path / "effects.json")
@@ -442,7 +442,7 @@ def sensitivity(tmp_path, settings):
 
 @pytest.fixture
 def moved(monkeypatch):
-    """Rigs and seeds in the order in which the stand-in meets them."""
+    """Rigs and seeds in the order in which the surrogate judges them."""
     seen = []
 
     def judge(on_rig, seed, models, surrogate):

@@ -266,7 +266,7 @@ def test_possible_rig_costs_less_than_an_impossible_one(loss_of_point):
 
 
 def judged_as(monkeypatch, factor=1.0, found=None, failure=None):
-    """Replace the stand-in: errors are the printed ones by a factor, properties in the middle."""
+    """Replace the surrogate: errors are the printed ones by a factor, properties in the middle."""
 
     def judge(on_rig, seed, models, surrogate):
         if failure is not None:
