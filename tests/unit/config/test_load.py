@@ -275,7 +275,7 @@ def test_key_that_is_no_word_is_refused(tmp_path):
     path.write_text("10: 3\nnull: 4\n", encoding="utf-8")
     with pytest.raises(ConfigError) as caught:
         from_files([path])
-    assert str(caught.value).count("unknown key; every key is a word") == 2
+    assert str(caught.value).count("unknown key; keys are words") == 2
 
 
 @pytest.mark.parametrize(
@@ -283,4 +283,4 @@ def test_key_that_is_no_word_is_refused(tmp_path):
     [({"sweeps": {"n_c": [2, 4]}}, "grids"), ({"source": "hardware"}, "source = rig")],
 )
 def test_what_was_renamed_is_refused_with_its_new_name(old, new):
-    assert f"is called {new} now" in message(old)
+    assert f"is now called {new};" in message(old)
