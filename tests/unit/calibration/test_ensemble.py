@@ -506,7 +506,7 @@ STIFF = "reservoir.slip_distance_ml"
 
 def test_rig_that_breaks_a_rule_is_recorded_as_impossible(sensitivity, moved):
     rig = decode(np.zeros(1), Rig().model_dump(mode="json"), free_parameters([STIFF]))
-    with pytest.raises(ValueError, match="squeeze of the reservoir"):
+    with pytest.raises(ValueError, match="squeeze covers"):
         Rig.model_validate(rig)
     _, low, high = sensitivity([STIFF], steps=2)["cells"]
     assert low["errors"] is None
@@ -516,7 +516,7 @@ def test_rig_that_breaks_a_rule_is_recorded_as_impossible(sensitivity, moved):
 
 def test_rule_that_is_broken_is_recorded(sensitivity, moved):
     _, low, _ = sensitivity([STIFF], steps=2)["cells"]
-    assert "squeeze of the reservoir" in low["impossible"]
+    assert "squeeze covers" in low["impossible"]
 
 
 def test_errors_are_those_of_the_stand_in_on_the_moved_rig(sensitivity, settings, on_rig):

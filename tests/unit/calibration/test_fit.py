@@ -255,7 +255,7 @@ STIFF = ["reservoir.squeeze_damping_kpa_s_per_ml", "reservoir.slip_distance_ml"]
 
 def test_rig_that_breaks_a_rule_is_impossible_and_not_simulated(loss_of_point, monkeypatch):
     rig = decode(np.zeros(2), RIG, stage.free_parameters(STIFF))
-    with pytest.raises(ValidationError, match="squeeze of the reservoir"):
+    with pytest.raises(ValidationError, match="squeeze covers"):
         Rig.model_validate(rig)
     monkeypatch.setattr(stage, "judge_cheaply", None)
     assert loss_of_point([0.0, 0.0], STIFF) == stage.IMPOSSIBLE
@@ -548,7 +548,7 @@ def test_rig_that_is_worse_on_other_seeds_than_the_one_before_it_is_warned_of(
     assert found["check_loss"] == pytest.approx(sign * found["loss"])
     assert found["check_loss_at_start"] == pytest.approx(sign * found["loss_at_start"])
     assert found["check_seeds"] == [41]
-    assert any("keep that one" in text for text in caplog.messages) is warned
+    assert any("keep the starting rig" in text for text in caplog.messages) is warned
 
 
 def test_published_numbers_that_cannot_be_read_are_an_error(settings, tmp_path):
