@@ -100,7 +100,7 @@ class Calibration(Section):
     stride: int = quantity(5, "samples", (1, 1000), "the surrogate models fit every n-th row")
     esn_nodes: int = quantity(150, "-", (1, 10000), "reservoir size of the surrogate ESN")
     margin: float = quantity(
-        0.05, "-", (0, 1), "share by which FPRC's test error should be lowest, on each seed"
+        0.05, "-", (0, 1), "FPRC's test error should be lower than the others by this, on each seed"
     )
     ratio: float = quantity(
         1.15, "-", (1, 10), "training errors of ESN and FPRC should be within this factor"
