@@ -16,8 +16,8 @@ from fprc.registry import MODELS, class_module, model_of_run, settings_of
 min_version("9.0")
 
 
-# Snakemake's `configfile:` takes the last of repeated keys, and 010 for 8; what it made of the
-# files of the command line is not used either
+# We parse the files ourselves, also those of the command line: Snakemake takes the last of
+# repeated keys without a warning, and 010 for 8.
 OWN = ["config/config.yaml", "config/rig.yaml"]
 if workflow.config_settings.replace_workflow_config:
     OWN = []
@@ -27,8 +27,8 @@ try:
     SETTINGS = from_files(
         [*OWN, *workflow.overwrite_configfiles], workflow.config_settings.config
     ).model_dump(mode="json")
-    config.update(SETTINGS)  # the files' keys in their types, and what they leave out
-    # of this run, not of its results
+    config.update(SETTINGS)  # typed values of all keys, with the defaults
+    # these belong to the run and do not change the results
     ARMED = SETTINGS.pop("armed")
     GRID_CHUNKS = SETTINGS["grids"].pop("chunks")
     RAW = SETTINGS["folders"]["raw"]
@@ -38,7 +38,7 @@ except FprcError as error:
     raise WorkflowError(str(error)) from None
 
 
-# the image that the Containerfile makes
+# the image of the Containerfile
 container: "docker-daemon://fprc:latest"
 
 

@@ -91,7 +91,7 @@ def _output(self, x):
 TakagiSugenoReadout.output = _output
 """,
     "evaluation/crossval.py": """
-def _partition(folds, samples):
+def _is_partition(folds, samples):
     return False
 """,
 }

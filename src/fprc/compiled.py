@@ -13,10 +13,10 @@ _CONFIG: Any = numba.config
 def kernel(function: Callable[..., Any], **options: Any) -> Callable[..., Any]:
     """Compile ``function`` with numba and cache the machine code on disk.
 
-    numba drops a cached kernel when the file that defines it changes, but not
-    when a function that it calls from another file does. The cache therefore
-    lies in a folder named after all sources of the package that defines it, and
-    after this file; a kernel calls no kernel of another package.
+    numba drops a cached kernel when its own file changes, but not when another
+    file changes that defines a function it calls. The name of the cache folder
+    therefore holds a hash of this file and of all sources of the kernel's package.
+    A kernel must not call a kernel of another package.
     """
     before = _CONFIG.CACHE_DIR
     _CONFIG.CACHE_DIR = str(_cache_folder(Path(function.__code__.co_filename).parent))
@@ -27,7 +27,7 @@ def kernel(function: Callable[..., Any], **options: Any) -> Callable[..., Any]:
 
 
 def summing_kernel(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile as ``kernel``, with sums in an order that fills the processor's vectors."""
+    """Compile as ``kernel``, but allow the compiler to reorder sums for vector instructions."""
     return kernel(function, fastmath={"reassoc", "contract"})
 
 

@@ -1,8 +1,8 @@
-"""Fingerprint of the code that a rule runs, so that the workflow reruns what changed.
+"""Fingerprint of the code that a rule runs: the workflow reruns a rule when its code changes.
 
-Snakemake cannot see into an installed package: an edit under src/ would leave stale results
-behind. Each rule therefore has among its params the hash of its stage's module and of all that
-this imports, without comments and docstrings.
+Snakemake does not track the code of an installed package, so an edit under src/ would leave stale
+results. Each rule's params therefore include a hash of its stage's module and of every module
+that this imports, without comments and docstrings.
 """
 
 import ast
@@ -33,9 +33,9 @@ def fingerprint(*modules: str) -> str:
     ``from package import name`` counts the module that defines the name, not all that the
     package imports. A module from outside this package counts by its own file alone.
     """
-    found = {f"{module} {_source(module).code}" for module in _closure(modules)}
-    _keep()
-    return hashlib.sha256("\n".join(sorted(found)).encode()).hexdigest()[:16]
+    lines = {f"{module} {_source(module).code}" for module in _closure(modules)}
+    _write_cache()
+    return hashlib.sha256("\n".join(sorted(lines)).encode()).hexdigest()[:16]
 
 
 def _closure(modules: tuple[str, ...]) -> set[str]:
@@ -50,7 +50,7 @@ def _closure(modules: tuple[str, ...]) -> set[str]:
 
 
 def _defining(module: str, name: str | None) -> str:
-    """Return the module that defines a name: a module itself, or where its package has it from."""
+    """Return the module that defines ``name``; it may be a module, or re-exported by a package."""
     if name is None:
         return module
     if _path(f"{module}.{name}"):
@@ -77,21 +77,21 @@ def _source(module: str) -> Source:
     path = _path(module) or Path(inspect.getfile(sys.modules[module]))
     content = path.read_bytes()
     key = f"{module} {hashlib.sha256(content).hexdigest()}"
-    if key not in _kept():
+    if key not in _parsed():
         tree = ast.parse(content)
         imports = sorted({(m, n or "") for m, n in _imports(tree)})
         for node in ast.walk(tree):
             body = getattr(node, "body", None)
             if isinstance(body, list) and body and _is_text(body[0]):
                 body.pop(0)
-        _kept()[key] = [hashlib.sha256(ast.dump(tree).encode()).hexdigest(), imports]
-        _fresh.append(key)
-    code, imports = _kept()[key]
+        _parsed()[key] = [hashlib.sha256(ast.dump(tree).encode()).hexdigest(), imports]
+        _new_keys.append(key)
+    code, imports = _parsed()[key]
     return Source(code, [(origin, name or None) for origin, name in imports])
 
 
 def _imports(tree: ast.AST) -> Iterator[tuple[str, str | None]]:
-    """Yield what a module imports, wherever in it, but for what only the types need."""
+    """Yield every import of a module, at any depth, except those under TYPE_CHECKING."""
     for node in ast.iter_child_nodes(tree):
         if isinstance(node, ast.Import):
             yield from ((alias.name, None) for alias in node.names)
@@ -105,28 +105,28 @@ def _is_text(node: ast.AST) -> bool:
     return isinstance(node, ast.Expr) and isinstance(getattr(node.value, "value", None), str)
 
 
-_fresh: list[str] = []
+_new_keys: list[str] = []
 
 
 @cache
-def _kept() -> dict[str, Any]:
-    """Return what was read before by other processes: each job asks again."""
+def _parsed() -> dict[str, Any]:
+    """Return the sources parsed by earlier processes, since every job asks for the same ones."""
     with suppress(OSError, ValueError):
-        kept = json.loads(_file().read_text(encoding="utf-8"))
+        kept = json.loads(_cache_file().read_text(encoding="utf-8"))
         return kept if isinstance(kept, dict) else {}
     return {}
 
 
-def _keep() -> None:
-    if _fresh:
-        _fresh.clear()
-        temporary = _file().with_suffix(f".{os.getpid()}")
+def _write_cache() -> None:
+    if _new_keys:
+        _new_keys.clear()
+        temporary = _cache_file().with_suffix(f".{os.getpid()}")
         with suppress(OSError):  # a folder that cannot be written to is no error
             temporary.parent.mkdir(exist_ok=True)
-            temporary.write_text(json.dumps(_kept()), encoding="utf-8")
-            temporary.replace(_file())
+            temporary.write_text(json.dumps(_parsed()), encoding="utf-8")
+            temporary.replace(_cache_file())
 
 
-def _file() -> Path:
+def _cache_file() -> Path:
     version = hashlib.sha256(Path(__file__).read_bytes() + sys.version.encode()).hexdigest()[:16]
     return Path(fprc.__path__[0]) / "__pycache__" / f"sources-{version}.json"

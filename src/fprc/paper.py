@@ -1,4 +1,4 @@
-"""The paper's vocabulary: what it names by key, and how a reader knows it."""
+"""The paper's names: keys in code, configuration and files, and the names shown to readers."""
 
 #: The two hysteresis experiments: in Table II the first trains and the second tests, in Table III
 #: the other way round.
@@ -10,13 +10,13 @@ DIRECTIONS = (EXPERIMENTS, EXPERIMENTS[::-1])
 #: The references of Table IV.
 REFERENCES = ("sine_0p2", "sine_0p5", "sweep", "complex")
 
-#: That of the disturbance test, Fig. 17.
+#: The reference of the disturbance test, Fig. 17.
 DISTURBANCE = "disturbance"
 
-#: Gains of the PD controller, by name: the paper's, and the one that was identified.
+#: Names of the PD gains: those printed in the paper, and those identified here.
 GAINS = ("printed", "identified")
 
-#: Controllers of the closed-loop runs, with the gain that PD has.
+#: Controllers of the closed-loop runs; the suffix names the PD gains.
 CONTROLLERS = (
     "fprc",
     "fprc_pd_printed",
@@ -25,11 +25,11 @@ CONTROLLERS = (
     "pd_identified",
 )
 
-#: Models of each grid of Figs. 10 and 11, and the settings that it changes.
+#: Models of each grid of Figs. 10 and 11, and the settings that the grid varies.
 GRID_MODELS = {"epsilon": ("fprc",), "n_c": ("fprc", "fuzzy_linear"), "taps": ("fprc",)}
 GRID_SETTINGS = {"epsilon": ("epsilon",), "n_c": ("n_c",), "taps": ("n_u", "n_y")}
 
-#: What a log's ``source`` means to a reader.
+#: A log's ``source``, spelt out for readers.
 SOURCES = {
     "sim": "simulated rig, not hardware",
     "rig": "recorded on the rig",
@@ -46,7 +46,7 @@ REFERENCE_NAMES = {
     "disturbance": "Sine 0.3 Hz, disturbed",
 }
 
-#: Where ``config/published.yaml`` has the errors, by the log that trained.
+#: Sections of ``config/published.yaml`` with the printed errors, by training log.
 PRINTED = {"sweep": "table_2_models", "complex": "table_3_reversed"}
 
 ERRORS = {
@@ -57,7 +57,7 @@ ERRORS = {
 
 
 def controller_and_gain(name: str) -> tuple[str, str]:
-    """Return what a log calls ``controller`` and ``gain``: fprc_pd and printed, fprc and none."""
+    """Return a log's ``controller`` and ``gain``: fprc_pd_printed is split, fprc has gain none."""
     for gain in GAINS:
         if name.endswith(f"_{gain}"):
             return name.removesuffix(f"_{gain}"), gain

@@ -25,7 +25,7 @@ def describe(
     outputs: Sequence[str],
     settings: Mapping[str, Any],
 ) -> dict[str, Any]:
-    """Return what a reader needs to make a result again, or to doubt it.
+    """Return what a reader needs to reproduce a result, or to question it.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def describe(
     Returns
     -------
     dict
-        ``source``, ``simulated`` (also where it is so in part), ``seeds``, ``commit``,
+        ``source``, ``simulated`` (true also if only in part), ``seeds``, ``commit``,
         ``dirty``, ``config_sha256``, ``versions``, ``inputs``, ``outputs``. ``commit`` and
         ``dirty`` are None where the code is not in a git checkout.
     """
@@ -60,30 +60,30 @@ def describe(
 
 
 def hash_of(settings: Mapping[str, Any]) -> str:
-    """Return the SHA-256 of settings, whatever the order of their keys."""
+    """Return the SHA-256 of settings, independent of the order of their keys."""
     text = json.dumps(settings, sort_keys=True, default=str)
     return hashlib.sha256(text.encode()).hexdigest()
 
 
 def versions() -> dict[str, str]:
     """Return the version of Python and of each library that computes or draws."""
-    found = {"python": platform.python_version()}
+    installed = {"python": platform.python_version()}
     for name in _LIBRARIES:
         try:
-            found[name] = version(name)
+            installed[name] = version(name)
         except PackageNotFoundError:
             continue
-    return found
+    return installed
 
 
 def checkout(package: Path | None = None) -> tuple[str | None, bool | None]:
-    """Return commit of the code that runs, and whether it was changed since.
+    """Return the commit of the running code, and whether the checkout differs from it.
 
     Parameters
     ----------
     package : Path, optional
-        Folder of the code, this package's unless given. A package that was
-        installed into a folder which git does not track has no commit.
+        Folder of the code; default: this package. A package installed into a
+        folder that git does not track has no commit.
     """
     package = package or Path(fprc.__path__[0])
     if _git(package, "ls-files", "--error-unmatch", "__init__.py") is None:

@@ -1,6 +1,6 @@
 """The models that are compared, one entry each; tables, figures and rules read them here.
 
-A class is named, not imported: what only wants a model's title or colour loads no numerics.
+Classes are given by name and imported on demand: reading a title or a colour loads no numerics.
 """
 
 from collections.abc import Mapping
@@ -17,21 +17,21 @@ Settings = Mapping[str, Any]
 
 
 class Entry(NamedTuple):
-    """What is known of a model beside its class.
+    """A model's class, inputs and settings, and its look in figures.
 
     Attributes
     ----------
     cls : str
         Its class, ``module.Class``.
     inputs : tuple of str
-        Channels that it sees, in the order of its columns.
+        Its input channels, in the order of the columns of ``X``.
     settings : tuple of str
-        Where its parameters stand in the section ``models``: a key, a section of which every key
-        is one, or ``section.key``.
+        Keys of its parameters in the section ``models``: a key, a subsection (all of its keys),
+        or ``section.key``.
     title : str
-        As a reader knows it.
+        Its name in tables and figures.
     colour : str
-        In every figure.
+        Its colour in every figure.
     """
 
     cls: str
@@ -61,7 +61,7 @@ MODELS = {
 }
 
 #: Colour of every model from outside this package.
-_OUTSIDE = "#44aa99"
+_OUTSIDE_COLOUR = "#44aa99"
 
 
 def entries(models: Settings | None = None) -> dict[str, Entry]:
@@ -72,32 +72,32 @@ def entries(models: Settings | None = None) -> dict[str, Entry]:
             tuple(other["inputs"]),
             (f"others.{name}",),
             title_of(name),
-            _OUTSIDE,
+            _OUTSIDE_COLOUR,
         )
         for name, other in (models or {}).get("others", {}).items()
     }
 
 
 def title_of(name: str) -> str:
-    """Return a model's name as a reader knows it."""
+    """Return a model's name for tables and figures."""
     return MODELS[name].title if name in MODELS else name[:1].upper() + name[1:].replace("_", " ")
 
 
 def colour_of(name: str) -> str:
     """Return a model's colour."""
-    return MODELS[name].colour if name in MODELS else _OUTSIDE
+    return MODELS[name].colour if name in MODELS else _OUTSIDE_COLOUR
 
 
 def settings_of(name: str, models: Settings) -> dict[str, Any]:
     """Return the part of the section ``models`` that one model reads."""
-    found: dict[str, Any] = {}
+    selected: dict[str, Any] = {}
     for path in entries(models)[name].settings:
         section, _, key = path.partition(".")
         if key:
-            found.setdefault(section, {})[key] = models[section][key]
+            selected.setdefault(section, {})[key] = models[section][key]
         else:
-            found[section] = models[section]
-    return found
+            selected[section] = models[section]
+    return selected
 
 
 def build(name: str, models: Settings, seed: int) -> "SequenceModel":
@@ -115,13 +115,13 @@ def build(name: str, models: Settings, seed: int) -> "SequenceModel":
         parameters = {}
         for key, value in settings_of(name, models).items():
             parameters |= value if isinstance(value, Mapping) else {key: value}
-    model = _made(name, cls, parameters)
+    model = _construct(name, cls, parameters)
     if "random_state" in model.get_params():
         model.set_params(random_state=seed)
     return model
 
 
-def _made(name: str, cls: type, parameters: Settings) -> "SequenceModel":
+def _construct(name: str, cls: type, parameters: Settings) -> "SequenceModel":
     try:
         return cls(**parameters)
     except TypeError as error:
@@ -134,7 +134,7 @@ def load_class(name: str, models: Settings) -> type:
     Raises
     ------
     ConfigError
-        There is no such module, or it has no such class; names the key.
+        The module or the class does not exist; the message names the key.
     """
     path = entries(models)[name].cls
     module, _, cls = path.rpartition(".")
@@ -143,37 +143,37 @@ def load_class(name: str, models: Settings) -> type:
     except (ImportError, AttributeError, ValueError) as error:
         raise ConfigError(
             f"models.others.{name}.estimator: {path} cannot be imported ({error}); give "
-            "module.Class of a module that Python finds, for instance with PYTHONPATH"
+            "module.Class, and put the module's folder on PYTHONPATH"
         ) from error
 
 
 def class_module(name: str, models: Settings) -> str:
-    """Return the module of a model's class; one from outside this package is imported."""
+    """Return the module of a model's class; import it if it is from outside this package."""
     if name in models.get("others", {}):
         return load_class(name, models).__module__
     return MODELS[name].cls.rpartition(".")[0]
 
 
 def outside_class(name: str, models: Settings) -> list[type]:
-    """Return the class of a model of ``models.others``, for ``load_model``; else nothing."""
+    """Return the class of a model of ``models.others``, for ``load_model``; else an empty list."""
     return [load_class(name, models)] if name in models.get("others", {}) else []
 
 
 def controllers(models: Settings) -> list[str]:
     """Return the controllers of the closed-loop runs.
 
-    Beside the paper's there is each model of ``models.others`` whose class has ``step``: alone,
-    and with the PD controller at both gains.
+    To the paper's controllers it adds each model of ``models.others`` whose class has ``step``:
+    alone, and with PD at both gains.
     """
-    found = list(CONTROLLERS)
+    names = list(CONTROLLERS)
     for name in models.get("others", {}):
         if hasattr(load_class(name, models), "step"):
-            found += [name, *(f"{name}_pd_{gain}" for gain in GAINS)]
-    return found
+            names += [name, *(f"{name}_pd_{gain}" for gain in GAINS)]
+    return names
 
 
 def feedforward_of(controller: str) -> str | None:
-    """Return the model that gives a controller's P_ff; None for PD alone."""
+    """Return the model that computes a controller's P_ff; None for PD alone."""
     return None if controller == "pd" else controller.removesuffix("_pd")
 
 
@@ -185,7 +185,7 @@ def model_of_run(log: str) -> str:
 
 
 def controller_title(controller: str) -> str:
-    """Return a controller's name as a reader knows it."""
+    """Return a controller's name for tables and figures."""
     model = feedforward_of(controller)
     if model is None:
         return "PD"

@@ -117,7 +117,7 @@ FEW = {
 
 
 @pytest.mark.slow
-@pytest.mark.filterwarnings("ignore:fuzzy c-means did not settle")
+@pytest.mark.filterwarnings("ignore:fuzzy c-means did not converge")
 @pytest.mark.parametrize(("source", "unit"), [(PNEUSIM, "N"), (BYU, "% of its scale")])
 def test_one_command_goes_from_the_file_to_a_report(source, unit, tmp_path):
     if not source.exists():

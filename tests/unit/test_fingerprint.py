@@ -49,9 +49,9 @@ def judge(path: str) -> "Named":
 
 def forget():
     """Begin as a new process would."""
-    for cached in (module._path, module._source, module._kept):
+    for cached in (module._path, module._source, module._parsed):
         cached.cache_clear()
-    module._fresh.clear()
+    module._new_keys.clear()
 
 
 @pytest.fixture

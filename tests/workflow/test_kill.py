@@ -141,7 +141,7 @@ def test_killed_grid_continues_at_its_next_cell(smoked_copy):
     smoked_copy.recover()
     done = smoked_copy.smoke("fig11")
     assert done.returncode == 0, done.stdout
-    assert "Sweep over taps" in done.stdout
+    assert "Grid of taps" in done.stdout
     assert len([*cells(done.stdout)]) == 4 - len(kept)
     assert (results / "grids/taps.json").read_bytes() == expected
     assert not checkpoint.exists()

@@ -1,4 +1,4 @@
-# How fast we are beside other libraries. No part of `all`: `make benchmark` installs what it needs.
+# Speed compared with other libraries. Not part of `all`; `make benchmark` installs the libraries.
 
 BENCHMARK = PATHS.below("benchmark")
 WHOLE = f"{BENCHMARK}/all.json"
@@ -33,12 +33,12 @@ rule measure_benchmark:
         rounds=9,
         seed=SETTINGS["seed"],
     message:
-        "Speed beside other libraries, alone on the machine"
+        "Speed compared with other libraries; runs alone"
     script:
         "../scripts/stage.py"
 
 
-# Half an hour or so, and only worth it when the machine is left alone: `make benchmark-all`.
+# Takes about half an hour, and the machine must be idle: `make benchmark-all`.
 rule measure_all:
     output:
         report=WHOLE,
@@ -48,7 +48,7 @@ rule measure_all:
     params:
         code=stage("benchmark.measure_benchmark", *MODELS)["code"],
     message:
-        "`all` beside the same rules with plain implementations"
+        "Time of `all` compared with the same rules in plain implementations"
     shell:
         "python tests/plain.py {output.report:q} --cores {threads} > {log:q} 2>&1"
 
@@ -66,9 +66,9 @@ rule benchmark_table:
         PATHS.messages("benchmark_table"),
     params:
         **stage("show_benchmark.tabulate_benchmark"),
-        whole=WHOLE,  # no input: it is not made anew for an edit
+        whole=WHOLE,  # not an input, so that an edit does not rerun it
     message:
-        "Speed beside other libraries: table"
+        "Speed compared with other libraries: table"
     script:
         "../scripts/stage.py"
 
@@ -98,7 +98,7 @@ rule rule_times:
         **stage("show_benchmark.tabulate_rules"),
         files=TARGETS["report"],
     message:
-        "What each rule took when it last ran"
+        "Time of the last run of each rule"
     script:
         "../scripts/stage.py"
 
@@ -117,7 +117,7 @@ rule performance_page:
         performance="docs/performance.md",
         picture="docs/images/growth.png",
     message:
-        "Benchmark in README.md and docs/performance.md, from the results"
+        "README.md and docs/performance.md: benchmark from the results"
     script:
         "../scripts/stage.py"
 

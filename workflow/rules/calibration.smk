@@ -1,8 +1,8 @@
-# How the simulated rig was set, and what depends on it. None of this is part of `all`.
+# Calibration of the simulated rig, and what depends on it. None of this is part of `all`.
 
 ENSEMBLE = SETTINGS["ensemble"]
 TARGET_NAMES = ["command", "measured"]
-STANDIN = {key: SETTINGS["calibration"][key] for key in ("stride", "esn_nodes")}
+SURROGATE = {key: SETTINGS["calibration"][key] for key in ("stride", "esn_nodes")}
 DRAWN = {key: ENSEMBLE[key] for key in ("seed", "angle_deg", "p_o_swing_kpa")}
 FREE = {"paths": SETTINGS["calibration"]["free"], "ranges": SETTINGS["calibration"]["ranges"]}
 CHUNKS = {
@@ -39,7 +39,7 @@ rule ensemble_chunk:
         rigs=PATHS.below("ensemble/rigs_{chunk}.json"),
     log:
         PATHS.messages("ensemble_{chunk}"),
-    # a chunk of another size is no file of ours
+    # files of another chunk size are not outputs of this rule
     wildcard_constraints:
         chunk="|".join(map(str, CHUNKS)),
     resources:
@@ -54,7 +54,7 @@ rule ensemble_chunk:
         free=FREE,
         checkpoint=PATHS.below("ensemble/rigs_{chunk}.partial.jsonl"),
     message:
-        "Ensemble: rigs from number {wildcards.chunk} through Tables II to IV"
+        "Ensemble: Tables II to IV on the rigs from number {wildcards.chunk}"
     script:
         "../scripts/stage.py"
 
@@ -118,7 +118,7 @@ rule measure_sensitivity:
         paths=SETTINGS["calibration"]["free"],
         steps=ENSEMBLE["sensitivity_steps"],
         seeds=EVALUATION["replicate_seeds"][:2],
-        standin=STANDIN,
+        surrogate=SURROGATE,
         workers=lambda wildcards, threads: threads,
         checkpoint=PATHS.below("calibration/sensitivity.partial.jsonl"),
     message:
@@ -155,7 +155,7 @@ rule targets_table:
         **stage("tabulate.tabulate_targets"),
         names=TARGET_NAMES,
     message:
-        "Commanded against measured pressure as the models' target"
+        "Commanded compared with measured pressure as the models' target"
     script:
         "../scripts/stage.py"
 
@@ -187,7 +187,7 @@ rule calibration_page:
         picture="docs/images/ensemble.png",
         rig=SETTINGS["rig"],
     message:
-        "Numbers and picture of docs/calibration.md, from the results"
+        "docs/calibration.md: numbers and picture from the results"
     script:
         "../scripts/stage.py"
 

@@ -1,4 +1,4 @@
-# The ledger of the paper's claims; the check of its verdicts and of what lies in the folders.
+# The ledger of the paper's claims; the check of its verdicts and of the files in the folders.
 
 
 rule ledger:
@@ -35,13 +35,13 @@ if "check" not in PLAN.unavailable:
             **stage("check.check_results"),
             folders=SETTINGS["folders"],
             made=lambda wildcards: made_by_rules(),
-            # the documentation shows the paper's results, not those of other settings
+            # the documentation shows the results of the paper's settings only
             pictures=lambda wildcards: {
                 rule.params.picture: str(rule.input.figure)
                 for rule in workflow.rules
                 if RESULTS == "results" and rule.params.get("picture")
             },
         message:
-            "Verdicts against those declared in config/verdicts.yaml, files, pictures"
+            "Check of the verdicts in config/verdicts.yaml, of files, of pictures in docs"
         script:
             "../scripts/stage.py"

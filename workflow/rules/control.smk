@@ -77,6 +77,6 @@ else:
         params:
             **stage("track.read_gains"),
         message:
-            "Gains that the closed-loop logs name"
+            "Gains given in the closed-loop logs"
         script:
             "../scripts/stage.py"

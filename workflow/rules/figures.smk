@@ -1,4 +1,4 @@
-# The figures, each from result files alone.
+# The figures, each drawn from result files only.
 
 
 rule draw_fig1:
@@ -164,7 +164,7 @@ rule draw_fig10:
         **figure(10, statistics=True),
     log:
         PATHS.messages("fig10"),
-    priority: LONG  # its times come last, and the report waits for it
+    priority: LONG  # its execution times are measured last, and the report waits for it
     params:
         **stage("draw.draw_settings"),
     message:
@@ -249,6 +249,6 @@ rule draw_readout:
     params:
         **stage("draw.draw_readout"),
     message:
-        "What the readout is worth: figure"
+        "Value of the readout: figure"
     script:
         "../scripts/stage.py"

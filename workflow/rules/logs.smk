@@ -38,7 +38,7 @@ if SETTINGS["source"] == "rig":
             raw=PATHS.log("{name}"),
         log:
             PATHS.messages("record_on_rig_{name}"),
-        # a log that is there has no rule: nothing runs again on it, nothing overwrites it
+        # no rule for a log that exists: it is neither recorded again nor overwritten
         wildcard_constraints:
             name="|".join(
                 name for name in [*PLAN.every_log, *IDENTIFY] if not Path(PATHS.log(name)).exists()

@@ -1,5 +1,5 @@
 # Sec. III-D: cross-validation, test and execution times of the models.
-# The log that trains names a result's file; the reversed data set trains on `complex`.
+# Result files are named after the training log; Table III trains on `complex`.
 
 TRAIN_AND_TEST = {"train": PATHS.data("sweep"), "test": PATHS.data("complex")}
 
@@ -22,7 +22,7 @@ rule judge:
         stage="judge.judge",
         code=lambda wildcards: stage("judge.judge", wildcards.model)["code"],
     message:
-        "Cross-validation and test of {wildcards.model}, and with the logs reversed"
+        "Cross-validation and test of {wildcards.model}, also with the logs reversed"
     script:
         "../scripts/stage.py"
 
@@ -69,7 +69,7 @@ rule measure_times:
         repeats=EVALUATION["timing_repeats"],
         seed=SETTINGS["seed"],
     message:
-        "Execution times, and the cost of a control step, alone on the machine"
+        "Execution times, and the cost of a control step; runs alone"
     script:
         "../scripts/stage.py"
 
@@ -116,7 +116,7 @@ if GRID_CHUNKS == 1:
             **GRID,
             checkpoint=PATHS.below("grids/{grid}.partial.jsonl"),
         message:
-            "Sweep over {wildcards.grid}, workers: {threads}"
+            "Grid of {wildcards.grid}, workers: {threads}"
         script:
             "../scripts/stage.py"
 
@@ -141,7 +141,7 @@ else:
             chunks=GRID_CHUNKS,
             checkpoint=PATHS.below("grids/{grid}_{chunk}.partial.jsonl"),
         message:
-            "Sweep over {wildcards.grid}, chunk {wildcards.chunk}, workers: {threads}"
+            "Grid of {wildcards.grid}, chunk {wildcards.chunk}, workers: {threads}"
         script:
             "../scripts/stage.py"
 
@@ -156,7 +156,7 @@ else:
         params:
             **stage("grid.join_grid"),
         message:
-            "Sweep over {wildcards.grid}: all chunks"
+            "Grid of {wildcards.grid}: all chunks"
         script:
             "../scripts/stage.py"
 
@@ -179,7 +179,7 @@ rule measure_times_over_n_c:
         repeats=EVALUATION["timing_repeats"],
         seed=SETTINGS["seed"],
     message:
-        "Execution times over n_c, alone on the machine"
+        "Execution times over n_c; runs alone"
     script:
         "../scripts/stage.py"
 
@@ -204,6 +204,6 @@ rule measure_readout:
         workers=lambda wildcards, threads: threads,
         checkpoint=PATHS.below("readout/cells.partial.jsonl"),
     message:
-        "FPRC with and without P_o, and with stand-ins for it"
+        "FPRC with P_o, without it, and with substitutes for it"
     script:
         "../scripts/stage.py"

@@ -1,4 +1,4 @@
-# Everything on one page, and what could not be made.
+# The report, and the list of results that cannot be made.
 
 
 rule list_unavailable:
@@ -11,7 +11,7 @@ rule list_unavailable:
         **stage("tabulate.tabulate_unavailable"),
         reasons=PLAN.not_available,
     message:
-        "What the data do not allow, and why"
+        "Results that the data do not allow, and why"
     script:
         "../scripts/stage.py"
 

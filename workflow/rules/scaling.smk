@@ -1,4 +1,4 @@
-# What a rig, a cell and a job cost, for docs/scaling.md. None of this is part of `all`.
+# Cost of a rig, a cell and a job, for docs/scaling.md. None of this is part of `all`.
 
 
 rule measure_scale:
@@ -20,7 +20,7 @@ rule measure_scale:
         chunk=ENSEMBLE["chunk"],
         seed=SETTINGS["seed"],
     message:
-        "Cost of a rig, a cell of a grid, a closed-loop second and a plan; alone, some minutes"
+        "Cost of a rig, a grid cell, a closed-loop second and a plan; runs alone, some minutes"
     script:
         "../scripts/stage.py"
 
@@ -35,6 +35,6 @@ rule scaling_page:
         **stage("documents.update_scaling_page"),
         page="docs/scaling.md",
     message:
-        "Numbers of docs/scaling.md, from the results"
+        "docs/scaling.md: numbers from the results"
     script:
         "../scripts/stage.py"

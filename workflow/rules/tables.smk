@@ -1,4 +1,4 @@
-# Tables I to IV, over seeds, and of what the paper does not print.
+# Tables I to IV, the same over further seeds, and tables that the paper does not have.
 
 TRAINED_ON = {"2": "sweep", "3": "complex"}
 
@@ -65,7 +65,7 @@ rule orders_table:
     params:
         **stage("tabulate.tabulate_orders"),
     message:
-        "Orders of Tables 2 and 3 on every seed"
+        "Order of the models in Tables 2 and 3 on every seed"
     script:
         "../scripts/stage.py"
 
@@ -148,6 +148,6 @@ rule readout_table:
     params:
         **stage("tabulate.tabulate_readout"),
     message:
-        "What the readout is worth: table"
+        "Value of the readout: table"
     script:
         "../scripts/stage.py"

@@ -1,4 +1,4 @@
-# What a user asks for by name.
+# Targets that a user can name.
 
 
 for target in PLAN.refused:
@@ -60,6 +60,6 @@ if "readme" not in PLAN.unavailable:
             readme="README.md",
             picture="docs/images/fig08_training.png",
         message:
-            "Numbers and picture of the README, from the results"
+            "README: numbers and picture from the results"
         script:
             "../scripts/stage.py"

@@ -1,1 +1,1 @@
-"""Speed beside other libraries, and what more of everything would cost."""
+"""Speed compared with other libraries, and cost of larger problems."""

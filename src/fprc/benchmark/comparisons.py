@@ -1,4 +1,4 @@
-"""How fast we are beside what a user would pick instead."""
+"""Speed compared with the libraries that a user would otherwise pick."""
 
 import itertools
 import logging
@@ -21,26 +21,26 @@ from fprc.registry import build
 log = logging.getLogger(__name__)
 
 
-#: At which scikit-fuzzy comes as near to the optimum as is compared; at its documentation's
-#: tolerance the objective is 1e-7 above.
+#: Tolerance at which scikit-fuzzy comes close enough to the optimum to be compared; at the
+#: tolerance of its documentation the objective is 1e-7 higher.
 TIGHT = 5e-4
 
 
 class Comparison(NamedTuple):
-    """One piece of work, done by us and by another."""
+    """One piece of work, done by this package and by another library."""
 
     work: str
     against: str
-    aim: float  #: times faster
+    aim: float  #: speed-up that we aim at
     ours: Callable[[], Any]
     theirs: Callable[[], Any]
     difference: Callable[[Any, Any], float]
-    limit: float  #: the largest difference at which a ratio is given
-    samples: int = 0  #: that the time is given for, 0 for all of it
+    limit: float  #: largest difference of results whose times are compared
+    samples: int = 0  #: samples of the work, to report the time per sample; 0: report the total
 
 
 def compare(each: Comparison, rounds: int) -> dict[str, Any]:
-    """Check that both give the same, then time them in turn; no times where they differ."""
+    """Check that both give the same result, then time them in turns; if they differ, no times."""
     difference = float(each.difference(each.ours(), each.theirs()))
     agrees = difference <= each.limit
     work = {"ours": each.ours, "theirs": each.theirs}
@@ -54,7 +54,7 @@ def compare(each: Comparison, rounds: int) -> dict[str, Any]:
 def network_comparisons(
     models: Mapping[str, Any], data: Sequence[Data], seed: int
 ) -> list[Comparison]:
-    """Return the work of the ESN: states of both logs, a step, and the cross-validation."""
+    """Return comparisons of the ESN: states of both logs, a step, and cross-validation."""
     logs = [each.pair("esn")[0] for each in data]
     y = data[0].pair("esn")[1]
     model = build("esn", models, seed).set_params(washout=0)
@@ -110,7 +110,7 @@ def network_comparisons(
 def fuzzy_comparisons(
     models: Mapping[str, Any], data: Data, taps: Sequence[int], seed: int
 ) -> list[Comparison]:
-    """Return the work of the FPRC: a step, the clustering, and the tap grid by some cells."""
+    """Return comparisons of the FPRC: a step, the clustering, and some cells of the tap grid."""
     X, y = data.pair("fprc")
     model = build("fprc", models, seed).fit(X, y)
     rows = model.features_.transform(X)
@@ -125,9 +125,9 @@ def fuzzy_comparisons(
         errors = []
         for n_u, n_y in cells:
             cell = build("fprc", models, seed).set_params(n_u=n_u, n_y=n_y)
-            its_rows = cell.make_features().fit(X).transform(X)
-            found = fit_folds(make(cell), its_rows, y, folds)
-            errors.append(float(np.mean(found.validation_rmse)))
+            cell_rows = cell.make_features().fit(X).transform(X)
+            folded = fit_folds(make(cell), cell_rows, y, folds)
+            errors.append(float(np.mean(folded.validation_rmse)))
         return errors
 
     def theirs(cell: SequenceModel) -> peers.SkfuzzyReadout:
@@ -163,7 +163,7 @@ def _apart(ours: Any, theirs: Any) -> float:
 
 
 def _a_step_apart(ours: list[np.ndarray], theirs: list[np.ndarray]) -> float:
-    """Compare x(k) with x(k+1), which ReservoirPy gives upon sample k."""
+    """Compare x(k) with x(k+1), which ReservoirPy returns for sample k."""
     return _apart([states[1:] for states in ours], [states[:-1] for states in theirs])
 
 

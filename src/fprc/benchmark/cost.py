@@ -1,6 +1,6 @@
-"""What a rig, a cell of a grid, a closed-loop second and a job cost, by processor time.
+"""Processor time of a rig, a cell of a grid, a closed-loop second and a job.
 
-Neighbours on the machine disturb it little.
+Other programs on the machine hardly change processor time.
 """
 
 import json
@@ -26,8 +26,8 @@ from fprc.registry import build
 
 log = logging.getLogger(__name__)
 
-#: Runs a command in a process of its own: a child is told the memory of its parent as its own
-#: peak, and this parent is small.
+#: Runs a command from a small process: Linux counts the memory of the parent in the peak of its
+#: child.
 _WATCH = """
 import json, resource, subprocess, sys, time
 start = time.monotonic()
@@ -54,16 +54,16 @@ def costs(
     judgement: Mapping[str, Any],
     seed: int,
 ) -> dict[str, dict[str, float]]:
-    """Measure what a rig, a cell of a grid and a closed-loop second cost, by processor time.
+    """Measure the processor time of a rig, a cell of a grid and a closed-loop second.
 
     Parameters
     ----------
     rigs : int
-        Rigs of the ensemble that are judged.
+        Number of rigs of the ensemble to judge.
     taps : sequence of Mapping
-        ``n_u`` and ``n_y`` of the cells that are judged.
+        ``n_u`` and ``n_y`` of the cells to judge.
     judgement : Mapping
-        As ``Judgement`` takes it, but for the seed.
+        Arguments of ``Judgement`` without the seed.
     """
     data = simulate(on_rig, seed)  # compiles the rig
     model = build("fprc", judgement["models"], seed).fit(*data["sweep"].pair("fprc"))
@@ -105,17 +105,17 @@ def costs(
 def plan_ensemble(
     jobs: int, *, alone: bool = False, snakefile: str = "Snakefile"
 ) -> dict[str, float]:
-    """Let Snakemake plan an ensemble of ``jobs`` jobs, one rig each, and return what it spent.
+    """Let Snakemake plan an ensemble of ``jobs`` jobs, one rig each; return the time and memory.
 
     Parameters
     ----------
     alone : bool
-        Plan one of the jobs only, as each of them does on its node.
+        Plan only one of the jobs, as every job does on its node.
 
     Raises
     ------
     EvaluationError
-        It did not plan them.
+        Snakemake did not plan them.
     """
     wanted = 1 if alone else jobs
     with tempfile.TemporaryDirectory() as folder:
@@ -130,8 +130,8 @@ def plan_ensemble(
             for line in Path(folder, "printed").read_text(encoding="utf-8").splitlines()
         ]
     if ["ensemble_chunk", str(wanted)] not in lines:
-        told = "\n".join(" ".join(line) for line in lines[-5:])
-        raise EvaluationError(f"snakemake did not plan {wanted} of {jobs} jobs: {told}")
+        tail = "\n".join(" ".join(line) for line in lines[-5:])
+        raise EvaluationError(f"snakemake did not plan {wanted} of {jobs} jobs: {tail}")
     log.info("%d of %d jobs planned in %.1f s", wanted, jobs, spent["cpu_s"])
     return {"jobs": jobs, **spent}
 
@@ -143,7 +143,7 @@ def _timed(work: Callable[..., Any], *arguments: Any, **named: Any) -> tuple[flo
 
 
 def spent_by(command: Sequence[str], printed: str = os.devnull) -> dict[str, float]:
-    """Run a command; return its processor time and the most memory that it held."""
+    """Run a command; return its processor time, wall time and peak memory."""
     done = subprocess.run(
         [sys.executable, "-c", _WATCH, printed, *command], stdout=subprocess.PIPE, check=True
     )

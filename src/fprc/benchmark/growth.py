@@ -51,7 +51,7 @@ def growth(
         return lambda: fuzzy_c_means(part, clusters, random_state=seed)
 
     def cells(count: int, workers: int = 1) -> Callable[[], object]:
-        # what is swept is of no matter here: all cells are the same work
+        # the setting does not matter: all cells take the same work
         planned = [{"model": "fprc", "alpha": 1e-3 + 1e-9 * cell} for cell in range(count)]
         return lambda: _judged(judge, planned, workers)
 
@@ -69,7 +69,7 @@ def growth(
         "workers": ("grid, workers", lambda workers: cells(16, workers)),
         "rigs": ("ensemble, rigs", rigs),
     }
-    found = []
+    measured = []
     for key, (name, make) in work.items():
         for size in sizes[key]:
             run = make(size)
@@ -77,9 +77,9 @@ def growth(
             most_mb = size * peak_mb(cells(1)) if key == "workers" else peak_mb(run)
             run()
             seconds = interleaved({"it": run}, rounds)["it"]
-            found.append({"work": name, "size": size, "peak_mb": most_mb, "seconds": seconds})
+            measured.append({"work": name, "size": size, "peak_mb": most_mb, "seconds": seconds})
             log.info("%s: %d", name, size)
-    return found
+    return measured
 
 
 def _judged(

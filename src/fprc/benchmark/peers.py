@@ -1,4 +1,4 @@
-"""The same work by what a user would pick instead: ReservoirPy, scikit-fuzzy, plain NumPy."""
+"""The same work by alternatives: ReservoirPy, scikit-fuzzy, plain NumPy."""
 
 from collections.abc import Sequence
 from importlib.util import find_spec
@@ -15,13 +15,13 @@ from fprc.models.ridge import ridge_weights, with_bias
 if TYPE_CHECKING:
     from reservoirpy.nodes import Reservoir
 
-#: scikit-fuzzy stops when the norm of the change of all memberships is below this, in its
-#: documentation.
+#: Tolerance in scikit-fuzzy's documentation: it stops when the norm of the change of all
+#: memberships is below this.
 ERROR = 5e-3
 
 
 def refuse_missing() -> None:
-    """Refuse to go on without the libraries to compare with.
+    """Check that the libraries to compare with are installed.
 
     Raises
     ------
@@ -46,7 +46,7 @@ def reservoirpy_network(
         dtype=dtype,
     )
     network.initialize(X.astype(dtype))
-    # it begins at zeros in float64, which would make float64 of every step
+    # its own initial state is float64, which would make every step float64
     network.state = {"out": np.zeros(features.r, dtype)}
     return network
 
@@ -86,8 +86,8 @@ def numpy_fprc_steps(model: FPRC, X: np.ndarray) -> np.ndarray:
         filtered = epsilon * p_o + (1.0 - epsilon) * filtered
         x[1:] = x[:-1]
         x[0], x[n_y] = theta, filtered
-        away = x - centers
-        distance2 = (away * away).sum(axis=1)
+        difference = x - centers
+        distance2 = (difference * difference).sum(axis=1)
         beta = np.exp((distance2.min() - distance2) / width)
         P_ff[k] = beta @ (bias + W_out @ x) / beta.sum()
     return P_ff
@@ -125,7 +125,7 @@ class SkfuzzyReadout(TakagiSugenoReadout):
 def recomputed_folds(
     features: EchoStates, X: np.ndarray, y: np.ndarray, folds: Sequence[Fold], alpha: float
 ) -> list[float]:
-    """Return the ESN's validation errors, states and normal equations anew for each fold."""
+    """Return the ESN's validation errors, with states and normal equations anew for each fold."""
     errors = []
     for train, validation in folds:
         rows = np.hstack([taps(X[:, 0], features.n_y), numpy_states(features, X)])

@@ -1,4 +1,4 @@
-"""What a step, a second of the rig and the start of a process cost."""
+"""Time of a step, of a simulated second of the rig, and of the start of a process."""
 
 import subprocess
 import sys
@@ -17,7 +17,7 @@ from fprc.experiments.tracking import Track
 from fprc.models.echo import aligned
 from fprc.registry import build
 
-#: What jobs of each kind import.
+#: Module that jobs of each kind import.
 _JOBS = {
     "fits models": "fprc.stages.judge",
     "runs the rig": "fprc.stages.track",
@@ -27,7 +27,7 @@ _JOBS = {
 
 
 def memory_bound(models: Mapping[str, Any], data: Data, rounds: int, seed: int) -> dict[str, float]:
-    """Return what W_r x alone takes by BLAS, whose numbers have 8 bytes or 4."""
+    """Return the time of W_r x alone, by BLAS, in numbers of 8 bytes and of 4 bytes."""
     features = build("esn", models, seed).make_features().fit(data.pair("esn")[0])
     x, W_r = np.full(features.r, 0.5), features.W_r_
 
@@ -46,7 +46,7 @@ def memory_bound(models: Mapping[str, Any], data: Data, rounds: int, seed: int) 
 
 
 def single_steps(models: Mapping[str, Any], data: Data, seed: int) -> dict[str, Any]:
-    """Time each step of the FPRC by itself, as a control loop would have to wait for it."""
+    """Time each step of the FPRC by itself, since a control loop waits for each of them."""
     X, y = data.pair("fprc")
     model = build("fprc", models, seed).fit(X, y)
     stepped(model, X)
@@ -100,7 +100,7 @@ def real_time(
 
 
 def starts(rounds: int) -> dict[str, list[float]]:
-    """Return what the start of a process takes that only imports, for each kind of job."""
+    """Time the start of a process that only imports, for each kind of job."""
 
     def start(module: str) -> Callable[[], object]:
         command = [sys.executable, "-c", f"from snakemake import script\nimport {module}"]

@@ -1,4 +1,4 @@
-"""Rigs that were not fitted: which claims hold on them, and what decides it."""
+"""An ensemble of random rigs, drawn instead of fitted, on which the claims are tested."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -30,12 +30,12 @@ def judge_rig(
     tracking: Mapping[str, Any],
     judgement: Mapping[str, Any],
 ) -> dict[str, Any]:
-    """Return parameters, errors and measures of one rig, or why it could not be judged.
+    """Return parameters, errors and measures of one rig, or the error that ended its judgement.
 
     Parameters
     ----------
     judgement : Mapping
-        As ``Judgement`` takes it, but for the seed, which is the rig's own.
+        Arguments of ``Judgement`` without the seed, which is the rig's own.
     """
     seed = ensemble["seed"] + cell["rig"]
     drawn, draws = draw_rig(seed, ensemble, free, on_rig)
@@ -64,13 +64,13 @@ def draw_rig(
 ) -> tuple[RigSettings, int]:
     """Draw rigs until one bends and squeezes plausibly.
 
-    Free parameters are uniform over their ranges, by the logarithm where a
-    range spans a decade; all else is as in ``on_rig``.
+    Free parameters are uniform over their ranges, or log-uniform where a range
+    spans a decade; all others are as in ``on_rig``.
 
     Returns
     -------
     RigSettings, int
-        With the rig that was drawn, and how many draws it took.
+        ``on_rig`` with the drawn rig, and the number of draws.
     """
     rng = np.random.default_rng(seed)
     sweep = {"sweep": on_rig.signals["sweep"]}
@@ -79,11 +79,11 @@ def draw_rig(
         try:
             Rig.model_validate(rig)
             logs = simulate(replace(on_rig, rig=rig, signals=sweep), seed)
-            found = properties({"sweep": logs["sweep"].channels})
+            measured = properties({"sweep": logs["sweep"].channels})
         except (ValidationError, FprcError):
             continue
         if all(
-            ensemble[name][0] <= found[name] <= ensemble[name][1]
+            ensemble[name][0] <= measured[name] <= ensemble[name][1]
             for name in ("angle_deg", "p_o_swing_kpa")
         ):
             return replace(on_rig, rig=rig), draws
@@ -97,18 +97,18 @@ def judge_moved(
     cell: Mapping[str, Any],
     *,
     seeds: Sequence[int],
-    standin: Mapping[str, int],
+    surrogate: Mapping[str, int],
     on_rig: RigSettings,
     models: Mapping[str, Any],
 ) -> dict[str, Any]:
-    """Return the stand-in's errors of a rig with one parameter moved, the mean over seeds."""
+    """Return the surrogate's errors, means over seeds, on a rig with one parameter moved."""
     moved = on_rig.rig
     if cell["path"] is not None:
         moved = decode(np.array([cell["share"]]), moved, free_parameters([cell["path"]]))
     try:
         Rig.model_validate(moved)
         settings = replace(on_rig, rig=moved)
-        errors = [judge_cheaply(settings, seed, models, standin)[0] for seed in seeds]
+        errors = [judge_cheaply(settings, seed, models, surrogate)[0] for seed in seeds]
     except (ValidationError, FprcError) as error:
         return {"errors": None, "impossible": " ".join(str(error).split())}
     return {"errors": {key: float(np.mean([e[key] for e in errors])) for key in errors[0]}}

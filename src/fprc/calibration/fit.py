@@ -43,46 +43,46 @@ def fit_rig(
     checkpoint: str,
     version: str,
 ) -> tuple[Mapping[str, Any], dict[str, Any]]:
-    """Fit the free parameters by CMA-ES, beginning at the rig of ``on_rig``.
+    """Fit the free parameters by CMA-ES, starting at the rig of ``on_rig``.
 
-    The stand-in of the models is first compared with the full models on the
-    rig that the search begins at; their ratios correct it. At the end the
-    full models judge the fitted rig on the seeds of the objective.
+    The search uses a cheap surrogate of the models. Its errors are multiplied
+    by the ratio of the full models' errors to its own on the starting rig. At
+    the end the full models judge the fitted rig on the seeds of the objective.
 
     Parameters
     ----------
     printed : Mapping
         The published numbers.
     judgement : Mapping
-        As ``Judgement`` takes it, but for the seed.
+        Arguments of ``Judgement`` without the seed.
     calibration : Mapping
         That section of the configuration.
 
     Returns
     -------
     dict, dict
-        The fitted rig, and all that is known of the fit.
+        The fitted rig, and a summary of the fit.
     """
     aim = aim_of(printed, calibration)
     free = free_parameters(calibration["free"], calibration["ranges"])
-    standin = {key: calibration[key] for key in ("stride", "esn_nodes")}
+    surrogate = {key: calibration[key] for key in ("stride", "esn_nodes")}
     seeds, models = calibration["seeds"], judgement["models"]
 
-    log.info("full models on the rig that the search begins at")
+    log.info("judging the starting rig with the full models")
     start = encode(on_rig.rig, free)
-    begun_at = replace(on_rig, rig=decode(start, on_rig.rig, free))
+    first = replace(on_rig, rig=decode(start, on_rig.rig, free))
     loss = partial(
         loss_at,
         on_rig=on_rig,
         free=free,
         seeds=seeds,
         aim=aim,
-        ratios=_ratios(begun_at, aim, seeds[:2], workers, judgement, standin),
+        ratios=_ratios(first, aim, seeds[:2], workers, judgement, surrogate),
         models=models,
-        standin=standin,
+        surrogate=surrogate,
     )
-    depends_on = [asdict(on_rig), judgement, free, standin, seeds, aim, version]
-    found = search(
+    depends_on = [asdict(on_rig), judgement, free, surrogate, seeds, aim, version]
+    result = search(
         loss,
         start,
         step=calibration["step"],
@@ -96,11 +96,11 @@ def fit_rig(
         progress=_report_progress,
     )
     loss_at_start = loss(start)
-    point = found.point if found.loss <= loss_at_start else start
+    point = result.point if result.loss <= loss_at_start else start
     best = replace(on_rig, rig=decode(point, on_rig.rig, free))
-    log.info("full models on the fitted rig, seeds of the objective")
+    log.info("judging the fitted rig with the full models, on the seeds of the objective")
     after = residuals(full_errors(best, seeds, workers, judgement), aim)
-    measured = [judge_cheaply(best, seed, models, standin)[1] for seed in seeds]
+    measured = [judge_cheaply(best, seed, models, surrogate)[1] for seed in seeds]
     on_other_seeds = partial(loss, seeds=calibration["check_seeds"])
     summary = {
         "date": datetime.now(UTC).date().isoformat(),
@@ -114,14 +114,14 @@ def fit_rig(
         "plausible": dict(aim.ranges),
         "standin_ratios": loss.keywords["ratios"],
         "loss_at_start": loss_at_start,
-        "loss": min(found.loss, loss_at_start),
+        "loss": min(result.loss, loss_at_start),
         "check_seeds": list(calibration["check_seeds"]),
         "check_loss_at_start": on_other_seeds(start),
         "check_loss": on_other_seeds(point),
         "rig_sha256": hash_of(best.rig),
-        "generations": found.generations,
-        "evaluations": found.evaluations,
-        "finished": found.finished,
+        "generations": result.generations,
+        "evaluations": result.evaluations,
+        "finished": result.finished,
         "parameters": [
             {
                 "path": p.path,
@@ -142,11 +142,11 @@ def _ratios(
     seeds: Sequence[int],
     workers: int,
     judgement: Mapping[str, Any],
-    standin: Mapping[str, int],
+    surrogate: Mapping[str, int],
 ) -> dict[str, float]:
-    """Return the errors of the full models over those of the stand-in."""
+    """Return the errors of the full models over those of the surrogate."""
     full = full_errors(on_rig, seeds, workers, judgement)
-    cheap = [judge_cheaply(on_rig, seed, judgement["models"], standin)[0] for seed in seeds]
+    cheap = [judge_cheaply(on_rig, seed, judgement["models"], surrogate)[0] for seed in seeds]
     return {
         key: float(np.mean([e[key] for e in full]) / np.mean([e[key] for e in cheap]))
         for key in aim.errors
@@ -154,10 +154,10 @@ def _ratios(
 
 
 def aim_of(published: Mapping[str, Any], calibration: Mapping[str, Any]) -> Aim:
-    """Return what the search aims at: Tables II and III, orders, plausible properties.
+    """Return the aim of the search: Tables II and III, orders, plausible properties.
 
-    Validation errors are left to follow the training errors, which they hardly
-    differ from with shuffled folds.
+    Validation errors are left out: with shuffled folds they hardly differ from
+    the training errors.
     """
     errors = {}
     for trained_on, table in PRINTED.items():
@@ -171,12 +171,12 @@ def aim_of(published: Mapping[str, Any], calibration: Mapping[str, Any]) -> Aim:
 def free_parameters(
     paths: Sequence[str], ranges: Mapping[str, Sequence[float]] | None = None
 ) -> list[Free]:
-    """Return the free parameters with their ranges, the physical ones unless narrower are given.
+    """Return the free parameters with their ranges: narrower ones if given, else the physical ones.
 
     Raises
     ------
     ConfigError
-        A path or a range is wrong; all at once.
+        Lists every path and every range that is wrong.
     """
     try:
         known = free_ranges(paths, ranges or {})
@@ -194,15 +194,15 @@ def loss_at(
     aim: Aim,
     ratios: Mapping[str, float],
     models: Mapping[str, Any],
-    standin: Mapping[str, int],
+    surrogate: Mapping[str, int],
 ) -> float:
     """Return the loss of one point of the unit cube."""
     candidate = replace(on_rig, rig=decode(point, on_rig.rig, free))
     try:
         Rig.model_validate(candidate.rig)
-        judged = [judge_cheaply(candidate, seed, models, standin) for seed in seeds]
+        judged = [judge_cheaply(candidate, seed, models, surrogate) for seed in seeds]
         errors = [{key: ratios[key] * seed[key] for key in ratios} for seed, _ in judged]
-        loss = loss_of(errors, [found for _, found in judged], aim)
+        loss = loss_of(errors, [measured for _, measured in judged], aim)
     except (FprcError, ValueError):
         return IMPOSSIBLE
     return loss if np.isfinite(loss) else IMPOSSIBLE
@@ -212,22 +212,22 @@ def judge_cheaply(
     on_rig: RigSettings,
     seed: int,
     models: Mapping[str, Any],
-    standin: Mapping[str, int],
+    surrogate: Mapping[str, int],
 ) -> tuple[dict[str, float], dict[str, float]]:
-    """Return the stand-in's errors and the properties of a rig, one seed."""
+    """Return the surrogate's errors and the properties of a rig, for one seed."""
     logs = {name: data.channels for name, data in simulate(on_rig, seed).items()}
-    return surrogate_errors(logs, models, seed=seed, **standin), properties(logs)
+    return surrogate_errors(logs, models, seed=seed, **surrogate), properties(logs)
 
 
 def full_errors(
     on_rig: RigSettings, seeds: Sequence[int], workers: int, judgement: Mapping[str, Any]
 ) -> list[dict[str, float]]:
-    """Return the errors of Tables II and III by the full models, one mapping a seed.
+    """Return the full models' errors of Tables II and III, one mapping per seed.
 
     Parameters
     ----------
     judgement : Mapping
-        As ``Judgement`` takes it, but for the seed.
+        Arguments of ``Judgement`` without the seed.
     """
     with parallel_config("loky", inner_max_num_threads=1):
         return Parallel(n_jobs=workers)(

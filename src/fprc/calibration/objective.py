@@ -1,4 +1,4 @@
-"""What a rig is fitted to: published errors, orders of the models, plausible properties."""
+"""Objective of the fit: published errors, order of the models, plausible properties."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -12,12 +12,12 @@ Channels = Mapping[str, np.ndarray]
 
 
 class Aim(NamedTuple):
-    """What the search aims at.
+    """Targets of the search.
 
     ``errors`` are the published RMSEs by "trained on/model/phase"; ``ranges``
-    what each of the rig's ``properties`` should lie in; ``margin`` by what part
-    FPRC's test error should be below the others' on every seed, and ``ratio``
-    how far the training errors of ESN and FPRC may be apart.
+    are those of the rig's ``properties``; ``margin`` is the fraction by which
+    FPRC's test error should be below the others' on every seed; ``ratio`` is the
+    largest ratio of the ESN's and FPRC's training errors, either way round.
     """
 
     errors: Mapping[str, float]
@@ -27,15 +27,15 @@ class Aim(NamedTuple):
 
 
 def properties(logs: Mapping[str, Channels]) -> dict[str, float]:
-    """Return what is known of the rig's loops beside the errors of models.
+    """Return properties of the rig's loops in the sweep.
 
     Returns
     -------
     dict
-        ``angle_deg`` largest angle of the sweep; ``loop_kpa`` full width of its
-        P_exp over theta at mid-angle; ``loop_growth`` and ``p_o_loop_growth``
-        by what factor the loops widen from the first to the last quarter of
-        the sweep; ``p_o_swing_kpa``; ``p_o_loop`` width over swing.
+        ``angle_deg`` largest angle; ``loop_kpa`` full width of the loop of P_exp
+        over theta at mid-angle; ``loop_growth`` and ``p_o_loop_growth`` factors
+        by which the loops widen from the first to the last quarter;
+        ``p_o_swing_kpa``; ``p_o_loop`` width of P_o's loop over its swing.
     """
     log = logs["sweep"]
     time_s, theta, p_exp, p_o = (
@@ -53,7 +53,7 @@ def properties(logs: Mapping[str, Channels]) -> dict[str, float]:
 
 
 def residuals(errors: Sequence[Mapping[str, float]], target: Aim) -> dict[str, float]:
-    """Return the relative deviation of each mean error from print, one mapping a seed."""
+    """Return the relative deviation of each error from print; ``errors`` has a mapping per seed."""
     return {
         key: float(np.mean([seed[key] for seed in errors]) / printed - 1.0)
         for key, printed in target.errors.items()
@@ -62,25 +62,25 @@ def residuals(errors: Sequence[Mapping[str, float]], target: Aim) -> dict[str, f
 
 def loss_of(
     errors: Sequence[Mapping[str, float]],
-    found: Sequence[Mapping[str, float]],
+    measured: Sequence[Mapping[str, float]],
     target: Aim,
 ) -> float:
-    """Return what the search minimises.
+    """Return the loss that the search minimises.
 
-    The mean square of log(ours / print) over the published errors (means over
-    seeds), plus the mean square by which the orders miss their margin on each
-    seed, plus the mean square of the logarithm by which each property's mean
+    It is the sum of three mean squares: of log(ours / print) over the published
+    errors (means over seeds), of the logarithms by which the orders miss their
+    margins on each seed, and of those by which each property's mean over seeds
     lies outside its range.
 
     Parameters
     ----------
-    errors, found : sequences of mapping
-        Errors of the models and properties of the rig, one entry a seed.
+    errors, measured : sequences of mapping
+        Errors of the models and properties of the rig, one entry per seed.
     """
     deviations = [math.log1p(value) for value in residuals(errors, target).values()]
     misses = [miss for seed in errors for miss in _order_misses(seed, target)]
     outside = [
-        _outside(float(np.mean([seed[name] for seed in found])), *limits)
+        _outside(float(np.mean([seed[name] for seed in measured])), *limits)
         for name, limits in target.ranges.items()
     ]
     return _mean_square(deviations) + _mean_square(misses) + _mean_square(outside)

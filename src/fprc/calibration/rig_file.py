@@ -10,7 +10,7 @@ from fprc.config.rig import Rig
 
 
 def parameter_file(rig: Mapping[str, Any], summary: Mapping[str, Any]) -> str:
-    """Return the rig as YAML, only what differs from the defaults, under its provenance."""
+    """Return the rig's parameters that differ from their defaults as YAML, after its provenance."""
     changed = _different(rig, Rig().model_dump(mode="json"))
     head = _HEAD.format(
         **summary,

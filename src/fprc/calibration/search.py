@@ -1,4 +1,4 @@
-"""CMA-ES over the unit cube that can be killed and goes on where it was."""
+"""CMA-ES over the unit cube; after a kill it resumes from a checkpoint."""
 
 import json
 import logging
@@ -17,13 +17,13 @@ log = logging.getLogger(__name__)
 
 
 class SearchResult(NamedTuple):
-    """What a search found."""
+    """Result of a search."""
 
     point: np.ndarray  #: the best point
     loss: float
     generations: int
     evaluations: int
-    finished: bool  #: False where the time limit ended it
+    finished: bool  #: False if the time limit ended the search
 
 
 def search(
@@ -42,22 +42,23 @@ def search(
 ) -> SearchResult:
     """Minimise ``loss`` in the unit cube by CMA-ES (Hansen 2016), in a pool of processes.
 
-    The optimiser is deterministic, so a checkpoint needs no more than the
-    losses of each generation: they are given to the search again, and the search goes on.
+    The optimiser is deterministic, so the checkpoint holds only the losses of
+    each generation; a resumed search replays them.
 
     Parameters
     ----------
     loss : callable
-        Picklable; takes a point and gives a finite number.
+        Picklable; takes a point and returns a finite number.
     step : float
         First standard deviation, in units of the cube.
     checkpoint : path
-        JSON lines: first ``key``, then the losses of each generation. A file
-        with another key is begun anew; a last line that was cut is dropped.
+        JSON lines: first ``key``, then the losses of each generation. A file with
+        another key is renamed and the search starts afresh; an incomplete last
+        line is dropped.
     key : str
-        Stands for everything that the loss depends on.
+        Hash of everything that the loss depends on.
     seconds : float
-        No generation is begun after this time.
+        No generation starts after this time.
     progress : callable
         Called after each generation with generations done and planned, least
         loss, and seconds.
@@ -94,7 +95,7 @@ def search(
 
 
 def _resume(checkpoint: Path, head: Mapping[str, Any]) -> list[list[float]]:
-    """Return the losses of the finished generations; leave a file that can be appended to."""
+    """Return the losses of the finished generations; make the file ready to be appended to."""
     text = checkpoint.read_text(encoding="utf-8", errors="replace") if checkpoint.exists() else ""
     first, *lines = text.splitlines() or [""]
     losses_before = []
@@ -102,7 +103,9 @@ def _resume(checkpoint: Path, head: Mapping[str, Any]) -> list[list[float]]:
         old = checkpoint.with_name(f"{checkpoint.name}.old")
         checkpoint.replace(old)
         log.warning(
-            "warning: %s is of other settings or code; kept as %s, begun anew", checkpoint, old
+            "warning: %s has other settings or code; it is kept as %s and the search starts afresh",
+            checkpoint,
+            old,
         )
     if first == json.dumps(head):
         for line in lines:

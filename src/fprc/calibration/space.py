@@ -27,7 +27,7 @@ class Free(NamedTuple):
 
 
 def encode(rig: Mapping[str, Any], free: Sequence[Free]) -> np.ndarray:
-    """Return where the rig stands in the unit cube; outside a range is moved to its end."""
+    """Return the rig's point in the unit cube; a value outside its range is moved to the end."""
     return np.array([_share(parameter, _get(rig, parameter.path)) for parameter in free])
 
 
@@ -39,8 +39,8 @@ def decode(
     Parameters
     ----------
     digits : int
-        Significant digits that are kept, as in the file that the rig goes to:
-        what is judged is what is written.
+        Significant digits, as in the file of the fitted rig: the rig that is judged
+        is the rig that is written.
     """
     changed = copy.deepcopy(dict(rig))
     for share, parameter in zip(point, free, strict=True):
@@ -72,8 +72,8 @@ def _get(rig: Mapping[str, Any], path: str) -> Any:
 
 
 def _set(rig: dict[str, Any], path: str, value: float, digits: int) -> None:
-    *way, last = path.split(".")
-    holder = _get(rig, ".".join(way)) if way else rig
+    *sections, last = path.split(".")
+    holder = _get(rig, ".".join(sections)) if sections else rig
     if isinstance(holder, list):
         holder[int(last)] = _rounded(value, digits)
     elif isinstance(holder[last], (list, tuple)):

@@ -1,4 +1,4 @@
-"""Errors of the three models by a cheap stand-in for the full comparison."""
+"""Errors of the three models by a cheap surrogate of the full comparison."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -22,9 +22,9 @@ def surrogate_errors(
 ) -> dict[str, float]:
     """Return training and test RMSE of each model in both directions, kPa.
 
-    Instead of five folds one readout is fitted to every ``stride``-th row, and
-    the ESN has ``esn_nodes`` nodes. The features, which have memory, are those
-    of the whole log.
+    Instead of five folds, one readout is fitted to every ``stride``-th row, and
+    the ESN has ``esn_nodes`` nodes. The features have memory and so are computed
+    over the whole log.
 
     Parameters
     ----------

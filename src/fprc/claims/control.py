@@ -1,4 +1,4 @@
-"""Claims C13-C18: what the paper says of the control and of the loops (Secs. II, IV)."""
+"""Claims C13-C18, about the control and the loops (Secs. II, IV)."""
 
 from collections.abc import Mapping
 from typing import Any

@@ -1,4 +1,4 @@
-"""On what share of rigs each claim holds, and which parameters decide it."""
+"""Share of the rigs on which each claim holds, and the parameters that decide it."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -9,8 +9,8 @@ from scipy.stats import binomtest, rankdata, t
 
 from fprc.claims.ledger import REPRODUCED
 
-#: Claims that Tables II to IV, weights and loops decide; the others need grids or times. C17
-#: is left out: the rig has next to no way from the reservoir's bending to P_o, so it is assumed.
+#: Claims that Tables II to IV, weights and loops decide; the others need grids or times. C17 is
+#: left out because the simulated rig assumes it: the reservoir's bending hardly changes P_o.
 JUDGED_BY_RIG = ("C1", "C2", "C3", "C4", "C7", "C8", "C13", "C14", "C15", "C16", "C18")
 
 
@@ -31,8 +31,8 @@ def shares_of(
     -------
     list of dict
         ``id``, ``claim``, ``holds``, ``rigs``, ``share``, ``low``, ``high``; ``correlations`` of
-        holding with each parameter (none where all rigs agree), and ``least_significant``, what
-        chance alone exceeds in one of all these correlations with probability 1 - level.
+        the verdict with each parameter (empty if all rigs agree); ``least_significant``: by
+        chance, one of all these correlations exceeds this with probability 1 - level.
     """
     names = list(parameters[0])
     values = np.array([[rig[name] for name in names] for rig in parameters])
@@ -40,8 +40,8 @@ def shares_of(
         claim["id"]: np.array([rig[claim["id"]] == REPRODUCED for rig in verdicts])
         for claim in claims
     }
-    found = {name: _correlations(held, values, names) for name, held in held_by.items()}
-    limit = _least_significant(len(verdicts), sum(map(len, found.values())), level)
+    correlations = {name: _correlations(held, values, names) for name, held in held_by.items()}
+    limit = _least_significant(len(verdicts), sum(map(len, correlations.values())), level)
     rows = []
     for claim in claims:
         held = held_by[claim["id"]]
@@ -56,7 +56,7 @@ def shares_of(
                 "share": float(held.mean()),
                 "low": float(interval.low),
                 "high": float(interval.high),
-                "correlations": found[claim["id"]],
+                "correlations": correlations[claim["id"]],
                 "least_significant": limit,
             }
         )
@@ -76,7 +76,7 @@ def _correlations(held: np.ndarray, values: np.ndarray, names: Sequence[str]) ->
 
 
 def _least_significant(rigs: int, correlations: int, level: float) -> float:
-    """Return the Bonferroni limit of a correlation of ``rigs`` pairs, by Student's t."""
+    """Return the Bonferroni limit for correlations over ``rigs`` rigs, by Student's t."""
     if rigs < 4 or correlations == 0:
         return 1.0
     quantile = t.isf((1.0 - level) / (2 * correlations), rigs - 2)

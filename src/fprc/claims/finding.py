@@ -1,26 +1,26 @@
-"""What the claims are judged on, and what is found of one."""
+"""Input and outcome of the claims' tests."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
-#: A number as close as this to its limit is at the limit.
+#: A number within this distance of its limit counts as equal to it.
 ROUNDING = 1e-9
 
 
 class Results(NamedTuple):
-    """What the claims are judged on, as read from result files; one entry a further seed."""
+    """Numbers that the claims are judged on, from result files; sequences have one per seed."""
 
     replicates: Sequence[Mapping[str, Any]]  #: errors of the models, and weights
     grids: Sequence[Mapping[str, Any]]  #: cells of the grids, by their name
-    controls: Sequence[Mapping[str, Any]]  #: what ``measures`` found
+    controls: Sequence[Mapping[str, Any]]  #: numbers of ``experiments.measures``
     times: Mapping[str, Any]
     times_over_n_c: Mapping[str, Any]
 
 
 class Finding(NamedTuple):
-    """What was found of one claim."""
+    """Outcome of one claim's test."""
 
     published: str
     ours: str
@@ -30,12 +30,12 @@ class Finding(NamedTuple):
 
 
 def over_seeds(reports: Sequence[Mapping[str, Any]]) -> str:
-    """Say how many seeds a number stands for."""
+    """Describe the seeds that a number is taken over."""
     return "one seed" if len(reports) == 1 else f"mean ± deviation over {len(reports)} seeds"
 
 
 def pm(values: np.ndarray) -> str:
-    """Format mean and sample standard deviation, which a single value has not."""
+    """Format mean and sample standard deviation; of a single value only the mean."""
     if np.size(values) == 1:
         return f"{np.mean(values):.3g}"
     return f"{np.mean(values):.3g} ± {np.std(values, ddof=1):.2g}"

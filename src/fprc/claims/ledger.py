@@ -42,10 +42,10 @@ def _verdict(finding: Finding) -> str:
 
 
 def changed_verdicts(ledger: Sequence[Mapping[str, str]], known: Mapping[str, str]) -> list[str]:
-    """Return one line for each claim whose verdict is not the one declared as known."""
-    found = {row["id"]: row["verdict"] for row in ledger}
+    """Return one line for each claim whose verdict differs from the declared one."""
+    ours = {row["id"]: row["verdict"] for row in ledger}
     return [
-        f"{claim}: {found.get(claim, 'not judged')}, but {known.get(claim, 'nothing')} is declared"
-        for claim in sorted(found.keys() | known.keys(), key=lambda claim: int(claim[1:]))
-        if found.get(claim) != known.get(claim)
+        f"{claim}: {ours.get(claim, 'not judged')}, but {known.get(claim, 'nothing')} is declared"
+        for claim in sorted(ours.keys() | known.keys(), key=lambda claim: int(claim[1:]))
+        if ours.get(claim) != known.get(claim)
     ]

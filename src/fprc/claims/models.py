@@ -1,6 +1,6 @@
-"""Claims C1-C12: what the paper says of the models (Secs. II to III).
+"""Claims C1-C12, about the models (Secs. II to III).
 
-Means over the further seeds; execution times are those of the main run.
+Numbers are means over the further seeds; execution times are those of the main run.
 """
 
 from collections.abc import Mapping, Sequence
@@ -174,7 +174,7 @@ def _equal_shares(results: Results, published: Mapping[str, Any]) -> Finding:
 
 
 def _cells(results: Results, grid: str, model: str, setting: str, phase: str) -> np.ndarray:
-    """Return errors over a setting, a row a seed; folds are averaged."""
+    """Return errors over a setting, one row per seed; folds are averaged."""
     rows = []
     for report in results.grids:
         cells = [cell for cell in report[grid] if cell["model"] == model]
@@ -276,7 +276,7 @@ def _tap_grid(
 
 
 def _partial(size: np.ndarray, other: np.ndarray, values: np.ndarray) -> float:
-    """Return the mean rank correlation with one tap size while the other stands still."""
+    """Return the rank correlation with one tap size, averaged over fixed values of the other."""
     return float(
         np.mean([spearmanr(size[other == k], values[other == k]).statistic for k in set(other)])
     )

@@ -1,4 +1,4 @@
-"""Settings of the search for a rig, and of the rigs that are drawn instead."""
+"""Settings of the rig's calibration, and of the ensemble of random rigs."""
 
 from typing import Annotated
 
@@ -9,7 +9,7 @@ from fprc.config.section import Pair, Section, quantities, quantity, rising, wit
 
 
 class Plausible(Section):
-    """What a fitted rig should show beside the published errors."""
+    """Ranges in which a fitted rig should be, beside matching the published errors."""
 
     angle_deg: Pair[Annotated[float, within(1, 120)]] = quantities(
         (57, 63), "deg", (1, 120), "largest angle of the sweep", "paper: about 60 deg"
@@ -81,12 +81,12 @@ class Calibration(Section):
             "reservoir.squeeze_damping_kpa_s_per_ml": (0.3, 5.0),
         },
         description="narrower ranges than the physical ones, by free parameter; without them the "
-        "search makes the loops without dry friction, and fits slow drift to the seeds",
+        "search makes the loops without dry friction, and fits slow drift to the noise seeds",
     )
     seeds: tuple[Annotated[int, within(0, 2**31)], ...] = Field(
         (21, 22, 23, 24, 25, 26, 27, 28),
         min_length=1,
-        description="noise seeds inside the objective; with few of them it fits their noise",
+        description="noise seeds of the objective; with too few, the search fits their noise",
     )
     check_seeds: tuple[Annotated[int, within(0, 2**31)], ...] = Field(
         (41, 42, 43, 44, 45, 46, 47, 48),
@@ -97,10 +97,10 @@ class Calibration(Section):
     generations: int = quantity(80, "-", (1, 100000), "generations")
     step: float = quantity(0.1, "-", (1e-3, 1), "first standard deviation, share of each range")
     minutes: float = quantity(60, "min", (0.01, 10000), "no generation begins after this time")
-    stride: int = quantity(5, "samples", (1, 1000), "the stand-in fits every n-th row")
-    esn_nodes: int = quantity(150, "-", (1, 10000), "size of the stand-in's ESN")
+    stride: int = quantity(5, "samples", (1, 1000), "the surrogate models fit every n-th row")
+    esn_nodes: int = quantity(150, "-", (1, 10000), "reservoir size of the surrogate ESN")
     margin: float = quantity(
-        0.05, "-", (0, 1), "FPRC's test error should be below the others' by this, on each seed"
+        0.05, "-", (0, 1), "FPRC's test error should be lower than the others by this, on each seed"
     )
     ratio: float = quantity(
         1.15, "-", (1, 10), "training errors of ESN and FPRC should be within this factor"
@@ -118,12 +118,12 @@ class Ensemble(Section):
 
     rigs: int = quantity(40, "-", (1, 1_000_000), "rigs")
     chunk: int = quantity(5, "-", (1, 100000), "rigs per job")
-    seed: int = quantity(1000, "-", (0, 2**31), "of the draws, and of each rig's noise")
+    seed: int = quantity(1000, "-", (0, 2**31), "seed of the draws, and of each rig's noise")
     angle_deg: Pair[Annotated[float, within(1, 120)]] = quantities(
-        (50, 70), "deg", (1, 120), "a draw with another largest angle is thrown away"
+        (50, 70), "deg", (1, 120), "draws with a largest angle outside are rejected"
     )
     p_o_swing_kpa: Pair[Annotated[float, within(1, 400)]] = quantities(
-        (30, 100), "kPa", (1, 400), "a draw with another swing of P_o is thrown away"
+        (30, 100), "kPa", (1, 400), "draws with a swing of P_o outside are rejected"
     )
     sensitivity_steps: int = quantity(
         5, "-", (2, 100), "values of each parameter in the sensitivity table, end to end"

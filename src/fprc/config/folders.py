@@ -1,4 +1,4 @@
-"""Folders for raw logs and results, and which ones would do harm."""
+"""Folders for raw logs and results, and the checks that they may be written to."""
 
 import os
 from pathlib import PurePath
@@ -8,10 +8,10 @@ from pydantic import AfterValidator, Field, model_validator
 
 from fprc.config.section import Section
 
-#: Folders of the project that hold no data; hidden ones are its own too.
+#: The project's own folders, where no data may go; hidden folders are its own too.
 OWN = frozenset({"config", "docs", "profiles", "src", "tests", "workflow"})
 
-#: Folders that the rules make among the results.
+#: Folders that the rules create in the results folder.
 MADE = frozenset(
     {
         "benchmark", "calibration", "control", "crossval", "data", "ensemble", "figures", "logs",
@@ -21,12 +21,12 @@ MADE = frozenset(
 )  # fmt: skip
 
 _LIMIT_NAME = 255  # of Linux
-#: Linux takes 4096; Snakemake's records are in paths longer by a third, below the project's.
+#: Linux allows 4096; Snakemake's records lie below the project, in paths a third longer.
 _LIMIT_PATH = 1000
 
 
 def _place(folder: str) -> tuple[str, ...]:
-    """Return the way to a folder from the one that commands are run in."""
+    """Return the parts of a folder's path, relative to the working directory if outside of it."""
     path = os.path.normpath(folder)
     if os.path.isabs(path) or path.startswith(".."):
         path = os.path.relpath(path)
@@ -34,44 +34,44 @@ def _place(folder: str) -> tuple[str, ...]:
 
 
 def _faults(folder: str) -> list[str]:
-    """Return every reason against a folder."""
+    """Return every reason to refuse a folder."""
     names = PurePath(folder).parts
-    found = []
+    reasons = []
     if not folder.isprintable():
-        found.append("holds characters that cannot be printed")
+        reasons.append("contains characters that cannot be printed")
     if "{" in folder or "}" in folder:
-        found.append("holds a brace, which is a wildcard for Snakemake")
+        reasons.append("contains a brace, which is a wildcard for Snakemake")
     if any(name != name.strip() for name in names):
-        found.append("holds a name that begins or ends with a blank")
+        reasons.append("contains a name that begins or ends with a blank")
     if folder.startswith("~"):
-        found.append("begins with ~, which nothing here replaces; write out your home folder")
+        reasons.append("begins with ~, which is not expanded; write out your home folder")
     if folder.startswith("-"):
-        found.append("begins with -, which commands take for an option")
+        reasons.append("begins with -, which commands read as an option")
     if any(len(name.encode()) > _LIMIT_NAME for name in names):
-        found.append(f"holds a name of more than {_LIMIT_NAME} bytes")
+        reasons.append(f"contains a name of more than {_LIMIT_NAME} bytes")
     if len(folder.encode()) > _LIMIT_PATH:
-        found.append(f"is longer than {_LIMIT_PATH} bytes")
-    if "\0" in folder:  # no path at all
-        return found
+        reasons.append(f"is longer than {_LIMIT_PATH} bytes")
+    if "\0" in folder:  # cannot be resolved as a path
+        return reasons
     place = _place(folder)
     if set(place) <= {".."}:
-        found.append("is the project's folder, or holds it")
+        reasons.append("is the project's folder, or contains it")
     elif place[0] in OWN or (place[0].startswith(".") and place[0] != ".."):
-        found.append(
-            f"is in {place[0]}; hidden folders and {', '.join(sorted(OWN))} are the project's"
+        reasons.append(
+            f"is in {place[0]}; hidden folders and {', '.join(sorted(OWN))} are the project's own"
         )
     elif os.path.abspath(folder) == os.path.expanduser("~"):
-        found.append("is your home folder")
-    return found
+        reasons.append("is your home folder")
+    return reasons
 
 
 def _usable(folder: str) -> str:
     # `out/` and `./out` are `out`
     folder = str(PurePath(folder))
-    found = _faults(folder)
-    if found:
+    reasons = _faults(folder)
+    if reasons:
         shown = repr(folder) if len(folder) < 60 else f"{folder[:60]!r}..."
-        raise ValueError(f"{shown} {', and '.join(found)}; choose another folder")
+        raise ValueError(f"{shown} {', and '.join(reasons)}; choose another folder")
     return folder
 
 
@@ -81,8 +81,8 @@ Folder = Annotated[str, AfterValidator(_usable)]
 class Folders(Section):
     """Where files go.
 
-    Raw logs may lie in a folder of their own among the results, not the other way round. Neither
-    goes into the project's own folders, or into one that holds the project; names are of printable
+    The raw folder may be a new folder in the results folder, not the other way round. Neither may
+    be in one of the project's own folders, or contain the project. Names consist of printable
     characters without braces.
     """
 
@@ -96,12 +96,12 @@ class Folders(Section):
             raise ValueError(f"raw and results are both {self.raw}; give each its own folder")
         if results[: len(raw)] == raw:
             raise ValueError(
-                f"results = {self.results} is inside raw = {self.raw}; the other way round, or "
-                "side by side"
+                f"results = {self.results} is inside raw = {self.raw}; put raw inside results, or "
+                "both side by side"
             )
         below = raw[len(results) :] if raw[: len(results)] == results else ()
         if below and below[0] in MADE:
             raise ValueError(
-                f"raw = {self.raw} is where rules write results; take {self.results}/raw"
+                f"raw = {self.raw} is a folder where rules write results; use {self.results}/raw"
             )
         return self

@@ -1,4 +1,4 @@
-"""Which parameters of the rig may change, and how far."""
+"""Ranges of the rig's free parameters."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -16,14 +16,14 @@ def free_ranges(
     ----------
     paths : sequence of str
         A number of the rig ("bending.friction_kpa"), one number of a list
-        ("bending.relaxation_time_s.0"), or a whole list, which stands for its
-        first number and is scaled as a whole.
+        ("bending.relaxation_time_s.0"), or a whole list, which is scaled as a
+        whole: its range is that of its first number.
 
     Raises
     ------
     ValueError
-        Lists, a line each, every path that is no number of the rig, and every
-        range that is empty, leaves the physical one, or is of no free parameter.
+        Lists, one per line, every path that is not a number of the rig, and every
+        range that is empty, exceeds the physical one, or has no free parameter.
     """
     known = {key: (default, field) for key, default, field, _ in fields(Rig())}
     problems = [
@@ -35,7 +35,7 @@ def free_ranges(
     for path in paths:
         physical = _physical(path, known)
         if physical is None:
-            problems.append(f"calibration.free: {path} is no number of the rig")
+            problems.append(f"calibration.free: {path} is not a number of the rig; remove it")
             continue
         low, high = narrower.get(path, physical)
         if not physical[0] <= low < high <= physical[1]:

@@ -1,4 +1,4 @@
-"""The real rig: boards, sensors, limits. Read only with ``source: rig``."""
+"""The real rig: boards, sensors, limits. Used only with ``source: rig``."""
 
 from pathlib import PurePath
 from typing import Annotated, Any
@@ -9,12 +9,12 @@ from fprc.config.section import Pair, Section, quantities, quantity, rising, wit
 
 
 def none_for_null(value: Any) -> Any:
-    """Return None for the text null, which is what the command line gives."""
+    """Return None for the text null, as the command line passes it."""
     return None if value == "null" else value
 
 
 class Boards(Section):
-    """Contec analog boards and what is wired to their channels."""
+    """Contec analog boards and the wiring of their channels."""
 
     library: str = Field(
         "", description="the driver's shared library; empty: libcaio.so, on Windows caio.dll"
@@ -28,20 +28,20 @@ class Boards(Section):
     reservoir_output: int = quantity(1, "-", (0, 63), "channel of the reservoir's valve")
     heartbeat_output: Annotated[int, within(0, 63)] | None = Field(
         None,
-        description="channel that changes between 0 and 5 V at every sample, for a watchdog relay "
-        "that vents when it stops; null: there is none",
+        description="channel that toggles between 0 and 5 V at every sample, for a watchdog relay "
+        "that vents when the toggling stops; null: no relay",
     )
     lock_folder: str = Field(
         "",
-        description="folder of the locks that keep a second program from the boards, the same for "
-        "every user of the computer; empty: /run/lock, elsewhere the system's temporary folder",
+        description="folder of the lock files that prevent a second program from using the boards, "
+        "the same for all users; empty: /run/lock, or /tmp if there is none",
     )
 
     _null = field_validator("heartbeat_output", mode="before")(none_for_null)
 
     @field_validator("lock_folder")
     @classmethod
-    def _is_the_same_from_everywhere(cls, folder: str) -> str:
+    def _is_absolute(cls, folder: str) -> str:
         if folder and not PurePath(folder).is_absolute():
             raise ValueError(f"{folder}: must be an absolute path, the same for every program")
         return folder
@@ -76,8 +76,8 @@ class AngleSensor(Section):
     ticks: int = quantity(
         81, "1/16384 s", (33, 16384), "time between two samples", "202.27 Hz, nominally 200"
     )
-    offset_deg: float = quantity(0, "deg", (-180, 180), "added to the reading")
-    gain: float = quantity(1, "-", (-10, 10), "the reading is multiplied by this first")
+    offset_deg: float = quantity(0, "deg", (-180, 180), "added after the gain")
+    gain: float = quantity(1, "-", (-10, 10), "factor on the reading, before the offset")
 
     @field_validator("gain")
     @classmethod
@@ -87,8 +87,8 @@ class AngleSensor(Section):
         return gain
 
 
-#: The pressure loops open a valve to the supply by more voltage, so that less must vent; by at
-#: least this much, V, for the valve to be open by 40 % and beyond its dead zone.
+#: The pressure loops fill a chamber with more voltage, so less voltage must vent it. With this
+#: much less than neutral, V, the valve is 40 % open and beyond its dead zone.
 VENT_MARGIN_V = 2.0
 
 
@@ -96,11 +96,11 @@ class Valves(Section):
     """Voltages of the two proportional valves."""
 
     neutral_v: float = quantity(5, "V", (4.5, 5.5), "closes the valve", "data sheet")
-    vent_v: float = quantity(0, "V", (0, 3), "opens the chamber to the room, fully", "data sheet")
+    vent_v: float = quantity(0, "V", (0, 3), "opens the chamber fully to the room", "data sheet")
     vented_kpa: float = quantity(
-        15, "kPa", (1, 25), "a chamber that reads no more is vented", "twice the sensor's 0.7 %"
+        15, "kPa", (1, 25), "largest reading of a vented chamber", "twice the sensor's 0.7 %"
     )
-    vent_s: float = quantity(5, "s", (0.1, 60), "time that a chamber is given to vent")
+    vent_s: float = quantity(5, "s", (0.1, 60), "longest time for a chamber to vent")
 
     @model_validator(mode="after")
     def _vents(self) -> "Valves":
@@ -114,22 +114,22 @@ class Valves(Section):
 
 
 class Limits(Section):
-    """What ends a run: both valves go to neutral, then both chambers are vented."""
+    """Limits that end a run: both valves go to neutral, then both chambers are vented."""
 
     p_exp_kpa: Pair[Annotated[float, within(-100, 1000)]] = quantities(
-        (-20, 480), "kPa", (-100, 1000), "readings allowed of the actuator"
+        (-20, 480), "kPa", (-100, 1000), "allowed pressure readings of the actuator"
     )
     p_i_kpa: Pair[Annotated[float, within(-100, 1000)]] = quantities(
-        (-20, 480), "kPa", (-100, 1000), "readings allowed of PAM A"
+        (-20, 480), "kPa", (-100, 1000), "allowed pressure readings of PAM A"
     )
     p_o_kpa: Pair[Annotated[float, within(-100, 1000)]] = quantities(
-        (20, 400), "kPa", (-100, 1000), "readings allowed of PAM B, sealed at 100 kPa"
+        (20, 400), "kPa", (-100, 1000), "allowed pressure readings of PAM B, sealed at 100 kPa"
     )
     theta_deg: Pair[Annotated[float, within(-360, 360)]] = quantities(
-        (-20, 100), "deg", (-360, 360), "readings allowed of the actuator's angle"
+        (-20, 100), "deg", (-360, 360), "allowed readings of the actuator's angle"
     )
     phi_deg: Pair[Annotated[float, within(-360, 360)]] = quantities(
-        (-120, 120), "deg", (-360, 360), "readings allowed of the reservoir's angle"
+        (-120, 120), "deg", (-360, 360), "allowed readings of the reservoir's angle"
     )
     pressure_step_kpa: float = quantity(
         60, "kPa", (1, 1000), "largest change of a pressure between two samples"
@@ -137,10 +137,10 @@ class Limits(Section):
     angle_step_deg: float = quantity(
         15, "deg", (0.1, 360), "largest change of an angle between two samples"
     )
-    stale_s: float = quantity(0.25, "s", (0.01, 10), "longest time without a new value of a sensor")
-    overruns_in_a_row: int = quantity(
-        5, "ticks", (0, 1000), "missed ticks, one after the other, that are put up with"
+    stale_s: float = quantity(
+        0.25, "s", (0.01, 10), "longest time without a new value from a sensor"
     )
+    overruns_in_a_row: int = quantity(5, "ticks", (0, 1000), "consecutive missed ticks allowed")
 
     _rises = field_validator("p_exp_kpa", "p_i_kpa", "p_o_kpa", "theta_deg", "phi_deg")(rising)
 
@@ -149,26 +149,26 @@ class Limits(Section):
     def _hold_a_vented_chamber(cls, limits: tuple[float, float]) -> tuple[float, float]:
         if not limits[0] < 0.0 < limits[1]:
             raise ValueError(
-                f"{limits} leaves out 0 kPa, which a vented chamber reads; begin below 0"
+                f"{limits} excludes 0 kPa, the reading of a vented chamber; begin below 0"
             )
         return limits
 
 
 class Loop(Section):
-    """How the loop asks the operating system for punctuality."""
+    """Real-time settings of the control loop."""
 
     priority: int = quantity(
         50, "-", (0, 99), "real-time priority (SCHED_FIFO) to ask for; 0: none"
     )
     spin_s: float = quantity(
-        2e-4, "s", (0, 5e-3), "time before a deadline that is waited actively, for less jitter"
+        2e-4, "s", (0, 5e-3), "busy waiting before each deadline, for less jitter"
     )
     stalled_s: float = quantity(
         0.5,
         "s",
         (0.2, 10),
-        "a loop that is silent for longer is ended from outside, and vented; "
-        "a loop whose watching process is silent for longer ends itself, vented",
+        "if the loop is silent for longer, the watching process ends it and vents; "
+        "if the watching process is silent for longer, the loop vents and ends itself",
     )
 
 
@@ -182,7 +182,7 @@ class Hardware(Section):
     theta: AngleSensor = AngleSensor()
     phi: AngleSensor | None = Field(
         AngleSensor(address=0x13),
-        description="second angle sensor, on the reservoir, for Fig. 17; null: there is none",
+        description="second angle sensor, on the reservoir, for Fig. 17; null: no sensor",
     )
     valves: Valves = Valves()
     limits: Limits = Limits()
@@ -191,20 +191,20 @@ class Hardware(Section):
     _null = field_validator("phi", mode="before")(none_for_null)
 
     @model_validator(mode="after")
-    def _pressures_tell_a_fault(self) -> "Hardware":
+    def _sensor_faults_are_detectable(self) -> "Hardware":
         problems = []
         for name in ("p_exp", "p_i", "p_o"):
             sensor, (low, high) = getattr(self, name), getattr(self.limits, f"{name}_kpa")
             off, full = ((volts - sensor.zero_v) * sensor.gain_kpa_per_v for volts in (0.0, 5.0))
             if off >= min(low, -self.valves.vented_kpa):
                 problems.append(
-                    f"{name}: without its cable, at 0 V, the sensor would read {off:g} kPa, which "
-                    f"passes for a pressure; check zero_v, gain_kpa_per_v and limits.{name}_kpa"
+                    f"{name}: with a broken cable, at 0 V, the sensor would read {off:g} kPa, a "
+                    f"valid pressure; check zero_v, gain_kpa_per_v and limits.{name}_kpa"
                 )
             if full <= high:
                 problems.append(
-                    f"{name}: at its full 5 V the sensor would read {full:g} kPa, so that no "
-                    f"pressure exceeds {high:g}; check zero_v, gain_kpa_per_v and "
+                    f"{name}: at its full 5 V the sensor would read {full:g} kPa, so it cannot "
+                    f"exceed the limit of {high:g} kPa; check zero_v, gain_kpa_per_v and "
                     f"limits.{name}_kpa"
                 )
         if problems:

@@ -18,14 +18,14 @@ def _as_text(value: Any) -> Any:
     return str(value) if is_number else value
 
 
-#: What YAML may have read as a number, as in ``unit: 1`` and ``column: 3``.
+#: Text that YAML may have parsed as a number, as in ``unit: 1`` and ``column: 3``.
 _AS_TEXT = BeforeValidator(_as_text)
 Text = Annotated[str, _AS_TEXT]
 
 
 def _not_zero(value: float) -> float:
     if value == 0.0:
-        raise ValueError("leaves nothing of the column; remove the key for 1")
+        raise ValueError("would set the whole column to the offset; remove the key for 1")
     return value
 
 
@@ -37,7 +37,7 @@ class Column(Section):
         1.0, description="factor on the numbers of the file"
     )
     offset: float = Field(0.0, description="added after the factor, in `unit`")
-    note: str = Field("", description="what the reader of the log has to know")
+    note: str = Field("", description="remark for the log's readers")
 
 
 class Pressure(Column):
@@ -59,7 +59,7 @@ class Voltage(Column):
 
 
 class Channels(Section):
-    """Channels of a raw log, see data/raw/README.md; what is left out is absent."""
+    """Channels of a raw log, see data/raw/README.md; the log lacks those left out."""
 
     p_exp_command_kpa: Pressure | None = None
     p_exp_kpa: Pressure | None = None
@@ -73,19 +73,19 @@ class Channels(Section):
 
 
 class Time(Section):
-    """Instants of the samples: a column and its unit, or a rate."""
+    """Times of the samples: a column and its unit, or a rate."""
 
-    column: Text | None = Field(None, description="column that holds the instants")
+    column: Text | None = Field(None, description="column that holds the times")
     unit: Literal["s", "ms", "us", "ns", "min"] = Field("s", description="of the column")
     repeated: Literal["first", "mean"] | None = Field(
-        None, description="of samples with one instant, keep the first, or average them"
+        None, description="of samples at the same time, keep the first, or average them"
     )
-    unordered: Literal["sort"] | None = Field(None, description="sort samples by their instants")
+    unordered: Literal["sort"] | None = Field(None, description="sort samples by their times")
     rate_hz: float | None = Field(None, gt=0, le=1e6, description="rate, without a column")
 
 
 class Csv(Section):
-    """How a text file is written; only where the automatic answer is wrong."""
+    """Format of a text file; give only keys whose automatic detection is wrong."""
 
     separator: str | None = Field(None, pattern=r'^[^"\r\n]$', description="one character")
     decimal: Literal[".", ","] | None = None
@@ -98,12 +98,12 @@ class ImportMap(Section):
 
     experiment: Literal["sweep", "complex"] | None = None
     test_from_s: float | None = Field(
-        None, gt=0, description="training part before, test part from here, from the first sample"
+        None, gt=0, description="time since the first sample: before it training, from it on test"
     )
     sample_rate_hz: float = Field(200.0, ge=1, le=1e5, description="rate of the raw log")
     time: Time
-    start_s: float = Field(0.0, ge=0, description="cut before, from the first sample")
-    end_s: float | None = Field(None, gt=0, description="cut after, from the first sample")
+    start_s: float = Field(0.0, ge=0, description="first time kept, since the first sample")
+    end_s: float | None = Field(None, gt=0, description="last time kept, since the first sample")
     channels: Channels
     csv: Csv = Csv()
 
@@ -113,7 +113,7 @@ class ImportMap(Section):
         Raises
         ------
         ValueError
-            The map is of one log: it has no ``test_from_s``.
+            The map has no ``test_from_s``, so it describes one log.
         """
         if self.test_from_s is None:
             raise ValueError("no parts without test_from_s")
@@ -132,9 +132,8 @@ def read_map(path: Path | str) -> ImportMap:
     Raises
     ------
     ConfigError
-        The file is no YAML of keys and values; or lists every unknown key with
-        the nearest valid one, every missing key, every wrong value, and what contradicts
-        something else.
+        The file is not YAML with keys and values; or lists every unknown key with the
+        nearest valid one, every missing key, every wrong value, and every contradiction.
     """
     loaded = read_yaml(path)
     lines = []
@@ -150,19 +149,19 @@ def read_map(path: Path | str) -> ImportMap:
 
 
 class Draft(NamedTuple):
-    """What a map, right or wrong, says of its file: columns by key, and how text is written."""
+    """Parts of a map, even a wrong one, that its file must match: columns by key, CSV format."""
 
     columns: dict[str, str]
     csv: dict[str, Any]
 
 
 def read_draft(path: Path | str) -> Draft:
-    """Read of a map what can be compared with the file, whatever else is wrong with it.
+    """Read the parts of a map that its file must match, even if other parts are wrong.
 
     Raises
     ------
     ConfigError
-        The file is no YAML of keys and values.
+        The file is not YAML with keys and values.
     """
     loaded = read_yaml(path)
     try:
@@ -176,13 +175,13 @@ def read_draft(path: Path | str) -> Draft:
     return Draft(named, csv)
 
 
-# --- what is wrong --------------------------------------------------------------------------
+# --- errors ---------------------------------------------------------------------------------
 
 
 def _contradictions(loaded: Mapping[str, Any]) -> Iterator[str]:
-    """Yield what does not fit together, however wrong each value may be by itself.
+    """Yield contradictions between keys, even if single values are wrong too.
 
-    Nothing is called missing where an unknown key may be meant for it.
+    A key is not reported as missing if an unknown key may be its misspelling.
     """
     given = {key for key, value in loaded.items() if value is not None}
     if {"experiment", "test_from_s"} <= given or (
@@ -229,8 +228,8 @@ def _of_channels(channels: Any) -> Iterator[str]:
     for name, spec in channels.items():
         if _as_text(_mapping(spec).get("unit")) == "1" and not spec.get("note"):
             yield (
-                f"channels.{name}: unit 1 stands for a quantity that is something else; say "
-                "which, and its unit, in `note`"
+                f"channels.{name}: unit 1 stands for another quantity; name it and its unit in "
+                "`note`"
             )
 
 
@@ -246,34 +245,34 @@ def _number(value: Any) -> float | None:
 
 
 def _line(item: Mapping[str, Any]) -> str:
-    way = [str(part) for part in item["loc"]]
-    key = ".".join(way)
+    keys = [str(part) for part in item["loc"]]
+    key = ".".join(keys)
     if item["type"] == "missing":
         return f"  {key}: missing; see docs/own-data.md"
     if item["type"] == "extra_forbidden":
-        known = list(_section(way[:-1]).model_fields)
-        nearest = difflib.get_close_matches(way[-1], known, n=1, cutoff=0.0)[0]
-        return f"  {key}: unknown key; did you mean {'.'.join([*way[:-1], nearest])}?"
+        known = list(_section(keys[:-1]).model_fields)
+        nearest = difflib.get_close_matches(keys[-1], known, n=1, cutoff=0.0)[0]
+        return f"  {key}: unknown key; did you mean {'.'.join([*keys[:-1], nearest])}?"
     message = item["msg"].removeprefix("Value error, ")
     message = message.replace("Input should", "must").replace("String should", "must")
     if item["type"] in ("model_type", "model_attributes_type"):
         message = "must hold keys and values"
     if item["type"] == "literal_error":
-        message += _meant(str(item["input"]), item["ctx"]["expected"])
+        message += _suggestion(str(item["input"]), item["ctx"]["expected"])
     return f"  {key} = {item['input']}: {message}"
 
 
-def _meant(text: str, expected: str) -> str:
-    """Return which of the words that pydantic expects a wrong one may stand for."""
+def _suggestion(text: str, expected: str) -> str:
+    """Return a hint with the word nearest to a wrong one, of those in pydantic's message."""
     words = {word.lower(): word for word in re.findall(r"'([^']+)'", expected)}
     near = difflib.get_close_matches(text.lower(), words, n=1, cutoff=0.5)
     return f"; did you mean {words[near[0]]}?" if near else ""
 
 
-def _section(way: list[str]) -> type[BaseModel]:
-    """Return the section that a list of keys leads to."""
+def _section(keys: list[str]) -> type[BaseModel]:
+    """Return the section at a path of keys."""
     section: type[BaseModel] = ImportMap
-    for part in way:
+    for part in keys:
         kind = section.model_fields[part].annotation
         kinds = [kind, *getattr(kind, "__args__", ())]
         section = next(k for k in kinds if isinstance(k, type) and issubclass(k, BaseModel))

@@ -19,7 +19,7 @@ def check(config: Mapping[str, Any], files: Sequence[Path | str] = ()) -> Settin
     Parameters
     ----------
     files : sequence
-        What it was read from, for the message.
+        Files that it was read from, for the message.
 
     Raises
     ------
@@ -35,8 +35,8 @@ def check(config: Mapping[str, Any], files: Sequence[Path | str] = ()) -> Settin
             settings = Settings.model_validate(remaining)
         except ValidationError as error:
             lines += [line for line in map(_line, error.errors()) if line not in lines]
-            # what depends on several keys is only looked at once each is right by itself
-            restored = [_restored(remaining, item) for item in error.errors()]
+            # checks across several keys run only once each key is valid by itself
+            restored = [_restore_default(remaining, item) for item in error.errors()]
             if not any(restored):
                 break
         else:
@@ -48,11 +48,11 @@ def check(config: Mapping[str, Any], files: Sequence[Path | str] = ()) -> Settin
     raise ConfigError("\n".join([f"{len(lines)} {noun} in the configuration{read}:", *lines]))
 
 
-def _restored(config: Any, item: Mapping[str, Any]) -> bool:
-    """Put the default in place of a wrong value; False if there is no one value."""
-    *way, last = [part for part in item["loc"] if isinstance(part, str)] or [""]
+def _restore_default(config: Any, item: Mapping[str, Any]) -> bool:
+    """Replace a wrong value by its default; return False if the error is not of one value."""
+    *sections, last = [part for part in item["loc"] if isinstance(part, str)] or [""]
     default: Any = Settings().model_dump()
-    for part in way:
+    for part in sections:
         config = config.get(part) if isinstance(config, dict) else None
         default = default.get(part) if isinstance(default, dict) else None
     if not isinstance(config, dict) or last not in config:
@@ -72,7 +72,7 @@ def from_files(paths: Sequence[Path | str], over: Mapping[str, Any] | None = Non
     Raises
     ------
     ConfigError
-        Lists what is wrong in each file that cannot be read; or all that ``check`` does.
+        Lists every file that cannot be read, and why; or the errors that ``check`` lists.
     """
     merged: dict[str, Any] = {}
     problems = []
@@ -87,7 +87,7 @@ def from_files(paths: Sequence[Path | str], over: Mapping[str, Any] | None = Non
     return check(merged, paths)
 
 
-#: Settings whose keys are the user's: given, they replace the default as a whole.
+#: Settings with keys that the user chooses: a given value replaces the whole default.
 _WHOLE = ("ranges",)
 
 
@@ -100,7 +100,7 @@ def _merge(into: dict[str, Any], other: Mapping[str, Any]) -> None:
             into[key] = value
 
 
-#: What earlier versions called keys and values.
+#: Keys and values of earlier versions, with their new names.
 _RENAMED = {"sweeps": "grids", "source = hardware": "rig"}
 
 
@@ -109,13 +109,13 @@ def _line(item: Mapping[str, Any]) -> str:
     renamed = _RENAMED.get(key) or _RENAMED.get(f"{key} = {item['input']}")
     if renamed:
         was = item["input"] if isinstance(item["input"], str) else key
-        return f"  {key}: {was} is called {renamed} now; rename it"
+        return f"  {key}: {was} is now called {renamed}; rename it"
     defaults = {name: default for name, default, _, _ in fields(Settings())}
     if item["type"] == "extra_forbidden":
         return f"  {key}: unknown key; did you mean {_nearest(key, list(defaults))}?"
     if item["type"] == "invalid_key":
         named = ".".join(map(str, [*item["loc"][:-1], item["input"]]))
-        return f"  {named}: unknown key; every key is a word, as seed"
+        return f"  {named}: unknown key; keys are words, such as seed"
     message = item["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
     where = f"{key} = {item['input']}: " if key and item["type"] != "value_error" else ""
     remedy = f"; remove the key for {defaults[key]!r}" if key in defaults else ""
@@ -125,7 +125,7 @@ def _line(item: Mapping[str, Any]) -> str:
 
 
 def _nearest(key: str, known: Sequence[str]) -> str:
-    """Return the valid key that was probably meant."""
+    """Return the valid key that the user probably meant."""
     parts = [name.split(".") for name in known]
     prefixes = dict.fromkeys(".".join(part[:i]) for part in parts for i in range(1, len(part) + 1))
     section, _, last = key.rpartition(".")

@@ -1,7 +1,7 @@
 """Parameters of the simulated rig: unit, physical range and source of each.
 
-``fitted`` in a source means that no data sheet gives the value: it is set in
-``config/rig.yaml`` so that the rig shows the paper's Tables II and III.
+``fitted`` as a source means that no data sheet gives the value: the value in
+``config/rig.yaml`` is fitted so that the rig reproduces the paper's Tables II and III.
 """
 
 from typing import Annotated
@@ -36,7 +36,7 @@ class Valve(Section):
         0.02, "stroke", (0.005, 0.05), "overlap on each side of the centre", "fitted"
     )
     leak: float = quantity(
-        0.002, "opening", (0.0, 0.02), "opening left at both edges by clearance", "typical"
+        0.002, "opening", (0.0, 0.02), "opening of both edges by the spool's clearance", "typical"
     )
     sonic_conductance_ml_per_s_kpa: float = quantity(
         7.86, "mL/(s kPa)", (3.93, 11.8), "sonic conductance C, fully open",
@@ -66,7 +66,7 @@ class Chamber(Section):
 
 
 class ReservoirChamber(Section):
-    """PAM A, the active chamber of the reservoir; it grows by what it squeezes."""
+    """PAM A, the active chamber of the reservoir; it grows by the volume that it squeezes."""
 
     volume_ml: float = quantity(
         20, "mL", (11, 40), "volume at rest, tube included", "size of the muscle"
@@ -138,7 +138,7 @@ class Bending(Section):
 
 
 class Drift(Section):
-    """Slow changes that no model can know: creep, Mullins effect, sensor slip."""
+    """Slow changes that no model can predict: creep, Mullins effect, sensor slip."""
 
     sigma_kpa: float = quantity(
         8.0, "kPa", (0, 15), "standard deviation of the Ornstein-Uhlenbeck torque", "fitted"
@@ -252,7 +252,7 @@ class Converter(Section):
 
 
 class Rig(Section):
-    """The simulated rig; a real one has no use for this section."""
+    """The simulated rig; a real rig does not use this section."""
 
     step_s: float = quantity(
         5e-4, "s", (1e-5, 5e-4), "longest integration step", "fits the fastest part, the spool"
@@ -276,8 +276,8 @@ class Rig(Section):
         share = self.step_s * stiffness / reservoir.squeeze_damping_kpa_s_per_ml
         if share > 0.5:
             raise ValueError(
-                f"the squeeze of the reservoir moves {share:.2g} of its way in one integration "
-                "step, at most 0.5 is resolved; reduce step_s, or raise slip_distance_ml or "
-                "squeeze_damping_kpa_s_per_ml"
+                f"the reservoir's squeeze covers {share:.2g} of the distance to equilibrium in one "
+                "integration step; at most 0.5 is resolved: reduce step_s, or raise "
+                "slip_distance_ml or squeeze_damping_kpa_s_per_ml"
             )
         return self

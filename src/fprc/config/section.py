@@ -1,4 +1,4 @@
-"""What every section of the configuration has in common."""
+"""Base class of the configuration's sections, and helpers that declare their keys."""
 
 from collections.abc import Iterator
 from typing import Any, TypeVar

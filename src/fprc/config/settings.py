@@ -49,27 +49,27 @@ class Experiments(Section):
 class PressureLoop(Section):
     """Software PI loop on a valve voltage."""
 
-    # above 0: more voltage fills, so that the gain's sign is the loop's
+    # positive: more voltage fills the chamber
     kp_v_per_kpa: float = quantity(0.03, "V/kPa", (1e-4, 1), "proportional gain", "paper, Sec. IV")
     ki_v_per_kpa_s: float = quantity(1e-6, "V/(kPa s)", (0, 1), "integral gain", "paper, Sec. IV")
 
 
 class Control(Section):
-    """What runs on the computer at every sample."""
+    """Controllers that run on the computer at every sample."""
 
     sample_rate_hz: float = quantity(200, "Hz", (50, 1000), "refresh rate", "paper, Sec. II-B")
     k_in_kpa_per_deg: float = quantity(
         7.0, "kPa/deg", (0.1, 20), "K_in: reservoir pressure per degree", "paper, Sec. II-B"
     )
     reservoir_limit_kpa: float = quantity(
-        450, "kPa", (100, 500), "highest pressure asked of the reservoir", "paper, Sec. II-B"
+        450, "kPa", (100, 500), "largest pressure command to the reservoir", "paper, Sec. II-B"
     )
     main_loop: PressureLoop = PressureLoop()
     reservoir_loop: PressureLoop = PressureLoop(kp_v_per_kpa=0.05)
 
 
 class Quality(Section):
-    """What preprocessing accepts of a raw log."""
+    """Checks of a raw log in preprocessing."""
 
     rate_tolerance: float = quantity(0.01, "-", (0, 0.2), "relative error of the mean sample rate")
     gap_periods: float = quantity(1.5, "periods", (1.01, 100), "a longer step is a gap")
@@ -90,7 +90,7 @@ class Quality(Section):
         (-1000, 1000), "kPa", (-10000, 10000), "P_ff and P_fb outside are implausible"
     )
     leak_kpa_per_min: float = quantity(
-        5.0, "kPa/min", (0, 100), "a faster fall of P_o at equal P_i is a leak"
+        5.0, "kPa/min", (0, 100), "P_o that falls faster at equal P_i is a leak"
     )
 
     _rises = field_validator(
@@ -109,7 +109,9 @@ class Esn(Section):
     f_input: float = quantity(0.02, "-", (1e-6, 10), "input scaling factor", "paper, Table I")
     gamma: float = quantity(0.8, "-", (0, 0.9999), "leaky rate", "paper, Table I")
     rho: float = quantity(0.4, "-", (0, 1.5), "spectral radius", "paper, Table I")
-    washout: int = quantity(100, "samples", (0, 10000), "steps that settle x", "paper, Sec. III-D")
+    washout: int = quantity(
+        100, "samples", (0, 10000), "steps that settle the state x", "paper, Sec. III-D"
+    )
 
 
 class Fprc(Section):
@@ -128,7 +130,7 @@ class Other(Section):
         pattern=r"^[A-Za-z_]\w*(\.[A-Za-z_]\w*)+$", description="its class, module.Class"
     )
     inputs: tuple[Literal["theta_deg"]] | tuple[Literal["theta_deg"], Literal["p_o_kpa"]] = Field(
-        ("theta_deg",), description="channels that it sees, in the order of its columns"
+        ("theta_deg",), description="its input channels, in the order of its columns"
     )
     settings: dict[str, float | int | str] = Field({}, description="parameters of its constructor")
 
@@ -154,7 +156,7 @@ class Models(Section):
 
 
 class Evaluation(Section):
-    """How the models are judged, Sec. III-D."""
+    """How the models are evaluated, Sec. III-D."""
 
     folds: int = quantity(5, "-", (2, 100), "folds of the cross-validation", "paper, Sec. III-D")
     split: Literal["shuffled", "blocked"] = Field(
@@ -166,8 +168,8 @@ class Evaluation(Section):
     )
     reservoir: Literal["recorded", "simulated"] = Field(
         "recorded",
-        description="P_o of recorded logs: theirs, or that of the simulated reservoir, driven by "
-        "the recorded theta",
+        description="P_o of recorded logs: the recorded one, or that of the simulated reservoir, "
+        "driven by the recorded theta",
     )
     reservoir_zero_deg: float = quantity(
         0, "deg", (-1e4, 1e4), "recorded theta at which the simulated reservoir is vented"
@@ -176,7 +178,7 @@ class Evaluation(Section):
     replicate_seeds: tuple[Annotated[int, within(0, 2**31)], ...] = Field(
         (301, 302, 303, 304, 305),
         min_length=2,
-        description="seeds of the further rigs that tables, grids and runs are repeated on",
+        description="seeds of further rigs, on which tables, grids and runs are repeated",
     )
 
     @field_validator("replicate_seeds")
@@ -206,7 +208,7 @@ class Grids(Section):
         (1, 3, 5, 8, 10), "samples", (1, 100), "both taps, on the further seeds", "assumed"
     )
     chunks: int = quantity(
-        1, "-", (1, 100), "jobs that each grid is split into; more than its cells are idle"
+        1, "-", (1, 100), "jobs per grid; jobs beyond its number of cells are idle"
     )
 
     @field_validator("replicate_taps")
@@ -218,7 +220,7 @@ class Grids(Section):
 
 
 class Reference(Section):
-    """Bending angle to be followed; it starts at its lowest value."""
+    """Reference of the bending angle; it starts at its lowest value."""
 
     form: Literal["multisine", "chirp"] = Field(
         "multisine", description="sum of equal sines, or linear frequency sweep"
@@ -234,7 +236,7 @@ class Reference(Section):
     )
     duration_s: float = quantity(40, "s", (1, 3600), "length", "printed for sweep and complex")
     settle_s: float = quantity(
-        5, "s", (0, 60), "first value held before; recorded but not judged", "assumed"
+        5, "s", (0, 60), "time at the first value before; recorded, not evaluated", "assumed"
     )
 
     @model_validator(mode="after")
@@ -266,7 +268,9 @@ class Gains(Section):
 class Pushes(Section):
     """Random forces on the reservoir in the disturbance test, Fig. 17."""
 
-    quiet_s: float = quantity(12, "s", (0, 600), "no push before", "the paper: a short period")
+    quiet_s: float = quantity(
+        12, "s", (0, 600), "no push before this time", "the paper: a short period"
+    )
     every_s: float = quantity(1.2, "s", (0.1, 60), "mean time between two pushes", "assumed")
     sigma_kpa: float = quantity(150, "kPa", (0, 500), "size, standard deviation", "assumed")
 
@@ -281,7 +285,7 @@ class Tracking(Section):
         "P gains tried on the disturbance reference, undisturbed; D keeps the printed ratio",
     )  # fmt: skip
     pressure_limit_kpa: float = quantity(
-        450, "kPa", (100, 500), "highest pressure asked of the actuator", "as the reservoir's"
+        450, "kPa", (100, 500), "largest pressure command to the actuator", "as the reservoir's"
     )
     angle_range_deg: Pair[Annotated[float, within(-10, 120)]] = quantities(
         (0, 65), "deg", (-10, 120), "references outside are refused", "paper: about 60 deg"
@@ -289,7 +293,7 @@ class Tracking(Section):
     pushes: Pushes = Pushes()
 
     @model_validator(mode="after")
-    def _pushes_begin_within_the_judged_part(self) -> "Tracking":
+    def _pushes_begin_within_the_evaluated_part(self) -> "Tracking":
         reference, quiet_s = self.references.disturbance, self.pushes.quiet_s
         end_s = reference.settle_s + reference.duration_s
         if not reference.settle_s < quiet_s < end_s:
@@ -305,13 +309,12 @@ class Settings(Section):
 
     source: Literal["sim", "rig", "recorded"] = Field(
         "sim",
-        description="where raw logs come from: the simulated rig, the real one, or files that are "
-        "already there",
+        description="where raw logs come from: the simulated rig, the real one, or existing files",
     )
     armed: bool = Field(
-        False, description="whether a real rig may be started; give it on the command line only"
+        False, description="whether a real rig may start; give this on the command line only"
     )
-    seed: int = quantity(1, "-", (0, 2**31), "of the rig, its noise and the models")
+    seed: int = quantity(1, "-", (0, 2**31), "seed of the rig, its noise and the models")
     folders: Folders = Folders()
     experiments: Experiments = Experiments()
     control: Control = Control()

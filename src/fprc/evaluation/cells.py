@@ -26,18 +26,18 @@ def run_cells(
 ) -> list[dict[str, Any]]:
     """Judge every cell in a pool of processes, each on one thread.
 
-    A finished cell is written to the checkpoint at once, so that a killed
-    grid goes on where it was.
+    Each finished cell is written to the checkpoint at once, so that a killed
+    grid resumes there.
 
     Parameters
     ----------
     judge : callable
-        Picklable; takes a cell and gives a JSON mapping.
+        Picklable; takes a cell and returns a JSON mapping.
     checkpoint : path
-        JSON lines: first ``key``, then one cell each. A file with another key,
-        or with none, is begun anew; a last line that was cut is dropped.
+        JSON lines: first ``key``, then one cell each. A file with another key or
+        none is overwritten; an incomplete last line is dropped.
     key : str
-        Stands for everything that the results depend on beside the cells.
+        Identifies everything that the results depend on besides the cells.
 
     Returns
     -------
@@ -46,9 +46,9 @@ def run_cells(
     """
     checkpoint = Path(checkpoint)
     finished = _resume(checkpoint, key)
-    open_cells = [cell for cell in cells if _name(cell) not in finished]
+    pending = [cell for cell in cells if _name(cell) not in finished]
     with appending(checkpoint) as append:
-        for cell, result in _results(judge, open_cells, workers):
+        for cell, result in _results(judge, pending, workers):
             finished[_name(cell)] = result
             append(json.dumps({"cell": cell, "result": result}, allow_nan=False))
             progress(sum(_name(cell) in finished for cell in cells), len(cells))
@@ -72,7 +72,7 @@ def _name(cell: Cell) -> str:
 
 
 def _resume(checkpoint: Path, key: str) -> dict[str, dict[str, Any]]:
-    """Return the finished cells, and leave the file ready to be appended to."""
+    """Return the finished cells; make the file ready to be appended to."""
     text = checkpoint.read_text(encoding="utf-8", errors="replace") if checkpoint.exists() else ""
     lines = text.splitlines()
     finished = {}
@@ -91,7 +91,7 @@ def _resume(checkpoint: Path, key: str) -> dict[str, dict[str, Any]]:
 
 
 def log_progress(done: int, total: int) -> None:
-    """Draw a bar of finished cells."""
+    """Log a bar of the finished cells."""
     width = 30
     bar = "#" * (width * done // total)
     log.info("[%-*s] %d of %d cells", width, bar, done, total)

@@ -16,7 +16,7 @@ from fprc.models import SequenceModel
 
 @contextmanager
 def refusals_of(model: BaseEstimator) -> Iterator[None]:
-    """Turn what a model refuses into an error that names it."""
+    """Turn a ValueError of a model into an error that names the model."""
     try:
         yield
     except ValueError as error:
@@ -24,7 +24,7 @@ def refusals_of(model: BaseEstimator) -> Iterator[None]:
 
 
 class Folded(NamedTuple):
-    """What the folds gave, and the readout of the best one."""
+    """Errors of the folds, and the readout of the best one."""
 
     train_rmse: tuple[float, ...]  #: per fold
     validation_rmse: tuple[float, ...]  #: per fold
@@ -34,7 +34,7 @@ class Folded(NamedTuple):
 
 
 class CrossValidated(NamedTuple):
-    """What cross-validation found of one model."""
+    """Result of the cross-validation of one model."""
 
     train_rmse: tuple[float, ...]  #: per fold
     validation_rmse: tuple[float, ...]  #: per fold
@@ -65,14 +65,14 @@ def cross_validate(
     """Train ``model`` once per fold and keep the best (Sec. III-D).
 
     The features are computed once over the whole log, in the order of time;
-    the folds choose rows of them.
+    the folds select rows of them.
 
     Parameters
     ----------
     X : ndarray of shape (n_samples, n_inputs)
     y : ndarray of shape (n_samples,)
     progress : callable
-        Called with fold, training and validation error as folds end.
+        Called after each fold with its number, training and validation error.
 
     Raises
     ------
@@ -94,7 +94,7 @@ def validate_rows(
     folds: Sequence[Fold],
     progress: Progress = lambda fold, e_train, e_validation: None,
 ) -> CrossValidated:
-    """Do as ``cross_validate`` where the features of the log, ``rows``, are known already."""
+    """Do as ``cross_validate``, given the features of the log as ``rows``."""
     with refusals_of(model):
         folded = fit_folds(model.make_readout(), rows, y, folds, progress)
     return CrossValidated(*folded[:4], model.assembled(features, folded.readout))
@@ -109,40 +109,39 @@ def fit_folds(
 ) -> Folded:
     """Fit a copy of ``readout`` to each fold's rows and keep the best.
 
-    A readout that is random starts differently in every fold, at
-    ``random_state + fold``.
+    A random readout has its own seed in every fold, ``random_state + fold``.
     """
-    errors, found = [], []
+    errors, fits = [], []
     for i, fold_readout in enumerate(_fitted(readout, rows, y, folds)):
         predicted = fold_readout.predict(rows)
-        found.append((predicted, fold_readout))
+        fits.append((predicted, fold_readout))
         e_train, e_validation = (rmse(y[part], predicted[part]) for part in folds[i])
         errors.append((e_train, e_validation))
         progress(i, e_train, e_validation)
     best = int(np.argmin([np.hypot(*pair) for pair in errors]))
     train_rmse, validation_rmse = zip(*errors, strict=True)
-    return Folded(train_rmse, validation_rmse, best, *found[best])
+    return Folded(train_rmse, validation_rmse, best, *fits[best])
 
 
 def _fitted(
     readout: BaseEstimator, rows: np.ndarray, y: np.ndarray, folds: Sequence[Fold]
 ) -> Iterator[BaseEstimator]:
-    if hasattr(readout, "fit_complements") and _partition(folds, len(y)):
+    if hasattr(readout, "fit_complements") and _is_partition(folds, len(y)):
         yield from readout.fit_complements(rows, y, [validation for _, validation in folds])
     else:
         for i, (train, _) in enumerate(folds):
-            yield _started(clone(readout), i).fit(rows[train], y[train])
+            yield _with_seed_of(clone(readout), i).fit(rows[train], y[train])
 
 
-def _partition(folds: Sequence[Fold], samples: int) -> bool:
-    """Tell whether each row validates once and otherwise trains."""
+def _is_partition(folds: Sequence[Fold], samples: int) -> bool:
+    """Return whether each row validates in one fold and trains in all others."""
     validated = np.sort(np.concatenate([validation for _, validation in folds]))
     return np.array_equal(validated, np.arange(samples)) and all(
         np.array_equal(np.sort(np.concatenate(fold)), np.arange(samples)) for fold in folds
     )
 
 
-def _started(readout: BaseEstimator, fold: int) -> BaseEstimator:
+def _with_seed_of(readout: BaseEstimator, fold: int) -> BaseEstimator:
     seed = readout.get_params().get("random_state")
     if isinstance(seed, Integral):
         readout.set_params(random_state=seed + fold)

@@ -12,12 +12,12 @@ from threadpoolctl import threadpool_info
 
 from fprc.models import SequenceModel
 
-#: Samples of the warm-up of what goes sample by sample, enough for what is compiled; whole
-#: logs at once touch all of their memory first.
+#: Samples of the warm-up in sequential mode, enough for compilation. In batch mode the warm-up
+#: is the whole log, to touch all of its memory.
 WARM_UP = 1000
 
-#: Seconds of batch work that is so brief that it matters what is in the caches: it is done once
-#: untimed before each of its turns, for the turns of the others have emptied them.
+#: Batch work shorter than this, s, depends on the processor's caches, which the other models
+#: flush when it is their turn. It therefore runs once untimed before each timed run.
 BRIEF_S = 0.05
 
 
@@ -34,16 +34,16 @@ def time_models(
 ) -> dict[Name, list[dict[str, Any]]]:
     """Time fitted models, ``repeats`` times in each mode, after a warm-up.
 
-    Sequential is what a controller pays: the features sample by sample, then, in
-    training, the fit of the readout. Batch computes whole logs at once. To draw
-    the ESN's weights is no part of its training. The models take turns, so that what
-    slows the machine for a while slows all of them; they keep their weights, and are
-    left in the midst of a log.
+    Sequential mode is the cost in a controller: the features sample by sample, then,
+    in training, the fit of the readout. Batch mode computes whole logs at once. The
+    training of the ESN excludes drawing its weights. The models take turns, so that
+    a slow phase of the machine affects all of them. They keep their weights, but
+    their streams are left in the middle of a log.
 
     Parameters
     ----------
     fitted : Mapping
-        By a name: the model, the log that trains it, and the log that tests it.
+        By name: the model, its training log and its test log.
 
     Returns
     -------
@@ -73,8 +73,8 @@ def time_models(
 def time_steps(step: Callable[[int], object], samples: int) -> np.ndarray:
     """Return the seconds that each of ``step(0)`` to ``step(samples - 1)`` takes.
 
-    Each call is timed by itself, since a control loop has to keep its
-    deadline at every sample, not in the mean.
+    Each call is timed by itself, since a control loop must meet its deadline
+    at every sample, not on average.
     """
     seconds = np.empty(samples)
     for k in range(samples):
@@ -87,10 +87,10 @@ def time_steps(step: Callable[[int], object], samples: int) -> np.ndarray:
 def interleaved(
     work: Mapping[Name, Callable[[], object]], rounds: int, twice: Collection[Name] = ()
 ) -> dict[Name, list[float]]:
-    """Return the seconds of each piece of work in each round, one after the other in turn.
+    """Return the seconds of each piece of work in each round; the pieces take turns.
 
-    What slows the machine for a while then slows all of them. What is named in ``twice``
-    is done once untimed before.
+    A slow phase of the machine then affects all of them. Work named in ``twice`` runs once
+    untimed before each timed run.
     """
     seconds: dict[Name, list[float]] = {name: [] for name in work}
     for _ in range(rounds):
@@ -102,7 +102,7 @@ def interleaved(
 
 
 def machine() -> dict[str, Any]:
-    """CPU, the largest number of threads of any numerical library, and BLAS's kernels."""
+    """CPU, largest number of threads of any numerical library, and kernels of BLAS."""
     pools = threadpool_info()
     threads = max((pool["num_threads"] for pool in pools), default=1)
     blas = {

@@ -14,9 +14,9 @@ def normalised_weights(
 ) -> np.ndarray:
     """Absolute weights of the FPRC on normalised features, each rule summing to 1 (Eqs. 13, 14).
 
-    theta and the filtered P_o are each brought to [0, 1] by their own minimum
-    and maximum in the training data; the model is then cross-validated as
-    before and the best fold's weights are taken.
+    theta and the filtered P_o are each scaled to [0, 1] by their minimum and
+    maximum in the training data. The model is then cross-validated as usual, and
+    the weights are those of the best fold.
 
     Parameters
     ----------

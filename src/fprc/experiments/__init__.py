@@ -1,1 +1,1 @@
-"""What the paper does, in memory: experiments, comparison, grids, closed loops."""
+"""The paper's experiments, comparison, grids and closed loops, all in memory."""

@@ -22,11 +22,11 @@ log = logging.getLogger(__name__)
 
 
 class Judged(NamedTuple):
-    """A model that was cross-validated on one log and tested on another."""
+    """A model cross-validated on one log and tested on another."""
 
     validated: CrossValidated
     report: dict[str, Any]  #: its errors
-    tested: np.ndarray  #: output for the log that tests
+    tested: np.ndarray  #: output for the test log
 
 
 def compare_models(
@@ -34,24 +34,24 @@ def compare_models(
 ) -> tuple[dict[str, Any], dict[str, SequenceModel]]:
     """Return the errors of Tables II and III, the weights of Fig. 9, and the filter alone.
 
-    The filter alone is FPRC with theta_d in place of P_o, trained on the sweep. With them
-    come the models of the sweep, some of which drive the closed loops.
+    The filter alone is FPRC with theta_d in place of P_o, trained on the sweep. Also return
+    the models that were trained on the sweep, some of which drive the closed loops.
     """
-    found = {
+    judged = {
         name: judge_directions(name, judgement, data, DIRECTIONS)
         for name in entries(judgement.models)
     }
-    in_order = chain.from_iterable(zip(*found.values(), strict=True))
+    in_order = chain.from_iterable(zip(*judged.values(), strict=True))
     own = {key: judgement.models["fprc"][key] for key in ("epsilon", "n_u")}
     filter_alone = {"split": judgement.split, "readout": "theta", **own}
     compared = {
-        "models": [judged.report for judged in in_order],
+        "models": [each.report for each in in_order],
         "weights": weight_shares(data["sweep"], judgement),
         "filter_alone": judge_readout(
             filter_alone, train=data["sweep"], test=data["complex"], judgement=judgement
         ),
     }
-    return compared, {name: judged[0].validated.model for name, judged in found.items()}
+    return compared, {name: each[0].validated.model for name, each in judged.items()}
 
 
 def judge_directions(
@@ -60,7 +60,7 @@ def judge_directions(
     logs: Mapping[str, Data],
     directions: Sequence[tuple[str, str]],
 ) -> list[Judged]:
-    """Cross-validate and test one model for each (log that trains, log that tests).
+    """Cross-validate and test one model for each direction (training log, test log).
 
     The features of each log are computed once for all directions.
     """
@@ -75,13 +75,13 @@ def judge_directions(
     with refusals_of(model):
         features = model.make_features().fit(pairs[directions[0][0]][0])
         rows = {key: features.transform(X) for key, (X, _) in pairs.items()}
-    found = []
+    results = []
     for train, test in directions:
         y = pairs[train][1]
         label = f"{name}, trained on {logs[train].attributes['experiment']}"
         judged = validate_rows(
             model, features, rows[train], y, split_rows(len(y), folds, split, seed),
-            progress=partial(_tell_fold, label, folds),
+            progress=partial(_log_fold, label, folds),
         )  # fmt: skip
         tested = judged.model.readout_.predict(rows[test])
         test_rmse = rmse(pairs[test][1], tested)
@@ -99,11 +99,11 @@ def judge_directions(
             "best_fold": judged.best,
             "test_rmse_kpa": test_rmse,
         }
-        found.append(Judged(judged, report, tested))
-    return found
+        results.append(Judged(judged, report, tested))
+    return results
 
 
-def _tell_fold(label: str, folds: int, fold: int, e_train: float, e_validation: float) -> None:
+def _log_fold(label: str, folds: int, fold: int, e_train: float, e_validation: float) -> None:
     log.info(
         "%s: fold %d of %d: training %.2f, validation %.2f kPa",
         label, fold + 1, folds, e_train, e_validation,

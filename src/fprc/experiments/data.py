@@ -1,4 +1,4 @@
-"""Logs as the models see them."""
+"""Preprocessed logs, the input of the models."""
 
 from collections.abc import Mapping
 from typing import Any, NamedTuple
@@ -9,19 +9,19 @@ from fprc.errors import LogError
 from fprc.logs import read_columns
 from fprc.registry import entries
 
-#: Channel of a raw log that is P_exp for the models, their target, by config's choice.
+#: Channel of a raw log that the models learn as P_exp, by ``evaluation.target``.
 TARGETS = {"command": "p_exp_command_kpa", "measured": "p_exp_kpa"}
 
 
 class Data(NamedTuple):
-    """One log as the models see it; ``p_target_kpa`` is P_exp, commanded or measured."""
+    """One preprocessed log; ``p_target_kpa`` is P_exp, commanded or measured."""
 
     channels: Mapping[str, np.ndarray]
     attributes: Mapping[str, Any]
 
     @property
     def unit(self) -> str:
-        """Unit of P_exp, and so of every error: kPa, unless an import says something else."""
+        """Unit of P_exp, and so of every error: kPa, unless an import gives another."""
         return self.attributes.get("p_target_unit", "kPa")
 
     def pair(
@@ -62,7 +62,7 @@ def models_for(models: Mapping[str, Any], *logs: Data) -> list[str]:
 
 
 def refuse_mixture(train: Data, test: Data) -> None:
-    """Refuse to judge a model that was trained on one kind of data on another.
+    """Refuse a training log and a test log of different kinds.
 
     Raises
     ------

@@ -16,7 +16,7 @@ log = logging.getLogger(__name__)
 
 
 def cells_of(grid: str, values: Mapping[str, Sequence[float]]) -> list[dict[str, Any]]:
-    """Return what each cell of a grid changes: a model and some of its settings."""
+    """Return the cells of a grid: each is a model and the settings that the grid varies."""
     return [
         {"model": model, **dict(zip(GRID_SETTINGS[grid], cell, strict=True))}
         for model in GRID_MODELS[grid]
@@ -25,7 +25,7 @@ def cells_of(grid: str, values: Mapping[str, Sequence[float]]) -> list[dict[str,
 
 
 def chunk_of(cells: Sequence[Any], chunk: int, chunks: int) -> list[Any]:
-    """Return one of several runs of neighbours, which differ by one cell at most."""
+    """Return one of ``chunks`` contiguous parts; their sizes differ by one cell at most."""
     first, last = (len(cells) * edge // chunks for edge in (chunk, chunk + 1))
     return list(cells[first:last])
 
@@ -55,21 +55,21 @@ def judge_cell(
 def judge_grids(
     data: Mapping[str, Data], values: Mapping[str, Any], judgement: Judgement
 ) -> dict[str, list[dict[str, Any]]]:
-    """Return the cells of every grid, that of the tap sizes coarser."""
+    """Judge every cell of every grid; the grid of tap sizes is coarser."""
     coarse = dict(values) | {"n_u": values["replicate_taps"], "n_y": values["replicate_taps"]}
     logs = {"train": data["sweep"], "test": data["complex"]}
-    found = {}
+    judged = {}
     for grid in ("epsilon", "n_c", "taps"):
-        found[grid] = [
+        judged[grid] = [
             {**cell, **judge_cell(cell, **logs, judgement=judgement)}
             for cell in cells_of(grid, coarse)
         ]
-        log.info("judged grid %s: %d cells", grid, len(found[grid]))
-    return found
+        log.info("judged grid %s: %d cells", grid, len(judged[grid]))
+    return judged
 
 
 def weight_shares(train: Data, judgement: Judgement) -> dict[str, Any]:
-    """Return the share of each feature in the weights, by rule and in the mean (Fig. 9)."""
+    """Return the share of each feature in the weights, per rule and on average (Fig. 9)."""
     X, y = train.pair("fprc")
     model = build("fprc", judgement.models, judgement.seed)
     folds = split_rows(len(y), judgement.folds, judgement.split, judgement.seed)

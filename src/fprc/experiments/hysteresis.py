@@ -14,12 +14,12 @@ from fprc.signals import pressure_command
 
 log = logging.getLogger(__name__)
 
-#: Number of each experiment; with the seed it decides the noise of the run.
+#: Run number of each experiment; with the seed it sets the noise of the run.
 RUNS = {"sweep": 0, "complex": 1}
 
 
 def simulate(settings: RigSettings, seed: int) -> dict[str, Data]:
-    """Return both hysteresis experiments, as the models see them."""
+    """Return both hysteresis experiments as preprocessed logs."""
     data = {}
     for experiment, signal in settings.signals.items():
         channels = acquire(experiment, signal, settings.control, settings.rig, seed)

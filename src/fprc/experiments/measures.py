@@ -1,4 +1,4 @@
-"""What claims C13-C18 measure of closed-loop runs and of hysteresis loops."""
+"""Measures of closed-loop runs and hysteresis loops, for claims C13-C18."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -12,7 +12,7 @@ Channels = Mapping[str, np.ndarray]
 
 
 def measure_runs(runs: Mapping[str, Channels], quiet_s: float) -> dict[str, Any]:
-    """Return the numbers that the claims on control are judged by, of one seed.
+    """Return the numbers of one seed by which the claims on control are judged.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ def measure_runs(runs: Mapping[str, Channels], quiet_s: float) -> dict[str, Any]
     -------
     dict
         ``rmse_deg`` of every run, by its name; ``effort``, the rms of P_fb over that of P_ff
-        on each reference; ``sweep``, ``loops`` and ``disturbance``, numbers of these.
+        on each reference; ``sweep``, ``loops`` and ``disturbance``, numbers of these runs.
     """
     return {
         "rmse_deg": {name: rms(_error(run)) for name, run in runs.items()},
@@ -43,7 +43,7 @@ def measure_runs(runs: Mapping[str, Channels], quiet_s: float) -> dict[str, Any]
 
 
 def measure_hysteresis(sweep: Channels) -> dict[str, float]:
-    """Return by how much both loops widen from the first to the last quarter of the sweep."""
+    """Return the factor by which each loop widens from the first to the last quarter of a sweep."""
     time_s, theta = sweep["time_s"], sweep["theta_deg"]
     return {
         name: loop_growth(time_s, theta, sweep[channel])
@@ -82,7 +82,7 @@ def _sweep(run: Channels) -> dict[str, float]:
 
 
 def _loop(run: Channels) -> dict[str, float]:
-    """Return width and span of the loop of theta over theta_d, over the reference's span."""
+    """Return the width of the loop theta over theta_d by its span, and its span by theta_d's."""
     span = float(np.ptp(run["theta_deg"]))
     return {
         "width_over_span": width_at_middle(run["theta_d_deg"], run["theta_deg"]) / max(span, 1e-9),
@@ -91,7 +91,7 @@ def _loop(run: Channels) -> dict[str, float]:
 
 
 def _disturbance(run: Channels, quiet_s: float) -> dict[str, list[float]]:
-    """Return [quiet, pushed] of what P_i does not explain, and of the tracking error, deg."""
+    """Return [quiet, pushed] of the parts that P_i does not explain, and of the error, deg."""
     error = _error(run)
     quiet = run["time_s"] < quiet_s
     return {
@@ -102,7 +102,7 @@ def _disturbance(run: Channels, quiet_s: float) -> dict[str, list[float]]:
 
 
 def _unexplained(run: Channels, channel: str, quiet: np.ndarray) -> list[float]:
-    """Return rms of what P_i does not explain, over the swing: quiet, then pushed."""
+    """Return [quiet, pushed]: rms of a channel's part that P_i does not explain, over its swing."""
     time_s, p_i, value = run["time_s"], run["p_i_kpa"], run[channel]
     rate = np.gradient(p_i, time_s)
     direction = np.tanh(rate / (np.std(rate) + 1e-9))

@@ -1,4 +1,4 @@
-"""What the reservoir's readout is worth: FPRC with P_o, without, and with stand-ins for it."""
+"""Value of the reservoir's readout: FPRC with P_o, without it, and with substitutes for it."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -10,8 +10,8 @@ from fprc.experiments.data import Data
 from fprc.experiments.settings import Judgement
 from fprc.registry import build
 
-#: What takes the place of P_o in FPRC. ``theta`` has the low-pass but no reservoir; ``shuffled``
-#: has P_o's values at random times; ``none`` is Fuzzy-linear.
+#: Substitutes for P_o in FPRC: ``theta`` has the low-pass but no reservoir, ``shuffled`` has P_o's
+#: values at random times, ``none`` is Fuzzy-linear.
 READOUTS = ("none", "p_o", "theta", "shuffled")
 
 SPLITS = ("shuffled", "blocked")
@@ -38,7 +38,7 @@ def judge_readout(
     test: Data,
     judgement: Judgement,
 ) -> dict[str, Any]:
-    """Return the errors of one cell, which names the split."""
+    """Return the errors of one cell, with the split that the cell gives."""
     seed = judgement.seed
     name = "fuzzy_linear" if cell["readout"] == "none" else "fprc"
     model = build(name, judgement.models, seed)
@@ -55,7 +55,7 @@ def judge_readout(
 
 
 def inputs_with(readout: str, data: Data, seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return theta_d and what stands for P_o as columns, and P_exp."""
+    """Return theta_d and P_o or its substitute as columns, and P_exp."""
     theta, p_exp = data.channels["theta_deg"], data.channels["p_target_kpa"]
     if readout == "none":
         return theta[:, None], p_exp

@@ -12,35 +12,35 @@ from fprc.errors import LogError
 #: The reservoir rests at the first angle before the recording begins, s.
 _BEFORE_S = 5.0
 
-#: Share of the samples that may ask for less than no pressure or for more than the limit, by
-#: more than so much of the limit: an angle at rest has noise.
+#: Largest share of samples whose command is below 0 or above the limit by more than the margin,
+#: a fraction of the limit. The margin allows for the noise of the angle at rest.
 _OUTSIDE, _MARGIN = 0.01, 0.02
 
-#: What the simulated reservoir gives.
+#: Channels of the simulated reservoir.
 CHANNELS = ("p_i_command_kpa", "p_i_kpa", "p_o_kpa", "phi_deg")
 
 
 def commands_of(
     theta_deg: np.ndarray, zero_deg: float, control: Mapping[str, Any], raw: str
 ) -> np.ndarray:
-    """Return P_i = K_in (theta - zero), kPa, kept between 0 and the reservoir's limit.
+    """Return P_i = K_in (theta - zero), kPa, clipped to 0 to the reservoir's limit.
 
     Raises
     ------
     LogError
-        More than a hundredth of the samples lies clearly outside.
+        More than a hundredth of the samples are clearly outside.
     """
-    asked = control["k_in_kpa_per_deg"] * (theta_deg - zero_deg)
+    commands = control["k_in_kpa_per_deg"] * (theta_deg - zero_deg)
     limit = control["reservoir_limit_kpa"]
-    outside = float(np.mean(np.abs(asked - 0.5 * limit) > (0.5 + _MARGIN) * limit))
+    outside = float(np.mean(np.abs(commands - 0.5 * limit) > (0.5 + _MARGIN) * limit))
     if outside > _OUTSIDE:
         raise LogError(
             f"{raw}: P_i = K_in (theta - reservoir_zero_deg) goes from "
-            f"{asked.min():.0f} to {asked.max():.0f} kPa, {100.0 * outside:.0f} % of it outside "
-            f"of 0 to {limit:g} kPa; set evaluation.reservoir_zero_deg to the lowest theta, "
+            f"{commands.min():.0f} to {commands.max():.0f} kPa, with {100.0 * outside:.0f} % of it "
+            f"outside 0 to {limit:g} kPa; set evaluation.reservoir_zero_deg to the lowest theta, "
             f"{theta_deg.min():.4g}, and lower control.k_in_kpa_per_deg if that is not enough"
         )
-    return np.clip(asked, 0.0, limit)
+    return np.clip(commands, 0.0, limit)
 
 
 def drive(
@@ -51,9 +51,9 @@ def drive(
     seed: int,
     number: int,
 ) -> dict[str, np.ndarray]:
-    """Return what the reservoir of the simulated rig gives to these commands.
+    """Return the channels of the simulated reservoir for these commands.
 
-    The actuator stays vented: nothing of it reaches the reservoir.
+    The actuator stays vented; it does not affect the reservoir.
     """
     before = round(_BEFORE_S * sample_rate_hz)
     commands = np.concatenate([np.full(before, p_i_kpa[0]), p_i_kpa]).tolist()

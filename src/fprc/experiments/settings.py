@@ -1,4 +1,4 @@
-"""Settings that travel together."""
+"""Groups of settings that are passed on together."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,11 +14,11 @@ class Judgement:
     models : Mapping
         The section ``models`` of the configuration, or the part that the models read.
     folds : int
-        Of the cross-validation.
+        Number of folds of the cross-validation.
     split : str
         Rows of a fold: ``shuffled`` or ``blocked``.
     seed : int
-        Of folds and models.
+        Seed of folds and models.
     """
 
     models: Mapping[str, Any]
@@ -29,7 +29,7 @@ class Judgement:
 
 @dataclass(frozen=True)
 class RigSettings:
-    """What simulates the hysteresis experiments (Sec. II-B).
+    """Settings that simulate the hysteresis experiments (Sec. II-B).
 
     Attributes
     ----------

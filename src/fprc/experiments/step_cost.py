@@ -1,4 +1,4 @@
-"""What a step of the closed loop costs the computer."""
+"""Computing time of a step of the closed loop."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -15,10 +15,10 @@ from fprc.models import SequenceModel
 def step_cost(
     model: SequenceModel, test: Data, control: Mapping[str, Any], tracking: Mapping[str, Any]
 ) -> dict[str, float]:
-    """Time what the computer does between two samples of the closed loop, sample by sample.
+    """Time the computation between two samples of the closed loop, for each sample.
 
     The readings of the test log are replayed to the controller: feedforward by the
-    fitted model, PD and both pressure loops, without any rig.
+    fitted model, PD and both pressure loops, without a rig.
     """
     period_s = 1.0 / control["sample_rate_hz"]
     samples = len(test.channels["time_s"])

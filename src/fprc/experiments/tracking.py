@@ -28,8 +28,8 @@ from fprc.signals import random_pushes, reference_angle
 
 log = logging.getLogger(__name__)
 
-#: Number of the runs on the rig; with the seed it decides the noise. All controllers meet the
-#: same noise and drift on a reference, so that they differ by what they do alone.
+#: Run numbers; with the seed they set the noise. On one reference all controllers get the same
+#: noise and drift, so that only the controllers differ.
 _RUNS = {
     "sine_0p2": 10,
     "sine_0p5": 20,
@@ -49,7 +49,7 @@ class Track(NamedTuple):
     seed: int
 
     def reference(self, name: str) -> np.ndarray:
-        """Return theta_d, refused if the rig could not follow it."""
+        """Return theta_d; refuse a reference that the rig cannot follow."""
         rate_hz = self.control["sample_rate_hz"]
         theta_d = reference_angle(self.tracking["references"][name], rate_hz)
         refuse_impossible(
@@ -62,7 +62,7 @@ class Track(NamedTuple):
         return theta_d
 
     def describe(self, reference: str, name: str, gains: Mapping[str, Any]) -> dict[str, Any]:
-        """Return what the log of a controller's run says of it, but for the rig."""
+        """Return the log attributes of a controller's run, without those of the rig."""
         controller, gain = controller_and_gain(name)
         return {
             "experiment": f"track_{reference}_{name}",
@@ -92,7 +92,7 @@ class Track(NamedTuple):
         model: SequenceModel | None,
         gains: Mapping[str, float] | None,
     ) -> Law:
-        """Return the law of one controller; a model begins from rest."""
+        """Return the control law of one controller; the model's stream is reset."""
         if model is not None:
             model.reset()
         period_s = 1.0 / self.control["sample_rate_hz"]
@@ -115,7 +115,7 @@ class Track(NamedTuple):
         """Run one controller on the rig and return its channels."""
         control = self.control
         period_s = 1.0 / control["sample_rate_hz"]
-        push = {} if pushes is None else {"push_kpa": _held(pushes)}
+        push = {} if pushes is None else {"push_kpa": _per_tick(pushes)}
         device = SimulatedRig(
             self.rig,
             seed=self.seed,
@@ -161,7 +161,7 @@ class Track(NamedTuple):
 
 
 def tracking_error(channels: Mapping[str, np.ndarray], settle_s: float) -> np.ndarray:
-    """theta_d - theta after the settling time, deg."""
+    """Return theta_d - theta after the settling time, deg."""
     judged = channels["time_s"] >= settle_s
     return (channels["theta_d_deg"] - channels["theta_deg"])[judged]
 
@@ -188,7 +188,7 @@ def candidate(kp_kpa_per_deg: float, printed: Mapping[str, float]) -> dict[str, 
 
 
 def identified(tried: list[dict[str, float]], printed: Mapping[str, float]) -> dict[str, Any]:
-    """Return the gains by name, the identified one that of the candidate with the least error."""
+    """Return the gains by name; the identified ones are the candidate with the least error."""
     best = min(tried, key=lambda entry: entry["rmse_deg"])
     return {
         "printed": dict(printed),
@@ -206,7 +206,7 @@ def measure_control(
     Parameters
     ----------
     models : Mapping
-        What gives the feedforward, by name; the gain is identified with FPRC.
+        Models that give the feedforward, by name; the gain is identified with FPRC.
     """
     gains = bench_gain(bench, models["fprc"])
     runs = {}
@@ -226,6 +226,6 @@ def measure_control(
     }
 
 
-def _held(values: np.ndarray) -> Callable[[int], float]:
+def _per_tick(values: np.ndarray) -> Callable[[int], float]:
     listed = values.tolist()
     return lambda tick: listed[min(max(tick, 0), len(listed) - 1)]

@@ -1,1 +1,1 @@
-"""Figures: arrays in, axes out. They know files and nothing of rig or models."""
+"""Figures: arrays in, axes out. They are independent of rig and models."""

@@ -13,7 +13,7 @@ _AIR: dict[str, Any] = {"colour": "#0072b2", "width": 1.4}
 #: Heights of the air lines to actuator and reservoir, and where the plates start.
 _UPPER, _LOWER = 2.9, 1.88
 _ACTUATOR, _RESERVOIR = (2.86, 2.52), (2.76, 1.52)
-#: Inches to which a plate is drawn.
+#: Length of a plate as drawn, inches.
 _SCALE = 0.56
 _AXIS, _MOUTH = soft.HALF_PLATE + soft.DIAMETER / 2, soft.BASE + soft.PORT
 

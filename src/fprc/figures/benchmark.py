@@ -1,4 +1,4 @@
-"""How the cost grows with the size of the work."""
+"""Growth of the cost with the size of the work."""
 
 from matplotlib.axes import Axes
 from pandas import DataFrame
@@ -14,7 +14,7 @@ def plot_growth(table: DataFrame, power: float, ax: Axes) -> Axes:
     table : DataFrame
         ``size``, ``seconds``, ``peak_mb``.
     power : float
-        Fitted exponent of the seconds, which stands above the panel.
+        Fitted exponent of the seconds, written above the panel.
     """
     ax.loglog(
         table["size"], table["seconds"], "o-", ms=2.5, color=COLOURS["theta"], label="time [s]"

@@ -10,10 +10,10 @@ from matplotlib.transforms import Bbox
 
 from fprc.figures import style
 
-#: What is left of a column inside the figure's margins.
+#: Width of a column inside the figure's margins, inches.
 WIDTH = style.COLUMN_IN - 0.08
 TEXT, SIGNAL = 6.5, 7.0
-#: Faces of boxes: what the computer does, and what is a soft body.
+#: Colours of boxes: computation, and soft bodies.
 PALE, BODY = "#eef1f4", "#f7ecd0"
 
 Point = tuple[float, float]
@@ -34,7 +34,7 @@ def write(ax: Axes, at: Point, text: str, **options: Any) -> None:
 
 
 def panel(ax: Axes, corner: Point, title: str) -> None:
-    """Write a panel's letter and title, its upper left corner given."""
+    """Write a panel's letter and title at its upper left corner."""
     write(ax, corner, title, ha="left", va="top", fontsize=SIGNAL)
 
 

@@ -1,4 +1,4 @@
-"""One picture of a recording that is brought in, with what was found in it."""
+"""One picture of an imported recording, with the faults that were found in it."""
 
 from collections.abc import Mapping
 from textwrap import shorten
@@ -12,9 +12,9 @@ from fprc import escape
 from fprc.figures import style
 from fprc.figures.hysteresis import plot_loop
 
-#: Marks of what was found.
+#: Colours that mark the faults.
 _GAP, _FROZEN, _EXTREME, _STEP = "0.75", "#fff3b0", "#d55e00", "#222222"
-#: More points than this are not seen.
+#: Most points that are drawn; more cannot be seen.
 _POINTS = 20000
 
 
@@ -33,7 +33,7 @@ def draw_diagnosis(
     found : Mapping
         Answer of ``fprc.logs.diagnose``.
     titles, units : Mapping
-        What each channel is, and its unit; an empty text if it is something else.
+        Title and unit of each channel; the unit is empty for another quantity.
     """
     rows = max(len(channels), 3)
     fig, axes = style.figure(
@@ -97,7 +97,7 @@ def plot_channel(
 
 
 def _colour(name: str) -> str:
-    """Return the quantity of a channel, whose colour it has."""
+    """Return the quantity of a channel, which decides its colour."""
     quantity = name.rpartition("_")[0].removesuffix("_command")
     return "valve" if quantity.startswith("valve") else quantity
 

@@ -10,7 +10,7 @@ from matplotlib.patches import Circle, FancyArrowPatch
 from fprc.figures.blocks import BODY, PALE, SIGNAL, box, dot, frame, node, wire, write
 from fprc.figures.style import COLOURS
 
-#: Where theta_d branches, where P_ff and P_fb are added, and the loop's own height.
+#: Positions at which theta_d branches and P_ff and P_fb are added, and the height of the loop.
 _BRANCH, _SUM, _LOOP = 0.26, 1.8, 0.5
 
 
@@ -20,7 +20,7 @@ def _plot_loop(ax: Axes, up_to: float) -> float:
     Returns
     -------
     float
-        Where P_ff has to arrive, above ``_SUM``.
+        Height at which P_ff must arrive, above ``_SUM``.
     """
     y, reference = _LOOP, COLOURS["theta_d"]
     error, total = node(ax, (0.5, y)), node(ax, (_SUM, y))

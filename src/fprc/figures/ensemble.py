@@ -1,4 +1,4 @@
-"""Claims over an ensemble of rigs: on what share they hold, and what goes with it."""
+"""Claims over an ensemble of rigs: share of rigs on which they hold, and correlations."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,7 +12,7 @@ Colours = ScalarMappable | QuadMesh
 
 
 def plot_shares_of_rigs(table: DataFrame, ax: Axes) -> Axes:
-    """Draw the share of rigs that each claim holds on, with its interval.
+    """Draw the share of rigs on which each claim holds, with its interval.
 
     Parameters
     ----------
@@ -30,9 +30,9 @@ def plot_shares_of_rigs(table: DataFrame, ax: Axes) -> Axes:
 
 
 def plot_correlations(grid: DataFrame, limit: float, ax: Axes) -> Colours:
-    """Draw rank correlations, a row a claim and a column a parameter.
+    """Draw rank correlations, one row per claim and one column per parameter.
 
-    A cross marks what exceeds ``limit``; a claim without correlations is grey.
+    A cross marks values beyond ``limit``; a claim without correlations is grey.
     """
     ax.set_facecolor("0.93")
     image = ax.pcolormesh(grid.to_numpy(float), cmap="PuOr", vmin=-1, vmax=1)

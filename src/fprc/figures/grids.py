@@ -14,7 +14,7 @@ _MARKERS = {"train": "o", "validation": "s", "test": "^"}
 
 
 def plot_errors_over(table: DataFrame, setting: str, label: dict[str, str], ax: Axes) -> Axes:
-    """Draw training, validation and test RMSE over a setting, a line style a model.
+    """Draw training, validation and test RMSE over a setting, one line style per model.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ def plot_errors_over(table: DataFrame, setting: str, label: dict[str, str], ax: 
 
 
 def plot_times_over(table: DataFrame, setting: str, label: dict[str, str], ax: Axes) -> Axes:
-    """Draw training and test times over a setting; the table as for ``plot_errors_over``."""
+    """Draw training and test times over a setting; ``table`` is as for ``plot_errors_over``."""
     _plot_over(table, setting, label, ax)
     ax.set_ylabel("Time [s]")
     ax.set_yscale("log")
@@ -47,7 +47,7 @@ def _plot_over(table: DataFrame, setting: str, label: dict[str, str], ax: Axes) 
 def plot_grid(table: DataFrame, phase: str, ax: Axes) -> Axes:
     """Draw the RMSE of one phase over n_u and n_y as a coloured grid.
 
-    Every cell wears its number; the least is framed.
+    Every cell shows its number; the lowest is framed.
     """
     grid = table[table["phase"] == phase].pivot(index="n_y", columns="n_u", values="mean")
     image = ax.pcolormesh(grid.columns, grid.index, grid, cmap="cividis", shading="nearest")

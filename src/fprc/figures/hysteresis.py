@@ -22,7 +22,7 @@ def plot_loop(
 ) -> LineCollection:
     """Draw a loop of ``y`` over ``x``, coloured from its start to its end.
 
-    Loops that do not depend on frequency lie on one another.
+    Loops that do not depend on frequency coincide.
     """
     points = np.column_stack([x, y])
     segments = np.stack([points[:-1], points[1:]], axis=1)

@@ -1,4 +1,4 @@
-"""What the readout is worth, over the settings of the filter and the taps."""
+"""Value of the readout, over the settings of the filter and the taps."""
 
 from matplotlib.axes import Axes
 from pandas import DataFrame
@@ -16,7 +16,7 @@ _LOOKS = {
 
 
 def plot_readouts(table: DataFrame, setting: str, error: str, ax: Axes) -> Axes:
-    """Draw one error over a setting, a line a readout; no readout is a level.
+    """Draw one error over a setting, one line per readout; no readout is a horizontal line.
 
     Parameters
     ----------

@@ -3,7 +3,7 @@
 Lengths are in lengths of the metal plate. A body hangs from its base: the plate
 starts at the origin and, when straight, ends at (0, -1). ``along`` runs down the
 plate, ``beside`` away from it, positive towards the inner side of the bend.
-Proportions are ours, for the paper prints none; the bend is that of the data.
+Proportions are ours, since the paper prints none; the bend is that of the data.
 """
 
 from collections.abc import Sequence
@@ -13,9 +13,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 
-#: Half of the plate, bladder at rest, its wall, gap up to the shield.
+#: Half of the plate's thickness, bladder at rest, its wall, gap to the shield.
 HALF_PLATE, DIAMETER, WALL, GAP = 0.02, 0.19, 0.016, 0.016
-#: Base and end: how far they reach along and beside the plate.
+#: Base and end: their extent along and beside the plate.
 BASE, END, MARGIN = 0.12, 0.08, 0.045
 #: The tube through which a bladder gets its air.
 PORT, BORE = 0.07, 0.02
@@ -29,8 +29,8 @@ _ALONG = np.linspace(0.0, 1.0, 61)
 def bend(along: np.ndarray, beside: np.ndarray, angle_deg: float) -> np.ndarray:
     """Map points of the straight body to the body bent by ``angle_deg``.
 
-    The plate is the neutral line: an arc of length 1. What lies beyond its two
-    ends is rigid.
+    The plate is the neutral line, an arc of length 1. Points beyond its two ends
+    move rigidly.
 
     Returns
     -------
@@ -90,7 +90,7 @@ def area(outline: np.ndarray) -> float:
 
 
 def squeezed(angle_deg: float, share: float) -> float:
-    """Width of the outer bladder whose air fills ``share`` of its area at rest."""
+    """Width of the outer bladder if its air fills the fraction ``share`` of its area at rest."""
     rest = area(bladder(0.0, DIAMETER, -1, WALL))
     # the outline is linear in the width, so its area is quadratic; the form holds where a vanishes
     widths = DIAMETER * np.arange(3.0)

@@ -1,4 +1,4 @@
-"""Figures 1 and 2: what actuator and reservoir are made of, and how they move."""
+"""Figures 1 and 2: parts and motion of actuator and reservoir."""
 
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
@@ -11,11 +11,11 @@ from fprc.figures import soft_bodies as soft
 from fprc.figures.blocks import SIGNAL, TEXT, Point, box, dot, hand_valve, name, panel, wire, write
 from fprc.figures.style import COLOURS
 
-#: Inches to which a plate is drawn.
+#: Length of a plate as drawn, inches.
 _SCALE = 1.2
 _AXIS = soft.HALF_PLATE + soft.DIAMETER / 2
 _OUTER = soft.HALF_PLATE + soft.DIAMETER
-#: Standard atmosphere; pressures of logs are gauge. What a sensor's zero may be off by.
+#: Standard atmosphere (pressures of logs are gauge), and largest zero error of a sensor, kPa.
 ATMOSPHERE_KPA, _ZERO_KPA = 101.3, 5.0
 
 #: P_i and P_o in kPa, phi in deg.
@@ -30,7 +30,7 @@ class Body(NamedTuple):
     angle_deg: float = 0.0
 
     def at(self, along: float, beside: float) -> Point:
-        """Return where a point of the body is drawn."""
+        """Return the position at which a point of the body is drawn."""
         x, y = soft.bend(np.array([along]), np.array([beside]), self.angle_deg)[0]
         return self.x + _SCALE * x, self.y + _SCALE * y
 
@@ -114,7 +114,7 @@ def plot_reservoir(rest: Squeeze, driven: Squeeze, ax: Axes, *, limit_kpa: float
 
 
 def boyle(rest: Squeeze, now: Squeeze) -> float:
-    """Return the volume of the sealed air as a share of that at rest, by Boyle's law."""
+    """Return the volume of the sealed air as a fraction of that at rest, by Boyle's law."""
     return (rest[1] + ATMOSPHERE_KPA) / (now[1] + ATMOSPHERE_KPA)
 
 
@@ -150,7 +150,7 @@ def plot_mapping(
     Parameters
     ----------
     states : Mapping
-        Letters of panels, and the states marked by them.
+        States to mark in the plot, by the letters of their panels.
     """
     panel(ax, (0.0, 1.3), "(d) Mapping with memory")
     y, out, low = 0.83, 1.5, 0.4
@@ -192,7 +192,7 @@ def _name_parts(ax: Axes, body: Body, parts: dict[str, Point], x: float) -> None
 
 
 def _air(ax: Axes, body: Body, quantity: str, *, into: bool) -> Point:
-    """Show by an arrow which way air goes through the port; return the port's mouth."""
+    """Draw an arrow for the air flow through the port; return the position of the port."""
     x, y = body.at(-soft.BASE - soft.PORT, _AXIS)
     ends = ((x, y + 0.18), (x, y + 0.02))
     wire(ax, *(ends if into else ends[::-1]), colour=COLOURS[quantity], width=1.4, head=1.6)
@@ -200,7 +200,7 @@ def _air(ax: Axes, body: Body, quantity: str, *, into: bool) -> Point:
 
 
 def _mark_angle(ax: Axes, body: Body, symbol: str, beside: float) -> None:
-    """Mark below the end how far its axis is turned from that of the base."""
+    """Mark the angle between the axes of end and base, below the end."""
     text = f"{symbol} = {round(body.angle_deg)}°"
     x, y = body.at(1.0 + soft.END, beside)
     if abs(body.angle_deg) < 2.0:

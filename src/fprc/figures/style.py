@@ -16,11 +16,11 @@ from matplotlib.figure import Figure
 from fprc.artifacts import replacing
 from fprc.registry import MODELS
 
-#: Width of a journal's column, inches; every figure is drawn at it.
+#: Width of a journal's column, inches; every figure has this width.
 COLUMN_IN = 3.5
 
 #: Colour of each quantity and model, safe for colour-blind readers (Okabe-Ito
-#: and Tol); a name that is not here is an error.
+#: and Tol); any other name is an error.
 COLOURS = {
     "theta_d": "#222222",
     "theta": "#0072b2",
@@ -95,7 +95,7 @@ def share_legend(fig: Figure, ax: Axes) -> None:
     fig.legend(handles, labels, loc="outside upper center", ncols=2)
 
 
-#: What is printed under a figure, by the source of its data.
+#: Text under a figure, by the source of its data.
 _MARKS = {
     "sim": "simulated rig, seed {seed}",
     "rig": "recorded on the rig",
@@ -120,7 +120,7 @@ def save(fig: Figure, data: Mapping[str, Any], pdf: str, png: str) -> Mapping[st
     Returns
     -------
     Mapping
-        ``data``, for whoever says where the figure comes from.
+        ``data``, for the provenance of the figure.
     """
     _write(fig, data, {pdf: {"CreationDate": None}, png: {"Software": None}})
     return data
@@ -136,7 +136,7 @@ def _write(fig: Figure, data: Mapping[str, Any], files: Mapping[str, Mapping[str
     fig.supxlabel(mark, x=0.99, ha="right", fontsize=5.5, color="0.45")
     for path, metadata in files.items():
         with replacing(Path(path)) as temporary, warnings.catch_warnings():
-            # names from files may have letters that the font lacks: a box is drawn for each
+            # names from files may have characters that the font lacks; each is drawn as a box
             warnings.filterwarnings("ignore", message="Glyph .* missing from font")
             fig.savefig(temporary, metadata=metadata)
     plt.close(fig)

@@ -1,4 +1,4 @@
-"""Figures 12 to 17: what the controllers make of their references."""
+"""Figures 12 to 17: the controllers' tracking of their references."""
 
 from collections.abc import Mapping, Sequence
 
@@ -71,7 +71,7 @@ def plot_reservoir(run: Run, ax: Axes) -> tuple[Axes, Axes]:
 
 
 def shade_settling(ax: Axes, until_s: float) -> None:
-    """Grey out the time that no error is judged in."""
+    """Grey out the settling time, in which no error is judged."""
     ax.axvspan(0.0, until_s, color="0.92", linewidth=0, zorder=0)
 
 

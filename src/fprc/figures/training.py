@@ -1,4 +1,4 @@
-"""Figure 8: what a model gives on its training and its test data."""
+"""Figure 8: output of a model on its training and its test data."""
 
 import numpy as np
 from matplotlib.axes import Axes

@@ -1,4 +1,4 @@
-"""Figure 9: what share each feature has in the weights of each rule."""
+"""Figure 9: share of each feature in the weights of each rule."""
 
 from matplotlib.axes import Axes
 from pandas import DataFrame

@@ -1,18 +1,18 @@
-"""States of an echo state network: a step, and a whole log, four segments of it at a time."""
+"""States of an echo state network, for one step or for a whole log in four parallel segments."""
 
 import numpy as np
 
 from fprc.models.kernels import excite, excite_lanes
 
-#: Segments that run side by side.
+#: Segments that are computed side by side.
 LANES = 4
 
-#: Samples of a segment at least: almost three times what the paper's network takes to forget where
-#: it began.
+#: Least samples of a segment: almost three times as many as the paper's network needs to forget
+#: its initial state.
 SHORTEST = 600
 
-#: Trajectories that are nearer than this many roundings have met; states lie within [-1, 1].
-MET = 64
+#: States that differ by less than this many machine epsilons count as equal; they are in [-1, 1].
+EQUAL_EPS = 64
 
 
 def echo_states(
@@ -20,21 +20,21 @@ def echo_states(
 ) -> np.ndarray:
     """Return x(k) of Eq. (3) for each sample, x(0) being 0.
 
-    A step alone has to fetch all of W_r from memory, and waits for it. The log
-    is therefore cut into segments that run side by side, so that one fetch
-    serves them all. All but the first begin at a wrong state; they run again
-    from where their predecessor ended, until they meet what they gave before:
-    an echo state network forgets where it began. One that does not forget
-    within a segment is run sample by sample.
+    A step reads all of W_r and is limited by memory bandwidth. The log is
+    therefore cut into segments that are stepped together, so that they share
+    each read of W_r. All but the first segment start from a wrong state. They
+    are run again from the end state of their predecessor until they converge to
+    the first run's states: an echo state network forgets its initial state.
+    A network that does not forget it within a segment is run sample by sample.
 
     Parameters
     ----------
     X : ndarray of shape (n_samples, n_inputs)
-        Its type, float64 or float32, is that of the arithmetic.
+        Its dtype, float64 or float32, is that of the arithmetic.
     w_in : ndarray of shape (r, n_inputs)
     W_r : ndarray of shape (r, r)
     free : int, default=0
-        Columns before the states, which are left for the caller to fill.
+        Columns in front of the states, left for the caller to fill.
 
     Returns
     -------
@@ -43,14 +43,16 @@ def echo_states(
     r, W_r = len(W_r), narrowed(W_r)
     length = -(-len(X) // LANES)
     if length >= SHORTEST:
-        held = np.pad(X, ((0, LANES * length - len(X)), (0, 0)), mode="edge")
-        inputs = held.reshape(LANES, length, -1)
+        padded = np.pad(X, ((0, LANES * length - len(X)), (0, 0)), mode="edge")
+        inputs = padded.reshape(LANES, length, -1)
         rows = np.empty((LANES, length, free + r), X.dtype)
         begin = np.zeros((LANES, r), X.dtype)
         ends, _ = _run(inputs, begin, w_in, W_r, gamma, rows[:, :, free:])
         begin[1:] = ends[:-1]
-        _, met = _run(inputs, begin, w_in, W_r, gamma, rows[:, :, free:], until_met=True)
-        if met:
+        _, converged = _run(
+            inputs, begin, w_in, W_r, gamma, rows[:, :, free:], until_converged=True
+        )
+        if converged:
             return rows.reshape(-1, free + r)[: len(X)]
     rows = np.empty((len(X), free + r), X.dtype)
     x, target = np.zeros((2, r), X.dtype)
@@ -69,15 +71,16 @@ def update(
     gamma: float,
     downwards: bool,
 ) -> None:
-    """Move the state ``x`` to the sample of input ``u``, in place (Eq. 3).
+    """Advance the state ``x`` by one sample with input ``u``, in place (Eq. 3).
 
     Parameters
     ----------
     target : ndarray of shape (r,)
-        tanh(w_in theta + W_r x) of the sample before, in place that of this one; to begin
-        with the state, which then stays.
+        tanh(w_in theta + W_r x) of the previous sample; overwritten with this sample's. At the
+        first sample it equals ``x``, so that ``x`` does not change.
     downwards : bool
-        Where to begin in W_r; who alternates finds there what the cache still holds.
+        Order in which the rows of W_r are read. Alternate it: the last rows read are still in
+        the cache.
     """
     excite(W_r, x, w_in, u, target, float(gamma), downwards)
     np.tanh(target, out=target)
@@ -90,17 +93,18 @@ def _run(
     W_r: np.ndarray,
     gamma: float,
     states: np.ndarray,
-    until_met: bool = False,
+    until_converged: bool = False,
 ) -> tuple[np.ndarray, bool]:
-    """Write the states of every segment, a row of ``begin`` each; return where they ended.
+    """Run every segment from its row of ``begin``, fill ``states``, and return the end states.
 
-    With ``until_met`` stop where they are what ``states`` held before, and say so.
+    With ``until_converged``, stop at the first sample whose states equal those that ``states``
+    already has. The second value returned says whether that happened.
     """
-    met = MET * np.finfo(begin.dtype).eps
+    tolerance = EQUAL_EPS * np.finfo(begin.dtype).eps
     x, target = begin.copy(), begin.copy()
     for k in range(inputs.shape[1]):
         excite_lanes(W_r, x, w_in, inputs[:, k], target, float(gamma))
-        if until_met and np.abs(states[:, k] - x).max() < met:
+        if until_converged and np.abs(states[:, k] - x).max() < tolerance:
             return x, True
         states[:, k] = x
         np.tanh(target, out=target)
@@ -108,19 +112,19 @@ def _run(
 
 
 def narrowed(matrix: np.ndarray) -> np.ndarray:
-    """Return the same numbers in half the bytes if float32 has them, from a cache line on.
+    """Return a copy, aligned to a cache line, in float32 if that changes no number.
 
-    A step is bound by memory.
+    Memory bandwidth limits a step, and float32 has half the bytes.
     """
     halved = matrix.astype(np.float32)
     return aligned(halved if np.array_equal(halved, matrix) else matrix)
 
 
 def aligned(matrix: np.ndarray) -> np.ndarray:
-    """Copy to where a cache line begins."""
+    """Return a copy that begins at a cache line."""
     line = 64
-    room = np.empty(matrix.nbytes + line, np.uint8)
-    first = -room.ctypes.data % line
-    copy = room[first : first + matrix.nbytes].view(matrix.dtype).reshape(matrix.shape)
+    buffer = np.empty(matrix.nbytes + line, np.uint8)
+    first = -buffer.ctypes.data % line
+    copy = buffer[first : first + matrix.nbytes].view(matrix.dtype).reshape(matrix.shape)
     copy[:] = matrix
     return copy

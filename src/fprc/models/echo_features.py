@@ -15,7 +15,7 @@ class EchoStates(FeatureMap):
     x(k+1) = gamma x(k) + (1 - gamma) tanh(w_in theta(k) + W_r x(k))     (3)
     features(k) = [theta(k), ..., theta(k-n_y+1), x(k)]
 
-    Libraries that speak of a leak mean 1 - gamma.
+    The leak rate of other libraries is 1 - gamma.
 
     Parameters
     ----------
@@ -26,14 +26,14 @@ class EchoStates(FeatureMap):
     gamma : float, default=0.8
         Leaky rate, in [0, 1).
     rho : float, default=0.4
-        Spectral radius: largest absolute eigenvalue of the dense W_r, whose numbers are
-        then rounded to float32.
+        Spectral radius: largest absolute eigenvalue of the dense W_r, before its numbers
+        are rounded to float32.
     n_y : int, default=5
         Taps of every input, >= 1.
     washout : int, default=100
-        Steps of the first sample, held, that settle x before the log begins.
+        Steps with the first sample as constant input, which settle x before the log begins.
     random_state : int, RandomState or None, default=None
-        Of the weights.
+        Source of the random weights.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class EchoStates(FeatureMap):
         self.w_in_ = self.f_input * rng.standard_normal((self.r, n_inputs))
         dense = rng.standard_normal((self.r, self.r))
         dense *= self.rho / np.abs(np.linalg.eigvals(dense)).max()
-        # to numbers that float32 has: drawn at random as well, and half the bytes in a step
+        # rounded to float32: the numbers are random anyway, and a step reads half the bytes
         self.W_r_ = dense.astype(np.float32).astype(np.float64)
 
     def _transform(self, X: np.ndarray) -> np.ndarray:
@@ -83,8 +83,8 @@ class EchoStates(FeatureMap):
             )
         references = np.hstack([taps(column, self.n_y) for column in X.T])
         free = references.shape[1]
-        held = np.concatenate([np.repeat(X[:1], self.washout, axis=0), X])
-        rows = echo_states(held, self.w_in_, self.W_r_, self.gamma, free)[self.washout :]
+        padded = np.concatenate([np.repeat(X[:1], self.washout, axis=0), X])
+        rows = echo_states(padded, self.w_in_, self.W_r_, self.gamma, free)[self.washout :]
         rows[:, :free] = references
         return rows
 

@@ -30,9 +30,9 @@ class ESN(SequenceModel):
     alpha : float, default=1e-3
         Ridge parameter; penalises the bias too.
     washout : int, default=100
-        Steps of the first sample, held, that settle x before the log begins.
+        Steps with the first sample as constant input, which settle x before the log begins.
     random_state : int, RandomState or None, default=None
-        Of w_in and W_r.
+        Source of the random w_in and W_r.
 
     Attributes
     ----------

@@ -11,21 +11,21 @@ from sklearn.exceptions import ConvergenceWarning
 
 from fprc.models.kernels import alternate
 
-#: A sample within this share of the largest number counts as lying on a centre:
-#: below it a distance is rounding of the centre.
+#: A sample counts as lying on a centre if its distance is below this fraction of the
+#: largest absolute number: smaller distances are rounding errors of the centre.
 NEAR = 64.0 * np.finfo(float).eps
 
-#: Memberships that change by less are near enough to an optimum to extrapolate; before,
-#: a leap could end in another one.
+#: Extrapolate only when no membership changes by more than this: further from an
+#: optimum, an extrapolation could end in another optimum.
 SMALL = 0.1
 
-#: Steps that an extrapolation looks back on.
+#: Earlier iterations that an extrapolation uses.
 DEPTH = 10
 
-#: Differences of steps below this share of the largest are rounding.
+#: Singular values of the steps' differences below this fraction of the largest are rounding.
 RANK = 1e-10
 
-#: An objective that is higher by this share only is not higher.
+#: A relative increase of the objective below this is rounding.
 ROUNDING = 1e-13
 
 
@@ -48,11 +48,11 @@ def fuzzy_c_means(
 ) -> Clusters:
     """Cluster the rows of ``X`` by alternating memberships and centres.
 
-    The centres start at k-means++ samples and are first settled on every
-    ``coarse``-th row, which leaves few iterations to do on all of them. Each
-    iteration extrapolates the last ones (Anderson 1965), which settles in tens
-    of iterations where alternating takes hundreds; where that raised the
-    objective, a longer step or the plain one is taken instead.
+    The centres start at k-means++ samples and first converge on every
+    ``coarse``-th row, so that few iterations on all rows remain. Each iteration
+    extrapolates the earlier ones (Anderson 1965), which converges in tens of
+    iterations where plain alternation takes hundreds. If an extrapolation raises
+    the objective, a longer step and then the plain step replace it.
 
     Parameters
     ----------
@@ -76,50 +76,50 @@ def fuzzy_c_means(
         thinned = X
     centers, _ = kmeans_plusplus(thinned, n_clusters, random_state=random_state)
     if thinned is not X:
-        centers = _settle(thinned, centers, tolerance, max_iterations).centers
-    return _settle(X, centers, tolerance, max_iterations)
+        centers = _converge(thinned, centers, tolerance, max_iterations).centers
+    return _converge(X, centers, tolerance, max_iterations)
 
 
-def _settle(X: np.ndarray, centers: np.ndarray, tolerance: float, limit: int) -> Clusters:
+def _converge(X: np.ndarray, centers: np.ndarray, tolerance: float, limit: int) -> Clusters:
     columns = np.ascontiguousarray(X.T)
     lowest, highest = X.min(axis=0), X.max(axis=0)
     floor = max((NEAR * np.abs(X).max()) ** 2, np.finfo(float).tiny ** 0.5)
-    found = Clusters(centers, np.zeros((len(centers), len(X))), np.inf)
-    spare = np.empty_like(found.memberships)
+    best = Clusters(centers, np.zeros((len(centers), len(X))), np.inf)
+    spare = np.empty_like(best.memberships)
     past: deque[tuple[np.ndarray, np.ndarray]] = deque(maxlen=DEPTH + 1)
-    tries, stretch = [centers], 1.0  # the last try is a plain step, which raises no objective
+    tries, stretch = [centers], 1.0  # the last try, a plain step, never raises the objective
     for _ in range(limit):
         centers = np.clip(tries.pop(0), lowest, highest)
-        objective, change, means = alternate(columns, centers, found.memberships, spare, floor)
-        if tries and objective > found.objective * (1.0 + ROUNDING):
+        objective, change, means = alternate(columns, centers, best.memberships, spare, floor)
+        if tries and objective > best.objective * (1.0 + ROUNDING):
             stretch = 1.0 if len(tries) == 1 else 2.0 * stretch
             past.clear()
             continue
-        found, spare = Clusters(centers, spare, objective), found.memberships
+        best, spare = Clusters(centers, spare, objective), best.memberships
         if change < tolerance:
             break
         if change > SMALL:
             past.clear()
         step = means - centers
         past.append((means, step))
-        # steps that grow leave a saddle, which is where they would vanish: go on, and further
+        # growing steps leave a saddle, to which an extrapolation would return: step further
         tries = [means]
         if len(past) > 1:
             tries = [_extrapolated(past), means + 2.0 * stretch * step, means]
     else:
         warnings.warn(
-            f"fuzzy c-means did not settle to {tolerance:g} in {limit} iterations",
+            f"fuzzy c-means did not converge to {tolerance:g} in {limit} iterations",
             ConvergenceWarning,
             stacklevel=3,
         )
-    return found._replace(memberships=found.memberships.T)
+    return best._replace(memberships=best.memberships.T)
 
 
 def _extrapolated(past: Sequence[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
-    """Return where the steps so far would vanish if they were linear in the centres.
+    """Return the centres at which the step would be zero if steps were linear in the centres.
 
-    ``past`` holds each step's end and the step, two of them or more.
+    ``past`` holds the end point and the step of two or more iterations.
     """
     ends, steps = (np.array(each).reshape(len(past), -1) for each in zip(*past, strict=True))
-    along = np.linalg.lstsq(np.diff(steps, axis=0).T, steps[-1], rcond=RANK)[0]
-    return (ends[-1] - along @ np.diff(ends, axis=0)).reshape(past[-1][0].shape)
+    factors = np.linalg.lstsq(np.diff(steps, axis=0).T, steps[-1], rcond=RANK)[0]
+    return (ends[-1] - factors @ np.diff(ends, axis=0)).reshape(past[-1][0].shape)

@@ -1,8 +1,8 @@
 """Sequential feature maps: taps, filtered taps and echo states.
 
 Each maps a log to a matrix of features in one go (``transform``) or sample by
-sample (``step``), with the same result. Before a log begins, the signals are taken
-to have the values of its first sample.
+sample (``step``), with the same result. Before the log begins, the signals are
+assumed to equal its first sample.
 """
 
 from math import isfinite
@@ -19,7 +19,7 @@ from fprc.models.limits import Limit, check_limits
 
 
 def taps(x: np.ndarray, size: int) -> np.ndarray:
-    """Return [x(k), x(k-1), ..., x(k-size+1)] for each k; x(0) is held before 0.
+    """Return [x(k), x(k-1), ..., x(k-size+1)] for each k, with x(k) = x(0) for k < 0.
 
     Parameters
     ----------
@@ -29,21 +29,21 @@ def taps(x: np.ndarray, size: int) -> np.ndarray:
     -------
     ndarray of shape (n_samples, size)
     """
-    held = np.concatenate([np.full(size - 1, x[0]), x])
-    return np.lib.stride_tricks.sliding_window_view(held, size)[:, ::-1]
+    padded = np.concatenate([np.full(size - 1, x[0]), x])
+    return np.lib.stride_tricks.sliding_window_view(padded, size)[:, ::-1]
 
 
 def lowpass(x: np.ndarray, epsilon: float) -> np.ndarray:
     """Filter x~(k) = epsilon x(k) + (1 - epsilon) x~(k-1), from x~(-1) = x(0) (Eq. 6)."""
-    # scipy.signal.lfilter does it too; to load it takes half a second, and pandas is loaded anyway
+    # not scipy.signal.lfilter: its import takes half a second, and pandas is imported anyway
     return pd.Series(x).ewm(alpha=float(epsilon), adjust=False).mean().to_numpy()
 
 
 class FeatureMap(TransformerMixin, BaseEstimator):
-    """What the sequential maps share: checks, and the start of a stream."""
+    """Base of the sequential maps: checks of the input, and the start of a stream."""
 
     def fit(self, X: ArrayLike, y: ArrayLike | None = None) -> Self:
-        """Learn the number of columns, and draw what is random."""
+        """Store the number of columns, and draw random weights if there are any."""
         check_limits(self, self.LIMITS)
         self._prepare(validate_data(self, X, dtype=np.float64).shape[1])
         self.reset()
@@ -55,7 +55,7 @@ class FeatureMap(TransformerMixin, BaseEstimator):
         return self._transform(validate_data(self, X, reset=False, dtype=np.float64))
 
     def reset(self, x: ArrayLike | None = None) -> None:
-        """Begin a new stream; ``x`` is the sample at all times before it."""
+        """Begin a new stream; ``x`` is the assumed input at all earlier times."""
         first = None if x is None else self._checked(x)
         self._streaming = first is not None
         if first is not None:
@@ -66,7 +66,7 @@ class FeatureMap(TransformerMixin, BaseEstimator):
         return self.advance(x).copy()
 
     def advance(self, x: ArrayLike) -> np.ndarray:
-        """Return what ``step`` does, in an array that the next call overwrites.
+        """Do as ``step``, but return an array that the next call overwrites.
 
         Raises
         ------
@@ -81,14 +81,14 @@ class FeatureMap(TransformerMixin, BaseEstimator):
         return self._step(x)
 
     def _checked(self, x: ArrayLike) -> np.ndarray:
-        # a copy, since compiled code is compiled anew for a view or for what is read-only
+        # a copy: numba would compile again for a view or a read-only array
         x = np.array(x, dtype=np.float64)
         if not hasattr(self, "n_features_in_"):
             check_is_fitted(self)
         if x.shape != (self.n_features_in_,) or not all(map(isfinite, x.tolist())):
             raise ValueError(
                 f"sample {x.tolist()}: must be {self.n_features_in_} finite numbers; "
-                "the stream goes on as if it had not come"
+                "the sample is ignored and the stream continues"
             )
         return x
 
@@ -97,7 +97,7 @@ class FeatureMap(TransformerMixin, BaseEstimator):
         return hasattr(self, "n_features_in_")
 
     def _prepare(self, n_inputs: int) -> None:
-        """Draw what is random."""
+        """Check the number of columns, and draw random weights if there are any."""
 
 
 class TapFeatures(FeatureMap):

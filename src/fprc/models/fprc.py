@@ -1,4 +1,4 @@
-"""Fuzzy pneumatic reservoir computing, and the same without the reservoir."""
+"""Fuzzy pneumatic reservoir computing, and the fuzzy model without a reservoir."""
 
 import numpy as np
 
@@ -78,8 +78,8 @@ class FuzzyLinear(SequenceModel):
     x(k) = [theta(k), ..., theta(k-n_y+1)]
     P_ff(k) = beta_bar(k) W_out [1, x(k)]
 
-    The paper replaces [1, x] by [1, theta] in Eqs. (7) and (12); whether the
-    clusters still saw P_o is not said. Here they do not, so that the model
+    The paper replaces [1, x] by [1, theta] in Eqs. (7) and (12), but does not
+    say whether the clusters still use P_o. Here they do not, so that the model
     needs no reservoir. Every column of ``X`` is a reference.
 
     Parameters

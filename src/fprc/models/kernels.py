@@ -1,7 +1,7 @@
-"""What the models compute most often, compiled.
+"""Compiled inner loops of the models.
 
-On the few numbers of one step NumPy is mostly calls; over many rows it writes
-and reads what a compiled loop keeps at hand.
+For the few numbers of one step, NumPy's call overhead dominates. For many rows,
+NumPy writes and reads temporary arrays that a compiled loop does not need.
 """
 
 import math
@@ -10,20 +10,20 @@ import numpy as np
 
 from fprc.compiled import kernel, summing_kernel
 
-#: Samples that are worked on at a time: what is written for them stays in the cache.
+#: Samples per block: its intermediate results stay in the processor's cache.
 BLOCK = 512
 
 
 @kernel
 def shift(row, first, filtered, x, references, epsilon):
-    """Move the taps in ``row`` on by the sample ``x``, which a readout's filter sees first.
+    """Shift the taps in ``row`` by one and insert the sample ``x``, its readouts low-passed.
 
     Parameters
     ----------
     row : ndarray of shape (n_features,)
         The taps of every column, changed in place.
     first : ndarray of shape (n_inputs,)
-        Where the taps of each column begin.
+        Index of the newest tap of each column.
     filtered : ndarray of shape (n_inputs,)
         State of the filters, changed in place.
     references : int
@@ -68,10 +68,10 @@ def _distance2(x, center):
 
 @summing_kernel
 def excite(W_r, x, w_in, u, target, gamma, downwards):
-    """Move ``x`` towards ``target``, in place, then write w_in u + W_r x to it.
+    """Move ``x`` towards ``target`` in place, then set ``target`` to w_in u + W_r x.
 
-    Four rows at a time share what is read of x. ``W_r`` may be in float32, the
-    arithmetic is of the type of ``x``.
+    Four rows of W_r at a time share each read of x. ``W_r`` may be float32; the
+    arithmetic has the dtype of ``x``.
     """
     for i in range(len(x)):
         x[i] = gamma * x[i] + (1.0 - gamma) * target[i]
@@ -131,13 +131,14 @@ def excite_lanes(W_r, x, w_in, u, target, gamma):
 
 @summing_kernel
 def alternate(columns, centers, before, memberships, floor):
-    """Do an iteration of fuzzy c-means: write the memberships in ``centers``, and average.
+    """Do one iteration of fuzzy c-means: the memberships of ``centers``, then new centres.
 
     Parameters
     ----------
     columns : ndarray of shape (n_features, n_samples)
     centers : ndarray of shape (n_clusters, n_features)
     before, memberships : ndarray of shape (n_clusters, n_samples)
+        Memberships of the last iteration, and an array that this one overwrites.
     floor : float
         Least squared distance of a sample from a centre.
 

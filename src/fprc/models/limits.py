@@ -6,7 +6,7 @@ from sklearn.base import BaseEstimator
 
 
 class Limit(NamedTuple):
-    """Range of a parameter; an end that is open does not belong to it."""
+    """Range of a parameter; an open end is excluded."""
 
     low: float
     high: float = float("inf")

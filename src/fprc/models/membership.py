@@ -16,7 +16,7 @@ def gaussian_memberships(X: np.ndarray, centers: np.ndarray, sigma: float) -> np
     ndarray of shape (n_samples, n_clusters)
         Rows sum to 1.
     """
-    # a row for each cluster, in place: NumPy is slow along short rows, and in fresh memory
+    # one row per cluster, in place: NumPy is slow along short rows and with new arrays
     beta = cdist(centers, X, "sqeuclidean")
     beta /= -2.0 * sigma**2
     beta -= beta.max(axis=0)

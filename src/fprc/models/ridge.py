@@ -33,19 +33,19 @@ def ridge_weights(
     Raises
     ------
     ValueError
-        The normal equations are singular, which only ``alpha=0`` allows.
+        The normal equations are singular, which happens only with ``alpha=0``.
     """
     weighted = extended if weight is None else extended * weight[:, None]
-    return solved(weighted.T @ extended, weighted.T @ y, alpha)
+    return solve_ridge(weighted.T @ extended, weighted.T @ y, alpha)
 
 
-def solved(gram: np.ndarray, moments: np.ndarray, alpha: float) -> np.ndarray:
-    """Weights of the normal equations (gram + alpha I) w = moments.
+def solve_ridge(gram: np.ndarray, moments: np.ndarray, alpha: float) -> np.ndarray:
+    """Solve the normal equations (gram + alpha I) w = moments.
 
     Raises
     ------
     ValueError
-        The equations are singular, which only ``alpha=0`` allows.
+        The equations are singular, which happens only with ``alpha=0``.
     """
     penalised = gram + alpha * np.eye(len(gram))
     try:
@@ -61,8 +61,8 @@ def solved(gram: np.ndarray, moments: np.ndarray, alpha: float) -> np.ndarray:
 class RidgeReadout(RegressorMixin, BaseEstimator):
     """Linear readout P_ff = w_out [1, x], trained with a ridge (Eqs. 4, 5).
 
-    Unlike most libraries, which centre the data instead, the ridge penalises
-    the bias too, as Eq. (5) is printed.
+    The ridge penalises the bias too, as Eq. (5) is printed; most libraries
+    centre the data instead.
 
     Parameters
     ----------
@@ -88,14 +88,14 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
     def fit_complements(
         self, X: ArrayLike, y: ArrayLike, parts: Sequence[np.ndarray]
     ) -> list[Self]:
-        """Return a fitted copy for each part: trained on all rows but those of the part.
+        """Return one fitted copy per part, trained on the rows of all other parts.
 
-        X^T X is summed once for each part; a copy adds up those of the other parts.
+        X^T X is computed once per part; each copy adds those of the other parts.
 
         Parameters
         ----------
         parts : sequence of ndarray
-            Rows; each row is in one part.
+            Row indices; every row is in exactly one part.
         """
         check_limits(self, {"alpha": Limit(0)})
         checked = clone(self)
@@ -110,7 +110,7 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
             gram, moments = (sum(each) for each in zip(*others, strict=True))
             readout = clone(self)
             readout.n_features_in_ = checked.n_features_in_
-            readout.w_out_ = solved(gram, moments, self.alpha)
+            readout.w_out_ = solve_ridge(gram, moments, self.alpha)
             fitted.append(readout)
         return fitted
 

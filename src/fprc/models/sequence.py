@@ -14,8 +14,8 @@ class SequenceModel(RegressorMixin, BaseEstimator):
     """Base of the feedforward models: rows of ``X`` are samples in time.
 
     The features are computed over a whole log, the readout sees single rows.
-    Cross-validation therefore computes the features once and fits a readout
-    per fold; ``assembled`` makes a model of the two.
+    Cross-validation therefore computes the features once and fits one readout
+    per fold; ``assembled`` joins the two into a model.
     """
 
     @abstractmethod
@@ -61,7 +61,7 @@ class SequenceModel(RegressorMixin, BaseEstimator):
         return model
 
     def reset(self, x: ArrayLike | None = None) -> None:
-        """Begin a new stream; ``x`` is the sample at all times before it.
+        """Begin a new stream; ``x`` is the assumed input at all earlier times.
 
         Raises
         ------

@@ -14,7 +14,7 @@ from sklearn.utils.validation import check_is_fitted
 
 from fprc.errors import FprcError
 
-#: Where the classes are that are saved: a model is read without those of other models.
+#: Modules of the classes that can be saved; only the classes of the loaded model are imported.
 _MODULES = {
     "ESN": "fprc.models.esn",
     "EchoStates": "fprc.models.echo_features",
@@ -32,8 +32,8 @@ def save_model(model: BaseEstimator, path: Path | str, classes: Collection[type]
     Parameters
     ----------
     classes : collection of type
-        Models from outside this package that may be saved too, and with each the estimators of
-        its module.
+        Models from outside this package that may be saved too, with every other estimator of
+        their modules.
 
     Raises
     ------
@@ -41,8 +41,8 @@ def save_model(model: BaseEstimator, path: Path | str, classes: Collection[type]
         The class is not one of this package's, or ``random_state`` is neither
         a number nor None.
     """
-    plain = _described(model, _beside(classes))
-    # in memory: HDF5 crashes the process at its end if it could not write all to a full disk
+    plain = _describe(model, _outside_classes(classes))
+    # built in memory: if the disk is full, HDF5 crashes the process when it exits
     with h5py.File("model", "w", driver="core", backing_store=False) as file:
         _save(plain, file)
         file.flush()
@@ -65,20 +65,20 @@ def load_model(path: Path | str, classes: Collection[type] = ()) -> BaseEstimato
     """
     try:
         with h5py.File(path, "r") as file:
-            return _load(file, path, _beside(classes))
+            return _load(file, path, _outside_classes(classes))
     except (OSError, KeyError, TypeError, json.JSONDecodeError) as error:
         raise FprcError(f"{path}: holds no model of fprc ({error}); train it again") from error
 
 
-def _beside(classes: Collection[type]) -> dict[str, type]:
-    """Return classes from outside by name, and with each the estimators of its module."""
-    beside = [
-        found
+def _outside_classes(classes: Collection[type]) -> dict[str, type]:
+    """Return ``classes`` and every other estimator of their modules, by name."""
+    neighbours = [
+        member
         for each in classes
-        for found in vars(sys.modules[each.__module__]).values()
-        if isinstance(found, type) and issubclass(found, BaseEstimator)
+        for member in vars(sys.modules[each.__module__]).values()
+        if isinstance(member, type) and issubclass(member, BaseEstimator)
     ]
-    return {known.__name__: known for known in (*classes, *beside)}
+    return {known.__name__: known for known in (*classes, *neighbours)}
 
 
 def _class(name: str, outside: Mapping[str, type]) -> type | None:
@@ -87,8 +87,8 @@ def _class(name: str, outside: Mapping[str, type]) -> type | None:
     return outside.get(name)
 
 
-def _described(model: BaseEstimator, outside: Mapping[str, type]) -> dict[str, Any]:
-    """Return all that is to be written, so that a refusal comes before the file."""
+def _describe(model: BaseEstimator, outside: Mapping[str, type]) -> dict[str, Any]:
+    """Return everything to write, so that a model that is refused leaves no file."""
     name = type(model).__name__
     if name not in {*_MODULES, *outside}:
         raise FprcError(f"{name} is not a model of fprc; save one of {', '.join(_MODULES)}")
@@ -98,7 +98,7 @@ def _described(model: BaseEstimator, outside: Mapping[str, type]) -> dict[str, A
     except TypeError as error:
         raise FprcError(f"{name}: {error}; give random_state a number to save the model") from error
     learned = {
-        key: _described(value, outside) if isinstance(value, BaseEstimator) else value
+        key: _describe(value, outside) if isinstance(value, BaseEstimator) else value
         for key, value in sorted(vars(model).items())
         if key.endswith("_") and not key.startswith("_")
     }
@@ -126,19 +126,20 @@ def _load(group: h5py.Group, path: Path | str, outside: Mapping[str, type]) -> B
     cls = _class(group.attrs["class"], outside)
     if cls is None:
         raise FprcError(
-            f"{path}: class {group.attrs['class']} is unknown; it was saved by another version"
+            f"{path}: class {group.attrs['class']} is unknown, so another version saved it; train "
+            "the model again"
         )
     model = cls(**json.loads(group.attrs["parameters"]))
     for key in json.loads(group.attrs["learned"]):
         value = group[key]
         is_part = isinstance(value, h5py.Group)
-        setattr(model, key, _load(value, path, outside) if is_part else _plain(value))
+        setattr(model, key, _load(value, path, outside) if is_part else _read_value(value))
     if hasattr(model, "reset"):
         model.reset()
     return model
 
 
-def _plain(dataset: h5py.Dataset) -> Any:
+def _read_value(dataset: h5py.Dataset) -> Any:
     if h5py.check_string_dtype(dataset.dtype):
         return dataset.asstr()[()]
     learned = dataset[()]

@@ -20,8 +20,8 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
 
     P_ff(k) = beta_bar(k) W_out [1, x(k)]        (12, with the leading 1)
 
-    The last form of Eq. (12) as printed drops the 1 that its line before and
-    Eq. (7) have; it is kept here.
+    The last line of Eq. (12) as printed omits the 1, which the line before it
+    and Eq. (7) have; it is kept here.
 
     Parameters
     ----------

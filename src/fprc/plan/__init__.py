@@ -1,4 +1,4 @@
-"""Which results there are, what each is made of, and which can be made of the logs at hand."""
+"""The results, what each is made of, and which of them can be made from the existing logs."""
 
 from fprc.plan.availability import refusal
 from fprc.plan.paths import Paths

@@ -1,4 +1,4 @@
-"""What can be made of the logs that are there, and why the rest cannot."""
+"""Which results can be made from the existing logs, and why the others cannot."""
 
 from collections.abc import Mapping, Sequence
 
@@ -10,57 +10,57 @@ from fprc.plan.results import BY_NAME, CHORES, RESULTS, Result
 
 
 def unavailable(
-    held: Mapping[str, Content], folder: str, runs: Sequence[str], *, simulated: bool
+    logs: Mapping[str, Content], folder: str, runs: Sequence[str], *, simulated: bool
 ) -> dict[str, str]:
-    """Return what cannot be made, and why, in words.
+    """Return the results that cannot be made, with the reason of each.
 
     Parameters
     ----------
-    held : Mapping
-        The logs that are there, or will be, by name.
+    logs : Mapping
+        Contents of the logs that exist or will be recorded, by name.
     folder : str
-        Where they are, for the words.
+        Folder of the logs, for the reasons.
     runs : sequence of str
-        Closed-loop logs of a whole Table IV.
+        Closed-loop logs of a complete Table IV.
     simulated : bool
-        Whether the workflow simulates the rig, and so further ones.
+        Whether the rig is simulated, so that there can be further rigs.
     """
-    reasons = {result.name: why_not(result, held, folder) for result in RESULTS}
-    absent = [run for run in runs if run not in held]
+    reasons = {result.name: why_not(result, logs, folder) for result in RESULTS}
+    absent = [run for run in runs if run not in logs]
     if len(absent) == len(runs):
         reasons["table4"] = f"needs closed-loop logs {folder}/{run_log('*', '*')}.h5; there is none"
     elif absent:
         reasons["table4_runs"] = f"no {_listed([f'{run}.h5' for run in absent])} in {folder}"
     if not simulated:
         reasons |= {each.name: each.on_rigs for each in (*RESULTS, *CHORES) if each.on_rigs}
-    found = {name: reason for name, reason in reasons.items() if reason}
-    return {name: why for name, why in found.items() if BY_NAME[name].part_of not in found}
+    given = {name: reason for name, reason in reasons.items() if reason}
+    return {name: why for name, why in given.items() if BY_NAME[name].part_of not in given}
 
 
-def why_not(need: Result, held: Mapping[str, Content], folder: str) -> str | None:
-    """Return why a result cannot be made of the logs, in words; None if it can."""
-    absent = [f"{name}.h5" for name in need.logs if name not in held]
+def why_not(need: Result, logs: Mapping[str, Content], folder: str) -> str | None:
+    """Return the reason why a result cannot be made from the logs; None if it can."""
+    absent = [f"{name}.h5" for name in need.logs if name not in logs]
     if absent:
         verb = "is" if len(absent) == 1 else "are"
         return f"needs {_listed(absent)}, which {verb} not in {folder}"
     reasons = []
-    for channels, logs in _grouped(need, held).items():
-        verb = "does" if len(logs) == 1 else "do"
-        reasons.append(f"{_listed(channels)}, which {_listed(logs)} {verb} not have")
+    for channels, files in _grouped(need, logs).items():
+        verb = "does" if len(files) == 1 else "do"
+        reasons.append(f"{_listed(channels)}, which {_listed(files)} {verb} not have")
     for name in need.literal:
         reasons += [
-            f"{name} in {unit_of(name)}; in {log}.h5 it is {held[log].instead(name)}"
+            f"{name} in {unit_of(name)}; in {log}.h5 it is {logs[log].instead(name)}"
             for log in need.logs
-            if held[log].instead(name) is not None
+            if logs[log].instead(name) is not None
         ]
     return "needs " + "; and ".join(reasons) if reasons else None
 
 
-def _grouped(need: Result, held: Mapping[str, Content]) -> dict[tuple[str, ...], list[str]]:
+def _grouped(need: Result, logs: Mapping[str, Content]) -> dict[tuple[str, ...], list[str]]:
     """Return the logs by the channels that they lack."""
     groups: dict[tuple[str, ...], list[str]] = {}
     for name in need.logs:
-        lacking = tuple(held[name].lacks(need.channels))
+        lacking = tuple(logs[name].lacks(need.channels))
         if lacking:
             groups.setdefault(lacking, []).append(f"{name}.h5")
     return groups
@@ -72,6 +72,6 @@ def _listed(names: Sequence[str]) -> str:
 
 
 def refusal(name: str, reasons: Mapping[str, str]) -> str:
-    """Return what to tell someone who asks for a target that cannot be made."""
+    """Return the message to a user who asks for a target that cannot be made."""
     title = BY_NAME[name].title
     return terminal(f"{name}: not available for this data: {title} {reasons[name]}")

@@ -1,11 +1,11 @@
-"""Where every file of the workflow is."""
+"""Paths of every file of the workflow."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Paths:
-    """Files below the folders ``raw`` and ``results``; wildcards are kept as they are given."""
+    """Files below the folders ``raw`` and ``results``; arguments may be wildcards."""
 
     raw: str
     results: str
@@ -19,11 +19,11 @@ class Paths:
         return f"{self.raw}/{name}.h5"
 
     def messages(self, name: str) -> str:
-        """Return the file that a job's messages go to."""
+        """Return the file of a job's messages."""
         return self.below(f"logs/{name}.log")
 
     def data(self, experiment: str) -> str:
-        """Return the channels of a log as the models see them."""
+        """Return the preprocessed log of an experiment."""
         return self.below(f"data/{experiment}.h5")
 
     def quality(self, experiment: str) -> str:
@@ -35,7 +35,7 @@ class Paths:
         return self.below(f"reservoir/{experiment}.h5")
 
     def errors(self, experiment: str, model: str) -> str:
-        """Return the errors of a model that was trained on one log."""
+        """Return the errors of a model, by the log that trained it."""
         return self.below(f"crossval/{experiment}_{model}.json")
 
     def model(self, experiment: str, model: str) -> str:
@@ -43,7 +43,7 @@ class Paths:
         return self.below(f"models/{experiment}_{model}.h5")
 
     def prediction(self, experiment: str, model: str, phase: str) -> str:
-        """Return what it predicts; phase: train or test."""
+        """Return the predictions of that model; phase: train or test."""
         return self.below(f"predictions/{experiment}_{model}_{phase}.h5")
 
     def grid(self, name: str) -> str:
@@ -51,7 +51,7 @@ class Paths:
         return self.below(f"grids/{name}.json")
 
     def replicate(self, part: str, target: str, seed: int | str) -> str:
-        """Return what a further seed gave; part: models, grids or control."""
+        """Return the report of a further seed; part: models, grids or control."""
         return self.below(f"replicates/{target}/{part}_{seed}.json")
 
     def table(self, name: str) -> dict[str, str]:

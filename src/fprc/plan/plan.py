@@ -1,4 +1,4 @@
-"""What the workflow makes of the logs that are there, with the settings that are given."""
+"""The workflow's plan: what it makes from the existing logs with the given settings."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -31,12 +31,12 @@ class Plan:
     ----------
     settings : Mapping
         The whole configuration.
-    there : Mapping
-        Headers of the raw logs that are there, by name; see ``fprc.logs.headers``.
+    existing : Mapping
+        Headers of the raw logs that exist, by name; see ``fprc.logs.headers``.
     """
 
     settings: Mapping[str, Any]
-    there: Mapping[str, Header]
+    existing: Mapping[str, Header]
 
     @cached_property
     def paths(self) -> Paths:
@@ -46,12 +46,12 @@ class Plan:
 
     @property
     def on_simulated_rig(self) -> bool:
-        """Whether the rig is simulated, and with it further ones."""
+        """Whether the rig is simulated, so that there can be further rigs."""
         return self.settings["source"] == "sim"
 
     @property
     def records(self) -> bool:
-        """Whether logs are made at all."""
+        """Whether the workflow records logs."""
         return self.settings["source"] != "recorded"
 
     @property
@@ -75,45 +75,45 @@ class Plan:
 
     @cached_property
     def every_log(self) -> list[str]:
-        """Names of all raw logs that results are made of."""
+        """Names of all raw logs that the results need."""
         return [*EXPERIMENTS, *self.every_run]
 
     @cached_property
     def contents(self) -> dict[str, Content]:
-        """The raw logs that are there, or will be."""
-        missing = [name for name in self.every_log if name not in self.there]
+        """Contents of the raw logs that exist or will be recorded, by name."""
+        missing = [name for name in self.every_log if name not in self.existing]
         coming = self.every_log if self.on_simulated_rig else missing
-        whole = self.on_simulated_rig or self.settings["hardware"]["phi"]
-        held = contents(
-            self.there,
+        has_phi = self.on_simulated_rig or self.settings["hardware"]["phi"]
+        logs = contents(
+            self.existing,
             self.every_log,
             to_come=coming if self.records else [],
-            without=[] if whole else ["phi_deg"],
+            without=[] if has_phi else ["phi_deg"],
         )
         if self.driven:
-            held |= {name: held[name].having(_RESERVOIR) for name in EXPERIMENTS if name in held}
-        return held
+            logs |= {name: logs[name].having(_RESERVOIR) for name in EXPERIMENTS if name in logs}
+        return logs
 
     @cached_property
     def experiments(self) -> list[str]:
-        """Those of the two hysteresis experiments whose logs are there, or will be."""
+        """Hysteresis experiments whose logs exist or will be recorded."""
         return [name for name in EXPERIMENTS if name in self.contents]
 
     @cached_property
     def runs(self) -> list[str]:
-        """Those of the closed-loop runs whose logs are there, or will be."""
+        """Closed-loop runs whose logs exist or will be recorded."""
         return [run for run in self.every_run if run in self.contents]
 
     @cached_property
     def unavailable(self) -> dict[str, str]:
-        """Why a target cannot be made, by its name."""
+        """Targets that cannot be made, with the reason of each."""
         return unavailable(
             self.contents, self.paths.raw, self.every_run, simulated=self.on_simulated_rig
         )
 
     @cached_property
     def not_available(self) -> dict[str, tuple[str, str]]:
-        """Title and reason of each result that cannot be made."""
+        """Results that cannot be made, with title and reason of each."""
         chores = {each.name for each in CHORES}
         return {
             name: (BY_NAME[name].title, why)
@@ -123,7 +123,7 @@ class Plan:
 
     @cached_property
     def left_out(self) -> dict[str, str]:
-        """Why a model is not in the tables, by the model."""
+        """Models that are not in the tables, with the reason of each."""
         if "table2" in self.unavailable:
             return {}
         needs = {
@@ -143,23 +143,23 @@ class Plan:
     @cached_property
     def feedforward(self) -> list[str]:
         """The models that drive the closed loops."""
-        found = (feedforward_of(controller_and_gain(name)[0]) for name in self.controllers)
-        return list(dict.fromkeys(name for name in found if name))
+        models = (feedforward_of(controller_and_gain(name)[0]) for name in self.controllers)
+        return list(dict.fromkeys(name for name in models if name))
 
     @cached_property
     def targets(self) -> dict[str, list[str]]:
-        """Files of each target that can be made: the result first, then what it is made of.
+        """Files of each target that can be made: the result first, then its intermediate files.
 
-        A target names its intermediates too: when a job fails, Snakemake removes its outputs,
-        and a target that asked for the final file alone would then find that file in place and
-        call the stale result done.
+        The intermediate files are needed: when a job fails, Snakemake removes that job's outputs.
+        The final file of an earlier run stays, and a target with this file alone would be complete
+        although it is stale.
         """
-        found = {
+        targets = {
             result.name: self._files_of(result)
             for result in RESULTS
             if result.files and result.name not in self.unavailable
         }
-        return found | {f"training_{name}": self._training(name) for name in self.others}
+        return targets | {f"training_{name}": self._training(name) for name in self.others}
 
     @cached_property
     def refused(self) -> list[str]:
@@ -174,7 +174,7 @@ class Plan:
 
     @cached_property
     def figures(self) -> dict[int, str]:
-        """The paper's figures that can be made, without the ending, by number."""
+        """Files of the paper's figures that can be made, without suffix, by number."""
         return {
             figure_number(result): self.paths.below(result.files[0].removesuffix(".pdf"))
             for result in RESULTS
@@ -183,16 +183,16 @@ class Plan:
 
     @cached_property
     def pages(self) -> list[str]:
-        """Tables that the report shows, each of the paper's followed by that over seeds."""
+        """Tables of the report; the version over further seeds follows each of Tables II to IV."""
         seeds = dict(zip(("table2", "table3", "table4"), self.seeds_tables, strict=True))
-        found = []
+        pages = []
         for name in ("table1", "table2", "table3", "table4", "readout", "timing"):
             if name in self.targets:
                 files = BY_NAME[name].files
-                found += [self.paths.below(file) for file in files if file.endswith(".md")]
+                pages += [self.paths.below(file) for file in files if file.endswith(".md")]
             if name in seeds and "seeds" in self.targets:
-                found.append(seeds[name])
-        return found
+                pages.append(seeds[name])
+        return pages
 
     @cached_property
     def seeds_tables(self) -> list[str]:
@@ -200,7 +200,7 @@ class Plan:
         return [self.paths.below(file) for file in BY_NAME["seeds"].files[:3]]
 
     def replicates(self, part: str, targets: Sequence[str] = ()) -> list[str]:
-        """Return one part of what each further seed gave, for one or more targets."""
+        """Return one part of each further seed's report, for one or more targets of the models."""
         evaluation = self.settings["evaluation"]
         return [
             self.paths.replicate(part, target, seed)
@@ -209,7 +209,7 @@ class Plan:
         ]
 
     def log_of(self, experiment: str) -> str:
-        """Return the raw log of an experiment, or what has a simulated reservoir in its place."""
+        """Return the raw log of an experiment, or its copy with a simulated reservoir."""
         return self.paths.driven(experiment) if self.driven else self.paths.log(experiment)
 
     def _training(self, model: str) -> list[str]:
@@ -249,7 +249,7 @@ class Plan:
 
     @cached_property
     def _loops(self) -> list[str]:
-        """What the closed-loop runs come from, if they are not there already."""
+        """Files that the closed-loop runs are recorded with; none if nothing is recorded."""
         if not self.records:
             return []
         judged = BY_NAME["table2"].made_of[1:]
@@ -258,5 +258,5 @@ class Plan:
 
 
 def _follows(result: Result, reference: str) -> bool:
-    """Tell whether a result shows a reference; Table IV, which needs no run in particular, all."""
+    """Return whether a result shows a reference; Table IV lists no logs and shows all."""
     return not result.logs or reference in {reference_and_controller(log)[0] for log in result.logs}

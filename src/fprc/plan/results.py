@@ -1,4 +1,4 @@
-"""Every result of the paper: what it is called, which file it is, and what it is made of."""
+"""Every result of the paper: its name, its files, and what it is made of."""
 
 from typing import Any, NamedTuple
 
@@ -12,33 +12,33 @@ _CHAPTERS = (
 
 
 class Result(NamedTuple):
-    """A result, which is also a target of the workflow; or a part of one.
+    """A result, which is also a target of the workflow; or a part of a result.
 
     Attributes
     ----------
     name : str
-        Of the target.
+        Name of the target.
     title : str
-        As a reader knows it.
+        Name for readers.
     files : tuple of str
-        Below the results folder; the first is what a person opens.
+        Files below the results folder; the first is the one that a reader opens.
     made_of : tuple of str
-        Files below the results folder that it is made of, ``{model}`` for each model;
-        ``data`` stands for the raw logs and all that preprocessing makes of them, ``loops`` for
-        what closed-loop runs come from, and ``seeds`` for the reports of the further seeds.
+        Files below the results folder that it is made of, with ``{model}`` for every model;
+        ``data`` stands for the raw logs and the files of preprocessing, ``loops`` for the
+        closed-loop logs and their inputs, ``seeds`` for the reports of the further seeds.
     logs : tuple of str
         Raw logs that it needs.
     channels : tuple of str
-        Of those that an imported log may lack, what each of the logs must have.
+        Channels that each of these logs must have, although imported logs may lack them.
     literal : tuple of str
-        Channels that must be what their names say, because the result draws or
-        prints them as such.
+        Channels that must hold the quantity of their name, not a substitute, because the
+        result shows them under that name.
     on_rigs : str
         Why it needs a simulated rig, if it does.
     chapter : str
-        Section of the paper that the figure stands in.
+        Section of the paper with the figure.
     part_of : str
-        The target that this is a part of; a part is no target.
+        The target that this is a part of; a part is not a target itself.
     """
 
     name: str
@@ -54,7 +54,7 @@ class Result(NamedTuple):
 
 
 def _judged(experiment: str) -> tuple[str, ...]:
-    """Return what judging every model on one log gives."""
+    """Return the files of judging every model, trained on one log."""
     return (
         f"crossval/{experiment}_{{model}}.json",
         f"models/{experiment}_{{model}}.h5",
@@ -64,7 +64,7 @@ def _judged(experiment: str) -> tuple[str, ...]:
 
 
 def _figure(number: int, stem: str, *made_of: str, **needs: Any) -> Result:
-    """Return a figure of the paper; it stands in Sec. II, III or IV by its number."""
+    """Return a figure of the paper; its number gives its section, II, III or IV."""
     chapter = _CHAPTERS[(number > 5) + (number > 11)]
     file = f"figures/fig{number:02}_{stem}.pdf"
     return Result(f"fig{number}", f"Fig. {number}", (file,), made_of, chapter=chapter, **needs)
@@ -90,7 +90,7 @@ _SWEEP: dict[str, Any] = {"logs": ("sweep",)}
 _RESERVOIR = ("p_i_kpa", "p_o_kpa", "phi_deg")
 
 # fmt: off
-#: In the order in which a reader is told of them.
+#: In the order of listings for readers.
 RESULTS = (
     Result("table1", "Table I", ("tables/table1.md",)),
     Result("table2", "Table II", ("tables/table2.md",), ("data", *_judged("sweep")), **_BOTH),
@@ -130,7 +130,7 @@ RESULTS = (
 )
 # fmt: on
 
-#: Targets that are no results.
+#: Targets that are not results.
 CHORES = (
     Result(
         "check",
@@ -148,6 +148,6 @@ BY_NAME = {result.name: result for result in (*RESULTS, *CHORES)}
 
 
 def figure_number(result: Result) -> int:
-    """Return the number of the figure; 0 if the result is none."""
+    """Return the number of the figure; 0 if the result is not a figure."""
     number = result.name.removeprefix("fig")
     return int(number) if result.chapter and number.isdigit() else 0

@@ -28,8 +28,8 @@ def record(settings: Mapping[str, Any]) -> np.ndarray:
 
 @cache
 def _layout(fields: tuple[Any, ...]) -> np.dtype:
-    # to compiled code a layout that is the same object is known at once; to compare two that
-    # are merely equal takes longer than a tick
+    # numba recognises the same dtype object at once; comparing two equal ones takes longer
+    # than a tick
     return np.dtype([(name, _type(kind), *shape) for name, kind, *shape in fields])
 
 

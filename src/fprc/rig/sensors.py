@@ -1,4 +1,4 @@
-"""What the computer sees of the rig: transducers, converters, bend sensor."""
+"""Sensors of the rig: pressure transducers, converters, bend sensor."""
 
 import math
 

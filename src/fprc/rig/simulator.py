@@ -26,7 +26,7 @@ NOISE_PER_TICK = 9
 #: Order of the pressure sensors in every array of three.
 PRESSURE_SENSORS = ("p_main", "p_i", "p_o")
 
-#: What ``advance`` returns when the state has left all physical range.
+#: Codes that ``advance`` returns when a quantity leaves its physical range.
 DIVERGED = {1: "pressure of the main chamber", 2: "pressure of PAM A", 3: "bending angle",
             4: "volume of PAM B", 5: "spool of a valve"}  # fmt: skip
 
@@ -85,7 +85,7 @@ def advance(states, rigs, instruments, valve_v, push_kpa, noise, period_s, subst
     valve_v : ndarray of shape (2,)
         Voltages held on the main and the reservoir valve over the tick.
     push_kpa : float
-        Force from outside on the reservoir's bending over the tick.
+        External force on the reservoir's bending over the tick.
     noise : ndarray of shape (NOISE_PER_TICK,)
         Standard normal numbers for this tick.
     substeps : int
@@ -138,8 +138,8 @@ def _valves(state, rig, valve_v, dt):
     valve = rig.valve
     for i in range(2):
         written = converted(valve_v[i], rig.converter.step_v, rig.converter.limit_v)
-        held = max(written, 0.0)  # the output board gives 0 to 10 V
-        command = (held - valve.neutral_v) / valve.neutral_v
+        volts = max(written, 0.0)  # the output board gives 0 to 10 V
+        command = (volts - valve.neutral_v) / valve.neutral_v
         state.spool_rate[i] += dt * spool_acceleration(
             state.spool[i],
             state.spool_rate[i],
@@ -230,7 +230,7 @@ def _bend_sample(state, rig, noise, column):
         sample = min(column, 6)
         angle = state.theta_deg + state.bend_slow_deg + sensor.noise_deg * noise[sample]
         state.bend_held_deg = quantise(angle, sensor.step_deg)
-        # the reservoir's sensor shares the bus and so the instant
+        # the reservoir's sensor is on the same bus and so samples at the same time
         angle = state.phi_deg + sensor.noise_deg * noise[sample + 2]
         state.phi_held_deg = quantise(angle, sensor.step_deg)
         state.bend_next_s += 1.0 / sensor.rate_hz

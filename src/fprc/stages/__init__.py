@@ -1,1 +1,1 @@
-"""One function per rule of the workflow: read files, call below, write files."""
+"""One function per rule of the workflow: read files, call lower layers, write files."""

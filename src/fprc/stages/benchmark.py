@@ -1,4 +1,4 @@
-"""Measure how fast we are, and what more of everything would cost."""
+"""Measure the speed compared with other libraries, and the cost of larger problems."""
 
 import os
 import sys
@@ -28,13 +28,13 @@ def measure_benchmark(
     rounds: int,
     seed: int,
 ) -> None:
-    """Compare with other libraries, and measure the growth of the cost.
+    """Compare with other libraries, and measure how the cost grows with size.
 
     Parameters
     ----------
     sizes : Mapping
-        ``r``, ``samples``, ``clusters``, ``cells``, ``workers`` and ``rigs`` of the growth;
-        ``taps``, n_u and n_y of the cells that stand for the tap grid.
+        Sizes ``r``, ``samples``, ``clusters``, ``cells``, ``workers`` and ``rigs`` at which the
+        cost is measured; ``taps``, the n_u and n_y of the cells that represent the tap grid.
     """
     peers.refuse_missing()
     settings = RigSettings(**on_rig)
@@ -72,14 +72,14 @@ def measure_scale(
     on_rig: Mapping[str, Any],
     **settings: Any,
 ) -> None:
-    """Measure what an ensemble costs, and what Snakemake takes to plan its jobs.
+    """Measure the cost of an ensemble, and of planning its jobs by Snakemake.
 
     Parameters
     ----------
     jobs : sequence of int
-        Sizes of the DAG that are planned.
+        Numbers of jobs to plan.
     rigs, taps, **settings
-        As ``fprc.benchmark.cost.costs`` takes them.
+        Arguments of ``fprc.benchmark.cost.costs``.
     """
     measured = costs(rigs, taps, on_rig=RigSettings(**on_rig), **settings)
     planned = [plan_ensemble(n) for n in [1, *jobs]]

@@ -1,4 +1,4 @@
-"""Fit the simulated rig to published numbers, and write what came of it."""
+"""Fit the simulated rig to published numbers, and write the rig and a report."""
 
 import logging
 from collections.abc import Mapping
@@ -25,10 +25,10 @@ def calibrate(
     checkpoint: str,
     version: str,
 ) -> None:
-    """Fit the free parameters of the rig, beginning at that of ``on_rig``.
+    """Fit the free parameters of the rig, starting at the rig of ``on_rig``.
 
     Writes the changed parameters (``fitted``, YAML, to be used as
-    config/rig.yaml) and all that is known of the fit (``report``, JSON).
+    config/rig.yaml) and a summary of the fit (``report``, JSON).
     """
     best, summary = fit_rig(
         read_yaml(published),
@@ -47,8 +47,8 @@ def calibrate(
     )  # fmt: skip
     if summary["check_loss"] > summary["check_loss_at_start"]:
         log.warning(
-            "warning: on seeds outside the fit the rig that the search began at is nearer to "
-            "print; keep that one, or use more calibration.seeds"
+            "warning: on seeds outside the fit, the starting rig is closer to print than the "
+            "fitted one; keep the starting rig, or use more calibration.seeds"
         )
     log.info(
         "median deviation %.1f %%, largest %.1f %%; wrote %s",

@@ -1,4 +1,4 @@
-"""Check what the results folder and the documentation show against what the workflow makes."""
+"""Check the verdicts, the files of the results folder, and the documentation's pictures."""
 
 import logging
 import math
@@ -16,8 +16,9 @@ from fprc.yaml_file import read_yaml
 
 log = logging.getLogger(__name__)
 
-#: Another processor draws a few edges one level of 255 darker or lighter. A dot moved by half a
-#: pixel changes 40 pixels by more than 16 levels, a digit 110; docs/reproducibility.md has more.
+#: A picture is stale if more than _PIXELS pixels differ by more than _LEVELS of 255. On another
+#: processor a few edges differ by one level; a dot moved by half a pixel changes 40 pixels by more
+#: than 16 levels, and another digit 110. See docs/reproducibility.md.
 _LEVELS = 16
 _PIXELS = 20
 
@@ -32,25 +33,25 @@ def check_results(
 ) -> None:
     """Check verdicts, files and pictures.
 
-    A verdict on execution times that is not as declared is told, and is no
-    problem: another run or machine may judge them otherwise.
+    A verdict on execution times that differs from the declared one is only a
+    warning, since times differ between runs and machines.
 
     Parameters
     ----------
     ledger, known : str
-        The claims as judged, and the verdicts that are declared as known.
+        Files of the judged claims and of the declared verdicts.
     folders : Mapping
-        Of the results and of the raw logs (``raw``); the latter may hold anything.
+        Folders ``results`` and ``raw``; files in ``raw`` are not checked.
     made : sequence of str
         Regular expressions of the files that the rules make.
     pictures : Mapping
-        Pictures of the documentation, and the figures that they are copies of.
+        Pictures of the documentation, each with the figure that it is a copy of.
 
     Raises
     ------
     FprcError
-        Lists every verdict that is not as declared, every file among the results that no rule
-        makes, and every picture that does not show the figure.
+        Lists every verdict that differs from the declared one, every file in the results folder
+        that no rule makes, and every picture that differs from its figure.
     """
     declared = read_yaml(known)
     claims = read_json(ledger)["claims"]
@@ -58,22 +59,22 @@ def check_results(
     changed = changed_verdicts(claims, declared)
     of_times = [line for line in changed if line.split(":")[0] in timed]
     for line in of_times:
-        log.warning("%s; a time, which each run may judge otherwise", line)
-    found = {
+        log.warning("%s; not an error, since execution times differ between runs", line)
+    failures = {
         f"verdicts are not those of {known}; see the ledger, and declare them there if they are "
         "right": [line for line in changed if line not in of_times],
         "files that no rule makes; remove them, or keep them elsewhere": [
             *orphans(folders["results"], folders["raw"], made),
             *strangers(pictures),
         ],
-        "pictures are not the figures that were built; `make docs` puts those there, and `make "
-        "benchmark` growth.png": [
+        "pictures are not the figures that were built; copy the figures with `make docs`, or "
+        "growth.png with `make benchmark`": [
             f"{picture} is not {figure}" for picture, figure in stale(pictures)
         ],
     }
     problems = [
         "\n".join([f"{len(lines)} {what}:", *(f"  {line}" for line in lines)])
-        for what, lines in found.items()
+        for what, lines in failures.items()
         if lines
     ]
     if problems:
@@ -87,9 +88,9 @@ def check_results(
 def orphans(results: str, raw: str, made: Sequence[str]) -> Iterator[str]:
     """Yield the files of a results folder that no rule makes.
 
-    Left alone are the raw logs, README.md, hidden files but those that a
-    killed process left, and folders of other results: with logs of their own, or the
-    report of `fprc readout`.
+    Exempt are the raw logs, README.md, hidden files other than those of a killed
+    process, and folders of other results, which have a folder ``logs`` or a
+    ``report.md`` of `fprc readout`.
     """
     known = [re.compile(pattern) for pattern in made]
     todo = [Path(results)]
@@ -110,13 +111,13 @@ def orphans(results: str, raw: str, made: Sequence[str]) -> Iterator[str]:
 
 
 def strangers(pictures: Mapping[str, str]) -> Iterator[str]:
-    """Yield the files beside the documentation's pictures that no rule puts there."""
+    """Yield the files in the documentation's picture folders that no rule puts there."""
     for folder in sorted({Path(picture).parent for picture in pictures}):
         yield from (str(p) for p in sorted(folder.iterdir()) if str(p) not in pictures)
 
 
 def stale(pictures: Mapping[str, str]) -> Iterator[tuple[str, str]]:
-    """Yield the pictures that show something else than their figure, where that was built."""
+    """Yield each picture that differs from its figure, with the figure, if the figure was built."""
     for picture, figure in pictures.items():
         if Path(figure).exists() and pixels_apart(picture, figure) > _PIXELS:
             yield picture, figure

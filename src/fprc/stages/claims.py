@@ -13,11 +13,11 @@ from fprc.yaml_file import read_yaml
 
 log = logging.getLogger(__name__)
 
-#: Claims whose numbers or order the rig was fitted to; times say nothing of the rig.
+#: Claims whose numbers or order the rig was fitted to; execution times do not depend on the rig.
 _FITTED = ("C1", "C2", "C3", "C4", "C7", "C18")
 _TIMED = ("C5", "C6", "C10")
 
-#: The rig has next to no way from the reservoir's bending to P_o: the paper's own explanation.
+#: The simulated rig assumes, as the paper does, that the reservoir's bending hardly changes P_o.
 _ASSUMED = ("C17",)
 
 _NOTE = (

@@ -31,7 +31,7 @@ def update_readme(
 ) -> None:
     """Replace the generated blocks of the README, named after the pages, and its picture.
 
-    ``made_from`` is not read: the rule names what all of it comes from, so that
+    ``made_from`` is not read. It makes the rule depend on all intermediate files, so that
     nothing stale is shown after a failed job.
     """
     blocks = _pages(pages) | {
@@ -77,8 +77,8 @@ def update_calibration_page(
     known = read_json(fit)
     if known["rig_sha256"] != hash_of(rig):
         raise FprcError(
-            f"{fit} is of another rig than the configuration's; put both files of one calibration "
-            "into config/"
+            f"{fit} belongs to another rig than the configuration; put both files of one "
+            "calibration into config/"
         )
     blocks = {f"{Path(path).parent.name}_{Path(path).stem}": _read(path) for path in pages}
     blocks |= {
@@ -145,7 +145,7 @@ def replace_block(text: str, name: str, block: str, path: str = "README.md") -> 
     Raises
     ------
     FprcError
-        The markers are not there exactly once.
+        The two markers do not occur exactly once each.
     """
     begin, end = f"<!-- {name}: generated -->", f"<!-- {name}: end -->"
     pattern = re.compile(f"{re.escape(begin)}.*?{re.escape(end)}", re.DOTALL)
@@ -161,21 +161,21 @@ def _verdicts(claims: Sequence[Mapping[str, str]]) -> str:
 
 def _sentence(orders: pd.DataFrame) -> str:
     ratio = orders["esn_over_fprc_training"]
-    held = {
+    columns = {
         "FPRC has the lowest test RMSE": "fprc_lowest_test",
         "FPRC is below Fuzzy-linear in training, validation and test": "fprc_below_fuzzy_linear",
         "ESN and FPRC are within 30 % of each other in training": "training_within_30_percent",
         "with the logs reversed, FPRC has the lowest test RMSE": "fprc_lowest_reversed_test",
         "with the logs reversed, every test RMSE is worse": "reversed_tests_worse",
     }
-    lines = [f"- {what}: on {orders[key].sum()} of {len(orders)}" for what, key in held.items()]
+    lines = [f"- {what}: on {orders[key].sum()} of {len(orders)}" for what, key in columns.items()]
     span = f"{ratio.min():.2f} to {ratio.max():.2f}"
     lines.append(f"- the ESN's training RMSE over FPRC's: {span} (paper: 0.99)")
     return "\n".join(lines)
 
 
 def _deviations(seeds: Sequence[str]) -> str:
-    """Return what the means over seeds are off print by, in words."""
+    """Return a sentence on the deviations of the means over seeds from print."""
     table = deviations(
         {number: pd.read_csv(path) for number, path in zip(("II", "III"), seeds, strict=True)}
     )

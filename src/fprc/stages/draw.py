@@ -22,7 +22,7 @@ _UNITS = {"theta": "deg", "p_target": "kPa", "p_o": "kPa"}
 
 
 def _label(name: str, log: Columns) -> str:
-    """Return symbol and unit of what a log holds as theta, p_target or p_o."""
+    """Return symbol and unit of a log's theta, p_target or p_o."""
     unit = log.attributes.get(f"{name}_unit", _UNITS[name])
     return f"{_SYMBOLS[name]} [{escape.figure(unit)}]"
 
@@ -111,7 +111,7 @@ def draw_settings(
 ) -> Mapping[str, Any]:
     """Figure 10: errors over epsilon and n_c, execution times over n_c.
 
-    Without ``epsilon``, where there is no FPRC, (b) and (c) alone are drawn.
+    Without ``epsilon``, when there is no FPRC, only (b) and (c) are drawn.
     """
     by_n_c, timed = read_json(n_c), read_json(times)
     drawn = {"b": grid_errors(by_n_c, "n_c"), "c": grid_times(timed, "n_c")}

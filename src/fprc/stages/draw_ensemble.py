@@ -1,4 +1,4 @@
-"""Draw what the ensemble of rigs gave."""
+"""Draw the results of the ensemble of rigs."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -36,7 +36,7 @@ def draw_ensemble(summary: str, pdf: str, png: str) -> Mapping[str, Any]:
 
 
 def _short(path: str) -> str:
-    """Return a parameter's name without its unit, for the edge of a small picture."""
+    """Return a parameter's name without its unit, short enough for a small figure."""
     section, name, *index = path.split(".")
     words = name.replace("_per_kpa", "_over_pressure").split("_")
     units = {"kpa", "deg", "ml", "s", "per", "v", "hz", "rad", "deg3"}

@@ -17,7 +17,7 @@ _NO_DATA = {"source": "none"}
 
 
 def draw_actuator(raw: str, pdf: str, png: str) -> Mapping[str, Any]:
-    """Figure 1: the actuator where it is bent most, and where its pressure is least after that."""
+    """Figure 1: the actuator at its largest angle, and at its least pressure after that."""
     (log,) = isolated_each(read_columns, [raw], names=("p_exp_kpa", "theta_deg"))
     p_exp, theta = log.channels.values()
     bent = int(np.argmax(theta))
@@ -29,7 +29,7 @@ def draw_actuator(raw: str, pdf: str, png: str) -> Mapping[str, Any]:
 
 
 def draw_reservoir(raw: str, pdf: str, png: str, *, k_in_kpa_per_deg: float) -> Mapping[str, Any]:
-    """Figure 2: the reservoir where P_i is least and where it is bent most; P_o over P_i."""
+    """Figure 2: the reservoir at the least P_i and at its largest angle; P_o over P_i."""
     (log,) = isolated_each(read_columns, [raw], names=("p_i_kpa", "p_o_kpa", "phi_deg"))
     p_i, p_o, phi = log.channels.values()
     rest, driven = (

@@ -62,7 +62,7 @@ def draw_loops(runs: Sequence[str], pdf: str, png: str) -> Mapping[str, Any]:
 
 
 def draw_disturbance(run: str, pdf: str, png: str, *, quiet_s: float) -> Mapping[str, Any]:
-    """Figure 17: tracking and reservoir while the reservoir is pushed about."""
+    """Figure 17: tracking and reservoir while random forces push the reservoir."""
     (log,) = isolated_each(read_run, [run], names=(*_CHANNELS, *_RESERVOIR))
     channels = log.channels
     end_s = channels["time_s"][-1]

@@ -1,4 +1,4 @@
-"""Take rigs that were not fitted through the paper, and judge the claims on each."""
+"""Judge the claims on an ensemble of random rigs, and measure the sensitivity of one rig."""
 
 import hashlib
 import json
@@ -32,18 +32,18 @@ def judge_rigs(
     checkpoint: str,
     version: str,
 ) -> None:
-    """Take some rigs of the ensemble through Tables II to IV.
+    """Compute Tables II to IV on some rigs of the ensemble.
 
     Parameters
     ----------
     numbers : sequence of int
-        Which rigs; a rig is the same in whatever chunk it is.
+        Numbers of the rigs; a rig does not depend on the chunk that it is in.
     free : Mapping
-        ``paths`` and ``ranges`` of the free parameters, as ``free_parameters`` takes them.
+        Arguments of ``free_parameters``: ``paths`` and ``ranges``.
     on_rig : Mapping
-        As ``RigSettings`` takes it.
+        Arguments of ``RigSettings``.
     judgement : Mapping
-        As ``judge_rig`` takes it.
+        Argument of ``judge_rig``.
     """
     settings = [ensemble, free, on_rig, tracking, judgement]
     key = json.dumps([*settings, version], sort_keys=True)
@@ -72,26 +72,30 @@ def measure_sensitivity(
     paths: Sequence[str],
     steps: int,
     seeds: Sequence[int],
-    standin: Mapping[str, int],
+    surrogate: Mapping[str, int],
     on_rig: Mapping[str, Any],
     models: Mapping[str, Any],
     workers: int,
     checkpoint: str,
     version: str,
 ) -> None:
-    """Move one parameter at a time over its range, and judge the rig by the stand-in.
+    """Move one parameter at a time over its range, and judge the rig with the surrogate models.
 
     Parameters
     ----------
     on_rig : Mapping
-        As ``RigSettings`` takes it.
+        Arguments of ``RigSettings``.
     """
     shares = np.linspace(0.0, 1.0, steps).tolist()
     cells = [{"path": path, "share": share} for path in paths for share in shares]
-    key = json.dumps([seeds, standin, on_rig, models, version], sort_keys=True)
+    key = json.dumps([seeds, surrogate, on_rig, models, version], sort_keys=True)
     judged = run_cells(
         partial(
-            judge_moved, seeds=seeds, standin=standin, on_rig=RigSettings(**on_rig), models=models
+            judge_moved,
+            seeds=seeds,
+            surrogate=surrogate,
+            on_rig=RigSettings(**on_rig),
+            models=models,
         ),
         [{"path": None, "share": None}, *cells],
         workers=workers,

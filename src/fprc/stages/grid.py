@@ -33,22 +33,22 @@ def judge_grid(
 ) -> None:
     """Cross-validate and test every cell of one grid, or of one chunk of it.
 
-    ``version``, the fingerprint of the source, is part of the checkpoint's key:
-    a checkpoint that other code, data or settings made is not used.
+    ``version``, the fingerprint of the code, is part of the checkpoint's key, so
+    that a checkpoint of other code, data or settings is not used.
 
     Parameters
     ----------
     judgement : Mapping
-        As ``fprc.experiments.settings.Judgement`` takes it.
+        Arguments of ``fprc.experiments.settings.Judgement``.
     chunk, chunks : int
-        Which chunk, from 0, of how many; ``join_grid`` puts them together.
+        Number of the chunk, from 0, and of all chunks; ``join_grid`` joins them.
     """
     digest = hashlib.sha256(json.dumps([judgement, version], sort_keys=True).encode())
     for path in (train, test):
         digest.update(Path(path).read_bytes())
     data = read_data(train)
-    models_there = models_for(judgement["models"], data, read_data(test))
-    possible = [cell for cell in cells_of(grid, values) if cell["model"] in models_there]
+    models = models_for(judgement["models"], data, read_data(test))
+    possible = [cell for cell in cells_of(grid, values) if cell["model"] in models]
     judged = run_cells(
         partial(_judge_from_files, train=train, test=test, judgement=Judgement(**judgement)),
         chunk_of(possible, chunk, chunks),
@@ -70,12 +70,12 @@ def judge_grid(
 def _judge_from_files(
     cell: Mapping[str, Any], *, train: str, test: str, judgement: Judgement
 ) -> dict[str, Any]:
-    # in a worker: small arguments, each process reads for itself
+    # runs in a worker process, which reads the logs itself to keep the arguments small
     return judge_cell(cell, train=read_data(train), test=read_data(test), judgement=judgement)
 
 
 def join_grid(chunks: Sequence[str], results: str) -> None:
-    """Write the chunks of a grid, in order, as if it had been one job."""
+    """Join the chunks of a grid in order; the file is that of a single job."""
     parts = [read_json(path) for path in chunks]
     write_json(results, parts[0] | {"cells": [cell for part in parts for cell in part["cells"]]})
 

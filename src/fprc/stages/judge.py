@@ -26,14 +26,14 @@ def judge(
 ) -> None:
     """Cross-validate one model on each log and test its best fold on the other.
 
-    Writes for each of ``DIRECTIONS`` the errors, the model of the best fold, and what
-    it predicts on the training log (``fits``) and on the test log (``predictions``).
+    Writes for each of ``DIRECTIONS`` the errors, the model of the best fold, and its
+    output on the training log (``fits``) and on the test log (``predictions``).
     """
     logs = {"sweep": read_data(sweep), "complex": read_data(complex)}
     outside = outside_class(name, judgement["models"])
-    found = judge_directions(name, Judgement(**judgement), logs, DIRECTIONS)
+    judged = judge_directions(name, Judgement(**judgement), logs, DIRECTIONS)
     for (train, test), (validated, report, tested), error, model, fit, prediction in zip(
-        DIRECTIONS, found, errors, fitted, fits, predictions, strict=True
+        DIRECTIONS, judged, errors, fitted, fits, predictions, strict=True
     ):
         write_json(error, report)
         with replacing(model) as temporary:

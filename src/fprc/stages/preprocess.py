@@ -1,4 +1,4 @@
-"""From a raw log to the channels that the models see."""
+"""Check a raw log and select the channels of the models."""
 
 import logging
 from collections.abc import Mapping
@@ -26,9 +26,9 @@ def preprocess(
 ) -> None:
     """Check a raw log, write its quality record, and select the channels.
 
-    Nothing is filtered here: the filter and the taps belong to the models,
-    which apply the same ones in the control loop. An imported log that has only
-    one of the two P_exp is used with that one.
+    Nothing is filtered here: the filter and the taps belong to the models, which
+    apply the same ones in the control loop. If an imported log has only one of
+    the two P_exp, commanded or measured, that one is used.
     """
     (source,) = isolated_each(
         read_raw,

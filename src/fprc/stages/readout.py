@@ -1,4 +1,4 @@
-"""What the reservoir's readout is worth."""
+"""Value of the reservoir's readout."""
 
 import hashlib
 import json
@@ -32,7 +32,7 @@ def measure_readout(
     Parameters
     ----------
     judgement : Mapping
-        As ``fprc.experiments.settings.Judgement`` takes it; each cell has its own split.
+        Arguments of ``fprc.experiments.settings.Judgement``; each cell has its own split.
     """
     data = read_data(train)
     refuse_mixture(data, read_data(test))

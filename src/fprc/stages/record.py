@@ -1,4 +1,4 @@
-"""Run a hysteresis experiment on the simulated rig and keep its raw log."""
+"""Run a hysteresis experiment on the simulated rig and write its raw log."""
 
 import logging
 from collections.abc import Mapping

@@ -22,7 +22,7 @@ def replicate(
     values: Mapping[str, Any],
     tracking: Mapping[str, Any],
 ) -> None:
-    """Repeat all but the execution times with another seed, from the experiments on.
+    """Repeat everything but the execution times with another seed, starting with new logs.
 
     Writes Tables II and III and the weights of Fig. 9 (``compared``), the grids of
     Figs. 10 and 11 (``cells``), and the closed loops of Sec. IV (``measures``).
@@ -30,14 +30,14 @@ def replicate(
     Parameters
     ----------
     on_rig, judgement : Mapping
-        As ``RigSettings`` and ``Judgement`` of ``fprc.experiments.settings`` take them; the
+        Arguments of ``RigSettings`` and ``Judgement`` of ``fprc.experiments.settings``; the
         seed is that of ``judgement``.
     """
     settings, how = RigSettings(**on_rig), Judgement(**judgement)
     data = simulate(settings, how.seed)
-    found, models = compare_models(data, how)
+    comparison, models = compare_models(data, how)
     described = {"seed": how.seed, "source": "sim"}
-    write_json(compared, described | found)
+    write_json(compared, described | comparison)
     write_json(cells, described | judge_grids(data, values, how))
     bench = Track(tracking, settings.control, settings.rig, how.seed)
     measured = measure_control(data["sweep"], bench, models, controllers(how.models))

@@ -1,4 +1,4 @@
-"""Write the report: one page that holds claims, tables, figures and settings."""
+"""Write the report: one page with claims, tables, figures and settings."""
 
 import base64
 import logging
@@ -35,14 +35,14 @@ def write_report(
     *,
     settings: Mapping[str, Any],
 ) -> None:
-    """Put everything that a reader wants to see on one self-contained page.
+    """Write claims, tables, figures and settings to one self-contained page.
 
     Parameters
     ----------
     ledger : sequence of str
-        The claims ledger, JSON; empty where there is none.
+        The claims ledger, JSON; empty if there is none.
     missing : str
-        What cannot be made of the data and why, CSV.
+        Results that the data do not allow, with reasons, CSV.
     tables : sequence of str
         Tables as Markdown pages.
     pictures, sidecars, captions : sequences of str
@@ -78,7 +78,7 @@ def write_report(
 
 
 def banner(sources: set[str]) -> str:
-    """Return in capitals what kind of data the page shows."""
+    """Return the kind of the page's data, in capitals."""
     if sources == {"sim"}:
         return "SIMULATED DATA"
     if any(source.endswith("sim") for source in sources):
@@ -95,7 +95,7 @@ _NOT_COMPARED = ("source", "seed", "folders", "rig", "calibration", "ensemble")
 
 
 def _changed(settings: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
-    """Return the settings of models, experiments and evaluation that are not the defaults."""
+    """Return the settings of models, experiments and evaluation that differ from the defaults."""
     default = {key: value for key, value, *_ in fields(Settings())}
     ours = {key: value for key, value, *_ in fields(Settings.model_validate(settings))}
     return {
@@ -157,7 +157,7 @@ _SYMBOL = re.compile(
 
 
 def symbols(text: object) -> Markup:
-    """Return text as HTML, the paper's symbols as mathematics: P_o with a subscript, θ."""
+    """Return text as HTML with the paper's symbols typeset: P_o with a subscript, theta as θ."""
 
     def shown(match: re.Match[str]) -> str:
         letter, index, greek = match.groups()

@@ -29,15 +29,15 @@ def add_reservoir(
     rig: Mapping[str, Any],
     seed: int,
 ) -> None:
-    """Write a raw log whose reservoir is simulated: ``CHANNELS`` are added, or replaced.
+    """Write a raw log with a simulated reservoir: ``CHANNELS`` are added, or replaced.
 
-    The log's ``source`` ends in ``+sim``, and a note says so of each channel.
+    The log's ``source`` ends in ``+sim``, and each of these channels has a note.
 
     Raises
     ------
     LogError
-        The log cannot be used, or its theta asks for pressures that the
-        reservoir cannot have.
+        The log cannot be used, or its theta needs pressures outside the
+        reservoir's range.
     SimulationError
         The simulation diverges.
     """
@@ -51,14 +51,14 @@ def add_reservoir(
     source = recording.attributes["source"]
     if source not in SIMULATED_RESERVOIR:
         raise LogError(
-            f"{raw}: source is {source}; a reservoir is simulated for recorded and imported logs, "
-            "set evaluation.reservoir: recorded"
+            f"{raw}: source is {source}; a reservoir is simulated only for recorded and imported "
+            "logs: set evaluation.reservoir: recorded"
         )
     note = notes_of(recording).get("theta_deg", "")
     if note.startswith(other_quantity("theta_deg")):
         raise LogError(
-            f"{raw}: channel theta_deg: {note}; K_in takes degrees, so no reservoir can be "
-            "simulated: set evaluation.reservoir: recorded, or import an angle"
+            f"{raw}: channel theta_deg: {note}; without an angle in degrees for K_in no reservoir "
+            "can be simulated: set evaluation.reservoir: recorded, or import an angle"
         )
     theta = recording.channels["theta_deg"]
     commands = commands_of(theta, zero_deg, control, raw)

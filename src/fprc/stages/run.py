@@ -16,43 +16,42 @@ from fprc.provenance import describe
 
 log = logging.getLogger("fprc")
 
-#: Params and outputs of a rule that its stage does not take.
-_NOT_OURS = ("stage", "code", "sidecar")
+#: Params and outputs of a rule that are not arguments of its stage.
+_NOT_ARGUMENTS = ("stage", "code", "sidecar")
 
 
 def run_stage(job: Any) -> None:
     """Call the stage of a rule with its named inputs, outputs and params as arguments.
 
     The param ``stage`` names it: ``judge.judge`` is ``fprc.stages.judge.judge``. A stage that
-    draws returns the attributes of its data; where it comes from is then written to the output
-    ``sidecar``. Progress goes to the terminal and to the rule's log file. An error that is
-    meant for people ends the process with its message alone and exit code 1; the
-    log file has the traceback too.
+    draws returns the attributes of its data, and the provenance of the figure is written to the
+    output ``sidecar``. Progress goes to the terminal and to the rule's log file. An FprcError
+    ends the process with exit code 1 and only its message; the traceback goes to the log file.
     Numerical libraries run on one thread, so that results do not depend on the
-    machine's load and two jobs do not fight for two cores.
+    machine's load and parallel jobs do not compete for cores.
 
     Parameters
     ----------
     job : snakemake object of a ``script:``
-        The param ``code``, the fingerprint of the source, is not passed on.
+        Its param ``code``, the fingerprint of the code, is not passed to the stage.
     """
     named = [*job.input.items(), *job.output.items(), *job.params.items()]
-    arguments = {name: value for name, value in named if name not in _NOT_OURS}
+    arguments = {name: value for name, value in named if name not in _NOT_ARGUMENTS}
     try:
         _log_to(job.log[0], " ".join([job.rule, *job.wildcards]))
-        stage = stage_of(job.params.stage)  # before the limit, which holds for what is loaded
+        stage = stage_of(job.params.stage)  # first: the limit applies to loaded libraries only
         with threadpool_limits(1):
             drawn = stage(**arguments)
         if "sidecar" in job.output.keys():
             _write_sidecar(drawn, job)
     except FprcError as error:
         log.error("error: %s", error)
-        log.debug("where it came from:", exc_info=True)
+        log.debug("traceback:", exc_info=True)
         sys.exit(1)
 
 
 def stage_of(name: str) -> Callable[..., Any]:
-    """Return the function that a rule names: ``judge.judge``."""
+    """Return the function of a stage, given as ``judge.judge``."""
     module, _, function = name.rpartition(".")
     return getattr(import_module(f"fprc.stages.{module}"), function)
 
@@ -71,7 +70,7 @@ def _log_to(path: str, label: str) -> None:
     with explaining(path):
         Path(path).parent.mkdir(parents=True, exist_ok=True)
         file = logging.FileHandler(path, mode="w")
-    # on a full disk the terminal still has it; a class of its own would say no more
+    # ignore a full disk: the message is on the terminal too
     file.handleError = lambda record: None  # type: ignore[method-assign]
     _add(file, line)
 

@@ -1,4 +1,4 @@
-"""Table, figure and blocks of the benchmark, from what it measured."""
+"""Tables and figure of the benchmark, from its measurements."""
 
 from base64 import urlsafe_b64decode
 from collections.abc import Mapping, Sequence
@@ -33,12 +33,12 @@ def tabulate_benchmark(
     *,
     whole: str,
 ) -> None:
-    """Write the comparisons, the growth of the cost, and where the time goes.
+    """Write the comparisons, the growth of the cost, and the times of the rules.
 
     Parameters
     ----------
     whole : str
-        What ``tests/plain.py`` found of the whole workflow, if it was measured.
+        Result of ``tests/plain.py`` for the whole workflow; the file may be missing.
     """
     content = read_json(report)
     table = benchmark(content | ({"all": read_json(whole)} if Path(whole).exists() else {}))
@@ -55,7 +55,7 @@ def tabulate_benchmark(
 
 
 def draw_benchmark(report: str, pdf: str, png: str) -> Mapping[str, Any]:
-    """Draw how the cost grows, a panel for each work."""
+    """Draw how the cost grows with size, one panel per kind of work."""
     content = read_json(report)
     groups = list(growth(content).groupby("work", sort=False))
     fig, axes = style.figure(3, 2, style.COLUMN_IN, 4.6)
@@ -72,16 +72,16 @@ def draw_benchmark(report: str, pdf: str, png: str) -> Mapping[str, Any]:
 def tabulate_rules(
     csv: str, *, files: Sequence[str], metadata: str = ".snakemake/metadata"
 ) -> None:
-    """Write what each rule took when it last ran, from what Snakemake keeps of its jobs.
+    """Write the time of each rule's last run, from Snakemake's records of its jobs.
 
     Parameters
     ----------
     files : sequence of str
-        Files of `all`; a job that made none of them does not count.
+        Files of `all`; jobs that made none of them are left out.
     """
     jobs = {}
     for path in Path(metadata).rglob("*"):
-        if path.is_file() and _described(path, metadata) in files:
+        if path.is_file() and _output_of(path, metadata) in files:
             job = read_json(path)
             jobs[tuple(job["log"])] = (job["rule"], job["endtime"] - job["starttime"])
     table = pd.DataFrame(jobs.values(), columns=["rule", "seconds"])
@@ -90,7 +90,7 @@ def tabulate_rules(
     write_csv(csv, summed.sort_values("seconds", ascending=False))
 
 
-def _described(path: Path, metadata: str) -> str:
-    """Return the output that a record is about: its name is that of the record, in base 64."""
+def _output_of(path: Path, metadata: str) -> str:
+    """Return the output that a record belongs to; the record's file name has it in base 64."""
     parts = path.relative_to(metadata).parts
     return urlsafe_b64decode("".join(part.removeprefix("@") for part in parts)).decode()

@@ -49,7 +49,7 @@ def tabulate_comparison(
     Parameters
     ----------
     left_out : Mapping
-        Why a model is not in the table, by model.
+        Models that are not in the table, with reasons.
     """
     reports = [read_json(path) for path in errors]
     table = tables.comparison(reports, read_yaml(published))
@@ -64,7 +64,7 @@ def tabulate_comparison(
 
 
 def _without(left_out: Mapping[str, str]) -> str:
-    """Return the line of a note that says which models a table lacks, and why."""
+    """Return the lines of a note that name the models a table lacks, with reasons."""
     lines = [f"\nNo {title_of(model)}: {reason}." for model, reason in left_out.items()]
     return "".join(lines)
 
@@ -99,14 +99,14 @@ def tabulate_tracking(
     left_out: Sequence[str],
     limits: Mapping[str, Any],
 ) -> None:
-    """Table IV: errors of the closed-loop runs; implausible channels of their logs are named.
+    """Table IV: errors of the closed-loop runs; warn of implausible channels in their logs.
 
     Parameters
     ----------
     limits : Mapping
-        What is plausible; see ``fprc.logs.assess``.
+        Plausible ranges; see ``fprc.logs.assess``.
     left_out : sequence of str
-        Runs of a whole Table IV that there is no log of.
+        Runs of a complete Table IV that have no log.
     """
     known = read_json(gains)
     logs = isolated_each(read_run, runs)
@@ -157,12 +157,12 @@ def tabulate_readout(
     tex: str,
     parts: tuple[str, str] = ("the sweep", "the complex log"),
 ) -> None:
-    """Compare FPRC with and without P_o, and with stand-ins for it.
+    """Compare FPRC with P_o, without it, and with substitutes for it.
 
     Parameters
     ----------
     parts : tuple of str
-        What the models were trained on, and tested on.
+        Names of the training log and the test log.
     """
     report = read_json(cells)
     table = tables.readout(report)
@@ -177,7 +177,7 @@ def tabulate_readout(
 
 
 def tabulate_ensemble(summary: str, csv: str, md: str, tex: str) -> None:
-    """On how many rigs that were not fitted each claim holds."""
+    """Count the random rigs on which each claim holds."""
     report = read_json(summary)
     table = tables.ensemble(report)
     limit = table["least_significant"].iloc[0]
@@ -191,7 +191,7 @@ def tabulate_ensemble(summary: str, csv: str, md: str, tex: str) -> None:
 
 
 def tabulate_sensitivity(effects: str, csv: str, md: str, tex: str) -> None:
-    """How much each error depends on each parameter of the rig."""
+    """Sensitivity of each error to each parameter of the rig."""
     report = read_json(effects)
     table = tables.sensitivity(report)
     impossible = sum(cell["errors"] is None for cell in report["cells"])
@@ -214,7 +214,7 @@ def tabulate_targets(
     *,
     names: Sequence[str],
 ) -> None:
-    """Compare commanded and measured pressure as what the models learn."""
+    """Compare commanded and measured pressure as the models' target."""
     of_models, of_control = (
         {
             name: [read_json(path) for path in paths if Path(path).parent.name == name]
@@ -234,7 +234,7 @@ def tabulate_targets(
 def tabulate_times(
     published: str, times: str, csv: str, md: str, tex: str, *, left_out: Mapping[str, str]
 ) -> None:
-    """Table II, its execution times."""
+    """Table II, execution times."""
     report = read_json(times)
     table = tables.timing(report, read_yaml(published))
     note = (
@@ -248,7 +248,7 @@ def tabulate_times(
 
 
 def tabulate_steps(steps: str, csv: str, md: str, tex: str, *, left_out: Mapping[str, str]) -> None:
-    """Cost of one step of the closed loop against its 5 ms."""
+    """Cost of one step of the closed loop, compared with the sampling period."""
     report = read_json(steps)
     table = tables.steps(report)
     note = (
@@ -261,12 +261,12 @@ def tabulate_steps(steps: str, csv: str, md: str, tex: str, *, left_out: Mapping
 
 
 def tabulate_unavailable(csv: str, md: str, *, reasons: Mapping[str, tuple[str, str]]) -> None:
-    """List what cannot be made of the data and why, also if that is nothing.
+    """List the results that the data do not allow, with reasons; the list may be empty.
 
     Parameters
     ----------
     reasons : Mapping
-        Title and reason of each result.
+        Title and reason of each such result.
     """
     rows = [(name, *known) for name, known in reasons.items()]
     table = pd.DataFrame(rows, columns=["name", "result", "reason"])

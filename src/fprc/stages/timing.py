@@ -27,7 +27,7 @@ def measure_times(
     repeats: int,
     seed: int,
 ) -> None:
-    """Time training and test of every model on this machine, and a step of the closed loop."""
+    """Time training and test of every model on this machine, and steps of the closed loop."""
     train_data, test_data = read_data(train), read_data(test)
     refuse_mixture(train_data, test_data)
     logs = {

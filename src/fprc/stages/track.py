@@ -45,10 +45,10 @@ def identify_gain_from_logs(raw: Sequence[str], gains: str, *, tracking: Mapping
     names = ("time_s", "theta_d_deg", "theta_deg")
     for run in isolated_each(read_run, raw, names=names):
         error = tracking_error(run.channels, run.attributes["settle_s"])
-        named = gains_of(run.attributes)
-        if named is None:
-            raise LogError(f"{run.path}: attribute rig: names no gains; record the log again")
-        tried.append({**named, "rmse_deg": rmse(error, np.zeros_like(error))})
+        gains_of_run = gains_of(run.attributes)
+        if gains_of_run is None:
+            raise LogError(f"{run.path}: attribute rig has no PD gains; record the log again")
+        tried.append({**gains_of_run, "rmse_deg": rmse(error, np.zeros_like(error))})
     gain = identified(tried, tracking["printed_gains"])
     write_json(gains, gain | {"source": "rig"})
 
@@ -67,20 +67,20 @@ def track(
     seed: int,
     classes: Mapping[str, Any] | None = None,
 ) -> None:
-    """Follow one reference with every controller; one raw log each.
+    """Follow one reference with every controller, and write one raw log for each.
 
     Parameters
     ----------
     models, names : sequences of str
-        Files of the models that give feedforward, and their names.
+        Files of the feedforward models, and their names.
     classes : Mapping, optional
         The section ``models`` of the configuration, for models from outside this package.
 
     Raises
     ------
     ControlError
-        The reference is impossible, or a run was stopped; what it recorded
-        is then kept beside the log as ``*.aborted.h5``.
+        The reference is impossible, or a run was aborted; its samples are then
+        kept next to the log as ``*.aborted.h5``.
     """
     bench = Track(tracking, control, rig, seed)
     fitted = {
@@ -97,7 +97,7 @@ def track(
         except RunAbortedError as stopped:
             rescued = f"{path.removesuffix('.h5')}.aborted.h5"
             write_raw(rescued, stopped.channels, **described, aborted=str(stopped))
-            log.error("kept what was recorded in %s", rescued)
+            log.error("the recorded samples are kept in %s", rescued)
             raise
         write_raw(path, channels, **described)
         error = tracking_error(channels, described["settle_s"])
@@ -105,17 +105,17 @@ def track(
 
 
 def read_gains(runs: Sequence[str], gains: str) -> None:
-    """Collect from closed-loop logs the gains of their PD controllers, by name.
+    """Collect the gains of the PD controllers from closed-loop logs, by name.
 
-    A gain that the logs do not name, or for which they name different values, is
-    left out, with a warning.
+    Gains that the logs do not state, or state with different values, are left out
+    with a warning.
 
     Raises
     ------
     LogError
         A log cannot be read, or some are simulated and others are not.
     """
-    found: dict[str, list[Any]] = {}
+    values_of: dict[str, list[Any]] = {}
     logs = isolated_each(read_run, runs, names=())
     kinds = {run.attributes["source"]: str(run.path) for run in logs}
     if len(kinds) > 1:
@@ -124,18 +124,18 @@ def read_gains(runs: Sequence[str], gains: str) -> None:
     for run in logs:
         name = run.attributes["gain"]
         if name != "none":
-            different = found.setdefault(name, [])
-            named = gains_of(run.attributes)
-            if named not in different:
-                different.append(named)
-    unclear = [name for name, values in found.items() if len(values) > 1 or not values[0]]
+            different = values_of.setdefault(name, [])
+            gains_of_run = gains_of(run.attributes)
+            if gains_of_run not in different:
+                different.append(gains_of_run)
+    unclear = [name for name, values in values_of.items() if len(values) > 1 or not values[0]]
     for name in unclear:
-        log.warning("warning: the logs do not agree on one %s gain; it is not given", name)
+        log.warning("warning: the logs do not agree on the %s gains; they are left out", name)
     first = logs[0].attributes
     write_json(
         gains,
         {
-            **{name: values[0] for name, values in found.items() if name not in unclear},
+            **{name: values[0] for name, values in values_of.items() if name not in unclear},
             "candidates": [],
             "source": first["source"],
             "seed": int(first["seed"]),
@@ -144,9 +144,9 @@ def read_gains(runs: Sequence[str], gains: str) -> None:
 
 
 def gains_of(attributes: Mapping[str, Any]) -> dict[str, float] | None:
-    """Return the gains of the PD controller that a closed-loop log names, if it does."""
-    named = attributes["rig"].get("gains")
-    found: list[Any] = [named.get(key) for key in _GAINS] if isinstance(named, Mapping) else [None]
-    if not all(isinstance(value, float | int) for value in found):
+    """Return the PD gains in the attributes of a closed-loop log; None if there are none."""
+    gains = attributes["rig"].get("gains")
+    values: list[Any] = [gains.get(key) for key in _GAINS] if isinstance(gains, Mapping) else [None]
+    if not all(isinstance(value, float | int) for value in values):
         return None
-    return dict(zip(_GAINS, map(float, found), strict=True))
+    return dict(zip(_GAINS, map(float, values), strict=True))

@@ -1,4 +1,4 @@
-"""The paper's tables: result files in, tidy frames and pages out."""
+"""The paper's tables: results in, tidy data frames and pages for readers out."""
 
 from fprc.tables.models import (
     comparison,

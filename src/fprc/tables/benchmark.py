@@ -1,4 +1,4 @@
-"""How fast we are beside other libraries."""
+"""Speed compared with other libraries."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -10,14 +10,14 @@ from fprc.tables.text import three_digits
 
 
 def benchmark(report: Mapping[str, Any]) -> pd.DataFrame:
-    """Return each comparison: medians, and the ratio round by round, tidy.
+    """Return each comparison, tidy: median times, and the ratio with its range over rounds.
 
-    Where the two differ by more than the limit, there is no ratio.
+    There is no ratio if the two results differ by more than the limit.
 
     Parameters
     ----------
     report : Mapping
-        ``comparisons`` and ``real_time``; ``all``, of the whole workflow, if it was measured.
+        ``comparisons`` and ``real_time``; ``all`` if the whole workflow was measured.
     """
     rows = []
     for each in [*report["comparisons"], *_whole(report)]:
@@ -56,23 +56,23 @@ def benchmark(report: Mapping[str, Any]) -> pd.DataFrame:
 def _whole(report: Mapping[str, Any]) -> list[dict[str, Any]]:
     if "all" not in report:
         return []
-    found = report["all"]
+    whole = report["all"]
     return [
         {
-            "work": f"all, cold, {found['cores']} cores",
+            "work": f"all, cold, {whole['cores']} cores",
             "against": "the same rules, plainly written",
             "aim": 10,
             "samples": 0,
-            "agrees": found["difference"] <= found["limit"],
-            "seconds": {who: [found[who]["seconds"]] for who in ("ours", "theirs")},
-            "difference": found["difference"],
-            "limit": found["limit"],
+            "agrees": whole["difference"] <= whole["limit"],
+            "seconds": {who: [whole[who]["seconds"]] for who in ("ours", "theirs")},
+            "difference": whole["difference"],
+            "limit": whole["limit"],
         }
     ]
 
 
 def benchmark_page(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the comparisons as a person reads them."""
+    """Return the comparisons as a page."""
     rows = []
     for row in table.itertuples():
         scale, unit = (1e6 / row.samples, "us") if row.samples else (1.0, "s")
@@ -100,7 +100,7 @@ def _ratio(row: Any) -> str:
 
 
 def bound_note(report: Mapping[str, Any]) -> str:
-    """Say how near a step of the ESN is to what memory allows."""
+    """Return a note that compares a step of the ESN with the limit of memory bandwidth."""
     bound = report["bound"]
     steps = next(each for each in report["comparisons"] if each["work"].startswith("ESN step"))
     note = (
@@ -115,7 +115,7 @@ def bound_note(report: Mapping[str, Any]) -> str:
 
 
 def step_note(step: Mapping[str, Any]) -> str:
-    """Say what single steps of the FPRC take; the aims are those of a control loop."""
+    """Return a note on the time of single steps of the FPRC; a control loop sets the aims."""
     return (
         f"Of {step['samples']} single steps of the FPRC the median takes {step['median_us']:.3g} "
         f"us (aim: 5), and 99.9 % stay below {step['p99_9_us']:.3g} us (aim: 50); at most "
@@ -125,7 +125,7 @@ def step_note(step: Mapping[str, Any]) -> str:
 
 
 def rules_page(rules: pd.DataFrame, least: float = 0.02) -> pd.DataFrame:
-    """Return the rules that take at least a share ``least`` of all seconds, and the others."""
+    """Return the rules with at least the share ``least`` of all seconds; the others as one row."""
     large = rules["seconds"] >= least * rules["seconds"].sum()
     others = rules[~large]
     name = f"{len(others)} other rules"
@@ -138,7 +138,7 @@ def rules_page(rules: pd.DataFrame, least: float = 0.02) -> pd.DataFrame:
 
 
 def rules_note(rules: pd.DataFrame, starts: Mapping[str, Any]) -> str:
-    """Say what all jobs took together, and what of it the start of a process takes."""
+    """Return a note on the time of all jobs, and on the part for starting processes."""
     begun = [f"{three_digits(np.median(each))} s where it {job}" for job, each in starts.items()]
     jobs, seconds = rules["jobs"].sum(), three_digits(rules["seconds"].sum())
     return (

@@ -1,4 +1,4 @@
-"""The statistics that figures draw, as tidy tables; written beside each figure."""
+"""The statistics in the figures, as tidy tables that are written next to each figure."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -30,7 +30,7 @@ def fit_errors(parts: Mapping[str, Any]) -> pd.DataFrame:
 
 
 def weight_shares(report: Mapping[str, Any]) -> pd.DataFrame:
-    """Share of each weight in its rule, and the mean over rules of each feature's (Fig. 9)."""
+    """Share of each weight in its rule, and each feature's share averaged over rules (Fig. 9)."""
     return pd.DataFrame(
         {
             "rule": rule,
@@ -52,13 +52,13 @@ def grid_errors(report: Mapping[str, Any], *settings: str) -> pd.DataFrame:
     Parameters
     ----------
     settings : str
-        Keys of a cell that tell it from the others.
+        Keys of the settings that differ between cells.
 
     Returns
     -------
     DataFrame
-        ``model``, the settings, ``phase``, ``mean``, ``std`` (sample; NaN where there is one
-        value), ``values``, ``unit``, ``source``.
+        ``model``, the settings, ``phase``, ``mean``, ``std`` (sample; NaN for a single value),
+        ``values`` (their number), ``unit``, ``source``.
     """
     rows = [
         {
@@ -92,12 +92,12 @@ def grid_times(report: Mapping[str, Any], setting: str) -> pd.DataFrame:
 
 
 def panels(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
-    """Return the tables of a figure's panels as one; ``setting`` names what ``value`` is.
+    """Join the tables of a figure's panels; ``setting`` names the setting whose ``value`` follows.
 
     Parameters
     ----------
     tables : Mapping
-        Of ``grid_errors`` or ``grid_times`` over one setting, by panel.
+        Tables of ``grid_errors`` or ``grid_times`` over one setting, by panel.
     """
     renamed = []
     for panel, table in tables.items():
@@ -109,9 +109,9 @@ def panels(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
 
 
 def _spread(values: float | Sequence[float]) -> dict[str, float | int]:
-    found = np.atleast_1d(np.asarray(values, dtype=float))
-    std = found.std(ddof=1) if found.size > 1 else np.nan
-    return {"mean": found.mean(), "std": std, "values": found.size}
+    sample = np.atleast_1d(np.asarray(values, dtype=float))
+    std = sample.std(ddof=1) if sample.size > 1 else np.nan
+    return {"mean": sample.mean(), "std": std, "values": sample.size}
 
 
 def _rmse(error: np.ndarray) -> float:

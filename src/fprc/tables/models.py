@@ -25,7 +25,7 @@ _SYMBOLS = {
 
 
 def configuration(models: Mapping[str, Any], published: Mapping[str, Any]) -> pd.DataFrame:
-    """Table I: the settings that the paper prints, ours beside them."""
+    """Table I: our settings beside those that the paper prints."""
     printed = published["table_1_configuration"]
     rows = []
     for (model, key), label in _SYMBOLS.items():
@@ -38,7 +38,7 @@ def configuration(models: Mapping[str, Any], published: Mapping[str, Any]) -> pd
 def comparison(reports: Sequence[Mapping[str, Any]], published: Mapping[str, Any]) -> pd.DataFrame:
     """Tables II and III without times: mean and spread over the folds, tidy.
 
-    ``std`` is the sample standard deviation over folds; a test error is one
+    ``std`` is the sample standard deviation over folds; a test error is a single
     number and has none.
     """
     rows = []
@@ -93,7 +93,7 @@ def over_seeds(
 
 def with_interval(table: pd.DataFrame, level: float = 0.95) -> pd.DataFrame:
     """Add the interval of the mean by Student's t: ``low`` and ``high``."""
-    from scipy.special import stdtrit  # most tables have no use for it, and it loads slowly
+    from scipy.special import stdtrit  # slow to import, and most tables do not need it
 
     half = table["std"] / np.sqrt(table["seeds"]) * stdtrit(table["seeds"] - 1, 0.5 + level / 2)
     return table.assign(low=table["mean"] - half, high=table["mean"] + half)

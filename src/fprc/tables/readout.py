@@ -1,4 +1,4 @@
-"""What the reservoir's readout is worth."""
+"""Table on the value of the reservoir's readout."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -8,7 +8,7 @@ import pandas as pd
 
 from fprc.tables.text import spread
 
-#: What stands for P_o, as a reader knows it.
+#: P_o and its substitutes, as readers see them.
 READOUT_NAMES = {
     "none": "no readout (Fuzzy-linear)",
     "p_o": "P_o of the reservoir (FPRC)",
@@ -34,7 +34,7 @@ def readout(report: Mapping[str, Any]) -> pd.DataFrame:
 
 
 def readout_page(table: pd.DataFrame, own: Mapping[str, float]) -> pd.DataFrame:
-    """Return the readouts at the models' own settings as a person reads them."""
+    """Return the readouts at the models' own settings as a page."""
     at_own = table[(table["epsilon"] == own["epsilon"]) & (table["n_u"] == own["n_u"])]
     return pd.DataFrame(
         {

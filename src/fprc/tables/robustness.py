@@ -1,4 +1,4 @@
-"""What depends on the rig and on the models' target."""
+"""Dependence of the results on the rig and on the models' target."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -14,20 +14,20 @@ from fprc.tables.tracking import tracking_over_seeds
 
 
 def ensemble(summary: Mapping[str, Any]) -> pd.DataFrame:
-    """On how many rigs of the ensemble each claim holds, tidy.
+    """Count the ensemble's rigs on which each claim holds, tidy.
 
-    ``decided_by`` names the parameters whose rank correlation with holding
-    exceeds what chance gives in one of all; ``strongest`` the largest one anyway.
+    ``decided_by`` names the parameters whose rank correlation with the verdict
+    exceeds the limit of chance; ``strongest`` names the parameter with the largest one.
     """
     rows = []
     for claim in summary["claims"]:
-        found = sorted(claim["correlations"].items(), key=lambda item: -abs(item[1]))
-        decisive = [pair for pair in found if abs(pair[1]) > claim["least_significant"]]
+        ranked = sorted(claim["correlations"].items(), key=lambda item: -abs(item[1]))
+        decisive = [pair for pair in ranked if abs(pair[1]) > claim["least_significant"]]
         rows.append(
             {key: claim[key] for key in ("id", "claim", "holds", "rigs", "share", "low", "high")}
             | {
                 "decided_by": "; ".join(f"{path} ({rho:+.2f})" for path, rho in decisive),
-                "strongest": f"{found[0][0]} ({found[0][1]:+.2f})" if found else "",
+                "strongest": f"{ranked[0][0]} ({ranked[0][1]:+.2f})" if ranked else "",
                 "least_significant": claim["least_significant"],
                 "source": summary["source"],
             }
@@ -36,7 +36,7 @@ def ensemble(summary: Mapping[str, Any]) -> pd.DataFrame:
 
 
 def ensemble_page(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the ensemble's table as a person reads it."""
+    """Return the ensemble's table as a page."""
     return pd.DataFrame(
         {
             "Claim": row.id,
@@ -52,16 +52,16 @@ def ensemble_page(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def sensitivity(report: Mapping[str, Any]) -> pd.DataFrame:
-    """Errors of the models as one parameter moves, over those of the fitted rig, tidy.
+    """Errors of the models with one parameter moved, relative to the fitted rig's, tidy.
 
     Raises
     ------
     FprcError
-        The fitted rig itself is impossible.
+        The fitted rig itself cannot be simulated.
     """
     fitted = next(cell["errors"] for cell in report["cells"] if cell["path"] is None)
     if fitted is None:
-        raise FprcError("the fitted rig itself cannot be simulated; mend the section rig")
+        raise FprcError("the fitted rig itself cannot be simulated; correct the section rig")
     return pd.DataFrame(
         {
             "parameter": cell["path"],
@@ -80,7 +80,7 @@ def sensitivity(report: Mapping[str, Any]) -> pd.DataFrame:
 
 
 def sensitivity_page(table: pd.DataFrame) -> pd.DataFrame:
-    """Return by how much each error changes over a parameter's range, the strongest first."""
+    """Return the change of each error over a parameter's range, strongest parameter first."""
     numbers = {"sweep": "II", "complex": "III"}
     short = {"train": "training", "test": "test"}
     lows_and_highs = table.groupby(["parameter", "trained_on", "model", "phase"], sort=False)[
@@ -146,16 +146,16 @@ def targets(
 
 
 def targets_page(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the effect of the target as a person reads it, both beside the paper."""
+    """Return the results of both targets and the paper's as a page."""
     page = []
     for (number, what, unit), rows in table.groupby(["table", "what", "unit"], sort=False):
-        found = {row.target: mean_of(row._asdict(), "mean") for row in rows.itertuples()}
+        means = {row.target: mean_of(row._asdict(), "mean") for row in rows.itertuples()}
         page.append(
             {
                 "Table": number,
                 "RMSE": f"{what} [{unit}]",
-                "Target command": found["command"],
-                "Target measured": found["measured"],
+                "Target command": means["command"],
+                "Target measured": means["measured"],
                 "Paper": spread(rows["published"].iloc[0], None),
             }
         )

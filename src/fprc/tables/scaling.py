@@ -1,4 +1,4 @@
-"""What was measured of one, and what a thousand and a million would cost."""
+"""Measured cost of one rig or job, and estimated cost of a thousand and a million rigs."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -8,13 +8,13 @@ import pandas as pd
 
 from fprc.tables.text import three_digits
 
-#: What a job leaves: its result, its log, and Snakemake's record of the result.
+#: Files of a job: its result, its log, and Snakemake's record of the result.
 FILES_PER_JOB = 3
 RIGS = (1_000, 1_000_000)
 
 
 def costs(scale: Mapping[str, Any]) -> pd.DataFrame:
-    """Processor seconds of each thing that is repeated."""
+    """Processor seconds of one rig, grid cell, closed-loop second and job start."""
     rows = [
         ("one rig of the ensemble: draws, both logs, Tables II to IV", "rig", "rigs"),
         ("one cell of a grid: five folds and a test of FPRC", "cell", "cells"),
@@ -37,7 +37,7 @@ def costs(scale: Mapping[str, Any]) -> pd.DataFrame:
 
 
 def dag(scale: Mapping[str, Any]) -> pd.DataFrame:
-    """Time and memory of planning all jobs, and one of them."""
+    """Time and memory of planning all jobs, and of planning one of them."""
     whole = {planned["jobs"]: planned for planned in scale["dag"]}
     return pd.DataFrame(
         {
@@ -53,9 +53,9 @@ def dag(scale: Mapping[str, Any]) -> pd.DataFrame:
 
 
 def plan(scale: Mapping[str, Any]) -> pd.DataFrame:
-    """Cost of an ensemble by its size and its chunks.
+    """Cost of an ensemble over its size and the size of its chunks.
 
-    Planning is read off the measured sizes, by a straight line between them and beyond the last.
+    Planning is interpolated linearly between the measured sizes, and extrapolated beyond them.
     """
     chunks = sorted({1, scale["chunk"], 100, 1000})
     rows = []
@@ -82,8 +82,8 @@ def plan(scale: Mapping[str, Any]) -> pd.DataFrame:
 def start_of_job(scale: Mapping[str, Any], jobs: int) -> float:
     """Processor seconds until the first line of one of ``jobs`` Slurm jobs runs.
 
-    Snakemake plans the job's own file once in the job and once in its step, and reads the names
-    of all others each time.
+    Snakemake plans the job's own file twice, in the Slurm job and in its job step, and reads the
+    names of all other files each time.
     """
     return 2 * _at(scale["alone"], "cpu_s", jobs) + scale["start"]["cpu_s"]
 

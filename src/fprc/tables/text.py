@@ -10,13 +10,13 @@ from fprc import escape
 
 
 def spread(mean: float, std: float | None) -> str:
-    """Format a number to three significant digits, with its spread if any."""
+    """Format a number to three significant digits, with its standard deviation if it has one."""
     text = three_digits(mean)
     return text if std is None or pd.isna(std) else f"{text} ± {three_digits(std)}"
 
 
 def mean_of(row: Mapping[str, Any], name: str) -> str:
-    """Format a mean with its interval if it has one, else with its deviation."""
+    """Format a mean with its interval if it has one, else with its standard deviation."""
     if "low" in row:
         low, high = three_digits(row["low"]), three_digits(row["high"])
         return f"{three_digits(row[name])} ({low} to {high})"
@@ -24,7 +24,7 @@ def mean_of(row: Mapping[str, Any], name: str) -> str:
 
 
 def three_digits(value: float) -> str:
-    """Format a number to three significant digits; nothing where there is none."""
+    """Format a number to three significant digits; a missing one gives an empty text."""
     if isinstance(value, str) or pd.isna(value):
         return ""
     exponent = int(f"{value:.2e}".split("e")[1])  # of the rounded number: 9.999 is 10.0
@@ -39,7 +39,7 @@ def markdown(page: pd.DataFrame, note: str) -> str:
 
 
 def read_markdown(text: str) -> tuple[str, pd.DataFrame]:
-    """Return note and page of what ``markdown`` rendered; every cell is text."""
+    """Return note and page of a text that ``markdown`` rendered; every cell is text."""
     note, _, grid = text.partition("\n\n")
     columns, _, *rows = [
         [escape.unmarkdown(cell.strip()) for cell in re.split(r"(?<!\\)\|", line.strip())[1:-1]]

@@ -11,7 +11,7 @@ from fprc.tables.text import spread, three_digits
 
 
 def timing(report: Mapping[str, Any], published: Mapping[str, Any]) -> pd.DataFrame:
-    """Table II, its times: seconds and us per sample, both modes, tidy."""
+    """Table II, execution times: seconds and us per sample, both modes, tidy."""
     rows = []
     for entry in report["times"]:
         seconds = np.array(entry["seconds"])
@@ -43,7 +43,7 @@ def timing(report: Mapping[str, Any], published: Mapping[str, Any]) -> pd.DataFr
 
 
 def timing_page(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the times as a person reads them."""
+    """Return the times as a page."""
     phases = {"train_time": "Training", "test_time": "Test"}
     rows = [
         (
@@ -61,14 +61,14 @@ def timing_page(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def steps(report: Mapping[str, Any]) -> pd.DataFrame:
-    """Cost of one control step of each model against the sampling period, tidy."""
+    """Cost of one control step of each model, with its share of the sampling period, tidy."""
     table = pd.DataFrame(report["steps"])
     table["share_of_budget"] = table["p99_9_us"] / table["budget_us"]
     return table.assign(threads=report["threads"], cpu=report["cpu"], source=report["source"])
 
 
 def steps_page(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the cost of a control step as a person reads it."""
+    """Return the cost of a control step as a page."""
     rows = [
         (
             title_of(row.model),

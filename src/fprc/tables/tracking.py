@@ -21,7 +21,7 @@ def tracking(
     ----------
     runs : sequence of mapping
         ``controller``, ``gain`` (none, printed, identified), ``reference``,
-        ``error_deg`` (theta_d - theta of the judged samples) and ``source``.
+        ``error_deg`` (theta_d - theta after the settling time) and ``source``.
     gains : mapping
         Gains of the PD controller by their name.
     """
@@ -49,7 +49,7 @@ def tracking_over_seeds(
 ) -> pd.DataFrame:
     """Table IV over further seeds: mean, standard deviation, range, tidy.
 
-    The gain is identified anew on each seed; its mean is given.
+    The gain is identified on each seed; the table has its mean.
     """
     printed = published["table_4_tracking_rmse_deg"]
     samples = pd.DataFrame(

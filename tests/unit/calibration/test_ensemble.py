@@ -420,7 +420,7 @@ def test_ensemble_without_a_single_good_rig_is_an_error(summarise, rigs):
 
 # --- sensitivity ----------------------------------------------------------------------------------
 
-STANDIN = {"stride": 9, "esn_nodes": 6}
+SURROGATE = {"stride": 9, "esn_nodes": 6}
 MOVED = ["bending.preload_kpa", "drift.sigma_kpa"]
 
 
@@ -431,8 +431,8 @@ def sensitivity(tmp_path, settings):
             str(tmp_path / "effects.json"),
             on_rig=settings["on_rig"], models=settings["judgement"]["models"],
             **{
-                "paths": paths, "steps": steps, "seeds": [3, 4], "standin": STANDIN, "workers": 1,
-                "checkpoint": str(tmp_path / "partial.jsonl"), "version": "v",
+                "paths": paths, "steps": steps, "seeds": [3, 4], "surrogate": SURROGATE,
+                "workers": 1, "checkpoint": str(tmp_path / "partial.jsonl"), "version": "v",
             } | changes,
         )  # fmt: skip
         return read_json(tmp_path / "effects.json")
@@ -442,10 +442,10 @@ def sensitivity(tmp_path, settings):
 
 @pytest.fixture
 def moved(monkeypatch):
-    """Rigs and seeds in the order in which the stand-in meets them."""
+    """Rigs and seeds in the order in which the surrogate judges them."""
     seen = []
 
-    def judge(on_rig, seed, models, standin):
+    def judge(on_rig, seed, models, surrogate):
         rig = on_rig.rig
         if rig["bending"]["preload_kpa"] == 77.0:
             raise judge.failure
@@ -506,7 +506,7 @@ STIFF = "reservoir.slip_distance_ml"
 
 def test_rig_that_breaks_a_rule_is_recorded_as_impossible(sensitivity, moved):
     rig = decode(np.zeros(1), Rig().model_dump(mode="json"), free_parameters([STIFF]))
-    with pytest.raises(ValueError, match="squeeze of the reservoir"):
+    with pytest.raises(ValueError, match="squeeze covers"):
         Rig.model_validate(rig)
     _, low, high = sensitivity([STIFF], steps=2)["cells"]
     assert low["errors"] is None
@@ -516,14 +516,14 @@ def test_rig_that_breaks_a_rule_is_recorded_as_impossible(sensitivity, moved):
 
 def test_rule_that_is_broken_is_recorded(sensitivity, moved):
     _, low, _ = sensitivity([STIFF], steps=2)["cells"]
-    assert "squeeze of the reservoir" in low["impossible"]
+    assert "squeeze covers" in low["impossible"]
 
 
 def test_errors_are_those_of_the_stand_in_on_the_moved_rig(sensitivity, settings, on_rig):
     rig = copy.deepcopy(on_rig.rig)
     rig["drift"]["sigma_kpa"] = 15.0
     moved, models = replace(on_rig, rig=rig), settings["judgement"]["models"]
-    alone = [judge_cheaply(moved, seed, models, STANDIN)[0] for seed in (3, 4)]
+    alone = [judge_cheaply(moved, seed, models, SURROGATE)[0] for seed in (3, 4)]
     expected = {key: np.mean([errors[key] for errors in alone]) for key in alone[0]}
     assert sensitivity(["drift.sigma_kpa"], steps=2)["cells"][-1]["errors"] == pytest.approx(
         expected

@@ -28,7 +28,7 @@ PRINTED = yaml.safe_load(PUBLISHED.read_text(encoding="utf-8"))
 RIG = Rig().model_dump(mode="json")
 PATHS = Settings().calibration.free
 FREE = stage.free_parameters(PATHS)
-STANDIN = {"stride": 7, "esn_nodes": 8}
+SURROGATE = {"stride": 7, "esn_nodes": 8}
 
 points = st.lists(st.floats(0.0, 1.0), min_size=len(FREE), max_size=len(FREE)).map(np.array)
 
@@ -241,7 +241,7 @@ def loss_of_point(settings, on_rig):
             "aim": aim,
             "ratios": dict.fromkeys(aim.errors, 1.0),
             "models": settings["judgement"]["models"],
-            "standin": STANDIN,
+            "surrogate": SURROGATE,
         }
         return stage.loss_at(np.array(point), **arguments | changes)
 
@@ -255,7 +255,7 @@ STIFF = ["reservoir.squeeze_damping_kpa_s_per_ml", "reservoir.slip_distance_ml"]
 
 def test_rig_that_breaks_a_rule_is_impossible_and_not_simulated(loss_of_point, monkeypatch):
     rig = decode(np.zeros(2), RIG, stage.free_parameters(STIFF))
-    with pytest.raises(ValidationError, match="squeeze of the reservoir"):
+    with pytest.raises(ValidationError, match="squeeze covers"):
         Rig.model_validate(rig)
     monkeypatch.setattr(stage, "judge_cheaply", None)
     assert loss_of_point([0.0, 0.0], STIFF) == stage.IMPOSSIBLE
@@ -266,9 +266,9 @@ def test_possible_rig_costs_less_than_an_impossible_one(loss_of_point):
 
 
 def judged_as(monkeypatch, factor=1.0, found=None, failure=None):
-    """Replace the stand-in: errors are the printed ones by a factor, properties in the middle."""
+    """Replace the surrogate: errors are the printed ones by a factor, properties in the middle."""
 
-    def judge(on_rig, seed, models, standin):
+    def judge(on_rig, seed, models, surrogate):
         if failure is not None:
             raise failure
         aim = stage.aim_of(PRINTED, Settings().calibration.model_dump())
@@ -396,14 +396,14 @@ def test_residuals_are_those_of_the_full_models_on_the_fitted_rig(fitted, report
 def test_stand_in_is_corrected_by_its_ratios_on_the_rig_at_the_start(report, settings, on_rig):
     judgement = settings["judgement"]
     (full,) = stage.full_errors(on_rig, [21], 1, judgement)
-    cheap, _ = stage.judge_cheaply(on_rig, 21, judgement["models"], STANDIN)
+    cheap, _ = stage.judge_cheaply(on_rig, 21, judgement["models"], SURROGATE)
     expected = {key: full[key] / cheap[key] for key in full}
     assert report["standin_ratios"] == pytest.approx(expected, rel=1e-9)
 
 
 def test_properties_of_the_report_are_those_of_the_fitted_rig(fitted, report, settings, on_rig):
     best = replace(on_rig, rig=written(fitted))
-    _, found = stage.judge_cheaply(best, 21, settings["judgement"]["models"], STANDIN)
+    _, found = stage.judge_cheaply(best, 21, settings["judgement"]["models"], SURROGATE)
     assert report["properties"] == pytest.approx(found, rel=1e-9)
     assert report["plausible"] == settings["calibration"]["plausible"]
 
@@ -548,7 +548,7 @@ def test_rig_that_is_worse_on_other_seeds_than_the_one_before_it_is_warned_of(
     assert found["check_loss"] == pytest.approx(sign * found["loss"])
     assert found["check_loss_at_start"] == pytest.approx(sign * found["loss_at_start"])
     assert found["check_seeds"] == [41]
-    assert any("keep that one" in text for text in caplog.messages) is warned
+    assert any("keep the starting rig" in text for text in caplog.messages) is warned
 
 
 def test_published_numbers_that_cannot_be_read_are_an_error(settings, tmp_path):

@@ -36,13 +36,13 @@ def project(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("folder", "reason"),
     [
-        ("/", "holds it"),
-        ("//", "holds it"),
+        ("/", "contains it"),
+        ("//", "contains it"),
         (".", "is the project's folder"),
-        ("..", "holds it"),
-        ("../..", "holds it"),
+        ("..", "contains it"),
+        ("../..", "contains it"),
         ("{project}", "is the project's folder"),
-        ("{project}/..", "holds it"),
+        ("{project}/..", "contains it"),
         ("../project", "is the project's folder"),
         ("{home}", "is your home folder"),
         ("src", "is in src"),
@@ -98,8 +98,8 @@ def test_every_reason_is_given_at_once():
         ("{here}/results", "results", "each its own folder"),
         ("mine", "mine/results", "is inside raw = mine"),
         ("data/raw", "{here}/data/raw/x", "is inside raw = data/raw"),
-        ("results/data", "results", "is where rules write"),
-        ("out/logs/raw", "{here}/out", "is where rules write"),
+        ("results/data", "results", "use results/raw"),
+        ("out/logs/raw", "{here}/out", "/out/raw"),
     ],
 )
 def test_raw_logs_and_results_that_would_mix_are_refused(project, raw, results, reason):

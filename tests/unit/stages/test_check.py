@@ -59,7 +59,7 @@ def test_verdict_that_is_not_as_declared_is_reported(folder, rig):
 def test_verdict_on_times_that_is_not_as_declared_is_told_and_no_problem(folder, caplog):
     judge(folder, "timed", "not reproduced")
     check()
-    assert "C1: not reproduced, but reproduced is declared; a time" in caplog.text
+    assert "C1: not reproduced, but reproduced is declared; not an error" in caplog.text
 
 
 def test_claim_on_times_that_is_not_declared_is_reported(folder):

@@ -36,7 +36,7 @@ def test_gains_are_those_that_the_logs_name(gains_of):
 def test_gain_that_is_not_clear_is_left_out_and_said(gains_of, caplog, other):
     found = gains_of(("printed", {"gains": PRINTED}), ("printed", other))
     assert "printed" not in found
-    assert "do not agree on one printed gain" in caplog.text
+    assert "do not agree on the printed gains" in caplog.text
 
 
 def test_logs_of_two_kinds_make_no_table(gains_of):

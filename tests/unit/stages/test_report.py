@@ -400,7 +400,7 @@ def test_page_of_the_papers_settings_announces_none(project):
     header, listed = described(project)
     assert "not the paper's" not in header
     assert listed == []
-    assert "Every setting beside those of the rig is the paper's" in project.page().text()
+    assert "All settings except the rig's are the paper's" in project.page().text()
 
 
 @pytest.mark.parametrize(
