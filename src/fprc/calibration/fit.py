@@ -179,10 +179,10 @@ def free_parameters(
         Lists every path and every range that is wrong.
     """
     try:
-        known = free_ranges(paths, ranges or {})
+        limits_of = free_ranges(paths, ranges or {})
     except ValueError as error:
         raise ConfigError(f"cannot calibrate:\n  {error}") from None
-    return [Free(path, *limits) for path, limits in known.items()]
+    return [Free(path, *limits) for path, limits in limits_of.items()]
 
 
 def loss_at(

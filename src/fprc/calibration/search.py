@@ -113,6 +113,6 @@ def _resume(checkpoint: Path, head: Mapping[str, Any]) -> list[list[float]]:
                 losses_before.append(json.loads(line))
             except json.JSONDecodeError:
                 break
-    kept = [head, *losses_before]
-    write_text(checkpoint, "".join(json.dumps(entry) + "\n" for entry in kept))
+    entries = [head, *losses_before]
+    write_text(checkpoint, "".join(json.dumps(entry) + "\n" for entry in entries))
     return losses_before

@@ -83,10 +83,10 @@ def _resume(checkpoint: Path, key: str) -> dict[str, dict[str, Any]]:
             except json.JSONDecodeError:
                 break
             finished[_name(entry["cell"])] = entry["result"]
-    kept = [{"key": key}] + [
+    entries = [{"key": key}] + [
         {"cell": json.loads(name), "result": result} for name, result in finished.items()
     ]
-    write_text(checkpoint, "".join(json.dumps(entry) + "\n" for entry in kept))
+    write_text(checkpoint, "".join(json.dumps(entry) + "\n" for entry in entries))
     return finished
 
 
