@@ -144,7 +144,7 @@ def _ratios(
     judgement: Mapping[str, Any],
     surrogate: Mapping[str, int],
 ) -> dict[str, float]:
-    """Return the errors of the full models over those of the surrogate."""
+    """Return the ratios of the full models' errors to those of the surrogate."""
     full = full_errors(on_rig, seeds, workers, judgement)
     cheap = [judge_cheaply(on_rig, seed, judgement["models"], surrogate)[0] for seed in seeds]
     return {

@@ -49,7 +49,7 @@ def check(config: Mapping[str, Any], files: Sequence[Path | str] = ()) -> Settin
 
 
 def _restore_default(config: Any, item: Mapping[str, Any]) -> bool:
-    """Replace a wrong value by its default; return False if the error is not of one value."""
+    """Replace a wrong value by its default; return False if the error has no single value."""
     *sections, last = [part for part in item["loc"] if isinstance(part, str)] or [""]
     default: Any = Settings().model_dump()
     for part in sections:

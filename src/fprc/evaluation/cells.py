@@ -72,7 +72,7 @@ def _name(cell: Cell) -> str:
 
 
 def _resume(checkpoint: Path, key: str) -> dict[str, dict[str, Any]]:
-    """Return the finished cells; make the file ready to be appended to."""
+    """Return the finished cells; rewrite the file for further ones."""
     text = checkpoint.read_text(encoding="utf-8", errors="replace") if checkpoint.exists() else ""
     lines = text.splitlines()
     finished = {}

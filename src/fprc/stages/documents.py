@@ -175,7 +175,7 @@ def _sentence(orders: pd.DataFrame) -> str:
 
 
 def _deviations(seeds: Sequence[str]) -> str:
-    """Return a sentence on the deviations of the means over seeds from print."""
+    """Return a sentence on how far the means over seeds deviate from the printed numbers."""
     table = deviations(
         {number: pd.read_csv(path) for number, path in zip(("II", "III"), seeds, strict=True)}
     )
