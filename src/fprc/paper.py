@@ -57,7 +57,7 @@ ERRORS = {
 
 
 def controller_and_gain(name: str) -> tuple[str, str]:
-    """Return a log's ``controller`` and ``gain``: fprc_pd_printed is split, fprc has gain none."""
+    """Split a run's controller into ``controller`` and ``gain`` of its log; without PD: none."""
     for gain in GAINS:
         if name.endswith(f"_{gain}"):
             return name.removesuffix(f"_{gain}"), gain

@@ -27,7 +27,7 @@ if "check" not in PLAN.unavailable:
     rule check:
         input:
             ledger=PATHS.below("claims.json"),
-            known="config/verdicts.yaml",
+            verdicts="config/verdicts.yaml",
         log:
             PATHS.messages("check"),
         localrule: True

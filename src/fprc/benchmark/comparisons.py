@@ -31,7 +31,7 @@ class Comparison(NamedTuple):
 
     work: str
     against: str
-    aim: float  #: speed-up that we aim at
+    aim: float  #: target speed-up
     ours: Callable[[], Any]
     theirs: Callable[[], Any]
     difference: Callable[[Any, Any], float]
@@ -40,7 +40,7 @@ class Comparison(NamedTuple):
 
 
 def compare(each: Comparison, rounds: int) -> dict[str, Any]:
-    """Check that both give the same result, then time them in turns; if they differ, no times."""
+    """Time both in turns if their results agree; else give no times."""
     difference = float(each.difference(each.ours(), each.theirs()))
     agrees = difference <= each.limit
     work = {"ours": each.ours, "theirs": each.theirs}

@@ -27,7 +27,7 @@ _JOBS = {
 
 
 def memory_bound(models: Mapping[str, Any], data: Data, rounds: int, seed: int) -> dict[str, float]:
-    """Return the time of W_r x alone, by BLAS, in numbers of 8 bytes and of 4 bytes."""
+    """Time the product W_r x alone, by BLAS, with 8-byte and with 4-byte numbers."""
     features = build("esn", models, seed).make_features().fit(data.pair("esn")[0])
     x, W_r = np.full(features.r, 0.5), features.W_r_
 

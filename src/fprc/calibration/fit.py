@@ -144,7 +144,7 @@ def _ratios(
     judgement: Mapping[str, Any],
     surrogate: Mapping[str, int],
 ) -> dict[str, float]:
-    """Return the errors of the full models over those of the surrogate."""
+    """Return the ratios of the full models' errors to those of the surrogate."""
     full = full_errors(on_rig, seeds, workers, judgement)
     cheap = [judge_cheaply(on_rig, seed, judgement["models"], surrogate)[0] for seed in seeds]
     return {
@@ -179,10 +179,10 @@ def free_parameters(
         Lists every path and every range that is wrong.
     """
     try:
-        known = free_ranges(paths, ranges or {})
+        limits_of = free_ranges(paths, ranges or {})
     except ValueError as error:
         raise ConfigError(f"cannot calibrate:\n  {error}") from None
-    return [Free(path, *limits) for path, limits in known.items()]
+    return [Free(path, *limits) for path, limits in limits_of.items()]
 
 
 def loss_at(

@@ -53,7 +53,7 @@ def properties(logs: Mapping[str, Channels]) -> dict[str, float]:
 
 
 def residuals(errors: Sequence[Mapping[str, float]], target: Aim) -> dict[str, float]:
-    """Return the relative deviation of each error from print; ``errors`` has a mapping per seed."""
+    """Return the relative deviation of each error, averaged over seeds, from the printed one."""
     return {
         key: float(np.mean([seed[key] for seed in errors]) / printed - 1.0)
         for key, printed in target.errors.items()
@@ -67,7 +67,7 @@ def loss_of(
 ) -> float:
     """Return the loss that the search minimises.
 
-    It is the sum of three mean squares: of log(ours / print) over the published
+    It is the sum of three mean squares: of log(ours / printed) over the published
     errors (means over seeds), of the logarithms by which the orders miss their
     margins on each seed, and of those by which each property's mean over seeds
     lies outside its range.

@@ -95,7 +95,7 @@ def search(
 
 
 def _resume(checkpoint: Path, head: Mapping[str, Any]) -> list[list[float]]:
-    """Return the losses of the finished generations; make the file ready to be appended to."""
+    """Return the losses of the finished generations; rewrite the file for further ones."""
     text = checkpoint.read_text(encoding="utf-8", errors="replace") if checkpoint.exists() else ""
     first, *lines = text.splitlines() or [""]
     losses_before = []
@@ -113,6 +113,6 @@ def _resume(checkpoint: Path, head: Mapping[str, Any]) -> list[list[float]]:
                 losses_before.append(json.loads(line))
             except json.JSONDecodeError:
                 break
-    kept = [head, *losses_before]
-    write_text(checkpoint, "".join(json.dumps(entry) + "\n" for entry in kept))
+    entries = [head, *losses_before]
+    write_text(checkpoint, "".join(json.dumps(entry) + "\n" for entry in entries))
     return losses_before

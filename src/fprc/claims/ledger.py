@@ -41,11 +41,12 @@ def _verdict(finding: Finding) -> str:
     return REPRODUCED if finding.holds else NOT_REPRODUCED
 
 
-def changed_verdicts(ledger: Sequence[Mapping[str, str]], known: Mapping[str, str]) -> list[str]:
+def changed_verdicts(ledger: Sequence[Mapping[str, str]], declared: Mapping[str, str]) -> list[str]:
     """Return one line for each claim whose verdict differs from the declared one."""
     ours = {row["id"]: row["verdict"] for row in ledger}
     return [
-        f"{claim}: {ours.get(claim, 'not judged')}, but {known.get(claim, 'nothing')} is declared"
-        for claim in sorted(ours.keys() | known.keys(), key=lambda claim: int(claim[1:]))
-        if ours.get(claim) != known.get(claim)
+        f"{claim}: {ours.get(claim, 'not judged')}, "
+        f"but {declared.get(claim, 'nothing')} is declared"
+        for claim in sorted(ours.keys() | declared.keys(), key=lambda claim: int(claim[1:]))
+        if ours.get(claim) != declared.get(claim)
     ]

@@ -9,7 +9,7 @@ from fprc.config.section import Pair, Section, quantities, quantity, rising, wit
 
 
 class Plausible(Section):
-    """Ranges in which a fitted rig should be, beside matching the published errors."""
+    """Plausible ranges for a fitted rig, beside the published errors."""
 
     angle_deg: Pair[Annotated[float, within(1, 120)]] = quantities(
         (57, 63), "deg", (1, 120), "largest angle of the sweep", "paper: about 60 deg"

@@ -1,4 +1,4 @@
-"""Folders for raw logs and results, and the checks that they may be written to."""
+"""Folders for raw logs and results, and the checks that writing there does no harm."""
 
 import os
 from pathlib import PurePath

@@ -25,7 +25,7 @@ def free_ranges(
         Lists, one per line, every path that is not a number of the rig, and every
         range that is empty, exceeds the physical one, or has no free parameter.
     """
-    known = {key: (default, field) for key, default, field, _ in fields(Rig())}
+    parameters = {key: (default, field) for key, default, field, _ in fields(Rig())}
     problems = [
         f"calibration.ranges: {path} is not free; remove it or add it to calibration.free"
         for path in narrower
@@ -33,7 +33,7 @@ def free_ranges(
     ]
     ranges = {}
     for path in paths:
-        physical = _physical(path, known)
+        physical = _physical(path, parameters)
         if physical is None:
             problems.append(f"calibration.free: {path} is not a number of the rig; remove it")
             continue
@@ -50,12 +50,12 @@ def free_ranges(
     return ranges
 
 
-def _physical(path: str, known: Mapping[str, tuple[Any, Any]]) -> tuple[float, float] | None:
+def _physical(path: str, parameters: Mapping[str, tuple[Any, Any]]) -> tuple[float, float] | None:
     key, _, last = path.rpartition(".")
     name = key if last.isdigit() else path
-    if name not in known:
+    if name not in parameters:
         return None
-    default, field = known[name]
+    default, field = parameters[name]
     low, high = _limits(field)
     if not isinstance(default, tuple):
         return None if last.isdigit() else (low, high)

@@ -59,7 +59,7 @@ class Voltage(Column):
 
 
 class Channels(Section):
-    """Channels of a raw log, see data/raw/README.md; the log lacks those left out."""
+    """Channels of a raw log, see data/raw/README.md; omitted channels are not in the log."""
 
     p_exp_command_kpa: Pressure | None = None
     p_exp_kpa: Pressure | None = None
@@ -149,14 +149,14 @@ def read_map(path: Path | str) -> ImportMap:
 
 
 class Draft(NamedTuple):
-    """Parts of a map, even a wrong one, that its file must match: columns by key, CSV format."""
+    """Parts of a map that can be compared with its file: columns by key, CSV format."""
 
     columns: dict[str, str]
     csv: dict[str, Any]
 
 
 def read_draft(path: Path | str) -> Draft:
-    """Read the parts of a map that its file must match, even if other parts are wrong.
+    """Read the parts of a map that can be compared with its file, even if others are wrong.
 
     Raises
     ------

@@ -49,7 +49,7 @@ def check(config: Mapping[str, Any], files: Sequence[Path | str] = ()) -> Settin
 
 
 def _restore_default(config: Any, item: Mapping[str, Any]) -> bool:
-    """Replace a wrong value by its default; return False if the error is not of one value."""
+    """Replace a wrong value by its default; return False if the error has no single value."""
     *sections, last = [part for part in item["loc"] if isinstance(part, str)] or [""]
     default: Any = Settings().model_dump()
     for part in sections:
@@ -124,9 +124,9 @@ def _line(item: Mapping[str, Any]) -> str:
     return f"  {where}{message}{remedy}"
 
 
-def _nearest(key: str, known: Sequence[str]) -> str:
+def _nearest(key: str, valid: Sequence[str]) -> str:
     """Return the valid key that the user probably meant."""
-    parts = [name.split(".") for name in known]
+    parts = [name.split(".") for name in valid]
     prefixes = dict.fromkeys(".".join(part[:i]) for part in parts for i in range(1, len(part) + 1))
     section, _, last = key.rpartition(".")
     same_name = [name for name in prefixes if name.rpartition(".")[2] == last]

@@ -72,7 +72,7 @@ def _name(cell: Cell) -> str:
 
 
 def _resume(checkpoint: Path, key: str) -> dict[str, dict[str, Any]]:
-    """Return the finished cells; make the file ready to be appended to."""
+    """Return the finished cells; rewrite the file for further ones."""
     text = checkpoint.read_text(encoding="utf-8", errors="replace") if checkpoint.exists() else ""
     lines = text.splitlines()
     finished = {}
@@ -83,10 +83,10 @@ def _resume(checkpoint: Path, key: str) -> dict[str, dict[str, Any]]:
             except json.JSONDecodeError:
                 break
             finished[_name(entry["cell"])] = entry["result"]
-    kept = [{"key": key}] + [
+    entries = [{"key": key}] + [
         {"cell": json.loads(name), "result": result} for name, result in finished.items()
     ]
-    write_text(checkpoint, "".join(json.dumps(entry) + "\n" for entry in kept))
+    write_text(checkpoint, "".join(json.dumps(entry) + "\n" for entry in entries))
     return finished
 
 

@@ -82,7 +82,7 @@ def _sweep(run: Channels) -> dict[str, float]:
 
 
 def _loop(run: Channels) -> dict[str, float]:
-    """Return the width of the loop theta over theta_d by its span, and its span by theta_d's."""
+    """Return width / span of the loop of theta over theta_d, and its span / theta_d's span."""
     span = float(np.ptp(run["theta_deg"]))
     return {
         "width_over_span": width_at_middle(run["theta_d_deg"], run["theta_deg"]) / max(span, 1e-9),
@@ -102,7 +102,7 @@ def _disturbance(run: Channels, quiet_s: float) -> dict[str, list[float]]:
 
 
 def _unexplained(run: Channels, channel: str, quiet: np.ndarray) -> list[float]:
-    """Return [quiet, pushed]: rms of a channel's part that P_i does not explain, over its swing."""
+    """Return [quiet, pushed] rms of a channel's residual after a fit on P_i, over its swing."""
     time_s, p_i, value = run["time_s"], run["p_i_kpa"], run[channel]
     rate = np.gradient(p_i, time_s)
     direction = np.tanh(rate / (np.std(rate) + 1e-9))

@@ -21,7 +21,7 @@ _POINTS = 20000
 def draw_diagnosis(
     time_s: np.ndarray,
     channels: Mapping[str, np.ndarray],
-    found: Mapping[str, Any],
+    diagnosis: Mapping[str, Any],
     *,
     titles: Mapping[str, str],
     units: Mapping[str, str],
@@ -30,7 +30,7 @@ def draw_diagnosis(
 
     Parameters
     ----------
-    found : Mapping
+    diagnosis : Mapping
         Answer of ``fprc.logs.diagnose``.
     titles, units : Mapping
         Title and unit of each channel; the unit is empty for another quantity.
@@ -46,10 +46,12 @@ def draw_diagnosis(
         ax.remove()
     left = axes[: len(channels), 0]
     for ax, (name, values) in zip(left, channels.items(), strict=True):
-        plot_channel(time_s, values, name, found, ax)
+        plot_channel(time_s, values, name, diagnosis, ax)
         ax.set_ylabel(units[name])
         style.letter(ax, escape.figure(shorten(titles[name], 52, placeholder=" ...")))
-        ax.set_title(_remarks(found["channels"][name], found["clock"]), loc="right", color="0.3")
+        ax.set_title(
+            _remarks(diagnosis["channels"][name], diagnosis["clock"]), loc="right", color="0.3"
+        )
         ax.sharex(left[0])
         ax.label_outer()
     left[0].set_xlim(time_s[0], time_s[-1])
@@ -75,22 +77,22 @@ def draw_diagnosis(
 
 
 def plot_channel(
-    time_s: np.ndarray, values: np.ndarray, name: str, found: Mapping[str, Any], ax: Axes
+    time_s: np.ndarray, values: np.ndarray, name: str, diagnosis: Mapping[str, Any], ax: Axes
 ) -> Axes:
     """Draw one channel: gaps grey, frozen stretches yellow, extremes thick, steps as lines."""
     ax.plot(time_s, values, color=style.COLOURS[_colour(name)], linewidth=0.6)
-    for gap in found["clock"]["gaps"]:
+    for gap in diagnosis["clock"]["gaps"]:
         ax.axvspan(gap["from_s"], gap["to_s"], color=_GAP, linewidth=0.5, zorder=0,
                    label="gap")  # fmt: skip
-    for stretch in found["channels"][name]["frozen"]:
+    for stretch in diagnosis["channels"][name]["frozen"]:
         ax.axvspan(stretch["from_s"], stretch["to_s"], color=_FROZEN, linewidth=0,
                    zorder=0, label="frozen or at rest")  # fmt: skip
-    for extreme in found["channels"][name]["at_extreme"]:
+    for extreme in diagnosis["channels"][name]["at_extreme"]:
         for first, last in extreme["stretches"]:
             ax.plot(time_s[[first, last]], [extreme["value"]] * 2, color=_EXTREME, linewidth=2.0,
                     solid_capstyle="round", label="clipped or held there")  # fmt: skip
-    if name == "p_o_kpa" and found["sealed"]:
-        for step in found["sealed"]["steps"]:
+    if name == "p_o_kpa" and diagnosis["sealed"]:
+        for step in diagnosis["sealed"]["steps"]:
             ax.axvline(step["at_s"], color=_STEP, linewidth=0.6, linestyle=(0, (3, 2)),
                        label="re-fill or sudden loss")  # fmt: skip
     return ax

@@ -249,7 +249,7 @@ class Plan:
 
     @cached_property
     def _loops(self) -> list[str]:
-        """Files that the closed-loop runs are recorded with; none if nothing is recorded."""
+        """Files that are needed to record the closed-loop runs; none if nothing is recorded."""
         if not self.records:
             return []
         judged = BY_NAME["table2"].made_of[1:]

@@ -54,7 +54,7 @@ class Result(NamedTuple):
 
 
 def _judged(experiment: str) -> tuple[str, ...]:
-    """Return the files of judging every model, trained on one log."""
+    """Return the files written when every model is judged, for one training log."""
     return (
         f"crossval/{experiment}_{{model}}.json",
         f"models/{experiment}_{{model}}.h5",

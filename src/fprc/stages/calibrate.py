@@ -47,7 +47,7 @@ def calibrate(
     )  # fmt: skip
     if summary["check_loss"] > summary["check_loss_at_start"]:
         log.warning(
-            "warning: on seeds outside the fit, the starting rig is closer to print than the "
+            "warning: on seeds outside the fit, the starting rig is closer to the paper than the "
             "fitted one; keep the starting rig, or use more calibration.seeds"
         )
     log.info(

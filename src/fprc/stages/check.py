@@ -25,7 +25,7 @@ _PIXELS = 20
 
 def check_results(
     ledger: str,
-    known: str,
+    verdicts: str,
     *,
     folders: Mapping[str, str],
     made: Sequence[str],
@@ -38,7 +38,7 @@ def check_results(
 
     Parameters
     ----------
-    ledger, known : str
+    ledger, verdicts : str
         Files of the judged claims and of the declared verdicts.
     folders : Mapping
         Folders ``results`` and ``raw``; files in ``raw`` are not checked.
@@ -53,7 +53,7 @@ def check_results(
         Lists every verdict that differs from the declared one, every file in the results folder
         that no rule makes, and every picture that differs from its figure.
     """
-    declared = read_yaml(known)
+    declared = read_yaml(verdicts)
     claims = read_json(ledger)["claims"]
     timed = {row["id"] for row in claims if row["rig"] == "timed"} & declared.keys()
     changed = changed_verdicts(claims, declared)
@@ -61,8 +61,8 @@ def check_results(
     for line in of_times:
         log.warning("%s; not an error, since execution times differ between runs", line)
     failures = {
-        f"verdicts are not those of {known}; see the ledger, and declare them there if they are "
-        "right": [line for line in changed if line not in of_times],
+        f"verdicts are not those of {verdicts}; see the ledger, and declare them there if they "
+        "are right": [line for line in changed if line not in of_times],
         "files that no rule makes; remove them, or keep them elsewhere": [
             *orphans(folders["results"], folders["raw"], made),
             *strangers(pictures),
@@ -92,7 +92,7 @@ def orphans(results: str, raw: str, made: Sequence[str]) -> Iterator[str]:
     process, and folders of other results, which have a folder ``logs`` or a
     ``report.md`` of `fprc readout`.
     """
-    known = [re.compile(pattern) for pattern in made]
+    patterns = [re.compile(pattern) for pattern in made]
     todo = [Path(results)]
     while todo:
         folder = todo.pop()
@@ -105,7 +105,7 @@ def orphans(results: str, raw: str, made: Sequence[str]) -> Iterator[str]:
             elif not (
                 path.name.startswith(".")
                 or path == Path(results, "README.md")
-                or any(pattern.fullmatch(str(path)) for pattern in known)
+                or any(pattern.fullmatch(str(path)) for pattern in patterns)
             ):
                 yield str(path)
 

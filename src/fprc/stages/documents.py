@@ -74,16 +74,16 @@ def update_calibration_page(
     FprcError
         ``fit`` is of another rig.
     """
-    known = read_json(fit)
-    if known["rig_sha256"] != hash_of(rig):
+    summary = read_json(fit)
+    if summary["rig_sha256"] != hash_of(rig):
         raise FprcError(
             f"{fit} belongs to another rig than the configuration; put both files of one "
             "calibration into config/"
         )
     blocks = {f"{Path(path).parent.name}_{Path(path).stem}": _read(path) for path in pages}
     blocks |= {
-        "fit": _fit(known),
-        "properties": _properties(known),
+        "fit": _fit(summary),
+        "properties": _properties(summary),
         "deviations": _deviations(seeds),
     }
     _update(page, blocks)
@@ -175,7 +175,7 @@ def _sentence(orders: pd.DataFrame) -> str:
 
 
 def _deviations(seeds: Sequence[str]) -> str:
-    """Return a sentence on the deviations of the means over seeds from print."""
+    """Return a sentence on how far the means over seeds deviate from the printed numbers."""
     table = deviations(
         {number: pd.read_csv(path) for number, path in zip(("II", "III"), seeds, strict=True)}
     )
@@ -189,9 +189,9 @@ def _deviations(seeds: Sequence[str]) -> str:
     )
 
 
-def _fit(known: Mapping[str, Any]) -> str:
+def _fit(fit: Mapping[str, Any]) -> str:
     rows = []
-    for key, printed in known["targets_kpa"].items():
+    for key, printed in fit["targets_kpa"].items():
         trained_on, model, phase = key.split("/")
         rows.append(
             {
@@ -199,29 +199,29 @@ def _fit(known: Mapping[str, Any]) -> str:
                 "Model": title_of(model),
                 "RMSE": ERRORS["train_rmse" if phase == "train" else "test_rmse"],
                 "Paper [kPa]": f"{printed:.3g}",
-                "Fitted [kPa]": f"{printed * (1 + known['residuals'][key]):.3g}",
-                "Deviation": f"{100 * known['residuals'][key]:+.1f} %",
+                "Fitted [kPa]": f"{printed * (1 + fit['residuals'][key]):.3g}",
+                "Deviation": f"{100 * fit['residuals'][key]:+.1f} %",
             }
         )
-    seeds = ", ".join(map(str, known["seeds"]))
+    seeds = ", ".join(map(str, fit["seeds"]))
     head = (
-        f"{known['date']}, {known['software']}: {known['evaluations']} rigs in "
-        f"{known['generations']} generations; seeds {seeds}; loss {known['loss_at_start']:.4f} to "
-        f"{known['loss']:.4f}, and {known['check_loss_at_start']:.4f} to "
-        f"{known['check_loss']:.4f} on seeds outside the fit. Full models on the seeds of the fit:"
+        f"{fit['date']}, {fit['software']}: {fit['evaluations']} rigs in "
+        f"{fit['generations']} generations; seeds {seeds}; loss {fit['loss_at_start']:.4f} to "
+        f"{fit['loss']:.4f}, and {fit['check_loss_at_start']:.4f} to "
+        f"{fit['check_loss']:.4f} on seeds outside the fit. Full models on the seeds of the fit:"
     )
     return f"{head}\n\n{pd.DataFrame(rows).to_markdown(index=False, disable_numparse=True)}"
 
 
-def _properties(known: Mapping[str, Any]) -> str:
+def _properties(fit: Mapping[str, Any]) -> str:
     rows = [
         {
             "Property": name,
             "Asked for": f"{low:g} to {high:g}",
-            "Fitted": f"{known['properties'][name]:.3g}",
+            "Fitted": f"{fit['properties'][name]:.3g}",
         }
-        for name, (low, high) in known["plausible"].items()
+        for name, (low, high) in fit["plausible"].items()
     ]
-    near = [p["path"] for p in known["parameters"] if not 0.02 <= p["share"] <= 0.98]
+    near = [p["path"] for p in fit["parameters"] if not 0.02 <= p["share"] <= 0.98]
     table = pd.DataFrame(rows).to_markdown(index=False, disable_numparse=True)
     return f"{table}\n\nWithin 2 % of an end of their range: {', '.join(near) or 'none'}."

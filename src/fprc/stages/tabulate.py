@@ -108,14 +108,14 @@ def tabulate_tracking(
     left_out : sequence of str
         Runs of a complete Table IV that have no log.
     """
-    known = read_json(gains)
+    report = read_json(gains)
     logs = isolated_each(read_run, runs)
     for line in sum((implausible(run, limits) for run in logs), []):
         log.warning("warning: %s", line)
-    table = tables.tracking([_run(run) for run in logs], known, read_yaml(published))
-    tried = known["candidates"]
+    table = tables.tracking([_run(run) for run in logs], report, read_yaml(published))
+    tried = report["candidates"]
     title = "Table IV. RMSE of tracking"
-    if known["source"] == "sim":
+    if report["source"] == "sim":
         title += ": all controllers meet the same noise and drift"
     gain = "The gains are those that the logs name."
     if tried:
@@ -123,7 +123,7 @@ def tabulate_tracking(
             "The printed gain is the paper's; the identified one has the least error of "
             f"{len(tried)} gains on another reference (sine 0.3 Hz)."
         )
-    note = f"{title}.\nData: {SOURCES[known['source']]}. {gain}"
+    note = f"{title}.\nData: {SOURCES[report['source']]}. {gain}"
     if left_out:
         note += f"\nNo log of {len(left_out)} of its runs: {', '.join(left_out)}."
     _write(table, tables.tracking_page(table), note, csv, md, tex)
@@ -268,7 +268,7 @@ def tabulate_unavailable(csv: str, md: str, *, reasons: Mapping[str, tuple[str, 
     reasons : Mapping
         Title and reason of each such result.
     """
-    rows = [(name, *known) for name, known in reasons.items()]
+    rows = [(name, *texts) for name, texts in reasons.items()]
     table = pd.DataFrame(rows, columns=["name", "result", "reason"])
     write_csv(csv, table)
     if rows:

@@ -92,7 +92,7 @@ def grid_times(report: Mapping[str, Any], setting: str) -> pd.DataFrame:
 
 
 def panels(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
-    """Join the tables of a figure's panels; ``setting`` names the setting whose ``value`` follows.
+    """Join the tables of a figure's panels; ``setting`` and ``value`` replace the setting's column.
 
     Parameters
     ----------

@@ -153,7 +153,7 @@ def comparison_page(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def deviations(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
-    """Relative deviation of every mean of Tables II and III from print, largest first.
+    """Relative deviation of every mean of Tables II and III from the paper's, largest first.
 
     Parameters
     ----------

@@ -56,7 +56,7 @@ def test_verdict_that_is_not_as_declared_is_reported(folder, rig):
         check()
 
 
-def test_verdict_on_times_that_is_not_as_declared_is_told_and_no_problem(folder, caplog):
+def test_changed_verdict_on_times_is_only_a_warning(folder, caplog):
     judge(folder, "timed", "not reproduced")
     check()
     assert "C1: not reproduced, but reproduced is declared; not an error" in caplog.text
