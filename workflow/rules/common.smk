@@ -7,7 +7,7 @@ try:
     # a job reads this file again; by then the main process has looked at the logs, from a safe place
     THERE = headers(
         [f"{RAW}/{name}.h5" for name in Plan(SETTINGS, {}).every_log],
-        alone=workflow.is_main_process,
+        isolate=workflow.is_main_process,
     )
     if SETTINGS["source"] == "sim":
         refuse_to_overwrite(THERE)

@@ -234,8 +234,8 @@ def _page(
         "## The recording",
     ]
     for experiment, part in PARTS.items():
-        found = read_json(folder / f"raw/{experiment}.diagnosis.json")
-        lines += ["", f"### {part.capitalize()}", "", *(f"- {word}" for word in found["words"])]
+        diagnosis = read_json(folder / f"raw/{experiment}.diagnosis.json")
+        lines += ["", f"### {part.capitalize()}", "", *(f"- {word}" for word in diagnosis["words"])]
         lines += ["", f"![{part}](raw/{experiment}.diagnosis.png)"]
     return "\n".join(lines) + "\n"
 

@@ -102,9 +102,9 @@ def _in_memory() -> h5py.File:
     return h5py.File(h5py.h5f.create(b"log", h5py.h5f.ACC_TRUNC, creation, access))
 
 
-def _describe(what: h5py.File | h5py.Dataset, attributes: Mapping[str, Any]) -> None:
+def _describe(target: h5py.File | h5py.Dataset, attributes: Mapping[str, Any]) -> None:
     for name, value in attributes.items():
-        what.attrs[name] = as_written(value)
+        target.attrs[name] = as_written(value)
 
 
 def read_columns(

@@ -261,8 +261,8 @@ def _wrong_times(time_s: np.ndarray, settle_s: float | None) -> list[str]:
         ]
     if settle_s is not None and settle_s > time_s[-1]:
         return [
-            f"attribute settle_s = {settle_s:g}; must be at most {time_s[-1]:g}, the end of the log, "
-            "or nothing is left to evaluate"
+            f"attribute settle_s = {settle_s:g}; must be at most {time_s[-1]:g}, the end of the "
+            "log, or nothing is left to evaluate"
         ]
     return []
 

@@ -147,7 +147,7 @@ def _export(path: Path, folder: Path) -> None:
             lines.flush()
 
         if patched.stat().st_size > size:
-            report(words=[f"cut short: {size} of {patched.stat().st_size} bytes are there"])
+            report(words=[f"cut short: {size} of {patched.stat().st_size} bytes are left"])
         wrong = _mend_headers(patched)
         if wrong:
             report(words=[f"headers damaged: {wrong}; their content may be wrong"])
