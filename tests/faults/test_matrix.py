@@ -1,4 +1,4 @@
-"""Faults of parts, in this process: the rig lives by its bench's clock, tick by tick."""
+"""Faults of parts, in this process: the rig runs on its bench's clock, tick by tick."""
 
 import logging
 import math
@@ -38,7 +38,7 @@ CALLS = [(part, *call) for part, calls in PARTS.items() for call in calls]
 
 
 class Outcome:
-    """What came of one run: ``error``, ``sessions``, ``samples`` in the journal, ``reason``."""
+    """Outcome of one run: ``error``, ``sessions``, ``samples`` in the journal, ``reason``."""
 
 
 @pytest.fixture
@@ -185,7 +185,7 @@ def test_board_that_fails_for_a_moment_is_vented_as_soon_as_it_answers(
     assert shared.failures == failures
     assert vented(bench)
     assert SAFE in found.signs
-    # told again at every look, not when the time to vent is over
+    # written again before every reading, not only once the time to vent is over
     lost = bench.tick - found.sessions[-1].tick
     assert lost * bench.period_s < 0.02 * (failures + 15)
     matrix.add("the board fails for a moment", "mid-run", "the driver's error",
@@ -193,7 +193,7 @@ def test_board_that_fails_for_a_moment_is_vented_as_soon_as_it_answers(
 
 
 def inject(bench, code, begin, end=math.inf):
-    """Return what sets a fault of the I2C bus between two ticks."""
+    """Return a function that sets a fault of the I2C bus between two ticks."""
 
     def at(tick):
         bench.shared.i2c_fault = code if begin <= tick < end else 0

@@ -24,7 +24,7 @@ class Experiment(NamedTuple):
     law : Law
         See ``fprc.control.run``.
     samples : int
-        Duration.
+        Duration in samples.
     channels : tuple of str
         Channels of the log.
     attributes : dict

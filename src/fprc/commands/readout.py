@@ -176,7 +176,7 @@ def _judge(
 
 
 def progress_bar() -> Callable[[int, int], None]:
-    """Return a function that draws a progress bar: in place on a terminal, else every tenth."""
+    """Return a function that shows progress: a bar on a terminal, else a line every tenth."""
     terminal = sys.stderr.isatty()
     width = 30
 

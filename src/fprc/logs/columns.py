@@ -86,10 +86,7 @@ def write_columns(
 
 
 def _in_memory() -> h5py.File:
-    """Return a new file in memory.
-
-    On a full disk, HDF5 crashes the process at exit.
-    """
+    """Return a new file in memory: on a full disk, HDF5 crashes the process at exit."""
     access = h5py.h5p.create(h5py.h5p.FILE_ACCESS)
     access.set_fapl_core(backing_store=False)
     access.set_libver_bounds(*_FORMAT)

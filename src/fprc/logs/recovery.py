@@ -133,7 +133,7 @@ def _no_header(path: Path, data: bytes) -> str:
 
 
 def _room(data: bytes, start: int, record: np.dtype) -> int:
-    """Return how many samples the file has room for; counts an incomplete last one."""
+    """Return how many samples fit before the end mark or the file's end; rounds up."""
     for at in range(start, len(data), record.itemsize):
         if data.startswith(END, at):
             return (at - start) // record.itemsize
