@@ -186,9 +186,9 @@ def refuse_length(source: Source, time: Mapping[str, Any], clock: Clock, rate_hz
         )
     if duration_s > LONGEST_S or points > MOST_POINTS:
         raise LogError(
-            f"{where}: {duration_s:.4g} s, resampled to sample_rate_hz = {rate_hz:g}, take "
-            f"{points:.2g} samples; at most {LONGEST_S:g} s and {MOST_POINTS:.2g} samples are "
-            f"allowed; shorten it by start_s and end_s{remedy}"
+            f"{where}: {duration_s:.4g} s at sample_rate_hz = {rate_hz:g} need {points:.2g} "
+            f"samples in resampling; the limits are {LONGEST_S:g} s and {MOST_POINTS:.2g} "
+            f"samples; shorten it by start_s and end_s{remedy}"
         )
 
 
