@@ -101,7 +101,7 @@ def live_by(monkeypatch):
             return sessions[-1]
 
         monkeypatch.setattr(session, "Metronome", begin)
-        monkeypatch.setattr(session, "be_punctual", lambda priority: [])
+        monkeypatch.setattr(session, "request_realtime", lambda priority: [])
         for module in (session, process, check):
             monkeypatch.setattr(module, "sign", lambda what: signs.append(what) or True)
         waited_s = [0.0]

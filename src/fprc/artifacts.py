@@ -10,7 +10,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-if TYPE_CHECKING:  # most jobs write no table, and importing pandas takes as long as many of them
+if TYPE_CHECKING:  # most jobs write no table, and many take less time than importing pandas
     from pandas import DataFrame
 
 from fprc import escape

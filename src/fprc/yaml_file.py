@@ -69,15 +69,15 @@ def read_yaml(path: Path | str) -> dict[Any, Any]:
 def _parse(text: str) -> tuple[Any, list[tuple[int, str]]]:
     """Return the parsed content, and the problems with their line numbers."""
     content, problems = None, []
-    begun = False
+    has_document = False
     # parse events, not nodes: this stops at deep nesting, and shows aliases
     events = yaml.parse(text, Loader=_LOADER)
     for event in events:
         if isinstance(event, yaml.DocumentStartEvent):
-            if begun:
+            if has_document:
                 line = event.start_mark.line + 1
                 problems.append((line, "--- begins another document; use one file for each"))
-            begun = True
+            has_document = True
             content = _value(next(events), events, [], problems)
     return content, problems
 

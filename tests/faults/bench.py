@@ -1,7 +1,7 @@
 """The simulated rig behind the fake driver and the fake I2C bus.
 
-In a test the rig follows the test's clock. As a program, ``python bench.py FILE``, it runs in
-real time and prints ``ready`` when it has started.
+In a test the rig runs on the test's clock; as a program, ``python bench.py FILE``, it runs in
+real time and prints ``ready`` once it does.
 """
 
 import ctypes
@@ -18,7 +18,7 @@ from fprc.devices import SimulatedRig
 
 FOLDER = Path(__file__).parent
 LOGGED = 4096
-#: Longest time without a heartbeat that the stand-in for a watchdog relay puts up with, s.
+#: Time without a heartbeat after which the stand-in for a watchdog relay releases, s.
 RELAY_S = 0.5
 
 
@@ -74,7 +74,7 @@ class Bench:
         return self.tick * self.period_s
 
     def wait_for(self, tick: int, tripped: bool = False) -> int:
-        """Let the rig live until this tick under the voltages on the output board.
+        """Simulate up to this tick with the voltages on the output board.
 
         A watchdog relay that has tripped vents both chambers instead.
         """
@@ -85,7 +85,7 @@ class Bench:
         return tick
 
     def wait(self, seconds: float) -> None:
-        """Let the rig live for so long."""
+        """Simulate the rig for this time."""
         self.wait_for(self.tick + round(seconds / self.period_s))
 
     def statistics(self) -> dict:

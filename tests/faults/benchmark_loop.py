@@ -1,4 +1,4 @@
-"""Measure the timing of the control loop on this computer: `make loop-benchmark`.
+"""Measure the lateness of the loop on this computer. Run by `make loop-benchmark`.
 
 `fprc rig run` uses the fake driver; its simulated rig runs in another process. Prints overruns
 and the delays of the ticks.
@@ -43,13 +43,13 @@ def main() -> None:
 
 
 def measure(folder: Path, seconds: float, priority: int) -> dict:
-    """Return what a run says of its clock, with samples ``planned`` and recorded."""
+    """Return a run's clock statistics, with the samples ``planned`` and recorded."""
     settings = Settings().model_dump(mode="json")
     settings["experiments"]["sweep"]["duration_s"] = seconds
     hardware = settings["hardware"]
     hardware["boards"] |= {"library": str(compile_driver(folder)), "lock_folder": str(folder)}
     hardware["loop"]["priority"] = priority
-    # a busy computer is what is measured, and nothing but the end ends it
+    # a busy computer must not end the run: its lateness is measured
     hardware["loop"]["stalled_s"] = hardware["limits"]["stale_s"] = 10.0
     hardware["limits"] |= {"overruns_in_a_row": 1000, "pressure_step_kpa": 1000.0}
     modules = os.pathsep.join(filter(None, [str(FOLDER), os.environ.get("PYTHONPATH")]))

@@ -49,7 +49,7 @@ _COLUMNS = ("fault", "where", "places", "what ends the run", "safe", "ticks", "l
 
 
 class Row(NamedTuple):
-    """What came of a fault; ``measured`` is not compared."""
+    """Outcome of a fault; ``measured`` is not compared."""
 
     fault: str
     where: str
@@ -69,7 +69,7 @@ class Matrix:
         self.complete = False
 
     def add(self, *cells, measured=""):
-        """Add what came of one fault at one place."""
+        """Add the outcome of one fault at one place."""
         row = Row(*map(str, cells))
         self.rows[row] = self.rows.get(row, 0) + 1
         self.measured[row] = measured
@@ -83,13 +83,13 @@ class Matrix:
 
 
 class Files:
-    """What came of files and settings, in the order of the tests."""
+    """Outcomes of faulty files and settings, in the order of the tests."""
 
     def __init__(self):
         self.rows: dict[tuple[str, ...], None] = {}
 
     def add(self, *cells):
-        """Add what came of one fault; the same row is there once."""
+        """Add the outcome of one fault; duplicate rows are dropped."""
         self.rows[tuple(map(str, cells))] = None
 
     def lines(self):
@@ -144,7 +144,7 @@ _FILLING = {"test_matrix.py", "test_process.py", "test_files.py"}
 
 @pytest.fixture
 def whole_matrix(_matrix, _files, request):
-    """The page once every test has added to it; else the test is skipped."""
+    """The page after every test has added to it; skips if some did not run."""
     # other folders have fixtures of these names too
     here = [item for item in request.session.items if item.path.parent == Path(__file__).parent]
     present = {item.path.name for item in here}
@@ -157,7 +157,7 @@ def whole_matrix(_matrix, _files, request):
 
 @pytest.fixture
 def page(request, whole_matrix):
-    """The page as committed; written first if that was asked for."""
+    """The page as committed; written first if requested."""
     if request.config.getoption("write_matrix", False):
         PAGE.write_text(whole_matrix + "\n", encoding="utf-8")
     return PAGE.read_text(encoding="utf-8") if PAGE.exists() else ""
@@ -166,7 +166,7 @@ def page(request, whole_matrix):
 # --- files and settings ---------------------------------------------------------------------
 
 _COMMAND = [sys.executable, "-c", "import sys; from fprc.cli import main; sys.exit(main())"]
-#: Longest time that a command may take on a busy machine; what hangs takes longer.
+#: Longest time that a command may take on a busy machine, unless it hangs.
 _PATIENCE_S = 60.0
 _CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f]")
 
@@ -181,19 +181,19 @@ def _of_fuzz(name):
 
 @pytest.fixture(scope="session")
 def signals():
-    """Channels of logs with which nothing is wrong."""
+    """Channels of good logs."""
     return _of_fuzz("signals")
 
 
 class Said(NamedTuple):
-    """What came of a command: exit code, what was printed, files that are new."""
+    """Outcome of a command: exit code, output, new files."""
 
     code: int
     text: str
     left: list[str]
 
     def refuses(self, **named):
-        """Check that the command refused, named these things, and left nothing; say so."""
+        """Check that the command failed, named these, and left nothing; return the outcome."""
         assert self.code not in (0, 3), self.text
         for what, word in named.items():
             assert re.search(word, self.text), f"{what} is not named: {self.text}"
@@ -202,7 +202,7 @@ class Said(NamedTuple):
 
 
 class User:
-    """Somebody in a folder, who types commands."""
+    """A user who types commands in a folder."""
 
     def __init__(self, folder, capfd):
         self.folder = folder
@@ -221,7 +221,7 @@ class User:
         return self._said(code, "".join(self._capfd.readouterr()), before)
 
     def starts(self, *command, program=_COMMAND, folder=None, **environment):
-        """Run it in a process of its own, with limits on its time and its memory."""
+        """Run it in a separate process, with limits on time and memory."""
         watched = _of_fuzz("watched")
         before = self._there()
         ended = watched.command(
@@ -244,7 +244,7 @@ class User:
 
 @pytest.fixture
 def user(tmp_path, monkeypatch, capfd):
-    """Somebody in a folder of the test's own."""
+    """A user in the test's own folder."""
     folder = tmp_path / "user"
     folder.mkdir()
     monkeypatch.chdir(folder)

@@ -51,13 +51,13 @@ class FakeBus:
         self.power_cycle()
 
     def power_cycle(self) -> None:
-        """Wake the sensor out of anything; only its calibration is kept."""
+        """Reset the sensor; only its calibration is kept."""
         self.state = "standby"
         self.ticks = None
         self._last = None
 
     def i2c_rdwr(self, *messages) -> None:
-        """Exchange messages; OSError if nobody answers."""
+        """Exchange messages; OSError if no device answers."""
         for message in messages:
             dropped = self._happens("dropout")
             if dropped or message.addr != self._address or self.state == "shutdown":

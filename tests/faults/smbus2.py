@@ -1,4 +1,4 @@
-"""Replacement of smbus2 where there is no I2C: put this folder on PYTHONPATH.
+"""Stand-in for smbus2 without I2C: put this folder on PYTHONPATH.
 
 The environment variable FAKE_BENCH names a file that another process updates continuously;
 without it there is no bus. Little-endian, at these offsets:

@@ -1,4 +1,4 @@
-"""Faults in files and settings; each row is the answer of a command."""
+"""Faults of files and settings, as a user meets them; each row holds the command's outcome."""
 
 import json
 import re
@@ -286,7 +286,7 @@ def test_all_problems_of_a_map_are_reported_together(user, files):
 
 @pytest.fixture
 def write_log(user, signals):
-    """Write a raw log with channels and attributes in place of the usual ones."""
+    """Write a raw log, with given channels and attributes instead of the usual ones."""
 
     def write(name="log.h5", changed=None, track=False, **more):
         channels = signals.tracking() if track else signals.hysteresis()
@@ -371,7 +371,7 @@ def test_flipped_byte_of_a_channel_has_a_name(user, files, write_log):
 
 
 def stored(dataset):
-    """Return where in its file a dataset begins, and how many bytes of it follow."""
+    """Return the offset of a dataset in its file, and its length in bytes."""
     if dataset.chunks is None:
         return dataset.id.get_offset(), dataset.id.get_storage_size()
     chunk = dataset.id.get_chunk_info(0)
@@ -417,7 +417,7 @@ def test_log_that_declares_more_than_it_can_hold_is_refused(user, files, write_l
 
 
 def plain_log(path, signals):
-    """Write a log as programs without checksums do; its bytes are those of the library alone."""
+    """Write a log without checksums, as other programs do."""
     with h5py.File(path, "w") as log:
         log.attrs.update(
             experiment="sweep", source="rig", simulated=False, sample_rate_hz=RATE_HZ, seed=1,
@@ -430,14 +430,14 @@ def plain_log(path, signals):
 
 
 def endless(data):
-    """Give a text in the heap a length with which the library goes round in circles."""
+    """Give a text in the heap a length that makes the library loop endlessly."""
     at = data.index(b"GCOL") + 16
     *_, last = texts(data, at)
     data[last + 8] ^= 0x72
 
 
 def texts(data, at):
-    """Yield where each text of the heap begins."""
+    """Yield the offset of each text in the heap."""
     while True:
         (number,) = struct.unpack_from("<H", data, at)
         if number == 0:
@@ -448,7 +448,7 @@ def texts(data, at):
 
 
 def crashing(data):
-    """Call a text a list, of which the library then reads an address that is none."""
+    """Declare a text a list, so that the library reads an invalid address."""
     at = data.index(b"\x19\x01\x01\x00", data.index(b"experiment\x00"))
     data[at + 1] ^= 0x7D
 

@@ -40,7 +40,7 @@ def child(path, **more):
 
 
 def read(path):
-    """Samples that come back, each of which must be what was written, and the findings."""
+    """Return the samples read, each as written, and the findings."""
     channels, _, findings = read_journal(path)
     expected = np.arange(findings.samples, dtype=np.float64)
     np.testing.assert_array_equal(channels["time_s"], expected / 200.0)

@@ -1,4 +1,4 @@
-"""Faults of single parts, in this process: the rig follows the bench's clock, tick by tick."""
+"""Faults of parts, in this process: the rig runs on its bench's clock, tick by tick."""
 
 import logging
 import math
@@ -38,7 +38,7 @@ CALLS = [(part, *call) for part, calls in PARTS.items() for call in calls]
 
 
 class Outcome:
-    """What came of one run: ``error``, ``sessions``, ``samples`` in the journal, ``reason``."""
+    """Outcome of one run: ``error``, ``sessions``, ``samples`` in the journal, ``reason``."""
 
 
 @pytest.fixture
@@ -185,7 +185,7 @@ def test_board_that_fails_for_a_moment_is_vented_as_soon_as_it_answers(
     assert shared.failures == failures
     assert vented(bench)
     assert SAFE in found.signs
-    # told again at every look, not when the time to vent is over
+    # written again before every reading, not only once the time to vent is over
     lost = bench.tick - found.sessions[-1].tick
     assert lost * bench.period_s < 0.02 * (failures + 15)
     matrix.add("the board fails for a moment", "mid-run", "the driver's error",
@@ -193,7 +193,7 @@ def test_board_that_fails_for_a_moment_is_vented_as_soon_as_it_answers(
 
 
 def inject(bench, code, begin, end=math.inf):
-    """Return what sets a fault of the I2C bus between two ticks."""
+    """Return a function that sets a fault of the I2C bus between two ticks."""
 
     def at(tick):
         bench.shared.i2c_fault = code if begin <= tick < end else 0
@@ -423,7 +423,7 @@ def test_unexpected_exception_leaves_no_valve_open(bench, record, matrix):
 def test_log_that_is_there_is_not_recorded_again(bench, record, tmp_path, monkeypatch, settings):
     raw = tmp_path / "sweep.h5"
     raw.write_bytes(b"mine")
-    with pytest.raises(LogError, match="exists, and no log is overwritten; move it away"):
+    with pytest.raises(LogError, match="exists and is not overwritten; move it away"):
         process.record("sweep", str(raw), settings=settings, stop=lambda: "")
     assert raw.read_bytes() == b"mine"
     assert bench.shared.calls == 0

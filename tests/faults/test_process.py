@@ -23,7 +23,7 @@ pytestmark = [
 ]
 FOLDER = Path(__file__).parent
 PATIENCE_S = 120.0
-# the machine of a test may be busy: nothing ends a run here but what a test is about
+# on a busy machine, only the tested fault may end a run
 LIMITS = {"overruns_in_a_row": 1000, "stale_s": 10.0, "pressure_step_kpa": 1000.0}
 CLOSED, VENTED = [(0, 5.0), (1, 5.0)], [(0, 0.0), (1, 0.0)]
 PERIOD_S = 0.005
@@ -44,7 +44,7 @@ def environment(path):
 
 @pytest.fixture(scope="module")
 def shared(tmp_path_factory, compiled_driver):
-    """Memory of a rig that lives in a process of its own while the tests of this module run."""
+    """Memory of a rig that runs in a separate process during the tests of this module."""
     path = tmp_path_factory.mktemp("bench") / "bench"
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(str(FOLDER))
@@ -67,7 +67,7 @@ def shared(tmp_path_factory, compiled_driver):
 
 @pytest.fixture
 def rig(shared):
-    """The memory, without a trace of the test before."""
+    """The memory, reset after the previous test."""
     for name in ("calls", "fail_at", "failures", "writes", "stall_us", "opened", "i2c_fault",
                  "watchdog"):  # fmt: skip
         setattr(shared, name, 0)
@@ -76,13 +76,13 @@ def rig(shared):
 
 
 def hear():
-    """Hear the signals that nohup, or a shell's background, makes a process deaf to."""
+    """Restore the signals that nohup, or a background shell, ignores."""
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_DFL)
 
 
 class Program:
-    """``fprc rig`` in a session of its own, as a terminal would start it."""
+    """``fprc rig`` in a separate session, as started from a terminal."""
 
     def __init__(self, rig, folder, driver, verb, *, armed=True, seconds=10.0, **hardware):
         self.rig, self.raw = rig, folder / "sweep.h5"
@@ -128,7 +128,7 @@ class Program:
         raise AssertionError("no process drives the rig")
 
     def end(self):
-        """Wait for the end of both processes; return exit code and what was said."""
+        """Wait for the end of both processes; return exit code and output."""
         # the pipe ends with the last process that holds it
         _, said = self.process.communicate(timeout=PATIENCE_S)
         return self.process.returncode, said.decode()
@@ -171,7 +171,7 @@ def add(matrix, program, faulted_s, fault, ends, again=0):
     assert [row[1:] for row in venting][-2:] == VENTED
     _, _, findings = program.journal()
     pairs = len(ticks) // 2
-    # a sample is complete once it is written to both valves; the journal is told just after
+    # a sample is complete once both valves are written; the journal gets it just after
     lost = pairs - findings.samples
     assert findings.lost == 0
     assert findings.samples >= 20

@@ -18,7 +18,7 @@ ANGLE_STEP_DEG = 1.0 / 64.0
 
 
 def differences(found, expected, name, step):
-    """Check that two records are the same but for few steps of a converter."""
+    """Check that two records agree within a few steps of a converter."""
     difference = np.abs(found - expected)
     assert np.ptp(expected) > 0.0
     assert difference.max() <= 4.01 * step, name

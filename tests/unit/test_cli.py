@@ -152,7 +152,7 @@ def test_log_without_checksums_is_clean_and_its_record_says_so(long_log, capsys)
 def test_log_that_hangs_the_library_is_named_and_the_next_one_still_checked(
     long_log, tmp_path, capsys
 ):
-    """Of the oldest HDF5 format, with a wrong length of a text."""
+    """A file of the oldest HDF5 format, with a wrong text length."""
     path = tmp_path / "hung.h5"
     with h5py.File(path, "w", libver="earliest") as file:
         file["time_s"] = np.arange(400.0)

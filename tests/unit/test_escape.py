@@ -67,7 +67,7 @@ def test_figure_shows_text_and_no_formula(text):
 
 @pytest.mark.parametrize("text", [r"$\frac{$", "$$", r"\$", "a_b^c", "$x$", "{", r"\\$ \alpha"])
 def test_text_beside_a_formula_is_none(text):
-    """As in the label of an axis: a symbol, and a unit from a file in brackets."""
+    """As in an axis label: a symbol, and in brackets a unit from a file."""
     parser = MathTextParser("path")
     assert parser.parse(rf"$P_o$ [{escape.figure(text)}]").width > 0
     glyphs = [chr(glyph[2]) for glyph in parser.parse(f"$o${escape.figure(text)}").glyphs]

@@ -8,7 +8,7 @@ try:
     # in a process of their own
     EXISTING = headers(
         [f"{RAW}/{name}.h5" for name in Plan(SETTINGS, {}).every_log],
-        alone=workflow.is_main_process,
+        isolate=workflow.is_main_process,
     )
     if SETTINGS["source"] == "sim":
         refuse_to_overwrite(EXISTING)

@@ -149,7 +149,7 @@ class _Progress:
         self._signed = self._printed = 0
 
     def __call__(self, done: int) -> None:
-        # compare, do not count: missed ticks skip numbers
+        # not `done % every`: missed ticks can skip the multiples
         if done - self._signed >= self._every:
             self._signed = done
             sign(ALIVE)

@@ -25,7 +25,7 @@ class Experiment(NamedTuple):
     law : Law
         See ``fprc.control.run``.
     samples : int
-        Duration.
+        Duration in samples.
     channels : tuple of str
         Channels of the log.
     attributes : dict

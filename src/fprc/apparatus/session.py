@@ -12,7 +12,7 @@ from typing import Any
 from fprc.apparatus.guardian import ALIVE, HOT, SAFE
 from fprc.control import PressurePI
 from fprc.control.clock import Metronome
-from fprc.control.realtime import be_punctual
+from fprc.control.realtime import request_realtime
 from fprc.devices.hardware import HardwareRig
 from fprc.devices.safety import Guarded
 from fprc.errors import DeviceError, FprcError
@@ -37,7 +37,7 @@ def rig(hardware: Mapping[str, Any], period_s: float) -> Iterator[tuple[Guarded,
     clock = Metronome(
         period_s, overruns_in_a_row=limits["overruns_in_a_row"], spin_s=hardware["loop"]["spin_s"]
     )
-    for line in be_punctual(hardware["loop"]["priority"]):
+    for line in request_realtime(hardware["loop"]["priority"]):
         log.info("%s", line)
     sign(HOT)  # before opening the boards, so that the guardian notices a call that hangs
     try:

@@ -20,7 +20,7 @@ WHOLE, SOME_LOST = 0, 3
 
 
 def inspect_logs(paths: Sequence[str]) -> int:
-    """Print the quality record of each raw log; return 1 if one has a failed check.
+    """Print the quality record of each raw log; return 1 if one fails a check or is unreadable.
 
     The limits are the defaults; the expected sample rate is that in the log's attributes.
     """

@@ -176,7 +176,7 @@ def _judge(
 
 
 def progress_bar() -> Callable[[int, int], None]:
-    """Return a function that draws a progress bar: in place on a terminal, else every tenth."""
+    """Return a function that shows progress: a bar on a terminal, else a line every tenth."""
     terminal = sys.stderr.isatty()
     width = 30
 
@@ -234,8 +234,8 @@ def _page(
         "## The recording",
     ]
     for experiment, part in PARTS.items():
-        found = read_json(folder / f"raw/{experiment}.diagnosis.json")
-        lines += ["", f"### {part.capitalize()}", "", *(f"- {word}" for word in found["words"])]
+        diagnosis = read_json(folder / f"raw/{experiment}.diagnosis.json")
+        lines += ["", f"### {part.capitalize()}", "", *(f"- {word}" for word in diagnosis["words"])]
         lines += ["", f"![{part}](raw/{experiment}.diagnosis.png)"]
     return "\n".join(lines) + "\n"
 

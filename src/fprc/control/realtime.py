@@ -7,7 +7,7 @@ import os
 _MCL_CURRENT, _MCL_FUTURE = 1, 2
 
 
-def be_punctual(priority: int) -> list[str]:
+def request_realtime(priority: int) -> list[str]:
     """Request a real-time priority and locked memory, and disable the garbage collector.
 
     A request that the system refuses is reported and otherwise ignored.

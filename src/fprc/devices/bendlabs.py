@@ -120,7 +120,7 @@ class BendSensor:
         """Calibrate the mounted sensor at its present angle.
 
         The sensor stores two points: first 0, then a known angle. ``gain``
-        and ``offset_deg`` do not enter.
+        and ``offset_deg`` are not applied.
 
         Parameters
         ----------

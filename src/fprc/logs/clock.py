@@ -68,7 +68,7 @@ def even(samples: int, rate_hz: float) -> Clock:
     return Clock(0.0, count / rate_hz, count, count, UNMENDED)
 
 
-def read_clock(source: Source, time: Mapping[str, Any], instants: np.ndarray) -> Clock:
+def read_clock(source: Source, time: Mapping[str, Any], stamps: np.ndarray) -> Clock:
     """Return the clock of a column of time stamps.
 
     Parameters
@@ -84,19 +84,19 @@ def read_clock(source: Source, time: Mapping[str, Any], instants: np.ndarray) ->
         to treat them.
     """
     where = f"{source.path}: time: {time['column']}"
-    bad = np.flatnonzero(~np.isfinite(instants))
+    bad = np.flatnonzero(~np.isfinite(stamps))
     if bad.size:
         raise LogError(
-            f"{where}: {source.sample(bad[0])} is {instants[bad[0]]}, and {bad.size - 1} more are "
+            f"{where}: {source.sample(bad[0])} is {stamps[bad[0]]}, and {bad.size - 1} more are "
             "not finite; fill them in, delete those rows, or give time.rate_hz"
         )
-    latest = np.maximum.accumulate(instants)
-    late = np.flatnonzero(instants < latest)
-    order = np.argsort(instants, kind="stable") if late.size else np.arange(len(instants))
-    ordered = instants[order]
+    latest = np.maximum.accumulate(stamps)
+    late = np.flatnonzero(stamps < latest)
+    order = np.argsort(stamps, kind="stable") if late.size else np.arange(len(stamps))
+    ordered = stamps[order]
     fresh = np.append(True, ordered[1:] != ordered[:-1])
     repeated = order[~fresh]
-    problems = _disorder(source, time, instants, late, repeated)
+    problems = _disorder(source, time, stamps, late, repeated)
     if problems:
         raise LogError("\n".join(f"{where}: {problem}" for problem in problems))
     mended = {
@@ -117,19 +117,19 @@ def read_clock(source: Source, time: Mapping[str, Any], instants: np.ndarray) ->
 def _disorder(
     source: Source,
     time: Mapping[str, Any],
-    instants: np.ndarray,
+    stamps: np.ndarray,
     late: np.ndarray,
     repeated: np.ndarray,
 ) -> list[str]:
     """Return an error text for unordered and for repeated samples that the map does not treat."""
-    total, problems = len(instants), []
+    total, problems = len(stamps), []
     if late.size and not time.get("unordered"):
         k = int(late[0])
-        before = int(np.argmax(instants[:k]))
+        before = int(np.argmax(stamps[:k]))
         problems.append(
             f"{late.size} of {total} samples are out of order; the first is "
-            f"{source.sample(k)} at {instants[k]:.16g}, after {source.sample(before)} at "
-            f"{instants[before]:.16g}; set time.unordered: sort if the time stamps are right and "
+            f"{source.sample(k)} at {stamps[k]:.16g}, after {source.sample(before)} at "
+            f"{stamps[before]:.16g}; set time.unordered: sort if the time stamps are right and "
             "the samples were only written out of order; repair the clock if it was set back or "
             "restarted"
         )
@@ -137,7 +137,7 @@ def _disorder(
         k = int(repeated.min())
         problems.append(
             f"{repeated.size} of {total} samples repeat an earlier time stamp; the first is "
-            f"{source.sample(k)} at {instants[k]:.16g}; set time.repeated: first to keep the "
+            f"{source.sample(k)} at {stamps[k]:.16g}; set time.repeated: first to keep the "
             "first sample of each time stamp, or mean to average them; or give time.rate_hz"
         )
     return problems
@@ -186,9 +186,9 @@ def refuse_length(source: Source, time: Mapping[str, Any], clock: Clock, rate_hz
         )
     if duration_s > LONGEST_S or points > MOST_POINTS:
         raise LogError(
-            f"{where}: {duration_s:.4g} s, resampled to sample_rate_hz = {rate_hz:g}, take "
-            f"{points:.2g} samples; at most {LONGEST_S:g} s and {MOST_POINTS:.2g} samples are "
-            f"allowed; shorten it by start_s and end_s{remedy}"
+            f"{where}: {duration_s:.4g} s at sample_rate_hz = {rate_hz:g} need {points:.2g} "
+            f"samples in resampling; the limits are {LONGEST_S:g} s and {MOST_POINTS:.2g} "
+            f"samples; shorten it by start_s and end_s{remedy}"
         )
 
 
@@ -197,14 +197,14 @@ def _remedy(source: Source, time: Mapping[str, Any], clock: Clock) -> str:
     if not time.get("column"):
         return "; or correct time.rate_hz"
     unit, steps_s = time["unit"], np.diff(clock.since_s)
-    said = ""
+    hint = ""
     k = int(np.argmax(steps_s))
     if len(steps_s) > 1 and steps_s[k] > 0.5 * steps_s.sum():
         before, after = (clock.samples[clock.first[i]] for i in (k, k + 1))
         at = [(clock.begin_s + clock.since_s[i]) / SECONDS[unit] for i in (k, k + 1)]
-        said = (
+        hint = (
             f"; the clock jumps from {at[0]:.10g} {unit} at {source.sample(before)} to "
             f"{at[1]:.10g} {unit} at {source.sample(after)}: repair it there"
         )
     doubt = other_unit(clock, unit)
-    return f"{said}; {doubt}" if doubt else said
+    return f"{hint}; {doubt}" if doubt else hint

@@ -86,10 +86,7 @@ def write_columns(
 
 
 def _in_memory() -> h5py.File:
-    """Return a new file in memory.
-
-    On a full disk, HDF5 crashes the process at exit.
-    """
+    """Return a new file in memory: on a full disk, HDF5 crashes the process at exit."""
     access = h5py.h5p.create(h5py.h5p.FILE_ACCESS)
     access.set_fapl_core(backing_store=False)
     access.set_libver_bounds(*_FORMAT)
@@ -102,9 +99,9 @@ def _in_memory() -> h5py.File:
     return h5py.File(h5py.h5f.create(b"log", h5py.h5f.ACC_TRUNC, creation, access))
 
 
-def _describe(what: h5py.File | h5py.Dataset, attributes: Mapping[str, Any]) -> None:
+def _describe(target: h5py.File | h5py.Dataset, attributes: Mapping[str, Any]) -> None:
     for name, value in attributes.items():
-        what.attrs[name] = as_written(value)
+        target.attrs[name] = as_written(value)
 
 
 def read_columns(

@@ -117,7 +117,7 @@ def _parts(
     text: _Text, mark: str, header_line: int | None, data_line: int | None
 ) -> tuple[_Row, Iterator[_Row]]:
     """Return the header, and an iterator over the rows below it."""
-    header = next(_rows(text, header_line or 1, mark, as_it_is=header_line is not None), None)
+    header = next(_rows(text, header_line or 1, mark, verbatim=header_line is not None), None)
     if header is None or not header.fields:
         raise LogError(
             f"{text.path}: no samples; the file is empty, or csv.header_line is past its end"
@@ -130,24 +130,24 @@ def _parts(
     return header, _rows(text, data_line or header.last_line + 1, mark)
 
 
-def _rows(text: _Text, first: int, mark: str, *, as_it_is: bool = False) -> Iterator[_Row]:
+def _rows(text: _Text, first: int, mark: str, *, verbatim: bool = False) -> Iterator[_Row]:
     """Yield the rows from line ``first`` on; skip comments, and blank lines before the first row.
 
     Parameters
     ----------
-    as_it_is : bool
+    verbatim : bool
         Whether the first line is a row even if it is blank or looks like a comment.
     """
     begins = last = first
-    between, begun = not as_it_is, as_it_is
+    between_rows, started = not verbatim, verbatim
 
     def fed() -> Iterator[str]:
-        nonlocal begins, last, between
+        nonlocal begins, last, between_rows
         for number, line in enumerate(islice(text.lines, first - 1, None), first):
-            if between:
-                if line.lstrip().startswith(("#", "%")) or not (begun or line.strip()):
+            if between_rows:
+                if line.lstrip().startswith(("#", "%")) or not (started or line.strip()):
                     continue
-                begins, between = number, False
+                begins, between_rows = number, False
             last = number
             yield re.sub(r'("[^"]*")|\t', _unquoted_blank, line) if mark == " " else line
 
@@ -162,7 +162,7 @@ def _rows(text: _Text, first: int, mark: str, *, as_it_is: bool = False) -> Iter
                 f"{text.path}: line {begins} cannot be read ({error}); it has an extra quotation "
                 "mark, or lacks one"
             ) from error
-        begun = between = True
+        started = between_rows = True
         yield _Row(begins, last, fields)
 
 

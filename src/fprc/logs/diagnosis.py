@@ -135,7 +135,7 @@ def _held(lengths: np.ndarray) -> int | None:
     if len(inner) < 5:
         return None
     typical = int(np.median(inner))
-    # allow a value that is sampled twice in a row, and jitter of the slower clock
+    # allow repeated values, and jitter of the slower clock
     multiples = inner / typical
     regular = (np.abs(inner - typical) <= typical // 4) | (multiples == np.round(multiples))
     return typical if typical >= 2 and regular.mean() >= 0.8 else None

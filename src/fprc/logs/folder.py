@@ -48,12 +48,12 @@ class Content(NamedTuple):
 WHOLE = Content(None, {})
 
 
-def headers(paths: Iterable[Path | str], *, alone: bool) -> dict[str, Header]:
+def headers(paths: Iterable[Path | str], *, isolate: bool) -> dict[str, Header]:
     """Return the headers of the raw logs that exist, by log name.
 
     Parameters
     ----------
-    alone : bool
+    isolate : bool
         Read them in a child process, so that a damaged file cannot hang or crash this one.
 
     Raises
@@ -62,7 +62,7 @@ def headers(paths: Iterable[Path | str], *, alone: bool) -> dict[str, Header]:
         Names every file that cannot be read.
     """
     present = [path for path in map(Path, paths) if path.exists()]
-    if alone and present:
+    if isolate and present:
         read = isolated_each(read_header, present)
     else:
         read = list(map(read_header, present))
@@ -70,7 +70,7 @@ def headers(paths: Iterable[Path | str], *, alone: bool) -> dict[str, Header]:
 
 
 def contents(
-    there: Mapping[str, Header],
+    existing: Mapping[str, Header],
     names: Sequence[str],
     to_come: Container[str] = (),
     without: Sequence[str] = (),
@@ -79,7 +79,7 @@ def contents(
 
     Parameters
     ----------
-    there : Mapping
+    existing : Mapping
         Headers of the existing logs, see ``headers``.
     names : sequence of str
         Names of logs, without ``.h5``.
@@ -93,13 +93,13 @@ def contents(
     for name in names:
         if name in to_come:
             logs[name] = coming
-        elif name in there:
-            header = there[name]
+        elif name in existing:
+            header = existing[name]
             logs[name] = Content(header.channels, header.attributes.get("notes", {}))
     return logs
 
 
-def refuse_to_overwrite(there: Mapping[str, Header]) -> None:
+def refuse_to_overwrite(existing: Mapping[str, Header]) -> None:
     """Check that the simulated rig would overwrite only its own logs.
 
     Raises
@@ -108,13 +108,13 @@ def refuse_to_overwrite(there: Mapping[str, Header]) -> None:
         Lists the other logs that it would overwrite.
     """
     _refuse(
-        [header.path for header in there.values() if header.attributes.get("source") != "sim"],
+        [header.path for header in existing.values() if header.attributes.get("source") != "sim"],
         "is not a log of the simulated rig and will not be overwritten; set source: recorded to "
         "use it, or move it away",
     )
 
 
-def refuse_simulated(there: Mapping[str, Header]) -> None:
+def refuse_simulated(existing: Mapping[str, Header]) -> None:
     """Check that none of the logs, which should be of a real rig, is simulated.
 
     Raises
@@ -123,7 +123,7 @@ def refuse_simulated(there: Mapping[str, Header]) -> None:
         Lists those that are simulated.
     """
     _refuse(
-        [header.path for header in there.values() if header.attributes.get("source") == "sim"],
+        [header.path for header in existing.values() if header.attributes.get("source") == "sim"],
         "is a log of the simulated rig, not of the real one; set folders.raw (and "
         "folders.results) to folders of their own",
     )

@@ -85,7 +85,7 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
     record = np.dtype([("tick", "<u8"), ("row", "<f8", (len(names),)), ("crc", "<u4")])
     end = _find(data, END, start, seed)
     room = _room(data, start, record)
-    begun = end.content["samples"] if end else room
+    appended = end.content["samples"] if end else room
     whole = max(min((len(data) - start) // record.itemsize, room), 0)
     records = np.frombuffer(data, record, whole, start) if whole else np.empty(0, record)
     right = np.flatnonzero(_checksums(data, start, records, seed) == records["crc"])
@@ -93,10 +93,10 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
     misplaced = int((stored[1:] <= np.maximum.accumulate(stored)[:-1]).sum())
     ticks, first = np.unique(stored, return_index=True)
     if misplaced and not end:
-        begun -= len(stored) - len(ticks)
+        appended -= len(stored) - len(ticks)
     rows = records["row"][right[first]]
     channels = {name: rows[:, j].copy() for j, name in enumerate(names)}
-    findings = _findings(right[first], begun, ticks, channels["time_s"], misplaced, end)
+    findings = _findings(right[first], appended, ticks, channels["time_s"], misplaced, end)
     return channels, attributes, findings
 
 
@@ -133,7 +133,7 @@ def _no_header(path: Path, data: bytes) -> str:
 
 
 def _room(data: bytes, start: int, record: np.dtype) -> int:
-    """Return how many samples the file has room for; counts an incomplete last one."""
+    """Return how many samples fit before the end mark or the file's end; rounds up."""
     for at in range(start, len(data), record.itemsize):
         if data.startswith(END, at):
             return (at - start) // record.itemsize
@@ -151,16 +151,16 @@ def _checksums(data: bytes, start: int, records: np.ndarray, seed: int) -> np.nd
 
 def _findings(
     places: np.ndarray,
-    begun: int,
+    appended: int,
     ticks: np.ndarray,
     times_s: np.ndarray,
     misplaced: int,
     end: _Block | None,
 ) -> Findings:
-    lost = max(begun - len(places), 0)
+    lost = max(appended - len(places), 0)
     # with misplaced samples, the positions of the lost ones are unknown
     known = lost and not misplaced
-    edges = np.concatenate([[-1], places, [begun]])
+    edges = np.concatenate([[-1], places, [appended]])
     stretches = tuple(
         Stretch(
             int(edges[k + 1] - edges[k]) - 1,
@@ -176,7 +176,7 @@ def _findings(
     elif not end.content["complete"]:
         reasons.append(end.content["reason"] or "stopped early")
     if lost:
-        reasons.append(f"{lost} of {begun} samples are lost")
+        reasons.append(f"{lost} of {appended} samples are lost")
     if misplaced:
         reasons.append(f"samples out of order or repeated: {misplaced}")
     return Findings(

@@ -29,7 +29,7 @@ _LIMIT_BYTES = 2 << 30
 _KNOWN_CHANNELS = (*RAW_CHANNELS, *TRACKING_CHANNELS)
 #: Most channels that are read besides the known ones.
 _MOST_OTHERS = 100
-#: A file length in the superblock of more than this many times the real one is damaged.
+#: A length in the superblock beyond this multiple of the file's real length is itself damaged.
 _LARGEST_FACTOR = 1000
 
 
@@ -147,7 +147,7 @@ def _export(path: Path, folder: Path) -> None:
             lines.flush()
 
         if patched.stat().st_size > size:
-            report(words=[f"cut short: {size} of {patched.stat().st_size} bytes are there"])
+            report(words=[f"cut short: {size} of {patched.stat().st_size} bytes are left"])
         wrong = _mend_headers(patched)
         if wrong:
             report(words=[f"headers damaged: {wrong}; their content may be wrong"])
@@ -184,7 +184,7 @@ def _export_channels(file: h5py.File, size: int, folder: Path, report: Callable[
     room = MAX_BYTES
     names, listed = _names(file, _KNOWN_CHANNELS)
     if not listed:
-        report(words=["channels: the list is damaged; only the usual ones can be read"])
+        report(words=["channels: the list is damaged; only the standard ones can be read"])
     first = [name for name in _KNOWN_CHANNELS if name in names]
     rest = [name for name in names if name not in _KNOWN_CHANNELS]
     if len(rest) > _MOST_OTHERS:

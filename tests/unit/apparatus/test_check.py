@@ -10,7 +10,7 @@ from fprc.errors import ControlError, DeviceError
 
 @pytest.fixture
 def look(make_bench, settings, live_by, caplog):
-    """Check a rig that lives by its bench's clock; return exit code and troubles."""
+    """Check a rig on its bench's clock; return exit code and troubles."""
 
     def look(*, armed=True, stop=lambda: "", touch=lambda bench: None):
         look.bench = bench = make_bench(settings)

@@ -22,13 +22,13 @@ def signs(*chunks):
 
 @pytest.fixture
 def heard():
-    """Signals of a person to the guardian."""
+    """Signals that the user sends to the guardian."""
     return []
 
 
 @pytest.fixture
 def alive(bench, monkeypatch):
-    """A bench that lives on while the guardian waits."""
+    """A bench whose time advances while the guardian waits."""
     vent = partial(pneumatics.vent, sleep=bench.wait, now=bench.elapsed)
     monkeypatch.setattr(pneumatics, "vent", vent)
     return bench
@@ -59,7 +59,7 @@ def test_end_of_the_loop_is_derived_from_its_signs(chunks, end):
 
 
 class Waits(queue.SimpleQueue):
-    """Signs of a loop; each None is a wait in vain."""
+    """Signs of a loop; each None is a timeout."""
 
     def __init__(self, *chunks):
         self.left = list(chunks)
@@ -114,7 +114,7 @@ def test_chambers_are_vented_over_a_connection_of_its_own(alive, settings, heard
 
 
 def test_chambers_that_read_pressure_are_not_called_vented(alive, settings, heard):
-    settings["hardware"]["boards"]["main_output"] = 5  # the valve does not hear
+    settings["hardware"]["boards"]["main_output"] = 5  # no valve is connected there
     fill(alive)
     said = _vent(settings["hardware"], heard)
     assert said.startswith("THE CHAMBERS MAY BE UNDER PRESSURE")

@@ -46,7 +46,7 @@ def test_guardian_that_is_silent_ends_the_run(stop, clocks):
     assert stop() == ""
     clocks.ran_s += 0.02
     assert "has been silent for 0.51 s (hardware.loop.stalled_s)" in stop()
-    # and hearing it again changes nothing
+    # and a later sign does not change that
     stop._sign_s = clocks.ran_s
     assert "has been silent for 0.51 s" in stop()
 

@@ -187,7 +187,7 @@ def test_library_that_is_not_installed_is_named_with_the_remedy(run, fit, capsys
 
 
 def test_parameter_file_without_its_ending_is_an_error(run):
-    """The report lies beside it, and would have its name."""
+    """The report beside it would have the same name."""
     assert run(out="rig.json") == (1, [])
 
 

@@ -31,12 +31,12 @@ COMMAND = {"column": "p_exp_command_kpa", "unit": "kPa"}
 
 @pytest.fixture
 def drawn():
-    """Asked for by who looks at the picture."""
+    """Requested by tests that use the picture."""
 
 
 @pytest.fixture(autouse=True)
 def undrawn(request, monkeypatch):
-    """No picture for the others: to draw one takes longer than all else."""
+    """Draw no picture in the other tests: drawing takes longer than all else."""
     if "drawn" not in request.fixturenames:
         monkeypatch.setattr(style, "save_png", touch)
 
@@ -48,7 +48,7 @@ def touch(fig, data, png):
 
 @pytest.fixture
 def bring(recorded, tmp_path):
-    """Import a simulated sweep, written as CSV, with the channels that are asked for."""
+    """Import a simulated sweep, written as CSV, with the given channels."""
 
     def bring(channels, time_s=None, **more):
         columns = dict(recorded["sweep"]) | ({} if time_s is None else {"time_s": time_s})
@@ -392,7 +392,7 @@ def test_listing_shows_columns_range_and_clock(bring, tmp_path, capsys):
 @pytest.mark.slow
 @pytest.mark.parametrize("version", ["5", "7.3"])
 def test_words_of_the_listing_are_those_of_the_map(tmp_path, capsys, matlab_files, version):
-    """Parts of cells and struct arrays, of which some are no numbers or empty."""
+    """Parts of cells and struct arrays; some are empty or not numeric."""
     write = {"5": matlab_files.write_matlab5, "7.3": matlab_files.write_matlab73}[version]
     count = np.arange(50.0).reshape(-1, 1)
     runs = [{"t": 0.01 * count, "q": np.hstack([k * count, -k * count])} for k in (1, 2)]

@@ -37,7 +37,7 @@ def quiet():
 
 @pytest.fixture
 def recording(tmp_path):
-    """Write 12 s of a force that P_o has a part in; a map of them, too, whose path is returned."""
+    """Write 12 s of a force that depends on P_o, and a map, whose path is returned."""
     time_s = np.arange(2400) / 200.0
     rng = np.random.default_rng(5)
     angle = 20.0 + 10.0 * np.sin(2.0 * time_s) + 8.0 * np.sin(3.3 * time_s)
@@ -73,7 +73,7 @@ def test_one_command_goes_from_a_recording_to_a_report(recording, tmp_path, caps
     assert set(table["split"]) == {"shuffled", "blocked"}
     assert set(table["unit"]) == {"N"}
     own = table[(table["epsilon"] == 0.1) & (table["split"] == "blocked")].set_index("readout")
-    # the force is made of P_o, and nothing else knows it
+    # the force depends on P_o, which no other input reveals
     assert own.loc["p_o", "test_rmse"] < 0.7 * own.loc["shuffled", "test_rmse"]
     said = capsys.readouterr()
     assert "cells" not in said.out

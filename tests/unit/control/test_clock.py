@@ -11,7 +11,7 @@ PERIOD_S = 2.0**-8
 
 
 class Time:
-    """Time that passes in ``sleep``, in ``pass_``, and by ``look_s`` whenever it is looked at."""
+    """Time that advances in ``sleep`` and ``pass_``, and by ``look_s`` at each reading."""
 
     def __init__(self, look_s=0.0):
         self.s = 1000.0
@@ -81,7 +81,7 @@ def test_stall_gives_up_the_ticks_that_are_a_period_late(time, stall, tick, late
     assert clock.wait_for(1) == tick
     assert clock.overruns == tick - 1
     assert time.s == 1000.0 + (1 + tick + late) * PERIOD_S
-    # and goes on upon the old grid
+    # and continues on the original grid
     assert clock.wait_for(tick + 1) == tick + 1
     assert time.s == 1000.0 + (2 + tick) * PERIOD_S
 

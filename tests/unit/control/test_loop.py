@@ -8,7 +8,7 @@ from fprc.logs import RAW_CHANNELS
 
 
 class Bench:
-    """Device and clock that remember the calls and fail where they are told to."""
+    """Device and clock that record the calls and fail at chosen ones."""
 
     def __init__(self, fail=None, at=0, error=None):
         self.calls = []

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from fprc.control.realtime import be_punctual
+from fprc.control.realtime import request_realtime
 
 
 @pytest.fixture(autouse=True)
@@ -18,7 +18,7 @@ def collector():
 
 @pytest.fixture
 def system(monkeypatch):
-    """An operating system that grants everything and keeps what it was asked."""
+    """An operating system that grants and records every request."""
     asked = []
 
     def lock(flags):
@@ -36,12 +36,12 @@ def system(monkeypatch):
 
 
 def test_granted_requests_are_reported(system):
-    assert be_punctual(50) == ["real-time priority 50", "memory locked"]
+    assert request_realtime(50) == ["real-time priority 50", "memory locked"]
     assert system == [("priority", 50), ("mlockall", 3)]
 
 
 def test_garbage_is_collected_before_and_not_during_the_run(system):
-    be_punctual(0)
+    request_realtime(0)
     assert not gc.isenabled()
     assert gc.get_freeze_count() > 0
     assert system == []
@@ -54,7 +54,7 @@ def test_refused_priority_is_reported_with_its_remedy_and_memory_is_still_locked
         raise PermissionError(errno.EPERM, "Operation not permitted")
 
     monkeypatch.setattr(os, "sched_setscheduler", refuse)
-    priority, memory = be_punctual(42)
+    priority, memory = request_realtime(42)
     assert priority.startswith(
         "no real-time priority (Operation not permitted); continuing without"
     )
@@ -69,7 +69,7 @@ def test_refused_lock_is_reported_with_its_reason_and_remedy(system, monkeypatch
         return -1
 
     monkeypatch.setattr(ctypes, "CDLL", lambda *a, **k: SimpleNamespace(mlockall=refuse))
-    _, memory = be_punctual(1)
+    _, memory = request_realtime(1)
     assert memory.startswith(f"memory not locked ({os.strerror(errno.ENOMEM)}); continuing without")
     assert "memlock unlimited" in memory
 
@@ -81,7 +81,7 @@ def test_system_without_either_is_reported(system, monkeypatch, raised):
 
     monkeypatch.delattr(os, "sched_setscheduler")
     monkeypatch.setattr(ctypes, "CDLL", refuse)
-    priority, memory = be_punctual(1)
+    priority, memory = request_realtime(1)
     assert "this system has no SCHED_FIFO; continuing without" in priority
     assert "this system has no mlockall; continuing without" in memory
     assert not gc.isenabled()

@@ -101,7 +101,7 @@ def test_no_alarm_while_the_sensor_still_changes_now_and_then():
 
 
 def test_no_alarm_when_the_reference_starts_after_a_long_rest():
-    """The sensor may repeat a value this long while the reference moves, rest not counted."""
+    """The sensor may repeat a value this long while the reference moves; rest does not count."""
     theta_d = np.concatenate([np.full(1000, 5.0), 5.0 + 0.2 * np.arange(200)])
     theta = np.concatenate([np.full(1030, 4.0), 4.0 + 0.2 * np.arange(170)])
     assert play(theta_d, theta, stale_samples=40) is None

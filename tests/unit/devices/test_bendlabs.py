@@ -41,7 +41,7 @@ def bus(fakes):
 
 @pytest.fixture
 def sensor(bus):
-    """Sensor that was started, on a bus that forgot how."""
+    """A started sensor, on a bus without a record of the start."""
     sensor = BendSensor(bus, 0x12)
     sensor.start(sleep=lambda seconds: None)
     bus.exchanged.clear()

@@ -15,7 +15,7 @@ def library(bench, driver):
 
 
 def fail(bench, code=12345, count=1, skip=0):
-    """Let calls of the driver fail from the next but ``skip`` on."""
+    """Let the driver's calls fail after the next ``skip``."""
     shared = bench.shared
     shared.fail_at, shared.fail_count = shared.calls + 1 + skip, count
     shared.fail_code = code

@@ -25,7 +25,7 @@ def buses():
 
 @pytest.fixture
 def build(bench, hardware, buses):
-    """Open the rig on buses that are remembered."""
+    """Open the rig on buses that are recorded."""
 
     def open_and_keep(number):
         assert number not in buses
@@ -192,7 +192,7 @@ def test_failure_while_the_chambers_vent_is_made_good_at_the_next_look(bench, bu
     fail(bench, skip=at)
     rig.close()
     assert bench.shared.failures == 1
-    # not closed again on the way: what was vented is still
+    # not closed again in between: a vented chamber stays vented
     assert {volts for _, volts in written(bench, since=6)} == {0.0}
     assert bench.shared.opened == 0
 
@@ -323,7 +323,7 @@ def test_rig_is_closed_once_a_reading_shows_that_it_is_vented(bench, build):
 def test_rig_whose_chamber_keeps_its_pressure_is_released_and_not_called_vented(
     bench, hardware, build
 ):
-    hardware["boards"]["reservoir_output"] = 5  # the valve does not hear
+    hardware["boards"]["reservoir_output"] = 5  # no valve is connected there
     rig = build()
     bench.shared.outputs[1] = 9.0
     bench.wait(0.3)

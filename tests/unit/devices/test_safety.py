@@ -11,7 +11,7 @@ QUANTITIES = [name for name in Readings._fields if name != "time_s"]
 
 
 class Rig:
-    """Gives what it is told; keeps what it was asked."""
+    """Returns given readings; records the calls."""
 
     def __init__(self):
         self.now = {"time_s": 0.0} | REST
@@ -46,7 +46,7 @@ def guarded(rig, limits):
 
 
 def step(rig, guarded, ticks=1, **values):
-    """Let time pass, with noise on every sensor that is not told otherwise."""
+    """Advance time; every sensor without a given value has noise."""
     for _ in range(ticks):
         k = round(rig.now["time_s"] / PERIOD_S) + 1
         noisy = {name: value + 0.01 * (k % 2) for name, value in REST.items()}
@@ -81,7 +81,7 @@ def test_every_reading_is_stopped_beyond_either_limit(rig, limits, name, end):
 
 
 def test_first_reading_is_checked_too(rig, guarded):
-    rig.now["p_o_kpa"] = 0.0  # nobody filled PAM B
+    rig.now["p_o_kpa"] = 0.0  # PAM B was not filled
     with pytest.raises(SafetyError, match=r"p_o_kpa = 0\.0 is outside 20 to 400"):
         guarded.read()
 

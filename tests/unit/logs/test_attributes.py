@@ -1,4 +1,4 @@
-"""Which attributes are valid, and that all others are refused."""
+"""Valid attributes are read back, and invalid ones are refused."""
 
 import json
 
@@ -60,7 +60,7 @@ def test_attributes_come_back_as_they_were(tmp_path_factory, told):
 
 @pytest.mark.parametrize("length", [0, 1, 60_000, 200_000])
 def test_text_of_any_length_comes_back(tmp_path, length):
-    """More than 64 kB have no room in the header of the file."""
+    """More than 64 kB do not fit into the file's header."""
     assert read_back(tmp_path, {"software": "ö" * length}) == {"software": "ö" * length}
 
 

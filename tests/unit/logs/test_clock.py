@@ -162,9 +162,9 @@ def test_likely_clock_is_not_doubted():
 
 
 def test_steps_far_finer_than_the_grid_are_refused():
-    """Else the low-pass alone would take 3 GB."""
+    """Otherwise the low-pass alone would need 3 GB."""
     instants = np.append(np.arange(50) * 1e-9, 1.0)
-    assert "take 2.4e+09 samples" in length_refused(instants)
+    assert "need 2.4e+09 samples" in length_refused(instants)
 
 
 def test_rate_that_is_too_low_is_reported_as_such():

@@ -17,7 +17,7 @@ from fprc.logs.columns import unit_of
 
 NAMES = ("time_s", "p_o_kpa", "theta_deg")
 
-#: Child process: damages a log in many ways and prints what reading it led to.
+#: Child process: damages a log in many ways and prints the outcome of reading each.
 READ_DAMAGED = """
 import json, sys
 from pathlib import Path
@@ -129,7 +129,7 @@ def test_same_content_gives_the_same_bytes(tmp_path):
     for name in ("a.h5", "b.h5"):
         write_columns(tmp_path / name, three_channels(), {"seed": 1, "source": "sim"})
     assert (tmp_path / "a.h5").read_bytes() == (tmp_path / "b.h5").read_bytes()
-    # the library can stamp the file and each channel with the second of its making
+    # the library can stamp the file and each channel with the time of creation
     data = (tmp_path / "a.h5").read_bytes()
     flags = [data[found.start() + 5] for found in re.finditer(b"OHDR", data)]
     assert len(flags) == 1 + len(NAMES)
@@ -225,7 +225,7 @@ def test_message_of_a_log_cut_before_its_length_is_known_names_no_length(path):
 
 
 def test_damaged_bytes_are_refused_with_a_message_for_people_or_carry_nothing(path):
-    """Bytes turned at random places of the file, alone and several in a row."""
+    """Bytes changed at random places of the file, singly and several in a row."""
     rng = np.random.default_rng(0)
     size = path.stat().st_size
     cases = []
@@ -238,7 +238,7 @@ def test_damaged_bytes_are_refused_with_a_message_for_people_or_carry_nothing(pa
 
 @pytest.mark.slow
 def test_flipped_bit_is_refused_or_carries_nothing(write_run, tmp_path):
-    """A closed-loop log of 10 samples: more names and attributes than a header has room for."""
+    """A closed-loop log of 10 samples: its names and attributes do not fit into one header."""
     log = read_columns(write_run("whole.h5"), (*RAW_CHANNELS, *TRACKING_CHANNELS))
     path = tmp_path / "log.h5"
     names = tuple(log.channels)
@@ -247,7 +247,7 @@ def test_flipped_bit_is_refused_or_carries_nothing(write_run, tmp_path):
     cases = [{"bytes": [at], "flip": 1 << at % 8} for at in range(0, len(data), 5)]
     found = outcomes(path, cases, names, timeout_s=300)
     assert set(found) == {"LogError", "read"}
-    # what is left free in the blocks of names and attributes, and the library's account of it
+    # unused space in the blocks of names and attributes, and its bookkeeping
     assert found.count("read") < 0.2 * len(found)
 
 
@@ -255,7 +255,7 @@ def test_flipped_bit_is_refused_or_carries_nothing(write_run, tmp_path):
 
 
 def turn(path, name, sample):
-    """Turn one bit of one sample, as a bad disk does."""
+    """Flip one bit of one sample, as a bad disk does."""
     with h5py.File(path) as file:
         at = file[name].id.get_offset() + 8 * sample + 2
     data = bytearray(path.read_bytes())
@@ -292,7 +292,7 @@ def test_numbers_that_are_changed_on_purpose_need_a_new_checksum_or_none(path):
 
 
 def test_checksum_is_of_the_numbers_however_they_are_stored(path):
-    """In single precision, chunks and compressed: other programs choose that."""
+    """Single precision, chunked and compressed, as other programs write it."""
     values = np.arange(300, dtype=np.float32)
     with h5py.File(path, "r+") as file:
         told = dict(file["p_o_kpa"].attrs) | {"crc32": zlib.crc32(values.astype("<f8").tobytes())}

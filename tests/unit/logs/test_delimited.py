@@ -24,7 +24,7 @@ def read(path, **told):
 
 @pytest.fixture
 def table(tmp_path):
-    """Write a text and return what is read of it."""
+    """Write a text and return the source read from it."""
 
     def table(text, **told):
         path = tmp_path / "log.csv"
@@ -50,7 +50,7 @@ def columns(source):
 
 # --- names and numbers ----------------------------------------------------------------------
 
-#: Anything but what no text file can hold, and line ends that reading makes one of.
+#: Any text; without characters that files cannot hold, and line ends that reading unifies.
 MARKS = st.characters(exclude_categories=["Cs"], exclude_characters="\0\r")
 NAMES = st.text(MARKS, max_size=6) | st.text('",;|\t #%"a.1\n', max_size=6)
 
@@ -77,7 +77,7 @@ def test_table_of_any_names_comes_back_as_it_was_written(
     tmp_path_factory, separator, names, rows, seed
 ):
     stripped = [name.strip() for name in names]
-    # no name, no letter in any, a comment, or a blank line: what the reader has to guess
+    # no name, no letter in any, a comment, or a blank line: the ambiguous cases
     assume(all(stripped) and not all(map(is_number, stripped)))
     assume(not stripped[0].startswith(("#", "%")))
     # unquoted, a tab is a blank
@@ -260,7 +260,7 @@ def test_large_text_is_refused_unread(refusal, monkeypatch):
 
 
 def test_many_columns_are_read(table):
-    """Fails by its time alone if a search over names is quadratic: a minute for 20,000."""
+    """With a quadratic search over names this takes a minute for 20,000."""
     names = [f"c{k}" for k in range(20_000)]
     line = ",".join("1.5" for _ in names)
     found = table("\n".join([",".join(names), line, line]))

@@ -156,7 +156,7 @@ def test_identical_channels_are_paired():
 
 @pytest.fixture
 def squeezed(recorded):
-    """A simulated sweep with leak and re-fills put in by hand."""
+    """Return a simulated sweep with an artificial leak and re-fills."""
 
     def make(leak_kpa_per_min=0.0, refills=()):
         log = recorded["sweep"]

@@ -17,16 +17,16 @@ from fprc.logs import (
 NAMES = ["sweep", "complex", "track_sweep_fprc"]
 
 
-def there(folder, alone=False):
-    return headers([folder / f"{name}.h5" for name in NAMES], alone=alone)
+def there(folder, isolate=False):
+    return headers([folder / f"{name}.h5" for name in NAMES], isolate=isolate)
 
 
-@pytest.mark.parametrize("alone", [False, True])
-def test_channels_and_notes_of_the_logs_that_are_there(write_log, tmp_path, alone):
+@pytest.mark.parametrize("isolate", [False, True])
+def test_channels_and_notes_of_the_logs_that_are_there(write_log, tmp_path, isolate):
     path = write_log("sweep.h5", notes={"theta_deg": "not in deg: x [mm]", "p_o_kpa": "muscle 1"})
     with h5py.File(path, "a") as log:
         del log["phi_deg"]
-    found = contents(there(tmp_path, alone), NAMES)
+    found = contents(there(tmp_path, isolate), NAMES)
     assert list(found) == ["sweep"]
     assert found["sweep"].lacks(["phi_deg", "p_o_kpa"]) == ["phi_deg"]
     assert found["sweep"].instead("theta_deg") == "x [mm]"
@@ -50,7 +50,7 @@ def test_every_file_that_cannot_be_read_is_named(write_log, tmp_path):
     write_log("complex.h5", notes="{")
     write_log("track_sweep_fprc.h5")
     with pytest.raises(LogError) as caught:
-        there(tmp_path, alone=True)
+        there(tmp_path, isolate=True)
     first, second = str(caught.value).splitlines()
     assert first.startswith(f"{tmp_path / 'sweep.h5'}: not an HDF5 file")
     assert second.startswith(f"{tmp_path / 'complex.h5'}: attribute notes = '{{': must be a JSON")
@@ -64,7 +64,7 @@ def test_pipe_in_the_place_of_a_log_is_refused_at_once(tmp_path):
 
 def test_folder_without_logs_starts_no_process(tmp_path, monkeypatch):
     monkeypatch.setattr(isolated.subprocess, "run", None)
-    assert there(tmp_path, alone=True) == {}
+    assert there(tmp_path, isolate=True) == {}
 
 
 def test_all_logs_are_read_in_one_process(write_log, tmp_path, monkeypatch):
@@ -74,7 +74,7 @@ def test_all_logs_are_read_in_one_process(write_log, tmp_path, monkeypatch):
     )
     for name in NAMES:
         write_log(f"{name}.h5")
-    assert list(there(tmp_path, alone=True)) == NAMES
+    assert list(there(tmp_path, isolate=True)) == NAMES
     assert len(started) == 1
 
 

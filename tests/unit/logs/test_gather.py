@@ -31,7 +31,7 @@ def write_matlab(path, columns):
 
 
 def write_matlab73(path, columns):
-    """Write what MATLAB's -v7.3 writes: HDF5 behind a text of 512 bytes, arrays by columns."""
+    """Write a file as MATLAB's -v7.3: HDF5 after 512 bytes of text, arrays by columns."""
     with h5py.File(path, "w", userblock_size=512) as file:
         for name, values in columns.items():
             dataset = file.create_dataset(f"run/{name}", data=np.atleast_2d(values))
@@ -53,7 +53,7 @@ numbers = st.floats(-1e9, 1e9, allow_subnormal=False)
 
 
 def read(path):
-    """Read a file as ``read_source`` does, but arrays in this process too: sooner."""
+    """Read a file as ``read_source`` does, but faster: always in this process."""
     if path.suffix == ".csv":
         return read_source(path)
     return read_arrays(path, matlab=path.suffix == ".mat")
@@ -74,7 +74,7 @@ def source(request, tmp_path):
 
 
 def asked(name, **more):
-    """Arguments that ask for angle and force on the clock t."""
+    """Arguments that map angle and force, with the clock t."""
     spec = {
         "theta_deg": {"column": name.format("angle"), "unit": "deg", **PLAIN},
         "p_exp_kpa": {"column": name.format("force"), "unit": "1", **PLAIN},

@@ -1,4 +1,4 @@
-"""Small files that declare huge data, or that link to or hide data elsewhere."""
+"""Small files that declare huge datasets, or link to other files."""
 
 import h5py
 import numpy as np
@@ -20,7 +20,7 @@ def path(tmp_path):
 
 
 def replace(path, make):
-    """Put something else in the place of p_o_kpa."""
+    """Replace p_o_kpa by another object."""
     with h5py.File(path, "r+") as file:
         del file["p_o_kpa"]
         made = make(file)

@@ -10,7 +10,7 @@ from fprc.logs.variables import pick
 
 @pytest.fixture
 def written(tmp_path):
-    """Let a function write an HDF5 file, and return what is read of it."""
+    """Let a function write an HDF5 file, and return the source read from it."""
 
     def written(write):
         with h5py.File(tmp_path / "log.h5", "w") as file:

@@ -60,7 +60,7 @@ def closed(tmp_path_factory):
 
 
 def read_ticks(path):
-    """Ticks of the samples that come back, each of which must be what was written."""
+    """Return the ticks of the samples read; each sample must be as written."""
     channels, attributes, findings = read_journal(path)
     ticks = np.rint(channels["time_s"] * 200.0).astype(int).tolist()
     rows = np.column_stack([channels[name] for name in NAMES])

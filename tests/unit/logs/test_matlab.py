@@ -29,7 +29,7 @@ WRITERS = {"5": files.write_matlab5, "7.3": files.write_matlab73}
 
 @pytest.fixture(params=WRITERS)
 def read(request, tmp_path):
-    """Write variables as a version of MATLAB does, and return what is read."""
+    """Write variables as a version of MATLAB does, and return the source read."""
 
     def read(content):
         WRITERS[request.param](tmp_path / "log.mat", content)
@@ -45,7 +45,7 @@ def columns(source):
 
 
 def test_parts_have_the_names_that_matlab_gives_them(read):
-    """Of which every one is a word for the map."""
+    """Every name listed can be used in a map."""
     steps = [{"y": k * Y, "u": {"p": -k * Y}} for k in (1, 2, 3)]
     source = read(
         {
@@ -184,7 +184,7 @@ def test_cell_that_holds_itself_is_refused(tmp_path):
 
 
 def test_objects_of_matlab_are_no_columns(tmp_path):
-    """A table, a sparse matrix, a string: what MATLAB keeps of them are no samples."""
+    """A table, a sparse matrix, a string: MATLAB does not store them as samples."""
     files.write_matlab73(tmp_path / "log.mat", {"x": Y, "tt": np.arange(6.0), "s": {"data": Y}})
     with h5py.File(tmp_path / "log.mat", "r+") as file:
         file["tt"].attrs["MATLAB_class"] = np.bytes_("timetable")

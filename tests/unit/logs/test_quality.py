@@ -191,7 +191,7 @@ def test_leak_of_twice_the_limit_is_found_in_a_log_of_full_length(experiment):
 
 
 def test_leak_is_measured_by_the_clock_of_the_log(recorded):
-    """Known slope on a chamber that follows P_i without hysteresis, at any origin of time."""
+    """A known slope of a chamber that follows P_i without hysteresis, for any start time."""
     rng = np.random.default_rng(0)
     for origin_s in (0.0, 1.7e9):
         log = log_of(recorded["sweep"])
@@ -205,7 +205,7 @@ def test_leak_is_measured_by_the_clock_of_the_log(recorded):
 
 
 def test_growing_squeeze_is_not_mistaken_for_a_leak_and_does_not_hide_one(recorded):
-    """P_o by Boyle's law of a P_i whose swing grows: far from linear, and tied to time."""
+    """P_o by Boyle's law, for a P_i of growing amplitude: nonlinear, and correlated with time."""
     log = log_of(recorded["sweep"])
     t = log.channels["time_s"]
     p_i = t**2 * (0.5 - 0.5 * np.cos(2.0 * np.pi * t))

@@ -234,7 +234,7 @@ def attribute(name, value=None):
     ],
 )
 def test_run_that_is_not_whole_is_refused_by_check_and_workflow(write_run, change, said):
-    """Whatever of it the workflow asks for."""
+    """For any channels that the workflow requests."""
     path = write_run()
     with h5py.File(path, "r+") as file:
         change(file)

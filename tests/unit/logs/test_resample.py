@@ -46,12 +46,12 @@ def test_pause_in_the_recording_does_not_switch_the_filter_off():
     time_s = np.concatenate([stretch_s, stretch_s + 120.0])
     grid_s, resampled = only(time_s, sine(time_s, 210.0), 200.0)
     recorded = (grid_s < 9.0) | (grid_s > 121.0)
-    # interpolation beside a pause costs some of the suppression
+    # interpolation next to a pause reduces the attenuation
     assert np.abs(resampled[60:-60][recorded[60:-60]]).max() < 0.02
 
 
 def test_without_the_filter_the_same_sine_would_alias():
-    """What the test above guards against does happen."""
+    """Without the low-pass, the aliasing of the test above does occur."""
     assert np.abs(sine(np.arange(1000) / 200.0, 199.0)).max() > 0.9
 
 
@@ -74,7 +74,7 @@ def test_decimation_agrees_with_another_filter_inside_both_passbands():
     values = sum(sine(time_s, f, p) for f, p in rng.uniform((0.1, 0), (50, 6), (20, 2)))
     _, resampled = only(time_s, values, 200.0)
     other = resample_poly(values, 1, 5, window=("kaiser", 8.0), padtype="line")
-    # resample_poly's edge is soft: it has begun to fall where ours is flat
+    # resample_poly has a soft edge: it already falls where ours is flat
     assert np.abs(resampled - other)[100:-100].max() < 0.01
 
 

@@ -135,7 +135,7 @@ def test_lost_attribute_is_named(write_log):
 
 
 def old_log(path, **attributes):
-    """Write a log as others do: text of any length, no checksum."""
+    """Write a log as other programs do: variable-length text, no checksum."""
     with h5py.File(path, "w") as file:
         file.attrs.update(attributes)
         for name in RAW_CHANNELS:
@@ -224,7 +224,7 @@ def test_pipe_is_refused_at_once(tmp_path):
         salvage(tmp_path / "log.h5")
 
 
-#: Child process that reads a log and never comes back from its ninth channel.
+#: Child process that hangs when it reads the ninth channel of a log.
 STUCK = """
 import sys, time
 from pathlib import Path
@@ -274,7 +274,7 @@ def test_reading_that_ends_the_process_is_reported(write_log, monkeypatch):
 
 
 def test_any_damage_ends_in_a_copy_or_an_error(write_log):
-    """Bytes turned at random in what describes the channels."""
+    """Bytes changed at random in the metadata of the channels."""
     path = write_log()
     whole = path.read_bytes()
     rng = np.random.default_rng(0)
