@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fprc.errors import ConfigError
 from fprc.paper import CONTROLLERS, GAINS, controller_and_gain, reference_and_controller
+from fprc.paper import MODELS as PAPER_MODELS
 
 if TYPE_CHECKING:
     from fprc.models import SequenceModel
@@ -124,8 +125,12 @@ def build(name: str, models: Settings, seed: int) -> "SequenceModel":
 def _construct(name: str, cls: type, parameters: Settings) -> "SequenceModel":
     try:
         return cls(**parameters)
-    except TypeError as error:
+    except (TypeError, ValueError) as error:
         raise ConfigError(f"models.others.{name}.settings: {error}") from error
+
+
+#: What the workflow calls of a model, beside ``step`` and ``reset`` of the closed loops.
+_METHODS = ("get_params", "fit", "predict", "make_features", "make_readout", "assembled")
 
 
 def load_class(name: str, models: Settings) -> type:
@@ -134,23 +139,41 @@ def load_class(name: str, models: Settings) -> type:
     Raises
     ------
     ConfigError
-        The module or the class does not exist; the message names the key.
+        It cannot be imported, or is no model; the message names the key.
     """
     path = entries(models)[name].cls
     module, _, cls = path.rpartition(".")
+    where = f"models.others.{name}.estimator: {path}"
     try:
-        return getattr(import_module(module), cls)
-    except (ImportError, AttributeError, ValueError) as error:
+        loaded = getattr(import_module(module), cls)
+    except Exception as error:  # whatever the user's module raises
         raise ConfigError(
-            f"models.others.{name}.estimator: {path} cannot be imported ({error}); give "
-            "module.Class, and put the module's folder on PYTHONPATH"
+            f"{where} cannot be imported ({type(error).__name__}: {error}); give module.Class, and "
+            "put the module's folder on PYTHONPATH"
         ) from error
+    missing = [method for method in _METHODS if not hasattr(loaded, method)]
+    if missing or not isinstance(loaded, type):
+        raise ConfigError(
+            f"{where} is no model: {', '.join(missing) or 'not a class'} missing; derive it from "
+            "fprc.models.SequenceModel"
+        )
+    return loaded
 
 
-def class_module(name: str, models: Settings) -> str:
+def has_steps(cls: type) -> bool:
+    """Return whether a model computes sample by sample, as closed loops need it."""
+    return hasattr(cls, "step") and hasattr(cls, "reset")
+
+
+def outside_paper(models: Settings) -> list[str]:
+    """Return the models that the paper does not have."""
+    return [name for name in entries(models) if name not in PAPER_MODELS]
+
+
+def class_module(name: str, models: Settings | None = None) -> str:
     """Return the module of a model's class; import it if it is from outside this package."""
-    if name in models.get("others", {}):
-        return load_class(name, models).__module__
+    if name in (models or {}).get("others", {}):
+        return load_class(name, models or {}).__module__
     return MODELS[name].cls.rpartition(".")[0]
 
 
@@ -162,12 +185,12 @@ def outside_class(name: str, models: Settings) -> list[type]:
 def controllers(models: Settings) -> list[str]:
     """Return the controllers of the closed-loop runs.
 
-    To the paper's controllers it adds each model of ``models.others`` whose class has ``step``:
+    To the paper's controllers it adds each further model whose class has ``step`` and ``reset``:
     alone, and with PD at both gains.
     """
     names = list(CONTROLLERS)
-    for name in models.get("others", {}):
-        if hasattr(load_class(name, models), "step"):
+    for name in outside_paper(models):
+        if has_steps(load_class(name, models)):
             names += [name, *(f"{name}_pd_{gain}" for gain in GAINS)]
     return names
 

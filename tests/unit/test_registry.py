@@ -6,9 +6,11 @@ import pytest
 
 from fprc.apparatus.programme import names, plan
 from fprc.artifacts import write_json
+from fprc.commands.rig import run_by_name
 from fprc.config import check
-from fprc.errors import ConfigError
-from fprc.models import RidgeReadout, SequenceModel, TapFeatures, save_model
+from fprc.errors import ConfigError, FprcError
+from fprc.fingerprint import _closure
+from fprc.models import FPRC, RidgeReadout, SequenceModel, TapFeatures, load_model, save_model
 from fprc.paper import (
     CONTROLLERS,
     DISTURBANCE,
@@ -17,7 +19,16 @@ from fprc.paper import (
     reference_and_controller,
     run_log,
 )
-from fprc.registry import MODELS, build, controllers, feedforward_of, model_of_run, settings_of
+from fprc.registry import (
+    MODELS,
+    build,
+    class_module,
+    controllers,
+    feedforward_of,
+    load_class,
+    model_of_run,
+    settings_of,
+)
 
 
 class Outside(SequenceModel):
@@ -87,3 +98,75 @@ def test_setting_that_the_class_does_not_take_is_refused_by_its_key(settings):
     settings["models"]["others"]["taps_a"]["settings"] = {"n_yy": 3}
     with pytest.raises(ConfigError, match=r"models\.others\.taps_a\.settings.*n_yy"):
         build("taps_a", settings["models"], 1)
+
+
+@pytest.mark.parametrize("name", ["esn", "pd", "x_pd", "x_printed", "pd_identified"])
+def test_name_of_a_model_must_not_be_read_as_a_controller_or_a_gain(name):
+    with pytest.raises(ConfigError, match=rf"models\.others.*{name} is taken"):
+        check({"models": {"others": {name: OTHERS["taps_a"]}}})
+
+
+NO_MODEL = 5
+
+
+def raising():
+    raise ValueError
+
+
+@pytest.mark.parametrize(
+    "estimator",
+    ["nowhere.Model", f"{__name__}.NO_MODEL", f"{__name__}.raising", f"{__name__}.Gone",
+     "builtins.int", "sklearn.linear_model.Ridge"],
+)  # fmt: skip
+def test_estimator_that_is_no_model_is_refused_by_its_key(settings, estimator):
+    settings["models"]["others"]["taps_a"]["estimator"] = estimator
+    with pytest.raises(ConfigError, match=r"models\.others\.taps_a\.estimator"):
+        load_class("taps_a", settings["models"])
+
+
+def test_class_without_steps_drives_no_closed_loop(settings, monkeypatch):
+    settings["models"]["others"]["taps_a"]["estimator"] = "fprc.models.Batch"
+    methods = ("get_params", "fit", "predict", "make_features", "make_readout", "assembled")
+    bare = type("Batch", (), dict.fromkeys(methods))
+    monkeypatch.setattr("fprc.models.Batch", bare, raising=False)
+    assert controllers(settings["models"]) == list(CONTROLLERS)
+
+
+class Namesake(FPRC):
+    """A class of the user's, called as one of ours."""
+
+
+Namesake.__name__ = "FPRC"
+
+
+def fitted(model):
+    X = [[20.0 + k, 100.0 + k] for k in range(60)]
+    return model.fit(X, [x[0] for x in X])
+
+
+def test_class_that_is_called_as_one_of_ours_is_loaded_as_what_it_is(tmp_path):
+    path = tmp_path / "model.h5"
+    save_model(fitted(Namesake(n_c=1)), path, [Namesake])
+    assert type(load_model(path, [Namesake])) is Namesake
+    with pytest.raises(FprcError, match="is not a model of fprc"):
+        save_model(fitted(Namesake(n_c=1)), path)
+
+
+@pytest.mark.parametrize("value", [None, {"a": 1}, [object()]])
+def test_what_cannot_be_saved_of_a_model_is_named_and_leaves_no_file(tmp_path, value):
+    model = fitted(FPRC(n_c=1))
+    model.extra_ = value
+    with pytest.raises(FprcError, match=r"extra_"):
+        save_model(model, tmp_path / "model.h5")
+    assert not (tmp_path / "model.h5").exists()
+
+
+def test_checkpoints_of_the_commands_depend_on_the_code_of_the_models():
+    found = _closure(("fprc.stages.readout", *map(class_module, ("fprc", "fuzzy_linear"))))
+    assert {"fprc.models.takagi_sugeno", "fprc.models.features", "fprc.models.fcm"} <= found
+    assert "fprc.models.esn" not in found
+
+
+def test_unknown_experiment_of_the_rig_is_refused_with_those_that_there_are():
+    with pytest.raises(ConfigError, match="no experiment track_foo; must be one of sweep"):
+        run_by_name("track_foo", [], armed=False)

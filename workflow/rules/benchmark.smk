@@ -26,7 +26,7 @@ rule measure_benchmark:
         mem_mb=4000,
     params:
         **stage("benchmark.measure_benchmark", *MODELS),
-        models=SETTINGS["models"],
+        models=PAPERS,
         on_rig=ON_RIG,
         tracking=SETTINGS["tracking"],
         sizes=SIZES,

@@ -24,7 +24,7 @@ rule fit_rig:
     params:
         **stage("calibrate.calibrate", *MODELS, key="version"),
         on_rig=ON_RIG,
-        judgement=judgement(seed=None),
+        judgement=judgement(seed=None) | {"models": PAPERS},
         calibration=SETTINGS["calibration"],
         workers=lambda wildcards, threads: threads,
         checkpoint=PATHS.below("calibration/search.partial.jsonl"),
@@ -47,7 +47,7 @@ rule ensemble_chunk:
     params:
         **stage("ensemble.judge_rigs", *MODELS, key="version"),
         on_rig=ON_RIG,
-        judgement=judgement(seed=None),
+        judgement=judgement(seed=None) | {"models": PAPERS},
         tracking=SETTINGS["tracking"],
         numbers=lambda wildcards: CHUNKS[int(wildcards.chunk)],
         ensemble=DRAWN,
@@ -114,7 +114,7 @@ rule measure_sensitivity:
     params:
         **stage("ensemble.measure_sensitivity", *MODELS, key="version"),
         on_rig=ON_RIG,
-        models=SETTINGS["models"],
+        models=PAPERS,
         paths=SETTINGS["calibration"]["free"],
         steps=ENSEMBLE["sensitivity_steps"],
         seeds=EVALUATION["replicate_seeds"][:2],

@@ -58,6 +58,10 @@ def stage(name, *models, key="code"):
     return {"stage": name, key: fingerprint(*modules)}
 
 
+#: What reads the paper's models alone.
+PAPERS = SETTINGS["models"] | {"others": {}}
+
+
 def judgement(model=None, seed=SETTINGS["seed"]):
     """Return the arguments of Judgement for one model, or for all of them."""
     models = settings_of(model, SETTINGS["models"]) if model else SETTINGS["models"]

@@ -174,7 +174,7 @@ rule measure_times_over_n_c:
         mem_mb=2000,
     params:
         **stage("timing.measure_times_over_n_c", *GRID_MODELS["n_c"]),
-        models=SETTINGS["models"],
+        models=PAPERS,
         values=SETTINGS["grids"]["n_c"],
         repeats=EVALUATION["timing_repeats"],
         seed=SETTINGS["seed"],
@@ -198,7 +198,7 @@ rule measure_readout:
         mem_mb=2000,
     params:
         **stage("readout.measure_readout", "fprc", "fuzzy_linear", key="version"),
-        judgement=judgement("fprc"),
+        judgement=judgement("fprc") | {"split": "that of the cell"},
         epsilon=SETTINGS["grids"]["epsilon"],
         n_u=SETTINGS["grids"]["replicate_taps"],
         workers=lambda wildcards, threads: threads,

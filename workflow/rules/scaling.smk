@@ -10,7 +10,7 @@ rule measure_scale:
     params:
         **stage("benchmark.measure_scale", *MODELS),
         on_rig=ON_RIG,
-        judgement=judgement(seed=None),
+        judgement=judgement(seed=None) | {"models": PAPERS},
         tracking=SETTINGS["tracking"],
         rigs=2,
         jobs=[100, 1000, 10000],

@@ -55,6 +55,13 @@ def names(settings: Mapping[str, Any]) -> list[str]:
     ]
 
 
+def refuse_unknown(name: str, settings: Mapping[str, Any]) -> None:
+    """Raise ConfigError if there is no experiment of that name."""
+    known = names(settings)
+    if name not in known:
+        raise ConfigError(f"no experiment {name}; must be one of {', '.join(known)}")
+
+
 def plan(name: str, settings: Mapping[str, Any], model: str = "", gains: str = "") -> Experiment:
     """Return an experiment, after checking it.
 
@@ -72,9 +79,7 @@ def plan(name: str, settings: Mapping[str, Any], model: str = "", gains: str = "
     ControlError
         The reference is impossible.
     """
-    known = names(settings)
-    if name not in known:
-        raise ConfigError(f"no experiment {name}; must be one of {', '.join(known)}")
+    refuse_unknown(name, settings)
     if name in EXPERIMENTS:
         return _hysteresis(name, settings)
     bench = Track(settings["tracking"], settings["control"], settings["hardware"], settings["seed"])

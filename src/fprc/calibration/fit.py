@@ -23,9 +23,8 @@ from fprc.errors import ConfigError, FprcError
 from fprc.experiments.comparison import judge_directions
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import Judgement, RigSettings
-from fprc.paper import DIRECTIONS, PRINTED
+from fprc.paper import DIRECTIONS, MODELS, PRINTED
 from fprc.provenance import hash_of
-from fprc.registry import MODELS
 
 log = logging.getLogger(__name__)
 

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from fprc.evaluation import rmse
-from fprc.paper import DIRECTIONS
-from fprc.registry import MODELS, build
+from fprc.paper import DIRECTIONS, MODELS
+from fprc.registry import build, entries
 
 Channels = Mapping[str, np.ndarray]
 
@@ -37,11 +37,13 @@ def surrogate_errors(
         By "trained on/model/phase", with phase train or test.
     """
     errors = {}
-    for name, entry in MODELS.items():
+    for name in MODELS:
         model = build(name, models, seed)
         if name == "esn":
             model.set_params(r=esn_nodes)
-        X = {log: np.column_stack([logs[log][key] for key in entry.inputs]) for log in logs}
+        X = {
+            log: np.column_stack([logs[log][key] for key in entries()[name].inputs]) for log in logs
+        }
         features = model.make_features().fit(X["sweep"])
         rows = {log: features.transform(X[log])[::stride] for log in logs}
         y = {log: logs[log]["p_target_kpa"][::stride] for log in logs}

@@ -10,6 +10,8 @@ from threadpoolctl import threadpool_limits
 from fprc.config import check, from_files
 from fprc.errors import ConfigError
 from fprc.fingerprint import fingerprint
+from fprc.paper import MODELS
+from fprc.registry import class_module
 from fprc.stages.calibrate import calibrate
 
 
@@ -61,5 +63,5 @@ def calibrate_from_files(
             calibration=calibration,
             workers=workers or len(os.sched_getaffinity(0)),
             checkpoint=f"{stem}.partial.jsonl",
-            version=fingerprint("fprc.stages.calibrate"),
+            version=fingerprint("fprc.stages.calibrate", *map(class_module, MODELS)),
         )

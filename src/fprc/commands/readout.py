@@ -23,7 +23,7 @@ from fprc.fingerprint import fingerprint
 from fprc.logs import read_columns
 from fprc.paper import SOURCES
 from fprc.provenance import describe, sha256
-from fprc.registry import settings_of
+from fprc.registry import class_module, settings_of
 from fprc.stages.draw import draw_readout
 from fprc.stages.preprocess import preprocess
 from fprc.stages.readout import measure_readout
@@ -164,7 +164,9 @@ def _judge(
             n_u=grids["replicate_taps"],
             workers=workers,
             checkpoint=str(folder / "cells.partial.jsonl"),
-            version=fingerprint("fprc.stages.readout"),
+            version=fingerprint(
+                "fprc.stages.readout", *map(class_module, ("fprc", "fuzzy_linear"))
+            ),
             progress=progress_bar(),
         )
     csv, md, tex = (str(folder / f"readout.{kind}") for kind in ("csv", "md", "tex"))

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from fprc.apparatus.guardian import guard
-from fprc.apparatus.programme import names
+from fprc.apparatus.programme import names, refuse_unknown
 from fprc.apparatus.record import record_on_rig
 from fprc.config import from_files
 from fprc.registry import model_of_run
@@ -47,6 +47,7 @@ def run_by_name(
     if name == "list":
         print("\n".join(names(settings)))
         return
+    refuse_unknown(name, settings)
     results, folder = settings["folders"]["results"], settings["folders"]["raw"]
     record_on_rig(
         raw or f"{folder}/{name}.h5",

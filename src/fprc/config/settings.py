@@ -9,6 +9,7 @@ from fprc.config.folders import Folders
 from fprc.config.hardware import Hardware
 from fprc.config.rig import Rig
 from fprc.config.section import Pair, Section, quantities, quantity, rising, within
+from fprc.paper import controller_and_gain
 from fprc.registry import MODELS
 
 
@@ -132,7 +133,9 @@ class Other(Section):
     inputs: tuple[Literal["theta_deg"]] | tuple[Literal["theta_deg"], Literal["p_o_kpa"]] = Field(
         ("theta_deg",), description="its input channels, in the order of its columns"
     )
-    settings: dict[str, float | int | str] = Field({}, description="parameters of its constructor")
+    settings: dict[str, bool | int | float | str] = Field(
+        {}, description="parameters of its constructor"
+    )
 
 
 class Models(Section):
@@ -149,7 +152,13 @@ class Models(Section):
     @field_validator("others")
     @classmethod
     def _names_are_free(cls, others: dict[str, Other]) -> dict[str, Other]:
-        taken = [name for name in others if name in (*MODELS, "pd") or name.endswith("_pd")]
+        taken = [
+            name
+            for name in others
+            if name in (*MODELS, "pd")
+            or name.endswith("_pd")
+            or controller_and_gain(name)[1] != "none"
+        ]
         if taken:
             raise ValueError(f"{', '.join(taken)} is taken; choose another name")
         return others

@@ -213,7 +213,8 @@ def measure_control(
     for reference, described in bench.tracking["references"].items():
         for name in controllers:
             controller, gain = controller_and_gain(name)
-            model = models.get(feedforward_of(controller) or "")
+            driven_by = feedforward_of(controller)
+            model = models[driven_by] if driven_by else None
             channels = bench.follow(reference, name, model, gains)
             after = channels["time_s"] >= described["settle_s"]
             run = {channel: values[after] for channel, values in channels.items()}

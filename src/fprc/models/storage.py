@@ -82,15 +82,16 @@ def _outside_classes(classes: Collection[type]) -> dict[str, type]:
 
 
 def _class(name: str, outside: Mapping[str, type]) -> type | None:
-    if name in _MODULES:
-        return getattr(import_module(_MODULES[name]), name)
-    return outside.get(name)
+    if name in outside:
+        return outside[name]
+    return getattr(import_module(_MODULES[name]), name) if name in _MODULES else None
 
 
 def _describe(model: BaseEstimator, outside: Mapping[str, type]) -> dict[str, Any]:
     """Return everything to write, so that a model that is refused leaves no file."""
     name = type(model).__name__
-    if name not in {*_MODULES, *outside}:
+    known: Any = _class(name, outside)
+    if known is not type(model):
         raise FprcError(f"{name} is not a model of fprc; save one of {', '.join(_MODULES)}")
     check_is_fitted(model)
     try:
@@ -98,11 +99,22 @@ def _describe(model: BaseEstimator, outside: Mapping[str, type]) -> dict[str, An
     except TypeError as error:
         raise FprcError(f"{name}: {error}; give random_state a number to save the model") from error
     learned = {
-        key: _describe(value, outside) if isinstance(value, BaseEstimator) else value
+        key: _describe(value, outside) if isinstance(value, BaseEstimator) else _checked(value, key)
         for key, value in sorted(vars(model).items())
         if key.endswith("_") and not key.startswith("_")
     }
     return {"class": name, "parameters": parameters, "learned": learned}
+
+
+def _checked(value: Any, name: str) -> Any:
+    """Return a learned attribute that HDF5 can hold: numbers, arrays of numbers, text."""
+    values = np.asarray(value)
+    if values.dtype.kind in "biuf" or all(isinstance(each, str) for each in values.flat):
+        return value
+    raise FprcError(
+        f"learned attribute {name} is {type(value).__name__}; only numbers, arrays of numbers and "
+        "text can be saved"
+    )
 
 
 def _number(value: object) -> int | float:

@@ -18,7 +18,7 @@ from fprc.paper import (
 from fprc.plan.availability import unavailable, why_not
 from fprc.plan.paths import Paths
 from fprc.plan.results import BY_NAME, CHORES, RESULTS, Result, figure_number
-from fprc.registry import controllers, entries, feedforward_of
+from fprc.registry import controllers, entries, feedforward_of, outside_paper
 
 _RESERVOIR = ("p_i_kpa", "p_o_kpa", "phi_deg")
 
@@ -169,8 +169,10 @@ class Plan:
 
     @cached_property
     def others(self) -> list[str]:
-        """The models from outside this package."""
-        return [name for name in self.settings["models"]["others"] if name in self.models]
+        """Further models than the paper's that can be judged."""
+        if "table2" in self.unavailable:
+            return []
+        return [name for name in outside_paper(self.settings["models"]) if name in self.models]
 
     @cached_property
     def figures(self) -> dict[int, str]:

@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from fprc.artifacts import write_json
@@ -10,7 +11,7 @@ from fprc.evaluation.timing import machine
 from fprc.experiments.data import models_for, read_data, refuse_mixture
 from fprc.experiments.step_cost import step_cost
 from fprc.paper import GRID_MODELS
-from fprc.registry import build
+from fprc.registry import build, has_steps
 
 log = logging.getLogger(__name__)
 
@@ -35,14 +36,14 @@ def measure_times(
         for name in models_for(models, train_data, test_data)
     }
     fitted = {name: build(name, models, seed).fit(*pairs[0]) for name, pairs in logs.items()}
-    timed = time_models(
-        {name: (model, *logs[name]) for name, model in fitted.items()},
-        repeats,
-        progress=lambda what: log.info("%s, %d repeats in turn", what, repeats),
-    )
+    work = {name: (model, *logs[name]) for name, model in fitted.items()}
+    stepping = {name: each for name, each in work.items() if has_steps(type(each[0]))}
+    timed = time_models(stepping, repeats, progress=partial(_log_mode, repeats))
+    others = {name: each for name, each in work.items() if name not in stepping}
+    timed |= time_models(others, repeats, modes=("batch",)) if others else {}
     costs = []
     for name, model in fitted.items():
-        if not hasattr(model, "step"):
+        if name not in stepping:
             continue
         cost = step_cost(model, test_data, control, tracking)
         costs.append({"model": name, **cost})
@@ -76,7 +77,7 @@ def measure_times_over_n_c(
         fitted,
         repeats,
         modes=("batch",),
-        progress=lambda what: log.info("%s, %d repeats in turn", what, repeats),
+        progress=partial(_log_mode, repeats),
     )
     results = [
         {"model": name, "n_c": n_c, **entry}
@@ -84,3 +85,7 @@ def measure_times_over_n_c(
         for entry in entries
     ]
     write_json(times, {"source": train_data.attributes["source"], **machine(), "times": results})
+
+
+def _log_mode(repeats: int, what: str) -> None:
+    log.info("%s, %d repeats in turn", what, repeats)

@@ -91,7 +91,8 @@ def track(
     for path, name in zip(raw, controllers, strict=True):
         described = bench.describe(reference, name, known_gains)
         described |= {"source": "sim", "rig": {"rig": rig, **described["rig"]}}
-        model = fitted.get(feedforward_of(controller_and_gain(name)[0]) or "")
+        feedforward = feedforward_of(controller_and_gain(name)[0])
+        model = fitted[feedforward] if feedforward else None
         try:
             channels = bench.follow(reference, name, model, known_gains)
         except RunAbortedError as stopped:

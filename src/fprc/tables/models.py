@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from fprc.paper import ERRORS, PRINTED
-from fprc.registry import MODELS, title_of
+from fprc.paper import ERRORS, MODELS, PRINTED
+from fprc.registry import title_of
 from fprc.tables.text import mean_of, spread
 
 _SYMBOLS = {
@@ -172,5 +172,5 @@ def deviations(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
         for number, table in tables.items()
         for row in table.itertuples()
     ]
-    table = pd.DataFrame(rows)
+    table = pd.DataFrame(rows).dropna(subset="published_mean")
     return table.iloc[np.argsort(-table["deviation"].abs(), kind="stable")]

@@ -301,3 +301,13 @@ def test_list_is_written_too_when_all_is_there(simulated, tmp_path):
     tabulate_unavailable(str(csv), str(md), reasons=simulated.not_available)
     assert md.read_text(encoding="utf-8") == "Everything is available for this data.\n"
     assert pd.read_csv(csv).empty
+
+
+def test_model_from_outside_is_planned_only_where_models_can_be_judged():
+    others = {"mine": {"estimator": "fprc.models.FPRC"}}
+    for logs, planned in ((["sweep"], False), (EXPERIMENTS, True)):
+        plan = recorded(*logs)
+        settings = dict(plan.settings) | {"models": check({"models": {"others": others}})
+                                          .model_dump(mode="json")["models"]}  # fmt: skip
+        plan = dataclasses.replace(plan, settings=settings)
+        assert ("training_mine" in plan.targets) is planned
