@@ -42,8 +42,8 @@ def test_repeated_key_of_a_configuration_file_is_refused(project, name, text):
     done = project.snakemake("--dry-run", "all", "--configfile", name)
     assert done.returncode != 0
     assert str(caught.value) in done.stdout
-    assert "seed is given 2 times: 2 in line" in done.stdout
-    assert "models.n_y is given 2 times: 5 in line" in done.stdout
+    assert "seed is given 2 times: 2 on line" in done.stdout
+    assert "models.n_y is given 2 times: 5 on line" in done.stdout
     assert "Traceback" not in done.stdout
 
 

@@ -80,7 +80,7 @@ def test_target_that_is_not_available_is_refused_with_the_reason(recording, targ
 def test_folder_without_logs_is_an_error_that_names_it(project):
     done = project.smoke("--dry-run", "all", *ARGUMENTS)
     assert done.returncode != 0
-    assert "no raw log is in mylogs" in done.stdout
+    assert "mylogs contains no raw log" in done.stdout
 
 
 def test_one_log_alone_gives_what_is_drawn_from_it(recording):

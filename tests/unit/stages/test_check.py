@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from matplotlib import style
 from matplotlib.figure import Figure
 from PIL import Image
 
@@ -129,15 +130,18 @@ def test_picture_of_another_size_is_reported(folder):
 
 def drawn(path, *, factor=0.0, curve_px=0.0, dot_px=0.0, bar_px=0.0, text="RMSE 11.9 kPa"):
     """Draw a curve, a dot, a bar and a text, moved by pixels."""
-    fig = Figure(figsize=(2, 1.5), dpi=150)
-    ax = fig.add_axes([0, 0, 1, 1], xlim=(0, 300), ylim=(0, 225))
-    noise = np.random.default_rng(0).normal(size=(2, 8000))
-    x = np.linspace(0, 300, 8000)
-    ax.plot(x, (100 + 40 * np.sin(x / 9) + noise[0] + curve_px) * (1 + factor * noise[1]), lw=0.4)
-    ax.plot([50 + dot_px + factor * 50], [30], "o", ms=3)
-    ax.bar([250], [20 + bar_px + factor * 20], width=30, color="0.8")
-    ax.text(100, 200, text, fontsize=6)
-    fig.savefig(path)
+    with style.context("default"):  # whatever was drawn before
+        fig = Figure(figsize=(2, 1.5), dpi=150)
+        ax = fig.add_axes([0, 0, 1, 1], xlim=(0, 300), ylim=(0, 225))
+        noise = np.random.default_rng(0).normal(size=(2, 8000))
+        x = np.linspace(0, 300, 8000)
+        ax.plot(
+            x, (100 + 40 * np.sin(x / 9) + noise[0] + curve_px) * (1 + factor * noise[1]), lw=0.4
+        )
+        ax.plot([50 + dot_px + factor * 50], [30], "o", ms=3)
+        ax.bar([250], [20 + bar_px + factor * 20], width=30, color="0.8")
+        ax.text(100, 200, text, fontsize=6)
+        fig.savefig(path)
 
 
 def test_picture_of_the_numbers_of_another_processor_is_in_order(folder):
