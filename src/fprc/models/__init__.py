@@ -2,7 +2,7 @@
 
 from fprc.models.echo_features import EchoStates
 from fprc.models.esn import ESN
-from fprc.models.features import FeatureMap, TapFeatures, lowpass, taps
+from fprc.models.features import TapFeatures, lowpass, taps
 from fprc.models.fprc import FPRC, FuzzyLinear
 from fprc.models.ridge import RidgeReadout
 from fprc.models.sequence import SequenceModel
@@ -13,7 +13,6 @@ __all__ = [
     "ESN",
     "FPRC",
     "EchoStates",
-    "FeatureMap",
     "FuzzyLinear",
     "RidgeReadout",
     "SequenceModel",
