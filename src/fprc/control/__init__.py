@@ -4,6 +4,7 @@ from fprc.control.hysteresis import hysteresis_law
 from fprc.control.loop import Law, RunAbortedError, run
 from fprc.control.pd import PD
 from fprc.control.pressure import PressurePI
+from fprc.control.simulated import simulate_hysteresis, simulate_tracking
 from fprc.control.tracking import feedforward, refuse_impossible, tracking_law
 from fprc.logs import TRACKING_CHANNELS
 
@@ -17,5 +18,7 @@ __all__ = [
     "hysteresis_law",
     "refuse_impossible",
     "run",
+    "simulate_hysteresis",
+    "simulate_tracking",
     "tracking_law",
 ]

@@ -8,6 +8,7 @@ import numpy as np
 
 from fprc.devices.protocol import NEUTRAL_V, Readings
 from fprc.errors import SimulationError
+from fprc.rig.closed_loop import RECORDED, SETPOINTS, close_loop
 from fprc.rig.parameters import record
 from fprc.rig.simulator import (
     DIVERGED,
@@ -58,6 +59,7 @@ class SimulatedRig:
         self._valve_v = np.full(2, NEUTRAL_V)
         self._reading = np.zeros(5)
         self._noise = np.empty((0, NOISE_PER_TICK))
+        self._used = 0  # rows of _noise
         self._tick = -1
         sensor = rig["pressure_sensor"]
         self._zero_v = sensor["zero_v"]
@@ -103,6 +105,49 @@ class SimulatedRig:
         self._valve_v[0] = main_v
         self._valve_v[1] = reservoir_v
 
+    def follow(self, controllers: Mapping[str, Any], setpoints: np.ndarray) -> np.ndarray:
+        """Run both pressure loops from the current tick on, in compiled code.
+
+        The readings are those of a loop over ``wait_for``, ``read`` and ``write``.
+
+        Parameters
+        ----------
+        controllers : Mapping
+            See ``fprc.rig.closed_loop.close_loop``.
+        setpoints : ndarray of shape (n_samples, 4)
+            See ``fprc.rig.closed_loop.SETPOINTS``.
+
+        Returns
+        -------
+        ndarray of shape (n_samples, RECORDED)
+
+        Raises
+        ------
+        SimulationError
+            The state left its physical range; names the quantity and the time.
+        """
+        samples = len(setpoints)
+        if setpoints.shape != (samples, len(SETPOINTS)):
+            raise ValueError(f"setpoints of shape {setpoints.shape}: give {len(SETPOINTS)} columns")
+        rows = np.empty((samples, RECORDED))
+        failed, done = close_loop(
+            self._state,
+            self._rig,
+            self._instruments,
+            record(controllers),
+            setpoints,
+            self._next_noise(samples - 1),
+            self._period_s,
+            self._substeps,
+            self._tick,
+            self._valve_v,
+            self._reading,
+            rows,
+        )
+        self._tick += done if failed else samples - 1
+        self._refuse(failed)
+        return rows
+
     def safe(self) -> None:
         """Vent both chambers; a valve in neutral would keep their pressure."""
         self._valve_v[:] = 0.0
@@ -113,20 +158,36 @@ class SimulatedRig:
 
     def _advance(self, substeps: int) -> None:
         self._tick += 1
-        row = self._tick % _NOISE_BLOCK
-        if row == 0:
-            self._noise = self._rng.standard_normal((_NOISE_BLOCK, NOISE_PER_TICK))
+        if self._used == len(self._noise):
+            self._used, self._noise = 0, self._draw(1)
+        noise = self._noise[self._used]
+        self._used += 1
         failed = advance(
             self._state,
             self._rig,
             self._instruments,
             self._valve_v,
             self._push_kpa(self._tick),
-            self._noise[row],
+            noise,
             self._period_s,
             substeps,
             self._reading,
         )
+        self._refuse(failed)
+
+    def _next_noise(self, ticks: int) -> np.ndarray:
+        missing = self._used + ticks - len(self._noise)
+        if missing > 0:
+            blocks = math.ceil(missing / _NOISE_BLOCK)
+            left = self._noise[self._used :]
+            self._used, self._noise = 0, np.concatenate([left, self._draw(blocks)])
+        self._used += ticks
+        return self._noise[self._used - ticks : self._used]
+
+    def _draw(self, blocks: int) -> np.ndarray:
+        return self._rng.standard_normal((blocks * _NOISE_BLOCK, NOISE_PER_TICK))
+
+    def _refuse(self, failed: int) -> None:
         if failed:
             raise SimulationError(
                 f"simulated rig: the {DIVERGED[failed]} left its physical range at "

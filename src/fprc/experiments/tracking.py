@@ -15,6 +15,7 @@ from fprc.control import (
     feedforward,
     refuse_impossible,
     run,
+    simulate_tracking,
     tracking_law,
 )
 from fprc.devices import SimulatedRig
@@ -133,6 +134,37 @@ class Track(NamedTuple):
             extra=TRACKING_CHANNELS,
         )
 
+    def precompute(
+        self,
+        theta_d: np.ndarray,
+        models: Mapping[str, SequenceModel],
+        number: int,
+        pushes: np.ndarray | None = None,
+    ) -> dict[str, np.ndarray]:
+        """Return P_ff of every model for a whole reference.
+
+        P_o depends on P_i = K_in theta_d only, so one run with the actuator at rest gives it.
+        """
+        at_rest = self.simulate(theta_d, np.zeros(len(theta_d)), None, number, pushes)
+        inputs = np.column_stack([theta_d, at_rest["p_o_kpa"]])
+        return {
+            name: model.predict(inputs[:, : model.n_features_in_]) for name, model in models.items()
+        }
+
+    def simulate(
+        self,
+        theta_d: np.ndarray,
+        p_ff_kpa: np.ndarray,
+        gains: Mapping[str, float] | None,
+        number: int,
+        pushes: np.ndarray | None = None,
+    ) -> dict[str, np.ndarray]:
+        """Do as ``drive``, in compiled code, with P_ff from ``precompute``."""
+        rate_hz = self.control["sample_rate_hz"]
+        device = SimulatedRig(self.rig, seed=self.seed, run=number, sample_rate_hz=rate_hz)
+        limit_kpa = self.tracking["pressure_limit_kpa"]
+        return simulate_tracking(device, self.control, theta_d, p_ff_kpa, gains, limit_kpa, pushes)
+
     def follow(
         self,
         reference: str,
@@ -171,10 +203,12 @@ def bench_gain(bench: Track, model: SequenceModel) -> dict[str, Any]:
     printed = bench.tracking["printed_gains"]
     theta_d = bench.reference("disturbance")
     settle_s = bench.tracking["references"]["disturbance"]["settle_s"]
+    number = _RUNS["identification"]
+    p_ff_kpa = bench.precompute(theta_d, {"fprc": model}, number)["fprc"]
     tried = []
     for kp in bench.tracking["candidate_kp_kpa_per_deg"]:
         gains = candidate(kp, printed)
-        channels = bench.drive(theta_d, model, gains, _RUNS["identification"])
+        channels = bench.simulate(theta_d, p_ff_kpa, gains, number)
         error = tracking_error(channels, settle_s)
         tried.append({**gains, "rmse_deg": rmse(error, np.zeros_like(error))})
         log.info("kp = %g kPa/deg: %.3f deg", kp, tried[-1]["rmse_deg"])
@@ -209,13 +243,18 @@ def measure_control(
         Models that give the feedforward, by name; the gain is identified with FPRC.
     """
     gains = bench_gain(bench, models["fprc"])
+    driven_by = {name: feedforward_of(controller_and_gain(name)[0]) for name in controllers}
+    driving = {name: models[name] for name in dict.fromkeys(driven_by.values()) if name}
     runs = {}
     for reference, described in bench.tracking["references"].items():
+        theta_d, number = bench.reference(reference), _RUNS[reference]
+        pushes = bench.pushes(len(theta_d)) if reference == "disturbance" else None
+        p_ff_kpa = bench.precompute(theta_d, driving, number, pushes)
         for name in controllers:
             controller, gain = controller_and_gain(name)
-            driven_by = feedforward_of(controller)
-            model = models[driven_by] if driven_by else None
-            channels = bench.follow(reference, name, model, gains)
+            driver = driven_by[name]
+            feedforward = p_ff_kpa[driver] if driver else np.zeros(len(theta_d))
+            channels = bench.simulate(theta_d, feedforward, gains.get(gain), number, pushes)
             after = channels["time_s"] >= described["settle_s"]
             run = {channel: values[after] for channel, values in channels.items()}
             runs[f"{reference}/{controller}/{gain}"] = run

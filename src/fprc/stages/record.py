@@ -21,7 +21,7 @@ def record(
     seed: int,
 ) -> None:
     """Record one hysteresis experiment (Sec. II-B) on the simulated rig."""
-    channels = acquire(experiment, signal, control, rig, seed, report=True)
+    channels = acquire(experiment, signal, control, rig, seed)
     write_raw(
         raw,
         channels,

@@ -1,0 +1,102 @@
+"""The compiled runs give what the loop gives that also drives a real rig."""
+
+import numpy as np
+import pytest
+
+from fprc.control import (
+    PD,
+    TRACKING_CHANNELS,
+    PressurePI,
+    hysteresis_law,
+    run,
+    simulate_hysteresis,
+    simulate_tracking,
+    tracking_law,
+)
+from fprc.devices import SimulatedRig
+from fprc.errors import ControlError, SimulationError
+from fprc.logs import RAW_CHANNELS
+
+SAMPLES = 5000  # more than one block of noise
+
+
+def device(rig, **more):
+    return SimulatedRig(rig, seed=3, run=0, sample_rate_hz=200.0, **more)
+
+
+def loops(control):
+    names = ("main_loop", "reservoir_loop")
+    return {name: PressurePI(**control[name], period_s=0.005) for name in names}
+
+
+def pressures(samples=SAMPLES):
+    return 200.0 - 220.0 * np.sign(np.cos(2.0 * np.pi * 0.7 * np.arange(samples) / 200.0))
+
+
+def test_hysteresis_run_is_that_of_the_loop_bit_by_bit(rig, control):
+    # below 0 kPa and beyond what the valve can follow, so that every limit is reached
+    commands = pressures()
+    law = hysteresis_law(commands, control["k_in_kpa_per_deg"], control["reservoir_limit_kpa"])
+    slow = device(rig)
+    expected = run(slow, slow, law, SAMPLES, **loops(control))
+    assert {0.0, 10.0} <= set(expected["valve_main_v"])
+    assert (expected["p_i_command_kpa"] == 0.0).any()
+    result = simulate_hysteresis(device(rig), control, commands)
+    assert list(result) == list(RAW_CHANNELS)
+    for name, values in expected.items():
+        np.testing.assert_array_equal(result[name], values, err_msg=name)
+
+
+@pytest.mark.parametrize("gains", [None, {"kp_kpa_per_deg": 8.0, "kd_kpa_s_per_deg": 0.08}])
+def test_tracking_run_is_that_of_the_loop_bit_by_bit(rig, control, gains):
+    time_s = np.arange(SAMPLES) / 200.0
+    theta_d = 32.5 - 27.5 * np.cos(2.0 * np.pi * 0.4 * time_s)
+    p_ff, pushes = 12.0 * theta_d - 100.0, 100.0 * np.sin(3.0 * time_s)
+    law = tracking_law(
+        theta_d,
+        k_in_kpa_per_deg=control["k_in_kpa_per_deg"],
+        pressure_limit_kpa=400.0,
+        feedforward=lambda angle, now: 12.0 * angle - 100.0,
+        feedback=gains and PD(**gains, period_s=0.005),
+    )
+    slow = device(rig, push_kpa=lambda tick: pushes[tick])
+    expected = run(slow, slow, law, SAMPLES, **loops(control), extra=TRACKING_CHANNELS)
+    assert {0.0, 400.0} <= set(expected["p_exp_command_kpa"])
+    result = simulate_tracking(device(rig), control, theta_d, p_ff, gains, 400.0, pushes)
+    for name, values in expected.items():
+        np.testing.assert_array_equal(result[name], values, err_msg=name)
+
+
+def test_run_continues_where_the_rig_is(rig, control):
+    commands = pressures()
+    together = simulate_hysteresis(device(rig), control, commands)
+    half, again = device(rig), device(rig)
+    simulate_hysteresis(half, control, commands[:4000])
+    slow = again
+    law = hysteresis_law(commands, control["k_in_kpa_per_deg"], control["reservoir_limit_kpa"])
+    run(slow, slow, law, 4000, **loops(control))
+    for each in (half, again):
+        each.write(together["valve_main_v"][3999], together["valve_reservoir_v"][3999])
+        each.wait_for(4000)
+        assert each.read().theta_deg == together["theta_deg"][4000]
+
+
+def test_diverging_rig_is_refused_with_quantity_and_time(rig, control):
+    rig["step_s"] = 5e-3
+    with pytest.raises(SimulationError, match=r"spool of a valve .* at t = 0\.\d+ s"):
+        simulate_hysteresis(device(rig), control, pressures())
+
+
+def test_feedforward_that_is_not_finite_is_refused_before_the_rig_moves(rig, control):
+    angles = np.full(10, 20.0)
+    p_ff = np.array([100.0] * 7 + [np.nan] * 3)
+    still = device(rig)
+    before = still.state
+    with pytest.raises(ControlError, match="sample 7"):
+        simulate_tracking(still, control, angles, p_ff, None, 450.0)
+    assert still.state == before
+
+
+def test_setpoints_of_another_width_are_refused(rig):
+    with pytest.raises(ValueError, match="4 columns"):
+        device(rig).follow({}, np.zeros((10, 3)))
