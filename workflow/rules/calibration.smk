@@ -26,6 +26,8 @@ rule fit_rig:
         on_rig=ON_RIG,
         judgement=judgement(seed=None) | {"models": PAPERS},
         calibration=SETTINGS["calibration"],
+        grids=grid_values("epsilon", "n_c"),
+        tracking=SETTINGS["tracking"],
         workers=lambda wildcards, threads: threads,
         checkpoint=PATHS.below("calibration/search.partial.jsonl"),
     message:

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from fprc.config.calibration import Calibration, Ensemble
+from fprc.config.calibration import Calibration, Ensemble, Fitted
 from fprc.config.folders import Folders
 from fprc.config.hardware import Hardware
 from fprc.config.rig import Rig
@@ -336,6 +336,7 @@ class Settings(Section):
     ensemble: Ensemble = Ensemble()
     hardware: Hardware = Hardware()
     rig: Rig = Rig()
+    fitted: Fitted = Fitted()
 
     @model_validator(mode="after")
     def _further_seeds_are_fresh(self) -> "Settings":

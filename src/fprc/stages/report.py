@@ -109,7 +109,7 @@ def _claims(ledger: Sequence[str]) -> dict[str, Any]:
     if not ledger:
         return {"claims": None}
     report = read_json(ledger[0])
-    claims = pd.DataFrame(report["claims"])
+    claims = pd.DataFrame(report["claims"]).drop(columns="statements")
     counts = claims["verdict"].value_counts().to_dict()
     claims.columns = claims.columns.str.capitalize()
     return {"claims": claims, "counts": counts, "note": report["note"]}
