@@ -106,7 +106,8 @@ def fit_rig(
     best = replace(on_rig, rig=resolved(decode(result.point, on_rig.rig, free)))
     log.info("judging the fitted rig with the full models, on the seeds of the objective")
     after = relative(full_errors(best, seeds, workers, judgement), aim)
-    terms = _deviations(cheaply(best, seeds), aim, ratios)
+    judged = cheaply(best, seeds)
+    terms = _deviations(judged, aim, ratios)
     check_seeds = calibration["check_seeds"]
     check = {
         name: _loss(_deviations(cheaply(rig, check_seeds), aim, ratios))
@@ -122,6 +123,10 @@ def fit_rig(
         "median_deviation": float(np.median(np.abs(list(after.values())))),
         "largest_deviation": float(np.max(np.abs(list(after.values())))),
         "terms": {name: float(np.sum(values**2)) for name, values in terms.items()},
+        "properties": {
+            name: float(np.mean([seed["properties"][name] for seed in judged]))
+            for name in judged[0]["properties"]
+        },
         "plausible": dict(aim.ranges),
         "surrogate_ratios": ratios,
         "loss_at_start": _loss(_deviations(like, aim, ratios)),
