@@ -4,6 +4,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
+from fprc.evaluation import split_rows
+from fprc.evaluation.folds import Fold
+
 
 @dataclass(frozen=True)
 class Judgement:
@@ -19,12 +24,20 @@ class Judgement:
         Rows of a fold: ``shuffled`` or ``blocked``.
     seed : int
         Seed of folds and models.
+    purge_s : float
+        Time on each side of a contiguous block that does not train.
     """
 
     models: Mapping[str, Any]
     folds: int
     split: str
     seed: int
+    purge_s: float = 2.0
+
+    def split_rows(self, time_s: np.ndarray, split: str = "") -> list[Fold]:
+        """Return (training rows, validation rows) of each fold of a log, by ``split`` if given."""
+        purge = round(self.purge_s * (len(time_s) - 1) / float(time_s[-1] - time_s[0]))
+        return split_rows(len(time_s), self.folds, split or self.split, self.seed, purge)
 
 
 @dataclass(frozen=True)
