@@ -9,6 +9,12 @@ CHUNKS = {
     first: list(range(first, min(first + ENSEMBLE["chunk"], ENSEMBLE["rigs"])))
     for first in range(0, ENSEMBLE["rigs"], ENSEMBLE["chunk"])
 }
+#: Rigs that can be named, beside the one of these results: their settings.
+RIGS = {
+    path.stem: from_files([path]).model_dump(mode="json", include={"rig", "fitted"})
+    for path in sorted(Path("config/rigs").glob("*.yaml"))
+    if path.stem != SETTINGS["fitted"]["name"]
+}
 CHUNK_FILES = [PATHS.below(f"ensemble/rigs_{first}.json") for first in CHUNKS]
 
 
@@ -144,6 +150,60 @@ rule sensitivity_table:
         "../scripts/stage.py"
 
 
+rule replicate_on_rig:
+    output:
+        compared=PATHS.below("rigs/{rig}/models_{seed}.json"),
+        cells=PATHS.below("rigs/{rig}/grids_{seed}.json"),
+        measures=PATHS.below("rigs/{rig}/control_{seed}.json"),
+    log:
+        PATHS.messages("replicate_on_rig_{rig}_{seed}"),
+    wildcard_constraints:
+        rig="|".join(RIGS) or "none",
+    resources:
+        mem_mb=2000,
+    params:
+        **stage("replicate.replicate", *MODELS),
+        on_rig=lambda wildcards: ON_RIG | {"rig": RIGS[wildcards.rig]["rig"]},
+        judgement=lambda wildcards: judgement(seed=int(wildcards.seed)) | {"models": PAPERS},
+        values=grid_values("epsilon", "n_c", "n_u", "n_y"),
+        tracking=SETTINGS["tracking"],
+    message:
+        "Rig {wildcards.rig}: tables, grids and closed loops with seed {wildcards.seed}"
+    script:
+        "../scripts/stage.py"
+
+
+def on_rigs(part):
+    """Return the reports of the further seeds: those of this rig, then those of each other one."""
+    return PLAN.replicates(part) + [
+        PATHS.below(f"rigs/{rig}/{part}_{seed}.json")
+        for rig in RIGS
+        for seed in EVALUATION["replicate_seeds"]
+    ]
+
+
+rule rigs_table:
+    input:
+        published=PUBLISHED,
+        models=on_rigs("models"),
+        grids=on_rigs("grids"),
+        controls=on_rigs("control"),
+    output:
+        **PATHS.table("rigs/rigs"),
+    log:
+        PATHS.messages("rigs_table"),
+    params:
+        **stage("rigs.compare_rigs"),
+        fitted={
+            each["name"]: each["to"]
+            for each in (SETTINGS["fitted"], *(rig["fitted"] for rig in RIGS.values()))
+        },
+    message:
+        "Rigs of config/rigs side by side"
+    script:
+        "../scripts/stage.py"
+
+
 rule targets_table:
     input:
         published=PUBLISHED,
@@ -168,6 +228,7 @@ rule calibration_page:
         seeds=[path.replace(".md", ".csv") for path in PLAN.seeds_tables[:2]],
         pages=[
             PLAN.seeds_tables[2],
+            PATHS.below("rigs/rigs.md"),
             PATHS.below("ensemble/claims.md"),
             PATHS.below("calibration/sensitivity.md"),
             PATHS.below("calibration/targets.md"),
@@ -222,4 +283,13 @@ rule targets:
         PATHS.below("calibration/targets.md"),
         PLAN.replicates("models", TARGET_NAMES),
         PLAN.replicates("control", TARGET_NAMES),
+    localrule: True
+
+
+rule rigs:
+    input:
+        PATHS.below("rigs/rigs.md"),
+        on_rigs("models"),
+        on_rigs("grids"),
+        on_rigs("control"),
     localrule: True

@@ -9,6 +9,7 @@ from fprc.tables.models import (
     over_seeds,
 )
 from fprc.tables.readout import readout, readout_page
+from fprc.tables.rigs import rig_errors, rigs_page
 from fprc.tables.robustness import (
     ensemble,
     ensemble_page,
@@ -35,6 +36,8 @@ __all__ = [
     "read_markdown",
     "readout",
     "readout_page",
+    "rig_errors",
+    "rigs_page",
     "sensitivity",
     "sensitivity_page",
     "spread",
