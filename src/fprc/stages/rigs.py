@@ -38,19 +38,20 @@ def compare_rigs(
     seeds = len(models) // len(fitted)
     errors, ledgers, sentences = {}, {}, []
     for i, (name, terms) in enumerate(fitted.items()):
-        reports = [
-            [read_json(path) for path in paths[i * seeds : (i + 1) * seeds]]
-            for paths in (models, grids, controls)
-        ]
-        errors[name] = tables.rig_errors(reports[0], reports[2], printed)
+        own = slice(i * seeds, (i + 1) * seeds)
+        replicates, cells, measures = (
+            [read_json(path) for path in paths[own]] for paths in (models, grids, controls)
+        )
+        errors[name] = tables.rig_errors(replicates, measures, printed)
+        results = Results(replicates, cells, measures, {}, {})
         ledgers[name] = [
             {**row, "rig": status_of(row["id"], terms)}
-            for row in judge_claims(claims, Results(*reports, {}, {}), printed)
+            for row in judge_claims(claims, results, printed)
         ]
         off = 100 * errors[name]["deviation"][:18].abs()
         sentences.append(
-            f"Rig {name}: the 18 errors of Tables II and III are off print by {np.median(off):.0f} % "
-            f"in the median and {off.max():.0f} % at most."
+            f"Rig {name}: the 18 errors of Tables II and III are off print by "
+            f"{np.median(off):.0f} % in the median and {off.max():.0f} % at most."
         )
     source = read_json(models[0])["source"]
     note = (
@@ -58,8 +59,7 @@ def compare_rigs(
         f"verdicts.\nData: {SOURCES[source]}. " + " ".join(sentences)
     )
     page = tables.rigs_page(errors, ledgers)
-    write_csv(
-        csv, pd.concat(table.assign(rig=name, source=source) for name, table in errors.items())
-    )
+    named = [table.assign(rig=name, source=source) for name, table in errors.items()]
+    write_csv(csv, pd.concat(named, ignore_index=True))
     write_text(md, tables.markdown(page, note))
     write_text(tex, tables.latex(page, note))

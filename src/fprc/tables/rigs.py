@@ -22,7 +22,8 @@ def rig_errors(
 ) -> pd.DataFrame:
     """Return the errors of Tables II to IV on one rig that the paper prints, tidy.
 
-    Columns ``number``, ``published``, ``mean``, ``low``, ``high``, ``deviation`` (ours / print - 1).
+    Columns ``number``, ``published``, ``mean``, ``low``, ``high``, and ``deviation``, which is
+    ours / print - 1.
     """
     rows = []
     for table, trained_on in (("II", "sweep"), ("III", "complex")):
