@@ -236,7 +236,15 @@ def smoked_copy(smoked, tmp_path):
 
 
 @pytest.fixture(scope="session")
-def calibrated(smoked, shared):
+def few_free():
+    """Settings of a calibration with few parameters; tests/unit/calibration has them all."""
+    free = "bending.friction_kpa, bending.friction_per_kpa, drift.sigma_kpa, drift.time_s"
+    free += ", reservoir.back_pressure_gain, reservoir.squeeze_damping_kpa_s_per_ml"
+    return f"calibration={{free: [{free}], check_seeds: [41]}}"
+
+
+@pytest.fixture(scope="session")
+def calibrated(smoked, shared, few_free):
     """Finished smoke run on which the targets outside `all` were made too, and what it printed."""
 
     def make(folder):
@@ -244,7 +252,7 @@ def calibrated(smoked, shared):
         # and a grid again, in chunks this time
         (folder / "results/smoke/grids/taps.json").unlink()
         targets = ["ensemble", "targets", "sensitivity", "calibrate"]
-        chunks = ["--config", "grids={chunks: 3}"]
-        return copy.smoke(*targets, "results/smoke/grids/taps.json", *chunks)
+        settings = ["--config", "grids={chunks: 3}", few_free]
+        return copy.smoke(*targets, "results/smoke/grids/taps.json", *settings)
 
     return once(shared, "calibrated", make)
