@@ -22,8 +22,9 @@ from fprc.escape import TerminalFormatter, code
 from fprc.fingerprint import fingerprint
 from fprc.logs import read_columns
 from fprc.paper import SOURCES
+from fprc.plan.arguments import judgement
 from fprc.provenance import describe, sha256
-from fprc.registry import class_module, settings_of
+from fprc.registry import class_module
 from fprc.stages.draw import draw_readout
 from fprc.stages.preprocess import preprocess
 from fprc.stages.readout import measure_readout
@@ -147,18 +148,13 @@ def _judge(
     """Run the grid's cells, write table and figure, and return the cells' results."""
     folder.mkdir(parents=True, exist_ok=True)
     cells, png, pdf = (str(folder / name) for name in ("cells.json", "readout.png", "readout.pdf"))
-    grids, evaluation = settings["grids"], settings["evaluation"]
+    grids = settings["grids"]
     with threadpool_limits(1):
         measure_readout(
             data["sweep"],
             data["complex"],
             cells,
-            judgement={
-                "models": settings_of("fprc", settings["models"]),
-                "folds": evaluation["folds"],
-                "split": evaluation["split"],
-                "seed": settings["seed"],
-            },
+            judgement=judgement(settings, "fprc", without="split"),
             epsilon=grids["epsilon"],
             n_u=grids["replicate_taps"],
             workers=workers,
