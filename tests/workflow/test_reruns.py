@@ -61,12 +61,13 @@ OF_THE_ESN = [
     ("models/esn.py", "gamma=self.gamma,", "gamma=1.0 * self.gamma,"),
     ("models/echo_features.py", "self.w_in_ = ", "self.w_in_ = 1.0 * "),
     ("models/echo.py", "LANES = ", "LANES = 1 * "),
+    ("models/ridge_readout.py", "return X @ self", "return 1.0 * X @ self"),
 ]
 
 EDITS = {
     "comment, docstring, code that no rule runs": (NOTHING, {}),
-    "ESN, its features, its states": (OF_THE_ESN, ESN),
-    "ridge": ([("models/ridge.py", "return X @ self", "return 1.0 * X @ self")], MODELS),
+    "ESN, its features, its states, its readout": (OF_THE_ESN, ESN),
+    "ridge": ([("models/ridge.py", "gram + alpha", "gram + 1.0 * alpha")], MODELS),
     "rig": ([("rig/friction.py", "return force", "return 1.0 * force")], RIG),
     "what runs every stage": (
         [("stages/run.py", "threadpool_limits(1)", "threadpool_limits(limits=1)")], ALL,
