@@ -110,23 +110,19 @@ def build(name: str, models: Settings, seed: int) -> "SequenceModel":
         The class cannot be imported, or does not take the settings.
     """
     cls = load_class(name, models)
-    if name in models.get("others", {}):
-        parameters = dict(models["others"][name]["settings"])
-    else:
-        parameters = {}
+    if name in MODELS:
+        parameters: dict[str, Any] = {}
         for key, value in settings_of(name, models).items():
             parameters |= value if isinstance(value, Mapping) else {key: value}
-    model = _construct(name, cls, parameters)
+        model = cls(**parameters)
+    else:
+        try:
+            model = cls(**models["others"][name]["settings"])
+        except (TypeError, ValueError) as error:
+            raise ConfigError(f"models.others.{name}.settings: {error}") from error
     if "random_state" in model.get_params():
         model.set_params(random_state=seed)
     return model
-
-
-def _construct(name: str, cls: type, parameters: Settings) -> "SequenceModel":
-    try:
-        return cls(**parameters)
-    except (TypeError, ValueError) as error:
-        raise ConfigError(f"models.others.{name}.settings: {error}") from error
 
 
 #: What the workflow calls of a model, beside ``step`` and ``reset`` of the closed loops.
@@ -139,10 +135,12 @@ def load_class(name: str, models: Settings) -> type:
     Raises
     ------
     ConfigError
-        It cannot be imported, or is no model; the message names the key.
+        A class of ``models.others`` cannot be imported, or is no model; names the key.
     """
     path = entries(models)[name].cls
     module, _, cls = path.rpartition(".")
+    if name in MODELS:
+        return getattr(import_module(module), cls)
     where = f"models.others.{name}.estimator: {path}"
     try:
         loaded = getattr(import_module(module), cls)

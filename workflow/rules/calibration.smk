@@ -2,8 +2,8 @@
 
 ENSEMBLE = SETTINGS["ensemble"]
 TARGET_NAMES = ["command", "measured"]
-SURROGATE = {key: SETTINGS["calibration"][key] for key in ("stride", "esn_nodes")}
-DRAWN = {key: ENSEMBLE[key] for key in ("seed", "angle_deg", "p_o_swing_kpa")}
+SURROGATE = pick(SETTINGS["calibration"], "stride", "esn_nodes")
+DRAWN = pick(ENSEMBLE, "seed", "angle_deg", "p_o_swing_kpa")
 FREE = {"paths": SETTINGS["calibration"]["free"], "ranges": SETTINGS["calibration"]["ranges"]}
 CHUNKS = {
     first: list(range(first, min(first + ENSEMBLE["chunk"], ENSEMBLE["rigs"])))
@@ -27,12 +27,15 @@ rule fit_rig:
     log:
         PATHS.messages("fit_rig"),
     threads: workflow.cores
+    resources:
+        mem_mb=memory_of,
+        runtime=480,
     params:
         **stage("calibrate.calibrate", *MODELS, key="version"),
-        on_rig=ON_RIG,
-        judgement=judgement(seed=None) | {"models": PAPERS},
+        on_rig=on_rig(SETTINGS),
+        judgement=judgement(SETTINGS, without="seed", models=paper_models(SETTINGS)),
         calibration=SETTINGS["calibration"],
-        grids=grid_values("epsilon", "n_c"),
+        grids=pick(SETTINGS["grids"], "epsilon", "n_c"),
         tracking=SETTINGS["tracking"],
         workers=lambda wildcards, threads: threads,
         checkpoint=PATHS.below("calibration/search.partial.jsonl"),
@@ -52,10 +55,11 @@ rule ensemble_chunk:
         chunk="|".join(map(str, CHUNKS)),
     resources:
         mem_mb=2000,
+        runtime=120,  # grows with ensemble.chunk
     params:
         **stage("ensemble.judge_rigs", *MODELS, key="version"),
-        on_rig=ON_RIG,
-        judgement=judgement(seed=None) | {"models": PAPERS},
+        on_rig=on_rig(SETTINGS),
+        judgement=judgement(SETTINGS, without="seed", models=paper_models(SETTINGS)),
         tracking=SETTINGS["tracking"],
         numbers=lambda wildcards: CHUNKS[int(wildcards.chunk)],
         ensemble=DRAWN,
@@ -119,13 +123,16 @@ rule measure_sensitivity:
     log:
         PATHS.messages("measure_sensitivity"),
     threads: workflow.cores
+    resources:
+        mem_mb=memory_of,
+        runtime=240,
     params:
         **stage("ensemble.measure_sensitivity", *MODELS, key="version"),
-        on_rig=ON_RIG,
-        models=PAPERS,
+        on_rig=on_rig(SETTINGS),
+        models=paper_models(SETTINGS),
         paths=SETTINGS["calibration"]["free"],
         steps=ENSEMBLE["sensitivity_steps"],
-        seeds=EVALUATION["replicate_seeds"][:2],
+        seeds=SETTINGS["evaluation"]["replicate_seeds"][:2],
         surrogate=SURROGATE,
         workers=lambda wildcards, threads: threads,
         checkpoint=PATHS.below("calibration/sensitivity.partial.jsonl"),
@@ -161,11 +168,14 @@ rule replicate_on_rig:
         rig="|".join(RIGS) or "none",
     resources:
         mem_mb=2000,
+        runtime=60,
     params:
         **stage("replicate.replicate", *MODELS),
-        on_rig=lambda wildcards: ON_RIG | {"rig": RIGS[wildcards.rig]["rig"]},
-        judgement=lambda wildcards: judgement(seed=int(wildcards.seed)) | {"models": PAPERS},
-        values=grid_values("epsilon", "n_c", "n_u", "n_y"),
+        on_rig=lambda wildcards: on_rig(SETTINGS) | {"rig": RIGS[wildcards.rig]["rig"]},
+        judgement=lambda wildcards: judgement(
+            SETTINGS, models=paper_models(SETTINGS), seed=int(wildcards.seed)
+        ),
+        values=pick(SETTINGS["grids"], "epsilon", "n_c", "n_u", "n_y"),
         tracking=SETTINGS["tracking"],
     message:
         "Rig {wildcards.rig}: tables, grids and closed loops with seed {wildcards.seed}"

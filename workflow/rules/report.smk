@@ -30,7 +30,7 @@ rule report_page:
             PATHS.below("report.html"),
             caption="../report/page.rst",
             category="The whole reproduction",
-            labels={"page": "report", "data": DATA},
+            labels={"page": "report", "data": PLAN.origin},
         ),
     log:
         PATHS.messages("report_page"),

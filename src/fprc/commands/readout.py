@@ -22,8 +22,9 @@ from fprc.escape import TerminalFormatter, code
 from fprc.fingerprint import fingerprint
 from fprc.logs import read_columns
 from fprc.paper import SOURCES
+from fprc.plan.arguments import judgement
 from fprc.provenance import describe, sha256
-from fprc.registry import class_module, settings_of
+from fprc.registry import class_module
 from fprc.stages.draw import draw_readout
 from fprc.stages.preprocess import preprocess
 from fprc.stages.readout import measure_readout
@@ -75,23 +76,7 @@ def report_readout(
         raise ConfigError(f"--workers {workers}: must be 1 or more; omit it to use all processors")
     folder = Path(out or Path("results", Path(source).stem))
     _log_to_terminal()
-    data = {}
-    for experiment in PARTS:
-        raw = folder / "raw" / f"{experiment}.h5"
-        raw.parent.mkdir(parents=True, exist_ok=True)
-        import_mapped(mapping.part(experiment), source, str(raw))
-        if simulated:
-            raw = _with_reservoir(raw, folder / "reservoir", experiment, mapping, settings)
-        data[experiment] = str(folder / "data" / f"{experiment}.h5")
-        preprocess(
-            str(raw),
-            data[experiment],
-            str(folder / "quality" / f"{experiment}.json"),
-            experiment=experiment,
-            target=settings["evaluation"]["target"],
-            sample_rate_hz=mapping.sample_rate_hz,
-            limits=settings["quality"],
-        )
+    data = {name: _prepare(name, source, mapping, settings, folder) for name in PARTS}
     made = _judge(data, folder / "readout", settings, workers or len(os.sched_getaffinity(0)))
     page = folder / "report.md"
     write_text(page, _page(source, map_file, mapping, settings, folder, made))
@@ -108,23 +93,38 @@ def _log_to_terminal() -> None:
     ours.setLevel(logging.INFO)
 
 
-def _with_reservoir(
-    raw: Path, folder: Path, experiment: str, mapping: ImportMap, settings: Mapping[str, Any]
-) -> Path:
-    """Simulate the reservoir for a log; return the path of the extended log."""
-    driven = folder / raw.name
-    add_reservoir(
+def _prepare(
+    experiment: str, source: str, mapping: ImportMap, settings: Mapping[str, Any], folder: Path
+) -> str:
+    """Import one part of the recording and preprocess it; return the path of its data."""
+    raw = folder / "raw" / f"{experiment}.h5"
+    raw.parent.mkdir(parents=True, exist_ok=True)
+    import_mapped(mapping.part(experiment), source, str(raw))
+    if settings["evaluation"]["reservoir"] == "simulated":
+        driven = folder / "reservoir" / raw.name
+        add_reservoir(
+            str(raw),
+            str(driven),
+            experiment=experiment,
+            sample_rate_hz=mapping.sample_rate_hz,
+            rate_tolerance=settings["quality"]["rate_tolerance"],
+            zero_deg=settings["evaluation"]["reservoir_zero_deg"],
+            control=settings["control"],
+            rig=settings["rig"],
+            seed=settings["seed"],
+        )
+        raw = driven
+    data = str(folder / "data" / raw.name)
+    preprocess(
         str(raw),
-        str(driven),
+        data,
+        str(folder / "quality" / f"{experiment}.json"),
         experiment=experiment,
+        target=settings["evaluation"]["target"],
         sample_rate_hz=mapping.sample_rate_hz,
-        rate_tolerance=settings["quality"]["rate_tolerance"],
-        zero_deg=settings["evaluation"]["reservoir_zero_deg"],
-        control=settings["control"],
-        rig=settings["rig"],
-        seed=settings["seed"],
+        limits=settings["quality"],
     )
-    return driven
+    return data
 
 
 def _no_parts(path: str, mapping: ImportMap, *, simulated: bool) -> list[str]:
@@ -148,17 +148,13 @@ def _judge(
     """Run the grid's cells, write table and figure, and return the cells' results."""
     folder.mkdir(parents=True, exist_ok=True)
     cells, png, pdf = (str(folder / name) for name in ("cells.json", "readout.png", "readout.pdf"))
-    grids, evaluation = settings["grids"], settings["evaluation"]
+    grids = settings["grids"]
     with threadpool_limits(1):
         measure_readout(
             data["sweep"],
             data["complex"],
             cells,
-            judgement={
-                "models": settings_of("fprc", settings["models"]),
-                "seed": settings["seed"],
-                **{key: evaluation[key] for key in ("folds", "split", "purge_s")},
-            },
+            judgement=judgement(settings, "fprc", without="split"),
             epsilon=grids["epsilon"],
             n_u=grids["readout_taps"],
             workers=workers,

@@ -43,7 +43,7 @@ def compare_models(
     }
     in_order = chain.from_iterable(zip(*judged.values(), strict=True))
     own = {key: judgement.models["fprc"][key] for key in ("epsilon", "n_u")}
-    filter_alone = {"split": judgement.split, "readout": "theta", **own}
+    filter_alone = {"readout": "theta", **own}
     compared = {
         "models": [each.report for each in in_order],
         "weights": weight_shares(data["sweep"], judgement),

@@ -38,14 +38,14 @@ def judge_readout(
     test: Data,
     judgement: Judgement,
 ) -> dict[str, Any]:
-    """Return the errors of one cell, with the split that the cell gives."""
+    """Return the errors of one cell."""
     seed = judgement.seed
     name = "fuzzy_linear" if cell["readout"] == "none" else "fprc"
     model = build(name, judgement.models, seed)
     if name == "fprc":
         model.set_params(epsilon=cell["epsilon"], n_u=cell["n_u"])
     X, y = inputs_with(cell["readout"], train, seed)
-    folds = judgement.split_rows(train.channels["time_s"], cell["split"])
+    folds = judgement.split_rows(train.channels["time_s"])
     judged = cross_validate(model, X, y, folds)
     return {
         "train_rmse_kpa": judged.train_rmse,

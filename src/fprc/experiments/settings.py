@@ -34,10 +34,10 @@ class Judgement:
     seed: int
     purge_s: float = 2.0
 
-    def split_rows(self, time_s: np.ndarray, split: str = "") -> list[Fold]:
-        """Return (training rows, validation rows) of each fold of a log, by ``split`` if given."""
+    def split_rows(self, time_s: np.ndarray) -> list[Fold]:
+        """Return (training rows, validation rows) of each fold of a log."""
         purge = round(self.purge_s * (len(time_s) - 1) / float(time_s[-1] - time_s[0]))
-        return split_rows(len(time_s), self.folds, split or self.split, self.seed, purge)
+        return split_rows(len(time_s), self.folds, self.split, self.seed, purge)
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ _MODULES = {
     "FPRC": "fprc.models.fprc",
     "FuzzyLinear": "fprc.models.fprc",
     "TapFeatures": "fprc.models.features",
-    "RidgeReadout": "fprc.models.ridge",
+    "RidgeReadout": "fprc.models.ridge_readout",
     "TakagiSugenoReadout": "fprc.models.takagi_sugeno",
 }
 

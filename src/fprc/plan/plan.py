@@ -5,12 +5,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from fprc.logs import Content, contents
+from fprc.errors import LogError
+from fprc.logs import Content, contents, headers, refuse_simulated, refuse_to_overwrite
 from fprc.logs.folder import Header
 from fprc.paper import (
     DISTURBANCE,
     EXPERIMENTS,
     REFERENCES,
+    SOURCES,
     controller_and_gain,
     reference_and_controller,
     run_log,
@@ -48,6 +50,12 @@ class Plan:
     def on_simulated_rig(self) -> bool:
         """Whether the rig is simulated, so that there can be further rigs."""
         return self.settings["source"] == "sim"
+
+    @property
+    def origin(self) -> str:
+        """Source of the data, for readers."""
+        names = {"sim": SOURCES["sim"], "rig": "real rig", "recorded": "recorded logs"}
+        return names[self.settings["source"]]
 
     @property
     def records(self) -> bool:
@@ -257,6 +265,34 @@ class Plan:
         judged = BY_NAME["table2"].made_of[1:]
         models = [self.paths.below(name.format(model=m)) for name in judged for m in self.models]
         return [*self._data, *models, self.paths.below("control/gains.json")]
+
+
+def read_plan(settings: Mapping[str, Any], *, isolate: bool) -> Plan:
+    """Return the plan for the raw logs that exist.
+
+    Parameters
+    ----------
+    isolate : bool
+        Read the logs in a child process; see ``fprc.logs.headers``.
+
+    Raises
+    ------
+    LogError
+        A log cannot be read or has another source than ``source`` says, or there is none to use.
+    """
+    raw = settings["folders"]["raw"]
+    logs = [f"{raw}/{name}.h5" for name in Plan(settings, {}).every_log]
+    plan = Plan(settings, headers(logs, isolate=isolate))
+    if plan.on_simulated_rig:
+        refuse_to_overwrite(plan.existing)
+    elif plan.records:
+        refuse_simulated(plan.existing)
+    if not plan.contents:
+        raise LogError(
+            f"source is recorded, but {raw} contains no raw log: put sweep.h5 and complex.h5 "
+            "there, or set folders.raw; see docs/own-data.md"
+        )
+    return plan
 
 
 def _follows(result: Result, reference: str) -> bool:

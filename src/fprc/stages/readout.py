@@ -32,7 +32,8 @@ def measure_readout(
     Parameters
     ----------
     judgement : Mapping
-        Arguments of ``fprc.experiments.settings.Judgement``; each cell has its own split.
+        Arguments of ``fprc.experiments.settings.Judgement``, without ``split``, which each cell
+        has.
     """
     data = read_data(train)
     refuse_mixture(data, read_data(test))
@@ -41,7 +42,7 @@ def measure_readout(
         digest.update(Path(path).read_bytes())
     models = judgement["models"]
     judged = run_cells(
-        partial(_judge_from_files, train=train, test=test, judgement=Judgement(**judgement)),
+        partial(_judge_from_files, train=train, test=test, judgement=judgement),
         readout_cells(models, epsilon, n_u),
         workers=workers,
         checkpoint=checkpoint,
@@ -60,6 +61,7 @@ def measure_readout(
 
 
 def _judge_from_files(
-    cell: Mapping[str, Any], *, train: str, test: str, judgement: Judgement
+    cell: Mapping[str, Any], *, train: str, test: str, judgement: Mapping[str, Any]
 ) -> dict[str, Any]:
-    return judge_readout(cell, train=read_data(train), test=read_data(test), judgement=judgement)
+    how = Judgement(**judgement, split=cell["split"])
+    return judge_readout(cell, train=read_data(train), test=read_data(test), judgement=how)

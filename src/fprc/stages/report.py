@@ -15,7 +15,6 @@ from PIL import Image
 
 from fprc.artifacts import read_json, write_text
 from fprc.config import Settings
-from fprc.config.section import fields
 from fprc.paper import SOURCES
 from fprc.provenance import checkout, hash_of, versions
 from fprc.tables import read_markdown
@@ -96,12 +95,14 @@ _NOT_COMPARED = ("source", "seed", "folders", "rig", "calibration", "ensemble")
 
 def _changed(settings: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
     """Return the settings of models, experiments and evaluation that differ from the defaults."""
-    default = {key: value for key, value, *_ in fields(Settings())}
-    ours = {key: value for key, value, *_ in fields(Settings.model_validate(settings))}
+    default, ours = (
+        pd.json_normalize(section).to_dict("records")[0]
+        for section in (Settings().model_dump(mode="json"), dict(settings))
+    )
     return {
-        key: (value, default[key])
+        key: (value, default.get(key, "none"))
         for key, value in ours.items()
-        if value != default[key] and key.split(".")[0] not in _NOT_COMPARED
+        if value != default.get(key) and key.split(".")[0] not in _NOT_COMPARED
     }
 
 

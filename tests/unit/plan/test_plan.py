@@ -8,10 +8,11 @@ import pandas as pd
 import pytest
 
 from fprc.config import Settings, check
+from fprc.errors import LogError
 from fprc.logs import RAW_CHANNELS
 from fprc.logs.folder import Header
 from fprc.paper import CONTROLLERS, EXPERIMENTS, REFERENCES, run_log
-from fprc.plan import Paths, Plan
+from fprc.plan import Paths, Plan, read_plan
 from fprc.plan.results import CHORES, RESULTS
 from fprc.stages.tabulate import tabulate_unavailable
 
@@ -311,3 +312,10 @@ def test_model_from_outside_is_planned_only_where_models_can_be_judged():
                                           .model_dump(mode="json")["models"]}  # fmt: skip
         plan = dataclasses.replace(plan, settings=settings)
         assert ("training_mine" in plan.targets) is planned
+
+
+def test_folder_without_a_log_cannot_be_planned_for(tmp_path):
+    settings = check({"source": "recorded"}).model_dump(mode="json")
+    settings["folders"]["raw"] = str(tmp_path)
+    with pytest.raises(LogError, match="contains no raw log"):
+        read_plan(settings, isolate=False)
