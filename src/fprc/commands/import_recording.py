@@ -17,7 +17,7 @@ from fprc.escape import terminal, visible
 from fprc.figures import style
 from fprc.figures.diagnosis import draw_diagnosis
 from fprc.logs import read_columns, write_raw
-from fprc.logs.clock import likely, other_unit, refuse_length
+from fprc.logs.clock import likely_rate, other_unit, refuse_length
 from fprc.logs.columns import unit_of
 from fprc.logs.diagnosis import describe, diagnose
 from fprc.logs.gather import gather
@@ -113,7 +113,7 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
     )
     refuse_length(content, time, recording.clock, mapping.sample_rate_hz)
     units = {name: "" if spec["unit"] == "1" else unit_of(name) for name, spec in columns.items()}
-    diagnosis = diagnose(recording.time_s, recording.channels, recording.clock.mended)
+    diagnosis = diagnose(recording.time_s, recording.channels, recording.clock.corrections)
     words = describe(diagnosis, units)
     doubt = mapping.time.column and other_unit(recording.clock, mapping.time.unit)
     if doubt:
@@ -234,4 +234,4 @@ def _rate(values: np.ndarray) -> tuple[float, str] | None:
     step = float(np.median(steps))
     if (steps < 0.0).any():  # repeated stamps are allowed
         return None
-    return likely(step) if (np.abs(steps - step) < 0.5 * step).mean() > 0.9 else None
+    return likely_rate(step) if (np.abs(steps - step) < 0.5 * step).mean() > 0.9 else None

@@ -38,7 +38,7 @@ KINDS = {
     "units": str,
     "crc32": int,
 }
-#: Those of a channel; the rest belong to the file.
+#: Attributes of a channel; all others belong to the file.
 CHANNEL_ATTRIBUTES = ("units", "crc32")
 _WORDS = {
     str: "text",
@@ -67,12 +67,12 @@ def read_attributes(
     return valid, wrong
 
 
-def read_attribute(holder: h5py.AttributeManager, name: str, *, mend: bool = False) -> Any:
+def read_attribute(holder: h5py.AttributeManager, name: str, *, lossy: bool = False) -> Any:
     """Return one attribute.
 
     Parameters
     ----------
-    mend : bool, default=False
+    lossy : bool, default=False
         Replace bytes that are not UTF-8 instead of raising.
 
     Raises
@@ -91,7 +91,7 @@ def read_attribute(holder: h5py.AttributeManager, name: str, *, mend: bool = Fal
         value = value.decode("utf-8", "surrogateescape")
     kind = KINDS.get(name)
     if isinstance(value, str):
-        if mend:
+        if lossy:
             value = value.encode("utf-8", "surrogateescape").decode("utf-8", "replace")
         if not is_text(value):
             raise LogError(

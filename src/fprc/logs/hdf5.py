@@ -125,7 +125,7 @@ def refuse_never_written(dataset: h5py.Dataset) -> None:
     Raises
     ------
     LogError
-        Some were never written. The message does not name the channel.
+        Some samples were never written. The message does not name the channel.
     """
     layout = dataset.id.get_create_plist().get_layout()
     if layout == h5py.h5d.CHUNKED:

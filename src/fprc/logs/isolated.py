@@ -20,7 +20,7 @@ from fprc.errors import LogError
 
 #: Limit on processor time: _LIMIT_S + size / _BYTES_PER_S.
 _LIMIT_S, _BYTES_PER_S = 5.0, 20e6
-#: Limit on wall time, as a multiple of that: ends a process that is blocked.
+#: Limit on wall time, as a multiple of the processor time: ends a process that is blocked.
 _PATIENCE = 6.0
 #: Limit on the process's address space, bytes; libraries take about 0.5 GB of it.
 LIMIT_BYTES = 4 << 30
@@ -161,8 +161,8 @@ def run_limited(command: Sequence[str], limit_s: float, request: bytes = b"") ->
             check=False,
             env=os.environ | {"OPENBLAS_NUM_THREADS": "1"},  # each thread reserves memory
         )
-    except subprocess.TimeoutExpired as waited:
-        return waited.stdout or b"", late
+    except subprocess.TimeoutExpired as expired:
+        return expired.stdout or b"", late
     if done.returncode == 0:
         return done.stdout, ""
     if done.returncode == -getattr(signal, "SIGXCPU", 0):

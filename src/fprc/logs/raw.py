@@ -39,7 +39,7 @@ SIMULATED_RESERVOIR = {"rig": "rig+sim", "import": "import+sim"}
 #: Sources of a log: simulated, recorded on the real rig, imported.
 SOURCES = ("sim", "rig", "import", *SIMULATED_RESERVOIR.values())
 
-#: Required attributes of a raw log, and further ones of a closed-loop run.
+#: Required attributes of a raw log, and those that a closed-loop run needs too.
 RAW_ATTRIBUTES = (
     "experiment",
     "source",

@@ -193,9 +193,6 @@ def _findings(
     )
 
 
-# --- as a raw log ---------------------------------------------------------------------------
-
-
 def recover(journal: Path | str, raw: Path | str) -> Findings:
     """Write the readable samples of a journal as a raw log; the journal is not changed.
 

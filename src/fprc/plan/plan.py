@@ -91,7 +91,9 @@ class Plan:
             without=[] if has_phi else ["phi_deg"],
         )
         if self.driven:
-            logs |= {name: logs[name].having(_RESERVOIR) for name in EXPERIMENTS if name in logs}
+            logs |= {
+                name: logs[name].with_channels(_RESERVOIR) for name in EXPERIMENTS if name in logs
+            }
         return logs
 
     @cached_property
