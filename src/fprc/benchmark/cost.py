@@ -1,6 +1,6 @@
 """Processor time of a rig, a cell of a grid, a closed-loop second and a job.
 
-Other programs on the machine hardly change processor time.
+Processor time hardly depends on other programs on the machine.
 """
 
 import json
@@ -26,8 +26,7 @@ from fprc.registry import build
 
 log = logging.getLogger(__name__)
 
-#: Runs a command from a small process: Linux counts the memory of the parent in the peak of its
-#: child.
+#: Runs a command from a small process: Linux includes the parent's memory in the child's peak.
 _WATCH = """
 import json, resource, subprocess, sys, time
 start = time.monotonic()
@@ -110,7 +109,7 @@ def plan_ensemble(
     Parameters
     ----------
     alone : bool
-        Plan only one of the jobs, as every job does on its node.
+        Plan only one of the jobs, as each job does on its node.
 
     Raises
     ------

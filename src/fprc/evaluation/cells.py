@@ -26,8 +26,8 @@ def run_cells(
 ) -> list[dict[str, Any]]:
     """Judge every cell in a pool of processes, each on one thread.
 
-    Each finished cell is written to the checkpoint at once, so that a killed
-    grid resumes there.
+    Each finished cell is written to the checkpoint at once; after a kill, the
+    next call computes only the cells that are missing there.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def _name(cell: Cell) -> str:
 
 
 def _resume(checkpoint: Path, key: str) -> dict[str, dict[str, Any]]:
-    """Return the finished cells; rewrite the file for further ones."""
+    """Return the finished cells, and rewrite the file with them, so that others can be appended."""
     text = checkpoint.read_text(encoding="utf-8", errors="replace") if checkpoint.exists() else ""
     lines = text.splitlines()
     finished = {}

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from numbers import Integral
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from sklearn.base import BaseEstimator, clone
@@ -15,7 +15,7 @@ from fprc.models import SequenceModel
 
 
 @contextmanager
-def refusals_of(model: BaseEstimator) -> Iterator[None]:
+def naming_model(model: BaseEstimator) -> Iterator[None]:
     """Turn a ValueError of a model into an error that names the model."""
     try:
         yield
@@ -42,14 +42,15 @@ class CrossValidated(NamedTuple):
     fit: np.ndarray  #: output of the best fold's model for the whole log
     model: SequenceModel  #: trained on the best fold
 
-    def predict(self, X: np.ndarray) -> np.ndarray:
-        """Output of the best fold's model for another log."""
-        with refusals_of(self.model):
-            return self.model.predict(X)
-
-    def test_rmse(self, X: np.ndarray, y: np.ndarray) -> float:
-        """Error of the best fold's model on another log."""
-        return rmse(y, self.predict(X))
+    def errors(self, X: np.ndarray, y: np.ndarray) -> dict[str, Any]:
+        """Return the errors of all folds, and that of the best fold's model on a test log."""
+        with naming_model(self.model):
+            predicted = self.model.predict(X)
+        return {
+            "train_rmse_kpa": self.train_rmse,
+            "validation_rmse_kpa": self.validation_rmse,
+            "test_rmse_kpa": rmse(y, predicted),
+        }
 
 
 Progress = Callable[[int, float, float], None]
@@ -80,7 +81,7 @@ def cross_validate(
         The log does not suit the model (too short for its taps, fewer samples
         than rules), or an error is not finite.
     """
-    with refusals_of(model):
+    with naming_model(model):
         features = model.make_features().fit(X)
         rows = features.transform(X)
     return validate_rows(model, features, rows, y, folds, progress)
@@ -95,7 +96,7 @@ def validate_rows(
     progress: Progress = lambda fold, e_train, e_validation: None,
 ) -> CrossValidated:
     """Do as ``cross_validate``, given the features of the log as ``rows``."""
-    with refusals_of(model):
+    with naming_model(model):
         folded = fit_folds(model.make_readout(), rows, y, folds, progress)
     return CrossValidated(*folded[:4], model.assembled(features, folded.readout))
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fprc.evaluation.crossval import fit_folds, refusals_of
+from fprc.evaluation.crossval import fit_folds, naming_model
 from fprc.evaluation.folds import Fold
 from fprc.models import SequenceModel
 
@@ -12,7 +12,7 @@ from fprc.models import SequenceModel
 def normalised_weights(
     model: SequenceModel, X: np.ndarray, y: np.ndarray, folds: Sequence[Fold]
 ) -> np.ndarray:
-    """Absolute weights of the FPRC on normalised features, each rule summing to 1 (Eqs. 13, 14).
+    """Return the FPRC's absolute weights on normalised features; rules sum to 1 (Eqs. 13, 14).
 
     theta and the filtered P_o are each scaled to [0, 1] by their minimum and
     maximum in the training data. The model is then cross-validated as usual, and
@@ -28,7 +28,7 @@ def normalised_weights(
     ndarray of shape (n_c, 1 + n_y + n_u)
         Bias, taps of theta_d, taps of the filtered P_o.
     """
-    with refusals_of(model):
+    with naming_model(model):
         rows = model.make_features().fit(X).transform(X)
         theta, p_o = rows[:, : model.n_y], rows[:, model.n_y :]
         normalised = np.hstack([_to_unit(theta), _to_unit(p_o)])

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fprc.evaluation import CrossValidated, rmse, split_rows
-from fprc.evaluation.crossval import refusals_of, validate_rows
+from fprc.evaluation.crossval import naming_model, validate_rows
 from fprc.experiments.data import Data, refuse_mixture
 from fprc.experiments.grids import weight_shares
 from fprc.experiments.readout import judge_readout
@@ -32,20 +32,20 @@ class Judged(NamedTuple):
 def compare_models(
     data: Mapping[str, Data], judgement: Judgement
 ) -> tuple[dict[str, Any], dict[str, SequenceModel]]:
-    """Return the errors of Tables II and III, the weights of Fig. 9, and the filter alone.
+    """Return results to report, and the models that were trained on the sweep, by name.
 
-    The filter alone is FPRC with theta_d in place of P_o, trained on the sweep. Also return
-    the models that were trained on the sweep, some of which drive the closed loops.
+    The results are the errors of Tables II and III, the weights of Fig. 9, and ``filter_alone``:
+    the errors of FPRC with theta_d in place of P_o, trained on the sweep.
     """
     judged = {
         name: judge_directions(name, judgement, data, DIRECTIONS)
         for name in entries(judgement.models)
     }
-    in_order = chain.from_iterable(zip(*judged.values(), strict=True))
+    by_direction = chain.from_iterable(zip(*judged.values(), strict=True))
     own = {key: judgement.models["fprc"][key] for key in ("epsilon", "n_u")}
     filter_alone = {"split": judgement.split, "readout": "theta", **own}
     compared = {
-        "models": [each.report for each in in_order],
+        "models": [each.report for each in by_direction],
         "weights": weight_shares(data["sweep"], judgement),
         "filter_alone": judge_readout(
             filter_alone, train=data["sweep"], test=data["complex"], judgement=judgement
@@ -72,7 +72,7 @@ def judge_directions(
     log.info(
         "%s: features of %s samples", name, " and ".join(str(len(y)) for _, y in pairs.values())
     )
-    with refusals_of(model):
+    with naming_model(model):
         features = model.make_features().fit(pairs[directions[0][0]][0])
         rows = {key: features.transform(X) for key, (X, _) in pairs.items()}
     results = []

@@ -45,11 +45,7 @@ def judge_cell(
     judged = cross_validate(
         model, X, y, split_rows(len(y), judgement.folds, judgement.split, judgement.seed)
     )
-    return {
-        "train_rmse_kpa": judged.train_rmse,
-        "validation_rmse_kpa": judged.validation_rmse,
-        "test_rmse_kpa": judged.test_rmse(*test.pair(name)),
-    }
+    return judged.errors(*test.pair(name))
 
 
 def judge_grids(

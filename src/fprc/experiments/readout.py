@@ -47,11 +47,7 @@ def judge_readout(
     X, y = inputs_with(cell["readout"], train, seed)
     folds = split_rows(len(y), judgement.folds, cell["split"], seed)
     judged = cross_validate(model, X, y, folds)
-    return {
-        "train_rmse_kpa": judged.train_rmse,
-        "validation_rmse_kpa": judged.validation_rmse,
-        "test_rmse_kpa": judged.test_rmse(*inputs_with(cell["readout"], test, seed + 1)),
-    }
+    return judged.errors(*inputs_with(cell["readout"], test, seed + 1))
 
 
 def inputs_with(readout: str, data: Data, seed: int) -> tuple[np.ndarray, np.ndarray]:
