@@ -38,7 +38,7 @@ def unavailable(
 
 
 def why_not(need: Result, logs: Mapping[str, Content], folder: str) -> str | None:
-    """Return the reason why a result cannot be made from the logs; None if it can."""
+    """Return why a result cannot be made from the logs; None if it can."""
     absent = [f"{name}.h5" for name in need.logs if name not in logs]
     if absent:
         verb = "is" if len(absent) == 1 else "are"

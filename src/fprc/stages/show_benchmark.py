@@ -45,9 +45,10 @@ def tabulate_benchmark(
     write_csv(csv, table)
     write_csv(growth_csv, growth(content))
     note = (
-        f"Speed beside other libraries: medians of {content['rounds']} rounds in turn, on "
-        f"{content['cpu']}, {content['threads']} BLAS thread ({content['blas']}); in brackets the "
-        f"least and largest ratio of a round.\n{bound_note(content)}\n{step_note(content['step'])}"
+        f"Speed compared with other libraries: medians of {content['rounds']} alternating rounds "
+        f"on {content['cpu']}, {content['threads']} BLAS thread ({content['blas']}); in brackets "
+        "the smallest and largest ratio of a round.\n"
+        f"{bound_note(content)}\n{step_note(content['step'])}"
     )
     write_text(md, markdown(benchmark_page(table), note))
     times = pd.read_csv(rules)

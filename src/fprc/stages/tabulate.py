@@ -44,7 +44,7 @@ def tabulate_comparison(
     *,
     left_out: Mapping[str, str],
 ) -> None:
-    """Tables II and III: errors of the three models, one seed, spread over folds.
+    """Tables II and III: errors of the models, one seed, spread over folds.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ def tabulate_tracking(
     tried = report["candidates"]
     title = "Table IV. RMSE of tracking"
     if report["source"] == "sim":
-        title += ": all controllers meet the same noise and drift"
+        title += ", with the same noise and drift for all controllers"
     gain = "The gains are those that the logs name."
     if tried:
         gain = (
@@ -137,8 +137,8 @@ def tabulate_tracking_seeds(
     table = tables.tracking_over_seeds(reports, read_yaml(published))
     note = (
         f"Table IV over seeds: mean RMSE and its 95 % interval over {len(reports)} further "
-        f"seeds.\nData: {SOURCES[reports[0]['source']]}; the gain is identified anew on "
-        "each, its mean is given."
+        f"seeds.\nData: {SOURCES[reports[0]['source']]}; the gain is identified on each "
+        "seed, and its mean is given."
     )
     _write(table, tables.tracking_page(table), note, csv, md, tex)
 
@@ -168,7 +168,7 @@ def tabulate_readout(
     table = tables.readout(report)
     own = report["own"]
     note = (
-        "Readout value: FPRC with other things in place of P_o, at epsilon = "
+        "Readout value: FPRC with P_o, without it and with substitutes for it, at epsilon = "
         f"{own['epsilon']:g} and n_u = {own['n_u']}, mean ± standard deviation over folds.\n"
         f"Data: {SOURCES[report['source']]}, seed {report['seed']}; trained on {parts[0]}, "
         f"tested on {parts[1]}. Blocked folds keep neighbours in time out of the validation."
@@ -184,8 +184,8 @@ def tabulate_ensemble(summary: str, csv: str, md: str, tex: str) -> None:
     note = (
         f"Ensemble: claims on {report['rigs'] - report['failed']} simulated rigs that were drawn, "
         f"not fitted; {report['failed']} more could not be judged, {report['draws']} draws in all."
-        f"\nA parameter is named where its rank correlation with the claim exceeds {limit:.2f}, "
-        "which chance alone does in one of twenty ensembles."
+        f"\nA parameter is named if its rank correlation with the claim exceeds {limit:.2f}; by "
+        "chance alone, one parameter does so in one of twenty ensembles."
     )
     _write(table, tables.ensemble_page(table), note, csv, md, tex)
 
@@ -197,9 +197,9 @@ def tabulate_sensitivity(effects: str, csv: str, md: str, tex: str) -> None:
     impossible = sum(cell["errors"] is None for cell in report["cells"])
     note = (
         "Sensitivity: change of each error while one parameter goes from end to end of its range, "
-        f"against the fitted rig.\nSimulated, by the stand-in of the models, mean of "
+        f"relative to the fitted rig.\nSimulated, with the surrogate models, mean of "
         f"{len(report['seeds'])} seeds; {impossible} of {len(report['cells'])} rigs are impossible "
-        "and left out. What changes little is not pinned down by the tables."
+        "and left out. The tables do not determine a parameter that changes little."
     )
     _write(table, tables.sensitivity_page(table), note, csv, md, tex)
 
@@ -239,9 +239,9 @@ def tabulate_times(
     table = tables.timing(report, read_yaml(published))
     note = (
         f"Table II, execution times: mean ± standard deviation of {table['repeats'].iloc[0]} "
-        f"repeats in turn on {report['cpu']}, {report['threads']} thread.\n"
-        "Sequential is sample by sample, as a controller pays; batch is a whole log at once. "
-        "The paper does not say which it timed, nor on what machine."
+        f"alternating repeats on {report['cpu']}, {report['threads']} thread.\n"
+        "Sequential is sample by sample, as in a controller; batch is a whole log at once. "
+        "The paper does not say which mode it timed, nor on which machine."
         f"{_without(left_out)}"
     )
     _write(table, tables.timing_page(table), note, csv, md, tex)

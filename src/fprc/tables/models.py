@@ -8,7 +8,7 @@ import pandas as pd
 
 from fprc.paper import ERRORS, MODELS, PRINTED
 from fprc.registry import title_of
-from fprc.tables.text import mean_of, spread
+from fprc.tables.text import format_mean, spread
 
 _SYMBOLS = {
     ("esn", "r"): "Reservoir size, r",
@@ -144,7 +144,7 @@ def comparison_page(table: pd.DataFrame) -> pd.DataFrame:
             page[f"{name}, ours"] = ["not available"] * len(ERRORS)
             continue
         ours = table[table["model"] == model].set_index("metric")
-        page[f"{name}, ours"] = [mean_of(ours.loc[metric], "mean") for metric in ERRORS]
+        page[f"{name}, ours"] = [format_mean(ours.loc[metric], "mean") for metric in ERRORS]
         page[f"{name}, paper"] = [
             spread(ours.loc[metric, "published_mean"], ours.loc[metric].get("published_std")) or "-"
             for metric in ERRORS
@@ -153,7 +153,7 @@ def comparison_page(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def deviations(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
-    """Relative deviation of every mean of Tables II and III from the paper's, largest first.
+    """Return the relative deviation of every mean of Tables II and III from print, largest first.
 
     Parameters
     ----------
