@@ -1,5 +1,6 @@
 """Many cross-validations at once, with a checkpoint for each."""
 
+import hashlib
 import json
 import logging
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -13,6 +14,14 @@ from fprc.artifacts import appending, write_text
 log = logging.getLogger(__name__)
 
 Cell = Mapping[str, Any]
+
+
+def checkpoint_key(settings: Any, paths: Sequence[str] = ()) -> str:
+    """Return a hash of settings, in any form that JSON can hold, and of the content of files."""
+    digest = hashlib.sha256(json.dumps(settings, sort_keys=True).encode())
+    for path in paths:
+        digest.update(Path(path).read_bytes())
+    return digest.hexdigest()
 
 
 def run_cells(
@@ -37,7 +46,7 @@ def run_cells(
         JSON lines: first ``key``, then one cell each. A file with another key or
         none is overwritten; an incomplete last line is dropped.
     key : str
-        Identifies everything that the results depend on besides the cells.
+        Identifies everything else that the results depend on; see ``checkpoint_key``.
 
     Returns
     -------

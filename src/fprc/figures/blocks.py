@@ -112,8 +112,8 @@ def node(ax: Axes, centre: Point, sign: str = "+") -> Bbox:
     return Bbox.from_bounds(x - radius, y - radius, 2 * radius, 2 * radius)
 
 
-def name(ax: Axes, text: str, at: Point, part: Point, **options: Any) -> None:
-    """Write a part's name and lead a line from it to the part."""
+def label_part(ax: Axes, text: str, at: Point, part: Point, **options: Any) -> None:
+    """Write a part's name, with a leader line to the part."""
     ax.annotate(
         text, part, at, fontsize=TEXT, va="center",
         arrowprops={"arrowstyle": "-", "linewidth": 0.5, "shrinkA": 1.0, "shrinkB": 0.0,

@@ -20,7 +20,7 @@ def _plot_loop(ax: Axes, up_to: float) -> float:
     Returns
     -------
     float
-        Height at which P_ff must arrive, above ``_SUM``.
+        Height of the end of P_ff's arrow, above ``_SUM``.
     """
     y, reference = _LOOP, COLOURS["theta_d"]
     error, total = node(ax, (0.5, y)), node(ax, (_SUM, y))

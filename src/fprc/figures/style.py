@@ -90,7 +90,7 @@ def legend_above(*axes: Axes) -> None:
 
 
 def share_legend(fig: Figure, ax: Axes) -> None:
-    """Put the legend of one axes above the whole figure, for all of them."""
+    """Put the legend of one axes above the figure, for all axes."""
     handles, labels = ax.get_legend_handles_labels()
     fig.legend(handles, labels, loc="outside upper center", ncols=2)
 
