@@ -4,8 +4,8 @@ from math import prod
 from snakemake.io import regex_from_filepattern
 
 try:
-    # every job reads this file again, but only the main process needs to read the logs safely,
-    # in a process of their own
+    # every job reads this file again, but only the main process meets logs that may be damaged and
+    # therefore reads them in a child process
     EXISTING = headers(
         [f"{RAW}/{name}.h5" for name in Plan(SETTINGS, {}).every_log],
         isolate=workflow.is_main_process,
@@ -58,7 +58,7 @@ def stage(name, *models, key="code"):
     return {"stage": name, key: fingerprint(*modules)}
 
 
-#: What reads the paper's models alone.
+#: The section ``models`` without models from outside the paper.
 PAPERS = SETTINGS["models"] | {"others": {}}
 
 

@@ -192,7 +192,7 @@ rule measure_readout:
     log:
         PATHS.messages("measure_readout"),
     priority: LONG
-    # about as many cells: two splits and three readouts over each value
+    # approximate number of cells: two splits and three readouts over each value
     threads: workers_for(6 * sum(map(len, grid_values("epsilon", "replicate_taps").values())))
     resources:
         mem_mb=2000,

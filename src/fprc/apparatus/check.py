@@ -40,12 +40,7 @@ _SENSORS = ("p_exp_kpa", "p_i_kpa", "p_o_kpa", "theta_deg", "phi_deg")
 def check_rig(settings: Mapping[str, Any], armed: bool, stop: Callable[[], str]) -> int:
     """Read every sensor at rest; if armed, also fill and vent one chamber after the other.
 
-    Logs the readings and all problems.
-
-    Returns
-    -------
-    int
-        0 if there is no problem, else 1.
+    Logs the readings and all problems; returns 0 if there is no problem, else 1.
 
     Raises
     ------

@@ -30,12 +30,7 @@ def bend(along: np.ndarray, beside: np.ndarray, angle_deg: float) -> np.ndarray:
     """Map points of the straight body to the body bent by ``angle_deg``.
 
     The plate is the neutral line, an arc of length 1. Points beyond its two ends
-    move rigidly.
-
-    Returns
-    -------
-    ndarray of shape (n, 2)
-        x, towards the inner side, and y, up.
+    move rigidly. Rows of the result are x, towards the inner side, and y, up.
     """
     on_plate = np.clip(along, 0.0, 1.0)
     turn = np.radians(angle_deg) * on_plate

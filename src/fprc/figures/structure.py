@@ -132,13 +132,7 @@ def boyle(rest: Squeeze, now: Squeeze) -> float:
 def _plot_dual(
     ax: Axes, body: Body, fullness: Sequence[float], share: float = 1.0
 ) -> tuple[float, float]:
-    """Draw the reservoir with PAM B squeezed to a share of its area, and closed by its valve.
-
-    Returns
-    -------
-    (float, float)
-        Widths of PAM A and PAM B.
-    """
+    """Draw the reservoir with PAM B squeezed to a share of its area; return both PAMs' widths."""
     widths = soft.DIAMETER * soft.bulge(body.angle_deg), soft.squeezed(body.angle_deg, share)
     sides = zip((1, -1), widths, ("p_i", "p_o"), fullness, strict=True)
     bladders = [(side, width, soft.tint(COLOURS[name], full)) for side, width, name, full in sides]

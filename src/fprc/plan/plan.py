@@ -25,18 +25,12 @@ _RESERVOIR = ("p_i_kpa", "p_o_kpa", "phi_deg")
 
 @dataclass(frozen=True)
 class Plan:
-    """Targets, models and runs of the workflow.
+    """Targets, models and runs of the workflow."""
 
-    Attributes
-    ----------
-    settings : Mapping
-        The whole configuration.
-    existing : Mapping
-        Headers of the raw logs that exist, by name; see ``fprc.logs.headers``.
-    """
-
-    settings: Mapping[str, Any]
-    existing: Mapping[str, Header]
+    settings: Mapping[str, Any]  #: the whole configuration
+    existing: Mapping[
+        str, Header
+    ]  #: of the raw logs that exist, by name; see ``fprc.logs.headers``
 
     @cached_property
     def paths(self) -> Paths:
