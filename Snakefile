@@ -18,7 +18,7 @@ min_version("9.0")
 
 # We parse the files ourselves, also those of the command line: Snakemake takes the last of
 # repeated keys without a warning, and 010 for 8.
-OWN = ["config/config.yaml", "config/rig.yaml"]
+OWN = ["config/config.yaml"]
 if workflow.config_settings.replace_workflow_config:
     OWN = []
 workflow.configfiles += OWN

@@ -58,10 +58,10 @@ def _parser() -> argparse.ArgumentParser:
         "files",
         nargs="*",
         metavar="FILE",
-        default=["config/config.yaml", "config/rig.yaml"],
+        default=["config/config.yaml"],
         help="configuration; later files override earlier ones (default: %(default)s)",
     )
-    calibrate.add_argument("--out", default="config/rig.fitted.yaml", help="default: %(default)s")
+    calibrate.add_argument("--out", default="config/rigs/fitted.yaml", help="default: %(default)s")
     calibrate.add_argument("--published", default="config/published.yaml", help="printed numbers")
     calibrate.add_argument(
         "--minutes", type=float, help="time limit (default: the configuration's)"

@@ -26,6 +26,8 @@ rule fit_rig:
         on_rig=ON_RIG,
         judgement=judgement(seed=None) | {"models": PAPERS},
         calibration=SETTINGS["calibration"],
+        grids=grid_values("epsilon", "n_c"),
+        tracking=SETTINGS["tracking"],
         workers=lambda wildcards, threads: threads,
         checkpoint=PATHS.below("calibration/search.partial.jsonl"),
     message:
@@ -162,7 +164,7 @@ rule targets_table:
 
 rule calibration_page:
     input:
-        fit="config/rig.json",
+        fit=f"config/rigs/{SETTINGS['fitted']['name']}.json",
         seeds=[path.replace(".md", ".csv") for path in PLAN.seeds_tables[:2]],
         pages=[
             PLAN.seeds_tables[2],

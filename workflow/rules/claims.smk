@@ -16,6 +16,7 @@ rule ledger:
         PATHS.messages("ledger"),
     params:
         **stage("claims.write_ledger"),
+        fitted=SETTINGS["fitted"],
     message:
         "Claims C1 to C18"
     script:

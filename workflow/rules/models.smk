@@ -41,7 +41,7 @@ rule replicate:
         **stage("replicate.replicate", *PLAN.models),
         on_rig=lambda wildcards: ON_RIG | {"target": wildcards.target},
         judgement=lambda wildcards: judgement(seed=int(wildcards.seed)),
-        values=grid_values("epsilon", "n_c", "replicate_taps"),
+        values=grid_values("epsilon", "n_c", "n_u", "n_y"),
         tracking=SETTINGS["tracking"],
     message:
         "Tables, grids and closed loops again with seed {wildcards.seed}"
@@ -193,14 +193,14 @@ rule measure_readout:
         PATHS.messages("measure_readout"),
     priority: LONG
     # approximate number of cells: two splits and three readouts over each value
-    threads: workers_for(6 * sum(map(len, grid_values("epsilon", "replicate_taps").values())))
+    threads: workers_for(6 * sum(map(len, grid_values("epsilon", "readout_taps").values())))
     resources:
         mem_mb=2000,
     params:
         **stage("readout.measure_readout", "fprc", "fuzzy_linear", key="version"),
         judgement=judgement("fprc") | {"split": "that of the cell"},
         epsilon=SETTINGS["grids"]["epsilon"],
-        n_u=SETTINGS["grids"]["replicate_taps"],
+        n_u=SETTINGS["grids"]["readout_taps"],
         workers=lambda wildcards, threads: threads,
         checkpoint=PATHS.below("readout/cells.partial.jsonl"),
     message:

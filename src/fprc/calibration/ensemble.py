@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from fprc.calibration.fit import free_parameters, judge_cheaply
+from fprc.calibration.fit import free_parameters
 from fprc.calibration.objective import properties
 from fprc.calibration.space import Free, decode, encode
+from fprc.calibration.surrogate import judge_cheaply
 from fprc.config.rig import Rig
 from fprc.errors import EvaluationError, FprcError
 from fprc.experiments.comparison import compare_models
@@ -19,6 +20,9 @@ from fprc.experiments.tracking import Track, measure_control
 from fprc.registry import controllers
 
 _MOST_DRAWS = 2000
+
+#: Marks the random stream of the rigs' parameters.
+_PARAMETERS = 20241
 
 
 def judge_rig(
@@ -72,7 +76,8 @@ def draw_rig(
     RigSettings, int
         ``on_rig`` with the drawn rig, and the number of draws.
     """
-    rng = np.random.default_rng(seed)
+    # a stream of its own: default_rng(seed) is also that of the sensors' errors
+    rng = np.random.default_rng([seed, _PARAMETERS])
     sweep = {"sweep": on_rig.signals["sweep"]}
     for draws in range(1, _MOST_DRAWS + 1):
         rig = decode(rng.uniform(size=len(free)), on_rig.rig, free)
@@ -108,7 +113,9 @@ def judge_moved(
     try:
         Rig.model_validate(moved)
         settings = replace(on_rig, rig=moved)
-        errors = [judge_cheaply(settings, seed, models, surrogate)[0] for seed in seeds]
+        errors = [
+            judge_cheaply(settings, seed, models, surrogate, {}, {})["errors"] for seed in seeds
+        ]
     except (ValidationError, FprcError) as error:
         return {"errors": None, "impossible": " ".join(str(error).split())}
     return {"errors": {key: float(np.mean([e[key] for e in errors])) for key in errors[0]}}

@@ -1,29 +1,37 @@
-"""Objective of the fit: published errors, order of the models, plausible properties."""
+"""Objective of the fit: deviations of a rig from what the paper prints and claims.
+
+Every deviation is divided by what counts as close, so that 1 is the same everywhere.
+"""
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from fprc.signals import loop_growth, width_at_middle
 
 Channels = Mapping[str, np.ndarray]
+Judged = Sequence[Mapping[str, Any]]
+
+#: What counts as close: in the logarithm of an error of Tables II and III, of Table IV, of a
+#: ratio that a claim bounds, and in a rank correlation.
+_TABLES, _TRACKING, _RATIO, _CORRELATION = 0.05, 0.10, 0.05, 0.2
+
+#: Least number whose logarithm counts: a loop without width has one of zero.
+_SMALLEST = 1e-3
+
+#: Logarithms by which orders and bounds should be met with room to spare.
+_MARGIN = 0.05
 
 
 class Aim(NamedTuple):
-    """Targets of the search.
+    """Targets of the search: numbers that the paper prints, and plausible ranges."""
 
-    ``errors`` are the published RMSEs by "trained on/model/phase"; ``ranges``
-    are those of the rig's ``properties``; ``margin`` is the fraction by which
-    FPRC's test error should be below the others' on every seed; ``ratio`` is the
-    largest ratio of the ESN's and FPRC's training errors, either way round.
-    """
-
-    errors: Mapping[str, float]
-    ranges: Mapping[str, tuple[float, float]]
-    margin: float
-    ratio: float
+    errors: Mapping[str, float]  #: RMSEs by "trained on/model/phase", kPa
+    open_loop: Mapping[str, float]  #: RMSEs by reference, deg
+    ranges: Mapping[str, tuple[float, float]]  #: of the rig's ``properties``
+    fit: Sequence[str]  #: names of the terms that count, see ``TERMS``
 
 
 def properties(logs: Mapping[str, Channels]) -> dict[str, float]:
@@ -32,76 +40,189 @@ def properties(logs: Mapping[str, Channels]) -> dict[str, float]:
     Returns
     -------
     dict
-        ``angle_deg`` largest angle; ``loop_kpa`` full width of the loop of P_exp
-        over theta at mid-angle; ``loop_growth`` and ``p_o_loop_growth`` factors
-        by which the loops widen from the first to the last quarter;
-        ``p_o_swing_kpa``; ``p_o_loop`` width of P_o's loop over its swing.
+        ``angle_deg`` largest angle; ``loop_kpa`` full width of the loop of P_exp over theta at
+        mid-angle; ``p_o_swing_kpa``; ``p_o_loop`` width of P_o's loop over its swing. Factors
+        by which loops widen from the first to the last quarter: ``loop_growth`` of the
+        model's target, ``measured_loop_growth`` of the measured pressure, ``p_o_loop_growth``.
     """
     log = logs["sweep"]
-    time_s, theta, p_exp, p_o = (
-        log[name] for name in ("time_s", "theta_deg", "p_target_kpa", "p_o_kpa")
-    )
+    time_s, theta, p_o = (log[name] for name in ("time_s", "theta_deg", "p_o_kpa"))
     swing = float(np.ptp(p_o))
     return {
         "angle_deg": float(theta.max()),
-        "loop_kpa": width_at_middle(theta, p_exp),
-        "loop_growth": loop_growth(time_s, theta, p_exp),
+        "loop_kpa": width_at_middle(theta, log["p_target_kpa"]),
+        "loop_growth": loop_growth(time_s, theta, log["p_target_kpa"]),
+        "measured_loop_growth": loop_growth(time_s, theta, log["p_exp_kpa"]),
         "p_o_swing_kpa": swing,
         "p_o_loop": width_at_middle(theta, p_o) / swing,
         "p_o_loop_growth": loop_growth(time_s, theta, p_o),
     }
 
 
-def residuals(errors: Sequence[Mapping[str, float]], target: Aim) -> dict[str, float]:
-    """Return the relative deviation of each error, averaged over seeds, from the printed one."""
-    return {
-        key: float(np.mean([seed[key] for seed in errors]) / printed - 1.0)
-        for key, printed in target.errors.items()
-    }
-
-
-def loss_of(
-    errors: Sequence[Mapping[str, float]],
-    measured: Sequence[Mapping[str, float]],
-    target: Aim,
-) -> float:
-    """Return the loss that the search minimises.
-
-    It is the sum of three mean squares: of log(ours / printed) over the published
-    errors (means over seeds), of the logarithms by which the orders miss their
-    margins on each seed, and of those by which each property's mean over seeds
-    lies outside its range.
+def deviations(judged: Judged, aim: Aim) -> dict[str, np.ndarray]:
+    """Return the deviations of every term of ``aim.fit``, means over seeds.
 
     Parameters
     ----------
-    errors, measured : sequences of mapping
-        Errors of the models and properties of the rig, one entry per seed.
+    judged : sequence of mapping
+        One entry per seed, see ``surrogate.judge_cheaply``.
     """
-    deviations = [math.log1p(value) for value in residuals(errors, target).values()]
-    misses = [miss for seed in errors for miss in _order_misses(seed, target)]
-    outside = [
-        _outside(float(np.mean([seed[name] for seed in measured])), *limits)
-        for name, limits in target.ranges.items()
+    return {name: np.asarray(TERMS[name](judged, aim), dtype=float) for name in aim.fit}
+
+
+def loss_of(judged: Judged, aim: Aim) -> float:
+    """Return the sum of the squared deviations."""
+    return float(sum(np.sum(values**2) for values in deviations(judged, aim).values()))
+
+
+def logs_of(judged: Judged) -> list[float]:
+    """Return the logarithms of all measures of all seeds; they are smooth in the parameters."""
+    return [math.log(max(value, _SMALLEST)) for value in _numbers(judged)]
+
+
+def judged_of(logs: Sequence[float], like: Judged) -> Judged:
+    """Return the measures whose logarithms ``logs_of`` gave, in the structure of ``like``."""
+    numbers = iter(np.exp(np.clip(logs, -10.0, 10.0)).tolist())
+    return _rebuilt(like, numbers)
+
+
+def _numbers(value: Any) -> Iterator[float]:
+    if isinstance(value, Mapping):
+        value = [value[key] for key in sorted(value)]
+    if isinstance(value, (list, tuple)):
+        for each in value:
+            yield from _numbers(each)
+    else:
+        yield float(value)
+
+
+def _rebuilt(like: Any, numbers: Iterator[float]) -> Any:
+    if isinstance(like, Mapping):
+        return {key: _rebuilt(like[key], numbers) for key in sorted(like)}
+    if isinstance(like, (list, tuple)):
+        return [_rebuilt(each, numbers) for each in like]
+    return next(numbers)
+
+
+def _tables(judged: Judged, aim: Aim) -> list[float]:
+    return [
+        math.log(_mean(judged, "errors", key) / printed) / _TABLES
+        for key, printed in aim.errors.items()
     ]
-    return _mean_square(deviations) + _mean_square(misses) + _mean_square(outside)
 
 
-def _order_misses(errors: Mapping[str, float], target: Aim) -> list[float]:
+def _orders(judged: Judged, aim: Aim) -> list[float]:
+    """C1, C2, C3 and C7 on every seed."""
+    share = 1.0 / math.sqrt(len(judged))
     misses = []
-    for trained_on in ("sweep", "complex"):
-        others = min(errors[f"{trained_on}/{model}/test"] for model in ("esn", "fuzzy_linear"))
-        ratio = errors[f"{trained_on}/fprc/test"] * (1.0 + target.margin) / others
-        misses.append(max(math.log(ratio), 0.0))
-    apart = abs(math.log(errors["sweep/esn/train"] / errors["sweep/fprc/train"]))
-    misses.append(max(apart - math.log(target.ratio), 0.0))
-    return misses
+    for seed in judged:
+        errors = seed["errors"]
+        for log in ("sweep", "complex"):
+            others = min(errors[f"{log}/esn/test"], errors[f"{log}/fuzzy_linear/test"])
+            misses.append(_above(errors[f"{log}/fprc/test"] / others, 1.0))
+        similar = errors["sweep/esn/train"] / errors["sweep/fprc/train"]
+        consistent = errors["sweep/fprc/test"] / errors["sweep/fprc/train"]
+        worse = errors["sweep/esn/test"] / errors["sweep/esn/train"]
+        misses += [_beyond(similar, 1.13), _beyond(consistent, 1.23), _above(1.23 / worse, 1.0)]
+    return [share * miss for miss in misses]
 
 
-def _outside(value: float, low: float, high: float) -> float:
-    if not value > 0.0:
-        return 3.0
-    return max(math.log(low / value), math.log(value / high), 0.0)
+def _plausible(judged: Judged, aim: Aim) -> list[float]:
+    return [
+        max(math.log(low / value), math.log(value / high), 0.0) / _RATIO
+        for name, (low, high) in aim.ranges.items()
+        for value in [max(_mean(judged, "properties", name), 1e-3)]
+    ]
 
 
-def _mean_square(values: Sequence[float]) -> float:
-    return float(np.mean(np.square(values))) if values else 0.0
+def _c8(judged: Judged, aim: Aim) -> list[float]:
+    return [_beyond(_of_logs([seed["shares"] for seed in judged]), 2.0)]
+
+
+def _c9a(judged: Judged, aim: Aim) -> list[float]:
+    """Training error over epsilon, which the grid lowers."""
+    errors = _mean_of(judged, "epsilon")
+    return [_above(low / high, 0.99 * math.exp(_MARGIN)) for low, high in _steps(errors)]
+
+
+def _c9b(judged: Judged, aim: Aim) -> list[float]:
+    errors = _mean_of(judged, "n_c", "fprc", "train")
+    return [_above(high / low, 1.0) for low, high in _steps(errors)]
+
+
+def _c11(judged: Judged, aim: Aim) -> list[float]:
+    return [
+        _above(ours / theirs, 1.0)
+        for phase in ("train", "test")
+        for ours, theirs in zip(
+            _mean_of(judged, "n_c", "fprc", phase),
+            _mean_of(judged, "n_c", "fuzzy_linear", phase),
+            strict=True,
+        )
+    ]
+
+
+def _c12(judged: Judged, aim: Aim) -> list[float]:
+    """Training error rises with n_u and falls with n_y."""
+    errors = _mean_of(judged, "taps")
+    rising = _correlation(errors.T), -_correlation(errors)
+    return [max(0.2 - value, 0.0) / _CORRELATION for value in rising]
+
+
+def _c18(judged: Judged, aim: Aim) -> list[float]:
+    names = ("loop_growth", "measured_loop_growth", "p_o_loop_growth")
+    return [_beyond(max(_mean(judged, "properties", name), 1e-3), 1.2) for name in names]
+
+
+def _open_loop(judged: Judged, aim: Aim) -> list[float]:
+    return [
+        math.log(_mean(judged, "open_loop", key) / printed) / _TRACKING
+        for key, printed in aim.open_loop.items()
+    ]
+
+
+#: Terms of the objective by their names in ``calibration.fit``.
+TERMS = {
+    "tables": _tables, "orders": _orders, "plausible": _plausible, "C8": _c8, "C9a": _c9a,
+    "C9b": _c9b, "C11": _c11, "C12": _c12, "C18": _c18, "open_loop": _open_loop,
+}  # fmt: skip
+
+
+def _mean(judged: Judged, *keys: str) -> float:
+    return float(_mean_of(judged, *keys))
+
+
+def _mean_of(judged: Judged, *keys: str) -> np.ndarray:
+    """Return the mean over the seeds that measured it."""
+    values: list[Any] = []
+    for seed in judged:
+        value: Any = seed
+        for key in keys:
+            value = None if value is None else value.get(key)
+        if value is not None:
+            values.append(value)
+    return np.asarray(np.mean(values, axis=0))
+
+
+def _of_logs(values: Sequence[float]) -> float:
+    return math.exp(np.mean(np.log(values)))
+
+
+def _above(ratio: float, limit: float) -> float:
+    """Return by how much a ratio is not below its limit, with the margin."""
+    return max(math.log(ratio / limit) + _MARGIN, 0.0) / _RATIO
+
+
+def _beyond(ratio: float, factor: float) -> float:
+    """Return by how much a ratio is not within a factor of 1, with the margin."""
+    return max(abs(math.log(ratio)) - math.log(factor) + _MARGIN, 0.0) / _RATIO
+
+
+def _steps(values: np.ndarray) -> list[tuple[float, float]]:
+    return list(zip(values[:-1], values[1:], strict=True))
+
+
+def _correlation(rows: np.ndarray) -> float:
+    """Return the mean correlation of the rows with their column number."""
+    number = np.arange(rows.shape[1])
+    return float(np.mean([np.corrcoef(number, row)[0, 1] for row in rows]))

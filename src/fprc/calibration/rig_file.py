@@ -1,4 +1,4 @@
-"""A fitted rig as a file: config/rig.yaml."""
+"""A fitted rig as a file of config/rigs."""
 
 import textwrap
 from collections.abc import Mapping, Sequence
@@ -9,9 +9,14 @@ import yaml
 from fprc.config.rig import Rig
 
 
-def parameter_file(rig: Mapping[str, Any], summary: Mapping[str, Any]) -> str:
-    """Return the rig's parameters that differ from their defaults as YAML, after its provenance."""
-    changed = _different(rig, Rig().model_dump(mode="json"))
+def parameter_file(rig: Mapping[str, Any], summary: Mapping[str, Any], name: str) -> str:
+    """Return a file of config/rigs: what the rig was fitted to, and what differs from the defaults.
+
+    Parameters
+    ----------
+    name : str
+        Name of the rig.
+    """
     head = _HEAD.format(
         **summary,
         median=100 * summary["median_deviation"],
@@ -24,18 +29,19 @@ def parameter_file(rig: Mapping[str, Any], summary: Mapping[str, Any]) -> str:
         ),
         edges=_edges(summary["parameters"]),
     )
-    return head + yaml.safe_dump({"rig": changed}, sort_keys=False, default_flow_style=None)
+    values = {
+        "fitted": {"name": name, "to": list(summary["fit"])},
+        "rig": _different(rig, Rig().model_dump(mode="json")),
+    }
+    return head + yaml.safe_dump(values, sort_keys=False, default_flow_style=None)
 
 
 _HEAD = """\
 # Parameters of the simulated rig that differ from their defaults. Written by `fprc calibrate`
 # ({software}, {date}); docs/calibration.md explains it.
 #
-# Fitted, by CMA-ES over {count} parameters within the ranges of `calibration` ({evaluations} rigs),
-# on the noise seeds {shown_seeds}:
-# the training and test RMSEs of Tables II and III; the order of the models in them, seed by seed;
-# and plausible loops and swings (calibration.plausible).
-# No part of the fit: every other seed, Table IV, Figures 9 to 17.
+# Fitted over {count} parameters within the ranges of `calibration` ({evaluations} rigs), on the
+# noise seeds {shown_seeds}, to the terms that `fitted.to` names; everything else is predicted.
 # Deviation from print on the seeds of the fit, full models: median {median:.1f} %, largest
 # {largest:.1f} %:
 {rows}

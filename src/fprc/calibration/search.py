@@ -1,19 +1,38 @@
-"""CMA-ES over the unit cube; after a kill it resumes from a checkpoint."""
+"""Search in the unit cube with linear models of everything that was measured.
+
+A point is judged by many numbers of which the loss is a known function. Near a point these
+numbers are almost linear in it, where the loss, with its limits and squares, is not. So the
+search fits a linear model of the numbers to the judged points around the best one, minimises the
+loss over the model, and judges what it proposes. It needs tenths of the judgements that a search
+by the loss alone needs, and resumes from a checkpoint after a kill.
+"""
 
 import json
 import logging
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import cma
 import numpy as np
 from joblib import Parallel, delayed, parallel_config
+from scipy.optimize import least_squares
 
 from fprc.artifacts import appending, write_text
 
 log = logging.getLogger(__name__)
+
+#: Points of a generation: minima of the model within these multiples of the radius, then
+#: points drawn around them and around the best one.
+_REACH = (0.4, 1.0, 2.0)
+_POPULATION = 8
+
+#: Radius of the first proposals, and its limits, in units of the cube; factors after a generation
+#: with and without a better point.
+_RADIUS, _LEAST, _MOST, _GROW, _SHRINK = 0.12, 0.02, 0.4, 1.15, 0.85
+
+#: Weight of the step's length beside the deviations, and ridge of the linear model.
+_DAMPING, _RIDGE = 0.5, 0.15
 
 
 class SearchResult(NamedTuple):
@@ -26,12 +45,58 @@ class SearchResult(NamedTuple):
     finished: bool  #: False if the time limit ended the search
 
 
+class _Archive:
+    """Judged points with their numbers and losses."""
+
+    def __init__(self, deviations_of: Callable[[Sequence[float]], np.ndarray]):
+        self.deviations_of = deviations_of
+        self.points: list[np.ndarray] = []
+        self.numbers: list[np.ndarray] = []
+        self.losses: list[float] = []
+
+    def add(self, points: Sequence[np.ndarray], judged: Sequence[Sequence[float] | None]) -> None:
+        for point, numbers in zip(points, judged, strict=True):
+            if numbers is None:
+                continue
+            self.points.append(point)
+            self.numbers.append(np.asarray(numbers))
+            self.losses.append(float(np.sum(self.deviations_of(numbers) ** 2)))
+
+    @property
+    def best(self) -> int:
+        return int(np.argmin(self.losses))
+
+    def minimum_near(self, center: np.ndarray, radius: float) -> np.ndarray:
+        """Return the point within ``radius`` at which the linear model's loss is least."""
+        away = np.array(self.points) - center
+        numbers = np.array(self.numbers)
+        distance2, size = np.sum(away**2, axis=1), center.size
+        nearest = np.sort(distance2)[min(len(away) - 1, int(2.2 * size))]
+        spread = max(nearest, 0.2 * size * radius**2)
+        weighted = away * np.exp(-0.5 * distance2 / spread)[:, None]
+        closest = int(np.argmin(distance2))
+        ridge = _RIDGE * spread / size * np.exp(-0.5 * distance2 / spread).sum()
+        slopes = np.linalg.solve(
+            weighted.T @ away + ridge * np.eye(size), weighted.T @ (numbers - numbers[closest])
+        )
+
+        def residuals(point: np.ndarray) -> np.ndarray:
+            step = point - center
+            deviations = self.deviations_of((numbers[closest] + step @ slopes).tolist())
+            return np.concatenate([deviations, _DAMPING * step / radius])
+
+        low, high = np.maximum(center - radius, 0.0), np.minimum(center + radius, 1.0)
+        inside = np.clip(center, low + 1e-9, high - 1e-9)
+        fit = least_squares(residuals, inside, bounds=(low, high), diff_step=1e-3, max_nfev=12)
+        return fit.x
+
+
 def search(
-    loss: Callable[[np.ndarray], float],
+    judge: Callable[[np.ndarray], list[float] | None],
+    deviations_of: Callable[[Sequence[float]], np.ndarray],
     start: np.ndarray,
     *,
     step: float,
-    population: int,
     generations: int,
     seed: int,
     workers: int,
@@ -40,65 +105,87 @@ def search(
     seconds: float = np.inf,
     progress: Callable[[int, int, float, float], None] = lambda done, total, best, elapsed: None,
 ) -> SearchResult:
-    """Minimise ``loss`` in the unit cube by CMA-ES (Hansen 2016), in a pool of processes.
+    """Minimise the sum of squares of ``deviations_of(judge(point))`` over the unit cube.
 
-    The optimiser is deterministic, so the checkpoint holds only the losses of
-    each generation; a resumed search replays them.
+    The points are a function of the seed and of what was judged, so the checkpoint holds only the
+    judgements of each generation; a resumed search replays them.
 
     Parameters
     ----------
-    loss : callable
-        Picklable; takes a point and returns a finite number.
+    judge : callable
+        Picklable; takes a point and returns its numbers, or None if it is impossible. Must be
+        possible at the start.
     step : float
-        First standard deviation, in units of the cube.
+        Standard deviation of the first points around the start, in units of the cube. There are
+        twice as many of them as the cube has dimensions.
     checkpoint : path
-        JSON lines: first ``key``, then the losses of each generation. A file with
+        JSON lines: first ``key``, then the judgements of each generation. A file with
         another key is renamed and the search starts afresh; an incomplete last
         line is dropped.
     key : str
-        Hash of everything that the loss depends on.
+        Hash of everything that the judgements depend on.
     seconds : float
         No generation starts after this time.
     progress : callable
         Called after each generation with generations done and planned, least
         loss, and seconds.
     """
-    settings = {"start": list(start), "step": step, "population": population, "seed": seed}
-    losses_before = _resume(Path(checkpoint), {"key": key} | settings)
-    optimiser = cma.CMAEvolutionStrategy(
-        list(start),
-        step,
-        {"bounds": [0.0, 1.0], "popsize": population, "seed": seed + 1, "verbose": -9},
-    )
-    for losses in losses_before:
-        optimiser.tell(optimiser.ask(), losses)
-    begun = time.monotonic()
-    done = len(losses_before)
+    start = np.asarray(start, dtype=float)
+    settings = {"start": list(start), "step": step, "seed": seed}
+    known = _resume(Path(checkpoint), {"key": key} | settings)
+    archive, rng, radius = _Archive(deviations_of), np.random.default_rng(seed), _RADIUS
+    first = -(-2 * start.size // _POPULATION)
+    begun, done, judged = time.monotonic(), 0, 0
     with (
         appending(checkpoint) as append,
         parallel_config("loky", inner_max_num_threads=1),
         Parallel(n_jobs=workers) as pool,
     ):
-        while done < generations and time.monotonic() - begun < seconds:
-            points = optimiser.ask()
-            losses = pool(delayed(loss)(np.asarray(point)) for point in points)
-            optimiser.tell(points, losses)
-            append(json.dumps(losses, allow_nan=False))
+        while done < generations and (done < len(known) or time.monotonic() - begun < seconds):
+            if done < first or not archive.points:
+                points = list(start + step * rng.standard_normal((_POPULATION, start.size)))
+                if done == 0:
+                    points[0] = start
+            else:
+                points = _proposed(archive, radius, rng)
+            points = [np.clip(point, 0.0, 1.0) for point in points]
+            before = min(archive.losses, default=np.inf)
+            if done < len(known):
+                archive.add(points, known[done])
+            else:
+                new = pool(delayed(judge)(point) for point in points)
+                archive.add(points, new)
+                append(json.dumps(new, allow_nan=False))
+                progress(done + 1, generations, min(archive.losses), time.monotonic() - begun)
+            if done >= first:
+                better = min(archive.losses) < 0.999 * before
+                radius = min(max(radius * (_GROW if better else _SHRINK), _LEAST), _MOST)
             done += 1
-            progress(done, generations, optimiser.best.f, time.monotonic() - begun)
-    best = optimiser.best
-    if not done:
-        return SearchResult(np.asarray(start, dtype=float), np.inf, 0, 0, False)
+            judged += len(points)
+    if not archive.points:
+        return SearchResult(start, np.inf, 0, 0, False)
+    best = archive.best
     return SearchResult(
-        np.asarray(best.x), float(best.f), done, done * population, done >= generations
+        archive.points[best], archive.losses[best], done, judged, done >= generations
     )
 
 
-def _resume(checkpoint: Path, head: Mapping[str, Any]) -> list[list[float]]:
-    """Return the losses of the finished generations; rewrite the file for further ones."""
+def _proposed(archive: _Archive, radius: float, rng: np.random.Generator) -> list[np.ndarray]:
+    best = archive.points[archive.best]
+    points = [archive.minimum_near(best, reach * radius) for reach in _REACH]
+    runner_up = archive.points[int(rng.choice(np.argsort(archive.losses)[:6]))]
+    points.append(archive.minimum_near(runner_up, radius))
+    around = [(points[1], 0.25), (points[1], 0.5), (best, 0.5), (best, 1.0)]
+    return points + [
+        center + share * radius * rng.standard_normal(best.size) for center, share in around
+    ]
+
+
+def _resume(checkpoint: Path, head: Mapping[str, Any]) -> list[list[list[float] | None]]:
+    """Return the judgements of the finished generations; rewrite the file for further ones."""
     text = checkpoint.read_text(encoding="utf-8", errors="replace") if checkpoint.exists() else ""
     first, *lines = text.splitlines() or [""]
-    losses_before = []
+    known = []
     if first and first != json.dumps(head):
         old = checkpoint.with_name(f"{checkpoint.name}.old")
         checkpoint.replace(old)
@@ -110,9 +197,9 @@ def _resume(checkpoint: Path, head: Mapping[str, Any]) -> list[list[float]]:
     if first == json.dumps(head):
         for line in lines:
             try:
-                losses_before.append(json.loads(line))
+                known.append(json.loads(line))
             except json.JSONDecodeError:
                 break
-    entries = [head, *losses_before]
+    entries = [head, *known]
     write_text(checkpoint, "".join(json.dumps(entry) + "\n" for entry in entries))
-    return losses_before
+    return known

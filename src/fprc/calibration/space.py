@@ -7,13 +7,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+#: Sum of all weights of slip elements but the last, at most.
+_MOST = 0.97
+
 
 class Free(NamedTuple):
     """A parameter that the search may change, within its physical range.
 
     ``path`` names a number ("bending.friction_kpa"), one number of a list
     ("bending.relaxation_time_s.0"), or a whole list, which is then scaled by
-    one factor. A range that spans a decade or more is searched by its logarithm.
+    one factor. Of the weights of slip elements all but the last can be free; it is what is left to
+    1. A range that spans a decade or more is searched by its logarithm.
     """
 
     path: str
@@ -45,7 +49,19 @@ def decode(
     changed = copy.deepcopy(dict(rig))
     for share, parameter in zip(point, free, strict=True):
         _set(changed, parameter.path, _value(parameter, float(share)), digits)
+    for section in ("bending", "reservoir"):
+        if any(parameter.path.startswith(f"{section}.slip_weight.") for parameter in free):
+            changed[section]["slip_weight"] = _summing_to_one(changed[section]["slip_weight"])
     return changed
+
+
+def _summing_to_one(weights: Sequence[float]) -> list[float]:
+    """Scale all weights but the last down if they exceed ``_MOST``; the last is what is left."""
+    *own, _ = weights
+    total = sum(own)
+    if total > _MOST:
+        own = [_rounded(weight * _MOST / total, 4) for weight in own]
+    return [*own, round(1.0 - sum(own), 10)]
 
 
 def _share(parameter: Free, value: Any) -> float:

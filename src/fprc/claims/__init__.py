@@ -1,11 +1,14 @@
 """The paper's claims C1-C18, tested on result files; verdicts are computed, never typed."""
 
-from fprc.claims.finding import Finding, Results
-from fprc.claims.ledger import changed_verdicts, judge_claims
+from fprc.claims.finding import Finding, Results, Statement
+from fprc.claims.ledger import changed_verdicts, judge_claims, parts_of, status_of
 
 __all__ = [
     "Finding",
     "Results",
+    "Statement",
     "changed_verdicts",
     "judge_claims",
+    "parts_of",
+    "status_of",
 ]

@@ -1,12 +1,19 @@
-"""Input and outcome of the claims' tests."""
+"""Statements about numbers, with their uncertainty over seeds; input and outcome of the tests."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.stats import t
 
-#: A number within this distance of its limit counts as equal to it.
-ROUNDING = 1e-9
+REPRODUCED = "reproduced"
+NOT_REPRODUCED = "not reproduced"
+UNDECIDED = "undecided"
+CONTRADICTED = "contradicted as printed"
+
+#: Confidence of every interval.
+LEVEL = 0.95
 
 
 class Results(NamedTuple):
@@ -19,23 +26,107 @@ class Results(NamedTuple):
     times_over_n_c: Mapping[str, Any]
 
 
+class Statement(NamedTuple):
+    """A number with limits, measured once per seed.
+
+    Its verdict is drawn from the interval of the mean over seeds, and so is undecided where
+    other seeds could turn it. A single value has no interval and decides alone.
+    """
+
+    text: str  #: names the number and its unit
+    values: np.ndarray  #: one per seed
+    low: float = -math.inf
+    high: float = math.inf
+    ratio: bool = True  #: averaged as logarithms
+
+    @property
+    def interval(self) -> tuple[float, float, float]:
+        """Mean, and the ends of its 95 % t interval."""
+        values = np.log(self.values) if self.ratio else np.asarray(self.values, dtype=float)
+        mean, half = float(values.mean()), 0.0
+        if values.size > 1:
+            half = float(t.ppf(0.5 + LEVEL / 2, values.size - 1) * values.std(ddof=1))
+            half /= math.sqrt(values.size)
+        ends = (mean, mean - half, mean + half)
+        return tuple(map(math.exp, ends)) if self.ratio else ends  # type: ignore[return-value]
+
+    @property
+    def verdict(self) -> str:
+        """Reproduced, not reproduced, or undecided."""
+        _, first, last = self.interval
+        if self.low < first and last < self.high:
+            return REPRODUCED
+        if last <= self.low or first >= self.high:
+            return NOT_REPRODUCED
+        return UNDECIDED
+
+    @property
+    def room(self) -> float:
+        """Distance of the interval's nearer end from the limits; negative beyond them."""
+        _, first, last = self.interval
+        ends = (first, last, self.low, self.high)
+        if self.ratio:
+            first, last, low, high = (math.log(end) if end > 0 else -math.inf for end in ends)
+        else:
+            first, last, low, high = ends
+        return min(first - low, high - last)
+
+    def shown(self) -> str:
+        """Text, mean and interval."""
+        mean, first, last = self.interval
+        if np.size(self.values) == 1:
+            return f"{self.text} {mean:.3g}"
+        return f"{self.text} {mean:.3g} ({first:.3g} to {last:.3g})"
+
+    def limits(self) -> str:
+        """Text and limits."""
+        if self.low == -math.inf:
+            return f"{self.text} below {self.high:.3g}"
+        if self.high == math.inf:
+            return f"{self.text} above {self.low:.3g}"
+        return f"{self.text} within {self.low:.3g} to {self.high:.3g}"
+
+
 class Finding(NamedTuple):
     """Outcome of one claim's test."""
 
-    published: str
-    ours: str
-    test: str
-    holds: bool | None  #: None where the paper contradicts itself
-    basis: str
+    published: str  #: numbers of the paper
+    statements: Sequence[Statement]
+    basis: str  #: what the values are taken over
+    excluded: str = ""  #: why the paper's own numbers exclude the claim
+
+    @property
+    def verdict(self) -> str:
+        """Reproduced if every statement is, not reproduced if one is not."""
+        if self.excluded:
+            return CONTRADICTED
+        verdicts = {statement.verdict for statement in self.statements}
+        for verdict in (NOT_REPRODUCED, UNDECIDED):
+            if verdict in verdicts:
+                return verdict
+        return REPRODUCED
+
+    def ours(self) -> str:
+        """Return our numbers; of many statements, the one that is closest to its limit."""
+        if len(self.statements) <= 4:
+            text = "; ".join(statement.shown() for statement in self.statements)
+        else:
+            held = sum(statement.verdict == REPRODUCED for statement in self.statements)
+            closest = min(self.statements, key=lambda statement: statement.room)
+            text = f"{held} of {len(self.statements)} hold; closest: {closest.shown()}"
+        return f"{text}. {self.excluded}" if self.excluded else text
+
+    def test(self) -> str:
+        """Return the limits; those of statements that share them once."""
+        by_limits: dict[str, list[str]] = {}
+        for statement in self.statements:
+            limits = statement.limits().removeprefix(statement.text)
+            by_limits.setdefault(limits, []).append(statement.text)
+        return "; ".join(", ".join(texts) + limits for limits, texts in by_limits.items())
 
 
 def over_seeds(reports: Sequence[Mapping[str, Any]]) -> str:
     """Describe the seeds that a number is taken over."""
-    return "one seed" if len(reports) == 1 else f"mean ± deviation over {len(reports)} seeds"
-
-
-def pm(values: np.ndarray) -> str:
-    """Format mean and sample standard deviation; of a single value only the mean."""
-    if np.size(values) == 1:
-        return f"{np.mean(values):.3g}"
-    return f"{np.mean(values):.3g} ± {np.std(values, ddof=1):.2g}"
+    if len(reports) == 1:
+        return "one seed"
+    return f"mean and its 95 % interval over {len(reports)} seeds"

@@ -61,6 +61,8 @@ def calibrate_from_files(
                 "split": settings["evaluation"]["split"],
             },
             calibration=calibration,
+            grids=settings["grids"],
+            tracking=settings["tracking"],
             workers=workers or len(os.sched_getaffinity(0)),
             checkpoint=f"{stem}.partial.jsonl",
             version=fingerprint("fprc.stages.calibrate", *map(class_module, MODELS)),

@@ -163,7 +163,7 @@ def _judge(
                 "seed": settings["seed"],
             },
             epsilon=grids["epsilon"],
-            n_u=grids["replicate_taps"],
+            n_u=grids["readout_taps"],
             workers=workers,
             checkpoint=str(folder / "cells.partial.jsonl"),
             version=fingerprint(

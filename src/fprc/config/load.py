@@ -12,6 +12,9 @@ from fprc.config.settings import Settings
 from fprc.errors import ConfigError
 from fprc.yaml_file import read_yaml
 
+#: Folder of the rigs that ``rig`` can name.
+RIGS = Path("config/rigs")
+
 
 def check(config: Mapping[str, Any], files: Sequence[Path | str] = ()) -> Settings:
     """Return the typed settings of a nested mapping.
@@ -78,13 +81,37 @@ def from_files(paths: Sequence[Path | str], over: Mapping[str, Any] | None = Non
     problems = []
     for path in paths:
         try:
-            _merge(merged, read_yaml(path))
+            _merge(merged, _with_named_rig(read_yaml(path)))
         except ConfigError as error:
             problems.append(str(error))
     if problems:
         raise ConfigError("\n".join(problems))
-    _merge(merged, over or {})
+    _merge(merged, _with_named_rig(over or {}))
     return check(merged, paths)
+
+
+def _with_named_rig(config: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Replace the name of a rig by the contents of its file; a rig of numbers is not a fitted one.
+
+    Raises
+    ------
+    ConfigError
+        There is no such file; lists the names of those that there are.
+    """
+    name = config.get("rig")
+    if isinstance(name, Mapping):
+        return {"fitted": {"name": "changed", "to": []}, **config}
+    if not isinstance(name, str):
+        return config
+    names = sorted(path.stem for path in RIGS.glob("*.yaml"))
+    if name not in names:
+        raise ConfigError(
+            f"rig = {name}: there is no {RIGS / name}.yaml; use {' or '.join(names) or 'numbers'}"
+        )
+    # a rig that is named replaces the one before it, also where its file leaves defaults
+    whole = Settings().model_dump(mode="json", include={"rig", "fitted"})
+    _merge(whole, read_yaml(RIGS / f"{name}.yaml"))
+    return {**config, **whole}
 
 
 #: Settings with keys that the user chooses: a given value replaces the whole default.
@@ -101,7 +128,11 @@ def _merge(into: dict[str, Any], other: Mapping[str, Any]) -> None:
 
 
 #: Keys and values of earlier versions, with their new names.
-_RENAMED = {"sweeps": "grids", "source = hardware": "rig"}
+_RENAMED = {
+    "sweeps": "grids",
+    "grids.replicate_taps": "grids.readout_taps",
+    "source = hardware": "rig",
+}
 
 
 def _line(item: Mapping[str, Any]) -> str:

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from fprc.config.calibration import Calibration, Ensemble
+from fprc.config.calibration import Calibration, Ensemble, Fitted
 from fprc.config.folders import Folders
 from fprc.config.hardware import Hardware
 from fprc.config.rig import Rig
@@ -185,7 +185,7 @@ class Evaluation(Section):
     )
     timing_repeats: int = quantity(10, "-", (1, 100), "repeats of the timing", "paper, Sec. III-D")
     replicate_seeds: tuple[Annotated[int, within(0, 2**31)], ...] = Field(
-        (301, 302, 303, 304, 305),
+        (501, 502, 503, 504, 505, 506, 507, 508, 509, 510),
         min_length=2,
         description="seeds of further rigs, on which tables, grids and runs are repeated",
     )
@@ -213,14 +213,15 @@ class Grids(Section):
     n_y: tuple[Annotated[int, within(1, 100)], ...] = quantities(
         tuple(range(1, 11)), "samples", (1, 100), "taps of theta_d", "paper, Fig. 11"
     )
-    replicate_taps: tuple[Annotated[int, within(1, 100)], ...] = quantities(
-        (1, 3, 5, 8, 10), "samples", (1, 100), "both taps, on the further seeds", "assumed"
-    )
+    readout_taps: tuple[Annotated[int, within(1, 100)], ...] = quantities(
+        (1, 3, 5, 8, 10), "samples", (1, 100), "taps of P_o in the controls of the readout",
+        "assumed",
+    )  # fmt: skip
     chunks: int = quantity(
         1, "-", (1, 100), "jobs per grid; jobs beyond its number of cells are idle"
     )
 
-    @field_validator("replicate_taps")
+    @field_validator("n_u")
     @classmethod
     def _taps_have_a_middle(cls, taps: tuple[int, ...]) -> tuple[int, ...]:
         if len(set(taps)) < max(len(taps), 3):
@@ -336,6 +337,7 @@ class Settings(Section):
     ensemble: Ensemble = Ensemble()
     hardware: Hardware = Hardware()
     rig: Rig = Rig()
+    fitted: Fitted = Fitted()
 
     @model_validator(mode="after")
     def _further_seeds_are_fresh(self) -> "Settings":

@@ -15,7 +15,7 @@ from fprc.models import SequenceModel
 
 
 @contextmanager
-def naming_model(model: BaseEstimator) -> Iterator[None]:
+def refusals_of(model: BaseEstimator) -> Iterator[None]:
     """Turn a ValueError of a model into an error that names the model."""
     try:
         yield
@@ -44,7 +44,7 @@ class CrossValidated(NamedTuple):
 
     def errors(self, X: np.ndarray, y: np.ndarray) -> dict[str, Any]:
         """Return the errors of all folds, and that of the best fold's model on a test log."""
-        with naming_model(self.model):
+        with refusals_of(self.model):
             predicted = self.model.predict(X)
         return {
             "train_rmse_kpa": self.train_rmse,
@@ -81,7 +81,7 @@ def cross_validate(
         The log does not suit the model (too short for its taps, fewer samples
         than rules), or an error is not finite.
     """
-    with naming_model(model):
+    with refusals_of(model):
         features = model.make_features().fit(X)
         rows = features.transform(X)
     return validate_rows(model, features, rows, y, folds, progress)
@@ -96,7 +96,7 @@ def validate_rows(
     progress: Progress = lambda fold, e_train, e_validation: None,
 ) -> CrossValidated:
     """Do as ``cross_validate``, given the features of the log as ``rows``."""
-    with naming_model(model):
+    with refusals_of(model):
         folded = fit_folds(model.make_readout(), rows, y, folds, progress)
     return CrossValidated(*folded[:4], model.assembled(features, folded.readout))
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fprc.evaluation.crossval import fit_folds, naming_model
+from fprc.evaluation.crossval import fit_folds, refusals_of
 from fprc.evaluation.folds import Fold
 from fprc.models import SequenceModel
 
@@ -28,7 +28,7 @@ def normalised_weights(
     ndarray of shape (n_c, 1 + n_y + n_u)
         Bias, taps of theta_d, taps of the filtered P_o.
     """
-    with naming_model(model):
+    with refusals_of(model):
         rows = model.make_features().fit(X).transform(X)
         theta, p_o = rows[:, : model.n_y], rows[:, model.n_y :]
         normalised = np.hstack([_to_unit(theta), _to_unit(p_o)])

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fprc.evaluation import CrossValidated, rmse, split_rows
-from fprc.evaluation.crossval import naming_model, validate_rows
+from fprc.evaluation.crossval import refusals_of, validate_rows
 from fprc.experiments.data import Data, refuse_mixture
 from fprc.experiments.grids import weight_shares
 from fprc.experiments.readout import judge_readout
@@ -72,7 +72,7 @@ def judge_directions(
     log.info(
         "%s: features of %s samples", name, " and ".join(str(len(y)) for _, y in pairs.values())
     )
-    with naming_model(model):
+    with refusals_of(model):
         features = model.make_features().fit(pairs[directions[0][0]][0])
         rows = {key: features.transform(X) for key, (X, _) in pairs.items()}
     results = []

@@ -47,7 +47,11 @@ def measure_hysteresis(sweep: Channels) -> dict[str, float]:
     time_s, theta = sweep["time_s"], sweep["theta_deg"]
     return {
         name: loop_growth(time_s, theta, sweep[channel])
-        for name, channel in (("actuator", "p_target_kpa"), ("reservoir", "p_o_kpa"))
+        for name, channel in (
+            ("measured", "p_exp_kpa"),
+            ("commanded", "p_exp_command_kpa"),
+            ("reservoir", "p_o_kpa"),
+        )
     }
 
 

@@ -23,7 +23,7 @@ from fprc.evaluation import rmse
 from fprc.experiments.data import Data
 from fprc.experiments.measures import measure_hysteresis, measure_runs
 from fprc.models import SequenceModel
-from fprc.paper import controller_and_gain
+from fprc.paper import REFERENCES, controller_and_gain
 from fprc.registry import feedforward_of
 from fprc.signals import random_pushes, reference_angle
 
@@ -264,6 +264,18 @@ def measure_control(
         "hysteresis": measure_hysteresis(sweep.channels),
         **measure_runs(runs, bench.tracking["pushes"]["quiet_s"]),
     }
+
+
+def open_loop_errors(bench: Track, model: SequenceModel) -> dict[str, float]:
+    """Return the RMSE of the references of Table IV with P_ff of the model alone, deg."""
+    errors = {}
+    for reference in REFERENCES:
+        theta_d, number = bench.reference(reference), _RUNS[reference]
+        p_ff_kpa = bench.precompute(theta_d, {"own": model}, number)["own"]
+        channels = bench.simulate(theta_d, p_ff_kpa, None, number)
+        error = tracking_error(channels, bench.tracking["references"][reference]["settle_s"])
+        errors[reference] = rmse(error, np.zeros_like(error))
+    return errors
 
 
 def _per_tick(values: np.ndarray) -> Callable[[int], float]:

@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from fprc.artifacts import write_json, write_text
@@ -21,26 +22,30 @@ def calibrate(
     on_rig: Mapping[str, Any],
     judgement: Mapping[str, Any],
     calibration: Mapping[str, Any],
+    grids: Mapping[str, Any],
+    tracking: Mapping[str, Any],
     workers: int,
     checkpoint: str,
     version: str,
 ) -> None:
     """Fit the free parameters of the rig, starting at the rig of ``on_rig``.
 
-    Writes the changed parameters (``fitted``, YAML, to be used as
-    config/rig.yaml) and a summary of the fit (``report``, JSON).
+    Writes the changed parameters (``fitted``, YAML, a file
+    of config/rigs) and a summary of the fit (``report``, JSON).
     """
     best, summary = fit_rig(
         read_yaml(published),
         RigSettings(**on_rig),
         judgement,
         calibration,
+        grids,
+        tracking,
         workers=workers,
         checkpoint=checkpoint,
         version=version,
     )
     write_json(report, summary)
-    write_text(fitted, parameter_file(best, summary))
+    write_text(fitted, parameter_file(best, summary, Path(fitted).stem))
     log.info(
         "loss on other seeds: %.4f at the start, %.4f now",
         summary["check_loss_at_start"], summary["check_loss"],

@@ -78,7 +78,7 @@ def update_calibration_page(
     if summary["rig_sha256"] != hash_of(rig):
         raise FprcError(
             f"{fit} belongs to another rig than the configuration; put both files of one "
-            "calibration into config/"
+            "calibration into config/rigs"
         )
     blocks = {f"{Path(path).parent.name}_{Path(path).stem}": _read(path) for path in pages}
     blocks |= {

@@ -12,7 +12,7 @@ import numpy as np
 from fprc.artifacts import read_json, write_json
 from fprc.calibration.ensemble import judge_moved, judge_rig
 from fprc.calibration.fit import free_parameters
-from fprc.claims import Results, judge_claims
+from fprc.claims import Results, judge_claims, parts_of
 from fprc.claims.ensemble import JUDGED_BY_RIG, shares_of
 from fprc.errors import FprcError
 from fprc.evaluation.cells import log_progress, run_cells
@@ -117,7 +117,7 @@ def summarise_rigs(published: str, chunks: Sequence[str], summary: str) -> None:
             f"none of the {len(rigs)} rigs of the ensemble could be judged; the first: "
             f"{rigs[0]['failed']}"
         )
-    claims = [claim for claim in printed["claims"] if claim["id"] in JUDGED_BY_RIG]
+    claims = [claim for claim in parts_of(printed["claims"]) if claim["id"] in JUDGED_BY_RIG]
     verdicts = [
         {
             row["id"]: row["verdict"]

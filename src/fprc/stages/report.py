@@ -63,7 +63,7 @@ def write_report(
         explanation=_explanation(drawn_from),
         simulated="sim" in drawn_from,
         missing=pd.read_csv(missing).drop(columns="name"),
-        pages=[_page(path) for path in tables],
+        pages=[_page(path, settings["fitted"]["to"]) for path in tables],
         figures=figures,
         settings=settings,
         changed=_changed(settings),
@@ -109,20 +109,25 @@ def _claims(ledger: Sequence[str]) -> dict[str, Any]:
     if not ledger:
         return {"claims": None}
     report = read_json(ledger[0])
-    claims = pd.DataFrame(report["claims"])
+    claims = pd.DataFrame(report["claims"]).drop(columns="statements")
     counts = claims["verdict"].value_counts().to_dict()
     claims.columns = claims.columns.str.capitalize()
     return {"claims": claims, "counts": counts, "note": report["note"]}
 
 
-#: Whether the rig was fitted to a table's numbers or predicts them.
-_KINDS = {"table2": "fitted", "table3": "fitted", "table4": "predicted"}
+def _kind(table: str, terms: Sequence[str]) -> str:
+    """Return whether the rig was fitted to a table's numbers, by the terms of its objective."""
+    if table in ("table2", "table3"):
+        return "fitted" if "tables" in terms else "predicted"
+    if table == "table4":
+        return "half fitted" if "open_loop" in terms else "predicted"
+    return ""
 
 
-def _page(path: str) -> dict[str, Any]:
+def _page(path: str, terms: Sequence[str]) -> dict[str, Any]:
     note, table = read_markdown(Path(path).read_text(encoding="utf-8"))
     title, _, rest = note.partition(": ")
-    kind = _KINDS.get(Path(path).stem.removesuffix("_seeds"), "")
+    kind = _kind(Path(path).stem.removesuffix("_seeds"), terms)
     return {"kind": kind, "title": title, "note": rest[:1].upper() + rest[1:], "table": table}
 
 

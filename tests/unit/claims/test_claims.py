@@ -5,8 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.stats import ttest_1samp
 
-from fprc.claims import Results, changed_verdicts, judge_claims
+from fprc.claims import Results, Statement, changed_verdicts, judge_claims, parts_of, status_of
 from fprc.experiments.measures import measure_hysteresis, measure_runs
 
 PUBLISHED = yaml.safe_load(
@@ -45,7 +48,7 @@ def replicate(scale):
     return {
         "models": models,
         "weights": {"mean_share": {"p_o": share, "theta_d": 1.0 - share}},
-        "filter_alone": {"test_rmse_kpa": 10.4 + share},
+        "filter_alone": {"test_rmse_kpa": 12.0 * scale},
     }
 
 
@@ -127,11 +130,11 @@ def pushes(time_s, size):
     return size * np.sin(2 * np.pi * 1.7 * time_s) * (time_s >= QUIET_S)
 
 
-def hysteresis_log(growth=0.0, channel="p_target_kpa"):
+def hysteresis_log(growth=0.0, channel="p_exp_kpa"):
     time_s = np.arange(int(60 * RATE_HZ)) / RATE_HZ
     phase = 2 * np.pi * time_s * (0.2 + 0.4 * time_s / time_s[-1])
     log = {"time_s": time_s, "theta_deg": 30.0 - 30.0 * np.cos(phase)}
-    for name, width in (("p_target_kpa", 60.0), ("p_o_kpa", 50.0)):
+    for name, width in (("p_exp_kpa", 60.0), ("p_exp_command_kpa", 60.0), ("p_o_kpa", 50.0)):
         grown = 1.0 + growth * (name == channel) * time_s / time_s[-1]
         log[name] = 150.0 - 150.0 * np.cos(phase) + width * grown * np.sin(phase)
     return log
@@ -148,7 +151,7 @@ def ideal():
         logs=[hysteresis_log() for _ in SCALES],
         times={
             "times": [
-                {"model": model, "phase": phase, "mode": mode, "seconds": [0.9 * s, 1.1 * s]}
+                {"model": model, "phase": phase, "mode": mode, "seconds": [0.999 * s, 1.001 * s]}
                 for model, pair in SECONDS.items()
                 for phase, s in zip(("train", "test"), pair, strict=True)
                 for mode in ("sequential", "batch")
@@ -188,7 +191,9 @@ def verdicts(material):
     return {row["id"]: row["verdict"] for row in judged(material)}
 
 
-EXPECTED = {f"C{i}": "reproduced" for i in range(1, 19)} | {"C16": "contradicted as printed"}
+EXPECTED = {row["id"]: "reproduced" for row in parts_of(PUBLISHED["claims"])} | {
+    "C16": "contradicted as printed"
+}
 
 
 # Changes of the material: each function below gives one for a number (or for seeds).
@@ -218,7 +223,7 @@ def duration(table, **which):
         def change(material):
             entries = getattr(material, table)["times"]
             (found,) = [e for e in entries if all(e[k] == v for k, v in which.items())]
-            found["seconds"] = [value]
+            found["seconds"] = np.linspace(0.999, 1.001, len(found["seconds"])) * value
 
         return change
 
@@ -349,12 +354,38 @@ def all_of(*changes):
     return change
 
 
-def esn_barely_worse_and_fprc_at(ratio):
-    return all_of(
-        error("sweep", "esn", TEST, over=("esn", TRAIN))(1.13),
-        error("sweep", "fprc", TRAIN)(9.4),
-        error("sweep", "fprc", TEST)(9.4 * ratio),
-    )
+def fprc_test_at(ratio):
+    return all_of(error("sweep", "fprc", TEST, over=("fprc", TRAIN))(ratio), filter_alone(1.1))
+
+
+def filter_alone(ratio):
+    """Set the test error of FPRC on low-passed theta_d over that of FPRC."""
+
+    def change(material):
+        for found in material.replicates:
+            (own,) = [
+                entry[TEST]
+                for entry in found["models"]
+                if (entry["trained_on"], entry["model"]) == ("sweep", "fprc")
+            ]
+            found["filter_alone"][TEST] = ratio * own
+
+    return change
+
+
+def printed_gain_leaves(share):
+    """Set what the printed gain leaves of the open loop's error."""
+
+    def change(material):
+        for found in material.runs:
+            for name in REFERENCES:
+                opened = found[f"{name}/fprc/none"]
+                closed = found[f"{name}/fprc_pd/printed"]
+                away = opened["theta_d_deg"] - opened["theta_deg"]
+                closed["theta_deg"] = closed["theta_d_deg"] - share * away
+        material.measured[:] = [None for _ in material.measured]
+
+    return change
 
 
 def esn_training_at(ratio):
@@ -368,30 +399,24 @@ REFERENCES = ("sine_0p2", "sine_0p5", "sweep", "complex")
 IDENTIFIED_SWEEP = "sweep/fprc_pd/identified"
 DISTURBED = "disturbance/fprc_pd/identified"
 MODES = ("sequential", "batch")
-ONE, TWO = (1,), (0, 1)
+ONE = (1,)
 
 #: Claim, name, change, number that spoils the claim, and number that nearly does.
 PERTURBATIONS = [
-    ("C1", "training_above", esn_training_at, 1.31, 1.29),
-    ("C1", "training_below", error("sweep", "esn", TRAIN, over=("fprc", TRAIN)), 0.76, 0.78),
+    ("C1", "training_above", esn_training_at, 1.14, 1.13),
+    ("C1", "training_below", error("sweep", "esn", TRAIN, over=("fprc", TRAIN)), 0.87, 0.89),
     *(
         ("C1", name, error("sweep", "esn", VALIDATION, over=("fprc", VALIDATION)), *x)
-        for name, *x in (("validation_above", 1.31, 1.29), ("validation_below", 0.76, 0.78))
+        for name, *x in (("validation_above", 1.14, 1.13), ("validation_below", 0.87, 0.89))
     ),
+    ("C3", "fprc_too_good", error("sweep", "fprc", TEST, over=("fprc", TRAIN)), 0.80, 0.83),
+    ("C3", "fprc_too_bad", fprc_test_at, 1.24, 1.22),
+    ("C3", "esn_consistent", error("sweep", "esn", TEST, over=("esn", TRAIN)), 1.22, 1.24),
     *(
-        ("C1", name, error("sweep", "esn", VALIDATION, ONE, ("fprc", VALIDATION)), *x)
-        for name, *x in (("mean_above", 1.95, 1.9), ("mean_below", 0.33, 0.36))
-    ),
-    ("C2", "esn_on_one_seed", error("sweep", "esn", TEST, ONE, ("fprc", TEST)), 0.99, 1.01),
-    ("C3", "fprc_too_good", error("sweep", "fprc", TEST, over=("fprc", TRAIN)), 0.79, 0.81),
-    ("C3", "fprc_too_bad", error("sweep", "fprc", TEST, over=("fprc", TRAIN)), 1.26, 1.24),
-    ("C3", "fprc_mean", error("sweep", "fprc", TEST, ONE, ("fprc", TRAIN)), 0.49, 0.52),
-    ("C3", "esn_consistent", error("sweep", "esn", TEST, over=("esn", TRAIN)), 1.09, 1.11),
-    ("C3", "esn_more_consistent", esn_barely_worse_and_fprc_at, 1.15, 1.11),
-    *(
-        ("C4", phase, error("sweep", "fuzzy_linear", phase, ONE, ("fprc", phase)), 0.99, 1.01)
+        ("C4a", phase, error("sweep", "fuzzy_linear", phase, over=("fprc", phase)), 0.99, 1.01)
         for phase in (TRAIN, VALIDATION)
     ),
+    ("C4b", "filter_alone", filter_alone, 0.99, 1.01),
     *(
         (claim, f"{phase}_{mode}", duration("times", model=model, phase=phase, mode=mode), *x)
         for claim, model, phase, *x in (
@@ -403,90 +428,76 @@ PERTURBATIONS = [
         for mode in MODES
     ),
     *(
-        ("C7", f"not_below_{model}", error("complex", model, TEST, ONE, ("fprc", TEST)), 0.99, 1.01)
+        ("C7", f"not_below_{model}", error("complex", model, TEST, over=("fprc", TEST)), 0.99, 1.01)
         for model in ("esn", "fuzzy_linear")
     ),
-    ("C7", "esn_better_reversed", error("sweep", "esn", TEST, ONE), 60.4, 60.2),
-    ("C7", "fuzzy_better_reversed", error("sweep", "fuzzy_linear", TEST, ONE), 51.6, 51.4),
-    ("C7", "fprc_better_reversed", error("complex", "fprc", TEST, ONE), 10.9, 11.1),
+    ("C7", "esn_better_reversed", error("sweep", "esn", TEST), 65.0, 57.0),
+    ("C7", "fuzzy_better_reversed", error("sweep", "fuzzy_linear", TEST), 55.0, 48.0),
     ("C8", "p_o", share_of_p_o(), 0.67, 0.66),
     ("C8", "theta_d", share_of_p_o(), 0.33, 0.34),
-    ("C8", "mean", share_of_p_o(ONE), 0.89, 0.86),
-    ("C9", "epsilon_flat", cells("epsilon", TRAIN, model="fprc", epsilon=0.1), 9.0, 9.1),
-    ("C9", "n_c_flat", cells("n_c", TRAIN, model="fprc", n_c=8), 9.0, 9.1),
-    ("C9", "n_c_mean", cells("n_c", TRAIN, ONE, model="fprc", n_c=8), 6.9, 7.1),
+    ("C9a", "flat", cells("epsilon", TRAIN, model="fprc", epsilon=0.1), 9.0, 9.1),
+    ("C9b", "flat", cells("n_c", TRAIN, model="fprc", n_c=8), 9.0, 9.1),
     *(
         (
-            "C9",
+            "C9c",
             f"{sweep}_{way}",
             lambda seeds, s=sweep, sign=sign: cells(s, TEST, seeds, model="fprc")(
-                lambda found: 12.0 + 0.1 * sign * found[s]
+                lambda found: 12.0 + sign * found[s]
             ),
             EVERY,
-            ONE,
+            (),
         )
         for sweep in ("epsilon", "n_c")
-        for way, sign in (("rises", 1.0), ("falls", -1.0))
+        for way, sign in (("rises", 0.1), ("falls", -0.1))
     ),
     ("C10", "test_doubles", duration("times_over_n_c", phase="test", n_c=16), 0.205, 0.203),
     ("C10", "training_out_of_order", duration("times_over_n_c", phase="train", n_c=16), 1.5, 3.0),
     *(
-        ("C11", f"{phase}_once", cells("n_c", phase, ONE, model="fuzzy_linear", n_c=4), 11.0, 11.1)
+        ("C11", phase, cells("n_c", phase, model="fuzzy_linear", n_c=4), 11.0, 11.1)
         for phase in PHASES
     ),
     *(
         (
-            "C12",
+            claim,
             name,
             lambda seeds, phase=phase, function=function: cells("taps", phase, seeds)(function),
-            *x,
+            EVERY,
+            (),
         )
-        for name, phase, function, *x in (
-            ("training_likes_n_u", TRAIN, taps(-1.0, -0.5), TWO, ONE),
-            ("training_dislikes_n_y", TRAIN, taps(1.0, 0.5), TWO, ONE),
-            ("validation_likes_n_u", VALIDATION, taps(-1.0, -0.5), TWO, ONE),
-            ("validation_dislikes_n_y", VALIDATION, taps(1.0, 0.5), TWO, ONE),
-            ("test_best_at_first", TEST, taps(1.0, 0.0), EVERY, ONE),
-            ("test_best_at_last", TEST, taps(-1.0, 0.0), EVERY, ONE),
+        for claim, name, phase, function in (
+            ("C12a", "training_likes_n_u", TRAIN, taps(-1.0, -0.5)),
+            ("C12b", "training_dislikes_n_y", TRAIN, taps(1.0, 0.5)),
+            ("C12a", "validation_likes_n_u", VALIDATION, taps(-1.0, -0.5)),
+            ("C12b", "validation_dislikes_n_y", VALIDATION, taps(1.0, 0.5)),
+            ("C12c", "test_best_at_first", TEST, taps(1.0, 0.0)),
+            ("C12c", "test_best_at_last", TEST, taps(-1.0, 0.0)),
         )
     ),
     *(
-        ("C13", f"open_{name}", angle(f"{name}/fprc/none", off_by, ONE), 5.1, 4.9)
+        ("C13a", f"open_{name}", angle(f"{name}/fprc/none", off_by), 5.1, 4.9)
         for name in REFERENCES
     ),
     *(
-        ("C13", f"printed_{name}", angle(f"{name}/fprc_pd/printed", off_by, ONE), 4.3, 4.2)
-        for name in REFERENCES
-    ),
-    *(
-        ("C13", f"identified_{name}", angle(f"{name}/fprc_pd/identified", off_by, ONE), 4.3, 4.2)
+        ("C13a", f"closed_{name}", angle(f"{name}/fprc_pd/identified", off_by), 4.6, 3.9)
         for name in ("sine_0p2", "sine_0p5", "complex")
     ),
+    ("C13b", "printed", printed_gain_leaves, 0.76, 0.72),
     *(
-        ("C14", name, run(f"{name}/fprc_pd/identified", "p_fb_kpa", feedback_of, ONE), 0.26, 0.24)
+        ("C14", name, run(f"{name}/fprc_pd/identified", "p_fb_kpa", feedback_of), 0.26, 0.24)
         for name in REFERENCES
     ),
-    ("C15", "too_far_once", angle(IDENTIFIED_SWEEP, off_once_by), 8.1, 7.9),
-    ("C15", "too_far_mean", angle(IDENTIFIED_SWEEP, off_once_by, ONE), 21.5, 20.5),
-    ("C15", "late", angle(IDENTIFIED_SWEEP, late_by), 7, 6),
-    ("C15", "early", angle(IDENTIFIED_SWEEP, late_by), -7, -6),
-    ("C15", "late_mean", angle(IDENTIFIED_SWEEP, late_by, TWO), 10, 8),
-    ("C15", "error_shrinks_once", angle(IDENTIFIED_SWEEP, error_growing_by, ONE), -0.1, 0.1),
+    ("C15", "too_far", angle(IDENTIFIED_SWEEP, off_once_by), 8.1, 7.9),
+    ("C15", "late", angle(IDENTIFIED_SWEEP, late_by), 7, 5),
+    ("C15", "early", angle(IDENTIFIED_SWEEP, late_by), -7, -5),
+    ("C15", "error_shrinks", angle(IDENTIFIED_SWEEP, error_growing_by), -0.1, 0.1),
     ("C17", "bending_within_a_tenth", run(DISTURBED, "phi_deg", bending(0.1)), 7.7, 7.9),
     ("C17", "bending_not_doubled", run(DISTURBED, "phi_deg", bending(6.0)), 10.1, 10.7),
-    ("C17", "bending_unmoved", lambda s: run(DISTURBED, "phi_deg", bending(0.1), s)(0), EVERY, ONE),
     ("C17", "p_o_distorted", run(DISTURBED, "p_o_kpa", p_o_pushed_by), 0.032, 0.029),
-    ("C17", "p_o_mean", run(DISTURBED, "p_o_kpa", p_o_pushed_by, ONE), 0.094, 0.086),
     ("C17", "tracking_worse", angle(DISTURBED, error_when_pushed), 1.55, 1.45),
-    ("C17", "tracking_mean", angle(DISTURBED, error_when_pushed, ONE), 2.6, 2.4),
     *(
-        ("C18", f"{name}_{side}", grown(channel, seeds), *x)
-        for name, channel in (("actuator", "p_target_kpa"), ("reservoir", "p_o_kpa"))
-        for side, seeds, *x in (
-            ("widens", EVERY, 0.3, 0.25),
-            ("narrows", EVERY, -0.235, -0.2),
-            ("mean", ONE, 1.2, 0.6),
-        )
+        (claim, f"{channel}_{side}", grown(channel), *x)
+        for claim, channel in (("C18a", "p_exp_kpa"), ("C18b", "p_exp_command_kpa"))
+        for side, *x in (("widens", 0.3, 0.25), ("narrows", -0.235, -0.2))
     ),
 ]  # fmt: skip
 IDS = [f"{claim}-{name}" for claim, name, *_ in PERTURBATIONS]
@@ -506,15 +517,21 @@ def test_every_claim_is_reproduced_where_it_holds_but_the_contradicted_one(ideal
 
 def test_ledger_keeps_order_and_texts_of_the_published_claims(ideal):
     rows = judged(ideal)
-    assert [(row["id"], row["claim"]) for row in rows] == [
-        (claim["id"], claim["text"]) for claim in PUBLISHED["claims"]
+    order = [claim["id"] for claim in PUBLISHED["claims"]]
+    assert [row["id"].rstrip("abc") for row in rows] == [
+        name for name in order for row in rows if row["id"].rstrip("abc") == name
     ]
+    whole = {claim["id"]: claim["text"] for claim in PUBLISHED["claims"]}
+    own = {row["id"]: row["claim"] for row in rows}
+    assert {name: own[name] for name in whole.keys() & own.keys()} == {
+        name: text for name, text in whole.items() if f"{name}a" not in own
+    }
     assert all(row["ours"] and row["test"] and row["basis"] for row in rows)
 
 
 def test_no_text_of_the_ledger_shows_nan_or_a_numpy_type(ideal):
     for row in judged(ideal):
-        for text in row.values():
+        for text in (value for key, value in row.items() if key != "statements"):
             assert type(text) is str
             assert not {"nan", "inf", "np.float64"} & set(text.replace("(", " ").split()), row
 
@@ -533,63 +550,55 @@ def test_perturbation_within_the_threshold_flips_nothing(ideal, change, spares):
     assert after(ideal, change(spares)) == EXPECTED
 
 
-def test_every_claim_but_the_contradicted_one_is_perturbed():
-    assert {claim for claim, *_ in PERTURBATIONS} == set(EXPECTED) - {"C16"}
+def test_every_claim_is_perturbed_but_the_contradicted_one_and_one_with_a_test_of_its_own():
+    assert {claim for claim, *_ in PERTURBATIONS} == set(EXPECTED) - {"C2", "C16"}
+
+
+def test_esn_that_is_better_in_test_is_lowest_and_consistent(ideal):
+    change = error("sweep", "esn", TEST, over=("fprc", TEST))
+    expected = EXPECTED | {"C2": "not reproduced", "C3": "not reproduced"}
+    assert after(ideal, change(0.99)) == expected
 
 
 def test_fuzzy_linear_that_is_better_in_test_spoils_both_claims_that_say_otherwise(ideal):
-    change = error("sweep", "fuzzy_linear", TEST, ONE, ("fprc", TEST))
-    expected = EXPECTED | {"C2": "not reproduced", "C4": "not reproduced"}
+    change = error("sweep", "fuzzy_linear", TEST, over=("fprc", TEST))
+    expected = EXPECTED | {"C2": "not reproduced", "C4a": "not reproduced"}
     assert after(ideal, change(0.99)) == expected
-    assert after(ideal, change(1.01)) == EXPECTED
 
 
-def test_lags_that_cancel_leave_no_mean_lag(ideal):
-    early, late = angle(IDENTIFIED_SWEEP, late_by, ONE), angle(IDENTIFIED_SWEEP, late_by, (2,))
-    assert after(ideal, early(-9), late(9)) == EXPECTED
-
-
-PD_MOVES = angle("sine_0p5/pd/printed", sine(0.5))(0)
-
-
-def test_pd_that_moves_at_the_printed_gain_makes_its_loop_claim_reproduced(ideal):
-    assert after(ideal, PD_MOVES) == EXPECTED | {"C16": "reproduced"}
-
-
-@pytest.mark.parametrize(("lag", "verdict"), [(0.09, "not reproduced"), (0.11, "reproduced")])
-def test_loop_claim_fails_where_feedforward_leaves_half_of_the_loop_of_pd(ideal, lag, verdict):
-    pd = angle("sine_0p5/pd/identified", sine(lag))(0)
-    assert after(ideal, PD_MOVES, pd) == EXPECTED | {"C16": verdict}
-
-
-@pytest.mark.parametrize(("lag", "verdict"), [(0.21, "not reproduced"), (0.19, "reproduced")])
-def test_one_wide_loop_counts_in_the_mean_only(ideal, lag, verdict):
-    pd = angle("sine_0p5/pd/identified", sine(0.2))(0)
-    closed = angle("sine_0p5/fprc_pd/identified", sine(lag), ONE)(0)
-    assert after(ideal, PD_MOVES, pd, closed) == EXPECTED | {"C16": verdict}
+def test_reservoir_whose_loop_grows_spoils_both_halves(ideal):
+    expected = EXPECTED | {"C18a": "not reproduced", "C18b": "not reproduced"}
+    assert after(ideal, grown("p_o_kpa")(0.3)) == expected
 
 
 @pytest.mark.parametrize(
-    ("seeds", "swing", "verdict"),
+    ("claim", "change"),
     [
-        (EVERY, 2.7, "contradicted as printed"),
-        (EVERY, 2.8, "reproduced"),
-        (ONE, 6.1, "contradicted as printed"),
-        (ONE, 6.4, "reproduced"),
+        ("C8", share_of_p_o(ONE)(0.8)),
+        ("C9b", cells("n_c", TRAIN, ONE, model="fprc", n_c=8)(9.0)),
+        ("C15", angle(IDENTIFIED_SWEEP, off_once_by, ONE)(9.0)),
+        ("C18a", grown("p_exp_kpa", ONE)(0.9)),
     ],
+    ids=lambda value: value if isinstance(value, str) else "",
 )
-def test_pd_is_contradicted_below_a_tenth_of_the_reference_in_the_mean(
-    ideal, seeds, swing, verdict
-):
-    change = angle("sine_0p5/pd/printed", sine(0.5, swing), seeds)
-    assert after(ideal, change(0)) == EXPECTED | {"C16": verdict}
+def test_claim_that_one_seed_of_three_contradicts_is_undecided(ideal, claim, change):
+    assert after(ideal, change) == EXPECTED | {claim: "undecided"}
+
+
+def test_loop_of_pd_is_contradicted_on_paper_whatever_the_rig_does(ideal):
+    moves = angle("sine_0p5/pd/printed", sine(0.5))(0)
+    assert after(ideal, moves) == EXPECTED
+    # 0.5 kPa/deg of 60 deg are 30 of 350 kPa
+    assert "30 of 350 kPa" in texts(ideal)["C16"]
+    assert "8.6 %" in texts(ideal)["C16"]
 
 
 @pytest.mark.parametrize("samples", [-7, -6, 6, 7])
 def test_ledger_says_by_how_much_and_which_way_the_angle_is_late(ideal, samples):
     material = deepcopy(ideal)
     angle(IDENTIFIED_SWEEP, late_by)(samples)(material)
-    assert f"lag {5 * samples:+d} ms" in texts(material)["C15"]
+    (row,) = [row for row in judged(material) if row["id"] == "C15"]
+    assert row["statements"][1]["mean"] == pytest.approx(5 * samples)
 
 
 def texts(material):
@@ -598,14 +607,14 @@ def texts(material):
 
 def test_numbers_of_the_claims_are_those_of_the_results(ideal):
     ours = texts(ideal)
-    assert ours["C2"] == "11 ± 0.17 against 16.6 ± 0.25 and 16.8 ± 0.26 kPa"
-    assert ours["C8"] == "P_o 56 ± 0.15 %, theta_d 44 ± 0.15 %"
-    assert ours["C11"] == "45 of 45 comparisons"
-    assert ours["C14"].startswith("P_fb / P_ff (rms) at most 0.1 ±")
-    assert "97.6 % less in test sequentially, 97.6 % in batch" in ours["C5"]
-    assert "open loop 4.26-4.26 deg; feedback cuts" in ours["C13"]
-    assert "lag +0 ms" in ours["C15"]
-    assert "at the printed gain PD spans 4 ± 0 % of the reference" in ours["C16"]
+    assert ours["C2"] == "FPRC / best other model, test 0.667 (0.667 to 0.667)"
+    assert ours["C11"].startswith("15 of 15 hold; closest: FPRC / Fuzzy-linear at n_c")
+    assert "time saved in test, sequential [%] 97.6" in ours["C5"]
+    rows = {row["id"]: row for row in judged(ideal)}
+    (shares,) = rows["C8"]["statements"]
+    assert shares["mean"] == pytest.approx(0.56 / 0.44, rel=0.01)
+    assert shares["first"] < shares["mean"] < shares["last"]
+    assert shares["limits"] == "within 0.5 to 2"
 
 
 def test_ledger_says_how_many_seeds_a_verdict_stands_on(ideal):
@@ -615,11 +624,20 @@ def test_ledger_says_how_many_seeds_a_verdict_stands_on(ideal):
     assert all("main run" in basis[claim] for claim in timed)
 
 
+def rounded(material):
+    """Return the ledger; sums differ in the last digit if their order does."""
+    return [
+        [*(row[key] for key in ("id", "verdict", "test", "basis"))]
+        + [float(f"{each['first']:.9g}") for each in row["statements"]]
+        for row in judged(material)
+    ]
+
+
 def test_order_of_the_seeds_does_not_matter(ideal):
     turned = SimpleNamespace(**vars(ideal))
     for name in ("replicates", "grids", "runs", "logs", "measured"):
         setattr(turned, name, getattr(ideal, name)[::-1])
-    assert judged(turned) == judged(ideal)
+    assert rounded(turned) == rounded(ideal)
 
 
 def test_order_of_models_cells_and_times_does_not_matter(ideal):
@@ -630,7 +648,7 @@ def test_order_of_models_cells_and_times_does_not_matter(ideal):
         group.reverse()
     turned.times["times"].reverse()
     turned.times_over_n_c["times"].reverse()
-    assert judged(turned) == judged(ideal)
+    assert rounded(turned) == rounded(ideal)
 
 
 def test_changed_verdicts_are_listed_in_the_order_of_the_claims():
@@ -649,3 +667,53 @@ def test_changed_verdicts_are_listed_in_the_order_of_the_claims():
 
 def test_no_verdict_has_changed_where_all_are_as_declared(ideal):
     assert changed_verdicts(judged(ideal), EXPECTED) == []
+
+
+values_of_seeds = st.lists(st.floats(0.1, 10.0), min_size=2, max_size=20)
+
+
+@given(values_of_seeds, st.booleans())
+def test_interval_is_that_of_the_t_test(values, ratio):
+    statement = Statement("", np.array(values), ratio=ratio)
+    mean, first, last = statement.interval
+    sample = np.log(values) if ratio else np.array(values)
+    if sample.std() < 1e-6:
+        return
+    low, high = ttest_1samp(sample, 0.0).confidence_interval(0.95)
+    expected = [sample.mean(), low, high]
+    np.testing.assert_allclose([mean, first, last], np.exp(expected) if ratio else expected)
+
+
+@given(values_of_seeds, st.floats(0.2, 5.0))
+def test_verdict_is_reproduced_or_not_only_where_the_interval_excludes_the_limit(values, limit):
+    below = Statement("", np.array(values), high=limit)
+    above = Statement("", np.array(values), low=limit)
+    _, first, last = below.interval
+    opposite = {"reproduced": "not reproduced", "not reproduced": "reproduced"}
+    if first < limit < last:
+        assert below.verdict == above.verdict == "undecided"
+    elif last < limit or first > limit:
+        assert below.verdict == ("reproduced" if last < limit else "not reproduced")
+        assert above.verdict == opposite[below.verdict]
+
+
+def test_single_value_decides_alone():
+    assert Statement("", np.array([0.9]), high=1.0).verdict == "reproduced"
+    assert Statement("", np.array([1.1]), high=1.0).verdict == "not reproduced"
+
+
+@pytest.mark.parametrize(
+    ("claim", "terms", "status"),
+    [
+        ("C8", ("tables",), "predicted"),
+        ("C8", ("C8",), "fitted"),
+        ("C12a", ("C12",), "fitted"),
+        ("C12c", ("C12",), "predicted"),
+        ("C4a", ("tables",), "fitted"),
+        ("C4b", ("tables", "orders"), "predicted"),
+        ("C5", ("tables",), "timed"),
+        ("C17", ("tables",), "assumed"),
+    ],
+)
+def test_claim_is_fitted_where_a_term_of_the_objective_asks_for_it(claim, terms, status):
+    assert status_of(claim, terms) == status

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import norm, spearmanr, t
 
+from fprc.claims import parts_of
 from fprc.claims.ensemble import JUDGED_BY_RIG, shares_of
 
 PUBLISHED = yaml.safe_load(
@@ -85,9 +86,13 @@ def test_numbers_can_be_written_as_json():
 
 
 def test_claims_that_a_rig_decides_are_published_ones_without_sweeps_and_times():
-    known = [claim["id"] for claim in PUBLISHED["claims"]]
+    known = {claim["id"] for claim in parts_of(PUBLISHED["claims"])}
     # the rig has hardly a way from the reservoir's bending to P_o: C17 is assumed
-    assert set(JUDGED_BY_RIG) == set(known) - {"C5", "C6", "C9", "C10", "C11", "C12", "C17"}
+    assert set(JUDGED_BY_RIG) == {
+        claim
+        for claim in known
+        if claim.rstrip("abc") not in {"C5", "C6", "C9", "C10", "C11", "C12", "C16", "C17"}
+    }
 
 
 # --- correlations ---------------------------------------------------------------------------------
