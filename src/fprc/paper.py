@@ -20,13 +20,7 @@ DISTURBANCE = "disturbance"
 GAINS = ("printed", "identified")
 
 #: Controllers of the closed-loop runs; the suffix names the PD gains.
-CONTROLLERS = (
-    "fprc",
-    "fprc_pd_printed",
-    "fprc_pd_identified",
-    "pd_printed",
-    "pd_identified",
-)
+CONTROLLERS = ("fprc", "fprc_pd_printed", "fprc_pd_identified", "pd_printed", "pd_identified")
 
 #: Models of each grid of Figs. 10 and 11, and the settings that the grid varies.
 GRID_MODELS = {"epsilon": ("fprc",), "n_c": ("fprc", "fuzzy_linear"), "taps": ("fprc",)}

@@ -51,18 +51,18 @@ def check_rig(settings: Mapping[str, Any], armed: bool, stop: Callable[[], str])
     period_s = 1.0 / control["sample_rate_hz"]
     phases = PHASES if armed else PHASES[:1]
     ends = np.cumsum([round(seconds / period_s) for *_, seconds in phases])
-    channels, late, trouble = _read_at_rest(hardware, period_s, int(ends[0]), stop)
+    channels, timing, trouble = _read_at_rest(hardware, period_s, int(ends[0]), stop)
     if armed and not trouble:  # never fill a rig that may not vent
         setpoints = _setpoints(phases[1:], ends - ends[0], period_s).tolist()
         pressure_loops = loops(control, hardware["valves"]["neutral_v"])
-        moved, late, trouble = _fill_and_vent(hardware, period_s, setpoints, pressure_loops, stop)
+        moved, timing, trouble = _fill_and_vent(hardware, period_s, setpoints, pressure_loops, stop)
         moved["time_s"] += ends[0] * period_s
         channels = {name: np.append(values, moved[name]) for name, values in channels.items()}
     lines, problems = describe(channels, ends * period_s, phases)
     lines.append(
-        f"loop: {late['ticks']} ticks, {late['overruns']} missed, lateness "
-        f"{1e3 * late['jitter_p50_s']:.3f} ms median, "
-        f"{1e3 * late['jitter_max_s']:.3f} ms maximum"
+        f"loop: {timing['ticks']} ticks, {timing['overruns']} missed, lateness "
+        f"{1e3 * timing['jitter_p50_s']:.3f} ms median, "
+        f"{1e3 * timing['jitter_max_s']:.3f} ms maximum"
     )
     if not armed:
         lines.append("valves: kept vented; --armed fills and vents each chamber in turn")
@@ -78,7 +78,7 @@ def _read_at_rest(
 ) -> tuple[dict[str, np.ndarray], dict[str, float], list[str]]:
     """Return the readings at rest, the lateness of the loop, and errors of closing the rig."""
     readings: list[Readings] = []
-    late, trouble = {}, []
+    timing, trouble = {}, []
     try:
         with rig(hardware, period_s) as (device, clock):
             for k in range(samples):
@@ -87,12 +87,12 @@ def _read_at_rest(
                 readings.append(device.read())
                 if reason := stop():
                     raise ControlError(reason)
-            late = clock.statistics()
+            timing = clock.statistics()
     except DeviceError as error:
-        if not late:
+        if not timing:
             raise
         trouble.append(str(error))
-    return dict(zip(Readings._fields, np.array(readings).T, strict=True)), late, trouble
+    return dict(zip(Readings._fields, np.array(readings).T, strict=True)), timing, trouble
 
 
 def _fill_and_vent(
@@ -103,7 +103,7 @@ def _fill_and_vent(
     stop: Callable[[], str],
 ) -> tuple[dict[str, np.ndarray], dict[str, float], list[str]]:
     """Follow setpoints; return the channels, the lateness of the loop, and the errors."""
-    late, trouble = {}, []
+    timing, trouble = {}, []
 
     def law(k: int, now: Readings) -> list[float]:
         sign(ALIVE)
@@ -116,12 +116,12 @@ def _fill_and_vent(
             except RunAbortedError as stopped:
                 moved = stopped.channels
                 trouble.append(f"stopped: {stopped}")
-            late = clock.statistics()
+            timing = clock.statistics()
     except DeviceError as error:
-        if not late:
+        if not timing:
             raise
         trouble.append(str(error))
-    return moved, late, trouble
+    return moved, timing, trouble
 
 
 def _setpoints(phases: Sequence[Phase], bounds: np.ndarray, period_s: float) -> np.ndarray:

@@ -125,7 +125,7 @@ def _beating(process: _Process) -> Callable[[], None]:
 def _watch(signs: queue.SimpleQueue[bytes], beat: Callable[[], None], stalled_s: float) -> str:
     """Wait for the end of the process; return ``safe``, ``gone`` or ``silent``.
 
-    Silence counts only between ``HOT`` and ``SAFE``; otherwise nothing moves. It is counted in
+    Silence counts only between ``HOT`` and ``SAFE``, when something may move. It is counted in
     timeouts rather than by a clock, so that a guardian that was itself suspended first reads the
     signs that arrived meanwhile.
     """

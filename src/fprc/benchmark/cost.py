@@ -101,9 +101,7 @@ def costs(
     }
 
 
-def plan_ensemble(
-    jobs: int, *, alone: bool = False, snakefile: str = "Snakefile"
-) -> dict[str, float]:
+def plan_ensemble(jobs: int, *, alone: bool = False) -> dict[str, float]:
     """Let Snakemake plan an ensemble of ``jobs`` jobs, one rig each; return the time and memory.
 
     Parameters
@@ -118,7 +116,7 @@ def plan_ensemble(
     """
     wanted = 1 if alone else jobs
     with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "snakemake", "--snakefile", snakefile, "--dry-run"]
+        command = [sys.executable, "-m", "snakemake", "--dry-run"]
         command += ["--quiet", "rules", "--cores", "1", "--nolock"]
         command += [f"{folder}/ensemble/rigs_0.json" if alone else "ensemble", "--config"]
         command += [f"ensemble={{rigs: {jobs}, chunk: 1}}"]

@@ -55,10 +55,7 @@ def compare_models(
 
 
 def judge_directions(
-    name: str,
-    judgement: Judgement,
-    logs: Mapping[str, Data],
-    directions: Sequence[tuple[str, str]],
+    name: str, judgement: Judgement, logs: Mapping[str, Data], directions: Sequence[tuple[str, str]]
 ) -> list[Judged]:
     """Cross-validate and test one model for each direction (training log, test log).
 

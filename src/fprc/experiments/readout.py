@@ -32,11 +32,7 @@ def readout_cells(
 
 
 def judge_readout(
-    cell: Mapping[str, Any],
-    *,
-    train: Data,
-    test: Data,
-    judgement: Judgement,
+    cell: Mapping[str, Any], *, train: Data, test: Data, judgement: Judgement
 ) -> dict[str, Any]:
     """Return the errors of one cell, with the split that the cell gives."""
     seed = judgement.seed

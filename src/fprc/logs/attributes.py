@@ -49,9 +49,7 @@ _WORDS = {
 }
 
 
-def read_attributes(
-    holder: h5py.AttributeManager,
-) -> tuple[dict[str, Any], dict[str, str]]:
+def read_attributes(holder: h5py.AttributeManager) -> tuple[dict[str, Any], dict[str, str]]:
     """Return the valid attributes of a file or dataset, and an error text for each invalid one.
 
     Values are Python numbers and text; JSON is parsed. Attributes that are not in ``KINDS``

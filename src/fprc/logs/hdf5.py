@@ -120,7 +120,8 @@ def channel_of(file: h5py.File, name: str) -> h5py.Dataset:
 def refuse_never_written(dataset: h5py.Dataset) -> None:
     """Check that every sample of a channel was written.
 
-    The library returns fill values for the others, and a small file can declare any number.
+    The library returns fill values for samples that were not, and a small file can declare any
+    number of them.
 
     Raises
     ------
@@ -163,8 +164,8 @@ def shown(name: str | bytes) -> str:
     return visible(os.fsdecode(name))
 
 
-def listed(names: Iterable[str], most: int = 12) -> str:
-    """Return names for a message, at most the first ``most``."""
+def listed(names: Iterable[str]) -> str:
+    """Return names for a message, at most the first twelve."""
     every = list(names)
-    more = f" and {len(every) - most} more" if len(every) > most else ""
-    return (", ".join(map(shown, every[:most])) or "none") + more
+    more = f" and {len(every) - 12} more" if len(every) > 12 else ""
+    return (", ".join(map(shown, every[:12])) or "none") + more

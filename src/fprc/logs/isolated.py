@@ -33,7 +33,6 @@ def isolated(
     *arguments: Any,
     what: str,
     limit_s: float | None = None,
-    limit_bytes: int = LIMIT_BYTES,
     **keywords: Any,
 ) -> Any:
     """Call a function in a child process and return its result.
@@ -46,8 +45,6 @@ def isolated(
         File to read; named in messages.
     limit_s : float, optional
         Limit on processor time; by default it follows from the file's size.
-    limit_bytes : int
-        Limit on the address space.
 
     Raises
     ------
@@ -57,10 +54,10 @@ def isolated(
         Any exception that the function raised.
     """
     limit_s = limit_s or time_limit_s([what])
-    answers, ended = _call(function, [arguments], keywords, limit_s, limit_bytes)
+    answers, ended = _call(function, [arguments], keywords, limit_s, LIMIT_BYTES)
     if not answers:
         raise LogError(f"{what}: {ended}")
-    return _result(answers[0], what, limit_bytes)
+    return _result(answers[0], what, LIMIT_BYTES)
 
 
 def isolated_each(

@@ -40,15 +40,7 @@ SIMULATED_RESERVOIR = {"rig": "rig+sim", "import": "import+sim"}
 SOURCES = ("sim", "rig", "import", *SIMULATED_RESERVOIR.values())
 
 #: Required attributes of a raw log, and those that a closed-loop run needs too.
-RAW_ATTRIBUTES = (
-    "experiment",
-    "source",
-    "simulated",
-    "sample_rate_hz",
-    "seed",
-    "software",
-    "rig",
-)
+RAW_ATTRIBUTES = ("experiment", "source", "simulated", "sample_rate_hz", "seed", "software", "rig")
 RUN_ATTRIBUTES = ("controller", "gain", "reference", "settle_s")
 
 #: Largest plausible magnitude in any channel; its square does not overflow.
@@ -120,11 +112,7 @@ def _is_run(attributes: Mapping[str, Any]) -> bool:
 
 
 def read_raw(
-    path: Path | str,
-    *,
-    experiment: str | None,
-    sample_rate_hz: float | None,
-    rate_tolerance: float,
+    path: Path | str, *, experiment: str | None, sample_rate_hz: float | None, rate_tolerance: float
 ) -> Columns:
     """Read a raw log and check that it can be used.
 

@@ -120,11 +120,7 @@ class TapFeatures(FeatureMap):
     """
 
     def __init__(
-        self,
-        n_y: int = 5,
-        n_references: int | None = 1,
-        n_u: int = 3,
-        epsilon: float = 0.01,
+        self, n_y: int = 5, n_references: int | None = 1, n_u: int = 3, epsilon: float = 0.01
     ):
         self.n_y = n_y
         self.n_references = n_references

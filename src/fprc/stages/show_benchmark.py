@@ -24,14 +24,7 @@ from fprc.tables.benchmark import (
 
 
 def tabulate_benchmark(
-    report: str,
-    rules: str,
-    csv: str,
-    growth_csv: str,
-    md: str,
-    rules_md: str,
-    *,
-    whole: str,
+    report: str, rules: str, csv: str, growth_csv: str, md: str, rules_md: str, *, whole: str
 ) -> None:
     """Write the comparisons, the growth of the cost, and the times of the rules.
 
