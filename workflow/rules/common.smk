@@ -65,7 +65,7 @@ PAPERS = SETTINGS["models"] | {"others": {}}
 def judgement(model=None, seed=SETTINGS["seed"]):
     """Return the arguments of Judgement for one model, or for all of them."""
     models = settings_of(model, SETTINGS["models"]) if model else SETTINGS["models"]
-    how = {key: EVALUATION[key] for key in ("folds", "split")}
+    how = {key: EVALUATION[key] for key in ("folds", "split", "purge_s")}
     return {"models": models, **how} | ({} if seed is None else {"seed": seed})
 
 

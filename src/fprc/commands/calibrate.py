@@ -59,6 +59,7 @@ def calibrate_from_files(
                 "models": settings["models"],
                 "folds": settings["evaluation"]["folds"],
                 "split": settings["evaluation"]["split"],
+                "purge_s": settings["evaluation"]["purge_s"],
             },
             calibration=calibration,
             grids=settings["grids"],

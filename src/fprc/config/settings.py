@@ -172,6 +172,9 @@ class Evaluation(Section):
         "shuffled", description="rows of a fold: at random, as the printed spread implies, or "
         "contiguous, which keeps neighbours in time out of the validation"
     )  # fmt: skip
+    purge_s: float = quantity(
+        2.0, "s", (0, 60), "time on each side of a contiguous fold that does not train"
+    )
     target: Literal["command", "measured"] = Field(
         "command", description="P_exp that the models learn: commanded or measured pressure"
     )

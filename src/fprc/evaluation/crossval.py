@@ -110,7 +110,7 @@ def fit_folds(
 ) -> Folded:
     """Fit a copy of ``readout`` to each fold's rows and keep the best.
 
-    A random readout has its own seed in every fold, ``random_state + fold``.
+    A random readout has its own seed in every fold, which no other seed shares.
     """
     errors, fits = [], []
     for i, fold_readout in enumerate(_fitted(readout, rows, y, folds)):
@@ -145,5 +145,6 @@ def _is_partition(folds: Sequence[Fold], samples: int) -> bool:
 def _with_seed_of(readout: BaseEstimator, fold: int) -> BaseEstimator:
     seed = readout.get_params().get("random_state")
     if isinstance(seed, Integral):
-        readout.set_params(random_state=seed + fold)
+        own = np.random.SeedSequence([int(seed), fold]).generate_state(1)[0]
+        readout.set_params(random_state=int(own))
     return readout

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fprc.evaluation import CrossValidated, rmse, split_rows
+from fprc.evaluation import CrossValidated, rmse
 from fprc.evaluation.crossval import refusals_of, validate_rows
 from fprc.experiments.data import Data, refuse_mixture
 from fprc.experiments.grids import weight_shares
@@ -63,8 +63,7 @@ def judge_directions(
     """
     for train, test in directions:
         refuse_mixture(logs[train], logs[test])
-    folds, split, seed = judgement.folds, judgement.split, judgement.seed
-    model = build(name, judgement.models, seed)
+    model = build(name, judgement.models, judgement.seed)
     pairs = {key: data.pair(name, judgement.models) for key, data in logs.items()}
     log.info(
         "%s: features of %s samples", name, " and ".join(str(len(y)) for _, y in pairs.values())
@@ -77,8 +76,9 @@ def judge_directions(
         y = pairs[train][1]
         label = f"{name}, trained on {logs[train].attributes['experiment']}"
         judged = validate_rows(
-            model, features, rows[train], y, split_rows(len(y), folds, split, seed),
-            progress=partial(_log_fold, label, folds),
+            model, features, rows[train], y,
+            judgement.split_rows(logs[train].channels["time_s"]),
+            progress=partial(_log_fold, label, judgement.folds),
         )  # fmt: skip
         tested = judged.model.readout_.predict(rows[test])
         test_rmse = rmse(pairs[test][1], tested)
@@ -87,10 +87,10 @@ def judge_directions(
             "model": name,
             "trained_on": logs[train].attributes["experiment"],
             "source": logs[train].attributes["source"],
-            "seed": seed,
+            "seed": judgement.seed,
             "target": logs[train].attributes["target"],
             "unit": logs[train].unit,
-            "split": split,
+            "split": judgement.split,
             "train_rmse_kpa": judged.train_rmse,
             "validation_rmse_kpa": judged.validation_rmse,
             "best_fold": judged.best,

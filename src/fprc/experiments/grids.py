@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from fprc.evaluation import cross_validate, rmse, split_rows
+from fprc.evaluation import cross_validate, rmse
 from fprc.evaluation.crossval import fit_folds, refusals_of
 from fprc.evaluation.folds import Fold
 from fprc.evaluation.weights import normalised_weights
@@ -47,9 +47,7 @@ def judge_cell(
     X, y = train.pair(name)
     changed = {key: value for key, value in cell.items() if key != "model"}
     model = build(name, judgement.models, judgement.seed).set_params(**changed)
-    judged = cross_validate(
-        model, X, y, split_rows(len(y), judgement.folds, judgement.split, judgement.seed)
-    )
+    judged = cross_validate(model, X, y, judgement.split_rows(train.channels["time_s"]))
     return judged.errors(*test.pair(name))
 
 
@@ -61,8 +59,7 @@ def judge_grids(
     The errors are those of ``judge_cell`` with one fold: enough for a mean over seeds.
     """
     train, test = data["sweep"], data["complex"]
-    samples = len(train.channels["p_target_kpa"])
-    folds = split_rows(samples, judgement.folds, judgement.split, judgement.seed)
+    folds = judgement.split_rows(train.channels["time_s"])
     features = _Features((train, test), judgement, values)
     judged = {}
     for grid in ("epsilon", "n_c", "taps"):
@@ -126,7 +123,7 @@ def weight_shares(train: Data, judgement: Judgement) -> dict[str, Any]:
     """Return the share of each feature in the weights, per rule and on average (Fig. 9)."""
     X, y = train.pair("fprc")
     model = build("fprc", judgement.models, judgement.seed)
-    folds = split_rows(len(y), judgement.folds, judgement.split, judgement.seed)
+    folds = judgement.split_rows(train.channels["time_s"])
     shares = normalised_weights(model, X, y, folds)
     edges = {"bias": (0, 1), "theta_d": (1, 1 + model.n_y), "p_o": (1 + model.n_y, None)}
     parts = {name: shares[:, slice(*edge)] for name, edge in edges.items()}

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from fprc.evaluation import cross_validate, split_rows
+from fprc.evaluation import cross_validate
 from fprc.experiments.data import Data
 from fprc.experiments.settings import Judgement
 from fprc.registry import build
@@ -41,7 +41,7 @@ def judge_readout(
     if name == "fprc":
         model.set_params(epsilon=cell["epsilon"], n_u=cell["n_u"])
     X, y = inputs_with(cell["readout"], train, seed)
-    folds = split_rows(len(y), judgement.folds, cell["split"], seed)
+    folds = judgement.split_rows(train.channels["time_s"], cell["split"])
     judged = cross_validate(model, X, y, folds)
     return judged.errors(*inputs_with(cell["readout"], test, seed + 1))
 

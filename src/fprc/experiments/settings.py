@@ -4,6 +4,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
+from fprc.evaluation import split_rows
+from fprc.evaluation.folds import Fold
+
 
 @dataclass(frozen=True)
 class Judgement:
@@ -13,6 +18,12 @@ class Judgement:
     folds: int  #: number of folds of the cross-validation
     split: str  #: rows of a fold: ``shuffled`` or ``blocked``
     seed: int  #: seed of folds and models
+    purge_s: float = 2.0  #: time on each side of a contiguous block that does not train
+
+    def split_rows(self, time_s: np.ndarray, split: str = "") -> list[Fold]:
+        """Return (training rows, validation rows) of each fold of a log, by ``split`` if given."""
+        purge = round(self.purge_s * (len(time_s) - 1) / float(time_s[-1] - time_s[0]))
+        return split_rows(len(time_s), self.folds, split or self.split, self.seed, purge)
 
 
 @dataclass(frozen=True)
