@@ -125,7 +125,7 @@ def _fill_and_vent(
 
 
 def _setpoints(phases: Sequence[Phase], bounds: np.ndarray, period_s: float) -> np.ndarray:
-    """Return the setpoints of pressure_loops chambers at every sample, kPa."""
+    """Return the setpoints of both chambers at every sample, kPa."""
     setpoints = np.empty((bounds[-1], 2))
     for (_, *goals, _), begin, end in zip(phases, bounds[:-1], bounds[1:], strict=True):
         risen_kpa = np.arange(end - begin) * period_s * TEST_KPA / RISE_S

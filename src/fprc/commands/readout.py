@@ -289,7 +289,7 @@ def compare_scales(log: Path, sigma: float) -> str:
     return (
         f"The rules' memberships use distances of unscaled inputs: the standard deviation of theta "
         f"is {theta:.3g}, of P_o {p_o:.3g} (first part), and sigma = {sigma:g}. Results depend on "
-        "the compare_scales of theta; try several."
+        "the scale of theta; try several."
     )
 
 
