@@ -8,7 +8,7 @@ from pydantic import AfterValidator, Field, model_validator
 
 from fprc.config.section import Section
 
-#: The project's own folders, where no data may go; nor may they go to hidden folders.
+#: Folders of the project itself: no data may go there, nor into hidden folders.
 PROJECT_FOLDERS = frozenset({"config", "docs", "profiles", "src", "tests", "workflow"})
 
 #: Folders that the rules create in the results folder.

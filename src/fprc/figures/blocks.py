@@ -106,7 +106,7 @@ def node(ax: Axes, centre: Point, sign: str = "+") -> Bbox:
     return Bbox.from_bounds(x - radius, y - radius, 2 * radius, 2 * radius)
 
 
-def label_part(ax: Axes, text: str, at: Point, part: Point, **options: Any) -> None:
+def label(ax: Axes, text: str, at: Point, part: Point, **options: Any) -> None:
     """Write a part's name, with a leader line to the part."""
     ax.annotate(
         text, part, at, fontsize=TEXT, va="center",

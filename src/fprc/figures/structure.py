@@ -8,18 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Arc
 
 from fprc.figures import soft_bodies as soft
-from fprc.figures.blocks import (
-    SIGNAL,
-    TEXT,
-    Point,
-    box,
-    dot,
-    hand_valve,
-    label_part,
-    panel,
-    wire,
-    write,
-)
+from fprc.figures.blocks import SIGNAL, TEXT, Point, box, dot, hand_valve, label, panel, wire, write
 from fprc.figures.style import COLOURS
 
 #: Length of a plate as drawn, inches.
@@ -193,7 +182,7 @@ def _name_parts(ax: Axes, body: Body, parts: dict[str, Point], x: float) -> None
     """Write names in a column, each at the height of its part (position along, beside)."""
     for text, part in parts.items():
         tip = body.at(*part)
-        label_part(ax, text, (x, tip[1]), tip)
+        label(ax, text, (x, tip[1]), tip)
 
 
 def _air(ax: Axes, body: Body, quantity: str, *, into: bool) -> Point:

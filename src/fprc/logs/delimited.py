@@ -60,11 +60,7 @@ def read_text(
     header, below = _parts(text, mark, header_line, data_line)
     rows = _fitted(path, header, below, mark)
     names = [name.strip() for name in header.fields]
-    if (
-        names
-        and header_line is None
-        and all(_number(_with_point(name)) is not None for name in names)
-    ):
+    if names and header_line is None and all(_number(_pointed(name)) is not None for name in names):
         names = [""] * len(names)
         if data_line is None:
             rows.insert(0, header)
@@ -190,7 +186,7 @@ def _separator_of(text: _Text, header_line: int | None, data_line: int | None) -
         width = len(header.fields) - (not header.fields[-1].strip())
         fields = [field for row in rows for field in row or ()]
         plain = mark == "," or width == 1
-        known = [_value(field if plain else _with_point(field)) for field in fields]
+        known = [_value(field if plain else _pointed(field)) for field in fields]
         numbers = 1.0 - known.count(None) / max(len(known), 1)
         # accept a single column only if it holds numbers: text hides another separator
         fits = None not in rows and (width > 1 or numbers == 1.0)
@@ -247,7 +243,7 @@ def _value(text: str) -> float | None:
     return np.nan if number is None and text.strip().lower() in _MISSING else number
 
 
-def _with_point(text: str) -> str:
+def _pointed(text: str) -> str:
     return text.replace(",", ".")
 
 
@@ -272,7 +268,7 @@ def _decimals(texts: list[str], mark: str, *, given: bool) -> list[float | None]
         return [_value(text) for text in texts]
     ambiguous = not given and _may_be_thousands(texts)
     return [
-        None if "." in text or (ambiguous and "," in text) else _value(_with_point(text))
+        None if "." in text or (ambiguous and "," in text) else _value(_pointed(text))
         for text in texts
     ]
 

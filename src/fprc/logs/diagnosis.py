@@ -187,7 +187,7 @@ def describe(diagnosis: Mapping[str, Any], units: Mapping[str, str]) -> list[str
         lines += [f"{name}: {text}" for text in _describe_channel(channel, units[name], clock)]
     lines += [f"{a} and {b}: identical, sample by sample" for a, b in diagnosis["identical"]]
     if sealed:
-        texts = _describe_sealed(sealed, diagnosis, units["p_o_kpa"])
+        texts = _describe_leak(sealed, diagnosis, units["p_o_kpa"])
         lines += [f"p_o_kpa: {text}" for text in texts]
     return lines
 
@@ -257,9 +257,7 @@ def _describe_channel(channel: Mapping[str, Any], unit: str, clock: Mapping[str,
     return lines
 
 
-def _describe_sealed(
-    sealed: Mapping[str, Any], diagnosis: Mapping[str, Any], unit: str
-) -> list[str]:
+def _describe_leak(sealed: Mapping[str, Any], diagnosis: Mapping[str, Any], unit: str) -> list[str]:
     slope, channel = sealed["slope_kpa_per_min"], diagnosis["channels"]["p_o_kpa"]
     if slope is None:
         return [

@@ -120,8 +120,7 @@ def channel_of(file: h5py.File, name: str) -> h5py.Dataset:
 def refuse_never_written(dataset: h5py.Dataset) -> None:
     """Check that every sample of a channel was written.
 
-    The library returns fill values for samples that were not, and a small file can declare any
-    number of them.
+    For the others the library returns fill values, and a small file can declare any number of them.
 
     Raises
     ------

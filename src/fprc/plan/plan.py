@@ -28,9 +28,7 @@ class Plan:
     """Targets, models and runs of the workflow."""
 
     settings: Mapping[str, Any]  #: the whole configuration
-    existing: Mapping[
-        str, Header
-    ]  #: of the raw logs that exist, by name; see ``fprc.logs.headers``
+    existing: Mapping[str, Header]  #: headers of the existing raw logs, by name
 
     @cached_property
     def paths(self) -> Paths:
@@ -198,7 +196,7 @@ class Plan:
         return [self.paths.below(file) for file in BY_NAME["seeds"].files[:3]]
 
     def replicates(self, part: str, targets: Sequence[str] = ()) -> list[str]:
-        """Return one part of the report of each further seed, for one or more P_exp to learn."""
+        """Return one part of the report of each further seed, for one or more ``targets`` to learn."""
         evaluation = self.settings["evaluation"]
         return [
             self.paths.replicate(part, target, seed)

@@ -153,7 +153,7 @@ def comparison_page(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def deviations(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
-    """Return the relative deviation of every mean of Tables II and III from print, largest first.
+    """Return the relative deviation from print of every mean of Tables II and III, largest first.
 
     Parameters
     ----------
