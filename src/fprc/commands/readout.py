@@ -158,9 +158,8 @@ def _judge(
             cells,
             judgement={
                 "models": settings_of("fprc", settings["models"]),
-                "folds": evaluation["folds"],
-                "split": evaluation["split"],
                 "seed": settings["seed"],
+                **{key: evaluation[key] for key in ("folds", "split", "purge_s")},
             },
             epsilon=grids["epsilon"],
             n_u=grids["readout_taps"],

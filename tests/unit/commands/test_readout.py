@@ -21,7 +21,7 @@ CHANNELS = {
 FEW = {
     "models": {"fprc": {"n_c": 2}, "n_y": 2},
     "grids": {"epsilon": [0.1, 0.01], "readout_taps": [1, 2, 3]},
-    "evaluation": {"folds": 3},
+    "evaluation": {"folds": 3, "purge_s": 0.2},
 }
 
 
