@@ -103,17 +103,13 @@ def build(name: str, models: Settings, seed: int) -> "SequenceModel":
         parameters = {}
         for key, value in settings_of(name, models).items():
             parameters |= value if isinstance(value, Mapping) else {key: value}
-    model = _construct(name, cls, parameters)
+    try:
+        model = cls(**parameters)
+    except (TypeError, ValueError) as error:
+        raise ConfigError(f"models.others.{name}.settings: {error}") from error
     if "random_state" in model.get_params():
         model.set_params(random_state=seed)
     return model
-
-
-def _construct(name: str, cls: type, parameters: Settings) -> "SequenceModel":
-    try:
-        return cls(**parameters)
-    except (TypeError, ValueError) as error:
-        raise ConfigError(f"models.others.{name}.settings: {error}") from error
 
 
 #: Methods that the workflow calls; closed loops also call ``step`` and ``reset``.

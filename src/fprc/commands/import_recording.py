@@ -104,7 +104,8 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
     """Import as ``import_recording`` does, with a map that was read before."""
     if Path(raw).suffix != ".h5":
         raise LogError(f"{raw}: a raw log's name ends in .h5; write --out {Path(raw).stem}.h5")
-    _refuse_to_overwrite(raw)
+    if Path(raw).exists() and read_columns(raw, ()).attributes.get("source") != "import":
+        raise LogError(f"{raw}: is a log that was not imported; choose another name for --out")
     columns = mapping.channels.model_dump(exclude_none=True)
     content = read_source(source, **mapping.csv.model_dump())
     time = mapping.time.model_dump()
@@ -156,11 +157,6 @@ def _notes(columns: dict[str, dict[str, Any]]) -> dict[str, str]:
         elif spec["note"]:
             notes[name] = spec["note"]
     return notes
-
-
-def _refuse_to_overwrite(raw: str) -> None:
-    if Path(raw).exists() and read_columns(raw, ()).attributes.get("source") != "import":
-        raise LogError(f"{raw}: is a log that was not imported; choose another name for --out")
 
 
 def _report(

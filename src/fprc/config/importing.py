@@ -175,9 +175,6 @@ def read_draft(path: Path | str) -> Draft:
     return Draft(named, csv)
 
 
-# --- errors ---------------------------------------------------------------------------------
-
-
 def _contradictions(loaded: Mapping[str, Any]) -> Iterator[str]:
     """Yield contradictions between keys, even if single values are wrong too.
 

@@ -51,10 +51,7 @@ def locked(boards: Sequence[str], folder: str = "") -> Iterator[list[int]]:
 def write_holder(files: Sequence[int], more: str) -> None:
     """Write into lock files which process holds them, for the error message of other programs.
 
-    Parameters
-    ----------
-    more : str
-        Added after this process's number.
+    ``more`` is written after this process's number.
     """
     command = " ".join([Path(sys.argv[0]).name, *sys.argv[1:]])[:200]
     since = datetime.now().astimezone().isoformat(sep=" ", timespec="seconds")

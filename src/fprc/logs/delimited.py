@@ -110,9 +110,6 @@ def _lines(path: Path) -> list[str]:
     return list(io.StringIO(text.rstrip("\r\n"), newline=""))
 
 
-# --- rows -----------------------------------------------------------------------------------
-
-
 def _parts(
     text: _Text, mark: str, header_line: int | None, data_line: int | None
 ) -> tuple[_Row, Iterator[_Row]]:
@@ -225,9 +222,6 @@ def _fitted(path: Path, header: _Row, below: Iterator[_Row], mark: str) -> list[
             "csv.header_line and csv.data_line"
         )
     return rows
-
-
-# --- numbers --------------------------------------------------------------------------------
 
 
 def _number(text: str) -> float | None:

@@ -164,9 +164,6 @@ def _at_extreme(
     }
 
 
-# --- as text --------------------------------------------------------------------------------
-
-
 def describe(diagnosis: Mapping[str, Any], units: Mapping[str, str]) -> list[str]:
     """Return a diagnosis as lines of text.
 

@@ -125,9 +125,6 @@ def _datasets(group: h5py.Group, prefix: str = "") -> Iterator[_Part]:
             yield f"{prefix}{name}", member
 
 
-# --- MATLAB ---------------------------------------------------------------------------------
-
-
 def _variables(file: h5py.File) -> Iterator[_Part]:
     for name, member in _members(file):
         if not name.startswith("#"):  # MATLAB's storage for the targets of references

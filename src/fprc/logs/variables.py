@@ -53,8 +53,6 @@ def squeezed(
     return kept, dropped
 
 
-# --- columns --------------------------------------------------------------------------------
-
 _INDEXED = re.compile(r"(?P<name>.+?)\s*\[\s*(?P<row>:|\d+)\s*,\s*(?P<column>:|\d+)\s*\]")
 
 

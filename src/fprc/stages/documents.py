@@ -34,10 +34,11 @@ def update_readme(
     ``made_from`` is not read: it makes the rule depend on all intermediate files, so that no
     stale number is shown after a failed job.
     """
+    claims = pd.DataFrame(read_json(ledger)["claims"])[["id", "claim", "verdict"]]
     blocks = {Path(path).stem: _read(path) for path in pages} | {
         "orders": _sentence(pd.read_csv(orders)),
         "deviations": _deviations(seeds),
-        "verdicts": _verdicts(read_json(ledger)["claims"]),
+        "verdicts": claims.rename(columns=str.capitalize).to_markdown(index=False),
     }
     _update(readme, blocks)
     _copy(figure, picture)
@@ -140,11 +141,6 @@ def replace_block(text: str, name: str, block: str, path: str = "README.md") -> 
     if not (text.count(begin) == text.count(end) == 1 == len(pattern.findall(text))):
         raise FprcError(f"{path}: needs the lines {begin} and {end} once each; put them back")
     return pattern.sub(lambda _: f"{begin}\n{block.strip()}\n{end}", text)
-
-
-def _verdicts(claims: Sequence[Mapping[str, str]]) -> str:
-    page = pd.DataFrame(claims)[["id", "claim", "verdict"]].rename(columns=str.capitalize)
-    return page.to_markdown(index=False)
 
 
 def _sentence(orders: pd.DataFrame) -> str:

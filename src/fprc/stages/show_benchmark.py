@@ -28,10 +28,7 @@ def tabulate_benchmark(
 ) -> None:
     """Write the comparisons, the growth of the cost, and the times of the rules.
 
-    Parameters
-    ----------
-    whole : str
-        Result of ``tests/plain.py`` for the whole workflow; the file may be missing.
+    ``whole`` is the result of ``tests/plain.py`` for the whole workflow; the file may be missing.
     """
     content = read_json(report)
     table = benchmark(content | ({"all": read_json(whole)} if Path(whole).exists() else {}))
@@ -68,10 +65,7 @@ def tabulate_rules(
 ) -> None:
     """Write the time of each rule's last run, from Snakemake's records of its jobs.
 
-    Parameters
-    ----------
-    files : sequence of str
-        Files of `all`; jobs that made none of them are left out.
+    Jobs that made none of ``files``, which are those of `all`, are left out.
     """
     jobs = {}
     for path in Path(metadata).rglob("*"):

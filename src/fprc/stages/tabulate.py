@@ -46,10 +46,7 @@ def tabulate_comparison(
 ) -> None:
     """Tables II and III: errors of the models, one seed, spread over folds.
 
-    Parameters
-    ----------
-    left_out : Mapping
-        Models that are not in the table, with reasons.
+    ``left_out`` has the models that are not in the table, with reasons.
     """
     reports = [read_json(path) for path in errors]
     table = tables.comparison(reports, read_yaml(published))
@@ -101,12 +98,8 @@ def tabulate_tracking(
 ) -> None:
     """Table IV: errors of the closed-loop runs; warn of implausible channels in their logs.
 
-    Parameters
-    ----------
-    limits : Mapping
-        Plausible ranges; see ``fprc.logs.assess``.
-    left_out : sequence of str
-        Runs of a complete Table IV that have no log.
+    ``limits`` are plausible ranges, see ``fprc.logs.assess``; ``left_out`` are the runs of a
+    complete Table IV that have no log.
     """
     report = read_json(gains)
     logs = isolated_each(read_run, runs)
@@ -159,10 +152,7 @@ def tabulate_readout(
 ) -> None:
     """Compare FPRC with P_o, without it, and with substitutes for it.
 
-    Parameters
-    ----------
-    parts : tuple of str
-        Names of the training log and the test log.
+    ``parts`` are the names of the training log and the test log.
     """
     report = read_json(cells)
     table = tables.readout(report)
@@ -261,13 +251,7 @@ def tabulate_steps(steps: str, csv: str, md: str, tex: str, *, left_out: Mapping
 
 
 def tabulate_unavailable(csv: str, md: str, *, reasons: Mapping[str, tuple[str, str]]) -> None:
-    """List the results that the data do not allow, with reasons; the list may be empty.
-
-    Parameters
-    ----------
-    reasons : Mapping
-        Title and reason of each such result.
-    """
+    """List the results that the data do not allow, with title and reason; the list may be empty."""
     rows = [(name, *texts) for name, texts in reasons.items()]
     table = pd.DataFrame(rows, columns=["name", "result", "reason"])
     write_csv(csv, table)
