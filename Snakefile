@@ -35,8 +35,8 @@ try:
     GRID_CHUNKS = SETTINGS["grids"].pop("chunks")
     RAW, RESULTS = SETTINGS["folders"]["raw"], SETTINGS["folders"]["results"]
     refuse_unwritable([RESULTS] if SETTINGS["source"] == "recorded" else [RAW, RESULTS])
-    # every job reads this file again, but only the main process needs to read the logs safely,
-    # in a process of their own
+    # every job reads this file again, but only the main process meets logs that may be damaged and
+    # therefore reads them in a child process
     PLAN = read_plan(SETTINGS, isolate=workflow.is_main_process)
 except FprcError as error:
     raise WorkflowError(str(error)) from None

@@ -1,4 +1,4 @@
-# What several rules share.
+# Functions that several rules share.
 
 PATHS = PLAN.paths
 PUBLISHED = "config/published.yaml"

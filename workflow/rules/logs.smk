@@ -58,13 +58,13 @@ if SETTINGS["source"] == "rig":
             "../scripts/stage.py"
 
 
-if PLAN.driven:
+if PLAN.simulates_reservoir:
 
     rule add_reservoir:
         input:
             raw=PATHS.log("{experiment}"),
         output:
-            driven=PATHS.driven("{experiment}"),
+            extended=PATHS.with_reservoir("{experiment}"),
         log:
             PATHS.messages("add_reservoir_{experiment}"),
         params:

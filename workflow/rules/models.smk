@@ -196,7 +196,7 @@ rule measure_readout:
     log:
         PATHS.messages("measure_readout"),
     priority: LONG
-    # about as many cells: two splits and three readouts over each value
+    # approximate number of cells: two splits and three readouts over each value
     threads: workers_for(6 * sum(len(SETTINGS["grids"][key]) for key in ("epsilon", "readout_taps")))
     resources:
         mem_mb=memory_of,

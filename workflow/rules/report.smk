@@ -9,7 +9,7 @@ rule list_unavailable:
         PATHS.messages("list_unavailable"),
     params:
         **stage("tabulate.tabulate_unavailable"),
-        reasons=PLAN.not_available,
+        reasons=PLAN.unavailable_results,
     message:
         "Results that the data do not allow, and why"
     script:

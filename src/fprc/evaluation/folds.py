@@ -1,4 +1,4 @@
-"""Which rows train and which validate."""
+"""Training and validation rows of each fold."""
 
 import numpy as np
 from sklearn.model_selection import KFold

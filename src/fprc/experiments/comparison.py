@@ -32,20 +32,20 @@ class Judged(NamedTuple):
 def compare_models(
     data: Mapping[str, Data], judgement: Judgement
 ) -> tuple[dict[str, Any], dict[str, SequenceModel]]:
-    """Return the errors of Tables II and III, the weights of Fig. 9, and the filter alone.
+    """Return results to report, and the models that were trained on the sweep, by name.
 
-    The filter alone is FPRC with theta_d in place of P_o, trained on the sweep. Also return
-    the models that were trained on the sweep, some of which drive the closed loops.
+    The results are the errors of Tables II and III, the weights of Fig. 9, and ``filter_alone``:
+    the errors of FPRC with theta_d in place of P_o, trained on the sweep.
     """
     judged = {
         name: judge_directions(name, judgement, data, DIRECTIONS)
         for name in entries(judgement.models)
     }
-    in_order = chain.from_iterable(zip(*judged.values(), strict=True))
+    by_direction = chain.from_iterable(zip(*judged.values(), strict=True))
     own = {key: judgement.models["fprc"][key] for key in ("epsilon", "n_u")}
     filter_alone = {"readout": "theta", **own}
     compared = {
-        "models": [each.report for each in in_order],
+        "models": [each.report for each in by_direction],
         "weights": weight_shares(data["sweep"], judgement),
         "filter_alone": judge_readout(
             filter_alone, train=data["sweep"], test=data["complex"], judgement=judgement
@@ -55,10 +55,7 @@ def compare_models(
 
 
 def judge_directions(
-    name: str,
-    judgement: Judgement,
-    logs: Mapping[str, Data],
-    directions: Sequence[tuple[str, str]],
+    name: str, judgement: Judgement, logs: Mapping[str, Data], directions: Sequence[tuple[str, str]]
 ) -> list[Judged]:
     """Cross-validate and test one model for each direction (training log, test log).
 

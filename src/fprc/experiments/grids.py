@@ -48,11 +48,7 @@ def judge_cell(
     changed = {key: value for key, value in cell.items() if key != "model"}
     model = build(name, judgement.models, judgement.seed).set_params(**changed)
     judged = cross_validate(model, X, y, judgement.split_rows(train.channels["time_s"]))
-    return {
-        "train_rmse_kpa": judged.train_rmse,
-        "validation_rmse_kpa": judged.validation_rmse,
-        "test_rmse_kpa": judged.test_rmse(*test.pair(name)),
-    }
+    return judged.errors(*test.pair(name))
 
 
 def judge_grids(

@@ -32,11 +32,7 @@ def readout_cells(
 
 
 def judge_readout(
-    cell: Mapping[str, Any],
-    *,
-    train: Data,
-    test: Data,
-    judgement: Judgement,
+    cell: Mapping[str, Any], *, train: Data, test: Data, judgement: Judgement
 ) -> dict[str, Any]:
     """Return the errors of one cell."""
     seed = judgement.seed
@@ -47,11 +43,7 @@ def judge_readout(
     X, y = inputs_with(cell["readout"], train, seed)
     folds = judgement.split_rows(train.channels["time_s"])
     judged = cross_validate(model, X, y, folds)
-    return {
-        "train_rmse_kpa": judged.train_rmse,
-        "validation_rmse_kpa": judged.validation_rmse,
-        "test_rmse_kpa": judged.test_rmse(*inputs_with(cell["readout"], test, seed + 1)),
-    }
+    return judged.errors(*inputs_with(cell["readout"], test, seed + 1))
 
 
 def inputs_with(readout: str, data: Data, seed: int) -> tuple[np.ndarray, np.ndarray]:

@@ -1,14 +1,12 @@
 """Value of the reservoir's readout."""
 
-import hashlib
-import json
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from fprc.artifacts import write_json
-from fprc.evaluation.cells import log_progress, run_cells
+from fprc.evaluation.cells import checkpoint_key, log_progress, run_cells
 from fprc.experiments.data import read_data, refuse_mixture
 from fprc.experiments.readout import judge_readout, readout_cells
 from fprc.experiments.settings import Judgement
@@ -37,16 +35,13 @@ def measure_readout(
     """
     data = read_data(train)
     refuse_mixture(data, read_data(test))
-    digest = hashlib.sha256(json.dumps([judgement, version], sort_keys=True).encode())
-    for path in (train, test):
-        digest.update(Path(path).read_bytes())
     models = judgement["models"]
     judged = run_cells(
         partial(_judge_from_files, train=train, test=test, judgement=judgement),
         readout_cells(models, epsilon, n_u),
         workers=workers,
         checkpoint=checkpoint,
-        key=digest.hexdigest(),
+        key=checkpoint_key([judgement, version], [train, test]),
         progress=progress,
     )
     described = {

@@ -87,7 +87,7 @@ def banner(sources: set[str]) -> str:
 
 def _explanation(sources: set[str]) -> str:
     kinds = " and ".join(SOURCES[source] for source in sorted(sources))
-    return f"Every result of ours on this page but the execution times comes from: {kinds}."
+    return f"All our results on this page except the execution times come from: {kinds}."
 
 
 _NOT_COMPARED = ("source", "seed", "folders", "rig", "calibration", "ensemble")

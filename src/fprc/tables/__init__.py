@@ -1,4 +1,4 @@
-"""The paper's tables: results in, tidy data frames and pages for readers out."""
+"""The paper's tables: from results to tidy data frames, and to pages for readers."""
 
 from fprc.tables.models import (
     comparison,

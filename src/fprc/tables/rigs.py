@@ -8,7 +8,7 @@ import pandas as pd
 from fprc.paper import ERRORS, REFERENCE_NAMES
 from fprc.registry import controller_title, title_of
 from fprc.tables.models import over_seeds
-from fprc.tables.text import mean_of, spread
+from fprc.tables.text import format_mean, spread
 from fprc.tables.tracking import tracking_over_seeds
 
 #: Runs of Table IV that the paper prints, and one that it calls by the same name.
@@ -75,7 +75,7 @@ def rigs_page(
     )
     for name, table in errors.items():
         page[f"Rig {name}"] = [
-            f"{mean_of(row, 'mean')}, {100 * row['deviation']:+.0f} %"
+            f"{format_mean(row, 'mean')}, {100 * row['deviation']:+.0f} %"
             for row in table.to_dict("records")
         ]
     claims = pd.DataFrame(

@@ -182,7 +182,7 @@ def test_model_of_the_best_fold_steps_as_it_predicts():
 def test_test_error_is_that_of_the_best_model_on_the_other_log():
     X, y = log(phase=0.7), pressure(phase=0.7)
     judged = cross_validate(MODELS[1], log(), pressure(), split_rows(200, 3, "shuffled", 1))
-    assert judged.test_rmse(X, y) == rmse(y, judged.model.predict(X))
+    assert judged.errors(X, y)["test_rmse_kpa"] == rmse(y, judged.model.predict(X))
 
 
 @pytest.mark.parametrize(
@@ -202,7 +202,7 @@ def test_log_that_does_not_suit_the_model_is_refused_with_its_name(model, reason
 def test_test_log_that_is_shorter_than_the_taps_is_refused_with_the_models_name():
     judged = cross_validate(MODELS[1], log(), pressure(), split_rows(200, 3, "shuffled", 1))
     with pytest.raises(EvaluationError, match="FPRC.*n_samples = 2"):
-        judged.test_rmse(log()[:2], pressure()[:2])
+        judged.errors(log()[:2], pressure()[:2])
 
 
 def test_nan_in_the_log_is_refused_with_the_models_name():

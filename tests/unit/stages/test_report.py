@@ -257,7 +257,7 @@ def test_page_begins_with_the_banner_of_its_figures(tmp_path, sources, text, kin
     page = project.page()
     (shown,) = page.texts("div", **{"class": "banner"})
     assert shown == (
-        f"{text}Every result of ours on this page but the execution times comes from: {kinds}."
+        f"{text}All our results on this page except the execution times come from: {kinds}."
     )
     assert page.texts("strong") == [text]
     assert page.texts("title") == [f"fprc: {text.lower()}"]
