@@ -164,7 +164,7 @@ rule targets_table:
 
 rule calibration_page:
     input:
-        fit="config/rig.json",
+        fit=f"config/rigs/{SETTINGS['fitted']['name']}.json",
         seeds=[path.replace(".md", ".csv") for path in PLAN.seeds_tables[:2]],
         pages=[
             PLAN.seeds_tables[2],

@@ -77,7 +77,7 @@ def fit_rig(
         judge_seeds,
         models=judgement["models"],
         calibration=calibration,
-        grids=dict(grids) | dict.fromkeys(("n_u", "n_y"), calibration["taps"]),
+        grids=_in_order(grids, calibration["taps"]),
         tracking=tracking,
     )
     log.info("judging the starting rig with the full models")
@@ -106,7 +106,8 @@ def fit_rig(
     best = replace(on_rig, rig=resolved(decode(result.point, on_rig.rig, free)))
     log.info("judging the fitted rig with the full models, on the seeds of the objective")
     after = relative(full_errors(best, seeds, workers, judgement), aim)
-    terms = _deviations(cheaply(best, seeds), aim, ratios)
+    judged = cheaply(best, seeds)
+    terms = _deviations(judged, aim, ratios)
     check_seeds = calibration["check_seeds"]
     check = {
         name: _loss(_deviations(cheaply(rig, check_seeds), aim, ratios))
@@ -123,6 +124,10 @@ def fit_rig(
         "largest_deviation": float(np.max(np.abs(list(after.values())))),
         "terms": {name: float(np.sum(values**2)) for name, values in terms.items()},
         "plausible": dict(aim.ranges),
+        "properties": {
+            name: float(np.mean([seed["properties"][name] for seed in judged]))
+            for name in judged[0]["properties"]
+        },
         "surrogate_ratios": ratios,
         "loss_at_start": _loss(_deviations(like, aim, ratios)),
         "loss": result.loss,
@@ -240,6 +245,15 @@ def relative(errors: Sequence[Mapping[str, float]], aim: Aim) -> dict[str, float
     return {
         key: float(np.mean([seed[key] for seed in errors]) / printed - 1.0)
         for key, printed in aim.errors.items()
+    }
+
+
+def _in_order(grids: Mapping[str, Sequence[float]], taps: Sequence[int]) -> dict[str, Any]:
+    """Return the grids of the search in the order in which the objective compares neighbours."""
+    return {
+        "epsilon": sorted(grids["epsilon"], reverse=True),
+        "n_c": sorted(grids["n_c"]),
+        **dict.fromkeys(("n_u", "n_y"), sorted(taps)),
     }
 
 

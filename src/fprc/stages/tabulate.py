@@ -197,7 +197,7 @@ def tabulate_sensitivity(effects: str, csv: str, md: str, tex: str) -> None:
     impossible = sum(cell["errors"] is None for cell in report["cells"])
     note = (
         "Sensitivity: change of each error while one parameter goes from end to end of its range, "
-        f"against the fitted rig.\nSimulated, by the stand-in of the models, mean of "
+        f"against the fitted rig.\nSimulated, by the surrogate models, mean of "
         f"{len(report['seeds'])} seeds; {impossible} of {len(report['cells'])} rigs are impossible "
         "and left out. What changes little is not pinned down by the tables."
     )
