@@ -8,13 +8,13 @@ import pytest
 
 from fprc.calibration.search import search
 
-POPULATION, GENERATIONS, FIRST = 8, 6, 1
+POPULATION, GENERATIONS = 8, 6
 TARGET = np.array([0.02, 0.5, 0.97])
 
 
 def numbers_of(point):
     """Nonlinear functions of a point, as the measures of a rig are."""
-    return [math.exp(2.0 * point[0]), math.sin(3.0 * point[1]) + point[0], point[2] ** 2]
+    return [math.exp(2.0 * point[0]), math.tanh(2.0 * point[1]) + point[0], point[2] ** 2]
 
 
 def distances(numbers, target=TARGET):
@@ -89,7 +89,7 @@ PROBLEMS = {
     "rosenbrock": (rosenbrock, np.asarray, np.array([0.4, 0.6])),
     "exponentials": (
         rates,
-        lambda numbers: np.array(numbers) - rates(np.linspace(0.2, 0.8, 10)),
+        lambda numbers: (np.array(numbers) - rates(np.linspace(0.1, 0.9, 10))) / 0.05,
         np.full(10, 0.5),
     ),
 }
@@ -117,15 +117,15 @@ def evolve(loss, start, step, evaluations, seed):
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_minimum_is_found_in_fewer_judgements_than_by_the_loss_alone(run, name):
     judge, deviations_of, start = PROBLEMS[name]
-    found = run(judge=judge, deviations_of=deviations_of, start=start, generations=40)
+    found = run(judge=judge, deviations_of=deviations_of, start=start, generations=30)
 
     def loss(point):
         return float(np.sum(deviations_of(judge(point)) ** 2))
 
     assert found.loss == pytest.approx(loss(found.point), rel=1e-12)
     blind = [evolve(loss, start, 0.1, 4 * found.evaluations, seed) for seed in range(3)]
-    assert found.loss < 1e-3 * loss(start)
-    assert found.loss < 0.5 * min(blind)
+    assert found.loss < 1e-4 * loss(start)
+    assert found.loss < 0.1 * min(blind)
 
 
 @pytest.mark.parametrize("start", [0.0, 0.4, 1.0])
@@ -197,9 +197,12 @@ def test_deviations_that_are_the_same_everywhere_end_no_search(run):
 
 
 def test_two_processes_find_what_one_finds(tmp_path):
+    def judge(point):  # not at module level, since the processes cannot import this module
+        return [math.exp(2.0 * point[0]), point[1] ** 2]
+
     found = [
         search(
-            numbers_of, distances, np.full(3, 0.4), step=0.1, generations=3, seed=1,
+            judge, np.array, np.full(2, 0.4), step=0.1, generations=3, seed=1,
             workers=workers, checkpoint=tmp_path / f"{workers}.jsonl", key="k",
         )
         for workers in (1, 2)
@@ -272,10 +275,10 @@ def test_search_in_which_nothing_is_possible_gives_its_start(run):
 def test_point_whose_deviations_are_not_finite_is_never_the_best(run):
     def deviations_of(numbers):
         found = distances(numbers)
-        return np.full(3, np.nan) if numbers[1] > 1.4 else found
+        return np.full(3, np.nan) if numbers[1] > 1.15 else found
 
     found = run(judge=numbers_of, deviations_of=deviations_of, generations=2, step=0.3)
-    spoiled = [point for point in run.points if numbers_of(point)[1] > 1.4]
+    spoiled = [point for point in run.points if numbers_of(point)[1] > 1.15]
     assert spoiled
     assert math.isfinite(found.loss)
     assert tuple(found.point) not in spoiled
