@@ -87,7 +87,8 @@ def test_head_names_software_seeds_and_deviations_from_print():
     head = "\n".join(head_of(parameter_file(RIG, summary(), "mine")))
     for part in (
         "fprc 9.8.7, 2030-01-02", f"over {len(PATHS)} parameters", "(1120 rigs)",
-        "noise seeds 21, 22, 23, 24, 25, 26, 27, 28, 29, 30,\n", "median 4.6 %", "largest\n# 21.0 %",
+        "noise seeds 21, 22, 23, 24, 25, 26, 27, 28, 29, 30,\n", "median 4.6 %",
+        "largest\n# 21.0 %",
         "#   sweep/esn/train: 11.5 kPa, +1.2 %", "#   complex/fprc/test: 26.2 kPa, -21.0 %",
         "# Within 2 % of an end of their range: none.",
     ):  # fmt: skip
