@@ -77,7 +77,7 @@ def fit_rig(
         judge_seeds,
         models=judgement["models"],
         calibration=calibration,
-        grids=dict(grids) | dict.fromkeys(("n_u", "n_y"), calibration["taps"]),
+        grids=_in_order(grids, calibration["taps"]),
         tracking=tracking,
     )
     log.info("judging the starting rig with the full models")
@@ -128,6 +128,10 @@ def fit_rig(
             for name in judged[0]["properties"]
         },
         "plausible": dict(aim.ranges),
+        "properties": {
+            name: float(np.mean([seed["properties"][name] for seed in judged]))
+            for name in judged[0]["properties"]
+        },
         "surrogate_ratios": ratios,
         "loss_at_start": _loss(_deviations(like, aim, ratios)),
         "loss": result.loss,
@@ -245,6 +249,15 @@ def relative(errors: Sequence[Mapping[str, float]], aim: Aim) -> dict[str, float
     return {
         key: float(np.mean([seed[key] for seed in errors]) / printed - 1.0)
         for key, printed in aim.errors.items()
+    }
+
+
+def _in_order(grids: Mapping[str, Sequence[float]], taps: Sequence[int]) -> dict[str, Any]:
+    """Return the grids of the search in the order in which the objective compares neighbours."""
+    return {
+        "epsilon": sorted(grids["epsilon"], reverse=True),
+        "n_c": sorted(grids["n_c"]),
+        **dict.fromkeys(("n_u", "n_y"), sorted(taps)),
     }
 
 

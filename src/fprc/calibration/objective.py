@@ -140,7 +140,7 @@ def _c8(judged: Judged, aim: Aim) -> list[float]:
 
 
 def _c9a(judged: Judged, aim: Aim) -> list[float]:
-    """Training error over epsilon, which the grid lowers."""
+    """Training error over epsilon, which falls along the grid."""
     errors = _mean_of(judged, "epsilon")
     return [_above(low / high, 0.99 * math.exp(_MARGIN)) for low, high in _steps(errors)]
 

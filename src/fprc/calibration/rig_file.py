@@ -41,7 +41,8 @@ _HEAD = """\
 # ({software}, {date}); docs/calibration.md explains it.
 #
 # Fitted over {count} parameters within the ranges of `calibration` ({evaluations} rigs), on the
-# noise seeds {shown_seeds}, to the terms that `fitted.to` names; everything else is predicted.
+# noise seeds {shown_seeds},
+# to the terms that `fitted.to` names; everything else is predicted.
 # Deviation from print on the seeds of the fit, full models: median {median:.1f} %, largest
 # {largest:.1f} %:
 {rows}

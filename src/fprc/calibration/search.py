@@ -9,6 +9,7 @@ by the loss alone needs, and resumes from a checkpoint after a kill.
 
 import json
 import logging
+import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -38,8 +39,8 @@ _DAMPING, _RIDGE = 0.5, 0.15
 class SearchResult(NamedTuple):
     """Result of a search."""
 
-    point: np.ndarray  #: the best point
-    loss: float
+    point: np.ndarray  #: the best point; the start if none was possible
+    loss: float  #: infinite if none was possible
     generations: int
     evaluations: int
     finished: bool  #: False if the time limit ended the search
@@ -58,9 +59,15 @@ class _Archive:
         for point, numbers in zip(points, judged, strict=True):
             if numbers is None:
                 continue
-            self.points.append(point)
-            self.numbers.append(np.asarray(numbers))
-            self.losses.append(float(np.sum(self.deviations_of(numbers) ** 2)))
+            loss = float(np.sum(self.deviations_of(numbers) ** 2))
+            if math.isfinite(loss):
+                self.points.append(point)
+                self.numbers.append(np.asarray(numbers))
+                self.losses.append(loss)
+
+    @property
+    def least(self) -> float:
+        return min(self.losses, default=math.inf)
 
     @property
     def best(self) -> int:
@@ -113,8 +120,7 @@ def search(
     Parameters
     ----------
     judge : callable
-        Picklable; takes a point and returns its numbers, or None if it is impossible. Must be
-        possible at the start.
+        Picklable; takes a point and returns its numbers, or None if it is impossible.
     step : float
         Standard deviation of the first points around the start, in units of the cube. There are
         twice as many of them as the cube has dimensions.
@@ -149,25 +155,21 @@ def search(
             else:
                 points = _proposed(archive, radius, rng)
             points = [np.clip(point, 0.0, 1.0) for point in points]
-            before = min(archive.losses, default=np.inf)
+            before = archive.least
             if done < len(known):
                 archive.add(points, known[done])
             else:
                 new = pool(delayed(judge)(point) for point in points)
                 archive.add(points, new)
                 append(json.dumps(new, allow_nan=False))
-                progress(done + 1, generations, min(archive.losses), time.monotonic() - begun)
+                progress(done + 1, generations, archive.least, time.monotonic() - begun)
             if done >= first:
-                better = min(archive.losses) < 0.999 * before
+                better = archive.least < 0.999 * before
                 radius = min(max(radius * (_GROW if better else _SHRINK), _LEAST), _MOST)
             done += 1
             judged += len(points)
-    if not archive.points:
-        return SearchResult(start, np.inf, 0, 0, False)
-    best = archive.best
-    return SearchResult(
-        archive.points[best], archive.losses[best], done, judged, done >= generations
-    )
+    best = archive.points[archive.best] if archive.points else start
+    return SearchResult(best, archive.least, done, judged, done >= generations)
 
 
 def _proposed(archive: _Archive, radius: float, rng: np.random.Generator) -> list[np.ndarray]:

@@ -42,7 +42,7 @@ def judge_cheaply(
     surrogate : Mapping
         ``stride`` and ``esn_nodes``.
     grids : Mapping
-        Values of ``epsilon``, ``n_c``, ``n_u`` and ``n_y``.
+        Values of ``epsilon``, falling, and of ``n_c``, ``n_u`` and ``n_y``, rising.
     tracking : Mapping
         That section of the configuration.
     measures : collection of str

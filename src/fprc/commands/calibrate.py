@@ -2,6 +2,7 @@
 
 import logging
 import os
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -40,8 +41,11 @@ def calibrate_from_files(
     calibration = settings["calibration"]
     if workers is not None and workers < 1:
         raise ConfigError(f"--workers {workers}: must be 1 or more; omit it to use all processors")
-    if Path(out).suffix not in (".yaml", ".yml"):
-        raise ConfigError(f"--out {out}: must end in .yaml; the report has the same name, .json")
+    if not re.fullmatch(r"[\w.-]+\.ya?ml", Path(out).name):
+        raise ConfigError(
+            f"--out {out}: must end in .yaml, after letters, digits, -, _ and . only: it names the "
+            "rig; the report has the same name, .json"
+        )
     logging.basicConfig(level=logging.INFO, format="%(message)s")
     stem = Path(out).with_suffix("")
     with threadpool_limits(1):

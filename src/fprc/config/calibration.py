@@ -44,7 +44,7 @@ Term = Literal[
 class Fitted(Section):
     """Where the rig's parameters come from; a file of config/rigs gives this with the rig."""
 
-    name: str = Field("default", pattern=r"^\w+$", description="name of the rig")
+    name: str = Field("default", pattern=r"^[\w.-]+$", description="name of the rig")
     to: tuple[Term, ...] = Field(
         (), description="what it was fitted to; everything else is predicted"
     )

@@ -109,7 +109,10 @@ def _with_named_rig(config: Mapping[str, Any]) -> Mapping[str, Any]:
             f"rig = {name}: there is no {RIGS / name}.yaml; use {' or '.join(names) or 'numbers'}"
         )
     # a rig that is named replaces the one before it, also where its file leaves defaults
-    whole = Settings().model_dump(mode="json", include={"rig", "fitted"})
+    whole: dict[str, Any] = {
+        "rig": Settings().rig.model_dump(mode="json"),
+        "fitted": {"name": name, "to": []},
+    }
     _merge(whole, read_yaml(RIGS / f"{name}.yaml"))
     return {**config, **whole}
 

@@ -8,9 +8,11 @@ import yaml
 from pydantic import ValidationError
 
 from fprc.artifacts import read_json, write_json
-from fprc.calibration import decode, ensemble
-from fprc.calibration.fit import free_parameters, judge_cheaply
-from fprc.claims import Results, judge_claims
+from fprc.calibration import ensemble
+from fprc.calibration.fit import free_parameters
+from fprc.calibration.space import decode, encode
+from fprc.calibration.surrogate import judge_cheaply
+from fprc.claims import Results, judge_claims, parts_of
 from fprc.claims.ensemble import JUDGED_BY_RIG
 from fprc.config import Settings
 from fprc.config.rig import Rig
@@ -19,6 +21,7 @@ from fprc.errors import EvaluationError, FprcError, SimulationError
 from fprc.experiments.comparison import compare_models
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import Judgement, RigSettings
+from fprc.rig.simulator import draw_instruments
 from fprc.stages import ensemble as stage
 
 PUBLISHED = Path(__file__).parents[3] / "config/published.yaml"
@@ -165,12 +168,43 @@ def draw(on_rig, drawing):
     return call
 
 
+def stream(seed):
+    """Return the random numbers of a rig's parameters."""
+    return np.random.default_rng([seed, 20241])
+
+
+WIDE = {"angle_deg": (1.0, 120.0), "p_o_swing_kpa": (1.0, 400.0)}
+
+
+def test_parameters_are_drawn_from_another_stream_than_sensors_and_noise(draw, on_rig):
+    drawn, draws = draw(**WIDE)
+    assert draws == 1
+    others = [[SEED], *([SEED, run] for run in range(100)), [SEED, 4711]]
+    for other in others:
+        shares = np.random.default_rng(other).uniform(size=len(FREE))
+        assert drawn.rig != decode(shares, on_rig.rig, FREE)
+    assert drawn.rig == decode(stream(SEED).uniform(size=len(FREE)), on_rig.rig, FREE)
+
+
+def test_parameters_and_errors_of_the_sensors_are_independent(draw, on_rig):
+    seeds = range(60)
+    shares = np.array([encode(draw(seed, **WIDE)[0].rig, FREE) for seed in seeds])
+    instruments = [draw_instruments(on_rig.rig, np.random.default_rng([seed])) for seed in seeds]
+    errors = np.array(
+        [np.ravel([each[name] for name in ("gain", "offset", "bow")]) for each in instruments]
+    )
+    assert errors.shape == (60, 9)
+    correlations = np.corrcoef(shares.T, errors.T)[: len(FREE), len(FREE) :]
+    # chance exceeds this once in 20000
+    assert np.abs(correlations).max() < 0.5
+
+
 WINDOWS = {"angle_deg": (52.0, 66.0), "p_o_swing_kpa": (50.0, 85.0)}
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_first_plausible_draw_within_the_ranges_is_taken(draw, on_rig, seed):
-    rng = np.random.default_rng(seed)
+    rng = stream(seed)
     (least, most), (weakest, strongest) = WINDOWS.values()
     drawn, draws = draw(seed, **WINDOWS)
     for number in range(1, draws + 1):
@@ -205,7 +239,6 @@ def test_parameters_that_are_not_free_are_those_of_the_rig(draw, on_rig):
 )
 def test_draw_that_cannot_be_simulated_is_thrown_away(draw, monkeypatch, failure):
     """The second draw is then the first that is looked at."""
-    wide = {"angle_deg": (1.0, 120.0), "p_o_swing_kpa": (1.0, 400.0)}
     failures = [failure]
 
     def simulate_once(*arguments):
@@ -213,9 +246,9 @@ def test_draw_that_cannot_be_simulated_is_thrown_away(draw, monkeypatch, failure
             raise failures.pop()
         return simulate(*arguments)
 
-    first, _ = draw(**wide)
+    first, _ = draw(**WIDE)
     monkeypatch.setattr(ensemble, "simulate", simulate_once)
-    second, draws = draw(**wide)
+    second, draws = draw(**WIDE)
     assert draws == 2
     assert second != first
 
@@ -226,11 +259,10 @@ def test_draw_that_breaks_a_rule_is_thrown_away(on_rig):
         "reservoir.slip_distance_ml": [0.01, 0.05],
     }
     free = free_parameters(list(narrow), narrow)
-    rng, broken = np.random.default_rng(2), 0
+    rng, broken = stream(2), 0
     while breaks_a_rule(decode(rng.uniform(size=2), on_rig.rig, free)):
         broken += 1
-    wide = {"angle_deg": (1.0, 120.0), "p_o_swing_kpa": (1.0, 400.0)}
-    drawn, draws = ensemble.draw_rig(2, wide, free, on_rig)
+    drawn, draws = ensemble.draw_rig(2, WIDE, free, on_rig)
     assert not breaks_a_rule(drawn.rig)
     assert draws == broken + 1 > 1
 
@@ -382,12 +414,12 @@ def test_summary_counts_rigs_failures_and_draws(summarise, rigs):
 def test_summary_counts_on_how_many_rigs_each_claim_holds(summarise, rigs):
     found = {row["id"]: row for row in summarise(rigs[:2], rigs[2:])["claims"]}
     printed = yaml.safe_load(PUBLISHED.read_text(encoding="utf-8"))
-    assert list(found) == [
-        claim["id"] for claim in printed["claims"] if claim["id"] in JUDGED_BY_RIG
-    ]
+    parts = parts_of(printed["claims"])
+    assert list(found) == [claim["id"] for claim in parts if claim["id"] in JUDGED_BY_RIG]
+    assert len(found) == len(JUDGED_BY_RIG)
     assert (found["C2"]["holds"], found["C2"]["rigs"], found["C2"]["share"]) == (3, 5, 0.6)
     for name, row in found.items():
-        claims = [claim for claim in printed["claims"] if claim["id"] == name]
+        claims = [claim for claim in parts if claim["id"] == name]
         alone = [
             judge_claims(claims, Results([r["compared"]], [], [r["measured"]], {}, {}), printed)
             for r in rigs[:5]
@@ -445,12 +477,12 @@ def moved(monkeypatch):
     """Rigs and seeds in the order in which the surrogate judges them."""
     seen = []
 
-    def judge(on_rig, seed, models, surrogate):
+    def judge(on_rig, seed, models, surrogate, grids, tracking):
         rig = on_rig.rig
         if rig["bending"]["preload_kpa"] == 77.0:
             raise judge.failure
         seen.append((rig, seed))
-        return {"sweep/esn/train": float(seed) + rig["drift"]["sigma_kpa"]}, {}
+        return {"errors": {"sweep/esn/train": float(seed) + rig["drift"]["sigma_kpa"]}}
 
     judge.failure = DIVERGED
     judge.seen = seen
@@ -519,11 +551,11 @@ def test_rule_that_is_broken_is_recorded(sensitivity, moved):
     assert "squeeze covers" in low["impossible"]
 
 
-def test_errors_are_those_of_the_stand_in_on_the_moved_rig(sensitivity, settings, on_rig):
+def test_errors_are_those_of_the_surrogate_on_the_moved_rig(sensitivity, settings, on_rig):
     rig = copy.deepcopy(on_rig.rig)
     rig["drift"]["sigma_kpa"] = 15.0
     moved, models = replace(on_rig, rig=rig), settings["judgement"]["models"]
-    alone = [judge_cheaply(moved, seed, models, SURROGATE)[0] for seed in (3, 4)]
+    alone = [judge_cheaply(moved, seed, models, SURROGATE, {}, {})["errors"] for seed in (3, 4)]
     expected = {key: np.mean([errors[key] for errors in alone]) for key in alone[0]}
     assert sensitivity(["drift.sigma_kpa"], steps=2)["cells"][-1]["errors"] == pytest.approx(
         expected

@@ -1,24 +1,26 @@
 import copy
 import importlib
+import math
 import re
 from dataclasses import replace
-from itertools import chain, pairwise, repeat
+from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import yaml
-from hypothesis import strategies as st
-from pydantic import ValidationError
 
 from fprc.artifacts import read_json
-from fprc.calibration import decode, encode
 from fprc.calibration import fit as stage
+from fprc.calibration.objective import TERMS, loss_of
+from fprc.calibration.space import decode, encode
+from fprc.calibration.surrogate import MEASURES, judge_cheaply
 from fprc.config import Settings, check, reference
 from fprc.config.rig import Rig
 from fprc.errors import ConfigError, EvaluationError, SimulationError
 from fprc.experiments.settings import RigSettings
+from fprc.paper import REFERENCES
 from fprc.provenance import hash_of
 from fprc.stages.calibrate import calibrate
 
@@ -29,8 +31,8 @@ RIG = Rig().model_dump(mode="json")
 PATHS = Settings().calibration.free
 FREE = stage.free_parameters(PATHS)
 SURROGATE = {"stride": 7, "esn_nodes": 8}
-
-points = st.lists(st.floats(0.0, 1.0), min_size=len(FREE), max_size=len(FREE)).map(np.array)
+POPULATION, GENERATIONS = 8, 2
+EVALUATIONS = POPULATION * GENERATIONS
 
 
 # --- free parameters ------------------------------------------------------------------------------
@@ -160,7 +162,7 @@ def test_range_of_a_parameter_that_is_not_free_any_more_can_be_taken_away():
 # --- target ---------------------------------------------------------------------------------------
 
 
-def test_target_is_the_training_and_test_errors_of_tables_2_and_3():
+def test_target_is_what_the_tables_print():
     calibration = Settings().calibration.model_dump(mode="json")
     aim = stage.aim_of(PRINTED, calibration)
     assert aim.errors == {
@@ -171,14 +173,16 @@ def test_target_is_the_training_and_test_errors_of_tables_2_and_3():
         "complex/fprc/train": 9.07, "complex/fprc/test": 26.2,
         "complex/fuzzy_linear/train": 13.5, "complex/fuzzy_linear/test": 51.5,
     }  # fmt: skip
+    assert aim.open_loop == PRINTED["table_4_tracking_rmse_deg"]["fprc"]
+    assert set(aim.open_loop) == set(REFERENCES)
     assert aim.ranges == calibration["plausible"]
-    assert (aim.margin, aim.ratio) == (calibration["margin"], calibration["ratio"])
+    assert aim.fit == calibration["fit"]
 
 
 def test_target_follows_the_published_file():
     printed = copy.deepcopy(PRINTED)
     printed["table_3_reversed"]["esn"] |= {"train_rmse_kpa": [1.5, 9.0], "test_rmse_kpa": 2.5}
-    aim = stage.aim_of(printed, {"plausible": {}, "margin": 0.0, "ratio": 1.0})
+    aim = stage.aim_of(printed, {"plausible": {}, "fit": ["tables"]})
     assert (aim.errors["complex/esn/train"], aim.errors["complex/esn/test"]) == (1.5, 2.5)
 
 
@@ -197,14 +201,17 @@ def settings():
         "ranges": {"drift.sigma_kpa": [0.5, 14.5]},
         "seeds": [21],
         "check_seeds": [41],
-        "population": 4,
-        "generations": 2,
-        "stride": 7,
-        "esn_nodes": 8,
+        "taps": [4, 1],
+        "generations": GENERATIONS,
         "step": 0.3,
+        **SURROGATE,
     }
     signals = {name: signal | {"duration_s": 8.0} for name, signal in found["experiments"].items()}
     signals["sweep"]["f_start_hz"] = 0.8  # whole loops in its first quarter
+    tracking = found["tracking"]
+    for name, described in tracking["references"].items():
+        f_hz = [0.5, 1.0] if name == "sweep" else described["f_hz"]
+        described |= {"f_hz": f_hz, "duration_s": 2.0, "settle_s": 0.5}
     rig = found["rig"]
     # far from the paper, so that there is something to improve
     rig["bending"] |= {"friction_kpa": 14.0, "friction_per_kpa": 0.19}
@@ -218,6 +225,8 @@ def settings():
         },
         "judgement": {"models": models, "folds": 2, "split": "shuffled"},
         "calibration": calibration,
+        "grids": {"epsilon": [0.1, 1.0], "n_c": [3, 1]},
+        "tracking": tracking,
         "workers": 1,
         "version": "v",
     }
@@ -228,68 +237,135 @@ def on_rig(settings):
     return RigSettings(**settings["on_rig"])
 
 
-@pytest.fixture
-def loss_of_point(settings, on_rig):
-    """Return the loss of a point whose coordinates are these parameters."""
+def with_calibration(settings, **changes):
+    return {"calibration": settings["calibration"] | changes}
 
-    def call(point, paths, **changes):
-        aim = stage.aim_of(PRINTED, settings["calibration"])
-        arguments = {
-            "on_rig": replace(on_rig, rig=RIG),
-            "free": stage.free_parameters(paths),
-            "seeds": [21, 22],
-            "aim": aim,
-            "ratios": dict.fromkeys(aim.errors, 1.0),
-            "models": settings["judgement"]["models"],
-            "surrogate": SURROGATE,
-        }
-        return stage.loss_at(np.array(point), **arguments | changes)
+
+# --- what is measured -----------------------------------------------------------------------------
+
+
+@pytest.fixture
+def asked_for(monkeypatch):
+    """Seeds that the surrogate judges, with what it is asked to measure."""
+    asked = []
+
+    def judge(on_rig, seed, models, surrogate, grids, tracking, measures):
+        asked.append((seed, set(measures)))
+        assert surrogate == SURROGATE
+        return {"errors": {}, "seed": seed}
+
+    monkeypatch.setattr(stage, "judge_cheaply", judge)
+    return asked
+
+
+@pytest.fixture
+def judge_seeds(settings, on_rig):
+    def call(seeds, **changes):
+        calibration = with_calibration(settings, **changes)["calibration"]
+        models = settings["judgement"]["models"]
+        return stage.judge_seeds(
+            on_rig, seeds, models=models, calibration=calibration, grids={}, tracking={}
+        )
 
     return call
 
 
-# --- loss of a point ------------------------------------------------------------------------------
+GRIDS = {"epsilon", "n_c", "taps"}
+
+
+@pytest.mark.parametrize(("grid_seeds", "first"), [(1, 1), (2, 2), (9, 3)])
+def test_grids_are_measured_on_the_first_seeds_only(asked_for, judge_seeds, grid_seeds, first):
+    found = judge_seeds([4, 3, 9], grid_seeds=grid_seeds)
+    assert [seed["seed"] for seed in found] == [4, 3, 9]
+    assert [seed for seed, _ in asked_for] == [4, 3, 9]
+    for number, (_, measures) in enumerate(asked_for):
+        assert measures == (set(MEASURES) if number < first else set(MEASURES) - GRIDS)
+
+
+@pytest.mark.parametrize(
+    ("fit", "measures"),
+    [
+        (["tables", "orders", "plausible", "C18"], set()),
+        (["C8"], {"shares"}),
+        (["C9a"], {"epsilon"}),
+        (["C9b"], {"n_c"}),
+        (["C11", "C12"], {"n_c", "taps"}),
+        (["open_loop", "tables"], {"open_loop"}),
+    ],
+)
+def test_only_what_the_terms_need_is_measured(asked_for, judge_seeds, fit, measures):
+    judge_seeds([4], fit=fit)
+    assert asked_for == [(4, measures)]
+
+
+@pytest.mark.parametrize("term", TERMS)
+def test_each_term_can_be_fitted_alone(settings, on_rig, term):
+    calibration = with_calibration(settings, fit=[term])["calibration"]
+    judged = stage.judge_seeds(
+        on_rig, [21, 22], models=settings["judgement"]["models"],
+        calibration=calibration | {"grid_seeds": 1},
+        grids=stage._in_order(settings["grids"], calibration["taps"]),
+        tracking=settings["tracking"],
+    )  # fmt: skip
+    assert math.isfinite(loss_of(judged, stage.aim_of(PRINTED, calibration)))
+
+
+# --- logarithms at a point ------------------------------------------------------------------------
+
+
+@pytest.fixture
+def logs_at(on_rig):
+    """Return the logarithms at a point whose coordinates are these parameters."""
+
+    def call(point, paths, cheaply=None, **changes):
+        seen = []
+
+        def judge(settings, seeds):
+            seen.append((settings, seeds))
+            return cheaply(settings, seeds) if cheaply else [{"errors": {"a": 2.0, "b": 3.0}}]
+
+        free = stage.free_parameters(paths)
+        found = stage.judge_point(
+            np.array(point), on_rig=replace(on_rig, rig=RIG), free=free, seeds=[21, 22],
+            cheaply=judge, **changes,
+        )  # fmt: skip
+        return found, seen
+
+    return call
+
 
 STIFF = ["reservoir.squeeze_damping_kpa_s_per_ml", "reservoir.slip_distance_ml"]
 
 
-def test_rig_that_breaks_a_rule_is_impossible_and_not_simulated(loss_of_point, monkeypatch):
-    rig = decode(np.zeros(2), RIG, stage.free_parameters(STIFF))
-    with pytest.raises(ValidationError, match="squeeze covers"):
+def test_rig_at_the_point_is_judged_on_all_seeds(logs_at, on_rig):
+    found, ((judged, seeds),) = logs_at([0.25], ["drift.sigma_kpa"])
+    assert found == pytest.approx([math.log(2.0), math.log(3.0)])
+    assert seeds == [21, 22]
+    assert judged.rig["drift"]["sigma_kpa"] == 3.75
+    assert judged.signals == on_rig.signals
+
+
+def test_squeeze_is_damped_enough_before_a_rig_is_judged(logs_at):
+    found, ((judged, _),) = logs_at([0.0, 0.5], STIFF)
+    assert found is not None
+    assert judged.rig["reservoir"]["squeeze_damping_kpa_s_per_ml"] > 0.3
+    Rig.model_validate(judged.rig)
+
+
+def test_rig_that_breaks_a_rule_is_impossible_and_not_simulated(logs_at):
+    stiff = [f"reservoir.slip_distance_ml.{k}" for k in range(3)]
+    stiff += ["reservoir.friction_kpa", "reservoir.friction_per_kpa"]
+    point = [0.0, 0.0, 0.0, 1.0, 1.0]
+    rig = stage.resolved(decode(point, RIG, stage.free_parameters(stiff)))
+    with pytest.raises(ValueError, match="squeeze_damping"):
         Rig.model_validate(rig)
-    monkeypatch.setattr(stage, "judge_cheaply", None)
-    assert loss_of_point([0.0, 0.0], STIFF) == stage.IMPOSSIBLE
+    assert logs_at(point, stiff) == (None, [])
 
 
-def test_possible_rig_costs_less_than_an_impossible_one(loss_of_point):
-    assert 0.0 < loss_of_point([0.5], ["drift.sigma_kpa"]) < stage.IMPOSSIBLE
-
-
-def judged_as(monkeypatch, factor=1.0, found=None, failure=None):
-    """Replace the surrogate: errors are the printed ones by a factor, properties in the middle."""
-
-    def judge(on_rig, seed, models, surrogate):
-        if failure is not None:
-            raise failure
-        aim = stage.aim_of(PRINTED, Settings().calibration.model_dump())
-        middle = {name: np.sqrt(low * high) for name, (low, high) in aim.ranges.items()}
-        return {key: factor * value for key, value in aim.errors.items()}, middle | (found or {})
-
-    monkeypatch.setattr(stage, "judge_cheaply", judge)
-
-
-def test_ratios_correct_the_stand_in(loss_of_point, monkeypatch):
-    judged_as(monkeypatch, factor=0.5)
-    aim = stage.aim_of(PRINTED, Settings().calibration.model_dump())
-    twice = dict.fromkeys(aim.errors, 2.0)
-    assert loss_of_point([0.5], ["drift.sigma_kpa"], ratios=twice) == pytest.approx(0.0)
-    assert loss_of_point([0.5], ["drift.sigma_kpa"]) == pytest.approx(np.log(2.0) ** 2)
-
-
-@pytest.mark.parametrize("factor", [np.inf, np.nan])
-def test_loss_that_is_not_finite_is_impossible(loss_of_point, monkeypatch, factor):
-    judged_as(monkeypatch, factor=factor)
-    assert loss_of_point([0.5], ["drift.sigma_kpa"]) == stage.IMPOSSIBLE
+@pytest.mark.parametrize("value", [np.inf, np.nan])
+def test_rig_with_a_measure_that_is_not_finite_is_impossible(logs_at, value):
+    found, _ = logs_at([0.5], ["drift.sigma_kpa"], lambda *_: [{"errors": {"a": value}}])
+    assert found is None
 
 
 @pytest.mark.parametrize(
@@ -302,12 +378,19 @@ def test_loss_that_is_not_finite_is_impossible(loss_of_point, monkeypatch, facto
     ],
     ids=lambda failure: type(failure).__name__,
 )
-def test_rig_that_cannot_be_judged_is_impossible(loss_of_point, monkeypatch, failure):
-    judged_as(monkeypatch, failure=failure)
-    assert loss_of_point([0.5], ["drift.sigma_kpa"]) == stage.IMPOSSIBLE
+def test_rig_that_cannot_be_judged_is_impossible(logs_at, failure):
+    def fail(*_):
+        raise failure
+
+    assert logs_at([0.5], ["drift.sigma_kpa"], fail)[0] is None
 
 
-def test_rig_that_diverges_is_impossible(loss_of_point, on_rig):
+def test_error_that_is_no_property_of_the_rig_is_not_hidden(logs_at):
+    with pytest.raises(TypeError):
+        logs_at([0.5], ["drift.sigma_kpa"], lambda *_: len(None))
+
+
+def test_rig_that_diverges_is_impossible(logs_at, on_rig, settings):
     # as soft as can be, and pressed as hard as can be: it bends by more than half a turn
     soft = [
         "bending.stiffness_kpa_per_deg", "bending.cubic_stiffness_kpa_per_deg3",
@@ -319,14 +402,16 @@ def test_rig_that_diverges_is_impossible(loss_of_point, on_rig):
         name: signal | (hard if name == "sweep" else {}) | {"duration_s": 4.0}
         for name, signal in on_rig.signals.items()
     }
-    changed = RigSettings(RIG, on_rig.control, signals, on_rig.target)
-    assert loss_of_point(np.zeros(5), soft, on_rig=changed) == stage.IMPOSSIBLE
+
+    def judge(changed, seeds):
+        models = settings["judgement"]["models"]
+        changed = replace(changed, signals=signals)
+        return [judge_cheaply(changed, seed, models, SURROGATE, {}, {}) for seed in seeds]
+
+    assert logs_at(np.zeros(5), soft, judge)[0] is None
 
 
 # --- the whole fit --------------------------------------------------------------------------------
-
-#: Losses at the end of a fit: on its seeds at the start, and on other seeds there and at the end.
-AFTERWARDS = 3
 
 
 def fit(folder, settings, **changes):
@@ -348,6 +433,19 @@ def report(fitted):
     return read_json(fitted / "fit.json")
 
 
+@pytest.fixture(scope="module")
+def remeasured(fitted, report, settings, on_rig):
+    """Return what the surrogate measures on the fitted rig, with the ratios of the report."""
+    seed = judge_cheaply(
+        replace(on_rig, rig=written(fitted)), 21, settings["judgement"]["models"], SURROGATE,
+        {"epsilon": [1.0, 0.1], "n_c": [1, 3], "n_u": [1, 4], "n_y": [1, 4]},
+        settings["tracking"], MEASURES,
+    )  # fmt: skip
+    for key, ratio in report["surrogate_ratios"].items():
+        seed["errors"][key] *= ratio
+    return seed
+
+
 def written(fitted):
     """Return the rig of the parameter file and of the configuration's defaults."""
     text = (fitted / "rig.yaml").read_text(encoding="utf-8")
@@ -357,7 +455,16 @@ def written(fitted):
 def test_fit_improves_the_loss(report):
     assert report["loss"] < report["loss_at_start"]
     assert report["finished"] is True
-    assert (report["generations"], report["evaluations"]) == (2, 8)
+    assert (report["generations"], report["evaluations"]) == (GENERATIONS, EVALUATIONS)
+
+
+def test_loss_of_the_report_is_that_of_its_terms_on_the_fitted_rig(report, remeasured, settings):
+    aim = stage.aim_of(PRINTED, settings["calibration"])
+    assert report["fit"] == list(TERMS) == list(report["terms"])
+    for name, found in report["terms"].items():
+        expected = loss_of([remeasured], aim._replace(fit=(name,)))
+        assert found == pytest.approx(expected, rel=1e-9), name
+    assert report["loss"] == pytest.approx(sum(report["terms"].values()), rel=1e-9)
 
 
 def test_report_and_file_are_of_the_same_rig(fitted, report, settings):
@@ -370,6 +477,11 @@ def test_report_and_file_are_of_the_same_rig(fitted, report, settings):
     began_at = [parameter["began_at"] for parameter in report["parameters"]]
     assert began_at == encode(settings["on_rig"]["rig"], free).tolist()
     assert report["rig_sha256"] == hash_of(written(fitted))
+
+
+def test_file_names_itself_and_the_terms_of_the_fit(fitted, report):
+    found = check(yaml.safe_load((fitted / "rig.yaml").read_text(encoding="utf-8"))).fitted
+    assert (found.name, list(found.to)) == ("rig", report["fit"])
 
 
 def test_only_free_parameters_are_changed(fitted, settings):
@@ -393,19 +505,19 @@ def test_residuals_are_those_of_the_full_models_on_the_fitted_rig(fitted, report
     assert report["targets_kpa"] == aim.errors
 
 
-def test_stand_in_is_corrected_by_its_ratios_on_the_rig_at_the_start(report, settings, on_rig):
+def test_surrogate_is_corrected_by_its_ratios_on_the_rig_at_the_start(report, settings, on_rig):
     judgement = settings["judgement"]
     (full,) = stage.full_errors(on_rig, [21], 1, judgement)
-    cheap, _ = stage.judge_cheaply(on_rig, 21, judgement["models"], SURROGATE)
+    cheap = judge_cheaply(on_rig, 21, judgement["models"], SURROGATE, {}, {})["errors"]
     expected = {key: full[key] / cheap[key] for key in full}
-    assert report["standin_ratios"] == pytest.approx(expected, rel=1e-9)
+    assert report["surrogate_ratios"] == pytest.approx(expected, rel=1e-9)
 
 
-def test_properties_of_the_report_are_those_of_the_fitted_rig(fitted, report, settings, on_rig):
-    best = replace(on_rig, rig=written(fitted))
-    _, found = stage.judge_cheaply(best, 21, settings["judgement"]["models"], SURROGATE)
-    assert report["properties"] == pytest.approx(found, rel=1e-9)
+def test_properties_of_the_report_are_those_of_the_fitted_rig(report, remeasured, settings):
+    assert report["properties"] == pytest.approx(remeasured["properties"], rel=1e-9)
     assert report["plausible"] == settings["calibration"]["plausible"]
+    # what docs/calibration.md shows
+    assert set(report["plausible"]) <= set(report["properties"])
 
 
 def head_of(text):
@@ -414,7 +526,7 @@ def head_of(text):
 
 def test_head_of_the_fit_names_its_seed_and_its_residuals(fitted, report):
     head = "\n".join(head_of((fitted / "rig.yaml").read_text(encoding="utf-8")))
-    assert "noise seeds 21:" in head
+    assert "noise seeds 21,\n" in head
     for key, value in report["residuals"].items():
         assert f"{key}: {report['targets_kpa'][key]:g} kPa, {100 * value:+.1f} %" in head
 
@@ -436,39 +548,63 @@ def judged(monkeypatch):
             if len(self.points) == self.stop:
                 raise KeyboardInterrupt
             self.points.append(tuple(np.asarray(point).tolist()))
-            return loss_at(point, **settings)
+            return judge_point(point, **settings)
 
-    loss_at = stage.loss_at
+    judge_point = stage.judge_point
     spy = Judge()
-    monkeypatch.setattr(stage, "loss_at", spy)
+    monkeypatch.setattr(stage, "judge_point", spy)
     return spy
 
 
 def test_interrupted_fit_goes_on_where_it_was(fitted, settings, tmp_path, judged):
-    judged.stop = 6
+    judged.stop = EVALUATIONS - 3
     with pytest.raises(KeyboardInterrupt):
         fit(tmp_path, settings)
     assert [path.name for path in tmp_path.iterdir()] == ["search.jsonl"]
     judged.points, judged.stop = [], None
     assert undated(fit(tmp_path, settings)) == undated(fitted)
-    assert len(judged.points) == 4 + AFTERWARDS  # the second generation alone
+    assert len(judged.points) == POPULATION  # the last generation alone
 
 
-def quickly(monkeypatch, loss, on_other_seeds=None):
-    """Replace all that simulates; the losses become functions of the point."""
-    aim = stage.aim_of(PRINTED, Settings().calibration.model_dump())
-    errors = dict.fromkeys(aim.errors, 1.0)
-    calls = []
+class Quick:
+    """A fit without simulations: all errors deviate from print by what a function of the rig says.
 
-    def loss_at(point, **settings):
-        calls.append(tuple(np.asarray(point).tolist()))
-        checks = on_other_seeds is not None and settings["seeds"] == [41]
-        return (on_other_seeds if checks else loss)(np.asarray(point))
+    A deviation of 1 counts as one from print, so the loss is 12 times its square.
+    """
 
-    monkeypatch.setattr(stage, "loss_at", loss_at)
-    monkeypatch.setattr(stage, "judge_cheaply", lambda *arguments: (errors, {"angle_deg": 60.0}))
-    monkeypatch.setattr(stage, "full_errors", lambda on_rig, seeds, *rest: [errors for _ in seeds])
-    return calls
+    def __init__(self, monkeypatch, settings):
+        calibration = settings["calibration"] | {"fit": ["tables"]}
+        self.settings = settings | {"calibration": calibration}
+        self.aim = stage.aim_of(PRINTED, calibration)
+        self.free = stage.free_parameters(calibration["free"], calibration["ranges"])
+        self.start = encode(settings["on_rig"]["rig"], self.free)
+        self.deviation = lambda point, seeds: 1.0 + float(np.sum((point - self.start) ** 2))
+        self.full_over_cheap = 1.0
+        self.grids = []
+        monkeypatch.setattr(stage, "judge_seeds", self.judge)
+        monkeypatch.setattr(stage, "full_errors", self.judge_fully)
+
+    def errors(self, on_rig, seeds):
+        point = encode(on_rig.rig, self.free)
+        factor = math.exp(0.05 * self.deviation(point, list(seeds)))
+        return {key: factor * value for key, value in self.aim.errors.items()}
+
+    def judge(self, on_rig, seeds, *, grids, **rest):
+        self.grids.append(grids)
+        return [{"errors": self.errors(on_rig, seeds), "properties": {"angle_deg": 60.0}}
+                for _ in seeds]  # fmt: skip
+
+    def judge_fully(self, on_rig, seeds, *rest):
+        errors = self.errors(on_rig, seeds)
+        return [{key: self.full_over_cheap * value for key, value in errors.items()} for _ in seeds]
+
+    def fit(self, folder, **changes):
+        return read_json(fit(folder, self.settings, **changes) / "fit.json")
+
+
+@pytest.fixture
+def quick(monkeypatch, settings):
+    return Quick(monkeypatch, settings)
 
 
 CHANGES = {
@@ -479,14 +615,17 @@ CHANGES = {
         "judgement": s["judgement"] | {"models": s["judgement"]["models"] | {"alpha": 0.5}}
     },
     "folds": lambda s: {"judgement": s["judgement"] | {"folds": 3}},
+    "grids": lambda s: {"grids": s["grids"] | {"n_c": [1, 5]}},
+    "tracking": lambda s: {"tracking": s["tracking"] | {"pressure_limit_kpa": 400.0}},
     **{
-        key: lambda s, key=key, value=value: {"calibration": s["calibration"] | {key: value}}
+        key: lambda s, key=key, value=value: with_calibration(s, **{key: value})
         for key, value in {
             "seeds": [21, 22],
             "stride": 8,
             "esn_nodes": 9,
-            "margin": 0.1,
-            "ratio": 2.0,
+            "taps": [1, 5],
+            "grid_seeds": 3,
+            "fit": ["tables", "plausible"],
             "plausible": {"angle_deg": [1.0, 2.0]},
             "free": ["bending.friction_kpa", "drift.sigma_kpa"],
             "ranges": {"drift.sigma_kpa": [0.5, 14.6]},
@@ -496,57 +635,66 @@ CHANGES = {
 
 
 @pytest.mark.parametrize("what", CHANGES)
-def test_search_with_other_settings_begins_anew(settings, tmp_path, monkeypatch, what):
-    calls = quickly(monkeypatch, lambda point: float(np.sum(point**2)))
-    fit(tmp_path, settings)
-    assert len(calls) == 8 + AFTERWARDS
-    fit(tmp_path, settings)
-    assert len(calls) == 8 + 2 * AFTERWARDS
-    fit(tmp_path, settings, **CHANGES[what](settings))
-    assert len(calls) == 8 + 8 + 3 * AFTERWARDS
+def test_search_with_other_settings_begins_anew(quick, judged, tmp_path, what):
+    plausible = {"angle_deg": [50.0, 70.0]}
+    quick.settings |= with_calibration(quick.settings, plausible=plausible)
+    quick.fit(tmp_path)
+    assert len(judged.points) == EVALUATIONS
+    quick.fit(tmp_path)
+    assert len(judged.points) == EVALUATIONS
+    quick.fit(tmp_path, **CHANGES[what](quick.settings))
+    assert len(judged.points) == 2 * EVALUATIONS
 
 
-def test_search_that_runs_out_of_time_is_reported_as_not_finished(settings, tmp_path, monkeypatch):
-    calls = quickly(monkeypatch, lambda point: float(np.sum(point**2)))
-    clock = SimpleNamespace(monotonic=lambda: float(len(calls)))  # a second for each rig
-    monkeypatch.setattr(importlib.import_module("fprc.calibration.search"), "time", clock)
-    calibration = settings["calibration"] | {"generations": 100, "minutes": 0.15}
-    found = read_json(fit(tmp_path, settings, calibration=calibration) / "fit.json")
-    assert (found["finished"], found["generations"], found["evaluations"]) == (False, 3, 12)
+def test_ratios_correct_the_surrogate(quick, tmp_path):
+    """The surrogate's errors are half of those of the full models, which are as printed."""
+    quick.deviation = lambda point, seeds: -math.log(2.0) / 0.05
+    quick.full_over_cheap = 2.0
+    found = quick.fit(tmp_path)
+    assert found["surrogate_ratios"] == pytest.approx(dict.fromkeys(quick.aim.errors, 2.0))
+    assert found["loss_at_start"] == pytest.approx(0.0, abs=1e-12)
+    assert found["residuals"] == pytest.approx(dict.fromkeys(quick.aim.errors, 0.0))
 
 
-def test_worse_rigs_of_later_generations_do_not_replace_a_better_one(
-    settings, tmp_path, monkeypatch
+def test_grids_are_in_the_order_that_the_objective_compares(quick, tmp_path):
+    """However the configuration orders them: epsilon falls, the others rise."""
+    quick.fit(tmp_path)
+    assert len(quick.grids) > EVALUATIONS
+    for grids in quick.grids:
+        assert grids == {"epsilon": [1.0, 0.1], "n_c": [1, 3], "n_u": [1, 4], "n_y": [1, 4]}
+
+
+def test_search_that_runs_out_of_time_is_reported_as_not_finished(
+    quick, judged, tmp_path, monkeypatch
 ):
-    losses = chain([3.0, 1.0, 2.0, 4.0, 5.0, 6.0, 7.0, 8.0], repeat(9.0))
-    calls = quickly(monkeypatch, lambda point: next(losses))
-    found = read_json(fit(tmp_path, settings) / "fit.json")
-    assert found["loss"] == 1.0
-    assert [parameter["share"] for parameter in found["parameters"]] == pytest.approx(calls[1])
+    clock = SimpleNamespace(monotonic=lambda: float(len(judged.points)))  # a second for each rig
+    monkeypatch.setattr(importlib.import_module("fprc.calibration.search"), "time", clock)
+    changes = with_calibration(quick.settings, generations=100, minutes=0.3)
+    found = quick.fit(tmp_path, **changes)
+    assert (found["finished"], found["generations"], found["evaluations"]) == (False, 3, 24)
 
 
-def test_fit_is_no_worse_than_the_rig_that_it_began_at(settings, tmp_path, monkeypatch):
-    free = stage.free_parameters(*(settings["calibration"][key] for key in ("free", "ranges")))
-    start = encode(settings["on_rig"]["rig"], free)
-    quickly(monkeypatch, lambda point: float(np.sum((point - start) ** 2)))
-    found = read_json(fit(tmp_path, settings) / "fit.json")
-    assert found["loss_at_start"] == 0.0
-    assert found["loss"] <= found["loss_at_start"]
+def test_fit_is_no_worse_than_the_rig_that_it_began_at(quick, tmp_path):
+    quick.deviation = lambda point, seeds: 100.0 * float(np.sum((point - quick.start) ** 2))
+    found = quick.fit(tmp_path)
+    assert found["loss_at_start"] == pytest.approx(0.0, abs=1e-6)
+    assert found["loss"] <= found["loss_at_start"] + 1e-12
+    assert [p["share"] for p in found["parameters"]] == quick.start.tolist()
 
 
 @pytest.mark.parametrize(("sign", "warned"), [(1.0, False), (-1.0, True)])
 def test_rig_that_is_worse_on_other_seeds_than_the_one_before_it_is_warned_of(
-    settings, tmp_path, monkeypatch, caplog, sign, warned
+    quick, tmp_path, caplog, sign, warned
 ):
-    def loss(point):
-        return 10.0 + float(np.sum(point))
-
-    quickly(monkeypatch, loss, lambda point: sign * loss(point))
+    quick.deviation = lambda point, seeds: 10.0 + (sign if seeds == [41] else 1.0) * np.sum(point)
     with caplog.at_level("WARNING", logger="fprc"):
-        found = read_json(fit(tmp_path, settings) / "fit.json")
+        found = quick.fit(tmp_path)
     assert found["loss"] < found["loss_at_start"]
-    assert found["check_loss"] == pytest.approx(sign * found["loss"])
-    assert found["check_loss_at_start"] == pytest.approx(sign * found["loss_at_start"])
+    point = np.array([p["share"] for p in found["parameters"]])
+    for key, at in (("check_loss", point), ("check_loss_at_start", quick.start)):
+        # parameters are rounded to four digits
+        expected = 12.0 * (10.0 + sign * np.sum(at)) ** 2
+        assert found[key] == pytest.approx(expected, rel=1e-3)
     assert found["check_seeds"] == [41]
     assert any("keep the starting rig" in text for text in caplog.messages) is warned
 
@@ -559,13 +707,12 @@ def test_published_numbers_that_cannot_be_read_are_an_error(settings, tmp_path):
             calibrate(str(path), "x", "y", checkpoint="z", **settings)
 
 
-def test_progress_of_the_search_is_logged(settings, tmp_path, monkeypatch, caplog):
-    quickly(monkeypatch, lambda point: float(np.sum(point**2)))
+def test_progress_of_the_search_is_logged(quick, tmp_path, caplog):
     with caplog.at_level("INFO", logger="fprc"):
-        fit(tmp_path, settings)
+        quick.fit(tmp_path)
     generations = [text for text in caplog.messages if text.startswith("generation ")]
     least = [float(text.split("least loss ")[1].split(",")[0]) for text in generations]
     assert [text.split(",")[0] for text in generations] == [
-        "generation 1 of 2", "generation 2 of 2",
-    ]  # fmt: skip
+        f"generation {k + 1} of {GENERATIONS}" for k in range(GENERATIONS)
+    ]
     assert all(later <= earlier for earlier, later in pairwise(least))

@@ -7,10 +7,10 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from fprc.calibration import decode
 from fprc.calibration.fit import free_parameters
 from fprc.calibration.rig_file import parameter_file
-from fprc.config import Settings, check
+from fprc.calibration.space import decode
+from fprc.config import Settings, check, from_files
 from fprc.config.rig import Rig
 
 RIG = Rig().model_dump(mode="json")
@@ -25,7 +25,8 @@ def summary(**changes):
     return {
         "date": "2030-01-02",
         "software": "fprc 9.8.7",
-        "seeds": [21, 22, 23, 24],
+        "fit": ["tables", "C8"],
+        "seeds": list(range(21, 31)),
         "targets_kpa": {"sweep/esn/train": 11.5, "complex/fprc/test": 26.2},
         "residuals": {"sweep/esn/train": 0.0123, "complex/fprc/test": -0.21},
         "median_deviation": 0.0456,
@@ -48,32 +49,46 @@ def test_file_gives_the_very_rig_back(point):
         expected = Rig.model_validate(rig)
     except ValidationError:
         assume(False)
-    text = parameter_file(rig, summary())
-    assert check(yaml.safe_load(text)).rig == expected
-    assert check(yaml.safe_load(text)).model_dump(exclude={"rig"}) == Settings().model_dump(
-        exclude={"rig"}
-    )
+    found = check(yaml.safe_load(parameter_file(rig, summary(), "mine")))
+    assert found.rig == expected
+    assert found.fitted.model_dump(mode="json") == {"name": "mine", "to": ["tables", "C8"]}
+    same = Settings().model_dump(exclude={"rig", "fitted"})
+    assert found.model_dump(exclude={"rig", "fitted"}) == same
 
 
 def test_file_holds_only_what_differs_from_the_defaults():
     rig = copy.deepcopy(RIG)
     rig["bending"]["relaxation_time_s"][1] = 5.5
     rig["drift"]["sigma_kpa"] = 1e-5
-    assert yaml.safe_load(parameter_file(rig, summary())) == {
-        "rig": {"bending": {"relaxation_time_s": [0.25, 5.5]}, "drift": {"sigma_kpa": 1e-5}}
+    assert yaml.safe_load(parameter_file(rig, summary(), "mine")) == {
+        "fitted": {"name": "mine", "to": ["tables", "C8"]},
+        "rig": {"bending": {"relaxation_time_s": [0.25, 5.5]}, "drift": {"sigma_kpa": 1e-5}},
     }
 
 
-def test_file_of_the_default_rig_changes_nothing():
-    text = parameter_file(RIG, summary())
-    assert check(yaml.safe_load(text)) == Settings()
+def test_file_of_the_default_rig_changes_no_number():
+    text = parameter_file(RIG, summary(), "mine")
+    assert check(yaml.safe_load(text)).rig == Settings().rig
+
+
+def test_file_among_the_rigs_is_the_rig_of_its_name(tmp_path, monkeypatch):
+    rig = copy.deepcopy(RIG)
+    rig["drift"]["sigma_kpa"] = 2.5
+    (tmp_path / "config/rigs").mkdir(parents=True)
+    text = parameter_file(rig, summary(), "mine")
+    (tmp_path / "config/rigs/mine.yaml").write_text(text, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    found = from_files([], {"rig": "mine"})
+    assert found.rig == Rig.model_validate(rig)
+    assert (found.fitted.name, found.fitted.to) == ("mine", ("tables", "C8"))
 
 
 def test_head_names_software_seeds_and_deviations_from_print():
-    head = "\n".join(head_of(parameter_file(RIG, summary())))
+    head = "\n".join(head_of(parameter_file(RIG, summary(), "mine")))
     for part in (
         "fprc 9.8.7, 2030-01-02", f"over {len(PATHS)} parameters", "(1120 rigs)",
-        "noise seeds 21, 22, 23, 24:", "median 4.6 %", "largest\n# 21.0 %",
+        "noise seeds 21, 22, 23, 24, 25, 26, 27, 28, 29, 30,\n", "median 4.6 %",
+        "largest\n# 21.0 %",
         "#   sweep/esn/train: 11.5 kPa, +1.2 %", "#   complex/fprc/test: 26.2 kPa, -21.0 %",
         "# Within 2 % of an end of their range: none.",
     ):  # fmt: skip
@@ -85,7 +100,7 @@ def test_head_names_the_parameters_that_ended_near_an_end_and_no_others():
         zip(PATHS, (0.0, 0.0199, 0.0201, 0.9799, 0.9801, 1.0), strict=False)
     )
     parameters = [{"path": path, "share": share} for path, share in shares.items()]
-    head = " ".join(head_of(parameter_file(RIG, summary(parameters=parameters))))
+    head = " ".join(head_of(parameter_file(RIG, summary(parameters=parameters), "mine")))
     edges = head.partition("an end of their range: ")[2].replace("# ", "").rstrip(".")
     assert edges.split(", ") == [PATHS[k] for k in (0, 1, 4, 5)]
 
@@ -93,5 +108,5 @@ def test_head_names_the_parameters_that_ended_near_an_end_and_no_others():
 @pytest.mark.parametrize("share", [0.5, 1.0])
 def test_no_line_of_the_head_is_longer_than_the_page(share):
     parameters = [{"path": path, "share": share} for path in PATHS]
-    for line in head_of(parameter_file(RIG, summary(parameters=parameters))):
+    for line in head_of(parameter_file(RIG, summary(parameters=parameters), "mine")):
         assert len(line) <= 100

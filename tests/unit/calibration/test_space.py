@@ -5,8 +5,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pydantic import ValidationError
 
-from fprc.calibration import Free, decode, encode
+from fprc.calibration.fit import free_parameters, resolved
+from fprc.calibration.space import Free, decode, encode
+from fprc.config import Settings
+from fprc.config.rig import Rig
 
 RIG = {
     "step_s": 0.0004,
@@ -181,6 +185,114 @@ def test_outside_of_the_range_is_moved_to_its_end(value, share, moved, low):
     assert encode(at(value), free).tolist() == [share]
     found = decode(encode(at(value), free), at(value), free)
     assert found["drift"]["time_s"] == max(moved, low)
+
+
+# --- weights of slip elements, and the squeeze ----------------------------------------------------
+
+WHOLE = Settings().rig.model_dump(mode="json")
+PATHS = Settings().calibration.free
+ALL = free_parameters(PATHS, Settings().calibration.ranges)
+in_the_cube = st.lists(
+    st.floats(0.0, 1.0) | st.sampled_from([0.0, 1.0]), min_size=len(ALL), max_size=len(ALL)
+).map(np.array)
+#: Those that the damping of the squeeze depends on; with them half the points need more of it.
+SQUEEZE = [free for free in ALL if free.path.startswith("reservoir.")]
+squeezes = st.lists(st.floats(0.0, 1.0), min_size=len(SQUEEZE), max_size=len(SQUEEZE)).map(np.array)
+
+
+def is_shared_out(weights):
+    return abs(math.fsum(weights) - 1.0) < 1e-9 and min(weights) >= 0.0
+
+
+@given(in_the_cube)
+def test_weights_sum_to_one_at_every_point(point):
+    rig = decode(point, WHOLE, ALL)
+    for section in ("bending", "reservoir"):
+        assert is_shared_out(rig[section]["slip_weight"])
+        Rig(**{section: {"slip_weight": rig[section]["slip_weight"]}}, step_s=1e-5)
+
+
+@given(st.lists(st.floats(0.0, 1.0), min_size=3, max_size=3))
+def test_weights_that_leave_room_are_taken_as_they_are(shares):
+    free = free_parameters([f"bending.slip_weight.{k}" for k in range(3)])
+    *own, last = decode(np.array(shares), WHOLE, free, digits=12)["bending"]["slip_weight"]
+    if sum(shares) <= 0.97:
+        assert own == pytest.approx(shares, abs=1e-9)
+    else:
+        # all alike, and at least 0.03 for the last
+        assert np.array(own) * sum(shares) == pytest.approx(0.97 * np.array(shares), abs=1e-3)
+        assert last == pytest.approx(0.03, abs=1e-3)
+
+
+@given(shares)
+def test_one_weight_alone_takes_from_the_last(share):
+    weights = decode(np.array([share]), WHOLE, free_parameters(["reservoir.slip_weight.0"]))
+    weights = weights["reservoir"]["slip_weight"]
+    assert is_shared_out(weights)
+    if share + 0.35 <= 0.97:
+        assert weights[1] == 0.35
+
+
+@given(in_the_cube)
+def test_rig_that_was_judged_comes_back_with_its_weights(point):
+    judged = decode(point, WHOLE, ALL)
+    again = decode(encode(judged, ALL), judged, ALL)
+    for section in ("bending", "reservoir"):
+        weights = judged[section].pop("slip_weight")
+        # weights that were scaled down and rounded may exceed their limit by the rounding
+        assert again[section].pop("slip_weight") == pytest.approx(weights, abs=2e-4)
+    assert again == judged
+
+
+def complaints(rig):
+    """Return what is wrong with a rig, by its path; the check of the squeeze has none."""
+    try:
+        Rig.model_validate(rig)
+    except ValidationError as error:
+        return {".".join(map(str, item["loc"])) for item in error.errors()}
+    return set()
+
+
+@given(squeezes)
+def test_resolved_rig_is_valid_unless_it_needs_more_damping_than_there_is(point):
+    rig = decode(point, WHOLE, SQUEEZE)
+    found = resolved(rig)
+    damping, before = (each["reservoir"]["squeeze_damping_kpa_s_per_ml"] for each in (found, rig))
+    if damping <= 20.0:
+        assert complaints(found) == set()
+    else:
+        assert complaints(found) == {"reservoir.squeeze_damping_kpa_s_per_ml"}
+        # no damping within its range would do
+        rig["reservoir"]["squeeze_damping_kpa_s_per_ml"] = 20.0
+        assert complaints(rig) == {""} or damping < 20.0 * 0.5 / 0.48 * 1.001
+    assert damping >= before
+
+
+@given(in_the_cube)
+def test_point_is_impossible_for_no_other_reason_than_the_squeeze(point):
+    found = complaints(resolved(decode(point, WHOLE, ALL)))
+    assert found <= {"reservoir.squeeze_damping_kpa_s_per_ml"}
+
+
+@given(squeezes)
+def test_rig_that_is_valid_is_changed_by_little_or_not_at_all(point):
+    """The limit of the check is 0.5; some room is left below it."""
+    rig = decode(point, WHOLE, SQUEEZE)
+    found, before = copy.deepcopy(resolved(rig)), copy.deepcopy(rig)
+    if complaints(rig):
+        return
+    damping = found["reservoir"].pop("squeeze_damping_kpa_s_per_ml")
+    assert damping <= before["reservoir"].pop("squeeze_damping_kpa_s_per_ml") * 0.5 / 0.48 * 1.001
+    assert found == before
+
+
+def test_rig_that_is_not_resolved_is_left_as_it_was():
+    rig = copy.deepcopy(WHOLE)
+    rig["reservoir"]["slip_distance_ml"] = [0.02, 0.05, 0.1]
+    before = copy.deepcopy(rig)
+    assert complaints(rig) == {""}
+    assert complaints(resolved(rig)) == set()
+    assert rig == before
 
 
 @pytest.mark.parametrize("size", [0, 2])

@@ -8,10 +8,17 @@ import yaml
 from fprc.cli import main
 from fprc.commands import calibrate as command
 from fprc.config import Settings, check, from_files
+from fprc.config.reference import RIG
 from fprc.errors import SimulationError
 
 CONFIG = Path(__file__).parents[3] / "config"
-FILES = [str(CONFIG / name) for name in ("config.yaml", "rig.yaml", "smoke.yaml")]
+FILES = [str(CONFIG / name) for name in ("config.yaml", "smoke.yaml")]
+
+
+@pytest.fixture(autouse=True)
+def at_home(monkeypatch):
+    """The working directory of the project, below which its rigs are."""
+    monkeypatch.chdir(CONFIG.parent)
 
 
 @pytest.fixture
@@ -60,17 +67,20 @@ def test_fit_takes_its_settings_from_the_files_merged_in_their_order(run, tmp_pa
     mine.write_text("calibration: {seeds: [5, 6]}\nrig: {drift: {time_s: 2.5}}\n")
     _, (call,) = run(files=[*FILES, str(mine)])
     expected = check(
-        {"calibration": {"seeds": [5, 6], "population": 4, "generations": 2}}
+        {"calibration": {"seeds": [5, 6], "taps": [1, 3], "generations": 2}}
     ).model_dump(mode="json")
     assert call["calibration"] == expected["calibration"]
     on_rig, judgement = call["on_rig"], call["judgement"]
     assert on_rig["signals"]["sweep"]["duration_s"] == 20.0
     assert judgement["models"]["esn"]["r"] == 60
     assert on_rig["rig"]["drift"]["time_s"] == 2.5
-    fitted = yaml.safe_load((CONFIG / "rig.yaml").read_text(encoding="utf-8"))["rig"]
+    fitted = yaml.safe_load((CONFIG / f"rigs/{RIG}.yaml").read_text(encoding="utf-8"))["rig"]
     assert on_rig["rig"]["bending"]["preload_kpa"] == fitted["bending"]["preload_kpa"]
     assert (judgement["folds"], judgement["split"]) == (5, "shuffled")
     assert (on_rig["target"], on_rig["control"]) == ("command", expected["control"])
+    smoke = from_files(FILES).model_dump(mode="json")
+    assert (call["grids"], call["tracking"]) == (smoke["grids"], smoke["tracking"])
+    assert call["tracking"]["references"]["sweep"]["duration_s"] == 8.0
     assert json.dumps(call)  # plain values, as the key of the checkpoint needs them
 
 
@@ -81,7 +91,7 @@ def test_without_files_the_configuration_of_the_project_is_taken(fit, tmp_path, 
     assert main(["calibrate", "--out", str(out)]) == 0
     (call,) = fit.calls
     assert call["published"] == "config/published.yaml"
-    expected = from_files(["config/config.yaml", "config/rig.yaml"]).model_dump(mode="json")
+    expected = from_files(["config/config.yaml"]).model_dump(mode="json")
     assert call["on_rig"]["rig"] == expected["rig"]
     assert call["judgement"]["models"] == expected["models"]
 
@@ -120,7 +130,7 @@ def test_argument_that_makes_no_sense_is_answered_with_the_usage(run, fit, capsy
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("calibration: {population: 2}\nrig: {drift: {time_s: 0.5}}", "2 errors"),
+        ("calibration: {generations: 0}\nrig: {drift: {time_s: 0.5}}", "2 errors"),
         ("calibration: {genrations: 3}", "did you mean calibration.generations?"),
         ("- a list", "must hold keys and values"),
         ("rig: [", "cannot be read as YAML"),
@@ -179,16 +189,24 @@ def test_fit_that_is_stopped_by_hand_says_that_it_can_go_on(run, fit, capsys):
 
 
 def test_library_that_is_not_installed_is_named_with_the_remedy(run, fit, capsys):
-    fit.failure = ModuleNotFoundError("No module named 'cma'")
+    fit.failure = ModuleNotFoundError("No module named 'joblib'")
     assert run()[0] == 1
     said = capsys.readouterr().err
-    assert "No module named 'cma'" in said
+    assert "No module named 'joblib'" in said
     assert "fprc[workflow]" in said
 
 
-def test_parameter_file_without_its_ending_is_an_error(run):
-    """The report beside it would have the same name."""
-    assert run(out="rig.json") == (1, [])
+@pytest.mark.parametrize("name", ["rig.json", "rig", "my rig.yaml", ".yaml", "a:b.yaml"])
+def test_parameter_file_that_cannot_name_a_rig_is_an_error(run, capsys, name):
+    """The report beside it has the same name, and the configuration names the rig by it."""
+    assert run(out=name) == (1, [])
+    assert name in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["dry.yaml", "my-rig_2.0.yml"])
+def test_name_of_the_parameter_file_is_one_that_a_configuration_takes(run, name):
+    assert run(out=name)[0] == 0
+    assert check({"fitted": {"name": Path(name).stem}})
 
 
 @pytest.mark.parametrize("workers", ["0", "-1"])

@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fprc.config import Settings, check, from_files
+from fprc.config.reference import RIG
 from fprc.errors import ConfigError
 
 CONFIG = Path(__file__).parents[3] / "config"
@@ -244,22 +245,168 @@ def test_words_for_truth_values_serve_where_one_is_needed(written, word, armed):
     assert from_files(written(f"armed: {word}\n")).armed is armed
 
 
+# --- rigs by name -------------------------------------------------------------------------------
+
+DRY = "fitted: {name: dry, to: [tables, C8]}\nrig: {drift: {sigma_kpa: 2.0, time_s: 3.0}}\n"
+WET = "rig: {drift: {time_s: 4.0}, bending: {preload_kpa: 30}}\n"
+
+
+@pytest.fixture
+def rigs(tmp_path, monkeypatch):
+    """Two rigs below the working directory; ``wet`` does not say what it was fitted to."""
+    folder = tmp_path / "config/rigs"
+    folder.mkdir(parents=True)
+    (folder / "dry.yaml").write_text(DRY, encoding="utf-8")
+    (folder / "wet.yaml").write_text(WET, encoding="utf-8")
+    (folder / "dry.json").write_text("{}", encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    return folder
+
+
+def rig(**drift):
+    """Return the default rig with other drift."""
+    return check({"rig": {"drift": drift}}).rig
+
+
+def fitted(settings):
+    return settings.fitted.name, settings.fitted.to
+
+
+def test_name_stands_for_the_numbers_of_the_file(rigs, written):
+    settings = from_files(written("seed: 4\nrig: dry\n"))
+    assert settings.rig == rig(sigma_kpa=2.0, time_s=3.0)
+    assert fitted(settings) == ("dry", ("tables", "C8"))
+    assert settings.seed == 4
+
+
+@pytest.mark.usefixtures("rigs")
+def test_rig_that_does_not_say_what_it_was_fitted_to_has_the_name_of_its_file(written):
+    assert fitted(from_files(written("rig: wet\n"))) == ("wet", ())
+
+
+@pytest.mark.usefixtures("rigs")
+@pytest.mark.parametrize("earlier", ["rig: dry\n", DRY, "rig: {drift: {sigma_kpa: 9.0}}\n"])
+def test_later_name_replaces_the_whole_rig_before_it(written, earlier):
+    """Also where its own file leaves defaults."""
+    settings = from_files(written(earlier, "rig: wet\n"))
+    assert settings.rig.drift.sigma_kpa == Settings().rig.drift.sigma_kpa
+    assert settings.rig.drift.time_s == 4.0
+    assert fitted(settings) == ("wet", ())
+
+
+@pytest.mark.usefixtures("rigs")
+def test_name_beside_the_files_wins(written):
+    settings = from_files(written("rig: wet\n"), {"rig": "dry"})
+    assert settings.rig == rig(sigma_kpa=2.0, time_s=3.0)
+    assert fitted(settings) == ("dry", ("tables", "C8"))
+
+
+@pytest.mark.usefixtures("rigs")
+@pytest.mark.parametrize("beside", [False, True])
+def test_numbers_after_a_name_change_the_rig_which_is_then_no_fitted_one(written, beside):
+    numbers = {"rig": {"drift": {"time_s": 7.0}}}
+    layers = written("rig: dry\n", "" if beside else "rig: {drift: {time_s: 7.0}}\n")
+    settings = from_files(layers, numbers if beside else None)
+    assert settings.rig == rig(sigma_kpa=2.0, time_s=7.0)
+    assert fitted(settings) == ("changed", ())
+
+
+@pytest.mark.usefixtures("rigs")
+def test_later_file_without_a_rig_leaves_it_a_fitted_one(written):
+    settings = from_files(written("rig: dry\n", "seed: 5\n"), {"models": {"n_y": 6}})
+    assert fitted(settings) == ("dry", ("tables", "C8"))
+
+
+def test_file_of_a_rig_is_a_configuration_too(rigs):
+    settings = from_files([rigs / "dry.yaml"])
+    assert settings.rig == rig(sigma_kpa=2.0, time_s=3.0)
+    assert fitted(settings) == ("dry", ("tables", "C8"))
+
+
+@pytest.mark.usefixtures("rigs")
+@pytest.mark.parametrize("name", ["drie", "", "../rigs/dry", "dry.yaml"])
+def test_unknown_name_is_refused_with_those_that_there_are(written, name):
+    with pytest.raises(ConfigError, match="use dry or wet") as caught:
+        from_files(written(f"rig: '{name}'\n"))
+    assert f"rig = {name}: " in str(caught.value)
+    with pytest.raises(ConfigError, match="use dry or wet"):
+        from_files([], {"rig": name})
+
+
+def test_name_where_there_are_no_rigs_is_refused(written, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(ConfigError, match="use numbers"):
+        from_files(written("rig: dry\n"))
+
+
+@pytest.mark.usefixtures("rigs")
+def test_unknown_name_and_file_that_cannot_be_read_are_told_at_once(written):
+    paths = written("rig: drie\n", "a: [\n", "rig: wett\n")
+    with pytest.raises(ConfigError) as caught:
+        from_files(paths)
+    said = str(caught.value)
+    assert said.index("rig = drie") < said.index(str(paths[1])) < said.index("rig = wett")
+
+
+def test_file_of_a_rig_that_cannot_be_read_is_named(rigs):
+    (rigs / "dry.yaml").write_text("rig: [\n", encoding="utf-8")
+    with pytest.raises(ConfigError, match=r"config/rigs/dry\.yaml"):
+        from_files([], {"rig": "dry"})
+
+
+def test_wrong_number_in_the_file_of_a_rig_is_refused(rigs):
+    (rigs / "dry.yaml").write_text("rig: {drift: {time_s: 0.1}}\n", encoding="utf-8")
+    with pytest.raises(ConfigError, match=r"rig\.drift\.time_s = 0\.1"):
+        from_files([], {"rig": "dry"})
+
+
+@pytest.mark.usefixtures("rigs")
+@pytest.mark.parametrize("value", [3, True, ["dry"]])
+def test_rig_that_is_no_name_and_no_numbers_is_refused(value):
+    with pytest.raises(ConfigError, match=r"rig( =|:) "):
+        from_files([], {"rig": value})
+
+
+@pytest.mark.parametrize("name", ["my-rig", "v1.2", "dry"])
+def test_name_may_be_that_of_a_file(name):
+    assert check({"fitted": {"name": name}}).fitted.name == name
+
+
+def test_name_with_a_space_is_refused():
+    assert "fitted.name = my rig" in message({"fitted": {"name": "my rig"}})
+
+
 # --- the files of this repository -----------------------------------------------------------
 
 
-def test_configuration_of_the_paper_is_the_default():
-    assert from_files([CONFIG / "config.yaml"]) == Settings()
+@pytest.fixture
+def at_home(monkeypatch):
+    """The working directory of the project, below which its rigs are."""
+    monkeypatch.chdir(CONFIG.parent)
 
 
-def test_calibrated_rig_is_valid_and_changes_nothing_but_the_rig():
-    settings = from_files([CONFIG / "config.yaml", CONFIG / "rig.yaml"])
-    assert settings.model_copy(update={"rig": Settings().rig}) == Settings()
+@pytest.mark.usefixtures("at_home")
+def test_configuration_of_the_paper_is_the_default_but_for_its_rig():
+    settings = from_files([CONFIG / "config.yaml"])
+    assert settings.fitted.name == RIG
+    default = {name: getattr(Settings(), name) for name in ("rig", "fitted")}
+    assert settings.model_copy(update=default) == Settings()
 
 
+@pytest.mark.usefixtures("at_home")
+@pytest.mark.parametrize("name", sorted(path.stem for path in (CONFIG / "rigs").glob("*.yaml")))
+def test_every_rig_of_the_project_is_valid_and_has_the_name_of_its_file(name):
+    settings = from_files([], {"rig": name})
+    assert settings.fitted.name == name
+    assert settings.fitted.to
+    assert settings.rig != Settings().rig
+
+
+@pytest.mark.usefixtures("at_home")
 def test_smoke_configuration_merges_and_is_a_shorter_run():
-    names = ("config.yaml", "rig.yaml", "smoke.yaml")
+    names = ("config.yaml", "smoke.yaml")
     smoke = from_files([CONFIG / name for name in names])
-    full = from_files([CONFIG / name for name in names[:2]])
+    full = from_files([CONFIG / name for name in names[:1]])
     assert smoke.experiments.sweep.duration_s < full.experiments.sweep.duration_s
     assert smoke.experiments.complex.duration_s < full.experiments.complex.duration_s
     assert smoke.experiments.sweep.f_end_hz == full.experiments.sweep.f_end_hz

@@ -56,7 +56,8 @@ def test_generated_file_is_up_to_date(page, file):
 
 def test_generated_yaml_reads_back_as_the_same_numbers():
     written = dict(leaves(yaml.safe_load(reference.defaults())))
-    left_out = ("rig.", "armed")
+    assert written.pop("rig") == reference.RIG
+    left_out = ("rig.", "fitted.", "armed")
     expected = {key: value for key, value in ACTUAL.items() if not key.startswith(left_out)}
     assert written == expected
     for key, value in expected.items():
@@ -74,7 +75,9 @@ def test_any_float_is_written_so_that_yaml_reads_the_same_float(value):
 
 
 def test_generated_yaml_is_valid_and_gives_the_defaults():
-    assert check(yaml.safe_load(reference.defaults())) == Settings()
+    values = yaml.safe_load(reference.defaults())
+    del values["rig"]
+    assert check(values) == Settings()
 
 
 def test_page_has_one_table_for_each_section():

@@ -223,20 +223,17 @@ def hysteresis(**widths):
 
 def test_loops_of_one_width_at_every_frequency_are_found_so():
     """At 200 Hz the samples beside a crossing lie far off it where the sweep is fast."""
-    found = measure_hysteresis(
-        hysteresis(
-            p_exp_kpa=lambda t: 30.0, p_exp_command_kpa=lambda t: 60.0, p_o_kpa=lambda t: 80.0
-        )
-    )
-    assert found == pytest.approx({"measured": 1.0, "commanded": 1.0, "reservoir": 1.0}, abs=0.03)
+    widths = {"p_exp_kpa": 30.0, "p_exp_command_kpa": 50.0, "p_o_kpa": 80.0}
+    log = hysteresis(**{name: lambda t, width=width: width for name, width in widths.items()})
+    expected = {"measured": 1.0, "commanded": 1.0, "reservoir": 1.0}
+    assert measure_hysteresis(log) == pytest.approx(expected, abs=0.03)
 
 
 def test_loops_are_compared_in_the_first_and_the_last_quarter():
     log = hysteresis(
         p_exp_kpa=lambda t: np.where(t < 15.0, 20.0, np.where(t > 45.0, 50.0, 1000.0)),
-        p_exp_command_kpa=lambda t: np.where(t < 15.0, 20.0, np.where(t > 45.0, 30.0, 1000.0)),
+        p_exp_command_kpa=lambda t: np.where(t < 15.0, 60.0, np.where(t > 45.0, 90.0, 9.0)),
         p_o_kpa=lambda t: np.where(t < 15.0, 80.0, np.where(t > 45.0, 20.0, 1000.0)),
     )
-    assert measure_hysteresis(log) == pytest.approx(
-        {"measured": 2.5, "commanded": 1.5, "reservoir": 0.25}, rel=0.02
-    )
+    expected = {"measured": 2.5, "commanded": 1.5, "reservoir": 0.25}
+    assert measure_hysteresis(log) == pytest.approx(expected, rel=0.02)
