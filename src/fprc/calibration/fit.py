@@ -128,10 +128,6 @@ def fit_rig(
             for name in judged[0]["properties"]
         },
         "plausible": dict(aim.ranges),
-        "properties": {
-            name: float(np.mean([seed["properties"][name] for seed in judged]))
-            for name in judged[0]["properties"]
-        },
         "surrogate_ratios": ratios,
         "loss_at_start": _loss(_deviations(like, aim, ratios)),
         "loss": result.loss,
