@@ -177,7 +177,7 @@ def _run_rig(options: argparse.Namespace) -> None:
 def _add_readout(groups: Groups) -> None:
     readout = groups.add_parser(
         "readout",
-        help="measure what the readout P_o of a recording is worth",
+        help="measure how much the readout P_o of a recording improves FPRC",
         description="Import a recording, train FPRC with and without P_o on its first part, test "
         "on its second, and write a report. The map gives test_from_s; docs/own-data.md describes "
         "it. Repeat the command to continue a run that was stopped.",

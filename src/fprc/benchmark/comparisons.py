@@ -11,7 +11,7 @@ import numpy as np
 from fprc.benchmark import peers
 from fprc.evaluation import split_rows
 from fprc.evaluation.crossval import fit_folds
-from fprc.evaluation.timing import interleaved
+from fprc.evaluation.timing import interleaved, stepped
 from fprc.experiments.data import Data
 from fprc.models import EchoStates, SequenceModel
 from fprc.models.echo import echo_states
@@ -150,12 +150,6 @@ def fuzzy_comparisons(
             lambda: grid(lambda cell: cell.make_readout()), lambda: grid(theirs), _relative, 2e-2,
         ),
     ]  # fmt: skip
-
-
-def stepped(model: SequenceModel, X: np.ndarray) -> np.ndarray:
-    """Return the output of a model for a log, sample by sample."""
-    model.reset()
-    return np.array([model.step(x) for x in X])
 
 
 def _absolute(ours: Any, theirs: Any) -> float:

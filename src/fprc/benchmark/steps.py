@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from fprc.benchmark.comparisons import stepped
 from fprc.benchmark.growth import peak_mb
-from fprc.evaluation.timing import interleaved, time_steps
+from fprc.evaluation.timing import interleaved, stepped, time_steps
 from fprc.experiments.data import Data
 from fprc.experiments.hysteresis import acquire
 from fprc.experiments.settings import RigSettings

@@ -120,20 +120,17 @@ def _train_at_once(model: SequenceModel, X: np.ndarray, y: np.ndarray) -> object
     return model.make_readout().fit(model.features_.transform(X), y)
 
 
-def _test_by_step(model: SequenceModel, X: np.ndarray, y: np.ndarray) -> np.ndarray:
+def stepped(model: SequenceModel, X: np.ndarray) -> np.ndarray:
+    """Return the output of a model for a log, computed sample by sample."""
     model.reset()
     return np.array([model.step(x) for x in X])
-
-
-def _test_at_once(model: SequenceModel, X: np.ndarray, y: np.ndarray) -> np.ndarray:
-    return model.predict(X)
 
 
 _WORK = {
     ("train", "sequential"): _train_by_step,
     ("train", "batch"): _train_at_once,
-    ("test", "sequential"): _test_by_step,
-    ("test", "batch"): _test_at_once,
+    ("test", "sequential"): lambda model, X, y: stepped(model, X),
+    ("test", "batch"): lambda model, X, y: model.predict(X),
 }
 
 
