@@ -5,7 +5,7 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 # each job is a new process: let Python cache the compiled modules for the next one
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: help paper smoke quick types lint test test-kill reproduce-twice processors slurm test-slurm \
+.PHONY: help paper smoke quick types lint tests test test-kill reproduce-twice processors slurm test-slurm \
 	docs layers scaling fault-matrix fuzz loop-benchmark benchmark benchmark-all clean
 
 help:  ## list the targets
@@ -37,8 +37,10 @@ lint: .venv/.ready  ## style, types, layers, workflow lint
 
 LONGEST = tests/workflow/test_twice.py tests/workflow/test_slurm.py tests/workflow/test_kill.py
 
+test: lint tests  ## everything that must pass
+
 # Longest first. Three processes, because tests often wait for the programs that they start.
-test: lint  ## everything that must pass
+tests: .venv/.ready  ## the tests alone
 	@shared=$$(mktemp -d) && trap 'rm -rf "$$shared"' EXIT && FPRC_SMOKED=$$shared \
 	  pytest --numprocesses 3 --dist loadfile --no-loadscope-reorder $(LONGEST) tests/workflow \
 	  tests/faults tests/fuzz tests/reference tests/unit $(PYTEST)

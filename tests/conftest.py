@@ -1,5 +1,6 @@
 """Fixtures: the fake driver, and a simulated rig connected to it."""
 
+import gc
 import importlib
 import os
 import shutil
@@ -10,6 +11,15 @@ import pytest
 
 from fprc.apparatus import check, process, session
 from fprc.config import Settings
+
+# libraries and thousands of tests stay: to look through them for garbage takes a tenth of the time
+gc.disable()
+
+
+def pytest_collection_finish():
+    gc.freeze()
+    gc.enable()
+
 
 FAULTS = Path(__file__).parent / "faults"
 _MODULES = ("bench", "fake_bus", "smbus2")

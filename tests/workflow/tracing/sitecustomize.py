@@ -7,6 +7,7 @@ was computed.
 FPRC_STOP_AT is a part of a path: a process that writes such a file stops before the rename.
 """
 
+import builtins
 import importlib
 import json
 import os
@@ -59,6 +60,19 @@ def watch(write):
         return None
 
     sys.settrace(on_call)
+    importing = builtins.__import__
+
+    def untraced(name, *rest, **more):
+        """Import other packages without the trace: none of our functions runs meanwhile."""
+        if sys.gettrace() is None or name.startswith("fprc"):
+            return importing(name, *rest, **more)
+        sys.settrace(None)
+        try:
+            return importing(name, *rest, **more)
+        finally:
+            sys.settrace(on_call)
+
+    builtins.__import__ = untraced
 
 
 def stop_at(part):
