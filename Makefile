@@ -2,7 +2,7 @@
 PYTHON ?= python3
 CORES ?= 2
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
-# a job is a process: what it imports is compiled once
+# each job is a new process: let Python cache the compiled modules for the next one
 export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: help paper smoke quick types lint test test-kill reproduce-twice processors slurm test-slurm \

@@ -1,16 +1,18 @@
 # The paper from raw logs to tables and figures. Targets: workflow/rules/targets.smk
+from math import prod
 from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
+from snakemake.io import regex_from_filepattern
 from snakemake.utils import min_version
 
 from fprc.artifacts import refuse_unwritable
 from fprc.config import from_files
-from fprc.errors import FprcError, LogError
+from fprc.errors import FprcError
 from fprc.fingerprint import fingerprint
-from fprc.logs import headers, refuse_simulated, refuse_to_overwrite
 from fprc.paper import EXPERIMENTS, REFERENCES, GRID_MODELS, GRID_SETTINGS, run_log
-from fprc.plan import BY_NAME, Plan, refusal
+from fprc.plan import BY_NAME, read_plan, refusal
+from fprc.plan.arguments import judgement, on_rig, paper_models, pick, tracking
 from fprc.registry import MODELS, class_module, model_of_run, settings_of
 
 min_version("9.0")
@@ -31,9 +33,11 @@ try:
     # these belong to the run and do not change the results
     ARMED = SETTINGS.pop("armed")
     GRID_CHUNKS = SETTINGS["grids"].pop("chunks")
-    RAW = SETTINGS["folders"]["raw"]
-    RESULTS = SETTINGS["folders"]["results"]
+    RAW, RESULTS = SETTINGS["folders"]["raw"], SETTINGS["folders"]["results"]
     refuse_unwritable([RESULTS] if SETTINGS["source"] == "recorded" else [RAW, RESULTS])
+    # every job reads this file again, but only the main process meets logs that may be damaged and
+    # therefore reads them in a child process
+    PLAN = read_plan(SETTINGS, isolate=workflow.is_main_process)
 except FprcError as error:
     raise WorkflowError(str(error)) from None
 

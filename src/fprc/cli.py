@@ -3,16 +3,20 @@
 import argparse
 import sys
 from collections.abc import Sequence
+from typing import Any
 
 from fprc import __version__
 from fprc.errors import FprcError
+
+#: What ``add_subparsers`` returns; argparse has no public name for it.
+Groups = Any
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code."""
     options = _parser().parse_args(arguments)
     try:
-        return options.run(options)
+        return options.run(options) or 0
     except FprcError as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
@@ -35,7 +39,12 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"fprc {__version__}")
     groups = parser.add_subparsers(required=True, metavar="GROUP")
+    for add in (_add_config, _add_calibrate, _add_import, _add_rig, _add_readout, _add_log):
+        add(groups)
+    return parser
 
+
+def _add_config(groups: Groups) -> None:
     config = groups.add_parser("config", help="check or explain the configuration")
     verbs = config.add_subparsers(required=True, metavar="VERB")
     check = verbs.add_parser("check", help="check configuration files, merged in this order")
@@ -48,6 +57,21 @@ def _parser() -> argparse.ArgumentParser:
     ):
         verbs.add_parser(name, help=what).set_defaults(run=_print_config, page=name)
 
+
+def _check_config(options: argparse.Namespace) -> None:
+    from fprc.config import from_files
+
+    from_files(options.files)
+    print("no errors")
+
+
+def _print_config(options: argparse.Namespace) -> None:
+    from fprc.config import reference
+
+    print(getattr(reference, options.page)(), end="")
+
+
+def _add_calibrate(groups: Groups) -> None:
     calibrate = groups.add_parser(
         "calibrate",
         help="fit the simulated rig to Tables II and III",
@@ -69,6 +93,20 @@ def _parser() -> argparse.ArgumentParser:
     calibrate.add_argument("--workers", type=int, help="processes (default: one per processor)")
     calibrate.set_defaults(run=_calibrate)
 
+
+def _calibrate(options: argparse.Namespace) -> None:
+    from fprc.commands.calibrate import calibrate_from_files
+
+    calibrate_from_files(
+        options.files,
+        options.published,
+        options.out,
+        minutes=options.minutes,
+        workers=options.workers,
+    )
+
+
+def _add_import(groups: Groups) -> None:
     importer = groups.add_parser(
         "import",
         help="turn a CSV, HDF5 or MATLAB file into a raw log",
@@ -81,6 +119,19 @@ def _parser() -> argparse.ArgumentParser:
     importer.add_argument("--out", metavar="FILE.h5", help="raw log to write")
     importer.set_defaults(run=_import, usage=importer.error)
 
+
+def _import(options: argparse.Namespace) -> None:
+    from fprc.commands.import_recording import import_recording, list_source
+
+    if options.list:
+        list_source(options.source, options.map)
+    elif options.map and options.out:
+        import_recording(options.source, options.map, options.out)
+    else:
+        options.usage("give --list, or both --map and --out")
+
+
+def _add_rig(groups: Groups) -> None:
     rig = groups.add_parser("rig", help="check and run the real rig")
     verbs = rig.add_subparsers(required=True, metavar="VERB")
     check = verbs.add_parser("check", help="check valves and sensors one by one")
@@ -103,6 +154,27 @@ def _parser() -> argparse.ArgumentParser:
             help="configuration; later files override earlier ones (default: %(default)s)",
         )
 
+
+def _check_rig(options: argparse.Namespace) -> None:
+    from fprc.commands.rig import check
+
+    check(options.config, armed=options.armed)
+
+
+def _run_rig(options: argparse.Namespace) -> None:
+    from fprc.commands.rig import run_by_name
+
+    run_by_name(
+        options.experiment,
+        options.config,
+        armed=options.armed,
+        raw=options.out,
+        model=options.model,
+        gains=options.gains,
+    )
+
+
+def _add_readout(groups: Groups) -> None:
     readout = groups.add_parser(
         "readout",
         help="measure what the readout P_o of a recording is worth",
@@ -119,6 +191,20 @@ def _parser() -> argparse.ArgumentParser:
     readout.add_argument("--workers", type=int, help="processes (default: one per processor)")
     readout.set_defaults(run=_readout)
 
+
+def _readout(options: argparse.Namespace) -> None:
+    from fprc.commands.readout import report_readout
+
+    report_readout(
+        options.source,
+        options.map,
+        options.out,
+        config=options.config,
+        workers=options.workers,
+    )
+
+
+def _add_log(groups: Groups) -> None:
     log = groups.add_parser("log", help="check or repair experiment logs")
     verbs = log.add_subparsers(required=True, metavar="VERB")
     quality = verbs.add_parser("check", help="read raw logs and print their quality records")
@@ -133,81 +219,6 @@ def _parser() -> argparse.ArgumentParser:
     repair.add_argument("file", metavar="FILE", help="FILE.journal or FILE.h5; is not changed")
     repair.add_argument("--out", metavar="COPY.h5", required=True, help="raw log to write")
     repair.set_defaults(run=_repair_log)
-    return parser
-
-
-def _check_config(options: argparse.Namespace) -> int:
-    from fprc.config import from_files
-
-    from_files(options.files)
-    print("no errors")
-    return 0
-
-
-def _print_config(options: argparse.Namespace) -> int:
-    from fprc.config import reference
-
-    print(getattr(reference, options.page)(), end="")
-    return 0
-
-
-def _calibrate(options: argparse.Namespace) -> int:
-    from fprc.commands.calibrate import calibrate_from_files
-
-    calibrate_from_files(
-        options.files,
-        options.published,
-        options.out,
-        minutes=options.minutes,
-        workers=options.workers,
-    )
-    return 0
-
-
-def _import(options: argparse.Namespace) -> int:
-    from fprc.commands.import_recording import import_recording, list_source
-
-    if options.list:
-        list_source(options.source, options.map)
-    elif options.map and options.out:
-        import_recording(options.source, options.map, options.out)
-    else:
-        options.usage("give --list, or both --map and --out")
-    return 0
-
-
-def _check_rig(options: argparse.Namespace) -> int:
-    from fprc.commands.rig import check
-
-    check(options.config, armed=options.armed)
-    return 0
-
-
-def _run_rig(options: argparse.Namespace) -> int:
-    from fprc.commands.rig import run_by_name
-
-    run_by_name(
-        options.experiment,
-        options.config,
-        armed=options.armed,
-        raw=options.out,
-        model=options.model,
-        gains=options.gains,
-    )
-    return 0
-
-
-def _readout(options: argparse.Namespace) -> int:
-    from fprc.commands.readout import report_readout
-
-    report_readout(
-        options.source,
-        options.map,
-        options.out,
-        config=options.config,
-        workers=options.workers,
-    )
-    return 0
 
 
 def _check_logs(options: argparse.Namespace) -> int:

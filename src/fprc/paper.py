@@ -20,13 +20,7 @@ DISTURBANCE = "disturbance"
 GAINS = ("printed", "identified")
 
 #: Controllers of the closed-loop runs; the suffix names the PD gains.
-CONTROLLERS = (
-    "fprc",
-    "fprc_pd_printed",
-    "fprc_pd_identified",
-    "pd_printed",
-    "pd_identified",
-)
+CONTROLLERS = ("fprc", "fprc_pd_printed", "fprc_pd_identified", "pd_printed", "pd_identified")
 
 #: Models of each grid of Figs. 10 and 11, and the settings that the grid varies.
 GRID_MODELS = {"epsilon": ("fprc",), "n_c": ("fprc", "fuzzy_linear"), "taps": ("fprc",)}
@@ -60,7 +54,7 @@ ERRORS = {
 
 
 def controller_and_gain(name: str) -> tuple[str, str]:
-    """Split a run's controller into ``controller`` and ``gain`` of its log; without PD: none."""
+    """Split the name of a run's controller into controller and PD gain (none without PD)."""
     for gain in GAINS:
         if name.endswith(f"_{gain}"):
             return name.removesuffix(f"_{gain}"), gain
@@ -73,7 +67,7 @@ def run_log(reference: str, controller: str) -> str:
 
 
 def reference_and_controller(log: str) -> tuple[str, str]:
-    """Return what ``run_log`` made a name of."""
+    """Return reference and controller of a closed-loop run, given the name of its log."""
     for reference in (*REFERENCES, DISTURBANCE):
         if log.startswith(run_log(reference, "")):
             return reference, log.removeprefix(run_log(reference, ""))

@@ -39,7 +39,7 @@ def describe(
     Returns
     -------
     dict
-        ``source``, ``simulated`` (true also if only in part), ``seeds``, ``commit``,
+        ``source``, ``simulated`` (also true if only a part is), ``seeds``, ``commit``,
         ``dirty``, ``config_sha256``, ``versions``, ``inputs``, ``outputs``. ``commit`` and
         ``dirty`` are None where the code is not in a git checkout.
     """
@@ -97,13 +97,15 @@ def checkout(package: Path | None = None) -> tuple[str | None, bool | None]:
 def _git(folder: Path, *arguments: str) -> str | None:
     command = ["git", "--no-optional-locks", "-C", str(folder), *arguments]
     try:
-        done = subprocess.run(command, capture_output=True, text=True, check=True, env=_outside())
+        done = subprocess.run(
+            command, capture_output=True, text=True, check=True, env=_environment()
+        )
     except (OSError, subprocess.CalledProcessError):
         return None
     return done.stdout.strip()
 
 
-def _outside() -> dict[str, str]:
+def _environment() -> dict[str, str]:
     """Return the environment without git's own variables, which a hook sets."""
     return {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
 

@@ -18,28 +18,15 @@ Settings = Mapping[str, Any]
 
 
 class Entry(NamedTuple):
-    """A model's class, inputs and settings, and its look in figures.
+    """A model's class, inputs and settings, and its look in figures."""
 
-    Attributes
-    ----------
-    cls : str
-        Its class, ``module.Class``.
-    inputs : tuple of str
-        Its input channels, in the order of the columns of ``X``.
-    settings : tuple of str
-        Keys of its parameters in the section ``models``: a key, a subsection (all of its keys),
-        or ``section.key``.
-    title : str
-        Its name in tables and figures.
-    colour : str
-        Its colour in every figure.
-    """
-
-    cls: str
-    inputs: tuple[str, ...]
+    cls: str  #: ``module.Class``
+    inputs: tuple[str, ...]  #: input channels, in the order of the columns of ``X``
+    #: Keys of its parameters in the section ``models``: a key, a subsection (all of its keys), or
+    #: ``section.key``.
     settings: tuple[str, ...]
-    title: str
-    colour: str
+    title: str  #: name in tables and figures
+    colour: str  #: colour in every figure
 
 
 #: The paper's models, in its order.
@@ -110,26 +97,22 @@ def build(name: str, models: Settings, seed: int) -> "SequenceModel":
         The class cannot be imported, or does not take the settings.
     """
     cls = load_class(name, models)
-    if name in models.get("others", {}):
-        parameters = dict(models["others"][name]["settings"])
-    else:
-        parameters = {}
+    if name in MODELS:
+        parameters: dict[str, Any] = {}
         for key, value in settings_of(name, models).items():
             parameters |= value if isinstance(value, Mapping) else {key: value}
-    model = _construct(name, cls, parameters)
+        model = cls(**parameters)
+    else:
+        try:
+            model = cls(**models["others"][name]["settings"])
+        except (TypeError, ValueError) as error:
+            raise ConfigError(f"models.others.{name}.settings: {error}") from error
     if "random_state" in model.get_params():
         model.set_params(random_state=seed)
     return model
 
 
-def _construct(name: str, cls: type, parameters: Settings) -> "SequenceModel":
-    try:
-        return cls(**parameters)
-    except (TypeError, ValueError) as error:
-        raise ConfigError(f"models.others.{name}.settings: {error}") from error
-
-
-#: What the workflow calls of a model, beside ``step`` and ``reset`` of the closed loops.
+#: Methods that the workflow calls; closed loops also call ``step`` and ``reset``.
 _METHODS = ("get_params", "fit", "predict", "make_features", "make_readout", "assembled")
 
 
@@ -139,10 +122,12 @@ def load_class(name: str, models: Settings) -> type:
     Raises
     ------
     ConfigError
-        It cannot be imported, or is no model; the message names the key.
+        A class of ``models.others`` cannot be imported, or is no model; names the key.
     """
     path = entries(models)[name].cls
     module, _, cls = path.rpartition(".")
+    if name in MODELS:
+        return getattr(import_module(module), cls)
     where = f"models.others.{name}.estimator: {path}"
     try:
         loaded = getattr(import_module(module), cls)
@@ -161,12 +146,12 @@ def load_class(name: str, models: Settings) -> type:
 
 
 def has_steps(cls: type) -> bool:
-    """Return whether a model computes sample by sample, as closed loops need it."""
+    """Return whether a model computes sample by sample, as closed loops require."""
     return hasattr(cls, "step") and hasattr(cls, "reset")
 
 
 def outside_paper(models: Settings) -> list[str]:
-    """Return the models that the paper does not have."""
+    """Return the models that are not the paper's."""
     return [name for name in entries(models) if name not in PAPER_MODELS]
 
 
@@ -185,8 +170,8 @@ def outside_class(name: str, models: Settings) -> list[type]:
 def controllers(models: Settings) -> list[str]:
     """Return the controllers of the closed-loop runs.
 
-    To the paper's controllers it adds each further model whose class has ``step`` and ``reset``:
-    alone, and with PD at both gains.
+    They are the paper's, and each further model whose class has ``step`` and ``reset``, alone and
+    with PD at both gains.
     """
     names = list(CONTROLLERS)
     for name in outside_paper(models):
@@ -201,7 +186,7 @@ def feedforward_of(controller: str) -> str | None:
 
 
 def model_of_run(log: str) -> str:
-    """Return the model that a run of the closed loop needs; FPRC where it needs none."""
+    """Return the model that a run of the closed loop uses; FPRC if it uses none."""
     if not log.startswith("track_"):
         return "fprc"
     return feedforward_of(controller_and_gain(reference_and_controller(log)[1])[0]) or "fprc"

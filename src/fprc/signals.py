@@ -38,12 +38,9 @@ def multisine(
 
 def pressure_command(experiment: Mapping[str, Any], sample_rate_hz: float) -> np.ndarray:
     """Return P_exp of a hysteresis experiment in kPa, one value per sample (Fig. 4)."""
-    t_s = sample_times(experiment["duration_s"], sample_rate_hz)
-    level = {"amplitude": experiment["amplitude_kpa"], "offset": experiment["offset_kpa"]}
-    if experiment["form"] == "chirp":
-        span = {key: experiment[key] for key in ("duration_s", "f_start_hz", "f_end_hz")}
-        return chirp(t_s, **span, **level)
-    return multisine(t_s, f_hz=experiment["f_hz"], **level)
+    is_chirp = experiment["form"] == "chirp"
+    f_hz = [experiment["f_start_hz"], experiment["f_end_hz"]] if is_chirp else experiment["f_hz"]
+    return _signal(experiment, "kpa", f_hz, sample_rate_hz)
 
 
 def reference_angle(reference: Mapping[str, Any], sample_rate_hz: float) -> np.ndarray:
@@ -51,16 +48,20 @@ def reference_angle(reference: Mapping[str, Any], sample_rate_hz: float) -> np.n
 
     It begins at its lowest value, which it holds for ``settle_s``.
     """
-    t_s = sample_times(reference["duration_s"], sample_rate_hz)
-    level = {"amplitude": reference["amplitude_deg"], "offset": reference["offset_deg"]}
-    f_hz = reference["f_hz"]
-    if reference["form"] == "chirp":
-        span = {"duration_s": reference["duration_s"], "f_start_hz": f_hz[0], "f_end_hz": f_hz[1]}
-        moving = chirp(t_s, **span, **level)
-    else:
-        moving = multisine(t_s, f_hz=f_hz, **level)
+    moving = _signal(reference, "deg", reference["f_hz"], sample_rate_hz)
     settling = np.full(round(reference["settle_s"] * sample_rate_hz), moving[0])
     return np.concatenate([settling, moving])
+
+
+def _signal(
+    settings: Mapping[str, Any], unit: str, f_hz: Sequence[float], sample_rate_hz: float
+) -> np.ndarray:
+    duration_s = settings["duration_s"]
+    t_s = sample_times(duration_s, sample_rate_hz)
+    level = {"amplitude": settings[f"amplitude_{unit}"], "offset": settings[f"offset_{unit}"]}
+    if settings["form"] == "chirp":
+        return chirp(t_s, duration_s=duration_s, f_start_hz=f_hz[0], f_end_hz=f_hz[1], **level)
+    return multisine(t_s, f_hz=f_hz, **level)
 
 
 def random_pushes(
@@ -72,10 +73,10 @@ def random_pushes(
     sigma_kpa: float,
     rng: np.random.Generator,
 ) -> np.ndarray:
-    """Return the pushes of a hand: half sines of random size, duration and time, kPa.
+    """Return pushes as by a hand: half sines of random size, duration and time, kPa.
 
-    There is no push before ``quiet_s``; then one begins every ``every_s`` on
-    average and lasts 0.2 to 1 s.
+    The first push begins at ``quiet_s``, further ones every ``every_s`` on average; each
+    lasts 0.2 to 1 s.
     """
     t_s = np.arange(samples) / sample_rate_hz
     force = np.zeros(samples)
@@ -92,8 +93,8 @@ def random_pushes(
 def width_at_middle(x: np.ndarray, y: np.ndarray) -> float:
     """Return the width of the loop of ``y`` over ``x`` at the middle of the range of ``x``.
 
-    ``y`` is interpolated at the crossing: an error of one sample would add a width
-    that grows with frequency.
+    ``y`` is interpolated at the crossings: without that, the error of up to one sample would add
+    a width that grows with frequency.
 
     Raises
     ------

@@ -617,14 +617,15 @@ def test_number_with_a_zero_before_it_is_decimal_in_the_workflow(user, files, pl
 def test_byte_that_hangs_the_library_is_a_message_of_the_workflow(user, files, signals, plan):
     raw = user.folder / "raw"
     raw.mkdir()
-    plain_log(raw / "complex.h5", signals)
+    (raw / "complex.h5").write_bytes(b"no log")
     plain_log(raw / "sweep.h5", signals)
     data = bytearray((raw / "sweep.h5").read_bytes())
     endless(data)
     (raw / "sweep.h5").write_bytes(data)
     folders = f"folders={{raw: {raw}, results: {user.folder / 'results'}}}"
     said = plan("table2", "--config", "source=recorded", folders)
-    came = said.refuses(file="sweep.h5")
+    came = said.refuses(file=r"sweep\.h5: not read within")
+    assert "complex.h5: not an HDF5 file" in said.text
     files.add(
         "metadata byte that hangs the HDF5 library", "snakemake -n", came, said.code, "nothing"
     )

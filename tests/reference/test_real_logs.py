@@ -112,7 +112,7 @@ def test_command_of_the_bellows_arm_moves_half_of_the_time(imported):
 #: Settings that leave of the readout report what shows that it works.
 FEW = {
     "models": {"fprc": {"n_c": 4}},
-    "grids": {"epsilon": [0.01], "replicate_taps": [1, 3, 5]},
+    "grids": {"epsilon": [0.01], "readout_taps": [1, 3, 5]},
 }
 
 

@@ -1,9 +1,9 @@
 """Which edits change the fingerprint of a rule, and which do not."""
 
 import ast
+import importlib
 import shutil
 import sys
-import types
 from pathlib import Path
 
 import pytest
@@ -49,9 +49,8 @@ def judge(path: str) -> "Named":
 
 def forget():
     """Begin as a new process would."""
-    for cached in (module._path, module._source, module._parsed):
+    for cached in (module._path, module._source):
         cached.cache_clear()
-    module._new_keys.clear()
 
 
 @pytest.fixture
@@ -140,46 +139,55 @@ def test_circle_of_imports_is_no_obstacle(package):
     assert code("fprc.data") == code("fprc.files")
 
 
-def test_module_from_outside_counts_by_its_own_file(package, tmp_path, monkeypatch):
-    path = tmp_path / "taps.py"
-    path.write_text("import fprc.data\n\n\nclass Taps:\n    order = 1\n", encoding="utf-8")
-    outside = types.ModuleType("taps")
-    outside.__file__ = str(path)
-    monkeypatch.setitem(sys.modules, "taps", outside)
-    before = code("fprc.lazy", "taps")
+@pytest.fixture
+def mine(package, tmp_path, monkeypatch):
+    """Modules of a user: a model, what it imports, and what only its neighbour imports."""
+    folder = tmp_path / "project"
+    (folder / "mine").mkdir(parents=True)
+    for name, text in {
+        "model.py": "import fprc.data\nimport helper\nfrom mine import Taps\n\nORDER = 1\n",
+        "helper.py": "import json\n\nWIDTH = 1\n",
+        "mine/__init__.py": "from .taps import Taps\n",
+        "mine/taps.py": "from . import lags\n\n\nclass Taps:\n    LAGS = lags.LAGS\n",
+        "mine/lags.py": "LAGS = 1\n",
+        "other.py": "OTHER = 1\n",
+    }.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    monkeypatch.syspath_prepend(str(folder))
+    before = set(sys.modules)
+    for name in ("model", "other"):
+        importlib.import_module(name)
+    yield folder
+    for name in set(sys.modules) - before:
+        del sys.modules[name]
+
+
+@pytest.mark.parametrize(
+    ("edited", "counts"),
+    [("model", True), ("helper", True), ("mine/taps", True), ("mine/lags", True),
+     ("mine/__init__", False), ("other", False)],
+)  # fmt: skip
+def test_model_of_a_user_counts_with_what_it_imports(mine, edited, counts):
+    before = code("fprc.lazy", "model")
     assert before != code("fprc.lazy")
-    edit(path, "order = 1", "order = 2")
-    assert code("fprc.lazy", "taps") != before
+    path = mine / f"{edited}.py"
+    path.write_text(path.read_text(encoding="utf-8") + "\n# a comment\n", encoding="utf-8")
+    assert code("fprc.lazy", "model") == before
+    path.write_text(path.read_text(encoding="utf-8") + "\nLIMIT = 2\n", encoding="utf-8")
+    assert (code("fprc.lazy", "model") != before) is counts
 
 
-def kept(package):
-    """Return the files that were kept for the next process."""
-    return list((package / "__pycache__").glob("sources-*"))
-
-
-def test_next_process_reads_no_source_twice(package, monkeypatch):
-    before = code()
-    assert len(kept(package)) == 1
-    monkeypatch.setattr(module.ast, "parse", None)
-    assert code() == before
-
-
-@pytest.mark.parametrize("content", [b"", b'{"fprc.data 12": ["', b"\xff\x00\xfe"])
-def test_damaged_cache_is_made_anew(package, content):
-    before = code()
-    (path,) = kept(package)
-    path.write_bytes(content)
-    assert code() == before
-    assert kept(package) == [path]
-    assert path.read_bytes() != content
-
-
-def test_cache_that_cannot_be_written_is_no_error(package):
-    (package / "__pycache__").write_text("a file where the folder should be")
-    before = code()
-    assert code() == before
+def test_module_of_the_package_that_a_users_model_imports_counts(mine, package):
+    before = code("model")
     edit(package / "files.py", "return path", "return path.strip()")
-    assert code() != before
+    assert code("model") != before
+
+
+def test_library_counts_only_if_it_is_named():
+    assert module._path("json") is None
+    assert module._closure(("fprc.errors", "json")) == {"fprc.errors", "json"} | module._closure(
+        ("fprc.errors",)
+    )
 
 
 @pytest.fixture
@@ -198,7 +206,10 @@ def ours(tmp_path, monkeypatch):
         ("models/echo.py", ("fprc.stages.judge", "fprc.models.fprc"), False),
         ("models/fprc.py", ("fprc.stages.judge", "fprc.models.esn"), False),
         ("models/esn.py", ("fprc.stages.judge", "fprc.models.esn"), True),
+        ("models/ridge_readout.py", ("fprc.stages.judge", "fprc.models.esn"), True),
+        ("models/ridge_readout.py", ("fprc.stages.judge", "fprc.models.fprc"), False),
         ("models/ridge.py", ("fprc.stages.judge", "fprc.models.esn"), True),
+        ("models/ridge.py", ("fprc.stages.judge", "fprc.models.fprc"), True),
         ("rig/valve.py", ("fprc.stages.record",), True),
         ("rig/valve.py", ("fprc.stages.judge", "fprc.models.fprc"), False),
         ("rig/valve.py", ("fprc.stages.replicate",), True),

@@ -100,6 +100,16 @@ def test_setting_that_the_class_does_not_take_is_refused_by_its_key(settings):
         build("taps_a", settings["models"], 1)
 
 
+def test_fault_of_a_model_of_the_package_is_not_blamed_on_the_configuration(settings, monkeypatch):
+    entry = MODELS["esn"]
+    monkeypatch.setitem(MODELS, "esn", entry._replace(cls="fprc.models.gone.ESN"))
+    with pytest.raises(ModuleNotFoundError):
+        load_class("esn", settings["models"])
+    monkeypatch.setitem(MODELS, "esn", entry._replace(settings=("n_y", "seed")))
+    with pytest.raises(TypeError, match="seed"):
+        build("esn", settings["models"] | {"seed": 1}, 1)
+
+
 @pytest.mark.parametrize("name", ["esn", "pd", "x_pd", "x_printed", "pd_identified"])
 def test_name_of_a_model_must_not_be_read_as_a_controller_or_a_gain(name):
     with pytest.raises(ConfigError, match=rf"models\.others.*{name} is taken"):

@@ -1,5 +1,7 @@
 import fcntl
+import functools
 import importlib.util
+import json
 import os
 import re
 import shutil
@@ -14,6 +16,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 SNAKEMAKE = [sys.executable, "-m", "snakemake"]
+STARTS = Path(__file__).parent / "starts.py"
 TRACING = Path(__file__).parent / "tracing"
 ENVIRONMENT = os.environ | {
     "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
@@ -63,6 +66,21 @@ class Run:
 TIMED = ("/timing/", "/logs/", "fig10_", "smoke/claims.", "report.html")
 
 
+@functools.cache
+def starter() -> subprocess.Popen:
+    """Return the process that starts Snakemake in forks, for all tests of this process."""
+    return subprocess.Popen(
+        [sys.executable, STARTS], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _end_of_starter():
+    yield
+    if starter.cache_info().currsize:
+        starter().communicate()
+
+
 class Project:
     """A copy of the workflow in a folder of its own, run with the installed package."""
 
@@ -76,7 +94,13 @@ class Project:
     def snakemake(
         self, *arguments: str, cores: tuple[str, ...] = ("--cores", "2"), **environment: str
     ) -> subprocess.CompletedProcess:
-        return self.run(*SNAKEMAKE, *cores, *arguments, **environment)
+        """Run Snakemake in a fork that has it imported; use ``run`` for a process of its own."""
+        asked = [str(self.folder), [*cores, *arguments], ENVIRONMENT | environment]
+        starts = starter()
+        starts.stdin.write(json.dumps(asked) + "\n")
+        starts.stdin.flush()
+        code, printed = json.loads(starts.stdout.readline())
+        return subprocess.CompletedProcess(asked[1], code, printed)
 
     def run(self, *command: str, **environment: str) -> subprocess.CompletedProcess:
         return subprocess.run(
@@ -212,7 +236,15 @@ def smoked_copy(smoked, tmp_path):
 
 
 @pytest.fixture(scope="session")
-def calibrated(smoked, shared):
+def few_free():
+    """Settings of a calibration with few parameters; tests/unit/calibration has them all."""
+    free = "bending.friction_kpa, bending.friction_per_kpa, drift.sigma_kpa, drift.time_s"
+    free += ", reservoir.back_pressure_gain, reservoir.squeeze_damping_kpa_s_per_ml"
+    return f"calibration={{free: [{free}], check_seeds: [41]}}"
+
+
+@pytest.fixture(scope="session")
+def calibrated(smoked, shared, few_free):
     """Finished smoke run on which the targets outside `all` were made too, and what it printed."""
 
     def make(folder):
@@ -220,7 +252,7 @@ def calibrated(smoked, shared):
         # and a grid again, in chunks this time
         (folder / "results/smoke/grids/taps.json").unlink()
         targets = ["ensemble", "targets", "sensitivity", "calibrate"]
-        chunks = ["--config", "grids={chunks: 3}"]
-        return copy.smoke(*targets, "results/smoke/grids/taps.json", *chunks)
+        settings = ["--config", "grids={chunks: 3}", few_free]
+        return copy.smoke(*targets, "results/smoke/grids/taps.json", *settings)
 
     return once(shared, "calibrated", make)

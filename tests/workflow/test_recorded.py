@@ -3,6 +3,7 @@
 import json
 import re
 
+import h5py
 import numpy as np
 import pandas as pd
 import pytest
@@ -103,8 +104,10 @@ def test_simulated_reservoir_serves_what_p_o_was_missing_for(recording):
 def test_simulated_reservoir_is_named_wherever_its_data_are_shown(recording):
     asked = [*ARGUMENTS, "evaluation={reservoir: simulated}"]
     project = recording("theta_deg", "p_exp_kpa")
-    done = project.smoke("fig2", "fig5", "table2", *asked)
+    before = project.files("mylogs")
+    done = project.smoke("fig2", "fig4", "fig5", "fig8", "table2", *asked)
     assert done.returncode == 0, done.stdout
+    assert project.files("mylogs") == before
     results = project.folder / "results/mine"
     table = pd.read_csv(results / "tables/table2.csv")
     assert set(table["model"]) == {"esn", "fprc", "fuzzy_linear"}
@@ -133,11 +136,14 @@ def test_logs_without_p_o_give_two_models_and_a_page_that_says_so(recording):
 
 
 @pytest.mark.slow
-def test_closed_loop_logs_that_are_there_make_table4_and_its_figures(smoked_copy):
+def test_closed_loop_logs_of_a_rig_make_table4_and_its_figures(smoked_copy):
     raw = smoked_copy.folder / "mylogs"
     (smoked_copy.folder / "results/smoke/raw").rename(raw)
     for name in ("track_sine_0p2_pd_printed.h5", "complex.h5"):
         (raw / name).unlink()
+    for path in raw.glob("*.h5"):
+        with h5py.File(path, "a") as log:
+            log.attrs.update({"source": "rig", "simulated": False})
     before = smoked_copy.files("mylogs")
     done = smoked_copy.smoke("table4", "fig12", "fig16", "fig17", *ARGUMENTS)
     assert done.returncode == 0, done.stdout
@@ -150,7 +156,11 @@ def test_closed_loop_logs_that_are_there_make_table4_and_its_figures(smoked_copy
         for folder in ("mine", "smoke")
     )
     assert len(mine) == 24
+    assert set(mine.pop("source")) == {"rig"}
+    simulated.pop("source")
     pd.testing.assert_frame_equal(mine, simulated.loc[mine.index])
     page = (results / "mine/tables/table4.md").read_text()
     assert "No log of 1 of its runs: track_sine_0p2_pd_printed." in page
+    assert "Data: recorded on the rig." in page
+    assert "simulated" not in page
     assert (results / "mine/figures/fig17_disturbance.pdf").stat().st_size > 100

@@ -27,11 +27,20 @@ def test_profile_of_slurm_names_rules_that_there_are_and_groups_every_drawing(pr
         asked = project.snakemake("--list-rules", "--config", f"grids={{chunks: {chunks}}}")
         rules |= set(asked.stdout.split())
     profile = read_yaml(project.folder / "profiles/slurm/config.yaml")
-    threads, groups = (
-        dict(each.split("=") for each in profile[key]) for key in ("set-threads", "groups")
-    )
-    assert threads.keys() | profile["set-resources"].keys() | groups.keys() <= rules
+    groups = dict(each.split("=") for each in profile["groups"])
+    assert profile["set-resources"].keys() | groups.keys() <= rules
     assert {rule for rule in rules if rule.startswith("draw_")} <= groups.keys()
+    # which the rules obey, also in a job on a node with more cores
+    assert profile["max-threads"] == profile["cores"] == 8
+
+
+@pytest.mark.parametrize(
+    ("given", "workers"),
+    [(["8", "--max-threads", "8"], 5), (["64", "--max-threads", "8"], 5), (["8"], 4)],
+)
+def test_pool_has_a_process_for_twenty_cells_within_its_limit(project, given, workers):
+    planned = project.snakemake("--dry-run", "results/grids/taps.json", "--cores", *given)
+    assert f"Grid of taps, workers: {workers}" in planned.stdout
 
 
 def test_default_profile_is_read(project):

@@ -26,8 +26,8 @@ rule measure_benchmark:
         mem_mb=4000,
     params:
         **stage("benchmark.measure_benchmark", *MODELS),
-        models=PAPERS,
-        on_rig=ON_RIG,
+        models=paper_models(SETTINGS),
+        on_rig=on_rig(SETTINGS),
         tracking=SETTINGS["tracking"],
         sizes=SIZES,
         rounds=9,
@@ -46,7 +46,7 @@ rule measure_all:
         PATHS.messages("measure_all"),
     threads: workflow.cores
     params:
-        code=stage("benchmark.measure_benchmark", *MODELS)["code"],
+        code=code_of("benchmark.measure_benchmark", *MODELS),
     message:
         "Time of `all` compared with the same rules in plain implementations"
     shell:

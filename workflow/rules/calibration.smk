@@ -2,12 +2,18 @@
 
 ENSEMBLE = SETTINGS["ensemble"]
 TARGET_NAMES = ["command", "measured"]
-SURROGATE = {key: SETTINGS["calibration"][key] for key in ("stride", "esn_nodes")}
-DRAWN = {key: ENSEMBLE[key] for key in ("seed", "angle_deg", "p_o_swing_kpa")}
+SURROGATE = pick(SETTINGS["calibration"], "stride", "esn_nodes")
+DRAWN = pick(ENSEMBLE, "seed", "angle_deg", "p_o_swing_kpa")
 FREE = {"paths": SETTINGS["calibration"]["free"], "ranges": SETTINGS["calibration"]["ranges"]}
 CHUNKS = {
     first: list(range(first, min(first + ENSEMBLE["chunk"], ENSEMBLE["rigs"])))
     for first in range(0, ENSEMBLE["rigs"], ENSEMBLE["chunk"])
+}
+#: Rigs that can be named, beside the one of these results: their settings.
+RIGS = {
+    path.stem: from_files([path]).model_dump(mode="json", include={"rig", "fitted"})
+    for path in sorted(Path("config/rigs").glob("*.yaml"))
+    if path.stem != SETTINGS["fitted"]["name"]
 }
 CHUNK_FILES = [PATHS.below(f"ensemble/rigs_{first}.json") for first in CHUNKS]
 
@@ -21,12 +27,15 @@ rule fit_rig:
     log:
         PATHS.messages("fit_rig"),
     threads: workflow.cores
+    resources:
+        mem_mb=memory_of,
+        runtime=480,
     params:
         **stage("calibrate.calibrate", *MODELS, key="version"),
-        on_rig=ON_RIG,
-        judgement=judgement(seed=None) | {"models": PAPERS},
+        on_rig=on_rig(SETTINGS),
+        judgement=judgement(SETTINGS, without="seed", models=paper_models(SETTINGS)),
         calibration=SETTINGS["calibration"],
-        grids=grid_values("epsilon", "n_c"),
+        grids=pick(SETTINGS["grids"], "epsilon", "n_c"),
         tracking=SETTINGS["tracking"],
         workers=lambda wildcards, threads: threads,
         checkpoint=PATHS.below("calibration/search.partial.jsonl"),
@@ -46,10 +55,11 @@ rule ensemble_chunk:
         chunk="|".join(map(str, CHUNKS)),
     resources:
         mem_mb=2000,
+        runtime=120,  # grows with ensemble.chunk
     params:
         **stage("ensemble.judge_rigs", *MODELS, key="version"),
-        on_rig=ON_RIG,
-        judgement=judgement(seed=None) | {"models": PAPERS},
+        on_rig=on_rig(SETTINGS),
+        judgement=judgement(SETTINGS, without="seed", models=paper_models(SETTINGS)),
         tracking=SETTINGS["tracking"],
         numbers=lambda wildcards: CHUNKS[int(wildcards.chunk)],
         ensemble=DRAWN,
@@ -113,13 +123,16 @@ rule measure_sensitivity:
     log:
         PATHS.messages("measure_sensitivity"),
     threads: workflow.cores
+    resources:
+        mem_mb=memory_of,
+        runtime=240,
     params:
         **stage("ensemble.measure_sensitivity", *MODELS, key="version"),
-        on_rig=ON_RIG,
-        models=PAPERS,
+        on_rig=on_rig(SETTINGS),
+        models=paper_models(SETTINGS),
         paths=SETTINGS["calibration"]["free"],
         steps=ENSEMBLE["sensitivity_steps"],
-        seeds=EVALUATION["replicate_seeds"][:2],
+        seeds=SETTINGS["evaluation"]["replicate_seeds"][:2],
         surrogate=SURROGATE,
         workers=lambda wildcards, threads: threads,
         checkpoint=PATHS.below("calibration/sensitivity.partial.jsonl"),
@@ -140,6 +153,63 @@ rule sensitivity_table:
         **stage("tabulate.tabulate_sensitivity"),
     message:
         "Sensitivity: table"
+    script:
+        "../scripts/stage.py"
+
+
+rule replicate_on_rig:
+    output:
+        compared=PATHS.below("rigs/{rig}/models_{seed}.json"),
+        cells=PATHS.below("rigs/{rig}/grids_{seed}.json"),
+        measures=PATHS.below("rigs/{rig}/control_{seed}.json"),
+    log:
+        PATHS.messages("replicate_on_rig_{rig}_{seed}"),
+    wildcard_constraints:
+        rig="|".join(RIGS) or "none",
+    resources:
+        mem_mb=2000,
+        runtime=60,
+    params:
+        **stage("replicate.replicate", *MODELS),
+        on_rig=lambda wildcards: on_rig(SETTINGS) | {"rig": RIGS[wildcards.rig]["rig"]},
+        judgement=lambda wildcards: judgement(
+            SETTINGS, models=paper_models(SETTINGS), seed=int(wildcards.seed)
+        ),
+        values=pick(SETTINGS["grids"], "epsilon", "n_c", "n_u", "n_y"),
+        tracking=SETTINGS["tracking"],
+    message:
+        "Rig {wildcards.rig}: tables, grids and closed loops with seed {wildcards.seed}"
+    script:
+        "../scripts/stage.py"
+
+
+def on_rigs(part):
+    """Return the reports of the further seeds: those of this rig, then those of each other one."""
+    return PLAN.replicates(part) + [
+        PATHS.below(f"rigs/{rig}/{part}_{seed}.json")
+        for rig in RIGS
+        for seed in EVALUATION["replicate_seeds"]
+    ]
+
+
+rule rigs_table:
+    input:
+        published=PUBLISHED,
+        models=on_rigs("models"),
+        grids=on_rigs("grids"),
+        controls=on_rigs("control"),
+    output:
+        **PATHS.table("rigs/rigs"),
+    log:
+        PATHS.messages("rigs_table"),
+    params:
+        **stage("rigs.compare_rigs"),
+        fitted={
+            each["name"]: each["to"]
+            for each in (SETTINGS["fitted"], *(rig["fitted"] for rig in RIGS.values()))
+        },
+    message:
+        "Rigs of config/rigs side by side"
     script:
         "../scripts/stage.py"
 
@@ -168,6 +238,7 @@ rule calibration_page:
         seeds=[path.replace(".md", ".csv") for path in PLAN.seeds_tables[:2]],
         pages=[
             PLAN.seeds_tables[2],
+            PATHS.below("rigs/rigs.md"),
             PATHS.below("ensemble/claims.md"),
             PATHS.below("calibration/sensitivity.md"),
             PATHS.below("calibration/targets.md"),
@@ -222,4 +293,13 @@ rule targets:
         PATHS.below("calibration/targets.md"),
         PLAN.replicates("models", TARGET_NAMES),
         PLAN.replicates("control", TARGET_NAMES),
+    localrule: True
+
+
+rule rigs:
+    input:
+        PATHS.below("rigs/rigs.md"),
+        on_rigs("models"),
+        on_rigs("grids"),
+        on_rigs("control"),
     localrule: True

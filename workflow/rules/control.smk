@@ -1,10 +1,6 @@
 # Sec. IV: closed-loop runs on the rig, each a raw log like any other.
 
-TRACKING = {
-    "control": SETTINGS["control"],
-    "rig": SETTINGS["rig"],
-    "seed": SETTINGS["seed"],
-}
+TRACKING = pick(SETTINGS, "control", "rig", "seed")
 
 
 if PLAN.on_simulated_rig:
@@ -19,7 +15,7 @@ if PLAN.on_simulated_rig:
         params:
             **TRACKING,
             **stage("track.identify_gain", "fprc"),
-            tracking=tracking_of("disturbance", "printed_gains", "candidate_kp_kpa_per_deg"),
+            tracking=tracking(SETTINGS, "disturbance", "printed_gains", "candidate_kp_kpa_per_deg"),
         message:
             "P gain with the least error on a reference outside Table IV"
         script:
@@ -36,13 +32,15 @@ if PLAN.on_simulated_rig:
         params:
             **TRACKING,
             **stage("track.track", *PLAN.feedforward),
-            tracking=lambda wildcards: tracking_of(
-                wildcards.reference, *(["pushes"] if wildcards.reference == "disturbance" else [])
+            tracking=lambda wildcards: tracking(
+                SETTINGS,
+                wildcards.reference,
+                *(["pushes"] if wildcards.reference == "disturbance" else []),
             ),
             reference="{reference}",
             names=PLAN.feedforward,
             controllers=PLAN.controllers,
-            classes={"others": SETTINGS["models"]["others"]},
+            classes=pick(SETTINGS["models"], "others"),
         message:
             "Closed loop: {wildcards.reference}"
         script:
@@ -59,7 +57,7 @@ elif PLAN.records:
             PATHS.messages("identify_gain_from_logs"),
         params:
             **stage("track.identify_gain_from_logs"),
-            tracking={"printed_gains": SETTINGS["tracking"]["printed_gains"]},
+            tracking=pick(SETTINGS["tracking"], "printed_gains"),
         message:
             "P gain with the least error in the logs of the candidates"
         script:

@@ -58,13 +58,13 @@ if SETTINGS["source"] == "rig":
             "../scripts/stage.py"
 
 
-if PLAN.driven:
+if PLAN.simulates_reservoir:
 
     rule add_reservoir:
         input:
             raw=PATHS.log("{experiment}"),
         output:
-            driven=PATHS.driven("{experiment}"),
+            extended=PATHS.with_reservoir("{experiment}"),
         log:
             PATHS.messages("add_reservoir_{experiment}"),
         params:
@@ -72,7 +72,7 @@ if PLAN.driven:
             experiment="{experiment}",
             sample_rate_hz=SETTINGS["control"]["sample_rate_hz"],
             rate_tolerance=SETTINGS["quality"]["rate_tolerance"],
-            zero_deg=EVALUATION["reservoir_zero_deg"],
+            zero_deg=SETTINGS["evaluation"]["reservoir_zero_deg"],
             control=SETTINGS["control"],
             rig=SETTINGS["rig"],
             seed=SETTINGS["seed"],
@@ -93,7 +93,7 @@ rule preprocess:
     params:
         **stage("preprocess.preprocess"),
         experiment="{experiment}",
-        target=EVALUATION["target"],
+        target=SETTINGS["evaluation"]["target"],
         sample_rate_hz=SETTINGS["control"]["sample_rate_hz"],
         limits=SETTINGS["quality"],
     message:

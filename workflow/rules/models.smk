@@ -18,9 +18,9 @@ rule judge:
         mem_mb=2000,
     params:
         name="{model}",
-        judgement=lambda wildcards: judgement(wildcards.model),
+        judgement=lambda wildcards: judgement(SETTINGS, wildcards.model),
         stage="judge.judge",
-        code=lambda wildcards: stage("judge.judge", wildcards.model)["code"],
+        code=lambda wildcards: code_of("judge.judge", wildcards.model),
     message:
         "Cross-validation and test of {wildcards.model}, also with the logs reversed"
     script:
@@ -37,11 +37,12 @@ rule replicate:
     priority: LONG
     resources:
         mem_mb=2000,
+        runtime=60,
     params:
         **stage("replicate.replicate", *PLAN.models),
-        on_rig=lambda wildcards: ON_RIG | {"target": wildcards.target},
-        judgement=lambda wildcards: judgement(seed=int(wildcards.seed)),
-        values=grid_values("epsilon", "n_c", "replicate_taps"),
+        on_rig=lambda wildcards: on_rig(SETTINGS, wildcards.target),
+        judgement=lambda wildcards: judgement(SETTINGS, seed=int(wildcards.seed)),
+        values=pick(SETTINGS["grids"], "epsilon", "n_c", "n_u", "n_y"),
         tracking=SETTINGS["tracking"],
     message:
         "Tables, grids and closed loops again with seed {wildcards.seed}"
@@ -65,8 +66,8 @@ rule measure_times:
         **stage("timing.measure_times", *PLAN.models),
         models=SETTINGS["models"],
         control=SETTINGS["control"],
-        tracking={key: SETTINGS["tracking"][key] for key in ("printed_gains", "pressure_limit_kpa")},
-        repeats=EVALUATION["timing_repeats"],
+        tracking=pick(SETTINGS["tracking"], "printed_gains", "pressure_limit_kpa"),
+        repeats=SETTINGS["evaluation"]["timing_repeats"],
         seed=SETTINGS["seed"],
     message:
         "Execution times, and the cost of a control step; runs alone"
@@ -83,7 +84,7 @@ rule weigh:
         PATHS.messages("weigh"),
     params:
         **stage("grid.weigh", "fprc"),
-        judgement=judgement("fprc"),
+        judgement=judgement(SETTINGS, "fprc"),
     message:
         "Weight contributions of the FPRC"
     script:
@@ -93,11 +94,12 @@ rule weigh:
 GRID = {
     "stage": "grid.judge_grid",
     "grid": "{grid}",
-    "values": lambda wildcards: grid_values(*GRID_SETTINGS[wildcards.grid]),
-    "judgement": judgement("fprc"),
+    "values": lambda wildcards: pick(SETTINGS["grids"], *GRID_SETTINGS[wildcards.grid]),
+    "judgement": judgement(SETTINGS, "fprc"),
     "workers": lambda wildcards, threads: threads,
-    "version": lambda wildcards: stage("grid.judge_grid", *GRID_MODELS[wildcards.grid])["code"],
+    "version": lambda wildcards: code_of("grid.judge_grid", *GRID_MODELS[wildcards.grid]),
 }
+
 
 if GRID_CHUNKS == 1:
 
@@ -111,7 +113,8 @@ if GRID_CHUNKS == 1:
         priority: LONG
         threads: workers_of
         resources:
-            mem_mb=2000,
+            mem_mb=memory_of,
+            runtime=60,
         params:
             **GRID,
             checkpoint=PATHS.below("grids/{grid}.partial.jsonl"),
@@ -134,7 +137,8 @@ else:
         priority: LONG
         threads: workers_of
         resources:
-            mem_mb=2000,
+            mem_mb=memory_of,
+            runtime=60,
         params:
             **GRID,
             chunk=lambda wildcards: int(wildcards.chunk),
@@ -174,9 +178,9 @@ rule measure_times_over_n_c:
         mem_mb=2000,
     params:
         **stage("timing.measure_times_over_n_c", *GRID_MODELS["n_c"]),
-        models=PAPERS,
+        models=paper_models(SETTINGS),
         values=SETTINGS["grids"]["n_c"],
-        repeats=EVALUATION["timing_repeats"],
+        repeats=SETTINGS["evaluation"]["timing_repeats"],
         seed=SETTINGS["seed"],
     message:
         "Execution times over n_c; runs alone"
@@ -192,15 +196,16 @@ rule measure_readout:
     log:
         PATHS.messages("measure_readout"),
     priority: LONG
-    # about as many cells: two splits and three readouts over each value
-    threads: workers_for(6 * sum(map(len, grid_values("epsilon", "replicate_taps").values())))
+    # approximate number of cells: two splits and three readouts over each value
+    threads: workers_for(6 * sum(len(SETTINGS["grids"][key]) for key in ("epsilon", "readout_taps")))
     resources:
-        mem_mb=2000,
+        mem_mb=memory_of,
+        runtime=60,
     params:
         **stage("readout.measure_readout", "fprc", "fuzzy_linear", key="version"),
-        judgement=judgement("fprc") | {"split": "that of the cell"},
+        judgement=judgement(SETTINGS, "fprc", without="split"),
         epsilon=SETTINGS["grids"]["epsilon"],
-        n_u=SETTINGS["grids"]["replicate_taps"],
+        n_u=SETTINGS["grids"]["readout_taps"],
         workers=lambda wildcards, threads: threads,
         checkpoint=PATHS.below("readout/cells.partial.jsonl"),
     message:

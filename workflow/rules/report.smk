@@ -9,7 +9,7 @@ rule list_unavailable:
         PATHS.messages("list_unavailable"),
     params:
         **stage("tabulate.tabulate_unavailable"),
-        reasons=PLAN.not_available,
+        reasons=PLAN.unavailable_results,
     message:
         "Results that the data do not allow, and why"
     script:
@@ -30,7 +30,7 @@ rule report_page:
             PATHS.below("report.html"),
             caption="../report/page.rst",
             category="The whole reproduction",
-            labels={"page": "report", "data": DATA},
+            labels={"page": "report", "data": PLAN.origin},
         ),
     log:
         PATHS.messages("report_page"),

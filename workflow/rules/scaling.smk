@@ -9,8 +9,8 @@ rule measure_scale:
     threads: workflow.cores
     params:
         **stage("benchmark.measure_scale", *MODELS),
-        on_rig=ON_RIG,
-        judgement=judgement(seed=None) | {"models": PAPERS},
+        on_rig=on_rig(SETTINGS),
+        judgement=judgement(SETTINGS, without="seed", models=paper_models(SETTINGS)),
         tracking=SETTINGS["tracking"],
         rigs=2,
         jobs=[100, 1000, 10000],

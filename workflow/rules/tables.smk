@@ -65,7 +65,7 @@ rule orders_table:
     params:
         **stage("tabulate.tabulate_orders"),
     message:
-        "Order of the models in Tables 2 and 3 on every seed"
+        "Order of the models in Tables II and III on every seed"
     script:
         "../scripts/stage.py"
 

@@ -22,7 +22,7 @@ RISE_S = 0.5
 VENT = -1e3
 #: Pressure limit during the check: with swapped hoses the loop fills a chamber it does not measure.
 HIGHEST_KPA = 3.0 * TEST_KPA
-#: Phases: name, setpoints of actuator and PAM A in kPa, duration in s. Nothing is written at rest.
+#: Phases: name, setpoints of actuator and PAM A in kPa, duration in s. At rest, valves stay vented.
 Phase = tuple[str, float, float, float]
 PHASES: tuple[Phase, ...] = (
     ("rest", VENT, VENT, 1.0),
@@ -31,42 +31,38 @@ PHASES: tuple[Phase, ...] = (
     ("PAM A filled", VENT, TEST_KPA, 2.0),
     ("PAM A vented", VENT, VENT, 2.0),
 )
+#: Least change of pressure in a chamber that was filled, and largest in one that was not.
 _MOVED_KPA = 0.5 * TEST_KPA
 _STILL_KPA = 0.2 * TEST_KPA
 _SENSORS = ("p_exp_kpa", "p_i_kpa", "p_o_kpa", "theta_deg", "phi_deg")
 
 
 def check_rig(settings: Mapping[str, Any], armed: bool, stop: Callable[[], str]) -> int:
-    """Read every sensor at rest; if armed, also fill and vent the chambers in turn.
+    """Read every sensor at rest; if armed, also fill and vent one chamber after the other.
 
-    Logs the readings and all problems.
-
-    Returns
-    -------
-    int
-        0 if there is no problem, else 1.
+    Logs the readings and all problems; returns 0 if there is no problem, else 1.
 
     Raises
     ------
     DeviceError
         Lists the parts that do not answer.
     """
-    control, hardware = settings["control"], _cautious(settings["hardware"])
+    control, hardware = settings["control"], _with_check_limits(settings["hardware"])
     period_s = 1.0 / control["sample_rate_hz"]
     phases = PHASES if armed else PHASES[:1]
     ends = np.cumsum([round(seconds / period_s) for *_, seconds in phases])
-    channels, late, trouble = _rest(hardware, period_s, int(ends[0]), stop)
+    channels, timing, trouble = _read_at_rest(hardware, period_s, int(ends[0]), stop)
     if armed and not trouble:  # never fill a rig that may not vent
         setpoints = _setpoints(phases[1:], ends - ends[0], period_s).tolist()
-        both = loops(control, hardware["valves"]["neutral_v"])
-        moved, late, trouble = _move(hardware, period_s, setpoints, both, stop)
+        pressure_loops = loops(control, hardware["valves"]["neutral_v"])
+        moved, timing, trouble = _fill_and_vent(hardware, period_s, setpoints, pressure_loops, stop)
         moved["time_s"] += ends[0] * period_s
         channels = {name: np.append(values, moved[name]) for name, values in channels.items()}
     lines, problems = describe(channels, ends * period_s, phases)
     lines.append(
-        f"loop: {late['ticks']} ticks, {late['overruns']} missed, lateness "
-        f"{1e3 * late['jitter_p50_s']:.3f} ms median, "
-        f"{1e3 * late['jitter_max_s']:.3f} ms maximum"
+        f"loop: {timing['ticks']} ticks, {timing['overruns']} missed, lateness "
+        f"{1e3 * timing['jitter_p50_s']:.3f} ms median, "
+        f"{1e3 * timing['jitter_max_s']:.3f} ms maximum"
     )
     if not armed:
         lines.append("valves: kept vented; --armed fills and vents each chamber in turn")
@@ -77,12 +73,12 @@ def check_rig(settings: Mapping[str, Any], armed: bool, stop: Callable[[], str])
     return 1 if trouble else 0
 
 
-def _rest(
+def _read_at_rest(
     hardware: Mapping[str, Any], period_s: float, samples: int, stop: Callable[[], str]
 ) -> tuple[dict[str, np.ndarray], dict[str, float], list[str]]:
     """Return the readings at rest, the lateness of the loop, and errors of closing the rig."""
     readings: list[Readings] = []
-    late, trouble = {}, []
+    timing, trouble = {}, []
     try:
         with rig(hardware, period_s) as (device, clock):
             for k in range(samples):
@@ -91,23 +87,23 @@ def _rest(
                 readings.append(device.read())
                 if reason := stop():
                     raise ControlError(reason)
-            late = clock.statistics()
+            timing = clock.statistics()
     except DeviceError as error:
-        if not late:
+        if not timing:
             raise
         trouble.append(str(error))
-    return dict(zip(Readings._fields, np.array(readings).T, strict=True)), late, trouble
+    return dict(zip(Readings._fields, np.array(readings).T, strict=True)), timing, trouble
 
 
-def _move(
+def _fill_and_vent(
     hardware: Mapping[str, Any],
     period_s: float,
     setpoints: list[list[float]],
-    both: Mapping[str, Any],
+    pressure_loops: Mapping[str, Any],
     stop: Callable[[], str],
 ) -> tuple[dict[str, np.ndarray], dict[str, float], list[str]]:
     """Follow setpoints; return the channels, the lateness of the loop, and the errors."""
-    late, trouble = {}, []
+    timing, trouble = {}, []
 
     def law(k: int, now: Readings) -> list[float]:
         sign(ALIVE)
@@ -116,16 +112,16 @@ def _move(
     try:
         with rig(hardware, period_s) as (device, clock):
             try:
-                moved = run(device, clock, law, len(setpoints), **both, stop=stop)
+                moved = run(device, clock, law, len(setpoints), **pressure_loops, stop=stop)
             except RunAbortedError as stopped:
                 moved = stopped.channels
                 trouble.append(f"stopped: {stopped}")
-            late = clock.statistics()
+            timing = clock.statistics()
     except DeviceError as error:
-        if not late:
+        if not timing:
             raise
         trouble.append(str(error))
-    return moved, late, trouble
+    return moved, timing, trouble
 
 
 def _setpoints(phases: Sequence[Phase], bounds: np.ndarray, period_s: float) -> np.ndarray:
@@ -137,8 +133,8 @@ def _setpoints(phases: Sequence[Phase], bounds: np.ndarray, period_s: float) -> 
     return setpoints
 
 
-def _cautious(hardware: Mapping[str, Any]) -> dict[str, Any]:
-    """Adapt the limits to a check: an empty PAM B is allowed, pressures are capped."""
+def _with_check_limits(hardware: Mapping[str, Any]) -> dict[str, Any]:
+    """Adapt the limits to a check: allow an empty PAM B, lower the highest pressures."""
     limits = dict(hardware["limits"])
     for name in ("p_exp_kpa", "p_i_kpa"):
         low, high = limits[name]
@@ -151,7 +147,7 @@ def _cautious(hardware: Mapping[str, Any]) -> dict[str, Any]:
 def describe(
     channels: Mapping[str, np.ndarray], ends_s: np.ndarray, phases: Sequence[Phase] = PHASES
 ) -> tuple[list[str], list[str]]:
-    """Summarise the sensors in each phase, and list the problems.
+    """Return a table of the sensors in each phase, as lines, and the problems.
 
     Parameters
     ----------
@@ -159,10 +155,6 @@ def describe(
         Channels of the run; shorter than the phases if it was stopped.
     ends_s : ndarray
         End of each phase.
-
-    Returns
-    -------
-    lines, trouble : list of str
     """
     time_s = channels["time_s"]
     begins_s = np.concatenate([[0.0], ends_s[:-1]])
@@ -173,16 +165,16 @@ def describe(
         within = time_s[(time_s >= begin_s) & (time_s < end_s)]
         if not within.size:
             break
-        # second half of the phase, when the chamber has settled
+        # only the second half of the phase, when the chamber has settled
         judged = (time_s >= 0.5 * (begin_s + within[-1])) & (time_s <= within[-1])
         values = {name: channels[name][judged] for name in sensors}
         settled[phase] = {name: float(v.mean()) for name, v in values.items()}
         cells = [f"{v.mean():.2f} +- {v.std():.2f}" for v in values.values()]
         lines.append(f"{phase:16}" + "".join(f"{cell:>18}" for cell in cells))
-    return lines, [*_at_rest(settled.get("rest", {})), *_moved(settled)]
+    return lines, [*_problems_at_rest(settled.get("rest", {})), *_problems_of_filling(settled)]
 
 
-def _at_rest(rest: Mapping[str, float]) -> list[str]:
+def _problems_at_rest(rest: Mapping[str, float]) -> list[str]:
     problems = []
     for name, what in (("p_exp_kpa", "actuator"), ("p_i_kpa", "PAM A")):
         if abs(rest.get(name, 0.0)) > 15.0:
@@ -203,7 +195,7 @@ def _at_rest(rest: Mapping[str, float]) -> list[str]:
     return problems
 
 
-def _moved(settled: Mapping[str, Mapping[str, float]]) -> list[str]:
+def _problems_of_filling(settled: Mapping[str, Mapping[str, float]]) -> list[str]:
     problems, before = [], settled.get("rest", {})
     pairs = (
         ("actuator", "p_exp_kpa", "p_i_kpa", "main_output"),

@@ -19,7 +19,7 @@ from contextlib import contextmanager, suppress
 from io import BufferedReader
 from typing import IO, Any
 
-from fprc.devices.locks import describe, locked
+from fprc.devices.locks import locked, write_holder
 from fprc.devices.pneumatics import NotVentedError, board_names, not_vented, vent_from_outside
 from fprc.errors import ControlError
 
@@ -65,7 +65,7 @@ def _guard(request: Mapping[str, Any], hardware: Mapping[str, Any], locks: Seque
         start_new_session=True,
         pass_fds=locks,
     )
-    describe(locks, f" (drives the rig by process {process.pid})")
+    write_holder(locks, f" (drives the rig by process {process.pid})")
     signs: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     threading.Thread(target=_listen, args=(process, signs), daemon=True).start()
     with _forwarding_signals(process) as received:
@@ -125,7 +125,7 @@ def _beating(process: _Process) -> Callable[[], None]:
 def _watch(signs: queue.SimpleQueue[bytes], beat: Callable[[], None], stalled_s: float) -> str:
     """Wait for the end of the process; return ``safe``, ``gone`` or ``silent``.
 
-    Silence counts only between ``HOT`` and ``SAFE``; otherwise nothing moves. It is counted in
+    Silence counts only between ``HOT`` and ``SAFE``, when something may move. It is counted in
     timeouts rather than by a clock, so that a guardian that was itself suspended first reads the
     signs that arrived meanwhile.
     """

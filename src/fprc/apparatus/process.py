@@ -17,7 +17,7 @@ from typing import Any
 
 from fprc.apparatus.check import check_rig
 from fprc.apparatus.guardian import ALIVE
-from fprc.apparatus.programme import plan
+from fprc.apparatus.programme import Experiment, plan
 from fprc.apparatus.session import Stop, keep_signs_apart, loops, rig, sign
 from fprc.control import RunAbortedError, run
 from fprc.errors import DeviceError, FprcError, LogError
@@ -77,40 +77,16 @@ def record(
     """
     if Path(raw).exists():
         raise LogError(f"{raw}: exists and is not overwritten; move it away to record another")
-    hardware, control = settings["hardware"], settings["control"]
-    period_s = 1.0 / control["sample_rate_hz"]
     experiment = plan(name, settings, model, gains)
     stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
     path = Path(raw).with_suffix(f".{stamp}.journal")
     with Journal.create(path, experiment.channels, experiment.attributes) as journal:
-        stopped, statistics, vented = None, {}, ""
-        try:
-            with rig(hardware, period_s) as (device, clock):
-                _announce(name, experiment.samples * period_s, experiment.hint)
-                try:
-                    run(
-                        device,
-                        clock,
-                        experiment.law,
-                        experiment.samples,
-                        **loops(control, hardware["valves"]["neutral_v"]),
-                        extra=experiment.channels[len(RAW_CHANNELS) :],
-                        progress=_Progress(experiment.samples, period_s),
-                        keep=journal.append,
-                        stop=stop,
-                    )
-                except RunAbortedError as error:
-                    stopped = error
-                statistics = clock.statistics()
-            vented = "both chambers are vented, as their sensors show; "
-        except DeviceError as error:
-            if not statistics:  # the run did not start
-                raise
-            stopped = _add(stopped, error)
+        stopped, vented, statistics = _drive(name, experiment, settings, journal, stop)
         journal.close(complete=stopped is None, reason=str(stopped or ""), **statistics)
     if stopped:
+        shown = "both chambers are vented, as their sensors show; " if vented else ""
         raise RunAbortedError(
-            f"{stopped}\n{vented}{journal.samples} samples are in {path}, copy them with: "
+            f"{stopped}\n{shown}{journal.samples} samples are in {path}, copy them with: "
             f"fprc log repair {path} --out {Path(raw).with_suffix('.aborted.h5')}",
             stopped.channels,
         ) from stopped
@@ -127,16 +103,53 @@ def record(
     )
 
 
-def _add(stopped: RunAbortedError | None, closing: DeviceError) -> RunAbortedError:
-    """Combine the error that stopped a run with the error of closing the rig."""
-    why = f"{stopped}\n" if stopped else "the samples are complete, but the rig was not closed: "
-    return RunAbortedError(f"{why}{closing}", stopped.channels if stopped else {})
+def _drive(
+    name: str,
+    experiment: Experiment,
+    settings: Mapping[str, Any],
+    journal: Journal,
+    stop: Callable[[], str],
+) -> tuple[RunAbortedError | None, bool, dict[str, float]]:
+    """Run the experiment; return what stopped it, whether the rig is vented, and clock statistics.
 
-
-def _announce(name: str, seconds: float, hint: str) -> None:
-    log.info("%s starts, %.0f s; Ctrl-C stops it and vents", name, seconds)
-    if hint:
-        log.info("%s", hint)
+    Raises
+    ------
+    DeviceError
+        The run did not start.
+    """
+    hardware, control = settings["hardware"], settings["control"]
+    period_s = 1.0 / control["sample_rate_hz"]
+    stopped, statistics = None, {}
+    try:
+        with rig(hardware, period_s) as (device, clock):
+            seconds = experiment.samples * period_s
+            log.info("%s starts, %.0f s; Ctrl-C stops it and vents", name, seconds)
+            if experiment.hint:
+                log.info("%s", experiment.hint)
+            try:
+                run(
+                    device,
+                    clock,
+                    experiment.law,
+                    experiment.samples,
+                    **loops(control, hardware["valves"]["neutral_v"]),
+                    extra=experiment.channels[len(RAW_CHANNELS) :],
+                    progress=_Progress(experiment.samples, period_s),
+                    keep=journal.append,
+                    stop=stop,
+                )
+            except RunAbortedError as error:
+                stopped = error
+            statistics = clock.statistics()
+    except DeviceError as closing:
+        if not statistics:
+            raise
+        why = (
+            f"{stopped}\n" if stopped else "the samples are complete, but the rig was not closed: "
+        )
+        aborted = RunAbortedError(f"{why}{closing}", stopped.channels if stopped else {})
+        return aborted, False, statistics
+    return stopped, True, statistics
 
 
 class _Progress:

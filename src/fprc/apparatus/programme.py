@@ -18,27 +18,13 @@ _IDENTIFY = "identify_"
 
 
 class Experiment(NamedTuple):
-    """Experiment on the rig.
+    """Experiment on the rig, with channels and attributes of its log."""
 
-    Attributes
-    ----------
-    law : Law
-        See ``fprc.control.run``.
-    samples : int
-        Duration in samples.
-    channels : tuple of str
-        Channels of the log.
-    attributes : dict
-        Attributes of the log.
-    hint : str
-        Instruction for the user at the rig.
-    """
-
-    law: Law
+    law: Law  #: see ``fprc.control.run``
     samples: int
     channels: tuple[str, ...]
     attributes: dict[str, Any]
-    hint: str = ""
+    hint: str = ""  #: instruction for the user at the rig
 
 
 def names(settings: Mapping[str, Any]) -> list[str]:
@@ -48,9 +34,9 @@ def names(settings: Mapping[str, Any]) -> list[str]:
         *EXPERIMENTS,
         *(f"{_IDENTIFY}{kp:g}" for kp in tracking["candidate_kp_kpa_per_deg"]),
         *(
-            run_log(reference, one)
+            run_log(reference, controller)
             for reference in tracking["references"]
-            for one in controllers(settings["models"])
+            for controller in controllers(settings["models"])
         ),
     ]
 
@@ -100,20 +86,20 @@ def plan(name: str, settings: Mapping[str, Any], model: str = "", gains: str = "
     theta_d = bench.reference(reference)
     kind, gain = controller_and_gain(controller)
     outside = outside_class(model_of_run(name), settings["models"])
-    fitted = None if kind == "pd" else _warm(model, outside)
+    fitted = None if kind == "pd" else _load_and_step(model, outside)
     law = bench.law(theta_d, fitted, known_gains.get(gain))
     attributes = bench.describe(reference, controller, known_gains) | {"experiment": name}
     return Experiment(
         law,
         len(theta_d),
         (*RAW_CHANNELS, *TRACKING_CHANNELS),
-        _of_rig(attributes, settings),
+        _with_hardware(attributes, settings),
         hint,
     )
 
 
-def _warm(path: str, outside: Collection[type]) -> SequenceModel:
-    """Load a model and run one step, so that the first tick compiles nothing."""
+def _load_and_step(path: str, outside: Collection[type]) -> SequenceModel:
+    """Load a model and run one step, so that no code is compiled at the first tick."""
     model = load_model(path, outside)
     model.step((0.0,) * model.n_features_in_)
     return model
@@ -130,9 +116,9 @@ def _hysteresis(name: str, settings: Mapping[str, Any]) -> Experiment:
         "software": f"fprc {__version__}",
         "rig": {"control": control, "signal": signal},
     }
-    return Experiment(law, len(p_exp_kpa), RAW_CHANNELS, _of_rig(attributes, settings))
+    return Experiment(law, len(p_exp_kpa), RAW_CHANNELS, _with_hardware(attributes, settings))
 
 
-def _of_rig(attributes: dict[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
+def _with_hardware(attributes: dict[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
     rig = {"hardware": settings["hardware"], **attributes["rig"]}
     return attributes | {"source": "rig", "rig": rig}

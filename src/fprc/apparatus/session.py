@@ -14,7 +14,7 @@ from fprc.control import PressurePI
 from fprc.control.clock import Metronome
 from fprc.control.realtime import request_realtime
 from fprc.devices.hardware import HardwareRig
-from fprc.devices.safety import Guarded
+from fprc.devices.safety import CheckedRig
 from fprc.errors import DeviceError, FprcError
 
 log = logging.getLogger("fprc.rig")
@@ -25,7 +25,7 @@ _SUSPENDED_S = 0.1
 
 
 @contextmanager
-def rig(hardware: Mapping[str, Any], period_s: float) -> Iterator[tuple[Guarded, Metronome]]:
+def rig(hardware: Mapping[str, Any], period_s: float) -> Iterator[tuple[CheckedRig, Metronome]]:
     """Open the real rig with its safety limits and clock; make it safe and release it at the end.
 
     Raises
@@ -53,7 +53,7 @@ def rig(hardware: Mapping[str, Any], period_s: float) -> Iterator[tuple[Guarded,
         sign(SAFE)  # nothing was moved
         raise
     with _closing(opened):
-        yield Guarded(opened, limits, period_s, phi=bool(hardware["phi"])), clock
+        yield CheckedRig(opened, limits, period_s, phi=bool(hardware["phi"])), clock
 
 
 @contextmanager

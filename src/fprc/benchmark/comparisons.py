@@ -20,7 +20,6 @@ from fprc.registry import build
 
 log = logging.getLogger(__name__)
 
-
 #: Tolerance at which scikit-fuzzy comes close enough to the optimum to be compared; at the
 #: tolerance of its documentation the objective is 1e-7 higher.
 TIGHT = 5e-4
@@ -39,15 +38,16 @@ class Comparison(NamedTuple):
     samples: int = 0  #: samples of the work, to report the time per sample; 0: report the total
 
 
-def compare(each: Comparison, rounds: int) -> dict[str, Any]:
-    """Time both in turns if their results agree; else give no times."""
-    difference = float(each.difference(each.ours(), each.theirs()))
-    agrees = difference <= each.limit
-    work = {"ours": each.ours, "theirs": each.theirs}
-    seconds = interleaved(work, rounds) if agrees else {"ours": [], "theirs": []}
-    log.info("%s, against %s: differ by %.1e", each.work, each.against, difference)
+def compare(comparison: Comparison, rounds: int) -> dict[str, Any]:
+    """Time both sides alternately if their results agree; else give no times."""
+    work, against, _, ours, theirs, difference_of, limit, _ = comparison
+    difference = float(difference_of(ours(), theirs()))
+    agrees = difference <= limit
+    sides = {"ours": ours, "theirs": theirs}
+    seconds = interleaved(sides, rounds) if agrees else {"ours": [], "theirs": []}
+    log.info("%s, against %s: differ by %.1e", work, against, difference)
     fields = ("work", "against", "aim", "limit", "samples")
-    named = {field: getattr(each, field) for field in fields}
+    named = {field: getattr(comparison, field) for field in fields}
     return {**named, "difference": difference, "agrees": agrees, "seconds": seconds}
 
 
@@ -82,17 +82,17 @@ def network_comparisons(
     ours = of_both(our_states)
     return [
         Comparison(
-            name, "ReservoirPy", 5, ours, of_both(peers.reservoirpy_states), _a_step_apart, 1e-12
+            name, "ReservoirPy", 5, ours, of_both(peers.reservoirpy_states), _lagged, 1e-12
         ),
-        Comparison(name, "NumPy loop", 5, ours, of_both(peers.numpy_states), _apart, 1e-12),
+        Comparison(name, "NumPy loop", 5, ours, of_both(peers.numpy_states), _absolute, 1e-12),
         Comparison(
             f"{name}, float32", "ReservoirPy, float32", 5,
             of_both(single), of_both(partial(peers.reservoirpy_states, dtype=np.float32)),
-            _a_step_apart, 1e-4,
+            _lagged, 1e-4,
         ),
         Comparison(
             "ESN step in a control loop", "ReservoirPy's step", 2,
-            our_steps, lambda: peers.reservoirpy_steps(features, few), _apart, 1e-12,
+            our_steps, lambda: peers.reservoirpy_steps(features, few), _absolute, 1e-12,
             len(few),
         ),
         Comparison(
@@ -110,7 +110,7 @@ def network_comparisons(
 def fuzzy_comparisons(
     models: Mapping[str, Any], data: Data, taps: Sequence[int], seed: int
 ) -> list[Comparison]:
-    """Return comparisons of the FPRC: a step, the clustering, and some cells of the tap grid."""
+    """Return comparisons of the FPRC: a step, the clustering, and a few cells of the tap grid."""
     X, y = data.pair("fprc")
     model = build("fprc", models, seed).fit(X, y)
     rows = model.features_.transform(X)
@@ -158,16 +158,16 @@ def stepped(model: SequenceModel, X: np.ndarray) -> np.ndarray:
     return np.array([model.step(x) for x in X])
 
 
-def _apart(ours: Any, theirs: Any) -> float:
-    return max(np.abs(a - b).max() for a, b in zip(_each(ours), _each(theirs), strict=True))
+def _absolute(ours: Any, theirs: Any) -> float:
+    return max(np.abs(a - b).max() for a, b in zip(_as_list(ours), _as_list(theirs), strict=True))
 
 
-def _a_step_apart(ours: list[np.ndarray], theirs: list[np.ndarray]) -> float:
-    """Compare x(k) with x(k+1), which ReservoirPy returns for sample k."""
-    return _apart([states[1:] for states in ours], [states[:-1] for states in theirs])
+def _lagged(ours: list[np.ndarray], theirs: list[np.ndarray]) -> float:
+    """Compare x(k+1): our row k + 1, and ReservoirPy's output for sample k."""
+    return _absolute([states[1:] for states in ours], [states[:-1] for states in theirs])
 
 
-def _each(result: Any) -> list[np.ndarray]:
+def _as_list(result: Any) -> list[np.ndarray]:
     return result if isinstance(result, list) else [np.ravel(result)]
 
 

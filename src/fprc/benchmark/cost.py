@@ -1,6 +1,6 @@
 """Processor time of a rig, a cell of a grid, a closed-loop second and a job.
 
-Other programs on the machine hardly change processor time.
+Processor time hardly depends on other programs on the machine.
 """
 
 import json
@@ -26,8 +26,7 @@ from fprc.registry import build
 
 log = logging.getLogger(__name__)
 
-#: Runs a command from a small process: Linux counts the memory of the parent in the peak of its
-#: child.
+#: Runs a command from a small process: Linux includes the parent's memory in the child's peak.
 _WATCH = """
 import json, resource, subprocess, sys, time
 start = time.monotonic()
@@ -102,15 +101,13 @@ def costs(
     }
 
 
-def plan_ensemble(
-    jobs: int, *, alone: bool = False, snakefile: str = "Snakefile"
-) -> dict[str, float]:
+def plan_ensemble(jobs: int, *, alone: bool = False) -> dict[str, float]:
     """Let Snakemake plan an ensemble of ``jobs`` jobs, one rig each; return the time and memory.
 
     Parameters
     ----------
     alone : bool
-        Plan only one of the jobs, as every job does on its node.
+        Plan only one of the jobs, as each job does on its node.
 
     Raises
     ------
@@ -119,7 +116,7 @@ def plan_ensemble(
     """
     wanted = 1 if alone else jobs
     with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "snakemake", "--snakefile", snakefile, "--dry-run"]
+        command = [sys.executable, "-m", "snakemake", "--dry-run"]
         command += ["--quiet", "rules", "--cores", "1", "--nolock"]
         command += [f"{folder}/ensemble/rigs_0.json" if alone else "ensemble", "--config"]
         command += [f"ensemble={{rigs: {jobs}, chunk: 1}}"]

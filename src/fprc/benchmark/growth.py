@@ -40,9 +40,9 @@ def growth(
     judge = partial(judge_cell, train=data[0], test=data[1], judgement=how)
 
     def states(r: int) -> Callable[[], object]:
-        # the circle law gives the spectral radius without the eigenvalues
+        # scaled by the circular law, which needs no eigenvalues
         W_r = rng.standard_normal((r, r)) * (models["esn"]["rho"] / np.sqrt(r))
-        W_r = W_r.astype(np.float32).astype(float)  # as the ESN's own
+        W_r = W_r.astype(np.float32).astype(float)  # rounded, as the ESN's
         w_in = models["esn"]["f_input"] * rng.standard_normal((r, 1))
         return lambda: echo_states(theta, w_in, W_r, models["esn"]["gamma"])
 
@@ -51,7 +51,7 @@ def growth(
         return lambda: fuzzy_c_means(part, clusters, random_state=seed)
 
     def cells(count: int, workers: int = 1) -> Callable[[], object]:
-        # the setting does not matter: all cells take the same work
+        # alpha does not matter: it only makes the cells different, and each takes the same time
         planned = [{"model": "fprc", "alpha": 1e-3 + 1e-9 * cell} for cell in range(count)]
         return lambda: _judged(judge, planned, workers)
 
@@ -73,11 +73,11 @@ def growth(
     for key, (name, make) in work.items():
         for size in sizes[key]:
             run = make(size)
-            # each worker has memory of its own, and judges a cell at a time
-            most_mb = size * peak_mb(cells(1)) if key == "workers" else peak_mb(run)
+            # each worker has its own memory, and judges one cell at a time
+            memory_mb = size * peak_mb(cells(1)) if key == "workers" else peak_mb(run)
             run()
             seconds = interleaved({"it": run}, rounds)["it"]
-            measured.append({"work": name, "size": size, "peak_mb": most_mb, "seconds": seconds})
+            measured.append({"work": name, "size": size, "peak_mb": memory_mb, "seconds": seconds})
             log.info("%s: %d", name, size)
     return measured
 
@@ -91,7 +91,7 @@ def _judged(
 
 
 def peak_mb(run: Callable[[], object]) -> float:
-    """Return the most memory that Python objects hold while something runs, MB."""
+    """Return the peak memory of Python objects during a call, MB."""
     tracemalloc.start()
     try:
         run()

@@ -1,4 +1,4 @@
-"""The same work by alternatives: ReservoirPy, scikit-fuzzy, plain NumPy."""
+"""The same computations with ReservoirPy, scikit-fuzzy and plain NumPy."""
 
 from collections.abc import Sequence
 from importlib.util import find_spec
@@ -35,7 +35,7 @@ def refuse_missing() -> None:
 def reservoirpy_network(
     features: EchoStates, X: np.ndarray, dtype: type = np.float64
 ) -> "Reservoir":
-    """Return ReservoirPy's network with the same weights, at 0; its leak is 1 - gamma."""
+    """Return ReservoirPy's network with the same weights, in state 0; its leak is 1 - gamma."""
     from reservoirpy.nodes import Reservoir
 
     network = Reservoir(
@@ -108,7 +108,7 @@ def skfuzzy_clusters(
 
 
 class SkfuzzyReadout(TakagiSugenoReadout):
-    """The fuzzy readout with its clusters by scikit-fuzzy."""
+    """The fuzzy readout with scikit-fuzzy's clustering."""
 
     def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
         """Cluster the rows, then fit each rule."""
@@ -125,7 +125,7 @@ class SkfuzzyReadout(TakagiSugenoReadout):
 def recomputed_folds(
     features: EchoStates, X: np.ndarray, y: np.ndarray, folds: Sequence[Fold], alpha: float
 ) -> list[float]:
-    """Return the ESN's validation errors, with states and normal equations anew for each fold."""
+    """Return the ESN's validation errors; states and normal equations are recomputed per fold."""
     errors = []
     for train, validation in folds:
         rows = np.hstack([taps(X[:, 0], features.n_y), numpy_states(features, X)])

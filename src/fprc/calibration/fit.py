@@ -123,11 +123,11 @@ def fit_rig(
         "median_deviation": float(np.median(np.abs(list(after.values())))),
         "largest_deviation": float(np.max(np.abs(list(after.values())))),
         "terms": {name: float(np.sum(values**2)) for name, values in terms.items()},
-        "plausible": dict(aim.ranges),
         "properties": {
             name: float(np.mean([seed["properties"][name] for seed in judged]))
             for name in judged[0]["properties"]
         },
+        "plausible": dict(aim.ranges),
         "surrogate_ratios": ratios,
         "loss_at_start": _loss(_deviations(like, aim, ratios)),
         "loss": result.loss,

@@ -61,8 +61,7 @@ def calibrate_from_files(
             },
             judgement={
                 "models": settings["models"],
-                "folds": settings["evaluation"]["folds"],
-                "split": settings["evaluation"]["split"],
+                **{key: settings["evaluation"][key] for key in ("folds", "split", "purge_s")},
             },
             calibration=calibration,
             grids=settings["grids"],

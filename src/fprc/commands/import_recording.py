@@ -17,7 +17,7 @@ from fprc.escape import terminal, visible
 from fprc.figures import style
 from fprc.figures.diagnosis import draw_diagnosis
 from fprc.logs import read_columns, write_raw
-from fprc.logs.clock import likely, other_unit, refuse_length
+from fprc.logs.clock import likely_rate, other_unit, refuse_length
 from fprc.logs.columns import unit_of
 from fprc.logs.diagnosis import describe, diagnose
 from fprc.logs.gather import gather
@@ -27,15 +27,15 @@ from fprc.logs.sources import read_source
 from fprc.logs.variables import columns_of, pick
 from fprc.provenance import sha256
 
-#: Most lines on variables that cannot be channels.
-_MOST_OTHERS = 50
+#: Limit on listed variables that cannot be channels.
+_LISTED_OTHERS = 50
 
 
 def import_recording(source: str, map_file: str, raw: str) -> None:
     """Convert a foreign file to a raw log, diagnose it, and draw it.
 
     Writes ``*.diagnosis.json`` and ``*.diagnosis.png`` beside ``raw``: all three
-    or none. The diagnosis is of the recording before resampling.
+    or none. The diagnosis describes the recording before resampling.
 
     Raises
     ------
@@ -44,11 +44,11 @@ def import_recording(source: str, map_file: str, raw: str) -> None:
     LogError
         The file cannot be used with this map, or ``raw`` is a log that was not imported.
     """
-    mapping = checked_map(map_file, source, partial(_not_one_log, map_file))
+    mapping = checked_map(map_file, source, partial(_problems_of_two_logs, map_file))
     import_mapped(mapping, source, raw)
 
 
-def _not_one_log(map_file: str, mapping: ImportMap) -> list[str]:
+def _problems_of_two_logs(map_file: str, mapping: ImportMap) -> list[str]:
     if mapping.experiment is not None:
         return []
     return [
@@ -78,11 +78,11 @@ def checked_map(
     except ConfigError as error:
         problems = [str(error)]
     if problems:
-        raise ConfigError("\n".join([*problems, *_not_there(map_file, source)]))
+        raise ConfigError("\n".join([*problems, *_missing_columns(map_file, source)]))
     return mapping
 
 
-def _not_there(map_file: str, source: str) -> list[str]:
+def _missing_columns(map_file: str, source: str) -> list[str]:
     """Return an error text for each column of a map, valid or not, that the file lacks."""
     try:
         draft = read_draft(map_file)
@@ -104,7 +104,8 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
     """Import as ``import_recording`` does, with a map that was read before."""
     if Path(raw).suffix != ".h5":
         raise LogError(f"{raw}: a raw log's name ends in .h5; write --out {Path(raw).stem}.h5")
-    _refuse_to_overwrite(raw)
+    if Path(raw).exists() and read_columns(raw, ()).attributes.get("source") != "import":
+        raise LogError(f"{raw}: is a log that was not imported; choose another name for --out")
     columns = mapping.channels.model_dump(exclude_none=True)
     content = read_source(source, **mapping.csv.model_dump())
     time = mapping.time.model_dump()
@@ -113,11 +114,10 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
     )
     refuse_length(content, time, recording.clock, mapping.sample_rate_hz)
     units = {name: "" if spec["unit"] == "1" else unit_of(name) for name, spec in columns.items()}
-    diagnosis = diagnose(recording.time_s, recording.channels, recording.clock.mended)
-    words = describe(diagnosis, units)
-    doubt = mapping.time.column and other_unit(recording.clock, mapping.time.unit)
-    if doubt:
-        words.insert(1, f"clock: {doubt}")
+    diagnosis = diagnose(recording.time_s, recording.channels, recording.clock.corrections)
+    lines = describe(diagnosis, units)
+    if mapping.time.column and (hint := other_unit(recording.clock, mapping.time.unit)):
+        lines.insert(1, f"clock: {hint}")
     time_s, channels = resample(recording.time_s, recording.channels, mapping.sample_rate_hz)
     attributes: dict[str, Any] = {
         "experiment": mapping.experiment,
@@ -138,7 +138,7 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
         for name, spec in columns.items()
     }
     with replacing_all(f"{stem}.diagnosis.json", f"{stem}.diagnosis.png", raw) as (page, png, log):
-        file = {"source": Path(source).name, "log": Path(raw).name, "words": words}
+        file = {"source": Path(source).name, "log": Path(raw).name, "words": lines}
         write_json(page, file | diagnosis)
         fig = draw_diagnosis(
             recording.time_s, recording.channels, diagnosis, titles=titles, units=units
@@ -146,7 +146,7 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
         style.save_png(fig, {"source": "import"}, str(png))
         write_raw(log, {"time_s": time_s, **channels}, **attributes)
     same = all(np.array_equal(channels[name], recording.channels[name]) for name in channels)
-    _report(source, raw, mapping, diagnosis, words, len(time_s), same)
+    _report(source, raw, mapping, diagnosis, lines, len(time_s), same)
 
 
 def _notes(columns: dict[str, dict[str, Any]]) -> dict[str, str]:
@@ -159,17 +159,12 @@ def _notes(columns: dict[str, dict[str, Any]]) -> dict[str, str]:
     return notes
 
 
-def _refuse_to_overwrite(raw: str) -> None:
-    if Path(raw).exists() and read_columns(raw, ()).attributes.get("source") != "import":
-        raise LogError(f"{raw}: is a log that was not imported; choose another name for --out")
-
-
 def _report(
     source: str,
     raw: str,
     mapping: ImportMap,
     diagnosis: dict[str, Any],
-    words: list[str],
+    lines: list[str],
     samples: int,
     same: bool,
 ) -> None:
@@ -180,12 +175,12 @@ def _report(
         how = f"low-passed below {0.5 * rate_hz:g} Hz and resampled"
     else:
         how = "interpolated"
-    lines = [
+    page = [
         f"{source}:",
-        *(f"  {line}" for line in words),
+        *(f"  {line}" for line in lines),
         f"{raw}: {samples} samples at {rate_hz:g} Hz, {how}; beside it .diagnosis.json and .png",
     ]
-    print(terminal("\n".join(lines)))
+    print(terminal("\n".join(page)))
 
 
 def list_source(source: str, map_file: str | None = None) -> None:
@@ -205,14 +200,14 @@ def list_source(source: str, map_file: str | None = None) -> None:
     for name, values in columns.items():
         finite = values[np.isfinite(values)]
         low, high = (f"{v:.4g}" for v in (finite.min(), finite.max())) if finite.size else "--"
-        guess = _rate(values)
+        guess = _guess_rate(values)
         clocks += guess is not None
         remark = _remark(values, len(finite), guess)
         print(f"  {name:{width}}  {len(values):8}  {low:>10}  {high:>10}  {remark}".rstrip())
-    for name, why in islice(content.others.items(), _MOST_OTHERS):
+    for name, why in islice(content.others.items(), _LISTED_OTHERS):
         print(visible(f"  {name}: cannot be a channel: {why}"))
-    if len(content.others) > _MOST_OTHERS:
-        print(f"  {len(content.others) - _MOST_OTHERS} more cannot be channels")
+    if len(content.others) > _LISTED_OTHERS:
+        print(f"  {len(content.others) - _LISTED_OTHERS} more cannot be channels")
     if not clocks:
         print("no column looks like a clock; give time.rate_hz in the map")
 
@@ -226,7 +221,7 @@ def _remark(values: np.ndarray, finite: int, guess: tuple[float, str] | None) ->
     return "constant" if fresh == 0.0 else f"{fresh:.0%} new values" if fresh < 0.9 else ""
 
 
-def _rate(values: np.ndarray) -> tuple[float, str] | None:
+def _guess_rate(values: np.ndarray) -> tuple[float, str] | None:
     """Guess rate and unit of a column that increases evenly, as a clock does."""
     if len(values) < 3 or not np.isfinite(values).all():
         return None
@@ -234,4 +229,4 @@ def _rate(values: np.ndarray) -> tuple[float, str] | None:
     step = float(np.median(steps))
     if (steps < 0.0).any():  # repeated stamps are allowed
         return None
-    return likely(step) if (np.abs(steps - step) < 0.5 * step).mean() > 0.9 else None
+    return likely_rate(step) if (np.abs(steps - step) < 0.5 * step).mean() > 0.9 else None

@@ -15,7 +15,7 @@ from fprc.logs.quality import warnings
 from fprc.logs.recovery import Findings, Stretch, recover, refuse_existing
 from fprc.logs.salvage import salvage
 
-#: Exit codes; 1 if nothing can be read.
+#: Exit codes; 1: nothing can be read.
 WHOLE, SOME_LOST = 0, 3
 
 
@@ -62,42 +62,42 @@ def repair_log(source: str, raw: str) -> int:
     if Path(source).suffix == ".journal":
         findings = recover(source, raw)
         print(f"{raw}: {findings.samples} samples from {source}")
-        words = _words(findings)
+        messages = _losses(findings)
         whole = findings.closed and not (findings.lost or findings.misplaced)
     else:
         salvaged = salvage(source)
-        words = salvaged.words
-        whole = not words
+        messages = salvaged.messages
+        whole = not messages
         damage = {
             "complete": False,
-            "incomplete_reason": visible("; ".join(["damaged", *words])),
+            "incomplete_reason": visible("; ".join(["damaged", *messages])),
             "lost_samples": salvaged.lost,
         }
         write_columns(raw, salvaged.channels, salvaged.attributes | ({} if whole else damage))
         samples = len(next(iter(salvaged.channels.values())))
         print(f"{raw}: {samples} samples from {source}")
-    for line in [*words, "nothing is lost"] if whole else words:
+    for line in [*messages, "nothing is lost"] if whole else messages:
         print(f"  {visible(line)}")
     return WHOLE if whole else SOME_LOST
 
 
-def _words(findings: Findings) -> list[str]:
-    words = [_stretch(stretch) for stretch in findings.stretches]
+def _losses(findings: Findings) -> list[str]:
+    messages = [_lost_between(stretch) for stretch in findings.stretches]
     if findings.missed_ticks:
-        words.append(f"{findings.missed_ticks} ticks were missed by the loop; never acquired")
+        messages.append(f"{findings.missed_ticks} ticks were missed by the loop; never acquired")
     if findings.misplaced:
-        words.append(f"{findings.misplaced} samples out of order or repeated; sorted by tick")
+        messages.append(f"{findings.misplaced} samples out of order or repeated; sorted by tick")
     if not findings.closed:
-        words.append(
+        messages.append(
             f"the end mark is missing after {findings.last_s:.3f} s: the program was killed, or "
             "the power failed and up to a second more is lost"
         )
     elif not findings.complete:
-        words.append(f"incomplete: {findings.reason}")
-    return words
+        messages.append(f"incomplete: {findings.reason}")
+    return messages
 
 
-def _stretch(stretch: Stretch) -> str:
+def _lost_between(stretch: Stretch) -> str:
     count = f"{stretch.samples} samples lost" if stretch.samples > 1 else "1 sample lost"
     if stretch.from_s is None:
         return f"{count} before {stretch.to_s:.3f} s"

@@ -1,4 +1,4 @@
-"""`fprc readout`: report what the readout P_o of one recording is worth."""
+"""`fprc readout`: report how much the readout P_o of one recording improves FPRC."""
 
 import logging
 import os
@@ -22,8 +22,9 @@ from fprc.escape import TerminalFormatter, code
 from fprc.fingerprint import fingerprint
 from fprc.logs import read_columns
 from fprc.paper import SOURCES
+from fprc.plan.arguments import judgement
 from fprc.provenance import describe, sha256
-from fprc.registry import class_module, settings_of
+from fprc.registry import class_module
 from fprc.stages.draw import draw_readout
 from fprc.stages.preprocess import preprocess
 from fprc.stages.readout import measure_readout
@@ -70,36 +71,22 @@ def report_readout(
     """
     settings = from_files(config).model_dump(mode="json")
     simulated = settings["evaluation"]["reservoir"] == "simulated"
-    mapping = checked_map(map_file, source, partial(_no_parts, map_file, simulated=simulated))
+    mapping = checked_map(
+        map_file, source, partial(_problems_of_map, map_file, simulated=simulated)
+    )
     if workers is not None and workers < 1:
         raise ConfigError(f"--workers {workers}: must be 1 or more; omit it to use all processors")
     folder = Path(out or Path("results", Path(source).stem))
     _log_to_terminal()
-    data = {}
-    for experiment in PARTS:
-        raw = folder / "raw" / f"{experiment}.h5"
-        raw.parent.mkdir(parents=True, exist_ok=True)
-        import_mapped(mapping.part(experiment), source, str(raw))
-        if simulated:
-            raw = _with_reservoir(raw, folder / "reservoir", experiment, mapping, settings)
-        data[experiment] = str(folder / "data" / f"{experiment}.h5")
-        preprocess(
-            str(raw),
-            data[experiment],
-            str(folder / "quality" / f"{experiment}.json"),
-            experiment=experiment,
-            target=settings["evaluation"]["target"],
-            sample_rate_hz=mapping.sample_rate_hz,
-            limits=settings["quality"],
-        )
-    made = _judge(data, folder / "readout", settings, workers or len(os.sched_getaffinity(0)))
+    data = {name: _prepare(name, source, mapping, settings, folder) for name in PARTS}
+    results = _judge(data, folder / "readout", settings, workers or len(os.sched_getaffinity(0)))
     page = folder / "report.md"
-    write_text(page, _page(source, map_file, mapping, settings, folder, made))
+    write_text(page, _page(source, map_file, mapping, settings, folder, results))
     log.info("%s", page)
 
 
 def _log_to_terminal() -> None:
-    # fprc's messages only: Matplotlib logs a lot at this level
+    # only fprc's messages: Matplotlib logs a lot at this level
     ours = logging.getLogger("fprc")
     if not ours.handlers:
         handler = logging.StreamHandler()
@@ -108,26 +95,41 @@ def _log_to_terminal() -> None:
     ours.setLevel(logging.INFO)
 
 
-def _with_reservoir(
-    raw: Path, folder: Path, experiment: str, mapping: ImportMap, settings: Mapping[str, Any]
-) -> Path:
-    """Simulate the reservoir for a log; return the path of the extended log."""
-    driven = folder / raw.name
-    add_reservoir(
+def _prepare(
+    experiment: str, source: str, mapping: ImportMap, settings: Mapping[str, Any], folder: Path
+) -> str:
+    """Import one part of the recording and preprocess it; return the path of its data."""
+    raw = folder / "raw" / f"{experiment}.h5"
+    raw.parent.mkdir(parents=True, exist_ok=True)
+    import_mapped(mapping.part(experiment), source, str(raw))
+    if settings["evaluation"]["reservoir"] == "simulated":
+        driven = folder / "reservoir" / raw.name
+        add_reservoir(
+            str(raw),
+            str(driven),
+            experiment=experiment,
+            sample_rate_hz=mapping.sample_rate_hz,
+            rate_tolerance=settings["quality"]["rate_tolerance"],
+            zero_deg=settings["evaluation"]["reservoir_zero_deg"],
+            control=settings["control"],
+            rig=settings["rig"],
+            seed=settings["seed"],
+        )
+        raw = driven
+    data = str(folder / "data" / raw.name)
+    preprocess(
         str(raw),
-        str(driven),
+        data,
+        str(folder / "quality" / f"{experiment}.json"),
         experiment=experiment,
+        target=settings["evaluation"]["target"],
         sample_rate_hz=mapping.sample_rate_hz,
-        rate_tolerance=settings["quality"]["rate_tolerance"],
-        zero_deg=settings["evaluation"]["reservoir_zero_deg"],
-        control=settings["control"],
-        rig=settings["rig"],
-        seed=settings["seed"],
+        limits=settings["quality"],
     )
-    return driven
+    return data
 
 
-def _no_parts(path: str, mapping: ImportMap, *, simulated: bool) -> list[str]:
+def _problems_of_map(path: str, mapping: ImportMap, *, simulated: bool) -> list[str]:
     problems = []
     if mapping.test_from_s is None:
         problems.append(
@@ -148,20 +150,15 @@ def _judge(
     """Run the grid's cells, write table and figure, and return the cells' results."""
     folder.mkdir(parents=True, exist_ok=True)
     cells, png, pdf = (str(folder / name) for name in ("cells.json", "readout.png", "readout.pdf"))
-    grids, evaluation = settings["grids"], settings["evaluation"]
+    grids = settings["grids"]
     with threadpool_limits(1):
         measure_readout(
             data["sweep"],
             data["complex"],
             cells,
-            judgement={
-                "models": settings_of("fprc", settings["models"]),
-                "folds": evaluation["folds"],
-                "split": evaluation["split"],
-                "seed": settings["seed"],
-            },
+            judgement=judgement(settings, "fprc", without="split"),
             epsilon=grids["epsilon"],
-            n_u=grids["replicate_taps"],
+            n_u=grids["readout_taps"],
             workers=workers,
             checkpoint=str(folder / "cells.partial.jsonl"),
             version=fingerprint(
@@ -199,29 +196,29 @@ def _page(
     mapping: ImportMap,
     settings: Mapping[str, Any],
     folder: Path,
-    made: Mapping[str, Any],
+    results: Mapping[str, Any],
 ) -> str:
     """Return the report as Markdown, with links to the figures."""
-    table = tables.readout(made)
+    table = tables.readout(results)
     note, grid = (folder / "readout/readout.md").read_text(encoding="utf-8").split("\n\n", 1)
     rate_hz = mapping.sample_rate_hz
     lines = [
-        f"# Worth of the readout in {code(Path(source).name)}",
+        f"# Value of the readout in {code(Path(source).name)}",
         "",
         f"Recording: {code(source)}, SHA-256 `{sha256(source)[:16]}`; map: {code(map_file)}.",
-        f"Data: {SOURCES[made['source']]}; {rate_hz:g} samples per second; epsilon "
+        f"Data: {SOURCES[results['source']]}; {rate_hz:g} samples per second; epsilon "
         "and taps are in samples.",
         f"Trained before {mapping.test_from_s:g} s, tested after; models as in the paper"
-        f"{'' if _as_printed(settings) else ', except for the settings given'}. "
-        f"The models predict the {PREDICTED[made['target']]} P_exp.",
+        f"{'' if _has_default_models(settings) else ', except for the settings given'}. "
+        f"The models predict the {PREDICTED[results['target']]} P_exp.",
         "",
         "## Finding",
         "",
-        *(f"- {line}" for line in findings(table, made["own"])),
-        f"- {scale(folder / 'raw/sweep.h5', settings['models']['fprc']['sigma'])}",
+        *(f"- {line}" for line in findings(table, results["own"])),
+        f"- {compare_scales(folder / 'raw/sweep.h5', settings['models']['fprc']['sigma'])}",
         "",
-        "A low-pass of theta and a P_o shuffled in time are controls: the worth of P_o as a "
-        "memory is its gain over both. One recording does not show the spread of the test error.",
+        "Low-passed theta and P_o shuffled in time are controls: P_o helps as a memory only if it "
+        "beats both. One recording does not show the spread of the test error.",
         "",
         "## Table",
         "",
@@ -242,7 +239,7 @@ def _page(
     return "\n".join(lines) + "\n"
 
 
-def _as_printed(settings: Mapping[str, Any]) -> bool:
+def _has_default_models(settings: Mapping[str, Any]) -> bool:
     return settings["models"] == from_files([]).model_dump(mode="json")["models"]
 
 
@@ -280,8 +277,8 @@ def findings(table: pd.DataFrame, own: Mapping[str, float]) -> list[str]:
     return lines
 
 
-def scale(log: Path, sigma: float) -> str:
-    """Compare the spread of the inputs with the width of the memberships."""
+def compare_scales(log: Path, sigma: float) -> str:
+    """Return sentences that compare the spread of the inputs with the memberships' width."""
     names = ("theta_deg", "p_o_kpa")
     theta, p_o = (np.std(values) for values in read_columns(log, names).channels.values())
     return (

@@ -2,7 +2,6 @@
 
 import logging
 from collections.abc import Sequence
-from typing import Any
 
 from fprc.apparatus.guardian import guard
 from fprc.apparatus.programme import names, refuse_unknown
@@ -19,8 +18,8 @@ def check(files: Sequence[str], *, armed: bool) -> None:
     ControlError
         The check found a problem.
     """
-    _show_messages()
-    settings = _settings(files)
+    logging.basicConfig(level=logging.INFO, format="%(message)s")
+    settings = from_files(files).model_dump(mode="json")
     guard({"what": "check", "settings": settings, "armed": armed}, settings["hardware"])
 
 
@@ -42,8 +41,8 @@ def run_by_name(
     raw, model, gains : str, optional
         Log to write, fitted FPRC and gains; by default the workflow's files.
     """
-    _show_messages()
-    settings = _settings(files)
+    logging.basicConfig(level=logging.INFO, format="%(message)s")
+    settings = from_files(files).model_dump(mode="json")
     if name == "list":
         print("\n".join(names(settings)))
         return
@@ -57,11 +56,3 @@ def run_by_name(
         model=model or f"{results}/models/sweep_{model_of_run(name)}.h5",
         gains=gains or f"{results}/control/gains.json",
     )
-
-
-def _show_messages() -> None:
-    logging.basicConfig(level=logging.INFO, format="%(message)s")
-
-
-def _settings(files: Sequence[str]) -> dict[str, Any]:
-    return from_files(files).model_dump(mode="json")

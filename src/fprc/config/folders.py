@@ -1,4 +1,4 @@
-"""Folders for raw logs and results, and the checks that writing there does no harm."""
+"""Folders for raw logs and results; refuses those that would mix with other files."""
 
 import os
 from pathlib import PurePath
@@ -8,11 +8,11 @@ from pydantic import AfterValidator, Field, model_validator
 
 from fprc.config.section import Section
 
-#: The project's own folders, where no data may go; hidden folders are its own too.
-OWN = frozenset({"config", "docs", "profiles", "src", "tests", "workflow"})
+#: Folders of the project itself: no data may go there, nor into hidden folders.
+PROJECT_FOLDERS = frozenset({"config", "docs", "profiles", "src", "tests", "workflow"})
 
 #: Folders that the rules create in the results folder.
-MADE = frozenset(
+RESULT_FOLDERS = frozenset(
     {
         "benchmark", "calibration", "control", "crossval", "data", "ensemble", "figures", "logs",
         "models", "predictions", "quality", "readout", "replicates", "reservoir", "grids",
@@ -26,7 +26,7 @@ _LIMIT_PATH = 1000
 
 
 def _place(folder: str) -> tuple[str, ...]:
-    """Return the parts of a folder's path, relative to the working directory if outside of it."""
+    """Return the parts of a folder's path, relative to the working directory."""
     path = os.path.normpath(folder)
     if os.path.isabs(path) or path.startswith(".."):
         path = os.path.relpath(path)
@@ -56,10 +56,9 @@ def _faults(folder: str) -> list[str]:
     place = _place(folder)
     if set(place) <= {".."}:
         reasons.append("is the project's folder, or contains it")
-    elif place[0] in OWN or (place[0].startswith(".") and place[0] != ".."):
-        reasons.append(
-            f"is in {place[0]}; hidden folders and {', '.join(sorted(OWN))} are the project's own"
-        )
+    elif place[0] in PROJECT_FOLDERS or (place[0].startswith(".") and place[0] != ".."):
+        own = ", ".join(sorted(PROJECT_FOLDERS))
+        reasons.append(f"is in {place[0]}; hidden folders and {own} are the project's own")
     elif os.path.abspath(folder) == os.path.expanduser("~"):
         reasons.append("is your home folder")
     return reasons
@@ -100,7 +99,7 @@ class Folders(Section):
                 "both side by side"
             )
         below = raw[len(results) :] if raw[: len(results)] == results else ()
-        if below and below[0] in MADE:
+        if below and below[0] in RESULT_FOLDERS:
             raise ValueError(
                 f"raw = {self.raw} is a folder where rules write results; use {self.results}/raw"
             )

@@ -149,10 +149,10 @@ def read_map(path: Path | str) -> ImportMap:
 
 
 class Draft(NamedTuple):
-    """Parts of a map that can be compared with its file: columns by key, CSV format."""
+    """The parts of a map that can be compared with its file."""
 
-    columns: dict[str, str]
-    csv: dict[str, Any]
+    columns: dict[str, str]  #: by key of the map
+    csv: dict[str, Any]  #: format of the text
 
 
 def read_draft(path: Path | str) -> Draft:
@@ -173,9 +173,6 @@ def read_draft(path: Path | str) -> Draft:
     columns = {key: _as_text(_mapping(spec).get("column")) for key, spec in specs.items()}
     named = {key: column for key, column in columns.items() if isinstance(column, str)}
     return Draft(named, csv)
-
-
-# --- errors ---------------------------------------------------------------------------------
 
 
 def _contradictions(loaded: Mapping[str, Any]) -> Iterator[str]:
@@ -202,29 +199,29 @@ def _contradictions(loaded: Mapping[str, Any]) -> Iterator[str]:
             f"test_from_s = {test_from_s:g}; must lie between start_s = {start_s:g} and end_s = "
             f"{end_s:g}"
         )
-    yield from _of_time(loaded.get("time"))
-    yield from _of_channels(loaded.get("channels"))
+    yield from _contradictions_of_time(loaded.get("time"))
+    yield from _contradictions_of_channels(loaded.get("channels"))
 
 
-def _of_time(time: Any) -> Iterator[str]:
+def _contradictions_of_time(time: Any) -> Iterator[str]:
     if not isinstance(time, dict):
         return
     given = {key for key, value in time.items() if value is not None}
-    both = {"column", "rate_hz"} & given
-    if len(both) == 2 or (not both and given <= set(Time.model_fields)):
+    clocks = {"column", "rate_hz"} & given
+    if len(clocks) == 2 or (not clocks and given <= set(Time.model_fields)):
         yield "time: give either column (with its unit) or rate_hz"
-    elif both == {"rate_hz"}:
+    elif clocks == {"rate_hz"}:
         for key in ("unit", "repeated", "unordered"):
             if key in given:
                 yield f"time: {key} belongs to a column; remove it beside rate_hz"
 
 
-def _of_channels(channels: Any) -> Iterator[str]:
+def _contradictions_of_channels(channels: Any) -> Iterator[str]:
     if not isinstance(channels, dict):
         return
     targets = [channels.get(name) for name in ("p_exp_kpa", "p_exp_command_kpa")]
     if targets == [None, None] and set(channels) <= set(Channels.model_fields):
-        yield ("channels: p_exp_kpa or p_exp_command_kpa is missing; the models predict it")
+        yield "channels: p_exp_kpa or p_exp_command_kpa is missing; the models predict it"
     for name, spec in channels.items():
         if _as_text(_mapping(spec).get("unit")) == "1" and not spec.get("note"):
             yield (
@@ -263,7 +260,7 @@ def _line(item: Mapping[str, Any]) -> str:
 
 
 def _suggestion(text: str, expected: str) -> str:
-    """Return a hint with the word nearest to a wrong one, of those in pydantic's message."""
+    """Return a hint: the valid word, from pydantic's message, that is nearest to a wrong one."""
     words = {word.lower(): word for word in re.findall(r"'([^']+)'", expected)}
     near = difflib.get_close_matches(text.lower(), words, n=1, cutoff=0.5)
     return f"; did you mean {words[near[0]]}?" if near else ""

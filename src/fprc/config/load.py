@@ -131,7 +131,11 @@ def _merge(into: dict[str, Any], other: Mapping[str, Any]) -> None:
 
 
 #: Keys and values of earlier versions, with their new names.
-_RENAMED = {"sweeps": "grids", "source = hardware": "rig"}
+_RENAMED = {
+    "sweeps": "grids",
+    "grids.replicate_taps": "grids.readout_taps",
+    "source = hardware": "rig",
+}
 
 
 def _line(item: Mapping[str, Any]) -> str:

@@ -172,6 +172,9 @@ class Evaluation(Section):
         "shuffled", description="rows of a fold: at random, as the printed spread implies, or "
         "contiguous, which keeps neighbours in time out of the validation"
     )  # fmt: skip
+    purge_s: float = quantity(
+        2.0, "s", (0, 60), "time on each side of a contiguous fold that does not train"
+    )
     target: Literal["command", "measured"] = Field(
         "command", description="P_exp that the models learn: commanded or measured pressure"
     )
@@ -185,7 +188,7 @@ class Evaluation(Section):
     )
     timing_repeats: int = quantity(10, "-", (1, 100), "repeats of the timing", "paper, Sec. III-D")
     replicate_seeds: tuple[Annotated[int, within(0, 2**31)], ...] = Field(
-        (301, 302, 303, 304, 305),
+        (501, 502, 503, 504, 505, 506, 507, 508, 509, 510),
         min_length=2,
         description="seeds of further rigs, on which tables, grids and runs are repeated",
     )
@@ -213,14 +216,15 @@ class Grids(Section):
     n_y: tuple[Annotated[int, within(1, 100)], ...] = quantities(
         tuple(range(1, 11)), "samples", (1, 100), "taps of theta_d", "paper, Fig. 11"
     )
-    replicate_taps: tuple[Annotated[int, within(1, 100)], ...] = quantities(
-        (1, 3, 5, 8, 10), "samples", (1, 100), "both taps, on the further seeds", "assumed"
-    )
+    readout_taps: tuple[Annotated[int, within(1, 100)], ...] = quantities(
+        (1, 3, 5, 8, 10), "samples", (1, 100), "taps of P_o in the controls of the readout",
+        "assumed",
+    )  # fmt: skip
     chunks: int = quantity(
         1, "-", (1, 100), "jobs per grid; jobs beyond its number of cells are idle"
     )
 
-    @field_validator("replicate_taps")
+    @field_validator("n_u")
     @classmethod
     def _taps_have_a_middle(cls, taps: tuple[int, ...]) -> tuple[int, ...]:
         if len(set(taps)) < max(len(taps), 3):

@@ -76,13 +76,7 @@ class BendSensor:
     """
 
     def __init__(
-        self,
-        bus: Any,
-        address: int,
-        *,
-        ticks: int = 81,
-        gain: float = 1.0,
-        offset_deg: float = 0.0,
+        self, bus: Any, address: int, *, ticks: int = 81, gain: float = 1.0, offset_deg: float = 0.0
     ):
         self._bus = bus
         self._address = address

@@ -91,11 +91,11 @@ class _Board:
         code = getattr(self._library, name)(*arguments)
         if code:
             raise DeviceError(
-                f"board {self.name}: {name} failed with code {code} ({self._words(code)}); check "
-                "power and cable, and the name in Contec's device utility"
+                f"board {self.name}: {name} failed with code {code} ({self._describe(code)}); "
+                "check power and cable, and the name in Contec's device utility"
             )
 
-    def _words(self, code: int) -> str:
+    def _describe(self, code: int) -> str:
         text = ctypes.create_string_buffer(256)
         if self._library.AioGetErrorString(code, text):
             return "no description"

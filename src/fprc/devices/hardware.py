@@ -12,7 +12,7 @@ from fprc.devices.pneumatics import (
     Pressures,
     Valves,
     board_names,
-    each,
+    call_all,
     open_valves,
     quietly,
     vent,
@@ -140,7 +140,7 @@ class HardwareRig:
         sensors = [sensor.shutdown for sensor in (self._theta, self._phi) if sensor]
         buses = [bus.close for bus in self._buses.values()]
         with self._locks:
-            each(
+            call_all(
                 lambda: vent(self._valves, lambda: self._inputs, self._voltages, **self._venting),
                 self._valves.release,
                 self._inputs.close,

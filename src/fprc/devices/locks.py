@@ -44,17 +44,14 @@ def locked(boards: Sequence[str], folder: str = "") -> Iterator[list[int]]:
         for board in sorted(set(boards)):
             files.append(_lock(board, place / f"fprc-{board}.lock"))
             held.callback(os.close, files[-1])
-        describe(files, "")
+        write_holder(files, "")
         yield files
 
 
-def describe(files: Sequence[int], more: str) -> None:
-    """Write the holder into lock files, for the error message of other programs.
+def write_holder(files: Sequence[int], more: str) -> None:
+    """Write into lock files which process holds them, for the error message of other programs.
 
-    Parameters
-    ----------
-    more : str
-        Added after this process's number.
+    ``more`` is written after this process's number.
     """
     command = " ".join([Path(sys.argv[0]).name, *sys.argv[1:]])[:200]
     since = datetime.now().astimezone().isoformat(sep=" ", timespec="seconds")

@@ -3,6 +3,7 @@
 import contextlib
 import time
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from typing import Any
 
 from fprc.devices.contec import AnalogInput, AnalogOutput, load_library
@@ -69,9 +70,9 @@ class Valves:
 
     def close(self) -> None:
         """Vent and release the board, without closing the valves first."""
-        each(self.let_out, self.release)
+        call_all(self.exhaust, self.release)
 
-    def let_out(self) -> None:
+    def exhaust(self) -> None:
         """Open both chambers to the room at once."""
         vent_v = self._voltages["vent_v"]
         self._all([(self._main, vent_v), (self._reservoir, vent_v)])
@@ -81,7 +82,7 @@ class Valves:
         self._board.close()
 
     def _all(self, writes: Iterable[tuple[int, float]]) -> None:
-        each(*(_later(self._board.write, channel, volts) for channel, volts in writes))
+        call_all(*(partial(self._board.write, channel, volts) for channel, volts in writes))
 
 
 class Pressures:
@@ -164,7 +165,7 @@ def vent(
     while True:
         failed = ""
         try:
-            valves.let_out()
+            valves.exhaust()
         except DeviceError as error:
             failed = f"{error}; "
             on_write(str(error))
@@ -230,7 +231,7 @@ def not_vented(why: str) -> NotVentedError:
 def vent_from_outside(hardware: Mapping[str, Any], on_write: Callable[[str], None]) -> None:
     """Vent both chambers after another process has driven them, over new connections.
 
-    The caller holds the locks of the boards.
+    The caller must hold the locks of the boards.
 
     Parameters
     ----------
@@ -271,7 +272,7 @@ def open_valves(hardware: Mapping[str, Any]) -> Valves:
     """
     valves = Valves(_output_board(hardware, reset=True), hardware)
     try:
-        valves.let_out()
+        valves.exhaust()
     except DeviceError:
         quietly(valves.close)  # tries to vent once more
         raise
@@ -283,11 +284,7 @@ def _output_board(hardware: Mapping[str, Any], *, reset: bool) -> AnalogOutput:
     return AnalogOutput(load_library(boards["library"]), boards["output_device"], reset=reset)
 
 
-def _later(call: Callable[..., None], *arguments: Any) -> Callable[[], None]:
-    return lambda: call(*arguments)
-
-
-def each(*calls: Callable[[], None]) -> None:
+def call_all(*calls: Callable[[], None]) -> None:
     """Make every call, then raise all their errors together."""
     problems = []
     for call in calls:

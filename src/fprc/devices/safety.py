@@ -11,7 +11,7 @@ _PRESSURES = ("p_exp_kpa", "p_i_kpa", "p_o_kpa")
 _LIMIT_V = 10.0
 
 
-class Guarded:
+class CheckedRig:
     """A rig whose readings and commands are checked at every sample.
 
     A reading stops the run if it is not finite, is out of range, jumps further
@@ -21,7 +21,7 @@ class Guarded:
     Parameters
     ----------
     device : Device
-        The rig to guard.
+        The rig.
     limits : Mapping
         As in ``fprc.config.hardware.Limits``.
     period_s : float

@@ -1,5 +1,6 @@
 """Many cross-validations at once, with a checkpoint for each."""
 
+import hashlib
 import json
 import logging
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -15,6 +16,14 @@ log = logging.getLogger(__name__)
 Cell = Mapping[str, Any]
 
 
+def checkpoint_key(settings: Any, paths: Sequence[str] = ()) -> str:
+    """Return a hash of settings, in any form that JSON can hold, and of the content of files."""
+    digest = hashlib.sha256(json.dumps(settings, sort_keys=True).encode())
+    for path in paths:
+        digest.update(Path(path).read_bytes())
+    return digest.hexdigest()
+
+
 def run_cells(
     judge: Callable[[Cell], Mapping[str, Any]],
     cells: Sequence[Cell],
@@ -26,8 +35,8 @@ def run_cells(
 ) -> list[dict[str, Any]]:
     """Judge every cell in a pool of processes, each on one thread.
 
-    Each finished cell is written to the checkpoint at once, so that a killed
-    grid resumes there.
+    Each finished cell is written to the checkpoint at once; after a kill, the
+    next call computes only the cells that are missing there.
 
     Parameters
     ----------
@@ -37,7 +46,7 @@ def run_cells(
         JSON lines: first ``key``, then one cell each. A file with another key or
         none is overwritten; an incomplete last line is dropped.
     key : str
-        Identifies everything that the results depend on besides the cells.
+        Identifies everything else that the results depend on; see ``checkpoint_key``.
 
     Returns
     -------
@@ -72,7 +81,7 @@ def _name(cell: Cell) -> str:
 
 
 def _resume(checkpoint: Path, key: str) -> dict[str, dict[str, Any]]:
-    """Return the finished cells; rewrite the file for further ones."""
+    """Return the finished cells, and rewrite the file with them, so that others can be appended."""
     text = checkpoint.read_text(encoding="utf-8", errors="replace") if checkpoint.exists() else ""
     lines = text.splitlines()
     finished = {}

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from numbers import Integral
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from sklearn.base import BaseEstimator, clone
@@ -42,14 +42,15 @@ class CrossValidated(NamedTuple):
     fit: np.ndarray  #: output of the best fold's model for the whole log
     model: SequenceModel  #: trained on the best fold
 
-    def predict(self, X: np.ndarray) -> np.ndarray:
-        """Output of the best fold's model for another log."""
+    def errors(self, X: np.ndarray, y: np.ndarray) -> dict[str, Any]:
+        """Return the errors of all folds, and that of the best fold's model on a test log."""
         with refusals_of(self.model):
-            return self.model.predict(X)
-
-    def test_rmse(self, X: np.ndarray, y: np.ndarray) -> float:
-        """Error of the best fold's model on another log."""
-        return rmse(y, self.predict(X))
+            predicted = self.model.predict(X)
+        return {
+            "train_rmse_kpa": self.train_rmse,
+            "validation_rmse_kpa": self.validation_rmse,
+            "test_rmse_kpa": rmse(y, predicted),
+        }
 
 
 Progress = Callable[[int, float, float], None]
@@ -109,7 +110,7 @@ def fit_folds(
 ) -> Folded:
     """Fit a copy of ``readout`` to each fold's rows and keep the best.
 
-    A random readout has its own seed in every fold, ``random_state + fold``.
+    A random readout has its own seed in every fold, which no other seed shares.
     """
     errors, fits = [], []
     for i, fold_readout in enumerate(_fitted(readout, rows, y, folds)):
@@ -144,5 +145,6 @@ def _is_partition(folds: Sequence[Fold], samples: int) -> bool:
 def _with_seed_of(readout: BaseEstimator, fold: int) -> BaseEstimator:
     seed = readout.get_params().get("random_state")
     if isinstance(seed, Integral):
-        readout.set_params(random_state=seed + fold)
+        own = np.random.SeedSequence([int(seed), fold]).generate_state(1)[0]
+        readout.set_params(random_state=int(own))
     return readout

@@ -1,4 +1,4 @@
-"""Which rows train and which validate."""
+"""Training and validation rows of each fold."""
 
 import numpy as np
 from sklearn.model_selection import KFold
@@ -8,7 +8,7 @@ from fprc.errors import EvaluationError
 Fold = tuple[np.ndarray, np.ndarray]
 
 
-def split_rows(samples: int, folds: int, split: str, seed: int) -> list[Fold]:
+def split_rows(samples: int, folds: int, split: str, seed: int, purge: int = 0) -> list[Fold]:
     """Return (training rows, validation rows) of each fold.
 
     Parameters
@@ -16,11 +16,14 @@ def split_rows(samples: int, folds: int, split: str, seed: int) -> list[Fold]:
     split : {"shuffled", "blocked"}
         Rows drawn at random, or contiguous blocks. The paper does not say;
         its validation spread of 0.05-0.15 kPa is that of shuffled rows.
+    purge : int
+        Rows on each side of a contiguous block that do not train, because they resemble
+        those that validate.
 
     Raises
     ------
     EvaluationError
-        Fewer samples than folds, or an unknown split.
+        Fewer samples than folds, an unknown split, or a purge that leaves no rows to train.
     """
     if split not in ("shuffled", "blocked"):
         raise EvaluationError(f"split = {split!r}; must be 'shuffled' or 'blocked'")
@@ -31,4 +34,17 @@ def split_rows(samples: int, folds: int, split: str, seed: int) -> list[Fold]:
         )
     shuffle = split == "shuffled"
     chooser = KFold(folds, shuffle=shuffle, random_state=seed if shuffle else None)
-    return list(chooser.split(np.empty(samples)))
+    pairs = list(chooser.split(np.empty(samples)))
+    if shuffle or purge == 0:
+        return pairs
+    purged = [(train[_apart(train, block) > purge], block) for train, block in pairs]
+    if not all(len(train) for train, _ in purged):
+        raise EvaluationError(
+            f"a purge of {purge} samples on each side of a block leaves none of {samples} to "
+            "train; reduce evaluation.purge_s, use fewer folds, or a longer log"
+        )
+    return purged
+
+
+def _apart(rows: np.ndarray, block: np.ndarray) -> np.ndarray:
+    return np.maximum(block[0] - rows, rows - block[-1])

@@ -1,4 +1,4 @@
-"""Errors."""
+"""Error measures of predictions."""
 
 import numpy as np
 

@@ -2,7 +2,7 @@
 
 import platform
 import time
-from collections.abc import Callable, Collection, Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
@@ -12,14 +12,9 @@ from threadpoolctl import threadpool_info
 
 from fprc.models import SequenceModel
 
-#: Samples of the warm-up in sequential mode, enough for compilation. In batch mode the warm-up
-#: is the whole log, to touch all of its memory.
+#: Samples of the untimed run before each timed one: it compiles, and it brings code and weights
+#: back into the processor's caches, which the other models have flushed in their turns.
 WARM_UP = 1000
-
-#: Batch work shorter than this, s, depends on the processor's caches, which the other models
-#: flush when it is their turn. It therefore runs once untimed before each timed run.
-BRIEF_S = 0.05
-
 
 Name = TypeVar("Name", bound=Hashable)
 #: A log: inputs and P_exp.
@@ -32,7 +27,7 @@ def time_models(
     modes: tuple[str, ...] = ("sequential", "batch"),
     progress: Callable[[str], None] = lambda what: None,
 ) -> dict[Name, list[dict[str, Any]]]:
-    """Time fitted models, ``repeats`` times in each mode, after a warm-up.
+    """Time fitted models, ``repeats`` times in each mode, each time after a short untimed run.
 
     Sequential mode is the cost in a controller: the features sample by sample, then,
     in training, the fit of the readout. Batch mode computes whole logs at once. The
@@ -56,17 +51,18 @@ def time_models(
         if mode not in modes:
             continue
         progress(f"{phase}, {mode}")
-        warm = slice(WARM_UP if mode == "sequential" else None)
-        work, samples, brief = {}, {}, []
-        for name, (model, train, test) in fitted.items():
-            X, y = train if phase == "train" else test
-            warm_s = _seconds(partial(run, model, X[warm], y[warm]))
-            work[name], samples[name] = partial(run, model, X, y), len(X)
-            if mode == "batch" and warm_s < BRIEF_S:
-                brief.append(name)
-        for name, seconds in interleaved(work, repeats, brief).items():
-            described = {"phase": phase, "mode": mode, "samples": samples[name]}
-            results[name].append({**described, "seconds": seconds})
+        logs = {
+            name: train if phase == "train" else test for name, (_, train, test) in fitted.items()
+        }
+        seconds: dict[Name, list[float]] = {name: [] for name in fitted}
+        for _ in range(repeats):
+            for name, (X, y) in logs.items():
+                timed = partial(run, fitted[name][0])
+                timed(X[:WARM_UP], y[:WARM_UP])
+                seconds[name].append(_seconds(partial(timed, X, y)))
+        for name, (X, _) in logs.items():
+            described = {"phase": phase, "mode": mode, "samples": len(X)}
+            results[name].append({**described, "seconds": seconds[name]})
     return results
 
 
@@ -84,19 +80,11 @@ def time_steps(step: Callable[[int], object], samples: int) -> np.ndarray:
     return seconds
 
 
-def interleaved(
-    work: Mapping[Name, Callable[[], object]], rounds: int, twice: Collection[Name] = ()
-) -> dict[Name, list[float]]:
-    """Return the seconds of each piece of work in each round; the pieces take turns.
-
-    A slow phase of the machine then affects all of them. Work named in ``twice`` runs once
-    untimed before each timed run.
-    """
+def interleaved(work: Mapping[Name, Callable[[], object]], rounds: int) -> dict[Name, list[float]]:
+    """Return the seconds of each piece of work in each round; the pieces take turns."""
     seconds: dict[Name, list[float]] = {name: [] for name in work}
     for _ in range(rounds):
         for name, run in work.items():
-            if name in twice:
-                run()
             seconds[name].append(_seconds(run))
     return seconds
 

@@ -12,7 +12,7 @@ from fprc.models import SequenceModel
 def normalised_weights(
     model: SequenceModel, X: np.ndarray, y: np.ndarray, folds: Sequence[Fold]
 ) -> np.ndarray:
-    """Absolute weights of the FPRC on normalised features, each rule summing to 1 (Eqs. 13, 14).
+    """Return the FPRC's absolute weights on normalised features; rules sum to 1 (Eqs. 13, 14).
 
     theta and the filtered P_o are each scaled to [0, 1] by their minimum and
     maximum in the training data. The model is then cross-validated as usual, and

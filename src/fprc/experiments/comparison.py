@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fprc.evaluation import CrossValidated, rmse, split_rows
+from fprc.evaluation import CrossValidated, rmse
 from fprc.evaluation.crossval import refusals_of, validate_rows
 from fprc.experiments.data import Data, refuse_mixture
 from fprc.experiments.grids import weight_shares
@@ -32,20 +32,20 @@ class Judged(NamedTuple):
 def compare_models(
     data: Mapping[str, Data], judgement: Judgement
 ) -> tuple[dict[str, Any], dict[str, SequenceModel]]:
-    """Return the errors of Tables II and III, the weights of Fig. 9, and the filter alone.
+    """Return results to report, and the models that were trained on the sweep, by name.
 
-    The filter alone is FPRC with theta_d in place of P_o, trained on the sweep. Also return
-    the models that were trained on the sweep, some of which drive the closed loops.
+    The results are the errors of Tables II and III, the weights of Fig. 9, and ``filter_alone``:
+    the errors of FPRC with theta_d in place of P_o, trained on the sweep.
     """
     judged = {
         name: judge_directions(name, judgement, data, DIRECTIONS)
         for name in entries(judgement.models)
     }
-    in_order = chain.from_iterable(zip(*judged.values(), strict=True))
+    by_direction = chain.from_iterable(zip(*judged.values(), strict=True))
     own = {key: judgement.models["fprc"][key] for key in ("epsilon", "n_u")}
-    filter_alone = {"split": judgement.split, "readout": "theta", **own}
+    filter_alone = {"readout": "theta", **own}
     compared = {
-        "models": [each.report for each in in_order],
+        "models": [each.report for each in by_direction],
         "weights": weight_shares(data["sweep"], judgement),
         "filter_alone": judge_readout(
             filter_alone, train=data["sweep"], test=data["complex"], judgement=judgement
@@ -55,10 +55,7 @@ def compare_models(
 
 
 def judge_directions(
-    name: str,
-    judgement: Judgement,
-    logs: Mapping[str, Data],
-    directions: Sequence[tuple[str, str]],
+    name: str, judgement: Judgement, logs: Mapping[str, Data], directions: Sequence[tuple[str, str]]
 ) -> list[Judged]:
     """Cross-validate and test one model for each direction (training log, test log).
 
@@ -66,8 +63,7 @@ def judge_directions(
     """
     for train, test in directions:
         refuse_mixture(logs[train], logs[test])
-    folds, split, seed = judgement.folds, judgement.split, judgement.seed
-    model = build(name, judgement.models, seed)
+    model = build(name, judgement.models, judgement.seed)
     pairs = {key: data.pair(name, judgement.models) for key, data in logs.items()}
     log.info(
         "%s: features of %s samples", name, " and ".join(str(len(y)) for _, y in pairs.values())
@@ -80,8 +76,9 @@ def judge_directions(
         y = pairs[train][1]
         label = f"{name}, trained on {logs[train].attributes['experiment']}"
         judged = validate_rows(
-            model, features, rows[train], y, split_rows(len(y), folds, split, seed),
-            progress=partial(_log_fold, label, folds),
+            model, features, rows[train], y,
+            judgement.split_rows(logs[train].channels["time_s"]),
+            progress=partial(_log_fold, label, judgement.folds),
         )  # fmt: skip
         tested = judged.model.readout_.predict(rows[test])
         test_rmse = rmse(pairs[test][1], tested)
@@ -90,10 +87,10 @@ def judge_directions(
             "model": name,
             "trained_on": logs[train].attributes["experiment"],
             "source": logs[train].attributes["source"],
-            "seed": seed,
+            "seed": judgement.seed,
             "target": logs[train].attributes["target"],
             "unit": logs[train].unit,
-            "split": split,
+            "split": judgement.split,
             "train_rmse_kpa": judged.train_rmse,
             "validation_rmse_kpa": judged.validation_rmse,
             "best_fold": judged.best,

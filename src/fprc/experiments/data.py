@@ -14,7 +14,7 @@ TARGETS = {"command": "p_exp_command_kpa", "measured": "p_exp_kpa"}
 
 
 class Data(NamedTuple):
-    """One preprocessed log; ``p_target_kpa`` is P_exp, commanded or measured."""
+    """One preprocessed log; its channel ``p_target_kpa`` is P_exp, commanded or measured."""
 
     channels: Mapping[str, np.ndarray]
     attributes: Mapping[str, Any]
@@ -41,9 +41,8 @@ class Data(NamedTuple):
                 f"the {self.attributes['experiment']} log has no {', '.join(missing)}, which "
                 f"{model} needs; import it with that channel, or judge the other models only"
             )
-        return np.column_stack([self.channels[name] for name in inputs]), self.channels[
-            "p_target_kpa"
-        ]
+        X = np.column_stack([self.channels[name] for name in inputs])
+        return X, self.channels["p_target_kpa"]
 
 
 def read_data(path: str) -> Data:

@@ -5,10 +5,15 @@ import logging
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from fprc.evaluation import cross_validate, split_rows
+import numpy as np
+
+from fprc.evaluation import cross_validate, rmse
+from fprc.evaluation.crossval import fit_folds, refusals_of
+from fprc.evaluation.folds import Fold
 from fprc.evaluation.weights import normalised_weights
 from fprc.experiments.data import Data
 from fprc.experiments.settings import Judgement
+from fprc.models import SequenceModel, TapFeatures
 from fprc.paper import GRID_MODELS, GRID_SETTINGS
 from fprc.registry import build
 
@@ -42,37 +47,83 @@ def judge_cell(
     X, y = train.pair(name)
     changed = {key: value for key, value in cell.items() if key != "model"}
     model = build(name, judgement.models, judgement.seed).set_params(**changed)
-    judged = cross_validate(
-        model, X, y, split_rows(len(y), judgement.folds, judgement.split, judgement.seed)
-    )
-    return {
-        "train_rmse_kpa": judged.train_rmse,
-        "validation_rmse_kpa": judged.validation_rmse,
-        "test_rmse_kpa": judged.test_rmse(*test.pair(name)),
-    }
+    judged = cross_validate(model, X, y, judgement.split_rows(train.channels["time_s"]))
+    return judged.errors(*test.pair(name))
 
 
 def judge_grids(
     data: Mapping[str, Data], values: Mapping[str, Any], judgement: Judgement
 ) -> dict[str, list[dict[str, Any]]]:
-    """Judge every cell of every grid; the grid of tap sizes is coarser."""
-    coarse = dict(values) | {"n_u": values["replicate_taps"], "n_y": values["replicate_taps"]}
-    logs = {"train": data["sweep"], "test": data["complex"]}
+    """Judge every cell of every grid on the first fold; the features are shared by the cells.
+
+    The errors are those of ``judge_cell`` with one fold: enough for a mean over seeds.
+    """
+    train, test = data["sweep"], data["complex"]
+    folds = judgement.split_rows(train.channels["time_s"])
+    features = _Features((train, test), judgement, values)
     judged = {}
     for grid in ("epsilon", "n_c", "taps"):
         judged[grid] = [
-            {**cell, **judge_cell(cell, **logs, judgement=judgement)}
-            for cell in cells_of(grid, coarse)
+            {**cell, **_judge_first_fold(cell, features, folds[:1])}
+            for cell in cells_of(grid, values)
         ]
         log.info("judged grid %s: %d cells", grid, len(judged[grid]))
     return judged
+
+
+class _Features:
+    """Taps of both logs at the largest sizes, from which each cell takes its own."""
+
+    def __init__(self, logs: Sequence[Data], judgement: Judgement, values: Mapping[str, Any]):
+        self.logs, self.judgement = logs, judgement
+        fprc = build("fprc", judgement.models, judgement.seed)
+        self.n_y, self.n_u = max(fprc.n_y, *values["n_y"]), max(fprc.n_u, *values["n_u"])
+        self._widest: dict[float, list[np.ndarray]] = {}
+
+    def model(self, cell: Mapping[str, Any]) -> SequenceModel:
+        """Return the unfitted model of a cell."""
+        changed = {key: value for key, value in cell.items() if key != "model"}
+        return build(cell["model"], self.judgement.models, self.judgement.seed).set_params(
+            **changed
+        )
+
+    def rows(self, model: SequenceModel) -> list[np.ndarray]:
+        """Return the features of both logs."""
+        if not hasattr(model, "epsilon"):
+            return [widest[:, : model.n_y] for widest in self._taps(1.0)]
+        return [
+            np.hstack([widest[:, : model.n_y], widest[:, self.n_y : self.n_y + model.n_u]])
+            for widest in self._taps(model.epsilon)
+        ]
+
+    def _taps(self, epsilon: float) -> list[np.ndarray]:
+        if epsilon not in self._widest:
+            widest = TapFeatures(n_y=self.n_y, n_u=self.n_u, epsilon=epsilon)
+            inputs = [log.pair("fprc")[0] for log in self.logs]
+            self._widest[epsilon] = [widest.fit(inputs[0]).transform(X) for X in inputs]
+        return self._widest[epsilon]
+
+
+def _judge_first_fold(
+    cell: Mapping[str, Any], features: _Features, folds: Sequence[Fold]
+) -> dict[str, Any]:
+    model = features.model(cell)
+    trained, tested = features.rows(model)
+    y, expected = (log.channels["p_target_kpa"] for log in features.logs)
+    with refusals_of(model):
+        folded = fit_folds(model.make_readout(), trained, y, folds)
+    return {
+        "train_rmse_kpa": folded.train_rmse,
+        "validation_rmse_kpa": folded.validation_rmse,
+        "test_rmse_kpa": rmse(expected, folded.readout.predict(tested)),
+    }
 
 
 def weight_shares(train: Data, judgement: Judgement) -> dict[str, Any]:
     """Return the share of each feature in the weights, per rule and on average (Fig. 9)."""
     X, y = train.pair("fprc")
     model = build("fprc", judgement.models, judgement.seed)
-    folds = split_rows(len(y), judgement.folds, judgement.split, judgement.seed)
+    folds = judgement.split_rows(train.channels["time_s"])
     shares = normalised_weights(model, X, y, folds)
     edges = {"bias": (0, 1), "theta_d": (1, 1 + model.n_y), "p_o": (1 + model.n_y, None)}
     parts = {name: shares[:, slice(*edge)] for name, edge in edges.items()}

@@ -12,7 +12,7 @@ Channels = Mapping[str, np.ndarray]
 
 
 def measure_runs(runs: Mapping[str, Channels], quiet_s: float) -> dict[str, Any]:
-    """Return the numbers of one seed by which the claims on control are judged.
+    """Return the measures of one seed on which the claims about control are judged.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ def measure_runs(runs: Mapping[str, Channels], quiet_s: float) -> dict[str, Any]
     -------
     dict
         ``rmse_deg`` of every run, by its name; ``effort``, the rms of P_fb over that of P_ff
-        on each reference; ``sweep``, ``loops`` and ``disturbance``, numbers of these runs.
+        on each reference; ``sweep``, ``loops`` and ``disturbance``, measures of these runs.
     """
     return {
         "rmse_deg": {name: rms(_error(run)) for name, run in runs.items()},
@@ -95,7 +95,7 @@ def _loop(run: Channels) -> dict[str, float]:
 
 
 def _disturbance(run: Channels, quiet_s: float) -> dict[str, list[float]]:
-    """Return [quiet, pushed] of the parts that P_i does not explain, and of the error, deg."""
+    """Return rms [quiet, pushed] of the error, and of bending and P_o beyond the effect of P_i."""
     error = _error(run)
     quiet = run["time_s"] < quiet_s
     return {
@@ -106,7 +106,7 @@ def _disturbance(run: Channels, quiet_s: float) -> dict[str, list[float]]:
 
 
 def _unexplained(run: Channels, channel: str, quiet: np.ndarray) -> list[float]:
-    """Return [quiet, pushed] rms of a channel's residual after a fit on P_i, over its swing."""
+    """Return the rms [quiet, pushed] of a channel's residual from a fit on P_i, over its swing."""
     time_s, p_i, value = run["time_s"], run["p_i_kpa"], run[channel]
     rate = np.gradient(p_i, time_s)
     direction = np.tanh(rate / (np.std(rate) + 1e-9))

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from fprc.evaluation import cross_validate, split_rows
+from fprc.evaluation import cross_validate
 from fprc.experiments.data import Data
 from fprc.experiments.settings import Judgement
 from fprc.registry import build
@@ -32,26 +32,18 @@ def readout_cells(
 
 
 def judge_readout(
-    cell: Mapping[str, Any],
-    *,
-    train: Data,
-    test: Data,
-    judgement: Judgement,
+    cell: Mapping[str, Any], *, train: Data, test: Data, judgement: Judgement
 ) -> dict[str, Any]:
-    """Return the errors of one cell, with the split that the cell gives."""
+    """Return the errors of one cell."""
     seed = judgement.seed
     name = "fuzzy_linear" if cell["readout"] == "none" else "fprc"
     model = build(name, judgement.models, seed)
     if name == "fprc":
         model.set_params(epsilon=cell["epsilon"], n_u=cell["n_u"])
     X, y = inputs_with(cell["readout"], train, seed)
-    folds = split_rows(len(y), judgement.folds, cell["split"], seed)
+    folds = judgement.split_rows(train.channels["time_s"])
     judged = cross_validate(model, X, y, folds)
-    return {
-        "train_rmse_kpa": judged.train_rmse,
-        "validation_rmse_kpa": judged.validation_rmse,
-        "test_rmse_kpa": judged.test_rmse(*inputs_with(cell["readout"], test, seed + 1)),
-    }
+    return judged.errors(*inputs_with(cell["readout"], test, seed + 1))
 
 
 def inputs_with(readout: str, data: Data, seed: int) -> tuple[np.ndarray, np.ndarray]:

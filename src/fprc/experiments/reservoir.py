@@ -9,11 +9,11 @@ from fprc.control import PressurePI, run
 from fprc.devices import Readings, SimulatedRig
 from fprc.errors import LogError
 
-#: The reservoir rests at the first angle before the recording begins, s.
+#: Time for which the reservoir settles at the first angle before the recording begins, s.
 _BEFORE_S = 5.0
 
-#: Largest share of samples whose command is below 0 or above the limit by more than the margin,
-#: a fraction of the limit. The margin allows for the noise of the angle at rest.
+#: Largest allowed share of samples whose command is beyond 0 or the limit by more than the margin,
+#: which is a fraction of the limit and allows for the noise of the angle at rest.
 _OUTSIDE, _MARGIN = 0.01, 0.02
 
 #: Channels of the simulated reservoir.
@@ -23,12 +23,12 @@ CHANNELS = ("p_i_command_kpa", "p_i_kpa", "p_o_kpa", "phi_deg")
 def commands_of(
     theta_deg: np.ndarray, zero_deg: float, control: Mapping[str, Any], raw: str
 ) -> np.ndarray:
-    """Return P_i = K_in (theta - zero), kPa, clipped to 0 to the reservoir's limit.
+    """Return P_i = K_in (theta - zero), kPa, clipped between 0 and the reservoir's limit.
 
     Raises
     ------
     LogError
-        More than a hundredth of the samples are clearly outside.
+        More than a hundredth of the samples are clearly outside these limits.
     """
     commands = control["k_in_kpa_per_deg"] * (theta_deg - zero_deg)
     limit = control["reservoir_limit_kpa"]
@@ -36,7 +36,7 @@ def commands_of(
     if outside > _OUTSIDE:
         raise LogError(
             f"{raw}: P_i = K_in (theta - reservoir_zero_deg) goes from "
-            f"{commands.min():.0f} to {commands.max():.0f} kPa, with {100.0 * outside:.0f} % of it "
+            f"{commands.min():.0f} to {commands.max():.0f} kPa, and {100.0 * outside:.0f} % is "
             f"outside 0 to {limit:g} kPa; set evaluation.reservoir_zero_deg to the lowest theta, "
             f"{theta_deg.min():.4g}, and lower control.k_in_kpa_per_deg if that is not enough"
         )

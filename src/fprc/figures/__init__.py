@@ -1,1 +1,1 @@
-"""Figures: arrays in, axes out. They are independent of rig and models."""
+"""Figures: functions that draw arrays into axes, independent of rig and models."""

@@ -37,13 +37,7 @@ def plot_apparatus(ax: Axes) -> None:
 
 
 def _plot_bodies(ax: Axes) -> Point:
-    """Draw actuator and reservoir, bent to the left, away from the sensors' cables.
-
-    Returns
-    -------
-    (float, float)
-        The middle of the bend sensor.
-    """
+    """Draw actuator and reservoir, bent away from the cables; return the bend sensor's middle."""
     bent_deg, phi_deg = 45.0, 25.0
     driven = soft.DIAMETER * soft.bulge(bent_deg)
     soft.plot_body(ax, bent_deg, [(1, driven, soft.tint(COLOURS["p_exp"], 0.7))],
@@ -63,7 +57,7 @@ def _plot_bodies(ax: Axes) -> Point:
 
 
 def _plot_sensors(ax: Axes, inputs: Bbox, bend_sensor: Point) -> None:
-    """Draw the sensors and their cables, which nest so that none crosses another."""
+    """Draw the sensors and their cables; the cables do not cross."""
     tap = 2.02
     p_exp = _sensor(ax, (tap, 3.18), "p_exp", r"$P_\mathrm{exp}$", width=0.3)
     p_i = _sensor(ax, (tap, 1.6), "p_i", "$P_i$")

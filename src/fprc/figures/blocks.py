@@ -39,13 +39,7 @@ def panel(ax: Axes, corner: Point, title: str) -> None:
 
 
 def box(ax: Axes, centre: Point, size: Point, text: str = "", **options: Any) -> Bbox:
-    """Draw a box with text and return where it is.
-
-    Parameters
-    ----------
-    **options
-        Of the patch, such as ``facecolor``.
-    """
+    """Draw a box with text and return its place; ``options`` are the patch's, as ``facecolor``."""
     (x, y), (width, height) = centre, size
     corner = x - width / 2, y - height / 2
     look: dict[str, Any] = {"facecolor": PALE, "edgecolor": "black", "linewidth": 0.7}
@@ -77,8 +71,8 @@ def wire(
     Parameters
     ----------
     text : str
-        Name of the signal, written above the middle of the first stretch, or to
-        the right of it where that is vertical.
+        Name of the signal, written above the middle of the first segment, or to
+        the right of a vertical one.
     head : float
         Size of the head; 0 is none.
     """
@@ -103,7 +97,7 @@ def dot(ax: Axes, at: Point, colour: str = "black") -> None:
 
 
 def node(ax: Axes, centre: Point, sign: str = "+") -> Bbox:
-    """Draw a circle that adds or multiplies, and return where it is."""
+    """Draw a circle that adds or multiplies, and return its place."""
     radius, (x, y) = 0.065, centre
     ax.add_patch(Circle(centre, radius, facecolor="white", edgecolor="black", linewidth=0.7))
     arm = 0.6 * radius if sign == "+" else 0.45 * radius
@@ -112,8 +106,8 @@ def node(ax: Axes, centre: Point, sign: str = "+") -> Bbox:
     return Bbox.from_bounds(x - radius, y - radius, 2 * radius, 2 * radius)
 
 
-def name(ax: Axes, text: str, at: Point, part: Point, **options: Any) -> None:
-    """Write a part's name and lead a line from it to the part."""
+def label(ax: Axes, text: str, at: Point, part: Point, **options: Any) -> None:
+    """Write a part's name, with a leader line to the part."""
     ax.annotate(
         text, part, at, fontsize=TEXT, va="center",
         arrowprops={"arrowstyle": "-", "linewidth": 0.5, "shrinkA": 1.0, "shrinkB": 0.0,

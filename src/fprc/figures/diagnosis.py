@@ -14,7 +14,7 @@ from fprc.figures.hysteresis import plot_loop
 
 #: Colours that mark the faults.
 _GAP, _FROZEN, _EXTREME, _STEP = "0.75", "#fff3b0", "#d55e00", "#222222"
-#: Most points that are drawn; more cannot be seen.
+#: Limit on points that are drawn; more could not be seen.
 _POINTS = 20000
 
 
@@ -31,7 +31,7 @@ def draw_diagnosis(
     Parameters
     ----------
     diagnosis : Mapping
-        Answer of ``fprc.logs.diagnose``.
+        Result of ``fprc.logs.diagnosis.diagnose``.
     titles, units : Mapping
         Title and unit of each channel; the unit is empty for another quantity.
     """

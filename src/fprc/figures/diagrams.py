@@ -15,12 +15,9 @@ _BRANCH, _SUM, _LOOP = 0.26, 1.8, 0.5
 
 
 def _plot_loop(ax: Axes, up_to: float) -> float:
-    """Draw the closed loop, and theta_d up to the feedforward model, in inches.
+    """Draw the closed loop, and theta_d up to the height ``up_to``, in inches.
 
-    Returns
-    -------
-    float
-        Height at which P_ff must arrive, above ``_SUM``.
+    Return the height at which P_ff's arrow must end, above ``_SUM``.
     """
     y, reference = _LOOP, COLOURS["theta_d"]
     error, total = node(ax, (0.5, y)), node(ax, (_SUM, y))

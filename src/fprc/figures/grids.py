@@ -57,13 +57,10 @@ def plot_grid(table: DataFrame, phase: str, ax: Axes) -> Axes:
             shade = "black" if value > middle else "white"
             ax.text(n_u, n_y, f"{value:.1f}", ha="center", va="center", fontsize=4.2, color=shade)
     best_y, best_u = np.unravel_index(np.argmin(grid.to_numpy()), grid.shape)
-    ax.add_patch(_frame(grid.columns[best_u], grid.index[best_y]))
+    corner = grid.columns[best_u] - 0.5, grid.index[best_y] - 0.5
+    ax.add_patch(Rectangle(corner, 1, 1, fill=False, edgecolor="#d62728", linewidth=1.2))
     ax.set(xlabel="$n_u$", ylabel="$n_y$", xticks=grid.columns, yticks=grid.index)
     ax.tick_params(length=0)  # beside a number a tick looks like a minus sign
     unit = escape.figure(table["unit"].iloc[0])
     ax.figure.colorbar(image, ax=ax, label=f"{_PHASES[phase]} RMSE [{unit}]", pad=0.02)
     return ax
-
-
-def _frame(n_u: float, n_y: float) -> Rectangle:
-    return Rectangle((n_u - 0.5, n_y - 0.5), 1, 1, fill=False, edgecolor="#d62728", linewidth=1.2)

@@ -30,12 +30,7 @@ def bend(along: np.ndarray, beside: np.ndarray, angle_deg: float) -> np.ndarray:
     """Map points of the straight body to the body bent by ``angle_deg``.
 
     The plate is the neutral line, an arc of length 1. Points beyond its two ends
-    move rigidly.
-
-    Returns
-    -------
-    ndarray of shape (n, 2)
-        x, towards the inner side, and y, up.
+    move rigidly. Rows of the result are x, towards the inner side, and y, up.
     """
     on_plate = np.clip(along, 0.0, 1.0)
     turn = np.radians(angle_deg) * on_plate
@@ -92,7 +87,7 @@ def area(outline: np.ndarray) -> float:
 def squeezed(angle_deg: float, share: float) -> float:
     """Width of the outer bladder if its air fills the fraction ``share`` of its area at rest."""
     rest = area(bladder(0.0, DIAMETER, -1, WALL))
-    # the outline is linear in the width, so its area is quadratic; the form holds where a vanishes
+    # the outline is linear in the width, so its area is quadratic; this root also exists for a = 0
     widths = DIAMETER * np.arange(3.0)
     excess = [area(bladder(angle_deg, width, -1, WALL)) - share * rest for width in widths]
     a, b, c = np.polyfit(widths, excess, 2)
@@ -125,7 +120,7 @@ def plot_body(
     across = -scale if mirrored else scale
 
     def fill(outline: np.ndarray, face: Any, edge: Any = "none", **more: Any) -> None:
-        # lines are drawn for a plate of an inch
+        # line widths are those of a plate of one inch
         ax.fill(*(outline * (across, scale) + origin).T, facecolor=face, edgecolor=edge,
                 linewidth=0.6 * min(1.0, 1.3 * scale), joinstyle="round", **more)  # fmt: skip
 

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Arc
 
 from fprc.figures import soft_bodies as soft
-from fprc.figures.blocks import SIGNAL, TEXT, Point, box, dot, hand_valve, name, panel, wire, write
+from fprc.figures.blocks import SIGNAL, TEXT, Point, box, dot, hand_valve, label, panel, wire, write
 from fprc.figures.style import COLOURS
 
 #: Length of a plate as drawn, inches.
@@ -121,13 +121,7 @@ def boyle(rest: Squeeze, now: Squeeze) -> float:
 def _plot_dual(
     ax: Axes, body: Body, fullness: Sequence[float], share: float = 1.0
 ) -> tuple[float, float]:
-    """Draw the reservoir, PAM B squeezed to a share of its area and closed by its valve.
-
-    Returns
-    -------
-    (float, float)
-        Widths of PAM A and PAM B.
-    """
+    """Draw the reservoir with PAM B squeezed to a share of its area; return both PAMs' widths."""
     widths = soft.DIAMETER * soft.bulge(body.angle_deg), soft.squeezed(body.angle_deg, share)
     sides = zip((1, -1), widths, ("p_i", "p_o"), fullness, strict=True)
     bladders = [(side, width, soft.tint(COLOURS[name], full)) for side, width, name, full in sides]
@@ -178,17 +172,17 @@ def plot_mapping(
 
 
 def _plot_driven(ax: Axes, body: Body, fullness: float) -> None:
-    """Draw the actuator, its bladder as wide as its braid makes it."""
+    """Draw the actuator with the bladder's width that follows from its braid."""
     width = soft.DIAMETER * soft.bulge(body.angle_deg)
     air = soft.tint(COLOURS["p_exp"], fullness)
     soft.plot_body(ax, body.angle_deg, [(1, width, air)], origin=body[:2], scale=_SCALE)
 
 
 def _name_parts(ax: Axes, body: Body, parts: dict[str, Point], x: float) -> None:
-    """Write names in a column, each level with its part, given by along and beside."""
+    """Write names in a column, each at the height of its part (position along, beside)."""
     for text, part in parts.items():
         tip = body.at(*part)
-        name(ax, text, (x, tip[1]), tip)
+        label(ax, text, (x, tip[1]), tip)
 
 
 def _air(ax: Axes, body: Body, quantity: str, *, into: bool) -> Point:

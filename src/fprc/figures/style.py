@@ -90,7 +90,7 @@ def legend_above(*axes: Axes) -> None:
 
 
 def share_legend(fig: Figure, ax: Axes) -> None:
-    """Put the legend of one axes above the whole figure, for all of them."""
+    """Put the legend of one axes above the figure, for all axes."""
     handles, labels = ax.get_legend_handles_labels()
     fig.legend(handles, labels, loc="outside upper center", ncols=2)
 
@@ -109,18 +109,14 @@ _MARKS = {
 def save(fig: Figure, data: Mapping[str, Any], pdf: str, png: str) -> Mapping[str, Any]:
     """Write a figure as PDF and PNG, marked with the source of its data.
 
-    The same figure gives the same bytes: no creation date is written.
+    The same figure gives the same bytes: no creation date is written. Returns ``data``, for the
+    provenance of the figure.
 
     Parameters
     ----------
     data : Mapping
         Attributes of the data: ``source`` (of a log, or none for a drawing), and
         ``seed`` where it is simulated, or ``seeds`` of several simulated rigs.
-
-    Returns
-    -------
-    Mapping
-        ``data``, for the provenance of the figure.
     """
     _write(fig, data, {pdf: {"CreationDate": None}, png: {"Software": None}})
     return data

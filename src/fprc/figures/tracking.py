@@ -25,8 +25,8 @@ def plot_errors(
 ) -> Axes:
     """Draw theta_d - theta of several runs, given as (label, colour, run).
 
-    The axis fits the errors after ``judged_from_s``: the step from rest before
-    it would flatten them.
+    The axis fits the errors after ``judged_from_s``; the larger ones during the
+    step from rest would flatten them.
     """
     largest = 0.0
     for label, colour, run in runs:
@@ -71,11 +71,11 @@ def plot_reservoir(run: Run, ax: Axes) -> tuple[Axes, Axes]:
 
 
 def shade_settling(ax: Axes, until_s: float) -> None:
-    """Grey out the settling time, in which no error is judged."""
+    """Shade the settling time grey; errors in it are not judged."""
     ax.axvspan(0.0, until_s, color="0.92", linewidth=0, zorder=0)
 
 
-def shade(ax: Axes, quiet_until_s: float, end_s: float) -> None:
-    """Colour the quiet time yellow and the disturbed time grey."""
+def shade_disturbance(ax: Axes, quiet_until_s: float, end_s: float) -> None:
+    """Shade the quiet time yellow and the disturbed time grey."""
     ax.axvspan(0.0, quiet_until_s, color="#fff3b0", linewidth=0, zorder=0)
     ax.axvspan(quiet_until_s, end_s, color="0.88", linewidth=0, zorder=0)

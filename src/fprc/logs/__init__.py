@@ -11,13 +11,7 @@ from fprc.logs.folder import (
 )
 from fprc.logs.journal import Journal
 from fprc.logs.quality import assess
-from fprc.logs.raw import (
-    RAW_CHANNELS,
-    TRACKING_CHANNELS,
-    read_raw,
-    read_run,
-    write_raw,
-)
+from fprc.logs.raw import RAW_CHANNELS, TRACKING_CHANNELS, read_raw, read_run, write_raw
 from fprc.logs.recovery import read_journal, recover
 
 __all__ = [

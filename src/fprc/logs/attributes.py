@@ -38,7 +38,7 @@ KINDS = {
     "units": str,
     "crc32": int,
 }
-#: Those of a channel; the rest belong to the file.
+#: Attributes of a channel; all others belong to the file.
 CHANNEL_ATTRIBUTES = ("units", "crc32")
 _WORDS = {
     str: "text",
@@ -49,9 +49,7 @@ _WORDS = {
 }
 
 
-def read_attributes(
-    holder: h5py.AttributeManager,
-) -> tuple[dict[str, Any], dict[str, str]]:
+def read_attributes(holder: h5py.AttributeManager) -> tuple[dict[str, Any], dict[str, str]]:
     """Return the valid attributes of a file or dataset, and an error text for each invalid one.
 
     Values are Python numbers and text; JSON is parsed. Attributes that are not in ``KINDS``
@@ -67,12 +65,12 @@ def read_attributes(
     return valid, wrong
 
 
-def read_attribute(holder: h5py.AttributeManager, name: str, *, mend: bool = False) -> Any:
+def read_attribute(holder: h5py.AttributeManager, name: str, *, lossy: bool = False) -> Any:
     """Return one attribute.
 
     Parameters
     ----------
-    mend : bool, default=False
+    lossy : bool, default=False
         Replace bytes that are not UTF-8 instead of raising.
 
     Raises
@@ -91,7 +89,7 @@ def read_attribute(holder: h5py.AttributeManager, name: str, *, mend: bool = Fal
         value = value.decode("utf-8", "surrogateescape")
     kind = KINDS.get(name)
     if isinstance(value, str):
-        if mend:
+        if lossy:
             value = value.encode("utf-8", "surrogateescape").decode("utf-8", "replace")
         if not is_text(value):
             raise LogError(

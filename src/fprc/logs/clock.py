@@ -19,33 +19,20 @@ LONGEST_S = 86400.0
 MOST_POINTS = 5_000_000
 
 
-#: ``Clock.mended`` of a clock that needed no correction.
-UNMENDED = {"unordered_samples": 0, "repeated_samples": 0, "repeated": None}
+#: ``Clock.corrections`` of a clock that needed none.
+NO_CORRECTIONS = {"unordered_samples": 0, "repeated_samples": 0, "repeated": None}
 
 
 class Clock(NamedTuple):
-    """Time stamps of a file's samples, sorted.
+    """Time stamps of a file's samples, sorted."""
 
-    Attributes
-    ----------
-    begin_s : float
-        First time stamp, on the file's clock.
-    since_s : ndarray
-        Distinct time stamps relative to ``begin_s``, increasing.
-    samples : ndarray
-        Indices of the file's samples that are used, in order of time.
-    first : ndarray
-        For each entry of ``since_s``, the index in ``samples`` of its first sample.
-    mended : dict
-        ``unordered_samples``, ``repeated_samples``: counts in the file; ``repeated``: how
-        repeated time stamps were merged, ``first`` or ``mean``.
-    """
-
-    begin_s: float
-    since_s: np.ndarray
-    samples: np.ndarray
-    first: np.ndarray
-    mended: dict[str, Any]
+    begin_s: float  #: first time stamp, on the file's clock
+    since_s: np.ndarray  #: distinct time stamps relative to ``begin_s``, increasing
+    samples: np.ndarray  #: indices of the file's samples that are used, in order of time
+    first: np.ndarray  #: index in ``samples`` of the first sample of each entry of ``since_s``
+    #: ``unordered_samples``, ``repeated_samples``: counts in the file; ``repeated``: how repeated
+    #: time stamps were merged, ``first`` or ``mean``
+    corrections: dict[str, Any]
 
     def part(self, begin: int, end: int) -> "Clock":
         """Return the clock restricted to time stamps ``begin`` to ``end`` (exclusive)."""
@@ -65,7 +52,7 @@ class Clock(NamedTuple):
 def even(samples: int, rate_hz: float) -> Clock:
     """Return the clock of samples taken at a constant rate."""
     count = np.arange(samples)
-    return Clock(0.0, count / rate_hz, count, count, UNMENDED)
+    return Clock(0.0, count / rate_hz, count, count, NO_CORRECTIONS)
 
 
 def read_clock(source: Source, time: Mapping[str, Any], stamps: np.ndarray) -> Clock:
@@ -99,7 +86,7 @@ def read_clock(source: Source, time: Mapping[str, Any], stamps: np.ndarray) -> C
     problems = _disorder(source, time, stamps, late, repeated)
     if problems:
         raise LogError("\n".join(f"{where}: {problem}" for problem in problems))
-    mended = {
+    corrections = {
         "unordered_samples": int(late.size),
         "repeated_samples": int(repeated.size),
         "repeated": time["repeated"] if repeated.size else None,
@@ -111,7 +98,7 @@ def read_clock(source: Source, time: Mapping[str, Any], stamps: np.ndarray) -> C
     with np.errstate(over="ignore"):  # ``refuse_length`` rejects the overflow
         # subtract before converting: stamps counted from 1970 would lose digits in seconds
         since_s = (ordered[first] - ordered[0]) * factor
-        return Clock(float(ordered[0] * factor), since_s, order, first, mended)
+        return Clock(float(ordered[0] * factor), since_s, order, first, corrections)
 
 
 def _disorder(
@@ -121,7 +108,7 @@ def _disorder(
     late: np.ndarray,
     repeated: np.ndarray,
 ) -> list[str]:
-    """Return an error text for unordered and for repeated samples that the map does not treat."""
+    """Return an error text for unordered and for repeated samples that ``time`` does not allow."""
     total, problems = len(stamps), []
     if late.size and not time.get("unordered"):
         k = int(late[0])
@@ -143,7 +130,7 @@ def _disorder(
     return problems
 
 
-def likely(step: float) -> tuple[float, str] | None:
+def likely_rate(step: float) -> tuple[float, str] | None:
     """Guess rate in Hz and unit of a clock from its step; None if no unit is plausible."""
     for unit in ("s", "ms", "us", "ns"):
         rate_hz = 1.0 / max(step * SECONDS[unit], 1e-12)
@@ -155,7 +142,7 @@ def likely(step: float) -> tuple[float, str] | None:
 def other_unit(clock: Clock, unit: str) -> str | None:
     """Suggest a unit that makes an implausible rate plausible; None if the rate is fine."""
     step_s = float(np.median(np.diff(clock.since_s)))
-    guess = likely(step_s / SECONDS[unit])
+    guess = likely_rate(step_s / SECONDS[unit])
     if guess is None or LIKELY_HZ[0] * step_s <= 1.0 <= LIKELY_HZ[1] * step_s:
         return None
     return (
@@ -170,8 +157,8 @@ def refuse_length(source: Source, time: Mapping[str, Any], clock: Clock, rate_hz
     Raises
     ------
     LogError
-        It is; the message names the sample at which the clock jumped, or the unit that
-        gives a plausible rate.
+        It is too short or too long; the message names the sample at which the clock jumped, or
+        the unit that gives a plausible rate.
     """
     since_s = clock.since_s
     duration_s = float(since_s[-1] - since_s[0])
@@ -182,18 +169,18 @@ def refuse_length(source: Source, time: Mapping[str, Any], clock: Clock, rate_hz
     if duration_s * rate_hz < 1.0:
         raise LogError(
             f"{where}: {duration_s:.4g} s are shorter than one sample at sample_rate_hz = "
-            f"{rate_hz:g}; keep more by start_s and end_s{remedy}"
+            f"{rate_hz:g}; keep more with start_s and end_s{remedy}"
         )
     if duration_s > LONGEST_S or points > MOST_POINTS:
         raise LogError(
             f"{where}: {duration_s:.4g} s at sample_rate_hz = {rate_hz:g} need {points:.2g} "
             f"samples in resampling; the limits are {LONGEST_S:g} s and {MOST_POINTS:.2g} "
-            f"samples; shorten it by start_s and end_s{remedy}"
+            f"samples; shorten it with start_s and end_s{remedy}"
         )
 
 
 def _remedy(source: Source, time: Mapping[str, Any], clock: Clock) -> str:
-    """Return a hint at what may be wrong with a clock, to end a message with."""
+    """Return the end of a message: what may be wrong with the clock."""
     if not time.get("column"):
         return "; or correct time.rate_hz"
     unit, steps_s = time["unit"], np.diff(clock.since_s)
@@ -206,5 +193,5 @@ def _remedy(source: Source, time: Mapping[str, Any], clock: Clock) -> str:
             f"; the clock jumps from {at[0]:.10g} {unit} at {source.sample(before)} to "
             f"{at[1]:.10g} {unit} at {source.sample(after)}: repair it there"
         )
-    doubt = other_unit(clock, unit)
-    return f"{hint}; {doubt}" if doubt else hint
+    suggestion = other_unit(clock, unit)
+    return f"{hint}; {suggestion}" if suggestion else hint

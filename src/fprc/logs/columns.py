@@ -11,32 +11,14 @@ import numpy as np
 from fprc.artifacts import replacing
 from fprc.errors import LogError
 from fprc.logs.attributes import CHANNEL_ATTRIBUTES, as_written, read_attributes
-from fprc.logs.hdf5 import (
-    channel_of,
-    links_of,
-    opened,
-    refuse_cut_file,
-    refuse_never_written,
-    too_large,
-)
-
-__all__ = [
-    "UNITS",
-    "Columns",
-    "gather_columns",
-    "read_columns",
-    "read_header",
-    "refuse_cut_file",
-    "unit_of",
-    "write_columns",
-]
+from fprc.logs.hdf5 import channel_of, links_of, opened, refuse_never_written, too_large
 
 #: Unit of a channel by the ending of its name.
 UNITS = {"_kpa": "kPa", "_deg": "deg", "_s": "s", "_v": "V"}
 
 #: The oldest format whose metadata has checksums.
 _FORMAT = (h5py.h5f.LIBVER_V18, h5py.h5f.LIBVER_V18)
-#: Attributes that a header may hold; no log has as many.
+#: Limit on attributes in a header; logs have far fewer.
 _MOST_ATTRIBUTES = 1000
 
 
@@ -92,8 +74,8 @@ def _in_memory() -> h5py.File:
     access.set_libver_bounds(*_FORMAT)
     access.set_meta_block_size(1)  # no padding
     creation = h5py.h5p.create(h5py.h5p.FILE_CREATE)
-    # keep attributes in the header, where a wrong byte damages one of them; by default, more than
-    # eight go to a heap, where it damages all
+    # keep attributes in the header, where a wrong byte damages only one; by default, more than
+    # eight attributes go to a heap, where a wrong byte damages all of them
     creation.set_attr_phase_change(_MOST_ATTRIBUTES, 0)
     creation.set_obj_track_times(False)  # the same content gives the same bytes
     return h5py.File(h5py.h5f.create(b"log", h5py.h5f.ACC_TRUNC, creation, access))
@@ -129,7 +111,7 @@ def gather_columns(
     optional: tuple[str, ...] = (),
     attributes: tuple[str, ...] = (),
 ) -> tuple[Columns, list[str]]:
-    """Read the named channels as far as possible, and return the problems found.
+    """Read the named channels as far as possible; return them and the problems.
 
     Parameters
     ----------

@@ -110,9 +110,6 @@ def _lines(path: Path) -> list[str]:
     return list(io.StringIO(text.rstrip("\r\n"), newline=""))
 
 
-# --- rows -----------------------------------------------------------------------------------
-
-
 def _parts(
     text: _Text, mark: str, header_line: int | None, data_line: int | None
 ) -> tuple[_Row, Iterator[_Row]]:
@@ -141,7 +138,7 @@ def _rows(text: _Text, first: int, mark: str, *, verbatim: bool = False) -> Iter
     begins = last = first
     between_rows, started = not verbatim, verbatim
 
-    def fed() -> Iterator[str]:
+    def numbered_lines() -> Iterator[str]:
         nonlocal begins, last, between_rows
         for number, line in enumerate(islice(text.lines, first - 1, None), first):
             if between_rows:
@@ -149,9 +146,9 @@ def _rows(text: _Text, first: int, mark: str, *, verbatim: bool = False) -> Iter
                     continue
                 begins, between_rows = number, False
             last = number
-            yield re.sub(r'("[^"]*")|\t', _unquoted_blank, line) if mark == " " else line
+            yield re.sub(r'("[^"]*")|\t', _tab_to_blank, line) if mark == " " else line
 
-    reader = csv.reader(fed(), delimiter=mark, skipinitialspace=True, strict=True)
+    reader = csv.reader(numbered_lines(), delimiter=mark, skipinitialspace=True, strict=True)
     while True:
         try:
             fields = next(reader)
@@ -166,7 +163,7 @@ def _rows(text: _Text, first: int, mark: str, *, verbatim: bool = False) -> Iter
         yield _Row(begins, last, fields)
 
 
-def _unquoted_blank(match: re.Match[str]) -> str:
+def _tab_to_blank(match: re.Match[str]) -> str:
     return match[1] or " "
 
 
@@ -196,7 +193,7 @@ def _separator_of(text: _Text, header_line: int | None, data_line: int | None) -
 
 
 def _fit(fields: list[str], header: Sequence[str]) -> list[str] | None:
-    """Return one field per header field, or None; a separator at the line end adds no field."""
+    """Return one field per header field; None if there are more or fewer fields."""
     surplus = len(fields) - len(header)
     if surplus == 1 and not fields[-1].strip():
         return fields[:-1]
@@ -227,9 +224,6 @@ def _fitted(path: Path, header: _Row, below: Iterator[_Row], mark: str) -> list[
     return rows
 
 
-# --- numbers --------------------------------------------------------------------------------
-
-
 def _number(text: str) -> float | None:
     try:
         return None if "_" in text else float(text)
@@ -251,29 +245,30 @@ def _numbers(texts: list[str], decimal: str | None) -> tuple[np.ndarray, int | N
     """Return the numbers of a column, or the first row that is not a number."""
     bad = []
     for mark in [decimal] if decimal else [".", ","]:
-        values = _decimals(texts, mark, sure=decimal is not None)
+        values = _decimals(texts, mark, given=decimal is not None)
         if None not in values:
             return np.array(values), None
         bad.append(values.index(None))
-    return np.array([]), max(bad)  # with the decimal mark that gets furthest
+    return np.array([]), max(bad)  # from the decimal mark that parses most rows
 
 
-def _decimals(texts: list[str], mark: str, *, sure: bool) -> list[float | None]:
+def _decimals(texts: list[str], mark: str, *, given: bool) -> list[float | None]:
     """Parse texts with a decimal mark; None where that fails.
 
-    Unless the mark is ``sure``, a column such as 980, 990, 1,000 is ambiguous (thousands?): None.
+    Unless the mark was ``given``, 1,000 fails in a column such as 980, 990, 1,000: the comma may
+    group thousands.
     """
     if mark == ".":
         return [_value(text) for text in texts]
-    doubtful = not sure and _may_be_thousands(texts)
+    ambiguous = not given and _may_be_thousands(texts)
     return [
-        None if "." in text or (doubtful and "," in text) else _value(_pointed(text))
+        None if "." in text or (ambiguous and "," in text) else _value(_pointed(text))
         for text in texts
     ]
 
 
 def _may_be_thousands(texts: list[str]) -> bool:
-    """Return whether some numbers have commas, and only ones that could group thousands."""
+    """Return whether some numbers have commas, all at places where they could group thousands."""
     with_comma = [text for text in texts if "," in text]
     grouped = re.compile(r"\s*[+-]?\d{1,3}(,\d{3})+\s*")
     return 0 < len(with_comma) < len(texts) and all(map(grouped.fullmatch, with_comma))

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from fprc.logs.clock import UNMENDED
+from fprc.logs.clock import NO_CORRECTIONS
 from fprc.logs.resample import rate_of
 from fprc.logs.sealed_chamber import fit_sealed
 
@@ -16,14 +16,14 @@ FROZEN_S = 2.0
 GAP_PERIODS = 1.5
 #: A channel is clipped if its extreme occurs this many times as often as the levels next to it.
 CLIPPED_RATIO = 12.0
-#: A sealed chamber whose pressure falls faster leaks, kPa/min; half of that can be detected.
+#: A sealed chamber leaks if its pressure falls faster, kPa/min; half of that can be detected.
 LEAK_KPA_PER_MIN = 2.0
 
 
 def diagnose(
     time_s: np.ndarray,
     channels: Mapping[str, np.ndarray],
-    mended: Mapping[str, Any] = UNMENDED,
+    corrections: Mapping[str, Any] = NO_CORRECTIONS,
 ) -> dict[str, Any]:
     """Measure clock, channels and sealed chamber of a recording.
 
@@ -33,18 +33,18 @@ def diagnose(
         Time stamps, increasing.
     channels : Mapping
         Arrays of the same length, in the units of their names.
-    mended : Mapping
+    corrections : Mapping
         Corrections made to the file's clock, see ``fprc.logs.clock.Clock``.
 
     Returns
     -------
     dict
-        ``samples``, ``duration_s``; ``clock``, with ``mended``; ``channels``, each with its
+        ``samples``, ``duration_s``; ``clock``, with ``corrections``; ``channels``, each with its
         range, the rate of new values, ``held_samples`` (None unless sample-and-hold),
         ``step`` (None unless quantised), ``frozen`` and ``at_extreme``; ``identical`` pairs;
         ``sealed``, leak and re-fills of ``p_o_kpa``, or None.
     """
-    clock = {**_clock(time_s), **mended}
+    clock = {**_clock(time_s), **corrections}
     diagnoses = {name: _channel(time_s, values, clock) for name, values in channels.items()}
     pairs = [
         list(pair)
@@ -164,9 +164,6 @@ def _at_extreme(
     }
 
 
-# --- in words -------------------------------------------------------------------------------
-
-
 def describe(diagnosis: Mapping[str, Any], units: Mapping[str, str]) -> list[str]:
     """Return a diagnosis as lines of text.
 
@@ -181,18 +178,18 @@ def describe(diagnosis: Mapping[str, Any], units: Mapping[str, str]) -> list[str
     lines = [
         f"{diagnosis['samples']} samples over {diagnosis['duration_s']:.6g} s, mean rate "
         f"{clock['mean_hz']:.6g} Hz",
-        *_clock_words(clock),
+        *_describe_clock(clock),
     ]
     for name, channel in diagnosis["channels"].items():
-        lines += [f"{name}: {text}" for text in _channel_words(channel, units[name], clock)]
+        lines += [f"{name}: {text}" for text in _describe_channel(channel, units[name], clock)]
     lines += [f"{a} and {b}: identical, sample by sample" for a, b in diagnosis["identical"]]
     if sealed:
-        words = _sealed_words(sealed, diagnosis, units["p_o_kpa"])
-        lines += [f"p_o_kpa: {text}" for text in words]
+        texts = _describe_leak(sealed, diagnosis, units["p_o_kpa"])
+        lines += [f"p_o_kpa: {text}" for text in texts]
     return lines
 
 
-def _clock_words(clock: Mapping[str, Any]) -> list[str]:
+def _describe_clock(clock: Mapping[str, Any]) -> list[str]:
     lines = []
     period_s = 1.0 / clock["median_hz"]
     jitter = max(-clock["jitter_p1_s"], clock["jitter_p99_s"]) / period_s
@@ -225,7 +222,7 @@ def _clock_words(clock: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-def _channel_words(channel: Mapping[str, Any], unit: str, clock: Mapping[str, Any]) -> list[str]:
+def _describe_channel(channel: Mapping[str, Any], unit: str, clock: Mapping[str, Any]) -> list[str]:
     def value(number: float) -> str:
         return f"{number:.4g} {unit}".rstrip()
 
@@ -243,7 +240,7 @@ def _channel_words(channel: Mapping[str, Any], unit: str, clock: Mapping[str, An
     if channel["step"]:
         lines.append(f"quantised in steps of {value(channel['step'])}")
     if channel["frozen"]:
-        longest = max(channel["frozen"], key=lambda one: one["to_s"] - one["from_s"])
+        longest = max(channel["frozen"], key=lambda stretch: stretch["to_s"] - stretch["from_s"])
         lines.append(
             f"frozen or at rest in {_count(len(channel['frozen']), 'stretch')}, the longest "
             f"from {longest['from_s']:.4g} to {longest['to_s']:.4g} s at {value(longest['value'])}"
@@ -257,7 +254,7 @@ def _channel_words(channel: Mapping[str, Any], unit: str, clock: Mapping[str, An
     return lines
 
 
-def _sealed_words(sealed: Mapping[str, Any], diagnosis: Mapping[str, Any], unit: str) -> list[str]:
+def _describe_leak(sealed: Mapping[str, Any], diagnosis: Mapping[str, Any], unit: str) -> list[str]:
     slope, channel = sealed["slope_kpa_per_min"], diagnosis["channels"]["p_o_kpa"]
     if slope is None:
         return [
@@ -265,14 +262,14 @@ def _sealed_words(sealed: Mapping[str, Any], diagnosis: Mapping[str, Any], unit:
             "little for a sealed chamber; leak and re-fills are not evaluated"
         ]
     limit = LEAK_KPA_PER_MIN if unit else 0.05 * (channel["highest"] - channel["lowest"])
-    each = f"{abs(slope):.2g} {unit}".rstrip()
+    rate = f"{abs(slope):.2g} {unit}".rstrip()
     lines = []
     at_equal = f"at equal {sealed['relative_to']} it"
     if slope < -limit:
         short = "; hysteresis can cause this in under a minute" * (diagnosis["duration_s"] < 60.0)
-        lines.append(f"leaks: {at_equal} falls by about {each} a minute{short}")
+        lines.append(f"leaks: {at_equal} falls by about {rate} a minute{short}")
     elif slope > limit:
-        lines.append(f"{at_equal} rises by about {each} a minute: warming, or inflow")
+        lines.append(f"{at_equal} rises by about {rate} a minute: warming, or inflow")
     for noun, sign in (("re-fill", 1.0), ("sudden loss", -1.0)):
         steps = [step for step in sealed["steps"] if sign * step["height_kpa"] > 0.0]
         if steps:

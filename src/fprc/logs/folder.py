@@ -20,7 +20,7 @@ class Header(NamedTuple):
 
 
 class Content(NamedTuple):
-    """One log: its channels (None: all of them), and the import's notes by channel."""
+    """Channels of a log (None: all channels), and the import's notes by channel."""
 
     channels: frozenset[str] | None
     notes: Mapping[str, str]
@@ -31,20 +31,20 @@ class Content(NamedTuple):
             return []
         return [name for name in names if name not in self.channels]
 
-    def having(self, names: Sequence[str]) -> "Content":
-        """Return the log with these channels added; their notes are dropped."""
+    def with_channels(self, names: Sequence[str]) -> "Content":
+        """Return the content with these channels added or replaced, without notes."""
         channels = None if self.channels is None else self.channels | {*names}
         notes = {name: note for name, note in self.notes.items() if name not in names}
         return Content(channels, notes)
 
-    def instead(self, name: str) -> str | None:
-        """Return the quantity that a channel holds instead of the one it is named after, if so."""
+    def substitute(self, name: str) -> str | None:
+        """Return the quantity that a channel holds if it is not the one in its name; else None."""
         begins = other_quantity(name)
         note = self.notes.get(name, "")
         return note.removeprefix(begins) if note.startswith(begins) else None
 
 
-#: A log with every channel.
+#: Content of a log with every channel.
 WHOLE = Content(None, {})
 
 

@@ -19,22 +19,12 @@ LARGEST = 1e12
 
 
 class Recording(NamedTuple):
-    """Channels at their original time stamps, in the units of a raw log.
+    """Channels at their original time stamps, in the units of a raw log."""
 
-    Attributes
-    ----------
-    time_s : ndarray
-        Time stamps, 0 at the first sample kept.
-    start_s : float
-        Time stamp of that sample on the file's clock.
-    clock : Clock
-        Maps ``time_s`` to the samples of the file.
-    """
-
-    time_s: np.ndarray
+    time_s: np.ndarray  #: time stamps, 0 at the first sample kept
     channels: dict[str, np.ndarray]
-    start_s: float
-    clock: Clock
+    start_s: float  #: time stamp of the first sample kept, on the file's clock
+    clock: Clock  #: maps ``time_s`` to the samples of the file
 
 
 def gather(
@@ -66,7 +56,7 @@ def gather(
     wanted = {name: spec["column"] for name, spec in channels.items()}
     if time.get("column") is not None:
         wanted = {"time": time["column"]} | wanted
-    picked, problems = _picked(source, wanted)
+    picked, problems = _pick_all(source, wanted)
     lengths = {name: len(values) for name, values in picked.items()}
     clock = None
     if len(set(lengths.values())) > 1:
@@ -94,7 +84,7 @@ def gather(
     return Recording(clock.since_s - cut, converted, float(clock.begin_s + cut), clock)
 
 
-def _picked(source: Source, wanted: Mapping[str, str]) -> tuple[dict[str, np.ndarray], list[str]]:
+def _pick_all(source: Source, wanted: Mapping[str, str]) -> tuple[dict[str, np.ndarray], list[str]]:
     picked, problems = {}, []
     for name, column in wanted.items():
         try:
@@ -133,7 +123,7 @@ def _convert(
         k = int(bad.min())
         raise LogError(
             f"{where}: {source.sample(k)} is {values[k]}, and {bad.size - 1} more are not finite; "
-            "cut them off by start_s and end_s, or fill them in"
+            "cut them off with start_s and end_s, or fill them in"
         )
     with np.errstate(over="ignore", invalid="ignore"):
         scaled = (used * spec["scale"] + spec["offset"]) * FACTORS[spec["unit"]]

@@ -120,12 +120,12 @@ def channel_of(file: h5py.File, name: str) -> h5py.Dataset:
 def refuse_never_written(dataset: h5py.Dataset) -> None:
     """Check that every sample of a channel was written.
 
-    The library returns fill values for the others, and a small file can declare any number.
+    For the others the library returns fill values, and a small file can declare any number of them.
 
     Raises
     ------
     LogError
-        Some were never written. The message does not name the channel.
+        Some samples were never written. The message does not name the channel.
     """
     layout = dataset.id.get_create_plist().get_layout()
     if layout == h5py.h5d.CHUNKED:
@@ -163,8 +163,8 @@ def shown(name: str | bytes) -> str:
     return visible(os.fsdecode(name))
 
 
-def listed(names: Iterable[str], most: int = 12) -> str:
-    """Return names for a message, at most the first ``most``."""
+def listed(names: Iterable[str]) -> str:
+    """Return names for a message, at most the first twelve."""
     every = list(names)
-    more = f" and {len(every) - most} more" if len(every) > most else ""
-    return (", ".join(map(shown, every[:most])) or "none") + more
+    more = f" and {len(every) - 12} more" if len(every) > 12 else ""
+    return (", ".join(map(shown, every[:12])) or "none") + more

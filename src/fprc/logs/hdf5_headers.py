@@ -1,8 +1,8 @@
 """Recompute the checksums of HDF5 object headers, so that a damaged file can be opened.
 
-Otherwise one wrong byte in an attribute costs the whole file, because the library rejects the
-header that holds it. HDF5 File Format Specification, version 3, Sec. IV.A.1.b; the checksum
-is Jenkins' lookup3.
+Otherwise one wrong byte in an attribute makes the whole file unreadable, because the library
+rejects the header that holds it. See the HDF5 File Format Specification, version 3,
+Sec. IV.A.1.b; the checksum is Jenkins' lookup3.
 """
 
 import struct
@@ -16,7 +16,7 @@ _CHECKSUM = 4
 _MOST_BLOCKS = 10_000
 
 
-def mend_checksums(data: bytearray) -> int:
+def correct_checksums(data: bytearray) -> int:
     """Correct the checksums of a file's object headers in place; return how many were wrong.
 
     The damaged bytes stay: a header may now hold a wrong name or value.
@@ -34,7 +34,7 @@ def _blocks(data: bytes | bytearray) -> Iterator[tuple[int, int]]:
     """Yield begin and end of the headers and of their continuation blocks."""
     begin, count = data.find(_HEADER), 0
     while begin >= 0 and count < _MOST_BLOCKS:
-        todo = [_of_header(data, begin)]
+        todo = [_header_block(data, begin)]
         while todo and count < _MOST_BLOCKS:
             block = todo.pop()
             if block is None:
@@ -42,7 +42,7 @@ def _blocks(data: bytes | bytearray) -> Iterator[tuple[int, int]]:
             count += 1
             first, messages, end, ordered = block
             yield first, end
-            todo += _continued(data, messages, end - _CHECKSUM, ordered)
+            todo += _continuation_blocks(data, messages, end - _CHECKSUM, ordered)
         begin = data.find(_HEADER, begin + 1)
 
 
@@ -50,7 +50,7 @@ def _blocks(data: bytes | bytearray) -> Iterator[tuple[int, int]]:
 _Block = tuple[int, int, int, bool]
 
 
-def _of_header(data: bytes | bytearray, begin: int) -> _Block | None:
+def _header_block(data: bytes | bytearray, begin: int) -> _Block | None:
     if len(data) < begin + 6 or data[begin + 4] != 2:
         return None
     flags = data[begin + 5]
@@ -61,7 +61,9 @@ def _of_header(data: bytes | bytearray, begin: int) -> _Block | None:
     return (begin, messages, end, bool(flags & 4)) if end <= len(data) else None
 
 
-def _continued(data: bytes | bytearray, at: int, end: int, ordered: bool) -> Iterator[_Block]:
+def _continuation_blocks(
+    data: bytes | bytearray, at: int, end: int, ordered: bool
+) -> Iterator[_Block]:
     head = 6 if ordered else 4
     while at + head <= end:
         kind, size = data[at], int.from_bytes(data[at + 1 : at + 3], "little")
@@ -80,32 +82,32 @@ def lookup3(data: bytes | bytearray, seed: int = 0) -> int:
     if not data:
         return c
 
-    def turned(x: int, by: int) -> int:
+    def rotated(x: int, by: int) -> int:
         return ((x << by) | (x >> (32 - by))) & mask
 
     full = (len(data) - 1) // 12 * 12
     for at in range(0, full, 12):
         x, y, z = struct.unpack_from("<III", data, at)
         a, b, c = (a + x) & mask, (b + y) & mask, (c + z) & mask
-        a = ((a - c) & mask) ^ turned(c, 4)
+        a = ((a - c) & mask) ^ rotated(c, 4)
         c = (c + b) & mask
-        b = ((b - a) & mask) ^ turned(a, 6)
+        b = ((b - a) & mask) ^ rotated(a, 6)
         a = (a + c) & mask
-        c = ((c - b) & mask) ^ turned(b, 8)
+        c = ((c - b) & mask) ^ rotated(b, 8)
         b = (b + a) & mask
-        a = ((a - c) & mask) ^ turned(c, 16)
+        a = ((a - c) & mask) ^ rotated(c, 16)
         c = (c + b) & mask
-        b = ((b - a) & mask) ^ turned(a, 19)
+        b = ((b - a) & mask) ^ rotated(a, 19)
         a = (a + c) & mask
-        c = ((c - b) & mask) ^ turned(b, 4)
+        c = ((c - b) & mask) ^ rotated(b, 4)
         b = (b + a) & mask
     x, y, z = struct.unpack("<III", bytes(data[full:]).ljust(12, b"\0"))
     a, b, c = (a + x) & mask, (b + y) & mask, (c + z) & mask
     for which, by in (("c", 14), ("a", 11), ("b", 25), ("c", 16), ("a", 4), ("b", 14), ("c", 24)):
         if which == "c":
-            c = ((c ^ b) - turned(b, by)) & mask
+            c = ((c ^ b) - rotated(b, by)) & mask
         elif which == "a":
-            a = ((a ^ c) - turned(c, by)) & mask
+            a = ((a ^ c) - rotated(c, by)) & mask
         else:
-            b = ((b ^ a) - turned(a, by)) & mask
+            b = ((b ^ a) - rotated(a, by)) & mask
     return c

@@ -20,7 +20,7 @@ _NUMBERS = {"double", "single", "logical"} | {
     f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)
 }
 
-#: Name of a part of a file, and its dataset, its numbers, or why it cannot be a channel.
+#: Name of a part of a file; and its dataset, its numbers, or the reason why it is no channel.
 _Part = tuple[str, h5py.Dataset | np.ndarray | str]
 
 
@@ -125,9 +125,6 @@ def _datasets(group: h5py.Group, prefix: str = "") -> Iterator[_Part]:
             yield f"{prefix}{name}", member
 
 
-# --- MATLAB ---------------------------------------------------------------------------------
-
-
 def _variables(file: h5py.File) -> Iterator[_Part]:
     for name, member in _members(file):
         if not name.startswith("#"):  # MATLAB's storage for the targets of references
@@ -140,11 +137,11 @@ def _parts(name: str, thing: Any) -> Iterator[_Part]:
             yield name, SPARSE
             return
         for field, member in _members(thing):
-            if _refers(member) and "MATLAB_class" not in member.attrs:
+            if _is_reference(member) and "MATLAB_class" not in member.attrs:
                 yield from _field(name, field, member)
             else:
                 yield from _parts(f"{name}.{field}", member)
-    elif _refers(thing):
+    elif _is_reference(thing):
         for text, target in _targets(thing):
             yield from _parts(f"{name}{{{text}}}", target)
     elif isinstance(thing, (h5py.Dataset, str)):
@@ -155,7 +152,7 @@ def _field(name: str, field: str, member: h5py.Dataset) -> Iterator[_Part]:
     """Yield the parts of a field of a struct array, which holds one reference per element."""
     each = list(_targets(member))
     targets = [target for _, target in each]
-    if all(isinstance(target, h5py.Dataset) and target.size == 1 and not _refers(target)
+    if all(isinstance(target, h5py.Dataset) and target.size == 1 and not _is_reference(target)
            and _why_not(target, 1, matlab=True) is None for target in targets):  # fmt: skip
         yield f"[{name}.{field}]", np.array([float(target[()].item()) for target in targets])
     else:
@@ -163,7 +160,7 @@ def _field(name: str, field: str, member: h5py.Dataset) -> Iterator[_Part]:
             yield from _parts(f"{name}({text}).{field}", target)
 
 
-def _refers(thing: Any) -> bool:
+def _is_reference(thing: Any) -> bool:
     """Return whether a dataset holds references, as cell arrays and struct arrays do."""
     return isinstance(thing, h5py.Dataset) and h5py.check_ref_dtype(thing.dtype) is h5py.Reference
 

@@ -20,7 +20,7 @@ from fprc.errors import LogError
 
 #: Limit on processor time: _LIMIT_S + size / _BYTES_PER_S.
 _LIMIT_S, _BYTES_PER_S = 5.0, 20e6
-#: Limit on wall time, as a multiple of that: ends a process that is blocked.
+#: Limit on wall time, as a multiple of the processor time: ends a process that is blocked.
 _PATIENCE = 6.0
 #: Limit on the process's address space, bytes; libraries take about 0.5 GB of it.
 LIMIT_BYTES = 4 << 30
@@ -33,7 +33,6 @@ def isolated(
     *arguments: Any,
     what: str,
     limit_s: float | None = None,
-    limit_bytes: int = LIMIT_BYTES,
     **keywords: Any,
 ) -> Any:
     """Call a function in a child process and return its result.
@@ -46,8 +45,6 @@ def isolated(
         File to read; named in messages.
     limit_s : float, optional
         Limit on processor time; by default it follows from the file's size.
-    limit_bytes : int
-        Limit on the address space.
 
     Raises
     ------
@@ -57,10 +54,10 @@ def isolated(
         Any exception that the function raised.
     """
     limit_s = limit_s or time_limit_s([what])
-    answers, ended = _call(function, [arguments], keywords, limit_s, limit_bytes)
+    answers, ended = _call(function, [arguments], keywords, limit_s, LIMIT_BYTES)
     if not answers:
         raise LogError(f"{what}: {ended}")
-    return _result(answers[0], what, limit_bytes)
+    return _result(answers[0], what, LIMIT_BYTES)
 
 
 def isolated_each(
@@ -161,8 +158,8 @@ def run_limited(command: Sequence[str], limit_s: float, request: bytes = b"") ->
             check=False,
             env=os.environ | {"OPENBLAS_NUM_THREADS": "1"},  # each thread reserves memory
         )
-    except subprocess.TimeoutExpired as waited:
-        return waited.stdout or b"", late
+    except subprocess.TimeoutExpired as expired:
+        return expired.stdout or b"", late
     if done.returncode == 0:
         return done.stdout, ""
     if done.returncode == -getattr(signal, "SIGXCPU", 0):

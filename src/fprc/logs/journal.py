@@ -31,7 +31,7 @@ from fprc.logs.raw import RAW_ATTRIBUTES, contradictions, missing_channels
 
 #: Marker of the header; the digit is the version of the format.
 MAGIC = b"\x89FPRCJ1\n"
-#: Marker of the end mark; it stands where a sample has its tick.
+#: Marker of the end mark, at the place where a sample has its tick.
 END = b"\x89FPRCE1\n"
 
 #: Encoding of a block's length, and of a CRC-32.
@@ -313,5 +313,5 @@ def seed_of(header: bytes) -> int:
 
 
 def _as_plain(value: Any) -> Any:
-    """Convert a type unknown to JSON; an odd statistic must not prevent the end mark."""
+    """Convert a type unknown to JSON: no statistic may prevent the writing of the end mark."""
     return value.item() if isinstance(value, np.generic) else str(value)

@@ -78,7 +78,7 @@ def assess(
 
 
 def implausible(log: Columns, ranges: Mapping[str, Sequence[float]]) -> list[str]:
-    """Return a line that names the channels outside their ranges; an empty list if none is.
+    """Return one line that names all channels outside their ranges; no line if there are none.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def implausible(log: Columns, ranges: Mapping[str, Sequence[float]]) -> list[str
 
 
 def other_quantity(name: str) -> str:
-    """Return the beginning of a channel's note that says it is not in the unit of its name."""
+    """Return the beginning of the note of a channel that is not in the unit of its name."""
     return f"not in {unit_of(name)}: "
 
 
@@ -121,15 +121,15 @@ def warnings(record: Mapping[str, Any]) -> list[str]:
 
 
 def _line(log: str, name: str, check: Mapping[str, Any]) -> str:
-    return visible(f"{log}: {name}: {_outside_words(check) if name == 'range' else check}")
+    return visible(f"{log}: {name}: {_describe_outside(check) if name == 'range' else check}")
 
 
-def _outside_words(check: Mapping[str, Any]) -> str:
+def _describe_outside(check: Mapping[str, Any]) -> str:
     return "; ".join(
-        f"channel {channel}: sample {one['sample']} is {one['value']:g} {unit_of(channel)}, "
-        f"outside of {one['limits'][0]:g} to {one['limits'][1]:g}, and "
+        f"channel {channel}: sample {first['sample']} is {first['value']:g} {unit_of(channel)}, "
+        f"outside of {first['limits'][0]:g} to {first['limits'][1]:g}, and "
         f"{check['samples'][channel] - 1} more"
-        for channel, one in check["first"].items()
+        for channel, first in check["first"].items()
     )
 
 

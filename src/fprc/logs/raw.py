@@ -39,16 +39,8 @@ SIMULATED_RESERVOIR = {"rig": "rig+sim", "import": "import+sim"}
 #: Sources of a log: simulated, recorded on the real rig, imported.
 SOURCES = ("sim", "rig", "import", *SIMULATED_RESERVOIR.values())
 
-#: Required attributes of a raw log, and further ones of a closed-loop run.
-RAW_ATTRIBUTES = (
-    "experiment",
-    "source",
-    "simulated",
-    "sample_rate_hz",
-    "seed",
-    "software",
-    "rig",
-)
+#: Required attributes of a raw log, and those that a closed-loop run needs too.
+RAW_ATTRIBUTES = ("experiment", "source", "simulated", "sample_rate_hz", "seed", "software", "rig")
 RUN_ATTRIBUTES = ("controller", "gain", "reference", "settle_s")
 
 #: Largest plausible magnitude in any channel; its square does not overflow.
@@ -120,11 +112,7 @@ def _is_run(attributes: Mapping[str, Any]) -> bool:
 
 
 def read_raw(
-    path: Path | str,
-    *,
-    experiment: str | None,
-    sample_rate_hz: float | None,
-    rate_tolerance: float,
+    path: Path | str, *, experiment: str | None, sample_rate_hz: float | None, rate_tolerance: float
 ) -> Columns:
     """Read a raw log and check that it can be used.
 

@@ -23,25 +23,16 @@ class Stretch(NamedTuple):
 class Findings(NamedTuple):
     """State of a run's samples."""
 
-    #: Readable samples.
-    samples: int
-    #: Samples that were written and cannot be read.
-    lost: int
+    samples: int  #: readable samples
+    lost: int  #: samples that were written and cannot be read
     stretches: tuple[Stretch, ...]
-    #: Time of the last readable sample; None if there is none.
-    last_s: float | None
-    #: Ticks without a sample between the first and the last one; 0 if unknown.
-    missed_ticks: int
-    #: Samples out of order or repeated; sorted by tick.
-    misplaced: int
-    #: Whether the end mark exists.
-    closed: bool
-    #: Whether the run reached its planned end and no sample is lost.
-    complete: bool
-    #: Why it is not complete.
-    reason: str
-    #: Statistics from the end mark.
-    statistics: dict[str, Any]
+    last_s: float | None  #: time of the last readable sample; None if there is none
+    missed_ticks: int  #: ticks without a sample between the first and the last one; 0 if unknown
+    misplaced: int  #: samples out of order or repeated; sorted by tick
+    closed: bool  #: whether the end mark exists
+    complete: bool  #: whether the run reached its planned end and no sample is lost
+    reason: str  #: why it is not complete
+    statistics: dict[str, Any]  #: statistics from the end mark
 
 
 class _Block(NamedTuple):
@@ -191,9 +182,6 @@ def _findings(
         reason="; ".join(reasons),
         statistics=end.content["statistics"] if end else {},
     )
-
-
-# --- as a raw log ---------------------------------------------------------------------------
 
 
 def recover(journal: Path | str, raw: Path | str) -> Findings:

@@ -25,9 +25,9 @@ def resample(
     are interpolated linearly, which does not overshoot at held values and gaps; a sine of
     f Hz, sampled at s Hz, loses at most (pi f / s)^2 / 2.
 
-    To a lower rate, values are first interpolated on a grid that is an integer factor finer and
-    no slower than the recording. A linear-phase FIR low-pass, applied without delay, is flat up to
-    0.8 of the new Nyquist frequency and at -70 dB above it; then every n-th sample is
+    For a lower rate, values are first interpolated on a grid whose rate is a multiple of the new
+    one and at least that of the recording. A linear-phase FIR low-pass, applied without delay, is
+    flat up to 0.8 of the new Nyquist frequency and at -70 dB above it; then every n-th sample is
     kept. At both ends the recording is extended by point reflection in the end point.
     """
     source_hz = rate_of(time_s)
@@ -64,7 +64,7 @@ def _refinement(time_s: np.ndarray, source_hz: float, rate_hz: float) -> int:
         return 1
     whole = round(ratio)
     grid = time_s[0] + np.arange(len(time_s)) / (whole * rate_hz)
-    # where points are interpolated, double the rate: linear interpolation then loses less
+    # double the rate where values are interpolated: linear interpolation then loses less
     return whole if whole > 1 and _aligned(time_s, grid) else math.ceil(2.0 * ratio)
 
 

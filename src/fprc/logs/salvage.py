@@ -20,7 +20,7 @@ from fprc.errors import LogError
 from fprc.logs.attributes import CHANNEL_ATTRIBUTES, KINDS, is_text, read_attribute, read_attributes
 from fprc.logs.columns import checksum, unit_of
 from fprc.logs.hdf5 import MAX_BYTES, bytes_of, channel_of, promised_length, shown
-from fprc.logs.hdf5_headers import mend_checksums
+from fprc.logs.hdf5_headers import correct_checksums
 from fprc.logs.isolated import limit_process, run_limited, time_limit_s
 from fprc.logs.raw import RAW_ATTRIBUTES, RAW_CHANNELS, TRACKING_CHANNELS, missing_channels
 
@@ -36,21 +36,18 @@ _LARGEST_FACTOR = 1000
 class Salvaged(NamedTuple):
     """Readable content of a damaged file."""
 
-    #: All of the same length.
-    channels: dict[str, np.ndarray]
+    channels: dict[str, np.ndarray]  #: all of the same length
     attributes: dict[str, Any]
-    #: Samples of the file that are missing in the channels.
-    lost: int
-    #: A message for each loss; empty if the file is undamaged.
-    words: list[str]
+    lost: int  #: samples of the file that are missing in the channels
+    messages: list[str]  #: one for each loss; empty if the file is undamaged
 
 
 def salvage(path: Path | str, *, limit_s: float | None = None) -> Salvaged:
     """Read as much as possible of a raw log; the file is not changed.
 
     Each channel is read up to its first unreadable sample. Channels with less than half the
-    samples of the longest one are left out, the others are cut to the same length; every
-    shorter channel is named. A channel with a wrong checksum is kept and named; without a
+    samples of the longest one are left out, and the others are cut to the same length; every
+    short channel is named. A channel with a wrong checksum is kept and named; without a
     checksum, wrong numbers go unnoticed.
 
     Parameters
@@ -71,23 +68,25 @@ def salvage(path: Path | str, *, limit_s: float | None = None) -> Salvaged:
     except OSError as error:
         raise LogError(f"{path}: cannot be opened ({error.strerror}); check the path") from error
     with tempfile.TemporaryDirectory() as folder:
-        words = _read_in_child(path, folder, limit_s or time_limit_s([path]))
+        messages = _read_in_child(path, folder, limit_s or time_limit_s([path]))
         channels, lengths, attributes, more = _collect(Path(folder))
     kept, left_out = _of_one_length(channels, lengths)
-    words += more + left_out
+    messages += more + left_out
     if not kept:
-        raise LogError("\n".join([f"{path}: no sample can be read; nothing was written", *words]))
+        raise LogError(
+            "\n".join([f"{path}: no sample can be read; nothing was written", *messages])
+        )
     gone = [name for name in RAW_ATTRIBUTES if name not in attributes]
     if gone:
-        words.append(f"attributes {', '.join(gone)}: not found")
+        messages.append(f"attributes {', '.join(gone)}: not found")
     gone = [name for name in missing_channels(attributes, kept) if name not in lengths]
     if gone:
-        words.append(f"channels {', '.join(gone)}: not found")
+        messages.append(f"channels {', '.join(gone)}: not found")
     length = len(next(iter(kept.values())))
     lost = max(lengths.values()) - length
     if lost and "time_s" in kept:
-        words.append(f"{lost} samples lost after {kept['time_s'][-1]:.3f} s")
-    return Salvaged(kept, attributes, lost, words)
+        messages.append(f"{lost} samples lost after {kept['time_s'][-1]:.3f} s")
+    return Salvaged(kept, attributes, lost, messages)
 
 
 def _read_in_child(path: Path, folder: str, limit_s: float) -> list[str]:
@@ -100,35 +99,35 @@ def _collect(
     folder: Path,
 ) -> tuple[dict[str, np.ndarray], dict[str, int], dict[str, Any], list[str]]:
     """Return what the child saved: channels, their lengths in the file, attributes, messages."""
-    channels, lengths, words = {}, {}, []
+    channels, lengths, messages = {}, {}, []
     attributes: dict[str, Any] = {}
     report = folder / "report.jsonl"
     for line in report.read_text(encoding="utf-8").split("\n")[:-1] if report.exists() else ():
         entry = json.loads(line)
         attributes |= entry.get("attributes", {})
-        words += entry.get("words", [])
+        messages += entry.get("messages", [])
         if "channel" in entry:
             lengths[entry["channel"]] = entry["length"]
             channels[entry["channel"]] = np.load(folder / entry["file"])
-    return channels, lengths, attributes, words
+    return channels, lengths, attributes, messages
 
 
 def _of_one_length(
     channels: Mapping[str, np.ndarray], lengths: Mapping[str, int]
 ) -> tuple[dict[str, np.ndarray], list[str]]:
-    """Drop short channels, cut the others to one length, and say what is lost of each."""
+    """Drop short channels, cut the others to one length, and return a message for each loss."""
     longest = max((len(values) for values in channels.values()), default=0)
     kept = {name: values for name, values in channels.items() if 2 * len(values) >= longest > 0}
     common = min((len(values) for values in kept.values()), default=0)
-    words = []
+    messages = []
     for name, values in channels.items():
         read, length = len(values), lengths[name]
         suffix = "" if name in kept else "; left out of the copy"
         if read < length:
-            words.append(f"{name}: {length - read} of {length} samples lost{suffix}")
+            messages.append(f"{name}: {length - read} of {length} samples lost{suffix}")
         elif read < longest:
-            words.append(f"{name}: {read} samples, but others have up to {longest}{suffix}")
-    return {name: values[:common] for name, values in kept.items()}, words
+            messages.append(f"{name}: {read} samples, but others have up to {longest}{suffix}")
+    return {name: values[:common] for name, values in kept.items()}, messages
 
 
 # --- in the child process ------------------------------------------------------------------
@@ -147,14 +146,14 @@ def _export(path: Path, folder: Path) -> None:
             lines.flush()
 
         if patched.stat().st_size > size:
-            report(words=[f"cut short: {size} of {patched.stat().st_size} bytes are left"])
-        wrong = _mend_headers(patched)
+            report(messages=[f"cut short: {size} of {patched.stat().st_size} bytes are left"])
+        wrong = _correct_headers(patched)
         if wrong:
-            report(words=[f"headers damaged: {wrong}; their content may be wrong"])
+            report(messages=[f"headers damaged: {wrong}; their content may be wrong"])
         try:
             file = h5py.File(patched, "r")
         except Exception as error:  # on a damaged file the library raises many types
-            report(words=[f"cannot be opened as HDF5 ({error})"])
+            report(messages=[f"cannot be opened as HDF5 ({error})"])
             return
         _export_attributes(file, report, doubtful=wrong > 0)
         _export_channels(file, size, folder, report)
@@ -166,39 +165,39 @@ def _export_attributes(file: h5py.File, report: Callable[..., None], *, doubtful
     read = []
     for name in names:
         try:
-            value, words = _attribute(file.attrs, name)
-            report(attributes={name: value}, words=words)
+            value, messages = _attribute(file.attrs, name)
+            report(attributes={name: value}, messages=messages)
             read.append(name)
         except Exception as error:
             if listed:
-                report(words=[f"attribute {shown(name)}: left out ({error})"])
+                report(messages=[f"attribute {shown(name)}: left out ({error})"])
     if doubtful and read:
-        report(words=[f"attributes {', '.join(read)}: may be wrong"])
+        report(messages=[f"attributes {', '.join(read)}: may be wrong"])
     # it is unknown which optional attributes the file had
     lost = [name for name in known if name not in (*read, *RAW_ATTRIBUTES)]
     if doubtful or not listed:
-        report(words=[f"attributes {', '.join(lost)}: lost if the file had them"])
+        report(messages=[f"attributes {', '.join(lost)}: lost if the file had them"])
 
 
 def _export_channels(file: h5py.File, size: int, folder: Path, report: Callable[..., None]) -> None:
     room = MAX_BYTES
     names, listed = _names(file, _KNOWN_CHANNELS)
     if not listed:
-        report(words=["channels: the list is damaged; only the standard ones can be read"])
+        report(messages=["channels: the list is damaged; only the standard ones can be read"])
     first = [name for name in _KNOWN_CHANNELS if name in names]
     rest = [name for name in names if name not in _KNOWN_CHANNELS]
     if len(rest) > _MOST_OTHERS:
-        report(words=[f"{len(rest) - _MOST_OTHERS} channels left out: too many channels"])
+        report(messages=[f"{len(rest) - _MOST_OTHERS} channels left out: too many channels"])
     for k, name in enumerate([*first, *rest[:_MOST_OTHERS]]):
         try:
-            values, length, words = _values(file, name, size, room)
+            values, length, messages = _values(file, name, size, room)
         except Exception as error:
             if listed:
-                report(words=[f"{shown(name)}: cannot be read ({error})"])
+                report(messages=[f"{shown(name)}: cannot be read ({error})"])
             continue
         room -= values.nbytes
         np.save(folder / f"{k}.npy", values)
-        report(channel=name, length=length, file=f"{k}.npy", words=words)
+        report(channel=name, length=length, file=f"{k}.npy", messages=messages)
 
 
 def _restore_length(path: Path, size: int) -> None:
@@ -209,10 +208,10 @@ def _restore_length(path: Path, size: int) -> None:
             file.truncate(promised)
 
 
-def _mend_headers(path: Path) -> int:
+def _correct_headers(path: Path) -> int:
     """Correct wrong header checksums, which the library rejects; return how many there were."""
     data = bytearray(path.read_bytes())
-    wrong = mend_checksums(data)
+    wrong = correct_checksums(data)
     if wrong:
         path.write_bytes(data)
     return wrong
@@ -234,8 +233,8 @@ def _attribute(attributes: h5py.AttributeManager, name: str) -> tuple[Any, list[
     try:
         return read_attribute(attributes, name), []
     except LogError:
-        mended = read_attribute(attributes, name, mend=True)
-    return mended, [f"attribute {shown(name)}: bytes that were not UTF-8 are replaced"]
+        decoded = read_attribute(attributes, name, lossy=True)
+    return decoded, [f"attribute {shown(name)}: bytes that were not UTF-8 are replaced"]
 
 
 def _values(file: h5py.File, name: str, size: int, room: int) -> tuple[np.ndarray, int, list[str]]:
@@ -260,12 +259,12 @@ def _values(file: h5py.File, name: str, size: int, room: int) -> tuple[np.ndarra
         if present * item > size:
             raise LogError(f"{length} samples do not fit into {size} bytes")
         values = dataset[:present].astype(np.float64)
-    words = []
+    messages = []
     if name in _KNOWN_CHANNELS and "units" not in attributes:
-        words.append(f"{name}: attribute units: not found; assumed to be {unit_of(name)}")
+        messages.append(f"{name}: attribute units: not found; assumed to be {unit_of(name)}")
     if len(values) == length and attributes.get("crc32", checksum(values)) != checksum(values):
-        words.append(f"{name}: its checksum is wrong; some of its numbers may be wrong")
-    return values, length, words
+        messages.append(f"{name}: its checksum is wrong; some of its numbers may be wrong")
+    return values, length, messages
 
 
 def _values_of_chunks(dataset: h5py.Dataset, size: int) -> np.ndarray:

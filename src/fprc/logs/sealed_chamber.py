@@ -13,9 +13,9 @@ from scipy.signal import lfilter
 _POWERS, _LAGS_S, _PLAYS = (1, 2, 3), (0.05, 0.2, 1.0, 5.0), (0.02, 0.05, 0.1, 0.2)
 #: Smallest step, as a share of the range of P_o.
 _STEP_SHARE = 0.065
-#: Share of the variance of P_o, without trend and steps, that the squeezing must explain.
+#: Share of the variance of P_o that the squeezing must explain, after trend and steps are removed.
 _EXPLAINED = 0.95
-#: Sample rate of the fit, and its most samples: longer recordings use a lower rate.
+#: Sample rate of the fit, Hz, and the limit on its samples: longer recordings use a lower rate.
 _SEALED_HZ, _MOST = 20.0, 200_000
 #: Channels that may drive the squeezing, the closest to the chamber first.
 _SQUEEZES = ("p_i_kpa", "p_i_command_kpa", "theta_deg")
@@ -32,8 +32,8 @@ def fit_sealed(time_s: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[s
     Returns
     -------
     dict or None
-        ``relative_to``, the driving channel; ``explained``, the share of the variance
-        without trend and steps that it explains; ``slope_kpa_per_min``, None if that
+        ``relative_to``, the driving channel; ``explained``, the share of the variance (without
+        trend and steps) that it explains; ``slope_kpa_per_min``, None if that
         share is too small; ``steps``, each with ``at_s`` and ``height_kpa``. None if
         ``p_o_kpa`` is missing or constant, or the recording is shorter than 10 s.
     """
@@ -91,8 +91,8 @@ def _squeezings(drive: np.ndarray, hz: float) -> list[np.ndarray]:
     return regressors
 
 
-def _play(behind: float, ahead: float, *, width: float) -> float:
-    return min(max(behind, ahead - width), ahead + width)
+def _play(output: float, drive: float, *, width: float) -> float:
+    return min(max(output, drive - width), drive + width)
 
 
 def _fit(
@@ -106,7 +106,7 @@ def _fit(
 
 
 def _sudden(rest: np.ndarray, known: list[int], hz: float) -> np.ndarray:
-    """Return at each sample the mean of the next half second minus that of the last."""
+    """Return for each sample the mean of the half second after it minus that before it."""
     width = max(int(0.5 * hz), 1)
     total = np.concatenate([[0.0], np.cumsum(rest)])
     means = (total[width:] - total[:-width]) / width

@@ -50,11 +50,7 @@ def read_source(
     if kind != "CSV":
         return isolated(read_arrays, path, matlab=kind == "MATLAB", what=str(path))
     return read_text(
-        path,
-        separator=separator,
-        decimal=decimal,
-        header_line=header_line,
-        data_line=data_line,
+        path, separator=separator, decimal=decimal, header_line=header_line, data_line=data_line
     )
 
 

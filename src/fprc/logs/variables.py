@@ -17,25 +17,13 @@ MOST_VARIABLES = 200_000
 
 
 class Source(NamedTuple):
-    """Content of a file.
-
-    Attributes
-    ----------
-    kind : str
-        File format, for messages.
-    variables : dict
-        Arrays of one or two dimensions, by name.
-    others : dict
-        Why other variables cannot be channels, by name.
-    lines : ndarray or None
-        Line number of each sample in a text file, from 1.
-    """
+    """Content of a file."""
 
     path: Path
-    kind: str
-    variables: dict[str, np.ndarray]
-    others: dict[str, str]
-    lines: np.ndarray | None = None
+    kind: str  #: file format, for messages
+    variables: dict[str, np.ndarray]  #: arrays of one or two dimensions, by name
+    others: dict[str, str]  #: reason why each other variable cannot be a channel, by name
+    lines: np.ndarray | None = None  #: line number of each sample in a text file, from 1
 
     def sample(self, number: int) -> str:
         """Return the name of a sample, counted from 0, for a message."""
@@ -65,13 +53,11 @@ def squeezed(
     return kept, dropped
 
 
-# --- columns --------------------------------------------------------------------------------
-
 _INDEXED = re.compile(r"(?P<name>.+?)\s*\[\s*(?P<row>:|\d+)\s*,\s*(?P<column>:|\d+)\s*\]")
 
 
 def columns_of(source: Source) -> dict[str, np.ndarray]:
-    """Return every column by the name that a map uses; of a matrix ``name[:, j]``, j from 0."""
+    """Return every column by its name in a map; column j of a matrix, from 0, is ``name[:, j]``."""
     columns = {}
     for name, values in source.variables.items():
         if values.ndim == 1:
@@ -89,8 +75,7 @@ def pick(source: Source, text: str) -> np.ndarray:
     Raises
     ------
     LogError
-        There is no such column (names the nearest), or it is not a vector. The message
-        does not name the file.
+        There is no such column (the message names the nearest one), or it is not a vector.
     """
     if text in source.variables:
         values = source.variables[text]

@@ -4,7 +4,7 @@ from fprc.models.echo_features import EchoStates
 from fprc.models.esn import ESN
 from fprc.models.features import TapFeatures, lowpass, taps
 from fprc.models.fprc import FPRC, FuzzyLinear
-from fprc.models.ridge import RidgeReadout
+from fprc.models.ridge_readout import RidgeReadout
 from fprc.models.sequence import SequenceModel
 from fprc.models.storage import load_model, save_model
 from fprc.models.takagi_sugeno import TakagiSugenoReadout

@@ -7,7 +7,7 @@ from fprc.models.kernels import excite, excite_lanes
 #: Segments that are computed side by side.
 LANES = 4
 
-#: Least samples of a segment: almost three times as many as the paper's network needs to forget
+#: Shortest segment, samples: almost three times the time in which the paper's network forgets
 #: its initial state.
 SHORTEST = 600
 
@@ -116,8 +116,8 @@ def narrowed(matrix: np.ndarray) -> np.ndarray:
 
     Memory bandwidth limits a step, and float32 has half the bytes.
     """
-    halved = matrix.astype(np.float32)
-    return aligned(halved if np.array_equal(halved, matrix) else matrix)
+    single = matrix.astype(np.float32)
+    return aligned(single if np.array_equal(single, matrix) else matrix)
 
 
 def aligned(matrix: np.ndarray) -> np.ndarray:

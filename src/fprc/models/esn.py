@@ -3,7 +3,7 @@
 import numpy as np
 
 from fprc.models.echo_features import EchoStates
-from fprc.models.ridge import RidgeReadout
+from fprc.models.ridge_readout import RidgeReadout
 from fprc.models.sequence import SequenceModel
 
 

@@ -12,7 +12,7 @@ from sklearn.exceptions import ConvergenceWarning
 from fprc.models.kernels import alternate
 
 #: A sample counts as lying on a centre if its distance is below this fraction of the
-#: largest absolute number: smaller distances are rounding errors of the centre.
+#: largest absolute number in the data: smaller distances are rounding errors.
 NEAR = 64.0 * np.finfo(float).eps
 
 #: Extrapolate only when no membership changes by more than this: further from an

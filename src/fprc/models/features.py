@@ -120,11 +120,7 @@ class TapFeatures(FeatureMap):
     """
 
     def __init__(
-        self,
-        n_y: int = 5,
-        n_references: int | None = 1,
-        n_u: int = 3,
-        epsilon: float = 0.01,
+        self, n_y: int = 5, n_references: int | None = 1, n_u: int = 3, epsilon: float = 0.01
     ):
         self.n_y = n_y
         self.n_references = n_references
@@ -145,7 +141,7 @@ class TapFeatures(FeatureMap):
                 "give a readout too, or use n_references=None (the model FuzzyLinear)"
             )
 
-    def _columns(self) -> int:
+    def _count_references(self) -> int:
         return self.n_features_in_ if self.n_references is None else self.n_references
 
     def _transform(self, X: np.ndarray) -> np.ndarray:
@@ -155,13 +151,13 @@ class TapFeatures(FeatureMap):
                 f"n_samples = {len(X)} is less than the longest tap size {longest}; "
                 "use fewer taps or a longer log"
             )
-        split = self._columns()
+        split = self._count_references()
         references = [taps(column, self.n_y) for column in X.T[:split]]
         readouts = [taps(lowpass(column, self.epsilon), self.n_u) for column in X.T[split:]]
         return np.hstack(references + readouts)
 
     def _start(self, x: np.ndarray) -> None:
-        split = self._columns()
+        split = self._count_references()
         sizes = [self.n_y] * split + [self.n_u] * (len(x) - split)
         self._row = np.repeat(x, sizes)
         self._first = np.cumsum([0, *sizes[:-1]])

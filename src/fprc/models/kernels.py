@@ -96,9 +96,9 @@ def excite(W_r, x, w_in, u, target, gamma, downwards):
 
 @summing_kernel
 def excite_lanes(W_r, x, w_in, u, target, gamma):
-    """Do as ``excite`` for four lanes, a row each of ``x``, ``u`` and ``target``.
+    """Do as ``excite`` for four lanes; each is a row of ``x``, ``u`` and ``target``.
 
-    Four rows of W_r by four lanes, so that each number read serves four of the sixteen sums.
+    Four rows of W_r times four lanes: each number that is read serves four of the sixteen sums.
     """
     size = x.shape[1]
     last = size - 1

@@ -13,7 +13,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 class SequenceModel(RegressorMixin, BaseEstimator):
     """Base of the feedforward models: rows of ``X`` are samples in time.
 
-    The features are computed over a whole log, the readout sees single rows.
+    The features depend on the history of the log, the readout on single rows.
     Cross-validation therefore computes the features once and fits one readout
     per fold; ``assembled`` joins the two into a model.
     """

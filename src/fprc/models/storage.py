@@ -21,7 +21,7 @@ _MODULES = {
     "FPRC": "fprc.models.fprc",
     "FuzzyLinear": "fprc.models.fprc",
     "TapFeatures": "fprc.models.features",
-    "RidgeReadout": "fprc.models.ridge",
+    "RidgeReadout": "fprc.models.ridge_readout",
     "TakagiSugenoReadout": "fprc.models.takagi_sugeno",
 }
 
@@ -38,8 +38,8 @@ def save_model(model: BaseEstimator, path: Path | str, classes: Collection[type]
     Raises
     ------
     FprcError
-        The class is not one of this package's, or ``random_state`` is neither
-        a number nor None.
+        The class is neither one of this package's nor in ``classes``; ``random_state`` is
+        neither a number nor None; or HDF5 cannot hold a learned attribute.
     """
     plain = _describe(model, _outside_classes(classes))
     # built in memory: if the disk is full, HDF5 crashes the process when it exits
@@ -81,16 +81,16 @@ def _outside_classes(classes: Collection[type]) -> dict[str, type]:
     return {known.__name__: known for known in (*classes, *neighbours)}
 
 
-def _class(name: str, outside: Mapping[str, type]) -> type | None:
+def _class_named(name: str, outside: Mapping[str, type]) -> type | None:
     if name in outside:
         return outside[name]
     return getattr(import_module(_MODULES[name]), name) if name in _MODULES else None
 
 
 def _describe(model: BaseEstimator, outside: Mapping[str, type]) -> dict[str, Any]:
-    """Return everything to write, so that a model that is refused leaves no file."""
+    """Return everything to write; refuse an unknown model before a file exists."""
     name = type(model).__name__
-    known: Any = _class(name, outside)
+    known: Any = _class_named(name, outside)
     if known is not type(model):
         raise FprcError(f"{name} is not a model of fprc; save one of {', '.join(_MODULES)}")
     check_is_fitted(model)
@@ -135,7 +135,7 @@ def _save(described: Mapping[str, Any], group: h5py.Group) -> None:
 
 
 def _load(group: h5py.Group, path: Path | str, outside: Mapping[str, type]) -> BaseEstimator:
-    cls = _class(group.attrs["class"], outside)
+    cls = _class_named(group.attrs["class"], outside)
     if cls is None:
         raise FprcError(
             f"{path}: class {group.attrs['class']} is unknown, so another version saved it; train "

@@ -38,7 +38,7 @@ def unavailable(
 
 
 def why_not(need: Result, logs: Mapping[str, Content], folder: str) -> str | None:
-    """Return the reason why a result cannot be made from the logs; None if it can."""
+    """Return why a result cannot be made from the logs; None if it can."""
     absent = [f"{name}.h5" for name in need.logs if name not in logs]
     if absent:
         verb = "is" if len(absent) == 1 else "are"
@@ -49,9 +49,9 @@ def why_not(need: Result, logs: Mapping[str, Content], folder: str) -> str | Non
         reasons.append(f"{_listed(channels)}, which {_listed(files)} {verb} not have")
     for name in need.literal:
         reasons += [
-            f"{name} in {unit_of(name)}; in {log}.h5 it is {logs[log].instead(name)}"
+            f"{name} in {unit_of(name)}; in {log}.h5 it is {logs[log].substitute(name)}"
             for log in need.logs
-            if logs[log].instead(name) is not None
+            if logs[log].substitute(name) is not None
         ]
     return "needs " + "; and ".join(reasons) if reasons else None
 

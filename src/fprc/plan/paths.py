@@ -30,7 +30,7 @@ class Paths:
         """Return the quality record of a raw log."""
         return self.below(f"quality/{experiment}.json")
 
-    def driven(self, experiment: str) -> str:
+    def with_reservoir(self, experiment: str) -> str:
         """Return a recorded log whose reservoir is simulated."""
         return self.below(f"reservoir/{experiment}.h5")
 

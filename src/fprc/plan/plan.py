@@ -5,12 +5,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from fprc.logs import Content, contents
+from fprc.errors import LogError
+from fprc.logs import Content, contents, headers, refuse_simulated, refuse_to_overwrite
 from fprc.logs.folder import Header
 from fprc.paper import (
     DISTURBANCE,
     EXPERIMENTS,
     REFERENCES,
+    SOURCES,
     controller_and_gain,
     reference_and_controller,
     run_log,
@@ -25,18 +27,10 @@ _RESERVOIR = ("p_i_kpa", "p_o_kpa", "phi_deg")
 
 @dataclass(frozen=True)
 class Plan:
-    """Targets, models and runs of the workflow.
+    """Targets, models and runs of the workflow."""
 
-    Attributes
-    ----------
-    settings : Mapping
-        The whole configuration.
-    existing : Mapping
-        Headers of the raw logs that exist, by name; see ``fprc.logs.headers``.
-    """
-
-    settings: Mapping[str, Any]
-    existing: Mapping[str, Header]
+    settings: Mapping[str, Any]  #: the whole configuration
+    existing: Mapping[str, Header]  #: headers of the existing raw logs, by name
 
     @cached_property
     def paths(self) -> Paths:
@@ -50,12 +44,18 @@ class Plan:
         return self.settings["source"] == "sim"
 
     @property
+    def origin(self) -> str:
+        """Source of the data, for readers."""
+        names = {"sim": SOURCES["sim"], "rig": "real rig", "recorded": "recorded logs"}
+        return names[self.settings["source"]]
+
+    @property
     def records(self) -> bool:
         """Whether the workflow records logs."""
         return self.settings["source"] != "recorded"
 
     @property
-    def driven(self) -> bool:
+    def simulates_reservoir(self) -> bool:
         """Whether a simulated reservoir is added to the recorded logs."""
         return self.settings["evaluation"]["reservoir"] == "simulated"
 
@@ -90,8 +90,10 @@ class Plan:
             to_come=coming if self.records else [],
             without=[] if has_phi else ["phi_deg"],
         )
-        if self.driven:
-            logs |= {name: logs[name].having(_RESERVOIR) for name in EXPERIMENTS if name in logs}
+        if self.simulates_reservoir:
+            logs |= {
+                name: logs[name].with_channels(_RESERVOIR) for name in EXPERIMENTS if name in logs
+            }
         return logs
 
     @cached_property
@@ -112,7 +114,7 @@ class Plan:
         )
 
     @cached_property
-    def not_available(self) -> dict[str, tuple[str, str]]:
+    def unavailable_results(self) -> dict[str, tuple[str, str]]:
         """Results that cannot be made, with title and reason of each."""
         chores = {each.name for each in CHORES}
         return {
@@ -150,9 +152,9 @@ class Plan:
     def targets(self) -> dict[str, list[str]]:
         """Files of each target that can be made: the result first, then its intermediate files.
 
-        The intermediate files are needed: when a job fails, Snakemake removes that job's outputs.
-        The final file of an earlier run stays, and a target with this file alone would be complete
-        although it is stale.
+        The intermediate files are listed because, when a job fails, Snakemake removes only that
+        job's outputs: the final file of an earlier run stays, and a target of this file alone would
+        count as complete although it is stale.
         """
         targets = {
             result.name: self._files_of(result)
@@ -162,14 +164,14 @@ class Plan:
         return targets | {f"training_{name}": self._training(name) for name in self.others}
 
     @cached_property
-    def refused(self) -> list[str]:
+    def unavailable_targets(self) -> list[str]:
         """Targets that cannot be made."""
         names = (each.name for each in (*RESULTS, *CHORES) if not each.part_of)
         return [name for name in names if name in self.unavailable]
 
     @cached_property
     def others(self) -> list[str]:
-        """Further models than the paper's that can be judged."""
+        """Models outside the paper that can be judged."""
         if "table2" in self.unavailable:
             return []
         return [name for name in outside_paper(self.settings["models"]) if name in self.models]
@@ -185,7 +187,7 @@ class Plan:
 
     @cached_property
     def pages(self) -> list[str]:
-        """Tables of the report; the version over further seeds follows each of Tables II to IV."""
+        """Tables of the report; Tables II to IV are each followed by the version over seeds."""
         seeds = dict(zip(("table2", "table3", "table4"), self.seeds_tables, strict=True))
         pages = []
         for name in ("table1", "table2", "table3", "table4", "readout", "timing"):
@@ -202,7 +204,7 @@ class Plan:
         return [self.paths.below(file) for file in BY_NAME["seeds"].files[:3]]
 
     def replicates(self, part: str, targets: Sequence[str] = ()) -> list[str]:
-        """Return one part of each further seed's report, for one or more targets of the models."""
+        """Return one part of each further seed's report, for one or more ``targets`` to learn."""
         evaluation = self.settings["evaluation"]
         return [
             self.paths.replicate(part, target, seed)
@@ -212,7 +214,8 @@ class Plan:
 
     def log_of(self, experiment: str) -> str:
         """Return the raw log of an experiment, or its copy with a simulated reservoir."""
-        return self.paths.driven(experiment) if self.driven else self.paths.log(experiment)
+        files = self.paths.with_reservoir if self.simulates_reservoir else self.paths.log
+        return files(experiment)
 
     def _training(self, model: str) -> list[str]:
         return [
@@ -244,9 +247,9 @@ class Plan:
     @cached_property
     def _data(self) -> list[str]:
         paths, logs = self.paths, self.experiments
-        driven = [paths.driven(log) for log in logs] if self.driven else []
+        extended = [paths.with_reservoir(log) for log in logs] if self.simulates_reservoir else []
         return [
-            *map(paths.log, logs), *driven, *map(paths.data, logs), *map(paths.quality, logs)
+            *map(paths.log, logs), *extended, *map(paths.data, logs), *map(paths.quality, logs)
         ]  # fmt: skip
 
     @cached_property
@@ -257,6 +260,34 @@ class Plan:
         judged = BY_NAME["table2"].made_of[1:]
         models = [self.paths.below(name.format(model=m)) for name in judged for m in self.models]
         return [*self._data, *models, self.paths.below("control/gains.json")]
+
+
+def read_plan(settings: Mapping[str, Any], *, isolate: bool) -> Plan:
+    """Return the plan for the raw logs that exist.
+
+    Parameters
+    ----------
+    isolate : bool
+        Read the logs in a child process; see ``fprc.logs.headers``.
+
+    Raises
+    ------
+    LogError
+        A log cannot be read or has another source than ``source`` says, or there is none to use.
+    """
+    raw = settings["folders"]["raw"]
+    logs = [f"{raw}/{name}.h5" for name in Plan(settings, {}).every_log]
+    plan = Plan(settings, headers(logs, isolate=isolate))
+    if plan.on_simulated_rig:
+        refuse_to_overwrite(plan.existing)
+    elif plan.records:
+        refuse_simulated(plan.existing)
+    if not plan.contents:
+        raise LogError(
+            f"source is recorded, but {raw} contains no raw log: put sweep.h5 and complex.h5 "
+            "there, or set folders.raw; see docs/own-data.md"
+        )
+    return plan
 
 
 def _follows(result: Result, reference: str) -> bool:

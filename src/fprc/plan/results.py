@@ -12,45 +12,23 @@ _CHAPTERS = (
 
 
 class Result(NamedTuple):
-    """A result, which is also a target of the workflow; or a part of a result.
+    """A result, which is also a target of the workflow; or a part of a result."""
 
-    Attributes
-    ----------
-    name : str
-        Name of the target.
-    title : str
-        Name for readers.
-    files : tuple of str
-        Files below the results folder; the first is the one that a reader opens.
-    made_of : tuple of str
-        Files below the results folder that it is made of, with ``{model}`` for every model;
-        ``data`` stands for the raw logs and the files of preprocessing, ``loops`` for the
-        closed-loop logs and their inputs, ``seeds`` for the reports of the further seeds.
-    logs : tuple of str
-        Raw logs that it needs.
-    channels : tuple of str
-        Channels that each of these logs must have, although imported logs may lack them.
-    literal : tuple of str
-        Channels that must hold the quantity of their name, not a substitute, because the
-        result shows them under that name.
-    on_rigs : str
-        Why it needs a simulated rig, if it does.
-    chapter : str
-        Section of the paper with the figure.
-    part_of : str
-        The target that this is a part of; a part is not a target itself.
-    """
-
-    name: str
-    title: str
-    files: tuple[str, ...] = ()
+    name: str  #: of the target
+    title: str  #: name for readers
+    files: tuple[str, ...] = ()  #: files below the results folder; a reader opens the first one
+    #: Files below the results folder that it is made of, with ``{model}`` for every model;
+    #: ``data`` stands for the raw logs and the files of preprocessing, ``loops`` for the
+    #: closed-loop logs and their inputs, ``seeds`` for the reports of the further seeds.
     made_of: tuple[str, ...] = ()
-    logs: tuple[str, ...] = ()
-    channels: tuple[str, ...] = ()
+    logs: tuple[str, ...] = ()  #: raw logs that it needs
+    channels: tuple[str, ...] = ()  #: channels that each of these logs must have
+    #: Channels that must hold the quantity of their name, not a substitute, because the result
+    #: shows them under that name.
     literal: tuple[str, ...] = ()
-    on_rigs: str = ""
-    chapter: str = ""
-    part_of: str = ""
+    on_rigs: str = ""  #: why it needs a simulated rig, if it does
+    chapter: str = ""  #: section of the paper with the figure
+    part_of: str = ""  #: target that this is a part of; a part is not a target itself
 
 
 def _judged(experiment: str) -> tuple[str, ...]:

@@ -16,7 +16,7 @@ from fprc.yaml_file import read_yaml
 
 log = logging.getLogger(__name__)
 
-#: A picture is stale if more than _PIXELS pixels differ by more than _LEVELS of 255. On another
+#: A picture is outdated if more than _PIXELS pixels differ by more than _LEVELS of 255. On another
 #: processor a few edges differ by one level; a dot moved by half a pixel changes 40 pixels by more
 #: than 16 levels, and another digit 110. See docs/reproducibility.md.
 _LEVELS = 16
@@ -64,12 +64,12 @@ def check_results(
         f"verdicts are not those of {verdicts}; see the ledger, and declare them there if they "
         "are right": [line for line in changed if line not in of_times],
         "files that no rule makes; remove them, or keep them elsewhere": [
-            *orphans(folders["results"], folders["raw"], made),
-            *strangers(pictures),
+            *unknown_files(folders["results"], folders["raw"], made),
+            *unknown_pictures(pictures),
         ],
         "pictures are not the figures that were built; copy the figures with `make docs`, or "
         "growth.png with `make benchmark`": [
-            f"{picture} is not {figure}" for picture, figure in stale(pictures)
+            f"{picture} is not {figure}" for picture, figure in outdated(pictures)
         ],
     }
     problems = [
@@ -85,7 +85,7 @@ def check_results(
     )
 
 
-def orphans(results: str, raw: str, made: Sequence[str]) -> Iterator[str]:
+def unknown_files(results: str, raw: str, made: Sequence[str]) -> Iterator[str]:
     """Yield the files of a results folder that no rule makes.
 
     Exempt are the raw logs, README.md, hidden files other than those of a killed
@@ -110,13 +110,13 @@ def orphans(results: str, raw: str, made: Sequence[str]) -> Iterator[str]:
                 yield str(path)
 
 
-def strangers(pictures: Mapping[str, str]) -> Iterator[str]:
+def unknown_pictures(pictures: Mapping[str, str]) -> Iterator[str]:
     """Yield the files in the documentation's picture folders that no rule puts there."""
     for folder in sorted({Path(picture).parent for picture in pictures}):
         yield from (str(p) for p in sorted(folder.iterdir()) if str(p) not in pictures)
 
 
-def stale(pictures: Mapping[str, str]) -> Iterator[tuple[str, str]]:
+def outdated(pictures: Mapping[str, str]) -> Iterator[tuple[str, str]]:
     """Yield each picture that differs from its figure, with the figure, if the figure was built."""
     for picture, figure in pictures.items():
         if Path(figure).exists() and pixels_apart(picture, figure) > _PIXELS:

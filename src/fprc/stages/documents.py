@@ -31,13 +31,14 @@ def update_readme(
 ) -> None:
     """Replace the generated blocks of the README, named after the pages, and its picture.
 
-    ``made_from`` is not read. It makes the rule depend on all intermediate files, so that
-    nothing stale is shown after a failed job.
+    ``made_from`` is not read: it makes the rule depend on all intermediate files, so that no
+    stale number is shown after a failed job.
     """
-    blocks = _pages(pages) | {
+    claims = pd.DataFrame(read_json(ledger)["claims"])[["id", "claim", "verdict"]]
+    blocks = {Path(path).stem: _read(path) for path in pages} | {
         "orders": _sentence(pd.read_csv(orders)),
         "deviations": _deviations(seeds),
-        "verdicts": _verdicts(read_json(ledger)["claims"]),
+        "verdicts": claims.rename(columns=str.capitalize).to_markdown(index=False),
     }
     _update(readme, blocks)
     _copy(figure, picture)
@@ -59,7 +60,7 @@ def update_calibration_page(
     Parameters
     ----------
     fit : str
-        What the calibration wrote of itself, JSON.
+        Summary of the calibration, JSON.
     seeds : sequence of str
         Tables II and III over further seeds, CSV.
     pages : sequence of str
@@ -72,13 +73,13 @@ def update_calibration_page(
     Raises
     ------
     FprcError
-        ``fit`` is of another rig.
+        ``fit`` describes another rig than ``rig``.
     """
     summary = read_json(fit)
     if summary["rig_sha256"] != hash_of(rig):
         raise FprcError(
             f"{fit} belongs to another rig than the configuration; put both files of one "
-            "calibration into config/"
+            "calibration into config/rigs"
         )
     blocks = {f"{Path(path).parent.name}_{Path(path).stem}": _read(path) for path in pages}
     blocks |= {
@@ -93,33 +94,21 @@ def update_calibration_page(
 def update_performance(
     page: str, rules: str, figure: str, *, readme: str, performance: str, picture: str
 ) -> None:
-    """Put the tables into the README and docs/performance.md, and the figure beside them."""
-    _put_blocks(readme, {"benchmark": page}, {})
-    _put_blocks(performance, {"benchmark": page, "rules": rules}, {picture: figure})
+    """Put the tables into the README and docs/performance.md, and replace the picture."""
+    _update(readme, {"benchmark": _read(page)})
+    _update(performance, {"benchmark": _read(page), "rules": _read(rules)})
+    _copy(figure, picture)
 
 
 def update_scaling_page(scale: str, *, page: str) -> None:
     """Replace the generated blocks of docs/scaling.md."""
     measured = read_json(scale)
-    text = _read(page)
     tables = {"costs": scaling.costs, "dag": scaling.dag, "plan": scaling.plan}
-    for name, table in tables.items():
-        shown = table(measured).to_markdown(index=False, disable_numparse=True)
-        text = replace_block(text, name, shown, page)
-    text = replace_block(text, "machine", f"Measured on {measured['cpu']}.", page)
-    write_text(page, text)
-    log.info("updated %s", page)
-
-
-def _put_blocks(path: str, pages: Mapping[str, str], pictures: Mapping[str, str]) -> None:
-    """Replace blocks of a page by files, named after the blocks; copy pictures from files."""
-    _update(path, {name: _read(file) for name, file in pages.items()})
-    for picture, file in pictures.items():
-        _copy(file, picture)
-
-
-def _pages(paths: Sequence[str]) -> dict[str, str]:
-    return {Path(path).stem: _read(path) for path in paths}
+    blocks = {
+        name: table(measured).to_markdown(index=False, disable_numparse=True)
+        for name, table in tables.items()
+    }
+    _update(page, blocks | {"machine": f"Measured on {measured['cpu']}."})
 
 
 def _read(path: str) -> str:
@@ -154,11 +143,6 @@ def replace_block(text: str, name: str, block: str, path: str = "README.md") -> 
     return pattern.sub(lambda _: f"{begin}\n{block.strip()}\n{end}", text)
 
 
-def _verdicts(claims: Sequence[Mapping[str, str]]) -> str:
-    page = pd.DataFrame(claims)[["id", "claim", "verdict"]].rename(columns=str.capitalize)
-    return page.to_markdown(index=False)
-
-
 def _sentence(orders: pd.DataFrame) -> str:
     ratio = orders["esn_over_fprc_training"]
     columns = {
@@ -181,7 +165,7 @@ def _deviations(seeds: Sequence[str]) -> str:
     )
     worst = table.iloc[0]
     return (
-        f"The {len(table)} means of Tables II and III are off print by "
+        f"The {len(table)} means of Tables II and III deviate from the printed numbers by "
         f"{100 * table['deviation'].abs().median():.0f} % in the median and by "
         f"{100 * abs(worst['deviation']):.0f} % at most (Table {worst['table']}, "
         f"{title_of(worst['model'])}, {ERRORS[worst['metric']]}: {worst['mean']:.3g} against "

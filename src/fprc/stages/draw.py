@@ -42,7 +42,7 @@ def draw_actuator_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> Ma
         for ax, text in zip(row, title, strict=True):
             style.letter(ax, text)
     add_time_bar(lines, axes.ravel())
-    return style.save(fig, _marked(logs), pdf, png)
+    return style.save(fig, _attributes_for_mark(logs), pdf, png)
 
 
 def draw_reservoir_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> Mapping[str, Any]:
@@ -57,7 +57,7 @@ def draw_reservoir_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> M
         ax.label_outer()
         style.letter(ax, title)
     add_time_bar(lines, axes)
-    return style.save(fig, _marked(logs), pdf, png)
+    return style.save(fig, _attributes_for_mark(logs), pdf, png)
 
 
 def draw_training(fit: str, prediction: str, csv: str, pdf: str, png: str) -> Mapping[str, Any]:
@@ -82,11 +82,11 @@ def draw_training(fit: str, prediction: str, csv: str, pdf: str, png: str) -> Ma
         )
         style.letter(pair[0], title)
     style.legend_above(axes[0])
-    return style.save(fig, _marked([*logs.values()]), pdf, png)
+    return style.save(fig, _attributes_for_mark([*logs.values()]), pdf, png)
 
 
-def _marked(logs: Sequence[Columns]) -> dict[str, Any]:
-    """Return the attributes of the first simulated log, or else of the first."""
+def _attributes_for_mark(logs: Sequence[Columns]) -> dict[str, Any]:
+    """Return the attributes of the first simulated log; if there is none, of the first log."""
     return min(logs, key=lambda log: not log.attributes["source"].endswith("sim")).attributes
 
 

@@ -10,7 +10,7 @@ from fprc.figures.tracking import (
     plot_following,
     plot_reference_loops,
     plot_reservoir,
-    shade,
+    shade_disturbance,
     shade_settling,
 )
 from fprc.logs import Columns, read_run
@@ -72,7 +72,7 @@ def draw_disturbance(run: str, pdf: str, png: str, *, quiet_s: float) -> Mapping
     plot_errors([("Error", "fprc_pd", channels)], axes[1], judged_from_s=settle_s)
     pressures, angle = plot_reservoir(channels, axes[2])
     for ax in axes:
-        shade(ax, quiet_s, end_s)
+        shade_disturbance(ax, quiet_s, end_s)
         ax.margins(x=0)
     style.letter(axes[0], f"(a) Tracking: FPRC+PD, {log.attributes['gain']} gain")
     style.legend_above(axes[0])

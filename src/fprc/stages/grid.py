@@ -1,7 +1,5 @@
 """Grids of control variables, Sec. III-E, and the weights of Fig. 9."""
 
-import hashlib
-import json
 import logging
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -9,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from fprc.artifacts import read_json, write_json
-from fprc.evaluation.cells import log_progress, run_cells
+from fprc.evaluation.cells import checkpoint_key, log_progress, run_cells
 from fprc.experiments.data import models_for, read_data
 from fprc.experiments.grids import cells_of, chunk_of, judge_cell, weight_shares
 from fprc.experiments.settings import Judgement
@@ -33,8 +31,8 @@ def judge_grid(
 ) -> None:
     """Cross-validate and test every cell of one grid, or of one chunk of it.
 
-    ``version``, the fingerprint of the code, is part of the checkpoint's key, so
-    that a checkpoint of other code, data or settings is not used.
+    A checkpoint is used only if it was made with the same data, settings and ``version``,
+    the fingerprint of the code.
 
     Parameters
     ----------
@@ -43,9 +41,6 @@ def judge_grid(
     chunk, chunks : int
         Number of the chunk, from 0, and of all chunks; ``join_grid`` joins them.
     """
-    digest = hashlib.sha256(json.dumps([judgement, version], sort_keys=True).encode())
-    for path in (train, test):
-        digest.update(Path(path).read_bytes())
     data = read_data(train)
     models = models_for(judgement["models"], data, read_data(test))
     possible = [cell for cell in cells_of(grid, values) if cell["model"] in models]
@@ -54,7 +49,7 @@ def judge_grid(
         chunk_of(possible, chunk, chunks),
         workers=workers,
         checkpoint=checkpoint,
-        key=digest.hexdigest(),
+        key=checkpoint_key([judgement, version], [train, test]),
         progress=log_progress,
     )
     described = {

@@ -40,7 +40,8 @@ def preprocess(
     report = assess(source, sample_rate_hz=sample_rate_hz, **limits)
     for warning in warnings(report):
         log.warning("warning: %s", warning)
-    for name, note in notes_of(source).items():
+    notes = notes_of(source)
+    for name, note in notes.items():
         log.warning("warning: %s: %s", visible(name), visible(note))
     if TARGETS[target] not in source.channels:
         log.warning("warning: no %s in %s; the other P_exp is used", TARGETS[target], raw)
@@ -54,11 +55,12 @@ def preprocess(
         channels["p_o_kpa"] = source.channels["p_o_kpa"]
     kept = ("experiment", "source", "simulated", "sample_rate_hz", "seed", "notes")
     attributes = {name: source.attributes[name] for name in kept if name in source.attributes}
-    attributes["target"] = target
-    notes = notes_of(source)
-    attributes["p_target_unit"] = noted_unit(TARGETS[target], notes)
-    attributes["theta_unit"] = noted_unit("theta_deg", notes)
-    attributes["p_o_unit"] = noted_unit("p_o_kpa", notes)
+    attributes |= {
+        "target": target,
+        "p_target_unit": noted_unit(TARGETS[target], notes),
+        "theta_unit": noted_unit("theta_deg", notes),
+        "p_o_unit": noted_unit("p_o_kpa", notes),
+    }
     write_json(quality, report)
     write_columns(data, channels, attributes)
     passed = sum(check["passed"] for check in report["checks"].values())

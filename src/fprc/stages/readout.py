@@ -1,14 +1,12 @@
 """Value of the reservoir's readout."""
 
-import hashlib
-import json
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from fprc.artifacts import write_json
-from fprc.evaluation.cells import log_progress, run_cells
+from fprc.evaluation.cells import checkpoint_key, log_progress, run_cells
 from fprc.experiments.data import read_data, refuse_mixture
 from fprc.experiments.readout import judge_readout, readout_cells
 from fprc.experiments.settings import Judgement
@@ -32,20 +30,18 @@ def measure_readout(
     Parameters
     ----------
     judgement : Mapping
-        Arguments of ``fprc.experiments.settings.Judgement``; each cell has its own split.
+        Arguments of ``fprc.experiments.settings.Judgement``, without ``split``, which each cell
+        has.
     """
     data = read_data(train)
     refuse_mixture(data, read_data(test))
-    digest = hashlib.sha256(json.dumps([judgement, version], sort_keys=True).encode())
-    for path in (train, test):
-        digest.update(Path(path).read_bytes())
     models = judgement["models"]
     judged = run_cells(
-        partial(_judge_from_files, train=train, test=test, judgement=Judgement(**judgement)),
+        partial(_judge_from_files, train=train, test=test, judgement=judgement),
         readout_cells(models, epsilon, n_u),
         workers=workers,
         checkpoint=checkpoint,
-        key=digest.hexdigest(),
+        key=checkpoint_key([judgement, version], [train, test]),
         progress=progress,
     )
     described = {
@@ -60,6 +56,7 @@ def measure_readout(
 
 
 def _judge_from_files(
-    cell: Mapping[str, Any], *, train: str, test: str, judgement: Judgement
+    cell: Mapping[str, Any], *, train: str, test: str, judgement: Mapping[str, Any]
 ) -> dict[str, Any]:
-    return judge_readout(cell, train=read_data(train), test=read_data(test), judgement=judgement)
+    how = Judgement(**judgement, split=cell["split"])
+    return judge_readout(cell, train=read_data(train), test=read_data(test), judgement=how)

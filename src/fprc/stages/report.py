@@ -15,7 +15,6 @@ from PIL import Image
 
 from fprc.artifacts import read_json, write_text
 from fprc.config import Settings
-from fprc.config.section import fields
 from fprc.paper import SOURCES
 from fprc.provenance import checkout, hash_of, versions
 from fprc.tables import read_markdown
@@ -63,7 +62,7 @@ def write_report(
         explanation=_explanation(drawn_from),
         simulated="sim" in drawn_from,
         missing=pd.read_csv(missing).drop(columns="name"),
-        pages=[_page(path) for path in tables],
+        pages=[_page(path, settings["fitted"]["to"]) for path in tables],
         figures=figures,
         settings=settings,
         changed=_changed(settings),
@@ -88,7 +87,7 @@ def banner(sources: set[str]) -> str:
 
 def _explanation(sources: set[str]) -> str:
     kinds = " and ".join(SOURCES[source] for source in sorted(sources))
-    return f"Every result of ours on this page but the execution times comes from: {kinds}."
+    return f"All our results on this page except the execution times come from: {kinds}."
 
 
 _NOT_COMPARED = ("source", "seed", "folders", "rig", "calibration", "ensemble")
@@ -96,12 +95,14 @@ _NOT_COMPARED = ("source", "seed", "folders", "rig", "calibration", "ensemble")
 
 def _changed(settings: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
     """Return the settings of models, experiments and evaluation that differ from the defaults."""
-    default = {key: value for key, value, *_ in fields(Settings())}
-    ours = {key: value for key, value, *_ in fields(Settings.model_validate(settings))}
+    default, ours = (
+        pd.json_normalize(section).to_dict("records")[0]
+        for section in (Settings().model_dump(mode="json"), dict(settings))
+    )
     return {
-        key: (value, default[key])
+        key: (value, default.get(key, "none"))
         for key, value in ours.items()
-        if value != default[key] and key.split(".")[0] not in _NOT_COMPARED
+        if value != default.get(key) and key.split(".")[0] not in _NOT_COMPARED
     }
 
 
@@ -115,14 +116,19 @@ def _claims(ledger: Sequence[str]) -> dict[str, Any]:
     return {"claims": claims, "counts": counts, "note": report["note"]}
 
 
-#: Whether the rig was fitted to a table's numbers or predicts them.
-_KINDS = {"table2": "fitted", "table3": "fitted", "table4": "predicted"}
+def _kind(table: str, terms: Sequence[str]) -> str:
+    """Return whether the rig was fitted to a table's numbers, by the terms of its objective."""
+    if table in ("table2", "table3"):
+        return "fitted" if "tables" in terms else "predicted"
+    if table == "table4":
+        return "half fitted" if "open_loop" in terms else "predicted"
+    return ""
 
 
-def _page(path: str) -> dict[str, Any]:
+def _page(path: str, terms: Sequence[str]) -> dict[str, Any]:
     note, table = read_markdown(Path(path).read_text(encoding="utf-8"))
     title, _, rest = note.partition(": ")
-    kind = _KINDS.get(Path(path).stem.removesuffix("_seeds"), "")
+    kind = _kind(Path(path).stem.removesuffix("_seeds"), terms)
     return {"kind": kind, "title": title, "note": rest[:1].upper() + rest[1:], "table": table}
 
 

@@ -19,7 +19,7 @@ _NOTE = "simulated, driven by the recorded theta"
 
 def add_reservoir(
     raw: str,
-    driven: str,
+    extended: str,
     *,
     experiment: str,
     sample_rate_hz: float,
@@ -72,5 +72,5 @@ def add_reservoir(
         "reservoir_zero_deg": zero_deg,
         "reservoir_k_in_kpa_per_deg": control["k_in_kpa_per_deg"],
     }
-    write_columns(driven, recording.channels | simulated, attributes)
+    write_columns(extended, recording.channels | simulated, attributes)
     log.warning("warning: %s: P_o, P_i and phi are %s", raw, _NOTE)

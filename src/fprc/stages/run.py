@@ -66,16 +66,18 @@ def _write_sidecar(data: Mapping[str, Any], job: Any) -> None:
 def _log_to(path: str, label: str) -> None:
     line = TerminalFormatter(f"[{label}] %(message)s")
     log.setLevel(logging.DEBUG)
-    _add(logging.StreamHandler(), line, logging.INFO)
+    _add_handler(logging.StreamHandler(), line, logging.INFO)
     with explaining(path):
         Path(path).parent.mkdir(parents=True, exist_ok=True)
         file = logging.FileHandler(path, mode="w")
     # ignore a full disk: the message is on the terminal too
     file.handleError = lambda record: None  # type: ignore[method-assign]
-    _add(file, line)
+    _add_handler(file, line)
 
 
-def _add(handler: logging.Handler, line: logging.Formatter, level: int = logging.DEBUG) -> None:
+def _add_handler(
+    handler: logging.Handler, line: logging.Formatter, level: int = logging.DEBUG
+) -> None:
     handler.setLevel(level)
     handler.setFormatter(line)
     log.addHandler(handler)

@@ -24,30 +24,21 @@ from fprc.tables.benchmark import (
 
 
 def tabulate_benchmark(
-    report: str,
-    rules: str,
-    csv: str,
-    growth_csv: str,
-    md: str,
-    rules_md: str,
-    *,
-    whole: str,
+    report: str, rules: str, csv: str, growth_csv: str, md: str, rules_md: str, *, whole: str
 ) -> None:
     """Write the comparisons, the growth of the cost, and the times of the rules.
 
-    Parameters
-    ----------
-    whole : str
-        Result of ``tests/plain.py`` for the whole workflow; the file may be missing.
+    ``whole`` is the result of ``tests/plain.py`` for the whole workflow; the file may be missing.
     """
     content = read_json(report)
     table = benchmark(content | ({"all": read_json(whole)} if Path(whole).exists() else {}))
     write_csv(csv, table)
     write_csv(growth_csv, growth(content))
     note = (
-        f"Speed beside other libraries: medians of {content['rounds']} rounds in turn, on "
-        f"{content['cpu']}, {content['threads']} BLAS thread ({content['blas']}); in brackets the "
-        f"least and largest ratio of a round.\n{bound_note(content)}\n{step_note(content['step'])}"
+        f"Speed compared with other libraries: medians of {content['rounds']} alternating rounds "
+        f"on {content['cpu']}, {content['threads']} BLAS thread ({content['blas']}); in brackets "
+        "the smallest and largest ratio of a round.\n"
+        f"{bound_note(content)}\n{step_note(content['step'])}"
     )
     write_text(md, markdown(benchmark_page(table), note))
     times = pd.read_csv(rules)
@@ -74,10 +65,7 @@ def tabulate_rules(
 ) -> None:
     """Write the time of each rule's last run, from Snakemake's records of its jobs.
 
-    Parameters
-    ----------
-    files : sequence of str
-        Files of `all`; jobs that made none of them are left out.
+    Jobs that made none of ``files``, which are those of `all`, are left out.
     """
     jobs = {}
     for path in Path(metadata).rglob("*"):

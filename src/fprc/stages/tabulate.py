@@ -44,12 +44,9 @@ def tabulate_comparison(
     *,
     left_out: Mapping[str, str],
 ) -> None:
-    """Tables II and III: errors of the three models, one seed, spread over folds.
+    """Tables II and III: errors of the models, one seed, spread over folds.
 
-    Parameters
-    ----------
-    left_out : Mapping
-        Models that are not in the table, with reasons.
+    ``left_out`` has the models that are not in the table, with reasons.
     """
     reports = [read_json(path) for path in errors]
     table = tables.comparison(reports, read_yaml(published))
@@ -101,12 +98,8 @@ def tabulate_tracking(
 ) -> None:
     """Table IV: errors of the closed-loop runs; warn of implausible channels in their logs.
 
-    Parameters
-    ----------
-    limits : Mapping
-        Plausible ranges; see ``fprc.logs.assess``.
-    left_out : sequence of str
-        Runs of a complete Table IV that have no log.
+    ``limits`` are plausible ranges, see ``fprc.logs.assess``; ``left_out`` are the runs of a
+    complete Table IV that have no log.
     """
     report = read_json(gains)
     logs = isolated_each(read_run, runs)
@@ -116,7 +109,7 @@ def tabulate_tracking(
     tried = report["candidates"]
     title = "Table IV. RMSE of tracking"
     if report["source"] == "sim":
-        title += ": all controllers meet the same noise and drift"
+        title += ", with the same noise and drift for all controllers"
     gain = "The gains are those that the logs name."
     if tried:
         gain = (
@@ -137,8 +130,8 @@ def tabulate_tracking_seeds(
     table = tables.tracking_over_seeds(reports, read_yaml(published))
     note = (
         f"Table IV over seeds: mean RMSE and its 95 % interval over {len(reports)} further "
-        f"seeds.\nData: {SOURCES[reports[0]['source']]}; the gain is identified anew on "
-        "each, its mean is given."
+        f"seeds.\nData: {SOURCES[reports[0]['source']]}; the gain is identified on each "
+        "seed, and its mean is given."
     )
     _write(table, tables.tracking_page(table), note, csv, md, tex)
 
@@ -159,16 +152,13 @@ def tabulate_readout(
 ) -> None:
     """Compare FPRC with P_o, without it, and with substitutes for it.
 
-    Parameters
-    ----------
-    parts : tuple of str
-        Names of the training log and the test log.
+    ``parts`` are the names of the training log and the test log.
     """
     report = read_json(cells)
     table = tables.readout(report)
     own = report["own"]
     note = (
-        "Readout value: FPRC with other things in place of P_o, at epsilon = "
+        "Readout value: FPRC with P_o, without it and with substitutes for it, at epsilon = "
         f"{own['epsilon']:g} and n_u = {own['n_u']}, mean ± standard deviation over folds.\n"
         f"Data: {SOURCES[report['source']]}, seed {report['seed']}; trained on {parts[0]}, "
         f"tested on {parts[1]}. Blocked folds keep neighbours in time out of the validation."
@@ -184,8 +174,8 @@ def tabulate_ensemble(summary: str, csv: str, md: str, tex: str) -> None:
     note = (
         f"Ensemble: claims on {report['rigs'] - report['failed']} simulated rigs that were drawn, "
         f"not fitted; {report['failed']} more could not be judged, {report['draws']} draws in all."
-        f"\nA parameter is named where its rank correlation with the claim exceeds {limit:.2f}, "
-        "which chance alone does in one of twenty ensembles."
+        f"\nA parameter is named if its rank correlation with the claim exceeds {limit:.2f}; by "
+        "chance alone, one parameter does so in one of twenty ensembles."
     )
     _write(table, tables.ensemble_page(table), note, csv, md, tex)
 
@@ -197,9 +187,9 @@ def tabulate_sensitivity(effects: str, csv: str, md: str, tex: str) -> None:
     impossible = sum(cell["errors"] is None for cell in report["cells"])
     note = (
         "Sensitivity: change of each error while one parameter goes from end to end of its range, "
-        f"against the fitted rig.\nSimulated, by the surrogate models, mean of "
+        f"relative to the fitted rig.\nSimulated, with the surrogate models, mean of "
         f"{len(report['seeds'])} seeds; {impossible} of {len(report['cells'])} rigs are impossible "
-        "and left out. What changes little is not pinned down by the tables."
+        "and left out. The tables do not determine a parameter that changes little."
     )
     _write(table, tables.sensitivity_page(table), note, csv, md, tex)
 
@@ -239,9 +229,9 @@ def tabulate_times(
     table = tables.timing(report, read_yaml(published))
     note = (
         f"Table II, execution times: mean ± standard deviation of {table['repeats'].iloc[0]} "
-        f"repeats in turn on {report['cpu']}, {report['threads']} thread.\n"
-        "Sequential is sample by sample, as a controller pays; batch is a whole log at once. "
-        "The paper does not say which it timed, nor on what machine."
+        f"alternating repeats on {report['cpu']}, {report['threads']} thread.\n"
+        "Sequential is sample by sample, as in a controller; batch is a whole log at once. "
+        "The paper does not say which mode it timed, nor on which machine."
         f"{_without(left_out)}"
     )
     _write(table, tables.timing_page(table), note, csv, md, tex)
@@ -261,13 +251,7 @@ def tabulate_steps(steps: str, csv: str, md: str, tex: str, *, left_out: Mapping
 
 
 def tabulate_unavailable(csv: str, md: str, *, reasons: Mapping[str, tuple[str, str]]) -> None:
-    """List the results that the data do not allow, with reasons; the list may be empty.
-
-    Parameters
-    ----------
-    reasons : Mapping
-        Title and reason of each such result.
-    """
+    """List the results that the data do not allow, with title and reason; the list may be empty."""
     rows = [(name, *texts) for name, texts in reasons.items()]
     table = pd.DataFrame(rows, columns=["name", "result", "reason"])
     write_csv(csv, table)

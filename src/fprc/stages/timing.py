@@ -42,9 +42,7 @@ def measure_times(
     others = {name: each for name, each in work.items() if name not in stepping}
     timed |= time_models(others, repeats, modes=("batch",)) if others else {}
     costs = []
-    for name, model in fitted.items():
-        if name not in stepping:
-            continue
+    for name, (model, *_) in stepping.items():
         cost = step_cost(model, test_data, control, tracking)
         costs.append({"model": name, **cost})
         log.info("%s: median %.1f us of %.0f", name, cost["median_us"], cost["budget_us"])
@@ -73,12 +71,7 @@ def measure_times_over_n_c(
             train_pair, test_pair = train_data.pair(name), test_data.pair(name)
             model = build(name, models, seed).set_params(n_c=n_c).fit(*train_pair)
             fitted[name, n_c] = (model, train_pair, test_pair)
-    timed = time_models(
-        fitted,
-        repeats,
-        modes=("batch",),
-        progress=partial(_log_mode, repeats),
-    )
+    timed = time_models(fitted, repeats, modes=("batch",), progress=partial(_log_mode, repeats))
     results = [
         {"model": name, "n_c": n_c, **entry}
         for (name, n_c), entries in timed.items()

@@ -1,4 +1,4 @@
-"""The paper's tables: results in, tidy data frames and pages for readers out."""
+"""The paper's tables: from results to tidy data frames, and to pages for readers."""
 
 from fprc.tables.models import (
     comparison,
@@ -9,6 +9,7 @@ from fprc.tables.models import (
     over_seeds,
 )
 from fprc.tables.readout import readout, readout_page
+from fprc.tables.rigs import rig_errors, rigs_page
 from fprc.tables.robustness import (
     ensemble,
     ensemble_page,
@@ -35,6 +36,8 @@ __all__ = [
     "read_markdown",
     "readout",
     "readout_page",
+    "rig_errors",
+    "rigs_page",
     "sensitivity",
     "sensitivity_page",
     "spread",

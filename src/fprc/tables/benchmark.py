@@ -12,7 +12,7 @@ from fprc.tables.text import three_digits
 def benchmark(report: Mapping[str, Any]) -> pd.DataFrame:
     """Return each comparison, tidy: median times, and the ratio with its range over rounds.
 
-    There is no ratio if the two results differ by more than the limit.
+    If the two results differ by more than the limit, the ratio is missing.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def _whole(report: Mapping[str, Any]) -> list[dict[str, Any]]:
     return [
         {
             "work": f"all, cold, {whole['cores']} cores",
-            "against": "the same rules, plainly written",
+            "against": "the same rules, not compiled",
             "aim": 10,
             "samples": 0,
             "agrees": whole["difference"] <= whole["limit"],
@@ -100,7 +100,7 @@ def _ratio(row: Any) -> str:
 
 
 def bound_note(report: Mapping[str, Any]) -> str:
-    """Return a note that compares a step of the ESN with the limit of memory bandwidth."""
+    """Return a note that compares a step of the ESN with the limit set by memory bandwidth."""
     bound = report["bound"]
     steps = next(each for each in report["comparisons"] if each["work"].startswith("ESN step"))
     note = (
@@ -115,12 +115,12 @@ def bound_note(report: Mapping[str, Any]) -> str:
 
 
 def step_note(step: Mapping[str, Any]) -> str:
-    """Return a note on the time of single steps of the FPRC; a control loop sets the aims."""
+    """Return a note on the time of single steps of the FPRC, with aims for a control loop."""
     return (
-        f"Of {step['samples']} single steps of the FPRC the median takes {step['median_us']:.3g} "
-        f"us (aim: 5), and 99.9 % stay below {step['p99_9_us']:.3g} us (aim: 50); at most "
-        f"{step['peak_bytes']} bytes are allocated at a time, while the centres of its rules alone "
-        f"are {step['array_bytes']}."
+        f"The median of {step['samples']} single steps of the FPRC is {step['median_us']:.3g} us "
+        f"(aim: 5), and 99.9 % take less than {step['p99_9_us']:.3g} us (aim: 50); at most "
+        f"{step['peak_bytes']} bytes are allocated at a time; the centres of its rules alone have "
+        f"{step['array_bytes']}."
     )
 
 
@@ -138,12 +138,12 @@ def rules_page(rules: pd.DataFrame, least: float = 0.02) -> pd.DataFrame:
 
 
 def rules_note(rules: pd.DataFrame, starts: Mapping[str, Any]) -> str:
-    """Return a note on the time of all jobs, and on the part for starting processes."""
-    begun = [f"{three_digits(np.median(each))} s where it {job}" for job, each in starts.items()]
+    """Return a note on the total time of the jobs, and on the time to start a process."""
+    begun = [f"{three_digits(np.median(each))} s if it {job}" for job, each in starts.items()]
     jobs, seconds = rules["jobs"].sum(), three_digits(rules["seconds"].sum())
     return (
-        f"Seconds of the {jobs} jobs, {seconds} in all. The start of a process with its imports "
-        f"takes {', '.join(begun)}."
+        f"The {jobs} jobs took {seconds} s in all. Starting a process with its imports takes "
+        f"{', '.join(begun)}."
     )
 
 

@@ -8,7 +8,7 @@ import pandas as pd
 
 from fprc.paper import ERRORS, MODELS, PRINTED
 from fprc.registry import title_of
-from fprc.tables.text import mean_of, spread
+from fprc.tables.text import format_mean, spread
 
 _SYMBOLS = {
     ("esn", "r"): "Reservoir size, r",
@@ -91,11 +91,11 @@ def over_seeds(
     return table
 
 
-def with_interval(table: pd.DataFrame, level: float = 0.95) -> pd.DataFrame:
-    """Add the interval of the mean by Student's t: ``low`` and ``high``."""
+def with_interval(table: pd.DataFrame) -> pd.DataFrame:
+    """Add the 95 % interval of the mean by Student's t: ``low`` and ``high``."""
     from scipy.special import stdtrit  # slow to import, and most tables do not need it
 
-    half = table["std"] / np.sqrt(table["seeds"]) * stdtrit(table["seeds"] - 1, 0.5 + level / 2)
+    half = table["std"] / np.sqrt(table["seeds"]) * stdtrit(table["seeds"] - 1, 0.975)
     return table.assign(low=table["mean"] - half, high=table["mean"] + half)
 
 
@@ -144,7 +144,7 @@ def comparison_page(table: pd.DataFrame) -> pd.DataFrame:
             page[f"{name}, ours"] = ["not available"] * len(ERRORS)
             continue
         ours = table[table["model"] == model].set_index("metric")
-        page[f"{name}, ours"] = [mean_of(ours.loc[metric], "mean") for metric in ERRORS]
+        page[f"{name}, ours"] = [format_mean(ours.loc[metric], "mean") for metric in ERRORS]
         page[f"{name}, paper"] = [
             spread(ours.loc[metric, "published_mean"], ours.loc[metric].get("published_std")) or "-"
             for metric in ERRORS
@@ -153,7 +153,7 @@ def comparison_page(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def deviations(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
-    """Relative deviation of every mean of Tables II and III from the paper's, largest first.
+    """Return the relative deviation from print of every mean of Tables II and III, largest first.
 
     Parameters
     ----------

@@ -9,7 +9,7 @@ from fprc.errors import FprcError
 from fprc.paper import ERRORS, PRINTED, REFERENCE_NAMES
 from fprc.registry import controller_title, title_of
 from fprc.tables.models import over_seeds
-from fprc.tables.text import mean_of, spread
+from fprc.tables.text import format_mean, spread
 from fprc.tables.tracking import tracking_over_seeds
 
 
@@ -149,7 +149,7 @@ def targets_page(table: pd.DataFrame) -> pd.DataFrame:
     """Return the results of both targets and the paper's as a page."""
     page = []
     for (number, what, unit), rows in table.groupby(["table", "what", "unit"], sort=False):
-        means = {row.target: mean_of(row._asdict(), "mean") for row in rows.itertuples()}
+        means = {row.target: format_mean(row._asdict(), "mean") for row in rows.itertuples()}
         page.append(
             {
                 "Table": number,

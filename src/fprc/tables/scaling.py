@@ -15,25 +15,18 @@ RIGS = (1_000, 1_000_000)
 
 def costs(scale: Mapping[str, Any]) -> pd.DataFrame:
     """Processor seconds of one rig, grid cell, closed-loop second and job start."""
-    rows = [
+    work = [
         ("one rig of the ensemble: draws, both logs, Tables II to IV", "rig", "rigs"),
         ("one cell of a grid: five folds and a test of FPRC", "cell", "cells"),
         ("one closed-loop second: rig, FPRC+PD and both pressure loops", "loop", "s"),
     ]
-    table = [
-        {
-            "What": what,
-            "Core-seconds": three_digits(scale[key]["cpu_s"]),
-            "Mean of": f"{scale[key]['measured']:g} {unit}",
-        }
-        for what, key, unit in rows
+    rows = [
+        (what, three_digits(scale[key]["cpu_s"]), f"{scale[key]['measured']:g} {unit}")
+        for what, key, unit in work
     ]
-    start = {
-        "What": "start of a job under Slurm: Snakemake twice, imports once",
-        "Core-seconds": three_digits(start_of_job(scale, 1)),
-        "Mean of": "1 start",
-    }
-    return pd.DataFrame([*table, start])
+    start = "start of a job under Slurm: Snakemake twice, imports once"
+    rows.append((start, three_digits(start_of_job(scale, 1)), "1 start"))
+    return pd.DataFrame(rows, columns=["What", "Core-seconds", "Mean of"])
 
 
 def dag(scale: Mapping[str, Any]) -> pd.DataFrame:
@@ -82,8 +75,8 @@ def plan(scale: Mapping[str, Any]) -> pd.DataFrame:
 def start_of_job(scale: Mapping[str, Any], jobs: int) -> float:
     """Processor seconds until the first line of one of ``jobs`` Slurm jobs runs.
 
-    Snakemake plans the job's own file twice, in the Slurm job and in its job step, and reads the
-    names of all other files each time.
+    Snakemake plans the job twice, in the Slurm job and in its job step, and each time reads the
+    names of all files.
     """
     return 2 * _at(scale["alone"], "cpu_s", jobs) + scale["start"]["cpu_s"]
 

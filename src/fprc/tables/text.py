@@ -15,7 +15,7 @@ def spread(mean: float, std: float | None) -> str:
     return text if std is None or pd.isna(std) else f"{text} ± {three_digits(std)}"
 
 
-def mean_of(row: Mapping[str, Any], name: str) -> str:
+def format_mean(row: Mapping[str, Any], name: str) -> str:
     """Format a mean with its interval if it has one, else with its standard deviation."""
     if "low" in row:
         low, high = three_digits(row["low"]), three_digits(row["high"])

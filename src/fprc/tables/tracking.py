@@ -9,7 +9,7 @@ import pandas as pd
 from fprc.paper import REFERENCE_NAMES
 from fprc.registry import controller_title
 from fprc.tables.models import with_interval
-from fprc.tables.text import mean_of, spread
+from fprc.tables.text import format_mean, spread
 
 
 def tracking(
@@ -87,7 +87,7 @@ def tracking_page(table: pd.DataFrame) -> pd.DataFrame:
         }
         theirs = {"RMSE [deg]": label, "Whose": "paper"}
         for row in rows.itertuples():
-            line[REFERENCE_NAMES[row.reference]] = mean_of(row._asdict(), "rmse_deg")
+            line[REFERENCE_NAMES[row.reference]] = format_mean(row._asdict(), "rmse_deg")
             theirs[REFERENCE_NAMES[row.reference]] = spread(row.published_rmse_deg, None)
         page.append(line)
         if rows["published_rmse_deg"].notna().any() and gain != "printed":

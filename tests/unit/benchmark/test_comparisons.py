@@ -68,7 +68,7 @@ def test_whole_workflow_stands_in_the_table_once_it_was_measured():
     report = measured(comparison(1.0, 1.0))
     assert len(benchmark(report)) == 1
     _, row = benchmark(report | {"all": whole | {"difference": 0.01}}).itertuples()
-    assert (row.ratio, row.against) == (15.0, "the same rules, plainly written")
+    assert (row.ratio, row.against) == (15.0, "the same rules, not compiled")
     page = benchmark_page(benchmark(report | {"all": whole | {"difference": 0.01}}))
     assert page["Times faster"].iloc[-1] == "15.0 (once)"
     _, row = benchmark(report | {"all": whole | {"difference": 0.03}}).itertuples()
@@ -151,8 +151,8 @@ def test_rules_that_take_little_are_summed():
     ]
     assert rules_page(rules, least=0.0)["Rule"].tolist() == rules["rule"].tolist()
     note = rules_note(rules, {"draws": [0.7, 0.9, 0.8]})
-    assert note.startswith("Seconds of the 12 jobs, 100 in all")
-    assert "0.800 s where it draws" in note
+    assert note.startswith("The 12 jobs took 100 s in all")
+    assert "0.800 s if it draws" in note
 
 
 def test_plain_steps_of_fprc_are_those_of_the_model():

@@ -20,8 +20,8 @@ CHANNELS = {
 }
 FEW = {
     "models": {"fprc": {"n_c": 2}, "n_y": 2},
-    "grids": {"epsilon": [0.1, 0.01], "replicate_taps": [1, 2, 3]},
-    "evaluation": {"folds": 3},
+    "grids": {"epsilon": [0.1, 0.01], "readout_taps": [1, 2, 3]},
+    "evaluation": {"folds": 3, "purge_s": 0.2},
 }
 
 
@@ -84,7 +84,7 @@ def test_one_command_goes_from_a_recording_to_a_report(recording, tmp_path, caps
 def test_page_names_recording_parts_units_and_pictures_that_exist(recording, tmp_path):
     assert run(tmp_path, recording()) == 0
     text = (tmp_path / "out/report.md").read_text(encoding="utf-8")
-    assert text.startswith("# Worth of the readout in `log.csv`\n")
+    assert text.startswith("# Value of the readout in `log.csv`\n")
     assert "Trained before 7 s, tested after" in text
     assert "except for the settings given" in text
     assert "Test [N]" in text

@@ -8,7 +8,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from fprc.config import check
-from fprc.config.folders import MADE, OWN
+from fprc.config.folders import PROJECT_FOLDERS, RESULT_FOLDERS
 from fprc.errors import ConfigError
 
 ROOT = Path(__file__).parents[3]
@@ -166,10 +166,10 @@ def test_own_folders_are_those_of_the_repository():
     folders = {line.split("/")[0] for line in listed.stdout.splitlines() if "/" in line}
     links = {path.name for path in ROOT.iterdir() if path.is_symlink() and path.is_dir()}
     hidden = {name for name in folders | links if name.startswith(".")}
-    assert (folders | links) - hidden - {"data", "results"} == OWN
+    assert (folders | links) - hidden - {"data", "results"} == PROJECT_FOLDERS
 
 
 def test_folders_that_rules_make_are_those_of_the_rules():
     files = [*(ROOT / "workflow/rules").glob("*.smk"), ROOT / "src/fprc/plan/paths.py"]
     text = "".join(path.read_text(encoding="utf-8") for path in files)
-    assert set(re.findall(r'(?:below|table)\(\s*f?"(\w+)[/"]', text)) == MADE
+    assert set(re.findall(r'(?:below|table)\(\s*f?"(\w+)[/"]', text)) == RESULT_FOLDERS

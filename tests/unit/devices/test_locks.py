@@ -7,7 +7,7 @@ import pytest
 
 from fprc.devices import locks
 from fprc.devices.hardware import HardwareRig
-from fprc.devices.locks import describe, locked
+from fprc.devices.locks import locked, write_holder
 from fprc.errors import DeviceError
 
 BOARDS = ["AIO000", "AIO001"]
@@ -35,7 +35,7 @@ def test_board_that_is_in_use_leaves_the_other_free(tmp_path):
 
 def test_holder_of_a_lock_is_shown_without_control_characters(tmp_path):
     with locked(["AIO000"], str(tmp_path)) as files:
-        describe(files, " \x1b[31m(drives the rig)")
+        write_holder(files, " \x1b[31m(drives the rig)")
         with (
             pytest.raises(DeviceError) as caught,
             locked(["AIO000"], str(tmp_path)),

@@ -2,7 +2,7 @@ import pytest
 
 from fprc.config import Settings
 from fprc.devices import Readings
-from fprc.devices.safety import Guarded
+from fprc.devices.safety import CheckedRig
 from fprc.errors import DeviceError, SafetyError
 
 PERIOD_S = 0.005
@@ -42,7 +42,7 @@ def limits():
 
 @pytest.fixture
 def guarded(rig, limits):
-    return Guarded(rig, limits, PERIOD_S)
+    return CheckedRig(rig, limits, PERIOD_S)
 
 
 def step(rig, guarded, ticks=1, **values):
@@ -70,7 +70,7 @@ def test_readings_within_the_limits_pass_as_they_are(rig, guarded):
 @pytest.mark.parametrize("end", [0, 1])
 def test_every_reading_is_stopped_beyond_either_limit(rig, limits, name, end):
     limits |= {"pressure_step_kpa": 1e6, "angle_step_deg": 1e6}
-    guarded = Guarded(rig, limits, PERIOD_S)
+    guarded = CheckedRig(rig, limits, PERIOD_S)
     low, high = limits[name]
     edge, beyond = (low, low - 0.1) if end == 0 else (high, high + 0.1)
     assert step(rig, guarded, **{name: edge})
@@ -128,7 +128,7 @@ def test_every_problem_is_reported_together(rig, guarded):
 
 
 def test_reservoir_without_angle_sensor_is_not_asked_for_one(rig, limits):
-    guarded = Guarded(rig, limits, PERIOD_S, phi=False)
+    guarded = CheckedRig(rig, limits, PERIOD_S, phi=False)
     step(rig, guarded, 100, phi_deg=float("nan"))
     assert "theta_deg" in refusal(rig, guarded, theta_deg=float("nan"), phi_deg=float("nan"))
 

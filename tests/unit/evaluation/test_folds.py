@@ -60,3 +60,27 @@ def test_folds_that_would_be_empty_are_refused(samples, folds):
 def test_unknown_split_is_refused_with_those_that_are_known():
     with pytest.raises(EvaluationError, match="split = 'random'.*'shuffled'.*'blocked'"):
         split_rows(10, 2, "random", 1)
+
+
+@examples
+@given(st.integers(2, 6), st.integers(40, 200), st.integers(1, 4))
+def test_purged_rows_neither_train_nor_neighbour_the_block(folds, samples, purge):
+    whole = split_rows(samples, folds, "blocked", 1)
+    for (train, block), (before, same) in zip(
+        split_rows(samples, folds, "blocked", 1, purge), whole, strict=True
+    ):
+        np.testing.assert_array_equal(block, same)
+        near = {row + shift for row in block for shift in range(-purge, purge + 1)}
+        assert set(train) == set(before) - near
+
+
+def test_shuffled_rows_are_not_purged():
+    for one, other in zip(
+        split_rows(50, 5, "shuffled", 1, 10), split_rows(50, 5, "shuffled", 1), strict=True
+    ):
+        np.testing.assert_array_equal(one[0], other[0])
+
+
+def test_purge_that_leaves_nothing_to_train_is_refused():
+    with pytest.raises(EvaluationError, match="purge of 30 samples.*evaluation.purge_s"):
+        split_rows(40, 2, "blocked", 1, 30)

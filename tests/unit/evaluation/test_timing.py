@@ -124,7 +124,8 @@ def test_time_of_a_test_is_that_of_its_samples(clock, monkeypatch):
     assert results["test", "sequential"] == [71.0, 71.0]
 
 
-def test_sequential_work_goes_sample_by_sample_and_batch_work_at_once():
+def test_sequential_work_goes_sample_by_sample_and_batch_work_at_once(monkeypatch):
+    monkeypatch.setattr(timing, "WARM_UP", 8)
     calls = {}
 
     def heard(what):
@@ -137,17 +138,17 @@ def test_sequential_work_goes_sample_by_sample_and_batch_work_at_once():
         "train, sequential", "train, batch", "test, sequential", "test, batch"
     ]  # fmt: skip
     assert work == [
-        (["step"] * 20 + ["fit"]) * 3,
-        ["transform 20", "fit"] * 5,  # brief: once untimed before each turn
-        ["step"] * 10 * 3,
-        ["transform 10"] * 5,
+        [*["step"] * 8, "fit", *["step"] * 20, "fit"] * 2,
+        ["transform 8", "fit", "transform 20", "fit"] * 2,
+        ["step"] * (8 + 10) * 2,
+        ["transform 8", "transform 10"] * 2,
     ]
 
 
 def test_sequential_training_trains_on_the_same_rows_as_batch_training():
     time_model(fitted(), log(20), log(10), repeats=2)
     whole, *trained = Readout.trained
-    assert len(trained) == 3 + 5
+    assert len(trained) == 2 * 2 * 2
     for rows in trained:
         assert_allclose(rows, whole, rtol=1e-12)
 
@@ -161,6 +162,7 @@ def test_every_repeat_begins_the_log_anew():
 
 
 def test_models_take_turns_and_keep_their_own_times(clock, monkeypatch):
+    monkeypatch.setattr(timing, "WARM_UP", 5)
     turns = []
 
     def predict(self, X):
@@ -175,28 +177,11 @@ def test_models_take_turns_and_keep_their_own_times(clock, monkeypatch):
         model.slowness = slowness
         models[name] = (model, log(20), log(samples))
     found = time_models(models, repeats=2, modes=("batch",))
-    assert turns == [(10.0, 8), (20.0, 9)] * 3
+    assert turns == [(10.0, 5), (10.0, 8), (20.0, 5), (20.0, 9)] * 2
     assert list(found) == ["a", ("b", 2)]
     tests = [entries[1] for entries in found.values()]
     assert [(entry["phase"], entry["samples"]) for entry in tests] == [("test", 8), ("test", 9)]
     assert [entry["seconds"] for entry in tests] == [[11.0] * 2, [21.0] * 2]
-
-
-@pytest.mark.parametrize(("seconds", "runs"), [(0.04, 5), (0.06, 3)])
-def test_brief_work_is_done_untimed_before_each_turn(monkeypatch, seconds, runs):
-    now = [0.0]
-    monkeypatch.setattr(timing, "time", SimpleNamespace(perf_counter=lambda: now[0]))
-    done = []
-
-    def predict(self, X):
-        done.append(len(X))
-        now[0] += seconds
-        return np.zeros(len(X))
-
-    monkeypatch.setattr(Model, "predict", predict)
-    found = time_model(fitted(), log(20), log(10), repeats=2, modes=("batch",))
-    assert len(done) == runs
-    assert_allclose(found[1]["seconds"], [seconds] * 2)
 
 
 def test_every_step_is_timed_by_itself_and_in_order(clock):

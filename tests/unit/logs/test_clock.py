@@ -12,7 +12,7 @@ from fprc.logs.clock import (
     MOST_POINTS,
     SECONDS,
     even,
-    likely,
+    likely_rate,
     other_unit,
     read_clock,
     refuse_length,
@@ -65,9 +65,9 @@ def test_mended_clock_agrees_with_one_instant_after_the_other(instants, repeated
     expected = [group[0] if repeated == "first" else group.mean() for group in groups]
     assert clock.mean(values[clock.samples]).tolist() == pytest.approx(expected)
     assert clock.since_s.tolist() == [i - instants.min() for i in np.unique(instants)]
-    assert clock.mended["repeated_samples"] == len(instants) - len(groups)
+    assert clock.corrections["repeated_samples"] == len(instants) - len(groups)
     late = sum(instants[k] < instants[:k].max() for k in range(1, len(instants)))
-    assert clock.mended["unordered_samples"] == late
+    assert clock.corrections["unordered_samples"] == late
 
 
 @given(count=st.integers(2, 20), data=st.data())
@@ -158,7 +158,7 @@ def test_likely_clock_is_not_doubted():
     assert other_unit(clock_of(T), "s") is None
     assert other_unit(clock_of(1e9 * T, unit="us"), "us").endswith("time.unit: ns if that is right")
     assert other_unit(clock_of(1e-9 * T), "s") is None
-    assert likely(5.0) == (pytest.approx(200.0), "ms")
+    assert likely_rate(5.0) == (pytest.approx(200.0), "ms")
 
 
 def test_steps_far_finer_than_the_grid_are_refused():

@@ -29,9 +29,9 @@ def test_channels_and_notes_of_the_logs_that_are_there(write_log, tmp_path, isol
     found = contents(there(tmp_path, isolate), NAMES)
     assert list(found) == ["sweep"]
     assert found["sweep"].lacks(["phi_deg", "p_o_kpa"]) == ["phi_deg"]
-    assert found["sweep"].instead("theta_deg") == "x [mm]"
-    assert found["sweep"].instead("p_o_kpa") is None
-    assert found["sweep"].instead("p_i_kpa") is None
+    assert found["sweep"].substitute("theta_deg") == "x [mm]"
+    assert found["sweep"].substitute("p_o_kpa") is None
+    assert found["sweep"].substitute("p_i_kpa") is None
 
 
 def test_logs_to_come_count_as_complete(tmp_path):

@@ -165,7 +165,7 @@ def test_samples_of_one_instant_become_one_as_the_map_says(csv):
     force = COLUMNS["force"]
     assert first.channels["p_exp_kpa"].tolist() == force[::2].tolist()
     assert mean.channels["p_exp_kpa"].tolist() == ((force[::2] + force[1::2]) / 2.0).tolist()
-    assert first.clock.mended == {
+    assert first.clock.corrections == {
         "unordered_samples": 0, "repeated_samples": 25, "repeated": "first",
     }  # fmt: skip
 

@@ -75,7 +75,7 @@ def test_channel_that_is_elsewhere_is_refused_with_the_reason(path, tmp_path, ma
         read_columns(path, ("time_s",), optional=("p_o_kpa",))
     found = salvage(path)
     assert list(found.channels) == ["time_s"]
-    assert any(word.startswith(f"p_o_kpa: cannot be read ({why}") for word in found.words)
+    assert any(word.startswith(f"p_o_kpa: cannot be read ({why}") for word in found.messages)
 
 
 @pytest.mark.parametrize("make", [linked_outside, linked_inside])
@@ -132,7 +132,7 @@ def test_channel_that_is_too_large_to_salvage_is_left_out_and_reported(path):
     replace(path, huge(10**9, chunks=(10**5,), compression="gzip"))
     found = salvage(path)
     assert list(found.channels) == ["time_s"]
-    assert any("declares 1000000000 samples" in word for word in found.words)
+    assert any("declares 1000000000 samples" in word for word in found.messages)
 
 
 def test_thousands_of_channels_are_named_in_part(path):

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fprc.logs.columns import read_columns
-from fprc.logs.hdf5_headers import lookup3, mend_checksums
+from fprc.logs.hdf5_headers import correct_checksums, lookup3
 from fprc.logs.salvage import salvage
 
 
@@ -26,7 +26,7 @@ def test_checksum_is_that_of_its_author(data, seed, value):
 def test_every_checksum_of_a_whole_log_is_right(write_log):
     data = bytearray(write_log().read_bytes())
     before = bytes(data)
-    assert mend_checksums(data) == 0
+    assert correct_checksums(data) == 0
     assert bytes(data) == before
 
 
@@ -36,7 +36,7 @@ def test_wrong_byte_of_an_attribute_costs_no_channel(whole, at, flip):
     damaged[damaged.index(b"fprc test") + at] ^= flip
     with pytest.raises((OSError, KeyError, RuntimeError), match="checksum"):
         names_in(damaged)
-    assert mend_checksums(damaged) == 1
+    assert correct_checksums(damaged) == 1
     assert "theta_deg" in names_in(damaged)
 
 
@@ -47,7 +47,7 @@ def names_in(content):
 
 @given(st.binary(max_size=400))
 def test_any_bytes_are_looked_through(data):
-    mend_checksums(bytearray(b"OHDR\x02" + data))
+    correct_checksums(bytearray(b"OHDR\x02" + data))
 
 
 @pytest.fixture(scope="module")
@@ -68,4 +68,4 @@ def test_log_with_a_wrong_byte_in_an_attribute_is_salvaged_with_every_channel(tm
     expected = read_columns(whole, tuple(found.channels))
     assert len(found.channels) == 10
     assert all((found.channels[name] == expected.channels[name]).all() for name in found.channels)
-    assert any(words.startswith("headers damaged: 1") for words in found.words)
+    assert any(words.startswith("headers damaged: 1") for words in found.messages)

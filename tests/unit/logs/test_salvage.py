@@ -29,7 +29,7 @@ def test_numbers_of_a_cut_log_are_those_that_were_written(write_log, share):
     assert len(lengths) == 1
     for name, values in found.channels.items():
         np.testing.assert_array_equal(values, whole[name][: len(values)])
-    told = "\n".join(found.words)
+    told = "\n".join(found.messages)
     assert "cut short: " in told
     for name in whole.keys() - found.channels.keys():
         assert name in told
@@ -46,7 +46,7 @@ def test_channel_that_lost_more_than_half_is_left_out(write_log, there, kept):
     assert {len(values) for values in found.channels.values()} == {there if kept else 400}
     assert found.lost == (400 - there if kept else 0)
     said = f"valve_reservoir_v: {400 - there} of 400 samples lost"
-    assert said + ("" if kept else "; left out of the copy") in found.words
+    assert said + ("" if kept else "; left out of the copy") in found.messages
 
 
 @pytest.mark.parametrize("name", ["theta_deg", "time_s"])
@@ -62,7 +62,7 @@ def test_channel_that_was_written_shorter_than_the_others_is_named(write_log, na
     assert {len(values) for values in found.channels.values()} == {length if kept else 400}
     assert found.lost == (400 - length if kept else 0)
     fate = "" if kept else "; left out of the copy"
-    assert f"{name}: {length} samples, but others have up to 400{fate}" in found.words
+    assert f"{name}: {length} samples, but others have up to 400{fate}" in found.messages
 
 
 def test_channels_that_are_left_out_for_one_that_is_longer_are_named(write_log):
@@ -75,7 +75,8 @@ def test_channels_that_are_left_out_for_one_that_is_longer_are_named(write_log):
     assert found.channels.keys() == {"p_o_kpa"}
     for name in names:
         assert (
-            f"{name}: 400 samples, but others have up to 801; left out of the copy" in found.words
+            f"{name}: 400 samples, but others have up to 801; left out of the copy"
+            in found.messages
         )
 
 
@@ -92,7 +93,7 @@ def test_chunked_channel_is_read_up_to_its_first_lost_chunk(write_log):
     path.write_bytes(data)
     found = salvage(path)
     assert found.channels["valve_reservoir_v"].tolist() == values[:200].tolist()
-    assert "valve_reservoir_v: 200 of 400 samples lost" in found.words
+    assert "valve_reservoir_v: 200 of 400 samples lost" in found.messages
 
 
 def test_chunk_that_was_cut_off_is_not_taken_for_zeros(write_log):
@@ -106,7 +107,7 @@ def test_chunk_that_was_cut_off_is_not_taken_for_zeros(write_log):
     os.truncate(path, chunks[6] + 8)
     found = salvage(path)
     assert found.channels["valve_reservoir_v"].tolist() == np.arange(1.0, 301.0).tolist()
-    assert "valve_reservoir_v: 100 of 400 samples lost" in found.words
+    assert "valve_reservoir_v: 100 of 400 samples lost" in found.messages
 
 
 def test_channel_in_another_unit_is_left_out_and_named(write_log):
@@ -115,7 +116,7 @@ def test_channel_in_another_unit_is_left_out_and_named(write_log):
         file["p_o_kpa"].attrs["units"] = "bar"
     found = salvage(path)
     assert "p_o_kpa" not in found.channels
-    assert "p_o_kpa: cannot be read (units are bar, must be kPa)" in found.words
+    assert "p_o_kpa: cannot be read (units are bar, must be kPa)" in found.messages
 
 
 def test_channel_without_a_unit_is_kept_and_reported(write_log):
@@ -124,14 +125,14 @@ def test_channel_without_a_unit_is_kept_and_reported(write_log):
         del file["p_o_kpa"].attrs["units"]
     found = salvage(path)
     assert len(found.channels["p_o_kpa"]) == 400
-    assert found.words == ["p_o_kpa: attribute units: not found; assumed to be kPa"]
+    assert found.messages == ["p_o_kpa: attribute units: not found; assumed to be kPa"]
 
 
 def test_lost_attribute_is_named(write_log):
     path = write_log()
     with h5py.File(path, "r+") as file:
         del file.attrs["seed"]
-    assert salvage(path).words == ["attributes seed: not found"]
+    assert salvage(path).messages == ["attributes seed: not found"]
 
 
 def old_log(path, **attributes):
@@ -148,8 +149,8 @@ def test_text_that_is_not_utf_8_is_replaced_and_reported(tmp_path):
     broken = np.bytes_(b"LabVIEW \xb5")
     found = salvage(old_log(tmp_path / "log.h5", software=broken, operator=broken, seed=3))
     assert found.attributes == {"software": "LabVIEW �", "operator": "LabVIEW �", "seed": 3}
-    assert "attribute software: bytes that were not UTF-8 are replaced" in found.words
-    assert "attribute operator: bytes that were not UTF-8 are replaced" in found.words
+    assert "attribute software: bytes that were not UTF-8 are replaced" in found.messages
+    assert "attribute operator: bytes that were not UTF-8 are replaced" in found.messages
 
 
 @pytest.mark.parametrize(
@@ -159,7 +160,7 @@ def test_text_that_is_not_utf_8_is_replaced_and_reported(tmp_path):
 def test_attribute_that_is_not_of_its_kind_is_left_out_and_reported(tmp_path, name, value):
     found = salvage(old_log(tmp_path / "log.h5", **{"software": "x", name: value}))
     assert found.attributes == {"software": "x"}
-    assert any(word.startswith(f"attribute {name}: left out (= ") for word in found.words)
+    assert any(word.startswith(f"attribute {name}: left out (= ") for word in found.messages)
 
 
 def test_name_that_is_not_utf_8_is_left_out_and_reported(tmp_path):
@@ -168,7 +169,7 @@ def test_name_that_is_not_utf_8_is_left_out_and_reported(tmp_path):
         h5py.h5d.create(file.id, b"p\xe9_kpa", h5py.h5t.IEEE_F64LE, h5py.h5s.create_simple((400,)))
     found = salvage(path)
     assert set(found.channels) == set(RAW_CHANNELS)
-    assert r"p\udce9_kpa: cannot be read (its name is not UTF-8)" in found.words
+    assert r"p\udce9_kpa: cannot be read (its name is not UTF-8)" in found.messages
 
 
 def test_channel_whose_checksum_is_wrong_is_kept_and_reported(write_log):
@@ -179,7 +180,7 @@ def test_channel_whose_checksum_is_wrong_is_kept_and_reported(write_log):
     data[at + 3] ^= 1
     path.write_bytes(data)
     found = salvage(path)
-    assert found.words == ["p_o_kpa: its checksum is wrong; some of its numbers may be wrong"]
+    assert found.messages == ["p_o_kpa: its checksum is wrong; some of its numbers may be wrong"]
     assert set(found.channels) == set(RAW_CHANNELS)
     assert found.lost == 0
 
@@ -192,9 +193,9 @@ def test_attributes_with_a_wrong_byte_are_named(write_log):
         read_columns(path, ())
     found = salvage(path)
     assert found.attributes["software"] == "fprc tesu"
-    (doubtful,) = [word for word in found.words if word.endswith(": may be wrong")]
+    (doubtful,) = [word for word in found.messages if word.endswith(": may be wrong")]
     assert {"software", "controller", "rig"} <= set(doubtful[11:-14].split(", "))
-    (lost,) = [word for word in found.words if word.endswith(": lost if the file had them")]
+    (lost,) = [word for word in found.messages if word.endswith(": lost if the file had them")]
     assert {"gain", "notes", "started"} <= set(lost[11:-25].split(", "))
     assert "controller" not in lost
 
@@ -205,7 +206,9 @@ def test_dataset_without_the_name_of_a_channel_is_left_out_and_reported(write_lo
         file["picture"] = np.zeros(400)
     found = salvage(path)
     assert "picture" not in found.channels
-    assert any("picture: cannot be read (channel picture: its name" in one for one in found.words)
+    assert any(
+        "picture: cannot be read (channel picture: its name" in one for one in found.messages
+    )
 
 
 def test_more_datasets_than_a_log_has_are_left_out_and_counted(write_log):
@@ -215,7 +218,7 @@ def test_more_datasets_than_a_log_has_are_left_out_and_counted(write_log):
             file[f"a{number}_kpa"] = np.zeros(1)
     found = salvage(path)
     assert set(found.channels) == set(RAW_CHANNELS)
-    assert "30 channels left out: too many channels" in found.words
+    assert "30 channels left out: too many channels" in found.messages
 
 
 def test_pipe_is_refused_at_once(tmp_path):
@@ -255,7 +258,7 @@ def test_reading_that_hangs_is_stopped_and_the_channels_read_are_kept(write_log,
 
     monkeypatch.setattr(module.subprocess, "run", run)
     found = salvage(path, limit_s=5.0)
-    assert "reading ended early: not read within 5 s" in found.words
+    assert "reading ended early: not read within 5 s" in found.messages
     assert set(found.channels) == set(RAW_CHANNELS) - {"valve_main_v", "valve_reservoir_v"}
 
 
@@ -288,6 +291,6 @@ def test_any_damage_ends_in_a_copy_or_an_error(write_log):
         except LogError as error:
             outcome = str(error)
         else:
-            outcome = "\n".join(found.words)
+            outcome = "\n".join(found.messages)
             assert len({len(values) for values in found.channels.values()}) == 1
         assert "no sample can be read" in outcome or "lost" in outcome or "not found" in outcome

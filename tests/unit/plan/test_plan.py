@@ -8,10 +8,11 @@ import pandas as pd
 import pytest
 
 from fprc.config import Settings, check
+from fprc.errors import LogError
 from fprc.logs import RAW_CHANNELS
 from fprc.logs.folder import Header
 from fprc.paper import CONTROLLERS, EXPERIMENTS, REFERENCES, run_log
-from fprc.plan import Paths, Plan
+from fprc.plan import Paths, Plan, read_plan
 from fprc.plan.results import CHORES, RESULTS
 from fprc.stages.tabulate import tabulate_unavailable
 
@@ -88,8 +89,8 @@ def test_every_result_but_the_list_of_them_has_a_title():
 
 def test_every_result_can_be_made_on_the_simulated_rig(simulated):
     assert list(simulated.targets) == [result.name for result in RESULTS if result.files]
-    assert simulated.refused == []
-    assert simulated.not_available == {}
+    assert simulated.unavailable_targets == []
+    assert simulated.unavailable_results == {}
     assert simulated.models == list(MODELS)
 
 
@@ -193,7 +194,7 @@ def test_every_file_lies_below_one_of_the_two_folders():
 def test_paths_keep_wildcards_and_differ():
     paths = Paths("raw", "results")
     found = [
-        paths.log("{e}"), paths.data("{e}"), paths.quality("{e}"), paths.driven("{e}"),
+        paths.log("{e}"), paths.data("{e}"), paths.quality("{e}"), paths.with_reservoir("{e}"),
         paths.errors("{e}", "{m}"), paths.model("{e}", "{m}"), paths.grid("{e}"),
         paths.prediction("{e}", "{m}", "train"), paths.prediction("{e}", "{m}", "test"),
         paths.replicate("models", "{e}", "{seed}"), paths.messages("{e}"),
@@ -214,7 +215,7 @@ def test_tables_have_three_files():
 
 def test_without_closed_loops_what_shows_them_is_refused():
     plan = recorded(*EXPERIMENTS)
-    assert set(plan.refused) == CLOSED_LOOP | OF_RIGS
+    assert set(plan.unavailable_targets) == CLOSED_LOOP | OF_RIGS
     assert not plan.targets.keys() & (CLOSED_LOOP | OF_RIGS)
     assert set(plan.targets["table2"]) == (
         {"results/tables/table2.md"} | DATA | judged("sweep")
@@ -228,7 +229,7 @@ def test_without_closed_loops_what_shows_them_is_refused():
 
 def test_one_experiment_refuses_what_needs_both():
     plan = recorded("sweep")
-    assert {"table2", "table3", "timing", "fig4", "fig8", "fig10"} <= set(plan.refused)
+    assert {"table2", "table3", "timing", "fig4", "fig8", "fig10"} <= set(plan.unavailable_targets)
     assert {"fig1", "fig2", "fig9"} <= plan.targets.keys()
     assert set(plan.targets["fig1"]) == {
         "results/figures/fig01_actuator.pdf", *(file for file in DATA if "sweep" in file)
@@ -243,8 +244,8 @@ def test_closed_loop_results_of_recorded_logs_are_made_of_the_runs_that_are_ther
     made_of = {"results/control/gains.json"} | logs
     assert set(plan.targets["table4"]) == {"results/tables/table4.md"} | made_of
     assert set(plan.targets["fig13"]) == {"results/figures/fig13_sine_0p5.pdf"} | logs
-    assert {"fig12", "fig14", "fig15", "fig16", "fig17"} <= set(plan.refused)
-    assert "table4_runs" in plan.not_available
+    assert {"fig12", "fig14", "fig15", "fig16", "fig17"} <= set(plan.unavailable_targets)
+    assert "table4_runs" in plan.unavailable_results
 
 
 def test_without_p_o_fprc_is_left_out_everywhere():
@@ -287,7 +288,7 @@ def test_list_for_readers_is_in_the_order_of_the_paper_and_has_no_chores(tmp_pat
     caplog.set_level("INFO")
     csv, md = tmp_path / "list.csv", tmp_path / "list.md"
     plan = recorded(*EXPERIMENTS, lacking=["p_o_kpa"])
-    tabulate_unavailable(str(csv), str(md), reasons=plan.not_available)
+    tabulate_unavailable(str(csv), str(md), reasons=plan.unavailable_results)
     table = pd.read_csv(csv)
     assert list(table["name"])[-5:] == ["fig13", "fig14", "fig15", "fig16", "fig17"]
     assert not {"readme", "check"} & set(table["name"])
@@ -298,7 +299,7 @@ def test_list_for_readers_is_in_the_order_of_the_paper_and_has_no_chores(tmp_pat
 
 def test_list_is_written_too_when_all_is_there(simulated, tmp_path):
     csv, md = tmp_path / "list.csv", tmp_path / "list.md"
-    tabulate_unavailable(str(csv), str(md), reasons=simulated.not_available)
+    tabulate_unavailable(str(csv), str(md), reasons=simulated.unavailable_results)
     assert md.read_text(encoding="utf-8") == "Everything is available for this data.\n"
     assert pd.read_csv(csv).empty
 
@@ -311,3 +312,10 @@ def test_model_from_outside_is_planned_only_where_models_can_be_judged():
                                           .model_dump(mode="json")["models"]}  # fmt: skip
         plan = dataclasses.replace(plan, settings=settings)
         assert ("training_mine" in plan.targets) is planned
+
+
+def test_folder_without_a_log_cannot_be_planned_for(tmp_path):
+    settings = check({"source": "recorded"}).model_dump(mode="json")
+    settings["folders"]["raw"] = str(tmp_path)
+    with pytest.raises(LogError, match="contains no raw log"):
+        read_plan(settings, isolate=False)

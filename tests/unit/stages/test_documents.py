@@ -103,7 +103,10 @@ def test_sentence_counts_the_seeds_on_which_the_order_holds(project):
 def test_deviations_from_print_are_counted_over_both_tables(project):
     # +20, -45, -17.5, -10, +31 and 0 %
     text = update(project)
-    assert "The 6 means of Tables II and III are off print by 19 % in the median" in text
+    assert (
+        "The 6 means of Tables II and III deviate from the printed numbers by 19 % in the median"
+        in text
+    )
     assert "by 45 % at most (Table II, ESN, Test RMSE: 11 against 20 kPa)" in text
 
 

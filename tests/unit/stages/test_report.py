@@ -259,7 +259,7 @@ def test_page_begins_with_the_banner_of_its_figures(tmp_path, sources, text, kin
     page = project.page()
     (shown,) = page.texts("div", **{"class": "banner"})
     assert shown == (
-        f"{text}Every result of ours on this page but the execution times comes from: {kinds}."
+        f"{text}All our results on this page except the execution times come from: {kinds}."
     )
     assert page.texts("strong") == [text]
     assert page.texts("title") == [f"fprc: {text.lower()}"]
@@ -391,7 +391,19 @@ def test_settings_that_are_not_the_papers_are_listed_and_announced(project):
     assert "2 settings are not the paper's (which); do not compare" in header
     assert listed == [
         "evaluation.folds: 4 instead of 5",
-        "evaluation.replicate_seeds: (401, 402) instead of (301, 302, 303, 304, 305)",
+        "evaluation.replicate_seeds: [401, 402] instead of [301, 302, 303, 304, 305]",
+    ]
+
+
+def test_model_from_outside_is_listed_by_its_keys(project):
+    other = {"estimator": "my_models.Taps", "inputs": ["theta_deg"], "settings": {"n_y": 10}}
+    project.settings = DEFAULTS | {"models": DEFAULTS["models"] | {"others": {"taps": other}}}
+    header, listed = described(project)
+    assert "not the paper's" in header
+    assert listed == [
+        "models.others.taps.estimator: my_models.Taps instead of none",
+        "models.others.taps.inputs: ['theta_deg'] instead of none",
+        "models.others.taps.settings.n_y: 10 instead of none",
     ]
 
 

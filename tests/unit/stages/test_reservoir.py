@@ -110,7 +110,7 @@ def test_few_samples_outside_are_kept_at_the_limits(control):
     commands = commands_of(theta, 0.0, control, "sweep.h5")
     assert commands[:15].tolist() == [0.0] * 15
     theta[:20] = -2.0
-    with pytest.raises(LogError, match="2 % of it outside 0 to 450 kPa"):
+    with pytest.raises(LogError, match="2 % is outside 0 to 450 kPa"):
         commands_of(theta, 0.0, control, "sweep.h5")
 
 

@@ -14,7 +14,7 @@ RULES = "".join(
     path.read_text(encoding="utf-8")
     for path in sorted((Path(__file__).parents[3] / "workflow/rules").glob("*.smk"))
 )
-NAMED = set(re.findall(r'\bstage(?:\(|=)\s*"([^"]*)"', RULES))
+NAMED = set(re.findall(r'\b(?:stage\(|stage=|code_of\()\s*"([^"]*)"', RULES))
 
 
 def test_every_rule_with_the_script_names_its_stage():

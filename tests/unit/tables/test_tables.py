@@ -510,12 +510,12 @@ def test_page_of_table_2_says_how_it_was_judged(written):
 
 
 def test_page_of_the_times_names_repeats_machine_and_threads(written):
-    assert "2 repeats in turn on A & B_1 100 %, 1 thread" in written["times.md"]
+    assert "2 alternating repeats on A & B_1 100 %, 1 thread" in written["times.md"]
 
 
 def test_page_of_table_4_over_seeds_says_how_many_there_were(written):
     assert "over 2 further seeds" in written["four.md"]
-    assert "the gain is identified anew on each, its mean is given" in written["four.md"]
+    assert "the gain is identified on each seed, and its mean is given" in written["four.md"]
     assert "(4.5 kPa/deg)" in written["four.md"]
 
 

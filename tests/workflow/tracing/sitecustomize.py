@@ -7,6 +7,7 @@ was computed.
 FPRC_STOP_AT is a part of a path: a process that writes such a file stops before the rename.
 """
 
+import importlib
 import json
 import os
 import sys
@@ -15,26 +16,36 @@ import time
 FUNCTION = 0x1  # CO_OPTIMIZED: not the body of a module or a class
 
 
-def watch(folder):
-    seen, early = {}, []  # codes are kept, so that no id comes twice
+def writer(folder):
     file = open(f"{folder}/{os.getpid()}.txt", "a", buffering=1, encoding="utf-8")  # noqa: SIM115
 
     def write(*words):
         file.write(" ".join(words) + "\n")
 
-    def asked_for(frame, event, result):
-        if event == "return" and result:
-            write("asked", result, json.dumps(frame.f_locals["modules"]))
-        return asked_for
+    return write
+
+
+def note_fingerprints(write):
+    fingerprint = importlib.import_module("fprc.fingerprint")
+    given = fingerprint.fingerprint
+
+    def noted(*modules):
+        found = given(*modules)
+        write("asked", found, json.dumps(modules))
+        return found
+
+    fingerprint.fingerprint = noted
+
+
+def watch(write):
+    seen, early = {}, []  # codes are kept, so that no id comes twice
 
     def on_call(frame, event, _):
         code = frame.f_code
         if id(code) in seen:
             return None
-        module = frame.f_globals.get("__name__") or ""
-        if module == "fprc.fingerprint" and code.co_name == "fingerprint":
-            return asked_for
         seen[id(code)] = code
+        module = frame.f_globals.get("__name__") or ""
         if not module.startswith("fprc.") or not code.co_flags & FUNCTION:
             return None
         if module == "fprc.stages.run" and code.co_name == "run_stage":
@@ -64,4 +75,6 @@ def stop_at(part):
 if os.environ.get("FPRC_STOP_AT"):
     stop_at(os.environ["FPRC_STOP_AT"])
 if os.environ.get("FPRC_TRACE"):
-    watch(os.environ["FPRC_TRACE"])
+    write = writer(os.environ["FPRC_TRACE"])
+    # Snakemake itself runs no stage, and a trace would double its time
+    (note_fingerprints if "snakemake" in sys.orig_argv else watch)(write)

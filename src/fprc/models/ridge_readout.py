@@ -1,0 +1,79 @@
+"""Linear readout, which the ESN has."""
+
+from collections.abc import Sequence
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+from sklearn.base import BaseEstimator, RegressorMixin, clone
+from sklearn.utils.validation import check_is_fitted, validate_data
+
+from fprc.models.limits import Limit, check_limits
+from fprc.models.ridge import ridge_weights, solve_ridge, with_bias
+
+
+class RidgeReadout(RegressorMixin, BaseEstimator):
+    """Linear readout P_ff = w_out [1, x], trained with a ridge (Eqs. 4, 5).
+
+    The ridge penalises the bias too, as Eq. (5) is printed; most libraries
+    centre the data instead.
+
+    Parameters
+    ----------
+    alpha : float, default=1e-3
+        Ridge parameter, >= 0.
+
+    Attributes
+    ----------
+    w_out_ : ndarray of shape (1 + n_features,)
+        Weights, bias first.
+    """
+
+    def __init__(self, alpha: float = 1e-3):
+        self.alpha = alpha
+
+    def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
+        """Solve the normal equations for one output."""
+        check_limits(self, {"alpha": Limit(0)})
+        rows, targets = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
+        self.w_out_ = ridge_weights(with_bias(rows), targets, self.alpha)
+        return self
+
+    def fit_complements(
+        self, X: ArrayLike, y: ArrayLike, parts: Sequence[np.ndarray]
+    ) -> list[Self]:
+        """Return one fitted copy per part, trained on the rows of all other parts.
+
+        X^T X is computed once per part; each copy adds those of the other parts.
+
+        Parameters
+        ----------
+        parts : sequence of ndarray
+            Row indices; every row is in exactly one part.
+        """
+        check_limits(self, {"alpha": Limit(0)})
+        checked = clone(self)
+        rows, targets = validate_data(checked, X, y, y_numeric=True, dtype=np.float64)
+        sums = []
+        for part in parts:
+            extended = with_bias(rows[part])
+            sums.append((extended.T @ extended, extended.T @ targets[part]))
+        fitted = []
+        for i in range(len(parts)):
+            others = sums[:i] + sums[i + 1 :]
+            gram, moments = (sum(each) for each in zip(*others, strict=True))
+            readout = clone(self)
+            readout.n_features_in_ = checked.n_features_in_
+            readout.w_out_ = solve_ridge(gram, moments, self.alpha)
+            fitted.append(readout)
+        return fitted
+
+    def predict(self, X: ArrayLike) -> np.ndarray:
+        """Return the output of each row."""
+        check_is_fitted(self)
+        X = validate_data(self, X, reset=False, dtype=np.float64)
+        return X @ self.w_out_[1:] + self.w_out_[0]
+
+    def output(self, x: np.ndarray) -> float:
+        """Return the output of one row of features, without checks."""
+        return float(self.w_out_[0] + self.w_out_[1:] @ x)

@@ -1,0 +1,54 @@
+"""What the rules pass to their stages: each gets only the settings that it reads."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from fprc.registry import settings_of
+
+Settings = Mapping[str, Any]
+
+
+def pick(section: Settings, *names: str) -> dict[str, Any]:
+    """Return some keys of a section."""
+    return {name: section[name] for name in names}
+
+
+def paper_models(settings: Settings) -> dict[str, Any]:
+    """Return the section ``models`` without the models from outside the package."""
+    return {**settings["models"], "others": {}}
+
+
+def judgement(
+    settings: Settings, model: str | None = None, *, without: str = "", **changed: Any
+) -> dict[str, Any]:
+    """Return the arguments of ``Judgement`` for one model, or for all of them.
+
+    Parameters
+    ----------
+    without : str
+        An argument that the stage adds itself.
+    **changed
+        Arguments with other values than the configuration's.
+    """
+    models = settings_of(model, settings["models"]) if model else settings["models"]
+    how = pick(settings["evaluation"], "folds", "split", "purge_s") | {"seed": settings["seed"]}
+    arguments = {"models": models, **how, **changed}
+    return {name: value for name, value in arguments.items() if name != without}
+
+
+def on_rig(settings: Settings, target: str | None = None) -> dict[str, Any]:
+    """Return the arguments of ``RigSettings``."""
+    return {
+        **pick(settings, "rig", "control"),
+        "signals": settings["experiments"],
+        "target": target or settings["evaluation"]["target"],
+    }
+
+
+def tracking(settings: Settings, reference: str, *names: str) -> dict[str, Any]:
+    """Return the tracking settings for one reference, with further ones by name."""
+    section = settings["tracking"]
+    return {
+        **pick(section, "angle_range_deg", "pressure_limit_kpa", *names),
+        "references": pick(section["references"], reference),
+    }
