@@ -21,8 +21,9 @@ _TABLES, _TRACKING, _RATIO, _CORRELATION = 0.05, 0.10, 0.05, 0.2
 #: Least number whose logarithm counts: a loop without width has one of zero.
 _SMALLEST = 1e-3
 
-#: Logarithms by which orders and bounds should be met with room to spare.
-_MARGIN = 0.05
+#: Logarithms by which orders and bounds should be met with room to spare: on other seeds they vary
+#: by about as much. C8 and C18 vary more.
+_MARGIN, _WIDE = 0.05, 0.12
 
 
 class Aim(NamedTuple):
@@ -136,13 +137,13 @@ def _plausible(judged: Judged, aim: Aim) -> list[float]:
 
 
 def _c8(judged: Judged, aim: Aim) -> list[float]:
-    return [_beyond(_of_logs([seed["shares"] for seed in judged]), 2.0)]
+    return [_beyond(_of_logs([seed["shares"] for seed in judged]), 2.0, _WIDE)]
 
 
 def _c9a(judged: Judged, aim: Aim) -> list[float]:
     """Training error over epsilon, which falls along the grid."""
     errors = _mean_of(judged, "epsilon")
-    return [_above(low / high, 0.99 * math.exp(_MARGIN)) for low, high in _steps(errors)]
+    return [_above(low / high, 0.97 * math.exp(_MARGIN)) for low, high in _steps(errors)]
 
 
 def _c9b(judged: Judged, aim: Aim) -> list[float]:
@@ -163,15 +164,18 @@ def _c11(judged: Judged, aim: Aim) -> list[float]:
 
 
 def _c12(judged: Judged, aim: Aim) -> list[float]:
-    """Training error rises with n_u and falls with n_y."""
+    """Training error rises with n_u and falls with n_y, on a grid without n_u = 1.
+
+    There the error is largest, which on a coarse grid outweighs the rise over all others.
+    """
     errors = _mean_of(judged, "taps")
     rising = _correlation(errors.T), -_correlation(errors)
-    return [max(0.2 - value, 0.0) / _CORRELATION for value in rising]
+    return [max(0.5 - value, 0.0) / _CORRELATION for value in rising]
 
 
 def _c18(judged: Judged, aim: Aim) -> list[float]:
     names = ("loop_growth", "measured_loop_growth", "p_o_loop_growth")
-    return [_beyond(max(_mean(judged, "properties", name), 1e-3), 1.2) for name in names]
+    return [_beyond(max(_mean(judged, "properties", name), 1e-3), 1.2, _WIDE) for name in names]
 
 
 def _open_loop(judged: Judged, aim: Aim) -> list[float]:
@@ -213,9 +217,9 @@ def _above(ratio: float, limit: float) -> float:
     return max(math.log(ratio / limit) + _MARGIN, 0.0) / _RATIO
 
 
-def _beyond(ratio: float, factor: float) -> float:
+def _beyond(ratio: float, factor: float, margin: float = _MARGIN) -> float:
     """Return by how much a ratio is not within a factor of 1, with the margin."""
-    return max(abs(math.log(ratio)) - math.log(factor) + _MARGIN, 0.0) / _RATIO
+    return max(abs(math.log(ratio)) - math.log(factor) + margin, 0.0) / _RATIO
 
 
 def _steps(values: np.ndarray) -> list[tuple[float, float]]:

@@ -126,7 +126,7 @@ class Calibration(Section):
         description="noise seeds on which the fitted rig is compared with the one before it",
     )
     taps: tuple[Annotated[int, within(1, 10)], ...] = Field(
-        (1, 3, 6, 10),
+        (2, 4, 7, 10),
         min_length=2,
         description="n_u and n_y at which the search judges C12",
     )
