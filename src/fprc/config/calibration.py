@@ -139,6 +139,13 @@ class Calibration(Section):
     esn_nodes: int = quantity(150, "-", (1, 10000), "reservoir size of the surrogate ESN")
     plausible: Plausible = Plausible()
 
+    @field_validator("taps")
+    @classmethod
+    def _taps_differ(cls, taps: tuple[int, ...]) -> tuple[int, ...]:
+        if len(set(taps)) < len(taps):
+            raise ValueError(f"{taps} repeats a size; give each once")
+        return taps
+
     @model_validator(mode="after")
     def _free_parameters_exist(self) -> "Calibration":
         free_ranges(self.free, self.ranges)

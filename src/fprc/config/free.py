@@ -17,7 +17,8 @@ def free_ranges(
     paths : sequence of str
         A number of the rig ("bending.friction_kpa"), one number of a list
         ("bending.relaxation_time_s.0"), or a whole list, which is scaled as a
-        whole: its range is that of its first number.
+        whole: its range is that of its first number. Of weights that sum to 1, each but
+        the last.
 
     Raises
     ------
@@ -33,6 +34,12 @@ def free_ranges(
     ]
     ranges = {}
     for path in paths:
+        if _is_left_over(path, parameters):
+            problems.append(
+                f"calibration.free: {path} follows from the other weights, which sum to 1 with it; "
+                "remove it"
+            )
+            continue
         physical = _physical(path, parameters)
         if physical is None:
             problems.append(f"calibration.free: {path} is not a number of the rig; remove it")
@@ -63,6 +70,15 @@ def _physical(path: str, parameters: Mapping[str, tuple[Any, Any]]) -> tuple[flo
         return (low, high) if int(last) < len(default) else None
     scales = [item / default[0] for item in default]
     return max(low / scale for scale in scales), min(high / scale for scale in scales)
+
+
+def _is_left_over(path: str, parameters: Mapping[str, tuple[Any, Any]]) -> bool:
+    """Return whether these weights cannot change alone: the last one, or all as a whole."""
+    key, _, last = path.rpartition(".")
+    name = key if last.isdigit() else path
+    if name not in parameters or not name.endswith(".slip_weight"):
+        return False
+    return not last.isdigit() or int(last) == len(parameters[name][0]) - 1
 
 
 def _limits(field: Any) -> tuple[float, float]:

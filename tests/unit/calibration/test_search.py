@@ -196,6 +196,7 @@ def test_deviations_that_are_the_same_everywhere_end_no_search(run):
     assert (found.loss, found.generations, found.finished) == (1e4, 12, True)
 
 
+@pytest.mark.slow
 def test_two_processes_find_what_one_finds(tmp_path):
     def judge(point):  # not at module level, since the processes cannot import this module
         return [math.exp(2.0 * point[0]), point[1] ** 2]

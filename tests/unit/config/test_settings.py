@@ -152,6 +152,11 @@ def test_seeds_of_the_replicates_must_be_several_different_seeds(seeds):
     assert "evaluation.replicate_seeds" in refused("evaluation.replicate_seeds", seeds)
 
 
+def test_taps_of_the_search_must_differ():
+    """Over equal sizes no trend can be measured."""
+    assert "calibration.taps" in refused("calibration.taps", [3, 3])
+
+
 @pytest.mark.parametrize("key", ["quality.pressure_range_kpa", "quality.angle_range_deg"])
 def test_range_must_rise(key):
     assert key in refused(key, [100.0, -20.0])
