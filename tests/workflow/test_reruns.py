@@ -67,10 +67,7 @@ OF_THE_ESN = [
 EDITS = {
     "comment, docstring, code that no rule runs": (NOTHING, {}),
     "ESN, its features, its states, its readout": (OF_THE_ESN, ESN),
-    "ridge": (
-        [("models/ridge.py", "penalised = gram + alpha", "penalised = gram + 1.0 * alpha")],
-        MODELS,
-    ),
+    "ridge": ([("models/ridge.py", "penalised = gram", "penalised = 1.0 * gram")], MODELS),
     "rig": ([("rig/friction.py", "return force", "return 1.0 * force")], RIG),
     "what runs every stage": (
         [("stages/run.py", "threadpool_limits(1)", "threadpool_limits(limits=1)")], ALL,
