@@ -16,7 +16,7 @@ RESULT_FOLDERS = frozenset(
     {
         "benchmark", "calibration", "control", "crossval", "data", "ensemble", "figures", "logs",
         "models", "predictions", "quality", "readout", "replicates", "reservoir", "grids",
-        "tables", "timing", "weights",
+        "rigs", "tables", "timing", "weights",
     }
 )  # fmt: skip
 

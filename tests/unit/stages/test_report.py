@@ -321,17 +321,24 @@ def test_every_table_is_shown_with_its_title_note_and_cells(project):
     assert [cell["text"] for cell in page.all("td", **{"data-label": "Sweep"})] == ["2.67", ""]
 
 
-TABLES = {
-    "table1": "", "table2": "fitted", "table2_seeds": "fitted", "table3": "fitted",
-    "table3_seeds": "fitted", "table4": "predicted", "table4_seeds": "predicted",
-    "table2_timing": "", "step_cost": "",
-}  # fmt: skip
+#: Of each table: what it is if the rig was fitted to Tables II and III, if to Table IV too, and
+#: if to neither.
+TABLES = dict.fromkeys(
+    ("table2", "table2_seeds", "table3", "table3_seeds"), ("fitted", "fitted", "predicted")
+) | dict.fromkeys(("table4", "table4_seeds"), ("predicted", "half fitted", "predicted"))
+TABLES |= dict.fromkeys(("table1", "table2_timing", "step_cost"), ("", "", ""))
+FITS = (["tables", "orders"], ["tables", "open_loop"], ["C8"])
 
 
-@pytest.mark.parametrize(("name", "kind"), TABLES.items())
+@pytest.mark.parametrize(("name", "kinds"), TABLES.items())
 @pytest.mark.parametrize("source", ["sim", "rig"])
-def test_table_of_a_simulated_rig_says_whether_it_was_fitted_to(tmp_path, name, kind, source):
+@pytest.mark.parametrize("number", range(len(FITS)))
+def test_table_of_a_simulated_rig_says_whether_it_was_fitted_to(
+    tmp_path, name, kinds, source, number
+):
     project = Project(tmp_path)
+    project.settings = SETTINGS | {"fitted": {"name": "one", "to": FITS[number]}}
+    kind = kinds[number]
     project.add_table("A title: a note.", name, Model=["ESN"], Value=["800"])
     project.add_figure(4, source=source)
     (title,) = project.page().texts("h3")
@@ -391,7 +398,7 @@ def test_settings_that_are_not_the_papers_are_listed_and_announced(project):
     assert "2 settings are not the paper's (which); do not compare" in header
     assert listed == [
         "evaluation.folds: 4 instead of 5",
-        "evaluation.replicate_seeds: [401, 402] instead of [301, 302, 303, 304, 305]",
+        f"evaluation.replicate_seeds: [401, 402] instead of {EVALUATION['replicate_seeds']}",
     ]
 
 
@@ -572,7 +579,7 @@ def test_what_is_not_available_is_listed_with_its_reason(project):
 
 def test_failure_leaves_the_old_page(project):
     old = project.write()
-    project.settings = {}
+    project.settings = {"fitted": DEFAULTS["fitted"]}
     with pytest.raises(jinja2.UndefinedError):
         project.write()
     assert (project.folder / "report.html").read_text(encoding="utf-8") == old
