@@ -100,4 +100,4 @@ def _set(rig: dict[str, Any], path: str, value: float, digits: int) -> None:
 
 
 def _rounded(value: float, digits: int) -> float:
-    return float(f"{value:.{digits}g}")
+    return float(f"{value:.{digits}g}") if abs(value) > 1e-12 else 0.0

@@ -60,7 +60,8 @@ def by_hand(X, y, folds):
     )
     best = (np.inf, None)
     for i, (train, validation) in enumerate(folds):
-        rng = np.random.RandomState(7 + i)
+        own = int(np.random.SeedSequence([7, i]).generate_state(1)[0])
+        rng = np.random.RandomState(own)
         clusters = fuzzy_c_means(rows[train, 1:], SETTINGS["n_c"], random_state=rng)
         W_out = []
         for u in clusters.memberships.T:

@@ -26,11 +26,7 @@ from fprc.stages.track import identify_gain, track
 pytestmark = pytest.mark.slow
 
 SEED, SETTLE_S, QUIET_S = 7, 0.5, 1.5
-<<<<<<< HEAD
-VALUES = {"epsilon": [1.0, 0.1], "n_c": [1, 2], "n_u": [1, 3], "n_y": [1, 3]}
-=======
 VALUES = {"epsilon": [1.0, 0.1], "n_c": [1, 2], "n_u": [1, 4], "n_y": [2]}
->>>>>>> w-cal
 SWEEPS = {
     "epsilon": [("fprc", 1.0), ("fprc", 0.1)],
     "n_c": [("fprc", 1), ("fprc", 2), ("fuzzy_linear", 1), ("fuzzy_linear", 2)],
@@ -247,32 +243,18 @@ def test_grids_hold_every_cell(cells):
 
 
 @pytest.mark.parametrize("name", SWEEPS)
-<<<<<<< HEAD
-def test_cells_are_the_first_fold_of_the_main_run(cells, name, logs, judgement, tmp_path):
-=======
 def test_cells_are_the_first_fold_of_the_main_run_with_that_seed(
     cells, name, logs, judgement, tmp_path
 ):
->>>>>>> w-cal
     path = str(tmp_path / f"{name}.json")
     judge_grid(
         logs["sweep"], logs["complex"], path, grid=name, values=VALUES,
         judgement=judgement, workers=1, checkpoint=str(tmp_path / "partial.jsonl"), version="v",
     )  # fmt: skip
-<<<<<<< HEAD
-    for ours, main in zip(read_json(cells)[name], read_json(path)["cells"], strict=True):
-        assert described(ours) == described(main)
-        for phase in ("train_rmse_kpa", "validation_rmse_kpa"):
-            assert ours[phase] == pytest.approx(main[phase][:1])
-        both = np.hypot(main["train_rmse_kpa"], main["validation_rmse_kpa"])
-        if both.argmin() == 0:
-            assert ours["test_rmse_kpa"] == pytest.approx(main["test_rmse_kpa"])
-=======
     for found, whole in zip(read_json(cells)[name], read_json(path)["cells"], strict=True):
         assert described(found) == described(whole)
         for phase in ("train_rmse_kpa", "validation_rmse_kpa"):
             assert found[phase] == pytest.approx(whole[phase][:1], rel=1e-6)
->>>>>>> w-cal
 
 
 def test_cells_of_another_seed_differ(cells, other):
