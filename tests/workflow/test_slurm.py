@@ -46,11 +46,11 @@ def slurm():
 
 
 @pytest.mark.usefixtures("slurm")
-def test_slurm_gives_the_same_bytes(calibrated, few_free, project):
+def test_slurm_gives_the_same_bytes(calibrated, project):
     before = daemons()
     # not Python's timeout, which kills: the daemons must be stopped
     command = ["timeout", "1500", sys.executable, ONE_NODE, sys.executable, "-m", "snakemake"]
-    settings = ["--config", "grids={chunks: 2}", few_free, "--configfile", "config/smoke.yaml"]
+    settings = ["--config", "grids={chunks: 2}", "--configfile", "config/smoke.yaml"]
     path = os.pathsep.join(filter(None, [str(PLUGIN), os.environ.get("PYTHONPATH")]))
     done = project.run(*command, *HERE, *TARGETS, *settings, PYTHONPATH=path)
     assert done.returncode == 0, done.stdout
