@@ -188,7 +188,7 @@ def on_rigs(part):
     return PLAN.replicates(part) + [
         PATHS.below(f"rigs/{rig}/{part}_{seed}.json")
         for rig in RIGS
-        for seed in EVALUATION["replicate_seeds"]
+        for seed in SETTINGS["evaluation"]["replicate_seeds"]
     ]
 
 

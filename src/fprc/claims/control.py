@@ -36,13 +36,11 @@ def _follows(results: Results, published: Mapping[str, Any]) -> Finding:
     return Finding(
         f"open loop {min(printed):.2f}-{max(printed):.2f} deg; less with feedback",
         [
-            Statement(f"FPRC, {REFERENCE_NAMES[r].lower()} [deg]", opened[r], high=5.0, ratio=False)
+            Statement(f"FPRC, {REFERENCE_NAMES[r]} [deg]", opened[r], high=5.0, ratio=False)
             for r in REFERENCES
         ]
         + [
-            Statement(
-                f"FPRC+PD / FPRC, {REFERENCE_NAMES[r].lower()}", closed[r] / opened[r], high=1
-            )
+            Statement(f"FPRC+PD / FPRC, {REFERENCE_NAMES[r]}", closed[r] / opened[r], high=1)
             for r in REFERENCES
         ],
         f"{over_seeds(results.controls)}, identified gain",
@@ -66,7 +64,7 @@ def _feedforward_predominates(results: Results, published: Mapping[str, Any]) ->
         "P_ff predominates",
         [
             Statement(
-                f"P_fb / P_ff (rms), {REFERENCE_NAMES[r].lower()}",
+                f"P_fb / P_ff (rms), {REFERENCE_NAMES[r]}",
                 _values(results, "effort", r),
                 high=0.25,
             )

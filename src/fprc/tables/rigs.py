@@ -43,7 +43,7 @@ def rig_errors(
             rows.append(
                 {
                     "number": f"Table IV, {controller_title(row.controller)}, "
-                    f"{REFERENCE_NAMES[row.reference].lower()} [deg]",
+                    f"{REFERENCE_NAMES[row.reference]} [deg]",
                     "published": row.published_rmse_deg,
                     "mean": row.rmse_deg,
                     "low": row.low,

@@ -45,7 +45,7 @@ def test_every_printed_error_has_a_row_with_its_deviation(table):
     means = dict(zip(table["number"], table["mean"], strict=True))
     assert means["Table II, ESN, Training RMSE [kPa]"] == pytest.approx(12.0)
     assert means["Table III, ESN, Test RMSE [kPa]"] == pytest.approx(20.0)
-    assert means["Table IV, FPRC, sweep [deg]"] == pytest.approx(2.0)
+    assert means["Table IV, FPRC, Sweep [deg]"] == pytest.approx(2.0)
     np.testing.assert_allclose(table["deviation"], table["mean"] / table["published"] - 1.0)
     away = table.set_index("number")["deviation"]
     assert away["Table III, ESN, Test RMSE [kPa]"] == pytest.approx(-0.5)
