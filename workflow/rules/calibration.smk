@@ -15,6 +15,16 @@ RIGS = {
     for path in sorted(Path("config/rigs").glob("*.yaml"))
     if path.stem != SETTINGS["fitted"]["name"]
 }
+#: Reports of the further seeds by part: those of this rig, then those of each other one.
+ON_RIGS = {
+    part: PLAN.replicates(part)
+    + [
+        PATHS.below(f"rigs/{rig}/{part}_{seed}.json")
+        for rig in RIGS
+        for seed in SETTINGS["evaluation"]["replicate_seeds"]
+    ]
+    for part in ("models", "grids", "control")
+}
 CHUNK_FILES = [PATHS.below(f"ensemble/rigs_{first}.json") for first in CHUNKS]
 
 
@@ -183,21 +193,12 @@ rule replicate_on_rig:
         "../scripts/stage.py"
 
 
-def on_rigs(part):
-    """Return the reports of the further seeds: those of this rig, then those of each other one."""
-    return PLAN.replicates(part) + [
-        PATHS.below(f"rigs/{rig}/{part}_{seed}.json")
-        for rig in RIGS
-        for seed in SETTINGS["evaluation"]["replicate_seeds"]
-    ]
-
-
 rule rigs_table:
     input:
         published=PUBLISHED,
-        models=on_rigs("models"),
-        grids=on_rigs("grids"),
-        controls=on_rigs("control"),
+        models=ON_RIGS["models"],
+        grids=ON_RIGS["grids"],
+        controls=ON_RIGS["control"],
     output:
         **PATHS.table("rigs/rigs"),
     log:
@@ -299,7 +300,7 @@ rule targets:
 rule rigs:
     input:
         PATHS.below("rigs/rigs.md"),
-        on_rigs("models"),
-        on_rigs("grids"),
-        on_rigs("control"),
+        ON_RIGS["models"],
+        ON_RIGS["grids"],
+        ON_RIGS["control"],
     localrule: True
