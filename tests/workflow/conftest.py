@@ -239,7 +239,7 @@ def smoked_copy(smoked, tmp_path):
 FEW_FREE = (
     "calibration={check_seeds: [41], free: [bending.friction_kpa, bending.friction_per_kpa, "
     "drift.sigma_kpa, drift.time_s, reservoir.back_pressure_gain, "
-    "reservoir.squeeze_damping_kpa_s_per_ml]}"
+    "reservoir.squeeze_damping_kpa_s_per_ml], ranges: {}}"
 )
 
 

@@ -106,7 +106,7 @@ def test_page_holds_everything_and_asks_for_nothing(smoked):
     text = (smoked[0].folder / "results/smoke/report.html").read_text(encoding="utf-8")
     assert "SIMULATED DATA" in text
     assert re.findall(r'(?:src|href)="(?!data:|#|https://doi\.org/)[^"]*"', text) == []
-    assert len(set(re.findall(r'<tr><th scope="row">(C\d+)</th>', text))) == 18
+    assert len(set(re.findall(r'<tr><th scope="row">(C\d+[abc]?)</th>', text))) == 25
     assert text.index('id="claims"') < text.index('id="tables"') < text.index('id="figures"')
 
 

@@ -137,7 +137,8 @@ CHANGES = {
         SEEDS | {"grid": 1, "measure_times_over_n_c": 1, "draw_fig10": 1, "ledger": 1,
                  "report_page": 1},
     ),
-    "taps": ("grids={n_u: [1, 2]}", {"grid": 1, "draw_fig11": 1, "report_page": 1}),
+    "taps": ("grids={n_u: [1, 2, 4]}",
+             SEEDS | {"grid": 1, "draw_fig11": 1, "ledger": 1, "report_page": 1}),
     "candidates of the gain": (
         "tracking={candidate_kp_kpa_per_deg: [0.5, 3]}",
         SEEDS | {"identify_gain": 1, "track": 5, "tracking_table": 1, "ledger": 1, "report_page": 1}

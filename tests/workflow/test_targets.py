@@ -15,7 +15,7 @@ def test_dry_run_of_the_paper_plans_every_stage(project):
     jobs = planned(project.snakemake("--dry-run", "all").stdout)
     assert jobs["record"] == 2
     assert jobs["judge"] == 3
-    assert jobs["replicate"] == 5
+    assert jobs["replicate"] == 10
     assert jobs["measure_times"] == 1
     assert jobs["track"] == 5
     assert jobs["grid"] == 3

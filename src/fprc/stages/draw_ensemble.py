@@ -23,7 +23,7 @@ def draw_ensemble(summary: str, pdf: str, png: str) -> Mapping[str, Any]:
         index=table["id"],
         columns=[_short(path) for path in paths],
     )
-    fig, axes = style.figure(2, 1, style.COLUMN_IN, 6.4, height_ratios=(2, 3))
+    fig, axes = style.figure(2, 1, 1.5 * style.COLUMN_IN, 6.4, height_ratios=(2, 3))
     plot_shares_of_rigs(table, axes[0])
     image = plot_correlations(grid, table["least_significant"].iloc[0], axes[1])
     bar = fig.colorbar(image, ax=axes[1], location="right", pad=0.02, aspect=30)
@@ -38,7 +38,8 @@ def draw_ensemble(summary: str, pdf: str, png: str) -> Mapping[str, Any]:
 def _short(path: str) -> str:
     """Return a parameter's name without its unit, short enough for a small figure."""
     section, name, *index = path.split(".")
-    words = name.replace("_per_kpa", "_over_pressure").split("_")
+    name = name.replace("_per_kpa", "_over_pressure").replace("_ml_per_deg", "_over_angle")
+    words = name.split("_")
     units = {"kpa", "deg", "ml", "s", "per", "v", "hz", "rad", "deg3"}
     while words and words[-1] in units:
         words.pop()

@@ -711,6 +711,8 @@ def test_single_value_decides_alone():
         ("C12c", ("C12",), "predicted"),
         ("C4a", ("tables",), "fitted"),
         ("C4b", ("tables", "orders"), "predicted"),
+        ("C13a", ("tables", "open_loop"), "half fitted"),
+        ("C13a", ("tables",), "predicted"),
         ("C5", ("tables",), "timed"),
         ("C17", ("tables",), "assumed"),
     ],

@@ -25,7 +25,7 @@ def logs(seen, tmp_path_factory):
 def judgement():
     models = Settings().models.model_dump(mode="json")
     models["fprc"] |= {"n_c": 2}
-    return {"models": models, "folds": 2, "split": "shuffled", "seed": 1}
+    return {"models": models, "folds": 2, "split": "shuffled", "seed": 1, "purge_s": 0.1}
 
 
 @pytest.fixture
