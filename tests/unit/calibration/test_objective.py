@@ -156,7 +156,7 @@ def test_every_term_has_a_statement():
 
 def test_terms_are_those_of_the_configuration_and_of_the_ledger():
     assert tuple(TERMS) == get_args(Term)
-    assert set(FITTED_BY) == set(TERMS) - {"plausible"}
+    assert set(FITTED_BY) == set(TERMS) - {"plausible", "open_loop"}
 
 
 def test_only_terms_that_are_asked_for_count():
