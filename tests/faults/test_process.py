@@ -453,6 +453,9 @@ def test_board_that_fails_when_the_loop_is_killed_is_vented_once_it_recovers(sta
 def test_rig_that_is_in_use_is_left_alone_and_its_user_named(start, rig, matrix):
     program = start("run", "sweep", seconds=1000.0)
     program.is_in_mid_run()
+    # writes that are not of ticks: the start vents more often on a busy machine
+    recorded = program.journal()[2].samples
+    vents = rig.writes // 2 - recorded
     for *verb, armed in (("run", "complex", True), ("check", False), ("check", True)):
         second = start(*verb, armed=armed)
         code, said = second.end()
@@ -471,7 +474,7 @@ def test_rig_that_is_in_use_is_left_alone_and_its_user_named(start, rig, matrix)
     program.end()
     # neither opened nor vented meanwhile: each write was one of a tick
     assert rig.opened == 0
-    assert program.journal()[2].samples >= samples - 1
+    assert program.journal()[2].samples >= samples - max(vents, 0) - 1
 
 
 def test_watchdog_relay_vents_when_both_processes_are_killed(start, rig, matrix):
