@@ -1,4 +1,4 @@
-"""Command line: ``fprc config``, ``calibrate``, ``import``, ``rig``, ``readout``, ``export``, etc."""
+"""Command line: ``fprc config``, ``calibrate``, ``import``, ``rig``, ``readout``, and others."""
 
 import argparse
 import sys
