@@ -41,9 +41,9 @@ def judge_readout(
     if name == "fprc":
         model.set_params(epsilon=cell["epsilon"], n_u=cell["n_u"])
     X, y = inputs_with(cell["readout"], train, seed)
-    folds = judgement.split_rows(train.channels["time_s"])
-    judged = cross_validate(model, X, y, folds)
-    return judged.errors(*inputs_with(cell["readout"], test, seed + 1))
+    folds = judgement.split_rows(train)
+    judged = cross_validate(model, X, y, folds, lengths=train.lengths)
+    return judged.errors(*inputs_with(cell["readout"], test, seed + 1), test.lengths)
 
 
 def inputs_with(readout: str, data: Data, seed: int) -> tuple[np.ndarray, np.ndarray]:
