@@ -186,6 +186,13 @@ def _add_readout(groups: Groups) -> None:
     )
     readout.add_argument("source", metavar="SOURCE")
     readout.add_argument("--map", required=True, metavar="MAP.yaml", help="columns, units, parts")
+    readout.add_argument(
+        "--train",
+        nargs="+",
+        default=[],
+        metavar="FILE",
+        help="further recordings with the same columns, which train as a whole",
+    )
     readout.add_argument("--out", metavar="FOLDER", help="default: results/ and SOURCE's name")
     readout.add_argument(
         "--config", nargs="+", default=[], metavar="FILE", help="settings of the models"
@@ -201,6 +208,7 @@ def _readout(options: argparse.Namespace) -> None:
         options.source,
         options.map,
         options.out,
+        train=options.train,
         config=options.config,
         workers=options.workers,
     )
