@@ -14,7 +14,7 @@ import time
 from pathlib import Path
 
 from fprc.config import Settings
-from fprc.devices import SimulatedRig
+from fprc.devices.sim import SimulatedRig
 
 FOLDER = Path(__file__).parent
 LOGGED = 4096

@@ -24,7 +24,7 @@ import numpy as np
 
 import fprc
 from fprc.config import Settings
-from fprc.devices import SimulatedRig
+from fprc.devices.sim import SimulatedRig
 from fprc.models import FPRC, EchoStates, FuzzyLinear, TapFeatures
 from fprc.models.kernels import alternate
 

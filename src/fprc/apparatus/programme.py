@@ -1,15 +1,13 @@
 """Experiments on the real rig by name: control law, duration, and attributes of the log."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from fprc import __version__
 from fprc.artifacts import read_json
 from fprc.control import TRACKING_CHANNELS, Law, hysteresis_law
 from fprc.errors import ConfigError
-from fprc.experiments.tracking import Track, candidate
 from fprc.logs import RAW_CHANNELS
-from fprc.models import SequenceModel, load_model
 from fprc.paper import EXPERIMENTS, controller_and_gain, reference_and_controller, run_log
 from fprc.registry import controllers, model_of_run, outside_class
 from fprc.signals import pressure_command
@@ -68,6 +66,14 @@ def plan(name: str, settings: Mapping[str, Any], model: str = "", gains: str = "
     refuse_unknown(name, settings)
     if name in EXPERIMENTS:
         return _hysteresis(name, settings)
+    return _tracking(name, settings, model, gains)
+
+
+def _tracking(name: str, settings: Mapping[str, Any], model: str, gains: str) -> Experiment:
+    # the loop and its guardian start a second sooner without scikit-learn
+    from fprc.experiments.tracking import Track, candidate
+    from fprc.models import load_model
+
     bench = Track(settings["tracking"], settings["control"], settings["hardware"], settings["seed"])
     if name.startswith(_IDENTIFY):
         reference, controller = "disturbance", "fprc_pd_identified"
@@ -86,7 +92,9 @@ def plan(name: str, settings: Mapping[str, Any], model: str = "", gains: str = "
     theta_d = bench.reference(reference)
     kind, gain = controller_and_gain(controller)
     outside = outside_class(model_of_run(name), settings["models"])
-    fitted = None if kind == "pd" else _load_and_step(model, outside)
+    fitted = None if kind == "pd" else load_model(model, outside)
+    if fitted:  # compiles the step before the first tick
+        fitted.step((0.0,) * fitted.n_features_in_)
     law = bench.law(theta_d, fitted, known_gains.get(gain))
     attributes = bench.describe(reference, controller, known_gains) | {"experiment": name}
     return Experiment(
@@ -96,13 +104,6 @@ def plan(name: str, settings: Mapping[str, Any], model: str = "", gains: str = "
         _with_hardware(attributes, settings),
         hint,
     )
-
-
-def _load_and_step(path: str, outside: Collection[type]) -> SequenceModel:
-    """Load a model and run one step, so that no code is compiled at the first tick."""
-    model = load_model(path, outside)
-    model.step((0.0,) * model.n_features_in_)
-    return model
 
 
 def _hysteresis(name: str, settings: Mapping[str, Any]) -> Experiment:

@@ -4,7 +4,6 @@ from fprc.control.hysteresis import hysteresis_law
 from fprc.control.loop import Law, RunAbortedError, run
 from fprc.control.pd import PD
 from fprc.control.pressure import PressurePI
-from fprc.control.simulated import simulate_hysteresis, simulate_tracking
 from fprc.control.tracking import feedforward, refuse_impossible, tracking_law
 from fprc.logs import TRACKING_CHANNELS
 
@@ -18,7 +17,5 @@ __all__ = [
     "hysteresis_law",
     "refuse_impossible",
     "run",
-    "simulate_hysteresis",
-    "simulate_tracking",
     "tracking_law",
 ]

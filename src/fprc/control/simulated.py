@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from fprc.devices import NEUTRAL_V, SimulatedRig
+from fprc.devices import NEUTRAL_V
+from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError
 from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS
 

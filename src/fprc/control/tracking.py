@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -9,7 +10,9 @@ from fprc.control.loop import Law
 from fprc.control.pd import PD
 from fprc.devices import Readings
 from fprc.errors import ControlError
-from fprc.models import SequenceModel
+
+if TYPE_CHECKING:  # the real rig's loop starts sooner without scikit-learn
+    from fprc.models import SequenceModel
 
 Feedforward = Callable[[float, Readings], float]
 
@@ -99,7 +102,7 @@ def refuse_impossible(
         raise ControlError("\n".join(problems))
 
 
-def feedforward(model: SequenceModel) -> Feedforward:
+def feedforward(model: "SequenceModel") -> Feedforward:
     """Return a model as the feedforward of ``tracking_law``; inputs theta_d, or theta_d and P_o."""
     if model.n_features_in_ == 1:
         return lambda theta_d, now: model.step((theta_d,))

@@ -1,6 +1,5 @@
 """Interface to a rig, simulated or real."""
 
 from fprc.devices.protocol import NEUTRAL_V, Clock, Device, Readings
-from fprc.devices.sim import SimulatedRig
 
-__all__ = ["NEUTRAL_V", "Clock", "Device", "Readings", "SimulatedRig"]
+__all__ = ["NEUTRAL_V", "Clock", "Device", "Readings"]

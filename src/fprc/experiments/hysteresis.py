@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from fprc.control import simulate_hysteresis
-from fprc.devices import SimulatedRig
+from fprc.control.simulated import simulate_hysteresis
+from fprc.devices.sim import SimulatedRig
 from fprc.experiments.data import TARGETS, Data
 from fprc.experiments.settings import RigSettings
 from fprc.signals import pressure_command

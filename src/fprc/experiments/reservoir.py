@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 
 from fprc.control import PressurePI, run
-from fprc.devices import Readings, SimulatedRig
+from fprc.devices import Readings
+from fprc.devices.sim import SimulatedRig
 from fprc.errors import LogError
 
 #: Time for which the reservoir settles at the first angle before the recording begins, s.

@@ -15,10 +15,10 @@ from fprc.control import (
     feedforward,
     refuse_impossible,
     run,
-    simulate_tracking,
     tracking_law,
 )
-from fprc.devices import SimulatedRig
+from fprc.control.simulated import simulate_tracking
+from fprc.devices.sim import SimulatedRig
 from fprc.evaluation import rmse
 from fprc.experiments.data import Data
 from fprc.experiments.measures import measure_hysteresis, measure_runs

@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from fprc.control import PressurePI, RunAbortedError, run
-from fprc.devices import Readings, SimulatedRig
+from fprc.devices import Readings
+from fprc.devices.sim import SimulatedRig
 from fprc.errors import FprcError, SimulationError
 from fprc.logs import RAW_CHANNELS
 

@@ -9,11 +9,10 @@ from fprc.control import (
     PressurePI,
     hysteresis_law,
     run,
-    simulate_hysteresis,
-    simulate_tracking,
     tracking_law,
 )
-from fprc.devices import SimulatedRig
+from fprc.control.simulated import simulate_hysteresis, simulate_tracking
+from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError, SimulationError
 from fprc.logs import RAW_CHANNELS
 

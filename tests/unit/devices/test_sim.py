@@ -3,8 +3,9 @@ import inspect
 import numpy as np
 import pytest
 
-from fprc.devices import NEUTRAL_V, Device, Readings, SimulatedRig
+from fprc.devices import NEUTRAL_V, Device, Readings
 from fprc.devices.protocol import Clock
+from fprc.devices.sim import SimulatedRig
 from fprc.errors import SimulationError
 
 

@@ -5,7 +5,7 @@ from scipy.optimize import brentq
 
 from fprc.config import Settings
 from fprc.control import PressurePI
-from fprc.devices import SimulatedRig
+from fprc.devices.sim import SimulatedRig
 from fprc.rig.parameters import record
 from fprc.rig.reservoir import bending_rate, passive_volume, squeeze_rate
 

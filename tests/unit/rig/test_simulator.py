@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 from fprc.config import Settings, check
 from fprc.config.rig import Rig
 from fprc.control import PressurePI
-from fprc.devices import SimulatedRig
+from fprc.devices.sim import SimulatedRig
 from fprc.errors import ConfigError, SimulationError
 from fprc.experiments.hysteresis import acquire
 from fprc.rig import simulator

@@ -7,7 +7,7 @@ import pytest
 from fprc.artifacts import write_json
 from fprc.config import Settings
 from fprc.control import TRACKING_CHANNELS, RunAbortedError
-from fprc.devices import SimulatedRig
+from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError
 from fprc.experiments.tracking import Track, bench_gain, tracking_error
 from fprc.logs import RAW_CHANNELS, read_columns
