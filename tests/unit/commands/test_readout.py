@@ -124,6 +124,8 @@ def test_further_recordings_train_too_and_are_validated_whole(recording, tmp_pat
     out = tmp_path / "out"
     data = read_columns(out / "data/sweep.h5", ("time_s",))
     assert data.attributes["recordings"] == {"sweep.h5": 1200, "sweep_2.h5": 600, "sweep_3.h5": 800}
+    quality = read_json(out / "quality/sweep.json")["recordings"]
+    assert [each["log"] for each in quality] == ["sweep.h5", "sweep_2.h5", "sweep_3.h5"]
     table = pd.read_csv(out / "readout/readout.csv")
     assert set(table["split"]) == {"shuffled", "recordings"}
     cells = read_json(out / "readout/cells.json")["cells"]
