@@ -150,8 +150,14 @@ def _converge_skfuzzy(X: np.ndarray, centers: np.ndarray, tolerance: float, limi
         ) from error
     # it starts from memberships: those of the centres
     closeness = 1.0 / np.maximum(cdist(centers, X), np.finfo(float).eps) ** 2
-    error, start = tolerance * len(X) ** 0.5, closeness / closeness.sum(axis=0)
-    found, u, _, distance, _, iterations, _ = cmeans(X.T, len(centers), 2, error, limit, init=start)
+    found, u, _, distance, _, iterations, _ = cmeans(
+        X.T,
+        len(centers),
+        m=2,
+        error=tolerance * len(X) ** 0.5,
+        maxiter=limit,
+        init=closeness / closeness.sum(axis=0),
+    )
     if iterations == limit:
         _warn(tolerance, limit)
     return Clusters(found, u.T, float(np.sum((u * distance) ** 2)))
