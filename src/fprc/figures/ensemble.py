@@ -44,7 +44,7 @@ def plot_front(table: DataFrame, ax: Axes) -> Axes:
                 linewidth=0.8)  # fmt: skip
         label = f"{name}, {own['rigs'].iloc[0]} rigs" if len(front) else name
         ax.plot(end["tables_percent"], end["claims_loss"], "*", color=colour, label=label)
-    ax.set_yscale("symlog", linthresh=1.0)
+    ax.set_yscale("symlog", linthresh=10.0)
     ax.set_ylim(bottom=0.0)
     ax.set(
         xlabel="Deviation of the 12 errors of Tables II and III, rms [%]",
