@@ -11,9 +11,9 @@ CHUNKS = {
 }
 #: Rigs that can be named, beside the one of these results: their settings.
 RIGS = {
-    path.stem: from_files([path]).model_dump(mode="json", include={"rig", "fitted"})
-    for path in sorted(Path("config/rigs").glob("*.yaml"))
-    if path.stem != SETTINGS["fitted"]["name"]
+    name: from_files([], {"rig": name}).model_dump(mode="json", include={"rig", "fitted"})
+    for name in rig_files()
+    if name != SETTINGS["fitted"]["name"]
 }
 #: Reports of the further seeds by part: those of this rig, then those of each other one.
 ON_RIGS = {
@@ -210,7 +210,7 @@ rule rigs_table:
             for each in (SETTINGS["fitted"], *(rig["fitted"] for rig in RIGS.values()))
         },
     message:
-        "Rigs of config/rigs side by side"
+        "The fitted rigs side by side"
     script:
         "../scripts/stage.py"
 
@@ -235,7 +235,7 @@ rule targets_table:
 
 rule calibration_page:
     input:
-        fit=f"config/rigs/{SETTINGS['fitted']['name']}.json",
+        fit=lambda wildcards: rig_file(SETTINGS["fitted"]["name"]).with_suffix(".json"),
         seeds=[path.replace(".md", ".csv") for path in PLAN.seeds_tables[:2]],
         pages=[
             PLAN.seeds_tables[2],

@@ -1,15 +1,16 @@
 """`fprc readout`: report how much the readout P_o of one recording improves FPRC."""
 
 import logging
-import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
+from joblib import cpu_count
 from threadpoolctl import threadpool_limits
 
 from fprc import tables
@@ -17,7 +18,7 @@ from fprc.artifacts import read_json, write_json, write_text
 from fprc.commands.import_recording import checked_map, import_mapped
 from fprc.config import from_files
 from fprc.config.importing import ImportMap
-from fprc.errors import ConfigError
+from fprc.errors import ConfigError, FprcError
 from fprc.escape import TerminalFormatter, code
 from fprc.fingerprint import fingerprint
 from fprc.logs import read_columns
@@ -34,6 +35,8 @@ from fprc.stages.tabulate import tabulate_readout
 log = logging.getLogger(__name__)
 
 PARTS = {"sweep": "training part", "complex": "test part"}
+#: Modules that pandas imports only when it writes a table.
+TABLE_WRITERS = {"jinja2": "Jinja2", "tabulate": "tabulate"}
 PREDICTED = {"command": "commanded", "measured": "measured"}
 
 
@@ -68,7 +71,15 @@ def report_readout(
         The map or the configuration is wrong.
     LogError
         The recording cannot be used with this map.
+    FprcError
+        A library that writes the tables is not installed.
     """
+    absent = [name for module, name in TABLE_WRITERS.items() if find_spec(module) is None]
+    if absent:
+        raise FprcError(
+            f"fprc readout needs {' and '.join(absent)} to write its tables; install with: "
+            "pip install 'fprc[readout]'"
+        )
     settings = from_files(config).model_dump(mode="json")
     simulated = settings["evaluation"]["reservoir"] == "simulated"
     mapping = checked_map(
@@ -79,7 +90,7 @@ def report_readout(
     folder = Path(out or Path("results", Path(source).stem))
     _log_to_terminal()
     data = {name: _prepare(name, source, mapping, settings, folder) for name in PARTS}
-    results = _judge(data, folder / "readout", settings, workers or len(os.sched_getaffinity(0)))
+    results = _judge(data, folder / "readout", settings, workers or cpu_count())
     page = folder / "report.md"
     write_text(page, _page(source, map_file, mapping, settings, folder, results))
     log.info("%s", page)
