@@ -26,6 +26,18 @@ ON_RIGS = {
     for part in ("models", "grids", "control")
 }
 CHUNK_FILES = [PATHS.below(f"ensemble/rigs_{first}.json") for first in CHUNKS]
+POSTERIOR = SETTINGS["posterior"]
+MEMBERS = {
+    first: list(range(first, first + POSTERIOR["chunk"]))
+    for first in range(0, POSTERIOR["rigs"], POSTERIOR["chunk"])
+}
+MEMBER_FILES = [PATHS.below(f"posterior/rigs_{first}.json") for first in MEMBERS]
+#: How the rigs of each set were drawn.
+SETS = {
+    "ensemble": "rigs that were drawn from the physical ranges, not fitted",
+    "posterior": "rigs that are compatible with the training and test errors of Tables II and III; "
+    "no claim was asked of them",
+}
 
 
 rule fit_rig:
@@ -81,48 +93,108 @@ rule ensemble_chunk:
         "../scripts/stage.py"
 
 
-rule ensemble_summary:
+rule posterior_members:
     input:
         published=PUBLISHED,
-        chunks=CHUNK_FILES,
     output:
-        summary=PATHS.below("ensemble/summary.json"),
+        members=PATHS.below("posterior/members.json"),
     log:
-        PATHS.messages("ensemble_summary"),
+        PATHS.messages("posterior_members"),
+    threads: workflow.cores
+    resources:
+        mem_mb=memory_of,
+        runtime=480,
     params:
-        **stage("ensemble.summarise_rigs"),
+        **stage("posterior.draw_members", *MODELS, key="version"),
+        on_rig=on_rig(SETTINGS),
+        models=paper_models(SETTINGS),
+        posterior=pick(POSTERIOR, "rigs", "seed", "tolerance", "assimilations", "sweeps"),
+        ensemble=DRAWN,
+        free=FREE,
+        surrogate=SURROGATE,
+        workers=lambda wildcards, threads: threads,
+        checkpoint=PATHS.below("posterior/members.partial.jsonl"),
     message:
-        "Ensemble: claims rig by rig"
+        "Posterior: rigs that are compatible with Tables II and III"
     script:
         "../scripts/stage.py"
 
 
-rule ensemble_table:
+rule posterior_chunk:
     input:
-        summary=PATHS.below("ensemble/summary.json"),
+        members=PATHS.below("posterior/members.json"),
     output:
-        **PATHS.table("ensemble/claims"),
+        rigs=PATHS.below("posterior/rigs_{chunk}.json"),
     log:
-        PATHS.messages("ensemble_table"),
+        PATHS.messages("posterior_{chunk}"),
+    wildcard_constraints:
+        chunk="|".join(map(str, MEMBERS)),
+    resources:
+        mem_mb=2000,
+        runtime=120,  # grows with posterior.chunk
+    params:
+        **stage("posterior.judge_members", *MODELS, key="version"),
+        on_rig=on_rig(SETTINGS),
+        judgement=judgement(SETTINGS, without="seed", models=paper_models(SETTINGS)),
+        tracking=SETTINGS["tracking"],
+        numbers=lambda wildcards: MEMBERS[int(wildcards.chunk)],
+        free=FREE,
+        checkpoint=PATHS.below("posterior/rigs_{chunk}.partial.jsonl"),
+    message:
+        "Posterior: Tables II to IV on the rigs from number {wildcards.chunk}"
+    script:
+        "../scripts/stage.py"
+
+
+rule rigs_summary:
+    input:
+        published=PUBLISHED,
+        chunks=lambda wildcards: CHUNK_FILES if wildcards.set == "ensemble" else MEMBER_FILES,
+    output:
+        summary=PATHS.below("{set}/summary.json"),
+    log:
+        PATHS.messages("{set}_summary"),
+    wildcard_constraints:
+        set="|".join(SETS),
+    params:
+        **stage("ensemble.summarise_rigs"),
+        drawn=lambda wildcards: SETS[wildcards.set],
+    message:
+        "Claims rig by rig: {wildcards.set}"
+    script:
+        "../scripts/stage.py"
+
+
+rule shares_table:
+    input:
+        summary=PATHS.below("{set}/summary.json"),
+    output:
+        **PATHS.table("{set}/claims"),
+    log:
+        PATHS.messages("{set}_table"),
+    wildcard_constraints:
+        set="|".join(SETS),
     params:
         **stage("tabulate.tabulate_ensemble"),
     message:
-        "Ensemble: table"
+        "Share of rigs on which each claim holds: {wildcards.set}, table"
     script:
         "../scripts/stage.py"
 
 
-rule ensemble_figure:
+rule shares_figure:
     input:
-        summary=PATHS.below("ensemble/summary.json"),
+        summary=PATHS.below("{set}/summary.json"),
     output:
-        **drawn(PATHS.below("ensemble/claims")),
+        **drawn(PATHS.below("{set}/claims")),
     log:
-        PATHS.messages("ensemble_figure"),
+        PATHS.messages("{set}_figure"),
+    wildcard_constraints:
+        set="|".join(SETS),
     params:
         **stage("draw_ensemble.draw_ensemble"),
     message:
-        "Ensemble: figure"
+        "Share of rigs on which each claim holds: {wildcards.set}, figure"
     script:
         "../scripts/stage.py"
 
@@ -279,6 +351,15 @@ rule ensemble:
         PATHS.below("ensemble/claims.pdf"),
         PATHS.below("ensemble/summary.json"),
         CHUNK_FILES,
+    localrule: True
+
+
+rule posterior:
+    input:
+        PATHS.below("posterior/claims.md"),
+        PATHS.below("posterior/claims.pdf"),
+        PATHS.below("posterior/summary.json"),
+        MEMBER_FILES,
     localrule: True
 
 

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from fprc.config.calibration import Calibration, Ensemble, Fitted
+from fprc.config.calibration import Calibration, Ensemble, Fitted, Posterior
 from fprc.config.folders import Folders
 from fprc.config.hardware import Hardware
 from fprc.config.rig import Rig
@@ -338,6 +338,7 @@ class Settings(Section):
     tracking: Tracking = Tracking()
     calibration: Calibration = Calibration()
     ensemble: Ensemble = Ensemble()
+    posterior: Posterior = Posterior()
     hardware: Hardware = Hardware()
     rig: Rig = Rig()
     fitted: Fitted = Fitted()

@@ -107,8 +107,11 @@ def measure_sensitivity(
     Path(checkpoint).unlink()
 
 
-def summarise_rigs(published: str, chunks: Sequence[str], summary: str) -> None:
-    """Judge the claims rig by rig; write shares, intervals and correlations."""
+def summarise_rigs(published: str, chunks: Sequence[str], summary: str, *, drawn: str) -> None:
+    """Judge the claims rig by rig; write shares, intervals and correlations.
+
+    ``drawn`` says how the rigs were drawn.
+    """
     printed = read_yaml(published)
     rigs = [rig for path in chunks for rig in read_json(path)["rigs"]]
     good = [rig for rig in rigs if "failed" not in rig]
@@ -132,11 +135,12 @@ def summarise_rigs(published: str, chunks: Sequence[str], summary: str) -> None:
         summary,
         {
             "source": "sim",
+            "drawn": drawn,
             "seeds": [rig["seed"] for rig in rigs],
             "parameters": list(parameters[0]),
             "rigs": len(rigs),
             "failed": len(rigs) - len(good),
-            "draws": sum(rig["draws"] for rig in rigs),
+            "draws": sum(rig.get("draws", 0) for rig in rigs),
             "claims": shares_of(claims, verdicts, parameters),
         },
     )

@@ -167,14 +167,15 @@ def tabulate_readout(
 
 
 def tabulate_ensemble(summary: str, csv: str, md: str, tex: str) -> None:
-    """Count the random rigs on which each claim holds."""
+    """Count the rigs of a set on which each claim holds."""
     report = read_json(summary)
     table = tables.ensemble(report)
     limit = table["least_significant"].iloc[0]
+    draws = f", {report['draws']} draws in all" if report["draws"] else ""
     note = (
-        f"Ensemble: claims on {report['rigs'] - report['failed']} simulated rigs that were drawn, "
-        f"not fitted; {report['failed']} more could not be judged, {report['draws']} draws in all."
-        f"\nA parameter is named if its rank correlation with the claim exceeds {limit:.2f}; by "
+        f"Claims on {report['rigs'] - report['failed']} simulated {report['drawn']}; "
+        f"{report['failed']} more could not be judged{draws}.\n"
+        f"A parameter is named if its rank correlation with the claim exceeds {limit:.2f}; by "
         "chance alone, one parameter does so in one of twenty ensembles."
     )
     _write(table, tables.ensemble_page(table), note, csv, md, tex)

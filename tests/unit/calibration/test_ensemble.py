@@ -387,7 +387,7 @@ def summarise(tmp_path):
         for number, rigs in enumerate(chunks):
             paths.append(str(tmp_path / f"{number}.json"))
             write_json(paths[-1], {"source": "sim", "rigs": rigs})
-        stage.summarise_rigs(str(PUBLISHED), paths, str(tmp_path / "summary.json"))
+        stage.summarise_rigs(str(PUBLISHED), paths, str(tmp_path / "summary.json"), drawn="rigs")
         return read_json(tmp_path / "summary.json")
 
     return call

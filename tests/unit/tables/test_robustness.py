@@ -83,6 +83,7 @@ def make_summary():
         "rigs": 40,
         "failed": 2,
         "draws": 123,
+        "drawn": "rigs that were drawn",
         "claims": [
             claim(name, *named.get(name, (25, correlations(-0.6)))) for name in JUDGED_BY_RIG
         ],
