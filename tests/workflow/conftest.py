@@ -252,7 +252,9 @@ def calibrated(smoked, shared):
         # and a grid again, in chunks this time
         taps = "results/smoke/grids/taps.json"
         (folder / taps).unlink()
-        made = copy.smoke("ensemble", "posterior", "targets", "rigs", taps, "--config", "grids={chunks: 3}")
+        made = copy.smoke(
+            "ensemble", "posterior", "targets", "rigs", taps, "--config", "grids={chunks: 3}"
+        )
         done = copy.smoke("sensitivity", "calibrate", "--config", FEW_FREE)
         done.returncode = made.returncode or done.returncode
         done.stdout = made.stdout + done.stdout
