@@ -1,4 +1,5 @@
 # The paper from raw logs to tables and figures. Targets: workflow/rules/targets.smk
+from functools import cache
 from math import prod
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Command line: ``fprc config``, ``calibrate``, ``import``, ``readout``, ``rig``, ``log``."""
+"""Command line: ``fprc config``, ``calibrate``, ``import``, ``rig``, ``readout``, and others."""
 
 import argparse
 import os
@@ -61,7 +61,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"fprc {__version__}")
     groups = parser.add_subparsers(required=True, metavar="GROUP")
-    for add in (_add_config, _add_calibrate, _add_import, _add_rig, _add_readout, _add_log):
+    for add in (
+        _add_config, _add_calibrate, _add_import, _add_rig, _add_readout, _add_export, _add_log,
+    ):  # fmt: skip
         add(groups)
     return parser
 
@@ -224,6 +226,13 @@ def _add_readout(groups: Groups) -> None:
     )
     readout.add_argument("source", metavar="SOURCE")
     readout.add_argument("--map", required=True, metavar="MAP.yaml", help="columns, units, parts")
+    readout.add_argument(
+        "--train",
+        nargs="+",
+        default=[],
+        metavar="FILE",
+        help="further recordings with the same columns, which train as a whole",
+    )
     readout.add_argument("--out", metavar="FOLDER", help="default: results/ and SOURCE's name")
     readout.add_argument(
         "--config", nargs="+", default=[], metavar="FILE", help="settings of the models"
@@ -239,9 +248,37 @@ def _readout(options: argparse.Namespace) -> None:
         options.source,
         options.map,
         options.out,
+        train=options.train,
         config=options.config,
         workers=options.workers,
     )
+
+
+def _add_export(groups: Groups) -> None:
+    export = groups.add_parser(
+        "export",
+        help="turn a fitted model into C code for a controller",
+        description="Turn a fitted FPRC or Fuzzy-linear into one C99 header without memory "
+        "allocation. docs/deploy.md shows its use.",
+    )
+    export.add_argument("model", metavar="MODEL.h5", help="for example models/sweep_fprc.h5")
+    export.add_argument(
+        "--c",
+        metavar="NAME.h",
+        dest="header",
+        required=True,
+        help="header to write; NAME begins every name in it",
+    )
+    export.add_argument(
+        "--float", action="store_true", dest="single", help="compute with float (default: double)"
+    )
+    export.set_defaults(run=_export)
+
+
+def _export(options: argparse.Namespace) -> None:
+    from fprc.commands.export import export_c
+
+    export_c(options.model, options.header, single=options.single)
 
 
 def _add_log(groups: Groups) -> None:

@@ -252,8 +252,9 @@ def calibrated(smoked, shared):
         # and a grid again, in chunks this time
         taps = "results/smoke/grids/taps.json"
         (folder / taps).unlink()
+        front = "results/smoke/rigs/front.pdf"
         made = copy.smoke(
-            "ensemble", "posterior", "targets", "rigs", taps, "--config", "grids={chunks: 3}"
+            "ensemble", "posterior", "targets", "rigs", front, taps, "--config", "grids={chunks: 3}"
         )
         done = copy.smoke("sensitivity", "calibrate", "--config", FEW_FREE)
         done.returncode = made.returncode or done.returncode

@@ -9,22 +9,35 @@ CHUNKS = {
     first: list(range(first, min(first + ENSEMBLE["chunk"], ENSEMBLE["rigs"])))
     for first in range(0, ENSEMBLE["rigs"], ENSEMBLE["chunk"])
 }
-#: Rigs that can be named, beside the one of these results: their settings.
+#: Where the end points of searches are.
+SEARCHES = Path("config/rigs/searches")
+#: Tables of rigs side by side, by their folder: rigs that can be named, and end points of searches.
 RIGS = {
-    name: from_files([], {"rig": name}).model_dump(mode="json", include={"rig", "fitted"})
-    for name in rig_files()
-    if name != SETTINGS["fitted"]["name"]
+    "rigs": {
+        name: path for name, path in rig_files().items() if name != SETTINGS["fitted"]["name"]
+    },
+    "searches": {path.stem: path for path in sorted(SEARCHES.glob("*.yaml"))},
 }
-#: Reports of the further seeds by part: those of this rig, then those of each other one.
-ON_RIGS = {
-    part: PLAN.replicates(part)
-    + [
-        PATHS.below(f"rigs/{rig}/{part}_{seed}.json")
-        for rig in RIGS
-        for seed in SETTINGS["evaluation"]["replicate_seeds"]
+RIG_FILES = RIGS["rigs"] | RIGS["searches"]
+#: Seeds that judge the end points of the searches.
+SEARCH_SEEDS = 10
+
+
+@cache
+def named_rig(name):
+    """Return the sections ``rig`` and ``fitted`` of a rig's file."""
+    return from_files([RIG_FILES[name]]).model_dump(mode="json", include={"rig", "fitted"})
+
+
+def on_rigs(part, table):
+    """Return the reports of the further seeds: those of this rig, then those of each other one."""
+    seeds = SETTINGS["evaluation"]["replicate_seeds"]
+    seeds = seeds[:SEARCH_SEEDS] if table == "searches" else seeds
+    return PLAN.replicates(part)[: len(seeds)] + [
+        PATHS.below(f"rigs/{rig}/{part}_{seed}.json") for rig in RIGS[table] for seed in seeds
     ]
-    for part in ("models", "grids", "control")
-}
+
+
 CHUNK_FILES = [PATHS.below(f"ensemble/rigs_{first}.json") for first in CHUNKS]
 POSTERIOR = SETTINGS["posterior"]
 MEMBERS = {
@@ -247,13 +260,13 @@ rule replicate_on_rig:
     log:
         PATHS.messages("replicate_on_rig_{rig}_{seed}"),
     wildcard_constraints:
-        rig="|".join(RIGS) or "none",
+        rig="|".join(RIG_FILES) or "none",
     resources:
         mem_mb=2000,
         runtime=60,
     params:
         **stage("replicate.replicate", *MODELS),
-        on_rig=lambda wildcards: on_rig(SETTINGS) | {"rig": RIGS[wildcards.rig]["rig"]},
+        on_rig=lambda wildcards: on_rig(SETTINGS) | {"rig": named_rig(wildcards.rig)["rig"]},
         judgement=lambda wildcards: judgement(
             SETTINGS, models=paper_models(SETTINGS), seed=int(wildcards.seed)
         ),
@@ -268,21 +281,27 @@ rule replicate_on_rig:
 rule rigs_table:
     input:
         published=PUBLISHED,
-        models=ON_RIGS["models"],
-        grids=ON_RIGS["grids"],
-        controls=ON_RIGS["control"],
+        models=lambda wildcards: on_rigs("models", wildcards.table),
+        grids=lambda wildcards: on_rigs("grids", wildcards.table),
+        controls=lambda wildcards: on_rigs("control", wildcards.table),
     output:
-        **PATHS.table("rigs/rigs"),
+        **PATHS.table("rigs/{table}"),
     log:
-        PATHS.messages("rigs_table"),
+        PATHS.messages("{table}_table"),
+    wildcard_constraints:
+        table="|".join(RIGS),
     params:
         **stage("rigs.compare_rigs"),
-        fitted={
+        fitted=lambda wildcards: {
             each["name"]: each["to"]
-            for each in (SETTINGS["fitted"], *(rig["fitted"] for rig in RIGS.values()))
+            for each in (
+                SETTINGS["fitted"],
+                *(named_rig(rig)["fitted"] for rig in RIGS[wildcards.table]),
+            )
         },
+        brief=lambda wildcards: wildcards.table == "searches",
     message:
-        "The fitted rigs side by side"
+        "Rigs side by side: {wildcards.table}"
     script:
         "../scripts/stage.py"
 
@@ -378,10 +397,38 @@ rule targets:
     localrule: True
 
 
+rule front_figure:
+    input:
+        fits=[
+            *(
+                fit
+                for path in rig_files().values()
+                if (fit := path.with_suffix(".json")).exists()
+            ),
+            *sorted(SEARCHES.glob("*.json")),
+        ],
+    output:
+        **drawn(PATHS.below("rigs/front"), statistics=True),
+    log:
+        PATHS.messages("front_figure"),
+    params:
+        **stage("draw_ensemble.draw_front"),
+    message:
+        "Searches: tables against claims"
+    script:
+        "../scripts/stage.py"
+
+
 rule rigs:
     input:
         PATHS.below("rigs/rigs.md"),
-        ON_RIGS["models"],
-        ON_RIGS["grids"],
-        ON_RIGS["control"],
+        *(on_rigs(part, "rigs") for part in ("models", "grids", "control")),
+    localrule: True
+
+
+rule searches:
+    input:
+        PATHS.below("rigs/searches.md"),
+        PATHS.below("rigs/front.pdf"),
+        *(on_rigs(part, "searches") for part in ("models", "grids", "control")),
     localrule: True

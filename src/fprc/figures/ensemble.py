@@ -29,6 +29,29 @@ def plot_shares_of_rigs(table: DataFrame, ax: Axes) -> Axes:
     return ax
 
 
+def plot_front(table: DataFrame, ax: Axes) -> Axes:
+    """Draw the fronts between tables and claims, a line per search.
+
+    Parameters
+    ----------
+    table : DataFrame
+        ``search``, ``rigs``, ``tables_percent`` rising and ``claims_loss`` falling in each search.
+    """
+    for name, own in table.groupby("search", sort=False):
+        label = f"{name}, {own['rigs'].iloc[0]} rigs"
+        ax.step(own["tables_percent"], own["claims_loss"], "o-", where="post", markersize=2,
+                linewidth=0.8, label=label)  # fmt: skip
+    ax.set_yscale("symlog", linthresh=1.0)
+    ax.set_ylim(bottom=0.0)
+    ax.set(
+        xlabel="Deviation of the 12 errors of Tables II and III, rms [%]",
+        ylabel="Orders and claims, sum of squared misses",
+    )
+    if len(table):
+        ax.legend(fontsize=6)
+    return ax
+
+
 def plot_correlations(grid: DataFrame, limit: float, ax: Axes) -> Colours:
     """Draw rank correlations, one row per claim and one column per parameter.
 

@@ -169,8 +169,14 @@ class TapFeatures(FeatureMap):
                 "give a readout too, or use n_references=None (the model FuzzyLinear)"
             )
 
-    def _count_references(self) -> int:
+    def count_references(self) -> int:
+        """Return the number of leading columns that are references."""
         return self.n_features_in_ if self.n_references is None else self.n_references
+
+    def tap_sizes(self) -> list[int]:
+        """Return the number of taps of each column."""
+        split = self.count_references()
+        return [self.n_y] * split + [self.n_u] * (self.n_features_in_ - split)
 
     def _transform(self, X: np.ndarray) -> np.ndarray:
         longest = max(self.n_y, self.n_u)
@@ -179,7 +185,7 @@ class TapFeatures(FeatureMap):
                 f"n_samples = {len(X)} is less than the longest tap size {longest}; "
                 "use fewer taps or a longer log"
             )
-        split = self._count_references()
+        split = self.count_references()
         references = [taps(column, self.n_y) for column in X.T[:split]]
         readouts = [taps(lowpass(column, self.epsilon), self.n_u) for column in X.T[split:]]
         return np.hstack(references + readouts)
@@ -190,8 +196,7 @@ class TapFeatures(FeatureMap):
         return lagged(references, self.n_y) + lagged(readouts, self.n_u)
 
     def _start(self, x: np.ndarray) -> None:
-        split = self._count_references()
-        sizes = [self.n_y] * split + [self.n_u] * (len(x) - split)
+        split, sizes = self.count_references(), self.tap_sizes()
         self._row = np.repeat(x, sizes)
         self._first = np.cumsum([0, *sizes[:-1]])
         self._filtered = x.copy()

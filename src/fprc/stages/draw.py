@@ -14,6 +14,7 @@ from fprc.figures.weights import plot_shares
 from fprc.logs import Columns, read_columns
 from fprc.registry import colour_of
 from fprc.tables.drawn import fit_errors, grid_errors, grid_times, panels, weight_shares
+from fprc.tables.readout import held_out
 from fprc.tables.readout import readout as readout_errors
 
 _DATA = ("time_s", "p_target_kpa", "theta_deg")
@@ -152,10 +153,10 @@ def draw_taps(taps: str, csv: str, pdf: str, png: str) -> Mapping[str, Any]:
 
 
 def draw_readout(cells: str, pdf: str, png: str) -> Mapping[str, Any]:
-    """Draw validation (blocked folds) and test errors over epsilon and n_u."""
+    """Draw validation (folds apart in time) and test errors over epsilon and n_u."""
     report = read_json(cells)
     table, own = readout_errors(report), report["own"]
-    table = table[table["split"] == "blocked"]
+    table = table[table["split"] == held_out(table)]
     over = {
         "epsilon": table[table["n_u"] == own["n_u"]],
         "n_u": table[table["epsilon"] == own["epsilon"]],

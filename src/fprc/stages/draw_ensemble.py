@@ -1,13 +1,14 @@
-"""Draw the results of the ensemble of rigs."""
+"""Draw the results of sets of rigs, and of the searches."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-from fprc.artifacts import read_json
+from fprc.artifacts import read_json, write_csv
 from fprc.figures import style
-from fprc.figures.ensemble import plot_correlations, plot_shares_of_rigs
+from fprc.figures.ensemble import plot_correlations, plot_front, plot_shares_of_rigs
 
 
 def draw_ensemble(summary: str, pdf: str, png: str) -> Mapping[str, Any]:
@@ -33,6 +34,36 @@ def draw_ensemble(summary: str, pdf: str, png: str) -> Mapping[str, Any]:
     style.letter(axes[0], f"(a) Claims on {rigs} rigs, 95 % intervals")
     style.letter(axes[1], "(b) Parameters that go with holding; x: beyond chance")
     return style.save(fig, report, pdf, png)
+
+
+def draw_front(fits: Sequence[str], csv: str, pdf: str, png: str) -> Mapping[str, Any]:
+    """Draw the fronts between tables and claims of the searches that were asked for both.
+
+    A search counts if its report has a front and its objective held every claim that any
+    other search's held.
+    """
+    reports = {Path(path).stem: read_json(path) for path in fits}
+    reports = {name: report for name, report in reports.items() if report.get("front")}
+    most = max((len(report["fit"]) for report in reports.values()), default=0)
+    table = pd.DataFrame(
+        [
+            {
+                "search": name,
+                "rigs": report["evaluations"],
+                # the objective divides the logarithms by 5 %
+                "tables_percent": 5.0 * (own["tables"] / len(report["targets_kpa"])) ** 0.5,
+                "claims_loss": own["claims"],
+            }
+            for name, report in reports.items()
+            if len(report["fit"]) == most
+            for own in report["front"]
+        ],
+        columns=["search", "rigs", "tables_percent", "claims_loss"],
+    )
+    write_csv(csv, table)
+    fig, axes = style.figure(1, 1, style.COLUMN_IN, 2.6)
+    plot_front(table, axes)
+    return style.save(fig, {"source": "sim"}, pdf, png)
 
 
 def _short(path: str) -> str:

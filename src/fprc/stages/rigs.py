@@ -23,8 +23,9 @@ def compare_rigs(
     tex: str,
     *,
     fitted: Mapping[str, Sequence[str]],
+    brief: bool = False,
 ) -> None:
-    """Write the table of the rigs.
+    """Write the table of the rigs; the page, if ``brief``, sums the errors up.
 
     Parameters
     ----------
@@ -58,7 +59,7 @@ def compare_rigs(
         f"Rigs side by side: mean and its 95 % interval over {seeds} seeds, deviation from print; "
         f"verdicts.\nData: {SOURCES[source]}. " + " ".join(sentences)
     )
-    page = tables.rigs_page(errors, ledgers)
+    page = tables.rigs_page(errors, ledgers, brief=brief)
     named = [table.assign(rig=name, source=source) for name, table in errors.items()]
     write_csv(csv, pd.concat(named, ignore_index=True))
     write_text(md, tables.markdown(page, note))

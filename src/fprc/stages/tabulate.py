@@ -143,6 +143,12 @@ def _run(run: Columns) -> dict[str, Any]:
     return {**described, "error_deg": (theta_d - theta)[judged]}
 
 
+_FOLDS = {
+    "blocked": "Blocked folds keep neighbours in time out of the validation.",
+    "recordings": "Folds of recordings validate on recordings that did not train.",
+}
+
+
 def tabulate_readout(
     cells: str,
     csv: str,
@@ -161,7 +167,7 @@ def tabulate_readout(
         "Readout value: FPRC with P_o, without it and with substitutes for it, at epsilon = "
         f"{own['epsilon']:g} and n_u = {own['n_u']}, mean ± standard deviation over folds.\n"
         f"Data: {SOURCES[report['source']]}, seed {report['seed']}; trained on {parts[0]}, "
-        f"tested on {parts[1]}. Blocked folds keep neighbours in time out of the validation."
+        f"tested on {parts[1]}. {_FOLDS[tables.held_out(table)]}"
     )
     _write(table, tables.readout_page(table, own), note, csv, md, tex)
 
