@@ -400,11 +400,7 @@ rule targets:
 rule front_figure:
     input:
         fits=[
-            *(
-                fit
-                for path in rig_files().values()
-                if (fit := path.with_suffix(".json")).exists()
-            ),
+            *(fit for path in rig_files().values() if (fit := path.with_suffix(".json")).exists()),
             *sorted(SEARCHES.glob("*.json")),
         ],
     output:
