@@ -159,6 +159,21 @@ rule posterior_chunk:
         "../scripts/stage.py"
 
 
+rule posterior_history:
+    input:
+        members=PATHS.below("posterior/members.json"),
+    output:
+        **PATHS.table("posterior/history"),
+    log:
+        PATHS.messages("posterior_history"),
+    params:
+        **stage("tabulate.tabulate_history"),
+    message:
+        "Posterior: deviation from print, step by step"
+    script:
+        "../scripts/stage.py"
+
+
 rule rigs_summary:
     input:
         published=PUBLISHED,
@@ -299,6 +314,7 @@ rule rigs_table:
                 *(named_rig(rig)["fitted"] for rig in RIGS[wildcards.table]),
             )
         },
+        deciding=SETTINGS["evaluation"]["verdict_seeds"],
         brief=lambda wildcards: wildcards.table == "searches",
     message:
         "Rigs side by side: {wildcards.table}"
@@ -331,13 +347,25 @@ rule calibration_page:
         pages=[
             PLAN.seeds_tables[2],
             PATHS.below("rigs/rigs.md"),
+            PATHS.below("rigs/searches.md"),
             PATHS.below("ensemble/claims.md"),
+            PATHS.below("posterior/claims.md"),
+            PATHS.below("posterior/history.md"),
             PATHS.below("calibration/sensitivity.md"),
             PATHS.below("calibration/targets.md"),
         ],
-        figure=PATHS.below("ensemble/claims.png"),
+        figures=[
+            PATHS.below(f"{name}.png")
+            for name in (
+                "ensemble/claims",
+                "posterior/claims",
+                "rigs/front",
+                "calibration/channels",
+            )
+        ],
         made_from=[
             *CHUNK_FILES,
+            *MEMBER_FILES,
             PATHS.below("ensemble/summary.json"),
             PATHS.below("calibration/sensitivity.json"),
             *PLAN.replicates("models", TARGET_NAMES),
@@ -349,7 +377,9 @@ rule calibration_page:
     params:
         **stage("documents.update_calibration_page"),
         page="docs/calibration.md",
-        picture="docs/images/ensemble.png",
+        pictures=[
+            f"docs/images/{name}.png" for name in ("ensemble", "posterior", "front", "channels")
+        ],
         rig=SETTINGS["rig"],
     message:
         "docs/calibration.md: numbers and picture from the results"
@@ -377,6 +407,7 @@ rule posterior:
     input:
         PATHS.below("posterior/claims.md"),
         PATHS.below("posterior/claims.pdf"),
+        PATHS.below("posterior/history.md"),
         PATHS.below("posterior/summary.json"),
         MEMBER_FILES,
     localrule: True
@@ -411,6 +442,21 @@ rule front_figure:
         **stage("draw_ensemble.draw_front"),
     message:
         "Searches: tables against claims"
+    script:
+        "../scripts/stage.py"
+
+
+rule channels_figure:
+    input:
+        sweep=PATHS.log("sweep"),
+    output:
+        **drawn(PATHS.below("calibration/channels"), statistics=True),
+    log:
+        PATHS.messages("channels_figure"),
+    params:
+        **stage("draw.draw_channels"),
+    message:
+        "C18: loops over the commanded and over the measured pressure"
     script:
         "../scripts/stage.py"
 

@@ -63,7 +63,8 @@ def draw_front(fits: Sequence[str], csv: str, pdf: str, png: str) -> Mapping[str
     write_csv(csv, table)
     fig, axes = style.figure(1, 1, style.COLUMN_IN, 2.6)
     plot_front(table, axes)
-    return style.save(fig, {"source": "sim"}, pdf, png)
+    seeds = sorted({seed for report in reports.values() for seed in report["seeds"]})
+    return style.save(fig, {"source": "sim", "seeds": seeds}, pdf, png)
 
 
 def _short(path: str) -> str:

@@ -23,6 +23,7 @@ def compare_rigs(
     tex: str,
     *,
     fitted: Mapping[str, Sequence[str]],
+    deciding: int,
     brief: bool = False,
 ) -> None:
     """Write the table of the rigs; the page, if ``brief``, sums the errors up.
@@ -33,6 +34,8 @@ def compare_rigs(
         Reports of the further seeds, those of the first rig first, equally many of each.
     fitted : Mapping
         Terms that each rig was fitted to, by its name.
+    deciding : int
+        Number of the first seeds that decide the verdicts.
     """
     printed = read_yaml(published)
     claims = [claim for claim in printed["claims"] if claim["id"] not in TIMED]
@@ -47,7 +50,7 @@ def compare_rigs(
         results = Results(replicates, cells, measures, {}, {})
         ledgers[name] = [
             {**row, "rig": status_of(row["id"], terms)}
-            for row in judge_claims(claims, results, printed)
+            for row in judge_claims(claims, results.first(deciding), printed)
         ]
         off = 100 * errors[name]["deviation"][:18].abs()
         sentences.append(
@@ -57,7 +60,8 @@ def compare_rigs(
     source = read_json(models[0])["source"]
     note = (
         f"Rigs side by side: mean and its 95 % interval over {seeds} seeds, deviation from print; "
-        f"verdicts.\nData: {SOURCES[source]}. " + " ".join(sentences)
+        f"verdicts of the first {min(deciding, seeds)} seeds.\nData: {SOURCES[source]}. "
+        + " ".join(sentences)
     )
     page = tables.rigs_page(errors, ledgers, brief=brief)
     named = [table.assign(rig=name, source=source) for name, table in errors.items()]
