@@ -9,14 +9,14 @@ CHUNKS = {
     first: list(range(first, min(first + ENSEMBLE["chunk"], ENSEMBLE["rigs"])))
     for first in range(0, ENSEMBLE["rigs"], ENSEMBLE["chunk"])
 }
+#: Where the end points of searches are.
+SEARCHES = Path("config/rigs/searches")
 #: Tables of rigs side by side, by their folder: rigs that can be named, and end points of searches.
 RIGS = {
-    table: {
-        path.stem: path
-        for path in sorted(Path(folder).glob("*.yaml"))
-        if path.stem != SETTINGS["fitted"]["name"]
-    }
-    for table, folder in {"rigs": "config/rigs", "searches": "config/rigs/searches"}.items()
+    "rigs": {
+        name: path for name, path in rig_files().items() if name != SETTINGS["fitted"]["name"]
+    },
+    "searches": {path.stem: path for path in sorted(SEARCHES.glob("*.yaml"))},
 }
 RIG_FILES = RIGS["rigs"] | RIGS["searches"]
 #: Seeds that judge the end points of the searches.
@@ -342,7 +342,7 @@ rule targets_table:
 
 rule calibration_page:
     input:
-        fit=f"config/rigs/{SETTINGS['fitted']['name']}.json",
+        fit=lambda wildcards: rig_file(SETTINGS["fitted"]["name"]).with_suffix(".json"),
         seeds=[path.replace(".md", ".csv") for path in PLAN.seeds_tables[:2]],
         pages=[
             PLAN.seeds_tables[2],
@@ -430,7 +430,10 @@ rule targets:
 
 rule front_figure:
     input:
-        fits=sorted(str(path) for path in Path("config/rigs").glob("**/*.json")),
+        fits=[
+            *(fit for path in rig_files().values() if (fit := path.with_suffix(".json")).exists()),
+            *sorted(SEARCHES.glob("*.json")),
+        ],
     output:
         **drawn(PATHS.below("rigs/front"), statistics=True),
     log:

@@ -1,7 +1,6 @@
 # Functions that several rules share.
 
 PATHS = PLAN.paths
-PUBLISHED = "config/published.yaml"
 GAINS = PATHS.below("control/gains.json")
 
 #: Priorities: LONG starts long jobs early; ALONE is for jobs that need the whole machine. The

@@ -1,4 +1,4 @@
-"""Compare the rigs of config/rigs: errors of Tables II to IV, and verdicts of the claims."""
+"""Compare the fitted rigs: errors of Tables II to IV, and verdicts of the claims."""
 
 from collections.abc import Mapping, Sequence
 

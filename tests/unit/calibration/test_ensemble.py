@@ -1,6 +1,5 @@
 import copy
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +13,7 @@ from fprc.calibration.space import decode, encode
 from fprc.calibration.surrogate import judge_cheaply
 from fprc.claims import Results, judge_claims, parts_of
 from fprc.claims.ensemble import JUDGED_BY_RIG
-from fprc.config import Settings
+from fprc.config import PUBLISHED, Settings
 from fprc.config.rig import Rig
 from fprc.control.loop import RunAbortedError
 from fprc.errors import EvaluationError, FprcError, SimulationError
@@ -24,7 +23,6 @@ from fprc.experiments.settings import Judgement, RigSettings
 from fprc.rig.simulator import draw_instruments
 from fprc.stages import ensemble as stage
 
-PUBLISHED = Path(__file__).parents[3] / "config/published.yaml"
 PATHS = [
     "bending.stiffness_kpa_per_deg",
     "bending.preload_kpa",

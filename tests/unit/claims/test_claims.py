@@ -1,5 +1,4 @@
 from copy import deepcopy
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import ttest_1samp
 
+from fprc import config
 from fprc.claims import (
     Results,
     Statement,
@@ -20,9 +20,7 @@ from fprc.claims import (
 )
 from fprc.experiments.measures import measure_hysteresis, measure_runs
 
-PUBLISHED = yaml.safe_load(
-    (Path(__file__).parents[3] / "config" / "published.yaml").read_text(encoding="utf-8")
-)
+PUBLISHED = yaml.safe_load(config.PUBLISHED.read_text(encoding="utf-8"))
 QUIET_S, RATE_HZ = 20.0, 200.0
 SCALES = (0.99, 1.0, 1.02)  # of the errors, a seed each
 EVERY = tuple(range(len(SCALES)))
