@@ -19,6 +19,7 @@ from fprc.errors import ConfigError, LogError
 from fprc.experiments.data import Data, read_data, refuse_mixture
 from fprc.figures import style
 from fprc.logs import RAW_CHANNELS, assess, read_columns, read_raw, write_raw
+from fprc.models import FPRC
 from fprc.stages.preprocess import preprocess
 
 pytestmark = pytest.mark.slow
