@@ -185,7 +185,7 @@ rule rigs_summary:
     wildcard_constraints:
         set="|".join(SETS),
     params:
-        **stage("ensemble.summarise_rigs"),
+        **stage("rigs.summarise_rigs"),
         drawn=lambda wildcards: SETS[wildcards.set],
     message:
         "Claims rig by rig: {wildcards.set}"

@@ -22,6 +22,7 @@ from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import Judgement, RigSettings
 from fprc.rig.simulator import draw_instruments
 from fprc.stages import ensemble as stage
+from fprc.stages.rigs import summarise_rigs
 
 PATHS = [
     "bending.stiffness_kpa_per_deg",
@@ -387,7 +388,7 @@ def summarise(tmp_path):
         for number, rigs in enumerate(chunks):
             paths.append(str(tmp_path / f"{number}.json"))
             write_json(paths[-1], {"source": "sim", "rigs": rigs})
-        stage.summarise_rigs(str(PUBLISHED), paths, str(tmp_path / "summary.json"), drawn="rigs")
+        summarise_rigs(str(PUBLISHED), paths, str(tmp_path / "summary.json"), drawn="rigs")
         return read_json(tmp_path / "summary.json")
 
     return call
