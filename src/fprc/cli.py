@@ -1,6 +1,7 @@
 """Command line: ``fprc config``, ``calibrate``, ``import``, ``rig``, ``readout``, and others."""
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 from typing import Any
@@ -11,9 +12,30 @@ from fprc.errors import FprcError
 #: What ``add_subparsers`` returns; argparse has no public name for it.
 Groups = Any
 
+_CONFIGURATION = (
+    "configuration; later files override earlier ones (default: config/config.yaml if there is "
+    "one, else the defaults)"
+)
+
+
+#: Exit code of a program whose reader has gone, as shells give it.
+_BROKEN_PIPE = 141
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code."""
+    try:
+        try:
+            return _run(arguments)
+        finally:
+            sys.stdout.flush()
+    except BrokenPipeError:  # nothing reads the output any more, as after `| head`
+        # Python flushes once more when it exits
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return _BROKEN_PIPE
+
+
+def _run(arguments: Sequence[str] | None) -> int:
     options = _parser().parse_args(arguments)
     try:
         return options.run(options) or 0
@@ -58,6 +80,11 @@ def _add_config(groups: Groups) -> None:
         ("reference", "print docs/configuration.md"),
     ):
         verbs.add_parser(name, help=what).set_defaults(run=_print_config, page=name)
+    rig = verbs.add_parser("rig", help="print the parameters of a fitted rig")
+    rig.add_argument("name", nargs="?", metavar="NAME", help="default: the rig of the defaults")
+    rig.set_defaults(run=_print_rig)
+    published = verbs.add_parser("published", help="print the numbers of the paper, as YAML")
+    published.set_defaults(run=_print_published)
 
 
 def _check_config(options: argparse.Namespace) -> None:
@@ -73,6 +100,18 @@ def _print_config(options: argparse.Namespace) -> None:
     print(getattr(reference, options.page)(), end="")
 
 
+def _print_rig(options: argparse.Namespace) -> None:
+    from fprc.config.load import RIG, rig_file
+
+    print(rig_file(options.name or RIG).read_text(encoding="utf-8"), end="")
+
+
+def _print_published(options: argparse.Namespace) -> None:
+    from fprc.config import PUBLISHED
+
+    print(PUBLISHED.read_text(encoding="utf-8"), end="")
+
+
 def _add_calibrate(groups: Groups) -> None:
     calibrate = groups.add_parser(
         "calibrate",
@@ -84,11 +123,12 @@ def _add_calibrate(groups: Groups) -> None:
         "files",
         nargs="*",
         metavar="FILE",
-        default=["config/config.yaml"],
-        help="configuration; later files override earlier ones (default: %(default)s)",
+        help=_CONFIGURATION,
     )
     calibrate.add_argument("--out", default="config/rigs/fitted.yaml", help="default: %(default)s")
-    calibrate.add_argument("--published", default="config/published.yaml", help="printed numbers")
+    calibrate.add_argument(
+        "--published", metavar="FILE", help="default: what `fprc config published` prints"
+    )
     calibrate.add_argument(
         "--minutes", type=float, help="time limit (default: the configuration's)"
     )
@@ -152,8 +192,8 @@ def _add_rig(groups: Groups) -> None:
             "--config",
             nargs="+",
             metavar="FILE",
-            default=["config/config.yaml"],
-            help="configuration; later files override earlier ones (default: %(default)s)",
+            default=[],
+            help=_CONFIGURATION,
         )
 
 

@@ -252,9 +252,16 @@ def calibrated(smoked, shared):
         # and a grid again, in chunks this time
         taps = "results/smoke/grids/taps.json"
         (folder / taps).unlink()
-        front = "results/smoke/rigs/front.pdf"
+        figures = [f"results/smoke/{name}.pdf" for name in ("rigs/front", "calibration/channels")]
         made = copy.smoke(
-            "ensemble", "posterior", "targets", "rigs", front, taps, "--config", "grids={chunks: 3}"
+            "ensemble",
+            "posterior",
+            "targets",
+            "rigs",
+            *figures,
+            taps,
+            "--config",
+            "grids={chunks: 3}",
         )
         done = copy.smoke("sensitivity", "calibrate", "--config", FEW_FREE)
         done.returncode = made.returncode or done.returncode

@@ -9,14 +9,14 @@ CHUNKS = {
     first: list(range(first, min(first + ENSEMBLE["chunk"], ENSEMBLE["rigs"])))
     for first in range(0, ENSEMBLE["rigs"], ENSEMBLE["chunk"])
 }
+#: Where the end points of searches are.
+SEARCHES = Path("config/rigs/searches")
 #: Tables of rigs side by side, by their folder: rigs that can be named, and end points of searches.
 RIGS = {
-    table: {
-        path.stem: path
-        for path in sorted(Path(folder).glob("*.yaml"))
-        if path.stem != SETTINGS["fitted"]["name"]
-    }
-    for table, folder in {"rigs": "config/rigs", "searches": "config/rigs/searches"}.items()
+    "rigs": {
+        name: path for name, path in rig_files().items() if name != SETTINGS["fitted"]["name"]
+    },
+    "searches": {path.stem: path for path in sorted(SEARCHES.glob("*.yaml"))},
 }
 RIG_FILES = RIGS["rigs"] | RIGS["searches"]
 #: Seeds that judge the end points of the searches.
@@ -159,6 +159,21 @@ rule posterior_chunk:
         "../scripts/stage.py"
 
 
+rule posterior_history:
+    input:
+        members=PATHS.below("posterior/members.json"),
+    output:
+        **PATHS.table("posterior/history"),
+    log:
+        PATHS.messages("posterior_history"),
+    params:
+        **stage("tabulate.tabulate_history"),
+    message:
+        "Posterior: deviation from print, step by step"
+    script:
+        "../scripts/stage.py"
+
+
 rule rigs_summary:
     input:
         published=PUBLISHED,
@@ -170,7 +185,7 @@ rule rigs_summary:
     wildcard_constraints:
         set="|".join(SETS),
     params:
-        **stage("ensemble.summarise_rigs"),
+        **stage("rigs.summarise_rigs"),
         drawn=lambda wildcards: SETS[wildcards.set],
     message:
         "Claims rig by rig: {wildcards.set}"
@@ -299,6 +314,7 @@ rule rigs_table:
                 *(named_rig(rig)["fitted"] for rig in RIGS[wildcards.table]),
             )
         },
+        deciding=SETTINGS["evaluation"]["verdict_seeds"],
         brief=lambda wildcards: wildcards.table == "searches",
     message:
         "Rigs side by side: {wildcards.table}"
@@ -326,18 +342,30 @@ rule targets_table:
 
 rule calibration_page:
     input:
-        fit=f"config/rigs/{SETTINGS['fitted']['name']}.json",
+        fit=lambda wildcards: rig_file(SETTINGS["fitted"]["name"]).with_suffix(".json"),
         seeds=[path.replace(".md", ".csv") for path in PLAN.seeds_tables[:2]],
         pages=[
             PLAN.seeds_tables[2],
             PATHS.below("rigs/rigs.md"),
+            PATHS.below("rigs/searches.md"),
             PATHS.below("ensemble/claims.md"),
+            PATHS.below("posterior/claims.md"),
+            PATHS.below("posterior/history.md"),
             PATHS.below("calibration/sensitivity.md"),
             PATHS.below("calibration/targets.md"),
         ],
-        figure=PATHS.below("ensemble/claims.png"),
+        figures=[
+            PATHS.below(f"{name}.png")
+            for name in (
+                "ensemble/claims",
+                "posterior/claims",
+                "rigs/front",
+                "calibration/channels",
+            )
+        ],
         made_from=[
             *CHUNK_FILES,
+            *MEMBER_FILES,
             PATHS.below("ensemble/summary.json"),
             PATHS.below("calibration/sensitivity.json"),
             *PLAN.replicates("models", TARGET_NAMES),
@@ -349,7 +377,9 @@ rule calibration_page:
     params:
         **stage("documents.update_calibration_page"),
         page="docs/calibration.md",
-        picture="docs/images/ensemble.png",
+        pictures=[
+            f"docs/images/{name}.png" for name in ("ensemble", "posterior", "front", "channels")
+        ],
         rig=SETTINGS["rig"],
     message:
         "docs/calibration.md: numbers and picture from the results"
@@ -377,6 +407,7 @@ rule posterior:
     input:
         PATHS.below("posterior/claims.md"),
         PATHS.below("posterior/claims.pdf"),
+        PATHS.below("posterior/history.md"),
         PATHS.below("posterior/summary.json"),
         MEMBER_FILES,
     localrule: True
@@ -399,7 +430,10 @@ rule targets:
 
 rule front_figure:
     input:
-        fits=sorted(str(path) for path in Path("config/rigs").glob("**/*.json")),
+        fits=[
+            *(fit for path in rig_files().values() if (fit := path.with_suffix(".json")).exists()),
+            *sorted(SEARCHES.glob("*.json")),
+        ],
     output:
         **drawn(PATHS.below("rigs/front"), statistics=True),
     log:
@@ -408,6 +442,21 @@ rule front_figure:
         **stage("draw_ensemble.draw_front"),
     message:
         "Searches: tables against claims"
+    script:
+        "../scripts/stage.py"
+
+
+rule channels_figure:
+    input:
+        sweep=PATHS.log("sweep"),
+    output:
+        **drawn(PATHS.below("calibration/channels"), statistics=True),
+    log:
+        PATHS.messages("channels_figure"),
+    params:
+        **stage("draw.draw_channels"),
+    message:
+        "C18: loops over the commanded and over the measured pressure"
     script:
         "../scripts/stage.py"
 

@@ -118,14 +118,8 @@ def fit_rig(
         "finished": result.finished,
         "front": front_of(result.numbers, objective),
         "parameters": [
-            {
-                "path": p.path,
-                "low": p.low,
-                "high": p.high,
-                "began_at": float(before),
-                "share": float(share),
-            }
-            for p, before, share in zip(free, start, result.point, strict=True)
+            p._asdict() | {"began_at": before, "share": share}
+            for p, before, share in zip(free, start.tolist(), result.point.tolist(), strict=True)
         ],
     }
     return best.rig, summary

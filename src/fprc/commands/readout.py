@@ -1,15 +1,16 @@
 """`fprc readout`: report how much the readout P_o of one recording improves FPRC."""
 
 import logging
-import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
+from joblib import cpu_count
 from threadpoolctl import threadpool_limits
 
 from fprc import tables
@@ -17,7 +18,7 @@ from fprc.artifacts import read_json, write_json, write_text
 from fprc.commands.import_recording import checked_map, import_mapped
 from fprc.config import from_files
 from fprc.config.importing import ImportMap
-from fprc.errors import ConfigError, LogError
+from fprc.errors import ConfigError, FprcError, LogError
 from fprc.escape import TerminalFormatter, code
 from fprc.fingerprint import fingerprint
 from fprc.logs import read_columns
@@ -33,6 +34,8 @@ from fprc.stages.tabulate import tabulate_readout
 
 log = logging.getLogger(__name__)
 
+#: Modules that pandas imports only when it writes a table.
+TABLE_WRITERS = {"jinja2": "Jinja2", "tabulate": "tabulate"}
 #: Recordings of one role, training or test: each is a file and its map.
 Recordings = Sequence[tuple[str, ImportMap]]
 PREDICTED = {"command": "commanded", "measured": "measured"}
@@ -73,7 +76,15 @@ def report_readout(
         The map or the configuration is wrong.
     LogError
         The recording cannot be used with this map.
+    FprcError
+        A library that writes the tables is not installed.
     """
+    absent = [name for module, name in TABLE_WRITERS.items() if find_spec(module) is None]
+    if absent:
+        raise FprcError(
+            f"fprc readout needs {' and '.join(absent)} to write its tables; install with: "
+            "pip install 'fprc[readout]'"
+        )
     settings = from_files(config).model_dump(mode="json")
     simulated = settings["evaluation"]["reservoir"] == "simulated"
     _refuse_repeats([source, *train])
@@ -92,9 +103,7 @@ def report_readout(
     words = ("the first part", "the second part")
     if train:
         words = ("the training logs", "the test log")
-    results = _judge(
-        data, folder / "readout", settings, workers or len(os.sched_getaffinity(0)), words
-    )
+    results = _judge(data, folder / "readout", settings, workers or cpu_count(), words)
     page = folder / "report.md"
     write_text(page, _page(parts, map_file, mapping, settings, folder, results))
     log.info("%s", page)

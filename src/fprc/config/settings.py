@@ -206,6 +206,9 @@ class Evaluation(Section):
         min_length=2,
         description="seeds of further rigs, on which tables, grids and runs are repeated",
     )
+    verdict_seeds: int = quantity(
+        10, "-", (2, 100000), "the first of these seeds decide the verdicts, however many there are"
+    )
 
     @field_validator("replicate_seeds")
     @classmethod

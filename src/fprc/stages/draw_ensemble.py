@@ -7,6 +7,7 @@ from typing import Any
 import pandas as pd
 
 from fprc.artifacts import read_json, write_csv
+from fprc.calibration.objective import CLAIMS
 from fprc.figures import style
 from fprc.figures.ensemble import plot_correlations, plot_front, plot_shares_of_rigs
 
@@ -37,33 +38,37 @@ def draw_ensemble(summary: str, pdf: str, png: str) -> Mapping[str, Any]:
 
 
 def draw_front(fits: Sequence[str], csv: str, pdf: str, png: str) -> Mapping[str, Any]:
-    """Draw the fronts between tables and claims of the searches that were asked for both.
+    """Draw fronts between tables and claims, and where the searches ended.
 
-    A search counts if its report has a front and its objective held every claim that any
-    other search's held.
+    A search counts if its objective held as many terms as any other's.
     """
     reports = {Path(path).stem: read_json(path) for path in fits}
-    reports = {name: report for name, report in reports.items() if report.get("front")}
-    most = max((len(report["fit"]) for report in reports.values()), default=0)
-    table = pd.DataFrame(
-        [
+    most = max(len(report.get("fit", ())) for report in reports.values())
+    reports = {name: own for name, own in reports.items() if len(own.get("fit", ())) == most}
+    rows = []
+    for name, report in reports.items():
+        ended = {
+            "tables": report["terms"]["tables"],
+            "claims": sum(report["terms"][term] for term in CLAIMS),
+        }
+        of_search = [("front", own) for own in report.get("front", ())] + [("end", ended)]
+        rows += [
             {
                 "search": name,
                 "rigs": report["evaluations"],
+                "kind": kind,
                 # the objective divides the logarithms by 5 %
                 "tables_percent": 5.0 * (own["tables"] / len(report["targets_kpa"])) ** 0.5,
                 "claims_loss": own["claims"],
             }
-            for name, report in reports.items()
-            if len(report["fit"]) == most
-            for own in report["front"]
-        ],
-        columns=["search", "rigs", "tables_percent", "claims_loss"],
-    )
+            for kind, own in of_search
+        ]
+    table = pd.DataFrame(rows)
     write_csv(csv, table)
     fig, axes = style.figure(1, 1, style.COLUMN_IN, 2.6)
     plot_front(table, axes)
-    return style.save(fig, {"source": "sim"}, pdf, png)
+    seeds = sorted({seed for report in reports.values() for seed in report["seeds"]})
+    return style.save(fig, {"source": "sim", "seeds": seeds}, pdf, png)
 
 
 def _short(path: str) -> str:

@@ -187,6 +187,31 @@ def tabulate_ensemble(summary: str, csv: str, md: str, tex: str) -> None:
     _write(table, tables.ensemble_page(table), note, csv, md, tex)
 
 
+def tabulate_history(members: str, csv: str, md: str, tex: str) -> None:
+    """How near the rigs of the posterior came to the printed errors, step by step."""
+    report = read_json(members)
+    table = pd.DataFrame(
+        {"accepted": "", **row, "source": report["source"]} for row in report["history"]
+    )
+    note = (
+        f"Posterior: rms deviation of the logarithms of {len(report['errors'])} errors from the "
+        "printed ones, over the rigs of each step.\nSimulated, with the surrogate models; "
+        "accepted: share of the sampler's proposals since its start."
+    )
+    page = pd.DataFrame(
+        {
+            "Step": table["step"],
+            "Rigs": table["rigs"],
+            "Deviation": [f"{100 * value:.0f} %" for value in table["deviation"]],
+            "Accepted": [
+                f"{100 * row['accepted']:.0f} %" if "accepted" in row else ""
+                for row in report["history"]
+            ],
+        }
+    )
+    _write(table, page, note, csv, md, tex)
+
+
 def tabulate_sensitivity(effects: str, csv: str, md: str, tex: str) -> None:
     """Sensitivity of each error to each parameter of the rig."""
     report = read_json(effects)

@@ -1,4 +1,4 @@
-"""The rigs of config/rigs side by side: errors, and verdicts of the claims."""
+"""The fitted rigs side by side: errors, and verdicts of the claims."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -18,7 +18,7 @@ from fprc.calibration import fit as stage
 from fprc.calibration.objective import CLAIMS, TERMS, loss_of
 from fprc.calibration.space import decode, encode
 from fprc.calibration.surrogate import MEASURES, judge_cheaply
-from fprc.config import Settings, check, reference
+from fprc.config import PUBLISHED, Settings, check, reference
 from fprc.config.rig import Rig
 from fprc.errors import ConfigError, EvaluationError, SimulationError
 from fprc.experiments.settings import RigSettings
@@ -27,7 +27,6 @@ from fprc.provenance import hash_of
 from fprc.stages.calibrate import calibrate
 
 ROOT = Path(__file__).parents[3]
-PUBLISHED = ROOT / "config/published.yaml"
 PRINTED = yaml.safe_load(PUBLISHED.read_text(encoding="utf-8"))
 RIG = Rig().model_dump(mode="json")
 PATHS = Settings().calibration.free

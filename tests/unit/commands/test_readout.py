@@ -1,4 +1,5 @@
 import logging
+import sys
 
 import numpy as np
 import pandas as pd
@@ -53,6 +54,15 @@ def recording(tmp_path):
         return str(tmp_path / "map.yaml")
 
     return write
+
+
+def test_missing_libraries_are_reported_before_anything_is_read(tmp_path, monkeypatch, capsys):
+    for name in ("jinja2", "tabulate"):
+        monkeypatch.setitem(sys.modules, name, None)
+    monkeypatch.chdir(tmp_path)
+    assert main(["readout", "none.csv", "--map", "none.yaml"]) == 1
+    assert "needs Jinja2 and tabulate" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
 
 
 def run(tmp_path, map_file, *more):
