@@ -9,6 +9,7 @@ from sklearn.utils import Bunch
 
 from fprc import __version__
 from fprc.config import from_files
+from fprc.config.load import RIG
 from fprc.errors import ConfigError
 from fprc.experiments.data import TARGETS, select_channels
 from fprc.experiments.hysteresis import RUNS, acquire
@@ -16,8 +17,8 @@ from fprc.logs import Columns, read_raw
 from fprc.logs.quality import noted_unit, notes_of
 from fprc.paper import SOURCES
 
-#: The rig and seed of a simulation where none is given: those of README's tables.
-_RIG, _SEED = "dry", 1
+#: Seed of a simulation where none is given.
+_SEED = 1
 
 _DESCRIPTION = """\
 Hysteresis of a soft bending actuator: {experiment}
@@ -99,7 +100,7 @@ def load_hysteresis(
     """
     _refuse(experiment, seed, rig, raw, target)
     if raw is None:
-        log = _simulate(experiment, _SEED if seed is None else seed, _RIG if rig is None else rig)
+        log = _simulate(experiment, _SEED if seed is None else seed, RIG if rig is None else rig)
     else:
         log = _read(experiment, raw)
     selected = select_channels(log, str(log.path), target)

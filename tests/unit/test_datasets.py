@@ -16,7 +16,7 @@ from fprc.stages.preprocess import preprocess
 from fprc.stages.record import record
 
 ROOT = Path(__file__).parents[2]
-SETTINGS = from_files([], {"rig": "dry"}).model_dump(mode="json")
+SETTINGS = from_files([]).model_dump(mode="json")
 
 
 @pytest.fixture(scope="module")
@@ -125,12 +125,13 @@ def test_unknown_rig_and_unusable_logs_are_errors_for_people(write_log, tmp_path
 
 
 @pytest.mark.slow
-def test_lines_of_the_page_give_the_table_of_the_readme():
+def test_lines_of_the_page_give_the_table_of_the_readme(tmp_path, monkeypatch):
     page = (ROOT / "docs/benchmark.md").read_text(encoding="utf-8")
     lines, printed = (
         re.search(rf"```{kind}\n(.*?)```", page, flags=re.DOTALL)[1] for kind in ("python", "text")
     )
     assert len(list(filter(None, lines.splitlines()))) == 10
+    monkeypatch.chdir(tmp_path)
     output = io.StringIO()
     # as in the workflow: sums by more threads have other last digits
     with threadpool_limits(1), contextlib.redirect_stdout(output):
