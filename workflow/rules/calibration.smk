@@ -45,11 +45,14 @@ MEMBERS = {
     for first in range(0, POSTERIOR["rigs"], POSTERIOR["chunk"])
 }
 MEMBER_FILES = [PATHS.below(f"posterior/rigs_{first}.json") for first in MEMBERS]
-#: How the rigs of each set were drawn.
+#: How the rigs of each set were drawn, and what they were fitted to.
 SETS = {
-    "ensemble": "rigs that were drawn from the physical ranges, not fitted",
-    "posterior": "rigs that are compatible with the training and test errors of Tables II and III; "
-    "no claim was asked of them",
+    "ensemble": ("rigs that were drawn from the physical ranges, not fitted", []),
+    "posterior": (
+        "rigs that are compatible with the training and test errors of Tables II and III; the "
+        "other claims were not asked of them",
+        ["tables"],
+    ),
 }
 
 
@@ -120,9 +123,9 @@ rule posterior_members:
     params:
         **stage("posterior.draw_members", *MODELS, key="version"),
         on_rig=on_rig(SETTINGS),
-        models=paper_models(SETTINGS),
+        judgement=judgement(SETTINGS, without="seed", models=paper_models(SETTINGS)),
         posterior=pick(POSTERIOR, "rigs", "seed", "tolerance", "assimilations", "sweeps"),
-        ensemble=DRAWN,
+        ensemble=pick(ENSEMBLE, "angle_deg", "p_o_swing_kpa"),
         free=FREE,
         surrogate=SURROGATE,
         workers=lambda wildcards, threads: threads,
@@ -186,7 +189,8 @@ rule rigs_summary:
         set="|".join(SETS),
     params:
         **stage("rigs.summarise_rigs"),
-        drawn=lambda wildcards: SETS[wildcards.set],
+        drawn=lambda wildcards: SETS[wildcards.set][0],
+        terms=lambda wildcards: SETS[wildcards.set][1],
     message:
         "Claims rig by rig: {wildcards.set}"
     script:
@@ -308,11 +312,8 @@ rule rigs_table:
     params:
         **stage("rigs.compare_rigs"),
         fitted=lambda wildcards: {
-            each["name"]: each["to"]
-            for each in (
-                SETTINGS["fitted"],
-                *(named_rig(rig)["fitted"] for rig in RIGS[wildcards.table]),
-            )
+            SETTINGS["fitted"]["name"]: SETTINGS["fitted"]["to"],
+            **{rig: named_rig(rig)["fitted"]["to"] for rig in RIGS[wildcards.table]},
         },
         deciding=SETTINGS["evaluation"]["verdict_seeds"],
         brief=lambda wildcards: wildcards.table == "searches",

@@ -42,7 +42,7 @@ def judge_rig(
         Arguments of ``Judgement`` without the seed, which is the rig's own.
     """
     seed = ensemble["seed"] + cell["rig"]
-    drawn, draws = draw_rig(seed, ensemble, free, on_rig)
+    drawn, _, draws = draw_rig(seed, ensemble, free, on_rig)
     return {"draws": draws} | judge_drawn(drawn, seed, free, tracking, judgement)
 
 
@@ -79,7 +79,7 @@ def draw_rig(
     ensemble: Mapping[str, Any],
     free: Sequence[Free],
     on_rig: RigSettings,
-) -> tuple[RigSettings, int]:
+) -> tuple[RigSettings, np.ndarray, int]:
     """Draw rigs until one bends and squeezes plausibly.
 
     Free parameters are uniform over their ranges, or log-uniform where a range
@@ -87,14 +87,16 @@ def draw_rig(
 
     Returns
     -------
-    RigSettings, int
-        ``on_rig`` with the drawn rig, and the number of draws.
+    RigSettings, ndarray, int
+        ``on_rig`` with the drawn rig, its parameters as shares of their ranges, and the number of
+        draws.
     """
     # a stream of its own: default_rng(seed) is also that of the sensors' errors
     rng = np.random.default_rng([seed, _PARAMETERS])
     sweep = {"sweep": on_rig.signals["sweep"]}
     for draws in range(1, _MOST_DRAWS + 1):
-        rig = decode(rng.uniform(size=len(free)), on_rig.rig, free)
+        shares = rng.uniform(size=len(free))
+        rig = decode(shares, on_rig.rig, free)
         try:
             Rig.model_validate(rig)
             logs = simulate(replace(on_rig, rig=rig, signals=sweep), seed)
@@ -102,7 +104,7 @@ def draw_rig(
         except (ValidationError, FprcError):
             continue
         if is_plausible(measured, ensemble):
-            return replace(on_rig, rig=rig), draws
+            return replace(on_rig, rig=rig), shares, draws
     raise EvaluationError(
         f"none of {_MOST_DRAWS} rigs bends by {ensemble['angle_deg']} deg and swings P_o by "
         f"{ensemble['p_o_swing_kpa']} kPa; widen ensemble.angle_deg or ensemble.p_o_swing_kpa"

@@ -84,7 +84,7 @@ def fit_rig(
     start = encode(on_rig.rig, free)
     first = replace(on_rig, rig=resolved(decode(start, on_rig.rig, free)))
     like = cheaply(first, seeds)
-    ratios = _ratios(full_errors(first, seeds[:2], workers, judgement), like[:2])
+    ratios = ratios_to_full(full_errors(first, seeds[:2], workers, judgement), like[:2])
     objective = Objective(aim, ratios, like)
     depends_on = [asdict(on_rig), judgement, calibration, grids, tracking, aim, version]
     result = search(
@@ -311,7 +311,7 @@ def _in_order(grids: Mapping[str, Sequence[float]], taps: Sequence[int]) -> dict
     }
 
 
-def _ratios(
+def ratios_to_full(
     full: Sequence[Mapping[str, float]], cheap: Sequence[Mapping[str, Any]]
 ) -> dict[str, float]:
     """Return the ratios of the full models' errors to those of the surrogate."""
@@ -339,12 +339,23 @@ def full_errors(
 
 def _judge_fully(on_rig: RigSettings, judgement: Judgement) -> dict[str, float]:
     data = simulate(on_rig, judgement.seed)
+    reports = [
+        {"trained_on": train, "model": name, **report}
+        for name in MODELS
+        for (train, _), (_, report, _) in zip(
+            DIRECTIONS, judge_directions(name, judgement, data, DIRECTIONS), strict=True
+        )
+    ]
+    return errors_of({"models": reports})
+
+
+def errors_of(compared: Mapping[str, Any]) -> dict[str, float]:
+    """Return the errors of Tables II and III of one rig, by "trained on/model/phase"."""
     errors = {}
-    for name in MODELS:
-        judged = judge_directions(name, judgement, data, DIRECTIONS)
-        for (train, _), (_, report, _) in zip(DIRECTIONS, judged, strict=True):
-            errors[f"{train}/{name}/train"] = float(np.mean(report["train_rmse_kpa"]))
-            errors[f"{train}/{name}/test"] = report["test_rmse_kpa"]
+    for report in compared["models"]:
+        key = f"{report['trained_on']}/{report['model']}"
+        errors[f"{key}/train"] = float(np.mean(report["train_rmse_kpa"]))
+        errors[f"{key}/test"] = float(report["test_rmse_kpa"])
     return errors
 
 

@@ -71,6 +71,11 @@ def deviations(judged: Judged, aim: Aim) -> dict[str, np.ndarray]:
     return {name: np.asarray(TERMS[name](judged, aim), dtype=float) for name in aim.fit}
 
 
+def tables_percent(loss: float, errors: int) -> float:
+    """Return the rms deviation of the errors, in %, that a loss of the term ``tables`` stands for."""
+    return 100.0 * _TABLES * math.sqrt(loss / errors)
+
+
 def loss_of(judged: Judged, aim: Aim) -> float:
     """Return the sum of the squared deviations."""
     return float(sum(np.sum(values**2) for values in deviations(judged, aim).values()))

@@ -7,21 +7,20 @@ Likelihood: the logarithms of its errors deviate from the printed ones by a norm
 Rejection would need millions of rigs. An ensemble smoother with multiple data assimilation
 (Emerick and Reynolds, Computers & Geosciences 55, 2013), which is exact where the logarithms are
 linear in normal parameters, moves the prior near to the posterior. Sweeps of an ensemble sampler
-then do without that assumption.
+refine this; only many more of them would make up for what the smoother assumes.
 """
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import emcee
 import numpy as np
-from pydantic import ValidationError
 from scipy.special import ndtr, ndtri
 
 from fprc.calibration.ensemble import draw_rig, is_plausible
-from fprc.calibration.fit import resolved
-from fprc.calibration.space import Free, decode, encode
+from fprc.calibration.space import Free, decode
 from fprc.calibration.surrogate import judge_cheaply
 from fprc.config.rig import Rig
 from fprc.errors import EvaluationError, FprcError
@@ -30,6 +29,9 @@ from fprc.experiments.settings import RigSettings
 #: Takes points of shape (n, parameters); returns the logarithms of the errors of each, or None
 #: where the rig is impossible or implausible.
 Simulate = Callable[[np.ndarray], Sequence[Sequence[float] | None]]
+
+#: Marks the random stream of the smoother.
+_SMOOTHER = 20242
 
 #: Shares of a range closer to its ends than this are moved in: their normal scores are infinite.
 _EDGE = 1e-3
@@ -75,7 +77,7 @@ def draw_posterior(
     EvaluationError
         Too few points are possible; the sampler needs two for each parameter.
     """
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng([seed, _SMOOTHER])
     # the differences of fewer points do not span the space
     least = 2 * prior.shape[1] if sweeps else 3
     points, logs = _possible(prior, simulate, least)
@@ -140,13 +142,13 @@ def prior_point(
     seed: int, ensemble: Mapping[str, Any], free: Sequence[Free], on_rig: RigSettings
 ) -> np.ndarray:
     """Return the normal scores of the parameters of a rig of the ensemble."""
-    drawn, _ = draw_rig(seed, ensemble, free, on_rig)
-    return np.asarray(ndtri(np.clip(encode(drawn.rig, free), _EDGE, 1.0 - _EDGE)))
+    _, shares, _ = draw_rig(seed, ensemble, free, on_rig)
+    return np.asarray(ndtri(np.clip(shares, _EDGE, 1.0 - _EDGE)))
 
 
 def rig_at(point: Sequence[float], free: Sequence[Free], on_rig: RigSettings) -> RigSettings:
     """Return the settings with the rig whose parameters have these normal scores."""
-    return replace(on_rig, rig=resolved(decode(ndtr(point), on_rig.rig, free)))
+    return replace(on_rig, rig=decode(ndtr(point), on_rig.rig, free))
 
 
 def judge_member(
@@ -157,7 +159,7 @@ def judge_member(
     on_rig: RigSettings,
     models: Mapping[str, Any],
     surrogate: Mapping[str, int],
-    errors: Sequence[str],
+    ratios: Mapping[str, float],
 ) -> dict[str, Any]:
     """Return the logarithms of a rig's errors by the surrogate models, or why there are none.
 
@@ -165,16 +167,21 @@ def judge_member(
     ----------
     cell : Mapping
         ``point``, normal scores of the parameters, and the ``seed`` of the noise.
+    ratios : Mapping
+        Full models' errors over the surrogate's, by error.
     """
     try:
         drawn = rig_at(cell["point"], free, on_rig)
         Rig.model_validate(drawn.rig)
         judged = judge_cheaply(drawn, cell["seed"], models, surrogate, {}, {})
-    except (ValidationError, FprcError) as error:
+        logs = [math.log(ratio * judged["errors"][key]) for key, ratio in ratios.items()]
+    except (FprcError, ValueError) as error:  # ValueError: of pydantic, or a log of 0
         return {"impossible": " ".join(str(error).split())}
+    if not np.isfinite(logs).all():
+        return {"impossible": "an error is not finite"}
     if not is_plausible(judged["properties"], ensemble):
         return {"impossible": "another angle or swing of P_o than plausible"}
-    return {"logs": [float(np.log(judged["errors"][key])) for key in errors]}
+    return {"logs": logs}
 
 
 def _possible(points: np.ndarray, simulate: Simulate, least: int) -> tuple[np.ndarray, np.ndarray]:

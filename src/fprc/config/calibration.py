@@ -159,7 +159,9 @@ class Posterior(Section):
         240, "-", (10, 1_000_000), "draws from the ensemble; those that stay plausible remain"
     )
     chunk: int = quantity(20, "-", (1, 100000), "rigs per job")
-    seed: int = quantity(5000, "-", (0, 2**31), "seed of the draws; each rig's noise has its own")
+    seed: int = quantity(
+        5000, "-", (2, 2**31 - 2**24), "seed of the draws; each rig's noise has its own"
+    )
     tolerance: float = quantity(
         0.1, "-", (0.01, 1), "standard deviation of the logarithm of an error from the printed one"
     )

@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 
 from fprc.artifacts import read_json, write_csv
-from fprc.calibration.objective import CLAIMS
+from fprc.calibration.objective import CLAIMS, tables_percent
 from fprc.figures import style
 from fprc.figures.ensemble import plot_correlations, plot_front, plot_shares_of_rigs
 
@@ -40,11 +40,11 @@ def draw_ensemble(summary: str, pdf: str, png: str) -> Mapping[str, Any]:
 def draw_front(fits: Sequence[str], csv: str, pdf: str, png: str) -> Mapping[str, Any]:
     """Draw fronts between tables and claims, and where the searches ended.
 
-    A search counts if its objective held as many terms as any other's.
+    Only of searches that were asked for the tables and for every claim.
     """
+    asked = {"tables", *CLAIMS}
     reports = {Path(path).stem: read_json(path) for path in fits}
-    most = max(len(report.get("fit", ())) for report in reports.values())
-    reports = {name: own for name, own in reports.items() if len(own.get("fit", ())) == most}
+    reports = {name: own for name, own in reports.items() if asked <= set(own.get("fit", ()))}
     rows = []
     for name, report in reports.items():
         ended = {
@@ -57,8 +57,7 @@ def draw_front(fits: Sequence[str], csv: str, pdf: str, png: str) -> Mapping[str
                 "search": name,
                 "rigs": report["evaluations"],
                 "kind": kind,
-                # the objective divides the logarithms by 5 %
-                "tables_percent": 5.0 * (own["tables"] / len(report["targets_kpa"])) ** 0.5,
+                "tables_percent": tables_percent(own["tables"], len(report["targets_kpa"])),
                 "claims_loss": own["claims"],
             }
             for kind, own in of_search

@@ -1,7 +1,5 @@
 """Draw rigs that are compatible with the printed errors, and judge the claims' numbers on them."""
 
-import hashlib
-import json
 import logging
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -13,9 +11,10 @@ import numpy as np
 
 from fprc.artifacts import read_json, write_json
 from fprc.calibration.ensemble import judge_drawn
-from fprc.calibration.fit import free_parameters, printed_errors
+from fprc.calibration.fit import free_parameters, full_errors, printed_errors, ratios_to_full
 from fprc.calibration.posterior import draw_posterior, judge_member, prior_point, rig_at
-from fprc.evaluation.cells import run_cells
+from fprc.calibration.surrogate import judge_cheaply
+from fprc.evaluation.cells import checkpoint_key, run_cells
 from fprc.experiments.settings import RigSettings
 from fprc.yaml_file import read_yaml
 
@@ -30,7 +29,7 @@ def draw_members(
     ensemble: Mapping[str, Any],
     free: Mapping[str, Any],
     on_rig: Mapping[str, Any],
-    models: Mapping[str, Any],
+    judgement: Mapping[str, Any],
     surrogate: Mapping[str, int],
     workers: int,
     checkpoint: str,
@@ -45,21 +44,35 @@ def draw_members(
     ----------
     posterior : Mapping
         That section of the configuration without ``chunk``.
+    ensemble : Mapping
+        Plausible ranges: ``angle_deg`` and ``p_o_swing_kpa``.
     free : Mapping
         Arguments of ``free_parameters``: ``paths`` and ``ranges``.
     on_rig : Mapping
-        Arguments of ``RigSettings``.
+        Arguments of ``RigSettings``; of its rig are the parameters that are not free.
+    judgement : Mapping
+        Arguments of ``Judgement`` without the seed.
     """
     errors = printed_errors(read_yaml(published))
+    models = judgement["models"]
     settings: dict[str, Any] = {
         "ensemble": ensemble,
         "free": free_parameters(**free),
         "on_rig": RigSettings(**on_rig),
     }
-    depends_on = [posterior, ensemble, free, on_rig, models, surrogate, errors, version]
-    key = hashlib.sha256(json.dumps(depends_on, sort_keys=True).encode()).hexdigest()
+    key = checkpoint_key([posterior, ensemble, free, on_rig, judgement, surrogate, errors, version])
+    log.info("judging the rig of the configuration, for the surrogate's ratios")
+    own, seeds_of_ratios = settings["on_rig"], range(posterior["seed"] - 2, posterior["seed"])
+    ratios = ratios_to_full(
+        full_errors(own, seeds_of_ratios, workers, judgement),
+        [judge_cheaply(own, seed, models, surrogate, {}, {}) for seed in seeds_of_ratios],
+    )
     judge = partial(
-        judge_member, **settings, models=models, surrogate=surrogate, errors=list(errors)
+        judge_member,
+        **settings,
+        models=models,
+        surrogate=surrogate,
+        ratios={name: ratios[name] for name in errors},
     )
     run = partial(run_cells, workers=workers, checkpoint=checkpoint, key=key)
     numbers = range(posterior["seed"], posterior["seed"] + posterior["rigs"])
@@ -120,7 +133,6 @@ def judge_members(
     """
     drawn = read_json(members)["members"]
     cells = [drawn[number] for number in numbers if number < len(drawn)]
-    depends_on = [free, on_rig, tracking, judgement, version]
     judged = run_cells(
         partial(
             _judge,
@@ -132,7 +144,7 @@ def judge_members(
         cells,
         workers=1,
         checkpoint=checkpoint,
-        key=hashlib.sha256(json.dumps(depends_on, sort_keys=True).encode()).hexdigest(),
+        key=checkpoint_key([free, on_rig, tracking, judgement, version]),
     )
     write_json(rigs, {"source": "sim", "rigs": judged})
     Path(checkpoint).unlink()

@@ -1,12 +1,15 @@
 """Compare rigs side by side, and judge the claims on sets of many rigs."""
 
+import math
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from fprc import tables
 from fprc.artifacts import read_json, write_csv, write_json, write_text
+from fprc.calibration.fit import errors_of, printed_errors
 from fprc.claims import Results, judge_claims, parts_of, status_of
 from fprc.claims.ensemble import JUDGED_BY_RIG, shares_of
 from fprc.claims.ledger import TIMED
@@ -72,40 +75,64 @@ def compare_rigs(
     write_text(tex, tables.latex(page, note))
 
 
-def summarise_rigs(published: str, chunks: Sequence[str], summary: str, *, drawn: str) -> None:
+def summarise_rigs(
+    published: str,
+    chunks: Sequence[str],
+    summary: str,
+    *,
+    drawn: str,
+    terms: Sequence[str],
+) -> None:
     """Judge the claims rig by rig; write shares, intervals and correlations.
 
-    ``drawn`` says how the rigs were drawn.
+    Parameters
+    ----------
+    drawn : str
+        How the rigs were drawn.
+    terms : sequence of str
+        What they were fitted to, as in ``calibration.fit``.
     """
     printed = read_yaml(published)
     rigs = [rig for path in chunks for rig in read_json(path)["rigs"]]
     good = [rig for rig in rigs if "failed" not in rig]
     if not good:
-        raise FprcError(
-            f"none of the {len(rigs)} rigs of the ensemble could be judged; the first: "
-            f"{rigs[0]['failed']}"
-        )
+        first = rigs[0]["failed"] if rigs else "there are none"
+        raise FprcError(f"none of the {len(rigs)} rigs could be judged; the first: {first}")
     claims = [claim for claim in parts_of(printed["claims"]) if claim["id"] in JUDGED_BY_RIG]
-    verdicts = [
-        {
-            row["id"]: row["verdict"]
-            for row in judge_claims(
-                claims, Results([rig["compared"]], [], [rig["measured"]], {}, {}), printed
-            )
-        }
+    ledgers = [
+        judge_claims(claims, Results([rig["compared"]], [], [rig["measured"]], {}, {}), printed)
         for rig in good
     ]
+    verdicts = [{row["id"]: row["verdict"] for row in ledger} for ledger in ledgers]
+    (worth,) = zip(*(_means(ledger, "C4b") for ledger in ledgers), strict=True)
     parameters = [rig["parameters"] for rig in good]
+    targets = printed_errors(printed)
+    off = [
+        math.log(own[key] / targets[key])
+        for own in (errors_of(rig["compared"]) for rig in good)
+        for key in targets
+    ]
     write_json(
         summary,
         {
             "source": "sim",
             "drawn": drawn,
+            "terms": list(terms),
             "seeds": [rig["seed"] for rig in rigs],
             "parameters": list(parameters[0]),
             "rigs": len(rigs),
             "failed": len(rigs) - len(good),
             "draws": sum(rig.get("draws", 0) for rig in rigs),
-            "claims": shares_of(claims, verdicts, parameters),
+            "deviation": float(np.sqrt(np.mean(np.square(off)))),
+            "worth": np.quantile(worth, (0.5, 0.025, 0.975)).tolist(),
+            "claims": [
+                {**row, "rig": status_of(row["id"], terms)}
+                for row in shares_of(claims, verdicts, parameters)
+            ],
         },
     )
+
+
+def _means(ledger: Sequence[Mapping[str, Any]], claim: str) -> list[float]:
+    """Return the numbers of a claim's statements."""
+    return [each["mean"] for row in ledger if row["id"] == claim for each in row["statements"]]

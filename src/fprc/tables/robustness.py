@@ -24,7 +24,10 @@ def ensemble(summary: Mapping[str, Any]) -> pd.DataFrame:
         ranked = sorted(claim["correlations"].items(), key=lambda item: -abs(item[1]))
         decisive = [pair for pair in ranked if abs(pair[1]) > claim["least_significant"]]
         rows.append(
-            {key: claim[key] for key in ("id", "claim", "holds", "rigs", "share", "low", "high")}
+            {
+                key: claim[key]
+                for key in ("id", "claim", "rig", "holds", "rigs", "share", "low", "high")
+            }
             | {
                 "decided_by": "; ".join(f"{path} ({rho:+.2f})" for path, rho in decisive),
                 "strongest": f"{ranked[0][0]} ({ranked[0][1]:+.2f})" if ranked else "",
@@ -41,6 +44,7 @@ def ensemble_page(table: pd.DataFrame) -> pd.DataFrame:
         {
             "Claim": row.id,
             "Text": row.claim,
+            "By this set": row.rig,
             "Holds on": f"{row.holds} of {row.rigs}",
             "Share, 95 % interval": f"{100 * row.share:.0f} % "
             f"({100 * row.low:.0f} to {100 * row.high:.0f})",

@@ -162,7 +162,8 @@ def test_all_parts_of_a_judgement_are_of_one_rig_and_one_seed(judge, on_rig):
 @pytest.fixture
 def draw(on_rig, drawing):
     def call(seed=SEED, **changes):
-        return ensemble.draw_rig(seed, drawing | changes, FREE, on_rig)
+        drawn, _, draws = ensemble.draw_rig(seed, drawing | changes, FREE, on_rig)
+        return drawn, draws
 
     return call
 
@@ -261,7 +262,8 @@ def test_draw_that_breaks_a_rule_is_thrown_away(on_rig):
     rng, broken = stream(2), 0
     while breaks_a_rule(decode(rng.uniform(size=2), on_rig.rig, free)):
         broken += 1
-    drawn, draws = ensemble.draw_rig(2, WIDE, free, on_rig)
+    drawn, shares, draws = ensemble.draw_rig(2, WIDE, free, on_rig)
+    assert drawn.rig == decode(shares, on_rig.rig, free)
     assert not breaks_a_rule(drawn.rig)
     assert draws == broken + 1 > 1
 
@@ -388,7 +390,9 @@ def summarise(tmp_path):
         for number, rigs in enumerate(chunks):
             paths.append(str(tmp_path / f"{number}.json"))
             write_json(paths[-1], {"source": "sim", "rigs": rigs})
-        summarise_rigs(str(PUBLISHED), paths, str(tmp_path / "summary.json"), drawn="rigs")
+        summarise_rigs(
+            str(PUBLISHED), paths, str(tmp_path / "summary.json"), drawn="rigs", terms=[]
+        )
         return read_json(tmp_path / "summary.json")
 
     return call

@@ -52,6 +52,7 @@ def claim(name, holds, correlations):
     return {
         "id": name,
         "claim": TEXTS[name],
+        "rig": "fitted",
         "holds": holds,
         "rigs": 38,
         "share": share,
@@ -84,6 +85,8 @@ def make_summary():
         "failed": 2,
         "draws": 123,
         "drawn": "rigs that were drawn",
+        "deviation": 0.14,
+        "worth": [0.9, 0.7, 1.2],
         "claims": [
             claim(name, *named.get(name, (25, correlations(-0.6)))) for name in JUDGED_BY_RIG
         ],
@@ -128,9 +131,9 @@ def test_page_of_the_ensemble_is_what_a_person_reads(summary):
     page = tables.ensemble_page(tables.ensemble(summary)).set_index("Claim")
     assert has_no_gap(page)
     assert page.loc["C2"].tolist() == [
-        TEXTS["C2"], "19 of 38", "50 % (38 to 62)", f"{PATHS[1]} (-0.90); {PATHS[0]} (+0.50)",
+        TEXTS["C2"], "fitted", "19 of 38", "50 % (38 to 62)", f"{PATHS[1]} (-0.90); {PATHS[0]} (+0.50)",
     ]  # fmt: skip
-    assert page.loc["C3"].tolist() == [TEXTS["C3"], "38 of 38", "100 % (88 to 100)", "-"]
+    assert page.loc["C3"].tolist() == [TEXTS["C3"], "fitted", "38 of 38", "100 % (88 to 100)", "-"]
 
 
 def test_files_of_the_ensemble_say_what_it_is(summary, tmp_path):
