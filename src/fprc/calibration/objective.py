@@ -72,7 +72,7 @@ def deviations(judged: Judged, aim: Aim) -> dict[str, np.ndarray]:
 
 
 def tables_percent(loss: float, errors: int) -> float:
-    """Return the rms deviation of the errors, in %, that a loss of the term ``tables`` stands for."""
+    """Return the rms deviation of the errors, in %, of a loss of the term ``tables``."""
     return 100.0 * _TABLES * math.sqrt(loss / errors)
 
 

@@ -131,7 +131,8 @@ def test_page_of_the_ensemble_is_what_a_person_reads(summary):
     page = tables.ensemble_page(tables.ensemble(summary)).set_index("Claim")
     assert has_no_gap(page)
     assert page.loc["C2"].tolist() == [
-        TEXTS["C2"], "fitted", "19 of 38", "50 % (38 to 62)", f"{PATHS[1]} (-0.90); {PATHS[0]} (+0.50)",
+        TEXTS["C2"], "fitted", "19 of 38", "50 % (38 to 62)",
+        f"{PATHS[1]} (-0.90); {PATHS[0]} (+0.50)",
     ]  # fmt: skip
     assert page.loc["C3"].tolist() == [TEXTS["C3"], "fitted", "38 of 38", "100 % (88 to 100)", "-"]
 
