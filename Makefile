@@ -6,7 +6,7 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: help paper smoke quick types lint tests test test-kill reproduce-twice processors slurm test-slurm \
-	docs layers scaling fault-matrix fuzz loop-benchmark benchmark benchmark-all clean
+	docs layers lowest newest scaling fault-matrix fuzz loop-benchmark benchmark benchmark-all clean
 
 help:  ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  %-16s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -75,7 +75,7 @@ scaling: .venv/.ready  ## measure the numbers in docs/scaling.md
 	snakemake --cores $(CORES) scaling_page
 
 docs: .venv/.ready  ## update numbers and pictures in README.md and docs/calibration.md
-	snakemake --cores $(CORES) readme calibration_page
+	snakemake --cores $(CORES) --configfile config/docs.yaml -- readme calibration_page
 
 layers: .venv/.ready  ## draw the packages in CONTRIBUTING.md from the imports
 	python tests/layers.py
@@ -88,6 +88,24 @@ CASES ?= 10000
 SEED ?= 1
 fuzz: .venv/.ready  ## run the commands on 10,000 damaged files: a quarter of an hour
 	python tests/fuzz --cases $(CASES) --seed $(SEED) $(PAGE:%=--write %)
+
+# With old libraries, newer ones warn, and scikit-learn has no strict list of failing checks.
+lowest:  ## run the unit tests with the oldest libraries that pyproject.toml allows
+	$(PYTHON) -m venv .venv/lowest
+	.venv/lowest/bin/python -c 'import tomllib; \
+	  needs = tomllib.load(open("pyproject.toml", "rb"))["project"]["dependencies"]; \
+	  print(*(need.replace(">=", "==") for need in needs), sep="\n")' > .venv/lowest/lowest.txt
+	.venv/lowest/bin/python -m pip install --quiet --disable-pip-version-check \
+	  --requirement .venv/lowest/lowest.txt --editable '.[readout,test]'
+	.venv/lowest/bin/python -m pytest --quiet -m "not slow" --override-ini filterwarnings=default \
+	  --ignore tests/unit/models/test_sklearn_checks.py tests/unit $(PYTEST)
+
+NEWEST ?= python3.13
+newest:  ## run the unit tests with the newest Python and libraries: NEWEST=python3.13
+	$(NEWEST) -m venv .venv/newest
+	.venv/newest/bin/python -m pip install --quiet --disable-pip-version-check --upgrade \
+	  --editable '.[readout,test]'
+	.venv/newest/bin/python -m pytest --quiet -m "not slow" tests/unit $(PYTEST)
 
 loop-benchmark: .venv/.ready  ## measure the timing of the real rig's loop on this computer
 	python tests/faults/benchmark_loop.py

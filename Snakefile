@@ -1,4 +1,5 @@
 # The paper from raw logs to tables and figures. Targets: workflow/rules/targets.smk
+from functools import cache
 from math import prod
 from pathlib import Path
 
@@ -7,7 +8,7 @@ from snakemake.io import regex_from_filepattern
 from snakemake.utils import min_version
 
 from fprc.artifacts import refuse_unwritable
-from fprc.config import from_files
+from fprc.config import PUBLISHED, from_files, rig_file, rig_files
 from fprc.errors import FprcError
 from fprc.fingerprint import fingerprint
 from fprc.paper import EXPERIMENTS, REFERENCES, GRID_MODELS, GRID_SETTINGS, run_log

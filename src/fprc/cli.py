@@ -1,6 +1,7 @@
-"""Command line: ``fprc config``, ``calibrate``, ``import``, ``readout``, ``rig``, ``log``."""
+"""Command line: ``fprc config``, ``calibrate``, ``import``, ``rig``, ``readout``, and others."""
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 from typing import Any
@@ -11,9 +12,30 @@ from fprc.errors import FprcError
 #: What ``add_subparsers`` returns; argparse has no public name for it.
 Groups = Any
 
+_CONFIGURATION = (
+    "configuration; later files override earlier ones (default: config/config.yaml if there is "
+    "one, else the defaults)"
+)
+
+
+#: Exit code of a program whose reader has gone, as shells give it.
+_BROKEN_PIPE = 141
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code."""
+    try:
+        try:
+            return _run(arguments)
+        finally:
+            sys.stdout.flush()
+    except BrokenPipeError:  # nothing reads the output any more, as after `| head`
+        # Python flushes once more when it exits
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return _BROKEN_PIPE
+
+
+def _run(arguments: Sequence[str] | None) -> int:
     options = _parser().parse_args(arguments)
     try:
         return options.run(options) or 0
@@ -39,7 +61,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"fprc {__version__}")
     groups = parser.add_subparsers(required=True, metavar="GROUP")
-    for add in (_add_config, _add_calibrate, _add_import, _add_rig, _add_readout, _add_log):
+    for add in (
+        _add_config, _add_calibrate, _add_import, _add_rig, _add_readout, _add_export, _add_log,
+    ):  # fmt: skip
         add(groups)
     return parser
 
@@ -56,6 +80,11 @@ def _add_config(groups: Groups) -> None:
         ("reference", "print docs/configuration.md"),
     ):
         verbs.add_parser(name, help=what).set_defaults(run=_print_config, page=name)
+    rig = verbs.add_parser("rig", help="print the parameters of a fitted rig")
+    rig.add_argument("name", nargs="?", metavar="NAME", help="default: the rig of the defaults")
+    rig.set_defaults(run=_print_rig)
+    published = verbs.add_parser("published", help="print the numbers of the paper, as YAML")
+    published.set_defaults(run=_print_published)
 
 
 def _check_config(options: argparse.Namespace) -> None:
@@ -71,6 +100,18 @@ def _print_config(options: argparse.Namespace) -> None:
     print(getattr(reference, options.page)(), end="")
 
 
+def _print_rig(options: argparse.Namespace) -> None:
+    from fprc.config.load import RIG, rig_file
+
+    print(rig_file(options.name or RIG).read_text(encoding="utf-8"), end="")
+
+
+def _print_published(options: argparse.Namespace) -> None:
+    from fprc.config import PUBLISHED
+
+    print(PUBLISHED.read_text(encoding="utf-8"), end="")
+
+
 def _add_calibrate(groups: Groups) -> None:
     calibrate = groups.add_parser(
         "calibrate",
@@ -82,11 +123,12 @@ def _add_calibrate(groups: Groups) -> None:
         "files",
         nargs="*",
         metavar="FILE",
-        default=["config/config.yaml"],
-        help="configuration; later files override earlier ones (default: %(default)s)",
+        help=_CONFIGURATION,
     )
     calibrate.add_argument("--out", default="config/rigs/fitted.yaml", help="default: %(default)s")
-    calibrate.add_argument("--published", default="config/published.yaml", help="printed numbers")
+    calibrate.add_argument(
+        "--published", metavar="FILE", help="default: what `fprc config published` prints"
+    )
     calibrate.add_argument(
         "--minutes", type=float, help="time limit (default: the configuration's)"
     )
@@ -150,8 +192,8 @@ def _add_rig(groups: Groups) -> None:
             "--config",
             nargs="+",
             metavar="FILE",
-            default=["config/config.yaml"],
-            help="configuration; later files override earlier ones (default: %(default)s)",
+            default=[],
+            help=_CONFIGURATION,
         )
 
 
@@ -184,6 +226,13 @@ def _add_readout(groups: Groups) -> None:
     )
     readout.add_argument("source", metavar="SOURCE")
     readout.add_argument("--map", required=True, metavar="MAP.yaml", help="columns, units, parts")
+    readout.add_argument(
+        "--train",
+        nargs="+",
+        default=[],
+        metavar="FILE",
+        help="further recordings with the same columns, which train as a whole",
+    )
     readout.add_argument("--out", metavar="FOLDER", help="default: results/ and SOURCE's name")
     readout.add_argument(
         "--config", nargs="+", default=[], metavar="FILE", help="settings of the models"
@@ -199,9 +248,37 @@ def _readout(options: argparse.Namespace) -> None:
         options.source,
         options.map,
         options.out,
+        train=options.train,
         config=options.config,
         workers=options.workers,
     )
+
+
+def _add_export(groups: Groups) -> None:
+    export = groups.add_parser(
+        "export",
+        help="turn a fitted model into C code for a controller",
+        description="Turn a fitted FPRC or Fuzzy-linear into one C99 header without memory "
+        "allocation. docs/deploy.md shows its use.",
+    )
+    export.add_argument("model", metavar="MODEL.h5", help="for example models/sweep_fprc.h5")
+    export.add_argument(
+        "--c",
+        metavar="NAME.h",
+        dest="header",
+        required=True,
+        help="header to write; NAME begins every name in it",
+    )
+    export.add_argument(
+        "--float", action="store_true", dest="single", help="compute with float (default: double)"
+    )
+    export.set_defaults(run=_export)
+
+
+def _export(options: argparse.Namespace) -> None:
+    from fprc.commands.export import export_c
+
+    export_c(options.model, options.header, single=options.single)
 
 
 def _add_log(groups: Groups) -> None:

@@ -1,11 +1,14 @@
 """One decorator for compiled functions, with a cache that cannot go stale."""
 
 import hashlib
+import tempfile
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numba
+from numba.misc.appdirs import user_cache_dir
 
 _CONFIG: Any = numba.config
 
@@ -17,11 +20,20 @@ def kernel(function: Callable[..., Any], **options: Any) -> Callable[..., Any]:
     file changes that defines a function it calls. The name of the cache folder
     therefore holds a hash of this file and of all sources of the kernel's package.
     A kernel must not call a kernel of another package.
+
+    The folder is below ``NUMBA_CACHE_DIR`` if that is set, else in the package's
+    ``__pycache__``. If it cannot be written, it is in the user's folder for
+    caches; if neither can, each process compiles again.
     """
+    package = Path(function.__code__.co_filename).parent
+    wanted = _cache_folder(package)
+    of_user = user_cache_dir("fprc", appauthor=False)  # type: ignore[no-untyped-call]
+    folders = (wanted, Path(of_user, package.name, wanted.name))
+    folder = next(filter(_is_writable, folders), None)
     before = _CONFIG.CACHE_DIR
-    _CONFIG.CACHE_DIR = str(_cache_folder(Path(function.__code__.co_filename).parent))
+    _CONFIG.CACHE_DIR = str(folder or before)
     try:
-        return numba.njit(cache=True, error_model="numpy", **options)(function)
+        return numba.njit(cache=folder is not None, error_model="numpy", **options)(function)
     finally:
         _CONFIG.CACHE_DIR = before
 
@@ -37,3 +49,16 @@ def _cache_folder(package: Path) -> Path:
         digest.update(source.read_bytes())
     folder = Path(_CONFIG.CACHE_DIR or package / "__pycache__")
     return folder / f"kernels-{digest.hexdigest()[:16]}"
+
+
+@cache
+def _is_writable(folder: Path) -> bool:
+    """Create a folder, and return whether files can be written there."""
+    if str(folder).startswith("~"):  # the user has no home
+        return False
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError:
+        return False

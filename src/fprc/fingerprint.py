@@ -12,8 +12,13 @@ from collections.abc import Iterator
 from functools import cache
 from importlib.util import resolve_name
 from pathlib import Path
+from sysconfig import get_path
 
 import fprc
+
+#: Folders of libraries: Python's own, and names of those of installed packages.
+_STANDARD = get_path("stdlib")
+_INSTALLED = {"site-packages", "dist-packages"}
 
 
 def fingerprint(*modules: str) -> str:
@@ -44,7 +49,7 @@ def _defining(module: str, name: str) -> str:
     path = _path(module)
     if path and path.name == "__init__.py":
         for origin, imported in _source(module)[1]:
-            if imported == name and _path(origin):
+            if imported == name and origin != module and _path(origin):
                 return _defining(origin, name)
     return module
 
@@ -57,9 +62,10 @@ def _path(module: str) -> Path | None:
         path = Path(fprc.__path__[0]).joinpath(*rest)
         files = (path / "__init__.py", path.with_suffix(".py"))
         return next((file for file in files if file.is_file()), None)
-    file = getattr(sys.modules.get(module), "__file__", None) or ""
-    is_library = file.startswith((sys.prefix, sys.base_prefix)) or not file.endswith(".py")
-    return None if is_library else Path(file)
+    path = Path(getattr(sys.modules.get(module), "__file__", None) or "")
+    # libraries may be outside this environment: those of the system, or of the user
+    is_library = path.is_relative_to(_STANDARD) or _INSTALLED.intersection(path.parts)
+    return None if is_library or path.suffix != ".py" else path
 
 
 @cache

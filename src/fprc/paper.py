@@ -43,7 +43,7 @@ REFERENCE_NAMES = {
     "disturbance": "Sine 0.3 Hz, disturbed",
 }
 
-#: Sections of ``config/published.yaml`` with the printed errors, by training log.
+#: Sections of ``published.yaml`` with the printed errors, by training log.
 PRINTED = {"sweep": "table_2_models", "complex": "table_3_reversed"}
 
 ERRORS = {

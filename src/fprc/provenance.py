@@ -32,7 +32,7 @@ def describe(
     data : Mapping
         Attributes of the data: ``source``, and ``seed`` or ``seeds`` if there are any.
     inputs, outputs : sequence of str
-        Files; each is given with its SHA-256.
+        Files; each is given with its SHA-256. Those of this package are named ``fprc/...``.
     settings : Mapping
         The whole configuration; only its hash is kept.
 
@@ -54,9 +54,16 @@ def describe(
         "dirty": dirty,
         "config_sha256": hash_of(settings),
         "versions": versions(),
-        "inputs": {path: sha256(path) for path in inputs},
+        "inputs": {_anywhere(path): sha256(path) for path in inputs},
         "outputs": {path: sha256(path) for path in outputs},
     }
+
+
+def _anywhere(path: str) -> str:
+    """Return a file's path; if the file is in this package, as on any other computer."""
+    package = Path(fprc.__path__[0])
+    inside = Path(path).is_relative_to(package)
+    return f"fprc/{Path(path).relative_to(package).as_posix()}" if inside else path
 
 
 def hash_of(settings: Mapping[str, Any]) -> str:

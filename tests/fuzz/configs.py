@@ -81,10 +81,13 @@ def compare(folder: Path, wrong: str) -> Verdict:
     except reading.UnclearError as error:
         return SILENT, f"accepted without a unique meaning: {str(error)[:200]}"
     got = from_files([folder / NAME]).model_dump(mode="json")
+    defaults = from_files([]).model_dump(mode="json")
+    if {"rig", "fitted"} <= said.keys():  # a whole rig
+        defaults["rig"] = _defaults()["rig"]
     if "rig" in said and "fitted" not in said:
         # a rig of numbers is not a fitted one
         del got["fitted"]
-    other = reading.differing(got, said, _defaults())
+    other = reading.differing(got, said, defaults)
     return (SILENT, "; ".join(other)[:500]) if other else (SAME, "")
 
 

@@ -1,10 +1,14 @@
 import json
+import os
+import subprocess
+import sys
 from importlib.metadata import entry_points
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+import yaml
 
 from fprc import __version__
 from fprc.cli import main
@@ -86,6 +90,35 @@ def test_errors_of_a_configuration_go_to_stderr_without_a_traceback(tmp_path, ca
 def test_absent_configuration_is_an_error(tmp_path, capsys):
     assert main(["config", "check", str(tmp_path / "none.yaml")]) == 1
     assert str(tmp_path / "none.yaml") in capsys.readouterr().err
+
+
+def test_rig_and_printed_numbers_are_printed_as_yaml(capsys):
+    assert main(["config", "rig", "viscous"]) == 0
+    assert yaml.safe_load(capsys.readouterr().out)["fitted"]["name"] == "viscous"
+    assert main(["config", "rig"]) == 0
+    assert yaml.safe_load(capsys.readouterr().out)["fitted"]["name"] == reference.RIG
+    assert main(["config", "published"]) == 0
+    assert yaml.safe_load(capsys.readouterr().out)["rig"]["k_in_kpa_per_deg"] == 7.0
+
+
+def test_unknown_rig_is_an_error_with_the_names_that_there_are(capsys):
+    assert main(["config", "rig", "wet"]) == 1
+    assert "use dry or viscous" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+@pytest.mark.parametrize("command", [["rig", "run", "list"], ["config", "schema"]])
+def test_output_that_nothing_reads_ends_the_command_without_a_traceback(command, unbuffered):
+    read, write = os.pipe()
+    os.close(read)
+    done = subprocess.run(
+        [sys.executable, "-c", "import sys; from fprc.cli import main; sys.exit(main())", *command],
+        stdout=write,
+        stderr=subprocess.PIPE,
+        env=os.environ | {"PYTHONUNBUFFERED": unbuffered},
+    )
+    os.close(write)
+    assert (done.returncode, done.stderr) == (141, b"")
 
 
 # --- log ----------------------------------------------------------------------------------------

@@ -99,3 +99,33 @@ def test_cache_cannot_go_stale_in_a_folder_of_the_users_choice(
     (package / "friction.py").write_text("# rewritten\n", encoding="utf-8")
     kernel_of()(1.0)
     assert len(set(chosen.rglob("*.nbi")) - old) == 1
+
+
+@pytest.fixture
+def blocked(package, tmp_path, monkeypatch):
+    """Make the package's own cache a file, so that there can be no folder; return the user's."""
+    monkeypatch.setattr(numba.config, "CACHE_DIR", "")
+    (package / "__pycache__").write_text("", encoding="utf-8")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "users"))
+    return tmp_path / "users"
+
+
+def test_package_that_cannot_be_written_is_cached_in_the_users_folder(blocked, package, kernel_of):
+    assert kernel_of()(3.0) == 6.0
+    folder = blocked / "fprc/rig" / compiled._cache_folder(package).name
+    assert list(folder.rglob("*.nbi")) == list(blocked.rglob("*.nbi")) != []
+
+
+def test_without_any_folder_it_is_compiled_and_not_cached(blocked, kernel_of, tmp_path):
+    blocked.write_text("", encoding="utf-8")
+    assert kernel_of()(3.0) == 6.0
+    assert not list(tmp_path.rglob("*.nbi"))
+
+
+@pytest.mark.usefixtures("blocked")
+def test_user_without_a_home_gets_no_folder_called_tilde(kernel_of, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("XDG_CACHE_HOME")
+    monkeypatch.setenv("HOME", "~")
+    assert kernel_of()(3.0) == 6.0
+    assert not (tmp_path / "~").exists()

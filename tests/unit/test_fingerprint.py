@@ -190,6 +190,26 @@ def test_library_counts_only_if_it_is_named():
     )
 
 
+@pytest.mark.parametrize("folder", ["site-packages", "dist-packages"])
+def test_library_of_another_environment_does_not_count(mine, tmp_path, monkeypatch, folder):
+    """As with `pip install --user`, or libraries of the system."""
+    (tmp_path / folder).mkdir()
+    library = tmp_path / folder / "elsewhere.py"
+    library.write_text("LIMIT = 1\n", encoding="utf-8")
+    monkeypatch.syspath_prepend(str(library.parent))
+    importlib.import_module("elsewhere")
+    assert module._path("elsewhere") is None
+    assert module._path("helper") == mine / "helper.py"
+
+
+def test_name_that_a_package_imports_from_itself_is_no_obstacle(mine):
+    (mine / "mine/__init__.py").write_text("from . import compiled\n", encoding="utf-8")
+    (mine / "model.py").write_text("from mine import compiled\n", encoding="utf-8")
+    before = code("model")
+    edit(mine / "mine/__init__.py", "compiled", "compiled as compiled")
+    assert code("model") != before
+
+
 @pytest.fixture
 def ours(tmp_path, monkeypatch):
     """Take a copy of our own package for it, free to change."""

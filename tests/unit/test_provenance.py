@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fprc import provenance
+from fprc.config import PUBLISHED
 from fprc.provenance import checkout, describe, hash_of, versions
 
 needs_git = pytest.mark.skipif(shutil.which("git") is None, reason="no git here")
@@ -258,6 +259,13 @@ def test_description_holds_code_settings_and_versions(files, monkeypatch):
 def test_data_without_a_source_is_an_error(files):
     with pytest.raises(KeyError, match="source"):
         described({"seed": 7}, files)
+
+
+def test_file_of_the_package_is_named_as_on_any_computer():
+    found = describe({"source": "sim"}, inputs=[str(PUBLISHED)], outputs=[], settings={})
+    assert found["inputs"] == {
+        "fprc/config/published.yaml": hashlib.sha256(PUBLISHED.read_bytes()).hexdigest()
+    }
 
 
 def test_input_that_is_gone_is_an_error(tmp_path):

@@ -252,7 +252,17 @@ def calibrated(smoked, shared):
         # and a grid again, in chunks this time
         taps = "results/smoke/grids/taps.json"
         (folder / taps).unlink()
-        made = copy.smoke("ensemble", "targets", "rigs", taps, "--config", "grids={chunks: 3}")
+        figures = [f"results/smoke/{name}.pdf" for name in ("rigs/front", "calibration/channels")]
+        made = copy.smoke(
+            "ensemble",
+            "posterior",
+            "targets",
+            "rigs",
+            *figures,
+            taps,
+            "--config",
+            "grids={chunks: 3}",
+        )
         done = copy.smoke("sensitivity", "calibrate", "--config", FEW_FREE)
         done.returncode = made.returncode or done.returncode
         done.stdout = made.stdout + done.stdout

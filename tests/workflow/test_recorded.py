@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from fprc.logs import write_raw
+from fprc.logs import read_columns, write_raw
 
 ARGUMENTS = ["--config", "source=recorded", "folders={raw: mylogs, results: results/mine}"]
 
@@ -36,7 +36,7 @@ def recording(project):
             write_raw(
                 project.folder / f"mylogs/{name}.h5",
                 {"time_s": time_s} | {channel: held[channel] for channel in channels},
-                experiment=name,
+                experiment=name.partition("_")[0],
                 source="import",
                 sample_rate_hz=200.0,
                 seed=0,
@@ -103,7 +103,7 @@ def test_simulated_reservoir_serves_what_p_o_was_missing_for(recording):
 @pytest.mark.slow
 def test_simulated_reservoir_is_named_wherever_its_data_are_shown(recording):
     asked = [*ARGUMENTS, "evaluation={reservoir: simulated}"]
-    project = recording("theta_deg", "p_exp_kpa")
+    project = recording("theta_deg", "p_exp_kpa", names=("sweep", "complex", "sweep_2"))
     before = project.files("mylogs")
     done = project.smoke("fig2", "fig4", "fig5", "fig8", "table2", *asked)
     assert done.returncode == 0, done.stdout
@@ -117,6 +117,8 @@ def test_simulated_reservoir_is_named_wherever_its_data_are_shown(recording):
     for name in ("fig02_reservoir", "fig05_hysteresis_reservoir"):
         sidecar = json.loads((results / f"figures/{name}.json").read_text())
         assert (sidecar["source"], sidecar["simulated"]) == ("import+sim", True)
+    trained = read_columns(results / "data/sweep.h5", ("time_s", "p_o_kpa"))
+    assert trained.attributes["recordings"] == {"sweep.h5": 2000, "sweep_2.h5": 2000}
 
 
 @pytest.mark.slow

@@ -75,7 +75,7 @@ PLANNED = [
     (["report"], {"report_page", "ledger", "draw_fig11"}, {"ensemble_chunk", "fit_rig"}),
     (
         ["ensemble", "targets", "smoke"],
-        {"ensemble_chunk", "ensemble_figure", "targets_table", "replicate", "smoke"},
+        {"ensemble_chunk", "shares_figure", "targets_table", "replicate", "smoke"},
         {"judge", "fit_rig"},
     ),
     (

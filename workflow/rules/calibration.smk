@@ -9,23 +9,48 @@ CHUNKS = {
     first: list(range(first, min(first + ENSEMBLE["chunk"], ENSEMBLE["rigs"])))
     for first in range(0, ENSEMBLE["rigs"], ENSEMBLE["chunk"])
 }
-#: Rigs that can be named, beside the one of these results: their settings.
+#: Where the end points of searches are.
+SEARCHES = Path("config/rigs/searches")
+#: Tables of rigs side by side, by their folder: rigs that can be named, and end points of searches.
 RIGS = {
-    path.stem: from_files([path]).model_dump(mode="json", include={"rig", "fitted"})
-    for path in sorted(Path("config/rigs").glob("*.yaml"))
-    if path.stem != SETTINGS["fitted"]["name"]
+    "rigs": {
+        name: path for name, path in rig_files().items() if name != SETTINGS["fitted"]["name"]
+    },
+    "searches": {path.stem: path for path in sorted(SEARCHES.glob("*.yaml"))},
 }
-#: Reports of the further seeds by part: those of this rig, then those of each other one.
-ON_RIGS = {
-    part: PLAN.replicates(part)
-    + [
-        PATHS.below(f"rigs/{rig}/{part}_{seed}.json")
-        for rig in RIGS
-        for seed in SETTINGS["evaluation"]["replicate_seeds"]
+RIG_FILES = RIGS["rigs"] | RIGS["searches"]
+#: Seeds that judge the end points of the searches.
+SEARCH_SEEDS = 10
+
+
+@cache
+def named_rig(name):
+    """Return the sections ``rig`` and ``fitted`` of a rig's file."""
+    return from_files([RIG_FILES[name]]).model_dump(mode="json", include={"rig", "fitted"})
+
+
+def on_rigs(part, table):
+    """Return the reports of the further seeds: those of this rig, then those of each other one."""
+    seeds = SETTINGS["evaluation"]["replicate_seeds"]
+    seeds = seeds[:SEARCH_SEEDS] if table == "searches" else seeds
+    return PLAN.replicates(part)[: len(seeds)] + [
+        PATHS.below(f"rigs/{rig}/{part}_{seed}.json") for rig in RIGS[table] for seed in seeds
     ]
-    for part in ("models", "grids", "control")
-}
+
+
 CHUNK_FILES = [PATHS.below(f"ensemble/rigs_{first}.json") for first in CHUNKS]
+POSTERIOR = SETTINGS["posterior"]
+MEMBERS = {
+    first: list(range(first, first + POSTERIOR["chunk"]))
+    for first in range(0, POSTERIOR["rigs"], POSTERIOR["chunk"])
+}
+MEMBER_FILES = [PATHS.below(f"posterior/rigs_{first}.json") for first in MEMBERS]
+#: How the rigs of each set were drawn.
+SETS = {
+    "ensemble": "rigs that were drawn from the physical ranges, not fitted",
+    "posterior": "rigs that are compatible with the training and test errors of Tables II and III; "
+    "no claim was asked of them",
+}
 
 
 rule fit_rig:
@@ -81,48 +106,123 @@ rule ensemble_chunk:
         "../scripts/stage.py"
 
 
-rule ensemble_summary:
+rule posterior_members:
     input:
         published=PUBLISHED,
-        chunks=CHUNK_FILES,
     output:
-        summary=PATHS.below("ensemble/summary.json"),
+        members=PATHS.below("posterior/members.json"),
     log:
-        PATHS.messages("ensemble_summary"),
+        PATHS.messages("posterior_members"),
+    threads: workflow.cores
+    resources:
+        mem_mb=memory_of,
+        runtime=480,
     params:
-        **stage("ensemble.summarise_rigs"),
+        **stage("posterior.draw_members", *MODELS, key="version"),
+        on_rig=on_rig(SETTINGS),
+        models=paper_models(SETTINGS),
+        posterior=pick(POSTERIOR, "rigs", "seed", "tolerance", "assimilations", "sweeps"),
+        ensemble=DRAWN,
+        free=FREE,
+        surrogate=SURROGATE,
+        workers=lambda wildcards, threads: threads,
+        checkpoint=PATHS.below("posterior/members.partial.jsonl"),
     message:
-        "Ensemble: claims rig by rig"
+        "Posterior: rigs that are compatible with Tables II and III"
     script:
         "../scripts/stage.py"
 
 
-rule ensemble_table:
+rule posterior_chunk:
     input:
-        summary=PATHS.below("ensemble/summary.json"),
+        members=PATHS.below("posterior/members.json"),
     output:
-        **PATHS.table("ensemble/claims"),
+        rigs=PATHS.below("posterior/rigs_{chunk}.json"),
     log:
-        PATHS.messages("ensemble_table"),
+        PATHS.messages("posterior_{chunk}"),
+    wildcard_constraints:
+        chunk="|".join(map(str, MEMBERS)),
+    resources:
+        mem_mb=2000,
+        runtime=120,  # grows with posterior.chunk
+    params:
+        **stage("posterior.judge_members", *MODELS, key="version"),
+        on_rig=on_rig(SETTINGS),
+        judgement=judgement(SETTINGS, without="seed", models=paper_models(SETTINGS)),
+        tracking=SETTINGS["tracking"],
+        numbers=lambda wildcards: MEMBERS[int(wildcards.chunk)],
+        free=FREE,
+        checkpoint=PATHS.below("posterior/rigs_{chunk}.partial.jsonl"),
+    message:
+        "Posterior: Tables II to IV on the rigs from number {wildcards.chunk}"
+    script:
+        "../scripts/stage.py"
+
+
+rule posterior_history:
+    input:
+        members=PATHS.below("posterior/members.json"),
+    output:
+        **PATHS.table("posterior/history"),
+    log:
+        PATHS.messages("posterior_history"),
+    params:
+        **stage("tabulate.tabulate_history"),
+    message:
+        "Posterior: deviation from print, step by step"
+    script:
+        "../scripts/stage.py"
+
+
+rule rigs_summary:
+    input:
+        published=PUBLISHED,
+        chunks=lambda wildcards: CHUNK_FILES if wildcards.set == "ensemble" else MEMBER_FILES,
+    output:
+        summary=PATHS.below("{set}/summary.json"),
+    log:
+        PATHS.messages("{set}_summary"),
+    wildcard_constraints:
+        set="|".join(SETS),
+    params:
+        **stage("rigs.summarise_rigs"),
+        drawn=lambda wildcards: SETS[wildcards.set],
+    message:
+        "Claims rig by rig: {wildcards.set}"
+    script:
+        "../scripts/stage.py"
+
+
+rule shares_table:
+    input:
+        summary=PATHS.below("{set}/summary.json"),
+    output:
+        **PATHS.table("{set}/claims"),
+    log:
+        PATHS.messages("{set}_table"),
+    wildcard_constraints:
+        set="|".join(SETS),
     params:
         **stage("tabulate.tabulate_ensemble"),
     message:
-        "Ensemble: table"
+        "Share of rigs on which each claim holds: {wildcards.set}, table"
     script:
         "../scripts/stage.py"
 
 
-rule ensemble_figure:
+rule shares_figure:
     input:
-        summary=PATHS.below("ensemble/summary.json"),
+        summary=PATHS.below("{set}/summary.json"),
     output:
-        **drawn(PATHS.below("ensemble/claims")),
+        **drawn(PATHS.below("{set}/claims")),
     log:
-        PATHS.messages("ensemble_figure"),
+        PATHS.messages("{set}_figure"),
+    wildcard_constraints:
+        set="|".join(SETS),
     params:
         **stage("draw_ensemble.draw_ensemble"),
     message:
-        "Ensemble: figure"
+        "Share of rigs on which each claim holds: {wildcards.set}, figure"
     script:
         "../scripts/stage.py"
 
@@ -175,13 +275,13 @@ rule replicate_on_rig:
     log:
         PATHS.messages("replicate_on_rig_{rig}_{seed}"),
     wildcard_constraints:
-        rig="|".join(RIGS) or "none",
+        rig="|".join(RIG_FILES) or "none",
     resources:
         mem_mb=2000,
         runtime=60,
     params:
         **stage("replicate.replicate", *MODELS),
-        on_rig=lambda wildcards: on_rig(SETTINGS) | {"rig": RIGS[wildcards.rig]["rig"]},
+        on_rig=lambda wildcards: on_rig(SETTINGS) | {"rig": named_rig(wildcards.rig)["rig"]},
         judgement=lambda wildcards: judgement(
             SETTINGS, models=paper_models(SETTINGS), seed=int(wildcards.seed)
         ),
@@ -196,21 +296,28 @@ rule replicate_on_rig:
 rule rigs_table:
     input:
         published=PUBLISHED,
-        models=ON_RIGS["models"],
-        grids=ON_RIGS["grids"],
-        controls=ON_RIGS["control"],
+        models=lambda wildcards: on_rigs("models", wildcards.table),
+        grids=lambda wildcards: on_rigs("grids", wildcards.table),
+        controls=lambda wildcards: on_rigs("control", wildcards.table),
     output:
-        **PATHS.table("rigs/rigs"),
+        **PATHS.table("rigs/{table}"),
     log:
-        PATHS.messages("rigs_table"),
+        PATHS.messages("{table}_table"),
+    wildcard_constraints:
+        table="|".join(RIGS),
     params:
         **stage("rigs.compare_rigs"),
-        fitted={
+        fitted=lambda wildcards: {
             each["name"]: each["to"]
-            for each in (SETTINGS["fitted"], *(rig["fitted"] for rig in RIGS.values()))
+            for each in (
+                SETTINGS["fitted"],
+                *(named_rig(rig)["fitted"] for rig in RIGS[wildcards.table]),
+            )
         },
+        deciding=SETTINGS["evaluation"]["verdict_seeds"],
+        brief=lambda wildcards: wildcards.table == "searches",
     message:
-        "Rigs of config/rigs side by side"
+        "Rigs side by side: {wildcards.table}"
     script:
         "../scripts/stage.py"
 
@@ -235,18 +342,30 @@ rule targets_table:
 
 rule calibration_page:
     input:
-        fit=f"config/rigs/{SETTINGS['fitted']['name']}.json",
+        fit=lambda wildcards: rig_file(SETTINGS["fitted"]["name"]).with_suffix(".json"),
         seeds=[path.replace(".md", ".csv") for path in PLAN.seeds_tables[:2]],
         pages=[
             PLAN.seeds_tables[2],
             PATHS.below("rigs/rigs.md"),
+            PATHS.below("rigs/searches.md"),
             PATHS.below("ensemble/claims.md"),
+            PATHS.below("posterior/claims.md"),
+            PATHS.below("posterior/history.md"),
             PATHS.below("calibration/sensitivity.md"),
             PATHS.below("calibration/targets.md"),
         ],
-        figure=PATHS.below("ensemble/claims.png"),
+        figures=[
+            PATHS.below(f"{name}.png")
+            for name in (
+                "ensemble/claims",
+                "posterior/claims",
+                "rigs/front",
+                "calibration/channels",
+            )
+        ],
         made_from=[
             *CHUNK_FILES,
+            *MEMBER_FILES,
             PATHS.below("ensemble/summary.json"),
             PATHS.below("calibration/sensitivity.json"),
             *PLAN.replicates("models", TARGET_NAMES),
@@ -258,7 +377,9 @@ rule calibration_page:
     params:
         **stage("documents.update_calibration_page"),
         page="docs/calibration.md",
-        picture="docs/images/ensemble.png",
+        pictures=[
+            f"docs/images/{name}.png" for name in ("ensemble", "posterior", "front", "channels")
+        ],
         rig=SETTINGS["rig"],
     message:
         "docs/calibration.md: numbers and picture from the results"
@@ -282,6 +403,16 @@ rule ensemble:
     localrule: True
 
 
+rule posterior:
+    input:
+        PATHS.below("posterior/claims.md"),
+        PATHS.below("posterior/claims.pdf"),
+        PATHS.below("posterior/history.md"),
+        PATHS.below("posterior/summary.json"),
+        MEMBER_FILES,
+    localrule: True
+
+
 rule sensitivity:
     input:
         PATHS.below("calibration/sensitivity.md"),
@@ -297,10 +428,49 @@ rule targets:
     localrule: True
 
 
+rule front_figure:
+    input:
+        fits=[
+            *(fit for path in rig_files().values() if (fit := path.with_suffix(".json")).exists()),
+            *sorted(SEARCHES.glob("*.json")),
+        ],
+    output:
+        **drawn(PATHS.below("rigs/front"), statistics=True),
+    log:
+        PATHS.messages("front_figure"),
+    params:
+        **stage("draw_ensemble.draw_front"),
+    message:
+        "Searches: tables against claims"
+    script:
+        "../scripts/stage.py"
+
+
+rule channels_figure:
+    input:
+        sweep=PATHS.log("sweep"),
+    output:
+        **drawn(PATHS.below("calibration/channels"), statistics=True),
+    log:
+        PATHS.messages("channels_figure"),
+    params:
+        **stage("draw.draw_channels"),
+    message:
+        "C18: loops over the commanded and over the measured pressure"
+    script:
+        "../scripts/stage.py"
+
+
 rule rigs:
     input:
         PATHS.below("rigs/rigs.md"),
-        ON_RIGS["models"],
-        ON_RIGS["grids"],
-        ON_RIGS["control"],
+        *(on_rigs(part, "rigs") for part in ("models", "grids", "control")),
+    localrule: True
+
+
+rule searches:
+    input:
+        PATHS.below("rigs/searches.md"),
+        PATHS.below("rigs/front.pdf"),
+        *(on_rigs(part, "searches") for part in ("models", "grids", "control")),
     localrule: True

@@ -17,6 +17,7 @@ rule ledger:
     params:
         **stage("claims.write_ledger"),
         fitted=SETTINGS["fitted"],
+        deciding=SETTINGS["evaluation"]["verdict_seeds"],
     message:
         "Claims C1 to C18"
     script:
@@ -37,11 +38,7 @@ if "check" not in PLAN.unavailable:
             folders=SETTINGS["folders"],
             made=lambda wildcards: made_by_rules(),
             # the documentation shows the results of the paper's settings only
-            pictures=lambda wildcards: {
-                rule.params.picture: str(rule.input.figure)
-                for rule in workflow.rules
-                if RESULTS == "results" and rule.params.get("picture")
-            },
+            pictures=lambda wildcards: pictures_of_docs() if RESULTS == "results" else {},
         message:
             "Check of the verdicts in config/verdicts.yaml, of files, of pictures in docs"
         script:

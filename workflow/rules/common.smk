@@ -1,7 +1,6 @@
 # Functions that several rules share.
 
 PATHS = PLAN.paths
-PUBLISHED = "config/published.yaml"
 GAINS = PATHS.below("control/gains.json")
 
 #: Priorities: LONG starts long jobs early; ALONE is for jobs that need the whole machine. The
@@ -78,3 +77,14 @@ def made_by_rules():
     ]
     files = [path for rule in workflow.rules for path in (*rule.output, *rule.log)]
     return sorted({path.regex().pattern for path in files}.union(kept))
+
+
+def pictures_of_docs():
+    """Return the figure of the results that each picture of the documentation copies."""
+    pairs = []
+    for rule in workflow.rules:
+        if rule.params.get("picture"):
+            pairs.append((rule.params.picture, rule.input.figure))
+        if rule.params.get("pictures"):
+            pairs += zip(rule.params.pictures, rule.input.figures)
+    return {picture: str(figure) for picture, figure in pairs}

@@ -18,7 +18,7 @@ rule draw_fig1:
 
 rule draw_fig2:
     input:
-        raw=PLAN.log_of("sweep"),
+        raw=PLAN.logs_of("sweep")[0],
     output:
         **figure(2),
     log:

@@ -62,14 +62,16 @@ if PLAN.simulates_reservoir:
 
     rule add_reservoir:
         input:
-            raw=PATHS.log("{experiment}"),
+            raw=PATHS.log("{name}"),
         output:
-            extended=PATHS.with_reservoir("{experiment}"),
+            extended=PATHS.with_reservoir("{name}"),
         log:
-            PATHS.messages("add_reservoir_{experiment}"),
+            PATHS.messages("add_reservoir_{name}"),
+        wildcard_constraints:
+            name="|".join([*EXPERIMENTS, *PLAN.further]),
         params:
             **stage("reservoir.add_reservoir"),
-            experiment="{experiment}",
+            experiment=lambda wildcards: wildcards.name.partition("_")[0],
             sample_rate_hz=SETTINGS["control"]["sample_rate_hz"],
             rate_tolerance=SETTINGS["quality"]["rate_tolerance"],
             zero_deg=SETTINGS["evaluation"]["reservoir_zero_deg"],
@@ -77,14 +79,14 @@ if PLAN.simulates_reservoir:
             rig=SETTINGS["rig"],
             seed=SETTINGS["seed"],
         message:
-            "Simulated reservoir, driven by theta of the {wildcards.experiment} log"
+            "Simulated reservoir, driven by theta of the {wildcards.name} log"
         script:
             "../scripts/stage.py"
 
 
 rule preprocess:
     input:
-        raw=PLAN.log_of("{experiment}"),
+        raw=lambda wildcards: PLAN.logs_of(wildcards.experiment),
     output:
         data=PATHS.data("{experiment}"),
         quality=PATHS.quality("{experiment}"),

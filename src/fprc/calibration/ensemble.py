@@ -43,11 +43,25 @@ def judge_rig(
     """
     seed = ensemble["seed"] + cell["rig"]
     drawn, draws = draw_rig(seed, ensemble, free, on_rig)
-    shares = encode(drawn.rig, free)
+    return {"draws": draws} | judge_drawn(drawn, seed, free, tracking, judgement)
+
+
+def judge_drawn(
+    drawn: RigSettings,
+    seed: int,
+    free: Sequence[Free],
+    tracking: Mapping[str, Any],
+    judgement: Mapping[str, Any],
+) -> dict[str, Any]:
+    """Return a rig's ``seed``, ``parameters``, ``compared`` errors and ``measured`` control.
+
+    Where an error ended the judgement, that is ``failed`` instead of the last two.
+    """
     described = {
         "seed": seed,
-        "draws": draws,
-        "parameters": dict(zip((p.path for p in free), shares.tolist(), strict=True)),
+        "parameters": dict(
+            zip((p.path for p in free), encode(drawn.rig, free).tolist(), strict=True)
+        ),
     }
     how = Judgement(**judgement, seed=seed)
     bench = Track(tracking, drawn.control, drawn.rig, seed)
@@ -87,14 +101,19 @@ def draw_rig(
             measured = properties({"sweep": logs["sweep"].channels})
         except (ValidationError, FprcError):
             continue
-        if all(
-            ensemble[name][0] <= measured[name] <= ensemble[name][1]
-            for name in ("angle_deg", "p_o_swing_kpa")
-        ):
+        if is_plausible(measured, ensemble):
             return replace(on_rig, rig=rig), draws
     raise EvaluationError(
         f"none of {_MOST_DRAWS} rigs bends by {ensemble['angle_deg']} deg and swings P_o by "
         f"{ensemble['p_o_swing_kpa']} kPa; widen ensemble.angle_deg or ensemble.p_o_swing_kpa"
+    )
+
+
+def is_plausible(properties: Mapping[str, float], ensemble: Mapping[str, Any]) -> bool:
+    """Return whether a rig's largest angle and swing of P_o are within the ensemble's limits."""
+    return all(
+        ensemble[name][0] <= properties[name] <= ensemble[name][1]
+        for name in ("angle_deg", "p_o_swing_kpa")
     )
 
 

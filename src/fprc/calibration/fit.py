@@ -7,13 +7,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from joblib import Parallel, delayed, parallel_config
 
 from fprc import __version__
-from fprc.calibration.objective import Aim, deviations, judged_of, logs_of
+from fprc.calibration.objective import CLAIMS, Aim, deviations, judged_of, logs_of
 from fprc.calibration.search import search
 from fprc.calibration.space import Free, decode, encode
 from fprc.calibration.surrogate import judge_cheaply
@@ -72,7 +72,7 @@ def fit_rig(
     """
     aim = aim_of(printed, calibration)
     free = free_parameters(calibration["free"], calibration["ranges"])
-    seeds = calibration["seeds"]
+    seeds, check_seeds = calibration["seeds"], calibration["check_seeds"]
     cheaply = partial(
         judge_seeds,
         models=judgement["models"],
@@ -85,14 +85,11 @@ def fit_rig(
     first = replace(on_rig, rig=resolved(decode(start, on_rig.rig, free)))
     like = cheaply(first, seeds)
     ratios = _ratios(full_errors(first, seeds[:2], workers, judgement), like[:2])
-
-    def deviations_of(logs: Sequence[float]) -> np.ndarray:
-        return np.concatenate([*_deviations(judged_of(logs, like), aim, ratios).values()])
-
+    objective = Objective(aim, ratios, like)
     depends_on = [asdict(on_rig), judgement, calibration, grids, tracking, aim, version]
     result = search(
         partial(judge_point, on_rig=on_rig, free=free, seeds=seeds, cheaply=cheaply),
-        deviations_of,
+        lambda logs: np.concatenate([*objective.terms(objective.judged(logs)).values()]),
         start,
         step=calibration["step"],
         generations=calibration["generations"],
@@ -105,54 +102,112 @@ def fit_rig(
     )
     best = replace(on_rig, rig=resolved(decode(result.point, on_rig.rig, free)))
     log.info("judging the fitted rig with the full models, on the seeds of the objective")
-    after = relative(full_errors(best, seeds, workers, judgement), aim)
-    judged = cheaply(best, seeds)
-    terms = _deviations(judged, aim, ratios)
-    check_seeds = calibration["check_seeds"]
-    check = {
-        name: _loss(_deviations(cheaply(rig, check_seeds), aim, ratios))
-        for name, rig in (("check_loss_at_start", first), ("check_loss", best))
-    }
     summary = {
         "date": datetime.now(UTC).date().isoformat(),
         "software": f"fprc {__version__}",
-        "fit": list(aim.fit),
         "seeds": list(seeds),
-        "targets_kpa": dict(aim.errors),
-        "residuals": after,
-        "median_deviation": float(np.median(np.abs(list(after.values())))),
-        "largest_deviation": float(np.max(np.abs(list(after.values())))),
-        "terms": {name: float(np.sum(values**2)) for name, values in terms.items()},
-        "properties": {
-            name: float(np.mean([seed["properties"][name] for seed in judged]))
-            for name in judged[0]["properties"]
-        },
-        "plausible": dict(aim.ranges),
-        "surrogate_ratios": ratios,
-        "loss_at_start": _loss(_deviations(like, aim, ratios)),
+        **_outcome(objective, full_errors(best, seeds, workers, judgement), cheaply(best, seeds)),
+        "loss_at_start": objective.loss(like),
         "loss": result.loss,
         "check_seeds": list(check_seeds),
-        **check,
+        "check_loss_at_start": objective.loss(cheaply(first, check_seeds)),
+        "check_loss": objective.loss(cheaply(best, check_seeds)),
         "rig_sha256": hash_of(best.rig),
         "generations": result.generations,
         "evaluations": result.evaluations,
         "finished": result.finished,
+        "front": front_of(result.numbers, objective),
         "parameters": [
-            {
-                "path": p.path,
-                "low": p.low,
-                "high": p.high,
-                "began_at": float(before),
-                "share": float(share),
-            }
-            for p, before, share in zip(free, start, result.point, strict=True)
+            p._asdict() | {"began_at": before, "share": share}
+            for p, before, share in zip(free, start.tolist(), result.point.tolist(), strict=True)
         ],
     }
     return best.rig, summary
 
 
+class Objective(NamedTuple):
+    """Deviations from an aim, of what the surrogate measures."""
+
+    aim: Aim
+    ratios: Mapping[str, float]  #: of the full models' errors to the surrogate's, on one rig
+    like: Sequence[Mapping[str, Any]]  #: measures of one rig: their structure
+
+    def judged(self, logs: Sequence[float]) -> Sequence[Mapping[str, Any]]:
+        """Return the measures whose logarithms are given."""
+        return judged_of(logs, self.like)
+
+    def terms(self, judged: Sequence[Mapping[str, Any]]) -> dict[str, np.ndarray]:
+        """Return the deviations of each term."""
+        scaled = [
+            {
+                **seed,
+                "errors": {key: ratio * seed["errors"][key] for key, ratio in self.ratios.items()},
+            }
+            for seed in judged
+        ]
+        return deviations(scaled, self.aim)
+
+    def losses(self, judged: Sequence[Mapping[str, Any]]) -> dict[str, float]:
+        """Return the sum of squares of each term."""
+        return {name: float(np.sum(values**2)) for name, values in self.terms(judged).items()}
+
+    def loss(self, judged: Sequence[Mapping[str, Any]]) -> float:
+        """Return the sum of all squares."""
+        return sum(self.losses(judged).values())
+
+
+def front_of(judged_logs: Sequence[np.ndarray], objective: Objective) -> list[dict[str, float]]:
+    """Return the judged rigs that no other one beats both in the tables and in the claims.
+
+    Returns
+    -------
+    list of dict
+        ``tables`` and ``claims``: losses of the errors of Tables II and III, and of orders and
+        claims, the first rising.
+    """
+    losses = [objective.losses(objective.judged(logs.tolist())) for logs in judged_logs]
+    pairs = sorted(
+        (own.get("tables", 0.0), sum(own.get(name, 0.0) for name in CLAIMS)) for own in losses
+    )
+    front: list[dict[str, float]] = []
+    for tables, claims in pairs:
+        if not front or claims < front[-1]["claims"]:
+            front.append({"tables": tables, "claims": claims})
+    return front
+
+
+def _outcome(
+    objective: Objective,
+    errors: Sequence[Mapping[str, float]],
+    judged: Sequence[Mapping[str, Any]],
+) -> dict[str, Any]:
+    """Describe the fitted rig: full models' errors, the surrogate's terms and properties."""
+    residuals = relative(errors, objective.aim)
+    off = np.abs(list(residuals.values()))
+    return {
+        "fit": list(objective.aim.fit),
+        "targets_kpa": dict(objective.aim.errors),
+        "residuals": residuals,
+        "median_deviation": float(np.median(off)),
+        "largest_deviation": float(np.max(off)),
+        "terms": objective.losses(judged),
+        "properties": {
+            name: float(np.mean([seed["properties"][name] for seed in judged]))
+            for name in judged[0]["properties"]
+        },
+        "plausible": dict(objective.aim.ranges),
+        "surrogate_ratios": dict(objective.ratios),
+    }
+
+
 def aim_of(published: Mapping[str, Any], calibration: Mapping[str, Any]) -> Aim:
-    """Return the aim of the search: printed errors, plausible ranges, and the terms that count.
+    """Return the aim of the search: printed errors, plausible ranges, and the terms that count."""
+    open_loop = published["table_4_tracking_rmse_deg"]["fprc"]
+    return Aim(printed_errors(published), open_loop, calibration["plausible"], calibration["fit"])
+
+
+def printed_errors(published: Mapping[str, Any]) -> dict[str, float]:
+    """Return the training and test errors of Tables II and III, by "trained on/model/phase".
 
     Validation errors are left out: with shuffled folds they hardly differ from
     the training errors.
@@ -163,8 +218,7 @@ def aim_of(published: Mapping[str, Any], calibration: Mapping[str, Any]) -> Aim:
             printed = published[table][model]
             errors[f"{trained_on}/{model}/train"] = float(printed["train_rmse_kpa"][0])
             errors[f"{trained_on}/{model}/test"] = float(printed["test_rmse_kpa"])
-    open_loop = published["table_4_tracking_rmse_deg"]["fprc"]
-    return Aim(errors, open_loop, calibration["plausible"], calibration["fit"])
+    return errors
 
 
 def free_parameters(
@@ -255,22 +309,6 @@ def _in_order(grids: Mapping[str, Sequence[float]], taps: Sequence[int]) -> dict
         "n_c": sorted(grids["n_c"]),
         **dict.fromkeys(("n_u", "n_y"), sorted(taps)),
     }
-
-
-def _deviations(
-    judged: Sequence[Mapping[str, Any]], aim: Aim, ratios: Mapping[str, float]
-) -> dict[str, np.ndarray]:
-    return deviations(
-        [
-            {**seed, "errors": {key: ratios[key] * seed["errors"][key] for key in ratios}}
-            for seed in judged
-        ],
-        aim,
-    )
-
-
-def _loss(terms: Mapping[str, np.ndarray]) -> float:
-    return float(sum(np.sum(values**2) for values in terms.values()))
 
 
 def _ratios(

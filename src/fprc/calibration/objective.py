@@ -191,6 +191,9 @@ TERMS = {
     "C9b": _c9b, "C11": _c11, "C12": _c12, "C18": _c18, "open_loop": _open_loop,
 }  # fmt: skip
 
+#: The terms that are claims.
+CLAIMS = ("orders", "C8", "C9a", "C9b", "C11", "C12", "C18")
+
 
 def _mean(judged: Judged, *keys: str) -> float:
     return float(_mean_of(judged, *keys))

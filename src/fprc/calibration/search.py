@@ -44,6 +44,7 @@ class SearchResult(NamedTuple):
     generations: int
     evaluations: int
     finished: bool  #: False if the time limit ended the search
+    numbers: list[np.ndarray]  #: of every possible point
 
 
 class _Archive:
@@ -169,7 +170,7 @@ def search(
             done += 1
             judged += len(points)
     best = archive.points[archive.best] if archive.points else start
-    return SearchResult(best, archive.least, done, judged, done >= generations)
+    return SearchResult(best, archive.least, done, judged, done >= generations, archive.numbers)
 
 
 def _proposed(archive: _Archive, radius: float, rng: np.random.Generator) -> list[np.ndarray]:

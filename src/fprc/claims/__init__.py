@@ -1,7 +1,13 @@
 """The paper's claims C1-C18, tested on result files; verdicts are computed, never typed."""
 
 from fprc.claims.finding import Finding, Results, Statement
-from fprc.claims.ledger import changed_verdicts, judge_claims, parts_of, status_of
+from fprc.claims.ledger import (
+    changed_verdicts,
+    judge_claims,
+    parts_of,
+    status_of,
+    turned_verdicts,
+)
 
 __all__ = [
     "Finding",
@@ -11,4 +17,5 @@ __all__ = [
     "judge_claims",
     "parts_of",
     "status_of",
+    "turned_verdicts",
 ]

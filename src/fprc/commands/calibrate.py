@@ -1,14 +1,14 @@
 """`fprc calibrate`: fit the simulated rig, outside the workflow."""
 
 import logging
-import os
 import re
 from collections.abc import Sequence
 from pathlib import Path
 
+from joblib import cpu_count
 from threadpoolctl import threadpool_limits
 
-from fprc.config import check, from_files
+from fprc.config import PUBLISHED, check, from_files, local_files
 from fprc.errors import ConfigError
 from fprc.fingerprint import fingerprint
 from fprc.paper import MODELS
@@ -18,7 +18,7 @@ from fprc.stages.calibrate import calibrate
 
 def calibrate_from_files(
     files: Sequence[str],
-    published: str,
+    published: str | None,
     out: str,
     *,
     minutes: float | None = None,
@@ -29,12 +29,19 @@ def calibrate_from_files(
     The report is written beside ``out`` as JSON, and so is the checkpoint of the
     search, from which it can be continued.
 
+    Parameters
+    ----------
+    files : sequence of str
+        Without any: ``config/config.yaml`` of the current folder, or else the defaults.
+    published : str or None
+        Published numbers; None takes those of this package.
+
     Raises
     ------
     ConfigError
         The configuration or an option is wrong; lists all errors.
     """
-    settings = from_files(files).model_dump(mode="json")
+    settings = from_files(files or local_files()).model_dump(mode="json")
     if minutes is not None:
         changed = settings["calibration"] | {"minutes": minutes}
         settings = check(settings | {"calibration": changed}).model_dump(mode="json")
@@ -50,7 +57,7 @@ def calibrate_from_files(
     stem = Path(out).with_suffix("")
     with threadpool_limits(1):
         calibrate(
-            published,
+            published or str(PUBLISHED),
             out,
             f"{stem}.json",
             on_rig={
@@ -66,7 +73,7 @@ def calibrate_from_files(
             calibration=calibration,
             grids=settings["grids"],
             tracking=settings["tracking"],
-            workers=workers or len(os.sched_getaffinity(0)),
+            workers=workers or cpu_count(),
             checkpoint=f"{stem}.partial.jsonl",
             version=fingerprint("fprc.stages.calibrate", *map(class_module, MODELS)),
         )

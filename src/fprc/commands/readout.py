@@ -1,15 +1,16 @@
 """`fprc readout`: report how much the readout P_o of one recording improves FPRC."""
 
 import logging
-import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
+from joblib import cpu_count
 from threadpoolctl import threadpool_limits
 
 from fprc import tables
@@ -17,7 +18,7 @@ from fprc.artifacts import read_json, write_json, write_text
 from fprc.commands.import_recording import checked_map, import_mapped
 from fprc.config import from_files
 from fprc.config.importing import ImportMap
-from fprc.errors import ConfigError
+from fprc.errors import ConfigError, FprcError, LogError
 from fprc.escape import TerminalFormatter, code
 from fprc.fingerprint import fingerprint
 from fprc.logs import read_columns
@@ -33,7 +34,10 @@ from fprc.stages.tabulate import tabulate_readout
 
 log = logging.getLogger(__name__)
 
-PARTS = {"sweep": "training part", "complex": "test part"}
+#: Modules that pandas imports only when it writes a table.
+TABLE_WRITERS = {"jinja2": "Jinja2", "tabulate": "tabulate"}
+#: Recordings of one role, training or test: each is a file and its map.
+Recordings = Sequence[tuple[str, ImportMap]]
 PREDICTED = {"command": "commanded", "measured": "measured"}
 
 
@@ -42,12 +46,13 @@ def report_readout(
     map_file: str,
     out: str | None = None,
     *,
+    train: Sequence[str] = (),
     config: Sequence[str] = (),
     workers: int | None = None,
 ) -> None:
     """Import a recording, evaluate FPRC with and without its P_o, and write a report.
 
-    Writes ``report.md``, ``readout/`` (table, figure, cells), ``raw/`` (both
+    Writes ``report.md``, ``readout/`` (table, figure, cells), ``raw/`` (the
     logs with their diagnoses), ``data/`` and ``quality/`` into ``out``, in the
     workflow's formats.
 
@@ -55,6 +60,9 @@ def report_readout(
     ----------
     source, map_file : str
         Recording and its map; the map's ``test_from_s`` is where the test part begins.
+    train : sequence of str
+        Further recordings with the same columns, which train as a whole. The map may then have
+        ``experiment: complex`` instead of ``test_from_s``: all of ``source`` tests.
     out : str, optional
         Folder; by default ``results/`` and the recording's name.
     config : sequence of str
@@ -68,21 +76,74 @@ def report_readout(
         The map or the configuration is wrong.
     LogError
         The recording cannot be used with this map.
+    FprcError
+        A library that writes the tables is not installed.
     """
+    absent = [name for module, name in TABLE_WRITERS.items() if find_spec(module) is None]
+    if absent:
+        raise FprcError(
+            f"fprc readout needs {' and '.join(absent)} to write its tables; install with: "
+            "pip install 'fprc[readout]'"
+        )
     settings = from_files(config).model_dump(mode="json")
     simulated = settings["evaluation"]["reservoir"] == "simulated"
+    _refuse_repeats([source, *train])
     mapping = checked_map(
-        map_file, source, partial(_problems_of_map, map_file, simulated=simulated)
+        map_file,
+        source,
+        partial(_problems_of_map, map_file, simulated=simulated, more=bool(train)),
     )
     if workers is not None and workers < 1:
         raise ConfigError(f"--workers {workers}: must be 1 or more; omit it to use all processors")
     folder = Path(out or Path("results", Path(source).stem))
+    parts = _parts(source, mapping, train)
+    _refuse_leftovers(folder / "raw", len(parts["sweep"]))
     _log_to_terminal()
-    data = {name: _prepare(name, source, mapping, settings, folder) for name in PARTS}
-    results = _judge(data, folder / "readout", settings, workers or len(os.sched_getaffinity(0)))
+    data = {name: _prepare(name, parts[name], settings, folder) for name in parts}
+    words = ("the first part", "the second part")
+    if train:
+        words = ("the training logs", "the test log")
+    results = _judge(data, folder / "readout", settings, workers or cpu_count(), words)
     page = folder / "report.md"
-    write_text(page, _page(source, map_file, mapping, settings, folder, results))
+    write_text(page, _page(parts, map_file, mapping, settings, folder, results))
     log.info("%s", page)
+
+
+def _refuse_repeats(sources: Sequence[str]) -> None:
+    paths = [Path(source).resolve() for source in sources]
+    repeated = [source for i, source in enumerate(sources) if paths[i] in paths[:i]]
+    if repeated:
+        raise ConfigError(
+            f"{', '.join(repeated)}: given twice; give each recording once, because a test on "
+            "samples that train says nothing"
+        )
+
+
+def _refuse_leftovers(raw: Path, trained: int) -> None:
+    """Refuse a folder with more training logs: the workflow would train on all of them."""
+    names = _log_names("sweep", trained)
+    left = sorted(str(path) for path in raw.glob("sweep_*.h5") if path.stem not in names)
+    if left:
+        raise LogError(
+            f"{', '.join(left)}: from an earlier run with more training logs; delete it or choose "
+            "another --out"
+        )
+
+
+def _parts(source: str, mapping: ImportMap, train: Sequence[str]) -> dict[str, Recordings]:
+    """Return the recordings that train, and the one that tests."""
+    further = [(path, mapping.of_whole("sweep")) for path in train]
+    if mapping.test_from_s is None:
+        return {"sweep": further, "complex": [(source, mapping)]}
+    return {
+        "sweep": [(source, mapping.part("sweep")), *further],
+        "complex": [(source, mapping.part("complex"))],
+    }
+
+
+def _log_names(experiment: str, count: int) -> list[str]:
+    """Return the names of an experiment's raw logs: ``sweep``, ``sweep_2``, ``sweep_3``, ..."""
+    return [experiment, *(f"{experiment}_{number}" for number in range(2, count + 1))]
 
 
 def _log_to_terminal() -> None:
@@ -96,42 +157,49 @@ def _log_to_terminal() -> None:
 
 
 def _prepare(
-    experiment: str, source: str, mapping: ImportMap, settings: Mapping[str, Any], folder: Path
+    experiment: str, recordings: Recordings, settings: Mapping[str, Any], folder: Path
 ) -> str:
-    """Import one part of the recording and preprocess it; return the path of its data."""
-    raw = folder / "raw" / f"{experiment}.h5"
-    raw.parent.mkdir(parents=True, exist_ok=True)
-    import_mapped(mapping.part(experiment), source, str(raw))
-    if settings["evaluation"]["reservoir"] == "simulated":
-        driven = folder / "reservoir" / raw.name
-        add_reservoir(
-            str(raw),
-            str(driven),
-            experiment=experiment,
-            sample_rate_hz=mapping.sample_rate_hz,
-            rate_tolerance=settings["quality"]["rate_tolerance"],
-            zero_deg=settings["evaluation"]["reservoir_zero_deg"],
-            control=settings["control"],
-            rig=settings["rig"],
-            seed=settings["seed"],
-        )
-        raw = driven
-    data = str(folder / "data" / raw.name)
+    """Import the recordings of one role and preprocess them; return the path of their data."""
+    sample_rate_hz = recordings[0][1].sample_rate_hz
+    logs = []
+    names = _log_names(experiment, len(recordings))
+    for name, (source, mapping) in zip(names, recordings, strict=True):
+        raw = folder / "raw" / f"{name}.h5"
+        raw.parent.mkdir(parents=True, exist_ok=True)
+        import_mapped(mapping, source, str(raw))
+        if settings["evaluation"]["reservoir"] == "simulated":
+            driven = folder / "reservoir" / raw.name
+            add_reservoir(
+                str(raw),
+                str(driven),
+                experiment=experiment,
+                sample_rate_hz=sample_rate_hz,
+                rate_tolerance=settings["quality"]["rate_tolerance"],
+                zero_deg=settings["evaluation"]["reservoir_zero_deg"],
+                control=settings["control"],
+                rig=settings["rig"],
+                seed=settings["seed"],
+            )
+            raw = driven
+        logs.append(str(raw))
+    data = str(folder / "data" / f"{experiment}.h5")
     preprocess(
-        str(raw),
+        logs,
         data,
         str(folder / "quality" / f"{experiment}.json"),
         experiment=experiment,
         target=settings["evaluation"]["target"],
-        sample_rate_hz=mapping.sample_rate_hz,
+        sample_rate_hz=sample_rate_hz,
         limits=settings["quality"],
     )
     return data
 
 
-def _problems_of_map(path: str, mapping: ImportMap, *, simulated: bool) -> list[str]:
+def _problems_of_map(path: str, mapping: ImportMap, *, simulated: bool, more: bool) -> list[str]:
     problems = []
-    if mapping.test_from_s is None:
+    if mapping.experiment == "complex" and more:
+        pass  # all of the recording tests
+    elif mapping.test_from_s is None:
         problems.append(
             f"{path}: test_from_s is missing: the time in s at which the test part begins, counted "
             "from the first sample; give it instead of experiment"
@@ -145,7 +213,11 @@ def _problems_of_map(path: str, mapping: ImportMap, *, simulated: bool) -> list[
 
 
 def _judge(
-    data: Mapping[str, str], folder: Path, settings: Mapping[str, Any], workers: int
+    data: Mapping[str, str],
+    folder: Path,
+    settings: Mapping[str, Any],
+    workers: int,
+    parts: tuple[str, str],
 ) -> dict[str, Any]:
     """Run the grid's cells, write table and figure, and return the cells' results."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -167,7 +239,7 @@ def _judge(
             progress=progress_bar(),
         )
     csv, md, tex = (str(folder / f"readout.{kind}") for kind in ("csv", "md", "tex"))
-    tabulate_readout(cells, csv, md, tex, parts=("the first part", "the second part"))
+    tabulate_readout(cells, csv, md, tex, parts=parts)
     drawn = draw_readout(cells, pdf, png)
     origin = describe(drawn, inputs=[cells], outputs=[pdf, png], settings=settings)
     write_json(folder / "readout.json", origin)
@@ -191,7 +263,7 @@ def progress_bar() -> Callable[[int, int], None]:
 
 
 def _page(
-    source: str,
+    parts: Mapping[str, Recordings],
     map_file: str,
     mapping: ImportMap,
     settings: Mapping[str, Any],
@@ -201,24 +273,27 @@ def _page(
     """Return the report as Markdown, with links to the figures."""
     table = tables.readout(results)
     note, grid = (folder / "readout/readout.md").read_text(encoding="utf-8").split("\n\n", 1)
-    rate_hz = mapping.sample_rate_hz
+    ((source, tested),) = parts["complex"]
+    further = [path for path, _ in parts["sweep"] if path != source]
+    rate_hz = tested.sample_rate_hz
     lines = [
         f"# Value of the readout in {code(Path(source).name)}",
         "",
-        f"Recording: {code(source)}, SHA-256 `{sha256(source)[:16]}`; map: {code(map_file)}.",
+        f"Recording: {_with_hash(source)}; map: {code(map_file)}.",
+        *([f"Training logs: {', '.join(map(_with_hash, further))}."] if further else []),
         f"Data: {SOURCES[results['source']]}; {rate_hz:g} samples per second; epsilon "
         "and taps are in samples.",
-        f"Trained before {mapping.test_from_s:g} s, tested after; models as in the paper"
+        f"{_what_trained(mapping, further)}; models as in the paper"
         f"{'' if _has_default_models(settings) else ', except for the settings given'}. "
         f"The models predict the {PREDICTED[results['target']]} P_exp.",
         "",
         "## Finding",
         "",
         *(f"- {line}" for line in findings(table, results["own"])),
-        f"- {compare_scales(folder / 'raw/sweep.h5', settings['models']['fprc']['sigma'])}",
+        f"- {compare_scales(folder / 'data/sweep.h5', settings['models']['fprc']['sigma'])}",
         "",
         "Low-passed theta and P_o shuffled in time are controls: P_o helps as a memory only if it "
-        "beats both. One recording does not show the spread of the test error.",
+        "beats both. One test does not show the spread of the test error.",
         "",
         "## Table",
         "",
@@ -232,11 +307,26 @@ def _page(
         "",
         "## The recording",
     ]
-    for experiment, part in PARTS.items():
-        diagnosis = read_json(folder / f"raw/{experiment}.diagnosis.json")
-        lines += ["", f"### {part.capitalize()}", "", *(f"- {word}" for word in diagnosis["words"])]
-        lines += ["", f"![{part}](raw/{experiment}.diagnosis.png)"]
+    for experiment, role in (("sweep", "training part"), ("complex", "test part")):
+        recordings = parts[experiment]
+        for log, (path, _) in zip(_log_names(experiment, len(recordings)), recordings, strict=True):
+            part = role if path == source else f"training log {code(Path(path).name)}"
+            words = read_json(folder / f"raw/{log}.diagnosis.json")["words"]
+            lines += ["", f"### {part[0].upper()}{part[1:]}", "", *(f"- {word}" for word in words)]
+            lines += ["", f"![{part}](raw/{log}.diagnosis.png)"]
     return "\n".join(lines) + "\n"
+
+
+def _with_hash(path: str) -> str:
+    return f"{code(path)}, SHA-256 `{sha256(path)[:16]}`"
+
+
+def _what_trained(mapping: ImportMap, further: Sequence[str]) -> str:
+    logs = f"{len(further)} training log{'s' if len(further) > 1 else ''}"
+    if mapping.test_from_s is None:
+        return f"Trained on {logs}, tested on the whole recording"
+    also = f" and on {logs}" if further else ""
+    return f"Trained before {mapping.test_from_s:g} s{also}, tested after"
 
 
 def _has_default_models(settings: Mapping[str, Any]) -> bool:
@@ -253,11 +343,13 @@ def findings(table: pd.DataFrame, own: Mapping[str, float]) -> list[str]:
     own : Mapping
         ``epsilon`` and ``n_u`` of the models.
     """
-    blocked = table[table["split"] == "blocked"]
-    at_own = blocked[(blocked["epsilon"] == own["epsilon"]) & (blocked["n_u"] == own["n_u"])]
+    held_out = tables.held_out(table)
+    rows = table[table["split"] == held_out]
+    at_own = rows[(rows["epsilon"] == own["epsilon"]) & (rows["n_u"] == own["n_u"])]
     at_own = at_own.set_index("readout")
+    folds = "On blocked folds" if held_out == "blocked" else "On recordings left out of training"
     lines = []
-    for phase, what in (("validation", "On blocked folds"), ("test", "On the test part")):
+    for phase, what in (("validation", folds), ("test", "On the test part")):
         errors = at_own[f"{phase}_rmse"]
         changes = ", ".join(
             f"{_change(errors['p_o'], errors[other])} {name}"
@@ -268,7 +360,7 @@ def findings(table: pd.DataFrame, own: Mapping[str, float]) -> list[str]:
             )
         )
         lines.append(f"{what} FPRC's error is {changes}.")
-    best = blocked[blocked["readout"] == "p_o"].sort_values("test_rmse").iloc[0]
+    best = rows[rows["readout"] == "p_o"].sort_values("test_rmse").iloc[0]
     change = _change(best["test_rmse"], at_own["test_rmse"]["none"])
     lines.append(
         f"Of the settings tried, epsilon = {best['epsilon']:g} and n_u = {best['n_u']} test best: "
@@ -283,7 +375,7 @@ def compare_scales(log: Path, sigma: float) -> str:
     theta, p_o = (np.std(values) for values in read_columns(log, names).channels.values())
     return (
         f"The rules' memberships use distances of unscaled inputs: the standard deviation of theta "
-        f"is {theta:.3g}, of P_o {p_o:.3g} (first part), and sigma = {sigma:g}. Results depend on "
+        f"is {theta:.3g}, of P_o {p_o:.3g} (training), and sigma = {sigma:g}. Results depend on "
         "the scale of theta; try several."
     )
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from fprc.apparatus.guardian import guard
 from fprc.apparatus.programme import names, refuse_unknown
 from fprc.apparatus.record import record_on_rig
-from fprc.config import from_files
+from fprc.config import from_files, local_files
 from fprc.registry import model_of_run
 
 
@@ -19,7 +19,7 @@ def check(files: Sequence[str], *, armed: bool) -> None:
         The check found a problem.
     """
     logging.basicConfig(level=logging.INFO, format="%(message)s")
-    settings = from_files(files).model_dump(mode="json")
+    settings = from_files(files or local_files()).model_dump(mode="json")
     guard({"what": "check", "settings": settings, "armed": armed}, settings["hardware"])
 
 
@@ -42,7 +42,7 @@ def run_by_name(
         Log to write, fitted FPRC and gains; by default the workflow's files.
     """
     logging.basicConfig(level=logging.INFO, format="%(message)s")
-    settings = from_files(files).model_dump(mode="json")
+    settings = from_files(files or local_files()).model_dump(mode="json")
     if name == "list":
         print("\n".join(names(settings)))
         return

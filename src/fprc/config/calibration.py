@@ -152,6 +152,23 @@ class Calibration(Section):
         return self
 
 
+class Posterior(Section):
+    """Rigs that are compatible with the errors of Tables II and III."""
+
+    rigs: int = quantity(
+        240, "-", (10, 1_000_000), "draws from the ensemble; those that stay plausible remain"
+    )
+    chunk: int = quantity(20, "-", (1, 100000), "rigs per job")
+    seed: int = quantity(5000, "-", (0, 2**31), "seed of the draws; each rig's noise has its own")
+    tolerance: float = quantity(
+        0.1, "-", (0.01, 1), "standard deviation of the logarithm of an error from the printed one"
+    )
+    assimilations: int = quantity(5, "-", (0, 100), "steps of the ensemble smoother")
+    sweeps: int = quantity(
+        20, "-", (0, 100000), "sweeps of the sampler, a proposal per rig each; 0 leaves it out"
+    )
+
+
 class Ensemble(Section):
     """Rigs drawn from the ranges of the free parameters instead of fitted."""
 

@@ -15,8 +15,8 @@ PROJECT_FOLDERS = frozenset({"config", "docs", "profiles", "src", "tests", "work
 RESULT_FOLDERS = frozenset(
     {
         "benchmark", "calibration", "control", "crossval", "data", "ensemble", "figures", "logs",
-        "models", "predictions", "quality", "readout", "replicates", "reservoir", "grids",
-        "rigs", "tables", "timing", "weights",
+        "models", "posterior", "predictions", "quality", "readout", "replicates", "reservoir",
+        "grids", "rigs", "tables", "timing", "weights",
     }
 )  # fmt: skip
 

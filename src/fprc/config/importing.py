@@ -125,6 +125,11 @@ class ImportMap(Section):
         alone = {"experiment": experiment, "test_from_s": None}
         return self.model_copy(update=alone | parts[experiment])
 
+    def of_whole(self, experiment: str) -> "ImportMap":
+        """Return the map of a whole recording with the same columns."""
+        whole = {"experiment": experiment, "test_from_s": None, "start_s": 0.0, "end_s": None}
+        return self.model_copy(update=whole)
+
 
 def read_map(path: Path | str) -> ImportMap:
     """Read and check the map of an import.

@@ -12,12 +12,38 @@ from fprc.config.settings import Settings
 from fprc.errors import ConfigError
 from fprc.yaml_file import read_yaml
 
-#: Folder of the rigs that ``rig`` can name.
-RIGS = Path("config/rigs")
+#: The rig of a configuration that gives none.
+RIG = "dry"
+
+#: Numbers that the paper prints.
+PUBLISHED = Path(__file__).with_name("published.yaml")
+
+#: Folders of the rigs that ``rig`` can name: this package's, and the user's.
+_RIGS = (Path(__file__).with_name("rigs"), Path("config/rigs"))
+
+#: Configuration of the current folder.
+_LOCAL = Path("config/config.yaml")
+
+
+def rig_files() -> dict[str, Path]:
+    """Return the file of each rig that ``rig`` can name.
+
+    A file in ``config/rigs`` of the current folder replaces this package's rig of the same name.
+    """
+    files = {path.stem: path for folder in _RIGS for path in folder.glob("*.yaml")}
+    return dict(sorted(files.items()))
+
+
+def local_files() -> list[Path]:
+    """Return ``config/config.yaml`` if the current folder has one; else no file: the defaults."""
+    return [_LOCAL] if _LOCAL.exists() else []
 
 
 def check(config: Mapping[str, Any], files: Sequence[Path | str] = ()) -> Settings:
-    """Return the typed settings of a nested mapping.
+    """Return the typed settings of a nested mapping; what it leaves out has its default.
+
+    The default rig is the fitted one, not that of ``Settings()``. ``rig`` is the name of a rig,
+    numbers that change the default rig, or, beside ``fitted``, a whole rig as in a rig's file.
 
     Parameters
     ----------
@@ -30,9 +56,15 @@ def check(config: Mapping[str, Any], files: Sequence[Path | str] = ()) -> Settin
         Lists every unknown key with the nearest valid one, and every value
         that is of the wrong type or out of range with the limit and a remedy.
     """
-    lines: list[str] = []
+    return _checked([_with_whole_rig({"rig": RIG}), _with_whole_rig(config)], files)
+
+
+def _checked(layers: Sequence[Mapping[str, Any]], files: Sequence[Path | str]) -> Settings:
+    """Merge layers, later ones over earlier ones, and check the result."""
     remaining = Settings().model_dump()
-    _merge(remaining, config)
+    for layer in layers:
+        _merge(remaining, layer)
+    lines: list[str] = []
     while True:
         try:
             settings = Settings.model_validate(remaining)
@@ -77,44 +109,51 @@ def from_files(paths: Sequence[Path | str], over: Mapping[str, Any] | None = Non
     ConfigError
         Lists every file that cannot be read, and why; or the errors that ``check`` lists.
     """
-    merged: dict[str, Any] = {}
+    layers = [_with_whole_rig({"rig": RIG})]
     problems = []
     for path in paths:
         try:
-            _merge(merged, _with_named_rig(read_yaml(path)))
+            layers.append(_with_whole_rig(read_yaml(path)))
         except ConfigError as error:
             problems.append(str(error))
     if problems:
         raise ConfigError("\n".join(problems))
-    _merge(merged, _with_named_rig(over or {}))
-    return check(merged, paths)
+    return _checked([*layers, _with_whole_rig(over or {})], paths)
 
 
-def _with_named_rig(config: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Replace the name of a rig by the contents of its file; a rig of numbers is not a fitted one.
+def rig_file(name: str) -> Path:
+    """Return the file of a rig.
 
     Raises
     ------
     ConfigError
         There is no such file; lists the names of those that there are.
     """
-    name = config.get("rig")
-    if isinstance(name, Mapping):
-        return {"fitted": {"name": "changed", "to": []}, **config}
-    if not isinstance(name, str):
+    files = rig_files()
+    if name not in files:
+        own = _RIGS[-1] / f"{name}.yaml"
+        raise ConfigError(f"rig = {name}: there is no {own}; use {' or '.join(files)}")
+    return files[name]
+
+
+def _with_whole_rig(config: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Replace the name of a rig by the contents of its file.
+
+    Numbers beside ``fitted`` are a whole rig: it replaces the rig of the layers before, also where
+    it leaves defaults. Numbers alone change that rig, which is then not a fitted one.
+    """
+    rig = config.get("rig")
+    whole: dict[str, Any] = {"rig": Settings().rig.model_dump(mode="json")}
+    if isinstance(rig, str):
+        whole["fitted"] = {"name": rig, "to": []}
+        _merge(whole, read_yaml(rig_file(rig)))
+        return {**config, **whole}
+    if not isinstance(rig, Mapping):
         return config
-    names = sorted(path.stem for path in RIGS.glob("*.yaml"))
-    if name not in names:
-        raise ConfigError(
-            f"rig = {name}: there is no {RIGS / name}.yaml; use {' or '.join(names) or 'numbers'}"
-        )
-    # a rig that is named replaces the one before it, also where its file leaves defaults
-    whole: dict[str, Any] = {
-        "rig": Settings().rig.model_dump(mode="json"),
-        "fitted": {"name": name, "to": []},
-    }
-    _merge(whole, read_yaml(RIGS / f"{name}.yaml"))
-    return {**config, **whole}
+    if "fitted" not in config:
+        return {"fitted": {"name": "changed", "to": []}, **config}
+    _merge(whole, config)
+    return whole
 
 
 #: Settings with keys that the user chooses: a given value replaces the whole default.

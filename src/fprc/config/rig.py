@@ -1,7 +1,7 @@
 """Parameters of the simulated rig: unit, physical range and source of each.
 
 ``fitted`` as a source means that no data sheet gives the value: the value in
-``config/rigs`` is fitted so that the rig reproduces the paper.
+``rigs`` is fitted so that the rig reproduces the paper.
 """
 
 from typing import Annotated

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from fprc.config.calibration import Calibration, Ensemble, Fitted
+from fprc.config.calibration import Calibration, Ensemble, Fitted, Posterior
 from fprc.config.folders import Folders
 from fprc.config.hardware import Hardware
 from fprc.config.rig import Rig
@@ -192,6 +192,9 @@ class Evaluation(Section):
         min_length=2,
         description="seeds of further rigs, on which tables, grids and runs are repeated",
     )
+    verdict_seeds: int = quantity(
+        10, "-", (2, 100000), "the first of these seeds decide the verdicts, however many there are"
+    )
 
     @field_validator("replicate_seeds")
     @classmethod
@@ -338,6 +341,7 @@ class Settings(Section):
     tracking: Tracking = Tracking()
     calibration: Calibration = Calibration()
     ensemble: Ensemble = Ensemble()
+    posterior: Posterior = Posterior()
     hardware: Hardware = Hardware()
     rig: Rig = Rig()
     fitted: Fitted = Fitted()

@@ -165,6 +165,6 @@ def _smbus2() -> Any:
     except ImportError as error:
         raise DeviceError(
             f"I2C needs Linux and the package smbus2 ({error}); install it with "
-            "`pip install --editable '.[hardware]'` in the project's folder"
+            "`pip install smbus2`"
         ) from error
     return smbus2

@@ -12,6 +12,7 @@ from fprc.errors import EvaluationError
 from fprc.evaluation.folds import Fold
 from fprc.evaluation.metrics import rmse
 from fprc.models import SequenceModel
+from fprc.models.recordings import transform_each
 
 
 @contextmanager
@@ -42,10 +43,13 @@ class CrossValidated(NamedTuple):
     fit: np.ndarray  #: output of the best fold's model for the whole log
     model: SequenceModel  #: trained on the best fold
 
-    def errors(self, X: np.ndarray, y: np.ndarray) -> dict[str, Any]:
+    def errors(
+        self, X: np.ndarray, y: np.ndarray, lengths: Sequence[int] | None = None
+    ) -> dict[str, Any]:
         """Return the errors of all folds, and that of the best fold's model on a test log."""
         with refusals_of(self.model):
-            predicted = self.model.predict(X)
+            rows = transform_each(self.model.features_, X, lengths)
+            predicted = self.model.readout_.predict(rows)
         return {
             "train_rmse_kpa": self.train_rmse,
             "validation_rmse_kpa": self.validation_rmse,
@@ -62,6 +66,7 @@ def cross_validate(
     y: np.ndarray,
     folds: Sequence[Fold],
     progress: Progress = lambda fold, e_train, e_validation: None,
+    lengths: Sequence[int] | None = None,
 ) -> CrossValidated:
     """Train ``model`` once per fold and keep the best (Sec. III-D).
 
@@ -74,6 +79,8 @@ def cross_validate(
     y : ndarray of shape (n_samples,)
     progress : callable
         Called after each fold with its number, training and validation error.
+    lengths : sequence of int, optional
+        Samples of each recording in ``X``; by default it is one.
 
     Raises
     ------
@@ -83,7 +90,7 @@ def cross_validate(
     """
     with refusals_of(model):
         features = model.make_features().fit(X)
-        rows = features.transform(X)
+        rows = transform_each(features, X, lengths)
     return validate_rows(model, features, rows, y, folds, progress)
 
 

@@ -1,32 +1,46 @@
 """Training and validation rows of each fold."""
 
+from collections.abc import Sequence
+
 import numpy as np
-from sklearn.model_selection import KFold
+from sklearn.model_selection import GroupKFold, KFold
 
 from fprc.errors import EvaluationError
 
 Fold = tuple[np.ndarray, np.ndarray]
 
 
-def split_rows(samples: int, folds: int, split: str, seed: int, purge: int = 0) -> list[Fold]:
+def split_rows(
+    samples: int,
+    folds: int,
+    split: str,
+    seed: int,
+    purge: int = 0,
+    lengths: Sequence[int] = (),
+) -> list[Fold]:
     """Return (training rows, validation rows) of each fold.
 
     Parameters
     ----------
-    split : {"shuffled", "blocked"}
-        Rows drawn at random, or contiguous blocks. The paper does not say;
+    split : {"shuffled", "blocked", "recordings"}
+        Rows drawn at random, contiguous blocks, or whole recordings. The paper does not say;
         its validation spread of 0.05-0.15 kPa is that of shuffled rows.
     purge : int
         Rows on each side of a contiguous block that do not train, because they resemble
         those that validate.
+    lengths : sequence of int
+        Samples of each recording. Fewer recordings than ``folds`` make one fold each.
 
     Raises
     ------
     EvaluationError
-        Fewer samples than folds, an unknown split, or a purge that leaves no rows to train.
+        Fewer samples than folds, an unknown split, a purge that leaves no rows to train, or
+        whole recordings where there is only one.
     """
+    if split == "recordings":
+        return _split_recordings(lengths, folds)
     if split not in ("shuffled", "blocked"):
-        raise EvaluationError(f"split = {split!r}; must be 'shuffled' or 'blocked'")
+        raise EvaluationError(f"split = {split!r}; must be 'shuffled', 'blocked' or 'recordings'")
     if not 2 <= folds <= samples:
         raise EvaluationError(
             f"{samples} samples cannot be split into {folds} folds: a fold would be empty; "
@@ -44,6 +58,16 @@ def split_rows(samples: int, folds: int, split: str, seed: int, purge: int = 0) 
             "train; reduce evaluation.purge_s, use fewer folds, or a longer log"
         )
     return purged
+
+
+def _split_recordings(lengths: Sequence[int], folds: int) -> list[Fold]:
+    if len(lengths) < 2:
+        raise EvaluationError(
+            "split = 'recordings' needs two training logs or more; add one, or use 'blocked'"
+        )
+    recording = np.repeat(np.arange(len(lengths)), lengths)
+    chooser = GroupKFold(min(folds, len(lengths)))
+    return list(chooser.split(recording, groups=recording))
 
 
 def _apart(rows: np.ndarray, block: np.ndarray) -> np.ndarray:

@@ -7,10 +7,15 @@ import numpy as np
 from fprc.evaluation.crossval import fit_folds, refusals_of
 from fprc.evaluation.folds import Fold
 from fprc.models import SequenceModel
+from fprc.models.recordings import transform_each
 
 
 def normalised_weights(
-    model: SequenceModel, X: np.ndarray, y: np.ndarray, folds: Sequence[Fold]
+    model: SequenceModel,
+    X: np.ndarray,
+    y: np.ndarray,
+    folds: Sequence[Fold],
+    lengths: Sequence[int] | None = None,
 ) -> np.ndarray:
     """Return the FPRC's absolute weights on normalised features; rules sum to 1 (Eqs. 13, 14).
 
@@ -22,6 +27,8 @@ def normalised_weights(
     ----------
     X : ndarray of shape (n_samples, 2)
         theta in deg, P_o in kPa.
+    lengths : sequence of int, optional
+        Samples of each recording in ``X``; by default it is one.
 
     Returns
     -------
@@ -29,7 +36,7 @@ def normalised_weights(
         Bias, taps of theta_d, taps of the filtered P_o.
     """
     with refusals_of(model):
-        rows = model.make_features().fit(X).transform(X)
+        rows = transform_each(model.make_features().fit(X), X, lengths)
         theta, p_o = rows[:, : model.n_y], rows[:, model.n_y :]
         normalised = np.hstack([_to_unit(theta), _to_unit(p_o)])
         folded = fit_folds(model.make_readout(), normalised, y, folds)

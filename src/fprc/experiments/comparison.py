@@ -15,6 +15,7 @@ from fprc.experiments.grids import weight_shares
 from fprc.experiments.readout import judge_readout
 from fprc.experiments.settings import Judgement
 from fprc.models import SequenceModel
+from fprc.models.recordings import transform_each
 from fprc.paper import DIRECTIONS
 from fprc.registry import build, entries
 
@@ -70,14 +71,16 @@ def judge_directions(
     )
     with refusals_of(model):
         features = model.make_features().fit(pairs[directions[0][0]][0])
-        rows = {key: features.transform(X) for key, (X, _) in pairs.items()}
+        rows = {
+            key: transform_each(features, X, logs[key].lengths) for key, (X, _) in pairs.items()
+        }
     results = []
     for train, test in directions:
         y = pairs[train][1]
         label = f"{name}, trained on {logs[train].attributes['experiment']}"
         judged = validate_rows(
             model, features, rows[train], y,
-            judgement.split_rows(logs[train].channels["time_s"]),
+            judgement.split_rows(logs[train]),
             progress=partial(_log_fold, label, judgement.folds),
         )  # fmt: skip
         tested = judged.model.readout_.predict(rows[test])

@@ -1,6 +1,6 @@
 """Preprocessed logs, the input of the models."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,10 +14,19 @@ TARGETS = {"command": "p_exp_command_kpa", "measured": "p_exp_kpa"}
 
 
 class Data(NamedTuple):
-    """One preprocessed log; its channel ``p_target_kpa`` is P_exp, commanded or measured."""
+    """One preprocessed log; its channel ``p_target_kpa`` is P_exp, commanded or measured.
+
+    It may hold several recordings, one after the other.
+    """
 
     channels: Mapping[str, np.ndarray]
     attributes: Mapping[str, Any]
+
+    @property
+    def lengths(self) -> list[int]:
+        """Number of samples of each recording."""
+        several = self.attributes.get("recordings")
+        return list(several.values()) if several else [len(self.channels["time_s"])]
 
     @property
     def unit(self) -> str:
@@ -49,6 +58,52 @@ def read_data(path: str) -> Data:
     """Read a preprocessed log."""
     file = read_columns(path, ("time_s", "p_target_kpa", "theta_deg"), optional=("p_o_kpa",))
     return Data(file.channels, file.attributes)
+
+
+def join(logs: Mapping[str, Data], period_s: float) -> Data:
+    """Return several recordings as one log; its attribute ``recordings`` has their lengths.
+
+    Each begins one period after the end of the one before it.
+
+    Parameters
+    ----------
+    logs : Mapping
+        Recordings by name.
+
+    Raises
+    ------
+    LogError
+        They differ in source, target, units or channels; lists all differences.
+    """
+    (first, one), *others = logs.items()
+    problems = [
+        f"{name}: {what} is {theirs}, in {first} {ours}; training logs must agree"
+        for name, other in others
+        for what, ours, theirs in _differences(one, other)
+    ]
+    if problems:
+        raise LogError("\n".join(problems))
+    channels = {
+        name: np.concatenate([log.channels[name] for log in logs.values()]) for name in one.channels
+    }
+    begin, times = 0.0, []
+    for log in logs.values():
+        time_s = log.channels["time_s"]
+        times.append(time_s - time_s[0] + begin)
+        begin = float(times[-1][-1]) + period_s
+    channels["time_s"] = np.concatenate(times)
+    lengths = {name: len(log.channels["time_s"]) for name, log in logs.items()}
+    return Data(channels, {**one.attributes, "recordings": lengths})
+
+
+def _differences(one: Data, other: Data) -> Iterator[tuple[str, Any, Any]]:
+    """Yield name and both values of what differs, of all that matters to the models."""
+    for name in ("source", "simulated", "target", "p_target_unit", "theta_unit", "p_o_unit"):
+        ours, theirs = one.attributes.get(name), other.attributes.get(name)
+        if ours != theirs:
+            yield name, ours, theirs
+    if set(one.channels) != set(other.channels):
+        yield "list of channels", ", ".join(sorted(one.channels)), ", ".join(sorted(other.channels))
 
 
 def models_for(models: Mapping[str, Any], *logs: Data) -> list[str]:

@@ -14,6 +14,7 @@ from fprc.evaluation.weights import normalised_weights
 from fprc.experiments.data import Data
 from fprc.experiments.settings import Judgement
 from fprc.models import SequenceModel, TapFeatures
+from fprc.models.recordings import transform_each
 from fprc.paper import GRID_MODELS, GRID_SETTINGS
 from fprc.registry import build
 
@@ -47,8 +48,9 @@ def judge_cell(
     X, y = train.pair(name)
     changed = {key: value for key, value in cell.items() if key != "model"}
     model = build(name, judgement.models, judgement.seed).set_params(**changed)
-    judged = cross_validate(model, X, y, judgement.split_rows(train.channels["time_s"]))
-    return judged.errors(*test.pair(name))
+    folds = judgement.split_rows(train)
+    judged = cross_validate(model, X, y, folds, lengths=train.lengths)
+    return judged.errors(*test.pair(name), test.lengths)
 
 
 def judge_grids(
@@ -59,7 +61,7 @@ def judge_grids(
     The errors are those of ``judge_cell`` with one fold: enough for a mean over seeds.
     """
     train, test = data["sweep"], data["complex"]
-    folds = judgement.split_rows(train.channels["time_s"])
+    folds = judgement.split_rows(train)
     features = _Features((train, test), judgement, values)
     judged = {}
     for grid in ("epsilon", "n_c", "taps"):
@@ -99,8 +101,10 @@ class _Features:
     def _taps(self, epsilon: float) -> list[np.ndarray]:
         if epsilon not in self._widest:
             widest = TapFeatures(n_y=self.n_y, n_u=self.n_u, epsilon=epsilon)
-            inputs = [log.pair("fprc")[0] for log in self.logs]
-            self._widest[epsilon] = [widest.fit(inputs[0]).transform(X) for X in inputs]
+            widest.fit(self.logs[0].pair("fprc")[0])
+            self._widest[epsilon] = [
+                transform_each(widest, log.pair("fprc")[0], log.lengths) for log in self.logs
+            ]
         return self._widest[epsilon]
 
 
@@ -123,8 +127,8 @@ def weight_shares(train: Data, judgement: Judgement) -> dict[str, Any]:
     """Return the share of each feature in the weights, per rule and on average (Fig. 9)."""
     X, y = train.pair("fprc")
     model = build("fprc", judgement.models, judgement.seed)
-    folds = judgement.split_rows(train.channels["time_s"])
-    shares = normalised_weights(model, X, y, folds)
+    folds = judgement.split_rows(train)
+    shares = normalised_weights(model, X, y, folds, train.lengths)
     edges = {"bias": (0, 1), "theta_d": (1, 1 + model.n_y), "p_o": (1 + model.n_y, None)}
     parts = {name: shares[:, slice(*edge)] for name, edge in edges.items()}
     return {

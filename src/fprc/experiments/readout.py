@@ -14,18 +14,22 @@ from fprc.registry import build
 #: values at random times, ``none`` is Fuzzy-linear.
 READOUTS = ("none", "p_o", "theta", "shuffled")
 
-SPLITS = ("shuffled", "blocked")
-
 
 def readout_cells(
-    models: Mapping[str, Any], epsilon: Sequence[float], n_u: Sequence[int]
+    models: Mapping[str, Any], epsilon: Sequence[float], n_u: Sequence[int], held_out: str
 ) -> list[dict[str, Any]]:
-    """Return the cells: each readout at the models' settings, and over epsilon and n_u."""
+    """Return the cells: each readout at the models' settings, and over epsilon and n_u.
+
+    Parameters
+    ----------
+    held_out : {"blocked", "recordings"}
+        Split that is judged beside ``shuffled``.
+    """
     own = models["fprc"]["epsilon"], models["fprc"]["n_u"]
     pairs = [own, *((value, own[1]) for value in epsilon), *((own[0], value) for value in n_u)]
     return [
         {"split": split, "readout": readout, "epsilon": pair[0], "n_u": pair[1]}
-        for split in SPLITS
+        for split in ("shuffled", held_out)
         for readout in READOUTS
         for pair in dict.fromkeys(pairs if readout != "none" else [own])
     ]
@@ -41,9 +45,9 @@ def judge_readout(
     if name == "fprc":
         model.set_params(epsilon=cell["epsilon"], n_u=cell["n_u"])
     X, y = inputs_with(cell["readout"], train, seed)
-    folds = judgement.split_rows(train.channels["time_s"])
-    judged = cross_validate(model, X, y, folds)
-    return judged.errors(*inputs_with(cell["readout"], test, seed + 1))
+    folds = judgement.split_rows(train)
+    judged = cross_validate(model, X, y, folds, lengths=train.lengths)
+    return judged.errors(*inputs_with(cell["readout"], test, seed + 1), test.lengths)
 
 
 def inputs_with(readout: str, data: Data, seed: int) -> tuple[np.ndarray, np.ndarray]:

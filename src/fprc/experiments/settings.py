@@ -4,10 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from fprc.evaluation import split_rows
 from fprc.evaluation.folds import Fold
+from fprc.experiments.data import Data
 
 
 @dataclass(frozen=True)
@@ -16,14 +15,15 @@ class Judgement:
 
     models: Mapping[str, Any]  #: section ``models`` of the configuration, or the part that is read
     folds: int  #: number of folds of the cross-validation
-    split: str  #: rows of a fold: ``shuffled`` or ``blocked``
+    split: str  #: rows of a fold: ``shuffled``, ``blocked`` or ``recordings``
     seed: int  #: seed of folds and models
     purge_s: float = 2.0  #: time on each side of a contiguous block that does not train
 
-    def split_rows(self, time_s: np.ndarray) -> list[Fold]:
+    def split_rows(self, data: Data) -> list[Fold]:
         """Return (training rows, validation rows) of each fold of a log."""
+        time_s = data.channels["time_s"]
         purge = round(self.purge_s * (len(time_s) - 1) / float(time_s[-1] - time_s[0]))
-        return split_rows(len(time_s), self.folds, self.split, self.seed, purge)
+        return split_rows(len(time_s), self.folds, self.split, self.seed, purge, data.lengths)
 
 
 @dataclass(frozen=True)

@@ -29,6 +29,31 @@ def plot_shares_of_rigs(table: DataFrame, ax: Axes) -> Axes:
     return ax
 
 
+def plot_front(table: DataFrame, ax: Axes) -> Axes:
+    """Draw the fronts between tables and claims, a line and an end point per search.
+
+    Parameters
+    ----------
+    table : DataFrame
+        ``search``, ``rigs``, ``kind`` (front or end), ``tables_percent`` and ``claims_loss``.
+    """
+    for number, (name, own) in enumerate(table.groupby("search", sort=False)):
+        front, end = (own[own["kind"] == kind] for kind in ("front", "end"))
+        colour = f"C{number}"
+        ax.step(front["tables_percent"], front["claims_loss"], "-", where="post", color=colour,
+                linewidth=0.8)  # fmt: skip
+        label = f"{name}, {own['rigs'].iloc[0]} rigs" if len(front) else name
+        ax.plot(end["tables_percent"], end["claims_loss"], "*", color=colour, label=label)
+    ax.set_yscale("symlog", linthresh=10.0)
+    ax.set_ylim(bottom=0.0)
+    ax.set(
+        xlabel="Deviation of the 12 errors of Tables II and III, rms [%]",
+        ylabel="Orders and claims, sum of squared misses",
+    )
+    ax.legend(fontsize=6)
+    return ax
+
+
 def plot_correlations(grid: DataFrame, limit: float, ax: Axes) -> Colours:
     """Draw rank correlations, one row per claim and one column per parameter.
 

@@ -35,6 +35,20 @@ def plot_loop(
     return lines
 
 
+def plot_quarters(
+    time_s: np.ndarray, x: np.ndarray, y: np.ndarray, ax: Axes, labels: tuple[str, str]
+) -> Axes:
+    """Draw the loops of ``y`` over ``x`` in the first and in the last quarter of a sweep."""
+    end = time_s[-1]
+    for part, colour, name in (
+        (time_s > 0.75 * end, "#d55e00", "last quarter"),
+        (time_s < 0.25 * end, "#222222", "first quarter"),
+    ):
+        ax.plot(x[part], y[part], color=colour, linewidth=0.5, label=name, rasterized=True)
+    ax.set(xlabel=labels[0], ylabel=labels[1])
+    return ax
+
+
 def add_time_bar(lines: LineCollection, axes: Sequence[Axes]) -> None:
     """Put one bar for the colour of time below the axes."""
     bar = axes[0].figure.colorbar(lines, ax=axes, location="bottom", aspect=50, pad=0.02)

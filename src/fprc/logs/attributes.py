@@ -31,6 +31,7 @@ KINDS = {
     "started": str,
     "statistics": dict,
     "notes": dict,
+    "recordings": dict,
     "map": dict,
     "imported_from": str,
     "imported_sha256": str,

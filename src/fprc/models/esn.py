@@ -66,7 +66,7 @@ class ESN(SequenceModel):
 
     def make_features(self) -> EchoStates:
         """Return the unfitted network."""
-        return EchoStates(
+        features = EchoStates(
             r=self.r,
             f_input=self.f_input,
             gamma=self.gamma,
@@ -75,6 +75,7 @@ class ESN(SequenceModel):
             washout=self.washout,
             random_state=self.random_state,
         )
+        return features.set_output(transform="default")
 
     def make_readout(self) -> RidgeReadout:
         """Return the unfitted readout."""

@@ -11,7 +11,7 @@ from typing import Self
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
-from sklearn.base import BaseEstimator, TransformerMixin
+from sklearn.base import BaseEstimator, OneToOneFeatureMixin, TransformerMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.models.kernels import shift
@@ -33,13 +33,18 @@ def taps(x: np.ndarray, size: int) -> np.ndarray:
     return np.lib.stride_tricks.sliding_window_view(padded, size)[:, ::-1]
 
 
+def lagged(columns: list[str], size: int) -> list[str]:
+    """Return the names of the taps of some columns; lag 0 is the present sample."""
+    return [f"{column}_lag{lag}" for column in columns for lag in range(size)]
+
+
 def lowpass(x: np.ndarray, epsilon: float) -> np.ndarray:
     """Filter x~(k) = epsilon x(k) + (1 - epsilon) x~(k-1), from x~(-1) = x(0) (Eq. 6)."""
     # not scipy.signal.lfilter: its import takes half a second, and pandas is imported anyway
     return pd.Series(x).ewm(alpha=float(epsilon), adjust=False).mean().to_numpy()
 
 
-class FeatureMap(TransformerMixin, BaseEstimator):
+class FeatureMap(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
     """Base of the sequential maps: checks of the input, and the start of a stream."""
 
     def fit(self, X: ArrayLike, y: ArrayLike | None = None) -> Self:
@@ -53,6 +58,29 @@ class FeatureMap(TransformerMixin, BaseEstimator):
         """Return the features of every sample of a log."""
         check_is_fitted(self)
         return self._transform(validate_data(self, X, reset=False, dtype=np.float64))
+
+    def get_feature_names_out(self, input_features: ArrayLike | None = None) -> np.ndarray:
+        """Return the name of each feature, such as ``theta_deg_lag1`` for a tap of ``theta_deg``.
+
+        Parameters
+        ----------
+        input_features : array-like of str of shape (n_inputs,), optional
+            Names of the columns; by default those of the DataFrame in ``fit``, else x0, x1, ...
+
+        Returns
+        -------
+        ndarray of str of shape (n_features,)
+
+        Raises
+        ------
+        NotFittedError
+            ``fit`` was not called.
+        ValueError
+            The names are not those in ``fit``, or too few or too many.
+        """
+        # the mixin gives the names of the columns, which one-to-one maps keep
+        columns = super().get_feature_names_out(input_features)
+        return np.array(self._named(list(columns)), dtype=object)
 
     def reset(self, x: ArrayLike | None = None) -> None:
         """Begin a new stream; ``x`` is the assumed input at all earlier times."""
@@ -141,8 +169,14 @@ class TapFeatures(FeatureMap):
                 "give a readout too, or use n_references=None (the model FuzzyLinear)"
             )
 
-    def _count_references(self) -> int:
+    def count_references(self) -> int:
+        """Return the number of leading columns that are references."""
         return self.n_features_in_ if self.n_references is None else self.n_references
+
+    def tap_sizes(self) -> list[int]:
+        """Return the number of taps of each column."""
+        split = self.count_references()
+        return [self.n_y] * split + [self.n_u] * (self.n_features_in_ - split)
 
     def _transform(self, X: np.ndarray) -> np.ndarray:
         longest = max(self.n_y, self.n_u)
@@ -151,14 +185,18 @@ class TapFeatures(FeatureMap):
                 f"n_samples = {len(X)} is less than the longest tap size {longest}; "
                 "use fewer taps or a longer log"
             )
-        split = self._count_references()
+        split = self.count_references()
         references = [taps(column, self.n_y) for column in X.T[:split]]
         readouts = [taps(lowpass(column, self.epsilon), self.n_u) for column in X.T[split:]]
         return np.hstack(references + readouts)
 
+    def _named(self, columns: list[str]) -> list[str]:
+        references = columns[: self.n_references]
+        readouts = [f"{column}_lowpass" for column in columns[len(references) :]]
+        return lagged(references, self.n_y) + lagged(readouts, self.n_u)
+
     def _start(self, x: np.ndarray) -> None:
-        split = self._count_references()
-        sizes = [self.n_y] * split + [self.n_u] * (len(x) - split)
+        split, sizes = self.count_references(), self.tap_sizes()
         self._row = np.repeat(x, sizes)
         self._first = np.cumsum([0, *sizes[:-1]])
         self._filtered = x.copy()

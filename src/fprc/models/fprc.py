@@ -63,7 +63,8 @@ class FPRC(SequenceModel):
 
     def make_features(self) -> TapFeatures:
         """Return the unfitted taps and filter."""
-        return TapFeatures(n_y=self.n_y, n_u=self.n_u, epsilon=self.epsilon)
+        features = TapFeatures(n_y=self.n_y, n_u=self.n_u, epsilon=self.epsilon)
+        return features.set_output(transform="default")
 
     def make_readout(self) -> TakagiSugenoReadout:
         """Return the unfitted readout."""
@@ -121,7 +122,8 @@ class FuzzyLinear(SequenceModel):
 
     def make_features(self) -> TapFeatures:
         """Return the unfitted taps."""
-        return TapFeatures(n_y=self.n_y, n_references=None, n_u=1)
+        features = TapFeatures(n_y=self.n_y, n_references=None, n_u=1)
+        return features.set_output(transform="default")
 
     def make_readout(self) -> TakagiSugenoReadout:
         """Return the unfitted readout."""

@@ -2,12 +2,18 @@
 
 from abc import abstractmethod
 from copy import deepcopy
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator, RegressorMixin, clone
+from sklearn.metrics import r2_score
 from sklearn.utils.validation import check_is_fitted, validate_data
+
+from fprc.models.recordings import apart, are_several, joined, transform_each
+
+#: Samples of one recording, or a list with one array per recording.
+Recordings = Any
 
 
 class SequenceModel(RegressorMixin, BaseEstimator):
@@ -26,31 +32,80 @@ class SequenceModel(RegressorMixin, BaseEstimator):
     def make_readout(self) -> BaseEstimator:
         """Return the unfitted readout."""
 
-    def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
-        """Train on one log.
+    def fit(self, X: Recordings, y: Recordings, lengths: ArrayLike | None = None) -> Self:
+        """Train on one recording or on several.
+
+        Features restart at the first sample of each recording; the readout is trained on all
+        rows. The splitters of scikit-learn keep the recordings of a list whole.
 
         Parameters
         ----------
-        X : array-like of shape (n_samples, n_inputs)
-            Samples in the order of time.
-        y : array-like of shape (n_samples,)
+        X : array-like of shape (n_samples, n_inputs), or list of them
+            Samples in the order of time; a list has one array per recording.
+        y : array-like of shape (n_samples,), or list of them
             P_exp, kPa.
+        lengths : array-like of int, optional
+            Number of samples of each recording, if ``X`` holds several in one array.
 
         Raises
         ------
         ValueError
-            ``X`` or ``y`` is not finite, or the log is shorter than the taps.
+            ``X`` or ``y`` is not finite, a recording is shorter than the taps, or ``lengths`` do
+            not add up to the samples.
         """
-        X, y = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
+        X, y, lengths = joined(X, y, lengths, self._check)
         self.features_ = self.make_features().fit(X)
-        self.readout_ = self.make_readout().fit(self.features_.transform(X), y)
+        self.readout_ = self.make_readout().fit(transform_each(self.features_, X, lengths), y)
         return self
 
-    def predict(self, X: ArrayLike) -> np.ndarray:
-        """Return P_ff for a whole log, kPa."""
+    def predict(self, X: Recordings, lengths: ArrayLike | None = None) -> Any:
+        """Return P_ff of whole recordings, kPa.
+
+        Parameters
+        ----------
+        X, lengths
+            As ``fit`` takes them.
+
+        Returns
+        -------
+        ndarray of shape (n_samples,), or list of them
+            A list if ``X`` is one.
+        """
         check_is_fitted(self)
-        X = validate_data(self, X, reset=False, dtype=np.float64)
-        return self.readout_.predict(self.features_.transform(X))
+        rows, _, parts = joined(X, None, lengths, self._check_known)
+        output = self.readout_.predict(transform_each(self.features_, rows, parts))
+        return apart(output, parts) if are_several(X) else output
+
+    def score(
+        self,
+        X: Recordings,
+        y: Recordings,
+        sample_weight: ArrayLike | None = None,
+        lengths: ArrayLike | None = None,
+    ) -> float:
+        """Return R^2 over all samples.
+
+        Parameters
+        ----------
+        X, y, lengths
+            As ``fit`` takes them.
+        sample_weight : array-like of shape (n_samples,), optional
+            Weight of each sample, over all recordings.
+        """
+        output = self.predict(X, lengths)
+        if are_several(X):
+            y, output = np.concatenate(y), np.concatenate(output)
+        return r2_score(y, output, sample_weight=sample_weight)
+
+    def _check(
+        self, X: ArrayLike, y: ArrayLike | None, first: bool
+    ) -> tuple[np.ndarray, np.ndarray | None]:
+        return validate_data(self, X, y, reset=first, y_numeric=True, dtype=np.float64)
+
+    def _check_known(
+        self, X: ArrayLike, y: ArrayLike | None, first: bool
+    ) -> tuple[np.ndarray, None]:
+        return validate_data(self, X, reset=False, dtype=np.float64), None
 
     def assembled(self, features: BaseEstimator, readout: BaseEstimator) -> Self:
         """Return a fitted copy of this model made of fitted parts, with a stream of its own."""

@@ -1,8 +1,10 @@
 """The workflow's plan: what it makes from the existing logs with the given settings."""
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 from fprc.errors import LogError
@@ -21,6 +23,9 @@ from fprc.plan.availability import unavailable, why_not
 from fprc.plan.paths import Paths
 from fprc.plan.results import BY_NAME, CHORES, RESULTS, Result, figure_number
 from fprc.registry import controllers, entries, feedforward_of, outside_paper
+
+#: The experiment that trains the models, of which recorded logs may be several: ``sweep_2``, ...
+TRAINING = EXPERIMENTS[0]
 
 _RESERVOIR = ("p_i_kpa", "p_o_kpa", "phi_deg")
 
@@ -77,6 +82,11 @@ class Plan:
     def every_log(self) -> list[str]:
         """Names of all raw logs that the results need."""
         return [*EXPERIMENTS, *self.every_run]
+
+    @cached_property
+    def further(self) -> list[str]:
+        """Names of the training logs beside ``sweep``, in order."""
+        return sorted(filter(_is_further, self.existing), key=lambda name: (len(name), name))
 
     @cached_property
     def contents(self) -> dict[str, Content]:
@@ -210,10 +220,13 @@ class Plan:
             for seed in evaluation["replicate_seeds"]
         ]
 
-    def log_of(self, experiment: str) -> str:
-        """Return the raw log of an experiment, or its copy with a simulated reservoir."""
+    def logs_of(self, experiment: str) -> list[str]:
+        """Return the raw logs of an experiment, or their copies with a simulated reservoir."""
         files = self.paths.with_reservoir if self.simulates_reservoir else self.paths.log
-        return files(experiment)
+        return [files(name) for name in self._parts_of(experiment)]
+
+    def _parts_of(self, experiment: str) -> list[str]:
+        return [experiment, *(self.further if experiment == TRAINING else [])]
 
     def _training(self, model: str) -> list[str]:
         return [
@@ -245,9 +258,10 @@ class Plan:
     @cached_property
     def _data(self) -> list[str]:
         paths, logs = self.paths, self.experiments
-        extended = [paths.with_reservoir(log) for log in logs] if self.simulates_reservoir else []
+        raw = [name for log in logs for name in self._parts_of(log)]
+        extended = [paths.with_reservoir(name) for name in raw] if self.simulates_reservoir else []
         return [
-            *map(paths.log, logs), *extended, *map(paths.data, logs), *map(paths.quality, logs)
+            *map(paths.log, raw), *extended, *map(paths.data, logs), *map(paths.quality, logs)
         ]  # fmt: skip
 
     @cached_property
@@ -275,6 +289,8 @@ def read_plan(settings: Mapping[str, Any], *, isolate: bool) -> Plan:
     """
     raw = settings["folders"]["raw"]
     logs = [f"{raw}/{name}.h5" for name in Plan(settings, {}).every_log]
+    if settings["source"] == "recorded":
+        logs += [str(path) for path in Path(raw).glob("*.h5") if _is_further(path.stem)]
     plan = Plan(settings, headers(logs, isolate=isolate))
     if plan.on_simulated_rig:
         refuse_to_overwrite(plan.existing)
@@ -286,6 +302,10 @@ def read_plan(settings: Mapping[str, Any], *, isolate: bool) -> Plan:
             "there, or set folders.raw; see docs/own-data.md"
         )
     return plan
+
+
+def _is_further(log: str) -> bool:
+    return re.fullmatch(rf"{TRAINING}_([2-9]|[1-9]\d+)", log) is not None
 
 
 def _follows(result: Result, reference: str) -> bool:

@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 
 from fprc.artifacts import read_json, write_json, write_text
-from fprc.claims import Results, judge_claims, status_of
+from fprc.claims import Results, judge_claims, status_of, turned_verdicts
 from fprc.paper import SOURCES
 from fprc.tables import markdown
 from fprc.yaml_file import read_yaml
@@ -26,6 +26,7 @@ def write_ledger(
     md: str,
     *,
     fitted: Mapping[str, Any],
+    deciding: int,
 ) -> None:
     """Write the claims ledger: published, ours, test and verdict of C1 to C18.
 
@@ -33,9 +34,11 @@ def write_ledger(
     ----------
     fitted : Mapping
         Name of the rig, and the terms that it was fitted to.
+    deciding : int
+        Number of the first seeds that decide the verdicts; further ones are compared with them.
     """
     printed = read_yaml(published)
-    results = Results(
+    every = Results(
         replicates=[read_json(path) for path in replicates],
         grids=[read_json(path) for path in grids],
         controls=[read_json(path) for path in controls],
@@ -44,14 +47,20 @@ def write_ledger(
     )
     ledger = [
         {**row, "rig": status_of(row["id"], fitted["to"])}
-        for row in judge_claims(printed["claims"], results, printed)
+        for row in judge_claims(printed["claims"], every.first(deciding), printed)
     ]
-    source = results.controls[0]["source"]
+    source = every.controls[0]["source"]
     origin = (
         f"The rig is {fitted['name']}, fitted to: {', '.join(fitted['to']) or 'nothing'}; the "
         "other claims were no part of the fit. A verdict is undecided where the 95 % interval of "
         "the mean over seeds contains a limit."
     )
+    if len(every.controls) > deciding:
+        turned = turned_verdicts(ledger, judge_claims(printed["claims"], every, printed))
+        origin += (
+            f" Verdicts are those of the first {deciding} seeds; on all {len(every.controls)}, "
+            f"{'; '.join(turned) or 'none differs'}."
+        )
     write_json(json, {"source": source, "note": origin, "claims": ledger})
     counts = pd.Series([row["verdict"] for row in ledger]).value_counts()
     note = (

@@ -34,11 +34,13 @@ def update_readme(
     ``made_from`` is not read: it makes the rule depend on all intermediate files, so that no
     stale number is shown after a failed job.
     """
-    claims = pd.DataFrame(read_json(ledger)["claims"])[["id", "claim", "verdict"]]
+    judged = read_json(ledger)
+    claims = pd.DataFrame(judged["claims"])[["id", "claim", "verdict"]]
+    verdicts = claims.rename(columns=str.capitalize).to_markdown(index=False)
     blocks = {Path(path).stem: _read(path) for path in pages} | {
         "orders": _sentence(pd.read_csv(orders)),
         "deviations": _deviations(seeds),
-        "verdicts": claims.rename(columns=str.capitalize).to_markdown(index=False),
+        "verdicts": f"{verdicts}\n\n{judged['note']}",
     }
     _update(readme, blocks)
     _copy(figure, picture)
@@ -48,14 +50,14 @@ def update_calibration_page(
     fit: str,
     seeds: Sequence[str],
     pages: Sequence[str],
-    figure: str,
+    figures: Sequence[str],
     made_from: Sequence[str] = (),
     *,
     page: str,
-    picture: str,
+    pictures: Sequence[str],
     rig: Mapping[str, Any],
 ) -> None:
-    """Replace the generated blocks of docs/calibration.md, and its picture.
+    """Replace the generated blocks of docs/calibration.md, and its pictures.
 
     Parameters
     ----------
@@ -64,7 +66,9 @@ def update_calibration_page(
     seeds : sequence of str
         Tables II and III over further seeds, CSV.
     pages : sequence of str
-        Tables of the ensemble, of the sensitivity, of the targets, and Table IV over seeds.
+        Tables of the rigs, of the sensitivity, of the targets, and Table IV over seeds.
+    figures, pictures : sequence of str
+        Figures of the results, and their copies in docs.
     made_from
         Not read; see ``update_readme``.
     rig : Mapping
@@ -88,7 +92,8 @@ def update_calibration_page(
         "deviations": _deviations(seeds),
     }
     _update(page, blocks)
-    _copy(figure, picture)
+    for figure, picture in zip(figures, pictures, strict=True):
+        _copy(figure, picture)
 
 
 def update_performance(

@@ -3,17 +3,21 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import pandas as pd
+
 from fprc import escape
 from fprc.artifacts import read_json, write_csv
 from fprc.figures import style
 from fprc.figures.grids import plot_errors_over, plot_grid, plot_times_over
-from fprc.figures.hysteresis import add_time_bar, plot_command, plot_loop
+from fprc.figures.hysteresis import add_time_bar, plot_command, plot_loop, plot_quarters
 from fprc.figures.readout import plot_readouts
 from fprc.figures.training import plot_error, plot_fit
 from fprc.figures.weights import plot_shares
-from fprc.logs import Columns, read_columns
+from fprc.logs import Columns, read_columns, read_raw
 from fprc.registry import colour_of
+from fprc.signals import loop_growth, width_at_middle
 from fprc.tables.drawn import fit_errors, grid_errors, grid_times, panels, weight_shares
+from fprc.tables.readout import held_out
 from fprc.tables.readout import readout as readout_errors
 
 _DATA = ("time_s", "p_target_kpa", "theta_deg")
@@ -45,6 +49,28 @@ def draw_actuator_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> Ma
             style.letter(ax, text)
     add_time_bar(lines, axes.ravel())
     return style.save(fig, _attributes_for_mark(logs), pdf, png)
+
+
+def draw_channels(sweep: str, csv: str, pdf: str, png: str) -> Mapping[str, Any]:
+    """Draw the actuator's loops over the commanded and over the measured pressure (C18)."""
+    log = read_raw(sweep, experiment="sweep", sample_rate_hz=None, rate_tolerance=0.01)
+    time_s, theta = log.channels["time_s"], log.channels["theta_deg"]
+    fig, axes = style.figure(1, 2, style.COLUMN_IN, 2.2, sharey=True)
+    rows = []
+    for ax, name, letter, text in zip(
+        axes, ("p_exp_command_kpa", "p_exp_kpa"), "ab", ("commanded", "measured"), strict=True
+    ):
+        pressure = log.channels[name]
+        growth = loop_growth(time_s, theta, pressure)
+        width = width_at_middle(theta, pressure)
+        rows.append({"pressure": text, "width_kpa": width, "growth": growth})
+        labels = rf"$P_\mathrm{{exp}}$ {text} [kPa]", r"$\theta$ [deg]"
+        plot_quarters(time_s, pressure, theta, ax, labels)
+        style.letter(ax, f"({letter}) {width:.0f} kPa wide, growth {growth:.2f}")
+        ax.label_outer()
+    axes[0].legend(loc="upper left", handlelength=1.2)
+    write_csv(csv, pd.DataFrame(rows).assign(source=log.attributes["source"]))
+    return style.save(fig, log.attributes, pdf, png)
 
 
 def draw_reservoir_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> Mapping[str, Any]:
@@ -147,10 +173,10 @@ def draw_taps(taps: str, csv: str, pdf: str, png: str) -> Mapping[str, Any]:
 
 
 def draw_readout(cells: str, pdf: str, png: str) -> Mapping[str, Any]:
-    """Draw validation (blocked folds) and test errors over epsilon and n_u."""
+    """Draw validation (folds apart in time) and test errors over epsilon and n_u."""
     report = read_json(cells)
     table, own = readout_errors(report), report["own"]
-    table = table[table["split"] == "blocked"]
+    table = table[table["split"] == held_out(table)]
     over = {
         "epsilon": table[table["n_u"] == own["n_u"]],
         "n_u": table[table["epsilon"] == own["epsilon"]],

@@ -1,4 +1,4 @@
-"""Judge the claims on an ensemble of random rigs, and measure the sensitivity of one rig."""
+"""Judge an ensemble of random rigs, and measure the sensitivity of one rig."""
 
 import hashlib
 import json
@@ -9,15 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from fprc.artifacts import read_json, write_json
+from fprc.artifacts import write_json
 from fprc.calibration.ensemble import judge_moved, judge_rig
 from fprc.calibration.fit import free_parameters
-from fprc.claims import Results, judge_claims, parts_of
-from fprc.claims.ensemble import JUDGED_BY_RIG, shares_of
-from fprc.errors import FprcError
 from fprc.evaluation.cells import log_progress, run_cells
 from fprc.experiments.settings import RigSettings
-from fprc.yaml_file import read_yaml
 
 
 def judge_rigs(
@@ -105,38 +101,3 @@ def measure_sensitivity(
     )
     write_json(effects, {"source": "sim", "seeds": list(seeds), "cells": judged})
     Path(checkpoint).unlink()
-
-
-def summarise_rigs(published: str, chunks: Sequence[str], summary: str) -> None:
-    """Judge the claims rig by rig; write shares, intervals and correlations."""
-    printed = read_yaml(published)
-    rigs = [rig for path in chunks for rig in read_json(path)["rigs"]]
-    good = [rig for rig in rigs if "failed" not in rig]
-    if not good:
-        raise FprcError(
-            f"none of the {len(rigs)} rigs of the ensemble could be judged; the first: "
-            f"{rigs[0]['failed']}"
-        )
-    claims = [claim for claim in parts_of(printed["claims"]) if claim["id"] in JUDGED_BY_RIG]
-    verdicts = [
-        {
-            row["id"]: row["verdict"]
-            for row in judge_claims(
-                claims, Results([rig["compared"]], [], [rig["measured"]], {}, {}), printed
-            )
-        }
-        for rig in good
-    ]
-    parameters = [rig["parameters"] for rig in good]
-    write_json(
-        summary,
-        {
-            "source": "sim",
-            "seeds": [rig["seed"] for rig in rigs],
-            "parameters": list(parameters[0]),
-            "rigs": len(rigs),
-            "failed": len(rigs) - len(good),
-            "draws": sum(rig["draws"] for rig in rigs),
-            "claims": shares_of(claims, verdicts, parameters),
-        },
-    )

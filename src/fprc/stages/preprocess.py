@@ -1,13 +1,14 @@
 """Check a raw log and select the channels of the models."""
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from fprc.artifacts import write_json
 from fprc.escape import visible
-from fprc.experiments.data import TARGETS
-from fprc.logs import assess, read_raw, write_columns
+from fprc.experiments.data import TARGETS, Data, join
+from fprc.logs import Columns, assess, read_raw, write_columns
 from fprc.logs.isolated import isolated_each
 from fprc.logs.quality import noted_unit, notes_of, warnings
 
@@ -15,7 +16,7 @@ log = logging.getLogger(__name__)
 
 
 def preprocess(
-    raw: str,
+    raw: str | Sequence[str],
     data: str,
     quality: str,
     *,
@@ -28,18 +29,39 @@ def preprocess(
 
     Nothing is filtered here: the filter and the taps belong to the models, which
     apply the same ones in the control loop. If an imported log has only one of
-    the two P_exp, commanded or measured, that one is used.
+    the two P_exp, commanded or measured, that one is used. Several raw logs become one
+    preprocessed log, whose attribute ``recordings`` has their lengths.
+
+    Raises
+    ------
+    LogError
+        A raw log cannot be read, or several do not go together.
     """
-    (source,) = isolated_each(
+    paths = [raw] if isinstance(raw, str) else list(raw)
+    sources = isolated_each(
         read_raw,
-        [raw],
+        paths,
         experiment=experiment,
         sample_rate_hz=sample_rate_hz,
         rate_tolerance=limits["rate_tolerance"],
     )
-    report = assess(source, sample_rate_hz=sample_rate_hz, **limits)
-    for warning in warnings(report):
-        log.warning("warning: %s", warning)
+    reports, selected = [], {}
+    for path, source in zip(paths, sources, strict=True):
+        report = assess(source, sample_rate_hz=sample_rate_hz, **limits)
+        for warning in warnings(report):
+            log.warning("warning: %s", warning)
+        reports.append(report)
+        selected[Path(path).name] = _select(source, path, target)
+        passed = sum(check["passed"] for check in report["checks"].values())
+        log.info("%d of %d quality checks passed", passed, len(report["checks"]))
+    several = len(paths) > 1
+    whole = join(selected, 1.0 / sample_rate_hz) if several else next(iter(selected.values()))
+    write_json(quality, {"recordings": reports} if several else reports[0])
+    write_columns(data, whole.channels, whole.attributes)
+
+
+def _select(source: Columns, raw: str, target: str) -> Data:
+    """Return the channels and attributes of a raw log that the models need."""
     notes = notes_of(source)
     for name, note in notes.items():
         log.warning("warning: %s: %s", visible(name), visible(note))
@@ -61,7 +83,4 @@ def preprocess(
         "theta_unit": noted_unit("theta_deg", notes),
         "p_o_unit": noted_unit("p_o_kpa", notes),
     }
-    write_json(quality, report)
-    write_columns(data, channels, attributes)
-    passed = sum(check["passed"] for check in report["checks"].values())
-    log.info("%d of %d quality checks passed", passed, len(report["checks"]))
+    return Data(channels, attributes)

@@ -36,9 +36,10 @@ def measure_readout(
     data = read_data(train)
     refuse_mixture(data, read_data(test))
     models = judgement["models"]
+    held_out = "recordings" if len(data.lengths) > 1 else "blocked"
     judged = run_cells(
         partial(_judge_from_files, train=train, test=test, judgement=judgement),
-        readout_cells(models, epsilon, n_u),
+        readout_cells(models, epsilon, n_u, held_out),
         workers=workers,
         checkpoint=checkpoint,
         key=checkpoint_key([judgement, version], [train, test]),

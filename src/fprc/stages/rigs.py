@@ -1,4 +1,4 @@
-"""Compare the rigs of config/rigs: errors of Tables II to IV, and verdicts of the claims."""
+"""Compare rigs side by side, and judge the claims on sets of many rigs."""
 
 from collections.abc import Mapping, Sequence
 
@@ -6,9 +6,11 @@ import numpy as np
 import pandas as pd
 
 from fprc import tables
-from fprc.artifacts import read_json, write_csv, write_text
-from fprc.claims import Results, judge_claims, status_of
+from fprc.artifacts import read_json, write_csv, write_json, write_text
+from fprc.claims import Results, judge_claims, parts_of, status_of
+from fprc.claims.ensemble import JUDGED_BY_RIG, shares_of
 from fprc.claims.ledger import TIMED
+from fprc.errors import FprcError
 from fprc.paper import SOURCES
 from fprc.yaml_file import read_yaml
 
@@ -23,8 +25,10 @@ def compare_rigs(
     tex: str,
     *,
     fitted: Mapping[str, Sequence[str]],
+    deciding: int,
+    brief: bool = False,
 ) -> None:
-    """Write the table of the rigs.
+    """Write the table of the rigs; the page, if ``brief``, sums the errors up.
 
     Parameters
     ----------
@@ -32,6 +36,8 @@ def compare_rigs(
         Reports of the further seeds, those of the first rig first, equally many of each.
     fitted : Mapping
         Terms that each rig was fitted to, by its name.
+    deciding : int
+        Number of the first seeds that decide the verdicts.
     """
     printed = read_yaml(published)
     claims = [claim for claim in printed["claims"] if claim["id"] not in TIMED]
@@ -46,7 +52,7 @@ def compare_rigs(
         results = Results(replicates, cells, measures, {}, {})
         ledgers[name] = [
             {**row, "rig": status_of(row["id"], terms)}
-            for row in judge_claims(claims, results, printed)
+            for row in judge_claims(claims, results.first(deciding), printed)
         ]
         off = 100 * errors[name]["deviation"][:18].abs()
         sentences.append(
@@ -56,10 +62,50 @@ def compare_rigs(
     source = read_json(models[0])["source"]
     note = (
         f"Rigs side by side: mean and its 95 % interval over {seeds} seeds, deviation from print; "
-        f"verdicts.\nData: {SOURCES[source]}. " + " ".join(sentences)
+        f"verdicts of the first {min(deciding, seeds)} seeds.\nData: {SOURCES[source]}. "
+        + " ".join(sentences)
     )
-    page = tables.rigs_page(errors, ledgers)
+    page = tables.rigs_page(errors, ledgers, brief=brief)
     named = [table.assign(rig=name, source=source) for name, table in errors.items()]
     write_csv(csv, pd.concat(named, ignore_index=True))
     write_text(md, tables.markdown(page, note))
     write_text(tex, tables.latex(page, note))
+
+
+def summarise_rigs(published: str, chunks: Sequence[str], summary: str, *, drawn: str) -> None:
+    """Judge the claims rig by rig; write shares, intervals and correlations.
+
+    ``drawn`` says how the rigs were drawn.
+    """
+    printed = read_yaml(published)
+    rigs = [rig for path in chunks for rig in read_json(path)["rigs"]]
+    good = [rig for rig in rigs if "failed" not in rig]
+    if not good:
+        raise FprcError(
+            f"none of the {len(rigs)} rigs of the ensemble could be judged; the first: "
+            f"{rigs[0]['failed']}"
+        )
+    claims = [claim for claim in parts_of(printed["claims"]) if claim["id"] in JUDGED_BY_RIG]
+    verdicts = [
+        {
+            row["id"]: row["verdict"]
+            for row in judge_claims(
+                claims, Results([rig["compared"]], [], [rig["measured"]], {}, {}), printed
+            )
+        }
+        for rig in good
+    ]
+    parameters = [rig["parameters"] for rig in good]
+    write_json(
+        summary,
+        {
+            "source": "sim",
+            "drawn": drawn,
+            "seeds": [rig["seed"] for rig in rigs],
+            "parameters": list(parameters[0]),
+            "rigs": len(rigs),
+            "failed": len(rigs) - len(good),
+            "draws": sum(rig.get("draws", 0) for rig in rigs),
+            "claims": shares_of(claims, verdicts, parameters),
+        },
+    )

@@ -129,6 +129,12 @@ def _run(run: Columns) -> dict[str, Any]:
     return {**described, "error_deg": (theta_d - theta)[judged]}
 
 
+_FOLDS = {
+    "blocked": "Blocked folds keep neighbours in time out of the validation.",
+    "recordings": "Folds of recordings validate on recordings that did not train.",
+}
+
+
 def tabulate_readout(
     cells: str,
     csv: str,
@@ -147,23 +153,49 @@ def tabulate_readout(
         "Readout value: FPRC with P_o, without it and with substitutes for it, at epsilon = "
         f"{own['epsilon']:g} and n_u = {own['n_u']}, mean ± standard deviation over folds.\n"
         f"Data: {SOURCES[report['source']]}, seed {report['seed']}; trained on {parts[0]}, "
-        f"tested on {parts[1]}. Blocked folds keep neighbours in time out of the validation."
+        f"tested on {parts[1]}. {_FOLDS[tables.held_out(table)]}"
     )
     _write(table, tables.readout_page(table, own), note, csv, md, tex)
 
 
 def tabulate_ensemble(summary: str, csv: str, md: str, tex: str) -> None:
-    """Count the random rigs on which each claim holds."""
+    """Count the rigs of a set on which each claim holds."""
     report = read_json(summary)
     table = tables.ensemble(report)
     limit = table["least_significant"].iloc[0]
+    draws = f", {report['draws']} draws in all" if report["draws"] else ""
     note = (
-        f"Ensemble: claims on {report['rigs'] - report['failed']} simulated rigs that were drawn, "
-        f"not fitted; {report['failed']} more could not be judged, {report['draws']} draws in all."
-        f"\nA parameter is named if its rank correlation with the claim exceeds {limit:.2f}; by "
+        f"Claims on {report['rigs'] - report['failed']} simulated {report['drawn']}; "
+        f"{report['failed']} more could not be judged{draws}.\n"
+        f"A parameter is named if its rank correlation with the claim exceeds {limit:.2f}; by "
         "chance alone, one parameter does so in one of twenty ensembles."
     )
     _write(table, tables.ensemble_page(table), note, csv, md, tex)
+
+
+def tabulate_history(members: str, csv: str, md: str, tex: str) -> None:
+    """How near the rigs of the posterior came to the printed errors, step by step."""
+    report = read_json(members)
+    table = pd.DataFrame(
+        {"accepted": "", **row, "source": report["source"]} for row in report["history"]
+    )
+    note = (
+        f"Posterior: rms deviation of the logarithms of {len(report['errors'])} errors from the "
+        "printed ones, over the rigs of each step.\nSimulated, with the surrogate models; "
+        "accepted: share of the sampler's proposals since its start."
+    )
+    page = pd.DataFrame(
+        {
+            "Step": table["step"],
+            "Rigs": table["rigs"],
+            "Deviation": [f"{100 * value:.0f} %" for value in table["deviation"]],
+            "Accepted": [
+                f"{100 * row['accepted']:.0f} %" if "accepted" in row else ""
+                for row in report["history"]
+            ],
+        }
+    )
+    _write(table, page, note, csv, md, tex)
 
 
 def tabulate_sensitivity(effects: str, csv: str, md: str, tex: str) -> None:

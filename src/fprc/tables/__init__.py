@@ -8,7 +8,7 @@ from fprc.tables.models import (
     orders,
     over_seeds,
 )
-from fprc.tables.readout import readout, readout_page
+from fprc.tables.readout import held_out, readout, readout_page
 from fprc.tables.rigs import rig_errors, rigs_page
 from fprc.tables.robustness import (
     ensemble,
@@ -29,6 +29,7 @@ __all__ = [
     "deviations",
     "ensemble",
     "ensemble_page",
+    "held_out",
     "latex",
     "markdown",
     "orders",

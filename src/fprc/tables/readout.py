@@ -33,6 +33,11 @@ def readout(report: Mapping[str, Any]) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
+def held_out(table: pd.DataFrame) -> str:
+    """Return the split whose validation rows are apart in time from those that train."""
+    return "recordings" if "recordings" in set(table["split"]) else "blocked"
+
+
 def readout_page(table: pd.DataFrame, own: Mapping[str, float]) -> pd.DataFrame:
     """Return the readouts at the models' own settings as a page."""
     at_own = table[(table["epsilon"] == own["epsilon"]) & (table["n_u"] == own["n_u"])]

@@ -1,4 +1,4 @@
-"""The rigs of config/rigs side by side: errors, and verdicts of the claims."""
+"""The fitted rigs side by side: errors, and verdicts of the claims."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -7,6 +7,11 @@ import pandas as pd
 
 from fprc.tables.text import format_mean, spread
 from fprc.tables.tracking import all_over_seeds
+
+#: Claims that gave a point to a candidate.
+_CLAIMS_OF_THE_RULE = (
+    "C1", "C2", "C3", "C4a", "C7", "C8", "C9a", "C9b", "C11", "C12a", "C12b", "C18a", "C18b",
+)  # fmt: skip
 
 #: Runs of Table IV that the paper prints, and one that it calls by the same name.
 _RUNS = (("fprc", "none"), ("fprc_pd", "identified"))
@@ -31,8 +36,46 @@ def rig_errors(
     return table[columns].reset_index(drop=True)
 
 
+def points(errors: pd.DataFrame, ledger: Sequence[Mapping[str, str]]) -> int:
+    """Return the points of the rule that chose the shipped rig, see docs/preregistration.md.
+
+    One each for the errors' median and largest deviation, for open-loop Table IV, and for each
+    claim of the rule that is reproduced.
+    """
+    off, open_loop = _off(errors)
+    verdicts = {row["id"]: row["verdict"] for row in ledger}
+    return (
+        int(off.median() <= 0.05)
+        + int(off.max() <= 0.15)
+        + int(open_loop.max() <= 0.15)
+        + sum(verdicts.get(claim) == "reproduced" for claim in _CLAIMS_OF_THE_RULE)
+    )
+
+
+def _off(errors: pd.DataFrame) -> tuple[pd.Series, pd.Series]:
+    """Return the absolute deviations of Tables II and III, and of open-loop Table IV."""
+    off = errors["deviation"].abs()
+    return (
+        off[~errors["number"].str.startswith("Table IV")],
+        off[errors["number"].str.startswith("Table IV, FPRC,")],
+    )
+
+
+def _sums(errors: pd.DataFrame, ledger: Sequence[Mapping[str, str]]) -> dict[str, str]:
+    off, open_loop = _off(errors)
+    return {
+        "Tables II and III, median deviation": f"{100 * off.median():.0f} %",
+        "Tables II and III, largest deviation": f"{100 * off.max():.0f} %",
+        "Table IV, open loop, largest deviation": f"{100 * open_loop.max():.0f} %",
+        "Points of the rule, of 16": str(points(errors, ledger)),
+    }
+
+
 def rigs_page(
-    errors: Mapping[str, pd.DataFrame], ledgers: Mapping[str, Sequence[Mapping[str, str]]]
+    errors: Mapping[str, pd.DataFrame],
+    ledgers: Mapping[str, Sequence[Mapping[str, str]]],
+    *,
+    brief: bool = False,
 ) -> pd.DataFrame:
     """Return errors and verdicts, a column per rig.
 
@@ -42,6 +85,8 @@ def rigs_page(
         Result of ``rig_errors``, by rig.
     ledgers : Mapping
         ``id``, ``claim``, ``verdict`` and ``rig`` (fitted, predicted, ...) of each claim, by rig.
+    brief : bool
+        Leave out the single errors.
     """
     first = next(iter(errors))
     page = pd.DataFrame(
@@ -65,4 +110,12 @@ def rigs_page(
             },
         }
     )
-    return pd.concat([page, claims], ignore_index=True)
+    sums = {name: _sums(table, ledgers[name]) for name, table in errors.items()}
+    summed = pd.DataFrame(
+        {
+            "Number or claim": list(sums[first]),
+            "Paper": "",
+            **{f"Rig {name}": list(own.values()) for name, own in sums.items()},
+        }
+    )
+    return pd.concat([summed, claims] if brief else [page, summed, claims], ignore_index=True)

@@ -1,6 +1,5 @@
 import copy
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +13,7 @@ from fprc.calibration.space import decode, encode
 from fprc.calibration.surrogate import judge_cheaply
 from fprc.claims import Results, judge_claims, parts_of
 from fprc.claims.ensemble import JUDGED_BY_RIG
-from fprc.config import Settings
+from fprc.config import PUBLISHED, Settings
 from fprc.config.rig import Rig
 from fprc.control.loop import RunAbortedError
 from fprc.errors import EvaluationError, FprcError, SimulationError
@@ -23,8 +22,8 @@ from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import Judgement, RigSettings
 from fprc.rig.simulator import draw_instruments
 from fprc.stages import ensemble as stage
+from fprc.stages.rigs import summarise_rigs
 
-PUBLISHED = Path(__file__).parents[3] / "config/published.yaml"
 PATHS = [
     "bending.stiffness_kpa_per_deg",
     "bending.preload_kpa",
@@ -389,7 +388,7 @@ def summarise(tmp_path):
         for number, rigs in enumerate(chunks):
             paths.append(str(tmp_path / f"{number}.json"))
             write_json(paths[-1], {"source": "sim", "rigs": rigs})
-        stage.summarise_rigs(str(PUBLISHED), paths, str(tmp_path / "summary.json"))
+        summarise_rigs(str(PUBLISHED), paths, str(tmp_path / "summary.json"), drawn="rigs")
         return read_json(tmp_path / "summary.json")
 
     return call

@@ -1,5 +1,4 @@
 from copy import deepcopy
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,12 +8,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import ttest_1samp
 
-from fprc.claims import Results, Statement, changed_verdicts, judge_claims, parts_of, status_of
+from fprc import config
+from fprc.claims import (
+    Results,
+    Statement,
+    changed_verdicts,
+    judge_claims,
+    parts_of,
+    status_of,
+    turned_verdicts,
+)
 from fprc.experiments.measures import measure_hysteresis, measure_runs
 
-PUBLISHED = yaml.safe_load(
-    (Path(__file__).parents[3] / "config" / "published.yaml").read_text(encoding="utf-8")
-)
+PUBLISHED = yaml.safe_load(config.PUBLISHED.read_text(encoding="utf-8"))
 QUIET_S, RATE_HZ = 20.0, 200.0
 SCALES = (0.99, 1.0, 1.02)  # of the errors, a seed each
 EVERY = tuple(range(len(SCALES)))
@@ -719,3 +725,17 @@ def test_single_value_decides_alone():
 )
 def test_claim_is_fitted_where_a_term_of_the_objective_asks_for_it(claim, terms, status):
     assert status_of(claim, terms) == status
+
+
+def test_verdicts_of_the_first_seeds_know_nothing_of_the_later_ones():
+    results = Results([1, 2, 3], [4, 5, 6], [7, 8, 9], {"t": 0}, {"n": 1})
+    assert results.first(2) == Results([1, 2], [4, 5], [7, 8], {"t": 0}, {"n": 1})
+    assert results.first(9) == results
+
+
+def test_claims_that_more_seeds_judge_differently_are_named():
+    first = [{"id": "C1", "verdict": "reproduced"}, {"id": "C8", "verdict": "undecided"}]
+    later = [{"id": "C1", "verdict": "reproduced"}, {"id": "C8", "verdict": "reproduced"}]
+    assert turned_verdicts(first, first) == []
+    (phrase,) = turned_verdicts(first, later)
+    assert phrase.split()[0] == "C8"

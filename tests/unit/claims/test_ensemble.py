@@ -1,5 +1,4 @@
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,12 +7,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import norm, spearmanr, t
 
+from fprc import config
 from fprc.claims import parts_of
 from fprc.claims.ensemble import JUDGED_BY_RIG, shares_of
 
-PUBLISHED = yaml.safe_load(
-    (Path(__file__).parents[3] / "config/published.yaml").read_text(encoding="utf-8")
-)
+PUBLISHED = yaml.safe_load(config.PUBLISHED.read_text(encoding="utf-8"))
 CLAIM = {"id": "C2", "text": "FPRC is best"}
 VERDICTS = {True: "reproduced", False: "not reproduced"}
 

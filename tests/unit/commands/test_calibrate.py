@@ -1,13 +1,13 @@
 import json
-import os
 from pathlib import Path
 
 import pytest
 import yaml
+from joblib import cpu_count
 
 from fprc.cli import main
 from fprc.commands import calibrate as command
-from fprc.config import Settings, check, from_files
+from fprc.config import PUBLISHED, Settings, check, from_files, rig_file
 from fprc.config.reference import RIG
 from fprc.errors import SimulationError
 
@@ -45,7 +45,7 @@ def run(tmp_path, fit):
     """Call the command; return its exit code and the arguments of the fit."""
 
     def call(*arguments, files=FILES, out="rig.fitted.yaml"):
-        fixed = ["--out", str(tmp_path / out), "--published", str(CONFIG / "published.yaml")]
+        fixed = ["--out", str(tmp_path / out), "--published", str(PUBLISHED)]
         return main(["calibrate", *files, *fixed, *arguments]), fit.calls
 
     return call
@@ -74,7 +74,7 @@ def test_fit_takes_its_settings_from_the_files_merged_in_their_order(run, tmp_pa
     assert on_rig["signals"]["sweep"]["duration_s"] == 20.0
     assert judgement["models"]["esn"]["r"] == 60
     assert on_rig["rig"]["drift"]["time_s"] == 2.5
-    fitted = yaml.safe_load((CONFIG / f"rigs/{RIG}.yaml").read_text(encoding="utf-8"))["rig"]
+    fitted = yaml.safe_load(rig_file(RIG).read_text(encoding="utf-8"))["rig"]
     assert on_rig["rig"]["bending"]["preload_kpa"] == fitted["bending"]["preload_kpa"]
     assert (judgement["folds"], judgement["split"]) == (5, "shuffled")
     assert (on_rig["target"], on_rig["control"]) == ("command", expected["control"])
@@ -90,7 +90,7 @@ def test_without_files_the_configuration_of_the_project_is_taken(fit, tmp_path, 
     monkeypatch.chdir(tmp_path)
     assert main(["calibrate", "--out", str(out)]) == 0
     (call,) = fit.calls
-    assert call["published"] == "config/published.yaml"
+    assert call["published"] == str(PUBLISHED)
     expected = from_files(["config/config.yaml"]).model_dump(mode="json")
     assert call["on_rig"]["rig"] == expected["rig"]
     assert call["judgement"]["models"] == expected["models"]
@@ -105,7 +105,7 @@ def test_time_limit_is_that_of_the_command_or_else_of_the_configuration(run, arg
 def test_processes_are_as_many_as_asked_for_or_else_one_a_processor(run):
     run()
     _, (default, asked) = run("--workers", "3")
-    assert default["workers"] == len(os.sched_getaffinity(0))
+    assert default["workers"] == cpu_count()
     assert asked["workers"] == 3
 
 

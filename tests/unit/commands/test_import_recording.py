@@ -19,6 +19,7 @@ from fprc.errors import ConfigError, LogError
 from fprc.experiments.data import Data, read_data, refuse_mixture
 from fprc.figures import style
 from fprc.logs import RAW_CHANNELS, assess, read_columns, read_raw, write_raw
+from fprc.models import FPRC
 from fprc.stages.preprocess import preprocess
 
 pytestmark = pytest.mark.slow
@@ -485,13 +486,25 @@ def test_recording_rehearsed_on_the_page_comes_back(recorded, tmp_path, monkeypa
     told = {"experiment": "sweep", "sample_rate_hz": 200.0, "seed": 1, "software": "x", "rig": {}}
     for name in ("sweep", "complex"):
         write_raw(f"data/raw/{name}.h5", recorded[name], source="sim", **told)
-    (snippet,) = blocks("python")
+    snippet, _ = blocks("python")
     exec(compile(snippet, "docs/own-data.md", "exec"), {})
     Path("sweep.yaml").write_text(blocks("yaml")[0])
     import_recording("arm_sweep.csv", "sweep.yaml", "mylogs/sweep.h5")
     log = read_raw("mylogs/sweep.h5", **RATE)
     for name in ("theta_deg", "p_exp_command_kpa", "p_o_kpa"):
         assert log.channels[name] == pytest.approx(recorded["sweep"][name], abs=1e-9)
+
+
+def test_several_recordings_of_the_page_are_fitted_both_ways():
+    _, snippet = blocks("python")
+    rng = np.random.default_rng(0)
+    names = {"np": np, "FPRC": FPRC}
+    for i in range(1, 5):
+        names |= {f"X{i}": rng.uniform(0.0, 60.0, (300, 2)), f"y{i}": rng.uniform(0.0, 350.0, 300)}
+    exec(compile(snippet, "docs/own-data.md", "exec"), names)
+    again = names["model"].predict([names["X3"], names["X4"]])
+    for one, other in zip(names["p_ff"], again, strict=True):
+        np.testing.assert_allclose(one, other)
 
 
 def test_every_map_of_the_page_is_valid(tmp_path):

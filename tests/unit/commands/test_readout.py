@@ -1,4 +1,5 @@
 import logging
+import sys
 
 import numpy as np
 import pandas as pd
@@ -7,6 +8,7 @@ import yaml
 
 from fprc.artifacts import read_json
 from fprc.cli import main
+from fprc.commands import readout as readout_command
 from fprc.commands.import_recording import import_recording
 from fprc.commands.readout import findings, progress_bar, report_readout
 from fprc.config.importing import read_map
@@ -54,11 +56,29 @@ def recording(tmp_path):
     return write
 
 
-def run(tmp_path, map_file):
+def test_missing_libraries_are_reported_before_anything_is_read(tmp_path, monkeypatch, capsys):
+    for name in ("jinja2", "tabulate"):
+        monkeypatch.setitem(sys.modules, name, None)
+    monkeypatch.chdir(tmp_path)
+    assert main(["readout", "none.csv", "--map", "none.yaml"]) == 1
+    assert "needs Jinja2 and tabulate" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+def run(tmp_path, map_file, *more):
     return main([
         "readout", str(tmp_path / "log.csv"), "--map", map_file, "--out", str(tmp_path / "out"),
-        "--config", str(tmp_path / "few.yaml"), "--workers", "1",
+        "--config", str(tmp_path / "few.yaml"), "--workers", "1", *more,
     ])  # fmt: skip
+
+
+def further(tmp_path, *lengths_s):
+    """Write beginnings of the recording as recordings of their own."""
+    table = pd.read_csv(tmp_path / "log.csv")
+    paths = [tmp_path / f"more_{length_s}.csv" for length_s in lengths_s]
+    for path, length_s in zip(paths, lengths_s, strict=True):
+        table[table["t"] < length_s].to_csv(path, index=False)
+    return list(map(str, paths))
 
 
 @pytest.mark.slow
@@ -105,6 +125,73 @@ def test_parts_meet_and_do_not_overlap(recording, tmp_path):
     assert test.attributes["imported_start_s"] == pytest.approx(7.0)
     assert len(train.channels["time_s"]) == 1200
     assert len(test.channels["time_s"]) == 1000
+
+
+@pytest.mark.slow
+def test_further_recordings_train_too_and_are_validated_whole(recording, tmp_path):
+    paths = further(tmp_path, 3, 4)
+    assert run(tmp_path, recording(start_s=1), "--train", *paths) == 0
+    out = tmp_path / "out"
+    data = read_columns(out / "data/sweep.h5", ("time_s",))
+    assert data.attributes["recordings"] == {"sweep.h5": 1200, "sweep_2.h5": 600, "sweep_3.h5": 800}
+    quality = read_json(out / "quality/sweep.json")["recordings"]
+    assert [each["log"] for each in quality] == ["sweep.h5", "sweep_2.h5", "sweep_3.h5"]
+    table = pd.read_csv(out / "readout/readout.csv")
+    assert set(table["split"]) == {"shuffled", "recordings"}
+    cells = read_json(out / "readout/cells.json")["cells"]
+    assert {len(cell["validation_rmse_kpa"]) for cell in cells} == {3}
+    text = (out / "report.md").read_text(encoding="utf-8")
+    assert "Trained before 7 s and on 2 training logs, tested after" in text
+    assert "On recordings left out of training FPRC's error is" in text
+    pictures = [line.split("(")[1].rstrip(")") for line in text.splitlines() if line[:1] == "!"]
+    assert pictures == [
+        "readout/readout.png",
+        *(f"raw/{name}.diagnosis.png" for name in ("sweep", "sweep_2", "sweep_3", "complex")),
+    ]
+    assert all((out / name).exists() for name in pictures)
+
+
+@pytest.mark.slow
+def test_whole_recording_tests_if_others_train(recording, tmp_path, monkeypatch, capsys):
+    def stop(*arguments):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(readout_command, "_judge", stop)
+    map_file = recording(test_from_s=None, experiment="complex")
+    assert run(tmp_path, map_file, "--train", *further(tmp_path, 1, 2)) == 130
+    test, train = (
+        read_columns(tmp_path / f"out/data/{name}.h5", ("time_s",)) for name in ("complex", "sweep")
+    )
+    assert len(test.channels["time_s"]) == 2400
+    assert train.attributes["recordings"] == {"sweep.h5": 200, "sweep_2.h5": 400}
+    # the workflow would also find the log that is left
+    assert run(tmp_path, map_file, "--train", *further(tmp_path, 1)) == 1
+    assert "sweep_2.h5: from an earlier run with more training logs" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("told", "count", "said"),
+    [
+        ({}, 0, "Trained before 7 s, tested after"),
+        ({}, 1, "Trained before 7 s and on 1 training log, tested after"),
+        ({"test_from_s": None, "experiment": "complex"}, 2,
+         "Trained on 2 training logs, tested on the whole recording"),
+    ],
+)  # fmt: skip
+def test_page_says_what_trained(told, count, said, recording):
+    assert readout_command._what_trained(read_map(recording(**told)), ["x.csv"] * count) == said
+
+
+def test_recording_given_twice_is_refused(recording, tmp_path):
+    source = str(tmp_path / "log.csv")
+    with pytest.raises(ConfigError, match=r"log\.csv: given twice"):
+        report_readout(source, recording(), str(tmp_path / "out"), train=[f"{tmp_path}/./log.csv"])
+
+
+def test_map_of_a_whole_test_log_needs_training_logs(recording, tmp_path):
+    map_file = recording(test_from_s=None, experiment="complex")
+    with pytest.raises(ConfigError, match="test_from_s is missing"):
+        report_readout(str(tmp_path / "log.csv"), map_file, str(tmp_path / "out"))
 
 
 def test_map_without_parts_and_readout_is_refused_for_both(recording, tmp_path):
@@ -175,8 +262,6 @@ def test_bar_is_drawn_every_tenth_where_there_is_no_terminal(capsys):
 
 @pytest.mark.slow
 def test_stopped_run_goes_on_where_it_was(recording, tmp_path, monkeypatch):
-    from fprc.commands import readout as readout_report
-
     seen = []
 
     def stop(done, total):
@@ -184,7 +269,7 @@ def test_stopped_run_goes_on_where_it_was(recording, tmp_path, monkeypatch):
         if done == 5:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(readout_report, "progress_bar", lambda: stop)
+    monkeypatch.setattr(readout_command, "progress_bar", lambda: stop)
     path = recording()
     assert run(tmp_path, path) == 130
     assert not (tmp_path / "out/readout/cells.json").exists()

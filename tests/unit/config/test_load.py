@@ -6,11 +6,19 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fprc.config import Settings, check, from_files
+from fprc.config import Settings, check, from_files, rig_files
 from fprc.config.reference import RIG
 from fprc.errors import ConfigError
 
 CONFIG = Path(__file__).parents[3] / "config"
+RIGS = Path(__file__).parents[3] / "src/fprc/config/rigs"
+
+
+def typed(settings):
+    """Replace the rig by that of ``Settings()``, which no file gives."""
+    return settings.model_copy(
+        update={name: getattr(Settings(), name) for name in ("rig", "fitted")}
+    )
 
 
 def message(config):
@@ -33,7 +41,7 @@ def written(tmp_path):
 
 
 def test_nothing_gives_the_defaults():
-    assert check({}) == Settings()
+    assert typed(check({})) == Settings()
 
 
 def test_error_tells_place_value_limit_and_remedy():
@@ -168,7 +176,7 @@ def test_key_of_an_earlier_file_is_checked_even_if_a_later_one_is_right(written)
 
 @pytest.mark.parametrize("text", ["", "# nothing but a comment\n", "{}\n"])
 def test_empty_file_changes_nothing(written, text):
-    assert from_files(written(text)) == Settings()
+    assert typed(from_files(written(text))) == Settings()
 
 
 @pytest.mark.parametrize(
@@ -264,8 +272,8 @@ def rigs(tmp_path, monkeypatch):
 
 
 def rig(**drift):
-    """Return the default rig with other drift."""
-    return check({"rig": {"drift": drift}}).rig
+    """Return a rig's numbers where its file gives the drift alone."""
+    return check({"fitted": {"name": "drifting"}, "rig": {"drift": drift}}).rig
 
 
 def fitted(settings):
@@ -326,17 +334,43 @@ def test_file_of_a_rig_is_a_configuration_too(rigs):
 @pytest.mark.usefixtures("rigs")
 @pytest.mark.parametrize("name", ["drie", "", "../rigs/dry", "dry.yaml"])
 def test_unknown_name_is_refused_with_those_that_there_are(written, name):
-    with pytest.raises(ConfigError, match="use dry or wet") as caught:
+    with pytest.raises(ConfigError, match="use dry or viscous or wet") as caught:
         from_files(written(f"rig: '{name}'\n"))
     assert f"rig = {name}: " in str(caught.value)
-    with pytest.raises(ConfigError, match="use dry or wet"):
+    with pytest.raises(ConfigError, match="use dry or viscous or wet"):
         from_files([], {"rig": name})
 
 
-def test_name_where_there_are_no_rigs_is_refused(written, tmp_path, monkeypatch):
+def test_rigs_of_the_package_have_names_in_any_folder(written, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(ConfigError, match="use numbers"):
-        from_files(written("rig: dry\n"))
+    assert sorted(rig_files()) == ["dry", "viscous"]
+    settings = from_files(written("rig: viscous\n"))
+    numbers = yaml.safe_load((RIGS / "viscous.yaml").read_text(encoding="utf-8"))
+    assert settings.rig.drift.sigma_kpa == numbers["rig"]["drift"]["sigma_kpa"]
+    assert fitted(settings) == ("viscous", tuple(numbers["fitted"]["to"]))
+
+
+def test_rig_is_the_fitted_one_where_none_is_given(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    named = check({"rig": RIG})
+    assert fitted(named)[0] == RIG
+    assert named.rig != Settings().rig
+    assert check({}) == from_files([]) == named
+
+
+def test_number_without_a_name_changes_the_fitted_rig(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    changed = check({"rig": {"drift": {"time_s": 7.0}}})
+    assert fitted(changed) == ("changed", ())
+    drift = check({}).rig.drift.model_copy(update={"time_s": 7.0})
+    assert changed.rig == check({}).rig.model_copy(update={"drift": drift})
+
+
+@pytest.mark.usefixtures("rigs")
+def test_file_of_a_rig_is_not_mixed_with_the_rig_before_it(written):
+    settings = from_files(written("rig: wet\n", DRY))
+    assert settings.rig == rig(sigma_kpa=2.0, time_s=3.0)
+    assert fitted(settings) == ("dry", ("tables", "C8"))
 
 
 @pytest.mark.usefixtures("rigs")
@@ -389,12 +423,11 @@ def at_home(monkeypatch):
 def test_configuration_of_the_paper_is_the_default_but_for_its_rig():
     settings = from_files([CONFIG / "config.yaml"])
     assert settings.fitted.name == RIG
-    default = {name: getattr(Settings(), name) for name in ("rig", "fitted")}
-    assert settings.model_copy(update=default) == Settings()
+    assert typed(settings) == Settings()
 
 
 @pytest.mark.usefixtures("at_home")
-@pytest.mark.parametrize("name", sorted(path.stem for path in (CONFIG / "rigs").glob("*.yaml")))
+@pytest.mark.parametrize("name", sorted(rig_files()))
 def test_every_rig_of_the_project_is_valid_and_has_the_name_of_its_file(name):
     settings = from_files([], {"rig": name})
     assert settings.fitted.name == name

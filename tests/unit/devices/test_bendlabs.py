@@ -236,7 +236,7 @@ def test_packet_of_wrong_length_is_an_error(bus, sensor):
 
 def test_without_smbus2_the_module_loads_and_opening_says_how_to_install_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "smbus2", None)
-    with pytest.raises(DeviceError, match=r"pip install --editable '\.\[hardware\]'"):
+    with pytest.raises(DeviceError, match="pip install smbus2"):
         open_bus(1)
     code = "import sys; sys.modules['smbus2'] = None; import fprc.devices.bendlabs"
     subprocess.run([sys.executable, "-c", code], check=True)

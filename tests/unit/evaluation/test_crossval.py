@@ -5,6 +5,7 @@ from sklearn.base import BaseEstimator, RegressorMixin
 
 from fprc.errors import EvaluationError
 from fprc.evaluation import cross_validate, rmse, split_rows
+from fprc.evaluation.crossval import validate_rows
 from fprc.models import (
     ESN,
     FPRC,
@@ -59,6 +60,21 @@ def test_errors_are_those_of_readouts_trained_fold_by_fold(model):
         readout.fit(rows[train], y[train])
         errors = (rmse(y[part], readout.predict(rows[part])) for part in (train, validation))
         assert_allclose((judged.train_rmse[i], judged.validation_rmse[i]), list(errors), rtol=1e-6)
+
+
+@pytest.mark.parametrize("model", MODELS, ids=lambda model: type(model).__name__)
+def test_features_of_several_recordings_restart_at_each(model):
+    X, y, lengths = log(), pressure(), [120, 80]
+    folds = split_rows(200, 5, "recordings", 1, lengths=lengths)
+    judged = cross_validate(model, X, y, folds, lengths=lengths)
+    rows = np.vstack([model.make_features().fit(X).transform(x) for x in (X[:120], X[120:])])
+    expected = validate_rows(model, model.make_features().fit(X), rows, y, folds)
+    assert judged.validation_rmse == expected.validation_rmse
+    assert len(judged.validation_rmse) == 2
+    alone = np.concatenate([judged.model.predict(x) for x in (X[:120], X[120:])])
+    error = judged.errors(X, y, lengths)["test_rmse_kpa"]
+    assert error == pytest.approx(rmse(y, alone), abs=1e-9)
+    assert abs(error - judged.errors(X, y)["test_rmse_kpa"]) > 1e-6
 
 
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: type(model).__name__)

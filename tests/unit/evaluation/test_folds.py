@@ -84,3 +84,22 @@ def test_shuffled_rows_are_not_purged():
 def test_purge_that_leaves_nothing_to_train_is_refused():
     with pytest.raises(EvaluationError, match="purge of 30 samples.*evaluation.purge_s"):
         split_rows(40, 2, "blocked", 1, 30)
+
+
+@examples
+@given(st.lists(st.integers(1, 9), min_size=2, max_size=7), st.integers(2, 8))
+def test_folds_of_recordings_keep_each_whole(lengths, folds):
+    recording = np.repeat(np.arange(len(lengths)), lengths)
+    pairs = split_rows(sum(lengths), folds, "recordings", 1, purge=3, lengths=lengths)
+    assert len(pairs) == min(folds, len(lengths))
+    validated = np.concatenate([validation for _, validation in pairs])
+    assert sorted(validated) == list(range(sum(lengths)))
+    for train, validation in pairs:
+        assert sorted([*train, *validation]) == list(range(sum(lengths)))
+        assert not set(recording[train]) & set(recording[validation])
+
+
+@pytest.mark.parametrize("lengths", [(), (60,)])
+def test_folds_of_recordings_need_two(lengths):
+    with pytest.raises(EvaluationError, match="needs two training logs or more"):
+        split_rows(60, 2, "recordings", 1, lengths=lengths)

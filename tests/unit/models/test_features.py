@@ -1,11 +1,14 @@
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose
+from sklearn import config_context
+from sklearn.base import clone
 
-from fprc.models import EchoStates, TapFeatures, kernels, lowpass, taps
+from fprc.models import ESN, FPRC, EchoStates, FuzzyLinear, TapFeatures, kernels, lowpass, taps
 from fprc.models.echo import aligned, narrowed
 
 examples = settings(max_examples=50, deadline=None, derandomize=True)
@@ -308,3 +311,39 @@ def test_steps_of_a_network_of_any_size_give_its_states(r, halves):
 def log(size):
     time = np.arange(size) / 10.0
     return np.column_stack([20.0 + 15.0 * np.sin(time), 100.0 + 5.0 * np.cos(1.3 * time)])
+
+
+# --- names ----------------------------------------------------------------------------------
+
+
+def table(samples=30):
+    values = np.random.default_rng(4).standard_normal((samples, 2))
+    return pd.DataFrame(values, columns=["theta", "p_o"], index=np.arange(samples) / 200.0)
+
+
+def test_columns_hold_what_their_names_say():
+    X = table()
+    features = TapFeatures(n_y=3, n_u=2, epsilon=0.1).set_output(transform="pandas")
+    found = features.fit(X).transform(X)
+    smooth = X["p_o"].ewm(alpha=0.1, adjust=False).mean()
+    expected = {f"theta_lag{lag}": X["theta"].shift(lag).bfill() for lag in range(3)}
+    expected |= {f"p_o_lowpass_lag{lag}": smooth.shift(lag).bfill() for lag in range(2)}
+    pd.testing.assert_frame_equal(found, pd.DataFrame(expected))
+
+
+def test_names_of_echo_states_follow_those_of_the_taps():
+    features = EchoStates(r=3, n_y=2, random_state=0).fit(table())
+    taps_ = ["theta_lag0", "theta_lag1", "p_o_lag0", "p_o_lag1"]
+    assert features.get_feature_names_out().tolist() == [*taps_, "state0", "state1", "state2"]
+
+
+@pytest.mark.parametrize(
+    "model", [FPRC(n_c=2, random_state=0), FuzzyLinear(n_c=2, random_state=0), ESN(r=5)]
+)
+def test_model_is_the_same_where_maps_give_tables(model):
+    X = table().to_numpy()
+    with config_context(transform_output="pandas"):
+        fitted = clone(model).set_params(random_state=0).fit(X, X.sum(axis=1))
+        tables = fitted.predict(X)
+    arrays_ = clone(model).set_params(random_state=0).fit(X, X.sum(axis=1)).predict(X)
+    assert tables.tolist() == fitted.predict(X).tolist() == arrays_.tolist()

@@ -1,4 +1,13 @@
-from sklearn.utils.estimator_checks import parametrize_with_checks
+import pytest
+from sklearn.base import clone
+from sklearn.utils.estimator_checks import (
+    check_global_output_transform_pandas,
+    check_set_output_transform,
+    check_set_output_transform_pandas,
+    check_transformer_get_feature_names_out,
+    check_transformer_get_feature_names_out_pandas,
+    parametrize_with_checks,
+)
 
 from fprc.models import (
     ESN,
@@ -38,3 +47,21 @@ def test_readout_passes_scikit_learns_check(estimator, check):
 )
 def test_model_with_memory_passes_scikit_learns_check(estimator, check):
     check(estimator)
+
+
+# two of the checks fit a table and transform an array, or the other way round
+@pytest.mark.filterwarnings("ignore:X .* feature names:UserWarning")
+@pytest.mark.parametrize(
+    "check",
+    [
+        check_transformer_get_feature_names_out,
+        check_transformer_get_feature_names_out_pandas,
+        check_set_output_transform,
+        check_set_output_transform_pandas,
+        check_global_output_transform_pandas,
+    ],
+)
+@pytest.mark.parametrize("features", [TapFeatures(), EchoStates(r=12)])
+def test_names_of_features_pass_scikit_learns_check(features, check):
+    """Which the checks above leave out."""
+    check(type(features).__name__, clone(features))

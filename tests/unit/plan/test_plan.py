@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections import Counter
+from contextlib import suppress
 from pathlib import Path
 
 import pandas as pd
@@ -13,6 +14,7 @@ from fprc.logs import RAW_CHANNELS
 from fprc.logs.folder import Header
 from fprc.paper import CONTROLLERS, EXPERIMENTS, REFERENCES, run_log
 from fprc.plan import Paths, Plan, read_plan
+from fprc.plan import plan as plan_module
 from fprc.plan.results import CHORES, RESULTS
 from fprc.stages.tabulate import tabulate_unavailable
 
@@ -262,9 +264,9 @@ def test_without_p_o_fprc_is_left_out_everywhere():
 def test_simulated_reservoir_takes_the_place_of_one_that_is_not_there():
     plan = recorded(*EXPERIMENTS, lacking=["p_o_kpa", "p_i_kpa", "phi_deg"], reservoir="simulated")
     assert plan.models == list(MODELS)
-    assert plan.log_of("sweep") == "results/reservoir/sweep.h5"
+    assert plan.logs_of("sweep") == ["results/reservoir/sweep.h5"]
     assert {"results/reservoir/sweep.h5", "data/raw/sweep.h5"} <= set(plan.targets["table2"])
-    assert recorded(*EXPERIMENTS).log_of("sweep") == "data/raw/sweep.h5"
+    assert recorded(*EXPERIMENTS).logs_of("sweep") == ["data/raw/sweep.h5"]
 
 
 def test_model_from_outside_is_judged_drawn_and_drives_if_it_can():
@@ -319,3 +321,35 @@ def test_folder_without_a_log_cannot_be_planned_for(tmp_path):
     settings["folders"]["raw"] = str(tmp_path)
     with pytest.raises(LogError, match="contains no raw log"):
         read_plan(settings, isolate=False)
+
+
+def test_further_training_logs_are_read_in_order_and_only_where_recorded():
+    names = ("sweep", "sweep_10", "sweep_2", "complex")
+    plan = recorded(*names)
+    assert plan.logs_of("sweep") == [
+        f"data/raw/{name}.h5" for name in ("sweep", "sweep_2", "sweep_10")
+    ]
+    assert plan.logs_of("complex") == ["data/raw/complex.h5"]
+    assert {"data/raw/sweep_2.h5", "data/raw/sweep_10.h5"} < set(plan.targets["table2"])
+    driven = recorded(*names, reservoir="simulated")
+    assert driven.logs_of("sweep")[1] == "results/reservoir/sweep_2.h5"
+    assert set(driven.logs_of("sweep")) < set(driven.targets["table2"])
+
+
+def test_folder_is_searched_for_further_training_logs(tmp_path, monkeypatch):
+    names = ("sweep", "sweep_2", "sweep_1", "sweep_02", "sweep_b", "complex_2")
+    for name in names:
+        (tmp_path / f"{name}.h5").touch()
+    seen = []
+    monkeypatch.setattr(
+        plan_module,
+        "headers",
+        lambda paths, isolate: seen.extend(Path(p).stem for p in paths) or {},
+    )
+    folders = {"raw": str(tmp_path), "results": str(tmp_path / "results")}
+    for source, expected in (("recorded", {"sweep", "sweep_2"}), ("rig", {"sweep"})):
+        seen.clear()
+        settings = Settings().model_dump(mode="json") | {"source": source, "folders": folders}
+        with suppress(LogError):  # no log has a header
+            read_plan(settings, isolate=False)
+        assert set(seen) & set(names) == expected

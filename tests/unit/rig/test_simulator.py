@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.integrate import trapezoid
 from scipy.optimize import brentq
 
 from fprc.config import Settings, check
@@ -496,7 +497,7 @@ def test_loops_do_not_depend_on_frequency_without_viscosity(quiet_rig, loop, lev
 def test_loops_dissipate_and_vanish_without_friction_and_viscosity(quiet_rig):
     def work(rig):
         states, _ = drive(without_viscosity(rig), swing(0.2, 2))
-        return np.trapezoid(*quasi_static(last_cycle(states, 0.2), rig))
+        return trapezoid(*quasi_static(last_cycle(states, 0.2), rig))
 
     with_friction = work(copy.deepcopy(quiet_rig))
     assert with_friction > 500.0

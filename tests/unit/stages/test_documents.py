@@ -19,7 +19,10 @@ esn,test_rmse,{},20.0
 fuzzy_linear,validation_rmse,{},20.0
 """
 
-LEDGER = '{"claims": [{"id": "C1", "claim": "It is so.", "ours": "1", "verdict": "reproduced"}]}'
+LEDGER = (
+    '{"note": "On the rig dry.", "claims": [{"id": "C1", "claim": "It is so.", "ours": "1", '
+    '"verdict": "reproduced"}]}'
+)
 
 
 def block(name, content):

@@ -1,16 +1,13 @@
-from pathlib import Path
-
 import h5py
 import numpy as np
 import pandas as pd
 import pytest
 
 from fprc.artifacts import write_json
-from fprc.config import Settings
+from fprc.config import PUBLISHED, Settings
 from fprc.errors import LogError
 from fprc.stages.tabulate import tabulate_tracking
 
-PUBLISHED = str(Path(__file__).parents[3] / "config/published.yaml")
 LIMITS = Settings().quality.model_dump()
 
 

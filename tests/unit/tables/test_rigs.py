@@ -1,7 +1,9 @@
 import numpy as np
+import pandas as pd
 import pytest
 
 from fprc.tables import rig_errors, rigs_page
+from fprc.tables.rigs import points
 
 PUBLISHED = {
     "table_2_models": {"esn": {"train_rmse_kpa": [10.0, 0.1], "validation_rmse_kpa": [10.0, 0.1],
@@ -63,3 +65,28 @@ def test_page_has_a_column_per_rig_and_says_what_was_fitted(table):
     assert last["Number or claim"] == "C8: equal shares"
     assert (last["Rig dry"], last["Rig viscous"]) == ("undecided (fitted)", "undecided (predicted)")
     assert page["Rig dry"][0].endswith("+20 %")
+
+
+def test_points_of_the_rule_count_deviations_and_reproduced_claims():
+    errors = pd.DataFrame(
+        {
+            "number": [
+                "Table II, a", "Table III, b", "Table II, c",
+                "Table IV, FPRC, d", "Table IV, FPRC+PD, e",
+            ],
+            "deviation": [-0.04, 0.03, 0.14, -0.149, 2.0],
+        }
+    )  # fmt: skip
+    ledger = [{"id": name, "verdict": "reproduced"} for name in ("C1", "C12b", "C4b", "C13a")]
+    ledger.append({"id": "C8", "verdict": "undecided"})
+    assert points(errors, ledger) == 3 + 2  # C4b and C13a are not in the rule
+    assert points(errors.assign(deviation=[0.06, 0.06, 0.2, 0.16, 0.0]), ledger) == 2
+
+
+def test_brief_page_sums_the_errors_up(table):
+    ledger = [{"id": "C8", "claim": "equal shares", "verdict": "reproduced", "rig": "fitted"}]
+    page = rigs_page({"dry": table}, {"dry": ledger}, brief=True).set_index("Number or claim")
+    off = table["deviation"].abs()[:6]
+    assert page["Rig dry"].iloc[0] == f"{100 * off.median():.0f} %"
+    assert page["Rig dry"].iloc[1] == f"{100 * off.max():.0f} %"
+    assert len(page) == 4 + 1

@@ -1,6 +1,5 @@
 import itertools
 import re
-from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -15,7 +14,7 @@ from fprc import tables
 from fprc.artifacts import write_json
 from fprc.claims import parts_of
 from fprc.claims.ensemble import JUDGED_BY_RIG
-from fprc.config import Settings
+from fprc.config import PUBLISHED, Settings
 from fprc.errors import FprcError
 from fprc.figures import style
 from fprc.stages import tabulate
@@ -23,7 +22,6 @@ from fprc.stages.draw_ensemble import draw_ensemble
 
 pytestmark = pytest.mark.slow
 
-PUBLISHED = Path(__file__).parents[3] / "config/published.yaml"
 PRINTED = yaml.safe_load(PUBLISHED.read_text(encoding="utf-8"))
 PATHS = list(Settings().calibration.free)
 MODELS = ("esn", "fprc", "fuzzy_linear")
@@ -85,6 +83,7 @@ def make_summary():
         "rigs": 40,
         "failed": 2,
         "draws": 123,
+        "drawn": "rigs that were drawn",
         "claims": [
             claim(name, *named.get(name, (25, correlations(-0.6)))) for name in JUDGED_BY_RIG
         ],

@@ -10,13 +10,13 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fprc import tables
+from fprc import config, tables
 from fprc.artifacts import write_csv, write_json
 from fprc.registry import MODELS
 from fprc.stages import tabulate
 
 ROOT = Path(__file__).parents[3]
-PUBLISHED = yaml.safe_load((ROOT / "config/published.yaml").read_text(encoding="utf-8"))
+PUBLISHED = yaml.safe_load(config.PUBLISHED.read_text(encoding="utf-8"))
 
 COLUMNS = [
     "model", "metric", "unit", "mean", "std", "published_mean", "published_std", "source",
@@ -441,7 +441,7 @@ def test_page_of_the_times_names_phase_mode_and_both_numbers():
 @pytest.fixture
 def written(tmp_path):
     """Every table, written as the workflow does it."""
-    published = str(ROOT / "config/published.yaml")
+    published = str(config.PUBLISHED)
 
     def files(name):
         return {kind: str(tmp_path / f"{name}.{kind}") for kind in ("csv", "md", "tex")}

@@ -1,0 +1,149 @@
+"""Draw rigs that are compatible with the printed errors, and judge the claims' numbers on them."""
+
+import hashlib
+import json
+import logging
+from collections.abc import Mapping, Sequence
+from functools import partial
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fprc.artifacts import read_json, write_json
+from fprc.calibration.ensemble import judge_drawn
+from fprc.calibration.fit import free_parameters, printed_errors
+from fprc.calibration.posterior import draw_posterior, judge_member, prior_point, rig_at
+from fprc.evaluation.cells import run_cells
+from fprc.experiments.settings import RigSettings
+from fprc.yaml_file import read_yaml
+
+log = logging.getLogger(__name__)
+
+
+def draw_members(
+    published: str,
+    members: str,
+    *,
+    posterior: Mapping[str, Any],
+    ensemble: Mapping[str, Any],
+    free: Mapping[str, Any],
+    on_rig: Mapping[str, Any],
+    models: Mapping[str, Any],
+    surrogate: Mapping[str, int],
+    workers: int,
+    checkpoint: str,
+    version: str,
+) -> None:
+    """Draw rigs from the posterior given the errors of Tables II and III.
+
+    The points of each step follow from the seed and from what was judged before, so a run
+    that was stopped goes on from its checkpoint.
+
+    Parameters
+    ----------
+    posterior : Mapping
+        That section of the configuration without ``chunk``.
+    free : Mapping
+        Arguments of ``free_parameters``: ``paths`` and ``ranges``.
+    on_rig : Mapping
+        Arguments of ``RigSettings``.
+    """
+    errors = printed_errors(read_yaml(published))
+    settings: dict[str, Any] = {
+        "ensemble": ensemble,
+        "free": free_parameters(**free),
+        "on_rig": RigSettings(**on_rig),
+    }
+    depends_on = [posterior, ensemble, free, on_rig, models, surrogate, errors, version]
+    key = hashlib.sha256(json.dumps(depends_on, sort_keys=True).encode()).hexdigest()
+    judge = partial(
+        judge_member, **settings, models=models, surrogate=surrogate, errors=list(errors)
+    )
+    run = partial(run_cells, workers=workers, checkpoint=checkpoint, key=key)
+    numbers = range(posterior["seed"], posterior["seed"] + posterior["rigs"])
+    drawn = run(partial(_draw, **settings), [{"draw": number} for number in numbers])
+    seeds = count(posterior["seed"] + posterior["rigs"])
+    seed_of: dict[bytes, int] = {}
+
+    def simulate(points: np.ndarray) -> list[list[float] | None]:
+        cells = [{"point": point.tolist(), "seed": next(seeds)} for point in points]
+        seed_of.update(
+            {point.tobytes(): cell["seed"] for point, cell in zip(points, cells, strict=True)}
+        )
+        judged = run(judge, cells)
+        log.info("%d rigs judged, %d possible", len(cells), sum("logs" in each for each in judged))
+        return [each.get("logs") for each in judged]
+
+    points, logs, history = draw_posterior(
+        np.array([each["point"] for each in drawn]),
+        simulate,
+        np.log(list(errors.values())),
+        **{name: posterior[name] for name in ("tolerance", "assimilations", "sweeps", "seed")},
+    )
+    write_json(
+        members,
+        {
+            "source": "sim",
+            "errors": errors,
+            "history": history,
+            "members": [
+                {"point": point.tolist(), "seed": seed_of[point.tobytes()], "logs": own.tolist()}
+                for point, own in zip(points, logs, strict=True)
+            ],
+        },
+    )
+    Path(checkpoint).unlink()
+
+
+def judge_members(
+    members: str,
+    rigs: str,
+    *,
+    numbers: Sequence[int],
+    free: Mapping[str, Any],
+    on_rig: Mapping[str, Any],
+    tracking: Mapping[str, Any],
+    judgement: Mapping[str, Any],
+    checkpoint: str,
+    version: str,
+) -> None:
+    """Compute Tables II to IV with the full models on some rigs of the posterior.
+
+    Parameters
+    ----------
+    numbers : sequence of int
+        Numbers of the rigs; those beyond the last are left out.
+    judgement : Mapping
+        Arguments of ``Judgement`` without the seed.
+    """
+    drawn = read_json(members)["members"]
+    cells = [drawn[number] for number in numbers if number < len(drawn)]
+    depends_on = [free, on_rig, tracking, judgement, version]
+    judged = run_cells(
+        partial(
+            _judge,
+            free=free_parameters(**free),
+            on_rig=RigSettings(**on_rig),
+            tracking=tracking,
+            judgement=judgement,
+        ),
+        cells,
+        workers=1,
+        checkpoint=checkpoint,
+        key=hashlib.sha256(json.dumps(depends_on, sort_keys=True).encode()).hexdigest(),
+    )
+    write_json(rigs, {"source": "sim", "rigs": judged})
+    Path(checkpoint).unlink()
+
+
+def _draw(cell: Mapping[str, int], **settings: Any) -> dict[str, list[float]]:
+    return {"point": prior_point(cell["draw"], **settings).tolist()}
+
+
+def _judge(
+    cell: Mapping[str, Any], *, free: Any, on_rig: RigSettings, tracking: Any, judgement: Any
+) -> dict[str, Any]:
+    drawn = rig_at(cell["point"], free, on_rig)
+    return judge_drawn(drawn, cell["seed"], free, tracking, judgement)

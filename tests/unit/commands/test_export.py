@@ -1,0 +1,121 @@
+import hashlib
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fprc.cli import main
+from fprc.models import ESN, FPRC, save_model
+
+pytestmark = pytest.mark.slow
+
+DOCS = Path(__file__).parents[3] / "docs"
+
+#: What the examples of docs/deploy.md take from Arduino, and from ROS 2.
+ARDUINO = """
+#include <math.h>
+#include <stdint.h>
+#define PI 3.1415926535897932
+#define constrain(x, low, high) ((x) < (low) ? (low) : (x) > (high) ? (high) : (x))
+enum { A0 };
+int analogRead(int pin);
+void analogWrite(int pin, int value);
+unsigned long micros();
+"""
+RCLCPP = """
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+namespace rclcpp {
+template <class M> struct Publisher {
+  using SharedPtr = std::shared_ptr<Publisher>;
+  void publish(const M &);
+};
+template <class M> struct Subscription { using SharedPtr = std::shared_ptr<Subscription>; };
+struct TimerBase { using SharedPtr = std::shared_ptr<TimerBase>; };
+struct Node {
+  explicit Node(const std::string &);
+  template <class M> typename Publisher<M>::SharedPtr create_publisher(const std::string &, int);
+  template <class M> typename Subscription<M>::SharedPtr create_subscription(
+      const std::string &, int, std::function<void(std::shared_ptr<M>)>);
+  TimerBase::SharedPtr create_wall_timer(std::chrono::milliseconds, std::function<void()>);
+};
+void init(int, char **);
+void spin(std::shared_ptr<Node>);
+void shutdown();
+}
+"""
+FLOAT64 = "#include <memory>\nnamespace std_msgs { namespace msg { struct Float64 { double data; "
+FLOAT64 += "using SharedPtr = std::shared_ptr<Float64>; }; } }\n"
+
+
+@pytest.fixture
+def model(tmp_path):
+    X = np.random.default_rng(1).normal(100.0, 10.0, (200, 2))
+    path = tmp_path / "model.h5"
+    save_model(FPRC(n_c=2, random_state=1).fit(X, X[:, 0]), path)
+    return path
+
+
+@pytest.fixture
+def header(tmp_path):
+    return tmp_path / "fprc_model.h"
+
+
+def test_header_names_its_model_file_and_is_the_same_again(model, header):
+    assert main(["export", str(model), "--c", str(header)]) == 0
+    text = header.read_text()
+    assert hashlib.sha256(model.read_bytes()).hexdigest() in text
+    assert "typedef double fprc_model_real;" in text
+    assert main(["export", str(model), "--c", str(header)]) == 0
+    assert header.read_text() == text
+
+
+def test_float_header_replaces_the_double_one(model, header):
+    main(["export", str(model), "--c", str(header)])
+    assert main(["export", str(model), "--c", str(header), "--float"]) == 0
+    assert "typedef float fprc_model_real;" in header.read_text()
+
+
+def test_file_that_was_not_exported_is_kept(model, header, capsys):
+    header.write_bytes(b"int mine; /* \xff */\n")
+    assert main(["export", str(model), "--c", str(header)]) == 1
+    assert header.read_bytes() == b"int mine; /* \xff */\n"
+    assert "exists and was not exported" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("name", "problem"), [("m.c", "must end in .h"), ("1.h", "names in C")])
+def test_unsuitable_name_is_refused(name, problem, model, tmp_path, capsys):
+    assert main(["export", str(model), "--c", str(tmp_path / name)]) == 1
+    assert problem in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["model.h5"]
+
+
+def test_model_that_cannot_be_exported_leaves_no_file(model, header, capsys):
+    X = np.random.default_rng(1).normal(size=(50, 1))
+    save_model(ESN(r=8, random_state=1).fit(X, X[:, 0]), model)
+    assert main(["export", str(model), "--c", str(header)]) == 1
+    assert "cannot be exported" in capsys.readouterr().err
+    assert not header.exists()
+
+
+@pytest.mark.parametrize("example", ["setup()", "rclcpp::init"], ids=["arduino", "ros2"])
+@pytest.mark.parametrize("precision", [[], ["--float"]], ids=["double", "float"])
+def test_documented_program_compiles(example, precision, model, header, tmp_path):
+    if shutil.which("c++") is None:
+        pytest.skip("no C++ compiler, c++")
+    blocks = re.findall(r"```cpp\n(.*?)```", (DOCS / "deploy.md").read_text(), re.DOTALL)
+    (program,) = [block for block in blocks if example in block]
+    arduino = example == "setup()"
+    (tmp_path / "program.cpp").write_text(ARDUINO + program if arduino else program)
+    for path, text in (("rclcpp/rclcpp.hpp", RCLCPP), ("std_msgs/msg/float64.hpp", FLOAT64)):
+        (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / path).write_text(text)
+    main(["export", str(model), "--c", str(header), *precision])
+    standard = "-std=c++11" if arduino else "-std=c++17"
+    command = ["c++", standard, "-Wall", "-Wextra", "-Werror", "-I.", "-fsyntax-only"]
+    subprocess.run([*command, "program.cpp"], cwd=tmp_path, check=True)

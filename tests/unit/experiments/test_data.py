@@ -1,0 +1,91 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fprc.errors import LogError
+from fprc.experiments.comparison import compare_models
+from fprc.experiments.data import Data, join, read_data
+from fprc.experiments.grids import judge_cell, judge_grids
+from fprc.experiments.settings import Judgement
+from fprc.logs import write_columns
+
+MODELS = {
+    "n_y": 2, "alpha": 1e-3, "others": {},
+    "esn": {"r": 8, "f_input": 0.02, "gamma": 0.5, "rho": 0.4, "washout": 20},
+    "fprc": {"epsilon": 0.1, "n_c": 2, "n_u": 2, "sigma": 2.0},
+}  # fmt: skip
+JUDGEMENT = Judgement(MODELS, folds=3, split="recordings", seed=1)
+
+
+def recording(samples=100, begin=5.0, without=(), **attributes):
+    rng = np.random.default_rng(samples)
+    theta = begin + np.cumsum(rng.normal(size=samples))
+    channels = {
+        "time_s": begin + np.arange(samples) / 200.0,
+        "theta_deg": theta,
+        "p_o_kpa": 100.0 + np.cumsum(rng.normal(size=samples)),
+        "p_target_kpa": 3.0 * theta + rng.normal(size=samples),
+    }
+    described = {"experiment": "sweep", "source": "import", "target": "measured"} | attributes
+    return Data({key: channels[key] for key in channels if key not in without}, described)
+
+
+@pytest.fixture
+def joined():
+    return join({"a.h5": recording(60), "b.h5": recording(90, 30.0)}, 1.0 / 200.0)
+
+
+def test_joined_log_has_every_sample_and_an_even_clock(joined):
+    a, b = recording(60), recording(90, 30.0)
+    assert joined.lengths == [60, 90]
+    np.testing.assert_allclose(joined.channels["time_s"], np.arange(150) / 200.0)
+    for name in ("theta_deg", "p_o_kpa", "p_target_kpa"):
+        both = np.concatenate([a.channels[name], b.channels[name]])
+        assert np.array_equal(joined.channels[name], both)
+
+
+def test_lengths_survive_the_file(joined, tmp_path):
+    write_columns(tmp_path / "data.h5", joined.channels, joined.attributes)
+    again = read_data(tmp_path / "data.h5")
+    assert again.lengths == [60, 90]
+    assert again.attributes["recordings"] == {"a.h5": 60, "b.h5": 90}
+    write_columns(tmp_path / "data.h5", recording(60).channels, recording(60).attributes)
+    assert read_data(tmp_path / "data.h5").lengths == [60]
+
+
+def test_logs_that_do_not_go_together_are_refused_with_every_reason():
+    logs = {
+        "a.h5": recording(60),
+        "b.h5": recording(70, source="recorded", target="command"),
+        "c.h5": recording(80, without=["p_o_kpa"]),
+    }
+    with pytest.raises(LogError) as caught:
+        join(logs, 0.005)
+    first, second, third = str(caught.value).splitlines()
+    assert first == "b.h5: source is recorded, in a.h5 import; training logs must agree"
+    assert second.startswith("b.h5: target is command, in a.h5 measured")
+    assert third.startswith("c.h5: list of channels is p_target_kpa, theta_deg, time_s, in a.h5")
+
+
+def test_tables_restart_features_at_each_recording(joined):
+    logs = {"sweep": joined, "complex": recording(110, experiment="complex")}
+    results, fitted = compare_models(logs, replace(JUDGEMENT, split="blocked", purge_s=0.0))
+    reports = {(each["model"], each["trained_on"]): each for each in results["models"]}
+    for name, model in fitted.items():
+        report = reports[name, "sweep"]
+        X, y = joined.pair(name, MODELS)
+        rows = np.repeat(np.arange(3), 50)  # three blocks
+        trains = rows != report["best_fold"]
+        error = (np.concatenate([model.predict(X[:60]), model.predict(X[60:])]) - y)[trains]
+        expected = np.sqrt(np.mean(error**2))
+        assert report["train_rmse_kpa"][report["best_fold"]] == pytest.approx(expected, abs=1e-9)
+
+
+def test_grids_agree_cell_by_cell_on_several_recordings(joined):
+    logs = {"sweep": joined, "complex": joined}
+    values = {"epsilon": [0.1], "n_c": [1, 2], "n_y": [1, 3], "n_u": [2]}
+    for cell in judge_grids(logs, values, JUDGEMENT)["taps"]:
+        settings = {key: cell[key] for key in ("model", "n_y", "n_u") if key in cell}
+        alone = judge_cell(settings, train=joined, test=joined, judgement=JUDGEMENT)
+        assert cell["validation_rmse_kpa"][0] == pytest.approx(alone["validation_rmse_kpa"][0])

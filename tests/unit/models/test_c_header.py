@@ -1,0 +1,243 @@
+import ctypes
+import re
+import shutil
+import subprocess
+from copy import deepcopy
+from functools import cache
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from numpy.testing import assert_allclose
+from sklearn.base import clone
+from sklearn.exceptions import NotFittedError
+
+from fprc.errors import FprcError
+from fprc.models import ESN, FPRC, FuzzyLinear
+from fprc.models.c_header import c_header
+
+STRICT = (
+    "-Wall", "-Wextra", "-Werror", "-pedantic", "-Wconversion", "-Wdouble-promotion", "-Wshadow",
+    "-O2", "-fPIC", "-shared",
+)  # fmt: skip
+C99 = ("cc", "-std=c99", *STRICT)
+FREESTANDING = (*C99, "-ffreestanding")
+CPP = ("c++", "-x", "c++", "-std=c++11", *STRICT)
+
+#: What lets ctypes call the header's functions, which are static.
+WRAPPER = """
+#include "pff.h"
+#ifdef __cplusplus
+extern "C" {
+#endif
+unsigned size(void);
+void begin(pff_state *s);
+void restart(pff_state *s, const pff_real *x);
+pff_real next(pff_state *s, const pff_real *x);
+unsigned size(void) { return sizeof(pff_state); }
+void begin(pff_state *s) { pff_init(s); }
+void restart(pff_state *s, const pff_real *x) { pff_reset(s, x); }
+pff_real next(pff_state *s, const pff_real *x) { return pff_step(s, x); }
+#ifdef __cplusplus
+}
+#endif
+"""
+
+MODELS = {
+    "fprc": FPRC(random_state=1),
+    "two_readouts": FPRC(n_c=3, n_u=7, n_y=2, epsilon=0.3, sigma=0.7, random_state=1),
+    "one_rule": FPRC(n_c=1, n_u=1, n_y=1, epsilon=1.0, random_state=1),
+    "fuzzy_linear": FuzzyLinear(random_state=1),
+    "two_references": FuzzyLinear(n_c=4, random_state=1),
+}
+COLUMNS = {"fuzzy_linear": 1, "two_readouts": 3}
+
+
+@pytest.fixture(scope="module")
+def fitted():
+    trained = {}
+    for name, model in MODELS.items():
+        X = recording(600, columns(name))
+        trained[name] = clone(model).fit(X, X[:, 0] ** 2 / 20.0 + X.sum(axis=1))
+    return trained
+
+
+@pytest.fixture(scope="module")
+def compiled(fitted, tmp_path_factory):
+    """A function that compiles a model, once, and returns a new stream of it."""
+
+    @cache
+    def build(name, command, single):
+        if shutil.which(command[0]) is None:
+            pytest.skip(f"no compiler, {command[0]}")
+        folder = tmp_path_factory.mktemp("c")
+        (folder / "pff.h").write_text(c_header(fitted[name], "pff", single=single))
+        (folder / "wrapper.c").write_text(WRAPPER)
+        library = folder / "pff.so"
+        subprocess.run([*command, "wrapper.c", "-o", library, "-lm"], cwd=folder, check=True)
+        return library
+
+    def begin(name, command=C99, single=False):
+        return Stream(build(name, command, single), np.float32 if single else np.float64)
+
+    return begin
+
+
+class Stream:
+    def __init__(self, path, dtype):
+        self.path, self.dtype = path, dtype
+        self._library = ctypes.CDLL(str(path))
+        self._library.next.restype = np.ctypeslib.as_ctypes_type(dtype)
+        # init must overwrite what the memory held
+        self._state = ctypes.create_string_buffer(b"\xaa" * self._library.size())
+        self.reset()
+
+    def reset(self, x=None):
+        if x is None:
+            self._library.begin(self._state)
+        else:
+            self._call(self._library.restart, x)
+
+    def step(self, x):
+        return self._call(self._library.next, x)
+
+    def _call(self, function, x):
+        x = np.ascontiguousarray(x, self.dtype)
+        return function(self._state, ctypes.c_void_p(x.ctypes.data))
+
+
+@pytest.mark.parametrize("command", [C99, FREESTANDING, CPP], ids=["c99", "freestanding", "c++"])
+@pytest.mark.parametrize("name", ["fprc", "fuzzy_linear"])
+def test_compiled_header_steps_as_the_model_does(name, command, fitted, compiled):
+    X = recording(500, columns(name), seed=2)
+    assert_allclose(steps(compiled(name, command), X), steps(fitted[name], X), rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["two_readouts", "one_rule", "two_references"])
+def test_other_sizes_and_settings_step_as_the_model_does(name, fitted, compiled):
+    X = recording(500, columns(name), seed=2)
+    assert_allclose(steps(compiled(name), X), steps(fitted[name], X), rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("command", [C99, CPP], ids=["c99", "c++"])
+def test_float_agrees_to_the_digits_of_float(command, fitted, compiled):
+    X = recording(500, 2, seed=2)
+    exact, got = steps(fitted["fprc"], X), steps(compiled("fprc", command, single=True), X)
+    assert 0.0 < np.abs(got - exact).max() < 0.05
+
+
+def test_random_samples_and_resets_give_the_same_stream(fitted, compiled):
+    c, python = compiled("fprc"), fitted["fprc"]
+    sample = arrays(np.float64, 2, elements=st.floats(-300.0, 300.0))
+
+    @settings(max_examples=30, deadline=None)
+    @given(st.lists(st.tuples(st.sampled_from(["step", "reset", "init"]), sample), max_size=30))
+    def same(calls):
+        for stream in (c, python):
+            stream.reset()
+        for call, x in calls:
+            if call == "step":
+                assert_allclose(c.step(x), python.step(x), rtol=1e-9, atol=1e-7)
+            else:
+                for stream in (c, python):
+                    stream.reset(x if call == "reset" else None)
+
+    same()
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("single", [False, True], ids=["double", "float"])
+def test_sample_that_is_not_finite_gives_nan_and_is_ignored(bad, single, compiled):
+    stream, other = compiled("fprc", single=single), compiled("fprc", single=single)
+    X = recording(40, 2, seed=2)
+    for k, x in enumerate(X):
+        if k in (0, 20):
+            assert np.isnan(stream.step([x[0], bad]))
+        assert stream.step(x) == other.step(x)
+
+
+def test_reset_to_a_sample_that_is_not_finite_begins_at_the_next(compiled):
+    stream, other = compiled("fprc"), compiled("fprc")
+    X = recording(40, 2, seed=2)
+    steps(stream, X[::-1])
+    stream.reset([np.nan, 100.0])
+    assert np.array_equal(steps(stream, X), steps(other, X))
+
+
+def test_compiled_header_calls_nothing_but_exp(compiled):
+    if shutil.which("nm") is None:
+        pytest.skip("no nm")
+    stream = compiled("fprc", (*FREESTANDING, "-nostdlib"))
+    listed = subprocess.run(
+        ["nm", "-D", "-u", stream.path], capture_output=True, text=True, check=True
+    ).stdout
+    called = {re.split(r"[\s@]+", line.strip())[1] for line in listed.splitlines()}
+    # a compiler may replace a loop by one of the first three; C requires every system to have them
+    assert called - {"memmove", "memcpy", "memset"} == {"exp"}
+
+
+def test_two_models_fit_into_one_program(fitted, tmp_path):
+    if shutil.which("cc") is None:
+        pytest.skip("no C compiler, cc")
+    (tmp_path / "a.h").write_text(c_header(fitted["fprc"], "a"))
+    (tmp_path / "b.h").write_text(c_header(fitted["fuzzy_linear"], "b", single=True))
+    program = tmp_path / "both.c"
+    program.write_text('#include "a.h"\n#include "b.h"\n#include "a.h"\na_state s; b_state t;\n')
+    command = [*(flag for flag in C99 if flag != "-shared"), "-c", program, "-o", tmp_path / "o"]
+    subprocess.run(command, check=True)
+
+
+def test_comments_name_inputs_units_and_columns():
+    X = recording(100, 2)
+    names = np.array(["theta", "P_o */ int x; /*"], dtype=object)
+    model = FPRC(n_c=2, random_state=1).fit(X, X[:, 0])
+    model.feature_names_in_ = names
+    comment = c_header(model, "pff", origin="a\n*/ b").partition("#ifndef")[0]
+    assert comment.count("*/") == 1
+    assert "x[0]: theta_d, deg (column theta)\n" in comment
+    assert "x[1]: P_o, kPa (column P_o __ int x; __)\n" in comment
+    assert "Output: P_ff, kPa" in comment
+    assert "epsilon=0.01, n_c=2" in comment
+
+
+def test_echo_state_network_is_refused_with_its_memory():
+    model = ESN(r=50, random_state=1).fit(recording(100, 1), recording(100, 1)[:, 0])
+    with pytest.raises(FprcError, match=r"2606 learned numbers take 0\.01 MB in float"):
+        c_header(model, "esn")
+
+
+def test_numbers_beyond_float_are_refused(fitted):
+    model = deepcopy(fitted["fprc"])
+    model.readout_.W_out_[0, 1] = -1e39
+    with pytest.raises(FprcError, match=r"weights: 1e\+39 exceeds the range of float"):
+        c_header(model, "pff", single=True)
+    assert "-1e+39" in c_header(model, "pff")
+
+
+def test_unfitted_model_is_refused():
+    with pytest.raises(NotFittedError):
+        c_header(FPRC(), "pff")
+
+
+@pytest.mark.parametrize("name", ["", "2x", "a-b", "_a", "a b", "ä"])
+def test_name_that_is_none_in_c_is_refused(name, fitted):
+    with pytest.raises(FprcError, match="cannot begin names in C"):
+        c_header(fitted["fprc"], name)
+
+
+def columns(name):
+    return COLUMNS.get(name, 2)
+
+
+def recording(samples, columns, seed=1):
+    rng = np.random.default_rng(seed)
+    time = np.arange(samples)[:, None] / 50.0
+    waves = 30.0 * np.sin(time * rng.uniform(0.5, 3.0, columns)) + [[25.0, 110.0, 90.0][:columns]]
+    return waves + rng.normal(0.0, 0.1, waves.shape)
+
+
+def steps(stream, X):
+    stream.reset()
+    return np.array([stream.step(x) for x in X])

@@ -1,0 +1,175 @@
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+from sklearn.base import clone
+from sklearn.metrics import r2_score
+from sklearn.model_selection import GridSearchCV, KFold, cross_val_score
+
+from fprc.models import ESN, FPRC, FuzzyLinear
+from fprc.models.recordings import transform_each
+
+MODELS = {
+    "esn": ESN(r=12, washout=30, random_state=1),
+    "fprc": FPRC(n_c=3, random_state=1),
+    "fuzzy_linear": FuzzyLinear(n_c=3, random_state=1),
+}
+LENGTHS = [60, 7, 90]
+
+
+@pytest.fixture(params=MODELS)
+def model(request):
+    return clone(MODELS[request.param])
+
+
+@pytest.fixture
+def recordings(model):
+    """Inputs and outputs of three recordings that begin far apart."""
+    rng = np.random.default_rng(3)
+    columns = 2 if isinstance(model, FPRC) else 1
+    X = [
+        start + np.cumsum(rng.normal(size=(length, columns)), axis=0)
+        for start, length in zip((0.0, 40.0, -30.0), LENGTHS, strict=True)
+    ]
+    return X, [2.0 * x[:, 0] + np.roll(x[:, -1], 1) for x in X]
+
+
+def test_training_equals_that_on_stacked_features_computed_apart(model, recordings):
+    X, y = recordings
+    stacked = np.vstack([clone(model).make_features().fit(X[0]).transform(x) for x in X])
+    readout = model.make_readout().fit(stacked, np.concatenate(y))
+    model.fit(np.vstack(X), np.concatenate(y), lengths=LENGTHS)
+    assert learned(model.readout_).keys() == learned(readout).keys()
+    for name, value in learned(readout).items():
+        assert np.array_equal(learned(model.readout_)[name], value), name
+
+
+def test_list_of_recordings_equals_one_array_with_lengths(model, recordings):
+    X, y = recordings
+    joined = clone(model).fit(np.vstack(X), np.concatenate(y), lengths=np.array(LENGTHS))
+    model.fit(X, y)
+    listed = model.predict(X)
+    assert [len(each) for each in listed] == LENGTHS
+    assert np.array_equal(
+        np.concatenate(listed), joined.predict(np.vstack(X), lengths=tuple(LENGTHS))
+    )
+
+
+def test_each_recording_is_predicted_as_if_it_were_alone(model, recordings):
+    X, y = recordings
+    model.fit(X, y)
+    whole = model.predict(np.vstack(X), LENGTHS)
+    alone = np.concatenate([model.predict(x) for x in X])
+    assert_allclose(whole, alone, rtol=0, atol=1e-9)
+    # without lengths, the second begins with the past of the first
+    border = slice(LENGTHS[0], LENGTHS[0] + 3)
+    assert np.abs(whole - model.predict(np.vstack(X)))[border].max() > 1e-3
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.lists(st.integers(5, 20), min_size=1, max_size=5), st.sampled_from(sorted(MODELS)))
+def test_features_equal_a_stream_that_is_reset_at_each_recording(lengths, name):
+    X = 30.0 * np.random.default_rng(sum(lengths)).normal(size=(sum(lengths), 2))
+    features = clone(MODELS[name]).make_features().fit(X)
+    starts = np.cumsum([0, *lengths])
+    stepped = []
+    for k, x in enumerate(X):
+        if k in starts:
+            features.reset()
+        stepped.append(features.step(x))
+    assert_allclose(transform_each(features, X, lengths), stepped, rtol=0, atol=1e-9)
+
+
+def test_one_recording_is_the_same_in_every_form(model, recordings):
+    (X, *_), (y, *_) = recordings
+    plain = clone(model).fit(X, y).predict(X)
+    assert np.array_equal(clone(model).fit(X, y, lengths=[len(X)]).predict(X), plain)
+    assert np.array_equal(clone(model).fit([X], [y]).predict([X])[0], plain)
+    assert np.array_equal(clone(model).fit(X.tolist(), y.tolist()).predict(X.tolist()), plain)
+
+
+def test_score_is_r2_over_all_samples(model, recordings):
+    X, y = recordings
+    model.fit(X, y)
+    flat = np.concatenate(y)
+    expected = r2_score(flat, np.concatenate([model.predict(x) for x in X]))
+    assert model.score(X, y) == pytest.approx(expected, abs=1e-12)
+    assert model.score(np.vstack(X), flat, lengths=LENGTHS) == model.score(X, y)
+
+
+def test_splitters_of_scikit_learn_keep_recordings_whole():
+    model = MODELS["fuzzy_linear"]
+    X = [30.0 * np.sin(np.arange(n)[:, None] / 9.0) for n in (40, 50, 60, 70)]
+    y = [np.roll(x[:, 0], 2) for x in X]
+    expected = []
+    for left_out in range(4):
+        rest = [i for i in range(4) if i != left_out]
+        fitted = clone(model).fit([X[i] for i in rest], [y[i] for i in rest])
+        expected.append(fitted.score(X[left_out], y[left_out]))
+    assert cross_val_score(model, X, y, cv=KFold(4)).tolist() == expected
+    search = GridSearchCV(model, {"n_y": [1, 4]}, cv=KFold(4)).fit(X, y)
+    assert search.cv_results_["mean_test_score"].shape == (2,)
+    assert len(search.predict(X)) == 4
+
+
+@pytest.mark.parametrize(
+    ("lengths", "problem"),
+    [
+        ([60, 7], "[60, 7] add up to 67; X has 157 samples"),
+        ([157, 0], "must be a list of whole numbers above 0"),
+        ([160, -3], "must be a list of whole numbers above 0"),
+        ([156.5, 0.5], "must be a list of whole numbers above 0"),
+        ([True] * 157, "must be a list of whole numbers above 0"),
+        (157, "must be a list of whole numbers above 0"),
+        ([], "must be a list of whole numbers above 0"),
+    ],
+)
+def test_wrong_lengths_are_refused(lengths, problem, model, recordings):
+    X, y = recordings
+    with pytest.raises(ValueError, match=re.escape(problem)):
+        model.fit(np.vstack(X), np.concatenate(y), lengths=lengths)
+    model.fit(X, y)
+    with pytest.raises(ValueError, match=re.escape(problem)):
+        model.predict(np.vstack(X), lengths=lengths)
+
+
+def test_list_beside_lengths_is_refused(model, recordings):
+    X, y = recordings
+    with pytest.raises(ValueError, match="lengths must be left out"):
+        model.fit(X, y, lengths=LENGTHS)
+
+
+def test_output_must_be_a_list_of_as_many_recordings(model, recordings):
+    X, y = recordings
+    for wrong in (y[:2], np.concatenate(y), [1.0, 2.0, 3.0]):
+        with pytest.raises(ValueError, match="X has 3 recordings; y must be a list"):
+            model.fit(X, wrong)
+
+
+def test_faulty_recording_is_named(model, recordings):
+    X, y = recordings
+    faulty = [X[0], X[1], X[2].copy()]
+    faulty[2][4, 0] = np.nan
+    with pytest.raises(ValueError, match="recording 3 of 3: Input X contains NaN"):
+        model.fit(faulty, y)
+    with pytest.raises(ValueError, match="recording 2 of 3: .*inconsistent numbers of samples"):
+        model.fit(X, [y[0], y[1][:-1], y[2]])
+    with pytest.raises(ValueError, match="recording 2 of 3: n_samples = 3 is less than"):
+        model.fit([X[0], X[1][:3], X[2]], [y[0], y[1][:3], y[2]])
+    with pytest.raises(ValueError, match="recording 2 of 3: X has 3 features"):
+        model.fit([X[0], np.ones((9, 3)), X[2]], [y[0], np.ones(9), y[2]])
+
+
+def test_tables_with_columns_in_another_order_are_refused():
+    X = 30.0 * np.random.default_rng(1).normal(size=(40, 2))
+    first = pd.DataFrame(X, columns=["theta_deg", "p_o_kpa"])
+    with pytest.raises(ValueError, match="recording 2 of 2: The feature names should match"):
+        clone(MODELS["fprc"]).fit([first, first[["p_o_kpa", "theta_deg"]]], [X[:, 0], X[:, 0]])
+
+
+def learned(estimator):
+    return {name: value for name, value in vars(estimator).items() if name.endswith("_")}

@@ -1,0 +1,227 @@
+"""The wheel works alone: outside the checkout, and read-only for a user without a home."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tarfile
+import tempfile
+import zipfile
+from email import message_from_bytes
+from pathlib import Path
+from sysconfig import get_path
+
+import numpy as np
+import pytest
+import yaml
+
+ROOT = Path(__file__).parents[2]
+PACKAGED = ROOT / "src/fprc/config"
+#: An account that owns no files, by convention.
+NOBODY = 65534
+
+pytestmark = pytest.mark.slow
+
+#: What a user of the wheel does: the models, then the commands that are arguments.
+LINES = """
+import json, sys
+import numpy as np
+import fprc.models
+from fprc.cli import main
+from fprc.config import check
+
+rng = np.random.default_rng(0)
+X = rng.standard_normal((300, 2)).cumsum(axis=0)
+model = fprc.models.FPRC(n_c=2, random_state=0).fit(X, X @ [1.0, 2.0])
+steps = [model.step(x) for x in X]
+print(json.dumps({
+    "codes": [main(command.split()) for command in sys.argv[1:]],
+    "package": fprc.__file__,
+    "apart": float(np.abs(model.predict(X) - steps).max()),
+    "rig": check({}).fitted.name,
+}))
+"""
+IMPORT = "import log.csv --map one.yaml --out sweep.h5"
+READOUT = "readout log.csv --map two.yaml --config few.yaml --workers 1"
+CALIBRATE = "calibrate few.yaml --workers 1"
+LIST = "rig run list"
+
+#: Small models, and a calibration that takes two seconds.
+FEW = """
+experiments: {sweep: {duration_s: 20}, complex: {duration_s: 20}}
+models: {fprc: {n_c: 2}, n_y: 2, esn: {r: 5}}
+grids: {epsilon: [0.1, 0.01], n_c: [1, 2], readout_taps: [1, 2, 3]}
+evaluation: {folds: 2, purge_s: 0.2}
+calibration:
+  {generations: 1, seeds: [21], check_seeds: [41], grid_seeds: 1, taps: [1, 3],
+   fit: [tables, plausible], minutes: 0.15, stride: 20, esn_nodes: 5}
+"""
+COLUMNS = {
+    "theta_deg": {"column": "angle", "unit": "deg"},
+    "p_exp_kpa": {"column": "force", "unit": "kPa"},
+    "p_o_kpa": {"column": "memory", "unit": "kPa"},
+}
+
+
+@pytest.fixture(scope="module")
+def folder():
+    """Return a folder that every user can enter."""
+    with tempfile.TemporaryDirectory() as name:
+        Path(name).chmod(0o755)
+        yield Path(name)
+
+
+def build(kind, source, out):
+    """Build ``sdist`` or ``wheel`` of a folder with its own backend; return the file."""
+    code = f"from setuptools.build_meta import *; print(build_{kind}({str(out)!r}))"
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=source, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return out / done.stdout.splitlines()[-1]
+
+
+@pytest.fixture(scope="module")
+def sdist(folder):
+    """Build the archive of the sources and unpack it; return its folder."""
+    left_out = shutil.ignore_patterns(".git", ".venv", "__pycache__", "*.egg-info", "*.h5", ".s*")
+    shutil.copytree(ROOT, folder / "copy", ignore=left_out, symlinks=True)
+    archive = build("sdist", folder / "copy", folder)
+    with tarfile.open(archive) as file:
+        file.extractall(folder, filter="data")
+    return folder / archive.name.removesuffix(".tar.gz")
+
+
+@pytest.fixture(scope="module")
+def wheel(sdist, folder):
+    """Build the wheel from the unpacked archive."""
+    return build("wheel", sdist, folder)
+
+
+def install(wheel, venv):
+    """Install a wheel in an environment that also finds the libraries of this one.
+
+    It does not find an editable installation of this project. Returns its Python.
+    """
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", venv], check=True)
+    packages = Path(get_path("purelib", "venv", {"base": str(venv)}))
+    with zipfile.ZipFile(wheel) as file:
+        file.extractall(packages)
+    (packages / "libraries.pth").write_text(get_path("purelib") + "\n", encoding="utf-8")
+    return venv / "bin/python"
+
+
+@pytest.fixture(scope="module")
+def python(wheel, folder):
+    return install(wheel, folder / "installed")
+
+
+@pytest.fixture
+def read_only(wheel, folder):
+    """Install the wheel so that not even its owner, or root, can cache compiled functions in it."""
+    python = install(wheel, folder / "read_only")
+    packages = python.parents[1].rglob("fprc/**/__init__.py")
+    for package in packages:
+        package.with_name("__pycache__").write_text("", encoding="utf-8")
+    return python
+
+
+def another_user(python):
+    """Return the options of a process of a user who owns nothing, if this process may start it."""
+    options = {"user": NOBODY, "group": NOBODY, "extra_groups": []}
+    try:
+        tried = subprocess.run([python, "-c", "import numba"], capture_output=True, **options)
+    except PermissionError:  # this user may not, or that user cannot open this Python's folder
+        return {}
+    return {} if tried.returncode else options
+
+
+@pytest.fixture
+def place(folder):
+    """Make a folder with a recording and its maps, outside the checkout."""
+    place = Path(tempfile.mkdtemp(dir=folder))
+    time_s = np.arange(2400) / 200.0
+    angle = 20.0 + 10.0 * np.sin(2.0 * time_s) + 8.0 * np.sin(3.3 * time_s)
+    past = np.cumsum(np.random.default_rng(5).standard_normal(len(time_s)))
+    table = np.column_stack([time_s, angle, past, 100.0 + 3.0 * angle + past])
+    np.savetxt(place / "log.csv", table, delimiter=",", header="t,angle,memory,force", comments="")
+    told = {"time": {"column": "t"}, "channels": COLUMNS}
+    (place / "one.yaml").write_text(yaml.safe_dump({"experiment": "sweep"} | told))
+    (place / "two.yaml").write_text(yaml.safe_dump({"test_from_s": 7} | told))
+    (place / "few.yaml").write_text(FEW)
+    return place
+
+
+def run(python, place, *arguments, home="/dev/null", **options):
+    """Run Python in a folder; its environment names neither the checkout nor a home."""
+    environment = {"PATH": os.environ["PATH"], "HOME": home}
+    return subprocess.run(
+        [python, *arguments], cwd=place, env=environment, capture_output=True, text=True, **options
+    )
+
+
+def found_by(done, python):
+    """Return what LINES printed, after checks of what every user finds."""
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout.splitlines()[-1])
+    assert Path(found["package"]).is_relative_to(python.parents[1])
+    assert found["apart"] < 1e-9
+    assert found["rig"] == "dry"
+    assert set(found["codes"]) == {0}, done.stderr
+    return found
+
+
+def test_commands_and_models_work_outside_the_checkout(python, place):
+    done = run(python, place, "-c", LINES, IMPORT, READOUT, LIST, CALIBRATE, home=str(place))
+    found_by(done, python)
+    assert {"sweep", "complex"} <= set(done.stdout.split())
+    for name in ("sweep.h5", "results/log/report.md", "config/rigs/fitted.yaml"):
+        assert (place / name).is_file()
+
+
+def test_they_work_for_another_user_read_only_and_without_a_home(read_only, place):
+    place.chmod(0o777)
+    user = another_user(read_only)
+    done = run(read_only, place, "-c", LINES, IMPORT, LIST, **user)
+    found_by(done, read_only)
+    assert (place / "sweep.h5").stat().st_uid == user.get("user", os.geteuid())
+    assert not list(read_only.parents[1].rglob("*.nbi"))
+
+
+def test_command_prints_the_files_of_the_package(python, place):
+    """The files are those of the repository, so that no copy can differ."""
+    command = "import sys; from fprc.cli import main; sys.exit(main())"
+    for arguments, file in (
+        (["rig"], "rigs/dry.yaml"),
+        (["rig", "viscous"], "rigs/viscous.yaml"),
+        (["published"], "published.yaml"),
+    ):
+        done = run(python, place, "-c", command, "config", *arguments)
+        assert done.stdout == (PACKAGED / file).read_text(encoding="utf-8")
+    listed = run(python, place, "-c", command, "rig", "run", "list")
+    assert listed.returncode == 0
+    assert listed.stdout.split()[:2] == ["sweep", "complex"]
+
+
+def test_archive_of_the_sources_has_tests_settings_and_workflow(sdist):
+    tracked = subprocess.run(
+        ["git", "-C", ROOT, "ls-files", "-z"], capture_output=True, text=True, check=False
+    )
+    if tracked.returncode:
+        pytest.skip("not a git checkout, so the list of files is unknown")
+    links = {"profiles"}
+    files = {name for name in tracked.stdout.split("\0") if name and (ROOT / name).exists()}
+    assert {name for name in files - links if not (sdist / name).is_file()} == set()
+
+
+def test_wheel_says_what_it_is(wheel):
+    with zipfile.ZipFile(wheel) as file:
+        names = file.namelist()
+        (metadata,) = (name for name in names if name.endswith("/METADATA"))
+        described = message_from_bytes(file.read(metadata))
+    assert "fprc/py.typed" in names
+    assert not [name for name in names if name.startswith(("tests", "config", "workflow"))]
+    assert "Typing :: Typed" in described.get_all("Classifier")
+    assert described.get_all("Project-URL")
+    assert {"readout", "workflow"} <= set(described.get_all("Provides-Extra"))
