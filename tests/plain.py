@@ -49,7 +49,7 @@ def advance(states, rigs, instruments, valve_v, push_kpa, noise, *rest):
     )
 """,
     "models/fcm.py": """
-def fuzzy_c_means(X, n_clusters, *, random_state=None):
+def fuzzy_c_means(X, n_clusters, *, random_state=None, **_):
     from sklearn.utils import check_random_state
     from fprc.benchmark.peers import skfuzzy_clusters
     seed = check_random_state(random_state).randint(2**31)

@@ -42,7 +42,7 @@ MODELS = {
     "fuzzy_linear": Entry(
         "fprc.models.fprc.FuzzyLinear",
         ("theta_deg",),
-        ("n_y", "alpha", "fprc.n_c", "fprc.sigma"),
+        ("n_y", "alpha", "fprc.n_c", "fprc.sigma", "fprc.clustering", "fprc.restarts"),
         "Fuzzy-linear",
         "#e69f00",
     ),

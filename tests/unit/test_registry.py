@@ -180,3 +180,12 @@ def test_checkpoints_of_the_commands_depend_on_the_code_of_the_models():
 def test_unknown_experiment_of_the_rig_is_refused_with_those_that_there_are():
     with pytest.raises(ConfigError, match="no experiment track_foo; must be one of sweep"):
         run_by_name("track_foo", [], armed=False)
+
+
+@pytest.mark.parametrize("name", ["fprc", "fuzzy_linear"])
+def test_clustering_and_restarts_reach_the_readouts_of_both_fuzzy_models(name):
+    chosen = {"clustering": "scikit-fuzzy", "restarts": 3}
+    models = check({"models": {"fprc": chosen}}).models.model_dump()
+    parameters = build(name, models, seed=1).make_readout().get_params()
+    assert {key: parameters[key] for key in chosen} == chosen
+    assert chosen.items() <= settings_of(name, models)["fprc"].items()

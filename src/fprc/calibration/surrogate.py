@@ -120,11 +120,8 @@ class _Cheap:
 
     def fit(self, log: str, reservoir: bool, **changed: Any) -> TakagiSugenoReadout:
         """Fit a readout to the features of a log."""
-        own = self.own | changed
-        readout = TakagiSugenoReadout(
-            n_c=own["n_c"], sigma=own["sigma"], alpha=self.alpha, random_state=self.seed
-        )
-        return readout.fit(self.rows(log, reservoir, **changed), self.y[log])
+        rows = self.rows(log, reservoir, **changed)
+        return self._readout(**changed).fit(rows, self.y[log])
 
     def error(
         self, readout: TakagiSugenoReadout, log: str, reservoir: bool, **changed: Any
@@ -149,12 +146,14 @@ class _Cheap:
         rows, n_y = self.rows("sweep", True), self.own["n_y"]
         parts = [rows[:, :n_y], rows[:, n_y:]]
         unit = np.hstack([(part - part.min()) / np.ptp(part) for part in parts])
-        readout = TakagiSugenoReadout(
-            n_c=self.own["n_c"], sigma=self.own["sigma"], alpha=self.alpha, random_state=self.seed
-        )
-        weights = np.abs(readout.fit(unit, self.y["sweep"]).W_out_)
+        weights = np.abs(self._readout().fit(unit, self.y["sweep"]).W_out_)
         weights /= weights.sum(axis=1, keepdims=True)
         return float(weights[:, 1 + n_y :].sum() / weights[:, 1 : 1 + n_y].sum())
+
+    def _readout(self, **changed: Any) -> TakagiSugenoReadout:
+        own = self.own | changed
+        parameters = {key: own[key] for key in ("n_c", "sigma", "clustering", "restarts")}
+        return TakagiSugenoReadout(**parameters, alpha=self.alpha, random_state=self.seed)
 
     def _thinned(self, log: str, epsilon: float | None, size: int) -> np.ndarray:
         key = log, epsilon, size

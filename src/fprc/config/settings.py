@@ -1,5 +1,6 @@
 """All settings of the workflow; the defaults are the paper's."""
 
+from importlib.util import find_spec
 from typing import Annotated, Literal
 
 from pydantic import Field, field_validator, model_validator
@@ -122,6 +123,19 @@ class Fprc(Section):
     n_c: int = quantity(8, "-", (1, 64), "fuzzy rules", "paper, Table I")
     n_u: int = quantity(3, "samples", (1, 100), "taps of the readout P_o", "paper, Table I")
     sigma: float = quantity(2.0, "-", (1e-3, 1e3), "Gaussian membership scaling", "paper, Table I")
+    clustering: Literal["fprc", "scikit-fuzzy"] = Field(
+        "fprc", description="fuzzy c-means of this package, or that of scikit-fuzzy"
+    )
+    restarts: int = quantity(
+        1, "-", (1, 1000), "starts of the clustering; the lowest objective is kept"
+    )
+
+    @field_validator("clustering")
+    @classmethod
+    def _is_installed(cls, clustering: str) -> str:
+        if clustering == "scikit-fuzzy" and find_spec("skfuzzy") is None:
+            raise ValueError("scikit-fuzzy is not installed: pip install scikit-fuzzy")
+        return clustering
 
 
 class Other(Section):
@@ -139,7 +153,7 @@ class Other(Section):
 
 
 class Models(Section):
-    """The three models; Fuzzy-linear shares n_c and sigma with FPRC."""
+    """The three models; Fuzzy-linear shares n_c, sigma and the clustering with FPRC."""
 
     n_y: int = quantity(5, "samples", (1, 100), "taps of theta_d", "paper, Sec. III-D")
     alpha: float = quantity(1e-3, "-", (0, 1e6), "ridge parameter", "paper, Sec. III-D")

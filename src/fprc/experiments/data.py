@@ -1,13 +1,18 @@
 """Preprocessed logs, the input of the models."""
 
+import logging
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from fprc.errors import LogError
-from fprc.logs import read_columns
+from fprc.escape import visible
+from fprc.logs import Columns, read_columns
+from fprc.logs.quality import noted_unit, notes_of
 from fprc.registry import entries
+
+log = logging.getLogger(__name__)
 
 #: Channel of a raw log that the models learn as P_exp, by ``evaluation.target``.
 TARGETS = {"command": "p_exp_command_kpa", "measured": "p_exp_kpa"}
@@ -58,6 +63,42 @@ def read_data(path: str) -> Data:
     """Read a preprocessed log."""
     file = read_columns(path, ("time_s", "p_target_kpa", "theta_deg"), optional=("p_o_kpa",))
     return Data(file.channels, file.attributes)
+
+
+def select_channels(source: Columns, raw: str, target: str) -> Data:
+    """Return the channels and attributes of a raw log that the models need.
+
+    An imported log may have only one P_exp, commanded or measured; then that one is used.
+
+    Parameters
+    ----------
+    raw : str
+        The log's file, for the warning.
+    target : {"command", "measured"}
+        P_exp that the models learn.
+    """
+    notes = notes_of(source)
+    for name, note in notes.items():
+        log.warning("warning: %s: %s", visible(name), visible(note))
+    if TARGETS[target] not in source.channels:
+        log.warning("warning: no %s in %s; the other P_exp is used", TARGETS[target], raw)
+        target = next(name for name in TARGETS if name != target)
+    channels = {
+        "time_s": source.channels["time_s"],
+        "p_target_kpa": source.channels[TARGETS[target]],
+        "theta_deg": source.channels["theta_deg"],
+    }
+    if "p_o_kpa" in source.channels:
+        channels["p_o_kpa"] = source.channels["p_o_kpa"]
+    kept = ("experiment", "source", "simulated", "sample_rate_hz", "seed", "notes")
+    attributes = {name: source.attributes[name] for name in kept if name in source.attributes}
+    attributes |= {
+        "target": target,
+        "p_target_unit": noted_unit(TARGETS[target], notes),
+        "theta_unit": noted_unit("theta_deg", notes),
+        "p_o_unit": noted_unit("p_o_kpa", notes),
+    }
+    return Data(channels, attributes)
 
 
 def join(logs: Mapping[str, Data], period_s: float) -> Data:

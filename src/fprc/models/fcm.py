@@ -6,9 +6,12 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from scipy.spatial.distance import cdist
 from sklearn.cluster import kmeans_plusplus
 from sklearn.exceptions import ConvergenceWarning
+from sklearn.utils import check_random_state
 
+from fprc.errors import FprcError
 from fprc.models.kernels import alternate
 
 #: A sample counts as lying on a centre if its distance is below this fraction of the
@@ -28,6 +31,10 @@ RANK = 1e-10
 #: A relative increase of the objective below this is rounding.
 ROUNDING = 1e-13
 
+#: A relative decrease of the objective below this is the same optimum. The earlier start then
+#: stays, so that rounding does not decide on the order of the clusters.
+SAME = 1e-6
+
 
 class Clusters(NamedTuple):
     """Result of the clustering."""
@@ -45,6 +52,8 @@ def fuzzy_c_means(
     tolerance: float = 1e-5,
     max_iterations: int = 1000,
     coarse: int = 10,
+    clustering: str = "fprc",
+    restarts: int = 1,
 ) -> Clusters:
     """Cluster the rows of ``X`` by alternating memberships and centres.
 
@@ -53,18 +62,27 @@ def fuzzy_c_means(
     extrapolates the earlier ones (Anderson 1965), which converges in tens of
     iterations where plain alternation takes hundreds. If an extrapolation raises
     the objective, a longer step and then the plain step replace it.
+    ``skfuzzy.cmeans`` alternates from the same starts without extrapolation.
 
     Parameters
     ----------
     X : ndarray of shape (n_samples, n_features)
         Finite numbers.
     tolerance : float
-        Stop when no membership changes by more than this.
+        Stop when no membership changes by more than this. scikit-fuzzy knows only the root of the
+        sum of squared changes; it stops when that is below ``tolerance`` times the root of
+        ``n_samples``.
+    clustering : {"fprc", "scikit-fuzzy"}
+        What alternates.
+    restarts : int
+        Number of starts; the clustering with the lowest objective is kept.
 
     Raises
     ------
     ValueError
         Fewer samples than clusters.
+    FprcError
+        scikit-fuzzy is not installed.
     """
     if not 1 <= n_clusters <= len(X):
         raise ValueError(
@@ -74,10 +92,21 @@ def fuzzy_c_means(
     thinned = X[::coarse]
     if len(thinned) < 10 * n_clusters:
         thinned = X
-    centers, _ = kmeans_plusplus(thinned, n_clusters, random_state=random_state)
-    if thinned is not X:
-        centers = _converge(thinned, centers, tolerance, max_iterations).centers
-    return _converge(X, centers, tolerance, max_iterations)
+    converge = {"fprc": _converge, "scikit-fuzzy": _converge_skfuzzy}[clustering]
+    rng = check_random_state(random_state)
+
+    def run() -> Clusters:
+        centers, _ = kmeans_plusplus(thinned, n_clusters, random_state=rng)
+        if thinned is not X:
+            centers = converge(thinned, centers, tolerance, max_iterations).centers
+        return converge(X, centers, tolerance, max_iterations)
+
+    best = run()
+    for _ in range(restarts - 1):
+        found = run()
+        if found.objective < (1.0 - SAME) * best.objective:
+            best = found
+    return best
 
 
 def _converge(X: np.ndarray, centers: np.ndarray, tolerance: float, limit: int) -> Clusters:
@@ -107,12 +136,39 @@ def _converge(X: np.ndarray, centers: np.ndarray, tolerance: float, limit: int) 
         if len(past) > 1:
             tries = [_extrapolated(past), means + 2.0 * stretch * step, means]
     else:
-        warnings.warn(
-            f"fuzzy c-means did not converge to {tolerance:g} in {limit} iterations",
-            ConvergenceWarning,
-            stacklevel=3,
-        )
+        _warn(tolerance, limit)
     return best._replace(memberships=best.memberships.T)
+
+
+def _converge_skfuzzy(X: np.ndarray, centers: np.ndarray, tolerance: float, limit: int) -> Clusters:
+    try:
+        from skfuzzy import cmeans
+    except ImportError as error:
+        raise FprcError(
+            "clustering = scikit-fuzzy: scikit-fuzzy is not installed; install it with "
+            "`pip install scikit-fuzzy`, or use clustering = fprc"
+        ) from error
+    # it starts from memberships: those of the centres
+    closeness = 1.0 / np.maximum(cdist(centers, X), np.finfo(float).eps) ** 2
+    found, u, _, distance, _, iterations, _ = cmeans(
+        X.T,
+        len(centers),
+        m=2,
+        error=tolerance * len(X) ** 0.5,
+        maxiter=limit,
+        init=closeness / closeness.sum(axis=0),
+    )
+    if iterations == limit:
+        _warn(tolerance, limit)
+    return Clusters(found, u.T, float(np.sum((u * distance) ** 2)))
+
+
+def _warn(tolerance: float, limit: int) -> None:
+    warnings.warn(
+        f"fuzzy c-means did not converge to {tolerance:g} in {limit} iterations",
+        ConvergenceWarning,
+        stacklevel=5,
+    )
 
 
 def _extrapolated(past: Sequence[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:

@@ -32,6 +32,10 @@ class FPRC(SequenceModel):
         Ridge parameter of every rule.
     random_state : int, RandomState or None, default=None
         Start of the clustering.
+    clustering : {"fprc", "scikit-fuzzy"}, default="fprc"
+        Fuzzy c-means of this package, or that of scikit-fuzzy, from the same starts.
+    restarts : int, default=1
+        Starts of the clustering, >= 1; the one with the lowest objective is kept.
 
     Attributes
     ----------
@@ -52,6 +56,8 @@ class FPRC(SequenceModel):
         sigma: float = 2.0,
         alpha: float = 1e-3,
         random_state: int | np.random.RandomState | None = None,
+        clustering: str = "fprc",
+        restarts: int = 1,
     ):
         self.epsilon = epsilon
         self.n_c = n_c
@@ -60,6 +66,8 @@ class FPRC(SequenceModel):
         self.sigma = sigma
         self.alpha = alpha
         self.random_state = random_state
+        self.clustering = clustering
+        self.restarts = restarts
 
     def make_features(self) -> TapFeatures:
         """Return the unfitted taps and filter."""
@@ -69,7 +77,12 @@ class FPRC(SequenceModel):
     def make_readout(self) -> TakagiSugenoReadout:
         """Return the unfitted readout."""
         return TakagiSugenoReadout(
-            n_c=self.n_c, sigma=self.sigma, alpha=self.alpha, random_state=self.random_state
+            n_c=self.n_c,
+            sigma=self.sigma,
+            alpha=self.alpha,
+            random_state=self.random_state,
+            clustering=self.clustering,
+            restarts=self.restarts,
         )
 
 
@@ -95,6 +108,10 @@ class FuzzyLinear(SequenceModel):
         Ridge parameter of every rule.
     random_state : int, RandomState or None, default=None
         Start of the clustering.
+    clustering : {"fprc", "scikit-fuzzy"}, default="fprc"
+        Fuzzy c-means of this package, or that of scikit-fuzzy, from the same starts.
+    restarts : int, default=1
+        Starts of the clustering, >= 1; the one with the lowest objective is kept.
 
     Attributes
     ----------
@@ -113,12 +130,16 @@ class FuzzyLinear(SequenceModel):
         sigma: float = 2.0,
         alpha: float = 1e-3,
         random_state: int | np.random.RandomState | None = None,
+        clustering: str = "fprc",
+        restarts: int = 1,
     ):
         self.n_c = n_c
         self.n_y = n_y
         self.sigma = sigma
         self.alpha = alpha
         self.random_state = random_state
+        self.clustering = clustering
+        self.restarts = restarts
 
     def make_features(self) -> TapFeatures:
         """Return the unfitted taps."""
@@ -128,5 +149,10 @@ class FuzzyLinear(SequenceModel):
     def make_readout(self) -> TakagiSugenoReadout:
         """Return the unfitted readout."""
         return TakagiSugenoReadout(
-            n_c=self.n_c, sigma=self.sigma, alpha=self.alpha, random_state=self.random_state
+            n_c=self.n_c,
+            sigma=self.sigma,
+            alpha=self.alpha,
+            random_state=self.random_state,
+            clustering=self.clustering,
+            restarts=self.restarts,
         )

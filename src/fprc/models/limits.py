@@ -1,5 +1,6 @@
 """Limits of the models' parameters, declared as data and checked at ``fit``."""
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 from sklearn.base import BaseEstimator
@@ -23,7 +24,20 @@ class Limit(NamedTuple):
         return f"{left}{self.low:g}, {self.high:g}{right}"
 
 
-def check_limits(estimator: BaseEstimator, limits: dict[str, Limit]) -> None:
+class OneOf(NamedTuple):
+    """Values that a parameter may have."""
+
+    values: tuple[str, ...]
+
+    def allows(self, value: str) -> bool:
+        """Return whether ``value`` is one of them."""
+        return value in self.values
+
+    def __str__(self) -> str:  # noqa: D105
+        return f"{{{', '.join(self.values)}}}"
+
+
+def check_limits(estimator: BaseEstimator, limits: Mapping[str, Limit | OneOf]) -> None:
     """Refuse parameters out of range, all at once.
 
     Raises

@@ -1,5 +1,6 @@
 """Takagi-Sugeno fuzzy readout."""
 
+from collections.abc import Mapping
 from typing import Self
 
 import numpy as np
@@ -10,7 +11,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.models.fcm import fuzzy_c_means
 from fprc.models.kernels import blend
-from fprc.models.limits import Limit, check_limits
+from fprc.models.limits import Limit, OneOf, check_limits
 from fprc.models.membership import gaussian_memberships
 from fprc.models.ridge import ridge_weights, with_bias
 
@@ -33,6 +34,10 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
         Ridge parameter of every rule, >= 0.
     random_state : int, RandomState or None, default=None
         Start of the clustering.
+    clustering : {"fprc", "scikit-fuzzy"}, default="fprc"
+        Fuzzy c-means of this package, or that of scikit-fuzzy, from the same starts.
+    restarts : int, default=1
+        Starts of the clustering, >= 1; the one with the lowest objective is kept.
 
     Attributes
     ----------
@@ -52,20 +57,36 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
         sigma: float = 2.0,
         alpha: float = 1e-3,
         random_state: int | np.random.RandomState | None = None,
+        clustering: str = "fprc",
+        restarts: int = 1,
     ):
         self.n_c = n_c
         self.sigma = sigma
         self.alpha = alpha
         self.random_state = random_state
+        self.clustering = clustering
+        self.restarts = restarts
 
-    LIMITS = {"n_c": Limit(1), "sigma": Limit(0, low_open=True), "alpha": Limit(0)}
+    LIMITS: Mapping[str, Limit | OneOf] = {
+        "n_c": Limit(1),
+        "sigma": Limit(0, low_open=True),
+        "alpha": Limit(0),
+        "clustering": OneOf(("fprc", "scikit-fuzzy")),
+        "restarts": Limit(1),
+    }
 
     def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
         """Cluster the rows, then fit each rule weighted by u_i^2 (Eq. 8)."""
         check_limits(self, self.LIMITS)
         rows, targets = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
         rng = check_random_state(self.random_state)
-        clusters = fuzzy_c_means(rows, self.n_c, random_state=rng)
+        clusters = fuzzy_c_means(
+            rows,
+            self.n_c,
+            random_state=rng,
+            clustering=self.clustering,
+            restarts=self.restarts,
+        )
         extended = with_bias(rows)
         self.centers_ = clusters.centers
         self.W_out_ = np.array(

@@ -6,11 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from fprc.artifacts import write_json
-from fprc.escape import visible
-from fprc.experiments.data import TARGETS, Data, join
-from fprc.logs import Columns, assess, read_raw, write_columns
+from fprc.experiments.data import join, select_channels
+from fprc.logs import assess, read_raw, write_columns
 from fprc.logs.isolated import isolated_each
-from fprc.logs.quality import noted_unit, notes_of, warnings
+from fprc.logs.quality import warnings
 
 log = logging.getLogger(__name__)
 
@@ -51,36 +50,10 @@ def preprocess(
         for warning in warnings(report):
             log.warning("warning: %s", warning)
         reports.append(report)
-        selected[Path(path).name] = _select(source, path, target)
+        selected[Path(path).name] = select_channels(source, path, target)
         passed = sum(check["passed"] for check in report["checks"].values())
         log.info("%d of %d quality checks passed", passed, len(report["checks"]))
     several = len(paths) > 1
     whole = join(selected, 1.0 / sample_rate_hz) if several else next(iter(selected.values()))
     write_json(quality, {"recordings": reports} if several else reports[0])
     write_columns(data, whole.channels, whole.attributes)
-
-
-def _select(source: Columns, raw: str, target: str) -> Data:
-    """Return the channels and attributes of a raw log that the models need."""
-    notes = notes_of(source)
-    for name, note in notes.items():
-        log.warning("warning: %s: %s", visible(name), visible(note))
-    if TARGETS[target] not in source.channels:
-        log.warning("warning: no %s in %s; the other P_exp is used", TARGETS[target], raw)
-        target = next(name for name in TARGETS if name != target)
-    channels = {
-        "time_s": source.channels["time_s"],
-        "p_target_kpa": source.channels[TARGETS[target]],
-        "theta_deg": source.channels["theta_deg"],
-    }
-    if "p_o_kpa" in source.channels:
-        channels["p_o_kpa"] = source.channels["p_o_kpa"]
-    kept = ("experiment", "source", "simulated", "sample_rate_hz", "seed", "notes")
-    attributes = {name: source.attributes[name] for name in kept if name in source.attributes}
-    attributes |= {
-        "target": target,
-        "p_target_unit": noted_unit(TARGETS[target], notes),
-        "theta_unit": noted_unit("theta_deg", notes),
-        "p_o_unit": noted_unit("p_o_kpa", notes),
-    }
-    return Data(channels, attributes)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from fprc.calibration.objective import properties
-from fprc.calibration.surrogate import MEASURES, judge_cheaply
-from fprc.config import Settings
+from fprc.calibration.surrogate import MEASURES, _Cheap, judge_cheaply
+from fprc.config import Settings, check
 from fprc.evaluation.weights import normalised_weights
 from fprc.experiments.comparison import judge_directions
 from fprc.experiments.hysteresis import simulate
@@ -270,3 +270,10 @@ def test_settings_stay_as_they_were(on_rig, models, tracking):
     surrogate = {"stride": 50, "esn_nodes": 5}
     judge_cheaply(on_rig, 1, models, surrogate, GRIDS, tracking, MEASURES)
     assert (on_rig, models, tracking, GRIDS) == before
+
+
+def test_surrogate_clusters_as_the_models_do():
+    chosen = {"clustering": "scikit-fuzzy", "restarts": 3}
+    models = check({"models": {"fprc": chosen}}).models.model_dump()
+    parameters = _Cheap({}, models, SEED, STRIDE)._readout(n_c=5).get_params()
+    assert {key: parameters[key] for key in (*chosen, "n_c")} == {**chosen, "n_c": 5}

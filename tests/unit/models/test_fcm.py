@@ -1,3 +1,4 @@
+import sys
 import warnings
 
 import numpy as np
@@ -7,9 +8,11 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose
 from scipy.spatial.distance import cdist
+from skfuzzy import cmeans
 from sklearn.cluster import kmeans_plusplus
 from sklearn.exceptions import ConvergenceWarning
 
+from fprc.errors import FprcError
 from fprc.models import fcm
 from fprc.models.fcm import fuzzy_c_means
 from fprc.models.kernels import BLOCK, alternate
@@ -220,3 +223,88 @@ def hysteresis(size):
 
 def by_first_column(centers):
     return centers[np.argsort(centers[:, 0])]
+
+
+def ends_of_starts(X, n_clusters, starts, **options):
+    """Return the clustering of each of some starts, drawn one after the other."""
+    rng = np.random.RandomState(3)
+    return [fuzzy_c_means(X, n_clusters, random_state=rng, **options) for _ in range(starts)]
+
+
+@pytest.fixture
+def traps():
+    """Six blobs, unevenly apart: of four clusters, many starts do not end in the best optimum."""
+    rng = np.random.default_rng(1)
+    centers = np.array([[0, 0], [1, 0], [9, 0], [10, 0], [5, 20], [5, 21]], dtype=float)
+    return rng.normal(np.repeat(centers, 15, axis=0), 0.2)
+
+
+def test_restarts_keep_the_start_with_the_lowest_objective(traps):
+    alone = ends_of_starts(traps, 4, 5)
+    objectives = [each.objective for each in alone]
+    lowest = int(np.argmin(objectives))
+    assert lowest > 0
+    assert objectives[0] > 1.01 * objectives[lowest]
+    kept = fuzzy_c_means(traps, 4, random_state=np.random.RandomState(3), restarts=5)
+    # starts that end in the same optimum differ by rounding
+    assert kept.objective == pytest.approx(min(objectives), rel=1e-6)
+    first = next(each for each in alone if each.objective < (1.0 + 1e-6) * min(objectives))
+    assert np.array_equal(kept.centers, first.centers)
+    assert np.array_equal(kept.memberships, first.memberships)
+
+
+def test_restarts_of_one_optimum_keep_the_first(traps):
+    once, often = (
+        fuzzy_c_means(traps, 2, random_state=0, restarts=restarts) for restarts in (1, 6)
+    )
+    assert np.array_equal(often.centers, once.centers)
+
+
+@examples
+@given(samples(), st.integers(1, 4), seeds)
+def test_more_restarts_never_raise_the_objective(X, n_clusters, seed):
+    once, often = (
+        unsettled(X, n_clusters, random_state=seed, max_iterations=9, restarts=restarts).objective
+        for restarts in (1, 4)
+    )
+    assert often <= once
+
+
+@pytest.mark.parametrize("restarts", [1, 3])
+@pytest.mark.parametrize("n_clusters", [1, 4, 6])
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_scikit_fuzzy_agrees_from_equal_starts(restarts, n_clusters, seed):
+    X = hysteresis(600)
+    tight = {"tolerance": 1e-12, "max_iterations": 20_000, "restarts": restarts}
+    ours, theirs = (
+        fuzzy_c_means(X, n_clusters, random_state=seed, clustering=clustering, **tight)
+        for clustering in ("fprc", "scikit-fuzzy")
+    )
+    assert_allclose(ours.centers, theirs.centers, atol=1e-8)
+    assert_allclose(ours.memberships, theirs.memberships, atol=1e-8)
+    assert ours.objective == pytest.approx(theirs.objective, rel=1e-8)
+
+
+def test_scikit_fuzzy_alternates_and_reports_that_it_did_not_converge(monkeypatch):
+    calls = []
+
+    def counted(*arguments, **options):
+        calls.append(options["init"].sum(axis=0))
+        return cmeans(*arguments, **options)
+
+    monkeypatch.setattr("skfuzzy.cmeans", counted)
+    state = np.random.get_state()[1].copy()  # noqa: NPY002 (skfuzzy draws from this generator)
+    with pytest.warns(ConvergenceWarning, match="in 2 iterations"):
+        clusters = fuzzy_c_means(
+            hysteresis(600), 4, random_state=0, max_iterations=2, clustering="scikit-fuzzy"
+        )
+    assert len(calls) == 2  # on every tenth row, then on all
+    assert_allclose(calls[0], 1.0)
+    assert clusters.memberships.shape == (600, 4)
+    assert np.array_equal(np.random.get_state()[1], state)  # noqa: NPY002
+
+
+def test_missing_scikit_fuzzy_is_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, "skfuzzy", None)
+    with pytest.raises(FprcError, match="pip install scikit-fuzzy"):
+        fuzzy_c_means(hysteresis(50), 2, random_state=0, clustering="scikit-fuzzy")

@@ -1,3 +1,4 @@
+import ast
 import inspect
 import re
 import tracemalloc
@@ -218,8 +219,9 @@ def test_defaults_are_those_of_the_paper():
     fprc_ = {"epsilon": 0.01, "n_c": 8, "n_u": 3, "sigma": 2.0}
     shared = {"n_y": 5, "alpha": 0.001, "random_state": None}
     assert ESN().get_params() == esn | shared
-    assert FPRC().get_params() == fprc_ | shared
-    assert FuzzyLinear().get_params() == {"n_c": 8, "sigma": 2.0} | shared
+    ours = {"clustering": "fprc", "restarts": 1}
+    assert FPRC().get_params() == fprc_ | ours | shared
+    assert FuzzyLinear().get_params() == {"n_c": 8, "sigma": 2.0} | ours | shared
 
 
 @pytest.mark.parametrize(
@@ -238,6 +240,8 @@ def test_defaults_are_those_of_the_paper():
         (TakagiSugenoReadout(n_c=0), "n_c"),
         (TakagiSugenoReadout(n_c=2, sigma=0.0), "sigma"),
         (TakagiSugenoReadout(n_c=2, alpha=-1e-9), "alpha"),
+        (TakagiSugenoReadout(n_c=2, clustering="kmeans"), "clustering"),
+        (TakagiSugenoReadout(n_c=2, restarts=0), "restarts"),
     ],
     ids=str,
 )
@@ -254,7 +258,7 @@ def test_every_public_estimator_is_covered():
 
 
 def _value(text):
-    return None if text == "None" else float(text)
+    return ast.literal_eval(text)
 
 
 def steps(model, X):

@@ -1,0 +1,178 @@
+"""The hysteresis experiments as a dataset, in the form of scikit-learn's loaders."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from sklearn.utils import Bunch
+
+from fprc import __version__
+from fprc.config import from_files
+from fprc.config.load import RIG
+from fprc.errors import ConfigError
+from fprc.experiments.data import TARGETS, select_channels
+from fprc.experiments.hysteresis import RUNS, acquire
+from fprc.logs import Columns, read_raw
+from fprc.logs.quality import noted_unit, notes_of
+from fprc.paper import SOURCES
+
+#: Seed of a simulation where none is given.
+_SEED = 1
+
+_DESCRIPTION = """\
+Hysteresis of a soft bending actuator: {experiment}
+
+Data: {source}.
+{samples} samples at {rate_hz:g} per second, in the order of time.
+
+Task: predict P_exp from the present and earlier samples of the inputs.
+Inputs (data): {inputs}
+Output (target): {target}
+Channels: {channels}
+
+The models of the paper are trained on the sweep and tested on the complex signal, and the other
+way round, with the error RMSE.
+
+Source: Shen, Miyazaki, Kawashima, IEEE RA-L 2024, 10.1109/LRA.2024.3523229, Secs. II-B and III-D.
+"""
+
+
+def load_hysteresis(
+    experiment: str = "sweep",
+    *,
+    seed: int | None = None,
+    rig: str | Mapping[str, Any] | None = None,
+    raw: Path | str | None = None,
+    target: str = "command",
+    return_X_y: bool = False,  # noqa: N803 (scikit-learn's name)
+) -> Any:
+    """Load a hysteresis experiment: bending angle and reservoir pressure, to predict P_exp.
+
+    It is simulated with the paper's signals and control, as ``snakemake logs`` does, unless
+    ``raw`` names a log.
+
+    Parameters
+    ----------
+    experiment : {"sweep", "complex"}, default="sweep"
+        The paper trains on the sweep and tests on the complex signal.
+    seed : int, optional
+        Draws the sensors of the simulated rig and their noise; by default 1.
+    rig : str or Mapping, optional
+        Simulated rig: its name, or numbers as in the section ``rig`` of the configuration; by
+        default ``"dry"``.
+    raw : path, optional
+        Raw log of the experiment to read instead; ``seed`` and ``rig`` must then be left out.
+    target : {"command", "measured"}, default="command"
+        P_exp to predict: commanded or measured pressure.
+    return_X_y : bool, default=False
+        Return ``(data, target)`` alone.
+
+    Returns
+    -------
+    Bunch or tuple
+        ``data`` : ndarray of shape (n_samples, 2)
+            theta in deg and P_o in kPa; of shape (n_samples, 1) if the log has no P_o.
+        ``target`` : ndarray of shape (n_samples,)
+            P_exp in kPa.
+        ``feature_names``, ``target_names`` : list of str
+            Channels of ``data`` and ``target``.
+        ``channels`` : dict of ndarray of shape (n_samples,)
+            Every channel of the raw log.
+        ``units`` : dict of str
+            Unit of each channel.
+        ``sample_rate_hz`` : float
+        ``source`` : str
+            ``sim``, ``rig`` or ``import``, as in the raw log.
+        ``DESCR`` : str
+            Description.
+
+    Raises
+    ------
+    ConfigError
+        An argument is wrong; lists all that are.
+    LogError
+        The raw log cannot be used.
+
+    References
+    ----------
+    Paper, Sec. II-B.
+    """
+    _refuse(experiment, seed, rig, raw, target)
+    if raw is None:
+        log = _simulate(experiment, _SEED if seed is None else seed, RIG if rig is None else rig)
+    else:
+        log = _read(experiment, raw)
+    selected = select_channels(log, str(log.path), target)
+    inputs = [name for name in ("theta_deg", "p_o_kpa") if name in log.channels]
+    output = TARGETS[selected.attributes["target"]]
+    data = np.column_stack([log.channels[name] for name in inputs])
+    if return_X_y:
+        return data, log.channels[output]
+    units = {name: noted_unit(name, notes_of(log)) for name in log.channels}
+    return Bunch(
+        data=data,
+        target=log.channels[output],
+        feature_names=inputs,
+        target_names=[output],
+        channels=log.channels,
+        units=units,
+        sample_rate_hz=float(log.attributes["sample_rate_hz"]),
+        source=log.attributes["source"],
+        DESCR=_describe(log, inputs, output, units),
+    )
+
+
+def _refuse(experiment: str, seed: Any, rig: Any, raw: Path | str | None, target: str) -> None:
+    problems = []
+    if experiment not in RUNS:
+        problems.append(f"experiment = {experiment!r}; must be {' or '.join(RUNS)}")
+    if target not in TARGETS:
+        problems.append(f"target = {target!r}; must be {' or '.join(TARGETS)}")
+    if seed is not None and not (isinstance(seed, int | np.integer) and seed >= 0):
+        problems.append(f"seed = {seed!r}; must be a whole number, 0 or more")
+    if raw is not None and not (seed is None and rig is None):
+        problems.append("seed and rig are those of a simulation; leave them out to read a raw log")
+    if problems:
+        raise ConfigError("\n".join(problems))
+
+
+def _simulate(experiment: str, seed: int, rig: str | Mapping[str, Any]) -> Columns:
+    settings = from_files([], {"rig": rig}).model_dump(mode="json")
+    control, name = settings["control"], settings["fitted"]["name"]
+    signal = settings["experiments"][experiment]
+    channels = acquire(experiment, signal, control, settings["rig"], seed)
+    attributes = {
+        "experiment": experiment,
+        "source": "sim",
+        "sample_rate_hz": control["sample_rate_hz"],
+        "seed": seed,
+        "software": f"fprc {__version__}",
+        "rig_name": name,
+    }
+    return Columns(Path(f"{experiment} on the rig {name}"), channels, attributes)
+
+
+def _read(experiment: str, raw: Path | str) -> Columns:
+    tolerance = from_files([]).quality.rate_tolerance
+    return read_raw(raw, experiment=experiment, sample_rate_hz=None, rate_tolerance=tolerance)
+
+
+def _describe(log: Columns, inputs: Sequence[str], output: str, units: Mapping[str, str]) -> str:
+    def named(names: Sequence[str]) -> str:
+        return ", ".join(f"{name} [{units[name]}]" for name in names)
+
+    source = SOURCES[log.attributes["source"]]
+    if "rig_name" in log.attributes:
+        source += f" ({log.attributes['rig_name']}), seed {log.attributes['seed']}"
+    else:
+        source += f", {log.path.name}"
+    return _DESCRIPTION.format(
+        experiment=log.attributes["experiment"],
+        source=source,
+        samples=len(log.channels["time_s"]),
+        rate_hz=log.attributes["sample_rate_hz"],
+        inputs=named(inputs),
+        target=named([output]),
+        channels=named(list(log.channels)),
+    )

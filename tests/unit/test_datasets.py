@@ -1,0 +1,144 @@
+import contextlib
+import io
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+from threadpoolctl import threadpool_limits
+
+from fprc.config import from_files
+from fprc.datasets import load_hysteresis
+from fprc.errors import ConfigError, LogError
+from fprc.logs import RAW_CHANNELS, read_columns, write_raw
+from fprc.stages.preprocess import preprocess
+from fprc.stages.record import record
+
+ROOT = Path(__file__).parents[2]
+SETTINGS = from_files([]).model_dump(mode="json")
+
+
+@pytest.fixture(scope="module")
+def sweep():
+    return load_hysteresis("sweep")
+
+
+@pytest.fixture(scope="module")
+def logs(tmp_path_factory):
+    """Raw log and data of the sweep, as the workflow makes them."""
+    folder = tmp_path_factory.mktemp("logs")
+    raw, data, quality = (str(folder / name) for name in ("sweep.h5", "data.h5", "quality.json"))
+    record(
+        raw, experiment="sweep", signal=SETTINGS["experiments"]["sweep"],
+        control=SETTINGS["control"], rig=SETTINGS["rig"], seed=1,
+    )  # fmt: skip
+    preprocess(
+        raw, data, quality, experiment="sweep", target="command", sample_rate_hz=200.0,
+        limits=SETTINGS["quality"],
+    )  # fmt: skip
+    return raw, read_columns(data, ("theta_deg", "p_o_kpa", "p_target_kpa")).channels
+
+
+def test_data_are_those_of_the_workflow(sweep, logs):
+    _, ours = logs
+    assert_array_equal(sweep.data, np.column_stack([ours["theta_deg"], ours["p_o_kpa"]]))
+    assert_array_equal(sweep.target, ours["p_target_kpa"])
+
+
+def test_raw_log_gives_the_same_as_its_simulation(sweep, logs):
+    read = load_hysteresis("sweep", raw=logs[0])
+    assert read.keys() == sweep.keys()
+    for name in RAW_CHANNELS:
+        assert_array_equal(read.channels[name], sweep.channels[name])
+    for name in ("feature_names", "target_names", "units", "sample_rate_hz", "source"):
+        assert read[name] == sweep[name]
+    assert "sweep.h5" in read.DESCR
+
+
+def test_columns_are_named_and_have_units(sweep):
+    assert sweep.data.shape == (24000, 2)
+    assert sweep.feature_names == ["theta_deg", "p_o_kpa"]
+    assert sweep.target_names == ["p_exp_command_kpa"]
+    assert tuple(sweep.channels) == RAW_CHANNELS
+    assert sweep.units["theta_deg"] == "deg"
+    assert sweep.units["valve_main_v"] == "V"
+    for index, name in enumerate(sweep.feature_names):
+        assert_array_equal(sweep.data[:, index], sweep.channels[name])
+
+
+def test_description_says_where_the_data_are_from(sweep):
+    assert "simulated rig, not hardware (dry), seed 1" in sweep.DESCR
+    assert "24000 samples at 200 per second" in sweep.DESCR
+    changed = load_hysteresis(rig={"drift": {"sigma_kpa": 0.0}}).DESCR
+    assert "(changed), seed 1" in changed
+
+
+def test_seed_rig_and_target_change_what_they_should(sweep):
+    other = load_hysteresis("sweep", seed=2, target="measured")
+    assert np.abs(other.data - sweep.data).max() > 0.01
+    assert_array_equal(other.target, other.channels["p_exp_kpa"])
+    assert_array_equal(other.channels["p_exp_command_kpa"], sweep.target)
+    viscous = load_hysteresis("sweep", rig="viscous")
+    assert np.abs(viscous.data[:, 0] - sweep.data[:, 0]).max() > 0.5
+
+
+def test_pair_alone(sweep):
+    X, y = load_hysteresis("sweep", seed=1, rig="dry", return_X_y=True)
+    assert_array_equal(X, sweep.data)
+    assert_array_equal(y, sweep.target)
+
+
+def test_imported_log_may_lack_p_o_and_hold_another_quantity(channels, tmp_path):
+    kept = {name: channels[name] for name in ("time_s", "theta_deg", "p_exp_kpa")}
+    notes = {"p_exp_kpa": "not in kPa: torque [N m]"}
+    write_raw(
+        tmp_path / "sweep.h5", kept, experiment="sweep", source="import", sample_rate_hz=200.0,
+        seed=0, software="test", rig={}, notes=notes,
+    )  # fmt: skip
+    loaded = load_hysteresis("sweep", raw=tmp_path / "sweep.h5")
+    assert_array_equal(loaded.data, kept["theta_deg"][:, None])
+    assert_array_equal(loaded.target, kept["p_exp_kpa"])
+    assert loaded.units == {"time_s": "s", "theta_deg": "deg", "p_exp_kpa": "N m"}
+    assert "Output (target): p_exp_kpa [N m]" in loaded.DESCR
+    assert loaded.source == "import"
+
+
+def test_wrong_arguments_are_listed_at_once():
+    with pytest.raises(ConfigError) as refused:
+        load_hysteresis("sine", seed=-1, raw="sweep.h5", target="P_exp")
+    assert str(refused.value).splitlines() == [
+        "experiment = 'sine'; must be sweep or complex",
+        "target = 'P_exp'; must be command or measured",
+        "seed = -1; must be a whole number, 0 or more",
+        "seed and rig are those of a simulation; leave them out to read a raw log",
+    ]
+
+
+def test_unknown_rig_and_unusable_logs_are_errors_for_people(write_log, tmp_path):
+    with pytest.raises(ConfigError, match="use dry or"):
+        load_hysteresis(rig="wet")
+    with pytest.raises(LogError, match=r"no\.h5"):
+        load_hysteresis(raw=tmp_path / "no.h5")
+    with pytest.raises(LogError, match="must be complex"):
+        load_hysteresis("complex", raw=write_log())
+
+
+@pytest.mark.slow
+def test_lines_of_the_page_give_the_table_of_the_readme(tmp_path, monkeypatch):
+    page = (ROOT / "docs/benchmark.md").read_text(encoding="utf-8")
+    lines, printed = (
+        re.search(rf"```{kind}\n(.*?)```", page, flags=re.DOTALL)[1] for kind in ("python", "text")
+    )
+    assert len(list(filter(None, lines.splitlines()))) == 10
+    monkeypatch.chdir(tmp_path)
+    output = io.StringIO()
+    # as in the workflow: sums by more threads have other last digits
+    with threadpool_limits(1), contextlib.redirect_stdout(output):
+        exec(compile(lines, "docs/benchmark.md", "exec"), {})
+    assert output.getvalue() == printed
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    table = re.search(r"<!-- table2: generated -->(.*?)<!-- table2: end -->", readme, re.DOTALL)[1]
+    ours = [re.findall(r"\| +(\d+\.\d)(?: ±| )", row) for row in re.findall(r".* RMSE .*", table)]
+    ours = np.array([row[0::2] for row in ours if row])
+    assert [line.split()[1:] for line in printed.splitlines()] == ours.T.tolist()
