@@ -195,15 +195,12 @@ class _Attempts(threading.Thread):
         while not self.given_up.is_set():
             try:
                 vent_from_outside(self._hardware, self._on_write)
+                return self.outcome.put(_VENTED)
             except NotVentedError as error:
-                self.outcome.put(str(error))
+                return self.outcome.put(str(error))
             except Exception as error:  # of any type: the next attempt may succeed
                 self._on_write(f"{type(error).__name__}: {error}")
                 self.given_up.wait(_RETRY_S)
-                continue
-            else:
-                self.outcome.put(_VENTED)
-            return
 
     def _on_write(self, error: str) -> None:
         if error:

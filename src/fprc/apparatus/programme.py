@@ -75,20 +75,16 @@ def _tracking(name: str, settings: Mapping[str, Any], model: str, gains: str) ->
     from fprc.models import load_model
 
     bench = Track(settings["tracking"], settings["control"], settings["hardware"], settings["seed"])
+    hint = ""
     if name.startswith(_IDENTIFY):
         reference, controller = "disturbance", "fprc_pd_identified"
         kp = float(name.removeprefix(_IDENTIFY))
         known_gains = {"identified": candidate(kp, bench.tracking["printed_gains"])}
-        hint = ""
     else:
         reference, controller = reference_and_controller(name)
         known_gains = read_json(gains)
-        quiet_s = bench.tracking["pushes"]["quiet_s"]
-        hint = (
-            f"push the reservoir by hand from {quiet_s:g} s on"
-            if reference == "disturbance"
-            else ""
-        )
+        if reference == "disturbance":
+            hint = f"push the reservoir by hand from {bench.tracking['pushes']['quiet_s']:g} s on"
     theta_d = bench.reference(reference)
     kind, gain = controller_and_gain(controller)
     outside = outside_class(model_of_run(name), settings["models"])
@@ -97,13 +93,8 @@ def _tracking(name: str, settings: Mapping[str, Any], model: str, gains: str) ->
         fitted.step((0.0,) * fitted.n_features_in_)
     law = bench.law(theta_d, fitted, known_gains.get(gain))
     attributes = bench.describe(reference, controller, known_gains) | {"experiment": name}
-    return Experiment(
-        law,
-        len(theta_d),
-        (*RAW_CHANNELS, *TRACKING_CHANNELS),
-        _with_hardware(attributes, settings),
-        hint,
-    )
+    channels = (*RAW_CHANNELS, *TRACKING_CHANNELS)
+    return Experiment(law, len(theta_d), channels, _with_hardware(attributes, settings), hint)
 
 
 def _hysteresis(name: str, settings: Mapping[str, Any]) -> Experiment:

@@ -86,15 +86,12 @@ def real_time(
     }
     for run in work.values():
         run()
-    simulated = {
-        "open loop": sweep["duration_s"],
-        "closed loop": described["duration_s"] + described["settle_s"],
-    }
-    timed = interleaved(work, rounds)
-    aims = {"open loop": 1000, "closed loop": 100}
+    simulated_s = sweep["duration_s"], described["duration_s"] + described["settle_s"]
     return [
-        {"loop": name, "simulated_s": simulated[name], "aim": aims[name], "seconds": timed[name]}
-        for name in work
+        {"loop": name, "simulated_s": length_s, "aim": aim, "seconds": seconds}
+        for (name, seconds), length_s, aim in zip(
+            interleaved(work, rounds).items(), simulated_s, (1000, 100), strict=True
+        )
     ]
 
 

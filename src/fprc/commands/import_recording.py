@@ -20,11 +20,11 @@ from fprc.logs import read_columns, write_raw
 from fprc.logs.clock import likely_rate, other_unit, refuse_length
 from fprc.logs.columns import unit_of
 from fprc.logs.diagnosis import describe, diagnose
-from fprc.logs.gather import gather
+from fprc.logs.gather import gather, pick_all
 from fprc.logs.quality import other_quantity
 from fprc.logs.resample import resample
 from fprc.logs.sources import read_source
-from fprc.logs.variables import columns_of, pick
+from fprc.logs.variables import columns_of
 from fprc.provenance import sha256
 
 #: Limit on listed variables that cannot be channels.
@@ -91,13 +91,7 @@ def _missing_columns(map_file: str, source: str) -> list[str]:
         return []
     except LogError as error:
         return [str(error)]
-    problems = []
-    for key, column in draft.columns.items():
-        try:
-            pick(content, column)
-        except LogError as error:
-            problems.append(f"{source}: {key}: {error}")
-    return problems
+    return pick_all(content, draft.columns)[1]
 
 
 def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
@@ -150,13 +144,11 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
 
 
 def _notes(columns: dict[str, dict[str, Any]]) -> dict[str, str]:
-    notes = {}
-    for name, spec in columns.items():
-        if spec["unit"] == "1":
-            notes[name] = other_quantity(name) + spec["note"]
-        elif spec["note"]:
-            notes[name] = spec["note"]
-    return notes
+    begins = {
+        name: other_quantity(name) if spec["unit"] == "1" else "" for name, spec in columns.items()
+    }
+    notes = {name: begin + columns[name]["note"] for name, begin in begins.items()}
+    return {name: note for name, note in notes.items() if note}
 
 
 def _report(
@@ -227,6 +219,6 @@ def _guess_rate(values: np.ndarray) -> tuple[float, str] | None:
         return None
     steps = np.diff(values)
     step = float(np.median(steps))
-    if (steps < 0.0).any():  # repeated stamps are allowed
-        return None
-    return likely_rate(step) if (np.abs(steps - step) < 0.5 * step).mean() > 0.9 else None
+    # repeated stamps are allowed
+    even = (steps >= 0.0).all() and (np.abs(steps - step) < 0.5 * step).mean() > 0.9
+    return likely_rate(step) if even else None

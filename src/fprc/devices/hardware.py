@@ -58,8 +58,8 @@ class HardwareRig:
         now: Callable[[], float] = time.monotonic,
     ):
         boards = hardware["boards"]
-        self._voltages = hardware["valves"]
         self._elapsed = elapsed
+        self._voltages = hardware["valves"]
         self._venting: dict[str, Any] = {"persist": persist, "sleep": sleep, "now": now}
         self._buses: dict[int, Any] = {}
         with contextlib.ExitStack() as opened:
@@ -67,14 +67,14 @@ class HardwareRig:
             if not has_lock:
                 locks.enter_context(locked(board_names(boards), boards["lock_folder"]))
             parts: dict[str, Any] = {}
+            problems: dict[str, None] = {}  # each once: both boards may lack the driver
 
-            def attempt(name: str, build: Callable[[], Any], release: str) -> str:
+            def attempt(name: str, build: Callable[[], Any], release: str) -> None:
                 try:
                     parts[name] = part = build()
+                    opened.callback(quietly, getattr(part, release))
                 except DeviceError as error:
-                    return str(error)
-                opened.callback(quietly, getattr(part, release))
-                return ""
+                    problems[str(error)] = None
 
             def sensor(settings: Mapping[str, Any]) -> BendSensor:
                 number = settings["bus"]
@@ -86,19 +86,17 @@ class HardwareRig:
                 built.start(sleep=sleep)
                 return built
 
-            tried = [
-                attempt("valves", lambda: open_valves(hardware), "close"),
-                attempt("inputs", lambda: Pressures(hardware), "close"),
-                attempt("theta", lambda: sensor(hardware["theta"]), "shutdown"),
-            ]
+            attempt("valves", lambda: open_valves(hardware), "close")
+            attempt("inputs", lambda: Pressures(hardware), "close")
+            attempt("theta", lambda: sensor(hardware["theta"]), "shutdown")
             if hardware["phi"]:
-                tried.append(attempt("phi", lambda: sensor(hardware["phi"]), "shutdown"))
-            problems = list(dict.fromkeys(filter(None, tried)))
+                attempt("phi", lambda: sensor(hardware["phi"]), "shutdown")
             if problems:
                 raise DeviceError("\n".join(problems))
             opened.pop_all()
         self._locks = locks
         self._valves: Valves = parts["valves"]
+        self.write, self.safe = self._valves.write, self._valves.vent
         self._inputs: Pressures = parts["inputs"]
         self._theta: BendSensor = parts["theta"]
         self._phi: BendSensor | None = parts.get("phi")
@@ -119,14 +117,6 @@ class HardwareRig:
             if angle is not None:
                 self._angles[k] = angle
         return Readings(stamp, kpa[0], self._angles[0], kpa[1], kpa[2], self._angles[1])
-
-    def write(self, main_v: float, reservoir_v: float) -> None:
-        """Set the voltages of both valves, actuator and reservoir."""
-        self._valves.write(main_v, reservoir_v)
-
-    def safe(self) -> None:
-        """Close both valves, then vent both chambers."""
-        self._valves.vent()
 
     def close(self) -> None:
         """Vent, wait until readings confirm it, release; a failure does not skip later steps.

@@ -2,8 +2,9 @@
 
 import contextlib
 import time
-from collections.abc import Callable, Iterable, Mapping
-from functools import partial
+from collections.abc import Callable, Mapping
+from functools import cache, partial
+from itertools import cycle
 from typing import Any
 
 from fprc.devices.contec import AnalogInput, AnalogOutput, load_library
@@ -28,45 +29,33 @@ class Valves:
     ----------
     hardware : Mapping
         As in ``fprc.config.hardware.Hardware``.
+
+    Raises
+    ------
+    DeviceError
+        The driver reports an error; raised by every method, after trying its other writes.
     """
 
     def __init__(self, board: AnalogOutput, hardware: Mapping[str, Any]):
         boards = hardware["boards"]
         self._board = board
-        self._main = boards["main_output"]
-        self._reservoir = boards["reservoir_output"]
+        self._outputs = (boards["main_output"], boards["reservoir_output"])
         self._heartbeat = boards["heartbeat_output"]
         self._beats = 0
         self._voltages = hardware["valves"]
+        self.release = board.close  #: releases the board; its outputs hold their voltages
 
     def write(self, main_v: float, reservoir_v: float) -> None:
-        """Set both voltages; if both writes succeed, toggle the heartbeat.
-
-        Raises
-        ------
-        DeviceError
-            The driver reports an error; the other valve is written even so.
-        """
-        self._all([(self._main, main_v), (self._reservoir, reservoir_v)])
+        """Set both voltages; if both writes succeed, toggle the heartbeat."""
+        self._all(main_v, reservoir_v)
         if self._heartbeat is not None:
             self._beats += 1
             self._board.write(self._heartbeat, _HEARTBEAT_V[self._beats % 2])
 
     def vent(self) -> None:
-        """Close both valves, then open both chambers to the room.
-
-        Each of the four writes is tried even if earlier ones fail.
-
-        Raises
-        ------
-        DeviceError
-            The driver reports an error.
-        """
-        self._all(
-            (channel, self._voltages[state])
-            for state in ("neutral_v", "vent_v")
-            for channel in (self._main, self._reservoir)
-        )
+        """Close both valves, then open both chambers to the room."""
+        neutral_v, vent_v = self._voltages["neutral_v"], self._voltages["vent_v"]
+        self._all(neutral_v, neutral_v, vent_v, vent_v)
 
     def close(self) -> None:
         """Vent and release the board, without closing the valves first."""
@@ -74,15 +63,13 @@ class Valves:
 
     def exhaust(self) -> None:
         """Open both chambers to the room at once."""
-        vent_v = self._voltages["vent_v"]
-        self._all([(self._main, vent_v), (self._reservoir, vent_v)])
+        self._all(self._voltages["vent_v"], self._voltages["vent_v"])
 
-    def release(self) -> None:
-        """Release the board; its outputs hold their voltages."""
-        self._board.close()
-
-    def _all(self, writes: Iterable[tuple[int, float]]) -> None:
-        call_all(*(partial(self._board.write, channel, volts) for channel, volts in writes))
+    def _all(self, *volts: float) -> None:
+        """Set the voltages, of the actuator's and the reservoir's valve in turn."""
+        call_all(
+            *(partial(self._board.write, *write) for write in zip(cycle(self._outputs), volts))
+        )
 
 
 class Pressures:
@@ -96,7 +83,7 @@ class Pressures:
     Raises
     ------
     DeviceError
-        The driver or the board cannot be opened.
+        The driver or the board cannot be opened, or the driver reports an error.
     """
 
     def __init__(self, hardware: Mapping[str, Any]):
@@ -108,13 +95,7 @@ class Pressures:
         self.close = self._board.close
 
     def read(self) -> list[float]:
-        """Return the present P_exp, P_i and P_o, kPa gauge.
-
-        Raises
-        ------
-        DeviceError
-            The driver reports an error.
-        """
+        """Return the present P_exp, P_i and P_o, kPa gauge."""
         volts = self._board.read()
         return [
             (volts[channel] - zero) * gain
@@ -231,33 +212,21 @@ def not_vented(why: str) -> NotVentedError:
 def vent_from_outside(hardware: Mapping[str, Any], on_write: Callable[[str], None]) -> None:
     """Vent both chambers after another process has driven them, over new connections.
 
-    The caller must hold the locks of the boards.
-
-    Parameters
-    ----------
-    on_write : callable
-        See ``vent``.
-
-    Raises
-    ------
-    NotVentedError
-        See ``vent``.
-    DeviceError
-        The output board cannot be opened, or the valves cannot be written.
+    The caller must hold the locks of the boards. Arguments and errors are those of ``vent``.
     """
-    opened: list[Pressures] = []
+    with contextlib.ExitStack() as opened:
 
-    def open_inputs() -> Pressures:
-        if not opened:
-            opened.append(Pressures(hardware))
-        return opened[0]
+        @cache
+        def open_inputs() -> Pressures:
+            inputs = Pressures(hardware)
+            opened.callback(quietly, inputs.close)
+            return inputs
 
-    valves = Valves(_output_board(hardware, reset=False), hardware)
-    try:
-        vent(valves, open_inputs, hardware["valves"], on_write=on_write)
-    finally:
-        for close in (valves.close, *(inputs.close for inputs in opened)):
-            quietly(close)
+        valves = Valves(_output_board(hardware, reset=False), hardware)
+        try:
+            vent(valves, open_inputs, hardware["valves"], on_write=on_write)
+        finally:
+            quietly(valves.close)
 
 
 def open_valves(hardware: Mapping[str, Any]) -> Valves:

@@ -35,6 +35,7 @@ class CheckedRig:
         self, device: Device, limits: Mapping[str, Any], period_s: float, *, phi: bool = True
     ):
         self._device = device
+        self.safe, self.close = device.safe, device.close
         self._period_s = period_s
         self._stale_s = limits["stale_s"]
         angles = ("theta_deg", "phi_deg") if phi else ("theta_deg",)
@@ -99,11 +100,3 @@ class CheckedRig:
             if not 0.0 <= volts <= _LIMIT_V:
                 raise SafetyError(f"valve of the {name}: {volts} V is outside 0 to {_LIMIT_V:g} V")
         self._device.write(main_v, reservoir_v)
-
-    def safe(self) -> None:
-        """Make the device safe."""
-        self._device.safe()
-
-    def close(self) -> None:
-        """Make the device safe and release it."""
-        self._device.close()

@@ -89,21 +89,13 @@ class SimulatedRig:
 
     def read(self) -> Readings:
         """Return the sensor readings of the current tick."""
-        p_exp, p_i, p_o, theta, phi = self._reading.tolist()
-        zero, gain = self._zero_v, self._kpa_per_v
-        return Readings(
-            self._tick * self._period_s,
-            (p_exp - zero) * gain,
-            theta,
-            (p_i - zero) * gain,
-            (p_o - zero) * gain,
-            phi,
-        )
+        *volts, theta, phi = self._reading.tolist()
+        p_exp, p_i, p_o = ((v - self._zero_v) * self._kpa_per_v for v in volts)
+        return Readings(self._tick * self._period_s, p_exp, theta, p_i, p_o, phi)
 
     def write(self, main_v: float, reservoir_v: float) -> None:
         """Set the voltages of both valves."""
-        self._valve_v[0] = main_v
-        self._valve_v[1] = reservoir_v
+        self._valve_v[:] = main_v, reservoir_v
 
     def follow(self, controllers: Mapping[str, Any], setpoints: np.ndarray) -> np.ndarray:
         """Run both pressure loops from the current tick on, in compiled code.
@@ -158,17 +150,13 @@ class SimulatedRig:
 
     def _advance(self, substeps: int) -> None:
         self._tick += 1
-        if self._used == len(self._noise):
-            self._used, self._noise = 0, self._draw(1)
-        noise = self._noise[self._used]
-        self._used += 1
         failed = advance(
             self._state,
             self._rig,
             self._instruments,
             self._valve_v,
             self._push_kpa(self._tick),
-            noise,
+            self._next_noise(1)[0],
             self._period_s,
             substeps,
             self._reading,
@@ -178,14 +166,11 @@ class SimulatedRig:
     def _next_noise(self, ticks: int) -> np.ndarray:
         missing = self._used + ticks - len(self._noise)
         if missing > 0:
-            blocks = math.ceil(missing / _NOISE_BLOCK)
-            left = self._noise[self._used :]
-            self._used, self._noise = 0, np.concatenate([left, self._draw(blocks)])
+            rows = math.ceil(missing / _NOISE_BLOCK) * _NOISE_BLOCK
+            drawn = self._rng.standard_normal((rows, NOISE_PER_TICK))
+            self._used, self._noise = 0, np.concatenate([self._noise[self._used :], drawn])
         self._used += ticks
         return self._noise[self._used - ticks : self._used]
-
-    def _draw(self, blocks: int) -> np.ndarray:
-        return self._rng.standard_normal((blocks * _NOISE_BLOCK, NOISE_PER_TICK))
 
     def _refuse(self, failed: int) -> None:
         if failed:

@@ -117,21 +117,14 @@ def wrong_kinds(attributes: Mapping[str, Any]) -> list[str]:
 
 def is_text(text: str | bytes) -> bool:
     """Return whether h5py could decode a name or text as UTF-8; if not, it may return bytes."""
-    if isinstance(text, bytes):
-        return False
-    try:
-        text.encode("utf-8")
-    except UnicodeEncodeError:
-        return False
-    return True
+    return isinstance(text, str) and text == text.encode("utf-8", "replace").decode("utf-8")
 
 
 def _of_kind(value: Any, kind: type) -> Any:
     accepted = (float, int) if kind is float else kind
-    valid = not isinstance(value, float) or math.isfinite(value)
-    if not isinstance(value, accepted) or (isinstance(value, bool) and kind is not bool):
-        valid = False
-    if not valid:
+    finite = not isinstance(value, float) or math.isfinite(value)
+    bool_or_not = isinstance(value, bool) == (kind is bool)
+    if not (isinstance(value, accepted) and finite and bool_or_not):
         raise LogError(f"= {reprlib.repr(value)}: must be {_WORDS[kind]}; see data/raw/README.md")
     return value
 

@@ -52,11 +52,11 @@ def write_columns(
     The same content gives the same bytes. Attributes that are mappings are written as JSON.
     """
     with _in_memory() as file:
-        _describe(file, attributes)
+        file.attrs.update({name: as_written(value) for name, value in attributes.items()})
         numbers = {name: np.asarray(values, np.float64) for name, values in channels.items()}
         for name, values in numbers.items():
             dataset = file.create_dataset(name, values.shape, np.float64)
-            _describe(dataset, {"units": unit_of(name), "crc32": np.uint32(checksum(values))})
+            dataset.attrs.update(units=as_written(unit_of(name)), crc32=np.uint32(checksum(values)))
         # metadata before samples: most of a truncated file can then be read
         file.flush()
         for name, values in numbers.items():
@@ -79,11 +79,6 @@ def _in_memory() -> h5py.File:
     creation.set_attr_phase_change(_MOST_ATTRIBUTES, 0)
     creation.set_obj_track_times(False)  # the same content gives the same bytes
     return h5py.File(h5py.h5f.create(b"log", h5py.h5f.ACC_TRUNC, creation, access))
-
-
-def _describe(target: h5py.File | h5py.Dataset, attributes: Mapping[str, Any]) -> None:
-    for name, value in attributes.items():
-        target.attrs[name] = as_written(value)
 
 
 def read_columns(
@@ -135,8 +130,7 @@ def gather_columns(
         present = frozenset(file)  # `name in file` would follow a link
         names = (*names, *(name for name in optional if name in present))
         channels, unchecked, more = _read_all(file, names)
-    problems = [f"{path}: {problem}" for problem in (*more, *problems)]
-    return Columns(path, channels, values, unchecked), problems
+    return Columns(path, channels, values, unchecked), [f"{path}: {p}" for p in (*more, *problems)]
 
 
 def read_header(path: Path | str) -> tuple[frozenset[str], dict[str, Any]]:
@@ -151,10 +145,8 @@ def read_header(path: Path | str) -> tuple[frozenset[str], dict[str, Any]]:
     with opened(Path(path)) as file:
         names = frozenset(file)
         attributes, wrong = read_attributes(file.attrs)
-        channels = [name for name in links_of(file) if name.endswith(tuple(UNITS))]
-        _, problems = _find(file, channels)
-    problems += _attribute_problems(wrong)
-    if problems:
+        _, problems = _find(file, (n for n in links_of(file) if n.endswith(tuple(UNITS))))
+    if problems := problems + _attribute_problems(wrong):
         raise LogError("\n".join(f"{path}: {problem}" for problem in problems))
     return names, attributes
 

@@ -60,7 +60,7 @@ def read_text(
     header, below = _parts(text, mark, header_line, data_line)
     rows = _fitted(path, header, below, mark)
     names = [name.strip() for name in header.fields]
-    if names and header_line is None and all(_number(_pointed(name)) is not None for name in names):
+    if header_line is None and all(_number(name.replace(",", ".")) is not None for name in names):
         names = [""] * len(names)
         if data_line is None:
             rows.insert(0, header)
@@ -146,25 +146,19 @@ def _rows(text: _Text, first: int, mark: str, *, verbatim: bool = False) -> Iter
                     continue
                 begins, between_rows = number, False
             last = number
-            yield re.sub(r'("[^"]*")|\t', _tab_to_blank, line) if mark == " " else line
+            # tabs outside quotation marks
+            yield re.sub(r'("[^"]*")|\t', lambda m: m[1] or " ", line) if mark == " " else line
 
     reader = csv.reader(numbered_lines(), delimiter=mark, skipinitialspace=True, strict=True)
-    while True:
-        try:
-            fields = next(reader)
-        except StopIteration:
-            return
-        except csv.Error as error:
-            raise LogError(
-                f"{text.path}: line {begins} cannot be read ({error}); it has an extra quotation "
-                "mark, or lacks one"
-            ) from error
-        started = between_rows = True
-        yield _Row(begins, last, fields)
-
-
-def _tab_to_blank(match: re.Match[str]) -> str:
-    return match[1] or " "
+    try:
+        for fields in reader:
+            started = between_rows = True
+            yield _Row(begins, last, fields)
+    except csv.Error as error:
+        raise LogError(
+            f"{text.path}: line {begins} cannot be read ({error}); it has an extra quotation "
+            "mark, or lacks one"
+        ) from error
 
 
 def _separator_of(text: _Text, header_line: int | None, data_line: int | None) -> str:
@@ -183,7 +177,7 @@ def _separator_of(text: _Text, header_line: int | None, data_line: int | None) -
         width = len(header.fields) - (not header.fields[-1].strip())
         fields = [field for row in rows for field in row or ()]
         plain = mark == "," or width == 1
-        known = [_value(field if plain else _pointed(field)) for field in fields]
+        known = [_value(field if plain else field.replace(",", ".")) for field in fields]
         numbers = 1.0 - known.count(None) / max(len(known), 1)
         # accept a single column only if it holds numbers: text hides another separator
         fits = None not in rows and (width > 1 or numbers == 1.0)
@@ -237,38 +231,26 @@ def _value(text: str) -> float | None:
     return np.nan if number is None and text.strip().lower() in _MISSING else number
 
 
-def _pointed(text: str) -> str:
-    return text.replace(",", ".")
-
-
 def _numbers(texts: list[str], decimal: str | None) -> tuple[np.ndarray, int | None]:
     """Return the numbers of a column, or the first row that is not a number."""
     bad = []
     for mark in [decimal] if decimal else [".", ","]:
-        values = _decimals(texts, mark, given=decimal is not None)
+        if mark == ".":
+            values = [_value(text) for text in texts]
+        else:
+            refused = ".," if not decimal and _may_be_thousands(texts) else "."
+            values = [
+                None if any(m in text for m in refused) else _value(text.replace(",", "."))
+                for text in texts
+            ]
         if None not in values:
             return np.array(values), None
         bad.append(values.index(None))
     return np.array([]), max(bad)  # from the decimal mark that parses most rows
 
 
-def _decimals(texts: list[str], mark: str, *, given: bool) -> list[float | None]:
-    """Parse texts with a decimal mark; None where that fails.
-
-    Unless the mark was ``given``, 1,000 fails in a column such as 980, 990, 1,000: the comma may
-    group thousands.
-    """
-    if mark == ".":
-        return [_value(text) for text in texts]
-    ambiguous = not given and _may_be_thousands(texts)
-    return [
-        None if "." in text or (ambiguous and "," in text) else _value(_pointed(text))
-        for text in texts
-    ]
-
-
 def _may_be_thousands(texts: list[str]) -> bool:
-    """Return whether some numbers have commas, all at places where they could group thousands."""
+    """Return whether commas may group thousands, as in a column 980, 990, 1,000."""
     with_comma = [text for text in texts if "," in text]
     grouped = re.compile(r"\s*[+-]?\d{1,3}(,\d{3})+\s*")
     return 0 < len(with_comma) < len(texts) and all(map(grouped.fullmatch, with_comma))

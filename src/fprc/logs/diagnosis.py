@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from fprc.logs.clock import NO_CORRECTIONS
+from fprc.logs.quality import runs
 from fprc.logs.resample import rate_of
 from fprc.logs.sealed_chamber import fit_sealed
 
@@ -46,11 +47,7 @@ def diagnose(
     """
     clock = {**_clock(time_s), **corrections}
     diagnoses = {name: _channel(time_s, values, clock) for name, values in channels.items()}
-    pairs = [
-        list(pair)
-        for pair in combinations(channels, 2)
-        if np.array_equal(channels[pair[0]], channels[pair[1]])
-    ]
+    pairs = [[a, b] for a, b in combinations(channels, 2) if (channels[a] == channels[b]).all()]
     return {
         "samples": len(time_s),
         "duration_s": float(time_s[-1] - time_s[0]),
@@ -86,14 +83,8 @@ def _clock(time_s: np.ndarray) -> dict[str, Any]:
     }
 
 
-def _runs(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return first sample and length of every run of equal values."""
-    begins = np.concatenate([[0], np.flatnonzero(np.diff(values) != 0.0) + 1])
-    return begins, np.diff(np.append(begins, len(values)))
-
-
 def _channel(time_s: np.ndarray, values: np.ndarray, clock: Mapping[str, Any]) -> dict[str, Any]:
-    begins, lengths = _runs(values)
+    begins, lengths = runs(values)
     step = _step(values)
     held = None if step else _held(lengths)
     longest = max(FROZEN_S * clock["median_hz"], 20.0 * (held or 1))
@@ -183,10 +174,8 @@ def describe(diagnosis: Mapping[str, Any], units: Mapping[str, str]) -> list[str
     for name, channel in diagnosis["channels"].items():
         lines += [f"{name}: {text}" for text in _describe_channel(channel, units[name], clock)]
     lines += [f"{a} and {b}: identical, sample by sample" for a, b in diagnosis["identical"]]
-    if sealed:
-        texts = _describe_leak(sealed, diagnosis, units["p_o_kpa"])
-        lines += [f"p_o_kpa: {text}" for text in texts]
-    return lines
+    leak = _describe_leak(sealed, diagnosis, units["p_o_kpa"]) if sealed else []
+    return lines + [f"p_o_kpa: {text}" for text in leak]
 
 
 def _describe_clock(clock: Mapping[str, Any]) -> list[str]:

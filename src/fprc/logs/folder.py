@@ -62,10 +62,7 @@ def headers(paths: Iterable[Path | str], *, isolate: bool) -> dict[str, Header]:
         Names every file that cannot be read.
     """
     present = [path for path in map(Path, paths) if path.exists()]
-    if isolate and present:
-        read = isolated_each(read_header, present)
-    else:
-        read = list(map(read_header, present))
+    read = isolated_each(read_header, present) if isolate else map(read_header, present)
     return {path.stem: Header(path, *each) for path, each in zip(present, read, strict=True)}
 
 
@@ -89,14 +86,12 @@ def contents(
         Channels that the logs ``to_come`` will lack.
     """
     coming = Content(frozenset(RAW_CHANNELS) - set(without), {}) if without else WHOLE
-    logs = {}
-    for name in names:
-        if name in to_come:
-            logs[name] = coming
-        elif name in existing:
-            header = existing[name]
-            logs[name] = Content(header.channels, header.attributes.get("notes", {}))
-    return logs
+    read = {
+        name: Content(header.channels, header.attributes.get("notes", {}))
+        for name, header in existing.items()
+    }
+    logs = {name: coming if name in to_come else read.get(name) for name in names}
+    return {name: content for name, content in logs.items() if content}
 
 
 def refuse_to_overwrite(existing: Mapping[str, Header]) -> None:
@@ -108,7 +103,7 @@ def refuse_to_overwrite(existing: Mapping[str, Header]) -> None:
         Lists the other logs that it would overwrite.
     """
     _refuse(
-        [header.path for header in existing.values() if header.attributes.get("source") != "sim"],
+        [header for header in existing.values() if header.attributes.get("source") != "sim"],
         "is not a log of the simulated rig and will not be overwritten; set source: recorded to "
         "use it, or move it away",
     )
@@ -123,12 +118,12 @@ def refuse_simulated(existing: Mapping[str, Header]) -> None:
         Lists those that are simulated.
     """
     _refuse(
-        [header.path for header in existing.values() if header.attributes.get("source") == "sim"],
+        [header for header in existing.values() if header.attributes.get("source") == "sim"],
         "is a log of the simulated rig, not of the real one; set folders.raw (and "
         "folders.results) to folders of their own",
     )
 
 
-def _refuse(paths: Sequence[Path], why: str) -> None:
-    if paths:
-        raise LogError("\n".join(f"{path}: {why}" for path in paths))
+def _refuse(wrong: Sequence[Header], why: str) -> None:
+    if wrong:
+        raise LogError("\n".join(f"{header.path}: {why}" for header in wrong))

@@ -56,7 +56,7 @@ def gather(
     wanted = {name: spec["column"] for name, spec in channels.items()}
     if time.get("column") is not None:
         wanted = {"time": time["column"]} | wanted
-    picked, problems = _pick_all(source, wanted)
+    picked, problems = pick_all(source, wanted)
     lengths = {name: len(values) for name, values in picked.items()}
     clock = None
     if len(set(lengths.values())) > 1:
@@ -67,7 +67,11 @@ def gather(
         )
     elif "time" in picked or ("time" not in wanted and picked):
         try:
-            clock = _window(source, _clock(source, time, picked), start_s, end_s)
+            if "time" in picked:
+                clock = read_clock(source, time, picked["time"])
+            else:
+                clock = even(next(iter(lengths.values())), time["rate_hz"])
+            clock = _window(source, clock, start_s, end_s)
         except LogError as error:
             problems.append(str(error))
     converted = {}
@@ -84,7 +88,8 @@ def gather(
     return Recording(clock.since_s - cut, converted, float(clock.begin_s + cut), clock)
 
 
-def _pick_all(source: Source, wanted: Mapping[str, str]) -> tuple[dict[str, np.ndarray], list[str]]:
+def pick_all(source: Source, wanted: Mapping[str, str]) -> tuple[dict[str, np.ndarray], list[str]]:
+    """Return the columns of a file by name, and an error text for each that it lacks."""
     picked, problems = {}, []
     for name, column in wanted.items():
         try:
@@ -92,12 +97,6 @@ def _pick_all(source: Source, wanted: Mapping[str, str]) -> tuple[dict[str, np.n
         except LogError as error:
             problems.append(f"{source.path}: {name}: {error}")
     return picked, problems
-
-
-def _clock(source: Source, time: Mapping[str, Any], picked: Mapping[str, np.ndarray]) -> Clock:
-    if "time" in picked:
-        return read_clock(source, time, picked["time"])
-    return even(len(next(iter(picked.values()))), time["rate_hz"])
 
 
 def _window(source: Source, clock: Clock, start_s: float, end_s: float | None) -> Clock:

@@ -5,8 +5,10 @@ rejects the header that holds it. See the HDF5 File Format Specification, versio
 Sec. IV.A.1.b; the checksum is Jenkins' lookup3.
 """
 
+import re
 import struct
 from collections.abc import Iterator
+from itertools import islice
 
 _HEADER, _MORE = b"OHDR", b"OCHK"
 #: Type of the message that points to a header's next block.
@@ -32,33 +34,28 @@ def correct_checksums(data: bytearray) -> int:
 
 def _blocks(data: bytes | bytearray) -> Iterator[tuple[int, int]]:
     """Yield begin and end of the headers and of their continuation blocks."""
-    begin, count = data.find(_HEADER), 0
-    while begin >= 0 and count < _MOST_BLOCKS:
-        todo = [_header_block(data, begin)]
-        while todo and count < _MOST_BLOCKS:
-            block = todo.pop()
-            if block is None:
-                continue
-            count += 1
-            first, messages, end, ordered = block
-            yield first, end
-            todo += _continuation_blocks(data, messages, end - _CHECKSUM, ordered)
-        begin = data.find(_HEADER, begin + 1)
+    count, todo = 0, list(islice(_header_blocks(data), _MOST_BLOCKS))[::-1]
+    while todo and count < _MOST_BLOCKS:
+        count += 1
+        first, messages, end, ordered = todo.pop()
+        yield first, end
+        todo += _continuation_blocks(data, messages, end - _CHECKSUM, ordered)
 
 
 #: Begin of a block, begin of its messages, its end, and whether messages are numbered.
 _Block = tuple[int, int, int, bool]
 
 
-def _header_block(data: bytes | bytearray, begin: int) -> _Block | None:
-    if len(data) < begin + 6 or data[begin + 4] != 2:
-        return None
-    flags = data[begin + 5]
-    at = begin + 6 + (16 if flags & 0x20 else 0) + (4 if flags & 0x10 else 0)
-    width = 1 << (flags & 3)
-    messages = at + width
-    end = messages + int.from_bytes(data[at:messages], "little") + _CHECKSUM
-    return (begin, messages, end, bool(flags & 4)) if end <= len(data) else None
+def _header_blocks(data: bytes | bytearray) -> Iterator[_Block]:
+    for begin in (found.start() for found in re.finditer(_HEADER, data)):
+        if len(data) < begin + 6 or data[begin + 4] != 2:
+            continue
+        flags = data[begin + 5]
+        at = begin + 6 + (16 if flags & 0x20 else 0) + (4 if flags & 0x10 else 0)
+        messages = at + (1 << (flags & 3))
+        end = messages + int.from_bytes(data[at:messages], "little") + _CHECKSUM
+        if end <= len(data):
+            yield begin, messages, end, bool(flags & 4)
 
 
 def _continuation_blocks(
@@ -85,29 +82,13 @@ def lookup3(data: bytes | bytearray, seed: int = 0) -> int:
     def rotated(x: int, by: int) -> int:
         return ((x << by) | (x >> (32 - by))) & mask
 
-    full = (len(data) - 1) // 12 * 12
-    for at in range(0, full, 12):
-        x, y, z = struct.unpack_from("<III", data, at)
+    padded = bytes(data).ljust(-(-len(data) // 12) * 12, b"\0")
+    for at in range(0, len(padded), 12):
+        x, y, z = struct.unpack_from("<III", padded, at)
         a, b, c = (a + x) & mask, (b + y) & mask, (c + z) & mask
-        a = ((a - c) & mask) ^ rotated(c, 4)
-        c = (c + b) & mask
-        b = ((b - a) & mask) ^ rotated(a, 6)
-        a = (a + c) & mask
-        c = ((c - b) & mask) ^ rotated(b, 8)
-        b = (b + a) & mask
-        a = ((a - c) & mask) ^ rotated(c, 16)
-        c = (c + b) & mask
-        b = ((b - a) & mask) ^ rotated(a, 19)
-        a = (a + c) & mask
-        c = ((c - b) & mask) ^ rotated(b, 4)
-        b = (b + a) & mask
-    x, y, z = struct.unpack("<III", bytes(data[full:]).ljust(12, b"\0"))
-    a, b, c = (a + x) & mask, (b + y) & mask, (c + z) & mask
-    for which, by in (("c", 14), ("a", 11), ("b", 25), ("c", 16), ("a", 4), ("b", 14), ("c", 24)):
-        if which == "c":
-            c = ((c ^ b) - rotated(b, by)) & mask
-        elif which == "a":
-            a = ((a ^ c) - rotated(c, by)) & mask
-        else:
-            b = ((b ^ a) - rotated(a, by)) & mask
-    return c
+        if at + 12 < len(padded):
+            for by in (4, 6, 8, 16, 19, 4):  # each step exchanges the roles of a, b and c
+                a, b, c = b, (c + b) & mask, ((a - c) & mask) ^ rotated(c, by)
+    for by in (14, 11, 25, 16, 4, 14, 24):
+        a, b, c = b, ((c ^ b) - rotated(b, by)) & mask, a
+    return b

@@ -11,7 +11,7 @@ from fprc.errors import LogError
 from fprc.logs.attributes import read_attribute
 from fprc.logs.hdf5 import refuse_cut_file
 from fprc.logs.matlab import EMPTY, OBJECT, SPARSE, elements
-from fprc.logs.variables import MOST_NUMBERS, Source, squeezed
+from fprc.logs.variables import MOST_NUMBERS, Part, Source, collect
 
 #: Most datasets and links; the library takes 0.2 ms for each.
 MOST_OBJECTS = 10_000
@@ -41,31 +41,19 @@ def read_hdf5(path: Path, *, at: int, matlab: bool) -> Source:
         The file is damaged, cut short, or has too many parts.
     """
     refuse_cut_file(path, at=at)
-    variables: dict[str, np.ndarray] = {}
-    others: dict[str, str] = {}
+    return collect(path, "MATLAB 7.3" if matlab else "HDF5", "HDF5", _read_parts(path, matlab))
+
+
+def _read_parts(path: Path, matlab: bool) -> Iterator[Part]:
     left = MOST_NUMBERS
-    try:
-        with h5py.File(path, "r") as file:
-            parts = _variables(file) if matlab else _datasets(file)
-            for count, (name, part) in enumerate(parts):
-                if count == MOST_OBJECTS:
-                    raise _too_many(path)
-                if isinstance(part, h5py.Dataset):
-                    part = _why_not(part, left, matlab=matlab) or _read(part, matlab=matlab)
-                if isinstance(part, str):
-                    others[name] = part
-                else:
-                    variables[name] = part
-                    left -= part.size
-    except (LogError, MemoryError):
-        raise
-    except Exception as error:  # on a damaged file the library raises many types
-        raise LogError(
-            f"{path}: cannot be read as HDF5 ({type(error).__name__}: {error}); the file is cut "
-            "short, damaged, or of another format"
-        ) from error
-    kind = "MATLAB 7.3" if matlab else "HDF5"
-    return Source(path, kind, *squeezed(path, variables, others))
+    with h5py.File(path, "r") as file:
+        for count, (name, part) in enumerate(_variables(file) if matlab else _datasets(file)):
+            if count == MOST_OBJECTS:
+                raise _too_many(path)
+            if isinstance(part, h5py.Dataset):
+                part = _why_not(part, left, matlab=matlab) or _read(part, matlab=matlab)
+            left -= 0 if isinstance(part, str) else part.size
+            yield name, part
 
 
 def _too_many(path: Path | str) -> LogError:
@@ -151,10 +139,9 @@ def _parts(name: str, thing: Any) -> Iterator[_Part]:
 def _field(name: str, field: str, member: h5py.Dataset) -> Iterator[_Part]:
     """Yield the parts of a field of a struct array, which holds one reference per element."""
     each = list(_targets(member))
-    targets = [target for _, target in each]
     if all(isinstance(target, h5py.Dataset) and target.size == 1 and not _is_reference(target)
-           and _why_not(target, 1, matlab=True) is None for target in targets):  # fmt: skip
-        yield f"[{name}.{field}]", np.array([float(target[()].item()) for target in targets])
+           and _why_not(target, 1, matlab=True) is None for _, target in each):  # fmt: skip
+        yield f"[{name}.{field}]", np.array([float(target[()].item()) for _, target in each])
     else:
         for text, target in each:
             yield from _parts(f"{name}({text}).{field}", target)
@@ -167,11 +154,9 @@ def _is_reference(thing: Any) -> bool:
 
 def _targets(dataset: h5py.Dataset) -> Iterator[tuple[str, Any]]:
     """Yield each element's index in MATLAB notation, and the object it refers to."""
-    if not dataset.size or dataset.size > MOST_OBJECTS:
-        if dataset.size:
-            raise _too_many(dataset.file.filename)
-        return
-    references = np.asarray(dataset[()]).T
+    if dataset.size > MOST_OBJECTS:
+        raise _too_many(dataset.file.filename)
+    references = np.asarray(dataset[()] if dataset.size else []).T
     for index, text in elements(references.shape):
         reference = references[index]
         yield text, dataset.file[reference] if reference else EMPTY

@@ -53,11 +53,10 @@ def isolated(
     Exception
         Any exception that the function raised.
     """
-    limit_s = limit_s or time_limit_s([what])
-    answers, ended = _call(function, [arguments], keywords, limit_s, LIMIT_BYTES)
-    if not answers:
-        raise LogError(f"{what}: {ended}")
-    return _result(answers[0], what, LIMIT_BYTES)
+    (result,) = _attempt(function, [(what, arguments)], keywords, limit_s, LIMIT_BYTES)
+    if isinstance(result, LogError):
+        raise result
+    return result
 
 
 def isolated_each(
@@ -96,23 +95,8 @@ def attempt_each(
     limit_s : float, optional
         Limit on a process's processor time.
     """
-    results: list[Any] = []
-    while left := list(paths)[len(results) :]:
-        answers, ended = _call(
-            function,
-            [(path,) for path in left],
-            keywords,
-            limit_s or time_limit_s(left),
-            limit_bytes,
-        )
-        for path, answer in zip(left, answers, strict=False):
-            try:
-                results.append(_result(answer, str(path), limit_bytes))
-            except LogError as error:
-                results.append(error)
-        if len(answers) < len(left):
-            results.append(LogError(f"{left[len(answers)]}: {ended}"))
-    return results
+    requests = [(str(path), (path,)) for path in paths]
+    return _attempt(function, requests, keywords, limit_s, limit_bytes)
 
 
 def time_limit_s(paths: Sequence[Path | str]) -> float:
@@ -132,18 +116,34 @@ def limit_process(limit_bytes: int, limit_s: float) -> None:
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
-def _call(
+def _attempt(
     function: Callable[..., Any],
-    requests: Sequence[tuple[Any, ...]],
+    requests: Sequence[tuple[str, tuple[Any, ...]]],
     keywords: dict[str, Any],
-    limit_s: float,
+    limit_s: float | None,
     limit_bytes: int,
-) -> tuple[list[tuple[Any, Any]], str]:
-    """Return result and error of each answered request, and why the process ended early."""
-    code = f"from fprc.logs.isolated import answer; answer({int(limit_bytes)}, {limit_s})"
-    request = pickle.dumps((function, requests, keywords))
-    answers, ended = run_limited([sys.executable, "-c", code], limit_s, request)
-    return list(_answers(answers)), f"{ended}; {_DAMAGED}"
+) -> list[Any]:
+    """Return the result or ``LogError`` of each request: a file's name, and arguments."""
+    results: list[Any] = []
+    while left := requests[len(results) :]:
+        files, arguments = zip(*left, strict=True)
+        most_s = limit_s or time_limit_s(files)
+        code = f"from fprc.logs.isolated import answer; answer({int(limit_bytes)}, {most_s})"
+        request = pickle.dumps((function, arguments, keywords))
+        answers, ended = run_limited([sys.executable, "-c", code], most_s, request)
+        answered = list(_answers(answers))
+        for file, (result, error) in zip(files, answered, strict=False):
+            if isinstance(error, MemoryError):
+                error = LogError(
+                    f"{file}: reading it needs more than {limit_bytes >> 20} MB of memory; it is "
+                    "damaged, or too large: split it"
+                )
+            if error and not isinstance(error, LogError):
+                raise error
+            results.append(error or result)
+        if len(answered) < len(left):
+            results.append(LogError(f"{files[len(answered)]}: {ended}; {_DAMAGED}"))
+    return results
 
 
 def run_limited(command: Sequence[str], limit_s: float, request: bytes = b"") -> tuple[bytes, str]:
@@ -177,18 +177,6 @@ def _answers(stream: bytes) -> Iterator[tuple[Any, Any]]:
             yield pickle.load(file)
         except (EOFError, pickle.UnpicklingError):
             return
-
-
-def _result(answer: tuple[Any, Any], what: str, limit_bytes: int) -> Any:
-    result, error = answer
-    if isinstance(error, MemoryError):
-        raise LogError(
-            f"{what}: reading it needs more than {limit_bytes >> 20} MB of memory; it is damaged, "
-            "or too large: split it"
-        )
-    if error is not None:
-        raise error
-    return result
 
 
 def answer(limit_bytes: int, limit_s: float) -> None:

@@ -16,7 +16,6 @@ import reprlib
 import struct
 import threading
 import zlib
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
@@ -149,7 +148,12 @@ class Journal:
         try:
             _write(self._file, self._buffer)
         except OSError as error:
-            self._give_up(error)
+            self._problem = (
+                f"{self.path}: sample {self.samples} could not be written ({error.strerror}); the "
+                "samples before it are kept, copy them with `fprc log repair`, free the disk and "
+                "run again"
+            )
+            raise LogError(self._problem) from error
         self._last_tick = tick
         self.samples += 1
 
@@ -207,22 +211,13 @@ class Journal:
         """Close; an exception marks the journal incomplete."""
         self.close(error is None, "" if error is None else f"{type(error).__name__}: {error}")
 
-    def _give_up(self, error: OSError) -> None:
-        self._problem = (
-            f"{self.path}: sample {self.samples} could not be written ({error.strerror}); the "
-            "samples before it are kept, copy them with `fprc log repair`, free the disk and "
-            "run again"
-        )
-        raise LogError(self._problem) from error
-
     def _sync(self, period_s: float) -> None:
         on_disk = 0
         while not self._closing.wait(period_s):
             samples = self.samples
-            if samples == on_disk:
-                continue
             try:
-                os.fsync(self._file)
+                if samples != on_disk:
+                    os.fsync(self._file)
             except OSError as error:
                 self._problem = (
                     f"{self.path}: samples from {on_disk} on may not have reached the disk "
@@ -253,14 +248,12 @@ def refuse_description(path: Path, names: Sequence[str], attributes: Mapping[str
             unit_of(name)
         except LogError as error:
             problems.append(f"{path}: {error}")
-    twice = sorted(name for name, count in Counter(names).items() if count > 1)
     absent = [name for name in RAW_ATTRIBUTES if name not in attributes and name != "simulated"]
-    missing = missing_channels(attributes, names)
-    for what, wrong in (
-        ("channels {} occur twice", twice),
-        ("channels {} are missing", missing),
-        ("attributes {} are missing", absent),
-    ):
+    for what, wrong in {
+        "channels {} occur twice": sorted({name for name in names if names.count(name) > 1}),
+        "channels {} are missing": missing_channels(attributes, names),
+        "attributes {} are missing": absent,
+    }.items():
         if wrong:
             problems.append(f"{path}: {what.format(', '.join(wrong))}; see data/raw/README.md")
     if problems:
@@ -299,7 +292,10 @@ def _write(file: int, data: bytes | bytearray) -> None:
 
 
 def _block(marker: bytes, content: Mapping[str, Any], seed: int = 0) -> bytes:
-    text = json.dumps(content, default=_as_plain).encode("ascii")
+    def as_plain(value: Any) -> Any:  # no statistic may prevent the writing of the end mark
+        return value.item() if isinstance(value, np.generic) else str(value)
+
+    text = json.dumps(content, default=as_plain).encode("ascii")
     block = marker + UINT32.pack(len(text)) + text
     return block + UINT32.pack(zlib.crc32(block, seed))
 
@@ -310,8 +306,3 @@ def seed_of(header: bytes) -> int:
     Its own CRC field is excluded: a CRC-32 over data and its CRC is the same for all data.
     """
     return zlib.crc32(header[: -UINT32.size])
-
-
-def _as_plain(value: Any) -> Any:
-    """Convert a type unknown to JSON: no statistic may prevent the writing of the end mark."""
-    return value.item() if isinstance(value, np.generic) else str(value)

@@ -2,7 +2,8 @@
 
 import struct
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
+from itertools import chain, starmap
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ import scipy.io
 from scipy.io.matlab import MatlabFunction, MatlabOpaque
 
 from fprc.errors import LogError
-from fprc.logs.variables import MOST_NUMBERS, MOST_VARIABLES, Source, squeezed
+from fprc.logs.variables import MOST_NUMBERS, MOST_VARIABLES, Part, Source, collect
 
 _COMPRESSED = 15
 _CHUNK_BYTES = 1 << 20
@@ -42,27 +43,7 @@ def read_matlab(path: Path) -> Source:
         The file is damaged, or too large.
     """
     _refuse_large(path)
-    variables: dict[str, np.ndarray] = {}
-    others: dict[str, str] = {}
-    try:
-        content = scipy.io.loadmat(path, verify_compressed_data_integrity=True)
-        for name, part in _variables(content):
-            if isinstance(part, str):
-                others[name] = part
-            else:
-                variables[name] = part.astype(np.float64)
-            if len(variables) + len(others) > MOST_VARIABLES:
-                raise LogError(
-                    f"{path}: more than {MOST_VARIABLES} arrays; save structs and cells as arrays"
-                )
-    except (LogError, MemoryError):
-        raise
-    except Exception as error:  # on a damaged file the library raises many types
-        raise LogError(
-            f"{path}: cannot be read as MATLAB ({type(error).__name__}: {error}); the file is "
-            "cut short, damaged, or of another format"
-        ) from error
-    return Source(path, "MATLAB 5", *squeezed(path, variables, others))
+    return collect(path, "MATLAB 5", "MATLAB", _read_parts(path))
 
 
 def _refuse_large(path: Path) -> None:
@@ -96,13 +77,19 @@ def _unpacked_bytes(packed: bytes, most: int) -> int:
     return size
 
 
-def _variables(content: Mapping[str, Any]) -> Iterator[tuple[str, np.ndarray | str]]:
-    for name, value in content.items():
-        if not name.startswith("__"):  # metadata added by the library
-            yield from _parts(name, value)
+def _read_parts(path: Path) -> Iterator[Part]:
+    content = scipy.io.loadmat(path, verify_compressed_data_integrity=True)
+    variables = {name: value for name, value in content.items() if not name.startswith("__")}
+    parts = chain.from_iterable(starmap(_parts, variables.items()))
+    for count, part in enumerate(parts):
+        if count == MOST_VARIABLES:
+            raise LogError(
+                f"{path}: more than {MOST_VARIABLES} arrays; save structs and cells as arrays"
+            )
+        yield part
 
 
-def _parts(name: str, value: Any) -> Iterator[tuple[str, np.ndarray | str]]:
+def _parts(name: str, value: Any) -> Iterator[Part]:
     """Yield the numeric arrays in a variable; for other parts, why they cannot be channels."""
     if isinstance(value, MatlabOpaque):
         # variable name, type system and class name
@@ -125,7 +112,7 @@ def _parts(name: str, value: Any) -> Iterator[tuple[str, np.ndarray | str]]:
         yield name, "text" if value.dtype.kind in "US" else f"numbers of type {value.dtype}"
 
 
-def _struct(name: str, value: np.ndarray) -> Iterator[tuple[str, np.ndarray | str]]:
+def _struct(name: str, value: np.ndarray) -> Iterator[Part]:
     for field in value.dtype.names or ():
         each = [(value[field][index], text) for index, text in elements(value.shape)]
         if len(each) == 1:

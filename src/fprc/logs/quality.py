@@ -54,6 +54,7 @@ def assess(
     notes = notes_of(log)
     outside = _outside(log, ranges)
     plausible = [name for name, count in outside["samples"].items() if not count]
+    bad = sum(int((~np.isfinite(values)).sum()) for values in log.channels.values())
     record = {
         "log": log.path.name,
         "experiment": log.attributes["experiment"],
@@ -63,7 +64,7 @@ def assess(
             "complete": _complete(log),
             "rate": _rate(log, sample_rate_hz, rate_tolerance),
             "gaps": _gaps(log, gap_periods / sample_rate_hz),
-            "not_finite": _not_finite(log),
+            "not_finite": {"passed": not bad, "count": bad},
             "range": outside,
             "stuck": _stuck(log, stuck_s * sample_rate_hz),
             "leak": _leak(log, leak_kpa_per_min, plausible),
@@ -121,16 +122,15 @@ def warnings(record: Mapping[str, Any]) -> list[str]:
 
 
 def _line(log: str, name: str, check: Mapping[str, Any]) -> str:
-    return visible(f"{log}: {name}: {_describe_outside(check) if name == 'range' else check}")
-
-
-def _describe_outside(check: Mapping[str, Any]) -> str:
-    return "; ".join(
+    if name != "range":
+        return visible(f"{log}: {name}: {check}")
+    outside = "; ".join(
         f"channel {channel}: sample {first['sample']} is {first['value']:g} {unit_of(channel)}, "
         f"outside of {first['limits'][0]:g} to {first['limits'][1]:g}, and "
         f"{check['samples'][channel] - 1} more"
         for channel, first in check["first"].items()
     )
+    return visible(f"{log}: range: {outside}")
 
 
 def _complete(log: Columns) -> dict[str, Any]:
@@ -167,11 +167,6 @@ def _gaps(log: Columns, limit_s: float) -> dict[str, Any]:
     }
 
 
-def _not_finite(log: Columns) -> dict[str, Any]:
-    count = sum(int((~np.isfinite(values)).sum()) for values in log.channels.values())
-    return {"passed": count == 0, "count": count}
-
-
 def _outside(log: Columns, ranges: Mapping[str, Sequence[float]]) -> dict[str, Any]:
     notes = notes_of(log)
     limits = {
@@ -193,7 +188,7 @@ def _outside(log: Columns, ranges: Mapping[str, Sequence[float]]) -> dict[str, A
 
 def _stuck(log: Columns, limit: float) -> dict[str, Any]:
     present = [name for name in _SENSORS if name in log.channels]
-    longest = {name: _longest_run(log.channels[name]) for name in present}
+    longest = {name: int(runs(log.channels[name])[1].max()) for name in present}
     return {
         "passed": max(longest.values()) <= limit,
         "longest_unchanged_samples": longest,
@@ -201,10 +196,10 @@ def _stuck(log: Columns, limit: float) -> dict[str, Any]:
     }
 
 
-def _longest_run(values: np.ndarray) -> int:
-    changes = np.flatnonzero(values[1:] != values[:-1]) + 1
-    edges = np.concatenate([[0], changes, [len(values)]])
-    return int(np.diff(edges).max())
+def runs(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return first sample and length of every run of equal values."""
+    begins = np.append(0, np.flatnonzero(values[1:] != values[:-1]) + 1)
+    return begins, np.diff(np.append(begins, len(values)))
 
 
 def _leak(log: Columns, limit: float, plausible: Container[str]) -> dict[str, Any]:

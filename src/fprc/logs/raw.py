@@ -80,8 +80,7 @@ def write_raw(
         "rig": rig,
         **more,
     }
-    missing = missing_channels(attributes, channels)
-    if missing:
+    if missing := missing_channels(attributes, channels):
         raise LogError(f"{path}: not written, channels {', '.join(missing)} are missing")
     write_columns(path, channels, attributes)
 

@@ -1,6 +1,8 @@
 """Read the journal of a run, however it ended, and convert it to a raw log."""
 
 import json
+import re
+import struct
 import zlib
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -79,7 +81,7 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
     appended = end.content["samples"] if end else room
     whole = max(min((len(data) - start) // record.itemsize, room), 0)
     records = np.frombuffer(data, record, whole, start) if whole else np.empty(0, record)
-    right = np.flatnonzero(_checksums(data, start, records, seed) == records["crc"])
+    right = np.flatnonzero(_checksums(records, seed) == records["crc"])
     stored = records["tick"][right].astype(np.int64)
     misplaced = int((stored[1:] <= np.maximum.accumulate(stored)[:-1]).sum())
     ticks, first = np.unique(stored, return_index=True)
@@ -93,21 +95,17 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
 
 def _find(data: bytes, marker: bytes, start: int, seed: int = 0) -> _Block | None:
     """Return the first block with this marker and a correct checksum."""
-    at = data.find(marker, start)
-    while at >= 0:
-        text_at = at + len(marker) + UINT32.size
-        if text_at <= len(data):
-            crc_at = text_at + UINT32.unpack_from(data, text_at - UINT32.size)[0]
-            if crc_at + UINT32.size <= len(data):
-                (crc,) = UINT32.unpack_from(data, crc_at)
-                if zlib.crc32(data[at:crc_at], seed) == crc:
-                    try:
-                        content = json.loads(data[text_at:crc_at])
-                    except (ValueError, RecursionError):
-                        content = None
-                    if isinstance(content, dict):
-                        return _Block(content, at, data[at : crc_at + UINT32.size])
-        at = data.find(marker, at + 1)
+    for found in re.compile(re.escape(marker)).finditer(data, start):
+        at, text_at = found.start(), found.end() + UINT32.size
+        try:
+            crc_at = text_at + UINT32.unpack_from(data, found.end())[0]
+            if UINT32.unpack_from(data, crc_at)[0] != zlib.crc32(data[at:crc_at], seed):
+                continue
+            content = json.loads(data[text_at:crc_at])
+        except (struct.error, ValueError, RecursionError):  # the file ends before, or no JSON
+            continue
+        if isinstance(content, dict):
+            return _Block(content, at, data[at : crc_at + UINT32.size])
     return None
 
 
@@ -131,13 +129,9 @@ def _room(data: bytes, start: int, record: np.dtype) -> int:
     return max(-(-(len(data) - start) // record.itemsize), 0)
 
 
-def _checksums(data: bytes, start: int, records: np.ndarray, seed: int) -> np.ndarray:
-    size = records.dtype.itemsize
-    view = memoryview(data)
-    begins = range(start, start + len(records) * size, size)
-    return np.array(
-        [zlib.crc32(view[at : at + size - UINT32.size], seed) for at in begins], dtype=np.uint32
-    )
+def _checksums(records: np.ndarray, seed: int) -> np.ndarray:
+    rows = records.view(np.uint8).reshape(len(records), records.dtype.itemsize)[:, : -UINT32.size]
+    return np.array([zlib.crc32(row, seed) for row in rows], dtype=np.uint32)
 
 
 def _findings(
@@ -198,16 +192,16 @@ def recover(journal: Path | str, raw: Path | str) -> Findings:
     channels, attributes, findings = read_journal(journal)
     if not findings.samples:
         raise LogError(f"{journal}: no sample can be read; nothing was written")
-    raw_attributes = {name: value for name, value in attributes.items() if name != "simulated"}
-    raw_attributes |= {
+    attributes.pop("simulated", None)  # follows from the source
+    attributes |= {
         "statistics": findings.statistics,
         "complete": findings.complete,
         "lost_samples": findings.lost,
     }
     if not findings.complete:
-        raw_attributes["incomplete_reason"] = findings.reason
+        attributes["incomplete_reason"] = findings.reason
     measured = {name: values for name, values in channels.items() if not np.isnan(values).all()}
-    write_raw(raw, measured, **raw_attributes)
+    write_raw(raw, measured, **attributes)
     return findings
 
 

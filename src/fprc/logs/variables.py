@@ -2,7 +2,7 @@
 
 import difflib
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -14,6 +14,8 @@ from fprc.errors import LogError
 MOST_NUMBERS = 20_000_000
 #: Most variables in a file.
 MOST_VARIABLES = 200_000
+#: Name of a part of a file; and its numbers, or the reason why it is no channel.
+Part = tuple[str, np.ndarray | str]
 
 
 class Source(NamedTuple):
@@ -31,26 +33,40 @@ class Source(NamedTuple):
         return f"sample {number}{line}"
 
 
-def squeezed(
-    path: Path, variables: Mapping[str, np.ndarray], others: Mapping[str, str]
-) -> tuple[dict[str, np.ndarray], dict[str, str]]:
-    """Squeeze the variables; move those that are not 1-D or 2-D to the others.
+def collect(path: Path, kind: str, reader: str, parts: Iterable[Part]) -> Source:
+    """Return the parts of a file, squeezed to one or two dimensions, as its content.
+
+    Parameters
+    ----------
+    reader : str
+        Name of the format in messages.
 
     Raises
     ------
     LogError
-        The file has no content.
+        The file cannot be read, or has no content.
     """
-    kept, dropped = {}, dict(others)
-    for name, values in variables.items():
-        array = values.reshape([n for n in values.shape if n != 1])
-        if array.ndim in (1, 2) and array.size:
-            kept[name] = array
-        else:
-            dropped[name] = f"array of shape {values.shape}"
-    if not kept and not dropped:
+    variables, others = {}, {}
+    try:
+        for name, part in parts:
+            if isinstance(part, str):
+                others[name] = part
+                continue
+            array = part.astype(np.float64, copy=False).reshape([n for n in part.shape if n != 1])
+            if array.ndim in (1, 2) and array.size:
+                variables[name] = array
+            else:
+                others[name] = f"array of shape {part.shape}"
+    except (LogError, MemoryError):
+        raise
+    except Exception as error:  # on a damaged file the libraries raise many types
+        raise LogError(
+            f"{path}: cannot be read as {reader} ({type(error).__name__}: {error}); the file is "
+            "cut short, damaged, or of another format"
+        ) from error
+    if not variables and not others:
         raise LogError(f"{path}: has no content; the file is empty or cut short")
-    return kept, dropped
+    return Source(path, kind, variables, others)
 
 
 _INDEXED = re.compile(r"(?P<name>.+?)\s*\[\s*(?P<row>:|\d+)\s*,\s*(?P<column>:|\d+)\s*\]")

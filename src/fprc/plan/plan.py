@@ -142,10 +142,8 @@ class Plan:
             model: Result(model, "", logs=EXPERIMENTS, channels=entry.inputs)
             for model, entry in entries(self.settings["models"]).items()
         }
-        reasons = {
-            name: why_not(need, self.contents, self.paths.raw) for name, need in needs.items()
-        }
-        return {name: reason for name, reason in reasons.items() if reason}
+        reasons = ((name, why_not(needs[name], self.contents, self.paths.raw)) for name in needs)
+        return {name: reason for name, reason in reasons if reason}
 
     @cached_property
     def models(self) -> list[str]:
@@ -237,11 +235,11 @@ class Plan:
         ]
 
     def _files_of(self, result: Result) -> list[str]:
-        made_of = [file for name in result.made_of for file in self._expanded(name, result)]
-        parts = (each for each in RESULTS if each.part_of == result.name)
-        for part in parts:
-            if part.name not in self.unavailable:
-                made_of += [file for name in part.made_of for file in self._expanded(name, part)]
+        parts = [each for each in RESULTS if each.part_of == result.name]
+        made = [result, *(part for part in parts if part.name not in self.unavailable)]
+        made_of = [
+            file for each in made for name in each.made_of for file in self._expanded(name, each)
+        ]
         return list(dict.fromkeys([*map(self.paths.below, result.files), *made_of]))
 
     def _expanded(self, name: str, result: Result) -> Iterable[str]:

@@ -109,15 +109,16 @@ def update_scaling_page(scale: str, *, page: str) -> None:
     """Replace the generated blocks of docs/scaling.md."""
     measured = read_json(scale)
     tables = {"costs": scaling.costs, "dag": scaling.dag, "plan": scaling.plan}
-    blocks = {
-        name: table(measured).to_markdown(index=False, disable_numparse=True)
-        for name, table in tables.items()
-    }
+    blocks = {name: _markdown(table(measured)) for name, table in tables.items()}
     _update(page, blocks | {"machine": f"Measured on {measured['cpu']}."})
 
 
 def _read(path: str) -> str:
     return Path(path).read_text(encoding="utf-8")
+
+
+def _markdown(table: pd.DataFrame) -> str:
+    return table.to_markdown(index=False, disable_numparse=True)
 
 
 def _update(path: str, blocks: Mapping[str, str]) -> None:
@@ -165,9 +166,7 @@ def _sentence(orders: pd.DataFrame) -> str:
 
 def _deviations(seeds: Sequence[str]) -> str:
     """Return a sentence on how far the means over seeds deviate from the printed numbers."""
-    table = deviations(
-        {number: pd.read_csv(path) for number, path in zip(("II", "III"), seeds, strict=True)}
-    )
+    table = deviations(dict(zip(("II", "III"), map(pd.read_csv, seeds), strict=True)))
     worst = table.iloc[0]
     return (
         f"The {len(table)} means of Tables II and III deviate from the printed numbers by "
@@ -182,14 +181,15 @@ def _fit(fit: Mapping[str, Any]) -> str:
     rows = []
     for key, printed in fit["targets_kpa"].items():
         trained_on, model, phase = key.split("/")
+        residual = fit["residuals"][key]
         rows.append(
             {
                 "Table": "II" if trained_on == "sweep" else "III",
                 "Model": title_of(model),
                 "RMSE": ERRORS["train_rmse" if phase == "train" else "test_rmse"],
                 "Paper [kPa]": f"{printed:.3g}",
-                "Fitted [kPa]": f"{printed * (1 + fit['residuals'][key]):.3g}",
-                "Deviation": f"{100 * fit['residuals'][key]:+.1f} %",
+                "Fitted [kPa]": f"{printed * (1 + residual):.3g}",
+                "Deviation": f"{100 * residual:+.1f} %",
             }
         )
     seeds = ", ".join(map(str, fit["seeds"]))
@@ -199,18 +199,16 @@ def _fit(fit: Mapping[str, Any]) -> str:
         f"{fit['loss']:.4f}, and {fit['check_loss_at_start']:.4f} to "
         f"{fit['check_loss']:.4f} on seeds outside the fit. Full models on the seeds of the fit:"
     )
-    return f"{head}\n\n{pd.DataFrame(rows).to_markdown(index=False, disable_numparse=True)}"
+    return f"{head}\n\n{_markdown(pd.DataFrame(rows))}"
 
 
 def _properties(fit: Mapping[str, Any]) -> str:
     rows = [
-        {
-            "Property": name,
-            "Asked for": f"{low:g} to {high:g}",
-            "Fitted": f"{fit['properties'][name]:.3g}",
-        }
+        (name, f"{low:g} to {high:g}", f"{fit['properties'][name]:.3g}")
         for name, (low, high) in fit["plausible"].items()
     ]
+    table = pd.DataFrame(rows, columns=["Property", "Asked for", "Fitted"])
     near = [p["path"] for p in fit["parameters"] if not 0.02 <= p["share"] <= 0.98]
-    table = pd.DataFrame(rows).to_markdown(index=False, disable_numparse=True)
-    return f"{table}\n\nWithin 2 % of an end of their range: {', '.join(near) or 'none'}."
+    return (
+        f"{_markdown(table)}\n\nWithin 2 % of an end of their range: {', '.join(near) or 'none'}."
+    )

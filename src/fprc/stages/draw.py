@@ -21,25 +21,27 @@ from fprc.tables.readout import held_out
 from fprc.tables.readout import readout as readout_errors
 
 _DATA = ("time_s", "p_target_kpa", "theta_deg")
-_SYMBOLS = {"theta": r"$\theta$", "p_target": r"$P_\mathrm{exp}$", "p_o": "$P_o$"}
-_UNITS = {"theta": "deg", "p_target": "kPa", "p_o": "kPa"}
+#: Symbol and unit of a channel.
+_SYMBOLS = {
+    "theta": (r"$\theta$", "deg"),
+    "p_target": (r"$P_\mathrm{exp}$", "kPa"),
+    "p_o": ("$P_o$", "kPa"),
+}
 
 
 def _label(name: str, log: Columns) -> str:
     """Return symbol and unit of a log's theta, p_target or p_o."""
-    unit = log.attributes.get(f"{name}_unit", _UNITS[name])
-    return f"{_SYMBOLS[name]} [{escape.figure(unit)}]"
+    symbol, unit = _SYMBOLS[name]
+    return f"{symbol} [{escape.figure(log.attributes.get(f'{name}_unit', unit))}]"
 
 
 def draw_actuator_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> Mapping[str, Any]:
     """Figure 4: pressure commands and the actuator's hysteresis loops."""
-    logs = []
+    logs = [read_columns(path, _DATA) for path in (sweep, complex)]
     fig, axes = style.figure(2, 2, style.COLUMN_IN, 3.6)
     titles = (("(a) Sweep", "(b) Loops of (a)"), ("(c) Complex", "(d) Loops of (c)"))
-    for path, row, title in zip((sweep, complex), axes, titles, strict=True):
-        log = read_columns(path, _DATA)
-        logs.append(log)
-        time_s, p_exp, theta = (log.channels[name] for name in _DATA)
+    for log, row, title in zip(logs, axes, titles, strict=True):
+        time_s, p_exp, theta = log.channels.values()
         labels = _label("p_target", log), _label("theta", log)
         plot_command(time_s, p_exp, row[0], style.COLOURS["p_exp"], labels[0])
         lines = plot_loop(p_exp, theta, time_s, row[1], labels)
@@ -73,12 +75,11 @@ def draw_channels(sweep: str, csv: str, pdf: str, png: str) -> Mapping[str, Any]
 
 def draw_reservoir_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> Mapping[str, Any]:
     """Figure 5: hysteresis between theta and the reservoir's P_o."""
-    logs = []
+    names = ("theta_deg", "p_o_kpa", "time_s")
+    logs = [read_columns(path, names) for path in (sweep, complex)]
     fig, axes = style.figure(1, 2, style.COLUMN_IN, 2.2, sharey=True)
-    for path, ax, title in zip((sweep, complex), axes, ("(a) Sweep", "(b) Complex"), strict=True):
-        log = read_columns(path, ("time_s", "theta_deg", "p_o_kpa"))
-        logs.append(log)
-        theta, p_o, time_s = (log.channels[name] for name in ("theta_deg", "p_o_kpa", "time_s"))
+    for log, ax, title in zip(logs, axes, ("(a) Sweep", "(b) Complex"), strict=True):
+        theta, p_o, time_s = log.channels.values()
         lines = plot_loop(theta, p_o, time_s, ax, (_label("theta", log), _label("p_o", log)))
         ax.label_outer()
         style.letter(ax, title)
@@ -93,20 +94,14 @@ def draw_training(fit: str, prediction: str, csv: str, pdf: str, png: str) -> Ma
     table = fit_errors(logs)
     write_csv(csv, table)
     fig, axes = style.figure(4, 1, style.COLUMN_IN, 4.6, height_ratios=(2, 1, 2, 1))
-    for log, row, pair, title in zip(
-        logs.values(),
-        table.itertuples(),
-        (axes[:2], axes[2:]),
-        ("(a) Training", "(b) Test"),
-        strict=True,
-    ):
+    colours, titles = (style.COLOURS["p_exp"], style.COLOURS["p_ff"]), ("(a) Training", "(b) Test")
+    drawn = zip(logs.values(), table.itertuples(), axes.reshape(2, 2), titles, strict=True)
+    for log, row, (above, below), title in drawn:
         time_s, p_exp, p_ff = log.channels.values()
-        colours = style.COLOURS["p_exp"], style.COLOURS["p_ff"]
-        plot_fit(time_s, p_exp, p_ff, pair[0], colours=colours, unit=row.unit)
-        plot_error(
-            time_s, p_exp, p_ff, pair[1], rmse=row.rmse, colour=colour_of(row.model), unit=row.unit
-        )
-        style.letter(pair[0], title)
+        own = colour_of(row.model)
+        plot_fit(time_s, p_exp, p_ff, above, colours=colours, unit=row.unit)
+        plot_error(time_s, p_exp, p_ff, below, rmse=row.rmse, colour=own, unit=row.unit)
+        style.letter(above, title)
     style.legend_above(axes[0])
     return style.save(fig, _attributes_for_mark([*logs.values()]), pdf, png)
 
@@ -188,16 +183,13 @@ def draw_readout(cells: str, pdf: str, png: str) -> Mapping[str, Any]:
     }
     labels = {"epsilon": r"$\epsilon$", "n_u": "$n_u$"}
     fig, axes = style.figure(2, 2, style.COLUMN_IN, 3.8, sharey="row", sharex="col")
-    for row, (error, name) in zip(
-        axes, {"validation_rmse": "Validation", "test_rmse": "Test"}.items(), strict=True
-    ):
+    for row, phase in zip(axes, ("validation", "test"), strict=True):
         for ax, setting in zip(row, over, strict=True):
-            plot_readouts(over[setting], setting, error, ax)
-            if error.startswith("test"):
+            plot_readouts(over[setting], setting, f"{phase}_rmse", ax)
+            if phase == "test":
                 ax.set_xlabel(labels[setting])
             ax.label_outer()
-        style.letter(row[0], f"{name}, over {labels['epsilon']}")
-        style.letter(row[1], f"{name}, over {labels['n_u']}")
+            style.letter(ax, f"{phase.capitalize()}, over {labels[setting]}")
     axes[0, 0].set_xscale("log")
     style.share_legend(fig, axes[0, 0])
     return style.save(fig, report, pdf, png)

@@ -1,6 +1,7 @@
 """Draw the closed-loop figures from raw logs."""
 
 from collections.abc import Mapping, Sequence
+from itertools import product
 from typing import Any
 
 from fprc.figures import style
@@ -46,17 +47,15 @@ def draw_loops(runs: Sequence[str], pdf: str, png: str) -> Mapping[str, Any]:
     logs = isolated_each(read_run, runs, names=_CHANNELS)
     fig, axes = style.figure(2, 2, style.COLUMN_IN, 3.6, sharex=True, sharey=True)
     names = {"sine_0p5": "Sine 0.5 Hz", "sweep": "Sweep"}
-    gains = ("printed", "identified")
-    for row, (reference, name) in zip(axes, names.items(), strict=True):
-        for ax, gain, letter in zip(row, gains, "ab" if reference == "sine_0p5" else "cd",
-                                    strict=True):  # fmt: skip
-            pair = [
-                (label, controller, _judged(_find(logs, reference, controller, gain)))
-                for controller, label in (("pd", "PD"), ("fprc_pd", "FPRC+PD"))
-            ]
-            plot_reference_loops(pair, ax)
-            ax.label_outer()
-            style.letter(ax, f"({letter}) {name}, {gain} gain")
+    panels = zip(axes.flat, "abcd", product(names, ("printed", "identified")), strict=True)
+    for ax, letter, (reference, gain) in panels:
+        pair = [
+            (label, controller, _judged(_find(logs, reference, controller, gain)))
+            for controller, label in (("pd", "PD"), ("fprc_pd", "FPRC+PD"))
+        ]
+        plot_reference_loops(pair, ax)
+        ax.label_outer()
+        style.letter(ax, f"({letter}) {names[reference]}, {gain} gain")
     axes[0, 0].legend(loc="upper left")
     return style.save(fig, logs[0].attributes, pdf, png)
 
@@ -88,7 +87,5 @@ def _judged(log: Columns) -> dict[str, Any]:
 
 
 def _find(logs: Sequence[Columns], reference: str, controller: str, gain: str) -> Columns:
-    wanted: Mapping[str, str] = {"reference": reference, "controller": controller, "gain": gain}
-    return next(
-        log for log in logs if all(log.attributes[key] == value for key, value in wanted.items())
-    )
+    wanted = {"reference": reference, "controller": controller, "gain": gain}
+    return next(log for log in logs if wanted.items() <= log.attributes.items())

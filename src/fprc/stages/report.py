@@ -49,6 +49,7 @@ def write_report(
     """
     figures = [_figure(*files) for files in zip(pictures, sidecars, captions, strict=True)]
     drawn_from = {figure["source"] for figure in figures} - {"none"}
+    kinds = " and ".join(SOURCES[source] for source in sorted(drawn_from))
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(Path(template).parent),
         autoescape=True,
@@ -59,7 +60,7 @@ def write_report(
     environment.globals["zip"] = zip
     page = environment.get_template(Path(template).name).render(
         banner=banner(drawn_from),
-        explanation=_explanation(drawn_from),
+        explanation=f"All our results on this page except the execution times come from: {kinds}.",
         simulated="sim" in drawn_from,
         missing=pd.read_csv(missing).drop(columns="name"),
         pages=[_page(path, settings["fitted"]["to"]) for path in tables],
@@ -83,11 +84,6 @@ def banner(sources: set[str]) -> str:
     if any(source.endswith("sim") for source in sources):
         return "PARTLY SIMULATED DATA"
     return "MEASURED DATA"
-
-
-def _explanation(sources: set[str]) -> str:
-    kinds = " and ".join(SOURCES[source] for source in sorted(sources))
-    return f"All our results on this page except the execution times come from: {kinds}."
 
 
 _NOT_COMPARED = ("source", "seed", "folders", "rig", "calibration", "ensemble")

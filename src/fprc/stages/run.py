@@ -66,18 +66,13 @@ def _write_sidecar(data: Mapping[str, Any], job: Any) -> None:
 def _log_to(path: str, label: str) -> None:
     line = TerminalFormatter(f"[{label}] %(message)s")
     log.setLevel(logging.DEBUG)
-    _add_handler(logging.StreamHandler(), line, logging.INFO)
+    terminal = logging.StreamHandler()
+    terminal.setLevel(logging.INFO)
     with explaining(path):
         Path(path).parent.mkdir(parents=True, exist_ok=True)
         file = logging.FileHandler(path, mode="w")
     # ignore a full disk: the message is on the terminal too
     file.handleError = lambda record: None  # type: ignore[method-assign]
-    _add_handler(file, line)
-
-
-def _add_handler(
-    handler: logging.Handler, line: logging.Formatter, level: int = logging.DEBUG
-) -> None:
-    handler.setLevel(level)
-    handler.setFormatter(line)
-    log.addHandler(handler)
+    for handler in (terminal, file):
+        handler.setFormatter(line)
+        log.addHandler(handler)

@@ -1,4 +1,4 @@
-"""Write the paper's tables as CSV, Markdown and LaTeX."""
+"""Write the paper's tables as CSV, Markdown and LaTeX: ``files`` are named csv, md and tex."""
 
 import logging
 from collections.abc import Mapping, Sequence
@@ -19,13 +19,11 @@ from fprc.yaml_file import read_yaml
 log = logging.getLogger(__name__)
 
 
-def tabulate_configuration(
-    published: str, csv: str, md: str, tex: str, *, models: Mapping[str, Any]
-) -> None:
+def tabulate_configuration(published: str, *, models: Mapping[str, Any], **files: str) -> None:
     """Table I: the settings of the models."""
     table = tables.configuration(models, read_yaml(published))
     note = "Table I. Configuration of the models: ours and as published."
-    _write(table, table.astype(str), note, csv, md, tex)
+    _write(table, table.astype(str), note, **files)
 
 
 _COMPARISONS = {
@@ -36,13 +34,7 @@ _COMPARISONS = {
 
 
 def tabulate_comparison(
-    published: str,
-    errors: Sequence[str],
-    csv: str,
-    md: str,
-    tex: str,
-    *,
-    left_out: Mapping[str, str],
+    published: str, errors: Sequence[str], *, left_out: Mapping[str, str], **files: str
 ) -> None:
     """Tables II and III: errors of the models, one seed, spread over folds.
 
@@ -57,17 +49,16 @@ def tabulate_comparison(
         f"Data: {SOURCES[first['source']]}. Target: {first['target']} pressure."
         f"{_without(left_out)}"
     )
-    _write(table, tables.comparison_page(table), note, csv, md, tex)
+    _write(table, tables.comparison_page(table), note, **files)
 
 
 def _without(left_out: Mapping[str, str]) -> str:
     """Return the lines of a note that name the models a table lacks, with reasons."""
-    lines = [f"\nNo {title_of(model)}: {reason}." for model, reason in left_out.items()]
-    return "".join(lines)
+    return "".join(f"\nNo {title_of(model)}: {why}." for model, why in left_out.items())
 
 
 def tabulate_seeds(
-    published: str, replicates: Sequence[str], csv: str, md: str, tex: str, *, trained_on: str
+    published: str, replicates: Sequence[str], *, trained_on: str, **files: str
 ) -> None:
     """Tables II and III over further seeds."""
     reports = [read_json(path) for path in replicates]
@@ -77,7 +68,7 @@ def tabulate_seeds(
         f"further seeds.\nData: {SOURCES[reports[0]['source']]}; each seed is another "
         "draw of sensors, noise and models."
     )
-    _write(table, tables.comparison_page(table), note, csv, md, tex)
+    _write(table, tables.comparison_page(table), note, **files)
 
 
 def tabulate_orders(replicates: Sequence[str], csv: str) -> None:
@@ -89,12 +80,10 @@ def tabulate_tracking(
     published: str,
     gains: str,
     runs: Sequence[str],
-    csv: str,
-    md: str,
-    tex: str,
     *,
     left_out: Sequence[str],
     limits: Mapping[str, Any],
+    **files: str,
 ) -> None:
     """Table IV: errors of the closed-loop runs; warn of implausible channels in their logs.
 
@@ -106,25 +95,22 @@ def tabulate_tracking(
     for line in sum((implausible(run, limits) for run in logs), []):
         log.warning("warning: %s", line)
     table = tables.tracking([_run(run) for run in logs], report, read_yaml(published))
-    tried = report["candidates"]
     title = "Table IV. RMSE of tracking"
     if report["source"] == "sim":
         title += ", with the same noise and drift for all controllers"
     gain = "The gains are those that the logs name."
-    if tried:
+    if report["candidates"]:
         gain = (
             "The printed gain is the paper's; the identified one has the least error of "
-            f"{len(tried)} gains on another reference (sine 0.3 Hz)."
+            f"{len(report['candidates'])} gains on another reference (sine 0.3 Hz)."
         )
     note = f"{title}.\nData: {SOURCES[report['source']]}. {gain}"
     if left_out:
         note += f"\nNo log of {len(left_out)} of its runs: {', '.join(left_out)}."
-    _write(table, tables.tracking_page(table), note, csv, md, tex)
+    _write(table, tables.tracking_page(table), note, **files)
 
 
-def tabulate_tracking_seeds(
-    published: str, replicates: Sequence[str], csv: str, md: str, tex: str
-) -> None:
+def tabulate_tracking_seeds(published: str, replicates: Sequence[str], **files: str) -> None:
     """Table IV over further seeds."""
     reports = [read_json(path) for path in replicates]
     table = tables.tracking_over_seeds(reports, read_yaml(published))
@@ -133,7 +119,7 @@ def tabulate_tracking_seeds(
         f"seeds.\nData: {SOURCES[reports[0]['source']]}; the gain is identified on each "
         "seed, and its mean is given."
     )
-    _write(table, tables.tracking_page(table), note, csv, md, tex)
+    _write(table, tables.tracking_page(table), note, **files)
 
 
 def _run(run: Columns) -> dict[str, Any]:
@@ -259,7 +245,7 @@ def tabulate_targets(
 
 
 def tabulate_times(
-    published: str, times: str, csv: str, md: str, tex: str, *, left_out: Mapping[str, str]
+    published: str, times: str, *, left_out: Mapping[str, str], **files: str
 ) -> None:
     """Table II, execution times."""
     report = read_json(times)
@@ -271,10 +257,10 @@ def tabulate_times(
         "The paper does not say which mode it timed, nor on which machine."
         f"{_without(left_out)}"
     )
-    _write(table, tables.timing_page(table), note, csv, md, tex)
+    _write(table, tables.timing_page(table), note, **files)
 
 
-def tabulate_steps(steps: str, csv: str, md: str, tex: str, *, left_out: Mapping[str, str]) -> None:
+def tabulate_steps(steps: str, *, left_out: Mapping[str, str], **files: str) -> None:
     """Cost of one step of the closed loop, compared with the sampling period."""
     report = read_json(steps)
     table = tables.steps(report)
@@ -284,7 +270,7 @@ def tabulate_steps(steps: str, csv: str, md: str, tex: str, *, left_out: Mapping
         f"The budget is the sampling period, {table['budget_us'].iloc[0] / 1000:g} ms; its share "
         f"is that of the 99.9th percentile.{_without(left_out)}"
     )
-    _write(table, tables.steps_page(table), note, csv, md, tex)
+    _write(table, tables.steps_page(table), note, **files)
 
 
 def tabulate_unavailable(csv: str, md: str, *, reasons: Mapping[str, tuple[str, str]]) -> None:

@@ -123,25 +123,19 @@ def read_gains(runs: Sequence[str], gains: str) -> None:
         each = ", ".join(f"{source} ({path})" for source, path in kinds.items())
         raise LogError(f"closed-loop logs of different sources: {each}; use logs of one kind")
     for run in logs:
-        name = run.attributes["gain"]
-        if name != "none":
-            different = values_of.setdefault(name, [])
-            gains_of_run = gains_of(run.attributes)
-            if gains_of_run not in different:
-                different.append(gains_of_run)
-    unclear = [name for name, values in values_of.items() if len(values) > 1 or not values[0]]
-    for name in unclear:
-        log.warning("warning: the logs do not agree on the %s gains; they are left out", name)
+        different = values_of.setdefault(run.attributes["gain"], [])
+        if (gains_of_run := gains_of(run.attributes)) not in different:
+            different.append(gains_of_run)
+    values_of.pop("none", None)  # the gain of open loops
+    known = {
+        name: values[0] for name, values in values_of.items() if len(values) == 1 and values[0]
+    }
+    for name in values_of:
+        if name not in known:
+            log.warning("warning: the logs do not agree on the %s gains; they are left out", name)
     first = logs[0].attributes
-    write_json(
-        gains,
-        {
-            **{name: values[0] for name, values in values_of.items() if name not in unclear},
-            "candidates": [],
-            "source": first["source"],
-            "seed": int(first["seed"]),
-        },
-    )
+    origin = {"candidates": [], "source": first["source"], "seed": int(first["seed"])}
+    write_json(gains, known | origin)
 
 
 def gains_of(attributes: Mapping[str, Any]) -> dict[str, float] | None:

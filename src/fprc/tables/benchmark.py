@@ -20,7 +20,8 @@ def benchmark(report: Mapping[str, Any]) -> pd.DataFrame:
         ``comparisons`` and ``real_time``; ``all`` if the whole workflow was measured.
     """
     rows = []
-    for each in [*report["comparisons"], *_whole(report)]:
+    whole = [_whole(report["all"])] if "all" in report else []
+    for each in [*report["comparisons"], *whole]:
         ours, theirs = (np.array(each["seconds"][who]) for who in ("ours", "theirs"))
         ratios = theirs / ours if each["agrees"] else np.array([np.nan])
         rows.append(
@@ -53,22 +54,17 @@ def benchmark(report: Mapping[str, Any]) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def _whole(report: Mapping[str, Any]) -> list[dict[str, Any]]:
-    if "all" not in report:
-        return []
-    whole = report["all"]
-    return [
-        {
-            "work": f"all, cold, {whole['cores']} cores",
-            "against": "the same rules, not compiled",
-            "aim": 10,
-            "samples": 0,
-            "agrees": whole["difference"] <= whole["limit"],
-            "seconds": {who: [whole[who]["seconds"]] for who in ("ours", "theirs")},
-            "difference": whole["difference"],
-            "limit": whole["limit"],
-        }
-    ]
+def _whole(whole: Mapping[str, Any]) -> dict[str, Any]:
+    return {
+        "work": f"all, cold, {whole['cores']} cores",
+        "against": "the same rules, not compiled",
+        "aim": 10,
+        "samples": 0,
+        "agrees": whole["difference"] <= whole["limit"],
+        "seconds": {who: [whole[who]["seconds"]] for who in ("ours", "theirs")},
+        "difference": whole["difference"],
+        "limit": whole["limit"],
+    }
 
 
 def benchmark_page(table: pd.DataFrame) -> pd.DataFrame:
@@ -127,11 +123,10 @@ def step_note(step: Mapping[str, Any]) -> str:
 def rules_page(rules: pd.DataFrame, least: float = 0.02) -> pd.DataFrame:
     """Return the rules with at least the share ``least`` of all seconds; the others as one row."""
     large = rules["seconds"] >= least * rules["seconds"].sum()
-    others = rules[~large]
-    name = f"{len(others)} other rules"
-    longest_s = others["longest_s"].max()
-    last = [name, others["jobs"].sum(), others["seconds"].sum(), longest_s]
-    rows = [*rules[large].itertuples(index=False), last] if len(others) else rules.to_numpy()
+    rows, others = list(rules[large].itertuples(index=False)), rules[~large]
+    if len(others):
+        sums = others["jobs"].sum(), others["seconds"].sum(), others["longest_s"].max()
+        rows.append((f"{len(others)} other rules", *sums))
     columns = ["Rule", "Jobs", "Seconds of all", "Seconds of the longest"]
     texts = [(r, str(n), three_digits(all_s), three_digits(one_s)) for r, n, all_s, one_s in rows]
     return pd.DataFrame(texts, columns=columns)

@@ -21,7 +21,9 @@ def fit_errors(parts: Mapping[str, Any]) -> pd.DataFrame:
         {
             "phase": phase,
             "model": log.attributes["model"],
-            "rmse": _rmse(log.channels["p_ff_kpa"] - log.channels["p_target_kpa"]),
+            "rmse": np.sqrt(
+                np.mean((log.channels["p_ff_kpa"] - log.channels["p_target_kpa"]) ** 2)
+            ),
             "unit": log.attributes.get("p_target_unit", "kPa"),
             "source": log.attributes["source"],
         }
@@ -112,7 +114,3 @@ def _spread(values: float | Sequence[float]) -> dict[str, float | int]:
     sample = np.atleast_1d(np.asarray(values, dtype=float))
     std = sample.std(ddof=1) if sample.size > 1 else np.nan
     return {"mean": sample.mean(), "std": std, "values": sample.size}
-
-
-def _rmse(error: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(error**2)))

@@ -5,11 +5,8 @@ from typing import Any
 
 import pandas as pd
 
-from fprc.paper import ERRORS, REFERENCE_NAMES
-from fprc.registry import controller_title, title_of
-from fprc.tables.models import over_seeds
 from fprc.tables.text import format_mean, spread
-from fprc.tables.tracking import tracking_over_seeds
+from fprc.tables.tracking import all_over_seeds
 
 #: Claims that gave a point to a candidate.
 _CLAIMS_OF_THE_RULE = (
@@ -30,33 +27,13 @@ def rig_errors(
     Columns ``number``, ``published``, ``mean``, ``low``, ``high``, and ``deviation``, which is
     ours / print - 1.
     """
-    rows = []
-    for table, trained_on in (("II", "sweep"), ("III", "complex")):
-        rows += [
-            {
-                "number": f"Table {table}, {title_of(row.model)}, {ERRORS[row.metric]} [kPa]",
-                "published": row.published_mean,
-                "mean": row.mean,
-                "low": row.low,
-                "high": row.high,
-            }
-            for row in over_seeds(models, published, trained_on).itertuples(index=False)
-        ]
-    tracking = tracking_over_seeds(controls, published)
-    for row in tracking[tracking["published_rmse_deg"].notna()].itertuples(index=False):
-        if (row.controller, row.gain) in _RUNS:
-            rows.append(
-                {
-                    "number": f"Table IV, {controller_title(row.controller)}, "
-                    f"{REFERENCE_NAMES[row.reference]} [deg]",
-                    "published": row.published_rmse_deg,
-                    "mean": row.rmse_deg,
-                    "low": row.low,
-                    "high": row.high,
-                }
-            )
-    table = pd.DataFrame(rows)
-    return table.assign(deviation=table["mean"] / table["published"] - 1.0)
+    table = all_over_seeds(models, controls, published)
+    runs = pd.MultiIndex.from_frame(table[["controller", "gain"]]).isin(_RUNS)
+    table = table[table["controller"].isna() | (runs & table["published"].notna())]
+    number = "Table " + table["table"] + ", " + table["what"] + " [" + table["unit"] + "]"
+    table = table.assign(number=number, deviation=table["mean"] / table["published"] - 1.0)
+    columns = ["number", "published", "mean", "low", "high", "deviation"]
+    return table[columns].reset_index(drop=True)
 
 
 def points(errors: pd.DataFrame, ledger: Sequence[Mapping[str, str]]) -> int:

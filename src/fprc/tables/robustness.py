@@ -6,11 +6,9 @@ from typing import Any
 import pandas as pd
 
 from fprc.errors import FprcError
-from fprc.paper import ERRORS, PRINTED, REFERENCE_NAMES
-from fprc.registry import controller_title, title_of
-from fprc.tables.models import over_seeds
+from fprc.registry import title_of
 from fprc.tables.text import format_mean, spread
-from fprc.tables.tracking import tracking_over_seeds
+from fprc.tables.tracking import all_over_seeds
 
 
 def ensemble(summary: Mapping[str, Any]) -> pd.DataFrame:
@@ -113,40 +111,13 @@ def targets(
     replicates, controls : Mapping
         Reports of the further seeds by target: command, measured.
     """
-    rows = []
+    parts = []
     for target, reports in replicates.items():
-        for trained_on in PRINTED:
-            for row in over_seeds(reports, published, trained_on).itertuples():
-                rows.append(
-                    {
-                        "target": target,
-                        "table": "II" if trained_on == "sweep" else "III",
-                        "what": f"{title_of(row.model)}, {ERRORS[row.metric]}",
-                        "unit": "kPa",
-                        "mean": row.mean,
-                        "low": row.low,
-                        "high": row.high,
-                        "published": row.published_mean,
-                        "source": row.source,
-                    }
-                )
-        for row in tracking_over_seeds(controls[target], published).itertuples():
-            if row.controller == "pd" or row.gain == "printed":
-                continue
-            rows.append(
-                {
-                    "target": target,
-                    "table": "IV",
-                    "what": f"{controller_title(row.controller)}, {REFERENCE_NAMES[row.reference]}",
-                    "unit": "deg",
-                    "mean": row.rmse_deg,
-                    "low": row.low,
-                    "high": row.high,
-                    "published": row.published_rmse_deg,
-                    "source": row.source,
-                }
-            )
-    return pd.DataFrame(rows)
+        table = all_over_seeds(reports, controls[target], published)
+        judged = (table["controller"] != "pd") & (table["gain"] != "printed")
+        parts.append(table[judged].assign(target=target))
+    columns = ["target", "table", "what", "unit", "mean", "low", "high", "published", "source"]
+    return pd.concat(parts, ignore_index=True)[columns]
 
 
 def targets_page(table: pd.DataFrame) -> pd.DataFrame:

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from fprc.paper import REFERENCE_NAMES
-from fprc.registry import controller_title
-from fprc.tables.models import with_interval
+from fprc.paper import ERRORS, REFERENCE_NAMES
+from fprc.registry import controller_title, title_of
+from fprc.tables.models import over_seeds, with_interval
 from fprc.tables.text import format_mean, spread
 
 
@@ -72,6 +72,27 @@ def tracking_over_seeds(
     table["kp_kpa_per_deg"] = groups["kp_kpa_per_deg"].mean().to_numpy()
     table["source"] = groups["source"].first().to_numpy()
     return table
+
+
+def all_over_seeds(
+    models: Sequence[Mapping[str, Any]],
+    controls: Sequence[Mapping[str, Any]],
+    published: Mapping[str, Any],
+) -> pd.DataFrame:
+    """Tables II to IV over further seeds in one: ``table``, ``what``, ``unit``, ``mean``, ..."""
+    parts = []
+    for number, trained_on in (("II", "sweep"), ("III", "complex")):
+        part = over_seeds(models, published, trained_on)
+        what = [f"{title_of(row.model)}, {ERRORS[row.metric]}" for row in part.itertuples()]
+        parts.append(part.assign(table=number, what=what))
+    runs = tracking_over_seeds(controls, published).rename(columns={"rmse_deg": "mean"})
+    what = [
+        f"{controller_title(row.controller)}, {REFERENCE_NAMES[row.reference]}"
+        for row in runs.itertuples()
+    ]
+    runs["published_mean"] = runs["published_rmse_deg"].astype(float)
+    table = pd.concat([*parts, runs.assign(table="IV", what=what, unit="deg")], ignore_index=True)
+    return table.rename(columns={"published_mean": "published"})
 
 
 def tracking_page(table: pd.DataFrame) -> pd.DataFrame:
