@@ -42,7 +42,7 @@ Term = Literal[
 
 
 class Fitted(Section):
-    """Where the rig's parameters come from; a file of config/rigs gives this with the rig."""
+    """Where the rig's parameters come from; the file of a fitted rig gives this with the rig."""
 
     name: str = Field("default", pattern=r"^[\w.-]+$", description="name of the rig")
     to: tuple[Term, ...] = Field(
