@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from fprc.evaluation import split_rows
-from fprc.evaluation.folds import Fold
 from fprc.experiments.data import Data
+
+if TYPE_CHECKING:
+    from fprc.evaluation.folds import Fold
 
 
 @dataclass(frozen=True)
@@ -19,8 +20,11 @@ class Judgement:
     seed: int  #: seed of folds and models
     purge_s: float = 2.0  #: time on each side of a contiguous block that does not train
 
-    def split_rows(self, data: Data) -> list[Fold]:
+    def split_rows(self, data: Data) -> "list[Fold]":
         """Return (training rows, validation rows) of each fold of a log."""
+        # here, so that a simulation starts without scikit-learn
+        from fprc.evaluation.folds import split_rows
+
         time_s = data.channels["time_s"]
         purge = round(self.purge_s * (len(time_s) - 1) / float(time_s[-1] - time_s[0]))
         return split_rows(len(time_s), self.folds, self.split, self.seed, purge, data.lengths)
