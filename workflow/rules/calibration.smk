@@ -23,21 +23,6 @@ RIG_FILES = RIGS["rigs"] | RIGS["searches"]
 SEARCH_SEEDS = 10
 
 
-@cache
-def named_rig(name):
-    """Return the sections ``rig`` and ``fitted`` of a rig's file."""
-    return from_files([RIG_FILES[name]]).model_dump(mode="json", include={"rig", "fitted"})
-
-
-def on_rigs(part, table):
-    """Return the reports of the further seeds: those of this rig, then those of each other one."""
-    seeds = SETTINGS["evaluation"]["replicate_seeds"]
-    seeds = seeds[:SEARCH_SEEDS] if table == "searches" else seeds
-    return PLAN.replicates(part)[: len(seeds)] + [
-        PATHS.below(f"rigs/{rig}/{part}_{seed}.json") for rig in RIGS[table] for seed in seeds
-    ]
-
-
 CHUNK_FILES = [PATHS.below(f"ensemble/rigs_{first}.json") for first in CHUNKS]
 POSTERIOR = SETTINGS["posterior"]
 MEMBERS = {

@@ -81,10 +81,24 @@ def made_by_rules():
 
 def pictures_of_docs():
     """Return the figure of the results that each picture of the documentation copies."""
-    pairs = []
-    for rule in workflow.rules:
-        if rule.params.get("picture"):
-            pairs.append((rule.params.picture, rule.input.figure))
-        if rule.params.get("pictures"):
-            pairs += zip(rule.params.pictures, rule.input.figures)
-    return {picture: str(figure) for picture, figure in pairs}
+    figures = {}
+    for params, files in ((each.params, each.input) for each in workflow.rules):
+        if params.get("picture"):
+            figures[params.picture] = str(files.figure)
+        figures |= dict(zip(params.get("pictures", ()), map(str, files.get("figures", ()))))
+    return figures
+
+
+@cache
+def named_rig(name):
+    """Return the sections ``rig`` and ``fitted`` of a rig's file."""
+    return from_files([RIG_FILES[name]]).model_dump(mode="json", include={"rig", "fitted"})
+
+
+def on_rigs(part, table):
+    """Return the reports of the further seeds: those of this rig, then those of each other one."""
+    seeds = SETTINGS["evaluation"]["replicate_seeds"]
+    seeds = seeds[:SEARCH_SEEDS] if table == "searches" else seeds
+    return PLAN.replicates(part)[: len(seeds)] + [
+        PATHS.below(f"rigs/{rig}/{part}_{seed}.json") for rig in RIGS[table] for seed in seeds
+    ]

@@ -50,7 +50,7 @@ def plot_front(table: DataFrame, ax: Axes) -> Axes:
         xlabel="Deviation of the 12 errors of Tables II and III, rms [%]",
         ylabel="Orders and claims, sum of squared misses",
     )
-    ax.legend(fontsize=6)
+    ax.legend(fontsize=6, loc="lower left")
     return ax
 
 
