@@ -89,7 +89,8 @@ def sdist(folder):
     shutil.copytree(ROOT, folder / "copy", ignore=left_out, symlinks=True)
     archive = build("sdist", folder / "copy", folder)
     with tarfile.open(archive) as file:
-        file.extractall(folder, filter="data")
+        # Python 3.11.3 and before do not have the filter
+        file.extractall(folder, **({"filter": "data"} if hasattr(tarfile, "data_filter") else {}))
     return folder / archive.name.removesuffix(".tar.gz")
 
 
