@@ -16,7 +16,6 @@ import signal
 import subprocess
 import sys
 import tempfile
-import threading
 
 # what Snakemake and the Snakefile import in every run
 import h5py  # noqa: F401
