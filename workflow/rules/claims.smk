@@ -35,7 +35,7 @@ if "check" not in PLAN.unavailable:
         localrule: True
         params:
             **stage("check.check_results"),
-            folders=SETTINGS["folders"],
+            folders=FOLDERS,
             made=lambda wildcards: made_by_rules(),
             # the documentation shows the results of the paper's settings only
             pictures=lambda wildcards: pictures_of_docs() if RESULTS == "results" else {},

@@ -8,6 +8,19 @@ GAINS = PATHS.below("control/gains.json")
 LONG, ALONE = 1, workflow.cores + 1
 
 
+RULES = workflow.current_basedir
+
+
+def own(name):
+    """Return a file of this workflow, named from the folder of the rules.
+
+    The path is relative, so that moving the workflow with its results reruns nothing.
+    """
+    if RULES.is_local:
+        return local(os.path.relpath(os.path.join(RULES, name)))
+    return workflow.source_path(name)  # a copy: the workflow is a module from another host
+
+
 def code_of(name, *models):
     """Return the fingerprint of the code of a stage and of the models that it runs."""
     modules = [class_module(model, SETTINGS["models"]) for model in models]

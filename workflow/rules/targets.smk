@@ -1,6 +1,17 @@
 # Targets that a user can name.
 
 
+EVERYTHING = sorted(set(sum(PLAN.targets.values(), [])))
+TARGETS = PLAN.targets | {"report": [PATHS.below("report.html"), *EVERYTHING]}
+
+
+# the first rule is the default target, unless the workflow is a module of another one
+rule all:
+    input:
+        TARGETS["report"],
+    localrule: True
+
+
 for target in PLAN.unavailable_targets:
 
     rule:
@@ -10,9 +21,6 @@ for target in PLAN.unavailable_targets:
             refused(target),
         localrule: True
 
-
-EVERYTHING = sorted(set(sum(PLAN.targets.values(), [])))
-TARGETS = PLAN.targets | {"report": [PATHS.below("report.html"), *EVERYTHING]}
 
 for target, files in TARGETS.items():
 
@@ -35,11 +43,13 @@ rule smoke:
         PATHS.messages("smoke"),
     localrule: True
     threads: workflow.cores
+    params:
+        snakefile=own("../Snakefile"),
     message:
         "The whole workflow on small settings, into results/smoke"
     shell:
-        "snakemake --cores {threads} --nolock --configfile config/smoke.yaml"
-        " -- all 2>&1 | tee {log:q}"
+        "snakemake --cores {threads} --nolock --snakefile {params.snakefile:q}"
+        " --workflow-profile smoke all 2>&1 | tee {log:q}"
 
 
 if "readme" not in PLAN.unavailable:
