@@ -417,8 +417,12 @@ rule targets:
 rule front_figure:
     input:
         fits=[
-            *(fit for path in rig_files().values() if (fit := path.with_suffix(".json")).exists()),
-            *sorted(SEARCHES.glob("*.json")),
+            *(
+                local(str(fit))
+                for path in rig_files().values()
+                if (fit := path.with_suffix(".json")).exists()
+            ),
+            *map(local, map(str, sorted(SEARCHES.glob("*.json")))),
         ],
     output:
         **drawn(PATHS.below("rigs/front"), statistics=True),

@@ -9,6 +9,7 @@ LONG, ALONE = 1, workflow.cores + 1
 
 
 RULES = workflow.current_basedir
+IN_CHECKOUT = os.path.exists("docs/images")
 
 
 def own(name):
@@ -16,9 +17,9 @@ def own(name):
 
     The path is relative, so that moving the workflow with its results reruns nothing.
     """
-    if RULES.is_local:
+    if isinstance(RULES, os.PathLike):
         return local(os.path.relpath(os.path.join(RULES, name)))
-    return workflow.source_path(name)  # a copy: the workflow is a module from another host
+    return workflow.source_path(name)  # a copy: the module comes from a git repository
 
 
 def code_of(name, *models):
