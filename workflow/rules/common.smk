@@ -99,7 +99,8 @@ def pictures_of_docs():
     for params, files in ((each.params, each.input) for each in workflow.rules):
         if params.get("picture"):
             figures[params.picture] = str(files.figure)
-        figures |= dict(zip(params.get("pictures", ()), map(str, files.get("figures", ()))))
+        if files.get("figures") and params.get("pictures"):
+            figures |= dict(zip(params.pictures, map(str, files.figures)))
     return figures
 
 
