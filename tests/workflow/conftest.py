@@ -94,8 +94,12 @@ class Project:
     def snakemake(
         self, *arguments: str, cores: tuple[str, ...] = ("--cores", "2"), **environment: str
     ) -> subprocess.CompletedProcess:
-        """Run Snakemake in a fork that has it imported; use ``run`` for a process of its own."""
-        asked = [str(self.folder), [*cores, *arguments], ENVIRONMENT | environment]
+        """Run Snakemake in a fork that has it imported; use ``run`` for a process of its own.
+
+        Its jobs are forks too, unless ``environment`` has more than a PYTHONPATH.
+        """
+        forked = environment.keys() <= {"PYTHONPATH"}
+        asked = [str(self.folder), [*cores, *arguments], ENVIRONMENT | environment, forked]
         starts = starter()
         starts.stdin.write(json.dumps(asked) + "\n")
         starts.stdin.flush()
