@@ -211,9 +211,8 @@ def test_archive_of_the_sources_has_tests_settings_and_workflow(sdist):
     )
     if tracked.returncode:
         pytest.skip("not a git checkout, so the list of files is unknown")
-    links = {"profiles"}
     files = {name for name in tracked.stdout.split("\0") if name and (ROOT / name).exists()}
-    assert {name for name in files - links if not (sdist / name).is_file()} == set()
+    assert {name for name in files if not (sdist / name).is_file()} == set()
 
 
 def test_wheel_says_what_it_is(wheel):

@@ -1,17 +1,6 @@
 # Targets that a user can name.
 
 
-EVERYTHING = sorted(set(sum(PLAN.targets.values(), [])))
-TARGETS = PLAN.targets | {"report": [PATHS.below("report.html"), *EVERYTHING]}
-
-
-# the first rule is the default target, unless the workflow is a module of another one
-rule all:
-    input:
-        TARGETS["report"],
-    localrule: True
-
-
 for target in PLAN.unavailable_targets:
 
     rule:
@@ -21,6 +10,9 @@ for target in PLAN.unavailable_targets:
             refused(target),
         localrule: True
 
+
+EVERYTHING = sorted(set(sum(PLAN.targets.values(), [])))
+TARGETS = PLAN.targets | {"report": [PATHS.below("report.html"), *EVERYTHING]}
 
 for target, files in TARGETS.items():
 

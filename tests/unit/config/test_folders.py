@@ -50,7 +50,6 @@ def project(tmp_path, monkeypatch):
         ("tests/out", "is in tests"),
         ("{project}/docs/images", "is in docs"),
         ("results/../workflow", "is in workflow"),
-        ("../project/profiles", "is in profiles"),
         (".git", "is in .git"),
         (".snakemake/x", "is in .snakemake"),
         ("./.venv", "is in .venv"),
