@@ -120,9 +120,7 @@ class Plan:
     @cached_property
     def unavailable(self) -> dict[str, str]:
         """Targets that cannot be made, with the reason of each."""
-        return unavailable(
-            self.contents, self.raw, self.every_run, simulated=self.on_simulated_rig
-        )
+        return unavailable(self.contents, self.raw, self.every_run, simulated=self.on_simulated_rig)
 
     @cached_property
     def unavailable_results(self) -> dict[str, tuple[str, str]]:
