@@ -122,8 +122,8 @@ class Project:
         return Run(self.folder, [*SNAKEMAKE, "--cores", "2", *arguments], environment)
 
     def recover(self) -> None:
-        """Give the command of the README for after a kill, word by word."""
-        text = (ROOT / "README.md").read_text(encoding="utf-8")
+        """Give the command of the docs for after a kill, word by word."""
+        text = (ROOT / "docs/running.md").read_text(encoding="utf-8")
         command = re.search("After a kill, `(snakemake [^`]+)`", text)
         done = self.run(*command[1].split())
         assert done.returncode == 0, done.stdout
@@ -170,7 +170,7 @@ def smoked(shared):
 
     def make(folder):
         folder.mkdir()
-        # the words of the README
+        # the words of docs/running.md
         return Project(folder).snakemake("--workflow-profile", "smoke", "all")
 
     return once(shared, "project", make)
