@@ -31,7 +31,7 @@ lint: .venv/.ready  ## style, types, layers, workflow lint
 	ruff check .
 	ruff format --check .
 	mypy
-	snakefmt --check Snakefile workflow/rules
+	snakefmt --check workflow
 	snakemake --lint
 	lint-imports
 
