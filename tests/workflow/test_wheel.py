@@ -85,7 +85,9 @@ def build(kind, source, out):
 @pytest.fixture(scope="module")
 def sdist(folder):
     """Build the archive of the sources and unpack it; return its folder."""
-    left_out = shutil.ignore_patterns(".git", ".venv", "__pycache__", "*.egg-info", "*.h5", ".snakemake")
+    left_out = shutil.ignore_patterns(
+        ".git", ".venv", "__pycache__", "*.egg-info", "*.h5", ".snakemake", "_build"
+    )
     shutil.copytree(ROOT, folder / "copy", ignore=left_out, symlinks=True)
     archive = build("sdist", folder / "copy", folder)
     with tarfile.open(archive) as file:
