@@ -1,13 +1,15 @@
 """`fprc completion`: a script with which a shell completes the command line."""
 
 import argparse
-from collections.abc import Callable, Iterator
+import re
+from collections.abc import Iterator
 from importlib.util import find_spec
 
+from fprc.commands.parser import parser
 from fprc.errors import FprcError
 
 
-def print_completion(shell: str, parser: Callable[[], argparse.ArgumentParser]) -> None:
+def print_completion(shell: str) -> None:
     """Print a script that completes commands, options, choices and files.
 
     The script is static: no program runs while the user types.
@@ -15,8 +17,6 @@ def print_completion(shell: str, parser: Callable[[], argparse.ArgumentParser]) 
     Parameters
     ----------
     shell : {"bash", "zsh", "fish"}
-    parser : callable
-        Returns the parser of the command line.
 
     Raises
     ------
@@ -31,18 +31,18 @@ def print_completion(shell: str, parser: Callable[[], argparse.ArgumentParser]) 
 
     whole = parser()
     for action in _arguments(whole):
-        if (action.metavar or "").endswith("FOLDER"):
-            action.complete = shtab.DIRECTORY
-        elif action.nargs != 0 and action.choices is None and action.type is None:
-            action.complete = shtab.FILE
+        if re.search(r"FILE|SOURCE|\.", str(action.metavar)):
+            action.complete = shtab.FILE  # type: ignore[attr-defined]
+        elif action.metavar == "FOLDER":
+            action.complete = shtab.DIRECTORY  # type: ignore[attr-defined]
     print(shtab.complete(whole, shell))
 
 
-def _arguments(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
+def _arguments(command: argparse.ArgumentParser) -> Iterator[argparse.Action]:
     """Yield the arguments of every command."""
-    for action in parser._actions:
-        if isinstance(action, argparse._SubParsersAction):
-            for command in action.choices.values():
-                yield from _arguments(command)
+    for action in command._actions:  # noqa: SLF001 (argparse has no public name for them)
+        if isinstance(action, argparse._SubParsersAction):  # noqa: SLF001
+            for inner in action.choices.values():
+                yield from _arguments(inner)
         else:
             yield action
