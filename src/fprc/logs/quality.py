@@ -127,7 +127,7 @@ def finding(name: str, check: Mapping[str, Any]) -> str:
         lost = f"; {check['lost_samples']} samples lost" if check["lost_samples"] else ""
         return "" if check["passed"] else f"{check['reason']}{lost}"
     if name == "rate":
-        return f"{check['mean_hz']:.6g} Hz, jitter {1e3 * check['jitter_s']:.3g} ms"
+        return f"{check['mean_hz']:.6g} Hz, jitter {1e3 * check['jitter_s']:.3f} ms"
     if name == "gaps":
         first = f"{check['count']} gaps, the first before sample {check['first_sample']}; "
         longest = f"longest step {check['longest_s']:.4g} s, limit {check['limit_s']:.4g} s"
