@@ -6,8 +6,10 @@ they print without it. Snakemake's own log file, below .snakemake/log, has every
 
 import logging
 import os
+import re
 import sys
 import threading
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +22,9 @@ from snakemake_logger_plugin_fprc.progress import (
     read_seconds,
     write_seconds,
 )
+
+#: Names of targets, for the message on one that does not exist; the Snakefile adds them.
+KNOWN_TARGETS: set[str] = set()
 
 #: Durations of earlier runs.
 _SECONDS = Path(".snakemake/seconds.json")
@@ -65,6 +70,7 @@ class LogHandler(LogHandlerBase):
         event = said.get("event")
         if self._progress is None:
             self._own.handle(record)
+            self._suggest(record.getMessage())
         elif event == LogEvent.RUN_INFO:
             jobs = {rule: count for rule, count in said["stats"].items() if rule != "total"}
             self._progress.seconds = read_seconds(_SECONDS)
@@ -81,6 +87,13 @@ class LogHandler(LogHandlerBase):
         ):
             self._progress.end()
             self._own.handle(record)
+            self._suggest(record.getMessage())
+
+    def _suggest(self, message: str) -> None:
+        """Name the target that was meant, if Snakemake knows no such rule."""
+        for asked in re.findall(r"No rule to produce (\w+) ", message):
+            for near in get_close_matches(asked, KNOWN_TARGETS, n=1):
+                self._own.stream.write(f"Did you mean {near}?\n")
 
     def close(self) -> None:
         """Remove the bar, and keep the durations of this run."""
