@@ -12,7 +12,7 @@ from fprc.figures import style
 
 #: Width of a column inside the figure's margins, inches.
 WIDTH = style.COLUMN_IN - 0.08
-TEXT, SIGNAL = 6.5, 7.0
+TEXT = style.TEXT_PT
 #: Colours of boxes: computation, and soft bodies.
 PALE, BODY = "#eef1f4", "#f7ecd0"
 
@@ -29,13 +29,13 @@ def canvas(height: float) -> tuple[Figure, Axes]:
 
 def write(ax: Axes, at: Point, text: str, **options: Any) -> None:
     """Write text, centred, in the size of names."""
-    look: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": TEXT}
+    look: dict[str, Any] = {"ha": "center", "va": "center", "linespacing": 0.95}
     ax.text(*at, text, **look | options)
 
 
 def panel(ax: Axes, corner: Point, title: str) -> None:
     """Write a panel's letter and title at its upper left corner."""
-    write(ax, corner, title, ha="left", va="top", fontsize=SIGNAL)
+    write(ax, corner, title, ha="left", va="top")
 
 
 def box(ax: Axes, centre: Point, size: Point, text: str = "", **options: Any) -> Bbox:
@@ -86,9 +86,9 @@ def wire(
         (x0, y0), (x1, y1) = points[:2]
         middle = (x0 + x1) / 2, (y0 + y1) / 2
         if x0 == x1:
-            write(ax, (x0 + 0.04, middle[1]), text, ha="left", fontsize=SIGNAL)
+            write(ax, (x0 + 0.04, middle[1]), text, ha="left")
         else:
-            write(ax, (middle[0], y0 + 0.035), text, va="bottom", fontsize=SIGNAL)
+            write(ax, (middle[0], y0 + 0.035), text, va="bottom")
 
 
 def dot(ax: Axes, at: Point, colour: str = "black") -> None:
@@ -109,7 +109,7 @@ def node(ax: Axes, centre: Point, sign: str = "+") -> Bbox:
 def label(ax: Axes, text: str, at: Point, part: Point, **options: Any) -> None:
     """Write a part's name, with a leader line to the part."""
     ax.annotate(
-        text, part, at, fontsize=TEXT, va="center",
+        text, part, at, va="center", linespacing=0.95,
         arrowprops={"arrowstyle": "-", "linewidth": 0.5, "shrinkA": 1.0, "shrinkB": 0.0,
                     "relpos": (0.0, 0.5)} | options.pop("line", {}), **options,
     )  # fmt: skip
