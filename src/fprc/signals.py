@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from scipy.signal import find_peaks
 
 from fprc.errors import EvaluationError
 
@@ -93,6 +92,8 @@ def random_pushes(
 
 def turning_points(x: np.ndarray) -> np.ndarray:
     """Return the indices at which ``x`` turns by more than 5 % of its range."""
+    from scipy.signal import find_peaks  # half a second, which only figures need to wait
+
     prominence = 0.05 * np.ptp(x)
     if not prominence:
         return np.array([], dtype=int)

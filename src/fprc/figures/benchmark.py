@@ -2,6 +2,7 @@
 
 import numpy as np
 from matplotlib.axes import Axes
+from numpy.typing import ArrayLike
 from pandas import DataFrame
 
 #: A power law fits if no point lies off it by more than this factor.
@@ -31,15 +32,22 @@ def plot_growth(table: DataFrame, ax: Axes) -> Axes:
     ax.loglog(size, seconds, "o-", ms=3, color=_TIME, label="time")
     power, level = np.polyfit(np.log(size), np.log(seconds), 1)
     law = np.exp(level) * size**power
-    if len(size) > 2 and np.abs(np.log(law / seconds)).max() < np.log(_FITS):
+    if len(size) > 2 and np.exp(np.abs(np.log(law / seconds)).max()) < _FITS:
         ax.plot(size, law, ":", color=_TIME, linewidth=1.2)
         ax.set_title(f"$n^{{{power:.2f}}}$", loc="right")
     ax.set_xticks(size, [_short(each) for each in size])
     ax.set_ylabel("Time [s]")
     memory.set_ylabel("Memory [MB]", color=_MEMORY)
-    for axis in (ax, memory):
+    for axis, values in ((ax, seconds), (memory, table["peak_mb"])):
         axis.minorticks_off()
+        axis.set_ylim(*_decades(values))
     return memory
+
+
+def _decades(values: ArrayLike) -> tuple[float, float]:
+    """Return the powers of ten around the values."""
+    low, high = np.log10([np.min(values) / 1.1, np.max(values) * 1.1])
+    return 10.0 ** np.floor(low), 10.0 ** np.ceil(high)
 
 
 def _short(size: float) -> str:

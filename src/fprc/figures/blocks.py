@@ -12,7 +12,6 @@ from fprc.figures import style
 
 #: Width of a column inside the figure's margins, inches.
 WIDTH = style.COLUMN_IN - 0.08
-TEXT = style.TEXT_PT
 #: Colours of boxes: computation, and soft bodies.
 PALE, BODY = "#eef1f4", "#f7ecd0"
 
@@ -38,7 +37,14 @@ def panel(ax: Axes, corner: Point, title: str) -> None:
     write(ax, corner, title, ha="left", va="top")
 
 
-def box(ax: Axes, centre: Point, size: Point, text: str = "", **options: Any) -> Bbox:
+def box(
+    ax: Axes,
+    centre: Point,
+    size: Point,
+    text: str = "",
+    size_pt: float = style.TEXT_PT,
+    **options: Any,
+) -> Bbox:
     """Draw a box with text and return its place; ``options`` are the patch's, as ``facecolor``."""
     (x, y), (width, height) = centre, size
     corner = x - width / 2, y - height / 2
@@ -46,7 +52,7 @@ def box(ax: Axes, centre: Point, size: Point, text: str = "", **options: Any) ->
     rounded = "round,pad=0,rounding_size=0.025"
     ax.add_patch(FancyBboxPatch(corner, width, height, boxstyle=rounded, **look | options))
     if text:
-        write(ax, centre, text)
+        write(ax, centre, text, fontsize=size_pt)
     return Bbox.from_bounds(*corner, width, height)
 
 

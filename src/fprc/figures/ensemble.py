@@ -45,7 +45,13 @@ def plot_front(table: DataFrame, ax: Axes) -> Axes:
         ax.step(front["tables_percent"], front["claims_loss"], "-", where="post", color=grey,
                 linewidth=0.8)  # fmt: skip
         label = f"{name}, {own['rigs'].iloc[0]} rigs" if len(front) else name
-        ax.plot(end["tables_percent"], end["claims_loss"], _ENDS[number % len(_ENDS)], color=grey, label=label)
+        ax.plot(
+            end["tables_percent"],
+            end["claims_loss"],
+            _ENDS[number % len(_ENDS)],
+            color=grey,
+            label=label,
+        )
     ax.set_yscale("symlog", linthresh=10.0)
     ax.set_ylim(bottom=0.0)
     ax.set(

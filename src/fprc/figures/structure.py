@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Arc
 
 from fprc.figures import soft_bodies as soft
-from fprc.figures.blocks import TEXT, Point, box, dot, hand_valve, label, panel, wire, write
+from fprc.figures.blocks import Point, box, dot, hand_valve, label, panel, wire, write
 from fprc.figures.style import SIGNALS
 
 #: Length of a plate as drawn, inches.
@@ -107,7 +107,7 @@ def plot_reservoir(rest: Squeeze, driven: Squeeze, ax: Axes, *, limit_kpa: float
             write(ax, body.at(0.5, side * (soft.HALF_PLATE + width / 2)), letter)
         vented = abs(state[0]) < _ZERO_KPA
         active = "atmospheric" if vented else f"$P_i$ = {round(state[0])} kPa"
-        write(ax, (body.x - 0.35, 1.37), f"A: {active}\nB: $P_o$ = {round(state[1])} kPa",
+        write(ax, (body.x - 0.35, 1.35), f"A: {active}\nB: $P_o$ = {round(state[1])} kPa",
               ha="left", va="top")  # fmt: skip
     _air(ax, second, "p_i", into=True)
     _mark_angle(ax, second, r"$\phi$", 0.0)
@@ -168,7 +168,7 @@ def plot_mapping(
     for letter, (p_i, p_o, _) in states.items():
         loop.plot(p_i, p_o, "o", color="black", markersize=2.5)
         loop.annotate(f"({letter})", (p_i, p_o), (-1, 1), textcoords="offset points",
-                      fontsize=TEXT, ha="right", va="bottom")  # fmt: skip
+                      ha="right", va="bottom")  # fmt: skip
 
 
 def _plot_driven(ax: Axes, body: Body, fullness: float) -> None:

@@ -39,7 +39,7 @@ SIGNALS = {
 #: Grey and line style of each controller; hues are for signals.
 _CONTROLLERS = {"pd": ("#b0b0b0", "-"), "fprc_pd": ("#303030", "-")}
 #: Marker of each phase; that of validation is hollow, so that it is seen around another.
-PHASES = {
+PHASES: dict[str, dict[str, Any]] = {
     "train": {"marker": "o", "markersize": 3.0},
     "validation": {"marker": "s", "markersize": 5.5, "markerfacecolor": "none"},
     "test": {"marker": "^", "markersize": 4.0},
@@ -48,7 +48,7 @@ PHASES = {
 MARK = "#ee3377"
 
 
-def line_of(name: str) -> dict[str, str]:
+def line_of(name: str) -> dict[str, Any]:
     """Return grey and line style of a model or a controller."""
     colour, line = _CONTROLLERS.get(name) or look_of(name)
     return {"color": colour, "linestyle": line}

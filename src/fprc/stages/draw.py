@@ -38,9 +38,7 @@ def _label(name: str, log: Columns) -> str:
 
 def _frequencies(logs: Sequence[Columns]) -> tuple[list[np.ndarray], tuple[float, float]]:
     """Return the frequency of each log's command, and the lowest and the highest of all."""
-    found = [
-        swing_frequency(log.channels["time_s"], log.channels["p_target_kpa"]) for log in logs
-    ]
+    found = [swing_frequency(log.channels["time_s"], log.channels["p_target_kpa"]) for log in logs]
     return found, (min(map(np.min, found)), max(map(np.max, found)))
 
 
@@ -127,9 +125,7 @@ def _attributes_for_mark(logs: Sequence[Columns]) -> dict[str, Any]:
     return min(logs, key=lambda log: not log.attributes["source"].endswith("sim")).attributes
 
 
-def draw_weights(
-    weights: str, published: str, csv: str, pdf: str, png: str
-) -> Mapping[str, Any]:
+def draw_weights(weights: str, published: str, csv: str, pdf: str, png: str) -> Mapping[str, Any]:
     """Figure 9: proportional contribution of the normalised weights."""
     report = read_json(weights)
     table = weight_shares(report, read_yaml(published))

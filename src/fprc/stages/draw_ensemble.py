@@ -11,7 +11,6 @@ from fprc.calibration.objective import CLAIMS, tables_percent
 from fprc.figures import style
 from fprc.figures.ensemble import plot_correlations, plot_front, plot_shares_of_rigs
 
-
 #: Parameters that are drawn, those with the strongest correlations.
 _PARAMETERS = 14
 
@@ -31,7 +30,7 @@ def draw_ensemble(summary: str, pdf: str, png: str) -> Mapping[str, Any]:
     plot_shares_of_rigs(table, axes[0])
     image = plot_correlations(grid, limit, axes[1])
     bar = fig.colorbar(image, ax=axes[1], location="bottom", pad=0.02, aspect=40, extend="both")
-    bar.set_label("Rank correlation of holding with the parameter")
+    bar.set_label("Rank correlation")
     bar.outline.set_visible(False)
     rigs, beyond = report["rigs"] - report["failed"], int((grid.abs() > limit).sum().sum())
     style.letter(axes[0], f"(a) Claims on {rigs} rigs, 95 % intervals")

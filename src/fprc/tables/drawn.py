@@ -56,9 +56,7 @@ def tracking_errors(runs: Sequence[Any]) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def disturbed(
-    log: Any, cycles: Mapping[str, np.ndarray | None], quiet_s: float
-) -> pd.DataFrame:
+def disturbed(log: Any, cycles: Mapping[str, np.ndarray | None], quiet_s: float) -> pd.DataFrame:
     """Errors of Fig. 17: of theta from its reference, of channels from their undisturbed cycle.
 
     Parameters
