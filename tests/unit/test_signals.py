@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import signal
 
@@ -209,6 +209,7 @@ def test_crossings_that_noise_adds_do_not_narrow_the_loop():
     assert width_at_middle(x + noise, y) == pytest.approx(2.0 * np.sin(0.3), rel=0.03)
 
 
+@settings(max_examples=20)
 @given(st.floats(0.05, 0.3), st.floats(0.5, 1.5))
 def test_swing_frequency_of_a_chirp_is_its_instantaneous_frequency(f_start_hz, f_end_hz):
     t_s = sample_times(120.0, 200.0)
@@ -217,21 +218,21 @@ def test_swing_frequency_of_a_chirp_is_its_instantaneous_frequency(f_start_hz, f
     known = f_start_hz + (f_end_hz - f_start_hz) * t_s / 120.0
     # before the middle of the first half cycle, and after that of the last, it is constant
     inside = slice(int(200.0 * 1.5 / f_start_hz), -int(200.0 * 1.5 / f_end_hz))
-    assert swing_frequency(t_s, x)[inside] == pytest.approx(known[inside], rel=0.03)
+    assert np.abs(swing_frequency(t_s, x) / known - 1.0)[inside].max() < 0.03
 
 
 def test_swing_frequency_ignores_noise_and_knows_no_half_cycle():
     t_s = sample_times(40.0, 200.0)
     noise = 0.5 * np.random.default_rng(1).standard_normal(len(t_s))
     found = swing_frequency(t_s, 100.0 * np.sin(2 * np.pi * 0.25 * t_s) + noise)
-    assert found == pytest.approx(np.full(len(t_s), 0.25), rel=0.1)
-    assert swing_frequency(t_s, t_s) == pytest.approx(np.full(len(t_s), 1.0 / t_s[-1]))
-    assert swing_frequency(t_s, 0.0 * t_s) == pytest.approx(np.full(len(t_s), 1.0 / t_s[-1]))
+    assert np.abs(found / 0.25 - 1.0).max() < 0.1
+    for still in (t_s, 0.0 * t_s):
+        assert set(swing_frequency(t_s, still)) == {1.0 / t_s[-1]}
 
 
 def test_last_undisturbed_cycle_is_repeated():
     t_s = sample_times(40.0, 200.0)
     reference, values = np.sin(2 * np.pi * 0.25 * t_s), np.cos(2 * np.pi * 0.25 * t_s)
     pushed = values + (t_s >= 20.0)
-    assert repeat_cycle(t_s, reference, pushed, 20.0) == pytest.approx(values, abs=0.02)
+    assert np.abs(repeat_cycle(t_s, reference, pushed, 20.0) - values).max() < 0.02
     assert repeat_cycle(t_s, reference, pushed, 4.0) is None

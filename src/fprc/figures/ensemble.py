@@ -24,7 +24,12 @@ def plot_shares_of_rigs(table: DataFrame, ax: Axes) -> Axes:
     arms = np.abs(np.array([table["share"] - table["low"], table["high"] - table["share"]]))
     ax.errorbar(table["share"], rows, xerr=arms, fmt="o", color="black",
                 markersize=3, capsize=2, linewidth=0.8)  # fmt: skip
-    ax.set(xlim=(-0.03, 1.03), xlabel="Share of rigs", yticks=rows, yticklabels=table["id"])
+    ax.set(
+        xlim=(-0.03, 1.03),
+        xlabel="Share of rigs, 95 % interval",
+        yticks=rows,
+        yticklabels=table["id"],
+    )
     ax.set_ylim(len(table) - 0.5, -0.5)
     ax.grid(axis="y", color="0.9", linewidth=0.5)
     return ax
@@ -71,7 +76,7 @@ def plot_correlations(grid: DataFrame, limit: float, ax: Axes) -> Colours:
     ax.set_facecolor("0.93")
     image = ax.pcolormesh(values, cmap="PuOr", vmin=-limit, vmax=limit)
     strong = np.argwhere(np.abs(values) > limit)
-    ax.plot(strong[:, 1] + 0.5, strong[:, 0] + 0.5, "x", color="black", markersize=4)
+    ax.plot(strong[:, 1] + 0.5, strong[:, 0] + 0.5, "x", color="white", markersize=5)
     ax.set_xticks(np.arange(grid.shape[1]) + 0.5, grid.columns, rotation=90)
     ax.set_yticks(np.arange(grid.shape[0]) + 0.5, grid.index)
     ax.set_ylim(grid.shape[0], 0)
