@@ -5,8 +5,8 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 # each job is a new process: let Python cache the compiled modules for the next one
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: help paper smoke quick types lint tests test test-kill reproduce-twice processors slurm test-slurm \
-	docs layers lowest newest scaling fault-matrix fuzz loop-benchmark benchmark benchmark-all clean
+.PHONY: help paper smoke quick types lint site tests test test-kill reproduce-twice processors slurm \
+	test-slurm docs layers lowest newest scaling fault-matrix fuzz loop-benchmark benchmark benchmark-all clean
 
 help:  ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  %-16s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -31,13 +31,16 @@ lint: .venv/.ready  ## style, types, layers, workflow lint
 	ruff check .
 	ruff format --check .
 	mypy
-	snakefmt --check Snakefile workflow/rules
+	snakefmt --check workflow
 	snakemake --lint
 	lint-imports
 
 LONGEST = tests/workflow/test_twice.py tests/workflow/test_slurm.py tests/workflow/test_kill.py
 
-test: lint tests  ## everything that must pass
+site: .venv/.ready  ## build the documentation site into docs/_build/html, with its examples run
+	sphinx-build -W --keep-going -q docs docs/_build/html
+
+test: lint site tests  ## everything that must pass
 
 # Longest first. Three processes, because tests often wait for the programs that they start.
 tests: .venv/.ready  ## the tests alone

@@ -26,7 +26,7 @@ def test_profile_of_slurm_names_rules_that_there_are_and_groups_every_drawing(pr
     for chunks in (1, 2):
         asked = project.snakemake("--list-rules", "--config", f"grids={{chunks: {chunks}}}")
         rules |= set(asked.stdout.split())
-    profile = read_yaml(project.folder / "profiles/slurm/config.yaml")
+    profile = read_yaml(project.folder / "workflow/profiles/slurm/config.yaml")
     groups = dict(each.split("=") for each in profile["groups"])
     assert profile["set-resources"].keys() | groups.keys() <= rules
     assert {rule for rule in rules if rule.startswith("draw_")} <= groups.keys()
@@ -44,7 +44,15 @@ def test_pool_has_a_process_for_twenty_cells_within_its_limit(project, given, wo
 
 
 def test_default_profile_is_read(project):
-    assert "profiles/default" in project.snakemake("--dry-run", "table1").stdout
+    assert "workflow/profiles/default" in project.snakemake("--dry-run", "table1").stdout
+
+
+def test_profile_of_the_smoke_run_is_the_default_one_with_a_configuration(project):
+    profiles = project.folder / "workflow/profiles"
+    smoke = read_yaml(profiles / "smoke/config.yaml")
+    configuration = profiles / "smoke" / smoke.pop("configfile")
+    assert configuration.samefile(project.folder / "config/smoke.yaml")
+    assert smoke == read_yaml(profiles / "default/config.yaml")
 
 
 #: Targets that spare the same jobs are planned together.
@@ -105,7 +113,10 @@ def test_targets_plan_what_they_need_and_no_more(project, targets, needs, spares
     assert not spares & jobs.keys()
 
 
-def test_word_all_after_configfile_means_the_target(project):
-    swallowed = project.snakemake("--dry-run", "--configfile", "config/smoke.yaml", "all")
-    assert planned(swallowed.stdout)["record"] == 2
-    assert "results/smoke" in swallowed.stdout
+@pytest.mark.parametrize(
+    "words", ["--workflow-profile smoke all", "--configfile config/smoke.yaml"]
+)
+def test_smoke_run_is_planned(project, words):
+    done = project.snakemake("--dry-run", *words.split())
+    assert planned(done.stdout)["record"] == 2
+    assert "results/smoke" in done.stdout

@@ -61,7 +61,7 @@ rule fit_rig:
         grids=pick(SETTINGS["grids"], "epsilon", "n_c"),
         tracking=SETTINGS["tracking"],
         workers=lambda wildcards, threads: threads,
-        checkpoint=PATHS.below("calibration/search.partial.jsonl"),
+        checkpoint=placed(PATHS.below("calibration/search.partial.jsonl")),
     message:
         "Fit of the rig to Tables II and III"
     script:
@@ -87,7 +87,7 @@ rule ensemble_chunk:
         numbers=lambda wildcards: CHUNKS[int(wildcards.chunk)],
         ensemble=DRAWN,
         free=FREE,
-        checkpoint=PATHS.below("ensemble/rigs_{chunk}.partial.jsonl"),
+        checkpoint=placed(PATHS.below("ensemble/rigs_{chunk}.partial.jsonl")),
     message:
         "Ensemble: Tables II to IV on the rigs from number {wildcards.chunk}"
     script:
@@ -114,7 +114,7 @@ rule posterior_members:
         free=FREE,
         surrogate=SURROGATE,
         workers=lambda wildcards, threads: threads,
-        checkpoint=PATHS.below("posterior/members.partial.jsonl"),
+        checkpoint=placed(PATHS.below("posterior/members.partial.jsonl")),
     message:
         "Posterior: rigs that are compatible with Tables II and III"
     script:
@@ -140,7 +140,7 @@ rule posterior_chunk:
         tracking=SETTINGS["tracking"],
         numbers=lambda wildcards: MEMBERS[int(wildcards.chunk)],
         free=FREE,
-        checkpoint=PATHS.below("posterior/rigs_{chunk}.partial.jsonl"),
+        checkpoint=placed(PATHS.below("posterior/rigs_{chunk}.partial.jsonl")),
     message:
         "Posterior: Tables II to IV on the rigs from number {wildcards.chunk}"
     script:
@@ -234,7 +234,7 @@ rule measure_sensitivity:
         seeds=SETTINGS["evaluation"]["replicate_seeds"][:2],
         surrogate=SURROGATE,
         workers=lambda wildcards, threads: threads,
-        checkpoint=PATHS.below("calibration/sensitivity.partial.jsonl"),
+        checkpoint=placed(PATHS.below("calibration/sensitivity.partial.jsonl")),
     message:
         "Sensitivity of the errors to each parameter of the rig"
     script:
@@ -417,8 +417,12 @@ rule targets:
 rule front_figure:
     input:
         fits=[
-            *(fit for path in rig_files().values() if (fit := path.with_suffix(".json")).exists()),
-            *sorted(SEARCHES.glob("*.json")),
+            *(
+                local(str(fit))
+                for path in rig_files().values()
+                if (fit := path.with_suffix(".json")).exists()
+            ),
+            *map(local, map(str, sorted(SEARCHES.glob("*.json")))),
         ],
     output:
         **drawn(PATHS.below("rigs/front"), statistics=True),

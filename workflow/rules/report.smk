@@ -18,13 +18,13 @@ rule list_unavailable:
 
 rule report_page:
     input:
-        template="workflow/report/page.html.j2",
+        template=own("../report/page.html.j2"),
         ledger=[PATHS.below("claims.json")] if "claims" in PLAN.targets else [],
         missing=PATHS.below("not_available.csv"),
         tables=PLAN.pages,
         pictures=[f"{stem}.png" for stem in PLAN.figures.values()],
         sidecars=[f"{stem}.json" for stem in PLAN.figures.values()],
-        captions=[f"workflow/report/fig{number:02}.rst" for number in PLAN.figures],
+        captions=[own(f"../report/fig{number:02}.rst") for number in PLAN.figures],
     output:
         html=report(
             PATHS.below("report.html"),

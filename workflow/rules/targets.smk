@@ -35,11 +35,13 @@ rule smoke:
         PATHS.messages("smoke"),
     localrule: True
     threads: workflow.cores
+    params:
+        snakefile=own("../Snakefile"),
     message:
         "The whole workflow on small settings, into results/smoke"
     shell:
-        "snakemake --cores {threads} --nolock --configfile config/smoke.yaml"
-        " -- all 2>&1 | tee {log:q}"
+        "snakemake --cores {threads} --nolock --snakefile {params.snakefile:q}"
+        " --workflow-profile smoke all 2>&1 | tee {log:q}"
 
 
 if "readme" not in PLAN.unavailable:

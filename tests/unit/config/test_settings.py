@@ -181,7 +181,7 @@ def test_lists_that_belong_together_have_the_same_length(key, pair):
 def test_weights_sum_to_one(key):
     elements = len(value_at(Settings(), key))
     assert "make it sum to 1" in refused(key, [0.5] * elements)
-    weights = [1.0 / elements] * elements
+    weights = [0.0] * (elements - 1) + [1.0]
     assert value_at(check(set_to(key, weights)), key) == tuple(weights)
 
 
@@ -215,7 +215,7 @@ def test_taps_must_fit_into_the_log(models):
 
 def test_scikit_fuzzy_is_refused_where_it_is_not_installed(monkeypatch):
     assert check(set_to("models.fprc.clustering", "scikit-fuzzy")).models.fprc.restarts == 1
-    monkeypatch.setattr("fprc.config.settings.find_spec", lambda name: None)
+    monkeypatch.setattr("fprc.config.models.find_spec", lambda name: None)
     message = refused("models.fprc.clustering", "scikit-fuzzy")
     assert "models.fprc.clustering" in message
     assert "pip install scikit-fuzzy" in message
