@@ -30,7 +30,7 @@ def draw_ensemble(summary: str, pdf: str, png: str) -> Mapping[str, Any]:
     plot_shares_of_rigs(table, axes[0])
     image = plot_correlations(grid, limit, axes[1])
     bar = fig.colorbar(image, ax=axes[1], location="bottom", pad=0.02, aspect=40, extend="both")
-    bar.set_label(f"Rank correlation; by chance up to {limit:.2f}")
+    bar.set_label(f"Rank correlation (chance: {limit:.2f})")
     bar.outline.set_visible(False)
     rigs, beyond = report["rigs"] - report["failed"], int((grid.abs() > limit).sum().sum())
     style.letter(axes[0], f"(a) Claims on {rigs} rigs")
