@@ -98,8 +98,8 @@ PLANNED = [
     ),
     (
         ["readme"],
-        {"readme", "timing_table", "ledger", "readout_table"},
-        {"fit_rig", "ensemble_chunk"},
+        {"readme", "timing_table", "ledger", "readout_table", "ensemble_chunk"},
+        {"fit_rig"},
     ),
 ]
 
