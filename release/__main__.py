@@ -19,12 +19,11 @@ from datetime import UTC, date, datetime
 from pathlib import Path
 from typing import Any
 
-from fprc.config import from_files
 from fprc.errors import FprcError
 from fprc.provenance import checkout
 from release.changelog import PAGE, cut, released, version_of
 from release.crate import METADATA, describe_crate
-from release.results import files_of, problems_of, sidecars_of, unfinished
+from release.results import built, problems_of, sidecars_of
 
 PROFILE = "workflow-run-crate-0.5"
 
@@ -58,8 +57,7 @@ def build(root: Path, tools: str, configfiles: Sequence[str] = ()) -> None:
     """
     version = version_of(root)
     target = root / "dist" / version
-    folders = from_files([root / "config/config.yaml", *configfiles], {}).folders.model_dump()
-    made = files_of(root, folders)
+    made, unfinished = built(root, configfiles)
     sidecars = sidecars_of(root, made)
     commit, dirty = checkout(root / "src/fprc")
     if commit is None:
@@ -67,8 +65,7 @@ def build(root: Path, tools: str, configfiles: Sequence[str] = ()) -> None:
     problems = [
         *_of_version(root, version, target),
         *(["uncommitted changes; commit them, then build again"] if dirty else []),
-        *problems_of(root, sidecars, commit),
-        *(unfinished(root, configfiles) if sidecars else []),
+        *problems_of(root, unfinished, sidecars, commit),
     ]
     if problems:
         raise FprcError("\n".join(["no release:", *problems]))
@@ -77,7 +74,8 @@ def build(root: Path, tools: str, configfiles: Sequence[str] = ()) -> None:
     with tempfile.TemporaryDirectory(dir=target.parent, prefix=".") as scratch:
         folder = Path(scratch) / version
         folder.mkdir()
-        code = _said("git", "-C", str(root), "ls-files", "-z").split("\0")[:-1]
+        tracked = _said("git", "-C", str(root), "ls-files", "-z").split("\0")[:-1]
+        code = [name for name in tracked if (root / name).is_file()]  # no link to a folder
         metadata = describe_crate(
             root,
             code=code,

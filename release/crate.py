@@ -64,12 +64,15 @@ def describe_crate(
         "@type": ["File", "SoftwareSourceCode", "ComputationalWorkflow"],
         "name": "The paper, from raw logs to tables and figures",
         "programmingLanguage": _refer(SNAKEMAKE),
+        "version": version,
         "license": _refer(LICENSE),
     }
+    files["README.md"]["about"] = _refer("./")
     run = {
         "@id": "#run",
         "@type": "CreateAction",
         "name": "make paper",
+        "description": "The run of the workflow that made all raw logs and results.",
         "instrument": _refer(_id(WORKFLOW)),
         "object": [_refer(_id(name)) for name in code if name.startswith("config/")],
         "result": [_refer(_id(name)) for name in made],
@@ -87,6 +90,7 @@ def describe_crate(
         "datePublished": published,
         "license": _refer(LICENSE),
         "author": _refer("#developers"),
+        "publisher": _refer("#developers"),
         "citation": _refer(PAPER),
         "conformsTo": [_refer(profile) for profile in PROFILES],
         "mainEntity": _refer(_id(WORKFLOW)),
@@ -146,6 +150,7 @@ def _drawing(name: str, sidecar: Mapping[str, Any]) -> Entity:
         "@id": f"#made-{_id(name)}",
         "@type": "CreateAction",
         "name": f"Drawing of {Path(name).stem}",
+        "description": f"What {name} says: inputs, outputs, settings.",
         "instrument": _refer("#fprc"),
         "object": [_refer(_id(in_checkout(file))) for file in sidecar["inputs"]],
         "result": [_refer(_id(file)) for file in (*sidecar["outputs"], name)],

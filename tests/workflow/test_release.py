@@ -2,11 +2,13 @@
 
 import hashlib
 import importlib
+import io
 import json
 import os
 import shutil
 import subprocess
 import zipfile
+from contextlib import redirect_stdout
 from datetime import date
 from pathlib import Path
 from urllib.parse import unquote
@@ -21,11 +23,12 @@ VERSION = "99.0"
 pytestmark = pytest.mark.slow
 
 
-@pytest.fixture
-def release(monkeypatch):
+@pytest.fixture(scope="module")
+def release():
     """The modules of the folder ``release``."""
-    monkeypatch.syspath_prepend(ROOT)
-    return importlib.import_module("release.__main__")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(ROOT)
+        yield importlib.import_module("release.__main__")
 
 
 def git(folder, *arguments):
@@ -43,10 +46,13 @@ def rewrite(path, **changes):
     os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
 
 
-@pytest.fixture
-def clone(release, smoked, tmp_path, monkeypatch):
-    """A checkout whose changelog is cut, with a smoke run that its commit made."""
-    folder = tmp_path / "clone"
+@pytest.fixture(scope="module")
+def released(release, smoked, tmp_path_factory):
+    """A checkout with a cut changelog, a smoke run of its commit, and its release; what it printed.
+
+    The tools are left out; ``test_tools_accept_the_release`` has them.
+    """
+    folder = tmp_path_factory.mktemp("released") / "clone"
     left_out = shutil.ignore_patterns(
         ".git", ".venv", "dist", "__pycache__", "*.egg-info", "*.h5", ".s*", ".?*_cache", "smoke"
     )
@@ -58,31 +64,39 @@ def clone(release, smoked, tmp_path, monkeypatch):
     git(folder, "add", "--all")
     git(folder, "commit", "--quiet", "--message", "Release")
     commit = git(folder, "rev-parse", "HEAD").strip()
-    for path in [
-        *folder.glob("results/smoke/figures/*.json"),
-        folder / "results/smoke/readout/readout.json",
-    ]:
+    results = folder / "results/smoke"
+    for path in [*results.glob("figures/*.json"), results / "readout/readout.json"]:
         rewrite(path, commit=commit, dirty=False)
-    monkeypatch.chdir(folder)
-    return folder
+    with pytest.MonkeyPatch.context() as patch, redirect_stdout(io.StringIO()) as printed:
+        patch.setattr(release, "validate", lambda *_: None)
+        patch.setattr(release, "build_packages", lambda *_: None)
+        release.build(folder, "tools", SMOKE[1:])
+    return folder, printed.getvalue()
 
 
-@pytest.fixture
-def without_tools(release, monkeypatch):
-    """Leave out what needs the tools; ``test_tools_accept_the_release`` has it."""
-    monkeypatch.setattr(release, "validate", lambda *_: None)
-    monkeypatch.setattr(release, "build_packages", lambda *_: None)
-
-
-def test_archive_and_crate_describe_the_same_files(clone, release, without_tools, capsys):
-    assert release.main(["build", *SMOKE]) == 0, capsys.readouterr().err
-    (made,) = (clone / "dist").iterdir()
-    with zipfile.ZipFile(made / f"fprc-{VERSION}.crate.zip") as archive:
+@pytest.fixture(scope="module")
+def crate(released):
+    """The files of the archive, and the entities of its metadata by identifier."""
+    with zipfile.ZipFile(released[0] / f"dist/{VERSION}/fprc-{VERSION}.crate.zip") as archive:
         held = {name: archive.read(name) for name in archive.namelist()}
     graph = json.loads(held.pop("ro-crate-metadata.json"))["@graph"]
     entities = {entity["@id"]: entity for entity in graph}
     assert len(entities) == len(graph)
+    return held, entities
 
+
+@pytest.fixture
+def clone(released, tmp_path, monkeypatch):
+    """The checkout before the release; a test may break it."""
+    folder = tmp_path / "clone"
+    shutil.copytree(released[0], folder, ignore=shutil.ignore_patterns("dist"), symlinks=True)
+    monkeypatch.chdir(folder)
+    return folder
+
+
+def test_archive_and_crate_describe_the_same_files(released, crate):
+    clone, printed = released
+    held, entities = crate
     files = {
         unquote(name): entity for name, entity in entities.items() if "File" in entity["@type"]
     }
@@ -96,7 +110,7 @@ def test_archive_and_crate_describe_the_same_files(clone, release, without_tools
         for path in (clone / "results/smoke").rglob("*")
         if path.is_file() and "logs" not in path.parts
     }
-    tracked = set(git(clone, "ls-files").splitlines())
+    tracked = {name for name in git(clone, "ls-files").splitlines() if (clone / name).is_file()}
     assert held.keys() == results | tracked
     assert {"results/smoke/raw/sweep.h5", "results/smoke/figures/fig08_training.json"} <= results
 
@@ -105,13 +119,13 @@ def test_archive_and_crate_describe_the_same_files(clone, release, without_tools
         identifier for identifier, entity in entities.items() if "File" in entity["@type"]
     }
     assert (root["version"], root["datePublished"]) == (VERSION, "2030-01-02")
-    assert {reference for entity in graph for reference in referred(entity)} <= {
+    assert {reference for entity in entities.values() for reference in referred(entity)} <= {
         *entities,
         "https://w3id.org/ro/crate/1.1",
         "https://doi.org/10.1093/bioinformatics/bts480",
         "https://snakemake.readthedocs.io",
     }
-    assert "git tag -a v99.0" in capsys.readouterr().out
+    assert "git tag -a v99.0" in printed
 
 
 def referred(value):
@@ -126,13 +140,10 @@ def referred(value):
             yield from referred(list(value.values()))
 
 
-def test_action_of_a_figure_says_what_its_sidecar_says(clone, release, without_tools):
-    assert release.main(["build", *SMOKE]) == 0
+def test_action_of_a_figure_says_what_its_sidecar_says(released, crate):
+    held, entities = crate
     name = "results/smoke/figures/fig03_apparatus.json"
-    with zipfile.ZipFile(clone / f"dist/{VERSION}/fprc-{VERSION}.crate.zip") as archive:
-        graph = json.loads(archive.read("ro-crate-metadata.json"))["@graph"]
-        sidecar = json.loads(archive.read(name))
-    entities = {entity["@id"]: entity for entity in graph}
+    sidecar = json.loads(held[name])
     action = entities[entities[name]["about"]["@id"]]
     assert action["@type"] == "CreateAction"
     assert set(referred(action["result"])) == {*sidecar["outputs"], name}
@@ -143,14 +154,14 @@ def test_action_of_a_figure_says_what_its_sidecar_says(clone, release, without_t
     }
     said = {entities[each]["name"]: entities[each]["value"]
             for each in referred(action["additionalProperty"])}  # fmt: skip
-    assert said["commit"] == git(clone, "rev-parse", "HEAD").strip()
+    assert said["commit"] == git(released[0], "rev-parse", "HEAD").strip()
     assert said["config_sha256"] == sidecar["config_sha256"]
-    libraries = {entity["name"]: entity["softwareVersion"] for entity in graph
+    libraries = {entity["name"]: entity["softwareVersion"] for entity in entities.values()
                  if entity["@type"] == "SoftwareApplication"}  # fmt: skip
     assert libraries == sidecar["versions"] | {"fprc": VERSION}
 
 
-def test_everything_that_forbids_a_release_is_said_at_once(clone, release, without_tools, capsys):
+def test_everything_that_forbids_a_release_is_said_at_once(clone, release, capsys):
     figures = clone / "results/smoke/figures"
     rewrite(figures / "fig01_actuator.json", commit="0" * 40)
     rewrite(figures / "fig02_reservoir.json", dirty=True)
@@ -168,7 +179,7 @@ def test_everything_that_forbids_a_release_is_said_at_once(clone, release, witho
         "fig02_reservoir.json: made with uncommitted changes",
         "different versions of libraries",
         "fig05_hysteresis_reservoir.pdf is missing or was changed",
-        "results are missing or outdated",
+        "tables/table2.csv: missing or outdated",
         f"the tag v{VERSION} exists",
         f"dist/{VERSION}: exists",
     ):
@@ -180,14 +191,16 @@ def test_nothing_is_left_when_a_tool_refuses(clone, release, monkeypatch, capsys
     def refuse(*_):
         raise release.FprcError("refused by the validator")
 
+    made = sorted(str(path.relative_to(clone)) for path in clone.glob("results/smoke/figures/*"))
+    monkeypatch.setattr(release, "built", lambda *_: (made, []))
     monkeypatch.setattr(release, "validate", refuse)
     assert release.main(["build", *SMOKE]) == 1
     assert capsys.readouterr().err == "error: refused by the validator\n"
     assert list((clone / "dist").iterdir()) == []
 
 
-def test_a_release_needs_results_and_a_cut_changelog(clone, release, capsys):
-    shutil.rmtree(clone / "results/smoke")
+def test_a_release_needs_results_and_a_cut_changelog(clone, release, monkeypatch, capsys):
+    monkeypatch.setattr(release, "built", lambda *_: (["results/report.html"], []))
     path = clone / "src/fprc/__init__.py"
     path.write_text(path.read_text().replace(VERSION, "99.1"))
     git(clone, "commit", "--quiet", "--all", "--message", "Next")
