@@ -5,8 +5,8 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 # each job is a new process: let Python cache the compiled modules for the next one
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: help paper smoke quick types lint tests test test-kill reproduce-twice processors slurm test-slurm \
-	docs layers lowest newest scaling fault-matrix fuzz loop-benchmark benchmark benchmark-all \
+.PHONY: help paper smoke quick types lint site tests test test-kill reproduce-twice processors slurm \
+	test-slurm docs layers lowest newest scaling fault-matrix fuzz loop-benchmark benchmark benchmark-all \
 	container test-container cut release release-tools test-release clean
 
 help:  ## list the targets
@@ -38,7 +38,10 @@ lint: .venv/.ready  ## style, types, layers, workflow lint
 
 LONGEST = tests/workflow/test_twice.py tests/workflow/test_slurm.py tests/workflow/test_kill.py
 
-test: lint tests  ## everything that must pass
+site: .venv/.ready  ## build the documentation site into docs/_build/html, with its examples run
+	sphinx-build -W --keep-going -q docs docs/_build/html
+
+test: lint site tests  ## everything that must pass
 
 # Longest first. Three processes, because tests often wait for the programs that they start.
 tests: .venv/.ready  ## the tests alone
@@ -142,10 +145,10 @@ test-container: .venv/.ready  ## build the image and run it as a user without a 
 	FPRC_CONTAINER=1 BASE=$(BASE) pytest tests/workflow/test_container.py
 
 cut: .venv/.ready  ## give the changes in CHANGELOG.md a version and a date: VERSION=0.2.0
-	python -m release cut "$(VERSION)"
+	python -m workflow.release cut "$(VERSION)"
 
 release: .venv/.ready release-tools  ## build wheel, sdist and archive into dist/; upload nothing
-	python -m release build --tools .venv/release/bin/python
+	python -m workflow.release build --tools .venv/release/bin/python
 
 test-release: .venv/.ready release-tools  ## build a release of a smoke run with the real tools
 	pytest tests/workflow/test_release.py

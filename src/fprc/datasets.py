@@ -82,6 +82,7 @@ def load_hysteresis(
         ``units`` : dict of str
             Unit of each channel.
         ``sample_rate_hz`` : float
+            Samples per second.
         ``source`` : str
             ``sim``, ``rig`` or ``import``, as in the raw log.
         ``DESCR`` : str

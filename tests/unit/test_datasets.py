@@ -125,7 +125,7 @@ def test_unknown_rig_and_unusable_logs_are_errors_for_people(write_log, tmp_path
 
 
 @pytest.mark.slow
-def test_lines_of_the_page_give_the_table_of_the_readme(tmp_path, monkeypatch):
+def test_lines_of_the_page_give_the_table_of_the_results(tmp_path, monkeypatch):
     page = (ROOT / "docs/benchmark.md").read_text(encoding="utf-8")
     lines, printed = (
         re.search(rf"```{kind}\n(.*?)```", page, flags=re.DOTALL)[1] for kind in ("python", "text")
@@ -138,7 +138,10 @@ def test_lines_of_the_page_give_the_table_of_the_readme(tmp_path, monkeypatch):
         exec(compile(lines, "docs/benchmark.md", "exec"), {})
     assert output.getvalue() == printed
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    table = re.search(r"<!-- table2: generated -->(.*?)<!-- table2: end -->", readme, re.DOTALL)[1]
+    assert f"```python\n{lines}```" in readme
+    assert f"```text\n{printed}```" in readme
+    results = (ROOT / "docs/results.md").read_text(encoding="utf-8")
+    table = re.search(r"<!-- table2: generated -->(.*?)<!-- table2: end -->", results, re.DOTALL)[1]
     ours = [re.findall(r"\| +(\d+\.\d)(?: ±| )", row) for row in re.findall(r".* RMSE .*", table)]
     ours = np.array([row[0::2] for row in ours if row])
     assert [line.split()[1:] for line in printed.splitlines()] == ours.T.tolist()

@@ -94,8 +94,12 @@ class Project:
     def snakemake(
         self, *arguments: str, cores: tuple[str, ...] = ("--cores", "2"), **environment: str
     ) -> subprocess.CompletedProcess:
-        """Run Snakemake in a fork that has it imported; use ``run`` for a process of its own."""
-        asked = [str(self.folder), [*cores, *arguments], ENVIRONMENT | environment]
+        """Run Snakemake in a fork that has it imported; use ``run`` for a process of its own.
+
+        Its jobs are forks too, unless ``environment`` has more than a PYTHONPATH.
+        """
+        forked = environment.keys() <= {"PYTHONPATH"}
+        asked = [str(self.folder), [*cores, *arguments], ENVIRONMENT | environment, forked]
         starts = starter()
         starts.stdin.write(json.dumps(asked) + "\n")
         starts.stdin.flush()
@@ -120,8 +124,8 @@ class Project:
         return Run(self.folder, [*SNAKEMAKE, "--cores", "2", *arguments], environment)
 
     def recover(self) -> None:
-        """Give the command of the README for after a kill, word by word."""
-        text = (ROOT / "README.md").read_text(encoding="utf-8")
+        """Give the command of the docs for after a kill, word by word."""
+        text = (ROOT / "docs/running.md").read_text(encoding="utf-8")
         command = re.search("After a kill, `(snakemake [^`]+)`", text)
         done = self.run(*command[1].split())
         assert done.returncode == 0, done.stdout
@@ -168,7 +172,7 @@ def smoked(shared):
 
     def make(folder):
         folder.mkdir()
-        # the words in this order are in the README; see the file `all`
+        # the words in this order are in docs/running.md; see the file `all`
         return Project(folder).snakemake("--configfile", "config/smoke.yaml", "all")
 
     return once(shared, "project", make)

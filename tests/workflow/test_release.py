@@ -25,10 +25,10 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def release():
-    """The modules of the folder ``release``."""
+    """The modules of workflow/release."""
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(ROOT)
-        yield importlib.import_module("release.__main__")
+        yield importlib.import_module("workflow.release.__main__")
 
 
 def git(folder, *arguments):

@@ -111,7 +111,7 @@ def test_page_holds_everything_and_asks_for_nothing(smoked):
 
 
 def test_snakemakes_own_report_has_every_figure_with_caption_and_category(smoked_copy):
-    # as the README has it, without a word on cores
+    # as docs/running.md has it, without a word on cores
     done = smoked_copy.smoke("all", "--report", "report.zip", cores=())
     assert done.returncode == 0, done.stdout
     with zipfile.ZipFile(smoked_copy.folder / "report.zip") as archive:

@@ -113,11 +113,10 @@ rule performance_page:
     localrule: True
     params:
         **stage("documents.update_performance"),
-        readme="README.md",
         performance="docs/performance.md",
         picture="docs/images/growth.png",
     message:
-        "README.md and docs/performance.md: benchmark from the results"
+        "docs/performance.md: benchmark from the results"
     script:
         "../scripts/stage.py"
 

@@ -50,6 +50,7 @@ if "readme" not in PLAN.unavailable:
             orders=PATHS.below("tables/orders.csv"),
             seeds=[path.replace(".md", ".csv") for path in PLAN.seeds_tables[:2]],
             ledger=PATHS.below("claims.json"),
+            drawn=PATHS.below("ensemble/claims.csv"),
             figure=PATHS.below("figures/fig08_training.png"),
             made_from=TARGETS["report"],
         log:
@@ -58,8 +59,9 @@ if "readme" not in PLAN.unavailable:
         params:
             **stage("documents.update_readme"),
             readme="README.md",
+            results="docs/results.md",
             picture="docs/images/fig08_training.png",
         message:
-            "README: numbers and picture from the results"
+            "README.md and docs/results.md: numbers and picture from the results"
         script:
             "../scripts/stage.py"

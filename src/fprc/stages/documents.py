@@ -23,26 +23,47 @@ def update_readme(
     orders: str,
     seeds: Sequence[str],
     ledger: str,
+    drawn: str,
     figure: str,
     made_from: Sequence[str] = (),
     *,
     readme: str,
+    results: str,
     picture: str,
 ) -> None:
-    """Replace the generated blocks of the README, named after the pages, and its picture.
+    """Replace the generated blocks of the README and of docs/results.md, and the picture.
 
-    ``made_from`` is not read: it makes the rule depend on all intermediate files, so that no
-    stale number is shown after a failed job.
+    Parameters
+    ----------
+    pages : sequence of str
+        Tables; a block is named after its page.
+    orders : str
+        Order of the models on each further seed, CSV.
+    seeds : sequence of str
+        Tables II and III over further seeds, CSV.
+    ledger : str
+        Claims, JSON.
+    drawn : str
+        On how many drawn rigs each claim holds, CSV.
+    figure, picture : str
+        Figure of the results, and its copy in docs.
+    made_from
+        Not read: it makes the rule depend on all intermediate files, so that no stale number is
+        shown after a failed job.
+    readme, results : str
+        The README, and docs/results.md.
     """
     judged = read_json(ledger)
-    claims = pd.DataFrame(judged["claims"])[["id", "claim", "verdict"]]
-    verdicts = claims.rename(columns=str.capitalize).to_markdown(index=False)
     blocks = {Path(path).stem: _read(path) for path in pages} | {
         "orders": _sentence(pd.read_csv(orders)),
         "deviations": _deviations(seeds),
-        "verdicts": f"{verdicts}\n\n{judged['note']}",
+        "verdicts": _verdicts(judged, pd.read_csv(drawn, index_col="id")),
     }
-    _update(readme, blocks)
+    first = {name: blocks[name] for name in ("table2_seeds", "table3_seeds")}
+    first["outcome"] = f"{_outcome(judged)} {blocks['deviations']}"
+    texts = {path: _updated(path, new) for path, new in ((readme, first), (results, blocks))}
+    for path, text in texts.items():
+        write_text(path, text)
     _copy(figure, picture)
 
 
@@ -97,10 +118,9 @@ def update_calibration_page(
 
 
 def update_performance(
-    page: str, rules: str, figure: str, *, readme: str, performance: str, picture: str
+    page: str, rules: str, figure: str, *, performance: str, picture: str
 ) -> None:
-    """Put the tables into the README and docs/performance.md, and replace the picture."""
-    _update(readme, {"benchmark": _read(page)})
+    """Put the tables into docs/performance.md, and replace the picture."""
     _update(performance, {"benchmark": _read(page), "rules": _read(rules)})
     _copy(figure, picture)
 
@@ -121,11 +141,15 @@ def _markdown(table: pd.DataFrame) -> str:
     return table.to_markdown(index=False, disable_numparse=True)
 
 
-def _update(path: str, blocks: Mapping[str, str]) -> None:
+def _updated(path: str, blocks: Mapping[str, str]) -> str:
     text = _read(path)
     for name, block in blocks.items():
         text = replace_block(text, name, block, path)
-    write_text(path, text)
+    return text
+
+
+def _update(path: str, blocks: Mapping[str, str]) -> None:
+    write_text(path, _updated(path, blocks))
     log.info("updated %s", path)
 
 
@@ -147,6 +171,39 @@ def replace_block(text: str, name: str, block: str, path: str = "README.md") -> 
     if not (text.count(begin) == text.count(end) == 1 == len(pattern.findall(text))):
         raise FprcError(f"{path}: needs the lines {begin} and {end} once each; put them back")
     return pattern.sub(lambda _: f"{begin}\n{block.strip()}\n{end}", text)
+
+
+def _outcome(judged: Mapping[str, Any]) -> str:
+    """Return a sentence on how many claims have each verdict."""
+    verdicts = pd.Series([claim["verdict"] for claim in judged["claims"]]).value_counts()
+    counts = ", ".join(f"{count} {verdict}" for verdict, count in verdicts.items())
+    return (
+        f"**Of the paper's {verdicts.sum()} claims and parts of claims, on the simulated rig: "
+        f"{counts}.**"
+    )
+
+
+def _verdicts(judged: Mapping[str, Any], drawn: pd.DataFrame) -> str:
+    """Return a table of the claims."""
+
+    def on_drawn(name: str) -> str:
+        if name not in drawn.index:
+            return "-"
+        row = drawn.loc[name]
+        return f"{row['holds']} of {row['rigs']}"
+
+    rows = [
+        {
+            "Id": claim["id"],
+            "Claim": claim["claim"],
+            "Verdict": claim["verdict"],
+            "By the fit": claim["rig"],
+            "Ours, 95 % interval": claim["ours"],
+            "Drawn rigs": on_drawn(claim["id"]),
+        }
+        for claim in judged["claims"]
+    ]
+    return f"{_markdown(pd.DataFrame(rows))}\n\n{judged['note']}"
 
 
 def _sentence(orders: pd.DataFrame) -> str:

@@ -596,6 +596,7 @@ def judged(monkeypatch):
     return spy
 
 
+@pytest.mark.slow
 def test_interrupted_fit_goes_on_where_it_was(fitted, settings, tmp_path, judged):
     judged.stop = EVALUATIONS - 3
     with pytest.raises(KeyboardInterrupt):

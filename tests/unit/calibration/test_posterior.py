@@ -34,6 +34,7 @@ def test_assimilations_of_a_linear_rig_give_the_posterior():
     assert np.cov(points.T) == pytest.approx(covariance, abs=0.02)
 
 
+@pytest.mark.slow
 def test_sweeps_alone_reach_the_posterior_and_leave_the_impossible():
     """Without an assimilation, from the prior; one half of the space is impossible."""
 

@@ -549,6 +549,7 @@ def test_perturbation_flips_its_claim_and_no_other(ideal, claim, change, spoils)
     assert after(ideal, change(spoils)) == EXPECTED | {claim: "not reproduced"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "spares"), [(change, x) for *_, change, _, x in PERTURBATIONS], ids=IDS
 )

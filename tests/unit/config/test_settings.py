@@ -215,7 +215,7 @@ def test_taps_must_fit_into_the_log(models):
 
 def test_scikit_fuzzy_is_refused_where_it_is_not_installed(monkeypatch):
     assert check(set_to("models.fprc.clustering", "scikit-fuzzy")).models.fprc.restarts == 1
-    monkeypatch.setattr("fprc.config.settings.find_spec", lambda name: None)
+    monkeypatch.setattr("fprc.config.models.find_spec", lambda name: None)
     message = refused("models.fprc.clustering", "scikit-fuzzy")
     assert "models.fprc.clustering" in message
     assert "pip install scikit-fuzzy" in message

@@ -335,6 +335,7 @@ def test_journal_whose_header_does_not_fit_is_not_left_behind(path, monkeypatch)
 # --- damage ---------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_journal_cut_at_any_byte_gives_every_whole_sample(closed, path):
     data, start = closed
     header = start // 2
@@ -356,6 +357,7 @@ def test_journal_cut_at_any_byte_gives_every_whole_sample(closed, path):
             assert findings.lost == 0
 
 
+@pytest.mark.slow
 def test_flip_of_any_byte_costs_one_sample_at_most_and_never_gives_a_wrong_one(closed, path):
     data, start = closed
     for at in range(len(data)):

@@ -1,3 +1,5 @@
+import re
+
 import pytest
 
 from fprc.errors import FprcError
@@ -21,7 +23,8 @@ fuzzy_linear,validation_rmse,{},20.0
 
 LEDGER = (
     '{"note": "On the rig dry.", "claims": [{"id": "C1", "claim": "It is so.", "ours": "1", '
-    '"verdict": "reproduced"}]}'
+    '"rig": "fitted", "verdict": "reproduced"}, {"id": "C5", "claim": "It is fast.", '
+    '"ours": "2", "rig": "timed", "verdict": "undecided"}]}'
 )
 
 
@@ -30,12 +33,17 @@ def block(name, content):
 
 
 README = "\n".join(
+    [block("outcome", "old"), block("table2_seeds", "old"), block("table3_seeds", "old"), "End.\n"]
+)
+
+RESULTS = "\n".join(
     [
         "# Title",
         "",
         block("table2", "old"),
         "Between.",
         block("table2_seeds", "old"),
+        block("table3_seeds", "old"),
         block("orders", "old"),
         block("deviations", "old"),
         block("verdicts", "old"),
@@ -49,17 +57,21 @@ README = "\n".join(
 
 @pytest.fixture
 def project(tmp_path):
-    """A README and the results that go into it."""
+    """The two pages and the results that go into them."""
     contents = {
         "README.md": README,
+        "docs/results.md": RESULTS,
         "table2.md": "Table II.\n\n| a |\n|---|\n| 1 ± 2 \\d |\n",
         "table2_seeds.md": "Over seeds.\n",
+        "table3_seeds.md": "Reversed.\n",
         "orders.csv": ORDERS,
         "ii.csv": DEVIATIONS.format(12.0, 11.0, 16.5),
         "iii.csv": DEVIATIONS.format(9.0, 26.2, 20.0),
         "claims.json": LEDGER,
+        "drawn.csv": "id,holds,rigs\nC1,7,40\n",
         "table2_timing.md": "Times.\n",
     }
+    (tmp_path / "docs").mkdir()
     for name, text in contents.items():
         (tmp_path / name).write_text(text, encoding="utf-8")
     (tmp_path / "figure.png").write_bytes(b"\x89PNG picture")
@@ -67,24 +79,27 @@ def project(tmp_path):
 
 
 def update(project):
-    pages = ("table2.md", "table2_seeds.md", "table2_timing.md")
+    pages = ("table2.md", "table2_seeds.md", "table3_seeds.md", "table2_timing.md")
     update_readme(
         [str(project / name) for name in pages],
         str(project / "orders.csv"),
         [str(project / "ii.csv"), str(project / "iii.csv")],
         str(project / "claims.json"),
+        str(project / "drawn.csv"),
         str(project / "figure.png"),
         readme=str(project / "README.md"),
-        picture=str(project / "docs" / "picture.png"),
+        results=str(project / "docs/results.md"),
+        picture=str(project / "images" / "picture.png"),
     )
-    return (project / "README.md").read_text(encoding="utf-8")
+    return (project / "docs/results.md").read_text(encoding="utf-8")
 
 
 def test_blocks_are_replaced_and_everything_else_is_kept(project):
-    expected = README
+    expected = RESULTS
     for name, new in (
         ("table2", "Table II.\n\n| a |\n|---|\n| 1 ± 2 \\d |"),
         ("table2_seeds", "Over seeds."),
+        ("table3_seeds", "Reversed."),
         ("table2_timing", "Times."),
     ):
         expected = expected.replace(block(name, "old"), block(name, new))
@@ -114,25 +129,39 @@ def test_deviations_from_print_are_counted_over_both_tables(project):
 
 
 def test_every_claim_is_shown_with_its_verdict(project):
-    assert "| C1   | It is so. | reproduced |" in update(project)
+    text = update(project)
+    rows = [re.split(r" *\| *", row)[1:-1] for row in text.splitlines() if row.startswith("| C")]
+    assert ["C1", "It is so.", "reproduced", "fitted", "1", "7 of 40"] in rows
+    assert ["C5", "It is fast.", "undecided", "timed", "2", "-"] in rows
+
+
+def test_readme_counts_the_verdicts(project):
+    update(project)
+    text = (project / "README.md").read_text(encoding="utf-8")
+    assert "claims, on the simulated rig: 1 reproduced, 1 undecided.**" in text
+    assert "by 45 % at most" in text
+    assert "Reversed." in text
+    assert "old" not in text
+    assert text.endswith("End.\n")
 
 
 def test_picture_is_copied_into_a_folder_that_is_made(project):
     update(project)
-    assert (project / "docs" / "picture.png").read_bytes() == b"\x89PNG picture"
+    assert (project / "images" / "picture.png").read_bytes() == b"\x89PNG picture"
 
 
 def test_second_update_changes_nothing(project):
     assert update(project) == update(project)
 
 
-def test_missing_marker_leaves_the_readme_as_it_was(project):
-    spoiled = README.replace("<!-- table2_timing: end -->", "")
-    (project / "README.md").write_text(spoiled, encoding="utf-8")
+def test_missing_marker_leaves_both_pages_as_they_were(project):
+    spoiled = RESULTS.replace("<!-- table2_timing: end -->", "")
+    (project / "docs/results.md").write_text(spoiled, encoding="utf-8")
     with pytest.raises(FprcError, match="table2_timing"):
         update(project)
-    assert (project / "README.md").read_text(encoding="utf-8") == spoiled
-    assert not (project / "docs").exists()
+    assert (project / "docs/results.md").read_text(encoding="utf-8") == spoiled
+    assert (project / "README.md").read_text(encoding="utf-8") == README
+    assert not (project / "images").exists()
 
 
 def test_block_may_hold_what_looks_like_a_group_reference():

@@ -78,6 +78,7 @@ def test_each_member_is_what_its_point_and_seed_give(draw):
     assert [row["step"] for row in report["history"]][-1] == "sweep 3"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dies_after", [5, 20, 33])
 def test_drawing_that_was_stopped_goes_on_to_the_same_members(draw, dies_after):
     whole = draw("whole").read_bytes()

@@ -12,7 +12,7 @@ from typing import Any
 from urllib.parse import quote
 
 from fprc.provenance import sha256
-from release.results import in_checkout
+from workflow.release.results import in_checkout
 
 METADATA = "ro-crate-metadata.json"
 CONTEXT = [

@@ -1,0 +1,57 @@
+"""Documentation site, from the Markdown of this folder and the docstrings of the package."""
+
+import os
+from importlib.metadata import version as version_of
+
+project = "fprc"
+copyright = "The fprc developers; MIT licence"  # noqa: A001 (Sphinx names it)
+version = release = version_of("fprc")
+
+extensions = [
+    "myst_parser",
+    "numpydoc",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "sphinx_gallery.gen_gallery",
+]
+exclude_patterns = ["_build", "examples/README.rst", "images"]
+html_theme = "furo"
+html_title = f"fprc {version}"
+
+myst_enable_extensions = ["html_image"]
+myst_heading_anchors = 3
+suppress_warnings = ["config.cache"]  # sphinx-gallery's settings hold functions
+
+autodoc_typehints = "none"  # numpydoc's sections name the types
+numpydoc_show_class_members = False
+templates_path = ["templates"]
+autosummary_generate = True
+
+sphinx_gallery_conf = {
+    "examples_dirs": "examples",
+    "gallery_dirs": "gallery",
+    "capture_repr": (),
+    "filename_pattern": r"\.py$",
+    "within_subsection_order": "FileNameSortKey",
+    "write_computation_times": False,
+    "show_memory": False,
+    "download_all_examples": False,
+}
+
+
+def setup(app):
+    """Show our own members only, and link to pages of the site."""
+    app.connect("autodoc-skip-member", _is_not_ours)
+    app.connect("source-read", _link_within_the_site)
+
+
+def _is_not_ours(app, what, name, member, skip, options):
+    return skip or not str(getattr(member, "__module__", "fprc")).startswith("fprc")
+
+
+def _link_within_the_site(app, name, source):
+    source[0] = source[0].replace("(../data/raw/README.md)", "(logs.md)")
+
+
+# a thread of BLAS for each core changes last digits
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

@@ -1,0 +1,155 @@
+"""Settings of the models, of their evaluation and of the grids, Sec. III."""
+
+from importlib.util import find_spec
+from typing import Annotated, Literal
+
+from pydantic import Field, field_validator
+
+from fprc.config.section import Section, quantities, quantity, within
+from fprc.paper import controller_and_gain
+from fprc.registry import MODELS
+
+
+class Esn(Section):
+    """Echo state network, Sec. III-A and Table I."""
+
+    r: int = quantity(800, "-", (1, 10000), "reservoir size", "paper, Table I")
+    f_input: float = quantity(0.02, "-", (1e-6, 10), "input scaling factor", "paper, Table I")
+    gamma: float = quantity(0.8, "-", (0, 0.9999), "leaky rate", "paper, Table I")
+    rho: float = quantity(0.4, "-", (0, 1.5), "spectral radius", "paper, Table I")
+    washout: int = quantity(
+        100, "samples", (0, 10000), "steps that settle the state x", "paper, Sec. III-D"
+    )
+
+
+class Fprc(Section):
+    """Fuzzy pneumatic reservoir computing, Sec. III-B and Table I."""
+
+    epsilon: float = quantity(0.01, "-", (1e-6, 1), "filter factor", "paper, Table I")
+    n_c: int = quantity(8, "-", (1, 64), "fuzzy rules", "paper, Table I")
+    n_u: int = quantity(3, "samples", (1, 100), "taps of the readout P_o", "paper, Table I")
+    sigma: float = quantity(2.0, "-", (1e-3, 1e3), "Gaussian membership scaling", "paper, Table I")
+    clustering: Literal["fprc", "scikit-fuzzy"] = Field(
+        "fprc", description="fuzzy c-means of this package, or that of scikit-fuzzy"
+    )
+    restarts: int = quantity(
+        1, "-", (1, 1000), "starts of the clustering; the lowest objective is kept"
+    )
+
+    @field_validator("clustering")
+    @classmethod
+    def _is_installed(cls, clustering: str) -> str:
+        if clustering == "scikit-fuzzy" and find_spec("skfuzzy") is None:
+            raise ValueError("scikit-fuzzy is not installed: pip install scikit-fuzzy")
+        return clustering
+
+
+class Other(Section):
+    """A model from outside this package; docs/extending.md shows one."""
+
+    estimator: str = Field(
+        pattern=r"^[A-Za-z_]\w*(\.[A-Za-z_]\w*)+$", description="its class, module.Class"
+    )
+    inputs: tuple[Literal["theta_deg"]] | tuple[Literal["theta_deg"], Literal["p_o_kpa"]] = Field(
+        ("theta_deg",), description="its input channels, in the order of its columns"
+    )
+    settings: dict[str, bool | int | float | str] = Field(
+        {}, description="parameters of its constructor"
+    )
+
+
+class Models(Section):
+    """The three models; Fuzzy-linear shares n_c, sigma and the clustering with FPRC."""
+
+    n_y: int = quantity(5, "samples", (1, 100), "taps of theta_d", "paper, Sec. III-D")
+    alpha: float = quantity(1e-3, "-", (0, 1e6), "ridge parameter", "paper, Sec. III-D")
+    esn: Esn = Esn()
+    fprc: Fprc = Fprc()
+    others: dict[Annotated[str, Field(pattern=r"^[a-z][a-z0-9]*(_[a-z0-9]+)*$")], Other] = Field(
+        {}, description="models from outside this package, by name; docs/extending.md"
+    )
+
+    @field_validator("others")
+    @classmethod
+    def _names_are_free(cls, others: dict[str, Other]) -> dict[str, Other]:
+        taken = [
+            name
+            for name in others
+            if name in (*MODELS, "pd")
+            or name.endswith("_pd")
+            or controller_and_gain(name)[1] != "none"
+        ]
+        if taken:
+            raise ValueError(f"{', '.join(taken)} is taken; choose another name")
+        return others
+
+
+class Evaluation(Section):
+    """How the models are evaluated, Sec. III-D."""
+
+    folds: int = quantity(5, "-", (2, 100), "folds of the cross-validation", "paper, Sec. III-D")
+    split: Literal["shuffled", "blocked"] = Field(
+        "shuffled", description="rows of a fold: at random, as the printed spread implies, or "
+        "contiguous, which keeps neighbours in time out of the validation"
+    )  # fmt: skip
+    purge_s: float = quantity(
+        2.0, "s", (0, 60), "time on each side of a contiguous fold that does not train"
+    )
+    target: Literal["command", "measured"] = Field(
+        "command", description="P_exp that the models learn: commanded or measured pressure"
+    )
+    reservoir: Literal["recorded", "simulated"] = Field(
+        "recorded",
+        description="P_o of recorded logs: the recorded one, or that of the simulated reservoir, "
+        "driven by the recorded theta",
+    )
+    reservoir_zero_deg: float = quantity(
+        0, "deg", (-1e4, 1e4), "recorded theta at which the simulated reservoir is vented"
+    )
+    timing_repeats: int = quantity(10, "-", (1, 100), "repeats of the timing", "paper, Sec. III-D")
+    replicate_seeds: tuple[Annotated[int, within(0, 2**31)], ...] = Field(
+        (501, 502, 503, 504, 505, 506, 507, 508, 509, 510),
+        min_length=2,
+        description="seeds of further rigs, on which tables, grids and runs are repeated",
+    )
+    verdict_seeds: int = quantity(
+        10, "-", (2, 100000), "the first of these seeds decide the verdicts, however many there are"
+    )
+
+    @field_validator("replicate_seeds")
+    @classmethod
+    def _seeds_differ(cls, seeds: tuple[int, ...]) -> tuple[int, ...]:
+        if len(set(seeds)) < len(seeds):
+            raise ValueError(f"{seeds} repeats a seed; give each once")
+        return seeds
+
+
+class Grids(Section):
+    """Grids of control variables, Sec. III-E."""
+
+    epsilon: tuple[Annotated[float, within(1e-6, 1.0)], ...] = quantities(
+        (1.0, 0.1, 0.01, 1e-3, 1e-4), "-", (1e-6, 1), "filter factors", "paper, Fig. 10(a)"
+    )
+    n_c: tuple[Annotated[int, within(1, 64)], ...] = quantities(
+        (1, 2, 4, 8, 16), "-", (1, 64), "fuzzy rules", "paper, Fig. 10(b)"
+    )
+    n_u: tuple[Annotated[int, within(1, 100)], ...] = quantities(
+        tuple(range(1, 11)), "samples", (1, 100), "taps of P_o", "paper, Fig. 11"
+    )
+    n_y: tuple[Annotated[int, within(1, 100)], ...] = quantities(
+        tuple(range(1, 11)), "samples", (1, 100), "taps of theta_d", "paper, Fig. 11"
+    )
+    readout_taps: tuple[Annotated[int, within(1, 100)], ...] = quantities(
+        (1, 3, 5, 8, 10), "samples", (1, 100), "taps of P_o in the controls of the readout",
+        "assumed",
+    )  # fmt: skip
+    chunks: int = quantity(
+        1, "-", (1, 100), "jobs per grid; jobs beyond its number of cells are idle"
+    )
+
+    @field_validator("n_u")
+    @classmethod
+    def _taps_have_a_middle(cls, taps: tuple[int, ...]) -> tuple[int, ...]:
+        if len(set(taps)) < max(len(taps), 3):
+            raise ValueError(f"{taps} must be three or more different sizes, so that one is medium")
+        return taps

@@ -1,0 +1,92 @@
+"""Settings of the closed-loop runs, Sec. IV."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from fprc.config.section import Pair, Section, quantities, quantity, within
+
+
+class Reference(Section):
+    """Reference of the bending angle; it starts at its lowest value."""
+
+    form: Literal["multisine", "chirp"] = Field(
+        "multisine", description="sum of equal sines, or linear frequency sweep"
+    )
+    f_hz: tuple[Annotated[float, within(0.001, 10.0)], ...] = quantities(
+        (0.2,), "Hz", (0.001, 10), "frequencies of the sum, or first and last of the sweep"
+    )
+    amplitude_deg: float = quantity(
+        27.5, "deg", (0, 40), "of each sine", "printed for sweep and complex; else the sweep's"
+    )
+    offset_deg: float = quantity(
+        32.5, "deg", (0, 80), "mean", "printed for sweep and complex; else the sweep's"
+    )
+    duration_s: float = quantity(40, "s", (1, 3600), "length", "printed for sweep and complex")
+    settle_s: float = quantity(
+        5, "s", (0, 60), "time at the first value before; recorded, not evaluated", "assumed"
+    )
+
+    @model_validator(mode="after")
+    def _sweep_has_two_ends(self) -> "Reference":
+        if self.form == "chirp" and len(self.f_hz) != 2:
+            raise ValueError(f"a chirp needs two frequencies in f_hz, not {len(self.f_hz)}")
+        return self
+
+
+class References(Section):
+    """The references of Table IV, and that of the disturbance test."""
+
+    sine_0p2: Reference = Reference()
+    sine_0p5: Reference = Reference(f_hz=(0.5,))
+    sweep: Reference = Reference(form="chirp", f_hz=(0.05, 0.95), duration_s=80)
+    complex: Reference = Reference(
+        f_hz=(0.12, 0.04, 0.31, 0.29, 0.25), amplitude_deg=6.5, offset_deg=40.5, duration_s=100
+    )
+    disturbance: Reference = Reference(f_hz=(0.3,))
+
+
+class Gains(Section):
+    """PD controller of the bending angle."""
+
+    kp_kpa_per_deg: float = quantity(0.5, "kPa/deg", (1e-3, 50), "P gain", "paper, Sec. IV")
+    kd_kpa_s_per_deg: float = quantity(0.005, "kPa s/deg", (0, 5), "D gain", "paper, Sec. IV")
+
+
+class Pushes(Section):
+    """Random forces on the reservoir in the disturbance test, Fig. 17."""
+
+    quiet_s: float = quantity(
+        12, "s", (0, 600), "no push before this time", "the paper: a short period"
+    )
+    every_s: float = quantity(1.2, "s", (0.1, 60), "mean time between two pushes", "assumed")
+    sigma_kpa: float = quantity(150, "kPa", (0, 500), "size, standard deviation", "assumed")
+
+
+class Tracking(Section):
+    """The closed-loop runs of Sec. IV."""
+
+    references: References = References()
+    printed_gains: Gains = Gains()
+    candidate_kp_kpa_per_deg: tuple[Annotated[float, within(0.0, 50.0)], ...] = quantities(
+        (0.5, 1, 2, 3, 4, 5, 6, 8, 10, 12), "kPa/deg", (0, 50),
+        "P gains tried on the disturbance reference, undisturbed; D keeps the printed ratio",
+    )  # fmt: skip
+    pressure_limit_kpa: float = quantity(
+        450, "kPa", (100, 500), "largest pressure command to the actuator", "as the reservoir's"
+    )
+    angle_range_deg: Pair[Annotated[float, within(-10, 120)]] = quantities(
+        (0, 65), "deg", (-10, 120), "references outside are refused", "paper: about 60 deg"
+    )
+    pushes: Pushes = Pushes()
+
+    @model_validator(mode="after")
+    def _pushes_begin_within_the_evaluated_part(self) -> "Tracking":
+        reference, quiet_s = self.references.disturbance, self.pushes.quiet_s
+        end_s = reference.settle_s + reference.duration_s
+        if not reference.settle_s < quiet_s < end_s:
+            raise ValueError(
+                f"pushes.quiet_s = {quiet_s:g} s must lie between references.disturbance.settle_s "
+                f"= {reference.settle_s:g} s and the end of the run at {end_s:g} s"
+            )
+        return self
