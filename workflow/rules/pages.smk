@@ -71,3 +71,45 @@ rule calibration_page:
         "docs/calibration.md: numbers and picture from the results"
     script:
         "../scripts/stage.py"
+
+
+rule rule_graph:
+    output:
+        dot=PATHS.below("docs/rules.dot"),
+    log:
+        PATHS.messages("rule_graph"),
+    localrule: True
+    message:
+        "Rules of `all`: graph"
+    shell:
+        "snakemake --nolock --rulegraph dot -- all > {output.dot:q} 2> {log:q}"
+
+
+rule draw_rules:
+    input:
+        graph=PATHS.below("docs/rules.dot"),
+    output:
+        **drawn(PATHS.below("docs/rules")),
+    log:
+        PATHS.messages("draw_rules"),
+    params:
+        **stage("draw_schematics.draw_rules"),
+    message:
+        "Rules of `all`: figure"
+    script:
+        "../scripts/stage.py"
+
+
+rule running_page:
+    input:
+        figure=PATHS.below("docs/rules.png"),
+    log:
+        PATHS.messages("running_page"),
+    localrule: True
+    params:
+        **stage("documents.update_picture"),
+        picture="docs/images/rules.png",
+    message:
+        "docs/running.md: picture of the rules"
+    script:
+        "../scripts/stage.py"
