@@ -75,7 +75,7 @@ rule calibration_page:
 
 rule rule_graph:
     output:
-        dot=PATHS.below("docs/rules.dot"),
+        dot=PATHS.below("figures/rules.dot"),
     log:
         PATHS.messages("rule_graph"),
     localrule: True
@@ -87,9 +87,9 @@ rule rule_graph:
 
 rule draw_rules:
     input:
-        graph=PATHS.below("docs/rules.dot"),
+        graph=PATHS.below("figures/rules.dot"),
     output:
-        **drawn(PATHS.below("docs/rules")),
+        **drawn(PATHS.below("figures/rules")),
     log:
         PATHS.messages("draw_rules"),
     params:
@@ -102,7 +102,7 @@ rule draw_rules:
 
 rule running_page:
     input:
-        figure=PATHS.below("docs/rules.png"),
+        figure=PATHS.below("figures/rules.png"),
     log:
         PATHS.messages("running_page"),
     localrule: True
