@@ -1,7 +1,8 @@
 """Snakemake's logger ``fprc``: a line for each job, a bar on a terminal, errors in full.
 
-The profile of the workflow chooses it. A dry run, ``--verbose`` and ``--printshellcmds`` print what
-they print without it. Snakemake's own log file, below .snakemake/log, has everything.
+The profile of the workflow chooses it. A dry run, ``--verbose``, ``--printshellcmds`` and
+FPRC_MESSAGES=all in the environment print what Snakemake prints without it. Snakemake's own log
+file, below .snakemake/log, has everything.
 """
 
 import logging
@@ -57,6 +58,7 @@ class LogHandler(LogHandlerBase):
             )
         )
         wordy = asked.dryrun or asked.verbose or asked.printshellcmds or asked.debug_dag
+        wordy = wordy or os.environ.get("FPRC_MESSAGES") == "all"
         self._progress = None if wordy else Progress(stream, stream.isatty())
         self._ended = threading.Event()
         self._lock = threading.RLock()

@@ -16,6 +16,8 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 SNAKEMAKE = [sys.executable, "-m", "snakemake"]
+#: Runs print what Snakemake and the jobs print, instead of a line for each job.
+MESSAGES = {"FPRC_MESSAGES": "all"}
 STARTS = Path(__file__).parent / "starts.py"
 TRACING = Path(__file__).parent / "tracing"
 ENVIRONMENT = os.environ | {
@@ -96,7 +98,8 @@ class Project:
 
         Its jobs are forks too, unless ``environment`` has more than a PYTHONPATH.
         """
-        forked = environment.keys() <= {"PYTHONPATH"}
+        environment = MESSAGES | environment
+        forked = environment.keys() <= {"PYTHONPATH", *MESSAGES}
         asked = [str(self.folder), [*cores, *arguments], ENVIRONMENT | environment, forked]
         starts = starter()
         starts.stdin.write(json.dumps(asked) + "\n")
@@ -119,7 +122,8 @@ class Project:
         return self.snakemake(*arguments, "--configfile", "config/smoke.yaml", **options)
 
     def begin(self, *arguments: str, **environment: str) -> "Run":
-        return Run(self.folder, [*SNAKEMAKE, "--cores", "2", *arguments], environment)
+        command = [*SNAKEMAKE, "--cores", "2", *arguments]
+        return Run(self.folder, command, MESSAGES | environment)
 
     def recover(self) -> None:
         """Give the command of the docs for after a kill, word by word."""

@@ -1,4 +1,5 @@
 import re
+import sys
 
 import pytest
 
@@ -120,3 +121,22 @@ def test_smoke_run_is_planned(project, words):
     done = project.snakemake("--dry-run", *words.split())
     assert planned(done.stdout)["record"] == 2
     assert "results/smoke" in done.stdout
+
+
+@pytest.mark.slow
+def test_run_prints_a_line_for_each_job_and_says_how_it_ended(project):
+    snakemake = [sys.executable, "-m", "snakemake", "--cores", "1"]
+    done = project.run(*snakemake, "table1")
+    assert done.returncode == 0, done.stdout
+    lines = [line for line in done.stdout.splitlines() if not line.startswith("Using ")]
+    assert lines[0].startswith("2 jobs")
+    assert re.fullmatch(r"\[1/2\] 0:\d\d  Table I \(\d+ s\)", lines[1])
+    assert re.fullmatch(r"2 of 2 jobs done in 0:\d\d", lines[2])
+    assert len(lines) == 3
+
+
+def test_target_that_is_mistyped_gets_the_nearest(project):
+    done = project.snakemake("--dry-run", "tabel2")
+    assert done.returncode == 1
+    assert "Did you mean table2?" in done.stdout
+    assert "Did you mean" not in project.snakemake("--dry-run", "qqq").stdout

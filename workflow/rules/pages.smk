@@ -85,13 +85,13 @@ rule rule_graph:
         "snakemake --nolock --rulegraph dot -- all > {output.dot:q} 2> {log:q}"
 
 
-rule draw_rules:
+rule picture_of_rules:
     input:
         graph=PATHS.below("figures/rules.dot"),
     output:
         **drawn(PATHS.below("figures/rules")),
     log:
-        PATHS.messages("draw_rules"),
+        PATHS.messages("picture_of_rules"),
     params:
         **stage("draw_schematics.draw_rules"),
     message:
