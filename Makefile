@@ -78,8 +78,8 @@ test-slurm: slurm  ## the smoke run through Slurm; `make test` runs one job of e
 scaling: .venv/.ready  ## measure the numbers in docs/scaling.md
 	snakemake --cores $(CORES) scaling_page
 
-docs: .venv/.ready  ## update numbers and pictures in README.md and docs/calibration.md
-	snakemake --cores $(CORES) --configfile config/docs.yaml -- readme calibration_page running_page
+docs: .venv/.ready  ## update numbers and pictures in README.md and docs/
+	snakemake --cores $(CORES) --configfile config/docs.yaml --forcerun rule_graph -- readme calibration_page running_page
 
 layers: .venv/.ready  ## draw the packages in CONTRIBUTING.md from the imports
 	python tests/layers.py

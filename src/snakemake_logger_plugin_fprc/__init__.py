@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from snakemake.logging import ColorizingTextHandler, DefaultFilter, DefaultFormatter
+from snakemake.settings.enums import Quietness
 from snakemake_interface_logger_plugins.base import LogHandlerBase
 from snakemake_interface_logger_plugins.common import LogEvent
 
@@ -27,8 +28,8 @@ from snakemake_logger_plugin_fprc.progress import (
 #: Names of targets, for the message on one that does not exist; the Snakefile adds them.
 KNOWN_TARGETS: set[str] = set()
 
-#: Durations of earlier runs.
-_SECONDS = Path(".snakemake/seconds.json")
+#: File with the durations of earlier runs; the Snakefile adds one for its folder of results.
+SECONDS = [Path(".snakemake/seconds.json")]
 
 #: Beginnings of messages that say nothing about this run's results.
 _ROUTINE = (
@@ -54,11 +55,18 @@ class LogHandler(LogHandlerBase):
         self._own.setFormatter(DefaultFormatter(asked.quiet, asked.show_failed_logs))
         self._own.addFilter(
             DefaultFilter(
-                asked.quiet, asked.debug_dag, asked.verbose, asked.dryrun, asked.printshellcmds
+                quiet=asked.quiet,
+                debug_dag=asked.debug_dag,
+                verbose=asked.verbose,
+                dryrun=asked.dryrun,
+                printshellcmds=asked.printshellcmds,
             )
         )
         wordy = asked.dryrun or asked.verbose or asked.printshellcmds or asked.debug_dag
-        wordy = wordy or os.environ.get("FPRC_MESSAGES") == "all"
+        quiet = not {Quietness.ALL, Quietness.PROGRESS, Quietness.RULES}.isdisjoint(
+            asked.quiet or ()
+        )
+        wordy = wordy or quiet or os.environ.get("FPRC_MESSAGES") == "all"
         self._progress = None if wordy else Progress(stream, stream.isatty())
         self._ended = threading.Event()
         self._lock = threading.RLock()
@@ -67,7 +75,13 @@ class LogHandler(LogHandlerBase):
             os.environ["FPRC_MESSAGES"] = "log"
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Print what a record means to a person."""
+        """Print what a record means to a person; an error here must not end the thread."""
+        try:
+            self._print(record)
+        except Exception:
+            self.handleError(record)
+
+    def _print(self, record: logging.LogRecord) -> None:
         said: dict[str, Any] = vars(record)
         event = said.get("event")
         if self._progress is None:
@@ -75,7 +89,7 @@ class LogHandler(LogHandlerBase):
             self._suggest(record.getMessage())
         elif event == LogEvent.RUN_INFO:
             jobs = {rule: count for rule, count in said["stats"].items() if rule != "total"}
-            self._progress.seconds = read_seconds(_SECONDS)
+            self._progress.seconds = read_seconds(SECONDS[-1])
             self._progress.begin(jobs)
             threading.Thread(target=self._tick, args=[self._progress], daemon=True).start()
         elif event == LogEvent.JOB_INFO:
@@ -87,6 +101,8 @@ class LogHandler(LogHandlerBase):
         elif event in (LogEvent.JOB_ERROR, LogEvent.GROUP_ERROR, LogEvent.ERROR) or (
             event is None and not record.getMessage().startswith(_ROUTINE)
         ):
+            if event == LogEvent.JOB_ERROR:
+                self._progress.running.pop(said["jobid"], None)
             self._progress.end()
             self._own.handle(record)
             self._suggest(record.getMessage())
@@ -103,7 +119,7 @@ class LogHandler(LogHandlerBase):
             self._ended.set()
             self._progress.end()
             if self._progress.measured:
-                write_seconds(_SECONDS, self._progress.seconds, self._progress.measured)
+                write_seconds(SECONDS[-1], read_seconds(SECONDS[-1]), self._progress.measured)
         super().close()
 
     def _tick(self, progress: Progress) -> None:

@@ -54,7 +54,7 @@ class Progress:
         self._total = sum(jobs.values())
         self._busy_s = 0.0
         count = f"{self._total} job{'s' * (self._total > 1)}"
-        self.say(f"{count}; messages of each are in its log")
+        self.say(f"{count}; what each says is in its log, below results/logs")
 
     def start(self, number: int, rule: str, label: str, log: Path | None) -> None:
         """Note that a job has started."""
@@ -63,7 +63,9 @@ class Progress:
 
     def finish(self, number: int) -> None:
         """Print the line of a job that has ended well."""
-        job = self.running.pop(number)
+        job = self.running.pop(number, None)
+        if job is None:
+            return
         took_s = self.clock() - job.began_s
         self._left[job.rule] -= 1
         self._busy_s += took_s

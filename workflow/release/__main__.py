@@ -144,7 +144,7 @@ def build_packages(root: Path, folder: Path, tools: str, seconds: int) -> None:
         python = str(Path(scratch) / "bin/python")
         _said(python, "-m", "pip", "install", "--quiet", str(wheel))
         _said(python, "-m", "pip", "check")
-        _said(python, "-m", "fprc.cli", "--version")
+        _said(str(Path(scratch) / "bin/fprc"), "--version")
 
 
 def _said(*command: str, **environment: str) -> str:

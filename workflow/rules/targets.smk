@@ -41,4 +41,4 @@ rule smoke:
         "The whole workflow on small settings, into results/smoke"
     shell:
         "snakemake --cores {threads} --nolock --snakefile {params.snakefile:q}"
-        " --workflow-profile smoke all 2>&1 | tee {log:q}"
+        " --workflow-profile smoke all > {log:q} 2>&1"
