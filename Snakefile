@@ -13,7 +13,7 @@ from fprc.errors import FprcError
 from fprc.fingerprint import fingerprint
 from fprc.paper import EXPERIMENTS, REFERENCES, GRID_MODELS, GRID_SETTINGS, run_log
 from fprc.plan import BY_NAME, read_plan, refusal
-from fprc.plan.arguments import judgement, on_rig, paper_models, pick, tracking
+from fprc.plan.arguments import judgement, on_drawn_rigs, on_rig, paper_models, pick, tracking
 from fprc.registry import MODELS, class_module, model_of_run, settings_of
 
 min_version("9.0")
