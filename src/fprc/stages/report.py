@@ -22,6 +22,7 @@ from fprc.paper import SOURCES
 from fprc.plan import BY_NAME
 from fprc.provenance import checkout, hash_of, versions
 from fprc.tables import against_paper, read_markdown
+from fprc.tables.text import three_digits
 
 log = logging.getLogger(__name__)
 
@@ -79,9 +80,7 @@ def write_report(
         _figure(*files, folder)
         for files in zip(figures[::3], figures[1::3], figures[2::3], strict=True)
     ]
-    pages = [
-        _page(md, terms, folder) for md, _ in zip(tables[::2], tables[1::2], strict=True)
-    ]
+    pages = [_page(md, terms, folder) for md, _ in zip(tables[::2], tables[1::2], strict=True)]
     drawn_from = {figure["source"] for figure in shown} - {"none"}
     kinds = " and ".join(SOURCES[source] for source in sorted(drawn_from))
     page = (
@@ -119,7 +118,7 @@ def _environment(templates: Path) -> jinja2.Environment:
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
     )
-    environment.filters["symbols"] = symbols
+    environment.filters |= {"symbols": symbols, "digits": three_digits}
     environment.globals["zip"] = zip
     return environment
 
