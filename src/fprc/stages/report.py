@@ -81,6 +81,7 @@ def write_report(
         for files in zip(figures[::3], figures[1::3], figures[2::3], strict=True)
     ]
     pages = [_page(md, terms, folder) for md, _ in zip(tables[::2], tables[1::2], strict=True)]
+    names = {each["anchor"]: each["short"] for each in (*pages, *shown)}
     drawn_from = {figure["source"] for figure in shown} - {"none"}
     kinds = " and ".join(SOURCES[source] for source in sorted(drawn_from))
     page = (
@@ -102,7 +103,7 @@ def write_report(
             config=hash_of(settings),
             commit=_commit(*checkout()),
             versions=pd.DataFrame(versions().items(), columns=["Software", "Version"]),
-            names=(names := {each["anchor"]: each["short"] for each in (*pages, *shown)}),
+            names=names,
             drawn=drawn,
             **_claims(ledger, folder, names),
         )
