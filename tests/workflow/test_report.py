@@ -45,9 +45,12 @@ function used(page) {
 async function audit(page) {
   if (!page.defaultView.axe || !page.getElementById("theme")) return [];
   const wrong = [], checked = new Set();
+  // axe copies the source of each element, of which the pictures would be megabytes
+  for (const image of page.images) image.src = "data:image/gif;base64,R0lGODlhAQABAAAAACw=";
   for (const theme of ["light", "dark"]) {
     page.documentElement.dataset.theme = theme;
-    const report = await page.defaultView.axe.run(page);
+    const rules = theme == "light" ? {} : {runOnly: ["color-contrast"]};
+    const report = await page.defaultView.axe.run(page, rules);
     report.passes.forEach((each) => checked.add(each.id));
     wrong.push(...report.violations.flatMap((each) => each.nodes.map(
       (node) => `${theme}: ${each.id}: ${node.target} ${node.failureSummary.slice(0, 200)}`)));
