@@ -6,7 +6,8 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: help paper smoke quick types lint site tests test test-kill reproduce-twice processors slurm \
-	test-slurm docs layers lowest newest scaling fault-matrix fuzz loop-benchmark benchmark benchmark-all clean
+	test-slurm docs layers lowest newest scaling fault-matrix fuzz loop-benchmark benchmark benchmark-all \
+	container test-container cut release release-tools test-release clean
 
 help:  ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  %-16s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -31,7 +32,7 @@ lint: .venv/.ready  ## style, types, layers, workflow lint
 	ruff check .
 	ruff format --check .
 	mypy
-	snakefmt --check Snakefile workflow/rules
+	snakefmt --check workflow
 	snakemake --lint
 	lint-imports
 
@@ -78,7 +79,7 @@ scaling: .venv/.ready  ## measure the numbers in docs/scaling.md
 	snakemake --cores $(CORES) scaling_page
 
 docs: .venv/.ready  ## update numbers and pictures in README.md and docs/calibration.md
-	snakemake --cores $(CORES) --configfile config/docs.yaml -- readme calibration_page
+	snakemake --cores $(CORES) --configfile config/docs.yaml -- readme calibration_page running_page
 
 layers: .venv/.ready  ## draw the packages in CONTRIBUTING.md from the imports
 	python tests/layers.py
@@ -93,13 +94,14 @@ fuzz: .venv/.ready  ## run the commands on 10,000 damaged files: a quarter of an
 	python tests/fuzz --cases $(CASES) --seed $(SEED) $(PAGE:%=--write %)
 
 # With old libraries, newer ones warn, and scikit-learn has no strict list of failing checks.
-lowest:  ## run the unit tests with the oldest libraries that pyproject.toml allows
-	$(PYTHON) -m venv .venv/lowest
+OLDEST ?= python3.11
+lowest:  ## run the unit tests with the oldest Python and libraries allowed: OLDEST=python3.11
+	$(OLDEST) -m venv .venv/lowest
 	.venv/lowest/bin/python -c 'import tomllib; \
 	  needs = tomllib.load(open("pyproject.toml", "rb"))["project"]["dependencies"]; \
 	  print(*(need.replace(">=", "==") for need in needs), sep="\n")' > .venv/lowest/lowest.txt
 	.venv/lowest/bin/python -m pip install --quiet --disable-pip-version-check \
-	  --requirement .venv/lowest/lowest.txt --editable '.[readout,test]'
+	  --requirement .venv/lowest/lowest.txt --editable '.[workflow,test]'
 	.venv/lowest/bin/python -m pytest --quiet -m "not slow" --override-ini filterwarnings=default \
 	  --ignore tests/unit/models/test_sklearn_checks.py tests/unit $(PYTEST)
 
@@ -107,7 +109,7 @@ NEWEST ?= python3.13
 newest:  ## run the unit tests with the newest Python and libraries: NEWEST=python3.13
 	$(NEWEST) -m venv .venv/newest
 	.venv/newest/bin/python -m pip install --quiet --disable-pip-version-check --upgrade \
-	  --editable '.[readout,test]'
+	  --editable '.[workflow,test]'
 	.venv/newest/bin/python -m pytest --quiet -m "not slow" tests/unit $(PYTEST)
 
 loop-benchmark: .venv/.ready  ## measure the timing of the real rig's loop on this computer
@@ -127,6 +129,34 @@ benchmark-all: benchmark  ## compare the workflow with an uncompiled one: half a
 	python -m pip install --quiet --disable-pip-version-check --requirement environment.txt
 	python -m pip install --quiet --disable-pip-version-check --no-deps --editable .
 	touch $@
+
+# Docker counts only if its daemon answers. BASE=...: another image with Debian and Python 3.11 to 3.13
+container:  ## build the image of the Containerfile with podman, docker or buildah
+	@for engine in podman docker buildah; do \
+	  if $$engine info >/dev/null 2>&1; then \
+	    echo "container: building fprc:latest with $$engine"; \
+	    exec $$engine build --file Containerfile --tag fprc $(BASE:%=--build-arg BASE=%) .; \
+	  fi; \
+	done; \
+	echo "container: no podman, docker or buildah that answers; install one of them, or start docker" >&2; \
+	exit 1
+
+test-container: .venv/.ready  ## build the image and run it as a user without a home: ten minutes
+	FPRC_CONTAINER=1 BASE=$(BASE) pytest tests/workflow/test_container.py
+
+cut: .venv/.ready  ## give the changes in CHANGELOG.md a version and a date: VERSION=0.2.0
+	python -m workflow.release cut "$(VERSION)"
+
+release: .venv/.ready release-tools  ## build wheel, sdist and archive into dist/; upload nothing
+	python -m workflow.release build --tools .venv/release/bin/python
+
+test-release: .venv/.ready release-tools  ## build a release of a smoke run with the real tools
+	pytest tests/workflow/test_release.py
+
+release-tools:
+	$(PYTHON) -m venv .venv/release
+	.venv/release/bin/python -m pip install --quiet --disable-pip-version-check --upgrade 'pip>=25.1'
+	.venv/release/bin/python -m pip install --quiet --disable-pip-version-check --group release
 
 # .snakemake stays: without its records, Snakemake would treat results of older code as finished
 clean:  ## remove .venv

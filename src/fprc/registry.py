@@ -1,6 +1,6 @@
 """The models that are compared, one entry each; tables, figures and rules read them here.
 
-Classes are given by name and imported on demand: reading a title or a colour loads no numerics.
+Classes are given by name and imported on demand: reading a title or a look loads no numerics.
 """
 
 from collections.abc import Mapping
@@ -26,30 +26,36 @@ class Entry(NamedTuple):
     #: ``section.key``.
     settings: tuple[str, ...]
     title: str  #: name in tables and figures
-    colour: str  #: colour in every figure
+    look: tuple[str, str]  #: grey and line style in every figure
 
 
 #: The paper's models, in its order.
 MODELS = {
-    "esn": Entry("fprc.models.esn.ESN", ("theta_deg",), ("n_y", "alpha", "esn"), "ESN", "#cc79a7"),
+    "esn": Entry(
+        "fprc.models.esn.ESN",
+        ("theta_deg",),
+        ("n_y", "alpha", "esn"),
+        "ESN",
+        ("#777777", "-."),
+    ),
     "fprc": Entry(
         "fprc.models.fprc.FPRC",
         ("theta_deg", "p_o_kpa"),
         ("n_y", "alpha", "fprc"),
         "FPRC",
-        "#d55e00",
+        ("#000000", "-"),
     ),
     "fuzzy_linear": Entry(
         "fprc.models.fprc.FuzzyLinear",
         ("theta_deg",),
         ("n_y", "alpha", "fprc.n_c", "fprc.sigma", "fprc.clustering", "fprc.restarts"),
         "Fuzzy-linear",
-        "#e69f00",
+        ("#8c8c8c", "--"),
     ),
 }
 
-#: Colour of every model from outside this package.
-_OUTSIDE_COLOUR = "#44aa99"
+#: Look of every model from outside this package.
+_OUTSIDE = ("#505050", ":")
 
 
 def entries(models: Settings | None = None) -> dict[str, Entry]:
@@ -60,7 +66,7 @@ def entries(models: Settings | None = None) -> dict[str, Entry]:
             tuple(other["inputs"]),
             (f"others.{name}",),
             title_of(name),
-            _OUTSIDE_COLOUR,
+            _OUTSIDE,
         )
         for name, other in (models or {}).get("others", {}).items()
     }
@@ -71,9 +77,9 @@ def title_of(name: str) -> str:
     return MODELS[name].title if name in MODELS else name[:1].upper() + name[1:].replace("_", " ")
 
 
-def colour_of(name: str) -> str:
-    """Return a model's colour."""
-    return MODELS[name].colour if name in MODELS else _OUTSIDE_COLOUR
+def look_of(name: str) -> tuple[str, str]:
+    """Return a model's grey and line style."""
+    return MODELS[name].look if name in MODELS else _OUTSIDE
 
 
 def settings_of(name: str, models: Settings) -> dict[str, Any]:

@@ -90,6 +90,44 @@ def random_pushes(
     return force
 
 
+def turning_points(x: np.ndarray) -> np.ndarray:
+    """Return the indices at which ``x`` turns by more than 5 % of its range."""
+    from scipy.signal import find_peaks  # half a second, which only figures need to wait
+
+    prominence = 0.05 * np.ptp(x)
+    if not prominence:
+        return np.array([], dtype=int)
+    return np.sort(np.concatenate([find_peaks(side, prominence=prominence)[0] for side in (x, -x)]))
+
+
+def swing_frequency(time_s: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Return the frequency at which ``x`` swings, Hz, for every sample.
+
+    Half a cycle lies between two turns. The frequency is that of the half cycle in its middle, and
+    linear in time between the middles; of a chirp, this is its instantaneous frequency. With fewer
+    than two turns it is one over the duration.
+    """
+    turns = time_s[turning_points(x)]
+    if len(turns) < 2:
+        return np.full(len(time_s), 1.0 / (time_s[-1] - time_s[0]))
+    return np.interp(time_s, 0.5 * (turns[1:] + turns[:-1]), 0.5 / np.diff(turns))
+
+
+def repeat_cycle(
+    time_s: np.ndarray, reference: np.ndarray, values: np.ndarray, until_s: float
+) -> np.ndarray | None:
+    """Return ``values`` as if the last cycle of ``reference`` before ``until_s`` went on for ever.
+
+    None if ``reference`` turns less than three times before that.
+    """
+    before = time_s < until_s
+    turns = time_s[before][turning_points(reference[before])]
+    if len(turns) < 3:
+        return None
+    period_s = turns[-1] - turns[-3]
+    return np.interp(until_s - period_s + (time_s - until_s) % period_s, time_s, values)
+
+
 def width_at_middle(x: np.ndarray, y: np.ndarray) -> float:
     """Return the width of the loop of ``y`` over ``x`` at the middle of the range of ``x``.
 

@@ -55,7 +55,9 @@ def read_yaml(path: Path | str) -> dict[Any, Any]:
                 f"{path}: is larger than {_LIMIT_BYTES} bytes, the limit for settings"
             )
         settings, problems = _parse(content.decode("utf-8"))
-    except (OSError, ValueError, yaml.YAMLError) as error:
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be opened ({error.strerror}); check the path") from error
+    except (ValueError, yaml.YAMLError) as error:
         raise ConfigError(f"{path}: cannot be read as YAML: {_message(error)}") from error
     if problems:
         noun = "error" if len(problems) == 1 else "errors"

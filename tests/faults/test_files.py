@@ -584,9 +584,7 @@ def plan(user, tmp_path):
     """Plan the workflow, in a copy of the project."""
     project = tmp_path / "project"
     project.mkdir()
-    for name in ("Snakefile", "all"):
-        shutil.copy(ROOT / name, project)
-    for name in ("config", "profiles", "workflow"):
+    for name in ("config", "workflow"):
         shutil.copytree(ROOT / name, project / name)
 
     def plan(*more):

@@ -28,9 +28,7 @@ def project(folder: Path) -> Path:
     if copy.exists():  # made by the previous child
         return copy
     copy.mkdir()
-    for name in ("Snakefile", "all"):
-        shutil.copy(ROOT / name, copy)
-    for name in ("config", "profiles", "workflow"):
+    for name in ("config", "workflow"):
         shutil.copytree(ROOT / name, copy / name)
     return copy
 

@@ -24,7 +24,7 @@ _CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\udc80-\udcff]")
 _LIBRARY = re.compile(r"^.*\b\w*Warning: .*$", re.MULTILINE)
 #: A line of our code in a traceback; Snakemake's own errors come before it runs our code.
 _OUR_FRAME = re.compile(
-    r'File "[^"]*(Snakefile|workflow/rules/[^"]*|'
+    r'File "[^"]*(workflow/Snakefile|workflow/rules/[^"]*|'
     r'fprc/(config|logs|plan|registry|stages|artifacts)[^"]*)", line.*'
 )
 _NO_NUMBER = re.compile(r"[:\[,]\s*-?(NaN|Infinity)\b")

@@ -1,6 +1,6 @@
 """Run a command on a Slurm of one node, and stop Slurm afterwards.
 
-    python tests/slurm/one_node.py snakemake --workflow-profile profiles/slurm ...
+    python tests/slurm/one_node.py snakemake --workflow-profile slurm ...
     python tests/slurm/one_node.py --why-not     # prints what is missing, if anything
 
 munged, slurmctld and slurmd run as root, in a temporary folder, on free ports. The only other file

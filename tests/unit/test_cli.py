@@ -44,9 +44,6 @@ def test_version_is_printed(capsys):
 @pytest.mark.parametrize(
     "arguments",
     [
-        [],
-        ["config"],
-        ["log"],
         ["config", "check"],
         ["log", "check"],
         ["log", "repair"],
@@ -125,23 +122,49 @@ def test_output_that_nothing_reads_ends_the_command_without_a_traceback(command,
 
 
 def test_clean_log_prints_its_record_and_nothing_else(long_log, capsys):
-    assert main(["log", "check", str(long_log())]) == 0
+    assert main(["log", "check", "--json", str(long_log())]) == 0
     said = capsys.readouterr()
     assert said.err == ""
-    record = json.loads(said.out)
+    (record,) = json.loads(said.out)
     assert record["log"] == "log.h5"
     assert all(check["passed"] for check in record["checks"].values())
 
 
-def test_log_with_a_fault_prints_its_record_and_a_warning(write_log, changed, capsys):
-    path = write_log(changed=changed("theta_deg", slice(10, 20), 500.0))
-    assert main(["log", "check", str(path)]) == 1
+def test_clean_log_is_said_to_be_good(long_log, capsys):
+    path = long_log()
+    assert main(["log", "check", str(path)]) == 0
     said = capsys.readouterr()
-    assert json.loads(said.out)["checks"]["range"]["passed"] is False
-    assert said.err.splitlines()[0] == (
-        "warning: log.h5: range: channel theta_deg: sample 10 is 500 deg, outside of -45 to 120, "
-        "and 9 more"
+    assert said.err == ""
+    first, *checks = said.out.splitlines()
+    assert first == (
+        f"{path}: sweep, simulated rig, not hardware, 4000 samples at 200 Hz; all checks passed"
     )
+    assert [line[24:30].strip() for line in checks] == ["ok"] * 7
+    assert checks[1].startswith("  sample rate           ok     200 Hz, jitter ")
+
+
+def test_log_with_a_fault_is_said_to_have_failed(write_log, recorded, capsys):
+    theta_deg = np.array(recorded["sweep"]["theta_deg"])
+    theta_deg[10:20] = 500.0
+    faulty = recorded["sweep"] | {"theta_deg": theta_deg}
+    path = write_log(changed=faulty, notes={"p_o_kpa": "a\x1b"})
+    assert main(["log", "check", str(path)]) == 1
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].endswith("4000 samples at 200 Hz; 1 of 7 checks failed")
+    (failed,) = [line for line in lines if "FAILED" in line]
+    assert failed == (
+        "  plausible values      FAILED channel theta_deg: sample 10 is 500 deg, outside of -45 to "
+        "120, and 9 more"
+    )
+    assert lines[-1] == "  p_o_kpa                      a\\x1b"
+
+
+def test_record_of_a_log_with_a_fault_has_the_check(write_log, changed, capsys):
+    path = write_log(changed=changed("theta_deg", slice(10, 20), 500.0))
+    assert main(["log", "check", "--json", str(path)]) == 1
+    (record,) = json.loads(capsys.readouterr().out)
+    assert record["checks"]["range"]["passed"] is False
+    assert record["checks"]["range"]["samples"]["theta_deg"] == 10
 
 
 def test_unreadable_log_is_named_and_the_next_one_still_judged(
@@ -149,9 +172,14 @@ def test_unreadable_log_is_named_and_the_next_one_still_judged(
 ):
     bad = write_log("bad.h5", changed=changed("theta_deg", 7, np.nan))
     paths = [tmp_path / "none.h5", bad, long_log("good.h5"), tmp_path]
-    assert main(["log", "check", *map(str, paths)]) == 1
+    assert main(["log", "check", "--json", *map(str, paths)]) == 1
     said = capsys.readouterr()
-    assert json.loads(said.out)["log"] == "good.h5"
+    records = json.loads(said.out)
+    assert [record["log"] for record in records] == [
+        str(paths[0]), str(bad), "good.h5", str(tmp_path)
+    ]  # fmt: skip
+    assert ["error" in record for record in records] == [True, True, False, True]
+    assert "sample 7" in records[1]["error"]
     assert said.err.count("error: ") == 3
     for path in (paths[0], bad, tmp_path):
         assert f"error: {path}: " in said.err
@@ -177,8 +205,11 @@ def test_log_without_checksums_is_clean_and_its_record_says_so(long_log, capsys)
     with h5py.File(path, "r+") as file:
         for name in ("theta_deg", "p_o_kpa"):
             del file[name].attrs["crc32"]
+    assert main(["log", "check", "--json", str(path)]) == 0
+    assert json.loads(capsys.readouterr().out)[0]["no_checksum"] == ["theta_deg", "p_o_kpa"]
     assert main(["log", "check", str(path)]) == 0
-    assert json.loads(capsys.readouterr().out)["no_checksum"] == ["theta_deg", "p_o_kpa"]
+    last = capsys.readouterr().out.splitlines()[-1]
+    assert last == "  without checksum             theta_deg, p_o_kpa"
 
 
 @pytest.mark.slow
@@ -193,13 +224,57 @@ def test_log_that_hangs_the_library_is_named_and_the_next_one_still_checked(
     data = bytearray(path.read_bytes())
     data[data.index(b"seconds") - 7] ^= 1
     path.write_bytes(data)
-    assert main(["log", "check", str(path), str(long_log("good.h5"))]) == 1
+    good = long_log("good.h5")
+    assert main(["log", "check", str(path), str(good)]) == 1
     said = capsys.readouterr()
     assert said.err.startswith(f"error: {path}: not read within ")
-    assert json.loads(said.out)["log"] == "good.h5"
+    assert said.out.startswith(f"{good}: ")
 
 
 def test_log_is_judged_at_its_own_rate(write_log, recorded, capsys):
     slow = recorded["sweep"] | {"time_s": recorded["sweep"]["time_s"] * 2.0}
-    assert main(["log", "check", str(write_log(changed=slow, sample_rate_hz=100.0))]) == 0
-    assert json.loads(capsys.readouterr().out)["checks"]["rate"]["expected_hz"] == 100.0
+    path = write_log(changed=slow, sample_rate_hz=100.0)
+    assert main(["log", "check", "--json", str(path)]) == 0
+    assert json.loads(capsys.readouterr().out)[0]["checks"]["rate"]["expected_hz"] == 100.0
+
+
+# --- files that are not there -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("command", "file"),
+    [
+        ("config check none.yaml", "none.yaml"),
+        ("calibrate none.yaml", "none.yaml"),
+        ("calibrate --published none.yaml", "none.yaml"),
+        ("import none.csv --list", "none.csv"),
+        ("import none.csv --map none.yaml --out x.h5", "none.yaml"),
+        ("readout none.csv --map none.yaml", "none.yaml"),
+        ("rig check --config none.yaml", "none.yaml"),
+        ("rig run track_sweep_fprc --gains none.json", "none.json"),
+        ("export none.h5 --c none.h", "none.h5"),
+        ("log check none.h5", "none.h5"),
+        ("log repair none.h5 --out x.h5", "none.h5"),
+        ("log repair none.journal --out x.h5", "none.journal"),
+    ],
+)
+def test_file_that_is_not_there_is_said_to_be_so(command, file, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(command.split()) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"error: {file}: ")
+    assert "(No such file or directory)" in line
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(("content", "why"), [("", "not JSON"), ("[", "not JSON")])
+def test_gains_that_are_not_json_are_an_error(content, why, tmp_path, capsys):
+    path = tmp_path / "gains.json"
+    path.write_text(content)
+    assert main(["rig", "run", "track_sweep_fprc", "--gains", str(path)]) == 1
+    assert why in capsys.readouterr().err
+
+
+def test_folder_is_no_model(tmp_path, capsys):
+    assert main(["export", str(tmp_path), "--c", str(tmp_path / "m.h")]) == 1
+    assert f"{tmp_path}: cannot be opened (Is a directory)" in capsys.readouterr().err

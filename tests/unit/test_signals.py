@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import signal
 
@@ -11,7 +11,9 @@ from fprc.signals import (
     pressure_command,
     random_pushes,
     reference_angle,
+    repeat_cycle,
     sample_times,
+    swing_frequency,
     width_at_middle,
 )
 
@@ -205,3 +207,32 @@ def test_crossings_that_noise_adds_do_not_narrow_the_loop():
     noise = 0.02 * np.random.default_rng(1).standard_normal(8000)
     x, y = cosine(0.4, 0.0), cosine(0.4, 0.3)
     assert width_at_middle(x + noise, y) == pytest.approx(2.0 * np.sin(0.3), rel=0.03)
+
+
+@settings(max_examples=20)
+@given(st.floats(0.05, 0.3), st.floats(0.5, 1.5))
+def test_swing_frequency_of_a_chirp_is_its_instantaneous_frequency(f_start_hz, f_end_hz):
+    t_s = sample_times(120.0, 200.0)
+    x = chirp(t_s, duration_s=120.0, f_start_hz=f_start_hz, f_end_hz=f_end_hz, amplitude=175.0,
+              offset=175.0)  # fmt: skip
+    known = f_start_hz + (f_end_hz - f_start_hz) * t_s / 120.0
+    # before the middle of the first half cycle, and after that of the last, it is constant
+    inside = slice(int(200.0 * 1.5 / f_start_hz), -int(200.0 * 1.5 / f_end_hz))
+    assert np.abs(swing_frequency(t_s, x) / known - 1.0)[inside].max() < 0.03
+
+
+def test_swing_frequency_ignores_noise_and_knows_no_half_cycle():
+    t_s = sample_times(40.0, 200.0)
+    noise = 0.5 * np.random.default_rng(1).standard_normal(len(t_s))
+    found = swing_frequency(t_s, 100.0 * np.sin(2 * np.pi * 0.25 * t_s) + noise)
+    assert np.abs(found / 0.25 - 1.0).max() < 0.1
+    for still in (t_s, 0.0 * t_s):
+        assert set(swing_frequency(t_s, still)) == {1.0 / t_s[-1]}
+
+
+def test_last_undisturbed_cycle_is_repeated():
+    t_s = sample_times(40.0, 200.0)
+    reference, values = np.sin(2 * np.pi * 0.25 * t_s), np.cos(2 * np.pi * 0.25 * t_s)
+    pushed = values + (t_s >= 20.0)
+    assert np.abs(repeat_cycle(t_s, reference, pushed, 20.0) - values).max() < 0.02
+    assert repeat_cycle(t_s, reference, pushed, 4.0) is None

@@ -16,6 +16,8 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 SNAKEMAKE = [sys.executable, "-m", "snakemake"]
+#: Runs print what Snakemake and the jobs print, instead of a line for each job.
+MESSAGES = {"FPRC_MESSAGES": "all"}
 STARTS = Path(__file__).parent / "starts.py"
 TRACING = Path(__file__).parent / "tracing"
 ENVIRONMENT = os.environ | {
@@ -86,9 +88,7 @@ class Project:
 
     def __init__(self, folder: Path):
         self.folder = folder
-        for name in ("Snakefile", "all"):
-            shutil.copy(ROOT / name, folder)
-        for name in ("config", "profiles", "workflow"):
+        for name in ("config", "workflow"):
             shutil.copytree(ROOT / name, folder / name)
 
     def snakemake(
@@ -98,7 +98,8 @@ class Project:
 
         Its jobs are forks too, unless ``environment`` has more than a PYTHONPATH.
         """
-        forked = environment.keys() <= {"PYTHONPATH"}
+        environment = MESSAGES | environment
+        forked = environment.keys() <= {"PYTHONPATH", *MESSAGES}
         asked = [str(self.folder), [*cores, *arguments], ENVIRONMENT | environment, forked]
         starts = starter()
         starts.stdin.write(json.dumps(asked) + "\n")
@@ -121,7 +122,8 @@ class Project:
         return self.snakemake(*arguments, "--configfile", "config/smoke.yaml", **options)
 
     def begin(self, *arguments: str, **environment: str) -> "Run":
-        return Run(self.folder, [*SNAKEMAKE, "--cores", "2", *arguments], environment)
+        command = [*SNAKEMAKE, "--cores", "2", *arguments]
+        return Run(self.folder, command, MESSAGES | environment)
 
     def recover(self) -> None:
         """Give the command of the docs for after a kill, word by word."""
@@ -172,8 +174,8 @@ def smoked(shared):
 
     def make(folder):
         folder.mkdir()
-        # the words in this order are in docs/running.md; see the file `all`
-        return Project(folder).snakemake("--configfile", "config/smoke.yaml", "all")
+        # the words of docs/running.md
+        return Project(folder).snakemake("--workflow-profile", "smoke", "all")
 
     return once(shared, "project", make)
 
@@ -225,6 +227,12 @@ def _existing(folder):
 def _copied(project, folder):
     shutil.copytree(project.folder, folder)
     return _existing(folder)
+
+
+@pytest.fixture(scope="session")
+def in_folder():
+    """Return what runs the workflow in a folder that exists."""
+    return _existing
 
 
 @pytest.fixture(scope="session")

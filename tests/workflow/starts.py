@@ -72,9 +72,10 @@ def forking():
         os.close(ask)
         with os.fdopen(asked) as requests:
             for line in requests:
-                script, answer = json.loads(line)
+                script, answer, folder = json.loads(line)
                 if not os.fork():
                     if not (job := os.fork()):
+                        os.chdir(folder)  # --directory may have named another one
                         return script
                     code = os.waitstatus_to_exitcode(os.waitpid(job, 0)[1])
                     with open(answer, "w") as file:
@@ -88,7 +89,7 @@ def forking():
             answer = f"{folder}/code"
             os.mkfifo(answer)
             # shorter than PIPE_BUF, so that requests of two threads do not mix
-            os.write(ask, (json.dumps([fname, answer]) + "\n").encode())
+            os.write(ask, (json.dumps([fname, answer, os.getcwd()]) + "\n").encode())
             with open(answer) as file:
                 code = int(file.read())
         if code:

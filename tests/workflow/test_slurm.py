@@ -19,7 +19,7 @@ PLUGIN = Path(sys.prefix) / "slurm"
 ONE_NODE = str(Path(__file__).parents[1] / "slurm/one_node.py")
 #: What a node of this size and a Slurm without accounts need beside the profile.
 HERE = """
-    --workflow-profile profiles/slurm --cores 2 --max-threads 2 --slurm-status-command squeue
+    --workflow-profile slurm --cores 2 --max-threads 2 --slurm-status-command squeue
     --slurm-no-account --slurm-init-seconds-before-status-checks 2 --seconds-between-status-checks 2
 """.split()
 

@@ -1,4 +1,5 @@
 import re
+import sys
 
 import pytest
 
@@ -26,7 +27,7 @@ def test_profile_of_slurm_names_rules_that_there_are_and_groups_every_drawing(pr
     for chunks in (1, 2):
         asked = project.snakemake("--list-rules", "--config", f"grids={{chunks: {chunks}}}")
         rules |= set(asked.stdout.split())
-    profile = read_yaml(project.folder / "profiles/slurm/config.yaml")
+    profile = read_yaml(project.folder / "workflow/profiles/slurm/config.yaml")
     groups = dict(each.split("=") for each in profile["groups"])
     assert profile["set-resources"].keys() | groups.keys() <= rules
     assert {rule for rule in rules if rule.startswith("draw_")} <= groups.keys()
@@ -44,7 +45,15 @@ def test_pool_has_a_process_for_twenty_cells_within_its_limit(project, given, wo
 
 
 def test_default_profile_is_read(project):
-    assert "profiles/default" in project.snakemake("--dry-run", "table1").stdout
+    assert "workflow/profiles/default" in project.snakemake("--dry-run", "table1").stdout
+
+
+def test_profile_of_the_smoke_run_is_the_default_one_with_a_configuration(project):
+    profiles = project.folder / "workflow/profiles"
+    smoke = read_yaml(profiles / "smoke/config.yaml")
+    configuration = profiles / "smoke" / smoke.pop("configfile")
+    assert configuration.samefile(project.folder / "config/smoke.yaml")
+    assert smoke == read_yaml(profiles / "default/config.yaml")
 
 
 #: Targets that spare the same jobs are planned together.
@@ -90,8 +99,8 @@ PLANNED = [
     ),
     (
         ["readme"],
-        {"readme", "timing_table", "ledger", "readout_table"},
-        {"fit_rig", "ensemble_chunk"},
+        {"readme", "timing_table", "ledger", "readout_table", "ensemble_chunk"},
+        {"fit_rig"},
     ),
 ]
 
@@ -105,7 +114,29 @@ def test_targets_plan_what_they_need_and_no_more(project, targets, needs, spares
     assert not spares & jobs.keys()
 
 
-def test_word_all_after_configfile_means_the_target(project):
-    swallowed = project.snakemake("--dry-run", "--configfile", "config/smoke.yaml", "all")
-    assert planned(swallowed.stdout)["record"] == 2
-    assert "results/smoke" in swallowed.stdout
+@pytest.mark.parametrize(
+    "words", ["--workflow-profile smoke all", "--configfile config/smoke.yaml"]
+)
+def test_smoke_run_is_planned(project, words):
+    done = project.snakemake("--dry-run", *words.split())
+    assert planned(done.stdout)["record"] == 2
+    assert "results/smoke" in done.stdout
+
+
+@pytest.mark.slow
+def test_run_prints_a_line_for_each_job_and_says_how_it_ended(project):
+    snakemake = [sys.executable, "-m", "snakemake", "--cores", "1"]
+    done = project.run(*snakemake, "table1")
+    assert done.returncode == 0, done.stdout
+    lines = [line for line in done.stdout.splitlines() if not line.startswith("Using ")]
+    assert lines[0].startswith("2 jobs")
+    assert re.fullmatch(r"\[1/2\] 0:\d\d  Table I \(\d+ s\)", lines[1])
+    assert re.fullmatch(r"2 of 2 jobs done in 0:\d\d", lines[2])
+    assert len(lines) == 3
+
+
+def test_target_that_is_mistyped_gets_the_nearest(project):
+    done = project.snakemake("--dry-run", "tabel2")
+    assert done.returncode == 1
+    assert "Did you mean table2?" in done.stdout
+    assert "Did you mean" not in project.snakemake("--dry-run", "qqq").stdout

@@ -131,7 +131,7 @@ def test_exit_code_says_whether_builds_agree(
 
     def build(folder, circumstances, *options):
         assert options == ("--configfile", "config/smoke.yaml")
-        assert (folder / "Snakefile").exists()
+        assert (folder / "workflow/Snakefile").exists()
         if folder not in begun:
             begun.append(folder)
             found = written(f"build {len(begun)}", factor if len(begun) == 2 else 1.0)

@@ -66,7 +66,7 @@ rule benchmark_table:
         PATHS.messages("benchmark_table"),
     params:
         **stage("show_benchmark.tabulate_benchmark"),
-        whole=WHOLE,  # not an input, so that an edit does not rerun it
+        whole=placed(WHOLE),  # not an input, so that an edit does not rerun it
     message:
         "Speed compared with other libraries: table"
     script:
@@ -96,7 +96,7 @@ rule rule_times:
     localrule: True
     params:
         **stage("show_benchmark.tabulate_rules"),
-        files=TARGETS["report"],
+        files=[*map(placed, TARGETS["report"])],
     message:
         "Time of the last run of each rule"
     script:

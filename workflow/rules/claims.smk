@@ -29,16 +29,18 @@ if "check" not in PLAN.unavailable:
     rule check:
         input:
             ledger=PATHS.below("claims.json"),
-            verdicts="config/verdicts.yaml",
+            verdicts=own("../../config/verdicts.yaml"),
         log:
             PATHS.messages("check"),
         localrule: True
         params:
             **stage("check.check_results"),
-            folders=SETTINGS["folders"],
+            folders=FOLDERS,
             made=lambda wildcards: made_by_rules(),
-            # the documentation shows the results of the paper's settings only
-            pictures=lambda wildcards: pictures_of_docs() if RESULTS == "results" else {},
+            # the documentation shows the results of the paper's settings in the checkout only
+            pictures=lambda wildcards: (
+                pictures_of_docs() if RESULTS == "results" and IN_CHECKOUT else {}
+            ),
         message:
             "Check of the verdicts in config/verdicts.yaml, of files, of pictures in docs"
         script:

@@ -8,6 +8,20 @@ GAINS = PATHS.below("control/gains.json")
 LONG, ALONE = 1, workflow.cores + 1
 
 
+RULES = workflow.current_basedir
+IN_CHECKOUT = os.path.exists("docs/images")
+
+
+def own(name):
+    """Return a file of this workflow, named from the folder of the rules.
+
+    The path is relative, so that moving the workflow with its results reruns nothing.
+    """
+    if isinstance(RULES, os.PathLike):
+        return local(os.path.relpath(os.path.join(RULES, name)))
+    return workflow.source_path(name)  # a copy: the module comes from a git repository
+
+
 def code_of(name, *models):
     """Return the fingerprint of the code of a stage and of the models that it runs."""
     modules = [class_module(model, SETTINGS["models"]) for model in models]
@@ -85,7 +99,8 @@ def pictures_of_docs():
     for params, files in ((each.params, each.input) for each in workflow.rules):
         if params.get("picture"):
             figures[params.picture] = str(files.figure)
-        figures |= dict(zip(params.get("pictures", ()), map(str, files.get("figures", ()))))
+        if files.get("figures") and params.get("pictures"):
+            figures |= dict(zip(params.pictures, map(str, files.figures)))
     return figures
 
 

@@ -143,6 +143,7 @@ rule draw_training:
 rule draw_fig9:
     input:
         weights=PATHS.below("weights/fprc.json"),
+        published=PUBLISHED,
     output:
         **figure(9, statistics=True),
     log:
@@ -176,6 +177,7 @@ rule draw_fig10:
 rule draw_fig11:
     input:
         taps=PATHS.grid("taps"),
+        published=PUBLISHED,
     output:
         **figure(11, statistics=True),
     log:
@@ -188,6 +190,14 @@ rule draw_fig11:
         "../scripts/stage.py"
 
 
+#: The runs of these figures that have logs; they share the range of the errors.
+FOLLOWED = [
+    run
+    for number, _ in enumerate(REFERENCES, start=12)
+    if f"fig{number}" not in PLAN.unavailable
+    for run in BY_NAME[f"fig{number}"].logs
+]
+
 for number, reference in enumerate(REFERENCES, start=12):
 
     rule:
@@ -196,8 +206,9 @@ for number, reference in enumerate(REFERENCES, start=12):
         input:
             open_loop=PATHS.log(run_log(reference, "fprc")),
             closed_loop=PATHS.log(run_log(reference, "fprc_pd_identified")),
+            runs=[PATHS.log(run) for run in FOLLOWED],
         output:
-            **figure(number),
+            **figure(number, statistics=True),
         log:
             PATHS.messages(f"fig{number}"),
         params:
@@ -227,7 +238,7 @@ rule draw_fig17:
     input:
         run=PATHS.log(BY_NAME["fig17"].logs[0]),
     output:
-        **figure(17),
+        **figure(17, statistics=True),
     log:
         PATHS.messages("fig17"),
     params:

@@ -41,7 +41,9 @@ if SETTINGS["source"] == "rig":
         # no rule for a log that exists: it is neither recorded again nor overwritten
         wildcard_constraints:
             name="|".join(
-                name for name in [*PLAN.every_log, *IDENTIFY] if not Path(PATHS.log(name)).exists()
+                name
+                for name in [*PLAN.every_log, *IDENTIFY]
+                if not Path(placed(PATHS.log(name))).exists()
             )
             or "none",
         threads: workflow.cores
@@ -50,8 +52,8 @@ if SETTINGS["source"] == "rig":
             name="{name}",
             settings=SETTINGS,
             armed=ARMED,
-            model=lambda wildcards: FITTED(wildcards),
-            gains=GAINS,
+            model=lambda wildcards: placed(FITTED(wildcards)),
+            gains=placed(GAINS),
         message:
             "Experiment {wildcards.name} on the real rig"
         script:

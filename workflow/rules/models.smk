@@ -117,7 +117,7 @@ if GRID_CHUNKS == 1:
             runtime=60,
         params:
             **GRID,
-            checkpoint=PATHS.below("grids/{grid}.partial.jsonl"),
+            checkpoint=placed(PATHS.below("grids/{grid}.partial.jsonl")),
         message:
             "Grid of {wildcards.grid}, workers: {threads}"
         script:
@@ -143,7 +143,7 @@ else:
             **GRID,
             chunk=lambda wildcards: int(wildcards.chunk),
             chunks=GRID_CHUNKS,
-            checkpoint=PATHS.below("grids/{grid}_{chunk}.partial.jsonl"),
+            checkpoint=placed(PATHS.below("grids/{grid}_{chunk}.partial.jsonl")),
         message:
             "Grid of {wildcards.grid}, chunk {wildcards.chunk}, workers: {threads}"
         script:
@@ -207,7 +207,7 @@ rule measure_readout:
         epsilon=SETTINGS["grids"]["epsilon"],
         n_u=SETTINGS["grids"]["readout_taps"],
         workers=lambda wildcards, threads: threads,
-        checkpoint=PATHS.below("readout/cells.partial.jsonl"),
+        checkpoint=placed(PATHS.below("readout/cells.partial.jsonl")),
     message:
         "FPRC with P_o, without it, and with substitutes for it"
     script:

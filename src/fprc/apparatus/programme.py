@@ -82,7 +82,7 @@ def _tracking(name: str, settings: Mapping[str, Any], model: str, gains: str) ->
         known_gains = {"identified": candidate(kp, bench.tracking["printed_gains"])}
     else:
         reference, controller = reference_and_controller(name)
-        known_gains = read_json(gains)
+        known_gains = _read_gains(gains)
         if reference == "disturbance":
             hint = f"push the reservoir by hand from {bench.tracking['pushes']['quiet_s']:g} s on"
     theta_d = bench.reference(reference)
@@ -95,6 +95,16 @@ def _tracking(name: str, settings: Mapping[str, Any], model: str, gains: str) ->
     attributes = bench.describe(reference, controller, known_gains) | {"experiment": name}
     channels = (*RAW_CHANNELS, *TRACKING_CHANNELS)
     return Experiment(law, len(theta_d), channels, _with_hardware(attributes, settings), hint)
+
+
+def _read_gains(path: str) -> dict[str, Any]:
+    try:
+        return read_json(path)
+    except (OSError, ValueError) as error:
+        why = error.strerror if isinstance(error, OSError) else f"not JSON: {error}"
+        raise ConfigError(
+            f"{path}: the gains cannot be read ({why}); make them with snakemake, or give --gains"
+        ) from error
 
 
 def _hysteresis(name: str, settings: Mapping[str, Any]) -> Experiment:

@@ -46,7 +46,8 @@ def _similar_training(results: Results, published: Mapping[str, Any]) -> Finding
     # nearer to FPRC than Fuzzy-linear is, which the paper calls worse
     limit = math.sqrt(printed["fuzzy_linear"] / printed["fprc"])
     return Finding(
-        f"ESN / FPRC {printed['esn'] / printed['fprc']:.2f} in training",
+        f"ESN / FPRC {printed['esn'] / printed['fprc']:.2f} in training, which is FPRC / ESN "
+        f"{printed['fprc'] / printed['esn']:.2f}",
         [
             Statement(
                 f"ESN / FPRC in {PHASES[phase]}",

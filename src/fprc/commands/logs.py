@@ -11,31 +11,71 @@ from fprc.errors import LogError
 from fprc.escape import visible
 from fprc.logs import assess, read_raw, write_columns
 from fprc.logs.isolated import attempt_each
-from fprc.logs.quality import warnings
+from fprc.logs.quality import finding, warnings
 from fprc.logs.recovery import Findings, Stretch, recover, refuse_existing
 from fprc.logs.salvage import salvage
+from fprc.paper import SOURCES
 
 #: Exit codes; 1: nothing can be read.
 WHOLE, SOME_LOST = 0, 3
 
 
-def inspect_logs(paths: Sequence[str]) -> int:
-    """Print the quality record of each raw log; return 1 if one fails a check or is unreadable.
+#: Checks of a quality record, for people.
+_TITLES = {
+    "complete": "complete",
+    "rate": "sample rate",
+    "gaps": "gaps in time",
+    "not_finite": "finite numbers",
+    "range": "plausible values",
+    "stuck": "stuck sensor",
+    "leak": "leak of the reservoir",
+}
+
+
+def inspect_logs(paths: Sequence[str], *, as_json: bool = False) -> int:
+    """Say what is wrong with raw logs; return 1 if one fails a check or is unreadable.
 
     The limits are the defaults; the expected sample rate is that in the log's attributes.
+
+    Parameters
+    ----------
+    as_json : bool, default=False
+        Print a JSON list with the quality record of each log; of an unreadable one, ``log`` and
+        ``error``.
     """
-    failed = False
     limits = Settings().quality.model_dump()
-    for record in attempt_each(_record, paths, limits=limits):
+    records = []
+    for path, record in zip(paths, attempt_each(_record, paths, limits=limits), strict=True):
         if isinstance(record, LogError):
             print(f"error: {record}", file=sys.stderr)
-            failed = True
-            continue
-        print(json.dumps(record, indent=2))
-        for warning in warnings(record):
-            print(f"warning: {warning}", file=sys.stderr)
-            failed = True
-    return int(failed)
+            record = {"log": path, "error": str(record)}
+        elif not as_json:
+            print("\n".join(_page(path, record)))
+        records.append(record)
+    if as_json:
+        print(json.dumps(records, indent=2))
+    return int(any("error" in record or warnings(record) for record in records))
+
+
+def _page(path: str, record: Mapping[str, Any]) -> list[str]:
+    """Return a quality record as lines for people."""
+    checks = record["checks"]
+    failed = sum(not check["passed"] for check in checks.values())
+    verdict = f"{failed} of {len(checks)} checks failed" if failed else "all checks passed"
+    lines = [
+        f"{path}: {record['experiment']}, {SOURCES[record['source']]}, {record['samples']} samples "
+        f"at {checks['rate']['expected_hz']:g} Hz; {verdict}"
+    ]
+    for name, check in checks.items():
+        mark = "ok" if check["passed"] else "FAILED"
+        lines.append(f"  {_TITLES[name]:21} {mark:6} {finding(name, check)}".rstrip())
+    if "no_checksum" in record:
+        lines.append(f"  {'without checksum':28} {', '.join(record['no_checksum'])}")
+    for channel, note in record.get("notes", {}).items():
+        lines.append(f"  {channel:28} {note}")
+    if statistics := record.get("loop"):
+        lines.append(f"  {'loop':28} {json.dumps(statistics)}")
+    return [visible(line) for line in lines]
 
 
 def _record(path: str, limits: Mapping[str, Any]) -> dict[str, Any]:

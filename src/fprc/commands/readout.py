@@ -16,6 +16,7 @@ from threadpoolctl import threadpool_limits
 from fprc import tables
 from fprc.artifacts import read_json, write_json, write_text
 from fprc.commands.import_recording import checked_map, import_mapped
+from fprc.commands.models import refuse_repeats
 from fprc.config import from_files
 from fprc.config.importing import ImportMap
 from fprc.errors import ConfigError, FprcError, LogError
@@ -87,7 +88,7 @@ def report_readout(
         )
     settings = from_files(config).model_dump(mode="json")
     simulated = settings["evaluation"]["reservoir"] == "simulated"
-    _refuse_repeats([source, *train])
+    refuse_repeats([source, *train], "a test on samples that train says nothing")
     mapping = checked_map(
         map_file,
         source,
@@ -107,16 +108,6 @@ def report_readout(
     page = folder / "report.md"
     write_text(page, _page(parts, map_file, mapping, settings, folder, results))
     log.info("%s", page)
-
-
-def _refuse_repeats(sources: Sequence[str]) -> None:
-    paths = [Path(source).resolve() for source in sources]
-    repeated = [source for i, source in enumerate(sources) if paths[i] in paths[:i]]
-    if repeated:
-        raise ConfigError(
-            f"{', '.join(repeated)}: given twice; give each recording once, because a test on "
-            "samples that train says nothing"
-        )
 
 
 def _refuse_leftovers(raw: Path, trained: int) -> None:

@@ -6,10 +6,10 @@ from matplotlib.axes import Axes
 from matplotlib.transforms import Bbox
 
 from fprc.figures import soft_bodies as soft
-from fprc.figures.blocks import SIGNAL, Point, box, dot, hand_valve, wire, write
-from fprc.figures.style import COLOURS
+from fprc.figures.blocks import Point, box, dot, hand_valve, wire, write
+from fprc.figures.style import MARK_PT, SIGNALS
 
-_AIR: dict[str, Any] = {"colour": "#0072b2", "width": 1.4}
+_AIR: dict[str, Any] = {"colour": "#a0a0a0", "width": 2.0}
 #: Heights of the air lines to actuator and reservoir, and where the plates start.
 _UPPER, _LOWER = 2.9, 1.88
 _ACTUATOR, _RESERVOIR = (2.86, 2.52), (2.76, 1.52)
@@ -22,11 +22,16 @@ def plot_apparatus(ax: Axes) -> None:
     """Draw computer, valves, sensors, actuator and reservoir, in inches."""
     box(ax, (0.43, 1.8), (0.84, 2.96), facecolor="white")
     write(ax, (0.43, 3.19), "Computer")
-    output = box(ax, (0.4, 2.11), (0.72, 1.98), "Contec\nAO-1608L-LPE\nanalog output")
-    inputs = box(ax, (0.4, 0.71), (0.72, 0.66), "Contec\nAI-1616L-LPE\nanalog input")
+    output = box(
+        ax, (0.4, 2.11), (0.72, 1.98), "Contec\nAO-1608L-LPE\nanalog output", size_pt=MARK_PT
+    )
+    inputs = box(
+        ax, (0.4, 0.71), (0.72, 0.66), "Contec\nAI-1616L-LPE\nanalog input", size_pt=MARK_PT
+    )
     supply = box(ax, (1.4, (_UPPER + _LOWER) / 2), (0.56, 0.22), "Air supply")
     for y, body in ((_UPPER, _ACTUATOR), (_LOWER, _RESERVOIR)):
-        valve = box(ax, (1.4, y), (0.84, 0.42), "Proportional\nvalve, Festo\nMPYE-5-M5-010B")
+        valve = box(ax, (1.4, y), (0.84, 0.42), "Proportional\nvalve, Festo\nMPYE-5-M5-010B",
+                    size_pt=MARK_PT)  # fmt: skip
         wire(ax, (output.x1, y), (valve.x0, y))
         pair = (supply.y1, valve.y0) if y == _UPPER else (supply.y0, valve.y1)
         wire(ax, *((1.4, end) for end in pair), **_AIR)
@@ -40,11 +45,11 @@ def _plot_bodies(ax: Axes) -> Point:
     """Draw actuator and reservoir, bent away from the cables; return the bend sensor's middle."""
     bent_deg, phi_deg = 45.0, 25.0
     driven = soft.DIAMETER * soft.bulge(bent_deg)
-    soft.plot_body(ax, bent_deg, [(1, driven, soft.tint(COLOURS["p_exp"], 0.7))],
+    soft.plot_body(ax, bent_deg, [(1, driven, soft.tint(SIGNALS["p_exp"], 0.7))],
                    origin=_ACTUATOR, scale=_SCALE, mirrored=True)  # fmt: skip
     bladders = [
-        (1, soft.DIAMETER * soft.bulge(phi_deg), soft.tint(COLOURS["p_i"], 0.7)),
-        (-1, 0.8 * soft.DIAMETER, soft.tint(COLOURS["p_o"], 0.3)),
+        (1, soft.DIAMETER * soft.bulge(phi_deg), soft.tint(SIGNALS["p_i"], 0.7)),
+        (-1, 0.8 * soft.DIAMETER, soft.tint(SIGNALS["p_o"], 0.3)),
     ]
     soft.plot_body(ax, phi_deg, bladders, origin=_RESERVOIR, scale=_SCALE, mirrored=True)
     write(ax, (2.28, 2.4), "Soft\nactuator")
@@ -69,7 +74,7 @@ def _plot_sensors(ax: Axes, inputs: Bbox, bend_sensor: Point) -> None:
     wire(ax, (x, y - 0.04), (x, y + 0.07), head=0, **_AIR)
     wire(ax, (x, y), (p_o.x0, y), **_AIR)
     hand_valve(ax, (x, y + 0.12), handle=1)
-    write(ax, (x - 0.07, y + 0.25), "Hand valve", ha="left")
+    write(ax, (x - 0.09, y + 0.25), "Hand valve", ha="left", fontsize=MARK_PT)
     theta = _sensor(ax, (3.23, bend_sensor[1]), "theta", r"$\theta$")
     wire(ax, bend_sensor, (theta.x0, bend_sensor[1]))
     wire(ax, (p_exp.x1, 3.18), (3.4, 3.18), (3.4, 0.46), (inputs.x1, 0.46))
@@ -80,9 +85,9 @@ def _plot_sensors(ax: Axes, inputs: Bbox, bend_sensor: Point) -> None:
 
 def _sensor(ax: Axes, centre: Point, quantity: str, symbol: str, width: float = 0.24) -> Bbox:
     """Draw a sensor in the colour of its quantity."""
-    colour = COLOURS[quantity]
+    colour = SIGNALS[quantity]
     place = box(ax, centre, (width, 0.2), facecolor=soft.tint(colour, 0.15), edgecolor=colour)
-    write(ax, centre, symbol, fontsize=SIGNAL)
+    write(ax, centre, symbol)
     return place
 
 

@@ -12,7 +12,6 @@ from fprc.figures import style
 
 #: Width of a column inside the figure's margins, inches.
 WIDTH = style.COLUMN_IN - 0.08
-TEXT, SIGNAL = 6.5, 7.0
 #: Colours of boxes: computation, and soft bodies.
 PALE, BODY = "#eef1f4", "#f7ecd0"
 
@@ -29,16 +28,23 @@ def canvas(height: float) -> tuple[Figure, Axes]:
 
 def write(ax: Axes, at: Point, text: str, **options: Any) -> None:
     """Write text, centred, in the size of names."""
-    look: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": TEXT}
+    look: dict[str, Any] = {"ha": "center", "va": "center", "linespacing": 0.95}
     ax.text(*at, text, **look | options)
 
 
 def panel(ax: Axes, corner: Point, title: str) -> None:
     """Write a panel's letter and title at its upper left corner."""
-    write(ax, corner, title, ha="left", va="top", fontsize=SIGNAL)
+    write(ax, corner, title, ha="left", va="top")
 
 
-def box(ax: Axes, centre: Point, size: Point, text: str = "", **options: Any) -> Bbox:
+def box(
+    ax: Axes,
+    centre: Point,
+    size: Point,
+    text: str = "",
+    size_pt: float = style.TEXT_PT,
+    **options: Any,
+) -> Bbox:
     """Draw a box with text and return its place; ``options`` are the patch's, as ``facecolor``."""
     (x, y), (width, height) = centre, size
     corner = x - width / 2, y - height / 2
@@ -46,7 +52,7 @@ def box(ax: Axes, centre: Point, size: Point, text: str = "", **options: Any) ->
     rounded = "round,pad=0,rounding_size=0.025"
     ax.add_patch(FancyBboxPatch(corner, width, height, boxstyle=rounded, **look | options))
     if text:
-        write(ax, centre, text)
+        write(ax, centre, text, fontsize=size_pt)
     return Bbox.from_bounds(*corner, width, height)
 
 
@@ -86,9 +92,9 @@ def wire(
         (x0, y0), (x1, y1) = points[:2]
         middle = (x0 + x1) / 2, (y0 + y1) / 2
         if x0 == x1:
-            write(ax, (x0 + 0.04, middle[1]), text, ha="left", fontsize=SIGNAL)
+            write(ax, (x0 + 0.04, middle[1]), text, ha="left")
         else:
-            write(ax, (middle[0], y0 + 0.035), text, va="bottom", fontsize=SIGNAL)
+            write(ax, (middle[0], y0 + 0.035), text, va="bottom")
 
 
 def dot(ax: Axes, at: Point, colour: str = "black") -> None:
@@ -109,7 +115,7 @@ def node(ax: Axes, centre: Point, sign: str = "+") -> Bbox:
 def label(ax: Axes, text: str, at: Point, part: Point, **options: Any) -> None:
     """Write a part's name, with a leader line to the part."""
     ax.annotate(
-        text, part, at, fontsize=TEXT, va="center",
+        text, part, at, va="center", linespacing=0.95,
         arrowprops={"arrowstyle": "-", "linewidth": 0.5, "shrinkA": 1.0, "shrinkB": 0.0,
                     "relpos": (0.0, 0.5)} | options.pop("line", {}), **options,
     )  # fmt: skip

@@ -13,7 +13,7 @@ from fprc.figures import style
 from fprc.figures.hysteresis import plot_loop
 
 #: Colours that mark the faults.
-_GAP, _FROZEN, _EXTREME, _STEP = "0.75", "#fff3b0", "#d55e00", "#222222"
+_GAP, _FROZEN, _EXTREME, _STEP = "0.75", "#fff3b0", style.MARK, "#222222"
 #: Limit on points that are drawn; more could not be seen.
 _POINTS = 20000
 
@@ -80,7 +80,7 @@ def plot_channel(
     time_s: np.ndarray, values: np.ndarray, name: str, diagnosis: Mapping[str, Any], ax: Axes
 ) -> Axes:
     """Draw one channel: gaps grey, frozen stretches yellow, extremes thick, steps as lines."""
-    ax.plot(time_s, values, color=style.COLOURS[_colour(name)], linewidth=0.6)
+    ax.plot(time_s, values, color=style.SIGNALS[_colour(name)], linewidth=0.6)
     for gap in diagnosis["clock"]["gaps"]:
         ax.axvspan(gap["from_s"], gap["to_s"], color=_GAP, linewidth=0.5, zorder=0,
                    label="gap")  # fmt: skip

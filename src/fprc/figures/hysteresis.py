@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
@@ -18,16 +19,28 @@ def plot_command(
 
 
 def plot_loop(
-    x: np.ndarray, y: np.ndarray, time_s: np.ndarray, ax: Axes, labels: tuple[str, str]
+    x: np.ndarray,
+    y: np.ndarray,
+    colour_by: np.ndarray,
+    ax: Axes,
+    labels: tuple[str, str],
+    limits: tuple[float, float] | None = None,
 ) -> LineCollection:
-    """Draw a loop of ``y`` over ``x``, coloured from its start to its end.
+    """Draw a loop of ``y`` over ``x``, coloured by a quantity of each sample.
 
-    Loops that do not depend on frequency coincide.
+    Its pieces are drawn in random order, so that no part of the recording hides another.
+
+    Parameters
+    ----------
+    limits : (float, float), optional
+        Values at the ends of the colours; those of the data if left out.
     """
     points = np.column_stack([x, y])
-    segments = np.stack([points[:-1], points[1:]], axis=1)
-    elapsed = (time_s[:-1] - time_s[0]) / (time_s[-1] - time_s[0])
-    lines = LineCollection(list(segments), cmap="viridis", array=elapsed, linewidth=0.3)
+    order = np.random.default_rng(0).permutation(len(points) - 1)
+    segments = np.stack([points[:-1], points[1:]], axis=1)[order]
+    lines = LineCollection(list(segments), cmap="viridis", array=colour_by[:-1][order],
+                           linewidth=0.4, capstyle="round")  # fmt: skip
+    lines.set_clim(*limits or (colour_by.min(), colour_by.max()))
     lines.set_rasterized(True)
     ax.add_collection(lines)
     ax.autoscale_view()
@@ -40,18 +53,18 @@ def plot_quarters(
 ) -> Axes:
     """Draw the loops of ``y`` over ``x`` in the first and in the last quarter of a sweep."""
     end = time_s[-1]
-    for part, colour, name in (
-        (time_s > 0.75 * end, "#d55e00", "last quarter"),
-        (time_s < 0.25 * end, "#222222", "first quarter"),
+    for part, shade, name in (
+        (time_s > 0.75 * end, 0.875, "last quarter"),
+        (time_s < 0.25 * end, 0.125, "first quarter"),
     ):
-        ax.plot(x[part], y[part], color=colour, linewidth=0.5, label=name, rasterized=True)
+        ax.plot(x[part], y[part], color=colormaps["viridis"](shade), linewidth=0.5, label=name,
+                rasterized=True)  # fmt: skip
     ax.set(xlabel=labels[0], ylabel=labels[1])
     return ax
 
 
-def add_time_bar(lines: LineCollection, axes: Sequence[Axes]) -> None:
-    """Put one bar for the colour of time below the axes."""
-    bar = axes[0].figure.colorbar(lines, ax=axes, location="bottom", aspect=50, pad=0.02)
-    bar.set_ticks([0.0, 1.0], labels=["start", "end"])
-    bar.ax.tick_params(length=0)
+def add_frequency_bar(lines: LineCollection, axes: Sequence[Axes]) -> None:
+    """Put one bar for the colour of frequency below the axes."""
+    bar = axes[0].figure.colorbar(lines, ax=axes, location="bottom", aspect=40, pad=0.02)
+    bar.set_label("Frequency [Hz]")
     bar.outline.set_visible(False)

@@ -1,17 +1,19 @@
 """Value of the readout, over the settings of the filter and the taps."""
 
+from typing import Any
+
 from matplotlib.axes import Axes
 from pandas import DataFrame
 
 from fprc import escape
-from fprc.figures.style import COLOURS
+from fprc.figures.style import SIGNALS, line_of
 
-#: Label, colour and marker of each readout.
-_LOOKS = {
-    "none": ("none (Fuzzy-linear)", "fuzzy_linear", ""),
-    "p_o": (r"$P_o$ (FPRC)", "fprc", "o"),
-    "theta": (r"$\theta$: the filter alone", "theta", "s"),
-    "shuffled": (r"$P_o$ shuffled in time", "bias", "^"),
+#: Label and look of each readout, in the colour of the signal that is read.
+_LOOKS: dict[str, tuple[str, dict[str, Any]]] = {
+    "none": ("none (Fuzzy-linear)", line_of("fuzzy_linear")),
+    "p_o": (r"$P_o$ (FPRC)", {"color": SIGNALS["p_o"]}),
+    "theta": (r"$\theta$: the filter alone", {"color": SIGNALS["theta"], "linestyle": "-."}),
+    "shuffled": (r"$P_o$ shuffled in time", {"color": SIGNALS["p_o"], "linestyle": ":"}),
 }
 
 
@@ -23,13 +25,12 @@ def plot_readouts(table: DataFrame, setting: str, error: str, ax: Axes) -> Axes:
     table : DataFrame
         ``readout``, the setting, the error, and its ``unit``.
     """
-    for readout, (label, colour, marker) in _LOOKS.items():
+    for readout, (label, look) in _LOOKS.items():
         rows = table[table["readout"] == readout].sort_values(setting)
         if readout == "none":
-            ax.axhline(rows[error].iloc[0], color=COLOURS[colour], linestyle="--", label=label)
+            ax.axhline(rows[error].iloc[0], **look, label=label)
         else:
-            ax.plot(rows[setting], rows[error], color=COLOURS[colour], marker=marker,
-                    markersize=2.5, label=label)  # fmt: skip
+            ax.plot(rows[setting], rows[error], **look, marker="d", markersize=3.0, label=label)
     ax.set_ylabel(f"RMSE [{escape.figure(table['unit'].iloc[0])}]")
     ax.set_ylim(bottom=0)
     return ax

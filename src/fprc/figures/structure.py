@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Arc
 
 from fprc.figures import soft_bodies as soft
-from fprc.figures.blocks import SIGNAL, TEXT, Point, box, dot, hand_valve, label, panel, wire, write
-from fprc.figures.style import COLOURS
+from fprc.figures.blocks import Point, box, dot, hand_valve, label, panel, wire, write
+from fprc.figures.style import SIGNALS
 
 #: Length of a plate as drawn, inches.
 _SCALE = 1.2
@@ -107,7 +107,7 @@ def plot_reservoir(rest: Squeeze, driven: Squeeze, ax: Axes, *, limit_kpa: float
             write(ax, body.at(0.5, side * (soft.HALF_PLATE + width / 2)), letter)
         vented = abs(state[0]) < _ZERO_KPA
         active = "atmospheric" if vented else f"$P_i$ = {round(state[0])} kPa"
-        write(ax, (body.x - 0.35, 1.37), f"A: {active}\nB: $P_o$ = {round(state[1])} kPa",
+        write(ax, (body.x - 0.35, 1.35), f"A: {active}\nB: $P_o$ = {round(state[1])} kPa",
               ha="left", va="top")  # fmt: skip
     _air(ax, second, "p_i", into=True)
     _mark_angle(ax, second, r"$\phi$", 0.0)
@@ -124,7 +124,7 @@ def _plot_dual(
     """Draw the reservoir with PAM B squeezed to a share of its area; return both PAMs' widths."""
     widths = soft.DIAMETER * soft.bulge(body.angle_deg), soft.squeezed(body.angle_deg, share)
     sides = zip((1, -1), widths, ("p_i", "p_o"), fullness, strict=True)
-    bladders = [(side, width, soft.tint(COLOURS[name], full)) for side, width, name, full in sides]
+    bladders = [(side, width, soft.tint(SIGNALS[name], full)) for side, width, name, full in sides]
     soft.plot_body(ax, body.angle_deg, bladders, origin=body[:2], scale=_SCALE)
     mouth = body.at(-soft.BASE - soft.PORT, -_AXIS)
     hand_valve(ax, (mouth[0], mouth[1] + 0.06))
@@ -151,30 +151,30 @@ def plot_mapping(
     gain = box(ax, (0.43, y), (0.3, 0.22), r"$K_\mathrm{in}$")
     mapping = box(ax, (1.07, y), (0.34, 0.34), r"$\mathcal{F}_r$")
     delay = box(ax, (1.07, low), (0.3, 0.2), "$z^{-1}$")
-    write(ax, (0.06, y), r"$\theta_d$", fontsize=SIGNAL)
-    wire(ax, (0.13, y), (gain.x0, y), colour=COLOURS["theta_d"])
-    wire(ax, (gain.x1, y), (mapping.x0, y), text="$P_i$", colour=COLOURS["p_i"])
-    wire(ax, (mapping.x1, y), (out, y), text="$P_o$", colour=COLOURS["p_o"], head=0)
-    wire(ax, (out, y), (out + 0.18, y), colour=COLOURS["p_o"])
-    wire(ax, (out, y), (out, low), (delay.x1, low), colour=COLOURS["p_o"])
+    write(ax, (0.06, y), r"$\theta_d$")
+    wire(ax, (0.13, y), (gain.x0, y), colour=SIGNALS["theta_d"])
+    wire(ax, (gain.x1, y), (mapping.x0, y), text="$P_i$", colour=SIGNALS["p_i"])
+    wire(ax, (mapping.x1, y), (out, y), text="$P_o$", colour=SIGNALS["p_o"], head=0)
+    wire(ax, (out, y), (out + 0.18, y), colour=SIGNALS["p_o"])
+    wire(ax, (out, y), (out, low), (delay.x1, low), colour=SIGNALS["p_o"])
     wire(ax, (delay.x0, low), (0.78, low), (0.78, y - 0.11), (mapping.x0, y - 0.11),
-         colour=COLOURS["p_o"])  # fmt: skip
-    dot(ax, (out, y), COLOURS["p_o"])
+         colour=SIGNALS["p_o"])  # fmt: skip
+    dot(ax, (out, y), SIGNALS["p_o"])
     write(ax, (0.43, y - 0.2), f"{k_in_kpa_per_deg:g} kPa/deg")
     loop = ax.inset_axes((2.22, 0.34, 1.18, 0.74), transform=ax.transData)
-    loop.plot(p_i_kpa, p_o_kpa, color=COLOURS["p_o"], linewidth=0.25, rasterized=True)
+    loop.plot(p_i_kpa, p_o_kpa, color=SIGNALS["p_o"], linewidth=0.25, rasterized=True)
     loop.margins(0.2, 0.18)
     loop.set(xlabel="$P_i$ [kPa]", ylabel="$P_o$ [kPa]")
     for letter, (p_i, p_o, _) in states.items():
         loop.plot(p_i, p_o, "o", color="black", markersize=2.5)
         loop.annotate(f"({letter})", (p_i, p_o), (-1, 1), textcoords="offset points",
-                      fontsize=TEXT, ha="right", va="bottom")  # fmt: skip
+                      ha="right", va="bottom")  # fmt: skip
 
 
 def _plot_driven(ax: Axes, body: Body, fullness: float) -> None:
     """Draw the actuator with the bladder's width that follows from its braid."""
     width = soft.DIAMETER * soft.bulge(body.angle_deg)
-    air = soft.tint(COLOURS["p_exp"], fullness)
+    air = soft.tint(SIGNALS["p_exp"], fullness)
     soft.plot_body(ax, body.angle_deg, [(1, width, air)], origin=body[:2], scale=_SCALE)
 
 
@@ -189,7 +189,7 @@ def _air(ax: Axes, body: Body, quantity: str, *, into: bool) -> Point:
     """Draw an arrow for the air flow through the port; return the position of the port."""
     x, y = body.at(-soft.BASE - soft.PORT, _AXIS)
     ends = ((x, y + 0.18), (x, y + 0.02))
-    wire(ax, *(ends if into else ends[::-1]), colour=COLOURS[quantity], width=1.4, head=1.6)
+    wire(ax, *(ends if into else ends[::-1]), colour=SIGNALS[quantity], width=1.4, head=1.6)
     return x, y
 
 

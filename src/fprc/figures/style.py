@@ -1,4 +1,7 @@
-"""One look for every figure: journal widths, colours, saving."""
+"""One look for every figure: journal widths, type, saving.
+
+A colour is a signal, a grey and a line style are a model or a controller, a marker is a phase.
+"""
 
 import warnings
 from collections.abc import Mapping
@@ -14,15 +17,16 @@ import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 
 from fprc.artifacts import replacing
-from fprc.registry import MODELS
+from fprc.registry import look_of
 
-#: Width of a journal's column, inches; every figure has this width.
-COLUMN_IN = 3.5
+#: Widths of a column and of a page of the journal, inches.
+COLUMN_IN, PAGE_IN = 3.5, 7.16
+#: Size of type and of the mark of the source, points; the journal's text has 8 to 10.
+TEXT_PT, MARK_PT = 8.0, 7.0
 
-#: Colour of each quantity and model, safe for colour-blind readers (Okabe-Ito
-#: and Tol); any other name is an error.
-COLOURS = {
-    "theta_d": "#222222",
+#: Colour of each signal, safe for colour-blind readers (Okabe-Ito and Tol).
+SIGNALS = {
+    "theta_d": "#e69f00",
     "theta": "#0072b2",
     "p_exp": "#56b4e9",
     "p_ff": "#d55e00",
@@ -30,24 +34,36 @@ COLOURS = {
     "p_i": "#999933",
     "p_o": "#882255",
     "phi": "#332288",
-    "valve": "#666666",
-    **{name: entry.colour for name, entry in MODELS.items()},
-    "pd": "#009e73",
-    "fprc_pd": "#0072b2",
-    "bias": "#bbbbbb",
-    "train": "#222222",
-    "validation": "#999999",
-    "test": "#d55e00",
+    "valve": "#555555",
 }
+#: Grey and line style of each controller; hues are for signals.
+_CONTROLLERS = {"pd": ("#b0b0b0", "-"), "fprc_pd": ("#303030", "-")}
+#: Marker of each phase; that of validation is hollow, so that it is seen around another.
+PHASES: dict[str, dict[str, Any]] = {
+    "train": {"marker": "o", "markersize": 3.0},
+    "validation": {"marker": "s", "markersize": 5.5, "markerfacecolor": "none"},
+    "test": {"marker": "^", "markersize": 4.0},
+}
+#: Colour that marks a place in a figure: the least value, a fault.
+MARK = "#ee3377"
+
+
+def line_of(name: str) -> dict[str, Any]:
+    """Return grey and line style of a model or a controller."""
+    colour, line = _CONTROLLERS.get(name) or look_of(name)
+    return {"color": colour, "linestyle": line}
+
 
 _STYLE: dict[Any, Any] = {
-    "font.family": "DejaVu Sans",
-    "font.size": 7,
-    "axes.titlesize": 7,
-    "axes.labelsize": 7,
-    "xtick.labelsize": 6.5,
-    "ytick.labelsize": 6.5,
-    "legend.fontsize": 6.5,
+    # metrically Times, as in the journal; Matplotlib brings it
+    "font.family": ["STIXGeneral", "DejaVu Sans"],
+    "mathtext.fontset": "stix",
+    "font.size": TEXT_PT,
+    **dict.fromkeys(
+        ("axes.titlesize", "axes.labelsize", "xtick.labelsize", "ytick.labelsize",
+         "legend.fontsize", "figure.titlesize"), TEXT_PT,
+    ),
+    "axes.titlepad": 4.0,
     "axes.linewidth": 0.6,
     "xtick.major.width": 0.6,
     "ytick.major.width": 0.6,
@@ -59,7 +75,7 @@ _STYLE: dict[Any, Any] = {
     "legend.frameon": False,
     "savefig.dpi": 300,
     "pdf.fonttype": 42,
-}
+}  # fmt: skip
 
 
 def figure(
@@ -129,7 +145,7 @@ def save_png(fig: Figure, data: Mapping[str, Any], png: str) -> None:
 
 def _write(fig: Figure, data: Mapping[str, Any], files: Mapping[str, Mapping[str, Any]]) -> None:
     mark = "simulated rigs" if "seeds" in data else _MARKS[data["source"]].format_map(data)
-    fig.supxlabel(mark, x=0.99, ha="right", fontsize=5.5, color="0.45")
+    fig.supxlabel(mark, x=0.99, ha="right", fontsize=MARK_PT, color="0.45")
     for path, metadata in files.items():
         with replacing(Path(path)) as temporary, warnings.catch_warnings():
             # names from files may have characters that the font lacks; each is drawn as a box

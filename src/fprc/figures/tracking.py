@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.axes import Axes
 
-from fprc.figures.style import COLOURS
+from fprc.figures.style import SIGNALS, line_of
 
 Run = Mapping[str, np.ndarray]
 
@@ -13,61 +13,54 @@ Run = Mapping[str, np.ndarray]
 def plot_following(run: Run, ax: Axes) -> Axes:
     """Draw reference and actual angle over time."""
     time_s = run["time_s"]
-    ax.plot(time_s, run["theta_d_deg"], color=COLOURS["theta_d"], label=r"$\theta_d$",
-            linewidth=1.0, linestyle=(0, (4, 1.5)))  # fmt: skip
-    ax.plot(time_s, run["theta_deg"], color=COLOURS["theta"], label=r"$\theta$", linewidth=0.7)
+    ax.plot(time_s, run["theta_d_deg"], color=SIGNALS["theta_d"], label=r"$\theta_d$",
+            linewidth=1.6)  # fmt: skip
+    ax.plot(time_s, run["theta_deg"], color=SIGNALS["theta"], label=r"$\theta$", linewidth=0.6)
     ax.set_ylabel("Angle [deg]")
     return ax
 
 
-def plot_errors(
-    runs: Sequence[tuple[str, str, Run]], ax: Axes, *, judged_from_s: float = 0.0
-) -> Axes:
-    """Draw theta_d - theta of several runs, given as (label, colour, run).
+def plot_error(run: Run, ax: Axes, *, rmse: float, controller: str, limit: float) -> Axes:
+    """Draw theta_d - theta between -limit and limit, with its RMSE above.
 
-    The axis fits the errors after ``judged_from_s``; the larger ones during the
-    step from rest would flatten them.
+    Errors during the step from rest may be larger; they would flatten the others.
     """
-    largest = 0.0
-    for label, colour, run in runs:
-        error = run["theta_d_deg"] - run["theta_deg"]
-        ax.plot(run["time_s"], error, color=COLOURS[colour], label=label, linewidth=0.6)
-        largest = max(largest, np.abs(error[run["time_s"] >= judged_from_s]).max())
-    ax.set_ylim(-1.1 * largest, 1.1 * largest)
-    ax.axhline(0.0, color="0.4", linewidth=0.4)
-    ax.set_ylabel("Error [deg]")
+    ax.axhline(0.0, color="0.6", linewidth=0.4)
+    ax.plot(run["time_s"], run["theta_d_deg"] - run["theta_deg"], linewidth=0.6,
+            color=line_of(controller)["color"])  # fmt: skip
+    ax.set_title(f"RMSE {rmse:.2f} deg", loc="right")
+    ax.set(ylabel="Error [deg]", ylim=(-limit, limit))
     return ax
 
 
 def plot_efforts(run: Run, ax: Axes) -> Axes:
     """Draw P_ff and P_fb over time."""
     for name, label in (("p_ff", r"$P_\mathrm{ff}$"), ("p_fb", r"$P_\mathrm{fb}$")):
-        ax.plot(run["time_s"], run[f"{name}_kpa"], color=COLOURS[name], label=label, linewidth=0.7)
+        ax.plot(run["time_s"], run[f"{name}_kpa"], color=SIGNALS[name], label=label, linewidth=0.7)
     ax.set_ylabel("Pressure [kPa]")
     return ax
 
 
 def plot_reference_loops(runs: Sequence[tuple[str, str, Run]], ax: Axes) -> Axes:
-    """Draw the actual angle over the reference, given as (label, colour, run)."""
-    for label, colour, run in runs:
-        ax.plot(run["theta_d_deg"], run["theta_deg"], color=COLOURS[colour], label=label,
+    """Draw the actual angle over the reference, given as (label, controller, run)."""
+    for label, controller, run in runs:
+        ax.plot(run["theta_d_deg"], run["theta_deg"], **line_of(controller), label=label,
                 linewidth=0.4)  # fmt: skip
-    ax.axline((0, 0), slope=1, color="0.4", linewidth=0.4, linestyle=":")
+    ax.axline((0, 0), slope=1, color=SIGNALS["theta_d"], linewidth=0.6, linestyle="--", zorder=3)
     ax.set(xlabel=r"$\theta_d$ [deg]", ylabel=r"$\theta$ [deg]", xlim=(0, 65), ylim=(-3, 65))
     return ax
 
 
-def plot_reservoir(run: Run, ax: Axes) -> tuple[Axes, Axes]:
-    """Draw P_i and P_o, and on a second axis the reservoir's bending."""
-    for name, label in (("p_i", r"$P_i$"), ("p_o", r"$P_o$")):
-        ax.plot(run["time_s"], run[f"{name}_kpa"], color=COLOURS[name], label=label, linewidth=0.7)
-    ax.set_ylabel("Pressure [kPa]")
-    angle = ax.twinx()
-    angle.spines.right.set_visible(True)
-    angle.plot(run["time_s"], run["phi_deg"], color=COLOURS["phi"], linewidth=0.7,
-               label="Bending")  # fmt: skip
-    angle.set_ylabel("Bending of the reservoir [deg]", color=COLOURS["phi"])
-    return ax, angle
+def plot_over_cycle(
+    time_s: np.ndarray, values: np.ndarray, cycle: np.ndarray | None, ax: Axes, name: str
+) -> Axes:
+    """Draw a channel over its repeated undisturbed cycle, if there is one, which is pale."""
+    signal, unit = name.rsplit("_", 1)
+    if cycle is not None:
+        ax.plot(time_s, cycle, color=SIGNALS[signal], alpha=0.3, linewidth=2.5)
+    ax.plot(time_s, values, color=SIGNALS[signal], linewidth=0.7)
+    ax.set_ylabel("Angle [deg]" if unit == "deg" else "Pressure [kPa]")
+    return ax
 
 
 def shade_settling(ax: Axes, until_s: float) -> None:
@@ -77,5 +70,5 @@ def shade_settling(ax: Axes, until_s: float) -> None:
 
 def shade_disturbance(ax: Axes, quiet_until_s: float, end_s: float) -> None:
     """Shade the quiet time yellow and the disturbed time grey."""
-    ax.axvspan(0.0, quiet_until_s, color="#fff3b0", linewidth=0, zorder=0)
-    ax.axvspan(quiet_until_s, end_s, color="0.88", linewidth=0, zorder=0)
+    ax.axvspan(0.0, quiet_until_s, color="#fff8d6", linewidth=0, zorder=0)
+    ax.axvspan(quiet_until_s, end_s, color="0.92", linewidth=0, zorder=0)

@@ -121,16 +121,44 @@ def warnings(record: Mapping[str, Any]) -> list[str]:
     ]
 
 
-def _line(log: str, name: str, check: Mapping[str, Any]) -> str:
-    if name != "range":
-        return visible(f"{log}: {name}: {check}")
-    outside = "; ".join(
+def finding(name: str, check: Mapping[str, Any]) -> str:
+    """Describe what one check of a quality record found; empty if there is nothing to say."""
+    if name == "complete":
+        lost = f"; {check['lost_samples']} samples lost" if check["lost_samples"] else ""
+        return "" if check["passed"] else f"{check['reason']}{lost}"
+    if name == "rate":
+        return f"{check['mean_hz']:.6g} Hz, jitter {1e3 * check['jitter_s']:.3f} ms"
+    if name == "gaps":
+        first = f"{check['count']} gaps, the first before sample {check['first_sample']}; "
+        longest = f"longest step {check['longest_s']:.4g} s, limit {check['limit_s']:.4g} s"
+        return longest if check["passed"] else first + longest
+    if name == "not_finite":
+        return "" if check["passed"] else f"{check['count']} numbers"
+    if name == "range":
+        return _outside_words(check)
+    if name == "stuck":
+        longest = check["longest_unchanged_samples"]
+        channel = max(longest, key=longest.__getitem__)
+        return (
+            f"channel {channel}: unchanged for {longest[channel]} samples, limit "
+            f"{check['limit_samples']}"
+        )
+    if check["kpa_per_min"] is None:
+        return f"not checked, {check['why']}"
+    return f"{check['kpa_per_min']:.3g} kPa/min, limit {check['limit_kpa_per_min']:g} kPa/min"
+
+
+def _outside_words(check: Mapping[str, Any]) -> str:
+    return "; ".join(
         f"channel {channel}: sample {first['sample']} is {first['value']:g} {unit_of(channel)}, "
         f"outside of {first['limits'][0]:g} to {first['limits'][1]:g}, and "
         f"{check['samples'][channel] - 1} more"
         for channel, first in check["first"].items()
     )
-    return visible(f"{log}: range: {outside}")
+
+
+def _line(log: str, name: str, check: Mapping[str, Any]) -> str:
+    return visible(f"{log}: {name}: {finding(name, check)}")
 
 
 def _complete(log: Columns) -> dict[str, Any]:

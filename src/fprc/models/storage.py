@@ -1,6 +1,7 @@
 """Fitted models in HDF5 files."""
 
 import json
+import os
 import sys
 from collections.abc import Collection, Mapping
 from importlib import import_module
@@ -67,6 +68,10 @@ def load_model(path: Path | str, classes: Collection[type] = ()) -> BaseEstimato
         with h5py.File(path, "r") as file:
             return _load(file, path, _outside_classes(classes))
     except (OSError, KeyError, TypeError, json.JSONDecodeError) as error:
+        if number := getattr(error, "errno", None):
+            raise FprcError(
+                f"{path}: cannot be opened ({os.strerror(number)}); check the path"
+            ) from error
         raise FprcError(f"{path}: holds no model of fprc ({error}); train it again") from error
 
 

@@ -36,6 +36,7 @@ class Plan:
 
     settings: Mapping[str, Any]  #: the whole configuration
     existing: Mapping[str, Header]  #: headers of the existing raw logs, by name
+    raw: str  #: folder of those logs, for messages
 
     @cached_property
     def paths(self) -> Paths:
@@ -119,9 +120,7 @@ class Plan:
     @cached_property
     def unavailable(self) -> dict[str, str]:
         """Targets that cannot be made, with the reason of each."""
-        return unavailable(
-            self.contents, self.paths.raw, self.every_run, simulated=self.on_simulated_rig
-        )
+        return unavailable(self.contents, self.raw, self.every_run, simulated=self.on_simulated_rig)
 
     @cached_property
     def unavailable_results(self) -> dict[str, tuple[str, str]]:
@@ -142,7 +141,7 @@ class Plan:
             model: Result(model, "", logs=EXPERIMENTS, channels=entry.inputs)
             for model, entry in entries(self.settings["models"]).items()
         }
-        reasons = ((name, why_not(needs[name], self.contents, self.paths.raw)) for name in needs)
+        reasons = ((name, why_not(needs[name], self.contents, self.raw)) for name in needs)
         return {name: reason for name, reason in reasons if reason}
 
     @cached_property
@@ -274,11 +273,13 @@ class Plan:
         return [*self._data, *models, self.paths.below("control/gains.json")]
 
 
-def read_plan(settings: Mapping[str, Any], *, isolate: bool) -> Plan:
+def read_plan(settings: Mapping[str, Any], raw: str, *, isolate: bool) -> Plan:
     """Return the plan for the raw logs that exist.
 
     Parameters
     ----------
+    raw : str
+        Folder of the logs: ``folders.raw``, with the prefix if the workflow is a module with one.
     isolate : bool
         Read the logs in a child process; see ``fprc.logs.headers``.
 
@@ -287,11 +288,10 @@ def read_plan(settings: Mapping[str, Any], *, isolate: bool) -> Plan:
     LogError
         A log cannot be read or has another source than ``source`` says, or there is none to use.
     """
-    raw = settings["folders"]["raw"]
-    logs = [f"{raw}/{name}.h5" for name in Plan(settings, {}).every_log]
+    logs = [f"{raw}/{name}.h5" for name in Plan(settings, {}, raw).every_log]
     if settings["source"] == "recorded":
         logs += [str(path) for path in Path(raw).glob("*.h5") if _is_further(path.stem)]
-    plan = Plan(settings, headers(logs, isolate=isolate))
+    plan = Plan(settings, headers(logs, isolate=isolate), raw)
     if plan.on_simulated_rig:
         refuse_to_overwrite(plan.existing)
     elif plan.records:

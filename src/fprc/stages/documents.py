@@ -117,6 +117,11 @@ def update_calibration_page(
         _copy(figure, picture)
 
 
+def update_picture(figure: str, *, picture: str) -> None:
+    """Replace a picture of the documentation."""
+    _copy(figure, picture)
+
+
 def update_performance(
     page: str, rules: str, figure: str, *, performance: str, picture: str
 ) -> None:

@@ -3,22 +3,23 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from fprc import escape
 from fprc.artifacts import read_json, write_csv
 from fprc.figures import style
 from fprc.figures.grids import plot_errors_over, plot_grid, plot_times_over
-from fprc.figures.hysteresis import add_time_bar, plot_command, plot_loop, plot_quarters
+from fprc.figures.hysteresis import add_frequency_bar, plot_command, plot_loop, plot_quarters
 from fprc.figures.readout import plot_readouts
-from fprc.figures.training import plot_error, plot_fit
+from fprc.figures.training import plot_error, plot_fit, show_last_tenth
 from fprc.figures.weights import plot_shares
 from fprc.logs import Columns, read_columns, read_raw
-from fprc.registry import colour_of
-from fprc.signals import loop_growth, width_at_middle
+from fprc.signals import loop_growth, swing_frequency, width_at_middle
 from fprc.tables.drawn import fit_errors, grid_errors, grid_times, panels, weight_shares
 from fprc.tables.readout import held_out
 from fprc.tables.readout import readout as readout_errors
+from fprc.yaml_file import read_yaml
 
 _DATA = ("time_s", "p_target_kpa", "theta_deg")
 #: Symbol and unit of a channel.
@@ -35,19 +36,27 @@ def _label(name: str, log: Columns) -> str:
     return f"{symbol} [{escape.figure(log.attributes.get(f'{name}_unit', unit))}]"
 
 
+def _frequencies(logs: Sequence[Columns]) -> tuple[list[np.ndarray], tuple[float, float]]:
+    """Return the frequency of each log's command, and the lowest and the highest of all."""
+    found = [swing_frequency(log.channels["time_s"], log.channels["p_target_kpa"]) for log in logs]
+    return found, (min(map(np.min, found)), max(map(np.max, found)))
+
+
 def draw_actuator_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> Mapping[str, Any]:
     """Figure 4: pressure commands and the actuator's hysteresis loops."""
     logs = [read_columns(path, _DATA) for path in (sweep, complex)]
-    fig, axes = style.figure(2, 2, style.COLUMN_IN, 3.6)
+    fig, axes = style.figure(2, 2, style.COLUMN_IN, 3.7, sharey="col")
+    axes[1, 1].sharex(axes[0, 1])
     titles = (("(a) Sweep", "(b) Loops of (a)"), ("(c) Complex", "(d) Loops of (c)"))
-    for log, row, title in zip(logs, axes, titles, strict=True):
+    frequencies, limits = _frequencies(logs)
+    for log, f_hz, row, title in zip(logs, frequencies, axes, titles, strict=True):
         time_s, p_exp, theta = log.channels.values()
         labels = _label("p_target", log), _label("theta", log)
-        plot_command(time_s, p_exp, row[0], style.COLOURS["p_exp"], labels[0])
-        lines = plot_loop(p_exp, theta, time_s, row[1], labels)
+        plot_command(time_s, p_exp, row[0], style.SIGNALS["p_exp"], labels[0])
+        lines = plot_loop(p_exp, theta, f_hz, row[1], labels, limits)
         for ax, text in zip(row, title, strict=True):
             style.letter(ax, text)
-    add_time_bar(lines, axes.ravel())
+    add_frequency_bar(lines, axes.ravel())
     return style.save(fig, _attributes_for_mark(logs), pdf, png)
 
 
@@ -75,15 +84,17 @@ def draw_channels(sweep: str, csv: str, pdf: str, png: str) -> Mapping[str, Any]
 
 def draw_reservoir_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> Mapping[str, Any]:
     """Figure 5: hysteresis between theta and the reservoir's P_o."""
-    names = ("theta_deg", "p_o_kpa", "time_s")
-    logs = [read_columns(path, names) for path in (sweep, complex)]
-    fig, axes = style.figure(1, 2, style.COLUMN_IN, 2.2, sharey=True)
-    for log, ax, title in zip(logs, axes, ("(a) Sweep", "(b) Complex"), strict=True):
-        theta, p_o, time_s = log.channels.values()
-        lines = plot_loop(theta, p_o, time_s, ax, (_label("theta", log), _label("p_o", log)))
+    logs = [read_columns(path, (*_DATA, "p_o_kpa")) for path in (sweep, complex)]
+    fig, axes = style.figure(1, 2, style.COLUMN_IN, 2.4, sharex=True, sharey=True)
+    frequencies, limits = _frequencies(logs)
+    titles = "(a) Sweep", "(b) Complex"
+    for log, f_hz, ax, title in zip(logs, frequencies, axes, titles, strict=True):
+        theta, p_o = log.channels["theta_deg"], log.channels["p_o_kpa"]
+        labels = _label("theta", log), _label("p_o", log)
+        lines = plot_loop(theta, p_o, f_hz, ax, labels, limits)
         ax.label_outer()
         style.letter(ax, title)
-    add_time_bar(lines, axes)
+    add_frequency_bar(lines, axes)
     return style.save(fig, _attributes_for_mark(logs), pdf, png)
 
 
@@ -93,15 +104,18 @@ def draw_training(fit: str, prediction: str, csv: str, pdf: str, png: str) -> Ma
     logs = {"train": read_columns(fit, names), "test": read_columns(prediction, names)}
     table = fit_errors(logs)
     write_csv(csv, table)
-    fig, axes = style.figure(4, 1, style.COLUMN_IN, 4.6, height_ratios=(2, 1, 2, 1))
-    colours, titles = (style.COLOURS["p_exp"], style.COLOURS["p_ff"]), ("(a) Training", "(b) Test")
-    drawn = zip(logs.values(), table.itertuples(), axes.reshape(2, 2), titles, strict=True)
-    for log, row, (above, below), title in drawn:
+    fig, axes = style.figure(6, 1, style.COLUMN_IN, 6.4, height_ratios=(3, 3, 2) * 2)
+    colours, titles = (style.SIGNALS["p_exp"], style.SIGNALS["p_ff"]), ("(a) Training", "(b) Test")
+    drawn = zip(logs.values(), table.itertuples(), axes.reshape(2, 3), titles, strict=True)
+    for log, row, (above, zoom, below), title in drawn:
         time_s, p_exp, p_ff = log.channels.values()
-        own = colour_of(row.model)
+        grey = style.line_of(row.model)["color"]
         plot_fit(time_s, p_exp, p_ff, above, colours=colours, unit=row.unit)
-        plot_error(time_s, p_exp, p_ff, below, rmse=row.rmse, colour=own, unit=row.unit)
+        plot_fit(time_s, p_exp, p_ff, zoom, colours=colours, unit=row.unit)
+        show_last_tenth(zoom, above, time_s)
+        plot_error(time_s, p_exp, p_ff, below, rmse=row.rmse, colour=grey, unit=row.unit)
         style.letter(above, title)
+        style.letter(zoom, "The last tenth, framed above")
     style.legend_above(axes[0])
     return style.save(fig, _attributes_for_mark([*logs.values()]), pdf, png)
 
@@ -111,20 +125,15 @@ def _attributes_for_mark(logs: Sequence[Columns]) -> dict[str, Any]:
     return min(logs, key=lambda log: not log.attributes["source"].endswith("sim")).attributes
 
 
-def draw_weights(weights: str, csv: str, pdf: str, png: str) -> Mapping[str, Any]:
+def draw_weights(weights: str, published: str, csv: str, pdf: str, png: str) -> Mapping[str, Any]:
     """Figure 9: proportional contribution of the normalised weights."""
     report = read_json(weights)
-    table = weight_shares(report)
+    table = weight_shares(report, read_yaml(published))
     write_csv(csv, table)
-    fig, ax = style.figure(1, 1, style.COLUMN_IN, 2.4)
+    fig, ax = style.figure(1, 1, style.COLUMN_IN, 2.5)
     plot_shares(table, ax)
     style.legend_above(ax)
-    mean = {name: f"{100 * share:.0f} %" for name, share in report["mean_share"].items()}
-    style.letter(ax, rf"Mean: $\tilde{{P}}_o$ {mean['p_o']}, $\theta_d$ {mean['theta_d']}")
     return style.save(fig, report, pdf, png)
-
-
-_LABELS = {"fprc": "FPRC, ", "fuzzy_linear": "Fuzzy-linear, "}
 
 
 def draw_settings(
@@ -139,15 +148,15 @@ def draw_settings(
     if epsilon:
         drawn = {"a": grid_errors(read_json(epsilon), "epsilon"), **drawn}
     write_csv(csv, panels(drawn))
-    fig, axes = style.figure(len(drawn), 1, style.COLUMN_IN, 5.6 if epsilon else 3.9)
+    fig, axes = style.figure(len(drawn), 1, style.COLUMN_IN, 5.8 if epsilon else 4.1)
     if epsilon:
-        plot_errors_over(drawn["a"], "epsilon", {"fprc": ""}, axes[0])
+        plot_errors_over(drawn["a"], "epsilon", axes[0])
         axes[0].set_xscale("log")
         axes[0].set_xlabel(r"$\epsilon$")
         style.letter(axes[0], "(a) Errors of FPRC")
     errors, seconds = axes[-2:]
-    plot_errors_over(drawn["b"], "n_c", _LABELS, errors)
-    plot_times_over(drawn["c"], "n_c", _LABELS, seconds)
+    plot_errors_over(drawn["b"], "n_c", errors)
+    plot_times_over(drawn["c"], "n_c", seconds)
     for ax in (errors, seconds):
         ax.set_xscale("log", base=2)
         ax.set_xlabel("$n_c$")
@@ -159,16 +168,17 @@ def draw_settings(
     return style.save(fig, by_n_c, pdf, png)
 
 
-def draw_taps(taps: str, csv: str, pdf: str, png: str) -> Mapping[str, Any]:
-    """Figure 11: errors over the tap sizes."""
-    report = read_json(taps)
+def draw_taps(taps: str, published: str, csv: str, pdf: str, png: str) -> Mapping[str, Any]:
+    """Figure 11: errors over the tap sizes; as wide as a page."""
+    report, printed = read_json(taps), read_yaml(published)["table_1_configuration"]
     table = grid_errors(report, "n_u", "n_y")
     write_csv(csv, table)
-    fig, axes = style.figure(3, 1, style.COLUMN_IN, 7.4)
-    titles = {"train": "(a) Training", "validation": "(b) Validation", "test": "(c) Test"}
-    for ax, (phase, title) in zip(axes, titles.items(), strict=True):
-        plot_grid(table, phase, ax)
-        style.letter(ax, title)
+    fig, axes = style.figure(1, 3, style.PAGE_IN, 2.6, sharey=True)
+    papers = printed["fprc"]["n_u"], printed["shared"]["n_y"]
+    for ax, letter, phase in zip(axes, "abc", style.PHASES, strict=True):
+        plot_grid(table, phase, ax, papers)
+        ax.label_outer()
+        style.letter(ax, f"({letter})")
     return style.save(fig, report, pdf, png)
 
 

@@ -11,29 +11,31 @@ from fprc.calibration.objective import CLAIMS, tables_percent
 from fprc.figures import style
 from fprc.figures.ensemble import plot_correlations, plot_front, plot_shares_of_rigs
 
+#: Parameters that are drawn, those with the strongest correlations.
+_PARAMETERS = 14
+
 
 def draw_ensemble(summary: str, pdf: str, png: str) -> Mapping[str, Any]:
-    """Draw shares of rigs, and correlations with the parameters."""
+    """Draw shares of rigs, and the strongest correlations with the parameters."""
     report = read_json(summary)
     table = pd.DataFrame(report["claims"])
-    paths = report["parameters"]
+    limit = table["least_significant"].iloc[0]
     grid = pd.DataFrame(
-        [
-            [row["correlations"].get(path, float("nan")) for path in paths]
-            for row in report["claims"]
-        ],
-        index=table["id"],
-        columns=[_short(path) for path in paths],
+        {row["id"]: pd.Series(row["correlations"], dtype=float) for row in report["claims"]},
+        index=report["parameters"],
     )
-    fig, axes = style.figure(2, 1, 1.5 * style.COLUMN_IN, 6.4, height_ratios=(2, 3))
+    strongest = grid.abs().max(axis=1).sort_values(ascending=False).index[:_PARAMETERS]
+    grid = grid.loc[strongest].rename(index=_short)
+    fig, axes = style.figure(2, 1, style.COLUMN_IN, 6.0, height_ratios=(len(table), len(grid)))
     plot_shares_of_rigs(table, axes[0])
-    image = plot_correlations(grid, table["least_significant"].iloc[0], axes[1])
-    bar = fig.colorbar(image, ax=axes[1], location="right", pad=0.02, aspect=30)
-    bar.set_label("Rank correlation")
+    image = plot_correlations(grid, limit, axes[1])
+    bar = fig.colorbar(image, ax=axes[1], location="bottom", pad=0.02, aspect=40, extend="both")
+    bar.set_label(f"Rank correlation (chance: {limit:.2f})")
     bar.outline.set_visible(False)
-    rigs = report["rigs"] - report["failed"]
-    style.letter(axes[0], f"(a) Claims on {rigs} rigs, 95 % intervals")
-    style.letter(axes[1], "(b) Parameters that go with holding; x: beyond chance")
+    rigs, beyond = report["rigs"] - report["failed"], int((grid.abs() > limit).sum().sum())
+    style.letter(axes[0], f"(a) Claims on {rigs} rigs")
+    found = f"{beyond} (x)" if beyond else "none"
+    style.letter(axes[1], f"(b) Beyond chance: {found}")
     return style.save(fig, report, pdf, png)
 
 

@@ -4,42 +4,64 @@ from collections.abc import Mapping, Sequence
 from itertools import product
 from typing import Any
 
+import numpy as np
+import pandas as pd
+
+from fprc.artifacts import write_csv
 from fprc.figures import style
 from fprc.figures.tracking import (
     plot_efforts,
-    plot_errors,
+    plot_error,
     plot_following,
+    plot_over_cycle,
     plot_reference_loops,
-    plot_reservoir,
     shade_disturbance,
     shade_settling,
 )
 from fprc.logs import Columns, read_run
 from fprc.logs.isolated import isolated_each
+from fprc.signals import repeat_cycle
+from fprc.tables.drawn import disturbed, tracking_errors
 
 _CHANNELS = ("time_s", "theta_d_deg", "theta_deg", "p_ff_kpa", "p_fb_kpa")
-_RESERVOIR = ("p_i_kpa", "p_o_kpa", "phi_deg")
+#: Panels of the reservoir in Fig. 17.
+_RESERVOIR = {"p_i_kpa": "(b) Input $P_i$", "phi_deg": "Bending", "p_o_kpa": "Output $P_o$"}
 
 
-def draw_following(open_loop: str, closed_loop: str, pdf: str, png: str) -> Mapping[str, Any]:
-    """Figures 12 to 15: open loop, closed loop, errors, P_ff and P_fb."""
+def draw_following(
+    open_loop: str, closed_loop: str, runs: Sequence[str], csv: str, pdf: str, png: str
+) -> Mapping[str, Any]:
+    """Figures 12 to 15: open loop, closed loop, errors, P_ff and P_fb.
+
+    The range of the errors is that of all ``runs``, so that the four figures compare.
+    """
     opened, closed = isolated_each(read_run, [open_loop, closed_loop], names=_CHANNELS)
-    fig, axes = style.figure(4, 1, style.COLUMN_IN, 5.2, sharex=True)
+    table = tracking_errors([opened, closed])
+    write_csv(csv, table)
+    rmse, kp = table["rmse_deg"], table["kp_kpa_per_deg"].iloc[1]
+    every = tracking_errors(isolated_each(read_run, runs, names=_CHANNELS[:3]))
+    limit = 1.05 * every["max_abs_error_deg"].max()
+    fig, axes = style.figure(5, 1, style.COLUMN_IN, 6.0, sharex=True, height_ratios=(4, 4, 3, 3, 3))
     plot_following(opened.channels, axes[0])
     plot_following(closed.channels, axes[1])
-    runs = [("FPRC", "fprc", opened.channels), ("FPRC+PD", "fprc_pd", closed.channels)]
-    settle_s = closed.attributes["settle_s"]
-    plot_errors(runs, axes[2], judged_from_s=settle_s)
-    plot_efforts(closed.channels, axes[3])
-    titles = ("(a) Open loop: FPRC", f"(b) Closed loop: FPRC+PD, {closed.attributes['gain']} gain",
-              "(c) Errors", "(d) Feedforward and feedback of (b)")  # fmt: skip
+    plot_error(opened.channels, axes[2], rmse=rmse[0], controller="fprc", limit=limit)
+    plot_error(closed.channels, axes[3], rmse=rmse[1], controller="fprc_pd", limit=limit)
+    plot_efforts(closed.channels, axes[4])
+    titles = ("(a) FPRC", f"(b) FPRC+PD, {_gain(closed, kp)}", "(c) Errors of FPRC",
+              "Errors of FPRC+PD", "(d) Outputs in (b)")  # fmt: skip
     for ax, title in zip(axes, titles, strict=True):
         style.letter(ax, title)
-        style.legend_above(ax)
-        shade_settling(ax, settle_s)
+        shade_settling(ax, closed.attributes["settle_s"])
         ax.margins(x=0)
+    for ax in axes[[0, 1, 4]]:
+        style.legend_above(ax)
     axes[-1].set_xlabel("Time [s]; grey: settling, not judged")
     return style.save(fig, closed.attributes, pdf, png)
+
+
+def _gain(log: Columns, kp_kpa_per_deg: float) -> str:
+    kp = "" if pd.isna(kp_kpa_per_deg) else f": {kp_kpa_per_deg:g} kPa/deg"
+    return f"{log.attributes['gain']} gain{kp}"
 
 
 def draw_loops(runs: Sequence[str], pdf: str, png: str) -> Mapping[str, Any]:
@@ -60,23 +82,43 @@ def draw_loops(runs: Sequence[str], pdf: str, png: str) -> Mapping[str, Any]:
     return style.save(fig, logs[0].attributes, pdf, png)
 
 
-def draw_disturbance(run: str, pdf: str, png: str, *, quiet_s: float) -> Mapping[str, Any]:
-    """Figure 17: tracking and reservoir while random forces push the reservoir."""
+def draw_disturbance(
+    run: str, csv: str, pdf: str, png: str, *, quiet_s: float
+) -> Mapping[str, Any]:
+    """Figure 17: tracking and reservoir while random forces push the reservoir.
+
+    The reservoir's signals lie over their last undisturbed cycle.
+    """
     (log,) = isolated_each(read_run, [run], names=(*_CHANNELS, *_RESERVOIR))
-    channels = log.channels
-    end_s = channels["time_s"][-1]
-    fig, axes = style.figure(3, 1, style.COLUMN_IN, 4.6, sharex=True, height_ratios=(2, 1, 2))
+    channels, settle_s = log.channels, log.attributes["settle_s"]
+    time_s = channels["time_s"]
+    cycles = {
+        name: repeat_cycle(time_s, channels["theta_d_deg"], channels[name], quiet_s)
+        for name in _RESERVOIR
+    }
+    table = disturbed(log, cycles, quiet_s)
+    write_csv(csv, table)
+    rms = table.set_index("channel")
+    fig, axes = style.figure(5, 1, style.COLUMN_IN, 6.2, sharex=True, height_ratios=(4, 3, 3, 4, 4))
     plot_following(channels, axes[0])
-    settle_s = log.attributes["settle_s"]
-    plot_errors([("Error", "fprc_pd", channels)], axes[1], judged_from_s=settle_s)
-    pressures, angle = plot_reservoir(channels, axes[2])
+    judged = (channels["theta_d_deg"] - channels["theta_deg"])[time_s >= settle_s]
+    plot_error(channels, axes[1], rmse=rms.loc["theta_deg", "rms"], controller="fprc_pd",
+               limit=1.05 * np.abs(judged).max())  # fmt: skip
+    for ax, (name, title) in zip(axes[2:], _RESERVOIR.items(), strict=True):
+        cycle = cycles[name]
+        style.letter(ax, title)
+        if cycle is not None:
+            cycle = np.where(time_s < settle_s, np.nan, cycle)
+            own = rms.loc[name]
+            share = f"{own['percent_of_swing']:.0f} % of its swing"
+            ax.set_title(f"off by {own['rms']:.2g} {own['unit']} rms, {share}", loc="right")
+        plot_over_cycle(time_s, channels[name], cycle, ax, name)
     for ax in axes:
-        shade_disturbance(ax, quiet_s, end_s)
+        shade_disturbance(ax, quiet_s, time_s[-1])
         ax.margins(x=0)
-    style.letter(axes[0], f"(a) Tracking: FPRC+PD, {log.attributes['gain']} gain")
+    (kp,) = tracking_errors([log])["kp_kpa_per_deg"]
+    style.letter(axes[0], f"(a) FPRC+PD, {_gain(log, kp)}")
     style.legend_above(axes[0])
-    style.letter(axes[2], "(b) Reservoir")
-    style.legend_above(pressures, angle)
     axes[-1].set_xlabel("Time [s]; yellow: undisturbed, grey: pushed")
     return style.save(fig, log.attributes, pdf, png)
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from fprc.artifacts import write_json
-from fprc.experiments.data import join, select_channels
+from fprc.experiments.data import Data, join, select_channels
 from fprc.logs import assess, read_raw, write_columns
 from fprc.logs.isolated import isolated_each
 from fprc.logs.quality import warnings
@@ -37,6 +37,36 @@ def preprocess(
         A raw log cannot be read, or several do not go together.
     """
     paths = [raw] if isinstance(raw, str) else list(raw)
+    recordings, reports = read_recordings(
+        paths, experiment=experiment, target=target, sample_rate_hz=sample_rate_hz, limits=limits
+    )
+    several = len(paths) > 1
+    named = {Path(path).name: each for path, each in zip(paths, recordings, strict=True)}
+    whole = join(named, 1.0 / sample_rate_hz) if several else recordings[0]
+    write_json(quality, {"recordings": reports} if several else reports[0])
+    write_columns(data, whole.channels, whole.attributes)
+
+
+def read_recordings(
+    paths: Sequence[str],
+    *,
+    experiment: str | None,
+    target: str,
+    sample_rate_hz: float,
+    limits: Mapping[str, Any],
+) -> tuple[list[Data], list[dict[str, Any]]]:
+    """Return the models' channels of raw logs, and the quality record of each.
+
+    Parameters
+    ----------
+    experiment : str or None
+        Expected experiment; None accepts any.
+
+    Raises
+    ------
+    LogError
+        Lists every log that cannot be read.
+    """
     sources = isolated_each(
         read_raw,
         paths,
@@ -44,16 +74,13 @@ def preprocess(
         sample_rate_hz=sample_rate_hz,
         rate_tolerance=limits["rate_tolerance"],
     )
-    reports, selected = [], {}
+    recordings, reports = [], []
     for path, source in zip(paths, sources, strict=True):
         report = assess(source, sample_rate_hz=sample_rate_hz, **limits)
         for warning in warnings(report):
             log.warning("warning: %s", warning)
         reports.append(report)
-        selected[Path(path).name] = select_channels(source, path, target)
+        recordings.append(select_channels(source, path, target))
         passed = sum(check["passed"] for check in report["checks"].values())
         log.info("%d of %d quality checks passed", passed, len(report["checks"]))
-    several = len(paths) > 1
-    whole = join(selected, 1.0 / sample_rate_hz) if several else next(iter(selected.values()))
-    write_json(quality, {"recordings": reports} if several else reports[0])
-    write_columns(data, whole.channels, whole.attributes)
+    return recordings, reports

@@ -1,6 +1,7 @@
 """Run a stage on behalf of a Snakemake rule."""
 
 import logging
+import os
 import sys
 from collections.abc import Callable, Mapping
 from importlib import import_module
@@ -67,7 +68,9 @@ def _log_to(path: str, label: str) -> None:
     line = TerminalFormatter(f"[{label}] %(message)s")
     log.setLevel(logging.DEBUG)
     terminal = logging.StreamHandler()
-    terminal.setLevel(logging.INFO)
+    # the workflow's logger shows progress itself, from the log file
+    alone = os.environ.get("FPRC_MESSAGES") != "log"
+    terminal.setLevel(logging.INFO if alone else logging.WARNING)
     with explaining(path):
         Path(path).parent.mkdir(parents=True, exist_ok=True)
         file = logging.FileHandler(path, mode="w")

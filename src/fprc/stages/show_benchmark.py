@@ -15,7 +15,6 @@ from fprc.tables.benchmark import (
     benchmark,
     benchmark_page,
     bound_note,
-    exponent,
     growth,
     rules_note,
     rules_page,
@@ -49,14 +48,14 @@ def draw_benchmark(report: str, pdf: str, png: str) -> Mapping[str, Any]:
     """Draw how the cost grows with size, one panel per kind of work."""
     content = read_json(report)
     groups = list(growth(content).groupby("work", sort=False))
-    fig, axes = style.figure(3, 2, style.COLUMN_IN, 4.6)
+    fig, axes = style.figure(2, 3, style.PAGE_IN, 3.6)
     for ax, (name, table) in zip(axes.flat, groups, strict=False):
-        power = exponent(table["size"].to_numpy(), table["seconds"].to_numpy())
-        plot_growth(table, power, ax)
-        style.letter(ax, name)
+        plot_growth(table, ax)
+        what, _, of = name.partition(", ")
+        style.letter(ax, what)
+        ax.set_xlabel(f"Number of {of}, $n$" if of else "$n$")
     for ax in axes.flat[len(groups) :]:
         ax.set_axis_off()
-    style.share_legend(fig, axes[0, 0])
     return style.save(fig, content, pdf, png)
 
 

@@ -102,7 +102,7 @@ def tabulate_tracking(
     if report["candidates"]:
         gain = (
             "The printed gain is the paper's; the identified one has the least error of "
-            f"{len(report['candidates'])} gains on another reference (sine 0.3 Hz)."
+            f"{len(report['candidates'])} gains on the sine of 0.3 Hz, without pushes."
         )
     note = f"{title}.\nData: {SOURCES[report['source']]}. {gain}"
     if left_out:

@@ -146,8 +146,3 @@ def growth(report: Mapping[str, Any]) -> pd.DataFrame:
     """Return the cost over size: median seconds and peak memory, tidy."""
     table = pd.DataFrame(report["growth"])
     return table.assign(seconds=[np.median(each) for each in table["seconds"]])
-
-
-def exponent(sizes: np.ndarray, cost: np.ndarray) -> float:
-    """Return the exponent p of cost ~ size^p, by least squares of the logarithms."""
-    return float(np.polyfit(np.log(sizes), np.log(cost), 1)[0])

@@ -31,8 +31,75 @@ def fit_errors(parts: Mapping[str, Any]) -> pd.DataFrame:
     )
 
 
-def weight_shares(report: Mapping[str, Any]) -> pd.DataFrame:
-    """Share of each weight in its rule, and each feature's share averaged over rules (Fig. 9)."""
+def tracking_errors(runs: Sequence[Any]) -> pd.DataFrame:
+    """RMSE and largest error after the settling time of the runs of Figs. 12 to 15 and 17.
+
+    Parameters
+    ----------
+    runs : sequence
+        Logs with ``time_s``, ``theta_d_deg`` and ``theta_deg``.
+    """
+    rows = []
+    for log in runs:
+        named = log.attributes
+        judged = log.channels["time_s"] >= named["settle_s"]
+        error = (log.channels["theta_d_deg"] - log.channels["theta_deg"])[judged]
+        rows.append(
+            {
+                **{key: named[key] for key in ("reference", "controller", "gain")},
+                "kp_kpa_per_deg": (named["rig"].get("gains") or {}).get("kp_kpa_per_deg"),
+                "rmse_deg": np.sqrt(np.mean(error**2)),
+                "max_abs_error_deg": np.abs(error).max(),
+                "source": named["source"],
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def disturbed(log: Any, cycles: Mapping[str, np.ndarray | None], quiet_s: float) -> pd.DataFrame:
+    """Errors of Fig. 17: of theta from its reference, of channels from their undisturbed cycle.
+
+    Parameters
+    ----------
+    cycles : Mapping
+        By channel: its undisturbed cycle, repeated; None leaves the channel out.
+
+    Returns
+    -------
+    DataFrame
+        ``channel``, ``rms`` (of theta after the settling time, else from ``quiet_s`` on), ``unit``,
+        ``percent_of_swing`` (of the reference's, else of the cycle's), ``source``.
+    """
+    time_s, settle_s = log.channels["time_s"], log.attributes["settle_s"]
+    against = {"theta_deg": log.channels["theta_d_deg"], **cycles}
+    rows = []
+    for name, expected in against.items():
+        if expected is None:
+            continue
+        judged = time_s >= (settle_s if name == "theta_deg" else quiet_s)
+        rms = np.sqrt(np.mean((log.channels[name] - expected)[judged] ** 2))
+        rows.append(
+            {
+                "channel": name,
+                "rms": rms,
+                "unit": "deg" if name.endswith("_deg") else "kPa",
+                "percent_of_swing": 100.0 * rms / np.ptp(expected),
+                "source": log.attributes["source"],
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def weight_shares(report: Mapping[str, Any], published: Mapping[str, Any]) -> pd.DataFrame:
+    """Share of each weight in its rule, and each feature's mean over rules, ours and the paper's.
+
+    Of Fig. 9. The paper prints no mean of the bias: what its other two leave of 1.
+    """
+    printed = {
+        name: percent / 100
+        for name, percent in published["fig_portion_mean_weight_share_percent"].items()
+    }
+    printed["bias"] = 1.0 - sum(printed.values())
     return pd.DataFrame(
         {
             "rule": rule,
@@ -40,6 +107,7 @@ def weight_shares(report: Mapping[str, Any]) -> pd.DataFrame:
             "lag": lag,
             "share": share,
             "mean_of_feature": report["mean_share"].get(feature),
+            "published_mean_of_feature": printed[feature],
             "source": report["source"],
         }
         for feature, rules in report["shares"].items()

@@ -17,7 +17,6 @@ from fprc.tables.benchmark import (
     benchmark,
     benchmark_page,
     bound_note,
-    exponent,
     rules_note,
     rules_page,
 )
@@ -85,18 +84,21 @@ def test_share_of_memory_in_a_step_is_told_where_results_agree():
     assert "%" not in bound_note(report)
 
 
-def test_exponent_of_a_power_law():
-    sizes = np.array([100, 200, 400, 800])
-    assert exponent(sizes, 3e-9 * sizes**2.5) == pytest.approx(2.5)
-
-
-def test_growth_is_drawn_on_logarithmic_axes():
-    _, ax = plt.subplots()
-    table = pd.DataFrame({"size": [1, 2], "seconds": [0.1, 0.4], "peak_mb": [1.0, 2.0]})
-    plot_growth(table, 2.0, ax)
-    assert (ax.get_xscale(), ax.get_yscale()) == ("log", "log")
-    assert [line.get_ydata().tolist() for line in ax.lines] == [[0.1, 0.4], [0.001, 0.002]]
-    assert [label.get_text() for label in ax.get_xticklabels()] == ["1", "2"]
+def test_growth_is_drawn_on_logarithmic_axes_with_a_law_where_it_fits():
+    sizes = np.array([1.0, 2.0, 4.0, 8.0])
+    table = pd.DataFrame({"size": sizes, "seconds": 0.1 * sizes**2.5, "peak_mb": sizes})
+    _, (ax, bent) = plt.subplots(1, 2)
+    memory = plot_growth(table, ax)
+    assert {axis.get_yscale() for axis in (ax, memory)} == {ax.get_xscale()} == {"log"}
+    assert (ax.get_ylabel(), memory.get_ylabel()) == ("Time [s]", "Memory [MB]")
+    assert ax.lines[0].get_ydata().tolist() == table["seconds"].tolist()
+    assert memory.lines[0].get_ydata().tolist() == table["peak_mb"].tolist()
+    assert [label.get_text() for label in ax.get_xticklabels()] == ["1", "2", "4", "8"]
+    assert ax.get_title("right") == "$n^{2.50}$"
+    assert ax.lines[1].get_ydata() == pytest.approx(table["seconds"].tolist())
+    plot_growth(table.assign(seconds=[1.0, 1.0, 1.0, 4.0]), bent)
+    assert bent.get_title("right") == ""
+    assert len(bent.lines) == 1
     plt.close()
 
 

@@ -445,6 +445,7 @@ def test_order_of_the_chunks_does_not_matter(summarise, rigs):
         assert one.pop("correlations") == pytest.approx(other.pop("correlations"), abs=1e-12)
         assert one == other
     assert sorted(found[0].pop("seeds")) == sorted(found[1].pop("seeds"))
+    assert found[0].pop("deviation") == pytest.approx(found[1].pop("deviation"), abs=1e-12)
     assert found[0] == found[1]
 
 

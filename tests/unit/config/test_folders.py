@@ -50,7 +50,6 @@ def project(tmp_path, monkeypatch):
         ("tests/out", "is in tests"),
         ("{project}/docs/images", "is in docs"),
         ("results/../workflow", "is in workflow"),
-        ("../project/profiles", "is in profiles"),
         (".git", "is in .git"),
         (".snakemake/x", "is in .snakemake"),
         ("./.venv", "is in .venv"),
@@ -164,9 +163,8 @@ def test_own_folders_are_those_of_the_repository():
     if listed.returncode:
         pytest.skip("not in a git repository")
     folders = {line.split("/")[0] for line in listed.stdout.splitlines() if "/" in line}
-    links = {path.name for path in ROOT.iterdir() if path.is_symlink() and path.is_dir()}
-    hidden = {name for name in folders | links if name.startswith(".")}
-    assert (folders | links) - hidden - {"data", "results"} == PROJECT_FOLDERS
+    hidden = {name for name in folders if name.startswith(".")}
+    assert folders - hidden - {"data", "results"} == PROJECT_FOLDERS
 
 
 def test_folders_that_rules_make_are_those_of_the_rules():

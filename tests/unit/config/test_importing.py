@@ -192,7 +192,7 @@ def test_draft_has_the_columns_of_a_wrong_map(tmp_path):
 
 
 def test_absent_map_is_an_error(tmp_path):
-    with pytest.raises(ConfigError, match=r"none\.yaml: cannot be read"):
+    with pytest.raises(ConfigError, match=r"none\.yaml: cannot be opened"):
         read_map(tmp_path / "none.yaml")
 
 

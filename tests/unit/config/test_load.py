@@ -212,7 +212,7 @@ def test_file_that_is_not_text_is_named(tmp_path):
 
 def test_absent_file_and_folder_are_named(tmp_path):
     for path in (tmp_path / "none.yaml", tmp_path):
-        with pytest.raises(ConfigError, match="cannot be read") as caught:
+        with pytest.raises(ConfigError, match="cannot be opened") as caught:
             from_files([path])
         assert str(path) in str(caught.value)
 

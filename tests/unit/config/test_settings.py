@@ -181,7 +181,7 @@ def test_lists_that_belong_together_have_the_same_length(key, pair):
 def test_weights_sum_to_one(key):
     elements = len(value_at(Settings(), key))
     assert "make it sum to 1" in refused(key, [0.5] * elements)
-    weights = [1.0 / elements] * elements
+    weights = [0.0] * (elements - 1) + [1.0]
     assert value_at(check(set_to(key, weights)), key) == tuple(weights)
 
 

@@ -45,7 +45,7 @@ def labels(ax):
 def test_channel_is_drawn_as_it_is(faulty):
     ax = drawn(faulty, "p_i_kpa")
     assert ax.lines[0].get_ydata().tolist() == faulty[1]["p_i_kpa"].tolist()
-    assert ax.lines[0].get_color() == style.COLOURS["p_i"]
+    assert ax.lines[0].get_color() == style.SIGNALS["p_i"]
     assert labels(ax) == {"gap"}
 
 

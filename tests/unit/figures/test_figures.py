@@ -5,6 +5,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.colors import to_rgb
+from matplotlib.text import Text
 
 from fprc.escape import figure
 from fprc.figures import style
@@ -12,7 +14,7 @@ from fprc.figures.grids import plot_grid
 from fprc.figures.hysteresis import plot_command, plot_loop
 from fprc.figures.training import plot_error, plot_fit
 from fprc.logs import Columns, write_columns
-from fprc.registry import MODELS, colour_of
+from fprc.registry import MODELS, look_of
 from fprc.stages import draw
 
 pytestmark = pytest.mark.slow
@@ -52,12 +54,12 @@ def figures(monkeypatch):
 
 @pytest.fixture
 def log(tmp_path):
-    def write(name, **attributes):
+    def write(name, amplitude=1.0, speed=1.0, **attributes):
         time = np.arange(80) / 20.0
         channels = {
             "time_s": time,
-            "p_target_kpa": 175.0 + 100.0 * np.sin(time),
-            "theta_deg": 20.0 + 15.0 * np.sin(time - 0.3),
+            "p_target_kpa": 175.0 + 100.0 * amplitude * np.sin(speed * time),
+            "theta_deg": 20.0 + 15.0 * amplitude * np.sin(speed * time - 0.3),
             "p_o_kpa": 100.0 + 5.0 * np.sin(time - 0.5),
             "p_ff_kpa": 177.0 + 100.0 * np.sin(time),
         }
@@ -165,10 +167,66 @@ def test_model_from_outside_is_drawn_too(log, tmp_path):
     assert (tmp_path / "f.pdf").read_bytes().startswith(b"%PDF")
 
 
-def test_every_model_has_a_colour_of_its_own_and_those_from_outside_share_another():
-    colours = [colour_of(model) for model in (*MODELS, "lstm")]
-    assert len(set(colours)) == 4
-    assert colour_of("ridge_taps") == colour_of("lstm")
+def is_grey(colour):
+    return len(set(to_rgb(colour))) == 1
+
+
+def test_every_model_has_a_look_of_its_own_and_those_from_outside_share_another():
+    looks = [look_of(model) for model in (*MODELS, "lstm")]
+    for part in zip(*looks, strict=True):
+        assert len(set(part)) == 4
+    assert look_of("ridge_taps") == look_of("lstm")
+
+
+def test_a_hue_is_one_signal_and_a_grey_is_a_model_or_a_controller():
+    signals = [to_rgb(colour) for colour in style.SIGNALS.values()]
+    assert len(set(signals)) == len(signals)
+    assert to_rgb(style.MARK) not in signals
+    names = [*MODELS, "lstm", "pd", "fprc_pd"]
+    greys = [style.line_of(name)["color"] for name in names]
+    assert len(set(greys)) == len(greys)
+    assert all(map(is_grey, greys))
+    assert not any(is_grey(colour) for name, colour in style.SIGNALS.items() if name != "valve")
+    assert not set(map(to_rgb, greys)) & set(signals)
+
+
+def test_a_marker_is_a_phase():
+    markers = [look["marker"] for look in style.PHASES.values()]
+    assert len(set(markers)) == 3
+    assert not any("color" in look or "linestyle" in look for look in style.PHASES.values())
+
+
+@DRAWINGS
+def test_no_text_is_smaller_than_seven_points_and_the_type_is_the_journals(
+    drawing, log, tmp_path, figures
+):
+    logs = log("one.h5"), log("two.h5")
+    drawing(*logs, *written(drawing, tmp_path / "f.pdf", tmp_path / "f.png"))
+    texts = [text for text in figures[0].findobj(Text) if text.get_text()]
+    assert min(text.get_fontsize() for text in texts) >= 7.0
+    assert {text.get_fontname() for text in texts} == {"STIXGeneral"}
+
+
+def test_panels_that_show_the_same_quantities_have_the_same_ranges(log, tmp_path, figures):
+    logs = log("one.h5"), log("two.h5", amplitude=0.2, speed=4.0)
+    for drawing in (draw.draw_actuator_hysteresis, draw.draw_reservoir_hysteresis):
+        drawing(*logs, *written(drawing, tmp_path / "f.pdf", tmp_path / "f.png"))
+    loops = [(fig.axes[first], fig.axes[last]) for fig, first, last in
+             zip(figures, (1, 0), (3, 1), strict=True)]  # fmt: skip
+    for one, other in loops:
+        assert one.get_xlim() == other.get_xlim()
+        assert one.get_ylim() == other.get_ylim()
+        assert one.collections[0].get_clim() == other.collections[0].get_clim()
+
+
+def test_part_of_the_training_is_enlarged_where_it_is_framed(log, tmp_path, figures):
+    logs = log("one.h5"), log("two.h5")
+    draw.draw_training(*logs, *written(draw.draw_training, tmp_path / "f.pdf", tmp_path / "f.png"))
+    whole, zoom = figures[0].axes[:2]
+    (frame,) = whole.patches
+    begin, end = zoom.get_xlim()
+    assert (begin, end) == pytest.approx((0.9 * 3.95, 3.95))
+    assert (frame.get_x(), frame.get_width()) == pytest.approx((begin, end - begin))
 
 
 def test_figures_are_as_wide_as_the_journal_prints_them():
@@ -199,20 +257,19 @@ def test_unit_from_a_file_is_drawn_as_text(axes, unit):
     table = pd.DataFrame(
         {"n_y": [1, 1], "n_u": [1, 2], "mean": [1.0, 2.0], "unit": unit, "phase": "train"}
     )
-    plot_grid(table, "train", axes)
+    plot_grid(table, "train", axes, (3, 5))
     axes.set_xlabel(draw._label("p_target", log))
     axes.figure.canvas.draw()
 
 
-def test_loop_joins_neighbouring_samples_and_is_coloured_by_time(axes):
-    x, y, time = np.array([0.0, 1.0, 1.0]), np.array([0.0, 0.0, 5.0]), np.array([0.0, 0.1, 0.2])
-    plot_loop(x, y, time, axes, ("x [kPa]", "y [deg]"))
+def test_loop_joins_neighbouring_samples_and_is_coloured_by_frequency(axes):
+    x, y, f_hz = np.array([0.0, 1.0, 1.0]), np.array([0.0, 0.0, 5.0]), np.array([0.3, 0.7, 0.9])
+    plot_loop(x, y, f_hz, axes, ("x [kPa]", "y [deg]"), (0.1, 1.0))
     (lines,) = axes.collections
-    assert [segment.tolist() for segment in lines.get_segments()] == [
-        [[0.0, 0.0], [1.0, 0.0]],
-        [[1.0, 0.0], [1.0, 5.0]],
-    ]
-    assert lines.get_array().tolist() == [0.0, 0.5]
+    drawn = zip(lines.get_array().tolist(), map(np.ndarray.tolist, lines.get_segments()),
+                strict=True)  # fmt: skip
+    assert sorted(drawn) == [(0.3, [[0.0, 0.0], [1.0, 0.0]]), (0.7, [[1.0, 0.0], [1.0, 5.0]])]
+    assert lines.get_clim() == (0.1, 1.0)
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("x [kPa]", "y [deg]")
     assert axes.get_ylim()[1] >= 5.0
 
@@ -238,7 +295,8 @@ def test_error_is_model_minus_truth_with_its_rmse(axes):
     errors = np.array([1.0, -1.0, 5.0, -3.0])
     plot_error(time, np.zeros(4), errors, axes, rmse=3.0, colour="#c0392b")
     assert axes.lines[0].get_ydata().tolist() == [1.0, -1.0, 5.0, -3.0]
-    assert [text.get_text() for text in axes.texts] == ["RMSE 3.0 kPa"]
+    assert axes.get_title("right") == "RMSE 3.0 kPa"
+    assert not axes.texts
 
 
 @pytest.fixture

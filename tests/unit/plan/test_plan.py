@@ -49,7 +49,7 @@ def raw(*references, controllers=CONTROLLERS):
 @pytest.fixture(scope="module")
 def simulated():
     """The plan of the default settings."""
-    return Plan(Settings().model_dump(mode="json"), {})
+    return Plan(Settings().model_dump(mode="json"), {}, "data/raw")
 
 
 def recorded(*names, lacking=(), notes=None, **evaluation):
@@ -60,7 +60,7 @@ def recorded(*names, lacking=(), notes=None, **evaluation):
         name: Header(Path(f"data/raw/{name}.h5"), channels, {"notes": notes or {}})
         for name in names
     }
-    return Plan(settings, there)
+    return Plan(settings, there, "data/raw")
 
 
 # --- the table of results -------------------------------------------------------------------------
@@ -187,7 +187,7 @@ def test_plan_and_its_paths_are_frozen(simulated):
 
 def test_every_file_lies_below_one_of_the_two_folders():
     settings = check({"folders": {"raw": "mine/raw", "results": "mine/made"}})
-    plan = Plan(settings.model_dump(mode="json"), {})
+    plan = Plan(settings.model_dump(mode="json"), {}, "mine/raw")
     for files in plan.targets.values():
         for file in files:
             assert file.startswith(("mine/raw/", "mine/made/"))
@@ -272,7 +272,7 @@ def test_simulated_reservoir_takes_the_place_of_one_that_is_not_there():
 def test_model_from_outside_is_judged_drawn_and_drives_if_it_can():
     other = {"estimator": "fprc.models.fprc.FuzzyLinear", "inputs": ["theta_deg"]}
     settings = check({"models": {"others": {"taps": other}}}).model_dump(mode="json")
-    plan = Plan(settings, {})
+    plan = Plan(settings, {}, "data/raw")
     assert plan.models == [*MODELS, "taps"]
     assert judged("sweep", ["taps"]) <= set(plan.targets["table2"])
     assert plan.targets["training_taps"][0] == "results/figures/training_taps.pdf"
@@ -318,9 +318,8 @@ def test_model_from_outside_is_planned_only_where_models_can_be_judged():
 
 def test_folder_without_a_log_cannot_be_planned_for(tmp_path):
     settings = check({"source": "recorded"}).model_dump(mode="json")
-    settings["folders"]["raw"] = str(tmp_path)
     with pytest.raises(LogError, match="contains no raw log"):
-        read_plan(settings, isolate=False)
+        read_plan(settings, str(tmp_path), isolate=False)
 
 
 def test_further_training_logs_are_read_in_order_and_only_where_recorded():
@@ -351,5 +350,5 @@ def test_folder_is_searched_for_further_training_logs(tmp_path, monkeypatch):
         seen.clear()
         settings = Settings().model_dump(mode="json") | {"source": source, "folders": folders}
         with suppress(LogError):  # no log has a header
-            read_plan(settings, isolate=False)
+            read_plan(settings, str(tmp_path), isolate=False)
         assert set(seen) & set(names) == expected

@@ -1,6 +1,7 @@
 """Each figure's table has the numbers that are drawn."""
 
 import statistics
+from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -8,9 +9,11 @@ import pandas as pd
 import pytest
 
 from fprc.artifacts import write_json
+from fprc.config.load import PUBLISHED
 from fprc.figures import style
-from fprc.logs import write_columns
-from fprc.stages import draw
+from fprc.figures.grids import plot_grid
+from fprc.logs import Columns, write_columns
+from fprc.stages import draw, draw_tracking
 
 FOLDS = {1: [10.0, 12.0, 11.0, 16.0], 2: [9.0, 9.5, 8.0, 8.5], 4: [7.0, 7.1, 7.2, 7.7]}
 
@@ -74,13 +77,13 @@ def test_fig_10_draws_the_means_and_sample_deviations_of_its_table(figures, plac
     table = pd.read_csv(csv)
     assert list(table["panel"].unique()) == ["a", "b", "c"]
     assert set(table["source"]) == {"sim"}
-    names = {"fprc": "FPRC, ", "fuzzy_linear": "Fuzzy-linear, "}
-    phases = {"train": "Training", "validation": "Validation", "test": "Test"}
+    names = {"fprc": "FPRC", "fuzzy_linear": "Fuzzy-linear"}
+    phases = {"train": "training", "validation": "validation", "test": "test"}
     for panel, ax in zip("abc", figures[0].axes, strict=True):
         lines = drawn(ax)
         rows = table[table["panel"] == panel]
         for (model, phase), group in rows.groupby(["model", "phase"]):
-            x, y, halves = lines.pop(("" if panel == "a" else names[model]) + phases[phase])
+            x, y, halves = lines.pop(f"{names[model]}, {phases[phase]}")
             assert x == pytest.approx(group["value"].tolist())
             assert y == pytest.approx(group["mean"].tolist(), rel=1e-5)
             if group["values"].iloc[0] > 1:
@@ -108,12 +111,29 @@ def test_fig_11_draws_the_means_of_its_table(figures, place):
         for n_y in (1, 2)
     ]  # fmt: skip
     write_json(place("taps.json"), {"source": "sim", "seed": 1, "unit": "kPa", "cells": cells})
-    draw.draw_taps(place("taps.json"), place("t.csv"), place("f.pdf"), place("f.png"))
+    draw.draw_taps(
+        place("taps.json"), str(PUBLISHED), place("t.csv"), place("f.pdf"), place("f.png")
+    )
     table = pd.read_csv(place("t.csv"))
     for phase, ax in zip(("train", "validation", "test"), figures[0].axes, strict=False):
         (mesh,) = ax.collections[:1]
         rows = table[table["phase"] == phase].sort_values(["n_y", "n_u"])
         assert mesh.get_array().ravel().tolist() == pytest.approx(rows["mean"].tolist(), rel=1e-5)
+
+
+def test_fig_11_has_numbers_in_the_lowest_cell_and_the_papers_and_clips_the_largest(place):
+    cells = [{"n_u": n_u, "n_y": n_y, "phase": "test", "mean": 10.0 + n_u + n_y, "unit": "kPa"}
+             for n_u in range(1, 6) for n_y in range(1, 6)]  # fmt: skip
+    cells[-1]["mean"] = 1000.0
+    _, ax = plt.subplots()
+    plot_grid(pd.DataFrame(cells), "test", ax, (3, 5))
+    assert {text.get_position(): text.get_text() for text in ax.texts} == {
+        (1, 1): "12.0",
+        (3, 5): "18.0",
+    }
+    assert ax.collections[0].get_clim()[0] == 12.0
+    assert ax.collections[0].get_clim()[1] < 20.0
+    plt.close("all")
 
 
 def test_fig_8_writes_the_rmse_that_it_shows(figures, place):
@@ -129,8 +149,8 @@ def test_fig_8_writes_the_rmse_that_it_shows(figures, place):
     )
     table = pd.read_csv(place("t.csv"))
     assert table["rmse"].tolist() == pytest.approx([3.0, 5.0])
-    shown = [text.get_text() for ax in figures[0].axes for text in ax.texts]
-    assert [text for text in shown if "RMSE" in text] == ["RMSE 3.0 kPa", "RMSE 5.0 kPa"]
+    shown = [ax.get_title("right") for ax in figures[0].axes]
+    assert [text for text in shown if text] == ["RMSE 3.0 kPa", "RMSE 5.0 kPa"]
 
 
 def test_fig_9_writes_the_shares_and_their_means(figures, place):
@@ -138,9 +158,88 @@ def test_fig_9_writes_the_shares_and_their_means(figures, place):
     means = {"p_o": 0.3, "theta_d": 0.55}
     report = {"source": "sim", "seed": 1, "shares": shares, "mean_share": means}
     write_json(place("weights.json"), report)
-    draw.draw_weights(place("weights.json"), place("t.csv"), place("f.pdf"), place("f.png"))
+    draw.draw_weights(
+        place("weights.json"), str(PUBLISHED), place("t.csv"), place("f.pdf"), place("f.png")
+    )
     table = pd.read_csv(place("t.csv"))
     assert table.groupby("rule")["share"].sum().tolist() == pytest.approx([1.0, 1.0])
     of_p_o = table[table["feature"] == "p_o"]
     assert of_p_o.groupby("rule")["share"].sum().mean() == pytest.approx(0.3)
     assert set(of_p_o["mean_of_feature"]) == {0.3}
+    assert set(of_p_o["published_mean_of_feature"]) == {0.561}
+    assert [text.get_text() for text in figures[0].axes[0].texts] == [
+        "30 %", "55 %", "56 %", "44 %"
+    ]  # fmt: skip
+
+
+def run_of(place, name, controller, gain, offset=1.0, pushed=0.0):
+    """Write a closed-loop log of 50 s on a sine of 0.25 Hz; the last 30 s are pushed."""
+    time_s = np.arange(5000) / 100.0
+    wave = np.sin(2 * np.pi * 0.25 * (time_s - 5.0)) * (time_s >= 5.0)
+    push = pushed * (time_s >= 20.0) * np.sin(7.0 * time_s)
+    channels = {
+        "time_s": time_s, "theta_d_deg": 30.0 * wave,
+        "theta_deg": 30.0 * wave + np.where(time_s < 5.0, 25.0, offset * np.cos(time_s)),
+        "p_ff_kpa": 100.0 * wave, "p_fb_kpa": wave, "p_i_kpa": 200.0 * wave,
+        "p_o_kpa": 100.0 + 20.0 * wave, "phi_deg": 20.0 * wave + push,
+    }  # fmt: skip
+    gains = None if gain == "none" else {"kp_kpa_per_deg": 2.5, "kd_kpa_s_per_deg": 0.025}
+    attributes = {"source": "sim", "seed": 7, "reference": "sine_0p2", "controller": controller,
+                  "gain": gain, "settle_s": 5.0, "rig": {"gains": gains}}  # fmt: skip
+    return Columns(Path(place(name)), channels, attributes)
+
+
+@pytest.fixture
+def logs(monkeypatch):
+    """Logs by name, in place of files."""
+    found = {}
+    monkeypatch.setattr(
+        draw_tracking, "isolated_each", lambda read, paths, names: [found[path] for path in paths]
+    )
+    return found
+
+
+def test_figs_12_to_15_show_rmse_and_gain_and_share_the_range_of_the_errors(figures, place, logs):
+    logs["open"] = run_of(place, "open", "fprc", "none", offset=4.0)
+    logs["closed"] = run_of(place, "closed", "fprc_pd", "identified")
+    logs["other"] = run_of(place, "other", "fprc", "none", offset=9.0)
+    draw_tracking.draw_following(
+        "open", "closed", list(logs), place("t.csv"), place("f.pdf"), place("f.png")
+    )
+    table = pd.read_csv(place("t.csv"))
+    cosine = np.cos(np.arange(500, 5000) / 100.0)
+    assert table["rmse_deg"].tolist() == pytest.approx(
+        [4.0 * np.sqrt(np.mean(cosine**2)), np.sqrt(np.mean(cosine**2))], rel=1e-5
+    )
+    axes = figures[0].axes
+    assert axes[1].get_title("left") == "(b) FPRC+PD, identified gain: 2.5 kPa/deg"
+    shown = [ax.get_title("right") for ax in axes if ax.get_title("right")]
+    assert shown == [f"RMSE {rmse:.2f} deg" for rmse in table["rmse_deg"]]
+    limit = 1.05 * 9.0 * np.abs(cosine).max()
+    for ax in axes[2:4]:
+        assert ax.get_ylim() == pytest.approx((-limit, limit))
+
+
+def test_fig_17_measures_how_far_signals_are_off_their_undisturbed_cycle(figures, place, logs):
+    logs["run"] = run_of(place, "run", "fprc_pd", "identified", pushed=6.0)
+    draw_tracking.draw_disturbance(
+        "run", place("t.csv"), place("f.pdf"), place("f.png"), quiet_s=20.0
+    )
+    table = pd.read_csv(place("t.csv")).set_index("channel")
+    push = 6.0 * np.sin(7.0 * np.arange(2000, 5000) / 100.0)
+    assert table.loc["phi_deg", "rms"] == pytest.approx(np.sqrt(np.mean(push**2)), rel=1e-3)
+    assert table.loc["phi_deg", "percent_of_swing"] == pytest.approx(
+        100 * np.sqrt(np.mean(push**2)) / 40.0, rel=1e-2
+    )
+    assert table.loc[["p_i_kpa", "p_o_kpa"], "percent_of_swing"].max() < 0.1
+    titles = [ax.get_title("right") for ax in figures[0].axes[2:]]
+    assert titles[1] == "off by 4.2 deg rms, 11 % of its swing"
+
+
+def test_fig_17_without_an_undisturbed_cycle_has_none(figures, place, logs):
+    logs["run"] = run_of(place, "run", "fprc_pd", "identified")
+    draw_tracking.draw_disturbance(
+        "run", place("t.csv"), place("f.pdf"), place("f.png"), quiet_s=6.0
+    )
+    assert pd.read_csv(place("t.csv"))["channel"].tolist() == ["theta_deg"]
+    assert [len(ax.lines) for ax in figures[0].axes[2:]] == [1, 1, 1]

@@ -1,0 +1,72 @@
+"""`fprc simulate`: one hysteresis experiment on the simulated rig, without Snakemake."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from fprc.config import from_files, local_files
+from fprc.errors import ConfigError
+from fprc.logs.recovery import refuse_existing
+from fprc.stages.record import record
+from fprc.yaml_file import read_yaml
+
+
+def simulate(
+    experiment: str,
+    out: str,
+    *,
+    seed: int | None = None,
+    rig: str | None = None,
+    config: Sequence[str] = (),
+) -> None:
+    """Write the raw log that the workflow's rule ``record`` writes with the same settings.
+
+    Parameters
+    ----------
+    experiment : {"sweep", "complex"}
+    out : str
+        Raw log to write.
+    seed : int, optional
+        Draws the sensors of the rig and their noise; by default the configuration's.
+    rig : str, optional
+        Name of a rig, or a file that ``fprc calibrate`` wrote; by default the configuration's.
+    config : sequence of str
+        Configuration files; see ``fprc.commands.calibrate``.
+
+    Raises
+    ------
+    ConfigError
+        The configuration, the seed or the rig is wrong.
+    LogError
+        ``out`` exists, or does not end in ``.h5``.
+    """
+    refuse_existing(out)
+    chosen = {} if seed is None else {"seed": seed}
+    settings = from_files(config or local_files(), _rig(rig) | chosen).model_dump(mode="json")
+    signal, control = settings["experiments"][experiment], settings["control"]
+    record(
+        out,
+        experiment=experiment,
+        signal=signal,
+        control=control,
+        rig=settings["rig"],
+        seed=settings["seed"],
+    )
+    print(
+        f"{out}: {experiment}, {signal['duration_s']:g} s at {control['sample_rate_hz']:g} Hz, on "
+        f"the simulated rig {settings['fitted']['name']}, seed {settings['seed']}"
+    )
+
+
+def _rig(rig: str | None) -> dict[str, Any]:
+    """Return the settings that choose a rig."""
+    if rig is None:
+        return {}
+    if not rig.endswith((".yaml", ".yml")):
+        return {"rig": rig}
+    content: Mapping[str, Any] = read_yaml(rig)
+    if "rig" not in content:
+        raise ConfigError(
+            f"{rig}: has no section rig; give a file that `fprc calibrate` wrote, or the name of a "
+            "rig"
+        )
+    return dict(content)

@@ -1,0 +1,28 @@
+"""What a build of the paper has shown, in a line."""
+
+from pathlib import Path
+
+import pandas as pd
+
+from fprc.artifacts import read_json
+from fprc.tables import deviations
+
+
+def outcome(results: str) -> str:
+    """Return how many claims are reproduced, how far the tables are off print, and what to open.
+
+    Parameters
+    ----------
+    results : str
+        Folder of the results.
+    """
+    parts = [f"open {Path(results, 'report.html')}"]
+    tables = {n: Path(results, f"tables/table{i}_seeds.csv") for n, i in (("II", 2), ("III", 3))}
+    if all(path.exists() for path in tables.values()):
+        off = deviations({name: pd.read_csv(path) for name, path in tables.items()})["deviation"]
+        parts.insert(0, f"median deviation of Tables II and III {100 * off.abs().median():.0f} %")
+    ledger = Path(results, "claims.json")
+    if ledger.exists():
+        verdicts = [claim["verdict"] for claim in read_json(str(ledger))["claims"]]
+        parts.insert(0, f"{verdicts.count('reproduced')} of {len(verdicts)} claims reproduced")
+    return "; ".join(parts)

@@ -1,0 +1,234 @@
+import numpy as np
+import pytest
+import yaml
+
+from fprc.artifacts import read_json
+from fprc.cli import main
+from fprc.config import from_files
+from fprc.evaluation import cross_validate
+from fprc.experiments.settings import Judgement
+from fprc.logs import RAW_CHANNELS, read_columns, write_raw
+from fprc.models import load_model
+from fprc.plan.arguments import judgement
+from fprc.registry import build
+from fprc.stages.judge import judge
+from fprc.stages.preprocess import preprocess
+from fprc.stages.record import record
+
+pytestmark = pytest.mark.slow
+
+FEW = {
+    "experiments": {"sweep": {"duration_s": 12}, "complex": {"duration_s": 12}},
+    "models": {"n_y": 2, "fprc": {"n_c": 2}, "esn": {"r": 5}},
+    "evaluation": {"folds": 2},
+    "seed": 3,
+}
+
+
+@pytest.fixture(scope="module")
+def few(tmp_path_factory):
+    path = tmp_path_factory.mktemp("few") / "few.yaml"
+    path.write_text(yaml.safe_dump(FEW))
+    return str(path)
+
+
+@pytest.fixture(scope="module")
+def settings(few):
+    return from_files([few]).model_dump(mode="json")
+
+
+@pytest.fixture(scope="module")
+def recorded_by_rule(settings, tmp_path_factory):
+    """Raw logs of both experiments, and one more sweep, as the workflow's stage writes them."""
+    folder = tmp_path_factory.mktemp("raw")
+
+    def by_rule(experiment, path, seed):
+        path.parent.mkdir(exist_ok=True)
+        record(
+            str(path), experiment=experiment, signal=settings["experiments"][experiment],
+            control=settings["control"], rig=settings["rig"], seed=seed,
+        )  # fmt: skip
+        return path
+
+    by_rule("sweep", folder / "other" / "sweep.h5", 4)
+    return {name: by_rule(name, folder / f"{name}.h5", 3) for name in ("sweep", "complex")}
+
+
+@pytest.fixture(scope="module")
+def prepared(recorded_by_rule, settings, tmp_path_factory):
+    """Data of both experiments, as the workflow's stage writes them."""
+    folder = tmp_path_factory.mktemp("data")
+    data = [str(folder / f"{experiment}.h5") for experiment in recorded_by_rule]
+    for (experiment, raw), path in zip(recorded_by_rule.items(), data, strict=True):
+        preprocess(
+            str(raw), path, f"{path}.json", experiment=experiment, target="command",
+            sample_rate_hz=200.0, limits=settings["quality"],
+        )  # fmt: skip
+    return data
+
+
+@pytest.fixture
+def inside(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def run(*words):
+    return main([str(word) for word in words])
+
+
+# --- simulate -----------------------------------------------------------------------------------
+
+
+def test_simulated_log_is_that_of_the_workflow(recorded_by_rule, few, inside, capsys):
+    assert run("simulate", "complex", "--config", few, "--out", "mine.h5") == 0
+    assert (inside / "mine.h5").read_bytes() == recorded_by_rule["complex"].read_bytes()
+    assert capsys.readouterr().out == (
+        "mine.h5: complex, 12 s at 200 Hz, on the simulated rig dry, seed 3\n"
+    )
+
+
+def test_seed_and_rig_are_chosen_by_name_or_file(few, inside, capsys):
+    command = ("simulate", "sweep", "--config", few, "--seed", 5, "--rig")
+    main(["config", "rig", "viscous"])
+    (inside / "own.yaml").write_text(capsys.readouterr().out)
+    assert run(*command, "viscous", "--out", "named.h5") == 0
+    assert run(*command, "own.yaml", "--out", "filed.h5") == 0
+    named, filed = (read_columns(inside / f"{n}.h5", RAW_CHANNELS) for n in ("named", "filed"))
+    assert named.attributes["seed"] == 5
+    for name in RAW_CHANNELS:
+        np.testing.assert_array_equal(named.channels[name], filed.channels[name])
+    assert run(*command, "dry", "--out", "dry.h5") == 0
+    other = read_columns(inside / "dry.h5", ("theta_deg",)).channels["theta_deg"]
+    assert np.abs(other - named.channels["theta_deg"]).max() > 0.5
+
+
+@pytest.mark.parametrize(
+    ("options", "problem"),
+    [
+        (["--rig", "wet"], "use dry or viscous"),
+        (["--rig", "none.yaml"], "none.yaml: cannot be opened (No such file"),
+        (["--rig", "few.yaml"], "few.yaml: has no section rig"),
+        (["--seed", "-1"], "seed = -1: must be greater than or equal to 0"),
+        (["--out", "sweep.csv"], "sweep.csv: a raw log's name ends in .h5"),
+    ],
+)
+def test_wrong_simulation_is_refused_and_leaves_no_file(options, problem, few, inside, capsys):
+    (inside / "few.yaml").write_text("seed: 1\n")
+    assert run("simulate", "sweep", "--config", few, "--out", "sweep.h5", *options) == 1
+    assert problem in capsys.readouterr().err
+    assert [path.name for path in inside.iterdir()] == ["few.yaml"]
+
+
+# --- train and predict --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["fprc", "esn", "fuzzy_linear"])
+def test_model_and_prediction_are_those_of_the_workflow(
+    name, recorded_by_rule, prepared, few, settings, inside, capsys
+):
+    raw = recorded_by_rule
+    made = [[f"{kind}{i}" for i in range(2)] for kind in ("errors", "model", "fit", "prediction")]
+    judge(*prepared, *made, name=name, judgement=judgement(settings, name))
+    capsys.readouterr()
+
+    train = ("train", raw["sweep"], "--model", name, "--config", few, "--out", "mine.h5")
+    assert run(*train) == 0
+    assert (inside / "mine.h5").read_bytes() == (inside / "model0").read_bytes()
+    errors = read_json("errors0")
+    best = errors["best_fold"]
+    assert capsys.readouterr().out == (
+        f"mine.h5: {name}, trained on {raw['sweep']}; fold {best + 1} of 2 is best: training RMSE "
+        f"{errors['train_rmse_kpa'][best]:.2f} kPa, validation "
+        f"{errors['validation_rmse_kpa'][best]:.2f} kPa\n"
+    )
+
+    for out in ("out.h5", "out.csv"):
+        assert run("predict", "mine.h5", raw["complex"], "--config", few, "--out", out) == 0
+        assert capsys.readouterr().out == (
+            f"{out}: {name} on {raw['complex']}, 2400 samples; RMSE against the commanded P_exp "
+            f"{errors['test_rmse_kpa']:.2f} kPa\n"
+        )
+    columns = ("time_s", "theta_deg", *["p_o_kpa"] * (name == "fprc"), "p_target_kpa", "p_ff_kpa")
+    assert tuple((inside / "out.csv").read_text().split("\n", 1)[0].split(",")) == columns
+    table = dict(zip(columns, np.loadtxt("out.csv", delimiter=",", skiprows=1).T, strict=True))
+    log = read_columns("out.h5", columns)
+    assert log.attributes["model"] == name
+    theirs = read_columns("prediction0", ("time_s", "p_target_kpa", "p_ff_kpa")).channels
+    for key, values in theirs.items():
+        np.testing.assert_array_equal(log.channels[key], values)
+        np.testing.assert_array_equal(table[key], values)
+
+
+def test_logs_of_the_same_name_train_together(recorded_by_rule, few, settings, inside):
+    sweep = recorded_by_rule["sweep"]
+    raw = [sweep, sweep.parent / "other" / "sweep.h5"]
+    assert run("train", *raw, "--config", few, "--seed", 7, "--out", "mine.h5") == 0
+    logs = [read_columns(path, RAW_CHANNELS).channels for path in raw]
+    X = [np.column_stack([log["theta_deg"], log["p_o_kpa"]]) for log in logs]
+    how = Judgement(**judgement(settings | {"seed": 7}, "fprc"))
+    times = np.arange(4800) / 200.0
+
+    class Both:
+        channels, lengths = {"time_s": times}, [2400, 2400]
+
+    y = np.concatenate([log["p_exp_command_kpa"] for log in logs])
+    best = cross_validate(
+        build("fprc", settings["models"], 7), np.concatenate(X), y, how.split_rows(Both),
+        lengths=Both.lengths,
+    )  # fmt: skip
+    mine = load_model("mine.h5")
+    np.testing.assert_array_equal(mine.predict(X[1]), best.model.predict(X[1]))
+
+
+def test_model_from_outside_the_package_is_trained_and_predicts(
+    recorded_by_rule, few, inside, monkeypatch, capsys
+):
+    (inside / "own_cli_model.py").write_text(
+        "from fprc.models import FuzzyLinear\n\n\nclass Own(FuzzyLinear):\n    pass\n"
+    )
+    monkeypatch.syspath_prepend(inside)
+    own = {"estimator": "own_cli_model.Own", "inputs": ["theta_deg"], "settings": {"n_c": 2}}
+    (inside / "own.yaml").write_text(yaml.safe_dump({"models": {"others": {"own": own}}}))
+    sweep, config = recorded_by_rule["sweep"], ("--config", few, "own.yaml")
+    assert run("train", sweep, "--model", "own", *config, "--out", "own.h5") == 0
+    assert run("predict", "own.h5", sweep, *config, "--out", "own.csv") == 0
+    assert "own.csv: own on " in capsys.readouterr().out
+    assert run("predict", "own.h5", sweep, "--config", few, "--out", "two.csv") == 1
+    assert "class Own is unknown" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "problem"),
+    [
+        (["train", "LOG", "--out", "precious.h5"], "precious.h5: exists and is not overwritten"),
+        (["train", "LOG", "--out", "model.csv"], "--out model.csv: must end in .h5"),
+        (["train", "LOG", "LOG", "--out", "m.h5"], "given twice"),
+        (["train", "none.h5", "--out", "m.h5"], "none.h5: cannot be opened (No such file"),
+        (["train", "LOG", "--model", "fpcr", "--out", "m.h5"], "use esn, fprc or fuzzy_linear"),
+        (["predict", "none.h5", "LOG", "--out", "p.csv"], "none.h5: cannot be opened (No such"),
+        (["predict", "precious.h5", "LOG", "--out", "p.csv"], "holds no model of fprc"),
+        (["predict", "none.h5", "LOG", "--out", "p.txt"], "must end in .csv or .h5"),
+    ],
+)
+def test_wrong_request_is_refused_and_leaves_no_file(
+    words, problem, recorded_by_rule, inside, capsys
+):
+    (inside / "precious.h5").write_text("precious")
+    log = str(recorded_by_rule["sweep"])
+    assert run(*(log if word == "LOG" else word for word in words)) == 1
+    assert problem in capsys.readouterr().err
+    assert [path.name for path in inside.iterdir()] == ["precious.h5"]
+    assert (inside / "precious.h5").read_text() == "precious"
+
+
+def test_log_without_an_input_of_the_model_is_refused(recorded, write_log, inside, capsys):
+    names = ("time_s", "theta_deg", "p_exp_kpa")
+    kept = {name: recorded["sweep"][name] for name in names}
+    write_raw(
+        "sweep.h5", kept, experiment="sweep", source="import", sample_rate_hz=200.0, seed=0,
+        software="test", rig={},
+    )  # fmt: skip
+    assert run("train", "sweep.h5", "--out", "model.h5") == 1
+    assert "has no p_o_kpa, which fprc needs" in capsys.readouterr().err
+    assert not (inside / "model.h5").exists()

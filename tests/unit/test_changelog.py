@@ -1,0 +1,76 @@
+"""The cut of the changelog."""
+
+import importlib
+from datetime import date
+from pathlib import Path
+
+import pytest
+
+from fprc.errors import FprcError
+
+ROOT = Path(__file__).parents[2]
+PAGE = """# Changelog
+
+## Unreleased
+
+Added:
+
+- A thing.
+
+## 0.2.0 (2024-05-06)
+
+- The first.
+"""
+
+
+@pytest.fixture
+def changelog(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT)
+    return importlib.import_module("workflow.release.changelog")
+
+
+@pytest.fixture
+def root(tmp_path):
+    (tmp_path / "src/fprc").mkdir(parents=True)
+    (tmp_path / "src/fprc/__init__.py").write_text('"""Doc."""\n\n__version__ = "0.2.0"\n')
+    (tmp_path / "CHANGELOG.md").write_text(PAGE)
+    return tmp_path
+
+
+def test_cut_dates_the_unreleased_changes_and_sets_the_version(changelog, root):
+    changelog.cut(root, "0.10.0", date(2025, 1, 2))
+    assert (root / "CHANGELOG.md").read_text() == PAGE.replace(
+        "## Unreleased", "## Unreleased\n\n## 0.10.0 (2025-01-02)"
+    )
+    code = (root / "src/fprc/__init__.py").read_text()
+    assert code == '"""Doc."""\n\n__version__ = "0.10.0"\n'
+    assert changelog.version_of(root) == "0.10.0"
+    assert list(changelog.released(root).items()) == [
+        ("0.10.0", "2025-01-02"),
+        ("0.2.0", "2024-05-06"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("version", "page", "said"),
+    [
+        ("0.2.0", PAGE, "already has 0.2.0"),
+        ("0.1.9", PAGE, "already has 0.2.0"),
+        ("next", PAGE, "not a version"),
+        ("v0.3.0", PAGE, "write 0.3.0"),
+        ("0.3.0", PAGE.replace("Unreleased", "0.2.1 (2024-06-07)"), "needs one heading"),
+        ("0.3.0", PAGE.replace("Added:\n\n- A thing.\n", ""), "nothing below"),
+    ],
+)
+def test_cut_refuses_and_changes_nothing(changelog, root, version, page, said):
+    (root / "CHANGELOG.md").write_text(page)
+    with pytest.raises(FprcError, match=said):
+        changelog.cut(root, version, date(2025, 1, 2))
+    assert (root / "CHANGELOG.md").read_text() == page
+    assert changelog.version_of(root) == "0.2.0"
+
+
+def test_the_changelog_of_this_project_can_be_cut(changelog):
+    page = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert page.count("\n## Unreleased\n") == 1
+    assert "__version__" not in (ROOT / "CITATION.cff").read_text(encoding="utf-8")

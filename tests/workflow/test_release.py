@@ -1,0 +1,221 @@
+"""A release of a smoke run: the archive and its RO-Crate, refusals, the cut of the changelog."""
+
+import hashlib
+import importlib
+import io
+import json
+import os
+import shutil
+import subprocess
+import zipfile
+from contextlib import redirect_stdout
+from datetime import date
+from pathlib import Path
+from urllib.parse import unquote
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+TOOLS = ROOT / ".venv/release/bin/python"
+SMOKE = ["--configfile", "config/smoke.yaml"]
+VERSION = "99.0"
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def release():
+    """The modules of workflow/release."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(ROOT)
+        yield importlib.import_module("workflow.release.__main__")
+
+
+def git(folder, *arguments):
+    who = ["-c", "user.name=test", "-c", "user.email=test@localhost", "-c", "commit.gpgsign=false"]
+    done = subprocess.run(
+        ["git", *who, *arguments], cwd=folder, check=True, capture_output=True, text=True
+    )
+    return done.stdout
+
+
+def rewrite(path, **changes):
+    """Change a sidecar, but not its time, by which Snakemake judges."""
+    before = path.stat()
+    path.write_text(json.dumps(json.loads(path.read_text()) | changes))
+    os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
+
+
+@pytest.fixture(scope="module")
+def released(release, smoked, tmp_path_factory):
+    """A checkout with a cut changelog, a smoke run of its commit, and its release; what it printed.
+
+    The tools are left out; ``test_tools_accept_the_release`` has them.
+    """
+    folder = tmp_path_factory.mktemp("released") / "clone"
+    left_out = shutil.ignore_patterns(
+        ".git", ".venv", "dist", "__pycache__", "*.egg-info", "*.h5", ".s*", ".?*_cache", "smoke"
+    )
+    shutil.copytree(ROOT, folder, ignore=left_out, symlinks=True)
+    for name in ("results/smoke", ".snakemake/metadata"):
+        shutil.copytree(smoked[0].folder / name, folder / name)
+    release.cut(folder, VERSION, date(2030, 1, 2))
+    git(folder, "init", "--quiet")
+    git(folder, "add", "--all")
+    git(folder, "commit", "--quiet", "--message", "Release")
+    commit = git(folder, "rev-parse", "HEAD").strip()
+    results = folder / "results/smoke"
+    for path in [*results.glob("figures/*.json"), results / "readout/readout.json"]:
+        rewrite(path, commit=commit, dirty=False)
+    with pytest.MonkeyPatch.context() as patch, redirect_stdout(io.StringIO()) as printed:
+        patch.setattr(release, "validate", lambda *_: None)
+        patch.setattr(release, "build_packages", lambda *_: None)
+        release.build(folder, "tools", SMOKE[1:])
+    return folder, printed.getvalue()
+
+
+@pytest.fixture(scope="module")
+def crate(released):
+    """The files of the archive, and the entities of its metadata by identifier."""
+    with zipfile.ZipFile(released[0] / f"dist/{VERSION}/fprc-{VERSION}.crate.zip") as archive:
+        held = {name: archive.read(name) for name in archive.namelist()}
+    graph = json.loads(held.pop("ro-crate-metadata.json"))["@graph"]
+    entities = {entity["@id"]: entity for entity in graph}
+    assert len(entities) == len(graph)
+    return held, entities
+
+
+@pytest.fixture
+def clone(released, tmp_path, monkeypatch):
+    """The checkout before the release; a test may break it."""
+    folder = tmp_path / "clone"
+    shutil.copytree(released[0], folder, ignore=shutil.ignore_patterns("dist"), symlinks=True)
+    monkeypatch.chdir(folder)
+    return folder
+
+
+def test_archive_and_crate_describe_the_same_files(released, crate):
+    clone, printed = released
+    held, entities = crate
+    files = {
+        unquote(name): entity for name, entity in entities.items() if "File" in entity["@type"]
+    }
+    assert {
+        name: (int(entity["contentSize"]), entity["sha256"]) for name, entity in files.items()
+    } == {
+        name: (len(content), hashlib.sha256(content).hexdigest()) for name, content in held.items()
+    }
+    results = {
+        str(path.relative_to(clone))
+        for path in (clone / "results/smoke").rglob("*")
+        if path.is_file() and "logs" not in path.parts
+    }
+    tracked = {name for name in git(clone, "ls-files").splitlines() if (clone / name).is_file()}
+    assert held.keys() == results | tracked
+    assert {"results/smoke/raw/sweep.h5", "results/smoke/figures/fig08_training.json"} <= results
+
+    root = entities["./"]
+    assert {part["@id"] for part in root["hasPart"]} == {
+        identifier for identifier, entity in entities.items() if "File" in entity["@type"]
+    }
+    assert (root["version"], root["datePublished"]) == (VERSION, "2030-01-02")
+    assert {reference for entity in entities.values() for reference in referred(entity)} <= {
+        *entities,
+        "https://w3id.org/ro/crate/1.1",
+        "https://doi.org/10.1093/bioinformatics/bts480",
+        "https://snakemake.readthedocs.io",
+    }
+    assert "git tag -a v99.0" in printed
+
+
+def referred(value):
+    """Yield every identifier that an entity points to."""
+    if isinstance(value, list):
+        for item in value:
+            yield from referred(item)
+    elif isinstance(value, dict):
+        if value.keys() == {"@id"}:
+            yield value["@id"]
+        else:
+            yield from referred(list(value.values()))
+
+
+def test_action_of_a_figure_says_what_its_sidecar_says(released, crate):
+    held, entities = crate
+    name = "results/smoke/figures/fig03_apparatus.json"
+    sidecar = json.loads(held[name])
+    action = entities[entities[name]["about"]["@id"]]
+    assert action["@type"] == "CreateAction"
+    assert set(referred(action["result"])) == {*sidecar["outputs"], name}
+    made_of = {reference: entities[reference]["sha256"] for reference in referred(action["object"])}
+    assert made_of == {
+        file.replace("fprc/config", "src/fprc/config"): value
+        for file, value in sidecar["inputs"].items()
+    }
+    said = {entities[each]["name"]: entities[each]["value"]
+            for each in referred(action["additionalProperty"])}  # fmt: skip
+    assert said["commit"] == git(released[0], "rev-parse", "HEAD").strip()
+    assert said["config_sha256"] == sidecar["config_sha256"]
+    libraries = {entity["name"]: entity["softwareVersion"] for entity in entities.values()
+                 if entity["@type"] == "SoftwareApplication"}  # fmt: skip
+    assert libraries == sidecar["versions"] | {"fprc": VERSION}
+
+
+def test_everything_that_forbids_a_release_is_said_at_once(clone, release, capsys):
+    figures = clone / "results/smoke/figures"
+    rewrite(figures / "fig01_actuator.json", commit="0" * 40)
+    rewrite(figures / "fig02_reservoir.json", dirty=True)
+    rewrite(figures / "fig04_hysteresis_actuator.json", versions={"numpy": "1.0"})
+    (figures / "fig05_hysteresis_reservoir.pdf").write_bytes(b"edited")
+    (clone / "results/smoke/tables/table2.csv").unlink()
+    (clone / "README.md").write_text("edited")
+    git(clone, "tag", f"v{VERSION}")
+    (clone / f"dist/{VERSION}").mkdir(parents=True)
+    assert release.main(["build", *SMOKE]) == 1
+    printed = capsys.readouterr().err
+    for said in (
+        "uncommitted changes; commit them",
+        "fig01_actuator.json: not made by this commit",
+        "fig02_reservoir.json: made with uncommitted changes",
+        "different versions of libraries",
+        "fig05_hysteresis_reservoir.pdf is missing or was changed",
+        "tables/table2.csv: missing or outdated",
+        f"the tag v{VERSION} exists",
+        f"dist/{VERSION}: exists",
+    ):
+        assert said in printed
+    assert list((clone / "dist").rglob("*")) == [clone / f"dist/{VERSION}"]
+
+
+def test_nothing_is_left_when_a_tool_refuses(clone, release, monkeypatch, capsys):
+    def refuse(*_):
+        raise release.FprcError("refused by the validator")
+
+    made = sorted(str(path.relative_to(clone)) for path in clone.glob("results/smoke/figures/*"))
+    monkeypatch.setattr(release, "built", lambda *_: (made, []))
+    monkeypatch.setattr(release, "validate", refuse)
+    assert release.main(["build", *SMOKE]) == 1
+    assert capsys.readouterr().err == "error: refused by the validator\n"
+    assert list((clone / "dist").iterdir()) == []
+
+
+def test_a_release_needs_results_and_a_cut_changelog(clone, release, monkeypatch, capsys):
+    monkeypatch.setattr(release, "built", lambda *_: (["results/report.html"], []))
+    path = clone / "src/fprc/__init__.py"
+    path.write_text(path.read_text().replace(VERSION, "99.1"))
+    git(clone, "commit", "--quiet", "--all", "--message", "Next")
+    assert release.main(["build", *SMOKE]) == 1
+    printed = capsys.readouterr().err
+    assert "no results; build them with `make paper`" in printed
+    assert "its newest release is 99.0, the package is 99.1" in printed
+
+
+@pytest.mark.skipif(not TOOLS.exists(), reason="the tools that `make release-tools` installs")
+def test_tools_accept_the_release(clone, release, capsys):
+    code = release.main(["build", "--tools", str(TOOLS), *SMOKE])
+    assert code == 0, capsys.readouterr().err
+    assert sorted(path.name for path in (clone / f"dist/{VERSION}").iterdir()) == [
+        f"fprc-{VERSION}-py3-none-any.whl",
+        f"fprc-{VERSION}.crate.zip",
+        f"fprc-{VERSION}.tar.gz",
+    ]

@@ -1,0 +1,1 @@
+"""A release: `make cut` and `make release`, as CONTRIBUTING.md describes."""

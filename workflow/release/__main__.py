@@ -1,0 +1,192 @@
+"""Cut the changelog, or build a release into dist/: `make cut` and `make release`.
+
+    python -m workflow.release cut 0.2.0
+    python -m workflow.release build --tools .venv/release/bin/python
+
+Nothing is uploaded.
+"""
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import venv
+import zipfile
+from collections.abc import Mapping, Sequence
+from datetime import UTC, date, datetime
+from pathlib import Path
+from typing import Any
+
+from fprc.errors import FprcError
+from fprc.provenance import checkout
+from workflow.release.changelog import PAGE, cut, released, version_of
+from workflow.release.crate import METADATA, describe_crate
+from workflow.release.results import built, problems_of, sidecars_of
+
+PROFILE = "workflow-run-crate-0.5"
+
+BY_HAND = """
+{folder} is ready; nothing was uploaded. What remains to be done by hand:
+
+1. git tag -a v{version} {commit} -m "fprc {version}"
+   git push origin v{version}
+2. {tools} -m twine upload {folder}/*.whl {folder}/*.tar.gz
+3. Upload {folder}/{crate} to https://zenodo.org/uploads/new (type: Dataset,
+   version {version}, license MIT), publish it, and add its DOI to CITATION.cff.
+"""
+
+
+def build(root: Path, tools: str, configfiles: Sequence[str] = ()) -> None:
+    """Build wheel, sdist and archive into ``dist/VERSION``: all of them or none.
+
+    Parameters
+    ----------
+    root : Path
+        The checkout.
+    tools : str
+        Python that has the dependency group ``release``.
+    configfiles : sequence of str
+        Those of the build, after config/config.yaml.
+
+    Raises
+    ------
+    FprcError
+        Lists what forbids the release; or a tool ended with an error: its words.
+    """
+    version = version_of(root)
+    target = root / "dist" / version
+    made, unfinished = built(root, configfiles)
+    sidecars = sidecars_of(root, made)
+    commit, dirty = checkout(root / "src/fprc")
+    if commit is None:
+        raise FprcError(f"{root}: not a git checkout; clone the repository")
+    problems = [
+        *_of_version(root, version, target),
+        *(["uncommitted changes; commit them, then build again"] if dirty else []),
+        *problems_of(root, unfinished, sidecars, commit),
+    ]
+    if problems:
+        raise FprcError("\n".join(["no release:", *problems]))
+    crate = f"fprc-{version}.crate.zip"
+    target.parent.mkdir(exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=target.parent, prefix=".") as scratch:
+        folder = Path(scratch) / version
+        folder.mkdir()
+        tracked = _said("git", "-C", str(root), "ls-files", "-z").split("\0")[:-1]
+        code = [name for name in tracked if (root / name).is_file()]  # no link to a folder
+        metadata = describe_crate(
+            root,
+            code=code,
+            made=made,
+            sidecars=sidecars,
+            version=version,
+            published=released(root)[version],
+        )
+        committed = int(_said("git", "-C", str(root), "log", "-1", "--format=%ct"))
+        archive(root, folder / crate, metadata, sorted({*code, *made}), committed)
+        validate(folder / crate, tools)
+        build_packages(root, folder, tools, committed)
+        folder.rename(target)
+    shown = target.relative_to(root)
+    print(BY_HAND.format(folder=shown, version=version, commit=commit, tools=tools, crate=crate))
+
+
+def _of_version(root: Path, version: str, target: Path) -> list[str]:
+    problems = []
+    newest = next(iter(released(root)), None)
+    if newest != version:
+        problems.append(
+            f"{PAGE}: its newest release is {newest}, the package is {version}; "
+            "cut it with `make cut VERSION=...` and commit"
+        )
+    if _said("git", "-C", str(root), "tag", "--list", f"v{version}").strip():
+        problems.append(f"the tag v{version} exists: this version is released; cut a newer one")
+    if target.exists():
+        problems.append(f"{target}: exists; move it away")
+    return problems
+
+
+def archive(
+    root: Path, path: Path, metadata: Mapping[str, Any], names: Sequence[str], seconds: int
+) -> None:
+    """Write files and metadata to a zip file; the same files give the same bytes."""
+    moment = datetime.fromtimestamp(seconds, UTC).timetuple()[:6]
+
+    def entry(name: str) -> zipfile.ZipInfo:
+        described = zipfile.ZipInfo(name, moment)
+        described.compress_type = zipfile.ZIP_DEFLATED
+        described.external_attr = 0o644 << 16
+        return described
+
+    with zipfile.ZipFile(path, "x") as file:
+        text = json.dumps(metadata, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+        file.writestr(entry(METADATA), text)
+        for name in names:
+            file.writestr(entry(name), (root / name).read_bytes())
+
+
+def validate(crate: Path, tools: str) -> None:
+    """Validate a crate with its profile; the validator reads the JSON-LD context from the web."""
+    checked = ["validate", "--profile-identifier", PROFILE, "--verbose", "--no-paging", str(crate)]
+    _said(str(Path(tools).with_name("rocrate-validator")), "--no-interactive", *checked)
+
+
+def build_packages(root: Path, folder: Path, tools: str, seconds: int) -> None:
+    """Build sdist and wheel, check their metadata, and install the wheel in a new environment."""
+    dated = {"SOURCE_DATE_EPOCH": str(seconds)}
+    _said(tools, "-m", "build", "--outdir", str(folder), str(root), **dated)
+    (wheel,), (sdist,) = folder.glob("*.whl"), folder.glob("*.tar.gz")
+    _said(tools, "-m", "twine", "check", "--strict", str(wheel), str(sdist))
+    with tempfile.TemporaryDirectory() as scratch:
+        venv.create(scratch, with_pip=True)
+        python = str(Path(scratch) / "bin/python")
+        _said(python, "-m", "pip", "install", "--quiet", str(wheel))
+        _said(python, "-m", "pip", "check")
+        _said(python, "-m", "fprc.cli", "--version")
+
+
+def _said(*command: str, **environment: str) -> str:
+    """Run a program and return what it printed.
+
+    Raises
+    ------
+    FprcError
+        It is not installed, or ended with an error.
+    """
+    without = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+    try:
+        done = subprocess.run(
+            command, capture_output=True, text=True, check=False, env=without | environment
+        )
+    except FileNotFoundError:
+        raise FprcError(f"{command[0]}: not found; `make release` installs the tools") from None
+    if done.returncode:
+        raise FprcError(f"{' '.join(command)} failed:\n{done.stdout}{done.stderr}".rstrip())
+    return done.stdout
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; 1 if a release is refused."""
+    parser = argparse.ArgumentParser(prog="release", description=__doc__.splitlines()[0])
+    commands = parser.add_subparsers(dest="command", required=True)
+    cutting = commands.add_parser("cut", help="give the unreleased changes a version and a date")
+    cutting.add_argument("version")
+    building = commands.add_parser("build", help="wheel, sdist and archive into dist/")
+    building.add_argument("--tools", default=sys.executable, help="Python with the release tools")
+    building.add_argument("--configfile", nargs="*", default=[], help="of the results' build")
+    options = parser.parse_args(arguments)
+    try:
+        if options.command == "cut":
+            cut(Path.cwd(), options.version, date.today())
+        else:
+            build(Path.cwd(), options.tools, options.configfile)
+    except FprcError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

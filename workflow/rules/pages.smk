@@ -1,0 +1,115 @@
+# Pages of the documentation that show results.
+
+
+if "readme" not in PLAN.unavailable:
+
+    rule readme:
+        input:
+            pages=PLAN.pages[1:],
+            orders=PATHS.below("tables/orders.csv"),
+            seeds=[path.replace(".md", ".csv") for path in PLAN.seeds_tables[:2]],
+            ledger=PATHS.below("claims.json"),
+            drawn=PATHS.below("ensemble/claims.csv"),
+            figure=PATHS.below("figures/fig08_training.png"),
+            made_from=TARGETS["report"],
+        log:
+            PATHS.messages("readme"),
+        localrule: True
+        params:
+            **stage("documents.update_readme"),
+            readme="README.md",
+            results="docs/results.md",
+            picture="docs/images/fig08_training.png",
+        message:
+            "README.md and docs/results.md: numbers and picture from the results"
+        script:
+            "../scripts/stage.py"
+
+
+rule calibration_page:
+    input:
+        fit=lambda wildcards: rig_file(SETTINGS["fitted"]["name"]).with_suffix(".json"),
+        seeds=[path.replace(".md", ".csv") for path in PLAN.seeds_tables[:2]],
+        pages=[
+            PLAN.seeds_tables[2],
+            PATHS.below("rigs/rigs.md"),
+            PATHS.below("rigs/searches.md"),
+            PATHS.below("ensemble/claims.md"),
+            PATHS.below("posterior/claims.md"),
+            PATHS.below("posterior/history.md"),
+            PATHS.below("calibration/sensitivity.md"),
+            PATHS.below("calibration/targets.md"),
+        ],
+        figures=[
+            PATHS.below(f"{name}.png")
+            for name in (
+                "ensemble/claims",
+                "posterior/claims",
+                "rigs/front",
+                "calibration/channels",
+            )
+        ],
+        made_from=[
+            *CHUNK_FILES,
+            *MEMBER_FILES,
+            PATHS.below("ensemble/summary.json"),
+            PATHS.below("calibration/sensitivity.json"),
+            *PLAN.replicates("models", TARGET_NAMES),
+            *PLAN.replicates("control", TARGET_NAMES),
+        ],
+    log:
+        PATHS.messages("calibration_page"),
+    localrule: True
+    params:
+        **stage("documents.update_calibration_page"),
+        page="docs/calibration.md",
+        pictures=[
+            f"docs/images/{name}.png" for name in ("ensemble", "posterior", "front", "channels")
+        ],
+        rig=SETTINGS["rig"],
+    message:
+        "docs/calibration.md: numbers and picture from the results"
+    script:
+        "../scripts/stage.py"
+
+
+rule rule_graph:
+    output:
+        dot=PATHS.below("figures/rules.dot"),
+    log:
+        PATHS.messages("rule_graph"),
+    localrule: True
+    message:
+        "Rules of `all`: graph"
+    shell:
+        "snakemake --nolock --rulegraph dot -- all > {output.dot:q} 2> {log:q}"
+
+
+rule picture_of_rules:
+    input:
+        graph=PATHS.below("figures/rules.dot"),
+    output:
+        **drawn(PATHS.below("figures/rules")),
+    log:
+        PATHS.messages("picture_of_rules"),
+    params:
+        **stage("draw_schematics.draw_rules"),
+    message:
+        "Rules of `all`: figure"
+    script:
+        "../scripts/stage.py"
+
+
+rule running_page:
+    input:
+        figure=PATHS.below("figures/rules.png"),
+    log:
+        PATHS.messages("running_page"),
+    localrule: True
+    params:
+        **stage("documents.update_picture"),
+        picture="docs/images/rules.png",
+    message:
+        "docs/running.md: picture of the rules"
+    script:
+        "../scripts/stage.py"

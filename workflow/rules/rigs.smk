@@ -1,0 +1,103 @@
+# Simulated rigs side by side: those that can be named, and the end points of searches.
+
+#: Where the end points of searches are.
+SEARCHES = Path("config/rigs/searches")
+#: Tables of rigs side by side, by their folder: rigs that can be named, and end points of searches.
+RIGS = {
+    "rigs": {
+        name: path for name, path in rig_files().items() if name != SETTINGS["fitted"]["name"]
+    },
+    "searches": {path.stem: path for path in sorted(SEARCHES.glob("*.yaml"))},
+}
+RIG_FILES = RIGS["rigs"] | RIGS["searches"]
+#: Seeds that judge the end points of the searches.
+SEARCH_SEEDS = 10
+
+
+rule replicate_on_rig:
+    output:
+        compared=PATHS.below("rigs/{rig}/models_{seed}.json"),
+        cells=PATHS.below("rigs/{rig}/grids_{seed}.json"),
+        measures=PATHS.below("rigs/{rig}/control_{seed}.json"),
+    log:
+        PATHS.messages("replicate_on_rig_{rig}_{seed}"),
+    wildcard_constraints:
+        rig="|".join(RIG_FILES) or "none",
+    resources:
+        mem_mb=2000,
+        runtime=60,
+    params:
+        **stage("replicate.replicate", *MODELS),
+        on_rig=lambda wildcards: on_rig(SETTINGS) | {"rig": named_rig(wildcards.rig)["rig"]},
+        judgement=lambda wildcards: judgement(
+            SETTINGS, models=paper_models(SETTINGS), seed=int(wildcards.seed)
+        ),
+        values=pick(SETTINGS["grids"], "epsilon", "n_c", "n_u", "n_y"),
+        tracking=SETTINGS["tracking"],
+    message:
+        "Rig {wildcards.rig}: tables, grids and closed loops with seed {wildcards.seed}"
+    script:
+        "../scripts/stage.py"
+
+
+rule rigs_table:
+    input:
+        published=PUBLISHED,
+        models=lambda wildcards: on_rigs("models", wildcards.table),
+        grids=lambda wildcards: on_rigs("grids", wildcards.table),
+        controls=lambda wildcards: on_rigs("control", wildcards.table),
+    output:
+        **PATHS.table("rigs/{table}"),
+    log:
+        PATHS.messages("{table}_table"),
+    wildcard_constraints:
+        table="|".join(RIGS),
+    params:
+        **stage("rigs.compare_rigs"),
+        fitted=lambda wildcards: {
+            SETTINGS["fitted"]["name"]: SETTINGS["fitted"]["to"],
+            **{rig: named_rig(rig)["fitted"]["to"] for rig in RIGS[wildcards.table]},
+        },
+        deciding=SETTINGS["evaluation"]["verdict_seeds"],
+        brief=lambda wildcards: wildcards.table == "searches",
+    message:
+        "Rigs side by side: {wildcards.table}"
+    script:
+        "../scripts/stage.py"
+
+
+rule front_figure:
+    input:
+        fits=[
+            *(
+                local(str(fit))
+                for path in rig_files().values()
+                if (fit := path.with_suffix(".json")).exists()
+            ),
+            *map(local, map(str, sorted(SEARCHES.glob("*.json")))),
+        ],
+    output:
+        **drawn(PATHS.below("rigs/front"), statistics=True),
+    log:
+        PATHS.messages("front_figure"),
+    params:
+        **stage("draw_ensemble.draw_front"),
+    message:
+        "Searches: tables against claims"
+    script:
+        "../scripts/stage.py"
+
+
+rule rigs:
+    input:
+        PATHS.below("rigs/rigs.md"),
+        *(on_rigs(part, "rigs") for part in ("models", "grids", "control")),
+    localrule: True
+
+
+rule searches:
+    input:
+        PATHS.below("rigs/searches.md"),
+        PATHS.below("rigs/front.pdf"),
+        *(on_rigs(part, "searches") for part in ("models", "grids", "control")),
+    localrule: True
