@@ -21,7 +21,8 @@ from fprc.config import Settings
 from fprc.paper import SOURCES
 from fprc.plan import BY_NAME
 from fprc.provenance import checkout, hash_of, versions
-from fprc.tables import against_paper, read_markdown
+from fprc.tables import read_markdown
+from fprc.tables.against_paper import against_paper
 from fprc.tables.text import three_digits
 
 log = logging.getLogger(__name__)

@@ -1,6 +1,5 @@
 """The paper's tables: from results to tidy data frames, and to pages for readers."""
 
-from fprc.tables.against_paper import against_paper
 from fprc.tables.models import (
     comparison,
     comparison_page,
@@ -24,7 +23,6 @@ from fprc.tables.timing import steps, steps_page, timing, timing_page
 from fprc.tables.tracking import tracking, tracking_over_seeds, tracking_page
 
 __all__ = [
-    "against_paper",
     "comparison",
     "comparison_page",
     "configuration",
