@@ -18,13 +18,15 @@ rule list_unavailable:
 
 rule report_page:
     input:
-        template=own("../report/page.html.j2"),
+        template=[own(f"../report/page.{kind}.j2") for kind in ("html", "css", "js")],
         ledger=[PATHS.below("claims.json")] if "claims" in PLAN.targets else [],
         missing=PATHS.below("not_available.csv"),
-        tables=PLAN.pages,
-        pictures=[f"{stem}.png" for stem in PLAN.figures.values()],
-        sidecars=[f"{stem}.json" for stem in PLAN.figures.values()],
-        captions=[own(f"../report/fig{number:02}.rst") for number in PLAN.figures],
+        tables=[page.replace(".md", kind) for page in PLAN.pages for kind in (".md", ".csv")],
+        figures=[
+            file
+            for number, stem in PLAN.figures.items()
+            for file in (f"{stem}.png", f"{stem}.json", own(f"../report/fig{number:02}.rst"))
+        ],
     output:
         html=report(
             PATHS.below("report.html"),
@@ -37,6 +39,8 @@ rule report_page:
     params:
         **stage("report.write_report"),
         settings=SETTINGS,
+        # no input: the ensemble takes hours, so that no build makes it for the report
+        drawn=lambda wildcards: on_drawn_rigs(PATHS.below("ensemble/claims.csv")),
     message:
         "Report: claims, tables, figures and settings on one page"
     script:

@@ -1,6 +1,8 @@
 """What the rules pass to their stages: each gets only the settings that it reads."""
 
+import csv
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from fprc.registry import settings_of
@@ -52,3 +54,17 @@ def tracking(settings: Settings, reference: str, *names: str) -> dict[str, Any]:
         **pick(section, "angle_range_deg", "pressure_limit_kpa", *names),
         "references": pick(section["references"], reference),
     }
+
+
+def on_drawn_rigs(claims: str) -> dict[str, str]:
+    """Return on how many drawn rigs each claim holds, by claim, if they have been judged.
+
+    Parameters
+    ----------
+    claims : str
+        Table of the ensemble, CSV; it need not exist.
+    """
+    if not Path(claims).is_file():
+        return {}
+    with open(claims, newline="", encoding="utf-8") as file:
+        return {row["id"]: f"{row['holds']} of {row['rigs']}" for row in csv.DictReader(file)}

@@ -2,10 +2,13 @@
 
 import base64
 import logging
+import math
+import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import jinja2
 import pandas as pd
@@ -16,65 +19,110 @@ from PIL import Image
 from fprc.artifacts import read_json, write_text
 from fprc.config import Settings
 from fprc.paper import SOURCES
+from fprc.plan import BY_NAME
 from fprc.provenance import checkout, hash_of, versions
 from fprc.tables import read_markdown
+from fprc.tables.against_paper import against_paper
+from fprc.tables.text import three_digits
 
 log = logging.getLogger(__name__)
 
 
+#: Tables and figures, by their anchors, that show what each claim is judged on; the tables over
+#: seeds if there are such.
+EVIDENCE = {
+    **dict.fromkeys(("C1", "C2", "C3", "C4a"), ("table2_seeds",)),
+    "C4b": ("readout",),
+    **dict.fromkeys(("C5", "C6"), ("table2_timing",)),
+    "C7": ("table3_seeds",),
+    "C8": ("fig9",),
+    **dict.fromkeys(("C9a", "C9b", "C9c", "C10", "C11"), ("fig10",)),
+    **dict.fromkeys(("C12a", "C12b", "C12c"), ("fig11",)),
+    **dict.fromkeys(("C13a", "C13b"), ("table4_seeds", "fig12", "fig13", "fig14", "fig15")),
+    "C14": ("fig12", "fig13", "fig14", "fig15"),
+    "C15": ("fig14",),
+    "C16": ("fig16",),
+    "C17": ("fig17",),
+    **dict.fromkeys(("C18a", "C18b"), ("fig4", "fig5")),
+}
+
+
 def write_report(
-    template: str,
+    template: Sequence[str],
     ledger: Sequence[str],
     missing: str,
     tables: Sequence[str],
-    pictures: Sequence[str],
-    sidecars: Sequence[str],
-    captions: Sequence[str],
+    figures: Sequence[str],
     html: str,
     *,
     settings: Mapping[str, Any],
+    drawn: Mapping[str, str],
 ) -> None:
     """Write claims, tables, figures and settings to one self-contained page.
 
     Parameters
     ----------
+    template : sequence of str
+        The page's template, then those that it includes.
     ledger : sequence of str
         The claims ledger, JSON; empty if there is none.
     missing : str
         Results that the data do not allow, with reasons, CSV.
     tables : sequence of str
-        Tables as Markdown pages.
-    pictures, sidecars, captions : sequences of str
-        PNG, sidecar and caption of each figure, in the same order.
+        Of each table, the Markdown page and the CSV.
+    figures : sequence of str
+        Of each figure, PNG, sidecar and caption.
+    drawn : Mapping
+        On how many drawn rigs each claim holds, as text; empty if that was not judged.
     """
-    figures = [_figure(*files) for files in zip(pictures, sidecars, captions, strict=True)]
-    drawn_from = {figure["source"] for figure in figures} - {"none"}
+    folder = Path(html).parent
+    terms = settings["fitted"]["to"]
+    shown = [
+        _figure(*files, folder)
+        for files in zip(figures[::3], figures[1::3], figures[2::3], strict=True)
+    ]
+    pages = [_page(md, terms, folder) for md, _ in zip(tables[::2], tables[1::2], strict=True)]
+    names = {each["anchor"]: each["short"] for each in (*pages, *shown)}
+    drawn_from = {figure["source"] for figure in shown} - {"none"}
     kinds = " and ".join(SOURCES[source] for source in sorted(drawn_from))
+    page = (
+        _environment(Path(template[0]).parent)
+        .get_template(Path(template[0]).name)
+        .render(
+            banner=banner(drawn_from),
+            explanation=f"All our results on this page except the execution times come from: "
+            f"{kinds}.",
+            simulated="sim" in drawn_from,
+            missing=pd.read_csv(missing).drop(columns="name"),
+            pages=pages,
+            figures=shown,
+            glossary=GLOSSARY,
+            deviations=_deviations(tables[1::2], terms),
+            settings=settings,
+            changed=_changed(settings),
+            yaml=yaml.safe_dump(dict(settings), sort_keys=False),
+            config=hash_of(settings),
+            commit=_commit(*checkout()),
+            versions=pd.DataFrame(versions().items(), columns=["Software", "Version"]),
+            names=names,
+            drawn=drawn,
+            **_claims(ledger, folder, names),
+        )
+    )
+    write_text(html, page)
+    log.info("wrote %s, %d tables and %d figures", html, len(pages), len(shown))
+
+
+def _environment(templates: Path) -> jinja2.Environment:
     environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(Path(template).parent),
+        loader=jinja2.FileSystemLoader(templates),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
     )
-    environment.filters["symbols"] = symbols
+    environment.filters |= {"symbols": symbols, "digits": three_digits}
     environment.globals["zip"] = zip
-    page = environment.get_template(Path(template).name).render(
-        banner=banner(drawn_from),
-        explanation=f"All our results on this page except the execution times come from: {kinds}.",
-        simulated="sim" in drawn_from,
-        missing=pd.read_csv(missing).drop(columns="name"),
-        pages=[_page(path, settings["fitted"]["to"]) for path in tables],
-        figures=figures,
-        settings=settings,
-        changed=_changed(settings),
-        yaml=yaml.safe_dump(dict(settings), sort_keys=False),
-        config=hash_of(settings),
-        commit=_commit(*checkout()),
-        versions=pd.DataFrame(versions().items(), columns=["Software", "Version"]),
-        **_claims(ledger),
-    )
-    write_text(html, page)
-    log.info("wrote %s, %d tables and %d figures", html, len(tables), len(figures))
+    return environment
 
 
 def banner(sources: set[str]) -> str:
@@ -102,14 +150,53 @@ def _changed(settings: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
     }
 
 
-def _claims(ledger: Sequence[str]) -> dict[str, Any]:
+def _claims(ledger: Sequence[str], folder: Path, names: Container[str]) -> dict[str, Any]:
+    """Return the claims, each with its evidence on the page, and their ids by verdict."""
     if not ledger:
         return {"claims": None}
     report = read_json(ledger[0])
-    claims = pd.DataFrame(report["claims"]).drop(columns="statements")
-    counts = claims["verdict"].value_counts().to_dict()
-    claims.columns = claims.columns.str.capitalize()
-    return {"claims": claims, "counts": counts, "note": report["note"]}
+    verdicts: dict[str, list[str]] = {}
+    for claim in report["claims"]:
+        verdicts.setdefault(claim["verdict"], []).append(claim["id"])
+        claim["evidence"] = [name for name in EVIDENCE.get(claim["id"], ()) if name in names]
+    return {
+        "claims": report["claims"],
+        "verdicts": dict(sorted(verdicts.items(), key=lambda item: -len(item[1]))),
+        "note": report["note"],
+        "ledger": {"short": "Claims", **_origin(ledger[0], folder, (".json", ".md"))},
+    }
+
+
+def _deviations(tables: Sequence[str], terms: Sequence[str]) -> dict[str, Any] | None:
+    """Return the rows of the plot of ours over the paper's, and its axis; positions in percent."""
+    stems = {Path(path).stem: path for path in tables}
+    chosen = [
+        next((name for name in (f"{table}_seeds", table) if name in stems), None)
+        for table in ("table2", "table3", "table4")
+    ]
+    numbers = against_paper({name: pd.read_csv(stems[name]) for name in chosen if name})
+    if numbers.empty:
+        return None
+    first = math.log(min(0.5, 0.9 * numbers["ratio"].min()))
+    last = math.log(max(2.0, 1.1 * numbers["ratio"].max()))
+
+    def position(ratio: float) -> float:
+        share = (math.log(max(ratio, 1e-9)) - first) / (last - first)
+        return round(100 * min(max(share, 0.0), 1.0), 2)
+
+    rows = []
+    for row in numbers.to_dict("records"):
+        kind = "predicted" if row["closed_loop"] else _kind(row["table"].split("_")[0], terms)
+        ends = None if math.isnan(row["low"]) else (position(row["low"]), position(row["high"]))
+        kind = kind.removeprefix("half ")
+        rows.append(row | {"at": position(row["ratio"]), "ends": ends, "kind": kind})
+    off = (numbers["ratio"] - 1.0).abs().groupby(numbers["number"], sort=False).median()
+    ticks = [tick for tick in (0.25, 0.5, 1.0, 2.0, 4.0, 8.0) if first <= math.log(tick) <= last]
+    return {
+        "rows": rows,
+        "ticks": {f"{tick:g}": position(tick) for tick in ticks},
+        "medians": {number: f"{100 * median:.0f} %" for number, median in off.items()},
+    }
 
 
 def _kind(table: str, terms: Sequence[str]) -> str:
@@ -121,19 +208,35 @@ def _kind(table: str, terms: Sequence[str]) -> str:
     return ""
 
 
-def _page(path: str, terms: Sequence[str]) -> dict[str, Any]:
+def _page(path: str, terms: Sequence[str], folder: Path) -> dict[str, Any]:
     note, table = read_markdown(Path(path).read_text(encoding="utf-8"))
     title, _, rest = note.partition(": ")
-    kind = _kind(Path(path).stem.removesuffix("_seeds"), terms)
-    return {"kind": kind, "title": title, "note": rest[:1].upper() + rest[1:], "table": table}
+    # some titles end in a sentence on the data: "... for all controllers. Data"
+    title, data, _ = title.partition(". Data")
+    rest = f"Data: {rest}" if data else rest
+    name = Path(path).stem
+    if name.endswith("_seeds") and "over seeds" not in title:
+        title += ", over seeds"
+    return {
+        "anchor": name,
+        "short": re.sub(r"\. .*?(, over seeds)?$", r"\1", title),
+        "kind": _kind(name.removesuffix("_seeds"), terms),
+        "title": title,
+        "note": rest[:1].upper() + rest[1:],
+        "table": table,
+        **_origin(path, folder, (".csv", ".tex")),
+    }
 
 
-def _figure(picture: str, sidecar: str, caption: str) -> dict[str, Any]:
+def _figure(picture: str, sidecar: str, caption: str, folder: Path) -> dict[str, Any]:
     origin = read_json(sidecar)
     with Image.open(picture) as image:
         width, height = image.size
+    number, name = re.findall(r"^fig0?(\d+)_(\w+)", Path(picture).stem)[0]
     return {
-        "number": int(re.findall(r"^fig(\d+)", Path(picture).name)[0]),
+        "anchor": f"fig{number}",
+        "short": f"Fig. {number}",
+        "name": name.replace("_", " "),
         "png": base64.b64encode(Path(picture).read_bytes()).decode(),
         "width": width,
         "height": height,
@@ -143,6 +246,26 @@ def _figure(picture: str, sidecar: str, caption: str) -> dict[str, Any]:
         "commit": _commit(origin["commit"], origin["dirty"]),
         "inputs": origin["inputs"],
         "config": origin["config_sha256"],
+        **_origin(picture, folder, (".csv", ".pdf", ".json")),
+    }
+
+
+def _origin(path: str, folder: Path, kinds: Sequence[str]) -> dict[str, Any]:
+    """Return the target that makes a result, and links to its files from the page's folder."""
+    stem = Path(path).with_suffix("")
+    targets = (
+        name
+        for name, result in BY_NAME.items()
+        if any(str(stem).endswith(str(Path(file).with_suffix(""))) for file in result.files)
+    )
+    files = (stem.with_name(stem.name + kind) for kind in kinds)
+    return {
+        "target": next(targets, "report"),
+        "files": {
+            file.suffix[1:].upper(): quote(os.path.relpath(file, folder))
+            for file in files
+            if file.exists()
+        },
     }
 
 
@@ -152,6 +275,26 @@ def _commit(commit: str | None, dirty: bool | None) -> str:
     return f"{commit[:12]}{' with uncommitted changes' if dirty else ''}"
 
 
+#: The paper's symbols, and what they mean.
+GLOSSARY = {
+    "theta": "bending angle of the actuator",
+    "theta_d": "desired bending angle, the reference",
+    "P_exp": "pressure of the actuator; its command is what the models learn",
+    "P_ff": "pressure that the feedforward model asks for",
+    "P_fb": "pressure that the PD controller adds",
+    "P_i": "pressure in the driven chamber of the reservoir",
+    "P_o": "pressure in the sealed chamber of the reservoir, its output",
+    "K_in": "gain from the desired angle to the pressure that drives the reservoir",
+    "epsilon": "filter factor of P_o",
+    "n_c": "number of fuzzy rules",
+    "n_u": "number of samples of P_o that a model sees (tap size)",
+    "n_y": "number of samples of theta_d that a model sees (tap size)",
+    "sigma": "scale of the Gaussian memberships of the fuzzy rules",
+    "alpha": "ridge parameter of the regression",
+    "f_input": "input scaling factor of the ESN",
+    "gamma": "leaky rate of the ESN",
+    "rho": "spectral radius of the ESN",
+}
 _GREEK = {"theta": "θ", "epsilon": "ε", "gamma": "γ", "rho": "ρ", "sigma": "σ", "alpha": "α"}
 _SYMBOL = re.compile(
     r"\b(P|K|n|f|theta)_(exp|ff|fb|input|in|i|o|d|c|u|y)\b|\b(" + "|".join(_GREEK) + r")\b"
@@ -159,12 +302,13 @@ _SYMBOL = re.compile(
 
 
 def symbols(text: object) -> Markup:
-    """Return text as HTML with the paper's symbols typeset: P_o with a subscript, theta as θ."""
+    """Return text as HTML with the paper's symbols typeset and explained: theta as θ."""
 
     def shown(match: re.Match[str]) -> str:
         letter, index, greek = match.groups()
-        if greek:
-            return f"<i>{_GREEK[greek]}</i>"
-        return f"<i>{_GREEK.get(letter, letter)}</i><sub>{index}</sub>"
+        sign = f"<i>{_GREEK.get(greek or letter, letter)}</i>"
+        sign = f"{sign}<sub>{index}</sub>" if index else sign
+        meaning = GLOSSARY.get(match[0])
+        return f'<abbr title="{escape(meaning)}">{sign}</abbr>' if meaning else sign
 
     return Markup(_SYMBOL.sub(shown, str(escape(text))))

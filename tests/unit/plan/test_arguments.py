@@ -4,7 +4,7 @@ import pytest
 
 from fprc.config import Settings
 from fprc.experiments.settings import Judgement, RigSettings
-from fprc.plan.arguments import judgement, on_rig, paper_models, pick, tracking
+from fprc.plan.arguments import judgement, on_drawn_rigs, on_rig, paper_models, pick, tracking
 
 SETTINGS = Settings().model_dump(mode="json")
 SETTINGS["models"]["others"] = {"mine": {"estimator": "my.Model", "inputs": [], "settings": {}}}
@@ -57,3 +57,10 @@ def test_tracking_of_one_reference_does_not_read_the_others():
     part = tracking(SETTINGS, "sweep", "pushes")
     assert part["references"] == {"sweep": section["references"]["sweep"]}
     assert part.keys() == {"angle_range_deg", "pressure_limit_kpa", "pushes", "references"}
+
+
+def test_claims_hold_on_as_many_drawn_rigs_as_the_table_says_if_it_exists(tmp_path):
+    table = tmp_path / "claims.csv"
+    assert on_drawn_rigs(str(table)) == {}
+    table.write_text('id,claim,holds,rigs\nC1,"a, b",7,40\nC18a,c,0,40\n', encoding="utf-8")
+    assert on_drawn_rigs(str(table)) == {"C1": "7 of 40", "C18a": "0 of 40"}

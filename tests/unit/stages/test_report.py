@@ -1,5 +1,6 @@
 import base64
 import html
+import math
 import re
 from html.parser import HTMLParser
 from pathlib import Path
@@ -16,10 +17,13 @@ from fprc.artifacts import write_json
 from fprc.config import Settings
 from fprc.provenance import hash_of
 from fprc.stages import report
-from fprc.stages.report import banner, symbols, write_report
+from fprc.stages.report import GLOSSARY, banner, symbols, write_report
 from fprc.tables import markdown
 
-TEMPLATE = str(Path(__file__).parents[3] / "workflow" / "report" / "page.html.j2")
+TEMPLATE = [
+    str(Path(__file__).parents[3] / "workflow" / "report" / f"page.{kind}.j2")
+    for kind in ("html", "css", "js")
+]
 DOI = "https://doi.org/10.1109/LRA.2024.3523229"
 DEFAULTS = Settings().model_dump(mode="json")
 EVALUATION = DEFAULTS["evaluation"]
@@ -106,11 +110,13 @@ class Project:
         self.tables, self.figures = [], []
         self.settings = SETTINGS
         self.template = TEMPLATE
+        self.drawn = {}
 
     def add_table(self, note, name=None, **columns):
-        path = self.folder / f"{name or len(self.tables)}.md"
+        path = self.folder / f"{name or len(self.tables) // 2}.md"
         path.write_text(markdown(pd.DataFrame(columns), note), encoding="utf-8")
-        self.tables.append(str(path))
+        pd.DataFrame(columns).to_csv(path.with_suffix(".csv"), index=False)
+        self.tables += [str(path), str(path.with_suffix(".csv"))]
 
     def add_figure(self, number, caption="A caption.", source="sim", inputs=None, **origin):
         stem = self.folder / f"fig{number:02}_name"
@@ -124,21 +130,20 @@ class Project:
         }
         write_json(f"{stem}.json", described | origin)
         (self.folder / f"fig{number:02}.rst").write_text(caption + "\n", encoding="utf-8")
-        self.figures.append(
-            (f"{stem}.png", f"{stem}.json", str(self.folder / f"fig{number:02}.rst"))
-        )
+        self.figures += [
+            f"{stem}.png", f"{stem}.json", str(self.folder / f"fig{number:02}.rst")
+        ]  # fmt: skip
 
     def write(self):
         """Write the report and return its text."""
         for path in self.ledger:
             write_json(path, {"source": "sim", "note": "Fitted to C2.", "claims": self.claims})
-        pictures, sidecars, captions = zip(*self.figures, strict=True) if self.figures else [()] * 3
         target = self.folder / "report.html"
         missing = pd.DataFrame(self.missing, columns=["name", "result", "reason"])
         missing.to_csv(self.folder / "missing.csv", index=False)
         write_report(
-            self.template, self.ledger, str(self.folder / "missing.csv"), self.tables, pictures,
-            sidecars, captions, str(target), settings=self.settings,
+            self.template, self.ledger, str(self.folder / "missing.csv"), self.tables,
+            self.figures, str(target), settings=self.settings, drawn=self.drawn,
         )  # fmt: skip
         return target.read_text(encoding="utf-8")
 
@@ -190,7 +195,14 @@ def project(tmp_path):
     ],
 )
 def test_symbols_of_the_paper_are_shown_as_mathematics(text, shown):
-    assert symbols(text) == shown
+    assert re.sub("</?abbr[^>]*>", "", symbols(text)) == shown
+
+
+def test_symbol_with_a_meaning_explains_itself():
+    assert symbols("theta_d") == (
+        '<abbr title="desired bending angle, the reference"><i>θ</i><sub>d</sub></abbr>'
+    )
+    assert symbols("P_d") == "<i>P</i><sub>d</sub>"
 
 
 @pytest.mark.parametrize(
@@ -211,7 +223,10 @@ PIECES = st.sampled_from(["<", ">", "&", '"', "'", "P_o", "theta", "<i>", "&lt;"
 @given(st.lists(PIECES | st.text(max_size=4), max_size=12).map("".join))
 def test_whatever_a_text_holds_it_adds_no_other_tag_and_loses_nothing(text):
     shown = str(symbols(text))
-    assert set(re.findall(r"<[^>]*>", shown)) <= {"<i>", "</i>", "<sub>", "</sub>"}
+    titles = {f'<abbr title="{meaning}">' for meaning in GLOSSARY.values()}
+    allowed = {"<i>", "</i>", "<sub>", "</sub>", "</abbr>"} | titles
+    assert set(re.findall(r"<[^>]*>", shown)) <= allowed
+    shown = re.sub("</?abbr[^>]*>", "", shown)
     plain = re.sub("<i>(.)</i><sub>(.*?)</sub>", r"\1_\2", shown)
     plain = html.unescape(re.sub("</?i>", "", plain))
     for word, letter in (("theta", "θ"), ("epsilon", "ε"), ("gamma", "γ"), ("rho", "ρ"),
@@ -293,15 +308,15 @@ def test_page_is_one_html_document_whose_tags_all_close(project):
 
 def test_every_claim_is_shown_with_its_verdict(project):
     page = project.page()
-    (table,) = page.texts("table", **{"class": "claims"})
+    (table,) = page.texts("table", **{"class": "claims sorts"})
     for row in CLAIMS:
         for text in {**row, "statements": ""}.values():
             assert shown(text) in table
-        for mark in (row["verdict"], row["rig"]):
-            assert page.texts("td", **{"class": mark.replace(" ", "-")}) == [mark]
-    assert page.texts("ul", **{"class": "counts"}) == [
-        "1 reproduced 1 not reproduced 1 contradicted as printed"
-    ]
+        assert page.texts("tr", id=row["id"])
+        assert page.texts("td", **{"class": row["rig"]}) == [row["rig"]]
+        chip = f"chip {row['verdict'].replace(' ', '-')}"
+        assert page.texts("span", **{"class": chip}) == [f"1 {row['verdict']}", row["verdict"]]
+        assert page.texts("a", **{"class": chip}, href=f"#{row['id']}") == [row["id"]]
     assert "Fitted to C2." in page.text()
 
 
@@ -314,11 +329,10 @@ def test_every_table_is_shown_with_its_title_note_and_cells(project):
     page = project.page()
     assert page.texts("h3") == ["Table I. Settings", "Table IV. Tracking"]
     notes = page.texts("p", **{"class": "note"})
-    assert notes[1:] == ["Ours and as published.", "Pff alone."]
+    assert notes[2:] == ["Ours and as published.", "Pff alone."]
     assert ["ModelValueESN800", "RMSE [deg]SweepFPRC2.67PD"] == [
         text.replace(" ", "").replace("RMSE[", "RMSE [") for text in page.texts("table")[1:3]
     ]
-    assert [cell["text"] for cell in page.all("td", **{"data-label": "Sweep"})] == ["2.67", ""]
 
 
 #: Of each table: what it is if the rig was fitted to Tables II and III, if to Table IV too, and
@@ -340,9 +354,96 @@ def test_table_of_a_simulated_rig_says_whether_it_was_fitted_to(
     project.settings = SETTINGS | {"fitted": {"name": "one", "to": FITS[number]}}
     kind = kinds[number]
     project.add_table("A title: a note.", name, Model=["ESN"], Value=["800"])
+    columns = ["model", "metric", "mean", "published_mean"]
+    pd.DataFrame(columns=columns).to_csv(tmp_path / f"{name}.csv", index=False)
     project.add_figure(4, source=source)
     (title,) = project.page().texts("h3")
-    assert title == f"A title {kind if source == 'sim' else ''}".strip()
+    over_seeds = ", over seeds" if name.endswith("_seeds") else ""
+    assert title == f"A title{over_seeds} {kind if source == 'sim' else ''}".strip()
+
+
+RATIOS = {
+    "table2_seeds": {
+        "model": ["esn", "fprc"], "metric": ["test_rmse"] * 2, "unit": "kPa", "mean": [8.0, 12.0],
+        "low": [6.0, 11.0], "high": [10.0, 13.0], "published_mean": [16.0, float("nan")],
+    },
+    "table2": {
+        "model": ["esn"], "metric": ["test_rmse"], "unit": ["kPa"], "mean": [9.0],
+        "published_mean": [16.0],
+    },
+    "table4": {
+        "controller": ["fprc", "fprc_pd"], "gain": ["none", "printed"], "reference": ["sweep"] * 2,
+        "rmse_deg": [2.0, 4.0], "published_rmse_deg": [1.0, 1.0],
+    },
+}  # fmt: skip
+
+
+def test_page_begins_with_ours_over_the_papers(project):
+    project.settings = SETTINGS | {"fitted": {"name": "one", "to": ["tables"]}}
+    for name, columns in RATIOS.items():
+        project.add_table(f"{name}: a note.", name, A=["1"])
+        pd.DataFrame(columns).to_csv(project.folder / f"{name}.csv", index=False)
+    page = project.page()
+    assert page.texts("table")[0] == page.texts("table", **{"class": "deviations sorts"})[0]
+    # Table II over seeds in place of Table II; what the paper does not print is left out
+    signs = [each["aria-label"] for each in page.all("svg", role="img")]
+    assert signs == ["0.50, interval 0.38 to 0.62", "2.00", "4.00"]
+    rows = ["".join(row["text"].split()) for row in page.all("tr")]
+    assert "FPRC,Sweep2.002.00deg1.00degIV" in rows
+    assert "FPRC+PDattheprintedgain,Sweep4.004.00deg1.00degIV" in rows
+    # the axis: from 0.9 x 0.5 to 1.1 x 4, logarithmic
+    for circle, ratio in zip(page.all("circle"), (0.5, 2.0, 4.0), strict=True):
+        at = 100 * math.log(ratio / 0.45) / math.log(4.4 / 0.45)
+        assert float(circle["cx"].rstrip("%")) == pytest.approx(at, abs=0.01)
+    (bar,) = page.all("line", **{"class": "ends"})
+    assert bar["x1"] == "0.0%"  # an interval beyond the axis ends there
+    assert "Median deviation: 50 % in Table II, 200 % in Table IV." in page.text()
+
+
+def test_claims_say_on_how_many_drawn_rigs_they_hold_if_that_was_judged(project):
+    assert "Drawn rigs" not in project.write()
+    project.drawn = {"C1": "7 of 40"}
+    page = project.page()
+    assert page.texts("td", **{"data-label": "Drawn rigs"}) == ["7 of 40", "-", "-"]
+
+
+def test_claim_shows_its_statements_and_links_to_what_shows_them(project):
+    project.claims[1]["id"] = "C18a"
+    project.claims[1]["statements"] = [
+        {"text": "growth", "mean": 1.0, "first": 0.9, "last": 1.125, "limits": "within 0.8 to 1.2",
+         "verdict": "reproduced"},
+    ]  # fmt: skip
+    page = project.page()
+    (details,) = [text for text in page.texts("details") if "C18a" in text]
+    assert "growth: 1 (0.9 to 1.12), within 0.8 to 1.2: reproduced" in details
+    assert page.texts("div", **{"class": "evidence"}) == ["Shown in Fig. 4"]
+
+
+def test_result_has_the_command_that_makes_it_and_its_files(project):
+    folder = project.folder / "more"
+    folder.mkdir()
+    for name in ("table2_seeds.md", "table2_seeds.csv", "table2_seeds.tex"):
+        (folder / name).write_text("A: b\n\n| c |\n|:--|\n| d |\n")
+    beside = report._origin(str(folder / "table2_seeds.md"), project.folder, (".csv", ".tex"))
+    assert beside == {
+        "target": "report",
+        "files": {"CSV": "more/table2_seeds.csv", "TEX": "more/table2_seeds.tex"},
+    }
+    made = report._origin("results/figures/fig08_training.png", Path("results"), ())
+    assert made["target"] == "fig8"
+    assert report._origin("r/tables/table2_seeds.md", Path("r"), ())["target"] == "seeds"
+
+
+def test_no_heading_occurs_twice(project):
+    title = "Table III. RMSE, reversed: trained on one log."
+    project.add_table(title, "table3", A=["1"])
+    project.add_table(title, "table3_seeds", A=["1"])
+    columns = ["model", "metric", "mean", "published_mean"]
+    for name in ("table3", "table3_seeds"):
+        pd.DataFrame(columns=columns).to_csv(project.folder / f"{name}.csv", index=False)
+    page = project.page()
+    headings = [text for level in ("h1", "h2", "h3") for text in page.texts(level)]
+    assert len(set(headings)) == len(headings)
 
 
 def test_every_figure_is_shown_with_number_caption_and_origin(project):
@@ -367,7 +468,7 @@ def test_every_figure_is_shown_with_number_caption_and_origin(project):
 
 def test_pictures_are_the_very_files_in_their_size(project):
     images = project.page().all("img")
-    for image, (picture, *_), number in zip(images, project.figures, (4, 6, 12), strict=True):
+    for image, picture, number in zip(images, project.figures[::3], (4, 6, 12), strict=True):
         kind, _, data = image["src"].partition(",")
         assert kind == "data:image/png;base64"
         assert base64.b64decode(data, validate=True) == Path(picture).read_bytes()
@@ -449,7 +550,9 @@ def test_every_link_within_the_page_has_its_target(project):
     page = project.page()
     targets = {element["id"] for element in page.elements if "id" in element}
     links = [link["href"] for link in page.all("a") if link["href"].startswith("#")]
-    assert set(links) == {"#claims", "#tables", "#figures", "#settings"}
+    sections = {"outcome", "claims", "tables", "figures", "symbols", "settings"}
+    shown = {"C1", "C2", "C3", "0", "1", "fig4", "fig6", "fig12"}
+    assert {link[1:] for link in links} == sections | shown
     assert {link[1:] for link in links} <= targets
     identifiers = [element["id"] for element in page.elements if "id" in element]
     assert len(set(identifiers)) == len(identifiers)
@@ -465,8 +568,21 @@ def test_page_refers_to_nothing_outside_itself_but_the_paper(project):
         if name in ("src", "href", "srcset", "action", "data", "poster", "xlink:href")
     ]
     outside = [link for link in references if not link.startswith(("#", "data:"))]
-    assert outside == [DOI]
-    assert not {"script", "iframe", "object", "embed", "base"} & {e["tag"] for e in page.elements}
+    beside = [link for link in outside if link != DOI]
+    assert outside.count(DOI) == 1
+    # links to the files beside the page, which nothing on it needs
+    assert {element["tag"] for element in page.elements if element.get("href") in beside} == {"a"}
+    assert sorted(beside) == sorted(
+        path.name
+        for path in project.folder.iterdir()
+        if path.name != "report.html"
+        and path.suffix in (".csv", ".json")
+        and "miss" not in path.name
+    )
+    assert not {"iframe", "object", "embed", "base"} & {e["tag"] for e in page.elements}
+    (script,) = page.all("script")
+    assert script.keys() == {"tag", "text"}
+    assert not re.search(r"https?:|fetch|XMLHttp|import|eval", script["text"])
     assert [link["rel"] for link in page.all("link")] == ["icon"]
     (style,) = page.texts("style")
     assert not re.search(r"url\(|@import|https?:", style)
@@ -482,8 +598,9 @@ def test_page_without_a_ledger_has_tables_and_figures_but_no_claims(project):
     project.ledger = []
     page = project.page()
     assert "#claims" not in [link["href"] for link in page.all("a")]
-    assert page.all("table", **{"class": "claims"}) == []
-    assert page.texts("h2") == ["Tables", "Figures", "Settings, seeds, versions"]
+    assert page.all("table", **{"class": "claims sorts"}) == []
+    sections = ["Outcome", "Tables", "Figures", "Symbols", "Settings, seeds, versions"]
+    assert page.texts("h2") == sections
     assert len(page.all("figure")) == 3
 
 
@@ -535,7 +652,7 @@ def test_no_text_becomes_markup(project, spoil):
 @pytest.mark.parametrize("field", ["claim", "ours", "basis"])
 def test_text_of_a_claim_reads_as_it_was_written(project, field):
     project.claims[0][field] = EVIL
-    (table,) = project.page().texts("table", **{"class": "claims"})
+    (table,) = project.page().texts("table", **{"class": "claims sorts"})
     assert " ".join(EVIL.split()) in table
 
 
@@ -545,7 +662,7 @@ def test_text_of_a_claim_reads_as_it_was_written(project, field):
 def test_name_that_the_page_does_not_have_is_an_error(project, tmp_path):
     template = tmp_path / "page.html.j2"
     template.write_text("<p>{{ banner }} {{ nonsense }}</p>", encoding="utf-8")
-    project.template = str(template)
+    project.template = [str(template)]
     with pytest.raises(jinja2.UndefinedError, match="nonsense"):
         project.write()
     assert not (tmp_path / "report.html").exists()
@@ -559,11 +676,11 @@ def test_missing_setting_is_an_error(project, missing):
 
 
 def test_figure_without_its_sidecar_or_caption_is_an_error(project):
-    pictures, sidecars, captions = map(list, zip(*project.figures, strict=True))
-    for cut in ((pictures, sidecars[1:], captions), (pictures, sidecars, captions[1:])):
+    for cut in (project.figures[:-1], project.figures[:-2]):
         with pytest.raises(ValueError, match="shorter|longer"):
             write_report(
-                TEMPLATE, [], "", [], *cut, str(project.folder / "r.html"), settings=SETTINGS
+                TEMPLATE, [], "", [], cut, str(project.folder / "r.html"), settings=SETTINGS,
+                drawn={},
             )  # fmt: skip
 
 
@@ -572,9 +689,9 @@ def test_what_is_not_available_is_listed_with_its_reason(project):
     project.missing = [("fig5", "Fig. 5", "needs p_o_kpa, which sweep.h5 does not have")]
     page = project.page()
     assert page.texts("h2", id="missing") == ["Not available for this data"]
-    assert page.texts("dt") == ["Fig. 5"]
-    assert page.texts("dd") == ["needs p_o_kpa, which sweep.h5 does not have"]
-    assert page.texts("a", href="#missing") == ["Not available"]
+    assert "Fig. 5" in page.texts("dt")
+    assert "needs p_o_kpa, which sweep.h5 does not have" in page.texts("dd")
+    assert "Not available" in page.texts("a", href="#missing")
 
 
 def test_failure_leaves_the_old_page(project):
