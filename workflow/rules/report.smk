@@ -39,7 +39,7 @@ rule report_page:
     params:
         **stage("report.write_report"),
         settings=SETTINGS,
-        # no input: the ensemble takes hours, so that no build makes it for the report
+        # no input: the ensemble takes minutes, so that no build makes it for the report
         drawn=lambda wildcards: on_drawn_rigs(PATHS.below("ensemble/claims.csv")),
     message:
         "Report: claims, tables, figures and settings on one page"
