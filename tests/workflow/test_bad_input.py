@@ -68,7 +68,7 @@ def test_name_of_a_folder_is_no_command(project):
     settings = ["--config", f'folders={{results: "{folder}"}}']
     told = project.snakemake("--dry-run", "--printshellcmds", *targets, *settings)
     assert told.returncode == 0, told.stdout
-    assert f"| tee {shlex.quote(folder + '/logs/smoke.log')}" in told.stdout
+    assert f"> {shlex.quote(folder + '/logs/smoke.log')} 2>&1" in told.stdout
     assert f"tests/plain.py {shlex.quote(folder + '/benchmark/all.json')} " in told.stdout
     assert f"> {shlex.quote(folder + '/logs/measure_all.log')} " in told.stdout
 

@@ -14,9 +14,9 @@ MAKE = shutil.which("make") or "make"
 
 def container(*arguments, **environment):
     return subprocess.run(
-        [MAKE, "container", *arguments],
+        [MAKE, "--no-print-directory", "container", *arguments],
         cwd=ROOT,
-        env=os.environ | environment,
+        env={k: v for k, v in os.environ.items() if k != "MAKEFLAGS"} | environment,
         capture_output=True,
         text=True,
         check=False,

@@ -55,7 +55,7 @@ def released(release, smoked, tmp_path_factory):
     folder = tmp_path_factory.mktemp("released") / "clone"
     for name in filter(None, git(ROOT, "ls-files", "-z").split("\0")):
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(ROOT / name, folder / name)
+        shutil.copy2(ROOT / name, folder / name)  # with its time, by which Snakemake judges
     for name in ("results/smoke", ".snakemake/metadata"):
         shutil.copytree(smoked[0].folder / name, folder / name)
     release.cut(folder, VERSION, date(2030, 1, 2))

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib
+import numpy as np
 from matplotlib.axes import Axes
 
 matplotlib.use("Agg")
@@ -146,9 +147,22 @@ def save_png(fig: Figure, data: Mapping[str, Any], png: str) -> None:
 def _write(fig: Figure, data: Mapping[str, Any], files: Mapping[str, Mapping[str, Any]]) -> None:
     mark = "simulated rigs" if "seeds" in data else _MARKS[data["source"]].format_map(data)
     fig.supxlabel(mark, x=0.99, ha="right", fontsize=MARK_PT, color="0.45")
-    for path, metadata in files.items():
-        with replacing(Path(path)) as temporary, warnings.catch_warnings():
-            # names from files may have characters that the font lacks; each is drawn as a box
-            warnings.filterwarnings("ignore", message="Glyph .* missing from font")
-            fig.savefig(temporary, metadata=metadata)
+    with warnings.catch_warnings():
+        # names from files may have characters that the font lacks; each is drawn as a box
+        warnings.filterwarnings("ignore", message="Glyph .* missing from font")
+        _fix_layout(fig)
+        for path, metadata in files.items():
+            with replacing(Path(path)) as temporary:
+                fig.savefig(temporary, metadata=metadata)
     plt.close(fig)
+
+
+def _fix_layout(fig: Figure) -> None:
+    """Lay the figure out once, and round the places.
+
+    The solver's last digits differ from process to process, and with them a pixel now and then.
+    """
+    fig.draw_without_rendering()
+    fig.set_layout_engine("none")
+    for ax in fig.axes:
+        ax.set_position(np.round(ax.get_position(original=True).bounds, 6).tolist())

@@ -19,7 +19,7 @@ from PIL import Image
 from fprc.artifacts import read_json, write_text
 from fprc.config import Settings
 from fprc.paper import SOURCES
-from fprc.plan import BY_NAME
+from fprc.plan.results import BY_NAME
 from fprc.provenance import checkout, hash_of, versions
 from fprc.tables import read_markdown
 from fprc.tables.against_paper import against_paper
