@@ -13,8 +13,9 @@ from fprc.errors import LogError
 from fprc.logs import RAW_CHANNELS
 from fprc.logs.folder import Header
 from fprc.paper import CONTROLLERS, EXPERIMENTS, REFERENCES, run_log
-from fprc.plan import Paths, Plan, read_plan
 from fprc.plan import plan as plan_module
+from fprc.plan.paths import Paths
+from fprc.plan.plan import Plan, read_plan
 from fprc.plan.results import CHORES, RESULTS
 from fprc.stages.tabulate import tabulate_unavailable
 
