@@ -117,3 +117,34 @@ def on_rigs(part, table):
     return PLAN.replicates(part)[: len(seeds)] + [
         PATHS.below(f"rigs/{rig}/{part}_{seed}.json") for rig in RIGS[table] for seed in seeds
     ]
+
+
+def world_named(name):
+    """Return a world: its rigs, their seeds, and the settings of their simulation."""
+    rig = {} if name not in RIG_FILES else {"rig": named_rig(name)["rig"]}
+    return {
+        "name": name,
+        "title": TITLES_OF_SETS.get(name) or f"rig {name}",
+        "rigs": name if name in TITLES_OF_SETS else "one",
+        "first_seed": BEYOND["first_seed"],
+        "seeds_per_rig": BEYOND["seeds_per_rig"] if name == "drawn" else 1,
+        "on_rig": on_rig(SETTINGS) | rig,
+        "ensemble": DRAWN if name == "drawn" else {},
+        "free": FREE if name == "drawn" else {},
+    }
+
+
+def world_of(wildcards):
+    """Return the world of a job."""
+    return world_named(wildcards.world)
+
+
+def units_of(wildcards):
+    """Return the number of seeds or rigs of a world."""
+    return BEYOND["rigs" if wildcards.world in TITLES_OF_SETS else "seeds"]
+
+
+def units_of_tuning(wildcards):
+    """Return the seeds or rigs of a world on which settings are chosen; they judge nothing else."""
+    first = units_of(wildcards)
+    return list(range(first, first + BEYOND["tuning"]["units"]))

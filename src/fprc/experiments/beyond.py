@@ -10,6 +10,7 @@ from fprc.competitors import COMPETITORS, default_settings
 from fprc.control.simulated import simulate_hysteresis
 from fprc.devices.sim import SimulatedRig
 from fprc.evaluation import rmse
+from fprc.evaluation.timing import WARM_UP, time_steps
 from fprc.experiments.data import Data
 from fprc.experiments.hysteresis import RUNS, acquire, simulate
 from fprc.experiments.settings import RigSettings
@@ -93,14 +94,12 @@ def judge_build(
     disturbed = _disturbed(on_rig, seed, complex_, bench, contest)
     judged = {}
     for name in names:
-        backward, reversed_errors = _trained(name, complex_, sweep, contest, seed)
+        _, reversed_errors = _trained(name, complex_, sweep, contest, seed)
         model, errors = _trained(name, sweep, complex_, contest, seed)
-        tracked = [_follow(bench, model, name, followed, own) for own in (None, gains)]
         judged[name] = {
             "forward": errors,
             "reversed": reversed_errors,
-            "open_loop_deg": tracked[0],
-            "closed_loop_deg": tracked[1],
+            **_follow(bench, model, name, followed, gains),
             **_with_disturbed_p_o(model, name, disturbed, complex_, contest),
         }
         log.info("%s: test %.2f kPa", name, errors["test_rmse_kpa"])
@@ -156,10 +155,13 @@ def judge_lengths(
 def _trained(
     name: str, train: Data, test: Data, contest: Contest, seed: int
 ) -> tuple[SequenceModel, dict[str, float]]:
-    model = contest.build(name, seed)
-    model.fit(inputs_of(name, train.channels), train.channels["p_target_kpa"])
+    unfitted = contest.build(name, seed)
+    features = unfitted.make_features().fit(inputs := inputs_of(name, train.channels))
+    rows, expected = features.transform(inputs), train.channels["p_target_kpa"]
+    readout = unfitted.make_readout().fit(rows, expected)
+    model = unfitted.assembled(features, readout)
     return model, {
-        "train_rmse_kpa": _error(model, name, train.channels),
+        "train_rmse_kpa": rmse(expected, readout.predict(rows)),
         "test_rmse_kpa": _error(model, name, test.channels),
     }
 
@@ -183,15 +185,16 @@ def _follow(
     model: SequenceModel,
     name: str,
     followed: Mapping[str, Mapping[str, np.ndarray]],
-    gains: Mapping[str, float] | None,
-) -> dict[str, float]:
-    """Return the RMSE of each reference, deg, with feedforward alone or with PD."""
-    errors = {}
+    gains: Mapping[str, float],
+) -> dict[str, dict[str, float]]:
+    """Return the RMSE of each reference, deg, with feedforward alone and with PD."""
+    errors: dict[str, dict[str, float]] = {"open_loop_deg": {}, "closed_loop_deg": {}}
     for reference, channels in followed.items():
         p_ff_kpa = model.predict(inputs_of(name, channels))
-        run = bench.simulate(channels["theta_deg"], p_ff_kpa, gains, TRACKING_RUNS[reference])
-        error = tracking_error(run, bench.tracking["references"][reference]["settle_s"])
-        errors[reference] = rmse(error, np.zeros_like(error))
+        for loop, own in zip(errors, (None, gains), strict=True):
+            run = bench.simulate(channels["theta_deg"], p_ff_kpa, own, TRACKING_RUNS[reference])
+            error = tracking_error(run, bench.tracking["references"][reference]["settle_s"])
+            errors[loop][reference] = rmse(error, np.zeros_like(error))
     return errors
 
 
@@ -225,10 +228,18 @@ def _with_disturbed_p_o(
         return {"shifted": None, "disturbed": None}
     p_o = test.channels["p_o_kpa"]
     shifted = {
-        f"{shift:g}": _error(model, name, {**test.channels, "p_o_kpa": p_o + shift})
+        str(float(shift)): _error(model, name, {**test.channels, "p_o_kpa": p_o + shift})
         for shift in contest.shifts_kpa
     }
     return {
         "shifted": shifted,
         "disturbed": {kind: _error(model, name, each) for kind, each in disturbed.items()},
     }
+
+
+def time_of_step(name: str, logs: Mapping[str, Data], contest: Contest, seed: int) -> float:
+    """Return the median time of a step of a trained model, us."""
+    model, _ = _trained(name, logs["sweep"], logs["complex"], contest, seed)
+    rows = inputs_of(name, logs["complex"].channels)[: 2 * WARM_UP]
+    model.reset()
+    return 1e6 * float(np.median(time_steps(lambda k: model.step(rows[k]), len(rows))[WARM_UP:]))
