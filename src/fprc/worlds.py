@@ -21,6 +21,20 @@ MEASURES = {
     "step_us": "one step [us]",
 }
 
+#: Sets of states whose capacity is measured, as readers see them.
+SETS = {
+    "p_o": "P_o",
+    "p_o_taps": "taps of P_o",
+    "p_o_virtual": "virtual nodes of P_o",
+    "theta_lowpass_taps": "taps of low-passed theta_d",
+    "bank": "bank of low-passes",
+    "esn": "ESN",
+    "esn_noisy": "ESN, noise of P_o",
+}
+
+#: Two models are equivalent within this factor.
+EQUIVALENT_WITHIN = 1.05
+
 _WORDS = {"tuned": "tuned", "matched": "matched in training", "oracle": "chosen on the test log"}
 
 

@@ -8,14 +8,13 @@ import numpy as np
 from scipy.special import stdtr
 
 from fprc.claims.finding import UNDECIDED, interval_of_mean
+from fprc.worlds import EQUIVALENT_WITHIN
 
 SUPERIOR = "superior"
 EQUIVALENT = "equivalent"
 INFERIOR = "inferior"
 NOT_JUDGED = "not judged"
 
-#: Two models are equivalent within this factor.
-FACTOR = 1.05
 #: Chance that any of a world's verdicts is wrong.
 ALPHA = 0.05
 #: Units without which nothing is decided; units that a subset lacks.
@@ -42,7 +41,7 @@ class Part(NamedTuple):
         below 1, inferior if it lies above 1, otherwise undecided.
         """
         _, low, high = interval_of_mean(self._array(units), 1.0 - level)
-        margin = math.log(FACTOR)
+        margin = math.log(EQUIVALENT_WITHIN)
         if self.ratio and -margin <= low and high <= margin:
             return EQUIVALENT
         if high < 0.0:
@@ -59,7 +58,7 @@ class Part(NamedTuple):
         levels = [below, above]
         if self.ratio:
             # both ends of the interval are within the margin
-            nearer = (abs(mean) - math.log(FACTOR)) / error
+            nearer = (abs(mean) - math.log(EQUIVALENT_WITHIN)) / error
             levels.append(2.0 * float(stdtr(freedom, nearer)))
         return min(levels), above
 

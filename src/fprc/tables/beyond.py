@@ -7,20 +7,9 @@ import pandas as pd
 
 from fprc.tables.models import with_interval
 from fprc.tables.text import format_mean, three_digits
-from fprc.worlds import MEASURES, capacities, measured, title_of
+from fprc.worlds import MEASURES, SETS, capacities, measured, title_of
 
 Worlds = Sequence[Mapping[str, Any]]
-
-#: Sets of states whose capacity is measured, as readers see them.
-SETS = {
-    "p_o": "P_o",
-    "p_o_taps": "taps of P_o",
-    "p_o_virtual": "virtual nodes of P_o",
-    "theta_lowpass_taps": "taps of low-passed theta_d",
-    "bank": "bank of low-passes",
-    "esn": "ESN",
-    "esn_noisy": "ESN, noise of P_o",
-}
 
 #: Settings that were chosen for a comparison, and are no model to take.
 _NO_OFFER = ("_oracle", "_matched")
@@ -80,6 +69,35 @@ def leaderboard(table: pd.DataFrame, world: str, titles: Mapping[str, str]) -> p
     ranked = ranked.sort_values("model", key=lambda names: names.map(order.index), kind="stable")
     page = models_page(ranked, world, titles)
     return page[[name for name in page if "closed loop" not in name]]
+
+
+def errors_and_tracking(table: pd.DataFrame) -> pd.DataFrame:
+    """Forward test RMSE beside tracking, and their rank correlation over the models, tidy.
+
+    Parameters
+    ----------
+    table : DataFrame
+        From ``models``. Models whose settings were chosen on the test log are left out.
+
+    Returns
+    -------
+    DataFrame
+        ``world``, ``model``, ``forward`` (kPa), ``loop`` (open_loop or closed_loop), ``tracking``
+        (deg), ``models`` (their number) and ``rank_correlation`` (Spearman's, of the world and
+        loop), ``source``. Worlds of fewer than three such models are left out.
+    """
+    offered = table[~table["model"].str.endswith("_oracle")]
+    wide = offered.pivot(index=["world", "source", "model"], columns="measure", values="mean")
+    parts = []
+    for loop in ("open_loop", "closed_loop"):
+        pairs = wide.reindex(columns=["forward", loop]).dropna().reset_index()
+        pairs = pairs.rename(columns={loop: "tracking"}).assign(loop=loop)
+        for _, own in pairs.groupby("world", sort=False):
+            if len(own) > 2:
+                rho = own["forward"].rank().corr(own["tracking"].rank())
+                parts.append(own.assign(models=len(own), rank_correlation=rho))
+    order = "world model forward loop tracking models rank_correlation source".split()
+    return _joined(parts or [pd.DataFrame(columns=order)])[order]
 
 
 def claims(ledgers: Sequence[Sequence[Mapping[str, Any]]]) -> pd.DataFrame:
