@@ -208,9 +208,10 @@ def test_fprc_without_a_readout_of_the_reservoir_is_refused():
 @pytest.mark.parametrize("estimator", ESTIMATORS)
 def test_documented_defaults_are_the_actual_ones(estimator):
     lines = inspect.cleandoc(estimator.__doc__)
-    documented = dict(re.findall(r"^(\w+) : .*, default=(\S+)$", lines, re.MULTILINE))
+    documented = dict(re.findall(r"^(\w+) : .*, default=(.+)$", lines, re.MULTILINE))
     signature = inspect.signature(estimator).parameters
-    actual = {name: parameter.default for name, parameter in signature.items()}
+    optional = {name: each for name, each in signature.items() if each.default is not each.empty}
+    actual = {name: parameter.default for name, parameter in optional.items()}
     assert {name: _value(text) for name, text in documented.items()} == actual
 
 
