@@ -53,6 +53,22 @@ def follow(states, x, epsilons):
 
 
 @kernel
+def follow_log(X, epsilons):
+    """Return every sample of a log, low-passed with every factor, to the digits of ``follow``.
+
+    Returns
+    -------
+    ndarray of shape (n_samples, n_inputs * n_epsilons)
+    """
+    states = np.repeat(X[0], epsilons.size)
+    rows = np.empty((len(X), states.size))
+    for k in range(len(X)):
+        follow(states, X[k], epsilons)
+        rows[k] = states
+    return rows
+
+
+@kernel
 def play(states, x, half_widths):
     """Move every play p to max(x - r, min(x + r, p)).
 

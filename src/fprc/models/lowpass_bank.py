@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fprc.models.features import FeatureMap, lowpass
-from fprc.models.kernels import follow
+from fprc.models.features import FeatureMap
+from fprc.models.kernels import follow, follow_log
 from fprc.models.limits import Each, Limit
 
 
@@ -31,16 +31,21 @@ class LowpassBank(FeatureMap):
 
     LIMITS = {"epsilons": Each(Limit(0, 1, low_open=True, high_open=False))}
 
+    def _factors(self) -> np.ndarray:
+        return np.array(self.epsilons, dtype=np.float64)
+
     def _transform(self, X: np.ndarray) -> np.ndarray:
-        return np.column_stack([lowpass(column, each) for column in X.T for each in self.epsilons])
+        # not ``lowpass``: a tree would tell its digits from those of a step.
+        # a copy: numba would compile again for another layout or a read-only array
+        return follow_log(np.array(X, order="C"), self._factors())
 
     def _named(self, columns: list[str]) -> list[str]:
         return [f"{column}_lowpass{each:g}" for column in columns for each in self.epsilons]
 
     def _start(self, x: np.ndarray) -> None:
-        self._factors = np.array(self.epsilons, dtype=np.float64)
-        self._row = np.repeat(x, len(self._factors))
+        self._epsilons = self._factors()
+        self._row = np.repeat(x, len(self._epsilons))
 
     def _step(self, x: np.ndarray) -> np.ndarray:
-        follow(self._row, x, self._factors)
+        follow(self._row, x, self._epsilons)
         return self._row

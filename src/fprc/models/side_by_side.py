@@ -33,7 +33,8 @@ class SideBySide(FeatureMap):
     Raises
     ------
     ValueError
-        At ``fit``: there are no maps, names are double or hold ``__``, or a column does not exist.
+        At ``fit``: ``maps`` is not such a list or empty, a name is double or holds ``__``, or a
+        column does not exist.
     """
 
     def __init__(self, maps: Sequence[Part]):
@@ -45,7 +46,7 @@ class SideBySide(FeatureMap):
         """Return the parameters; with ``deep`` the maps and theirs too."""
         parameters = super().get_params(deep=False)
         if deep:
-            for name, each, _ in self.maps:
+            for name, each in self._named_maps().items():
                 parameters[name] = each
                 parameters |= {f"{name}__{key}": value for key, value in each.get_params().items()}
         return parameters
@@ -54,13 +55,18 @@ class SideBySide(FeatureMap):
         """Set ``maps``, a map by its name, or a parameter of a map by ``NAME__PARAMETER``."""
         if "maps" in parameters:
             self.maps = parameters.pop("maps")
-        names = [name for name, _, _ in self.maps]
-        replaced = {name: parameters.pop(name) for name in names if name in parameters}
+        replaced = {name: parameters.pop(name) for name in self._named_maps() if name in parameters}
         if replaced:
             self.maps = [
                 (name, replaced.get(name, each), columns) for name, each, columns in self.maps
             ]
         return super().set_params(**parameters)
+
+    def _named_maps(self) -> dict[str, FeatureMap]:
+        try:
+            return {name: each for name, each, _ in self.maps if isinstance(each, FeatureMap)}
+        except (TypeError, ValueError):
+            return {}  # parameters may be set to anything; fit refuses what is wrong
 
     def _prepare(self, X: np.ndarray) -> None:
         self._check_maps(X.shape[1])
@@ -70,8 +76,18 @@ class SideBySide(FeatureMap):
         ]
 
     def _check_maps(self, n_inputs: int) -> None:
-        names = [name for name, _, _ in self.maps]
+        try:
+            names = [str(name) for name, _, _ in self.maps]
+        except (TypeError, ValueError) as error:
+            raise ValueError(
+                f"SideBySide: maps = {self.maps}; must be a list of (name, map, columns)"
+            ) from error
         problems = [] if names else ["there are no maps"]
+        problems += [
+            f"{name!r} is {type(each).__name__}, which is no FeatureMap"
+            for name, each, _ in self.maps
+            if not isinstance(each, FeatureMap)
+        ]
         problems += [f"{name!r} is double" for name in sorted(set(names)) if names.count(name) > 1]
         problems += [
             f"{name!r} must not hold __ or be 'maps'"
