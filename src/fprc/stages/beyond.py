@@ -11,6 +11,7 @@ import yaml
 from fprc.artifacts import read_json, write_json, write_text
 from fprc.calibration.ensemble import draw_rig
 from fprc.calibration.fit import free_parameters
+from fprc.config.rig import Rig
 from fprc.errors import FprcError
 from fprc.evaluation.cells import checkpoint_key, log_progress, run_cells
 from fprc.evaluation.timing import machine
@@ -258,7 +259,7 @@ def builds_of(unit: int, rigs: str, world: Mapping[str, Any]) -> list[tuple[RigS
                 f"{rigs}: {len(known)} rigs, but beyond.rigs and beyond.tuning.units need more "
                 f"than {unit}; reduce them"
             )
-        on_rig = replace(on_rig, rig=known[unit])
+        on_rig = replace(on_rig, rig=Rig.model_validate(known[unit]).model_dump(mode="json"))
     elif world["rigs"] == "drawn":
         drawn = world["ensemble"]["seed"] + unit
         on_rig, _, _ = draw_rig(drawn, world["ensemble"], free_parameters(**world["free"]), on_rig)
