@@ -107,20 +107,23 @@ class SideBySide(FeatureMap):
         every = range(self.n_features_in_)
         return [list(every if columns is None else columns) for _, _, columns in self.maps]
 
+    def parts(self) -> list[tuple[FeatureMap, list[int]]]:
+        """Return each fitted map and the numbers of its columns."""
+        return list(zip(self.maps_, self._columns(), strict=True))
+
     def _transform(self, X: np.ndarray) -> np.ndarray:
-        pairs = zip(self.maps_, self._columns(), strict=True)
-        return np.hstack([each.transform(X[:, columns]) for each, columns in pairs])
+        return np.hstack([each.transform(X[:, columns]) for each, columns in self.parts()])
 
     def _named(self, columns: list[str]) -> list[str]:
         return [
             f"{name}__{feature}"
-            for (name, _, _), each, own in zip(self.maps, self.maps_, self._columns(), strict=True)
+            for (name, _, _), (each, own) in zip(self.maps, self.parts(), strict=True)
             for feature in each.get_feature_names_out([columns[i] for i in own])
         ]
 
     def _start(self, x: np.ndarray) -> None:
         self._parts, edge = [], 0
-        for each, columns in zip(self.maps_, self._columns(), strict=True):
+        for each, columns in self.parts():
             each.reset(x[columns])
             size = len(each.get_feature_names_out())
             self._parts.append((each, np.array(columns), slice(edge, edge + size)))
