@@ -18,12 +18,15 @@ from PIL import Image
 
 from fprc.artifacts import read_json, write_text
 from fprc.config import Settings
+from fprc.logs import read_columns, read_run
+from fprc.logs.isolated import isolated_each
 from fprc.paper import SOURCES
 from fprc.plan.results import BY_NAME
 from fprc.provenance import checkout, hash_of, versions
 from fprc.tables import read_markdown
 from fprc.tables.against_paper import against_paper
 from fprc.tables.text import three_digits
+from fprc.tables.traces import RESERVOIR, Plot, disturbance_plots, fit_plots, tracking_plots
 
 log = logging.getLogger(__name__)
 
@@ -58,6 +61,7 @@ def write_report(
     settings: Mapping[str, Any],
     drawn: Mapping[str, str],
     beyond: Mapping[str, Any] | None = None,
+    **logs: Sequence[str],
 ) -> None:
     """Write claims, tables, figures and settings to one self-contained page.
 
@@ -77,11 +81,14 @@ def write_report(
         On how many drawn rigs each claim holds, as text; empty if that was not judged.
     beyond : Mapping, optional
         ``advice``, and ``ledgers``: of each world, the rows of ``claims.beyond.judge_world``.
+    **logs : sequence of str
+        By the anchor of a figure (``fig8``): the logs whose traces can be zoomed.
     """
     folder = Path(html).parent
     terms = settings["fitted"]["to"]
+    plots = _plots(logs, settings)
     shown = [
-        _figure(*files, folder)
+        _figure(*files, folder, plots)
         for files in zip(figures[::3], figures[1::3], figures[2::3], strict=True)
     ]
     pages = [_page(md, terms, folder) for md, _ in zip(tables[::2], tables[1::2], strict=True)]
@@ -232,7 +239,27 @@ def _page(path: str, terms: Sequence[str], folder: Path) -> dict[str, Any]:
     }
 
 
-def _figure(picture: str, sidecar: str, caption: str, folder: Path) -> dict[str, Any]:
+def _plots(logs: Mapping[str, Sequence[str]], settings: Mapping[str, Any]) -> dict[str, list[Plot]]:
+    """Return the plots of the figures with long traces."""
+    plots = {}
+    names = ("time_s", "theta_d_deg", "theta_deg", "p_ff_kpa", "p_fb_kpa")
+    followed = [figure for figure in logs if figure not in ("fig8", "fig17")]
+    paths = [path for figure in followed for path in logs[figure]]
+    runs = isolated_each(read_run, paths, names=names) if paths else []
+    for figure, opened, closed in zip(followed, runs[::2], runs[1::2], strict=True):
+        plots[figure] = tracking_plots(opened, closed)
+    if "fig8" in logs:
+        fits = [read_columns(path, ("time_s", "p_target_kpa", "p_ff_kpa")) for path in logs["fig8"]]
+        plots["fig8"] = fit_plots(dict(zip(("Training", "Test"), fits, strict=True)))
+    if "fig17" in logs:
+        (run,) = isolated_each(read_run, logs["fig17"], names=(*names, *RESERVOIR))
+        plots["fig17"] = disturbance_plots(run, settings["tracking"]["pushes"]["quiet_s"])
+    return plots
+
+
+def _figure(
+    picture: str, sidecar: str, caption: str, folder: Path, plots: Mapping[str, list[Plot]]
+) -> dict[str, Any]:
     origin = read_json(sidecar)
     with Image.open(picture) as image:
         width, height = image.size
@@ -240,11 +267,12 @@ def _figure(picture: str, sidecar: str, caption: str, folder: Path) -> dict[str,
     return {
         "anchor": f"fig{number}",
         "short": f"Fig. {number}",
-        "name": name.replace("_", " "),
+        "name": _readable(name),
         "png": base64.b64encode(Path(picture).read_bytes()).decode(),
         "width": width,
         "height": height,
         "caption": " ".join(Path(caption).read_text(encoding="utf-8").split()),
+        "plots": plots.get(f"fig{number}"),
         "source": origin["source"],
         "mark": SOURCES.get(origin["source"], "drawing, no data"),
         "commit": _commit(origin["commit"], origin["dirty"]),
@@ -252,6 +280,12 @@ def _figure(picture: str, sidecar: str, caption: str, folder: Path) -> dict[str,
         "config": origin["config_sha256"],
         **_origin(picture, folder, (".csv", ".pdf", ".json")),
     }
+
+
+def _readable(name: str) -> str:
+    """Return the name of a figure's file as words: ``sine_0p2`` as sine, 0.2 Hz."""
+    words = re.sub(r"_(\d)p(\d)", r", \1.\2 Hz", name).replace("_", " ")
+    return re.sub(r"\b(esn|fprc)\b", lambda match: match[0].upper(), words)
 
 
 def _origin(path: str, folder: Path, kinds: Sequence[str]) -> dict[str, Any]:
