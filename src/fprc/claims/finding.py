@@ -88,8 +88,8 @@ class Statement(NamedTuple):
         """Text, mean and interval."""
         mean, first, last = self.interval
         if np.size(self.values) == 1:
-            return f"{self.text} {mean:.3g}"
-        return f"{self.text} {mean:.3g} ({first:.3g} to {last:.3g})"
+            return f"{self.text}: {mean:.3g}"
+        return f"{self.text}: {mean:.3g} ({first:.3g} to {last:.3g})"
 
     def limits(self) -> str:
         """Text and limits."""

@@ -145,7 +145,7 @@ def banner(sources: set[str]) -> str:
     return "MEASURED DATA"
 
 
-_NOT_COMPARED = ("source", "seed", "folders", "rig", "calibration", "ensemble")
+_NOT_COMPARED = ("source", "seed", "folders", "rig", "fitted", "calibration", "ensemble")
 
 
 def _changed(settings: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:

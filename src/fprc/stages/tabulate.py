@@ -115,7 +115,7 @@ def tabulate_tracking_seeds(published: str, replicates: Sequence[str], **files: 
     reports = [read_json(path) for path in replicates]
     table = tables.tracking_over_seeds(reports, read_yaml(published))
     note = (
-        f"Table IV over seeds: mean RMSE and its 95 % interval over {len(reports)} further "
+        f"Table IV, over seeds: mean RMSE and its 95 % interval over {len(reports)} further "
         f"seeds.\nData: {SOURCES[reports[0]['source']]}; the gain is identified on each "
         "seed, and its mean is given."
     )

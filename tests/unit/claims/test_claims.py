@@ -614,9 +614,9 @@ def texts(material):
 
 def test_numbers_of_the_claims_are_those_of_the_results(ideal):
     ours = texts(ideal)
-    assert ours["C2"] == "FPRC / best other model, test 0.667 (0.667 to 0.667)"
+    assert ours["C2"] == "FPRC / best other model, test: 0.667 (0.667 to 0.667)"
     assert ours["C11"].startswith("15 of 15 hold; closest: FPRC / Fuzzy-linear at n_c")
-    assert "time saved in test, sequential [%] 97.6" in ours["C5"]
+    assert "time saved in test, sequential [%]: 97.6" in ours["C5"]
     rows = {row["id"]: row for row in judged(ideal)}
     (shares,) = rows["C8"]["statements"]
     assert shares["mean"] == pytest.approx(0.56 / 0.44, rel=0.01)

@@ -562,7 +562,8 @@ def test_model_from_outside_is_listed_by_its_keys(project):
 def test_page_of_the_papers_settings_announces_none(project):
     rig = DEFAULTS["rig"] | {"drift": DEFAULTS["rig"]["drift"] | {"sigma_kpa": 0.125}}
     folders = {"raw": "somewhere", "results": "else"}
-    project.settings = DEFAULTS | {"seed": 99, "rig": rig, "folders": folders}
+    fitted = {"name": "dry", "to": ["tables"]}
+    project.settings = DEFAULTS | {"seed": 99, "rig": rig, "folders": folders, "fitted": fitted}
     header, listed = described(project)
     assert "not the paper's" not in header
     assert listed == []
