@@ -1,6 +1,8 @@
 """Documentation site, from the Markdown of this folder and the docstrings of the package."""
 
 import os
+import re
+import textwrap
 from importlib.metadata import version as version_of
 
 project = "fprc"
@@ -40,13 +42,26 @@ sphinx_gallery_conf = {
 
 
 def setup(app):
-    """Show our own members only, and link to pages of the site."""
+    """Show our own members only, formulas line by line, and link to pages of the site."""
     app.connect("autodoc-skip-member", _is_not_ours)
+    app.connect("autodoc-process-docstring", _set_formulas_apart, priority=400)  # before numpydoc
     app.connect("source-read", _link_within_the_site)
 
 
 def _is_not_ours(app, what, name, member, skip, options):
     return skip or not str(getattr(member, "__module__", "fprc")).startswith("fprc")
+
+
+#: A line of a formula, or its continuation: ``P_ff(k) = w_out [1, x(k)]   (4)``.
+_FORMULA = re.compile(r"(\S+( \S+)? = | +\S).*[^.:]$")
+
+
+def _set_formulas_apart(app, what, name, obj, options, lines):
+    first, *others = "\n".join(lines).strip().split("\n\n")
+    for number, paragraph in enumerate(others):
+        if not paragraph.startswith(" ") and all(map(_FORMULA.match, paragraph.splitlines())):
+            others[number] = ".. code-block:: text\n\n" + textwrap.indent(paragraph, "    ")
+    lines[:] = "\n\n".join([first, *others]).splitlines() + [""]
 
 
 def _link_within_the_site(app, name, source):
