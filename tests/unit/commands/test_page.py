@@ -1,4 +1,4 @@
-"""The commands of docs/commands.md print what the page says."""
+"""The commands of docs/commands.md and docs/own-data.md print what the pages say."""
 
 import re
 import shlex
@@ -8,13 +8,15 @@ import pytest
 
 from fprc.cli import main
 
-PAGE = Path(__file__).parents[3] / "docs/commands.md"
+DOCS = Path(__file__).parents[3] / "docs"
 
 pytestmark = pytest.mark.slow
 
 
 def test_commands_of_the_page_print_what_it_says(tmp_path, monkeypatch, capsys):
-    (console,) = re.findall(r"```console\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    (console,) = re.findall(
+        r"```console\n(.*?)```", (DOCS / "commands.md").read_text(encoding="utf-8"), re.DOTALL
+    )
     commands = [each.partition("\n") for each in console.split("$ ")[1:]]
     assert [line.split()[1] for line, _, _ in commands] == [
         "simulate", "simulate", "log", "train", "predict", "export"
@@ -27,3 +29,12 @@ def test_commands_of_the_page_print_what_it_says(tmp_path, monkeypatch, capsys):
         assert capsys.readouterr().out == output
     made = {path.name for path in tmp_path.iterdir()}
     assert made == {"sweep.h5", "complex.h5", "model.h5", "predicted.csv", "fprc_model.h"}
+
+    # the same logs as another program might have written them
+    own = (DOCS / "own-data.md").read_text(encoding="utf-8")
+    Path("data/raw").mkdir(parents=True)
+    for name in ("sweep.h5", "complex.h5"):
+        Path(name).rename(f"data/raw/{name}")
+    exec(compile(own.split("```python\n")[1].split("```")[0], "docs/own-data.md", "exec"), {})
+    assert main(["import", "arm_sweep.csv", "--list"]) == 0
+    assert f"```\n{capsys.readouterr().out}```" in own
