@@ -406,6 +406,16 @@ def test_page_begins_with_ours_over_the_papers(project):
     assert "Median deviation: 50 % in Table II, 200 % in Table IV." in page.text()
 
 
+def test_rows_of_a_half_fitted_table_are_fitted_in_open_loop_only(project):
+    project.settings = SETTINGS | {"fitted": {"name": "one", "to": ["open_loop"]}}
+    rows = ["FPRC", "FPRC+PD, printed gain", "PD, printed gain"]
+    project.add_table("Table IV. A note.", "table4", **{"RMSE [deg]": rows, "Whose": ["ours"] * 3})
+    pd.DataFrame(RATIOS["table4"]).to_csv(project.folder / "table4.csv", index=False)
+    kinds = {row["text"].split("\n")[0]: row.get("class") for row in project.page().all("tr")}
+    shown = [kind for text, kind in kinds.items() if text.endswith("ours")]
+    assert shown == ["fitted", "predicted", "predicted"]
+
+
 def test_claims_say_on_how_many_drawn_rigs_they_hold_if_that_was_judged(project):
     assert "Drawn rigs" not in project.write()
     project.drawn = {"C1": "7 of 40"}
