@@ -127,6 +127,7 @@ def world_named(name):
         "name": name,
         "title": TITLES[name],
         "rigs": name if name in SETS_OF_RIGS else "one",
+        "every_model": name == OWN_WORLD or name in RIGS["rigs"],
         "first_seed": BEYOND["first_seed"],
         "seeds_per_rig": BEYOND["seeds_per_rig"] if name == "drawn" else 1,
         "fitted": {"posterior": ["tables"], "drawn": []}.get(name, fitted),
