@@ -121,14 +121,16 @@ def on_rigs(part, table):
 
 def world_named(name):
     """Return a world: its rigs, their seeds, and the settings of their simulation."""
-    rig = {} if name not in RIG_FILES else {"rig": named_rig(name)["rig"]}
+    file = named_rig(name) if name in OTHER_RIGS else pick(SETTINGS, "rig", "fitted")
+    rig, fitted = file["rig"], file["fitted"]["to"]
     return {
         "name": name,
-        "title": TITLES_OF_SETS.get(name) or f"rig {name}",
-        "rigs": name if name in TITLES_OF_SETS else "one",
+        "title": TITLES[name],
+        "rigs": name if name in SETS_OF_RIGS else "one",
         "first_seed": BEYOND["first_seed"],
         "seeds_per_rig": BEYOND["seeds_per_rig"] if name == "drawn" else 1,
-        "on_rig": on_rig(SETTINGS) | rig,
+        "fitted": {"posterior": ["tables"], "drawn": []}.get(name, fitted),
+        "on_rig": on_rig(SETTINGS) | {"rig": rig},
         "ensemble": DRAWN if name == "drawn" else {},
         "free": FREE if name == "drawn" else {},
     }
@@ -141,7 +143,7 @@ def world_of(wildcards):
 
 def units_of(wildcards):
     """Return the number of seeds or rigs of a world."""
-    return BEYOND["rigs" if wildcards.world in TITLES_OF_SETS else "seeds"]
+    return BEYOND["rigs" if wildcards.world in SETS_OF_RIGS else "seeds"]
 
 
 def units_of_tuning(wildcards):

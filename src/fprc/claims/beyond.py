@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from fprc.claims.finding import interval_of_mean
-from fprc.claims.paired import LEAST_UNITS, NOT_JUDGED, Part, judge_together
+from fprc.claims.paired import INFERIOR, LEAST_UNITS, NOT_JUDGED, SUPERIOR, Part, judge_together
 from fprc.worlds import capacities, measured, title_of
 
 #: Capacity of degree two or more from which P_o counts as nonlinear, of 1 for a single signal.
@@ -98,6 +98,10 @@ CLAIMS = {
 }  # fmt: skip
 
 
+#: Verdicts on differences, which compare with a limit and not with another model.
+_WORDS = {SUPERIOR: "holds", INFERIOR: "does not hold"}
+
+
 def judge_world(world: Mapping[str, Any], titles: Mapping[str, str]) -> list[dict[str, Any]]:
     """Judge B1-B8 in one world.
 
@@ -111,12 +115,12 @@ def judge_world(world: Mapping[str, Any], titles: Mapping[str, str]) -> list[dic
     Returns
     -------
     list of dict
-        ``world``, ``title``, ``unit``, ``source``, ``id``, ``claim``, ``verdict``, ``p`` (after
-        Holm), ``stable`` (share of subsets, or None), ``units``, ``dropped`` (builds without the
-        pair), ``favours``, ``reason`` (why a claim is not judged or there are too few units), and
-        ``parts``: ``text``, ``ratio``, ``mean``, ``low``, ``high`` (interval at the level that
-        Holm's procedure gives), ``verdict``. A ratio below 1 supports the claim, as does a
-        difference above 0.
+        ``world``, ``title``, ``unit``, ``source``, ``id``, ``claim``, ``verdict``, ``words`` (the
+        verdict, as readers see it), ``p`` (after Holm), ``level``, ``stable`` (share of subsets, or
+        None), ``units``, ``dropped`` (builds without the pair), ``favours``, ``reason`` (why a
+        claim is not judged or there are too few units), and ``parts``: ``text``, ``ratio``,
+        ``mean``, ``low``, ``high`` (interval at the level that Holm's procedure gives),
+        ``verdict``. A ratio below 1 supports the claim, as does a difference above 0.
     """
     models, sets = _table(measured(world), "model"), _table(capacities(world), "set")
     found = [
@@ -135,6 +139,9 @@ def judge_world(world: Mapping[str, Any], titles: Mapping[str, str]) -> list[dic
                 "id": name,
                 "claim": claim.text,
                 **judged._asdict(),
+                "words": _WORDS.get(judged.verdict, judged.verdict)
+                if isinstance(claim.parts[0], Excess)
+                else judged.verdict,
                 "units": units,
                 "dropped": max(part.dropped for part in parts),
                 "favours": _favours(claim, world.get("fitted")),

@@ -2,7 +2,9 @@
 
 from typing import Annotated
 
-from fprc.config.section import Section, quantities, quantity, within
+from pydantic import field_validator
+
+from fprc.config.section import Pair, Section, quantities, quantity, rising, within
 
 
 class Disturbances(Section):
@@ -38,6 +40,32 @@ class Tuning(Section):
     seed: int = quantity(1, "-", (0, 2**31), "seed of the draws")
 
 
+class Capacity(Section):
+    """Memory and information processing capacity of the reservoir, on random holds of theta_d."""
+
+    seeds: int = quantity(10, "-", (1, 1000), "seeds of each rig")
+    hold_s: float = quantity(
+        0.5, "s", (0.01, 60), "length of a hold; two in a period of the fastest paper signal"
+    )
+    angle_range_deg: Pair[Annotated[float, within(-120, 120)]] = quantities(
+        (5, 60), "deg", (-120, 120), "theta_d of a hold is uniform in this range"
+    )
+    samples: int = quantity(4000, "-", (100, 1_000_000), "holds that are judged")
+    washout: int = quantity(20, "-", (0, 10000), "holds before them")
+    max_delay: int = quantity(10, "holds", (1, 1000), "longest delay of a target")
+    max_degree: int = quantity(3, "-", (1, 10), "highest total degree of a target")
+    p: float = quantity(
+        1e-4, "-", (1e-12, 0.5), "probability that a capacity of chance counts, per target"
+    )
+    virtual_nodes: int = quantity(10, "-", (1, 1000), "samples of P_o in a hold")
+    bank_epsilons: tuple[Annotated[float, within(1e-6, 1)], ...] = quantities(
+        (0.03, 0.01, 0.003), "-", (1e-6, 1), "filter factors of the bank of low-passes"
+    )
+    esn_nodes: int = quantity(100, "-", (1, 10000), "nodes of the ESN")
+
+    _rises = field_validator("angle_range_deg")(rising)
+
+
 class Beyond(Section):
     """Competitors of the paper's models on several worlds: rigs, and sets of rigs."""
 
@@ -56,3 +84,4 @@ class Beyond(Section):
     disturbances: Disturbances = Disturbances()
     training: TrainingLogs = TrainingLogs()
     tuning: Tuning = Tuning()
+    capacity: Capacity = Capacity()

@@ -11,6 +11,7 @@ import yaml
 from fprc.artifacts import read_json, write_json, write_text
 from fprc.calibration.ensemble import draw_rig
 from fprc.calibration.fit import free_parameters
+from fprc.config.rig import Rig
 from fprc.errors import FprcError
 from fprc.evaluation.cells import checkpoint_key, log_progress, run_cells
 from fprc.evaluation.timing import machine
@@ -23,6 +24,7 @@ from fprc.experiments.beyond import (
     judge_lengths,
     time_of_step,
 )
+from fprc.experiments.capacity import judge_capacity
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import Judgement, RigSettings
 from fprc.experiments.tuning import SPACES, candidates_of, chosen, judge_candidate
@@ -71,8 +73,9 @@ def judge_world(
     )
     builds = [{"unit": cell["unit"], **build} for cell in cells for build in cell["builds"]]
     described = {
-        "world": world["name"],
+        "name": world["name"],
         "title": world["title"],
+        "fitted": world["fitted"],
         "unit": "seed" if world["rigs"] == "one" else "rig",
         "source": "sim",
     }
@@ -184,6 +187,45 @@ def judge_training_logs(
     Path(checkpoint).unlink()
 
 
+def judge_capacities(
+    judged: str,
+    *,
+    worlds: Sequence[Mapping[str, Any]],
+    models: Mapping[str, Any],
+    capacity: Mapping[str, Any],
+    seeds: int,
+    workers: int,
+    checkpoint: str,
+    version: str,
+) -> None:
+    """Measure capacities on the rigs of the worlds that have one rig.
+
+    Parameters
+    ----------
+    capacity : Mapping
+        As ``judge_capacity`` takes it.
+    """
+    by_name = {world["name"]: world for world in worlds}
+    cells = run_cells(
+        partial(_judge_capacity, worlds=by_name, models=models, capacity=capacity),
+        [{"world": name, "unit": unit} for name in by_name for unit in range(seeds)],
+        workers=workers,
+        checkpoint=checkpoint,
+        key=checkpoint_key([by_name, models, capacity, version]),
+        progress=log_progress,
+    )
+    found = {
+        name: [
+            {key: cell[key] for key in ("unit", "seed", "noise_of_p_o", "sets")}
+            for cell in cells
+            if cell["world"] == name
+        ]
+        for name in by_name
+    }
+    write_json(judged, {"source": "sim", "worlds": found})
+    Path(checkpoint).unlink()
+
+
 def time_steps(
     tuned: str, steps: str, *, world: Mapping[str, Any], contest: Mapping[str, Any]
 ) -> None:
@@ -217,7 +259,7 @@ def builds_of(unit: int, rigs: str, world: Mapping[str, Any]) -> list[tuple[RigS
                 f"{rigs}: {len(known)} rigs, but beyond.rigs and beyond.tuning.units need more "
                 f"than {unit}; reduce them"
             )
-        on_rig = replace(on_rig, rig=known[unit])
+        on_rig = replace(on_rig, rig=Rig.model_validate(known[unit]).model_dump(mode="json"))
     elif world["rigs"] == "drawn":
         drawn = world["ensemble"]["seed"] + unit
         on_rig, _, _ = draw_rig(drawn, world["ensemble"], free_parameters(**world["free"]), on_rig)
@@ -261,6 +303,17 @@ def _judge_lengths(
             on_rig, seed, BRIEF, Contest(**contest), seconds=seconds, second_log=second_log
         )
     }
+
+
+def _judge_capacity(
+    cell: Mapping[str, Any],
+    *,
+    worlds: Mapping[str, Mapping[str, Any]],
+    models: Mapping[str, Any],
+    capacity: Mapping[str, Any],
+) -> dict[str, Any]:
+    on_rig, seed = builds_of(cell["unit"], "", worlds[cell["world"]])[0]
+    return {"seed": seed, **judge_capacity(on_rig.rig, on_rig.control, models, capacity, seed)}
 
 
 def _try(

@@ -151,17 +151,10 @@ def claims_page(ledgers: Sequence[Sequence[Mapping[str, Any]]]) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-#: Verdicts on differences, which compare with a limit and not with another model.
-_HOLDS = {"superior": "holds", "inferior": "does not hold"}
-
-
 def _verdict(row: Mapping[str, Any]) -> str:
     """Return verdict and numbers as text."""
     numbers = "; ".join(format_mean(part, "mean") for part in row["parts"])
-    verdict = row["verdict"]
-    if row["parts"] and not row["parts"][0]["ratio"]:
-        verdict = _HOLDS.get(verdict, verdict)
-    return f"{verdict}: {numbers}" if numbers else verdict
+    return f"{row['words']}: {numbers}" if numbers else row["words"]
 
 
 def details_page(ledgers: Sequence[Sequence[Mapping[str, Any]]]) -> pd.DataFrame:
