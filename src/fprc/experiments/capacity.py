@@ -55,8 +55,8 @@ def judge_capacity(
     dict
         ``noise_of_p_o``: standard deviation of the noise over that of the signal. ``sets``: for
         each set the number of ``states``, the ``rank``, the ``threshold``, the capacities
-        ``by_degree`` and, of the input itself, ``by_delay``; ``memory`` is the capacity of degree 1
-        and ``nonlinear`` that of all higher degrees.
+        ``by_degree`` and, of the input itself, ``by_delay``; ``memory`` is that of degree 1,
+        ``nonlinear`` that of all higher degrees, ``total`` their sum.
 
     Raises
     ------
@@ -98,7 +98,7 @@ def judge_capacity(
     return {
         "noise_of_p_o": noise,
         "sets": {
-            name: _told(states, processing_capacity(u[judged], states[judged], **how))
+            name: _summary(states, processing_capacity(u[judged], states[judged], **how))
             for name, states in sets.items()
         },
     }
@@ -133,13 +133,16 @@ def _at_ends(network: EchoStates, theta_d: np.ndarray, hold: int, before: int) -
     return np.concatenate(found)
 
 
-def _told(states: np.ndarray, found: Capacities) -> dict[str, Any]:
+def _summary(states: np.ndarray, found: Capacities) -> dict[str, Any]:
     return {
         "states": states.shape[1],
         "rank": found.rank,
         "threshold": found.threshold,
         "memory": float(found.by_degree[0]),
         "nonlinear": float(found.by_degree[1:].sum()),
-        "by_degree": found.by_degree.tolist(),
+        "total": float(found.by_degree.sum()),
+        "by_degree": {
+            str(degree): value for degree, value in enumerate(found.by_degree.tolist(), 1)
+        },
         "by_delay": found.by_delay.tolist(),
     }
