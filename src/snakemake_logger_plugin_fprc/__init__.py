@@ -43,6 +43,9 @@ _ROUTINE = (
     "Using ",
 )
 
+#: What Snakemake prints if a file of --configfile is missing: a traceback.
+_NO_FILE = re.compile(r"(?s)in load_configfile\n.*No such file or directory: '(.+)'")
+
 
 class LogHandler(LogHandlerBase):
     """Prints Snakemake's events; runs in the thread of its queue."""
@@ -84,7 +87,12 @@ class LogHandler(LogHandlerBase):
     def _print(self, record: logging.LogRecord) -> None:
         said: dict[str, Any] = vars(record)
         event = said.get("event")
-        if self._progress is None:
+        if missing := _NO_FILE.search(record.getMessage()):
+            self._own.stream.write(
+                f"{missing[1]}: no such configuration file. If it is a target, put it before "
+                "--configfile, which takes every word after it.\n"
+            )
+        elif self._progress is None:
             self._own.handle(record)
             self._suggest(record.getMessage())
         elif event == LogEvent.RUN_INFO:

@@ -140,3 +140,10 @@ def test_target_that_is_mistyped_gets_the_nearest(project):
     assert done.returncode == 1
     assert "Did you mean table2?" in done.stdout
     assert "Did you mean" not in project.snakemake("--dry-run", "qqq").stdout
+
+
+def test_target_after_configfile_is_explained(project):
+    done = project.snakemake("--configfile", "config/smoke.yaml", "all")
+    assert done.returncode == 1
+    assert "all: no such configuration file. If it is a target, put it before" in done.stdout
+    assert "Traceback" not in done.stdout
