@@ -12,6 +12,7 @@ SETS_OF_RIGS = {
 }
 TITLES = {name: f"rig {name}" for name in (OWN_WORLD, *OTHER_RIGS)} | SETS_OF_RIGS
 WORLDS = list(TITLES)
+FIGURES_BEYOND = ("pairs", "tracking", "offsets", "capacities")
 CONTEST = {
     "models": paper_models(SETTINGS),
     "tracking": SETTINGS["tracking"],
@@ -260,10 +261,7 @@ rule draw_capacities:
 rule beyond:
     input:
         PATHS.below("beyond/claims.json"),
-        expand(
-            PATHS.below("beyond/figure_{name}.pdf"),
-            name=("pairs", "tracking", "offsets", "capacities"),
-        ),
+        expand(PATHS.below("beyond/figure_{name}.pdf"), name=FIGURES_BEYOND),
         expand(PATHS.below("beyond/{world}.json"), world=WORLDS),
         PATHS.below("beyond/capacity.json"),
         PATHS.below("beyond/training_logs.json"),

@@ -9,11 +9,12 @@ from typing import Any
 import pandas as pd
 
 from fprc.artifacts import read_json, replacing, write_text
+from fprc.competitors import COMPETITORS
 from fprc.errors import FprcError
 from fprc.paper import ERRORS
 from fprc.provenance import hash_of
 from fprc.registry import title_of
-from fprc.tables import deviations, scaling
+from fprc.tables import beyond, deviations, scaling
 
 log = logging.getLogger(__name__)
 
@@ -136,6 +137,48 @@ def update_scaling_page(scale: str, *, page: str) -> None:
     tables = {"costs": scaling.costs, "dag": scaling.dag, "plan": scaling.plan}
     blocks = {name: _markdown(table(measured)) for name, table in tables.items()}
     _update(page, blocks | {"machine": f"Measured on {measured['cpu']}."})
+
+
+def update_beyond_page(
+    verdicts: str,
+    models: str,
+    offsets: str,
+    capacities: str,
+    lengths: str,
+    figures: Sequence[str],
+    *,
+    page: str,
+    board: str,
+    pictures: Sequence[str],
+    world: str,
+) -> None:
+    """Replace the generated blocks of docs/beyond.md, the leaderboard, and the pictures.
+
+    Parameters
+    ----------
+    board : str
+        Page with the leaderboard.
+    figures, pictures : sequence of str
+        Figures of the results, and their copies in docs.
+    world : str
+        World with the rig of the configuration.
+    """
+    found = read_json(verdicts)
+    titles = {name: entry.title for name, entry in COMPETITORS.items()}
+    by_model = pd.read_csv(models)
+    pages = {
+        "beyond_claims": beyond.claims_page(found["ledgers"]),
+        "beyond_details": beyond.details_page(found["ledgers"]),
+        "beyond_models": beyond.models_page(by_model, world, titles),
+        "beyond_offsets": beyond.offsets_page(pd.read_csv(offsets), world, titles),
+        "beyond_capacity": beyond.capacity_page(pd.read_csv(capacities), world),
+        "beyond_lengths": beyond.lengths_page(pd.read_csv(lengths), world, titles),
+    }
+    blocks = {name: _markdown(table) for name, table in pages.items()}
+    _update(page, blocks | {"advice": "\n\n".join(found["advice"])})
+    _update(board, {"leaderboard": _markdown(beyond.leaderboard(by_model, world, titles))})
+    for figure, picture in zip(figures, pictures, strict=True):
+        _copy(figure, picture)
 
 
 def _read(path: str) -> str:
