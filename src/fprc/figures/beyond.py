@@ -130,7 +130,7 @@ def plot_errors_and_tracking(table: DataFrame, titles: Mapping[str, str], ax: Ax
     return ax
 
 
-def _apart(places: Sequence[float], span: tuple[float, float] = (0.0, 1.05)) -> np.ndarray:
+def _apart(places: Sequence[float], span: tuple[float, float] = (0.03, 1.05)) -> np.ndarray:
     """Return ascending places moved apart to a line's height or more, within the span."""
     gap = min(_LINE, (span[1] - span[0]) / max(len(places) - 1, 1))
     steps = gap * np.arange(len(places))
