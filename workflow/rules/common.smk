@@ -151,3 +151,8 @@ def units_of_tuning(wildcards):
     """Return the seeds or rigs of a world on which settings are chosen; they judge nothing else."""
     first = units_of(wildcards)
     return list(range(first, first + BEYOND["tuning"]["units"]))
+
+
+def workers_of_units(wildcards, threads):
+    """Return the number of processes for seeds or rigs that take seconds each."""
+    return max(1, min(threads, BEYOND["seeds"] // 4))
