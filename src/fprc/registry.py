@@ -94,6 +94,16 @@ def settings_of(name: str, models: Settings) -> dict[str, Any]:
     return selected
 
 
+def parameters_at(paths: tuple[str, ...], models: Settings) -> dict[str, Any]:
+    """Return the parameters at some keys of the section ``models``, without its subsections."""
+    parameters: dict[str, Any] = {}
+    for path in paths:
+        section, _, key = path.partition(".")
+        value = models[section][key] if key else models[section]
+        parameters |= value if isinstance(value, Mapping) else {key or section: value}
+    return parameters
+
+
 def build(name: str, models: Settings, seed: int) -> "SequenceModel":
     """Return the unfitted model of that name with its settings.
 
@@ -104,10 +114,7 @@ def build(name: str, models: Settings, seed: int) -> "SequenceModel":
     """
     cls = load_class(name, models)
     if name in MODELS:
-        parameters: dict[str, Any] = {}
-        for key, value in settings_of(name, models).items():
-            parameters |= value if isinstance(value, Mapping) else {key: value}
-        model = cls(**parameters)
+        model = cls(**parameters_at(MODELS[name].settings, models))
     else:
         try:
             model = cls(**models["others"][name]["settings"])

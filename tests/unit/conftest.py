@@ -10,6 +10,7 @@ from hypothesis import settings
 from fprc.config import Settings
 from fprc.experiments.hysteresis import acquire
 from fprc.logs import write_raw
+from fprc.paper import REFERENCES
 
 # `make quick` asks for fewer examples
 EXAMPLES = int(os.environ.get("FPRC_EXAMPLES", "50"))
@@ -132,3 +133,101 @@ def changed(channels):
         return {name: values}
 
     return change
+
+
+#: Forward test RMSE of each model over FPRC's, in the worlds of ``make_world``.
+RATIOS = {
+    "fprc": 1.0, "fprc_lowpass": 1.3, "fuzzy_linear": 1.25, "esn": 1.2, "ridge_p_o": 1.15,
+    "bank_p_o": 1.05, "bank": 1.1, "bank_fuzzy": 1.12, "plays": 1.18, "plays_fuzzy": 1.1,
+    "nvar": 1.4, "trees": 1.6, "mlp": 1.5, "fprc_tuned": 0.95, "esn_tuned": 1.1,
+    "bank_tuned": 1.0, "plays_tuned": 1.1, "esn_matched": 1.25, "fprc_oracle": 0.9,
+    "esn_oracle": 1.0, "bank_oracle": 0.92, "plays_oracle": 1.0,
+}  # fmt: skip
+OFFSETS = (-5.0, -2.0, -1.0, 0.0, 1.0, 2.0, 5.0)
+
+
+@pytest.fixture(scope="session")
+def make_world():
+    """Return what makes a world of ``snakemake beyond`` with known ratios.
+
+    Numbers of a build are those of RATIOS, or of ``ratios``, with a factor common to its models and
+    a factor of their own; ``spread`` is the standard deviation of both logarithms.
+    """
+    return _world
+
+
+def _world(name="dry", units=12, builds=1, spread=0.03, ratios=None, seed=1, models=None, **more):
+    random = np.random.default_rng(seed)
+    ratios = RATIOS | (ratios or {})
+    cells = []
+    for unit in range(units):
+        common = np.exp(spread * random.standard_normal())
+        for build in range(builds):
+            own = {
+                model: 12.0 * ratio * common * np.exp(spread * random.standard_normal())
+                for model, ratio in ratios.items()
+                if models is None or model in models
+            }
+            cells.append(
+                {
+                    "unit": unit,
+                    "seed": 601 + builds * unit + build,
+                    "rig": unit if builds > 1 else None,
+                    "models": {model: _model(model, error) for model, error in own.items()},
+                }
+            )
+    return {
+        "name": name,
+        "title": f"{name} rig",
+        "source": "sim",
+        "unit": "rig" if builds > 1 else "seed",
+        "fitted": ["tables", "orders", "open_loop"],
+        "cells": cells,
+        "capacity": [_capacity(601 + unit, random) for unit in range(units)],
+        "training_length": [
+            {"seed": 601, "seconds": seconds, "models": _over_length(seconds)}
+            for seconds in (15.0, 30.0, 60.0)
+        ]
+        + [{"seed": 601, "two_logs": True, "models": _over_length(240.0)}],
+        "step_us": {model: 1.0 + ratio for model, ratio in ratios.items()},
+    } | more
+
+
+def _model(name, error):
+    # a test error and tracking go together, but not exactly
+    deg = {ref: 0.15 * error * f for ref, f in zip(REFERENCES, (0.8, 1.0, 1.1, 1.2), strict=True)}
+    reads_p_o = name.startswith("fprc") and "lowpass" not in name or name.endswith("p_o")
+    shifted = {str(kpa): float(np.hypot(error, (5.0 + (kpa > 0)) * kpa)) for kpa in OFFSETS}
+    return {
+        "forward": {"train_rmse_kpa": 0.9 * error, "test_rmse_kpa": error},
+        "reversed": {"train_rmse_kpa": 0.8 * error, "test_rmse_kpa": 2.0 * error},
+        "open_loop_deg": deg,
+        "closed_loop_deg": {reference: 0.5 * value for reference, value in deg.items()},
+        "shifted": shifted if reads_p_o else None,
+        "disturbed": {"drift": 1.1 * error, "pushed": 1.3 * error} if reads_p_o else None,
+    }
+
+
+def _capacity(seed, random):
+    sets = {"p_o": (0.8, 0.15, 1), "p_o_taps": (2.5, 0.8, 4), "theta_lowpass_taps": (2.0, 0.0, 4),
+            "esn": (20.0, 30.0, 300)}  # fmt: skip
+    noise = 1.0 + 0.02 * random.standard_normal(len(sets))
+    return {
+        "seed": seed,
+        "sets": {
+            name: {
+                "memory": linear * f,
+                "by_degree": {"1": linear * f, "2": 0.25 * other * f, "3": 0.75 * other * f},
+                "total": (linear + other) * f,
+                "states": states,
+            }
+            for (name, (linear, other, states)), f in zip(sets.items(), noise, strict=True)
+        },
+    }
+
+
+def _over_length(seconds):
+    return {
+        model: {"test_rmse_kpa": 10.0 * RATIOS[model] * (1.0 + 10.0 / seconds)}
+        for model in ("fprc", "fprc_lowpass", "bank")
+    }

@@ -100,7 +100,7 @@ def test_rig_and_printed_numbers_are_printed_as_yaml(capsys):
 
 def test_unknown_rig_is_an_error_with_the_names_that_there_are(capsys):
     assert main(["config", "rig", "wet"]) == 1
-    assert "use dry or viscous" in capsys.readouterr().err
+    assert "use bouc_wen or dry or viscous" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("unbuffered", ["", "1"])

@@ -1,5 +1,4 @@
 import fcntl
-import functools
 import importlib.util
 import json
 import os
@@ -68,19 +67,29 @@ class Run:
 TIMED = ("/timing/", "/logs/", "fig10_", "smoke/claims.", "report.html")
 
 
-@functools.cache
-def starter() -> subprocess.Popen:
-    """Return the process that starts Snakemake in forks, for all tests of this process."""
-    return subprocess.Popen(
-        [sys.executable, STARTS], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-    )
+#: Processes that start Snakemake in forks, by what their environment has beside this one's.
+STARTERS: dict[tuple[tuple[str, str], ...], subprocess.Popen] = {}
+
+
+def starter(**begun_with: str) -> subprocess.Popen:
+    """Return the process that starts Snakemake in forks, one for each environment."""
+    key = tuple(sorted(begun_with.items()))
+    if key not in STARTERS:
+        STARTERS[key] = subprocess.Popen(
+            [sys.executable, STARTS],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+            env=os.environ | begun_with,
+        )
+    return STARTERS[key]
 
 
 @pytest.fixture(scope="session", autouse=True)
-def _end_of_starter():
+def _end_of_starters():
     yield
-    if starter.cache_info().currsize:
-        starter().communicate()
+    for process in STARTERS.values():
+        process.communicate()
 
 
 class Project:
@@ -92,16 +101,23 @@ class Project:
             shutil.copytree(ROOT / name, folder / name)
 
     def snakemake(
-        self, *arguments: str, cores: tuple[str, ...] = ("--cores", "2"), **environment: str
+        self,
+        *arguments: str,
+        cores: tuple[str, ...] = ("--cores", "2"),
+        begun_with: dict[str, str] | None = None,
+        **environment: str,
     ) -> subprocess.CompletedProcess:
         """Run Snakemake in a fork that has it imported; use ``run`` for a process of its own.
 
-        Its jobs are forks too, unless ``environment`` has more than a PYTHONPATH.
+        Its jobs are forks too, unless ``environment`` has more than a PYTHONPATH and a trace.
+        Python reads some variables only at its start: give these in ``begun_with``.
         """
+        begun_with = begun_with or {}
         environment = MESSAGES | environment
-        forked = environment.keys() <= {"PYTHONPATH", *MESSAGES}
-        asked = [str(self.folder), [*cores, *arguments], ENVIRONMENT | environment, forked]
-        starts = starter()
+        forked = environment.keys() <= {"PYTHONPATH", "FPRC_TRACE", *MESSAGES}
+        known = ENVIRONMENT | begun_with | environment
+        asked = [str(self.folder), [*cores, *arguments], known, forked]
+        starts = starter(**begun_with)
         starts.stdin.write(json.dumps(asked) + "\n")
         starts.stdin.flush()
         code, printed = json.loads(starts.stdout.readline())
@@ -193,7 +209,7 @@ def twice():
 def rebuilt(twice, tmp_path_factory):
     """Second cold build under other circumstances, and what its processes wrote of themselves.
 
-    It is killed after ten jobs, and goes on.
+    Its first jobs are processes of their own; it is killed after ten of them, and goes on.
     """
     folder = tmp_path_factory.mktemp("rebuilt") / "a folder"
     trace = tmp_path_factory.mktemp("trace")
@@ -208,7 +224,7 @@ def rebuilt(twice, tmp_path_factory):
     assert run.process.poll() is None, run.printed()
     run.kill()
     project.recover()
-    done = project.smoke("--cores", cores, "all", **circumstances, **traced)
+    done = project.smoke("--cores", cores, "all", begun_with=circumstances, **traced)
     assert done.returncode == 0, done.stdout
     return project, trace
 
@@ -270,6 +286,8 @@ def calibrated(smoked, shared):
             "posterior",
             "targets",
             "rigs",
+            "beyond",
+            "tuned",
             *figures,
             taps,
             "--config",

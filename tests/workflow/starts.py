@@ -3,12 +3,13 @@
 A line of the input is a JSON list of the folder, the arguments and the environment; the answer is a
 line with the exit code and what the run printed. Most of a dry run is imports, and so are two
 thirds of a job of the smoke run: jobs are forks too, of a process that has the libraries imported.
-With an environment of its own (other than PYTHONPATH), a run starts its jobs as Snakemake does. The
-package itself is not imported here: a test may edit a copy of it.
+A run that needs processes of its own starts its jobs as Snakemake does. The package itself is not
+imported here: a test may edit a copy of it.
 """
 
 import gc
 import importlib
+import importlib.util
 import json
 import os
 import runpy
@@ -16,6 +17,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+from pathlib import Path
 
 # what Snakemake and the Snakefile import in every run
 import h5py  # noqa: F401
@@ -53,13 +55,23 @@ def run(printed, folder, arguments, environment, forked):
     os.dup2(printed.fileno(), 1)
     os.dup2(printed.fileno(), 2)
     os.environ.update(environment)
-    sys.path[:0] = filter(None, environment.get("PYTHONPATH", "").split(os.pathsep))
-    if forked and (script := forking()):
-        sys.argv = [script]
+    folders = list(filter(None, environment.get("PYTHONPATH", "").split(os.pathsep)))
+    sys.path[:0] = folders
+    script = forking() if forked else None
+    sys.argv = sys.orig_argv = [script] if script else ["snakemake", *arguments]
+    for folder in folders:  # Python looks for it only at its start
+        customise(Path(folder, "sitecustomize.py"))
+    if script:
         runpy.run_path(script, run_name="__main__")
-        return
-    sys.argv = ["snakemake", *arguments]
-    runpy.run_module("snakemake", run_name="__main__")
+    else:
+        runpy.run_module("snakemake", run_name="__main__")
+
+
+def customise(path):
+    """Import a file ``sitecustomize.py`` if there is one."""
+    if path.exists():
+        spec = importlib.util.spec_from_file_location("sitecustomize", path)
+        spec.loader.exec_module(importlib.util.module_from_spec(spec))
 
 
 def forking():

@@ -117,3 +117,42 @@ def on_rigs(part, table):
     return PLAN.replicates(part)[: len(seeds)] + [
         PATHS.below(f"rigs/{rig}/{part}_{seed}.json") for rig in RIGS[table] for seed in seeds
     ]
+
+
+def world_named(name):
+    """Return a world: its rigs, their seeds, and the settings of their simulation."""
+    file = named_rig(name) if name in OTHER_RIGS else pick(SETTINGS, "rig", "fitted")
+    rig, fitted = file["rig"], file["fitted"]["to"]
+    return {
+        "name": name,
+        "title": TITLES[name],
+        "rigs": name if name in SETS_OF_RIGS else "one",
+        "every_model": name == OWN_WORLD or name in RIGS["rigs"],
+        "first_seed": BEYOND["first_seed"],
+        "seeds_per_rig": BEYOND["seeds_per_rig"] if name == "drawn" else 1,
+        "fitted": {"posterior": ["tables"], "drawn": []}.get(name, fitted),
+        "on_rig": on_rig(SETTINGS) | {"rig": rig},
+        "ensemble": DRAWN if name == "drawn" else {},
+        "free": FREE if name == "drawn" else {},
+    }
+
+
+def world_of(wildcards):
+    """Return the world of a job."""
+    return world_named(wildcards.world)
+
+
+def units_of(wildcards):
+    """Return the number of seeds or rigs of a world."""
+    return BEYOND["rigs" if wildcards.world in SETS_OF_RIGS else "seeds"]
+
+
+def units_of_tuning(wildcards):
+    """Return the seeds or rigs of a world on which settings are chosen; they judge nothing else."""
+    first = units_of(wildcards)
+    return list(range(first, first + BEYOND["tuning"]["units"]))
+
+
+def workers_of_units(wildcards, threads):
+    """Return the number of processes for seeds or rigs that take seconds each."""
+    return max(1, min(threads, BEYOND["seeds"] // 4))

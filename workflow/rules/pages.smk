@@ -113,3 +113,26 @@ rule running_page:
         "docs/running.md: picture of the rules"
     script:
         "../scripts/stage.py"
+
+
+rule beyond_page:
+    input:
+        **{
+            name: PATHS.below(f"beyond/{name}.csv")
+            for name in ("models", "offsets", "capacities", "lengths")
+        },
+        verdicts=PATHS.below("beyond/claims.json"),
+        figures=expand(PATHS.below("beyond/figure_{name}.png"), name=FIGURES_BEYOND),
+    log:
+        PATHS.messages("beyond_page"),
+    localrule: True
+    params:
+        **stage("documents.update_beyond_page"),
+        page="docs/beyond.md",
+        board="docs/benchmark.md",
+        pictures=[f"docs/images/beyond_{name}.png" for name in FIGURES_BEYOND],
+        world=OWN_WORLD,
+    message:
+        "docs/beyond.md and the leaderboard: numbers and pictures from the results"
+    script:
+        "../scripts/stage.py"

@@ -39,8 +39,9 @@ rule report_page:
     params:
         **stage("report.write_report"),
         settings=SETTINGS,
-        # no input: the ensemble takes minutes, so that no build makes it for the report
+        # no inputs: these take minutes, so that no build makes them for the report
         drawn=lambda wildcards: on_drawn_rigs(PATHS.below("ensemble/claims.csv")),
+        beyond=lambda wildcards: beyond_paper(PATHS.below("beyond/claims.json")),
     message:
         "Report: claims, tables, figures and settings on one page"
     script:

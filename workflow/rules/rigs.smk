@@ -2,14 +2,16 @@
 
 #: Where the end points of searches are.
 SEARCHES = Path("config/rigs/searches")
-#: Tables of rigs side by side, by their folder: rigs that can be named, and end points of searches.
+#: Rigs that can be named, beside that of the configuration.
+OTHER_RIGS = {
+    name: path for name, path in rig_files().items() if name != SETTINGS["fitted"]["name"]
+}
+#: Tables of rigs side by side, by their folder: rigs that were fitted, and end points of searches.
 RIGS = {
-    "rigs": {
-        name: path for name, path in rig_files().items() if name != SETTINGS["fitted"]["name"]
-    },
+    "rigs": {name: path for name, path in OTHER_RIGS.items() if path.with_suffix(".json").exists()},
     "searches": {path.stem: path for path in sorted(SEARCHES.glob("*.yaml"))},
 }
-RIG_FILES = RIGS["rigs"] | RIGS["searches"]
+RIG_FILES = OTHER_RIGS | RIGS["searches"]
 #: Seeds that judge the end points of the searches.
 SEARCH_SEEDS = 10
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.stats import t
+from scipy.special import stdtrit
 
 REPRODUCED = "reproduced"
 NOT_REPRODUCED = "not reproduced"
@@ -14,6 +14,15 @@ CONTRADICTED = "contradicted as printed"
 
 #: Confidence of every interval.
 LEVEL = 0.95
+
+
+def interval_of_mean(values: np.ndarray, level: float) -> tuple[float, float, float]:
+    """Return the mean and the ends of its t interval; those of a single value are the value."""
+    mean, half = float(values.mean()), 0.0
+    if values.size > 1:
+        half = float(stdtrit(values.size - 1, 0.5 + level / 2) * values.std(ddof=1))
+        half /= math.sqrt(values.size)
+    return mean, mean - half, mean + half
 
 
 class Results(NamedTuple):
@@ -51,11 +60,7 @@ class Statement(NamedTuple):
     def interval(self) -> tuple[float, float, float]:
         """Mean, and the ends of its 95 % t interval."""
         values = np.log(self.values) if self.ratio else np.asarray(self.values, dtype=float)
-        mean, half = float(values.mean()), 0.0
-        if values.size > 1:
-            half = float(t.ppf(0.5 + LEVEL / 2, values.size - 1) * values.std(ddof=1))
-            half /= math.sqrt(values.size)
-        ends = (mean, mean - half, mean + half)
+        ends = interval_of_mean(values, LEVEL)
         return tuple(map(math.exp, ends)) if self.ratio else ends  # type: ignore[return-value]
 
     @property

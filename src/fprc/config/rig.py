@@ -4,9 +4,9 @@
 ``rigs`` is fitted so that the rig reproduces the paper.
 """
 
-from typing import Annotated
+from typing import Annotated, Literal
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from fprc.config.section import Section, quantities, quantity, within
 
@@ -256,6 +256,12 @@ class Rig(Section):
 
     step_s: float = quantity(
         5e-4, "s", (1e-5, 5e-4), "longest integration step", "fits the fastest part, the spool"
+    )
+    friction_law: Literal["maxwell_slip", "bouc_wen"] = Field(
+        "maxwell_slip",
+        description="dry friction of actuator and reservoir: Maxwell-slip elements, or one "
+        "Bouc-Wen element of 0.8 times their mean slip distance",
+        json_schema_extra={"unit": "-", "source": "minor loops close under Maxwell slip"},
     )
     valve: Valve = Valve()
     main_chamber: Chamber = Chamber()

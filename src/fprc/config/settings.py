@@ -4,6 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator, model_validator
 
+from fprc.config.beyond import Beyond
 from fprc.config.calibration import Calibration, Ensemble, Fitted, Posterior
 from fprc.config.folders import Folders
 from fprc.config.hardware import Hardware
@@ -125,6 +126,7 @@ class Settings(Section):
     calibration: Calibration = Calibration()
     ensemble: Ensemble = Ensemble()
     posterior: Posterior = Posterior()
+    beyond: Beyond = Beyond()
     hardware: Hardware = Hardware()
     rig: Rig = Rig()
     fitted: Fitted = Fitted()

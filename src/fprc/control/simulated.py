@@ -12,7 +12,10 @@ from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS
 
 
 def simulate_hysteresis(
-    device: SimulatedRig, control: Mapping[str, Any], p_exp_kpa: np.ndarray
+    device: SimulatedRig,
+    control: Mapping[str, Any],
+    p_exp_kpa: np.ndarray,
+    push_kpa: np.ndarray | None = None,
 ) -> dict[str, np.ndarray]:
     """Do as ``run`` with ``hysteresis_law``: prescribed P_exp, and P_i = K_in theta.
 
@@ -20,9 +23,12 @@ def simulate_hysteresis(
     ----------
     control : Mapping
         That section of the configuration.
+    push_kpa : ndarray, optional
+        Push on the reservoir at every sample.
     """
     nan = np.full(len(p_exp_kpa), np.nan)
-    setpoints = np.column_stack([p_exp_kpa, nan, nan, np.zeros(len(nan))])
+    pushes = np.zeros(len(nan)) if push_kpa is None else push_kpa
+    setpoints = np.column_stack([p_exp_kpa, nan, nan, pushes])
     rows = device.follow(_controllers(control, (-np.inf, np.inf), {}), setpoints)
     return dict(zip(RAW_CHANNELS, rows.T.copy(), strict=False))
 

@@ -16,6 +16,7 @@ from fprc.rig.simulator import (
     advance,
     draw_instruments,
     initial_state,
+    parameters,
 )
 
 _NOISE_BLOCK = 4096
@@ -52,7 +53,7 @@ class SimulatedRig:
         self._push_kpa = push_kpa
         self._period_s = 1.0 / sample_rate_hz
         self._substeps = math.ceil(self._period_s / rig["step_s"] - 1e-9)
-        self._rig = record(rig)
+        self._rig = parameters(rig)
         self._instruments = draw_instruments(rig, np.random.default_rng([seed]))
         self._rng = np.random.default_rng([seed, run + 1])
         self._state = initial_state(rig, self._rng)

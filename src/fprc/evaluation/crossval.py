@@ -150,8 +150,9 @@ def _is_partition(folds: Sequence[Fold], samples: int) -> bool:
 
 
 def _with_seed_of(readout: BaseEstimator, fold: int) -> BaseEstimator:
-    seed = readout.get_params().get("random_state")
-    if isinstance(seed, Integral):
-        own = np.random.SeedSequence([int(seed), fold]).generate_state(1)[0]
-        readout.set_params(random_state=int(own))
+    for key, seed in readout.get_params().items():
+        # a readout may hold others, for example a pipeline
+        if key.split("__")[-1] == "random_state" and isinstance(seed, Integral):
+            own = np.random.SeedSequence([int(seed), fold]).generate_state(1)[0]
+            readout.set_params(**{key: int(own)})
     return readout

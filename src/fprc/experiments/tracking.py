@@ -31,7 +31,7 @@ log = logging.getLogger(__name__)
 
 #: Run numbers; with the seed they set the noise. On one reference all controllers get the same
 #: noise and drift, so that only the controllers differ.
-_RUNS = {
+TRACKING_RUNS = {
     "sine_0p2": 10,
     "sine_0p5": 20,
     "sweep": 30,
@@ -187,7 +187,7 @@ class Track(NamedTuple):
             theta_d,
             None if controller == "pd" else model,
             gains.get(gain),
-            _RUNS[reference],
+            TRACKING_RUNS[reference],
             self.pushes(len(theta_d)) if reference == "disturbance" else None,
         )
 
@@ -203,7 +203,7 @@ def bench_gain(bench: Track, model: SequenceModel) -> dict[str, Any]:
     printed = bench.tracking["printed_gains"]
     theta_d = bench.reference("disturbance")
     settle_s = bench.tracking["references"]["disturbance"]["settle_s"]
-    number = _RUNS["identification"]
+    number = TRACKING_RUNS["identification"]
     p_ff_kpa = bench.precompute(theta_d, {"fprc": model}, number)["fprc"]
     tried = []
     for kp in bench.tracking["candidate_kp_kpa_per_deg"]:
@@ -247,7 +247,7 @@ def measure_control(
     driving = {name: models[name] for name in dict.fromkeys(driven_by.values()) if name}
     runs = {}
     for reference, described in bench.tracking["references"].items():
-        theta_d, number = bench.reference(reference), _RUNS[reference]
+        theta_d, number = bench.reference(reference), TRACKING_RUNS[reference]
         pushes = bench.pushes(len(theta_d)) if reference == "disturbance" else None
         p_ff_kpa = bench.precompute(theta_d, driving, number, pushes)
         for name in controllers:
@@ -270,7 +270,7 @@ def open_loop_errors(bench: Track, model: SequenceModel) -> dict[str, float]:
     """Return the RMSE of the references of Table IV with P_ff of the model alone, deg."""
     errors = {}
     for reference in REFERENCES:
-        theta_d, number = bench.reference(reference), _RUNS[reference]
+        theta_d, number = bench.reference(reference), TRACKING_RUNS[reference]
         p_ff_kpa = bench.precompute(theta_d, {"own": model}, number)["own"]
         channels = bench.simulate(theta_d, p_ff_kpa, None, number)
         error = tracking_error(channels, bench.tracking["references"][reference]["settle_s"])

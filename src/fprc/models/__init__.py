@@ -2,20 +2,30 @@
 
 from fprc.models.echo_features import EchoStates
 from fprc.models.esn import ESN
+from fprc.models.feature_model import FeatureModel
 from fprc.models.features import TapFeatures, lowpass, taps
 from fprc.models.fprc import FPRC, FuzzyLinear
+from fprc.models.lowpass_bank import LowpassBank
+from fprc.models.nvar import NVAR
+from fprc.models.plays import PlayOperators
 from fprc.models.ridge_readout import RidgeReadout
 from fprc.models.sequence import SequenceModel
+from fprc.models.side_by_side import SideBySide
 from fprc.models.storage import load_model, save_model
 from fprc.models.takagi_sugeno import TakagiSugenoReadout
 
 __all__ = [
     "ESN",
     "FPRC",
+    "NVAR",
     "EchoStates",
+    "FeatureModel",
     "FuzzyLinear",
+    "LowpassBank",
+    "PlayOperators",
     "RidgeReadout",
     "SequenceModel",
+    "SideBySide",
     "TakagiSugenoReadout",
     "TapFeatures",
     "load_model",

@@ -1,14 +1,19 @@
-"""A fitted fuzzy model as a C header, for a controller without Python."""
+"""A fitted model as a C header, for a controller without Python."""
 
 import re
 from string import Template
 
 import numpy as np
+from sklearn.base import BaseEstimator
 from sklearn.utils.validation import check_is_fitted
 
 from fprc.errors import FprcError
-from fprc.models.features import TapFeatures
+from fprc.models.features import FeatureMap, TapFeatures
+from fprc.models.lowpass_bank import LowpassBank
+from fprc.models.plays import PlayOperators
+from fprc.models.ridge_readout import RidgeReadout
 from fprc.models.sequence import SequenceModel
+from fprc.models.side_by_side import SideBySide
 from fprc.models.takagi_sugeno import TakagiSugenoReadout
 
 #: Marks a file that may be overwritten.
@@ -19,7 +24,7 @@ _TEMPLATE = Template("""\
  * $model as C99 or C++, without memory allocation.
  * $origin
  *
- * P_ff(k) = beta_bar(k) W_out [1, x(k)], paper, Eq. (12)
+ * $equation
  *
  * Inputs of each sample, at the sample rate of the training log and in its units:
 $inputs
@@ -33,16 +38,13 @@ $inputs
 #ifndef ${guard}_H
 #define ${guard}_H
 
-#include <math.h>
-
-#define ${guard}_INPUTS $n_inputs
+$include#define ${guard}_INPUTS $n_inputs
 
 typedef $real ${name}_real;
 
 /* One stream of samples. */
 typedef struct {
-    ${name}_real taps[$n_taps]; /* input after input, the latest sample of each first */
-    ${name}_real filtered[$n_inputs];
+    ${name}_real row[$n_row]; /* features, the latest tap of each input first */
     int streaming; /* 0 until the first sample */
 } ${name}_state;
 
@@ -56,36 +58,29 @@ static inline void ${name}_init(${name}_state *state)
  * stream begins at the next sample instead. */
 static inline void ${name}_reset(${name}_state *state, const ${name}_real x[$n_inputs])
 {
-    static const int sizes[$n_inputs] = {$sizes};
-    int i, j, tap = 0;
+    static const int column[$n_row] = {$column};
+    int i;
 
     state->streaming = 1;
     for (i = 0; i < $n_inputs; i++) {
         if (!(x[i] - x[i] == 0)) {
             state->streaming = 0;
         }
-        state->filtered[i] = x[i];
-        for (j = 0; j < sizes[i]; j++) {
-            state->taps[tap++] = x[i];
-        }
+    }
+    for (i = 0; i < $n_row; i++) {
+        state->row[i] = x[column[i]];
     }
 }
 
 /* Return P_ff of the next sample. If x has NaN or infinity, return NaN and ignore the sample. */
 static inline ${name}_real ${name}_step(${name}_state *state, const ${name}_real x[$n_inputs])
 {
-    static const int newest[$n_inputs] = {$newest};
-    static const ${name}_real factor[$n_inputs] = {$factor}; /* epsilon, Eq. (6); 1: no filter */
-    static const ${name}_real centers[$n_c][$n_taps] = {
-$centers
-    };
-    static const ${name}_real weights[$n_c][$n_taps] = {
-$weights
-    };
-    static const ${name}_real at_center[$n_c] = { /* each rule's output at its centre, kPa */
-        $at_center
-    };
-    ${name}_real distance2[$n_c], rule[$n_c], nearest, away, beta, total = 0, blended = 0;
+    /* of each feature: its input; 0 if it is the tap before it one sample later, 1 if it is a
+     * low-pass, 2 if it is a play; and the low-pass's epsilon, Eq. (6), or the play's half-width */
+    static const int column[$n_row] = {$column};
+    static const int kind[$n_row] = {$kind};
+    static const ${name}_real number[$n_row] = {$number};
+$tables
     int i, j;
 
     for (i = 0; i < $n_inputs; i++) {
@@ -96,18 +91,40 @@ $weights
     if (!state->streaming) {
         ${name}_reset(state, x);
     }
-    for (j = $n_taps - 1; j > 0; j--) {
-        state->taps[j] = state->taps[j - 1];
+    for (j = $n_row - 1; j >= 0; j--) {
+        const ${name}_real u = x[column[j]], r = number[j];
+        ${name}_real *p = &state->row[j];
+        if (kind[j] == 0) {
+            *p = state->row[j - 1];
+        } else if (kind[j] == 1) {
+            *p = r < 1 ? *p + r * (u - *p) : u;
+        } else {
+            *p = *p < u - r ? u - r : *p > u + r ? u + r : *p;
+        }
     }
-    for (i = 0; i < $n_inputs; i++) {
-        state->filtered[i] += factor[i] * (x[i] - state->filtered[i]);
-        state->taps[newest[i]] = factor[i] < 1 ? state->filtered[i] : x[i];
-    }
+$output}
+
+#endif
+""")
+
+_FUZZY_TABLES = Template("""\
+    static const ${name}_real centers[$n_c][$n_row] = {
+$centers
+    };
+    static const ${name}_real weights[$n_c][$n_row] = {
+$weights
+    };
+    static const ${name}_real at_center[$n_c] = { /* each rule's output at its centre, kPa */
+        $at_center
+    };
+    ${name}_real distance2[$n_c], rule[$n_c], nearest, away, beta, total = 0, blended = 0;""")
+
+_FUZZY_OUTPUT = Template("""\
     for (i = 0; i < $n_c; i++) {
         distance2[i] = 0;
         rule[i] = at_center[i];
-        for (j = 0; j < $n_taps; j++) {
-            away = state->taps[j] - centers[i][j];
+        for (j = 0; j < $n_row; j++) {
+            away = state->row[j] - centers[i][j];
             distance2[i] += away * away;
             rule[i] += weights[i][j] * away;
         }
@@ -122,22 +139,34 @@ $weights
         blended += beta * rule[i];
     }
     return blended / total;
-}
-
-#endif
 """)
+
+_RIDGE_TABLES = Template("""\
+    static const ${name}_real weights[$n_row] = {$weights};
+    ${name}_real output = $bias;""")
+
+_RIDGE_OUTPUT = Template("""\
+    for (j = 0; j < $n_row; j++) {
+        output += weights[j] * state->row[j];
+    }
+    return output;
+""")
+
+#: Kinds of features in C.
+_TAP, _LOWPASS, _PLAY = range(3)
 
 
 def c_header(model: SequenceModel, name: str, *, single: bool = False, origin: str = "") -> str:
     """Return a C header that computes what ``model.step`` computes.
 
-    It needs only ``exp`` of the C library, and has three functions: ``NAME_init(&state)``,
-    ``NAME_reset(&state, x)`` and ``NAME_step(&state, x)``.
+    It has three functions: ``NAME_init(&state)``, ``NAME_reset(&state, x)`` and
+    ``NAME_step(&state, x)``. Of the C library it needs ``exp`` for a fuzzy readout, else nothing.
 
     Parameters
     ----------
     model : SequenceModel
-        Fitted FPRC or FuzzyLinear, or another model with the same features and readout.
+        Fitted model with taps, low-passes and plays as features, alone or side by side, and a
+        ridge or a fuzzy readout, such as FPRC and FuzzyLinear.
     name : str
         Begins every name in the header.
     single : bool, default=False
@@ -152,63 +181,108 @@ def c_header(model: SequenceModel, name: str, *, single: bool = False, origin: s
 
     References
     ----------
-    Paper, Sec. III-B, Eqs. (6), (10)-(12).
+    Paper, Sec. III-B, Eqs. (4), (6), (10)-(12).
     """
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name):
         raise FprcError(
             f"{name!r} cannot begin names in C; use letters, digits and _, with a letter first"
         )
     check_is_fitted(model)
-    features, readout = model.features_, model.readout_
-    if not (isinstance(features, TapFeatures) and isinstance(readout, TakagiSugenoReadout)):
+    rows = _rows(model.features_)
+    readout = _readout(model.readout_, name, len(rows or ()), single)
+    if rows is None or readout is None:
         raise FprcError(_refusal(model))
+    columns, kinds, numbers = zip(*rows, strict=True)
     parameters = ", ".join(f"{key}={value}" for key, value in model.get_params(deep=False).items())
-    references, sizes = features.count_references(), features.tap_sizes()
-    epsilon = np.where(np.arange(len(sizes)) < references, 1.0, features.epsilon)
-    bias, weights = readout.W_out_[:, 0], readout.W_out_[:, 1:]
-    numbers = {
-        "factor": epsilon,
-        "centers": readout.centers_,
-        "weights": weights,
-        "at_center": bias + np.sum(weights * readout.centers_, axis=1),
-        "half_over_sigma2": np.array(0.5 / readout.sigma**2),
-    }
     return _TEMPLATE.substitute(
-        {key: _literals(values, key, single) for key, values in numbers.items()},
+        readout,
         generated=GENERATED,
         model=_comment(f"{type(model).__name__}({parameters})"),
         origin=_comment(origin),
-        inputs="\n".join(_describe_inputs(model, references)),
+        inputs="\n".join(_describe_inputs(model)),
         name=name,
         guard=name.upper(),
         real="float" if single else "double",
-        exp="expf" if single else "exp",
-        n_inputs=len(sizes),
-        n_taps=sum(sizes),
-        n_c=len(weights),
-        sizes=", ".join(map(str, sizes)),
-        newest=", ".join(map(str, np.cumsum([0, *sizes[:-1]]))),
+        n_inputs=model.n_features_in_,
+        n_row=len(rows),
+        column=", ".join(map(str, columns)),
+        kind=", ".join(map(str, kinds)),
+        number=_literals(np.array(numbers), "features", single),
     )
+
+
+def _rows(features: FeatureMap) -> list[tuple[int, int, float]] | None:
+    """Return input, kind and number of each feature; None if C code for one does not exist."""
+    every = range(features.n_features_in_)
+    if isinstance(features, TapFeatures):
+        references, rows = features.count_references(), []
+        for i, size in enumerate(features.tap_sizes()):
+            epsilon = 1.0 if i < references else float(features.epsilon)
+            rows += [(i, _LOWPASS, epsilon)] + [(i, _TAP, 0.0)] * (size - 1)
+        return rows
+    if isinstance(features, LowpassBank):
+        return [(i, _LOWPASS, float(each)) for i in every for each in features.epsilons]
+    if isinstance(features, PlayOperators):
+        return [(i, _PLAY, float(each)) for i in every for each in features.half_widths_[i]]
+    if isinstance(features, SideBySide):
+        parts = [(own, _rows(each)) for each, own in features.parts()]
+        if all(rows is not None for _, rows in parts):
+            return [(own[i], kind, number) for own, rows in parts for i, kind, number in rows or ()]
+    return None
+
+
+def _readout(readout: BaseEstimator, name: str, n_row: int, single: bool) -> dict[str, str] | None:
+    """Return the parts of the template for a readout; None if C code for it does not exist."""
+    if isinstance(readout, RidgeReadout):
+        equation, include = "P_ff(k) = w_out [1, x(k)], paper, Eq. (4)", ""
+        parts = {"tables": _RIDGE_TABLES, "output": _RIDGE_OUTPUT}
+        numbers = {"bias": readout.w_out_[:1], "weights": readout.w_out_[1:]}
+    elif isinstance(readout, TakagiSugenoReadout):
+        equation = "P_ff(k) = beta_bar(k) W_out [1, x(k)], paper, Eq. (12)"
+        include = "#include <math.h>\n\n"
+        parts = {"tables": _FUZZY_TABLES, "output": _FUZZY_OUTPUT}
+        bias, weights = readout.W_out_[:, 0], readout.W_out_[:, 1:]
+        numbers = {
+            "centers": readout.centers_,
+            "weights": weights,
+            "at_center": bias + np.sum(weights * readout.centers_, axis=1),
+            "half_over_sigma2": np.array(0.5 / readout.sigma**2),
+        }
+    else:
+        return None
+    texts = {key: _literals(values, key, single) for key, values in numbers.items()}
+    texts |= {"name": name, "n_row": str(n_row), "exp": "expf" if single else "exp"}
+    if "centers" in numbers:
+        texts["n_c"] = str(len(numbers["centers"]))
+    filled = {key: part.substitute(texts) for key, part in parts.items()}
+    return filled | {"equation": equation, "include": include}
 
 
 def _refusal(model: SequenceModel) -> str:
     parts = [*vars(model.features_).items(), *vars(model.readout_).items()]
     arrays = [each for key, each in parts if key.endswith("_") and isinstance(each, np.ndarray)]
     count = sum(each.size for each in arrays)
+    size = (
+        f"; its {count} learned numbers take {count * 4 / 1e6:.2g} MB in float, "
+        f"{count * 8 / 1e6:.2g} MB in double"
+    )
     return (
-        f"{type(model).__name__} cannot be exported: its {count} learned numbers take "
-        f"{count * 4 / 1e6:.2g} MB in float, {count * 8 / 1e6:.2g} MB in double, and C code exists "
-        "only for taps with a fuzzy readout; export FPRC or FuzzyLinear"
+        f"{type(model).__name__} cannot be exported{size if count else ''}; C code exists only for "
+        "taps, low-passes and plays, alone or side by side, with a ridge or a fuzzy readout"
     )
 
 
-def _describe_inputs(model: SequenceModel, references: int) -> list[str]:
+def _describe_inputs(model: SequenceModel) -> list[str]:
+    features = model.features_
+    references = features.count_references() if isinstance(features, TapFeatures) else None
     names = getattr(model, "feature_names_in_", [""] * model.n_features_in_)
-    return [
-        f" *   x[{i}]: {'theta_d, deg' if i < references else 'P_o, kPa'}"
-        + (f" (column {_comment(str(name))})" if name else "")
-        for i, name in enumerate(names)
-    ]
+    lines = []
+    for i, name in enumerate(names):
+        kind = f"column {i} of the training log, counted from 0"
+        if references is not None:
+            kind = "theta_d, deg" if i < references else "P_o, kPa"
+        lines.append(f" *   x[{i}]: {kind}" + (f" (column {_comment(str(name))})" if name else ""))
+    return lines
 
 
 def _comment(text: str) -> str:

@@ -67,9 +67,9 @@ class EchoStates(FeatureMap):
         "washout": Limit(0),
     }
 
-    def _prepare(self, n_inputs: int) -> None:
+    def _prepare(self, X: np.ndarray) -> None:
         rng = check_random_state(self.random_state)
-        self.w_in_ = self.f_input * rng.standard_normal((self.r, n_inputs))
+        self.w_in_ = self.f_input * rng.standard_normal((self.r, X.shape[1]))
         dense = rng.standard_normal((self.r, self.r))
         dense *= self.rho / np.abs(np.linalg.eigvals(dense)).max()
         # rounded to float32: the numbers are random anyway, and a step reads half the bytes

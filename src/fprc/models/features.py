@@ -1,4 +1,4 @@
-"""Sequential feature maps: taps, filtered taps and echo states.
+"""Sequential feature maps: their base, and taps of the inputs, filtered or not.
 
 Each maps a log to a matrix of features in one go (``transform``) or sample by
 sample (``step``), with the same result. Before the log begins, the signals are
@@ -48,9 +48,9 @@ class FeatureMap(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
     """Base of the sequential maps: checks of the input, and the start of a stream."""
 
     def fit(self, X: ArrayLike, y: ArrayLike | None = None) -> Self:
-        """Store the number of columns, and draw random weights if there are any."""
+        """Store the number of columns, and learn or draw what the map needs."""
         check_limits(self, self.LIMITS)
-        self._prepare(validate_data(self, X, dtype=np.float64).shape[1])
+        self._prepare(validate_data(self, X, dtype=np.float64))
         self.reset()
         return self
 
@@ -124,8 +124,8 @@ class FeatureMap(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
         """Tell scikit-learn whether ``fit`` was called."""
         return hasattr(self, "n_features_in_")
 
-    def _prepare(self, n_inputs: int) -> None:
-        """Check the number of columns, and draw random weights if there are any."""
+    def _prepare(self, X: np.ndarray) -> None:
+        """Check the number of columns, and learn or draw what the map needs."""
 
 
 class TapFeatures(FeatureMap):
@@ -162,7 +162,8 @@ class TapFeatures(FeatureMap):
         "epsilon": Limit(0, 1, low_open=True, high_open=False),
     }
 
-    def _prepare(self, n_inputs: int) -> None:
+    def _prepare(self, X: np.ndarray) -> None:
+        n_inputs = X.shape[1]
         if self.n_references is not None and n_inputs <= self.n_references:
             raise ValueError(
                 f"n_features={n_inputs}, but n_references = {self.n_references} leaves no readout; "

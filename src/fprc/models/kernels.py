@@ -38,6 +38,101 @@ def shift(row, first, filtered, x, references, epsilon):
 
 
 @kernel
+def follow(states, x, epsilons):
+    """Low-pass the sample ``x`` with every factor (Eq. 6).
+
+    Parameters
+    ----------
+    states : ndarray of shape (n_inputs * n_epsilons,)
+        States of the filters, input after input, changed in place.
+    """
+    for i in range(x.size):
+        for j in range(epsilons.size):
+            at = i * epsilons.size + j
+            states[at] += epsilons[j] * (x[i] - states[at])
+
+
+@kernel
+def follow_log(X, epsilons):
+    """Return every sample of a log, low-passed with every factor, to the digits of ``follow``.
+
+    Returns
+    -------
+    ndarray of shape (n_samples, n_inputs * n_epsilons)
+    """
+    states = np.repeat(X[0], epsilons.size)
+    rows = np.empty((len(X), states.size))
+    for k in range(len(X)):
+        follow(states, X[k], epsilons)
+        rows[k] = states
+    return rows
+
+
+@kernel
+def play(states, x, half_widths):
+    """Move every play p to max(x - r, min(x + r, p)).
+
+    Parameters
+    ----------
+    states : ndarray of shape (n_inputs * n_plays,)
+        Outputs of the plays, input after input, changed in place.
+    half_widths : ndarray of shape (n_inputs, n_plays)
+    """
+    n_plays = half_widths.shape[1]
+    for i in range(x.size):
+        for j in range(n_plays):
+            r, at = half_widths[i, j], i * n_plays + j
+            states[at] = max(x[i] - r, min(x[i] + r, states[at]))
+
+
+@kernel
+def play_log(X, half_widths):
+    """Return the plays of every sample of a log, which start at its first sample.
+
+    Returns
+    -------
+    ndarray of shape (n_samples, n_inputs * n_plays)
+    """
+    states = np.repeat(X[0], half_widths.shape[1])
+    rows = np.empty((len(X), states.size))
+    for k in range(len(X)):
+        play(states, X[k], half_widths)
+        rows[k] = states
+    return rows
+
+
+@kernel
+def delay(history, x, spacing, row):
+    """Insert the sample ``x``, and write every ``spacing``-th sample to the front of ``row``.
+
+    Parameters
+    ----------
+    history : ndarray of shape (n_inputs, span)
+        Samples of each input, the latest first, changed in place.
+    """
+    n_inputs, span = history.shape
+    at = 0
+    for i in range(n_inputs):
+        for j in range(span - 1, 0, -1):
+            history[i, j] = history[i, j - 1]
+        history[i, 0] = x[i]
+        for j in range(0, span, spacing):
+            row[at] = history[i, j]
+            at += 1
+
+
+@kernel
+def multiply(row, factors):
+    """Write the product of each row of ``factors``, indices into ``row``, to the end of ``row``."""
+    first = row.size - len(factors)
+    for m in range(len(factors)):
+        product = row[factors[m, 0]]
+        for j in range(1, factors.shape[1]):
+            product *= row[factors[m, j]]
+        row[first + m] = product
+
+
+@kernel
 def blend(x, centers, W_out, sigma):
     """Return beta_bar W_out [1, x] of one row of features (Eqs. 10-12).
 

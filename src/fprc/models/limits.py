@@ -1,6 +1,6 @@
 """Limits of the models' parameters, declared as data and checked at ``fit``."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from sklearn.base import BaseEstimator
@@ -37,7 +37,20 @@ class OneOf(NamedTuple):
         return f"{{{', '.join(self.values)}}}"
 
 
-def check_limits(estimator: BaseEstimator, limits: Mapping[str, Limit | OneOf]) -> None:
+class Each(NamedTuple):
+    """Range of every number of a list, which must not be empty."""
+
+    limit: Limit
+
+    def allows(self, values: Sequence[float]) -> bool:
+        """Return whether all are within."""
+        return len(values) > 0 and all(map(self.limit.allows, values))
+
+    def __str__(self) -> str:  # noqa: D105
+        return f"{self.limit}, each of one or more"
+
+
+def check_limits(estimator: BaseEstimator, limits: Mapping[str, Limit | OneOf | Each]) -> None:
     """Refuse parameters out of range, all at once.
 
     Raises

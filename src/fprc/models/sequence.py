@@ -141,4 +141,7 @@ class SequenceModel(RegressorMixin, BaseEstimator):
         except AttributeError:
             check_is_fitted(self)
             raise
-        return readout.output(features.advance(x))
+        row = features.advance(x)
+        if hasattr(readout, "output"):
+            return readout.output(row)
+        return float(readout.predict(row[None])[0])

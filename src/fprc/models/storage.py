@@ -18,6 +18,11 @@ from fprc.errors import FprcError
 #: Modules of the classes that can be saved; only the classes of the loaded model are imported.
 _MODULES = {
     "ESN": "fprc.models.esn",
+    "NVAR": "fprc.models.nvar",
+    "FeatureModel": "fprc.models.feature_model",
+    "LowpassBank": "fprc.models.lowpass_bank",
+    "PlayOperators": "fprc.models.plays",
+    "SideBySide": "fprc.models.side_by_side",
     "EchoStates": "fprc.models.echo_features",
     "FPRC": "fprc.models.fprc",
     "FuzzyLinear": "fprc.models.fprc",
@@ -39,8 +44,9 @@ def save_model(model: BaseEstimator, path: Path | str, classes: Collection[type]
     Raises
     ------
     FprcError
-        The class is neither one of this package's nor in ``classes``; ``random_state`` is
-        neither a number nor None; or HDF5 cannot hold a learned attribute.
+        The class, or that of a part such as a regressor of scikit-learn, is neither one of this
+        package's nor in ``classes``; ``random_state`` is neither a number nor None; or HDF5
+        cannot hold a learned attribute.
     """
     plain = _describe(model, _outside_classes(classes))
     # built in memory: if the disk is full, HDF5 crashes the process when it exits
@@ -66,7 +72,9 @@ def load_model(path: Path | str, classes: Collection[type] = ()) -> BaseEstimato
     """
     try:
         with h5py.File(path, "r") as file:
-            return _load(file, path, _outside_classes(classes))
+            return _load(file, _outside_classes(classes))
+    except FprcError as error:
+        raise FprcError(f"{path}: {error}") from error
     except (OSError, KeyError, TypeError, json.JSONDecodeError) as error:
         if number := getattr(error, "errno", None):
             raise FprcError(
@@ -92,23 +100,44 @@ def _class_named(name: str, outside: Mapping[str, type]) -> type | None:
     return getattr(import_module(_MODULES[name]), name) if name in _MODULES else None
 
 
+def _class(name: str, outside: Mapping[str, type]) -> type:
+    if known := _class_named(name, outside):
+        return known
+    raise FprcError(f"class {name} is unknown, so another version saved it; train the model again")
+
+
 def _describe(model: BaseEstimator, outside: Mapping[str, type]) -> dict[str, Any]:
     """Return everything to write; refuse an unknown model before a file exists."""
-    name = type(model).__name__
-    known: Any = _class_named(name, outside)
-    if known is not type(model):
-        raise FprcError(f"{name} is not a model of fprc; save one of {', '.join(_MODULES)}")
+    name = _known_name(model, outside)
     check_is_fitted(model)
     try:
-        parameters = json.dumps(model.get_params(deep=False), default=_number)
+        parameters = json.dumps(
+            model.get_params(deep=False), default=lambda value: _plain(value, outside)
+        )
     except TypeError as error:
         raise FprcError(f"{name}: {error}; give random_state a number to save the model") from error
     learned = {
-        key: _describe(value, outside) if isinstance(value, BaseEstimator) else _checked(value, key)
+        key: _describe_learned(value, key, outside)
         for key, value in sorted(vars(model).items())
         if key.endswith("_") and not key.startswith("_")
     }
     return {"class": name, "parameters": parameters, "learned": learned}
+
+
+def _known_name(model: BaseEstimator, outside: Mapping[str, type]) -> str:
+    name = type(model).__name__
+    known: Any = _class_named(name, outside)
+    if known is not type(model):
+        raise FprcError(f"{name} is not a model of fprc; save one of {', '.join(_MODULES)}")
+    return name
+
+
+def _describe_learned(value: Any, name: str, outside: Mapping[str, type]) -> Any:
+    if isinstance(value, BaseEstimator):
+        return _describe(value, outside)
+    if isinstance(value, list) and value and isinstance(value[0], BaseEstimator):
+        return {"list": [_describe(each, outside) for each in value]}
+    return _checked(value, name)
 
 
 def _checked(value: Any, name: str) -> Any:
@@ -122,13 +151,28 @@ def _checked(value: Any, name: str) -> Any:
     )
 
 
-def _number(value: object) -> int | float:
-    if isinstance(value, np.number):
-        return value.item()
+def _plain(value: object, outside: Mapping[str, type]) -> Any:
+    """Return a parameter that JSON does not know as one that it does; ``_parameter`` undoes it."""
+    if isinstance(value, np.number | np.ndarray):
+        return value.tolist()
+    if isinstance(value, BaseEstimator):
+        name = _known_name(value, outside)
+        return {"class": name, "parameters": value.get_params(deep=False)}
     raise TypeError(f"{type(value).__name__} is not a number")
 
 
+def _parameter(plain: dict[str, Any], outside: Mapping[str, type]) -> Any:
+    """Return the unfitted estimator that ``_plain`` described."""
+    if plain.keys() != {"class", "parameters"}:
+        return plain
+    return _class(plain["class"], outside)(**plain["parameters"])
+
+
 def _save(described: Mapping[str, Any], group: h5py.Group) -> None:
+    if "list" in described:
+        for i, each in enumerate(described["list"]):
+            _save(each, group.create_group(str(i)))
+        return
     group.attrs["class"] = described["class"]
     group.attrs["parameters"] = described["parameters"]
     group.attrs["learned"] = json.dumps(list(described["learned"]))
@@ -139,18 +183,17 @@ def _save(described: Mapping[str, Any], group: h5py.Group) -> None:
             group.create_dataset(key, data=value)
 
 
-def _load(group: h5py.Group, path: Path | str, outside: Mapping[str, type]) -> BaseEstimator:
-    cls = _class_named(group.attrs["class"], outside)
-    if cls is None:
-        raise FprcError(
-            f"{path}: class {group.attrs['class']} is unknown, so another version saved it; train "
-            "the model again"
-        )
-    model = cls(**json.loads(group.attrs["parameters"]))
+def _load(group: h5py.Group, outside: Mapping[str, type]) -> Any:
+    """Return a fitted estimator, or a list of them."""
+    if "class" not in group.attrs and "0" in group:
+        return [_load(group[str(i)], outside) for i in range(len(group))]
+    cls = _class(group.attrs["class"], outside)
+    parameters = group.attrs["parameters"]
+    model = cls(**json.loads(parameters, object_hook=lambda plain: _parameter(plain, outside)))
     for key in json.loads(group.attrs["learned"]):
         value = group[key]
         is_part = isinstance(value, h5py.Group)
-        setattr(model, key, _load(value, path, outside) if is_part else _read_value(value))
+        setattr(model, key, _load(value, outside) if is_part else _read_value(value))
     if hasattr(model, "reset"):
         model.reset()
     return model

@@ -1,6 +1,7 @@
 """What the rules pass to their stages: each gets only the settings that it reads."""
 
 import csv
+import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -68,3 +69,14 @@ def on_drawn_rigs(claims: str) -> dict[str, str]:
         return {}
     with open(claims, newline="", encoding="utf-8") as file:
         return {row["id"]: f"{row['holds']} of {row['rigs']}" for row in csv.DictReader(file)}
+
+
+def beyond_paper(claims: str) -> dict[str, Any]:
+    """Return the verdicts on B1-B8 and what they advise, if they have been judged.
+
+    Parameters
+    ----------
+    claims : str
+        Report of the target ``beyond``, JSON; it need not exist.
+    """
+    return json.loads(Path(claims).read_text(encoding="utf-8")) if Path(claims).is_file() else {}

@@ -13,7 +13,7 @@ import numpy as np
 from fprc.compiled import kernel
 from fprc.rig.bending import angular_acceleration, relax
 from fprc.rig.chamber import ATMOSPHERE_KPA, pressure_rate, sealed_pressure
-from fprc.rig.friction import slip
+from fprc.rig.friction import LAWS, friction
 from fprc.rig.parameters import record
 from fprc.rig.reservoir import bending_rate, passive_volume, squeeze_rate
 from fprc.rig.sensors import converted, pressure_voltage, quantise
@@ -29,6 +29,11 @@ PRESSURE_SENSORS = ("p_main", "p_i", "p_o")
 #: Codes that ``advance`` returns when a quantity leaves its physical range.
 DIVERGED = {1: "pressure of the main chamber", 2: "pressure of PAM A", 3: "bending angle",
             4: "volume of PAM B", 5: "spool of a valve"}  # fmt: skip
+
+
+def parameters(rig: Mapping[str, Any]) -> np.ndarray:
+    """Return the parameters of a rig as compiled code reads them; see ``friction`` for the law."""
+    return record({**rig, "friction_law": [0.0] * (1 + LAWS.index(rig["friction_law"]))})
 
 
 def initial_state(rig: Mapping[str, Any], rng: np.random.Generator) -> np.ndarray:
@@ -170,7 +175,13 @@ def _actuator(state, rig, dt):
         state.p_main_kpa_abs, flow, volume, volume_rate, chamber.polytropic_index
     )
     increment = dt * state.omega_deg_per_s
-    force = slip(state.bending_slip_deg, increment, bending.slip_distance_deg, bending.slip_weight)
+    force = friction(
+        rig.friction_law,
+        state.bending_slip_deg,
+        increment,
+        bending.slip_distance_deg,
+        bending.slip_weight,
+    )
     state.omega_deg_per_s += dt * angular_acceleration(
         bending,
         state.theta_deg,
@@ -191,13 +202,13 @@ def _reservoir(state, rig, push_kpa, dt):
     p_o = sealed_pressure(state.passive_gas_kpa_ml, passive_ml)
     state.passive_gas_kpa_ml -= dt * reservoir.leak_ml_per_s_kpa * p_o * ATMOSPHERE_KPA
     before = state.squeezed_ml
-    force = slip(state.squeeze_slip_ml, 0.0, reservoir.slip_distance_ml, reservoir.slip_weight)
+    force = _squeeze_friction(state, rig, 0.0)
     rate = squeeze_rate(reservoir, before, force, state.p_i_kpa_abs - ATMOSPHERE_KPA, p_o)
     p_i = state.p_i_kpa_abs - ATMOSPHERE_KPA
     state.phi_deg += dt * bending_rate(reservoir, state.phi_deg, p_i, p_o, push_kpa)
     state.squeezed_ml = max(before + dt * rate, 0.0)
     rate = (state.squeezed_ml - before) / dt
-    slip(state.squeeze_slip_ml, rate * dt, reservoir.slip_distance_ml, reservoir.slip_weight)
+    _squeeze_friction(state, rig, rate * dt)
     flow = _flow(state.spool[1], rig.valve, state.p_i_kpa_abs)
     state.p_i_kpa_abs += dt * pressure_rate(
         state.p_i_kpa_abs,
@@ -206,6 +217,12 @@ def _reservoir(state, rig, push_kpa, dt):
         rate,
         chamber.polytropic_index,
     )
+
+
+@kernel
+def _squeeze_friction(state, rig, increment):
+    distance, weight = rig.reservoir.slip_distance_ml, rig.reservoir.slip_weight
+    return friction(rig.friction_law, state.squeeze_slip_ml, increment, distance, weight)
 
 
 @kernel

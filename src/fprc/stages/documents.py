@@ -9,11 +9,12 @@ from typing import Any
 import pandas as pd
 
 from fprc.artifacts import read_json, replacing, write_text
+from fprc.competitors import COMPETITORS
 from fprc.errors import FprcError
 from fprc.paper import ERRORS
 from fprc.provenance import hash_of
 from fprc.registry import title_of
-from fprc.tables import deviations, scaling
+from fprc.tables import beyond, deviations, scaling
 
 log = logging.getLogger(__name__)
 
@@ -136,6 +137,40 @@ def update_scaling_page(scale: str, *, page: str) -> None:
     tables = {"costs": scaling.costs, "dag": scaling.dag, "plan": scaling.plan}
     blocks = {name: _markdown(table(measured)) for name, table in tables.items()}
     _update(page, blocks | {"machine": f"Measured on {measured['cpu']}."})
+
+
+def update_beyond_page(
+    verdicts: str,
+    models: str,
+    offsets: str,
+    capacities: str,
+    lengths: str,
+    figures: Sequence[str],
+    *,
+    page: str,
+    board: str,
+    pictures: Sequence[str],
+    world: str,
+) -> None:
+    """Replace the generated blocks of docs/beyond.md, the leaderboard, and the pictures.
+
+    Parameters
+    ----------
+    board : str
+        Page with the leaderboard.
+    figures, pictures : sequence of str
+        Figures of the results, and their copies in docs.
+    world : str
+        World with the rig of the configuration.
+    """
+    titles = {name: entry.title for name, entry in COMPETITORS.items()}
+    csv = {"models": models, "offsets": offsets, "capacities": capacities, "lengths": lengths}
+    found = {name: pd.read_csv(path) for name, path in csv.items()}
+    blocks = beyond.blocks(read_json(verdicts), found, world, titles)
+    _update(board, {"leaderboard": blocks.pop("leaderboard")})
+    _update(page, blocks)
+    for figure, picture in zip(figures, pictures, strict=True):
+        _copy(figure, picture)
 
 
 def _read(path: str) -> str:

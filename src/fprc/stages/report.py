@@ -57,6 +57,7 @@ def write_report(
     *,
     settings: Mapping[str, Any],
     drawn: Mapping[str, str],
+    beyond: Mapping[str, Any] | None = None,
 ) -> None:
     """Write claims, tables, figures and settings to one self-contained page.
 
@@ -74,6 +75,8 @@ def write_report(
         Of each figure, PNG, sidecar and caption.
     drawn : Mapping
         On how many drawn rigs each claim holds, as text; empty if that was not judged.
+    beyond : Mapping, optional
+        ``advice``, and ``ledgers``: of each world, the rows of ``claims.beyond.judge_world``.
     """
     folder = Path(html).parent
     terms = settings["fitted"]["to"]
@@ -106,6 +109,7 @@ def write_report(
             versions=pd.DataFrame(versions().items(), columns=["Software", "Version"]),
             names=names,
             drawn=drawn,
+            beyond=beyond,
             **_claims(ledger, folder, names),
         )
     )

@@ -91,11 +91,11 @@ def over_seeds(
     return table
 
 
-def with_interval(table: pd.DataFrame) -> pd.DataFrame:
+def with_interval(table: pd.DataFrame, count: str = "seeds") -> pd.DataFrame:
     """Add the 95 % interval of the mean by Student's t: ``low`` and ``high``."""
     from scipy.special import stdtrit  # slow to import, and most tables do not need it
 
-    half = table["std"] / np.sqrt(table["seeds"]) * stdtrit(table["seeds"] - 1, 0.975)
+    half = table["std"] / np.sqrt(table[count]) * stdtrit(table[count] - 1, 0.975)
     return table.assign(low=table["mean"] - half, high=table["mean"] + half)
 
 

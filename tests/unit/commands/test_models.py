@@ -106,7 +106,7 @@ def test_seed_and_rig_are_chosen_by_name_or_file(few, inside, capsys):
 @pytest.mark.parametrize(
     ("options", "problem"),
     [
-        (["--rig", "wet"], "use dry or viscous"),
+        (["--rig", "wet"], "use bouc_wen or dry or viscous"),
         (["--rig", "none.yaml"], "none.yaml: cannot be opened (No such file"),
         (["--rig", "few.yaml"], "few.yaml: has no section rig"),
         (["--seed", "-1"], "seed = -1: must be greater than or equal to 0"),

@@ -334,16 +334,16 @@ def test_file_of_a_rig_is_a_configuration_too(rigs):
 @pytest.mark.usefixtures("rigs")
 @pytest.mark.parametrize("name", ["drie", "", "../rigs/dry", "dry.yaml"])
 def test_unknown_name_is_refused_with_those_that_there_are(written, name):
-    with pytest.raises(ConfigError, match="use dry or viscous or wet") as caught:
+    with pytest.raises(ConfigError, match="use bouc_wen or dry or viscous or wet") as caught:
         from_files(written(f"rig: '{name}'\n"))
     assert f"rig = {name}: " in str(caught.value)
-    with pytest.raises(ConfigError, match="use dry or viscous or wet"):
+    with pytest.raises(ConfigError, match="use bouc_wen or dry or viscous or wet"):
         from_files([], {"rig": name})
 
 
 def test_rigs_of_the_package_have_names_in_any_folder(written, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert sorted(rig_files()) == ["dry", "viscous"]
+    assert sorted(rig_files()) == ["bouc_wen", "dry", "viscous"]
     settings = from_files(written("rig: viscous\n"))
     numbers = yaml.safe_load((RIGS / "viscous.yaml").read_text(encoding="utf-8"))
     assert settings.rig.drift.sigma_kpa == numbers["rig"]["drift"]["sigma_kpa"]
@@ -431,7 +431,7 @@ def test_configuration_of_the_paper_is_the_default_but_for_its_rig():
 def test_every_rig_of_the_project_is_valid_and_has_the_name_of_its_file(name):
     settings = from_files([], {"rig": name})
     assert settings.fitted.name == name
-    assert settings.fitted.to
+    assert (name == "bouc_wen") == (not settings.fitted.to)
     assert settings.rig != Settings().rig
 
 
@@ -467,3 +467,10 @@ def test_key_that_is_no_word_is_refused(tmp_path):
 )
 def test_what_was_renamed_is_refused_with_its_new_name(old, new):
     assert f"{new};" in message(old)
+
+
+def test_rig_bouc_wen_is_the_dry_rig_with_another_friction_law():
+    dry, other = (from_files([], {"rig": name}) for name in ("dry", "bouc_wen"))
+    assert dry.rig.friction_law == "maxwell_slip"
+    assert other.rig == dry.rig.model_copy(update={"friction_law": "bouc_wen"})
+    assert fitted(other) == ("bouc_wen", ())

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from sklearn.base import BaseEstimator, RegressorMixin
+from sklearn.pipeline import make_pipeline
 
 from fprc.errors import EvaluationError
 from fprc.evaluation import cross_validate, rmse, split_rows
@@ -133,17 +134,19 @@ def test_features_are_computed_once_for_all_folds():
     assert made == ["features"]
 
 
-def test_random_readout_starts_differently_in_every_fold():
+@pytest.mark.parametrize("wrap", [lambda readout: readout, make_pipeline], ids=["bare", "inside"])
+def test_random_readout_starts_differently_in_every_fold(wrap):
     seeds = []
 
     class Seeded(Echo):
         def fit(self, X, y):
             seeds.append(self.random_state)
+            self.fitted_ = True  # what a pipeline asks for
             return self
 
     class Model(Scripted):
         def make_readout(self):
-            return Seeded(self.random_state)
+            return wrap(Seeded(self.random_state))
 
     cross_validate(Model(random_state=40), log(), pressure(), split_rows(200, 3, "blocked", 1))
     assert len(set(seeds)) == 3

@@ -3,7 +3,7 @@ import pytest
 
 from fprc.config import Settings
 from fprc.experiments.data import Data
-from fprc.experiments.tracking import _RUNS, Track, measure_control
+from fprc.experiments.tracking import TRACKING_RUNS, Track, measure_control
 from fprc.models import FPRC, FuzzyLinear
 
 GAINS = {
@@ -38,7 +38,7 @@ def models(recorded):
 @pytest.mark.parametrize("name", ["fprc", "fprc_pd_identified", "pd_printed"])
 def test_compiled_run_is_that_of_the_model_in_the_loop(bench, models, reference, name):
     expected = bench.follow(reference, name, models["fprc"], GAINS)
-    theta_d, number = bench.reference(reference), _RUNS[reference]
+    theta_d, number = bench.reference(reference), TRACKING_RUNS[reference]
     pushes = bench.pushes(len(theta_d)) if reference == "disturbance" else None
     p_ff = bench.precompute(theta_d, models, number, pushes)["fprc"] * (name != "pd_printed")
     gains = GAINS.get(name.partition("pd_")[2])

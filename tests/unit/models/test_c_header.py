@@ -13,9 +13,22 @@ from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose
 from sklearn.base import clone
 from sklearn.exceptions import NotFittedError
+from sklearn.linear_model import Ridge
 
 from fprc.errors import FprcError
-from fprc.models import ESN, FPRC, FuzzyLinear
+from fprc.models import (
+    ESN,
+    FPRC,
+    NVAR,
+    FeatureModel,
+    FuzzyLinear,
+    LowpassBank,
+    PlayOperators,
+    RidgeReadout,
+    SideBySide,
+    TakagiSugenoReadout,
+    TapFeatures,
+)
 from fprc.models.c_header import c_header
 
 STRICT = (
@@ -45,14 +58,22 @@ pff_real next(pff_state *s, const pff_real *x) { return pff_step(s, x); }
 #endif
 """
 
+MAPS = [
+    ("taps", TapFeatures(n_y=3, n_u=2, epsilon=0.2), [2, 0]),
+    ("plays", PlayOperators(n_plays=4), [1, 0]),
+    ("inner", SideBySide([("bank", LowpassBank((1.0, 0.05)), [1])]), [0, 2]),
+]
 MODELS = {
     "fprc": FPRC(random_state=1),
     "two_readouts": FPRC(n_c=3, n_u=7, n_y=2, epsilon=0.3, sigma=0.7, random_state=1),
     "one_rule": FPRC(n_c=1, n_u=1, n_y=1, epsilon=1.0, random_state=1),
     "fuzzy_linear": FuzzyLinear(random_state=1),
     "two_references": FuzzyLinear(n_c=4, random_state=1),
+    "ridge": FeatureModel(SideBySide(MAPS), RidgeReadout()),
+    "fuzzy": FeatureModel(SideBySide(MAPS), TakagiSugenoReadout(n_c=3), random_state=1),
+    "one_play": FeatureModel(PlayOperators(n_plays=1), RidgeReadout()),
 }
-COLUMNS = {"fuzzy_linear": 1, "two_readouts": 3}
+COLUMNS = {"fuzzy_linear": 1, "two_readouts": 3, "ridge": 3, "fuzzy": 3}
 
 
 @pytest.fixture(scope="module")
@@ -115,7 +136,9 @@ def test_compiled_header_steps_as_the_model_does(name, command, fitted, compiled
     assert_allclose(steps(compiled(name, command), X), steps(fitted[name], X), rtol=0, atol=1e-9)
 
 
-@pytest.mark.parametrize("name", ["two_readouts", "one_rule", "two_references"])
+@pytest.mark.parametrize(
+    "name", ["two_readouts", "one_rule", "two_references", "ridge", "fuzzy", "one_play"]
+)
 def test_other_sizes_and_settings_step_as_the_model_does(name, fitted, compiled):
     X = recording(500, columns(name), seed=2)
     assert_allclose(steps(compiled(name), X), steps(fitted[name], X), rtol=0, atol=1e-9)
@@ -206,6 +229,28 @@ def test_echo_state_network_is_refused_with_its_memory():
     model = ESN(r=50, random_state=1).fit(recording(100, 1), recording(100, 1)[:, 0])
     with pytest.raises(FprcError, match=r"2606 learned numbers take 0\.01 MB in float"):
         c_header(model, "esn")
+
+
+@pytest.mark.parametrize(
+    ("features", "readout"),
+    [
+        (NVAR(n_taps=2, spacing=3), RidgeReadout()),
+        (SideBySide([("nvar", NVAR(n_taps=2, spacing=3), [0])]), RidgeReadout()),
+        (TapFeatures(), Ridge()),
+    ],
+    ids=["map", "map in another", "readout"],
+)
+def test_other_maps_and_readouts_are_refused(features, readout):
+    X = recording(100, 2)
+    model = FeatureModel(features, readout).fit(X, X[:, 0])
+    with pytest.raises(FprcError, match="FeatureModel cannot be exported; .*low-passes and plays"):
+        c_header(model, "pff")
+
+
+def test_header_of_a_ridge_includes_nothing(fitted):
+    text = c_header(fitted["ridge"], "pff")
+    assert "#include" not in text
+    assert "x[1]: column 1 of the training log" in text
 
 
 def test_numbers_beyond_float_are_refused(fitted):

@@ -13,18 +13,31 @@ import fprc.models
 from fprc.models import (
     ESN,
     FPRC,
+    NVAR,
     EchoStates,
+    FeatureModel,
     FuzzyLinear,
+    LowpassBank,
+    PlayOperators,
     RidgeReadout,
+    SideBySide,
     TakagiSugenoReadout,
     TapFeatures,
 )
+
+MAPS = [
+    ("taps", TapFeatures(n_references=None), None),
+    ("plays", PlayOperators(n_plays=3), None),
+    ("bank", LowpassBank((1.0, 0.3)), None),
+    ("nvar", NVAR(n_taps=2, spacing=3), None),
+]
 
 # a washout that leaves nothing of the first state, so that "held for ever" is exact
 MODELS = {
     "esn": ESN(r=20, washout=400, random_state=1),
     "fprc": FPRC(n_c=3, random_state=1),
     "fuzzy_linear": FuzzyLinear(n_c=3, random_state=1),
+    "feature_model": FeatureModel(SideBySide(MAPS), RidgeReadout(alpha=1.0)),
 }
 
 ESTIMATORS = [
@@ -138,7 +151,7 @@ def test_model_assembled_from_fitted_parts_predicts_and_steps_as_the_whole(fitte
     unfitted = clone(fitted)
     assembled = unfitted.assembled(fitted.features_, fitted.readout_)
     assert not hasattr(unfitted, "readout_")
-    assert assembled.get_params() == fitted.get_params()
+    assert repr(assembled) == repr(fitted)
     assert np.array_equal(assembled.predict(X), fitted.predict(X))
     assembled.reset()
     assert_allclose(steps(assembled, X), fitted.predict(X), rtol=0, atol=1e-9)
@@ -174,7 +187,8 @@ def test_more_rules_than_samples_are_refused(name):
 
 @pytest.mark.parametrize("name", MODELS)
 def test_taps_longer_than_the_log_are_refused(name):
-    model = clone(MODELS[name]).set_params(n_y=41)
+    key = {"feature_model": "features__taps__n_y"}.get(name, "n_y")
+    model = clone(MODELS[name]).set_params(**{key: 41})
     with pytest.raises(ValueError, match="n_samples = 40.*41.*longer log"):
         model.fit(inputs(name, 40), pressure(40))
 
@@ -208,9 +222,10 @@ def test_fprc_without_a_readout_of_the_reservoir_is_refused():
 @pytest.mark.parametrize("estimator", ESTIMATORS)
 def test_documented_defaults_are_the_actual_ones(estimator):
     lines = inspect.cleandoc(estimator.__doc__)
-    documented = dict(re.findall(r"^(\w+) : .*, default=(\S+)$", lines, re.MULTILINE))
+    documented = dict(re.findall(r"^(\w+) : .*, default=(.+)$", lines, re.MULTILINE))
     signature = inspect.signature(estimator).parameters
-    actual = {name: parameter.default for name, parameter in signature.items()}
+    optional = {name: each for name, each in signature.items() if each.default is not each.empty}
+    actual = {name: parameter.default for name, parameter in optional.items()}
     assert {name: _value(text) for name, text in documented.items()} == actual
 
 
@@ -231,6 +246,11 @@ def test_defaults_are_those_of_the_paper():
         (TapFeatures(n_u=0), "n_u"),
         (TapFeatures(epsilon=0.0), "epsilon"),
         (TapFeatures(epsilon=1.5), "epsilon"),
+        (PlayOperators(n_plays=0), "n_plays"),
+        (LowpassBank((0.1, 0.0)), "epsilons"),
+        (NVAR(n_taps=0), "n_taps"),
+        (NVAR(spacing=0), "spacing"),
+        (NVAR(degree=1), "degree"),
         (EchoStates(r=0), "r"),
         (EchoStates(r=5, gamma=1.0), "gamma"),
         (EchoStates(r=5, gamma=-0.1), "gamma"),
@@ -253,7 +273,7 @@ def test_parameter_outside_its_documented_limits_is_refused_by_name(estimator, p
 def test_every_public_estimator_is_covered():
     assert {estimator.__name__ for estimator in ESTIMATORS} == {
         "ESN", "FPRC", "FuzzyLinear", "EchoStates", "TapFeatures", "RidgeReadout",
-        "TakagiSugenoReadout",
+        "TakagiSugenoReadout", "FeatureModel", "LowpassBank", "NVAR", "PlayOperators", "SideBySide",
     }  # fmt: skip
 
 

@@ -12,9 +12,14 @@ from sklearn.utils.estimator_checks import (
 from fprc.models import (
     ESN,
     FPRC,
+    NVAR,
     EchoStates,
+    FeatureModel,
     FuzzyLinear,
+    LowpassBank,
+    PlayOperators,
     RidgeReadout,
+    SideBySide,
     TakagiSugenoReadout,
     TapFeatures,
 )
@@ -28,8 +33,17 @@ MEMORY = {
 READOUTS = [RidgeReadout(), TakagiSugenoReadout(n_c=3)]
 
 # The checks' data depend on one column, which FPRC sees unfiltered at epsilon = 1 only.
-SEQUENTIAL = [
+BANK = [("taps", TapFeatures(n_references=None), None), ("bank", LowpassBank((0.9, 0.5)), [0])]
+MAPS = [
     TapFeatures(),
+    PlayOperators(n_plays=3),
+    LowpassBank((0.9, 0.1)),
+    NVAR(n_taps=2, spacing=2),
+    SideBySide(BANK),
+]
+SEQUENTIAL = [
+    *MAPS,
+    FeatureModel(SideBySide(BANK), RidgeReadout(), random_state=1),
     EchoStates(r=12),
     ESN(r=12, washout=20),
     FPRC(n_c=3, epsilon=1.0),
@@ -61,7 +75,7 @@ def test_model_with_memory_passes_scikit_learns_check(estimator, check):
         check_global_output_transform_pandas,
     ],
 )
-@pytest.mark.parametrize("features", [TapFeatures(), EchoStates(r=12)])
+@pytest.mark.parametrize("features", [*MAPS, EchoStates(r=12)])
 def test_names_of_features_pass_scikit_learns_check(features, check):
     """Which the checks above leave out."""
     check(type(features).__name__, clone(features))

@@ -2,8 +2,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
 
-from fprc.rig.friction import slip
+from fprc.rig.friction import bouc_wen, friction, slip
 
 DELTA = np.array([1.0, 3.0, 7.0, 14.0])
 WEIGHT = np.array([0.3, 0.3, 0.25, 0.15])
@@ -118,3 +119,73 @@ def test_deflections_change_in_place_and_stay_within_the_slip_distances():
     z = np.zeros(len(DELTA))
     slip(z, 5.0, DELTA, WEIGHT)
     np.testing.assert_allclose(z, [1.0, 3.0, 5.0, 5.0])
+
+
+# --- Bouc-Wen -----------------------------------------------------------------------------------
+
+#: Slip distance of the element that stands for DELTA and WEIGHT.
+ONE = 0.8 * np.dot(WEIGHT, DELTA)
+
+
+def follow_bouc_wen(path, z=None):
+    z = np.zeros(len(DELTA)) if z is None else z
+    return np.array([bouc_wen(z, float(step), DELTA, WEIGHT) for step in np.diff(path)])
+
+
+def test_bouc_wen_solves_its_equation_on_a_sine():
+    """With the usual symbols A = 1, beta = gamma = 1/2, n = 1, of z over the slip distance."""
+    amplitude, times = 9.0, np.linspace(0.0, 3.0, 601)
+
+    def rate(t, z):
+        speed = amplitude * 2.0 * np.pi * np.cos(2.0 * np.pi * t) / ONE
+        return speed - 0.5 * np.abs(speed) * z - 0.5 * speed * np.abs(z)
+
+    solved = solve_ivp(rate, (0.0, 3.0), [0.0], t_eval=times, max_step=0.01, rtol=1e-9, atol=1e-11)
+    forces = follow_bouc_wen(amplitude * np.sin(2.0 * np.pi * times))
+    np.testing.assert_allclose(forces, solved.y[0, 1:], atol=2e-5)
+
+
+@given(positions, st.integers(2, 40))
+def test_bouc_wen_does_not_depend_on_the_speed_along_the_path(path, pieces):
+    fast = follow_bouc_wen(path)
+    slow = follow_bouc_wen(refine(path, pieces))[pieces - 1 :: pieces]
+    np.testing.assert_allclose(slow, fast, atol=1e-11)
+
+
+@given(positions)
+def test_bouc_wen_force_stays_between_minus_one_and_one(path):
+    assert np.abs(follow_bouc_wen(path)).max() <= 1.0
+
+
+@given(positions)
+def test_bouc_wen_returns_no_more_work_than_it_has_stored(path):
+    """Stored is the work of an elastic unloading, delta force^2 / 2."""
+    fine = refine(path, 200)
+    force = np.concatenate([[0.0], follow_bouc_wen(fine)])
+    work = np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(fine))
+    dissipated = np.diff(work - 0.5 * ONE * force[1:] ** 2, prepend=0.0)
+    assert dissipated.min() >= -1e-3  # of the trapezoidal rule
+
+
+def test_wide_cycle_dissipates_the_same_under_both_laws():
+    cycle = refine([0.0, 100.0, -100.0, 0.0], 10000)
+    found = []
+    for law in (follow, follow_bouc_wen):
+        z = np.zeros(len(DELTA))
+        law(cycle, z)
+        found.append(np.dot(law(cycle, z), np.diff(cycle)))
+    assert found[1] == pytest.approx(found[0], rel=1e-3)
+
+
+def test_bouc_wen_minor_loop_does_not_close():
+    """This is why it is not the default: those of Maxwell slip do, see above."""
+    z = np.zeros(len(DELTA))
+    began = follow_bouc_wen([0.0, 4.0], z)[-1]
+    assert follow_bouc_wen([4.0, 3.0, 4.0], z)[-1] < began - 0.1
+
+
+@pytest.mark.parametrize(("law", "expected"), [(1, follow), (2, follow_bouc_wen)])
+def test_length_of_the_law_chooses_it(law, expected):
+    z = np.zeros(len(DELTA))
+    found = [friction(np.zeros(law), z, step, DELTA, WEIGHT) for step in (2.0, -5.0, 0.0, 9.0)]
+    np.testing.assert_array_equal(found, expected([0.0, 2.0, -3.0, -3.0, 6.0]))

@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 
 from fprc.config import Settings
 from fprc.rig.parameters import record
+from fprc.rig.simulator import parameters
 
 NAMES = st.from_regex(r"[a-z]{1,8}", fullmatch=True)
 NUMBERS = st.floats(-1e6, 1e6) | st.integers(-1000, 1000)
@@ -34,7 +35,7 @@ def test_record_holds_every_name_in_order_and_every_value(values):
 
 def test_whole_rig_survives_packing():
     rig = Settings().rig.model_dump()
-    packed = record(rig)[0]
+    packed = parameters(rig)[0]
     assert packed["valve"]["leak"] == rig["valve"]["leak"]
     assert packed["bending"]["slip_weight"].tolist() == list(rig["bending"]["slip_weight"])
     assert packed["step_s"] == rig["step_s"]

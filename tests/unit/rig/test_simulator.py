@@ -15,7 +15,7 @@ from fprc.devices.sim import SimulatedRig
 from fprc.errors import ConfigError, SimulationError
 from fprc.experiments.hysteresis import acquire
 from fprc.rig import simulator
-from fprc.rig.parameters import record
+from fprc.rig.friction import LAWS
 
 ATMOSPHERE_KPA = 101.325
 RATE_HZ = 200.0
@@ -259,7 +259,7 @@ def test_sealed_chamber_follows_its_polytrope_while_the_actuator_moves(quiet_rig
 def test_drift_is_an_exact_ornstein_uhlenbeck_process(rig):
     """One step decays and gains the exact variance; two half steps make one whole."""
     rig["drift"] |= {"sigma_kpa": 8.0, "time_s": 5.0}
-    packed = record(rig)[0]
+    packed = simulator.parameters(rig)[0]
     state = simulator.initial_state(rig, np.random.default_rng(0))[0]
 
     def step(start_kpa, shock, seconds):
@@ -277,7 +277,9 @@ def test_drift_is_an_exact_ornstein_uhlenbeck_process(rig):
 # --- convergence, repeatability, limits ---------------------------------------------------------
 
 
-def test_finer_integration_changes_the_bending_little(quiet_rig):
+@pytest.mark.parametrize("law", LAWS)
+def test_finer_integration_changes_the_bending_little(quiet_rig, law):
+    quiet_rig["friction_law"] = law
     command = swing(0.5, 2)
 
     def bend(step_s):
@@ -483,9 +485,10 @@ def quasi_static_squeeze(states, rig):
     return p_i - damping * rate, states["sensed_kpa"][:, 2]
 
 
+@pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize(("loop", "level"), [(quasi_static, 30.0), (quasi_static_squeeze, 130.0)])
-def test_loops_do_not_depend_on_frequency_without_viscosity(quiet_rig, loop, level):
-    rig = without_viscosity(quiet_rig)
+def test_loops_do_not_depend_on_frequency_without_viscosity(quiet_rig, loop, level, law):
+    rig = without_viscosity(quiet_rig) | {"friction_law": law}
     found = {}
     for frequency_hz in (0.2, 0.8):
         states, _ = drive(rig, swing(frequency_hz, 2))
@@ -494,7 +497,10 @@ def test_loops_do_not_depend_on_frequency_without_viscosity(quiet_rig, loop, lev
     assert found[0.8] == pytest.approx(found[0.2], rel=0.08)
 
 
-def test_loops_dissipate_and_vanish_without_friction_and_viscosity(quiet_rig):
+@pytest.mark.parametrize("law", LAWS)
+def test_loops_dissipate_and_vanish_without_friction_and_viscosity(quiet_rig, law):
+    quiet_rig["friction_law"] = law
+
     def work(rig):
         states, _ = drive(without_viscosity(rig), swing(0.2, 2))
         return trapezoid(*quasi_static(last_cycle(states, 0.2), rig))

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from fprc.artifacts import write_json
+from fprc.claims.beyond import judge_world
 from fprc.config import Settings
 from fprc.provenance import hash_of
 from fprc.stages import report
@@ -111,6 +112,7 @@ class Project:
         self.settings = SETTINGS
         self.template = TEMPLATE
         self.drawn = {}
+        self.beyond = None
 
     def add_table(self, note, name=None, **columns):
         path = self.folder / f"{name or len(self.tables) // 2}.md"
@@ -144,6 +146,7 @@ class Project:
         write_report(
             self.template, self.ledger, str(self.folder / "missing.csv"), self.tables,
             self.figures, str(target), settings=self.settings, drawn=self.drawn,
+            beyond=self.beyond,
         )  # fmt: skip
         return target.read_text(encoding="utf-8")
 
@@ -405,6 +408,25 @@ def test_claims_say_on_how_many_drawn_rigs_they_hold_if_that_was_judged(project)
     project.drawn = {"C1": "7 of 40"}
     page = project.page()
     assert page.texts("td", **{"data-label": "Drawn rigs"}) == ["7 of 40", "-", "-"]
+
+
+def test_worth_of_the_reservoir_is_shown_if_it_was_judged(project, make_world):
+    assert 'id="beyond"' not in project.write()
+    worlds = [make_world(), make_world("sparse", units=3, capacity=None)]
+    ledgers = [judge_world(world, {"fprc": "FPRC"}) for world in worlds]
+    project.beyond = {"advice": ["P_o pays <b>."], "ledgers": ledgers}
+    page = project.page()
+    rows = [row for row in page.all("tr") if str(row.get("id", "")).startswith("B")]
+    assert [row["id"] for row in rows] == [f"B{n}" for n in range(1, 9)]
+    chips = [chip["class"].split()[1] for chip in page.all("span") if "chip" in chip["class"]]
+    shown = [row["words"].replace(" ", "-") for rows in zip(*ledgers, strict=True) for row in rows]
+    assert chips[-len(shown) :] == shown
+    assert "dry rig" in page.texts("th")
+    assert any(
+        "100 % of subsets agree. Fitted in favour of: FPRC" in text
+        for text in page.texts("details")
+    )
+    assert "&lt;b&gt;" in project.write()
 
 
 def test_claim_shows_its_statements_and_links_to_what_shows_them(project):

@@ -1,0 +1,156 @@
+"""Compare two models that were measured on the same units, seeds or rigs; judge several at once."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import stdtr
+
+from fprc.claims.finding import UNDECIDED, interval_of_mean
+from fprc.worlds import EQUIVALENT_WITHIN
+
+SUPERIOR = "superior"
+EQUIVALENT = "equivalent"
+INFERIOR = "inferior"
+NOT_JUDGED = "not judged"
+
+#: Chance that any of a world's verdicts is wrong.
+ALPHA = 0.05
+#: Units without which nothing is decided; units that a subset lacks.
+LEAST_UNITS, LEFT_OUT = 8, 5
+#: Subsets that are drawn, and the share of them that must agree with a verdict.
+SUBSETS, AGREEING = 200, 0.95
+
+#: From the weakest to the strongest.
+_STRENGTH = (INFERIOR, UNDECIDED, EQUIVALENT, SUPERIOR)
+
+
+class Part(NamedTuple):
+    """One comparison of a claim: a logarithm of a ratio, or a difference, per unit."""
+
+    text: str
+    values: Mapping[int, float]  #: by unit; lower is better
+    ratio: bool = True  #: a logarithm; otherwise a difference, which is never equivalent
+    dropped: int = 0  #: builds without this pair
+
+    def verdict(self, level: float, units: Sequence[int] | None = None) -> str:
+        """Return the verdict from the interval that errs with probability ``level``.
+
+        In this order: equivalent if the interval lies within 1/1.05 to 1.05, superior if it lies
+        below 1, inferior if it lies above 1, otherwise undecided.
+        """
+        _, low, high = interval_of_mean(self._array(units), 1.0 - level)
+        margin = math.log(EQUIVALENT_WITHIN)
+        if self.ratio and -margin <= low and high <= margin:
+            return EQUIVALENT
+        if high < 0.0:
+            return SUPERIOR
+        return INFERIOR if low > 0.0 else UNDECIDED
+
+    def least_levels(self) -> tuple[float, float]:
+        """Return the lowest level that decides anything, and the lowest that says inferior."""
+        values = self._array(None)
+        mean, freedom = float(values.mean()), values.size - 1
+        # not zero where all units agree
+        error = max(float(values.std(ddof=1)) / math.sqrt(values.size), 1e-12)
+        below, above = (2.0 * float(stdtr(freedom, sign * mean / error)) for sign in (1.0, -1.0))
+        levels = [below, above]
+        if self.ratio:
+            # both ends of the interval are within the margin
+            nearer = (abs(mean) - math.log(EQUIVALENT_WITHIN)) / error
+            levels.append(2.0 * float(stdtr(freedom, nearer)))
+        return min(levels), above
+
+    def _array(self, units: Sequence[int] | None) -> np.ndarray:
+        chosen = self.values if units is None else [u for u in units if u in self.values]
+        return np.array([self.values[unit] for unit in chosen])
+
+
+class Judged(NamedTuple):
+    """Outcome of one claim."""
+
+    verdict: str
+    p: float  #: adjusted over all claims
+    level: float  #: of the interval of each part
+    stable: float | None  #: share of the subsets that give the same verdict
+
+
+def judge_together(claims: Sequence[Sequence[Part]], alpha: float = ALPHA) -> list[Judged]:
+    """Judge several claims so that any verdict is wrong with probability ``alpha`` at most.
+
+    Each claim has a lowest level that decides it: superior, equivalent or inferior, whichever
+    comes first. Holm's step-down procedure takes the claims by these levels, lowest first: the
+    k-th of K claims is judged at alpha / (K + 1 - k), and the first that this does not decide
+    leaves itself and all later ones undecided. K counts the claims that could not be judged.
+
+    A claim of several parts judges each at its share of the level. Its verdict is the weakest:
+    inferior if a part is, otherwise undecided if a part is, then equivalent, then superior.
+
+    A decided verdict becomes undecided if there are fewer than 8 units, or if fewer than 95 %
+    of 200 random subsets with five units fewer give the same verdict at the same level.
+
+    Parameters
+    ----------
+    claims : sequence of sequences of Part
+        The parts of each claim; a claim with no parts, or a part of fewer than two units, is not
+        judged.
+
+    References
+    ----------
+    Holm, Scandinavian Journal of Statistics 6 (1979); Schuirmann, Journal of Pharmacokinetics and
+    Biopharmaceutics 15 (1987), for equivalence by an interval.
+    """
+    judged = [bool(parts) and all(len(part.values) > 1 for part in parts) for parts in claims]
+    p = np.array(
+        [_least_level(parts) if ok else 1.0 for parts, ok in zip(claims, judged, strict=True)]
+    )
+    adjusted, levels = holm(p, alpha)
+    outcomes = []
+    for parts, ok, own_p, level in zip(claims, judged, adjusted, levels, strict=True):
+        if not ok:
+            outcomes.append(Judged(NOT_JUDGED, 1.0, level, None))
+            continue
+        level /= len(parts)
+        verdict, stable = _weakest(parts, level, None), None
+        if min(len(part.values) for part in parts) < LEAST_UNITS:
+            verdict = UNDECIDED
+        elif verdict != UNDECIDED:
+            stable = _share_of_subsets(parts, level, verdict)
+            verdict = verdict if stable >= AGREEING else UNDECIDED
+        outcomes.append(Judged(verdict, float(own_p), float(level), stable))
+    return outcomes
+
+
+def holm(p: np.ndarray, alpha: float = ALPHA) -> tuple[np.ndarray, np.ndarray]:
+    """Return Holm's adjusted p values, and the level at which each claim is judged.
+
+    From the first claim that is not decided on, all are judged at that claim's level.
+    """
+    order = np.argsort(p, kind="stable")
+    remaining = np.arange(len(p), 0, -1)
+    adjusted, levels = np.empty(len(p)), np.empty(len(p))
+    adjusted[order] = np.minimum(np.maximum.accumulate(remaining * p[order]), 1.0)
+    missed = np.flatnonzero(p[order] > alpha / remaining)
+    last = missed[0] if missed.size else len(p) - 1
+    levels[order] = alpha / remaining[np.minimum(np.arange(len(p)), last)]
+    return adjusted, levels
+
+
+def _least_level(parts: Sequence[Part]) -> float:
+    """Return the lowest level that decides a claim: all its parts, or that one is inferior."""
+    decided, inferior = zip(*(part.least_levels() for part in parts), strict=True)
+    return min(1.0, len(parts) * min(max(decided), min(inferior)))
+
+
+def _weakest(parts: Sequence[Part], level: float, units: Sequence[int] | None) -> str:
+    return min((part.verdict(level, units) for part in parts), key=_STRENGTH.index)
+
+
+def _share_of_subsets(parts: Sequence[Part], level: float, verdict: str) -> float:
+    units = sorted(set().union(*(part.values for part in parts)))
+    random = np.random.default_rng(len(units))
+    subsets = (
+        random.choice(units, len(units) - LEFT_OUT, replace=False).tolist() for _ in range(SUBSETS)
+    )
+    return sum(_weakest(parts, level, subset) == verdict for subset in subsets) / SUBSETS

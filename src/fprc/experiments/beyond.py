@@ -1,0 +1,244 @@
+"""The paper's models and their competitors on one rig: errors, tracking, and a disturbed P_o."""
+
+import logging
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fprc.competitors import COMPETITORS, default_settings
+from fprc.control.simulated import simulate_hysteresis
+from fprc.devices.sim import SimulatedRig
+from fprc.evaluation import rmse
+from fprc.evaluation.timing import WARM_UP, time_steps
+from fprc.experiments.data import Data
+from fprc.experiments.hysteresis import RUNS, acquire, simulate
+from fprc.experiments.settings import RigSettings
+from fprc.experiments.tracking import TRACKING_RUNS, Track, bench_gain, tracking_error
+from fprc.models import SequenceModel
+from fprc.models.competitors import build_competitor
+from fprc.paper import REFERENCES
+from fprc.signals import pressure_command
+
+log = logging.getLogger(__name__)
+
+#: Models on every rig: those that a claim compares, and one competitor of each other kind.
+BRIEF = (
+    "fprc", "fprc_lowpass", "fuzzy_linear", "ridge_p_o", "bank_p_o", "bank", "plays", "fprc_tuned",
+)  # fmt: skip
+#: Models that take long: they are judged on fewer rigs or seeds.
+SLOW = ("esn", "esn_tuned", "esn_matched", "esn_oracle", "trees", "mlp")
+#: Of these a claim compares the forward test error alone, and only that is measured.
+FORWARD_ONLY = ("esn_tuned", "esn_matched", "esn_oracle")
+#: All models. A tuned one is a competitor with settings that were chosen by its suffix: by
+#: cross-validation in training logs, to match FPRC's training error, or (oracle) by test errors.
+ALL = (
+    *COMPETITORS,
+    "fprc_tuned", "esn_tuned", "bank_tuned", "plays_tuned", "esn_matched",
+    "fprc_oracle", "esn_oracle", "bank_oracle", "plays_oracle",
+)  # fmt: skip
+
+#: Marks the random stream of the noise that is added to P_o.
+_NOISE = 20243
+
+
+class Contest(NamedTuple):
+    """What the models are built from, and what is done to them."""
+
+    models: Mapping[str, Any]  #: section ``models`` of the configuration
+    tuned: Mapping[str, Any]  #: settings that differ from the defaults, by name with suffix
+    restarts: int  #: starts of every fuzzy clustering
+    tracking: Mapping[str, Any]  #: section of the configuration
+    shifts_kpa: Sequence[float]
+    drift_kpa: float
+    noise_kpa: float
+
+    def build(self, name: str, seed: int) -> SequenceModel:
+        """Return the unfitted model of that name."""
+        base = base_of(name)
+        settings = default_settings(base, self.models) | self.tuned.get(name, {})
+        if "restarts" in settings:
+            settings["restarts"] = self.restarts
+        return build_competitor(base, settings, seed)
+
+
+def base_of(name: str) -> str:
+    """Return the competitor that a tuned model is."""
+    base, _, suffix = name.rpartition("_")
+    return base if suffix in ("tuned", "matched", "oracle") else name
+
+
+def inputs_of(name: str, channels: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Return the input columns of a model."""
+    return np.column_stack([channels[each] for each in COMPETITORS[base_of(name)].inputs])
+
+
+def judge_build(
+    on_rig: RigSettings, seed: int, names: Sequence[str], contest: Contest
+) -> dict[str, dict[str, Any]]:
+    """Simulate both experiments on a rig, and judge every model on them.
+
+    Returns
+    -------
+    dict of dict
+        By model: ``forward`` and ``reversed`` with ``train_rmse_kpa`` and ``test_rmse_kpa``;
+        ``open_loop_deg`` and ``closed_loop_deg`` by reference; ``shifted`` and ``disturbed`` with
+        the forward test error, or None for a model without P_o. Models of ``FORWARD_ONLY`` have
+        neither ``reversed`` nor tracking errors.
+    """
+    logs = simulate(on_rig, seed)
+    sweep, complex_ = logs["sweep"], logs["complex"]
+    bench = Track(contest.tracking, on_rig.control, on_rig.rig, seed)
+    followed = _references(bench)
+    fprc, _ = _trained("fprc", sweep, complex_, contest, seed)
+    gains = bench_gain(bench, fprc)["identified"]
+    disturbed = _disturbed(on_rig, seed, complex_, bench, contest)
+    judged = {}
+    for name in names:
+        model, errors = _trained(name, sweep, complex_, contest, seed)
+        report: dict[str, Any] = {"forward": errors}
+        if name not in FORWARD_ONLY:
+            _, report["reversed"] = _trained(name, complex_, sweep, contest, seed)
+            report |= _follow(bench, model, name, followed, gains)
+        judged[name] = report | _with_disturbed_p_o(model, name, disturbed, complex_, contest)
+        log.info("%s: test %.2f kPa", name, errors["test_rmse_kpa"])
+    return judged
+
+
+def judge_lengths(
+    on_rig: RigSettings,
+    seed: int,
+    names: Sequence[str],
+    contest: Contest,
+    *,
+    seconds: Sequence[float],
+    second_log: Mapping[str, Any],
+) -> list[dict[str, Any]]:
+    """Return forward test errors over the length of the training log, and with two logs.
+
+    Each training log is a chirp of the same band in another time.
+
+    Parameters
+    ----------
+    second_log : Mapping
+        Pressure signal of a second log, which trains beside the sweep.
+    """
+    test = simulate(on_rig, seed)["complex"]
+
+    def recorded(signal: Mapping[str, Any]) -> dict[str, np.ndarray]:
+        channels = acquire("sweep", signal, on_rig.control, on_rig.rig, seed)
+        return channels | {"p_target_kpa": channels["p_exp_command_kpa"]}
+
+    def errors(logs: Sequence[Mapping[str, np.ndarray]]) -> dict[str, dict[str, float]]:
+        result = {}
+        for name in names:
+            model = contest.build(name, seed).fit(
+                [inputs_of(name, each) for each in logs], [each["p_target_kpa"] for each in logs]
+            )
+            result[name] = {"test_rmse_kpa": _error(model, name, test.channels)}
+        return result
+
+    sweep = on_rig.signals["sweep"]
+    judged: list[dict[str, Any]] = [
+        {
+            "seed": seed,
+            "seconds": length,
+            "models": errors([recorded({**sweep, "duration_s": length})]),
+        }
+        for length in seconds
+    ]
+    both = [recorded(sweep), recorded(second_log)]
+    return [*judged, {"seed": seed, "two_logs": True, "models": errors(both)}]
+
+
+def _trained(
+    name: str, train: Data, test: Data, contest: Contest, seed: int
+) -> tuple[SequenceModel, dict[str, float]]:
+    unfitted = contest.build(name, seed)
+    features = unfitted.make_features().fit(inputs := inputs_of(name, train.channels))
+    rows, expected = features.transform(inputs), train.channels["p_target_kpa"]
+    readout = unfitted.make_readout().fit(rows, expected)
+    model = unfitted.assembled(features, readout)
+    return model, {
+        "train_rmse_kpa": rmse(expected, readout.predict(rows)),
+        "test_rmse_kpa": _error(model, name, test.channels),
+    }
+
+
+def _error(model: SequenceModel, name: str, channels: Mapping[str, np.ndarray]) -> float:
+    return rmse(channels["p_target_kpa"], model.predict(inputs_of(name, channels)))
+
+
+def _references(bench: Track) -> dict[str, dict[str, np.ndarray]]:
+    """Return theta_d of each reference of Table IV, and P_o, which depends on theta_d only."""
+    followed = {}
+    for name in REFERENCES:
+        theta_d = bench.reference(name)
+        at_rest = bench.simulate(theta_d, np.zeros(len(theta_d)), None, TRACKING_RUNS[name])
+        followed[name] = {"theta_deg": theta_d, "p_o_kpa": at_rest["p_o_kpa"]}
+    return followed
+
+
+def _follow(
+    bench: Track,
+    model: SequenceModel,
+    name: str,
+    followed: Mapping[str, Mapping[str, np.ndarray]],
+    gains: Mapping[str, float],
+) -> dict[str, dict[str, float]]:
+    """Return the RMSE of each reference, deg, with feedforward alone and with PD."""
+    errors: dict[str, dict[str, float]] = {"open_loop_deg": {}, "closed_loop_deg": {}}
+    for reference, channels in followed.items():
+        p_ff_kpa = model.predict(inputs_of(name, channels))
+        for loop, own in zip(errors, (None, gains), strict=True):
+            run = bench.simulate(channels["theta_deg"], p_ff_kpa, own, TRACKING_RUNS[reference])
+            error = tracking_error(run, bench.tracking["references"][reference]["settle_s"])
+            errors[loop][reference] = rmse(error, np.zeros_like(error))
+    return errors
+
+
+def _disturbed(
+    on_rig: RigSettings, seed: int, test: Data, bench: Track, contest: Contest
+) -> dict[str, Mapping[str, np.ndarray]]:
+    """Return the test log with a P_o that drifts, is noisier, or whose reservoir is pushed."""
+    channels = test.channels
+    samples = len(channels["p_o_kpa"])
+    ramp = np.linspace(0.0, -contest.drift_kpa, samples)
+    noise = contest.noise_kpa * np.random.default_rng([seed, _NOISE]).standard_normal(samples)
+    rate_hz = on_rig.control["sample_rate_hz"]
+    device = SimulatedRig(on_rig.rig, seed=seed, run=RUNS["complex"], sample_rate_hz=rate_hz)
+    command = pressure_command(on_rig.signals["complex"], rate_hz)
+    pushed = simulate_hysteresis(device, on_rig.control, command, bench.pushes(samples))
+    return {
+        "drift": {**channels, "p_o_kpa": channels["p_o_kpa"] + ramp},
+        "noise": {**channels, "p_o_kpa": channels["p_o_kpa"] + noise},
+        "pushed": {**channels, "p_o_kpa": pushed["p_o_kpa"]},
+    }
+
+
+def _with_disturbed_p_o(
+    model: SequenceModel,
+    name: str,
+    disturbed: Mapping[str, Mapping[str, np.ndarray]],
+    test: Data,
+    contest: Contest,
+) -> dict[str, dict[str, float] | None]:
+    if "p_o_kpa" not in COMPETITORS[base_of(name)].inputs:
+        return {"shifted": None, "disturbed": None}
+    p_o = test.channels["p_o_kpa"]
+    shifted = {
+        str(float(shift)): _error(model, name, {**test.channels, "p_o_kpa": p_o + shift})
+        for shift in contest.shifts_kpa
+    }
+    return {
+        "shifted": shifted,
+        "disturbed": {kind: _error(model, name, each) for kind, each in disturbed.items()},
+    }
+
+
+def time_of_step(name: str, logs: Mapping[str, Data], contest: Contest, seed: int) -> float:
+    """Return the median time of a step of a trained model, us."""
+    model, _ = _trained(name, logs["sweep"], logs["complex"], contest, seed)
+    rows = inputs_of(name, logs["complex"].channels)[: 2 * WARM_UP]
+    model.reset()
+    return 1e6 * float(np.median(time_steps(lambda k: model.step(rows[k]), len(rows))[WARM_UP:]))

@@ -1,0 +1,53 @@
+"""A model made of any feature map and any readout."""
+
+import numpy as np
+from sklearn.base import BaseEstimator, clone
+
+from fprc.models.features import FeatureMap
+from fprc.models.sequence import SequenceModel
+
+
+class FeatureModel(SequenceModel):
+    """Features of a map, read out by a regressor.
+
+    Parameters
+    ----------
+    features : FeatureMap
+        Unfitted map, such as TapFeatures, LowpassBank or SideBySide of several.
+    readout : estimator
+        Unfitted regressor of one row: RidgeReadout, TakagiSugenoReadout, or any regressor or
+        pipeline of scikit-learn. ``step`` takes microseconds with the readouts of this package,
+        but 0.1 to 10 ms with another, whose ``predict`` it calls for one row.
+    random_state : int, RandomState or None, default=None
+        Given to every ``random_state`` in ``features`` and ``readout``; None leaves them.
+
+    Attributes
+    ----------
+    features_, readout_ : estimator
+        Fitted map and readout.
+    """
+
+    def __init__(
+        self,
+        features: FeatureMap,
+        readout: BaseEstimator,
+        random_state: int | np.random.RandomState | None = None,
+    ):
+        self.features = features
+        self.readout = readout
+        self.random_state = random_state
+
+    def make_features(self) -> FeatureMap:
+        """Return the unfitted map."""
+        return self._seeded(self.features).set_output(transform="default")
+
+    def make_readout(self) -> BaseEstimator:
+        """Return the unfitted readout."""
+        return self._seeded(self.readout)
+
+    def _seeded(self, part: BaseEstimator) -> BaseEstimator:
+        part = clone(part)
+        if self.random_state is not None:
+            keys = [key for key in part.get_params() if key.split("__")[-1] == "random_state"]
+            part.set_params(**dict.fromkeys(keys, self.random_state))
+        return part

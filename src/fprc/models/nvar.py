@@ -1,0 +1,87 @@
+"""Nonlinear vector autoregression, also called next-generation reservoir computing."""
+
+from itertools import combinations_with_replacement
+
+import numpy as np
+
+from fprc.models.features import FeatureMap, taps
+from fprc.models.kernels import delay, multiply
+from fprc.models.limits import Limit
+
+
+class NVAR(FeatureMap):
+    """Spaced taps of every column, and their products.
+
+    z(k) = [x(k), x(k-s), ..., x(k-(n_taps-1) s)], of every column, standardised
+    features(k) = [z(k), every product of ``degree`` elements of z(k)]
+
+    The columns are standardised by the training log's mean and standard deviation first. In deg,
+    the squares of a signal of 60 deg would be 3,600, and a ridge with one alpha for all weights
+    would penalise the taps far more than the products. All features are now of order 1, so that
+    over n samples a ridge with alpha << n penalises hardly anything but nearly equal taps.
+
+    Parameters
+    ----------
+    n_taps : int, default=5
+        Taps of every column, >= 1.
+    spacing : int, default=25
+        Samples from one tap to the next, >= 1.
+    degree : int, default=2
+        Factors of each product, >= 2.
+
+    Attributes
+    ----------
+    mean_, scale_ : ndarray of shape (n_inputs,)
+        Mean and standard deviation of each column of the training log; 1 for a constant column.
+
+    References
+    ----------
+    Gauthier, Bollt, Griffith and Barbosa, Nature Communications 12 (2021), 5564.
+    """
+
+    def __init__(self, n_taps: int = 5, spacing: int = 25, degree: int = 2):
+        self.n_taps = n_taps
+        self.spacing = spacing
+        self.degree = degree
+
+    LIMITS = {"n_taps": Limit(1), "spacing": Limit(1), "degree": Limit(2)}
+
+    def _prepare(self, X: np.ndarray) -> None:
+        self.mean_, spread = X.mean(axis=0), X.std(axis=0)
+        self.scale_ = np.where(spread > 0, spread, 1.0)
+
+    def _span(self) -> int:
+        return (self.n_taps - 1) * self.spacing + 1
+
+    def _factors(self) -> np.ndarray:
+        linear = range(self.n_features_in_ * self.n_taps)
+        return np.array(list(combinations_with_replacement(linear, self.degree)))
+
+    def _transform(self, X: np.ndarray) -> np.ndarray:
+        if len(X) < self._span():
+            raise ValueError(
+                f"n_samples = {len(X)} is less than the {self._span()} samples from the first to "
+                "the last tap; use fewer taps, a shorter spacing or a longer log"
+            )
+        scaled = (X - self.mean_) / self.scale_
+        linear = np.hstack([taps(column, self._span())[:, :: self.spacing] for column in scaled.T])
+        factors = self._factors().T
+        products = linear[:, factors[0]]
+        for each in factors[1:]:
+            products *= linear[:, each]
+        return np.hstack([linear, products])
+
+    def _named(self, columns: list[str]) -> list[str]:
+        lags = range(0, self._span(), self.spacing)
+        linear = [f"{column}_lag{lag}" for column in columns for lag in lags]
+        return linear + [" ".join(linear[i] for i in each) for each in self._factors()]
+
+    def _start(self, x: np.ndarray) -> None:
+        self._products = self._factors()
+        self._row = np.empty(len(x) * self.n_taps + len(self._products))
+        self._history = np.repeat(((x - self.mean_) / self.scale_)[:, None], self._span(), axis=1)
+
+    def _step(self, x: np.ndarray) -> np.ndarray:
+        delay(self._history, (x - self.mean_) / self.scale_, self.spacing, self._row)
+        multiply(self._row, self._products)
+        return self._row

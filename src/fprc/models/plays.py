@@ -1,0 +1,58 @@
+"""Play operators, of which Prandtl-Ishlinskii models of hysteresis are sums."""
+
+import numpy as np
+
+from fprc.models.features import FeatureMap
+from fprc.models.kernels import play, play_log
+from fprc.models.limits import Limit
+
+
+class PlayOperators(FeatureMap):
+    """Play operators of every column: backlash of several widths.
+
+    p(k) = max(x(k) - r, min(x(k) + r, p(k-1))), from p(-1) = x(0)
+
+    A play follows its input at the distance r; after a reversal it waits until the input has moved
+    by 2 r. A ridge on plays is a Prandtl-Ishlinskii model, whose loops do not depend on the speed
+    of the input.
+
+    The half-widths r divide half the range of each column of the training log into n_plays + 1
+    equal parts; a play with half the range as r would not move.
+
+    Parameters
+    ----------
+    n_plays : int, default=10
+        Plays of every column, >= 1.
+
+    Attributes
+    ----------
+    half_widths_ : ndarray of shape (n_inputs, n_plays)
+        r of each play, ascending, in the unit of its column.
+
+    References
+    ----------
+    Kuhnen, European Journal of Control 9 (2003), 407-418.
+    """
+
+    def __init__(self, n_plays: int = 10):
+        self.n_plays = n_plays
+
+    LIMITS = {"n_plays": Limit(1)}
+
+    def _prepare(self, X: np.ndarray) -> None:
+        shares = np.arange(1, self.n_plays + 1) / (self.n_plays + 1)
+        self.half_widths_ = np.outer(np.ptp(X, axis=0) / 2.0, shares)
+
+    def _transform(self, X: np.ndarray) -> np.ndarray:
+        # a copy: numba would compile again for another layout or a read-only array
+        return play_log(np.array(X, order="C"), self.half_widths_)
+
+    def _named(self, columns: list[str]) -> list[str]:
+        return [f"{column}_play{i}" for column in columns for i in range(self.n_plays)]
+
+    def _start(self, x: np.ndarray) -> None:
+        self._row = np.repeat(x, self.half_widths_.shape[1])
+
+    def _step(self, x: np.ndarray) -> np.ndarray:
+        play(self._row, x, self.half_widths_)
+        return self._row

@@ -1,0 +1,136 @@
+"""Several feature maps side by side, each of columns of its own."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Self
+
+import numpy as np
+from sklearn.base import clone
+
+from fprc.models.features import FeatureMap
+from fprc.models.limits import Limit
+
+#: Name, unfitted map, and its columns of the input; None is all of them.
+Part = tuple[str, FeatureMap, Sequence[int] | None]
+
+
+class SideBySide(FeatureMap):
+    """Features of several maps, each of chosen columns, in one row.
+
+    Like scikit-learn's ColumnTransformer, but the maps also run sample by sample. Parameters of
+    the maps are set as ``NAME__PARAMETER``, and ``NAME`` replaces a map.
+
+    Parameters
+    ----------
+    maps : sequence of (str, FeatureMap, sequence of int or None)
+        Name of each map, the map, and the numbers of the columns of ``X`` that it gets, counted
+        from 0; None is all columns. Maps may share columns.
+
+    Attributes
+    ----------
+    maps_ : list of FeatureMap
+        The fitted maps.
+
+    Raises
+    ------
+    ValueError
+        At ``fit``: ``maps`` is not such a list or empty, a name is double or holds ``__``, or a
+        column does not exist.
+    """
+
+    def __init__(self, maps: Sequence[Part]):
+        self.maps = maps
+
+    LIMITS: Mapping[str, Limit] = {}
+
+    def get_params(self, deep: bool = True) -> dict[str, Any]:
+        """Return the parameters; with ``deep`` the maps and theirs too."""
+        parameters = super().get_params(deep=False)
+        if deep:
+            for name, each in self._named_maps().items():
+                parameters[name] = each
+                parameters |= {f"{name}__{key}": value for key, value in each.get_params().items()}
+        return parameters
+
+    def set_params(self, **parameters: Any) -> Self:
+        """Set ``maps``, a map by its name, or a parameter of a map by ``NAME__PARAMETER``."""
+        if "maps" in parameters:
+            self.maps = parameters.pop("maps")
+        replaced = {name: parameters.pop(name) for name in self._named_maps() if name in parameters}
+        if replaced:
+            self.maps = [
+                (name, replaced.get(name, each), columns) for name, each, columns in self.maps
+            ]
+        return super().set_params(**parameters)
+
+    def _named_maps(self) -> dict[str, FeatureMap]:
+        try:
+            return {name: each for name, each, _ in self.maps if isinstance(each, FeatureMap)}
+        except (TypeError, ValueError):
+            return {}  # parameters may be set to anything; fit refuses what is wrong
+
+    def _prepare(self, X: np.ndarray) -> None:
+        self._check_maps(X.shape[1])
+        self.maps_ = [
+            clone(each).set_output(transform="default").fit(X[:, columns])
+            for (_, each, _), columns in zip(self.maps, self._columns(), strict=True)
+        ]
+
+    def _check_maps(self, n_inputs: int) -> None:
+        try:
+            names = [str(name) for name, _, _ in self.maps]
+        except (TypeError, ValueError) as error:
+            raise ValueError(
+                f"SideBySide: maps = {self.maps}; must be a list of (name, map, columns)"
+            ) from error
+        problems = [] if names else ["there are no maps"]
+        problems += [
+            f"{name!r} is {type(each).__name__}, which is no FeatureMap"
+            for name, each, _ in self.maps
+            if not isinstance(each, FeatureMap)
+        ]
+        problems += [f"{name!r} is double" for name in sorted(set(names)) if names.count(name) > 1]
+        problems += [
+            f"{name!r} must not hold __ or be 'maps'"
+            for name in names
+            if "__" in name or name == "maps"
+        ]
+        problems += [
+            f"{name!r} needs column {column}, but the columns are 0 to {n_inputs - 1}"
+            for name, _, columns in self.maps
+            for column in (() if columns is None else columns)
+            if not 0 <= column < n_inputs
+        ]
+        if problems:
+            raise ValueError("\n".join(f"SideBySide: maps: {problem}" for problem in problems))
+
+    def _columns(self) -> list[list[int]]:
+        every = range(self.n_features_in_)
+        return [list(every if columns is None else columns) for _, _, columns in self.maps]
+
+    def parts(self) -> list[tuple[FeatureMap, list[int]]]:
+        """Return each fitted map and the numbers of its columns."""
+        return list(zip(self.maps_, self._columns(), strict=True))
+
+    def _transform(self, X: np.ndarray) -> np.ndarray:
+        return np.hstack([each.transform(X[:, columns]) for each, columns in self.parts()])
+
+    def _named(self, columns: list[str]) -> list[str]:
+        return [
+            f"{name}__{feature}"
+            for (name, _, _), (each, own) in zip(self.maps, self.parts(), strict=True)
+            for feature in each.get_feature_names_out([columns[i] for i in own])
+        ]
+
+    def _start(self, x: np.ndarray) -> None:
+        self._parts, edge = [], 0
+        for each, columns in self.parts():
+            each.reset(x[columns])
+            size = len(each.get_feature_names_out())
+            self._parts.append((each, np.array(columns), slice(edge, edge + size)))
+            edge += size
+        self._row = np.empty(edge)
+
+    def _step(self, x: np.ndarray) -> np.ndarray:
+        for each, columns, place in self._parts:
+            self._row[place] = each.advance(x[columns])
+        return self._row

@@ -1,0 +1,354 @@
+"""Tables of the worlds of ``snakemake beyond``: models, claims B1-B8, and what changes them."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import pandas as pd
+
+from fprc import escape
+from fprc.paper import SOURCES
+from fprc.tables.models import with_interval
+from fprc.tables.text import format_mean, markdown, three_digits
+from fprc.worlds import MEASURES, SETS, capacities, measured, title_of
+
+Worlds = Sequence[Mapping[str, Any]]
+
+#: Settings that were chosen for a comparison, and are no model to take.
+_NO_OFFER = ("_oracle", "_matched")
+
+
+def models(worlds: Worlds) -> pd.DataFrame:
+    """Mean of each model's measures over the units of each world, tidy.
+
+    Returns
+    -------
+    DataFrame
+        ``world``, ``model``, ``measure``, ``mean``, ``low``, ``high`` (95 % interval over units;
+        empty for a single one), ``units``, ``source``.
+    """
+    tables = []
+    for world in worlds:
+        table = measured(world)
+        table = table[table["measure"].isin(list(MEASURES))]
+        steps = [
+            {"unit": 0, "model": model, "measure": "step_us", "value": value}
+            for model, value in (world.get("step_us") or {}).items()
+            if value is not None
+        ]
+        if steps:
+            table = pd.concat([table, pd.DataFrame(steps)])
+        tables.append(_means(table, world, "model", "measure"))
+    return _joined(tables)
+
+
+def models_page(table: pd.DataFrame, world: str, titles: Mapping[str, str]) -> pd.DataFrame:
+    """Return the models of one world as a page, one row each."""
+    own = table[table["world"] == world]
+    headings = {words[:1].upper() + words[1:]: measure for measure, words in MEASURES.items()}
+    rows = []
+    for model, measures in own.groupby("model", sort=False):
+        found = measures.set_index("measure")
+        units = found["units"].drop("step_us", errors="ignore")
+        rows.append(
+            (
+                title_of(model, titles),
+                *(_cell(found, measure) for measure in headings.values()),
+                " to ".join(map(str, sorted({units.min(), units.max()}))) if len(units) else "-",
+            )
+        )
+    return pd.DataFrame(rows, columns=["Model", *headings, "Units"])
+
+
+def leaderboard(table: pd.DataFrame, world: str, titles: Mapping[str, str]) -> pd.DataFrame:
+    """Return the models of one world as a page, the lowest forward test RMSE first.
+
+    Models whose settings were chosen on the test log, or matched to another's, are left out.
+    """
+    offered = table[~table["model"].str.endswith(_NO_OFFER)]
+    forward = offered[(offered["world"] == world) & (offered["measure"] == "forward")]
+    order = forward.sort_values("mean", kind="stable")["model"].tolist()
+    ranked = offered[offered["model"].isin(order)]
+    ranked = ranked.sort_values("model", key=lambda names: names.map(order.index), kind="stable")
+    page = models_page(ranked, world, titles)
+    return page[[name for name in page if "closed loop" not in name]]
+
+
+def errors_and_tracking(table: pd.DataFrame) -> pd.DataFrame:
+    """Forward test RMSE beside tracking, and their rank correlation over the models, tidy.
+
+    Parameters
+    ----------
+    table : DataFrame
+        From ``models``. Models whose settings were chosen on the test log are left out.
+
+    Returns
+    -------
+    DataFrame
+        ``world``, ``model``, ``forward`` (kPa), ``loop`` (open_loop or closed_loop), ``tracking``
+        (deg), ``models`` (their number) and ``rank_correlation`` (Spearman's, of the world and
+        loop), ``source``. Worlds of fewer than three such models are left out.
+    """
+    offered = table[~table["model"].str.endswith("_oracle")]
+    wide = offered.pivot(index=["world", "source", "model"], columns="measure", values="mean")
+    parts = []
+    for loop in ("open_loop", "closed_loop"):
+        pairs = wide.reindex(columns=["forward", loop]).dropna().reset_index()
+        pairs = pairs.rename(columns={loop: "tracking"}).assign(loop=loop)
+        for _, own in pairs.groupby("world", sort=False):
+            if len(own) > 2:
+                rho = own["forward"].rank().corr(own["tracking"].rank())
+                parts.append(own.assign(models=len(own), rank_correlation=rho))
+    order = "world model forward loop tracking models rank_correlation source".split()
+    return _joined(parts or [pd.DataFrame(columns=order)])[order]
+
+
+def claims(ledgers: Sequence[Sequence[Mapping[str, Any]]]) -> pd.DataFrame:
+    """Claims B1-B8 in each world, tidy: one row for each part, one for a claim not judged.
+
+    Parameters
+    ----------
+    ledgers : sequence
+        Of each world, the rows of ``claims.beyond.judge_world``.
+
+    Returns
+    -------
+    DataFrame
+        ``world``, ``id``, ``claim``, ``part``, ``ratio`` (a difference if not), ``mean``, ``low``,
+        ``high``, ``verdict`` (the claim's), ``p``, ``stable``, ``units``, ``dropped``, ``favours``,
+        ``reason``, ``source``. A claim that is not judged has no numbers.
+    """
+    kept = ("verdict", "p", "stable", "units", "dropped", "favours", "reason", "source")
+    nothing = {"text": "", "ratio": "", "mean": None, "low": None, "high": None}
+    return pd.DataFrame(
+        {
+            **{key: row[key] for key in ("world", "title", "id", "claim")},
+            "part": part["text"],
+            **{key: part[key] for key in ("ratio", "mean", "low", "high")},
+            **{key: row[key] for key in kept},
+        }
+        for ledger in ledgers
+        for row in ledger
+        for part in (row["parts"] or [nothing])
+    )
+
+
+def claims_page(ledgers: Sequence[Sequence[Mapping[str, Any]]]) -> pd.DataFrame:
+    """Return one row per claim: its verdict in each world, and whom the rigs were fitted for."""
+    rows = []
+    for of_claim in zip(*ledgers, strict=True):
+        favours: dict[str, list[str]] = {}
+        for row in of_claim:
+            favours.setdefault(row["favours"], []).append(row["title"])
+        rows.append(
+            {
+                "Id": of_claim[0]["id"],
+                "Claim": of_claim[0]["claim"],
+                **{row["title"]: _verdict(row) for row in of_claim},
+                "Fitted in favour of": "; ".join(
+                    text if len(favours) == 1 else f"{' and '.join(names)}: {text}"
+                    for text, names in favours.items()
+                ),
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _verdict(row: Mapping[str, Any]) -> str:
+    """Return verdict and numbers as text."""
+    numbers = "; ".join(format_mean(part, "mean") for part in row["parts"])
+    return f"{row['words']}: {numbers}" if numbers else row["words"]
+
+
+def details_page(ledgers: Sequence[Sequence[Mapping[str, Any]]]) -> pd.DataFrame:
+    """Return what each verdict rests on: numbers, p, agreeing subsets, units."""
+    return pd.DataFrame(
+        {
+            "World": row["title"],
+            "Id": row["id"],
+            "Compared": "; ".join(part["text"] for part in row["parts"]) or row["reason"],
+            "Verdict and interval": _verdict(row),
+            "p": _p(row["p"]) if row["parts"] else "-",
+            "Subsets that agree": "-" if row["stable"] is None else f"{100 * row['stable']:.0f} %",
+            "Units": _count(row["units"], row["unit"]),
+            "Without the pair": _count(row["dropped"], "build") if row["dropped"] else "none",
+        }
+        for ledger in ledgers
+        for row in ledger
+    )
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}" if number == 1 else f"{number} {what}s"
+
+
+def _p(value: float) -> str:
+    return "< 0.001" if value < 0.001 else three_digits(value)
+
+
+def offsets(worlds: Worlds) -> pd.DataFrame:
+    """Forward test RMSE where P_o is shifted or disturbed after training, tidy.
+
+    Returns
+    -------
+    DataFrame
+        ``world``, ``model``, ``disturbance`` (none, drift, noise or pushed), ``offset_kpa``,
+        ``mean``, ``low``, ``high``, ``units``, ``source``; and Fuzzy-linear's forward test RMSE,
+        which has no P_o, at no offset.
+    """
+    tables = []
+    for world in worlds:
+        table = measured(world)
+        kind = table["measure"].str.extract("^(shifted|disturbed)/(.*)$")
+        shifted, disturbed = kind[0] == "shifted", kind[0] == "disturbed"
+        without = (table["measure"] == "forward") & (table["model"] == "fuzzy_linear")
+        table["disturbance"] = kind[1].where(disturbed, "none")
+        table["offset_kpa"] = kind[1].where(shifted, "0").astype(float)
+        table = table[shifted | disturbed | without]
+        tables.append(_means(table, world, "model", "disturbance", "offset_kpa"))
+    return _joined(tables)
+
+
+def offsets_page(table: pd.DataFrame, world: str, titles: Mapping[str, str]) -> pd.DataFrame:
+    """Return one row per model and one column per offset and disturbance."""
+    own = table[table["world"] == world]
+    headings = {f"{kpa:+g} kPa": ("none", kpa) for kpa in sorted(own["offset_kpa"].unique())}
+    kinds = own["disturbance"].unique()
+    headings |= {kind: (kind, 0.0) for kind in ("drift", "noise", "pushed") if kind in kinds}
+    rows = [
+        (
+            title_of(model, titles),
+            *(
+                _cell(cells.set_index(["disturbance", "offset_kpa"]), key)
+                for key in headings.values()
+            ),
+        )
+        for model, cells in own.groupby("model", sort=False)
+    ]
+    return pd.DataFrame(rows, columns=["Model", *headings])
+
+
+def capacity(worlds: Worlds) -> pd.DataFrame:
+    """Capacity of each set of states, tidy.
+
+    Returns
+    -------
+    DataFrame
+        ``world``, ``set``, ``states``, ``quantity`` (see ``worlds.capacities``), ``mean``, ``low``,
+        ``high``, ``units``, ``source``.
+    """
+    tables = [_means(capacities(world), world, "set", "states", "quantity") for world in worlds]
+    return _joined(tables)
+
+
+def capacity_page(table: pd.DataFrame, world: str) -> pd.DataFrame:
+    """Return the capacities of one world as a page, one row per set of states."""
+    own = table[table["world"] == world]
+    quantities = [name for name in own["quantity"].unique() if name != "nonlinear"]
+    rows = [
+        (
+            SETS.get(name, name),
+            str(states),
+            *(_cell(found.set_index("quantity"), quantity) for quantity in quantities),
+        )
+        for (name, states), found in own.groupby(["set", "states"], sort=False)
+    ]
+    return pd.DataFrame(rows, columns=["States", "Number", *map(str.capitalize, quantities)])
+
+
+def lengths(worlds: Worlds) -> pd.DataFrame:
+    """Forward test RMSE over the length of the training log, tidy.
+
+    Returns
+    -------
+    DataFrame
+        ``world``, ``model``, ``training`` (seconds of one log, or two logs), ``mean``, ``low``,
+        ``high``, ``units``, ``source``.
+    """
+    tables = []
+    for world in worlds:
+        rows = [
+            {
+                "unit": entry["seed"],
+                "model": model,
+                "training": "two logs" if entry.get("two_logs") else f"{entry['seconds']:g} s",
+                "value": float(errors["test_rmse_kpa"]),
+            }
+            for entry in world.get("training_length") or ()
+            for model, errors in entry["models"].items()
+            if errors.get("test_rmse_kpa") is not None
+        ]
+        table = pd.DataFrame(rows, columns=["unit", "model", "training", "value"])
+        tables.append(_means(table, world, "model", "training"))
+    return _joined(tables)
+
+
+def lengths_page(table: pd.DataFrame, world: str, titles: Mapping[str, str]) -> pd.DataFrame:
+    """Return one row per model and one column per length of the training log."""
+    own = table[table["world"] == world]
+    lengths = sorted(set(own["training"]), key=_seconds)
+    rows = [
+        (title_of(model, titles), *(_cell(found.set_index("training"), each) for each in lengths))
+        for model, found in own.groupby("model", sort=False)
+    ]
+    return pd.DataFrame(rows, columns=["Model", *lengths])
+
+
+def blocks(
+    verdicts: Mapping[str, Any],
+    tables: Mapping[str, pd.DataFrame],
+    world: str,
+    titles: Mapping[str, str],
+) -> dict[str, str]:
+    """Return the generated blocks of docs/beyond.md, and the leaderboard of docs/benchmark.md.
+
+    Parameters
+    ----------
+    verdicts : Mapping
+        ``source``, ``advice`` (sentences), and ``ledgers``: of each world, the rows of
+        ``claims.beyond.judge_world``.
+    tables : Mapping
+        ``models``, ``offsets``, ``capacities`` and ``lengths``, tidy.
+    world : str
+        The world that the tables of models, offsets, capacities and lengths show.
+    titles : Mapping
+        Models by name.
+    """
+    pages = {
+        "beyond_claims": claims_page(verdicts["ledgers"]),
+        "beyond_details": details_page(verdicts["ledgers"]),
+        "beyond_models": models_page(tables["models"], world, titles),
+        "beyond_offsets": offsets_page(tables["offsets"], world, titles),
+        "beyond_capacity": capacity_page(tables["capacities"], world),
+        "beyond_lengths": lengths_page(tables["lengths"], world, titles),
+        "leaderboard": leaderboard(tables["models"], world, titles),
+    }
+    note = f"Data: {SOURCES[verdicts['source']]}."
+    sentences = "\n".join(f"- {escape.markdown(sentence)}" for sentence in verdicts["advice"])
+    return {"advice": sentences} | {name: markdown(page, note) for name, page in pages.items()}
+
+
+def _seconds(training: str) -> float:
+    return float("inf") if training == "two logs" else float(training.removesuffix(" s"))
+
+
+def _means(table: pd.DataFrame, world: Mapping[str, Any], *keys: str) -> pd.DataFrame:
+    """Return the mean over units, and its interval, for each value of the keys."""
+    # several builds of one rig are one unit
+    units = table.groupby(["unit", *keys], sort=False)["value"].mean().reset_index()
+    means = units.groupby(list(keys), sort=False)["value"].agg(["mean", "std", "count"])
+    means = means.reset_index().rename(columns={"count": "units"})
+    means = with_interval(means, "units")
+    means.insert(0, "world", world["name"])
+    return means.drop(columns="std").assign(source=world["source"])
+
+
+def _joined(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
+    """Return the tables below each other; empty ones would change the types of the columns."""
+    return pd.concat([table for table in tables if len(table)] or tables[:1], ignore_index=True)
+
+
+def _cell(found: pd.DataFrame, key: Any) -> str:
+    if key not in found.index:
+        return "-"
+    row = found.loc[key]
+    return three_digits(row["mean"]) if row["units"] == 1 else format_mean(row, "mean")

@@ -1,0 +1,113 @@
+"""Read what was measured in a world of ``snakemake beyond``: one rig, or a set of rigs.
+
+A world's file has ``name``, ``title``, ``source``, ``unit`` (seed or rig), ``cells`` (one per
+simulated build, with the errors of each model), ``capacity``, ``training_length`` and ``step_us``.
+"""
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import pandas as pd
+
+from fprc.paper import REFERENCES
+
+#: Measures of every model, as readers see them, with their units.
+MEASURES = {
+    "forward": "test RMSE, forward [kPa]",
+    "reversed": "test RMSE, reversed [kPa]",
+    "open_loop": "tracking, open loop [deg]",
+    "closed_loop": "tracking, closed loop [deg]",
+    "step_us": "one step [us]",
+}
+
+#: Sets of states whose capacity is measured, as readers see them.
+SETS = {
+    "p_o": "P_o",
+    "p_o_taps": "taps of P_o",
+    "p_o_virtual": "virtual nodes of P_o",
+    "theta_lowpass_taps": "taps of low-passed theta_d",
+    "bank": "bank of low-passes",
+    "esn": "ESN",
+    "esn_noisy": "ESN, noise of P_o",
+}
+
+#: Two models are equivalent within this factor.
+EQUIVALENT_WITHIN = 1.05
+
+_WORDS = {"tuned": "tuned", "matched": "matched in training", "oracle": "chosen on the test log"}
+
+
+def title_of(name: str, titles: Mapping[str, str]) -> str:
+    """Return a model's name for readers; a suffix says how its settings were chosen."""
+    if name in titles:
+        return titles[name]
+    base, _, suffix = name.rpartition("_")
+    if base in titles and suffix in _WORDS:
+        return f"{titles[base]}, {_WORDS[suffix]}"
+    return name.replace("_", " ")
+
+
+def measured(world: Mapping[str, Any]) -> pd.DataFrame:
+    """Return every number of the models in a world, tidy.
+
+    Returns
+    -------
+    DataFrame
+        ``unit``, ``seed``, ``model``, ``measure``, ``value``. Measures are ``forward`` and
+        ``reversed`` (test RMSE, kPa), ``open_loop`` and ``closed_loop`` (root mean square over the
+        four references, deg), ``shifted/KPA`` and ``disturbed/KIND`` (forward test RMSE, kPa).
+        A number that is missing, not finite or not positive has no row.
+    """
+    rows = [
+        (cell["unit"], cell["seed"], model, measure, float(value))
+        for cell in world["cells"]
+        for model, report in cell.get("models", {}).items()
+        for measure, value in _numbers(report)
+        if _good(value)
+    ]
+    return pd.DataFrame(rows, columns=["unit", "seed", "model", "measure", "value"])
+
+
+def _numbers(report: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    for direction in ("forward", "reversed"):
+        yield direction, (report.get(direction) or {}).get("test_rmse_kpa")
+    for loop in ("open_loop", "closed_loop"):
+        errors = report.get(f"{loop}_deg") or {}
+        values = [errors[reference] for reference in REFERENCES if _good(errors.get(reference))]
+        if len(values) == len(REFERENCES):
+            yield loop, math.hypot(*values) / math.sqrt(len(values))
+    for offset, value in (report.get("shifted") or {}).items():
+        yield f"shifted/{float(offset):g}", value
+    for kind, value in (report.get("disturbed") or {}).items():
+        yield f"disturbed/{kind}", value
+
+
+def _good(value: Any) -> bool:
+    return isinstance(value, int | float) and math.isfinite(value) and value > 0
+
+
+def capacities(world: Mapping[str, Any]) -> pd.DataFrame:
+    """Return the capacities of every set of states in a world, tidy.
+
+    Returns
+    -------
+    DataFrame
+        ``unit``, ``seed``, ``set``, ``quantity``, ``value``, ``states``. Quantities are
+        ``memory``, ``total``, ``degree N`` for each degree, and ``nonlinear``, which sums the
+        degrees from 2 on.
+    """
+    rows = []
+    for entry in world.get("capacity") or ():
+        unit = entry.get("unit", entry["seed"])
+        for name, found in entry["sets"].items():
+            degrees = found.get("by_degree", {})
+            numbers = {"memory": found.get("memory"), "total": found.get("total")}
+            numbers |= {f"degree {n}": each for n, each in degrees.items()}
+            numbers["nonlinear"] = sum(each for n, each in degrees.items() if int(n) > 1)
+            rows += [
+                (unit, entry["seed"], name, quantity, float(value), found["states"])
+                for quantity, value in numbers.items()
+                if value is not None and math.isfinite(value)
+            ]
+    return pd.DataFrame(rows, columns=["unit", "seed", "set", "quantity", "value", "states"])

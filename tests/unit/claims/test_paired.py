@@ -1,0 +1,237 @@
+"""Verdicts on several pairs at once, against closed forms, brute force and simulation."""
+
+import math
+from itertools import combinations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.stats import ttest_1samp
+
+from fprc.claims import paired
+from fprc.claims.paired import ALPHA, Part, holm, judge_together
+
+MARGIN = math.log(1.05)
+SAMPLES = st.lists(st.floats(-0.3, 0.3), min_size=4, max_size=12).filter(
+    lambda values: np.std(values) > 1e-6
+)
+LEVELS = st.floats(0.001, 0.3)
+
+
+def part(values, **more):
+    return Part("ours / theirs", dict(enumerate(values)), **more)
+
+
+def normal(mean, std, units, seed=0):
+    """Return a sample whose mean and standard deviation are exactly these."""
+    sample = np.random.default_rng(seed).standard_normal(units)
+    return mean + std * (sample - sample.mean()) / sample.std(ddof=1)
+
+
+def judge(*samples, **more):
+    """Return the outcome of a claim alone."""
+    (outcome,) = judge_together([[part(sample, **more) for sample in samples]])
+    return outcome
+
+
+# --- one pair -------------------------------------------------------------------------------------
+
+
+@given(SAMPLES, LEVELS)
+def test_equivalence_is_two_one_sided_tests(values, level):
+    ps = (
+        ttest_1samp(values, MARGIN, alternative="less").pvalue,
+        ttest_1samp(values, -MARGIN, alternative="greater").pvalue,
+    )
+    assert (part(values).verdict(level) == "equivalent") == (max(ps) <= level / 2)
+
+
+@given(SAMPLES, LEVELS)
+def test_superior_and_inferior_are_t_tests(values, level):
+    test = ttest_1samp(values, 0.0)
+    expected = "undecided"
+    if test.pvalue < level:
+        expected = "superior" if test.statistic < 0 else "inferior"
+    assert part(values, ratio=False).verdict(level) == expected
+
+
+def test_equivalent_comes_before_superior_and_a_difference_is_never_equivalent():
+    values = normal(-0.02, 0.01, 20)
+    assert part(values).verdict(0.05) == "equivalent"
+    assert part(values, ratio=False).verdict(0.05) == "superior"
+
+
+@given(SAMPLES, st.booleans())
+def test_lowest_level_is_where_the_verdict_turns(values, ratio):
+    sample = part(values, ratio=ratio)
+    least, inferior = sample.least_levels()
+    if least < 0.9:
+        assert sample.verdict(least * 1.0001) != "undecided"
+        assert sample.verdict(least * 0.9999) == "undecided"
+    if inferior < 0.9 and not ratio:
+        assert sample.verdict(inferior * 1.0001) == "inferior"
+
+
+def test_lowest_level_of_equivalence_is_that_of_two_one_sided_tests():
+    values = normal(0.01, 0.03, 12)
+    ps = (
+        ttest_1samp(values, MARGIN, alternative="less").pvalue,
+        ttest_1samp(values, -MARGIN, alternative="greater").pvalue,
+    )
+    assert part(values).least_levels()[0] == pytest.approx(2 * max(ps))
+    assert max(ps) < ttest_1samp(values, 0.0).pvalue / 2
+
+
+# --- several claims -------------------------------------------------------------------------------
+
+
+@given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=6))
+def test_holm_is_the_closure_of_bonferroni(p):
+    """A claim is decided if Bonferroni rejects every set of claims that it is in."""
+    everything = range(len(p))
+    closure = [
+        max(
+            min(1.0, size * min(p[j] for j in chosen))
+            for size in range(1, len(p) + 1)
+            for chosen in combinations(everything, size)
+            if i in chosen
+        )
+        for i in everything
+    ]
+    adjusted, levels = holm(np.array(p))
+    assert adjusted == pytest.approx(closure)
+    decided = np.array(p) <= levels
+    assert (decided == (adjusted <= ALPHA)).all() or np.isclose(adjusted, ALPHA).any()
+
+
+def test_holm_of_a_textbook_example():
+    adjusted, levels = holm(np.array([0.01, 0.04, 0.03, 0.005]))
+    assert adjusted == pytest.approx([0.03, 0.06, 0.06, 0.02])
+    assert levels == pytest.approx([0.05 / 3, 0.05 / 2, 0.05 / 2, 0.05 / 4])
+
+
+def test_a_claim_that_is_not_judged_still_counts():
+    weak = [part(normal(-0.1, 0.125, 12))]  # p = 0.018
+    assert judge_together([weak])[0].p == pytest.approx(0.0178, abs=5e-4)
+    outcomes = judge_together([weak, [], [part([-0.1])]])
+    assert [each.verdict for each in outcomes] == ["undecided", "not judged", "not judged"]
+    assert outcomes[0].p == pytest.approx(3 * 0.0178, abs=2e-3)
+    assert outcomes[0].level == pytest.approx(ALPHA / 3)
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "verdict"),
+    [
+        (-0.3, -0.3, "superior"),
+        (-0.3, 0.0, "equivalent"),
+        (-0.3, 0.3, "inferior"),
+        (0.0, 0.3, "inferior"),
+        (0.0, 0.0, "equivalent"),
+    ],
+)
+def test_verdict_of_two_parts_is_the_weaker(first, second, verdict):
+    assert judge(normal(first, 0.01, 12), normal(second, 0.01, 12)).verdict == verdict
+    assert judge(normal(second, 0.01, 12), normal(first, 0.01, 12)).verdict == verdict
+
+
+def test_part_that_is_undecided_leaves_the_claim_undecided():
+    assert judge(normal(-0.3, 0.01, 12), normal(0.0, 1.0, 12)).verdict == "undecided"
+    assert judge(normal(0.3, 0.01, 12), normal(0.0, 1.0, 12)).verdict == "inferior"
+
+
+def test_p_of_two_parts_is_that_of_the_weaker():
+    weak, strong = normal(-0.1, 0.125, 12), normal(-0.3, 0.01, 12)
+    assert judge(strong, weak).p == pytest.approx(2 * judge(weak).p)
+    # one part that is inferior decides the claim
+    assert judge(normal(0.3, 0.01, 12), weak).p < judge(weak).p
+
+
+def test_two_parts_share_the_level():
+    one, two = judge(normal(-0.1, 0.1, 12)), judge(*[normal(-0.1, 0.1, 12)] * 2)
+    assert two.p == pytest.approx(2 * one.p)
+    assert two.level == pytest.approx(one.level / 2)
+
+
+# --- errors and power -----------------------------------------------------------------------------
+
+
+def worlds(means, std, units=10, count=200):
+    random = np.random.default_rng(5)
+    for _ in range(count):
+        yield [[part(random.normal(mean, std, units))] for mean in means]
+
+
+def test_chance_of_any_wrong_verdict_is_five_percent(monkeypatch):
+    monkeypatch.setattr(paired, "AGREEING", 0.0)
+    monkeypatch.setattr(paired, "SUBSETS", 1)
+    # so wide that no sample is equivalent: every verdict is wrong
+    wrong = [
+        any(outcome.verdict != "undecided" for outcome in judge_together(world))
+        for world in worlds([0.0] * 8, 1.0, count=300)
+    ]
+    assert 0.02 < np.mean(wrong) < 0.08
+
+
+def test_chance_does_not_rise_where_other_claims_are_true(monkeypatch):
+    monkeypatch.setattr(paired, "AGREEING", 0.0)
+    monkeypatch.setattr(paired, "SUBSETS", 1)
+    wrong = [
+        any(outcome.verdict != "undecided" for outcome in judge_together(world)[4:])
+        for world in worlds([-5.0] * 4 + [0.0] * 4, 1.0, count=300)
+    ]
+    assert 0.02 < np.mean(wrong) < 0.08
+
+
+@pytest.mark.parametrize(
+    ("mean", "verdict"), [(-0.15, "superior"), (0.0, "equivalent"), (0.15, "inferior")]
+)
+def test_true_verdicts_are_found(mean, verdict):
+    found = [
+        outcome.verdict
+        for world in worlds([mean] * 8, 0.02, units=15, count=2)
+        for outcome in judge_together(world)
+    ]
+    assert set(found) == {verdict}
+
+
+# --- other units ----------------------------------------------------------------------------------
+
+
+def test_verdict_that_fewer_units_turn_is_undecided():
+    values = normal(-0.1, 0.13, 12)  # p = 0.02
+    outcome = judge(values)
+    assert part(values).verdict(ALPHA) == "superior"
+    shares = [
+        part(subset).verdict(ALPHA) == "superior"
+        for subset in combinations(values, len(values) - 5)
+    ]
+    assert outcome.verdict == "undecided"
+    assert outcome.stable == pytest.approx(np.mean(shares), abs=0.12)
+    assert outcome.stable < 0.95
+
+
+def test_stable_verdict_keeps_its_share():
+    outcome = judge(normal(-0.1, 0.02, 12))
+    assert (outcome.verdict, outcome.stable) == ("superior", 1.0)
+
+
+def test_one_outlier_leaves_it_undecided():
+    values = normal(-0.1, 0.02, 12)
+    assert judge(values).verdict == "superior"
+    assert judge([*values[1:], 1.0]).verdict == "undecided"
+
+
+def test_seven_units_decide_nothing_and_eight_do():
+    for units, verdict in ((7, "undecided"), (8, "superior")):
+        assert judge(normal(-0.5, 0.01, units)).verdict == verdict
+
+
+def test_units_that_all_agree_are_judged():
+    assert judge([-0.2] * 10).verdict == "superior"
+    assert judge([0.0] * 10).verdict == "equivalent"
+
+
+def test_same_numbers_give_the_same_verdicts():
+    claims = [[part(normal(-0.08, 0.1, 14, seed))] for seed in range(8)]
+    assert judge_together(claims) == judge_together(claims)

@@ -1,0 +1,82 @@
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fprc.competitors import COMPETITORS, default_settings
+from fprc.config import check
+from fprc.errors import ConfigError
+from fprc.models.competitors import build_competitor
+from fprc.registry import MODELS, build
+
+
+@pytest.fixture(scope="module")
+def models():
+    return check({}).model_dump(mode="json")["models"]
+
+
+@pytest.mark.parametrize("name", COMPETITORS)
+def test_competitor_learns_a_loop_and_steps_as_it_predicts(name, models):
+    X, y = log(COMPETITORS[name].inputs)
+    small = {"esn": {"r": 20}, "trees": {"max_iter": 20}}.get(name, {})
+    model = build_competitor(name, default_settings(name, models) | small, seed=1).fit(X, y)
+    predicted = model.predict(X)
+    assert np.sqrt(np.mean((predicted - y) ** 2)) < 0.4 * y.std()
+    assert_allclose([model.step(x) for x in X[:130]], predicted[:130], rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_models_of_the_paper_are_those_of_the_registry(name, models):
+    ours = build_competitor(name, default_settings(name, models), seed=4)
+    assert repr(ours) == repr(build(name, models, 4))
+    assert COMPETITORS[name].title == MODELS[name].title
+
+
+def test_shared_settings_follow_the_section_models(models):
+    changed = models | {"n_y": 9, "fprc": models["fprc"] | {"epsilon": 0.5}}
+    model = build_competitor("ridge_p_o", default_settings("ridge_p_o", changed), seed=1)
+    assert (model.features.n_y, model.features.epsilon) == (9, 0.5)
+
+
+@pytest.mark.parametrize("name", ["mlp", "trees", "plays_fuzzy", "fprc_lowpass"])
+def test_seed_decides_what_is_random(name, models):
+    model = build_competitor(name, default_settings(name, models), seed=8)
+    assert model.make_readout().get_params().get("random_state", 8) == 8
+    seeds = [value for key, value in model.make_readout().get_params().items() if "random_" in key]
+    assert set(seeds) == {8}
+
+
+def test_name_that_is_no_competitor_is_refused(models):
+    with pytest.raises(ConfigError, match="'lstm' is no competitor; choose from esn, fprc"):
+        build_competitor("lstm", {}, seed=1)
+
+
+@pytest.mark.parametrize("name", COMPETITORS)
+def test_missing_or_unknown_setting_is_refused_by_name(name, models):
+    with pytest.raises(ConfigError, match=rf"competitor {name}: .*'depth_'"):
+        build_competitor(name, default_settings(name, models) | {"depth_": 3}, seed=1)
+
+
+def test_missing_setting_is_refused_by_name():
+    with pytest.raises(ConfigError, match=r"competitor bank: .*'n_y'"):
+        build_competitor("bank", {"epsilons": [0.1]}, seed=1)
+
+
+def test_titles_differ():
+    titles = [each.title for each in COMPETITORS.values()]
+    assert len(set(titles)) == len(titles)
+
+
+@pytest.mark.slow
+def test_table_of_competitors_loads_no_numerics():
+    code = "import fprc.competitors, sys; sys.exit('numpy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def log(inputs):
+    time = np.arange(400) / 20.0
+    theta = 35.0 + 20.0 * np.sin(time)
+    columns = {"theta_deg": theta, "p_o_kpa": 100.0 + 0.3 * theta + 2.0 * np.sin(time - 0.5)}
+    return np.column_stack([columns[each] for each in inputs]), 175.0 + 120.0 * np.sin(time + 0.3)

@@ -1,0 +1,114 @@
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from sklearn.base import clone
+from sklearn.ensemble import ExtraTreesRegressor, HistGradientBoostingRegressor
+from sklearn.neural_network import MLPRegressor
+from sklearn.pipeline import make_pipeline
+from sklearn.preprocessing import StandardScaler
+
+from fprc.models import (
+    ESN,
+    FPRC,
+    NVAR,
+    EchoStates,
+    FeatureModel,
+    LowpassBank,
+    PlayOperators,
+    RidgeReadout,
+    SideBySide,
+    TakagiSugenoReadout,
+    TapFeatures,
+)
+
+BANK = SideBySide([("taps", TapFeatures(3), None), ("bank", LowpassBank((0.3, 0.1)), [0])])
+MAPS = [PlayOperators(3), LowpassBank((0.5, 0.1)), NVAR(2, 3), BANK]
+NETWORK = make_pipeline(
+    StandardScaler(), MLPRegressor(hidden_layer_sizes=(4,), solver="lbfgs", tol=1.0)
+)
+REGRESSORS = [ExtraTreesRegressor(5), HistGradientBoostingRegressor(max_iter=5), NETWORK]
+
+
+@pytest.mark.parametrize(
+    ("ours", "theirs"),
+    [
+        (FeatureModel(TapFeatures(), TakagiSugenoReadout()), FPRC()),
+        (FeatureModel(EchoStates(r=10), RidgeReadout()), ESN(r=10)),
+    ],
+    ids=["fprc", "esn"],
+)
+def test_model_of_a_papers_parts_is_the_papers_model(ours, theirs):
+    X, y = log()
+    ours, theirs = (each.set_params(random_state=3).fit(X, y) for each in (ours, theirs))
+    assert np.array_equal(ours.predict(X), theirs.predict(X))
+
+
+@pytest.mark.parametrize("readout", [RidgeReadout(), TakagiSugenoReadout(n_c=3)])
+@pytest.mark.parametrize("features", MAPS)
+def test_steps_equal_the_prediction_of_the_whole_log(features, readout):
+    X, y = log()
+    model = FeatureModel(features, readout, random_state=1).fit(X, y)
+    assert_allclose([model.step(x) for x in X], model.predict(X), rtol=0, atol=1e-8)
+    assert np.sqrt(np.mean((model.predict(X) - y) ** 2)) < 0.5 * y.std()
+
+
+@pytest.mark.parametrize("regressor", REGRESSORS)
+def test_regressor_of_scikit_learn_gets_the_rows_of_the_map(regressor):
+    X, y = log()
+    model = FeatureModel(BANK, regressor, random_state=2).fit(X, y)
+    own = clone(regressor)
+    own.set_params(**{key: 2 for key in own.get_params() if key.endswith("random_state")})
+    rows = clone(BANK).fit_transform(X)
+    expected = own.fit(rows, y).predict(rows)
+    assert np.array_equal(model.predict(X), expected)
+    assert_allclose([model.step(x) for x in X[:20]], expected[:20], rtol=1e-9)
+
+
+def test_seed_reaches_every_random_part_and_none_leaves_them():
+    features = SideBySide([("a", EchoStates(r=3, random_state=7), None)])
+    model = FeatureModel(features, NETWORK, random_state=5)
+    assert model.make_features().get_params()["a__random_state"] == 5
+    assert model.make_readout().get_params()["mlpregressor__random_state"] == 5
+    kept = model.set_params(random_state=None).make_features()
+    assert kept.get_params()["a__random_state"] == 7
+    assert features.get_params()["a__random_state"] == 7
+
+
+def test_parameters_of_the_parts_are_set_through_the_model():
+    model = FeatureModel(BANK, RidgeReadout())
+    changed = clone(model).set_params(features__bank__epsilons=(0.7,), readout__alpha=2.0)
+    X, y = log()
+    assert changed.fit(X, y).readout_.w_out_.size == 1 + 3 + 3 + 1
+    assert changed.readout_.alpha == 2.0
+
+
+def test_model_of_the_documentation_learns_and_steps():
+    page = Path(__file__).parents[3] / "docs/extending.md"
+    blocks = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+    found: dict = {}
+    exec(next(block for block in blocks if "FeatureModel(" in block), found)
+    X, y = log()
+    model = found["model"].fit(X, y)
+    assert model.readout_.w_out_.size == 1 + 10 + 3
+    assert_allclose([model.step(x) for x in X], model.predict(X), rtol=0, atol=1e-9)
+
+
+def test_several_recordings_restart_the_features():
+    X, y = log()
+    parts = [X[:60], X[60:] + 5.0]
+    model = FeatureModel(BANK, RidgeReadout()).fit(parts, [y[:60], y[60:]])
+    rows = [clone(BANK).fit(np.vstack(parts)).transform(part) for part in parts]
+    own = RidgeReadout().fit(np.vstack(rows), y)
+    assert np.array_equal(model.readout_.w_out_, own.w_out_)
+    for found, each in zip(model.predict(parts), rows, strict=True):
+        assert np.array_equal(found, own.predict(each))
+
+
+def log():
+    time = np.arange(150) / 10.0
+    theta = 20.0 + 15.0 * np.sin(time)
+    X = np.column_stack([theta, 100.0 + 0.3 * theta + 2.0 * np.sin(time - 0.5)])
+    return X, 175.0 + 120.0 * np.sin(time + 0.2)

@@ -1,0 +1,45 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from numpy.testing import assert_allclose
+from scipy.signal import lfilter
+
+from fprc.models import LowpassBank
+
+logs = st.integers(1, 40).flatmap(
+    lambda size: arrays(float, (size, 2), elements=st.floats(-1e3, 1e3, allow_subnormal=False))
+)
+factors = st.lists(st.floats(1e-3, 1.0), min_size=1, max_size=4)
+
+
+@settings(max_examples=50, deadline=None, derandomize=True)
+@given(logs, factors)
+def test_bank_is_scipys_filter_of_each_column_with_each_factor(X, epsilons):
+    features = LowpassBank(epsilons).fit(X)
+    expected = [
+        lfilter([each], [1.0, each - 1.0], column, zi=[(1.0 - each) * column[0]])[0]
+        for column in X.T
+        for each in epsilons
+    ]
+    assert_allclose(features.transform(X).T, expected, rtol=1e-9, atol=1e-9)
+    assert_allclose([features.step(x) for x in X], np.transpose(expected), rtol=1e-9, atol=1e-9)
+
+
+def test_steps_have_every_digit_of_the_whole_log():
+    """A tree would tell the last digits apart."""
+    X = np.cumsum(np.random.default_rng(0).normal(size=(200, 2)), axis=0)
+    features = LowpassBank((0.03, 0.7)).fit(X)
+    assert np.array_equal([features.step(x) for x in X], features.transform(X))
+
+
+def test_names_say_column_and_factor():
+    names = LowpassBank((1.0, 0.003)).fit(np.ones((2, 1))).get_feature_names_out(["p_o_kpa"])
+    assert names.tolist() == ["p_o_kpa_lowpass1", "p_o_kpa_lowpass0.003"]
+
+
+@pytest.mark.parametrize("epsilons", [[], [0.1, 0.0], [0.1, 1.1], [np.nan]])
+def test_factors_outside_their_limits_are_refused(epsilons):
+    with pytest.raises(ValueError, match=r"epsilons = .*; must be in \(0, 1\]"):
+        LowpassBank(epsilons).fit(np.ones((5, 1)))

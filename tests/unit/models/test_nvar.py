@@ -1,0 +1,73 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+
+from fprc.models import NVAR, RidgeReadout
+
+
+@settings(max_examples=30, deadline=None, derandomize=True)
+@given(st.integers(1, 3), st.integers(1, 4), st.integers(2, 3), st.integers(1, 2), st.data())
+def test_features_are_those_of_literal_loops(n_taps, spacing, degree, columns, data):
+    seed = data.draw(st.integers(0, 99))
+    X = np.random.default_rng(seed).normal(30.0, 17.0, (25, columns))
+    z = (X - X.mean(axis=0)) / X.std(axis=0)
+    expected = []
+    for k in range(len(X)):
+        linear = [z[max(k - j * spacing, 0), i] for i in range(columns) for j in range(n_taps)]
+        products = []
+        for a in range(len(linear)):
+            for b in range(a, len(linear)):
+                if degree == 2:
+                    products.append(linear[a] * linear[b])
+                else:
+                    products += [linear[a] * linear[b] * linear[c] for c in range(b, len(linear))]
+        expected.append(linear + products)
+    features = NVAR(n_taps, spacing, degree).fit(X)
+    assert_allclose(features.transform(X), expected, rtol=1e-10, atol=1e-12)
+    assert_allclose([features.step(x) for x in X], expected, rtol=1e-10, atol=1e-12)
+
+
+def test_names_say_lags_in_samples_and_factors():
+    names = NVAR(n_taps=2, spacing=5).fit(log()).get_feature_names_out(["theta"])
+    assert names.tolist() == [
+        "theta_lag0",
+        "theta_lag5",
+        "theta_lag0 theta_lag0",
+        "theta_lag0 theta_lag5",
+        "theta_lag5 theta_lag5",
+    ]
+
+
+def test_unit_of_the_input_does_not_matter():
+    X = log()
+    deg, rad = NVAR(2, 3).fit(X), NVAR(2, 3).fit(np.radians(X))
+    assert_allclose(rad.transform(np.radians(X)), deg.transform(X), rtol=1e-9, atol=1e-12)
+
+
+def test_later_logs_are_standardised_by_the_training_log():
+    X = log()
+    rows = NVAR(1).fit(X).transform(X + 10.0)
+    assert_allclose(rows[:, 0], (X[:, 0] + 10.0 - X.mean()) / X.std(), rtol=1e-12)
+
+
+def test_constant_column_gives_zeros():
+    assert not NVAR(2, 3).fit_transform(np.full((10, 1), 42.0)).any()
+
+
+def test_ridge_on_products_of_two_taps_fits_a_quadratic_map():
+    x = log()[:, 0]
+    y = 3.0 + x * np.concatenate([x[:1], x[:-1]])
+    rows = NVAR(n_taps=2, spacing=1).fit_transform(x[:, None])
+    assert_allclose(RidgeReadout(alpha=1e-9).fit(rows, y).predict(rows), y, rtol=1e-5)
+
+
+def test_log_shorter_than_the_taps_is_refused_with_both_numbers():
+    with pytest.raises(ValueError, match="n_samples = 10 is less than the 11 .*longer log"):
+        NVAR(n_taps=3, spacing=5).fit(log()).transform(log()[:10])
+
+
+def log():
+    time = np.arange(60) / 3.0
+    return (35.0 + 20.0 * np.sin(time) + 5.0 * np.cos(2.3 * time))[:, None]

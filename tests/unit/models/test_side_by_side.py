@@ -1,0 +1,133 @@
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+from numpy.testing import assert_allclose
+from sklearn import config_context
+from sklearn.base import clone
+
+from fprc.models import (
+    NVAR,
+    EchoStates,
+    LowpassBank,
+    PlayOperators,
+    RidgeReadout,
+    SideBySide,
+    TapFeatures,
+)
+from fprc.models.recordings import transform_each
+
+PARTS = [
+    ("taps", TapFeatures(n_y=2, n_references=None), [0]),
+    ("plays", PlayOperators(n_plays=3), [1, 0]),
+    ("bank", LowpassBank((1.0, 0.2)), None),
+    ("nvar", NVAR(n_taps=2, spacing=4), np.array([2])),
+    ("network", EchoStates(r=5, random_state=0), [2, 1]),
+]
+
+
+def log(size=60, seed=0):
+    return np.cumsum(np.random.default_rng(seed).normal(size=(size, 3)), axis=0)
+
+
+def test_features_are_those_of_each_map_side_by_side():
+    X, other = log(), log(seed=1)
+    expected = np.hstack(
+        [
+            clone(each)
+            .fit(X if columns is None else X[:, columns])
+            .transform(other if columns is None else other[:, columns])
+            for _, each, columns in PARTS
+        ]
+    )
+    features = SideBySide(PARTS).fit(X)
+    assert np.array_equal(features.transform(other), expected)
+    assert_allclose([features.step(x) for x in other], expected, rtol=1e-10, atol=1e-12)
+
+
+def test_second_stream_does_not_remember_the_first():
+    features = SideBySide(PARTS).fit(log())
+    for x in log():
+        features.step(x)
+    features.reset()
+    other = log(seed=1)
+    assert_allclose([features.step(x) for x in other], features.transform(other), atol=1e-10)
+
+
+def test_recordings_restart_every_map():
+    X = np.vstack([log(), log(30, seed=1)])
+    features = SideBySide(PARTS).fit(X)
+    expected = np.vstack([features.transform(X[:60]), features.transform(X[60:])])
+    assert np.array_equal(transform_each(features, X, [60, 30]), expected)
+    assert not np.allclose(features.transform(X)[60:], expected[60:])
+
+
+def test_maps_that_were_given_stay_unfitted():
+    SideBySide(PARTS).fit(log())
+    assert not any(hasattr(each, "n_features_in_") for _, each, _ in PARTS)
+
+
+def test_names_begin_with_that_of_the_map():
+    table = pd.DataFrame(log(), columns=["a", "b", "c"])
+    features = SideBySide([("bank", LowpassBank((0.5,)), [2, 0]), PARTS[0]]).fit(table)
+    assert features.get_feature_names_out().tolist() == [
+        "bank__c_lowpass0.5",
+        "bank__a_lowpass0.5",
+        "taps__a_lag0",
+        "taps__a_lag1",
+    ]
+
+
+def test_maps_give_arrays_where_tables_are_asked_for():
+    X = log()
+    expected = SideBySide(PARTS).fit_transform(X)
+    with config_context(transform_output="pandas"):
+        table = SideBySide(PARTS).fit_transform(X)
+    assert np.array_equal(table.to_numpy(), expected)
+    assert table.columns[0] == "taps__x0_lag0"
+
+
+def test_parameters_of_maps_are_read_and_set_by_name():
+    features = SideBySide(PARTS)
+    assert features.get_params()["plays__n_plays"] == 3
+    assert features.get_params(deep=False) == {"maps": PARTS}
+    changed = clone(features).set_params(plays__n_plays=7, bank=LowpassBank((0.5, 0.1, 0.01)))
+    assert changed.fit(log()).transform(log()).shape[1] == 2 + 2 * 7 + 3 * 3 + 5 + 2 * 5 + 5
+    assert features.get_params()["plays__n_plays"] == 3
+
+
+def test_parameters_of_maps_are_set_together_with_new_maps():
+    maps = [("plays", PlayOperators(), None)]
+    changed = SideBySide(PARTS).set_params(maps=maps, plays__n_plays=2)
+    assert changed.get_params()["plays__n_plays"] == 2
+    assert list(changed.get_params()) == ["maps", "plays", "plays__n_plays"]
+
+
+def test_parameter_of_a_map_that_is_not_there_is_refused():
+    with pytest.raises(ValueError, match="Invalid parameter 'plays'"):
+        SideBySide(PARTS[:1]).set_params(plays__n_plays=2)
+
+
+@pytest.mark.parametrize(
+    ("maps", "problem"),
+    [
+        ([], "there are no maps"),
+        ([PARTS[0], PARTS[0]], "'taps' is double"),
+        ([("a__b", TapFeatures(), None)], "'a__b' must not hold __"),
+        ([("maps", TapFeatures(), None)], "'maps' must not"),
+        ([("taps", TapFeatures(), [0, 3])], "'taps' needs column 3, but the columns are 0 to 2"),
+        ([("taps", TapFeatures(), [-1])], "'taps' needs column -1"),
+        ([("ridge", RidgeReadout(), None)], "'ridge' is RidgeReadout, which is no FeatureMap"),
+        ([("taps", TapFeatures())], "must be a list of (name, map, columns)"),
+        (3, "must be a list of (name, map, columns)"),
+    ],
+)
+def test_maps_that_do_not_fit_are_refused(maps, problem):
+    with pytest.raises(ValueError, match=re.escape(problem)):
+        SideBySide(maps).fit(log())
+
+
+def test_parameter_of_a_map_outside_its_limits_is_refused():
+    with pytest.raises(ValueError, match="PlayOperators: n_plays = 0"):
+        SideBySide(PARTS).set_params(plays__n_plays=0).fit(log())

@@ -1,0 +1,269 @@
+# Beyond the paper: competitors of its models, on several worlds of simulated rigs.
+
+BEYOND = SETTINGS["beyond"]
+#: Rigs of the posterior, and settings of the tuned models; both were made by this workflow.
+POSTERIOR_RIGS = own("../../config/rigs/posterior.json")
+TUNED = own("../../config/tuned.yaml")
+#: Worlds: the rig of the configuration, each other one that can be named, and two sets of rigs.
+OWN_WORLD = SETTINGS["fitted"]["name"]
+SETS_OF_RIGS = {
+    "posterior": "rigs compatible with Tables II and III",
+    "drawn": "rigs drawn from the physical ranges",
+}
+TITLES = {name: f"the rig {name}" for name in (OWN_WORLD, *OTHER_RIGS)} | SETS_OF_RIGS
+WORLDS = list(TITLES)
+FIGURES_BEYOND = ("pairs", "tracking", "offsets", "capacities")
+CONTEST = {
+    "models": paper_models(SETTINGS),
+    "tracking": SETTINGS["tracking"],
+    "restarts": BEYOND["restarts"],
+    **BEYOND["disturbances"],
+}
+
+
+rule beyond_world:
+    input:
+        rigs=POSTERIOR_RIGS,
+        tuned=TUNED,
+    output:
+        judged=PATHS.below("beyond/{world}.json"),
+    log:
+        PATHS.messages("beyond_{world}"),
+    wildcard_constraints:
+        world="|".join(WORLDS),
+    threads: workflow.cores
+    resources:
+        mem_mb=memory_of,
+        runtime=120,
+    params:
+        **stage("beyond.judge_world", key="version"),
+        world=world_of,
+        units=units_of,
+        slow=BEYOND["slow"],
+        contest=CONTEST,
+        workers=workers_of_units,
+        checkpoint=placed(PATHS.below("beyond/{world}.partial.jsonl")),
+    message:
+        "Beyond the paper: the models and their competitors, world {wildcards.world}"
+    script:
+        "../scripts/stage.py"
+
+
+rule tune_world:
+    input:
+        rigs=POSTERIOR_RIGS,
+    output:
+        tuning=PATHS.below("beyond/tuning_{world}.json"),
+    log:
+        PATHS.messages("tune_{world}"),
+    wildcard_constraints:
+        world="|".join(WORLDS),
+    threads: workflow.cores
+    resources:
+        mem_mb=memory_of,
+        runtime=120,
+    params:
+        **stage("beyond.tune_world", key="version"),
+        world=world_of,
+        units=units_of_tuning,
+        candidates=BEYOND["tuning"]["candidates"],
+        seed=BEYOND["tuning"]["seed"],
+        restarts=BEYOND["restarts"],
+        judgement=judgement(SETTINGS, models=paper_models(SETTINGS), split="blocked"),
+        workers=workers_of_units,
+        checkpoint=placed(PATHS.below("beyond/tuning_{world}.partial.jsonl")),
+    message:
+        "Beyond the paper: settings of the competitors, world {wildcards.world}"
+    script:
+        "../scripts/stage.py"
+
+
+rule join_tuned:
+    input:
+        tunings=expand(PATHS.below("beyond/tuning_{world}.json"), world=WORLDS),
+    output:
+        tuned=PATHS.below("beyond/tuned.yaml"),
+    log:
+        PATHS.messages("join_tuned"),
+    params:
+        **stage("beyond.join_tuned"),
+    message:
+        "Beyond the paper: settings of the competitors"
+    script:
+        "../scripts/stage.py"
+
+
+rule beyond_training:
+    input:
+        tuned=TUNED,
+    output:
+        judged=PATHS.below("beyond/training_logs.json"),
+    log:
+        PATHS.messages("beyond_training"),
+    threads: workflow.cores
+    resources:
+        mem_mb=memory_of,
+        runtime=120,
+    params:
+        **stage("beyond.judge_training_logs", key="version"),
+        world=lambda wildcards: world_named(OWN_WORLD),
+        contest=CONTEST,
+        seeds=BEYOND["training"]["seeds"],
+        seconds=BEYOND["training"]["seconds"],
+        second_log={
+            **SETTINGS["experiments"]["complex"],
+            "f_hz": BEYOND["training"]["second_f_hz"],
+        },
+        workers=workers_of_units,
+        checkpoint=placed(PATHS.below("beyond/training_logs.partial.jsonl")),
+    message:
+        "Beyond the paper: length and number of the training logs"
+    script:
+        "../scripts/stage.py"
+
+
+rule beyond_steps:
+    input:
+        tuned=TUNED,
+    output:
+        steps=PATHS.below("beyond/steps.json"),
+    log:
+        PATHS.messages("beyond_steps"),
+    priority: ALONE
+    threads: workflow.cores
+    params:
+        **stage("beyond.time_steps"),
+        world=lambda wildcards: world_named(OWN_WORLD),
+        contest=CONTEST,
+    message:
+        "Beyond the paper: time of a step"
+    script:
+        "../scripts/stage.py"
+
+
+rule tuned:
+    input:
+        PATHS.below("beyond/tuned.yaml"),
+    localrule: True
+
+
+rule beyond_capacity:
+    output:
+        judged=PATHS.below("beyond/capacity.json"),
+    log:
+        PATHS.messages("beyond_capacity"),
+    threads: workflow.cores
+    resources:
+        mem_mb=memory_of,
+        runtime=120,
+    params:
+        **stage("beyond.judge_capacities", key="version"),
+        worlds=lambda wildcards: [world_named(name) for name in (OWN_WORLD, *OTHER_RIGS)],
+        models=pick(SETTINGS["models"], "n_y", "fprc", "esn"),
+        capacity={key: each for key, each in BEYOND["capacity"].items() if key != "seeds"},
+        seeds=BEYOND["capacity"]["seeds"],
+        workers=workers_of_units,
+        checkpoint=placed(PATHS.below("beyond/capacity.partial.jsonl")),
+    message:
+        "Beyond the paper: memory and nonlinear capacity"
+    script:
+        "../scripts/stage.py"
+
+
+rule beyond_tables:
+    input:
+        worlds=expand(PATHS.below("beyond/{world}.json"), world=WORLDS),
+        capacity=PATHS.below("beyond/capacity.json"),
+        training=PATHS.below("beyond/training_logs.json"),
+        steps=PATHS.below("beyond/steps.json"),
+    output:
+        verdicts=PATHS.below("beyond/claims.json"),
+        models=PATHS.below("beyond/models.csv"),
+        claims=PATHS.below("beyond/claims.csv"),
+        tracking=PATHS.below("beyond/tracking.csv"),
+        offsets=PATHS.below("beyond/offsets.csv"),
+        capacities=PATHS.below("beyond/capacities.csv"),
+        lengths=PATHS.below("beyond/lengths.csv"),
+    log:
+        PATHS.messages("beyond_tables"),
+    params:
+        **stage("show_beyond.tabulate_beyond"),
+    message:
+        "Beyond the paper: claims B1 to B8, tables"
+    script:
+        "../scripts/stage.py"
+
+
+rule draw_pairs:
+    input:
+        claims=PATHS.below("beyond/claims.csv"),
+    output:
+        **drawn(PATHS.below("beyond/figure_pairs")),
+    log:
+        PATHS.messages("draw_pairs"),
+    params:
+        **stage("show_beyond.draw_pairs"),
+        worlds=TITLES,
+    message:
+        "Beyond the paper: ratios of the pairs, figure"
+    script:
+        "../scripts/stage.py"
+
+
+rule draw_tracking:
+    input:
+        tracking=PATHS.below("beyond/tracking.csv"),
+    output:
+        **drawn(PATHS.below("beyond/figure_tracking")),
+    log:
+        PATHS.messages("draw_tracking"),
+    params:
+        **stage("show_beyond.draw_tracking"),
+        world=OWN_WORLD,
+    message:
+        "Beyond the paper: errors against tracking, figure"
+    script:
+        "../scripts/stage.py"
+
+
+rule draw_offsets:
+    input:
+        offsets=PATHS.below("beyond/offsets.csv"),
+    output:
+        **drawn(PATHS.below("beyond/figure_offsets")),
+    log:
+        PATHS.messages("draw_offsets"),
+    params:
+        **stage("show_beyond.draw_offsets"),
+        world=OWN_WORLD,
+    message:
+        "Beyond the paper: offset of P_o, figure"
+    script:
+        "../scripts/stage.py"
+
+
+rule draw_capacities:
+    input:
+        capacities=PATHS.below("beyond/capacities.csv"),
+    output:
+        **drawn(PATHS.below("beyond/figure_capacities")),
+    log:
+        PATHS.messages("draw_capacities"),
+    params:
+        **stage("show_beyond.draw_capacities"),
+        world=OWN_WORLD,
+    message:
+        "Beyond the paper: capacities, figure"
+    script:
+        "../scripts/stage.py"
+
+
+rule beyond:
+    input:
+        PATHS.below("beyond/claims.json"),
+        expand(PATHS.below("beyond/figure_{name}.pdf"), name=FIGURES_BEYOND),
+        expand(PATHS.below("beyond/{world}.json"), world=WORLDS),
+        PATHS.below("beyond/capacity.json"),
+        PATHS.below("beyond/training_logs.json"),
+        PATHS.below("beyond/steps.json"),
+    localrule: True
