@@ -12,8 +12,8 @@ from fprc.experiments.hysteresis import acquire
 from fprc.logs import write_raw
 from fprc.paper import REFERENCES
 
-# `make quick` asks for fewer examples
-EXAMPLES = int(os.environ.get("FPRC_EXAMPLES", "50"))
+# `make quick` asks for fewer examples, .ci/weekly for more
+EXAMPLES = int(os.environ.get("FPRC_EXAMPLES", "25"))
 settings.register_profile("unit", max_examples=EXAMPLES, deadline=None, derandomize=True)
 settings.load_profile("unit")
 
