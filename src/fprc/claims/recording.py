@@ -95,7 +95,11 @@ def _part(
     pairs = enumerate(zip(ours, theirs, strict=False))
     return Part(
         f"{titles['fprc']} / {titles[claim.other]}",
-        {block: math.log(own) - math.log(other) for block, (own, other) in pairs},
+        {
+            block: math.log(own) - math.log(other)
+            for block, (own, other) in pairs
+            if own > 0.0 and other > 0.0
+        },
         overlap=overlap,
     )
 

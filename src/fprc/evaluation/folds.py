@@ -74,7 +74,8 @@ def split_blocks(lengths: Sequence[int], blocks: int, shortest: int, purge: int)
     """Return (training rows, validation rows) of blocks, each inside one recording.
 
     ``blocks`` recordings or more are a block each. Fewer are cut into equal blocks, in all at least
-    as many as asked for, but none shorter than ``shortest`` unless its recording is.
+    as many as asked for, but none shorter than ``shortest``; a recording that is itself shorter is
+    one block, or two if it is the only one.
 
     Parameters
     ----------
@@ -90,11 +91,12 @@ def split_blocks(lengths: Sequence[int], blocks: int, shortest: int, purge: int)
     EvaluationError
         The purge leaves a block no rows to train.
     """
-    total = sum(lengths)
+    total, fewest = sum(lengths), 1 if len(lengths) > 1 else 2
     folds = []
     for rows in np.split(np.arange(total), np.cumsum(lengths)[:-1]):
         wanted = 1 if len(lengths) >= blocks else -(-blocks * len(rows) // total)
-        for block in np.array_split(rows, max(1, min(wanted, len(rows) // shortest))):
+        count = max(fewest, min(wanted, len(rows) // shortest))
+        for block in np.array_split(rows, count):
             first, last = max(rows[0], block[0] - purge), min(rows[-1], block[-1] + purge)
             train = np.concatenate([np.arange(first), np.arange(last + 1, total)])
             if not train.size:

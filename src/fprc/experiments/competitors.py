@@ -20,8 +20,8 @@ ON_RECORDINGS = (
 )  # fmt: skip
 #: Blocks of a recording that is long enough.
 BLOCKS = 10
-#: A block is at least this many purges long.
-PURGES = 2
+#: A block is at least so many purges long, and so many time constants of FPRC's low-pass.
+PURGES, TIME_CONSTANTS = 2, 3
 #: Numbers that a model's states may have in a log: 0.5 GB, and about three copies while it trains.
 _MOST_NUMBERS = 60_000_000
 
@@ -29,7 +29,9 @@ _MOST_NUMBERS = 60_000_000
 def recording_blocks(data: Data, judgement: Judgement) -> list[Fold]:
     """Return (training rows, validation rows) of each block of the training log."""
     purge = judgement.purge_samples(data)
-    return split_blocks(data.lengths, BLOCKS, max(1, PURGES * purge), purge)
+    time_constant = 1.0 / judgement.models["fprc"]["epsilon"]
+    shortest = max(PURGES * purge, round(TIME_CONSTANTS * time_constant))
+    return split_blocks(data.lengths, BLOCKS, shortest, purge)
 
 
 def judge_competitor(
