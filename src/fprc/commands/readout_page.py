@@ -48,7 +48,7 @@ def report_page(
         *([f"Training logs: {', '.join(map(_with_hash, further))}."] if further else []),
         f"Data: {SOURCES[results['source']]}; {rate_hz:g} samples per second; epsilon "
         "and taps are in samples.",
-        f"{_what_trained(mapping, further)}; models as in the paper"
+        f"{what_trained(mapping, further)}; models as in the paper"
         f"{'' if _has_default_models(settings) else ', except for the settings given'}. "
         f"The models predict the {PREDICTED[results['target']]} P_exp.",
         "",
@@ -92,11 +92,12 @@ def _others(folder: Path, report: Mapping[str, Any]) -> list[str]:
         "",
         *(f"- {line}" for line in sentences(report["verdicts"])),
         "",
-        "Each ratio is the mean over blocks; below 1 it favours FPRC. The verdicts share an error "
-        "of 5 %, so their intervals are wider than those of 95 %. They are wider also because the "
-        "models of all blocks share training data (Nadeau and Bengio 2003, an approximation). "
-        "A verdict holds for this recording and these settings, not for the rig on "
-        "another day. Test errors have no interval and enter no verdict.",
+        "Each ratio is the mean over blocks; below 1 it favours FPRC. The chance that any verdict "
+        "is wrong is kept at 5 % (Holm), so an interval is wider than a 95 % interval. It is widened "
+        "further because the models of all blocks share training data; this correction (Nadeau "
+        "and Bengio 2003) is an approximation. A verdict holds for this recording and these "
+        "settings, not for the rig on another day. Test errors have no interval and enter no "
+        "verdict.",
         "",
         note,
         "",
@@ -111,7 +112,8 @@ def _with_hash(path: str) -> str:
     return f"{code(path)}, SHA-256 `{sha256(path)[:16]}`"
 
 
-def _what_trained(mapping: ImportMap, further: Sequence[str]) -> str:
+def what_trained(mapping: ImportMap, further: Sequence[str]) -> str:
+    """Return in words which part of which recordings trains, and which tests."""
     logs = f"{len(further)} training log{'s' if len(further) > 1 else ''}"
     if mapping.test_from_s is None:
         return f"Trained on {logs}, tested on the whole recording"
