@@ -93,8 +93,8 @@ def _others(folder: Path, report: Mapping[str, Any]) -> list[str]:
         *(f"- {line}" for line in sentences(report["verdicts"])),
         "",
         "Each ratio is the mean over blocks; below 1 it favours FPRC. The chance that any verdict "
-        "is wrong is kept at 5 % (Holm), so an interval is wider than a 95 % interval. It is widened "
-        "further because the models of all blocks share training data; this correction (Nadeau "
+        "is wrong is kept at 5 % (Holm), so an interval is wider than a 95 % interval. It is wider "
+        "still because the models of all blocks share training data; this correction (Nadeau "
         "and Bengio 2003) is an approximation. A verdict holds for this recording and these "
         "settings, not for the rig on another day. Test errors have no interval and enter no "
         "verdict.",
