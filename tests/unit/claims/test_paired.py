@@ -74,6 +74,16 @@ def test_lowest_level_is_where_the_verdict_turns(values, ratio):
         assert sample.verdict(inferior * 1.0001) == "inferior"
 
 
+def test_lowest_level_of_equivalence_is_that_of_two_one_sided_tests():
+    values = normal(0.01, 0.03, 12)
+    ps = (
+        ttest_1samp(values, MARGIN, alternative="less").pvalue,
+        ttest_1samp(values, -MARGIN, alternative="greater").pvalue,
+    )
+    assert part(values).least_levels()[0] == pytest.approx(2 * max(ps))
+    assert max(ps) < ttest_1samp(values, 0.0).pvalue / 2
+
+
 # --- several claims -------------------------------------------------------------------------------
 
 
@@ -129,6 +139,13 @@ def test_verdict_of_two_parts_is_the_weaker(first, second, verdict):
 def test_part_that_is_undecided_leaves_the_claim_undecided():
     assert judge(normal(-0.3, 0.01, 12), normal(0.0, 1.0, 12)).verdict == "undecided"
     assert judge(normal(0.3, 0.01, 12), normal(0.0, 1.0, 12)).verdict == "inferior"
+
+
+def test_p_of_two_parts_is_that_of_the_weaker():
+    weak, strong = normal(-0.1, 0.125, 12), normal(-0.3, 0.01, 12)
+    assert judge(strong, weak).p == pytest.approx(2 * judge(weak).p)
+    # one part that is inferior decides the claim
+    assert judge(normal(0.3, 0.01, 12), weak).p < judge(weak).p
 
 
 def test_two_parts_share_the_level():
