@@ -101,7 +101,6 @@ def test_folds_of_recordings_need_two(lengths):
         split_rows(60, 2, "recordings", 1, lengths=lengths)
 
 
-@examples
 @given(
     st.lists(st.integers(20, 60), min_size=1, max_size=12),
     st.integers(2, 10),
