@@ -58,7 +58,8 @@ def report_page(
         f"- {compare_scales(folder / 'data/sweep.h5', settings['models']['fprc']['sigma'])}",
         "",
         "Low-passed theta and P_o shuffled in time are controls: P_o helps as a memory only if it "
-        "beats both. One test does not show the spread of the test error.",
+        "beats both. One test does not show the spread of the test error; the verdicts under "
+        "[Other models](#other-models) say which differences are more than chance.",
         "",
         "## Table",
         "",
