@@ -147,12 +147,15 @@ def update_beyond_page(
     lengths: str,
     figures: Sequence[str],
     *,
+    readme: str,
     page: str,
     board: str,
     pictures: Sequence[str],
     world: str,
 ) -> None:
     """Replace the generated blocks of docs/beyond.md, the leaderboard, and the pictures.
+
+    The README gets what makes the loops, and what to take.
 
     Parameters
     ----------
@@ -166,7 +169,10 @@ def update_beyond_page(
     titles = {name: entry.title for name, entry in COMPETITORS.items()}
     csv = {"models": models, "offsets": offsets, "capacities": capacities, "lengths": lengths}
     found = {name: pd.read_csv(path) for name, path in csv.items()}
-    blocks = beyond.blocks(read_json(verdicts), found, world, titles)
+    judged = read_json(verdicts)
+    blocks = beyond.blocks(judged, found, world, titles)
+    loops, _, to_take, *_ = judged["advice"]
+    _update(readme, {"worth": f"**What the reservoir is worth.** {loops} {to_take}"})
     _update(board, {"leaderboard": blocks.pop("leaderboard")})
     _update(page, blocks)
     for figure, picture in zip(figures, pictures, strict=True):
