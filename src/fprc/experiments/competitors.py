@@ -5,8 +5,9 @@ from typing import Any
 
 from fprc.competitors import default_settings
 from fprc.errors import EvaluationError
+from fprc.evaluation.blocks import split_blocks
 from fprc.evaluation.crossval import fit_folds, refusals_of
-from fprc.evaluation.folds import Fold, split_blocks
+from fprc.evaluation.folds import Fold
 from fprc.evaluation.metrics import rmse
 from fprc.experiments.beyond import inputs_of
 from fprc.experiments.data import Data
@@ -28,10 +29,16 @@ _MOST_NUMBERS = 60_000_000
 
 def recording_blocks(data: Data, judgement: Judgement) -> list[Fold]:
     """Return (training rows, validation rows) of each block of the training log."""
-    purge = judgement.purge_samples(data)
+    purge = round(judgement.purge_s / period_s(data))
     time_constant = 1.0 / judgement.models["fprc"]["epsilon"]
     shortest = max(PURGES * purge, round(TIME_CONSTANTS * time_constant))
     return split_blocks(data.lengths, BLOCKS, shortest, purge)
+
+
+def period_s(data: Data) -> float:
+    """Return the mean time from one sample to the next, s."""
+    time_s = data.channels["time_s"]
+    return float(time_s[-1] - time_s[0]) / (len(time_s) - 1)
 
 
 def judge_competitor(

@@ -25,14 +25,9 @@ class Judgement:
         # here, so that a simulation starts without scikit-learn
         from fprc.evaluation.folds import split_rows
 
-        samples = len(data.channels["time_s"])
-        purge = self.purge_samples(data)
-        return split_rows(samples, self.folds, self.split, self.seed, purge, data.lengths)
-
-    def purge_samples(self, data: Data) -> int:
-        """Return the purge in samples of a log."""
         time_s = data.channels["time_s"]
-        return round(self.purge_s * (len(time_s) - 1) / float(time_s[-1] - time_s[0]))
+        purge = round(self.purge_s * (len(time_s) - 1) / float(time_s[-1] - time_s[0]))
+        return split_rows(len(time_s), self.folds, self.split, self.seed, purge, data.lengths)
 
 
 @dataclass(frozen=True)

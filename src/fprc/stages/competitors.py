@@ -7,16 +7,22 @@ from typing import Any
 
 import numpy as np
 
-from fprc import tables
 from fprc.artifacts import read_json, write_csv, write_json, write_text
 from fprc.claims.recording import judge_recording
 from fprc.competitors import COMPETITORS
 from fprc.errors import EvaluationError
 from fprc.evaluation.cells import checkpoint_key, log_progress, run_cells
-from fprc.experiments.competitors import ON_RECORDINGS, judge_competitor, recording_blocks
+from fprc.experiments.competitors import (
+    ON_RECORDINGS,
+    judge_competitor,
+    period_s,
+    recording_blocks,
+)
 from fprc.experiments.data import read_data, refuse_mixture
 from fprc.experiments.settings import Judgement
 from fprc.paper import SOURCES
+from fprc.tables import markdown
+from fprc.tables.competitors import competitors_page, competitors_table
 
 
 def compare_competitors(
@@ -50,14 +56,12 @@ def compare_competitors(
         key=checkpoint_key([judgement, version], [train, test]),
         progress=progress,
     )
-    time_s = data.channels["time_s"]
-    period_s = float(time_s[-1] - time_s[0]) / (len(time_s) - 1)
     report = {
         "source": data.attributes["source"],
         "seed": judgement["seed"],
         "unit": data.unit,
         "purge_s": judgement["purge_s"],
-        "block_s": [len(block) * period_s for _, block in folds],
+        "block_s": [len(block) * period_s(data) for _, block in folds],
         # samples that judge per sample that trains
         "overlap": float(np.mean([len(block) / len(rows) for rows, block in folds])),
         "cells": judged,
@@ -71,7 +75,7 @@ def tabulate_competitors(competitors: str, csv: str, md: str) -> None:
     """Write the errors of FPRC and its competitors as CSV and Markdown."""
     report = read_json(competitors)
     titles = {name: entry.title for name, entry in COMPETITORS.items()}
-    table = tables.competitors(report)
+    table = competitors_table(report)
     write_csv(csv, table)
     shortest, longest = min(report["block_s"]), max(report["block_s"])
     length = f"{shortest:.3g}" if longest - shortest < 0.1 else f"{shortest:.3g} to {longest:.3g}"
@@ -82,7 +86,7 @@ def tabulate_competitors(competitors: str, csv: str, md: str) -> None:
         f"Data: {SOURCES[report['source']]}, seed {report['seed']}. No model was tuned to this "
         "recording."
     )
-    write_text(md, tables.markdown(tables.competitors_page(table, titles), note))
+    write_text(md, markdown(competitors_page(table, titles), note))
 
 
 def _judge_from_files(

@@ -1,6 +1,5 @@
 """The paper's tables: from results to tidy data frames, and to pages for readers."""
 
-from fprc.tables.competitors import competitors, competitors_page
 from fprc.tables.models import (
     comparison,
     comparison_page,
@@ -27,8 +26,6 @@ __all__ = [
     "comparison",
     "comparison_page",
     "configuration",
-    "competitors",
-    "competitors_page",
     "deviations",
     "ensemble",
     "ensemble_page",

@@ -9,7 +9,7 @@ import pandas as pd
 from fprc.tables.text import spread
 
 
-def competitors(report: Mapping[str, Any]) -> pd.DataFrame:
+def competitors_table(report: Mapping[str, Any]) -> pd.DataFrame:
     """Errors of each competitor, tidy: mean and deviation over blocks, and on the test data.
 
     Returns
