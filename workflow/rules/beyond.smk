@@ -10,7 +10,9 @@ SETS_OF_RIGS = {
     "posterior": "rigs compatible with Tables II and III",
     "drawn": "rigs drawn from the physical ranges",
 }
-TITLES = {name: f"the rig {name}" for name in (OWN_WORLD, *OTHER_RIGS)} | SETS_OF_RIGS
+TITLES = {
+    name: f"the {name.replace('_', '-')} rig" for name in (OWN_WORLD, *OTHER_RIGS)
+} | SETS_OF_RIGS
 WORLDS = list(TITLES)
 FIGURES_BEYOND = ("pairs", "tracking", "offsets", "capacities")
 CONTEST = {

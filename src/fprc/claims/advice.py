@@ -66,9 +66,14 @@ def _effect(row: Mapping[str, Any]) -> str:
         SUPERIOR: f"P_o gives FPRC {-percent:.0f} % less test error than",
         EQUIVALENT: "P_o gives FPRC the same test error, within 5 %, as",
         INFERIOR: f"P_o gives FPRC {percent:.0f} % more test error than",
-        UNDECIDED: f"P_o may or may not give FPRC less test error ({percent:+.0f} %) than",
+        UNDECIDED: f"it is undecided whether P_o gives FPRC less test error ({_signed(percent)} %) "
+        "than",
     }[row["verdict"]]
     return f"{what} a low-pass of theta_d"
+
+
+def _signed(percent: float) -> str:
+    return f"{percent:+.0f}" if abs(percent) >= 0.5 else "0"
 
 
 def _when_it_pays(by_claim: Sequence[Mapping[str, Any]]) -> str:

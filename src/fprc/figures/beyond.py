@@ -21,7 +21,7 @@ _LOOK = ("color", "linestyle")
 #: Distance of two labels in a column, over the height of the axes.
 _LINE = 0.055
 #: A ratio beyond this, or beyond one over it, is not shown.
-_WIDEST = 4.0
+_WIDEST = 5.0
 _UNDECIDED = ("undecided", "not judged")
 #: Settings that were chosen for a comparison.
 _CHOSEN = ("_tuned", "_matched", "_oracle")
