@@ -286,6 +286,8 @@ def calibrated(smoked, shared):
             "posterior",
             "targets",
             "rigs",
+            "beyond",
+            "tuned",
             *figures,
             taps,
             "--config",

@@ -1,8 +1,8 @@
 """The workflow gives the same bytes with and without Slurm.
 
 SLURM_TARGETS names the targets; `make test-slurm` runs the whole smoke run. By default there is one
-job of each kind: a group of logs and one of drawings, a model, a grid in two chunks, and a chunk of
-the ensemble, which judges every model.
+job of each kind: a group of logs and one of drawings, a grid in two chunks, and a chunk of the
+ensemble, which judges every model.
 """
 
 import os
@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-SMALL = "table1 fig11 results/smoke/models/sweep_esn.h5 results/smoke/ensemble/rigs_2.json"
+SMALL = "fig11 results/smoke/ensemble/rigs_2.json"
 TARGETS = os.environ.get("SLURM_TARGETS", SMALL).split()
 #: Where `make slurm` puts the executor.
 PLUGIN = Path(sys.prefix) / "slurm"
@@ -54,11 +54,11 @@ def test_slurm_gives_the_same_bytes(calibrated, project):
     path = os.pathsep.join(filter(None, [str(PLUGIN), os.environ.get("PYTHONPATH")]))
     done = project.run(*command, *HERE, *TARGETS, *settings, PYTHONPATH=path)
     assert done.returncode == 0, done.stdout
-    assert done.stdout.count("has been submitted with SLURM jobid") >= 6
+    assert done.stdout.count("has been submitted with SLURM jobid") >= 5
     assert daemons() <= before
     assert not Path("/etc/slurm/slurm.conf").exists()
     local, through_slurm = calibrated[0].untimed(), project.untimed()
-    assert len(through_slurm) > 20
+    assert len(through_slurm) > 15
     assert through_slurm.keys() <= local.keys()
     assert [name for name in through_slurm if through_slurm[name] != local[name]] == []
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import h5py
 import pandas as pd
 import pytest
+import yaml
 
 MODELS = ["esn", "fprc", "fuzzy_linear"]
 TABLES = ["table1", "table2", "table3", "table4", "table2_seeds", "table3_seeds",
@@ -164,7 +165,7 @@ def test_smoke_touches_every_rule(smoked, calibrated):
     # these look at results and make none, or take minutes and are tested by themselves
     by_hand = {"check", "readme", "calibration_page", "measure_scale", "scaling_page"}
     by_hand |= {"measure_benchmark", "benchmark_table", "benchmark_figure", "rule_times"}
-    by_hand |= {"performance_page", "running_page", "picture_of_rules"}
+    by_hand |= {"performance_page", "running_page", "picture_of_rules", "beyond_page"}
     # of logs that are already there: test_recorded.py; of a real rig: tests/faults
     by_hand |= {"read_gains", "add_reservoir", "record_on_rig", "identify_gain_from_logs"}
     by_hand |= {"draw_training"}  # of models from outside the package: test_extending.py
@@ -205,6 +206,26 @@ def test_rigs_stand_side_by_side(calibrated):
     table = pd.read_csv(calibrated[0].folder / "results/smoke/rigs/rigs.csv")
     assert set(table["rig"]) == {"dry", "viscous"}
     assert table.groupby("rig").size().tolist() == [26, 26]
+
+
+def test_worlds_beyond_the_paper_have_every_model_and_a_verdict_on_each_claim(calibrated):
+    folder = calibrated[0].folder / "results/smoke/beyond"
+    ledgers = json.loads((folder / "claims.json").read_text())["ledgers"]
+    worlds = [ledger[0]["world"] for ledger in ledgers]
+    assert worlds == ["dry", "bouc_wen", "viscous", "posterior", "drawn"]
+    assert all(
+        [row["id"] for row in ledger] == [f"B{n}" for n in range(1, 9)] for ledger in ledgers
+    )
+    # two seeds decide nothing
+    assert {row["verdict"] for ledger in ledgers for row in ledger} <= {"undecided", "not judged"}
+    models = pd.read_csv(folder / "models.csv").dropna(axis="columns", how="all")
+    forward = models[models["measure"] == "forward"]
+    assert forward.groupby("world")["model"].nunique().to_dict() == {
+        "dry": 22, "bouc_wen": 8, "viscous": 22, "posterior": 8, "drawn": 8,
+    }  # fmt: skip
+    assert (forward["units"] == 2).sum() == len(forward) - 2 * 6  # the slow models have one seed
+    tuned = yaml.safe_load((folder / "tuned.yaml").read_text())
+    assert set(tuned) == set(worlds)
 
 
 def test_sweep_in_chunks_gives_the_same_bytes(smoked, calibrated):

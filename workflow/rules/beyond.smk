@@ -10,7 +10,9 @@ SETS_OF_RIGS = {
     "posterior": "rigs compatible with Tables II and III",
     "drawn": "rigs drawn from the physical ranges",
 }
-TITLES = {name: f"rig {name}" for name in (OWN_WORLD, *OTHER_RIGS)} | SETS_OF_RIGS
+TITLES = {
+    name: f"the {name.replace('_', '-')} rig" for name in (OWN_WORLD, *OTHER_RIGS)
+} | SETS_OF_RIGS
 WORLDS = list(TITLES)
 FIGURES_BEYOND = ("pairs", "tracking", "offsets", "capacities")
 CONTEST = {
@@ -41,7 +43,7 @@ rule beyond_world:
         units=units_of,
         slow=BEYOND["slow"],
         contest=CONTEST,
-        workers=lambda wildcards, threads: threads,
+        workers=workers_of_units,
         checkpoint=placed(PATHS.below("beyond/{world}.partial.jsonl")),
     message:
         "Beyond the paper: the models and their competitors, world {wildcards.world}"
@@ -70,7 +72,7 @@ rule tune_world:
         seed=BEYOND["tuning"]["seed"],
         restarts=BEYOND["restarts"],
         judgement=judgement(SETTINGS, models=paper_models(SETTINGS), split="blocked"),
-        workers=lambda wildcards, threads: threads,
+        workers=workers_of_units,
         checkpoint=placed(PATHS.below("beyond/tuning_{world}.partial.jsonl")),
     message:
         "Beyond the paper: settings of the competitors, world {wildcards.world}"
@@ -114,7 +116,7 @@ rule beyond_training:
             **SETTINGS["experiments"]["complex"],
             "f_hz": BEYOND["training"]["second_f_hz"],
         },
-        workers=lambda wildcards, threads: threads,
+        workers=workers_of_units,
         checkpoint=placed(PATHS.below("beyond/training_logs.partial.jsonl")),
     message:
         "Beyond the paper: length and number of the training logs"
@@ -162,7 +164,7 @@ rule beyond_capacity:
         models=pick(SETTINGS["models"], "n_y", "fprc", "esn"),
         capacity={key: each for key, each in BEYOND["capacity"].items() if key != "seeds"},
         seeds=BEYOND["capacity"]["seeds"],
-        workers=lambda wildcards, threads: threads,
+        workers=workers_of_units,
         checkpoint=placed(PATHS.below("beyond/capacity.partial.jsonl")),
     message:
         "Beyond the paper: memory and nonlinear capacity"

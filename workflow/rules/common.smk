@@ -127,6 +127,7 @@ def world_named(name):
         "name": name,
         "title": TITLES[name],
         "rigs": name if name in SETS_OF_RIGS else "one",
+        "every_model": name == OWN_WORLD or name in RIGS["rigs"],
         "first_seed": BEYOND["first_seed"],
         "seeds_per_rig": BEYOND["seeds_per_rig"] if name == "drawn" else 1,
         "fitted": {"posterior": ["tables"], "drawn": []}.get(name, fitted),
@@ -150,3 +151,8 @@ def units_of_tuning(wildcards):
     """Return the seeds or rigs of a world on which settings are chosen; they judge nothing else."""
     first = units_of(wildcards)
     return list(range(first, first + BEYOND["tuning"]["units"]))
+
+
+def workers_of_units(wildcards, threads):
+    """Return the number of processes for seeds or rigs that take seconds each."""
+    return max(1, min(threads, BEYOND["seeds"] // 4))

@@ -128,6 +128,7 @@ rule beyond_page:
     localrule: True
     params:
         **stage("documents.update_beyond_page"),
+        readme="README.md",
         page="docs/beyond.md",
         board="docs/benchmark.md",
         pictures=[f"docs/images/beyond_{name}.png" for name in FIGURES_BEYOND],

@@ -66,9 +66,14 @@ def _effect(row: Mapping[str, Any]) -> str:
         SUPERIOR: f"P_o gives FPRC {-percent:.0f} % less test error than",
         EQUIVALENT: "P_o gives FPRC the same test error, within 5 %, as",
         INFERIOR: f"P_o gives FPRC {percent:.0f} % more test error than",
-        UNDECIDED: f"P_o may or may not give FPRC less test error ({percent:+.0f} %) than",
+        UNDECIDED: f"it is undecided whether P_o gives FPRC less test error ({_signed(percent)} %) "
+        "than",
     }[row["verdict"]]
     return f"{what} a low-pass of theta_d"
+
+
+def _signed(percent: float) -> str:
+    return f"{percent:+.0f}" if abs(percent) >= 0.5 else "0"
 
 
 def _when_it_pays(by_claim: Sequence[Mapping[str, Any]]) -> str:
@@ -110,7 +115,26 @@ def _what_to_take(worlds: Sequence[Mapping[str, Any]], titles: Mapping[str, str]
     if not texts:
         return "No model can be recommended, since none was measured."
     text = "; ".join(texts)
-    return f"{text[:1].upper()}{text[1:]}."
+    more = [_with_two_logs(world, titles) for world in worlds]
+    return " ".join([f"{text[:1].upper()}{text[1:]}.", *filter(None, more)])
+
+
+def _with_two_logs(world: Mapping[str, Any], titles: Mapping[str, str]) -> str:
+    """Return what P_o is worth after training on two logs, if that was measured."""
+    errors = pd.DataFrame(
+        {name: own["test_rmse_kpa"] for name, own in entry["models"].items()}
+        for entry in world.get("training_length") or ()
+        if entry.get("two_logs")
+    ).mean()
+    if not {"fprc", "fprc_lowpass"} <= set(errors.index):
+        return ""
+    best = errors.drop([name for name in errors.index if name.endswith("_tuned")]).idxmin()
+    return (
+        f"On {world['title']}, trained on a second log too, which resembles the test log, FPRC "
+        f"has {errors['fprc']:.1f} kPa with P_o and {errors['fprc_lowpass']:.1f} kPa with a "
+        f"low-pass of theta_d; the lowest is {title_of(str(best), titles)} with "
+        f"{errors[best]:.1f} kPa."
+    )
 
 
 def _model(name: str, means: pd.Series, titles: Mapping[str, str]) -> str:

@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from fprc.claims.finding import interval_of_mean
 from fprc.claims.paired import INFERIOR, LEAST_UNITS, NOT_JUDGED, SUPERIOR, Part, judge_together
 from fprc.worlds import capacities, measured, title_of
 
@@ -192,8 +191,7 @@ def _text(part: Ratio | Excess, titles: Mapping[str, str]) -> str:
 
 
 def _shown(part: Part, level: float) -> dict[str, Any]:
-    values = np.array(list(part.values.values()))
-    mean, low, high = interval_of_mean(values, 1.0 - level)
+    mean, low, high = part.interval(level)
     # a difference is judged as what it lacks
     ends = map(math.exp, (mean, low, high)) if part.ratio else (-mean, -high, -low)
     return {

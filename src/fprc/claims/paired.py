@@ -1,4 +1,7 @@
-"""Compare two models that were measured on the same units, seeds or rigs; judge several at once."""
+"""Compare two models that were measured on the same units; judge several pairs at once.
+
+A unit is a seed, a rig, or a block of a recording.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -33,6 +36,26 @@ class Part(NamedTuple):
     values: Mapping[int, float]  #: by unit; lower is better
     ratio: bool = True  #: a logarithm; otherwise a difference, which is never equivalent
     dropped: int = 0  #: builds without this pair
+    #: Samples that judge per sample that trains, if the units of one cross-validation share their
+    #: training data; 0 for units that share none.
+    overlap: float = 0.0
+
+    def interval(
+        self, level: float, units: Sequence[int] | None = None
+    ) -> tuple[float, float, float]:
+        """Return the mean and the ends of the interval that errs with probability ``level``.
+
+        Units that share training data resemble each other. Their n values then have the variance
+        s^2 (1/n + overlap) of the mean, not s^2 / n. This is an approximation: from one
+        cross-validation nobody can estimate that variance without bias.
+
+        References
+        ----------
+        Nadeau and Bengio, Machine Learning 52 (2003); Bouckaert and Frank, PAKDD 2004; Bengio and
+        Grandvalet, Journal of Machine Learning Research 5 (2004), on the bias.
+        """
+        values = self._array(units)
+        return interval_of_mean(values, 1.0 - level, self._widened(values.size))
 
     def verdict(self, level: float, units: Sequence[int] | None = None) -> str:
         """Return the verdict from the interval that errs with probability ``level``.
@@ -40,7 +63,7 @@ class Part(NamedTuple):
         In this order: equivalent if the interval lies within 1/1.05 to 1.05, superior if it lies
         below 1, inferior if it lies above 1, otherwise undecided.
         """
-        _, low, high = interval_of_mean(self._array(units), 1.0 - level)
+        _, low, high = self.interval(level, units)
         margin = math.log(EQUIVALENT_WITHIN)
         if self.ratio and -margin <= low and high <= margin:
             return EQUIVALENT
@@ -53,7 +76,8 @@ class Part(NamedTuple):
         values = self._array(None)
         mean, freedom = float(values.mean()), values.size - 1
         # not zero where all units agree
-        error = max(float(values.std(ddof=1)) / math.sqrt(values.size), 1e-12)
+        error = float(values.std(ddof=1)) / math.sqrt(values.size) * self._widened(values.size)
+        error = max(error, 1e-12)
         below, above = (2.0 * float(stdtr(freedom, sign * mean / error)) for sign in (1.0, -1.0))
         levels = [below, above]
         if self.ratio:
@@ -61,6 +85,9 @@ class Part(NamedTuple):
             nearer = (abs(mean) - math.log(EQUIVALENT_WITHIN)) / error
             levels.append(2.0 * float(stdtr(freedom, nearer)))
         return min(levels), above
+
+    def _widened(self, size: int) -> float:
+        return math.sqrt(1.0 + size * self.overlap)
 
     def _array(self, units: Sequence[int] | None) -> np.ndarray:
         chosen = self.values if units is None else [u for u in units if u in self.values]
@@ -76,7 +103,9 @@ class Judged(NamedTuple):
     stable: float | None  #: share of the subsets that give the same verdict
 
 
-def judge_together(claims: Sequence[Sequence[Part]], alpha: float = ALPHA) -> list[Judged]:
+def judge_together(
+    claims: Sequence[Sequence[Part]], alpha: float = ALPHA, left_out: int = LEFT_OUT
+) -> list[Judged]:
     """Judge several claims so that any verdict is wrong with probability ``alpha`` at most.
 
     Each claim has a lowest level that decides it: superior, equivalent or inferior, whichever
@@ -88,13 +117,15 @@ def judge_together(claims: Sequence[Sequence[Part]], alpha: float = ALPHA) -> li
     inferior if a part is, otherwise undecided if a part is, then equivalent, then superior.
 
     A decided verdict becomes undecided if there are fewer than 8 units, or if fewer than 95 %
-    of 200 random subsets with five units fewer give the same verdict at the same level.
+    of 200 random subsets with ``left_out`` units fewer give the same verdict at the same level.
 
     Parameters
     ----------
     claims : sequence of sequences of Part
         The parts of each claim; a claim with no parts, or a part of fewer than two units, is not
         judged.
+    left_out : int
+        Units that a subset lacks, fewer than 7.
 
     References
     ----------
@@ -116,7 +147,7 @@ def judge_together(claims: Sequence[Sequence[Part]], alpha: float = ALPHA) -> li
         if min(len(part.values) for part in parts) < LEAST_UNITS:
             verdict = UNDECIDED
         elif verdict != UNDECIDED:
-            stable = _share_of_subsets(parts, level, verdict)
+            stable = _share_of_subsets(parts, level, verdict, left_out)
             verdict = verdict if stable >= AGREEING else UNDECIDED
         outcomes.append(Judged(verdict, float(own_p), float(level), stable))
     return outcomes
@@ -147,10 +178,10 @@ def _weakest(parts: Sequence[Part], level: float, units: Sequence[int] | None) -
     return min((part.verdict(level, units) for part in parts), key=_STRENGTH.index)
 
 
-def _share_of_subsets(parts: Sequence[Part], level: float, verdict: str) -> float:
+def _share_of_subsets(parts: Sequence[Part], level: float, verdict: str, left_out: int) -> float:
     units = sorted(set().union(*(part.values for part in parts)))
     random = np.random.default_rng(len(units))
     subsets = (
-        random.choice(units, len(units) - LEFT_OUT, replace=False).tolist() for _ in range(SUBSETS)
+        random.choice(units, len(units) - left_out, replace=False).tolist() for _ in range(SUBSETS)
     )
     return sum(_weakest(parts, level, subset) == verdict for subset in subsets) / SUBSETS

@@ -309,9 +309,9 @@ def _add_readout(groups: Groups) -> None:
         "readout.report_readout",
         "measure how much the readout P_o of a recording improves FPRC",
         "fprc readout recording.csv --map map.yaml --out results/mine",
-        more="Imports a recording, trains FPRC with and without P_o on its first part, tests "
-        "on its second, and writes a report. The map gives test_from_s; docs/own-data.md describes "
-        "it. Repeat the command to continue a run that was stopped.",
+        more="Imports a recording, trains FPRC with and without P_o and other models on its first "
+        "part, tests on its second, and writes a report with verdicts. The map gives test_from_s; "
+        "docs/own-data.md describes it. Repeat the command to continue a run that was stopped.",
     )
     readout.add_argument("source", metavar="SOURCE", help="recording: CSV, HDF5 or MATLAB file")
     readout.add_argument(

@@ -1,4 +1,4 @@
-"""`fprc readout`: report how much the readout P_o of one recording improves FPRC."""
+"""`fprc readout`: report how much P_o of a recording improves FPRC, and how others compare."""
 
 import logging
 import sys
@@ -8,25 +8,22 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-import pandas as pd
 from joblib import cpu_count
 from threadpoolctl import threadpool_limits
 
-from fprc import tables
 from fprc.artifacts import read_json, write_json, write_text
 from fprc.commands.import_recording import checked_map, import_mapped
 from fprc.commands.models import refuse_repeats
+from fprc.commands.readout_page import Recordings, log_names, report_page
 from fprc.config import from_files
 from fprc.config.importing import ImportMap
 from fprc.errors import ConfigError, FprcError, LogError
-from fprc.escape import TerminalFormatter, code
+from fprc.escape import TerminalFormatter
 from fprc.fingerprint import fingerprint
-from fprc.logs import read_columns
-from fprc.paper import SOURCES
-from fprc.plan.arguments import judgement
-from fprc.provenance import describe, sha256
+from fprc.plan.arguments import judgement, paper_models
+from fprc.provenance import describe
 from fprc.registry import class_module
+from fprc.stages.competitors import compare_competitors, tabulate_competitors
 from fprc.stages.draw import draw_readout
 from fprc.stages.preprocess import preprocess
 from fprc.stages.readout import measure_readout
@@ -37,9 +34,6 @@ log = logging.getLogger(__name__)
 
 #: Modules that pandas imports only when it writes a table.
 TABLE_WRITERS = {"jinja2": "Jinja2", "tabulate": "tabulate"}
-#: Recordings of one role, training or test: each is a file and its map.
-Recordings = Sequence[tuple[str, ImportMap]]
-PREDICTED = {"command": "commanded", "measured": "measured"}
 
 
 def report_readout(
@@ -53,7 +47,9 @@ def report_readout(
 ) -> None:
     """Import a recording, evaluate FPRC with and without its P_o, and write a report.
 
-    Writes ``report.md``, ``readout/`` (table, figure, cells), ``raw/`` (the
+    Other models are evaluated on the same data, with verdicts on FPRC beside them.
+
+    Writes ``report.md``, ``readout/`` (tables, figure, cells), ``raw/`` (the
     logs with their diagnoses), ``data/`` and ``quality/`` into ``out``, in the
     workflow's formats.
 
@@ -104,15 +100,20 @@ def report_readout(
     words = ("the first part", "the second part")
     if train:
         words = ("the training logs", "the test log")
-    results = _judge(data, folder / "readout", settings, workers or cpu_count(), words)
+    judged = folder / "readout"
+    judged.mkdir(parents=True, exist_ok=True)
+    # the shorter work first: a run that is stopped in the longer one goes on there
+    competitors = _compete(data, judged, settings, workers or cpu_count())
+    results = _judge(data, judged, settings, workers or cpu_count(), words)
+    results |= {"competitors": competitors}
     page = folder / "report.md"
-    write_text(page, _page(parts, map_file, mapping, settings, folder, results))
+    write_text(page, report_page(parts, map_file, mapping, settings, folder, results))
     log.info("%s", page)
 
 
 def _refuse_leftovers(raw: Path, trained: int) -> None:
     """Refuse a folder with more training logs: the workflow would train on all of them."""
-    names = _log_names("sweep", trained)
+    names = log_names("sweep", trained)
     left = sorted(str(path) for path in raw.glob("sweep_*.h5") if path.stem not in names)
     if left:
         raise LogError(
@@ -132,11 +133,6 @@ def _parts(source: str, mapping: ImportMap, train: Sequence[str]) -> dict[str, R
     }
 
 
-def _log_names(experiment: str, count: int) -> list[str]:
-    """Return the names of an experiment's raw logs: ``sweep``, ``sweep_2``, ``sweep_3``, ..."""
-    return [experiment, *(f"{experiment}_{number}" for number in range(2, count + 1))]
-
-
 def _log_to_terminal() -> None:
     # only fprc's messages: Matplotlib logs a lot at this level
     ours = logging.getLogger("fprc")
@@ -153,7 +149,7 @@ def _prepare(
     """Import the recordings of one role and preprocess them; return the path of their data."""
     sample_rate_hz = recordings[0][1].sample_rate_hz
     logs = []
-    names = _log_names(experiment, len(recordings))
+    names = log_names(experiment, len(recordings))
     for name, (source, mapping) in zip(names, recordings, strict=True):
         raw = folder / "raw" / f"{name}.h5"
         raw.parent.mkdir(parents=True, exist_ok=True)
@@ -211,7 +207,6 @@ def _judge(
     parts: tuple[str, str],
 ) -> dict[str, Any]:
     """Run the grid's cells, write table and figure, and return the cells' results."""
-    folder.mkdir(parents=True, exist_ok=True)
     cells, png, pdf = (str(folder / name) for name in ("cells.json", "readout.png", "readout.pdf"))
     grids = settings["grids"]
     with threadpool_limits(1):
@@ -237,140 +232,38 @@ def _judge(
     return read_json(cells)
 
 
-def progress_bar() -> Callable[[int, int], None]:
+def _compete(
+    data: Mapping[str, str], folder: Path, settings: Mapping[str, Any], workers: int
+) -> dict[str, Any]:
+    """Compare FPRC with its competitors, write their table, and return errors and verdicts."""
+    result = folder / "competitors.json"
+    with threadpool_limits(1):
+        compare_competitors(
+            data["sweep"],
+            data["complex"],
+            str(result),
+            judgement=judgement({**settings, "models": paper_models(settings)}),
+            workers=workers,
+            checkpoint=str(folder / "competitors.partial.jsonl"),
+            version=fingerprint("fprc.stages.competitors"),
+            progress=progress_bar("models"),
+        )
+    csv, md = (str(folder / f"competitors.{kind}") for kind in ("csv", "md"))
+    tabulate_competitors(str(result), csv, md)
+    return read_json(result)
+
+
+def progress_bar(what: str = "cells") -> Callable[[int, int], None]:
     """Return a function that shows progress: a bar on a terminal, else a line every tenth."""
     terminal = sys.stderr.isatty()
     width = 30
 
     def draw(done: int, total: int) -> None:
         bar = "#" * (width * done // total)
-        line = f"[{bar:{width}}] {done} of {total} cells"
+        line = f"[{bar:{width}}] {done} of {total} {what}"
         if terminal:
             print(f"\r{line}", end="\n" if done == total else "", file=sys.stderr, flush=True)
         elif done == total or done % max(total // 10, 1) == 0:
             print(line, file=sys.stderr, flush=True)
 
     return draw
-
-
-def _page(
-    parts: Mapping[str, Recordings],
-    map_file: str,
-    mapping: ImportMap,
-    settings: Mapping[str, Any],
-    folder: Path,
-    results: Mapping[str, Any],
-) -> str:
-    """Return the report as Markdown, with links to the figures."""
-    table = tables.readout(results)
-    note, grid = (folder / "readout/readout.md").read_text(encoding="utf-8").split("\n\n", 1)
-    ((source, tested),) = parts["complex"]
-    further = [path for path, _ in parts["sweep"] if path != source]
-    rate_hz = tested.sample_rate_hz
-    lines = [
-        f"# Value of the readout in {code(Path(source).name)}",
-        "",
-        f"Recording: {_with_hash(source)}; map: {code(map_file)}.",
-        *([f"Training logs: {', '.join(map(_with_hash, further))}."] if further else []),
-        f"Data: {SOURCES[results['source']]}; {rate_hz:g} samples per second; epsilon "
-        "and taps are in samples.",
-        f"{_what_trained(mapping, further)}; models as in the paper"
-        f"{'' if _has_default_models(settings) else ', except for the settings given'}. "
-        f"The models predict the {PREDICTED[results['target']]} P_exp.",
-        "",
-        "## Finding",
-        "",
-        *(f"- {line}" for line in findings(table, results["own"])),
-        f"- {compare_scales(folder / 'data/sweep.h5', settings['models']['fprc']['sigma'])}",
-        "",
-        "Low-passed theta and P_o shuffled in time are controls: P_o helps as a memory only if it "
-        "beats both. One test does not show the spread of the test error.",
-        "",
-        "## Table",
-        "",
-        note,
-        "",
-        grid.strip(),
-        "",
-        "Every setting: [readout/readout.csv](readout/readout.csv).",
-        "",
-        "![Errors over epsilon and taps](readout/readout.png)",
-        "",
-        "## The recording",
-    ]
-    for experiment, role in (("sweep", "training part"), ("complex", "test part")):
-        recordings = parts[experiment]
-        for log, (path, _) in zip(_log_names(experiment, len(recordings)), recordings, strict=True):
-            part = role if path == source else f"training log {code(Path(path).name)}"
-            words = read_json(folder / f"raw/{log}.diagnosis.json")["words"]
-            lines += ["", f"### {part[0].upper()}{part[1:]}", "", *(f"- {word}" for word in words)]
-            lines += ["", f"![{part}](raw/{log}.diagnosis.png)"]
-    return "\n".join(lines) + "\n"
-
-
-def _with_hash(path: str) -> str:
-    return f"{code(path)}, SHA-256 `{sha256(path)[:16]}`"
-
-
-def _what_trained(mapping: ImportMap, further: Sequence[str]) -> str:
-    logs = f"{len(further)} training log{'s' if len(further) > 1 else ''}"
-    if mapping.test_from_s is None:
-        return f"Trained on {logs}, tested on the whole recording"
-    also = f" and on {logs}" if further else ""
-    return f"Trained before {mapping.test_from_s:g} s{also}, tested after"
-
-
-def _has_default_models(settings: Mapping[str, Any]) -> bool:
-    return settings["models"] == from_files([]).model_dump(mode="json")["models"]
-
-
-def findings(table: pd.DataFrame, own: Mapping[str, float]) -> list[str]:
-    """Describe the effect of P_o on the error: at the models' settings, and at the best ones.
-
-    Parameters
-    ----------
-    table : DataFrame
-        As ``fprc.tables.readout`` gives it.
-    own : Mapping
-        ``epsilon`` and ``n_u`` of the models.
-    """
-    held_out = tables.held_out(table)
-    rows = table[table["split"] == held_out]
-    at_own = rows[(rows["epsilon"] == own["epsilon"]) & (rows["n_u"] == own["n_u"])]
-    at_own = at_own.set_index("readout")
-    folds = "On blocked folds" if held_out == "blocked" else "On recordings left out of training"
-    lines = []
-    for phase, what in (("validation", folds), ("test", "On the test part")):
-        errors = at_own[f"{phase}_rmse"]
-        changes = ", ".join(
-            f"{_change(errors['p_o'], errors[other])} {name}"
-            for other, name in (
-                ("none", "than without a readout"),
-                ("theta", "than with theta low-passed"),
-                ("shuffled", "than with P_o shuffled"),
-            )
-        )
-        lines.append(f"{what} FPRC's error is {changes}.")
-    best = rows[rows["readout"] == "p_o"].sort_values("test_rmse").iloc[0]
-    change = _change(best["test_rmse"], at_own["test_rmse"]["none"])
-    lines.append(
-        f"Of the settings tried, epsilon = {best['epsilon']:g} and n_u = {best['n_u']} test best: "
-        f"{change} than without a readout. This is optimistic: the test selected them."
-    )
-    return lines
-
-
-def compare_scales(log: Path, sigma: float) -> str:
-    """Return sentences that compare the spread of the inputs with the memberships' width."""
-    names = ("theta_deg", "p_o_kpa")
-    theta, p_o = (np.std(values) for values in read_columns(log, names).channels.values())
-    return (
-        f"The rules' memberships use distances of unscaled inputs: the standard deviation of theta "
-        f"is {theta:.3g}, of P_o {p_o:.3g} (training), and sigma = {sigma:g}. Results depend on "
-        "the scale of theta; try several."
-    )
-
-
-def _change(ours: float, other: float) -> str:
-    percent = 100.0 * (ours / other - 1.0)
-    return f"{abs(percent):.1f} % {'higher' if percent > 0.0 else 'lower'}"

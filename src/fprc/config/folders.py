@@ -14,9 +14,9 @@ PROJECT_FOLDERS = frozenset({"config", "docs", "src", "tests", "workflow"})
 #: Folders that the rules create in the results folder.
 RESULT_FOLDERS = frozenset(
     {
-        "benchmark", "calibration", "control", "crossval", "data", "ensemble", "figures", "logs",
-        "models", "posterior", "predictions", "quality", "readout", "replicates", "reservoir",
-        "grids", "rigs", "tables", "timing", "weights",
+        "benchmark", "beyond", "calibration", "control", "crossval", "data", "ensemble", "figures",
+        "grids", "logs", "models", "posterior", "predictions", "quality", "readout", "replicates",
+        "reservoir", "rigs", "tables", "timing", "weights",
     }
 )  # fmt: skip
 

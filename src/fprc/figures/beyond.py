@@ -21,7 +21,7 @@ _LOOK = ("color", "linestyle")
 #: Distance of two labels in a column, over the height of the axes.
 _LINE = 0.055
 #: A ratio beyond this, or beyond one over it, is not shown.
-_WIDEST = 4.0
+_WIDEST = 5.0
 _UNDECIDED = ("undecided", "not judged")
 #: Settings that were chosen for a comparison.
 _CHOSEN = ("_tuned", "_matched", "_oracle")
@@ -56,7 +56,7 @@ def plot_pairs(table: DataFrame, titles: Mapping[str, str], ax: Axes) -> Axes:
     ax.set_xscale("log")
     _decimal_ticks(ax, table["low"].min(), table["high"].max())
     ax.set_yticks(range(len(rows)), [f"{name}  {_wrapped(part)}" for name, part in rows])
-    ax.set_ylim(len(rows) - 0.5, -0.5)
+    ax.set_ylim(max(len(rows), 1) - 0.5, -0.5)
     ax.tick_params(axis="y", length=0)
     for row in range(1, len(rows)):
         ax.axhline(row - 0.5, color="0.85", linewidth=0.5)
@@ -67,7 +67,8 @@ def plot_pairs(table: DataFrame, titles: Mapping[str, str], ax: Axes) -> Axes:
 def _decimal_ticks(ax: Axes, low: float, high: float) -> None:
     """Set ticks of a logarithmic axis that read as ratios."""
     ticks = np.array([0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1, 1.1, 1.2, 1.5, 2, 3, 5, 10])
-    low, high = min(low, 1 / EQUIVALENT_WITHIN) / 1.03, max(high, EQUIVALENT_WITHIN) * 1.03
+    low = np.nanmin([low, 1 / EQUIVALENT_WITHIN]) / 1.03
+    high = np.nanmax([high, EQUIVALENT_WITHIN]) * 1.03
     low, high = max(low, 1 / _WIDEST), min(high, _WIDEST)  # three units can have any interval
     ax.set_xlim(low, high)
     inside = ticks[(ticks >= low) & (ticks <= high)]
@@ -129,14 +130,14 @@ def plot_errors_and_tracking(table: DataFrame, titles: Mapping[str, str], ax: Ax
     return ax
 
 
-def _apart(places: Sequence[float], span: tuple[float, float] = (0.0, 1.05)) -> np.ndarray:
+def _apart(places: Sequence[float], span: tuple[float, float] = (0.03, 1.05)) -> np.ndarray:
     """Return ascending places moved apart to a line's height or more, within the span."""
     gap = min(_LINE, (span[1] - span[0]) / max(len(places) - 1, 1))
     steps = gap * np.arange(len(places))
     lower = np.asarray(places) - steps
     # half by moving the upper ones up, half by moving the lower ones down
     moved = np.maximum.accumulate(lower) + np.minimum.accumulate(lower[::-1])[::-1]
-    return np.clip(moved / 2, span[0], span[1] - steps[-1]) + steps
+    return np.clip(moved / 2, span[0], span[1] - gap * (len(places) - 1)) + steps
 
 
 def plot_offsets(table: DataFrame, titles: Mapping[str, str], ax: Axes) -> Axes:
@@ -188,10 +189,10 @@ def plot_capacities(table: DataFrame, ax: Axes) -> Axes:
         label = f"degree {_degree(name)}"
         ax.barh(rows, width, left=begin, color=grey, edgecolor="black", linewidth=0.4, label=label)
         begin += width
-    for row, end, total, number in zip(rows, begin, means["total"], states, strict=True):
+    for row, end, total, number in zip(rows, begin, means.get("total", begin), states, strict=True):
         ax.text(float(end) + 0.02, float(row), f"{total:.3g} of {number:.0f}", va="center")
     ax.set_yticks(rows, [_symbols(SETS[name]) for name in order])
-    ax.set_ylim(len(rows) - 0.5, -0.5)
+    ax.set_ylim(max(len(rows), 1) - 0.5, -0.5)
     ax.set_xlim(0.0, 1.3)
     ax.set_xticks(np.linspace(0.0, 1.0, 6))
     ax.tick_params(axis="y", length=0)

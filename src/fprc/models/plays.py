@@ -12,9 +12,9 @@ class PlayOperators(FeatureMap):
 
     p(k) = max(x(k) - r, min(x(k) + r, p(k-1))), from p(-1) = x(0)
 
-    A play repeats its input, but after each reversal of the input it waits until the input has
-    moved by 2 r. A ridge on plays is a Prandtl-Ishlinskii model, whose loops do not depend
-    on the speed of the input.
+    A play follows its input at the distance r; after a reversal it waits until the input has moved
+    by 2 r. A ridge on plays is a Prandtl-Ishlinskii model, whose loops do not depend on the speed
+    of the input.
 
     The half-widths r divide half the range of each column of the training log into n_plays + 1
     equal parts; a play with half the range as r would not move.

@@ -2,7 +2,8 @@
 
 Maxwell slip is the default, chosen over Bouc-Wen (minor loops need not close), Dahl (one scale)
 and LuGre (rate-dependent): the complex signal's minor loops need nonlocal memory. But Maxwell slip
-is a sum of stop operators, which favours models made of play operators; Bouc-Wen favours none.
+is a sum of stop operators, which favours models made of play operators. Under Bouc-Wen, friction
+also relaxes in small cycles, so that P_o depends on the size of the swings.
 """
 
 import math

@@ -53,11 +53,11 @@ def judge_world(
     tuned : str
         Settings of the tuned models, by world and name.
     world : Mapping
-        ``name``, ``title``, ``rigs`` (one, posterior or drawn), ``first_seed``, ``seeds_per_rig``,
-        and ``on_rig``, ``ensemble`` and ``free`` for the rigs.
+        ``name``, ``title``, ``rigs`` (one, posterior or drawn), ``every_model`` (else there are
+        only those of ``BRIEF``), ``first_seed``, ``seeds_per_rig``, and ``on_rig``, ``ensemble``
+        and ``free`` for the rigs.
     slow : int
-        Units that also judge the slow models. On many rigs there are fewer models, none of
-        them slow.
+        Units that also judge the slow models, in a world with every model.
     contest : Mapping
         Arguments of ``Contest`` without ``tuned``.
     """
@@ -276,7 +276,7 @@ def _judge(
     contest: Mapping[str, Any],
 ) -> dict[str, Any]:
     names: Sequence[str] = BRIEF
-    if world["rigs"] == "one":
+    if world["every_model"]:
         names = [name for name in ALL if name not in SLOW or cell["unit"] < slow]
     builds: list[dict[str, Any]] = []
     for on_rig, seed in builds_of(cell["unit"], rigs, world):

@@ -147,12 +147,15 @@ def update_beyond_page(
     lengths: str,
     figures: Sequence[str],
     *,
+    readme: str,
     page: str,
     board: str,
     pictures: Sequence[str],
     world: str,
 ) -> None:
     """Replace the generated blocks of docs/beyond.md, the leaderboard, and the pictures.
+
+    The README gets what makes the loops, and what to take.
 
     Parameters
     ----------
@@ -163,20 +166,15 @@ def update_beyond_page(
     world : str
         World with the rig of the configuration.
     """
-    found = read_json(verdicts)
     titles = {name: entry.title for name, entry in COMPETITORS.items()}
-    by_model = pd.read_csv(models)
-    pages = {
-        "beyond_claims": beyond.claims_page(found["ledgers"]),
-        "beyond_details": beyond.details_page(found["ledgers"]),
-        "beyond_models": beyond.models_page(by_model, world, titles),
-        "beyond_offsets": beyond.offsets_page(pd.read_csv(offsets), world, titles),
-        "beyond_capacity": beyond.capacity_page(pd.read_csv(capacities), world),
-        "beyond_lengths": beyond.lengths_page(pd.read_csv(lengths), world, titles),
-    }
-    blocks = {name: _markdown(table) for name, table in pages.items()}
-    _update(page, blocks | {"advice": "\n\n".join(found["advice"])})
-    _update(board, {"leaderboard": _markdown(beyond.leaderboard(by_model, world, titles))})
+    csv = {"models": models, "offsets": offsets, "capacities": capacities, "lengths": lengths}
+    found = {name: pd.read_csv(path) for name, path in csv.items()}
+    judged = read_json(verdicts)
+    blocks = beyond.blocks(judged, found, world, titles)
+    loops, _, to_take, *_ = judged["advice"]
+    _update(readme, {"worth": f"**What the reservoir is worth.** {loops} {to_take}"})
+    _update(board, {"leaderboard": blocks.pop("leaderboard")})
+    _update(page, blocks)
     for figure, picture in zip(figures, pictures, strict=True):
         _copy(figure, picture)
 

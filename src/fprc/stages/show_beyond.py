@@ -94,7 +94,8 @@ def draw_tracking(tracking: str, pdf: str, png: str, *, world: str) -> Mapping[s
     for ax, (loop, words) in zip(axes, _LOOPS.items(), strict=True):
         own = table[table["loop"] == loop]
         figures.plot_errors_and_tracking(own, TITLES, ax)
-        style.letter(ax, f"{words}; rank correlation {own['rank_correlation'].iloc[0]:.2f}")
+        found = "".join(f"; rank correlation {value:.2f}" for value in own["rank_correlation"][:1])
+        style.letter(ax, words + found)
     return style.save(fig, _SIMULATED, pdf, png)
 
 

@@ -5,8 +5,10 @@ from typing import Any
 
 import pandas as pd
 
+from fprc import escape
+from fprc.paper import SOURCES
 from fprc.tables.models import with_interval
-from fprc.tables.text import format_mean, three_digits
+from fprc.tables.text import format_mean, markdown, three_digits
 from fprc.worlds import MEASURES, SETS, capacities, measured, title_of
 
 Worlds = Sequence[Mapping[str, Any]]
@@ -289,6 +291,40 @@ def lengths_page(table: pd.DataFrame, world: str, titles: Mapping[str, str]) -> 
         for model, found in own.groupby("model", sort=False)
     ]
     return pd.DataFrame(rows, columns=["Model", *lengths])
+
+
+def blocks(
+    verdicts: Mapping[str, Any],
+    tables: Mapping[str, pd.DataFrame],
+    world: str,
+    titles: Mapping[str, str],
+) -> dict[str, str]:
+    """Return the generated blocks of docs/beyond.md, and the leaderboard of docs/benchmark.md.
+
+    Parameters
+    ----------
+    verdicts : Mapping
+        ``source``, ``advice`` (sentences), and ``ledgers``: of each world, the rows of
+        ``claims.beyond.judge_world``.
+    tables : Mapping
+        ``models``, ``offsets``, ``capacities`` and ``lengths``, tidy.
+    world : str
+        The world that the tables of models, offsets, capacities and lengths show.
+    titles : Mapping
+        Models by name.
+    """
+    pages = {
+        "beyond_claims": claims_page(verdicts["ledgers"]),
+        "beyond_details": details_page(verdicts["ledgers"]),
+        "beyond_models": models_page(tables["models"], world, titles),
+        "beyond_offsets": offsets_page(tables["offsets"], world, titles),
+        "beyond_capacity": capacity_page(tables["capacities"], world),
+        "beyond_lengths": lengths_page(tables["lengths"], world, titles),
+        "leaderboard": leaderboard(tables["models"], world, titles),
+    }
+    note = f"Data: {SOURCES[verdicts['source']]}."
+    sentences = "\n".join(f"- {escape.markdown(sentence)}" for sentence in verdicts["advice"])
+    return {"advice": sentences} | {name: markdown(page, note) for name, page in pages.items()}
 
 
 def _seconds(training: str) -> float:

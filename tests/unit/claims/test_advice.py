@@ -101,3 +101,19 @@ def test_worlds_of_failures_give_five_sentences(make_world):
     sentences = advice([world], [judge_world(world, TITLES)], TITLES)
     assert len(sentences) == 5
     assert sentences[2] == "No model can be recommended, since none was measured."
+
+
+def test_training_on_two_logs_is_said_where_it_was_measured(make_world):
+    world = make_world("dry", spread=0.02)
+    errors = {"fprc": 10.0, "fprc_lowpass": 12.0, "bank": 9.0, "bank_tuned": 1.0}
+    models = [
+        {name: {"test_rmse_kpa": error + k} for name, error in errors.items()} for k in (0, 1)
+    ]
+    both = [{"seed": k, "two_logs": True, "models": models[k]} for k in (0, 1)]
+    alone = {"seed": 0, "seconds": 30.0, "models": models[0]}
+    world["training_length"] = [*both, alone]
+    sentences = advice([world], [judge_world(world, TITLES)], TITLES)[2]
+    assert "10.5 kPa with P_o and 12.5 kPa with a low-pass of theta_d" in sentences
+    assert "the lowest is Bank with 9.5 kPa" in sentences
+    world["training_length"] = [alone]
+    assert "second log" not in advice([world], [judge_world(world, TITLES)], TITLES)[2]

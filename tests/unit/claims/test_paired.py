@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.signal import lfilter
 from scipy.stats import ttest_1samp
 
 from fprc.claims import paired
@@ -73,6 +74,16 @@ def test_lowest_level_is_where_the_verdict_turns(values, ratio):
         assert sample.verdict(inferior * 1.0001) == "inferior"
 
 
+def test_lowest_level_of_equivalence_is_that_of_two_one_sided_tests():
+    values = normal(0.01, 0.03, 12)
+    ps = (
+        ttest_1samp(values, MARGIN, alternative="less").pvalue,
+        ttest_1samp(values, -MARGIN, alternative="greater").pvalue,
+    )
+    assert part(values).least_levels()[0] == pytest.approx(2 * max(ps))
+    assert max(ps) < ttest_1samp(values, 0.0).pvalue / 2
+
+
 # --- several claims -------------------------------------------------------------------------------
 
 
@@ -130,6 +141,13 @@ def test_part_that_is_undecided_leaves_the_claim_undecided():
     assert judge(normal(0.3, 0.01, 12), normal(0.0, 1.0, 12)).verdict == "inferior"
 
 
+def test_p_of_two_parts_is_that_of_the_weaker():
+    weak, strong = normal(-0.1, 0.125, 12), normal(-0.3, 0.01, 12)
+    assert judge(strong, weak).p == pytest.approx(2 * judge(weak).p)
+    # one part that is inferior decides the claim
+    assert judge(normal(0.3, 0.01, 12), weak).p < judge(weak).p
+
+
 def test_two_parts_share_the_level():
     one, two = judge(normal(-0.1, 0.1, 12)), judge(*[normal(-0.1, 0.1, 12)] * 2)
     assert two.p == pytest.approx(2 * one.p)
@@ -178,6 +196,59 @@ def test_true_verdicts_are_found(mean, verdict):
     assert set(found) == {verdict}
 
 
+# --- units that share training data ---------------------------------------------------------------
+
+
+def test_interval_of_blocks_has_the_variance_of_nadeau_and_bengio():
+    values, blocks, overlap = normal(-0.1, 0.05, 10), 10, 100 / 860
+    error = math.sqrt((1 / blocks + overlap) * 0.05**2)
+    half = 2.2622 * error  # quantile of t with 9 degrees of freedom
+    found = part(values, overlap=overlap).interval(0.05)
+    assert found == pytest.approx((-0.1, -0.1 - half, -0.1 + half), abs=1e-5)
+    subset = values[:5]
+    half = 2.7764 * math.sqrt((1 / 5 + overlap) * subset.var(ddof=1))
+    _, low, high = part(values, overlap=overlap).interval(0.05, range(5))
+    assert high - low == pytest.approx(2 * half, rel=1e-4)
+
+
+@given(SAMPLES, st.booleans(), st.floats(0.01, 1.0))
+def test_lowest_level_of_blocks_is_where_the_verdict_turns(values, ratio, overlap):
+    sample = part(values, ratio=ratio, overlap=overlap)
+    least, _ = sample.least_levels()
+    if least < 0.9:
+        assert sample.verdict(least * 1.0001) != "undecided"
+        assert sample.verdict(least * 0.9999) == "undecided"
+
+
+def errors_on_blocks(samples=100, blocks=10, logs=600, slow=0.9):
+    """Return the errors of two regressions on the blocks of many logs; neither is the better.
+
+    A log is y = a + b + noise, all of them slow; one regression sees a, the other b.
+    """
+    random = np.random.default_rng(4)
+    shocks = random.standard_normal((3, logs, samples + 100)) * math.sqrt(1 - slow**2)
+    a, b, noise = lfilter([1.0], [1.0, -slow], shocks)[:, :, 100:].reshape(3, logs, blocks, -1)
+    y, errors = a + b + noise, []
+    for x in (a, b):
+        xx, xy = (x * x).sum(axis=2), (x * y).sum(axis=2)
+        others = [moment.sum(axis=1, keepdims=True) - moment for moment in (xy, xx)]
+        weight = others[0] / others[1]
+        errors.append(np.sqrt(((y - weight[..., None] * x) ** 2).mean(axis=2)))
+    return errors
+
+
+def test_equal_models_differ_on_blocks_of_one_log_in_one_of_twenty_logs_at_most():
+    ratios = np.log(np.divide(*errors_on_blocks()))
+
+    def wrong(**more):
+        verdicts = [part(log, **more).verdict(0.05) for log in ratios]
+        return np.mean([verdict in ("superior", "inferior") for verdict in verdicts])
+
+    assert wrong(overlap=1 / 9) < 0.05
+    # as if blocks were seeds
+    assert wrong() > 0.08
+
+
 # --- other units ----------------------------------------------------------------------------------
 
 
@@ -208,6 +279,15 @@ def test_one_outlier_leaves_it_undecided():
 def test_seven_units_decide_nothing_and_eight_do():
     for units, verdict in ((7, "undecided"), (8, "superior")):
         assert judge(normal(-0.5, 0.01, units)).verdict == verdict
+
+
+def test_subsets_lack_as_many_units_as_asked_for():
+    claim = [part(normal(-0.1, 0.13, 12))]
+    (outcome,) = judge_together([claim], left_out=1)
+    values = list(claim[0].values.values())
+    shares = [part(subset).verdict(ALPHA) == "superior" for subset in combinations(values, 11)]
+    assert outcome.stable == pytest.approx(np.mean(shares), abs=0.1)
+    assert outcome.stable > judge_together([claim])[0].stable
 
 
 def test_units_that_all_agree_are_judged():

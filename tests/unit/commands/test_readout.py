@@ -10,7 +10,8 @@ from fprc.artifacts import read_json
 from fprc.cli import main
 from fprc.commands import readout as readout_command
 from fprc.commands.import_recording import import_recording
-from fprc.commands.readout import findings, progress_bar, report_readout
+from fprc.commands.readout import progress_bar, report_readout
+from fprc.commands.readout_page import findings, what_trained
 from fprc.config.importing import read_map
 from fprc.errors import ConfigError
 from fprc.logs import read_columns
@@ -21,7 +22,7 @@ CHANNELS = {
     "p_o_kpa": {"column": "memory", "unit": "kPa"},
 }
 FEW = {
-    "models": {"fprc": {"n_c": 2}, "n_y": 2},
+    "models": {"fprc": {"n_c": 2}, "esn": {"r": 20}, "n_y": 2},
     "grids": {"epsilon": [0.1, 0.01], "readout_taps": [1, 2, 3]},
     "evaluation": {"folds": 3, "purge_s": 0.2},
 }
@@ -95,9 +96,15 @@ def test_one_command_goes_from_a_recording_to_a_report(recording, tmp_path, caps
     own = table[(table["epsilon"] == 0.1) & (table["split"] == "blocked")].set_index("readout")
     # the force depends on P_o, which no other input reveals
     assert own.loc["p_o", "test_rmse"] < 0.7 * own.loc["shuffled", "test_rmse"]
+    others = pd.read_csv(out / "readout/competitors.csv").set_index("model")
+    assert len(others) == 9
+    assert others[["block_rmse", "block_std", "test_rmse"]].gt(0.0).all(axis=None)
+    # of 7 s that train; 1.5 s are three time constants of the low-pass
+    assert set(others["blocks"]) == {4}
     said = capsys.readouterr()
     assert "cells" not in said.out
     assert "] 26 of 26 cells" in said.err
+    assert "] 9 of 9 models" in said.err
 
 
 @pytest.mark.slow
@@ -109,6 +116,13 @@ def test_page_names_recording_parts_units_and_pictures_that_exist(recording, tmp
     assert "except for the settings given" in text
     assert "Test [N]" in text
     assert "kPa]" not in text
+    section = text.split("## Other models")[1]
+    for claim in ("B1", "B4", "R1"):
+        (line,) = (line for line in section.splitlines() if line.startswith(f"- {claim}, "))
+        assert ": undecided; FPRC / " in line
+        assert line.endswith("4 blocks; at least 8 decide.")
+    assert "on 4 blocks of the training data of 1.75 s" in section
+    assert "Blocks [N]" in section
     pictures = [line.split("(")[1].rstrip(")") for line in text.splitlines() if line[:1] == "!"]
     assert len(pictures) == 3
     assert all((tmp_path / "out" / name).exists() for name in pictures)
@@ -179,7 +193,7 @@ def test_whole_recording_tests_if_others_train(recording, tmp_path, monkeypatch,
     ],
 )  # fmt: skip
 def test_page_says_what_trained(told, count, said, recording):
-    assert readout_command._what_trained(read_map(recording(**told)), ["x.csv"] * count) == said
+    assert what_trained(read_map(recording(**told)), ["x.csv"] * count) == said
 
 
 def test_recording_given_twice_is_refused(recording, tmp_path):
@@ -269,7 +283,10 @@ def test_stopped_run_goes_on_where_it_was(recording, tmp_path, monkeypatch):
         if done == 5:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(readout_command, "progress_bar", lambda: stop)
+    def bar(what="cells"):
+        return stop if what == "cells" else lambda done, total: None
+
+    monkeypatch.setattr(readout_command, "progress_bar", bar)
     path = recording()
     assert run(tmp_path, path) == 130
     assert not (tmp_path / "out/readout/cells.json").exists()

@@ -1,17 +1,15 @@
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fprc.errors import EvaluationError
 from fprc.evaluation import split_rows
 
-examples = settings(max_examples=40, deadline=None, derandomize=True)
 sizes = st.tuples(st.integers(2, 8), st.integers(8, 60))
 splits = st.sampled_from(["shuffled", "blocked"])
 
 
-@examples
 @given(sizes, splits, st.integers(0, 2**32 - 1))
 def test_every_row_validates_once_and_trains_in_all_other_folds(size, split, seed):
     folds, samples = size
@@ -23,7 +21,6 @@ def test_every_row_validates_once_and_trains_in_all_other_folds(size, split, see
         assert sorted([*train, *validation]) == list(range(samples))
 
 
-@examples
 @given(sizes, splits, st.integers(0, 2**32 - 1))
 def test_folds_are_equally_large_up_to_one_row(size, split, seed):
     folds, samples = size
@@ -62,7 +59,6 @@ def test_unknown_split_is_refused_with_those_that_are_known():
         split_rows(10, 2, "random", 1)
 
 
-@examples
 @given(st.integers(2, 6), st.integers(40, 200), st.integers(1, 4))
 def test_purged_rows_neither_train_nor_neighbour_the_block(folds, samples, purge):
     whole = split_rows(samples, folds, "blocked", 1)
@@ -86,7 +82,6 @@ def test_purge_that_leaves_nothing_to_train_is_refused():
         split_rows(40, 2, "blocked", 1, 30)
 
 
-@examples
 @given(st.lists(st.integers(1, 9), min_size=2, max_size=7), st.integers(2, 8))
 def test_folds_of_recordings_keep_each_whole(lengths, folds):
     recording = np.repeat(np.arange(len(lengths)), lengths)

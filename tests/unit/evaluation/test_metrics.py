@@ -1,13 +1,12 @@
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from fprc.errors import EvaluationError
 from fprc.evaluation import rmse
 
-examples = settings(max_examples=40, deadline=None, derandomize=True)
 series = arrays(float, st.integers(1, 30), elements=st.floats(-1e3, 1e3))
 
 
@@ -15,13 +14,11 @@ def test_rmse_is_the_root_of_the_mean_square():
     assert rmse(np.array([0.0, 0.0, 0.0, 0.0]), np.array([1.0, -1.0, 5.0, -3.0])) == 3.0
 
 
-@examples
 @given(series, st.floats(-100, 100))
 def test_rmse_of_a_constant_offset_is_its_size(y, offset):
     assert rmse(y, y + offset) == pytest.approx(abs(offset), rel=1e-9, abs=1e-12)
 
 
-@examples
 @given(series, st.integers(0, 2**32 - 1))
 def test_rmse_is_symmetric_and_scales(y, seed):
     z = np.random.default_rng(seed).normal(size=len(y))

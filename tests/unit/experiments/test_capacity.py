@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from fprc.config import Settings
+from fprc.control.simulated import simulate_tracking
+from fprc.devices.sim import SimulatedRig
 from fprc.errors import EvaluationError
 from fprc.experiments import capacity as experiment
 from fprc.experiments.capacity import judge_capacity
@@ -37,10 +39,12 @@ def judge(rig, control):
 
 def test_lowpass_of_held_input_has_the_memory_of_its_impulse_response(judge):
     """A hold of 20 samples makes one step of it, with the pole (1 - epsilon)^20."""
-    bank = judge(capacity=SMALL | {"samples": 4000, "max_degree": 1})["sets"]["bank"]
+    bank = judge(capacity=SMALL | {"samples": 2500, "max_degree": 1, "esn_nodes": 1})["sets"][
+        "bank"
+    ]
     pole = 0.97**20
     expected = (1.0 - pole**2) * pole ** (2 * np.arange(5))
-    np.testing.assert_allclose(bank["by_delay"], expected, atol=0.03)
+    np.testing.assert_allclose(bank["by_delay"], expected, atol=0.04)
 
 
 def test_each_set_has_its_states_and_the_results_are_json(judge):
@@ -73,18 +77,24 @@ def test_p_o_of_a_reservoir_without_friction_or_noise_forgets_every_earlier_hold
     told = judge(
         reservoir={"friction_kpa": 0.0, "friction_per_kpa": 0.0, "bending_time_s": 0.02},
         pressure_sensor={"noise_kpa": 0.0},
-        capacity=SMALL | {"hold_s": 0.5},
+        capacity=SMALL | {"hold_s": 0.3, "samples": 300},
     )
     assert told["sets"]["p_o"]["by_delay"][0] > 0.97
     assert told["sets"]["p_o"]["by_delay"][1:] == [0.0] * 4
 
 
-def test_noise_of_p_o_is_that_of_its_sensor(judge):
-    quiet, loud = (
-        judge(pressure_sensor={"noise_kpa": noise})["noise_of_p_o"] for noise in (0.3, 0.9)
-    )
-    assert loud / quiet == pytest.approx(3.0, rel=0.05)
-    assert 0.3 / 30.0 < quiet < 0.3 / 3.0
+def test_noise_of_p_o_is_that_of_its_sensor(judge, quiet_rig, control):
+    """Over the standard deviation of P_o on other random holds of the same range."""
+    told = judge(pressure_sensor={"noise_kpa": 0.9})
+    theta_d = np.repeat(np.random.default_rng(8).uniform(5.0, 60.0, 1000), 20)
+    device = SimulatedRig(quiet_rig, seed=1, run=0, sample_rate_hz=200.0)
+    run = simulate_tracking(device, control, theta_d, np.zeros_like(theta_d), None, 450.0)
+    assert told["noise_of_p_o"] == pytest.approx(0.9 / np.std(run["p_o_kpa"]), rel=0.08)
+
+
+def test_network_at_the_end_of_a_long_hold_knows_the_held_angle_alone(judge):
+    found = judge(capacity=SMALL | {"hold_s": 0.4, "samples": 100})["sets"]["esn"]
+    assert found["by_delay"] == pytest.approx([1.0, 0.0, 0.0, 0.0, 0.0])
 
 
 def test_noise_makes_the_network_lose_capacity(judge):
@@ -94,9 +104,10 @@ def test_noise_makes_the_network_lose_capacity(judge):
 
 
 def test_states_of_the_network_do_not_depend_on_the_parts(judge, monkeypatch):
-    whole = judge()["sets"]["esn"]
+    few = SMALL | {"samples": 150}
+    whole = judge(capacity=few)["sets"]["esn"]
     monkeypatch.setattr(experiment, "_AT_ONCE", 37)
-    parts = judge()["sets"]["esn"]
+    parts = judge(capacity=few)["sets"]["esn"]
     assert parts["by_degree"] == pytest.approx(whole["by_degree"], abs=1e-6)
 
 

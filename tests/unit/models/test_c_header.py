@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose
@@ -155,7 +155,6 @@ def test_random_samples_and_resets_give_the_same_stream(fitted, compiled):
     c, python = compiled("fprc"), fitted["fprc"]
     sample = arrays(np.float64, 2, elements=st.floats(-300.0, 300.0))
 
-    @settings(max_examples=30, deadline=None)
     @given(st.lists(st.tuples(st.sampled_from(["step", "reset", "init"]), sample), max_size=30))
     def same(calls):
         for stream in (c, python):

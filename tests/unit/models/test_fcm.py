@@ -3,7 +3,7 @@ import warnings
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose
@@ -17,7 +17,6 @@ from fprc.models import fcm
 from fprc.models.fcm import fuzzy_c_means
 from fprc.models.kernels import BLOCK, alternate
 
-examples = settings(max_examples=40, deadline=None, derandomize=True)
 seeds = st.integers(0, 2**32 - 1)
 
 
@@ -34,7 +33,6 @@ def unsettled(X, n_clusters, **options):
         return fuzzy_c_means(X, n_clusters, **options)
 
 
-@examples
 @given(samples(), st.integers(1, 5), seeds)
 def test_memberships_of_a_sample_sum_to_one(X, n_clusters, seed):
     clusters = unsettled(X, n_clusters, random_state=seed, max_iterations=30)
@@ -44,7 +42,6 @@ def test_memberships_of_a_sample_sum_to_one(X, n_clusters, seed):
     assert np.all(np.isfinite(clusters.centers))
 
 
-@examples
 @given(samples(), st.integers(1, 4), seeds)
 def test_centers_lie_within_the_range_of_the_data(X, n_clusters, seed):
     centers = unsettled(X, n_clusters, random_state=seed, max_iterations=10).centers
@@ -53,7 +50,6 @@ def test_centers_lie_within_the_range_of_the_data(X, n_clusters, seed):
     assert np.all(centers <= X.max(axis=0) + slack)
 
 
-@examples
 @given(samples(), st.integers(1, 4), seeds)
 def test_more_iterations_never_raise_the_objective(X, n_clusters, seed):
     assume(len(np.unique(X, axis=0)) >= n_clusters)
@@ -65,7 +61,6 @@ def test_more_iterations_never_raise_the_objective(X, n_clusters, seed):
     assert np.all(np.diff(objectives) <= slack)
 
 
-@examples
 @given(seeds, seeds)
 def test_order_of_the_samples_does_not_change_the_optimum(seed, shuffle):
     X = blobs(seed)
@@ -77,7 +72,6 @@ def test_order_of_the_samples_does_not_change_the_optimum(seed, shuffle):
     assert_allclose(by_first_column(theirs.centers), by_first_column(ours.centers), atol=1e-6)
 
 
-@examples
 @given(seeds)
 def test_order_of_the_features_does_not_change_the_clustering(seed):
     X = np.random.default_rng(seed).normal(size=(40, 3))
@@ -260,7 +254,6 @@ def test_restarts_of_one_optimum_keep_the_first(traps):
     assert np.array_equal(often.centers, once.centers)
 
 
-@examples
 @given(samples(), st.integers(1, 4), seeds)
 def test_more_restarts_never_raise_the_objective(X, n_clusters, seed):
     once, often = (

@@ -1,3 +1,6 @@
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -80,6 +83,17 @@ def test_parameters_of_the_parts_are_set_through_the_model():
     X, y = log()
     assert changed.fit(X, y).readout_.w_out_.size == 1 + 3 + 3 + 1
     assert changed.readout_.alpha == 2.0
+
+
+def test_model_of_the_documentation_learns_and_steps():
+    page = Path(__file__).parents[3] / "docs/extending.md"
+    blocks = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+    found: dict = {}
+    exec(next(block for block in blocks if "FeatureModel(" in block), found)
+    X, y = log()
+    model = found["model"].fit(X, y)
+    assert model.readout_.w_out_.size == 1 + 10 + 3
+    assert_allclose([model.step(x) for x in X], model.predict(X), rtol=0, atol=1e-9)
 
 
 def test_several_recordings_restart_the_features():

@@ -1,7 +1,7 @@
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose
@@ -11,7 +11,6 @@ from sklearn.base import clone
 from fprc.models import ESN, FPRC, EchoStates, FuzzyLinear, TapFeatures, kernels, lowpass, taps
 from fprc.models.echo import aligned, narrowed
 
-examples = settings(max_examples=50, deadline=None, derandomize=True)
 epsilons = st.floats(1e-4, 1.0)
 
 
@@ -20,7 +19,6 @@ def series(limit=1e4, least=1):
     return st.integers(least, 40).flatmap(lambda size: arrays(float, size, elements=numbers))
 
 
-@examples
 @given(series(), st.integers(1, 12))
 def test_column_j_of_the_taps_holds_the_sample_j_steps_ago(x, size):
     rows = taps(x, size)
@@ -30,20 +28,17 @@ def test_column_j_of_the_taps_holds_the_sample_j_steps_ago(x, size):
             assert rows[k, j] == x[max(k - j, 0)]
 
 
-@examples
 @given(st.floats(-1e6, 1e6), epsilons)
 def test_lowpass_passes_a_constant(level, epsilon):
     assert_allclose(lowpass(np.full(200, level), epsilon), level, rtol=1e-10)
 
 
-@examples
 @given(st.floats(0.01, 1.0))
 def test_lowpass_settles_on_a_step(epsilon):
     x = np.concatenate([np.zeros(10), np.full(4000, 7.0)])
     assert lowpass(x, epsilon)[-1] == pytest.approx(7.0, rel=1e-9)
 
 
-@examples
 @given(series(), epsilons)
 def test_lowpass_stays_within_the_range_of_its_input(x, epsilon):
     filtered = lowpass(x, epsilon)
@@ -52,7 +47,6 @@ def test_lowpass_stays_within_the_range_of_its_input(x, epsilon):
     assert np.all(filtered <= x.max() + slack)
 
 
-@examples
 @given(series(), st.floats(-5, 5), st.floats(-5, 5), epsilons, st.integers(0, 2**32 - 1))
 def test_lowpass_is_linear(x, a, b, epsilon, seed):
     z = np.random.default_rng(seed).normal(size=len(x))
@@ -60,7 +54,6 @@ def test_lowpass_is_linear(x, a, b, epsilon, seed):
     assert_allclose(lowpass(a * x + b * z, epsilon), expected, rtol=1e-9, atol=1e-7)
 
 
-@examples
 @given(series(least=2), epsilons, st.data())
 def test_lowpass_does_not_see_the_future(x, epsilon, data):
     now = data.draw(st.integers(0, len(x) - 2))
@@ -87,7 +80,6 @@ def logs(draw, columns):
     return draw(arrays(float, shape, elements=numbers))
 
 
-@examples
 @given(logs(3), st.integers(1, 6), st.integers(1, 6), st.sampled_from([None, 0, 1, 2]), epsilons)
 def test_tap_features_step_by_step_equal_those_of_the_whole_log(X, n_y, n_u, n_references, epsilon):
     features = TapFeatures(n_y=n_y, n_references=n_references, n_u=n_u, epsilon=epsilon).fit(X)

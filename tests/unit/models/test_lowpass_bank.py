@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose
@@ -14,7 +14,6 @@ logs = st.integers(1, 40).flatmap(
 factors = st.lists(st.floats(1e-3, 1.0), min_size=1, max_size=4)
 
 
-@settings(max_examples=50, deadline=None, derandomize=True)
 @given(logs, factors)
 def test_bank_is_scipys_filter_of_each_column_with_each_factor(X, epsilons):
     features = LowpassBank(epsilons).fit(X)

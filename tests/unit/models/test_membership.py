@@ -1,13 +1,11 @@
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose
 
 from fprc.models.membership import gaussian_memberships
-
-examples = settings(max_examples=100, deadline=None, derandomize=True)
 
 
 def points(limit):
@@ -16,7 +14,6 @@ def points(limit):
     )
 
 
-@examples
 @given(points(1e8), points(1e8), st.floats(0.1, 10.0))
 def test_memberships_are_finite_and_sum_to_one_anywhere(X, centers, sigma):
     beta = gaussian_memberships(X, centers, sigma)
@@ -26,7 +23,6 @@ def test_memberships_are_finite_and_sum_to_one_anywhere(X, centers, sigma):
     assert_allclose(beta.sum(axis=1), 1.0, rtol=1e-12)
 
 
-@examples
 @given(points(1e3), points(1e3), st.floats(1.0, 10.0))
 def test_no_rule_outweighs_that_of_the_nearest_center(X, centers, sigma):
     distances = ((X[:, None, :] - centers) ** 2).sum(axis=2)
@@ -35,7 +31,6 @@ def test_no_rule_outweighs_that_of_the_nearest_center(X, centers, sigma):
     assert np.all(nearest >= beta * (1.0 - 1e-6))
 
 
-@examples
 @given(arrays(float, (5, 8), elements=st.floats(-3, 3)), st.floats(2.0, 10.0))
 def test_memberships_near_the_centers_are_the_printed_ratio(rows, sigma):
     x, centers = rows[:1], rows[1:]

@@ -1,13 +1,12 @@
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from fprc.models import NVAR, RidgeReadout
 
 
-@settings(max_examples=30, deadline=None, derandomize=True)
 @given(st.integers(1, 3), st.integers(1, 4), st.integers(2, 3), st.integers(1, 2), st.data())
 def test_features_are_those_of_literal_loops(n_taps, spacing, degree, columns, data):
     seed = data.draw(st.integers(0, 99))

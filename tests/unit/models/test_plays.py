@@ -1,11 +1,10 @@
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from fprc.models import PlayOperators
 
-examples = settings(max_examples=50, deadline=None, derandomize=True)
 numbers = st.floats(-50, 50, allow_subnormal=False)
 paths = st.lists(numbers, min_size=1, max_size=30)
 
@@ -25,7 +24,6 @@ def test_half_widths_divide_half_the_range_of_each_column():
     assert_allclose(found, [[10.0, 20.0], [1 / 3, 2 / 3]], rtol=1e-15)
 
 
-@examples
 @given(paths, paths)
 def test_plays_are_those_of_a_loop_over_samples_and_columns(first, second):
     size = min(len(first), len(second))
@@ -42,7 +40,6 @@ def test_plays_are_those_of_a_loop_over_samples_and_columns(first, second):
     assert np.array_equal([features.step(x) for x in X], expected)
 
 
-@examples
 @given(paths, st.sampled_from([1.0, -1.0]))
 def test_play_of_a_monotone_input_waits_for_r_and_then_lags_by_r(path, sign):
     x = np.sort(path)
@@ -50,7 +47,6 @@ def test_play_of_a_monotone_input_waits_for_r_and_then_lags_by_r(path, sign):
     assert_allclose(plays(sign * x), sign * expected, rtol=1e-12)
 
 
-@examples
 @given(paths, st.lists(numbers, min_size=3, max_size=3), st.sampled_from([1.0, -1.0]))
 def test_input_that_returns_to_a_reversal_wipes_out_the_loop_between(past, levels, sign):
     low, inner, high = sorted(levels)
@@ -58,7 +54,6 @@ def test_input_that_returns_to_a_reversal_wipes_out_the_loop_between(past, level
     assert np.array_equal(after[-1], after[-3])
 
 
-@examples
 @given(paths, st.integers(2, 5))
 def test_plays_do_not_depend_on_the_speed_of_the_input(path, times):
     assert np.array_equal(plays(np.repeat(path, times))[times - 1 :: times], plays(path))

@@ -1,14 +1,12 @@
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose
 
 from fprc.models import RidgeReadout
 from fprc.models.ridge import ridge_weights, with_bias
-
-examples = settings(max_examples=40, deadline=None, derandomize=True)
 
 
 @st.composite
@@ -23,7 +21,6 @@ def problems(draw):
     )
 
 
-@examples
 @given(problems())
 def test_gradient_of_the_printed_objective_is_zero_at_the_solution(problem):
     extended, y, alpha, weight = problem
@@ -56,7 +53,6 @@ def test_part_that_is_large_costs_the_others_no_digits():
     assert_allclose(without_large.w_out_, plain.w_out_, rtol=1e-9)
 
 
-@examples
 @given(problems(), st.integers(0, 2**32 - 1))
 def test_no_other_weights_have_a_smaller_objective(problem, seed):
     extended, y, alpha, weight = problem

@@ -1,6 +1,5 @@
 import pytest
 from sklearn.base import clone
-from sklearn.ensemble import ExtraTreesRegressor
 from sklearn.utils.estimator_checks import (
     check_global_output_transform_pandas,
     check_set_output_transform,
@@ -45,7 +44,6 @@ MAPS = [
 SEQUENTIAL = [
     *MAPS,
     FeatureModel(SideBySide(BANK), RidgeReadout(), random_state=1),
-    FeatureModel(SideBySide(BANK), ExtraTreesRegressor(5), random_state=1),
     EchoStates(r=12),
     ESN(r=12, washout=20),
     FPRC(n_c=3, epsilon=1.0),

@@ -16,6 +16,7 @@ def world(signals):
         "name": "dry",
         "title": "rig dry",
         "rigs": "one",
+        "every_model": True,
         "fitted": ["tables"],
         "first_seed": 601,
         "seeds_per_rig": 1,

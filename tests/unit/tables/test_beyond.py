@@ -1,5 +1,8 @@
 """Tables of worlds whose numbers are known."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -159,3 +162,26 @@ def test_lengths_are_in_order_and_two_logs_last(worlds):
     page = tables.lengths_page(tables.lengths(worlds), "dry", TITLES)
     assert list(page) == ["Model", "15 s", "30 s", "60 s", "two logs"]
     assert page.iloc[0].tolist() == ["FPRC", "16.7", "13.3", "11.7", "10.4"]
+
+
+def test_blocks_are_those_of_the_pages_and_survive_csv(worlds, ledgers, tmp_path):
+    found = {
+        "models": tables.models(worlds), "offsets": tables.offsets(worlds),
+        "capacities": tables.capacity(worlds), "lengths": tables.lengths(worlds),
+    }  # fmt: skip
+    read = {}
+    for name, table in found.items():
+        table.to_csv(tmp_path / name, index=False)
+        read[name] = pd.read_csv(tmp_path / name)
+    verdicts = {"source": "sim", "advice": ["Take a | b.", "Not c."], "ledgers": ledgers}
+    blocks = tables.blocks(verdicts, found, "dry", TITLES)
+    assert tables.blocks(verdicts, read, "dry", TITLES) == blocks
+    assert len(blocks["advice"].splitlines()) == 2
+    docs = Path(__file__).parents[3] / "docs"
+    begun = {
+        name
+        for page in ("beyond.md", "benchmark.md")
+        for name in re.findall(r"<!-- (\w+): generated -->", (docs / page).read_text("utf-8"))
+    }
+    assert blocks.keys() == begun
+    assert blocks["leaderboard"].startswith("Data: simulated rig, not hardware.")

@@ -1,0 +1,121 @@
+"""Claims on one's own recording: those of B1-B8 that need no rig, and FPRC against no P_o.
+
+docs/preregistration.md has them with their limits.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+from fprc.claims.finding import UNDECIDED
+from fprc.claims.paired import (
+    AGREEING,
+    LEAST_UNITS,
+    NOT_JUDGED,
+    Judged,
+    Part,
+    judge_together,
+)
+
+#: Blocks that a subset lacks; ten have less to spare than forty seeds.
+LEFT_OUT = 2
+
+
+class Claim(NamedTuple):
+    """FPRC against one competitor."""
+
+    id: str  #: as in ``fprc.claims.beyond``; R marks claims on recordings only
+    text: str
+    other: str  #: competitor
+
+
+CLAIMS = (
+    Claim("B1", "P_o beats low-passed theta", "fprc_lowpass"),
+    Claim("B4", "the fuzzy readout beats a ridge on the same features", "ridge_p_o"),
+    Claim("R1", "FPRC beats the same readout without P_o", "fuzzy_linear"),
+)
+
+
+def judge_recording(report: Mapping[str, Any], titles: Mapping[str, str]) -> list[dict[str, Any]]:
+    """Judge the claims by paired ratios of the errors on blocks.
+
+    Parameters
+    ----------
+    report : Mapping
+        ``cells``: each with ``model`` and ``validation_rmse_kpa``, one per block, or ``reason``;
+        ``overlap``: samples that judge per sample that trains.
+    titles : Mapping
+        Models by name, as readers see them.
+
+    Returns
+    -------
+    list of dict
+        ``id``, ``claim``, ``verdict``, ``p``, ``level`` and ``stable`` as ``judge_together`` gives
+        them, ``blocks``, ``reason`` (why it is undecided or not judged), ``pair``, and ``ratio``,
+        ``low``, ``high``, which are None if it is not judged. A ratio below 1 supports the claim.
+    """
+    errors = {cell["model"]: cell.get("validation_rmse_kpa", ()) for cell in report["cells"]}
+    parts = [_part(claim, errors, titles, report["overlap"]) for claim in CLAIMS]
+    judged = judge_together([[part] for part in parts], left_out=LEFT_OUT)
+    rows = []
+    for claim, part, outcome in zip(CLAIMS, parts, judged, strict=True):
+        ends: Sequence[float | None] = (None, None, None)
+        if outcome.verdict != NOT_JUDGED:
+            ends = [math.exp(end) for end in part.interval(outcome.level)]
+        rows.append(
+            {
+                "id": claim.id,
+                "claim": claim.text,
+                **outcome._asdict(),
+                "blocks": len(part.values),
+                "reason": _reason(part, outcome),
+                "pair": part.text,
+                **dict(zip(("ratio", "low", "high"), ends, strict=True)),
+            }
+        )
+    return rows
+
+
+def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return each verdict as a sentence or two."""
+    lines = []
+    for row in rows:
+        line = f"{row['id']}, {row['claim']}: {row['verdict']}"
+        if row["ratio"] is not None:
+            line += f"; {row['pair']} {row['ratio']:.2f} ({row['low']:.2f} to {row['high']:.2f})"
+        lines.append(f"{line}. {row['reason']}".rstrip())
+    return lines
+
+
+def _part(
+    claim: Claim, errors: Mapping[str, Sequence[float]], titles: Mapping[str, str], overlap: float
+) -> Part:
+    ours, theirs = errors.get("fprc", ()), errors.get(claim.other, ())
+    # a model that failed has no blocks
+    pairs = enumerate(zip(ours, theirs, strict=False))
+    return Part(
+        f"{titles['fprc']} / {titles[claim.other]}",
+        {
+            block: math.log(own) - math.log(other)
+            for block, (own, other) in pairs
+            if own > 0.0 and other > 0.0
+        },
+        overlap=overlap,
+    )
+
+
+def _reason(part: Part, outcome: Judged) -> str:
+    """Return why a claim is undecided or not judged; empty if it is decided."""
+    blocks = len(part.values)
+    if outcome.verdict == NOT_JUDGED:
+        return f"{blocks} blocks have an error of both models; at least 2 are needed."
+    if outcome.verdict != UNDECIDED:
+        return ""
+    if blocks < LEAST_UNITS:
+        return f"{blocks} blocks; at least {LEAST_UNITS} decide."
+    if outcome.stable is not None:
+        return (
+            f"Only {outcome.stable:.0%} of the subsets with {LEFT_OUT} blocks fewer agree; "
+            f"{AGREEING:.0%} would decide."
+        )
+    return "The interval contains 1, and is not within 5 % of it."

@@ -1,0 +1,178 @@
+"""Page of `fprc readout`: what P_o and the other models are worth on a recording, in words."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from fprc import tables
+from fprc.artifacts import read_json
+from fprc.claims.recording import sentences
+from fprc.config import from_files
+from fprc.config.importing import ImportMap
+from fprc.escape import code
+from fprc.logs import read_columns
+from fprc.paper import SOURCES
+from fprc.provenance import sha256
+
+#: Recordings of one role, training or test: each is a file and its map.
+Recordings = Sequence[tuple[str, ImportMap]]
+PREDICTED = {"command": "commanded", "measured": "measured"}
+
+
+def log_names(experiment: str, count: int) -> list[str]:
+    """Return the names of an experiment's raw logs: ``sweep``, ``sweep_2``, ``sweep_3``, ..."""
+    return [experiment, *(f"{experiment}_{number}" for number in range(2, count + 1))]
+
+
+def report_page(
+    parts: Mapping[str, Recordings],
+    map_file: str,
+    mapping: ImportMap,
+    settings: Mapping[str, Any],
+    folder: Path,
+    results: Mapping[str, Any],
+) -> str:
+    """Return the report as Markdown, with links to the figures."""
+    table = tables.readout(results)
+    note, grid = (folder / "readout/readout.md").read_text(encoding="utf-8").split("\n\n", 1)
+    ((source, tested),) = parts["complex"]
+    further = [path for path, _ in parts["sweep"] if path != source]
+    rate_hz = tested.sample_rate_hz
+    lines = [
+        f"# Value of the readout in {code(Path(source).name)}",
+        "",
+        f"Recording: {_with_hash(source)}; map: {code(map_file)}.",
+        *([f"Training logs: {', '.join(map(_with_hash, further))}."] if further else []),
+        f"Data: {SOURCES[results['source']]}; {rate_hz:g} samples per second; epsilon "
+        "and taps are in samples.",
+        f"{what_trained(mapping, further)}; models as in the paper"
+        f"{'' if _has_default_models(settings) else ', except for the settings given'}. "
+        f"The models predict the {PREDICTED[results['target']]} P_exp.",
+        "",
+        "## Finding",
+        "",
+        *(f"- {line}" for line in findings(table, results["own"])),
+        f"- {compare_scales(folder / 'data/sweep.h5', settings['models']['fprc']['sigma'])}",
+        "",
+        "Low-passed theta and P_o shuffled in time are controls: P_o helps as a memory only if it "
+        "beats both. One test does not show the spread of the test error; the verdicts under "
+        "[Other models](#other-models) say which differences are more than chance.",
+        "",
+        "## Table",
+        "",
+        note,
+        "",
+        grid.strip(),
+        "",
+        "Every setting: [readout/readout.csv](readout/readout.csv).",
+        "",
+        "![Errors over epsilon and taps](readout/readout.png)",
+        "",
+        *_others(folder, results["competitors"]),
+        "",
+        "## The recording",
+    ]
+    for experiment, role in (("sweep", "training part"), ("complex", "test part")):
+        recordings = parts[experiment]
+        for log, (path, _) in zip(log_names(experiment, len(recordings)), recordings, strict=True):
+            part = role if path == source else f"training log {code(Path(path).name)}"
+            words = read_json(folder / f"raw/{log}.diagnosis.json")["words"]
+            lines += ["", f"### {part[0].upper()}{part[1:]}", "", *(f"- {word}" for word in words)]
+            lines += ["", f"![{part}](raw/{log}.diagnosis.png)"]
+    return "\n".join(lines) + "\n"
+
+
+def _others(folder: Path, report: Mapping[str, Any]) -> list[str]:
+    """Return the section on FPRC and its competitors."""
+    note, grid = (folder / "readout/competitors.md").read_text(encoding="utf-8").split("\n\n", 1)
+    return [
+        "## Other models",
+        "",
+        *(f"- {line}" for line in sentences(report["verdicts"])),
+        "",
+        "Each ratio is the mean over blocks; below 1 it favours FPRC. The chance that any verdict "
+        "is wrong is kept at 5 % (Holm), so an interval is wider than a 95 % interval. It is wider "
+        "still because the models of all blocks share training data; this correction (Nadeau "
+        "and Bengio 2003) is an approximation. A verdict holds for this recording and these "
+        "settings, not for the rig on another day. Test errors have no interval and enter no "
+        "verdict.",
+        "",
+        note,
+        "",
+        grid.strip(),
+        "",
+        "Every number: [readout/competitors.csv](readout/competitors.csv), errors of each block: "
+        "[readout/competitors.json](readout/competitors.json).",
+    ]
+
+
+def _with_hash(path: str) -> str:
+    return f"{code(path)}, SHA-256 `{sha256(path)[:16]}`"
+
+
+def what_trained(mapping: ImportMap, further: Sequence[str]) -> str:
+    """Return in words which part of which recordings trains, and which tests."""
+    logs = f"{len(further)} training log{'s' if len(further) > 1 else ''}"
+    if mapping.test_from_s is None:
+        return f"Trained on {logs}, tested on the whole recording"
+    also = f" and on {logs}" if further else ""
+    return f"Trained before {mapping.test_from_s:g} s{also}, tested after"
+
+
+def _has_default_models(settings: Mapping[str, Any]) -> bool:
+    return settings["models"] == from_files([]).model_dump(mode="json")["models"]
+
+
+def findings(table: pd.DataFrame, own: Mapping[str, float]) -> list[str]:
+    """Describe the effect of P_o on the error: at the models' settings, and at the best ones.
+
+    Parameters
+    ----------
+    table : DataFrame
+        As ``fprc.tables.readout`` gives it.
+    own : Mapping
+        ``epsilon`` and ``n_u`` of the models.
+    """
+    held_out = tables.held_out(table)
+    rows = table[table["split"] == held_out]
+    at_own = rows[(rows["epsilon"] == own["epsilon"]) & (rows["n_u"] == own["n_u"])]
+    at_own = at_own.set_index("readout")
+    folds = "On blocked folds" if held_out == "blocked" else "On recordings left out of training"
+    lines = []
+    for phase, what in (("validation", folds), ("test", "On the test part")):
+        errors = at_own[f"{phase}_rmse"]
+        changes = ", ".join(
+            f"{_change(errors['p_o'], errors[other])} {name}"
+            for other, name in (
+                ("none", "than without a readout"),
+                ("theta", "than with theta low-passed"),
+                ("shuffled", "than with P_o shuffled"),
+            )
+        )
+        lines.append(f"{what} FPRC's error is {changes}.")
+    best = rows[rows["readout"] == "p_o"].sort_values("test_rmse").iloc[0]
+    change = _change(best["test_rmse"], at_own["test_rmse"]["none"])
+    lines.append(
+        f"Of the settings tried, epsilon = {best['epsilon']:g} and n_u = {best['n_u']} test best: "
+        f"{change} than without a readout. This is optimistic: the test selected them."
+    )
+    return lines
+
+
+def compare_scales(log: Path, sigma: float) -> str:
+    """Return sentences that compare the spread of the inputs with the memberships' width."""
+    names = ("theta_deg", "p_o_kpa")
+    theta, p_o = (np.std(values) for values in read_columns(log, names).channels.values())
+    return (
+        f"The rules' memberships use distances of unscaled inputs: the standard deviation of theta "
+        f"is {theta:.3g}, of P_o {p_o:.3g} (training), and sigma = {sigma:g}. Results depend on "
+        "the scale of theta; try several."
+    )
+
+
+def _change(ours: float, other: float) -> str:
+    percent = 100.0 * (ours / other - 1.0)
+    return f"{abs(percent):.1f} % {'higher' if percent > 0.0 else 'lower'}"

@@ -1,0 +1,47 @@
+"""Blocks of recordings: each is predicted by models that the others trained."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fprc.errors import EvaluationError
+from fprc.evaluation.folds import Fold
+
+
+def split_blocks(lengths: Sequence[int], blocks: int, shortest: int, purge: int) -> list[Fold]:
+    """Return (training rows, validation rows) of blocks, each inside one recording.
+
+    ``blocks`` recordings or more are a block each. Fewer are cut into equal blocks, in all at least
+    as many as asked for, but none shorter than ``shortest``; a recording that is itself shorter is
+    one block, or two if it is the only one.
+
+    Parameters
+    ----------
+    lengths : sequence of int
+        Samples of each recording.
+    shortest : int
+        Samples of the shortest block that a recording is cut into, 1 or more.
+    purge : int
+        Rows of the same recording on each side of a block that do not train.
+
+    Raises
+    ------
+    EvaluationError
+        The purge leaves a block no rows to train.
+    """
+    total, fewest = sum(lengths), 1 if len(lengths) > 1 else 2
+    folds = []
+    for rows in np.split(np.arange(total), np.cumsum(lengths)[:-1]):
+        wanted = 1 if len(lengths) >= blocks else -(-blocks * len(rows) // total)
+        count = max(fewest, min(wanted, len(rows) // shortest))
+        for block in np.array_split(rows, count):
+            first, last = max(rows[0], block[0] - purge), min(rows[-1], block[-1] + purge)
+            train = np.concatenate([np.arange(first), np.arange(last + 1, total)])
+            if not train.size:
+                raise EvaluationError(
+                    f"a block of {len(block)} samples, and {purge} samples on each side of it, "
+                    f"leave none of {total} to train; reduce evaluation.purge_s, or use a longer "
+                    "log"
+                )
+            folds.append((train, block))
+    return folds

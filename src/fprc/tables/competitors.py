@@ -1,0 +1,48 @@
+"""Table of FPRC and its competitors on a recording."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from fprc.tables.text import spread
+
+
+def competitors_table(report: Mapping[str, Any]) -> pd.DataFrame:
+    """Errors of each competitor, tidy: mean and deviation over blocks, and on the test data.
+
+    Returns
+    -------
+    DataFrame
+        ``model``, ``block_rmse``, ``block_std``, ``test_rmse``, ``blocks``, ``unit``, ``source``,
+        lowest mean first; then, without errors, the models that have a ``reason`` for it.
+    """
+    rows = []
+    for cell in report["cells"]:
+        errors = np.array(cell.get("validation_rmse_kpa", []))
+        rows.append(
+            {
+                "model": cell["model"],
+                "block_rmse": errors.mean() if errors.size else np.nan,
+                "block_std": errors.std(ddof=1) if errors.size > 1 else np.nan,
+                "test_rmse": cell.get("test_rmse_kpa", np.nan),
+                "blocks": errors.size,
+                "unit": report["unit"],
+                "source": report["source"],
+                "reason": cell.get("reason", ""),
+            }
+        )
+    return pd.DataFrame(rows).sort_values("block_rmse", kind="stable", ignore_index=True)
+
+
+def competitors_page(table: pd.DataFrame, titles: Mapping[str, str]) -> pd.DataFrame:
+    """Return the competitors as a page; one without errors has its reason in their place."""
+    return pd.DataFrame(
+        {
+            "Model": titles[row.model],
+            f"Blocks [{row.unit}]": row.reason or spread(row.block_rmse, row.block_std),
+            f"Test [{row.unit}]": "" if row.reason else spread(row.test_rmse, None),
+        }
+        for row in table.itertuples()
+    )

@@ -1,0 +1,95 @@
+"""Verdicts on one's own recording."""
+
+import math
+
+import numpy as np
+import pytest
+
+from fprc.claims.recording import CLAIMS, judge_recording, sentences
+from fprc.competitors import COMPETITORS
+from fprc.experiments.competitors import ON_RECORDINGS
+
+TITLES = {name: entry.title for name, entry in COMPETITORS.items()}
+MODELS = ("fprc", *(claim.other for claim in CLAIMS))
+
+
+def report(blocks=10, overlap=1 / 9, spread=0.01, **ratios):
+    """Return errors of 10 on each block, those of FPRC by a ratio to each other model."""
+    noise = np.random.default_rng(2).standard_normal((len(MODELS), blocks))
+    cells = [
+        {
+            "model": name,
+            "validation_rmse_kpa": list(10.0 / ratios.get(name, 1.0) * np.exp(spread * own)),
+        }
+        for name, own in zip(MODELS, noise, strict=True)
+    ]
+    return {"cells": cells, "overlap": overlap}
+
+
+def verdicts(told):
+    return {row["id"]: row["verdict"] for row in judge_recording(told, TITLES)}
+
+
+def test_every_model_of_a_claim_is_judged_on_recordings():
+    assert set(MODELS) <= set(ON_RECORDINGS)
+
+
+def test_clear_pairs_are_decided_and_named():
+    told = report(fprc_lowpass=0.7, ridge_p_o=1.5)
+    assert verdicts(told) == {"B1": "superior", "B4": "inferior", "R1": "equivalent"}
+    first, *_ = sentences(judge_recording(told, TITLES))
+    assert first.startswith(
+        "B1, P_o beats low-passed theta: superior; FPRC / FPRC on low-passed theta_d 0.70 (0.6"
+    )
+    assert first.endswith(").")
+
+
+def test_ratio_and_interval_are_those_of_the_corrected_t_test_after_holm():
+    told = report(spread=0.1)
+    row = judge_recording(told, TITLES)[0]
+    ours, theirs = (np.log(told["cells"][i]["validation_rmse_kpa"]) for i in (0, 1))
+    ratios = ours - theirs
+    assert row["ratio"] == pytest.approx(math.exp(ratios.mean()))
+    assert row["level"] == pytest.approx(0.05 / 3)  # nothing is decided
+    half = 2.9333 * math.sqrt((1 / 10 + 1 / 9) * ratios.var(ddof=1))
+    assert math.log(row["high"] / row["ratio"]) == pytest.approx(half, rel=1e-4)
+
+
+@pytest.mark.parametrize(("blocks", "verdict"), [(7, "undecided"), (8, "superior")])
+def test_fewer_than_eight_blocks_decide_nothing(blocks, verdict):
+    told = report(blocks=blocks, fprc_lowpass=0.5)
+    assert verdicts(told)["B1"] == verdict
+    text = sentences(judge_recording(told, TITLES))[0]
+    assert ("7 blocks; at least 8 decide" in text) == (blocks == 7)
+
+
+def test_shared_training_data_leave_undecided_what_independent_blocks_would_decide():
+    told = {"fprc_lowpass": 0.93, "spread": 0.05}
+    assert verdicts(report(overlap=0.0, **told))["B1"] == "superior"
+    rows = judge_recording(report(**told), TITLES)
+    assert rows[0]["verdict"] == "undecided"
+    assert "undecided" in sentences(rows)[0]
+    assert "contains 1, and is not within 5 %" in sentences(rows)[0]
+
+
+def test_one_block_that_carries_the_verdict_leaves_it_undecided():
+    told = report(fprc_lowpass=0.7)
+    told["cells"][0]["validation_rmse_kpa"][3] *= 1.6
+    told["cells"][0]["validation_rmse_kpa"][5] *= 1.5
+    row = judge_recording(told, TITLES)[0]
+    assert row["verdict"] == "undecided"
+
+
+def test_model_without_errors_leaves_its_claim_unjudged():
+    told = report(fprc_lowpass=0.7)
+    told["cells"][2] = {"model": "ridge_p_o", "reason": "too long"}
+    rows = judge_recording(told, TITLES)
+    assert [row["verdict"] for row in rows] == ["superior", "not judged", "equivalent"]
+    assert rows[1]["ratio"] is None
+    assert "at least 2 are needed" in sentences(rows)[1]
+
+
+def test_block_without_error_is_no_pair():
+    told = report(fprc_lowpass=0.7)
+    told["cells"][1]["validation_rmse_kpa"][0] = 0.0
+    assert [row["blocks"] for row in judge_recording(told, TITLES)] == [9, 10, 10]
