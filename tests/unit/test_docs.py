@@ -22,7 +22,11 @@ BLOCKS = {
     "README.md": ["tests/unit/test_datasets.py"],
     "data/raw/README.md": ["tests/unit/logs/test_columns.py"],
     "docs/benchmark.md": ["tests/unit/test_datasets.py"],
-    "docs/extending.md": ["tests/workflow/test_extending.py", "a protocol without bodies"],
+    "docs/extending.md": [
+        "tests/workflow/test_extending.py",
+        "tests/unit/models/test_feature_model.py",
+        "a protocol without bodies",
+    ],
     "docs/hardware.md": ["needs a sensor on the bus"],
     "docs/module.md": ["tests/workflow/test_module.py"],
     "docs/own-data.md": ["tests/unit/commands/test_import_recording.py"] * 2,
