@@ -14,6 +14,7 @@ from fprc.paper import REFERENCES
 
 #: Measures of every model, as readers see them, with their units.
 MEASURES = {
+    "train": "training RMSE [kPa]",
     "forward": "test RMSE, forward [kPa]",
     "reversed": "test RMSE, reversed [kPa]",
     "open_loop": "tracking, open loop [deg]",
@@ -54,9 +55,10 @@ def measured(world: Mapping[str, Any]) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        ``unit``, ``seed``, ``model``, ``measure``, ``value``. Measures are ``forward`` and
-        ``reversed`` (test RMSE, kPa), ``open_loop`` and ``closed_loop`` (root mean square over the
-        four references, deg), ``shifted/KPA`` and ``disturbed/KIND`` (forward test RMSE, kPa).
+        ``unit``, ``seed``, ``model``, ``measure``, ``value``. Measures are ``train`` (training
+        RMSE of the forward direction, kPa), ``forward`` and ``reversed`` (test RMSE, kPa),
+        ``open_loop`` and ``closed_loop`` (root mean square over the four references, deg),
+        ``shifted/KPA`` and ``disturbed/KIND`` (forward test RMSE, kPa).
         A number that is missing, not finite or not positive has no row.
     """
     rows = [
@@ -70,6 +72,7 @@ def measured(world: Mapping[str, Any]) -> pd.DataFrame:
 
 
 def _numbers(report: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    yield "train", (report.get("forward") or {}).get("train_rmse_kpa")
     for direction in ("forward", "reversed"):
         yield direction, (report.get(direction) or {}).get("test_rmse_kpa")
     for loop in ("open_loop", "closed_loop"):

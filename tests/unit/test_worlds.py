@@ -24,7 +24,7 @@ def test_numbers_are_named_by_their_measure():
     )
     assert found.pop("open_loop") == pytest.approx(math.sqrt(7.5))
     assert found == {
-        "forward": 10.0, "reversed": 20.0, "shifted/-2": 15.0, "shifted/0.5": 11.0,
+        "train": 9.0, "forward": 10.0, "reversed": 20.0, "shifted/-2": 15.0, "shifted/0.5": 11.0,
         "disturbed/drift": 12.0,
     }  # fmt: skip
 

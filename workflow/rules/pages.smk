@@ -119,7 +119,7 @@ rule beyond_page:
     input:
         **{
             name: PATHS.below(f"beyond/{name}.csv")
-            for name in ("models", "offsets", "capacities", "lengths")
+            for name in ("models", "tracking", "offsets", "capacities", "lengths")
         },
         verdicts=PATHS.below("beyond/claims.json"),
         figures=expand(PATHS.below("beyond/figure_{name}.png"), name=FIGURES_BEYOND),

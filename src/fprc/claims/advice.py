@@ -1,122 +1,139 @@
-"""Say in five sentences what an engineer should take, from the verdicts on B1-B8."""
+"""Say in five points what the reservoir is worth and what to take, from the worlds' numbers."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
-from fprc.claims.finding import UNDECIDED
+from fprc.claims.finding import LEVEL, UNDECIDED, interval_of_mean
 from fprc.claims.paired import EQUIVALENT, INFERIOR, NOT_JUDGED, SUPERIOR
 from fprc.worlds import measured, title_of
 
 #: What makes the loops of a rig, by the name of its world.
-LOOPS = {"dry": "dry friction", "viscous": "a viscous memory"}
+LOOPS = {
+    "dry": "dry friction, Maxwell slip",
+    "bouc_wen": "dry friction, Bouc-Wen",
+    "viscous": "a viscous memory",
+}
+
+#: Settings that were chosen for a comparison, and are no model to take.
+_NO_OFFER = ("_oracle", "_matched")
 
 Ledger = Sequence[Mapping[str, Any]]
+Row = Mapping[str, Any]
 
 
 def advice(
     worlds: Sequence[Mapping[str, Any]], ledgers: Sequence[Ledger], titles: Mapping[str, str]
 ) -> list[str]:
-    """Return sentences on what makes the loops, when P_o pays, and what to take.
+    """Return what P_o is worth in test error, in tracking, what to take, and two warnings.
 
     Parameters
     ----------
     worlds : sequence of Mapping
-        See ``fprc.worlds``. Those named dry and viscous are compared.
+        See ``fprc.worlds``. What makes the loops of the rigs in ``LOOPS`` is said.
     ledgers : sequence
         Of each world, the rows of ``claims.beyond.judge_world``.
     titles : Mapping
         Models by name, as readers see them.
     """
     by_claim = [{row["id"]: row for row in ledger} for ledger in ledgers]
-    of_loops = {
-        world["name"]: rows
-        for world, rows in zip(worlds, by_claim, strict=True)
-        if world["name"] in LOOPS
-    }
+    tables = [measured(world) for world in worlds]
+    named = [
+        f"{world['title']} ({LOOPS[world['name']]})" if world["name"] in LOOPS else world["title"]
+        for world in worlds
+    ]
     return [
-        _what_makes_the_loops(of_loops),
-        _when_it_pays(by_claim),
-        _what_to_take(worlds, titles),
-        _of_readout_and_esn(by_claim),
-        _if_p_o_shifts(by_claim),
+        _worth("FPRC's forward test error", "B1", by_claim, named),
+        _worth("its tracking error, open and closed loop,", "B3", by_claim, named),
+        _what_to_take(worlds, tables, titles),
+        _of_readout_and_tuning(worlds, tables, by_claim),
+        _if_p_o_falls(worlds, tables, by_claim),
     ]
 
 
-def _what_makes_the_loops(of_loops: Mapping[str, Mapping[str, Any]]) -> str:
-    if not of_loops:
-        return "Neither a rig with dry friction nor one with a viscous memory was run."
-    found = "; ".join(
-        f"with {LOOPS[name]}, {_effect(rows['B1'])}" for name, rows in of_loops.items()
-    )
-    if len(of_loops) == 1:
-        return f"{found[:1].upper()}{found[1:]}; loops of another kind were not run."
-    if len({rows["B1"]["verdict"] for rows in of_loops.values()}) == 1:
-        return f"The worth of P_o does not depend on what makes the loops: {found}."
-    return f"The worth of P_o depends on what makes the loops: {found}."
+def _worth(what: str, claim: str, by_claim: Sequence[Mapping[str, Row]], named: list[str]) -> str:
+    """Return what P_o changes against low-passed theta, by verdict and world."""
+    groups: dict[str, list[str]] = {}
+    for rows, name in zip(by_claim, named, strict=True):
+        row = rows[claim]
+        verdict = str(row["verdict"])
+        kind = {SUPERIOR: "lower", INFERIOR: "higher"}.get(verdict, verdict)
+        changes = " and ".join(_percent(part["mean"], kind) for part in row["parts"])
+        groups.setdefault(kind, []).append(f"{name}{f': {changes}' if changes else ''}")
+    kinds = {
+        "lower": "lower on",
+        "higher": "higher on",
+        EQUIVALENT: "the same within 5 % on",
+        UNDECIDED: "not decided on",
+        NOT_JUDGED: "not measured on",
+    }
+    texts = [
+        f"{words} {'; '.join(groups[kind])}" for kind, words in kinds.items() if kind in groups
+    ]
+    return f"With P_o instead of low-passed theta {what} is {'. It is '.join(texts)}."
 
 
-def _effect(row: Mapping[str, Any]) -> str:
-    """Return what P_o does to the forward test error."""
-    if row["verdict"] == NOT_JUDGED:
-        return "P_o was not compared with a low-pass of theta_d"
-    percent = 100.0 * (row["parts"][0]["mean"] - 1.0)
-    what = {
-        SUPERIOR: f"P_o gives FPRC {-percent:.0f} % less test error than",
-        EQUIVALENT: "P_o gives FPRC the same test error, within 5 %, as",
-        INFERIOR: f"P_o gives FPRC {percent:.0f} % more test error than",
-        UNDECIDED: f"it is undecided whether P_o gives FPRC less test error ({_signed(percent)} %) "
-        "than",
-    }[row["verdict"]]
-    return f"{what} a low-pass of theta_d"
+def _percent(ratio: float, kind: str) -> str:
+    percent = 100.0 * (ratio - 1.0)
+    if kind in ("lower", "higher"):
+        return f"{abs(percent):.0f} %"
+    return f"{percent:+.0f} %" if abs(percent) >= 0.5 else "0 %"
 
 
-def _signed(percent: float) -> str:
-    return f"{percent:+.0f}" if abs(percent) >= 0.5 else "0"
-
-
-def _when_it_pays(by_claim: Sequence[Mapping[str, Any]]) -> str:
-    places: dict[str, list[str]] = {}
-    for rows in by_claim:
-        verdicts = {rows[claim]["verdict"] for claim in ("B1", "B3")}
-        if verdicts == {SUPERIOR}:
-            kind = "improves both test error and tracking"
-        elif verdicts <= {EQUIVALENT, INFERIOR}:
-            kind = "improves neither"
-        elif verdicts <= {SUPERIOR, EQUIVALENT, INFERIOR}:
-            kind = "improves only one of the two"
-        else:
-            kind = "has an undecided effect on one or both"
-        places.setdefault(kind, []).append(rows["B1"]["title"])
-    return f"A second actuator as a reservoir {_placed(places, len(by_claim))}."
-
-
-def _what_to_take(worlds: Sequence[Mapping[str, Any]], titles: Mapping[str, str]) -> str:
+def _what_to_take(
+    worlds: Sequence[Mapping[str, Any]], tables: Sequence[pd.DataFrame], titles: Mapping[str, str]
+) -> str:
     texts = []
-    for world in worlds:
-        table = measured(world)
-        table = table[~table["model"].str.endswith(("_oracle", "_matched"))]
-        readers = set(table[table["measure"].str.startswith("shifted/")]["model"])
-        means = table.groupby(["measure", "model"])["value"].mean()
-        if world["name"] not in LOOPS or "forward" not in means:
+    for world, table in zip(worlds, tables, strict=True):
+        if world["name"] not in LOOPS:
             continue
-        best, without = (
-            means["forward"].drop(list(left_out), errors="ignore").idxmin()
-            for left_out in ((), readers)
-        )
-        text = (
-            f"with {LOOPS[world['name']]} the lowest mean test error is that of "
-            f"{_model(best, means, titles)}"
-        )
-        if best != without:
-            text += f" or, without a second actuator, of {_model(without, means, titles)}"
-        texts.append(text)
-    if not texts:
-        return "No model can be recommended, since none was measured."
-    text = "; ".join(texts)
+        offered = table[~table["model"].str.endswith(_NO_OFFER)]
+        readers = set(table[table["measure"].str.startswith("shifted/")]["model"])
+        found = [
+            f"{words} {best}"
+            for measure, words, unit in (
+                ("open_loop", "the lowest tracking error in open loop is that of", "deg"),
+                ("forward", "the lowest forward test error that of", "kPa"),
+            )
+            if (best := _best(offered, measure, unit, readers, titles))
+        ]
+        if found:
+            texts.append(f"On {world['title']} {', and '.join(found)}.")
     more = [_with_two_logs(world, titles) for world in worlds]
-    return " ".join([f"{text[:1].upper()}{text[1:]}.", *filter(None, more)])
+    return " ".join([*texts, *filter(None, more)]) or "No model was measured."
+
+
+def _best(
+    table: pd.DataFrame, measure: str, unit: str, readers: set[str], titles: Mapping[str, str]
+) -> str:
+    """Return the best model with all that equal it, and the best one without a second actuator."""
+    own = table[table["measure"] == measure]
+    if own.empty:
+        return ""
+    values = own.pivot_table(index=["unit", "seed"], columns="model", values="value")
+    means = values.mean().sort_values()
+
+    def shown(names: Sequence[str]) -> str:
+        return ", ".join(f"{title_of(n, titles)} ({means[n]:.3g} {unit})" for n in names)
+
+    text = shown(_not_worse(values[list(means.index)]))
+    without = [name for name in means.index if name not in readers]
+    if without and means.index[0] in readers:
+        text += f" (without a second actuator {shown(without[:1])})"
+    return text
+
+
+def _not_worse(values: pd.DataFrame) -> list[str]:
+    """Return the first column and those whose paired ratio to it is not above 1 with confidence."""
+    first = values.iloc[:, 0]
+    names = [str(values.columns[0])]
+    for name in values.columns[1:]:
+        ratios = np.log((values[name] / first).dropna()).groupby(level="unit").mean().to_numpy()
+        if ratios.size > 1 and interval_of_mean(ratios, LEVEL)[1] <= 0.0:
+            names.append(str(name))
+    return names
 
 
 def _with_two_logs(world: Mapping[str, Any], titles: Mapping[str, str]) -> str:
@@ -128,62 +145,83 @@ def _with_two_logs(world: Mapping[str, Any], titles: Mapping[str, str]) -> str:
     ).mean()
     if not {"fprc", "fprc_lowpass"} <= set(errors.index):
         return ""
-    best = errors.drop([name for name in errors.index if name.endswith("_tuned")]).idxmin()
+    best = str(errors.idxmin())
     return (
         f"On {world['title']}, trained on a second log too, which resembles the test log, FPRC "
-        f"has {errors['fprc']:.1f} kPa with P_o and {errors['fprc_lowpass']:.1f} kPa with a "
-        f"low-pass of theta_d; the lowest is {title_of(str(best), titles)} with "
-        f"{errors[best]:.1f} kPa."
+        f"has {errors['fprc']:.1f} kPa with P_o and {errors['fprc_lowpass']:.1f} kPa with "
+        f"low-passed theta; the lowest is {title_of(best, titles)} with {errors[best]:.1f} kPa."
     )
 
 
-def _model(name: str, means: pd.Series, titles: Mapping[str, str]) -> str:
-    numbers = f"{means['forward', name]:.1f} kPa"
-    if ("open_loop", name) in means:
-        numbers += f", {means['open_loop', name]:.2f} deg in open loop"
-    return f"{title_of(name, titles)} ({numbers})"
+def _of_readout_and_tuning(
+    worlds: Sequence[Mapping[str, Any]],
+    tables: Sequence[pd.DataFrame],
+    by_claim: Sequence[Mapping[str, Row]],
+) -> str:
+    chosen = [
+        f"{_percent(ratio, '')} on {world['title']}"
+        for world, table in zip(worlds, tables, strict=True)
+        if (ratio := _mean_ratio(table, "fprc_tuned", "fprc")) is not None
+    ]
+    text = (
+        f"FPRC's fuzzy readout against a ridge on the same features: {_by_world('B4', by_claim)}. "
+        f"Tuned FPRC against an ESN that was tuned as much: {_by_world('B6', by_claim)}."
+    )
+    if chosen:
+        text += (
+            " Tuning means cross-validation inside the training log, which changes FPRC's test "
+            f"error by {', '.join(chosen)}: it does not choose well for another motion."
+        )
+    return text
 
 
-def _of_readout_and_esn(by_claim: Sequence[Mapping[str, Any]]) -> str:
-    fuzzy = _against("a ridge on the same features", "B4", by_claim)
-    tuned = _against("an ESN that was tuned as much", "B6", by_claim)
-    return f"FPRC's fuzzy readout {fuzzy}, while FPRC {tuned}."
+def _if_p_o_falls(
+    worlds: Sequence[Mapping[str, Any]],
+    tables: Sequence[pd.DataFrame],
+    by_claim: Sequence[Mapping[str, Row]],
+) -> str:
+    text = (
+        "If P_o falls by 2 kPa after training, as by a leak or a few kelvin of cooling, FPRC "
+        f"against Fuzzy-linear: {_by_world('B7', by_claim)}."
+    )
+    for world, table in zip(worlds, tables, strict=True):
+        means = table.groupby(["model", "measure"])["value"].mean()
+        wanted = [("fprc", "forward"), ("fprc", "shifted/-2"), ("fuzzy_linear", "forward")]
+        if all(key in means.index for key in wanted):
+            before, after, other = (means[key] for key in wanted)
+            return (
+                f"{text} On {world['title']} its test error rises from {before:.1f} to "
+                f"{after:.1f} kPa; Fuzzy-linear, which needs no P_o, has {other:.1f} kPa."
+            )
+    return text
 
 
-def _if_p_o_shifts(by_claim: Sequence[Mapping[str, Any]]) -> str:
-    shifted = _against("Fuzzy-linear", "B7", by_claim)
-    return f"If P_o falls by 2 kPa after training, as by a leak or a few kelvin, FPRC {shifted}."
+def _mean_ratio(table: pd.DataFrame, ours: str, theirs: str) -> float | None:
+    """Return the geometric mean over builds of the ratio of two forward test errors."""
+    own = table[table["measure"] == "forward"]
+    values = own.pivot_table(index=["unit", "seed"], columns="model", values="value")
+    if not {ours, theirs} <= set(values):
+        return None
+    return float(np.exp(np.log(values[ours] / values[theirs]).mean()))
 
 
-_VERBS = {
-    SUPERIOR: "beats {}",
-    EQUIVALENT: "equals {} within 5 %",
-    INFERIOR: "loses to {}",
-    UNDECIDED: "is undecided against {}",
-    NOT_JUDGED: "was not compared with {}",
+_VERDICTS: Mapping[str, Callable[[str], str]] = {
+    SUPERIOR: "better on {}".format,
+    EQUIVALENT: "equal within 5 % on {}".format,
+    INFERIOR: "worse on {}".format,
+    UNDECIDED: "undecided on {}".format,
+    NOT_JUDGED: "not measured on {}".format,
 }
 
 
-def _against(other: str, claim: str, by_claim: Sequence[Mapping[str, Any]]) -> str:
-    """Return in which worlds a model has which verdict against another."""
-    places: dict[str, list[str]] = {}
-    for rows in by_claim:
-        name = (
-            other if not places or _VERBS[rows[claim]["verdict"]].format(other) in places else "it"
-        )
-        places.setdefault(_VERBS[rows[claim]["verdict"]].format(name), []).append(
-            rows[claim]["title"]
-        )
-    return _placed(places, len(by_claim))
-
-
-def _placed(places: Mapping[str, Sequence[str]], worlds: int) -> str:
-    """Return what happens, and in which worlds."""
+def _by_world(claim: str, by_claim: Sequence[Mapping[str, Row]]) -> str:
+    """Return the verdict on a claim in each world."""
     texts = [
-        f"{what} {'everywhere' if len(names) == worlds else f'on {_listed(names)}'}"
-        for what, names in places.items()
+        words(_listed(titles))
+        for verdict, words in _VERDICTS.items()
+        if (titles := [r[claim]["title"] for r in by_claim if r[claim]["verdict"] == verdict])
     ]
-    return ", but ".join(filter(None, [", ".join(texts[:-1]), texts[-1]]))
+    return ", ".join(texts)
 
 
 def _listed(names: Sequence[str]) -> str:

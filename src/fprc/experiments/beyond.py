@@ -1,6 +1,5 @@
 """The paper's models and their competitors on one rig: errors, tracking, and a disturbed P_o."""
 
-import logging
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -9,18 +8,17 @@ import numpy as np
 from fprc.competitors import COMPETITORS, default_settings
 from fprc.control.simulated import simulate_hysteresis
 from fprc.devices.sim import SimulatedRig
+from fprc.errors import FprcError
 from fprc.evaluation import rmse
 from fprc.evaluation.timing import WARM_UP, time_steps
-from fprc.experiments.data import Data
-from fprc.experiments.hysteresis import RUNS, acquire, simulate
+from fprc.experiments.data import TARGETS, Data
+from fprc.experiments.hysteresis import RUNS, simulate
 from fprc.experiments.settings import RigSettings
 from fprc.experiments.tracking import TRACKING_RUNS, Track, bench_gain, tracking_error
 from fprc.models import SequenceModel
 from fprc.models.competitors import build_competitor
 from fprc.paper import REFERENCES
 from fprc.signals import pressure_command
-
-log = logging.getLogger(__name__)
 
 #: Models on every rig: those that a claim compares, and one competitor of each other kind.
 BRIEF = (
@@ -40,6 +38,8 @@ ALL = (
 
 #: Marks the random stream of the noise that is added to P_o.
 _NOISE = 20243
+#: Run number of the second training log; ``RUNS`` and ``TRACKING_RUNS`` have the others.
+_SECOND_RUN = 80
 
 
 class Contest(NamedTuple):
@@ -84,7 +84,7 @@ def judge_build(
         By model: ``forward`` and ``reversed`` with ``train_rmse_kpa`` and ``test_rmse_kpa``;
         ``open_loop_deg`` and ``closed_loop_deg`` by reference; ``shifted`` and ``disturbed`` with
         the forward test error, or None for a model without P_o. Models of ``FORWARD_ONLY`` have
-        neither ``reversed`` nor tracking errors.
+        neither ``reversed`` nor tracking errors. A model that cannot be judged has ``failed``.
     """
     logs = simulate(on_rig, seed)
     sweep, complex_ = logs["sweep"], logs["complex"]
@@ -95,13 +95,15 @@ def judge_build(
     disturbed = _disturbed(on_rig, seed, complex_, bench, contest)
     judged = {}
     for name in names:
-        model, errors = _trained(name, sweep, complex_, contest, seed)
-        report: dict[str, Any] = {"forward": errors}
-        if name not in FORWARD_ONLY:
-            _, report["reversed"] = _trained(name, complex_, sweep, contest, seed)
-            report |= _follow(bench, model, name, followed, gains)
-        judged[name] = report | _with_disturbed_p_o(model, name, disturbed, complex_, contest)
-        log.info("%s: test %.2f kPa", name, errors["test_rmse_kpa"])
+        try:
+            model, errors = _trained(name, sweep, complex_, contest, seed)
+            report: dict[str, Any] = {"forward": errors}
+            if name not in FORWARD_ONLY:
+                _, report["reversed"] = _trained(name, complex_, sweep, contest, seed)
+                report |= _follow(bench, model, name, followed, gains)
+            judged[name] = report | _with_disturbed_p_o(model, name, disturbed, complex_, contest)
+        except (FprcError, ValueError, np.linalg.LinAlgError) as error:
+            judged[name] = {"failed": " ".join(str(error).split())}
     return judged
 
 
@@ -125,9 +127,9 @@ def judge_lengths(
     """
     test = simulate(on_rig, seed)["complex"]
 
-    def recorded(signal: Mapping[str, Any]) -> dict[str, np.ndarray]:
-        channels = acquire("sweep", signal, on_rig.control, on_rig.rig, seed)
-        return channels | {"p_target_kpa": channels["p_exp_command_kpa"]}
+    def recorded(signal: Mapping[str, Any], run: int = RUNS["sweep"]) -> dict[str, np.ndarray]:
+        channels = _hysteresis(on_rig, signal, seed, run)
+        return channels | {"p_target_kpa": channels[TARGETS[on_rig.target]]}
 
     def errors(logs: Sequence[Mapping[str, np.ndarray]]) -> dict[str, dict[str, float]]:
         result = {}
@@ -147,7 +149,7 @@ def judge_lengths(
         }
         for length in seconds
     ]
-    both = [recorded(sweep), recorded(second_log)]
+    both = [recorded(sweep), recorded(second_log, _SECOND_RUN)]
     return [*judged, {"seed": seed, "two_logs": True, "models": errors(both)}]
 
 
@@ -205,15 +207,26 @@ def _disturbed(
     samples = len(channels["p_o_kpa"])
     ramp = np.linspace(0.0, -contest.drift_kpa, samples)
     noise = contest.noise_kpa * np.random.default_rng([seed, _NOISE]).standard_normal(samples)
-    rate_hz = on_rig.control["sample_rate_hz"]
-    device = SimulatedRig(on_rig.rig, seed=seed, run=RUNS["complex"], sample_rate_hz=rate_hz)
-    command = pressure_command(on_rig.signals["complex"], rate_hz)
-    pushed = simulate_hysteresis(device, on_rig.control, command, bench.pushes(samples))
+    signal, pushes = on_rig.signals["complex"], bench.pushes(samples)
+    pushed = _hysteresis(on_rig, signal, seed, RUNS["complex"], pushes)
     return {
         "drift": {**channels, "p_o_kpa": channels["p_o_kpa"] + ramp},
         "noise": {**channels, "p_o_kpa": channels["p_o_kpa"] + noise},
         "pushed": {**channels, "p_o_kpa": pushed["p_o_kpa"]},
     }
+
+
+def _hysteresis(
+    on_rig: RigSettings,
+    signal: Mapping[str, Any],
+    seed: int,
+    run: int,
+    pushes: np.ndarray | None = None,
+) -> dict[str, np.ndarray]:
+    """Return the channels of a run of a hysteresis experiment, perhaps with pushes."""
+    rate_hz = on_rig.control["sample_rate_hz"]
+    device = SimulatedRig(on_rig.rig, seed=seed, run=run, sample_rate_hz=rate_hz)
+    return simulate_hysteresis(device, on_rig.control, pressure_command(signal, rate_hz), pushes)
 
 
 def _with_disturbed_p_o(

@@ -12,7 +12,7 @@ from fprc.evaluation.capacity import Capacities, processing_capacity
 from fprc.models import EchoStates, lowpass, taps
 
 #: Runs of the same input on the simulated rig; their difference is the noise of P_o.
-_RUNS = (60, 61)
+_RUNS = (70, 71)
 
 #: Holds whose states of the network are in memory at a time.
 _AT_ONCE = 200

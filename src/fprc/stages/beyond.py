@@ -62,7 +62,7 @@ def judge_world(
         Arguments of ``Contest`` without ``tuned``.
     """
     settings = _tuned(tuned, world)
-    key = checkpoint_key([world, contest, settings, version], [rigs])
+    key = checkpoint_key([world, contest, settings, slow, version], [rigs])
     cells = run_cells(
         partial(_judge, rigs=rigs, world=world, slow=slow, contest={**contest, "tuned": settings}),
         [{"unit": unit} for unit in range(units)],

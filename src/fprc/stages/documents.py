@@ -142,6 +142,7 @@ def update_scaling_page(scale: str, *, page: str) -> None:
 def update_beyond_page(
     verdicts: str,
     models: str,
+    tracking: str,
     offsets: str,
     capacities: str,
     lengths: str,
@@ -155,7 +156,7 @@ def update_beyond_page(
 ) -> None:
     """Replace the generated blocks of docs/beyond.md, the leaderboard, and the pictures.
 
-    The README gets what makes the loops, and what to take.
+    The README gets what P_o is worth in test error and in tracking.
 
     Parameters
     ----------
@@ -167,12 +168,18 @@ def update_beyond_page(
         World with the rig of the configuration.
     """
     titles = {name: entry.title for name, entry in COMPETITORS.items()}
-    csv = {"models": models, "offsets": offsets, "capacities": capacities, "lengths": lengths}
+    csv = {
+        "models": models,
+        "tracking": tracking,
+        "offsets": offsets,
+        "capacities": capacities,
+        "lengths": lengths,
+    }
     found = {name: pd.read_csv(path) for name, path in csv.items()}
     judged = read_json(verdicts)
     blocks = beyond.blocks(judged, found, world, titles)
-    loops, _, to_take, *_ = judged["advice"]
-    _update(readme, {"worth": f"**What the reservoir is worth.** {loops} {to_take}"})
+    forward, followed, *_ = judged["advice"]
+    _update(readme, {"worth": f"**What the reservoir is worth.** {forward} {followed}"})
     _update(board, {"leaderboard": blocks.pop("leaderboard")})
     _update(page, blocks)
     for figure, picture in zip(figures, pictures, strict=True):

@@ -102,6 +102,22 @@ def errors_and_tracking(table: pd.DataFrame) -> pd.DataFrame:
     return _joined(parts or [pd.DataFrame(columns=order)])[order]
 
 
+def correlations_page(table: pd.DataFrame) -> pd.DataFrame:
+    """Return how forward test error ranks tracking, one row per world."""
+    wide = table.pivot_table(
+        index=["world", "models"], columns="loop", values="rank_correlation", sort=False
+    )
+    return pd.DataFrame(
+        {
+            "World": world,
+            "Models": str(count),
+            "Rank correlation, open loop": f"{row['open_loop']:.2f}",
+            "Closed loop": f"{row['closed_loop']:.2f}",
+        }
+        for (world, count), row in wide.iterrows()
+    )
+
+
 def claims(ledgers: Sequence[Sequence[Mapping[str, Any]]]) -> pd.DataFrame:
     """Claims B1-B8 in each world, tidy: one row for each part, one for a claim not judged.
 
@@ -170,7 +186,9 @@ def details_page(ledgers: Sequence[Sequence[Mapping[str, Any]]]) -> pd.DataFrame
             "p": _p(row["p"]) if row["parts"] else "-",
             "Subsets that agree": "-" if row["stable"] is None else f"{100 * row['stable']:.0f} %",
             "Units": _count(row["units"], row["unit"]),
-            "Without the pair": _count(row["dropped"], "build") if row["dropped"] else "none",
+            "Builds without the pair": _count(row["dropped"], "build")
+            if row["dropped"]
+            else "none",
         }
         for ledger in ledgers
         for row in ledger
@@ -307,7 +325,7 @@ def blocks(
         ``source``, ``advice`` (sentences), and ``ledgers``: of each world, the rows of
         ``claims.beyond.judge_world``.
     tables : Mapping
-        ``models``, ``offsets``, ``capacities`` and ``lengths``, tidy.
+        ``models``, ``tracking``, ``offsets``, ``capacities`` and ``lengths``, tidy.
     world : str
         The world that the tables of models, offsets, capacities and lengths show.
     titles : Mapping
@@ -316,6 +334,7 @@ def blocks(
     pages = {
         "beyond_claims": claims_page(verdicts["ledgers"]),
         "beyond_details": details_page(verdicts["ledgers"]),
+        "beyond_correlations": correlations_page(tables["tracking"]),
         "beyond_models": models_page(tables["models"], world, titles),
         "beyond_offsets": offsets_page(tables["offsets"], world, titles),
         "beyond_capacity": capacity_page(tables["capacities"], world),

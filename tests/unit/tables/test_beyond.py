@@ -125,9 +125,9 @@ def test_details_say_what_is_missing(ledgers):
     assert page.loc[("dry rig", "B1"), "Units"] == "12 seeds"
     assert page.loc[("dry rig", "B1"), "Subsets that agree"] == "100 %"
     assert page.loc[("drawn rig", "B1"), "Units"] == "9 rigs"
-    assert page.loc[("broken rig", "B1"), "Without the pair"] == "1 build"
-    assert page.loc[("sparse rig", "B5"), "Without the pair"] == "3 builds"
-    assert page.loc[("sparse rig", "B5"), "Compared"].startswith("fewer than two seeds")
+    assert page.loc[("broken rig", "B1"), "Builds without the pair"] == "1 build"
+    assert page.loc[("sparse rig", "B5"), "Builds without the pair"] == "3 builds"
+    assert page.loc[("sparse rig", "B5"), "Compared"].startswith("not measured here")
 
 
 def test_tidy_claims_have_a_row_for_each_part(ledgers):
@@ -137,7 +137,7 @@ def test_tidy_claims_have_a_row_for_each_part(ledgers):
     }
     broken = table[table["world"] == "broken"]
     assert broken["id"].tolist() == [f"B{n}" for n in range(1, 9)]
-    assert broken["reason"].str.startswith("fewer than two seeds").all()
+    assert broken["reason"].str.startswith("not measured here").all()
 
 
 def test_offsets_and_disturbances_have_their_columns(worlds):
@@ -167,6 +167,7 @@ def test_lengths_are_in_order_and_two_logs_last(worlds):
 def test_blocks_are_those_of_the_pages_and_survive_csv(worlds, ledgers, tmp_path):
     found = {
         "models": tables.models(worlds), "offsets": tables.offsets(worlds),
+        "tracking": tables.errors_and_tracking(tables.models(worlds)),
         "capacities": tables.capacity(worlds), "lengths": tables.lengths(worlds),
     }  # fmt: skip
     read = {}
