@@ -44,8 +44,10 @@ def advice(
         f"{world['title']} ({LOOPS[world['name']]})" if world["name"] in LOOPS else world["title"]
         for world in worlds
     ]
+    two_logs = [_with_two_logs(world, titles) for world in worlds]
+    forward = _worth("FPRC's forward test error", "B1", by_claim, named)
     return [
-        _worth("FPRC's forward test error", "B1", by_claim, named),
+        " ".join([forward, *filter(None, two_logs)]),
         _worth("its tracking error, open and closed loop,", "B3", by_claim, named),
         _what_to_take(worlds, tables, titles),
         _of_readout_and_tuning(worlds, tables, by_claim),
@@ -101,8 +103,7 @@ def _what_to_take(
         ]
         if found:
             texts.append(f"On {world['title']} {', and '.join(found)}.")
-    more = [_with_two_logs(world, titles) for world in worlds]
-    return " ".join([*texts, *filter(None, more)]) or "No model was measured."
+    return " ".join(texts) or "No model was measured."
 
 
 def _best(
@@ -147,9 +148,10 @@ def _with_two_logs(world: Mapping[str, Any], titles: Mapping[str, str]) -> str:
         return ""
     best = str(errors.idxmin())
     return (
-        f"On {world['title']}, trained on a second log too, which resembles the test log, FPRC "
-        f"has {errors['fprc']:.1f} kPa with P_o and {errors['fprc_lowpass']:.1f} kPa with "
-        f"low-passed theta; the lowest is {title_of(best, titles)} with {errors[best]:.1f} kPa."
+        f"Trained on a second log too, which resembles the test log, it is {errors['fprc']:.1f} "
+        f"kPa with P_o and {errors['fprc_lowpass']:.1f} kPa with low-passed theta on "
+        f"{world['title']}; the lowest error is then that of {title_of(best, titles)}, "
+        f"{errors[best]:.1f} kPa."
     )
 
 
