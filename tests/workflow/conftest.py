@@ -144,7 +144,7 @@ class Project:
     def recover(self) -> None:
         """Give the command of the docs for after a kill, word by word."""
         text = (ROOT / "docs/running.md").read_text(encoding="utf-8")
-        command = re.search("After a kill, `(snakemake [^`]+)`", text)
+        command = re.search("After a kill, run `(snakemake [^`]+)`", text)
         done = self.run(*command[1].split())
         assert done.returncode == 0, done.stdout
 
