@@ -116,7 +116,7 @@ def test_wrong_arguments_are_listed_at_once():
 
 
 def test_unknown_rig_and_unusable_logs_are_errors_for_people(write_log, tmp_path):
-    with pytest.raises(ConfigError, match="use dry or"):
+    with pytest.raises(ConfigError, match="use bouc_wen or dry or"):
         load_hysteresis(rig="wet")
     with pytest.raises(LogError, match=r"no\.h5"):
         load_hysteresis(raw=tmp_path / "no.h5")
