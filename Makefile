@@ -43,10 +43,10 @@ site: .venv/.ready  ## build the documentation site into docs/_build/html, with 
 
 test: lint site tests  ## everything that must pass
 
-# Longest first. Three processes, because tests often wait for the programs that they start.
+# Longest first. Four processes, because tests often wait for programs that they start, and for Slurm.
 tests: .venv/.ready  ## the tests alone
 	@shared=$$(mktemp -d) && trap 'rm -rf "$$shared"' EXIT && FPRC_SMOKED=$$shared \
-	  pytest --numprocesses 3 --dist loadfile --no-loadscope-reorder $(LONGEST) tests/workflow \
+	  pytest --numprocesses 4 --dist loadfile --no-loadscope-reorder $(LONGEST) tests/workflow \
 	  tests/faults tests/fuzz tests/reference tests/unit $(PYTEST)
 
 test-kill: .venv/.ready  ## kill the workflow at twenty random moments: ten minutes or more
