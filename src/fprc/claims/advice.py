@@ -48,7 +48,7 @@ def advice(
     forward = _worth("FPRC's forward test error", "B1", by_claim, named)
     return [
         " ".join([forward, *filter(None, two_logs)]),
-        _worth("its tracking error, open and closed loop,", "B3", by_claim, named),
+        _worth("FPRC's tracking error, open and closed loop,", "B3", by_claim, named),
         _what_to_take(worlds, tables, titles),
         _of_readout_and_tuning(worlds, tables, by_claim),
         _if_p_o_falls(worlds, tables, by_claim),
