@@ -1,4 +1,4 @@
-"""Folders for raw logs and results; refuses those that would mix with other files."""
+"""Folders for raw logs and results, which must not mix with other files."""
 
 import os
 from pathlib import PurePath
@@ -21,7 +21,7 @@ RESULT_FOLDERS = frozenset(
 )  # fmt: skip
 
 _LIMIT_NAME = 255  # of Linux
-#: Linux allows 4096; Snakemake's records lie below the project, in paths a third longer.
+#: Linux allows 4096, but Snakemake keeps records of files under paths a third longer.
 _LIMIT_PATH = 1000
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator
 
-#: Checks one recording: its inputs, its output or None, and whether it is the first.
+#: Checks a recording, given its inputs, its output or None, and whether it is the first.
 Check = Callable[[ArrayLike, ArrayLike | None, bool], tuple[np.ndarray, np.ndarray | None]]
 
 
@@ -33,7 +33,7 @@ def joined(
     Raises
     ------
     ValueError
-        A recording is wrong, or ``lengths`` are; names the recording.
+        A recording is wrong, which the message names, or ``lengths`` are wrong.
     """
     if not are_several(X):
         X, y = check(X, y, True)
@@ -71,7 +71,7 @@ def checked_lengths(lengths: ArrayLike | None, samples: int) -> list[int]:
 
 
 def apart(values: np.ndarray, lengths: Sequence[int]) -> list[np.ndarray]:
-    """Return the part of each recording."""
+    """Split values of joined recordings into those of each."""
     edges = np.cumsum([0, *lengths]).tolist()
     return [values[first:last] for first, last in pairwise(edges)]
 
@@ -92,7 +92,7 @@ def transform_each(
     Raises
     ------
     ValueError
-        A recording is shorter than the taps; names it.
+        A recording, which the message names, is shorter than the taps.
     """
     parts = apart(X, checked_lengths(lengths, len(X)))
     if len(parts) == 1:

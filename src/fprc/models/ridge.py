@@ -1,4 +1,4 @@
-"""Ridge regression with a ridge on every weight, the bias included."""
+"""Ridge regression that penalises every weight, including the bias."""
 
 import warnings
 

@@ -1,4 +1,4 @@
-"""A model with memory: a sequential feature map and a row-wise readout."""
+"""A model with memory: a sequential feature map, and a readout of single rows."""
 
 from abc import abstractmethod
 from copy import deepcopy
@@ -134,7 +134,7 @@ class SequenceModel(RegressorMixin, BaseEstimator):
         NotFittedError
             ``fit`` was not called.
         ValueError
-            The sample is not finite or has another number of inputs.
+            The sample is not finite or has the wrong number of inputs.
         """
         try:
             features, readout = self.features_, self.readout_
