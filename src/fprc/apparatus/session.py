@@ -82,7 +82,7 @@ def _wait(seconds: float) -> None:
 
 
 def loops(control: Mapping[str, Any], neutral_v: float) -> dict[str, PressurePI]:
-    """Return both pressure loops, by their parameters of ``fprc.control.run``."""
+    """Return both pressure loops as keyword arguments of ``fprc.control.run``."""
     period_s = 1.0 / control["sample_rate_hz"]
     return {
         name: PressurePI(**control[name], period_s=period_s, neutral_v=neutral_v) for name in _LOOPS

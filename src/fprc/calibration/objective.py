@@ -224,7 +224,7 @@ def _above(ratio: float, limit: float) -> float:
 
 
 def _beyond(ratio: float, factor: float, margin: float = _MARGIN) -> float:
-    """Return by how much a ratio differs from 1 by more than a factor, with the margin."""
+    """Return by how much a ratio lies outside 1 / factor to factor, with the margin."""
     return max(abs(math.log(ratio)) - math.log(factor) + margin, 0.0) / _RATIO
 
 

@@ -7,7 +7,7 @@ Likelihood: the logarithms of its errors deviate from the printed ones by a norm
 Rejection would need millions of rigs. An ensemble smoother with multiple data assimilation
 (Emerick and Reynolds, Computers & Geosciences 55, 2013), which is exact where the logarithms are
 linear in normal parameters, moves the prior near to the posterior. Sweeps of an ensemble sampler
-refine this; to remove what the smoother's assumption leaves, many more would be needed.
+refine this; many more would be needed to remove all effects of the smoother's assumption.
 """
 
 import math
@@ -75,7 +75,8 @@ def draw_posterior(
     Raises
     ------
     EvaluationError
-        Too few points are possible: the sampler needs two for each parameter, the smoother three.
+        Fewer points are possible than the sampler (two for each parameter) or the smoother
+        (three) needs.
     """
     rng = np.random.default_rng([seed, _SMOOTHER])
     # the sampler steps along differences of points, which must span the space

@@ -17,7 +17,7 @@ FROZEN_S = 2.0
 GAP_PERIODS = 1.5
 #: A channel is clipped if its extreme occurs this many times as often as the levels next to it.
 CLIPPED_RATIO = 12.0
-#: A sealed chamber leaks if its pressure falls faster than this, kPa/min; the fit detects half.
+#: A sealed chamber leaks if its pressure falls faster, kPa/min. The fit can detect half of this.
 LEAK_KPA_PER_MIN = 2.0
 
 

@@ -20,7 +20,7 @@ class Header(NamedTuple):
 
 
 class Content(NamedTuple):
-    """What a log has to offer."""
+    """What a log contains."""
 
     channels: frozenset[str] | None  #: names of its channels; None: all
     notes: Mapping[str, str]  #: notes of an import, by channel
@@ -38,7 +38,7 @@ class Content(NamedTuple):
         return Content(channels, notes)
 
     def substitute(self, name: str) -> str | None:
-        """Return the quantity that a channel holds instead of that of its name, or None."""
+        """Return the quantity that a channel holds instead of the one in its name, or None."""
         begins = other_quantity(name)
         note = self.notes.get(name, "")
         return note.removeprefix(begins) if note.startswith(begins) else None

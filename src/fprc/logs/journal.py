@@ -98,7 +98,7 @@ class Journal:
             missing. Lists all problems of names and attributes.
         """
         path = Path(path)
-        refuse_description(path, names, attributes)
+        check_header(path, names, attributes)
         started = {"started": datetime.now(UTC).isoformat(timespec="microseconds")}
         header = _block(MAGIC, started | dict(attributes) | {"names": list(names)})
         file = _open_new(path)
@@ -227,7 +227,7 @@ class Journal:
             on_disk = samples
 
 
-def refuse_description(path: Path, names: Sequence[str], attributes: Mapping[str, Any]) -> None:
+def check_header(path: Path, names: Sequence[str], attributes: Mapping[str, Any]) -> None:
     """Check the description of a run in a journal's header.
 
     Raises

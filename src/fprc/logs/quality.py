@@ -90,7 +90,7 @@ def implausible(log: Columns, ranges: Mapping[str, Sequence[float]]) -> list[str
 
 
 def other_quantity(name: str) -> str:
-    """Return how the note of a channel begins that is not in the unit of its name."""
+    """Return the beginning of the note of a channel that holds another quantity."""
     return f"not in {unit_of(name)}: "
 
 

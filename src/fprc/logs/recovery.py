@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fprc.errors import LogError
-from fprc.logs.journal import END, MAGIC, UINT32, refuse_description, seed_of
+from fprc.logs.journal import END, MAGIC, UINT32, check_header, seed_of
 from fprc.logs.raw import write_raw
 
 
@@ -70,7 +70,7 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
         raise LogError(_no_header(path, data))
     attributes = header.content
     names = attributes.pop("names", None)
-    refuse_description(path, names, attributes)
+    check_header(path, names, attributes)
     # a header at byte 0 is the first copy, so the second one follows
     start = header.at + (2 if header.at == 0 else 1) * len(header.raw)
     seed = seed_of(header.raw)

@@ -58,13 +58,13 @@ def points_of(time_s: np.ndarray, rate_hz: float) -> float:
 
 
 def _refinement(time_s: np.ndarray, source_hz: float, rate_hz: float) -> int:
-    """Return how many times finer than the new grid that of the low-pass is; 1: no low-pass."""
+    """Return the rate of the low-pass grid over the new rate; 1: no low-pass."""
     ratio = source_hz / rate_hz
     if ratio <= 1.01:  # the same rate, with clock error
         return 1
     whole = round(ratio)
     grid = time_s[0] + np.arange(len(time_s)) / (whole * rate_hz)
-    # a grid that does not coincide is twice as fine: linear interpolation then loses less
+    # where values are interpolated, the grid is twice as fine, so that less is lost
     return whole if whole > 1 and _aligned(time_s, grid) else math.ceil(2.0 * ratio)
 
 

@@ -89,7 +89,7 @@ def columns_of(source: Source) -> dict[str, np.ndarray]:
 
 
 def pick(source: Source, text: str) -> np.ndarray:
-    """Return the column of which a map gives the name.
+    """Return the column that a map names.
 
     Raises
     ------

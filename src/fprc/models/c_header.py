@@ -291,7 +291,7 @@ def _comment(text: str) -> str:
 
 
 def _literals(values: np.ndarray, what: str, single: bool) -> str:
-    """Return numbers as C literals that lose no digit; a matrix has a line for each row."""
+    """Return numbers as C literals without loss; a matrix has a line for each row."""
     if values.ndim == 2:
         rows = [f"        {{{_literals(row, what, single)}}}" for row in values]
         return ",\n".join(rows)

@@ -132,7 +132,7 @@ def _converge(X: np.ndarray, centers: np.ndarray, tolerance: float, limit: int) 
             past.clear()
         step = means - centers
         past.append((means, step))
-        # growing steps lead away from a saddle, an extrapolation would lead back: step further
+        # growing steps lead away from a saddle; an extrapolation would lead back, so step further
         tries = [means]
         if len(past) > 1:
             tries = [_extrapolated(past), means + 2.0 * stretch * step, means]

@@ -54,7 +54,7 @@ def follow(states, x, epsilons):
 
 @kernel
 def follow_log(X, epsilons):
-    """Return every sample of a log, low-passed with every factor, digit by digit as ``follow``.
+    """Return every sample of a log, low-passed with every factor, exactly as by ``follow``.
 
     Returns
     -------

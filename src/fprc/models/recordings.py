@@ -18,7 +18,7 @@ def are_several(X: Any) -> bool:
     return isinstance(X, list | tuple) and len(X) > 0 and np.ndim(X[0]) == 2
 
 
-def joined(
+def join_recordings(
     X: Any, y: Any, lengths: ArrayLike | None, check: Check
 ) -> tuple[np.ndarray, np.ndarray | None, list[int]]:
     """Return checked inputs and output, one recording after the other, and their lengths.
@@ -70,7 +70,7 @@ def checked_lengths(lengths: ArrayLike | None, samples: int) -> list[int]:
     return numbers.tolist()
 
 
-def apart(values: np.ndarray, lengths: Sequence[int]) -> list[np.ndarray]:
+def split_recordings(values: np.ndarray, lengths: Sequence[int]) -> list[np.ndarray]:
     """Split values of joined recordings into those of each."""
     edges = np.cumsum([0, *lengths]).tolist()
     return [values[first:last] for first, last in pairwise(edges)]
@@ -94,7 +94,7 @@ def transform_each(
     ValueError
         A recording, which the message names, is shorter than the taps.
     """
-    parts = apart(X, checked_lengths(lengths, len(X)))
+    parts = split_recordings(X, checked_lengths(lengths, len(X)))
     if len(parts) == 1:
         return features.transform(X)
     rows = []

@@ -1,4 +1,4 @@
-"""Linear readout, as the ESN has it."""
+"""Linear readout of the ESN."""
 
 from collections.abc import Sequence
 from typing import Self

@@ -1,7 +1,7 @@
 """The simulated rig under its controllers, many ticks in one call.
 
 The controllers are those of ``fprc.control``, which runs tick by tick and so can drive a real rig.
-Compiled together with the rig, they take a tenth of the time.
+Compiled together with the rig, a run takes a tenth of the time.
 """
 
 import math

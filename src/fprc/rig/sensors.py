@@ -15,8 +15,7 @@ def quantise(value, step):
 def pressure_voltage(sensor, p_kpa, gain_error, offset_error, bow_error, noise_kpa):
     """Output of a pressure transducer, V, before the converter.
 
-    The three errors are shares of full scale; that of the bow, a parabola, is zero at both ends of
-    the range.
+    The errors are shares of full scale; the bow is a parabola, zero at both ends of the range.
     """
     x = p_kpa / sensor.full_scale_kpa
     x += gain_error * x + offset_error + bow_error * 4.0 * x * (1.0 - x)

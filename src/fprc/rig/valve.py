@@ -4,8 +4,8 @@ import math
 
 from fprc.compiled import kernel
 
-#: Pressure ratio above which the ISO 6358 flow is replaced by a line: its slope at equal pressures
-#: would be infinite.
+#: Pressure ratio above which a line replaces the ISO 6358 flow, whose slope is infinite at equal
+#: pressures.
 LINEAR_ABOVE_RATIO = 0.995
 
 
