@@ -40,13 +40,16 @@ def fitted_to(rig):
 def quoted():
     """Return the settings and limits that pages give as numbers, in the words of each page."""
     settings = Settings()
-    grids, valves = settings.grids, settings.hardware.valves
+    seeds, grids, valves = settings.beyond, settings.grids, settings.hardware.valves
     times = f"{settings.control.sample_rate_hz:g} Hz"
     filter_s = 1 / settings.models.fprc.epsilon / settings.control.sample_rate_hz
     block_s = competitors.PURGES * settings.evaluation.purge_s
     states = competitors._MOST_NUMBERS // settings.models.esn.r
     return {
         "data/raw/README.md": [f"may take {hdf5.MAX_BYTES >> 20} MB in memory"],
+        "docs/benchmark.md": [
+            f"seeds {seeds.first_seed} to {seeds.first_seed + seeds.seeds - 1}, ",
+        ],
         "docs/calibration.md": [f"| {fitted_to('dry')} |", f"| {fitted_to('viscous')} |"],
         "docs/decisions/0022-another-processor.md": [
             f"by more than {checked._LEVELS} levels and accepts up to {checked._PIXELS}:"
