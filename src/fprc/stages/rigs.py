@@ -89,10 +89,10 @@ def tabulate_answer(rigs: str, sets: Sequence[str], csv: str, md: str, tex: str)
     _, page = tables.read_markdown(Path(rigs).read_text(encoding="utf-8"))
     table = tables.rigs_answer(page, [read_json(path) for path in sets])
     note = (
-        "The rigs beside the paper. Off print: the errors of Tables II and III. Claims: all but "
-        "those on execution times. A ratio below 1 says that P_o is worth more than a low-pass of "
-        "theta_d: of a rig, the mean and its 95 % interval over the seeds of its verdicts; of a "
-        f"set, over its rigs.\nData: {SOURCES['sim']}."
+        "The rigs beside the paper; claims are all but those on execution times. A ratio below 1 "
+        "says that P_o is worth more than a low-pass of theta_d. Of a rig it is the mean and its "
+        "95 % interval over the seeds of its verdicts, of a set the median and range over its "
+        f"rigs.\nData: {SOURCES['sim']}."
     )
     write_csv(csv, table)
     write_text(md, tables.markdown(table, note))

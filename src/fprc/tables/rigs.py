@@ -171,5 +171,6 @@ def rigs_answer(rigs: pd.DataFrame, sets: Sequence[Mapping[str, Any]]) -> pd.Dat
                 f"holds on {claim['holds']}: {share} % ({least} to {most})",
             )
         )
-    columns = ["Rigs", "Off print", "Claims", _WORTH, "P_o beats low-passed theta_d (C4b)"]
+    off, wins = "Tables II and III off print", "P_o beats low-passed theta_d (C4b)"
+    columns = ["Rigs", off, "Claims", _WORTH, wins]
     return pd.DataFrame(rows, columns=columns)
