@@ -90,6 +90,11 @@ def draw_rig(
     RigSettings, ndarray, int
         ``on_rig`` with the drawn rig, its parameters as shares of their ranges, and the number of
         draws.
+
+    Raises
+    ------
+    EvaluationError
+        None of 2000 rigs is plausible.
     """
     # a second seed: default_rng(seed) alone also draws the sensors' errors
     rng = np.random.default_rng([seed, _PARAMETERS])

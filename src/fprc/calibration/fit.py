@@ -98,7 +98,7 @@ def fit_rig(
         checkpoint=checkpoint,
         key=hashlib.sha256(json.dumps(depends_on, sort_keys=True).encode()).hexdigest(),
         seconds=60.0 * calibration["minutes"],
-        progress=_report_progress,
+        progress=partial(log.info, "generation %d of %d, least loss %.4f, %.0f s"),
     )
     best = replace(on_rig, rig=resolved(decode(result.point, on_rig.rig, free)))
     log.info("judging the fitted rig with the full models, on the seeds of the objective")
@@ -352,7 +352,3 @@ def errors_of(compared: Mapping[str, Any]) -> dict[str, float]:
         errors[f"{key}/train"] = float(np.mean(report["train_rmse_kpa"]))
         errors[f"{key}/test"] = float(report["test_rmse_kpa"])
     return errors
-
-
-def _report_progress(done: int, total: int, best: float, elapsed: float) -> None:
-    log.info("generation %d of %d, least loss %.4f, %.0f s", done, total, best, elapsed)

@@ -81,11 +81,11 @@ def draw_posterior(
     rng = np.random.default_rng([seed, _SMOOTHER])
     # the sampler steps along differences of points, which must span the space
     least = 2 * prior.shape[1] if sweeps else 3
-    points, logs = _keep_possible(prior, simulate, least)
+    points, logs = _judged(prior, simulate, least)
     history = [_history_row("prior", logs, target)]
     for step in range(1, assimilations + 1):
         moved = assimilate(points, logs, target, tolerance, assimilations, rng)
-        points, logs = _keep_possible(moved, simulate, least)
+        points, logs = _judged(moved, simulate, least)
         history.append(_history_row(f"assimilation {step}", logs, target))
     if not sweeps:
         return points, logs, history
@@ -185,9 +185,7 @@ def judge_member(
     return {"logs": logs}
 
 
-def _keep_possible(
-    points: np.ndarray, simulate: Simulate, least: int
-) -> tuple[np.ndarray, np.ndarray]:
+def _judged(points: np.ndarray, simulate: Simulate, least: int) -> tuple[np.ndarray, np.ndarray]:
     logs = simulate(points)
     kept = [i for i, row in enumerate(logs) if row is not None]
     if len(kept) < least:

@@ -122,6 +122,8 @@ def search(
     ----------
     judge : callable
         Picklable; takes a point and returns its numbers, or None if it is impossible.
+    start : ndarray of shape (n_parameters,)
+        First point to judge.
     step : float
         Standard deviation of the first points around the start, as a share of the cube's edge.
         There are twice as many of them as the cube has dimensions.

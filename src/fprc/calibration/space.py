@@ -42,6 +42,8 @@ def decode(
 
     Parameters
     ----------
+    point : ndarray of shape (n_parameters,)
+        Each parameter as a share of its range, 0 to 1.
     digits : int
         Significant digits. The default is that of a fitted rig's file, so that the
         rig that is judged is the rig that is written.

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, field_validator, model_validator
 
 from fprc.config.free import free_ranges
-from fprc.config.section import Pair, Section, quantities, quantity, rising, within
+from fprc.config.section import Pair, Section, distinct, quantities, quantity, rising, within
 
 
 class Plausible(Section):
@@ -15,7 +15,7 @@ class Plausible(Section):
         (57, 63), "deg", (1, 120), "largest angle of the sweep", "paper: about 60 deg"
     )
     loop_kpa: Pair[Annotated[float, within(1, 400)]] = quantities(
-        (45, 75), "kPa", (1, 400), "width of the loop at mid-angle", "Fuzzy-linear's 14.9 kPa"
+        (45, 75), "kPa", (1, 400), "width of the loop at mid-angle", "Fuzzy-linear's printed error"
     )
     loop_growth: Pair[Annotated[float, within(0.1, 10)]] = quantities(
         (0.87, 1.15), "-", (0.1, 10), "growth of that width from the first to the last quarter",
@@ -137,12 +137,7 @@ class Calibration(Section):
     esn_nodes: int = quantity(150, "-", (1, 10000), "reservoir size of the surrogate ESN")
     plausible: Plausible = Plausible()
 
-    @field_validator("taps")
-    @classmethod
-    def _taps_differ(cls, taps: tuple[int, ...]) -> tuple[int, ...]:
-        if len(set(taps)) < len(taps):
-            raise ValueError(f"{taps} repeats a size; give each once")
-        return taps
+    _taps_differ = field_validator("taps")(distinct)
 
     @model_validator(mode="after")
     def _free_parameters_exist(self) -> "Calibration":

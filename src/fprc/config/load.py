@@ -68,14 +68,13 @@ def _checked(layers: Sequence[Mapping[str, Any]], files: Sequence[Path | str]) -
     while True:
         try:
             settings = Settings.model_validate(remaining)
+            break
         except ValidationError as error:
             lines += [line for line in map(_line, error.errors()) if line not in lines]
             # checks across several keys run only once each key is valid by itself
             restored = [_restore_default(remaining, item) for item in error.errors()]
             if not any(restored):
                 break
-        else:
-            break
     if not lines:
         return settings
     noun = "error" if len(lines) == 1 else "errors"

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
-from fprc.config.section import Section, quantities, quantity, within
+from fprc.config.section import Section, distinct, quantities, quantity, within
 from fprc.paper import controller_and_gain
 from fprc.registry import MODELS
 
@@ -116,12 +116,7 @@ class Evaluation(Section):
         10, "-", (2, 100000), "number of these seeds, from the first, that decide the verdicts"
     )
 
-    @field_validator("replicate_seeds")
-    @classmethod
-    def _seeds_differ(cls, seeds: tuple[int, ...]) -> tuple[int, ...]:
-        if len(set(seeds)) < len(seeds):
-            raise ValueError(f"{seeds} repeats a seed; give each once")
-        return seeds
+    _seeds_differ = field_validator("replicate_seeds")(distinct)
 
 
 class Grids(Section):

@@ -106,11 +106,7 @@ class Bending(Section):
         3e-4, "kPa/deg^3", (0, 1e-3), "cubic stiffness k3", "about 60 deg at 350 kPa; fitted"
     )
     gain_loss_per_deg: float = quantity(
-        0.0,
-        "1/deg",
-        (0, 0.005),
-        "relative loss of torque per kPa with bending, g0",
-        "McKibben muscle",
+        0.0, "1/deg", (0, 0.005), "relative loss of torque with bending, g0", "McKibben muscle"
     )
     relaxation_stiffness_kpa_per_deg: tuple[Annotated[float, within(0.0, 3.0)], ...] = quantities(
         (0.5, 0.5), "kPa/deg", (0, 3), "stiffness of each viscoelastic branch", "rubber; fitted"
@@ -228,11 +224,7 @@ class BendSensor(Section):
     """The angle sensor, Bend Labs one-axis, on its own clock."""
 
     rate_hz: float = quantity(
-        202.27,
-        "Hz",
-        (50, 500),
-        "sample rate of its own clock",
-        "81 ticks of 1/16384 s, nominally 200 Hz",
+        202.27, "Hz", (50, 500), "sample rate", "81 ticks of 1/16384 s, nominally 200 Hz"
     )
     step_deg: float = quantity(0.015625, "deg", (1e-3, 0.5), "resolution", "data sheet: int16 / 64")
     noise_deg: float = quantity(

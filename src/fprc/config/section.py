@@ -47,10 +47,17 @@ def quantities(
 
 
 def rising(limits: Pair[float]) -> Pair[float]:
-    """Check that a range is not empty."""
+    """Return the limits of a range; raise ValueError if it is empty."""
     if limits[0] >= limits[1]:
         raise ValueError(f"{limits} is empty; put the lower end first")
     return limits
+
+
+def distinct(numbers: tuple[T, ...]) -> tuple[T, ...]:
+    """Return numbers; raise ValueError if one is repeated."""
+    if len(set(numbers)) < len(numbers):
+        raise ValueError(f"{numbers} repeats a number; give each once")
+    return numbers
 
 
 def within(low: float, high: float) -> Interval:

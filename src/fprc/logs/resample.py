@@ -29,6 +29,13 @@ def resample(
     one and at least that of the recording. A linear-phase FIR low-pass, applied without delay, is
     flat up to 0.8 of the new Nyquist frequency and at -70 dB above it; then every n-th sample is
     kept. For the low-pass, the recording is extended by point reflection in each of its end points.
+
+    Parameters
+    ----------
+    time_s : ndarray of shape (n_samples,)
+        Time stamps, increasing.
+    channels : Mapping
+        Arrays of shape (n_samples,).
     """
     source_hz = rate_of(time_s)
     factor = _refinement(time_s, source_hz, rate_hz)

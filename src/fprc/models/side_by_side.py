@@ -89,7 +89,7 @@ class SideBySide(FeatureMap):
             if not isinstance(each, FeatureMap)
         ]
         problems += [
-            f"{name!r} is repeated" for name in sorted(set(names)) if names.count(name) > 1
+            f"{name!r} is repeated" for name in sorted({n for n in names if names.count(n) > 1})
         ]
         problems += [
             f"{name!r} must not contain __ or be 'maps'"
