@@ -109,7 +109,7 @@ def errors_and_tracking(table: pd.DataFrame) -> pd.DataFrame:
     """
     offered = table[~table["model"].str.endswith("_oracle")]
     wide = offered.pivot(index=["world", "source", "model"], columns="measure", values="mean")
-    wide = wide.reindex(offered["world"].unique(), level="world")
+    wide = wide.reindex(offered["world"].unique(), level=0)
     parts = []
     for loop in ("open_loop", "closed_loop"):
         pairs = wide.reindex(columns=["forward", loop]).dropna().reset_index()
