@@ -60,7 +60,9 @@ def models(worlds: Worlds) -> pd.DataFrame:
     return _joined(tables)
 
 
-def models_page(table: pd.DataFrame, world: str, titles: Mapping[str, str]) -> pd.DataFrame:
+def models_page(
+    table: pd.DataFrame, world: str, titles: Mapping[str, str], *, intervals: bool = False
+) -> pd.DataFrame:
     """Return the models of one world as a page, one row each."""
     own = table[table["world"] == world]
     headings = {words[:1].upper() + words[1:]: measure for measure, words in MEASURES.items()}
@@ -71,7 +73,7 @@ def models_page(table: pd.DataFrame, world: str, titles: Mapping[str, str]) -> p
         rows.append(
             (
                 title_of(model, titles),
-                *(_cell(found, measure) for measure in headings.values()),
+                *(_cell(found, measure, intervals) for measure in headings.values()),
                 " to ".join(map(str, sorted({units.min(), units.max()}))) if len(units) else "-",
             )
         )
@@ -88,7 +90,7 @@ def leaderboard(table: pd.DataFrame, world: str, titles: Mapping[str, str]) -> p
     order = forward.sort_values("mean", kind="stable")["model"].tolist()
     ranked = offered[offered["model"].isin(order)]
     ranked = ranked.sort_values("model", key=lambda names: names.map(order.index), kind="stable")
-    page = models_page(ranked, world, titles)
+    page = models_page(ranked, world, titles, intervals=True)
     return page[[name for name in page if "closed loop" not in name]]
 
 
@@ -310,8 +312,8 @@ def _joined(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
     return pd.concat([table for table in tables if len(table)] or tables[:1], ignore_index=True)
 
 
-def _cell(found: pd.DataFrame, key: Any) -> str:
+def _cell(found: pd.DataFrame, key: Any, interval: bool = True) -> str:
     if key not in found.index:
         return "-"
     row = found.loc[key]
-    return three_digits(row["mean"]) if row["units"] == 1 else format_mean(row, "mean")
+    return format_mean(row, "mean") if interval and row["units"] > 1 else three_digits(row["mean"])

@@ -5,7 +5,7 @@ from typing import Any
 
 import pandas as pd
 
-from fprc.tables.text import format_mean, three_digits
+from fprc.tables.text import three_digits
 
 Ledgers = Sequence[Sequence[Mapping[str, Any]]]
 
@@ -52,19 +52,20 @@ def claims_page(ledgers: Ledgers) -> pd.DataFrame:
         {
             "Id": of_claim[0]["id"],
             "Claim": of_claim[0]["claim"],
-            **{row["title"]: _verdict(row) for row in of_claim},
+            **{row["title"]: f"{_verdict(row)} {_means(row)}".rstrip() for row in of_claim},
         }
         for of_claim in zip(*ledgers, strict=True)
     )
 
 
 def _verdict(row: Mapping[str, Any]) -> str:
-    if not row["parts"]:
-        return str(row["words"])
-    whose = {whom for whom, _ in row["fitted"]}
+    whose = {whom for whom, _ in row["fitted"]} if row["parts"] else set()
     marks = "".join(mark for whom, mark in _MARKS.items() if whom in whose)
-    numbers = ", ".join(three_digits(part["mean"]) for part in row["parts"])
-    return f"{row['words']}{marks} {numbers}"
+    return f"{row['words']}{marks}"
+
+
+def _means(row: Mapping[str, Any]) -> str:
+    return ", ".join(three_digits(part["mean"]) for part in row["parts"])
 
 
 def _favours(row: Mapping[str, Any]) -> str:
@@ -93,26 +94,29 @@ def fitted_page(ledgers: Ledgers) -> pd.DataFrame:
 
 def details_page(ledgers: Ledgers) -> pd.DataFrame:
     """Return what each verdict rests on: intervals, p, agreeing subsets, units."""
-    return pd.DataFrame(
-        {
-            "Id": row["id"],
-            "World": row["title"],
-            "Verdict": row["words"],
-            "Fitted in favour of": _favours(row) if row["parts"] else "-",
-            "Mean and interval": "; ".join(format_mean(part, "mean") for part in row["parts"])
-            or "-",
-            "p": _p(row["p"]) if row["parts"] else "-",
-            "Subsets that agree": "-" if row["stable"] is None else f"{100 * row['stable']:.0f} %",
-            "Units": _count(row["units"], row["unit"]),
-            "Builds without the pair": str(row["dropped"]),
-        }
-        for of_claim in zip(*ledgers, strict=True)
-        for row in of_claim
+    rows = [row for of_claim in zip(*ledgers, strict=True) for row in of_claim if row["parts"]]
+    columns = {
+        "Id": [row["id"] for row in rows],
+        "World": [row["title"] for row in rows],
+        "Verdict": [_verdict(row) for row in rows],
+        "Mean": [_means(row) for row in rows],
+        "Interval": [_intervals(row) for row in rows],
+        "p": [_p(row["p"]) for row in rows],
+        "Subsets that agree": [_percent(row["stable"]) for row in rows],
+        "Units": [str(row["units"]) for row in rows],
+        "Lost builds": [str(row["dropped"]) for row in rows],
+    }
+    return pd.DataFrame(columns, dtype=object)
+
+
+def _intervals(row: Mapping[str, Any]) -> str:
+    return ", ".join(
+        f"{three_digits(part['low'])} to {three_digits(part['high'])}" for part in row["parts"]
     )
 
 
-def _count(number: int, what: str) -> str:
-    return f"{number} {what}" if number == 1 else f"{number} {what}s"
+def _percent(share: float | None) -> str:
+    return "-" if share is None else f"{100 * share:.0f} %"
 
 
 def _p(value: float) -> str:
