@@ -13,13 +13,13 @@ import pandas as pd
 
 from fprc.paper import REFERENCES
 
-#: Measures of every model, as readers see them, with their units.
+#: Measures of every model, as readers see them, with their units; errors are RMSE.
 MEASURES = {
-    "train": "training RMSE [kPa]",
-    "forward": "test RMSE, forward [kPa]",
-    "reversed": "test RMSE, reversed [kPa]",
-    "open_loop": "tracking, open loop [deg]",
-    "closed_loop": "tracking, closed loop [deg]",
+    "train": "training [kPa]",
+    "forward": "forward test [kPa]",
+    "reversed": "reversed test [kPa]",
+    "open_loop": "open loop [deg]",
+    "closed_loop": "closed loop [deg]",
     "step_us": "one step [us]",
 }
 

@@ -83,7 +83,7 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
         line = f"{row['claim']} ({row['id']}): {row['verdict']}."
         if row["ratio"] is not None:
             line += (
-                f" FPRC's error is {row['ratio']:.2f} ({row['low']:.2f} to {row['high']:.2f}) "
+                f" FPRC's error is {row['ratio']:#.3g} ({row['low']:#.3g} to {row['high']:#.3g}) "
                 f"times that of {row['other']}."
             )
         lines.append(f"{line[0].upper()}{line[1:]} {row['reason']}".rstrip())

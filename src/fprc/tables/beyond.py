@@ -91,7 +91,7 @@ def leaderboard(table: pd.DataFrame, world: str, titles: Mapping[str, str]) -> p
     ranked = offered[offered["model"].isin(order)]
     ranked = ranked.sort_values("model", key=lambda names: names.map(order.index), kind="stable")
     page = models_page(ranked, world, titles, intervals=True)
-    return page[[name for name in page if "closed loop" not in name]]
+    return page[[name for name in page if not name.startswith("Closed loop")]]
 
 
 def errors_and_tracking(table: pd.DataFrame) -> pd.DataFrame:
@@ -166,9 +166,11 @@ def offsets(worlds: Worlds) -> pd.DataFrame:
 def offsets_page(table: pd.DataFrame, world: str, titles: Mapping[str, str]) -> pd.DataFrame:
     """Return one row per model and one column per offset and disturbance, means alone."""
     own = table[table["world"] == world]
-    headings = {f"{kpa:+g} kPa": ("none", kpa) for kpa in sorted(own["offset_kpa"].unique())}
+    offsets_kpa = sorted(own["offset_kpa"].unique())
+    headings = {f"{kpa:+g}" if kpa else "0": ("none", kpa) for kpa in offsets_kpa}
     kinds = own["disturbance"].unique()
-    headings |= {kind: (kind, 0.0) for kind in ("drift", "noise", "pushed") if kind in kinds}
+    words = {"drift": "drift", "noise": "noise", "pushed": "push"}
+    headings |= {word: (kind, 0.0) for kind, word in words.items() if kind in kinds}
     wide = own.pivot(index="model", columns=["disturbance", "offset_kpa"], values="mean")
     wide = wide.reindex(index=own["model"].unique(), columns=list(headings.values()))
     page = wide.map(lambda mean: three_digits(mean) or "-").set_axis(list(headings), axis=1)

@@ -38,7 +38,7 @@ def test_clear_pairs_are_decided_and_named():
     told = report(fprc_lowpass=0.7, ridge_p_o=1.5)
     assert verdicts(told) == {"B1": "superior", "B4": "inferior", "R1": "equivalent"}
     first, *_ = sentences(judge_recording(told, TITLES))
-    assert first.startswith("P_o beats low-passed theta (B1): superior. FPRC's error is 0.70 (0.6")
+    assert first.startswith("P_o beats low-passed theta (B1): superior. FPRC's error is 0.70")
     assert first.endswith(") times that of FPRC on low-passed theta_d.")
 
 
