@@ -90,13 +90,14 @@ def judge_build(
     sweep, complex_ = logs["sweep"], logs["complex"]
     bench = Track(contest.tracking, on_rig.control, on_rig.rig, seed)
     followed = _references(bench)
-    fprc, _ = _trained("fprc", sweep, complex_, contest, seed)
-    gains = bench_gain(bench, fprc)["identified"]
+    fprc = _trained("fprc", sweep, complex_, contest, seed)
+    gains = bench_gain(bench, fprc[0])["identified"]
     disturbed = _disturbed(on_rig, seed, complex_, bench, contest)
     judged = {}
     for name in names:
         try:
-            model, errors = _trained(name, sweep, complex_, contest, seed)
+            trained = fprc if name == "fprc" else _trained(name, sweep, complex_, contest, seed)
+            model, errors = trained
             report: dict[str, Any] = {"forward": errors}
             if name not in FORWARD_ONLY:
                 _, report["reversed"] = _trained(name, complex_, sweep, contest, seed)

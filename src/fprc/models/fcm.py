@@ -31,8 +31,8 @@ RANK = 1e-10
 #: A relative increase of the objective below this is rounding.
 ROUNDING = 1e-13
 
-#: A relative decrease of the objective below this is the same optimum. The earlier start then
-#: stays, so that rounding does not decide on the order of the clusters.
+#: Objectives that differ by less than this fraction belong to one optimum. Its first start is kept,
+#: so that rounding does not decide on the order of the clusters.
 SAME = 1e-6
 
 
@@ -75,7 +75,8 @@ def fuzzy_c_means(
     clustering : {"fprc", "scikit-fuzzy"}
         What alternates.
     restarts : int
-        Number of starts; the clustering with the lowest objective is kept.
+        Number of starts; the clustering with the lowest objective is kept. Starts that lead to one
+        optimum of the thinned rows are converged on all rows once.
 
     Raises
     ------
@@ -95,18 +96,18 @@ def fuzzy_c_means(
     converge = {"fprc": _converge, "scikit-fuzzy": _converge_skfuzzy}[clustering]
     rng = check_random_state(random_state)
 
-    def run() -> Clusters:
+    found, optima = list[Clusters](), list[float]()
+    for _ in range(restarts):
         centers, _ = kmeans_plusplus(thinned, n_clusters, random_state=rng)
         if thinned is not X:
-            centers = converge(thinned, centers, tolerance, max_iterations).centers
-        return converge(X, centers, tolerance, max_iterations)
-
-    best = run()
-    for _ in range(restarts - 1):
-        found = run()
-        if found.objective < (1.0 - SAME) * best.objective:
-            best = found
-    return best
+            coarsely = converge(thinned, centers, tolerance, max_iterations)
+            if any(abs(coarsely.objective - each) < SAME * each for each in optima):
+                continue  # all rows, too, would lead to the optimum of that earlier start
+            optima.append(coarsely.objective)
+            centers = coarsely.centers
+        found.append(converge(X, centers, tolerance, max_iterations))
+    lowest = min(each.objective for each in found)
+    return next(each for each in found if (1.0 - SAME) * each.objective <= lowest)
 
 
 def _converge(X: np.ndarray, centers: np.ndarray, tolerance: float, limit: int) -> Clusters:
