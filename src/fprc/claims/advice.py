@@ -172,9 +172,10 @@ def _if_p_o_falls(tables: Tables, heads: Rows) -> str:
 
 
 def _means(table: pd.DataFrame, measure: str) -> pd.Series:
-    """Return the mean of a measure over units, by model."""
+    """Return the mean of a measure over units, by model; those that lack a build are left out."""
     own = table[table["measure"] == measure]
-    return own.groupby(["model", "unit"])["value"].mean().groupby("model").mean()
+    values = own.pivot_table(index=["unit", "seed"], columns="model", values="value")
+    return values.dropna(axis="columns").groupby(level="unit").mean().mean()
 
 
 def _mean_ratio(table: pd.DataFrame, measure: str) -> float | None:
@@ -187,13 +188,13 @@ def _mean_ratio(table: pd.DataFrame, measure: str) -> float | None:
 
 
 def _by_verdict(rows: Rows) -> str:
-    """Return where an error is lower, equal, higher, undecided or not measured."""
+    """Return where an error is lower, equal, higher, undecided or unmeasured."""
     words = {
         SUPERIOR: "lower",
         EQUIVALENT: "equal within 5 %",
         INFERIOR: "higher",
         UNDECIDED: "undecided",
-        NOT_JUDGED: "not measured",
+        NOT_JUDGED: "unmeasured",
     }
     found = _places(rows, words)
     return ", ".join(f"{words[verdict]} on {places}" for verdict, places in found.items())

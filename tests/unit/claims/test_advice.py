@@ -89,6 +89,14 @@ def test_best_models_without_a_second_actuator_are_named_with_their_rigs(make_wo
     assert "oracle" not in third
 
 
+def test_model_of_fewer_seeds_is_no_advice(make_world):
+    world = make_world(spread=0.0, ratios={"mlp": 0.5})
+    assert "take mlp (dry 6.00 kPa)" in advised(world)[2]
+    for cell in world["cells"][3:]:
+        del cell["models"]["mlp"]
+    assert "mlp" not in advised(world)[2]
+
+
 def test_what_tuning_and_a_fall_of_p_o_do_is_said_in_numbers(make_world):
     better = make_world(spread=0.0)
     worse = make_world("viscous", spread=0.0, ratios={"fprc_tuned": 1.2})
