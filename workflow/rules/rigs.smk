@@ -68,6 +68,22 @@ rule rigs_table:
         "../scripts/stage.py"
 
 
+rule answer_table:
+    input:
+        rigs=PATHS.below("rigs/rigs.md"),
+        sets=[PATHS.below("posterior/summary.json"), PATHS.below("ensemble/summary.json")],
+    output:
+        **PATHS.table("rigs/answer"),
+    log:
+        PATHS.messages("answer_table"),
+    params:
+        **stage("rigs.tabulate_answer"),
+    message:
+        "Worth of the reservoir on all rigs"
+    script:
+        "../scripts/stage.py"
+
+
 rule front_figure:
     input:
         fits=[
