@@ -1,7 +1,8 @@
 """Read what was measured in a world of ``snakemake beyond``: one rig, or a set of rigs.
 
-A world's file has ``name``, ``title``, ``source``, ``unit`` (seed or rig), ``cells`` (one per
-simulated build, with the errors of each model), ``capacity``, ``training_length`` and ``step_us``.
+A world's file has ``name``, ``source``, ``fitted`` (the terms that its rigs were fitted to),
+``unit`` (seed or rig), ``cells`` (one per simulated build, with the errors of each model),
+``capacity``, ``training_length`` and ``step_us``.
 """
 
 import math
@@ -12,13 +13,13 @@ import pandas as pd
 
 from fprc.paper import REFERENCES
 
-#: Measures of every model, as readers see them, with their units.
+#: Measures of every model, as readers see them, with their units; errors are RMSE.
 MEASURES = {
-    "train": "training RMSE [kPa]",
-    "forward": "test RMSE, forward [kPa]",
-    "reversed": "test RMSE, reversed [kPa]",
-    "open_loop": "tracking, open loop [deg]",
-    "closed_loop": "tracking, closed loop [deg]",
+    "train": "training [kPa]",
+    "forward": "forward test [kPa]",
+    "reversed": "reversed test [kPa]",
+    "open_loop": "open loop [deg]",
+    "closed_loop": "closed loop [deg]",
     "step_us": "one step [us]",
 }
 
@@ -36,7 +37,29 @@ SETS = {
 #: Two models are equivalent within this factor.
 EQUIVALENT_WITHIN = 1.05
 
-_WORDS = {"tuned": "tuned", "matched": "matched in training", "oracle": "chosen on the test log"}
+#: Title of each world, and what it is.
+WORLDS = {
+    "dry": ("dry", "the shipped rig: dry friction (Maxwell slip), fitted to the paper"),
+    "bouc_wen": (
+        "Bouc-Wen",
+        "the dry rig with another law of friction (Bouc-Wen), not fitted again",
+    ),
+    "viscous": (
+        "viscous",
+        "a rig with a viscous memory instead of dry friction, fitted to the paper",
+    ),
+    "posterior": ("posterior", "rigs that are compatible with the errors of Tables II and III"),
+    "drawn": ("drawn", "rigs that were drawn from the physical ranges, not fitted"),
+}
+
+#: Suffixes of settings that were chosen for a comparison: such a model is none to take.
+NO_OFFER = ("_oracle", "_matched")
+_WORDS = {"tuned": "tuned", "matched": "matched in training", "oracle": "oracle"}
+
+
+def world_title(name: str) -> str:
+    """Return a world's name for readers."""
+    return WORLDS[name][0] if name in WORLDS else name.replace("_", "-")
 
 
 def title_of(name: str, titles: Mapping[str, str]) -> str:

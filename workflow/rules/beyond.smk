@@ -6,14 +6,8 @@ POSTERIOR_RIGS = own("../../config/rigs/posterior.json")
 TUNED = own("../../config/tuned.yaml")
 #: Worlds: the rig of the configuration, each other one that can be named, and two sets of rigs.
 OWN_WORLD = SETTINGS["fitted"]["name"]
-SETS_OF_RIGS = {
-    "posterior": "rigs compatible with Tables II and III",
-    "drawn": "rigs drawn from the physical ranges",
-}
-TITLES = {
-    name: f"the {name.replace('_', '-')} rig" for name in (OWN_WORLD, *OTHER_RIGS)
-} | SETS_OF_RIGS
-WORLDS = list(TITLES)
+SETS_OF_RIGS = ("posterior", "drawn")
+WORLDS = [OWN_WORLD, *OTHER_RIGS, *SETS_OF_RIGS]
 FIGURES_BEYOND = ("pairs", "tracking", "offsets", "capacities")
 CONTEST = {
     "models": paper_models(SETTINGS),
@@ -205,7 +199,7 @@ rule draw_pairs:
         PATHS.messages("draw_pairs"),
     params:
         **stage("show_beyond.draw_pairs"),
-        worlds=TITLES,
+        worlds=WORLDS,
     message:
         "Beyond the paper: ratios of the pairs, figure"
     script:

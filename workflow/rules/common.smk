@@ -125,7 +125,6 @@ def world_named(name):
     rig, fitted = file["rig"], file["fitted"]["to"]
     return {
         "name": name,
-        "title": TITLES[name],
         "rigs": name if name in SETS_OF_RIGS else "one",
         "every_model": name == OWN_WORLD or name in RIGS["rigs"],
         "first_seed": BEYOND["first_seed"],

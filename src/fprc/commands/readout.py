@@ -12,6 +12,7 @@ from joblib import cpu_count
 from threadpoolctl import threadpool_limits
 
 from fprc.artifacts import read_json, write_json, write_text
+from fprc.claims.recording import sentences
 from fprc.commands.import_recording import checked_map, import_mapped
 from fprc.commands.models import refuse_repeats
 from fprc.commands.readout_page import Recordings, log_names, report_page
@@ -108,6 +109,8 @@ def report_readout(
     results |= {"competitors": competitors}
     page = folder / "report.md"
     write_text(page, report_page(parts, map_file, mapping, settings, folder, results))
+    for line in sentences(competitors["verdicts"]):
+        log.info("%s", line)
     log.info("%s", page)
 
 

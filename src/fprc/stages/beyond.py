@@ -53,7 +53,7 @@ def judge_world(
     tuned : str
         Settings of the tuned models, by world and name.
     world : Mapping
-        ``name``, ``title``, ``rigs`` (one, posterior or drawn), ``every_model`` (else there are
+        ``name``, ``rigs`` (one, posterior or drawn), ``every_model`` (else there are
         only those of ``BRIEF``), ``first_seed``, ``seeds_per_rig``, and ``on_rig``, ``ensemble``
         and ``free`` for the rigs.
     slow : int
@@ -74,7 +74,6 @@ def judge_world(
     builds = [{"unit": cell["unit"], **build} for cell in cells for build in cell["builds"]]
     described = {
         "name": world["name"],
-        "title": world["title"],
         "fitted": world["fitted"],
         "unit": "seed" if world["rigs"] == "one" else "rig",
         "source": "sim",

@@ -156,7 +156,7 @@ def update_beyond_page(
 ) -> None:
     """Replace the generated blocks of docs/beyond.md, the leaderboard, and the pictures.
 
-    The README gets what P_o is worth in test error and in tracking.
+    The README gets the first point of the advice.
 
     Parameters
     ----------
@@ -178,8 +178,8 @@ def update_beyond_page(
     found = {name: pd.read_csv(path) for name, path in csv.items()}
     judged = read_json(verdicts)
     blocks = beyond.blocks(judged, found, world, titles)
-    forward, followed, *_ = judged["advice"]
-    _update(readme, {"worth": f"**What the reservoir is worth.** {forward} {followed}"})
+    title = "**What the reservoir is worth on [simulated rigs](docs/beyond.md).**"
+    _update(readme, {"worth": f"{title} {judged['advice'][0]}"})
     _update(board, {"leaderboard": blocks.pop("leaderboard")})
     _update(page, blocks)
     for figure, picture in zip(figures, pictures, strict=True):
