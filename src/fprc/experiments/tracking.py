@@ -9,7 +9,6 @@ import numpy as np
 from fprc import __version__
 from fprc.control import (
     PD,
-    TRACKING_CHANNELS,
     Law,
     PressurePI,
     feedforward,
@@ -22,6 +21,7 @@ from fprc.devices.sim import SimulatedRig
 from fprc.evaluation import rmse
 from fprc.experiments.data import Data
 from fprc.experiments.measures import measure_hysteresis, measure_runs
+from fprc.logs import TRACKING_CHANNELS
 from fprc.models import SequenceModel
 from fprc.paper import REFERENCES, controller_and_gain
 from fprc.registry import feedforward_of

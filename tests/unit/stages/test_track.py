@@ -6,11 +6,11 @@ import pytest
 
 from fprc.artifacts import write_json
 from fprc.config import Settings
-from fprc.control import TRACKING_CHANNELS, RunAbortedError
+from fprc.control import RunAbortedError
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError
 from fprc.experiments.tracking import Track, bench_gain, tracking_error
-from fprc.logs import RAW_CHANNELS, read_columns
+from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS, read_columns
 from fprc.models import FPRC, FuzzyLinear, load_model, save_model
 from fprc.paper import CONTROLLERS, controller_and_gain
 from fprc.stages.track import identify_gain, track
