@@ -197,4 +197,4 @@ def test_everything_is_reported_at_once(folder):
     (folder / "docs/one.png").unlink()
     with pytest.raises(FprcError) as found:
         check()
-    assert [line[0] for line in str(found.value).splitlines()] == ["1", " "] * 3
+    assert [line[0] for line in str(found.value).splitlines()] == ["v", " ", "f", " ", "p", " "]
