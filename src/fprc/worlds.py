@@ -1,4 +1,4 @@
-"""Read what was measured in a world of ``snakemake beyond``: one rig, or a set of rigs.
+"""Read the measurements of a world of ``snakemake beyond``; a world is one rig or a set of rigs.
 
 A world's file has ``name``, ``source``, ``fitted`` (the terms that its rigs were fitted to),
 ``unit`` (seed or rig), ``cells`` (one per simulated build, with the errors of each model),
@@ -89,7 +89,7 @@ def measured(world: Mapping[str, Any]) -> pd.DataFrame:
         for cell in world["cells"]
         for model, report in cell.get("models", {}).items()
         for measure, value in _numbers(report)
-        if _good(value)
+        if _is_usable(value)
     ]
     return pd.DataFrame(rows, columns=["unit", "seed", "model", "measure", "value"])
 
@@ -100,7 +100,7 @@ def _numbers(report: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
         yield direction, (report.get(direction) or {}).get("test_rmse_kpa")
     for loop in ("open_loop", "closed_loop"):
         errors = report.get(f"{loop}_deg") or {}
-        values = [errors[reference] for reference in REFERENCES if _good(errors.get(reference))]
+        values = [errors[name] for name in REFERENCES if _is_usable(errors.get(name))]
         if len(values) == len(REFERENCES):
             yield loop, math.hypot(*values) / math.sqrt(len(values))
     for offset, value in (report.get("shifted") or {}).items():
@@ -109,7 +109,7 @@ def _numbers(report: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
         yield f"disturbed/{kind}", value
 
 
-def _good(value: Any) -> bool:
+def _is_usable(value: Any) -> bool:
     return isinstance(value, int | float) and math.isfinite(value) and value > 0
 
 

@@ -4,7 +4,7 @@ BEYOND = SETTINGS["beyond"]
 #: Rigs of the posterior, and settings of the tuned models; both were made by this workflow.
 POSTERIOR_RIGS = own("../../config/rigs/posterior.json")
 TUNED = own("../../config/tuned.yaml")
-#: Worlds: the rig of the configuration, each other one that can be named, and two sets of rigs.
+#: Worlds: the rig of the configuration, every other named rig, and two sets of rigs.
 OWN_WORLD = SETTINGS["fitted"]["name"]
 SETS_OF_RIGS = ("posterior", "drawn")
 WORLDS = [OWN_WORLD, *OTHER_RIGS, *SETS_OF_RIGS]
@@ -69,7 +69,7 @@ rule tune_world:
         workers=workers_of_units,
         checkpoint=placed(PATHS.below("beyond/tuning_{world}.partial.jsonl")),
     message:
-        "Beyond the paper: settings of the competitors, world {wildcards.world}"
+        "Beyond the paper: tuning of the competitors, world {wildcards.world}"
     script:
         "../scripts/stage.py"
 
@@ -84,7 +84,7 @@ rule join_tuned:
     params:
         **stage("beyond.join_tuned"),
     message:
-        "Beyond the paper: settings of the competitors"
+        "Beyond the paper: settings of the tuned competitors"
     script:
         "../scripts/stage.py"
 
@@ -201,7 +201,7 @@ rule draw_pairs:
         **stage("show_beyond.draw_pairs"),
         worlds=WORLDS,
     message:
-        "Beyond the paper: ratios of the pairs, figure"
+        "Beyond the paper: error ratios of pairs of models, figure"
     script:
         "../scripts/stage.py"
 
@@ -217,7 +217,7 @@ rule draw_tracking:
         **stage("show_beyond.draw_tracking"),
         world=OWN_WORLD,
     message:
-        "Beyond the paper: errors against tracking, figure"
+        "Beyond the paper: tracking errors against test errors, figure"
     script:
         "../scripts/stage.py"
 

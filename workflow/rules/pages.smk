@@ -69,7 +69,7 @@ rule calibration_page:
         ],
         rig=SETTINGS["rig"],
     message:
-        "docs/calibration.md: numbers and picture from the results"
+        "docs/calibration.md: numbers and pictures from the results"
     script:
         "../scripts/stage.py"
 

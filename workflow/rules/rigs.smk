@@ -1,6 +1,6 @@
 # Simulated rigs side by side: those that can be named, and the end points of searches.
 
-#: Where the end points of searches are.
+#: Folder of the end points of searches.
 SEARCHES = Path("config/rigs/searches")
 #: Rigs that can be named, beside that of the configuration.
 OTHER_RIGS = {
@@ -101,7 +101,7 @@ rule front_figure:
     params:
         **stage("draw_ensemble.draw_front"),
     message:
-        "Searches: tables against claims"
+        "Searches: trade-off between tables and claims"
     script:
         "../scripts/stage.py"
 

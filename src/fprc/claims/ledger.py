@@ -51,7 +51,7 @@ _ASSUMED = ("C17",)
 def status_of(claim: str, terms: Sequence[str]) -> str:
     """Return whether a claim was fitted by the terms of an objective, predicted, or neither.
 
-    The open loop is one half of C13a.
+    C13a is half fitted if the open loop was: it is about the open and the closed loop.
     """
     if claim in TIMED:
         return "timed"

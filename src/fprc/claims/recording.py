@@ -1,6 +1,6 @@
-"""Claims on one's own recording: those of B1-B8 that need no rig, and FPRC against no P_o.
+"""Claims on a user's recording: those of B1-B8 that need no rig, and FPRC against no P_o.
 
-docs/preregistration.md has them with their limits.
+docs/preregistration.md states them with their limits.
 """
 
 import math
@@ -17,7 +17,7 @@ from fprc.claims.paired import (
     judge_together,
 )
 
-#: Blocks that a subset lacks; ten have less to spare than forty seeds.
+#: Blocks that a subset leaves out; fewer than of forty seeds, since there are only ten.
 LEFT_OUT = 2
 
 
@@ -92,7 +92,7 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
 
 def _part(claim: Claim, errors: Mapping[str, Sequence[float]], overlap: float) -> Part:
     ours, theirs = errors.get("fprc", ()), errors.get(claim.other, ())
-    # a model that failed has no blocks
+    # not strict: a model that failed has no blocks
     pairs = enumerate(zip(ours, theirs, strict=False))
     return Part(
         claim.text,

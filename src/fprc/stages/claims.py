@@ -28,14 +28,15 @@ def write_ledger(
     fitted: Mapping[str, Any],
     deciding: int,
 ) -> None:
-    """Write the claims ledger: published, ours, test and verdict of C1 to C18.
+    """Write the claims ledger: the paper's numbers, ours, test and verdict of C1 to C18.
 
     Parameters
     ----------
     fitted : Mapping
         Name of the rig, and the terms that it was fitted to.
     deciding : int
-        Number of the first seeds that decide the verdicts; further ones are compared with them.
+        Number of seeds, the first ones, that decide the verdicts; the ledger also says which
+        verdicts would differ on all seeds.
     """
     printed = read_yaml(published)
     every = Results(
@@ -52,7 +53,7 @@ def write_ledger(
     source = every.controls[0]["source"]
     origin = (
         f"The rig is {fitted['name']}, fitted to: {', '.join(fitted['to']) or 'nothing'}; the "
-        "other claims were no part of the fit. A verdict is undecided where the 95 % interval of "
+        "other claims were not part of the fit. A verdict is undecided where the 95 % interval of "
         "the mean over seeds contains a limit."
     )
     if len(every.controls) > deciding:

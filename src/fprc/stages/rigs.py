@@ -3,7 +3,6 @@
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -32,16 +31,16 @@ def compare_rigs(
     deciding: int,
     brief: bool = False,
 ) -> None:
-    """Write the table of the rigs; the page, if ``brief``, sums the errors up.
+    """Write the table of the rigs; with ``brief``, its page summarises the errors.
 
     Parameters
     ----------
     models, grids, controls : sequence of str
-        Reports of the further seeds, those of the first rig first, equally many of each.
+        Reports of the further seeds, rig by rig; every rig has the same number of them.
     fitted : Mapping
         Terms that each rig was fitted to, by its name.
     deciding : int
-        Number of the first seeds that decide the verdicts.
+        Number of seeds, the first ones, that decide the verdicts.
     """
     printed = read_yaml(published)
     claims = [claim for claim in printed["claims"] if claim["id"] not in TIMED]
@@ -60,7 +59,7 @@ def compare_rigs(
         ]
         off = 100 * errors[name]["deviation"][:18].abs()
         sentences.append(
-            f"Rig {name}: the 18 errors of Tables II and III are off print by "
+            f"Rig {name}: the 18 errors of Tables II and III deviate from print by "
             f"{np.median(off):.0f} % in the median and {off.max():.0f} % at most."
         )
     source = read_json(models[0])["source"]
@@ -115,6 +114,11 @@ def summarise_rigs(
         How the rigs were drawn.
     terms : sequence of str
         What they were fitted to, as in ``calibration.fit``.
+
+    Raises
+    ------
+    FprcError
+        No rig could be judged.
     """
     printed = read_yaml(published)
     rigs = [rig for path in chunks for rig in read_json(path)["rigs"]]
@@ -128,7 +132,13 @@ def summarise_rigs(
         for rig in good
     ]
     verdicts = [{row["id"]: row["verdict"] for row in ledger} for ledger in ledgers]
-    (worth,) = zip(*(_means(ledger, "C4b") for ledger in ledgers), strict=True)
+    worth = [
+        statement["mean"]
+        for ledger in ledgers
+        for row in ledger
+        if row["id"] == "C4b"
+        for statement in row["statements"]
+    ]
     parameters = [rig["parameters"] for rig in good]
     targets = printed_errors(printed)
     off = [
@@ -155,8 +165,3 @@ def summarise_rigs(
             ],
         },
     )
-
-
-def _means(ledger: Sequence[Mapping[str, Any]], claim: str) -> list[float]:
-    """Return the numbers of a claim's statements."""
-    return [each["mean"] for row in ledger if row["id"] == claim for each in row["statements"]]

@@ -8,7 +8,7 @@ import pandas as pd
 from fprc.tables.text import format_mean, spread, three_digits
 from fprc.tables.tracking import all_over_seeds
 
-#: Claims that gave a point to a candidate.
+#: Claims that each give a candidate a point if they are reproduced.
 _CLAIMS_OF_THE_RULE = (
     "C1", "C2", "C3", "C4a", "C7", "C8", "C9a", "C9b", "C11", "C12a", "C12b", "C18a", "C18b",
 )  # fmt: skip
@@ -16,7 +16,7 @@ _CLAIMS_OF_THE_RULE = (
 #: What the reservoir is worth: the number of claim C4b.
 _WORTH = "FPRC / FPRC on low-passed theta_d, test RMSE"
 
-#: Runs of Table IV that the paper prints, and one that it calls by the same name.
+#: Our runs that are compared with the printed Table IV, as controller and gain.
 _RUNS = (("fprc", "none"), ("fprc_pd", "identified"))
 
 
@@ -42,10 +42,10 @@ def rig_errors(
 def points(errors: pd.DataFrame, ledger: Sequence[Mapping[str, str]]) -> int:
     """Return the points of the rule that chose the shipped rig, see docs/preregistration.md.
 
-    One each for the errors' median and largest deviation, for open-loop Table IV, and for each
-    claim of the rule that is reproduced.
+    There is one each for a small median and a small largest deviation of Tables II and III, for
+    a small largest deviation of open-loop Table IV, and for each claim that is reproduced.
     """
-    off, open_loop = _off(errors)
+    off, open_loop = _deviations(errors)
     verdicts = {row["id"]: row["verdict"] for row in ledger}
     return (
         int(off.median() <= 0.05)
@@ -55,7 +55,7 @@ def points(errors: pd.DataFrame, ledger: Sequence[Mapping[str, str]]) -> int:
     )
 
 
-def _off(errors: pd.DataFrame) -> tuple[pd.Series, pd.Series]:
+def _deviations(errors: pd.DataFrame) -> tuple[pd.Series, pd.Series]:
     """Return the absolute deviations of Tables II and III, and of open-loop Table IV."""
     off = errors["deviation"].abs()
     return (
@@ -65,7 +65,7 @@ def _off(errors: pd.DataFrame) -> tuple[pd.Series, pd.Series]:
 
 
 def _sums(errors: pd.DataFrame, ledger: Sequence[Mapping[str, str]]) -> dict[str, str]:
-    off, open_loop = _off(errors)
+    off, open_loop = _deviations(errors)
     return {
         "Tables II and III, median deviation": f"{100 * off.median():.0f} %",
         "Tables II and III, largest deviation": f"{100 * off.max():.0f} %",

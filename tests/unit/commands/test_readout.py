@@ -122,7 +122,7 @@ def test_page_names_recording_parts_units_and_pictures_that_exist(recording, tmp
         (line,) = (line for line in section.splitlines() if f" ({claim}): " in line)
         assert ": undecided. FPRC's error is " in line
         assert line.endswith("There are 4 blocks; fewer than 8 decide nothing.")
-    assert "on 4 blocks of the training data of 1.75 s" in section
+    assert "on 4 blocks of 1.75 s of the training data" in section
     assert "Blocks [N]" in section
     pictures = [line.split("(")[1].rstrip(")") for line in text.splitlines() if line[:1] == "!"]
     assert len(pictures) == 3
