@@ -6,7 +6,7 @@ import pytest
 
 from fprc.apparatus import check as rig_check
 from fprc.apparatus import guardian
-from fprc.claims import paired
+from fprc.claims import fit_in_words, paired
 from fprc.config import Settings
 from fprc.config.load import check
 from fprc.devices import pneumatics
@@ -29,13 +29,7 @@ WORDS = {8: "eight", 10: "ten"}
 
 def fitted_to(rig):
     """Return what a rig of the package was fitted to, as docs/calibration.md says it."""
-    words = {
-        "tables": "Tables II and III",
-        "orders": "their orders",
-        "plausible": "plausible loops",
-        "open_loop": "open-loop Table IV",
-    }
-    return ", ".join(words.get(term, term) for term in check({"rig": rig}).fitted.to)
+    return fit_in_words(check({"rig": rig}).fitted.to)
 
 
 def quoted():

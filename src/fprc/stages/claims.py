@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 
 from fprc.artifacts import read_json, write_json, write_text
-from fprc.claims import Results, judge_claims, status_of, turned_verdicts
+from fprc.claims import Results, fit_in_words, judge_claims, status_of, turned_verdicts
 from fprc.paper import SOURCES
 from fprc.tables import markdown
 from fprc.yaml_file import read_yaml
@@ -52,9 +52,9 @@ def write_ledger(
     ]
     source = every.controls[0]["source"]
     origin = (
-        f"The rig is {fitted['name']}, fitted to: {', '.join(fitted['to']) or 'nothing'}; the "
-        "other claims were not part of the fit. A verdict is undecided where the 95 % interval of "
-        "the mean over seeds contains a limit."
+        f"The rig {fitted['name']} was fitted to {fit_in_words(fitted['to'])}; the other claims "
+        "were not part of the fit. A verdict is undecided where the 95 % interval of the mean over "
+        "seeds contains a limit."
     )
     if len(every.controls) > deciding:
         turned = turned_verdicts(ledger, judge_claims(printed["claims"], every, printed))
