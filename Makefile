@@ -93,7 +93,7 @@ SEED ?= 1
 fuzz: .venv/.ready  ## run the commands on 10,000 damaged files: a quarter of an hour
 	python tests/fuzz --cases $(CASES) --seed $(SEED) $(PAGE:%=--write %)
 
-# With old libraries, newer ones warn, and scikit-learn has no strict list of failing checks.
+# With old libraries, newer ones warn, and scikit-learn's checks are others.
 OLDEST ?= python3.11
 lowest:  ## run the unit tests with the oldest Python and libraries allowed: OLDEST=python3.11
 	$(OLDEST) -m venv .venv/lowest
