@@ -6,7 +6,7 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: help paper smoke quick types lint site tests test test-kill reproduce-twice processors slurm \
-	test-slurm docs layers lowest newest scaling fault-matrix fuzz loop-benchmark benchmark benchmark-all \
+	slurm-programs test-slurm docs layers lowest newest scaling fault-matrix fuzz loop-benchmark benchmark benchmark-all \
 	container test-container cut release release-tools test-release clean
 
 help:  ## list the targets
@@ -36,18 +36,22 @@ lint: .venv/.ready  ## style, types, layers, workflow lint
 	snakemake --lint
 	lint-imports
 
-LONGEST = tests/workflow/test_twice.py tests/workflow/test_slurm.py tests/workflow/test_kill.py
-
 site: .venv/.ready  ## build the documentation site into docs/_build/html, with its examples run
 	sphinx-build -W --keep-going -q docs docs/_build/html
 
 test: lint site tests  ## everything that must pass
 
-# Longest first. Four processes, because tests often wait for programs that they start, and for Slurm.
+# First what takes long: test_twice.py begins the shared smoke run, and the next four files do not
+# wait for it. Files, because pytest drops a file whose folder is named too.
+FIRST = $(addprefix tests/, workflow/test_twice.py workflow/test_slurm.py fuzz/test_fuzz.py \
+  workflow/test_wheel.py workflow/test_targets.py workflow/test_smoke.py workflow/test_kill.py)
+LATER = $(filter-out $(FIRST), $(wildcard tests/workflow/test_*.py tests/fuzz/test_*.py))
+
+# Four processes, because tests often wait for programs that they start, and for Slurm.
 tests: .venv/.ready  ## the tests alone
 	@shared=$$(mktemp -d) && trap 'rm -rf "$$shared"' EXIT && FPRC_SMOKED=$$shared \
-	  pytest --numprocesses 4 --dist loadfile --no-loadscope-reorder $(LONGEST) tests/workflow \
-	  tests/faults tests/fuzz tests/reference tests/unit $(PYTEST)
+	  pytest --numprocesses 4 --dist loadfile --no-loadscope-reorder $(FIRST) $(LATER) \
+	  tests/faults tests/reference tests/unit $(PYTEST)
 
 test-kill: .venv/.ready  ## kill the workflow at twenty random moments: ten minutes or more
 	FPRC_KILLS=20 pytest tests/workflow/test_kill.py
@@ -60,17 +64,19 @@ processors: .venv/.ready  ## compare with builds as on older processors: ten min
 
 # Without Slurm, tests/workflow/test_slurm.py is skipped. The plugin has its own folder because, once
 # installed, it calls Slurm at every start of Snakemake.
-slurm: .venv/.ready  ## install Slurm for its test, as root on Debian
-	@if python tests/slurm/one_node.py --why-not | grep -q "not installed"; then \
+slurm: slurm-programs .venv/.ready  ## install Slurm for its test, as root on Debian
+	@python -m pip install --quiet --disable-pip-version-check --no-deps --upgrade \
+	  --target .venv/slurm --requirement environment-slurm.txt \
+	  || echo "slurm: no snakemake-executor-plugin-slurm"
+
+slurm-programs:
+	@if $(PYTHON) tests/slurm/one_node.py --why-not | grep -q "not installed"; then \
 	  if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
 	    apt-get -qq update && DEBIAN_FRONTEND=noninteractive \
 	      apt-get -qq install --no-install-recommends slurm-wlm munge >/dev/null \
 	      || echo "slurm: apt-get could not install slurm-wlm and munge"; \
 	  else echo "slurm: not installed; installing it needs root and apt-get"; fi; \
 	fi
-	@python -m pip install --quiet --disable-pip-version-check --no-deps --upgrade \
-	  --target .venv/slurm --requirement environment-slurm.txt \
-	  || echo "slurm: no snakemake-executor-plugin-slurm"
 
 test-slurm: slurm  ## the smoke run through Slurm; `make test` runs one job of each kind
 	SLURM_TARGETS=all pytest tests/workflow/test_slurm.py
@@ -96,7 +102,7 @@ SEED ?= 1
 fuzz: .venv/.ready  ## run the commands on 10,000 damaged files: a quarter of an hour
 	python tests/fuzz --cases $(CASES) --seed $(SEED) $(PAGE:%=--write %)
 
-# With old libraries, newer ones warn, and scikit-learn has no strict list of failing checks.
+# With old libraries, newer ones warn, and scikit-learn's checks are others.
 OLDEST ?= python3.11
 lowest:  ## run the unit tests with the oldest Python and libraries allowed: OLDEST=python3.11
 	$(OLDEST) -m venv .venv/lowest
@@ -129,7 +135,8 @@ benchmark-all: benchmark  ## compare the workflow with an uncompiled one: half a
 .venv/.ready: environment.txt pyproject.toml
 	$(PYTHON) -c 'import sys; v = sys.version_info[:2]; (3, 11) <= v <= (3, 13) or sys.exit(f"fprc needs Python 3.11, 3.12 or 3.13, this is {v[0]}.{v[1]}; use: make PYTHON=python3.12 ...")'
 	$(PYTHON) -m venv .venv
-	python -m pip install --quiet --disable-pip-version-check --requirement environment.txt
+	python -m pip install --quiet --disable-pip-version-check --no-compile --requirement environment.txt
+	-python -m compileall -qq -j 0 .venv/lib  # on every core, which pip does not do
 	python -m pip install --quiet --disable-pip-version-check --no-deps --editable .
 	touch $@
 

@@ -18,6 +18,13 @@ settings.register_profile("unit", max_examples=EXAMPLES, deadline=None, derandom
 settings.load_profile("unit")
 
 
+@pytest.fixture(scope="session", autouse=True)
+def _no_wait_for_the_disk():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(os, "fsync", lambda file: None)  # no unit test cuts the power
+        yield
+
+
 @pytest.fixture
 def rig():
     """Parameters of the default rig, free to change."""

@@ -1,4 +1,5 @@
 import json
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -28,10 +29,16 @@ def as_json(values):
 ACTUAL = dict(leaves(as_json(Settings().model_dump())))
 
 
+@cache
+def lines():
+    """Return the lines of the reference page."""
+    return reference.reference().splitlines()
+
+
 def documented():
     """Yield key and cells of every row of the reference page."""
     group = ""
-    for line in reference.reference().splitlines():
+    for line in lines():
         if line.startswith("## "):
             group = "" if line == "## Top level" else line.removeprefix("## ") + "."
         if line.startswith("| `"):
@@ -80,7 +87,7 @@ def test_generated_yaml_is_valid_and_gives_the_defaults():
 
 
 def test_page_has_one_table_for_each_section():
-    headings = [line for line in reference.reference().splitlines() if line.startswith("## ")]
+    headings = [line for line in lines() if line.startswith("## ")]
     assert len(set(headings)) == len(headings) > 20
 
 

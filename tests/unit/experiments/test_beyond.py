@@ -22,6 +22,8 @@ from fprc.models import FPRC
 SETTINGS = Settings().model_dump(mode="json")
 SEED = 3
 
+pytestmark = pytest.mark.slow  # whole fits
+
 
 @pytest.fixture(scope="module")
 def on_rig(signals):

@@ -24,11 +24,9 @@ from fprc.models import (
     TapFeatures,
 )
 
-#: Checks that take rows for independent of one another; here they are samples in time.
-MEMORY = {
-    "check_methods_sample_order_invariance": "an output depends on the samples before it",
-    "check_methods_subset_invariance": "part of a log has another past than the whole log",
-}
+#: Checks that take rows for independent of one another; here they are samples in time: an output
+#: depends on those before it, and part of a log has another past than the whole log.
+MEMORY = ("check_methods_sample_order_invariance", "check_methods_subset_invariance")
 
 READOUTS = [RidgeReadout(), TakagiSugenoReadout(n_c=3)]
 
@@ -56,11 +54,13 @@ def test_readout_passes_scikit_learns_check(estimator, check):
     check(estimator)
 
 
-@parametrize_with_checks(
-    SEQUENTIAL, expected_failed_checks=lambda estimator: MEMORY, xfail_strict=True
-)
+@parametrize_with_checks(SEQUENTIAL)
 def test_model_with_memory_passes_scikit_learns_check(estimator, check):
-    check(estimator)
+    if check.func.__name__ in MEMORY:
+        with pytest.raises((AssertionError, ValueError)):  # a row alone is a log that is too short
+            check(estimator)
+    else:
+        check(estimator)
 
 
 # two of the checks fit a table and transform an array, or the other way round
