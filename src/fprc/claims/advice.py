@@ -67,18 +67,25 @@ def _change(subject: str, what: str, rows: Rows) -> str:
 
 
 def _when_it_pays(rows: Mapping[str, Rows]) -> str:
-    pays = [
-        _place(forward)
-        for forward, tracking in zip(rows["B1"], rows["B3"], strict=True)
-        if forward["verdict"] == tracking["verdict"] == SUPERIOR
+    compared = list(zip(rows["B1"], rows["B2"], rows["B3"], strict=True))
+
+    def always(verdict: str) -> list[str]:
+        return [
+            _place(row[0]) for row in compared if {each["verdict"] for each in row} == {verdict}
+        ]
+
+    cases = [
+        f"{verb} on {_listed(places)}"
+        for verb, places in (("pays", always(SUPERIOR)), ("harms", always(INFERIOR)))
+        if places
     ]
-    if not pays:
-        text = "So the reservoir is not shown to pay on any of these rigs"
-    elif len(pays) == len(rows["B1"]):
-        text = "So the reservoir pays on all these rigs"
-    else:
-        text = f"So the reservoir pays on {_listed(pays)} and is not shown to pay on the others"
-    return f"{text}; for your rig, record P_o and run fprc readout."
+    decided = len(always(SUPERIOR)) + len(always(INFERIOR))
+    if decided < len(compared):
+        cases.append(f"is mixed or undecided on {'the others' if decided else 'all these rigs'}")
+    return (
+        f"Over both tests and tracking, the reservoir {_listed(cases)}; for your rig, record P_o "
+        "and run fprc readout."
+    )
 
 
 def _second_log(worlds: Rows, tables: Tables, heads: Rows, titles: Mapping[str, str]) -> str:

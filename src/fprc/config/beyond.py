@@ -76,7 +76,7 @@ class Beyond(Section):
     rigs: int = quantity(40, "-", (1, 10000), "rigs of each world with many")
     seeds_per_rig: int = quantity(3, "-", (1, 100), "seeds of each drawn rig")
     slow: int = quantity(
-        20, "-", (0, 10000), "seeds on which the slow models (ESN, trees, MLP) are judged too"
+        10, "-", (0, 10000), "seeds that also judge slow models of no claim (ESN, trees, MLP)"
     )
     restarts: int = quantity(
         10, "-", (1, 1000), "starts of every clustering; the lowest objective is kept"

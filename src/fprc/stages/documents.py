@@ -226,12 +226,16 @@ def replace_block(text: str, name: str, block: str, path: str = "README.md") -> 
 
 
 def _outcome(judged: Mapping[str, Any]) -> str:
-    """Return a sentence on how many claims have each verdict."""
-    verdicts = pd.Series([claim["verdict"] for claim in judged["claims"]]).value_counts()
+    """Return sentences on how many claims have each verdict, and on which seeds."""
+    claims = pd.DataFrame(judged["claims"])
+    verdicts = claims["verdict"].value_counts()
+    fitted = claims["rig"].str.contains("fitted").groupby(claims["verdict"]).sum()
     counts = ", ".join(f"{count} {verdict}" for verdict, count in verdicts.items())
+    _, decided, seeds = judged["note"].partition(" Verdicts are those of")
     return (
         f"**Of the paper's {verdicts.sum()} claims and parts of claims, on the simulated rig: "
-        f"{counts}.**"
+        f"{counts}.** Of those reproduced, {fitted.get('reproduced', 0)} were fitted at least in "
+        f"part.{decided}{seeds}"
     )
 
 

@@ -63,11 +63,13 @@ def test_a_part_against_the_verdict_keeps_its_sign():
     assert "raises FPRC's tracking error in open and closed loop by 27 % and -2 %" in said(ours)[0]
 
 
-def test_reservoir_pays_where_both_errors_fall():
+def test_reservoir_pays_where_all_errors_fall():
+    harmed = ledger("D", B1="inferior", B2="inferior", B3="inferior")
     rigs = [ledger("A"), ledger("B", B3="undecided"), ledger("C", "rig", B1="inferior")]
-    assert "pays on the A rig and is not shown to pay on the others;" in said(*rigs)[1]
-    assert "is not shown to pay on any of these rigs;" in said(*rigs[1:])[1]
-    assert "pays on all these rigs;" in said(rigs[0])[1]
+    assert "pays on the A rig and is mixed or undecided on the others;" in said(*rigs)[1]
+    assert "the reservoir is mixed or undecided on all these rigs;" in said(*rigs[1:])[1]
+    assert "pays on the A rig and harms on the D rig;" in said(rigs[0], harmed)[1]
+    assert "the reservoir pays on the A rig;" in said(rigs[0])[1]
 
 
 def test_points_have_two_sentences_at_most(make_world):
