@@ -81,6 +81,9 @@ slurm-programs:
 test-slurm: slurm  ## the smoke run through Slurm; `make test` runs one job of each kind
 	SLURM_TARGETS=all pytest tests/workflow/test_slurm.py
 
+recordings: .venv/.ready  ## evaluate the recordings of docs/own-data.md: DATASETS=folder with the public ones
+	python tests/recordings.py $(DATASETS)
+
 scaling: .venv/.ready  ## measure the numbers in docs/scaling.md
 	snakemake --cores $(CORES) scaling_page
 

@@ -22,12 +22,12 @@ _NO_ACCESS = (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EEXIS
 
 @contextmanager
 def replacing(path: Path | str) -> Iterator[Path]:
-    """Yield a temporary name beside ``path`` and rename it there on success.
+    """Yield a temporary path beside ``path``, and rename that file to ``path`` on success.
 
     On an exception the temporary file is removed and ``path`` is unchanged. The
     suffix is kept, since some writers choose the format by it. Temporary files of
-    killed processes are removed too. If ``path`` is already a temporary name of
-    this process, it is yielded itself.
+    killed processes are removed too. A ``path`` that is itself a temporary path of
+    this process is yielded unchanged.
 
     Raises
     ------

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from fprc.commands.parser import parser
 from fprc.errors import FprcError
 
-#: Exit code of a program whose reader has gone, as shells give it.
+#: Exit code that shells report for a program that SIGPIPE ended.
 _BROKEN_PIPE = 141
 
 
@@ -19,7 +19,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         finally:
             sys.stdout.flush()
     except BrokenPipeError:  # nothing reads the output any more, as after `| head`
-        # Python flushes once more when it exits
+        # so that Python's own flush at exit does not fail too
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return _BROKEN_PIPE
 

@@ -2,14 +2,14 @@
 
 ``fprc.models.competitors`` builds them; this module loads no numerics.
 
-What a competitor shares with a model of the paper (taps, ridge, rules) is that model's setting.
-The other settings were chosen by sense and not tuned: three low-passes are the paper's epsilon and
-its neighbours, about three times faster and slower; ten plays are usual for Prandtl-Ishlinskii
-models; trees have scikit-learn's defaults; the MLP is small, and stops when it has predicted a
-tenth of the training samples no better for five epochs. Spacing and ridge of NVAR alone were
-searched: of 3 or 5 taps, 10 to 100 samples apart, and ridges of 0.001 to 1000, these have the least
-product of errors in a cross-validation by five blocks, 2 s apart, inside each of the two logs of
-seed 1 on the dry rig.
+Settings that a competitor shares with a model of the paper (taps, ridge, rules) have that model's
+values. The others were chosen by judgement, without tuning: the three low-passes are the paper's
+epsilon, one about three times faster and one about three times slower; ten plays are usual for
+Prandtl-Ishlinskii models; trees have scikit-learn's defaults; the MLP is small, and its training
+stops after five epochs without improvement on a held-out tenth of the samples. Only NVAR's taps and
+ridge were searched: of 3 or 5 taps, 10 to 100 samples apart, and ridges of 0.001 to 1000, these
+have the lowest product of errors in a cross-validation with five blocks, purged by 2 s, within each
+of the two logs of seed 1 on the dry rig.
 """
 
 from collections.abc import Mapping
@@ -40,7 +40,7 @@ COMPETITORS = {
     name: Competitor(entry.title, entry.inputs, entry.settings, {})
     for name, entry in MODELS.items()
 } | {
-    # the second column stands for P_o
+    # low-passed theta_d takes the place of P_o
     "fprc_lowpass": Competitor(
         "FPRC on low-passed theta_d", ("theta_deg", "theta_deg"), MODELS["fprc"].settings, {}
     ),
@@ -63,6 +63,10 @@ COMPETITORS = {
 }
 
 
+#: Name of every competitor in tables and figures.
+TITLES = {name: entry.title for name, entry in COMPETITORS.items()}
+
+
 def default_settings(name: str, models: Mapping[str, Any]) -> dict[str, Any]:
     """Return all settings of a competitor, for ``fprc.models.competitors.build_competitor``.
 
@@ -81,7 +85,7 @@ def competitor(name: str) -> Competitor:
     Raises
     ------
     ConfigError
-        There is none; names all.
+        There is none; the message lists all competitors.
     """
     if name not in COMPETITORS:
         raise ConfigError(f"{name!r} is no competitor; choose from {', '.join(COMPETITORS)}")

@@ -22,8 +22,8 @@ def kernel(function: Callable[..., Any], **options: Any) -> Callable[..., Any]:
     A kernel must not call a kernel of another package.
 
     The folder is below ``NUMBA_CACHE_DIR`` if that is set, else in the package's
-    ``__pycache__``. If it cannot be written, it is in the user's folder for
-    caches; if neither can, each process compiles again.
+    ``__pycache__``. If that cannot be written, it is in the user's cache folder;
+    if neither can, each process compiles again.
     """
     package = Path(function.__code__.co_filename).parent
     wanted = _cache_folder(package)

@@ -57,7 +57,7 @@ def load_hysteresis(
     experiment : {"sweep", "complex"}, default="sweep"
         The paper trains on the sweep and tests on the complex signal.
     seed : int, optional
-        Draws the sensors of the simulated rig and their noise; by default 1.
+        Seed of the simulated rig's sensors and their noise; by default 1.
     rig : str or Mapping, optional
         Simulated rig: its name, or numbers as in the section ``rig`` of the configuration; by
         default ``"dry"``.
@@ -66,7 +66,7 @@ def load_hysteresis(
     target : {"command", "measured"}, default="command"
         P_exp to predict: commanded or measured pressure.
     return_X_y : bool, default=False
-        Return ``(data, target)`` alone.
+        Return only ``(data, target)``.
 
     Returns
     -------
@@ -91,7 +91,7 @@ def load_hysteresis(
     Raises
     ------
     ConfigError
-        An argument is wrong; lists all that are.
+        An argument is wrong; the message lists all that are.
     LogError
         The raw log cannot be used.
 

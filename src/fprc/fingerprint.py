@@ -16,16 +16,16 @@ from sysconfig import get_path
 
 import fprc
 
-#: Folders of libraries: Python's own, and names of those of installed packages.
+#: Folder of Python's own libraries; names of the folders of installed packages.
 _STANDARD = get_path("stdlib")
 _INSTALLED = {"site-packages", "dist-packages"}
 
 
 def fingerprint(*modules: str) -> str:
-    """Hash the code of modules of this package or the user's, and of every one that they import.
+    """Hash the code of modules, and of every module of this package or the user that they import.
 
-    ``from package import name`` counts the module that defines the name, not all that the
-    package imports. A module of the user counts if it has been imported, a library does not.
+    ``from package import name`` includes the module that defines the name, not all modules that
+    the package imports. A module of the user is included only if this process has imported it.
     """
     lines = sorted(f"{module} {_source(module)[0]}" for module in _closure(modules))
     return hashlib.sha256("\n".join(lines).encode()).hexdigest()[:16]
@@ -43,7 +43,7 @@ def _closure(modules: tuple[str, ...]) -> set[str]:
 
 
 def _defining(module: str, name: str) -> str:
-    """Return the module that defines ``name``; it may be a module, or re-exported by a package."""
+    """Return the module that defines ``name``, or ``name`` itself if that is a module."""
     if not name or _path(f"{module}.{name}"):
         return f"{module}.{name}".removesuffix(".")
     path = _path(module)

@@ -25,7 +25,7 @@ def describe(
     outputs: Sequence[str],
     settings: Mapping[str, Any],
 ) -> dict[str, Any]:
-    """Return what a reader needs to reproduce a result, or to question it.
+    """Return what a reader needs to reproduce a result.
 
     Parameters
     ----------
@@ -54,13 +54,13 @@ def describe(
         "dirty": dirty,
         "config_sha256": hash_of(settings),
         "versions": versions(),
-        "inputs": {_anywhere(path): sha256(path) for path in inputs},
+        "inputs": {_portable(path): sha256(path) for path in inputs},
         "outputs": {path: sha256(path) for path in outputs},
     }
 
 
-def _anywhere(path: str) -> str:
-    """Return a file's path; if the file is in this package, as on any other computer."""
+def _portable(path: str) -> str:
+    """Return a path; that of a file in this package as ``fprc/...``, the same on every computer."""
     package = Path(fprc.__path__[0])
     inside = Path(path).is_relative_to(package)
     return f"fprc/{Path(path).relative_to(package).as_posix()}" if inside else path

@@ -1,6 +1,6 @@
 """The models that are compared, one entry each; tables, figures and rules read them here.
 
-Classes are given by name and imported on demand: reading a title or a look loads no numerics.
+Classes are given by name and imported on demand: reading a title imports no numerical library.
 """
 
 from collections.abc import Mapping

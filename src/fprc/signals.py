@@ -73,7 +73,7 @@ def random_pushes(
     sigma_kpa: float,
     rng: np.random.Generator,
 ) -> np.ndarray:
-    """Return pushes as by a hand: half sines of random size, duration and time, kPa.
+    """Return pushes like those of a hand, kPa: half sines of random size, duration and time.
 
     The first push begins at ``quiet_s``, further ones every ``every_s`` on average; each
     lasts 0.2 to 1 s.
@@ -92,7 +92,7 @@ def random_pushes(
 
 def turning_points(x: np.ndarray) -> np.ndarray:
     """Return the indices at which ``x`` turns by more than 5 % of its range."""
-    from scipy.signal import find_peaks  # half a second, which only figures need to wait
+    from scipy.signal import find_peaks  # takes half a second to import; only figures need it
 
     prominence = 0.05 * np.ptp(x)
     if not prominence:
@@ -103,9 +103,9 @@ def turning_points(x: np.ndarray) -> np.ndarray:
 def swing_frequency(time_s: np.ndarray, x: np.ndarray) -> np.ndarray:
     """Return the frequency at which ``x`` swings, Hz, for every sample.
 
-    Half a cycle lies between two turns. The frequency is that of the half cycle in its middle, and
-    linear in time between the middles; of a chirp, this is its instantaneous frequency. With fewer
-    than two turns it is one over the duration.
+    Two successive turns are half a period apart, which gives the frequency midway between them;
+    it is interpolated linearly in time. For a chirp, this is the instantaneous frequency. With
+    fewer than two turns it is one over the duration.
     """
     turns = time_s[turning_points(x)]
     if len(turns) < 2:
@@ -116,9 +116,9 @@ def swing_frequency(time_s: np.ndarray, x: np.ndarray) -> np.ndarray:
 def repeat_cycle(
     time_s: np.ndarray, reference: np.ndarray, values: np.ndarray, until_s: float
 ) -> np.ndarray | None:
-    """Return ``values`` as if the last cycle of ``reference`` before ``until_s`` went on for ever.
+    """Return the last cycle of ``values`` before ``until_s``, repeated at all times ``time_s``.
 
-    None if ``reference`` turns less than three times before that.
+    A cycle is one period of ``reference``; None if that turns fewer than three times by then.
     """
     before = time_s < until_s
     turns = time_s[before][turning_points(reference[before])]

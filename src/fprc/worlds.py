@@ -1,7 +1,8 @@
-"""Read what was measured in a world of ``snakemake beyond``: one rig, or a set of rigs.
+"""Read the measurements of a world of ``snakemake beyond``; a world is one rig or a set of rigs.
 
-A world's file has ``name``, ``title``, ``source``, ``unit`` (seed or rig), ``cells`` (one per
-simulated build, with the errors of each model), ``capacity``, ``training_length`` and ``step_us``.
+A world's file has ``name``, ``source``, ``fitted`` (the terms that its rigs were fitted to),
+``unit`` (seed or rig), ``cells`` (one per simulated build, with the errors of each model),
+``capacity``, ``training_length`` and ``step_us``.
 """
 
 import math
@@ -12,13 +13,13 @@ import pandas as pd
 
 from fprc.paper import REFERENCES
 
-#: Measures of every model, as readers see them, with their units.
+#: Measures of every model, as readers see them, with their units; errors are RMSE.
 MEASURES = {
-    "train": "training RMSE [kPa]",
-    "forward": "test RMSE, forward [kPa]",
-    "reversed": "test RMSE, reversed [kPa]",
-    "open_loop": "tracking, open loop [deg]",
-    "closed_loop": "tracking, closed loop [deg]",
+    "train": "training [kPa]",
+    "forward": "forward test [kPa]",
+    "reversed": "reversed test [kPa]",
+    "open_loop": "open loop [deg]",
+    "closed_loop": "closed loop [deg]",
     "step_us": "one step [us]",
 }
 
@@ -36,7 +37,29 @@ SETS = {
 #: Two models are equivalent within this factor.
 EQUIVALENT_WITHIN = 1.05
 
-_WORDS = {"tuned": "tuned", "matched": "matched in training", "oracle": "chosen on the test log"}
+#: Title of each world, and what it is.
+WORLDS = {
+    "dry": ("dry", "the shipped rig: dry friction (Maxwell slip), fitted to the paper"),
+    "bouc_wen": (
+        "Bouc-Wen",
+        "the dry rig with another law of friction (Bouc-Wen), not fitted again",
+    ),
+    "viscous": (
+        "viscous",
+        "a rig with a viscous memory instead of dry friction, fitted to the paper",
+    ),
+    "posterior": ("posterior", "rigs that are compatible with the errors of Tables II and III"),
+    "drawn": ("drawn", "rigs that were drawn from the physical ranges, not fitted"),
+}
+
+#: Suffixes of settings that were chosen for a comparison: such a model is none to take.
+NO_OFFER = ("_oracle", "_matched")
+_WORDS = {"tuned": "tuned", "matched": "matched in training", "oracle": "oracle"}
+
+
+def world_title(name: str) -> str:
+    """Return a world's name for readers."""
+    return WORLDS[name][0] if name in WORLDS else name.replace("_", "-")
 
 
 def title_of(name: str, titles: Mapping[str, str]) -> str:
@@ -66,7 +89,7 @@ def measured(world: Mapping[str, Any]) -> pd.DataFrame:
         for cell in world["cells"]
         for model, report in cell.get("models", {}).items()
         for measure, value in _numbers(report)
-        if _good(value)
+        if _is_usable(value)
     ]
     return pd.DataFrame(rows, columns=["unit", "seed", "model", "measure", "value"])
 
@@ -77,7 +100,7 @@ def _numbers(report: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
         yield direction, (report.get(direction) or {}).get("test_rmse_kpa")
     for loop in ("open_loop", "closed_loop"):
         errors = report.get(f"{loop}_deg") or {}
-        values = [errors[reference] for reference in REFERENCES if _good(errors.get(reference))]
+        values = [errors[name] for name in REFERENCES if _is_usable(errors.get(name))]
         if len(values) == len(REFERENCES):
             yield loop, math.hypot(*values) / math.sqrt(len(values))
     for offset, value in (report.get("shifted") or {}).items():
@@ -86,7 +109,7 @@ def _numbers(report: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
         yield f"disturbed/{kind}", value
 
 
-def _good(value: Any) -> bool:
+def _is_usable(value: Any) -> bool:
     return isinstance(value, int | float) and math.isfinite(value) and value > 0
 
 

@@ -38,14 +38,14 @@ def read_yaml(path: Path | str) -> dict[Any, Any]:
 
     Unquoted words are numbers, booleans or null according to YAML's core schema:
     ``010`` is 10; ``1:30`` and ``no`` are text. Aliases, tags and merge keys are
-    refused: each value is written where it is used, and a small file cannot expand
-    to a huge one.
+    refused, so that each value stands where it is used and a small file cannot
+    expand to a huge one.
 
     Raises
     ------
     ConfigError
-        The file cannot be read, is not YAML, or has no keys and values; or lists,
-        with their lines, all duplicate keys and all other refused content.
+        The file cannot be read, is not YAML, or has no keys and values. Duplicate keys
+        and other refused content are all listed with their lines.
     """
     try:
         with open(path, "rb") as file:

@@ -12,7 +12,8 @@ from fprc.commands.parser import parser
 from fprc.config import Settings
 
 ROOT = Path(__file__).parents[2]
-PAGES = ["README.md", "CONTRIBUTING.md", "data/raw/README.md", *sorted(
+PAGES = ["README.md", "CONTRIBUTING.md", "data/raw/README.md",
+         "docs/decisions/0019-shipped-rig.md", *sorted(
     str(path.relative_to(ROOT)) for path in (ROOT / "docs").glob("*.md")
 )]  # fmt: skip
 PROGRAMS = "fprc|make|snakemake"

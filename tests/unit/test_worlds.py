@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from fprc.worlds import capacities, measured, title_of
+from fprc.worlds import capacities, measured, title_of, world_title
 
 CELL = {"unit": 3, "seed": 601, "rig": None}
 
@@ -56,6 +56,12 @@ def test_nonlinear_capacity_is_that_of_degree_two_and_above():
 def test_suffix_of_a_model_is_spelt_out():
     titles = {"esn": "ESN", "bank_p_o": "Low-passes and P_o"}
     assert title_of("esn_tuned", titles) == "ESN, tuned"
-    assert title_of("esn_oracle", titles) == "ESN, chosen on the test log"
+    assert title_of("esn_oracle", titles) == "ESN, oracle"
     assert title_of("bank_p_o", titles) == "Low-passes and P_o"
     assert title_of("my_own", titles) == "my own"
+
+
+def test_every_world_has_a_title_and_a_rig_of_ones_own_keeps_its_name():
+    assert [world_title(name) for name in ("bouc_wen", "drawn", "my_rig")] == [
+        "Bouc-Wen", "drawn", "my-rig",
+    ]  # fmt: skip

@@ -280,7 +280,7 @@ def calibrated(smoked, shared):
         # and a grid again, in chunks this time
         taps = "results/smoke/grids/taps.json"
         (folder / taps).unlink()
-        figures = [f"results/smoke/{name}.pdf" for name in ("rigs/front", "calibration/channels")]
+        files = ("rigs/front.pdf", "calibration/channels.pdf", "rigs/answer.md")
         made = copy.smoke(
             "ensemble",
             "posterior",
@@ -288,7 +288,7 @@ def calibrated(smoked, shared):
             "rigs",
             "beyond",
             "tuned",
-            *figures,
+            *(f"results/smoke/{name}" for name in files),
             taps,
             "--config",
             "grids={chunks: 3}",

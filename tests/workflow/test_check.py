@@ -18,7 +18,7 @@ def test_file_that_no_rule_makes_is_reported_and_nothing_else(smoked_copy):
         (results / name).write_text("x")
     # the verdicts of so small a run are not the paper's
     done = smoked_copy.smoke("check")
-    assert "verdicts are not those of config/verdicts.yaml" in done.stdout
+    assert "verdicts differ from config/verdicts.yaml" in done.stdout
     assert lines(done.stdout) == []
     (results / "tables/table9.md").write_text("x")
     (results / "grids/.taps.4194305.part.json").write_text("half")
@@ -26,7 +26,7 @@ def test_file_that_no_rule_makes_is_reported_and_nothing_else(smoked_copy):
     (results / "ensemble/rigs_1.json").write_text("of a chunk of another size")
     done = smoked_copy.smoke("check")
     assert done.returncode != 0
-    assert "3 files that no rule makes" in done.stdout
+    assert "files that no rule makes" in done.stdout
     assert sorted(lines(done.stdout)) == [
         "  results/smoke/ensemble/rigs_1.json",
         "  results/smoke/grids/.taps.4194305.part.json",

@@ -206,6 +206,9 @@ def test_rigs_stand_side_by_side(calibrated):
     table = pd.read_csv(calibrated[0].folder / "results/smoke/rigs/rigs.csv")
     assert set(table["rig"]) == {"dry", "viscous"}
     assert table.groupby("rig").size().tolist() == [26, 26]
+    answer = pd.read_csv(calibrated[0].folder / "results/smoke/rigs/answer.csv")
+    assert answer["Rigs"].tolist()[:2] == ["Rig dry", "Rig viscous"]
+    assert len(answer) == 4
 
 
 def test_worlds_beyond_the_paper_have_every_model_and_a_verdict_on_each_claim(calibrated):

@@ -53,7 +53,7 @@ def build(root: Path, tools: str, configfiles: Sequence[str] = ()) -> None:
     Raises
     ------
     FprcError
-        Lists what forbids the release; or a tool ended with an error: its words.
+        Lists what forbids the release, or quotes a tool that failed.
     """
     version = version_of(root)
     target = root / "dist" / version

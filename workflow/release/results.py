@@ -10,7 +10,7 @@ from fprc.artifacts import read_json
 from fprc.errors import FprcError
 from fprc.provenance import sha256
 
-#: What makes a JSON file a sidecar.
+#: Keys by which a JSON file is recognised as a sidecar.
 _SIDECAR = {"commit", "dirty", "config_sha256", "versions", "inputs", "outputs"}
 
 
@@ -20,7 +20,7 @@ def built(root: Path, configfiles: Sequence[str]) -> tuple[list[str], list[str]]
     Raises
     ------
     FprcError
-        Snakemake ended with an error: its words.
+        Quotes Snakemake if it failed.
     """
     command = [sys.executable, "-m", "snakemake", "--cores", "1", "--nolock", "--summary"]
     chosen = ["--configfile", *configfiles] if configfiles else []

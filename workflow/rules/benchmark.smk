@@ -33,7 +33,7 @@ rule measure_benchmark:
         rounds=9,
         seed=SETTINGS["seed"],
     message:
-        "Speed compared with other libraries; runs alone"
+        "Speed compared with other libraries (no other job runs meanwhile)"
     script:
         "../scripts/stage.py"
 

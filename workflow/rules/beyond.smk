@@ -4,16 +4,10 @@ BEYOND = SETTINGS["beyond"]
 #: Rigs of the posterior, and settings of the tuned models; both were made by this workflow.
 POSTERIOR_RIGS = own("../../config/rigs/posterior.json")
 TUNED = own("../../config/tuned.yaml")
-#: Worlds: the rig of the configuration, each other one that can be named, and two sets of rigs.
+#: Worlds: the rig of the configuration, every other named rig, and two sets of rigs.
 OWN_WORLD = SETTINGS["fitted"]["name"]
-SETS_OF_RIGS = {
-    "posterior": "rigs compatible with Tables II and III",
-    "drawn": "rigs drawn from the physical ranges",
-}
-TITLES = {
-    name: f"the {name.replace('_', '-')} rig" for name in (OWN_WORLD, *OTHER_RIGS)
-} | SETS_OF_RIGS
-WORLDS = list(TITLES)
+SETS_OF_RIGS = ("posterior", "drawn")
+WORLDS = [OWN_WORLD, *OTHER_RIGS, *SETS_OF_RIGS]
 FIGURES_BEYOND = ("pairs", "tracking", "offsets", "capacities")
 CONTEST = {
     "models": paper_models(SETTINGS),
@@ -75,7 +69,7 @@ rule tune_world:
         workers=workers_of_units,
         checkpoint=placed(PATHS.below("beyond/tuning_{world}.partial.jsonl")),
     message:
-        "Beyond the paper: settings of the competitors, world {wildcards.world}"
+        "Beyond the paper: tuning of the competitors, world {wildcards.world}"
     script:
         "../scripts/stage.py"
 
@@ -90,7 +84,7 @@ rule join_tuned:
     params:
         **stage("beyond.join_tuned"),
     message:
-        "Beyond the paper: settings of the competitors"
+        "Beyond the paper: settings of the tuned competitors"
     script:
         "../scripts/stage.py"
 
@@ -205,9 +199,9 @@ rule draw_pairs:
         PATHS.messages("draw_pairs"),
     params:
         **stage("show_beyond.draw_pairs"),
-        worlds=TITLES,
+        worlds=WORLDS,
     message:
-        "Beyond the paper: ratios of the pairs, figure"
+        "Beyond the paper: error ratios of pairs of models, figure"
     script:
         "../scripts/stage.py"
 
@@ -223,7 +217,7 @@ rule draw_tracking:
         **stage("show_beyond.draw_tracking"),
         world=OWN_WORLD,
     message:
-        "Beyond the paper: errors against tracking, figure"
+        "Beyond the paper: tracking errors against test errors, figure"
     script:
         "../scripts/stage.py"
 

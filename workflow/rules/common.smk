@@ -4,7 +4,7 @@ PATHS = PLAN.paths
 GAINS = PATHS.below("control/gains.json")
 
 #: Priorities: LONG starts long jobs early; ALONE is for jobs that need the whole machine. The
-#: scheduler sums the priorities of jobs that start together: ALONE outweighs LONG on every core.
+#: scheduler sums the priorities of jobs that start together, so ALONE exceeds LONG on every core.
 LONG, ALONE = 1, workflow.cores + 1
 
 
@@ -39,7 +39,7 @@ def stage(name, *models, key="code"):
 
 def workers_for(cells):
     """Return the number of processes of a grid; starting one takes as long as 20 cells."""
-    # leave half of the cores to other jobs, unless --max-threads says what a job may have
+    # leave half of the cores to other jobs, unless --max-threads limits each job
     limit = workflow.resource_settings.max_threads or workflow.cores // 2
     return max(1, min(limit, cells // 20))
 
@@ -125,7 +125,6 @@ def world_named(name):
     rig, fitted = file["rig"], file["fitted"]["to"]
     return {
         "name": name,
-        "title": TITLES[name],
         "rigs": name if name in SETS_OF_RIGS else "one",
         "every_model": name == OWN_WORLD or name in RIGS["rigs"],
         "first_seed": BEYOND["first_seed"],

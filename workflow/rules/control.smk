@@ -17,7 +17,7 @@ if PLAN.on_simulated_rig:
             **stage("track.identify_gain", "fprc"),
             tracking=tracking(SETTINGS, "disturbance", "printed_gains", "candidate_kp_kpa_per_deg"),
         message:
-            "P gain with the least error on a reference outside Table IV"
+            "Identification of the P gain on a reference outside Table IV"
         script:
             "../scripts/stage.py"
 
@@ -59,7 +59,7 @@ elif PLAN.records:
             **stage("track.identify_gain_from_logs"),
             tracking=pick(SETTINGS["tracking"], "printed_gains"),
         message:
-            "P gain with the least error in the logs of the candidates"
+            "Identification of the P gain from the logs of the candidates"
         script:
             "../scripts/stage.py"
 
@@ -75,6 +75,6 @@ else:
         params:
             **stage("track.read_gains"),
         message:
-            "Gains given in the closed-loop logs"
+            "PD gains stated in the closed-loop logs"
         script:
             "../scripts/stage.py"

@@ -16,8 +16,8 @@ MEMBER_FILES = [PATHS.below(f"posterior/rigs_{first}.json") for first in MEMBERS
 SETS = {
     "ensemble": ("rigs that were drawn from the physical ranges, not fitted", []),
     "posterior": (
-        "rigs that are compatible with the training and test errors of Tables II and III; the "
-        "other claims were not asked of them",
+        "rigs that are compatible with the training and test errors of Tables II and III, not "
+        "fitted to the other claims",
         ["tables"],
     ),
 }

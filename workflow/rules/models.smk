@@ -70,7 +70,7 @@ rule measure_times:
         repeats=SETTINGS["evaluation"]["timing_repeats"],
         seed=SETTINGS["seed"],
     message:
-        "Execution times, and the cost of a control step; runs alone"
+        "Execution times, and the cost of a control step (no other job runs meanwhile)"
     script:
         "../scripts/stage.py"
 
@@ -183,7 +183,7 @@ rule measure_times_over_n_c:
         repeats=SETTINGS["evaluation"]["timing_repeats"],
         seed=SETTINGS["seed"],
     message:
-        "Execution times over n_c; runs alone"
+        "Execution times over n_c (no other job runs meanwhile)"
     script:
         "../scripts/stage.py"
 

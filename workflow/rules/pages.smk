@@ -32,6 +32,7 @@ rule calibration_page:
         seeds=[path.replace(".md", ".csv") for path in PLAN.seeds_tables[:2]],
         pages=[
             PLAN.seeds_tables[2],
+            PATHS.below("rigs/answer.md"),
             PATHS.below("rigs/rigs.md"),
             PATHS.below("rigs/searches.md"),
             PATHS.below("ensemble/claims.md"),
@@ -68,7 +69,7 @@ rule calibration_page:
         ],
         rig=SETTINGS["rig"],
     message:
-        "docs/calibration.md: numbers and picture from the results"
+        "docs/calibration.md: numbers and pictures from the results"
     script:
         "../scripts/stage.py"
 

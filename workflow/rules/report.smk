@@ -47,7 +47,7 @@ rule report_page:
     params:
         **stage("report.write_report"),
         settings=SETTINGS,
-        # no inputs: these take minutes, so that no build makes them for the report
+        # params, not inputs: a build must not spend minutes on these for the sake of the report
         drawn=lambda wildcards: on_drawn_rigs(PATHS.below("ensemble/claims.csv")),
         beyond=lambda wildcards: beyond_paper(PATHS.below("beyond/claims.json")),
     message:

@@ -1,6 +1,6 @@
 # Simulated rigs side by side: those that can be named, and the end points of searches.
 
-#: Where the end points of searches are.
+#: Folder of the end points of searches.
 SEARCHES = Path("config/rigs/searches")
 #: Rigs that can be named, beside that of the configuration.
 OTHER_RIGS = {
@@ -68,6 +68,22 @@ rule rigs_table:
         "../scripts/stage.py"
 
 
+rule answer_table:
+    input:
+        rigs=PATHS.below("rigs/rigs.md"),
+        sets=[PATHS.below("posterior/summary.json"), PATHS.below("ensemble/summary.json")],
+    output:
+        **PATHS.table("rigs/answer"),
+    log:
+        PATHS.messages("answer_table"),
+    params:
+        **stage("rigs.tabulate_answer"),
+    message:
+        "Worth of the reservoir on all rigs"
+    script:
+        "../scripts/stage.py"
+
+
 rule front_figure:
     input:
         fits=[
@@ -85,7 +101,7 @@ rule front_figure:
     params:
         **stage("draw_ensemble.draw_front"),
     message:
-        "Searches: tables against claims"
+        "Searches: trade-off between tables and claims"
     script:
         "../scripts/stage.py"
 

@@ -20,7 +20,7 @@ rule measure_scale:
         chunk=ENSEMBLE["chunk"],
         seed=SETTINGS["seed"],
     message:
-        "Cost of a rig, a grid cell, a closed-loop second and a plan; runs alone, some minutes"
+        "Cost of a rig, a grid cell, a closed-loop second and a plan; takes some minutes"
     script:
         "../scripts/stage.py"
 

@@ -14,7 +14,7 @@ rule configuration_table:
         **stage("tabulate.tabulate_configuration"),
         models=SETTINGS["models"],
     message:
-        "Table I"
+        "Table I: settings of the models"
     script:
         "../scripts/stage.py"
 
@@ -33,7 +33,7 @@ rule comparison_table:
         **stage("tabulate.tabulate_comparison"),
         left_out=PLAN.left_out,
     message:
-        "Table {wildcards.number}"
+        "Errors of the models: table{wildcards.number}"
     script:
         "../scripts/stage.py"
 
@@ -50,7 +50,7 @@ rule seeds_table:
         **stage("tabulate.tabulate_seeds"),
         trained_on=lambda wildcards: TRAINED_ON[wildcards.number],
     message:
-        "Table {wildcards.number} over further seeds"
+        "Errors of the models over further seeds: table{wildcards.number}_seeds"
     script:
         "../scripts/stage.py"
 
@@ -101,7 +101,7 @@ rule tracking_table:
         left_out=[run for run in PLAN.every_run if run not in PLAN.contents],
         limits=SETTINGS["quality"],
     message:
-        "Table 4"
+        "Table IV: errors of the closed-loop runs"
     script:
         "../scripts/stage.py"
 
@@ -117,7 +117,7 @@ rule tracking_seeds_table:
     params:
         **stage("tabulate.tabulate_tracking_seeds"),
     message:
-        "Table 4 over further seeds"
+        "Table IV over further seeds"
     script:
         "../scripts/stage.py"
 

@@ -18,11 +18,11 @@ log = logging.getLogger("fprc.rig")
 TEST_KPA = 60.0
 #: Rise time of the setpoint, s; a step would make the pressure exceed its jump limit.
 RISE_S = 0.5
-#: Setpoint that vents fully; the PI integral is frozen while the output is clamped.
+#: Setpoint that vents fully, kPa; it clamps the voltage, and so freezes the PI loop's integral.
 VENT = -1e3
-#: Pressure limit during the check: with swapped hoses the loop fills a chamber it does not measure.
+#: Pressure limit, kPa: with swapped hoses, a loop fills a chamber whose pressure it does not read.
 HIGHEST_KPA = 3.0 * TEST_KPA
-#: Phases: name, setpoints of actuator and PAM A in kPa, duration in s. At rest, valves stay vented.
+#: Name, setpoints of actuator and PAM A in kPa, duration in s.
 Phase = tuple[str, float, float, float]
 PHASES: tuple[Phase, ...] = (
     ("rest", VENT, VENT, 1.0),
@@ -31,9 +31,9 @@ PHASES: tuple[Phase, ...] = (
     ("PAM A filled", VENT, TEST_KPA, 2.0),
     ("PAM A vented", VENT, VENT, 2.0),
 )
-#: Least change of pressure in a chamber that was filled, and largest in one that was not.
-_MOVED_KPA = 0.5 * TEST_KPA
-_STILL_KPA = 0.2 * TEST_KPA
+#: Least pressure rise of a chamber that is filled, and most of one that is not, kPa.
+_FILLED_KPA = 0.5 * TEST_KPA
+_UNFILLED_KPA = 0.2 * TEST_KPA
 _SENSORS = ("p_exp_kpa", "p_i_kpa", "p_o_kpa", "theta_deg", "phi_deg")
 
 
@@ -52,7 +52,7 @@ def check_rig(settings: Mapping[str, Any], armed: bool, stop: Callable[[], str])
     phases = PHASES if armed else PHASES[:1]
     ends = np.cumsum([round(seconds / period_s) for *_, seconds in phases])
     channels, timing, trouble = _read_at_rest(hardware, period_s, int(ends[0]), stop)
-    if armed and not trouble:  # never fill a rig that may not vent
+    if armed and not trouble:  # a rig that may not vent must not be filled
         setpoints = _setpoints(phases[1:], ends - ends[0], period_s).tolist()
         pressure_loops = loops(control, hardware["valves"]["neutral_v"])
         moved, timing, trouble = _fill_and_vent(hardware, period_s, setpoints, pressure_loops, stop)
@@ -76,7 +76,7 @@ def check_rig(settings: Mapping[str, Any], armed: bool, stop: Callable[[], str])
 def _read_at_rest(
     hardware: Mapping[str, Any], period_s: float, samples: int, stop: Callable[[], str]
 ) -> tuple[dict[str, np.ndarray], dict[str, float], list[str]]:
-    """Return the readings at rest, the lateness of the loop, and errors of closing the rig."""
+    """Return the readings at rest, the statistics of the clock, and errors of closing the rig."""
     readings: list[Readings] = []
     timing, trouble = {}, []
     try:
@@ -102,7 +102,7 @@ def _fill_and_vent(
     pressure_loops: Mapping[str, Any],
     stop: Callable[[], str],
 ) -> tuple[dict[str, np.ndarray], dict[str, float], list[str]]:
-    """Follow setpoints; return the channels, the lateness of the loop, and the errors."""
+    """Follow setpoints; return the channels, the statistics of the clock, and the errors."""
     timing, trouble = {}, []
 
     def law(k: int, now: Readings) -> list[float]:
@@ -154,7 +154,7 @@ def describe(
     channels : Mapping
         Channels of the run; shorter than the phases if it was stopped.
     ends_s : ndarray
-        End of each phase.
+        End of each phase, s.
     """
     time_s = channels["time_s"]
     begins_s = np.concatenate([[0.0], ends_s[:-1]])
@@ -165,7 +165,7 @@ def describe(
         within = time_s[(time_s >= begin_s) & (time_s < end_s)]
         if not within.size:
             break
-        # only the second half of the phase, when the chamber has settled
+        # the second half of the phase, in which the chamber has settled
         judged = (time_s >= 0.5 * (begin_s + within[-1])) & (time_s <= within[-1])
         values = {name: channels[name][judged] for name in sensors}
         settled[phase] = {name: float(v.mean()) for name, v in values.items()}
@@ -205,24 +205,24 @@ def _problems_of_filling(settled: Mapping[str, Mapping[str, float]]) -> list[str
         filled, vented = settled.get(f"{chamber} filled"), settled.get(f"{chamber} vented")
         if filled is None:
             continue
-        if filled[own] - before[own] < _MOVED_KPA:
-            crossed = filled[other] - before[other] > _STILL_KPA
+        if filled[own] - before[own] < _FILLED_KPA:
+            crossed = filled[other] - before[other] > _UNFILLED_KPA
             problems.append(
                 f"{chamber}: setpoint {TEST_KPA:g} kPa, but {own} = {filled[own]:.1f}; "
                 + (f"{other} rose instead: hoses, channels or {output} are swapped" if crossed
                    else f"check supply, valve and hardware.boards.{output}")
             )  # fmt: skip
-        elif abs(filled[other] - before[other]) > _STILL_KPA:
+        elif abs(filled[other] - before[other]) > _UNFILLED_KPA:
             problems.append(
                 f"{chamber} filled, but {other} moved to {filled[other]:.1f} kPa; check the hoses"
             )
-        if vented is not None and vented[own] > _STILL_KPA:
+        if vented is not None and vented[own] > _UNFILLED_KPA:
             problems.append(
                 f"{chamber} vented, but {own} is still {vented[own]:.1f} kPa; check the valve "
                 "and its exhaust"
             )
     filled = settled.get("actuator filled", {})
-    bent = filled and filled["p_exp_kpa"] - before["p_exp_kpa"] >= _MOVED_KPA
+    bent = filled and filled["p_exp_kpa"] - before["p_exp_kpa"] >= _FILLED_KPA
     if bent and filled["theta_deg"] - before["theta_deg"] < 1.0:
         problems.append(
             f"the actuator was filled, but theta_deg went from {before['theta_deg']:.1f} to "

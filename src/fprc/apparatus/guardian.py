@@ -2,7 +2,7 @@
 
 A killed process cannot close a valve. The rig is therefore driven by a child process, the loop,
 and this process, the guardian, watches it. Each sends signs of life to the other, and vents when
-the other's signs of life stop.
+those of the other stop.
 """
 
 import json
@@ -25,11 +25,11 @@ from fprc.errors import ControlError
 
 log = logging.getLogger("fprc.rig")
 
-#: Signs of the loop: the rig may move, the loop is alive, the rig is safe and released.
+#: Signs that the loop sends: the rig may move, the loop is alive, the rig is safe and released.
 HOT, ALIVE, SAFE = b"H", b".", b"S"
 #: Time between two signs of life of the guardian, s.
 BEAT_S = 0.05
-#: Time between two attempts to vent, between two messages about them, and between two polls of
+#: Times between two attempts to vent, between two messages about them, and between two checks of
 #: their outcome, s.
 _RETRY_S, _MESSAGE_S, _POLL_S = 0.1, 1.0, 0.02
 #: Number of stop signals after which the guardian kills the loop and vents.
@@ -75,7 +75,7 @@ def _guard(request: Mapping[str, Any], hardware: Mapping[str, Any], locks: Seque
         end = _watch(signs, _beating(process), hardware["loop"]["stalled_s"])
         if end == "silent":
             process.kill()
-        # do not wait for the process first: until this vents, the valves hold their voltages
+        # vent before waiting for the end of the process: until then the valves hold their voltages
         vented = "" if end == "safe" else _vent(hardware, received)
         code = _wait(process, received)
         if code is None:
@@ -84,7 +84,7 @@ def _guard(request: Mapping[str, Any], hardware: Mapping[str, Any], locks: Seque
                 "VALVE. Cut the supply and open the chambers by hand, then restart the computer"
             )
         if end == "silent":
-            # again: the killed process's last driver call may have completed after ours
+            # again: the last driver call of the killed process may have come after the venting
             vented = _vent(hardware, received)
     if end != "safe":
         how = "stopped responding and was killed" if end == "silent" else f"ended with code {code}"
@@ -125,9 +125,9 @@ def _beating(process: _Process) -> Callable[[], None]:
 def _watch(signs: queue.SimpleQueue[bytes], beat: Callable[[], None], stalled_s: float) -> str:
     """Wait for the end of the process; return ``safe``, ``gone`` or ``silent``.
 
-    Silence counts only between ``HOT`` and ``SAFE``, when something may move. It is counted in
-    timeouts rather than by a clock, so that a guardian that was itself suspended first reads the
-    signs that arrived meanwhile.
+    Silence counts only between ``HOT`` and ``SAFE``, while something may move. It is counted in
+    timeouts, not by a clock: a guardian that was itself suspended thus reads the signs that
+    arrived meanwhile before it judges.
     """
     hot, silent = False, 0
     while True:
@@ -148,8 +148,8 @@ def _watch(signs: queue.SimpleQueue[bytes], beat: Callable[[], None], stalled_s:
 def _vent(hardware: Mapping[str, Any], received: Sequence[int]) -> str:
     """Vent until the sensors confirm it or the user gives up; return the outcome as text.
 
-    A driver call may never return, and writing to a blocked terminal may block: one thread
-    makes the attempts and prints nothing, this one prints the state every second.
+    A driver call may never return, and printing may block. Another thread therefore makes the
+    attempts and prints nothing; this one prints the state every second.
     """
     before, began_s = received.count(signal.SIGINT), time.monotonic()
     attempts = _Attempts(hardware)
@@ -230,7 +230,7 @@ def _wait(process: _Process, received: Sequence[int]) -> int | None:
 
 @contextmanager
 def _forwarding_signals(process: _Process) -> Iterator[list[int]]:
-    """Stop the process when this one receives a stop signal; yield the signals received."""
+    """Forward stop signals to the process, the third as a kill; yield the signals received."""
     received: list[int] = []
 
     def forward(number: int, frame: Any) -> None:

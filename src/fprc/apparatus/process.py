@@ -1,9 +1,8 @@
 """The process that drives a real rig; started and supervised by ``fprc.apparatus.guardian``.
 
-It reads a request, one line of JSON, from standard input, then the guardian's signs of life; it
-stops when these cease or the input is closed. On standard output it sends ``HOT`` before
-anything can move, then signs of life, and ``SAFE`` once readings show that the rig is vented
-and it is released.
+From standard input it reads a request, one line of JSON, and then the guardian's signs of life; it
+stops when these cease or the input is closed. To standard output it writes ``HOT`` before anything
+can move, then signs of life, and ``SAFE`` once the rig is released and readings show it vented.
 """
 
 import json
@@ -65,8 +64,8 @@ def record(
 ) -> None:
     """Run an experiment on the real rig and write its raw log, read-only.
 
-    During the run the samples go into a journal beside the log, named after the
-    log and the time. The journal is kept.
+    The run writes its samples to a journal beside the log, named after the log and the time,
+    which is kept.
 
     Raises
     ------
@@ -110,7 +109,7 @@ def _drive(
     journal: Journal,
     stop: Callable[[], str],
 ) -> tuple[RunAbortedError | None, bool, dict[str, float]]:
-    """Run the experiment; return what stopped it, whether the rig is vented, and clock statistics.
+    """Return what stopped the run, whether the rig is vented, and the statistics of the clock.
 
     Raises
     ------

@@ -5,9 +5,9 @@ from typing import Any, NamedTuple
 
 from fprc import __version__
 from fprc.artifacts import read_json
-from fprc.control import TRACKING_CHANNELS, Law, hysteresis_law
+from fprc.control import Law, hysteresis_law
 from fprc.errors import ConfigError
-from fprc.logs import RAW_CHANNELS
+from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS
 from fprc.paper import EXPERIMENTS, controller_and_gain, reference_and_controller, run_log
 from fprc.registry import controllers, model_of_run, outside_class
 from fprc.signals import pressure_command
@@ -16,7 +16,7 @@ _IDENTIFY = "identify_"
 
 
 class Experiment(NamedTuple):
-    """Experiment on the rig, with channels and attributes of its log."""
+    """Experiment on the real rig, and the channels and attributes of its log."""
 
     law: Law  #: see ``fprc.control.run``
     samples: int
@@ -26,7 +26,7 @@ class Experiment(NamedTuple):
 
 
 def names(settings: Mapping[str, Any]) -> list[str]:
-    """Return the names of the paper's experiments in the order of their runs."""
+    """Return the names of the experiments in the order in which they are run."""
     tracking = settings["tracking"]
     return [
         *EXPERIMENTS,
@@ -47,19 +47,19 @@ def refuse_unknown(name: str, settings: Mapping[str, Any]) -> None:
 
 
 def plan(name: str, settings: Mapping[str, Any], model: str = "", gains: str = "") -> Experiment:
-    """Return an experiment, after checking it.
+    """Return the experiment of that name.
 
     Parameters
     ----------
     settings : Mapping
         The whole configuration.
     model, gains : str
-        Files of the fitted FPRC and of the gains, for the closed loop.
+        Files of the fitted model and of the gains, for a closed-loop run.
 
     Raises
     ------
     ConfigError
-        There is no such experiment.
+        There is no such experiment, or the gains cannot be read.
     ControlError
         The reference is impossible.
     """
@@ -70,7 +70,7 @@ def plan(name: str, settings: Mapping[str, Any], model: str = "", gains: str = "
 
 
 def _tracking(name: str, settings: Mapping[str, Any], model: str, gains: str) -> Experiment:
-    # the loop and its guardian start a second sooner without scikit-learn
+    # imported here because they take a second, for which the other experiments need not wait
     from fprc.experiments.tracking import Track, candidate
     from fprc.models import load_model
 

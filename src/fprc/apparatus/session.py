@@ -76,25 +76,25 @@ def _closing(opened: HardwareRig) -> Iterator[None]:
 
 
 def _wait(seconds: float) -> None:
-    """Sleep while the rig is opened or vented, after a sign of life."""
+    """Send a sign of life, then sleep."""
     sign(ALIVE)
     time.sleep(seconds)
 
 
 def loops(control: Mapping[str, Any], neutral_v: float) -> dict[str, PressurePI]:
-    """Return both pressure loops as ``fprc.control.run`` takes them."""
+    """Return both pressure loops as keyword arguments of ``fprc.control.run``."""
     period_s = 1.0 / control["sample_rate_hz"]
     return {
         name: PressurePI(**control[name], period_s=period_s, neutral_v=neutral_v) for name in _LOOPS
     }
 
 
-#: File descriptors for signs to the guardian, and for its signs of life.
+#: File descriptors of the signs to the guardian, and of those from it.
 _pipes = {"out": 1, "in": 0}
 
 
 def keep_signs_apart() -> None:
-    """Reserve the guardian's pipes for signs; output that libraries print goes to stderr."""
+    """Reserve the guardian's pipes for signs, and send what libraries print to stderr."""
     _pipes.update(out=os.dup(1), **{"in": os.dup(0)})
     os.dup2(2, 1)
     with open(os.devnull, "rb") as nothing:
@@ -141,7 +141,7 @@ class Stop:
     Parameters
     ----------
     stalled_s : float
-        Longest time between signs of life of the guardian, which come on standard input.
+        Longest time between signs of life from the guardian, s.
     monotonic, boottime : callable
         Clocks in s, the first without and the second with the time spent suspended.
     """
@@ -165,7 +165,7 @@ class Stop:
     def __call__(self) -> str:
         """Return the reason; empty if there is none."""
         if not self._reason:
-            # boottime first: a delay between the two calls then cannot look like a suspension
+            # boottime first: a delay before the second call cannot look like a suspension
             boottime_s, now_s = self._boottime(), self._monotonic()
             suspended_s = boottime_s - now_s - self._suspended_s
             silent_s = now_s - self._sign_s

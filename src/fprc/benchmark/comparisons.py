@@ -1,4 +1,4 @@
-"""Speed compared with the libraries that a user would otherwise pick."""
+"""Speed compared with the libraries that a user would otherwise use."""
 
 import itertools
 import logging
@@ -39,7 +39,7 @@ class Comparison(NamedTuple):
 
 
 def compare(comparison: Comparison, rounds: int) -> dict[str, Any]:
-    """Time both sides alternately if their results agree; else give no times."""
+    """Time both sides alternately, in s; if their results disagree, give no times."""
     work, against, _, ours, theirs, difference_of, limit, _ = comparison
     difference = float(difference_of(ours(), theirs()))
     agrees = difference <= limit

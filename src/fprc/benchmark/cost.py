@@ -1,6 +1,6 @@
 """Processor time of a rig, a cell of a grid, a closed-loop second and a job.
 
-Processor time hardly depends on other programs on the machine.
+Unlike wall time, processor time hardly depends on what else the machine runs.
 """
 
 import json

@@ -31,7 +31,7 @@ def growth(
     rounds: int,
     seed: int,
 ) -> list[dict[str, Any]]:
-    """Return seconds and peak memory of each piece of work over its size."""
+    """Return seconds and peak memory in MB of each piece of work over its size."""
     X, y = data[0].pair("fprc")
     rows = build("fprc", models, seed).make_features().fit(X).transform(X)
     theta = X[: 2 * LANES * SHORTEST, :1]
@@ -51,7 +51,7 @@ def growth(
         return lambda: fuzzy_c_means(part, clusters, random_state=seed)
 
     def cells(count: int, workers: int = 1) -> Callable[[], object]:
-        # alpha does not matter: it only makes the cells different, and each takes the same time
+        # cells must differ; alpha does not change the time that one takes
         planned = [{"model": "fprc", "alpha": 1e-3 + 1e-9 * cell} for cell in range(count)]
         return lambda: _judged(judge, planned, workers)
 

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from fprc.errors import FprcError
 from fprc.evaluation.folds import Fold
+from fprc.evaluation.metrics import rmse
 from fprc.models import FPRC, EchoStates, RidgeReadout, TakagiSugenoReadout, taps
 from fprc.models.ridge import ridge_weights, with_bias
 
@@ -130,6 +131,5 @@ def recomputed_folds(
     for train, validation in folds:
         rows = np.hstack([taps(X[:, 0], features.n_y), numpy_states(features, X)])
         readout = RidgeReadout(alpha).fit(rows[train], y[train])
-        residual = y[validation] - readout.predict(rows[validation])
-        errors.append(float(np.sqrt(np.mean(residual**2))))
+        errors.append(rmse(y[validation], readout.predict(rows[validation])))
     return errors

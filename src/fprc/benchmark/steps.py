@@ -16,7 +16,7 @@ from fprc.experiments.tracking import Track
 from fprc.models.echo import aligned
 from fprc.registry import build
 
-#: Module that jobs of each kind import.
+#: Module that a job of each kind imports.
 _JOBS = {
     "fits models": "fprc.stages.judge",
     "runs the rig": "fprc.stages.track",

@@ -1,1 +1,1 @@
-"""Fit the simulated rig to the paper, and judge the claims on an ensemble of random rigs."""
+"""Fit the simulated rig to the paper, and test the claims on an ensemble of random rigs."""

@@ -21,7 +21,7 @@ from fprc.registry import controllers
 
 _MOST_DRAWS = 2000
 
-#: Marks the random stream of the rigs' parameters.
+#: Second seed of the random numbers that draw the rigs' parameters.
 _PARAMETERS = 20241
 
 
@@ -34,7 +34,7 @@ def judge_rig(
     tracking: Mapping[str, Any],
     judgement: Mapping[str, Any],
 ) -> dict[str, Any]:
-    """Return parameters, errors and measures of one rig, or the error that ended its judgement.
+    """Draw the rig with the number ``cell["rig"]`` and judge it; see ``judge_drawn``.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def judge_drawn(
 
     Where an error ended the judgement, that is ``failed`` instead of the last two.
     """
-    described = {
+    judged = {
         "seed": seed,
         "parameters": dict(
             zip((p.path for p in free), encode(drawn.rig, free).tolist(), strict=True)
@@ -70,8 +70,8 @@ def judge_drawn(
         compared, models = compare_models(data, how)
         measured = measure_control(data["sweep"], bench, models, controllers(how.models))
     except FprcError as error:
-        return described | {"failed": str(error)}
-    return described | {"compared": compared, "measured": measured}
+        return judged | {"failed": str(error)}
+    return judged | {"compared": compared, "measured": measured}
 
 
 def draw_rig(
@@ -90,8 +90,13 @@ def draw_rig(
     RigSettings, ndarray, int
         ``on_rig`` with the drawn rig, its parameters as shares of their ranges, and the number of
         draws.
+
+    Raises
+    ------
+    EvaluationError
+        None of 2000 rigs is plausible.
     """
-    # a stream of its own: default_rng(seed) is also that of the sensors' errors
+    # a second seed: default_rng(seed) alone also draws the sensors' errors
     rng = np.random.default_rng([seed, _PARAMETERS])
     sweep = {"sweep": on_rig.signals["sweep"]}
     for draws in range(1, _MOST_DRAWS + 1):
@@ -127,7 +132,10 @@ def judge_moved(
     on_rig: RigSettings,
     models: Mapping[str, Any],
 ) -> dict[str, Any]:
-    """Return the surrogate's errors, means over seeds, on a rig with one parameter moved."""
+    """Return the surrogate's errors, means over seeds, on a rig with one parameter changed.
+
+    ``cell`` holds its ``path``, None for no change, and its value as a ``share`` of its range.
+    """
     moved = on_rig.rig
     if cell["path"] is not None:
         moved = decode(np.array([cell["share"]]), moved, free_parameters([cell["path"]]))

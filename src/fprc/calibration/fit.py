@@ -18,7 +18,7 @@ from fprc.calibration.search import search
 from fprc.calibration.space import Free, decode, encode
 from fprc.calibration.surrogate import judge_cheaply
 from fprc.config.free import free_ranges
-from fprc.config.rig import Rig
+from fprc.config.rig import Rig, stiffest_squeeze
 from fprc.errors import ConfigError, FprcError
 from fprc.experiments.comparison import judge_directions
 from fprc.experiments.hysteresis import simulate
@@ -28,13 +28,13 @@ from fprc.provenance import hash_of
 
 log = logging.getLogger(__name__)
 
-#: Measures that each term of the objective needs; the others need the errors and properties only.
+#: Measure that a term of the objective needs besides errors and properties.
 _NEEDS = {
     "C8": "shares", "C9a": "epsilon", "C9b": "n_c", "C11": "n_c", "C12": "taps",
     "open_loop": "open_loop",
 }  # fmt: skip
 
-#: Measures of grids, which take as long as all others and vary little between seeds.
+#: Measures over grids, which take as long as all others together and vary little between seeds.
 _GRIDS = ("epsilon", "n_c", "taps")
 
 
@@ -52,9 +52,9 @@ def fit_rig(
 ) -> tuple[Mapping[str, Any], dict[str, Any]]:
     """Fit the free parameters, starting at the rig of ``on_rig``.
 
-    The search uses a cheap surrogate of the models. Its errors are multiplied
-    by the ratio of the full models' errors to its own on the starting rig. At
-    the end the full models judge the fitted rig on the seeds of the objective.
+    The search uses cheap surrogates of the models. Their errors are multiplied by the ratio of the
+    full models' errors to their own on the starting rig. At the end the full models judge the
+    fitted rig on the seeds of the objective.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def fit_rig(
         checkpoint=checkpoint,
         key=hashlib.sha256(json.dumps(depends_on, sort_keys=True).encode()).hexdigest(),
         seconds=60.0 * calibration["minutes"],
-        progress=_report_progress,
+        progress=partial(log.info, "generation %d of %d, least loss %.4f, %.0f s"),
     )
     best = replace(on_rig, rig=resolved(decode(result.point, on_rig.rig, free)))
     log.info("judging the fitted rig with the full models, on the seeds of the objective")
@@ -126,14 +126,14 @@ def fit_rig(
 
 
 class Objective(NamedTuple):
-    """Deviations from an aim, of what the surrogate measures."""
+    """Deviations of the surrogate's measures from an aim."""
 
     aim: Aim
     ratios: Mapping[str, float]  #: of the full models' errors to the surrogate's, on one rig
-    like: Sequence[Mapping[str, Any]]  #: measures of one rig: their structure
+    like: Sequence[Mapping[str, Any]]  #: measures of any rig, for their structure
 
     def judged(self, logs: Sequence[float]) -> Sequence[Mapping[str, Any]]:
-        """Return the measures whose logarithms are given."""
+        """Return measures, given their logarithms."""
         return judged_of(logs, self.like)
 
     def terms(self, judged: Sequence[Mapping[str, Any]]) -> dict[str, np.ndarray]:
@@ -157,13 +157,13 @@ class Objective(NamedTuple):
 
 
 def front_of(judged_logs: Sequence[np.ndarray], objective: Objective) -> list[dict[str, float]]:
-    """Return the judged rigs that no other one beats both in the tables and in the claims.
+    """Return the losses of the rigs that no other one beats both in the tables and in the claims.
 
     Returns
     -------
     list of dict
-        ``tables`` and ``claims``: losses of the errors of Tables II and III, and of orders and
-        claims, the first rising.
+        ``tables``, the loss of the errors of Tables II and III, rising; and ``claims``, that of
+        orders and claims.
     """
     losses = [objective.losses(objective.judged(logs.tolist())) for logs in judged_logs]
     pairs = sorted(
@@ -181,7 +181,7 @@ def _outcome(
     errors: Sequence[Mapping[str, float]],
     judged: Sequence[Mapping[str, Any]],
 ) -> dict[str, Any]:
-    """Describe the fitted rig: full models' errors, the surrogate's terms and properties."""
+    """Describe a rig by the full models' errors, and the surrogate's terms and properties."""
     residuals = relative(errors, objective.aim)
     off = np.abs(list(residuals.values()))
     return {
@@ -201,7 +201,7 @@ def _outcome(
 
 
 def aim_of(published: Mapping[str, Any], calibration: Mapping[str, Any]) -> Aim:
-    """Return the aim of the search: printed errors, plausible ranges, and the terms that count."""
+    """Return the aim of the search."""
     open_loop = published["table_4_tracking_rmse_deg"]["fprc"]
     return Aim(printed_errors(published), open_loop, calibration["plausible"], calibration["fit"])
 
@@ -224,7 +224,7 @@ def printed_errors(published: Mapping[str, Any]) -> dict[str, float]:
 def free_parameters(
     paths: Sequence[str], ranges: Mapping[str, Sequence[float]] | None = None
 ) -> list[Free]:
-    """Return the free parameters with their ranges: narrower ones if given, else the physical ones.
+    """Return the free parameters, each with its range: a narrower one if given, else the physical.
 
     Raises
     ------
@@ -241,15 +241,10 @@ def free_parameters(
 def resolved(rig: Mapping[str, Any]) -> dict[str, Any]:
     """Return the rig with enough damping of the squeeze for its integration step.
 
-    See ``fprc.config.rig.Rig``; the limit there is 0.5.
+    The limit is 0.48, below the 0.5 that ``fprc.config.rig.Rig`` allows.
     """
     reservoir = dict(rig["reservoir"])
-    highest = (
-        reservoir["friction_kpa"] + reservoir["friction_per_kpa"] * rig["valve"]["supply_kpa_abs"]
-    )
-    pairs = zip(reservoir["slip_weight"], reservoir["slip_distance_ml"], strict=True)
-    stiffness = reservoir["squeeze_stiffness_kpa_per_ml"] + highest * sum(w / d for w, d in pairs)
-    least = rig["step_s"] * stiffness / 0.48
+    least = rig["step_s"] * stiffest_squeeze(rig) / 0.48
     if reservoir["squeeze_damping_kpa_s_per_ml"] < least:
         reservoir["squeeze_damping_kpa_s_per_ml"] = float(f"{least:.4g}")
     return {**rig, "reservoir": reservoir}
@@ -295,7 +290,7 @@ def judge_point(
 
 
 def relative(errors: Sequence[Mapping[str, float]], aim: Aim) -> dict[str, float]:
-    """Return the relative deviation of each error, averaged over seeds, from the printed one."""
+    """Return by what share each error, averaged over seeds, deviates from the printed one."""
     return {
         key: float(np.mean([seed[key] for seed in errors]) / printed - 1.0)
         for key, printed in aim.errors.items()
@@ -303,7 +298,7 @@ def relative(errors: Sequence[Mapping[str, float]], aim: Aim) -> dict[str, float
 
 
 def _in_order(grids: Mapping[str, Sequence[float]], taps: Sequence[int]) -> dict[str, Any]:
-    """Return the grids of the search in the order in which the objective compares neighbours."""
+    """Return the grids of the search, sorted: the objective compares neighbours."""
     return {
         "epsilon": sorted(grids["epsilon"], reverse=True),
         "n_c": sorted(grids["n_c"]),
@@ -357,7 +352,3 @@ def errors_of(compared: Mapping[str, Any]) -> dict[str, float]:
         errors[f"{key}/train"] = float(np.mean(report["train_rmse_kpa"]))
         errors[f"{key}/test"] = float(report["test_rmse_kpa"])
     return errors
-
-
-def _report_progress(done: int, total: int, best: float, elapsed: float) -> None:
-    log.info("generation %d of %d, least loss %.4f, %.0f s", done, total, best, elapsed)

@@ -1,6 +1,6 @@
 """Objective of the fit: deviations of a rig from what the paper prints and claims.
 
-Every deviation is divided by what counts as close, so that 1 is the same everywhere.
+Every deviation is divided by a scale of its kind, so that deviations can be added.
 """
 
 import math
@@ -14,15 +14,16 @@ from fprc.signals import loop_growth, width_at_middle
 Channels = Mapping[str, np.ndarray]
 Judged = Sequence[Mapping[str, Any]]
 
-#: What counts as close: in the logarithm of an error of Tables II and III, of Table IV, of a
-#: ratio that a claim bounds, and in a correlation. Errors of 5 % are fair, a missed claim is not.
+#: Scales of deviations: of the logarithm of an error of Tables II and III, of one of Table IV, of a
+#: ratio that a claim limits, and of a correlation. A missed claim weighs more than an error off by
+#: 5 %.
 _TABLES, _TRACKING, _RATIO, _CORRELATION = 0.05, 0.10, 0.025, 0.1
 
-#: Least number whose logarithm counts: a loop without width has one of zero.
+#: Measures below this count as this: a loop may have no width, and 0 has no logarithm.
 _SMALLEST = 1e-3
 
-#: Logarithms by which orders and bounds should be met with room to spare: on other seeds they vary
-#: by about as much. C8 and C18 vary more.
+#: Margins, as logarithms, with which ratios should meet their limits: they vary by about as much
+#: between seeds. C8 and C18 vary more and have the wide one.
 _MARGIN, _WIDE = 0.05, 0.12
 
 
@@ -36,15 +37,15 @@ class Aim(NamedTuple):
 
 
 def properties(logs: Mapping[str, Channels]) -> dict[str, float]:
-    """Return properties of the rig's loops in the sweep.
+    """Return properties of a rig's loops in the sweep.
 
     Returns
     -------
     dict
-        ``angle_deg`` largest angle; ``loop_kpa`` full width of the loop of P_exp over theta at
-        mid-angle; ``p_o_swing_kpa``; ``p_o_loop`` width of P_o's loop over its swing. Factors
-        by which loops widen from the first to the last quarter: ``loop_growth`` of the
-        model's target, ``measured_loop_growth`` of the measured pressure, ``p_o_loop_growth``.
+        ``angle_deg``, the largest angle; ``loop_kpa``, the full width of the loop of P_exp over
+        theta at mid-angle; ``p_o_swing_kpa``; ``p_o_loop``, the width of P_o's loop over its
+        swing; and the factors by which loops widen from the first to the last quarter,
+        ``loop_growth`` of the models' target, ``measured_loop_growth`` and ``p_o_loop_growth``.
     """
     log = logs["sweep"]
     time_s, theta, p_o = (log[name] for name in ("time_s", "theta_deg", "p_o_kpa"))
@@ -72,13 +73,8 @@ def deviations(judged: Judged, aim: Aim) -> dict[str, np.ndarray]:
 
 
 def tables_percent(loss: float, errors: int) -> float:
-    """Return the rms deviation of the errors, in %, of a loss of the term ``tables``."""
+    """Return the rms deviation of the errors, in %, from the loss of the term ``tables``."""
     return 100.0 * _TABLES * math.sqrt(loss / errors)
-
-
-def loss_of(judged: Judged, aim: Aim) -> float:
-    """Return the sum of the squared deviations."""
-    return float(sum(np.sum(values**2) for values in deviations(judged, aim).values()))
 
 
 def logs_of(judged: Judged) -> list[float]:
@@ -87,9 +83,9 @@ def logs_of(judged: Judged) -> list[float]:
 
 
 def judged_of(logs: Sequence[float], like: Judged) -> Judged:
-    """Return the measures whose logarithms ``logs_of`` gave, in the structure of ``like``."""
+    """Undo ``logs_of``, for measures of the structure of ``like``."""
     numbers = iter(np.exp(np.clip(logs, -10.0, 10.0)).tolist())
-    return _rebuilt(like, numbers)
+    return _with_numbers(like, numbers)
 
 
 def _numbers(value: Any) -> Iterator[float]:
@@ -102,11 +98,11 @@ def _numbers(value: Any) -> Iterator[float]:
         yield float(value)
 
 
-def _rebuilt(like: Any, numbers: Iterator[float]) -> Any:
+def _with_numbers(like: Any, numbers: Iterator[float]) -> Any:
     if isinstance(like, Mapping):
-        return {key: _rebuilt(like[key], numbers) for key in sorted(like)}
+        return {key: _with_numbers(like[key], numbers) for key in sorted(like)}
     if isinstance(like, (list, tuple)):
-        return [_rebuilt(each, numbers) for each in like]
+        return [_with_numbers(each, numbers) for each in like]
     return next(numbers)
 
 
@@ -137,23 +133,23 @@ def _plausible(judged: Judged, aim: Aim) -> list[float]:
     return [
         max(math.log(low / value), math.log(value / high), 0.0) / _RATIO
         for name, (low, high) in aim.ranges.items()
-        for value in [max(_mean(judged, "properties", name), 1e-3)]
+        for value in [max(_mean(judged, "properties", name), _SMALLEST)]
     ]
 
 
 def _c8(judged: Judged, aim: Aim) -> list[float]:
-    return [_beyond(_of_logs([seed["shares"] for seed in judged]), 2.0, _WIDE)]
+    return [_beyond(_geometric_mean([seed["shares"] for seed in judged]), 2.0, _WIDE)]
 
 
 def _c9a(judged: Judged, aim: Aim) -> list[float]:
     """Training error over epsilon, which falls along the grid."""
     errors = _mean_of(judged, "epsilon")
-    return [_above(low / high, 0.97 * math.exp(_MARGIN)) for low, high in _steps(errors)]
+    return [_above(low / high, 0.97 * math.exp(_MARGIN)) for low, high in _neighbours(errors)]
 
 
 def _c9b(judged: Judged, aim: Aim) -> list[float]:
     errors = _mean_of(judged, "n_c", "fprc", "train")
-    return [_above(high / low, 1.0) for low, high in _steps(errors)]
+    return [_above(high / low, 1.0) for low, high in _neighbours(errors)]
 
 
 def _c11(judged: Judged, aim: Aim) -> list[float]:
@@ -169,9 +165,10 @@ def _c11(judged: Judged, aim: Aim) -> list[float]:
 
 
 def _c12(judged: Judged, aim: Aim) -> list[float]:
-    """Training error rises with n_u and falls with n_y, on a grid without n_u = 1.
+    """Training error rises with n_u and falls with n_y.
 
-    There the error is largest, which on a coarse grid outweighs the rise over all others.
+    The grid should not contain n_u = 1: the error is largest there, which on a coarse grid
+    outweighs the rise over all other n_u.
     """
     errors = _mean_of(judged, "taps")
     rising = _correlation(errors.T), -_correlation(errors)
@@ -180,7 +177,8 @@ def _c12(judged: Judged, aim: Aim) -> list[float]:
 
 def _c18(judged: Judged, aim: Aim) -> list[float]:
     names = ("loop_growth", "measured_loop_growth", "p_o_loop_growth")
-    return [_beyond(max(_mean(judged, "properties", name), 1e-3), 1.2, _WIDE) for name in names]
+    values = [max(_mean(judged, "properties", name), _SMALLEST) for name in names]
+    return [_beyond(value, 1.2, _WIDE) for value in values]
 
 
 def _open_loop(judged: Judged, aim: Aim) -> list[float]:
@@ -205,7 +203,7 @@ def _mean(judged: Judged, *keys: str) -> float:
 
 
 def _mean_of(judged: Judged, *keys: str) -> np.ndarray:
-    """Return the mean over the seeds that measured it."""
+    """Return the mean of a measure over the seeds that have it."""
     values: list[Any] = []
     for seed in judged:
         value: Any = seed
@@ -216,25 +214,25 @@ def _mean_of(judged: Judged, *keys: str) -> np.ndarray:
     return np.asarray(np.mean(values, axis=0))
 
 
-def _of_logs(values: Sequence[float]) -> float:
+def _geometric_mean(values: Sequence[float]) -> float:
     return math.exp(np.mean(np.log(values)))
 
 
 def _above(ratio: float, limit: float) -> float:
-    """Return by how much a ratio is not below its limit, with the margin."""
+    """Return by how much a ratio exceeds its limit, with the margin."""
     return max(math.log(ratio / limit) + _MARGIN, 0.0) / _RATIO
 
 
 def _beyond(ratio: float, factor: float, margin: float = _MARGIN) -> float:
-    """Return by how much a ratio is not within a factor of 1, with the margin."""
+    """Return by how much a ratio lies outside 1 / factor to factor, with the margin."""
     return max(abs(math.log(ratio)) - math.log(factor) + margin, 0.0) / _RATIO
 
 
-def _steps(values: np.ndarray) -> list[tuple[float, float]]:
+def _neighbours(values: np.ndarray) -> list[tuple[float, float]]:
     return list(zip(values[:-1], values[1:], strict=True))
 
 
 def _correlation(rows: np.ndarray) -> float:
-    """Return the mean correlation of the rows with their column number."""
+    """Return the mean correlation of the rows with the column number."""
     number = np.arange(rows.shape[1])
     return float(np.mean([np.corrcoef(number, row)[0, 1] for row in rows]))

@@ -1,13 +1,13 @@
 """Rigs that are compatible with printed errors: approximate Bayesian computation.
 
-Prior: the ensemble, that is parameters uniform over their ranges, of rigs that bend and squeeze
-plausibly. Each rig is simulated with noise of its own, as the paper's rig was recorded once.
+Prior: the ensemble, that is, parameters uniform over their ranges, of rigs that bend and squeeze
+plausibly. Each rig is simulated once, with noise of its own, as the paper's rig was recorded once.
 Likelihood: the logarithms of its errors deviate from the printed ones by a normal error.
 
 Rejection would need millions of rigs. An ensemble smoother with multiple data assimilation
 (Emerick and Reynolds, Computers & Geosciences 55, 2013), which is exact where the logarithms are
 linear in normal parameters, moves the prior near to the posterior. Sweeps of an ensemble sampler
-refine this; only many more of them would make up for what the smoother assumes.
+refine this; many more would be needed to remove all effects of the smoother's assumption.
 """
 
 import math
@@ -30,14 +30,14 @@ from fprc.experiments.settings import RigSettings
 #: where the rig is impossible or implausible.
 Simulate = Callable[[np.ndarray], Sequence[Sequence[float] | None]]
 
-#: Marks the random stream of the smoother.
+#: Second seed of the smoother's random numbers.
 _SMOOTHER = 20242
 
-#: Shares of a range closer to its ends than this are moved in: their normal scores are infinite.
+#: Shares of a range are kept this far from its ends, where normal scores are infinite.
 _EDGE = 1e-3
 
-#: Proposals of the sampler: differences of two other rigs, short ones that are often accepted
-#: and longer ones. DESnookerMove of emcee 3.1.6 is not used: its draws are too narrow.
+#: Proposals of the sampler: steps along the difference of two other rigs, short ones that are often
+#: accepted and longer ones. Not DESnookerMove, whose draws are too narrow in emcee 3.1.6.
 _MOVES = [
     (emcee.moves.DEMove(gamma0=0.08, sigma=0.5), 0.7),
     (emcee.moves.DEMove(gamma0=0.25), 0.3),
@@ -54,7 +54,7 @@ def draw_posterior(
     sweeps: int,
     seed: int,
 ) -> tuple[np.ndarray, np.ndarray, list[dict[str, Any]]]:
-    """Draw from the posterior, beginning with draws from a standard normal prior.
+    """Draw points from the posterior, beginning with points from a standard normal prior.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def draw_posterior(
     Returns
     -------
     points, logs : ndarray
-        Points and the logarithms of their errors.
+        Points, and the logarithms of their errors.
     history : list of dict
         ``step``, ``rigs`` and ``deviation`` (root mean square of the logarithms) of each step, and
         ``accepted``, the share of the sampler's proposals.
@@ -75,41 +75,42 @@ def draw_posterior(
     Raises
     ------
     EvaluationError
-        Too few points are possible; the sampler needs two for each parameter.
+        Fewer points are possible than the sampler (two for each parameter) or the smoother
+        (three) needs.
     """
     rng = np.random.default_rng([seed, _SMOOTHER])
-    # the differences of fewer points do not span the space
+    # the sampler steps along differences of points, which must span the space
     least = 2 * prior.shape[1] if sweeps else 3
-    points, logs = _possible(prior, simulate, least)
-    history = [_row("prior", logs, target)]
+    points, logs = _judged(prior, simulate, least)
+    history = [_history_row("prior", logs, target)]
     for step in range(1, assimilations + 1):
         moved = assimilate(points, logs, target, tolerance, assimilations, rng)
-        points, logs = _possible(moved, simulate, least)
-        history.append(_row(f"assimilation {step}", logs, target))
+        points, logs = _judged(moved, simulate, least)
+        history.append(_history_row(f"assimilation {step}", logs, target))
     if not sweeps:
         return points, logs, history
-    known = {point.tobytes(): own for point, own in zip(points, logs, strict=True)}
+    known = {point.tobytes(): row for point, row in zip(points, logs, strict=True)}
 
     def log_probability(batch: np.ndarray) -> np.ndarray:
-        chances = np.full(len(batch), -np.inf)
-        for i, (point, own) in enumerate(zip(batch, simulate(batch), strict=True)):
-            if own is not None:
-                known[point.tobytes()] = np.asarray(own)
-                chances[i] = _log_posterior(point, np.asarray(own), target, tolerance)
-        return chances
+        log_probabilities = np.full(len(batch), -np.inf)
+        for i, (point, row) in enumerate(zip(batch, simulate(batch), strict=True)):
+            if row is not None:
+                known[point.tobytes()] = np.asarray(row)
+                log_probabilities[i] = _log_posterior(point, np.asarray(row), target, tolerance)
+        return log_probabilities
 
     sampler = emcee.EnsembleSampler(*points.shape, log_probability, moves=_MOVES, vectorize=True)
-    chances = [
-        _log_posterior(point, own, target, tolerance)
-        for point, own in zip(points, logs, strict=True)
+    log_probabilities = [
+        _log_posterior(point, row, target, tolerance)
+        for point, row in zip(points, logs, strict=True)
     ]
     random = np.random.RandomState(seed).get_state()
-    start = emcee.State(points, log_prob=np.array(chances), random_state=random)
+    start = emcee.State(points, log_prob=np.array(log_probabilities), random_state=random)
     for sweep, state in enumerate(sampler.sample(start, iterations=sweeps), start=1):
         points = state.coords
         logs = np.array([known[point.tobytes()] for point in points])
         accepted = float(np.mean(sampler.acceptance_fraction))
-        history.append(_row(f"sweep {sweep}", logs, target) | {"accepted": accepted})
+        history.append(_history_row(f"sweep {sweep}", logs, target) | {"accepted": accepted})
     return points, logs, history
 
 
@@ -123,8 +124,8 @@ def assimilate(
 ) -> np.ndarray:
     """Move points towards the target by one of several equal assimilations.
 
-    The likelihood's variance is multiplied by their number; after all of them the points are draws
-    from the posterior if ``logs`` are linear in them.
+    The likelihood's variance is multiplied by the number of assimilations. After all of them the
+    points are draws from the posterior if ``logs`` are linear in them.
 
     Parameters
     ----------
@@ -141,7 +142,7 @@ def assimilate(
 def prior_point(
     seed: int, ensemble: Mapping[str, Any], free: Sequence[Free], on_rig: RigSettings
 ) -> np.ndarray:
-    """Return the normal scores of the parameters of a rig of the ensemble."""
+    """Draw a rig of the ensemble and return the normal scores of its parameters."""
     _, shares, _ = draw_rig(seed, ensemble, free, on_rig)
     return np.asarray(ndtri(np.clip(shares, _EDGE, 1.0 - _EDGE)))
 
@@ -168,25 +169,25 @@ def judge_member(
     cell : Mapping
         ``point``, normal scores of the parameters, and the ``seed`` of the noise.
     ratios : Mapping
-        Full models' errors over the surrogate's, by error.
+        Ratios of the full models' errors to the surrogate's.
     """
     try:
         drawn = rig_at(cell["point"], free, on_rig)
         Rig.model_validate(drawn.rig)
         judged = judge_cheaply(drawn, cell["seed"], models, surrogate, {}, {})
         logs = [math.log(ratio * judged["errors"][key]) for key, ratio in ratios.items()]
-    except (FprcError, ValueError) as error:  # ValueError: of pydantic, or a log of 0
+    except (FprcError, ValueError) as error:  # ValueError: from pydantic, or log(0)
         return {"impossible": " ".join(str(error).split())}
     if not np.isfinite(logs).all():
         return {"impossible": "an error is not finite"}
     if not is_plausible(judged["properties"], ensemble):
-        return {"impossible": "another angle or swing of P_o than plausible"}
+        return {"impossible": "its angle or its swing of P_o is implausible"}
     return {"logs": logs}
 
 
-def _possible(points: np.ndarray, simulate: Simulate, least: int) -> tuple[np.ndarray, np.ndarray]:
+def _judged(points: np.ndarray, simulate: Simulate, least: int) -> tuple[np.ndarray, np.ndarray]:
     logs = simulate(points)
-    kept = [i for i, own in enumerate(logs) if own is not None]
+    kept = [i for i, row in enumerate(logs) if row is not None]
     if len(kept) < least:
         raise EvaluationError(
             f"{len(kept)} of {len(points)} rigs of the posterior are possible and plausible, and "
@@ -202,6 +203,6 @@ def _log_posterior(
     return float(-0.5 * (np.sum(((logs - target) / tolerance) ** 2) + np.sum(point**2)))
 
 
-def _row(step: str, logs: np.ndarray, target: np.ndarray) -> dict[str, Any]:
+def _history_row(step: str, logs: np.ndarray, target: np.ndarray) -> dict[str, Any]:
     deviation = float(np.sqrt(np.mean((logs - target) ** 2)))
     return {"step": step, "rigs": len(logs), "deviation": deviation}

@@ -10,10 +10,12 @@ from fprc.config.rig import Rig
 
 
 def parameter_file(rig: Mapping[str, Any], summary: Mapping[str, Any], name: str) -> str:
-    """Return a file of config/rigs: what the rig was fitted to, and what differs from the defaults.
+    """Return the text of a rig's file: what it was fitted to, and what differs from the defaults.
 
     Parameters
     ----------
+    summary : Mapping
+        As ``fprc.calibration.fit.fit_rig`` returns it.
     name : str
         Name of the rig.
     """

@@ -1,10 +1,10 @@
 """Search in the unit cube with linear models of everything that was measured.
 
-A point is judged by many numbers of which the loss is a known function. Near a point these
-numbers are almost linear in it, where the loss, with its limits and squares, is not. So the
-search fits a linear model of the numbers to the judged points around the best one, minimises the
-loss over the model, and judges what it proposes. It needs tenths of the judgements that a search
-by the loss alone needs, and resumes from a checkpoint after a kill.
+Judging a point yields many numbers, and the loss is a known function of them. Near a point the
+numbers are almost linear in it; the loss, with its limits and squares, is not. The search
+therefore fits a linear model of the numbers to the judged points around the best one, minimises
+the loss over the model, and judges the points that this proposes. It needs far fewer judgements
+than a search by the loss alone, and resumes from a checkpoint after a kill.
 """
 
 import json
@@ -23,8 +23,8 @@ from fprc.artifacts import appending, write_text
 
 log = logging.getLogger(__name__)
 
-#: Points of a generation: minima of the model within these multiples of the radius, then
-#: points drawn around them and around the best one.
+#: Points of a generation: minima of the model within these multiples of the radius around the best
+#: point, the minimum around another good point, and points drawn around these.
 _REACH = (0.4, 1.0, 2.0)
 _POPULATION = 8
 
@@ -44,7 +44,7 @@ class SearchResult(NamedTuple):
     generations: int
     evaluations: int
     finished: bool  #: False if the time limit ended the search
-    numbers: list[np.ndarray]  #: of every possible point
+    numbers: list[np.ndarray]  #: those of every possible point
 
 
 class _Archive:
@@ -122,9 +122,11 @@ def search(
     ----------
     judge : callable
         Picklable; takes a point and returns its numbers, or None if it is impossible.
+    start : ndarray of shape (n_parameters,)
+        First point to judge.
     step : float
-        Standard deviation of the first points around the start, in units of the cube. There are
-        twice as many of them as the cube has dimensions.
+        Standard deviation of the first points around the start, as a share of the cube's edge.
+        There are twice as many of them as the cube has dimensions.
     checkpoint : path
         JSON lines: first ``key``, then the judgements of each generation. A file with
         another key is renamed and the search starts afresh; an incomplete last
@@ -132,10 +134,10 @@ def search(
     key : str
         Hash of everything that the judgements depend on.
     seconds : float
-        No generation starts after this time.
+        No generation starts after this time, s.
     progress : callable
-        Called after each generation with generations done and planned, least
-        loss, and seconds.
+        Called after each generation with the generations done and planned, the
+        least loss, and the time, s.
     """
     start = np.asarray(start, dtype=float)
     settings = {"start": list(start), "step": step, "seed": seed}
@@ -193,7 +195,7 @@ def _resume(checkpoint: Path, head: Mapping[str, Any]) -> list[list[list[float] 
         old = checkpoint.with_name(f"{checkpoint.name}.old")
         checkpoint.replace(old)
         log.warning(
-            "warning: %s has other settings or code; it is kept as %s and the search starts afresh",
+            "warning: %s is of other settings or code, kept as %s; the search starts afresh",
             checkpoint,
             old,
         )

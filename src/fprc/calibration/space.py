@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-#: Sum of all weights of slip elements but the last, at most.
+#: Largest sum of the slip weights without the last one.
 _MOST = 0.97
 
 
@@ -16,8 +16,8 @@ class Free(NamedTuple):
 
     ``path`` names a number ("bending.friction_kpa"), one number of a list
     ("bending.relaxation_time_s.0"), or a whole list, which is then scaled by
-    one factor. Of the weights of slip elements all but the last can be free; it is what is left to
-    1. A range that spans a decade or more is searched by its logarithm.
+    one factor. The last of several slip weights cannot be free: it is 1 minus the others.
+    A range that spans a decade or more is searched by its logarithm.
     """
 
     path: str
@@ -42,9 +42,11 @@ def decode(
 
     Parameters
     ----------
+    point : ndarray of shape (n_parameters,)
+        Each parameter as a share of its range, 0 to 1.
     digits : int
-        Significant digits, as in the file of the fitted rig: the rig that is judged
-        is the rig that is written.
+        Significant digits. The default is that of a fitted rig's file, so that the
+        rig that is judged is the rig that is written.
     """
     changed = copy.deepcopy(dict(rig))
     for share, parameter in zip(point, free, strict=True):
@@ -56,7 +58,7 @@ def decode(
 
 
 def _summing_to_one(weights: Sequence[float]) -> list[float]:
-    """Scale all weights but the last down if they exceed ``_MOST``; the last is what is left."""
+    """Return weights of which the last is 1 minus the others, whose sum is at most ``_MOST``."""
     *own, _ = weights
     total = sum(own)
     if total > _MOST:

@@ -1,8 +1,8 @@
-"""What one simulated rig and seed give, by cheap forms of the models.
+"""Cheap surrogates of the models, judged on one simulated rig and seed.
 
-Instead of five folds one readout is fitted to every ``stride``-th row, with the ridge parameter
-scaled to the number of rows, and the ESN is smaller. Features have memory and so are
-computed over whole logs, once for all cells of the grids.
+Instead of five readouts for five folds, one is fitted to every ``stride``-th row, with the ridge
+parameter scaled to the number of rows; the ESN is smaller. Features have memory: they are computed
+over whole logs, once for all cells of the grids.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -22,7 +22,7 @@ from fprc.registry import build
 #: Share of the rows that trains a readout in the full models' cross-validation.
 _TRAINED = 0.8
 
-#: Measures beside the errors of Tables II and III, each with a cost of its own.
+#: Optional measures; each takes time of its own.
 MEASURES = ("shares", "epsilon", "n_c", "taps", "open_loop")
 
 
@@ -44,16 +44,17 @@ def judge_cheaply(
     grids : Mapping
         Values of ``epsilon``, falling, and of ``n_c``, ``n_u`` and ``n_y``, rising.
     tracking : Mapping
-        That section of the configuration.
+        Section ``tracking`` of the configuration.
     measures : collection of str
         Which of ``MEASURES`` to compute.
 
     Returns
     -------
     dict
-        ``errors`` by "trained on/model/phase", ``properties``; ``shares`` P_o over theta_d;
-        ``epsilon`` training errors; ``n_c`` by model and phase; ``taps`` training errors of
-        shape (n_u, n_y); ``open_loop`` deg by reference.
+        ``errors`` by "trained on/model/phase", kPa; ``properties``, see ``objective.properties``;
+        and of ``measures``: ``shares`` of P_o over theta_d in the weights; training errors over
+        ``epsilon``; errors over ``n_c`` by model and phase; training errors over ``taps``, of
+        shape (n_u, n_y); ``open_loop`` RMSE by reference, deg.
     """
     logs = {name: data.channels for name, data in simulate(on_rig, seed).items()}
     cheap = _Cheap(logs, models, seed, surrogate["stride"])
@@ -111,7 +112,7 @@ class _Cheap:
         self._taps: dict[tuple[str, float | None, int], np.ndarray] = {}
 
     def rows(self, log: str, reservoir: bool, **changed: Any) -> np.ndarray:
-        """Return the features of a log: taps of theta, and of the filtered P_o."""
+        """Return the taps of theta in a log, and with ``reservoir`` those of the filtered P_o."""
         own = self.own | changed
         theta = self._thinned(log, None, own["n_y"])
         if not reservoir:

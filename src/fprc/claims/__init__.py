@@ -3,6 +3,7 @@
 from fprc.claims.finding import Finding, Results, Statement
 from fprc.claims.ledger import (
     changed_verdicts,
+    fit_in_words,
     judge_claims,
     parts_of,
     status_of,
@@ -14,6 +15,7 @@ __all__ = [
     "Results",
     "Statement",
     "changed_verdicts",
+    "fit_in_words",
     "judge_claims",
     "parts_of",
     "status_of",

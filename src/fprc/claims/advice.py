@@ -1,229 +1,222 @@
 """Say in five points what the reservoir is worth and what to take, from the worlds' numbers."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from fprc.claims.finding import LEVEL, UNDECIDED, interval_of_mean
+from fprc.claims.finding import UNDECIDED
 from fprc.claims.paired import EQUIVALENT, INFERIOR, NOT_JUDGED, SUPERIOR
-from fprc.worlds import measured, title_of
+from fprc.worlds import NO_OFFER, measured, title_of
 
-#: What makes the loops of a rig, by the name of its world.
-LOOPS = {
-    "dry": "dry friction, Maxwell slip",
-    "bouc_wen": "dry friction, Bouc-Wen",
-    "viscous": "a viscous memory",
-}
-
-#: Settings that were chosen for a comparison, and are no model to take.
-_NO_OFFER = ("_oracle", "_matched")
-
-Ledger = Sequence[Mapping[str, Any]]
-Row = Mapping[str, Any]
+Rows = Sequence[Mapping[str, Any]]
+Tables = Sequence[pd.DataFrame]
 
 
-def advice(
-    worlds: Sequence[Mapping[str, Any]], ledgers: Sequence[Ledger], titles: Mapping[str, str]
-) -> list[str]:
-    """Return what P_o is worth in test error, in tracking, what to take, and two warnings.
+def advice(worlds: Rows, ledgers: Sequence[Rows], titles: Mapping[str, str]) -> list[str]:
+    """Return five points: what P_o changes, when it pays, what else to take, and two warnings.
+
+    A point is one or two sentences.
 
     Parameters
     ----------
     worlds : sequence of Mapping
-        See ``fprc.worlds``. What makes the loops of the rigs in ``LOOPS`` is said.
+        See ``fprc.worlds``.
     ledgers : sequence
         Of each world, the rows of ``claims.beyond.judge_world``.
     titles : Mapping
         Models by name, as readers see them.
     """
-    by_claim = [{row["id"]: row for row in ledger} for ledger in ledgers]
     tables = [measured(world) for world in worlds]
-    named = [
-        f"{world['title']} ({LOOPS[world['name']]})" if world["name"] in LOOPS else world["title"]
-        for world in worlds
-    ]
-    two_logs = [_with_two_logs(world, titles) for world in worlds]
-    forward = _worth("FPRC's forward test error", "B1", by_claim, named)
+    heads = [ledger[0] for ledger in ledgers]
+    rows = {of_claim[0]["id"]: of_claim for of_claim in zip(*ledgers, strict=True)}
+    forward = _change(
+        "In place of low-passed theta_d, P_o", "FPRC's forward test error", rows["B1"]
+    )
+    tracking = _change("It", "FPRC's tracking error in open and closed loop", rows["B3"])
     return [
-        " ".join([forward, *filter(None, two_logs)]),
-        _worth("FPRC's tracking error, open and closed loop,", "B3", by_claim, named),
-        _what_to_take(worlds, tables, titles),
-        _of_readout_and_tuning(worlds, tables, by_claim),
-        _if_p_o_falls(worlds, tables, by_claim),
+        f"{forward} {tracking}",
+        f"{_when_it_pays(rows)} {_second_log(worlds, tables, heads, titles)}".rstrip(),
+        _without_second_actuator(tables, heads, titles),
+        f"{_tuning(tables, heads)} Against an ESN that was tuned as much, its forward test "
+        f"error is {_by_verdict(rows['B6'])}.".lstrip(),
+        f"{_if_p_o_falls(tables, heads)} Against Fuzzy-linear, FPRC's error is then "
+        f"{_by_verdict(rows['B7'])}.",
     ]
 
 
-def _worth(what: str, claim: str, by_claim: Sequence[Mapping[str, Row]], named: list[str]) -> str:
-    """Return what P_o changes against low-passed theta, by verdict and world."""
-    groups: dict[str, list[str]] = {}
-    for rows, name in zip(by_claim, named, strict=True):
-        row = rows[claim]
-        verdict = str(row["verdict"])
-        kind = {SUPERIOR: "lower", INFERIOR: "higher"}.get(verdict, verdict)
-        changes = " and ".join(_percent(part["mean"], kind) for part in row["parts"])
-        groups.setdefault(kind, []).append(f"{name}{f': {changes}' if changes else ''}")
-    kinds = {
-        "lower": "lower on",
-        "higher": "higher on",
-        EQUIVALENT: "the same within 5 % on",
-        UNDECIDED: "not decided on",
-        NOT_JUDGED: "not measured on",
+def _change(subject: str, what: str, rows: Rows) -> str:
+    """Return by how much P_o lowers or raises an error, and where that is not decided."""
+    moved: list[str] = []
+    for verdict, verb, sign in ((SUPERIOR, "lowers", -1.0), (INFERIOR, "raises", 1.0)):
+        cases = []
+        for row in (row for row in rows if row["verdict"] == verdict):
+            sizes = [f"{100 * sign * (part['mean'] - 1):.0f} %" for part in row["parts"]]
+            cases.append(f"by {_listed(sizes)} on {_place(row)}")
+        if cases:
+            moved.append(f"{verb} {'it' if moved else what} {', '.join(cases)}")
+    words = {
+        EQUIVALENT: "it changes by less than 5 %",
+        UNDECIDED: "the difference is undecided",
+        NOT_JUDGED: "it was not measured",
     }
-    texts = [
-        f"{words} {'; '.join(groups[kind])}" for kind, words in kinds.items() if kind in groups
+    done = " and ".join(moved) or f"is not shown to change {what}"
+    others = [f"on {places} {words[verdict]}" for verdict, places in _places(rows, words).items()]
+    return f"{'; '.join([f'{subject} {done}', *others])}."
+
+
+def _when_it_pays(rows: Mapping[str, Rows]) -> str:
+    pays = [
+        _place(forward)
+        for forward, tracking in zip(rows["B1"], rows["B3"], strict=True)
+        if forward["verdict"] == tracking["verdict"] == SUPERIOR
     ]
-    return f"With P_o instead of low-passed theta {what} is {'. It is '.join(texts)}."
+    if not pays:
+        text = "So the reservoir is not shown to pay on any of these rigs"
+    elif len(pays) == len(rows["B1"]):
+        text = "So the reservoir pays on all these rigs"
+    else:
+        text = f"So the reservoir pays on {_listed(pays)} and is not shown to pay on the others"
+    return f"{text}; for your rig, record P_o and run fprc readout."
 
 
-def _percent(ratio: float, kind: str) -> str:
-    percent = 100.0 * (ratio - 1.0)
-    if kind in ("lower", "higher"):
-        return f"{abs(percent):.0f} %"
-    return f"{percent:+.0f} %" if abs(percent) >= 0.5 else "0 %"
-
-
-def _what_to_take(
-    worlds: Sequence[Mapping[str, Any]], tables: Sequence[pd.DataFrame], titles: Mapping[str, str]
-) -> str:
-    texts = []
-    for world, table in zip(worlds, tables, strict=True):
-        if world["name"] not in LOOPS:
-            continue
-        offered = table[~table["model"].str.endswith(_NO_OFFER)]
-        readers = set(table[table["measure"].str.startswith("shifted/")]["model"])
-        found = [
-            f"{words} {best}"
-            for measure, words, unit in (
-                ("open_loop", "the lowest tracking error in open loop is that of", "deg"),
-                ("forward", "the lowest forward test error that of", "kPa"),
+def _second_log(worlds: Rows, tables: Tables, heads: Rows, titles: Mapping[str, str]) -> str:
+    """Return whether a second training log does as much as P_o, where that was measured."""
+    models = ["fprc_lowpass", "fprc"]
+    for world, table, head in zip(worlds, tables, heads, strict=True):
+        logs = {
+            entry["seed"]: {name: own["test_rmse_kpa"] for name, own in entry["models"].items()}
+            for entry in world.get("training_length") or ()
+            if entry.get("two_logs")
+        }
+        two = pd.DataFrame(logs.values()).reindex(columns=models).mean()
+        one = _means(table[table["seed"].isin(list(logs))], "forward").reindex(models)
+        if two.notna().all() and one.notna().all():
+            verb = "does as much as" if two["fprc_lowpass"] <= one["fprc"] else "does less than"
+            changes = ", and ".join(
+                f"{title_of(name, titles)} from {one[name]:.1f} to {two[name]:.1f} kPa"
+                for name in models
             )
-            if (best := _best(offered, measure, unit, readers, titles))
-        ]
-        if found:
-            texts.append(f"On {world['title']} {', and '.join(found)}.")
-    return " ".join(texts) or "No model was measured."
-
-
-def _best(
-    table: pd.DataFrame, measure: str, unit: str, readers: set[str], titles: Mapping[str, str]
-) -> str:
-    """Return the best model with all that equal it, and the best one without a second actuator."""
-    own = table[table["measure"] == measure]
-    if own.empty:
-        return ""
-    values = own.pivot_table(index=["unit", "seed"], columns="model", values="value")
-    means = values.mean().sort_values()
-
-    def shown(names: Sequence[str]) -> str:
-        return ", ".join(f"{title_of(n, titles)} ({means[n]:.3g} {unit})" for n in names)
-
-    text = shown(_not_worse(values[list(means.index)]))
-    without = [name for name in means.index if name not in readers]
-    if without and means.index[0] in readers:
-        text += f" (without a second actuator {shown(without[:1])})"
-    return text
-
-
-def _not_worse(values: pd.DataFrame) -> list[str]:
-    """Return the first column and those whose paired ratio to it is not above 1 with confidence."""
-    first = values.iloc[:, 0]
-    names = [str(values.columns[0])]
-    for name in values.columns[1:]:
-        ratios = np.log((values[name] / first).dropna()).groupby(level="unit").mean().to_numpy()
-        if ratios.size > 1 and interval_of_mean(ratios, LEVEL)[1] <= 0.0:
-            names.append(str(name))
-    return names
-
-
-def _with_two_logs(world: Mapping[str, Any], titles: Mapping[str, str]) -> str:
-    """Return what P_o is worth after training on two logs, if that was measured."""
-    errors = pd.DataFrame(
-        {name: own["test_rmse_kpa"] for name, own in entry["models"].items()}
-        for entry in world.get("training_length") or ()
-        if entry.get("two_logs")
-    ).mean()
-    if not {"fprc", "fprc_lowpass"} <= set(errors.index):
-        return ""
-    best = str(errors.idxmin())
-    return (
-        f"Trained on a second log too, which resembles the test log, it is {errors['fprc']:.1f} "
-        f"kPa with P_o and {errors['fprc_lowpass']:.1f} kPa with low-passed theta on "
-        f"{world['title']}; the lowest error is then that of {title_of(best, titles)}, "
-        f"{errors[best]:.1f} kPa."
-    )
-
-
-def _of_readout_and_tuning(
-    worlds: Sequence[Mapping[str, Any]],
-    tables: Sequence[pd.DataFrame],
-    by_claim: Sequence[Mapping[str, Row]],
-) -> str:
-    chosen = [
-        f"{_percent(ratio, '')} on {world['title']}"
-        for world, table in zip(worlds, tables, strict=True)
-        if (ratio := _mean_ratio(table, "fprc_tuned", "fprc")) is not None
-    ]
-    text = (
-        f"FPRC's fuzzy readout against a ridge on the same features: {_by_world('B4', by_claim)}. "
-        f"Tuned FPRC against an ESN that was tuned as much: {_by_world('B6', by_claim)}."
-    )
-    if chosen:
-        text += (
-            " Tuning means cross-validation inside the training log, which changes FPRC's test "
-            f"error by {', '.join(chosen)}: it does not choose well for another motion."
-        )
-    return text
-
-
-def _if_p_o_falls(
-    worlds: Sequence[Mapping[str, Any]],
-    tables: Sequence[pd.DataFrame],
-    by_claim: Sequence[Mapping[str, Row]],
-) -> str:
-    text = (
-        "If P_o falls by 2 kPa after training, as by a leak or a few kelvin of cooling, FPRC "
-        f"against Fuzzy-linear: {_by_world('B7', by_claim)}."
-    )
-    for world, table in zip(worlds, tables, strict=True):
-        means = table.groupby(["model", "measure"])["value"].mean()
-        wanted = [("fprc", "forward"), ("fprc", "shifted/-2"), ("fuzzy_linear", "forward")]
-        if all(key in means.index for key in wanted):
-            before, after, other = (means[key] for key in wanted)
             return (
-                f"{text} On {world['title']} its test error rises from {before:.1f} to "
-                f"{after:.1f} kPa; Fuzzy-linear, which needs no P_o, has {other:.1f} kPa."
+                f"A second training log that resembles the test log {verb} P_o: on "
+                f"{_place(head)} it brings {changes}."
             )
-    return text
+    return ""
 
 
-def _mean_ratio(table: pd.DataFrame, ours: str, theirs: str) -> float | None:
-    """Return the geometric mean over builds of the ratio of two forward test errors."""
-    own = table[table["measure"] == "forward"]
+def _without_second_actuator(tables: Tables, heads: Rows, titles: Mapping[str, str]) -> str:
+    """Return the models without P_o that have the lowest errors, with their worlds."""
+    texts = []
+    for measure, unit, words in (
+        ("open_loop", "deg", "tracking error in open loop"),
+        ("forward", "kPa", "forward test error"),
+    ):
+        best: dict[str, list[str]] = {}
+        for table, head in zip(tables, heads, strict=True):
+            readers = table[table["measure"].str.startswith("shifted/")]["model"]
+            offered = ~table["model"].isin(readers) & ~table["model"].str.endswith(NO_OFFER)
+            means = _means(table[offered], measure)
+            if len(means):
+                case = f"{head['title']} {means.min():#.3g}"
+                best.setdefault(title_of(str(means.idxmin()), titles), []).append(case)
+        if best:
+            models = " or ".join(
+                f"{name} ({', '.join(each)} {unit})" for name, each in best.items()
+            )
+            texts.append(f"or the lowest {words} take {models}.")
+    if not texts:
+        return "No model was measured."
+    return " ".join(
+        [f"Without a second actuator, f{texts[0]}", *(f"F{text}" for text in texts[1:])]
+    )
+
+
+def _tuning(tables: Tables, heads: Rows) -> str:
+    """Return the least and the greatest change by settings that the training log has chosen."""
+    forward, tracking = (
+        [
+            (ratio, f"{100 * (ratio - 1):+.0f} % ({head['title']})")
+            for table, head in zip(tables, heads, strict=True)
+            if (ratio := _mean_ratio(table, measure)) is not None
+        ]
+        for measure in ("forward", "open_loop")
+    )
+    if not forward:
+        return ""
+    changes = [f"its forward test error by {_span(forward)}"]
+    if tracking:
+        changes.append(f"its tracking error in open loop by {_span(tracking)}")
+    misleads = "misleads: it " if min(forward)[0] > 1.0 else ""
+    return (
+        "Choosing FPRC's settings by cross-validation inside the training log "
+        f"{misleads}changes {' and '.join(changes)}."
+    )
+
+
+def _span(ratios: Sequence[tuple[float, str]]) -> str:
+    return " to ".join(text for _, text in dict.fromkeys((min(ratios), max(ratios))))
+
+
+def _if_p_o_falls(tables: Tables, heads: Rows) -> str:
+    text = "Check P_o before each run: a leak or a few kelvin of cooling can lower it by 2 kPa"
+    for table, head in zip(tables, heads, strict=True):
+        before, after = _means(table, "forward"), _means(table, "shifted/-2")
+        if {"fprc", "fuzzy_linear"} <= set(before.index) and "fprc" in after:
+            return (
+                f"{text}, and on {_place(head)} FPRC's forward test error then goes from "
+                f"{before['fprc']:.1f} to {after['fprc']:.1f} kPa (Fuzzy-linear, which needs no "
+                f"P_o: {before['fuzzy_linear']:.1f} kPa)."
+            )
+    return f"{text}."
+
+
+def _means(table: pd.DataFrame, measure: str) -> pd.Series:
+    """Return the mean of a measure over units, by model; those that lack a build are left out."""
+    own = table[table["measure"] == measure]
     values = own.pivot_table(index=["unit", "seed"], columns="model", values="value")
-    if not {ours, theirs} <= set(values):
+    return values.dropna(axis="columns").groupby(level="unit").mean().mean()
+
+
+def _mean_ratio(table: pd.DataFrame, measure: str) -> float | None:
+    """Return the geometric mean over builds of tuned FPRC's error over FPRC's."""
+    own = table[table["measure"] == measure]
+    values = own.pivot_table(index=["unit", "seed"], columns="model", values="value")
+    if not {"fprc", "fprc_tuned"} <= set(values):
         return None
-    return float(np.exp(np.log(values[ours] / values[theirs]).mean()))
+    return float(np.exp(np.log(values["fprc_tuned"] / values["fprc"]).mean()))
 
 
-_VERDICTS: Mapping[str, Callable[[str], str]] = {
-    SUPERIOR: "better on {}".format,
-    EQUIVALENT: "equal within 5 % on {}".format,
-    INFERIOR: "worse on {}".format,
-    UNDECIDED: "undecided on {}".format,
-    NOT_JUDGED: "not measured on {}".format,
-}
+def _by_verdict(rows: Rows) -> str:
+    """Return where an error is lower, equal, higher, undecided or unmeasured."""
+    words = {
+        SUPERIOR: "lower",
+        EQUIVALENT: "equal within 5 %",
+        INFERIOR: "higher",
+        UNDECIDED: "undecided",
+        NOT_JUDGED: "unmeasured",
+    }
+    found = _places(rows, words)
+    return ", ".join(f"{words[verdict]} on {places}" for verdict, places in found.items())
 
 
-def _by_world(claim: str, by_claim: Sequence[Mapping[str, Row]]) -> str:
-    """Return the verdict on a claim in each world."""
-    texts = [
-        words(_listed(titles))
-        for verdict, words in _VERDICTS.items()
-        if (titles := [r[claim]["title"] for r in by_claim if r[claim]["verdict"] == verdict])
-    ]
-    return ", ".join(texts)
+def _places(rows: Rows, verdicts: Iterable[str]) -> dict[str, str]:
+    """Return the places of each verdict that occurs."""
+    by_verdict = {
+        verdict: [_place(row) for row in rows if row["verdict"] == verdict] for verdict in verdicts
+    }
+    found = {verdict: _listed(places) for verdict, places in by_verdict.items() if places}
+    if found:
+        last = list(found)[-1]
+        if len(by_verdict[last]) == len(rows):
+            found[last] = "all these rigs"
+        elif len(by_verdict[last]) > 1:
+            found[last] = "the others"
+    return found
+
+
+def _place(row: Mapping[str, Any]) -> str:
+    return f"the {row['title']} rig{'s' if row['unit'] == 'rig' else ''}"
 
 
 def _listed(names: Sequence[str]) -> str:

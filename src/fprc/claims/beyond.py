@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from fprc.claims.paired import INFERIOR, LEAST_UNITS, NOT_JUDGED, SUPERIOR, Part, judge_together
-from fprc.worlds import capacities, measured, title_of
+from fprc.worlds import capacities, measured, title_of, world_title
 
 #: Capacity of degree two or more from which P_o counts as nonlinear, of 1 for a single signal.
 LEAST_NONLINEAR = 0.1
@@ -38,54 +38,46 @@ class Claim(NamedTuple):
 
     text: str
     parts: Sequence[Ratio | Excess]
-    #: By term of the calibration's objective: who was favoured by what.
-    favours: Mapping[str, str]
+    #: By term of the calibration's objective: who was favoured, and by the fit of what.
+    favours: Mapping[str, tuple[str, str]]
 
 
 def _of_fprc(other: str, measure: str = "forward", ours: str = "fprc") -> Ratio:
     return Ratio((ours, measure), (other, measure), measure.replace("_", " "))
 
 
-_LOWEST = "FPRC: it had to have the lowest error of the paper's models"
-_SHARE = "P_o: its share of the readout's weights was fitted"
-_BOTH = "FPRC: the errors of both were fitted, FPRC's lower on the test"
+_FORWARD = ("FPRC", "FPRC's forward error, at epsilon 0.01")
+_REVERSED = ("FPRC", "FPRC's reversed error, at epsilon 0.01")
+_LOWEST = ("FPRC", "FPRC's error as the lowest of the paper's models")
+_BOTH = ("FPRC", "the errors of both models, FPRC's lower on the test")
+_RISE = ("FPRC", "a rise of the ESN's error from training to test")
+_TRACKING = ("FPRC", "FPRC's open-loop errors; the gain of the closed loop suits FPRC best")
+_SHARE = ("P_o", "P_o's share of the readout's weights")
 CLAIMS = {
     "B1": Claim(
         "P_o beats low-passed theta_d, forward",
         [_of_fprc("fprc_lowpass")],
-        {
-            "tables": "FPRC: its forward error was fitted, at epsilon 0.01",
-            "orders": _LOWEST,
-            "C8": _SHARE,
-        },
+        {"tables": _FORWARD, "orders": _LOWEST, "C8": _SHARE},
     ),
     "B2": Claim(
         "P_o beats low-passed theta_d, reversed",
         [_of_fprc("fprc_lowpass", "reversed")],
-        {
-            "tables": "FPRC: its reversed error was fitted, at epsilon 0.01",
-            "orders": _LOWEST,
-            "C8": _SHARE,
-        },
+        {"tables": _REVERSED, "orders": _LOWEST, "C8": _SHARE},
     ),
     "B3": Claim(
         "P_o beats low-passed theta_d in tracking, open and closed loop",
         [_of_fprc("fprc_lowpass", "open_loop"), _of_fprc("fprc_lowpass", "closed_loop")],
-        {
-            "open_loop": "FPRC: its open-loop errors were fitted, and the gain of the closed loop "
-            "is the best one for it",
-            "C8": _SHARE,
-        },
+        {"open_loop": _TRACKING, "C8": _SHARE},
     ),
     "B4": Claim(
         "the fuzzy readout beats a ridge on the same features, forward",
         [_of_fprc("ridge_p_o")],
-        {"tables": "FPRC: its forward error was fitted", "orders": _LOWEST},
+        {"tables": _FORWARD, "orders": _LOWEST},
     ),
     "B5": Claim(
         "an ESN with the same training error generalises worse, forward",
         [_of_fprc("esn_matched")],
-        {"tables": _BOTH, "orders": "FPRC: the ESN's error had to rise from training to test"},
+        {"tables": _BOTH, "orders": _RISE},
     ),
     "B6": Claim(
         "FPRC beats an ESN that was tuned as much, forward",
@@ -107,7 +99,6 @@ CLAIMS = {
     ),
 }  # fmt: skip
 
-
 #: Verdicts on differences, which compare with a limit and not with another model.
 _WORDS = {SUPERIOR: "holds", INFERIOR: "does not hold"}
 
@@ -118,7 +109,7 @@ def judge_world(world: Mapping[str, Any], titles: Mapping[str, str]) -> list[dic
     Parameters
     ----------
     world : Mapping
-        See ``fprc.worlds``; ``fitted`` has the terms that its rigs were fitted to, if known.
+        See ``fprc.worlds``; ``fitted`` has the terms that its rigs were fitted to.
     titles : Mapping
         Models by name, as readers see them.
 
@@ -127,7 +118,8 @@ def judge_world(world: Mapping[str, Any], titles: Mapping[str, str]) -> list[dic
     list of dict
         ``world``, ``title``, ``unit``, ``source``, ``id``, ``claim``, ``verdict``, ``words`` (the
         verdict, as readers see it), ``p`` (after Holm), ``level``, ``stable`` (share of subsets, or
-        None), ``units``, ``dropped`` (builds without the pair), ``favours``, ``reason`` (why a
+        None), ``units``, ``dropped`` (builds without the pair), ``fitted`` (what the
+        rigs were fitted to that bears on the claim: in whose favour, and what), ``reason`` (why a
         claim is not judged or there are too few units), and ``parts``: ``text``, ``ratio``,
         ``mean``, ``low``, ``high`` (interval at the level that Holm's procedure gives),
         ``verdict``. A ratio below 1 supports the claim, as does a difference above 0.
@@ -144,8 +136,9 @@ def judge_world(world: Mapping[str, Any], titles: Mapping[str, str]) -> list[dic
         units = min(len(part.values) for part in parts)
         rows.append(
             {
-                **{key: world[key] for key in ("title", "unit", "source")},
+                **{key: world[key] for key in ("unit", "source")},
                 "world": world["name"],
+                "title": world_title(world["name"]),
                 "id": name,
                 "claim": claim.text,
                 **judged._asdict(),
@@ -154,7 +147,7 @@ def judge_world(world: Mapping[str, Any], titles: Mapping[str, str]) -> list[dic
                 else judged.verdict,
                 "units": units,
                 "dropped": max(part.dropped for part in parts),
-                "favours": _favours(claim, world.get("fitted")),
+                "fitted": [why for term, why in claim.favours.items() if term in world["fitted"]],
                 "reason": _reason(parts, judged.verdict, world["unit"]),
                 "parts": [_shown(part, judged.level) for part in parts if len(part.values) > 1],
             }
@@ -198,7 +191,7 @@ def _text(part: Ratio | Excess, titles: Mapping[str, str]) -> str:
     if isinstance(part, Excess):
         return part.words
     ours, theirs = (title_of(model, titles) for model, _ in (part.ours, part.theirs))
-    return f"{ours} / {theirs}, {part.words}"
+    return f"{ours} / {theirs} ({part.words})"
 
 
 def _shown(part: Part, level: float) -> dict[str, Any]:
@@ -211,13 +204,6 @@ def _shown(part: Part, level: float) -> dict[str, Any]:
         **dict(zip(("mean", "low", "high"), ends, strict=True)),
         "verdict": part.verdict(level),
     }
-
-
-def _favours(claim: Claim, terms: Sequence[str] | None) -> str:
-    """Return in whose favour the world's rigs were fitted, as far as it bears on the claim."""
-    if terms is None:
-        return "not stated"
-    return "; ".join(text for term, text in claim.favours.items() if term in terms) or "nobody"
 
 
 def _reason(parts: Sequence[Part], verdict: str, unit: str) -> str:

@@ -8,10 +8,10 @@ import numpy as np
 from fprc.claims.finding import Finding, Results, Statement, over_seeds
 from fprc.paper import REFERENCE_NAMES, REFERENCES
 
-#: Span of P_exp in the second experiment, kPa: 35 times the sum of five sines.
+#: Largest span of P_exp in the complex experiment, kPa: five sines with an amplitude of 35 kPa.
 _P_EXP_SPAN_KPA = 2 * 35.0 * 5
 
-#: Factor by which a loop that does not depend on frequency may change over the sweep.
+#: Factor within which the loop's width may change over the sweep if frequency does not matter.
 _GROWTH = 1.2
 
 

@@ -1,4 +1,4 @@
-"""Share of the rigs on which each claim holds, and the parameters that decide it."""
+"""Share of the rigs on which each claim holds, and its correlation with their parameters."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -9,9 +9,9 @@ from scipy.stats import binomtest, rankdata, t
 
 from fprc.claims.finding import REPRODUCED
 
-#: Claims that Tables II to IV, weights and loops decide; the others need grids or times. C16 is
-#: settled on paper. C17 is left out because the simulated rig assumes it: the reservoir's bending
-#: hardly changes P_o.
+#: Claims that Tables II to IV, weights and loops decide; the others need grids or times. C16 rests
+#: on printed numbers. C17 is left out because the simulated rig assumes it: the reservoir's
+#: bending hardly changes P_o.
 JUDGED_BY_RIG = (
     "C1", "C2", "C3", "C4a", "C4b", "C7", "C8", "C13a", "C13b", "C14", "C15", "C18a", "C18b",
 )  # fmt: skip

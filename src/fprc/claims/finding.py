@@ -51,8 +51,8 @@ class Results(NamedTuple):
 class Statement(NamedTuple):
     """A number with limits, measured once per seed.
 
-    Its verdict is drawn from the interval of the mean over seeds, and so is undecided where
-    other seeds could turn it. A single value has no interval and decides alone.
+    The verdict follows from the interval of the mean over seeds: it is undecided if the interval
+    contains a limit. A single value has no interval.
     """
 
     text: str  #: names the number and its unit
@@ -135,7 +135,7 @@ class Finding(NamedTuple):
         return f"{text}. {self.excluded}" if self.excluded else text
 
     def test(self) -> str:
-        """Return the limits; those of statements that share them once."""
+        """Return the limits; those that several statements share are given once."""
         by_limits: dict[str, list[str]] = {}
         for statement in self.statements:
             limits = statement.limits().removeprefix(statement.text)

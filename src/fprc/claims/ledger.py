@@ -47,11 +47,19 @@ TIMED = ("C5", "C6", "C10")
 #: The simulated rig assumes, as the paper does, that the reservoir's bending hardly changes P_o.
 _ASSUMED = ("C17",)
 
+#: Terms of an objective that are not claims.
+_TERMS = {
+    "tables": "Tables II and III",
+    "orders": "their orders",
+    "plausible": "plausible loops",
+    "open_loop": "open-loop Table IV",
+}
+
 
 def status_of(claim: str, terms: Sequence[str]) -> str:
     """Return whether a claim was fitted by the terms of an objective, predicted, or neither.
 
-    The open loop is one half of C13a.
+    C13a is half fitted if the open loop was: it is about the open and the closed loop.
     """
     if claim in TIMED:
         return "timed"
@@ -62,6 +70,12 @@ def status_of(claim: str, terms: Sequence[str]) -> str:
     if claim == "C13a" and "open_loop" in terms:
         return "half fitted"
     return "fitted" if any(claim in FITTED_BY.get(term, ()) for term in terms) else "predicted"
+
+
+def fit_in_words(terms: Sequence[str]) -> str:
+    """Return what the terms of an objective fit, as a list in a sentence."""
+    words = [_TERMS.get(term, term) for term in terms]
+    return " and ".join(filter(None, (", ".join(words[:-1]), *words[-1:]))) or "nothing"
 
 
 def parts_of(claims: Sequence[Mapping[str, str]]) -> list[dict[str, str]]:

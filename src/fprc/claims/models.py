@@ -11,6 +11,8 @@ import numpy as np
 from scipy.stats import spearmanr
 
 from fprc.claims.finding import Finding, Results, Statement, over_seeds
+from fprc.paper import MODELS
+from fprc.registry import title_of
 
 #: Phases as the reports name them, and as they are shown.
 PHASES = {
@@ -18,7 +20,6 @@ PHASES = {
     "validation_rmse_kpa": "validation",
     "test_rmse_kpa": "test",
 }
-_TITLES = {"esn": "ESN", "fprc": "FPRC", "fuzzy_linear": "Fuzzy-linear"}
 
 
 def _errors(results: Results, trained_on: str, model: str, metric: str) -> np.ndarray:
@@ -34,7 +35,7 @@ def _errors(results: Results, trained_on: str, model: str, metric: str) -> np.nd
 
 
 def _tests(results: Results, trained_on: str) -> dict[str, np.ndarray]:
-    return {model: _errors(results, trained_on, model, "test_rmse_kpa") for model in _TITLES}
+    return {model: _errors(results, trained_on, model, "test_rmse_kpa") for model in MODELS}
 
 
 def _others(tests: Mapping[str, np.ndarray]) -> np.ndarray:
@@ -42,8 +43,8 @@ def _others(tests: Mapping[str, np.ndarray]) -> np.ndarray:
 
 
 def _similar_training(results: Results, published: Mapping[str, Any]) -> Finding:
-    printed = {model: published["table_2_models"][model]["train_rmse_kpa"][0] for model in _TITLES}
-    # nearer to FPRC than Fuzzy-linear is, which the paper calls worse
+    printed = {model: published["table_2_models"][model]["train_rmse_kpa"][0] for model in MODELS}
+    # halfway, in logarithms, from FPRC to Fuzzy-linear, which the paper calls worse
     limit = math.sqrt(printed["fuzzy_linear"] / printed["fprc"])
     return Finding(
         f"ESN / FPRC {printed['esn'] / printed['fprc']:.2f} in training, which is FPRC / ESN "
@@ -168,8 +169,8 @@ def _reversed_worse(results: Results, published: Mapping[str, Any]) -> Finding:
         "26.2 against 60.3 and 51.5 kPa",
         [
             *(
-                Statement(f"reversed / forward, {title}", backward[m] / forward[m], low=1.0)
-                for m, title in _TITLES.items()
+                Statement(f"reversed / forward, {title_of(m)}", backward[m] / forward[m], low=1.0)
+                for m in MODELS
             ),
             Statement("FPRC / best other, reversed", below, high=1.0),
         ],

@@ -20,12 +20,12 @@ NOT_JUDGED = "not judged"
 
 #: Chance that any of a world's verdicts is wrong.
 ALPHA = 0.05
-#: Units without which nothing is decided; units that a subset lacks.
+#: Fewest units that decide anything; units that a subset leaves out.
 LEAST_UNITS, LEFT_OUT = 8, 5
-#: Subsets that are drawn, and the share of them that must agree with a verdict.
+#: Number of random subsets, and the share of them that must agree with a verdict.
 SUBSETS, AGREEING = 200, 0.95
 
-#: From the weakest to the strongest.
+#: Verdicts from the weakest to the strongest.
 _STRENGTH = (INFERIOR, UNDECIDED, EQUIVALENT, SUPERIOR)
 
 
@@ -75,7 +75,7 @@ class Part(NamedTuple):
         """Return the lowest level that decides anything, and the lowest that says inferior."""
         values = self._array(None)
         mean, freedom = float(values.mean()), values.size - 1
-        # not zero where all units agree
+        # positive even if all units agree exactly
         error = float(values.std(ddof=1)) / math.sqrt(values.size) * self._widened(values.size)
         error = max(error, 1e-12)
         below, above = (2.0 * float(stdtr(freedom, sign * mean / error)) for sign in (1.0, -1.0))
@@ -98,8 +98,8 @@ class Judged(NamedTuple):
     """Outcome of one claim."""
 
     verdict: str
-    p: float  #: adjusted over all claims
-    level: float  #: of the interval of each part
+    p: float  #: lowest level that decides the claim, adjusted over all claims
+    level: float  #: at which each part was judged
     stable: float | None  #: share of the subsets that give the same verdict
 
 

@@ -1,6 +1,6 @@
-"""Claims on one's own recording: those of B1-B8 that need no rig, and FPRC against no P_o.
+"""Claims on a user's recording: those of B1-B8 that need no rig, and FPRC against no P_o.
 
-docs/preregistration.md has them with their limits.
+docs/preregistration.md states them with their limits.
 """
 
 import math
@@ -17,7 +17,7 @@ from fprc.claims.paired import (
     judge_together,
 )
 
-#: Blocks that a subset lacks; ten have less to spare than forty seeds.
+#: Blocks that a subset leaves out; fewer than of forty seeds, since there are only ten.
 LEFT_OUT = 2
 
 
@@ -51,11 +51,11 @@ def judge_recording(report: Mapping[str, Any], titles: Mapping[str, str]) -> lis
     -------
     list of dict
         ``id``, ``claim``, ``verdict``, ``p``, ``level`` and ``stable`` as ``judge_together`` gives
-        them, ``blocks``, ``reason`` (why it is undecided or not judged), ``pair``, and ``ratio``,
+        them, ``blocks``, ``reason`` (why it is undecided or not judged), ``other``, and ``ratio``,
         ``low``, ``high``, which are None if it is not judged. A ratio below 1 supports the claim.
     """
     errors = {cell["model"]: cell.get("validation_rmse_kpa", ()) for cell in report["cells"]}
-    parts = [_part(claim, errors, titles, report["overlap"]) for claim in CLAIMS]
+    parts = [_part(claim, errors, report["overlap"]) for claim in CLAIMS]
     judged = judge_together([[part] for part in parts], left_out=LEFT_OUT)
     rows = []
     for claim, part, outcome in zip(CLAIMS, parts, judged, strict=True):
@@ -69,7 +69,7 @@ def judge_recording(report: Mapping[str, Any], titles: Mapping[str, str]) -> lis
                 **outcome._asdict(),
                 "blocks": len(part.values),
                 "reason": _reason(part, outcome),
-                "pair": part.text,
+                "other": titles[claim.other],
                 **dict(zip(("ratio", "low", "high"), ends, strict=True)),
             }
         )
@@ -77,24 +77,25 @@ def judge_recording(report: Mapping[str, Any], titles: Mapping[str, str]) -> lis
 
 
 def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Return each verdict as a sentence or two."""
+    """Return each verdict in a few sentences."""
     lines = []
     for row in rows:
-        line = f"{row['id']}, {row['claim']}: {row['verdict']}"
+        line = f"{row['claim']} ({row['id']}): {row['verdict']}."
         if row["ratio"] is not None:
-            line += f"; {row['pair']} {row['ratio']:.2f} ({row['low']:.2f} to {row['high']:.2f})"
-        lines.append(f"{line}. {row['reason']}".rstrip())
+            line += (
+                f" FPRC's error is {row['ratio']:#.3g} ({row['low']:#.3g} to {row['high']:#.3g}) "
+                f"times that of {row['other']}."
+            )
+        lines.append(f"{line[0].upper()}{line[1:]} {row['reason']}".rstrip())
     return lines
 
 
-def _part(
-    claim: Claim, errors: Mapping[str, Sequence[float]], titles: Mapping[str, str], overlap: float
-) -> Part:
+def _part(claim: Claim, errors: Mapping[str, Sequence[float]], overlap: float) -> Part:
     ours, theirs = errors.get("fprc", ()), errors.get(claim.other, ())
-    # a model that failed has no blocks
+    # not strict: a model that failed has no blocks
     pairs = enumerate(zip(ours, theirs, strict=False))
     return Part(
-        f"{titles['fprc']} / {titles[claim.other]}",
+        claim.text,
         {
             block: math.log(own) - math.log(other)
             for block, (own, other) in pairs
@@ -108,14 +109,14 @@ def _reason(part: Part, outcome: Judged) -> str:
     """Return why a claim is undecided or not judged; empty if it is decided."""
     blocks = len(part.values)
     if outcome.verdict == NOT_JUDGED:
-        return f"{blocks} blocks have an error of both models; at least 2 are needed."
+        return f"Only {blocks} blocks have an error of both models; at least 2 are needed."
     if outcome.verdict != UNDECIDED:
         return ""
     if blocks < LEAST_UNITS:
-        return f"{blocks} blocks; at least {LEAST_UNITS} decide."
+        return f"There are {blocks} blocks; fewer than {LEAST_UNITS} decide nothing."
     if outcome.stable is not None:
         return (
-            f"Only {outcome.stable:.0%} of the subsets with {LEFT_OUT} blocks fewer agree; "
-            f"{AGREEING:.0%} would decide."
+            f"Without {LEFT_OUT} random blocks the verdict stays in {100 * outcome.stable:.0f} % "
+            f"of the cases; {100 * AGREEING:.0f} % are needed."
         )
-    return "The interval contains 1, and is not within 5 % of it."
+    return "The interval contains 1 and is not within 5 % of it."

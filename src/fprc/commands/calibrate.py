@@ -12,6 +12,7 @@ from fprc.config import PUBLISHED, check, from_files, local_files
 from fprc.errors import ConfigError
 from fprc.fingerprint import fingerprint
 from fprc.paper import MODELS
+from fprc.plan.arguments import judgement, on_rig
 from fprc.registry import class_module
 from fprc.stages.calibrate import calibrate
 
@@ -32,9 +33,15 @@ def calibrate_from_files(
     Parameters
     ----------
     files : sequence of str
-        Without any: ``config/config.yaml`` of the current folder, or else the defaults.
+        By default ``config/config.yaml`` of the current folder, or else the defaults.
     published : str or None
         Published numbers; None takes those of this package.
+    out : str
+        File of the rig to write, YAML; its name becomes that of the rig.
+    minutes : float, optional
+        Time limit; by default the configuration's.
+    workers : int, optional
+        Processes; by default one per processor.
 
     Raises
     ------
@@ -45,7 +52,6 @@ def calibrate_from_files(
     if minutes is not None:
         changed = settings["calibration"] | {"minutes": minutes}
         settings = check(settings | {"calibration": changed}).model_dump(mode="json")
-    calibration = settings["calibration"]
     if workers is not None and workers < 1:
         raise ConfigError(f"--workers {workers}: must be 1 or more; omit it to use all processors")
     if not re.fullmatch(r"[\w.-]+\.ya?ml", Path(out).name):
@@ -60,17 +66,9 @@ def calibrate_from_files(
             published or str(PUBLISHED),
             out,
             f"{stem}.json",
-            on_rig={
-                "rig": settings["rig"],
-                "signals": settings["experiments"],
-                "control": settings["control"],
-                "target": settings["evaluation"]["target"],
-            },
-            judgement={
-                "models": settings["models"],
-                **{key: settings["evaluation"][key] for key in ("folds", "split", "purge_s")},
-            },
-            calibration=calibration,
+            on_rig=on_rig(settings),
+            judgement=judgement(settings, without="seed"),
+            calibration=settings["calibration"],
             grids=settings["grids"],
             tracking=settings["tracking"],
             workers=workers or cpu_count(),

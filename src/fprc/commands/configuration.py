@@ -24,7 +24,7 @@ def print_page(page: str) -> None:
 
 
 def print_rig(name: str | None) -> None:
-    """Print the file of a rig, by default that of the defaults."""
+    """Print the file of a rig; without a name, that of the default rig."""
     print(rig_file(name or RIG).read_text(encoding="utf-8"), end="")
 
 

@@ -25,14 +25,14 @@ def export_c(model: str, header: str, *, single: bool = False) -> None:
     Raises
     ------
     FprcError
-        The file holds no model that can be exported, or ``header`` is no suitable name or is a
-        file that was not exported.
+        ``model`` holds no model that can be exported, or ``header`` does not end in ``.h`` or is a
+        file that this command did not write.
     """
     path = Path(header)
     if path.suffix != ".h":
         raise FprcError(f"{header}: must end in .h, for example fprc_model.h")
     if path.exists() and GENERATED not in path.read_text(encoding="utf-8", errors="replace"):
-        raise FprcError(f"{header}: exists and was not exported; choose another name")
+        raise FprcError(f"{header}: exists and is no exported model; choose another name")
     fitted = load_model(model)
     origin = f"From {Path(model).name}, SHA-256 {sha256(model)}, by fprc {__version__}."
     write_text(path, c_header(fitted, path.stem, single=single, origin=origin))

@@ -95,11 +95,11 @@ def _missing_columns(map_file: str, source: str) -> list[str]:
 
 
 def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
-    """Import as ``import_recording`` does, with a map that was read before."""
+    """Do as ``import_recording``, with a map that has been read already."""
     if Path(raw).suffix != ".h5":
         raise LogError(f"{raw}: a raw log's name ends in .h5; write --out {Path(raw).stem}.h5")
     if Path(raw).exists() and read_columns(raw, ()).attributes.get("source") != "import":
-        raise LogError(f"{raw}: is a log that was not imported; choose another name for --out")
+        raise LogError(f"{raw}: exists and was not imported; choose another name for --out")
     columns = mapping.channels.model_dump(exclude_none=True)
     content = read_source(source, **mapping.csv.model_dump())
     time = mapping.time.model_dump()

@@ -16,11 +16,10 @@ from fprc.logs.recovery import Findings, Stretch, recover, refuse_existing
 from fprc.logs.salvage import salvage
 from fprc.paper import SOURCES
 
-#: Exit codes; 1: nothing can be read.
+#: Exit codes of `log repair`; if nothing can be read, it is 1.
 WHOLE, SOME_LOST = 0, 3
 
-
-#: Checks of a quality record, for people.
+#: Names of the checks of a quality record, for readers.
 _TITLES = {
     "complete": "complete",
     "rate": "sample rate",
@@ -33,7 +32,7 @@ _TITLES = {
 
 
 def inspect_logs(paths: Sequence[str], *, as_json: bool = False) -> int:
-    """Say what is wrong with raw logs; return 1 if one fails a check or is unreadable.
+    """Print what is wrong with raw logs; return 1 if one fails a check or is unreadable, else 0.
 
     The limits are the defaults; the expected sample rate is that in the log's attributes.
 

@@ -46,14 +46,14 @@ def train(
     seed : int, optional
         Seed of folds and model; by default the configuration's.
     config : sequence of str
-        Configuration files; see ``fprc.commands.calibrate``.
+        Configuration files; by default ``config/config.yaml`` of the current folder, if it exists.
 
     Raises
     ------
     ConfigError
         The configuration is wrong, or has no such model; a log is given twice.
     LogError
-        A log cannot be used, or the logs do not go together.
+        A log cannot be used, or the logs differ in source, units or channels.
     EvaluationError
         The logs do not suit the model.
     OutputError
@@ -95,7 +95,7 @@ def predict(model: str, raw: str, out: str, *, config: Sequence[str] = ()) -> No
     out : str
         Table to write, ``.csv``, or ``.h5`` as the workflow writes it.
     config : sequence of str
-        Configuration files; see ``fprc.commands.calibrate``.
+        Configuration files, as for ``train``.
 
     Raises
     ------
@@ -130,12 +130,17 @@ def predict(model: str, raw: str, out: str, *, config: Sequence[str] = ()) -> No
 
 
 def refuse_repeats(paths: Sequence[str], why: str) -> None:
-    """Raise ConfigError if a recording is given twice.
+    """Refuse a recording that is given twice.
 
     Parameters
     ----------
     why : str
         What would be wrong, for the message.
+
+    Raises
+    ------
+    ConfigError
+        Lists every repeated recording.
     """
     places = [Path(path).resolve() for path in paths]
     repeated = [path for i, path in enumerate(paths) if places[i] in places[:i]]

@@ -108,10 +108,10 @@ def _add_simulate(groups: Groups) -> None:
         "logs`.",
     )
     simulate.add_argument(
-        "experiment", choices=EXPERIMENTS, help="the paper trains on the sweep, tests on complex"
+        "experiment", choices=EXPERIMENTS, help="the paper trains on sweep and tests on complex"
     )
     simulate.add_argument(
-        "--seed", type=int, help="draws sensors and noise (default: the configuration's, 1)"
+        "--seed", type=int, help="seed of sensors and noise (default: the configuration's, 1)"
     )
     simulate.add_argument(
         "--rig",
@@ -130,7 +130,7 @@ def _add_train(groups: Groups) -> None:
         "train a model on raw logs",
         "fprc train sweep.h5 --out model.h5",
         "fprc train monday.h5 tuesday.h5 --model fuzzy_linear --out model.h5",
-        more="The model of the best fold of the cross-validation is kept, as in Table II. Prints "
+        more="Keeps the model of the best fold of a cross-validation, as in Table II, and prints "
         "its training and validation error.",
     )
     train.add_argument("logs", nargs="+", metavar="LOG.h5", help="raw log; several train together")
@@ -142,7 +142,7 @@ def _add_train(groups: Groups) -> None:
         "%(default)s)",
     )
     train.add_argument(
-        "--seed", type=int, help="draws folds and clusters (default: the configuration's, 1)"
+        "--seed", type=int, help="seed of folds and clusters (default: the configuration's, 1)"
     )
     _add_config_option(train)
     train.add_argument("--out", metavar="MODEL.h5", required=True, help="model to write")
@@ -293,10 +293,10 @@ def _add_rig(groups: Groups) -> None:
         "--model", metavar="MODEL.h5", help="fitted FPRC (default: that in the results folder)"
     )
     experiment.add_argument(
-        "--gains", metavar="FILE.json", help="gains (default: those in the results folder)"
+        "--gains", metavar="FILE.json", help="PD gains (default: those in the results folder)"
     )
     for verb in (check, experiment):
-        verb.add_argument("--armed", action="store_true", help="let valves move")
+        verb.add_argument("--armed", action="store_true", help="let the valves move")
         verb.add_argument(
             "--config", dest="files", nargs="+", metavar="FILE", default=[], help=_CONFIGURATION
         )
@@ -322,13 +322,17 @@ def _add_readout(groups: Groups) -> None:
         nargs="+",
         default=[],
         metavar="FILE",
-        help="further recordings with the same columns, which train as a whole",
+        help="further recordings with the same columns, used for training only",
     )
     readout.add_argument(
         "--out", metavar="FOLDER", help="folder to write (default: results/ and SOURCE's name)"
     )
     readout.add_argument(
-        "--config", nargs="+", default=[], metavar="FILE", help="settings of the models"
+        "--config",
+        nargs="+",
+        default=[],
+        metavar="FILE",
+        help="configuration; later files override earlier ones (default: the defaults)",
     )
     readout.add_argument("--workers", type=int, help=_WORKERS)
 

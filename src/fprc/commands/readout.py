@@ -12,6 +12,7 @@ from joblib import cpu_count
 from threadpoolctl import threadpool_limits
 
 from fprc.artifacts import read_json, write_json, write_text
+from fprc.claims.recording import sentences
 from fprc.commands.import_recording import checked_map, import_mapped
 from fprc.commands.models import refuse_repeats
 from fprc.commands.readout_page import Recordings, log_names, report_page
@@ -47,7 +48,7 @@ def report_readout(
 ) -> None:
     """Import a recording, evaluate FPRC with and without its P_o, and write a report.
 
-    Other models are evaluated on the same data, with verdicts on FPRC beside them.
+    Other models are evaluated on the same data, with verdicts on how FPRC compares.
 
     Writes ``report.md``, ``readout/`` (tables, figure, cells), ``raw/`` (the
     logs with their diagnoses), ``data/`` and ``quality/`` into ``out``, in the
@@ -58,8 +59,8 @@ def report_readout(
     source, map_file : str
         Recording and its map; the map's ``test_from_s`` is where the test part begins.
     train : sequence of str
-        Further recordings with the same columns, which train as a whole. The map may then have
-        ``experiment: complex`` instead of ``test_from_s``: all of ``source`` tests.
+        Further recordings with the same columns, used for training only. The map may then have
+        ``experiment: complex`` instead of ``test_from_s``: all of ``source`` is test data.
     out : str, optional
         Folder; by default ``results/`` and the recording's name.
     config : sequence of str
@@ -102,12 +103,14 @@ def report_readout(
         words = ("the training logs", "the test log")
     judged = folder / "readout"
     judged.mkdir(parents=True, exist_ok=True)
-    # the shorter work first: a run that is stopped in the longer one goes on there
+    # the shorter task first: a run that is stopped during the longer one resumes there
     competitors = _compete(data, judged, settings, workers or cpu_count())
     results = _judge(data, judged, settings, workers or cpu_count(), words)
     results |= {"competitors": competitors}
     page = folder / "report.md"
     write_text(page, report_page(parts, map_file, mapping, settings, folder, results))
+    for line in sentences(competitors["verdicts"]):
+        log.info("%s", line)
     log.info("%s", page)
 
 
@@ -184,9 +187,8 @@ def _prepare(
 
 def _problems_of_map(path: str, mapping: ImportMap, *, simulated: bool, more: bool) -> list[str]:
     problems = []
-    if mapping.experiment == "complex" and more:
-        pass  # all of the recording tests
-    elif mapping.test_from_s is None:
+    is_whole_test = mapping.experiment == "complex" and more
+    if mapping.test_from_s is None and not is_whole_test:
         problems.append(
             f"{path}: test_from_s is missing: the time in s at which the test part begins, counted "
             "from the first sample; give it instead of experiment"
@@ -206,7 +208,7 @@ def _judge(
     workers: int,
     parts: tuple[str, str],
 ) -> dict[str, Any]:
-    """Run the grid's cells, write table and figure, and return the cells' results."""
+    """Judge FPRC with each readout, write table and figure, and return the errors."""
     cells, png, pdf = (str(folder / name) for name in ("cells.json", "readout.png", "readout.pdf"))
     grids = settings["grids"]
     with threadpool_limits(1):

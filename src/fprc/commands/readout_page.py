@@ -19,7 +19,7 @@ from fprc.provenance import sha256
 
 #: Recordings of one role, training or test: each is a file and its map.
 Recordings = Sequence[tuple[str, ImportMap]]
-PREDICTED = {"command": "commanded", "measured": "measured"}
+_TARGETS = {"command": "commanded", "measured": "measured"}
 
 
 def log_names(experiment: str, count: int) -> list[str]:
@@ -50,7 +50,7 @@ def report_page(
         "and taps are in samples.",
         f"{what_trained(mapping, further)}; models as in the paper"
         f"{'' if _has_default_models(settings) else ', except for the settings given'}. "
-        f"The models predict the {PREDICTED[results['target']]} P_exp.",
+        f"The models predict the {_TARGETS[results['target']]} P_exp.",
         "",
         "## Finding",
         "",

@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Sequence
+from typing import Any
 
 from fprc.apparatus.guardian import guard
 from fprc.apparatus.programme import names, refuse_unknown
@@ -18,8 +19,7 @@ def check(files: Sequence[str], *, armed: bool) -> None:
     ControlError
         The check found a problem.
     """
-    logging.basicConfig(level=logging.INFO, format="%(message)s")
-    settings = from_files(files or local_files()).model_dump(mode="json")
+    settings = _prepare(files)
     guard({"what": "check", "settings": settings, "armed": armed}, settings["hardware"])
 
 
@@ -39,10 +39,16 @@ def run_by_name(
     name : str
         Experiment; ``list`` prints all names.
     raw, model, gains : str, optional
-        Log to write, fitted FPRC and gains; by default the workflow's files.
+        Log to write, fitted model and PD gains; by default the workflow's files.
+
+    Raises
+    ------
+    ConfigError
+        There is no such experiment.
+    ControlError
+        The run was refused or stopped.
     """
-    logging.basicConfig(level=logging.INFO, format="%(message)s")
-    settings = from_files(files or local_files()).model_dump(mode="json")
+    settings = _prepare(files)
     if name == "list":
         print("\n".join(names(settings)))
         return
@@ -56,3 +62,9 @@ def run_by_name(
         model=model or f"{results}/models/sweep_{model_of_run(name)}.h5",
         gains=gains or f"{results}/control/gains.json",
     )
+
+
+def _prepare(files: Sequence[str]) -> dict[str, Any]:
+    """Let messages appear on the terminal, and return the settings."""
+    logging.basicConfig(level=logging.INFO, format="%(message)s")
+    return from_files(files or local_files()).model_dump(mode="json")

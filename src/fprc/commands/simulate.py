@@ -26,11 +26,11 @@ def simulate(
     out : str
         Raw log to write.
     seed : int, optional
-        Draws the sensors of the rig and their noise; by default the configuration's.
+        Seed of the rig's sensors and their noise; by default the configuration's.
     rig : str, optional
         Name of a rig, or a file that ``fprc calibrate`` wrote; by default the configuration's.
     config : sequence of str
-        Configuration files; see ``fprc.commands.calibrate``.
+        Configuration files; by default ``config/config.yaml`` of the current folder, if it exists.
 
     Raises
     ------

@@ -8,54 +8,54 @@ from fprc.config.section import Pair, Section, quantities, quantity, rising, wit
 
 
 class Disturbances(Section):
-    """What is done to P_o of the test log after training."""
+    """Disturbances of P_o in the test log, after training."""
 
     shifts_kpa: tuple[Annotated[float, within(-100, 100)], ...] = quantities(
         (-5, -3, -2, -1, 0, 1, 2, 3, 5), "kPa", (-100, 100), "constant shifts of P_o"
     )
-    drift_kpa: float = quantity(2.0, "kPa", (0, 100), "steady fall of P_o over the test log")
+    drift_kpa: float = quantity(2.0, "kPa", (0, 100), "linear fall of P_o over the test log")
     noise_kpa: float = quantity(
         1.0, "kPa", (0, 100), "standard deviation of white noise added to P_o"
     )
 
 
 class TrainingLogs(Section):
-    """Training logs of other lengths, and a second one."""
+    """Training logs of other lengths, and a second training log."""
 
-    seeds: int = quantity(10, "-", (1, 1000), "seeds")
+    seeds: int = quantity(10, "-", (1, 1000), "seeds on which each length is judged")
     seconds: tuple[Annotated[float, within(5, 3600)], ...] = quantities(
-        (15, 30, 60, 120, 240), "s", (5, 3600), "lengths; each sweeps over the whole band"
+        (15, 30, 60, 120, 240), "s", (5, 3600), "lengths; each log sweeps the whole band"
     )
     second_f_hz: tuple[Annotated[float, within(0.001, 10)], ...] = quantities(
         (0.18, 0.07, 0.43, 0.23, 0.37), "Hz", (0.001, 10),
-        "frequencies of a second training log, a multisine as the test log is",
+        "frequencies of a second training log, a multisine like the test log",
     )  # fmt: skip
 
 
 class Tuning(Section):
-    """Choice of the competitors' settings, on seeds and rigs that judge nothing else."""
+    """Choice of the competitors' settings, on seeds and rigs that are used for nothing else."""
 
     candidates: int = quantity(24, "-", (1, 10000), "settings tried per model, the defaults first")
-    units: int = quantity(3, "-", (1, 100), "seeds of a world, or rigs of it")
+    units: int = quantity(3, "-", (1, 100), "seeds per world of one rig, rigs per world of many")
     seed: int = quantity(1, "-", (0, 2**31), "seed of the draws")
 
 
 class Capacity(Section):
-    """Memory and information processing capacity of the reservoir, on random holds of theta_d."""
+    """Memory and information processing capacity of the reservoir, with theta_d held at random."""
 
     seeds: int = quantity(10, "-", (1, 1000), "seeds of each rig")
     hold_s: float = quantity(
-        0.5, "s", (0.01, 60), "length of a hold; two in a period of the fastest paper signal"
+        0.5, "s", (0.01, 60), "length of a hold; half a period of the paper's fastest signal"
     )
     angle_range_deg: Pair[Annotated[float, within(-120, 120)]] = quantities(
-        (5, 60), "deg", (-120, 120), "theta_d of a hold is uniform in this range"
+        (5, 60), "deg", (-120, 120), "theta_d of each hold is drawn uniformly from this range"
     )
-    samples: int = quantity(4000, "-", (100, 1_000_000), "holds that are judged")
-    washout: int = quantity(20, "-", (0, 10000), "holds before them")
+    samples: int = quantity(4000, "-", (100, 1_000_000), "holds that are evaluated")
+    washout: int = quantity(20, "-", (0, 10000), "holds before these that are discarded")
     max_delay: int = quantity(10, "holds", (1, 1000), "longest delay of a target")
     max_degree: int = quantity(3, "-", (1, 10), "highest total degree of a target")
     p: float = quantity(
-        1e-4, "-", (1e-12, 0.5), "probability that a capacity of chance counts, per target"
+        1e-4, "-", (1e-12, 0.5), "probability, per target, that a capacity due to chance counts"
     )
     virtual_nodes: int = quantity(10, "-", (1, 1000), "samples of P_o in a hold")
     bank_epsilons: tuple[Annotated[float, within(1e-6, 1)], ...] = quantities(
@@ -67,16 +67,16 @@ class Capacity(Section):
 
 
 class Beyond(Section):
-    """Competitors of the paper's models on several worlds: rigs, and sets of rigs."""
+    """Competitors of the paper's models on several worlds; a world is one rig, or a set of rigs."""
 
     first_seed: int = quantity(
-        601, "-", (0, 2**31 - 2**20), "the worlds' seeds count from here; no fit has seen them"
+        601, "-", (0, 2**31 - 2**20), "first seed of the worlds; no fit has seen it or a later one"
     )
     seeds: int = quantity(40, "-", (1, 10000), "seeds of each world with one rig")
     rigs: int = quantity(40, "-", (1, 10000), "rigs of each world with many")
     seeds_per_rig: int = quantity(3, "-", (1, 100), "seeds of each drawn rig")
     slow: int = quantity(
-        10, "-", (0, 10000), "seeds that also judge the slow models (ESN, trees, MLP)"
+        20, "-", (0, 10000), "seeds on which the slow models (ESN, trees, MLP) are judged too"
     )
     restarts: int = quantity(
         10, "-", (1, 1000), "starts of every clustering; the lowest objective is kept"

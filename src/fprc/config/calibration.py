@@ -5,20 +5,20 @@ from typing import Annotated, Literal
 from pydantic import Field, field_validator, model_validator
 
 from fprc.config.free import free_ranges
-from fprc.config.section import Pair, Section, quantities, quantity, rising, within
+from fprc.config.section import Pair, Section, distinct, quantities, quantity, rising, within
 
 
 class Plausible(Section):
-    """Plausible ranges for a fitted rig, beside the published errors."""
+    """Plausible ranges of a fitted rig's properties."""
 
     angle_deg: Pair[Annotated[float, within(1, 120)]] = quantities(
         (57, 63), "deg", (1, 120), "largest angle of the sweep", "paper: about 60 deg"
     )
     loop_kpa: Pair[Annotated[float, within(1, 400)]] = quantities(
-        (45, 75), "kPa", (1, 400), "width of the sweep's loop at mid-angle", "the size of 14.9 kPa"
+        (45, 75), "kPa", (1, 400), "width of the loop at mid-angle", "Fuzzy-linear's printed error"
     )
     loop_growth: Pair[Annotated[float, within(0.1, 10)]] = quantities(
-        (0.87, 1.15), "-", (0.1, 10), "its growth from the first to the last quarter",
+        (0.87, 1.15), "-", (0.1, 10), "growth of that width from the first to the last quarter",
         "paper, Sec. II-B: independent of frequency",
     )  # fmt: skip
     p_o_swing_kpa: Pair[Annotated[float, within(1, 400)]] = quantities(
@@ -28,7 +28,7 @@ class Plausible(Section):
         (0.17, 0.4), "-", (0.001, 2), "width of P_o's loop over its swing", "paper, Fig. 5"
     )
     p_o_loop_growth: Pair[Annotated[float, within(0.1, 10)]] = quantities(
-        (0.87, 1.15), "-", (0.1, 10), "its growth from the first to the last quarter",
+        (0.87, 1.15), "-", (0.1, 10), "growth of that width from the first to the last quarter",
         "paper, Sec. II-B: independent of frequency",
     )  # fmt: skip
 
@@ -42,7 +42,7 @@ Term = Literal[
 
 
 class Fitted(Section):
-    """Where the rig's parameters come from; the file of a fitted rig gives this with the rig."""
+    """Where the rig's parameters come from; a fitted rig's file has this section."""
 
     name: str = Field("default", pattern=r"^[\w.-]+$", description="name of the rig")
     to: tuple[Term, ...] = Field(
@@ -115,36 +115,29 @@ class Calibration(Section):
     seeds: tuple[Annotated[int, within(0, 2**31)], ...] = Field(
         (21, 22, 23, 24, 25, 26),
         min_length=1,
-        description="noise seeds of the objective; with too few, the search fits their noise",
+        description="noise seeds of the objective; with few, the search fits the noise",
     )
     grid_seeds: int = quantity(
-        2, "-", (1, 1000), "the first of these seeds judge the grids of C9, C11 and C12"
+        2, "-", (1, 1000), "number of these seeds that also judge the grids of C9, C11 and C12"
     )
     check_seeds: tuple[Annotated[int, within(0, 2**31)], ...] = Field(
         (41, 42, 43, 44, 45, 46, 47, 48),
         min_length=1,
-        description="noise seeds on which the fitted rig is compared with the one before it",
+        description="noise seeds on which the fitted rig is compared with the starting rig",
     )
     taps: tuple[Annotated[int, within(1, 10)], ...] = Field(
-        (2, 4, 7, 10),
-        min_length=2,
-        description="n_u and n_y at which the search judges C12",
+        (2, 4, 7, 10), min_length=2, description="n_u and n_y at which the search judges C12"
     )
     generations: int = quantity(80, "-", (1, 100000), "generations of eight rigs")
     step: float = quantity(
-        0.05, "-", (1e-3, 1), "standard deviation of the first rigs, share of each range"
+        0.05, "-", (1e-3, 1), "standard deviation of the first rigs, as a share of each range"
     )
     minutes: float = quantity(60, "min", (0.01, 10000), "no generation begins after this time")
     stride: int = quantity(5, "samples", (1, 1000), "the surrogate models fit every n-th row")
     esn_nodes: int = quantity(150, "-", (1, 10000), "reservoir size of the surrogate ESN")
     plausible: Plausible = Plausible()
 
-    @field_validator("taps")
-    @classmethod
-    def _taps_differ(cls, taps: tuple[int, ...]) -> tuple[int, ...]:
-        if len(set(taps)) < len(taps):
-            raise ValueError(f"{taps} repeats a size; give each once")
-        return taps
+    _taps_differ = field_validator("taps")(distinct)
 
     @model_validator(mode="after")
     def _free_parameters_exist(self) -> "Calibration":
@@ -156,35 +149,35 @@ class Posterior(Section):
     """Rigs that are compatible with the errors of Tables II and III."""
 
     rigs: int = quantity(
-        240, "-", (10, 1_000_000), "draws from the ensemble; those that stay plausible remain"
+        240, "-", (10, 1_000_000), "rigs drawn at the beginning; implausible ones drop out"
     )
     chunk: int = quantity(20, "-", (1, 100000), "rigs per job")
     seed: int = quantity(
         5000, "-", (2, 2**31 - 2**24), "seed of the draws; each rig's noise has its own"
     )
     tolerance: float = quantity(
-        0.1, "-", (0.01, 1), "standard deviation of the logarithm of an error from the printed one"
+        0.1, "-", (0.01, 1), "standard deviation of an error's logarithm around the printed one"
     )
     assimilations: int = quantity(5, "-", (0, 100), "steps of the ensemble smoother")
     sweeps: int = quantity(
-        20, "-", (0, 100000), "sweeps of the sampler, a proposal per rig each; 0 leaves it out"
+        20, "-", (0, 100000), "sweeps of the sampler, with one proposal per rig; 0: none"
     )
 
 
 class Ensemble(Section):
-    """Rigs drawn from the ranges of the free parameters instead of fitted."""
+    """Rigs whose free parameters are drawn from their ranges instead of fitted."""
 
-    rigs: int = quantity(40, "-", (1, 1_000_000), "rigs")
+    rigs: int = quantity(40, "-", (1, 1_000_000), "number of rigs")
     chunk: int = quantity(5, "-", (1, 100000), "rigs per job")
     seed: int = quantity(1000, "-", (0, 2**31), "seed of the draws, and of each rig's noise")
     angle_deg: Pair[Annotated[float, within(1, 120)]] = quantities(
-        (50, 70), "deg", (1, 120), "draws with a largest angle outside are rejected"
+        (50, 70), "deg", (1, 120), "range of the largest angle; other rigs are rejected"
     )
     p_o_swing_kpa: Pair[Annotated[float, within(1, 400)]] = quantities(
-        (30, 100), "kPa", (1, 400), "draws with a swing of P_o outside are rejected"
+        (30, 100), "kPa", (1, 400), "range of the swing of P_o; other rigs are rejected"
     )
     sensitivity_steps: int = quantity(
-        5, "-", (2, 100), "values of each parameter in the sensitivity table, end to end"
+        5, "-", (2, 100), "values over each parameter's range in the sensitivity table"
     )
 
     _rises = field_validator("angle_deg", "p_o_swing_kpa")(rising)

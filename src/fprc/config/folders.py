@@ -1,4 +1,4 @@
-"""Folders for raw logs and results; refuses those that would mix with other files."""
+"""Folders for raw logs and results, which must not mix with other files."""
 
 import os
 from pathlib import PurePath
@@ -21,11 +21,11 @@ RESULT_FOLDERS = frozenset(
 )  # fmt: skip
 
 _LIMIT_NAME = 255  # of Linux
-#: Linux allows 4096; Snakemake's records lie below the project, in paths a third longer.
+#: Linux allows 4096, but Snakemake keeps records of files under paths a third longer.
 _LIMIT_PATH = 1000
 
 
-def _place(folder: str) -> tuple[str, ...]:
+def _path_parts(folder: str) -> tuple[str, ...]:
     """Return the parts of a folder's path, relative to the working directory."""
     path = os.path.normpath(folder)
     if os.path.isabs(path) or path.startswith(".."):
@@ -33,7 +33,7 @@ def _place(folder: str) -> tuple[str, ...]:
     return PurePath(path).parts
 
 
-def _faults(folder: str) -> list[str]:
+def _reasons_to_refuse(folder: str) -> list[str]:
     """Return every reason to refuse a folder."""
     names = PurePath(folder).parts
     reasons = []
@@ -53,7 +53,7 @@ def _faults(folder: str) -> list[str]:
         reasons.append(f"is longer than {_LIMIT_PATH} bytes")
     if "\0" in folder:  # cannot be resolved as a path
         return reasons
-    place = _place(folder)
+    place = _path_parts(folder)
     if set(place) <= {".."}:
         reasons.append("is the project's folder, or contains it")
     elif place[0] in PROJECT_FOLDERS or (place[0].startswith(".") and place[0] != ".."):
@@ -64,17 +64,17 @@ def _faults(folder: str) -> list[str]:
     return reasons
 
 
-def _usable(folder: str) -> str:
+def _checked(folder: str) -> str:
     # `out/` and `./out` are `out`
     folder = str(PurePath(folder))
-    reasons = _faults(folder)
+    reasons = _reasons_to_refuse(folder)
     if reasons:
         shown = repr(folder) if len(folder) < 60 else f"{folder[:60]!r}..."
         raise ValueError(f"{shown} {', and '.join(reasons)}; choose another folder")
     return folder
 
 
-Folder = Annotated[str, AfterValidator(_usable)]
+Folder = Annotated[str, AfterValidator(_checked)]
 
 
 class Folders(Section):
@@ -89,8 +89,8 @@ class Folders(Section):
     results: Folder = Field("results", min_length=1, description="everything generated")
 
     @model_validator(mode="after")
-    def _apart(self) -> "Folders":
-        raw, results = _place(self.raw), _place(self.results)
+    def _folders_differ(self) -> "Folders":
+        raw, results = _path_parts(self.raw), _path_parts(self.results)
         if raw == results:
             raise ValueError(f"raw and results are both {self.raw}; give each its own folder")
         if results[: len(raw)] == raw:

@@ -15,16 +15,14 @@ def free_ranges(
     Parameters
     ----------
     paths : sequence of str
-        A number of the rig ("bending.friction_kpa"), one number of a list
-        ("bending.relaxation_time_s.0"), or a whole list, which is scaled as a
-        whole: its range is that of its first number. Of weights that sum to 1, each but
-        the last.
+        As ``fprc.calibration.space.Free`` takes them. The range of a whole list is that of its
+        first number.
 
     Raises
     ------
     ValueError
-        Lists, one per line, every path that is not a number of the rig, and every
-        range that is empty, exceeds the physical one, or has no free parameter.
+        Lists every path that is not a number of the rig, and every range that is empty, exceeds
+        the physical one, or belongs to no free parameter.
     """
     parameters = {key: (default, field) for key, default, field, _ in fields(Rig())}
     problems = [
@@ -34,9 +32,9 @@ def free_ranges(
     ]
     ranges = {}
     for path in paths:
-        if _is_left_over(path, parameters):
+        if _follows_from_others(path, parameters):
             problems.append(
-                f"calibration.free: {path} follows from the other weights, which sum to 1 with it; "
+                f"calibration.free: {path} follows from the other weights, as all sum to 1; "
                 "remove it"
             )
             continue
@@ -72,7 +70,7 @@ def _physical(path: str, parameters: Mapping[str, tuple[Any, Any]]) -> tuple[flo
     return max(low / scale for scale in scales), min(high / scale for scale in scales)
 
 
-def _is_left_over(path: str, parameters: Mapping[str, tuple[Any, Any]]) -> bool:
+def _follows_from_others(path: str, parameters: Mapping[str, tuple[Any, Any]]) -> bool:
     """Return whether these weights cannot change alone: the last one, or all as a whole."""
     key, _, last = path.rpartition(".")
     name = key if last.isdigit() else path

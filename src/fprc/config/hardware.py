@@ -8,8 +8,8 @@ from pydantic import Field, field_validator, model_validator
 from fprc.config.section import Pair, Section, quantities, quantity, rising, within
 
 
-def none_for_null(value: Any) -> Any:
-    """Return None for the text null, as the command line passes it."""
+def _none_for_null(value: Any) -> Any:
+    """Return None for the text null, which the command line passes."""
     return None if value == "null" else value
 
 
@@ -37,7 +37,7 @@ class Boards(Section):
         "the same for all users; empty: /run/lock, or /tmp if there is none",
     )
 
-    _null = field_validator("heartbeat_output", mode="before")(none_for_null)
+    _null = field_validator("heartbeat_output", mode="before")(_none_for_null)
 
     @field_validator("lock_folder")
     @classmethod
@@ -87,8 +87,8 @@ class AngleSensor(Section):
         return gain
 
 
-#: The pressure loops fill a chamber with more voltage, so less voltage must vent it. With this
-#: much less than neutral, V, the valve is 40 % open and beyond its dead zone.
+#: Least difference of the venting voltage from neutral, V. The pressure loops fill a chamber with
+#: more voltage, so less must vent it; with this much less, the valve is 40 % open.
 VENT_MARGIN_V = 2.0
 
 
@@ -158,17 +158,17 @@ class Loop(Section):
     """Real-time settings of the control loop."""
 
     priority: int = quantity(
-        50, "-", (0, 99), "real-time priority (SCHED_FIFO) to ask for; 0: none"
+        50, "-", (0, 99), "real-time priority (SCHED_FIFO) to request; 0: none"
     )
     spin_s: float = quantity(
-        2e-4, "s", (0, 5e-3), "busy waiting before each deadline, for less jitter"
+        2e-4, "s", (0, 5e-3), "busy waiting before each deadline, which reduces jitter"
     )
     stalled_s: float = quantity(
         0.5,
         "s",
         (0.2, 10),
-        "if the loop is silent for longer, the watching process ends it and vents; "
-        "if the watching process is silent for longer, the loop vents and ends itself",
+        "if the control loop is silent for longer, the guardian process kills it and vents; "
+        "if the guardian is silent for longer, the loop vents and ends",
     )
 
 
@@ -182,13 +182,13 @@ class Hardware(Section):
     theta: AngleSensor = AngleSensor()
     phi: AngleSensor | None = Field(
         AngleSensor(address=0x13),
-        description="second angle sensor, on the reservoir, for Fig. 17; null: no sensor",
+        description="second angle sensor, on the reservoir, for Fig. 17; null: none",
     )
     valves: Valves = Valves()
     limits: Limits = Limits()
     loop: Loop = Loop()
 
-    _null = field_validator("phi", mode="before")(none_for_null)
+    _null = field_validator("phi", mode="before")(_none_for_null)
 
     @model_validator(mode="after")
     def _sensor_faults_are_detectable(self) -> "Hardware":

@@ -25,19 +25,19 @@ Text = Annotated[str, _AS_TEXT]
 
 def _not_zero(value: float) -> float:
     if value == 0.0:
-        raise ValueError("would set the whole column to the offset; remove the key for 1")
+        raise ValueError("would replace the whole column by the offset; remove the key for 1")
     return value
 
 
 class Column(Section):
-    """Where a channel comes from: unit of (scale * column + offset)."""
+    """Where a channel comes from; its values are scale * column + offset, in ``unit``."""
 
     column: Text = Field(min_length=1, description="CSV header, HDF5 path or MATLAB variable")
     scale: Annotated[float, AfterValidator(_not_zero)] = Field(
         1.0, description="factor on the numbers of the file"
     )
     offset: float = Field(0.0, description="added after the factor, in `unit`")
-    note: str = Field("", description="remark for the log's readers")
+    note: str = Field("", description="remark for readers of the log")
 
 
 class Pressure(Column):
@@ -76,12 +76,12 @@ class Time(Section):
     """Times of the samples: a column and its unit, or a rate."""
 
     column: Text | None = Field(None, description="column that holds the times")
-    unit: Literal["s", "ms", "us", "ns", "min"] = Field("s", description="of the column")
+    unit: Literal["s", "ms", "us", "ns", "min"] = Field("s", description="unit of the column")
     repeated: Literal["first", "mean"] | None = Field(
-        None, description="of samples at the same time, keep the first, or average them"
+        None, description="of samples at the same time, keep the first or average them"
     )
     unordered: Literal["sort"] | None = Field(None, description="sort samples by their times")
-    rate_hz: float | None = Field(None, gt=0, le=1e6, description="rate, without a column")
+    rate_hz: float | None = Field(None, gt=0, le=1e6, description="rate instead of a column")
 
 
 class Csv(Section):
@@ -98,12 +98,12 @@ class ImportMap(Section):
 
     experiment: Literal["sweep", "complex"] | None = None
     test_from_s: float | None = Field(
-        None, gt=0, description="time since the first sample: before it training, from it on test"
+        None, gt=0, description="end of training and begin of test, s after the first sample"
     )
     sample_rate_hz: float = Field(200.0, ge=1, le=1e5, description="rate of the raw log")
     time: Time
-    start_s: float = Field(0.0, ge=0, description="first time kept, since the first sample")
-    end_s: float | None = Field(None, gt=0, description="last time kept, since the first sample")
+    start_s: float = Field(0.0, ge=0, description="first time kept, s after the first sample")
+    end_s: float | None = Field(None, gt=0, description="last time kept, s after the first sample")
     channels: Channels
     csv: Csv = Csv()
 
@@ -116,7 +116,7 @@ class ImportMap(Section):
             The map has no ``test_from_s``, so it describes one log.
         """
         if self.test_from_s is None:
-            raise ValueError("no parts without test_from_s")
+            raise ValueError("a map without test_from_s has no parts")
         parts: dict[str, dict[str, Any]] = {
             # the sample at the border belongs to the test
             "sweep": {"end_s": self.test_from_s - 0.5 / self.sample_rate_hz},
@@ -154,14 +154,14 @@ def read_map(path: Path | str) -> ImportMap:
 
 
 class Draft(NamedTuple):
-    """The parts of a map that can be compared with its file."""
+    """The parts of a map that can be compared with the file to import."""
 
     columns: dict[str, str]  #: by key of the map
     csv: dict[str, Any]  #: format of the text
 
 
 def read_draft(path: Path | str) -> Draft:
-    """Read the parts of a map that can be compared with its file, even if others are wrong.
+    """Read the parts of a map that can be compared with the file, even if others are wrong.
 
     Raises
     ------

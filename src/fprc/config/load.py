@@ -40,7 +40,7 @@ def local_files() -> list[Path]:
 
 
 def check(config: Mapping[str, Any], files: Sequence[Path | str] = ()) -> Settings:
-    """Return the typed settings of a nested mapping; what it leaves out has its default.
+    """Return the typed settings of a nested mapping, completed by the defaults.
 
     The default rig is the fitted one, not that of ``Settings()``. ``rig`` is the name of a rig,
     numbers that change the default rig, or, beside ``fitted``, a whole rig as in a rig's file.
@@ -48,7 +48,7 @@ def check(config: Mapping[str, Any], files: Sequence[Path | str] = ()) -> Settin
     Parameters
     ----------
     files : sequence
-        Files that it was read from, for the message.
+        Files from which it was read, for the error message.
 
     Raises
     ------
@@ -68,14 +68,13 @@ def _checked(layers: Sequence[Mapping[str, Any]], files: Sequence[Path | str]) -
     while True:
         try:
             settings = Settings.model_validate(remaining)
+            break
         except ValidationError as error:
             lines += [line for line in map(_line, error.errors()) if line not in lines]
             # checks across several keys run only once each key is valid by itself
             restored = [_restore_default(remaining, item) for item in error.errors()]
             if not any(restored):
                 break
-        else:
-            break
     if not lines:
         return settings
     noun = "error" if len(lines) == 1 else "errors"
@@ -127,7 +126,7 @@ def rig_file(name: str) -> Path:
     Raises
     ------
     ConfigError
-        There is no such file; lists the names of those that there are.
+        There is no such file; lists the names of the rigs.
     """
     files = rig_files()
     if name not in files:
@@ -139,8 +138,8 @@ def rig_file(name: str) -> Path:
 def _with_whole_rig(config: Mapping[str, Any]) -> Mapping[str, Any]:
     """Replace the name of a rig by the contents of its file.
 
-    Numbers beside ``fitted`` are a whole rig: it replaces the rig of the layers before, also where
-    it leaves defaults. Numbers alone change that rig, which is then not a fitted one.
+    Numbers beside ``fitted`` are a whole rig, completed by defaults, which replaces the rig of the
+    layers before. Numbers alone change that rig, which then counts as not fitted.
     """
     rig = config.get("rig")
     whole: dict[str, Any] = {"rig": Settings().rig.model_dump(mode="json")}
@@ -156,7 +155,7 @@ def _with_whole_rig(config: Mapping[str, Any]) -> Mapping[str, Any]:
     return whole
 
 
-#: Settings with keys that the user chooses: a given value replaces the whole default.
+#: Mappings with keys that the user chooses: a given one replaces the whole default.
 _WHOLE = ("ranges",)
 
 

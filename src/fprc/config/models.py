@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
-from fprc.config.section import Section, quantities, quantity, within
+from fprc.config.section import Section, distinct, quantities, quantity, within
 from fprc.paper import controller_and_gain
 from fprc.registry import MODELS
 
@@ -13,12 +13,12 @@ from fprc.registry import MODELS
 class Esn(Section):
     """Echo state network, Sec. III-A and Table I."""
 
-    r: int = quantity(800, "-", (1, 10000), "reservoir size", "paper, Table I")
+    r: int = quantity(800, "-", (1, 10000), "nodes of the reservoir", "paper, Table I")
     f_input: float = quantity(0.02, "-", (1e-6, 10), "input scaling factor", "paper, Table I")
     gamma: float = quantity(0.8, "-", (0, 0.9999), "leaky rate", "paper, Table I")
     rho: float = quantity(0.4, "-", (0, 1.5), "spectral radius", "paper, Table I")
     washout: int = quantity(
-        100, "samples", (0, 10000), "steps that settle the state x", "paper, Sec. III-D"
+        100, "samples", (0, 10000), "steps for the state x to settle", "paper, Sec. III-D"
     )
 
 
@@ -26,14 +26,14 @@ class Fprc(Section):
     """Fuzzy pneumatic reservoir computing, Sec. III-B and Table I."""
 
     epsilon: float = quantity(0.01, "-", (1e-6, 1), "filter factor", "paper, Table I")
-    n_c: int = quantity(8, "-", (1, 64), "fuzzy rules", "paper, Table I")
+    n_c: int = quantity(8, "-", (1, 64), "number of fuzzy rules", "paper, Table I")
     n_u: int = quantity(3, "samples", (1, 100), "taps of the readout P_o", "paper, Table I")
     sigma: float = quantity(2.0, "-", (1e-3, 1e3), "Gaussian membership scaling", "paper, Table I")
     clustering: Literal["fprc", "scikit-fuzzy"] = Field(
         "fprc", description="fuzzy c-means of this package, or that of scikit-fuzzy"
     )
     restarts: int = quantity(
-        1, "-", (1, 1000), "starts of the clustering; the lowest objective is kept"
+        1, "-", (1, 1000), "starts of the clustering; that of the lowest objective is kept"
     )
 
     @field_validator("clustering")
@@ -48,7 +48,7 @@ class Other(Section):
     """A model from outside this package; docs/extending.md shows one."""
 
     estimator: str = Field(
-        pattern=r"^[A-Za-z_]\w*(\.[A-Za-z_]\w*)+$", description="its class, module.Class"
+        pattern=r"^[A-Za-z_]\w*(\.[A-Za-z_]\w*)+$", description="its class, as module.Class"
     )
     inputs: tuple[Literal["theta_deg"]] | tuple[Literal["theta_deg"], Literal["p_o_kpa"]] = Field(
         ("theta_deg",), description="its input channels, in the order of its columns"
@@ -66,7 +66,7 @@ class Models(Section):
     esn: Esn = Esn()
     fprc: Fprc = Fprc()
     others: dict[Annotated[str, Field(pattern=r"^[a-z][a-z0-9]*(_[a-z0-9]+)*$")], Other] = Field(
-        {}, description="models from outside this package, by name; docs/extending.md"
+        {}, description="models from outside this package, by name; see docs/extending.md"
     )
 
     @field_validator("others")
@@ -89,11 +89,11 @@ class Evaluation(Section):
 
     folds: int = quantity(5, "-", (2, 100), "folds of the cross-validation", "paper, Sec. III-D")
     split: Literal["shuffled", "blocked"] = Field(
-        "shuffled", description="rows of a fold: at random, as the printed spread implies, or "
-        "contiguous, which keeps neighbours in time out of the validation"
+        "shuffled", description="rows of a fold: random, as the printed spread implies, or "
+        "contiguous, so that neighbours in time do not validate each other"
     )  # fmt: skip
     purge_s: float = quantity(
-        2.0, "s", (0, 60), "time on each side of a contiguous fold that does not train"
+        2.0, "s", (0, 60), "time on each side of a contiguous fold that is left out of training"
     )
     target: Literal["command", "measured"] = Field(
         "command", description="P_exp that the models learn: commanded or measured pressure"
@@ -113,15 +113,10 @@ class Evaluation(Section):
         description="seeds of further rigs, on which tables, grids and runs are repeated",
     )
     verdict_seeds: int = quantity(
-        10, "-", (2, 100000), "the first of these seeds decide the verdicts, however many there are"
+        10, "-", (2, 100000), "number of these seeds, from the first, that decide the verdicts"
     )
 
-    @field_validator("replicate_seeds")
-    @classmethod
-    def _seeds_differ(cls, seeds: tuple[int, ...]) -> tuple[int, ...]:
-        if len(set(seeds)) < len(seeds):
-            raise ValueError(f"{seeds} repeats a seed; give each once")
-        return seeds
+    _seeds_differ = field_validator("replicate_seeds")(distinct)
 
 
 class Grids(Section):
@@ -143,9 +138,7 @@ class Grids(Section):
         (1, 3, 5, 8, 10), "samples", (1, 100), "taps of P_o in the controls of the readout",
         "assumed",
     )  # fmt: skip
-    chunks: int = quantity(
-        1, "-", (1, 100), "jobs per grid; jobs beyond its number of cells are idle"
-    )
+    chunks: int = quantity(1, "-", (1, 100), "jobs per grid; useful up to its number of cells")
 
     @field_validator("n_u")
     @classmethod

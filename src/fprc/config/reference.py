@@ -1,4 +1,4 @@
-"""Pages that are generated from the typed settings: defaults, schema, reference."""
+"""Files generated from the typed settings: defaults, schema, reference page."""
 
 import inspect
 import json
@@ -20,16 +20,17 @@ _HEAD = """\
 _FILES = """\
 `rig` is a name or numbers; without it the rig is `@RIG@`. A name is that of a rig of this package,
 which `fprc config rig NAME` prints, or of your file `config/rigs/NAME.yaml`. Numbers change the rig
-before them, or `@RIG@`. Beside `fitted` they are a whole rig, completed by the defaults below.
+that an earlier file gives, or `@RIG@`. Beside `fitted` they are a whole rig, completed by the
+defaults below.
 
 Files are YAML 1.2 or JSON: `010` is 10 and `1e3` is 1000; `1:30`, `no` and `2026-01-02` are texts.
-A key that is given twice, an alias (`*name`, `<<`), a tag (`!name`) and a second document are
-errors; all are reported at once with their lines. `fprc config check FILE ...` only checks.
+A repeated key, an alias (`*name`, `<<`), a tag (`!name`) and a second document are errors; all are
+reported at once with their lines. `fprc config check FILE ...` only checks.
 
 Snakemake parses `--config` itself: the last of repeated keys wins without a warning; numbers are
 decimal as in files. It also parses the files of `--configfile` before this project does, and
-expands their aliases, which may take all memory: check a file from elsewhere first. If Snakemake
-cannot read a file, its message does not name it; `fprc config check FILE` does.
+expands their aliases, which may take all memory: check a file from elsewhere first. Its message
+about a file that it cannot read does not name the file; that of `fprc config check FILE` does.
 """
 
 
@@ -46,7 +47,7 @@ def schema() -> str:
 
 
 def reference() -> str:
-    """Return docs/configuration.md: unit, default, range, meaning, source."""
+    """Return docs/configuration.md: unit, default, range, meaning and source of every key."""
     lines = [
         "# Configuration",
         "",
@@ -83,7 +84,7 @@ def _row(name: str, default: Any, field: Any, section: type[BaseModel]) -> str:
 
 
 class _Plain(yaml.SafeDumper):
-    """Writes small floats as 1.0e-06, which YAML reads back as numbers."""
+    """Writes 1e-06 as 1.0e-06: YAML 1.1 reads the former as text."""
 
 
 def _float(dumper: yaml.SafeDumper, value: float) -> yaml.Node:

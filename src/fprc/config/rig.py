@@ -1,10 +1,11 @@
 """Parameters of the simulated rig: unit, physical range and source of each.
 
-``fitted`` as a source means that no data sheet gives the value: the value in
-``rigs`` is fitted so that the rig reproduces the paper.
+The source ``fitted`` means that no data sheet gives the value; the files in ``rigs`` have values
+with which the rig reproduces the paper.
 """
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
@@ -23,6 +24,16 @@ def _sums_to_one(section: Section, name: str) -> None:
     total = sum(getattr(section, name))
     if abs(total - 1.0) > 1e-9:
         raise ValueError(f"{name} sums to {total:.6g}; make it sum to 1")
+
+
+def stiffest_squeeze(rig: Mapping[str, Any]) -> float:
+    """Return the stiffness of the squeeze while its friction sticks at full supply, kPa/mL."""
+    reservoir = rig["reservoir"]
+    highest_kpa = (
+        reservoir["friction_kpa"] + reservoir["friction_per_kpa"] * rig["valve"]["supply_kpa_abs"]
+    )
+    pairs = zip(reservoir["slip_weight"], reservoir["slip_distance_ml"], strict=True)
+    return reservoir["squeeze_stiffness_kpa_per_ml"] + highest_kpa * sum(w / d for w, d in pairs)
 
 
 class Valve(Section):
@@ -58,7 +69,7 @@ class Chamber(Section):
         20, "mL", (11, 40), "volume at rest, tube included", "size of the muscle; fitted"
     )
     volume_ml_per_deg: float = quantity(
-        0.3, "mL/deg", (0, 0.6), "growth of the volume with bending", "size of the muscle"
+        0.3, "mL/deg", (0, 0.6), "growth of the volume with the bending angle", "size of the muscle"
     )
     polytropic_index: float = quantity(
         1.1, "-", (1.0, 1.4), "1 isothermal, 1.4 adiabatic", "between the two at 1 Hz"
@@ -66,7 +77,7 @@ class Chamber(Section):
 
 
 class ReservoirChamber(Section):
-    """PAM A, the active chamber of the reservoir; it grows by the volume that it squeezes."""
+    """PAM A, the active chamber of the reservoir; it grows by the volume squeezed out of PAM B."""
 
     volume_ml: float = quantity(
         20, "mL", (11, 40), "volume at rest, tube included", "size of the muscle"
@@ -77,7 +88,7 @@ class ReservoirChamber(Section):
 
 
 class Bending(Section):
-    """Mechanics of the bending actuator; torques read in kPa, angles in deg."""
+    """Mechanics of the bending actuator; torques are in kPa, angles in deg."""
 
     inertia_kpa_s2_per_deg: float = quantity(
         6e-4, "kPa s^2/deg", (2e-4, 2e-3), "inertia J", "free swing near 10 Hz"
@@ -95,11 +106,7 @@ class Bending(Section):
         3e-4, "kPa/deg^3", (0, 1e-3), "cubic stiffness k3", "about 60 deg at 350 kPa; fitted"
     )
     gain_loss_per_deg: float = quantity(
-        0.0,
-        "1/deg",
-        (0, 0.005),
-        "loss of the muscle's gain with contraction, g0",
-        "McKibben muscle",
+        0.0, "1/deg", (0, 0.005), "relative loss of torque with bending, g0", "McKibben muscle"
     )
     relaxation_stiffness_kpa_per_deg: tuple[Annotated[float, within(0.0, 3.0)], ...] = quantities(
         (0.5, 0.5), "kPa/deg", (0, 3), "stiffness of each viscoelastic branch", "rubber; fitted"
@@ -143,7 +150,7 @@ class Drift(Section):
     sigma_kpa: float = quantity(
         8.0, "kPa", (0, 15), "standard deviation of the Ornstein-Uhlenbeck torque", "fitted"
     )
-    time_s: float = quantity(8.0, "s", (1, 60), "its correlation time", "fitted")
+    time_s: float = quantity(8.0, "s", (1, 60), "correlation time of that torque", "fitted")
 
 
 class Reservoir(Section):
@@ -162,13 +169,13 @@ class Reservoir(Section):
         35, "kPa/mL", (5, 150), "stiffness of the fabric, k_s", "swing of P_o; fitted"
     )
     back_pressure_gain: float = quantity(
-        1.0, "-", (0.2, 3), "share of P_o that pushes back", "area ratio of the two chambers"
+        1.0, "-", (0.2, 3), "back pressure on the squeeze over the rise of P_o", "area ratio"
     )
     friction_kpa: float = quantity(
-        5.0, "kPa", (0, 40), "dry friction of the fabric at zero pressure", "fitted"
+        5.0, "kPa", (0, 40), "dry friction of the fabric at zero pressure in PAM A", "fitted"
     )
     friction_per_kpa: float = quantity(
-        0.12, "-", (0, 0.4), "growth of that friction with the active pressure",
+        0.12, "-", (0, 0.4), "growth of that friction with the pressure in PAM A",
         "loop width over swing 0.17-0.4; fitted",
     )  # fmt: skip
     slip_distance_ml: tuple[Annotated[float, within(0.01, 10.0)], ...] = quantities(
@@ -181,11 +188,7 @@ class Reservoir(Section):
         0.0, "mL/(s kPa)", (0, 0.1), "leak of the hand valve to the room", "sealed: none"
     )
     bending_stiffness_kpa_per_deg: float = quantity(
-        9.0,
-        "kPa/deg",
-        (2, 20),
-        "stiffness of its own bending",
-        "about 40 deg at 440 kPa",
+        9.0, "kPa/deg", (2, 20), "stiffness of the reservoir's bending", "about 40 deg at 440 kPa"
     )
     bending_time_s: float = quantity(
         0.08, "s", (0.02, 0.5), "time constant of the reservoir's own bending", "assumed"
@@ -209,11 +212,7 @@ class PressureSensor(Section):
     span_v: float = quantity(4, "V", (1, 10), "output span over full scale", "data sheet: 1-5 V")
     full_scale_kpa: float = quantity(1000, "kPa", (100, 2000), "full scale", "data sheet: 1 MPa")
     linearity: float = quantity(
-        0.007,
-        "full scale",
-        (0, 0.01),
-        "bound on gain, offset and bow together",
-        "data sheet: 0.7 %",
+        0.007, "full scale", (0, 0.01), "limit on gain, offset and bow errors", "data sheet: 0.7 %"
     )
     noise_kpa: float = quantity(
         0.4, "kPa", (0, 1.5), "white noise, standard deviation", "bench experience: 0.3-0.5"
@@ -225,7 +224,7 @@ class BendSensor(Section):
     """The angle sensor, Bend Labs one-axis, on its own clock."""
 
     rate_hz: float = quantity(
-        202.27, "Hz", (50, 500), "its own sample rate", "81 ticks of 1/16384 s, nominally 200 Hz"
+        202.27, "Hz", (50, 500), "sample rate", "81 ticks of 1/16384 s, nominally 200 Hz"
     )
     step_deg: float = quantity(0.015625, "deg", (1e-3, 0.5), "resolution", "data sheet: int16 / 64")
     noise_deg: float = quantity(
@@ -244,7 +243,7 @@ class Converter(Section):
 
     limit_v: float = quantity(10, "V", (5, 10), "range is +- this", "data sheet")
     step_v: float = quantity(
-        20 / 65536, "V", (1e-6, 0.1), "one step of 16 bit over the range", "data sheet"
+        20 / 65536, "V", (1e-6, 0.1), "one step of 16 bits over the range", "data sheet"
     )
     scan_s: float = quantity(
         1e-5, "s", (0, 1e-3), "delay from one input channel to the next", "data sheet"
@@ -255,7 +254,7 @@ class Rig(Section):
     """The simulated rig; a real rig does not use this section."""
 
     step_s: float = quantity(
-        5e-4, "s", (1e-5, 5e-4), "longest integration step", "fits the fastest part, the spool"
+        5e-4, "s", (1e-5, 5e-4), "longest integration step", "resolves the fastest part, the spool"
     )
     friction_law: Literal["maxwell_slip", "bouc_wen"] = Field(
         "maxwell_slip",
@@ -275,15 +274,12 @@ class Rig(Section):
 
     @model_validator(mode="after")
     def _squeeze_is_resolved(self) -> "Rig":
-        reservoir = self.reservoir
-        highest = reservoir.friction_kpa + reservoir.friction_per_kpa * self.valve.supply_kpa_abs
-        pairs = zip(reservoir.slip_weight, reservoir.slip_distance_ml, strict=True)
-        stiffness = reservoir.squeeze_stiffness_kpa_per_ml + highest * sum(w / d for w, d in pairs)
-        share = self.step_s * stiffness / reservoir.squeeze_damping_kpa_s_per_ml
+        stiffness = stiffest_squeeze(self.model_dump())
+        share = self.step_s * stiffness / self.reservoir.squeeze_damping_kpa_s_per_ml
         if share > 0.5:
             raise ValueError(
                 f"the reservoir's squeeze covers {share:.2g} of the distance to equilibrium in one "
-                "integration step; at most 0.5 is resolved: reduce step_s, or raise "
+                "integration step, must be at most 0.5; reduce step_s, or raise "
                 "slip_distance_ml or squeeze_damping_kpa_s_per_ml"
             )
         return self

@@ -13,7 +13,7 @@ Pair = tuple[T, T]
 
 
 class Section(BaseModel):
-    """A group of settings: unknown keys and infinities are errors."""
+    """A group of settings; unknown keys, infinities and NaN are errors."""
 
     model_config = ConfigDict(
         extra="forbid", frozen=True, allow_inf_nan=False, validate_default=True
@@ -31,7 +31,7 @@ class Section(BaseModel):
 
 
 def quantity(default: float, unit: str, limits: Pair[float], meaning: str, source: str = "") -> Any:
-    """Declare a number with its unit, its range, its meaning and its source."""
+    """Declare a number with unit, range, meaning and source."""
     low, high = limits
     extra: dict[str, Any] = {"unit": unit, "source": source}
     return Field(default, ge=low, le=high, description=meaning, json_schema_extra=extra)
@@ -47,14 +47,21 @@ def quantities(
 
 
 def rising(limits: Pair[float]) -> Pair[float]:
-    """Check that a range is not empty."""
+    """Return the limits of a range; raise ValueError if it is empty."""
     if limits[0] >= limits[1]:
         raise ValueError(f"{limits} is empty; put the lower end first")
     return limits
 
 
+def distinct(numbers: tuple[T, ...]) -> tuple[T, ...]:
+    """Return numbers; raise ValueError if one is repeated."""
+    if len(set(numbers)) < len(numbers):
+        raise ValueError(f"{numbers} repeats a number; give each once")
+    return numbers
+
+
 def within(low: float, high: float) -> Interval:
-    """Range of one number of a list."""
+    """Return the constraint on one number of a list."""
     return Interval(ge=low, le=high)
 
 

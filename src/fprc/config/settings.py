@@ -22,7 +22,7 @@ class Chirp(Section):
     f_start_hz: float = quantity(0.1, "Hz", (0.001, 10), "first frequency", "paper, Fig. 4(a)")
     f_end_hz: float = quantity(1.0, "Hz", (0.001, 10), "last frequency", "paper, Fig. 4(a)")
     amplitude_kpa: float = quantity(
-        175, "kPa", (0, 225), "half of the swing", "not printed; the span of the complex signal"
+        175, "kPa", (0, 225), "half of the range", "not printed; the span of the complex signal"
     )
     offset_kpa: float = quantity(
         175, "kPa", (0, 450), "mean", "not printed; the mean of the complex signal"
@@ -61,7 +61,7 @@ class Control(Section):
 
     sample_rate_hz: float = quantity(200, "Hz", (50, 1000), "refresh rate", "paper, Sec. II-B")
     k_in_kpa_per_deg: float = quantity(
-        7.0, "kPa/deg", (0.1, 20), "K_in: reservoir pressure per degree", "paper, Sec. II-B"
+        7.0, "kPa/deg", (0.1, 20), "K_in, reservoir pressure per degree", "paper, Sec. II-B"
     )
     reservoir_limit_kpa: float = quantity(
         450, "kPa", (100, 500), "largest pressure command to the reservoir", "paper, Sec. II-B"
@@ -92,7 +92,7 @@ class Quality(Section):
         (-1000, 1000), "kPa", (-10000, 10000), "P_ff and P_fb outside are implausible"
     )
     leak_kpa_per_min: float = quantity(
-        5.0, "kPa/min", (0, 100), "P_o that falls faster at equal P_i is a leak"
+        5.0, "kPa/min", (0, 100), "fastest fall of P_o at equal P_i that is no leak"
     )
 
     _rises = field_validator(
@@ -112,7 +112,7 @@ class Settings(Section):
         description="where raw logs come from: the simulated rig, the real one, or existing files",
     )
     armed: bool = Field(
-        False, description="whether a real rig may start; give this on the command line only"
+        False, description="whether the real rig may move; give this on the command line only"
     )
     seed: int = quantity(1, "-", (0, 2**31), "seed of the rig, its noise and the models")
     folders: Folders = Folders()

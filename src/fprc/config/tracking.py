@@ -8,7 +8,7 @@ from fprc.config.section import Pair, Section, quantities, quantity, within
 
 
 class Reference(Section):
-    """Reference of the bending angle; it starts at its lowest value."""
+    """Reference of the bending angle, which starts at its lowest value."""
 
     form: Literal["multisine", "chirp"] = Field(
         "multisine", description="sum of equal sines, or linear frequency sweep"
@@ -17,11 +17,9 @@ class Reference(Section):
         (0.2,), "Hz", (0.001, 10), "frequencies of the sum, or first and last of the sweep"
     )
     amplitude_deg: float = quantity(
-        27.5, "deg", (0, 40), "of each sine", "printed for sweep and complex; else the sweep's"
+        27.5, "deg", (0, 40), "amplitude of each sine", "printed for sweep and complex"
     )
-    offset_deg: float = quantity(
-        32.5, "deg", (0, 80), "mean", "printed for sweep and complex; else the sweep's"
-    )
+    offset_deg: float = quantity(32.5, "deg", (0, 80), "mean", "printed for sweep and complex")
     duration_s: float = quantity(40, "s", (1, 3600), "length", "printed for sweep and complex")
     settle_s: float = quantity(
         5, "s", (0, 60), "time at the first value before; recorded, not evaluated", "assumed"
@@ -60,7 +58,7 @@ class Pushes(Section):
         12, "s", (0, 600), "no push before this time", "the paper: a short period"
     )
     every_s: float = quantity(1.2, "s", (0.1, 60), "mean time between two pushes", "assumed")
-    sigma_kpa: float = quantity(150, "kPa", (0, 500), "size, standard deviation", "assumed")
+    sigma_kpa: float = quantity(150, "kPa", (0, 500), "standard deviation of a push", "assumed")
 
 
 class Tracking(Section):
@@ -70,10 +68,10 @@ class Tracking(Section):
     printed_gains: Gains = Gains()
     candidate_kp_kpa_per_deg: tuple[Annotated[float, within(0.0, 50.0)], ...] = quantities(
         (0.5, 1, 2, 3, 4, 5, 6, 8, 10, 12), "kPa/deg", (0, 50),
-        "P gains tried on the disturbance reference, undisturbed; D keeps the printed ratio",
+        "P gains tried on the disturbance reference without pushes; D/P is the printed ratio",
     )  # fmt: skip
     pressure_limit_kpa: float = quantity(
-        450, "kPa", (100, 500), "largest pressure command to the actuator", "as the reservoir's"
+        450, "kPa", (100, 500), "largest pressure command to the actuator", "as for the reservoir"
     )
     angle_range_deg: Pair[Annotated[float, within(-10, 120)]] = quantities(
         (0, 65), "deg", (-10, 120), "references outside are refused", "paper: about 60 deg"

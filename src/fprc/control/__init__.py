@@ -5,11 +5,9 @@ from fprc.control.loop import Law, RunAbortedError, run
 from fprc.control.pd import PD
 from fprc.control.pressure import PressurePI
 from fprc.control.tracking import feedforward, refuse_impossible, tracking_law
-from fprc.logs import TRACKING_CHANNELS
 
 __all__ = [
     "PD",
-    "TRACKING_CHANNELS",
     "RunAbortedError",
     "Law",
     "PressurePI",

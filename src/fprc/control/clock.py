@@ -1,4 +1,4 @@
-"""Clock of a real rig: absolute deadlines; counts missed ticks."""
+"""Clock of a real rig, with absolute deadlines and a count of missed ticks."""
 
 import time
 from collections.abc import Callable
@@ -9,7 +9,7 @@ from fprc.errors import ControlError
 
 
 class Metronome:
-    """Ticks at start + k * period on a monotonic clock; the loop cannot drift.
+    """Ticks at start + k * period on a monotonic clock, so that lateness does not add up.
 
     A tick that is late by a period or more is skipped: the loop continues with
     the tick now due. The first tick is due one period after the first call.
@@ -19,9 +19,9 @@ class Metronome:
     period_s : float
         Time between two ticks.
     overruns_in_a_row : int
-        Most missed ticks before the loop is on time again.
+        Most ticks that may be missed before the loop is on time again.
     spin_s : float
-        Busy-wait before each deadline: less jitter, more load.
+        Busy waiting before each deadline, s, which reduces jitter.
     now, sleep : callable
         Monotonic time in s, and a sleep function.
 
@@ -87,7 +87,7 @@ class Metronome:
         return tick
 
     def statistics(self) -> dict[str, float]:
-        """Return counts of ticks and overruns, and percentiles of the ticks' lateness, s."""
+        """Return the counts of ticks and overruns, and percentiles of the lateness of ticks, s."""
         late_s = np.array(self._late_s or [0.0])
         p50, p99, p999 = np.percentile(late_s, [50.0, 99.0, 99.9]).tolist()
         return {

@@ -15,7 +15,7 @@ class PressurePI:
     period_s : float
         Time between two calls.
     neutral_v, limit_v : float
-        Voltage of the closed valve, and the highest voltage.
+        Voltage that closes the valve, and the highest voltage.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""Request real-time scheduling and locked memory; report what was granted."""
+"""Request real-time scheduling and locked memory from the operating system."""
 
 import ctypes
 import gc

@@ -17,14 +17,14 @@ def simulate_hysteresis(
     p_exp_kpa: np.ndarray,
     push_kpa: np.ndarray | None = None,
 ) -> dict[str, np.ndarray]:
-    """Do as ``run`` with ``hysteresis_law``: prescribed P_exp, and P_i = K_in theta.
+    """Return what ``run`` with ``hysteresis_law`` returns: P_exp prescribed, P_i = K_in theta.
 
     Parameters
     ----------
     control : Mapping
-        That section of the configuration.
-    push_kpa : ndarray, optional
-        Push on the reservoir at every sample.
+        Section ``control`` of the configuration.
+    push_kpa : ndarray of shape (n_samples,), optional
+        Push on the reservoir at every sample; none by default.
     """
     nan = np.full(len(p_exp_kpa), np.nan)
     pushes = np.zeros(len(nan)) if push_kpa is None else push_kpa
@@ -42,16 +42,16 @@ def simulate_tracking(
     pressure_limit_kpa: float,
     push_kpa: np.ndarray | None = None,
 ) -> dict[str, np.ndarray]:
-    """Do as ``run`` with ``tracking_law``, given P_ff of every sample.
+    """Return what ``run`` with ``tracking_law`` returns, given P_ff of every sample.
 
     Parameters
     ----------
     control : Mapping
-        That section of the configuration.
+        Section ``control`` of the configuration.
     gains : Mapping or None
         ``kp_kpa_per_deg`` and ``kd_kpa_s_per_deg``; without them P_fb = 0.
-    push_kpa : ndarray, optional
-        Push on the reservoir at every sample.
+    push_kpa : ndarray of shape (n_samples,), optional
+        Push on the reservoir at every sample; none by default.
 
     Raises
     ------

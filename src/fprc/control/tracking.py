@@ -33,14 +33,14 @@ def tracking_law(
     theta_d_deg : ndarray of shape (n_samples,)
         Reference; see ``refuse_impossible``.
     pressure_limit_kpa : float
-        P_d is clamped between 0 and this.
+        Highest P_d; the lowest is 0.
     feedforward : callable, optional
         Returns P_ff from theta_d and the sample's readings; by default P_ff = 0.
     feedback : PD, optional
         Computes P_fb; by default P_fb = 0.
     stale_samples : int
-        Samples for which the bend sensor may repeat one value while the
-        reference moves; beyond that it counts as frozen.
+        Most samples in which the reference moves and the bend sensor does not;
+        after more it counts as frozen.
 
     Raises
     ------
@@ -103,7 +103,7 @@ def refuse_impossible(
 
 
 def feedforward(model: "SequenceModel") -> Feedforward:
-    """Return a model as the feedforward of ``tracking_law``; inputs theta_d, or theta_d and P_o."""
+    """Return a model of theta_d, or of theta_d and P_o, as the feedforward of ``tracking_law``."""
     if model.n_features_in_ == 1:
         return lambda theta_d, now: model.step((theta_d,))
     return lambda theta_d, now: model.step((theta_d, now.p_o_kpa))
@@ -114,18 +114,18 @@ class _Watch:
 
     def __init__(self, stale_samples: int):
         self.limit = stale_samples
-        self.held = math.nan
-        self.moving = 0  # samples at which the reference moved and the reading did not
-        self.begun = self.last = math.nan  # references when it froze, and just before
+        self.reading = math.nan
+        self.still = 0  # samples at which the reference moved and the reading did not
+        self.first = self.last = math.nan  # references at the last new reading, and one sample ago
 
     def check(self, theta_d: float, now: Readings) -> None:
-        if now.theta_deg != self.held:
-            self.held, self.moving, self.begun = now.theta_deg, 0, theta_d
+        if now.theta_deg != self.reading:
+            self.reading, self.still, self.first = now.theta_deg, 0, theta_d
         elif theta_d != self.last:
-            self.moving += 1
+            self.still += 1
         self.last = theta_d
-        if self.moving > self.limit and abs(theta_d - self.begun) > 2.0:
+        if self.still > self.limit and abs(theta_d - self.first) > 2.0:
             raise ControlError(
-                f"theta_deg has been {now.theta_deg} for {self.moving} samples in which the "
+                f"theta_deg has been {now.theta_deg} for {self.still} samples in which the "
                 "reference moved; the bend sensor is frozen, check its cable"
             )

@@ -40,7 +40,7 @@ def load_library(path: str = "") -> ctypes.CDLL:
     windows = sys.platform == "win32"
     name = path or ("caio.dll" if windows else "libcaio.so")
     try:
-        # the driver's convention on Windows is stdcall
+        # on Windows the driver uses the calling convention stdcall
         library = getattr(ctypes, "WinDLL", ctypes.CDLL)(name)
     except OSError as error:
         raise DeviceError(
@@ -128,7 +128,7 @@ class AnalogInput(_Board):
         self._volts = (ctypes.c_float * n_channels)()
 
     def read(self) -> "ctypes.Array[ctypes.c_float]":
-        """Return the present voltages of all channels; valid until the next call."""
+        """Return the voltages of all channels, in an array that the next call overwrites."""
         self._call("AioMultiAiEx", self._id, len(self._volts), self._volts)
         return self._volts
 

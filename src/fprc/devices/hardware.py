@@ -29,12 +29,12 @@ class HardwareRig:
     hardware : Mapping
         As in ``fprc.config.hardware.Hardware``.
     elapsed : callable
-        Returns the time since the start of the run, s, with which readings are stamped.
+        Returns the time since the start of the run, s, which becomes the time of a reading.
     has_lock : bool
         Whether this process already holds the locks of the boards; see ``fprc.devices.locks``.
     persist : callable
-        Called by ``close`` if the valves could not be written for ``vent_s``; returns whether
-        to keep trying.
+        Called by ``close`` if every write to the valves has failed for ``vent_s``; returns
+        whether to keep trying.
     open_bus : callable
         Opens the I2C bus with a given number.
     sleep, now : callable
@@ -119,7 +119,7 @@ class HardwareRig:
         return Readings(stamp, kpa[0], self._angles[0], kpa[1], kpa[2], self._angles[1])
 
     def close(self) -> None:
-        """Vent, wait until readings confirm it, release; a failure does not skip later steps.
+        """Vent, wait until readings confirm it, and release every part, even if a step fails.
 
         Raises
         ------

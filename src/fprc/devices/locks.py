@@ -36,7 +36,7 @@ def locked(boards: Sequence[str], folder: str = "") -> Iterator[list[int]]:
     Raises
     ------
     DeviceError
-        Names the process that holds a board, or the reason why it cannot be locked.
+        A board is in use, by the process that the message names, or cannot be locked.
     """
     place = Path(folder) if folder else next(filter(Path.is_dir, _SHARED))
     with contextlib.ExitStack() as held:
@@ -51,7 +51,7 @@ def locked(boards: Sequence[str], folder: str = "") -> Iterator[list[int]]:
 def write_holder(files: Sequence[int], more: str) -> None:
     """Write into lock files which process holds them, for the error message of other programs.
 
-    ``more`` is written after this process's number.
+    ``more`` follows this process's number in the text.
     """
     command = " ".join([Path(sys.argv[0]).name, *sys.argv[1:]])[:200]
     since = datetime.now().astimezone().isoformat(sep=" ", timespec="seconds")
@@ -106,7 +106,7 @@ def _open(path: Path) -> int:
         return os.open(path, flags)
     try:
         file = os.open(path, flags | os.O_CREAT | os.O_EXCL, 0o666)
-    except FileExistsError:  # another process was faster
+    except FileExistsError:  # another process has created it meanwhile
         return os.open(path, flags)
     os.fchmod(file, 0o666)  # whatever the umask
     return file

@@ -12,7 +12,7 @@ from fprc.errors import DeviceError
 
 #: The two voltages of the heartbeat, for a watchdog relay.
 _HEARTBEAT_V = (0.0, 5.0)
-#: Time between two readings while venting, s.
+#: Time between two readings while a chamber vents, s.
 _POLL_S = 0.02
 #: Consecutive readings that must show a vented chamber.
 _IN_A_ROW = 10
@@ -47,7 +47,7 @@ class Valves:
 
     def write(self, main_v: float, reservoir_v: float) -> None:
         """Set both voltages; if both writes succeed, toggle the heartbeat."""
-        self._all(main_v, reservoir_v)
+        self._write_in_turn(main_v, reservoir_v)
         if self._heartbeat is not None:
             self._beats += 1
             self._board.write(self._heartbeat, _HEARTBEAT_V[self._beats % 2])
@@ -55,18 +55,18 @@ class Valves:
     def vent(self) -> None:
         """Close both valves, then open both chambers to the room."""
         neutral_v, vent_v = self._voltages["neutral_v"], self._voltages["vent_v"]
-        self._all(neutral_v, neutral_v, vent_v, vent_v)
+        self._write_in_turn(neutral_v, neutral_v, vent_v, vent_v)
 
     def close(self) -> None:
-        """Vent and release the board, without closing the valves first."""
+        """Open both chambers to the room at once, and release the board."""
         call_all(self.exhaust, self.release)
 
     def exhaust(self) -> None:
         """Open both chambers to the room at once."""
-        self._all(self._voltages["vent_v"], self._voltages["vent_v"])
+        self._write_in_turn(self._voltages["vent_v"], self._voltages["vent_v"])
 
-    def _all(self, *volts: float) -> None:
-        """Set the voltages, of the actuator's and the reservoir's valve in turn."""
+    def _write_in_turn(self, *volts: float) -> None:
+        """Write voltages to the actuator's and the reservoir's valve in turn."""
         call_all(
             *(partial(self._board.write, *write) for write in zip(cycle(self._outputs), volts))
         )
@@ -121,7 +121,7 @@ def vent(
     """Set both valves to vent, repeatedly, until readings show that both chambers are vented.
 
     A chamber is vented if its sensor has read ``vented_kpa`` or less ten times in a row and has
-    changed since the first reading, so that it is not frozen. The valves are written again
+    changed since the first reading: a frozen one proves nothing. The valves are written again
     before each reading, because the board may fail for a moment.
 
     Parameters
@@ -266,6 +266,6 @@ def call_all(*calls: Callable[[], None]) -> None:
 
 
 def quietly(call: Callable[[], None]) -> None:
-    """Make a call and ignore its failure, which is reported elsewhere or no longer matters."""
+    """Make a call; ignore its failure, which is reported elsewhere or no longer matters."""
     with contextlib.suppress(DeviceError, OSError):
         call()

@@ -1,13 +1,13 @@
-"""Interface of every rig: read sensors, write valve voltages, make safe, close."""
+"""Interface of every rig, simulated or real."""
 
 from typing import NamedTuple, Protocol
 
-#: Voltage that closes a proportional valve.
+#: Voltage that closes a proportional valve, V.
 NEUTRAL_V = 5.0
 
 
 class Readings(NamedTuple):
-    """One sample of all sensors. Pressures are gauge; phi is the reservoir's bending angle."""
+    """One sample of all sensors; pressures are gauge, phi is the reservoir's bending angle."""
 
     time_s: float
     p_exp_kpa: float
@@ -24,13 +24,13 @@ class Device(Protocol):
         """Return the latest reading of every sensor."""
 
     def write(self, main_v: float, reservoir_v: float) -> None:
-        """Set the voltages of both valves, actuator and reservoir."""
+        """Set the voltages of the actuator's and the reservoir's valve."""
 
     def safe(self) -> None:
-        """Bring the rig to its safe state; may be called at any time, and repeatedly."""
+        """Vent both chambers; may be called at any time, and repeatedly."""
 
     def close(self) -> None:
-        """Make safe and release the hardware."""
+        """Vent both chambers and release the hardware."""
 
 
 class Clock(Protocol):

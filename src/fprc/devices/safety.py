@@ -25,8 +25,8 @@ class CheckedRig:
     limits : Mapping
         As in ``fprc.config.hardware.Limits``.
     period_s : float
-        Time between two samples; the limit on jumps scales with the time
-        since the last reading.
+        Time between two samples, s. The limits on jumps are per period: after a
+        missed tick a reading may change by more.
     phi : bool
         Whether the reservoir has an angle sensor.
     """

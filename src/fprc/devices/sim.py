@@ -23,22 +23,22 @@ _NOISE_BLOCK = 4096
 
 
 class SimulatedRig:
-    """Simulated rig and its clock: time advances only in ``wait_for`` and ``wait_until``.
+    """Simulated rig and its clock: time advances only in ``wait_for`` and ``follow``.
 
     Parameters
     ----------
     rig : Mapping
         Parameters, nested as in ``fprc.config.rig.Rig``.
     seed : int
-        Seed of the rig: draws the calibration errors of its sensors.
+        Seed of the rig, for the calibration errors of its sensors.
     run : int
-        Seed of the run: draws all noise and drift. Two runs with the same ``seed``
-        are two experiments on the same rig.
+        Seed of the run, for all noise and drift. Runs with the same ``seed`` are
+        experiments on the same rig.
     sample_rate_hz : float
         Ticks per second.
     push_kpa : callable, optional
-        External push on the reservoir's bending, as by a hand, as a function of
-        the tick; none by default.
+        Force that bends the reservoir, as by a hand, in kPa, as a function of the
+        tick; none by default.
     """
 
     def __init__(
@@ -72,18 +72,14 @@ class SimulatedRig:
         """Copy of the true state, for tests and illustrations."""
         return self._state.copy()
 
-    def wait_until(self, time_s: float) -> None:
-        """Simulate up to the tick nearest to ``time_s``.
+    def wait_for(self, tick: int) -> int:
+        """Simulate up to this tick; no tick is ever missed.
 
         Raises
         ------
         SimulationError
             The state left its physical range; names the quantity and the time.
         """
-        self.wait_for(round(time_s / self._period_s))
-
-    def wait_for(self, tick: int) -> int:
-        """Simulate up to this tick; no tick is ever missed."""
         while self._tick < tick:
             self._advance(self._substeps)
         return tick
@@ -99,9 +95,9 @@ class SimulatedRig:
         self._valve_v[:] = main_v, reservoir_v
 
     def follow(self, controllers: Mapping[str, Any], setpoints: np.ndarray) -> np.ndarray:
-        """Run both pressure loops from the current tick on, in compiled code.
+        """Run the controllers from the current tick on, in compiled code.
 
-        The readings are those of a loop over ``wait_for``, ``read`` and ``write``.
+        The result is that of a loop over ``wait_for``, ``read`` and ``write``.
 
         Parameters
         ----------
@@ -142,11 +138,11 @@ class SimulatedRig:
         return rows
 
     def safe(self) -> None:
-        """Vent both chambers; a valve in neutral would keep their pressure."""
+        """Vent both chambers; closed valves would keep their pressure."""
         self._valve_v[:] = 0.0
 
     def close(self) -> None:
-        """Make safe; nothing to release."""
+        """Vent both chambers; there is nothing to release."""
         self.safe()
 
     def _advance(self, substeps: int) -> None:

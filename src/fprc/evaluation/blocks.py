@@ -11,9 +11,9 @@ from fprc.evaluation.folds import Fold
 def split_blocks(lengths: Sequence[int], blocks: int, shortest: int, purge: int) -> list[Fold]:
     """Return (training rows, validation rows) of blocks, each inside one recording.
 
-    ``blocks`` recordings or more are a block each. Fewer are cut into equal blocks, in all at least
-    as many as asked for, but none shorter than ``shortest``; a recording that is itself shorter is
-    one block, or two if it is the only one.
+    If there are ``blocks`` recordings or more, each is one block. Otherwise each is cut into equal
+    blocks, at least ``blocks`` in all unless these would be shorter than ``shortest``; a recording
+    that is shorter itself is one block, or two if it is the only recording.
 
     Parameters
     ----------

@@ -4,6 +4,7 @@ import hashlib
 import json
 import logging
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,40 @@ def checkpoint_key(settings: Any, paths: Sequence[str] = ()) -> str:
     for path in paths:
         digest.update(Path(path).read_bytes())
     return digest.hexdigest()
+
+
+def log_progress(done: int, total: int) -> None:
+    """Log a bar of the finished cells."""
+    width = 30
+    bar = "#" * (width * done // total)
+    log.info("[%-*s] %d of %d cells", width, bar, done, total)
+
+
+@contextmanager
+def judged_cells(
+    judge: Callable[[Cell], Mapping[str, Any]],
+    cells: Sequence[Cell],
+    *,
+    workers: int,
+    checkpoint: Path | str,
+    settings: Any,
+    files: Sequence[str] = (),
+    progress: Callable[[int, int], None] = log_progress,
+) -> Iterator[list[dict[str, Any]]]:
+    """Judge every cell as ``run_cells`` does; the ``with`` block then saves the results.
+
+    After the block the checkpoint is deleted, unless the block failed.
+
+    Parameters
+    ----------
+    settings, files
+        Everything else that the results depend on, for ``checkpoint_key``.
+    """
+    key = checkpoint_key(settings, files)
+    yield run_cells(
+        judge, cells, workers=workers, checkpoint=checkpoint, key=key, progress=progress
+    )
+    Path(checkpoint).unlink()
 
 
 def run_cells(
@@ -97,10 +132,3 @@ def _resume(checkpoint: Path, key: str) -> dict[str, dict[str, Any]]:
     ]
     write_text(checkpoint, "".join(json.dumps(entry) + "\n" for entry in entries))
     return finished
-
-
-def log_progress(done: int, total: int) -> None:
-    """Log a bar of the finished cells."""
-    width = 30
-    bar = "#" * (width * done // total)
-    log.info("[%-*s] %d of %d cells", width, bar, done, total)

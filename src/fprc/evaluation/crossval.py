@@ -17,7 +17,13 @@ from fprc.models.recordings import transform_each
 
 @contextmanager
 def refusals_of(model: BaseEstimator) -> Iterator[None]:
-    """Turn a ValueError of a model into an error that names the model."""
+    """Turn a ValueError of a model into an error that names the model.
+
+    Raises
+    ------
+    EvaluationError
+        The model raised a ValueError.
+    """
     try:
         yield
     except ValueError as error:
@@ -151,7 +157,7 @@ def _is_partition(folds: Sequence[Fold], samples: int) -> bool:
 
 def _with_seed_of(readout: BaseEstimator, fold: int) -> BaseEstimator:
     for key, seed in readout.get_params().items():
-        # a readout may hold others, for example a pipeline
+        # a nested readout, such as a pipeline, has keys with a prefix
         if key.split("__")[-1] == "random_state" and isinstance(seed, Integral):
             own = np.random.SeedSequence([int(seed), fold]).generate_state(1)[0]
             readout.set_params(**{key: int(own)})

@@ -6,12 +6,12 @@ from fprc.errors import EvaluationError
 
 
 def rmse(truth: np.ndarray, prediction: np.ndarray) -> float:
-    """Root mean square of the difference, in the unit of both.
+    """Return the root mean square of the difference, in the unit of both.
 
     Raises
     ------
     EvaluationError
-        The result is not a finite number.
+        The shapes differ, or the result is not a finite number.
     """
     if np.shape(truth) != np.shape(prediction):
         raise EvaluationError(

@@ -32,8 +32,8 @@ def time_models(
     Sequential mode is the cost in a controller: the features sample by sample, then,
     in training, the fit of the readout. Batch mode computes whole logs at once. The
     training of the ESN excludes drawing its weights. The models take turns, so that
-    a slow phase of the machine affects all of them. They keep their weights, but
-    their streams are left in the middle of a log.
+    a slow phase of the machine affects all of them. The weights of the models do not
+    change, but their states do: reset a model before another use of ``step``.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def interleaved(work: Mapping[Name, Callable[[], object]], rounds: int) -> dict[
 
 
 def machine() -> dict[str, Any]:
-    """CPU, largest number of threads of any numerical library, and kernels of BLAS."""
+    """Return the CPU, the most threads of any numerical library, and the kernels of BLAS."""
     pools = threadpool_info()
     threads = max((pool["num_threads"] for pool in pools), default=1)
     blas = {

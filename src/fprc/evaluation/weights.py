@@ -17,7 +17,7 @@ def normalised_weights(
     folds: Sequence[Fold],
     lengths: Sequence[int] | None = None,
 ) -> np.ndarray:
-    """Return the FPRC's absolute weights on normalised features; rules sum to 1 (Eqs. 13, 14).
+    """Return the FPRC's absolute weights on normalised features; rows sum to 1 (Eqs. 13, 14).
 
     theta and the filtered P_o are each scaled to [0, 1] by their minimum and
     maximum in the training data. The model is then cross-validated as usual, and

@@ -14,22 +14,22 @@ from fprc.evaluation.timing import WARM_UP, time_steps
 from fprc.experiments.data import TARGETS, Data
 from fprc.experiments.hysteresis import RUNS, simulate
 from fprc.experiments.settings import RigSettings
-from fprc.experiments.tracking import TRACKING_RUNS, Track, bench_gain, tracking_error
+from fprc.experiments.tracking import TRACKING_RUNS, Track, bench_gain, tracking_rmse
 from fprc.models import SequenceModel
 from fprc.models.competitors import build_competitor
 from fprc.paper import REFERENCES
 from fprc.signals import pressure_command
 
-#: Models on every rig: those that a claim compares, and one competitor of each other kind.
+#: Models judged on every rig: those that a claim compares, and one competitor of each other kind.
 BRIEF = (
     "fprc", "fprc_lowpass", "fuzzy_linear", "ridge_p_o", "bank_p_o", "bank", "plays", "fprc_tuned",
 )  # fmt: skip
-#: Models that take long: they are judged on fewer rigs or seeds.
+#: Models that take long, so they are judged on fewer rigs or seeds.
 SLOW = ("esn", "esn_tuned", "esn_matched", "esn_oracle", "trees", "mlp")
-#: Of these a claim compares the forward test error alone, and only that is measured.
+#: Models judged in the forward direction only: claims compare nothing but its test error.
 FORWARD_ONLY = ("esn_tuned", "esn_matched", "esn_oracle")
-#: All models. A tuned one is a competitor with settings that were chosen by its suffix: by
-#: cross-validation in training logs, to match FPRC's training error, or (oracle) by test errors.
+#: All models. A suffix says how settings were chosen: by cross-validation in training logs (tuned),
+#: to match FPRC's training error (matched), or by test errors (oracle).
 ALL = (
     *COMPETITORS,
     "fprc_tuned", "esn_tuned", "bank_tuned", "plays_tuned", "esn_matched",
@@ -43,15 +43,15 @@ _SECOND_RUN = 80
 
 
 class Contest(NamedTuple):
-    """What the models are built from, and what is done to them."""
+    """How the models are built, and how P_o is disturbed."""
 
     models: Mapping[str, Any]  #: section ``models`` of the configuration
     tuned: Mapping[str, Any]  #: settings that differ from the defaults, by name with suffix
     restarts: int  #: starts of every fuzzy clustering
     tracking: Mapping[str, Any]  #: section of the configuration
-    shifts_kpa: Sequence[float]
-    drift_kpa: float
-    noise_kpa: float
+    shifts_kpa: Sequence[float]  #: constant offsets of P_o
+    drift_kpa: float  #: fall of P_o over the test log
+    noise_kpa: float  #: standard deviation of the noise added to P_o
 
     def build(self, name: str, seed: int) -> SequenceModel:
         """Return the unfitted model of that name."""
@@ -63,7 +63,7 @@ class Contest(NamedTuple):
 
 
 def base_of(name: str) -> str:
-    """Return the competitor that a tuned model is."""
+    """Return the competitor that a model is, without the suffix of its settings."""
     base, _, suffix = name.rpartition("_")
     return base if suffix in ("tuned", "matched", "oracle") else name
 
@@ -84,19 +84,21 @@ def judge_build(
         By model: ``forward`` and ``reversed`` with ``train_rmse_kpa`` and ``test_rmse_kpa``;
         ``open_loop_deg`` and ``closed_loop_deg`` by reference; ``shifted`` and ``disturbed`` with
         the forward test error, or None for a model without P_o. Models of ``FORWARD_ONLY`` have
-        neither ``reversed`` nor tracking errors. A model that cannot be judged has ``failed``.
+        neither ``reversed`` nor tracking errors. A model that cannot be judged has ``failed``, the
+        message.
     """
     logs = simulate(on_rig, seed)
     sweep, complex_ = logs["sweep"], logs["complex"]
     bench = Track(contest.tracking, on_rig.control, on_rig.rig, seed)
     followed = _references(bench)
-    fprc, _ = _trained("fprc", sweep, complex_, contest, seed)
-    gains = bench_gain(bench, fprc)["identified"]
+    fprc = _trained("fprc", sweep, complex_, contest, seed)
+    gains = bench_gain(bench, fprc[0])["identified"]
     disturbed = _disturbed(on_rig, seed, complex_, bench, contest)
     judged = {}
     for name in names:
         try:
-            model, errors = _trained(name, sweep, complex_, contest, seed)
+            trained = fprc if name == "fprc" else _trained(name, sweep, complex_, contest, seed)
+            model, errors = trained
             report: dict[str, Any] = {"forward": errors}
             if name not in FORWARD_ONLY:
                 _, report["reversed"] = _trained(name, complex_, sweep, contest, seed)
@@ -116,14 +118,14 @@ def judge_lengths(
     seconds: Sequence[float],
     second_log: Mapping[str, Any],
 ) -> list[dict[str, Any]]:
-    """Return forward test errors over the length of the training log, and with two logs.
-
-    Each training log is a chirp of the same band in another time.
+    """Return forward test errors after training on sweeps of several lengths, and on two logs.
 
     Parameters
     ----------
+    seconds : sequence of float
+        Durations of the sweeps, which cover the same band of frequencies.
     second_log : Mapping
-        Pressure signal of a second log, which trains beside the sweep.
+        Pressure signal of the log that trains together with the sweep of the paper.
     """
     test = simulate(on_rig, seed)["complex"]
 
@@ -194,8 +196,8 @@ def _follow(
         p_ff_kpa = model.predict(inputs_of(name, channels))
         for loop, own in zip(errors, (None, gains), strict=True):
             run = bench.simulate(channels["theta_deg"], p_ff_kpa, own, TRACKING_RUNS[reference])
-            error = tracking_error(run, bench.tracking["references"][reference]["settle_s"])
-            errors[loop][reference] = rmse(error, np.zeros_like(error))
+            settle_s = bench.tracking["references"][reference]["settle_s"]
+            errors[loop][reference] = tracking_rmse(run, settle_s)
     return errors
 
 
@@ -223,7 +225,7 @@ def _hysteresis(
     run: int,
     pushes: np.ndarray | None = None,
 ) -> dict[str, np.ndarray]:
-    """Return the channels of a run of a hysteresis experiment, perhaps with pushes."""
+    """Return the channels of one run of a hysteresis experiment."""
     rate_hz = on_rig.control["sample_rate_hz"]
     device = SimulatedRig(on_rig.rig, seed=seed, run=run, sample_rate_hz=rate_hz)
     return simulate_hysteresis(device, on_rig.control, pressure_command(signal, rate_hz), pushes)

@@ -14,7 +14,7 @@ from fprc.models import EchoStates, lowpass, taps
 #: Runs of the same input on the simulated rig; their difference is the noise of P_o.
 _RUNS = (70, 71)
 
-#: Holds whose states of the network are in memory at a time.
+#: Number of holds whose network states are computed at a time.
 _AT_ONCE = 200
 
 
@@ -71,7 +71,7 @@ def judge_capacity(
             f"a hold of {capacity['hold_s']} s has {hold} samples, fewer than the "
             f"{capacity['virtual_nodes']} virtual nodes; lengthen hold_s or use fewer nodes"
         )
-    # the first max_delay states are not judged, but their inputs are the delayed ones
+    # the first max_delay states are not judged; their inputs are the delayed ones of later states
     holds = capacity["washout"] + capacity["max_delay"] + capacity["samples"]
     rng = np.random.default_rng([seed, 60])
     u = rng.uniform(-1.0, 1.0, holds)
@@ -123,7 +123,7 @@ def _at_ends(network: EchoStates, theta_d: np.ndarray, hold: int, before: int) -
     """Return the features of the network at the end of each hold.
 
     All samples at once would fill the memory. Each part is preceded by ``before`` holds, in which
-    the network forgets how it began.
+    the network forgets its initial state.
     """
     found = []
     for first in range(0, len(theta_d), _AT_ONCE * hold):

@@ -15,15 +15,15 @@ from fprc.experiments.settings import Judgement
 from fprc.models.competitors import build_competitor
 from fprc.models.recordings import transform_each
 
-#: Competitors that need no tuning to a recording; the slowest first.
+#: Competitors that can be judged on a recording without tuning; the slowest first.
 ON_RECORDINGS = (
     "esn", "fprc", "fprc_lowpass", "fuzzy_linear", "ridge_p_o", "bank_p_o", "bank", "plays", "nvar",
 )  # fmt: skip
-#: Blocks of a recording that is long enough.
+#: Number of blocks, if the recording is long enough.
 BLOCKS = 10
-#: A block is at least so many purges long, and so many time constants of FPRC's low-pass.
+#: Shortest block: as many times the purge, and as many time constants of FPRC's low-pass.
 PURGES, TIME_CONSTANTS = 2, 3
-#: Numbers that a model's states may have in a log: 0.5 GB, and about three copies while it trains.
+#: Most numbers in a model's states of one log: 0.5 GB, of which training makes about three copies.
 _MOST_NUMBERS = 60_000_000
 
 
@@ -46,8 +46,8 @@ def judge_competitor(
 ) -> dict[str, Any]:
     """Return the errors of one competitor with its default settings.
 
-    The features are computed over each whole recording in the order of time; blocks select rows of
-    them.
+    The features are computed over each whole recording, in the order of time; the blocks select
+    rows of them.
 
     Returns
     -------

@@ -13,8 +13,8 @@ from fprc.errors import LogError
 #: Time for which the reservoir settles at the first angle before the recording begins, s.
 _BEFORE_S = 5.0
 
-#: Largest allowed share of samples whose command is beyond 0 or the limit by more than the margin,
-#: which is a fraction of the limit and allows for the noise of the angle at rest.
+#: Largest share of commands that may lie outside 0 to the limit by more than a margin. The margin
+#: is a fraction of the limit and allows for the noise of the angle at rest.
 _OUTSIDE, _MARGIN = 0.01, 0.02
 
 #: Channels of the simulated reservoir.
@@ -55,6 +55,11 @@ def drive(
     """Return the channels of the simulated reservoir for these commands.
 
     The actuator stays vented; it does not affect the reservoir.
+
+    Parameters
+    ----------
+    number : int
+        Number of the run, which sets the noise together with the seed.
     """
     before = round(_BEFORE_S * sample_rate_hz)
     commands = np.concatenate([np.full(before, p_i_kpa[0]), p_i_kpa]).tolist()

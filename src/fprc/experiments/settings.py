@@ -22,7 +22,7 @@ class Judgement:
 
     def split_rows(self, data: Data) -> "list[Fold]":
         """Return (training rows, validation rows) of each fold of a log."""
-        # here, so that a simulation starts without scikit-learn
+        # imported here so that a simulation starts without scikit-learn
         from fprc.evaluation.folds import split_rows
 
         time_s = data.channels["time_s"]

@@ -9,7 +9,6 @@ import numpy as np
 from fprc import __version__
 from fprc.control import (
     PD,
-    TRACKING_CHANNELS,
     Law,
     PressurePI,
     feedforward,
@@ -22,8 +21,9 @@ from fprc.devices.sim import SimulatedRig
 from fprc.evaluation import rmse
 from fprc.experiments.data import Data
 from fprc.experiments.measures import measure_hysteresis, measure_runs
+from fprc.logs import TRACKING_CHANNELS
 from fprc.models import SequenceModel
-from fprc.paper import REFERENCES, controller_and_gain
+from fprc.paper import DISTURBANCE, GAINS, REFERENCES, controller_and_gain, run_log
 from fprc.registry import feedforward_of
 from fprc.signals import random_pushes, reference_angle
 
@@ -50,7 +50,13 @@ class Track(NamedTuple):
     seed: int
 
     def reference(self, name: str) -> np.ndarray:
-        """Return theta_d; refuse a reference that the rig cannot follow."""
+        """Return theta_d in deg, one value per sample.
+
+        Raises
+        ------
+        ControlError
+            The rig cannot follow the reference.
+        """
         rate_hz = self.control["sample_rate_hz"]
         theta_d = reference_angle(self.tracking["references"][name], rate_hz)
         refuse_impossible(
@@ -66,7 +72,7 @@ class Track(NamedTuple):
         """Return the log attributes of a controller's run, without those of the rig."""
         controller, gain = controller_and_gain(name)
         return {
-            "experiment": f"track_{reference}_{name}",
+            "experiment": run_log(reference, name),
             "reference": reference,
             "controller": controller,
             "gain": gain,
@@ -82,7 +88,7 @@ class Track(NamedTuple):
         }
 
     def pushes(self, samples: int) -> np.ndarray:
-        """Return the forces of the disturbance test."""
+        """Return the pushes of the disturbance test, kPa."""
         rng = np.random.default_rng([self.seed, 4711])
         rate_hz = self.control["sample_rate_hz"]
         return random_pushes(samples, rate_hz, rng=rng, **self.tracking["pushes"])
@@ -93,7 +99,7 @@ class Track(NamedTuple):
         model: SequenceModel | None,
         gains: Mapping[str, float] | None,
     ) -> Law:
-        """Return the control law of one controller; the model's stream is reset."""
+        """Return the control law of one controller; the model is reset."""
         if model is not None:
             model.reset()
         period_s = 1.0 / self.control["sample_rate_hz"]
@@ -188,29 +194,28 @@ class Track(NamedTuple):
             None if controller == "pd" else model,
             gains.get(gain),
             TRACKING_RUNS[reference],
-            self.pushes(len(theta_d)) if reference == "disturbance" else None,
+            self.pushes(len(theta_d)) if reference == DISTURBANCE else None,
         )
 
 
-def tracking_error(channels: Mapping[str, np.ndarray], settle_s: float) -> np.ndarray:
-    """Return theta_d - theta after the settling time, deg."""
+def tracking_rmse(channels: Mapping[str, np.ndarray], settle_s: float) -> float:
+    """Return the RMSE of theta against theta_d after the settling time, deg."""
     judged = channels["time_s"] >= settle_s
-    return (channels["theta_d_deg"] - channels["theta_deg"])[judged]
+    return rmse(channels["theta_d_deg"][judged], channels["theta_deg"][judged])
 
 
 def bench_gain(bench: Track, model: SequenceModel) -> dict[str, Any]:
-    """Return the identified gains and the error of every candidate."""
+    """Return the PD gains by name, and the error of every candidate for the identified one."""
     printed = bench.tracking["printed_gains"]
-    theta_d = bench.reference("disturbance")
-    settle_s = bench.tracking["references"]["disturbance"]["settle_s"]
+    theta_d = bench.reference(DISTURBANCE)
+    settle_s = bench.tracking["references"][DISTURBANCE]["settle_s"]
     number = TRACKING_RUNS["identification"]
     p_ff_kpa = bench.precompute(theta_d, {"fprc": model}, number)["fprc"]
     tried = []
     for kp in bench.tracking["candidate_kp_kpa_per_deg"]:
         gains = candidate(kp, printed)
         channels = bench.simulate(theta_d, p_ff_kpa, gains, number)
-        error = tracking_error(channels, settle_s)
-        tried.append({**gains, "rmse_deg": rmse(error, np.zeros_like(error))})
+        tried.append({**gains, "rmse_deg": tracking_rmse(channels, settle_s)})
         log.info("kp = %g kPa/deg: %.3f deg", kp, tried[-1]["rmse_deg"])
     return identified(tried, printed) | {"source": "sim", "seed": bench.seed}
 
@@ -248,7 +253,7 @@ def measure_control(
     runs = {}
     for reference, described in bench.tracking["references"].items():
         theta_d, number = bench.reference(reference), TRACKING_RUNS[reference]
-        pushes = bench.pushes(len(theta_d)) if reference == "disturbance" else None
+        pushes = bench.pushes(len(theta_d)) if reference == DISTURBANCE else None
         p_ff_kpa = bench.precompute(theta_d, driving, number, pushes)
         for name in controllers:
             controller, gain = controller_and_gain(name)
@@ -260,7 +265,7 @@ def measure_control(
             runs[f"{reference}/{controller}/{gain}"] = run
         log.info("followed %s with every controller", reference)
     return {
-        "gains": {name: gains[name] for name in ("printed", "identified")},
+        "gains": {name: gains[name] for name in GAINS},
         "hysteresis": measure_hysteresis(sweep.channels),
         **measure_runs(runs, bench.tracking["pushes"]["quiet_s"]),
     }
@@ -273,8 +278,8 @@ def open_loop_errors(bench: Track, model: SequenceModel) -> dict[str, float]:
         theta_d, number = bench.reference(reference), TRACKING_RUNS[reference]
         p_ff_kpa = bench.precompute(theta_d, {"own": model}, number)["own"]
         channels = bench.simulate(theta_d, p_ff_kpa, None, number)
-        error = tracking_error(channels, bench.tracking["references"][reference]["settle_s"])
-        errors[reference] = rmse(error, np.zeros_like(error))
+        settle_s = bench.tracking["references"][reference]["settle_s"]
+        errors[reference] = tracking_rmse(channels, settle_s)
     return errors
 
 

@@ -19,13 +19,15 @@ from fprc.models.competitors import build_competitor
 log = logging.getLogger(__name__)
 
 _ALPHA = loguniform(1e-6, 1e-1)
-#: Low-passes of a bank: the fastest and the slowest, between which they are spaced evenly.
+#: Low-passes of a bank: epsilon of the fastest and the slowest, and their number; their ratio from
+#: one to the next is constant.
 _BANK = {
     "fastest": loguniform(0.02, 0.3),
     "slowest": loguniform(0.001, 0.01),
     "filters": randint(2, 7),
 }
-#: What is drawn for each model that is tuned; all else keeps its default. Integers exclude the end.
+#: Distributions of the settings of each tuned model; other settings keep their defaults. The upper
+#: end of ``randint`` is excluded.
 SPACES: dict[str, dict[str, Any]] = {
     "fprc": {
         "epsilon": loguniform(0.002, 1.0),
@@ -55,7 +57,7 @@ def candidates_of(name: str, count: int, seed: int) -> list[dict[str, Any]]:
 
 
 def _settings(drawn: Mapping[str, Any]) -> dict[str, Any]:
-    """Return plain numbers with four digits; of a bank, the list of its filters."""
+    """Return plain numbers with four digits, and for a bank the list of its epsilons."""
     plain = {key: _plain(value) for key, value in drawn.items()}
     if "filters" not in plain:
         return plain

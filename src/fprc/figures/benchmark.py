@@ -13,7 +13,7 @@ _TIME, _MEMORY = "black", "#8c8c8c"
 def plot_growth(table: DataFrame, ax: Axes) -> Axes:
     """Draw seconds over the size of one work, and memory on a second axis; all logarithmic.
 
-    A power law is drawn, and its exponent stands above the panel, if it fits three points or more.
+    If a power law fits three points or more, it is drawn, with its exponent above the panel.
 
     Parameters
     ----------

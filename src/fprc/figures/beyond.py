@@ -4,12 +4,12 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import FuncFormatter, NullLocator
+from matplotlib.ticker import FuncFormatter, MaxNLocator, NullLocator
 from pandas import DataFrame
 
 from fprc import escape
-from fprc.figures.style import MARK_PT, line_of
-from fprc.worlds import EQUIVALENT_WITHIN, SETS, title_of
+from fprc.figures.style import line_of
+from fprc.worlds import EQUIVALENT_WITHIN, SETS, title_of, world_title
 
 #: Marker and grey of each world, in their order.
 _WORLDS = (("o", "0"), ("s", "0.4"), ("D", "0.6"), ("^", "0.2"), ("v", "0.5"), ("P", "0.3"))
@@ -18,8 +18,8 @@ _DEGREES = ("0.25", "0.55", "0.75", "0.88")
 #: Looks of the models that read P_o, beside FPRC's.
 _READERS = (("0.45", "-."), ("0.6", ":"), ("0.3", (0, (5, 1))), ("0.7", "-"))
 _LOOK = ("color", "linestyle")
-#: Distance of two labels in a column, over the height of the axes.
-_LINE = 0.055
+#: Size of the numbers in points.
+_NUMBER_PT = 5.5
 #: A ratio beyond this, or beyond one over it, is not shown.
 _WIDEST = 5.0
 _UNDECIDED = ("undecided", "not judged")
@@ -27,7 +27,7 @@ _UNDECIDED = ("undecided", "not judged")
 _CHOSEN = ("_tuned", "_matched", "_oracle")
 
 
-def plot_pairs(table: DataFrame, titles: Mapping[str, str], ax: Axes) -> Axes:
+def plot_pairs(table: DataFrame, worlds: Sequence[str], ax: Axes) -> Axes:
     """Draw the ratios of the claims, one row per pair and one marker per world.
 
     The band holds what counts as equivalent. A hollow marker is a claim that is undecided.
@@ -35,24 +35,26 @@ def plot_pairs(table: DataFrame, titles: Mapping[str, str], ax: Axes) -> Axes:
     Parameters
     ----------
     table : DataFrame
-        From ``tables.beyond.claims``; differences are left out.
-    titles : Mapping
-        Worlds by name, in their order.
+        From ``tables.verdicts.claims``; differences are left out.
+    worlds : sequence of str
+        Worlds in their order.
     """
     table = table[table["ratio"].eq(True)]
     parts = dict.fromkeys(zip(table["id"], table["part"], strict=True))
     rows = {pair: row for row, pair in enumerate(parts)}
-    names = [name for name in titles if name in set(table["world"])]
-    shifts = dict(zip(names, np.linspace(-0.3, 0.3, len(names) + 2)[1:-1], strict=True))
+    names = [name for name in worlds if name in set(table["world"])]
+    shifts = dict(zip(names, np.linspace(-0.4, 0.4, len(names) + 2)[1:-1], strict=True))
     ax.axvspan(1 / EQUIVALENT_WITHIN, EQUIVALENT_WITHIN, color="0.92", linewidth=0)
     ax.axvline(1.0, color="0.6", linewidth=0.6)
     for name, (marker, grey) in zip(names, _WORLDS, strict=False):
-        ax.plot([], [], marker, color=grey, markersize=4, label=escape.figure(titles[name]))
+        ax.plot([], [], marker, color=grey, markersize=4, label=escape.figure(world_title(name)))
         for row in table[table["world"] == name].itertuples():
             face = "white" if row.verdict in _UNDECIDED else grey
             arms = [[row.mean - row.low], [row.high - row.mean]]
-            ax.errorbar(row.mean, rows[row.id, row.part] + shifts[name], xerr=arms, fmt=marker,
-                        color=grey, markersize=4, linewidth=0.8, markerfacecolor=face)  # fmt: skip
+            at = rows[row.id, row.part] + shifts[name]
+            ax.errorbar(row.mean, at, xerr=arms, fmt=marker, color=grey, markersize=4,
+                        linewidth=0.8, markerfacecolor=face)  # fmt: skip
+    ax.plot([], [], "o", color="0", markersize=4, markerfacecolor="white", label="undecided")
     ax.set_xscale("log")
     _decimal_ticks(ax, table["low"].min(), table["high"].max())
     ax.set_yticks(range(len(rows)), [f"{name}  {_wrapped(part)}" for name, part in rows])
@@ -66,7 +68,9 @@ def plot_pairs(table: DataFrame, titles: Mapping[str, str], ax: Axes) -> Axes:
 
 def _decimal_ticks(ax: Axes, low: float, high: float) -> None:
     """Set ticks of a logarithmic axis that read as ratios."""
-    ticks = np.array([0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1, 1.1, 1.2, 1.5, 2, 3, 5, 10])
+    ticks = np.array(
+        [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1, 1.1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 10]
+    )
     low = np.nanmin([low, 1 / EQUIVALENT_WITHIN]) / 1.03
     high = np.nanmax([high, EQUIVALENT_WITHIN]) * 1.03
     low, high = max(low, 1 / _WIDEST), min(high, _WIDEST)  # three units can have any interval
@@ -74,7 +78,7 @@ def _decimal_ticks(ax: Axes, low: float, high: float) -> None:
     inside = ticks[(ticks >= low) & (ticks <= high)]
     kept = [1.0]
     for tick in sorted(inside, key=lambda tick: abs(np.log(tick))):
-        if min(abs(np.log(tick / other)) for other in kept) > 0.07 * np.log(high / low):
+        if min(abs(np.log(tick / other)) for other in kept) > 0.06 * np.log(high / low):
             kept.append(tick)
     ax.set_xticks(sorted(kept))
     ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
@@ -82,62 +86,43 @@ def _decimal_ticks(ax: Axes, low: float, high: float) -> None:
 
 
 def _wrapped(part: str) -> str:
-    """Return a ratio with its denominator on a second line."""
-    return _symbols(part).replace(" / ", "\n/ ", 1)
+    """Return a pair with what is measured on a second line."""
+    return _symbols(part).replace(" (", "\n", 1).removesuffix(")")
 
 
 def _symbols(text: str) -> str:
     return escape.figure(text).replace("theta_d", r"$\theta_d$").replace("P_o", "$P_o$")
 
 
-def plot_errors_and_tracking(table: DataFrame, titles: Mapping[str, str], ax: Axes) -> Axes:
-    """Draw tracking over forward test RMSE, one labelled point per model.
-
-    Labels stand in a column beside the axes, in the order of the points.
+def plot_errors_and_tracking(
+    table: DataFrame, numbers: Mapping[str, int], titles: Mapping[str, str], ax: Axes
+) -> Axes:
+    """Draw tracking over forward test RMSE, one numbered point per model.
 
     Parameters
     ----------
     table : DataFrame
         One world and loop of ``tables.beyond.errors_and_tracking``.
+    numbers : Mapping
+        Number of each model, in the order of the legend.
     titles : Mapping
         Models by name.
     """
-    ax.plot(table["forward"], table["tracking"], "o", color="0.2", markersize=3)
+    place = table.set_index("model")
+    for name, number in numbers.items():
+        if name in place.index:
+            point = place.loc[name, ["forward", "tracking"]]
+            label = f"{number}  {_symbols(title_of(name, titles))}"
+            ax.plot(*point, "o", color="0.2", markersize=8, markerfacecolor="white",
+                    markeredgewidth=0.5, label=label)  # fmt: skip
+            ax.annotate(str(number), point, ha="center", va="center_baseline", fontsize=_NUMBER_PT)
     ax.set(xlabel="Test RMSE, forward [kPa]", ylabel="Tracking RMSE [deg]")
+    ax.set_xscale("log")
+    ax.xaxis.set_major_locator(MaxNLocator(8))
+    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    ax.xaxis.set_minor_locator(NullLocator())
     ax.margins(0.06)
-    low, high = ax.get_ylim()
-    ax.set_ylim(low, high)  # the lines to the labels do not change it
-    rows = table.sort_values("tracking", kind="stable")
-    for row, place in zip(
-        rows.itertuples(), _apart((rows["tracking"] - low) / (high - low)), strict=True
-    ):
-        ax.annotate(
-            _symbols(title_of(row.model, titles)),
-            (row.forward, row.tracking),
-            (1.06, place),
-            textcoords=("axes fraction", "axes fraction"),
-            va="center",
-            fontsize=MARK_PT,
-            arrowprops={
-                "arrowstyle": "-",
-                "color": "0.75",
-                "linewidth": 0.4,
-                "shrinkA": 1,
-                "shrinkB": 2,
-                "relpos": (0.0, 0.5),
-            },
-        )
     return ax
-
-
-def _apart(places: Sequence[float], span: tuple[float, float] = (0.03, 1.05)) -> np.ndarray:
-    """Return ascending places moved apart to a line's height or more, within the span."""
-    gap = min(_LINE, (span[1] - span[0]) / max(len(places) - 1, 1))
-    steps = gap * np.arange(len(places))
-    lower = np.asarray(places) - steps
-    # half by moving the upper ones up, half by moving the lower ones down
-    moved = np.maximum.accumulate(lower) + np.minimum.accumulate(lower[::-1])[::-1]
-    return np.clip(moved / 2, span[0], span[1] - gap * (len(places) - 1)) + steps
 
 
 def plot_offsets(table: DataFrame, titles: Mapping[str, str], ax: Axes) -> Axes:
@@ -169,7 +154,7 @@ def plot_offsets(table: DataFrame, titles: Mapping[str, str], ax: Axes) -> Axes:
 
 
 def plot_capacities(table: DataFrame, ax: Axes) -> Axes:
-    """Draw the capacities of each set of states, stacked by degree, over the number of states.
+    """Draw the capacities of each set of states, stacked by degree.
 
     Beside each bar: the total capacity and the number of states, which it cannot exceed.
 
@@ -181,22 +166,23 @@ def plot_capacities(table: DataFrame, ax: Axes) -> Axes:
     means = table.pivot(index=["set", "states"], columns="quantity", values="mean")
     order = [name for name in SETS if name in means.index.get_level_values("set")]
     means = means.loc[order]
-    states = means.index.get_level_values("states").to_numpy(float)
+    states = means.index.get_level_values("states")
     rows, begin = np.arange(len(means)), np.zeros(len(means))
     degrees = sorted((name for name in means if name.startswith("degree ")), key=_degree)
     for name, grey in zip(degrees, _DEGREES, strict=False):
-        width = means[name].fillna(0.0).to_numpy() / states
+        width = means[name].fillna(0.0).to_numpy()
         label = f"degree {_degree(name)}"
         ax.barh(rows, width, left=begin, color=grey, edgecolor="black", linewidth=0.4, label=label)
         begin += width
-    for row, end, total, number in zip(rows, begin, means.get("total", begin), states, strict=True):
-        ax.text(float(end) + 0.02, float(row), f"{total:.3g} of {number:.0f}", va="center")
+    ends = zip(rows, begin, means.get("total", begin), states, strict=True)
+    for row, end, total, number in ends:
+        ax.annotate(f"{total:.2f} of {number}", (end, row), (3.0, 0.0),
+                    textcoords="offset points", va="center")  # fmt: skip
     ax.set_yticks(rows, [_symbols(SETS[name]) for name in order])
     ax.set_ylim(max(len(rows), 1) - 0.5, -0.5)
-    ax.set_xlim(0.0, 1.3)
-    ax.set_xticks(np.linspace(0.0, 1.0, 6))
+    ax.set_xlim(0.0, 1.25 * max(begin, default=1.0))
     ax.tick_params(axis="y", length=0)
-    ax.set_xlabel("Capacity over the number of states")
+    ax.set_xlabel("Capacity")
     return ax
 
 

@@ -1,4 +1,4 @@
-"""Claims over an ensemble of rigs: share of rigs on which they hold, and correlations."""
+"""Claims on sets of rigs: shares of rigs, correlations, and trade-offs found by searches."""
 
 import numpy as np
 from matplotlib.axes import Axes

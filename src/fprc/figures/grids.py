@@ -10,7 +10,7 @@ from fprc.figures.style import MARK, MARK_PT, PHASES, line_of
 from fprc.registry import title_of
 
 _PHASES = {"train": "training", "validation": "validation", "test": "test"}
-#: Share of the cells whose errors the colours tell apart; larger ones have the last colour.
+#: Share of the cells whose errors have colours of their own; larger errors share the last colour.
 _CLIPPED = 0.9
 
 
@@ -54,7 +54,7 @@ def plot_grid(table: DataFrame, phase: str, ax: Axes, papers: tuple[int, int]) -
     Parameters
     ----------
     papers : (int, int)
-        n_u and n_y of the paper; not drawn if the grid lacks it.
+        n_u and n_y of the paper; not drawn if the grid does not contain them.
     """
     grid = table[table["phase"] == phase].pivot(index="n_y", columns="n_u", values="mean")
     values = grid.to_numpy()

@@ -8,7 +8,7 @@ from pandas import DataFrame
 from fprc import escape
 from fprc.figures.style import SIGNALS, line_of
 
-#: Label and look of each readout, in the colour of the signal that is read.
+#: Label and look of each readout; its colour is that of the signal.
 _LOOKS: dict[str, tuple[str, dict[str, Any]]] = {
     "none": ("none (Fuzzy-linear)", line_of("fuzzy_linear")),
     "p_o": (r"$P_o$ (FPRC)", {"color": SIGNALS["p_o"]}),

@@ -56,7 +56,7 @@ def line_of(name: str) -> dict[str, Any]:
 
 
 _STYLE: dict[Any, Any] = {
-    # metrically Times, as in the journal; Matplotlib brings it
+    # looks like Times, the journal's font, and comes with Matplotlib
     "font.family": ["STIXGeneral", "DejaVu Sans"],
     "mathtext.fontset": "stix",
     "font.size": TEXT_PT,
@@ -158,9 +158,9 @@ def _write(fig: Figure, data: Mapping[str, Any], files: Mapping[str, Mapping[str
 
 
 def _fix_layout(fig: Figure) -> None:
-    """Lay the figure out once, and round the places.
+    """Lay the figure out once, and round the positions of its axes.
 
-    The solver's last digits differ from process to process, and with them a pixel now and then.
+    Their last digits differ from process to process, which would sometimes change a pixel.
     """
     fig.draw_without_rendering()
     fig.set_layout_engine("none")

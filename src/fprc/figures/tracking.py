@@ -21,9 +21,9 @@ def plot_following(run: Run, ax: Axes) -> Axes:
 
 
 def plot_error(run: Run, ax: Axes, *, rmse: float, controller: str, limit: float) -> Axes:
-    """Draw theta_d - theta between -limit and limit, with its RMSE above.
+    """Draw theta_d - theta between -limit and limit, with its RMSE above; all in deg.
 
-    Errors during the step from rest may be larger; they would flatten the others.
+    Larger errors, while the actuator rises from rest, are cut off: they would flatten the others.
     """
     ax.axhline(0.0, color="0.6", linewidth=0.4)
     ax.plot(run["time_s"], run["theta_d_deg"] - run["theta_deg"], linewidth=0.6,
@@ -54,7 +54,7 @@ def plot_reference_loops(runs: Sequence[tuple[str, str, Run]], ax: Axes) -> Axes
 def plot_over_cycle(
     time_s: np.ndarray, values: np.ndarray, cycle: np.ndarray | None, ax: Axes, name: str
 ) -> Axes:
-    """Draw a channel over its repeated undisturbed cycle, if there is one, which is pale."""
+    """Draw a channel, and its repeated undisturbed cycle as a pale line if there is one."""
     signal, unit = name.rsplit("_", 1)
     if cycle is not None:
         ax.plot(time_s, cycle, color=SIGNALS[signal], alpha=0.3, linewidth=2.5)

@@ -7,7 +7,7 @@ from fprc.figures.style import SIGNALS
 
 _LABELS = {"bias": "Bias", "p_o": r"$\tilde{P}_o$", "theta_d": r"$\theta_d$"}
 _COLOURS = SIGNALS | {"bias": "#cccccc"}
-#: What the averages show in one bar each.
+#: Columns of the averages, each drawn as one bar, and the bars' names.
 _AVERAGES = {"mean_of_feature": "mean", "published_mean_of_feature": "paper"}
 
 
@@ -48,7 +48,7 @@ def plot_shares(table: DataFrame, ax: Axes) -> Axes:
 
 
 def _plot_average(shares: "Series[float]", place: float, ax: Axes) -> None:
-    """Draw one bar, of which the largest parts have their share in percent."""
+    """Draw one bar; the parts of P_o and theta_d are labelled in percent."""
     bottom = 0.0
     for feature in (name for name in _LABELS if name in shares):
         share = shares[feature]

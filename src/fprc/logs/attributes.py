@@ -1,4 +1,4 @@
-"""Attributes of HDF5 files; their types are checked here, once, on reading."""
+"""Attributes of HDF5 files, with a check of their types."""
 
 import json
 import math
@@ -82,7 +82,7 @@ def read_attribute(holder: h5py.AttributeManager, name: str, *, lossy: bool = Fa
     """
     # an array may be too large for memory, or empty
     if holder.get_id(name).get_space().get_simple_extent_npoints() != 1:
-        raise LogError("no single value")
+        raise LogError("must be one value, not an array")
     value = holder[name]
     value = value.ravel()[0] if isinstance(value, np.ndarray) else value
     value = value.item() if isinstance(value, np.generic) else value
@@ -116,15 +116,15 @@ def wrong_kinds(attributes: Mapping[str, Any]) -> list[str]:
 
 
 def is_text(text: str | bytes) -> bool:
-    """Return whether h5py could decode a name or text as UTF-8; if not, it may return bytes."""
+    """Return whether a name or text is UTF-8; if not, h5py returns bytes or lone surrogates."""
     return isinstance(text, str) and text == text.encode("utf-8", "replace").decode("utf-8")
 
 
 def _of_kind(value: Any, kind: type) -> Any:
     accepted = (float, int) if kind is float else kind
     finite = not isinstance(value, float) or math.isfinite(value)
-    bool_or_not = isinstance(value, bool) == (kind is bool)
-    if not (isinstance(value, accepted) and finite and bool_or_not):
+    bool_where_due = isinstance(value, bool) == (kind is bool)  # to isinstance, a bool is an int
+    if not (isinstance(value, accepted) and finite and bool_where_due):
         raise LogError(f"= {reprlib.repr(value)}: must be {_WORDS[kind]}; see data/raw/README.md")
     return value
 
@@ -132,7 +132,7 @@ def _of_kind(value: Any, kind: type) -> Any:
 def _object(name: str, text: str) -> dict[str, Any]:
     try:
         content = json.loads(text, parse_float=_finite, parse_constant=_finite)
-        # fails on lone surrogates such as \\udce9
+        # raises for lone surrogates such as \udce9
         json.dumps(content, ensure_ascii=False).encode("utf-8")
     except (ValueError, RecursionError) as error:
         raise LogError(f"= {reprlib.repr(text)}: must be a JSON object ({error})") from error
@@ -150,9 +150,10 @@ def _finite(text: str) -> float:
 
 
 def as_written(value: Any) -> Any:
-    """Return an attribute as stored in HDF5: fixed-length text; JSON if it is not a scalar.
+    """Return the form in which HDF5 stores an attribute: a number, or text of fixed length.
 
-    HDF5 stores variable-length text outside its checksums. JSON has no NaN: it becomes null.
+    Anything but a number or text becomes JSON, in which NaN and infinity become null. Text of
+    variable length would lie outside the checksums of HDF5.
     """
     if not isinstance(value, str | bool | int | float | np.generic):
         value = json.dumps(json.loads(json.dumps(value), parse_constant=lambda text: None))

@@ -18,8 +18,7 @@ LONGEST_S = 86400.0
 #: Most samples per channel that resampling may process.
 MOST_POINTS = 5_000_000
 
-
-#: ``Clock.corrections`` of a clock that needed none.
+#: ``Clock.corrections`` of a clock that was not corrected.
 NO_CORRECTIONS = {"unordered_samples": 0, "repeated_samples": 0, "repeated": None}
 
 
@@ -44,7 +43,7 @@ class Clock(NamedTuple):
         )
 
     def mean(self, values: np.ndarray) -> np.ndarray:
-        """Average the values of ``samples`` that share a time stamp."""
+        """Return values, one for each of ``samples``, averaged over equal time stamps."""
         counts = np.diff(np.append(self.first, len(values)))
         return np.add.reduceat(values, self.first) / counts
 
@@ -96,7 +95,7 @@ def read_clock(source: Source, time: Mapping[str, Any], stamps: np.ndarray) -> C
     first = np.flatnonzero(fresh)
     factor = SECONDS[time["unit"]]
     with np.errstate(over="ignore"):  # ``refuse_length`` rejects the overflow
-        # subtract before converting: stamps counted from 1970 would lose digits in seconds
+        # subtract before converting, or stamps counted from 1970 would lose digits
         since_s = (ordered[first] - ordered[0]) * factor
         return Clock(float(ordered[0] * factor), since_s, order, first, corrections)
 
@@ -131,7 +130,7 @@ def _disorder(
 
 
 def likely_rate(step: float) -> tuple[float, str] | None:
-    """Guess rate in Hz and unit of a clock from its step; None if no unit is plausible."""
+    """Guess the rate in Hz and the unit of a clock from its step; None if no unit is plausible."""
     for unit in ("s", "ms", "us", "ns"):
         rate_hz = 1.0 / max(step * SECONDS[unit], 1e-12)
         if LIKELY_HZ[0] <= rate_hz <= LIKELY_HZ[1]:
@@ -140,7 +139,7 @@ def likely_rate(step: float) -> tuple[float, str] | None:
 
 
 def other_unit(clock: Clock, unit: str) -> str | None:
-    """Suggest a unit that makes an implausible rate plausible; None if the rate is fine."""
+    """Suggest a unit that makes the rate plausible; None if it already is or no unit does."""
     step_s = float(np.median(np.diff(clock.since_s)))
     guess = likely_rate(step_s / SECONDS[unit])
     if guess is None or LIKELY_HZ[0] * step_s <= 1.0 <= LIKELY_HZ[1] * step_s:
@@ -180,7 +179,7 @@ def refuse_length(source: Source, time: Mapping[str, Any], clock: Clock, rate_hz
 
 
 def _remedy(source: Source, time: Mapping[str, Any], clock: Clock) -> str:
-    """Return the end of a message: what may be wrong with the clock."""
+    """Return what may be wrong with the clock, for the end of a message."""
     if not time.get("column"):
         return "; or correct time.rate_hz"
     unit, steps_s = time["unit"], np.diff(clock.since_s)

@@ -23,16 +23,16 @@ _MOST_ATTRIBUTES = 1000
 
 
 class Columns(NamedTuple):
-    """Channels of one file, its attributes, and the names of channels without a checksum."""
+    """Channels and attributes of one file."""
 
     path: Path
     channels: dict[str, np.ndarray]
     attributes: dict[str, Any]
-    unchecked: tuple[str, ...] = ()
+    unchecked: tuple[str, ...] = ()  #: names of channels without a checksum
 
 
 def unit_of(name: str) -> str:
-    """Return the unit of a channel, from the ending of its name."""
+    """Return the unit of a channel from the ending of its name; raise LogError for another."""
     for ending, unit in UNITS.items():
         if name.endswith(ending):
             return unit
@@ -47,9 +47,14 @@ def checksum(values: np.ndarray) -> int:
 def write_columns(
     path: Path | str, channels: Mapping[str, np.ndarray], attributes: Mapping[str, Any]
 ) -> None:
-    """Write channels and attributes under a temporary name, then rename.
+    """Write channels and attributes to a file under a temporary name, then rename it.
 
-    The same content gives the same bytes. Attributes that are mappings are written as JSON.
+    The same content gives the same bytes.
+
+    Raises
+    ------
+    LogError
+        The name of a channel does not end in a unit.
     """
     with _in_memory() as file:
         file.attrs.update({name: as_written(value) for name, value in attributes.items()})
@@ -68,14 +73,14 @@ def write_columns(
 
 
 def _in_memory() -> h5py.File:
-    """Return a new file in memory: on a full disk, HDF5 crashes the process at exit."""
+    """Return a new file in memory; one on a full disk would crash the process at exit."""
     access = h5py.h5p.create(h5py.h5p.FILE_ACCESS)
     access.set_fapl_core(backing_store=False)
     access.set_libver_bounds(*_FORMAT)
     access.set_meta_block_size(1)  # no padding
     creation = h5py.h5p.create(h5py.h5p.FILE_CREATE)
-    # keep attributes in the header, where a wrong byte damages only one; by default, more than
-    # eight attributes go to a heap, where a wrong byte damages all of them
+    # keep attributes in the header, where a wrong byte damages only one of them. By default HDF5
+    # puts more than eight into a heap, where it damages all
     creation.set_attr_phase_change(_MOST_ATTRIBUTES, 0)
     creation.set_obj_track_times(False)  # the same content gives the same bytes
     return h5py.File(h5py.h5f.create(b"log", h5py.h5f.ACC_TRUNC, creation, access))
@@ -106,7 +111,7 @@ def gather_columns(
     optional: tuple[str, ...] = (),
     attributes: tuple[str, ...] = (),
 ) -> tuple[Columns, list[str]]:
-    """Read the named channels as far as possible; return them and the problems.
+    """Read those of the named channels that can be read; return them and the problems.
 
     Parameters
     ----------
@@ -145,7 +150,7 @@ def read_header(path: Path | str) -> tuple[frozenset[str], dict[str, Any]]:
     with opened(Path(path)) as file:
         names = frozenset(file)
         attributes, wrong = read_attributes(file.attrs)
-        _, problems = _find(file, (n for n in links_of(file) if n.endswith(tuple(UNITS))))
+        _, problems = _datasets(file, (n for n in links_of(file) if n.endswith(tuple(UNITS))))
     if problems := problems + _attribute_problems(wrong):
         raise LogError("\n".join(f"{path}: {problem}" for problem in problems))
     return names, attributes
@@ -161,7 +166,7 @@ def _read_all(
     file: h5py.File, names: tuple[str, ...]
 ) -> tuple[dict[str, np.ndarray], tuple[str, ...], list[str]]:
     """Return the channels, the names of those without a checksum, and the problems."""
-    datasets, problems = _find(file, names)
+    datasets, problems = _datasets(file, names)
     if why := too_large(datasets.values()):
         return {}, (), [*problems, why]
     channels, unchecked = {}, []
@@ -183,8 +188,8 @@ def _read_all(
     return channels, tuple(unchecked), problems + _wrong_lengths(channels)
 
 
-def _find(file: h5py.File, names: Iterable[str]) -> tuple[dict[str, h5py.Dataset], list[str]]:
-    """Return the readable channels, and the problems of the others."""
+def _datasets(file: h5py.File, names: Iterable[str]) -> tuple[dict[str, h5py.Dataset], list[str]]:
+    """Return the datasets of the readable channels, and the problems of the others."""
     datasets, problems = {}, []
     for name in names:
         try:

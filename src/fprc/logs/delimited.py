@@ -21,7 +21,7 @@ LARGEST_TEXT_BYTES = 256 << 20
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars", " ": "blanks"}
 #: Rows used to detect the separator.
 _TRIED = 5
-#: Texts that stand for a missing value.
+#: Texts that stand for a missing value, in lower case.
 _MISSING = {"", "-nan", "na", "n/a", "#n/a", "#na", "<na>", "null", "none", "1.#qnan", "-1.#ind"}
 
 
@@ -57,8 +57,8 @@ def read_text(
     """
     text = _Text(path, _lines(path))
     mark = separator or _separator_of(text, header_line, data_line)
-    header, below = _parts(text, mark, header_line, data_line)
-    rows = _fitted(path, header, below, mark)
+    header, below = _header_and_rows(text, mark, header_line, data_line)
+    rows = _matching_rows(path, header, below, mark)
     names = [name.strip() for name in header.fields]
     if header_line is None and all(_number(name.replace(",", ".")) is not None for name in names):
         names = [""] * len(names)
@@ -69,7 +69,7 @@ def read_text(
             f"{path}: no samples below line {header.last_line}; check csv.header_line, "
             "csv.data_line, and that every quotation mark is closed"
         )
-    # separators at the line ends make columns without a name or any value
+    # separators at the line ends make columns with neither name nor value
     present = [
         k for k, name in enumerate(names) if name or any(row.fields[k].strip() for row in rows)
     ]
@@ -80,7 +80,7 @@ def read_text(
     variables, others = {}, {}
     for k, name in shown.items():
         texts = [row.fields[k] for row in rows]
-        values, bad = _numbers(texts, decimal)
+        values, bad = _column(texts, decimal)
         if bad is None:
             variables[name] = values
         else:
@@ -110,7 +110,7 @@ def _lines(path: Path) -> list[str]:
     return list(io.StringIO(text.rstrip("\r\n"), newline=""))
 
 
-def _parts(
+def _header_and_rows(
     text: _Text, mark: str, header_line: int | None, data_line: int | None
 ) -> tuple[_Row, Iterator[_Row]]:
     """Return the header, and an iterator over the rows below it."""
@@ -128,7 +128,7 @@ def _parts(
 
 
 def _rows(text: _Text, first: int, mark: str, *, verbatim: bool = False) -> Iterator[_Row]:
-    """Yield the rows from line ``first`` on; skip comments, and blank lines before the first row.
+    """Yield the rows from line ``first``; skip comments, and blank lines before the first row.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ def _rows(text: _Text, first: int, mark: str, *, verbatim: bool = False) -> Iter
                     continue
                 begins, between_rows = number, False
             last = number
-            # tabs outside quotation marks
+            # csv.reader takes one separator: replace the tabs outside quotation marks by blanks
             yield re.sub(r'("[^"]*")|\t', lambda m: m[1] or " ", line) if mark == " " else line
 
     reader = csv.reader(numbered_lines(), delimiter=mark, skipinitialspace=True, strict=True)
@@ -164,29 +164,29 @@ def _rows(text: _Text, first: int, mark: str, *, verbatim: bool = False) -> Iter
 def _separator_of(text: _Text, header_line: int | None, data_line: int | None) -> str:
     """Return the separator that splits the header and the first rows into equally many fields.
 
-    If several do, choose the one that yields the most numbers; if none does, the one that
+    If several do, it is the one that yields the most numbers; if none does, the one that
     splits the header into the most fields.
     """
 
     def score(mark: str) -> tuple[bool, float, float]:
         try:
-            header, below = _parts(text, mark, header_line, data_line)
-            rows = [_fit(row.fields, header.fields) for row in islice(below, _TRIED)]
-        except LogError:  # unbalanced quotation marks; may still be the right separator
+            header, below = _header_and_rows(text, mark, header_line, data_line)
+            rows = [_matching_fields(row.fields, header.fields) for row in islice(below, _TRIED)]
+        except LogError:  # unbalanced quotation marks, which the right separator can have too
             return (False, 0.0, np.inf)
         width = len(header.fields) - (not header.fields[-1].strip())
         fields = [field for row in rows for field in row or ()]
         plain = mark == "," or width == 1
-        known = [_value(field if plain else field.replace(",", ".")) for field in fields]
+        known = [_parsed(field if plain else field.replace(",", ".")) for field in fields]
         numbers = 1.0 - known.count(None) / max(len(known), 1)
-        # accept a single column only if it holds numbers: text hides another separator
-        fits = None not in rows and (width > 1 or numbers == 1.0)
-        return (fits, numbers if fits else 0.0, width)
+        # a single column that is not all numbers contains another separator
+        matches = None not in rows and (width > 1 or numbers == 1.0)
+        return (matches, numbers if matches else 0.0, width)
 
     return max(_SEPARATORS, key=score)
 
 
-def _fit(fields: list[str], header: Sequence[str]) -> list[str] | None:
+def _matching_fields(fields: list[str], header: Sequence[str]) -> list[str] | None:
     """Return one field per header field; None if there are more or fewer fields."""
     surplus = len(fields) - len(header)
     if surplus == 1 and not fields[-1].strip():
@@ -196,10 +196,10 @@ def _fit(fields: list[str], header: Sequence[str]) -> list[str] | None:
     return fields if surplus == 0 else None
 
 
-def _fitted(path: Path, header: _Row, below: Iterator[_Row], mark: str) -> list[_Row]:
+def _matching_rows(path: Path, header: _Row, below: Iterator[_Row], mark: str) -> list[_Row]:
     rows, unfit = [], []
     for row in below:
-        fields = _fit(row.fields, header.fields)
+        fields = _matching_fields(row.fields, header.fields)
         if row.last_line > row.line:
             raise LogError(
                 f"{path}: a quotation mark on line {row.line} is not closed on that line; close it"
@@ -225,28 +225,28 @@ def _number(text: str) -> float | None:
         return None
 
 
-def _value(text: str) -> float | None:
+def _parsed(text: str) -> float | None:
     """Return a number; NaN for a missing value; None for any other text."""
     number = _number(text)
     return np.nan if number is None and text.strip().lower() in _MISSING else number
 
 
-def _numbers(texts: list[str], decimal: str | None) -> tuple[np.ndarray, int | None]:
+def _column(texts: list[str], decimal: str | None) -> tuple[np.ndarray, int | None]:
     """Return the numbers of a column, or the first row that is not a number."""
     bad = []
     for mark in [decimal] if decimal else [".", ","]:
         if mark == ".":
-            values = [_value(text) for text in texts]
+            values = [_parsed(text) for text in texts]
         else:
             refused = ".," if not decimal and _may_be_thousands(texts) else "."
             values = [
-                None if any(m in text for m in refused) else _value(text.replace(",", "."))
+                None if any(m in text for m in refused) else _parsed(text.replace(",", "."))
                 for text in texts
             ]
         if None not in values:
             return np.array(values), None
         bad.append(values.index(None))
-    return np.array([]), max(bad)  # from the decimal mark that parses most rows
+    return np.array([]), max(bad)  # with the decimal mark that fails last
 
 
 def _may_be_thousands(texts: list[str]) -> bool:

@@ -17,7 +17,7 @@ FROZEN_S = 2.0
 GAP_PERIODS = 1.5
 #: A channel is clipped if its extreme occurs this many times as often as the levels next to it.
 CLIPPED_RATIO = 12.0
-#: A sealed chamber leaks if its pressure falls faster, kPa/min; half of that can be detected.
+#: A sealed chamber leaks if its pressure falls faster, kPa/min. The fit can detect half of this.
 LEAK_KPA_PER_MIN = 2.0
 
 
@@ -62,7 +62,7 @@ def _clock(time_s: np.ndarray) -> dict[str, Any]:
     steps = np.diff(time_s)
     median = float(np.median(steps))
     gaps = np.flatnonzero(steps > GAP_PERIODS * median)
-    # jitter without the gaps
+    # a gap is no jitter
     late = steps[steps <= GAP_PERIODS * median] - median
     low, high = np.percentile(late, [1, 99])
     return {
@@ -109,7 +109,7 @@ def _channel(time_s: np.ndarray, values: np.ndarray, clock: Mapping[str, Any]) -
 
 
 def _step(values: np.ndarray) -> float | None:
-    """Return the resolution, if most changes are by one or two steps of it."""
+    """Return the resolution of a quantised channel; None if it cannot be seen."""
     changes = np.abs(np.diff(values))
     changes = changes[changes > 1e-12 * np.ptp(values)]  # less is rounding
     if len(changes) < 10 or len(changes) > 0.9 * (len(values) - 1):
@@ -126,7 +126,7 @@ def _held(lengths: np.ndarray) -> int | None:
     if len(inner) < 5:
         return None
     typical = int(np.median(inner))
-    # allow repeated values, and jitter of the slower clock
+    # a new value may equal the last one, and the slower clock has jitter
     multiples = inner / typical
     regular = (np.abs(inner - typical) <= typical // 4) | (multiples == np.round(multiples))
     return typical if typical >= 2 and regular.mean() >= 0.8 else None
@@ -163,7 +163,7 @@ def describe(diagnosis: Mapping[str, Any], units: Mapping[str, str]) -> list[str
     diagnosis : Mapping
         Result of ``diagnose``.
     units : Mapping
-        Unit to print, by channel; empty if the channel's unit is not that of its name.
+        Unit to print for each channel; empty if it holds a quantity other than its name says.
     """
     clock, sealed = diagnosis["clock"], diagnosis["sealed"]
     lines = [

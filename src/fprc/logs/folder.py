@@ -12,7 +12,7 @@ from fprc.logs.raw import RAW_CHANNELS
 
 
 class Header(NamedTuple):
-    """Header of a log: the names of its channels, and its attributes."""
+    """Names of the channels of a log, and its attributes."""
 
     path: Path
     channels: frozenset[str]
@@ -20,25 +20,25 @@ class Header(NamedTuple):
 
 
 class Content(NamedTuple):
-    """Channels of a log (None: all channels), and the import's notes by channel."""
+    """What a log contains."""
 
-    channels: frozenset[str] | None
-    notes: Mapping[str, str]
+    channels: frozenset[str] | None  #: names of its channels; None: all
+    notes: Mapping[str, str]  #: notes of an import, by channel
 
     def lacks(self, names: Sequence[str]) -> list[str]:
-        """Return the names of channels that the log does not have."""
+        """Return those of the names that the log has no channel for."""
         if self.channels is None:
             return []
         return [name for name in names if name not in self.channels]
 
     def with_channels(self, names: Sequence[str]) -> "Content":
-        """Return the content with these channels added or replaced, without notes."""
+        """Return the content after these channels are added or replaced; they have no notes."""
         channels = None if self.channels is None else self.channels | {*names}
         notes = {name: note for name, note in self.notes.items() if name not in names}
         return Content(channels, notes)
 
     def substitute(self, name: str) -> str | None:
-        """Return the quantity that a channel holds if it is not the one in its name; else None."""
+        """Return the quantity that a channel holds instead of the one in its name, or None."""
         begins = other_quantity(name)
         note = self.notes.get(name, "")
         return note.removeprefix(begins) if note.startswith(begins) else None
@@ -49,7 +49,7 @@ WHOLE = Content(None, {})
 
 
 def headers(paths: Iterable[Path | str], *, isolate: bool) -> dict[str, Header]:
-    """Return the headers of the raw logs that exist, by log name.
+    """Return the headers of those raw logs that exist, by log name.
 
     Parameters
     ----------

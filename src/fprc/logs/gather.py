@@ -1,4 +1,4 @@
-"""Convert columns of a foreign file to channels of a raw log."""
+"""Convert columns of another program's file to channels of a raw log."""
 
 from collections.abc import Mapping
 from typing import Any, NamedTuple
@@ -24,7 +24,7 @@ class Recording(NamedTuple):
     time_s: np.ndarray  #: time stamps, 0 at the first sample kept
     channels: dict[str, np.ndarray]
     start_s: float  #: time stamp of the first sample kept, on the file's clock
-    clock: Clock  #: maps ``time_s`` to the samples of the file
+    clock: Clock  #: relates ``time_s`` to the samples of the file
 
 
 def gather(
@@ -44,7 +44,7 @@ def gather(
     channels : Mapping
         By channel: ``column``, ``unit``, ``scale``, ``offset``.
     start_s, end_s : float
-        Interval to keep, counted from the first sample.
+        Interval to keep, s after the first sample; None: to the end.
 
     Raises
     ------
@@ -101,7 +101,7 @@ def pick_all(source: Source, wanted: Mapping[str, str]) -> tuple[dict[str, np.nd
 
 def _window(source: Source, clock: Clock, start_s: float, end_s: float | None) -> Clock:
     last = np.inf if end_s is None else end_s
-    # tolerate rounding of the clock
+    # 1e-9: the time stamps are rounded
     begin = int(np.searchsorted(clock.since_s, start_s - 1e-9, side="left"))
     end = int(np.searchsorted(clock.since_s, last + 1e-9, side="right"))
     if end - begin < 2:

@@ -51,18 +51,10 @@ def refuse_cut_file(path: Path, at: int = 0) -> None:
     LogError
         The file cannot be opened, is no HDF5, or is cut short.
     """
-    try:
-        status = path.stat()
-        if not stat.S_ISREG(status.st_mode):  # opening a pipe would block
-            raise LogError(f"{path}: cannot be opened (not a regular file); check the path")
-        with path.open("rb") as file:
-            file.seek(at)
-            head = file.read(52)
-    except OSError as error:
-        raise LogError(f"{path}: cannot be opened ({error.strerror}); check the path") from error
+    head = head_of(path, at)
     if head[:8] != b"\x89HDF\r\n\x1a\n":
         raise LogError(f"{path}: not an HDF5 file; raw logs are described in data/raw/README.md")
-    size = status.st_size
+    size = path.stat().st_size
     promised = promised_length(head)
     if len(head) < 48 or size < promised:
         total = f" of {promised}" if promised else ""
@@ -70,6 +62,18 @@ def refuse_cut_file(path: Path, at: int = 0) -> None:
             f"{path}: cut short, {size}{total} bytes are left; restore it, or delete it and "
             "record it again"
         )
+
+
+def head_of(path: Path, at: int = 0) -> bytes:
+    """Return 52 bytes of a regular file from byte ``at``; raise LogError if it cannot be opened."""
+    try:
+        if not stat.S_ISREG(path.stat().st_mode):  # opening a pipe would block
+            raise LogError(f"{path}: cannot be opened (not a regular file); check the path")
+        with path.open("rb") as file:
+            file.seek(at)
+            return file.read(52)
+    except OSError as error:
+        raise LogError(f"{path}: cannot be opened ({error.strerror}); check the path") from error
 
 
 def promised_length(head: bytes) -> int:
@@ -80,7 +84,7 @@ def promised_length(head: bytes) -> int:
 
 
 def links_of(file: h5py.File) -> list[str]:
-    """Return the names of the soft and external links in a file; none is followed."""
+    """Return the names of the soft and external links in a file, without following them."""
     names = []
 
     def note(name: bytes, info: h5py.h5l.LinkInfo) -> None:
@@ -92,12 +96,13 @@ def links_of(file: h5py.File) -> list[str]:
 
 
 def channel_of(file: h5py.File, name: str) -> h5py.Dataset:
-    """Return the dataset of a channel; all its samples must be in the file itself.
+    """Return the dataset of a channel.
 
     Raises
     ------
     LogError
-        The dataset cannot be used. The message names neither file nor channel.
+        It is missing, does not hold one number per sample, or is stored in another file. The
+        message names neither file nor channel.
     """
     link = file.get(name, getlink=True)
     if isinstance(link, h5py.ExternalLink):
@@ -120,7 +125,8 @@ def channel_of(file: h5py.File, name: str) -> h5py.Dataset:
 def refuse_never_written(dataset: h5py.Dataset) -> None:
     """Check that every sample of a channel was written.
 
-    For the others the library returns fill values, and a small file can declare any number of them.
+    For samples never written the library returns fill values, of which a small file can declare any
+    number.
 
     Raises
     ------
@@ -139,7 +145,7 @@ def refuse_never_written(dataset: h5py.Dataset) -> None:
 
 
 def bytes_of(dataset: h5py.Dataset) -> int:
-    """Return the memory a channel needs, bytes; chunks are read whole."""
+    """Return the memory that reading a channel needs, bytes; chunks are read whole."""
     samples = max(dataset.size, math.prod(dataset.chunks or ()))
     return samples * max(dataset.dtype.itemsize, 8)
 
@@ -159,12 +165,12 @@ def too_large(datasets: Iterable[h5py.Dataset]) -> str:
 
 
 def shown(name: str | bytes) -> str:
-    """Return a name from a file for a message; h5py returns bytes if it is not UTF-8."""
+    """Return a name from a file as text for a message; h5py gives bytes if it is not UTF-8."""
     return visible(os.fsdecode(name))
 
 
 def listed(names: Iterable[str]) -> str:
-    """Return names for a message, at most the first twelve."""
+    """Return names as text for a message, at most the first twelve."""
     every = list(names)
     more = f" and {len(every) - 12} more" if len(every) > 12 else ""
     return (", ".join(map(shown, every[:12])) or "none") + more

@@ -33,7 +33,7 @@ def correct_checksums(data: bytearray) -> int:
 
 
 def _blocks(data: bytes | bytearray) -> Iterator[tuple[int, int]]:
-    """Yield begin and end of the headers and of their continuation blocks."""
+    """Yield the begin and end of each header and of each of its continuation blocks."""
     count, todo = 0, list(islice(_header_blocks(data), _MOST_BLOCKS))[::-1]
     while todo and count < _MOST_BLOCKS:
         count += 1

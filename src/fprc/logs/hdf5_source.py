@@ -13,14 +13,14 @@ from fprc.logs.hdf5 import refuse_cut_file
 from fprc.logs.matlab import EMPTY, OBJECT, SPARSE, elements
 from fprc.logs.variables import MOST_NUMBERS, Part, Source, collect
 
-#: Most datasets and links; the library takes 0.2 ms for each.
+#: Most datasets and links in a file; the library takes 0.2 ms for each.
 MOST_OBJECTS = 10_000
 #: MATLAB's numeric classes.
 _NUMBERS = {"double", "single", "logical"} | {
     f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)
 }
 
-#: Name of a part of a file; and its dataset, its numbers, or the reason why it is no channel.
+#: Name of an array in a file; and its dataset, its numbers, or why it cannot be a channel.
 _Part = tuple[str, h5py.Dataset | np.ndarray | str]
 
 
@@ -45,14 +45,14 @@ def read_hdf5(path: Path, *, at: int, matlab: bool) -> Source:
 
 
 def _read_parts(path: Path, matlab: bool) -> Iterator[Part]:
-    left = MOST_NUMBERS
+    room = MOST_NUMBERS
     with h5py.File(path, "r") as file:
         for count, (name, part) in enumerate(_variables(file) if matlab else _datasets(file)):
             if count == MOST_OBJECTS:
                 raise _too_many(path)
             if isinstance(part, h5py.Dataset):
-                part = _why_not(part, left, matlab=matlab) or _read(part, matlab=matlab)
-            left -= 0 if isinstance(part, str) else part.size
+                part = _why_no_channel(part, room, matlab=matlab) or _read(part, matlab=matlab)
+            room -= 0 if isinstance(part, str) else part.size
             yield name, part
 
 
@@ -63,8 +63,8 @@ def _too_many(path: Path | str) -> LogError:
     )
 
 
-def _why_not(dataset: h5py.Dataset, left: int, *, matlab: bool) -> str | None:
-    """Return why a dataset cannot be a channel, judged by its metadata."""
+def _why_no_channel(dataset: h5py.Dataset, room: int, *, matlab: bool) -> str | None:
+    """Return why a dataset cannot be a channel, according to its metadata."""
     kind = "double"
     if matlab and "MATLAB_class" in dataset.attrs:
         kind = read_attribute(dataset.attrs, "MATLAB_class")
@@ -77,7 +77,7 @@ def _why_not(dataset: h5py.Dataset, left: int, *, matlab: bool) -> str | None:
     if dataset.external or dataset.is_virtual:
         return "stored in another file; copy it into this one"
     largest = max(dataset.size, int(np.prod(dataset.chunks or (1,), dtype=float)))
-    if largest > left:
+    if largest > room:
         return f"declares {largest:,} numbers; a file may have {MOST_NUMBERS:,} in all, split it"
     if not dataset.id.get_storage_size():
         return f"declares {dataset.size:,} numbers, but none was written"
@@ -93,7 +93,7 @@ def _read(dataset: h5py.Dataset, *, matlab: bool) -> np.ndarray | str:
 
 
 def _members(group: h5py.Group) -> Iterator[tuple[str, Any]]:
-    """Yield names and objects of a group; for a soft or external link, a text."""
+    """Yield the names and objects of a group; for a soft or external link, a text."""
     if len(group) > MOST_OBJECTS:
         raise _too_many(group.file.filename)
     for name in group:
@@ -140,7 +140,7 @@ def _field(name: str, field: str, member: h5py.Dataset) -> Iterator[_Part]:
     """Yield the parts of a field of a struct array, which holds one reference per element."""
     each = list(_targets(member))
     if all(isinstance(target, h5py.Dataset) and target.size == 1 and not _is_reference(target)
-           and _why_not(target, 1, matlab=True) is None for _, target in each):  # fmt: skip
+           and _why_no_channel(target, 1, matlab=True) is None for _, target in each):  # fmt: skip
         yield f"[{name}.{field}]", np.array([float(target[()].item()) for _, target in each])
     else:
         for text, target in each:

@@ -20,7 +20,7 @@ from fprc.errors import LogError
 
 #: Limit on processor time: _LIMIT_S + size / _BYTES_PER_S.
 _LIMIT_S, _BYTES_PER_S = 5.0, 20e6
-#: Limit on wall time, as a multiple of the processor time: ends a process that is blocked.
+#: Limit on wall time, as a multiple of that: ends a process that is blocked.
 _PATIENCE = 6.0
 #: Limit on the process's address space, bytes; libraries take about 0.5 GB of it.
 LIMIT_BYTES = 4 << 30
@@ -123,14 +123,14 @@ def _attempt(
     limit_s: float | None,
     limit_bytes: int,
 ) -> list[Any]:
-    """Return the result or ``LogError`` of each request: a file's name, and arguments."""
+    """Return the result or ``LogError`` of each request, which is a file's name and arguments."""
     results: list[Any] = []
     while left := requests[len(results) :]:
         files, arguments = zip(*left, strict=True)
-        most_s = limit_s or time_limit_s(files)
-        code = f"from fprc.logs.isolated import answer; answer({int(limit_bytes)}, {most_s})"
+        cpu_s = limit_s or time_limit_s(files)
+        code = f"from fprc.logs.isolated import answer; answer({int(limit_bytes)}, {cpu_s})"
         request = pickle.dumps((function, arguments, keywords))
-        answers, ended = run_limited([sys.executable, "-c", code], most_s, request)
+        answers, ended = run_limited([sys.executable, "-c", code], cpu_s, request)
         answered = list(_answers(answers))
         for file, (result, error) in zip(files, answered, strict=False):
             if isinstance(error, MemoryError):
@@ -170,7 +170,7 @@ def run_limited(command: Sequence[str], limit_s: float, request: bytes = b"") ->
 
 
 def _answers(stream: bytes) -> Iterator[tuple[Any, Any]]:
-    """Yield the complete answers."""
+    """Yield the answers that the process wrote completely."""
     file = io.BytesIO(stream)
     while True:
         try:

@@ -41,8 +41,8 @@ class Journal:
     """Append-only file of samples.
 
     Each sample is passed to the operating system at once, so that none is lost if the process
-    ends. A thread syncs the file every ``sync_s``, so that a power cut loses at most the samples
-    since then, and the loop does not wait for the disk.
+    ends. A thread syncs the file every ``sync_s``: a power cut loses at most the samples since the
+    last sync, and the loop does not wait for the disk.
 
     Use ``Journal.create``. As a context manager it closes itself; an exception marks it
     incomplete.
@@ -86,8 +86,8 @@ class Journal:
         names : sequence of str
             Channels, as a raw log has them.
         attributes : Mapping
-            Those that ``write_raw`` requires, and any others.
-            ``started`` is added: the present time, UTC.
+            Those that ``write_raw`` requires, and any others; ``started``, the present time
+            (UTC), is added.
         sync_s : float, default=0.5
             Time between two syncs to the disk, above 0.
 
@@ -98,7 +98,7 @@ class Journal:
             missing. Lists all problems of names and attributes.
         """
         path = Path(path)
-        refuse_description(path, names, attributes)
+        check_header(path, names, attributes)
         started = {"started": datetime.now(UTC).isoformat(timespec="microseconds")}
         header = _block(MAGIC, started | dict(attributes) | {"names": list(names)})
         file = _open_new(path)
@@ -165,9 +165,9 @@ class Journal:
         complete : bool, default=True
             Whether the run reached its planned end.
         reason : str
-            Why not.
+            Why it did not.
         **statistics
-            Statistics of the run, for its log.
+            Statistics of the run, for its raw log.
 
         Raises
         ------
@@ -187,7 +187,7 @@ class Journal:
             "statistics": statistics,
         }
         try:
-            # from the file size: an interrupt may have skipped the count
+            # by the file size: an interrupt may have come between a write and its count
             size = os.fstat(self._file).st_size - self._start
             content["samples"] = size // len(self._buffer)
             _write(self._file, 2 * _block(END, content, self._seed))
@@ -227,7 +227,7 @@ class Journal:
             on_disk = samples
 
 
-def refuse_description(path: Path, names: Sequence[str], attributes: Mapping[str, Any]) -> None:
+def check_header(path: Path, names: Sequence[str], attributes: Mapping[str, Any]) -> None:
     """Check the description of a run in a journal's header.
 
     Raises

@@ -47,7 +47,7 @@ def read_matlab(path: Path) -> Source:
 
 
 def _refuse_large(path: Path) -> None:
-    """Decompress the variables piece by piece, and refuse files that become too large."""
+    """Decompress the variables piece by piece, and refuse a file that becomes too large."""
     most = 8 * MOST_NUMBERS
     size = path.stat().st_size
     with path.open("rb") as file:
@@ -90,7 +90,7 @@ def _read_parts(path: Path) -> Iterator[Part]:
 
 
 def _parts(name: str, value: Any) -> Iterator[Part]:
-    """Yield the numeric arrays in a variable; for other parts, why they cannot be channels."""
+    """Yield the numeric arrays in a variable, and why its other parts cannot be channels."""
     if isinstance(value, MatlabOpaque):
         # variable name, type system and class name
         header = [field.decode() for field in value[0].item()[:3] if isinstance(field, bytes)]

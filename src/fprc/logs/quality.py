@@ -39,10 +39,9 @@ def assess(
     """Return the quality record of a readable raw log.
 
     Each check has ``passed``, the measured numbers, and the limit. A failed check is
-    recorded and printed, and does not stop the workflow. Channels that an import left out,
-    or that hold another quantity, are skipped where a check does not apply. ``loop`` holds
-    the loop statistics of a real rig: ticks missed, and how late ticks began.
-    ``no_checksum`` lists the channels in which damage would go unnoticed.
+    recorded and printed, and does not stop the workflow. A check skips channels that an import
+    left out, or that hold another quantity. ``loop`` has the statistics of a real rig's control
+    loop, ``no_checksum`` the channels in which damage would go unnoticed.
 
     Parameters
     ----------
@@ -79,7 +78,7 @@ def assess(
 
 
 def implausible(log: Columns, ranges: Mapping[str, Sequence[float]]) -> list[str]:
-    """Return one line that names all channels outside their ranges; no line if there are none.
+    """Return one line that names all channels outside their ranges; no line if there is none.
 
     Parameters
     ----------
@@ -91,7 +90,7 @@ def implausible(log: Columns, ranges: Mapping[str, Sequence[float]]) -> list[str
 
 
 def other_quantity(name: str) -> str:
-    """Return the beginning of the note of a channel that is not in the unit of its name."""
+    """Return the beginning of the note of a channel that holds another quantity."""
     return f"not in {unit_of(name)}: "
 
 
@@ -135,7 +134,7 @@ def finding(name: str, check: Mapping[str, Any]) -> str:
     if name == "not_finite":
         return "" if check["passed"] else f"{check['count']} numbers"
     if name == "range":
-        return _outside_words(check)
+        return _describe_outside(check)
     if name == "stuck":
         longest = check["longest_unchanged_samples"]
         channel = max(longest, key=longest.__getitem__)
@@ -148,7 +147,7 @@ def finding(name: str, check: Mapping[str, Any]) -> str:
     return f"{check['kpa_per_min']:.3g} kPa/min, limit {check['limit_kpa_per_min']:g} kPa/min"
 
 
-def _outside_words(check: Mapping[str, Any]) -> str:
+def _describe_outside(check: Mapping[str, Any]) -> str:
     return "; ".join(
         f"channel {channel}: sample {first['sample']} is {first['value']:g} {unit_of(channel)}, "
         f"outside of {first['limits'][0]:g} to {first['limits'][1]:g}, and "
@@ -225,7 +224,7 @@ def _stuck(log: Columns, limit: float) -> dict[str, Any]:
 
 
 def runs(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return first sample and length of every run of equal values."""
+    """Return the first sample and the length of every run of equal values."""
     begins = np.append(0, np.flatnonzero(values[1:] != values[:-1]) + 1)
     return begins, np.diff(np.append(begins, len(values)))
 
@@ -234,8 +233,8 @@ def _leak(log: Columns, limit: float, plausible: Container[str]) -> dict[str, An
     if "p_i_kpa" not in log.channels or "p_o_kpa" not in plausible:
         why = "needs p_i_kpa, and p_o_kpa within its range"
         return {"passed": True, "kpa_per_min": None, "why": why}
-    # linear trend of P_o over time, fitted together with a cubic in P_i. In logs shorter than a
-    # minute, hysteresis looks like a rising trend and can hide a leak.
+    # a linear trend of P_o over time, fitted together with a cubic in P_i; in logs shorter than a
+    # minute, hysteresis looks like a rising trend and can hide a leak
     p_i = log.channels["p_i_kpa"]
     p_i = p_i / (np.abs(p_i).max() or 1.0)
     minutes = log.channels["time_s"] / 60.0
@@ -243,7 +242,7 @@ def _leak(log: Columns, limit: float, plausible: Container[str]) -> dict[str, An
     basis = np.column_stack([np.ones_like(p_i), p_i, p_i**2, p_i**3, minutes])
     scale = np.abs(basis).max(axis=0)
     if len(p_i) < 10 * basis.shape[1] or not scale.all():
-        return {"passed": True, "kpa_per_min": None, "why": "too short, or P_i constant at 0"}
+        return {"passed": True, "kpa_per_min": None, "why": "too short, or P_i is always 0"}
     basis /= scale
     weights, *_ = np.linalg.lstsq(basis, log.channels["p_o_kpa"])
     slope = float(weights[-1] / scale[-1])

@@ -59,7 +59,7 @@ def write_raw(
     rig: Mapping[str, Any],
     **more: Any,
 ) -> None:
-    """Write a raw log; channels other than ``RAW_CHANNELS`` are written too.
+    """Write a raw log; it may have channels besides ``RAW_CHANNELS``.
 
     Parameters
     ----------
@@ -69,6 +69,11 @@ def write_raw(
         Configuration of rig and control, stored as JSON.
     **more
         Further attributes of the run.
+
+    Raises
+    ------
+    LogError
+        A channel that a log of this source and experiment requires is missing.
     """
     attributes = {
         "experiment": experiment,
@@ -87,17 +92,17 @@ def write_raw(
 
 def missing_channels(attributes: Mapping[str, Any], channels: Container[str]) -> list[str]:
     """Return the required channels that a log with these attributes lacks."""
-    missing = [name for name in _needed(attributes) if name not in channels]
+    missing = [name for name in _required_channels(attributes) if name not in channels]
     if _is_imported(attributes) and not any(name in channels for name in _TARGETS):
         missing.append(" or ".join(_TARGETS))
     return missing
 
 
-def _needed(attributes: Mapping[str, Any]) -> tuple[str, ...]:
+def _required_channels(attributes: Mapping[str, Any]) -> tuple[str, ...]:
     names: tuple[str, ...] = RAW_CHANNELS
     if _is_imported(attributes):
         names = _IMPORTED
-    elif str(attributes.get("source")).startswith("rig"):  # its angle sensor for phi is optional
+    elif str(attributes.get("source")).startswith("rig"):  # the sensor for phi is optional
         names = tuple(name for name in RAW_CHANNELS if name != "phi_deg")
     return (*names, *(TRACKING_CHANNELS if _is_run(attributes) else ()))
 
@@ -113,7 +118,7 @@ def _is_run(attributes: Mapping[str, Any]) -> bool:
 def read_raw(
     path: Path | str, *, experiment: str | None, sample_rate_hz: float | None, rate_tolerance: float
 ) -> Columns:
-    """Read a raw log and check that it can be used.
+    """Read a raw log and check it.
 
     Parameters
     ----------
@@ -126,10 +131,9 @@ def read_raw(
     ------
     LogError
         See ``read_columns``; also, an attribute is missing, time does not increase, a
-        value is impossibly large, or the rate is not the expected one. Required are: time,
-        angle and one of the two P_exp in an imported log; all channels but ``phi_deg`` in a
-        log of the real rig; also ``TRACKING_CHANNELS`` and ``RUN_ATTRIBUTES`` in a
-        closed-loop run.
+        value is impossibly large, or the rate is not the expected one. An imported log requires
+        time, angle and one of the two P_exp; a log of the real rig all channels but
+        ``phi_deg``; a closed-loop run also ``TRACKING_CHANNELS`` and ``RUN_ATTRIBUTES``.
     """
     log, problems = _gather(path)
     attributes = log.attributes
@@ -140,7 +144,7 @@ def read_raw(
         )
     declared = attributes.get("sample_rate_hz", 0.0)
     expected = sample_rate_hz or declared
-    if expected > 0.0 and _is_clock(log.channels.get("time_s")):
+    if expected > 0.0 and _is_usable_time(log.channels.get("time_s")):
         problems += _wrong_rate(path, log.channels["time_s"], expected, rate_tolerance)
     if sample_rate_hz and declared > 0.0 and abs(declared / sample_rate_hz - 1.0) > rate_tolerance:
         problems.append(
@@ -153,7 +157,7 @@ def read_raw(
 
 
 def read_run(path: Path | str, names: tuple[str, ...] | None = None) -> Columns:
-    """Read channels of a closed-loop run; checks the whole log as ``read_raw`` does.
+    """Read channels of a closed-loop run; the whole log is checked as by ``read_raw``.
 
     Parameters
     ----------
@@ -184,7 +188,7 @@ def _gather(
 ) -> tuple[Columns, list[str]]:
     """Read a raw log with the channels and attributes that its kind requires."""
     attributes = gather_columns(path, ())[0].attributes
-    needed = tuple(dict.fromkeys([*_needed(attributes), *also]))
+    needed = tuple(dict.fromkeys([*_required_channels(attributes), *also]))
     if _is_run(attributes):
         required = RUN_ATTRIBUTES
     log, problems = gather_columns(
@@ -196,13 +200,13 @@ def _gather(
     if _is_imported(attributes) and not any(name in log.channels for name in _TARGETS):
         problems.append(f"{path}: channel {' or '.join(_TARGETS)}: missing; import one of them")
     more = [*contradictions(attributes), *_too_large(log.channels)]
-    if _is_clock(log.channels.get("time_s")):
+    if _is_usable_time(log.channels.get("time_s")):
         more += _wrong_times(log.channels["time_s"], attributes.get("settle_s"))
     return log, problems + [f"{path}: {problem}" for problem in more]
 
 
 def contradictions(attributes: Mapping[str, Any]) -> list[str]:
-    """Return the impossible or contradictory values of attributes whose types are right."""
+    """Return an error text for each attribute whose value is impossible or contradicts another."""
     problems = []
     source, simulated = attributes.get("source"), attributes.get("simulated")
     rate_hz, lost = attributes.get("sample_rate_hz", 1.0), attributes.get("lost_samples", 0)
@@ -234,7 +238,7 @@ def _too_large(channels: Mapping[str, np.ndarray]) -> list[str]:
     return problems
 
 
-def _is_clock(time_s: np.ndarray | None) -> bool:
+def _is_usable_time(time_s: np.ndarray | None) -> bool:
     return time_s is not None and time_s.size > 0 and bool((np.abs(time_s) <= _LARGEST).all())
 
 

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fprc.errors import LogError
-from fprc.logs.journal import END, MAGIC, UINT32, refuse_description, seed_of
+from fprc.logs.journal import END, MAGIC, UINT32, check_header, seed_of
 from fprc.logs.raw import write_raw
 
 
@@ -23,17 +23,17 @@ class Stretch(NamedTuple):
 
 
 class Findings(NamedTuple):
-    """State of a run's samples."""
+    """Which samples of a run can be read, and how the run ended."""
 
-    samples: int  #: readable samples
-    lost: int  #: samples that were written and cannot be read
+    samples: int  #: number of readable samples
+    lost: int  #: number of samples that were written but cannot be read
     stretches: tuple[Stretch, ...]
     last_s: float | None  #: time of the last readable sample; None if there is none
     missed_ticks: int  #: ticks without a sample between the first and the last one; 0 if unknown
     misplaced: int  #: samples out of order or repeated; sorted by tick
     closed: bool  #: whether the end mark exists
     complete: bool  #: whether the run reached its planned end and no sample is lost
-    reason: str  #: why it is not complete
+    reason: str  #: why it is not complete; empty if it is
     statistics: dict[str, Any]  #: statistics from the end mark
 
 
@@ -53,7 +53,6 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
     attributes : dict
         As given to ``Journal.create``.
     findings : Findings
-        What is lost.
 
     Raises
     ------
@@ -66,17 +65,17 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
         data = path.read_bytes()
     except OSError as error:
         raise LogError(f"{path}: cannot be opened ({error.strerror}); check the path") from error
-    header = _find(data, MAGIC, 0)
+    header = _find_block(data, MAGIC, 0)
     if header is None:
         raise LogError(_no_header(path, data))
     attributes = header.content
     names = attributes.pop("names", None)
-    refuse_description(path, names, attributes)
+    check_header(path, names, attributes)
     # a header at byte 0 is the first copy, so the second one follows
     start = header.at + (2 if header.at == 0 else 1) * len(header.raw)
     seed = seed_of(header.raw)
     record = np.dtype([("tick", "<u8"), ("row", "<f8", (len(names),)), ("crc", "<u4")])
-    end = _find(data, END, start, seed)
+    end = _find_block(data, END, start, seed)
     room = _room(data, start, record)
     appended = end.content["samples"] if end else room
     whole = max(min((len(data) - start) // record.itemsize, room), 0)
@@ -93,7 +92,7 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
     return channels, attributes, findings
 
 
-def _find(data: bytes, marker: bytes, start: int, seed: int = 0) -> _Block | None:
+def _find_block(data: bytes, marker: bytes, start: int, seed: int = 0) -> _Block | None:
     """Return the first block with this marker and a correct checksum."""
     for found in re.compile(re.escape(marker)).finditer(data, start):
         at, text_at = found.start(), found.end() + UINT32.size
@@ -102,7 +101,7 @@ def _find(data: bytes, marker: bytes, start: int, seed: int = 0) -> _Block | Non
             if UINT32.unpack_from(data, crc_at)[0] != zlib.crc32(data[at:crc_at], seed):
                 continue
             content = json.loads(data[text_at:crc_at])
-        except (struct.error, ValueError, RecursionError):  # the file ends before, or no JSON
+        except (struct.error, ValueError, RecursionError):  # cut short, or not JSON
             continue
         if isinstance(content, dict):
             return _Block(content, at, data[at : crc_at + UINT32.size])
@@ -122,7 +121,7 @@ def _no_header(path: Path, data: bytes) -> str:
 
 
 def _room(data: bytes, start: int, record: np.dtype) -> int:
-    """Return how many samples fit before the end mark or the file's end; rounds up."""
+    """Return how many samples fit before the end mark or the end of the file, rounded up."""
     for at in range(start, len(data), record.itemsize):
         if data.startswith(END, at):
             return (at - start) // record.itemsize
@@ -135,17 +134,17 @@ def _checksums(records: np.ndarray, seed: int) -> np.ndarray:
 
 
 def _findings(
-    places: np.ndarray,
+    positions: np.ndarray,
     appended: int,
     ticks: np.ndarray,
     times_s: np.ndarray,
     misplaced: int,
     end: _Block | None,
 ) -> Findings:
-    lost = max(appended - len(places), 0)
+    lost = max(appended - len(positions), 0)
     # with misplaced samples, the positions of the lost ones are unknown
     known = lost and not misplaced
-    edges = np.concatenate([[-1], places, [appended]])
+    edges = np.concatenate([[-1], positions, [appended]])
     stretches = tuple(
         Stretch(
             int(edges[k + 1] - edges[k]) - 1,
@@ -154,7 +153,7 @@ def _findings(
         )
         for k in (np.flatnonzero(np.diff(edges) > 1) if known else ())
     )
-    missed = int(np.ptp(ticks) - np.ptp(places)) if len(ticks) and not misplaced else 0
+    missed = int(np.ptp(ticks) - np.ptp(positions)) if len(ticks) and not misplaced else 0
     reasons = []
     if end is None:
         reasons.append("not closed: the program was killed or the power failed")
@@ -165,7 +164,7 @@ def _findings(
     if misplaced:
         reasons.append(f"samples out of order or repeated: {misplaced}")
     return Findings(
-        samples=len(places),
+        samples=len(positions),
         lost=lost,
         stretches=stretches,
         last_s=float(times_s[-1]) if len(times_s) else None,
@@ -186,7 +185,7 @@ def recover(journal: Path | str, raw: Path | str) -> Findings:
     Raises
     ------
     LogError
-        See ``read_journal``; also, there is no sample, or ``raw`` exists.
+        See ``read_journal`` and ``refuse_existing``; also, no sample can be read.
     """
     refuse_existing(raw)
     channels, attributes, findings = read_journal(journal)
@@ -206,7 +205,7 @@ def recover(journal: Path | str, raw: Path | str) -> Findings:
 
 
 def refuse_existing(raw: Path | str) -> None:
-    """Check that a new raw log can have this name.
+    """Check that a raw log of this name can be created.
 
     Raises
     ------

@@ -23,12 +23,19 @@ def resample(
 
     Where the grid coincides with the recording's time stamps, values are copied. Elsewhere they
     are interpolated linearly, which does not overshoot at held values and gaps; a sine of
-    f Hz, sampled at s Hz, loses at most (pi f / s)^2 / 2.
+    f Hz, sampled at s Hz, loses at most (pi f / s)^2 / 2 of its amplitude.
 
     For a lower rate, values are first interpolated on a grid whose rate is a multiple of the new
     one and at least that of the recording. A linear-phase FIR low-pass, applied without delay, is
     flat up to 0.8 of the new Nyquist frequency and at -70 dB above it; then every n-th sample is
-    kept. At both ends the recording is extended by point reflection in the end point.
+    kept. For the low-pass, the recording is extended by point reflection in each of its end points.
+
+    Parameters
+    ----------
+    time_s : ndarray of shape (n_samples,)
+        Time stamps, increasing.
+    channels : Mapping
+        Arrays of shape (n_samples,).
     """
     source_hz = rate_of(time_s)
     factor = _refinement(time_s, source_hz, rate_hz)
@@ -58,13 +65,13 @@ def points_of(time_s: np.ndarray, rate_hz: float) -> float:
 
 
 def _refinement(time_s: np.ndarray, source_hz: float, rate_hz: float) -> int:
-    """Return the factor by which the low-pass grid is finer than the new one; 1: no low-pass."""
+    """Return the rate of the low-pass grid over the new rate; 1: no low-pass."""
     ratio = source_hz / rate_hz
     if ratio <= 1.01:  # the same rate, with clock error
         return 1
     whole = round(ratio)
     grid = time_s[0] + np.arange(len(time_s)) / (whole * rate_hz)
-    # double the rate where values are interpolated: linear interpolation then loses less
+    # where values are interpolated, the grid is twice as fine, so that less is lost
     return whole if whole > 1 and _aligned(time_s, grid) else math.ceil(2.0 * ratio)
 
 

@@ -6,7 +6,6 @@ reads the file, and saves each channel in a folder as soon as it is read.
 
 import json
 import shutil
-import stat
 import sys
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
@@ -19,7 +18,7 @@ import numpy as np
 from fprc.errors import LogError
 from fprc.logs.attributes import CHANNEL_ATTRIBUTES, KINDS, is_text, read_attribute, read_attributes
 from fprc.logs.columns import checksum, unit_of
-from fprc.logs.hdf5 import MAX_BYTES, bytes_of, channel_of, promised_length, shown
+from fprc.logs.hdf5 import MAX_BYTES, bytes_of, channel_of, head_of, promised_length, shown
 from fprc.logs.hdf5_headers import correct_checksums
 from fprc.logs.isolated import limit_process, run_limited, time_limit_s
 from fprc.logs.raw import RAW_ATTRIBUTES, RAW_CHANNELS, TRACKING_CHANNELS, missing_channels
@@ -29,7 +28,7 @@ _LIMIT_BYTES = 2 << 30
 _KNOWN_CHANNELS = (*RAW_CHANNELS, *TRACKING_CHANNELS)
 #: Most channels that are read besides the known ones.
 _MOST_OTHERS = 100
-#: A length in the superblock beyond this multiple of the file's real length is itself damaged.
+#: A length in the superblock above this multiple of the file's real length counts as damaged.
 _LARGEST_FACTOR = 1000
 
 
@@ -38,7 +37,7 @@ class Salvaged(NamedTuple):
 
     channels: dict[str, np.ndarray]  #: all of the same length
     attributes: dict[str, Any]
-    lost: int  #: samples of the file that are missing in the channels
+    lost: int  #: number of the file's samples that the channels lack
     messages: list[str]  #: one for each loss; empty if the file is undamaged
 
 
@@ -46,14 +45,14 @@ def salvage(path: Path | str, *, limit_s: float | None = None) -> Salvaged:
     """Read as much as possible of a raw log; the file is not changed.
 
     Each channel is read up to its first unreadable sample. Channels with less than half the
-    samples of the longest one are left out, and the others are cut to the same length; every
-    short channel is named. A channel with a wrong checksum is kept and named; without a
-    checksum, wrong numbers go unnoticed.
+    samples of the longest one are left out, and the others are cut to the same length. Messages
+    name every short channel, and every one that is kept although its checksum is wrong. Without
+    a checksum, wrong numbers go unnoticed.
 
     Parameters
     ----------
     limit_s : float, optional
-        Time limit; channels read until then are kept.
+        Limit on processor time, s; channels read until then are kept.
 
     Raises
     ------
@@ -61,12 +60,7 @@ def salvage(path: Path | str, *, limit_s: float | None = None) -> Salvaged:
         The file cannot be opened, or no sample can be read.
     """
     path = Path(path)
-    try:
-        if not stat.S_ISREG(path.stat().st_mode):  # opening a pipe would block
-            raise LogError(f"{path}: cannot be opened (not a regular file); check the path")
-        path.open("rb").close()
-    except OSError as error:
-        raise LogError(f"{path}: cannot be opened ({error.strerror}); check the path") from error
+    head_of(path)  # refuses a file that cannot be opened
     with tempfile.TemporaryDirectory() as folder:
         messages = _read_in_child(path, folder, limit_s or time_limit_s([path]))
         channels, lengths, attributes, more = _collect(Path(folder))

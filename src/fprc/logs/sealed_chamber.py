@@ -1,4 +1,4 @@
-"""Leak and re-fills of the sealed chamber, separated from the effect of squeezing it."""
+"""Leak and re-fills of the sealed chamber, separated from the effect of its squeezing."""
 
 from collections.abc import Mapping
 from functools import partial
@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 from scipy.signal import lfilter
 
-#: Regressors for the squeezing, from the normalised drive (P_i or theta): powers, first-order
-#: lags, and play operators (Prandtl-Ishlinskii) with widths as shares of its range.
+#: Regressors that model the squeezing, functions of its drive (P_i or theta) scaled to 0 to 1:
+#: powers, first-order lags, and play operators (Prandtl-Ishlinskii) of these half-widths.
 _POWERS, _LAGS_S, _PLAYS = (1, 2, 3), (0.05, 0.2, 1.0, 5.0), (0.02, 0.05, 0.1, 0.2)
-#: Smallest step, as a share of the range of P_o.
+#: Smallest step that counts, as a share of the range of P_o.
 _STEP_SHARE = 0.065
 #: Share of the variance of P_o that the squeezing must explain, after trend and steps are removed.
 _EXPLAINED = 0.95
-#: Sample rate of the fit, Hz, and the limit on its samples: longer recordings use a lower rate.
+#: Sample rate of the fit, Hz, and most samples: longer recordings use a lower rate.
 _SEALED_HZ, _MOST = 20.0, 200_000
-#: Channels that may drive the squeezing, the closest to the chamber first.
+#: Channels that may drive the squeezing, the most direct one first.
 _SQUEEZES = ("p_i_kpa", "p_i_command_kpa", "theta_deg")
 _MAX_STEPS = 50
 
@@ -25,17 +25,16 @@ _MAX_STEPS = 50
 def fit_sealed(time_s: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[str, Any] | None:
     """Fit P_o = squeezing by P_i or theta + slope t + steps, and return slope and steps.
 
-    The squeezing is modelled with hysteresis, whose loops would otherwise look like steps and
-    trends. The fit uses 20 samples per second, fewer in recordings of hours: leaks and re-fills
-    are slow.
+    The squeezing has hysteresis; a model without it would take the loops for steps and trends.
+    The fit uses 20 samples per second, fewer in recordings of hours: leaks and re-fills are slow.
 
     Returns
     -------
     dict or None
         ``relative_to``, the driving channel; ``explained``, the share of the variance (without
-        trend and steps) that it explains; ``slope_kpa_per_min``, None if that
-        share is too small; ``steps``, each with ``at_s`` and ``height_kpa``. None if
-        ``p_o_kpa`` is missing or constant, or the recording is shorter than 10 s.
+        trend and steps) that it explains; ``slope_kpa_per_min``, None if that share is too
+        small; ``steps``, each with ``at_s`` and ``height_kpa``. None if ``p_o_kpa`` is
+        missing or constant, or the recording is shorter than 10 s.
     """
     p_o = channels.get("p_o_kpa")
     if p_o is None or np.ptp(p_o) == 0.0 or time_s[-1] - time_s[0] < 10.0:
@@ -50,22 +49,22 @@ def fit_sealed(time_s: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[s
     steps: list[int] = []
     rejected: list[int] = []
     while len(steps) + len(rejected) < _MAX_STEPS:
-        weights, rest = _fit(basis, steps, p_o)
-        sudden = _sudden(rest, [*steps, *rejected], hz)
-        k = int(np.abs(sudden).argmax())
-        usual = 1.4826 * np.median(np.abs(sudden))
-        if abs(sudden[k]) < max(6.0 * usual, _STEP_SHARE * np.ptp(p_o)):
+        weights, residual = _fit(basis, steps, p_o)
+        jumps = _jumps(residual, [*steps, *rejected], hz)
+        k = int(np.abs(jumps).argmax())
+        scatter = 1.4826 * np.median(np.abs(jumps))
+        if abs(jumps[k]) < max(6.0 * scatter, _STEP_SHARE * np.ptp(p_o)):
             break
         height = _fit(basis, [*steps, k], p_o)[0][-1]
         # the slope and the plays absorb part of a step that is not in the fit yet
-        is_step = height * sudden[k] > 0.25 * sudden[k] ** 2
+        is_step = height * jumps[k] > 0.25 * jumps[k] ** 2
         (steps if is_step else rejected).append(k)
-    weights, rest = _fit(basis, steps, p_o)
+    weights, residual = _fit(basis, steps, p_o)
     heights = weights[len(basis) :]
     _, unsqueezed = _fit([basis[0], minutes], steps, p_o)
     moves = unsqueezed.var() > 1e-12 * p_o.var()
-    explained = float(1.0 - rest.var() / unsqueezed.var()) if moves else 0.0
-    if explained < _EXPLAINED:  # the drive does not squeeze the chamber: the trend has no meaning
+    explained = float(1.0 - residual.var() / unsqueezed.var()) if moves else 0.0
+    if explained < _EXPLAINED:  # not a sealed chamber that the drive squeezes
         return {"relative_to": by, "explained": explained, "slope_kpa_per_min": None, "steps": []}
     return {
         "relative_to": by,
@@ -105,15 +104,15 @@ def _fit(
     return weights, values - columns @ weights
 
 
-def _sudden(rest: np.ndarray, known: list[int], hz: float) -> np.ndarray:
-    """Return for each sample the mean of the half second after it minus that before it."""
+def _jumps(residual: np.ndarray, known: list[int], hz: float) -> np.ndarray:
+    """Return, for each sample, the mean of the 0.5 s after it minus that of the 0.5 s before."""
     width = max(int(0.5 * hz), 1)
-    total = np.concatenate([[0.0], np.cumsum(rest)])
+    total = np.concatenate([[0.0], np.cumsum(residual)])
     means = (total[width:] - total[:-width]) / width
-    sudden = np.zeros(len(rest))
-    sudden[width : len(rest) - width + 1] = means[width:] - means[:-width]
+    jumps = np.zeros(len(residual))
+    jumps[width : len(residual) - width + 1] = means[width:] - means[:-width]
     # the initial states of lags and plays are unknown
-    sudden[: int(max(_LAGS_S) * hz)] = 0.0
+    jumps[: int(max(_LAGS_S) * hz)] = 0.0
     for k in known:
-        sudden[max(k - 2 * width, 0) : k + 2 * width] = 0.0
-    return sudden
+        jumps[max(k - 2 * width, 0) : k + 2 * width] = 0.0
+    return jumps

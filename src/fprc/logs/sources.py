@@ -1,4 +1,4 @@
-"""Read files of other programs as named arrays: CSV, HDF5, MATLAB."""
+"""Read CSV, HDF5 and MATLAB files of other programs."""
 
 from pathlib import Path
 
@@ -37,7 +37,8 @@ def read_source(
     Raises
     ------
     LogError
-        The file does not have the format of its name's ending, or is too large.
+        The file cannot be opened, is not in the format that its name's ending stands for, or is
+        too large.
     """
     path = Path(path)
     kind = _SUFFIXES.get(path.suffix.lower())

@@ -1,4 +1,4 @@
-"""Content of another program's file as named arrays, and its columns by name."""
+"""The arrays in another program's file, and how a map names their columns."""
 
 import difflib
 import re
@@ -14,12 +14,12 @@ from fprc.errors import LogError
 MOST_NUMBERS = 20_000_000
 #: Most variables in a file.
 MOST_VARIABLES = 200_000
-#: Name of a part of a file; and its numbers, or the reason why it is no channel.
+#: Name of an array in a file; and its numbers, or the reason why it cannot be a channel.
 Part = tuple[str, np.ndarray | str]
 
 
 class Source(NamedTuple):
-    """Content of a file."""
+    """What a file holds."""
 
     path: Path
     kind: str  #: file format, for messages
@@ -28,18 +28,18 @@ class Source(NamedTuple):
     lines: np.ndarray | None = None  #: line number of each sample in a text file, from 1
 
     def sample(self, number: int) -> str:
-        """Return the name of a sample, counted from 0, for a message."""
+        """Describe a sample, counted from 0, for a message."""
         line = "" if self.lines is None else f" (line {self.lines[number]})"
         return f"sample {number}{line}"
 
 
 def collect(path: Path, kind: str, reader: str, parts: Iterable[Part]) -> Source:
-    """Return the parts of a file, squeezed to one or two dimensions, as its content.
+    """Return the content of a file; arrays lose their dimensions of length 1.
 
     Parameters
     ----------
-    reader : str
-        Name of the format in messages.
+    kind, reader : str
+        Format of the file, with its version and without.
 
     Raises
     ------
@@ -73,7 +73,10 @@ _INDEXED = re.compile(r"(?P<name>.+?)\s*\[\s*(?P<row>:|\d+)\s*,\s*(?P<column>:|\
 
 
 def columns_of(source: Source) -> dict[str, np.ndarray]:
-    """Return every column by its name in a map; column j of a matrix, from 0, is ``name[:, j]``."""
+    """Return every column by its name in a map, such as ``name`` or, of a matrix, ``name[:, 0]``.
+
+    The longer dimension of a matrix is taken to be time.
+    """
     columns = {}
     for name, values in source.variables.items():
         if values.ndim == 1:
@@ -86,12 +89,12 @@ def columns_of(source: Source) -> dict[str, np.ndarray]:
 
 
 def pick(source: Source, text: str) -> np.ndarray:
-    """Return a column by the name that a map uses.
+    """Return the column that a map names.
 
     Raises
     ------
     LogError
-        There is no such column (the message names the nearest one), or it is not a vector.
+        There is no such column (the message names the most similar one), or it is a matrix.
     """
     if text in source.variables:
         values = source.variables[text]
@@ -125,11 +128,11 @@ def _slice(source: Source, text: str, match: re.Match[str]) -> np.ndarray:
 
 
 def nearest(text: str, known: Iterable[str]) -> str:
-    """Return the name most similar to ``text``; fast for many names."""
+    """Return the name most similar to ``text``."""
     matcher = difflib.SequenceMatcher(autojunk=False, b=text.lower())
     best, likeness = "", -1.0
     for name in known:
-        matcher.set_seq1(name.lower())  # cheap upper bounds on the ratio come first
+        matcher.set_seq1(name.lower())  # the cheap upper bounds of the ratio come first
         if matcher.real_quick_ratio() > likeness and matcher.quick_ratio() > likeness:
             ratio = matcher.ratio()
             if ratio > likeness:

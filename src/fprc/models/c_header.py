@@ -159,8 +159,8 @@ _TAP, _LOWPASS, _PLAY = range(3)
 def c_header(model: SequenceModel, name: str, *, single: bool = False, origin: str = "") -> str:
     """Return a C header that computes what ``model.step`` computes.
 
-    It has three functions: ``NAME_init(&state)``, ``NAME_reset(&state, x)`` and
-    ``NAME_step(&state, x)``. Of the C library it needs ``exp`` for a fuzzy readout, else nothing.
+    It has the functions ``NAME_init(&state)``, ``NAME_reset(&state, x)`` and
+    ``NAME_step(&state, x)``. Only a fuzzy readout needs the C library, for ``exp``.
 
     Parameters
     ----------
@@ -212,7 +212,7 @@ def c_header(model: SequenceModel, name: str, *, single: bool = False, origin: s
 
 
 def _rows(features: FeatureMap) -> list[tuple[int, int, float]] | None:
-    """Return input, kind and number of each feature; None if C code for one does not exist."""
+    """Return input, kind and number of each feature; None if there is no C code for one."""
     every = range(features.n_features_in_)
     if isinstance(features, TapFeatures):
         references, rows = features.count_references(), []
@@ -232,7 +232,7 @@ def _rows(features: FeatureMap) -> list[tuple[int, int, float]] | None:
 
 
 def _readout(readout: BaseEstimator, name: str, n_row: int, single: bool) -> dict[str, str] | None:
-    """Return the parts of the template for a readout; None if C code for it does not exist."""
+    """Return the parts of the template for a readout; None if there is no C code for it."""
     if isinstance(readout, RidgeReadout):
         equation, include = "P_ff(k) = w_out [1, x(k)], paper, Eq. (4)", ""
         parts = {"tables": _RIDGE_TABLES, "output": _RIDGE_OUTPUT}
@@ -291,7 +291,7 @@ def _comment(text: str) -> str:
 
 
 def _literals(values: np.ndarray, what: str, single: bool) -> str:
-    """Return numbers as C literals that are read back exactly; a matrix has a line for each row."""
+    """Return numbers as C literals without loss; a matrix has a line for each row."""
     if values.ndim == 2:
         rows = [f"        {{{_literals(row, what, single)}}}" for row in values]
         return ",\n".join(rows)

@@ -33,14 +33,14 @@ def build_competitor(name: str, settings: Mapping[str, Any], seed: int) -> Seque
     name : str
         Key of ``fprc.competitors.COMPETITORS``.
     settings : Mapping
-        All of its settings, as ``fprc.competitors.default_settings`` returns them.
+        All its settings, as ``fprc.competitors.default_settings`` returns them.
     seed : int
         Seed of everything random in it.
 
     Raises
     ------
     ConfigError
-        There is no competitor of that name, or the settings are not its own.
+        There is no competitor of that name, or it has other settings.
     """
     competitor(name)
     try:
@@ -95,7 +95,7 @@ def _mlp(
 
 
 def _bank(n_y: int, epsilons: Sequence[float], column: int = 0) -> SideBySide:
-    """Return taps of the first column beside low-passes of one column."""
+    """Return taps of the first column beside low-passes of ``column``."""
     return SideBySide(
         [
             ("taps", TapFeatures(n_y, n_references=None), [0]),

@@ -1,4 +1,4 @@
-"""States of an echo state network, for one step or for a whole log in four parallel segments."""
+"""States of an echo state network, for one sample or for a whole log."""
 
 import numpy as np
 
@@ -7,34 +7,33 @@ from fprc.models.kernels import excite, excite_lanes
 #: Segments that are computed side by side.
 LANES = 4
 
-#: Shortest segment, samples: almost three times the time in which the paper's network forgets
-#: its initial state.
+#: Shortest segment, samples: almost three times what the paper's network needs to forget its
+#: initial state.
 SHORTEST = 600
 
-#: States that differ by less than this many machine epsilons count as equal; they are in [-1, 1].
+#: States, in [-1, 1], that differ by less than this many machine epsilons count as equal.
 EQUAL_EPS = 64
 
 
 def echo_states(
     X: np.ndarray, w_in: np.ndarray, W_r: np.ndarray, gamma: float, free: int = 0
 ) -> np.ndarray:
-    """Return x(k) of Eq. (3) for each sample, x(0) being 0.
+    """Return x(k) of Eq. (3) for each sample, from x(0) = 0.
 
-    A step reads all of W_r and is limited by memory bandwidth. The log is
-    therefore cut into segments that are stepped together, so that they share
-    each read of W_r. All but the first segment start from a wrong state. They
-    are run again from the end state of their predecessor until they converge to
-    the first run's states: an echo state network forgets its initial state.
-    A network that does not forget it within a segment is run sample by sample.
+    A step reads all of W_r and is limited by memory bandwidth. The log is therefore cut into
+    segments that advance together and share each read of W_r. All but the first segment start
+    from a wrong state, which an echo state network forgets: they run again, from the end state
+    of their predecessor, until their states equal those of the first run. A network that does
+    not forget within a segment is run sample by sample.
 
     Parameters
     ----------
     X : ndarray of shape (n_samples, n_inputs)
-        Its dtype, float64 or float32, is that of the arithmetic.
+        Its dtype, float64 or float32, is also that of the arithmetic.
     w_in : ndarray of shape (r, n_inputs)
     W_r : ndarray of shape (r, r)
     free : int, default=0
-        Columns in front of the states, left for the caller to fill.
+        Columns in front of the states, which the caller fills.
 
     Returns
     -------
@@ -79,8 +78,8 @@ def update(
         tanh(w_in theta + W_r x) of the previous sample; overwritten with this sample's. At the
         first sample it equals ``x``, so that ``x`` does not change.
     downwards : bool
-        Order in which the rows of W_r are read. Alternate it: the last rows read are still in
-        the cache.
+        Order in which the rows of W_r are read. Alternate it: the rows that were read last are
+        still in the cache.
     """
     excite(W_r, x, w_in, u, target, float(gamma), downwards)
     np.tanh(target, out=target)
@@ -97,8 +96,8 @@ def _run(
 ) -> tuple[np.ndarray, bool]:
     """Run every segment from its row of ``begin``, fill ``states``, and return the end states.
 
-    With ``until_converged``, stop at the first sample whose states equal those that ``states``
-    already has. The second value returned says whether that happened.
+    With ``until_converged``, stop at the first sample at which the states equal those already in
+    ``states``; the second returned value says whether there was one.
     """
     tolerance = EQUAL_EPS * np.finfo(begin.dtype).eps
     x, target = begin.copy(), begin.copy()

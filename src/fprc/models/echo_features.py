@@ -26,12 +26,11 @@ class EchoStates(FeatureMap):
     gamma : float, default=0.8
         Leaky rate, in [0, 1).
     rho : float, default=0.4
-        Spectral radius: largest absolute eigenvalue of the dense W_r, before its numbers
-        are rounded to float32.
+        Spectral radius: largest absolute eigenvalue of W_r before its rounding to float32.
     n_y : int, default=5
         Taps of every input, >= 1.
     washout : int, default=100
-        Steps with the first sample as constant input, which settle x before the log begins.
+        Steps with the first sample as constant input, in which x settles before the log begins.
     random_state : int, RandomState or None, default=None
         Source of the random weights.
 
@@ -72,7 +71,7 @@ class EchoStates(FeatureMap):
         self.w_in_ = self.f_input * rng.standard_normal((self.r, X.shape[1]))
         dense = rng.standard_normal((self.r, self.r))
         dense *= self.rho / np.abs(np.linalg.eigvals(dense)).max()
-        # rounded to float32: the numbers are random anyway, and a step reads half the bytes
+        # random numbers need no more than float32, of which a step reads half the bytes
         self.W_r_ = dense.astype(np.float32).astype(np.float64)
 
     def _transform(self, X: np.ndarray) -> np.ndarray:

@@ -30,7 +30,7 @@ class ESN(SequenceModel):
     alpha : float, default=1e-3
         Ridge parameter; penalises the bias too.
     washout : int, default=100
-        Steps with the first sample as constant input, which settle x before the log begins.
+        Steps with the first sample as constant input, in which x settles before the log begins.
     random_state : int, RandomState or None, default=None
         Source of the random w_in and W_r.
 

@@ -18,21 +18,21 @@ from fprc.models.kernels import alternate
 #: largest absolute number in the data: smaller distances are rounding errors.
 NEAR = 64.0 * np.finfo(float).eps
 
-#: Extrapolate only when no membership changes by more than this: further from an
-#: optimum, an extrapolation could end in another optimum.
+#: Extrapolate only when no membership changes by more than this: further from an optimum, an
+#: extrapolation could lead to another one.
 SMALL = 0.1
 
 #: Earlier iterations that an extrapolation uses.
 DEPTH = 10
 
-#: Singular values of the steps' differences below this fraction of the largest are rounding.
+#: Singular values of the steps' differences below this fraction of the largest are rounding errors.
 RANK = 1e-10
 
-#: A relative increase of the objective below this is rounding.
+#: A relative increase of the objective below this is a rounding error.
 ROUNDING = 1e-13
 
-#: A relative decrease of the objective below this is the same optimum. The earlier start then
-#: stays, so that rounding does not decide on the order of the clusters.
+#: Objectives that differ by less than this fraction belong to one optimum. Its first start is kept,
+#: so that rounding does not decide on the order of the clusters.
 SAME = 1e-6
 
 
@@ -73,9 +73,10 @@ def fuzzy_c_means(
         sum of squared changes; it stops when that is below ``tolerance`` times the root of
         ``n_samples``.
     clustering : {"fprc", "scikit-fuzzy"}
-        What alternates.
+        Implementation.
     restarts : int
-        Number of starts; the clustering with the lowest objective is kept.
+        Number of starts; the clustering with the lowest objective is kept. Starts that lead to one
+        optimum of the thinned rows are converged on all rows once.
 
     Raises
     ------
@@ -95,18 +96,18 @@ def fuzzy_c_means(
     converge = {"fprc": _converge, "scikit-fuzzy": _converge_skfuzzy}[clustering]
     rng = check_random_state(random_state)
 
-    def run() -> Clusters:
+    found, optima = list[Clusters](), list[float]()
+    for _ in range(restarts):
         centers, _ = kmeans_plusplus(thinned, n_clusters, random_state=rng)
         if thinned is not X:
-            centers = converge(thinned, centers, tolerance, max_iterations).centers
-        return converge(X, centers, tolerance, max_iterations)
-
-    best = run()
-    for _ in range(restarts - 1):
-        found = run()
-        if found.objective < (1.0 - SAME) * best.objective:
-            best = found
-    return best
+            coarsely = converge(thinned, centers, tolerance, max_iterations)
+            if any(abs(coarsely.objective - each) < SAME * each for each in optima):
+                continue  # all rows, too, would lead to the optimum of that earlier start
+            optima.append(coarsely.objective)
+            centers = coarsely.centers
+        found.append(converge(X, centers, tolerance, max_iterations))
+    lowest = min(each.objective for each in found)
+    return next(each for each in found if (1.0 - SAME) * each.objective <= lowest)
 
 
 def _converge(X: np.ndarray, centers: np.ndarray, tolerance: float, limit: int) -> Clusters:
@@ -131,7 +132,7 @@ def _converge(X: np.ndarray, centers: np.ndarray, tolerance: float, limit: int) 
             past.clear()
         step = means - centers
         past.append((means, step))
-        # growing steps leave a saddle, to which an extrapolation would return: step further
+        # growing steps lead away from a saddle; an extrapolation would lead back, so step further
         tries = [means]
         if len(past) > 1:
             tries = [_extrapolated(past), means + 2.0 * stretch * step, means]
@@ -148,7 +149,7 @@ def _converge_skfuzzy(X: np.ndarray, centers: np.ndarray, tolerance: float, limi
             "clustering = scikit-fuzzy: scikit-fuzzy is not installed; install it with "
             "`pip install scikit-fuzzy`, or use clustering = fprc"
         ) from error
-    # it starts from memberships: those of the centres
+    # cmeans starts from memberships, not from centres
     closeness = 1.0 / np.maximum(cdist(centers, X), np.finfo(float).eps) ** 2
     found, u, _, distance, _, iterations, _ = cmeans(
         X.T,

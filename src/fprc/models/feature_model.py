@@ -8,18 +8,18 @@ from fprc.models.sequence import SequenceModel
 
 
 class FeatureModel(SequenceModel):
-    """Features of a map, read out by a regressor.
+    """Any feature map with any readout.
 
     Parameters
     ----------
     features : FeatureMap
         Unfitted map, such as TapFeatures, LowpassBank or SideBySide of several.
     readout : estimator
-        Unfitted regressor of one row: RidgeReadout, TakagiSugenoReadout, or any regressor or
-        pipeline of scikit-learn. ``step`` takes microseconds with the readouts of this package,
-        but 0.1 to 10 ms with another, whose ``predict`` it calls for one row.
+        Unfitted regressor: RidgeReadout, TakagiSugenoReadout, or any regressor or pipeline of
+        scikit-learn. ``step`` takes microseconds with the readouts of this package, but 0.1 to
+        10 ms with others, whose ``predict`` it calls with one row.
     random_state : int, RandomState or None, default=None
-        Given to every ``random_state`` in ``features`` and ``readout``; None leaves them.
+        Replaces every ``random_state`` in ``features`` and ``readout``; None leaves them.
 
     Attributes
     ----------

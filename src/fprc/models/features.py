@@ -1,4 +1,4 @@
-"""Sequential feature maps: their base, and taps of the inputs, filtered or not.
+"""Base of the sequential feature maps, and the map of taps.
 
 Each maps a log to a matrix of features in one go (``transform``) or sample by
 sample (``step``), with the same result. Before the log begins, the signals are
@@ -45,7 +45,7 @@ def lowpass(x: np.ndarray, epsilon: float) -> np.ndarray:
 
 
 class FeatureMap(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
-    """Base of the sequential maps: checks of the input, and the start of a stream."""
+    """Base of the sequential feature maps."""
 
     def fit(self, X: ArrayLike, y: ArrayLike | None = None) -> Self:
         """Store the number of columns, and learn or draw what the map needs."""
@@ -76,7 +76,7 @@ class FeatureMap(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
         NotFittedError
             ``fit`` was not called.
         ValueError
-            The names are not those in ``fit``, or too few or too many.
+            The names are not those in ``fit``, or their number is wrong.
         """
         # the mixin gives the names of the columns, which one-to-one maps keep
         columns = super().get_feature_names_out(input_features)
@@ -94,7 +94,7 @@ class FeatureMap(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
         return self.advance(x).copy()
 
     def advance(self, x: ArrayLike) -> np.ndarray:
-        """Do as ``step``, but return an array that the next call overwrites.
+        """Return the features of the next sample, in an array that the next call overwrites.
 
         Raises
         ------

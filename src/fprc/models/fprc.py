@@ -76,14 +76,7 @@ class FPRC(SequenceModel):
 
     def make_readout(self) -> TakagiSugenoReadout:
         """Return the unfitted readout."""
-        return TakagiSugenoReadout(
-            n_c=self.n_c,
-            sigma=self.sigma,
-            alpha=self.alpha,
-            random_state=self.random_state,
-            clustering=self.clustering,
-            restarts=self.restarts,
-        )
+        return _fuzzy_readout(self)
 
 
 class FuzzyLinear(SequenceModel):
@@ -148,11 +141,15 @@ class FuzzyLinear(SequenceModel):
 
     def make_readout(self) -> TakagiSugenoReadout:
         """Return the unfitted readout."""
-        return TakagiSugenoReadout(
-            n_c=self.n_c,
-            sigma=self.sigma,
-            alpha=self.alpha,
-            random_state=self.random_state,
-            clustering=self.clustering,
-            restarts=self.restarts,
-        )
+        return _fuzzy_readout(self)
+
+
+def _fuzzy_readout(model: FPRC | FuzzyLinear) -> TakagiSugenoReadout:
+    return TakagiSugenoReadout(
+        n_c=model.n_c,
+        sigma=model.sigma,
+        alpha=model.alpha,
+        random_state=model.random_state,
+        clustering=model.clustering,
+        restarts=model.restarts,
+    )

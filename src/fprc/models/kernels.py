@@ -16,7 +16,7 @@ BLOCK = 512
 
 @kernel
 def shift(row, first, filtered, x, references, epsilon):
-    """Shift the taps in ``row`` by one and insert the sample ``x``, its readouts low-passed.
+    """Shift the taps in ``row`` by one and insert the sample ``x``, with low-passed readouts.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def follow(states, x, epsilons):
 
 @kernel
 def follow_log(X, epsilons):
-    """Return every sample of a log, low-passed with every factor, to the digits of ``follow``.
+    """Return every sample of a log, low-passed with every factor, exactly as by ``follow``.
 
     Returns
     -------
@@ -191,9 +191,9 @@ def excite(W_r, x, w_in, u, target, gamma, downwards):
 
 @summing_kernel
 def excite_lanes(W_r, x, w_in, u, target, gamma):
-    """Do as ``excite`` for four lanes; each is a row of ``x``, ``u`` and ``target``.
+    """Apply ``excite`` to four lanes, each a row of ``x``, ``u`` and ``target``.
 
-    Four rows of W_r times four lanes: each number that is read serves four of the sixteen sums.
+    Four rows of W_r times four lanes are sixteen sums; each number read is used in four of them.
     """
     size = x.shape[1]
     last = size - 1
@@ -226,7 +226,7 @@ def excite_lanes(W_r, x, w_in, u, target, gamma):
 
 @summing_kernel
 def alternate(columns, centers, before, memberships, floor):
-    """Do one iteration of fuzzy c-means: the memberships of ``centers``, then new centres.
+    """Compute the memberships of ``centers``, then new centres: one iteration of fuzzy c-means.
 
     Parameters
     ----------

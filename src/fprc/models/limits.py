@@ -51,12 +51,12 @@ class Each(NamedTuple):
 
 
 def check_limits(estimator: BaseEstimator, limits: Mapping[str, Limit | OneOf | Each]) -> None:
-    """Refuse parameters out of range, all at once.
+    """Check the parameters of an estimator.
 
     Raises
     ------
     ValueError
-        Names class, parameter, value and limit.
+        Lists every parameter out of range, with its value and limit.
     """
     problems = [
         f"{type(estimator).__name__}: {name} = {value}; must be in {limits[name]}"

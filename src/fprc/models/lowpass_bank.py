@@ -35,7 +35,7 @@ class LowpassBank(FeatureMap):
         return np.array(self.epsilons, dtype=np.float64)
 
     def _transform(self, X: np.ndarray) -> np.ndarray:
-        # not ``lowpass``: a tree would tell its digits from those of a step.
+        # not ``lowpass``: it rounds differently from ``step``, and a tree may split between.
         # a copy: numba would compile again for another layout or a read-only array
         return follow_log(np.array(X, order="C"), self._factors())
 

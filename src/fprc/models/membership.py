@@ -7,16 +7,15 @@ from scipy.spatial.distance import cdist
 def gaussian_memberships(X: np.ndarray, centers: np.ndarray, sigma: float) -> np.ndarray:
     """Normalised memberships beta_bar of each row (Eqs. 10, 11).
 
-    beta_i = exp(-||x - c_i||^2 / (2 sigma^2)), divided by their sum. The
-    largest exponent is subtracted first, which changes nothing in exact
-    arithmetic and keeps a sample far from every centre from becoming 0 / 0.
+    beta_i = exp(-||x - c_i||^2 / (2 sigma^2)), divided by the sum over i. The largest exponent is
+    subtracted first: the result is the same, but a sample far from every centre is not 0 / 0.
 
     Returns
     -------
     ndarray of shape (n_samples, n_clusters)
         Rows sum to 1.
     """
-    # one row per cluster, in place: NumPy is slow along short rows and with new arrays
+    # one row per cluster, and in place: NumPy is slow with short rows and new arrays
     beta = cdist(centers, X, "sqeuclidean")
     beta /= -2.0 * sigma**2
     beta -= beta.max(axis=0)

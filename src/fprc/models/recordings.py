@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator
 
-#: Checks one recording: its inputs, its output or None, and whether it is the first.
+#: Checks a recording, given its inputs, its output or None, and whether it is the first.
 Check = Callable[[ArrayLike, ArrayLike | None, bool], tuple[np.ndarray, np.ndarray | None]]
 
 
@@ -18,7 +18,7 @@ def are_several(X: Any) -> bool:
     return isinstance(X, list | tuple) and len(X) > 0 and np.ndim(X[0]) == 2
 
 
-def joined(
+def join_recordings(
     X: Any, y: Any, lengths: ArrayLike | None, check: Check
 ) -> tuple[np.ndarray, np.ndarray | None, list[int]]:
     """Return checked inputs and output, one recording after the other, and their lengths.
@@ -33,7 +33,7 @@ def joined(
     Raises
     ------
     ValueError
-        A recording is wrong, or ``lengths`` are; names the recording.
+        A recording is wrong, which the message names, or ``lengths`` are wrong.
     """
     if not are_several(X):
         X, y = check(X, y, True)
@@ -70,8 +70,8 @@ def checked_lengths(lengths: ArrayLike | None, samples: int) -> list[int]:
     return numbers.tolist()
 
 
-def apart(values: np.ndarray, lengths: Sequence[int]) -> list[np.ndarray]:
-    """Return the part of each recording."""
+def split_recordings(values: np.ndarray, lengths: Sequence[int]) -> list[np.ndarray]:
+    """Split values of joined recordings into those of each."""
     edges = np.cumsum([0, *lengths]).tolist()
     return [values[first:last] for first, last in pairwise(edges)]
 
@@ -92,9 +92,9 @@ def transform_each(
     Raises
     ------
     ValueError
-        A recording is shorter than the taps; names it.
+        A recording, which the message names, is shorter than the taps.
     """
-    parts = apart(X, checked_lengths(lengths, len(X)))
+    parts = split_recordings(X, checked_lengths(lengths, len(X)))
     if len(parts) == 1:
         return features.transform(X)
     rows = []

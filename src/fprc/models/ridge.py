@@ -1,4 +1,4 @@
-"""Ridge regression with a ridge on every weight, the bias included."""
+"""Ridge regression that penalises every weight, including the bias."""
 
 import warnings
 
@@ -34,6 +34,11 @@ def ridge_weights(
 
 def solve_ridge(gram: np.ndarray, moments: np.ndarray, alpha: float) -> np.ndarray:
     """Solve the normal equations (gram + alpha I) w = moments.
+
+    Parameters
+    ----------
+    gram : ndarray of shape (n_weights, n_weights)
+    moments : ndarray of shape (n_weights,)
 
     Raises
     ------

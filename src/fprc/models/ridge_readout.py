@@ -1,4 +1,4 @@
-"""Linear readout, which the ESN has."""
+"""Linear readout of the ESN."""
 
 from collections.abc import Sequence
 from typing import Self
@@ -13,7 +13,7 @@ from fprc.models.ridge import ridge_weights, solve_ridge, with_bias
 
 
 class RidgeReadout(RegressorMixin, BaseEstimator):
-    """Linear readout P_ff = w_out [1, x], trained with a ridge (Eqs. 4, 5).
+    """Linear readout P_ff = w_out [1, x], trained by ridge regression (Eqs. 4, 5).
 
     The ridge penalises the bias too, as Eq. (5) is printed; most libraries
     centre the data instead.

@@ -1,4 +1,4 @@
-"""A model with memory: a sequential feature map and a row-wise readout."""
+"""A model with memory: a sequential feature map, and a readout of single rows."""
 
 from abc import abstractmethod
 from copy import deepcopy
@@ -10,7 +10,7 @@ from sklearn.base import BaseEstimator, RegressorMixin, clone
 from sklearn.metrics import r2_score
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from fprc.models.recordings import apart, are_several, joined, transform_each
+from fprc.models.recordings import are_several, join_recordings, split_recordings, transform_each
 
 #: Samples of one recording, or a list with one array per recording.
 Recordings = Any
@@ -53,7 +53,7 @@ class SequenceModel(RegressorMixin, BaseEstimator):
             ``X`` or ``y`` is not finite, a recording is shorter than the taps, or ``lengths`` do
             not add up to the samples.
         """
-        X, y, lengths = joined(X, y, lengths, self._check)
+        X, y, lengths = join_recordings(X, y, lengths, self._check)
         self.features_ = self.make_features().fit(X)
         self.readout_ = self.make_readout().fit(transform_each(self.features_, X, lengths), y)
         return self
@@ -72,9 +72,9 @@ class SequenceModel(RegressorMixin, BaseEstimator):
             A list if ``X`` is one.
         """
         check_is_fitted(self)
-        rows, _, parts = joined(X, None, lengths, self._check_known)
+        rows, _, parts = join_recordings(X, None, lengths, self._check_known)
         output = self.readout_.predict(transform_each(self.features_, rows, parts))
-        return apart(output, parts) if are_several(X) else output
+        return split_recordings(output, parts) if are_several(X) else output
 
     def score(
         self,
@@ -134,7 +134,7 @@ class SequenceModel(RegressorMixin, BaseEstimator):
         NotFittedError
             ``fit`` was not called.
         ValueError
-            The sample is not finite or has another number of inputs.
+            The sample is not finite or has the wrong number of inputs.
         """
         try:
             features, readout = self.features_, self.readout_

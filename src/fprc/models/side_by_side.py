@@ -1,4 +1,4 @@
-"""Several feature maps side by side, each of columns of its own."""
+"""Several feature maps side by side."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, Self
@@ -33,8 +33,8 @@ class SideBySide(FeatureMap):
     Raises
     ------
     ValueError
-        At ``fit``: ``maps`` is not such a list or empty, a name is double or holds ``__``, or a
-        column does not exist.
+        At ``fit``: ``maps`` is not such a list or is empty, a name is repeated or contains
+        ``__``, or a column does not exist.
     """
 
     def __init__(self, maps: Sequence[Part]):
@@ -66,7 +66,7 @@ class SideBySide(FeatureMap):
         try:
             return {name: each for name, each, _ in self.maps if isinstance(each, FeatureMap)}
         except (TypeError, ValueError):
-            return {}  # parameters may be set to anything; fit refuses what is wrong
+            return {}  # any value can be set; fit refuses a wrong one
 
     def _prepare(self, X: np.ndarray) -> None:
         self._check_maps(X.shape[1])
@@ -84,13 +84,15 @@ class SideBySide(FeatureMap):
             ) from error
         problems = [] if names else ["there are no maps"]
         problems += [
-            f"{name!r} is {type(each).__name__}, which is no FeatureMap"
+            f"{name!r} is {type(each).__name__}; must be a FeatureMap"
             for name, each, _ in self.maps
             if not isinstance(each, FeatureMap)
         ]
-        problems += [f"{name!r} is double" for name in sorted(set(names)) if names.count(name) > 1]
         problems += [
-            f"{name!r} must not hold __ or be 'maps'"
+            f"{name!r} is repeated" for name in sorted({n for n in names if names.count(n) > 1})
+        ]
+        problems += [
+            f"{name!r} must not contain __ or be 'maps'"
             for name in names
             if "__" in name or name == "maps"
         ]

@@ -44,12 +44,12 @@ def save_model(model: BaseEstimator, path: Path | str, classes: Collection[type]
     Raises
     ------
     FprcError
-        The class, or that of a part such as a regressor of scikit-learn, is neither one of this
-        package's nor in ``classes``; ``random_state`` is neither a number nor None; or HDF5
-        cannot hold a learned attribute.
+        The class of the model, or of a part of it, is neither of this package nor in
+        ``classes``; ``random_state`` is neither a number nor None; or HDF5 cannot hold a learned
+        attribute.
     """
     plain = _describe(model, _outside_classes(classes))
-    # built in memory: if the disk is full, HDF5 crashes the process when it exits
+    # in memory: HDF5 on a full disk crashes the process at exit
     with h5py.File("model", "w", driver="core", backing_store=False) as file:
         _save(plain, file)
         file.flush()
@@ -107,7 +107,7 @@ def _class(name: str, outside: Mapping[str, type]) -> type:
 
 
 def _describe(model: BaseEstimator, outside: Mapping[str, type]) -> dict[str, Any]:
-    """Return everything to write; refuse an unknown model before a file exists."""
+    """Return everything that is written about a model."""
     name = _known_name(model, outside)
     check_is_fitted(model)
     try:
@@ -152,7 +152,7 @@ def _checked(value: Any, name: str) -> Any:
 
 
 def _plain(value: object, outside: Mapping[str, type]) -> Any:
-    """Return a parameter that JSON does not know as one that it does; ``_parameter`` undoes it."""
+    """Return a parameter in a form that JSON has; ``_parameter`` undoes this."""
     if isinstance(value, np.number | np.ndarray):
         return value.tolist()
     if isinstance(value, BaseEstimator):

@@ -21,8 +21,8 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
 
     P_ff(k) = beta_bar(k) W_out [1, x(k)]        (12, with the leading 1)
 
-    The last line of Eq. (12) as printed omits the 1, which the line before it
-    and Eq. (7) have; it is kept here.
+    The 1 is missing in the last line of Eq. (12) as printed, but not in the line before it and in
+    Eq. (7).
 
     Parameters
     ----------

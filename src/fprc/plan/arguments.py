@@ -1,11 +1,11 @@
 """What the rules pass to their stages: each gets only the settings that it reads."""
 
 import csv
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from fprc.artifacts import read_json
 from fprc.registry import settings_of
 
 Settings = Mapping[str, Any]
@@ -58,7 +58,7 @@ def tracking(settings: Settings, reference: str, *names: str) -> dict[str, Any]:
 
 
 def on_drawn_rigs(claims: str) -> dict[str, str]:
-    """Return on how many drawn rigs each claim holds, by claim, if they have been judged.
+    """Return, by claim, on how many drawn rigs it holds; empty if they have not been judged.
 
     Parameters
     ----------
@@ -72,11 +72,11 @@ def on_drawn_rigs(claims: str) -> dict[str, str]:
 
 
 def beyond_paper(claims: str) -> dict[str, Any]:
-    """Return the verdicts on B1-B8 and what they advise, if they have been judged.
+    """Return the verdicts on B1-B8 and the advice; empty if they have not been judged.
 
     Parameters
     ----------
     claims : str
         Report of the target ``beyond``, JSON; it need not exist.
     """
-    return json.loads(Path(claims).read_text(encoding="utf-8")) if Path(claims).is_file() else {}
+    return read_json(claims) if Path(claims).is_file() else {}

@@ -72,6 +72,6 @@ def _listed(names: Sequence[str]) -> str:
 
 
 def refusal(name: str, reasons: Mapping[str, str]) -> str:
-    """Return the message to a user who asks for a target that cannot be made."""
+    """Return the error message for a target that cannot be made."""
     title = BY_NAME[name].title
     return terminal(f"{name}: not available for this data: {title} {reasons[name]}")

@@ -211,7 +211,7 @@ class Plan:
         return [self.paths.below(file) for file in BY_NAME["seeds"].files[:3]]
 
     def replicates(self, part: str, targets: Sequence[str] = ()) -> list[str]:
-        """Return one part of each further seed's report, for one or more ``targets`` to learn."""
+        """Return one part of each further seed's report, for each of the models' ``targets``."""
         evaluation = self.settings["evaluation"]
         return [
             self.paths.replicate(part, target, seed)

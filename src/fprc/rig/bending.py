@@ -10,8 +10,8 @@ def angular_acceleration(bending, theta, omega, relaxed, slip_force, p_kpa, dist
     J th'' = p (1 - g0 th) + d - c th' - g_p - k1 th - k3 th^3
              - sum_j kve_j (th - e_j) - (Tc + mu p) slip - stop(th)
 
-    The stop is the straight actuator: a stiff damped spring below 0 deg, which
-    makes the dead zone at the bottom of the loop.
+    stop(th) is a stiff, damped spring below 0 deg, where the actuator is straight. It makes the
+    dead zone at the bottom of the loop.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
-"""The rig under its pressure loops, over many ticks at once.
+"""The simulated rig under its controllers, many ticks in one call.
 
-The loops are those of ``fprc.control``, which drives one tick at a time and so also a real
-rig. Compiled together with the rig, a simulated run takes a tenth of the time.
+The controllers are those of ``fprc.control``, which runs tick by tick and so can drive a real rig.
+Compiled together with the rig, a run takes a tenth of the time.
 """
 
 import math
@@ -27,7 +27,7 @@ def close_loop(
 ):  # fmt: skip
     """Run both pressure loops, and the PD feedback if there is one, for ``len(rows)`` samples.
 
-    The first sample is read from ``reading`` before the rig advances.
+    The first sample is ``reading`` as given; the rig advances before each of the others.
 
     Parameters
     ----------

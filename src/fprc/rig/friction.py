@@ -1,16 +1,16 @@
 """Rate-independent hysteresis: Maxwell-slip elements in parallel, or one Bouc-Wen element.
 
-Maxwell slip is the default, chosen over Bouc-Wen (minor loops need not close), Dahl (one scale)
-and LuGre (rate-dependent): the complex signal's minor loops need nonlocal memory. But Maxwell slip
-is a sum of stop operators, which favours models made of play operators. Under Bouc-Wen, friction
-also relaxes in small cycles, so that P_o depends on the size of the swings.
+Maxwell slip is the default, because minor loops, which the complex signal has, close only with
+nonlocal memory. Bouc-Wen and Dahl have none, and LuGre depends on the rate. But Maxwell slip is a
+sum of stop operators, which favours models made of play operators. Under Bouc-Wen, friction also
+relaxes in small cycles, so that P_o depends on the size of the swings.
 """
 
 import math
 
 from fprc.compiled import kernel
 
-#: Friction laws; compiled code knows a law by the length of an array, 1, 2, ...
+#: Friction laws; compiled code identifies a law by the length of an array: 1, 2, ...
 LAWS = ("maxwell_slip", "bouc_wen")
 
 #: Slip distance of the Bouc-Wen element over the mean one of the Maxwell-slip elements: both then
@@ -25,8 +25,8 @@ def friction(law, z, increment, slip_distance, weight):
     Parameters
     ----------
     law : ndarray of shape (n,)
-        Its length is the position in ``LAWS``. Lengths are constants when the code is compiled, so
-        that the choice takes no time.
+        Its length is the position in ``LAWS``, counted from 1. As a field of a record it has a
+        length that is known when the code is compiled, so the choice takes no time.
     z, increment, slip_distance, weight
         See ``slip``.
     """
@@ -56,7 +56,7 @@ def slip(z, increment, slip_distance, weight):
 
 @kernel
 def bouc_wen(z, increment, slip_distance, weight):
-    """Do as ``slip`` with one Bouc-Wen element, whose deflection is the first number of ``z``.
+    """Move one Bouc-Wen element, whose deflection is ``z[0]``, and return its normalised force.
 
     dz = (1 - (sign(dx z) + 1) / 2 |z| / delta) dx, delta = 0.8 sum_j w_j delta_j; the force is
     z / delta. In the usual symbols, for the force: A = 1 / delta, beta = gamma = A / 2, n = 1.

@@ -28,8 +28,7 @@ def record(settings: Mapping[str, Any]) -> np.ndarray:
 
 @cache
 def _layout(fields: tuple[Any, ...]) -> np.dtype:
-    # numba recognises the same dtype object at once; comparing two equal ones takes longer
-    # than a tick
+    # one object per layout: numba compares two equal dtypes for longer than a tick takes
     return np.dtype([(name, _type(kind), *shape) for name, kind, *shape in fields])
 
 

@@ -15,13 +15,12 @@ def quantise(value, step):
 def pressure_voltage(sensor, p_kpa, gain_error, offset_error, bow_error, noise_kpa):
     """Output of a pressure transducer, V, before the converter.
 
-    The errors are fractions of full scale; the bow is a parabola that vanishes
-    at both ends of the range.
+    The errors are shares of full scale; the bow is a parabola, zero at both ends of the range.
     """
     x = p_kpa / sensor.full_scale_kpa
     x += gain_error * x + offset_error + bow_error * 4.0 * x * (1.0 - x)
     x += noise_kpa / sensor.full_scale_kpa
-    return sensor.zero_v + (sensor.span_v) * x
+    return sensor.zero_v + sensor.span_v * x
 
 
 @kernel

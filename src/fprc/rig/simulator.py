@@ -19,8 +19,8 @@ from fprc.rig.reservoir import bending_rate, passive_volume, squeeze_rate
 from fprc.rig.sensors import converted, pressure_voltage, quantise
 from fprc.rig.valve import mass_flow, opening, spool_acceleration
 
-#: Standard normal numbers that one tick consumes: three pressure sensors, the
-#: drift, the slow error of the bend sensor, and up to two samples of both angles.
+#: Standard normal numbers per tick: noise of three pressure sensors, the drift, the slow error of
+#: the bend sensor, and noise of up to two samples of both angles.
 NOISE_PER_TICK = 9
 
 #: Order of the pressure sensors in every array of three.
@@ -32,14 +32,14 @@ DIVERGED = {1: "pressure of the main chamber", 2: "pressure of PAM A", 3: "bendi
 
 
 def parameters(rig: Mapping[str, Any]) -> np.ndarray:
-    """Return the parameters of a rig as compiled code reads them; see ``friction`` for the law."""
+    """Return a rig's parameters for compiled code; ``friction`` explains how it gets the law."""
     return record({**rig, "friction_law": [0.0] * (1 + LAWS.index(rig["friction_law"]))})
 
 
 def initial_state(rig: Mapping[str, Any], rng: np.random.Generator) -> np.ndarray:
     """State of a rig at rest: vented, straight, passive chamber pre-charged.
 
-    The drift and the phase of the bend sensor's clock are drawn from ``rng``.
+    The drift, and the bend sensor's slow error and phase, are drawn from ``rng``.
     """
     bending, reservoir = rig["bending"], rig["reservoir"]
     gas = (reservoir["precharge_kpa"] + ATMOSPHERE_KPA) * reservoir["passive_volume_ml"]
@@ -81,7 +81,7 @@ def draw_instruments(rig: Mapping[str, Any], rng: np.random.Generator) -> np.nda
 
 @kernel
 def advance(states, rigs, instruments, valve_v, push_kpa, noise, period_s, substeps, reading):
-    """Advance the rig by ``substeps`` steps of ``period_s / substeps`` and sense it.
+    """Advance the rig by ``substeps`` steps of ``period_s / substeps`` and read its sensors.
 
     Parameters
     ----------
@@ -90,11 +90,11 @@ def advance(states, rigs, instruments, valve_v, push_kpa, noise, period_s, subst
     valve_v : ndarray of shape (2,)
         Voltages held on the main and the reservoir valve over the tick.
     push_kpa : float
-        External force on the reservoir's bending over the tick.
+        External force that bends the reservoir over the tick.
     noise : ndarray of shape (NOISE_PER_TICK,)
         Standard normal numbers for this tick.
     substeps : int
-        0 senses the state as it is.
+        0 reads the sensors without advancing.
     reading : ndarray of shape (5,)
         Filled with three transducer voltages, the bending angle of the
         actuator and that of the reservoir in deg.
@@ -113,10 +113,10 @@ def advance(states, rigs, instruments, valve_v, push_kpa, noise, period_s, subst
         _valves(state, rig, valve_v, dt)
         _actuator(state, rig, dt)
         _reservoir(state, rig, push_kpa, dt)
-        _lag(state, rig, dt)
+        _lag_of_sensors(state, rig, dt)
         state.time_s += dt
         bend_noise = _bend_sample(state, rig, noise, bend_noise)
-        failed = _health(state, rig)
+        failed = _diverged(state, rig)
         if failed:
             return failed
     if substeps == 0:
@@ -226,7 +226,7 @@ def _squeeze_friction(state, rig, increment):
 
 
 @kernel
-def _lag(state, rig, dt):
+def _lag_of_sensors(state, rig, dt):
     passive_ml = passive_volume(rig.reservoir, state.squeezed_ml, state.phi_deg)
     truth = (
         state.p_main_kpa_abs - ATMOSPHERE_KPA,
@@ -258,7 +258,7 @@ def _bend_sample(state, rig, noise, column):
 @kernel
 def _sense(state, rig, instrument, noise, reading):
     for i in range(3):
-        # the board scans its channels one after the other
+        # the board converts its channels one after the other
         late = i * rig.converter.scan_s
         volts = pressure_voltage(
             rig.pressure_sensor,
@@ -274,8 +274,8 @@ def _sense(state, rig, instrument, noise, reading):
 
 
 @kernel
-def _health(state, rig):
-    # written so that a NaN fails each comparison
+def _diverged(state, rig):
+    # `not (... < ...)`: NaN, too, is out of range
     if not (0.0 < state.p_main_kpa_abs < 2.0 * rig.valve.supply_kpa_abs):
         return 1
     if not (0.0 < state.p_i_kpa_abs < 2.0 * rig.valve.supply_kpa_abs):

@@ -4,8 +4,8 @@ import math
 
 from fprc.compiled import kernel
 
-#: Above this pressure ratio the ISO 6358 flow is made linear, so that its
-#: slope stays finite where the two pressures meet.
+#: Pressure ratio above which a line replaces the ISO 6358 flow, whose slope is infinite at equal
+#: pressures.
 LINEAR_ABOVE_RATIO = 0.995
 
 
@@ -20,10 +20,9 @@ def spool_acceleration(x, v, command, natural_frequency, damping_ratio):
 
 @kernel
 def opening(x, dead_zone, leak):
-    """Open fraction of the edge that a positive ``x`` uncovers.
+    """Open fraction of the edge that a positive spool position ``x`` opens.
 
-    The exhaust edge is ``opening(-x, ...)``. ``leak`` passes both edges at any
-    spool position, as the clearance of a real spool does.
+    The exhaust edge is ``opening(-x, ...)``. ``leak`` is the clearance, open at every position.
     """
     return min(max((x - dead_zone) / (1.0 - dead_zone), 0.0), 1.0) + leak
 
@@ -42,7 +41,7 @@ def flow_function(ratio, critical_ratio):
 
 @kernel
 def mass_flow(conductance, upstream_kpa_abs, downstream_kpa_abs, critical_ratio):
-    """Flow through an orifice in mL/s ANR, negative where it runs backwards.
+    """Flow through an orifice, mL/s ANR; negative if the downstream pressure is the higher one.
 
     Parameters
     ----------

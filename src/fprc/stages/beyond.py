@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import yaml
@@ -13,7 +12,7 @@ from fprc.calibration.ensemble import draw_rig
 from fprc.calibration.fit import free_parameters
 from fprc.config.rig import Rig
 from fprc.errors import FprcError
-from fprc.evaluation.cells import checkpoint_key, log_progress, run_cells
+from fprc.evaluation.cells import judged_cells
 from fprc.evaluation.timing import machine
 from fprc.experiments.beyond import (
     ALL,
@@ -53,34 +52,31 @@ def judge_world(
     tuned : str
         Settings of the tuned models, by world and name.
     world : Mapping
-        ``name``, ``title``, ``rigs`` (one, posterior or drawn), ``every_model`` (else there are
-        only those of ``BRIEF``), ``first_seed``, ``seeds_per_rig``, and ``on_rig``, ``ensemble``
-        and ``free`` for the rigs.
+        ``name``, ``rigs`` (one, posterior or drawn), ``fitted`` (terms that its rigs were fitted
+        to), ``every_model`` (else only those of ``BRIEF``), ``first_seed``, ``seeds_per_rig``, and
+        ``on_rig``, ``ensemble`` and ``free`` for the rigs.
     slow : int
-        Units that also judge the slow models, in a world with every model.
+        Number of the first units that also judge the slow models, in a world with every model.
     contest : Mapping
         Arguments of ``Contest`` without ``tuned``.
     """
     settings = _tuned(tuned, world)
-    key = checkpoint_key([world, contest, settings, slow, version], [rigs])
-    cells = run_cells(
-        partial(_judge, rigs=rigs, world=world, slow=slow, contest={**contest, "tuned": settings}),
-        [{"unit": unit} for unit in range(units)],
-        workers=workers,
-        checkpoint=checkpoint,
-        key=key,
-        progress=log_progress,
-    )
-    builds = [{"unit": cell["unit"], **build} for cell in cells for build in cell["builds"]]
     described = {
         "name": world["name"],
-        "title": world["title"],
         "fitted": world["fitted"],
         "unit": "seed" if world["rigs"] == "one" else "rig",
         "source": "sim",
     }
-    write_json(judged, described | {"cells": builds})
-    Path(checkpoint).unlink()
+    with judged_cells(
+        partial(_judge, rigs=rigs, world=world, slow=slow, contest={**contest, "tuned": settings}),
+        [{"unit": unit} for unit in range(units)],
+        workers=workers,
+        checkpoint=checkpoint,
+        settings=[world, contest, settings, slow, version],
+        files=[rigs],
+    ) as cells:
+        builds = [{"unit": cell["unit"], **build} for cell in cells for build in cell["builds"]]
+        write_json(judged, described | {"cells": builds})
 
 
 def tune_world(
@@ -117,22 +113,18 @@ def tune_world(
         for name in names
         for each in candidates_of(name, candidates, seed)
     ]
-    key = checkpoint_key([world, list(units), restarts, judgement, version], [rigs])
     logs = [simulate(*builds_of(unit, rigs, world)[0]) for unit in units]
-    judged = run_cells(
+    with judged_cells(
         partial(_try, logs=logs, judgement=how, restarts=restarts),
         cells,
         workers=workers,
         checkpoint=checkpoint,
-        key=key,
-        progress=log_progress,
-    )
-    by_model = {name: [each for each in judged if each["model"] == name] for name in names}
-    write_json(
-        tuning,
-        {"world": world["name"], "source": "sim", "tried": judged, "chosen": chosen(by_model)},
-    )
-    Path(checkpoint).unlink()
+        settings=[world, list(units), restarts, judgement, version],
+        files=[rigs],
+    ) as tried:
+        by_model = {name: [each for each in tried if each["model"] == name] for name in names}
+        described = {"world": world["name"], "source": "sim"}
+        write_json(tuning, described | {"tried": tried, "chosen": chosen(by_model)})
 
 
 def join_tuned(tunings: Sequence[str], tuned: str) -> None:
@@ -166,9 +158,9 @@ def judge_training_logs(
     checkpoint: str,
     version: str,
 ) -> None:
-    """Judge the models after training on logs of other lengths, and on two logs."""
+    """Judge the models trained on one log of each length in ``seconds``, and on two logs."""
     settings = _tuned(tuned, world)
-    cells = run_cells(
+    with judged_cells(
         partial(
             _judge_lengths,
             world=world,
@@ -179,12 +171,10 @@ def judge_training_logs(
         [{"unit": unit} for unit in range(seeds)],
         workers=workers,
         checkpoint=checkpoint,
-        key=checkpoint_key([world, contest, settings, seconds, second_log, version]),
-        progress=log_progress,
-    )
-    trained = [each for cell in cells for each in cell["trained"]]
-    write_json(judged, {"source": "sim", "training_length": trained})
-    Path(checkpoint).unlink()
+        settings=[world, contest, settings, seconds, second_log, version],
+    ) as cells:
+        trained = [each for cell in cells for each in cell["trained"]]
+        write_json(judged, {"source": "sim", "training_length": trained})
 
 
 def judge_capacities(
@@ -206,24 +196,22 @@ def judge_capacities(
         As ``judge_capacity`` takes it.
     """
     by_name = {world["name"]: world for world in worlds}
-    cells = run_cells(
+    with judged_cells(
         partial(_judge_capacity, worlds=by_name, models=models, capacity=capacity),
         [{"world": name, "unit": unit} for name in by_name for unit in range(seeds)],
         workers=workers,
         checkpoint=checkpoint,
-        key=checkpoint_key([by_name, models, capacity, version]),
-        progress=log_progress,
-    )
-    found = {
-        name: [
-            {key: cell[key] for key in ("unit", "seed", "noise_of_p_o", "sets")}
-            for cell in cells
-            if cell["world"] == name
-        ]
-        for name in by_name
-    }
-    write_json(judged, {"source": "sim", "worlds": found})
-    Path(checkpoint).unlink()
+        settings=[by_name, models, capacity, version],
+    ) as cells:
+        found = {
+            name: [
+                {key: cell[key] for key in ("unit", "seed", "noise_of_p_o", "sets")}
+                for cell in cells
+                if cell["world"] == name
+            ]
+            for name in by_name
+        }
+        write_json(judged, {"source": "sim", "worlds": found})
 
 
 def time_steps(
@@ -249,7 +237,7 @@ def _tuned(tuned: str, world: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 def builds_of(unit: int, rigs: str, world: Mapping[str, Any]) -> list[tuple[RigSettings, int]]:
-    """Return the rig of a unit with each of its seeds."""
+    """Return the rig of a unit, once with each of its seeds."""
     on_rig = RigSettings(**world["on_rig"])
     count = world["seeds_per_rig"]
     if world["rigs"] == "posterior":
@@ -278,14 +266,14 @@ def _judge(
     names: Sequence[str] = BRIEF
     if world["every_model"]:
         names = [name for name in ALL if name not in SLOW or cell["unit"] < slow]
-    builds: list[dict[str, Any]] = []
+    builds = []
     for on_rig, seed in builds_of(cell["unit"], rigs, world):
+        report: dict[str, Any]
         try:
-            builds.append(
-                {"seed": seed, "models": judge_build(on_rig, seed, names, Contest(**contest))}
-            )
+            report = {"models": judge_build(on_rig, seed, names, Contest(**contest))}
         except FprcError as error:
-            builds.append({"seed": seed, "failed": " ".join(str(error).split())})
+            report = {"failed": " ".join(str(error).split())}
+        builds.append({"seed": seed, **report})
     return {"builds": builds}
 
 

@@ -28,10 +28,10 @@ def calibrate(
     checkpoint: str,
     version: str,
 ) -> None:
-    """Fit the free parameters of the rig, starting at the rig of ``on_rig``.
+    """Fit the free parameters of the rig, starting from the rig of ``on_rig``.
 
-    Writes the changed parameters (``fitted``, YAML, a file
-    of config/rigs) and a summary of the fit (``report``, JSON).
+    Writes the fitted rig (``fitted``, YAML, a file of config/rigs) and a summary of the fit
+    (``report``, JSON).
     """
     best, summary = fit_rig(
         read_yaml(published),
@@ -47,7 +47,7 @@ def calibrate(
     write_json(report, summary)
     write_text(fitted, parameter_file(best, summary, Path(fitted).stem))
     log.info(
-        "loss on other seeds: %.4f at the start, %.4f now",
+        "loss on seeds outside the fit: %.4f for the starting rig, %.4f for the fitted one",
         summary["check_loss_at_start"], summary["check_loss"],
     )  # fmt: skip
     if summary["check_loss"] > summary["check_loss_at_start"]:

@@ -18,7 +18,7 @@ log = logging.getLogger(__name__)
 
 #: A picture is outdated if more than _PIXELS pixels differ by more than _LEVELS of 255. On another
 #: processor a few edges differ by one level; a dot moved by half a pixel changes 40 pixels by more
-#: than 16 levels, and another digit 110. See docs/reproducibility.md.
+#: than 16 levels, and a different digit 110. See docs/decisions/0022.
 _LEVELS = 16
 _PIXELS = 20
 
@@ -61,19 +61,19 @@ def check_results(
     for line in of_times:
         log.warning("%s; not an error, since execution times differ between runs", line)
     failures = {
-        f"verdicts are not those of {verdicts}; see the ledger, and declare them there if they "
-        "are right": [line for line in changed if line not in of_times],
-        "files that no rule makes; remove them, or keep them elsewhere": [
+        f"verdicts differ from {verdicts}; if the new ones in {ledger} are right, declare them in "
+        f"{verdicts}": [line for line in changed if line not in of_times],
+        "files that no rule makes; remove them, or move them elsewhere": [
             *unknown_files(folders["results"], folders["raw"], made),
             *unknown_pictures(pictures),
         ],
-        "pictures are not the figures that were built; copy the figures with `make docs`, or "
+        "pictures differ from the figures that were built; copy the figures with `make docs`, or "
         "growth.png with `make benchmark`": [
-            f"{picture} is not {figure}" for picture, figure in outdated(pictures)
+            f"{picture} differs from {figure}" for picture, figure in outdated(pictures)
         ],
     }
     problems = [
-        "\n".join([f"{len(lines)} {what}:", *(f"  {line}" for line in lines)])
+        "\n".join([f"{what}:", *(f"  {line}" for line in lines)])
         for what, lines in failures.items()
         if lines
     ]
@@ -81,7 +81,7 @@ def check_results(
         raise FprcError("\n".join(problems))
     as_declared = len(declared) - len(of_times)
     log.info(
-        "%d of %d verdicts are as declared; every file has its rule", as_declared, len(declared)
+        "%d of %d verdicts are as declared; a rule makes every file", as_declared, len(declared)
     )
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 
 from fprc.artifacts import read_json, write_json, write_text
-from fprc.claims import Results, judge_claims, status_of, turned_verdicts
+from fprc.claims import Results, fit_in_words, judge_claims, status_of, turned_verdicts
 from fprc.paper import SOURCES
 from fprc.tables import markdown
 from fprc.yaml_file import read_yaml
@@ -28,14 +28,15 @@ def write_ledger(
     fitted: Mapping[str, Any],
     deciding: int,
 ) -> None:
-    """Write the claims ledger: published, ours, test and verdict of C1 to C18.
+    """Write the claims ledger: the paper's numbers, ours, test and verdict of C1 to C18.
 
     Parameters
     ----------
     fitted : Mapping
         Name of the rig, and the terms that it was fitted to.
     deciding : int
-        Number of the first seeds that decide the verdicts; further ones are compared with them.
+        Number of seeds, the first ones, that decide the verdicts; the ledger also says which
+        verdicts would differ on all seeds.
     """
     printed = read_yaml(published)
     every = Results(
@@ -51,9 +52,9 @@ def write_ledger(
     ]
     source = every.controls[0]["source"]
     origin = (
-        f"The rig is {fitted['name']}, fitted to: {', '.join(fitted['to']) or 'nothing'}; the "
-        "other claims were no part of the fit. A verdict is undecided where the 95 % interval of "
-        "the mean over seeds contains a limit."
+        f"The rig {fitted['name']} was fitted to {fit_in_words(fitted['to'])}; the other claims "
+        "were not part of the fit. A verdict is undecided where the 95 % interval of the mean over "
+        "seeds contains a limit."
     )
     if len(every.controls) > deciding:
         turned = turned_verdicts(ledger, judge_claims(printed["claims"], every, printed))

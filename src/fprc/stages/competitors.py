@@ -2,16 +2,15 @@
 
 from collections.abc import Callable, Mapping
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from fprc.artifacts import read_json, write_csv, write_json, write_text
 from fprc.claims.recording import judge_recording
-from fprc.competitors import COMPETITORS
+from fprc.competitors import TITLES
 from fprc.errors import EvaluationError
-from fprc.evaluation.cells import checkpoint_key, log_progress, run_cells
+from fprc.evaluation.cells import judged_cells, log_progress
 from fprc.experiments.competitors import (
     ON_RECORDINGS,
     judge_competitor,
@@ -38,7 +37,7 @@ def compare_competitors(
 ) -> None:
     """Judge FPRC and its competitors on blocks of the training log, and on the test log.
 
-    A model that the logs do not suit has a ``reason`` in place of errors.
+    A model that cannot be judged on these logs has a ``reason`` in place of errors.
 
     Parameters
     ----------
@@ -48,15 +47,7 @@ def compare_competitors(
     data, tested = read_data(train), read_data(test)
     refuse_mixture(data, tested)
     folds = recording_blocks(data, Judgement(**judgement))
-    judged = run_cells(
-        partial(_judge_from_files, train=train, test=test, judgement=judgement),
-        [{"model": name} for name in ON_RECORDINGS],
-        workers=workers,
-        checkpoint=checkpoint,
-        key=checkpoint_key([judgement, version], [train, test]),
-        progress=progress,
-    )
-    report = {
+    described = {
         "source": data.attributes["source"],
         "seed": judgement["seed"],
         "unit": data.unit,
@@ -64,29 +55,35 @@ def compare_competitors(
         "block_s": [len(block) * period_s(data) for _, block in folds],
         # samples that judge per sample that trains
         "overlap": float(np.mean([len(block) / len(rows) for rows, block in folds])),
-        "cells": judged,
     }
-    titles = {name: entry.title for name, entry in COMPETITORS.items()}
-    write_json(competitors, {**report, "verdicts": judge_recording(report, titles)})
-    Path(checkpoint).unlink()
+    with judged_cells(
+        partial(_judge_from_files, train=train, test=test, judgement=judgement),
+        [{"model": name} for name in ON_RECORDINGS],
+        workers=workers,
+        checkpoint=checkpoint,
+        settings=[judgement, version],
+        files=[train, test],
+        progress=progress,
+    ) as judged:
+        report = described | {"cells": judged}
+        write_json(competitors, {**report, "verdicts": judge_recording(report, TITLES)})
 
 
 def tabulate_competitors(competitors: str, csv: str, md: str) -> None:
     """Write the errors of FPRC and its competitors as CSV and Markdown."""
     report = read_json(competitors)
-    titles = {name: entry.title for name, entry in COMPETITORS.items()}
     table = competitors_table(report)
     write_csv(csv, table)
     shortest, longest = min(report["block_s"]), max(report["block_s"])
     length = f"{shortest:.3g}" if longest - shortest < 0.1 else f"{shortest:.3g} to {longest:.3g}"
     note = (
-        f"RMSE on {len(report['block_s'])} blocks of the training data of {length} s, mean ± "
-        "standard deviation, each predicted by a model that the others trained, without "
-        f"{report['purge_s']:g} s on each side of the block; and on the test data.\n"
+        f"RMSE on the test data, and on {len(report['block_s'])} blocks of {length} s of the "
+        "training data, mean ± standard deviation. Each block is predicted by a model trained on "
+        f"the other blocks, without {report['purge_s']:g} s on each side of it.\n"
         f"Data: {SOURCES[report['source']]}, seed {report['seed']}. No model was tuned to this "
         "recording."
     )
-    write_text(md, markdown(competitors_page(table, titles), note))
+    write_text(md, markdown(competitors_page(table, TITLES), note))
 
 
 def _judge_from_files(

@@ -9,7 +9,7 @@ from typing import Any
 import pandas as pd
 
 from fprc.artifacts import read_json, replacing, write_text
-from fprc.competitors import COMPETITORS
+from fprc.competitors import TITLES
 from fprc.errors import FprcError
 from fprc.paper import ERRORS
 from fprc.provenance import hash_of
@@ -49,14 +49,14 @@ def update_readme(
     figure, picture : str
         Figure of the results, and its copy in docs.
     made_from
-        Not read: it makes the rule depend on all intermediate files, so that no stale number is
-        shown after a failed job.
+        Not read. All intermediate files are inputs of the rule so that no stale number is shown
+        after a failed job.
     readme, results : str
         The README, and docs/results.md.
     """
     judged = read_json(ledger)
     blocks = {Path(path).stem: _read(path) for path in pages} | {
-        "orders": _sentence(pd.read_csv(orders)),
+        "orders": _orders(pd.read_csv(orders)),
         "deviations": _deviations(seeds),
         "verdicts": _verdicts(judged, pd.read_csv(drawn, index_col="id")),
     }
@@ -119,7 +119,7 @@ def update_calibration_page(
 
 
 def update_picture(figure: str, *, picture: str) -> None:
-    """Replace a picture of the documentation."""
+    """Replace a picture of the documentation by a figure of the results."""
     _copy(figure, picture)
 
 
@@ -156,7 +156,7 @@ def update_beyond_page(
 ) -> None:
     """Replace the generated blocks of docs/beyond.md, the leaderboard, and the pictures.
 
-    The README gets what P_o is worth in test error and in tracking.
+    The README gets the first point of the advice.
 
     Parameters
     ----------
@@ -167,7 +167,6 @@ def update_beyond_page(
     world : str
         World with the rig of the configuration.
     """
-    titles = {name: entry.title for name, entry in COMPETITORS.items()}
     csv = {
         "models": models,
         "tracking": tracking,
@@ -177,9 +176,9 @@ def update_beyond_page(
     }
     found = {name: pd.read_csv(path) for name, path in csv.items()}
     judged = read_json(verdicts)
-    blocks = beyond.blocks(judged, found, world, titles)
-    forward, followed, *_ = judged["advice"]
-    _update(readme, {"worth": f"**What the reservoir is worth.** {forward} {followed}"})
+    blocks = beyond.blocks(judged, found, world, TITLES)
+    title = "**What the reservoir is worth on [simulated rigs](docs/beyond.md).**"
+    _update(readme, {"worth": f"{title} {judged['advice'][0]}"})
     _update(board, {"leaderboard": blocks.pop("leaderboard")})
     _update(page, blocks)
     for figure, picture in zip(figures, pictures, strict=True):
@@ -250,7 +249,7 @@ def _verdicts(judged: Mapping[str, Any], drawn: pd.DataFrame) -> str:
             "Id": claim["id"],
             "Claim": claim["claim"],
             "Verdict": claim["verdict"],
-            "By the fit": claim["rig"],
+            "Fitted?": claim["rig"],
             "Ours, 95 % interval": claim["ours"],
             "Drawn rigs": on_drawn(claim["id"]),
         }
@@ -259,7 +258,8 @@ def _verdicts(judged: Mapping[str, Any], drawn: pd.DataFrame) -> str:
     return f"{_markdown(pd.DataFrame(rows))}\n\n{judged['note']}"
 
 
-def _sentence(orders: pd.DataFrame) -> str:
+def _orders(orders: pd.DataFrame) -> str:
+    """Return a list of the orders of Tables II and III, and on how many seeds each holds."""
     ratio = orders["esn_over_fprc_training"]
     columns = {
         "FPRC has the lowest test RMSE": "fprc_lowest_test",
@@ -317,8 +317,9 @@ def _properties(fit: Mapping[str, Any]) -> str:
         (name, f"{low:g} to {high:g}", f"{fit['properties'][name]:.3g}")
         for name, (low, high) in fit["plausible"].items()
     ]
-    table = pd.DataFrame(rows, columns=["Property", "Asked for", "Fitted"])
+    table = pd.DataFrame(rows, columns=["Property", "Plausible", "Fitted"])
     near = [p["path"] for p in fit["parameters"] if not 0.02 <= p["share"] <= 0.98]
     return (
-        f"{_markdown(table)}\n\nWithin 2 % of an end of their range: {', '.join(near) or 'none'}."
+        f"{_markdown(table)}\n\nParameters within 2 % of an end of their range: "
+        f"{', '.join(near) or 'none'}."
     )

@@ -61,7 +61,7 @@ def draw_actuator_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> Ma
 
 
 def draw_channels(sweep: str, csv: str, pdf: str, png: str) -> Mapping[str, Any]:
-    """Draw the actuator's loops over the commanded and over the measured pressure (C18)."""
+    """Draw the actuator's loops over the commanded and over the measured P_exp (C18)."""
     log = read_raw(sweep, experiment="sweep", sample_rate_hz=None, rate_tolerance=0.01)
     time_s, theta = log.channels["time_s"], log.channels["theta_deg"]
     fig, axes = style.figure(1, 2, style.COLUMN_IN, 2.2, sharey=True)

@@ -1,4 +1,4 @@
-"""Draw the results of sets of rigs, and of the searches."""
+"""Draw the claims on sets of rigs, and the outcome of the searches."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -11,7 +11,7 @@ from fprc.calibration.objective import CLAIMS, tables_percent
 from fprc.figures import style
 from fprc.figures.ensemble import plot_correlations, plot_front, plot_shares_of_rigs
 
-#: Parameters that are drawn, those with the strongest correlations.
+#: Number of parameters that are drawn, those with the strongest correlations.
 _PARAMETERS = 14
 
 
@@ -40,13 +40,13 @@ def draw_ensemble(summary: str, pdf: str, png: str) -> Mapping[str, Any]:
 
 
 def draw_front(fits: Sequence[str], csv: str, pdf: str, png: str) -> Mapping[str, Any]:
-    """Draw fronts between tables and claims, and where the searches ended.
+    """Draw the fronts between tables and claims, and the end points of the searches.
 
-    Only of searches that were asked for the tables and for every claim.
+    Searches that did not fit the tables and every claim are left out.
     """
-    asked = {"tables", *CLAIMS}
+    terms = {"tables", *CLAIMS}
     reports = {Path(path).stem: read_json(path) for path in fits}
-    reports = {name: own for name, own in reports.items() if asked <= set(own.get("fit", ()))}
+    reports = {name: own for name, own in reports.items() if terms <= set(own.get("fit", ()))}
     rows = []
     for name, report in reports.items():
         ended = {

@@ -33,7 +33,7 @@ def draw_following(
 ) -> Mapping[str, Any]:
     """Figures 12 to 15: open loop, closed loop, errors, P_ff and P_fb.
 
-    The range of the errors is that of all ``runs``, so that the four figures compare.
+    The axis of the errors spans those of all ``runs``, so that the four figures can be compared.
     """
     opened, closed = isolated_each(read_run, [open_loop, closed_loop], names=_CHANNELS)
     table = tracking_errors([opened, closed])
@@ -87,7 +87,7 @@ def draw_disturbance(
 ) -> Mapping[str, Any]:
     """Figure 17: tracking and reservoir while random forces push the reservoir.
 
-    The reservoir's signals lie over their last undisturbed cycle.
+    The reservoir's signals are drawn over their last undisturbed cycle, repeated.
     """
     (log,) = isolated_each(read_run, [run], names=(*_CHANNELS, *_RESERVOIR))
     channels, settle_s = log.channels, log.attributes["settle_s"]

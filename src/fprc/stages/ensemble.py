@@ -1,10 +1,7 @@
 """Judge an ensemble of random rigs, and measure the sensitivity of one rig."""
 
-import hashlib
-import json
 from collections.abc import Mapping, Sequence
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,7 +9,7 @@ import numpy as np
 from fprc.artifacts import write_json
 from fprc.calibration.ensemble import judge_moved, judge_rig
 from fprc.calibration.fit import free_parameters
-from fprc.evaluation.cells import log_progress, run_cells
+from fprc.evaluation.cells import judged_cells
 from fprc.experiments.settings import RigSettings
 
 
@@ -39,11 +36,9 @@ def judge_rigs(
     on_rig : Mapping
         Arguments of ``RigSettings``.
     judgement : Mapping
-        Argument of ``judge_rig``.
+        Arguments of ``Judgement`` without the seed.
     """
-    settings = [ensemble, free, on_rig, tracking, judgement]
-    key = json.dumps([*settings, version], sort_keys=True)
-    judged = run_cells(
+    with judged_cells(
         partial(
             judge_rig,
             ensemble=ensemble,
@@ -55,11 +50,9 @@ def judge_rigs(
         [{"rig": number} for number in numbers],
         workers=1,
         checkpoint=checkpoint,
-        key=hashlib.sha256(key.encode()).hexdigest(),
-        progress=log_progress,
-    )
-    write_json(rigs, {"source": "sim", "rigs": judged})
-    Path(checkpoint).unlink()
+        settings=[ensemble, free, on_rig, tracking, judgement, version],
+    ) as judged:
+        write_json(rigs, {"source": "sim", "rigs": judged})
 
 
 def measure_sensitivity(
@@ -84,8 +77,7 @@ def measure_sensitivity(
     """
     shares = np.linspace(0.0, 1.0, steps).tolist()
     cells = [{"path": path, "share": share} for path in paths for share in shares]
-    key = json.dumps([seeds, surrogate, on_rig, models, version], sort_keys=True)
-    judged = run_cells(
+    with judged_cells(
         partial(
             judge_moved,
             seeds=seeds,
@@ -96,8 +88,6 @@ def measure_sensitivity(
         [{"path": None, "share": None}, *cells],
         workers=workers,
         checkpoint=checkpoint,
-        key=hashlib.sha256(key.encode()).hexdigest(),
-        progress=log_progress,
-    )
-    write_json(effects, {"source": "sim", "seeds": list(seeds), "cells": judged})
-    Path(checkpoint).unlink()
+        settings=[seeds, surrogate, on_rig, models, version],
+    ) as judged:
+        write_json(effects, {"source": "sim", "seeds": list(seeds), "cells": judged})

@@ -3,11 +3,10 @@
 import logging
 from collections.abc import Mapping, Sequence
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 from fprc.artifacts import read_json, write_json
-from fprc.evaluation.cells import checkpoint_key, log_progress, run_cells
+from fprc.evaluation.cells import judged_cells
 from fprc.experiments.data import models_for, read_data
 from fprc.experiments.grids import cells_of, chunk_of, judge_cell, weight_shares
 from fprc.experiments.settings import Judgement
@@ -44,28 +43,27 @@ def judge_grid(
     data = read_data(train)
     models = models_for(judgement["models"], data, read_data(test))
     possible = [cell for cell in cells_of(grid, values) if cell["model"] in models]
-    judged = run_cells(
-        partial(_judge_from_files, train=train, test=test, judgement=Judgement(**judgement)),
-        chunk_of(possible, chunk, chunks),
-        workers=workers,
-        checkpoint=checkpoint,
-        key=checkpoint_key([judgement, version], [train, test]),
-        progress=log_progress,
-    )
     described = {
         "grid": grid,
         "source": data.attributes["source"],
         "seed": judgement["seed"],
         "unit": data.unit,
     }
-    write_json(results, {**described, "cells": judged})
-    Path(checkpoint).unlink()
+    with judged_cells(
+        partial(_judge_from_files, train=train, test=test, judgement=Judgement(**judgement)),
+        chunk_of(possible, chunk, chunks),
+        workers=workers,
+        checkpoint=checkpoint,
+        settings=[judgement, version],
+        files=[train, test],
+    ) as judged:
+        write_json(results, {**described, "cells": judged})
 
 
 def _judge_from_files(
     cell: Mapping[str, Any], *, train: str, test: str, judgement: Judgement
 ) -> dict[str, Any]:
-    # runs in a worker process, which reads the logs itself to keep the arguments small
+    # each worker process reads the logs itself: they would be large arguments
     return judge_cell(cell, train=read_data(train), test=read_data(test), judgement=judgement)
 
 

@@ -9,7 +9,7 @@ from fprc.tables import deviations
 
 
 def outcome(results: str) -> str:
-    """Return how many claims are reproduced, how far the tables are off print, and what to open.
+    """Return how many claims are reproduced, how far the tables deviate, and what to open.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ from fprc.calibration.ensemble import judge_drawn
 from fprc.calibration.fit import free_parameters, full_errors, printed_errors, ratios_to_full
 from fprc.calibration.posterior import draw_posterior, judge_member, prior_point, rig_at
 from fprc.calibration.surrogate import judge_cheaply
-from fprc.evaluation.cells import checkpoint_key, run_cells
+from fprc.evaluation.cells import checkpoint_key, judged_cells, run_cells
 from fprc.experiments.settings import RigSettings
 from fprc.yaml_file import read_yaml
 
@@ -38,7 +38,7 @@ def draw_members(
     """Draw rigs from the posterior given the errors of Tables II and III.
 
     The points of each step follow from the seed and from what was judged before, so a run
-    that was stopped goes on from its checkpoint.
+    that was stopped can continue from its checkpoint.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def draw_members(
     free : Mapping
         Arguments of ``free_parameters``: ``paths`` and ``ranges``.
     on_rig : Mapping
-        Arguments of ``RigSettings``; of its rig are the parameters that are not free.
+        Arguments of ``RigSettings``; its rig gives the parameters that are not free.
     judgement : Mapping
         Arguments of ``Judgement`` without the seed.
     """
@@ -133,7 +133,7 @@ def judge_members(
     """
     drawn = read_json(members)["members"]
     cells = [drawn[number] for number in numbers if number < len(drawn)]
-    judged = run_cells(
+    with judged_cells(
         partial(
             _judge,
             free=free_parameters(**free),
@@ -144,10 +144,9 @@ def judge_members(
         cells,
         workers=1,
         checkpoint=checkpoint,
-        key=checkpoint_key([free, on_rig, tracking, judgement, version]),
-    )
-    write_json(rigs, {"source": "sim", "rigs": judged})
-    Path(checkpoint).unlink()
+        settings=[free, on_rig, tracking, judgement, version],
+    ) as judged:
+        write_json(rigs, {"source": "sim", "rigs": judged})
 
 
 def _draw(cell: Mapping[str, int], **settings: Any) -> dict[str, list[float]]:

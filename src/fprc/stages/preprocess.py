@@ -26,15 +26,15 @@ def preprocess(
 ) -> None:
     """Check a raw log, write its quality record, and select the channels.
 
-    Nothing is filtered here: the filter and the taps belong to the models, which
-    apply the same ones in the control loop. If an imported log has only one of
-    the two P_exp, commanded or measured, that one is used. Several raw logs become one
-    preprocessed log, whose attribute ``recordings`` has their lengths.
+    Nothing is filtered here: filter and taps are parts of the models, since the control loop
+    needs the same ones. If an imported log has only one of the two P_exp, commanded or
+    measured, that one is used. Several raw logs become one preprocessed log, whose attribute
+    ``recordings`` has their lengths.
 
     Raises
     ------
     LogError
-        A raw log cannot be read, or several do not go together.
+        A raw log cannot be read, or several logs differ in source, target, units or channels.
     """
     paths = [raw] if isinstance(raw, str) else list(raw)
     recordings, reports = read_recordings(

@@ -1,12 +1,11 @@
-"""Value of the reservoir's readout."""
+"""Value of the reservoir's readout: FPRC with P_o, without it, and with substitutes for it."""
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 from fprc.artifacts import write_json
-from fprc.evaluation.cells import checkpoint_key, log_progress, run_cells
+from fprc.evaluation.cells import judged_cells, log_progress
 from fprc.experiments.data import read_data, refuse_mixture
 from fprc.experiments.readout import judge_readout, readout_cells
 from fprc.experiments.settings import Judgement
@@ -30,21 +29,13 @@ def measure_readout(
     Parameters
     ----------
     judgement : Mapping
-        Arguments of ``fprc.experiments.settings.Judgement``, without ``split``, which each cell
-        has.
+        Arguments of ``fprc.experiments.settings.Judgement`` without ``split``, which differs
+        between cells.
     """
     data = read_data(train)
     refuse_mixture(data, read_data(test))
     models = judgement["models"]
     held_out = "recordings" if len(data.lengths) > 1 else "blocked"
-    judged = run_cells(
-        partial(_judge_from_files, train=train, test=test, judgement=judgement),
-        readout_cells(models, epsilon, n_u, held_out),
-        workers=workers,
-        checkpoint=checkpoint,
-        key=checkpoint_key([judgement, version], [train, test]),
-        progress=progress,
-    )
     described = {
         "source": data.attributes["source"],
         "seed": judgement["seed"],
@@ -52,8 +43,16 @@ def measure_readout(
         "unit": data.unit,
         "own": {key: models["fprc"][key] for key in ("epsilon", "n_u")},
     }
-    write_json(cells, {**described, "cells": judged})
-    Path(checkpoint).unlink()
+    with judged_cells(
+        partial(_judge_from_files, train=train, test=test, judgement=judgement),
+        readout_cells(models, epsilon, n_u, held_out),
+        workers=workers,
+        checkpoint=checkpoint,
+        settings=[judgement, version],
+        files=[train, test],
+        progress=progress,
+    ) as judged:
+        write_json(cells, {**described, "cells": judged})
 
 
 def _judge_from_files(

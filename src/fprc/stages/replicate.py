@@ -1,4 +1,4 @@
-"""The whole comparison again with further seeds: other sensors, noise, drift and models."""
+"""Repeat the whole comparison with further seeds: other sensors, noise, drift and models."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -22,7 +22,7 @@ def replicate(
     values: Mapping[str, Any],
     tracking: Mapping[str, Any],
 ) -> None:
-    """Repeat everything but the execution times with another seed, starting with new logs.
+    """Repeat everything but the execution times with another seed, beginning with new logs.
 
     Writes Tables II and III and the weights of Fig. 9 (``compared``), the grids of
     Figs. 10 and 11 (``cells``), and the closed loops of Sec. IV (``measures``).

@@ -31,8 +31,7 @@ from fprc.tables.traces import RESERVOIR, Plot, disturbance_plots, fit_plots, tr
 log = logging.getLogger(__name__)
 
 
-#: Tables and figures, by their anchors, that show what each claim is judged on; the tables over
-#: seeds if there are such.
+#: Anchors of the tables and figures that show what each claim is judged on.
 EVIDENCE = {
     **dict.fromkeys(("C1", "C2", "C3", "C4a"), ("table2_seeds",)),
     "C4b": ("readout",),
@@ -78,7 +77,7 @@ def write_report(
     figures : sequence of str
         Of each figure, PNG, sidecar and caption.
     drawn : Mapping
-        On how many drawn rigs each claim holds, as text; empty if that was not judged.
+        By claim, as text: on how many drawn rigs it holds; empty if that was not judged.
     beyond : Mapping, optional
         ``advice``, and ``ledgers``: of each world, the rows of ``claims.beyond.judge_world``.
     **logs : sequence of str

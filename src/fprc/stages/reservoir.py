@@ -57,7 +57,7 @@ def add_reservoir(
     note = notes_of(recording).get("theta_deg", "")
     if note.startswith(other_quantity("theta_deg")):
         raise LogError(
-            f"{raw}: channel theta_deg: {note}; without an angle in degrees for K_in no reservoir "
+            f"{raw}: channel theta_deg: {note}; K_in needs an angle in degrees, so no reservoir "
             "can be simulated: set evaluation.reservoir: recorded, or import an angle"
         )
     theta = recording.channels["theta_deg"]

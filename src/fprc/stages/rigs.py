@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -31,16 +31,16 @@ def compare_rigs(
     deciding: int,
     brief: bool = False,
 ) -> None:
-    """Write the table of the rigs; the page, if ``brief``, sums the errors up.
+    """Write the table of the rigs; with ``brief``, its page summarises the errors.
 
     Parameters
     ----------
     models, grids, controls : sequence of str
-        Reports of the further seeds, those of the first rig first, equally many of each.
+        Reports of the further seeds, rig by rig; every rig has the same number of them.
     fitted : Mapping
         Terms that each rig was fitted to, by its name.
     deciding : int
-        Number of the first seeds that decide the verdicts.
+        Number of seeds, the first ones, that decide the verdicts.
     """
     printed = read_yaml(published)
     claims = [claim for claim in printed["claims"] if claim["id"] not in TIMED]
@@ -59,7 +59,7 @@ def compare_rigs(
         ]
         off = 100 * errors[name]["deviation"][:18].abs()
         sentences.append(
-            f"Rig {name}: the 18 errors of Tables II and III are off print by "
+            f"Rig {name}: the 18 errors of Tables II and III deviate from print by "
             f"{np.median(off):.0f} % in the median and {off.max():.0f} % at most."
         )
     source = read_json(models[0])["source"]
@@ -73,6 +73,29 @@ def compare_rigs(
     write_csv(csv, pd.concat(named, ignore_index=True))
     write_text(md, tables.markdown(page, note))
     write_text(tex, tables.latex(page, note))
+
+
+def tabulate_answer(rigs: str, sets: Sequence[str], csv: str, md: str, tex: str) -> None:
+    """Write what all rigs say of the reservoir's worth, in a few rows.
+
+    Parameters
+    ----------
+    rigs : str
+        Page of the fitted rigs, as ``compare_rigs`` writes it.
+    sets : sequence of str
+        Summaries of sets of rigs, as ``summarise_rigs`` writes them.
+    """
+    _, page = tables.read_markdown(Path(rigs).read_text(encoding="utf-8"))
+    table = tables.rigs_answer(page, [read_json(path) for path in sets])
+    note = (
+        "The rigs beside the paper; claims are all but those on execution times. A ratio below 1 "
+        "says that P_o is worth more than a low-pass of theta_d. Of a rig it is the mean and its "
+        "95 % interval over the seeds of its verdicts, of a set the median and range over its "
+        f"rigs.\nData: {SOURCES['sim']}."
+    )
+    write_csv(csv, table)
+    write_text(md, tables.markdown(table, note))
+    write_text(tex, tables.latex(table, note))
 
 
 def summarise_rigs(
@@ -91,6 +114,11 @@ def summarise_rigs(
         How the rigs were drawn.
     terms : sequence of str
         What they were fitted to, as in ``calibration.fit``.
+
+    Raises
+    ------
+    FprcError
+        No rig could be judged.
     """
     printed = read_yaml(published)
     rigs = [rig for path in chunks for rig in read_json(path)["rigs"]]
@@ -104,7 +132,13 @@ def summarise_rigs(
         for rig in good
     ]
     verdicts = [{row["id"]: row["verdict"] for row in ledger} for ledger in ledgers]
-    (worth,) = zip(*(_means(ledger, "C4b") for ledger in ledgers), strict=True)
+    worth = [
+        statement["mean"]
+        for ledger in ledgers
+        for row in ledger
+        if row["id"] == "C4b"
+        for statement in row["statements"]
+    ]
     parameters = [rig["parameters"] for rig in good]
     targets = printed_errors(printed)
     off = [
@@ -131,8 +165,3 @@ def summarise_rigs(
             ],
         },
     )
-
-
-def _means(ledger: Sequence[Mapping[str, Any]], claim: str) -> list[float]:
-    """Return the numbers of a claim's statements."""
-    return [each["mean"] for row in ledger if row["id"] == claim for each in row["statements"]]

@@ -28,13 +28,13 @@ def run_stage(job: Any) -> None:
     draws returns the attributes of its data, and the provenance of the figure is written to the
     output ``sidecar``. Progress goes to the terminal and to the rule's log file. An FprcError
     ends the process with exit code 1 and only its message; the traceback goes to the log file.
-    Numerical libraries run on one thread, so that results do not depend on the
-    machine's load and parallel jobs do not compete for cores.
+    Numerical libraries run on one thread, so that results do not depend on the number of cores
+    and parallel jobs do not compete for them.
 
     Parameters
     ----------
-    job : snakemake object of a ``script:``
-        Its param ``code``, the fingerprint of the code, is not passed to the stage.
+    job
+        The object ``snakemake`` of a ``script:``.
     """
     named = [*job.input.items(), *job.output.items(), *job.params.items()]
     arguments = {name: value for name, value in named if name not in _NOT_ARGUMENTS}
@@ -68,9 +68,9 @@ def _log_to(path: str, label: str) -> None:
     line = TerminalFormatter(f"[{label}] %(message)s")
     log.setLevel(logging.DEBUG)
     terminal = logging.StreamHandler()
-    # the workflow's logger shows progress itself, from the log file
-    alone = os.environ.get("FPRC_MESSAGES") != "log"
-    terminal.setLevel(logging.INFO if alone else logging.WARNING)
+    # the workflow's logger plugin reads progress from the log file and shows it
+    has_plugin = os.environ.get("FPRC_MESSAGES") == "log"
+    terminal.setLevel(logging.WARNING if has_plugin else logging.INFO)
     with explaining(path):
         Path(path).parent.mkdir(parents=True, exist_ok=True)
         file = logging.FileHandler(path, mode="w")

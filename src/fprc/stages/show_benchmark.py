@@ -27,7 +27,7 @@ def tabulate_benchmark(
 ) -> None:
     """Write the comparisons, the growth of the cost, and the times of the rules.
 
-    ``whole`` is the result of ``tests/plain.py`` for the whole workflow; the file may be missing.
+    ``whole`` is the file of ``tests/plain.py`` on the whole workflow; it need not exist.
     """
     content = read_json(report)
     table = benchmark(content | ({"all": read_json(whole)} if Path(whole).exists() else {}))
@@ -78,6 +78,6 @@ def tabulate_rules(
 
 
 def _output_of(path: Path, metadata: str) -> str:
-    """Return the output that a record belongs to; the record's file name has it in base 64."""
+    """Return the output that a record is about; its path is the output's name in base 64."""
     parts = path.relative_to(metadata).parts
     return urlsafe_b64decode("".join(part.removeprefix("@") for part in parts)).decode()

@@ -12,6 +12,7 @@ from fprc.competitors import COMPETITORS
 from fprc.figures import beyond as figures
 from fprc.figures import style
 from fprc.tables import beyond as tables
+from fprc.tables.verdicts import claims as claims_table
 
 TITLES = {name: entry.title for name, entry in COMPETITORS.items()}
 
@@ -38,18 +39,21 @@ def tabulate_beyond(
     capacity : str
         Capacities in each world with one rig.
     verdicts : str
-        Outcome: five sentences, and the rows of ``judge_world`` for each world.
+        Outcome: five points, what each world is, and the rows of ``judge_world`` for each.
     """
     found = _joined(worlds, capacity, training, steps)
     ledgers = [judge_world(world, TITLES) for world in found]
-    write_json(
-        verdicts,
-        {"source": "sim", "advice": advice(found, ledgers, TITLES), "ledgers": ledgers},
-    )
+    outcome = {
+        "source": "sim",
+        "advice": advice(found, ledgers, TITLES),
+        "worlds": tables.worlds_page(found).to_dict("records"),
+        "ledgers": ledgers,
+    }
+    write_json(verdicts, outcome)
     by_model = tables.models(found)
     for path, table in {
         models: by_model,
-        claims: tables.claims(ledgers),
+        claims: claims_table(ledgers),
         tracking: tables.errors_and_tracking(by_model),
         offsets: tables.offsets(found),
         capacities: tables.capacity(found),
@@ -73,14 +77,8 @@ def _joined(
     return found
 
 
-def draw_pairs(claims: str, pdf: str, png: str, *, worlds: Mapping[str, str]) -> Mapping[str, Any]:
-    """Draw the ratio of the errors of each pair in each world.
-
-    Parameters
-    ----------
-    worlds : Mapping
-        Titles of the worlds by name.
-    """
+def draw_pairs(claims: str, pdf: str, png: str, *, worlds: Sequence[str]) -> Mapping[str, Any]:
+    """Draw the ratio of the errors of each pair in each world, in the order of ``worlds``."""
     fig, axes = style.figure(1, 1, style.PAGE_IN, 4.6)
     figures.plot_pairs(pd.read_csv(claims), worlds, axes)
     style.share_legend(fig, axes)
@@ -90,12 +88,17 @@ def draw_pairs(claims: str, pdf: str, png: str, *, worlds: Mapping[str, str]) ->
 def draw_tracking(tracking: str, pdf: str, png: str, *, world: str) -> Mapping[str, Any]:
     """Draw tracking over the forward test error, without and with feedback."""
     table = _of(tracking, world)
-    fig, axes = style.figure(2, 1, style.PAGE_IN, 6.0)
+    fig, axes = style.figure(2, 1, style.PAGE_IN, 5.2, sharex=True)
+    order = table[table["loop"] == "open_loop"].sort_values("tracking", kind="stable")["model"]
+    numbers = {name: number for number, name in enumerate(order, start=1)}
     for ax, (loop, words) in zip(axes, _LOOPS.items(), strict=True):
         own = table[table["loop"] == loop]
-        figures.plot_errors_and_tracking(own, TITLES, ax)
+        figures.plot_errors_and_tracking(own, numbers, TITLES, ax)
+        ax.label_outer()
         found = "".join(f"; rank correlation {value:.2f}" for value in own["rank_correlation"][:1])
         style.letter(ax, words + found)
+    fig.legend(*axes[0].get_legend_handles_labels(), loc="outside right center",
+               handlelength=0.0, handletextpad=0.0, markerscale=0.0)  # fmt: skip
     return style.save(fig, _SIMULATED, pdf, png)
 
 

@@ -9,7 +9,7 @@ import pandas as pd
 
 from fprc import tables
 from fprc.artifacts import read_json, write_csv, write_text
-from fprc.logs import Columns, read_run
+from fprc.logs import read_run
 from fprc.logs.isolated import isolated_each
 from fprc.logs.quality import implausible
 from fprc.paper import SOURCES
@@ -72,7 +72,7 @@ def tabulate_seeds(
 
 
 def tabulate_orders(replicates: Sequence[str], csv: str) -> None:
-    """Whether the orders of Tables II and III hold on each further seed."""
+    """Write, for each further seed, whether the orders of Tables II and III hold."""
     write_csv(csv, tables.orders([read_json(path) for path in replicates]))
 
 
@@ -85,7 +85,7 @@ def tabulate_tracking(
     limits: Mapping[str, Any],
     **files: str,
 ) -> None:
-    """Table IV: errors of the closed-loop runs; warn of implausible channels in their logs.
+    """Table IV: errors of the closed-loop runs; warns of implausible channels in their logs.
 
     ``limits`` are plausible ranges, see ``fprc.logs.assess``; ``left_out`` are the runs of a
     complete Table IV that have no log.
@@ -94,11 +94,11 @@ def tabulate_tracking(
     logs = isolated_each(read_run, runs)
     for line in sum((implausible(run, limits) for run in logs), []):
         log.warning("warning: %s", line)
-    table = tables.tracking([_run(run) for run in logs], report, read_yaml(published))
+    table = tables.tracking(logs, report, read_yaml(published))
     title = "Table IV. RMSE of tracking"
     if report["source"] == "sim":
         title += ", with the same noise and drift for all controllers"
-    gain = "The gains are those that the logs name."
+    gain = "The gains are those stated in the logs."
     if report["candidates"]:
         gain = (
             "The printed gain is the paper's; the identified one has the least error of "
@@ -120,13 +120,6 @@ def tabulate_tracking_seeds(published: str, replicates: Sequence[str], **files: 
         "seed, and its mean is given."
     )
     _write(table, tables.tracking_page(table), note, **files)
-
-
-def _run(run: Columns) -> dict[str, Any]:
-    time_s, theta_d, theta = (run.channels[n] for n in ("time_s", "theta_d_deg", "theta_deg"))
-    judged = time_s >= run.attributes["settle_s"]
-    described = {key: run.attributes[key] for key in ("controller", "gain", "reference", "source")}
-    return {**described, "error_deg": (theta_d - theta)[judged]}
 
 
 _FOLDS = {
@@ -168,18 +161,19 @@ def tabulate_ensemble(summary: str, csv: str, md: str, tex: str) -> None:
     note = (
         f"Claims on {report['rigs'] - report['failed']} simulated {report['drawn']}; "
         f"{report['failed']} more could not be judged{draws}. With the full models the errors of "
-        f"Tables II and III are {100 * report['deviation']:.0f} % off print (rms of logarithms). "
-        f"FPRC's test RMSE over that of the same model on low-passed theta_d (C4b): median "
-        f"{median:.2f}, 95 % of the rigs {low:.2f} to {high:.2f}.\n"
-        "The intervals count rigs; they do not include how the rigs were drawn. "
-        f"A parameter is named if its rank correlation with the claim exceeds {limit:.2f}; by "
-        "chance alone, one parameter does so in one of twenty sets of independent rigs."
+        f"Tables II and III deviate from print by {100 * report['deviation']:.0f} % (rms of "
+        "logarithms). FPRC's test RMSE over that of the same model on low-passed theta_d (C4b): "
+        f"median {median:.2f}, 95 % of the rigs {low:.2f} to {high:.2f}.\n"
+        "The intervals are for the number of rigs; they do not cover the choice of how the rigs "
+        "were drawn. A parameter is named if its rank correlation with the claim exceeds "
+        f"{limit:.2f}; by chance alone, any parameter would do so in only one of twenty sets of "
+        "independent rigs."
     )
     _write(table, tables.ensemble_page(table), note, csv, md, tex)
 
 
 def tabulate_history(members: str, csv: str, md: str, tex: str) -> None:
-    """How near the rigs of the posterior came to the printed errors, step by step."""
+    """Write how closely the rigs of the posterior match the printed errors, step by step."""
     report = read_json(members)
     table = pd.DataFrame(
         {"accepted": "", **row, "source": report["source"]} for row in report["history"]
@@ -204,7 +198,7 @@ def tabulate_history(members: str, csv: str, md: str, tex: str) -> None:
 
 
 def tabulate_sensitivity(effects: str, csv: str, md: str, tex: str) -> None:
-    """Sensitivity of each error to each parameter of the rig."""
+    """Write the sensitivity of each error to each parameter of the rig."""
     report = read_json(effects)
     table = tables.sensitivity(report)
     impossible = sum(cell["errors"] is None for cell in report["cells"])
@@ -212,7 +206,7 @@ def tabulate_sensitivity(effects: str, csv: str, md: str, tex: str) -> None:
         "Sensitivity: change of each error while one parameter goes from end to end of its range, "
         f"relative to the fitted rig.\nSimulated, with the surrogate models, mean of "
         f"{len(report['seeds'])} seeds; {impossible} of {len(report['cells'])} rigs are impossible "
-        "and left out. The tables do not determine a parameter that changes little."
+        "and left out. The tables do not determine a parameter to which no error is sensitive."
     )
     _write(table, tables.sensitivity_page(table), note, csv, md, tex)
 
@@ -261,20 +255,20 @@ def tabulate_times(
 
 
 def tabulate_steps(steps: str, *, left_out: Mapping[str, str], **files: str) -> None:
-    """Cost of one step of the closed loop, compared with the sampling period."""
+    """Write the cost of one step of the closed loop, compared with the sampling period."""
     report = read_json(steps)
     table = tables.steps(report)
     note = (
-        "Cost of a control step: feedforward, PD and both pressure loops, the controller alone, "
-        f"each of {table['samples'].iloc[0]} steps timed on {report['cpu']}.\n"
-        f"The budget is the sampling period, {table['budget_us'].iloc[0] / 1000:g} ms; its share "
-        f"is that of the 99.9th percentile.{_without(left_out)}"
+        "Cost of a control step: computing time of feedforward, PD and both pressure loops, "
+        f"without a rig; {table['samples'].iloc[0]} steps, each timed on {report['cpu']}.\n"
+        "The last column is the 99.9th percentile's share of the sampling period, "
+        f"{table['budget_us'].iloc[0] / 1000:g} ms.{_without(left_out)}"
     )
     _write(table, tables.steps_page(table), note, **files)
 
 
 def tabulate_unavailable(csv: str, md: str, *, reasons: Mapping[str, tuple[str, str]]) -> None:
-    """List the results that the data do not allow, with title and reason; the list may be empty."""
+    """List the results that cannot be made from the data, with reasons; the list may be empty."""
     rows = [(name, *texts) for name, texts in reasons.items()]
     table = pd.DataFrame(rows, columns=["name", "result", "reason"])
     write_csv(csv, table)

@@ -4,13 +4,10 @@ import logging
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
-
 from fprc.artifacts import read_json, write_json
 from fprc.control import RunAbortedError
 from fprc.errors import LogError
-from fprc.evaluation import rmse
-from fprc.experiments.tracking import Track, bench_gain, identified, tracking_error
+from fprc.experiments.tracking import Track, bench_gain, identified, tracking_rmse
 from fprc.logs import read_run, write_raw
 from fprc.logs.isolated import isolated_each
 from fprc.models import load_model
@@ -44,11 +41,11 @@ def identify_gain_from_logs(raw: Sequence[str], gains: str, *, tracking: Mapping
     tried = []
     names = ("time_s", "theta_d_deg", "theta_deg")
     for run in isolated_each(read_run, raw, names=names):
-        error = tracking_error(run.channels, run.attributes["settle_s"])
         gains_of_run = gains_of(run.attributes)
         if gains_of_run is None:
             raise LogError(f"{run.path}: attribute rig has no PD gains; record the log again")
-        tried.append({**gains_of_run, "rmse_deg": rmse(error, np.zeros_like(error))})
+        error = tracking_rmse(run.channels, run.attributes["settle_s"])
+        tried.append({**gains_of_run, "rmse_deg": error})
     gain = identified(tried, tracking["printed_gains"])
     write_json(gains, gain | {"source": "rig"})
 
@@ -101,14 +98,13 @@ def track(
             log.error("the recorded samples are kept in %s", rescued)
             raise
         write_raw(path, channels, **described)
-        error = tracking_error(channels, described["settle_s"])
-        log.info("%s: RMSE %.3f deg", name, rmse(error, np.zeros_like(error)))
+        log.info("%s: RMSE %.3f deg", name, tracking_rmse(channels, described["settle_s"]))
 
 
 def read_gains(runs: Sequence[str], gains: str) -> None:
     """Collect the gains of the PD controllers from closed-loop logs, by name.
 
-    Gains that the logs do not state, or state with different values, are left out
+    Gains that the logs do not state, or for which they state different values, are left out
     with a warning.
 
     Raises

@@ -9,7 +9,7 @@ from fprc.tables.models import (
     over_seeds,
 )
 from fprc.tables.readout import held_out, readout, readout_page
-from fprc.tables.rigs import rig_errors, rigs_page
+from fprc.tables.rigs import rig_errors, rigs_answer, rigs_page
 from fprc.tables.robustness import (
     ensemble,
     ensemble_page,
@@ -38,6 +38,7 @@ __all__ = [
     "readout",
     "readout_page",
     "rig_errors",
+    "rigs_answer",
     "rigs_page",
     "sensitivity",
     "sensitivity_page",

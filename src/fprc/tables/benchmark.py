@@ -107,7 +107,7 @@ def bound_note(report: Mapping[str, Any]) -> str:
         return f"{note}."
     step_us = 1e6 * np.median(steps["seconds"]["ours"]) / steps["samples"]
     share = 100 * bound["bytes_4_us"] / step_us
-    return f"{note}: {share:.0f} % of our step, which reads 4 bytes a weight and adds in float64."
+    return f"{note}: {share:.0f} % of our step, which reads weights of 4 bytes and sums in float64."
 
 
 def step_note(step: Mapping[str, Any]) -> str:
@@ -121,13 +121,13 @@ def step_note(step: Mapping[str, Any]) -> str:
 
 
 def rules_page(rules: pd.DataFrame, least: float = 0.02) -> pd.DataFrame:
-    """Return the rules with at least the share ``least`` of all seconds; the others as one row."""
+    """Return the rules with a share of at least ``least`` of the time; the others as one row."""
     large = rules["seconds"] >= least * rules["seconds"].sum()
     rows, others = list(rules[large].itertuples(index=False)), rules[~large]
     if len(others):
         sums = others["jobs"].sum(), others["seconds"].sum(), others["longest_s"].max()
         rows.append((f"{len(others)} other rules", *sums))
-    columns = ["Rule", "Jobs", "Seconds of all", "Seconds of the longest"]
+    columns = ["Rule", "Jobs", "All jobs [s]", "Longest job [s]"]
     texts = [(r, str(n), three_digits(all_s), three_digits(one_s)) for r, n, all_s, one_s in rows]
     return pd.DataFrame(texts, columns=columns)
 

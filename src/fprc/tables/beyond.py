@@ -1,4 +1,4 @@
-"""Tables of the worlds of ``snakemake beyond``: models, claims B1-B8, and what changes them."""
+"""Tables of the worlds of ``snakemake beyond``: models, and what changes their errors."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -9,12 +9,31 @@ from fprc import escape
 from fprc.paper import SOURCES
 from fprc.tables.models import with_interval
 from fprc.tables.text import format_mean, markdown, three_digits
-from fprc.worlds import MEASURES, SETS, capacities, measured, title_of
+from fprc.tables.verdicts import claims_page, details_page, fitted_page
+from fprc.worlds import (
+    MEASURES,
+    NO_OFFER,
+    SETS,
+    WORLDS,
+    capacities,
+    measured,
+    title_of,
+    world_title,
+)
 
 Worlds = Sequence[Mapping[str, Any]]
 
-#: Settings that were chosen for a comparison, and are no model to take.
-_NO_OFFER = ("_oracle", "_matched")
+
+def worlds_page(worlds: Worlds) -> pd.DataFrame:
+    """Return what each world is, and on how many seeds or rigs it is judged."""
+    rows = []
+    for world in worlds:
+        units = len({cell["unit"] for cell in world["cells"]})
+        each = len(world["cells"]) // max(units, 1)
+        judged = f"{units} {world['unit']}s" + (f", {each} seeds each" if each > 1 else "")
+        what = WORLDS.get(world["name"], ("", "a rig of one's own"))[1]
+        rows.append({"World": world_title(world["name"]), "What it is": what, "Judged on": judged})
+    return pd.DataFrame(rows)
 
 
 def models(worlds: Worlds) -> pd.DataFrame:
@@ -41,7 +60,9 @@ def models(worlds: Worlds) -> pd.DataFrame:
     return _joined(tables)
 
 
-def models_page(table: pd.DataFrame, world: str, titles: Mapping[str, str]) -> pd.DataFrame:
+def models_page(
+    table: pd.DataFrame, world: str, titles: Mapping[str, str], *, intervals: bool = False
+) -> pd.DataFrame:
     """Return the models of one world as a page, one row each."""
     own = table[table["world"] == world]
     headings = {words[:1].upper() + words[1:]: measure for measure, words in MEASURES.items()}
@@ -52,7 +73,7 @@ def models_page(table: pd.DataFrame, world: str, titles: Mapping[str, str]) -> p
         rows.append(
             (
                 title_of(model, titles),
-                *(_cell(found, measure) for measure in headings.values()),
+                *(_cell(found, measure, intervals) for measure in headings.values()),
                 " to ".join(map(str, sorted({units.min(), units.max()}))) if len(units) else "-",
             )
         )
@@ -64,13 +85,13 @@ def leaderboard(table: pd.DataFrame, world: str, titles: Mapping[str, str]) -> p
 
     Models whose settings were chosen on the test log, or matched to another's, are left out.
     """
-    offered = table[~table["model"].str.endswith(_NO_OFFER)]
+    offered = table[~table["model"].str.endswith(NO_OFFER)]
     forward = offered[(offered["world"] == world) & (offered["measure"] == "forward")]
     order = forward.sort_values("mean", kind="stable")["model"].tolist()
     ranked = offered[offered["model"].isin(order)]
     ranked = ranked.sort_values("model", key=lambda names: names.map(order.index), kind="stable")
-    page = models_page(ranked, world, titles)
-    return page[[name for name in page if "closed loop" not in name]]
+    page = models_page(ranked, world, titles, intervals=True)
+    return page[[name for name in page if not name.startswith("Closed loop")]]
 
 
 def errors_and_tracking(table: pd.DataFrame) -> pd.DataFrame:
@@ -90,6 +111,7 @@ def errors_and_tracking(table: pd.DataFrame) -> pd.DataFrame:
     """
     offered = table[~table["model"].str.endswith("_oracle")]
     wide = offered.pivot(index=["world", "source", "model"], columns="measure", values="mean")
+    wide = wide.reindex(offered["world"].unique(), level=0)
     parts = []
     for loop in ("open_loop", "closed_loop"):
         pairs = wide.reindex(columns=["forward", loop]).dropna().reset_index()
@@ -109,98 +131,13 @@ def correlations_page(table: pd.DataFrame) -> pd.DataFrame:
     )
     return pd.DataFrame(
         {
-            "World": world,
+            "World": world_title(world),
             "Models": str(count),
-            "Rank correlation, open loop": f"{row['open_loop']:.2f}",
+            "Open loop": f"{row['open_loop']:.2f}",
             "Closed loop": f"{row['closed_loop']:.2f}",
         }
         for (world, count), row in wide.iterrows()
     )
-
-
-def claims(ledgers: Sequence[Sequence[Mapping[str, Any]]]) -> pd.DataFrame:
-    """Claims B1-B8 in each world, tidy: one row for each part, one for a claim not judged.
-
-    Parameters
-    ----------
-    ledgers : sequence
-        Of each world, the rows of ``claims.beyond.judge_world``.
-
-    Returns
-    -------
-    DataFrame
-        ``world``, ``id``, ``claim``, ``part``, ``ratio`` (a difference if not), ``mean``, ``low``,
-        ``high``, ``verdict`` (the claim's), ``p``, ``stable``, ``units``, ``dropped``, ``favours``,
-        ``reason``, ``source``. A claim that is not judged has no numbers.
-    """
-    kept = ("verdict", "p", "stable", "units", "dropped", "favours", "reason", "source")
-    nothing = {"text": "", "ratio": "", "mean": None, "low": None, "high": None}
-    return pd.DataFrame(
-        {
-            **{key: row[key] for key in ("world", "title", "id", "claim")},
-            "part": part["text"],
-            **{key: part[key] for key in ("ratio", "mean", "low", "high")},
-            **{key: row[key] for key in kept},
-        }
-        for ledger in ledgers
-        for row in ledger
-        for part in (row["parts"] or [nothing])
-    )
-
-
-def claims_page(ledgers: Sequence[Sequence[Mapping[str, Any]]]) -> pd.DataFrame:
-    """Return one row per claim: its verdict in each world, and whom the rigs were fitted for."""
-    rows = []
-    for of_claim in zip(*ledgers, strict=True):
-        favours: dict[str, list[str]] = {}
-        for row in of_claim:
-            favours.setdefault(row["favours"], []).append(row["title"])
-        rows.append(
-            {
-                "Id": of_claim[0]["id"],
-                "Claim": of_claim[0]["claim"],
-                **{row["title"]: _verdict(row) for row in of_claim},
-                "Fitted in favour of": "; ".join(
-                    text if len(favours) == 1 else f"{' and '.join(names)}: {text}"
-                    for text, names in favours.items()
-                ),
-            }
-        )
-    return pd.DataFrame(rows)
-
-
-def _verdict(row: Mapping[str, Any]) -> str:
-    """Return verdict and numbers as text."""
-    numbers = "; ".join(format_mean(part, "mean") for part in row["parts"])
-    return f"{row['words']}: {numbers}" if numbers else row["words"]
-
-
-def details_page(ledgers: Sequence[Sequence[Mapping[str, Any]]]) -> pd.DataFrame:
-    """Return what each verdict rests on: numbers, p, agreeing subsets, units."""
-    return pd.DataFrame(
-        {
-            "World": row["title"],
-            "Id": row["id"],
-            "Compared": "; ".join(part["text"] for part in row["parts"]) or row["reason"],
-            "Verdict and interval": _verdict(row),
-            "p": _p(row["p"]) if row["parts"] else "-",
-            "Subsets that agree": "-" if row["stable"] is None else f"{100 * row['stable']:.0f} %",
-            "Units": _count(row["units"], row["unit"]),
-            "Builds without the pair": _count(row["dropped"], "build")
-            if row["dropped"]
-            else "none",
-        }
-        for ledger in ledgers
-        for row in ledger
-    )
-
-
-def _count(number: int, what: str) -> str:
-    return f"{number} {what}" if number == 1 else f"{number} {what}s"
-
-
-def _p(value: float) -> str:
-    return "< 0.001" if value < 0.001 else three_digits(value)
 
 
 def offsets(worlds: Worlds) -> pd.DataFrame:
@@ -227,22 +164,18 @@ def offsets(worlds: Worlds) -> pd.DataFrame:
 
 
 def offsets_page(table: pd.DataFrame, world: str, titles: Mapping[str, str]) -> pd.DataFrame:
-    """Return one row per model and one column per offset and disturbance."""
+    """Return one row per model and one column per offset and disturbance, means alone."""
     own = table[table["world"] == world]
-    headings = {f"{kpa:+g} kPa": ("none", kpa) for kpa in sorted(own["offset_kpa"].unique())}
+    offsets_kpa = sorted(own["offset_kpa"].unique())
+    headings = {f"{kpa:+g}" if kpa else "0": ("none", kpa) for kpa in offsets_kpa}
     kinds = own["disturbance"].unique()
-    headings |= {kind: (kind, 0.0) for kind in ("drift", "noise", "pushed") if kind in kinds}
-    rows = [
-        (
-            title_of(model, titles),
-            *(
-                _cell(cells.set_index(["disturbance", "offset_kpa"]), key)
-                for key in headings.values()
-            ),
-        )
-        for model, cells in own.groupby("model", sort=False)
-    ]
-    return pd.DataFrame(rows, columns=["Model", *headings])
+    words = {"drift": "drift", "noise": "noise", "pushed": "push"}
+    headings |= {word: (kind, 0.0) for kind, word in words.items() if kind in kinds}
+    wide = own.pivot(index="model", columns=["disturbance", "offset_kpa"], values="mean")
+    wide = wide.reindex(index=own["model"].unique(), columns=list(headings.values()))
+    page = wide.map(lambda mean: three_digits(mean) or "-").set_axis(list(headings), axis=1)
+    page.insert(0, "Model", [title_of(model, titles) for model in page.index])
+    return page.reset_index(drop=True)
 
 
 def capacity(worlds: Worlds) -> pd.DataFrame:
@@ -261,7 +194,9 @@ def capacity(worlds: Worlds) -> pd.DataFrame:
 def capacity_page(table: pd.DataFrame, world: str) -> pd.DataFrame:
     """Return the capacities of one world as a page, one row per set of states."""
     own = table[table["world"] == world]
-    quantities = [name for name in own["quantity"].unique() if name != "nonlinear"]
+    # memory is the capacity of degree 1
+    left_out = ("nonlinear", "degree 1")
+    quantities = [name for name in own["quantity"].unique() if name not in left_out]
     rows = [
         (
             SETS.get(name, name),
@@ -322,8 +257,8 @@ def blocks(
     Parameters
     ----------
     verdicts : Mapping
-        ``source``, ``advice`` (sentences), and ``ledgers``: of each world, the rows of
-        ``claims.beyond.judge_world``.
+        ``source``, ``advice`` (points), ``worlds`` (rows of ``worlds_page``), and ``ledgers``: of
+        each world, the rows of ``claims.beyond.judge_world``.
     tables : Mapping
         ``models``, ``tracking``, ``offsets``, ``capacities`` and ``lengths``, tidy.
     world : str
@@ -332,7 +267,9 @@ def blocks(
         Models by name.
     """
     pages = {
+        "beyond_worlds": pd.DataFrame(verdicts["worlds"]),
         "beyond_claims": claims_page(verdicts["ledgers"]),
+        "beyond_fitted": fitted_page(verdicts["ledgers"]),
         "beyond_details": details_page(verdicts["ledgers"]),
         "beyond_correlations": correlations_page(tables["tracking"]),
         "beyond_models": models_page(tables["models"], world, titles),
@@ -342,8 +279,19 @@ def blocks(
         "leaderboard": leaderboard(tables["models"], world, titles),
     }
     note = f"Data: {SOURCES[verdicts['source']]}."
+    notes = {"beyond_offsets": f"{note} {_widest(tables['offsets'], world)}"}
     sentences = "\n".join(f"- {escape.markdown(sentence)}" for sentence in verdicts["advice"])
-    return {"advice": sentences} | {name: markdown(page, note) for name, page in pages.items()}
+    return {"advice": sentences} | {
+        name: markdown(page, notes.get(name, note)) for name, page in pages.items()
+    }
+
+
+def _widest(table: pd.DataFrame, world: str) -> str:
+    own = table[table["world"] == world]
+    half = float((own["high"] - own["low"]).max() / 2.0)
+    return (
+        f"Means; the widest 95 % interval is ± {three_digits(half)} kPa." if half > 0 else "Means."
+    )
 
 
 def _seconds(training: str) -> float:
@@ -366,8 +314,8 @@ def _joined(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
     return pd.concat([table for table in tables if len(table)] or tables[:1], ignore_index=True)
 
 
-def _cell(found: pd.DataFrame, key: Any) -> str:
+def _cell(found: pd.DataFrame, key: Any, interval: bool = True) -> str:
     if key not in found.index:
         return "-"
     row = found.loc[key]
-    return three_digits(row["mean"]) if row["units"] == 1 else format_mean(row, "mean")
+    return format_mean(row, "mean") if interval and row["units"] > 1 else three_digits(row["mean"])

@@ -16,7 +16,7 @@ def competitors_table(report: Mapping[str, Any]) -> pd.DataFrame:
     -------
     DataFrame
         ``model``, ``block_rmse``, ``block_std``, ``test_rmse``, ``blocks``, ``unit``, ``source``,
-        lowest mean first; then, without errors, the models that have a ``reason`` for it.
+        ``reason``; lowest mean first. Models without errors come last and have a reason.
     """
     rows = []
     for cell in report["cells"]:
@@ -37,7 +37,7 @@ def competitors_table(report: Mapping[str, Any]) -> pd.DataFrame:
 
 
 def competitors_page(table: pd.DataFrame, titles: Mapping[str, str]) -> pd.DataFrame:
-    """Return the competitors as a page; one without errors has its reason in their place."""
+    """Return the competitors as a page; a model without errors has the reason in their place."""
     return pd.DataFrame(
         {
             "Model": titles[row.model],

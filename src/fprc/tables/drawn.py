@@ -21,9 +21,7 @@ def fit_errors(parts: Mapping[str, Any]) -> pd.DataFrame:
         {
             "phase": phase,
             "model": log.attributes["model"],
-            "rmse": np.sqrt(
-                np.mean((log.channels["p_ff_kpa"] - log.channels["p_target_kpa"]) ** 2)
-            ),
+            "rmse": _rms(log.channels["p_ff_kpa"] - log.channels["p_target_kpa"]),
             "unit": log.attributes.get("p_target_unit", "kPa"),
             "source": log.attributes["source"],
         }
@@ -32,12 +30,18 @@ def fit_errors(parts: Mapping[str, Any]) -> pd.DataFrame:
 
 
 def tracking_errors(runs: Sequence[Any]) -> pd.DataFrame:
-    """RMSE and largest error after the settling time of the runs of Figs. 12 to 15 and 17.
+    """RMSE and largest error of closed-loop runs after the settling time.
 
     Parameters
     ----------
     runs : sequence
         Logs with ``time_s``, ``theta_d_deg`` and ``theta_deg``.
+
+    Returns
+    -------
+    DataFrame
+        ``reference``, ``controller``, ``gain``, ``kp_kpa_per_deg`` (as in the log; may be missing),
+        ``rmse_deg``, ``max_abs_error_deg``, ``source``.
     """
     rows = []
     for log in runs:
@@ -47,13 +51,19 @@ def tracking_errors(runs: Sequence[Any]) -> pd.DataFrame:
         rows.append(
             {
                 **{key: named[key] for key in ("reference", "controller", "gain")},
-                "kp_kpa_per_deg": (named["rig"].get("gains") or {}).get("kp_kpa_per_deg"),
-                "rmse_deg": np.sqrt(np.mean(error**2)),
+                "kp_kpa_per_deg": _kp(named["rig"].get("gains")),
+                "rmse_deg": _rms(error),
                 "max_abs_error_deg": np.abs(error).max(),
                 "source": named["source"],
             }
         )
     return pd.DataFrame(rows)
+
+
+def _kp(gains: Any) -> float | None:
+    """Return the P gain that a log states; None if it does not state a number."""
+    kp = gains.get("kp_kpa_per_deg") if isinstance(gains, Mapping) else None
+    return kp if isinstance(kp, int | float) else None
 
 
 def disturbed(log: Any, cycles: Mapping[str, np.ndarray | None], quiet_s: float) -> pd.DataFrame:
@@ -77,7 +87,7 @@ def disturbed(log: Any, cycles: Mapping[str, np.ndarray | None], quiet_s: float)
         if expected is None:
             continue
         judged = time_s >= (settle_s if name == "theta_deg" else quiet_s)
-        rms = np.sqrt(np.mean((log.channels[name] - expected)[judged] ** 2))
+        rms = _rms((log.channels[name] - expected)[judged])
         rows.append(
             {
                 "channel": name,
@@ -93,7 +103,7 @@ def disturbed(log: Any, cycles: Mapping[str, np.ndarray | None], quiet_s: float)
 def weight_shares(report: Mapping[str, Any], published: Mapping[str, Any]) -> pd.DataFrame:
     """Share of each weight in its rule, and each feature's mean over rules, ours and the paper's.
 
-    Of Fig. 9. The paper prints no mean of the bias: what its other two leave of 1.
+    Of Fig. 9. The paper prints no mean for the bias; it is 1 minus the two printed means.
     """
     printed = {
         name: percent / 100
@@ -176,6 +186,10 @@ def panels(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
         renamed[-1].insert(1, "setting", setting)
         renamed[-1].insert(0, "panel", panel)
     return pd.concat(renamed, ignore_index=True)
+
+
+def _rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
 
 
 def _spread(values: float | Sequence[float]) -> dict[str, float | int]:

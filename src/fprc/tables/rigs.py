@@ -5,15 +5,18 @@ from typing import Any
 
 import pandas as pd
 
-from fprc.tables.text import format_mean, spread
+from fprc.tables.text import format_mean, spread, three_digits
 from fprc.tables.tracking import all_over_seeds
 
-#: Claims that gave a point to a candidate.
+#: Claims that each give a candidate a point if they are reproduced.
 _CLAIMS_OF_THE_RULE = (
     "C1", "C2", "C3", "C4a", "C7", "C8", "C9a", "C9b", "C11", "C12a", "C12b", "C18a", "C18b",
 )  # fmt: skip
 
-#: Runs of Table IV that the paper prints, and one that it calls by the same name.
+#: What the reservoir is worth: the number of claim C4b.
+_WORTH = "FPRC / FPRC on low-passed theta_d, test RMSE"
+
+#: Our runs that are compared with the printed Table IV, as controller and gain.
 _RUNS = (("fprc", "none"), ("fprc_pd", "identified"))
 
 
@@ -39,10 +42,10 @@ def rig_errors(
 def points(errors: pd.DataFrame, ledger: Sequence[Mapping[str, str]]) -> int:
     """Return the points of the rule that chose the shipped rig, see docs/preregistration.md.
 
-    One each for the errors' median and largest deviation, for open-loop Table IV, and for each
-    claim of the rule that is reproduced.
+    There is one each for a small median and a small largest deviation of Tables II and III, for
+    a small largest deviation of open-loop Table IV, and for each claim that is reproduced.
     """
-    off, open_loop = _off(errors)
+    off, open_loop = _deviations(errors)
     verdicts = {row["id"]: row["verdict"] for row in ledger}
     return (
         int(off.median() <= 0.05)
@@ -52,7 +55,7 @@ def points(errors: pd.DataFrame, ledger: Sequence[Mapping[str, str]]) -> int:
     )
 
 
-def _off(errors: pd.DataFrame) -> tuple[pd.Series, pd.Series]:
+def _deviations(errors: pd.DataFrame) -> tuple[pd.Series, pd.Series]:
     """Return the absolute deviations of Tables II and III, and of open-loop Table IV."""
     off = errors["deviation"].abs()
     return (
@@ -62,12 +65,13 @@ def _off(errors: pd.DataFrame) -> tuple[pd.Series, pd.Series]:
 
 
 def _sums(errors: pd.DataFrame, ledger: Sequence[Mapping[str, str]]) -> dict[str, str]:
-    off, open_loop = _off(errors)
+    off, open_loop = _deviations(errors)
     return {
         "Tables II and III, median deviation": f"{100 * off.median():.0f} %",
         "Tables II and III, largest deviation": f"{100 * off.max():.0f} %",
         "Table IV, open loop, largest deviation": f"{100 * open_loop.max():.0f} %",
         "Points of the rule, of 16": str(points(errors, ledger)),
+        _WORTH: next((row["ours"].rpartition(": ")[2] for row in ledger if row["id"] == "C4b"), ""),
     }
 
 
@@ -119,3 +123,54 @@ def rigs_page(
         }
     )
     return pd.concat([summed, claims] if brief else [page, summed, claims], ignore_index=True)
+
+
+def rigs_answer(rigs: pd.DataFrame, sets: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    """Return in a few rows how far each rig is off print, and what the reservoir is worth on it.
+
+    Parameters
+    ----------
+    rigs : DataFrame
+        As ``rigs_page`` returns it, with the claims C1 to C18.
+    sets : sequence of mapping
+        Summaries of sets of rigs, see ``fprc.stages.rigs.summarise_rigs``.
+
+    Returns
+    -------
+    DataFrame
+        A row per rig, then a row per set.
+    """
+    page = rigs.set_index("Number or claim")
+    claims = page.index.str.match(r"C\d+[a-z]?: ")
+    rows = []
+    for column in page.columns.drop("Paper"):
+        own = page[column]
+        verdicts = own[claims].str.partition(" (")[0].value_counts()
+        median, largest = (
+            own[f"Tables II and III, {what} deviation"] for what in ("median", "largest")
+        )
+        rows.append(
+            (
+                column,
+                f"{median} in the median, {largest} at most",
+                ", ".join(f"{count} {verdict}" for verdict, count in verdicts.items()),
+                own[_WORTH],
+                own[page.index.str.startswith("C4b: ")].iloc[0],
+            )
+        )
+    for summary in sets:
+        middle, low, high = map(three_digits, summary["worth"])
+        claim = next(each for each in summary["claims"] if each["id"] == "C4b")
+        share, least, most = (f"{100 * claim[key]:.0f}" for key in ("share", "low", "high"))
+        rows.append(
+            (
+                f"{claim['rigs']} {summary['drawn'].partition(';')[0]}",
+                f"{100 * summary['deviation']:.0f} % (rms)",
+                "-",
+                f"median {middle}, 95 % of the rigs {low} to {high}",
+                f"holds on {claim['holds']}: {share} % ({least} to {most})",
+            )
+        )
+    off, wins = "Tables II and III off print", "P_o beats low-passed theta_d (C4b)"
+    columns = ["Rigs", off, "Claims", _WORTH, wins]
+    return pd.DataFrame(rows, columns=columns)

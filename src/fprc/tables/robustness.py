@@ -42,7 +42,7 @@ def ensemble_page(table: pd.DataFrame) -> pd.DataFrame:
         {
             "Claim": row.id,
             "Text": row.claim,
-            "By this set": row.rig,
+            "Fitted?": row.rig,
             "Holds on": f"{row.holds} of {row.rigs}",
             "Share, 95 % interval": f"{100 * row.share:.0f} % "
             f"({100 * row.low:.0f} to {100 * row.high:.0f})",
@@ -54,7 +54,7 @@ def ensemble_page(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def sensitivity(report: Mapping[str, Any]) -> pd.DataFrame:
-    """Errors of the models with one parameter moved, relative to the fitted rig's, tidy.
+    """Errors of the models with one parameter changed, relative to the fitted rig's, tidy.
 
     Raises
     ------

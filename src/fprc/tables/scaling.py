@@ -30,7 +30,7 @@ def costs(scale: Mapping[str, Any]) -> pd.DataFrame:
 
 
 def dag(scale: Mapping[str, Any]) -> pd.DataFrame:
-    """Time and memory of planning all jobs, and of planning one of them."""
+    """Time and memory for planning all jobs, and time for planning one of them."""
     whole = {planned["jobs"]: planned for planned in scale["dag"]}
     return pd.DataFrame(
         {

@@ -11,7 +11,7 @@ from fprc.tables.text import spread, three_digits
 
 
 def timing(report: Mapping[str, Any], published: Mapping[str, Any]) -> pd.DataFrame:
-    """Table II, execution times: seconds and us per sample, both modes, tidy."""
+    """Table II, execution times in s and us per sample, both modes, tidy."""
     rows = []
     for entry in report["times"]:
         seconds = np.array(entry["seconds"])

@@ -8,8 +8,8 @@ import numpy as np
 
 from fprc.signals import repeat_cycle
 
-#: Stretches of time of a trace; each leaves its least and its greatest value. A plot across a wide
-#: screen has fewer pixels, and the report's 43 traces take 0.7 MB.
+#: Stretches of time that a trace is divided into; of each, the lowest and the highest value are
+#: kept. A wide screen has fewer pixels, and the report's 43 traces take 0.7 MB.
 STRETCHES = 3000
 #: Greatest code of a value, and the code of a stretch without samples.
 _TOP, _GAP = 65534, 65535

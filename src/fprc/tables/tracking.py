@@ -3,45 +3,39 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from fprc.paper import ERRORS, REFERENCE_NAMES
 from fprc.registry import controller_title, title_of
+from fprc.tables.drawn import tracking_errors
 from fprc.tables.models import over_seeds, with_interval
 from fprc.tables.text import format_mean, spread
 
 
 def tracking(
-    runs: Sequence[Mapping[str, Any]], gains: Mapping[str, Any], published: Mapping[str, Any]
+    runs: Sequence[Any], gains: Mapping[str, Any], published: Mapping[str, Any]
 ) -> pd.DataFrame:
     """Table IV: errors of every controller on every reference, tidy.
 
     Parameters
     ----------
-    runs : sequence of mapping
-        ``controller``, ``gain`` (none, printed, identified), ``reference``,
-        ``error_deg`` (theta_d - theta after the settling time) and ``source``.
+    runs : sequence
+        Logs of the closed-loop runs.
     gains : mapping
-        Gains of the PD controller by their name.
+        Gains of the PD controller by their name: printed, identified.
     """
+    errors = tracking_errors(runs)
+    table = errors[["controller", "gain", "reference", "rmse_deg", "max_abs_error_deg"]]
+    return table.assign(
+        published_rmse_deg=_printed(errors, published),
+        kp_kpa_per_deg=[gains.get(name, {}).get("kp_kpa_per_deg") for name in errors["gain"]],
+        source=errors["source"],
+    )
+
+
+def _printed(table: pd.DataFrame, published: Mapping[str, Any]) -> list[float | None]:
     printed = published["table_4_tracking_rmse_deg"]
-    rows = []
-    for run in runs:
-        error = np.asarray(run["error_deg"])
-        rows.append(
-            {
-                "controller": run["controller"],
-                "gain": run["gain"],
-                "reference": run["reference"],
-                "rmse_deg": np.sqrt(np.mean(error**2)),
-                "max_abs_error_deg": np.abs(error).max(),
-                "published_rmse_deg": printed.get(run["controller"], {}).get(run["reference"]),
-                "kp_kpa_per_deg": gains.get(run["gain"], {}).get("kp_kpa_per_deg"),
-                "source": run["source"],
-            }
-        )
-    return pd.DataFrame(rows)
+    return [printed.get(row.controller, {}).get(row.reference) for row in table.itertuples()]
 
 
 def tracking_over_seeds(
@@ -51,7 +45,6 @@ def tracking_over_seeds(
 
     The gain is identified on each seed; the table has its mean.
     """
-    printed = published["table_4_tracking_rmse_deg"]
     samples = pd.DataFrame(
         {
             **dict(zip(("reference", "controller", "gain"), run.split("/"), strict=True)),
@@ -66,9 +59,7 @@ def tracking_over_seeds(
     table = groups["rmse_deg"].agg(["mean", "std", "min", "max", "count"]).reset_index()
     table = with_interval(table.rename(columns={"count": "seeds"}))
     table = table.rename(columns={"mean": "rmse_deg"})
-    table["published_rmse_deg"] = [
-        printed.get(row.controller, {}).get(row.reference) for row in table.itertuples()
-    ]
+    table["published_rmse_deg"] = _printed(table, published)
     table["kp_kpa_per_deg"] = groups["kp_kpa_per_deg"].mean().to_numpy()
     table["source"] = groups["source"].first().to_numpy()
     return table

@@ -4,10 +4,9 @@ import pytest
 from fprc.apparatus.programme import names, plan
 from fprc.artifacts import write_json
 from fprc.config import Settings
-from fprc.control import TRACKING_CHANNELS
 from fprc.devices import Readings
 from fprc.errors import ConfigError, ControlError
-from fprc.logs import RAW_CHANNELS
+from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS
 from fprc.models import FPRC, save_model
 from fprc.signals import pressure_command
 

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from fprc.artifacts import read_json
 from fprc.calibration import fit as stage
-from fprc.calibration.objective import CLAIMS, TERMS, loss_of
+from fprc.calibration.objective import CLAIMS, TERMS, deviations
 from fprc.calibration.space import decode, encode
 from fprc.calibration.surrogate import MEASURES, judge_cheaply
 from fprc.config import PUBLISHED, Settings, check, reference
@@ -315,7 +315,8 @@ def test_each_term_can_be_fitted_alone(settings, on_rig, term):
         grids=stage._in_order(settings["grids"], calibration["taps"]),
         tracking=settings["tracking"],
     )  # fmt: skip
-    assert math.isfinite(loss_of(judged, stage.aim_of(PRINTED, calibration)))
+    (found,) = deviations(judged, stage.aim_of(PRINTED, calibration)).values()
+    assert np.isfinite(found).all()
 
 
 # --- logarithms at a point ------------------------------------------------------------------------
@@ -470,7 +471,8 @@ def test_loss_of_the_report_is_that_of_its_terms_on_the_fitted_rig(report, remea
     aim = stage.aim_of(PRINTED, settings["calibration"])
     assert report["fit"] == list(TERMS) == list(report["terms"])
     for name, found in report["terms"].items():
-        expected = loss_of([remeasured], aim._replace(fit=(name,)))
+        (own,) = deviations([remeasured], aim._replace(fit=(name,))).values()
+        expected = float(np.sum(own**2))
         assert found == pytest.approx(expected, rel=1e-9), name
     assert report["loss"] == pytest.approx(sum(report["terms"].values()), rel=1e-9)
 

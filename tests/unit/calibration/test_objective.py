@@ -14,7 +14,6 @@ from fprc.calibration.objective import (
     deviations,
     judged_of,
     logs_of,
-    loss_of,
     properties,
 )
 from fprc.claims.ledger import FITTED_BY
@@ -55,6 +54,10 @@ GOOD = {
 AIM = Aim(ERRORS, OPEN_LOOP, RANGES, tuple(TERMS))
 #: What counts as close, and the room to spare, as logarithms.
 CLOSE, HELD, TRACKED, ROOM, WIDE = 0.05, 0.025, 0.10, math.exp(-0.05), math.exp(-0.12)
+
+
+def loss_of(judged, aim):
+    return sum(float(np.sum(values**2)) for values in deviations(judged, aim).values())
 
 
 def loss(term, *changes):

@@ -86,7 +86,7 @@ def test_missing_numbers_leave_their_pairs_only(make_world):
 def test_claim_without_its_model_is_not_judged(make_world):
     rows = judged(make_world(models=("fprc", "fuzzy_linear"), capacity=None))
     assert {name for name, row in rows.items() if row["verdict"] != "not judged"} == {"B7"}
-    assert rows["B5"]["reason"] == "not measured here: FPRC / ESN, matched in training, forward"
+    assert rows["B5"]["reason"] == "not measured here: FPRC / ESN, matched in training (forward)"
     assert rows["B5"]["parts"] == []
     assert rows["B7"]["reason"] == ""
 
@@ -123,13 +123,13 @@ def test_degree_one_is_not_nonlinear_and_order_of_the_interval_holds(make_world)
 
 
 def test_whom_the_rig_was_fitted_for_is_said(make_world):
-    def favours(**more):
-        return {name: row["favours"] for name, row in judged(make_world(**more)).items()}
+    def fitted(*terms):
+        return {name: row["fitted"] for name, row in judged(make_world(fitted=list(terms))).items()}
 
-    fitted = favours()
-    assert "FPRC" in fitted["B1"]
-    assert "lowest error" in fitted["B2"]
-    assert fitted["B8"] == "nobody"
-    assert "weights" in favours(fitted=["C8"])["B8"]
-    assert set(favours(fitted=[]).values()) == {"nobody"}
-    assert set(favours(fitted=None).values()) == {"not stated"}
+    found = fitted("tables", "orders", "open_loop")
+    assert [whom for whom, _ in found["B2"]] == ["FPRC", "FPRC"]
+    assert "reversed error" in found["B2"][0][1]
+    assert "lowest" in found["B2"][1][1]
+    assert found["B8"] == []
+    assert fitted("C8")["B8"] == [("P_o", "P_o's share of the readout's weights")]
+    assert not any(fitted().values())

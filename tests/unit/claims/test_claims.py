@@ -13,6 +13,7 @@ from fprc.claims import (
     Results,
     Statement,
     changed_verdicts,
+    fit_in_words,
     judge_claims,
     parts_of,
     status_of,
@@ -740,3 +741,16 @@ def test_claims_that_more_seeds_judge_differently_are_named():
     assert turned_verdicts(first, first) == []
     (phrase,) = turned_verdicts(first, later)
     assert phrase.split()[0] == "C8"
+
+
+@pytest.mark.parametrize(
+    ("terms", "words"),
+    [
+        ([], "nothing"),
+        (["tables"], "Tables II and III"),
+        (["C8", "open_loop"], "C8 and open-loop Table IV"),
+        (["tables", "orders", "plausible"], "Tables II and III, their orders and plausible loops"),
+    ],
+)
+def test_terms_of_a_fit_are_a_sentence(terms, words):
+    assert fit_in_words(terms) == words

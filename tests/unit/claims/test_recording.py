@@ -38,10 +38,8 @@ def test_clear_pairs_are_decided_and_named():
     told = report(fprc_lowpass=0.7, ridge_p_o=1.5)
     assert verdicts(told) == {"B1": "superior", "B4": "inferior", "R1": "equivalent"}
     first, *_ = sentences(judge_recording(told, TITLES))
-    assert first.startswith(
-        "B1, P_o beats low-passed theta: superior; FPRC / FPRC on low-passed theta_d 0.70 (0.6"
-    )
-    assert first.endswith(").")
+    assert first.startswith("P_o beats low-passed theta (B1): superior. FPRC's error is 0.70")
+    assert first.endswith(") times that of FPRC on low-passed theta_d.")
 
 
 def test_ratio_and_interval_are_those_of_the_corrected_t_test_after_holm():
@@ -60,7 +58,7 @@ def test_fewer_than_eight_blocks_decide_nothing(blocks, verdict):
     told = report(blocks=blocks, fprc_lowpass=0.5)
     assert verdicts(told)["B1"] == verdict
     text = sentences(judge_recording(told, TITLES))[0]
-    assert ("7 blocks; at least 8 decide" in text) == (blocks == 7)
+    assert ("There are 7 blocks; fewer than 8 decide nothing." in text) == (blocks == 7)
 
 
 def test_shared_training_data_leave_undecided_what_independent_blocks_would_decide():
@@ -69,7 +67,7 @@ def test_shared_training_data_leave_undecided_what_independent_blocks_would_deci
     rows = judge_recording(report(**told), TITLES)
     assert rows[0]["verdict"] == "undecided"
     assert "undecided" in sentences(rows)[0]
-    assert "contains 1, and is not within 5 %" in sentences(rows)[0]
+    assert "contains 1 and is not within 5 %" in sentences(rows)[0]
 
 
 def test_one_block_that_carries_the_verdict_leaves_it_undecided():

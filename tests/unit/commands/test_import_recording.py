@@ -148,7 +148,7 @@ def test_recording_at_another_rate_is_resampled(bring, recorded):
 
 def test_log_that_was_not_imported_is_not_overwritten(bring, write_log):
     write_log("sweep.h5", source="rig")
-    with pytest.raises(LogError, match="is a log that was not imported"):
+    with pytest.raises(LogError, match="exists and was not imported"):
         bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND})
 
 

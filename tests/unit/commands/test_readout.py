@@ -105,6 +105,7 @@ def test_one_command_goes_from_a_recording_to_a_report(recording, tmp_path, caps
     assert "cells" not in said.out
     assert "] 26 of 26 cells" in said.err
     assert "] 9 of 9 models" in said.err
+    assert all(f" ({claim}): undecided. " in said.err for claim in ("B1", "B4", "R1"))
 
 
 @pytest.mark.slow
@@ -118,10 +119,10 @@ def test_page_names_recording_parts_units_and_pictures_that_exist(recording, tmp
     assert "kPa]" not in text
     section = text.split("## Other models")[1]
     for claim in ("B1", "B4", "R1"):
-        (line,) = (line for line in section.splitlines() if line.startswith(f"- {claim}, "))
-        assert ": undecided; FPRC / " in line
-        assert line.endswith("4 blocks; at least 8 decide.")
-    assert "on 4 blocks of the training data of 1.75 s" in section
+        (line,) = (line for line in section.splitlines() if f" ({claim}): " in line)
+        assert ": undecided. FPRC's error is " in line
+        assert line.endswith("There are 4 blocks; fewer than 8 decide nothing.")
+    assert "on 4 blocks of 1.75 s of the training data" in section
     assert "Blocks [N]" in section
     pictures = [line.split("(")[1].rstrip(")") for line in text.splitlines() if line[:1] == "!"]
     assert len(pictures) == 3

@@ -3,18 +3,11 @@
 import numpy as np
 import pytest
 
-from fprc.control import (
-    PD,
-    TRACKING_CHANNELS,
-    PressurePI,
-    hysteresis_law,
-    run,
-    tracking_law,
-)
+from fprc.control import PD, PressurePI, hysteresis_law, run, tracking_law
 from fprc.control.simulated import simulate_hysteresis, simulate_tracking
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError, SimulationError
-from fprc.logs import RAW_CHANNELS
+from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS
 
 SAMPLES = 5000  # more than one block of noise
 

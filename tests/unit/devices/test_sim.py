@@ -18,7 +18,7 @@ def history(device, ticks, volts=(6.0, 5.5)):
     device.write(*volts)
     readings = []
     for k in range(ticks):
-        device.wait_until(k / 200.0)
+        device.wait_for(k)
         readings.append(device.read())
     return readings
 
@@ -47,22 +47,22 @@ def test_new_rig_is_vented_straight_and_pre_charged(device):
 
 def test_readings_are_taken_at_the_instants_waited_for(device):
     for k in (1, 2, 7, 8, 100):
-        device.wait_until(k / 200.0)
+        device.wait_for(k)
         assert device.read().time_s == pytest.approx(k / 200.0, abs=1e-12)
         assert device.state["time_s"][0] == pytest.approx(k / 200.0, abs=1e-9)
 
 
 def test_waiting_for_the_present_or_the_past_changes_nothing(device):
-    device.wait_until(0.1)
+    device.wait_for(20)
     before, seen = device.state, device.read()
-    device.wait_until(0.1)
-    device.wait_until(0.05)
+    device.wait_for(20)
+    device.wait_for(10)
     assert device.state == before
     assert device.read() == seen
 
 
 def test_reading_twice_gives_the_same_sample(device):
-    device.wait_until(0.05)
+    device.wait_for(10)
     assert device.read() == device.read()
 
 
@@ -70,7 +70,7 @@ def test_waiting_in_one_go_equals_waiting_tick_by_tick(rig):
     at_once = SimulatedRig(rig, seed=3, run=0, sample_rate_hz=200.0)
     stepwise = SimulatedRig(rig, seed=3, run=0, sample_rate_hz=200.0)
     at_once.write(6.0, 5.5)
-    at_once.wait_until(1.0)
+    at_once.wait_for(200)
     history(stepwise, 201)
     assert at_once.state == stepwise.state
     assert at_once.read() == stepwise.read()
@@ -99,20 +99,20 @@ def test_voltages_are_held_until_the_next_write(rig):
     rig["valve"]["leak"] = 0.0
     device = SimulatedRig(rig, seed=1, run=0, sample_rate_hz=200.0)
     device.write(7.0, 5.0)
-    device.wait_until(0.2)
+    device.wait_for(40)
     assert device.state["spool"][0] == pytest.approx([0.4, 0.0], abs=1e-3)
     device.write(5.0, 4.0)
-    device.wait_until(0.4)
+    device.wait_for(80)
     assert device.state["spool"][0] == pytest.approx([0.0, -0.2], abs=1e-3)
 
 
 def test_each_valve_fills_its_own_chamber(device):
     device.write(6.0, 0.0)
-    device.wait_until(0.2)
+    device.wait_for(40)
     assert device.read().p_exp_kpa > 100.0
     assert device.read().p_i_kpa < 10.0
     device.write(0.0, 6.0)
-    device.wait_until(0.6)
+    device.wait_for(120)
     assert device.read().p_exp_kpa < 20.0
     assert device.read().p_i_kpa > 100.0
 
@@ -120,11 +120,11 @@ def test_each_valve_fills_its_own_chamber(device):
 @pytest.mark.parametrize("stop", ["safe", "close"])
 def test_safe_state_vents_both_chambers_and_may_be_asked_for_twice(device, stop):
     device.write(6.5, 6.5)
-    device.wait_until(0.5)
+    device.wait_for(100)
     assert min(device.read().p_exp_kpa, device.read().p_i_kpa) > 150.0
     getattr(device, stop)()
     getattr(device, stop)()
-    device.wait_until(3.0)
+    device.wait_for(600)
     now = device.read()
     assert now.p_exp_kpa == pytest.approx(0.0, abs=12.0)
     assert now.p_i_kpa == pytest.approx(0.0, abs=12.0)
@@ -135,11 +135,11 @@ def test_neutral_voltage_closes_both_valves(quiet_rig):
     quiet_rig["valve"]["leak"] = 0.0
     device = SimulatedRig(quiet_rig, seed=1, run=0, sample_rate_hz=200.0)
     device.write(6.0, 6.0)
-    device.wait_until(0.2)
+    device.wait_for(40)
     device.write(NEUTRAL_V, NEUTRAL_V)
-    device.wait_until(2.0)
+    device.wait_for(400)
     held = device.state[0]
-    device.wait_until(4.0)
+    device.wait_for(800)
     assert held["p_i_kpa_abs"] > 150.0
     assert device.state["p_i_kpa_abs"][0] == pytest.approx(held["p_i_kpa_abs"], abs=0.5)
 
@@ -153,9 +153,9 @@ def test_rig_stays_failed_once_it_has_diverged(quiet_rig):
     quiet_rig["main_chamber"]["volume_ml"] = 1e-4
     device = SimulatedRig(quiet_rig, seed=1, run=0, sample_rate_hz=200.0)
     device.write(7.0, 7.0)
-    for until in (1.0, 2.0):
+    for tick in (200, 400):
         with pytest.raises(SimulationError):
-            device.wait_until(until)
+            device.wait_for(tick)
     device.safe()
 
 
@@ -173,5 +173,5 @@ def test_push_is_asked_for_at_every_tick(rig):
     device = SimulatedRig(
         rig, seed=1, run=0, sample_rate_hz=200.0, push_kpa=lambda tick: ticks.append(tick) or 0.0
     )
-    device.wait_until(0.05)
+    device.wait_for(10)
     assert ticks == list(range(11))

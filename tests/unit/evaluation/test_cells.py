@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from fprc.evaluation.cells import run_cells
+from fprc.evaluation.cells import judged_cells, run_cells
 
 CELLS = [{"model": "fprc", "n_c": n_c} for n_c in (4, 1, 3, 2)]
 
@@ -145,6 +145,28 @@ def test_cells_before_the_one_that_raises_are_kept(sweep):
         sweep(fails_at=(3,))
     assert judged_in(sweep.trace) == [1, 4]
     assert sweep()[1] == [2, 3]
+
+
+def test_checkpoint_is_deleted_only_after_the_results_are_saved(tmp_path):
+    checkpoint, file, counted = tmp_path / "partial.jsonl", tmp_path / "log.h5", []
+    file.write_bytes(b"log")
+    options = {"settings": {"alpha": 0.1}, "files": [str(file)]}
+
+    def judged(judge):
+        options["progress"] = lambda *each: counted.append(each)
+        return judged_cells(judge, CELLS, workers=1, checkpoint=checkpoint, **options)
+
+    def disk_full():
+        with judged(lambda cell: {"rmse": 0.1 * cell["n_c"]}):
+            raise OSError("full")
+
+    pytest.raises(OSError, disk_full)
+    assert len(lines(checkpoint)) == 1 + len(CELLS)
+    with judged(None) as again:  # no cell is judged a second time
+        assert [cell["rmse"] for cell in again] == [0.1 * cell["n_c"] for cell in CELLS]
+    assert not checkpoint.exists()
+    assert counted[-1] == (4, 4)
+    assert len(counted) == 4
 
 
 def test_result_that_is_not_a_number_is_refused_and_not_kept(sweep):

@@ -3,19 +3,17 @@
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from matplotlib.colors import to_hex
-from matplotlib.text import Text
 from scipy.stats import spearmanr
 
 from fprc.claims.beyond import judge_world
 from fprc.figures import beyond as figures
 from fprc.figures import style
 from fprc.tables import beyond as tables
+from fprc.tables import verdicts
 
 TITLES = {"fprc": "FPRC", "esn": "ESN", "fuzzy_linear": "Fuzzy-linear"}
-WORLDS = {"dry": "dry rig", "sparse": "sparse rig"}
+WORLDS = ("dry", "sparse")
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +39,7 @@ def of(table, world):
 
 
 def claims(worlds):
-    return tables.claims([judge_world(world, TITLES) for world in worlds.values()])
+    return verdicts.claims([judge_world(world, TITLES) for world in worlds.values()])
 
 
 @pytest.mark.parametrize("world", ["dry", "sparse"])
@@ -75,18 +73,19 @@ def test_markers_of_worlds_do_not_share_a_place(worlds, ax):
 
 
 @pytest.mark.parametrize("world", ["dry", "sparse"])
-def test_every_model_has_a_point_and_a_label(worlds, world, ax):
+def test_every_model_has_its_number_at_its_point(worlds, world, ax):
     table = of(tables.errors_and_tracking(tables.models(list(worlds.values()))), world)
-    table = table[table["loop"] == "open_loop"]
-    figures.plot_errors_and_tracking(table, TITLES, ax)
-    assert len(ax.lines[0].get_xdata()) == len(ax.texts) == len(table)
-    ax.figure.draw_without_rendering()
-    for text in ax.texts:
-        point = table[(table["forward"] == text.xy[0]) & (table["tracking"] == text.xy[1])]
-        assert len(point) == 1
-    boxes = sorted((Text.get_window_extent(text) for text in ax.texts), key=lambda box: box.y0)
-    for lower, upper in zip(boxes, boxes[1:], strict=False):
-        assert upper.y0 > lower.y1 - 2.0  # pixels; a box is higher than its letters
+    table = table[table["loop"] == "closed_loop"].set_index("model")
+    numbers = {name: number for number, name in enumerate([*table.index, "absent"], start=3)}
+    figures.plot_errors_and_tracking(table.reset_index(), numbers, TITLES, ax)
+    for text, line in zip(ax.texts, ax.lines, strict=True):
+        number, _ = line.get_label().split("  ")
+        assert text.get_text() == number
+        (name,) = (name for name, own in numbers.items() if str(own) == number)
+        expected = table.loc[name, ["forward", "tracking"]].tolist()
+        assert [*text.xy] == expected
+        assert [line.get_xdata()[0], line.get_ydata()[0]] == expected
+    assert len(ax.texts) == len(table)
 
 
 def test_rank_correlation_is_spearmans(make_world):
@@ -111,19 +110,6 @@ def test_two_models_have_no_rank_correlation(make_world):
     assert "rank_correlation" in table
 
 
-@given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=30).map(sorted))
-def test_labels_are_apart_in_order_and_inside(places):
-    moved = figures._apart(places)
-    gap = min(figures._LINE, 1.02 / max(len(places) - 1, 1))
-    assert (np.diff(moved) > gap - 1e-9).all()
-    assert moved.min() > 0.03 - 1e-9
-    assert moved.max() < 1.05 + 1e-9
-
-
-def test_labels_that_are_apart_stay():
-    assert figures._apart([0.1, 0.5, 0.9]) == pytest.approx([0.1, 0.5, 0.9])
-
-
 @pytest.mark.parametrize("world", ["dry", "sparse"])
 def test_offsets_have_fuzzy_linear_as_a_level_line(worlds, world, ax):
     table = of(tables.offsets(list(worlds.values())), world)
@@ -145,9 +131,8 @@ def test_stacked_capacities_end_at_the_total(worlds, ax):
             row = round(bar.get_y() + bar.get_height() / 2)
             ends[row] = max(ends.get(row, 0.0), bar.get_x() + bar.get_width())
     totals = table[table["quantity"] == "total"].set_index("set")
-    expected = totals["mean"] / totals["states"].astype(float)
     assert [ends[row] for row in range(4)] == pytest.approx(
-        expected[["p_o", "p_o_taps", "theta_lowpass_taps", "esn"]].tolist()
+        totals["mean"][["p_o", "p_o_taps", "theta_lowpass_taps", "esn"]].tolist()
     )
     assert [text.get_text().split(" of ")[1] for text in ax.texts] == ["1", "4", "4", "300"]
 
@@ -160,7 +145,7 @@ def test_world_of_failures_is_drawn_empty(what, make_world, ax):
         figures.plot_pairs(claims({"dry": world}), WORLDS, ax)
     elif what == "tracking":
         table = tables.errors_and_tracking(tables.models([world]))
-        figures.plot_errors_and_tracking(table, TITLES, ax)
+        figures.plot_errors_and_tracking(table, {}, TITLES, ax)
     elif what == "offsets":
         figures.plot_offsets(tables.offsets([world]), TITLES, ax)
     else:

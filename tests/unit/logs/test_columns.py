@@ -345,7 +345,7 @@ def test_absent_units_are_an_error(path, edited):
 
 def test_units_of_several_words_are_an_error(path, edited):
     message = edited(lambda file: file["p_o_kpa"].attrs.__setitem__("units", ["kPa", "gauge"]))
-    assert message == f"{path}: channel p_o_kpa: attribute units: no single value"
+    assert message == f"{path}: channel p_o_kpa: attribute units: must be one value, not an array"
 
 
 def test_fixed_length_text_of_other_programs_is_understood(path):

@@ -200,6 +200,20 @@ def test_compiled_header_calls_nothing_but_exp(compiled):
     assert called - {"memmove", "memcpy", "memset"} == {"exp"}
 
 
+@pytest.mark.parametrize("name", ["fprc", "fuzzy_linear"])
+def test_code_and_state_are_as_small_as_docs_deploy_says(name, fitted, compiled, tmp_path):
+    if shutil.which("size") is None:
+        pytest.skip("no size")
+    stream = compiled(name)
+    assert len(stream._state) - 1 < 100  # and a zero at its end
+    (tmp_path / "pff.h").write_text(c_header(fitted[name], "pff"))
+    (tmp_path / "a.c").write_text(WRAPPER)
+    subprocess.run(["cc", "-Os", "-c", "a.c"], cwd=tmp_path, check=True)
+    done = subprocess.run(["size", "a.o"], cwd=tmp_path, capture_output=True, text=True, check=True)
+    text, data, *_ = map(int, done.stdout.splitlines()[1].split()[:3])
+    assert text + data < 3000
+
+
 def test_two_models_fit_into_one_program(fitted, tmp_path):
     if shutil.which("cc") is None:
         pytest.skip("no C compiler, cc")

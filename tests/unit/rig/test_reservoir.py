@@ -39,7 +39,7 @@ def pressurise(quiet_rig):
         loop = PressurePI(0.05, 1e-6, 0.005)
         states = []
         for k in range(round(200 * seconds) * len(levels_kpa)):
-            device.wait_until(k / 200)
+            device.wait_for(k)
             level = levels_kpa[k // round(200 * seconds)]
             device.write(0.0, loop.step(level, device.read().p_i_kpa))
             states.append(device.state)
@@ -130,7 +130,7 @@ def test_leak_empties_the_passive_chamber_exponentially(quiet_rig):
     device.write(0.0, 0.0)
     rate_hz = leak * ATMOSPHERE_KPA / DEFAULT["passive_volume_ml"]
     for t in (0.5, 5.0, 20.0):
-        device.wait_until(t)
+        device.wait_for(round(200 * t))
         left_kpa = DEFAULT["precharge_kpa"] * np.exp(-rate_hz * t)
         assert device.state["sensed_kpa"][0, 2] == pytest.approx(left_kpa, rel=2e-4)
 
@@ -151,7 +151,7 @@ def test_bending_of_the_actuator_leaves_the_reservoir_alone(quiet_rig):
     for main_v in (0.0, 6.5):
         device = SimulatedRig(quiet_rig, seed=1, run=0, sample_rate_hz=200.0)
         device.write(main_v, 5.6)
-        device.wait_until(0.3)
+        device.wait_for(60)
         readings.append(device.read())
     still, bent = readings
     assert bent.theta_deg > still.theta_deg + 10.0
@@ -192,7 +192,7 @@ def test_push_on_the_reservoir_bends_it_but_hardly_reaches_its_pressure(quiet_ri
         )
         loop = PressurePI(0.05, 1e-6, 0.005)
         for k in range(400):
-            device.wait_until(k / 200)
+            device.wait_for(k)
             device.write(0.0, loop.step(200.0, device.read().p_i_kpa))
         ends.append(device.read())
     free, pushed = ends
@@ -208,7 +208,7 @@ def test_fabric_is_only_squeezed_never_stretched(quiet_rig):
         quiet_rig, seed=1, run=0, sample_rate_hz=200.0, push_kpa=lambda tick: 300.0
     )
     device.write(0.0, 0.0)
-    device.wait_until(1.0)
+    device.wait_for(200)
     state = device.state
     assert state["squeezed_ml"][0] == 0.0
     assert state["phi_deg"][0] > 20.0

@@ -14,7 +14,6 @@ SETTINGS = Settings().model_dump(mode="json")
 def world(signals):
     return {
         "name": "dry",
-        "title": "rig dry",
         "rigs": "one",
         "every_model": True,
         "fitted": ["tables"],

@@ -64,7 +64,7 @@ def test_stopped_comparison_goes_on_and_is_tabulated(compare, tmp_path):
         str(tmp_path / "competitors.json"), str(tmp_path / "c.csv"), str(tmp_path / "c.md")
     )
     note, page = read_markdown((tmp_path / "c.md").read_text(encoding="utf-8"))
-    assert "RMSE on 10 blocks of the training data of 2 s" in note
+    assert "10 blocks of 2 s of the training data" in note
     assert list(page.columns) == ["Model", "Blocks [kPa]", "Test [kPa]"]
     assert len(page) == 9
 

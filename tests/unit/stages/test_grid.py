@@ -1,7 +1,7 @@
 import pytest
 
 from fprc.config import Settings
-from fprc.evaluation.cells import run_cells
+from fprc.evaluation.cells import judged_cells
 from fprc.logs import write_columns
 from fprc.stages import grid as stage
 from fprc.stages.grid import join_grid, judge_grid
@@ -98,10 +98,10 @@ def test_chunk_that_was_killed_goes_on_at_its_next_cell(grid, monkeypatch):
             asked.append(cell)
             return judge(cell)
 
-        return run_cells(told, cells, **settings)
+        return judged_cells(told, cells, **settings)
 
     monkeypatch.setattr(stage, "judge_cell", judge)
-    monkeypatch.setattr(stage, "run_cells", count)
+    monkeypatch.setattr(stage, "judged_cells", count)
     assert read(grid("killed", chunk=1, chunks=2)) == expected
     assert len(judged) == 2
     assert len(asked) == 1

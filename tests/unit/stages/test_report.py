@@ -432,18 +432,21 @@ def test_worth_of_the_reservoir_is_shown_if_it_was_judged(project, make_world):
     assert 'id="beyond"' not in project.write()
     worlds = [make_world(), make_world("sparse", units=3, capacity=None)]
     ledgers = [judge_world(world, {"fprc": "FPRC"}) for world in worlds]
-    project.beyond = {"advice": ["P_o pays <b>."], "ledgers": ledgers}
+    described = {"World": "dry", "What it is": "the shipped rig", "Judged on": "12 seeds"}
+    project.beyond = {"advice": ["P_o pays <b>."], "worlds": [described], "ledgers": ledgers}
     page = project.page()
     rows = [row for row in page.all("tr") if str(row.get("id", "")).startswith("B")]
     assert [row["id"] for row in rows] == [f"B{n}" for n in range(1, 9)]
     chips = [chip["class"].split()[1] for chip in page.all("span") if "chip" in chip["class"]]
     shown = [row["words"].replace(" ", "-") for rows in zip(*ledgers, strict=True) for row in rows]
     assert chips[-len(shown) :] == shown
-    assert "dry rig" in page.texts("th")
+    assert "dry" in page.texts("th")
+    assert "dry: the shipped rig (12 seeds)." in page.text()
     assert any(
-        "100 % of subsets agree. Fitted in favour of: FPRC" in text
+        "100 % of subsets agree. Fitted: FPRC's forward error" in text
         for text in page.texts("details")
     )
+    assert "fitted for FPRC" in page.texts("div")
     assert "&lt;b&gt;" in project.write()
 
 

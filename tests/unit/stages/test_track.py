@@ -6,11 +6,11 @@ import pytest
 
 from fprc.artifacts import write_json
 from fprc.config import Settings
-from fprc.control import TRACKING_CHANNELS, RunAbortedError
+from fprc.control import RunAbortedError
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError
-from fprc.experiments.tracking import Track, bench_gain, tracking_error
-from fprc.logs import RAW_CHANNELS, read_columns
+from fprc.experiments.tracking import Track, bench_gain, tracking_rmse
+from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS, read_columns
 from fprc.models import FPRC, FuzzyLinear, load_model, save_model
 from fprc.paper import CONTROLLERS, controller_and_gain
 from fprc.stages.track import identify_gain, track
@@ -244,7 +244,7 @@ def test_tracking_error_begins_where_settling_ends():
         "theta_d_deg": np.array([9.0, 5.0, 6.0]),
         "theta_deg": np.array([0.0, 1.0, 8.0]),
     }
-    np.testing.assert_array_equal(tracking_error(channels, 0.5), [4.0, -2.0])
+    assert tracking_rmse(channels, 0.5) == np.sqrt((4.0**2 + 2.0**2) / 2)
 
 
 def test_identified_gain_is_the_candidate_of_least_error(tmp_path, model, settings):

@@ -14,6 +14,7 @@ from fprc.figures import style
 from fprc.figures.grids import plot_grid
 from fprc.logs import Columns, write_columns
 from fprc.stages import draw, draw_tracking
+from fprc.tables.drawn import tracking_errors
 
 FOLDS = {1: [10.0, 12.0, 11.0, 16.0], 2: [9.0, 9.5, 8.0, 8.5], 4: [7.0, 7.1, 7.2, 7.7]}
 
@@ -197,6 +198,13 @@ def logs(monkeypatch):
         draw_tracking, "isolated_each", lambda read, paths, names: [found[path] for path in paths]
     )
     return found
+
+
+@pytest.mark.parametrize("gains", [None, 5, {}, {"kp_kpa_per_deg": "4"}])
+def test_gains_of_a_log_that_are_no_numbers_are_left_out(place, gains):
+    log = run_of(place, "closed", "fprc_pd", "identified")
+    log.attributes["rig"] = {"gains": gains}
+    assert tracking_errors([log])["kp_kpa_per_deg"].isna().all()
 
 
 def test_figs_12_to_15_show_rmse_and_gain_and_share_the_range_of_the_errors(figures, place, logs):

@@ -2,7 +2,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from fprc.tables import rig_errors, rigs_page
+from fprc.tables import rig_errors, rigs_answer, rigs_page
 from fprc.tables.rigs import points
 
 PUBLISHED = {
@@ -89,4 +89,39 @@ def test_brief_page_sums_the_errors_up(table):
     off = table["deviation"].abs()[:6]
     assert page["Rig dry"].iloc[0] == f"{100 * off.median():.0f} %"
     assert page["Rig dry"].iloc[1] == f"{100 * off.max():.0f} %"
-    assert len(page) == 4 + 1
+    assert len(page) == 5 + 1
+
+
+def test_answer_says_what_the_reservoir_is_worth_on_each_rig_and_set(table):
+    ledger = [
+        {"id": name, "claim": "it is so", "rig": "fitted", "verdict": verdict, "ours": ours}
+        for name, verdict, ours in (
+            ("C1", "reproduced", "a: 1; b: 2"),
+            ("C4b", "undecided", "FPRC / FPRC on low-passed theta_d, test: 0.9 (0.7 to 1.1)"),
+            ("C13a", "reproduced", "c: 3"),
+        )
+    ]
+    summary = {
+        "drawn": "rigs from a hat; nothing was asked of them",
+        "deviation": 0.123,
+        "worth": [0.95, 0.5, 2.0],
+        "claims": [{"id": "C4b", "holds": 3, "rigs": 4, "share": 0.75, "low": 0.3, "high": 0.95}],
+    }
+    page = rigs_answer(rigs_page({"dry": table}, {"dry": ledger}), [summary])
+    off = table["deviation"].abs()[:6]
+    assert page.to_numpy().tolist() == [
+        [
+            "Rig dry",
+            f"{100 * off.median():.0f} % in the median, {100 * off.max():.0f} % at most",
+            "2 reproduced, 1 undecided",
+            "0.9 (0.7 to 1.1)",
+            "undecided (fitted)",
+        ],
+        [
+            "4 rigs from a hat",
+            "12 % (rms)",
+            "-",
+            "median 0.950, 95 % of the rigs 0.500 to 2.00",
+            "holds on 3: 75 % (30 to 95)",
+        ],
+    ]

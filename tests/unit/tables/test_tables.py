@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from fprc import config, tables
 from fprc.artifacts import write_csv, write_json
+from fprc.logs import Columns
 from fprc.registry import MODELS
 from fprc.stages import tabulate
 
@@ -214,13 +215,11 @@ def test_table_3_carries_its_own_published_numbers():
 
 
 def tracked(controller, gain, reference, error):
-    return {
-        "controller": controller,
-        "gain": gain,
-        "reference": reference,
-        "error_deg": np.array(error),
-        "source": "sim",
-    }
+    named = {"controller": controller, "gain": gain, "reference": reference}
+    attributes = {**named, "source": "sim", "settle_s": 1.0, "rig": {}}
+    theta_deg = np.array([30.0, *np.subtract(5.0, error)])  # the first sample is settling
+    channels = {"time_s": np.arange(3.0), "theta_d_deg": np.full(3, 5.0), "theta_deg": theta_deg}
+    return Columns(Path("run.h5"), channels, attributes)
 
 
 GAINS = {"printed": {"kp_kpa_per_deg": 0.5}, "identified": {"kp_kpa_per_deg": 4.0}}
@@ -526,7 +525,7 @@ def test_step_longer_than_the_period_is_still_written_in_digits():
 
 
 def test_page_of_the_cost_of_a_step_names_steps_machine_and_budget(written):
-    assert "each of 1000 steps timed on A & B_1 100 %" in written["steps.md"]
+    assert "1000 steps, each timed on A & B_1 100 %" in written["steps.md"]
     assert "sampling period, 5 ms" in written["steps.md"]
 
 

@@ -1,0 +1,123 @@
+"""Tables of the verdicts on claims B1-B8: what they rest on, and what the rigs were fitted to."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import pandas as pd
+
+from fprc.tables.text import three_digits
+
+Ledgers = Sequence[Sequence[Mapping[str, Any]]]
+
+#: Mark of a verdict by whom the fit of its rigs favours.
+_MARKS = {"FPRC": "†", "P_o": "‡"}
+
+
+def claims(ledgers: Ledgers) -> pd.DataFrame:
+    """Claims B1-B8 in each world, tidy: one row for each part, one for a claim not judged.
+
+    Parameters
+    ----------
+    ledgers : sequence
+        Of each world, the rows of ``claims.beyond.judge_world``.
+
+    Returns
+    -------
+    DataFrame
+        ``world``, ``id``, ``claim``, ``part``, ``ratio`` (a difference if not), ``mean``, ``low``,
+        ``high``, ``verdict`` (the claim's), ``p``, ``stable``, ``units``, ``dropped``, ``reason``,
+        ``source``, ``favours`` and ``fitted`` (in whose favour the rigs were fitted to what). A
+        claim that is not judged has no numbers.
+    """
+    kept = ("verdict", "p", "stable", "units", "dropped", "reason", "source")
+    nothing = {"text": "", "ratio": "", "mean": None, "low": None, "high": None}
+    return pd.DataFrame(
+        {
+            **{key: row[key] for key in ("world", "title", "id", "claim")},
+            "part": part["text"],
+            **{key: part[key] for key in ("ratio", "mean", "low", "high")},
+            **{key: row[key] for key in kept},
+            "favours": _favours(row),
+            "fitted": "; ".join(what for _, what in row["fitted"]),
+        }
+        for ledger in ledgers
+        for row in ledger
+        for part in (row["parts"] or [nothing])
+    )
+
+
+def claims_page(ledgers: Ledgers) -> pd.DataFrame:
+    """Return one row per claim: its verdict in each world, marked by whom the fit favours."""
+    return pd.DataFrame(
+        {
+            "Id": of_claim[0]["id"],
+            "Claim": of_claim[0]["claim"],
+            **{row["title"]: f"{_verdict(row)} {_means(row)}".rstrip() for row in of_claim},
+        }
+        for of_claim in zip(*ledgers, strict=True)
+    )
+
+
+def _verdict(row: Mapping[str, Any]) -> str:
+    whose = {whom for whom, _ in row["fitted"]} if row["parts"] else set()
+    marks = "".join(mark for whom, mark in _MARKS.items() if whom in whose)
+    return f"{row['words']}{marks}"
+
+
+def _means(row: Mapping[str, Any]) -> str:
+    return ", ".join(three_digits(part["mean"]) for part in row["parts"])
+
+
+def _favours(row: Mapping[str, Any]) -> str:
+    return " and ".join(dict.fromkeys(whom for whom, _ in row["fitted"])) or "nobody"
+
+
+def fitted_page(ledgers: Ledgers) -> pd.DataFrame:
+    """Return what rigs were fitted to in whose favour, with the claims and worlds it bears on."""
+    why = ["In favour of", "What was fitted"]
+    found = pd.DataFrame(
+        (
+            (f"{whom} {_MARKS[whom]}", what, row["id"], row["title"])
+            for of_claim in zip(*ledgers, strict=True)
+            for row in of_claim
+            if row["parts"]
+            for whom, what in row["fitted"]
+        ),
+        columns=[*why, "Claims", "Worlds"],
+    )
+    # claims of the same worlds share a row
+    for key, joined in (("Claims", "Worlds"), ("Worlds", "Claims")):
+        groups = found.groupby([*why, key], sort=False)[joined]
+        found = groups.agg(", ".join).reset_index()
+    return found[[*why, "Claims", "Worlds"]]
+
+
+def details_page(ledgers: Ledgers) -> pd.DataFrame:
+    """Return what each verdict rests on: intervals, p, agreeing subsets, units."""
+    rows = [row for of_claim in zip(*ledgers, strict=True) for row in of_claim if row["parts"]]
+    columns = {
+        "Id": [row["id"] for row in rows],
+        "World": [row["title"] for row in rows],
+        "Verdict": [_verdict(row) for row in rows],
+        "Mean": [_means(row) for row in rows],
+        "Interval": [_intervals(row) for row in rows],
+        "p": [_p(row["p"]) for row in rows],
+        "Subsets that agree": [_percent(row["stable"]) for row in rows],
+        "Units": [str(row["units"]) for row in rows],
+        "Lost builds": [str(row["dropped"]) for row in rows],
+    }
+    return pd.DataFrame(columns, dtype=object)
+
+
+def _intervals(row: Mapping[str, Any]) -> str:
+    return ", ".join(
+        f"{three_digits(part['low'])} to {three_digits(part['high'])}" for part in row["parts"]
+    )
+
+
+def _percent(share: float | None) -> str:
+    return "-" if share is None else f"{100 * share:.0f} %"
+
+
+def _p(value: float) -> str:
+    return "< 0.001" if value < 0.001 else three_digits(value)

@@ -1,0 +1,97 @@
+"""Settings and limits that pages of the documentation give as numbers are those of the code."""
+
+from pathlib import Path
+
+import pytest
+
+from fprc.apparatus import check as rig_check
+from fprc.apparatus import guardian
+from fprc.claims import fit_in_words, paired
+from fprc.config import Settings
+from fprc.config.load import check
+from fprc.devices import pneumatics
+from fprc.experiments import competitors
+from fprc.logs import (
+    clock,
+    delimited,
+    diagnosis,
+    hdf5,
+    hdf5_source,
+    resample,
+    sealed_chamber,
+    variables,
+)
+from fprc.stages import check as checked
+
+ROOT = Path(__file__).parents[2]
+WORDS = {8: "eight", 10: "ten"}
+
+
+def fitted_to(rig):
+    """Return what a rig of the package was fitted to, as docs/calibration.md says it."""
+    return fit_in_words(check({"rig": rig}).fitted.to)
+
+
+def quoted():
+    """Return the settings and limits that pages give as numbers, in the words of each page."""
+    settings = Settings()
+    seeds, grids, valves = settings.beyond, settings.grids, settings.hardware.valves
+    times = f"{settings.control.sample_rate_hz:g} Hz"
+    filter_s = 1 / settings.models.fprc.epsilon / settings.control.sample_rate_hz
+    block_s = competitors.PURGES * settings.evaluation.purge_s
+    states = competitors._MOST_NUMBERS // settings.models.esn.r
+    return {
+        "data/raw/README.md": [f"may take {hdf5.MAX_BYTES >> 20} MB in memory"],
+        "docs/benchmark.md": [
+            f"seeds {seeds.first_seed} to {seeds.first_seed + seeds.seeds - 1}, ",
+        ],
+        "docs/calibration.md": [f"| {fitted_to('dry')} |", f"| {fitted_to('viscous')} |"],
+        "docs/decisions/0022-another-processor.md": [
+            f"by more than {checked._LEVELS} levels and accepts up to {checked._PIXELS}:"
+        ],
+        "docs/hardware.md": [
+            f"about every {1e3 * guardian.BEAT_S:g} ms",
+            f"set to vent {1 / pneumatics._POLL_S:g} times a second",
+            f"or less {pneumatics._IN_A_ROW} times in a row",
+            f"tries to vent {1 / guardian._RETRY_S:g} times a second",
+            f"fills the actuator to {rig_check.TEST_KPA:g} kPa",
+            f"{valves.neutral_v:g} V closes a valve, {valves.vent_v:g} V opens",
+            f"The loop runs at {times}",
+        ],
+        "docs/own-data.md": [
+            f"| text | {delimited.LARGEST_TEXT_BYTES >> 20} MB |",
+            f"| {variables.MOST_NUMBERS / 1e6:g} million: ",
+            f"MATLAB 7.3 file | {hdf5_source.MOST_OBJECTS:,};",
+            f"| {clock.LONGEST_S / 3600:g} h, and {clock.MOST_POINTS / 1e6:g} million samples",
+            f"({clock.LIKELY_HZ[0]:g} Hz to {clock.LIKELY_HZ[1] / 1e3:g} kHz)",
+            f"cut into {WORDS[competitors.BLOCKS]} blocks",
+            f"`evaluation.purge_s` ({settings.evaluation.purge_s:g} s)",
+            f"({competitors.TIME_CONSTANTS * filter_s:g} s at {times})",
+            f"{WORDS[competitors.BLOCKS]} need {competitors.BLOCKS * block_s:g} s of training",
+            f"fewer than {WORDS[paired.LEAST_UNITS]} decide nothing",
+            f"An ESN with {settings.models.esn.r} states is left out of logs of more than "
+            f"{states:,} samples",
+            f"to {resample.PASS:g} of the new Nyquist frequency and at -{resample.STOP_DB:g} dB",
+            f"a step longer than {diagnosis.GAP_PERIODS:g} median steps",
+            f"constant for more than {diagnosis.FROZEN_S:g} s",
+            f"occurs {diagnosis.CLIPPED_RATIO:g} times as often",
+            f"at least {100 * sealed_chamber._STEP_SHARE:g} % of the range",
+            f"less than {100 * sealed_chamber._EXPLAINED:g} % of P_o",
+            f"counts from {diagnosis.LEAK_KPA_PER_MIN:g} kPa per minute on",
+        ],
+        "docs/results.md": [f"a time constant of {filter_s:g} s"],
+        "docs/scaling.md": [
+            f"| `grids.chunks` | {grids.chunks} |",
+            f"| `ensemble.chunk` | {settings.ensemble.chunk} |",
+            f"| `evaluation.replicate_seeds` | {len(settings.evaluation.replicate_seeds)} seeds |",
+        ],
+    }
+
+
+QUOTED = [(page, text) for page, texts in quoted().items() for text in texts]
+
+
+@pytest.mark.parametrize(("page", "text"), QUOTED, ids=[": ".join(each) for each in QUOTED])
+def test_number_of_a_setting_is_that_of_the_code(page, text):
+    words = " ".join((ROOT / page).read_text("utf-8").split())
+    assert text in words
