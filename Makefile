@@ -6,8 +6,8 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: help paper smoke quick types lint site tests test test-kill reproduce-twice processors slurm \
-	slurm-programs test-slurm docs layers lowest newest scaling fault-matrix fuzz loop-benchmark benchmark benchmark-all \
-	container test-container cut release release-tools test-release clean
+	slurm-programs test-slurm docs layers lowest newest scaling fault-matrix fuzz loop-benchmark benchmark \
+	benchmark-all container test-container cut release release-tools test-release clean
 
 help:  ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  %-16s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -135,8 +135,7 @@ benchmark-all: benchmark  ## compare the workflow with an uncompiled one: half a
 .venv/.ready: environment.txt pyproject.toml
 	$(PYTHON) -c 'import sys; v = sys.version_info[:2]; (3, 11) <= v <= (3, 13) or sys.exit(f"fprc needs Python 3.11, 3.12 or 3.13, this is {v[0]}.{v[1]}; use: make PYTHON=python3.12 ...")'
 	$(PYTHON) -m venv .venv
-	python -m pip install --quiet --disable-pip-version-check --no-compile --requirement environment.txt
-	-python -m compileall -qq -j 0 .venv/lib  # on every core, which pip does not do
+	python -m pip install --quiet --disable-pip-version-check --requirement environment.txt
 	python -m pip install --quiet --disable-pip-version-check --no-deps --editable .
 	touch $@
 

@@ -408,6 +408,7 @@ def test_all_problems_are_reported_at_once(path, edited):
         assert sum(f"channel {part}" in line for line in lines) == 1
 
 
+@pytest.mark.slow
 def test_code_of_the_documentation_writes_checksums(tmp_path, monkeypatch):
     page = (Path(__file__).parents[3] / "data/raw/README.md").read_text(encoding="utf-8")
     (code,) = re.findall("```python\n(.*?)```", page, flags=re.DOTALL)

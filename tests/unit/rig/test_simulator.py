@@ -277,6 +277,7 @@ def test_drift_is_an_exact_ornstein_uhlenbeck_process(rig):
 # --- convergence, repeatability, limits ---------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS)
 def test_finer_integration_changes_the_bending_little(quiet_rig, law):
     quiet_rig["friction_law"] = law

@@ -75,6 +75,7 @@ def test_recorded_p_o_is_replaced(add, recorded):
     assert read_raw(driven, **RATE).channels["p_o_kpa"].min() > 50.0
 
 
+@pytest.mark.slow
 def test_label_reaches_data_tables_figures_and_page(add, tmp_path, caplog):
     raw, driven = add()
     data, quality = tmp_path / "data.h5", tmp_path / "quality.json"
