@@ -73,9 +73,9 @@ def describe_crate(
         "@type": "CreateAction",
         "name": "make paper",
         "description": "The run of the workflow that made all raw logs and results.",
-        "instrument": _refer(_id(WORKFLOW)),
-        "object": [_refer(_id(name)) for name in code if name.startswith("config/")],
-        "result": [_refer(_id(name)) for name in made],
+        "instrument": _refer(quote(WORKFLOW)),
+        "object": [_refer(quote(name)) for name in code if name.startswith("config/")],
+        "result": [_refer(quote(name)) for name in made],
     }
     values = {
         entity["@id"]: entity for content in sidecars.values() for entity in _settings_of(content)
@@ -93,9 +93,9 @@ def describe_crate(
         "publisher": _refer("#developers"),
         "citation": _refer(PAPER),
         "conformsTo": [_refer(profile) for profile in PROFILES],
-        "mainEntity": _refer(_id(WORKFLOW)),
+        "mainEntity": _refer(quote(WORKFLOW)),
         "mentions": [_refer(action["@id"]) for action in (run, *actions)],
-        "hasPart": [_refer(_id(name)) for name in files],
+        "hasPart": [_refer(quote(name)) for name in files],
     }
     graph = [
         _descriptor(),
@@ -112,10 +112,6 @@ def describe_crate(
 
 def _refer(identifier: str) -> Entity:
     return {"@id": identifier}
-
-
-def _id(name: str) -> str:
-    return quote(name)
 
 
 def _descriptor() -> Entity:
@@ -135,7 +131,7 @@ def _file(root: Path, name: str) -> Entity:
     path = root / name
     kind = _TYPES.get(path.suffix) or mimetypes.guess_type(name)[0] or "text/plain"
     return {
-        "@id": _id(name),
+        "@id": quote(name),
         "@type": "File",
         "name": name,
         "contentSize": str(path.stat().st_size),
@@ -147,13 +143,13 @@ def _file(root: Path, name: str) -> Entity:
 def _drawing(name: str, sidecar: Mapping[str, Any]) -> Entity:
     """Return the action that made the files of a sidecar."""
     return {
-        "@id": f"#made-{_id(name)}",
+        "@id": f"#made-{quote(name)}",
         "@type": "CreateAction",
         "name": f"Drawing of {Path(name).stem}",
         "description": f"What {name} says: inputs, outputs, settings.",
         "instrument": _refer("#fprc"),
-        "object": [_refer(_id(in_checkout(file))) for file in sidecar["inputs"]],
-        "result": [_refer(_id(file)) for file in (*sidecar["outputs"], name)],
+        "object": [_refer(quote(in_checkout(file))) for file in sidecar["inputs"]],
+        "result": [_refer(quote(file)) for file in (*sidecar["outputs"], name)],
         "additionalProperty": [_refer(entity["@id"]) for entity in _settings_of(sidecar)],
     }
 

@@ -65,6 +65,6 @@ def run_by_name(
 
 
 def _prepare(files: Sequence[str]) -> dict[str, Any]:
-    """Let messages appear on the terminal, and return the settings."""
+    """Show messages on the terminal, and return the settings."""
     logging.basicConfig(level=logging.INFO, format="%(message)s")
     return from_files(files or local_files()).model_dump(mode="json")

@@ -17,13 +17,7 @@ from fprc.models.recordings import transform_each
 
 @contextmanager
 def refusals_of(model: BaseEstimator) -> Iterator[None]:
-    """Turn a ValueError of a model into an error that names the model.
-
-    Raises
-    ------
-    EvaluationError
-        The model raised a ValueError.
-    """
+    """Turn a ValueError of a model into an EvaluationError that names the model."""
     try:
         yield
     except ValueError as error:

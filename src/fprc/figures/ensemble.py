@@ -2,11 +2,8 @@
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
 from matplotlib.collections import QuadMesh
 from pandas import DataFrame
-
-Colours = ScalarMappable | QuadMesh
 
 #: Markers of the ends of searches.
 _ENDS = "*osD^v"
@@ -67,7 +64,7 @@ def plot_front(table: DataFrame, ax: Axes) -> Axes:
     return ax
 
 
-def plot_correlations(grid: DataFrame, limit: float, ax: Axes) -> Colours:
+def plot_correlations(grid: DataFrame, limit: float, ax: Axes) -> QuadMesh:
     """Draw rank correlations, one row per parameter and one column per claim.
 
     A cross marks values beyond ``limit``; a claim without correlations is grey.

@@ -76,7 +76,7 @@ def compare_rigs(
 
 
 def tabulate_answer(rigs: str, sets: Sequence[str], csv: str, md: str, tex: str) -> None:
-    """Write what all rigs say of the reservoir's worth, in a few rows.
+    """Write deviations, claims and the reservoir's worth on all rigs, a row for each.
 
     Parameters
     ----------
@@ -89,9 +89,9 @@ def tabulate_answer(rigs: str, sets: Sequence[str], csv: str, md: str, tex: str)
     table = tables.rigs_answer(page, [read_json(path) for path in sets])
     note = (
         "The rigs beside the paper; claims are all but those on execution times. A ratio below 1 "
-        "says that P_o is worth more than a low-pass of theta_d. Of a rig it is the mean and its "
-        "95 % interval over the seeds of its verdicts, of a set the median and range over its "
-        f"rigs.\nData: {SOURCES['sim']}."
+        "says that P_o is worth more than a low-pass of theta_d. For a rig, it is the mean with "
+        "its 95 % interval over the seeds that decide the verdicts; for a set, it is the median "
+        f"and the range over the rigs.\nData: {SOURCES['sim']}."
     )
     write_csv(csv, table)
     write_text(md, tables.markdown(table, note))
@@ -132,13 +132,8 @@ def summarise_rigs(
         for rig in good
     ]
     verdicts = [{row["id"]: row["verdict"] for row in ledger} for ledger in ledgers]
-    worth = [
-        statement["mean"]
-        for ledger in ledgers
-        for row in ledger
-        if row["id"] == "C4b"
-        for statement in row["statements"]
-    ]
+    own = [row["statements"] for ledger in ledgers for row in ledger if row["id"] == "C4b"]
+    worth = [statement["mean"] for (statement,) in own]
     parameters = [rig["parameters"] for rig in good]
     targets = printed_errors(printed)
     off = [

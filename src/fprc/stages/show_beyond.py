@@ -8,13 +8,11 @@ import pandas as pd
 from fprc.artifacts import read_json, write_csv, write_json
 from fprc.claims.advice import advice
 from fprc.claims.beyond import judge_world
-from fprc.competitors import COMPETITORS
+from fprc.competitors import TITLES
 from fprc.figures import beyond as figures
 from fprc.figures import style
 from fprc.tables import beyond as tables
 from fprc.tables.verdicts import claims as claims_table
-
-TITLES = {name: entry.title for name, entry in COMPETITORS.items()}
 
 
 def tabulate_beyond(
