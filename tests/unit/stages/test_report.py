@@ -400,8 +400,8 @@ def test_page_begins_with_ours_over_the_papers(project):
     signs = [each["aria-label"] for each in page.all("svg", role="img")]
     assert signs == ["0.50, interval 0.38 to 0.62", "2.00", "4.00"]
     rows = ["".join(row["text"].split()) for row in page.all("tr")]
-    assert "FPRC,Sweep2.002.00deg1.00degIV" in rows
-    assert "FPRC+PDattheprintedgain,Sweep4.004.00deg1.00degIV" in rows
+    assert "IV:FPRC,Sweep2.002.00deg1.00degIV" in rows
+    assert "IV:FPRC+PDattheprintedgain,Sweep4.004.00deg1.00degIV" in rows
     # the axis: from 0.9 x 0.5 to 1.1 x 4, logarithmic
     for circle, ratio in zip(page.all("circle"), (0.5, 2.0, 4.0), strict=True):
         at = 100 * math.log(ratio / 0.45) / math.log(4.4 / 0.45)
