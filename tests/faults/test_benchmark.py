@@ -21,7 +21,8 @@ def test_benchmark_prints_overruns_and_percentiles():
         int, re.search(r"(\d+) samples of (\d+), (\d+) overruns", said).groups()
     )
     assert planned == 200
-    assert samples + overruns == planned
+    # the last sample may be so late that it overruns the end
+    assert samples <= planned <= samples + overruns
     late = [float(ms) for ms in re.findall(r"late by +([\d.]+) ms, ", said)]
     assert len(late) == 4
     assert late == sorted(late)

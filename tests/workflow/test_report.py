@@ -74,6 +74,8 @@ function used(page) {
 async function audit(page) {
   if (!page.defaultView.axe || !page.getElementById("theme")) return [];
   const wrong = [], checked = new Set();
+  // closed, their text lies unseen over what follows, and axe takes that for its background
+  for (const each of page.querySelectorAll("details")) each.open = true;
   // axe copies the source of each element, of which the pictures would be megabytes
   for (const image of page.images) image.src = "data:image/gif;base64,R0lGODlhAQABAAAAACw=";
   for (const theme of ["light", "dark"]) {

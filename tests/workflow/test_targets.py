@@ -130,7 +130,7 @@ def test_run_prints_a_line_for_each_job_and_says_how_it_ended(project):
     assert done.returncode == 0, done.stdout
     lines = [line for line in done.stdout.splitlines() if not line.startswith("Using ")]
     assert lines[0].startswith("2 jobs")
-    assert re.fullmatch(r"\[1/2\] 0:\d\d  Table I \(\d+ s\)", lines[1])
+    assert re.fullmatch(r"\[1/2\] 0:\d\d  Table I: .+ \(\d+ s\)", lines[1])
     assert re.fullmatch(r"2 of 2 jobs done in 0:\d\d", lines[2])
     assert len(lines) == 3
 
