@@ -1,4 +1,5 @@
 import copy
+import json
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,7 @@ from hypothesis import strategies as st
 from fprc.config import Settings, check, from_files, rig_files
 from fprc.config.reference import RIG
 from fprc.errors import ConfigError
+from fprc.provenance import hash_of
 
 CONFIG = Path(__file__).parents[3] / "config"
 RIGS = Path(__file__).parents[3] / "src/fprc/config/rigs"
@@ -474,3 +476,10 @@ def test_rig_bouc_wen_is_the_dry_rig_with_another_friction_law():
     assert dry.rig.friction_law == "maxwell_slip"
     assert other.rig == dry.rig.model_copy(update={"friction_law": "bouc_wen"})
     assert fitted(other) == ("bouc_wen", ())
+
+
+@pytest.mark.parametrize("report", sorted(RIGS.glob("*.json")), ids=lambda path: path.stem)
+def test_report_of_a_fit_is_of_the_rig_beside_it(report):
+    """Otherwise a new parameter of every rig would stop `make docs`."""
+    rig = from_files([report.with_suffix(".yaml")]).model_dump(mode="json")["rig"]
+    assert json.loads(report.read_text(encoding="utf-8"))["rig_sha256"] == hash_of(rig)
