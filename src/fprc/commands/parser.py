@@ -328,11 +328,7 @@ def _add_readout(groups: Groups) -> None:
         "--out", metavar="FOLDER", help="folder to write (default: results/ and SOURCE's name)"
     )
     readout.add_argument(
-        "--config",
-        nargs="+",
-        default=[],
-        metavar="FILE",
-        help="configuration; later files override earlier ones (default: the defaults)",
+        "--config", nargs="+", default=[], metavar="FILE", help="configuration; later files win"
     )
     readout.add_argument("--workers", type=int, help=_WORKERS)
 
