@@ -101,7 +101,11 @@ class Calibration(Section):
         "as a whole unless one of its numbers is named",
     )
     ranges: dict[str, tuple[float, float]] = Field(
-        {"pressure_sensor.noise_kpa": (0.02, 1.5), "bend_sensor.noise_deg": (0.002, 0.2)},
+        {
+            "pressure_sensor.noise_kpa": (0.02, 1.5),
+            "bend_sensor.noise_deg": (0.01, 0.2),
+            "bend_sensor.slow_error_deg": (0.05, 0.5),
+        },
         description="narrower ranges than the physical ones, by free parameter",
     )
     fit: tuple[Term, ...] = Field(
@@ -149,7 +153,7 @@ class Posterior(Section):
     """Rigs that are compatible with the errors of Tables II and III."""
 
     rigs: int = quantity(
-        240, "-", (10, 1_000_000), "rigs drawn at the beginning; implausible ones drop out"
+        600, "-", (10, 1_000_000), "rigs drawn at the beginning; implausible ones drop out"
     )
     chunk: int = quantity(20, "-", (1, 100000), "rigs per job")
     seed: int = quantity(
