@@ -3,10 +3,12 @@
 import hashlib
 import json
 import logging
-from collections.abc import Mapping, Sequence
+import time
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from functools import partial
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,7 +16,7 @@ from joblib import Parallel, delayed, parallel_config
 
 from fprc import __version__
 from fprc.calibration.objective import CLAIMS, Aim, deviations, judged_of, logs_of
-from fprc.calibration.search import search
+from fprc.calibration.search import SearchResult, search
 from fprc.calibration.space import Free, decode, encode
 from fprc.calibration.surrogate import judge_cheaply
 from fprc.config.free import free_ranges
@@ -52,9 +54,11 @@ def fit_rig(
 ) -> tuple[Mapping[str, Any], dict[str, Any]]:
     """Fit the free parameters, starting at the rig of ``on_rig``.
 
-    The search uses cheap surrogates of the models. Their errors are multiplied by the ratio of the
-    full models' errors to their own on the starting rig. At the end the full models judge the
-    fitted rig on the seeds of the objective.
+    A first search asks for the terms of ``calibration.first.fit`` alone, if there are any; the
+    second goes on from its end, and asks for all of ``calibration.fit``. Both use cheap surrogates
+    of the models, whose errors are multiplied by the ratio of the full models' errors to their own
+    on the rig at which the search begins. At the end the full models judge the fitted rig on the
+    seeds of the objective.
 
     Parameters
     ----------
@@ -70,52 +74,44 @@ def fit_rig(
     dict, dict
         The fitted rig, and a summary of the fit.
     """
-    aim = aim_of(printed, calibration)
     free = free_parameters(calibration["free"], calibration["ranges"])
-    seeds, check_seeds = calibration["seeds"], calibration["check_seeds"]
-    cheaply = partial(
-        judge_seeds,
-        models=judgement["models"],
-        calibration=calibration,
-        grids=_in_order(grids, calibration["taps"]),
-        tracking=tracking,
+    seeds, check_seeds, first = (
+        calibration["seeds"],
+        calibration["check_seeds"],
+        calibration["first"],
     )
-    log.info("judging the starting rig with the full models")
+    ends = time.monotonic() + 60.0 * calibration["minutes"]
+    searched = partial(
+        _searched, printed=printed, judgement=judgement, grids=grids, tracking=tracking,
+        free=free, workers=workers, version=version, ends=ends,
+    )  # fmt: skip
     start = encode(on_rig.rig, free)
-    first = replace(on_rig, rig=resolved(decode(start, on_rig.rig, free)))
-    like = cheaply(first, seeds)
-    ratios = ratios_to_full(full_errors(first, seeds[:2], workers, judgement), like[:2])
-    objective = Objective(aim, ratios, like)
-    depends_on = [asdict(on_rig), judgement, calibration, grids, tracking, aim, version]
-    result = search(
-        partial(judge_point, on_rig=on_rig, free=free, seeds=seeds, cheaply=cheaply),
-        lambda logs: np.concatenate([*objective.terms(objective.judged(logs)).values()]),
-        start,
-        step=calibration["step"],
-        generations=calibration["generations"],
-        seed=seeds[0],
-        workers=workers,
-        checkpoint=checkpoint,
-        key=hashlib.sha256(json.dumps(depends_on, sort_keys=True).encode()).hexdigest(),
-        seconds=60.0 * calibration["minutes"],
-        progress=partial(log.info, "generation %d of %d, least loss %.4f, %.0f s"),
+    begun = replace(on_rig, rig=resolved(decode(start, on_rig.rig, free)))
+    done: list[Searched] = []
+    if first["fit"]:
+        log.info("first search, for %s", ", ".join(first["fit"]))
+        path = str(Path(checkpoint).with_suffix(".first.jsonl"))
+        done.append(searched(begun, calibration=calibration | first, checkpoint=path))
+        log.info("second search, for %s", ", ".join(calibration["fit"]))
+    done.append(
+        searched(done[-1].best if done else begun, calibration=calibration, checkpoint=checkpoint)
     )
-    best = replace(on_rig, rig=resolved(decode(result.point, on_rig.rig, free)))
+    best, objective, cheaply, result = done[-1]
     log.info("judging the fitted rig with the full models, on the seeds of the objective")
     summary = {
         "date": datetime.now(UTC).date().isoformat(),
         "software": f"fprc {__version__}",
         "seeds": list(seeds),
         **_outcome(objective, full_errors(best, seeds, workers, judgement), cheaply(best, seeds)),
-        "loss_at_start": objective.loss(like),
+        "loss_at_start": objective.loss(cheaply(begun, seeds)),
         "loss": result.loss,
         "check_seeds": list(check_seeds),
-        "check_loss_at_start": objective.loss(cheaply(first, check_seeds)),
+        "check_loss_at_start": objective.loss(cheaply(begun, check_seeds)),
         "check_loss": objective.loss(cheaply(best, check_seeds)),
         "rig_sha256": hash_of(best.rig),
-        "generations": result.generations,
-        "evaluations": result.evaluations,
-        "finished": result.finished,
+        "generations": sum(each.result.generations for each in done),
+        "evaluations": sum(each.result.evaluations for each in done),
+        "finished": all(each.result.finished for each in done),
         "front": front_of(result.numbers, objective),
         "parameters": [
             p._asdict() | {"began_at": before, "share": share}
@@ -123,6 +119,60 @@ def fit_rig(
         ],
     }
     return best.rig, summary
+
+
+class Searched(NamedTuple):
+    """The end of a search."""
+
+    best: RigSettings
+    objective: "Objective"
+    cheaply: Callable[[RigSettings, Sequence[int]], list[dict[str, Any]]]  #: judges a rig on seeds
+    result: SearchResult
+
+
+def _searched(
+    begun: RigSettings,
+    *,
+    printed: Mapping[str, Any],
+    judgement: Mapping[str, Any],
+    calibration: Mapping[str, Any],
+    grids: Mapping[str, Sequence[float]],
+    tracking: Mapping[str, Any],
+    free: Sequence[Free],
+    workers: int,
+    checkpoint: str,
+    version: str,
+    ends: float,
+) -> Searched:
+    """Search for the terms of ``calibration.fit``, beginning at a rig, until the time ``ends``."""
+    aim, seeds = aim_of(printed, calibration), calibration["seeds"]
+    cheaply = partial(
+        judge_seeds,
+        models=judgement["models"],
+        calibration=calibration,
+        grids=_in_order(grids, calibration["taps"]),
+        tracking=tracking,
+    )
+    log.info("judging the rig at which the search begins, with the full models")
+    like = cheaply(begun, seeds)
+    ratios = ratios_to_full(full_errors(begun, seeds[:2], workers, judgement), like[:2])
+    objective = Objective(aim, ratios, like)
+    depends_on = [asdict(begun), judgement, calibration, grids, tracking, aim, version]
+    result = search(
+        partial(judge_point, on_rig=begun, free=free, seeds=seeds, cheaply=cheaply),
+        lambda logs: np.concatenate([*objective.terms(objective.judged(logs)).values()]),
+        encode(begun.rig, free),
+        step=calibration["step"],
+        generations=calibration["generations"],
+        seed=seeds[0],
+        workers=workers,
+        checkpoint=checkpoint,
+        key=hashlib.sha256(json.dumps(depends_on, sort_keys=True).encode()).hexdigest(),
+        seconds=ends - time.monotonic(),
+        progress=partial(log.info, "generation %d of %d, least loss %.4f, %.0f s"),
+    )
+    best = replace(begun, rig=resolved(decode(result.point, begun.rig, free)))
+    return Searched(best, objective, cheaply, result)
 
 
 class Objective(NamedTuple):

@@ -50,6 +50,16 @@ class Fitted(Section):
     )
 
 
+class FirstSearch(Section):
+    """The search at whose end the search for all terms of ``calibration.fit`` begins."""
+
+    fit: tuple[Term, ...] = Field(
+        ("tables", "orders", "plausible", "C18"),
+        description="terms of its objective; none: no first search",
+    )
+    generations: int = quantity(40, "-", (1, 100000), "generations of eight rigs")
+
+
 class Calibration(Section):
     """How the rig's free parameters are fitted to the paper."""
 
@@ -132,11 +142,14 @@ class Calibration(Section):
     taps: tuple[Annotated[int, within(1, 10)], ...] = Field(
         (2, 4, 7, 10), min_length=2, description="n_u and n_y at which the search judges C12"
     )
-    generations: int = quantity(80, "-", (1, 100000), "generations of eight rigs")
+    first: FirstSearch = FirstSearch()
+    generations: int = quantity(50, "-", (1, 100000), "generations of eight rigs")
     step: float = quantity(
         0.05, "-", (1e-3, 1), "standard deviation of the first rigs, as a share of each range"
     )
-    minutes: float = quantity(60, "min", (0.01, 10000), "no generation begins after this time")
+    minutes: float = quantity(
+        60, "min", (0.01, 10000), "no generation of either search begins after this time"
+    )
     stride: int = quantity(5, "samples", (1, 1000), "the surrogate models fit every n-th row")
     esn_nodes: int = quantity(150, "-", (1, 10000), "reservoir size of the surrogate ESN")
     plausible: Plausible = Plausible()

@@ -210,6 +210,7 @@ def settings():
         "seeds": [21],
         "check_seeds": [41],
         "taps": [4, 1],
+        "first": {"fit": [], "generations": 1},
         "generations": GENERATIONS,
         "step": 0.3,
         **SURROGATE,
@@ -711,7 +712,8 @@ def test_search_that_runs_out_of_time_is_reported_as_not_finished(
     quick, judged, tmp_path, monkeypatch
 ):
     clock = SimpleNamespace(monotonic=lambda: float(len(judged.points)))  # a second for each rig
-    monkeypatch.setattr(importlib.import_module("fprc.calibration.search"), "time", clock)
+    for module in (stage, importlib.import_module("fprc.calibration.search")):
+        monkeypatch.setattr(module, "time", clock)
     changes = with_calibration(quick.settings, generations=100, minutes=0.3)
     found = quick.fit(tmp_path, **changes)
     assert (found["finished"], found["generations"], found["evaluations"]) == (False, 3, 24)
@@ -740,6 +742,34 @@ def test_rig_that_is_worse_on_other_seeds_than_the_one_before_it_is_warned_of(
         assert found[key] == pytest.approx(expected, rel=1e-3)
     assert found["check_seeds"] == [41]
     assert any("keep the starting rig" in text for text in caplog.messages) is warned
+
+
+def test_second_search_begins_where_the_first_ended(quick, judged, tmp_path, monkeypatch):
+    asked = []
+    judge = stage.judge_seeds
+
+    def noting(*positional, calibration, **named):
+        asked.append(tuple(calibration["fit"]))
+        return judge(*positional, calibration=calibration, **named)
+
+    monkeypatch.setattr(stage, "judge_seeds", noting)
+    quick.deviation = lambda point, seeds: 10.0 + np.sum(point)
+    first = {"fit": ["tables"], "generations": 3}
+    changes = with_calibration(quick.settings, first=first, fit=["tables", "plausible"],
+                               plausible={"angle_deg": [50.0, 70.0]})  # fmt: skip
+    found = quick.fit(tmp_path, **changes)
+    assert found["generations"] == 3 + GENERATIONS
+    assert found["evaluations"] == len(judged.points) == POPULATION * (3 + GENERATIONS)
+    of_first, of_second = judged.points[: 3 * POPULATION], judged.points[3 * POPULATION :]
+    # parameters of the rig between the two searches are rounded to four digits
+    assert of_second[0] == pytest.approx(min(of_first, key=sum), rel=1e-3)
+    assert found["fit"] == ["tables", "plausible"]
+    assert found["loss_at_start"] == pytest.approx(12.0 * (10.0 + quick.start.sum()) ** 2, rel=1e-3)
+    assert [p["began_at"] for p in found["parameters"]] == quick.start.tolist()
+    order = [fit for fit, before in zip(asked, [None, *asked], strict=False) if fit != before]
+    assert order == [("tables",), ("tables", "plausible")]
+    quick.fit(tmp_path, **changes)
+    assert len(judged.points) == POPULATION * (3 + GENERATIONS)
 
 
 def test_published_numbers_that_cannot_be_read_are_an_error(settings, tmp_path):

@@ -67,7 +67,14 @@ def test_fit_takes_its_settings_from_the_files_merged_in_their_order(run, tmp_pa
     mine.write_text("calibration: {seeds: [5, 6]}\nrig: {drift: {time_s: 2.5}}\n")
     _, (call,) = run(files=[*FILES, str(mine)])
     expected = check(
-        {"calibration": {"seeds": [5, 6], "taps": [1, 3], "generations": 2}}
+        {
+            "calibration": {
+                "seeds": [5, 6],
+                "taps": [1, 3],
+                "generations": 1,
+                "first": {"generations": 1},
+            }
+        }
     ).model_dump(mode="json")
     assert call["calibration"] == expected["calibration"]
     on_rig, judgement = call["on_rig"], call["judgement"]
