@@ -113,7 +113,7 @@ def named_rig(name):
 def on_rigs(part, table):
     """Return the reports of the further seeds: those of this rig, then those of each other one."""
     seeds = SETTINGS["evaluation"]["replicate_seeds"]
-    seeds = seeds[:SEARCH_SEEDS] if table == "searches" else seeds
+    seeds = seeds if table == "rigs" else seeds[:SEARCH_SEEDS]
     return PLAN.replicates(part)[: len(seeds)] + [
         PATHS.below(f"rigs/{rig}/{part}_{seed}.json") for rig in RIGS[table] for seed in seeds
     ]

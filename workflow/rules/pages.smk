@@ -35,6 +35,7 @@ rule calibration_page:
             PATHS.below("rigs/answer.md"),
             PATHS.below("rigs/rigs.md"),
             PATHS.below("rigs/searches.md"),
+            PATHS.below("rigs/repeats.md"),
             PATHS.below("ensemble/claims.md"),
             PATHS.below("posterior/claims.md"),
             PATHS.below("posterior/history.md"),

@@ -1,7 +1,7 @@
 # Simulated rigs side by side: those that can be named, and the end points of searches.
 
-#: Folder of the end points of searches.
-SEARCHES = Path("config/rigs/searches")
+#: Folders of the end points of searches, and of repeats of the one that docs/calibration.md describes.
+SEARCHES, REPEATS = Path("config/rigs/searches"), Path("config/rigs/repeats")
 #: Rigs that can be named, beside that of the configuration.
 OTHER_RIGS = {
     name: path for name, path in rig_files().items() if name != SETTINGS["fitted"]["name"]
@@ -10,9 +10,10 @@ OTHER_RIGS = {
 RIGS = {
     "rigs": {name: path for name, path in OTHER_RIGS.items() if path.with_suffix(".json").exists()},
     "searches": {path.stem: path for path in sorted(SEARCHES.glob("*.yaml"))},
+    "repeats": {path.stem: path for path in sorted(REPEATS.glob("*.yaml"))},
 }
-RIG_FILES = OTHER_RIGS | RIGS["searches"]
-#: Seeds that judge the end points of the searches.
+RIG_FILES = OTHER_RIGS | RIGS["searches"] | RIGS["repeats"]
+#: Seeds that judge the end points of searches and repeats.
 SEARCH_SEEDS = 10
 
 
@@ -61,7 +62,7 @@ rule rigs_table:
             **{rig: named_rig(rig)["fitted"]["to"] for rig in RIGS[wildcards.table]},
         },
         deciding=SETTINGS["evaluation"]["verdict_seeds"],
-        brief=lambda wildcards: wildcards.table == "searches",
+        brief=lambda wildcards: wildcards.table != "rigs",
     message:
         "Rigs side by side: {wildcards.table}"
     script:
@@ -116,6 +117,11 @@ rule rigs:
 rule searches:
     input:
         PATHS.below("rigs/searches.md"),
+        PATHS.below("rigs/repeats.md"),
         PATHS.below("rigs/front.pdf"),
-        *(on_rigs(part, "searches") for part in ("models", "grids", "control")),
+        *(
+            on_rigs(part, table)
+            for part in ("models", "grids", "control")
+            for table in ("searches", "repeats")
+        ),
     localrule: True

@@ -134,7 +134,7 @@ def search(
     key : str
         Hash of everything that the judgements depend on.
     seconds : float
-        No generation starts after this time, s.
+        No generation but the first starts after this time, s.
     progress : callable
         Called after each generation with the generations done and planned, the
         least loss, and the time, s.
@@ -150,7 +150,9 @@ def search(
         parallel_config("loky", inner_max_num_threads=1),
         Parallel(n_jobs=workers) as pool,
     ):
-        while done < generations and (done < len(known) or time.monotonic() - begun < seconds):
+        while done < generations and (
+            done < max(len(known), 1) or time.monotonic() - begun < seconds
+        ):
             if done < first or not archive.points:
                 points = list(start + step * rng.standard_normal((_POPULATION, start.size)))
                 if done == 0:

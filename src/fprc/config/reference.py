@@ -2,6 +2,7 @@
 
 import inspect
 import json
+from functools import cache
 from itertools import chain
 from typing import Any
 
@@ -74,13 +75,19 @@ def reference() -> str:
 
 
 def _row(name: str, default: Any, field: Any, section: type[BaseModel]) -> str:
-    schema = section.model_json_schema()["properties"][name]
+    schema = _properties(section)[name]
     low, high = schema.get("minimum"), schema.get("maximum")
     limits = f"{low:g} to {high:g}" if low is not None else " or ".join(schema.get("enum", []))
     shown = f"`{json.dumps(default)}`"
     meaning, source = field.description or "", schema.get("source", "")
     cells = (f"`{name}`", schema.get("unit", ""), shown, limits, meaning, source)
     return "| " + " | ".join(cells) + " |"
+
+
+@cache
+def _properties(section: type[BaseModel]) -> dict[str, Any]:
+    properties: dict[str, Any] = section.model_json_schema()["properties"]
+    return properties
 
 
 class _Plain(yaml.SafeDumper):
