@@ -18,6 +18,16 @@ settings.register_profile("unit", max_examples=EXAMPLES, deadline=None, derandom
 settings.load_profile("unit")
 
 
+@pytest.fixture(scope="session")
+def every_byte():
+    """Return which bytes of a file exhaustive tests damage: each one with 200 examples, else fewer."""
+
+    def places(size):
+        return range(0, size, 1 if EXAMPLES >= 200 else 11)
+
+    return places
+
+
 @pytest.fixture(scope="session", autouse=True)
 def _no_wait_for_the_disk():
     with pytest.MonkeyPatch.context() as patch:

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from scipy.stats import spearmanr
+from scipy.stats import rankdata, spearmanr
 
 from fprc.claims.finding import Finding, Results, Statement, over_seeds
 from fprc.paper import MODELS
@@ -326,11 +326,11 @@ def _tap_grid(
 
 def _partial(sizes: Mapping[str, np.ndarray], own: str, values: np.ndarray) -> float:
     """Return the rank correlation with one tap size, averaged over fixed values of the other."""
-    (other,) = (each for name, each in sizes.items() if name != own)
-    size = sizes[own]
-    return float(
-        np.mean([spearmanr(size[other == k], values[other == k]).statistic for k in set(other)])
-    )
+    # cells of the whole grid, sorted by n_u and then n_y
+    errors = values.reshape([np.unique(each).size for each in sizes.values()])
+    columns = errors if own == "n_u" else errors.T
+    ranks = rankdata(np.column_stack([np.unique(sizes[own]), columns]), axis=0)
+    return float(np.corrcoef(ranks, rowvar=False)[0, 1:].mean())
 
 
 MODEL_TESTS = {

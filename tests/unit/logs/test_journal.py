@@ -336,10 +336,10 @@ def test_journal_whose_header_does_not_fit_is_not_left_behind(path, monkeypatch)
 
 
 @pytest.mark.slow
-def test_journal_cut_at_any_byte_gives_every_whole_sample(closed, path):
+def test_journal_cut_at_any_byte_gives_every_whole_sample(closed, path, every_byte):
     data, start = closed
     header = start // 2
-    for cut in range(len(data)):
+    for cut in every_byte(len(data)):
         path.write_bytes(data[:cut])
         if cut < header:
             with pytest.raises(LogError, match="run.journal: (both copies|not a journal)"):
@@ -358,9 +358,11 @@ def test_journal_cut_at_any_byte_gives_every_whole_sample(closed, path):
 
 
 @pytest.mark.slow
-def test_flip_of_any_byte_costs_one_sample_at_most_and_never_gives_a_wrong_one(closed, path):
+def test_flip_of_any_byte_costs_one_sample_at_most_and_never_gives_a_wrong_one(
+    closed, path, every_byte
+):
     data, start = closed
-    for at in range(len(data)):
+    for at in every_byte(len(data)):
         damaged = bytearray(data)
         damaged[at] ^= 1 << at % 8
         path.write_bytes(damaged)

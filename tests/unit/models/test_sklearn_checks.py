@@ -54,6 +54,7 @@ def test_readout_passes_scikit_learns_check(estimator, check):
     check(estimator)
 
 
+@pytest.mark.slow
 @parametrize_with_checks(SEQUENTIAL)
 def test_model_with_memory_passes_scikit_learns_check(estimator, check):
     if check.func.__name__ in MEMORY:
