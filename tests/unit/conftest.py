@@ -20,7 +20,7 @@ settings.load_profile("unit")
 
 @pytest.fixture(scope="session")
 def every_byte():
-    """Return which bytes of a file exhaustive tests damage: each one with 200 examples, else fewer."""
+    """Return which bytes of a file exhaustive tests damage: all with 200 examples, else fewer."""
 
     def places(size):
         return range(0, size, 1 if EXAMPLES >= 200 else 11)
