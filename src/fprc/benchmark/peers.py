@@ -2,23 +2,17 @@
 
 from collections.abc import Sequence
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from fprc.errors import FprcError
 from fprc.evaluation.folds import Fold
 from fprc.evaluation.metrics import rmse
-from fprc.models import FPRC, EchoStates, RidgeReadout, TakagiSugenoReadout, taps
-from fprc.models.ridge import ridge_weights, with_bias
+from fprc.models import FPRC, EchoStates, RidgeReadout, taps
 
 if TYPE_CHECKING:
     from reservoirpy.nodes import Reservoir
-
-#: Tolerance in scikit-fuzzy's documentation: it stops when the norm of the change of all
-#: memberships is below this.
-ERROR = 5e-3
 
 
 def refuse_missing() -> None:
@@ -92,35 +86,6 @@ def numpy_fprc_steps(model: FPRC, X: np.ndarray) -> np.ndarray:
         beta = np.exp((distance2.min() - distance2) / width)
         P_ff[k] = beta @ (bias + W_out @ x) / beta.sum()
     return P_ff
-
-
-def skfuzzy_clusters(
-    X: np.ndarray, n_clusters: int, seed: Any, error: float = ERROR
-) -> tuple[np.ndarray, ...]:
-    """Return centres, memberships and objective by scikit-fuzzy from a random start."""
-    import skfuzzy
-
-    state = np.random.get_state()  # noqa: NPY002 (skfuzzy seeds the global generator)
-    centers, u, _, _, objective, _, _ = skfuzzy.cmeans(
-        X.T, n_clusters, m=2, error=error, maxiter=1000, seed=seed
-    )
-    np.random.set_state(state)  # noqa: NPY002
-    return centers, u.T, objective[-1]
-
-
-class SkfuzzyReadout(TakagiSugenoReadout):
-    """The fuzzy readout with scikit-fuzzy's clustering."""
-
-    def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
-        """Cluster the rows, then fit each rule."""
-        rows, targets = np.asarray(X), np.asarray(y)
-        self.n_features_in_ = rows.shape[1]
-        self.centers_, memberships, _ = skfuzzy_clusters(rows, self.n_c, self.random_state)
-        extended = with_bias(rows)
-        self.W_out_ = np.array(
-            [ridge_weights(extended, targets, self.alpha, u**2) for u in memberships.T]
-        )
-        return self
 
 
 def recomputed_folds(
