@@ -5,7 +5,7 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 # each job is a new process: let Python cache the compiled modules for the next one
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: help paper smoke quick types lint site tests test test-kill reproduce-twice processors slurm \
+.PHONY: help paper smoke quick types lint site tests test damage test-kill reproduce-twice processors slurm \
 	slurm-programs test-slurm docs layers lowest newest scaling fault-matrix fuzz loop-benchmark benchmark \
 	benchmark-all container test-container cut release release-tools test-release clean
 
@@ -120,6 +120,10 @@ newest:  ## run the unit tests with the newest Python and libraries: NEWEST=pyth
 	.venv/newest/bin/python -m pip install --quiet --disable-pip-version-check --upgrade \
 	  --editable '.[workflow,test]'
 	.venv/newest/bin/python -m pytest --quiet -m "not slow" tests/unit $(PYTEST)
+	.venv/newest/bin/python -m pytest --quiet tests/unit/models/test_sklearn_checks.py
+
+damage: .venv/.ready  ## damage every byte of small logs; CI damages one of eleven
+	FPRC_EXAMPLES=200 pytest -m slow tests/unit/logs
 
 loop-benchmark: .venv/.ready  ## measure the timing of the real rig's loop on this computer
 	python tests/faults/benchmark_loop.py

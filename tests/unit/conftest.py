@@ -19,13 +19,12 @@ settings.load_profile("unit")
 
 
 @pytest.fixture(scope="session")
-def every_byte():
-    """Return which bytes of a file exhaustive tests damage: all with 200 examples, else fewer."""
+def damaged_bytes():
+    """Return the function that gives, for the size of a file, the bytes to damage.
 
-    def places(size):
-        return range(0, size, 1 if EXAMPLES >= 200 else 11)
-
-    return places
+    These are all with 200 examples or more (`make damage`), and one of eleven with fewer.
+    """
+    return lambda size: range(0, size, 1 if EXAMPLES >= 200 else 11)
 
 
 @pytest.fixture(scope="session", autouse=True)

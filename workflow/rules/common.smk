@@ -87,7 +87,9 @@ def made_by_rules():
     """Return regular expressions of all files of the rules: outputs, logs, checkpoints."""
     checkpoints = [rule.params.get("checkpoint") for rule in workflow.rules]
     kept = [
-        rf"{regex_from_filepattern(path).removesuffix('$')}(\.old)?" for path in checkpoints if path
+        rf"{regex_from_filepattern(path).removesuffix('$')}(\.first)?(\.old)?"
+        for path in checkpoints
+        if path
     ]
     files = [path for rule in workflow.rules for path in (*rule.output, *rule.log)]
     return sorted({path.regex().pattern for path in files}.union(kept))

@@ -8,7 +8,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from functools import partial
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -54,11 +53,11 @@ def fit_rig(
 ) -> tuple[Mapping[str, Any], dict[str, Any]]:
     """Fit the free parameters, starting at the rig of ``on_rig``.
 
-    A first search asks for the terms of ``calibration.first.fit`` alone, if there are any; the
-    second goes on from its end, and asks for all of ``calibration.fit``. Both use cheap surrogates
-    of the models, whose errors are multiplied by the ratio of the full models' errors to their own
-    on the rig at which the search begins. At the end the full models judge the fitted rig on the
-    seeds of the objective.
+    Values outside their range are first moved to its end. A first search asks for those terms of
+    ``calibration.fit`` that ``calibration.first.fit`` names, if there are any; a second one, for
+    all of ``calibration.fit``, begins at its end. Both use cheap surrogates of the models, whose
+    errors are multiplied by the ratio of the full models' errors to their own on the rig at which
+    each begins. At the end the full models judge the fitted rig on the seeds of the objective.
 
     Parameters
     ----------
@@ -72,14 +71,13 @@ def fit_rig(
     Returns
     -------
     dict, dict
-        The fitted rig, and a summary of the fit.
+        The fitted rig, and a summary of the fit. Losses and front are those of the second
+        search; generations and rigs are those of both.
     """
     free = free_parameters(calibration["free"], calibration["ranges"])
-    seeds, check_seeds, first = (
-        calibration["seeds"],
-        calibration["check_seeds"],
-        calibration["first"],
-    )
+    seeds, check_seeds = calibration["seeds"], calibration["check_seeds"]
+    asked_first = [term for term in calibration["first"]["fit"] if term in calibration["fit"]]
+    first = calibration["first"] | {"fit": asked_first}
     ends = time.monotonic() + 60.0 * calibration["minutes"]
     searched = partial(
         _searched, printed=printed, judgement=judgement, grids=grids, tracking=tracking,
@@ -90,8 +88,9 @@ def fit_rig(
     done: list[Searched] = []
     if first["fit"]:
         log.info("first search, for %s", ", ".join(first["fit"]))
-        path = str(Path(checkpoint).with_suffix(".first.jsonl"))
-        done.append(searched(begun, calibration=calibration | first, checkpoint=path))
+        done.append(
+            searched(begun, calibration=calibration | first, checkpoint=f"{checkpoint}.first")
+        )
         log.info("second search, for %s", ", ".join(calibration["fit"]))
     done.append(
         searched(done[-1].best if done else begun, calibration=calibration, checkpoint=checkpoint)
@@ -109,6 +108,10 @@ def fit_rig(
         "check_loss_at_start": objective.loss(cheaply(begun, check_seeds)),
         "check_loss": objective.loss(cheaply(best, check_seeds)),
         "rig_sha256": hash_of(best.rig),
+        "first": {
+            "fit": list(first["fit"]),
+            "generations": sum(each.result.generations for each in done[:-1]),
+        },
         "generations": sum(each.result.generations for each in done),
         "evaluations": sum(each.result.evaluations for each in done),
         "finished": all(each.result.finished for each in done),

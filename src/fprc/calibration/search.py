@@ -197,7 +197,8 @@ def _resume(checkpoint: Path, head: Mapping[str, Any]) -> list[list[list[float] 
         old = checkpoint.with_name(f"{checkpoint.name}.old")
         checkpoint.replace(old)
         log.warning(
-            "warning: %s is of other settings or code, kept as %s; the search starts afresh",
+            "warning: %s is of another start, other settings or other code, kept as %s; "
+            "the search starts afresh",
             checkpoint,
             old,
         )

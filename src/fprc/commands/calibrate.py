@@ -27,8 +27,8 @@ def calibrate_from_files(
 ) -> None:
     """Calibrate with the settings of configuration files, outside the workflow.
 
-    The report is written beside ``out`` as JSON, and so is the checkpoint of the
-    search, from which it can be continued.
+    The report is written beside ``out`` as JSON, and so are the checkpoints of the
+    searches, from which they can be continued.
 
     Parameters
     ----------

@@ -51,11 +51,11 @@ class Fitted(Section):
 
 
 class FirstSearch(Section):
-    """The search at whose end the search for all terms of ``calibration.fit`` begins."""
+    """The first of two searches; the second, for ``calibration.fit``, begins at its end."""
 
     fit: tuple[Term, ...] = Field(
         ("tables", "orders", "plausible", "C18"),
-        description="terms of its objective; none: no first search",
+        description="terms of its objective, of those in calibration.fit; none: no first search",
     )
     generations: int = quantity(40, "-", (1, 100000), "generations of eight rigs")
 
@@ -148,7 +148,7 @@ class Calibration(Section):
         0.05, "-", (1e-3, 1), "standard deviation of the first rigs, as a share of each range"
     )
     minutes: float = quantity(
-        60, "min", (0.01, 10000), "no generation of either search begins after this time"
+        120, "min", (0.01, 10000), "after this time each search begins its first generation only"
     )
     stride: int = quantity(5, "samples", (1, 1000), "the surrogate models fit every n-th row")
     esn_nodes: int = quantity(150, "-", (1, 10000), "reservoir size of the surrogate ESN")

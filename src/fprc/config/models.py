@@ -146,3 +146,12 @@ class Grids(Section):
         if len(set(taps)) < max(len(taps), 3):
             raise ValueError(f"{taps} must be three or more different sizes, so that one is medium")
         return taps
+
+    @field_validator("n_y")
+    @classmethod
+    def _taps_have_a_trend(cls, taps: tuple[int, ...]) -> tuple[int, ...]:
+        if len(set(taps)) < max(len(taps), 2):
+            raise ValueError(
+                f"{taps} must be two or more different sizes, so that there is a trend"
+            )
+        return taps

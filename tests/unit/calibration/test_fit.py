@@ -719,6 +719,27 @@ def test_search_that_runs_out_of_time_is_reported_as_not_finished(
     assert (found["finished"], found["generations"], found["evaluations"]) == (False, 3, 24)
 
 
+def test_both_searches_share_the_time(quick, judged, tmp_path, monkeypatch):
+    clock = SimpleNamespace(monotonic=lambda: float(len(judged.points)))  # a second for each rig
+    for module in (stage, importlib.import_module("fprc.calibration.search")):
+        monkeypatch.setattr(module, "time", clock)
+    first = {"fit": ["tables"], "generations": 100}
+    changes = with_calibration(quick.settings, first=first, generations=100, minutes=0.3)
+    found = quick.fit(tmp_path, **changes)
+    assert (found["finished"], found["generations"]) == (False, 3 + 1)
+    assert found["first"] == {"fit": ["tables"], "generations": 3}
+
+
+def test_first_search_asks_for_nothing_that_the_second_does_not(quick, judged, tmp_path):
+    first = {"fit": ["orders", "tables", "C18"], "generations": 1}
+    found = quick.fit(tmp_path, **with_calibration(quick.settings, first=first))
+    assert found["first"] == {"fit": ["tables"], "generations": 1}
+    first["fit"] = ["orders", "C18"]
+    found = quick.fit(tmp_path / "none", **with_calibration(quick.settings, first=first))
+    assert found["first"] == {"fit": [], "generations": 0}
+    assert found["generations"] == GENERATIONS
+
+
 def test_fit_is_no_worse_than_the_rig_that_it_began_at(quick, tmp_path):
     quick.deviation = lambda point, seeds: 100.0 * float(np.sum((point - quick.start) ** 2))
     found = quick.fit(tmp_path)

@@ -429,7 +429,7 @@ def clock(monkeypatch, run):
     ("seconds", "generations"), [(0.0, 1), (0.5, 1), (8.0, 1), (8.5, 2), (16.0, 2), (24.5, 4)]
 )
 @pytest.mark.usefixtures("clock")
-def test_no_generation_begins_after_the_time_limit(run, seconds, generations):
+def test_no_generation_but_the_first_begins_after_the_time_limit(run, seconds, generations):
     found = run(seconds=seconds)
     assert not found.finished
     assert math.isfinite(found.loss)

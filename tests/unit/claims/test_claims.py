@@ -6,7 +6,7 @@ import pytest
 import yaml
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.stats import ttest_1samp
+from scipy.stats import spearmanr, ttest_1samp
 
 from fprc import config
 from fprc.claims import (
@@ -19,6 +19,7 @@ from fprc.claims import (
     status_of,
     turned_verdicts,
 )
+from fprc.claims.models import _partial, _tap_grid
 from fprc.experiments.measures import measure_hysteresis, measure_runs
 
 PUBLISHED = yaml.safe_load(config.PUBLISHED.read_text(encoding="utf-8"))
@@ -556,6 +557,23 @@ def test_perturbation_flips_its_claim_and_no_other(ideal, claim, change, spoils)
 )
 def test_perturbation_within_the_threshold_flips_nothing(ideal, change, spares):
     assert after(ideal, change(spares)) == EXPECTED
+
+
+@given(st.lists(st.integers(0, 4), min_size=12, max_size=12), st.randoms())
+def test_trend_is_the_mean_rank_correlation_over_the_other_size(errors, random):
+    sizes = [(n_u, n_y) for n_u in (1, 4, 7) for n_y in (2, 3, 5, 9)]
+    cells = [
+        {"n_u": n_u, "n_y": n_y, **dict.fromkeys(PHASES, [error + 0.1 * n_u * (n_y % 3)])}
+        for (n_u, n_y), error in zip(sizes, errors, strict=True)
+    ]
+    random.shuffle(cells)
+    grid, found = _tap_grid(cells)
+    for own, other, fixed in (("n_u", "n_y", (2, 3, 5, 9)), ("n_y", "n_u", (1, 4, 7))):
+        kept = [[cell for cell in cells if cell[other] == size] for size in fixed]
+        columns = [[(cell[own], cell[TRAIN][0]) for cell in each] for each in kept]
+        if all(len({error for _, error in column}) > 1 for column in columns):
+            expected = np.mean([spearmanr(*np.transpose(column)).statistic for column in columns])
+            assert _partial(grid, own, found[TRAIN]) == pytest.approx(expected, abs=1e-12)
 
 
 def test_every_claim_is_perturbed_but_the_contradicted_one_and_one_with_a_test_of_its_own():

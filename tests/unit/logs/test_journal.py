@@ -336,10 +336,10 @@ def test_journal_whose_header_does_not_fit_is_not_left_behind(path, monkeypatch)
 
 
 @pytest.mark.slow
-def test_journal_cut_at_any_byte_gives_every_whole_sample(closed, path, every_byte):
+def test_journal_cut_at_any_byte_gives_every_whole_sample(closed, path, damaged_bytes):
     data, start = closed
     header = start // 2
-    for cut in every_byte(len(data)):
+    for cut in damaged_bytes(len(data)):
         path.write_bytes(data[:cut])
         if cut < header:
             with pytest.raises(LogError, match="run.journal: (both copies|not a journal)"):
@@ -359,10 +359,10 @@ def test_journal_cut_at_any_byte_gives_every_whole_sample(closed, path, every_by
 
 @pytest.mark.slow
 def test_flip_of_any_byte_costs_one_sample_at_most_and_never_gives_a_wrong_one(
-    closed, path, every_byte
+    closed, path, damaged_bytes
 ):
     data, start = closed
-    for at in every_byte(len(data)):
+    for at in damaged_bytes(len(data)):
         damaged = bytearray(data)
         damaged[at] ^= 1 << at % 8
         path.write_bytes(damaged)
