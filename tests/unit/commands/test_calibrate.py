@@ -103,7 +103,7 @@ def test_without_files_the_configuration_of_the_project_is_taken(fit, tmp_path, 
     assert call["judgement"]["models"] == expected["models"]
 
 
-@pytest.mark.parametrize(("arguments", "minutes"), [([], 60.0), (["--minutes", "2.5"], 2.5)])
+@pytest.mark.parametrize(("arguments", "minutes"), [([], 120.0), (["--minutes", "2.5"], 2.5)])
 def test_time_limit_is_that_of_the_command_or_else_of_the_configuration(run, arguments, minutes):
     _, (call,) = run(*arguments)
     assert call["calibration"]["minutes"] == minutes
