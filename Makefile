@@ -136,12 +136,13 @@ benchmark-all: benchmark  ## compare the workflow with an uncompiled one: half a
 	snakemake --cores $(CORES) --forcerun measure_all -- results/benchmark/all.json
 	snakemake --cores $(CORES) --forcerun benchmark_table -- benchmark performance_page
 
-# --no-compile: Python compiles what is imported, which is a small part of what is installed.
+# pip would compile on one processor, and the tests of the libraries too.
 .venv/.ready: environment.txt pyproject.toml
 	$(PYTHON) -c 'import sys; v = sys.version_info[:2]; (3, 11) <= v <= (3, 13) or sys.exit(f"fprc needs Python 3.11, 3.12 or 3.13, this is {v[0]}.{v[1]}; use: make PYTHON=python3.12 ...")'
 	$(PYTHON) -m venv .venv
 	python -m pip install --quiet --disable-pip-version-check --no-compile --requirement environment.txt
 	python -m pip install --quiet --disable-pip-version-check --no-deps --editable .
+	-python -m compileall -q -j $(CORES) -x '/tests?/' .venv/lib
 	touch $@
 
 # Docker counts only if its daemon answers. BASE=...: another image with Debian and Python 3.11 to 3.13
