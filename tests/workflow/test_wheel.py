@@ -63,7 +63,7 @@ models: {fprc: {n_c: 2}, n_y: 2, esn: {r: 5}}
 grids: {epsilon: [0.1, 0.01], n_c: [1, 2], readout_taps: [1, 2, 3]}
 evaluation: {folds: 2, purge_s: 0.2}
 calibration:
-  {generations: 1, seeds: [21], check_seeds: [41], grid_seeds: 1, taps: [1, 3],
+  {generations: [1], seeds: [21], check_seeds: [41], grid_seeds: 1, taps: [1, 3],
    fit: [tables, plausible], first: {fit: []}, minutes: 0.15, stride: 20, esn_nodes: 5}
 """
 COLUMNS = {

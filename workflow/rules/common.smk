@@ -87,7 +87,7 @@ def made_by_rules():
     """Return regular expressions of all files of the rules: outputs, logs, checkpoints."""
     checkpoints = [rule.params.get("checkpoint") for rule in workflow.rules]
     kept = [
-        rf"{regex_from_filepattern(path).removesuffix('$')}(\.first)?(\.old)?"
+        rf"{regex_from_filepattern(path).removesuffix('$')}(\.\d+)?(\.old)?"
         for path in checkpoints
         if path
     ]

@@ -54,10 +54,12 @@ def fit_rig(
     """Fit the free parameters, starting at the rig of ``on_rig``.
 
     Values outside their range are first moved to its end. A first search asks for those terms of
-    ``calibration.fit`` that ``calibration.first.fit`` names, if there are any; a second one, for
-    all of ``calibration.fit``, begins at its end. Both use cheap surrogates of the models, whose
-    errors are multiplied by the ratio of the full models' errors to their own on the rig at which
-    each begins. At the end the full models judge the fitted rig on the seeds of the objective.
+    ``calibration.fit`` that ``calibration.first.fit`` names, if there are any. Then one search for
+    all of ``calibration.fit`` follows for each number in ``calibration.generations``; each begins
+    at the end of the one before. All use cheap surrogates of the models, whose errors are
+    multiplied by the ratio of the full models' errors to their own, measured where each search
+    begins: the ratio changes along the way. At the end the full models judge the fitted rig on
+    the seeds of the objective.
 
     Parameters
     ----------
@@ -71,30 +73,36 @@ def fit_rig(
     Returns
     -------
     dict, dict
-        The fitted rig, and a summary of the fit. Losses and front are those of the second
-        search; generations and rigs are those of both.
+        The fitted rig, and a summary of the fit. Losses and front are those of the last search;
+        generations and rigs are those of all.
     """
     free = free_parameters(calibration["free"], calibration["ranges"])
     seeds, check_seeds = calibration["seeds"], calibration["check_seeds"]
-    asked_first = [term for term in calibration["first"]["fit"] if term in calibration["fit"]]
-    first = calibration["first"] | {"fit": asked_first}
+    first = [term for term in calibration["first"]["fit"] if term in calibration["fit"]]
+    planned = [(calibration["fit"], generations) for generations in calibration["generations"]]
+    if first:
+        planned.insert(0, (first, calibration["first"]["generations"]))
     ends = time.monotonic() + 60.0 * calibration["minutes"]
-    searched = partial(
-        _searched, printed=printed, judgement=judgement, grids=grids, tracking=tracking,
-        free=free, workers=workers, version=version, ends=ends,
-    )  # fmt: skip
     start = encode(on_rig.rig, free)
     begun = replace(on_rig, rig=resolved(decode(start, on_rig.rig, free)))
     done: list[Searched] = []
-    if first["fit"]:
-        log.info("first search, for %s", ", ".join(first["fit"]))
+    for number, (fit, generations) in enumerate(planned, start=1):
+        log.info("search %d of %d, for %s", number, len(planned), ", ".join(fit))
         done.append(
-            searched(begun, calibration=calibration | first, checkpoint=f"{checkpoint}.first")
+            _searched(
+                done[-1].best if done else begun,
+                printed=printed,
+                judgement=judgement,
+                calibration={**calibration, "fit": fit, "generations": generations},
+                grids=grids,
+                tracking=tracking,
+                free=free,
+                workers=workers,
+                checkpoint=f"{checkpoint}.{number}",
+                version=version,
+                ends=ends,
+            )
         )
-        log.info("second search, for %s", ", ".join(calibration["fit"]))
-    done.append(
-        searched(done[-1].best if done else begun, calibration=calibration, checkpoint=checkpoint)
-    )
     best, objective, cheaply, result = done[-1]
     log.info("judging the fitted rig with the full models, on the seeds of the objective")
     summary = {
@@ -108,10 +116,10 @@ def fit_rig(
         "check_loss_at_start": objective.loss(cheaply(begun, check_seeds)),
         "check_loss": objective.loss(cheaply(best, check_seeds)),
         "rig_sha256": hash_of(best.rig),
-        "first": {
-            "fit": list(first["fit"]),
-            "generations": sum(each.result.generations for each in done[:-1]),
-        },
+        "searches": [
+            {"fit": list(fit), "generations": each.result.generations}
+            for (fit, _), each in zip(planned, done, strict=True)
+        ],
         "generations": sum(each.result.generations for each in done),
         "evaluations": sum(each.result.evaluations for each in done),
         "finished": all(each.result.finished for each in done),
@@ -158,7 +166,7 @@ def _searched(
     )
     log.info("judging the rig at which the search begins, with the full models")
     like = cheaply(begun, seeds)
-    ratios = ratios_to_full(full_errors(begun, seeds[:2], workers, judgement), like[:2])
+    ratios = ratios_to_full(full_errors(begun, seeds, workers, judgement), like)
     objective = Objective(aim, ratios, like)
     depends_on = [asdict(begun), judgement, calibration, grids, tracking, aim, version]
     result = search(

@@ -51,7 +51,7 @@ class Fitted(Section):
 
 
 class FirstSearch(Section):
-    """The first of two searches; the second, for ``calibration.fit``, begins at its end."""
+    """The first search; the others, for ``calibration.fit``, follow."""
 
     fit: tuple[Term, ...] = Field(
         ("tables", "orders", "plausible", "C18"),
@@ -127,7 +127,7 @@ class Calibration(Section):
         "C3, C7), plausible ranges, claims, open-loop Table IV",
     )  # fmt: skip
     seeds: tuple[Annotated[int, within(0, 2**31)], ...] = Field(
-        (21, 22, 23, 24, 25, 26),
+        tuple(range(21, 33)),
         min_length=1,
         description="noise seeds of the objective; with few, the search fits the noise",
     )
@@ -143,7 +143,12 @@ class Calibration(Section):
         (2, 4, 7, 10), min_length=2, description="n_u and n_y at which the search judges C12"
     )
     first: FirstSearch = FirstSearch()
-    generations: int = quantity(50, "-", (1, 100000), "generations of eight rigs")
+    generations: tuple[Annotated[int, within(1, 100000)], ...] = Field(
+        (30, 30),
+        min_length=1,
+        description="generations of eight rigs of each search for calibration.fit; each begins "
+        "at the end of the one before",
+    )
     step: float = quantity(
         0.05, "-", (1e-3, 1), "standard deviation of the first rigs, as a share of each range"
     )

@@ -211,7 +211,7 @@ def settings():
         "check_seeds": [41],
         "taps": [4, 1],
         "first": {"fit": [], "generations": 1},
-        "generations": GENERATIONS,
+        "generations": [GENERATIONS],
         "step": 0.3,
         **SURROGATE,
     }
@@ -604,7 +604,7 @@ def test_interrupted_fit_goes_on_where_it_was(fitted, settings, tmp_path, judged
     judged.stop = EVALUATIONS - 3
     with pytest.raises(KeyboardInterrupt):
         fit(tmp_path, settings)
-    assert [path.name for path in tmp_path.iterdir()] == ["search.jsonl"]
+    assert [path.name for path in tmp_path.iterdir()] == ["search.jsonl.1"]
     judged.points, judged.stop = [], None
     assert undated(fit(tmp_path, settings)) == undated(fitted)
     assert len(judged.points) == POPULATION  # the last generation alone
@@ -714,30 +714,33 @@ def test_search_that_runs_out_of_time_is_reported_as_not_finished(
     clock = SimpleNamespace(monotonic=lambda: float(len(judged.points)))  # a second for each rig
     for module in (stage, importlib.import_module("fprc.calibration.search")):
         monkeypatch.setattr(module, "time", clock)
-    changes = with_calibration(quick.settings, generations=100, minutes=0.3)
+    changes = with_calibration(quick.settings, generations=[100], minutes=0.3)
     found = quick.fit(tmp_path, **changes)
     assert (found["finished"], found["generations"], found["evaluations"]) == (False, 3, 24)
 
 
-def test_both_searches_share_the_time(quick, judged, tmp_path, monkeypatch):
+def test_all_searches_share_the_time(quick, judged, tmp_path, monkeypatch):
     clock = SimpleNamespace(monotonic=lambda: float(len(judged.points)))  # a second for each rig
     for module in (stage, importlib.import_module("fprc.calibration.search")):
         monkeypatch.setattr(module, "time", clock)
     first = {"fit": ["tables"], "generations": 100}
-    changes = with_calibration(quick.settings, first=first, generations=100, minutes=0.3)
+    changes = with_calibration(quick.settings, first=first, generations=[100], minutes=0.3)
     found = quick.fit(tmp_path, **changes)
     assert (found["finished"], found["generations"]) == (False, 3 + 1)
-    assert found["first"] == {"fit": ["tables"], "generations": 3}
+    every = list(quick.settings["calibration"]["fit"])
+    assert found["searches"] == [
+        {"fit": ["tables"], "generations": 3},
+        {"fit": every, "generations": 1},
+    ]
 
 
 def test_first_search_asks_for_nothing_that_the_second_does_not(quick, judged, tmp_path):
     first = {"fit": ["orders", "tables", "C18"], "generations": 1}
     found = quick.fit(tmp_path, **with_calibration(quick.settings, first=first))
-    assert found["first"] == {"fit": ["tables"], "generations": 1}
+    assert found["searches"][0] == {"fit": ["tables"], "generations": 1}
     first["fit"] = ["orders", "C18"]
     found = quick.fit(tmp_path / "none", **with_calibration(quick.settings, first=first))
-    assert found["first"] == {"fit": [], "generations": 0}
-    assert found["generations"] == GENERATIONS
+    assert [each["generations"] for each in found["searches"]] == [GENERATIONS]
 
 
 def test_fit_is_no_worse_than_the_rig_that_it_began_at(quick, tmp_path):
@@ -765,7 +768,7 @@ def test_rig_that_is_worse_on_other_seeds_than_the_one_before_it_is_warned_of(
     assert any("keep the starting rig" in text for text in caplog.messages) is warned
 
 
-def test_second_search_begins_where_the_first_ended(quick, judged, tmp_path, monkeypatch):
+def test_each_search_begins_where_the_one_before_ended(quick, judged, tmp_path, monkeypatch):
     asked = []
     judge = stage.judge_seeds
 
@@ -776,21 +779,27 @@ def test_second_search_begins_where_the_first_ended(quick, judged, tmp_path, mon
     monkeypatch.setattr(stage, "judge_seeds", noting)
     quick.deviation = lambda point, seeds: 10.0 + np.sum(point)
     first = {"fit": ["tables"], "generations": 3}
-    changes = with_calibration(quick.settings, first=first, fit=["tables", "plausible"],
-                               plausible={"angle_deg": [50.0, 70.0]})  # fmt: skip
+    changes = with_calibration(
+        quick.settings, first=first, fit=["tables", "plausible"], generations=[2, 4],
+        plausible={"angle_deg": [50.0, 70.0]},
+    )  # fmt: skip
     found = quick.fit(tmp_path, **changes)
-    assert found["generations"] == 3 + GENERATIONS
-    assert found["evaluations"] == len(judged.points) == POPULATION * (3 + GENERATIONS)
-    of_first, of_second = judged.points[: 3 * POPULATION], judged.points[3 * POPULATION :]
-    # parameters of the rig between the two searches are rounded to four digits
-    assert of_second[0] == pytest.approx(min(of_first, key=sum), rel=1e-3)
+    assert [each["generations"] for each in found["searches"]] == [3, 2, 4]
+    assert found["generations"] == 3 + 2 + 4
+    assert found["evaluations"] == len(judged.points) == POPULATION * (3 + 2 + 4)
+    judged_before = judged.points[: 3 * POPULATION]
+    for begin, end in ((3, 5), (5, 9)):
+        now = judged.points[begin * POPULATION : end * POPULATION]
+        # parameters of the rig between two searches are rounded to four digits
+        assert now[0] == pytest.approx(min(judged_before, key=sum), rel=1e-3)
+        judged_before = now
     assert found["fit"] == ["tables", "plausible"]
     assert found["loss_at_start"] == pytest.approx(12.0 * (10.0 + quick.start.sum()) ** 2, rel=1e-3)
     assert [p["began_at"] for p in found["parameters"]] == quick.start.tolist()
     order = [fit for fit, before in zip(asked, [None, *asked], strict=False) if fit != before]
     assert order == [("tables",), ("tables", "plausible")]
     quick.fit(tmp_path, **changes)
-    assert len(judged.points) == POPULATION * (3 + GENERATIONS)
+    assert len(judged.points) == POPULATION * (3 + 2 + 4)
 
 
 def test_published_numbers_that_cannot_be_read_are_an_error(settings, tmp_path):

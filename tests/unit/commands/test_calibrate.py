@@ -71,7 +71,7 @@ def test_fit_takes_its_settings_from_the_files_merged_in_their_order(run, tmp_pa
             "calibration": {
                 "seeds": [5, 6],
                 "taps": [1, 3],
-                "generations": 1,
+                "generations": [1],
                 "first": {"generations": 1},
             }
         }
@@ -137,8 +137,8 @@ def test_argument_that_makes_no_sense_is_answered_with_the_usage(run, fit, capsy
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("calibration: {generations: 0}\nrig: {drift: {time_s: 0.5}}", "2 errors"),
-        ("calibration: {genrations: 3}", "did you mean calibration.generations?"),
+        ("calibration: {stride: 0}\nrig: {drift: {time_s: 0.5}}", "2 errors"),
+        ("calibration: {genrations: [3]}", "did you mean calibration.generations?"),
         ("- a list", "must hold keys and values"),
         ("rig: [", "cannot be read as YAML"),
     ],
