@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 from pydantic import Field, field_validator, model_validator
 
-from fprc.config.section import Pair, Section, quantities, quantity, rising, within
+from fprc.config.section import Rising, Section, quantities, quantity, within
 
 
 def _none_for_null(value: Any) -> Any:
@@ -116,19 +116,19 @@ class Valves(Section):
 class Limits(Section):
     """Limits that end a run: both valves go to neutral, then both chambers are vented."""
 
-    p_exp_kpa: Pair[Annotated[float, within(-100, 1000)]] = quantities(
+    p_exp_kpa: Rising[Annotated[float, within(-100, 1000)]] = quantities(
         (-20, 480), "kPa", (-100, 1000), "allowed pressure readings of the actuator"
     )
-    p_i_kpa: Pair[Annotated[float, within(-100, 1000)]] = quantities(
+    p_i_kpa: Rising[Annotated[float, within(-100, 1000)]] = quantities(
         (-20, 480), "kPa", (-100, 1000), "allowed pressure readings of PAM A"
     )
-    p_o_kpa: Pair[Annotated[float, within(-100, 1000)]] = quantities(
+    p_o_kpa: Rising[Annotated[float, within(-100, 1000)]] = quantities(
         (20, 400), "kPa", (-100, 1000), "allowed pressure readings of PAM B, sealed at 100 kPa"
     )
-    theta_deg: Pair[Annotated[float, within(-360, 360)]] = quantities(
+    theta_deg: Rising[Annotated[float, within(-360, 360)]] = quantities(
         (-20, 100), "deg", (-360, 360), "allowed readings of the actuator's angle"
     )
-    phi_deg: Pair[Annotated[float, within(-360, 360)]] = quantities(
+    phi_deg: Rising[Annotated[float, within(-360, 360)]] = quantities(
         (-120, 120), "deg", (-360, 360), "allowed readings of the reservoir's angle"
     )
     pressure_step_kpa: float = quantity(
@@ -141,8 +141,6 @@ class Limits(Section):
         0.25, "s", (0.01, 10), "longest time without a new value from a sensor"
     )
     overruns_in_a_row: int = quantity(5, "ticks", (0, 1000), "consecutive missed ticks allowed")
-
-    _rises = field_validator("p_exp_kpa", "p_i_kpa", "p_o_kpa", "theta_deg", "phi_deg")(rising)
 
     @field_validator("p_exp_kpa", "p_i_kpa")
     @classmethod
