@@ -40,16 +40,11 @@ def local_files() -> list[Path]:
     return [_LOCAL] if _LOCAL.exists() else []
 
 
-def check(config: Mapping[str, Any], files: Sequence[Path | str] = ()) -> Settings:
+def check(config: Mapping[str, Any]) -> Settings:
     """Return the typed settings of a nested mapping, completed by the defaults.
 
     The default rig is the fitted one, not that of ``Settings()``. ``rig`` is the name of a rig,
     numbers that change the default rig, or, beside ``fitted``, a whole rig as in a rig's file.
-
-    Parameters
-    ----------
-    files : sequence
-        Files from which it was read, for the error message.
 
     Raises
     ------
@@ -57,7 +52,7 @@ def check(config: Mapping[str, Any], files: Sequence[Path | str] = ()) -> Settin
         Lists every unknown key with the nearest valid one, and every value
         that is of the wrong type or out of range with the limit and a remedy.
     """
-    return _checked([_with_whole_rig({"rig": RIG}), _with_whole_rig(config)], files)
+    return _checked([_with_whole_rig({"rig": RIG}), _with_whole_rig(config)], ())
 
 
 def _checked(layers: Sequence[Mapping[str, Any]], files: Sequence[Path | str]) -> Settings:
