@@ -1,16 +1,14 @@
 """The real rig: boards, sensors, limits. Used only with ``source: rig``."""
 
 from pathlib import PurePath
-from typing import Annotated, Any
+from typing import Annotated
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from fprc.config.section import Rising, Section, quantities, quantity, within
 
-
-def _none_for_null(value: Any) -> Any:
-    """Return None for the text null, which the command line passes."""
-    return None if value == "null" else value
+#: Takes the text null, which the command line passes, as None.
+_NULL = BeforeValidator(lambda value: None if value == "null" else value)
 
 
 class Boards(Section):
@@ -26,7 +24,7 @@ class Boards(Section):
     p_o_input: int = quantity(2, "-", (0, 63), "channel of PAM B's pressure sensor")
     main_output: int = quantity(0, "-", (0, 63), "channel of the actuator's valve")
     reservoir_output: int = quantity(1, "-", (0, 63), "channel of the reservoir's valve")
-    heartbeat_output: Annotated[int, within(0, 63)] | None = Field(
+    heartbeat_output: Annotated[int | None, within(0, 63), _NULL] = Field(
         None,
         description="channel that toggles between 0 and 5 V at every sample, for a watchdog relay "
         "that vents when the toggling stops; null: no relay",
@@ -36,8 +34,6 @@ class Boards(Section):
         description="folder of the lock files that prevent a second program from using the boards, "
         "the same for all users; empty: /run/lock, or /tmp if there is none",
     )
-
-    _null = field_validator("heartbeat_output", mode="before")(_none_for_null)
 
     @field_validator("lock_folder")
     @classmethod
@@ -178,15 +174,13 @@ class Hardware(Section):
     p_i: Transducer = Transducer()
     p_o: Transducer = Transducer()
     theta: AngleSensor = AngleSensor()
-    phi: AngleSensor | None = Field(
+    phi: Annotated[AngleSensor | None, _NULL] = Field(
         AngleSensor(address=0x13),
         description="second angle sensor, on the reservoir, for Fig. 17; null: none",
     )
     valves: Valves = Valves()
     limits: Limits = Limits()
     loop: Loop = Loop()
-
-    _null = field_validator("phi", mode="before")(_none_for_null)
 
     @model_validator(mode="after")
     def _sensor_faults_are_detectable(self) -> "Hardware":
