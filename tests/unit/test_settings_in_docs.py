@@ -6,7 +6,8 @@ import pytest
 
 from fprc.apparatus import check as rig_check
 from fprc.apparatus import guardian
-from fprc.claims import fit_in_words, paired
+from fprc.claims import paired
+from fprc.claims.ledger import fit_in_words
 from fprc.config import Settings
 from fprc.config.load import check
 from fprc.devices import pneumatics

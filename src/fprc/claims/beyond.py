@@ -124,7 +124,8 @@ def judge_world(world: Mapping[str, Any], titles: Mapping[str, str]) -> list[dic
         ``mean``, ``low``, ``high`` (interval at the level that Holm's procedure gives),
         ``verdict``. A ratio below 1 supports the claim, as does a difference above 0.
     """
-    models, sets = _table(measured(world), "model"), _table(capacities(world), "set")
+    models = _table(measured(world), "model", "measure")
+    sets = _table(capacities(world), "set", "quantity")
     found = [
         [_part(part, models, sets, world, titles) for part in claim.parts]
         for claim in CLAIMS.values()
@@ -155,10 +156,9 @@ def judge_world(world: Mapping[str, Any], titles: Mapping[str, str]) -> list[dic
     return rows
 
 
-def _table(tidy: pd.DataFrame, kind: str) -> pd.DataFrame:
+def _table(tidy: pd.DataFrame, *columns: str) -> pd.DataFrame:
     """Return one row per build and one column per model or set and its measure."""
-    what = "measure" if kind == "model" else "quantity"
-    return tidy.pivot_table(index=["unit", "seed"], columns=[kind, what], values="value")
+    return tidy.pivot_table(index=["unit", "seed"], columns=list(columns), values="value")
 
 
 def _part(

@@ -1,6 +1,8 @@
 """Claims C13-C18, about the control and the loops (Secs. II, IV)."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial, reduce
+from operator import getitem
 from typing import Any
 
 import numpy as np
@@ -17,12 +19,7 @@ _GROWTH = 1.2
 
 def _values(results: Results, *keys: str) -> np.ndarray:
     """Return one measured number per further seed."""
-    values = []
-    for value in results.controls:
-        for key in keys:
-            value = value[key]
-        values.append(value)
-    return np.array(values)
+    return np.array([reduce(getitem, keys, report) for report in results.controls])
 
 
 def _errors(results: Results, controller: str) -> dict[str, np.ndarray]:
@@ -60,15 +57,12 @@ def _cut_at_printed_gain(results: Results, published: Mapping[str, Any]) -> Find
 
 
 def _feedforward_predominates(results: Results, published: Mapping[str, Any]) -> Finding:
+    efforts = {r: _values(results, "effort", r) for r in REFERENCES}
     return Finding(
         "P_ff predominates",
         [
-            Statement(
-                f"P_fb / P_ff (rms), {REFERENCE_NAMES[r]}",
-                _values(results, "effort", r),
-                high=0.25,
-            )
-            for r in REFERENCES
+            Statement(f"P_fb / P_ff (rms), {REFERENCE_NAMES[r]}", effort, high=0.25)
+            for r, effort in efforts.items()
         ],
         f"{over_seeds(results.controls)}, identified gain",
     )
@@ -97,16 +91,10 @@ def _loops_removed(results: Results, published: Mapping[str, Any]) -> Finding:
     )
     kp = published["controllers"]["pd"]["kp_kpa_per_deg"]
     span = published["rig"]["bending_range_deg"]
+    text = "width of the loop, FPRC+PD / PD, identified gain"
     return Finding(
         "marked loops of PD, largely removed by FPRC+PD",
-        [
-            Statement(
-                "width of the loop, FPRC+PD / PD, identified gain",
-                both / pd,
-                high=0.5,
-                ratio=False,
-            )
-        ],
+        [Statement(text, both / pd, high=0.5, ratio=False)],
         f"{over_seeds(results.controls)}, sine 0.5 Hz",
         f"At the printed gain an error of {span:g} deg gives {kp * span:g} of "
         f"{_P_EXP_SPAN_KPA:g} kPa: PD alone moves the actuator by "
@@ -136,33 +124,30 @@ def _disturbance(results: Results, published: Mapping[str, Any]) -> Finding:
     )  # fmt: skip
 
 
-def _frequency_independent(pressure: str) -> Any:
-    def test(results: Results, published: Mapping[str, Any]) -> Finding:
-        names = {pressure: f"actuator over the {pressure} P_exp", "reservoir": "reservoir"}
-        return Finding(
-            "no dependence on frequency",
-            [
-                Statement(
-                    f"growth of the loop, {name}",
-                    _values(results, "hysteresis", key),
-                    1 / _GROWTH,
-                    _GROWTH,
-                )
-                for key, name in names.items()
-            ],
-            f"{over_seeds(results.controls)}; last / first quarter of the sweep",
-        )
-
-    return test
+def _frequency_independent(
+    pressure: str, results: Results, published: Mapping[str, Any]
+) -> Finding:
+    growth = {
+        f"actuator over the {pressure} P_exp": _values(results, "hysteresis", pressure),
+        "reservoir": _values(results, "hysteresis", "reservoir"),
+    }
+    return Finding(
+        "no dependence on frequency",
+        [
+            Statement(f"growth of the loop, {name}", values, 1 / _GROWTH, _GROWTH)
+            for name, values in growth.items()
+        ],
+        f"{over_seeds(results.controls)}; last / first quarter of the sweep",
+    )
 
 
-CONTROL_TESTS = {
+CONTROL_TESTS: dict[str, Callable[..., Finding]] = {
     "C13a": _follows,
     "C13b": _cut_at_printed_gain,
     "C14": _feedforward_predominates,
     "C15": _sweep_error,
     "C16": _loops_removed,
     "C17": _disturbance,
-    "C18a": _frequency_independent("measured"),
-    "C18b": _frequency_independent("commanded"),
+    "C18a": partial(_frequency_independent, "measured"),
+    "C18b": partial(_frequency_independent, "commanded"),
 }

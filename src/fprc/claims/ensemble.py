@@ -48,8 +48,7 @@ def shares_of(
     rows = []
     for claim in claims:
         held = held_by[claim["id"]]
-        test = binomtest(int(held.sum()), held.size)
-        interval = test.proportion_ci(level, method="wilson")
+        interval = binomtest(int(held.sum()), held.size).proportion_ci(level, method="wilson")
         rows.append(
             {
                 "id": claim["id"],

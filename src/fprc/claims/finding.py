@@ -82,11 +82,10 @@ class Statement(NamedTuple):
     def room(self) -> float:
         """Distance of the interval's nearer end from the limits; negative beyond them."""
         _, first, last = self.interval
-        ends = (first, last, self.low, self.high)
+        ends = [first, last, self.low, self.high]
         if self.ratio:
-            first, last, low, high = (math.log(end) if end > 0 else -math.inf for end in ends)
-        else:
-            first, last, low, high = ends
+            ends = [math.log(end) if end > 0 else -math.inf for end in ends]
+        first, last, low, high = ends
         return min(first - low, high - last)
 
     def shown(self) -> str:
@@ -119,10 +118,7 @@ class Finding(NamedTuple):
         if self.excluded:
             return CONTRADICTED
         verdicts = {statement.verdict for statement in self.statements}
-        for verdict in (NOT_REPRODUCED, UNDECIDED):
-            if verdict in verdicts:
-                return verdict
-        return REPRODUCED
+        return next((each for each in (NOT_REPRODUCED, UNDECIDED) if each in verdicts), REPRODUCED)
 
     def ours(self) -> str:
         """Return our numbers; of many statements, the one that is closest to its limit."""

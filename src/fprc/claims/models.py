@@ -4,7 +4,8 @@ Errors are those of the further seeds; execution times are those of the main run
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -191,11 +192,11 @@ def _equal_shares(results: Results, published: Mapping[str, Any]) -> Finding:
     )
 
 
-def _cells(results: Results, grid: str, model: str, setting: str, phase: str) -> np.ndarray:
+def _cells(results: Results, setting: str, model: str, phase: str) -> np.ndarray:
     """Return errors over a rising setting, one row per seed; folds are averaged."""
     rows = []
     for report in results.grids:
-        cells = [cell for cell in report[grid] if cell["model"] == model]
+        cells = [cell for cell in report[setting] if cell["model"] == model]
         cells.sort(key=lambda cell: cell[setting])
         rows.append([np.mean(cell[phase]) for cell in cells])
     return np.array(rows)
@@ -206,30 +207,25 @@ def _sizes(results: Results, setting: str) -> list[float]:
     return sorted({cell[setting] for cell in cells if cell["model"] == "fprc"})
 
 
-def _lowers_training(setting: str) -> Any:
-    def test(results: Results, published: Mapping[str, Any]) -> Finding:
-        errors = _cells(results, setting, "fprc", setting, "train_rmse_kpa")
-        sizes = _sizes(results, setting)
-        return Finding(
-            "training falls at every step",
-            [
-                Statement(
-                    f"training at {setting} {sizes[i + 1]:g} / {sizes[i]:g}",
-                    errors[:, i + 1] / errors[:, i],
-                    high=1.0,
-                )
-                for i in range(len(sizes) - 1)
-            ],
-            over_seeds(results.grids),
-        )
+def _lower(what: str, sizes: Sequence[float], errors: np.ndarray, i: int, j: int) -> Statement:
+    """State that the error is lower at the i-th size than at the j-th."""
+    return Statement(f"{what} {sizes[i]:g} / {sizes[j]:g}", errors[:, i] / errors[:, j], high=1.0)
 
-    return test
+
+def _lowers_training(setting: str, results: Results, published: Mapping[str, Any]) -> Finding:
+    errors = _cells(results, setting, "fprc", "train_rmse_kpa")
+    sizes, what = _sizes(results, setting), f"training at {setting}"
+    return Finding(
+        "training falls at every step",
+        [_lower(what, sizes, errors, i + 1, i) for i in range(len(sizes) - 1)],
+        over_seeds(results.grids),
+    )
 
 
 def _not_monotonic(results: Results, published: Mapping[str, Any]) -> Finding:
     statements = []
     for setting in ("epsilon", "n_c"):
-        errors = _cells(results, setting, "fprc", setting, "test_rmse_kpa")
+        errors = _cells(results, setting, "fprc", "test_rmse_kpa")
         steps, sizes = np.diff(np.log(errors), axis=1), _sizes(results, setting)
         for i, low, high in (
             (int(steps.mean(axis=0).argmax()), 1.0, math.inf),
@@ -260,9 +256,7 @@ def _times_over_rules(results: Results, published: Mapping[str, Any]) -> Finding
 def _below_at_every_n_c(results: Results, published: Mapping[str, Any]) -> Finding:
     statements = []
     for phase, shown in PHASES.items():
-        ours, theirs = (
-            _cells(results, "n_c", model, "n_c", phase) for model in ("fprc", "fuzzy_linear")
-        )
+        ours, theirs = (_cells(results, "n_c", model, phase) for model in ("fprc", "fuzzy_linear"))
         statements += [
             Statement(f"FPRC / Fuzzy-linear at n_c {n_c:g}, {shown}", column, high=1.0)
             for n_c, column in zip(_sizes(results, "n_c"), (ours / theirs).T, strict=True)
@@ -270,31 +264,20 @@ def _below_at_every_n_c(results: Results, published: Mapping[str, Any]) -> Findi
     return Finding("at every n_c", statements, over_seeds(results.grids))
 
 
-def _tap_trend(own: str, helps: str) -> Any:
-    def test(results: Results, published: Mapping[str, Any]) -> Finding:
-        grids = [_tap_grid(report["taps"]) for report in results.grids]
-        low, high = (0.0, math.inf) if helps == "fewer" else (-math.inf, 0.0)
-        return Finding(
-            f"{helps} {own}",
-            [
-                Statement(
-                    f"rank correlation of {PHASES[phase]} error with {own}",
-                    np.array([_partial(sizes, own, errors[phase]) for sizes, errors in grids]),
-                    low,
-                    high,
-                    ratio=False,
-                )
-                for phase in ("train_rmse_kpa", "validation_rmse_kpa")
-            ],
-            over_seeds(results.grids),
-        )
-
-    return test
+def _tap_trend(own: str, helps: str, results: Results, published: Mapping[str, Any]) -> Finding:
+    grids = [_tap_grid(report["taps"]) for report in results.grids]
+    low, high = (0.0, math.inf) if helps == "fewer" else (-math.inf, 0.0)
+    statements = []
+    for phase in ("train_rmse_kpa", "validation_rmse_kpa"):
+        trends = np.array([_partial(sizes, own, errors[phase]) for sizes, errors in grids])
+        text = f"rank correlation of {PHASES[phase]} error with {own}"
+        statements.append(Statement(text, trends, low, high, ratio=False))
+    return Finding(f"{helps} {own}", statements, over_seeds(results.grids))
 
 
 def _medium_n_u(results: Results, published: Mapping[str, Any]) -> Finding:
     grids = [_tap_grid(report["taps"]) for report in results.grids]
-    sizes = np.unique(grids[0][0]["n_u"])
+    sizes = np.unique(grids[0][0]["n_u"]).tolist()
     errors = np.array(
         [
             [each["test_rmse_kpa"][found["n_u"] == size].mean() for size in sizes]
@@ -304,15 +287,9 @@ def _medium_n_u(results: Results, published: Mapping[str, Any]) -> Finding:
     best = 1 + int(errors.mean(axis=0)[1:-1].argmin())
     return Finding(
         "a medium n_u",
-        [
-            Statement(
-                f"test at n_u {sizes[best]:g} / {sizes[end]:g}", errors[:, best] / errors[:, end],
-                high=1.0,
-            )
-            for end in (0, -1)
-        ],
+        [_lower("test at n_u", sizes, errors, best, end) for end in (0, -1)],
         f"{over_seeds(results.grids)}, means over n_y",
-    )  # fmt: skip
+    )
 
 
 def _tap_grid(
@@ -333,7 +310,7 @@ def _partial(sizes: Mapping[str, np.ndarray], own: str, values: np.ndarray) -> f
     return float(np.corrcoef(ranks, rowvar=False)[0, 1:].mean())
 
 
-MODEL_TESTS = {
+MODEL_TESTS: dict[str, Callable[..., Finding]] = {
     "C1": _similar_training,
     "C2": _lowest_test,
     "C3": _consistent_test,
@@ -343,12 +320,12 @@ MODEL_TESTS = {
     "C6": _fuzzy_linear_faster,
     "C7": _reversed_worse,
     "C8": _equal_shares,
-    "C9a": _lowers_training("epsilon"),
-    "C9b": _lowers_training("n_c"),
+    "C9a": partial(_lowers_training, "epsilon"),
+    "C9b": partial(_lowers_training, "n_c"),
     "C9c": _not_monotonic,
     "C10": _times_over_rules,
     "C11": _below_at_every_n_c,
-    "C12a": _tap_trend("n_u", "fewer"),
-    "C12b": _tap_trend("n_y", "more"),
+    "C12a": partial(_tap_trend, "n_u", "fewer"),
+    "C12b": partial(_tap_trend, "n_y", "more"),
     "C12c": _medium_n_u,
 }

@@ -8,14 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from fprc.claims.finding import UNDECIDED
-from fprc.claims.paired import (
-    AGREEING,
-    LEAST_UNITS,
-    NOT_JUDGED,
-    Judged,
-    Part,
-    judge_together,
-)
+from fprc.claims.paired import AGREEING, LEAST_UNITS, NOT_JUDGED, Judged, Part, judge_together
 
 #: Blocks that a subset leaves out; fewer than of forty seeds, since there are only ten.
 LEFT_OUT = 2

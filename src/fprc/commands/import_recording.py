@@ -137,7 +137,7 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
         fig = draw_diagnosis(
             recording.time_s, recording.channels, diagnosis, titles=titles, units=units
         )
-        style.save_png(fig, {"source": "import"}, str(png))
+        style.save(fig, {"source": "import"}, str(png))
         write_raw(log, {"time_s": time_s, **channels}, **attributes)
     same = all(np.array_equal(channels[name], recording.channels[name]) for name in channels)
     _report(source, raw, mapping, diagnosis, lines, len(time_s), same)

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from fprc import tables
 from fprc.artifacts import read_json
 from fprc.claims.recording import sentences
 from fprc.config import from_files
@@ -16,6 +15,7 @@ from fprc.escape import code
 from fprc.logs import read_columns
 from fprc.paper import SOURCES
 from fprc.provenance import sha256
+from fprc.tables import readout
 
 #: Recordings of one role, training or test: each is a file and its map.
 Recordings = Sequence[tuple[str, ImportMap]]
@@ -36,7 +36,7 @@ def report_page(
     results: Mapping[str, Any],
 ) -> str:
     """Return the report as Markdown, with links to the figures."""
-    table = tables.readout(results)
+    table = readout.readout(results)
     note, grid = (folder / "readout/readout.md").read_text(encoding="utf-8").split("\n\n", 1)
     ((source, tested),) = parts["complex"]
     further = [path for path, _ in parts["sweep"] if path != source]
@@ -132,11 +132,11 @@ def findings(table: pd.DataFrame, own: Mapping[str, float]) -> list[str]:
     Parameters
     ----------
     table : DataFrame
-        As ``fprc.tables.readout`` gives it.
+        As ``tables.readout.readout`` gives it.
     own : Mapping
         ``epsilon`` and ``n_u`` of the models.
     """
-    held_out = tables.held_out(table)
+    held_out = readout.held_out(table)
     rows = table[table["split"] == held_out]
     at_own = rows[(rows["epsilon"] == own["epsilon"]) & (rows["n_u"] == own["n_u"])]
     at_own = at_own.set_index("readout")

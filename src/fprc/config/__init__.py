@@ -3,12 +3,4 @@
 from fprc.config.load import PUBLISHED, check, from_files, local_files, rig_file, rig_files
 from fprc.config.settings import Settings
 
-__all__ = [
-    "PUBLISHED",
-    "Settings",
-    "check",
-    "from_files",
-    "local_files",
-    "rig_file",
-    "rig_files",
-]
+__all__ = ["PUBLISHED", "Settings", "check", "from_files", "local_files", "rig_file", "rig_files"]

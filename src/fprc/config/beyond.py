@@ -2,9 +2,7 @@
 
 from typing import Annotated
 
-from pydantic import field_validator
-
-from fprc.config.section import Pair, Section, quantities, quantity, rising, within
+from fprc.config.section import Rising, Section, quantities, quantity, within
 
 
 class Disturbances(Section):
@@ -47,7 +45,7 @@ class Capacity(Section):
     hold_s: float = quantity(
         0.5, "s", (0.01, 60), "length of a hold; half a period of the paper's fastest signal"
     )
-    angle_range_deg: Pair[Annotated[float, within(-120, 120)]] = quantities(
+    angle_range_deg: Rising[Annotated[float, within(-120, 120)]] = quantities(
         (5, 60), "deg", (-120, 120), "theta_d of each hold is drawn uniformly from this range"
     )
     samples: int = quantity(4000, "-", (100, 1_000_000), "holds that are evaluated")
@@ -62,8 +60,6 @@ class Capacity(Section):
         (0.03, 0.01, 0.003), "-", (1e-6, 1), "filter factors of the bank of low-passes"
     )
     esn_nodes: int = quantity(100, "-", (1, 10000), "nodes of the ESN")
-
-    _rises = field_validator("angle_range_deg")(rising)
 
 
 class Beyond(Section):

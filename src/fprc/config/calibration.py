@@ -2,37 +2,35 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, model_validator
 
 from fprc.config.free import free_ranges
-from fprc.config.section import Pair, Section, distinct, quantities, quantity, rising, within
+from fprc.config.section import Distinct, Rising, Section, quantities, quantity, within
 
 
 class Plausible(Section):
     """Plausible ranges of a fitted rig's properties."""
 
-    angle_deg: Pair[Annotated[float, within(1, 120)]] = quantities(
+    angle_deg: Rising[Annotated[float, within(1, 120)]] = quantities(
         (57, 63), "deg", (1, 120), "largest angle of the sweep", "paper: about 60 deg"
     )
-    loop_kpa: Pair[Annotated[float, within(1, 400)]] = quantities(
+    loop_kpa: Rising[Annotated[float, within(1, 400)]] = quantities(
         (45, 75), "kPa", (1, 400), "width of the loop at mid-angle", "Fuzzy-linear's printed error"
     )
-    loop_growth: Pair[Annotated[float, within(0.1, 10)]] = quantities(
+    loop_growth: Rising[Annotated[float, within(0.1, 10)]] = quantities(
         (0.87, 1.15), "-", (0.1, 10), "growth of that width from the first to the last quarter",
         "paper, Sec. II-B: independent of frequency",
     )  # fmt: skip
-    p_o_swing_kpa: Pair[Annotated[float, within(1, 400)]] = quantities(
+    p_o_swing_kpa: Rising[Annotated[float, within(1, 400)]] = quantities(
         (40, 80), "kPa", (1, 400), "swing of P_o in the sweep", "size of the chambers"
     )
-    p_o_loop: Pair[Annotated[float, within(0.001, 2)]] = quantities(
+    p_o_loop: Rising[Annotated[float, within(0.001, 2)]] = quantities(
         (0.17, 0.4), "-", (0.001, 2), "width of P_o's loop over its swing", "paper, Fig. 5"
     )
-    p_o_loop_growth: Pair[Annotated[float, within(0.1, 10)]] = quantities(
+    p_o_loop_growth: Rising[Annotated[float, within(0.1, 10)]] = quantities(
         (0.87, 1.15), "-", (0.1, 10), "growth of that width from the first to the last quarter",
         "paper, Sec. II-B: independent of frequency",
     )  # fmt: skip
-
-    _rises = field_validator("*")(rising)
 
 
 #: Terms of the objective, see ``fprc.calibration.objective``.
@@ -139,7 +137,7 @@ class Calibration(Section):
         min_length=1,
         description="noise seeds on which the fitted rig is compared with the starting rig",
     )
-    taps: tuple[Annotated[int, within(1, 10)], ...] = Field(
+    taps: Distinct[Annotated[int, within(1, 10)]] = Field(
         (2, 4, 7, 10), min_length=2, description="n_u and n_y at which the search judges C12"
     )
     first: FirstSearch = FirstSearch()
@@ -158,8 +156,6 @@ class Calibration(Section):
     stride: int = quantity(5, "samples", (1, 1000), "the surrogate models fit every n-th row")
     esn_nodes: int = quantity(150, "-", (1, 10000), "reservoir size of the surrogate ESN")
     plausible: Plausible = Plausible()
-
-    _taps_differ = field_validator("taps")(distinct)
 
     @model_validator(mode="after")
     def _free_parameters_exist(self) -> "Calibration":
@@ -192,14 +188,12 @@ class Ensemble(Section):
     rigs: int = quantity(40, "-", (1, 1_000_000), "number of rigs")
     chunk: int = quantity(5, "-", (1, 100000), "rigs per job")
     seed: int = quantity(1000, "-", (0, 2**31), "seed of the draws, and of each rig's noise")
-    angle_deg: Pair[Annotated[float, within(1, 120)]] = quantities(
+    angle_deg: Rising[Annotated[float, within(1, 120)]] = quantities(
         (50, 70), "deg", (1, 120), "range of the largest angle; other rigs are rejected"
     )
-    p_o_swing_kpa: Pair[Annotated[float, within(1, 400)]] = quantities(
+    p_o_swing_kpa: Rising[Annotated[float, within(1, 400)]] = quantities(
         (30, 100), "kPa", (1, 400), "range of the swing of P_o; other rigs are rejected"
     )
     sensitivity_steps: int = quantity(
         5, "-", (2, 100), "values over each parameter's range in the sensitivity table"
     )
-
-    _rises = field_validator("angle_deg", "p_o_swing_kpa")(rising)

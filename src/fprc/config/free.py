@@ -37,19 +37,16 @@ def free_ranges(
                 f"calibration.free: {path} follows from the other weights, as all sum to 1; "
                 "remove it"
             )
-            continue
-        physical = _physical(path, parameters)
-        if physical is None:
+        elif (physical := _physical(path, parameters)) is None:
             problems.append(f"calibration.free: {path} is not a number of the rig; remove it")
-            continue
-        low, high = narrower.get(path, physical)
-        if not physical[0] <= low < high <= physical[1]:
-            problems.append(
-                f"calibration.ranges: {path} is {low:g} to {high:g}; must rise and lie within "
-                f"{physical[0]:g} to {physical[1]:g}"
-            )
-            continue
-        ranges[path] = (float(low), float(high))
+        else:
+            low, high = map(float, narrower.get(path, physical))
+            ranges[path] = (low, high)
+            if not physical[0] <= low < high <= physical[1]:
+                problems.append(
+                    f"calibration.ranges: {path} is {low:g} to {high:g}; must rise and lie within "
+                    f"{physical[0]:g} to {physical[1]:g}"
+                )
     if problems:
         raise ValueError("\n  ".join(problems))
     return ranges

@@ -1,16 +1,14 @@
 """The real rig: boards, sensors, limits. Used only with ``source: rig``."""
 
 from pathlib import PurePath
-from typing import Annotated, Any
+from typing import Annotated
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import BeforeValidator, Field, field_validator, model_validator
 
-from fprc.config.section import Pair, Section, quantities, quantity, rising, within
+from fprc.config.section import Rising, Section, quantities, quantity, within
 
-
-def _none_for_null(value: Any) -> Any:
-    """Return None for the text null, which the command line passes."""
-    return None if value == "null" else value
+#: Takes the text null, which the command line passes, as None.
+_NULL = BeforeValidator(lambda value: None if value == "null" else value)
 
 
 class Boards(Section):
@@ -26,7 +24,7 @@ class Boards(Section):
     p_o_input: int = quantity(2, "-", (0, 63), "channel of PAM B's pressure sensor")
     main_output: int = quantity(0, "-", (0, 63), "channel of the actuator's valve")
     reservoir_output: int = quantity(1, "-", (0, 63), "channel of the reservoir's valve")
-    heartbeat_output: Annotated[int, within(0, 63)] | None = Field(
+    heartbeat_output: Annotated[int | None, within(0, 63), _NULL] = Field(
         None,
         description="channel that toggles between 0 and 5 V at every sample, for a watchdog relay "
         "that vents when the toggling stops; null: no relay",
@@ -36,8 +34,6 @@ class Boards(Section):
         description="folder of the lock files that prevent a second program from using the boards, "
         "the same for all users; empty: /run/lock, or /tmp if there is none",
     )
-
-    _null = field_validator("heartbeat_output", mode="before")(_none_for_null)
 
     @field_validator("lock_folder")
     @classmethod
@@ -116,19 +112,19 @@ class Valves(Section):
 class Limits(Section):
     """Limits that end a run: both valves go to neutral, then both chambers are vented."""
 
-    p_exp_kpa: Pair[Annotated[float, within(-100, 1000)]] = quantities(
+    p_exp_kpa: Rising[Annotated[float, within(-100, 1000)]] = quantities(
         (-20, 480), "kPa", (-100, 1000), "allowed pressure readings of the actuator"
     )
-    p_i_kpa: Pair[Annotated[float, within(-100, 1000)]] = quantities(
+    p_i_kpa: Rising[Annotated[float, within(-100, 1000)]] = quantities(
         (-20, 480), "kPa", (-100, 1000), "allowed pressure readings of PAM A"
     )
-    p_o_kpa: Pair[Annotated[float, within(-100, 1000)]] = quantities(
+    p_o_kpa: Rising[Annotated[float, within(-100, 1000)]] = quantities(
         (20, 400), "kPa", (-100, 1000), "allowed pressure readings of PAM B, sealed at 100 kPa"
     )
-    theta_deg: Pair[Annotated[float, within(-360, 360)]] = quantities(
+    theta_deg: Rising[Annotated[float, within(-360, 360)]] = quantities(
         (-20, 100), "deg", (-360, 360), "allowed readings of the actuator's angle"
     )
-    phi_deg: Pair[Annotated[float, within(-360, 360)]] = quantities(
+    phi_deg: Rising[Annotated[float, within(-360, 360)]] = quantities(
         (-120, 120), "deg", (-360, 360), "allowed readings of the reservoir's angle"
     )
     pressure_step_kpa: float = quantity(
@@ -141,8 +137,6 @@ class Limits(Section):
         0.25, "s", (0.01, 10), "longest time without a new value from a sensor"
     )
     overruns_in_a_row: int = quantity(5, "ticks", (0, 1000), "consecutive missed ticks allowed")
-
-    _rises = field_validator("p_exp_kpa", "p_i_kpa", "p_o_kpa", "theta_deg", "phi_deg")(rising)
 
     @field_validator("p_exp_kpa", "p_i_kpa")
     @classmethod
@@ -180,15 +174,13 @@ class Hardware(Section):
     p_i: Transducer = Transducer()
     p_o: Transducer = Transducer()
     theta: AngleSensor = AngleSensor()
-    phi: AngleSensor | None = Field(
+    phi: Annotated[AngleSensor | None, _NULL] = Field(
         AngleSensor(address=0x13),
         description="second angle sensor, on the reservoir, for Fig. 17; null: none",
     )
     valves: Valves = Valves()
     limits: Limits = Limits()
     loop: Loop = Loop()
-
-    _null = field_validator("phi", mode="before")(_none_for_null)
 
     @model_validator(mode="after")
     def _sensor_faults_are_detectable(self) -> "Hardware":

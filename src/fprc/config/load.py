@@ -1,6 +1,7 @@
 """Check a configuration and report every error at once."""
 
 import difflib
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -39,16 +40,11 @@ def local_files() -> list[Path]:
     return [_LOCAL] if _LOCAL.exists() else []
 
 
-def check(config: Mapping[str, Any], files: Sequence[Path | str] = ()) -> Settings:
+def check(config: Mapping[str, Any]) -> Settings:
     """Return the typed settings of a nested mapping, completed by the defaults.
 
     The default rig is the fitted one, not that of ``Settings()``. ``rig`` is the name of a rig,
     numbers that change the default rig, or, beside ``fitted``, a whole rig as in a rig's file.
-
-    Parameters
-    ----------
-    files : sequence
-        Files from which it was read, for the error message.
 
     Raises
     ------
@@ -56,7 +52,7 @@ def check(config: Mapping[str, Any], files: Sequence[Path | str] = ()) -> Settin
         Lists every unknown key with the nearest valid one, and every value
         that is of the wrong type or out of range with the limit and a remedy.
     """
-    return _checked([_with_whole_rig({"rig": RIG}), _with_whole_rig(config)], files)
+    return _checked([_with_whole_rig({"rig": RIG}), _with_whole_rig(config)], ())
 
 
 def _checked(layers: Sequence[Mapping[str, Any]], files: Sequence[Path | str]) -> Settings:
@@ -64,13 +60,13 @@ def _checked(layers: Sequence[Mapping[str, Any]], files: Sequence[Path | str]) -
     remaining = Settings().model_dump()
     for layer in layers:
         _merge(remaining, layer)
-    lines: list[str] = []
+    lines: dict[str, None] = {}
     while True:
         try:
             settings = Settings.model_validate(remaining)
             break
         except ValidationError as error:
-            lines += [line for line in map(_line, error.errors()) if line not in lines]
+            lines |= dict.fromkeys(map(_line, _true_errors(error)))
             # checks across several keys run only once each key is valid by itself
             restored = [_restore_default(remaining, item) for item in error.errors()]
             if not any(restored):
@@ -80,6 +76,13 @@ def _checked(layers: Sequence[Mapping[str, Any]], files: Sequence[Path | str]) -
     noun = "error" if len(lines) == 1 else "errors"
     read = f" ({', '.join(map(str, files))})" if files else ""
     raise ConfigError("\n".join([f"{len(lines)} {noun} in the configuration{read}:", *lines]))
+
+
+def _true_errors(error: ValidationError) -> list[Any]:
+    """Return the errors, without those of lists that lack items only because these are wrong."""
+    items = error.errors()
+    lists = {item["loc"][:-1] for item in items}
+    return [item for item in items if item["type"] != "too_short" or item["loc"] not in lists]
 
 
 def _restore_default(config: Any, item: Mapping[str, Any]) -> bool:
@@ -189,6 +192,9 @@ def _line(item: Mapping[str, Any]) -> str:
         named = ".".join(map(str, [*item["loc"][:-1], item["input"]]))
         return f"  {named}: unknown key; keys are words, such as seed"
     message = item["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
+    message = re.sub(r"Tuple should (have .*) after validation, not \d+", r"must \1", message)
+    if item["type"] == "missing" and isinstance(item["loc"][-1], int):
+        key, message = key.rpartition(".")[0], "has too few items"
     where = f"{key} = {item['input']}: " if key and item["type"] != "value_error" else ""
     remedy = f"; remove the key for {defaults[key]!r}" if key in defaults else ""
     if not where and key:

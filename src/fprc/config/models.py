@@ -3,9 +3,9 @@
 from importlib.util import find_spec
 from typing import Annotated, Literal
 
-from pydantic import Field, field_validator
+from pydantic import Field, ValidationInfo, field_validator
 
-from fprc.config.section import Section, distinct, quantities, quantity, within
+from fprc.config.section import Distinct, Section, quantities, quantity, within
 from fprc.paper import controller_and_gain
 from fprc.registry import MODELS
 
@@ -107,7 +107,7 @@ class Evaluation(Section):
         0, "deg", (-1e4, 1e4), "recorded theta at which the simulated reservoir is vented"
     )
     timing_repeats: int = quantity(10, "-", (1, 100), "repeats of the timing", "paper, Sec. III-D")
-    replicate_seeds: tuple[Annotated[int, within(0, 2**31)], ...] = Field(
+    replicate_seeds: Distinct[Annotated[int, within(0, 2**31)]] = Field(
         (501, 502, 503, 504, 505, 506, 507, 508, 509, 510),
         min_length=2,
         description="seeds of further rigs, on which tables, grids and runs are repeated",
@@ -115,8 +115,6 @@ class Evaluation(Section):
     verdict_seeds: int = quantity(
         10, "-", (2, 100000), "number of these seeds, from the first, that decide the verdicts"
     )
-
-    _seeds_differ = field_validator("replicate_seeds")(distinct)
 
 
 class Grids(Section):
@@ -140,18 +138,11 @@ class Grids(Section):
     )  # fmt: skip
     chunks: int = quantity(1, "-", (1, 100), "jobs per grid; useful up to its number of cells")
 
-    @field_validator("n_u")
+    @field_validator("n_u", "n_y")
     @classmethod
-    def _taps_have_a_middle(cls, taps: tuple[int, ...]) -> tuple[int, ...]:
-        if len(set(taps)) < max(len(taps), 3):
-            raise ValueError(f"{taps} must be three or more different sizes, so that one is medium")
-        return taps
-
-    @field_validator("n_y")
-    @classmethod
-    def _taps_have_a_trend(cls, taps: tuple[int, ...]) -> tuple[int, ...]:
-        if len(set(taps)) < max(len(taps), 2):
-            raise ValueError(
-                f"{taps} must be two or more different sizes, so that there is a trend"
-            )
+    def _sizes_differ(cls, taps: tuple[int, ...], info: ValidationInfo) -> tuple[int, ...]:
+        least, why = (3, "one is medium") if info.field_name == "n_u" else (2, "there is a trend")
+        if len(set(taps)) < max(len(taps), least):
+            number = {2: "two", 3: "three"}[least]
+            raise ValueError(f"{taps} must be {number} or more different sizes, so that {why}")
         return taps

@@ -3,7 +3,6 @@
 import inspect
 import json
 from functools import cache
-from itertools import chain
 from typing import Any
 
 import yaml
@@ -34,6 +33,8 @@ expands their aliases, which may take all memory: check a file from elsewhere fi
 about a file that it cannot read does not name the file; that of `fprc config check FILE` does.
 """
 
+_TABLE = ["| key | unit | default | range | meaning | source |", "|" + "---|" * 6]
+
 
 def defaults() -> str:
     """Return config/config.yaml: every setting but the rig's, at its default."""
@@ -60,18 +61,9 @@ def reference() -> str:
     groups: dict[str, list[str]] = {}
     for key, default, field, section in fields(Settings()):
         group, _, name = key.rpartition(".")
-        if group not in groups:
-            groups[group] = [
-                "",
-                f"## {group or 'Top level'}",
-                "",
-                inspect.getdoc(section) or "",
-                "",
-            ]
-            groups[group] += ["| key | unit | default | range | meaning | source |"]
-            groups[group] += ["|" + "---|" * 6]
-        groups[group].append(_row(name, default, field, section))
-    return "\n".join([*lines, *chain.from_iterable(groups.values())]) + "\n"
+        head = ["", f"## {group or 'Top level'}", "", inspect.getdoc(section) or "", ""]
+        groups.setdefault(group, head + _TABLE).append(_row(name, default, field, section))
+    return "\n".join(sum(groups.values(), lines)) + "\n"
 
 
 def _row(name: str, default: Any, field: Any, section: type[BaseModel]) -> str:
@@ -81,7 +73,7 @@ def _row(name: str, default: Any, field: Any, section: type[BaseModel]) -> str:
     shown = f"`{json.dumps(default)}`"
     meaning, source = field.description or "", schema.get("source", "")
     cells = (f"`{name}`", schema.get("unit", ""), shown, limits, meaning, source)
-    return "| " + " | ".join(cells) + " |"
+    return f"| {' | '.join(cells)} |"
 
 
 @cache

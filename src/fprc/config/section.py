@@ -1,10 +1,10 @@
 """Base class of the configuration's sections, and helpers that declare their keys."""
 
 from collections.abc import Iterator
-from typing import Any, TypeVar
+from typing import Annotated, Any, TypeVar
 
 from annotated_types import Interval
-from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 from pydantic.fields import FieldInfo
 
 T = TypeVar("T")
@@ -46,18 +46,21 @@ def quantities(
     return Field(default, min_length=1, description=meaning, json_schema_extra=extra)
 
 
-def rising(limits: Pair[float]) -> Pair[float]:
-    """Return the limits of a range; raise ValueError if it is empty."""
+def _rises(limits: Pair[float]) -> Pair[float]:
     if limits[0] >= limits[1]:
         raise ValueError(f"{limits} is empty; put the lower end first")
     return limits
 
 
-def distinct(numbers: tuple[T, ...]) -> tuple[T, ...]:
-    """Return numbers; raise ValueError if one is repeated."""
+def _differ(numbers: tuple[int, ...]) -> tuple[int, ...]:
     if len(set(numbers)) < len(numbers):
         raise ValueError(f"{numbers} repeats a number; give each once")
     return numbers
+
+
+#: A pair whose lower end comes first, and numbers of which none is repeated.
+Rising = Annotated[Pair[T], AfterValidator(_rises)]
+Distinct = Annotated[tuple[T, ...], AfterValidator(_differ)]
 
 
 def within(low: float, high: float) -> Interval:

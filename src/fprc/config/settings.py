@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, model_validator
 
 from fprc.config.beyond import Beyond
 from fprc.config.calibration import Calibration, Ensemble, Fitted, Posterior
@@ -10,7 +10,7 @@ from fprc.config.folders import Folders
 from fprc.config.hardware import Hardware
 from fprc.config.models import Evaluation, Grids, Models
 from fprc.config.rig import Rig
-from fprc.config.section import Pair, Section, quantities, quantity, rising, within
+from fprc.config.section import Rising, Section, quantities, quantity, within
 from fprc.config.tracking import Tracking
 
 
@@ -76,32 +76,24 @@ class Quality(Section):
     rate_tolerance: float = quantity(0.01, "-", (0, 0.2), "relative error of the mean sample rate")
     gap_periods: float = quantity(1.5, "periods", (1.01, 100), "a longer step is a gap")
     stuck_s: float = quantity(2.0, "s", (0.05, 60), "a channel is stuck if unchanged for longer")
-    pressure_range_kpa: Pair[Annotated[float, within(-100, 1000)]] = quantities(
+    pressure_range_kpa: Rising[Annotated[float, within(-100, 1000)]] = quantities(
         (-20, 995), "kPa", (-100, 1000), "commands and readings outside are implausible"
     )
-    angle_range_deg: Pair[Annotated[float, within(-360, 360)]] = quantities(
+    angle_range_deg: Rising[Annotated[float, within(-360, 360)]] = quantities(
         (-45, 120), "deg", (-360, 360), "theta and theta_d outside are implausible"
     )
-    reservoir_angle_range_deg: Pair[Annotated[float, within(-360, 360)]] = quantities(
+    reservoir_angle_range_deg: Rising[Annotated[float, within(-360, 360)]] = quantities(
         (-120, 120), "deg", (-360, 360), "phi outside is implausible"
     )
-    voltage_range_v: Pair[Annotated[float, within(-20, 20)]] = quantities(
+    voltage_range_v: Rising[Annotated[float, within(-20, 20)]] = quantities(
         (0, 10), "V", (-20, 20), "voltages of the valves outside are implausible"
     )
-    effort_range_kpa: Pair[Annotated[float, within(-10000, 10000)]] = quantities(
+    effort_range_kpa: Rising[Annotated[float, within(-10000, 10000)]] = quantities(
         (-1000, 1000), "kPa", (-10000, 10000), "P_ff and P_fb outside are implausible"
     )
     leak_kpa_per_min: float = quantity(
         5.0, "kPa/min", (0, 100), "fastest fall of P_o at equal P_i that is no leak"
     )
-
-    _rises = field_validator(
-        "pressure_range_kpa",
-        "angle_range_deg",
-        "reservoir_angle_range_deg",
-        "voltage_range_v",
-        "effort_range_kpa",
-    )(rising)
 
 
 class Settings(Section):

@@ -35,7 +35,7 @@ def plot_growth(table: DataFrame, ax: Axes) -> Axes:
     if len(size) > 2 and np.exp(np.abs(np.log(law / seconds)).max()) < _FITS:
         ax.plot(size, law, ":", color=_TIME, linewidth=1.2)
         ax.set_title(f"$n^{{{power:.2f}}}$", loc="right")
-    ax.set_xticks(size, [_short(each) for each in size])
+    ax.set_xticks(size, [f"{n:g}" if n < 1000 else f"{n / 1000:g}k" for n in size])
     ax.set_ylabel("Time [s]")
     memory.set_ylabel("Memory [MB]", color=_MEMORY)
     for axis, values in ((ax, seconds), (memory, table["peak_mb"])):
@@ -48,7 +48,3 @@ def _decades(values: ArrayLike) -> tuple[float, float]:
     """Return the powers of ten around the values."""
     low, high = np.log10([np.min(values) / 1.1, np.max(values) * 1.1])
     return 10.0 ** np.floor(low), 10.0 ** np.ceil(high)
-
-
-def _short(size: float) -> str:
-    return f"{size:g}" if size < 1000 else f"{size / 1000:g}k"

@@ -116,8 +116,7 @@ def plot_errors_and_tracking(
             ax.plot(*point, "o", color="0.2", markersize=8, markerfacecolor="white",
                     markeredgewidth=0.5, label=label)  # fmt: skip
             ax.annotate(str(number), point, ha="center", va="center_baseline", fontsize=_NUMBER_PT)
-    ax.set(xlabel="Test RMSE, forward [kPa]", ylabel="Tracking RMSE [deg]")
-    ax.set_xscale("log")
+    ax.set(xlabel="Test RMSE, forward [kPa]", ylabel="Tracking RMSE [deg]", xscale="log")
     ax.xaxis.set_major_locator(MaxNLocator(8))
     ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     ax.xaxis.set_minor_locator(NullLocator())

@@ -40,9 +40,7 @@ def draw_diagnosis(
         rows, 2, 2 * style.COLUMN_IN, 0.3 + 0.85 * rows, width_ratios=(2.0, 1.0), squeeze=False
     )
     grid = axes[0, 0].get_gridspec()
-    for ax in axes[:, 1]:
-        ax.remove()
-    for ax in axes[len(channels) :, 0]:
+    for ax in [*axes[:, 1], *axes[len(channels) :, 0]]:
         ax.remove()
     left = axes[: len(channels), 0]
     for ax, (name, values) in zip(left, channels.items(), strict=True):
@@ -59,15 +57,9 @@ def draw_diagnosis(
     target = "p_exp_kpa" if "p_exp_kpa" in channels else "p_exp_command_kpa"
     every = -(-len(time_s) // _POINTS)
     loop = fig.add_subplot(grid[:, 1])
-    labels = [f"{name} [{units[name]}]" if units[name] else f"{name}, not in its unit"
-              for name in (target, "theta_deg")]  # fmt: skip
-    plot_loop(
-        channels[target][::every],
-        channels["theta_deg"][::every],
-        time_s[::every],
-        loop,
-        (labels[0], labels[1]),
-    )
+    p_exp, theta = channels[target][::every], channels["theta_deg"][::every]
+    labels = _axis(target, units), _axis("theta_deg", units)
+    plot_loop(p_exp, theta, time_s[::every], loop, labels)
     style.letter(loop, "Loops, from dark to bright")
     marks = [ax.get_legend_handles_labels() for ax in left]
     by_label = {label: mark for pair in marks for mark, label in zip(*pair, strict=True)}
@@ -96,6 +88,10 @@ def plot_channel(
             ax.axvline(step["at_s"], color=_STEP, linewidth=0.6, linestyle=(0, (3, 2)),
                        label="re-fill or sudden loss")  # fmt: skip
     return ax
+
+
+def _axis(name: str, units: Mapping[str, str]) -> str:
+    return f"{name} [{units[name]}]" if units[name] else f"{name}, not in its unit"
 
 
 def _colour(name: str) -> str:

@@ -40,20 +40,14 @@ def plot_front(table: DataFrame, ax: Axes) -> Axes:
     table : DataFrame
         ``search``, ``rigs``, ``kind`` (front or end), ``tables_percent`` and ``claims_loss``.
     """
+    x, y = "tables_percent", "claims_loss"
     searches = table["search"].nunique()
     for number, (name, own) in enumerate(table.groupby("search", sort=False)):
         front, end = (own[own["kind"] == kind] for kind in ("front", "end"))
         grey = str(0.7 * number / max(searches - 1, 1))
-        ax.step(front["tables_percent"], front["claims_loss"], "-", where="post", color=grey,
-                linewidth=0.8)  # fmt: skip
+        ax.step(front[x], front[y], "-", where="post", color=grey, linewidth=0.8)
         label = f"{name}, {own['rigs'].iloc[0]} rigs" if len(front) else name
-        ax.plot(
-            end["tables_percent"],
-            end["claims_loss"],
-            _ENDS[number % len(_ENDS)],
-            color=grey,
-            label=label,
-        )
+        ax.plot(end[x], end[y], _ENDS[number % len(_ENDS)], color=grey, label=label)
     ax.set_yscale("symlog", linthresh=10.0)
     ax.set_ylim(bottom=0.0)
     ax.set(

@@ -13,8 +13,7 @@ def plot_command(
 ) -> Axes:
     """Draw a pressure command over time."""
     ax.plot(time_s, p_exp_kpa, color=colour, linewidth=0.5)
-    ax.set(xlabel="Time [s]", ylabel=label)
-    ax.set_xlim(time_s[0], time_s[-1])
+    ax.set(xlabel="Time [s]", ylabel=label, xlim=(time_s[0], time_s[-1]))
     return ax
 
 

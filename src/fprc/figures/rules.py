@@ -46,11 +46,10 @@ def merged(graph: Mapping[str, frozenset[str]]) -> dict[Node, frozenset[Node]]:
 
 def label_of(rules: Iterable[str]) -> str:
     """Return the names of a node's rules, the figures as one."""
-    numbers = [
-        name.removeprefix("draw_fig") for name in rules if re.fullmatch(r"draw_fig\d+", name)
-    ]
-    others = [name for name in rules if not re.fullmatch(r"draw_fig\d+", name)]
-    return "\n".join([*others, *(["draw_fig " + ", ".join(numbers)] if numbers else [])])
+    figures = [name for name in rules if re.fullmatch(r"draw_fig\d+", name)]
+    others = [name for name in rules if name not in figures]
+    numbers = ", ".join(name.removeprefix("draw_fig") for name in figures)
+    return "\n".join([*others, f"draw_fig {numbers}"] if figures else others)
 
 
 def plot_rules(graph: Mapping[str, frozenset[str]], ax: Axes) -> None:

@@ -96,11 +96,8 @@ def letter(ax: Axes, text: str) -> None:
 
 def legend_above(*axes: Axes) -> None:
     """Put the legend of the first axes, and of its twins, above its right edge."""
-    handles, labels = [], []
-    for ax in axes:
-        more_handles, more_labels = ax.get_legend_handles_labels()
-        handles += more_handles
-        labels += more_labels
+    handles = [handle for ax in axes for handle in ax.get_legend_handles_labels()[0]]
+    labels = [label for ax in axes for label in ax.get_legend_handles_labels()[1]]
     axes[0].legend(handles, labels, loc="lower right", bbox_to_anchor=(1.0, 1.0),
                    borderaxespad=0.1, ncols=len(labels), handlelength=1.4,
                    columnspacing=1.0)  # fmt: skip
@@ -123,8 +120,12 @@ _MARKS = {
 }
 
 
-def save(fig: Figure, data: Mapping[str, Any], pdf: str, png: str) -> Mapping[str, Any]:
-    """Write a figure as PDF and PNG, marked with the source of its data.
+#: What a file does not say of itself: when and by what it was made.
+_LEFT_OUT = {".pdf": {"CreationDate": None}, ".png": {"Software": None}}
+
+
+def save(fig: Figure, data: Mapping[str, Any], *files: str) -> Mapping[str, Any]:
+    """Write a figure to PDF and PNG files, marked with the source of its data.
 
     The same figure gives the same bytes: no creation date is written. Returns ``data``, for the
     provenance of the figure.
@@ -135,26 +136,17 @@ def save(fig: Figure, data: Mapping[str, Any], pdf: str, png: str) -> Mapping[st
         Attributes of the data: ``source`` (of a log, or none for a drawing), and
         ``seed`` where it is simulated, or ``seeds`` of several simulated rigs.
     """
-    _write(fig, data, {pdf: {"CreationDate": None}, png: {"Software": None}})
-    return data
-
-
-def save_png(fig: Figure, data: Mapping[str, Any], png: str) -> None:
-    """Write a figure as ``save`` does, but as PNG alone."""
-    _write(fig, data, {png: {"Software": None}})
-
-
-def _write(fig: Figure, data: Mapping[str, Any], files: Mapping[str, Mapping[str, Any]]) -> None:
     mark = "simulated rigs" if "seeds" in data else _MARKS[data["source"]].format_map(data)
     fig.supxlabel(mark, x=0.99, ha="right", fontsize=MARK_PT, color="0.45")
     with warnings.catch_warnings():
         # names from files may have characters that the font lacks; each is drawn as a box
         warnings.filterwarnings("ignore", message="Glyph .* missing from font")
         _fix_layout(fig)
-        for path, metadata in files.items():
-            with replacing(Path(path)) as temporary:
-                fig.savefig(temporary, metadata=metadata)
+        for path in map(Path, files):
+            with replacing(path) as temporary:
+                fig.savefig(temporary, metadata=_LEFT_OUT[path.suffix])
     plt.close(fig)
+    return data
 
 
 def _fix_layout(fig: Figure) -> None:

@@ -40,8 +40,7 @@ def plot_error(
     ax.axhline(0.0, color="0.6", linewidth=0.4)
     unit = escape.figure(unit)
     ax.set_title(f"RMSE {rmse:.1f} {unit}", loc="right")
-    ax.set(xlabel="Time [s]", ylabel=f"Error [{unit}]")
-    ax.set_xlim(time_s[0], time_s[-1])
+    ax.set(xlabel="Time [s]", ylabel=f"Error [{unit}]", xlim=(time_s[0], time_s[-1]))
     return ax
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from PIL import Image, ImageChops
 
 from fprc.artifacts import leftovers, read_json
-from fprc.claims import changed_verdicts
+from fprc.claims.ledger import changed_verdicts
 from fprc.errors import FprcError
 from fprc.yaml_file import read_yaml
 

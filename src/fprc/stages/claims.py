@@ -7,9 +7,10 @@ from typing import Any
 import pandas as pd
 
 from fprc.artifacts import read_json, write_json, write_text
-from fprc.claims import Results, fit_in_words, judge_claims, status_of, turned_verdicts
+from fprc.claims.finding import Results
+from fprc.claims.ledger import fit_in_words, judge_claims, status_of, turned_verdicts
 from fprc.paper import SOURCES
-from fprc.tables import markdown
+from fprc.tables.text import markdown
 from fprc.yaml_file import read_yaml
 
 log = logging.getLogger(__name__)

@@ -20,8 +20,8 @@ from fprc.experiments.competitors import (
 from fprc.experiments.data import read_data, refuse_mixture
 from fprc.experiments.settings import Judgement
 from fprc.paper import SOURCES
-from fprc.tables import markdown
 from fprc.tables.competitors import competitors_page, competitors_table
+from fprc.tables.text import markdown
 
 
 def compare_competitors(

@@ -14,7 +14,8 @@ from fprc.errors import FprcError
 from fprc.paper import ERRORS
 from fprc.provenance import hash_of
 from fprc.registry import title_of
-from fprc.tables import beyond, deviations, scaling
+from fprc.tables import beyond, scaling
+from fprc.tables.models import deviations
 
 log = logging.getLogger(__name__)
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pandas as pd
 
 from fprc.artifacts import read_json
-from fprc.tables import deviations
+from fprc.tables.models import deviations
 
 
 def outcome(results: str) -> str:

@@ -23,9 +23,8 @@ from fprc.logs.isolated import isolated_each
 from fprc.paper import SOURCES
 from fprc.plan.results import BY_NAME
 from fprc.provenance import checkout, hash_of, versions
-from fprc.tables import read_markdown
 from fprc.tables.against_paper import against_paper
-from fprc.tables.text import three_digits
+from fprc.tables.text import read_markdown, three_digits
 from fprc.tables.traces import RESERVOIR, Plot, disturbance_plots, fit_plots, tracking_plots
 
 log = logging.getLogger(__name__)

@@ -7,14 +7,15 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from fprc import tables
-from fprc.artifacts import read_json, write_csv, write_json, write_text
+from fprc.artifacts import read_json, write_json
 from fprc.calibration.fit import errors_of, printed_errors
-from fprc.claims import Results, judge_claims, parts_of, status_of
 from fprc.claims.ensemble import JUDGED_BY_RIG, shares_of
-from fprc.claims.ledger import TIMED
+from fprc.claims.finding import Results
+from fprc.claims.ledger import TIMED, judge_claims, parts_of, status_of
 from fprc.errors import FprcError
 from fprc.paper import SOURCES
+from fprc.tables.rigs import rig_errors, rigs_answer, rigs_page
+from fprc.tables.text import read_markdown, write_table
 from fprc.yaml_file import read_yaml
 
 
@@ -51,7 +52,7 @@ def compare_rigs(
         replicates, cells, measures = (
             [read_json(path) for path in paths[own]] for paths in (models, grids, controls)
         )
-        errors[name] = tables.rig_errors(replicates, measures, printed)
+        errors[name] = rig_errors(replicates, measures, printed)
         results = Results(replicates, cells, measures, {}, {})
         ledgers[name] = [
             {**row, "rig": status_of(row["id"], terms)}
@@ -68,11 +69,9 @@ def compare_rigs(
         f"verdicts of the first {min(deciding, seeds)} seeds.\nData: {SOURCES[source]}. "
         + " ".join(sentences)
     )
-    page = tables.rigs_page(errors, ledgers, brief=brief)
+    page = rigs_page(errors, ledgers, brief=brief)
     named = [table.assign(rig=name, source=source) for name, table in errors.items()]
-    write_csv(csv, pd.concat(named, ignore_index=True))
-    write_text(md, tables.markdown(page, note))
-    write_text(tex, tables.latex(page, note))
+    write_table(pd.concat(named, ignore_index=True), page, note, csv, md, tex)
 
 
 def tabulate_answer(rigs: str, sets: Sequence[str], csv: str, md: str, tex: str) -> None:
@@ -85,17 +84,15 @@ def tabulate_answer(rigs: str, sets: Sequence[str], csv: str, md: str, tex: str)
     sets : sequence of str
         Summaries of sets of rigs, as ``summarise_rigs`` writes them.
     """
-    _, page = tables.read_markdown(Path(rigs).read_text(encoding="utf-8"))
-    table = tables.rigs_answer(page, [read_json(path) for path in sets])
+    _, page = read_markdown(Path(rigs).read_text(encoding="utf-8"))
+    table = rigs_answer(page, [read_json(path) for path in sets])
     note = (
         "The rigs beside the paper; claims are all but those on execution times. A ratio below 1 "
         "says that P_o is worth more than a low-pass of theta_d. For a rig, it is the mean with "
         "its 95 % interval over the seeds that decide the verdicts; for a set, it is the median "
         f"and the range over the rigs.\nData: {SOURCES['sim']}."
     )
-    write_csv(csv, table)
-    write_text(md, tables.markdown(table, note))
-    write_text(tex, tables.latex(table, note))
+    write_table(table, table, note, csv, md, tex)
 
 
 def summarise_rigs(

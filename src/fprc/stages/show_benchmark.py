@@ -10,7 +10,6 @@ import pandas as pd
 from fprc.artifacts import read_json, write_csv, write_text
 from fprc.figures import style
 from fprc.figures.benchmark import plot_growth
-from fprc.tables import markdown
 from fprc.tables.benchmark import (
     benchmark,
     benchmark_page,
@@ -20,6 +19,7 @@ from fprc.tables.benchmark import (
     rules_page,
     step_note,
 )
+from fprc.tables.text import markdown
 
 
 def tabulate_benchmark(

@@ -7,13 +7,15 @@ from typing import Any
 
 import pandas as pd
 
-from fprc import tables
 from fprc.artifacts import read_json, write_csv, write_text
 from fprc.logs import read_run
 from fprc.logs.isolated import isolated_each
 from fprc.logs.quality import implausible
 from fprc.paper import SOURCES
 from fprc.registry import title_of
+from fprc.tables import readout, robustness, timing, tracking
+from fprc.tables.models import comparison, comparison_page, configuration, orders, over_seeds
+from fprc.tables.text import markdown, write_table
 from fprc.yaml_file import read_yaml
 
 log = logging.getLogger(__name__)
@@ -21,9 +23,9 @@ log = logging.getLogger(__name__)
 
 def tabulate_configuration(published: str, *, models: Mapping[str, Any], **files: str) -> None:
     """Table I: the settings of the models."""
-    table = tables.configuration(models, read_yaml(published))
+    table = configuration(models, read_yaml(published))
     note = "Table I. Configuration of the models: ours and as published."
-    _write(table, table.astype(str), note, **files)
+    write_table(table, table.astype(str), note, **files)
 
 
 _COMPARISONS = {
@@ -41,7 +43,7 @@ def tabulate_comparison(
     ``left_out`` has the models that are not in the table, with reasons.
     """
     reports = [read_json(path) for path in errors]
-    table = tables.comparison(reports, read_yaml(published))
+    table = comparison(reports, read_yaml(published))
     first = reports[0]
     note = (
         f"{_COMPARISONS[first['trained_on']]}: mean ± standard deviation over "
@@ -49,7 +51,7 @@ def tabulate_comparison(
         f"Data: {SOURCES[first['source']]}. Target: {first['target']} pressure."
         f"{_without(left_out)}"
     )
-    _write(table, tables.comparison_page(table), note, **files)
+    write_table(table, comparison_page(table), note, **files)
 
 
 def _without(left_out: Mapping[str, str]) -> str:
@@ -62,18 +64,18 @@ def tabulate_seeds(
 ) -> None:
     """Tables II and III over further seeds."""
     reports = [read_json(path) for path in replicates]
-    table = tables.over_seeds(reports, read_yaml(published), trained_on)
+    table = over_seeds(reports, read_yaml(published), trained_on)
     note = (
         f"{_COMPARISONS[trained_on]}: mean and its 95 % interval over {len(reports)} "
         f"further seeds.\nData: {SOURCES[reports[0]['source']]}; each seed is another "
         "draw of sensors, noise and models."
     )
-    _write(table, tables.comparison_page(table), note, **files)
+    write_table(table, comparison_page(table), note, **files)
 
 
 def tabulate_orders(replicates: Sequence[str], csv: str) -> None:
     """Write, for each further seed, whether the orders of Tables II and III hold."""
-    write_csv(csv, tables.orders([read_json(path) for path in replicates]))
+    write_csv(csv, orders([read_json(path) for path in replicates]))
 
 
 def tabulate_tracking(
@@ -94,7 +96,7 @@ def tabulate_tracking(
     logs = isolated_each(read_run, runs)
     for line in sum((implausible(run, limits) for run in logs), []):
         log.warning("warning: %s", line)
-    table = tables.tracking(logs, report, read_yaml(published))
+    table = tracking.tracking(logs, report, read_yaml(published))
     title = "Table IV. RMSE of tracking"
     if report["source"] == "sim":
         title += ", with the same noise and drift for all controllers"
@@ -107,19 +109,19 @@ def tabulate_tracking(
     note = f"{title}.\nData: {SOURCES[report['source']]}. {gain}"
     if left_out:
         note += f"\nNo log of {len(left_out)} of its runs: {', '.join(left_out)}."
-    _write(table, tables.tracking_page(table), note, **files)
+    write_table(table, tracking.tracking_page(table), note, **files)
 
 
 def tabulate_tracking_seeds(published: str, replicates: Sequence[str], **files: str) -> None:
     """Table IV over further seeds."""
     reports = [read_json(path) for path in replicates]
-    table = tables.tracking_over_seeds(reports, read_yaml(published))
+    table = tracking.tracking_over_seeds(reports, read_yaml(published))
     note = (
         f"Table IV, over seeds: mean RMSE and its 95 % interval over {len(reports)} further "
         f"seeds.\nData: {SOURCES[reports[0]['source']]}; the gain is identified on each "
         "seed, and its mean is given."
     )
-    _write(table, tables.tracking_page(table), note, **files)
+    write_table(table, tracking.tracking_page(table), note, **files)
 
 
 _FOLDS = {
@@ -140,21 +142,21 @@ def tabulate_readout(
     ``parts`` are the names of the training log and the test log.
     """
     report = read_json(cells)
-    table = tables.readout(report)
+    table = readout.readout(report)
     own = report["own"]
     note = (
         "Readout value: FPRC with P_o, without it and with substitutes for it, at epsilon = "
         f"{own['epsilon']:g} and n_u = {own['n_u']}, mean ± standard deviation over folds.\n"
         f"Data: {SOURCES[report['source']]}, seed {report['seed']}; trained on {parts[0]}, "
-        f"tested on {parts[1]}. {_FOLDS[tables.held_out(table)]}"
+        f"tested on {parts[1]}. {_FOLDS[readout.held_out(table)]}"
     )
-    _write(table, tables.readout_page(table, own), note, csv, md, tex)
+    write_table(table, readout.readout_page(table, own), note, csv, md, tex)
 
 
 def tabulate_ensemble(summary: str, csv: str, md: str, tex: str) -> None:
     """Count the rigs of a set on which each claim holds."""
     report = read_json(summary)
-    table = tables.ensemble(report)
+    table = robustness.ensemble(report)
     limit = table["least_significant"].iloc[0]
     draws = f", {report['draws']} draws in all" if report["draws"] else ""
     median, low, high = report["worth"]
@@ -169,7 +171,7 @@ def tabulate_ensemble(summary: str, csv: str, md: str, tex: str) -> None:
         f"{limit:.2f}; by chance alone, any parameter would do so in only one of twenty sets of "
         "independent rigs."
     )
-    _write(table, tables.ensemble_page(table), note, csv, md, tex)
+    write_table(table, robustness.ensemble_page(table), note, csv, md, tex)
 
 
 def tabulate_history(members: str, csv: str, md: str, tex: str) -> None:
@@ -194,13 +196,13 @@ def tabulate_history(members: str, csv: str, md: str, tex: str) -> None:
             ],
         }
     )
-    _write(table, page, note, csv, md, tex)
+    write_table(table, page, note, csv, md, tex)
 
 
 def tabulate_sensitivity(effects: str, csv: str, md: str, tex: str) -> None:
     """Write the sensitivity of each error to each parameter of the rig."""
     report = read_json(effects)
-    table = tables.sensitivity(report)
+    table = robustness.sensitivity(report)
     impossible = sum(cell["errors"] is None for cell in report["cells"])
     note = (
         "Sensitivity: change of each error while one parameter goes from end to end of its range, "
@@ -208,7 +210,7 @@ def tabulate_sensitivity(effects: str, csv: str, md: str, tex: str) -> None:
         f"{len(report['seeds'])} seeds; {impossible} of {len(report['cells'])} rigs are impossible "
         "and left out. The tables do not determine a parameter to which no error is sensitive."
     )
-    _write(table, tables.sensitivity_page(table), note, csv, md, tex)
+    write_table(table, robustness.sensitivity_page(table), note, csv, md, tex)
 
 
 def tabulate_targets(
@@ -229,13 +231,13 @@ def tabulate_targets(
         }
         for paths in (replicates, controls)
     )
-    table = tables.targets(of_models, of_control, read_yaml(published))
+    table = robustness.targets(of_models, of_control, read_yaml(published))
     note = (
         "Target of the models: commanded against measured pressure, mean and its 95 % interval "
         "over the further seeds.\n"
         f"Data: {SOURCES[table['source'].iloc[0]]}."
     )
-    _write(table, tables.targets_page(table), note, csv, md, tex)
+    write_table(table, robustness.targets_page(table), note, csv, md, tex)
 
 
 def tabulate_times(
@@ -243,7 +245,7 @@ def tabulate_times(
 ) -> None:
     """Table II, execution times."""
     report = read_json(times)
-    table = tables.timing(report, read_yaml(published))
+    table = timing.timing(report, read_yaml(published))
     note = (
         f"Table II, execution times: mean ± standard deviation of {table['repeats'].iloc[0]} "
         f"alternating repeats on {report['cpu']}, {report['threads']} thread.\n"
@@ -251,20 +253,20 @@ def tabulate_times(
         "The paper does not say which mode it timed, nor on which machine."
         f"{_without(left_out)}"
     )
-    _write(table, tables.timing_page(table), note, **files)
+    write_table(table, timing.timing_page(table), note, **files)
 
 
 def tabulate_steps(steps: str, *, left_out: Mapping[str, str], **files: str) -> None:
     """Write the cost of one step of the closed loop, compared with the sampling period."""
     report = read_json(steps)
-    table = tables.steps(report)
+    table = timing.steps(report)
     note = (
         "Cost of a control step: computing time of feedforward, PD and both pressure loops, "
         f"without a rig; {table['samples'].iloc[0]} steps, each timed on {report['cpu']}.\n"
         "The last column is the 99.9th percentile's share of the sampling period, "
         f"{table['budget_us'].iloc[0] / 1000:g} ms.{_without(left_out)}"
     )
-    _write(table, tables.steps_page(table), note, **files)
+    write_table(table, timing.steps_page(table), note, **files)
 
 
 def tabulate_unavailable(csv: str, md: str, *, reasons: Mapping[str, tuple[str, str]]) -> None:
@@ -274,14 +276,8 @@ def tabulate_unavailable(csv: str, md: str, *, reasons: Mapping[str, tuple[str, 
     write_csv(csv, table)
     if rows:
         page = table[["result", "reason"]].rename(columns={"result": "Result", "reason": "Why"})
-        write_text(md, tables.markdown(page, "Not available for this data."))
+        write_text(md, markdown(page, "Not available for this data."))
     else:
         write_text(md, "Everything is available for this data.\n")
     for _, title, why in rows:
         log.info("not available: %s: %s", title, why)
-
-
-def _write(table: pd.DataFrame, page: pd.DataFrame, note: str, csv: str, md: str, tex: str) -> None:
-    write_csv(csv, table)
-    write_text(md, tables.markdown(page, note))
-    write_text(tex, tables.latex(page, note))

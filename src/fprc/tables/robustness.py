@@ -68,9 +68,7 @@ def sensitivity(report: Mapping[str, Any]) -> pd.DataFrame:
         {
             "parameter": cell["path"],
             "share_of_range": cell["share"],
-            "trained_on": key.split("/")[0],
-            "model": key.split("/")[1],
-            "phase": key.split("/")[2],
+            **dict(zip(("trained_on", "model", "phase"), key.split("/"), strict=True)),
             "rmse_kpa": value,
             "change": value / fitted[key] - 1.0,
             "source": report["source"],

@@ -7,6 +7,7 @@ from typing import Any
 import pandas as pd
 
 from fprc import escape
+from fprc.artifacts import write_csv, write_text
 
 
 def spread(mean: float, std: float | None) -> str:
@@ -53,6 +54,15 @@ def latex(page: pd.DataFrame, note: str) -> str:
     caption = escape.latex(" ".join(note.split()))
     body = _escaped(page.map(str), escape.latex)
     return body.to_latex(index=False, escape=False, caption=caption)
+
+
+def write_table(
+    table: pd.DataFrame, page: pd.DataFrame, note: str, csv: str, md: str, tex: str
+) -> None:
+    """Write a table as CSV, and its page under a note as Markdown and LaTeX."""
+    write_csv(csv, table)
+    write_text(md, markdown(page, note))
+    write_text(tex, latex(page, note))
 
 
 def _escaped(page: pd.DataFrame, escaped: Callable[[str], str]) -> pd.DataFrame:

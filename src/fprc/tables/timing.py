@@ -45,19 +45,17 @@ def timing(report: Mapping[str, Any], published: Mapping[str, Any]) -> pd.DataFr
 def timing_page(table: pd.DataFrame) -> pd.DataFrame:
     """Return the times as a page."""
     phases = {"train_time": "Training", "test_time": "Test"}
-    rows = [
-        (
-            title_of(row.model),
-            phases[row.metric],
-            row.mode,
-            spread(row.mean, row.std),
-            three_digits(row.us_per_sample),
-            spread(row.published_mean, row.published_std) or "-",
-        )
+    return pd.DataFrame(
+        {
+            "Model": title_of(row.model),
+            "Phase": phases[row.metric],
+            "Mode": row.mode,
+            "Ours [s]": spread(row.mean, row.std),
+            "Ours [us per sample]": three_digits(row.us_per_sample),
+            "Paper [s]": spread(row.published_mean, row.published_std) or "-",
+        }
         for row in table.itertuples()
-    ]
-    columns = ["Model", "Phase", "Mode", "Ours [s]", "Ours [us per sample]", "Paper [s]"]
-    return pd.DataFrame(rows, columns=columns)
+    )
 
 
 def steps(report: Mapping[str, Any]) -> pd.DataFrame:
@@ -69,14 +67,12 @@ def steps(report: Mapping[str, Any]) -> pd.DataFrame:
 
 def steps_page(table: pd.DataFrame) -> pd.DataFrame:
     """Return the cost of a control step as a page."""
-    rows = [
-        (
-            title_of(row.model),
-            three_digits(row.median_us),
-            three_digits(row.p99_9_us),
-            f"{float(f'{100 * row.share_of_budget:.2g}'):g} %",
-        )
+    return pd.DataFrame(
+        {
+            "Model": title_of(row.model),
+            "Median [us]": three_digits(row.median_us),
+            "99.9 % of steps below [us]": three_digits(row.p99_9_us),
+            "Share of the period": f"{float(f'{100 * row.share_of_budget:.2g}'):g} %",
+        }
         for row in table.itertuples()
-    ]
-    columns = ["Model", "Median [us]", "99.9 % of steps below [us]", "Share of the period"]
-    return pd.DataFrame(rows, columns=columns)
+    )

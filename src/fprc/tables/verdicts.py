@@ -37,7 +37,7 @@ def claims(ledgers: Ledgers) -> pd.DataFrame:
             "part": part["text"],
             **{key: part[key] for key in ("ratio", "mean", "low", "high")},
             **{key: row[key] for key in kept},
-            "favours": _favours(row),
+            "favours": " and ".join(dict.fromkeys(whom for whom, _ in row["fitted"])) or "nobody",
             "fitted": "; ".join(what for _, what in row["fitted"]),
         }
         for ledger in ledgers
@@ -66,10 +66,6 @@ def _verdict(row: Mapping[str, Any]) -> str:
 
 def _means(row: Mapping[str, Any]) -> str:
     return ", ".join(three_digits(part["mean"]) for part in row["parts"])
-
-
-def _favours(row: Mapping[str, Any]) -> str:
-    return " and ".join(dict.fromkeys(whom for whom, _ in row["fitted"])) or "nobody"
 
 
 def fitted_page(ledgers: Ledgers) -> pd.DataFrame:
@@ -101,8 +97,10 @@ def details_page(ledgers: Ledgers) -> pd.DataFrame:
         "Verdict": [_verdict(row) for row in rows],
         "Mean": [_means(row) for row in rows],
         "Interval": [_intervals(row) for row in rows],
-        "p": [_p(row["p"]) for row in rows],
-        "Subsets that agree": [_percent(row["stable"]) for row in rows],
+        "p": ["< 0.001" if row["p"] < 0.001 else three_digits(row["p"]) for row in rows],
+        "Subsets that agree": [
+            "-" if row["stable"] is None else f"{100 * row['stable']:.0f} %" for row in rows
+        ],
         "Units": [str(row["units"]) for row in rows],
         "Lost builds": [str(row["dropped"]) for row in rows],
     }
@@ -113,11 +111,3 @@ def _intervals(row: Mapping[str, Any]) -> str:
     return ", ".join(
         f"{three_digits(part['low'])} to {three_digits(part['high'])}" for part in row["parts"]
     )
-
-
-def _percent(share: float | None) -> str:
-    return "-" if share is None else f"{100 * share:.0f} %"
-
-
-def _p(value: float) -> str:
-    return "< 0.001" if value < 0.001 else three_digits(value)

@@ -11,8 +11,9 @@ from fprc.calibration import ensemble
 from fprc.calibration.fit import free_parameters
 from fprc.calibration.space import decode, encode
 from fprc.calibration.surrogate import judge_cheaply
-from fprc.claims import Results, judge_claims, parts_of
 from fprc.claims.ensemble import JUDGED_BY_RIG
+from fprc.claims.finding import Results
+from fprc.claims.ledger import judge_claims, parts_of
 from fprc.config import PUBLISHED, Settings
 from fprc.config.rig import Rig
 from fprc.control.loop import RunAbortedError

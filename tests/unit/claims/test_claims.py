@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 from scipy.stats import spearmanr, ttest_1samp
 
 from fprc import config
-from fprc.claims import (
-    Results,
-    Statement,
+from fprc.claims.finding import Results, Statement
+from fprc.claims.ledger import (
     changed_verdicts,
     fit_in_words,
     judge_claims,

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from scipy.stats import norm, spearmanr, t
 
 from fprc import config
-from fprc.claims import parts_of
 from fprc.claims.ensemble import JUDGED_BY_RIG, shares_of
+from fprc.claims.ledger import parts_of
 
 PUBLISHED = yaml.safe_load(config.PUBLISHED.read_text(encoding="utf-8"))
 CLAIM = {"id": "C2", "text": "FPRC is best"}

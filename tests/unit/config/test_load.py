@@ -116,6 +116,21 @@ def test_key_that_is_no_text_is_an_error(key):
     assert "1 error in the configuration" in message({key: 1})
 
 
+@pytest.mark.parametrize(
+    ("section", "key", "value", "what"),
+    [
+        ("calibration", "seeds", [-1], "seeds.0 = -1: must be greater than or equal to 0"),
+        ("calibration", "seeds", [], "seeds = []: must have at least 1 item; remove the key for "),
+        ("calibration", "taps", [4], "taps = [4]: must have at least 2 items; remove "),
+        ("tracking", "angle_range_deg", [], "angle_range_deg = []: has too few items; remove "),
+        ("tracking", "angle_range_deg", [1], "angle_range_deg = [1]: has too few items; remove "),
+    ],
+)
+def test_list_with_a_wrong_item_or_too_few_is_one_error(section, key, value, what):
+    text = message({section: {key: value}})
+    assert text.startswith(f"1 error in the configuration:\n  {section}.{what}")
+
+
 def test_checking_leaves_the_configuration_as_it_was():
     config = {"seed": "x", "models": {"fprc": {"n_c": 0, "nonsense": 1}}, "rig": {"valve": {}}}
     before = copy.deepcopy(config)

@@ -7,7 +7,7 @@ from fprc.artifacts import read_json
 from fprc.config import Settings
 from fprc.logs import write_columns
 from fprc.stages.competitors import compare_competitors, tabulate_competitors
-from fprc.tables import read_markdown
+from fprc.tables.text import read_markdown
 
 
 @pytest.fixture(scope="module")

@@ -22,7 +22,7 @@ from fprc.logs import write_columns
 from fprc.provenance import hash_of
 from fprc.stages import report
 from fprc.stages.report import GLOSSARY, banner, symbols, write_report
-from fprc.tables import markdown
+from fprc.tables.text import markdown
 
 TEMPLATE = [
     str(Path(__file__).parents[3] / "workflow" / "report" / f"page.{kind}.j2")

@@ -10,7 +10,7 @@ from scipy.stats import t
 
 from fprc.claims.beyond import judge_world
 from fprc.tables import beyond as tables
-from fprc.tables import markdown, read_markdown
+from fprc.tables.text import markdown, read_markdown
 
 TITLES = {"fprc": "FPRC", "esn": "ESN", "fuzzy_linear": "Fuzzy-linear", "bank": "Bank"}
 

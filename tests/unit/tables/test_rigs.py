@@ -2,8 +2,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from fprc.tables import rig_errors, rigs_answer, rigs_page
-from fprc.tables.rigs import points
+from fprc.tables.rigs import points, rig_errors, rigs_answer, rigs_page
 
 PUBLISHED = {
     "table_2_models": {"esn": {"train_rmse_kpa": [10.0, 0.1], "validation_rmse_kpa": [10.0, 0.1],

@@ -10,15 +10,23 @@ from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 from scipy.stats import t
 
-from fprc import tables
 from fprc.artifacts import write_json
-from fprc.claims import parts_of
 from fprc.claims.ensemble import JUDGED_BY_RIG
+from fprc.claims.ledger import parts_of
 from fprc.config import PUBLISHED, Settings
 from fprc.errors import FprcError
 from fprc.figures import style
 from fprc.stages import tabulate
 from fprc.stages.draw_ensemble import draw_ensemble
+from fprc.tables.robustness import (
+    ensemble,
+    ensemble_page,
+    sensitivity,
+    sensitivity_page,
+    targets,
+    targets_page,
+)
+from fprc.tables.text import read_markdown
 
 pytestmark = pytest.mark.slow
 
@@ -104,7 +112,7 @@ def row_of(table, name):
 
 
 def test_ensemble_has_a_row_for_each_claim_with_its_share(summary):
-    table = tables.ensemble(summary)
+    table = ensemble(summary)
     assert table["id"].tolist() == list(JUDGED_BY_RIG)
     assert set(table["source"]) == {"sim"}
     row = row_of(table, "C2")
@@ -113,7 +121,7 @@ def test_ensemble_has_a_row_for_each_claim_with_its_share(summary):
 
 
 def test_only_parameters_beyond_chance_decide_the_strongest_first(summary):
-    table = tables.ensemble(summary)
+    table = ensemble(summary)
     row = row_of(table, "C2")
     assert row["decided_by"] == f"{PATHS[1]} (-0.90); {PATHS[0]} (+0.50)"
     assert row["strongest"] == f"{PATHS[1]} (-0.90)"
@@ -123,12 +131,12 @@ def test_only_parameters_beyond_chance_decide_the_strongest_first(summary):
 
 @pytest.mark.parametrize("name", ["C3", "C4a"])
 def test_claim_that_all_rigs_agree_on_is_decided_by_nothing(summary, name):
-    row = row_of(tables.ensemble(summary), name)
+    row = row_of(ensemble(summary), name)
     assert (row["decided_by"], row["strongest"]) == ("", "")
 
 
 def test_page_of_the_ensemble_is_what_a_person_reads(summary):
-    page = tables.ensemble_page(tables.ensemble(summary)).set_index("Claim")
+    page = ensemble_page(ensemble(summary)).set_index("Claim")
     assert has_no_gap(page)
     assert page.loc["C2"].tolist() == [
         TEXTS["C2"], "fitted", "19 of 38", "50 % (38 to 62)",
@@ -140,7 +148,7 @@ def test_page_of_the_ensemble_is_what_a_person_reads(summary):
 def test_files_of_the_ensemble_say_what_it_is(summary, tmp_path):
     write_json(tmp_path / "summary.json", summary)
     csv, md, tex = write(tabulate.tabulate_ensemble, tmp_path, str(tmp_path / "summary.json"))
-    note, page = tables.read_markdown(md)
+    note, page = read_markdown(md)
     assert "38 simulated rigs" in note
     assert "2 more could not be judged, 123 draws" in note
     assert "0.47" in note
@@ -187,7 +195,7 @@ def report():
 
 def test_sensitivity_is_the_change_against_the_unmoved_rig(report):
     report["cells"][0]["errors"]["sweep/fprc/test"] = 20.0
-    table = tables.sensitivity(report)
+    table = sensitivity(report)
     assert len(table) == 5 * len(ERRORS)
     found = table.set_index(["parameter", "share_of_range", "trained_on", "model", "phase"])
     row = found.loc[(PATHS[1], 0.0, "sweep", "fprc", "test")]
@@ -197,7 +205,7 @@ def test_sensitivity_is_the_change_against_the_unmoved_rig(report):
 
 
 def test_page_of_the_sensitivity_has_the_strongest_parameter_first(report):
-    page = tables.sensitivity_page(tables.sensitivity(report))
+    page = sensitivity_page(sensitivity(report))
     assert has_no_gap(page)
     assert page["Parameter"].tolist() == [PATHS[1], PATHS[2], PATHS[0]]
     assert list(page.columns) == [
@@ -218,7 +226,7 @@ def test_page_of_the_sensitivity_has_the_strongest_parameter_first(report):
 
 def test_parameter_that_is_impossible_everywhere_has_no_row(report):
     report["cells"][-1] = report["cells"][-2] | {"share": 1.0}
-    page = tables.sensitivity_page(tables.sensitivity(report))
+    page = sensitivity_page(sensitivity(report))
     assert page["Parameter"].tolist() == [PATHS[1], PATHS[0]]
     assert has_no_gap(page)
 
@@ -226,7 +234,7 @@ def test_parameter_that_is_impossible_everywhere_has_no_row(report):
 def test_files_of_the_sensitivity_say_how_many_rigs_were_impossible(report, tmp_path):
     write_json(tmp_path / "effects.json", report)
     csv, md, _ = write(tabulate.tabulate_sensitivity, tmp_path, str(tmp_path / "effects.json"))
-    note, page = tables.read_markdown(md)
+    note, page = read_markdown(md)
     assert "1 of 7 rigs are impossible" in note
     assert "mean of 2 seeds" in note
     assert len(page) == 3
@@ -236,7 +244,7 @@ def test_files_of_the_sensitivity_say_how_many_rigs_were_impossible(report, tmp_
 def test_impossible_rig_to_compare_with_is_an_error_for_people(report):
     report["cells"][0] |= {"errors": None, "impossible": "it diverged"}
     with pytest.raises(FprcError):
-        tables.sensitivity(report)
+        sensitivity(report)
 
 
 # --- targets --------------------------------------------------------------------------------------
@@ -290,7 +298,7 @@ def reports():
 
 
 def test_targets_hold_tables_2_to_4_with_intervals_of_the_mean(reports):
-    table = tables.targets(*reports, PRINTED)
+    table = targets(*reports, PRINTED)
     assert table.groupby(["target", "table"], sort=False).size().to_dict() == {
         (target, number): count
         for target in VALUES
@@ -307,7 +315,7 @@ def test_targets_hold_tables_2_to_4_with_intervals_of_the_mean(reports):
 
 
 def test_targets_follow_with_the_identified_gain_and_never_with_pd_alone(reports):
-    table = tables.targets(*reports, PRINTED)
+    table = targets(*reports, PRINTED)
     fourth = table[(table["table"] == "IV") & (table["target"] == "command")]
     assert fourth["what"].tolist() == [
         f"{name}, {reference}"
@@ -322,7 +330,7 @@ def test_targets_follow_with_the_identified_gain_and_never_with_pd_alone(reports
 
 
 def test_page_of_the_targets_has_both_beside_the_paper(reports):
-    page = tables.targets_page(tables.targets(*reports, PRINTED))
+    page = targets_page(targets(*reports, PRINTED))
     assert has_no_gap(page)
     assert len(page) == 9 + 9 + 10
     shown = page.set_index(["Table", "RMSE"])
@@ -344,7 +352,7 @@ def test_files_of_the_targets_are_of_the_reports_in_the_folders_of_their_names(r
     csv, md, _ = write(
         tabulate.tabulate_targets, tmp_path, str(PUBLISHED), *paths, names=list(VALUES)
     )
-    note, page = tables.read_markdown(md)
+    note, page = read_markdown(md)
     assert "simulated rig, not hardware" in note
     assert page["Target command"].iloc[5] == "17.0 (12.0 to 22.0)"
     assert len(csv.splitlines()) == 1 + 2 * 28

@@ -10,11 +10,15 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fprc import config, tables
+from fprc import config
 from fprc.artifacts import write_csv, write_json
 from fprc.logs import Columns
 from fprc.registry import MODELS
 from fprc.stages import tabulate
+from fprc.tables import timing
+from fprc.tables.models import comparison, comparison_page, configuration, orders, over_seeds
+from fprc.tables.text import latex, markdown, read_markdown, spread
+from fprc.tables.tracking import tracking, tracking_over_seeds, tracking_page
 
 ROOT = Path(__file__).parents[3]
 PUBLISHED = yaml.safe_load(config.PUBLISHED.read_text(encoding="utf-8"))
@@ -67,11 +71,11 @@ REPLICATES = [
 
 
 def test_table_2_has_exactly_the_tidy_columns():
-    assert list(tables.comparison(REPORTS, PUBLISHED).columns) == COLUMNS
+    assert list(comparison(REPORTS, PUBLISHED).columns) == COLUMNS
 
 
 def test_table_2_has_a_row_for_each_model_and_metric():
-    table = tables.comparison(REPORTS, PUBLISHED)
+    table = comparison(REPORTS, PUBLISHED)
     assert list(zip(table["model"], table["metric"], strict=True)) == [
         (model, metric)
         for model in ("esn", "fprc", "fuzzy_linear")
@@ -82,7 +86,7 @@ def test_table_2_has_a_row_for_each_model_and_metric():
 
 
 def test_table_2_spread_is_over_the_folds_and_a_test_error_has_none():
-    row = by_metric(tables.comparison(REPORTS, PUBLISHED), "fprc")
+    row = by_metric(comparison(REPORTS, PUBLISHED), "fprc")
     assert row["mean"].tolist() == [11.0, 12.5, 12.0]
     assert row["std"].tolist()[:2] == pytest.approx([2.0**0.5, 4.5**0.5])
     assert pd.isna(row["std"].iloc[2])
@@ -90,7 +94,7 @@ def test_table_2_spread_is_over_the_folds_and_a_test_error_has_none():
 
 @pytest.mark.parametrize("model", ["esn", "fprc", "fuzzy_linear"])
 def test_table_2_carries_the_published_numbers(model):
-    row = by_metric(tables.comparison(REPORTS, PUBLISHED), model)
+    row = by_metric(comparison(REPORTS, PUBLISHED), model)
     printed = PUBLISHED["table_2_models"][model]
     shown = row[["published_mean", "published_std"]].to_numpy().tolist()
     assert shown[:2] == [printed["train_rmse_kpa"], printed["validation_rmse_kpa"]]
@@ -99,7 +103,7 @@ def test_table_2_carries_the_published_numbers(model):
 
 
 def test_page_of_table_2_shows_ours_beside_the_paper():
-    page = tables.comparison_page(tables.comparison(REPORTS, PUBLISHED))
+    page = comparison_page(comparison(REPORTS, PUBLISHED))
     assert list(page.columns) == [
         "Performance [kPa]",
         "ESN, ours", "ESN, paper",
@@ -114,24 +118,23 @@ def test_page_of_table_2_shows_ours_beside_the_paper():
 
 def test_errors_of_something_else_are_in_its_unit():
     reports = [content | {"unit": "N"} for content in REPORTS]
-    table = tables.comparison(reports, PUBLISHED)
+    table = comparison(reports, PUBLISHED)
     assert set(table["unit"]) == {"N"}
-    assert tables.comparison_page(table).columns[0] == "Performance [N]"
+    assert comparison_page(table).columns[0] == "Performance [N]"
 
 
 def test_model_that_is_not_there_has_a_column_that_says_so(written):
-    note, page = tables.read_markdown(written["lacking.md"])
+    note, page = read_markdown(written["lacking.md"])
     assert note.endswith("No FPRC: needs p_o_kpa.")
     assert page["FPRC, ours"].tolist() == ["not available"] * 3
     assert "FPRC, paper" not in page.columns
     assert page["ESN, ours"].str.contains("±").tolist() == [True, True, False]
-    assert "No " not in tables.read_markdown(written["two.md"])[0]
+    assert "No " not in read_markdown(written["two.md"])[0]
 
 
 def test_page_does_not_depend_on_the_order_of_the_reports():
     forward, backward = (
-        tables.comparison_page(tables.comparison(reports, PUBLISHED))
-        for reports in (REPORTS, REPORTS[::-1])
+        comparison_page(comparison(reports, PUBLISHED)) for reports in (REPORTS, REPORTS[::-1])
     )
     pd.testing.assert_frame_equal(forward, backward)
 
@@ -154,14 +157,14 @@ def test_page_does_not_depend_on_the_order_of_the_reports():
     ],
 )
 def test_spread_has_three_significant_digits(mean, std, text):
-    assert tables.spread(mean, std) == text
+    assert spread(mean, std) == text
 
 
 def test_configuration_has_every_setting_of_table_1_with_the_published_value():
     models = copy.deepcopy(PUBLISHED["table_1_configuration"])
     models["fprc"]["n_c"] = 16
     models |= models.pop("shared")
-    table = tables.configuration(configuration_of(models), PUBLISHED)
+    table = configuration(configuration_of(models), PUBLISHED)
     assert list(table.columns) == ["model", "parameter", "value", "published"]
     assert len(table) == 10
     differs = table[table["value"] != table["published"]]
@@ -173,19 +176,19 @@ def test_configuration_has_every_setting_of_table_1_with_the_published_value():
 
 
 def test_table_over_seeds_has_mean_deviation_and_range():
-    row = by_metric(tables.over_seeds(REPLICATES, PUBLISHED, "sweep"), "fprc").loc["test_rmse"]
+    row = by_metric(over_seeds(REPLICATES, PUBLISHED, "sweep"), "fprc").loc["test_rmse"]
     assert row[["mean", "min", "max", "seeds"]].tolist() == [13.5, 12.0, 15.0, 2]
     assert row["std"] == pytest.approx(np.std([12.0, 15.0], ddof=1))
     assert row[["unit", "published_mean", "source"]].tolist() == ["kPa", 11.0, "sim"]
 
 
 def test_table_over_seeds_averages_the_folds_of_each_seed_first():
-    row = by_metric(tables.over_seeds(REPLICATES, PUBLISHED, "sweep"), "esn").loc["train_rmse"]
+    row = by_metric(over_seeds(REPLICATES, PUBLISHED, "sweep"), "esn").loc["train_rmse"]
     assert row[["mean", "std"]].tolist() == [11.0, 0.0]
 
 
 def test_orders_say_seed_by_seed_what_holds():
-    table = tables.orders(REPLICATES)
+    table = orders(REPLICATES)
     assert table["seed"].tolist() == [101, 102]
     assert table["fprc_lowest_test"].tolist() == [True, False]
     assert table["fprc_below_fuzzy_linear"].tolist() == [False, False]  # equal in training
@@ -201,16 +204,16 @@ def test_orders_notice_a_reversed_test_that_is_not_worse():
         for trained_on, errors in (("sweep", (16, 12, 18)), ("complex", (30, 12, 40)))
         for model, error in zip(MODELS, errors, strict=True)
     ]
-    row = tables.orders([{"seed": 1, "source": "sim", "models": models}]).iloc[0]
+    row = orders([{"seed": 1, "source": "sim", "models": models}]).iloc[0]
     assert not row["reversed_tests_worse"]
     assert row["fprc_lowest_reversed_test"]
 
 
 def test_table_3_carries_its_own_published_numbers():
     reports = [report(model, 30.0, trained_on="complex") for model in MODELS]
-    row = by_metric(tables.comparison(reports, PUBLISHED), "esn")
+    row = by_metric(comparison(reports, PUBLISHED), "esn")
     assert row["published_mean"].tolist() == [10.2, 10.2, 60.32]
-    seeds = by_metric(tables.over_seeds(REPLICATES, PUBLISHED, "complex"), "esn")
+    seeds = by_metric(over_seeds(REPLICATES, PUBLISHED, "complex"), "esn")
     assert seeds.loc["test_rmse", ["mean", "published_mean"]].tolist() == [30.0, 60.32]
 
 
@@ -231,7 +234,7 @@ def test_table_4_has_rms_and_largest_error_beside_the_published_rmse():
         tracked("fprc_pd", "identified", "sweep", [1.0, 1.0]),
         tracked("pd", "printed", "sweep", [20.0, 20.0]),
     ]
-    table = tables.tracking(runs, GAINS, PUBLISHED)
+    table = tracking(runs, GAINS, PUBLISHED)
     assert list(table.columns)[:6] == [
         "controller", "gain", "reference", "rmse_deg", "max_abs_error_deg", "published_rmse_deg"
     ]  # fmt: skip
@@ -247,7 +250,7 @@ def test_page_of_table_4_names_gains_and_shows_the_paper_once_a_controller():
         tracked("fprc_pd", "printed", "sweep", [2.0, 2.0]),
         tracked("fprc_pd", "identified", "sweep", [1.0, 1.0]),
     ]
-    page = tables.tracking_page(tables.tracking(runs, GAINS, PUBLISHED))
+    page = tracking_page(tracking(runs, GAINS, PUBLISHED))
     assert page.to_numpy().tolist() == [
         ["FPRC", "ours", "3.54"],
         ["FPRC", "paper", "2.67"],
@@ -262,7 +265,7 @@ def test_page_of_table_4_leaves_runs_empty_that_are_not_there():
         tracked("fprc_pd", "printed", "sweep", [2.0, 2.0]),
         tracked("fprc_pd", "identified", "complex", [1.0, 1.0]),
     ]
-    page = tables.tracking_page(tables.tracking(runs, {}, PUBLISHED))
+    page = tracking_page(tracking(runs, {}, PUBLISHED))
     assert page.to_numpy().tolist() == [
         ["FPRC+PD, printed gain", "ours", "2.00", ""],
         ["FPRC+PD, identified gain", "ours", "", "1.00"],
@@ -304,7 +307,7 @@ def controls(seeds=3):
 
 
 def test_table_4_over_seeds_has_mean_deviation_and_range_of_every_run():
-    table = tables.tracking_over_seeds(controls(), PUBLISHED)
+    table = tracking_over_seeds(controls(), PUBLISHED)
     assert len(table) == len(ERRORS_DEG)
     for row in table.to_dict("records"):
         errors = ERRORS_DEG[f"{row['reference']}/{row['controller']}/{row['gain']}"]
@@ -315,7 +318,7 @@ def test_table_4_over_seeds_has_mean_deviation_and_range_of_every_run():
 
 
 def test_table_4_over_seeds_has_the_published_error_where_the_paper_prints_one():
-    table = tables.tracking_over_seeds(controls(), PUBLISHED)
+    table = tracking_over_seeds(controls(), PUBLISHED)
     printed = PUBLISHED["table_4_tracking_rmse_deg"]
     for row in table.to_dict("records"):
         theirs = printed.get(row["controller"], {}).get(row["reference"])
@@ -325,7 +328,7 @@ def test_table_4_over_seeds_has_the_published_error_where_the_paper_prints_one()
 
 
 def test_table_4_over_seeds_has_the_mean_of_the_gains():
-    table = tables.tracking_over_seeds(controls(), PUBLISHED)
+    table = tracking_over_seeds(controls(), PUBLISHED)
     for row in table.to_dict("records"):
         if row["gain"] == "none":
             assert pd.isna(row["kp_kpa_per_deg"])
@@ -335,14 +338,14 @@ def test_table_4_over_seeds_has_the_mean_of_the_gains():
 
 def test_table_4_over_seeds_does_not_depend_on_the_order_of_the_seeds():
     forward, backward = (
-        tables.tracking_over_seeds(reports, PUBLISHED) for reports in (controls(), controls()[::-1])
+        tracking_over_seeds(reports, PUBLISHED) for reports in (controls(), controls()[::-1])
     )
     pd.testing.assert_frame_equal(forward, backward)
 
 
 def test_page_of_table_4_over_seeds_shows_intervals_and_the_mean_gain():
     """Means of three: the interval is 4.3027 / sqrt(3) deviations to each side."""
-    page = tables.tracking_page(tables.tracking_over_seeds(controls(), PUBLISHED))
+    page = tracking_page(tracking_over_seeds(controls(), PUBLISHED))
     assert list(page.columns) == [
         "RMSE [deg]", "Whose", "Sine 0.2 Hz", "Sweep", "Sine 0.3 Hz, disturbed"
     ]  # fmt: skip
@@ -371,7 +374,7 @@ def steps():
 
 
 def test_cost_of_a_step_is_related_to_the_sampling_period():
-    table = tables.steps(steps())
+    table = timing.steps(steps())
     assert table["model"].tolist() == ["esn", "fprc", "fuzzy_linear"]
     assert table["share_of_budget"].tolist() == pytest.approx([0.15, 0.02, 0.004])
     assert table["median_us"].tolist() == [300.0, 40.0, 8.0]
@@ -380,7 +383,7 @@ def test_cost_of_a_step_is_related_to_the_sampling_period():
 
 
 def test_page_of_the_cost_of_a_step_is_for_people():
-    page = tables.steps_page(tables.steps(steps()))
+    page = timing.steps_page(timing.steps(steps()))
     assert list(page.columns) == [
         "Model", "Median [us]", "99.9 % of steps below [us]", "Share of the period"
     ]  # fmt: skip
@@ -401,7 +404,7 @@ def test_orders_compare_training_in_both_directions(train, ratio, close):
         report("fuzzy_linear", 18.0, train=(15.0, 15.0), validation=(16.0, 16.0)),
         *(report(model, 30.0, trained_on="complex") for model in MODELS),
     ]
-    row = tables.orders([{"seed": 1, "source": "sim", "models": models}]).iloc[0]
+    row = orders([{"seed": 1, "source": "sim", "models": models}]).iloc[0]
     assert row["esn_over_fprc_training"] == pytest.approx(ratio)
     assert bool(row["training_within_30_percent"]) is close
     assert bool(row["fprc_below_fuzzy_linear"]) is True
@@ -418,7 +421,7 @@ def times():
 
 
 def test_times_are_seconds_and_microseconds_per_sample_beside_the_published_ones():
-    table = tables.timing(times(), PUBLISHED)
+    table = timing.timing(times(), PUBLISHED)
     assert len(table) == 12
     row = table[(table["model"] == "esn") & (table["metric"] == "test_time")].iloc[0]
     expected = pytest.approx([2.0, 2.0**0.5, 2000.0, 2])
@@ -431,7 +434,7 @@ def test_times_are_seconds_and_microseconds_per_sample_beside_the_published_ones
 
 
 def test_page_of_the_times_names_phase_mode_and_both_numbers():
-    page = tables.timing_page(tables.timing(times(), PUBLISHED))
+    page = timing.timing_page(timing.timing(times(), PUBLISHED))
     assert page.iloc[0].tolist() == [
         "ESN", "Training", "sequential", "2.00 ± 1.41", "2000", "16.6 ± 3.28"
     ]  # fmt: skip
@@ -519,9 +522,9 @@ def test_page_of_table_4_over_seeds_says_how_many_there_were(written):
 
 
 def test_step_longer_than_the_period_is_still_written_in_digits():
-    table = tables.steps(steps())
+    table = timing.steps(steps())
     table["share_of_budget"] = 1.0578
-    assert set(tables.steps_page(table)["Share of the period"]) == {"110 %"}
+    assert set(timing.steps_page(table)["Share of the period"]) == {"110 %"}
 
 
 def test_page_of_the_cost_of_a_step_names_steps_machine_and_budget(written):
@@ -546,7 +549,7 @@ def test_typeset_table_says_that_the_rig_was_simulated(written):
 
 def test_markdown_is_a_table_under_a_note():
     page = pd.DataFrame({"a": ["1.50"], "b": ["x"]})
-    lines = tables.markdown(page, "A note.").splitlines()
+    lines = markdown(page, "A note.").splitlines()
     assert lines[:2] == ["A note.", ""]
     assert [cell.strip() for cell in lines[2].strip("|").split("|")] == ["a", "b"]
     assert [cell.strip() for cell in lines[4].strip("|").split("|")] == ["1.50", "x"]
@@ -563,7 +566,7 @@ NOTES = st.lists(WORDS.filter(bool), min_size=1, max_size=3)
 def test_page_that_was_rendered_is_read_as_it_was(columns, data, lines):
     cells = st.lists(WORDS, min_size=len(columns), max_size=len(columns))
     page = pd.DataFrame(data.draw(st.lists(cells, max_size=4)), columns=columns)
-    note, read = tables.read_markdown(tables.markdown(page, "\n".join(lines)))
+    note, read = read_markdown(markdown(page, "\n".join(lines)))
     assert note == " ".join(lines)
     assert list(read.columns) == columns
     assert read.to_numpy().tolist() == page.to_numpy().tolist()
@@ -571,7 +574,7 @@ def test_page_that_was_rendered_is_read_as_it_was(columns, data, lines):
 
 @pytest.mark.parametrize("name", ["one", "two", "seeds", "four", "times", "steps"])
 def test_every_table_that_is_written_can_be_read_again(written, name):
-    note, page = tables.read_markdown(written[f"{name}.md"])
+    note, page = read_markdown(written[f"{name}.md"])
     assert written[f"{name}.md"].startswith(note[:20])
     assert len(page) >= 3
     csv = pd.read_csv(io.StringIO(written[f"{name}.csv"]))
@@ -582,9 +585,9 @@ def test_every_table_that_is_written_can_be_read_again(written, name):
 def test_unit_that_would_mark_up_a_page_is_text():
     """As a note may end: in the brackets of an imported channel's unit."""
     page = pd.DataFrame({"Test [<b>|`$x]": ["1.50", "_#^"]})
-    head = tables.markdown(page, "A note.").splitlines()[2]
+    head = markdown(page, "A note.").splitlines()[2]
     assert head.strip("| ") == "Test [\\<b\\>\\|\\`\\$x]"
-    typeset = tables.latex(page, "A note.")
+    typeset = latex(page, "A note.")
     assert "Test [<b>|`\\$x]" in typeset
     assert "\\_\\#\\textasciicircum{}" in typeset
 

@@ -3,7 +3,8 @@
 import pytest
 
 from fprc.claims.beyond import judge_world
-from fprc.tables import markdown, read_markdown, verdicts
+from fprc.tables import verdicts
+from fprc.tables.text import markdown, read_markdown
 
 TITLES = {"fprc": "FPRC", "esn": "ESN", "fuzzy_linear": "Fuzzy-linear", "bank": "Bank"}
 
