@@ -100,15 +100,9 @@ def judge_candidate(
             judgement.split_rows(pair["sweep"]),
         )
         found = judged.errors(inputs_of(name, test), test["p_target_kpa"])
-        errors.append(
-            [
-                np.mean(found["train_rmse_kpa"]),
-                np.mean(found["validation_rmse_kpa"]),
-                found["test_rmse_kpa"],
-            ]
-        )
+        errors.append([np.mean(each) for each in found.values()])
     means = np.exp(np.mean(np.log(errors), axis=0)).tolist()
-    return dict(zip(("train_rmse_kpa", "validation_rmse_kpa", "test_rmse_kpa"), means, strict=True))
+    return dict(zip(found, means, strict=True))
 
 
 def chosen(judged: Mapping[str, Sequence[Mapping[str, Any]]]) -> dict[str, dict[str, Any]]:
