@@ -93,12 +93,8 @@ def judge_candidate(
     for pair in logs:
         train, test = (pair[key].channels for key in ("sweep", "complex"))
         model = build_competitor(name, every, judgement.seed)
-        judged = cross_validate(
-            model,
-            inputs_of(name, train),
-            train["p_target_kpa"],
-            judgement.split_rows(pair["sweep"]),
-        )
+        folds = judgement.split_rows(pair["sweep"])
+        judged = cross_validate(model, inputs_of(name, train), train["p_target_kpa"], folds)
         found = judged.errors(inputs_of(name, test), test["p_target_kpa"])
         errors.append([np.mean(each) for each in found.values()])
     means = np.exp(np.mean(np.log(errors), axis=0)).tolist()
