@@ -51,7 +51,10 @@ def split_rows(
     pairs = list(chooser.split(np.empty(samples)))
     if shuffle or purge == 0:
         return pairs
-    purged = [(train[_apart(train, block) > purge], block) for train, block in pairs]
+    purged = [
+        (train[(train < block[0] - purge) | (train > block[-1] + purge)], block)
+        for train, block in pairs
+    ]
     if not all(len(train) for train, _ in purged):
         raise EvaluationError(
             f"a purge of {purge} samples on each side of a block leaves none of {samples} to "
@@ -68,7 +71,3 @@ def _split_recordings(lengths: Sequence[int], folds: int) -> list[Fold]:
     recording = np.repeat(np.arange(len(lengths)), lengths)
     chooser = GroupKFold(min(folds, len(lengths)))
     return list(chooser.split(recording, groups=recording))
-
-
-def _apart(rows: np.ndarray, block: np.ndarray) -> np.ndarray:
-    return np.maximum(block[0] - rows, rows - block[-1])

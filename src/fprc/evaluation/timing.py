@@ -116,10 +116,6 @@ def _train_by_step(model: SequenceModel, X: np.ndarray, y: np.ndarray) -> object
     return model.make_readout().fit(rows, y)
 
 
-def _train_at_once(model: SequenceModel, X: np.ndarray, y: np.ndarray) -> object:
-    return model.make_readout().fit(model.features_.transform(X), y)
-
-
 def stepped(model: SequenceModel, X: np.ndarray) -> np.ndarray:
     """Return the output of a model for a log, computed sample by sample."""
     model.reset()
@@ -128,7 +124,9 @@ def stepped(model: SequenceModel, X: np.ndarray) -> np.ndarray:
 
 _WORK = {
     ("train", "sequential"): _train_by_step,
-    ("train", "batch"): _train_at_once,
+    ("train", "batch"): lambda model, X, y: model.make_readout().fit(
+        model.features_.transform(X), y
+    ),
     ("test", "sequential"): lambda model, X, y: stepped(model, X),
     ("test", "batch"): lambda model, X, y: model.predict(X),
 }

@@ -6,19 +6,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fprc.competitors import COMPETITORS, default_settings
-from fprc.control.simulated import simulate_hysteresis
-from fprc.devices.sim import SimulatedRig
 from fprc.errors import FprcError
 from fprc.evaluation import rmse
 from fprc.evaluation.timing import WARM_UP, time_steps
 from fprc.experiments.data import TARGETS, Data
-from fprc.experiments.hysteresis import RUNS, simulate
+from fprc.experiments.hysteresis import acquire, simulate
 from fprc.experiments.settings import RigSettings
 from fprc.experiments.tracking import TRACKING_RUNS, Track, bench_gain, tracking_rmse
 from fprc.models import SequenceModel
 from fprc.models.competitors import build_competitor
 from fprc.paper import REFERENCES
-from fprc.signals import pressure_command
 
 #: Models judged on every rig: those that a claim compares, and one competitor of each other kind.
 BRIEF = (
@@ -38,7 +35,7 @@ ALL = (
 
 #: Marks the random stream of the noise that is added to P_o.
 _NOISE = 20243
-#: Run number of the second training log; ``RUNS`` and ``TRACKING_RUNS`` have the others.
+#: Run number of the second training log; ``hysteresis`` and ``tracking`` have the others.
 _SECOND_RUN = 80
 #: Training samples of a model whose step is timed.
 _ENOUGH = 4000
@@ -131,8 +128,8 @@ def judge_lengths(
     """
     test = simulate(on_rig, seed)["complex"]
 
-    def recorded(signal: Mapping[str, Any], run: int = RUNS["sweep"]) -> dict[str, np.ndarray]:
-        channels = _hysteresis(on_rig, signal, seed, run)
+    def recorded(signal: Mapping[str, Any], run: int | None = None) -> dict[str, np.ndarray]:
+        channels = acquire("sweep", signal, on_rig.control, on_rig.rig, seed, run=run)
         return channels | {"p_target_kpa": channels[TARGETS[on_rig.target]]}
 
     def errors(logs: Sequence[Mapping[str, np.ndarray]]) -> dict[str, dict[str, float]]:
@@ -212,25 +209,12 @@ def _disturbed(
     ramp = np.linspace(0.0, -contest.drift_kpa, samples)
     noise = contest.noise_kpa * np.random.default_rng([seed, _NOISE]).standard_normal(samples)
     signal, pushes = on_rig.signals["complex"], bench.pushes(samples)
-    pushed = _hysteresis(on_rig, signal, seed, RUNS["complex"], pushes)
+    pushed = acquire("complex", signal, on_rig.control, on_rig.rig, seed, pushes=pushes)
     return {
         "drift": {**channels, "p_o_kpa": channels["p_o_kpa"] + ramp},
         "noise": {**channels, "p_o_kpa": channels["p_o_kpa"] + noise},
         "pushed": {**channels, "p_o_kpa": pushed["p_o_kpa"]},
     }
-
-
-def _hysteresis(
-    on_rig: RigSettings,
-    signal: Mapping[str, Any],
-    seed: int,
-    run: int,
-    pushes: np.ndarray | None = None,
-) -> dict[str, np.ndarray]:
-    """Return the channels of one run of a hysteresis experiment."""
-    rate_hz = on_rig.control["sample_rate_hz"]
-    device = SimulatedRig(on_rig.rig, seed=seed, run=run, sample_rate_hz=rate_hz)
-    return simulate_hysteresis(device, on_rig.control, pressure_command(signal, rate_hz), pushes)
 
 
 def _with_disturbed_p_o(

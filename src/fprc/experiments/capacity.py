@@ -83,7 +83,8 @@ def judge_capacity(
     epsilon, n_u = models["fprc"]["epsilon"], models["fprc"]["n_u"]
     last = slice(hold - 1, None, hold)
     nodes = np.linspace(0, hold, capacity["virtual_nodes"] + 1)[1:].round().astype(int) - 1
-    network = _network(models, capacity["esn_nodes"], seed)
+    settings = {"r": capacity["esn_nodes"], "n_y": models["n_y"], "random_state": seed}
+    network = EchoStates(**models["esn"] | settings).fit(np.zeros((models["n_y"], 1)))
     sets = {
         "p_o": p_o[last, None],
         "p_o_taps": taps(lowpass(p_o, epsilon), n_u)[last],
@@ -112,11 +113,6 @@ def _p_o(
     vented = np.zeros_like(theta_d)
     limit_kpa = control["reservoir_limit_kpa"]
     return simulate_tracking(device, control, theta_d, vented, None, limit_kpa)["p_o_kpa"]
-
-
-def _network(models: Mapping[str, Any], nodes: int, seed: int) -> EchoStates:
-    settings = models["esn"] | {"r": nodes, "n_y": models["n_y"], "random_state": seed}
-    return EchoStates(**settings).fit(np.zeros((models["n_y"], 1)))
 
 
 def _at_ends(network: EchoStates, theta_d: np.ndarray, hold: int, before: int) -> np.ndarray:

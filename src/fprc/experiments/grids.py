@@ -3,13 +3,13 @@
 import itertools
 import logging
 from collections.abc import Mapping, Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
 
 from fprc.evaluation import cross_validate, rmse
 from fprc.evaluation.crossval import fit_folds, refusals_of
-from fprc.evaluation.folds import Fold
 from fprc.evaluation.weights import normalised_weights
 from fprc.experiments.data import Data
 from fprc.experiments.settings import Judgement
@@ -37,20 +37,18 @@ def chunk_of(cells: Sequence[Any], chunk: int, chunks: int) -> list[Any]:
 
 
 def judge_cell(
-    cell: Mapping[str, Any],
-    *,
-    train: Data,
-    test: Data,
-    judgement: Judgement,
+    cell: Mapping[str, Any], *, train: Data, test: Data, judgement: Judgement
 ) -> dict[str, Any]:
     """Return the errors of one cell."""
-    name = cell["model"]
-    X, y = train.pair(name)
-    changed = {key: value for key, value in cell.items() if key != "model"}
-    model = build(name, judgement.models, judgement.seed).set_params(**changed)
+    X, y = train.pair(cell["model"])
     folds = judgement.split_rows(train)
-    judged = cross_validate(model, X, y, folds, lengths=train.lengths)
-    return judged.errors(*test.pair(name), test.lengths)
+    judged = cross_validate(_model_of(cell, judgement), X, y, folds, lengths=train.lengths)
+    return judged.errors(*test.pair(cell["model"]), test.lengths)
+
+
+def _model_of(cell: Mapping[str, Any], judgement: Judgement) -> SequenceModel:
+    changed = {key: value for key, value in cell.items() if key != "model"}
+    return build(cell["model"], judgement.models, judgement.seed).set_params(**changed)
 
 
 def judge_grids(
@@ -60,67 +58,43 @@ def judge_grids(
 
     The errors are those of ``judge_cell`` with one fold: enough for a mean over seeds.
     """
-    train, test = data["sweep"], data["complex"]
-    folds = judgement.split_rows(train)
-    features = _Features((train, test), judgement, values)
+    logs = data["sweep"], data["complex"]
+    y, expected = (each.channels["p_target_kpa"] for each in logs)
+    folds = judgement.split_rows(logs[0])[:1]
+    fprc = build("fprc", judgement.models, judgement.seed)
+    n_y, n_u = max(fprc.n_y, *values["n_y"]), max(fprc.n_u, *values["n_u"])
+
+    @cache
+    def widest(epsilon: float) -> list[np.ndarray]:
+        """Return the taps of both logs at the largest sizes, from which each cell takes its own."""
+        features = TapFeatures(n_y=n_y, n_u=n_u, epsilon=epsilon).fit(logs[0].pair("fprc")[0])
+        return [transform_each(features, each.pair("fprc")[0], each.lengths) for each in logs]
+
+    def rows(model: SequenceModel) -> list[np.ndarray]:
+        if not hasattr(model, "epsilon"):
+            return [taps[:, : model.n_y] for taps in widest(1.0)]
+        return [
+            np.hstack([taps[:, : model.n_y], taps[:, n_y : n_y + model.n_u]])
+            for taps in widest(model.epsilon)
+        ]
+
+    def judge(cell: Mapping[str, Any]) -> dict[str, Any]:
+        model = _model_of(cell, judgement)
+        trained, tested = rows(model)
+        with refusals_of(model):
+            folded = fit_folds(model.make_readout(), trained, y, folds)
+        return {
+            **cell,
+            "train_rmse_kpa": folded.train_rmse,
+            "validation_rmse_kpa": folded.validation_rmse,
+            "test_rmse_kpa": rmse(expected, folded.readout.predict(tested)),
+        }
+
     judged = {}
     for grid in ("epsilon", "n_c", "taps"):
-        judged[grid] = [
-            {**cell, **_judge_first_fold(cell, features, folds[:1])}
-            for cell in cells_of(grid, values)
-        ]
+        judged[grid] = [judge(cell) for cell in cells_of(grid, values)]
         log.info("judged grid %s: %d cells", grid, len(judged[grid]))
     return judged
-
-
-class _Features:
-    """Taps of both logs at the largest sizes, from which each cell takes its own."""
-
-    def __init__(self, logs: Sequence[Data], judgement: Judgement, values: Mapping[str, Any]):
-        self.logs, self.judgement = logs, judgement
-        fprc = build("fprc", judgement.models, judgement.seed)
-        self.n_y, self.n_u = max(fprc.n_y, *values["n_y"]), max(fprc.n_u, *values["n_u"])
-        self._widest: dict[float, list[np.ndarray]] = {}
-
-    def model(self, cell: Mapping[str, Any]) -> SequenceModel:
-        """Return the unfitted model of a cell."""
-        changed = {key: value for key, value in cell.items() if key != "model"}
-        return build(cell["model"], self.judgement.models, self.judgement.seed).set_params(
-            **changed
-        )
-
-    def rows(self, model: SequenceModel) -> list[np.ndarray]:
-        """Return the features of both logs."""
-        if not hasattr(model, "epsilon"):
-            return [widest[:, : model.n_y] for widest in self._taps(1.0)]
-        return [
-            np.hstack([widest[:, : model.n_y], widest[:, self.n_y : self.n_y + model.n_u]])
-            for widest in self._taps(model.epsilon)
-        ]
-
-    def _taps(self, epsilon: float) -> list[np.ndarray]:
-        if epsilon not in self._widest:
-            widest = TapFeatures(n_y=self.n_y, n_u=self.n_u, epsilon=epsilon)
-            widest.fit(self.logs[0].pair("fprc")[0])
-            self._widest[epsilon] = [
-                transform_each(widest, log.pair("fprc")[0], log.lengths) for log in self.logs
-            ]
-        return self._widest[epsilon]
-
-
-def _judge_first_fold(
-    cell: Mapping[str, Any], features: _Features, folds: Sequence[Fold]
-) -> dict[str, Any]:
-    model = features.model(cell)
-    trained, tested = features.rows(model)
-    y, expected = (log.channels["p_target_kpa"] for log in features.logs)
-    with refusals_of(model):
-        folded = fit_folds(model.make_readout(), trained, y, folds)
-    return {
-        "train_rmse_kpa": folded.train_rmse,
-        "validation_rmse_kpa": folded.validation_rmse,
-        "test_rmse_kpa": rmse(expected, folded.readout.predict(tested)),
-    }
 
 
 def weight_shares(train: Data, judgement: Judgement) -> dict[str, Any]:

@@ -21,13 +21,8 @@ def simulate(settings: RigSettings, seed: int) -> dict[str, Data]:
     for experiment, signal in settings.signals.items():
         channels = acquire(experiment, signal, settings.control, settings.rig, seed)
         channels["p_target_kpa"] = channels[TARGETS[settings.target]]
-        attributes = {
-            "experiment": experiment,
-            "source": "sim",
-            "target": settings.target,
-            "seed": seed,
-        }
-        data[experiment] = Data(channels, attributes)
+        attributes = {"experiment": experiment, "source": "sim", "target": settings.target}
+        data[experiment] = Data(channels, {**attributes, "seed": seed})
     return data
 
 
@@ -37,8 +32,18 @@ def acquire(
     control: Mapping[str, Any],
     rig: Mapping[str, Any],
     seed: int,
+    *,
+    run: int | None = None,
+    pushes: np.ndarray | None = None,
 ) -> dict[str, np.ndarray]:
     """Return the channels of one hysteresis experiment on the simulated rig.
+
+    Parameters
+    ----------
+    run : int, optional
+        Run number; by default that of the experiment.
+    pushes : ndarray of shape (n_samples,), optional
+        Push on the reservoir at every sample, kPa.
 
     Raises
     ------
@@ -46,5 +51,6 @@ def acquire(
         The simulation diverges.
     """
     rate_hz = control["sample_rate_hz"]
-    device = SimulatedRig(rig, seed=seed, run=RUNS[experiment], sample_rate_hz=rate_hz)
-    return simulate_hysteresis(device, control, pressure_command(signal, rate_hz))
+    number = RUNS[experiment] if run is None else run
+    device = SimulatedRig(rig, seed=seed, run=number, sample_rate_hz=rate_hz)
+    return simulate_hysteresis(device, control, pressure_command(signal, rate_hz), pushes)

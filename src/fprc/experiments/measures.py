@@ -45,14 +45,8 @@ def measure_runs(runs: Mapping[str, Channels], quiet_s: float) -> dict[str, Any]
 def measure_hysteresis(sweep: Channels) -> dict[str, float]:
     """Return the factor by which each loop widens from the first to the last quarter of a sweep."""
     time_s, theta = sweep["time_s"], sweep["theta_deg"]
-    return {
-        name: loop_growth(time_s, theta, sweep[channel])
-        for name, channel in (
-            ("measured", "p_exp_kpa"),
-            ("commanded", "p_exp_command_kpa"),
-            ("reservoir", "p_o_kpa"),
-        )
-    }
+    channels = {"measured": "p_exp_kpa", "commanded": "p_exp_command_kpa", "reservoir": "p_o_kpa"}
+    return {name: loop_growth(time_s, theta, sweep[channel]) for name, channel in channels.items()}
 
 
 def rms(values: np.ndarray) -> float:

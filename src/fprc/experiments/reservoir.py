@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 
 from fprc.control import PressurePI, run
-from fprc.devices import Readings
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import LogError
 
@@ -65,14 +64,10 @@ def drive(
     commands = np.concatenate([np.full(before, p_i_kpa[0]), p_i_kpa]).tolist()
     period_s = 1.0 / sample_rate_hz
     device = SimulatedRig(rig, seed=seed, run=number, sample_rate_hz=sample_rate_hz)
-
-    def law(k: int, now: Readings) -> tuple[float, float]:
-        return 0.0, commands[k]
-
     channels = run(
         device,
         device,
-        law,
+        lambda k, now: (0.0, commands[k]),
         len(commands),
         main_loop=PressurePI(**control["main_loop"], period_s=period_s),
         reservoir_loop=PressurePI(**control["reservoir_loop"], period_s=period_s),

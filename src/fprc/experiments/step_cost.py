@@ -1,6 +1,6 @@
 """Computing time of a step of the closed loop."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -21,30 +21,11 @@ def step_cost(
     fitted model, PD and both pressure loops, without a rig.
     """
     period_s = 1.0 / control["sample_rate_hz"]
-    samples = len(test.channels["time_s"])
-    tick = _controller(model, test, control, tracking, period_s)
-    time_steps(tick, min(WARM_UP, samples))
-    microseconds = 1e6 * time_steps(tick, samples)
-    return {
-        "samples": samples,
-        "median_us": float(np.median(microseconds)),
-        "p99_9_us": float(np.percentile(microseconds, 99.9)),
-        "max_us": float(microseconds.max()),
-        "budget_us": 1e6 * period_s,
-    }
-
-
-def _controller(
-    model: SequenceModel,
-    data: Data,
-    control: Mapping[str, Any],
-    tracking: Mapping[str, Any],
-    period_s: float,
-) -> Callable[[int], object]:
-    theta, p_exp = (data.channels[name] for name in ("theta_deg", "p_target_kpa"))
-    p_o = data.channels.get("p_o_kpa", np.zeros_like(theta))
+    theta, p_exp = (test.channels[name] for name in ("theta_deg", "p_target_kpa"))
+    p_o = test.channels.get("p_o_kpa", np.zeros_like(theta))
+    samples = len(theta)
     readings = [
-        Readings(k * period_s, p_exp[k], theta[k], 0.0, p_o[k], 0.0) for k in range(len(theta))
+        Readings(k * period_s, p_exp[k], theta[k], 0.0, p_o[k], 0.0) for k in range(samples)
     ]
     law = tracking_law(
         theta,
@@ -64,4 +45,12 @@ def _controller(
         reservoir_loop.step(p_i_kpa, now.p_i_kpa)
 
     model.reset()
-    return tick
+    time_steps(tick, min(WARM_UP, samples))
+    microseconds = 1e6 * time_steps(tick, samples)
+    return {
+        "samples": samples,
+        "median_us": float(np.median(microseconds)),
+        "p99_9_us": float(np.percentile(microseconds, 99.9)),
+        "max_us": float(microseconds.max()),
+        "budget_us": 1e6 * period_s,
+    }

@@ -7,15 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fprc import __version__
-from fprc.control import (
-    PD,
-    Law,
-    PressurePI,
-    feedforward,
-    refuse_impossible,
-    run,
-    tracking_law,
-)
+from fprc.control import PD, Law, PressurePI, feedforward, refuse_impossible, run, tracking_law
 from fprc.control.simulated import simulate_tracking
 from fprc.devices.sim import SimulatedRig
 from fprc.evaluation import rmse
@@ -80,11 +72,7 @@ class Track(NamedTuple):
             "sample_rate_hz": self.control["sample_rate_hz"],
             "seed": self.seed,
             "software": f"fprc {__version__}",
-            "rig": {
-                "control": self.control,
-                "tracking": self.tracking,
-                "gains": gains.get(gain),
-            },
+            "rig": {"control": self.control, "tracking": self.tracking, "gains": gains.get(gain)},
         }
 
     def pushes(self, samples: int) -> np.ndarray:
@@ -120,16 +108,10 @@ class Track(NamedTuple):
         pushes: np.ndarray | None = None,
     ) -> dict[str, np.ndarray]:
         """Run one controller on the rig and return its channels."""
-        control = self.control
-        period_s = 1.0 / control["sample_rate_hz"]
+        control, rate_hz = self.control, self.control["sample_rate_hz"]
+        period_s = 1.0 / rate_hz
         push = {} if pushes is None else {"push_kpa": _per_tick(pushes)}
-        device = SimulatedRig(
-            self.rig,
-            seed=self.seed,
-            run=number,
-            sample_rate_hz=control["sample_rate_hz"],
-            **push,
-        )
+        device = SimulatedRig(self.rig, seed=self.seed, run=number, sample_rate_hz=rate_hz, **push)
         return run(
             device,
             device,
@@ -255,11 +237,10 @@ def measure_control(
         theta_d, number = bench.reference(reference), TRACKING_RUNS[reference]
         pushes = bench.pushes(len(theta_d)) if reference == DISTURBANCE else None
         p_ff_kpa = bench.precompute(theta_d, driving, number, pushes)
-        for name in controllers:
+        for name, driver in driven_by.items():
             controller, gain = controller_and_gain(name)
-            driver = driven_by[name]
-            feedforward = p_ff_kpa[driver] if driver else np.zeros(len(theta_d))
-            channels = bench.simulate(theta_d, feedforward, gains.get(gain), number, pushes)
+            own = p_ff_kpa[driver] if driver else np.zeros(len(theta_d))
+            channels = bench.simulate(theta_d, own, gains.get(gain), number, pushes)
             after = channels["time_s"] >= described["settle_s"]
             run = {channel: values[after] for channel, values in channels.items()}
             runs[f"{reference}/{controller}/{gain}"] = run

@@ -93,22 +93,12 @@ def judge_candidate(
     for pair in logs:
         train, test = (pair[key].channels for key in ("sweep", "complex"))
         model = build_competitor(name, every, judgement.seed)
-        judged = cross_validate(
-            model,
-            inputs_of(name, train),
-            train["p_target_kpa"],
-            judgement.split_rows(pair["sweep"]),
-        )
+        folds = judgement.split_rows(pair["sweep"])
+        judged = cross_validate(model, inputs_of(name, train), train["p_target_kpa"], folds)
         found = judged.errors(inputs_of(name, test), test["p_target_kpa"])
-        errors.append(
-            [
-                np.mean(found["train_rmse_kpa"]),
-                np.mean(found["validation_rmse_kpa"]),
-                found["test_rmse_kpa"],
-            ]
-        )
+        errors.append([np.mean(each) for each in found.values()])
     means = np.exp(np.mean(np.log(errors), axis=0)).tolist()
-    return dict(zip(("train_rmse_kpa", "validation_rmse_kpa", "test_rmse_kpa"), means, strict=True))
+    return dict(zip(found, means, strict=True))
 
 
 def chosen(judged: Mapping[str, Sequence[Mapping[str, Any]]]) -> dict[str, dict[str, Any]]:

@@ -1,5 +1,7 @@
 """Feature map of the ESN: taps of theta_d and the states of its network."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from sklearn.utils import check_random_state
 
@@ -9,6 +11,7 @@ from fprc.models.kernels import shift
 from fprc.models.limits import Limit
 
 
+@dataclass(eq=False, repr=False)
 class EchoStates(FeatureMap):
     """Taps of the input beside the state of a leaky echo state network.
 
@@ -40,23 +43,13 @@ class EchoStates(FeatureMap):
     W_r_ : ndarray of shape (r, r)
     """
 
-    def __init__(
-        self,
-        r: int = 800,
-        f_input: float = 0.02,
-        gamma: float = 0.8,
-        rho: float = 0.4,
-        n_y: int = 5,
-        washout: int = 100,
-        random_state: int | np.random.RandomState | None = None,
-    ):
-        self.r = r
-        self.f_input = f_input
-        self.gamma = gamma
-        self.rho = rho
-        self.n_y = n_y
-        self.washout = washout
-        self.random_state = random_state
+    r: int = 800
+    f_input: float = 0.02
+    gamma: float = 0.8
+    rho: float = 0.4
+    n_y: int = 5
+    washout: int = 100
+    random_state: int | np.random.RandomState | None = None
 
     LIMITS = {
         "r": Limit(1),

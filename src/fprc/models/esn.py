@@ -1,5 +1,7 @@
 """Echo state network feedforward model."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from fprc.models.echo_features import EchoStates
@@ -7,6 +9,7 @@ from fprc.models.ridge_readout import RidgeReadout
 from fprc.models.sequence import SequenceModel
 
 
+@dataclass(eq=False, repr=False)
 class ESN(SequenceModel):
     """Echo state network with a ridge readout.
 
@@ -44,39 +47,19 @@ class ESN(SequenceModel):
     Paper, Sec. III-A, Eqs. (3)-(5); Jaeger 2002.
     """
 
-    def __init__(
-        self,
-        r: int = 800,
-        f_input: float = 0.02,
-        gamma: float = 0.8,
-        rho: float = 0.4,
-        n_y: int = 5,
-        alpha: float = 1e-3,
-        washout: int = 100,
-        random_state: int | np.random.RandomState | None = None,
-    ):
-        self.r = r
-        self.f_input = f_input
-        self.gamma = gamma
-        self.rho = rho
-        self.n_y = n_y
-        self.alpha = alpha
-        self.washout = washout
-        self.random_state = random_state
+    r: int = 800
+    f_input: float = 0.02
+    gamma: float = 0.8
+    rho: float = 0.4
+    n_y: int = 5
+    alpha: float = 1e-3
+    washout: int = 100
+    random_state: int | np.random.RandomState | None = None
 
     def make_features(self) -> EchoStates:
         """Return the unfitted network."""
-        features = EchoStates(
-            r=self.r,
-            f_input=self.f_input,
-            gamma=self.gamma,
-            rho=self.rho,
-            n_y=self.n_y,
-            washout=self.washout,
-            random_state=self.random_state,
-        )
-        return features.set_output(transform="default")
+        return self._part(EchoStates).set_output(transform="default")
 
     def make_readout(self) -> RidgeReadout:
         """Return the unfitted readout."""
-        return RidgeReadout(alpha=self.alpha)
+        return self._part(RidgeReadout)

@@ -1,5 +1,7 @@
 """A model made of any feature map and any readout."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from sklearn.base import BaseEstimator, clone
 
@@ -7,6 +9,7 @@ from fprc.models.features import FeatureMap
 from fprc.models.sequence import SequenceModel
 
 
+@dataclass(eq=False, repr=False)
 class FeatureModel(SequenceModel):
     """Any feature map with any readout.
 
@@ -27,15 +30,9 @@ class FeatureModel(SequenceModel):
         Fitted map and readout.
     """
 
-    def __init__(
-        self,
-        features: FeatureMap,
-        readout: BaseEstimator,
-        random_state: int | np.random.RandomState | None = None,
-    ):
-        self.features = features
-        self.readout = readout
-        self.random_state = random_state
+    features: FeatureMap
+    readout: BaseEstimator
+    random_state: int | np.random.RandomState | None = None
 
     def make_features(self) -> FeatureMap:
         """Return the unfitted map."""

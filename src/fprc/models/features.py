@@ -5,6 +5,7 @@ sample (``step``), with the same result. Before the log begins, the signals are
 assumed to equal its first sample.
 """
 
+from dataclasses import dataclass
 from math import isfinite
 from typing import Self
 
@@ -84,10 +85,9 @@ class FeatureMap(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
 
     def reset(self, x: ArrayLike | None = None) -> None:
         """Begin a new stream; ``x`` is the assumed input at all earlier times."""
-        first = None if x is None else self._checked(x)
-        self._streaming = first is not None
-        if first is not None:
-            self._start(first)
+        if x is not None:
+            self._start(self._checked(x))
+        self._streaming = x is not None
 
     def step(self, x: ArrayLike) -> np.ndarray:
         """Return the features of the next sample ``x`` of shape (n_inputs,)."""
@@ -128,6 +128,7 @@ class FeatureMap(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
         """Check the number of columns, and learn or draw what the map needs."""
 
 
+@dataclass(eq=False, repr=False)
 class TapFeatures(FeatureMap):
     """Taps of references and of low-passed reservoir readouts.
 
@@ -147,13 +148,10 @@ class TapFeatures(FeatureMap):
         Filter factor of the readouts, in (0, 1].
     """
 
-    def __init__(
-        self, n_y: int = 5, n_references: int | None = 1, n_u: int = 3, epsilon: float = 0.01
-    ):
-        self.n_y = n_y
-        self.n_references = n_references
-        self.n_u = n_u
-        self.epsilon = epsilon
+    n_y: int = 5
+    n_references: int | None = 1
+    n_u: int = 3
+    epsilon: float = 0.01
 
     LIMITS = {
         "n_y": Limit(1),

@@ -1,5 +1,7 @@
 """Fuzzy pneumatic reservoir computing, and the fuzzy model without a reservoir."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from fprc.models.features import TapFeatures
@@ -7,6 +9,7 @@ from fprc.models.sequence import SequenceModel
 from fprc.models.takagi_sugeno import TakagiSugenoReadout
 
 
+@dataclass(eq=False, repr=False)
 class FPRC(SequenceModel):
     """Takagi-Sugeno fuzzy readout over a pneumatic reservoir.
 
@@ -47,38 +50,26 @@ class FPRC(SequenceModel):
     Paper, Sec. III-B, Eqs. (6)-(12).
     """
 
-    def __init__(
-        self,
-        epsilon: float = 0.01,
-        n_c: int = 8,
-        n_u: int = 3,
-        n_y: int = 5,
-        sigma: float = 2.0,
-        alpha: float = 1e-3,
-        random_state: int | np.random.RandomState | None = None,
-        clustering: str = "fprc",
-        restarts: int = 1,
-    ):
-        self.epsilon = epsilon
-        self.n_c = n_c
-        self.n_u = n_u
-        self.n_y = n_y
-        self.sigma = sigma
-        self.alpha = alpha
-        self.random_state = random_state
-        self.clustering = clustering
-        self.restarts = restarts
+    epsilon: float = 0.01
+    n_c: int = 8
+    n_u: int = 3
+    n_y: int = 5
+    sigma: float = 2.0
+    alpha: float = 1e-3
+    random_state: int | np.random.RandomState | None = None
+    clustering: str = "fprc"
+    restarts: int = 1
 
     def make_features(self) -> TapFeatures:
         """Return the unfitted taps and filter."""
-        features = TapFeatures(n_y=self.n_y, n_u=self.n_u, epsilon=self.epsilon)
-        return features.set_output(transform="default")
+        return self._part(TapFeatures).set_output(transform="default")
 
     def make_readout(self) -> TakagiSugenoReadout:
         """Return the unfitted readout."""
-        return _fuzzy_readout(self)
+        return self._part(TakagiSugenoReadout)
 
 
+@dataclass(eq=False, repr=False)
 class FuzzyLinear(SequenceModel):
     """Takagi-Sugeno fuzzy model of theta_d alone, the paper's comparison.
 
@@ -116,40 +107,18 @@ class FuzzyLinear(SequenceModel):
     Paper, Sec. III-D.
     """
 
-    def __init__(
-        self,
-        n_c: int = 8,
-        n_y: int = 5,
-        sigma: float = 2.0,
-        alpha: float = 1e-3,
-        random_state: int | np.random.RandomState | None = None,
-        clustering: str = "fprc",
-        restarts: int = 1,
-    ):
-        self.n_c = n_c
-        self.n_y = n_y
-        self.sigma = sigma
-        self.alpha = alpha
-        self.random_state = random_state
-        self.clustering = clustering
-        self.restarts = restarts
+    n_c: int = 8
+    n_y: int = 5
+    sigma: float = 2.0
+    alpha: float = 1e-3
+    random_state: int | np.random.RandomState | None = None
+    clustering: str = "fprc"
+    restarts: int = 1
 
     def make_features(self) -> TapFeatures:
         """Return the unfitted taps."""
-        features = TapFeatures(n_y=self.n_y, n_references=None, n_u=1)
-        return features.set_output(transform="default")
+        return self._part(TapFeatures, n_references=None, n_u=1).set_output(transform="default")
 
     def make_readout(self) -> TakagiSugenoReadout:
         """Return the unfitted readout."""
-        return _fuzzy_readout(self)
-
-
-def _fuzzy_readout(model: FPRC | FuzzyLinear) -> TakagiSugenoReadout:
-    return TakagiSugenoReadout(
-        n_c=model.n_c,
-        sigma=model.sigma,
-        alpha=model.alpha,
-        random_state=model.random_state,
-        clustering=model.clustering,
-        restarts=model.restarts,
-    )
+        return self._part(TakagiSugenoReadout)

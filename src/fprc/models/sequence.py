@@ -32,6 +32,12 @@ class SequenceModel(RegressorMixin, BaseEstimator):
     def make_readout(self) -> BaseEstimator:
         """Return the unfitted readout."""
 
+    def _part(self, cls: type[BaseEstimator], **settings: Any) -> Any:
+        """Return an unfitted part with these settings, and with the parameters that both have."""
+        part = cls(**settings)
+        shared = [key for key in part.get_params() if key not in settings and hasattr(self, key)]
+        return part.set_params(**{key: getattr(self, key) for key in shared})
+
     def fit(self, X: Recordings, y: Recordings, lengths: ArrayLike | None = None) -> Self:
         """Train on one recording or on several.
 

@@ -1,7 +1,8 @@
 """Takagi-Sugeno fuzzy readout."""
 
 from collections.abc import Mapping
-from typing import Self
+from dataclasses import dataclass
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,6 +17,7 @@ from fprc.models.membership import gaussian_memberships
 from fprc.models.ridge import ridge_weights, with_bias
 
 
+@dataclass(eq=False, repr=False)
 class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
     """Local linear models blended by Gaussian memberships.
 
@@ -51,23 +53,14 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
     Paper, Sec. III-B, Eqs. (7)-(12).
     """
 
-    def __init__(
-        self,
-        n_c: int = 8,
-        sigma: float = 2.0,
-        alpha: float = 1e-3,
-        random_state: int | np.random.RandomState | None = None,
-        clustering: str = "fprc",
-        restarts: int = 1,
-    ):
-        self.n_c = n_c
-        self.sigma = sigma
-        self.alpha = alpha
-        self.random_state = random_state
-        self.clustering = clustering
-        self.restarts = restarts
+    n_c: int = 8
+    sigma: float = 2.0
+    alpha: float = 1e-3
+    random_state: int | np.random.RandomState | None = None
+    clustering: str = "fprc"
+    restarts: int = 1
 
-    LIMITS: Mapping[str, Limit | OneOf] = {
+    LIMITS: ClassVar[Mapping[str, Limit | OneOf]] = {
         "n_c": Limit(1),
         "sigma": Limit(0, low_open=True),
         "alpha": Limit(0),
@@ -81,11 +74,7 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
         rows, targets = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
         rng = check_random_state(self.random_state)
         clusters = fuzzy_c_means(
-            rows,
-            self.n_c,
-            random_state=rng,
-            clustering=self.clustering,
-            restarts=self.restarts,
+            rows, self.n_c, random_state=rng, clustering=self.clustering, restarts=self.restarts
         )
         extended = with_bias(rows)
         self.centers_ = clusters.centers

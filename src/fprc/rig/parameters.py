@@ -29,32 +29,20 @@ def record(settings: Mapping[str, Any]) -> np.ndarray:
 @cache
 def _layout(fields: tuple[Any, ...]) -> np.dtype:
     # one object per layout: numba compares two equal dtypes for longer than a tick takes
-    return np.dtype([(name, _type(kind), *shape) for name, kind, *shape in fields])
-
-
-def _type(kind: tuple[Any, ...] | None) -> np.dtype:
-    return np.dtype(np.float64) if kind is None else _layout(kind)
+    return np.dtype(
+        [(name, np.float64 if of is None else _layout(of), shape) for name, of, shape in fields]
+    )
 
 
 def _fields(settings: Mapping[str, Any]) -> tuple[Any, ...]:
-    fields: list[tuple[Any, ...]] = []
-    for name, value in settings.items():
-        if isinstance(value, Mapping):
-            fields.append((name, _fields(value)))
-        elif isinstance(value, (list, tuple)):
-            fields.append((name, None, (len(value),)))
-        else:
-            fields.append((name, None))
-    return tuple(fields)
+    """Return name, own fields if it has any, and shape of each entry."""
+    return tuple(
+        (name, _fields(value), ()) if isinstance(value, Mapping) else (name, None, np.shape(value))
+        for name, value in settings.items()
+    )
 
 
-def _values(settings: Mapping[str, Any]) -> tuple[Any, ...]:
-    values: list[Any] = []
-    for value in settings.values():
-        if isinstance(value, Mapping):
-            values.append(_values(value))
-        elif isinstance(value, (list, tuple)):
-            values.append(tuple(float(item) for item in value))
-        else:
-            values.append(float(value))
-    return tuple(values)
+def _values(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return tuple(map(_values, value.values()))
+    return tuple(map(float, value)) if isinstance(value, (list, tuple)) else float(value)
