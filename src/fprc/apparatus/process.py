@@ -84,7 +84,7 @@ def record(
     path = Path(raw).with_suffix(f".{stamp}.journal")
     control, hardware = settings["control"], settings["hardware"]
     period_s = 1.0 / control["sample_rate_hz"]
-    with Journal.create(path, experiment.channels, experiment.attributes) as journal:
+    with Journal(path, experiment.channels, experiment.attributes) as journal:
 
         def drive(device: Device, clock: Clock) -> dict[str, np.ndarray]:
             seconds = experiment.samples * period_s
