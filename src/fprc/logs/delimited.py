@@ -39,15 +39,20 @@ class _Row(NamedTuple):
 def read_text(
     path: Path,
     *,
-    separator: str | None,
-    decimal: str | None,
-    header_line: int | None,
-    data_line: int | None,
+    separator: str | None = None,
+    decimal: str | None = None,
+    header_line: int | None = None,
+    data_line: int | None = None,
 ) -> Source:
     """Read a text table with one header line; fields may be quoted.
 
     Lines that begin with ``#`` or ``%`` are comments. A separator at the end of a
     line adds no field.
+
+    Parameters
+    ----------
+    separator, decimal, header_line, data_line
+        Format of the file, lines counted from 1; None: detect it.
 
     Raises
     ------
