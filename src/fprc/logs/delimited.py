@@ -135,10 +135,7 @@ def _header_and_rows(
 def _rows(text: _Text, first: int, mark: str, *, verbatim: bool = False) -> Iterator[_Row]:
     """Yield the rows from line ``first``; skip comments, and blank lines before the first row.
 
-    Parameters
-    ----------
-    verbatim : bool
-        Whether the first line is a row even if it is blank or looks like a comment.
+    If ``verbatim``, the first line is a row even if it is blank or looks like a comment.
     """
     begins = last = first
     between_rows, started = not verbatim, verbatim

@@ -134,11 +134,9 @@ def run_limited(command: Sequence[str], limit_s: float, request: bytes = b"") ->
 def _answers(stream: bytes) -> Iterator[tuple[Any, Any]]:
     """Yield the answers that the process wrote completely."""
     file = io.BytesIO(stream)
-    while True:
-        try:
+    with contextlib.suppress(EOFError, pickle.UnpicklingError):
+        while True:
             yield pickle.load(file)
-        except (EOFError, pickle.UnpicklingError):
-            return
 
 
 def answer(limit_s: float) -> None:
