@@ -5,8 +5,7 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -74,38 +73,28 @@ def on_rig(
         raise
     timing: dict[str, float] = {}
     stopped = unvented = ""
+    failed = None
     try:
-        with _closing(opened):
-            checked = CheckedRig(opened, limits, period_s, phi=bool(hardware["phi"]))
-            try:
-                channels = act(checked, clock)
-            except RunAbortedError as aborted:
-                channels, stopped = aborted.channels, str(aborted)
-            timing = clock.statistics()
-    except DeviceError as error:
-        if not timing:
-            raise
-        unvented = str(error)
-    return Session(channels, timing, stopped, unvented)
-
-
-@contextmanager
-def _closing(opened: HardwareRig) -> Iterator[None]:
-    """Close the rig in any case; an error of closing does not hide an earlier one."""
-    ended_by = None
-    try:
-        yield
+        checked = CheckedRig(opened, limits, period_s, phi=bool(hardware["phi"]))
+        try:
+            channels = act(checked, clock)
+        except RunAbortedError as aborted:
+            channels, stopped = aborted.channels, str(aborted)
+        timing = clock.statistics()
     except FprcError as error:
-        ended_by = error
+        failed = error
         raise
     finally:
         try:
             opened.close()
-        except DeviceError as closing:
-            if ended_by is None:
+            sign(SAFE)
+        except DeviceError as closing:  # does not hide an earlier error
+            if failed:
+                raise DeviceError(f"{failed}\n{closing}") from failed
+            if not timing:
                 raise
-            raise DeviceError(f"{ended_by}\n{closing}") from ended_by
-        sign(SAFE)
+            unvented = str(closing)
+    return Session(channels, timing, stopped, unvented)
 
 
 def _wait(seconds: float) -> None:

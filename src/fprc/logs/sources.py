@@ -49,13 +49,7 @@ def read_source(path: Path | str, **text_format: Any) -> Source:
 
 
 def read_arrays(path: Path, *, matlab: bool) -> Source:
-    """Read an HDF5 or MATLAB file in this process.
-
-    Raises
-    ------
-    LogError
-        See ``read_source``.
-    """
+    """Read an HDF5 or MATLAB file in this process; errors are those of ``read_source``."""
     with path.open("rb") as file:
         head = file.read(520)
     if matlab and not head.startswith((_HDF5, b"MATLAB 7.3")):
