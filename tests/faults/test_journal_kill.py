@@ -21,7 +21,7 @@ attributes = {
     "experiment": "sweep", "source": "rig", "sample_rate_hz": 200.0, "seed": 0,
     "software": "test", "rig": {},
 }
-journal = Journal.create(sys.argv[1], RAW_CHANNELS, attributes, sync_s=0.01)
+journal = Journal(sys.argv[1], RAW_CHANNELS, attributes, sync_s=0.01)
 k = 0
 try:
     while True:

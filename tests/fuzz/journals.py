@@ -52,7 +52,7 @@ def _run(close: dict[str, Any] | None, without: str = "", seed: int = 1) -> Run:
     }  # fmt: skip
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "run.journal")
-        journal = Journal.create(path, names, attributes)
+        journal = Journal(path, names, attributes)
         for tick, row in zip(ticks.tolist(), rows.tolist(), strict=True):
             journal.append(tick, row)
         if close is not None:

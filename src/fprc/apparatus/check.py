@@ -2,15 +2,16 @@
 
 import logging
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from fprc.apparatus.guardian import ALIVE
-from fprc.apparatus.session import loops, rig, sign
-from fprc.control import RunAbortedError, run
-from fprc.devices import Readings
-from fprc.errors import ControlError, DeviceError
+from fprc.apparatus.session import loops, on_rig, sign
+from fprc.control import run
+from fprc.devices import Clock, Device, Readings
+from fprc.errors import ControlError
 
 log = logging.getLogger("fprc.rig")
 
@@ -51,14 +52,18 @@ def check_rig(settings: Mapping[str, Any], armed: bool, stop: Callable[[], str])
     period_s = 1.0 / control["sample_rate_hz"]
     phases = PHASES if armed else PHASES[:1]
     ends = np.cumsum([round(seconds / period_s) for *_, seconds in phases])
-    channels, timing, trouble = _read_at_rest(hardware, period_s, int(ends[0]), stop)
-    if armed and not trouble:  # a rig that may not vent must not be filled
+    at_rest = partial(_read_at_rest, samples=int(ends[0]), stop=stop)
+    seen = on_rig(hardware, period_s, at_rest)
+    channels = seen.channels
+    if armed and not seen.unvented:  # a rig that may not vent must not be filled
         setpoints = _setpoints(phases[1:], ends - ends[0], period_s).tolist()
         pressure_loops = loops(control, hardware["valves"]["neutral_v"])
-        moved, timing, trouble = _fill_and_vent(hardware, period_s, setpoints, pressure_loops, stop)
-        moved["time_s"] += ends[0] * period_s
-        channels = {name: np.append(values, moved[name]) for name, values in channels.items()}
+        filling = partial(_fill_and_vent, setpoints=setpoints, stop=stop, **pressure_loops)
+        seen = on_rig(hardware, period_s, filling)
+        seen.channels["time_s"] += ends[0] * period_s
+        channels = {k: np.append(values, seen.channels[k]) for k, values in channels.items()}
     lines, problems = describe(channels, ends * period_s, phases)
+    timing = seen.timing
     lines.append(
         f"loop: {timing['ticks']} ticks, {timing['overruns']} missed, lateness "
         f"{1e3 * timing['jitter_p50_s']:.3f} ms median, "
@@ -66,7 +71,8 @@ def check_rig(settings: Mapping[str, Any], armed: bool, stop: Callable[[], str])
     )
     if not armed:
         lines.append("valves: kept vented; --armed fills and vents each chamber in turn")
-    trouble += problems
+    stopped = f"stopped: {seen.stopped}" if seen.stopped else ""
+    trouble = [*filter(None, [stopped, seen.unvented]), *problems]
     lines += [f"TROUBLE: {line}" for line in trouble] or ["no trouble found"]
     for line in lines:
         log.info("%s", line)
@@ -74,54 +80,28 @@ def check_rig(settings: Mapping[str, Any], armed: bool, stop: Callable[[], str])
 
 
 def _read_at_rest(
-    hardware: Mapping[str, Any], period_s: float, samples: int, stop: Callable[[], str]
-) -> tuple[dict[str, np.ndarray], dict[str, float], list[str]]:
-    """Return the readings at rest, the statistics of the clock, and errors of closing the rig."""
-    readings: list[Readings] = []
-    timing, trouble = {}, []
-    try:
-        with rig(hardware, period_s) as (device, clock):
-            for k in range(samples):
-                clock.wait_for(k)
-                sign(ALIVE)
-                readings.append(device.read())
-                if reason := stop():
-                    raise ControlError(reason)
-            timing = clock.statistics()
-    except DeviceError as error:
-        if not timing:
-            raise
-        trouble.append(str(error))
-    return dict(zip(Readings._fields, np.array(readings).T, strict=True)), timing, trouble
+    device: Device, clock: Clock, /, *, samples: int, stop: Callable[[], str]
+) -> dict[str, np.ndarray]:
+    readings = []
+    for k in range(samples):
+        clock.wait_for(k)
+        sign(ALIVE)
+        readings.append(device.read())
+        if reason := stop():
+            raise ControlError(reason)
+    return dict(zip(Readings._fields, np.array(readings).T, strict=True))
 
 
 def _fill_and_vent(
-    hardware: Mapping[str, Any],
-    period_s: float,
-    setpoints: list[list[float]],
-    pressure_loops: Mapping[str, Any],
-    stop: Callable[[], str],
-) -> tuple[dict[str, np.ndarray], dict[str, float], list[str]]:
-    """Follow setpoints; return the channels, the statistics of the clock, and the errors."""
-    timing, trouble = {}, []
+    device: Device, clock: Clock, /, *, setpoints: list[list[float]], **how: Any
+) -> dict[str, np.ndarray]:
+    """Follow setpoints; ``how`` is passed to ``run``."""
 
     def law(k: int, now: Readings) -> list[float]:
         sign(ALIVE)
         return setpoints[k]
 
-    try:
-        with rig(hardware, period_s) as (device, clock):
-            try:
-                moved = run(device, clock, law, len(setpoints), **pressure_loops, stop=stop)
-            except RunAbortedError as stopped:
-                moved = stopped.channels
-                trouble.append(f"stopped: {stopped}")
-            timing = clock.statistics()
-    except DeviceError as error:
-        if not timing:
-            raise
-        trouble.append(str(error))
-    return moved, timing, trouble
+    return run(device, clock, law, len(setpoints), **how)
 
 
 def _setpoints(phases: Sequence[Phase], bounds: np.ndarray, period_s: float) -> np.ndarray:

@@ -39,7 +39,7 @@ _VENTED = "both chambers are vented, as their sensors show"
 _NOT_VENTED = "THE CHAMBERS COULD NOT BE VENTED, cut the supply and open them by hand"
 
 
-def guard(request: Mapping[str, Any], hardware: Mapping[str, Any]) -> None:
+def guard(request: Mapping[str, Any]) -> None:
     """Run a request in a child process and supervise it (see ``fprc.apparatus.process``).
 
     Raises
@@ -49,43 +49,41 @@ def guard(request: Mapping[str, Any], hardware: Mapping[str, Any]) -> None:
     ControlError
         The child failed, was killed or stopped responding; says whether the chambers are vented.
     """
-    boards = hardware["boards"]
+    hardware = request["settings"]["hardware"]
+    boards, pipe = hardware["boards"], subprocess.PIPE
     with locked(board_names(boards), boards["lock_folder"]) as locks:
-        _guard(request, hardware, locks)
-
-
-def _guard(request: Mapping[str, Any], hardware: Mapping[str, Any], locks: Sequence[int]) -> None:
-    pipe = subprocess.PIPE
-    # the loop gets its own session: a closed terminal, Ctrl-Z or a kill of the process group
-    # hits the guardian alone, and the loop then stops and vents
-    process = _Process(
-        [sys.executable, "-m", "fprc.apparatus.process"],
-        stdin=pipe,
-        stdout=pipe,
-        start_new_session=True,
-        pass_fds=locks,
-    )
-    write_holder(locks, f" (drives the rig by process {process.pid})")
-    signs: queue.SimpleQueue[bytes] = queue.SimpleQueue()
-    threading.Thread(target=_listen, args=(process, signs), daemon=True).start()
-    with _forwarding_signals(process) as received:
-        with suppress(BrokenPipeError):  # it has already ended, with a message
-            process.stdin.write(json.dumps(request).encode() + b"\n")
-            process.stdin.flush()
-        end = _watch(signs, _beating(process), hardware["loop"]["stalled_s"])
-        if end == "silent":
-            process.kill()
-        # vent before waiting for the end of the process: until then the valves hold their voltages
-        vented = "" if end == "safe" else _vent(hardware, received)
-        code = _wait(process, received)
-        if code is None:
-            raise ControlError(
-                f"process {process.pid}, which drives the rig, does not end: IT MAY STILL OPEN A "
-                "VALVE. Cut the supply and open the chambers by hand, then restart the computer"
-            )
-        if end == "silent":
-            # again: the last driver call of the killed process may have come after the venting
-            vented = _vent(hardware, received)
+        # the loop gets its own session: a closed terminal, Ctrl-Z or a kill of the process group
+        # hits the guardian alone, and the loop then stops and vents
+        process = _Process(
+            [sys.executable, "-m", "fprc.apparatus.process"],
+            stdin=pipe,
+            stdout=pipe,
+            start_new_session=True,
+            pass_fds=locks,
+        )
+        write_holder(locks, f" (drives the rig by process {process.pid})")
+        signs: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+        threading.Thread(target=_listen, args=(process, signs), daemon=True).start()
+        with _forwarding_signals(process) as received:
+            with suppress(BrokenPipeError):  # it has already ended, with a message
+                process.stdin.write(json.dumps(request).encode() + b"\n")
+                process.stdin.flush()
+            end = _watch(signs, _beating(process), hardware["loop"]["stalled_s"])
+            if end == "silent":
+                process.kill()
+            # vent before waiting for the end of the process: until then the valves hold their
+            # voltages
+            vented = "" if end == "safe" else _vent(hardware, received)
+            code = _wait(process, received)
+            if code is None:
+                raise ControlError(
+                    f"process {process.pid}, which drives the rig, does not end: IT MAY STILL OPEN "
+                    "A VALVE. Cut the supply and open the chambers by hand, then restart the "
+                    "computer"
+                )
+            if end == "silent":
+                # again: the last driver call of the killed process may have come after the venting
+                vented = _vent(hardware, received)
     if end != "safe":
         how = "stopped responding and was killed" if end == "silent" else f"ended with code {code}"
         kept = ". Its samples are in the journal beside the log: fprc log repair"
@@ -213,19 +211,17 @@ def _wait(process: _Process, received: Sequence[int]) -> int | None:
     """Wait for the end of a process and return its exit code; None if the user gave up."""
     before = received.count(signal.SIGINT)
     while True:
-        try:
+        with suppress(subprocess.TimeoutExpired):
             code = process.wait(timeout=_MESSAGE_S)
-        except subprocess.TimeoutExpired:
-            if received.count(signal.SIGINT) > before:
-                return None
-            log.error(
-                "process %d has not ended: it may hang in a driver call. Ctrl-C stops the wait",
-                process.pid,
-            )
-        else:
             process.stdin.close()
             process.stdout.close()
             return code
+        if received.count(signal.SIGINT) > before:
+            return None
+        log.error(
+            "process %d has not ended: it may hang in a driver call. Ctrl-C stops the wait",
+            process.pid,
+        )
 
 
 @contextmanager

@@ -14,12 +14,15 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from fprc.apparatus.check import check_rig
 from fprc.apparatus.guardian import ALIVE
-from fprc.apparatus.programme import Experiment, plan
-from fprc.apparatus.session import Stop, keep_signs_apart, loops, rig, sign
+from fprc.apparatus.programme import plan
+from fprc.apparatus.session import Stop, keep_signs_apart, loops, on_rig, sign
 from fprc.control import RunAbortedError, run
-from fprc.errors import DeviceError, FprcError, LogError
+from fprc.devices import Clock, Device
+from fprc.errors import FprcError, LogError
 from fprc.logs import RAW_CHANNELS
 from fprc.logs.journal import Journal
 from fprc.logs.recovery import recover
@@ -79,16 +82,39 @@ def record(
     experiment = plan(name, settings, model, gains)
     stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
     path = Path(raw).with_suffix(f".{stamp}.journal")
-    with Journal.create(path, experiment.channels, experiment.attributes) as journal:
-        stopped, vented, statistics = _drive(name, experiment, settings, journal, stop)
-        journal.close(complete=stopped is None, reason=str(stopped or ""), **statistics)
+    control, hardware = settings["control"], settings["hardware"]
+    period_s = 1.0 / control["sample_rate_hz"]
+    with Journal(path, experiment.channels, experiment.attributes) as journal:
+
+        def drive(device: Device, clock: Clock) -> dict[str, np.ndarray]:
+            seconds = experiment.samples * period_s
+            log.info("%s starts, %.0f s; Ctrl-C stops it and vents", name, seconds)
+            if experiment.hint:
+                log.info("%s", experiment.hint)
+            return run(
+                device,
+                clock,
+                experiment.law,
+                experiment.samples,
+                **loops(control, hardware["valves"]["neutral_v"]),
+                extra=experiment.channels[len(RAW_CHANNELS) :],
+                progress=_progress(experiment.samples, period_s),
+                keep=journal.append,
+                stop=stop,
+            )
+
+        channels, statistics, stopped, unvented = on_rig(hardware, period_s, drive)
+        if unvented:
+            complete = "the samples are complete, but the rig was not closed: "
+            stopped = (f"{stopped}\n" if stopped else complete) + unvented
+        journal.close(complete=not stopped, reason=stopped, **statistics)
     if stopped:
-        shown = "both chambers are vented, as their sensors show; " if vented else ""
+        shown = "" if unvented else "both chambers are vented, as their sensors show; "
         raise RunAbortedError(
             f"{stopped}\n{shown}{journal.samples} samples are in {path}, copy them with: "
             f"fprc log repair {path} --out {Path(raw).with_suffix('.aborted.h5')}",
-            stopped.channels,
-        ) from stopped
+            channels,
+        )
     recover(path, raw)
     for file in (path, Path(raw)):
         file.chmod(_READ_ONLY)
@@ -102,72 +128,22 @@ def record(
     )
 
 
-def _drive(
-    name: str,
-    experiment: Experiment,
-    settings: Mapping[str, Any],
-    journal: Journal,
-    stop: Callable[[], str],
-) -> tuple[RunAbortedError | None, bool, dict[str, float]]:
-    """Return what stopped the run, whether the rig is vented, and the statistics of the clock.
+def _progress(samples: int, period_s: float) -> Callable[[int], None]:
+    """Return a function that sends signs of life, and logs a line every tenth of the run."""
+    every, tenth = max(int(0.05 / period_s), 1), max(samples // 10, 1)
+    signed = printed = 0
 
-    Raises
-    ------
-    DeviceError
-        The run did not start.
-    """
-    hardware, control = settings["hardware"], settings["control"]
-    period_s = 1.0 / control["sample_rate_hz"]
-    stopped, statistics = None, {}
-    try:
-        with rig(hardware, period_s) as (device, clock):
-            seconds = experiment.samples * period_s
-            log.info("%s starts, %.0f s; Ctrl-C stops it and vents", name, seconds)
-            if experiment.hint:
-                log.info("%s", experiment.hint)
-            try:
-                run(
-                    device,
-                    clock,
-                    experiment.law,
-                    experiment.samples,
-                    **loops(control, hardware["valves"]["neutral_v"]),
-                    extra=experiment.channels[len(RAW_CHANNELS) :],
-                    progress=_Progress(experiment.samples, period_s),
-                    keep=journal.append,
-                    stop=stop,
-                )
-            except RunAbortedError as error:
-                stopped = error
-            statistics = clock.statistics()
-    except DeviceError as closing:
-        if not statistics:
-            raise
-        why = (
-            f"{stopped}\n" if stopped else "the samples are complete, but the rig was not closed: "
-        )
-        aborted = RunAbortedError(f"{why}{closing}", stopped.channels if stopped else {})
-        return aborted, False, statistics
-    return stopped, True, statistics
-
-
-class _Progress:
-    """Signs of life for the guardian, and a progress line for the user every tenth of the run."""
-
-    def __init__(self, samples: int, period_s: float):
-        self._every = max(int(0.05 / period_s), 1)
-        self._tenth = max(samples // 10, 1)
-        self._samples, self._period_s = samples, period_s
-        self._signed = self._printed = 0
-
-    def __call__(self, done: int) -> None:
+    def progress(done: int) -> None:
+        nonlocal signed, printed
         # not `done % every`: missed ticks can skip the multiples
-        if done - self._signed >= self._every:
-            self._signed = done
+        if done - signed >= every:
+            signed = done
             sign(ALIVE)
-        if done // self._tenth > self._printed:
-            self._printed = done // self._tenth
-            log.info("%3.0f of %3.0f s", done * self._period_s, self._samples * self._period_s)
+        if done // tenth > printed:
+            printed = done // tenth
+            log.info("%3.0f of %3.0f s", done * period_s, samples * period_s)
+
+    return progress
 
 
 if __name__ == "__main__":

@@ -65,8 +65,11 @@ def plan(name: str, settings: Mapping[str, Any], model: str = "", gains: str = "
     """
     refuse_unknown(name, settings)
     if name in EXPERIMENTS:
-        return _hysteresis(name, settings)
-    return _tracking(name, settings, model, gains)
+        planned = _hysteresis(name, settings)
+    else:
+        planned = _tracking(name, settings, model, gains)
+    rig = {"hardware": settings["hardware"], **planned.attributes["rig"]}
+    return planned._replace(attributes=planned.attributes | {"source": "rig", "rig": rig})
 
 
 def _tracking(name: str, settings: Mapping[str, Any], model: str, gains: str) -> Experiment:
@@ -94,7 +97,7 @@ def _tracking(name: str, settings: Mapping[str, Any], model: str, gains: str) ->
     law = bench.law(theta_d, fitted, known_gains.get(gain))
     attributes = bench.describe(reference, controller, known_gains) | {"experiment": name}
     channels = (*RAW_CHANNELS, *TRACKING_CHANNELS)
-    return Experiment(law, len(theta_d), channels, _with_hardware(attributes, settings), hint)
+    return Experiment(law, len(theta_d), channels, attributes, hint)
 
 
 def _read_gains(path: str) -> dict[str, Any]:
@@ -118,9 +121,4 @@ def _hysteresis(name: str, settings: Mapping[str, Any]) -> Experiment:
         "software": f"fprc {__version__}",
         "rig": {"control": control, "signal": signal},
     }
-    return Experiment(law, len(p_exp_kpa), RAW_CHANNELS, _with_hardware(attributes, settings))
-
-
-def _with_hardware(attributes: dict[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
-    rig = {"hardware": settings["hardware"], **attributes["rig"]}
-    return attributes | {"source": "rig", "rig": rig}
+    return Experiment(law, len(p_exp_kpa), RAW_CHANNELS, attributes)

@@ -42,4 +42,4 @@ def record_on_rig(
         )
     Path(raw).parent.mkdir(parents=True, exist_ok=True)
     run = {"name": name, "raw": raw, "model": model, "gains": gains}
-    guard({"what": "run", "settings": dict(settings), "run": run}, settings["hardware"])
+    guard({"what": "run", "settings": dict(settings), "run": run})

@@ -5,14 +5,16 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from fprc.apparatus.guardian import ALIVE, HOT, SAFE
-from fprc.control import PressurePI
+from fprc.control import PressurePI, RunAbortedError
 from fprc.control.clock import Metronome
 from fprc.control.realtime import request_realtime
+from fprc.devices import Clock, Device
 from fprc.devices.hardware import HardwareRig
 from fprc.devices.safety import CheckedRig
 from fprc.errors import DeviceError, FprcError
@@ -24,14 +26,31 @@ _LOOPS = ("main_loop", "reservoir_loop")
 _SUSPENDED_S = 0.1
 
 
-@contextmanager
-def rig(hardware: Mapping[str, Any], period_s: float) -> Iterator[tuple[CheckedRig, Metronome]]:
-    """Open the real rig with its safety limits and clock; make it safe and release it at the end.
+class Session(NamedTuple):
+    """Outcome of a session with the real rig."""
+
+    channels: dict[str, np.ndarray]
+    timing: dict[str, float]  #: statistics of the clock
+    stopped: str  #: why the run was stopped; empty if it was not
+    unvented: str  #: error of closing the rig; empty if readings show that it is vented
+
+
+def on_rig(
+    hardware: Mapping[str, Any],
+    period_s: float,
+    act: Callable[[Device, Clock], dict[str, np.ndarray]],
+) -> Session:
+    """Open the real rig with its safety limits and clock; act; make it safe and release it.
+
+    Parameters
+    ----------
+    act : callable
+        Returns channels, or raises RunAbortedError.
 
     Raises
     ------
     DeviceError
-        A part cannot be opened, or at the end no reading shows that the rig is vented.
+        A part cannot be opened; or ``act`` raised another error, and closing failed too.
     """
     limits = hardware["limits"]
     clock = Metronome(
@@ -52,27 +71,30 @@ def rig(hardware: Mapping[str, Any], period_s: float) -> Iterator[tuple[CheckedR
     except DeviceError:
         sign(SAFE)  # nothing was moved
         raise
-    with _closing(opened):
-        yield CheckedRig(opened, limits, period_s, phi=bool(hardware["phi"])), clock
-
-
-@contextmanager
-def _closing(opened: HardwareRig) -> Iterator[None]:
-    """Close the rig in any case; an error of closing does not hide an earlier one."""
-    ended_by = None
+    timing: dict[str, float] = {}
+    stopped = unvented = ""
+    failed = None
     try:
-        yield
+        checked = CheckedRig(opened, limits, period_s, phi=bool(hardware["phi"]))
+        try:
+            channels = act(checked, clock)
+        except RunAbortedError as aborted:
+            channels, stopped = aborted.channels, str(aborted)
+        timing = clock.statistics()
     except FprcError as error:
-        ended_by = error
+        failed = error
         raise
     finally:
         try:
             opened.close()
-        except DeviceError as closing:
-            if ended_by is None:
+            sign(SAFE)
+        except DeviceError as closing:  # does not hide an earlier error
+            if failed:
+                raise DeviceError(f"{failed}\n{closing}") from failed
+            if not timing:
                 raise
-            raise DeviceError(f"{ended_by}\n{closing}") from ended_by
-        sign(SAFE)
+            unvented = str(closing)
+    return Session(channels, timing, stopped, unvented)
 
 
 def _wait(seconds: float) -> None:

@@ -2,12 +2,14 @@
 
 import time
 from collections.abc import Callable
+from dataclasses import KW_ONLY, dataclass, field
 
 import numpy as np
 
 from fprc.errors import ControlError
 
 
+@dataclass
 class Metronome:
     """Ticks at start + k * period on a monotonic clock, so that lateness does not add up.
 
@@ -31,28 +33,20 @@ class Metronome:
         Missed ticks so far.
     """
 
-    def __init__(
-        self,
-        period_s: float,
-        *,
-        overruns_in_a_row: int,
-        spin_s: float = 0.0,
-        now: Callable[[], float] = time.perf_counter,
-        sleep: Callable[[float], None] = time.sleep,
-    ):
-        self.period_s = period_s
-        self.overruns = 0
-        self._allowed = overruns_in_a_row
-        self._spin_s = spin_s
-        self._now = now
-        self._sleep = sleep
-        self._start_s: float | None = None
-        self._in_a_row = 0
-        self._late_s: list[float] = []
+    period_s: float
+    _: KW_ONLY
+    overruns_in_a_row: int
+    spin_s: float = 0.0
+    now: Callable[[], float] = time.perf_counter
+    sleep: Callable[[float], None] = time.sleep
+    overruns: int = field(default=0, init=False)
+    _start_s: float | None = field(default=None, init=False)
+    _in_a_row: int = field(default=0, init=False)
+    _late_s: list[float] = field(default_factory=list, init=False)
 
     def elapsed(self) -> float:
         """Return the time since tick 0, s; 0 before the first call of ``wait_for``."""
-        return 0.0 if self._start_s is None else self._now() - self._start_s
+        return 0.0 if self._start_s is None else self.now() - self._start_s
 
     def wait_for(self, tick: int) -> int:
         """Wait until this tick is due; return the tick now due, a later one if some were missed.
@@ -63,27 +57,27 @@ class Metronome:
             More ticks than allowed were missed in a row.
         """
         if self._start_s is None:
-            self._start_s = self._now() + self.period_s - tick * self.period_s
+            self._start_s = self.now() + self.period_s - tick * self.period_s
         due_s = self._start_s + tick * self.period_s
-        late_s = self._now() - due_s
+        late_s = self.now() - due_s
         if late_s < 0.0:
             self._in_a_row = 0
-            while (left_s := due_s - self._now()) > 0.0:
-                if left_s > self._spin_s:
-                    self._sleep(left_s - self._spin_s)
+            while (left_s := due_s - self.now()) > 0.0:
+                if left_s > self.spin_s:
+                    self.sleep(left_s - self.spin_s)
         else:
             missed = int(late_s / self.period_s)
             self.overruns += missed
             self._in_a_row += missed
-            if self._in_a_row > self._allowed:
+            if self._in_a_row > self.overruns_in_a_row:
                 raise ControlError(
                     f"{self._in_a_row} ticks of {1e3 * self.period_s:g} ms were missed in a row, "
-                    f"the limit is {self._allowed} (hardware.limits.overruns_in_a_row); close "
-                    "other programs, or use a faster model"
+                    f"the limit is {self.overruns_in_a_row} (hardware.limits.overruns_in_a_row); "
+                    "close other programs, or use a faster model"
                 )
             tick += missed
             due_s += missed * self.period_s
-        self._late_s.append(self._now() - due_s)
+        self._late_s.append(self.now() - due_s)
         return tick
 
     def statistics(self) -> dict[str, float]:

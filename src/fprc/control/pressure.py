@@ -1,8 +1,10 @@
 """PI loop that sets a valve's voltage to control a chamber's pressure."""
 
 import math
+from dataclasses import KW_ONLY, dataclass, field
 
 
+@dataclass
 class PressurePI:
     """V = V_neutral + kp e + ki integral(e), clamped to the board's 0-10 V.
 
@@ -18,21 +20,13 @@ class PressurePI:
         Voltage that closes the valve, and the highest voltage.
     """
 
-    def __init__(
-        self,
-        kp_v_per_kpa: float,
-        ki_v_per_kpa_s: float,
-        period_s: float,
-        *,
-        neutral_v: float = 5.0,
-        limit_v: float = 10.0,
-    ):
-        self.kp_v_per_kpa = kp_v_per_kpa
-        self.ki_v_per_kpa_s = ki_v_per_kpa_s
-        self.period_s = period_s
-        self.neutral_v = neutral_v
-        self.limit_v = limit_v
-        self.integral_kpa_s = 0.0
+    kp_v_per_kpa: float
+    ki_v_per_kpa_s: float
+    period_s: float
+    _: KW_ONLY
+    neutral_v: float = 5.0
+    limit_v: float = 10.0
+    integral_kpa_s: float = field(default=0.0, init=False)
 
     def step(self, setpoint_kpa: float, measured_kpa: float) -> float:
         """Return the valve voltage for this sample.

@@ -66,36 +66,32 @@ def write_holder(files: Sequence[int], more: str) -> None:
 def _lock(board: str, path: Path) -> int:
     try:
         import fcntl
-
-        file = _open(path)
     except ImportError as error:
         raise DeviceError(
             "boards can be locked against other programs only on Linux; run the real rig on Linux"
         ) from error
-    except OSError as error:
-        raise _not_locked(board, path, error) from error
     try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        file = _open(path)
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            holder = os.read(file, 1000).decode(errors="replace").strip()
+            os.close(file)
+            if error.errno not in (errno.EWOULDBLOCK, errno.EACCES):
+                raise
+            raise DeviceError(
+                f"board {board} is in use by {visible(holder) or 'another process'}; nothing was "
+                f"moved. Wait until it ends, or stop it; deleting {path} does not free the board"
+            ) from None
     except OSError as error:
-        holder = os.read(file, 1000).decode(errors="replace").strip()
-        os.close(file)
-        if error.errno not in (errno.EWOULDBLOCK, errno.EACCES):
-            raise _not_locked(board, path, error) from error
+        remedy = "make the file writable for all users"
+        if isinstance(error, FileNotFoundError):
+            remedy = f"create the folder {path.parent}"
         raise DeviceError(
-            f"board {board} is in use by {visible(holder) or 'another process'}; nothing was "
-            f"moved. Wait until it ends, or stop it; deleting {path} does not free the board"
-        ) from None
+            f"board {board}: {path} cannot be locked ({error.strerror}), so another program could "
+            f"use the board too; {remedy}, or set hardware.boards.lock_folder"
+        ) from error
     return file
-
-
-def _not_locked(board: str, path: Path, error: OSError) -> DeviceError:
-    remedy = "make the file writable for all users"
-    if isinstance(error, FileNotFoundError):
-        remedy = f"create the folder {path.parent}"
-    return DeviceError(
-        f"board {board}: {path} cannot be locked ({error.strerror}), so another program could "
-        f"use the board too; {remedy}, or set hardware.boards.lock_folder"
-    )
 
 
 def _open(path: Path) -> int:

@@ -1,4 +1,7 @@
-"""Pneumatics of the real rig: both valves, the pressure sensors, and venting."""
+"""Pneumatics of the real rig: both valves, the pressure sensors, and venting.
+
+``hardware`` is a mapping as in ``fprc.config.hardware.Hardware``.
+"""
 
 import contextlib
 import time
@@ -24,11 +27,6 @@ class NotVentedError(DeviceError):
 
 class Valves:
     """Both proportional valves on the output board, and the optional heartbeat output.
-
-    Parameters
-    ----------
-    hardware : Mapping
-        As in ``fprc.config.hardware.Hardware``.
 
     Raises
     ------
@@ -74,11 +72,6 @@ class Valves:
 
 class Pressures:
     """The three pressure sensors on the input board.
-
-    Parameters
-    ----------
-    hardware : Mapping
-        As in ``fprc.config.hardware.Hardware``.
 
     Raises
     ------

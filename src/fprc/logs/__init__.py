@@ -1,14 +1,7 @@
 """Experiment logs: HDF5 files of named channels with units."""
 
 from fprc.logs.columns import Columns, read_columns, write_columns
-from fprc.logs.folder import (
-    WHOLE,
-    Content,
-    contents,
-    headers,
-    refuse_simulated,
-    refuse_to_overwrite,
-)
+from fprc.logs.folder import WHOLE, Content, contents, headers, refuse_other_source
 from fprc.logs.journal import Journal
 from fprc.logs.quality import assess
 from fprc.logs.raw import RAW_CHANNELS, TRACKING_CHANNELS, read_raw, read_run, write_raw
@@ -29,8 +22,7 @@ __all__ = [
     "read_raw",
     "read_run",
     "recover",
-    "refuse_simulated",
-    "refuse_to_overwrite",
+    "refuse_other_source",
     "write_columns",
     "write_raw",
 ]

@@ -39,15 +39,20 @@ class _Row(NamedTuple):
 def read_text(
     path: Path,
     *,
-    separator: str | None,
-    decimal: str | None,
-    header_line: int | None,
-    data_line: int | None,
+    separator: str | None = None,
+    decimal: str | None = None,
+    header_line: int | None = None,
+    data_line: int | None = None,
 ) -> Source:
     """Read a text table with one header line; fields may be quoted.
 
     Lines that begin with ``#`` or ``%`` are comments. A separator at the end of a
     line adds no field.
+
+    Parameters
+    ----------
+    separator, decimal, header_line, data_line
+        Format of the file, lines counted from 1; None: detect it.
 
     Raises
     ------
@@ -130,10 +135,7 @@ def _header_and_rows(
 def _rows(text: _Text, first: int, mark: str, *, verbatim: bool = False) -> Iterator[_Row]:
     """Yield the rows from line ``first``; skip comments, and blank lines before the first row.
 
-    Parameters
-    ----------
-    verbatim : bool
-        Whether the first line is a row even if it is blank or looks like a comment.
+    If ``verbatim``, the first line is a row even if it is blank or looks like a comment.
     """
     begins = last = first
     between_rows, started = not verbatim, verbatim

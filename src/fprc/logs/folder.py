@@ -94,36 +94,28 @@ def contents(
     return {name: content for name, content in logs.items() if content}
 
 
-def refuse_to_overwrite(existing: Mapping[str, Header]) -> None:
-    """Check that the simulated rig would overwrite only its own logs.
+def refuse_other_source(existing: Mapping[str, Header], *, simulated: bool) -> None:
+    """Check that the logs are all of the simulated rig, or that none is.
 
     Raises
     ------
     LogError
-        Lists the other logs that it would overwrite.
+        Lists the others.
     """
-    _refuse(
-        [header for header in existing.values() if header.attributes.get("source") != "sim"],
-        "is not a log of the simulated rig and will not be overwritten; set source: recorded to "
-        "use it, or move it away",
-    )
-
-
-def refuse_simulated(existing: Mapping[str, Header]) -> None:
-    """Check that none of the logs, which should be of a real rig, is simulated.
-
-    Raises
-    ------
-    LogError
-        Lists those that are simulated.
-    """
-    _refuse(
-        [header for header in existing.values() if header.attributes.get("source") == "sim"],
-        "is a log of the simulated rig, not of the real one; set folders.raw (and "
-        "folders.results) to folders of their own",
-    )
-
-
-def _refuse(wrong: Sequence[Header], why: str) -> None:
+    if simulated:
+        why = (
+            "is not a log of the simulated rig and will not be overwritten; set source: recorded "
+            "to use it, or move it away"
+        )
+    else:
+        why = (
+            "is a log of the simulated rig, not of the real one; set folders.raw (and "
+            "folders.results) to folders of their own"
+        )
+    wrong = [
+        f"{header.path}: {why}"
+        for header in existing.values()
+        if (header.attributes.get("source") == "sim") != simulated
+    ]
     if wrong:
-        raise LogError("\n".join(f"{header.path}: {why}" for header in wrong))
+        raise LogError("\n".join(wrong))

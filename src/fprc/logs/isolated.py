@@ -23,46 +23,15 @@ _LIMIT_S, _BYTES_PER_S = 5.0, 20e6
 #: Limit on wall time, as a multiple of that: ends a process that is blocked.
 _PATIENCE = 6.0
 #: Limit on the process's address space, bytes; libraries take about 0.5 GB of it.
-LIMIT_BYTES = 4 << 30
+_LIMIT_BYTES = 4 << 30
 
 _DAMAGED = "the file is damaged; `fprc log repair` copies the readable part of a raw log"
-
-
-def isolated(
-    function: Callable[..., Any],
-    *arguments: Any,
-    what: str,
-    limit_s: float | None = None,
-    **keywords: Any,
-) -> Any:
-    """Call a function in a child process and return its result.
-
-    Parameters
-    ----------
-    function : callable
-        At module level: it is pickled, and so are its arguments and result.
-    what : str
-        File to read; named in messages.
-    limit_s : float, optional
-        Limit on processor time; by default it follows from the file's size.
-
-    Raises
-    ------
-    LogError
-        The process crashed, or exceeded a limit; names ``what``.
-    Exception
-        Any exception that the function raised.
-    """
-    (result,) = _attempt(function, [(what, arguments)], keywords, limit_s, LIMIT_BYTES)
-    if isinstance(result, LogError):
-        raise result
-    return result
 
 
 def isolated_each(
     function: Callable[..., Any], paths: Sequence[Path | str], **keywords: Any
 ) -> list[Any]:
-    """Call a function on each of several raw logs and return its results; see ``attempt_each``.
+    """Call a function on each of several files and return its results; see ``attempt_each``.
 
     Raises
     ------
@@ -81,22 +50,45 @@ def attempt_each(
     paths: Sequence[Path | str],
     *,
     limit_s: float | None = None,
-    limit_bytes: int = LIMIT_BYTES,
     **keywords: Any,
 ) -> list[Any]:
-    """Call a function on each of several raw logs; return its result or ``LogError`` for each.
+    """Call a function on each of several files; return its result or ``LogError`` for each.
 
-    One child process reads all files. If a file crashes it, a new one continues with the next.
+    One child process reads all files. If a file crashes it, or exceeds a limit, a new one
+    continues with the next.
 
     Parameters
     ----------
     function : callable
-        Takes a path, and ``keywords``; see ``isolated``.
+        Takes a path, and ``keywords``. At module level: it is pickled, and so are its arguments
+        and result.
     limit_s : float, optional
-        Limit on a process's processor time.
+        Limit on a process's processor time; by default it follows from the files' sizes.
+
+    Raises
+    ------
+    Exception
+        Any exception but ``LogError`` that the function raised.
     """
-    requests = [(str(path), (path,)) for path in paths]
-    return _attempt(function, requests, keywords, limit_s, limit_bytes)
+    results: list[Any] = []
+    while left := paths[len(results) :]:
+        cpu_s = limit_s or time_limit_s(left)
+        code = f"from fprc.logs.isolated import answer; answer({cpu_s})"
+        request = pickle.dumps((function, left, keywords))
+        answers, ended = run_limited([sys.executable, "-c", code], cpu_s, request)
+        answered = list(_answers(answers))
+        for path, (result, error) in zip(left, answered, strict=False):
+            if isinstance(error, MemoryError):
+                error = LogError(
+                    f"{path}: reading it needs more than {_LIMIT_BYTES >> 20} MB of memory; it is "
+                    "damaged, or too large: split it"
+                )
+            if error and not isinstance(error, LogError):
+                raise error
+            results.append(error or result)
+        if len(answered) < len(left):
+            results.append(LogError(f"{left[len(answered)]}: {ended}; {_DAMAGED}"))
+    return results
 
 
 def time_limit_s(paths: Sequence[Path | str]) -> float:
@@ -114,36 +106,6 @@ def limit_process(limit_bytes: int, limit_s: float) -> None:
         resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
         resource.setrlimit(resource.RLIMIT_AS, (limit_bytes, limit_bytes))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-
-
-def _attempt(
-    function: Callable[..., Any],
-    requests: Sequence[tuple[str, tuple[Any, ...]]],
-    keywords: dict[str, Any],
-    limit_s: float | None,
-    limit_bytes: int,
-) -> list[Any]:
-    """Return the result or ``LogError`` of each request, which is a file's name and arguments."""
-    results: list[Any] = []
-    while left := requests[len(results) :]:
-        files, arguments = zip(*left, strict=True)
-        cpu_s = limit_s or time_limit_s(files)
-        code = f"from fprc.logs.isolated import answer; answer({int(limit_bytes)}, {cpu_s})"
-        request = pickle.dumps((function, arguments, keywords))
-        answers, ended = run_limited([sys.executable, "-c", code], cpu_s, request)
-        answered = list(_answers(answers))
-        for file, (result, error) in zip(files, answered, strict=False):
-            if isinstance(error, MemoryError):
-                error = LogError(
-                    f"{file}: reading it needs more than {limit_bytes >> 20} MB of memory; it is "
-                    "damaged, or too large: split it"
-                )
-            if error and not isinstance(error, LogError):
-                raise error
-            results.append(error or result)
-        if len(answered) < len(left):
-            results.append(LogError(f"{files[len(answered)]}: {ended}; {_DAMAGED}"))
-    return results
 
 
 def run_limited(command: Sequence[str], limit_s: float, request: bytes = b"") -> tuple[bytes, str]:
@@ -172,24 +134,22 @@ def run_limited(command: Sequence[str], limit_s: float, request: bytes = b"") ->
 def _answers(stream: bytes) -> Iterator[tuple[Any, Any]]:
     """Yield the answers that the process wrote completely."""
     file = io.BytesIO(stream)
-    while True:
-        try:
+    with contextlib.suppress(EOFError, pickle.UnpicklingError):
+        while True:
             yield pickle.load(file)
-        except (EOFError, pickle.UnpicklingError):
-            return
 
 
-def answer(limit_bytes: int, limit_s: float) -> None:
-    """Read requests from standard input and write the answers to standard output, one by one."""
+def answer(limit_s: float) -> None:
+    """Read a request from standard input and write the answers to standard output, one by one."""
     output = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # keep library prints out of the answers
-    limit_process(limit_bytes, limit_s)
-    function, requests, keywords = pickle.load(sys.stdin.buffer)
+    limit_process(_LIMIT_BYTES, limit_s)
+    function, paths, keywords = pickle.load(sys.stdin.buffer)
     with output:
-        for arguments in requests:
+        for path in paths:
             result, error = None, None
             try:
-                result = function(*arguments, **keywords)
+                result = function(path, **keywords)
             except Exception as raised:
                 error = raised
             pickle.dump((result, error), output)

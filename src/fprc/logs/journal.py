@@ -44,79 +44,66 @@ class Journal:
     ends. A thread syncs the file every ``sync_s``: a power cut loses at most the samples since the
     last sync, and the loop does not wait for the disk.
 
-    Use ``Journal.create``. As a context manager it closes itself; an exception marks it
-    incomplete.
+    As a context manager it closes itself; an exception marks it incomplete.
+
+    Parameters
+    ----------
+    path : Path or str
+        Its name ends in ``.journal``; an existing file is never overwritten.
+    names : sequence of str
+        Channels, as a raw log has them.
+    attributes : Mapping
+        Those that ``write_raw`` requires, and any others; ``started``, the present time (UTC),
+        is added.
+    sync_s : float, default=0.5
+        Time between two syncs to the disk, above 0.
 
     Attributes
     ----------
     samples : int
         Samples appended.
+
+    Raises
+    ------
+    LogError
+        The file exists or cannot be written; a channel or an attribute of a raw log is missing.
+        Lists all problems of names and attributes.
     """
 
-    def __init__(self, path: Path, file: int, names: Sequence[str], start: int, seed: int):
-        self.path = path
-        self.samples = 0
-        self._file = file
-        self._start = start
-        self._seed = seed
-        self._record = struct.Struct(f"<Q{len(names)}d")
-        self._buffer = bytearray(self._record.size + UINT32.size)
-        self._checked = memoryview(self._buffer)[: self._record.size]
-        self._last_tick = -1
-        self._problem = ""
-        self._closed = False
-        self._closing = threading.Event()
-        self._syncing: threading.Thread
-
-    @classmethod
-    def create(
-        cls,
+    def __init__(
+        self,
         path: Path | str,
         names: Sequence[str],
         attributes: Mapping[str, Any],
         *,
         sync_s: float = 0.5,
-    ) -> Self:
-        """Create a journal; never overwrites a file.
-
-        Parameters
-        ----------
-        path : Path or str
-            Its name ends in ``.journal``.
-        names : sequence of str
-            Channels, as a raw log has them.
-        attributes : Mapping
-            Those that ``write_raw`` requires, and any others; ``started``, the present time
-            (UTC), is added.
-        sync_s : float, default=0.5
-            Time between two syncs to the disk, above 0.
-
-        Raises
-        ------
-        LogError
-            The file exists or cannot be written; a channel or an attribute of a raw log is
-            missing. Lists all problems of names and attributes.
-        """
-        path = Path(path)
-        check_header(path, names, attributes)
+    ):
+        self.path = Path(path)
+        check_header(self.path, names, attributes)
         started = {"started": datetime.now(UTC).isoformat(timespec="microseconds")}
         header = _block(MAGIC, started | dict(attributes) | {"names": list(names)})
-        file = _open_new(path)
+        self._file = _open_new(self.path)
         try:
-            _write(file, header + header)
-            os.fsync(file)
-            _sync_folder(path.parent)
+            _write(self._file, header + header)
+            os.fsync(self._file)
+            _sync_folder(self.path.parent)
         except OSError as error:
-            os.close(file)
-            path.unlink()
+            os.close(self._file)
+            self.path.unlink()
             raise LogError(
                 f"{path}: cannot be written ({error.strerror}); no run was started, free the "
                 "disk or choose another folder"
             ) from error
-        journal = cls(path, file, names, 2 * len(header), seed_of(header))
-        journal._syncing = threading.Thread(target=journal._sync, args=(sync_s,), daemon=True)
-        journal._syncing.start()
-        return journal
+        self.samples = 0
+        self._start, self._seed = 2 * len(header), seed_of(header)
+        self._record = struct.Struct(f"<Q{len(names)}d")
+        self._buffer = bytearray(self._record.size + UINT32.size)
+        self._checked = memoryview(self._buffer)[: self._record.size]
+        self._last_tick = -1
+        self._problem = ""
+        self._closing = threading.Event()
+        self._syncing = threading.Thread(target=self._sync, args=(sync_s,), daemon=True)
+        self._syncing.start()
 
     def append(self, tick: int, row: Sequence[float]) -> None:
         """Append one sample.
@@ -175,9 +162,8 @@ class Journal:
             The end mark cannot be written. Not raised after an error of ``append``, which
             marks the journal incomplete in any case.
         """
-        if self._closed:
+        if self._closing.is_set():
             return
-        self._closed = True
         self._closing.set()
         self._syncing.join()
         problem_before = self._problem

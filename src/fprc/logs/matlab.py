@@ -3,6 +3,7 @@
 import struct
 import zlib
 from collections.abc import Iterator
+from contextlib import suppress
 from itertools import chain, starmap
 from pathlib import Path
 from typing import Any
@@ -68,12 +69,10 @@ def _refuse_large(path: Path) -> None:
 def _unpacked_bytes(packed: bytes, most: int) -> int:
     """Return the decompressed size in bytes; stop counting soon after ``most``."""
     unpacker, size = zlib.decompressobj(), 0
-    try:
+    with suppress(zlib.error):  # reported when the variable is read
         while packed and size <= most:
             size += len(unpacker.decompress(packed, _CHUNK_BYTES))
             packed = unpacker.unconsumed_tail
-    except zlib.error:
-        pass  # reported when the variable is read
     return size
 
 

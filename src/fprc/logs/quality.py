@@ -128,13 +128,18 @@ def finding(name: str, check: Mapping[str, Any]) -> str:
     if name == "rate":
         return f"{check['mean_hz']:.6g} Hz, jitter {1e3 * check['jitter_s']:.3f} ms"
     if name == "gaps":
-        first = f"{check['count']} gaps, the first before sample {check['first_sample']}; "
+        begin = f"{check['count']} gaps, the first before sample {check['first_sample']}; "
         longest = f"longest step {check['longest_s']:.4g} s, limit {check['limit_s']:.4g} s"
-        return longest if check["passed"] else first + longest
+        return longest if check["passed"] else begin + longest
     if name == "not_finite":
         return "" if check["passed"] else f"{check['count']} numbers"
     if name == "range":
-        return _describe_outside(check)
+        return "; ".join(
+            f"channel {channel}: sample {first['sample']} is {first['value']:g} "
+            f"{unit_of(channel)}, outside of {first['limits'][0]:g} to {first['limits'][1]:g}, and "
+            f"{check['samples'][channel] - 1} more"
+            for channel, first in check["first"].items()
+        )
     if name == "stuck":
         longest = check["longest_unchanged_samples"]
         channel = max(longest, key=longest.__getitem__)
@@ -145,15 +150,6 @@ def finding(name: str, check: Mapping[str, Any]) -> str:
     if check["kpa_per_min"] is None:
         return f"not checked, {check['why']}"
     return f"{check['kpa_per_min']:.3g} kPa/min, limit {check['limit_kpa_per_min']:g} kPa/min"
-
-
-def _describe_outside(check: Mapping[str, Any]) -> str:
-    return "; ".join(
-        f"channel {channel}: sample {first['sample']} is {first['value']:g} {unit_of(channel)}, "
-        f"outside of {first['limits'][0]:g} to {first['limits'][1]:g}, and "
-        f"{check['samples'][channel] - 1} more"
-        for channel, first in check["first"].items()
-    )
 
 
 def _line(log: str, name: str, check: Mapping[str, Any]) -> str:

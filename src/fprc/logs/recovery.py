@@ -51,7 +51,7 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
     channels : dict of ndarray
         Every sample whose checksum is right, in order.
     attributes : dict
-        As given to ``Journal.create``.
+        As given to ``Journal``.
     findings : Findings
 
     Raises

@@ -5,6 +5,7 @@ reads the file, and saves each channel in a folder as soon as it is read.
 """
 
 import json
+import os
 import shutil
 import sys
 import tempfile
@@ -62,10 +63,12 @@ def salvage(path: Path | str, *, limit_s: float | None = None) -> Salvaged:
     path = Path(path)
     head_of(path)  # refuses a file that cannot be opened
     with tempfile.TemporaryDirectory() as folder:
-        messages = _read_in_child(path, folder, limit_s or time_limit_s([path]))
-        channels, lengths, attributes, more = _collect(Path(folder))
+        limit_s = limit_s or time_limit_s([path])
+        child = [sys.executable, "-m", "fprc.logs.salvage", str(limit_s), str(path), folder]
+        _, ended = run_limited(child, limit_s)
+        channels, lengths, attributes, messages = _collect(Path(folder))
     kept, left_out = _of_one_length(channels, lengths)
-    messages += more + left_out
+    messages = [*([f"reading ended early: {ended}"] if ended else []), *messages, *left_out]
     if not kept:
         raise LogError(
             "\n".join([f"{path}: no sample can be read; nothing was written", *messages])
@@ -81,12 +84,6 @@ def salvage(path: Path | str, *, limit_s: float | None = None) -> Salvaged:
     if lost and "time_s" in kept:
         messages.append(f"{lost} samples lost after {kept['time_s'][-1]:.3f} s")
     return Salvaged(kept, attributes, lost, messages)
-
-
-def _read_in_child(path: Path, folder: str, limit_s: float) -> list[str]:
-    command = [sys.executable, "-m", "fprc.logs.salvage", str(limit_s), str(path), folder]
-    _, ended = run_limited(command, limit_s)
-    return [f"reading ended early: {ended}"] if ended else []
 
 
 def _collect(
@@ -129,18 +126,20 @@ def _of_one_length(
 
 def _export(path: Path, folder: Path) -> None:
     """Read a file channel by channel; save each in ``folder``, and list them in report.jsonl."""
-    size = path.stat().st_size
+    size, full = path.stat().st_size, promised_length(head_of(path))
     patched = folder / "patched.h5"
     shutil.copyfile(path, patched)
-    _restore_length(patched, size)
+    is_cut = size < full <= _LARGEST_FACTOR * size
+    if is_cut:
+        os.truncate(patched, full)  # pads it with zeros; the library rejects it otherwise
     with (folder / "report.jsonl").open("w", encoding="utf-8") as lines:
 
         def report(**entry: Any) -> None:
             lines.write(json.dumps(entry) + "\n")
             lines.flush()
 
-        if patched.stat().st_size > size:
-            report(messages=[f"cut short: {size} of {patched.stat().st_size} bytes are left"])
+        if is_cut:
+            report(messages=[f"cut short: {size} of {full} bytes are left"])
         wrong = _correct_headers(patched)
         if wrong:
             report(messages=[f"headers damaged: {wrong}; their content may be wrong"])
@@ -192,14 +191,6 @@ def _export_channels(file: h5py.File, size: int, folder: Path, report: Callable[
         room -= values.nbytes
         np.save(folder / f"{k}.npy", values)
         report(channel=name, length=length, file=f"{k}.npy", messages=messages)
-
-
-def _restore_length(path: Path, size: int) -> None:
-    """Pad a truncated file with zeros to its full length; the library rejects it otherwise."""
-    with path.open("r+b") as file:
-        promised = promised_length(file.read(52))
-        if size < promised <= _LARGEST_FACTOR * size:
-            file.truncate(promised)
 
 
 def _correct_headers(path: Path) -> int:

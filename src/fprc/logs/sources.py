@@ -1,11 +1,12 @@
 """Read CSV, HDF5 and MATLAB files of other programs."""
 
 from pathlib import Path
+from typing import Any
 
 from fprc.errors import LogError
 from fprc.logs.delimited import read_text
 from fprc.logs.hdf5_source import read_hdf5
-from fprc.logs.isolated import isolated
+from fprc.logs.isolated import isolated_each
 from fprc.logs.matlab import read_matlab
 from fprc.logs.variables import Source
 
@@ -16,14 +17,7 @@ _SUFFIXES = {
 }  # fmt: skip
 
 
-def read_source(
-    path: Path | str,
-    *,
-    separator: str | None = None,
-    decimal: str | None = None,
-    header_line: int | None = None,
-    data_line: int | None = None,
-) -> Source:
+def read_source(path: Path | str, **text_format: Any) -> Source:
     """Read every variable of a file that can be a channel.
 
     HDF5 and MATLAB files are read in a child process, because their libraries can hang or
@@ -31,8 +25,8 @@ def read_source(
 
     Parameters
     ----------
-    separator, decimal, header_line, data_line
-        Format of a text file, lines counted from 1; None: detect it.
+    **text_format
+        Format of a text file; see ``read_text``.
 
     Raises
     ------
@@ -48,21 +42,14 @@ def read_source(
         path.open("rb").close()
     except OSError as error:
         raise LogError(f"{path}: cannot be opened ({error.strerror}); check the path") from error
-    if kind != "CSV":
-        return isolated(read_arrays, path, matlab=kind == "MATLAB", what=str(path))
-    return read_text(
-        path, separator=separator, decimal=decimal, header_line=header_line, data_line=data_line
-    )
+    if kind == "CSV":
+        return read_text(path, **text_format)
+    (source,) = isolated_each(read_arrays, [path], matlab=kind == "MATLAB")
+    return source
 
 
 def read_arrays(path: Path, *, matlab: bool) -> Source:
-    """Read an HDF5 or MATLAB file in this process.
-
-    Raises
-    ------
-    LogError
-        See ``read_source``.
-    """
+    """Read an HDF5 or MATLAB file in this process; errors are those of ``read_source``."""
     with path.open("rb") as file:
         head = file.read(520)
     if matlab and not head.startswith((_HDF5, b"MATLAB 7.3")):

@@ -3,6 +3,7 @@
 import difflib
 import re
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -107,24 +108,18 @@ def pick(source: Source, text: str) -> np.ndarray:
         )
     match = _INDEXED.fullmatch(text)
     if match and match["name"] in source.variables and ":" in (match["row"], match["column"]):
-        return _slice(source, text, match)
+        values = source.variables[match["name"]]
+        index = tuple(slice(None) if part == ":" else int(part) for part in match.group(2, 3))
+        if values.ndim == 2 and index != (slice(None), slice(None)):
+            with suppress(IndexError):
+                return values[index]
+        raise LogError(f"{text}: {match['name']} has shape {values.shape}; indices count from 0")
     if text in source.others:
         raise LogError(f"{text}: cannot be a channel: {source.others[text]}")
     near = nearest(text, [*columns_of(source), *source.others])
     raise LogError(
         f"{text}: no such column; did you mean {near}? `fprc import {source.path} --list` shows all"
     )
-
-
-def _slice(source: Source, text: str, match: re.Match[str]) -> np.ndarray:
-    values = source.variables[match["name"]]
-    index = tuple(slice(None) if part == ":" else int(part) for part in match.group(2, 3))
-    if values.ndim == 2 and index != (slice(None), slice(None)):
-        try:
-            return values[index]
-        except IndexError:
-            pass
-    raise LogError(f"{text}: {match['name']} has shape {values.shape}; indices count from 0")
 
 
 def nearest(text: str, known: Iterable[str]) -> str:

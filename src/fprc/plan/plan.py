@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from fprc.errors import LogError
-from fprc.logs import Content, contents, headers, refuse_simulated, refuse_to_overwrite
+from fprc.logs import Content, contents, headers, refuse_other_source
 from fprc.logs.folder import Header
 from fprc.paper import (
     DISTURBANCE,
@@ -292,10 +292,8 @@ def read_plan(settings: Mapping[str, Any], raw: str, *, isolate: bool) -> Plan:
     if settings["source"] == "recorded":
         logs += [str(path) for path in Path(raw).glob("*.h5") if _is_further(path.stem)]
     plan = Plan(settings, headers(logs, isolate=isolate), raw)
-    if plan.on_simulated_rig:
-        refuse_to_overwrite(plan.existing)
-    elif plan.records:
-        refuse_simulated(plan.existing)
+    if plan.records:
+        refuse_other_source(plan.existing, simulated=plan.on_simulated_rig)
     if not plan.contents:
         raise LogError(
             f"source is recorded, but {raw} contains no raw log: put sweep.h5 and complex.h5 "

@@ -36,7 +36,7 @@ def repair(tmp_path, capsys):
 def journal(tmp_path, channels):
     """Journal of 400 samples that is still open."""
     path = tmp_path / "run.journal"
-    with Journal.create(path, RAW_CHANNELS, ATTRIBUTES) as journal:
+    with Journal(path, RAW_CHANNELS, ATTRIBUTES) as journal:
         for k in range(400):
             journal.append(k, [channels[name][k] for name in RAW_CHANNELS])
         yield journal

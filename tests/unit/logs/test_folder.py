@@ -5,14 +5,7 @@ import h5py
 import pytest
 
 from fprc.errors import LogError
-from fprc.logs import (
-    WHOLE,
-    contents,
-    headers,
-    isolated,
-    refuse_simulated,
-    refuse_to_overwrite,
-)
+from fprc.logs import WHOLE, contents, headers, isolated, refuse_other_source
 
 NAMES = ["sweep", "complex", "track_sweep_fprc"]
 
@@ -83,9 +76,9 @@ def test_all_logs_are_read_in_one_process(write_log, tmp_path, monkeypatch):
 
 def test_simulated_logs_and_absent_ones_may_be_overwritten(write_log, tmp_path):
     write_log("sweep.h5")
-    refuse_to_overwrite(there(tmp_path))
+    refuse_other_source(there(tmp_path), simulated=True)
     with pytest.raises(LogError, match=r"sweep\.h5: is a log of the simulated rig, not of"):
-        refuse_simulated(there(tmp_path))
+        refuse_other_source(there(tmp_path), simulated=False)
 
 
 @pytest.mark.parametrize("source", ["rig", "import"])
@@ -93,7 +86,7 @@ def test_every_log_of_a_real_rig_is_named_and_not_overwritten(write_log, tmp_pat
     paths = [write_log("sweep.h5", source=source), write_log("complex.h5", source=source)]
     write_log("track_sweep_fprc.h5")
     with pytest.raises(LogError, match="will not be overwritten") as caught:
-        refuse_to_overwrite(there(tmp_path))
+        refuse_other_source(there(tmp_path), simulated=True)
     lines = str(caught.value).splitlines()
     assert [line.split(": ")[0] for line in lines] == [str(path) for path in paths]
 
@@ -102,5 +95,5 @@ def test_log_that_does_not_say_where_it_comes_from_is_not_overwritten(write_log,
     with h5py.File(write_log("sweep.h5"), "r+") as file:
         del file.attrs["source"]
     with pytest.raises(LogError, match="will not be overwritten"):
-        refuse_to_overwrite(there(tmp_path))
-    refuse_simulated(there(tmp_path))
+        refuse_other_source(there(tmp_path), simulated=True)
+    refuse_other_source(there(tmp_path), simulated=False)

@@ -33,7 +33,7 @@ def row(k):
 
 
 def write(path, ticks=range(20), close=True, **closing):
-    journal = Journal.create(path, NAMES, ATTRIBUTES)
+    journal = Journal(path, NAMES, ATTRIBUTES)
     for k in ticks:
         journal.append(k, row(k))
     if close:
@@ -86,7 +86,7 @@ def test_closed_journal_comes_back_whole(path):
 
 def test_any_numbers_come_back_bit_for_bit(path):
     odd = (np.nan, np.inf, -np.inf, -0.0, 5e-324, 1.7976931348623157e308, 0.1, -1.0, 0.0, 1e-300, 7)
-    with Journal.create(path, NAMES, ATTRIBUTES) as journal:
+    with Journal(path, NAMES, ATTRIBUTES) as journal:
         journal.append(0, odd)
     channels, _, _ = read_journal(path)
     back = np.array([channels[name][0] for name in NAMES])
@@ -94,7 +94,7 @@ def test_any_numbers_come_back_bit_for_bit(path):
 
 
 def test_journal_that_is_being_written_can_be_read(path):
-    with Journal.create(path, NAMES, ATTRIBUTES) as journal:
+    with Journal(path, NAMES, ATTRIBUTES) as journal:
         for k in range(7):
             journal.append(k, row(k))
             ticks, findings = read_ticks(path)
@@ -126,7 +126,7 @@ def test_journal_that_was_stopped_says_why(path):
 
 def test_exception_leaves_a_closed_journal_that_names_it(path):
     def run():
-        with Journal.create(path, NAMES, ATTRIBUTES) as journal:
+        with Journal(path, NAMES, ATTRIBUTES) as journal:
             journal.append(0, row(0))
             raise ZeroDivisionError("by zero")
 
@@ -138,7 +138,7 @@ def test_exception_leaves_a_closed_journal_that_names_it(path):
 
 
 def test_interrupt_between_write_and_count_costs_no_sample(path, monkeypatch):
-    journal = Journal.create(path, NAMES, ATTRIBUTES)
+    journal = Journal(path, NAMES, ATTRIBUTES)
     journal.append(0, row(0))
     write_all = module._write
 
@@ -162,7 +162,7 @@ def test_existing_file_is_not_overwritten(path):
     write(path)
     before = path.read_bytes()
     with pytest.raises(LogError, match="exists and is not overwritten"):
-        Journal.create(path, NAMES, ATTRIBUTES)
+        Journal(path, NAMES, ATTRIBUTES)
     assert path.read_bytes() == before
 
 
@@ -170,7 +170,7 @@ def test_all_problems_of_a_description_are_reported_before_the_run(tmp_path):
     names = [name for name in NAMES if name != "p_o_kpa"] + ["theta_deg", "speed"]
     attributes = {k: v for k, v in ATTRIBUTES.items() if k not in ("seed", "rig")}
     with pytest.raises(LogError) as caught:
-        Journal.create(tmp_path / "run.h5", names, attributes)
+        Journal(tmp_path / "run.h5", names, attributes)
     for part in (
         "name ends in .journal",
         "channel speed: its name must end in",
@@ -185,14 +185,14 @@ def test_all_problems_of_a_description_are_reported_before_the_run(tmp_path):
 def test_folder_that_cannot_be_made_is_an_error(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(LogError, match="cannot be created"):
-        Journal.create(tmp_path / "file" / "run.journal", NAMES, ATTRIBUTES)
+        Journal(tmp_path / "file" / "run.journal", NAMES, ATTRIBUTES)
 
 
 @pytest.mark.parametrize(
     ("tick", "values"), [(3, row(3)), (2, row(2)), (4, row(4)[:-1]), (4, (*row(4), 1.0))]
 )
 def test_wrong_sample_is_refused_and_not_written(path, tick, values):
-    with Journal.create(path, NAMES, ATTRIBUTES) as journal:
+    with Journal(path, NAMES, ATTRIBUTES) as journal:
         journal.append(3, row(3))
         with pytest.raises(ValueError, match="tick"):
             journal.append(tick, values)
@@ -202,7 +202,7 @@ def test_wrong_sample_is_refused_and_not_written(path, tick, values):
 
 def test_closed_journal_takes_no_sample_and_no_second_end(path):
     write(path)
-    journal = Journal.create(path.with_name("other.journal"), NAMES, ATTRIBUTES)
+    journal = Journal(path.with_name("other.journal"), NAMES, ATTRIBUTES)
     journal.close()
     size = journal.path.stat().st_size
     journal.close(complete=False, reason="twice")
@@ -213,7 +213,7 @@ def test_closed_journal_takes_no_sample_and_no_second_end(path):
 
 def test_thread_of_a_journal_ends_with_it(path):
     before = threading.active_count()
-    with Journal.create(path, NAMES, ATTRIBUTES):
+    with Journal(path, NAMES, ATTRIBUTES):
         assert threading.active_count() == before + 1
     assert threading.active_count() == before
 
@@ -229,7 +229,7 @@ def test_file_is_not_closed_under_a_thread_that_writes_it_to_the_disk(path, monk
         fsync(file)
 
     monkeypatch.setattr(os, "fsync", slow)
-    journal = Journal.create(path, NAMES, ATTRIBUTES, sync_s=0.01)
+    journal = Journal(path, NAMES, ATTRIBUTES, sync_s=0.01)
     journal.append(0, row(0))
     assert syncing.wait(10.0)
     journal.close()
@@ -252,7 +252,7 @@ def test_samples_are_brought_to_the_disk_while_the_run_goes_on(path, monkeypatch
             synced.set()
 
     monkeypatch.setattr(os, "fsync", noted)
-    with Journal.create(path, NAMES, ATTRIBUTES, sync_s=0.01) as journal:
+    with Journal(path, NAMES, ATTRIBUTES, sync_s=0.01) as journal:
         assert len(sizes) == 2
         journal.append(0, row(0))
         assert synced.wait(10.0)
@@ -266,7 +266,7 @@ def test_disk_that_fails_ends_the_run_and_keeps_the_samples_written(path, monkey
         failed.set()
         raise OSError(errno.EIO, "Input/output error")
 
-    journal = Journal.create(path, NAMES, ATTRIBUTES, sync_s=0.01)
+    journal = Journal(path, NAMES, ATTRIBUTES, sync_s=0.01)
     with monkeypatch.context() as patch:
         patch.setattr(os, "fsync", broken)
         journal.append(0, row(0))
@@ -283,7 +283,7 @@ def test_disk_that_fails_ends_the_run_and_keeps_the_samples_written(path, monkey
 @pytest.mark.parametrize("part", [0, 1, 50])
 def test_full_disk_is_reported_and_leaves_whole_samples(path, monkeypatch, part):
     os_write = os.write
-    journal = Journal.create(path, NAMES, ATTRIBUTES)
+    journal = Journal(path, NAMES, ATTRIBUTES)
     for k in range(3):
         journal.append(k, row(k))
     before, left = path.stat().st_size, [part]
@@ -308,7 +308,7 @@ def test_full_disk_is_reported_and_leaves_whole_samples(path, monkeypatch, part)
 
 
 def test_end_mark_that_cannot_be_written_is_reported_and_loses_no_sample(path, monkeypatch):
-    journal = Journal.create(path, NAMES, ATTRIBUTES)
+    journal = Journal(path, NAMES, ATTRIBUTES)
     journal.append(0, row(0))
 
     def full(file, data):
@@ -328,7 +328,7 @@ def test_journal_whose_header_does_not_fit_is_not_left_behind(path, monkeypatch)
 
     monkeypatch.setattr(os, "write", full)
     with pytest.raises(LogError, match="no run was started"):
-        Journal.create(path, NAMES, ATTRIBUTES)
+        Journal(path, NAMES, ATTRIBUTES)
     assert not path.exists()
 
 
@@ -562,7 +562,7 @@ def test_copy_must_be_called_a_raw_log(path, tmp_path):
 
 def test_sensor_that_the_rig_does_not_have_is_left_out_of_the_log(path, tmp_path):
     phi = NAMES.index("phi_deg")
-    journal = Journal.create(path, NAMES, ATTRIBUTES)
+    journal = Journal(path, NAMES, ATTRIBUTES)
     for k in range(20):
         values = list(row(k))
         values[phi] = float("nan")
