@@ -119,8 +119,7 @@ def judge_members(
     on_rig: Mapping[str, Any],
     tracking: Mapping[str, Any],
     judgement: Mapping[str, Any],
-    checkpoint: str,
-    version: str,
+    **run: Any,
 ) -> None:
     """Compute Tables II to IV with the full models on some rigs of the posterior.
 
@@ -130,6 +129,8 @@ def judge_members(
         Numbers of the rigs; those beyond the last are left out.
     judgement : Mapping
         Arguments of ``Judgement`` without the seed.
+    **run
+        ``checkpoint`` and ``version`` of ``judged_cells``.
     """
     drawn = read_json(members)["members"]
     cells = [drawn[number] for number in numbers if number < len(drawn)]
@@ -143,8 +144,8 @@ def judge_members(
         ),
         cells,
         workers=1,
-        checkpoint=checkpoint,
-        settings=[free, on_rig, tracking, judgement, version],
+        settings=[free, on_rig, tracking, judgement],
+        **run,
     ) as judged:
         write_json(rigs, {"source": "sim", "rigs": judged})
 
