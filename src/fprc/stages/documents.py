@@ -12,6 +12,7 @@ from fprc.artifacts import read_json, replacing, write_text
 from fprc.competitors import TITLES
 from fprc.errors import FprcError
 from fprc.paper import ERRORS
+from fprc.plan.arguments import on_drawn_rigs
 from fprc.provenance import hash_of
 from fprc.registry import title_of
 from fprc.tables import beyond, deviations, scaling
@@ -26,7 +27,6 @@ def update_readme(
     ledger: str,
     drawn: str,
     figure: str,
-    made_from: Sequence[str] = (),
     *,
     readme: str,
     results: str,
@@ -48,9 +48,6 @@ def update_readme(
         On how many drawn rigs each claim holds, CSV.
     figure, picture : str
         Figure of the results, and its copy in docs.
-    made_from
-        Not read. All intermediate files are inputs of the rule so that no stale number is shown
-        after a failed job.
     readme, results : str
         The README, and docs/results.md.
     """
@@ -58,14 +55,14 @@ def update_readme(
     blocks = {Path(path).stem: _read(path) for path in pages} | {
         "orders": _orders(pd.read_csv(orders)),
         "deviations": _deviations(seeds),
-        "verdicts": _verdicts(judged, pd.read_csv(drawn, index_col="id")),
+        "verdicts": _verdicts(judged, on_drawn_rigs(drawn)),
     }
     first = {name: blocks[name] for name in ("table2_seeds", "table3_seeds")}
     first["outcome"] = f"{_outcome(judged)} {blocks['deviations']}"
     texts = {path: _updated(path, new) for path, new in ((readme, first), (results, blocks))}
     for path, text in texts.items():
         write_text(path, text)
-    _copy(figure, picture)
+    update_picture(figure, picture=picture)
 
 
 def update_calibration_page(
@@ -73,7 +70,6 @@ def update_calibration_page(
     seeds: Sequence[str],
     pages: Sequence[str],
     figures: Sequence[str],
-    made_from: Sequence[str] = (),
     *,
     page: str,
     pictures: Sequence[str],
@@ -91,8 +87,6 @@ def update_calibration_page(
         Tables of the rigs, of the sensitivity, of the targets, and Table IV over seeds.
     figures, pictures : sequence of str
         Figures of the results, and their copies in docs.
-    made_from
-        Not read; see ``update_readme``.
     rig : Mapping
         The rig of the configuration.
 
@@ -115,12 +109,13 @@ def update_calibration_page(
     }
     _update(page, blocks)
     for figure, picture in zip(figures, pictures, strict=True):
-        _copy(figure, picture)
+        update_picture(figure, picture=picture)
 
 
 def update_picture(figure: str, *, picture: str) -> None:
     """Replace a picture of the documentation by a figure of the results."""
-    _copy(figure, picture)
+    with replacing(picture) as temporary:
+        temporary.write_bytes(Path(figure).read_bytes())
 
 
 def update_performance(
@@ -128,7 +123,7 @@ def update_performance(
 ) -> None:
     """Put the tables into docs/performance.md, and replace the picture."""
     _update(performance, {"benchmark": _read(page), "rules": _read(rules)})
-    _copy(figure, picture)
+    update_picture(figure, picture=picture)
 
 
 def update_scaling_page(scale: str, *, page: str) -> None:
@@ -141,11 +136,6 @@ def update_scaling_page(scale: str, *, page: str) -> None:
 
 def update_beyond_page(
     verdicts: str,
-    models: str,
-    tracking: str,
-    offsets: str,
-    capacities: str,
-    lengths: str,
     figures: Sequence[str],
     *,
     readme: str,
@@ -153,6 +143,7 @@ def update_beyond_page(
     board: str,
     pictures: Sequence[str],
     world: str,
+    **csv: str,
 ) -> None:
     """Replace the generated blocks of docs/beyond.md, the leaderboard, and the pictures.
 
@@ -166,14 +157,9 @@ def update_beyond_page(
         Figures of the results, and their copies in docs.
     world : str
         World with the rig of the configuration.
+    **csv : str
+        Tables by name: ``models``, ``tracking``, ``offsets``, ``capacities``, ``lengths``.
     """
-    csv = {
-        "models": models,
-        "tracking": tracking,
-        "offsets": offsets,
-        "capacities": capacities,
-        "lengths": lengths,
-    }
     found = {name: pd.read_csv(path) for name, path in csv.items()}
     judged = read_json(verdicts)
     blocks = beyond.blocks(judged, found, world, TITLES)
@@ -182,7 +168,7 @@ def update_beyond_page(
     _update(board, {"leaderboard": blocks.pop("leaderboard")})
     _update(page, blocks)
     for figure, picture in zip(figures, pictures, strict=True):
-        _copy(figure, picture)
+        update_picture(figure, picture=picture)
 
 
 def _read(path: str) -> str:
@@ -203,11 +189,6 @@ def _updated(path: str, blocks: Mapping[str, str]) -> str:
 def _update(path: str, blocks: Mapping[str, str]) -> None:
     write_text(path, _updated(path, blocks))
     log.info("updated %s", path)
-
-
-def _copy(figure: str, picture: str) -> None:
-    with replacing(picture) as temporary:
-        temporary.write_bytes(Path(figure).read_bytes())
 
 
 def replace_block(text: str, name: str, block: str, path: str = "README.md") -> str:
@@ -239,15 +220,8 @@ def _outcome(judged: Mapping[str, Any]) -> str:
     )
 
 
-def _verdicts(judged: Mapping[str, Any], drawn: pd.DataFrame) -> str:
+def _verdicts(judged: Mapping[str, Any], drawn: Mapping[str, str]) -> str:
     """Return a table of the claims."""
-
-    def on_drawn(name: str) -> str:
-        if name not in drawn.index:
-            return "-"
-        row = drawn.loc[name]
-        return f"{row['holds']} of {row['rigs']}"
-
     rows = [
         {
             "Id": claim["id"],
@@ -255,7 +229,7 @@ def _verdicts(judged: Mapping[str, Any], drawn: pd.DataFrame) -> str:
             "Verdict": claim["verdict"],
             "Fitted?": claim["rig"],
             "Ours, 95 % interval": claim["ours"],
-            "Drawn rigs": on_drawn(claim["id"]),
+            "Drawn rigs": drawn.get(claim["id"], "-"),
         }
         for claim in judged["claims"]
     ]

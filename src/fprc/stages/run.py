@@ -17,8 +17,9 @@ from fprc.provenance import describe
 
 log = logging.getLogger("fprc")
 
-#: Params and outputs of a rule that are not arguments of its stage.
-_NOT_ARGUMENTS = ("stage", "code", "sidecar")
+#: Inputs, outputs and params of a rule that are not arguments of its stage. ``made_from`` are
+#: intermediate files: as inputs they prevent stale numbers after a failed job.
+_NOT_ARGUMENTS = ("stage", "code", "sidecar", "made_from")
 
 
 def run_stage(job: Any) -> None:
