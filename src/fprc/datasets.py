@@ -103,7 +103,8 @@ def load_hysteresis(
     if raw is None:
         log = _simulate(experiment, _SEED if seed is None else seed, RIG if rig is None else rig)
     else:
-        log = _read(experiment, raw)
+        tolerance = from_files([]).quality.rate_tolerance
+        log = read_raw(raw, experiment=experiment, sample_rate_hz=None, rate_tolerance=tolerance)
     selected = select_channels(log, str(log.path), target)
     inputs = [name for name in ("theta_deg", "p_o_kpa") if name in log.channels]
     output = TARGETS[selected.attributes["target"]]
@@ -152,11 +153,6 @@ def _simulate(experiment: str, seed: int, rig: str | Mapping[str, Any]) -> Colum
         "rig_name": name,
     }
     return Columns(Path(f"{experiment} on the rig {name}"), channels, attributes)
-
-
-def _read(experiment: str, raw: Path | str) -> Columns:
-    tolerance = from_files([]).quality.rate_tolerance
-    return read_raw(raw, experiment=experiment, sample_rate_hz=None, rate_tolerance=tolerance)
 
 
 def _describe(log: Columns, inputs: Sequence[str], output: str, units: Mapping[str, str]) -> str:

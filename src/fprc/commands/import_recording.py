@@ -145,13 +145,13 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
         how = f"low-passed below {0.5 * rate_hz:g} Hz and resampled"
     else:
         how = "interpolated"
-    page = [
+    report = [
         f"{source}:",
         *(f"  {line}" for line in lines),
         f"{raw}: {len(time_s)} samples at {rate_hz:g} Hz, {how}; beside it .diagnosis.json and "
         ".png",
     ]
-    print(terminal("\n".join(page)))
+    print(terminal("\n".join(report)))
 
 
 def _notes(columns: dict[str, dict[str, Any]]) -> dict[str, str]:

@@ -22,8 +22,6 @@ from fprc.stages.preprocess import read_recordings
 
 Settings = Mapping[str, Any]
 
-_TABLES = (".csv", ".h5")
-
 
 def train(
     logs: Sequence[str],
@@ -106,7 +104,7 @@ def predict(model: str, raw: str, out: str, *, config: Sequence[str] = ()) -> No
     OutputError
         ``out`` exists, or has another suffix.
     """
-    _refuse_output(out, _TABLES)
+    _refuse_output(out, (".csv", ".h5"))
     settings = from_files(config or local_files()).model_dump(mode="json")
     models = settings["models"]
     outside = [cls for name in models["others"] for cls in outside_class(name, models)]

@@ -11,12 +11,7 @@ from fprc.claims.recording import judge_recording
 from fprc.competitors import TITLES
 from fprc.errors import EvaluationError
 from fprc.evaluation.cells import judged_cells
-from fprc.experiments.competitors import (
-    ON_RECORDINGS,
-    judge_competitor,
-    period_s,
-    recording_blocks,
-)
+from fprc.experiments.competitors import ON_RECORDINGS, judge_competitor, period_s, recording_blocks
 from fprc.experiments.data import read_data, refuse_mixture
 from fprc.experiments.settings import Judgement
 from fprc.paper import SOURCES
@@ -25,12 +20,7 @@ from fprc.tables.competitors import competitors_page, competitors_table
 
 
 def compare_competitors(
-    train: str,
-    test: str,
-    competitors: str,
-    *,
-    judgement: Mapping[str, Any],
-    **run: Any,
+    train: str, test: str, competitors: str, *, judgement: Mapping[str, Any], **run: Any
 ) -> None:
     """Judge FPRC and its competitors on blocks of the training log, and on the test log.
 

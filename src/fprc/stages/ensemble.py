@@ -74,7 +74,7 @@ def measure_sensitivity(
     on_rig : Mapping
         Arguments of ``RigSettings``.
     **run
-        ``workers``, ``checkpoint`` and ``version`` of ``judged_cells``.
+        Those of ``judge_rigs``, and ``workers``.
     """
     shares = np.linspace(0.0, 1.0, steps).tolist()
     cells = [{"path": path, "share": share} for path in paths for share in shares]

@@ -82,9 +82,8 @@ def draw_members(
 
     def simulate(points: np.ndarray) -> list[list[float] | None]:
         cells = [{"point": point.tolist(), "seed": next(seeds)} for point in points]
-        seed_of.update(
-            {point.tobytes(): cell["seed"] for point, cell in zip(points, cells, strict=True)}
-        )
+        for point, cell in zip(points, cells, strict=True):
+            seed_of[point.tobytes()] = cell["seed"]
         judged = run(judge, cells)
         log.info("%d rigs judged, %d possible", len(cells), sum("logs" in each for each in judged))
         return [each.get("logs") for each in judged]
