@@ -125,11 +125,10 @@ class Plan:
     @cached_property
     def unavailable_results(self) -> dict[str, tuple[str, str]]:
         """Results that cannot be made, with title and reason of each."""
-        chores = {each.name for each in CHORES}
         return {
             name: (BY_NAME[name].title, why)
             for name, why in self.unavailable.items()
-            if name not in chores
+            if BY_NAME[name] not in CHORES
         }
 
     @cached_property
@@ -177,8 +176,7 @@ class Plan:
     @cached_property
     def unavailable_targets(self) -> list[str]:
         """Targets that cannot be made."""
-        names = (each.name for each in (*RESULTS, *CHORES) if not each.part_of)
-        return [name for name in names if name in self.unavailable]
+        return [name for name in BY_NAME if name in self.unavailable and not BY_NAME[name].part_of]
 
     @cached_property
     def others(self) -> list[str]:
