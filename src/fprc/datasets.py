@@ -17,9 +17,6 @@ from fprc.logs import Columns, read_raw
 from fprc.logs.quality import noted_unit, notes_of
 from fprc.paper import SOURCES
 
-#: Seed of a simulation where none is given.
-_SEED = 1
-
 _DESCRIPTION = """\
 Hysteresis of a soft bending actuator: {experiment}
 
@@ -101,7 +98,7 @@ def load_hysteresis(
     """
     _refuse(experiment, seed, rig, raw, target)
     if raw is None:
-        log = _simulate(experiment, _SEED if seed is None else seed, RIG if rig is None else rig)
+        log = _simulate(experiment, 1 if seed is None else seed, RIG if rig is None else rig)
     else:
         tolerance = from_files([]).quality.rate_tolerance
         log = read_raw(raw, experiment=experiment, sample_rate_hz=None, rate_tolerance=tolerance)

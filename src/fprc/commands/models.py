@@ -63,7 +63,9 @@ def train(
     settings = from_files(config or local_files(), chosen).model_dump(mode="json")
     models = settings["models"]
     if model not in entries(models):
-        raise ConfigError(f"--model {model}: there is no such model; use {_choice(models)}")
+        *most, last = entries(models)
+        choice = f"{', '.join(most)} or {last}"
+        raise ConfigError(f"--model {model}: there is no such model; use {choice}")
     data = _read(logs, settings)
     X, y = data.pair(model, models)
     folds = Judgement(**judgement(settings, model)).split_rows(data)
@@ -174,8 +176,3 @@ def _name_of(fitted: SequenceModel, path: str, models: Settings) -> str:
         if load_class(name, models) is type(fitted):
             return name
     raise FprcError(f"{path}: holds a {type(fitted).__name__}, a part of a model; train it again")
-
-
-def _choice(models: Settings) -> str:
-    *most, last = entries(models)
-    return f"{', '.join(most)} or {last}"
