@@ -17,9 +17,6 @@ from fprc.logs import Columns, read_raw
 from fprc.logs.quality import noted_unit, notes_of
 from fprc.paper import SOURCES
 
-#: Seed of a simulation where none is given.
-_SEED = 1
-
 _DESCRIPTION = """\
 Hysteresis of a soft bending actuator: {experiment}
 
@@ -101,9 +98,10 @@ def load_hysteresis(
     """
     _refuse(experiment, seed, rig, raw, target)
     if raw is None:
-        log = _simulate(experiment, _SEED if seed is None else seed, RIG if rig is None else rig)
+        log = _simulate(experiment, 1 if seed is None else seed, RIG if rig is None else rig)
     else:
-        log = _read(experiment, raw)
+        tolerance = from_files([]).quality.rate_tolerance
+        log = read_raw(raw, experiment=experiment, sample_rate_hz=None, rate_tolerance=tolerance)
     selected = select_channels(log, str(log.path), target)
     inputs = [name for name in ("theta_deg", "p_o_kpa") if name in log.channels]
     output = TARGETS[selected.attributes["target"]]
@@ -152,11 +150,6 @@ def _simulate(experiment: str, seed: int, rig: str | Mapping[str, Any]) -> Colum
         "rig_name": name,
     }
     return Columns(Path(f"{experiment} on the rig {name}"), channels, attributes)
-
-
-def _read(experiment: str, raw: Path | str) -> Columns:
-    tolerance = from_files([]).quality.rate_tolerance
-    return read_raw(raw, experiment=experiment, sample_rate_hz=None, rate_tolerance=tolerance)
 
 
 def _describe(log: Columns, inputs: Sequence[str], output: str, units: Mapping[str, str]) -> str:

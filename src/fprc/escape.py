@@ -15,27 +15,23 @@ _LATEX = {
 }  # fmt: skip
 
 
-def visible(text: str) -> str:
-    r"""Return text on one line, with unprintable characters written as escapes.
+def visible(text: str, *, kept: str = "") -> str:
+    r"""Return text on one line, with unprintable characters but those of ``kept`` as escapes.
 
     A terminal executes control characters, and a lone surrogate cannot be
     encoded: ``\x1b``, ``\n``, ``\u202e``, ``\udce9``.
     """
-    return _escaped(text, kept="")
-
-
-def terminal(text: str) -> str:
-    """Escape a message as ``visible`` does, but keep its line ends and tabs."""
-    return _escaped(text, kept="\n\t")
-
-
-def _escaped(text: str, kept: str) -> str:
     if text.isprintable():
         return text
     return "".join(
         mark if mark.isprintable() or mark in kept else mark.encode("unicode_escape").decode()
         for mark in text
     )
+
+
+def terminal(text: str) -> str:
+    """Escape a message as ``visible`` does, but keep its line ends and tabs."""
+    return visible(text, kept="\n\t")
 
 
 class TerminalFormatter(logging.Formatter):

@@ -77,9 +77,9 @@ def _source(module: str) -> tuple[str, set[tuple[str, str]]]:
     package = module if path.name == "__init__.py" else module.rpartition(".")[0]
     imports = set(_imports(tree, package))
     for node in ast.walk(tree):
-        body = getattr(node, "body", None)
-        if isinstance(body, list) and body and _is_text(body[0]):
-            body.pop(0)
+        match getattr(node, "body", None):
+            case [ast.Expr(ast.Constant(str())), *_] as body:
+                body.pop(0)
     return hashlib.sha256(ast.dump(tree).encode()).hexdigest(), imports
 
 
@@ -93,7 +93,3 @@ def _imports(tree: ast.AST, package: str) -> Iterator[tuple[str, str]]:
             yield from ((origin, alias.name) for alias in node.names)
         elif not (isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"):
             yield from _imports(node, package)
-
-
-def _is_text(node: ast.AST) -> bool:
-    return isinstance(node, ast.Expr) and isinstance(getattr(node.value, "value", None), str)

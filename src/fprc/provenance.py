@@ -103,18 +103,13 @@ def checkout(package: Path | None = None) -> tuple[str | None, bool | None]:
 
 def _git(folder: Path, *arguments: str) -> str | None:
     command = ["git", "--no-optional-locks", "-C", str(folder), *arguments]
+    # a hook sets variables of git's own
+    env = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
     try:
-        done = subprocess.run(
-            command, capture_output=True, text=True, check=True, env=_environment()
-        )
+        done = subprocess.run(command, capture_output=True, text=True, check=True, env=env)
     except (OSError, subprocess.CalledProcessError):
         return None
     return done.stdout.strip()
-
-
-def _environment() -> dict[str, str]:
-    """Return the environment without git's own variables, which a hook sets."""
-    return {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
 
 
 def sha256(path: str) -> str:

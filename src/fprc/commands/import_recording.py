@@ -100,23 +100,23 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
         raise LogError(f"{raw}: a raw log's name ends in .h5; write --out {Path(raw).stem}.h5")
     if Path(raw).exists() and read_columns(raw, ()).attributes.get("source") != "import":
         raise LogError(f"{raw}: exists and was not imported; choose another name for --out")
-    columns = mapping.channels.model_dump(exclude_none=True)
+    columns, rate_hz = mapping.channels.model_dump(exclude_none=True), mapping.sample_rate_hz
     content = read_source(source, **mapping.csv.model_dump())
     time = mapping.time.model_dump()
     recording = gather(
         content, time=time, channels=columns, start_s=mapping.start_s, end_s=mapping.end_s
     )
-    refuse_length(content, time, recording.clock, mapping.sample_rate_hz)
+    refuse_length(content, time, recording.clock, rate_hz)
     units = {name: "" if spec["unit"] == "1" else unit_of(name) for name, spec in columns.items()}
     diagnosis = diagnose(recording.time_s, recording.channels, recording.clock.corrections)
     lines = describe(diagnosis, units)
     if mapping.time.column and (hint := other_unit(recording.clock, mapping.time.unit)):
         lines.insert(1, f"clock: {hint}")
-    time_s, channels = resample(recording.time_s, recording.channels, mapping.sample_rate_hz)
+    time_s, channels = resample(recording.time_s, recording.channels, rate_hz)
     attributes: dict[str, Any] = {
         "experiment": mapping.experiment,
         "source": "import",
-        "sample_rate_hz": mapping.sample_rate_hz,
+        "sample_rate_hz": rate_hz,
         "seed": 0,
         "software": f"fprc {__version__}",
         "rig": {},
@@ -139,40 +139,27 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
         )
         style.save(fig, {"source": "import"}, str(png))
         write_raw(log, {"time_s": time_s, **channels}, **attributes)
-    same = all(np.array_equal(channels[name], recording.channels[name]) for name in channels)
-    _report(source, raw, mapping, diagnosis, lines, len(time_s), same)
-
-
-def _notes(columns: dict[str, dict[str, Any]]) -> dict[str, str]:
-    begins = {
-        name: other_quantity(name) if spec["unit"] == "1" else "" for name, spec in columns.items()
-    }
-    notes = {name: begin + columns[name]["note"] for name, begin in begins.items()}
-    return {name: note for name, note in notes.items() if note}
-
-
-def _report(
-    source: str,
-    raw: str,
-    mapping: ImportMap,
-    diagnosis: dict[str, Any],
-    lines: list[str],
-    samples: int,
-    same: bool,
-) -> None:
-    rate_hz = mapping.sample_rate_hz
-    if same:
+    if all(np.array_equal(channels[name], recording.channels[name]) for name in channels):
         how = "unchanged"
     elif diagnosis["clock"]["running_hz"] > 1.01 * rate_hz:
         how = f"low-passed below {0.5 * rate_hz:g} Hz and resampled"
     else:
         how = "interpolated"
-    page = [
+    report = [
         f"{source}:",
         *(f"  {line}" for line in lines),
-        f"{raw}: {samples} samples at {rate_hz:g} Hz, {how}; beside it .diagnosis.json and .png",
+        f"{raw}: {len(time_s)} samples at {rate_hz:g} Hz, {how}; beside it .diagnosis.json and "
+        ".png",
     ]
-    print(terminal("\n".join(page)))
+    print(terminal("\n".join(report)))
+
+
+def _notes(columns: dict[str, dict[str, Any]]) -> dict[str, str]:
+    notes = {
+        name: (other_quantity(name) if spec["unit"] == "1" else "") + spec["note"]
+        for name, spec in columns.items()
+    }
+    return {name: note for name, note in notes.items() if note}
 
 
 def list_source(source: str, map_file: str | None = None) -> None:

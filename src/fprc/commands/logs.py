@@ -100,8 +100,7 @@ def repair_log(source: str, raw: str) -> int:
     refuse_existing(raw)
     if Path(source).suffix == ".journal":
         findings = recover(source, raw)
-        print(f"{raw}: {findings.samples} samples from {source}")
-        messages = _losses(findings)
+        samples, messages = findings.samples, _losses(findings)
         whole = findings.closed and not (findings.lost or findings.misplaced)
     else:
         salvaged = salvage(source)
@@ -114,7 +113,7 @@ def repair_log(source: str, raw: str) -> int:
         }
         write_columns(raw, salvaged.channels, salvaged.attributes | ({} if whole else damage))
         samples = len(next(iter(salvaged.channels.values())))
-        print(f"{raw}: {samples} samples from {source}")
+    print(f"{raw}: {samples} samples from {source}")
     for line in [*messages, "nothing is lost"] if whole else messages:
         print(f"  {visible(line)}")
     return WHOLE if whole else SOME_LOST

@@ -22,8 +22,6 @@ from fprc.stages.preprocess import read_recordings
 
 Settings = Mapping[str, Any]
 
-_TABLES = (".csv", ".h5")
-
 
 def train(
     logs: Sequence[str],
@@ -65,7 +63,9 @@ def train(
     settings = from_files(config or local_files(), chosen).model_dump(mode="json")
     models = settings["models"]
     if model not in entries(models):
-        raise ConfigError(f"--model {model}: there is no such model; use {_choice(models)}")
+        *most, last = entries(models)
+        choice = f"{', '.join(most)} or {last}"
+        raise ConfigError(f"--model {model}: there is no such model; use {choice}")
     data = _read(logs, settings)
     X, y = data.pair(model, models)
     folds = Judgement(**judgement(settings, model)).split_rows(data)
@@ -106,7 +106,7 @@ def predict(model: str, raw: str, out: str, *, config: Sequence[str] = ()) -> No
     OutputError
         ``out`` exists, or has another suffix.
     """
-    _refuse_output(out, _TABLES)
+    _refuse_output(out, (".csv", ".h5"))
     settings = from_files(config or local_files()).model_dump(mode="json")
     models = settings["models"]
     outside = [cls for name in models["others"] for cls in outside_class(name, models)]
@@ -176,8 +176,3 @@ def _name_of(fitted: SequenceModel, path: str, models: Settings) -> str:
         if load_class(name, models) is type(fitted):
             return name
     raise FprcError(f"{path}: holds a {type(fitted).__name__}, a part of a model; train it again")
-
-
-def _choice(models: Settings) -> str:
-    *most, last = entries(models)
-    return f"{', '.join(most)} or {last}"

@@ -10,9 +10,6 @@ from typing import Any, NoReturn
 from fprc import __version__
 from fprc.paper import EXPERIMENTS, MODELS
 
-#: What ``add_subparsers`` returns; argparse has no public name for it.
-Groups = Any
-
 _CONFIGURATION = (
     "configuration; later files override earlier ones (default: config/config.yaml if there is "
     "one, else the defaults)"
@@ -37,7 +34,7 @@ def parser() -> argparse.ArgumentParser:
     )
     whole.add_argument("--version", action="version", version=f"fprc {__version__}")
     whole.set_defaults(run=lambda _: whole.print_help())
-    commands = whole.add_subparsers(title="commands", metavar="COMMAND")
+    commands = _Commands(whole, "command")
     for add in (
         _add_simulate, _add_train, _add_predict, _add_export, _add_import, _add_log, _add_readout,
         _add_config, _add_calibrate, _add_rig, _add_completion,
@@ -50,43 +47,51 @@ def _folded(text: str) -> str:
     return textwrap.fill(text, 79, break_on_hyphens=False)
 
 
-def _group(groups: Groups, name: str, what: str) -> Groups:
-    """Add a command that has verbs, and return the place to add them."""
-    group = groups.add_parser(name, help=what, description=f"{what[0].upper()}{what[1:]}.")
-    group.set_defaults(run=partial(_refuse_without_verb, group))
-    return group.add_subparsers(title="verbs", metavar="VERB")
+class _Commands:
+    """The commands below a parser, or the verbs of a command."""
+
+    def __init__(self, parser: argparse.ArgumentParser, kind: str) -> None:
+        self._parsers = parser.add_subparsers(title=f"{kind}s", metavar=kind.upper())
+
+    def group(self, name: str, what: str) -> "_Commands":
+        """Add a command that has verbs, and return the place to add them."""
+        group = self._parsers.add_parser(
+            name, help=what, description=f"{what[0].upper()}{what[1:]}."
+        )
+        group.set_defaults(run=partial(_refuse_without_verb, group))
+        return _Commands(group, "verb")
+
+    def add(
+        self, name: str, run: str, what: str, *examples: str, more: str = ""
+    ) -> argparse.ArgumentParser:
+        """Add a command.
+
+        Parameters
+        ----------
+        run : str
+            Its function in ``fprc.commands``, as ``module.function``; the options are its
+            arguments.
+        what : str
+            What it does, for the list of commands.
+        *examples : str
+            Whole command lines.
+        more : str
+            What else it does, sentences.
+        """
+        command = self._parsers.add_parser(
+            name,
+            help=what,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+            description=_folded(f"{what[0].upper()}{what[1:]}. {more}"),
+            epilog="\n  ".join([f"example{'s' * (len(examples) > 1)}:", *examples]),
+        )
+        command.set_defaults(run=partial(_call, run))
+        return command
 
 
 def _refuse_without_verb(group: argparse.ArgumentParser, _: argparse.Namespace) -> NoReturn:
     group.print_help(sys.stderr)
     group.exit(2, f"\n{group.prog}: error: a verb is missing\n")
-
-
-def _command(
-    groups: Groups, name: str, run: str, what: str, *examples: str, more: str = ""
-) -> argparse.ArgumentParser:
-    """Add a command.
-
-    Parameters
-    ----------
-    run : str
-        Its function in ``fprc.commands``, as ``module.function``; the options are its arguments.
-    what : str
-        What it does, for the list of commands.
-    *examples : str
-        Whole command lines.
-    more : str
-        What else it does, sentences.
-    """
-    command = groups.add_parser(
-        name,
-        help=what,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        description=_folded(f"{what[0].upper()}{what[1:]}. {more}"),
-        epilog="\n  ".join([f"example{'s' * (len(examples) > 1)}:", *examples]),
-    )
-    command.set_defaults(run=partial(_call, run))
-    return command
 
 
 def _call(name: str, options: argparse.Namespace) -> Any:
@@ -96,9 +101,8 @@ def _call(name: str, options: argparse.Namespace) -> Any:
     return getattr(import_module(f"fprc.commands.{module}"), function)(**given)
 
 
-def _add_simulate(groups: Groups) -> None:
-    simulate = _command(
-        groups,
+def _add_simulate(commands: _Commands) -> None:
+    simulate = commands.add(
         "simulate",
         "simulate.simulate",
         "simulate an experiment and write its raw log",
@@ -122,9 +126,8 @@ def _add_simulate(groups: Groups) -> None:
     simulate.add_argument("--out", metavar="FILE.h5", required=True, help="raw log to write")
 
 
-def _add_train(groups: Groups) -> None:
-    train = _command(
-        groups,
+def _add_train(commands: _Commands) -> None:
+    train = commands.add(
         "train",
         "models.train",
         "train a model on raw logs",
@@ -148,9 +151,8 @@ def _add_train(groups: Groups) -> None:
     train.add_argument("--out", metavar="MODEL.h5", required=True, help="model to write")
 
 
-def _add_predict(groups: Groups) -> None:
-    predict = _command(
-        groups,
+def _add_predict(commands: _Commands) -> None:
+    predict = commands.add(
         "predict",
         "models.predict",
         "compute the pressure P_ff that a trained model gives for a raw log",
@@ -169,10 +171,9 @@ def _add_config_option(command: argparse.ArgumentParser) -> None:
     command.add_argument("--config", nargs="+", metavar="FILE", default=[], help=_CONFIGURATION)
 
 
-def _add_config(groups: Groups) -> None:
-    verbs = _group(groups, "config", "check or explain the configuration")
-    check = _command(
-        verbs,
+def _add_config(commands: _Commands) -> None:
+    verbs = commands.group("config", "check or explain the configuration")
+    check = verbs.add(
         "check",
         "configuration.check_files",
         "check configuration files, merged in this order",
@@ -184,10 +185,9 @@ def _add_config(groups: Groups) -> None:
         ("schema", "print config/schema.json"),
         ("reference", "print docs/configuration.md"),
     ):
-        page = _command(verbs, name, "configuration.print_page", what, f"fprc config {name}")
+        page = verbs.add(name, "configuration.print_page", what, f"fprc config {name}")
         page.set_defaults(page=name)
-    rig = _command(
-        verbs,
+    rig = verbs.add(
         "rig",
         "configuration.print_rig",
         "print the parameters of a fitted rig",
@@ -196,8 +196,7 @@ def _add_config(groups: Groups) -> None:
     rig.add_argument(
         "name", nargs="?", metavar="NAME", help="name of the rig (default: that of the defaults)"
     )
-    _command(
-        verbs,
+    verbs.add(
         "published",
         "configuration.print_published",
         "print the numbers of the paper, as YAML",
@@ -205,9 +204,8 @@ def _add_config(groups: Groups) -> None:
     )
 
 
-def _add_calibrate(groups: Groups) -> None:
-    calibrate = _command(
-        groups,
+def _add_calibrate(commands: _Commands) -> None:
+    calibrate = commands.add(
         "calibrate",
         "calibrate.calibrate_from_files",
         "fit the simulated rig to Tables II and III",
@@ -234,9 +232,8 @@ def _add_calibrate(groups: Groups) -> None:
     calibrate.add_argument("--workers", type=int, help=_WORKERS)
 
 
-def _add_import(groups: Groups) -> None:
-    importer = _command(
-        groups,
+def _add_import(commands: _Commands) -> None:
+    importer = commands.add(
         "import",
         "import_recording.import_recording",
         "turn a CSV, HDF5 or MATLAB file into a raw log",
@@ -262,18 +259,16 @@ def _import(importer: argparse.ArgumentParser, options: argparse.Namespace) -> N
         importer.error("give --list, or both --map and --out")
 
 
-def _add_rig(groups: Groups) -> None:
-    verbs = _group(groups, "rig", "check and run the real rig")
-    check = _command(
-        verbs,
+def _add_rig(commands: _Commands) -> None:
+    verbs = commands.group("rig", "check and run the real rig")
+    check = verbs.add(
         "check",
         "rig.check",
         "check valves and sensors one by one",
         "fprc rig check",
         "fprc rig check --armed",
     )
-    experiment = _command(
-        verbs,
+    experiment = verbs.add(
         "run",
         "rig.run_by_name",
         "run one experiment and write its raw log",
@@ -302,9 +297,8 @@ def _add_rig(groups: Groups) -> None:
         )
 
 
-def _add_readout(groups: Groups) -> None:
-    readout = _command(
-        groups,
+def _add_readout(commands: _Commands) -> None:
+    readout = commands.add(
         "readout",
         "readout.report_readout",
         "measure how much the readout P_o of a recording improves FPRC",
@@ -333,9 +327,8 @@ def _add_readout(groups: Groups) -> None:
     readout.add_argument("--workers", type=int, help=_WORKERS)
 
 
-def _add_export(groups: Groups) -> None:
-    export = _command(
-        groups,
+def _add_export(commands: _Commands) -> None:
+    export = commands.add(
         "export",
         "export.export_c",
         "turn a trained model into C code for a controller",
@@ -357,10 +350,9 @@ def _add_export(groups: Groups) -> None:
     )
 
 
-def _add_log(groups: Groups) -> None:
-    verbs = _group(groups, "log", "check or repair experiment logs")
-    check = _command(
-        verbs,
+def _add_log(commands: _Commands) -> None:
+    verbs = commands.group("log", "check or repair experiment logs")
+    check = verbs.add(
         "check",
         "logs.inspect_logs",
         "check raw logs and say what is wrong with them",
@@ -372,8 +364,7 @@ def _add_log(groups: Groups) -> None:
     check.add_argument(
         "--json", action="store_true", dest="as_json", help="print a JSON list, one record per log"
     )
-    repair = _command(
-        verbs,
+    repair = verbs.add(
         "repair",
         "logs.repair_log",
         "recover a raw log from a journal or a damaged log",
@@ -387,9 +378,8 @@ def _add_log(groups: Groups) -> None:
     )
 
 
-def _add_completion(groups: Groups) -> None:
-    completion = _command(
-        groups,
+def _add_completion(commands: _Commands) -> None:
+    completion = commands.add(
         "completion",
         "completion.print_completion",
         "print a script with which a shell completes commands, options and files",

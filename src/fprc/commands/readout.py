@@ -86,11 +86,8 @@ def report_readout(
     settings = from_files(config).model_dump(mode="json")
     simulated = settings["evaluation"]["reservoir"] == "simulated"
     refuse_repeats([source, *train], "a test on samples that train says nothing")
-    mapping = checked_map(
-        map_file,
-        source,
-        partial(_problems_of_map, map_file, simulated=simulated, more=bool(train)),
-    )
+    problems_of = partial(_problems_of_map, map_file, simulated=simulated, more=bool(train))
+    mapping = checked_map(map_file, source, problems_of)
     if workers is not None and workers < 1:
         raise ConfigError(f"--workers {workers}: must be 1 or more; omit it to use all processors")
     folder = Path(out or Path("results", Path(source).stem))
@@ -106,7 +103,7 @@ def report_readout(
     # the shorter task first: a run that is stopped during the longer one resumes there
     competitors = _compete(data, judged, settings, workers or cpu_count())
     results = _judge(data, judged, settings, workers or cpu_count(), words)
-    results |= {"competitors": competitors}
+    results["competitors"] = competitors
     page = folder / "report.md"
     write_text(page, report_page(parts, map_file, mapping, settings, folder, results))
     for line in sentences(competitors["verdicts"]):
@@ -210,15 +207,14 @@ def _judge(
 ) -> dict[str, Any]:
     """Judge FPRC with each readout, write table and figure, and return the errors."""
     cells, png, pdf = (str(folder / name) for name in ("cells.json", "readout.png", "readout.pdf"))
-    grids = settings["grids"]
     with threadpool_limits(1):
         measure_readout(
             data["sweep"],
             data["complex"],
             cells,
             judgement=judgement(settings, "fprc", without="split"),
-            epsilon=grids["epsilon"],
-            n_u=grids["readout_taps"],
+            epsilon=settings["grids"]["epsilon"],
+            n_u=settings["grids"]["readout_taps"],
             workers=workers,
             checkpoint=str(folder / "cells.partial.jsonl"),
             version=fingerprint(
@@ -226,8 +222,8 @@ def _judge(
             ),
             progress=progress_bar(),
         )
-    csv, md, tex = (str(folder / f"readout.{kind}") for kind in ("csv", "md", "tex"))
-    tabulate_readout(cells, csv, md, tex, parts=parts)
+    files = {kind: str(folder / f"readout.{kind}") for kind in ("csv", "md", "tex")}
+    tabulate_readout(cells, parts=parts, **files)
     drawn = draw_readout(cells, pdf, png)
     origin = describe(drawn, inputs=[cells], outputs=[pdf, png], settings=settings)
     write_json(folder / "readout.json", origin)

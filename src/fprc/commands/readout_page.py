@@ -37,10 +37,10 @@ def report_page(
 ) -> str:
     """Return the report as Markdown, with links to the figures."""
     table = readout.readout(results)
-    note, grid = (folder / "readout/readout.md").read_text(encoding="utf-8").split("\n\n", 1)
     ((source, tested),) = parts["complex"]
     further = [path for path, _ in parts["sweep"] if path != source]
     rate_hz = tested.sample_rate_hz
+    default = from_files([]).model_dump(mode="json")["models"]
     lines = [
         f"# Value of the readout in {code(Path(source).name)}",
         "",
@@ -49,7 +49,7 @@ def report_page(
         f"Data: {SOURCES[results['source']]}; {rate_hz:g} samples per second; epsilon "
         "and taps are in samples.",
         f"{what_trained(mapping, further)}; models as in the paper"
-        f"{'' if _has_default_models(settings) else ', except for the settings given'}. "
+        f"{'' if settings['models'] == default else ', except for the settings given'}. "
         f"The models predict the {_TARGETS[results['target']]} P_exp.",
         "",
         "## Finding",
@@ -63,10 +63,7 @@ def report_page(
         "",
         "## Table",
         "",
-        note,
-        "",
-        grid.strip(),
-        "",
+        (folder / "readout/readout.md").read_text(encoding="utf-8"),
         "Every setting: [readout/readout.csv](readout/readout.csv).",
         "",
         "![Errors over epsilon and taps](readout/readout.png)",
@@ -87,7 +84,6 @@ def report_page(
 
 def _others(folder: Path, report: Mapping[str, Any]) -> list[str]:
     """Return the section on FPRC and its competitors."""
-    note, grid = (folder / "readout/competitors.md").read_text(encoding="utf-8").split("\n\n", 1)
     return [
         "## Other models",
         "",
@@ -100,10 +96,7 @@ def _others(folder: Path, report: Mapping[str, Any]) -> list[str]:
         "settings, not for the rig on another day. Test errors have no interval and enter no "
         "verdict.",
         "",
-        note,
-        "",
-        grid.strip(),
-        "",
+        (folder / "readout/competitors.md").read_text(encoding="utf-8"),
         "Every number: [readout/competitors.csv](readout/competitors.csv), errors of each block: "
         "[readout/competitors.json](readout/competitors.json).",
     ]
@@ -120,10 +113,6 @@ def what_trained(mapping: ImportMap, further: Sequence[str]) -> str:
         return f"Trained on {logs}, tested on the whole recording"
     also = f" and on {logs}" if further else ""
     return f"Trained before {mapping.test_from_s:g} s{also}, tested after"
-
-
-def _has_default_models(settings: Mapping[str, Any]) -> bool:
-    return settings["models"] == from_files([]).model_dump(mode="json")["models"]
 
 
 def findings(table: pd.DataFrame, own: Mapping[str, float]) -> list[str]:

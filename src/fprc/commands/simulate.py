@@ -1,6 +1,6 @@
 """`fprc simulate`: one hysteresis experiment on the simulated rig, without Snakemake."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from fprc.config import from_files, local_files
@@ -63,10 +63,10 @@ def _rig(rig: str | None) -> dict[str, Any]:
         return {}
     if not rig.endswith((".yaml", ".yml")):
         return {"rig": rig}
-    content: Mapping[str, Any] = read_yaml(rig)
+    content = read_yaml(rig)
     if "rig" not in content:
         raise ConfigError(
             f"{rig}: has no section rig; give a file that `fprc calibrate` wrote, or the name of a "
             "rig"
         )
-    return dict(content)
+    return content

@@ -39,6 +39,7 @@ def judged_cells(
     *,
     workers: int,
     checkpoint: Path | str,
+    version: str,
     settings: Any,
     files: Sequence[str] = (),
     progress: Callable[[int, int], None] = log_progress,
@@ -49,10 +50,11 @@ def judged_cells(
 
     Parameters
     ----------
-    settings, files
-        Everything else that the results depend on, for ``checkpoint_key``.
+    version, settings, files
+        Fingerprint of the code, and everything else that the results depend on: a checkpoint is
+        used only if all are the same.
     """
-    key = checkpoint_key(settings, files)
+    key = checkpoint_key([settings, version], files)
     yield run_cells(
         judge, cells, workers=workers, checkpoint=checkpoint, key=key, progress=progress
     )

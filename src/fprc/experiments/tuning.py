@@ -71,8 +71,8 @@ def _plain(value: Any) -> int | float:
 
 
 def judge_candidate(
-    name: str,
-    settings: Mapping[str, Any],
+    cell: Mapping[str, Any],
+    *,
     logs: Sequence[Mapping[str, Data]],
     judgement: Judgement,
     restarts: int,
@@ -83,11 +83,13 @@ def judge_candidate(
 
     Parameters
     ----------
+    cell : Mapping
+        The candidate: ``model`` and ``settings``.
     logs : sequence of Mapping
         Pairs of a training log ``sweep`` and a test log ``complex``.
     """
-    errors = []
-    every = {**default_settings(name, judgement.models), **settings}
+    errors, name = [], cell["model"]
+    every = default_settings(name, judgement.models) | cell["settings"]
     if "restarts" in every:
         every["restarts"] = restarts
     for pair in logs:

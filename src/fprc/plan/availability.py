@@ -43,8 +43,12 @@ def why_not(need: Result, logs: Mapping[str, Content], folder: str) -> str | Non
     if absent:
         verb = "is" if len(absent) == 1 else "are"
         return f"needs {_listed(absent)}, which {verb} not in {folder}"
+    lacking: dict[tuple[str, ...], list[str]] = {}
+    for name in need.logs:
+        if channels := tuple(logs[name].lacks(need.channels)):
+            lacking.setdefault(channels, []).append(f"{name}.h5")
     reasons = []
-    for channels, files in _grouped(need, logs).items():
+    for channels, files in lacking.items():
         verb = "does" if len(files) == 1 else "do"
         reasons.append(f"{_listed(channels)}, which {_listed(files)} {verb} not have")
     for name in need.literal:
@@ -54,16 +58,6 @@ def why_not(need: Result, logs: Mapping[str, Content], folder: str) -> str | Non
             if logs[log].substitute(name) is not None
         ]
     return "needs " + "; and ".join(reasons) if reasons else None
-
-
-def _grouped(need: Result, logs: Mapping[str, Content]) -> dict[tuple[str, ...], list[str]]:
-    """Return the logs by the channels that they lack."""
-    groups: dict[tuple[str, ...], list[str]] = {}
-    for name in need.logs:
-        lacking = tuple(logs[name].lacks(need.channels))
-        if lacking:
-            groups.setdefault(lacking, []).append(f"{name}.h5")
-    return groups
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -125,11 +125,10 @@ class Plan:
     @cached_property
     def unavailable_results(self) -> dict[str, tuple[str, str]]:
         """Results that cannot be made, with title and reason of each."""
-        chores = {each.name for each in CHORES}
         return {
             name: (BY_NAME[name].title, why)
             for name, why in self.unavailable.items()
-            if name not in chores
+            if BY_NAME[name] not in CHORES
         }
 
     @cached_property
@@ -137,12 +136,12 @@ class Plan:
         """Models that are not in the tables, with the reason of each."""
         if "table2" in self.unavailable:
             return {}
-        needs = {
-            model: Result(model, "", logs=EXPERIMENTS, channels=entry.inputs)
-            for model, entry in entries(self.settings["models"]).items()
-        }
-        reasons = ((name, why_not(needs[name], self.contents, self.raw)) for name in needs)
-        return {name: reason for name, reason in reasons if reason}
+        reasons = {}
+        for model, entry in entries(self.settings["models"]).items():
+            need = Result(model, "", logs=EXPERIMENTS, channels=entry.inputs)
+            if reason := why_not(need, self.contents, self.raw):
+                reasons[model] = reason
+        return reasons
 
     @cached_property
     def models(self) -> list[str]:
@@ -168,13 +167,16 @@ class Plan:
             for result in RESULTS
             if result.files and result.name not in self.unavailable
         }
-        return targets | {f"training_{name}": self._training(name) for name in self.others}
+        of_fig8 = self._files_of(BY_NAME["fig8"])[1:]
+        return targets | {
+            f"training_{name}": [self.paths.below(f"figures/training_{name}.pdf"), *of_fig8]
+            for name in self.others
+        }
 
     @cached_property
     def unavailable_targets(self) -> list[str]:
         """Targets that cannot be made."""
-        names = (each.name for each in (*RESULTS, *CHORES) if not each.part_of)
-        return [name for name in names if name in self.unavailable]
+        return [name for name in BY_NAME if name in self.unavailable and not BY_NAME[name].part_of]
 
     @cached_property
     def others(self) -> list[str]:
@@ -226,12 +228,6 @@ class Plan:
 
     def _parts_of(self, experiment: str) -> list[str]:
         return [experiment, *(self.further if experiment == TRAINING else [])]
-
-    def _training(self, model: str) -> list[str]:
-        return [
-            self.paths.below(f"figures/training_{model}.pdf"),
-            *self._files_of(BY_NAME["fig8"])[1:],
-        ]
 
     def _files_of(self, result: Result) -> list[str]:
         parts = [each for each in RESULTS if each.part_of == result.name]

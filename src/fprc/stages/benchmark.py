@@ -39,12 +39,9 @@ def measure_benchmark(
     peers.refuse_missing()
     settings = RigSettings(**on_rig)
     data = [read_data(path) for path in (train, test)]
-    compared = [
-        compare(each, rounds)
-        for each in [
-            *network_comparisons(models, data, seed),
-            *fuzzy_comparisons(models, data[0], sizes["taps"], seed),
-        ]
+    comparisons = [
+        *network_comparisons(models, data, seed),
+        *fuzzy_comparisons(models, data[0], sizes["taps"], seed),
     ]
     content = {
         "source": data[0].attributes["source"],
@@ -52,7 +49,7 @@ def measure_benchmark(
         "rounds": rounds,
         "cores": os.cpu_count(),
         **machine(),
-        "comparisons": compared,
+        "comparisons": [compare(each, rounds) for each in comparisons],
         "bound": memory_bound(models, data[0], rounds, seed),
         "step": single_steps(models, data[0], seed),
         "real_time": real_time(models, settings, tracking, data[0], rounds, seed),

@@ -29,19 +29,19 @@ from fprc.experiments.settings import Judgement, RigSettings
 from fprc.experiments.tuning import SPACES, candidates_of, chosen, judge_candidate
 from fprc.yaml_file import read_yaml
 
+Settings = Mapping[str, Any]
+
 
 def judge_world(
     rigs: str,
     tuned: str,
     judged: str,
     *,
-    world: Mapping[str, Any],
+    world: Settings,
     units: int,
     slow: int,
-    contest: Mapping[str, Any],
-    workers: int,
-    checkpoint: str,
-    version: str,
+    contest: Settings,
+    **run: Any,
 ) -> None:
     """Judge the models on every seed or rig of a world.
 
@@ -59,8 +59,10 @@ def judge_world(
         Number of the first units that also judge the slow models, in a world with every model.
     contest : Mapping
         Arguments of ``Contest`` without ``tuned``.
+    **run
+        ``workers``, ``checkpoint`` and ``version`` of ``judged_cells``, here and below.
     """
-    settings = _tuned(tuned, world)
+    how = _contest(contest, tuned, world)
     described = {
         "name": world["name"],
         "fitted": world["fitted"],
@@ -68,12 +70,11 @@ def judge_world(
         "source": "sim",
     }
     with judged_cells(
-        partial(_judge, rigs=rigs, world=world, slow=slow, contest={**contest, "tuned": settings}),
+        partial(_judge, rigs=rigs, world=world, slow=slow, contest=how),
         [{"unit": unit} for unit in range(units)],
-        workers=workers,
-        checkpoint=checkpoint,
-        settings=[world, contest, settings, slow, version],
+        settings=[world, how, slow],
         files=[rigs],
+        **run,
     ) as cells:
         builds = [{"unit": cell["unit"], **build} for cell in cells for build in cell["builds"]]
         write_json(judged, described | {"cells": builds})
@@ -83,15 +84,13 @@ def tune_world(
     rigs: str,
     tuning: str,
     *,
-    world: Mapping[str, Any],
+    world: Settings,
     units: Sequence[int],
     candidates: int,
     seed: int,
     restarts: int,
-    judgement: Mapping[str, Any],
-    workers: int,
-    checkpoint: str,
-    version: str,
+    judgement: Settings,
+    **run: Any,
 ) -> None:
     """Judge random settings of the models that are tuned, and choose the best.
 
@@ -104,10 +103,7 @@ def tune_world(
     judgement : Mapping
         Arguments of ``Judgement``.
     """
-    how = Judgement(**judgement)
-    names = (
-        SPACES if world["rigs"] == "one" else [name for name in SPACES if f"{name}_tuned" in BRIEF]
-    )
+    names = [name for name in SPACES if world["rigs"] == "one" or f"{name}_tuned" in BRIEF]
     cells = [
         {"model": name, "settings": each}
         for name in names
@@ -115,12 +111,11 @@ def tune_world(
     ]
     logs = [simulate(*builds_of(unit, rigs, world)[0]) for unit in units]
     with judged_cells(
-        partial(_try, logs=logs, judgement=how, restarts=restarts),
+        partial(judge_candidate, logs=logs, judgement=Judgement(**judgement), restarts=restarts),
         cells,
-        workers=workers,
-        checkpoint=checkpoint,
-        settings=[world, list(units), restarts, judgement, version],
+        settings=[world, list(units), restarts, judgement],
         files=[rigs],
+        **run,
     ) as tried:
         by_model = {name: [each for each in tried if each["model"] == name] for name in names}
         described = {"world": world["name"], "source": "sim"}
@@ -149,29 +144,21 @@ def judge_training_logs(
     tuned: str,
     judged: str,
     *,
-    world: Mapping[str, Any],
-    contest: Mapping[str, Any],
+    world: Settings,
+    contest: Settings,
     seeds: int,
     seconds: Sequence[float],
-    second_log: Mapping[str, Any],
-    workers: int,
-    checkpoint: str,
-    version: str,
+    second_log: Settings,
+    **run: Any,
 ) -> None:
     """Judge the models trained on one log of each length in ``seconds``, and on two logs."""
-    settings = _tuned(tuned, world)
+    how: dict[str, Any] = {"seconds": seconds, "second_log": second_log}
+    how["contest"] = _contest(contest, tuned, world)
     with judged_cells(
-        partial(
-            _judge_lengths,
-            world=world,
-            contest={**contest, "tuned": settings},
-            seconds=seconds,
-            second_log=second_log,
-        ),
+        partial(_judge_lengths, world=world, **how),
         [{"unit": unit} for unit in range(seeds)],
-        workers=workers,
-        checkpoint=checkpoint,
-        settings=[world, contest, settings, seconds, second_log, version],
+        settings=[world, how],
+        **run,
     ) as cells:
         trained = [each for cell in cells for each in cell["trained"]]
         write_json(judged, {"source": "sim", "training_length": trained})
@@ -180,13 +167,11 @@ def judge_training_logs(
 def judge_capacities(
     judged: str,
     *,
-    worlds: Sequence[Mapping[str, Any]],
-    models: Mapping[str, Any],
-    capacity: Mapping[str, Any],
+    worlds: Sequence[Settings],
+    models: Settings,
+    capacity: Settings,
     seeds: int,
-    workers: int,
-    checkpoint: str,
-    version: str,
+    **run: Any,
 ) -> None:
     """Measure capacities on the rigs of the worlds that have one rig.
 
@@ -199,9 +184,8 @@ def judge_capacities(
     with judged_cells(
         partial(_judge_capacity, worlds=by_name, models=models, capacity=capacity),
         [{"world": name, "unit": unit} for name in by_name for unit in range(seeds)],
-        workers=workers,
-        checkpoint=checkpoint,
-        settings=[by_name, models, capacity, version],
+        settings=[by_name, models, capacity],
+        **run,
     ) as cells:
         found = {
             name: [
@@ -214,29 +198,26 @@ def judge_capacities(
         write_json(judged, {"source": "sim", "worlds": found})
 
 
-def time_steps(
-    tuned: str, steps: str, *, world: Mapping[str, Any], contest: Mapping[str, Any]
-) -> None:
+def time_steps(tuned: str, steps: str, *, world: Settings, contest: Settings) -> None:
     """Time a step of every model on this machine, us."""
-    settings = _tuned(tuned, world)
+    how = _contest(contest, tuned, world)
     on_rig, seed = builds_of(0, "", world)[0]
-    given = Contest(**contest, tuned=settings)
     logs = simulate(on_rig, seed)
-    times = {name: time_of_step(name, logs, given, seed) for name in ALL}
+    times = {name: time_of_step(name, logs, how, seed) for name in ALL}
     write_json(steps, {"source": "sim", **machine(), "step_us": times})
 
 
-def _tuned(tuned: str, world: Mapping[str, Any]) -> Mapping[str, Any]:
+def _contest(contest: Settings, tuned: str, world: Settings) -> Contest:
     known = read_yaml(tuned)
     if world["name"] not in known:
         raise FprcError(
             f"{tuned}: no settings for the world {world['name']}; make them with "
             "`snakemake tuned`, and copy results/beyond/tuned.yaml there"
         )
-    return known[world["name"]]
+    return Contest(**contest, tuned=known[world["name"]])
 
 
-def builds_of(unit: int, rigs: str, world: Mapping[str, Any]) -> list[tuple[RigSettings, int]]:
+def builds_of(unit: int, rigs: str, world: Settings) -> list[tuple[RigSettings, int]]:
     """Return the rig of a unit, once with each of its seeds."""
     on_rig = RigSettings(**world["on_rig"])
     count = world["seeds_per_rig"]
@@ -256,59 +237,28 @@ def builds_of(unit: int, rigs: str, world: Mapping[str, Any]) -> list[tuple[RigS
 
 
 def _judge(
-    cell: Mapping[str, int],
-    *,
-    rigs: str,
-    world: Mapping[str, Any],
-    slow: int,
-    contest: Mapping[str, Any],
+    cell: Mapping[str, int], *, rigs: str, world: Settings, slow: int, contest: Contest
 ) -> dict[str, Any]:
     names: Sequence[str] = BRIEF
     if world["every_model"]:
         names = [name for name in ALL if name not in SLOW or cell["unit"] < slow]
     builds = []
     for on_rig, seed in builds_of(cell["unit"], rigs, world):
-        report: dict[str, Any]
         try:
-            report = {"models": judge_build(on_rig, seed, names, Contest(**contest))}
+            report: dict[str, Any] = {"models": judge_build(on_rig, seed, names, contest)}
         except FprcError as error:
             report = {"failed": " ".join(str(error).split())}
         builds.append({"seed": seed, **report})
     return {"builds": builds}
 
 
-def _judge_lengths(
-    cell: Mapping[str, int],
-    *,
-    world: Mapping[str, Any],
-    contest: Mapping[str, Any],
-    seconds: Sequence[float],
-    second_log: Mapping[str, Any],
-) -> dict[str, Any]:
+def _judge_lengths(cell: Mapping[str, int], *, world: Settings, **how: Any) -> dict[str, Any]:
     on_rig, seed = builds_of(cell["unit"], "", world)[0]
-    return {
-        "trained": judge_lengths(
-            on_rig, seed, BRIEF, Contest(**contest), seconds=seconds, second_log=second_log
-        )
-    }
+    return {"trained": judge_lengths(on_rig, seed, BRIEF, **how)}
 
 
 def _judge_capacity(
-    cell: Mapping[str, Any],
-    *,
-    worlds: Mapping[str, Mapping[str, Any]],
-    models: Mapping[str, Any],
-    capacity: Mapping[str, Any],
+    cell: Mapping[str, Any], *, worlds: Settings, models: Settings, capacity: Settings
 ) -> dict[str, Any]:
     on_rig, seed = builds_of(cell["unit"], "", worlds[cell["world"]])[0]
     return {"seed": seed, **judge_capacity(on_rig.rig, on_rig.control, models, capacity, seed)}
-
-
-def _try(
-    cell: Mapping[str, Any],
-    *,
-    logs: Sequence[Mapping[str, Any]],
-    judgement: Judgement,
-    restarts: int,
-) -> dict[str, float]:
-    return judge_candidate(cell["model"], cell["settings"], logs, judgement, restarts)

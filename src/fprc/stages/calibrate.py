@@ -15,35 +15,14 @@ log = logging.getLogger(__name__)
 
 
 def calibrate(
-    published: str,
-    fitted: str,
-    report: str,
-    *,
-    on_rig: Mapping[str, Any],
-    judgement: Mapping[str, Any],
-    calibration: Mapping[str, Any],
-    grids: Mapping[str, Any],
-    tracking: Mapping[str, Any],
-    workers: int,
-    checkpoint: str,
-    version: str,
+    published: str, fitted: str, report: str, *, on_rig: Mapping[str, Any], **how: Any
 ) -> None:
     """Fit the free parameters of the rig, starting from the rig of ``on_rig``.
 
     Writes the fitted rig (``fitted``, YAML, a file of config/rigs) and a summary of the fit
-    (``report``, JSON).
+    (``report``, JSON). ``how`` are the other arguments of ``fit_rig``.
     """
-    best, summary = fit_rig(
-        read_yaml(published),
-        RigSettings(**on_rig),
-        judgement,
-        calibration,
-        grids,
-        tracking,
-        workers=workers,
-        checkpoint=checkpoint,
-        version=version,
-    )
+    best, summary = fit_rig(read_yaml(published), RigSettings(**on_rig), **how)
     write_json(report, summary)
     write_text(fitted, parameter_file(best, summary, Path(fitted).stem))
     log.info(

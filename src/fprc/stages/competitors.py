@@ -1,6 +1,6 @@
 """FPRC and its competitors on a recording: errors, verdicts and their table."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
@@ -10,13 +10,8 @@ from fprc.artifacts import read_json, write_csv, write_json, write_text
 from fprc.claims.recording import judge_recording
 from fprc.competitors import TITLES
 from fprc.errors import EvaluationError
-from fprc.evaluation.cells import judged_cells, log_progress
-from fprc.experiments.competitors import (
-    ON_RECORDINGS,
-    judge_competitor,
-    period_s,
-    recording_blocks,
-)
+from fprc.evaluation.cells import judged_cells
+from fprc.experiments.competitors import ON_RECORDINGS, judge_competitor, period_s, recording_blocks
 from fprc.experiments.data import read_data, refuse_mixture
 from fprc.experiments.settings import Judgement
 from fprc.paper import SOURCES
@@ -25,15 +20,7 @@ from fprc.tables.text import markdown
 
 
 def compare_competitors(
-    train: str,
-    test: str,
-    competitors: str,
-    *,
-    judgement: Mapping[str, Any],
-    workers: int,
-    checkpoint: str,
-    version: str,
-    progress: Callable[[int, int], None] = log_progress,
+    train: str, test: str, competitors: str, *, judgement: Mapping[str, Any], **run: Any
 ) -> None:
     """Judge FPRC and its competitors on blocks of the training log, and on the test log.
 
@@ -43,6 +30,8 @@ def compare_competitors(
     ----------
     judgement : Mapping
         Arguments of ``fprc.experiments.settings.Judgement``.
+    **run
+        ``workers``, ``checkpoint``, ``version`` and ``progress`` of ``judged_cells``.
     """
     data, tested = read_data(train), read_data(test)
     refuse_mixture(data, tested)
@@ -59,11 +48,9 @@ def compare_competitors(
     with judged_cells(
         partial(_judge_from_files, train=train, test=test, judgement=judgement),
         [{"model": name} for name in ON_RECORDINGS],
-        workers=workers,
-        checkpoint=checkpoint,
-        settings=[judgement, version],
+        settings=judgement,
         files=[train, test],
-        progress=progress,
+        **run,
     ) as judged:
         report = described | {"cells": judged}
         write_json(competitors, {**report, "verdicts": judge_recording(report, TITLES)})

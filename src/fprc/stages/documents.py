@@ -12,6 +12,7 @@ from fprc.artifacts import read_json, replacing, write_text
 from fprc.competitors import TITLES
 from fprc.errors import FprcError
 from fprc.paper import ERRORS
+from fprc.plan.arguments import on_drawn_rigs
 from fprc.provenance import hash_of
 from fprc.registry import title_of
 from fprc.tables import beyond, scaling
@@ -27,7 +28,6 @@ def update_readme(
     ledger: str,
     drawn: str,
     figure: str,
-    made_from: Sequence[str] = (),
     *,
     readme: str,
     results: str,
@@ -49,9 +49,6 @@ def update_readme(
         On how many drawn rigs each claim holds, CSV.
     figure, picture : str
         Figure of the results, and its copy in docs.
-    made_from
-        Not read. All intermediate files are inputs of the rule so that no stale number is shown
-        after a failed job.
     readme, results : str
         The README, and docs/results.md.
     """
@@ -59,14 +56,14 @@ def update_readme(
     blocks = {Path(path).stem: _read(path) for path in pages} | {
         "orders": _orders(pd.read_csv(orders)),
         "deviations": _deviations(seeds),
-        "verdicts": _verdicts(judged, pd.read_csv(drawn, index_col="id")),
+        "verdicts": _verdicts(judged, on_drawn_rigs(drawn)),
     }
     first = {name: blocks[name] for name in ("table2_seeds", "table3_seeds")}
     first["outcome"] = f"{_outcome(judged)} {blocks['deviations']}"
     texts = {path: _updated(path, new) for path, new in ((readme, first), (results, blocks))}
     for path, text in texts.items():
         write_text(path, text)
-    _copy(figure, picture)
+    update_picture(figure, picture=picture)
 
 
 def update_calibration_page(
@@ -74,7 +71,6 @@ def update_calibration_page(
     seeds: Sequence[str],
     pages: Sequence[str],
     figures: Sequence[str],
-    made_from: Sequence[str] = (),
     *,
     page: str,
     pictures: Sequence[str],
@@ -92,8 +88,6 @@ def update_calibration_page(
         Tables of the rigs, of the sensitivity, of the targets, and Table IV over seeds.
     figures, pictures : sequence of str
         Figures of the results, and their copies in docs.
-    made_from
-        Not read; see ``update_readme``.
     rig : Mapping
         The rig of the configuration.
 
@@ -116,12 +110,13 @@ def update_calibration_page(
     }
     _update(page, blocks)
     for figure, picture in zip(figures, pictures, strict=True):
-        _copy(figure, picture)
+        update_picture(figure, picture=picture)
 
 
 def update_picture(figure: str, *, picture: str) -> None:
     """Replace a picture of the documentation by a figure of the results."""
-    _copy(figure, picture)
+    with replacing(picture) as temporary:
+        temporary.write_bytes(Path(figure).read_bytes())
 
 
 def update_performance(
@@ -129,7 +124,7 @@ def update_performance(
 ) -> None:
     """Put the tables into docs/performance.md, and replace the picture."""
     _update(performance, {"benchmark": _read(page), "rules": _read(rules)})
-    _copy(figure, picture)
+    update_picture(figure, picture=picture)
 
 
 def update_scaling_page(scale: str, *, page: str) -> None:
@@ -142,11 +137,6 @@ def update_scaling_page(scale: str, *, page: str) -> None:
 
 def update_beyond_page(
     verdicts: str,
-    models: str,
-    tracking: str,
-    offsets: str,
-    capacities: str,
-    lengths: str,
     figures: Sequence[str],
     *,
     readme: str,
@@ -154,6 +144,7 @@ def update_beyond_page(
     board: str,
     pictures: Sequence[str],
     world: str,
+    **csv: str,
 ) -> None:
     """Replace the generated blocks of docs/beyond.md, the leaderboard, and the pictures.
 
@@ -167,14 +158,9 @@ def update_beyond_page(
         Figures of the results, and their copies in docs.
     world : str
         World with the rig of the configuration.
+    **csv : str
+        Tables by name: ``models``, ``tracking``, ``offsets``, ``capacities``, ``lengths``.
     """
-    csv = {
-        "models": models,
-        "tracking": tracking,
-        "offsets": offsets,
-        "capacities": capacities,
-        "lengths": lengths,
-    }
     found = {name: pd.read_csv(path) for name, path in csv.items()}
     judged = read_json(verdicts)
     blocks = beyond.blocks(judged, found, world, TITLES)
@@ -183,7 +169,7 @@ def update_beyond_page(
     _update(board, {"leaderboard": blocks.pop("leaderboard")})
     _update(page, blocks)
     for figure, picture in zip(figures, pictures, strict=True):
-        _copy(figure, picture)
+        update_picture(figure, picture=picture)
 
 
 def _read(path: str) -> str:
@@ -204,11 +190,6 @@ def _updated(path: str, blocks: Mapping[str, str]) -> str:
 def _update(path: str, blocks: Mapping[str, str]) -> None:
     write_text(path, _updated(path, blocks))
     log.info("updated %s", path)
-
-
-def _copy(figure: str, picture: str) -> None:
-    with replacing(picture) as temporary:
-        temporary.write_bytes(Path(figure).read_bytes())
 
 
 def replace_block(text: str, name: str, block: str, path: str = "README.md") -> str:
@@ -240,15 +221,8 @@ def _outcome(judged: Mapping[str, Any]) -> str:
     )
 
 
-def _verdicts(judged: Mapping[str, Any], drawn: pd.DataFrame) -> str:
+def _verdicts(judged: Mapping[str, Any], drawn: Mapping[str, str]) -> str:
     """Return a table of the claims."""
-
-    def on_drawn(name: str) -> str:
-        if name not in drawn.index:
-            return "-"
-        row = drawn.loc[name]
-        return f"{row['holds']} of {row['rigs']}"
-
     rows = [
         {
             "Id": claim["id"],
@@ -256,7 +230,7 @@ def _verdicts(judged: Mapping[str, Any], drawn: pd.DataFrame) -> str:
             "Verdict": claim["verdict"],
             "Fitted?": claim["rig"],
             "Ours, 95 % interval": claim["ours"],
-            "Drawn rigs": on_drawn(claim["id"]),
+            "Drawn rigs": drawn.get(claim["id"], "-"),
         }
         for claim in judged["claims"]
     ]

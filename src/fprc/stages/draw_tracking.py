@@ -72,7 +72,7 @@ def draw_loops(runs: Sequence[str], pdf: str, png: str) -> Mapping[str, Any]:
     panels = zip(axes.flat, "abcd", product(names, ("printed", "identified")), strict=True)
     for ax, letter, (reference, gain) in panels:
         pair = [
-            (label, controller, _judged(_find(logs, reference, controller, gain)))
+            (label, controller, _judged(logs, reference, controller, gain))
             for controller, label in (("pd", "PD"), ("fprc_pd", "FPRC+PD"))
         ]
         plot_reference_loops(pair, ax)
@@ -123,11 +123,11 @@ def draw_disturbance(
     return style.save(fig, log.attributes, pdf, png)
 
 
-def _judged(log: Columns) -> dict[str, Any]:
+def _judged(
+    logs: Sequence[Columns], reference: str, controller: str, gain: str
+) -> dict[str, np.ndarray]:
+    """Return the channels of one run after settling."""
+    wanted = {"reference": reference, "controller": controller, "gain": gain}
+    log = next(log for log in logs if wanted.items() <= log.attributes.items())
     judged = log.channels["time_s"] >= log.attributes["settle_s"]
     return {name: values[judged] for name, values in log.channels.items()}
-
-
-def _find(logs: Sequence[Columns], reference: str, controller: str, gain: str) -> Columns:
-    wanted = {"reference": reference, "controller": controller, "gain": gain}
-    return next(log for log in logs if wanted.items() <= log.attributes.items())

@@ -22,8 +22,7 @@ def judge_rigs(
     on_rig: Mapping[str, Any],
     tracking: Mapping[str, Any],
     judgement: Mapping[str, Any],
-    checkpoint: str,
-    version: str,
+    **run: Any,
 ) -> None:
     """Compute Tables II to IV on some rigs of the ensemble.
 
@@ -37,6 +36,8 @@ def judge_rigs(
         Arguments of ``RigSettings``.
     judgement : Mapping
         Arguments of ``Judgement`` without the seed.
+    **run
+        ``checkpoint`` and ``version`` of ``judged_cells``.
     """
     with judged_cells(
         partial(
@@ -49,8 +50,8 @@ def judge_rigs(
         ),
         [{"rig": number} for number in numbers],
         workers=1,
-        checkpoint=checkpoint,
-        settings=[ensemble, free, on_rig, tracking, judgement, version],
+        settings=[ensemble, free, on_rig, tracking, judgement],
+        **run,
     ) as judged:
         write_json(rigs, {"source": "sim", "rigs": judged})
 
@@ -64,9 +65,7 @@ def measure_sensitivity(
     surrogate: Mapping[str, int],
     on_rig: Mapping[str, Any],
     models: Mapping[str, Any],
-    workers: int,
-    checkpoint: str,
-    version: str,
+    **run: Any,
 ) -> None:
     """Move one parameter at a time over its range, and judge the rig with the surrogate models.
 
@@ -74,6 +73,8 @@ def measure_sensitivity(
     ----------
     on_rig : Mapping
         Arguments of ``RigSettings``.
+    **run
+        Those of ``judge_rigs``, and ``workers``.
     """
     shares = np.linspace(0.0, 1.0, steps).tolist()
     cells = [{"path": path, "share": share} for path in paths for share in shares]
@@ -86,8 +87,7 @@ def measure_sensitivity(
             models=models,
         ),
         [{"path": None, "share": None}, *cells],
-        workers=workers,
-        checkpoint=checkpoint,
-        settings=[seeds, surrogate, on_rig, models, version],
+        settings=[seeds, surrogate, on_rig, models],
+        **run,
     ) as judged:
         write_json(effects, {"source": "sim", "seeds": list(seeds), "cells": judged})

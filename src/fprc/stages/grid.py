@@ -22,16 +22,11 @@ def judge_grid(
     grid: str,
     values: Mapping[str, Sequence[float]],
     judgement: Mapping[str, Any],
-    workers: int,
-    checkpoint: str,
-    version: str,
     chunk: int = 0,
     chunks: int = 1,
+    **run: Any,
 ) -> None:
     """Cross-validate and test every cell of one grid, or of one chunk of it.
-
-    A checkpoint is used only if it was made with the same data, settings and ``version``,
-    the fingerprint of the code.
 
     Parameters
     ----------
@@ -39,6 +34,8 @@ def judge_grid(
         Arguments of ``fprc.experiments.settings.Judgement``.
     chunk, chunks : int
         Number of the chunk, from 0, and of all chunks; ``join_grid`` joins them.
+    **run
+        ``workers``, ``checkpoint`` and ``version`` of ``judged_cells``.
     """
     data = read_data(train)
     models = models_for(judgement["models"], data, read_data(test))
@@ -52,10 +49,9 @@ def judge_grid(
     with judged_cells(
         partial(_judge_from_files, train=train, test=test, judgement=Judgement(**judgement)),
         chunk_of(possible, chunk, chunks),
-        workers=workers,
-        checkpoint=checkpoint,
-        settings=[judgement, version],
+        settings=judgement,
         files=[train, test],
+        **run,
     ) as judged:
         write_json(results, {**described, "cells": judged})
 

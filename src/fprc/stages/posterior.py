@@ -82,9 +82,8 @@ def draw_members(
 
     def simulate(points: np.ndarray) -> list[list[float] | None]:
         cells = [{"point": point.tolist(), "seed": next(seeds)} for point in points]
-        seed_of.update(
-            {point.tobytes(): cell["seed"] for point, cell in zip(points, cells, strict=True)}
-        )
+        for point, cell in zip(points, cells, strict=True):
+            seed_of[point.tobytes()] = cell["seed"]
         judged = run(judge, cells)
         log.info("%d rigs judged, %d possible", len(cells), sum("logs" in each for each in judged))
         return [each.get("logs") for each in judged]
@@ -119,8 +118,7 @@ def judge_members(
     on_rig: Mapping[str, Any],
     tracking: Mapping[str, Any],
     judgement: Mapping[str, Any],
-    checkpoint: str,
-    version: str,
+    **run: Any,
 ) -> None:
     """Compute Tables II to IV with the full models on some rigs of the posterior.
 
@@ -130,6 +128,8 @@ def judge_members(
         Numbers of the rigs; those beyond the last are left out.
     judgement : Mapping
         Arguments of ``Judgement`` without the seed.
+    **run
+        ``checkpoint`` and ``version`` of ``judged_cells``.
     """
     drawn = read_json(members)["members"]
     cells = [drawn[number] for number in numbers if number < len(drawn)]
@@ -143,8 +143,8 @@ def judge_members(
         ),
         cells,
         workers=1,
-        checkpoint=checkpoint,
-        settings=[free, on_rig, tracking, judgement, version],
+        settings=[free, on_rig, tracking, judgement],
+        **run,
     ) as judged:
         write_json(rigs, {"source": "sim", "rigs": judged})
 

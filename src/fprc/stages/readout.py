@@ -1,11 +1,11 @@
 """Value of the reservoir's readout: FPRC with P_o, without it, and with substitutes for it."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
 from fprc.artifacts import write_json
-from fprc.evaluation.cells import judged_cells, log_progress
+from fprc.evaluation.cells import judged_cells
 from fprc.experiments.data import read_data, refuse_mixture
 from fprc.experiments.readout import judge_readout, readout_cells
 from fprc.experiments.settings import Judgement
@@ -19,10 +19,7 @@ def measure_readout(
     judgement: Mapping[str, Any],
     epsilon: Sequence[float],
     n_u: Sequence[int],
-    workers: int,
-    checkpoint: str,
-    version: str,
-    progress: Callable[[int, int], None] = log_progress,
+    **run: Any,
 ) -> None:
     """Cross-validate and test FPRC with each readout.
 
@@ -31,6 +28,8 @@ def measure_readout(
     judgement : Mapping
         Arguments of ``fprc.experiments.settings.Judgement`` without ``split``, which differs
         between cells.
+    **run
+        ``workers``, ``checkpoint``, ``version`` and ``progress`` of ``judged_cells``.
     """
     data = read_data(train)
     refuse_mixture(data, read_data(test))
@@ -46,11 +45,9 @@ def measure_readout(
     with judged_cells(
         partial(_judge_from_files, train=train, test=test, judgement=judgement),
         readout_cells(models, epsilon, n_u, held_out),
-        workers=workers,
-        checkpoint=checkpoint,
-        settings=[judgement, version],
+        settings=judgement,
         files=[train, test],
-        progress=progress,
+        **run,
     ) as judged:
         write_json(cells, {**described, "cells": judged})
 

@@ -3,7 +3,7 @@
 import logging
 import os
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -17,8 +17,9 @@ from fprc.provenance import describe
 
 log = logging.getLogger("fprc")
 
-#: Params and outputs of a rule that are not arguments of its stage.
-_NOT_ARGUMENTS = ("stage", "code", "sidecar")
+#: Inputs, outputs and params of a rule that are not arguments of its stage. ``made_from`` are
+#: intermediate files: as inputs they prevent stale numbers after a failed job.
+_NOT_ARGUMENTS = ("stage", "code", "sidecar", "made_from")
 
 
 def run_stage(job: Any) -> None:
@@ -44,7 +45,9 @@ def run_stage(job: Any) -> None:
         with threadpool_limits(1):
             drawn = stage(**arguments)
         if "sidecar" in job.output.keys():
-            _write_sidecar(drawn, job)
+            files = [path for path in job.output if path != job.output.sidecar]
+            origin = describe(drawn, inputs=list(job.input), outputs=files, settings=job.config)
+            write_json(job.output.sidecar, origin)
     except FprcError as error:
         log.error("error: %s", error)
         log.debug("traceback:", exc_info=True)
@@ -55,13 +58,6 @@ def stage_of(name: str) -> Callable[..., Any]:
     """Return the function of a stage, given as ``judge.judge``."""
     module, _, function = name.rpartition(".")
     return getattr(import_module(f"fprc.stages.{module}"), function)
-
-
-def _write_sidecar(data: Mapping[str, Any], job: Any) -> None:
-    sidecar = job.output.sidecar
-    files = [path for path in job.output if path != sidecar]
-    described = describe(data, inputs=list(job.input), outputs=files, settings=job.config)
-    write_json(sidecar, described)
 
 
 def _log_to(path: str, label: str) -> None:

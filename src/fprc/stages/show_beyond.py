@@ -21,12 +21,7 @@ def tabulate_beyond(
     training: str,
     steps: str,
     verdicts: str,
-    models: str,
-    claims: str,
-    tracking: str,
-    offsets: str,
-    capacities: str,
-    lengths: str,
+    **csv: str,
 ) -> None:
     """Judge B1-B8 in every world, and write the tables.
 
@@ -38,8 +33,16 @@ def tabulate_beyond(
         Capacities in each world with one rig.
     verdicts : str
         Outcome: five points, what each world is, and the rows of ``judge_world`` for each.
+    **csv : str
+        Tables by name: ``models``, ``claims``, ``tracking``, ``offsets``, ``capacities``,
+        ``lengths``.
     """
-    found = _joined(worlds, capacity, training, steps)
+    found = [read_json(path) for path in worlds]
+    by_world = read_json(capacity)["worlds"]
+    for world in found:
+        world["capacity"] = by_world.get(world["name"])
+    found[0]["training_length"] = read_json(training)["training_length"]
+    found[0]["step_us"] = read_json(steps)["step_us"]
     ledgers = [judge_world(world, TITLES) for world in found]
     outcome = {
         "source": "sim",
@@ -49,30 +52,15 @@ def tabulate_beyond(
     }
     write_json(verdicts, outcome)
     by_model = tables.models(found)
-    for path, table in {
-        models: by_model,
-        claims: claims_table(ledgers),
-        tracking: tables.errors_and_tracking(by_model),
-        offsets: tables.offsets(found),
-        capacities: tables.capacity(found),
-        lengths: tables.lengths(found),
+    for name, table in {
+        "models": by_model,
+        "claims": claims_table(ledgers),
+        "tracking": tables.errors_and_tracking(by_model),
+        "offsets": tables.offsets(found),
+        "capacities": tables.capacity(found),
+        "lengths": tables.lengths(found),
     }.items():
-        write_csv(path, table)
-
-
-def _joined(
-    worlds: Sequence[str], capacity: str, training: str, steps: str
-) -> list[dict[str, Any]]:
-    """Return the worlds with what was measured beside their models."""
-    found = [dict(read_json(path)) for path in worlds]
-    by_world = read_json(capacity)["worlds"]
-    for world in found:
-        world["capacity"] = by_world.get(world["name"])
-    found[0] |= {
-        "training_length": read_json(training)["training_length"],
-        "step_us": read_json(steps)["step_us"],
-    }
-    return found
+        write_csv(csv[name], table)
 
 
 def draw_pairs(claims: str, pdf: str, png: str, *, worlds: Sequence[str]) -> Mapping[str, Any]:

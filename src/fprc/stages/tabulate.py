@@ -131,11 +131,7 @@ _FOLDS = {
 
 
 def tabulate_readout(
-    cells: str,
-    csv: str,
-    md: str,
-    tex: str,
-    parts: tuple[str, str] = ("the sweep", "the complex log"),
+    cells: str, *, parts: tuple[str, str] = ("the sweep", "the complex log"), **files: str
 ) -> None:
     """Compare FPRC with P_o, without it, and with substitutes for it.
 
@@ -150,10 +146,10 @@ def tabulate_readout(
         f"Data: {SOURCES[report['source']]}, seed {report['seed']}; trained on {parts[0]}, "
         f"tested on {parts[1]}. {_FOLDS[readout.held_out(table)]}"
     )
-    write_table(table, readout.readout_page(table, own), note, csv, md, tex)
+    write_table(table, readout.readout_page(table, own), note, **files)
 
 
-def tabulate_ensemble(summary: str, csv: str, md: str, tex: str) -> None:
+def tabulate_ensemble(summary: str, **files: str) -> None:
     """Count the rigs of a set on which each claim holds."""
     report = read_json(summary)
     table = robustness.ensemble(report)
@@ -171,10 +167,10 @@ def tabulate_ensemble(summary: str, csv: str, md: str, tex: str) -> None:
         f"{limit:.2f}; by chance alone, any parameter would do so in only one of twenty sets of "
         "independent rigs."
     )
-    write_table(table, robustness.ensemble_page(table), note, csv, md, tex)
+    write_table(table, robustness.ensemble_page(table), note, **files)
 
 
-def tabulate_history(members: str, csv: str, md: str, tex: str) -> None:
+def tabulate_history(members: str, **files: str) -> None:
     """Write how closely the rigs of the posterior match the printed errors, step by step."""
     report = read_json(members)
     table = pd.DataFrame(
@@ -196,10 +192,10 @@ def tabulate_history(members: str, csv: str, md: str, tex: str) -> None:
             ],
         }
     )
-    write_table(table, page, note, csv, md, tex)
+    write_table(table, page, note, **files)
 
 
-def tabulate_sensitivity(effects: str, csv: str, md: str, tex: str) -> None:
+def tabulate_sensitivity(effects: str, **files: str) -> None:
     """Write the sensitivity of each error to each parameter of the rig."""
     report = read_json(effects)
     table = robustness.sensitivity(report)
@@ -210,18 +206,16 @@ def tabulate_sensitivity(effects: str, csv: str, md: str, tex: str) -> None:
         f"{len(report['seeds'])} seeds; {impossible} of {len(report['cells'])} rigs are impossible "
         "and left out. The tables do not determine a parameter to which no error is sensitive."
     )
-    write_table(table, robustness.sensitivity_page(table), note, csv, md, tex)
+    write_table(table, robustness.sensitivity_page(table), note, **files)
 
 
 def tabulate_targets(
     published: str,
     replicates: Sequence[str],
     controls: Sequence[str],
-    csv: str,
-    md: str,
-    tex: str,
     *,
     names: Sequence[str],
+    **files: str,
 ) -> None:
     """Compare commanded and measured pressure as the models' target."""
     of_models, of_control = (
@@ -237,7 +231,7 @@ def tabulate_targets(
         "over the further seeds.\n"
         f"Data: {SOURCES[table['source'].iloc[0]]}."
     )
-    write_table(table, robustness.targets_page(table), note, csv, md, tex)
+    write_table(table, robustness.targets_page(table), note, **files)
 
 
 def tabulate_times(

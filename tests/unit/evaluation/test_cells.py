@@ -150,7 +150,7 @@ def test_cells_before_the_one_that_raises_are_kept(sweep):
 def test_checkpoint_is_deleted_only_after_the_results_are_saved(tmp_path):
     checkpoint, file, counted = tmp_path / "partial.jsonl", tmp_path / "log.h5", []
     file.write_bytes(b"log")
-    options = {"settings": {"alpha": 0.1}, "files": [str(file)]}
+    options = {"settings": {"alpha": 0.1}, "files": [str(file)], "version": "v"}
 
     def judged(judge):
         options["progress"] = lambda *each: counted.append(each)

@@ -45,7 +45,9 @@ def judgement():
 def test_candidate_is_judged_on_blocks_of_rows_that_it_has_not_seen(pair, judgement):
     X = pair["sweep"].channels["theta_deg"][:, None]
     y = pair["sweep"].channels["p_target_kpa"]
-    found = judge_candidate("bank", {"alpha": 2.0}, [pair], judgement, 1)
+    found = judge_candidate(
+        {"model": "bank", "settings": {"alpha": 2.0}}, logs=[pair], judgement=judgement, restarts=1
+    )
     settings = {**default_settings("bank", MODELS), "alpha": 2.0}
     rows = build_competitor("bank", settings, 1).make_features().fit(X).transform(X)
     rows = np.column_stack([np.ones(len(rows)), rows])
@@ -62,7 +64,9 @@ def test_candidate_is_judged_on_blocks_of_rows_that_it_has_not_seen(pair, judgem
 def test_errors_of_several_logs_are_averaged_by_their_logarithm(pair, judgement):
     swapped = {"sweep": pair["complex"], "complex": pair["sweep"]}
     one, other, both = (
-        judge_candidate("bank", {}, logs, judgement, 1)
+        judge_candidate(
+            {"model": "bank", "settings": {}}, logs=logs, judgement=judgement, restarts=1
+        )
         for logs in ([pair], [swapped], [pair, swapped])
     )
     for name, value in both.items():

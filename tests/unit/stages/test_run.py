@@ -60,6 +60,7 @@ def job(tmp_path):
         input=Files(
             sweep=str(tmp_path / "sweep.h5"),
             runs=[str(tmp_path / "a.h5"), str(tmp_path / "b.h5")],
+            made_from=[str(tmp_path / "a.h5")],
         ),
         output=Files(
             pdf=str(tmp_path / "fig99.pdf"),
@@ -118,7 +119,7 @@ def test_sidecar_says_where_the_figure_comes_from(job, run, commit):
     }
 
 
-def test_stage_is_given_files_and_params_but_not_its_name_nor_code_nor_sidecar(job, run):
+def test_stage_is_given_files_and_params_that_it_reads(job, run):
     stage = Stage({"source": "none"})
     run(stage)
     assert stage.arguments == {

@@ -1,5 +1,6 @@
 import itertools
 import re
+from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -38,9 +39,9 @@ TEXTS = {claim["id"]: claim["text"] for claim in parts_of(PRINTED["claims"])}
 
 def write(stage, tmp_path, *arguments, **options):
     """Run a stage that writes a table; return its CSV, Markdown and LaTeX."""
-    files = [tmp_path / f"table.{kind}" for kind in ("csv", "md", "tex")]
-    stage(*arguments, *map(str, files), **options)
-    csv, md, tex = (file.read_text(encoding="utf-8") for file in files)
+    files = {kind: str(tmp_path / f"table.{kind}") for kind in ("csv", "md", "tex")}
+    stage(*arguments, **files, **options)
+    csv, md, tex = (Path(file).read_text(encoding="utf-8") for file in files.values())
     for text in (md, tex):
         assert not re.search(r"\b(nan|inf|none)\b", text, re.IGNORECASE)
     return csv, md, tex
