@@ -39,7 +39,7 @@ def drawn():
 def undrawn(request, monkeypatch):
     """Draw no picture in the other tests: drawing takes longer than all else."""
     if "drawn" not in request.fixturenames:
-        monkeypatch.setattr(style, "save_png", touch)
+        monkeypatch.setattr(style, "save", touch)
 
 
 def touch(fig, data, png):
