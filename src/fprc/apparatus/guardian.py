@@ -50,40 +50,43 @@ def guard(request: Mapping[str, Any]) -> None:
         The child failed, was killed or stopped responding; says whether the chambers are vented.
     """
     hardware = request["settings"]["hardware"]
-    boards, pipe = hardware["boards"], subprocess.PIPE
+    boards = hardware["boards"]
     with locked(board_names(boards), boards["lock_folder"]) as locks:
-        # the loop gets its own session: a closed terminal, Ctrl-Z or a kill of the process group
-        # hits the guardian alone, and the loop then stops and vents
-        process = _Process(
-            [sys.executable, "-m", "fprc.apparatus.process"],
-            stdin=pipe,
-            stdout=pipe,
-            start_new_session=True,
-            pass_fds=locks,
-        )
-        write_holder(locks, f" (drives the rig by process {process.pid})")
-        signs: queue.SimpleQueue[bytes] = queue.SimpleQueue()
-        threading.Thread(target=_listen, args=(process, signs), daemon=True).start()
-        with _forwarding_signals(process) as received:
-            with suppress(BrokenPipeError):  # it has already ended, with a message
-                process.stdin.write(json.dumps(request).encode() + b"\n")
-                process.stdin.flush()
-            end = _watch(signs, _beating(process), hardware["loop"]["stalled_s"])
-            if end == "silent":
-                process.kill()
-            # vent before waiting for the end of the process: until then the valves hold their
-            # voltages
-            vented = "" if end == "safe" else _vent(hardware, received)
-            code = _wait(process, received)
-            if code is None:
-                raise ControlError(
-                    f"process {process.pid}, which drives the rig, does not end: IT MAY STILL OPEN "
-                    "A VALVE. Cut the supply and open the chambers by hand, then restart the "
-                    "computer"
-                )
-            if end == "silent":
-                # again: the last driver call of the killed process may have come after the venting
-                vented = _vent(hardware, received)
+        _guard(request, hardware, locks)
+
+
+def _guard(request: Mapping[str, Any], hardware: Mapping[str, Any], locks: Sequence[int]) -> None:
+    pipe = subprocess.PIPE
+    # the loop gets its own session: a closed terminal, Ctrl-Z or a kill of the process group
+    # hits the guardian alone, and the loop then stops and vents
+    process = _Process(
+        [sys.executable, "-m", "fprc.apparatus.process"],
+        stdin=pipe,
+        stdout=pipe,
+        start_new_session=True,
+        pass_fds=locks,
+    )
+    write_holder(locks, f" (drives the rig by process {process.pid})")
+    signs: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+    threading.Thread(target=_listen, args=(process, signs), daemon=True).start()
+    with _forwarding_signals(process) as received:
+        with suppress(BrokenPipeError):  # it has already ended, with a message
+            process.stdin.write(json.dumps(request).encode() + b"\n")
+            process.stdin.flush()
+        end = _watch(signs, _beating(process), hardware["loop"]["stalled_s"])
+        if end == "silent":
+            process.kill()
+        # vent before waiting for the end of the process: until then the valves hold their voltages
+        vented = "" if end == "safe" else _vent(hardware, received)
+        code = _wait(process, received)
+        if code is None:
+            raise ControlError(
+                f"process {process.pid}, which drives the rig, does not end: IT MAY STILL OPEN A "
+                "VALVE. Cut the supply and open the chambers by hand, then restart the computer"
+            )
+        if end == "silent":
+            # again: the last driver call of the killed process may have come after the venting
+            vented = _vent(hardware, received)
     if end != "safe":
         how = "stopped responding and was killed" if end == "silent" else f"ended with code {code}"
         kept = ". Its samples are in the journal beside the log: fprc log repair"

@@ -51,6 +51,8 @@ def on_rig(
     ------
     DeviceError
         A part cannot be opened; or ``act`` raised another error, and closing failed too.
+    FprcError
+        Any other error of ``act``.
     """
     limits = hardware["limits"]
     clock = Metronome(

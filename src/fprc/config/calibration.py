@@ -141,12 +141,10 @@ class Calibration(Section):
         (2, 4, 7, 10), min_length=2, description="n_u and n_y at which the search judges C12"
     )
     first: FirstSearch = FirstSearch()
-    generations: tuple[Annotated[int, within(1, 100000)], ...] = Field(
-        (30, 30),
-        min_length=1,
-        description="generations of eight rigs of each search for calibration.fit; each begins "
-        "at the end of the one before",
-    )
+    generations: tuple[Annotated[int, within(1, 100000)], ...] = quantities(
+        (30, 30, 30), "-", (1, 100000), "generations of eight rigs of each search for "
+        "calibration.fit; each begins at the end of the one before",
+    )  # fmt: skip
     step: float = quantity(
         0.05, "-", (1e-3, 1), "standard deviation of the first rigs, as a share of each range"
     )

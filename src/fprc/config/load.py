@@ -81,8 +81,16 @@ def _checked(layers: Sequence[Mapping[str, Any]], files: Sequence[Path | str]) -
 def _true_errors(error: ValidationError) -> list[Any]:
     """Return the errors, without those of lists that lack items only because these are wrong."""
     items = error.errors()
-    lists = {item["loc"][:-1] for item in items}
-    return [item for item in items if item["type"] != "too_short" or item["loc"] not in lists]
+    wrong = {item["loc"][:-1] for item in items}
+    missing = {item["loc"][:-1] for item in items if item["type"] == "missing"}
+
+    def is_true(item: Any) -> bool:
+        if item["type"] != "too_short":
+            return True
+        is_short = len(item["input"]) < item["ctx"]["min_length"]
+        return item["loc"] not in (missing if is_short else wrong)
+
+    return list(filter(is_true, items))
 
 
 def _restore_default(config: Any, item: Mapping[str, Any]) -> bool:
@@ -192,9 +200,10 @@ def _line(item: Mapping[str, Any]) -> str:
         named = ".".join(map(str, [*item["loc"][:-1], item["input"]]))
         return f"  {named}: unknown key; keys are words, such as seed"
     message = item["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
+    message = message.replace("a valid tuple", "a list")
     message = re.sub(r"Tuple should (have .*) after validation, not \d+", r"must \1", message)
     if item["type"] == "missing" and isinstance(item["loc"][-1], int):
-        key, message = key.rpartition(".")[0], "has too few items"
+        key, message = key.rpartition(".")[0], "must have 2 items"
     where = f"{key} = {item['input']}: " if key and item["type"] != "value_error" else ""
     remedy = f"; remove the key for {defaults[key]!r}" if key in defaults else ""
     if not where and key:

@@ -9,7 +9,7 @@ import numpy as np
 from fprc.errors import ControlError
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Metronome:
     """Ticks at start + k * period on a monotonic clock, so that lateness does not add up.
 

@@ -4,7 +4,7 @@ import math
 from dataclasses import KW_ONLY, dataclass, field
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class PressurePI:
     """V = V_neutral + kp e + ki integral(e), clamped to the board's 0-10 V.
 

@@ -10,12 +10,17 @@ _MCL_CURRENT, _MCL_FUTURE = 1, 2
 def request_realtime(priority: int) -> list[str]:
     """Request a real-time priority and locked memory, and disable the garbage collector.
 
-    Returns a line about each request; one that the system refuses is otherwise ignored.
+    A request that the system refuses is reported and otherwise ignored.
 
     Parameters
     ----------
     priority : int
         SCHED_FIFO priority, 1 to 99; 0 only disables the garbage collector.
+
+    Returns
+    -------
+    list of str
+        One line per request.
     """
     gc.collect()
     gc.freeze()

@@ -1,7 +1,7 @@
 """Contec analog boards through their C driver, libcaio.so or caio.dll.
 
 Every call returns 0 on success, else a code that ``AioGetErrorString`` translates
-(Contec API-AIO), and the boards' constructor or method raises DeviceError.
+(Contec API-AIO).
 """
 
 import contextlib
@@ -78,7 +78,13 @@ class _Board:
             raise
 
     def close(self) -> None:
-        """Release the board."""
+        """Release the board.
+
+        Raises
+        ------
+        DeviceError
+            The driver reports an error.
+        """
         self._call("AioExit", self._id)
 
     def _call(self, name: str, *arguments: Any) -> None:
@@ -110,6 +116,11 @@ class AnalogInput(_Board):
         Device name, such as AIO000.
     n_channels : int
         Channels 0 to ``n_channels`` - 1 are read.
+
+    Raises
+    ------
+    DeviceError
+        The driver reports an error; raised by the constructor and every method.
     """
 
     def __init__(self, library: ctypes.CDLL, name: str, n_channels: int):
@@ -130,6 +141,11 @@ class AnalogOutput(_Board):
     reset : bool
         Whether to reset the board to its power-on state; if not, its outputs hold their
         voltages until the first write.
+
+    Raises
+    ------
+    DeviceError
+        The driver reports an error; raised by the constructor and every method.
     """
 
     def __init__(self, library: ctypes.CDLL, name: str, *, reset: bool = True):

@@ -98,9 +98,11 @@ def judge_candidate(
         folds = judgement.split_rows(pair["sweep"])
         judged = cross_validate(model, inputs_of(name, train), train["p_target_kpa"], folds)
         found = judged.errors(inputs_of(name, test), test["p_target_kpa"])
-        errors.append([np.mean(each) for each in found.values()])
-    means = np.exp(np.mean(np.log(errors), axis=0)).tolist()
-    return dict(zip(found, means, strict=True))
+        errors.append({measure: np.mean(each) for measure, each in found.items()})
+    return {
+        measure: float(np.exp(np.mean(np.log([each[measure] for each in errors]))))
+        for measure in errors[0]
+    }
 
 
 def chosen(judged: Mapping[str, Sequence[Mapping[str, Any]]]) -> dict[str, dict[str, Any]]:

@@ -135,6 +135,8 @@ def save(fig: Figure, data: Mapping[str, Any], *files: str) -> Mapping[str, Any]
     data : Mapping
         Attributes of the data: ``source`` (of a log, or none for a drawing), and
         ``seed`` where it is simulated, or ``seeds`` of several simulated rigs.
+    *files : str
+        Files to write, ending in .pdf or .png.
     """
     mark = "simulated rigs" if "seeds" in data else _MARKS[data["source"]].format_map(data)
     fig.supxlabel(mark, x=0.99, ha="right", fontsize=MARK_PT, color="0.45")

@@ -91,7 +91,7 @@ class Journal:
             os.close(self._file)
             self.path.unlink()
             raise LogError(
-                f"{path}: cannot be written ({error.strerror}); no run was started, free the "
+                f"{self.path}: cannot be written ({error.strerror}); no run was started, free the "
                 "disk or choose another folder"
             ) from error
         self.samples = 0

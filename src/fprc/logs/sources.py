@@ -1,7 +1,6 @@
 """Read CSV, HDF5 and MATLAB files of other programs."""
 
 from pathlib import Path
-from typing import Any
 
 from fprc.errors import LogError
 from fprc.logs.delimited import read_text
@@ -17,7 +16,14 @@ _SUFFIXES = {
 }  # fmt: skip
 
 
-def read_source(path: Path | str, **text_format: Any) -> Source:
+def read_source(
+    path: Path | str,
+    *,
+    separator: str | None = None,
+    decimal: str | None = None,
+    header_line: int | None = None,
+    data_line: int | None = None,
+) -> Source:
     """Read every variable of a file that can be a channel.
 
     HDF5 and MATLAB files are read in a child process, because their libraries can hang or
@@ -25,8 +31,8 @@ def read_source(path: Path | str, **text_format: Any) -> Source:
 
     Parameters
     ----------
-    **text_format
-        Format of a text file; see ``read_text``.
+    separator, decimal, header_line, data_line
+        Format of a text file, lines counted from 1; None: detect it.
 
     Raises
     ------
@@ -43,7 +49,13 @@ def read_source(path: Path | str, **text_format: Any) -> Source:
     except OSError as error:
         raise LogError(f"{path}: cannot be opened ({error.strerror}); check the path") from error
     if kind == "CSV":
-        return read_text(path, **text_format)
+        return read_text(
+            path,
+            separator=separator,
+            decimal=decimal,
+            header_line=header_line,
+            data_line=data_line,
+        )
     (source,) = isolated_each(read_arrays, [path], matlab=kind == "MATLAB")
     return source
 

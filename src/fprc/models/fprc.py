@@ -8,6 +8,9 @@ from fprc.models.features import TapFeatures
 from fprc.models.sequence import SequenceModel
 from fprc.models.takagi_sugeno import TakagiSugenoReadout
 
+#: Parameters of the models that are those of their readout.
+_READOUT = ("n_c", "sigma", "alpha", "random_state", "clustering", "restarts")
+
 
 @dataclass(eq=False, repr=False)
 class FPRC(SequenceModel):
@@ -62,11 +65,12 @@ class FPRC(SequenceModel):
 
     def make_features(self) -> TapFeatures:
         """Return the unfitted taps and filter."""
-        return self._part(TapFeatures).set_output(transform="default")
+        taps = self._part(TapFeatures, "n_y", "n_u", "epsilon")
+        return taps.set_output(transform="default")
 
     def make_readout(self) -> TakagiSugenoReadout:
         """Return the unfitted readout."""
-        return self._part(TakagiSugenoReadout)
+        return self._part(TakagiSugenoReadout, *_READOUT)
 
 
 @dataclass(eq=False, repr=False)
@@ -117,8 +121,9 @@ class FuzzyLinear(SequenceModel):
 
     def make_features(self) -> TapFeatures:
         """Return the unfitted taps."""
-        return self._part(TapFeatures, n_references=None, n_u=1).set_output(transform="default")
+        taps = self._part(TapFeatures, "n_y", n_references=None, n_u=1)
+        return taps.set_output(transform="default")
 
     def make_readout(self) -> TakagiSugenoReadout:
         """Return the unfitted readout."""
-        return self._part(TakagiSugenoReadout)
+        return self._part(TakagiSugenoReadout, *_READOUT)

@@ -2,7 +2,7 @@
 
 from abc import abstractmethod
 from copy import deepcopy
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,6 +12,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.models.recordings import are_several, join_recordings, split_recordings, transform_each
 
+Part = TypeVar("Part", bound=BaseEstimator)
 #: Samples of one recording, or a list with one array per recording.
 Recordings = Any
 
@@ -32,11 +33,9 @@ class SequenceModel(RegressorMixin, BaseEstimator):
     def make_readout(self) -> BaseEstimator:
         """Return the unfitted readout."""
 
-    def _part(self, cls: type[BaseEstimator], **settings: Any) -> Any:
-        """Return an unfitted part with these settings, and with the parameters that both have."""
-        part = cls(**settings)
-        shared = [key for key in part.get_params() if key not in settings and hasattr(self, key)]
-        return part.set_params(**{key: getattr(self, key) for key in shared})
+    def _part(self, cls: type[Part], *shared: str, **settings: Any) -> Part:
+        """Return an unfitted part with the model's values of the named parameters, and settings."""
+        return cls(**settings, **{name: getattr(self, name) for name in shared})
 
     def fit(self, X: Recordings, y: Recordings, lengths: ArrayLike | None = None) -> Self:
         """Train on one recording or on several.

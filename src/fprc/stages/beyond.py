@@ -60,9 +60,9 @@ def judge_world(
     contest : Mapping
         Arguments of ``Contest`` without ``tuned``.
     **run
-        ``workers``, ``checkpoint`` and ``version`` of ``judged_cells``, here and below.
+        ``workers``, ``checkpoint`` and ``version`` of ``judged_cells``; so in the stages below.
     """
-    how = _contest(contest, tuned, world)
+    entered = _contest(contest, tuned, world)
     described = {
         "name": world["name"],
         "fitted": world["fitted"],
@@ -70,9 +70,9 @@ def judge_world(
         "source": "sim",
     }
     with judged_cells(
-        partial(_judge, rigs=rigs, world=world, slow=slow, contest=how),
+        partial(_judge, rigs=rigs, world=world, slow=slow, contest=entered),
         [{"unit": unit} for unit in range(units)],
-        settings=[world, how, slow],
+        settings=[world, entered, slow],
         files=[rigs],
         **run,
     ) as cells:
@@ -152,8 +152,8 @@ def judge_training_logs(
     **run: Any,
 ) -> None:
     """Judge the models trained on one log of each length in ``seconds``, and on two logs."""
-    how: dict[str, Any] = {"seconds": seconds, "second_log": second_log}
-    how["contest"] = _contest(contest, tuned, world)
+    entered = _contest(contest, tuned, world)
+    how = {"contest": entered, "seconds": seconds, "second_log": second_log}
     with judged_cells(
         partial(_judge_lengths, world=world, **how),
         [{"unit": unit} for unit in range(seeds)],
@@ -200,10 +200,10 @@ def judge_capacities(
 
 def time_steps(tuned: str, steps: str, *, world: Settings, contest: Settings) -> None:
     """Time a step of every model on this machine, us."""
-    how = _contest(contest, tuned, world)
+    entered = _contest(contest, tuned, world)
     on_rig, seed = builds_of(0, "", world)[0]
     logs = simulate(on_rig, seed)
-    times = {name: time_of_step(name, logs, how, seed) for name in ALL}
+    times = {name: time_of_step(name, logs, entered, seed) for name in ALL}
     write_json(steps, {"source": "sim", **machine(), "step_us": times})
 
 

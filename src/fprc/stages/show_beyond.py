@@ -50,17 +50,19 @@ def tabulate_beyond(
         "worlds": tables.worlds_page(found).to_dict("records"),
         "ledgers": ledgers,
     }
-    write_json(verdicts, outcome)
     by_model = tables.models(found)
-    for name, table in {
+    made = {
         "models": by_model,
         "claims": claims_table(ledgers),
         "tracking": tables.errors_and_tracking(by_model),
         "offsets": tables.offsets(found),
         "capacities": tables.capacity(found),
         "lengths": tables.lengths(found),
-    }.items():
-        write_csv(csv[name], table)
+    }
+    paths = [csv[name] for name in made]
+    write_json(verdicts, outcome)
+    for path, table in zip(paths, made.values(), strict=True):
+        write_csv(path, table)
 
 
 def draw_pairs(claims: str, pdf: str, png: str, *, worlds: Sequence[str]) -> Mapping[str, Any]:

@@ -122,13 +122,26 @@ def test_key_that_is_no_text_is_an_error(key):
         ("calibration", "seeds", [-1], "seeds.0 = -1: must be greater than or equal to 0"),
         ("calibration", "seeds", [], "seeds = []: must have at least 1 item; remove the key for "),
         ("calibration", "taps", [4], "taps = [4]: must have at least 2 items; remove "),
-        ("tracking", "angle_range_deg", [], "angle_range_deg = []: has too few items; remove "),
-        ("tracking", "angle_range_deg", [1], "angle_range_deg = [1]: has too few items; remove "),
+        (
+            "quality",
+            "pressure_range_kpa",
+            [],
+            "pressure_range_kpa = []: must have 2 items; ",
+        ),
+        ("calibration", "generations", 50, "generations = 50: must be a list; remove "),
+        ("tracking", "angle_range_deg", [], "angle_range_deg = []: must have 2 items; remove "),
+        ("tracking", "angle_range_deg", [1], "angle_range_deg = [1]: must have 2 items; remove "),
     ],
 )
 def test_list_with_a_wrong_item_or_too_few_is_one_error(section, key, value, what):
     text = message({section: {key: value}})
     assert text.startswith(f"1 error in the configuration:\n  {section}.{what}")
+
+
+def test_short_list_with_a_wrong_item_is_two_errors():
+    text = message({"calibration": {"taps": ["a"]}})
+    assert text.startswith("2 errors in the configuration:\n  calibration.taps.0 = a: must be")
+    assert "\n  calibration.taps = ['a']: must have at least 2 items" in text
 
 
 def test_checking_leaves_the_configuration_as_it_was():
