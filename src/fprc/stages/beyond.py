@@ -153,7 +153,7 @@ def judge_training_logs(
 ) -> None:
     """Judge the models trained on one log of each length in ``seconds``, and on two logs."""
     entered = _contest(contest, tuned, world)
-    how = {"contest": entered, "seconds": seconds, "second_log": second_log}
+    how: dict[str, Any] = {"contest": entered, "seconds": seconds, "second_log": second_log}
     with judged_cells(
         partial(_judge_lengths, world=world, **how),
         [{"unit": unit} for unit in range(seeds)],

@@ -49,6 +49,8 @@ def watch(write):
         module = frame.f_globals.get("__name__") or ""
         if not module.startswith("fprc.") or not code.co_flags & FUNCTION:
             return None
+        if code.co_filename.startswith("<"):  # the decorator of a dataclass runs it on import
+            return None
         if module == "fprc.stages.run" and code.co_name == "run_stage":
             params = dict(frame.f_locals["job"].params.items())
             os.environ["FPRC_TRACED_RULE"] = params.get("code") or params["version"]
