@@ -83,26 +83,18 @@ def fit_rig(
     if first:
         planned.insert(0, (first, calibration["first"]["generations"]))
     ends = time.monotonic() + 60.0 * calibration["minutes"]
+    searched = partial(
+        _searched, printed=printed, judgement=judgement, grids=grids, tracking=tracking,
+        free=free, workers=workers, version=version, ends=ends,
+    )  # fmt: skip
     start = encode(on_rig.rig, free)
     begun = replace(on_rig, rig=resolved(decode(start, on_rig.rig, free)))
     done: list[Searched] = []
     for number, (fit, generations) in enumerate(planned, start=1):
         log.info("search %d of %d, for %s", number, len(planned), ", ".join(fit))
-        done.append(
-            _searched(
-                done[-1].best if done else begun,
-                printed=printed,
-                judgement=judgement,
-                calibration={**calibration, "fit": fit, "generations": generations},
-                grids=grids,
-                tracking=tracking,
-                free=free,
-                workers=workers,
-                checkpoint=f"{checkpoint}.{number}",
-                version=version,
-                ends=ends,
-            )
-        )
+        at = done[-1].best if done else begun
+        changed = {**calibration, "fit": fit, "generations": generations}
+        done.append(searched(at, calibration=changed, checkpoint=f"{checkpoint}.{number}"))
     best, objective, cheaply, result = done[-1]
     log.info("judging the fitted rig with the full models, on the seeds of the objective")
     summary = {
