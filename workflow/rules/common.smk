@@ -121,6 +121,15 @@ def on_rigs(part, table):
     ]
 
 
+def of_repeats(part, table):
+    """Return the reports of a table's seeds, those of one repeat of the calibration after another."""
+    return [
+        PATHS.below(f"rigs/{rig}/{part}_{seed}.json")
+        for rig in LANDING[table]["rigs"]
+        for seed in LANDING[table]["seeds"]
+    ]
+
+
 def world_named(name):
     """Return a world: its rigs, their seeds, and the settings of their simulation."""
     file = named_rig(name) if name in OTHER_RIGS else pick(SETTINGS, "rig", "fitted")

@@ -36,6 +36,7 @@ rule calibration_page:
             PATHS.below("rigs/rigs.md"),
             PATHS.below("rigs/searches.md"),
             PATHS.below("rigs/repeats.md"),
+            PATHS.below("rigs/spread.md"),
             PATHS.below("ensemble/claims.md"),
             PATHS.below("posterior/claims.md"),
             PATHS.below("posterior/history.md"),

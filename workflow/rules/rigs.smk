@@ -10,11 +10,29 @@ OTHER_RIGS = {
 RIGS = {
     "rigs": {name: path for name, path in OTHER_RIGS.items() if path.with_suffix(".json").exists()},
     "searches": {path.stem: path for path in sorted(SEARCHES.glob("*.yaml"))},
-    "repeats": {path.stem: path for path in sorted(REPEATS.glob("*.yaml"))},
 }
-RIG_FILES = OTHER_RIGS | RIGS["searches"] | RIGS["repeats"]
-#: Seeds that judge the end points of searches and repeats.
+REPEATED = {path.stem: path for path in sorted(REPEATS.glob("*.yaml"))}
+RIG_FILES = OTHER_RIGS | RIGS["searches"] | REPEATED
+#: Seeds that judge the end points of searches.
 SEARCH_SEEDS = 10
+#: Tables of the repeats: rigs, seeds and limits, see docs/preregistration.md#repeats-of-the-fit.
+SIX_SEEDS = ["again_from_pilot", "again_from_pilot_2", "again_from_viscous"]
+SPREAD_OF = [f"again_from_pilot_{number}" for number in (3, 4, 5, 6)]
+LIMITS = {"largest": 0.30, "points": 9, "worth": (0.60, 0.82)}
+LANDING = {
+    "repeats": {
+        "rigs": list(REPEATED),
+        "seeds": range(501, 511),
+        "limits": {"median": 0.08, **LIMITS},
+        "spread_of": [],
+    },
+    "spread": {
+        "rigs": [name for name in REPEATED if name not in SIX_SEEDS],
+        "seeds": range(521, 541),
+        "limits": LIMITS,
+        "spread_of": SPREAD_OF,
+    },
+}
 
 
 rule replicate_on_rig:
@@ -62,9 +80,32 @@ rule rigs_table:
             **{rig: named_rig(rig)["fitted"]["to"] for rig in RIGS[wildcards.table]},
         },
         deciding=SETTINGS["evaluation"]["verdict_seeds"],
-        brief=lambda wildcards: wildcards.table != "rigs",
+        brief=lambda wildcards: wildcards.table == "searches",
     message:
         "Rigs side by side: {wildcards.table}"
+    script:
+        "../scripts/stage.py"
+
+
+rule repeats_table:
+    input:
+        published=PUBLISHED,
+        models=lambda wildcards: of_repeats("models", wildcards.table),
+        grids=lambda wildcards: of_repeats("grids", wildcards.table),
+        controls=lambda wildcards: of_repeats("control", wildcards.table),
+    output:
+        **PATHS.table("rigs/{table}"),
+    log:
+        PATHS.messages("{table}_table"),
+    wildcard_constraints:
+        table="|".join(LANDING),
+    params:
+        **stage("rigs.compare_repeats"),
+        rigs=lambda wildcards: LANDING[wildcards.table]["rigs"],
+        limits=lambda wildcards: LANDING[wildcards.table]["limits"],
+        spread_of=lambda wildcards: LANDING[wildcards.table]["spread_of"],
+    message:
+        "Repeats of the calibration: {wildcards.table}"
     script:
         "../scripts/stage.py"
 
@@ -117,11 +158,13 @@ rule rigs:
 rule searches:
     input:
         PATHS.below("rigs/searches.md"),
-        PATHS.below("rigs/repeats.md"),
         PATHS.below("rigs/front.pdf"),
-        *(
-            on_rigs(part, table)
-            for part in ("models", "grids", "control")
-            for table in ("searches", "repeats")
-        ),
+        *(on_rigs(part, "searches") for part in ("models", "grids", "control")),
+    localrule: True
+
+
+rule repeats:
+    input:
+        *(PATHS.below(f"rigs/{table}.md") for table in LANDING),
+        *(of_repeats(part, table) for part in ("models", "grids", "control") for table in LANDING),
     localrule: True

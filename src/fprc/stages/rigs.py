@@ -1,8 +1,9 @@
 """Compare rigs side by side, and judge the claims on sets of many rigs."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -14,6 +15,13 @@ from fprc.claims.finding import Results
 from fprc.claims.ledger import TIMED, judge_claims, parts_of, status_of
 from fprc.errors import FprcError
 from fprc.paper import SOURCES
+from fprc.tables.repeats import (
+    Limits,
+    beyond_limits,
+    numbers_of_repeat,
+    repeats_page,
+    upper_end,
+)
 from fprc.tables.rigs import rig_errors, rigs_answer, rigs_page
 from fprc.tables.text import read_markdown, write_table
 from fprc.yaml_file import read_yaml
@@ -44,20 +52,12 @@ def compare_rigs(
         Number of seeds, the first ones, that decide the verdicts.
     """
     printed = read_yaml(published)
-    claims = [claim for claim in printed["claims"] if claim["id"] not in TIMED]
     seeds = len(models) // len(fitted)
     errors, ledgers, sentences = {}, {}, []
-    for i, (name, terms) in enumerate(fitted.items()):
-        own = slice(i * seeds, (i + 1) * seeds)
-        replicates, cells, measures = (
-            [read_json(path) for path in paths[own]] for paths in (models, grids, controls)
-        )
-        errors[name] = rig_errors(replicates, measures, printed)
-        results = Results(replicates, cells, measures, {}, {})
-        ledgers[name] = [
-            {**row, "rig": status_of(row["id"], terms)}
-            for row in judge_claims(claims, results.first(deciding), printed)
-        ]
+    judged = _judged_rigs(printed, len(fitted), models, grids, controls, deciding)
+    for (name, terms), rig in zip(fitted.items(), judged, strict=True):
+        errors[name] = rig.errors
+        ledgers[name] = [{**row, "rig": status_of(row["id"], terms)} for row in rig.ledger]
         off = 100 * errors[name]["deviation"][:18].abs()
         sentences.append(
             f"Rig {name}: the 18 errors of Tables II and III deviate from print by "
@@ -72,6 +72,92 @@ def compare_rigs(
     page = rigs_page(errors, ledgers, brief=brief)
     named = [table.assign(rig=name, source=source) for name, table in errors.items()]
     write_table(pd.concat(named, ignore_index=True), page, note, csv, md, tex)
+
+
+class _JudgedRig(NamedTuple):
+    models: list[dict[str, Any]]  #: reports on the models, one per seed
+    errors: pd.DataFrame
+    ledger: list[dict[str, Any]]
+
+
+def _judged_rigs(
+    printed: Mapping[str, Any],
+    rigs: int,
+    models: Sequence[str],
+    grids: Sequence[str],
+    controls: Sequence[str],
+    deciding: int,
+) -> Iterator[_JudgedRig]:
+    """Judge rigs, one after the other, whose reports follow each other in equal numbers."""
+    claims = [claim for claim in printed["claims"] if claim["id"] not in TIMED]
+    seeds = len(models) // rigs
+    for first in range(0, rigs * seeds, seeds):
+        own = slice(first, first + seeds)
+        replicates, cells, measures = (
+            [read_json(path) for path in paths[own]] for paths in (models, grids, controls)
+        )
+        results = Results(replicates, cells, measures, {}, {}).first(deciding)
+        yield _JudgedRig(
+            replicates,
+            rig_errors(replicates, measures, printed),
+            judge_claims(claims, results, printed),
+        )
+
+
+def compare_repeats(
+    published: str,
+    models: Sequence[str],
+    grids: Sequence[str],
+    controls: Sequence[str],
+    csv: str,
+    md: str,
+    tex: str,
+    *,
+    rigs: Sequence[str],
+    limits: Mapping[str, Any],
+    spread_of: Sequence[str] = (),
+) -> None:
+    """Write the table of repeats of the calibration, and which of them land within limits.
+
+    Parameters
+    ----------
+    models, grids, controls : sequence of str
+        Reports of the same seeds, rig by rig.
+    rigs : sequence of str
+        Their names.
+    limits : Mapping
+        Fields of ``Limits``; without ``median`` if ``spread_of`` is given.
+    spread_of : sequence of str
+        Repeats whose spread gives the limit of the median deviation; they are not judged by it.
+    """
+    printed = read_yaml(published)
+    seeds = len(models) // len(rigs)
+    judged = _judged_rigs(printed, len(rigs), models, grids, controls, seeds)
+    numbers = {
+        name: numbers_of_repeat(rig.models, rig.errors, rig.ledger, printed)
+        for name, rig in zip(rigs, judged, strict=True)
+    }
+    if spread_of:
+        limits = {**limits, "median": upper_end([numbers[name]["median"] for name in spread_of])}
+    within = Limits(**limits)
+    rows = []
+    for name, own in numbers.items():
+        missed = beyond_limits(own, within)
+        lands = f"no: {', '.join(missed)}" if missed else "yes"
+        rows.append({"rig": name, **own, "lands": "-" if name in spread_of else lands})
+    source = read_json(models[0])["source"]
+    table = pd.DataFrame(rows).assign(seeds=seeds, source=source)
+    given = f", by the spread of {', '.join(spread_of)}" if spread_of else ""
+    low, high = within.worth
+    note = (
+        f"Repeats of the calibration on {seeds} seeds: deviation of the 18 errors of Tables II and "
+        "III from print, with the 95 % bootstrap interval of the median over the seeds; points of "
+        "the rule that chose the shipped rig, of 16; test RMSE of FPRC over that on low-passed "
+        f"theta_d, with its 95 % interval; verdicts.\nLimits: median {100 * within.median:.2f} %"
+        f"{given}; largest {100 * within.largest:.0f} %; {within.points} points; ratio {low} to "
+        f"{high}. Nothing is rounded before it is judged.\nData: {SOURCES[source]}."
+    )
+    write_table(table, repeats_page(table), note, csv, md, tex)
 
 
 def tabulate_answer(rigs: str, sets: Sequence[str], csv: str, md: str, tex: str) -> None:

@@ -1,0 +1,126 @@
+"""Repeats of the calibration side by side, and whether they land within given limits."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+from scipy.special import stdtrit
+
+from fprc.paper import ERRORS, MODELS, PRINTED
+from fprc.tables.rigs import points
+from fprc.tables.text import three_digits
+
+#: Resamples of the seeds behind the interval of a median deviation.
+_RESAMPLES = 10_000
+
+
+class Limits(NamedTuple):
+    """Limits within which a repeat lands, see docs/preregistration.md; ends are within."""
+
+    median: float  #: of the absolute deviations of Tables II and III
+    largest: float
+    points: int  #: at least, of the rule that chose the shipped rig
+    worth: tuple[float, float]  #: of FPRC's test RMSE over that with low-passed theta_d
+
+
+def numbers_of_repeat(
+    models: Sequence[Mapping[str, Any]],
+    errors: pd.DataFrame,
+    ledger: Sequence[Mapping[str, Any]],
+    published: Mapping[str, Any],
+) -> dict[str, Any]:
+    """Return the numbers of one rig that its limits are about, and its verdicts.
+
+    Parameters
+    ----------
+    models : sequence of mapping
+        Reports on the models, one per seed.
+    errors : DataFrame
+        Result of ``rig_errors`` on the same seeds.
+    ledger : sequence of mapping
+        Verdicts, with C4b among them.
+    """
+    ratios = _over_print(models, published)
+    resampled = np.random.default_rng(0).integers(len(ratios), size=(_RESAMPLES, len(ratios)))
+    off = np.abs(ratios.mean(axis=0) - 1.0)
+    medians = np.median(np.abs(ratios[resampled].mean(axis=1) - 1.0), axis=1)
+    low, high = np.quantile(medians, (0.025, 0.975))
+    (worth,) = next(row["statements"] for row in ledger if row["id"] == "C4b")
+    return {
+        "median": float(np.median(off)),
+        "median_low": float(low),
+        "median_high": float(high),
+        "largest": float(off.max()),
+        "points": points(errors, ledger),
+        "worth": worth["mean"],
+        "worth_low": worth["first"],
+        "worth_high": worth["last"],
+        **{
+            verdict: ", ".join(row["id"] for row in ledger if row["verdict"] == verdict) or "none"
+            for verdict in ("not reproduced", "undecided")
+        },
+    }
+
+
+def _over_print(models: Sequence[Mapping[str, Any]], published: Mapping[str, Any]) -> np.ndarray:
+    """Return the errors of Tables II and III over the printed ones: a row per seed."""
+    return np.array(
+        [
+            [
+                np.mean(report[f"{metric}_kpa"])
+                / np.atleast_1d(
+                    published[PRINTED[report["trained_on"]]][report["model"]][f"{metric}_kpa"]
+                )[0]
+                for report in each["models"]
+                if report["model"] in MODELS
+                for metric in ERRORS
+            ]
+            for each in models
+        ]
+    )
+
+
+def upper_end(values: Sequence[float]) -> float:
+    """Return the upper end of the one-sided 95 % prediction interval for one more value.
+
+    The values are taken to be normal: ``m + t s sqrt(1 + 1/n)``, with Student's t.
+    """
+    n = len(values)
+    return float(
+        np.mean(values) + stdtrit(n - 1, 0.95) * np.std(values, ddof=1) * np.sqrt(1 + 1 / n)
+    )
+
+
+def beyond_limits(numbers: Mapping[str, Any], limits: Limits) -> list[str]:
+    """Return the names of the limits that a repeat misses; it lands if there are none."""
+    low, high = limits.worth
+    within = {
+        "median": numbers["median"] <= limits.median,
+        "largest": numbers["largest"] <= limits.largest,
+        "points": numbers["points"] >= limits.points,
+        "ratio": low <= numbers["worth"] <= high,
+    }
+    return [name for name, holds in within.items() if not holds]
+
+
+def repeats_page(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the table of the repeats as a page."""
+    return pd.DataFrame(
+        {
+            "Rig": table["rig"],
+            "Median deviation": [
+                "{:.2f} % ({:.1f} to {:.1f})".format(*row)
+                for row in 100 * table[["median", "median_low", "median_high"]].to_numpy()
+            ],
+            "Largest": [f"{100 * value:.1f} %" for value in table["largest"]],
+            "Points": table["points"].map(str),
+            "FPRC / FPRC on low-passed theta_d": [
+                "{} ({} to {})".format(*map(three_digits, row))
+                for row in table[["worth", "worth_low", "worth_high"]].to_numpy()
+            ],
+            "Not reproduced": table["not reproduced"],
+            "Undecided": table["undecided"],
+            "Lands": table["lands"],
+        }
+    )

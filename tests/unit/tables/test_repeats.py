@@ -1,0 +1,129 @@
+import numpy as np
+import pandas as pd
+import pytest
+
+from fprc.tables.repeats import (
+    Limits,
+    beyond_limits,
+    numbers_of_repeat,
+    repeats_page,
+    upper_end,
+)
+from fprc.tables.rigs import rig_errors
+
+METRICS = ("train_rmse_kpa", "validation_rmse_kpa", "test_rmse_kpa")
+NAMES = ("esn", "fprc", "fuzzy_linear")
+PRINTED = {"train_rmse_kpa": [10.0, 0.1], "validation_rmse_kpa": [20.0, 0.1], "test_rmse_kpa": 40.0}
+PUBLISHED = {
+    "table_2_models": {name: PRINTED for name in NAMES},
+    "table_3_reversed": {name: PRINTED for name in NAMES},
+    "table_4_tracking_rmse_deg": {"fprc": {"sweep": 2.0}, "fprc_pd": {"sweep": 1.0}},
+}
+C4B = {"id": "C4b", "verdict": "reproduced",
+       "statements": [{"mean": 0.7, "first": 0.6, "last": 0.8}]}  # fmt: skip
+LIMITS = Limits(median=0.08, largest=0.30, points=9, worth=(0.60, 0.82))
+LANDED = {"median": 0.08, "largest": 0.30, "points": 9, "worth": 0.82}
+
+
+def reports(over_print):
+    """Reports of one seed on the models, given 18 errors over the printed ones."""
+    ratios = iter(over_print)
+    return {
+        "source": "sim",
+        "models": [
+            {"model": name, "trained_on": log}
+            | {metric: np.atleast_1d(PRINTED[metric])[0] * next(ratios) for metric in METRICS}
+            for log in ("sweep", "complex")
+            for name in NAMES
+        ],
+    }
+
+
+def control():
+    runs = {"sweep/fprc/none": 2.0, "sweep/fprc_pd/identified": 1.0}
+    return {"source": "sim", "rmse_deg": runs, "gains": {"identified": {"kp_kpa_per_deg": 4.0}}}
+
+
+def numbers(ratios, ledger=(C4B,)):
+    models = [reports(row) for row in ratios]
+    errors = rig_errors(models, [control()] * len(models), PUBLISHED)
+    return numbers_of_repeat(models, errors, ledger, PUBLISHED)
+
+
+def test_deviations_are_those_of_the_mean_over_seeds():
+    ratios = np.random.default_rng(1).normal(1.0, 0.2, (4, 18))
+    off = abs(ratios.mean(axis=0) - 1.0)
+    found = numbers(ratios)
+    assert found["median"] == pytest.approx(np.median(off))
+    assert found["largest"] == pytest.approx(off.max())
+    assert (found["worth"], found["worth_low"], found["worth_high"]) == (0.7, 0.6, 0.8)
+    assert found["median_low"] < found["median"] < found["median_high"]
+
+
+def test_seeds_that_agree_leave_no_interval():
+    found = numbers([np.linspace(0.9, 1.3, 18)] * 3)
+    assert found["median_low"] == pytest.approx(found["median"])
+    assert found["median_high"] == pytest.approx(found["median"])
+
+
+def test_interval_of_the_median_is_the_spread_of_other_seeds():
+    # 18 errors that deviate alike: their median deviation is that of a mean of n normal numbers
+    n, std = 30, 0.2
+    found = [
+        numbers(np.repeat(1.5 + std * draw[:, None], 18, axis=1))
+        for draw in np.random.default_rng(2).normal(size=(20, n))
+    ]
+    width = np.mean([each["median_high"] - each["median_low"] for each in found])
+    assert width == pytest.approx(2 * 1.96 * std / np.sqrt(n), rel=0.1)
+
+
+def test_verdicts_that_fail_or_stay_open_are_named():
+    ledger = [
+        C4B,
+        {"id": "C1", "verdict": "undecided"},
+        {"id": "C2", "verdict": "not reproduced"},
+        {"id": "C3", "verdict": "undecided"},
+    ]
+    found = numbers([np.ones(18)] * 2, ledger)
+    assert (found["undecided"], found["not reproduced"]) == ("C1, C3", "C2")
+    assert numbers([np.ones(18)] * 2)["undecided"] == "none"
+    # no deviation gives three points
+    assert found["points"] == 3
+
+
+def test_upper_end_covers_one_more_value_in_95_of_100():
+    draws = np.random.default_rng(3).normal(5.0, 2.0, (4000, 5))
+    below = [row[4] <= upper_end(row[:4]) for row in draws]
+    assert np.mean(below) == pytest.approx(0.95, abs=0.012)  # three standard errors
+
+
+@pytest.mark.parametrize(
+    ("change", "missed"),
+    [
+        ({}, []),
+        ({"worth": 0.60}, []),
+        ({"median": 0.0801}, ["median"]),
+        ({"largest": 0.3001}, ["largest"]),
+        ({"points": 8}, ["points"]),
+        ({"worth": 0.8201}, ["ratio"]),
+        ({"worth": 0.5999}, ["ratio"]),
+        ({"median": 1.0, "points": 0}, ["median", "points"]),
+    ],
+)
+def test_repeat_lands_at_the_limits_and_not_beyond(change, missed):
+    assert beyond_limits(LANDED | change, LIMITS) == missed
+
+
+def test_page_shows_what_the_limits_are_about():
+    row = numbers([np.full(18, 1.1)] * 2) | {"rig": "again", "lands": "no: median"}
+    (page,) = repeats_page(pd.DataFrame([row])).to_dict("records")
+    assert page == {
+        "Rig": "again",
+        "Median deviation": "10.00 % (10.0 to 10.0)",
+        "Largest": "10.0 %",
+        "Points": "2",
+        "FPRC / FPRC on low-passed theta_d": "0.700 (0.600 to 0.800)",
+        "Not reproduced": "none",
+        "Undecided": "none",
+        "Lands": "no: median",
+    }
