@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from fprc.calibration.ensemble import judge_rig
-from fprc.calibration.fit import free_parameters
+from fprc.calibration.space import free_parameters
 from fprc.errors import EvaluationError
 from fprc.experiments.grids import judge_cell
 from fprc.experiments.hysteresis import simulate

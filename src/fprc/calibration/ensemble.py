@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from fprc.calibration.fit import free_parameters
 from fprc.calibration.objective import properties
-from fprc.calibration.space import Free, decode, encode
+from fprc.calibration.space import Free, decode, encode, free_parameters
 from fprc.calibration.surrogate import judge_cheaply
 from fprc.config.rig import Rig
 from fprc.errors import EvaluationError, FprcError

@@ -11,20 +11,16 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-from joblib import Parallel, delayed, parallel_config
 
 from fprc import __version__
-from fprc.calibration.objective import CLAIMS, Aim, deviations, judged_of, logs_of
+from fprc.calibration.full_models import full_errors, ratios_to_full
+from fprc.calibration.objective import CLAIMS, Aim, Objective, aim_of, logs_of
 from fprc.calibration.search import SearchResult, search
-from fprc.calibration.space import Free, decode, encode
+from fprc.calibration.space import Free, decode, encode, free_parameters, resolved
 from fprc.calibration.surrogate import judge_cheaply
-from fprc.config.free import free_ranges
-from fprc.config.rig import Rig, stiffest_squeeze
-from fprc.errors import ConfigError, FprcError
-from fprc.experiments.comparison import judge_directions
-from fprc.experiments.hysteresis import simulate
-from fprc.experiments.settings import Judgement, RigSettings
-from fprc.paper import DIRECTIONS, MODELS, PRINTED
+from fprc.config.rig import Rig
+from fprc.errors import FprcError
+from fprc.experiments.settings import RigSettings
 from fprc.provenance import hash_of
 
 log = logging.getLogger(__name__)
@@ -178,37 +174,6 @@ def _searched(
     return Searched(best, objective, cheaply, result)
 
 
-class Objective(NamedTuple):
-    """Deviations of the surrogate's measures from an aim."""
-
-    aim: Aim
-    ratios: Mapping[str, float]  #: of the full models' errors to the surrogate's, on one rig
-    like: Sequence[Mapping[str, Any]]  #: measures of any rig, for their structure
-
-    def judged(self, logs: Sequence[float]) -> Sequence[Mapping[str, Any]]:
-        """Return measures, given their logarithms."""
-        return judged_of(logs, self.like)
-
-    def terms(self, judged: Sequence[Mapping[str, Any]]) -> dict[str, np.ndarray]:
-        """Return the deviations of each term."""
-        scaled = [
-            {
-                **seed,
-                "errors": {key: ratio * seed["errors"][key] for key, ratio in self.ratios.items()},
-            }
-            for seed in judged
-        ]
-        return deviations(scaled, self.aim)
-
-    def losses(self, judged: Sequence[Mapping[str, Any]]) -> dict[str, float]:
-        """Return the sum of squares of each term."""
-        return {name: float(np.sum(values**2)) for name, values in self.terms(judged).items()}
-
-    def loss(self, judged: Sequence[Mapping[str, Any]]) -> float:
-        """Return the sum of all squares."""
-        return sum(self.losses(judged).values())
-
-
 def front_of(judged_logs: Sequence[np.ndarray], objective: Objective) -> list[dict[str, float]]:
     """Return the losses of the rigs that no other one beats both in the tables and in the claims.
 
@@ -251,56 +216,6 @@ def _outcome(
         "plausible": dict(objective.aim.ranges),
         "surrogate_ratios": dict(objective.ratios),
     }
-
-
-def aim_of(published: Mapping[str, Any], calibration: Mapping[str, Any]) -> Aim:
-    """Return the aim of the search."""
-    open_loop = published["table_4_tracking_rmse_deg"]["fprc"]
-    return Aim(printed_errors(published), open_loop, calibration["plausible"], calibration["fit"])
-
-
-def printed_errors(published: Mapping[str, Any]) -> dict[str, float]:
-    """Return the training and test errors of Tables II and III, by "trained on/model/phase".
-
-    Validation errors are left out: with shuffled folds they hardly differ from
-    the training errors.
-    """
-    errors = {}
-    for trained_on, table in PRINTED.items():
-        for model in MODELS:
-            printed = published[table][model]
-            errors[f"{trained_on}/{model}/train"] = float(printed["train_rmse_kpa"][0])
-            errors[f"{trained_on}/{model}/test"] = float(printed["test_rmse_kpa"])
-    return errors
-
-
-def free_parameters(
-    paths: Sequence[str], ranges: Mapping[str, Sequence[float]] | None = None
-) -> list[Free]:
-    """Return the free parameters, each with its range: a narrower one if given, else the physical.
-
-    Raises
-    ------
-    ConfigError
-        Lists every path and every range that is wrong.
-    """
-    try:
-        limits_of = free_ranges(paths, ranges or {})
-    except ValueError as error:
-        raise ConfigError(f"cannot calibrate:\n  {error}") from None
-    return [Free(path, *limits) for path, limits in limits_of.items()]
-
-
-def resolved(rig: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the rig with enough damping of the squeeze for its integration step.
-
-    The limit is 0.48, below the 0.5 that ``fprc.config.rig.Rig`` allows.
-    """
-    reservoir = dict(rig["reservoir"])
-    least = rig["step_s"] * stiffest_squeeze(rig) / 0.48
-    if reservoir["squeeze_damping_kpa_s_per_ml"] < least:
-        reservoir["squeeze_damping_kpa_s_per_ml"] = float(f"{least:.4g}")
-    return {**rig, "reservoir": reservoir}
 
 
 def judge_seeds(
@@ -357,51 +272,3 @@ def _in_order(grids: Mapping[str, Sequence[float]], taps: Sequence[int]) -> dict
         "n_c": sorted(grids["n_c"]),
         **dict.fromkeys(("n_u", "n_y"), sorted(taps)),
     }
-
-
-def ratios_to_full(
-    full: Sequence[Mapping[str, float]], cheap: Sequence[Mapping[str, Any]]
-) -> dict[str, float]:
-    """Return the ratios of the full models' errors to those of the surrogate."""
-    return {
-        key: float(np.mean([e[key] for e in full]) / np.mean([e["errors"][key] for e in cheap]))
-        for key in full[0]
-    }
-
-
-def full_errors(
-    on_rig: RigSettings, seeds: Sequence[int], workers: int, judgement: Mapping[str, Any]
-) -> list[dict[str, float]]:
-    """Return the full models' errors of Tables II and III, one mapping per seed.
-
-    Parameters
-    ----------
-    judgement : Mapping
-        Arguments of ``Judgement`` without the seed.
-    """
-    with parallel_config("loky", inner_max_num_threads=1):
-        return Parallel(n_jobs=workers)(
-            delayed(_judge_fully)(on_rig, Judgement(**judgement, seed=seed)) for seed in seeds
-        )
-
-
-def _judge_fully(on_rig: RigSettings, judgement: Judgement) -> dict[str, float]:
-    data = simulate(on_rig, judgement.seed)
-    reports = [
-        {"trained_on": train, "model": name, **report}
-        for name in MODELS
-        for (train, _), (_, report, _) in zip(
-            DIRECTIONS, judge_directions(name, judgement, data, DIRECTIONS), strict=True
-        )
-    ]
-    return errors_of({"models": reports})
-
-
-def errors_of(compared: Mapping[str, Any]) -> dict[str, float]:
-    """Return the errors of Tables II and III of one rig, by "trained on/model/phase"."""
-    errors = {}
-    for report in compared["models"]:
-        key = f"{report['trained_on']}/{report['model']}"
-        errors[f"{key}/train"] = float(np.mean(report["train_rmse_kpa"]))
-        errors[f"{key}/test"] = float(report["test_rmse_kpa"])
-    return errors

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fprc.paper import MODELS, PRINTED
 from fprc.signals import loop_growth, width_at_middle
 
 Channels = Mapping[str, np.ndarray]
@@ -34,6 +35,27 @@ class Aim(NamedTuple):
     open_loop: Mapping[str, float]  #: RMSEs by reference, deg
     ranges: Mapping[str, tuple[float, float]]  #: of the rig's ``properties``
     fit: Sequence[str]  #: names of the terms that count, see ``TERMS``
+
+
+def aim_of(published: Mapping[str, Any], calibration: Mapping[str, Any]) -> Aim:
+    """Return the aim of the search."""
+    open_loop = published["table_4_tracking_rmse_deg"]["fprc"]
+    return Aim(printed_errors(published), open_loop, calibration["plausible"], calibration["fit"])
+
+
+def printed_errors(published: Mapping[str, Any]) -> dict[str, float]:
+    """Return the training and test errors of Tables II and III, by "trained on/model/phase".
+
+    Validation errors are left out: with shuffled folds they hardly differ from
+    the training errors.
+    """
+    errors = {}
+    for trained_on, table in PRINTED.items():
+        for model in MODELS:
+            printed = published[table][model]
+            errors[f"{trained_on}/{model}/train"] = float(printed["train_rmse_kpa"][0])
+            errors[f"{trained_on}/{model}/test"] = float(printed["test_rmse_kpa"])
+    return errors
 
 
 def properties(logs: Mapping[str, Channels]) -> dict[str, float]:
@@ -86,6 +108,37 @@ def judged_of(logs: Sequence[float], like: Judged) -> Judged:
     """Undo ``logs_of``, for measures of the structure of ``like``."""
     numbers = iter(np.exp(np.clip(logs, -10.0, 10.0)).tolist())
     return _with_numbers(like, numbers)
+
+
+class Objective(NamedTuple):
+    """Deviations of the surrogate's measures from an aim."""
+
+    aim: Aim
+    ratios: Mapping[str, float]  #: of the full models' errors to the surrogate's, on one rig
+    like: Sequence[Mapping[str, Any]]  #: measures of any rig, for their structure
+
+    def judged(self, logs: Sequence[float]) -> Sequence[Mapping[str, Any]]:
+        """Return measures, given their logarithms."""
+        return judged_of(logs, self.like)
+
+    def terms(self, judged: Sequence[Mapping[str, Any]]) -> dict[str, np.ndarray]:
+        """Return the deviations of each term."""
+        scaled = [
+            {
+                **seed,
+                "errors": {key: ratio * seed["errors"][key] for key, ratio in self.ratios.items()},
+            }
+            for seed in judged
+        ]
+        return deviations(scaled, self.aim)
+
+    def losses(self, judged: Sequence[Mapping[str, Any]]) -> dict[str, float]:
+        """Return the sum of squares of each term."""
+        return {name: float(np.sum(values**2)) for name, values in self.terms(judged).items()}
+
+    def loss(self, judged: Sequence[Mapping[str, Any]]) -> float:
+        """Return the sum of all squares."""
+        return sum(self.losses(judged).values())
 
 
 def _numbers(value: Any) -> Iterator[float]:

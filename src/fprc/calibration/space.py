@@ -7,6 +7,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fprc.config.free import free_ranges
+from fprc.config.rig import stiffest_squeeze
+from fprc.errors import ConfigError
+
 #: Largest sum of the slip weights without the last one.
 _MOST = 0.97
 
@@ -28,6 +32,23 @@ class Free(NamedTuple):
     def logarithmic(self) -> bool:
         """Whether the range is wide enough to be searched by its logarithm."""
         return self.low > 0 and self.high / self.low >= 10.0
+
+
+def free_parameters(
+    paths: Sequence[str], ranges: Mapping[str, Sequence[float]] | None = None
+) -> list[Free]:
+    """Return the free parameters, each with its range: a narrower one if given, else the physical.
+
+    Raises
+    ------
+    ConfigError
+        Lists every path and every range that is wrong.
+    """
+    try:
+        limits_of = free_ranges(paths, ranges or {})
+    except ValueError as error:
+        raise ConfigError(f"cannot calibrate:\n  {error}") from None
+    return [Free(path, *limits) for path, limits in limits_of.items()]
 
 
 def encode(rig: Mapping[str, Any], free: Sequence[Free]) -> np.ndarray:
@@ -55,6 +76,18 @@ def decode(
         if any(parameter.path.startswith(f"{section}.slip_weight.") for parameter in free):
             changed[section]["slip_weight"] = _summing_to_one(changed[section]["slip_weight"])
     return changed
+
+
+def resolved(rig: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the rig with enough damping of the squeeze for its integration step.
+
+    The limit is 0.48, below the 0.5 that ``fprc.config.rig.Rig`` allows.
+    """
+    reservoir = dict(rig["reservoir"])
+    least = rig["step_s"] * stiffest_squeeze(rig) / 0.48
+    if reservoir["squeeze_damping_kpa_s_per_ml"] < least:
+        reservoir["squeeze_damping_kpa_s_per_ml"] = float(f"{least:.4g}")
+    return {**rig, "reservoir": reservoir}
 
 
 def _summing_to_one(weights: Sequence[float]) -> list[float]:

@@ -9,7 +9,7 @@ import yaml
 
 from fprc.artifacts import read_json, write_json, write_text
 from fprc.calibration.ensemble import draw_rig
-from fprc.calibration.fit import free_parameters
+from fprc.calibration.space import free_parameters
 from fprc.config.rig import Rig
 from fprc.errors import FprcError
 from fprc.evaluation.cells import judged_cells

@@ -8,7 +8,7 @@ import numpy as np
 
 from fprc.artifacts import write_json
 from fprc.calibration.ensemble import judge_moved, judge_rig
-from fprc.calibration.fit import free_parameters
+from fprc.calibration.space import free_parameters
 from fprc.evaluation.cells import judged_cells
 from fprc.experiments.settings import RigSettings
 

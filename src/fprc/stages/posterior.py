@@ -11,8 +11,10 @@ import numpy as np
 
 from fprc.artifacts import read_json, write_json
 from fprc.calibration.ensemble import judge_drawn
-from fprc.calibration.fit import free_parameters, full_errors, printed_errors, ratios_to_full
+from fprc.calibration.full_models import full_errors, ratios_to_full
+from fprc.calibration.objective import printed_errors
 from fprc.calibration.posterior import draw_posterior, judge_member, prior_point, rig_at
+from fprc.calibration.space import free_parameters
 from fprc.calibration.surrogate import judge_cheaply
 from fprc.evaluation.cells import checkpoint_key, judged_cells, run_cells
 from fprc.experiments.settings import RigSettings

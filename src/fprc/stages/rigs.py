@@ -9,7 +9,8 @@ import numpy as np
 import pandas as pd
 
 from fprc.artifacts import read_json, write_json
-from fprc.calibration.fit import errors_of, printed_errors
+from fprc.calibration.full_models import errors_of
+from fprc.calibration.objective import printed_errors
 from fprc.claims.ensemble import JUDGED_BY_RIG, shares_of
 from fprc.claims.finding import Results
 from fprc.claims.ledger import TIMED, judge_claims, parts_of, status_of

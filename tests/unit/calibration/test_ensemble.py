@@ -8,8 +8,7 @@ from pydantic import ValidationError
 
 from fprc.artifacts import read_json, write_json
 from fprc.calibration import ensemble
-from fprc.calibration.fit import free_parameters
-from fprc.calibration.space import decode, encode
+from fprc.calibration.space import decode, encode, free_parameters
 from fprc.calibration.surrogate import judge_cheaply
 from fprc.claims.ensemble import JUDGED_BY_RIG
 from fprc.claims.finding import Results

@@ -15,8 +15,9 @@ from hypothesis import strategies as st
 
 from fprc.artifacts import read_json
 from fprc.calibration import fit as stage
-from fprc.calibration.objective import CLAIMS, TERMS, deviations
-from fprc.calibration.space import decode, encode
+from fprc.calibration.full_models import full_errors
+from fprc.calibration.objective import CLAIMS, TERMS, aim_of, deviations
+from fprc.calibration.space import decode, encode, free_parameters, resolved
 from fprc.calibration.surrogate import MEASURES, judge_cheaply
 from fprc.config import PUBLISHED, Settings, check, reference
 from fprc.config.rig import Rig
@@ -30,7 +31,7 @@ ROOT = Path(__file__).parents[3]
 PRINTED = yaml.safe_load(PUBLISHED.read_text(encoding="utf-8"))
 RIG = Rig().model_dump(mode="json")
 PATHS = Settings().calibration.free
-FREE = stage.free_parameters(PATHS)
+FREE = free_parameters(PATHS)
 SURROGATE = {"stride": 7, "esn_nodes": 8}
 POPULATION, GENERATIONS = 8, 2
 EVALUATIONS = POPULATION * GENERATIONS
@@ -72,7 +73,7 @@ def test_reference_has_every_number_of_the_rig():
 
 @pytest.mark.parametrize("path", NUMBERS)
 def test_range_of_a_number_is_that_of_the_configuration(path):
-    (free,) = stage.free_parameters([path])
+    (free,) = free_parameters([path])
     assert free.path == path
     assert (free.low, free.high) == pytest.approx(RANGES[path][1:], rel=1e-5)
 
@@ -82,7 +83,7 @@ def test_range_of_a_number_of_a_list_is_that_of_the_list(path):
     default, *limits = RANGES[path]
     changing = len(default) - path.endswith("slip_weight")  # the last weight is left over
     paths = [f"{path}.{index}" for index in range(changing)]
-    for free, known in zip(stage.free_parameters(paths), paths, strict=True):
+    for free, known in zip(free_parameters(paths), paths, strict=True):
         assert free.path == known
         assert (free.low, free.high) == pytest.approx(limits, rel=1e-5)
 
@@ -90,7 +91,7 @@ def test_range_of_a_number_of_a_list_is_that_of_the_list(path):
 @pytest.mark.parametrize("path", [path for path in LISTS if not path.endswith("slip_weight")])
 def test_range_of_a_list_is_as_wide_as_all_of_its_numbers_allow(path):
     default, low, high = RANGES[path]
-    free = stage.free_parameters([path])
+    free = free_parameters([path])
     ends = {
         share: np.array(stage_value(decode(np.array([share]), RIG, free, digits=12), path))
         for share in (0.0, 1.0)
@@ -114,7 +115,7 @@ def test_default_rig_is_in_the_middle_of_its_ranges():
 
 
 def test_narrower_range_replaces_the_physical_one():
-    free = stage.free_parameters(
+    free = free_parameters(
         ["drift.time_s", "bending.slip_distance_deg", "drift.sigma_kpa"],
         {"drift.time_s": [2, 3.5], "bending.slip_distance_deg": [0.5, 1.5]},
     )
@@ -124,21 +125,21 @@ def test_narrower_range_replaces_the_physical_one():
 
 
 def test_physical_range_is_a_range_too():
-    (free,) = stage.free_parameters(["drift.time_s"], {"drift.time_s": [1.0, 60.0]})
+    (free,) = free_parameters(["drift.time_s"], {"drift.time_s": [1.0, 60.0]})
     assert (free.low, free.high) == (1.0, 60.0)
 
 
 @pytest.mark.parametrize("limits", [(5.0, 5.0), (6.0, 5.0), (0.9, 5.0), (5.0, 60.1), (-1.0, 99.0)])
 def test_range_that_is_empty_or_leaves_the_physical_one_is_refused(limits):
     with pytest.raises(ConfigError, match=r"drift\.time_s is .* within 1 to 60"):
-        stage.free_parameters(["drift.time_s"], {"drift.time_s": limits})
+        free_parameters(["drift.time_s"], {"drift.time_s": limits})
 
 
 def test_all_paths_and_ranges_that_are_wrong_are_reported_at_once():
     wrong = ["bending", "bending.friciton_kpa", "models.esn.r", "bending.relaxation_time_s.-1"]
     ranges = {"bending.preload_kpa": [30.0, 40.0], "drift.time_s": [3.0, 2.0]}
     with pytest.raises(ConfigError) as caught:
-        stage.free_parameters(["bending.friction_kpa", *wrong, "drift.time_s"], ranges)
+        free_parameters(["bending.friction_kpa", *wrong, "drift.time_s"], ranges)
     first, *lines = str(caught.value).splitlines()
     assert first == "cannot calibrate:"
     assert sorted(line.split(" is ")[0].strip() for line in lines) == sorted(
@@ -152,19 +153,19 @@ def test_all_paths_and_ranges_that_are_wrong_are_reported_at_once():
 @pytest.mark.parametrize("path", ["bending.relaxation_time_s.2", "bending.friction_kpa.0"])
 def test_index_that_is_not_there_is_reported(path):
     with pytest.raises(ConfigError, match=re.escape(path)):
-        stage.free_parameters([path])
+        free_parameters([path])
 
 
 @pytest.mark.parametrize("path", ["bending.slip_weight.3", "reservoir.slip_weight"])
 def test_weights_that_follow_from_the_others_are_refused(path):
     with pytest.raises(ConfigError, match=re.escape(f"{path} follows from the other weights")):
-        stage.free_parameters(["bending.slip_weight.0", path])
+        free_parameters(["bending.slip_weight.0", path])
 
 
 def test_range_of_a_parameter_that_is_not_free_any_more_can_be_taken_away():
     changed = {"free": ["drift.sigma_kpa", "drift.time_s"], "ranges": {}}
     calibration = check({"calibration": changed}).calibration
-    assert stage.free_parameters(calibration.free, calibration.ranges)
+    assert free_parameters(calibration.free, calibration.ranges)
 
 
 # --- target ---------------------------------------------------------------------------------------
@@ -172,7 +173,7 @@ def test_range_of_a_parameter_that_is_not_free_any_more_can_be_taken_away():
 
 def test_target_is_what_the_tables_print():
     calibration = Settings().calibration.model_dump(mode="json")
-    aim = stage.aim_of(PRINTED, calibration)
+    aim = aim_of(PRINTED, calibration)
     assert aim.errors == {
         "sweep/esn/train": 11.5, "sweep/esn/test": 16.5,
         "sweep/fprc/train": 11.6, "sweep/fprc/test": 11.0,
@@ -190,7 +191,7 @@ def test_target_is_what_the_tables_print():
 def test_target_follows_the_published_file():
     printed = copy.deepcopy(PRINTED)
     printed["table_3_reversed"]["esn"] |= {"train_rmse_kpa": [1.5, 9.0], "test_rmse_kpa": 2.5}
-    aim = stage.aim_of(printed, {"plausible": {}, "fit": ["tables"]})
+    aim = aim_of(printed, {"plausible": {}, "fit": ["tables"]})
     assert (aim.errors["complex/esn/train"], aim.errors["complex/esn/test"]) == (1.5, 2.5)
 
 
@@ -316,7 +317,7 @@ def test_each_term_can_be_fitted_alone(settings, on_rig, term):
         grids=stage._in_order(settings["grids"], calibration["taps"]),
         tracking=settings["tracking"],
     )  # fmt: skip
-    (found,) = deviations(judged, stage.aim_of(PRINTED, calibration)).values()
+    (found,) = deviations(judged, aim_of(PRINTED, calibration)).values()
     assert np.isfinite(found).all()
 
 
@@ -334,7 +335,7 @@ def logs_at(on_rig):
             seen.append((settings, seeds))
             return cheaply(settings, seeds) if cheaply else [{"errors": {"a": 2.0, "b": 3.0}}]
 
-        free = stage.free_parameters(paths)
+        free = free_parameters(paths)
         found = stage.judge_point(
             np.array(point), on_rig=replace(on_rig, rig=RIG), free=free, seeds=[21, 22],
             cheaply=judge, **changes,
@@ -366,7 +367,7 @@ def test_rig_that_breaks_a_rule_is_impossible_and_not_simulated(logs_at):
     stiff = [f"reservoir.slip_distance_ml.{k}" for k in range(3)]
     stiff += ["reservoir.friction_kpa", "reservoir.friction_per_kpa"]
     point = [0.0, 0.0, 0.0, 1.0, 1.0]
-    rig = stage.resolved(decode(point, RIG, stage.free_parameters(stiff)))
+    rig = resolved(decode(point, RIG, free_parameters(stiff)))
     with pytest.raises(ValueError, match="squeeze_damping"):
         Rig.model_validate(rig)
     assert logs_at(point, stiff) == (None, [])
@@ -469,7 +470,7 @@ def test_fit_improves_the_loss(report):
 
 
 def test_loss_of_the_report_is_that_of_its_terms_on_the_fitted_rig(report, remeasured, settings):
-    aim = stage.aim_of(PRINTED, settings["calibration"])
+    aim = aim_of(PRINTED, settings["calibration"])
     assert report["fit"] == list(TERMS) == list(report["terms"])
     for name, found in report["terms"].items():
         (own,) = deviations([remeasured], aim._replace(fit=(name,))).values()
@@ -511,7 +512,7 @@ def test_no_rig_of_the_front_beats_the_best_one(report):
 
 
 def test_report_and_file_are_of_the_same_rig(fitted, report, settings):
-    free = stage.free_parameters(*(settings["calibration"][key] for key in ("free", "ranges")))
+    free = free_parameters(*(settings["calibration"][key] for key in ("free", "ranges")))
     shares = np.array([parameter["share"] for parameter in report["parameters"]])
     assert written(fitted) == decode(shares, settings["on_rig"]["rig"], free)
     assert [(p["path"], p["low"], p["high"]) for p in report["parameters"]] == [
@@ -538,8 +539,8 @@ def test_only_free_parameters_are_changed(fitted, settings):
 
 def test_residuals_are_those_of_the_full_models_on_the_fitted_rig(fitted, report, settings, on_rig):
     best = replace(on_rig, rig=written(fitted))
-    (errors,) = stage.full_errors(best, [21], 1, settings["judgement"])
-    aim = stage.aim_of(PRINTED, settings["calibration"])
+    (errors,) = full_errors(best, [21], 1, settings["judgement"])
+    aim = aim_of(PRINTED, settings["calibration"])
     expected = {key: errors[key] / aim.errors[key] - 1.0 for key in aim.errors}
     assert report["residuals"] == pytest.approx(expected, rel=1e-9)
     deviations = np.abs(list(expected.values()))
@@ -550,7 +551,7 @@ def test_residuals_are_those_of_the_full_models_on_the_fitted_rig(fitted, report
 
 def test_surrogate_is_corrected_by_its_ratios_on_the_rig_at_the_start(report, settings, on_rig):
     judgement = settings["judgement"]
-    (full,) = stage.full_errors(on_rig, [21], 1, judgement)
+    (full,) = full_errors(on_rig, [21], 1, judgement)
     cheap = judge_cheaply(on_rig, 21, judgement["models"], SURROGATE, {}, {})["errors"]
     expected = {key: full[key] / cheap[key] for key in full}
     assert report["surrogate_ratios"] == pytest.approx(expected, rel=1e-9)
@@ -619,8 +620,8 @@ class Quick:
     def __init__(self, monkeypatch, settings):
         calibration = settings["calibration"] | {"fit": ["tables"]}
         self.settings = settings | {"calibration": calibration}
-        self.aim = stage.aim_of(PRINTED, calibration)
-        self.free = stage.free_parameters(calibration["free"], calibration["ranges"])
+        self.aim = aim_of(PRINTED, calibration)
+        self.free = free_parameters(calibration["free"], calibration["ranges"])
         self.start = encode(settings["on_rig"]["rig"], self.free)
         self.deviation = lambda point, seeds: 1.0 + float(np.sum((point - self.start) ** 2))
         self.full_over_cheap = 1.0

@@ -7,9 +7,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from fprc.calibration.fit import free_parameters
 from fprc.calibration.rig_file import parameter_file
-from fprc.calibration.space import decode
+from fprc.calibration.space import decode, free_parameters
 from fprc.config import Settings, check, from_files
 from fprc.config.rig import Rig
 

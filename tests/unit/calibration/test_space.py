@@ -7,8 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from fprc.calibration.fit import free_parameters, resolved
-from fprc.calibration.space import Free, decode, encode
+from fprc.calibration.space import Free, decode, encode, free_parameters, resolved
 from fprc.config import Settings
 from fprc.config.rig import Rig
 

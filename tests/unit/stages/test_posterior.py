@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fprc.artifacts import read_json
-from fprc.calibration.fit import printed_errors
+from fprc.calibration.objective import printed_errors
 from fprc.config import Settings
 from fprc.config.load import PUBLISHED
 from fprc.stages import posterior as stage

@@ -15,8 +15,8 @@ METRICS = ("train_rmse_kpa", "validation_rmse_kpa", "test_rmse_kpa")
 NAMES = ("esn", "fprc", "fuzzy_linear")
 PRINTED = {"train_rmse_kpa": [10.0, 0.1], "validation_rmse_kpa": [20.0, 0.1], "test_rmse_kpa": 40.0}
 PUBLISHED = {
-    "table_2_models": {name: PRINTED for name in NAMES},
-    "table_3_reversed": {name: PRINTED for name in NAMES},
+    "table_2_models": dict.fromkeys(NAMES, PRINTED),
+    "table_3_reversed": dict.fromkeys(NAMES, PRINTED),
     "table_4_tracking_rmse_deg": {"fprc": {"sweep": 2.0}, "fprc_pd": {"sweep": 1.0}},
 }
 C4B = {"id": "C4b", "verdict": "reproduced",
