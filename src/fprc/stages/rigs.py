@@ -145,7 +145,7 @@ def compare_repeats(
     for name, own in numbers.items():
         missed = beyond_limits(own, within)
         lands = f"no: {', '.join(missed)}" if missed else "yes"
-        rows.append({"rig": name, **own, "lands": "-" if name in spread_of else lands})
+        rows.append({"rig": name, **own, "lands": "gives the limit" if name in spread_of else lands})
     source = read_json(models[0])["source"]
     table = pd.DataFrame(rows).assign(seeds=seeds, source=source)
     given = f", by the spread of {', '.join(spread_of)}" if spread_of else ""
