@@ -143,9 +143,13 @@ def compare_repeats(
     within = Limits(**limits)
     rows = []
     for name, own in numbers.items():
-        missed = beyond_limits(own, within)
-        lands = f"no: {', '.join(missed)}" if missed else "yes"
-        rows.append({"rig": name, **own, "lands": "gives the limit" if name in spread_of else lands})
+        if name in spread_of:
+            lands = "gives the limit"
+        elif missed := beyond_limits(own, within):
+            lands = f"no: {', '.join(missed)}"
+        else:
+            lands = "yes"
+        rows.append({"rig": name, **own, "lands": lands})
     source = read_json(models[0])["source"]
     table = pd.DataFrame(rows).assign(seeds=seeds, source=source)
     given = f", by the spread of {', '.join(spread_of)}" if spread_of else ""
