@@ -93,6 +93,11 @@ PLANNED = [
         {"replicate", "judge"},
     ),
     (
+        ["searches", "repeats"],
+        {"replicate_on_rig", "rigs_table", "repeats_table", "front_figure"},
+        {"fit_rig", "judge"},
+    ),
+    (
         ["benchmark"],
         {"measure_benchmark", "benchmark_table", "benchmark_figure", "rule_times"},
         {"judge", "replicate", "performance_page"},

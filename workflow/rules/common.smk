@@ -121,13 +121,31 @@ def on_rigs(part, table):
     ]
 
 
+@cache
+def searched_seeds(name):
+    """Return the seeds that a repeat of the calibration was fitted on."""
+    return set(read_json(REPEATED[name].with_suffix(".json"))["seeds"])
+
+
 def of_repeats(part, table):
     """Return the reports of a table's seeds, those of one repeat of the calibration after another."""
+    judged = LANDING[table]
+    for rig in judged["rigs"]:
+        if seen := sorted(searched_seeds(rig).intersection(judged["seeds"])):
+            raise WorkflowError(
+                f"{REPEATED[rig]}: fitted on seeds that judge repeats: {', '.join(map(str, seen))}; "
+                "fit it on others (calibration.seeds)"
+            )
     return [
         PATHS.below(f"rigs/{rig}/{part}_{seed}.json")
-        for rig in LANDING[table]["rigs"]
-        for seed in LANDING[table]["seeds"]
+        for rig in judged["rigs"]
+        for seed in judged["seeds"]
     ]
+
+
+def no_repeats(wildcards):
+    """End the workflow with the reason why there is nothing to judge."""
+    raise WorkflowError(f"{REPEATS}: no repeat of the calibration there; see docs/calibration.md")
 
 
 def world_named(name):

@@ -1,4 +1,4 @@
-# Simulated rigs side by side: those that can be named, and the end points of searches.
+# Simulated rigs side by side: those that can be named, end points of searches, and repeats of the fit.
 
 #: Folders of the end points of searches, and of repeats of the one that docs/calibration.md describes.
 SEARCHES, REPEATS = Path("config/rigs/searches"), Path("config/rigs/repeats")
@@ -12,6 +12,10 @@ RIGS = {
     "searches": {path.stem: path for path in sorted(SEARCHES.glob("*.yaml"))},
 }
 REPEATED = {path.stem: path for path in sorted(REPEATS.glob("*.yaml"))}
+if twice := REPEATED.keys() & (rig_files().keys() | RIGS["searches"].keys()):
+    raise WorkflowError(
+        f"{REPEATS}: {', '.join(sorted(twice))}: another rig has this name; rename the files"
+    )
 RIG_FILES = OTHER_RIGS | RIGS["searches"] | REPEATED
 #: Seeds that judge the end points of searches.
 SEARCH_SEEDS = 10
@@ -19,20 +23,21 @@ SEARCH_SEEDS = 10
 SIX_SEEDS = ["again_from_pilot", "again_from_pilot_2", "again_from_viscous"]
 SPREAD_OF = [f"again_from_pilot_{number}" for number in (3, 4, 5, 6)]
 LIMITS = {"largest": 0.30, "points": 9, "worth": (0.60, 0.82)}
-LANDING = {
-    "repeats": {
+LANDING = {}
+if REPEATED:
+    LANDING["repeats"] = {
         "rigs": list(REPEATED),
         "seeds": range(501, 511),
         "limits": {"median": 0.08, **LIMITS},
         "spread_of": [],
-    },
-    "spread": {
+    }
+if REPEATED.keys() >= set(SPREAD_OF):
+    LANDING["spread"] = {
         "rigs": [name for name in REPEATED if name not in SIX_SEEDS],
         "seeds": range(521, 541),
         "limits": LIMITS,
         "spread_of": SPREAD_OF,
-    },
-}
+    }
 
 
 rule replicate_on_rig:
@@ -98,7 +103,7 @@ rule repeats_table:
     log:
         PATHS.messages("{table}_table"),
     wildcard_constraints:
-        table="|".join(LANDING),
+        table="|".join(LANDING) or "none",
     params:
         **stage("rigs.compare_repeats"),
         rigs=lambda wildcards: LANDING[wildcards.table]["rigs"],
@@ -165,6 +170,11 @@ rule searches:
 
 rule repeats:
     input:
-        *(PATHS.below(f"rigs/{table}.md") for table in LANDING),
-        *(of_repeats(part, table) for part in ("models", "grids", "control") for table in LANDING),
+        [PATHS.below(f"rigs/{table}.md") for table in LANDING] or no_repeats,
+        lambda wildcards: [
+            path
+            for table in LANDING
+            for part in ("models", "grids", "control")
+            for path in of_repeats(part, table)
+        ],
     localrule: True

@@ -124,7 +124,7 @@ class Searched(NamedTuple):
     """The end of a search."""
 
     best: RigSettings
-    objective: "Objective"
+    objective: Objective
     cheaply: Callable[[RigSettings, Sequence[int]], list[dict[str, Any]]]  #: judges a rig on seeds
     result: SearchResult
 

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from joblib import Parallel, delayed, parallel_config
 
+from fprc.calibration.objective import errors_of
 from fprc.experiments.comparison import judge_directions
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import Judgement, RigSettings
@@ -38,16 +39,6 @@ def _judge_fully(on_rig: RigSettings, judgement: Judgement) -> dict[str, float]:
         )
     ]
     return errors_of({"models": reports})
-
-
-def errors_of(compared: Mapping[str, Any]) -> dict[str, float]:
-    """Return the errors of Tables II and III of one rig, by "trained on/model/phase"."""
-    errors = {}
-    for report in compared["models"]:
-        key = f"{report['trained_on']}/{report['model']}"
-        errors[f"{key}/train"] = float(np.mean(report["train_rmse_kpa"]))
-        errors[f"{key}/test"] = float(report["test_rmse_kpa"])
-    return errors
 
 
 def ratios_to_full(

@@ -58,6 +58,16 @@ def printed_errors(published: Mapping[str, Any]) -> dict[str, float]:
     return errors
 
 
+def errors_of(compared: Mapping[str, Any]) -> dict[str, float]:
+    """Return the errors of Tables II and III of one rig, by "trained on/model/phase"."""
+    errors = {}
+    for report in compared["models"]:
+        key = f"{report['trained_on']}/{report['model']}"
+        errors[f"{key}/train"] = float(np.mean(report["train_rmse_kpa"]))
+        errors[f"{key}/test"] = float(report["test_rmse_kpa"])
+    return errors
+
+
 def properties(logs: Mapping[str, Channels]) -> dict[str, float]:
     """Return properties of a rig's loops in the sweep.
 

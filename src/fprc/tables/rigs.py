@@ -45,7 +45,7 @@ def points(errors: pd.DataFrame, ledger: Sequence[Mapping[str, str]]) -> int:
     There is one each for a small median and a small largest deviation of Tables II and III, for
     a small largest deviation of open-loop Table IV, and for each claim that is reproduced.
     """
-    off, open_loop = _deviations(errors)
+    off, open_loop = deviations_of(errors)
     verdicts = {row["id"]: row["verdict"] for row in ledger}
     return (
         int(off.median() <= 0.05)
@@ -55,8 +55,14 @@ def points(errors: pd.DataFrame, ledger: Sequence[Mapping[str, str]]) -> int:
     )
 
 
-def _deviations(errors: pd.DataFrame) -> tuple[pd.Series, pd.Series]:
-    """Return the absolute deviations of Tables II and III, and of open-loop Table IV."""
+def deviations_of(errors: pd.DataFrame) -> tuple[pd.Series, pd.Series]:
+    """Return the absolute deviations of Tables II and III, and of open-loop Table IV, as shares.
+
+    Parameters
+    ----------
+    errors : DataFrame
+        Result of ``rig_errors``.
+    """
     off = errors["deviation"].abs()
     return (
         off[~errors["number"].str.startswith("Table IV")],
@@ -65,7 +71,7 @@ def _deviations(errors: pd.DataFrame) -> tuple[pd.Series, pd.Series]:
 
 
 def _sums(errors: pd.DataFrame, ledger: Sequence[Mapping[str, str]]) -> dict[str, str]:
-    off, open_loop = _deviations(errors)
+    off, open_loop = deviations_of(errors)
     return {
         "Tables II and III, median deviation": f"{100 * off.median():.0f} %",
         "Tables II and III, largest deviation": f"{100 * off.max():.0f} %",

@@ -1,4 +1,5 @@
 import json
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -37,23 +38,10 @@ CONTROL = {
 
 
 @pytest.fixture
-def compare(tmp_path, monkeypatch):
-    """Compare repeats whose 18 errors all deviate from print as given, on three seeds each."""
+def reports_of(tmp_path):
+    """Write the reports of rigs whose 18 errors deviate from print as given, on three seeds."""
 
-    def judge(claims, results, published):
-        return [
-            {"id": "C4b", "verdict": "reproduced",
-             "statements": [{"mean": 0.7, "first": 0.6, "last": 0.8}]},
-            {"id": "C2", "verdict": "reproduced"},
-            {"id": "C9a", "verdict": "undecided"},
-        ]  # fmt: skip
-
-    monkeypatch.setattr(stage, "judge_claims", judge)
-    published = tmp_path / "published.yaml"
-    published.write_text(json.dumps(PUBLISHED))
-    csv, md, tex = (str(tmp_path / f"repeats.{end}") for end in ("csv", "md", "tex"))
-
-    def run(off, **settings):
+    def write(off):
         files = {"models": [], "grids": [], "controls": []}
         for name, deviation in off.items():
             for seed in range(SEEDS):
@@ -61,24 +49,54 @@ def compare(tmp_path, monkeypatch):
                 for (part, paths), content in zip(files.items(), contents, strict=True):
                     paths.append(str(tmp_path / f"{name}_{part}_{seed}.json"))
                     (tmp_path / paths[-1]).write_text(json.dumps(content))
-        limits = {"largest": 0.3, "points": 1, "worth": (0.6, 0.82)} | settings.pop("limits", {})
+        published = tmp_path / "published.yaml"
+        published.write_text(json.dumps(PUBLISHED))
+        return {"published": str(published), **files}
+
+    return write
+
+
+@pytest.fixture
+def judged_seeds(monkeypatch):
+    """Judge three claims, and note the number of seeds that each rig was judged on."""
+    counts = []
+
+    def judge(claims, results, published):
+        counts.append([len(results.replicates), len(results.grids), len(results.controls)])
+        return [
+            {"id": "C2", "claim": "lowest", "verdict": "reproduced", "ours": "a: 1"},
+            {"id": "C4b", "claim": "worth", "verdict": "reproduced", "ours": "ratio: 0.7",
+             "statements": [{"mean": 0.7, "first": 0.6, "last": 0.8}]},
+            {"id": "C9a", "claim": "epsilon", "verdict": "undecided", "ours": "b: 2"},
+        ]  # fmt: skip
+
+    monkeypatch.setattr(stage, "judge_claims", judge)
+    return counts
+
+
+@pytest.fixture
+def written(tmp_path):
+    """The three files of a table."""
+    return {end: str(tmp_path / f"table.{end}") for end in ("csv", "md", "tex")}
+
+
+@pytest.fixture
+def compare(reports_of, judged_seeds, written):
+    """Compare repeats whose 18 errors all deviate from print as given, on three seeds each."""
+
+    def run(off, limits, **settings):
+        limits = {"largest": 0.3, "points": 1, "worth": (0.6, 0.82)} | limits
         stage.compare_repeats(
-            str(published),
-            **files,
-            csv=csv,
-            md=md,
-            tex=tex,
-            rigs=list(off),
-            limits=limits,
-            **settings,
+            **reports_of(off), **written, rigs=list(off), limits=limits, **settings
         )
-        return pd.read_csv(csv, index_col="rig"), (tmp_path / "repeats.md").read_text()
+        assert judged_seeds == [[SEEDS] * 3] * len(off)
+        return pd.read_csv(written["csv"], index_col="rig"), Path(written["md"]).read_text()
 
     return run
 
 
 def test_repeats_land_within_given_limits(compare):
-    table, page = compare({"a": 0.08, "b": 0.09}, limits={"median": 0.085})
+    table, page = compare({"a": 0.08, "b": 0.09}, {"median": 0.085})
     np.testing.assert_allclose(table["median"], [0.08, 0.09])
     assert table["lands"].to_list() == ["yes", "no: median"]
     assert (table["seeds"] == SEEDS).all()
@@ -91,6 +109,30 @@ def test_spread_of_repeats_gives_the_limit_for_the_others(compare):
     # three values with mean 0.07 and standard deviation 0.01; Student's t of 2 degrees of freedom
     end = 0.07 + 2.91999 * 0.01 * np.sqrt(4.0 / 3.0)
     off = {"a": 0.06, "b": 0.07, "c": 0.08, "d": end - 1e-4, "e": end + 1e-4}
-    table, page = compare(off, spread_of=["a", "b", "c"])
-    assert table["lands"].to_list() == ["gives the limit"] * 3 + ["yes", "no: median"]
+    table, page = compare(off, {}, spread_of=["a", "b", "c"])
+    assert table["lands"].to_list() == ["yes (median not judged)"] * 3 + ["yes", "no: median"]
     assert f"median {100 * end:.2f} %, by the spread of a, b, c" in page
+
+
+def test_repeats_that_give_the_limit_of_the_median_are_judged_by_the_others(compare):
+    table, _ = compare({"a": 0.02, "b": 0.5}, {"largest": 0.3}, spread_of=["a", "b"])
+    assert table["lands"].to_list() == [
+        "yes (median not judged)", "no: largest (median not judged)"
+    ]  # fmt: skip
+
+
+def test_rigs_side_by_side_are_judged_on_the_deciding_seeds(reports_of, judged_seeds, written):
+    files = reports_of({"dry": 0.1, "viscous": -0.2})
+    stage.compare_rigs(**files, **written, fitted={"dry": [], "viscous": ["tables"]}, deciding=2)
+    assert judged_seeds == [[2] * 3] * 2
+    table = pd.read_csv(written["csv"])
+    printed = table[~table["number"].str.startswith("Table IV")]
+    found = printed.groupby("rig")["deviation"].agg(["min", "max", "size"])
+    np.testing.assert_allclose(found, [[0.1, 0.1, 18], [-0.2, -0.2, 18]])
+    page = Path(written["md"]).read_text()
+    assert "over 3 seeds" in page
+    assert "verdicts of the first 2 seeds" in page
+    (row,) = (line for line in page.splitlines() if line.startswith("| C2: lowest"))
+    assert [cell.strip() for cell in row.split("|")[3:5]] == [
+        "reproduced (predicted)", "reproduced (fitted)"
+    ]  # fmt: skip

@@ -21,6 +21,7 @@ PUBLISHED = {
 }
 C4B = {"id": "C4b", "verdict": "reproduced",
        "statements": [{"mean": 0.7, "first": 0.6, "last": 0.8}]}  # fmt: skip
+LEDGER = ({"id": "C14", "verdict": "reproduced", "statements": [{"mean": 0.1}]}, C4B)
 LIMITS = Limits(median=0.08, largest=0.30, points=9, worth=(0.60, 0.82))
 LANDED = {"median": 0.08, "largest": 0.30, "points": 9, "worth": 0.82}
 
@@ -44,7 +45,7 @@ def control():
     return {"source": "sim", "rmse_deg": runs, "gains": {"identified": {"kp_kpa_per_deg": 4.0}}}
 
 
-def numbers(ratios, ledger=(C4B,)):
+def numbers(ratios, ledger=LEDGER):
     models = [reports(row) for row in ratios]
     errors = rig_errors(models, [control()] * len(models), PUBLISHED)
     return numbers_of_repeat(models, errors, ledger, PUBLISHED)
@@ -79,10 +80,10 @@ def test_interval_of_the_median_is_the_spread_of_other_seeds():
 
 def test_verdicts_that_fail_or_stay_open_are_named():
     ledger = [
-        C4B,
         {"id": "C1", "verdict": "undecided"},
         {"id": "C2", "verdict": "not reproduced"},
         {"id": "C3", "verdict": "undecided"},
+        C4B,
     ]
     found = numbers([np.ones(18)] * 2, ledger)
     assert (found["undecided"], found["not reproduced"]) == ("C1, C3", "C2")
@@ -91,10 +92,22 @@ def test_verdicts_that_fail_or_stay_open_are_named():
     assert found["points"] == 3
 
 
-def test_upper_end_covers_one_more_value_in_95_of_100():
-    draws = np.random.default_rng(3).normal(5.0, 2.0, (4000, 5))
+def test_interval_is_the_same_each_time():
+    ratios = np.random.default_rng(4).normal(1.0, 0.2, (5, 18))
+    assert numbers(ratios) == numbers(ratios)
+
+
+def test_upper_end_leaves_one_more_value_of_20_above():
+    # Student's t of 3 degrees of freedom, from a table
+    assert upper_end([1.0, 2.0, 3.0, 4.0]) == pytest.approx(2.5 + 2.35336 * np.sqrt(5 / 3 * 5 / 4))
+    draws = np.random.default_rng(3).normal(5.0, 2.0, (20_000, 5))
     below = [row[4] <= upper_end(row[:4]) for row in draws]
-    assert np.mean(below) == pytest.approx(0.95, abs=0.012)  # three standard errors
+    assert np.mean(below) == pytest.approx(0.95, abs=0.0046)  # three standard errors
+
+
+def test_upper_end_needs_two_values():
+    with pytest.raises(ValueError, match="at least two"):
+        upper_end([0.07])
 
 
 @pytest.mark.parametrize(
