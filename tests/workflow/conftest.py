@@ -241,7 +241,8 @@ def _existing(folder):
 
 
 def _copied(project, folder):
-    shutil.copytree(project.folder, folder)
+    # the lock of a run of another process, which comes and goes, would stop a run of the copy
+    shutil.copytree(project.folder, folder, ignore=shutil.ignore_patterns("locks"))
     return _existing(folder)
 
 
