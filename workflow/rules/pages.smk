@@ -35,8 +35,6 @@ rule calibration_page:
             PATHS.below("rigs/answer.md"),
             PATHS.below("rigs/rigs.md"),
             PATHS.below("rigs/searches.md"),
-            PATHS.below("rigs/repeats.md"),
-            PATHS.below("rigs/spread.md"),
             PATHS.below("ensemble/claims.md"),
             PATHS.below("posterior/claims.md"),
             PATHS.below("posterior/history.md"),
@@ -72,6 +70,22 @@ rule calibration_page:
         rig=SETTINGS["rig"],
     message:
         "docs/calibration.md: numbers and pictures from the results"
+    script:
+        "../scripts/stage.py"
+
+
+rule repeats_page:
+    input:
+        pages=[PATHS.below("rigs/repeats.md"), PATHS.below("rigs/spread.md")],
+    log:
+        PATHS.messages("repeats_page"),
+    localrule: True
+    threads: workflow.cores  # alone: calibration_page writes this page too
+    params:
+        **stage("documents.update_tables"),
+        page="docs/calibration.md",
+    message:
+        "docs/calibration.md: repeats of the fit"
     script:
         "../scripts/stage.py"
 

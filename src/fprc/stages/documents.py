@@ -102,8 +102,7 @@ def update_calibration_page(
             f"{fit} belongs to another rig than the configuration; put both files of one "
             "calibration into config/rigs"
         )
-    blocks = {f"{Path(path).parent.name}_{Path(path).stem}": _read(path) for path in pages}
-    blocks |= {
+    blocks = _tables(pages) | {
         "fit": _fit(summary),
         "properties": _properties(summary),
         "deviations": _deviations(seeds),
@@ -111,6 +110,11 @@ def update_calibration_page(
     _update(page, blocks)
     for figure, picture in zip(figures, pictures, strict=True):
         update_picture(figure, picture=picture)
+
+
+def update_tables(pages: Sequence[str], *, page: str) -> None:
+    """Replace the generated blocks of a page that are tables, each named after folder and file."""
+    _update(page, _tables(pages))
 
 
 def update_picture(figure: str, *, picture: str) -> None:
@@ -170,6 +174,10 @@ def update_beyond_page(
     _update(page, blocks)
     for figure, picture in zip(figures, pictures, strict=True):
         update_picture(figure, picture=picture)
+
+
+def _tables(pages: Sequence[str]) -> dict[str, str]:
+    return {f"{Path(path).parent.name}_{Path(path).stem}": _read(path) for path in pages}
 
 
 def _read(path: str) -> str:

@@ -3,7 +3,7 @@ import re
 import pytest
 
 from fprc.errors import FprcError
-from fprc.stages.documents import replace_block, update_readme
+from fprc.stages.documents import replace_block, update_readme, update_tables
 
 ORDERS = """\
 seed,fprc_lowest_test,fprc_below_fuzzy_linear,esn_over_fprc_training,training_within_30_percent,\
@@ -190,3 +190,17 @@ def test_name_that_begins_another_name_is_not_mixed_up_with_it():
 def test_markers_that_are_not_there_exactly_once_are_refused(text):
     with pytest.raises(FprcError, match="<!-- a: generated --> and <!-- a: end -->"):
         replace_block(text, "a", "new")
+
+
+def test_tables_replace_the_blocks_that_are_named_after_folder_and_file(tmp_path):
+    (tmp_path / "rigs").mkdir()
+    tables = {name: tmp_path / f"rigs/{name}.md" for name in ("repeats", "spread")}
+    for name, path in tables.items():
+        path.write_text(f"Table of {name}.\n", encoding="utf-8")
+    page = tmp_path / "page.md"
+    text = "# Title\n\n{}\nBetween.\n{}\nEnd.\n"
+    old = [block(name, "old") for name in ("rigs_spread", "rigs_repeats")]
+    page.write_text(text.format(*old), encoding="utf-8")
+    update_tables([str(path) for path in tables.values()], page=str(page))
+    new = [block(f"rigs_{name}", f"Table of {name}.") for name in ("spread", "repeats")]
+    assert page.read_text(encoding="utf-8") == text.format(*new)
