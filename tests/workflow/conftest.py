@@ -272,6 +272,22 @@ FEW_FREE = (
 )
 
 
+def give_repeat(folder, name, like):
+    """Give a project one repeat of the fit, with the reports of another rig; return its table."""
+    for path in (folder / "config/rigs/repeats").iterdir():
+        path.unlink()
+    rig = folder / f"config/rigs/repeats/{name}.yaml"
+    rig.write_text(f"fitted: {{name: {name}, to: [tables]}}\nrig: {{}}\n")
+    rig.with_suffix(".json").write_text(json.dumps({"seeds": [1, 2], "finished": True}))
+    judged = folder / "results/smoke/rigs"
+    (judged / name).mkdir()
+    for seed in range(501, 511):
+        for part in ("models", "grids", "control"):
+            report = judged / f"{like}/{part}_{101 + seed % 2}.json"
+            shutil.copy(report, judged / f"{name}/{part}_{seed}.json")
+    return "results/smoke/rigs/repeats.md"
+
+
 @pytest.fixture(scope="session")
 def calibrated(smoked, shared):
     """Finished smoke run on which the targets outside `all` were made too, and what it printed."""
@@ -297,7 +313,8 @@ def calibrated(smoked, shared):
             "grids={chunks: 3}",
             cores=one,
         )
-        done = copy.smoke("sensitivity", "calibrate", "--config", FEW_FREE, cores=one)
+        repeats = give_repeat(copy.folder, "again", like="viscous")
+        done = copy.smoke("sensitivity", "calibrate", repeats, "--config", FEW_FREE, cores=one)
         done.returncode = made.returncode or done.returncode
         done.stdout = made.stdout + done.stdout
         return done

@@ -166,11 +166,10 @@ def test_smoke_touches_every_rule(smoked, calibrated):
     by_hand = {"check", "readme", "calibration_page", "measure_scale", "scaling_page"}
     by_hand |= {"measure_benchmark", "benchmark_table", "benchmark_figure", "rule_times"}
     by_hand |= {"performance_page", "running_page", "picture_of_rules", "beyond_page"}
+    by_hand |= {"repeats_page"}
     # of logs that are already there: test_recorded.py; of a real rig: tests/faults
     by_hand |= {"read_gains", "add_reservoir", "record_on_rig", "identify_gain_from_logs"}
     by_hand |= {"draw_training"}  # of models from outside the package: test_extending.py
-    # needs ten seeds of each repeat: tests/unit/stages/test_rigs.py
-    by_hand |= {"repeats_table", "repeats_page"}
     assert working - rules_run(smoked[1]) - rules_run(calibrated[1]) == by_hand
 
 
@@ -211,6 +210,18 @@ def test_rigs_stand_side_by_side(calibrated):
     answer = pd.read_csv(calibrated[0].folder / "results/smoke/rigs/answer.csv")
     assert answer["Rigs"].tolist()[:2] == ["Rig dry", "Rig viscous"]
     assert len(answer) == 4
+
+
+def test_repeat_is_judged_like_the_rig_whose_reports_it_has(calibrated):
+    folder = calibrated[0].folder / "results/smoke/rigs"
+    (repeat,) = pd.read_csv(folder / "repeats.csv").to_dict("records")
+    rigs = pd.read_csv(folder / "rigs.csv")
+    own = rigs[(rigs["rig"] == "viscous") & ~rigs["number"].str.startswith("Table IV")]
+    assert repeat["rig"] == "again"
+    assert repeat["seeds"] == 10
+    assert repeat["median"] == pytest.approx(own["deviation"].abs().median())
+    assert repeat["largest"] == pytest.approx(own["deviation"].abs().max())
+    assert repeat["lands"].startswith("no: ")  # small settings are far off print
 
 
 def test_worlds_beyond_the_paper_have_every_model_and_a_verdict_on_each_claim(calibrated):

@@ -122,30 +122,25 @@ def on_rigs(part, table):
 
 
 @cache
-def searched_seeds(name):
-    """Return the seeds that a repeat of the calibration was fitted on."""
-    return set(read_json(REPEATED[name].with_suffix(".json"))["seeds"])
+def tests_of_repeats():
+    """Return the tests of the repeats of the fit, by the name of their table."""
+    try:
+        return landing_tests(read_repeats(REPEATS, rig_files().keys() | RIGS["searches"].keys()))
+    except FprcError as error:
+        raise WorkflowError(str(error)) from None
+
+
+def tables_of_repeats(wildcards):
+    """Return the tables of the repeats of the fit."""
+    return [PATHS.below(f"rigs/{table}.md") for table in tests_of_repeats()]
 
 
 def of_repeats(part, table):
-    """Return the reports of a table's seeds, those of one repeat of the calibration after another."""
-    judged = LANDING[table]
-    for rig in judged["rigs"]:
-        if seen := sorted(searched_seeds(rig).intersection(judged["seeds"])):
-            raise WorkflowError(
-                f"{REPEATED[rig]}: fitted on seeds that judge repeats: {', '.join(map(str, seen))}; "
-                "fit it on others (calibration.seeds)"
-            )
+    """Return the reports of a table's seeds, those of one repeat of the fit after another."""
+    test = tests_of_repeats()[table]
     return [
-        PATHS.below(f"rigs/{rig}/{part}_{seed}.json")
-        for rig in judged["rigs"]
-        for seed in judged["seeds"]
+        PATHS.below(f"rigs/{rig}/{part}_{seed}.json") for rig in test.rigs for seed in test.seeds
     ]
-
-
-def no_repeats(wildcards):
-    """End the workflow with the reason why there is nothing to judge."""
-    raise WorkflowError(f"{REPEATS}: no repeat of the calibration there; see docs/calibration.md")
 
 
 def world_named(name):

@@ -76,7 +76,7 @@ rule calibration_page:
 
 rule repeats_page:
     input:
-        pages=[PATHS.below("rigs/repeats.md"), PATHS.below("rigs/spread.md")],
+        pages=tables_of_repeats,
     log:
         PATHS.messages("repeats_page"),
     localrule: True

@@ -1,6 +1,6 @@
 # Simulated rigs side by side: those that can be named, end points of searches, and repeats of the fit.
 
-#: Folders of the end points of searches, and of repeats of the one that docs/calibration.md describes.
+#: Folders of the end points of searches, and of repeats of the fit, docs/search.md.
 SEARCHES, REPEATS = Path("config/rigs/searches"), Path("config/rigs/repeats")
 #: Rigs that can be named, beside that of the configuration.
 OTHER_RIGS = {
@@ -12,32 +12,10 @@ RIGS = {
     "searches": {path.stem: path for path in sorted(SEARCHES.glob("*.yaml"))},
 }
 REPEATED = {path.stem: path for path in sorted(REPEATS.glob("*.yaml"))}
-if twice := REPEATED.keys() & (rig_files().keys() | RIGS["searches"].keys()):
-    raise WorkflowError(
-        f"{REPEATS}: {', '.join(sorted(twice))}: another rig has this name; rename the files"
-    )
-RIG_FILES = OTHER_RIGS | RIGS["searches"] | REPEATED
+# a repeat that has another rig's name gives way here, and is refused when the repeats are judged
+RIG_FILES = REPEATED | RIGS["searches"] | OTHER_RIGS
 #: Seeds that judge the end points of searches.
 SEARCH_SEEDS = 10
-#: Tables of the repeats: rigs, seeds and limits, see docs/preregistration.md#repeats-of-the-fit.
-SIX_SEEDS = ["again_from_pilot", "again_from_pilot_2", "again_from_viscous"]
-SPREAD_OF = [f"again_from_pilot_{number}" for number in (3, 4, 5, 6)]
-LIMITS = {"largest": 0.30, "points": 9, "worth": (0.60, 0.82)}
-LANDING = {}
-if REPEATED:
-    LANDING["repeats"] = {
-        "rigs": list(REPEATED),
-        "seeds": range(501, 511),
-        "limits": {"median": 0.08, **LIMITS},
-        "spread_of": [],
-    }
-if REPEATED.keys() >= set(SPREAD_OF):
-    LANDING["spread"] = {
-        "rigs": [name for name in REPEATED if name not in SIX_SEEDS],
-        "seeds": range(521, 541),
-        "limits": LIMITS,
-        "spread_of": SPREAD_OF,
-    }
 
 
 rule replicate_on_rig:
@@ -103,14 +81,14 @@ rule repeats_table:
     log:
         PATHS.messages("{table}_table"),
     wildcard_constraints:
-        table="|".join(LANDING) or "none",
+        table="repeats|spread",
     params:
         **stage("rigs.compare_repeats"),
-        rigs=lambda wildcards: LANDING[wildcards.table]["rigs"],
-        limits=lambda wildcards: LANDING[wildcards.table]["limits"],
-        spread_of=lambda wildcards: LANDING[wildcards.table]["spread_of"],
+        rigs=lambda wildcards: tests_of_repeats()[wildcards.table].rigs,
+        limits=lambda wildcards: tests_of_repeats()[wildcards.table].limits,
+        spread_of=lambda wildcards: tests_of_repeats()[wildcards.table].spread_of,
     message:
-        "Repeats of the calibration: {wildcards.table}"
+        "Repeats of the fit: {wildcards.table}"
     script:
         "../scripts/stage.py"
 
@@ -170,10 +148,10 @@ rule searches:
 
 rule repeats:
     input:
-        [PATHS.below(f"rigs/{table}.md") for table in LANDING] or no_repeats,
+        tables_of_repeats,
         lambda wildcards: [
             path
-            for table in LANDING
+            for table in tests_of_repeats()
             for part in ("models", "grids", "control")
             for path in of_repeats(part, table)
         ],

@@ -54,7 +54,7 @@ def calibrate_from_files(
         settings = check(settings | {"calibration": changed}).model_dump(mode="json")
     if workers is not None and workers < 1:
         raise ConfigError(f"--workers {workers}: must be 1 or more; omit it to use all processors")
-    if not re.fullmatch(r"[\w.-]+\.ya?ml", Path(out).name):
+    if not re.fullmatch(r"[\w.-]+\.yaml", Path(out).name):
         raise ConfigError(
             f"--out {out}: must end in .yaml, after letters, digits, -, _ and . only: it names the "
             "rig; the report has the same name, .json"

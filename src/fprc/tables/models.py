@@ -62,32 +62,44 @@ def comparison(reports: Sequence[Mapping[str, Any]], published: Mapping[str, Any
     return pd.DataFrame(rows)
 
 
-def over_seeds(
+def samples(
     replicates: Sequence[Mapping[str, Any]], published: Mapping[str, Any], trained_on: str
 ) -> pd.DataFrame:
-    """Tables II and III over further seeds: mean, standard deviation, range, tidy."""
-    samples = pd.DataFrame(
+    """Return the errors of Table II or III on each further seed, tidy.
+
+    Columns ``model``, ``metric``, ``replicate`` (number of the seed, from 0), ``value``,
+    ``published_mean`` (NaN if the paper prints none), both in kPa, and ``source``.
+    """
+    printed = published[PRINTED[trained_on]]
+    return pd.DataFrame(
         {
             "model": report["model"],
             "metric": metric,
+            "replicate": number,
             "value": np.mean(report[f"{metric}_kpa"]),
+            "published_mean": float(
+                np.atleast_1d(printed.get(report["model"], {}).get(f"{metric}_kpa", np.nan))[0]
+            ),
             "source": replicate["source"],
         }
-        for replicate in replicates
+        for number, replicate in enumerate(replicates)
         for report in replicate["models"]
         if report["trained_on"] == trained_on
         for metric in ERRORS
     )
-    groups = samples.groupby(["model", "metric"], sort=False)
+
+
+def over_seeds(
+    replicates: Sequence[Mapping[str, Any]], published: Mapping[str, Any], trained_on: str
+) -> pd.DataFrame:
+    """Tables II and III over further seeds: mean, standard deviation, range, tidy."""
+    groups = samples(replicates, published, trained_on).groupby(["model", "metric"], sort=False)
     table = groups["value"].agg(["mean", "std", "min", "max", "count"]).reset_index()
     table = with_interval(table.rename(columns={"count": "seeds"}))
     table.insert(2, "unit", "kPa")
-    printed = published[PRINTED[trained_on]]
-    table["published_mean"] = [
-        float(np.atleast_1d(printed.get(row.model, {}).get(f"{row.metric}_kpa", np.nan))[0])
-        for row in table.itertuples()
-    ]
-    table["source"] = groups["source"].first().to_numpy()
+    for column in ("published_mean", "source"):
+        # not first(), which leaves out NaN
+        table[column] = groups[column].head(1).to_numpy()
     return table
 
 

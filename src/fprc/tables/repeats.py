@@ -1,4 +1,4 @@
-"""Repeats of the calibration side by side, and whether they land within given limits."""
+"""Repeats of the fit side by side, and whether they land within given limits."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
@@ -7,7 +7,8 @@ import numpy as np
 import pandas as pd
 from scipy.special import stdtrit
 
-from fprc.paper import ERRORS, MODELS, PRINTED
+from fprc.paper import PRINTED
+from fprc.tables.models import samples
 from fprc.tables.rigs import deviations_of, points
 from fprc.tables.text import three_digits
 
@@ -18,9 +19,9 @@ _RESAMPLES = 10_000
 class Limits(NamedTuple):
     """Limits within which a repeat lands, see docs/preregistration.md; ends are within."""
 
-    median: float  #: most of the absolute deviations of Tables II and III, as a share
-    largest: float  #: most of the largest of them
-    points: int  #: least number of points of the rule that chose the shipped rig
+    median: float  #: upper limit of the median absolute deviation of the 18 errors, as a share
+    largest: float  #: upper limit of their largest absolute deviation, as a share
+    points: int  #: lower limit of the points of the rule that chose the shipped rig
     worth: tuple[float, float]  #: ends of FPRC's test RMSE over that on low-passed theta_d
 
 
@@ -76,19 +77,11 @@ def numbers_of_repeat(
 
 def _over_print(models: Sequence[Mapping[str, Any]], published: Mapping[str, Any]) -> np.ndarray:
     """Return the 18 errors of Tables II and III over the printed ones, shape (seeds, 18)."""
-    return np.array(
-        [
-            [
-                np.mean(report[f"{metric}_kpa"])
-                / np.atleast_1d(
-                    published[PRINTED[report["trained_on"]]][report["model"]][f"{metric}_kpa"]
-                )[0]
-                for report in each["models"]
-                if report["model"] in MODELS
-                for metric in ERRORS
-            ]
-            for each in models
-        ]
+    errors = pd.concat([samples(models, published, log) for log in PRINTED], keys=PRINTED)
+    errors = errors.dropna(subset="published_mean")
+    ratios = errors["value"] / errors["published_mean"]
+    return ratios.to_numpy()[np.argsort(errors["replicate"], kind="stable")].reshape(
+        len(models), -1
     )
 
 

@@ -203,14 +203,14 @@ def test_library_that_is_not_installed_is_named_with_the_remedy(run, fit, capsys
     assert "fprc[workflow]" in said
 
 
-@pytest.mark.parametrize("name", ["rig.json", "rig", "my rig.yaml", ".yaml", "a:b.yaml"])
+@pytest.mark.parametrize("name", ["rig.json", "rig", "rig.yml", "my rig.yaml", ".yaml", "a:b.yaml"])
 def test_parameter_file_that_cannot_name_a_rig_is_an_error(run, capsys, name):
     """The report beside it has the same name, and the configuration names the rig by it."""
     assert run(out=name) == (1, [])
     assert name in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("name", ["dry.yaml", "my-rig_2.0.yml"])
+@pytest.mark.parametrize("name", ["dry.yaml", "my-rig_2.0.yaml"])
 def test_name_of_the_parameter_file_is_one_that_a_configuration_takes(run, name):
     assert run(out=name)[0] == 0
     assert check({"fitted": {"name": Path(name).stem}})

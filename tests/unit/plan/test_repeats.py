@@ -1,0 +1,71 @@
+import json
+
+import pytest
+
+from fprc.errors import FprcError
+from fprc.plan.repeats import landing_tests, read_repeats
+from fprc.tables.repeats import Limits
+
+TWELVE, SIX = list(range(12)), list(range(6))
+SPREAD = [f"again_from_pilot_{number}" for number in (3, 4, 5, 6)]
+
+
+def put(folder, name, **changes):
+    report = {"seeds": TWELVE, "finished": True} | changes
+    (folder / f"{name}.yaml").touch()
+    (folder / f"{name}.json").write_text(json.dumps(report))
+
+
+def test_seeds_are_those_of_the_reports(tmp_path):
+    put(tmp_path, "b", seeds=SIX)
+    put(tmp_path, "a")
+    assert list(read_repeats(tmp_path).items()) == [("a", TWELVE), ("b", SIX)]
+
+
+def test_everything_that_is_wrong_is_reported_at_once(tmp_path):
+    put(tmp_path, "good")
+    put(tmp_path, "viscous")
+    put(tmp_path, "late", finished=False)
+    put(tmp_path, "seen", seeds=[500, 501, 510, 511, 540])
+    put(tmp_path, "other", seeds=3)
+    (tmp_path / "alone.yaml").touch()
+    (tmp_path / "broken.yaml").touch()
+    (tmp_path / "broken.json").write_text('{"seeds": [')
+    with pytest.raises(FprcError) as raised:
+        read_repeats(tmp_path, {"viscous"})
+    lines = str(raised.value).splitlines()
+    assert [line.partition(": ")[0].rpartition("/")[2] for line in lines] == [
+        "alone.json", "broken.json", "late.json", "other.json", "seen.json", "viscous.yaml"
+    ]  # fmt: skip
+    assert "501, 510, 540;" in lines[4]
+
+
+def test_folder_without_repeats_is_refused(tmp_path):
+    with pytest.raises(FprcError, match="no repeat of the fit"):
+        read_repeats(tmp_path)
+
+
+def test_every_repeat_is_judged_by_the_first_limits():
+    # docs/preregistration.md: at most 8 % and 30 %, 9 points, 0.60 to 0.82, on 501 to 510
+    tests = landing_tests({"again": SIX, "mine": TWELVE})
+    assert tests.keys() == {"repeats"}
+    assert tests["repeats"].rigs == ("again", "mine")
+    assert list(tests["repeats"].seeds) == list(range(501, 511))
+    assert Limits(**tests["repeats"].limits) == (0.08, 0.30, 9, (0.60, 0.82))
+
+
+def test_spread_of_four_repeats_judges_those_with_as_many_seeds():
+    # on 521 to 540, and with the same limits but that of the median
+    tests = landing_tests({"old": SIX, **dict.fromkeys(SPREAD, TWELVE), "new": TWELVE})
+    assert tests["spread"].rigs == (*SPREAD, "new")
+    assert tests["spread"].spread_of == tuple(SPREAD)
+    assert list(tests["spread"].seeds) == list(range(521, 541))
+    assert Limits(**tests["spread"].limits, median=0.08) == (0.08, 0.30, 9, (0.60, 0.82))
+
+
+def test_seeds_of_the_two_tests_and_of_the_kept_fits_are_different(request):
+    folder = request.config.rootpath / "config/rigs/repeats"
+    fitted_on = read_repeats(folder)
+    assert fitted_on.keys() >= set(SPREAD)
+    first, second = (set(test.seeds) for test in landing_tests(fitted_on).values())
+    assert not first & second
