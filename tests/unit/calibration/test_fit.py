@@ -19,180 +19,19 @@ from fprc.calibration.full_models import full_errors
 from fprc.calibration.objective import CLAIMS, TERMS, aim_of, deviations
 from fprc.calibration.space import decode, encode, free_parameters, resolved
 from fprc.calibration.surrogate import MEASURES, judge_cheaply
-from fprc.config import PUBLISHED, Settings, check, reference
+from fprc.config import PUBLISHED, Settings, check
 from fprc.config.rig import Rig
 from fprc.errors import ConfigError, EvaluationError, SimulationError
 from fprc.experiments.settings import RigSettings
-from fprc.paper import REFERENCES
 from fprc.provenance import hash_of
 from fprc.stages.calibrate import calibrate
 
 ROOT = Path(__file__).parents[3]
 PRINTED = yaml.safe_load(PUBLISHED.read_text(encoding="utf-8"))
 RIG = Rig().model_dump(mode="json")
-PATHS = Settings().calibration.free
-FREE = free_parameters(PATHS)
 SURROGATE = {"stride": 7, "esn_nodes": 8}
 POPULATION, GENERATIONS = 8, 2
 EVALUATIONS = POPULATION * GENERATIONS
-
-
-# --- free parameters ------------------------------------------------------------------------------
-
-
-def documented():
-    """Return default and range of every number of the rig, as the reference page has them."""
-    found = {}
-    for part in reference.reference().split("\n## ")[1:]:
-        section, _, table = part.partition("\n")
-        if not section.startswith("rig"):
-            continue
-        for row in re.findall(r"^\| `(\w+)` \|[^|]*\| `(.*?)` \| (\S+) to (\S+) \|", table, re.M):
-            name, default, low, high = row
-            path = f"{section}.{name}".removeprefix("rig.")
-            found[path] = yaml.safe_load(default), float(low), float(high)
-    return found
-
-
-RANGES = documented()
-NUMBERS = [path for path, (default, *_) in RANGES.items() if not isinstance(default, list)]
-LISTS = [path for path, (default, *_) in RANGES.items() if isinstance(default, list)]
-
-
-def test_reference_has_every_number_of_the_rig():
-    def names(section, prefix=""):
-        for key, value in section.items():
-            if isinstance(value, dict):
-                yield from names(value, f"{prefix}{key}.")
-            elif not isinstance(value, str):  # a choice, as friction_law, is no number
-                yield prefix + key
-
-    assert set(RANGES) == set(names(RIG))
-    assert LISTS
-
-
-@pytest.mark.parametrize("path", NUMBERS)
-def test_range_of_a_number_is_that_of_the_configuration(path):
-    (free,) = free_parameters([path])
-    assert free.path == path
-    assert (free.low, free.high) == pytest.approx(RANGES[path][1:], rel=1e-5)
-
-
-@pytest.mark.parametrize("path", LISTS)
-def test_range_of_a_number_of_a_list_is_that_of_the_list(path):
-    default, *limits = RANGES[path]
-    changing = len(default) - path.endswith("slip_weight")  # the last weight is left over
-    paths = [f"{path}.{index}" for index in range(changing)]
-    for free, known in zip(free_parameters(paths), paths, strict=True):
-        assert free.path == known
-        assert (free.low, free.high) == pytest.approx(limits, rel=1e-5)
-
-
-@pytest.mark.parametrize("path", [path for path in LISTS if not path.endswith("slip_weight")])
-def test_range_of_a_list_is_as_wide_as_all_of_its_numbers_allow(path):
-    default, low, high = RANGES[path]
-    free = free_parameters([path])
-    ends = {
-        share: np.array(stage_value(decode(np.array([share]), RIG, free, digits=12), path))
-        for share in (0.0, 1.0)
-    }
-    assert ends[0.0].min() == pytest.approx(low, abs=1e-9)
-    assert ends[1.0].max() == pytest.approx(high)
-    for found in ends.values():
-        assert (found >= low - 1e-9).all()
-        assert (found <= high + 1e-9).all()
-
-
-def stage_value(rig, path):
-    for key in path.split("."):
-        rig = rig[key]
-    return rig
-
-
-def test_default_rig_is_in_the_middle_of_its_ranges():
-    assert decode(encode(RIG, FREE), RIG, FREE) == RIG
-    assert len({free.path for free in FREE}) == len(FREE)
-
-
-def test_narrower_range_replaces_the_physical_one():
-    free = free_parameters(
-        ["drift.time_s", "bending.slip_distance_deg", "drift.sigma_kpa"],
-        {"drift.time_s": [2, 3.5], "bending.slip_distance_deg": [0.5, 1.5]},
-    )
-    assert [(parameter.low, parameter.high) for parameter in free] == [
-        (2.0, 3.5), (0.5, 1.5), (0.0, 15.0),
-    ]  # fmt: skip
-
-
-def test_physical_range_is_a_range_too():
-    (free,) = free_parameters(["drift.time_s"], {"drift.time_s": [1.0, 60.0]})
-    assert (free.low, free.high) == (1.0, 60.0)
-
-
-@pytest.mark.parametrize("limits", [(5.0, 5.0), (6.0, 5.0), (0.9, 5.0), (5.0, 60.1), (-1.0, 99.0)])
-def test_range_that_is_empty_or_leaves_the_physical_one_is_refused(limits):
-    with pytest.raises(ConfigError, match=r"drift\.time_s is .* within 1 to 60"):
-        free_parameters(["drift.time_s"], {"drift.time_s": limits})
-
-
-def test_all_paths_and_ranges_that_are_wrong_are_reported_at_once():
-    wrong = ["bending", "bending.friciton_kpa", "models.esn.r", "bending.relaxation_time_s.-1"]
-    ranges = {"bending.preload_kpa": [30.0, 40.0], "drift.time_s": [3.0, 2.0]}
-    with pytest.raises(ConfigError) as caught:
-        free_parameters(["bending.friction_kpa", *wrong, "drift.time_s"], ranges)
-    first, *lines = str(caught.value).splitlines()
-    assert first == "cannot calibrate:"
-    assert sorted(line.split(" is ")[0].strip() for line in lines) == sorted(
-        [
-            *(f"calibration.free: {path}" for path in wrong),
-            *(f"calibration.ranges: {path}" for path in ranges),
-        ]
-    )
-
-
-@pytest.mark.parametrize("path", ["bending.relaxation_time_s.2", "bending.friction_kpa.0"])
-def test_index_that_is_not_there_is_reported(path):
-    with pytest.raises(ConfigError, match=re.escape(path)):
-        free_parameters([path])
-
-
-@pytest.mark.parametrize("path", ["bending.slip_weight.3", "reservoir.slip_weight"])
-def test_weights_that_follow_from_the_others_are_refused(path):
-    with pytest.raises(ConfigError, match=re.escape(f"{path} follows from the other weights")):
-        free_parameters(["bending.slip_weight.0", path])
-
-
-def test_range_of_a_parameter_that_is_not_free_any_more_can_be_taken_away():
-    changed = {"free": ["drift.sigma_kpa", "drift.time_s"], "ranges": {}}
-    calibration = check({"calibration": changed}).calibration
-    assert free_parameters(calibration.free, calibration.ranges)
-
-
-# --- target ---------------------------------------------------------------------------------------
-
-
-def test_target_is_what_the_tables_print():
-    calibration = Settings().calibration.model_dump(mode="json")
-    aim = aim_of(PRINTED, calibration)
-    assert aim.errors == {
-        "sweep/esn/train": 11.5, "sweep/esn/test": 16.5,
-        "sweep/fprc/train": 11.6, "sweep/fprc/test": 11.0,
-        "sweep/fuzzy_linear/train": 14.9, "sweep/fuzzy_linear/test": 16.7,
-        "complex/esn/train": 10.2, "complex/esn/test": 60.32,
-        "complex/fprc/train": 9.07, "complex/fprc/test": 26.2,
-        "complex/fuzzy_linear/train": 13.5, "complex/fuzzy_linear/test": 51.5,
-    }  # fmt: skip
-    assert aim.open_loop == PRINTED["table_4_tracking_rmse_deg"]["fprc"]
-    assert set(aim.open_loop) == set(REFERENCES)
-    assert aim.ranges == calibration["plausible"]
-    assert aim.fit == calibration["fit"]
-
-
-def test_target_follows_the_published_file():
-    printed = copy.deepcopy(PRINTED)
-    printed["table_3_reversed"]["esn"] |= {"train_rmse_kpa": [1.5, 9.0], "test_rmse_kpa": 2.5}
-    aim = aim_of(printed, {"plausible": {}, "fit": ["tables"]})
-    assert (aim.errors["complex/esn/train"], aim.errors["complex/esn/test"]) == (1.5, 2.5)
 
 
 # --- tiny configuration ---------------------------------------------------------------------------

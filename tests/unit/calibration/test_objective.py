@@ -4,6 +4,7 @@ from typing import get_args
 
 import numpy as np
 import pytest
+import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import pearsonr
@@ -11,14 +12,16 @@ from scipy.stats import pearsonr
 from fprc.calibration.objective import (
     TERMS,
     Aim,
+    aim_of,
     deviations,
     judged_of,
     logs_of,
     properties,
 )
 from fprc.claims.ledger import FITTED_BY
-from fprc.config import Settings
+from fprc.config import PUBLISHED, Settings
 from fprc.config.calibration import Term
+from fprc.paper import REFERENCES
 
 #: Errors on which every order holds with room to spare.
 ERRORS = {
@@ -375,3 +378,30 @@ def test_properties_are_those_of_the_sweep_and_leave_the_logs_alone():
 def test_every_range_of_the_configuration_is_that_of_a_property():
     plausible = Settings().calibration.plausible.model_dump()
     assert set(plausible) <= set(properties({"sweep": ellipses(60.0, 1.0, 15.0, 1.0)}))
+
+
+PRINTED = yaml.safe_load(PUBLISHED.read_text(encoding="utf-8"))
+
+
+def test_target_is_what_the_tables_print():
+    calibration = Settings().calibration.model_dump(mode="json")
+    aim = aim_of(PRINTED, calibration)
+    assert aim.errors == {
+        "sweep/esn/train": 11.5, "sweep/esn/test": 16.5,
+        "sweep/fprc/train": 11.6, "sweep/fprc/test": 11.0,
+        "sweep/fuzzy_linear/train": 14.9, "sweep/fuzzy_linear/test": 16.7,
+        "complex/esn/train": 10.2, "complex/esn/test": 60.32,
+        "complex/fprc/train": 9.07, "complex/fprc/test": 26.2,
+        "complex/fuzzy_linear/train": 13.5, "complex/fuzzy_linear/test": 51.5,
+    }  # fmt: skip
+    assert aim.open_loop == PRINTED["table_4_tracking_rmse_deg"]["fprc"]
+    assert set(aim.open_loop) == set(REFERENCES)
+    assert aim.ranges == calibration["plausible"]
+    assert aim.fit == calibration["fit"]
+
+
+def test_target_follows_the_published_file():
+    printed = copy.deepcopy(PRINTED)
+    printed["table_3_reversed"]["esn"] |= {"train_rmse_kpa": [1.5, 9.0], "test_rmse_kpa": 2.5}
+    aim = aim_of(printed, {"plausible": {}, "fit": ["tables"]})
+    assert (aim.errors["complex/esn/train"], aim.errors["complex/esn/test"]) == (1.5, 2.5)

@@ -1,15 +1,18 @@
 import copy
 import math
+import re
 
 import numpy as np
 import pytest
+import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from fprc.calibration.space import Free, decode, encode, free_parameters, resolved
-from fprc.config import Settings
+from fprc.config import Settings, check, reference
 from fprc.config.rig import Rig
+from fprc.errors import ConfigError
 
 RIG = {
     "step_s": 0.0004,
@@ -298,3 +301,135 @@ def test_rig_that_is_not_resolved_is_left_as_it_was():
 def test_point_of_another_size_is_refused(size):
     with pytest.raises(ValueError, match="zip"):
         decode(np.zeros(size), RIG, TIME)
+
+
+DEFAULT_RIG = Rig().model_dump(mode="json")
+DEFAULT_FREE = free_parameters(Settings().calibration.free)
+
+
+def documented():
+    """Return default and range of every number of the rig, as the reference page has them."""
+    found = {}
+    for part in reference.reference().split("\n## ")[1:]:
+        section, _, table = part.partition("\n")
+        if not section.startswith("rig"):
+            continue
+        for row in re.findall(r"^\| `(\w+)` \|[^|]*\| `(.*?)` \| (\S+) to (\S+) \|", table, re.M):
+            name, default, low, high = row
+            path = f"{section}.{name}".removeprefix("rig.")
+            found[path] = yaml.safe_load(default), float(low), float(high)
+    return found
+
+
+RANGES = documented()
+NUMBERS = [path for path, (default, *_) in RANGES.items() if not isinstance(default, list)]
+LISTS = [path for path, (default, *_) in RANGES.items() if isinstance(default, list)]
+
+
+def test_reference_has_every_number_of_the_rig():
+    def names(section, prefix=""):
+        for key, value in section.items():
+            if isinstance(value, dict):
+                yield from names(value, f"{prefix}{key}.")
+            elif not isinstance(value, str):  # a choice, as friction_law, is no number
+                yield prefix + key
+
+    assert set(RANGES) == set(names(DEFAULT_RIG))
+    assert LISTS
+
+
+@pytest.mark.parametrize("path", NUMBERS)
+def test_range_of_a_number_is_that_of_the_configuration(path):
+    (free,) = free_parameters([path])
+    assert free.path == path
+    assert (free.low, free.high) == pytest.approx(RANGES[path][1:], rel=1e-5)
+
+
+@pytest.mark.parametrize("path", LISTS)
+def test_range_of_a_number_of_a_list_is_that_of_the_list(path):
+    default, *limits = RANGES[path]
+    changing = len(default) - path.endswith("slip_weight")  # the last weight is left over
+    paths = [f"{path}.{index}" for index in range(changing)]
+    for free, known in zip(free_parameters(paths), paths, strict=True):
+        assert free.path == known
+        assert (free.low, free.high) == pytest.approx(limits, rel=1e-5)
+
+
+@pytest.mark.parametrize("path", [path for path in LISTS if not path.endswith("slip_weight")])
+def test_range_of_a_list_is_as_wide_as_all_of_its_numbers_allow(path):
+    default, low, high = RANGES[path]
+    free = free_parameters([path])
+    ends = {
+        share: np.array(value_at(decode(np.array([share]), DEFAULT_RIG, free, digits=12), path))
+        for share in (0.0, 1.0)
+    }
+    assert ends[0.0].min() == pytest.approx(low, abs=1e-9)
+    assert ends[1.0].max() == pytest.approx(high)
+    for found in ends.values():
+        assert (found >= low - 1e-9).all()
+        assert (found <= high + 1e-9).all()
+
+
+def value_at(rig, path):
+    for key in path.split("."):
+        rig = rig[key]
+    return rig
+
+
+def test_default_rig_is_in_the_middle_of_its_ranges():
+    assert decode(encode(DEFAULT_RIG, DEFAULT_FREE), DEFAULT_RIG, DEFAULT_FREE) == DEFAULT_RIG
+    assert len({free.path for free in DEFAULT_FREE}) == len(DEFAULT_FREE)
+
+
+def test_narrower_range_replaces_the_physical_one():
+    free = free_parameters(
+        ["drift.time_s", "bending.slip_distance_deg", "drift.sigma_kpa"],
+        {"drift.time_s": [2, 3.5], "bending.slip_distance_deg": [0.5, 1.5]},
+    )
+    assert [(parameter.low, parameter.high) for parameter in free] == [
+        (2.0, 3.5), (0.5, 1.5), (0.0, 15.0),
+    ]  # fmt: skip
+
+
+def test_physical_range_is_a_range_too():
+    (free,) = free_parameters(["drift.time_s"], {"drift.time_s": [1.0, 60.0]})
+    assert (free.low, free.high) == (1.0, 60.0)
+
+
+@pytest.mark.parametrize("limits", [(5.0, 5.0), (6.0, 5.0), (0.9, 5.0), (5.0, 60.1), (-1.0, 99.0)])
+def test_range_that_is_empty_or_leaves_the_physical_one_is_refused(limits):
+    with pytest.raises(ConfigError, match=r"drift\.time_s is .* within 1 to 60"):
+        free_parameters(["drift.time_s"], {"drift.time_s": limits})
+
+
+def test_all_paths_and_ranges_that_are_wrong_are_reported_at_once():
+    wrong = ["bending", "bending.friciton_kpa", "models.esn.r", "bending.relaxation_time_s.-1"]
+    ranges = {"bending.preload_kpa": [30.0, 40.0], "drift.time_s": [3.0, 2.0]}
+    with pytest.raises(ConfigError) as caught:
+        free_parameters(["bending.friction_kpa", *wrong, "drift.time_s"], ranges)
+    first, *lines = str(caught.value).splitlines()
+    assert first == "cannot calibrate:"
+    assert sorted(line.split(" is ")[0].strip() for line in lines) == sorted(
+        [
+            *(f"calibration.free: {path}" for path in wrong),
+            *(f"calibration.ranges: {path}" for path in ranges),
+        ]
+    )
+
+
+@pytest.mark.parametrize("path", ["bending.relaxation_time_s.2", "bending.friction_kpa.0"])
+def test_index_that_is_not_there_is_reported(path):
+    with pytest.raises(ConfigError, match=re.escape(path)):
+        free_parameters([path])
+
+
+@pytest.mark.parametrize("path", ["bending.slip_weight.3", "reservoir.slip_weight"])
+def test_weights_that_follow_from_the_others_are_refused(path):
+    with pytest.raises(ConfigError, match=re.escape(f"{path} follows from the other weights")):
+        free_parameters(["bending.slip_weight.0", path])
+
+
+def test_range_of_a_parameter_that_is_not_free_any_more_can_be_taken_away():
+    changed = {"free": ["drift.sigma_kpa", "drift.time_s"], "ranges": {}}
+    calibration = check({"calibration": changed}).calibration
+    assert free_parameters(calibration.free, calibration.ranges)
