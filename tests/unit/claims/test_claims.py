@@ -771,3 +771,38 @@ def test_claims_that_more_seeds_judge_differently_are_named():
 )
 def test_terms_of_a_fit_are_a_sentence(terms, words):
     assert fit_in_words(terms) == words
+
+
+def noisy_grids(noise):
+    """Grids of some seeds whose test errors differ by noise alone, shape (seeds, sizes)."""
+    grids = []
+    for row in noise:
+        grid = {
+            setting: [
+                cell("fprc", ([1.0], [1.0], 10.0 * np.exp(value)), **{setting: size})
+                for size, value in enumerate(row, start=1)
+            ]
+            for setting in ("epsilon", "n_c")
+        }
+        grid["taps"] = [
+            cell("fprc", (n_u + n_y, n_u + n_y, 10.0 * np.exp(value)), n_u=n_u, n_y=n_y)
+            for n_u, value in enumerate(row, start=1)
+            for n_y in (1, 2)
+        ]
+        grids.append(grid)
+    return grids
+
+
+@pytest.mark.parametrize("claim", ["C9c", "C12c"])
+def test_noise_is_not_taken_for_an_effect_of_a_setting(claim):
+    # a step, or an n_u, that were chosen on the seeds that judge it would always seem better
+    draws = np.random.default_rng(5).normal(0.0, 0.1, (60, 10, 10))
+    asked = [{"id": claim.rstrip("abc"), "text": claim}]
+    favoured = [
+        (statement["mean"] > 1.0) == statement["limits"].startswith("above")
+        for draw in draws
+        for row in judge_claims(asked, Results([], noisy_grids(draw), [], {}, {}), PUBLISHED)
+        if row["id"] == claim
+        for statement in row["statements"]
+    ]
+    assert 0.35 < np.mean(favoured) < 0.65
