@@ -7,7 +7,7 @@ if "readme" not in PLAN.unavailable:
         input:
             pages=PLAN.pages[1:],
             orders=PATHS.below("tables/orders.csv"),
-            seeds=[path.replace(".md", ".csv") for path in PLAN.seeds_tables[:2]],
+            seeds=[path.replace(".md", ".csv") for path in PLAN.seeds_tables],
             ledger=PATHS.below("claims.json"),
             drawn=PATHS.below("ensemble/claims.csv"),
             figure=PATHS.below("figures/fig08_training.png"),

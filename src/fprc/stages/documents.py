@@ -42,7 +42,7 @@ def update_readme(
     orders : str
         Order of the models on each further seed, CSV.
     seeds : sequence of str
-        Tables II and III over further seeds, CSV.
+        Tables II to IV over further seeds, CSV.
     ledger : str
         Claims, JSON.
     drawn : str
@@ -55,11 +55,11 @@ def update_readme(
     judged = read_json(ledger)
     blocks = {Path(path).stem: _read(path) for path in pages} | {
         "orders": _orders(pd.read_csv(orders)),
-        "deviations": _deviations(seeds),
+        "deviations": _deviations(seeds[:2]),
         "verdicts": _verdicts(judged, on_drawn_rigs(drawn)),
     }
     first = {name: blocks[name] for name in ("table2_seeds", "table3_seeds")}
-    first["outcome"] = f"{_outcome(judged)} {blocks['deviations']}"
+    first["outcome"] = f"{_outcome(judged)} {blocks['deviations']} {_tracking(seeds[2])}"
     texts = {path: _updated(path, new) for path, new in ((readme, first), (results, blocks))}
     for path, text in texts.items():
         write_text(path, text)
@@ -219,13 +219,15 @@ def _outcome(judged: Mapping[str, Any]) -> str:
     """Return sentences on how many claims have each verdict, and on which seeds."""
     claims = pd.DataFrame(judged["claims"])
     verdicts = claims["verdict"].value_counts()
-    fitted = claims["rig"].str.contains("fitted").groupby(claims["verdict"]).sum()
     counts = ", ".join(f"{count} {verdict}" for verdict, count in verdicts.items())
+    held = claims[claims["verdict"] == "reproduced"]
+    predicted = held.loc[held["rig"] == "predicted", "id"]
+    named = f" ({', '.join(predicted)})" if len(predicted) else ""
     _, decided, seeds = judged["note"].partition(" Verdicts are those of")
     return (
         f"**Of the paper's {verdicts.sum()} claims and parts of claims, on the simulated rig: "
-        f"{counts}.** Of those reproduced, {fitted.get('reproduced', 0)} were fitted at least in "
-        f"part.{decided}{seeds}"
+        f"{counts}.** Of those reproduced, {held['rig'].str.contains('fitted').sum()} were fitted "
+        f"at least in part, and {len(predicted)} are predictions{named}.{decided}{seeds}"
     )
 
 
@@ -271,6 +273,18 @@ def _deviations(seeds: Sequence[str]) -> str:
         f"{100 * abs(worst['deviation']):.0f} % at most (Table {worst['table']}, "
         f"{title_of(worst['model'])}, {ERRORS[worst['metric']]}: {worst['mean']:.3g} against "
         f"{worst['published_mean']:.3g} kPa)."
+    )
+
+
+def _tracking(seeds: str) -> str:
+    """Return a sentence on how far the means of Table IV deviate from the printed numbers."""
+    table = pd.read_csv(seeds).dropna(subset="published_rmse_deg")
+    table["off"] = (table["rmse_deg"] / table["published_rmse_deg"] - 1.0).abs()
+    runs = table.groupby(["controller", "gain"])["off"].max()
+    open_loop, closed_loop = runs["fprc", "none"], runs["fprc_pd", "identified"]
+    return (
+        f"Those of Table IV deviate by up to {100 * open_loop:.0f} % in open loop, and by up to "
+        f"{100 * closed_loop:.0f} % in closed loop at the identified gain."
     )
 
 

@@ -21,6 +21,16 @@ esn,test_rmse,{},20.0
 fuzzy_linear,validation_rmse,{},20.0
 """
 
+TRACKING = """\
+controller,gain,reference,rmse_deg,published_rmse_deg
+fprc,none,sweep,1.2,1.0
+fprc,none,sine_0p3,9.0,
+fprc_pd,printed,sweep,8.0,1.0
+fprc_pd,identified,sweep,1.3,1.0
+fprc_pd,identified,complex,0.5,1.0
+pd,identified,complex,40.0,
+"""
+
 LEDGER = (
     '{"note": "On the rig dry.", "claims": [{"id": "C1", "claim": "It is so.", "ours": "1", '
     '"rig": "fitted", "verdict": "reproduced"}, {"id": "C5", "claim": "It is fast.", '
@@ -67,6 +77,7 @@ def project(tmp_path):
         "orders.csv": ORDERS,
         "ii.csv": DEVIATIONS.format(12.0, 11.0, 16.5),
         "iii.csv": DEVIATIONS.format(9.0, 26.2, 20.0),
+        "iv.csv": TRACKING,
         "claims.json": LEDGER,
         "drawn.csv": "id,holds,rigs\nC1,7,40\n",
         "table2_timing.md": "Times.\n",
@@ -83,7 +94,7 @@ def update(project):
     update_readme(
         [str(project / name) for name in pages],
         str(project / "orders.csv"),
-        [str(project / "ii.csv"), str(project / "iii.csv")],
+        [str(project / name) for name in ("ii.csv", "iii.csv", "iv.csv")],
         str(project / "claims.json"),
         str(project / "drawn.csv"),
         str(project / "figure.png"),
@@ -139,7 +150,9 @@ def test_readme_counts_the_verdicts(project):
     update(project)
     text = (project / "README.md").read_text(encoding="utf-8")
     assert "claims, on the simulated rig: 1 reproduced, 1 undecided.**" in text
+    assert "1 were fitted at least in part, and 0 are predictions." in text
     assert "by 45 % at most" in text
+    assert "up to 20 % in open loop, and by up to 50 % in closed loop" in text
     assert "Reversed." in text
     assert "old" not in text
     assert text.endswith("End.\n")

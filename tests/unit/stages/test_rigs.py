@@ -9,7 +9,8 @@ from fprc.stages import rigs as stage
 
 METRICS = ("train_rmse_kpa", "validation_rmse_kpa", "test_rmse_kpa")
 NAMES = ("esn", "fprc", "fuzzy_linear")
-ONES = {name: dict.fromkeys(METRICS, 1.0) for name in NAMES}
+PRINTED = {"train_rmse_kpa": [1.0, 0.1], "validation_rmse_kpa": [1.0, 0.1], "test_rmse_kpa": 1.0}
+ONES = dict.fromkeys(NAMES, PRINTED)
 PUBLISHED = {
     "table_2_models": ONES,
     "table_3_reversed": ONES,
@@ -131,7 +132,11 @@ def test_rigs_side_by_side_are_judged_on_the_deciding_seeds(reports_of, judged_s
     np.testing.assert_allclose(found, [[0.1, 0.1, 18], [-0.2, -0.2, 18]])
     page = Path(written["md"]).read_text()
     assert "over 3 seeds" in page
-    assert "verdicts of the first 2 seeds" in page
+    assert "are those of the first 2 seeds" in page
+    (off,) = (line for line in page.splitlines() if "errors of single seeds" in line)
+    assert [cell.strip() for cell in off.split("|")[3:5]] == [
+        f"{100 * np.log(1.1):.0f} % (rms)", f"{-100 * np.log(0.8):.0f} % (rms)"
+    ]  # fmt: skip
     (row,) = (line for line in page.splitlines() if line.startswith("| C2: lowest"))
     assert [cell.strip() for cell in row.split("|")[3:5]] == [
         "reproduced (predicted)", "reproduced (fitted)"
