@@ -28,33 +28,22 @@ if "readme" not in PLAN.unavailable:
 
 rule calibration_page:
     input:
-        fit=lambda wildcards: rig_file(SETTINGS["fitted"]["name"]).with_suffix(".json"),
-        seeds=[path.replace(".md", ".csv") for path in PLAN.seeds_tables[:2]],
         pages=[
-            PLAN.seeds_tables[2],
             PATHS.below("rigs/answer.md"),
             PATHS.below("rigs/rigs.md"),
-            PATHS.below("rigs/searches.md"),
             PATHS.below("ensemble/claims.md"),
             PATHS.below("posterior/claims.md"),
             PATHS.below("posterior/history.md"),
-            PATHS.below("calibration/sensitivity.md"),
             PATHS.below("calibration/targets.md"),
         ],
         figures=[
             PATHS.below(f"{name}.png")
-            for name in (
-                "ensemble/claims",
-                "posterior/claims",
-                "rigs/front",
-                "calibration/channels",
-            )
+            for name in ("ensemble/claims", "posterior/claims", "calibration/channels")
         ],
         made_from=[
             *CHUNK_FILES,
             *MEMBER_FILES,
             PATHS.below("ensemble/summary.json"),
-            PATHS.below("calibration/sensitivity.json"),
             *PLAN.replicates("models", TARGET_NAMES),
             *PLAN.replicates("control", TARGET_NAMES),
         ],
@@ -62,14 +51,32 @@ rule calibration_page:
         PATHS.messages("calibration_page"),
     localrule: True
     params:
-        **stage("documents.update_calibration_page"),
+        **stage("documents.update_tables"),
         page="docs/calibration.md",
-        pictures=[
-            f"docs/images/{name}.png" for name in ("ensemble", "posterior", "front", "channels")
-        ],
-        rig=SETTINGS["rig"],
+        pictures=[f"docs/images/{name}.png" for name in ("ensemble", "posterior", "channels")],
     message:
         "docs/calibration.md: numbers and pictures from the results"
+    script:
+        "../scripts/stage.py"
+
+
+rule search_page:
+    input:
+        fit=lambda wildcards: rig_file(SETTINGS["fitted"]["name"]).with_suffix(".json"),
+        pages=[PATHS.below("rigs/searches.md"), PATHS.below("calibration/sensitivity.md")],
+        figure=PATHS.below("rigs/front.png"),
+        made_from=PATHS.below("calibration/sensitivity.json"),
+    log:
+        PATHS.messages("search_page"),
+    localrule: True
+    threads: workflow.cores  # alone: repeats_page writes this page too
+    params:
+        **stage("documents.update_search_page"),
+        page="docs/search.md",
+        picture="docs/images/front.png",
+        rig=SETTINGS["rig"],
+    message:
+        "docs/search.md: numbers and picture from the results"
     script:
         "../scripts/stage.py"
 
@@ -80,12 +87,12 @@ rule repeats_page:
     log:
         PATHS.messages("repeats_page"),
     localrule: True
-    threads: workflow.cores  # alone: calibration_page writes this page too
+    threads: workflow.cores  # alone: search_page writes this page too
     params:
         **stage("documents.update_tables"),
-        page="docs/calibration.md",
+        page="docs/search.md",
     message:
-        "docs/calibration.md: repeats of the fit"
+        "docs/search.md: repeats of the fit"
     script:
         "../scripts/stage.py"
 

@@ -66,28 +66,25 @@ def update_readme(
     update_picture(figure, picture=picture)
 
 
-def update_calibration_page(
+def update_search_page(
     fit: str,
-    seeds: Sequence[str],
     pages: Sequence[str],
-    figures: Sequence[str],
+    figure: str,
     *,
     page: str,
-    pictures: Sequence[str],
+    picture: str,
     rig: Mapping[str, Any],
 ) -> None:
-    """Replace the generated blocks of docs/calibration.md, and its pictures.
+    """Replace the generated blocks of docs/search.md, and its picture.
 
     Parameters
     ----------
     fit : str
         Summary of the calibration, JSON.
-    seeds : sequence of str
-        Tables II and III over further seeds, CSV.
     pages : sequence of str
-        Tables of the rigs, of the sensitivity, of the targets, and Table IV over seeds.
-    figures, pictures : sequence of str
-        Figures of the results, and their copies in docs.
+        Tables; a block is named after folder and file.
+    figure, picture : str
+        Figure of the results, and its copy in docs.
     rig : Mapping
         The rig of the configuration.
 
@@ -102,19 +99,25 @@ def update_calibration_page(
             f"{fit} belongs to another rig than the configuration; put both files of one "
             "calibration into config/rigs"
         )
-    blocks = _tables(pages) | {
-        "fit": _fit(summary),
-        "properties": _properties(summary),
-        "deviations": _deviations(seeds),
-    }
-    _update(page, blocks)
-    for figure, picture in zip(figures, pictures, strict=True):
-        update_picture(figure, picture=picture)
+    _update(page, _tables(pages) | {"fit": _fit(summary), "properties": _properties(summary)})
+    update_picture(figure, picture=picture)
 
 
-def update_tables(pages: Sequence[str], *, page: str) -> None:
-    """Replace the generated blocks of a page that are tables, each named after folder and file."""
+def update_tables(
+    pages: Sequence[str], figures: Sequence[str] = (), *, page: str, pictures: Sequence[str] = ()
+) -> None:
+    """Replace the generated blocks of a page that are tables, and its pictures.
+
+    Parameters
+    ----------
+    pages : sequence of str
+        Tables; a block is named after folder and file.
+    figures, pictures : sequence of str
+        Figures of the results, and their copies in docs.
+    """
     _update(page, _tables(pages))
+    for figure, copy in zip(figures, pictures, strict=True):
+        update_picture(figure, picture=copy)
 
 
 def update_picture(figure: str, *, picture: str) -> None:
