@@ -137,7 +137,12 @@ def tables_of_repeats(wildcards):
 
 def of_repeats(part, table):
     """Return the reports of a table's seeds, those of one repeat of the fit after another."""
-    test = tests_of_repeats()[table]
+    tests = tests_of_repeats()
+    if table not in tests:
+        raise WorkflowError(
+            f"{REPEATS}: {table} needs the repeats whose spread it takes; restore them"
+        )
+    test = tests[table]
     return [
         PATHS.below(f"rigs/{rig}/{part}_{seed}.json") for rig in test.rigs for seed in test.seeds
     ]

@@ -223,14 +223,18 @@ def _lowers_training(setting: str, results: Results, published: Mapping[str, Any
     )
 
 
-def _chosen(scores: np.ndarray) -> np.ndarray:
-    """Return the column of the highest mean score over the other rows, for each row.
+def _halves(errors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the rows, one per seed, that choose a setting, and those that judge it.
 
-    A seed that also took part in the choice would favour the column that is chosen. A single row
-    has no others, and chooses for itself.
+    A seed that did both would favour the setting that is chosen. A single seed has to do both.
     """
-    others = scores.sum(axis=0) - scores if len(scores) > 1 else scores
-    return others.argmax(axis=1)
+    half = len(errors) // 2
+    return errors[:half] if half else errors, errors[half:]
+
+
+def _over_halves(results: Results, what: str) -> str:
+    chooses, judges = _halves(np.asarray(results.grids, dtype=object))
+    return f"{over_seeds(judges.tolist())}; {what} is chosen on {len(chooses)} others"
 
 
 def _not_monotonic(results: Results, published: Mapping[str, Any]) -> Finding:
@@ -238,18 +242,15 @@ def _not_monotonic(results: Results, published: Mapping[str, Any]) -> Finding:
     for setting in ("epsilon", "n_c"):
         errors = _cells(results, setting, "fprc", "test_rmse_kpa")
         steps, sizes = np.diff(np.log(errors), axis=1), _sizes(results, setting)
-        for where, low, high in (
-            (_chosen(steps), 1.0, math.inf),
-            (_chosen(-steps), -math.inf, 1.0),
+        choosing, judging = _halves(steps)
+        mean = choosing.mean(axis=0)
+        for i, low, high in (
+            (int(mean.argmax()), 1.0, math.inf),
+            (int(mean.argmin()), -math.inf, 1.0),
         ):
-            named = " or ".join(f"{sizes[i + 1]:g} / {sizes[i]:g}" for i in np.unique(where))
-            own = np.exp(steps[np.arange(len(steps)), where])
-            statements.append(Statement(f"test at {setting} {named}", own, low, high))
-    return Finding(
-        "test is not monotonic",
-        statements,
-        f"{over_seeds(results.grids)}; each seed's step is chosen on the others",
-    )
+            text = f"test at {setting} {sizes[i + 1]:g} / {sizes[i]:g}"
+            statements.append(Statement(text, np.exp(judging[:, i]), low, high))
+    return Finding("test is not monotonic", statements, _over_halves(results, "the step"))
 
 
 def _times_over_rules(results: Results, published: Mapping[str, Any]) -> Finding:
@@ -300,16 +301,19 @@ def _medium_n_u(results: Results, published: Mapping[str, Any]) -> Finding:
             for found, each in grids
         ]
     )
-    best = 1 + _chosen(-np.log(errors[:, 1:-1]))
-    named = " or ".join(f"{sizes[i]:g}" for i in np.unique(best))
-    own = errors[np.arange(len(errors)), best]
+    choosing, judging = _halves(errors)
+    best = 1 + int(choosing.mean(axis=0)[1:-1].argmin())
     return Finding(
         "a medium n_u",
         [
-            Statement(f"test at n_u {named} / {sizes[end]:g}", own / errors[:, end], high=1.0)
+            Statement(
+                f"test at n_u {sizes[best]:g} / {sizes[end]:g}",
+                judging[:, best] / judging[:, end],
+                high=1.0,
+            )
             for end in (0, -1)
         ],
-        f"{over_seeds(results.grids)}, means over n_y; each seed's n_u is chosen on the others",
+        f"{_over_halves(results, 'n_u')}, means over n_y",
     )
 
 

@@ -29,12 +29,15 @@ def landing_tests(fitted_on: Mapping[str, Sequence[int]]) -> dict[str, LandingTe
     Parameters
     ----------
     fitted_on : Mapping
-        Seeds of each repeat, by its name. Those with fewer seeds than the repeats that give the
-        spread come from an older set-up and are not in the second test.
+        Seeds of each repeat, by its name.
+
+    Returns
+    -------
+    dict
+        ``repeats``, by the first limits; and ``spread``, by the spread of four repeats, if these
+        are there. Repeats with fewer seeds than the four are not in ``spread``.
     """
-    tests = {}
-    if fitted_on:
-        tests["repeats"] = LandingTest(tuple(fitted_on), _FIRST_SEEDS, _FIRST_LIMITS)
+    tests = {"repeats": LandingTest(tuple(fitted_on), _FIRST_SEEDS, _FIRST_LIMITS)}
     if fitted_on.keys() >= set(_SPREAD_OF):
         least = min(len(fitted_on[name]) for name in _SPREAD_OF)
         rigs = tuple(name for name, seeds in fitted_on.items() if len(seeds) >= least)

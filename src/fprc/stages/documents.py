@@ -230,7 +230,8 @@ def _outcome(judged: Mapping[str, Any]) -> str:
     return (
         f"**Of the paper's {verdicts.sum()} claims and parts of claims, on the simulated rig: "
         f"{counts}.** Of those reproduced, {held['rig'].str.contains('fitted').sum()} were fitted "
-        f"at least in part, and {len(predicted)} are predictions{named}.{decided}{seeds}"
+        f"at least in part, {len(predicted)} are called predicted{named}, and the others are "
+        f"assumed or about execution times.{decided}{seeds}"
     )
 
 

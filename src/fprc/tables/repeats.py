@@ -77,12 +77,9 @@ def numbers_of_repeat(
 
 def _over_print(models: Sequence[Mapping[str, Any]], published: Mapping[str, Any]) -> np.ndarray:
     """Return the 18 errors of Tables II and III over the printed ones, shape (seeds, 18)."""
-    errors = pd.concat([samples(models, published, log) for log in PRINTED], keys=PRINTED)
-    errors = errors.dropna(subset="published_mean")
-    ratios = errors["value"] / errors["published_mean"]
-    return ratios.to_numpy()[np.argsort(errors["replicate"], kind="stable")].reshape(
-        len(models), -1
-    )
+    errors = pd.concat([samples(models, published, log) for log in PRINTED])
+    errors = errors.dropna(subset="published_mean").sort_values("replicate", kind="stable")
+    return (errors["value"] / errors["published_mean"]).to_numpy().reshape(len(models), -1)
 
 
 def upper_end(values: Sequence[float]) -> float:

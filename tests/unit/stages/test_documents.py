@@ -150,7 +150,7 @@ def test_readme_counts_the_verdicts(project):
     update(project)
     text = (project / "README.md").read_text(encoding="utf-8")
     assert "claims, on the simulated rig: 1 reproduced, 1 undecided.**" in text
-    assert "1 were fitted at least in part, and 0 are predictions." in text
+    assert "1 were fitted at least in part, 0 are called predicted," in text
     assert "by 45 % at most" in text
     assert "up to 20 % in open loop, and by up to 50 % in closed loop" in text
     assert "Reversed." in text
