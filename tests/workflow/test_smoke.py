@@ -219,8 +219,9 @@ def test_repeat_is_judged_like_the_rig_whose_reports_it_has(calibrated):
     own = rigs[(rigs["rig"] == "viscous") & ~rigs["number"].str.startswith("Table IV")]
     assert repeat["rig"] == "again"
     assert repeat["seeds"] == 10
-    assert repeat["median"] == pytest.approx(own["deviation"].abs().median())
-    assert repeat["largest"] == pytest.approx(own["deviation"].abs().max())
+    # six digits in the tables
+    assert repeat["median"] == pytest.approx(own["deviation"].abs().median(), rel=1e-4)
+    assert repeat["largest"] == pytest.approx(own["deviation"].abs().max(), rel=1e-4)
     assert repeat["lands"].startswith("no: ")  # small settings are far off print
 
 
