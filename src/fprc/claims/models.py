@@ -233,8 +233,9 @@ def _halves(errors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _over_halves(results: Results, what: str) -> str:
-    chooses, judges = _halves(np.asarray(results.grids, dtype=object))
-    return f"{over_seeds(judges.tolist())}; {what} is chosen on {len(chooses)} others"
+    half = len(results.grids) // 2
+    chooses = f"the first {half}" if half else "the same one"
+    return f"{over_seeds(results.grids[half:])}; {what} is chosen on {chooses}"
 
 
 def _not_monotonic(results: Results, published: Mapping[str, Any]) -> Finding:

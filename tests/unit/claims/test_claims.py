@@ -646,7 +646,7 @@ def test_ledger_says_how_many_seeds_a_verdict_stands_on(ideal):
     basis = {row["id"]: row["basis"] for row in judged(ideal)}
     timed, halved = {"C5", "C6", "C10"}, {"C9c", "C12c"}
     assert all("3 seeds" in basis[claim] for claim in set(basis) - timed - halved)
-    assert all("2 seeds" in basis[claim] and "on 1 others" in basis[claim] for claim in halved)
+    assert all("2 seeds" in basis[claim] and "on the first 1" in basis[claim] for claim in halved)
     assert all("main run" in basis[claim] for claim in timed)
 
 
