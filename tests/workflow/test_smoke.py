@@ -179,6 +179,7 @@ def test_smoke_touches_every_rule(smoked, calibrated):
         "ensemble/claims.csv",
         "ensemble/claims.pdf",
         "posterior/claims.csv",
+        "posterior/worth.csv",
         "calibration/sensitivity.csv",
         "calibration/targets.csv",
         "calibration/fit.json",

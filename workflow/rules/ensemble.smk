@@ -154,6 +154,23 @@ rule shares_table:
         "../scripts/stage.py"
 
 
+rule worth_table:
+    input:
+        summary=PATHS.below("{set}/summary.json"),
+    output:
+        **PATHS.table("{set}/worth"),
+    log:
+        PATHS.messages("{set}_worth"),
+    wildcard_constraints:
+        set="|".join(SETS),
+    params:
+        **stage("tabulate.tabulate_worth"),
+    message:
+        "Share of rigs on which P_o is worth more than a low-pass: {wildcards.set}"
+    script:
+        "../scripts/stage.py"
+
+
 rule shares_figure:
     input:
         summary=PATHS.below("{set}/summary.json"),
@@ -184,6 +201,7 @@ rule posterior:
     input:
         PATHS.below("posterior/claims.md"),
         PATHS.below("posterior/claims.pdf"),
+        PATHS.below("posterior/worth.md"),
         PATHS.below("posterior/history.md"),
         PATHS.below("posterior/summary.json"),
         MEMBER_FILES,

@@ -33,6 +33,7 @@ rule calibration_page:
             PATHS.below("rigs/rigs.md"),
             PATHS.below("ensemble/claims.md"),
             PATHS.below("posterior/claims.md"),
+            PATHS.below("posterior/worth.md"),
             PATHS.below("posterior/history.md"),
             PATHS.below("calibration/targets.md"),
         ],

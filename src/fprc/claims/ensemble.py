@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from scipy.stats import binomtest, rankdata, t
+from scipy.stats import binomtest, fisher_exact, rankdata, t
 
 from fprc.claims.finding import REPRODUCED
 
@@ -15,6 +15,9 @@ from fprc.claims.finding import REPRODUCED
 JUDGED_BY_RIG = (
     "C1", "C2", "C3", "C4a", "C4b", "C7", "C8", "C13a", "C13b", "C14", "C15", "C18a", "C18b",
 )  # fmt: skip
+
+#: Claims of the paper that ask for dry friction: the worth of P_o is also given on rigs with these.
+CONDITIONS: tuple[tuple[str, ...], ...] = ((), ("C8",), ("C18a",), ("C8", "C18a"))
 
 
 def shares_of(
@@ -48,21 +51,66 @@ def shares_of(
     rows = []
     for claim in claims:
         held = held_by[claim["id"]]
-        interval = binomtest(int(held.sum()), held.size).proportion_ci(level, method="wilson")
         rows.append(
             {
                 "id": claim["id"],
                 "claim": claim["text"],
-                "holds": int(held.sum()),
-                "rigs": held.size,
-                "share": float(held.mean()),
-                "low": float(interval.low),
-                "high": float(interval.high),
+                **_share(held, level),
                 "correlations": correlations[claim["id"]],
                 "least_significant": limit,
             }
         )
     return rows
+
+
+def worth_given(
+    verdicts: Sequence[Mapping[str, str]], ratios: Sequence[float], level: float = 0.95
+) -> list[dict[str, Any]]:
+    """Return how often C4b holds on all rigs, and on those on which other claims hold too.
+
+    Parameters
+    ----------
+    verdicts : sequence of mapping
+        Verdict by claim, of each rig.
+    ratios : sequence of float
+        FPRC's test RMSE over that of the same model on low-passed theta_d, of each rig.
+
+    Returns
+    -------
+    list of dict
+        One for each of ``CONDITIONS`` that a rig meets: ``given`` (the claims), ``holds``,
+        ``rigs``, ``share``, ``low``, ``high``; ``ratio``: median, 2.5 and 97.5 % quantile;
+        ``p``: of Fisher's exact test, two-sided, between the rigs that meet it and the others
+        (1 if there are no others).
+    """
+    held = np.array([rig["C4b"] == REPRODUCED for rig in verdicts])
+    values = np.asarray(ratios)
+    rows = []
+    for names in CONDITIONS:
+        meets = np.array([all(rig[name] == REPRODUCED for name in names) for rig in verdicts])
+        if not meets.any():
+            continue
+        counts = [[np.sum(part & held), np.sum(part & ~held)] for part in (meets, ~meets)]
+        rows.append(
+            {
+                "given": list(names),
+                **_share(held[meets], level),
+                "ratio": np.quantile(values[meets], (0.5, 0.025, 0.975)).tolist(),
+                "p": float(fisher_exact(counts).pvalue),
+            }
+        )
+    return rows
+
+
+def _share(held: np.ndarray, level: float) -> dict[str, Any]:
+    interval = binomtest(int(held.sum()), held.size).proportion_ci(level, method="wilson")
+    return {
+        "holds": int(held.sum()),
+        "rigs": held.size,
+        "share": float(held.mean()),
+        "low": float(interval.low),
+        "high": float(interval.high),
+    }
 
 
 def _correlations(held: np.ndarray, values: np.ndarray, names: Sequence[str]) -> dict[str, float]:

@@ -10,7 +10,7 @@ import pandas as pd
 
 from fprc.artifacts import read_json, write_json
 from fprc.calibration.objective import errors_of, printed_errors
-from fprc.claims.ensemble import JUDGED_BY_RIG, shares_of
+from fprc.claims.ensemble import JUDGED_BY_RIG, shares_of, worth_given
 from fprc.claims.finding import Results
 from fprc.claims.ledger import TIMED, judge_claims, parts_of, status_of
 from fprc.errors import FprcError
@@ -240,6 +240,7 @@ def summarise_rigs(
             "draws": sum(rig.get("draws", 0) for rig in rigs),
             "deviation": _rms_deviation([rig["compared"] for rig in good], printed),
             "worth": np.quantile(worth, (0.5, 0.025, 0.975)).tolist(),
+            "worth_given": worth_given(verdicts, worth),
             "claims": [
                 {**row, "rig": status_of(row["id"], terms)}
                 for row in shares_of(claims, verdicts, parameters)

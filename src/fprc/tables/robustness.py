@@ -53,6 +53,41 @@ def ensemble_page(table: pd.DataFrame) -> pd.DataFrame:
     )
 
 
+def worth(summary: Mapping[str, Any]) -> pd.DataFrame:
+    """How often P_o is worth more than a low-pass, on all rigs and on some, tidy.
+
+    ``verdict`` is *yes* or *no* if the interval of the share lies above or below one half.
+    """
+    return pd.DataFrame(
+        {
+            "given": " and ".join(row["given"]) or "all rigs",
+            **{key: row[key] for key in ("holds", "rigs", "share", "low", "high")},
+            "verdict": "yes" if row["low"] > 0.5 else "no" if row["high"] < 0.5 else "undecided",
+            **dict(zip(("ratio", "ratio_low", "ratio_high"), row["ratio"], strict=True)),
+            "p": row["p"],
+            "source": summary["source"],
+        }
+        for row in summary["worth_given"]
+    )
+
+
+def worth_page(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the table of P_o's worth as a page."""
+    return pd.DataFrame(
+        {
+            "Rigs on which these hold": row.given,
+            "C4b holds on": f"{row.holds} of {row.rigs}",
+            "Share, 95 % interval": f"{100 * row.share:.0f} % "
+            f"({100 * row.low:.0f} to {100 * row.high:.0f})",
+            "On more than half?": row.verdict,
+            "Ratio, median and 95 % of the rigs": f"{row.ratio:.2f} "
+            f"({row.ratio_low:.2f} to {row.ratio_high:.2f})",
+            "p against the other rigs": "-" if row.given == "all rigs" else f"{row.p:.2g}",
+        }
+        for row in table.itertuples()
+    )
+
+
 def sensitivity(report: Mapping[str, Any]) -> pd.DataFrame:
     """Errors of the models with one parameter changed, relative to the fitted rig's, tidy.
 

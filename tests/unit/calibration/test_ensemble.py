@@ -438,6 +438,19 @@ def test_summary_correlates_claims_with_the_parameters_of_their_rigs(summarise, 
     assert list(found) == PATHS or found == {}
 
 
+def test_summary_gives_the_worth_of_p_o_with_all_rigs_first(summarise, rigs):
+    found = summarise(rigs)
+    (share,) = [row for row in found["claims"] if row["id"] == "C4b"]
+    everything, *given = found["worth_given"]
+    assert {key: everything[key] for key in ("holds", "rigs", "share", "low", "high")} == {
+        key: share[key] for key in ("holds", "rigs", "share", "low", "high")
+    }
+    assert everything["ratio"] == found["worth"]
+    holds = {row["id"]: row["holds"] for row in found["claims"]}
+    alone = {row["given"][0]: row["rigs"] for row in given if len(row["given"]) == 1}
+    assert alone == {name: holds[name] for name in ("C8", "C18a") if holds[name]}
+
+
 def test_order_of_the_chunks_does_not_matter(summarise, rigs):
     found = [summarise(rigs[:2], rigs[2:]), summarise(rigs[2:], rigs[:2])]
     for one, other in zip(*(report.pop("claims") for report in found), strict=True):

@@ -5,10 +5,10 @@ import pytest
 import yaml
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.stats import norm, spearmanr, t
+from scipy.stats import hypergeom, norm, spearmanr, t
 
 from fprc import config
-from fprc.claims.ensemble import JUDGED_BY_RIG, shares_of
+from fprc.claims.ensemble import CONDITIONS, JUDGED_BY_RIG, shares_of, worth_given
 from fprc.claims.ledger import parts_of
 
 PUBLISHED = yaml.safe_load(config.PUBLISHED.read_text(encoding="utf-8"))
@@ -177,3 +177,45 @@ def scaled(rows):
     """Return rows of mean 0 and of length 1."""
     away = rows - rows.mean(axis=2, keepdims=True)
     return away / np.linalg.norm(away, axis=2, keepdims=True)
+
+
+# --- worth of P_o, given other claims -------------------------------------------------------------
+
+
+def rig_with(*held):
+    return {name: VERDICTS[name in held] for name in ("C4b", "C8", "C18a")}
+
+
+def row_given(rows, *names):
+    (row,) = [row for row in rows if row["given"] == list(names)]
+    return row
+
+
+def test_worth_is_counted_on_the_rigs_on_which_the_other_claims_hold():
+    rigs = [
+        rig_with("C4b", "C8"), rig_with("C4b", "C8", "C18a"), rig_with("C8"), rig_with("C18a"),
+        rig_with("C4b"), rig_with(), rig_with(),
+    ]  # fmt: skip
+    rows = worth_given(rigs, [0.5, 0.6, 1.5, 1.2, 0.9, 1.1, 1.3])
+    assert [tuple(row["given"]) for row in rows] == list(CONDITIONS)
+    assert [(row["holds"], row["rigs"]) for row in rows] == [(3, 7), (2, 3), (1, 2), (1, 1)]
+    assert [row["ratio"][0] for row in rows] == [1.1, 0.6, pytest.approx(0.9), 0.6]
+    row = row_given(rows, "C8")
+    assert (row["low"], row["high"]) == pytest.approx(wilson(2, 3, 0.95))
+    assert row["ratio"] == pytest.approx([0.6, 0.505, 1.455])
+
+
+@given(st.lists(st.tuples(st.booleans(), st.booleans()), min_size=1, max_size=60))
+def test_p_is_the_chance_of_a_table_at_least_as_unlikely(rigs):
+    verdicts = [rig_with(*(["C4b"] * worth), *(["C8"] * equal)) for worth, equal in rigs]
+    rows = worth_given(verdicts, [1.0] * len(rigs))
+    met = [row for row in rows if row["given"] == ["C8"]]
+    meets = sum(equal for _, equal in rigs)
+    assert len(met) == (meets > 0)
+    if met:
+        holds = sum(worth for worth, _ in rigs)
+        possible = hypergeom(len(rigs), holds, meets).pmf(np.arange(meets + 1))
+        seen = sum(worth and equal for worth, equal in rigs)
+        expected = possible[possible <= possible[seen] * (1 + 1e-7)].sum()
+        assert met[0]["p"] == pytest.approx(min(expected, 1.0), rel=1e-6)
+    assert row_given(rows)["p"] == 1.0

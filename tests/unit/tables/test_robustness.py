@@ -26,6 +26,8 @@ from fprc.tables.robustness import (
     sensitivity_page,
     targets,
     targets_page,
+    worth,
+    worth_page,
 )
 from fprc.tables.text import read_markdown
 
@@ -78,6 +80,13 @@ def correlations(*first):
     return dict(zip(PATHS, values, strict=True))
 
 
+def given(names, holds, rigs, low, high, p):
+    return {
+        "given": list(names), "holds": holds, "rigs": rigs, "share": holds / rigs,
+        "low": low, "high": high, "ratio": [0.9, 0.7, 1.2], "p": p,
+    }  # fmt: skip
+
+
 def make_summary():
     """Return the summary of an ensemble in which one claim holds on all rigs and one on none."""
     named = {
@@ -96,6 +105,11 @@ def make_summary():
         "drawn": "rigs that were drawn",
         "deviation": 0.14,
         "worth": [0.9, 0.7, 1.2],
+        "worth_given": [
+            given((), 19, 38, 0.35, 0.65, 1.0),
+            given(("C8",), 9, 10, 0.6, 0.98, 0.012),
+            given(("C8", "C18a"), 0, 5, 0.0, 0.43, 0.056),
+        ],
         "claims": [
             claim(name, *named.get(name, (25, correlations(-0.6)))) for name in JUDGED_BY_RIG
         ],
@@ -136,6 +150,22 @@ def test_claim_that_all_rigs_agree_on_is_decided_by_nothing(summary, name):
     assert (row["decided_by"], row["strongest"]) == ("", "")
 
 
+def test_worth_is_decided_where_its_interval_excludes_one_half(summary):
+    table = worth(summary)
+    assert table["given"].tolist() == ["all rigs", "C8", "C8 and C18a"]
+    assert table["verdict"].tolist() == ["undecided", "yes", "no"]
+    assert table[["ratio", "ratio_low", "ratio_high"]].to_numpy().tolist() == [[0.9, 0.7, 1.2]] * 3
+    assert not table.isna().any(axis=None)
+
+
+def test_page_of_the_worth_is_what_a_person_reads(summary):
+    rows = worth_page(worth(summary)).to_numpy().tolist()
+    assert rows[0] == [
+        "all rigs", "19 of 38", "50 % (35 to 65)", "undecided", "0.90 (0.70 to 1.20)", "-",
+    ]  # fmt: skip
+    assert rows[1] == ["C8", "9 of 10", "90 % (60 to 98)", "yes", "0.90 (0.70 to 1.20)", "0.012"]
+
+
 def test_page_of_the_ensemble_is_what_a_person_reads(summary):
     page = ensemble_page(ensemble(summary)).set_index("Claim")
     assert has_no_gap(page)
@@ -156,6 +186,16 @@ def test_files_of_the_ensemble_say_what_it_is(summary, tmp_path):
     assert page["Claim"].tolist() == list(JUDGED_BY_RIG)
     assert len(csv.splitlines()) == 1 + len(JUDGED_BY_RIG)
     assert r"50 \%" in tex
+
+
+def test_files_of_the_worth_share_the_risk_of_chance_among_the_tests(summary, tmp_path):
+    write_json(tmp_path / "summary.json", summary)
+    csv, md, tex = write(tabulate.tabulate_worth, tmp_path, str(tmp_path / "summary.json"))
+    note, page = read_markdown(md)
+    assert "simulated rigs" in note
+    assert "below 0.025" in note
+    assert len(page) == len(csv.splitlines()) - 1 == 3
+    assert r"90 \% (60 to 98)" in tex
 
 
 # --- sensitivity ----------------------------------------------------------------------------------
