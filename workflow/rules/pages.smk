@@ -15,6 +15,7 @@ if "readme" not in PLAN.unavailable:
         log:
             PATHS.messages("readme"),
         localrule: True
+        threads: workflow.cores  # alone: beyond_page writes README.md too
         params:
             **stage("documents.update_readme"),
             readme="README.md",
@@ -151,6 +152,7 @@ rule beyond_page:
     log:
         PATHS.messages("beyond_page"),
     localrule: True
+    threads: workflow.cores  # alone: readme writes README.md too
     params:
         **stage("documents.update_beyond_page"),
         readme="README.md",
