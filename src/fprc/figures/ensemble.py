@@ -46,15 +46,19 @@ def plot_front(table: DataFrame, ax: Axes) -> Axes:
         front, end = (own[own["kind"] == kind] for kind in ("front", "end"))
         grey = str(0.7 * number / max(searches - 1, 1))
         ax.step(front[x], front[y], "-", where="post", color=grey, linewidth=0.8)
-        label = f"{name}, {own['rigs'].iloc[0]} rigs" if len(front) else name
-        ax.plot(end[x], end[y], _ENDS[number % len(_ENDS)], color=grey, label=label)
-    ax.set_yscale("symlog", linthresh=10.0)
+        symbol = {"color": grey, "marker": _ENDS[number % len(_ENDS)], "linewidth": 0.8}
+        ax.plot(end[x], end[y], **symbol, linestyle="none")
+        if len(front):
+            label = f"{name}, {own['rigs'].iloc[0]} rigs"
+            ax.plot([], [], **symbol, linestyle="-", label=label)
+        else:
+            ax.plot([], [], **symbol, linestyle="none", label=name)
     ax.set_ylim(bottom=0.0)
     ax.set(
         xlabel="Deviation of the errors of Tables II and III, rms [%]",
         ylabel="Claims, sum of squared misses",
     )
-    ax.legend(loc="lower left")
+    ax.legend(loc="lower left", bbox_to_anchor=(-0.03, 1.0), ncols=2)
     return ax
 
 
