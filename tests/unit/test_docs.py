@@ -37,6 +37,8 @@ TARGETS_ELSEWHERE = {
     "mine": "tests/workflow/test_extending.py",
     "dry_all": "tests/workflow/test_module.py",
 }
+#: Pages that Sphinx writes itself, over a page of the same name and without a warning.
+PAGES_OF_SPHINX = {"search", "genindex", "modindex", "py-modindex"}
 
 
 def commands_of(page):
@@ -125,3 +127,7 @@ def test_python_of_a_page_is_run_by_a_test_or_listed(page):
 @pytest.mark.parametrize("test", TARGETS_ELSEWHERE.values())
 def test_tests_that_are_named_here_exist(test):
     assert (ROOT / test).is_file()
+
+
+def test_no_page_has_the_name_of_one_that_sphinx_writes():
+    assert not PAGES_OF_SPHINX & {Path(page).stem for page in PAGES}

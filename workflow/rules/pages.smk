@@ -62,23 +62,23 @@ rule calibration_page:
         "../scripts/stage.py"
 
 
-rule search_page:
+rule searches_page:
     input:
         fit=lambda wildcards: rig_file(SETTINGS["fitted"]["name"]).with_suffix(".json"),
         pages=[PATHS.below("rigs/searches.md"), PATHS.below("calibration/sensitivity.md")],
         figure=PATHS.below("rigs/front.png"),
         made_from=PATHS.below("calibration/sensitivity.json"),
     log:
-        PATHS.messages("search_page"),
+        PATHS.messages("searches_page"),
     localrule: True
     threads: workflow.cores  # alone: repeats_page writes this page too
     params:
-        **stage("documents.update_search_page"),
-        page="docs/search.md",
+        **stage("documents.update_searches_page"),
+        page="docs/searches.md",
         picture="docs/images/front.png",
         rig=SETTINGS["rig"],
     message:
-        "docs/search.md: numbers and picture from the results"
+        "docs/searches.md: numbers and picture from the results"
     script:
         "../scripts/stage.py"
 
@@ -89,12 +89,12 @@ rule repeats_page:
     log:
         PATHS.messages("repeats_page"),
     localrule: True
-    threads: workflow.cores  # alone: search_page writes this page too
+    threads: workflow.cores  # alone: searches_page writes this page too
     params:
         **stage("documents.update_tables"),
-        page="docs/search.md",
+        page="docs/searches.md",
     message:
-        "docs/search.md: repeats of the fit"
+        "docs/searches.md: repeats of the fit"
     script:
         "../scripts/stage.py"
 

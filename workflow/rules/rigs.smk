@@ -1,6 +1,6 @@
 # Simulated rigs side by side: those that can be named, end points of searches, and repeats of the fit.
 
-#: Folders of the end points of searches, and of repeats of the fit, docs/search.md.
+#: Folders of the end points of searches, and of repeats of the fit, docs/searches.md.
 SEARCHES, REPEATS = Path("config/rigs/searches"), Path("config/rigs/repeats")
 #: Rigs that can be named, beside that of the configuration.
 OTHER_RIGS = {

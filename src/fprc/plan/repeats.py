@@ -86,7 +86,7 @@ def read_repeats(folder: Path, taken: Container[str] = ()) -> dict[str, list[int
             )
         fitted_on[rig.stem] = seeds
     if not (fitted_on or errors):
-        errors = [f"{folder}: no repeat of the fit there; see docs/search.md"]
+        errors = [f"{folder}: no repeat of the fit there; see docs/searches.md"]
     if errors:
         raise FprcError("\n".join(errors))
     return fitted_on

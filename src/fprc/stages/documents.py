@@ -17,6 +17,7 @@ from fprc.provenance import hash_of
 from fprc.registry import title_of
 from fprc.tables import beyond, scaling
 from fprc.tables.models import deviations
+from fprc.tables.text import three_digits
 
 log = logging.getLogger(__name__)
 
@@ -66,7 +67,7 @@ def update_readme(
     update_picture(figure, picture=picture)
 
 
-def update_search_page(
+def update_searches_page(
     fit: str,
     pages: Sequence[str],
     figure: str,
@@ -75,7 +76,7 @@ def update_search_page(
     picture: str,
     rig: Mapping[str, Any],
 ) -> None:
-    """Replace the generated blocks of docs/search.md, and its picture.
+    """Replace the generated blocks of docs/searches.md, and its picture.
 
     Parameters
     ----------
@@ -302,8 +303,8 @@ def _fit(fit: Mapping[str, Any]) -> str:
                 "Table": "II" if trained_on == "sweep" else "III",
                 "Model": title_of(model),
                 "RMSE": ERRORS["train_rmse" if phase == "train" else "test_rmse"],
-                "Paper [kPa]": f"{printed:.3g}",
-                "Fitted [kPa]": f"{printed * (1 + residual):.3g}",
+                "Paper [kPa]": three_digits(printed),
+                "Fitted [kPa]": three_digits(printed * (1 + residual)),
                 "Deviation": f"{100 * residual:+.1f} %",
             }
         )

@@ -106,7 +106,7 @@ def rigs_page(
         Root mean square of the logarithms of each seed's training and test errors over the printed
         ones, by rig.
     brief : bool
-        Leave out the single errors.
+        Leave out the single errors and the texts of the claims.
     """
     first = next(iter(errors))
     page = pd.DataFrame(
@@ -122,7 +122,9 @@ def rigs_page(
         ]
     claims = pd.DataFrame(
         {
-            "Number or claim": [f"{row['id']}: {row['claim']}" for row in ledgers[first]],
+            "Number or claim": [
+                row["id"] if brief else f"{row['id']}: {row['claim']}" for row in ledgers[first]
+            ],
             "Paper": "holds",
             **{
                 f"Rig {name}": [f"{row['verdict']} ({row['rig']})" for row in ledger]

@@ -91,6 +91,7 @@ def test_brief_page_sums_the_errors_up(table):
         "13 % (rms)", f"{100 * off.median():.0f} %", f"{100 * off.max():.0f} %"
     ]  # fmt: skip
     assert len(page) == 6 + 1
+    assert page["Number or claim"].iloc[-1] == "C8"
 
 
 def test_answer_says_what_the_reservoir_is_worth_on_each_rig_and_set(table):
