@@ -117,6 +117,21 @@ rule posterior_history:
         "../scripts/stage.py"
 
 
+rule posterior_worth:
+    input:
+        summary=PATHS.below("posterior/summary.json"),
+    output:
+        **PATHS.table("posterior/worth"),
+    log:
+        PATHS.messages("posterior_worth"),
+    params:
+        **stage("tabulate.tabulate_worth"),
+    message:
+        "Posterior: how often P_o is worth more than a low-pass, also where other claims hold"
+    script:
+        "../scripts/stage.py"
+
+
 rule rigs_summary:
     input:
         published=PUBLISHED,
@@ -150,23 +165,6 @@ rule shares_table:
         **stage("tabulate.tabulate_ensemble"),
     message:
         "Share of rigs on which each claim holds: {wildcards.set}, table"
-    script:
-        "../scripts/stage.py"
-
-
-rule worth_table:
-    input:
-        summary=PATHS.below("{set}/summary.json"),
-    output:
-        **PATHS.table("{set}/worth"),
-    log:
-        PATHS.messages("{set}_worth"),
-    wildcard_constraints:
-        set="|".join(SETS),
-    params:
-        **stage("tabulate.tabulate_worth"),
-    message:
-        "Share of rigs on which P_o is worth more than a low-pass: {wildcards.set}"
     script:
         "../scripts/stage.py"
 

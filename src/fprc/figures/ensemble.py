@@ -33,7 +33,7 @@ def plot_shares_of_rigs(table: DataFrame, ax: Axes) -> Axes:
 
 
 def plot_front(table: DataFrame, ax: Axes) -> Axes:
-    """Draw the fronts between tables and claims, a line and an end point per search.
+    """Draw the end point of each search, and its front between tables and claims if it is known.
 
     Parameters
     ----------
@@ -46,13 +46,12 @@ def plot_front(table: DataFrame, ax: Axes) -> Axes:
         front, end = (own[own["kind"] == kind] for kind in ("front", "end"))
         grey = str(0.7 * number / max(searches - 1, 1))
         ax.step(front[x], front[y], "-", where="post", color=grey, linewidth=0.8)
-        symbol = {"color": grey, "marker": _ENDS[number % len(_ENDS)], "linewidth": 0.8}
-        ax.plot(end[x], end[y], **symbol, linestyle="none")
-        if len(front):
-            label = f"{name}, {own['rigs'].iloc[0]} rigs"
-            ax.plot([], [], **symbol, linestyle="-", label=label)
-        else:
-            ax.plot([], [], **symbol, linestyle="none", label=name)
+        marker = _ENDS[number % len(_ENDS)]
+        ax.plot(end[x], end[y], marker, color=grey)
+        # without points: the legend has a line only where the front is known
+        label = f"{name}, {own['rigs'].iloc[0]} rigs" if len(front) else name
+        look = f"{marker}-" if len(front) else marker
+        ax.plot([], [], look, color=grey, linewidth=0.8, label=label)
     ax.set_ylim(bottom=0.0)
     ax.set(
         xlabel="Deviation of the errors of Tables II and III, rms [%]",

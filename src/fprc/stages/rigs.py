@@ -40,7 +40,7 @@ def compare_rigs(
     deciding: int,
     brief: bool = False,
 ) -> None:
-    """Write the table of the rigs; with ``brief``, its page summarises the errors.
+    """Write the table of the rigs; with ``brief``, its page has sums of the errors only.
 
     Parameters
     ----------

@@ -60,29 +60,41 @@ def worth(summary: Mapping[str, Any]) -> pd.DataFrame:
     """
     return pd.DataFrame(
         {
-            "given": " and ".join(row["given"]) or "all rigs",
+            "given": " and ".join(row["given"]),
             **{key: row[key] for key in ("holds", "rigs", "share", "low", "high")},
-            "verdict": "yes" if row["low"] > 0.5 else "no" if row["high"] < 0.5 else "undecided",
+            "verdict": _side_of_one_half(row["low"], row["high"]),
             **dict(zip(("ratio", "ratio_low", "ratio_high"), row["ratio"], strict=True)),
             "p": row["p"],
+            "matters": {True: "yes", False: "no", None: ""}[row["matters"]],
             "source": summary["source"],
         }
         for row in summary["worth_given"]
     )
 
 
+def _side_of_one_half(low: float | None, high: float | None) -> str:
+    if low is None or high is None:
+        return "undecided"
+    return "yes" if low > 0.5 else "no" if high < 0.5 else "undecided"
+
+
 def worth_page(table: pd.DataFrame) -> pd.DataFrame:
     """Return the table of P_o's worth as a page."""
     return pd.DataFrame(
         {
-            "Rigs on which these hold": row.given,
+            "Rigs": f"with {row.given}" if row.given else "all",
             "C4b holds on": f"{row.holds} of {row.rigs}",
             "Share, 95 % interval": f"{100 * row.share:.0f} % "
-            f"({100 * row.low:.0f} to {100 * row.high:.0f})",
+            f"({100 * row.low:.0f} to {100 * row.high:.0f})"
+            if row.rigs
+            else "-",
             "On more than half?": row.verdict,
-            "Ratio, median and 95 % of the rigs": f"{row.ratio:.2f} "
-            f"({row.ratio_low:.2f} to {row.ratio_high:.2f})",
-            "p against the other rigs": "-" if row.given == "all rigs" else f"{row.p:.2g}",
+            "Ratio, median (smallest to largest)": f"{row.ratio:.2f} "
+            f"({row.ratio_low:.2f} to {row.ratio_high:.2f})"
+            if row.rigs
+            else "-",
+            "p": f"{row.p:.2g}" if row.matters else "-",
+            "Matters?": row.matters or "-",
         }
         for row in table.itertuples()
     )

@@ -202,20 +202,37 @@ def test_worth_is_counted_on_the_rigs_on_which_the_other_claims_hold():
     assert [row["ratio"][0] for row in rows] == [1.1, 0.6, pytest.approx(0.9), 0.6]
     row = row_given(rows, "C8")
     assert (row["low"], row["high"]) == pytest.approx(wilson(2, 3, 0.95))
-    assert row["ratio"] == pytest.approx([0.6, 0.505, 1.455])
+    assert row["ratio"] == [0.6, 0.5, 1.5]
+
+
+def test_condition_that_no_rig_meets_keeps_its_row_and_its_share_of_the_risk():
+    rigs = [rig_with("C4b", "C8")] * 4 + [rig_with()] * 4  # p = 2 / 70, between 0.05 / 3 and 0.05
+    rows = worth_given(rigs, [0.5] * 4 + [1.5] * 4)
+    row = row_given(rows, "C8")
+    assert (row["p"], row["matters"]) == (pytest.approx(2 / 70), False)
+    for row in (row_given(rows, "C18a"), row_given(rows, "C8", "C18a")):
+        assert (row["holds"], row["rigs"], row["ratio"]) == (0, 0, [None] * 3)
+        assert {row[key] for key in ("share", "low", "high", "p", "matters")} == {None}
+
+
+def test_condition_matters_if_p_is_below_the_limit():
+    rigs = [rig_with("C4b", "C8")] * 5 + [rig_with()] * 5  # p = 2 / 252
+    row = row_given(worth_given(rigs, [1.0] * 10), "C8")
+    assert (row["p"], row["matters"]) == (pytest.approx(2 / 252), True)
 
 
 @given(st.lists(st.tuples(st.booleans(), st.booleans()), min_size=1, max_size=60))
 def test_p_is_the_chance_of_a_table_at_least_as_unlikely(rigs):
     verdicts = [rig_with(*(["C4b"] * worth), *(["C8"] * equal)) for worth, equal in rigs]
     rows = worth_given(verdicts, [1.0] * len(rigs))
-    met = [row for row in rows if row["given"] == ["C8"]]
+    p = row_given(rows, "C8")["p"]
     meets = sum(equal for _, equal in rigs)
-    assert len(met) == (meets > 0)
-    if met:
+    if meets in (0, len(rigs)):
+        assert p is None
+    else:
         holds = sum(worth for worth, _ in rigs)
         possible = hypergeom(len(rigs), holds, meets).pmf(np.arange(meets + 1))
         seen = sum(worth and equal for worth, equal in rigs)
         expected = possible[possible <= possible[seen] * (1 + 1e-7)].sum()
-        assert met[0]["p"] == pytest.approx(min(expected, 1.0), rel=1e-6)
-    assert row_given(rows)["p"] == 1.0
+        assert p == pytest.approx(min(expected, 1.0), rel=1e-6)
+    assert row_given(rows)["p"] is None

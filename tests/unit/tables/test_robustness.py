@@ -84,6 +84,7 @@ def given(names, holds, rigs, low, high, p):
     return {
         "given": list(names), "holds": holds, "rigs": rigs, "share": holds / rigs,
         "low": low, "high": high, "ratio": [0.9, 0.7, 1.2], "p": p,
+        "matters": None if p is None else p < 0.05 / 3,
     }  # fmt: skip
 
 
@@ -106,9 +107,16 @@ def make_summary():
         "deviation": 0.14,
         "worth": [0.9, 0.7, 1.2],
         "worth_given": [
-            given((), 19, 38, 0.35, 0.65, 1.0),
+            given((), 19, 38, 0.35, 0.65, None),
             given(("C8",), 9, 10, 0.6, 0.98, 0.012),
-            given(("C8", "C18a"), 0, 5, 0.0, 0.43, 0.056),
+            given(("C18a",), 0, 5, 0.0, 0.43, 0.056),
+            {
+                "given": ["C8", "C18a"],
+                "holds": 0,
+                "rigs": 0,
+                "ratio": [None] * 3,
+                **dict.fromkeys(("share", "low", "high", "p", "matters")),
+            },
         ],
         "claims": [
             claim(name, *named.get(name, (25, correlations(-0.6)))) for name in JUDGED_BY_RIG
@@ -152,18 +160,22 @@ def test_claim_that_all_rigs_agree_on_is_decided_by_nothing(summary, name):
 
 def test_worth_is_decided_where_its_interval_excludes_one_half(summary):
     table = worth(summary)
-    assert table["given"].tolist() == ["all rigs", "C8", "C8 and C18a"]
-    assert table["verdict"].tolist() == ["undecided", "yes", "no"]
-    assert table[["ratio", "ratio_low", "ratio_high"]].to_numpy().tolist() == [[0.9, 0.7, 1.2]] * 3
-    assert not table.isna().any(axis=None)
+    assert table["given"].tolist() == ["", "C8", "C18a", "C8 and C18a"]
+    assert table["verdict"].tolist() == ["undecided", "yes", "no", "undecided"]
+    assert table["matters"].tolist() == ["", "yes", "no", ""]
+    ratios = table[["ratio", "ratio_low", "ratio_high"]].to_numpy()[:3]
+    assert ratios.tolist() == [[0.9, 0.7, 1.2]] * 3
 
 
 def test_page_of_the_worth_is_what_a_person_reads(summary):
-    rows = worth_page(worth(summary)).to_numpy().tolist()
-    assert rows[0] == [
-        "all rigs", "19 of 38", "50 % (35 to 65)", "undecided", "0.90 (0.70 to 1.20)", "-",
-    ]  # fmt: skip
-    assert rows[1] == ["C8", "9 of 10", "90 % (60 to 98)", "yes", "0.90 (0.70 to 1.20)", "0.012"]
+    page = worth_page(worth(summary))
+    assert has_no_gap(page)
+    assert page.to_numpy().tolist() == [
+        ["all", "19 of 38", "50 % (35 to 65)", "undecided", "0.90 (0.70 to 1.20)", "-", "-"],
+        ["with C8", "9 of 10", "90 % (60 to 98)", "yes", "0.90 (0.70 to 1.20)", "0.012", "yes"],
+        ["with C18a", "0 of 5", "0 % (0 to 43)", "no", "0.90 (0.70 to 1.20)", "0.056", "no"],
+        ["with C8 and C18a", "0 of 0", "-", "undecided", "-", "-", "-"],
+    ]
 
 
 def test_page_of_the_ensemble_is_what_a_person_reads(summary):
@@ -188,13 +200,14 @@ def test_files_of_the_ensemble_say_what_it_is(summary, tmp_path):
     assert r"50 \%" in tex
 
 
-def test_files_of_the_worth_share_the_risk_of_chance_among_the_tests(summary, tmp_path):
+def test_files_of_the_worth_say_what_they_count(summary, tmp_path):
     write_json(tmp_path / "summary.json", summary)
     csv, md, tex = write(tabulate.tabulate_worth, tmp_path, str(tmp_path / "summary.json"))
     note, page = read_markdown(md)
-    assert "simulated rigs" in note
-    assert "below 0.025" in note
-    assert len(page) == len(csv.splitlines()) - 1 == 3
+    assert "38 simulated rigs" in note
+    assert "0.05 divided by 3" in note
+    assert len(page) == len(csv.splitlines()) - 1 == 4
+    assert "nan" not in csv.lower()
     assert r"90 \% (60 to 98)" in tex
 
 
