@@ -132,6 +132,21 @@ rule posterior_worth:
         "../scripts/stage.py"
 
 
+rule posterior_aims:
+    input:
+        summary=PATHS.below("posterior/summary.json"),
+    output:
+        **PATHS.table("posterior/aims"),
+    log:
+        PATHS.messages("posterior_aims"),
+    params:
+        **stage("tabulate.tabulate_aims"),
+    message:
+        "Posterior: how many rigs meet the aims of the fit"
+    script:
+        "../scripts/stage.py"
+
+
 rule rigs_summary:
     input:
         published=PUBLISHED,
@@ -200,6 +215,7 @@ rule posterior:
         PATHS.below("posterior/claims.md"),
         PATHS.below("posterior/claims.pdf"),
         PATHS.below("posterior/worth.md"),
+        PATHS.below("posterior/aims.md"),
         PATHS.below("posterior/history.md"),
         PATHS.below("posterior/summary.json"),
         MEMBER_FILES,

@@ -56,7 +56,7 @@ def shares_of(
             {
                 "id": claim["id"],
                 "claim": claim["text"],
-                **_share(held, level),
+                **share_of(held, level),
                 "correlations": correlations[claim["id"]],
                 "least_significant": limit,
             }
@@ -96,7 +96,7 @@ def worth_given(
         rows.append(
             {
                 "given": list(names),
-                **_share(held[meets], level),
+                **share_of(held[meets], level),
                 "ratio": [float(f(own)) if own.size else None for f in (np.median, np.min, np.max)],
                 "p": p,
                 "matters": None if p is None else p < limit,
@@ -105,7 +105,11 @@ def worth_given(
     return rows
 
 
-def _share(held: np.ndarray, level: float) -> dict[str, Any]:
+def share_of(held: np.ndarray, level: float = 0.95) -> dict[str, Any]:
+    """Return on how many rigs something holds, their number, the share and its Wilson interval.
+
+    The share and the ends of its interval are None if there is no rig.
+    """
     counted = {"holds": int(held.sum()), "rigs": held.size}
     if not held.size:
         return {**counted, "share": None, "low": None, "high": None}

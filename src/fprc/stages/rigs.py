@@ -10,8 +10,8 @@ import pandas as pd
 
 from fprc.artifacts import read_json, write_json
 from fprc.calibration.objective import errors_of, printed_errors
-from fprc.claims.ensemble import JUDGED_BY_RIG, shares_of, worth_given
-from fprc.claims.finding import Results
+from fprc.claims.ensemble import JUDGED_BY_RIG, share_of, shares_of, worth_given
+from fprc.claims.finding import REPRODUCED, Results
 from fprc.claims.ledger import TIMED, judge_claims, parts_of, status_of
 from fprc.errors import FprcError
 from fprc.paper import SOURCES
@@ -22,7 +22,7 @@ from fprc.tables.repeats import (
     repeats_page,
     upper_end,
 )
-from fprc.tables.rigs import rig_errors, rigs_answer, rigs_page
+from fprc.tables.rigs import aims_met, rig_errors, rigs_answer, rigs_page
 from fprc.tables.text import read_markdown, write_table
 from fprc.yaml_file import read_yaml
 
@@ -241,12 +241,33 @@ def summarise_rigs(
             "deviation": _rms_deviation([rig["compared"] for rig in good], printed),
             "worth": np.quantile(worth, (0.5, 0.025, 0.975)).tolist(),
             "worth_given": worth_given(verdicts, worth),
+            "aims": _aims(good, verdicts, printed),
             "claims": [
                 {**row, "rig": status_of(row["id"], terms)}
                 for row in shares_of(claims, verdicts, parameters)
             ],
         },
     )
+
+
+def _aims(
+    rigs: Sequence[Mapping[str, Any]],
+    verdicts: Sequence[Mapping[str, str]],
+    printed: Mapping[str, Any],
+) -> list[dict[str, Any]]:
+    """Count the rigs that meet each aim of the fit, and the claims on these rigs."""
+    met = pd.DataFrame(
+        aims_met(rig_errors([rig["compared"]], [rig["measured"]], printed)) for rig in rigs
+    )
+    holds = pd.DataFrame(verdicts) == REPRODUCED
+    return [
+        {
+            "aim": name,
+            **share_of(met[name].to_numpy()),
+            "claims": {claim: int((holds[claim] & met[name]).sum()) for claim in holds},
+        }
+        for name in met
+    ]
 
 
 def _rms_deviation(reports: Sequence[Mapping[str, Any]], printed: Mapping[str, Any]) -> float:

@@ -187,6 +187,18 @@ def tabulate_worth(summary: str, **files: str) -> None:
     write_table(table, robustness.worth_page(table), note, **files)
 
 
+def tabulate_aims(summary: str, **files: str) -> None:
+    """Count the rigs of a set that meet the aims of the fit."""
+    report = read_json(summary)
+    table = robustness.aims(report)
+    note = (
+        f"Aims of the fit on {report['rigs'] - report['failed']} simulated {report['drawn']}: how "
+        "many rigs meet each one, on one recording of each, and how many of these also have a "
+        "claim. The closed loop has the identified gain."
+    )
+    write_table(table, robustness.aims_page(table), note, **files)
+
+
 def tabulate_history(members: str, **files: str) -> None:
     """Write how closely the rigs of the posterior match the printed errors, step by step."""
     report = read_json(members)

@@ -100,6 +100,34 @@ def worth_page(table: pd.DataFrame) -> pd.DataFrame:
     )
 
 
+def aims(summary: Mapping[str, Any]) -> pd.DataFrame:
+    """On how many rigs each aim of the fit is met, and which claims hold on them, tidy."""
+    return pd.DataFrame(
+        {
+            **{key: row[key] for key in ("aim", "holds", "rigs", "share", "low", "high")},
+            **row["claims"],
+            "source": summary["source"],
+        }
+        for row in summary["aims"]
+    )
+
+
+def aims_page(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the table of the aims as a page, with the claims on the reservoir and its loops."""
+    return pd.DataFrame(
+        {
+            "Off print by": row.aim,
+            "Met on": f"{row.holds} of {row.rigs}",
+            "Share, 95 % interval": f"{100 * row.share:.1f} % "
+            f"({100 * row.low:.1f} to {100 * row.high:.1f})",
+            "Of these with C4b": row.C4b,
+            "With C8": row.C8,
+            "With C18a": row.C18a,
+        }
+        for row in table.itertuples()
+    )
+
+
 def sensitivity(report: Mapping[str, Any]) -> pd.DataFrame:
     """Errors of the models with one parameter changed, relative to the fitted rig's, tidy.
 

@@ -2,7 +2,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from fprc.tables.rigs import points, rig_errors, rigs_answer, rigs_page
+from fprc.tables.rigs import aims_met, points, rig_errors, rigs_answer, rigs_page
 
 PUBLISHED = {
     "table_2_models": {"esn": {"train_rmse_kpa": [10.0, 0.1], "validation_rmse_kpa": [10.0, 0.1],
@@ -81,6 +81,22 @@ def test_points_of_the_rule_count_deviations_and_reproduced_claims():
     ledger.append({"id": "C8", "verdict": "undecided"})
     assert points(errors, ledger) == 3 + 2  # C4b and C13a are not in the rule
     assert points(errors.assign(deviation=[0.06, 0.06, 0.2, 0.16, 0.0]), ledger) == 2
+
+
+@pytest.mark.parametrize(
+    ("deviations", "met"),
+    [
+        ([0.05, -0.15, 0.0, 0.15, -0.35], [1, 1, 1, 1, 1, 1, 1]),
+        ([0.051, -0.151, 0.0, 0.15, 0.35], [0, 0, 1, 1, 0, 1, 0]),
+        ([0.051, -0.1, 0.06, 0.15, -0.351], [0, 1, 1, 0, 0, 0, 0]),
+        ([0.01, -0.16, 0.0, -0.151, 0.3], [1, 0, 0, 1, 0, 0, 0]),
+    ],
+)
+def test_aims_limit_the_deviations_of_each_table(deviations, met):
+    numbers = ["Table II, a", "Table III, b", "Table II, c"]
+    numbers += ["Table IV, FPRC, d", "Table IV, FPRC+PD, e"]
+    found = aims_met(pd.DataFrame({"number": numbers, "deviation": deviations}))
+    assert list(found.values()) == [bool(each) for each in met]
 
 
 def test_brief_page_sums_the_errors_up(table):
