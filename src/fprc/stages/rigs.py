@@ -256,8 +256,10 @@ def _aims(
     printed: Mapping[str, Any],
 ) -> list[dict[str, Any]]:
     """Count the rigs that meet each aim of the fit, and the claims on these rigs."""
+    sim = {"source": "sim"}
     met = pd.DataFrame(
-        aims_met(rig_errors([rig["compared"]], [rig["measured"]], printed)) for rig in rigs
+        aims_met(rig_errors([rig["compared"] | sim], [rig["measured"] | sim], printed))
+        for rig in rigs
     )
     holds = pd.DataFrame(verdicts) == REPRODUCED
     return [

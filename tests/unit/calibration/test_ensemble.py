@@ -452,7 +452,7 @@ def test_summary_gives_the_worth_of_p_o_with_all_rigs_first(summarise, rigs):
 
 
 def test_summary_counts_the_rigs_that_meet_an_aim(summarise, real):
-    """One of four rigs has the printed errors of Tables II and III; all claims are counted on it."""
+    """One of four rigs has the printed errors of Tables II and III."""
     printed = yaml.safe_load(PUBLISHED.read_text(encoding="utf-8"))
     rigs = [copy.deepcopy(real[0]) | {"rig": number, "seed": SEED + number} for number in range(4)]
     for report in rigs[2]["compared"]["models"]:
