@@ -180,7 +180,7 @@ def test_smoke_touches_every_rule(smoked, calibrated):
         "ensemble/claims.pdf",
         "posterior/claims.csv",
         "posterior/worth.csv",
-        "posterior/aims.csv",
+        "posterior/near_print.csv",
         "calibration/sensitivity.csv",
         "calibration/targets.csv",
         "calibration/fit.json",

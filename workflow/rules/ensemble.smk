@@ -132,17 +132,17 @@ rule posterior_worth:
         "../scripts/stage.py"
 
 
-rule posterior_aims:
+rule posterior_near_print:
     input:
         summary=PATHS.below("posterior/summary.json"),
     output:
-        **PATHS.table("posterior/aims"),
+        **PATHS.table("posterior/near_print"),
     log:
-        PATHS.messages("posterior_aims"),
+        PATHS.messages("posterior_near_print"),
     params:
-        **stage("tabulate.tabulate_aims"),
+        **stage("tabulate.tabulate_near_print"),
     message:
-        "Posterior: how many rigs meet the aims of the fit"
+        "Posterior: how many rigs are within limits of the printed errors"
     script:
         "../scripts/stage.py"
 
@@ -215,7 +215,7 @@ rule posterior:
         PATHS.below("posterior/claims.md"),
         PATHS.below("posterior/claims.pdf"),
         PATHS.below("posterior/worth.md"),
-        PATHS.below("posterior/aims.md"),
+        PATHS.below("posterior/near_print.md"),
         PATHS.below("posterior/history.md"),
         PATHS.below("posterior/summary.json"),
         MEMBER_FILES,

@@ -35,7 +35,7 @@ rule calibration_page:
             PATHS.below("ensemble/claims.md"),
             PATHS.below("posterior/claims.md"),
             PATHS.below("posterior/worth.md"),
-            PATHS.below("posterior/aims.md"),
+            PATHS.below("posterior/near_print.md"),
             PATHS.below("posterior/history.md"),
             PATHS.below("calibration/targets.md"),
         ],

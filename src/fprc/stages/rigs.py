@@ -22,7 +22,7 @@ from fprc.tables.repeats import (
     repeats_page,
     upper_end,
 )
-from fprc.tables.rigs import aims_met, rig_errors, rigs_answer, rigs_page
+from fprc.tables.rigs import rig_errors, rigs_answer, rigs_page, within_limits
 from fprc.tables.text import read_markdown, write_table
 from fprc.yaml_file import read_yaml
 
@@ -241,7 +241,7 @@ def summarise_rigs(
             "deviation": _rms_deviation([rig["compared"] for rig in good], printed),
             "worth": np.quantile(worth, (0.5, 0.025, 0.975)).tolist(),
             "worth_given": worth_given(verdicts, worth),
-            "aims": _aims(good, verdicts, printed),
+            "near_print": _near_print(good, verdicts, printed),
             "claims": [
                 {**row, "rig": status_of(row["id"], terms)}
                 for row in shares_of(claims, verdicts, parameters)
@@ -250,21 +250,21 @@ def summarise_rigs(
     )
 
 
-def _aims(
+def _near_print(
     rigs: Sequence[Mapping[str, Any]],
     verdicts: Sequence[Mapping[str, str]],
     printed: Mapping[str, Any],
 ) -> list[dict[str, Any]]:
-    """Count the rigs that meet each aim of the fit, and the claims on these rigs."""
+    """Count the rigs within each limit of the printed errors, and the claims on these rigs."""
     sim = {"source": "sim"}
     met = pd.DataFrame(
-        aims_met(rig_errors([rig["compared"] | sim], [rig["measured"] | sim], printed))
+        within_limits(rig_errors([rig["compared"] | sim], [rig["measured"] | sim], printed))
         for rig in rigs
     )
     holds = pd.DataFrame(verdicts) == REPRODUCED
     return [
         {
-            "aim": name,
+            "limit": name,
             **share_of(met[name].to_numpy()),
             "claims": {claim: int((holds[claim] & met[name]).sum()) for claim in holds},
         }

@@ -187,16 +187,16 @@ def tabulate_worth(summary: str, **files: str) -> None:
     write_table(table, robustness.worth_page(table), note, **files)
 
 
-def tabulate_aims(summary: str, **files: str) -> None:
-    """Count the rigs of a set that meet the aims of the fit."""
+def tabulate_near_print(summary: str, **files: str) -> None:
+    """Count the rigs of a set whose errors are within limits of the printed ones."""
     report = read_json(summary)
-    table = robustness.aims(report)
+    table = robustness.near_print(report)
     note = (
-        f"Aims of the fit on {report['rigs'] - report['failed']} simulated {report['drawn']}: how "
-        "many rigs meet each one, on one recording of each, and how many of these also have a "
-        "claim. The closed loop has the identified gain."
+        f"Limits on the deviation from print, on {report['rigs'] - report['failed']} simulated "
+        f"{report['drawn']}: how many rigs are within each one, on one recording of each, and how "
+        "many of these also have a claim. The closed loop has the identified gain."
     )
-    write_table(table, robustness.aims_page(table), note, **files)
+    write_table(table, robustness.near_print_page(table), note, **files)
 
 
 def tabulate_history(members: str, **files: str) -> None:

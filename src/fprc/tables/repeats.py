@@ -53,7 +53,7 @@ def numbers_of_repeat(
         ratio of C4b, with ``worth_low`` and ``worth_high``; and the claims that are
         ``not reproduced`` and ``undecided``.
     """
-    off, _ = deviations_of(errors)
+    off, _, _ = deviations_of(errors)
     ratios = _over_print(models, published)
     resampled = np.random.default_rng(0).integers(len(ratios), size=(_RESAMPLES, len(ratios)))
     medians = np.median(np.abs(ratios[resampled].mean(axis=1) - 1.0), axis=1)

@@ -36,6 +36,11 @@ def ensemble(summary: Mapping[str, Any]) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
+def _share(row: Any, digits: int) -> str:
+    share, low, high = (f"{100 * value:.{digits}f}" for value in (row.share, row.low, row.high))
+    return f"{share} % ({low} to {high})"
+
+
 def ensemble_page(table: pd.DataFrame) -> pd.DataFrame:
     """Return the ensemble's table as a page."""
     return pd.DataFrame(
@@ -44,8 +49,7 @@ def ensemble_page(table: pd.DataFrame) -> pd.DataFrame:
             "Text": row.claim,
             "Fitted?": row.rig,
             "Holds on": f"{row.holds} of {row.rigs}",
-            "Share, 95 % interval": f"{100 * row.share:.0f} % "
-            f"({100 * row.low:.0f} to {100 * row.high:.0f})",
+            "Share, 95 % interval": _share(row, 0),
             "Decided by (rank correlation)": row.decided_by
             or (f"no parameter beyond chance; strongest {row.strongest}" if row.strongest else "-"),
         }
@@ -84,10 +88,7 @@ def worth_page(table: pd.DataFrame) -> pd.DataFrame:
         {
             "Rigs": f"with {row.given}" if row.given else "all",
             "C4b holds on": f"{row.holds} of {row.rigs}",
-            "Share, 95 % interval": f"{100 * row.share:.0f} % "
-            f"({100 * row.low:.0f} to {100 * row.high:.0f})"
-            if row.rigs
-            else "-",
+            "Share, 95 % interval": _share(row, 0) if row.rigs else "-",
             "On more than half?": row.verdict,
             "Ratio, median (smallest to largest)": f"{row.ratio:.2f} "
             f"({row.ratio_low:.2f} to {row.ratio_high:.2f})"
@@ -100,29 +101,29 @@ def worth_page(table: pd.DataFrame) -> pd.DataFrame:
     )
 
 
-def aims(summary: Mapping[str, Any]) -> pd.DataFrame:
-    """On how many rigs each aim of the fit is met, and which claims hold on them, tidy."""
+def near_print(summary: Mapping[str, Any]) -> pd.DataFrame:
+    """How many rigs are within each limit of the printed errors, and their claims, tidy."""
     return pd.DataFrame(
         {
-            **{key: row[key] for key in ("aim", "holds", "rigs", "share", "low", "high")},
+            **{key: row[key] for key in ("limit", "holds", "rigs", "share", "low", "high")},
             **row["claims"],
             "source": summary["source"],
         }
-        for row in summary["aims"]
+        for row in summary["near_print"]
     )
 
 
-def aims_page(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the table of the aims as a page, with the claims on the reservoir and its loops."""
+def near_print_page(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the table of the limits as a page, with claims on the reservoir and on loops."""
     return pd.DataFrame(
         {
-            "Off print by": row.aim,
+            "Deviation allowed": row.limit,
             "Met on": f"{row.holds} of {row.rigs}",
-            "Share, 95 % interval": f"{100 * row.share:.1f} % "
-            f"({100 * row.low:.1f} to {100 * row.high:.1f})",
+            "Share, 95 % interval": _share(row, 1),
             "Of these with C4b": row.C4b,
             "With C8": row.C8,
             "With C18a": row.C18a,
+            "With C18b": row.C18b,
         }
         for row in table.itertuples()
     )

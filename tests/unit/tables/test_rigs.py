@@ -2,7 +2,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from fprc.tables.rigs import aims_met, points, rig_errors, rigs_answer, rigs_page
+from fprc.tables.rigs import points, rig_errors, rigs_answer, rigs_page, within_limits
 
 PUBLISHED = {
     "table_2_models": {"esn": {"train_rmse_kpa": [10.0, 0.1], "validation_rmse_kpa": [10.0, 0.1],
@@ -92,10 +92,10 @@ def test_points_of_the_rule_count_deviations_and_reproduced_claims():
         ([0.01, -0.16, 0.0, -0.151, 0.3], [1, 0, 0, 1, 0, 0, 0]),
     ],
 )
-def test_aims_limit_the_deviations_of_each_table(deviations, met):
+def test_limits_are_on_the_deviations_of_each_table(deviations, met):
     numbers = ["Table II, a", "Table III, b", "Table II, c"]
     numbers += ["Table IV, FPRC, d", "Table IV, FPRC+PD, e"]
-    found = aims_met(pd.DataFrame({"number": numbers, "deviation": deviations}))
+    found = within_limits(pd.DataFrame({"number": numbers, "deviation": deviations}))
     assert list(found.values()) == [bool(each) for each in met]
 
 

@@ -118,15 +118,15 @@ def make_summary():
                 **dict.fromkeys(("share", "low", "high", "p", "matters")),
             },
         ],
-        "aims": [
+        "near_print": [
             {
-                "aim": name,
+                "limit": name,
                 "holds": holds,
                 "rigs": 38,
                 "share": holds / 38,
                 "low": 0.01,
                 "high": 0.145,
-                "claims": {"C4b": c4b, "C8": 0, "C18a": 1},
+                "claims": {"C4b": c4b, "C8": 0, "C18a": 1, "C18b": 0},
             }
             for name, holds, c4b in (("Table IV, 15 % at most", 3, 2), ("all", 1, 1))
         ],
@@ -212,14 +212,14 @@ def test_files_of_the_ensemble_say_what_it_is(summary, tmp_path):
     assert r"50 \%" in tex
 
 
-def test_page_of_the_aims_counts_rigs_and_their_claims(summary, tmp_path):
+def test_page_of_the_limits_counts_rigs_and_their_claims(summary, tmp_path):
     write_json(tmp_path / "summary.json", summary)
-    csv, md, tex = write(tabulate.tabulate_aims, tmp_path, str(tmp_path / "summary.json"))
+    csv, md, tex = write(tabulate.tabulate_near_print, tmp_path, str(tmp_path / "summary.json"))
     note, page = read_markdown(md)
     assert "38 simulated rigs" in note
     assert page.to_numpy().tolist() == [
-        ["Table IV, 15 % at most", "3 of 38", "7.9 % (1.0 to 14.5)", "2", "0", "1"],
-        ["all", "1 of 38", "2.6 % (1.0 to 14.5)", "1", "0", "1"],
+        ["Table IV, 15 % at most", "3 of 38", "7.9 % (1.0 to 14.5)", "2", "0", "1", "0"],
+        ["all", "1 of 38", "2.6 % (1.0 to 14.5)", "1", "0", "1", "0"],
     ]
     assert len(csv.splitlines()) == 3
     assert r"7.9 \%" in tex
