@@ -56,8 +56,8 @@ def points(errors: pd.DataFrame, ledger: Sequence[Mapping[str, str]]) -> int:
     There is one each for a small median and a small largest deviation of Tables II and III, for
     a small largest deviation of open-loop Table IV, and for each claim that is reproduced.
     """
-    verdicts = {row["id"]: row["verdict"] for row in ledger}
-    return sum(within_limits(errors)[name] for name in _LIMITS_OF_THE_RULE) + sum(
+    verdicts, within = {row["id"]: row["verdict"] for row in ledger}, within_limits(errors)
+    return sum(within[name] for name in _LIMITS_OF_THE_RULE) + sum(
         verdicts.get(claim) == "reproduced" for claim in _CLAIMS_OF_THE_RULE
     )
 
