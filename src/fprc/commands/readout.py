@@ -2,7 +2,8 @@
 
 import logging
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
@@ -93,22 +94,22 @@ def report_readout(
     folder = Path(out or Path("results", Path(source).stem))
     parts = _parts(source, mapping, train)
     _refuse_leftovers(folder / "raw", len(parts["sweep"]))
-    _log_to_terminal()
-    data = {name: _prepare(name, parts[name], settings, folder) for name in parts}
-    words = ("the first part", "the second part")
-    if train:
-        words = ("the training logs", "the test log")
-    judged = folder / "readout"
-    judged.mkdir(parents=True, exist_ok=True)
-    # the shorter task first: a run that is stopped during the longer one resumes there
-    competitors = _compete(data, judged, settings, workers or cpu_count())
-    results = _judge(data, judged, settings, workers or cpu_count(), words)
-    results["competitors"] = competitors
-    page = folder / "report.md"
-    write_text(page, report_page(parts, map_file, mapping, settings, folder, results))
-    for line in sentences(competitors["verdicts"]):
-        log.info("%s", line)
-    log.info("%s", page)
+    with _log_to_terminal():
+        data = {name: _prepare(name, parts[name], settings, folder) for name in parts}
+        words = ("the first part", "the second part")
+        if train:
+            words = ("the training logs", "the test log")
+        judged = folder / "readout"
+        judged.mkdir(parents=True, exist_ok=True)
+        # the shorter task first: a run that is stopped during the longer one resumes there
+        competitors = _compete(data, judged, settings, workers or cpu_count())
+        results = _judge(data, judged, settings, workers or cpu_count(), words)
+        results["competitors"] = competitors
+        page = folder / "report.md"
+        write_text(page, report_page(parts, map_file, mapping, settings, folder, results))
+        for line in sentences(competitors["verdicts"]):
+            log.info("%s", line)
+        log.info("%s", page)
 
 
 def _refuse_leftovers(raw: Path, trained: int) -> None:
@@ -133,14 +134,20 @@ def _parts(source: str, mapping: ImportMap, train: Sequence[str]) -> dict[str, R
     }
 
 
-def _log_to_terminal() -> None:
+@contextmanager
+def _log_to_terminal() -> Iterator[None]:
     # only fprc's messages: Matplotlib logs a lot at this level
     ours = logging.getLogger("fprc")
-    if not ours.handlers:
-        handler = logging.StreamHandler()
-        handler.setFormatter(TerminalFormatter())
-        ours.addHandler(handler)
+    handler = logging.StreamHandler()
+    handler.setFormatter(TerminalFormatter())
+    level = ours.level
+    ours.addHandler(handler)
     ours.setLevel(logging.INFO)
+    try:
+        yield
+    finally:
+        ours.removeHandler(handler)
+        ours.setLevel(level)
 
 
 def _prepare(
