@@ -272,20 +272,23 @@ FEW_FREE = (
 )
 
 
-def give_repeat(folder, name, like):
-    """Give a project one repeat of the fit, with the reports of another rig; return its table."""
-    for path in (folder / "config/rigs/repeats").iterdir():
-        path.unlink()
-    rig = folder / f"config/rigs/repeats/{name}.yaml"
-    rig.write_text(f"fitted: {{name: {name}, to: [tables]}}\nrig: {{}}\n")
-    rig.with_suffix(".json").write_text(json.dumps({"seeds": [1, 2], "finished": True}))
+def give_fits(folder, like):
+    """Give a project two repeats of the fit and a variant, with reports of a rig; return tables."""
+    kept = {"repeats": ("again", "again_2"), "variants": ("other",)}
+    for name in kept:
+        for path in (folder / "config/rigs" / name).iterdir():
+            path.unlink()
     judged = folder / "results/smoke/rigs"
-    (judged / name).mkdir()
-    for seed in range(501, 511):
-        for part in ("models", "grids", "control"):
-            report = judged / f"{like}/{part}_{101 + seed % 2}.json"
-            shutil.copy(report, judged / f"{name}/{part}_{seed}.json")
-    return "results/smoke/rigs/repeats.md"
+    for kind, name in ((kind, name) for kind, names in kept.items() for name in names):
+        rig = folder / f"config/rigs/{kind}/{name}.yaml"
+        rig.write_text(f"fitted: {{name: {name}, to: [tables]}}\nrig: {{}}\n")
+        rig.with_suffix(".json").write_text(json.dumps({"seeds": [1, 2], "finished": True}))
+        (judged / name).mkdir()
+        for seed in range(501, 511):
+            for part in ("models", "grids", "control"):
+                report = judged / f"{like}/{part}_{101 + seed % 2}.json"
+                shutil.copy(report, judged / f"{name}/{part}_{seed}.json")
+    return [f"results/smoke/rigs/{table}.md" for table in kept]
 
 
 @pytest.fixture(scope="session")
@@ -313,8 +316,8 @@ def calibrated(smoked, shared):
             "grids={chunks: 3}",
             cores=one,
         )
-        repeats = give_repeat(copy.folder, "again", like="viscous")
-        done = copy.smoke("sensitivity", "calibrate", repeats, "--config", FEW_FREE, cores=one)
+        tables = give_fits(copy.folder, like="viscous")
+        done = copy.smoke("sensitivity", "calibrate", *tables, "--config", FEW_FREE, cores=one)
         done.returncode = made.returncode or done.returncode
         done.stdout = made.stdout + done.stdout
         return done

@@ -216,7 +216,8 @@ def test_rigs_stand_side_by_side(calibrated):
 
 def test_repeat_is_judged_like_the_rig_whose_reports_it_has(calibrated):
     folder = calibrated[0].folder / "results/smoke/rigs"
-    (repeat,) = pd.read_csv(folder / "repeats.csv").to_dict("records")
+    repeat, same = pd.read_csv(folder / "repeats.csv").to_dict("records")
+    assert same == repeat | {"rig": "again_2"}
     rigs = pd.read_csv(folder / "rigs.csv")
     own = rigs[(rigs["rig"] == "viscous") & ~rigs["number"].str.startswith("Table IV")]
     assert repeat["rig"] == "again"
@@ -225,6 +226,10 @@ def test_repeat_is_judged_like_the_rig_whose_reports_it_has(calibrated):
     assert repeat["median"] == pytest.approx(own["deviation"].abs().median(), rel=1e-4)
     assert repeat["largest"] == pytest.approx(own["deviation"].abs().max(), rel=1e-4)
     assert repeat["lands"].startswith("no: ")  # small settings are far off print
+    beside = pd.read_csv(folder / "variants.csv", keep_default_na=False)
+    assert beside["rig"].to_list() == ["again", "again_2", "other"]
+    assert beside["beyond"].to_list() == ["repeat", "repeat", "none"]
+    assert beside["median"].nunique() == 1
 
 
 def test_worlds_beyond_the_paper_have_every_model_and_a_verdict_on_each_claim(calibrated):

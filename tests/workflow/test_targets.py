@@ -94,7 +94,7 @@ PLANNED = [
     ),
     (
         ["searches", "repeats"],
-        {"replicate_on_rig", "rigs_table", "repeats_table", "front_figure"},
+        {"replicate_on_rig", "rigs_table", "repeats_table", "variants_table", "front_figure"},
         {"fit_rig", "judge"},
     ),
     (

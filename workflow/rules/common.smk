@@ -122,27 +122,38 @@ def on_rigs(part, table):
 
 
 @cache
-def tests_of_repeats():
-    """Return the tests of the repeats of the fit, by the name of their table."""
+def judging_tests():
+    """Return what judges repeats of the fit and fits with other settings, by the table's name."""
+    taken = rig_files().keys() | RIGS["searches"].keys()
     try:
-        return landing_tests(read_repeats(REPEATS, rig_files().keys() | RIGS["searches"].keys()))
+        repeats = read_fits(REPEATS, taken)
+        variants = read_fits(VARIANTS, taken | repeats.keys())
     except FprcError as error:
         raise WorkflowError(str(error)) from None
+    if not repeats:
+        raise WorkflowError(f"{REPEATS}: no repeat of the fit there; see docs/searches.md")
+    beside = variants_beside(repeats, variants)
+    return landing_tests(repeats) | ({"variants": beside} if beside else {})
 
 
 def tables_of_repeats(wildcards):
-    """Return the tables of the repeats of the fit."""
-    return [PATHS.below(f"rigs/{table}.md") for table in tests_of_repeats()]
+    """Return the tables of the repeats of the fit, and of fits with other settings."""
+    return [PATHS.below(f"rigs/{table}.md") for table in judging_tests()]
 
 
-def of_repeats(part, table):
-    """Return the reports of a table's seeds, those of one repeat of the fit after another."""
-    tests = tests_of_repeats()
+def judging_test(table):
+    """Return what judges the fits of a table."""
+    tests = judging_tests()
     if table not in tests:
         raise WorkflowError(
             f"{REPEATS}: {table} needs the repeats whose spread it takes; restore them"
         )
-    test = tests[table]
+    return tests[table]
+
+
+def of_repeats(part, table):
+    """Return the reports of a table's seeds, those of one fit after another."""
+    test = judging_test(table)
     return [
         PATHS.below(f"rigs/{rig}/{part}_{seed}.json") for rig in test.rigs for seed in test.seeds
     ]

@@ -1,7 +1,10 @@
-# Simulated rigs side by side: those that can be named, end points of searches, and repeats of the fit.
+# Simulated rigs side by side: those that can be named, end points of searches, repeats of the fit, and
+# fits with other settings.
 
-#: Folders of the end points of searches, and of repeats of the fit, docs/searches.md.
-SEARCHES, REPEATS = Path("config/rigs/searches"), Path("config/rigs/repeats")
+#: Folders of the end points of searches, repeats of the fit, and fits with other settings, docs/searches.md.
+SEARCHES, REPEATS, VARIANTS = (
+    Path("config/rigs", name) for name in ("searches", "repeats", "variants")
+)
 #: Rigs that can be named, beside that of the configuration.
 OTHER_RIGS = {
     name: path for name, path in rig_files().items() if name != SETTINGS["fitted"]["name"]
@@ -11,9 +14,11 @@ RIGS = {
     "rigs": {name: path for name, path in OTHER_RIGS.items() if path.with_suffix(".json").exists()},
     "searches": {path.stem: path for path in sorted(SEARCHES.glob("*.yaml"))},
 }
-REPEATED = {path.stem: path for path in sorted(REPEATS.glob("*.yaml"))}
-# a repeat that has another rig's name gives way here, and is refused when the repeats are judged
-RIG_FILES = REPEATED | RIGS["searches"] | OTHER_RIGS
+REPEATED, VARIED = (
+    {path.stem: path for path in sorted(folder.glob("*.yaml"))} for folder in (REPEATS, VARIANTS)
+)
+# a fit that has another rig's name gives way here, and is refused when the repeats are judged
+RIG_FILES = VARIED | REPEATED | RIGS["searches"] | OTHER_RIGS
 #: Seeds that judge the end points of searches.
 SEARCH_SEEDS = 10
 
@@ -84,11 +89,31 @@ rule repeats_table:
         table="repeats|spread",
     params:
         **stage("rigs.compare_repeats"),
-        rigs=lambda wildcards: tests_of_repeats()[wildcards.table].rigs,
-        limits=lambda wildcards: tests_of_repeats()[wildcards.table].limits,
-        spread_of=lambda wildcards: tests_of_repeats()[wildcards.table].spread_of,
+        rigs=lambda wildcards: judging_test(wildcards.table).rigs,
+        limits=lambda wildcards: judging_test(wildcards.table).limits,
+        spread_of=lambda wildcards: judging_test(wildcards.table).spread_of,
     message:
         "Repeats of the fit: {wildcards.table}"
+    script:
+        "../scripts/stage.py"
+
+
+rule variants_table:
+    input:
+        published=PUBLISHED,
+        models=lambda wildcards: of_repeats("models", "variants"),
+        grids=lambda wildcards: of_repeats("grids", "variants"),
+        controls=lambda wildcards: of_repeats("control", "variants"),
+    output:
+        **PATHS.table("rigs/variants"),
+    log:
+        PATHS.messages("variants_table"),
+    params:
+        **stage("rigs.compare_variants"),
+        repeats=lambda wildcards: judging_test("variants").repeats,
+        variants=lambda wildcards: judging_test("variants").variants,
+    message:
+        "Fits with other settings, beside repeats of the fit"
     script:
         "../scripts/stage.py"
 
@@ -151,7 +176,7 @@ rule repeats:
         tables_of_repeats,
         lambda wildcards: [
             path
-            for table in tests_of_repeats()
+            for table in judging_tests()
             for part in ("models", "grids", "control")
             for path in of_repeats(part, table)
         ],

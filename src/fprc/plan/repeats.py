@@ -1,4 +1,4 @@
-"""Repeats of the fit, and the tests that say which of them land."""
+"""Repeats of the fit, the tests that say which of them land, and fits with other settings."""
 
 import json
 from collections.abc import Container, Mapping, Sequence
@@ -45,21 +45,57 @@ def landing_tests(fitted_on: Mapping[str, Sequence[int]]) -> dict[str, LandingTe
     return tests
 
 
-def read_repeats(folder: Path, taken: Container[str] = ()) -> dict[str, list[int]]:
-    """Return the seeds that each repeat in a folder was fitted on, by its name.
+class Variants(NamedTuple):
+    """Fits with other settings, to be compared with the spread of repeats."""
+
+    repeats: tuple[str, ...]
+    variants: tuple[str, ...]
+    seeds: range  #: seeds that judge all of them
+
+    @property
+    def rigs(self) -> tuple[str, ...]:
+        """The repeats, then the variants."""
+        return self.repeats + self.variants
+
+
+def variants_beside(
+    repeats: Mapping[str, Sequence[int]], variants: Mapping[str, Sequence[int]]
+) -> Variants | None:
+    """Return the variants beside the repeats that were fitted on as many seeds or more.
+
+    Parameters
+    ----------
+    repeats, variants : Mapping
+        Seeds of each fit, by its name.
+
+    Returns
+    -------
+    Variants or None
+        None if there are no variants, or fewer than two such repeats, which have no spread.
+    """
+    most = max(map(len, variants.values()), default=0)
+    alike = tuple(name for name, seeds in repeats.items() if len(seeds) >= most)
+    if not variants or len(alike) < 2:
+        return None
+    return Variants(alike, tuple(variants), _FIRST_SEEDS)
+
+
+def read_fits(folder: Path, taken: Container[str] = ()) -> dict[str, list[int]]:
+    """Return the seeds of each fit in a folder, by its name.
 
     Parameters
     ----------
     folder : Path
-        Rigs, YAML, each with the report of its fit, JSON.
+        Repeats of the fit, or fits with other settings: rigs, YAML, each with the report of its
+        fit, JSON.
     taken : container of str
         Names of other rigs.
 
     Raises
     ------
     FprcError
-        There is no repeat; or one has a name that is taken, its report is missing or damaged, its
-        fit ran out of time, or it used seeds that judge the repeats. Lists all errors.
+        A name is taken, a report is missing or damaged, or a fit ran out of time or used seeds that
+        judge repeats. Lists all errors.
     """
     fitted_on, errors = {}, []
     for rig in sorted(folder.glob("*.yaml")):
@@ -85,8 +121,6 @@ def read_repeats(folder: Path, taken: Container[str] = ()) -> dict[str, list[int
                 "fit it on others (calibration.seeds)"
             )
         fitted_on[rig.stem] = seeds
-    if not (fitted_on or errors):
-        errors = [f"{folder}: no repeat of the fit there; see docs/searches.md"]
     if errors:
         raise FprcError("\n".join(errors))
     return fitted_on

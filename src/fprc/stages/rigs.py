@@ -18,9 +18,12 @@ from fprc.paper import SOURCES
 from fprc.tables.repeats import (
     Limits,
     beyond_limits,
+    beyond_spread,
+    ends_of_spread,
     numbers_of_repeat,
     repeats_page,
     upper_end,
+    variants_page,
 )
 from fprc.tables.rigs import rig_errors, rigs_answer, rigs_page, within_limits
 from fprc.tables.text import read_markdown, write_table
@@ -100,6 +103,17 @@ def _judged_rigs(
         )
 
 
+_NEAR_TABLES = (
+    "median and largest of the absolute deviations of the 18 errors of Tables II and III from "
+    "print, the median with its approximate 95 % bootstrap interval (judging seeds resampled, not "
+    "the fit)"
+)
+_POINTS_AND_CLAIMS = (
+    "points of the rule that chose the shipped rig, of 16; test RMSE of FPRC over that on "
+    "low-passed theta_d, with its 95 % interval; claims that are not reproduced or undecided"
+)
+
+
 def compare_repeats(
     published: str,
     models: Sequence[str],
@@ -132,13 +146,8 @@ def compare_repeats(
     ValueError
         ``spread_of`` names one repeat only.
     """
-    printed = read_yaml(published)
     seeds = len(models) // len(rigs)
-    judged = _judged_rigs(printed, len(rigs), models, grids, controls, seeds)
-    numbers = {
-        name: numbers_of_repeat(rig.models, rig.errors, rig.ledger, printed)
-        for name, rig in zip(rigs, judged, strict=True)
-    }
+    numbers = _numbers_of_rigs(published, rigs, models, grids, controls)
     if spread_of:
         limits = {**limits, "median": upper_end([numbers[name]["median"] for name in spread_of])}
     limit = Limits(**limits)
@@ -155,16 +164,76 @@ def compare_repeats(
     spread = f", by the spread of {', '.join(spread_of)}" if spread_of else ""
     low, high = limit.worth
     note = (
-        f"Repeats of the fit on {seeds} seeds: median and largest of the absolute deviations of "
-        "the 18 errors of Tables II and III from print, the median with its approximate 95 % "
-        "bootstrap interval (judging seeds resampled, not the fit); points of the rule that chose "
-        "the shipped rig, of 16; test RMSE of FPRC over that on low-passed theta_d, with its 95 % "
-        "interval; claims that are not reproduced or undecided.\n"
+        f"Repeats of the fit on {seeds} seeds: {_NEAR_TABLES}; {_POINTS_AND_CLAIMS}.\n"
         f"Limits: median {100 * limit.median:.2f} %{spread}; largest {100 * limit.largest:.0f} %; "
         f"at least {limit.points} points; ratio {low} to {high}. Nothing is rounded before it is "
         f"judged.\nData: {SOURCES[source]}."
     )
     write_table(table, repeats_page(table), note, csv, md, tex)
+
+
+def compare_variants(
+    published: str,
+    models: Sequence[str],
+    grids: Sequence[str],
+    controls: Sequence[str],
+    csv: str,
+    md: str,
+    tex: str,
+    *,
+    repeats: Sequence[str],
+    variants: Sequence[str],
+) -> None:
+    """Write the table of fits with other settings beside repeats of the fit.
+
+    Parameters
+    ----------
+    models, grids, controls : sequence of str
+        Reports of the same seeds, rig by rig.
+    repeats, variants : sequence of str
+        Names of the rigs: repeats of the fit first, then the fits with other settings.
+
+    Raises
+    ------
+    ValueError
+        There are fewer than two repeats.
+    """
+    rigs = [*repeats, *variants]
+    numbers = _numbers_of_rigs(published, rigs, models, grids, controls)
+    ends = ends_of_spread([numbers[name] for name in repeats])
+    beyond = {name: ", ".join(beyond_spread(numbers[name], ends)) or "none" for name in variants}
+    source = read_json(models[0])["source"]
+    table = pd.DataFrame(
+        {"rig": name, **numbers[name], "beyond": beyond.get(name, "repeat")} for name in rigs
+    ).assign(**{f"end of {name}": end for name, end in ends.items()}, source=source)
+    note = (
+        f"Repeats of the fit, then fits with other settings, on {len(models) // len(rigs)} seeds: "
+        f"{_NEAR_TABLES}; largest absolute deviation of Table IV from print, open loop, and closed "
+        f"loop at the identified gain; {_POINTS_AND_CLAIMS}.\n"
+        "Ends of the one-sided 95 % prediction intervals for one more repeat: median "
+        f"{100 * ends['median']:.2f} %, largest {100 * ends['largest']:.1f} %, open loop "
+        f"{100 * ends['open loop']:.1f} % (a fit is beyond them with more); closed loop "
+        f"{100 * ends['closed loop']:.1f} %, points {ends['points']:.1f} (with less).\n"
+        f"Data: {SOURCES[source]}."
+    )
+    write_table(table, variants_page(table), note, csv, md, tex)
+
+
+def _numbers_of_rigs(
+    published: str,
+    rigs: Sequence[str],
+    models: Sequence[str],
+    grids: Sequence[str],
+    controls: Sequence[str],
+) -> dict[str, dict[str, Any]]:
+    printed = read_yaml(published)
+    judged = _judged_rigs(
+        printed, len(rigs), models, grids, controls, deciding=len(models) // len(rigs)
+    )
+    return {
+        name: numbers_of_repeat(rig.models, rig.errors, rig.ledger, printed)
+        for name, rig in zip(rigs, judged, strict=True)
+    }
 
 
 def tabulate_answer(rigs: str, sets: Sequence[str], csv: str, md: str, tex: str) -> None:

@@ -1,4 +1,4 @@
-"""Repeats of the fit side by side, and whether they land within given limits."""
+"""Repeats of the fit and fits with other settings, within limits or beyond the repeats' spread."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
@@ -14,6 +14,9 @@ from fprc.tables.text import three_digits
 
 #: Resamples of the seeds behind the interval of a median deviation.
 _RESAMPLES = 10_000
+
+#: What a fit with other settings may have beyond the spread of repeats: 1 more of it, -1 less.
+_SIDES = {"median": 1, "largest": 1, "open loop": 1, "closed loop": -1, "points": -1}
 
 
 class Limits(NamedTuple):
@@ -49,11 +52,12 @@ def numbers_of_repeat(
     dict
         ``median`` and ``largest`` of the absolute deviations of Tables II and III, as shares;
         ``median_low`` and ``median_high``, the 95 % percentile bootstrap interval over the seeds,
-        which with ten or twenty seeds is somewhat too short; ``points`` of the rule; ``worth``, the
-        ratio of C4b, with ``worth_low`` and ``worth_high``; and the claims that are
-        ``not reproduced`` and ``undecided``.
+        which with ten or twenty seeds is somewhat too short; ``open loop`` and ``closed loop``, the
+        largest absolute deviation of Table IV; ``points`` of the rule; ``worth``, the ratio of C4b,
+        with ``worth_low`` and ``worth_high``; and the claims that are ``not reproduced`` and
+        ``undecided``.
     """
-    off, _, _ = deviations_of(errors)
+    off, open_loop, closed_loop = deviations_of(errors)
     ratios = _over_print(models, published)
     resampled = np.random.default_rng(0).integers(len(ratios), size=(_RESAMPLES, len(ratios)))
     medians = np.median(np.abs(ratios[resampled].mean(axis=1) - 1.0), axis=1)
@@ -64,6 +68,8 @@ def numbers_of_repeat(
         "median_low": float(low),
         "median_high": float(high),
         "largest": float(off.max()),
+        "open loop": float(open_loop.max()),
+        "closed loop": float(closed_loop.max()),
         "points": points(errors, ledger),
         "worth": worth["mean"],
         "worth_low": worth["first"],
@@ -112,8 +118,50 @@ def beyond_limits(numbers: Mapping[str, Any], limits: Limits) -> list[str]:
     return [name for name, holds in within.items() if not holds]
 
 
+def ends_of_spread(repeats: Sequence[Mapping[str, Any]]) -> dict[str, float]:
+    """Return the end of the one-sided 95 % prediction interval for one more repeat.
+
+    Parameters
+    ----------
+    repeats : sequence of mapping
+        Results of ``numbers_of_repeat``.
+
+    Returns
+    -------
+    dict
+        The upper ends of ``median``, ``largest`` and ``open loop``, and the lower ends of
+        ``closed loop`` and ``points``; see docs/preregistration.md.
+
+    Raises
+    ------
+    ValueError
+        There are fewer than two repeats.
+    """
+    return {
+        name: side * upper_end([side * own[name] for own in repeats])
+        for name, side in _SIDES.items()
+    }
+
+
+def beyond_spread(numbers: Mapping[str, Any], ends: Mapping[str, float]) -> list[str]:
+    """Return what of a fit is beyond the ends that ``ends_of_spread`` returns."""
+    return [name for name, side in _SIDES.items() if side * numbers[name] > side * ends[name]]
+
+
 def repeats_page(table: pd.DataFrame) -> pd.DataFrame:
     """Return the table of the repeats as a page."""
+    return _page(table).assign(Lands=table["lands"])
+
+
+def variants_page(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the table of repeats and fits with other settings as a page."""
+    page = _page(table)
+    for name in ("closed loop", "open loop"):
+        page.insert(3, f"Table IV, {name}", [f"{100 * value:.1f} %" for value in table[name]])
+    return page.assign(**{"Beyond the spread": table["beyond"]})
+
+
+def _page(table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(
         {
             "Rig": table["rig"],
@@ -129,6 +177,5 @@ def repeats_page(table: pd.DataFrame) -> pd.DataFrame:
             ],
             "Not reproduced": table["not reproduced"],
             "Undecided": table["undecided"],
-            "Lands": table["lands"],
         }
     )

@@ -3,7 +3,7 @@ import json
 import pytest
 
 from fprc.errors import FprcError
-from fprc.plan.repeats import landing_tests, read_repeats
+from fprc.plan.repeats import landing_tests, read_fits, variants_beside
 from fprc.tables.repeats import Limits
 
 TWELVE, SIX = list(range(12)), list(range(6))
@@ -19,7 +19,7 @@ def put(folder, name, **changes):
 def test_seeds_are_those_of_the_reports(tmp_path):
     put(tmp_path, "b", seeds=SIX)
     put(tmp_path, "a")
-    assert list(read_repeats(tmp_path).items()) == [("a", TWELVE), ("b", SIX)]
+    assert list(read_fits(tmp_path).items()) == [("a", TWELVE), ("b", SIX)]
 
 
 def test_everything_that_is_wrong_is_reported_at_once(tmp_path):
@@ -32,7 +32,7 @@ def test_everything_that_is_wrong_is_reported_at_once(tmp_path):
     (tmp_path / "broken.yaml").touch()
     (tmp_path / "broken.json").write_text('{"seeds": [')
     with pytest.raises(FprcError) as raised:
-        read_repeats(tmp_path, {"viscous"})
+        read_fits(tmp_path, {"viscous"})
     lines = str(raised.value).splitlines()
     assert [line.partition(": ")[0].rpartition("/")[2] for line in lines] == [
         "alone.json", "broken.json", "late.json", "other.json", "seen.json", "viscous.yaml"
@@ -40,9 +40,8 @@ def test_everything_that_is_wrong_is_reported_at_once(tmp_path):
     assert "501, 510, 540;" in lines[4]
 
 
-def test_folder_without_repeats_is_refused(tmp_path):
-    with pytest.raises(FprcError, match="no repeat of the fit"):
-        read_repeats(tmp_path)
+def test_folder_that_is_empty_or_missing_has_no_fits(tmp_path):
+    assert read_fits(tmp_path) == read_fits(tmp_path / "none") == {}
 
 
 def test_every_repeat_is_judged_by_the_first_limits():
@@ -65,7 +64,27 @@ def test_spread_of_four_repeats_judges_those_with_as_many_seeds():
 
 def test_seeds_of_the_two_tests_and_of_the_kept_fits_are_different(request):
     folder = request.config.rootpath / "config/rigs/repeats"
-    fitted_on = read_repeats(folder)
+    fitted_on = read_fits(folder)
     assert fitted_on.keys() >= set(SPREAD)
     first, second = (set(test.seeds) for test in landing_tests(fitted_on).values())
     assert not first & second
+
+
+def test_variants_stand_beside_repeats_with_as_many_seeds():
+    repeats = {"old": SIX, "a": TWELVE, "b": TWELVE}
+    found = variants_beside(repeats, {"damped": TWELVE})
+    assert found.rigs == ("a", "b", "damped")
+    assert list(found.seeds) == list(range(501, 511))
+    assert variants_beside(repeats, {"damped": SIX}).repeats == ("old", "a", "b")
+
+
+def test_variants_need_two_repeats():
+    assert variants_beside({"old": SIX, "a": TWELVE}, {"damped": TWELVE}) is None
+    assert variants_beside({"a": TWELVE, "b": TWELVE}, {}) is None
+
+
+def test_kept_variants_stand_beside_repeats_4_to_9(request):
+    folder = request.config.rootpath / "config/rigs"
+    found = variants_beside(read_fits(folder / "repeats"), read_fits(folder / "variants"))
+    assert found.repeats == tuple(f"again_from_pilot_{number}" for number in range(3, 9))
+    assert found.variants == ("damped_from_pilot", "damped_from_pilot_2")

@@ -122,6 +122,23 @@ def test_repeats_that_give_the_limit_of_the_median_are_judged_by_the_others(comp
     ]  # fmt: skip
 
 
+def test_variants_are_compared_with_the_spread_of_repeats(reports_of, judged_seeds, written):
+    off = {"a": 0.06, "b": 0.07, "c": 0.08, "near": 0.09, "far": 0.11}
+    stage.compare_variants(
+        **reports_of(off), **written, repeats=["a", "b", "c"], variants=["near", "far"]
+    )
+    assert judged_seeds == [[SEEDS] * 3] * len(off)
+    table = pd.read_csv(written["csv"], index_col="rig", keep_default_na=False)
+    # mean 0.07 and standard deviation 0.01; Student's t of 2 degrees of freedom
+    end = 0.07 + 2.91999 * 0.01 * np.sqrt(4.0 / 3.0)
+    # six digits in the table
+    np.testing.assert_allclose(table["end of median"], end, rtol=1e-5)
+    assert table["beyond"].to_list() == ["repeat"] * 3 + ["none", "median, largest"]
+    page = Path(written["md"]).read_text()
+    assert f"median {100 * end:.2f} %, largest {100 * end:.1f} %" in page
+    assert "simulated" in page
+
+
 def test_rigs_side_by_side_are_judged_on_the_deciding_seeds(reports_of, judged_seeds, written):
     files = reports_of({"dry": 0.1, "viscous": -0.2})
     stage.compare_rigs(**files, **written, fitted={"dry": [], "viscous": ["tables"]}, deciding=2)

@@ -5,9 +5,12 @@ import pytest
 from fprc.tables.repeats import (
     Limits,
     beyond_limits,
+    beyond_spread,
+    ends_of_spread,
     numbers_of_repeat,
     repeats_page,
     upper_end,
+    variants_page,
 )
 from fprc.tables.rigs import rig_errors
 
@@ -41,7 +44,7 @@ def reports(over_print):
 
 
 def control():
-    runs = {"sweep/fprc/none": 2.0, "sweep/fprc_pd/identified": 1.0}
+    runs = {"sweep/fprc/none": 2.5, "sweep/fprc_pd/identified": 0.4}
     return {"source": "sim", "rmse_deg": runs, "gains": {"identified": {"kp_kpa_per_deg": 4.0}}}
 
 
@@ -88,8 +91,8 @@ def test_verdicts_that_fail_or_stay_open_are_named():
     found = numbers([np.ones(18)] * 2, ledger)
     assert (found["undecided"], found["not reproduced"]) == ("C1, C3", "C2")
     assert numbers([np.ones(18)] * 2)["undecided"] == "none"
-    # no deviation gives three points
-    assert found["points"] == 3
+    # no deviation of Tables II and III gives two points
+    assert found["points"] == 2
 
 
 def test_interval_is_the_same_each_time():
@@ -127,6 +130,44 @@ def test_repeat_lands_at_the_limits_and_not_beyond(change, missed):
     assert beyond_limits(LANDED | change, LIMITS) == missed
 
 
+def test_deviations_of_table_4_are_those_of_open_and_closed_loop():
+    found = numbers([np.ones(18)] * 2)
+    assert (found["open loop"], found["closed loop"]) == pytest.approx((0.25, 0.6))
+
+
+# mean 0.2 and standard deviation 0.1; Student's t of 2 degrees of freedom, from a table
+REACH = 2.919986 * 0.1 * np.sqrt(4.0 / 3.0)
+SPREAD = [
+    dict.fromkeys(("median", "largest", "open loop", "closed loop", "points"), value)
+    for value in (0.1, 0.2, 0.3)
+]
+
+
+def test_ends_are_upper_for_deviations_and_lower_for_closed_loop_and_points():
+    ends = ends_of_spread(SPREAD)
+    assert [ends[name] for name in ("median", "largest", "open loop")] == pytest.approx(
+        [0.2 + REACH] * 3
+    )
+    assert [ends[name] for name in ("closed loop", "points")] == pytest.approx([0.2 - REACH] * 2)
+
+
+@pytest.mark.parametrize(
+    ("change", "beyond"),
+    [
+        ({}, []),
+        ({"median": 0.2 + REACH + 1e-3}, ["median"]),
+        ({"open loop": 0.2 - REACH - 1e-3}, []),
+        ({"closed loop": 0.2 + REACH + 1e-3}, []),
+        ({"closed loop": 0.2 - REACH - 1e-3, "largest": 1.0}, ["largest", "closed loop"]),
+        ({"points": 0.2 - REACH - 1e-3}, ["points"]),
+    ],
+)
+def test_what_is_beyond_the_spread_is_named(change, beyond):
+    assert beyond_spread(SPREAD[1] | change, ends_of_spread(SPREAD)) == beyond
+    # the ends themselves are within
+    assert beyond_spread(ends_of_spread(SPREAD), ends_of_spread(SPREAD)) == []
+
+
 def test_page_shows_what_the_limits_are_about():
     row = numbers([np.full(18, 1.1)] * 2) | {"rig": "again", "lands": "no: median"}
     (page,) = repeats_page(pd.DataFrame([row])).to_dict("records")
@@ -134,9 +175,19 @@ def test_page_shows_what_the_limits_are_about():
         "Rig": "again",
         "Median deviation": "10.00 % (10.0 to 10.0)",
         "Largest": "10.0 %",
-        "Points": "2",
+        "Points": "1",
         "FPRC / FPRC on low-passed theta_d": "0.700 (0.600 to 0.800)",
         "Not reproduced": "none",
         "Undecided": "none",
         "Lands": "no: median",
     }
+
+
+def test_page_of_variants_has_table_4_too():
+    row = numbers([np.full(18, 1.1)] * 2) | {"rig": "other", "beyond": "closed loop"}
+    (page,) = variants_page(pd.DataFrame([row])).to_dict("records")
+    assert list(page)[2:6] == [
+        "Largest", "Table IV, open loop", "Table IV, closed loop", "Points"
+    ]  # fmt: skip
+    assert (page["Table IV, open loop"], page["Table IV, closed loop"]) == ("25.0 %", "60.0 %")
+    assert page["Beyond the spread"] == "closed loop"
