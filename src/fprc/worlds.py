@@ -46,7 +46,7 @@ WORLDS = {
     ),
     "viscous": (
         "viscous",
-        "a rig with a viscous memory instead of dry friction, fitted to the paper",
+        "a rig whose loops come mostly from a viscous memory, fitted to the paper",
     ),
     "posterior": ("posterior", "rigs that are compatible with the errors of Tables II and III"),
     "drawn": ("drawn", "rigs that were drawn from the physical ranges, not fitted"),

@@ -6,6 +6,7 @@ No time is asserted; the measurements go into the fault matrix.
 import json
 import mmap
 import os
+import select
 import signal
 import subprocess
 import sys
@@ -440,7 +441,9 @@ def test_board_that_fails_when_the_loop_is_killed_is_vented_once_it_recovers(sta
     os.kill(program.loop(), signal.SIGKILL)
     heard = b""
     while b"THE CHAMBERS COULD NOT BE VENTED" not in heard:
-        heard += (said := os.read(program.process.stderr.fileno(), 1000))
+        errors = program.process.stderr.fileno()
+        assert select.select([errors], [], [], PATIENCE_S)[0], heard
+        heard += (said := os.read(errors, 1000))
         assert said, heard
     rig.fail_at = 0
     code, said = program.end()

@@ -8,6 +8,12 @@ import pytest
 from fprc import compiled, rig
 
 
+@pytest.fixture(autouse=True)
+def default_cache(monkeypatch):
+    """Kernels are cached beside their sources, whatever NUMBA_CACHE_DIR says."""
+    monkeypatch.setattr(numba.config, "CACHE_DIR", "")
+
+
 @pytest.fixture
 def package(tmp_path):
     """Copy of the rig package's sources, which the cache folder is named after."""

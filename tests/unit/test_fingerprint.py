@@ -154,12 +154,14 @@ def mine(package, tmp_path, monkeypatch):
     }.items():
         (folder / name).write_text(text, encoding="utf-8")
     monkeypatch.syspath_prepend(str(folder))
-    before = set(sys.modules)
     for name in ("model", "other"):
         importlib.import_module(name)
     yield folder
-    for name in set(sys.modules) - before:
-        del sys.modules[name]
+    for name in ("model", "helper", "other", "mine", "mine.taps", "mine.lags"):
+        sys.modules.pop(name, None)
+    for name in ("data", "files"):
+        sys.modules.pop(f"fprc.{name}", None)
+        delattr(fprc, name)
 
 
 @pytest.mark.parametrize(

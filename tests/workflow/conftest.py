@@ -273,11 +273,12 @@ FEW_FREE = (
 
 
 def give_fits(folder, like):
-    """Give a project two repeats of the fit and a variant, with reports of a rig; return tables."""
-    kept = {"repeats": ("again", "again_2"), "variants": ("other",)}
+    """Give a project repeats of the fit and a variant, with reports of a rig; return tables."""
+    repeats = tuple(f"again_from_pilot_{number}" for number in range(3, 9))
+    kept = {"repeats": repeats, "variants": ("other",)}
     for name in kept:
-        for path in (folder / "config/rigs" / name).iterdir():
-            path.unlink()
+        shutil.rmtree(folder / "config/rigs" / name, ignore_errors=True)
+        (folder / "config/rigs" / name).mkdir()
     judged = folder / "results/smoke/rigs"
     for kind, name in ((kind, name) for kind, names in kept.items() for name in names):
         rig = folder / f"config/rigs/{kind}/{name}.yaml"

@@ -1,7 +1,9 @@
 """Real keys on the report page, in a headless Chromium that is driven over its DevTools pipe."""
 
+import fcntl
 import json
 import os
+import select
 import shutil
 import subprocess
 from contextlib import contextmanager
@@ -14,6 +16,9 @@ PROGRAM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "
 
 OPTIONS = """--headless --no-sandbox --disable-gpu --no-first-run --disable-background-networking
     --disable-component-update --disable-sync --disable-dev-shm-usage --hide-scrollbars""".split()
+
+#: The browser answers within milliseconds, but may start on a busy machine.
+PATIENCE_S = 120.0
 
 #: Windows' code of a key, and the text that it types.
 KEYS = {"Tab": (9, ""), "Enter": (13, "\r"), "Escape": (27, "")}
@@ -44,6 +49,7 @@ class Page:
 
     def _message(self):
         while b"\0" not in self._unread:
+            assert select.select([self._answers], [], [], PATIENCE_S)[0], "the browser is silent"
             read = os.read(self._answers, 1 << 20)
             assert read, "the browser has ended"
             self._unread += read
@@ -79,10 +85,10 @@ def browsing(folder):
 
     def connect():
         # Chromium reads commands from descriptor 3 and answers on 4
-        os.dup2(ends["read"], 13)
-        os.dup2(ends["write"], 14)
-        os.dup2(13, 3)
-        os.dup2(14, 4)
+        # through copies above both: neither end is overwritten before it is copied
+        above = [fcntl.fcntl(ends[name], fcntl.F_DUPFD, 20) for name in ("read", "write")]
+        for number, copied in enumerate(above, start=3):
+            os.dup2(copied, number)
 
     ends["read"], commands = os.pipe()
     answers, ends["write"] = os.pipe()

@@ -93,7 +93,7 @@ PLANNED = [
         {"replicate", "judge"},
     ),
     (
-        ["searches", "repeats"],
+        ["searches", "repeats", "variants"],
         {"replicate_on_rig", "rigs_table", "repeats_table", "variants_table", "front_figure"},
         {"fit_rig", "judge"},
     ),

@@ -121,29 +121,33 @@ def on_rigs(part, table):
     ]
 
 
+def _fits(folder):
+    """Return the seeds of the fits in a folder, which no other rig may have the name of."""
+    others = {REPEATS: VARIED, VARIANTS: REPEATED}[folder]
+    return read_fits(folder, rig_files().keys() | RIGS["searches"].keys() | others.keys())
+
+
 @cache
-def judging_tests():
-    """Return what judges repeats of the fit and fits with other settings, by the table's name."""
-    taken = rig_files().keys() | RIGS["searches"].keys()
+def tests_of_repeats():
+    """Return the tests of the repeats of the fit, by the name of their table."""
     try:
-        repeats = read_fits(REPEATS, taken)
-        variants = read_fits(VARIANTS, taken | repeats.keys())
+        repeats = _fits(REPEATS)
     except FprcError as error:
         raise WorkflowError(str(error)) from None
     if not repeats:
         raise WorkflowError(f"{REPEATS}: no repeat of the fit there; see docs/searches.md")
-    beside = variants_beside(repeats, variants)
-    return landing_tests(repeats) | ({"variants": beside} if beside else {})
+    return landing_tests(repeats)
 
 
-def tables_of_repeats(wildcards):
-    """Return the tables of the repeats of the fit, and of fits with other settings."""
-    return [PATHS.below(f"rigs/{table}.md") for table in judging_tests()]
-
-
-def judging_test(table):
-    """Return what judges the fits of a table."""
-    tests = judging_tests()
+@cache
+def fits_of(table):
+    """Return the fits of a table, and the seeds that judge them."""
+    try:
+        if table == "variants":
+            return variants_beside(_fits(REPEATS), _fits(VARIANTS))
+    except FprcError as error:
+        raise WorkflowError(str(error)) from None
+    tests = tests_of_repeats()
     if table not in tests:
         raise WorkflowError(
             f"{REPEATS}: {table} needs the repeats whose spread it takes; restore them"
@@ -151,11 +155,16 @@ def judging_test(table):
     return tests[table]
 
 
+def tables_of_repeats(wildcards):
+    """Return the tables of the repeats of the fit."""
+    return [PATHS.below(f"rigs/{table}.md") for table in tests_of_repeats()]
+
+
 def of_repeats(part, table):
     """Return the reports of a table's seeds, those of one fit after another."""
-    test = judging_test(table)
+    fits = fits_of(table)
     return [
-        PATHS.below(f"rigs/{rig}/{part}_{seed}.json") for rig in test.rigs for seed in test.seeds
+        PATHS.below(f"rigs/{rig}/{part}_{seed}.json") for rig in fits.rigs for seed in fits.seeds
     ]
 
 

@@ -86,7 +86,7 @@ rule searches_page:
 
 rule repeats_page:
     input:
-        pages=tables_of_repeats,
+        pages=lambda wildcards: [*tables_of_repeats(wildcards), PATHS.below("rigs/variants.md")],
     log:
         PATHS.messages("repeats_page"),
     localrule: True

@@ -89,9 +89,9 @@ rule repeats_table:
         table="repeats|spread",
     params:
         **stage("rigs.compare_repeats"),
-        rigs=lambda wildcards: judging_test(wildcards.table).rigs,
-        limits=lambda wildcards: judging_test(wildcards.table).limits,
-        spread_of=lambda wildcards: judging_test(wildcards.table).spread_of,
+        rigs=lambda wildcards: fits_of(wildcards.table).rigs,
+        limits=lambda wildcards: fits_of(wildcards.table).limits,
+        spread_of=lambda wildcards: fits_of(wildcards.table).spread_of,
     message:
         "Repeats of the fit: {wildcards.table}"
     script:
@@ -110,8 +110,8 @@ rule variants_table:
         PATHS.messages("variants_table"),
     params:
         **stage("rigs.compare_variants"),
-        repeats=lambda wildcards: judging_test("variants").repeats,
-        variants=lambda wildcards: judging_test("variants").variants,
+        repeats=lambda wildcards: fits_of("variants").repeats,
+        variants=lambda wildcards: fits_of("variants").variants,
     message:
         "Fits with other settings, beside repeats of the fit"
     script:
@@ -176,8 +176,18 @@ rule repeats:
         tables_of_repeats,
         lambda wildcards: [
             path
-            for table in judging_tests()
+            for table in tests_of_repeats()
             for part in ("models", "grids", "control")
             for path in of_repeats(part, table)
         ],
+    localrule: True
+
+
+rule variants:
+    input:
+        PATHS.below("rigs/variants.md"),
+        *(
+            lambda wildcards, part=part: of_repeats(part, "variants")
+            for part in ("models", "grids", "control")
+        ),
     localrule: True

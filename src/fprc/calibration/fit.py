@@ -156,7 +156,9 @@ def _searched(
     like = cheaply(begun, seeds)
     ratios = ratios_to_full(full_errors(begun, seeds, workers, judgement), like)
     objective = Objective(aim, ratios, like)
-    depends_on = [asdict(begun), judgement, calibration, grids, tracking, aim, version]
+    # a search that ran out of time goes on if it is given more
+    lasting = {key: value for key, value in calibration.items() if key != "minutes"}
+    depends_on = [asdict(begun), judgement, lasting, grids, tracking, aim, version]
     result = search(
         partial(judge_point, on_rig=begun, free=free, seeds=seeds, cheaply=cheaply),
         lambda logs: np.concatenate([*objective.terms(objective.judged(logs)).values()]),

@@ -106,8 +106,8 @@ def _second_log(worlds: Rows, tables: Tables, heads: Rows, titles: Mapping[str, 
                 for name in models
             )
             return (
-                f"A second training log that resembles the test log {verb} P_o: on "
-                f"{_place(head)} it brings {changes}."
+                "One table, without a registered claim, suggests that a second training log that "
+                f"resembles the test log {verb} P_o: on {_place(head)} it brings {changes}."
             )
     return ""
 

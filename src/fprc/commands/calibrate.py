@@ -1,6 +1,5 @@
 """`fprc calibrate`: fit the simulated rig, outside the workflow."""
 
-import logging
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -8,6 +7,7 @@ from pathlib import Path
 from joblib import cpu_count
 from threadpoolctl import threadpool_limits
 
+from fprc.commands.terminal import messages_on_terminal
 from fprc.config import PUBLISHED, check, from_files, local_files
 from fprc.errors import ConfigError
 from fprc.fingerprint import fingerprint
@@ -17,6 +17,7 @@ from fprc.registry import class_module
 from fprc.stages.calibrate import calibrate
 
 
+@messages_on_terminal()
 def calibrate_from_files(
     files: Sequence[str],
     published: str | None,
@@ -59,7 +60,6 @@ def calibrate_from_files(
             f"--out {out}: must end in .yaml, after letters, digits, -, _ and . only: it names the "
             "rig; the report has the same name, .json"
         )
-    logging.basicConfig(level=logging.INFO, format="%(message)s")
     stem = Path(out).with_suffix("")
     with threadpool_limits(1):
         calibrate(

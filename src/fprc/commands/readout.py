@@ -2,8 +2,7 @@
 
 import logging
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
@@ -17,10 +16,10 @@ from fprc.claims.recording import sentences
 from fprc.commands.import_recording import checked_map, import_mapped
 from fprc.commands.models import refuse_repeats
 from fprc.commands.readout_page import Recordings, log_names, report_page
+from fprc.commands.terminal import messages_on_terminal
 from fprc.config import from_files
 from fprc.config.importing import ImportMap
 from fprc.errors import ConfigError, FprcError, LogError
-from fprc.escape import TerminalFormatter
 from fprc.fingerprint import fingerprint
 from fprc.plan.arguments import judgement, paper_models
 from fprc.provenance import describe
@@ -38,6 +37,7 @@ log = logging.getLogger(__name__)
 TABLE_WRITERS = {"jinja2": "Jinja2", "tabulate": "tabulate"}
 
 
+@messages_on_terminal()
 def report_readout(
     source: str,
     map_file: str,
@@ -94,22 +94,21 @@ def report_readout(
     folder = Path(out or Path("results", Path(source).stem))
     parts = _parts(source, mapping, train)
     _refuse_leftovers(folder / "raw", len(parts["sweep"]))
-    with _log_to_terminal():
-        data = {name: _prepare(name, parts[name], settings, folder) for name in parts}
-        words = ("the first part", "the second part")
-        if train:
-            words = ("the training logs", "the test log")
-        judged = folder / "readout"
-        judged.mkdir(parents=True, exist_ok=True)
-        # the shorter task first: a run that is stopped during the longer one resumes there
-        competitors = _compete(data, judged, settings, workers or cpu_count())
-        results = _judge(data, judged, settings, workers or cpu_count(), words)
-        results["competitors"] = competitors
-        page = folder / "report.md"
-        write_text(page, report_page(parts, map_file, mapping, settings, folder, results))
-        for line in sentences(competitors["verdicts"]):
-            log.info("%s", line)
-        log.info("%s", page)
+    data = {name: _prepare(name, parts[name], settings, folder) for name in parts}
+    words = ("the first part", "the second part")
+    if train:
+        words = ("the training logs", "the test log")
+    judged = folder / "readout"
+    judged.mkdir(parents=True, exist_ok=True)
+    # the shorter task first: a run that is stopped during the longer one resumes there
+    competitors = _compete(data, judged, settings, workers or cpu_count())
+    results = _judge(data, judged, settings, workers or cpu_count(), words)
+    results["competitors"] = competitors
+    page = folder / "report.md"
+    write_text(page, report_page(parts, map_file, mapping, settings, folder, results))
+    for line in sentences(competitors["verdicts"]):
+        log.info("%s", line)
+    log.info("%s", page)
 
 
 def _refuse_leftovers(raw: Path, trained: int) -> None:
@@ -132,22 +131,6 @@ def _parts(source: str, mapping: ImportMap, train: Sequence[str]) -> dict[str, R
         "sweep": [(source, mapping.part("sweep")), *further],
         "complex": [(source, mapping.part("complex"))],
     }
-
-
-@contextmanager
-def _log_to_terminal() -> Iterator[None]:
-    # only fprc's messages: Matplotlib logs a lot at this level
-    ours = logging.getLogger("fprc")
-    handler = logging.StreamHandler()
-    handler.setFormatter(TerminalFormatter())
-    level = ours.level
-    ours.addHandler(handler)
-    ours.setLevel(logging.INFO)
-    try:
-        yield
-    finally:
-        ours.removeHandler(handler)
-        ours.setLevel(level)
 
 
 def _prepare(

@@ -1,16 +1,17 @@
 """`fprc rig`: check the real rig, or run an experiment on it."""
 
-import logging
 from collections.abc import Sequence
 from typing import Any
 
 from fprc.apparatus.guardian import guard
 from fprc.apparatus.programme import names, refuse_unknown
 from fprc.apparatus.record import record_on_rig
+from fprc.commands.terminal import messages_on_terminal
 from fprc.config import from_files, local_files
 from fprc.registry import model_of_run
 
 
+@messages_on_terminal()
 def check(files: Sequence[str], *, armed: bool) -> None:
     """Check the sensors of the real rig and, if armed, its valves.
 
@@ -22,6 +23,7 @@ def check(files: Sequence[str], *, armed: bool) -> None:
     guard({"what": "check", "settings": _prepare(files), "armed": armed})
 
 
+@messages_on_terminal()
 def run_by_name(
     name: str,
     files: Sequence[str],
@@ -64,6 +66,4 @@ def run_by_name(
 
 
 def _prepare(files: Sequence[str]) -> dict[str, Any]:
-    """Show messages on the terminal, and return the settings."""
-    logging.basicConfig(level=logging.INFO, format="%(message)s")
     return from_files(files or local_files()).model_dump(mode="json")

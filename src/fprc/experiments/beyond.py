@@ -8,6 +8,7 @@ import numpy as np
 from fprc.competitors import COMPETITORS, default_settings
 from fprc.errors import FprcError
 from fprc.evaluation import rmse
+from fprc.evaluation.crossval import refusals_of
 from fprc.evaluation.timing import WARM_UP, time_steps
 from fprc.experiments.data import TARGETS, Data
 from fprc.experiments.hysteresis import acquire, simulate
@@ -158,9 +159,11 @@ def _trained(
     name: str, train: Data, test: Data, contest: Contest, seed: int
 ) -> tuple[SequenceModel, dict[str, float]]:
     unfitted = contest.build(name, seed)
-    features = unfitted.make_features().fit(inputs := inputs_of(name, train.channels))
-    rows, expected = features.transform(inputs), train.channels["p_target_kpa"]
-    readout = unfitted.make_readout().fit(rows, expected)
+    expected = train.channels["p_target_kpa"]
+    with refusals_of(unfitted):
+        features = unfitted.make_features().fit(inputs := inputs_of(name, train.channels))
+        rows = features.transform(inputs)
+        readout = unfitted.make_readout().fit(rows, expected)
     model = unfitted.assembled(features, readout)
     return model, {
         "train_rmse_kpa": rmse(expected, readout.predict(rows)),

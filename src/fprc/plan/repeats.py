@@ -21,6 +21,7 @@ _LIMITS = {"largest": 0.30, "points": 9, "worth": (0.60, 0.82)}
 _FIRST_SEEDS, _FIRST_LIMITS = range(501, 511), {"median": 0.08, **_LIMITS}
 _SPREAD_SEEDS = range(521, 541)
 _SPREAD_OF = tuple(f"again_from_pilot_{number}" for number in (3, 4, 5, 6))
+_BESIDE = (*_SPREAD_OF, "again_from_pilot_7", "again_from_pilot_8")
 
 
 def landing_tests(fitted_on: Mapping[str, Sequence[int]]) -> dict[str, LandingTest]:
@@ -60,24 +61,34 @@ class Variants(NamedTuple):
 
 def variants_beside(
     repeats: Mapping[str, Sequence[int]], variants: Mapping[str, Sequence[int]]
-) -> Variants | None:
-    """Return the variants beside the repeats that were fitted on as many seeds or more.
+) -> Variants:
+    """Return fits with other settings beside the repeats with twelve seeds, from the pilot's rig.
 
     Parameters
     ----------
     repeats, variants : Mapping
         Seeds of each fit, by its name.
 
-    Returns
-    -------
-    Variants or None
-        None if there are no variants, or fewer than two such repeats, which have no spread.
+    Raises
+    ------
+    FprcError
+        There are no variants, some of the repeats are missing, or a variant was fitted on fewer
+        seeds than they were. Lists all errors.
     """
-    most = max(map(len, variants.values()), default=0)
-    alike = tuple(name for name, seeds in repeats.items() if len(seeds) >= most)
-    if not variants or len(alike) < 2:
-        return None
-    return Variants(alike, tuple(variants), _FIRST_SEEDS)
+    errors = []
+    if not variants:
+        errors.append("no fit with other settings is there; see docs/searches.md")
+    if missing := [name for name in _BESIDE if name not in repeats]:
+        errors.append(f"the repeats {', '.join(missing)} are missing; restore them")
+    least = min((len(repeats[name]) for name in _BESIDE if name in repeats), default=0)
+    errors += [
+        f"{name}: fitted on {len(seeds)} seeds, and the repeats on {least}; fit it on as many"
+        for name, seeds in variants.items()
+        if len(seeds) < least
+    ]
+    if errors:
+        raise FprcError("\n".join(errors))
+    return Variants(_BESIDE, tuple(variants), _FIRST_SEEDS)
 
 
 def read_fits(folder: Path, taken: Container[str] = ()) -> dict[str, list[int]]:

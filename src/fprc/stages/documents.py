@@ -228,7 +228,7 @@ def _outcome(judged: Mapping[str, Any]) -> str:
     counts = ", ".join(f"{count} {verdict}" for verdict, count in verdicts.items())
     held = claims[claims["verdict"] == "reproduced"]
     predicted = held.loc[held["rig"] == "predicted", "id"]
-    named = f" ({', '.join(predicted)})" if len(predicted) else ""
+    assumed = held.loc[held["rig"] == "assumed", "id"]
     _, decided, seeds = judged["note"].partition(" Verdicts are those of")
     apart = (
         f" Not counted: {', '.join(timed)}; they are about execution times, and their verdicts can "
@@ -239,9 +239,15 @@ def _outcome(judged: Mapping[str, Any]) -> str:
     return (
         f"**Of the paper's {verdicts.sum()} claims and parts of claims, on the simulated rig: "
         f"{counts}.** Of those reproduced, {held['rig'].str.contains('fitted').sum()} were fitted "
-        f"at least in part, {len(predicted)} are called predicted{named}, and the others are "
-        f"assumed.{apart}{decided}{seeds}"
+        f"at least in part, {_count(predicted)} called predicted, and {_count(assumed)} built into "
+        f"the rig.{apart}{decided}{seeds}"
     )
+
+
+def _count(ids: Sequence[str]) -> str:
+    """Return how many there are, with a verb, and which."""
+    named = f" ({', '.join(ids)})" if len(ids) else ""
+    return f"{len(ids)}{named} {'is' if len(ids) == 1 else 'are'}"
 
 
 def _verdicts(judged: Mapping[str, Any], drawn: Mapping[str, str]) -> str:

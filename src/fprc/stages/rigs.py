@@ -250,11 +250,11 @@ def tabulate_answer(rigs: str, sets: Sequence[str], csv: str, md: str, tex: str)
     table = rigs_answer(page, [read_json(path) for path in sets])
     note = (
         "The rigs beside the paper. Deviations from print: root mean square of the logarithms of "
-        "the training and test errors of single seeds over the printed ones; and the largest of a "
-        "mean of open-loop Table IV. Claims are all but those on execution times. A ratio below 1 "
-        "says that P_o is worth more than a low-pass of theta_d. For a rig, it is the mean with "
-        "its 95 % interval over the seeds that decide the verdicts; for a set, it is the median "
-        f"and the range over the rigs.\nData: {SOURCES['sim']}."
+        "the training and test errors of single seeds over the printed ones; for open-loop Table "
+        "IV, the largest deviation of the four means over seeds. Claims are all but those on "
+        "execution times. A ratio below 1 says that P_o is worth more than a low-pass of theta_d. "
+        "For a rig, it is the mean with its 95 % interval over the seeds that decide the verdicts; "
+        f"for a set, it is the median and the range over the rigs.\nData: {SOURCES['sim']}."
     )
     write_table(table, table, note, csv, md, tex)
 

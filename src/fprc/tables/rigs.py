@@ -88,13 +88,21 @@ def deviations_of(errors: pd.DataFrame) -> tuple[pd.Series, pd.Series, pd.Series
     ----------
     errors : DataFrame
         Result of ``rig_errors``.
+
+    Raises
+    ------
+    ValueError
+        One of the three has no errors, or one that is not a number.
     """
-    off = errors["deviation"].abs()
-    return (
-        off[~errors["number"].str.startswith("Table IV")],
-        off[errors["number"].str.startswith("Table IV, FPRC,")],
-        off[errors["number"].str.startswith("Table IV, FPRC+PD,")],
+    off, number = errors["deviation"].abs(), errors["number"]
+    parts = (
+        off[~number.str.startswith("Table IV")],
+        off[number.str.startswith("Table IV, FPRC,")],
+        off[number.str.startswith("Table IV, FPRC+PD,")],
     )
+    if any(part.empty or part.isna().any() for part in parts):
+        raise ValueError(f"a deviation of Tables II to IV is missing: {', '.join(number)}")
+    return parts
 
 
 def _sums(

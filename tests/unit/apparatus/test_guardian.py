@@ -272,4 +272,5 @@ def test_process_that_does_not_end_is_reported_and_awaited_until_the_user_gives_
     waits, heard = [], []
     assert _wait(Process(), heard) is None
     assert len(waits) == 4
+    assert len(caplog.messages) == 3
     assert all("process 4711 has not ended" in message for message in caplog.messages)

@@ -24,14 +24,17 @@ def clocks():
     return Clocks()
 
 
+@pytest.fixture(autouse=True)
+def own_signals(monkeypatch):
+    """Leave the signal handlers of the tests' process alone."""
+    monkeypatch.setattr(signal, "signal", lambda *_: None)
+
+
 @pytest.fixture
 def stop(clocks, monkeypatch):
     """Built without a guardian on the standard input."""
     monkeypatch.setattr(Stop, "_listen", lambda self: None)
-    before = {n: signal.getsignal(n) for n in (signal.SIGINT, signal.SIGTERM)}
-    yield Stop(0.5, monotonic=clocks.monotonic, boottime=clocks.boottime)
-    for number, handler in before.items():
-        signal.signal(number, handler)
+    return Stop(0.5, monotonic=clocks.monotonic, boottime=clocks.boottime)
 
 
 def test_run_continues_while_the_guardian_gives_signs(stop, clocks):

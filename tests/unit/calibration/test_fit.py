@@ -530,6 +530,12 @@ def test_search_with_other_settings_begins_anew(quick, judged, tmp_path, what):
     assert len(judged.points) == 2 * EVALUATIONS
 
 
+def test_search_with_another_time_limit_goes_on(quick, judged, tmp_path):
+    quick.fit(tmp_path)
+    quick.fit(tmp_path, **with_calibration(quick.settings, minutes=77.0))
+    assert len(judged.points) == EVALUATIONS
+
+
 def test_ratios_correct_the_surrogate(quick, tmp_path):
     """The surrogate's errors are half of those of the full models, which are as printed."""
     quick.deviation = lambda point, seeds: -math.log(2.0) / 0.05

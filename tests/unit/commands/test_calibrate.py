@@ -36,7 +36,6 @@ def fit(monkeypatch):
     calibrate.calls, calibrate.failure = [], None
     monkeypatch.setattr(command, "calibrate", calibrate)
     monkeypatch.setattr(command, "fingerprint", lambda *modules: f"code of {modules}")
-    monkeypatch.setattr(command.logging, "basicConfig", lambda **options: None)
     return calibrate
 
 
@@ -182,7 +181,6 @@ def test_paths_that_are_no_parameters_are_reported_together(run, tmp_path, capsy
 
 def test_absent_published_numbers_are_an_error(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(command, "fingerprint", lambda *modules: "")
-    monkeypatch.setattr(command.logging, "basicConfig", lambda **options: None)
     published = str(tmp_path / "none.yaml")
     arguments = ["--out", str(tmp_path / "out.yaml"), "--published", published]
     assert main(["calibrate", *FILES, *arguments]) == 1

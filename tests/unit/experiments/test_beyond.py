@@ -3,6 +3,7 @@ import pytest
 
 from fprc.competitors import COMPETITORS
 from fprc.config import Settings
+from fprc.errors import EvaluationError
 from fprc.evaluation import rmse
 from fprc.experiments.beyond import (
     ALL,
@@ -70,6 +71,13 @@ def test_errors_are_those_of_the_model_by_itself(judged, fprc, logs):
         rmse(y, backward.predict(X))
     )
     assert judged["fprc"]["forward"]["train_rmse_kpa"] == pytest.approx(rmse(y, fprc.predict(X)))
+
+
+def test_build_on_which_fprc_cannot_be_trained_is_refused(on_rig, contest):
+    fprc = SETTINGS["models"]["fprc"] | {"n_u": 100_000}
+    unfit = contest._replace(models=SETTINGS["models"] | {"fprc": fprc})
+    with pytest.raises(EvaluationError, match="FPRC"):
+        judge_build(on_rig, SEED, ["bank"], unfit)
 
 
 def test_tracking_is_that_of_the_closed_loop_runs(judged, fprc, on_rig, contest):

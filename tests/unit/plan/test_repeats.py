@@ -70,21 +70,28 @@ def test_seeds_of_the_two_tests_and_of_the_kept_fits_are_different(request):
     assert not first & second
 
 
-def test_variants_stand_beside_repeats_with_as_many_seeds():
-    repeats = {"old": SIX, "a": TWELVE, "b": TWELVE}
+BESIDE = [*SPREAD, "again_from_pilot_7", "again_from_pilot_8"]
+
+
+def test_variants_stand_beside_the_six_repeats_with_twelve_seeds():
+    repeats = {"old": SIX, **dict.fromkeys(BESIDE, TWELVE), "again_mine": TWELVE}
     found = variants_beside(repeats, {"damped": TWELVE})
-    assert found.rigs == ("a", "b", "damped")
+    assert found.rigs == (*BESIDE, "damped")
     assert list(found.seeds) == list(range(501, 511))
-    assert variants_beside(repeats, {"damped": SIX}).repeats == ("old", "a", "b")
 
 
-def test_variants_need_two_repeats():
-    assert variants_beside({"old": SIX, "a": TWELVE}, {"damped": TWELVE}) is None
-    assert variants_beside({"a": TWELVE, "b": TWELVE}, {}) is None
+def test_variants_that_cannot_be_compared_are_refused_with_every_reason():
+    repeats = dict.fromkeys(BESIDE[1:], TWELVE)
+    with pytest.raises(FprcError) as raised:
+        variants_beside(repeats, {"few": SIX, "enough": TWELVE})
+    missing, few = str(raised.value).splitlines()
+    assert BESIDE[0] in missing
+    assert few.startswith("few: fitted on 6 seeds, and the repeats on 12")
+    with pytest.raises(FprcError, match="no fit with other settings"):
+        variants_beside(dict.fromkeys(BESIDE, TWELVE), {})
 
 
 def test_kept_variants_stand_beside_repeats_4_to_9(request):
     folder = request.config.rootpath / "config/rigs"
     found = variants_beside(read_fits(folder / "repeats"), read_fits(folder / "variants"))
-    assert found.repeats == tuple(f"again_from_pilot_{number}" for number in range(3, 9))
     assert found.variants == ("damped_from_pilot", "damped_from_pilot_2")

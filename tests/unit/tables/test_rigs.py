@@ -2,7 +2,14 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from fprc.tables.rigs import points, rig_errors, rigs_answer, rigs_page, within_limits
+from fprc.tables.rigs import (
+    deviations_of,
+    points,
+    rig_errors,
+    rigs_answer,
+    rigs_page,
+    within_limits,
+)
 
 PUBLISHED = {
     "table_2_models": {"esn": {"train_rmse_kpa": [10.0, 0.1], "validation_rmse_kpa": [10.0, 0.1],
@@ -97,6 +104,14 @@ def test_limits_are_on_the_deviations_of_each_table(deviations, met):
     numbers += ["Table IV, FPRC, d", "Table IV, FPRC+PD, e"]
     found = within_limits(pd.DataFrame({"number": numbers, "deviation": deviations}))
     assert list(found.values()) == [bool(each) for each in met]
+
+
+@pytest.mark.parametrize("deviation", [[0.1, 0.2, np.nan], [0.1, 0.2]])
+def test_deviation_that_is_missing_is_refused(deviation):
+    numbers = ["Table II, ESN", "Table IV, FPRC, Sweep", "Table IV, FPRC+PD, Sweep"]
+    errors = pd.DataFrame({"number": numbers[: len(deviation)], "deviation": deviation})
+    with pytest.raises(ValueError, match="is missing"):
+        deviations_of(errors)
 
 
 def test_brief_page_sums_the_errors_up(table):
