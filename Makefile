@@ -5,8 +5,8 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 # each job is a new process: let Python cache the compiled modules for the next one
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: help paper smoke quick types lint site tests test damage test-kill reproduce-twice processors slurm \
-	slurm-programs test-slurm docs layers lowest newest scaling fault-matrix fuzz loop-benchmark benchmark \
+.PHONY: help paper smoke quick types lint site tests faults test damage test-kill reproduce-twice processors \
+	slurm slurm-programs test-slurm docs layers lowest newest scaling fault-matrix fuzz loop-benchmark benchmark \
 	benchmark-all container test-container cut release release-tools test-release clean
 
 help:  ## list the targets
@@ -39,7 +39,7 @@ lint: .venv/.ready  ## style, types, layers, workflow lint
 site: .venv/.ready  ## build the documentation site into docs/_build/html, with its examples run
 	sphinx-build -W --keep-going -q docs docs/_build/html
 
-test: lint site tests  ## everything that must pass
+test: lint site tests faults  ## everything that must pass
 
 # First what takes long: test_twice.py begins the shared smoke run, and the next four files do not
 # wait for it. Files, because pytest drops a file whose folder is named too.
@@ -48,10 +48,14 @@ FIRST = $(addprefix tests/, workflow/test_twice.py workflow/test_slurm.py fuzz/t
 LATER = $(filter-out $(FIRST), $(wildcard tests/workflow/test_*.py tests/fuzz/test_*.py))
 
 # Four processes, because tests often wait for programs that they start, and for Slurm.
-tests: .venv/.ready  ## the tests alone
+tests: .venv/.ready  ## the tests, without those of faults
 	@shared=$$(mktemp -d) && trap 'rm -rf "$$shared"' EXIT && FPRC_SMOKED=$$shared \
 	  pytest --numprocesses 4 --dist loadfile --no-loadscope-reorder $(FIRST) $(LATER) \
-	  tests/faults tests/reference tests/unit $(PYTEST)
+	  tests/reference tests/unit $(PYTEST)
+
+# One process, because docs/faults.md is compared with what all of them found.
+faults: .venv/.ready  ## the tests of faults, most of them in real time: three minutes
+	pytest tests/faults $(PYTEST)
 
 test-kill: .venv/.ready  ## kill the workflow at twenty random moments: ten minutes or more
 	FPRC_KILLS=20 pytest tests/workflow/test_kill.py
