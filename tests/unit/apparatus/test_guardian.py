@@ -121,8 +121,12 @@ def test_chambers_that_read_pressure_are_not_called_vented(alive, settings, hear
     assert "after 5 s p_exp_kpa = " in said
 
 
-def test_sensor_that_is_frozen_does_not_show_that_a_chamber_is_vented(bench, settings, heard):
+def test_sensor_that_is_frozen_does_not_show_that_a_chamber_is_vented(
+    bench, settings, heard, monkeypatch
+):
     settings["hardware"]["valves"]["vent_s"] = 0.3
+    # on a busy machine, the driver may answer late
+    monkeypatch.setattr(guardian, "_MESSAGE_S", 30.0)
     said = _vent(settings["hardware"], heard)  # the bench stands still
     assert "p_exp_kpa and p_i_kpa never changed: frozen sensor" in said
 
