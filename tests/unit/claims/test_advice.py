@@ -133,7 +133,7 @@ def test_second_training_log_is_compared_with_p_o(make_world, error, verb):
         for k, own in enumerate(errors)
     ]  # fmt: skip
     assert advised(world)[1].endswith(
-        f"A second training log that resembles the test log {verb} P_o: on the dry rig it brings "
+        f" a second training log that resembles the test log {verb} P_o: on the dry rig it brings "
         f"Low-pass from 15.6 to {error:.1f} kPa, and FPRC from 12.0 to 10.0 kPa."
     )
     world["training_length"] = [{"seed": 601, "seconds": 30.0, "models": {}}]
