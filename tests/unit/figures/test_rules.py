@@ -1,9 +1,11 @@
 from itertools import combinations, product
 
-from hypothesis import given
+import matplotlib.pyplot as plt
+from hypothesis import given, settings
 from hypothesis import strategies as st
+from matplotlib.path import Path
 
-from fprc.figures.rules import label_of, merged, read_graph, reduced
+from fprc.figures.rules import label_of, merged, plot_rules, read_graph, reduced
 
 NAMES = "abcdef"
 ARROWS = list(combinations(NAMES, 2))
@@ -55,3 +57,23 @@ def test_graph_of_snakemake_is_read():
 
 def test_figures_share_a_line():
     assert label_of(["seeds", "draw_fig4", "draw_fig5"]) == "seeds\ndraw_fig 4, 5"
+
+
+@settings(max_examples=20)
+@given(graphs())
+def test_line_crosses_no_box_but_those_that_it_joins(graph):
+    long = {name: name * (3 + 5 * (name in "be")) for name in graph}
+    graph = {long[name]: frozenset(map(long.get, needs)) for name, needs in graph.items()}
+    fig, ax = plt.subplots(figsize=(7.0, 4.2), layout="constrained")
+    try:
+        plot_rules(graph, ax)
+        fig.draw_without_rendering()
+        boxes = [text.get_window_extent() for text in ax.texts]
+        assert len(ax.patches) >= sum(map(len, merged(reduced(graph)).values()))
+        for line in ax.patches:
+            (curve,) = line.get_path().to_polygons(ax.transData, closed_only=False)
+            points = Path(curve).interpolated(20).vertices
+            inside = [box for box in boxes if any(box.contains(*point) for point in points)]
+            assert all(any(box.contains(*end) for end in points[[0, -1]]) for box in inside)
+    finally:
+        plt.close(fig)
