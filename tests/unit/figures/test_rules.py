@@ -1,7 +1,7 @@
 from itertools import combinations, product
 
 import matplotlib.pyplot as plt
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.path import Path
 
@@ -59,20 +59,20 @@ def test_figures_share_a_line():
     assert label_of(["seeds", "draw_fig4", "draw_fig5"]) == "seeds\ndraw_fig 4, 5"
 
 
-@settings(max_examples=20)
-@given(graphs())
-def test_line_crosses_no_box_but_those_that_it_joins(graph):
-    long = {name: name * (3 + 5 * (name in "be")) for name in graph}
-    graph = {long[name]: frozenset(map(long.get, needs)) for name, needs in graph.items()}
+def test_line_crosses_no_box_but_those_that_it_joins():
+    wide = [f"rule_with_a_long_name_{n}" for n in range(8)]
+    graph = {"hub": frozenset(), "early": frozenset()} | dict.fromkeys(wide, frozenset({"hub"}))
+    graph |= {f"use_{n}": frozenset({name}) for n, name in enumerate(wide)}
+    graph |= {"late": frozenset({wide[0], wide[7], "early"}), "last": frozenset({"use_0", "use_7"})}
     fig, ax = plt.subplots(figsize=(7.0, 4.2), layout="constrained")
     try:
         plot_rules(graph, ax)
         fig.draw_without_rendering()
         boxes = [text.get_window_extent() for text in ax.texts]
-        assert len(ax.patches) >= sum(map(len, merged(reduced(graph)).values()))
+        assert len(ax.patches) >= sum(map(len, graph.values()))
         for line in ax.patches:
             (curve,) = line.get_path().to_polygons(ax.transData, closed_only=False)
-            points = Path(curve).interpolated(20).vertices
+            points = Path(curve).interpolated(50).vertices
             inside = [box for box in boxes if any(box.contains(*point) for point in points)]
             assert all(any(box.contains(*end) for end in points[[0, -1]]) for box in inside)
     finally:
