@@ -108,12 +108,13 @@ def deviations_of(errors: pd.DataFrame) -> tuple[pd.Series, pd.Series, pd.Series
 def _sums(
     errors: pd.DataFrame, ledger: Sequence[Mapping[str, str]], deviation: float
 ) -> dict[str, str]:
-    off, open_loop, _ = deviations_of(errors)
+    off, open_loop, closed_loop = deviations_of(errors)
     return {
         _DEVIATION: f"{100 * deviation:.0f} % (rms)",
         "Tables II and III, median deviation": f"{100 * off.median():.0f} %",
         "Tables II and III, largest deviation": f"{100 * off.max():.0f} %",
         "Table IV, open loop, largest deviation": f"{100 * open_loop.max():.0f} %",
+        "Table IV, closed loop, largest deviation": f"{100 * closed_loop.max():.0f} %",
         "Points of the rule, of 16": str(points(errors, ledger)),
         _WORTH: next((row["ours"].rpartition(": ")[2] for row in ledger if row["id"] == "C4b"), ""),
     }

@@ -121,7 +121,11 @@ def test_brief_page_sums_the_errors_up(table):
     assert page["Rig dry"][:3].to_list() == [
         "13 % (rms)", f"{100 * off.median():.0f} %", f"{100 * off.max():.0f} %"
     ]  # fmt: skip
-    assert len(page) == 6 + 1
+    last = table.iloc[-1]
+    assert last["number"].startswith("Table IV, FPRC+PD")
+    closed = page.set_index("Number or claim").loc["Table IV, closed loop, largest deviation"]
+    assert closed["Rig dry"] == f"{100 * abs(last['deviation']):.0f} %"
+    assert len(page) == 7 + 1
     assert page["Number or claim"].iloc[-1] == "C8"
 
 
