@@ -530,12 +530,6 @@ def test_search_with_other_settings_begins_anew(quick, judged, tmp_path, what):
     assert len(judged.points) == 2 * EVALUATIONS
 
 
-def test_search_with_another_time_limit_goes_on(quick, judged, tmp_path):
-    quick.fit(tmp_path)
-    quick.fit(tmp_path, **with_calibration(quick.settings, minutes=77.0))
-    assert len(judged.points) == EVALUATIONS
-
-
 def test_ratios_correct_the_surrogate(quick, tmp_path):
     """The surrogate's errors are half of those of the full models, which are as printed."""
     quick.deviation = lambda point, seeds: -math.log(2.0) / 0.05
@@ -563,6 +557,25 @@ def test_search_that_runs_out_of_time_is_reported_as_not_finished(
     changes = with_calibration(quick.settings, generations=[100], minutes=0.3)
     found = quick.fit(tmp_path, **changes)
     assert (found["finished"], found["generations"], found["evaluations"]) == (False, 3, 24)
+
+
+def test_search_that_ran_out_of_time_goes_on_if_it_is_given_more(
+    quick, judged, tmp_path, monkeypatch
+):
+    clock = SimpleNamespace(monotonic=lambda: float(len(judged.points)))  # a second for each rig
+    for module in (stage, importlib.import_module("fprc.calibration.search")):
+        monkeypatch.setattr(module, "time", clock)
+    little, enough = (
+        with_calibration(quick.settings, generations=[5], minutes=minutes)
+        for minutes in (0.3, 77.0)
+    )
+    assert not quick.fit(tmp_path, **little)["finished"]
+    assert len(judged.points) == 3 * 8
+    found = quick.fit(tmp_path, **enough)
+    assert len(judged.points) == 5 * 8
+    assert found["finished"]
+    whole = quick.fit(tmp_path / "whole", **enough)
+    assert (found["loss"], found["parameters"]) == (whole["loss"], whole["parameters"])
 
 
 def test_all_searches_share_the_time(quick, judged, tmp_path, monkeypatch):
