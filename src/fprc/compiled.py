@@ -18,8 +18,8 @@ def kernel(function: Callable[..., Any], **options: Any) -> Callable[..., Any]:
 
     numba drops a cached kernel when its own file changes, but not when another
     file changes that defines a function it calls. The name of the cache folder
-    therefore holds a hash of this file and of all sources of the kernel's package.
-    A kernel must not call a kernel of another package.
+    therefore holds a hash of this file, of ``fprc.control_laws``, and of all sources
+    of the kernel's package. A kernel must not call a kernel of another package.
 
     The folder is below ``NUMBA_CACHE_DIR`` if that is set, else in the package's
     ``__pycache__``. If that cannot be written, it is in the user's cache folder;
@@ -45,7 +45,8 @@ def summing_kernel(function: Callable[..., Any]) -> Callable[..., Any]:
 
 def _cache_folder(package: Path) -> Path:
     digest = hashlib.sha256()
-    for source in (Path(__file__), *sorted(package.glob("*.py"))):
+    here = Path(__file__)
+    for source in (here, here.with_name("control_laws.py"), *sorted(package.glob("*.py"))):
         digest.update(source.read_bytes())
     folder = Path(_CONFIG.CACHE_DIR or package / "__pycache__")
     return folder / f"kernels-{digest.hexdigest()[:16]}"

@@ -13,14 +13,14 @@ DIRECTIONS = (EXPERIMENTS, EXPERIMENTS[::-1])
 #: The references of Table IV.
 REFERENCES = ("sine_0p2", "sine_0p5", "sweep", "complex")
 
+#: The references on which Fig. 16 compares PD alone with FPRC+PD.
+LOOPS = ("sine_0p5", "sweep")
+
 #: The reference of the disturbance test, Fig. 17.
 DISTURBANCE = "disturbance"
 
-#: Names of the PD gains: those printed in the paper, and those identified here.
-GAINS = ("printed", "identified")
-
-#: Controllers of the closed-loop runs; the suffix names the PD gains.
-CONTROLLERS = ("fprc", "fprc_pd_printed", "fprc_pd_identified", "pd_printed", "pd_identified")
+#: Controllers of the closed-loop runs.
+CONTROLLERS = ("fprc", "fprc_pd", "pd")
 
 #: Models of each grid of Figs. 10 and 11, and the settings that the grid varies.
 GRID_MODELS = {"epsilon": ("fprc",), "n_c": ("fprc", "fuzzy_linear"), "taps": ("fprc",)}
@@ -51,14 +51,6 @@ ERRORS = {
     "validation_rmse": "Validation RMSE",
     "test_rmse": "Test RMSE",
 }
-
-
-def controller_and_gain(name: str) -> tuple[str, str]:
-    """Split the name of a run's controller into controller and PD gain (none without PD)."""
-    for gain in GAINS:
-        if name.endswith(f"_{gain}"):
-            return name.removesuffix(f"_{gain}"), gain
-    return name, "none"
 
 
 def run_log(reference: str, controller: str) -> str:

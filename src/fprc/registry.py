@@ -8,7 +8,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fprc.errors import ConfigError
-from fprc.paper import CONTROLLERS, GAINS, controller_and_gain, reference_and_controller
+from fprc.paper import CONTROLLERS, reference_and_controller
 from fprc.paper import MODELS as PAPER_MODELS
 
 if TYPE_CHECKING:
@@ -184,12 +184,12 @@ def controllers(models: Settings) -> list[str]:
     """Return the controllers of the closed-loop runs.
 
     They are the paper's, and each further model whose class has ``step`` and ``reset``, alone and
-    with PD at both gains.
+    with PD.
     """
     names = list(CONTROLLERS)
     for name in outside_paper(models):
         if has_steps(load_class(name, models)):
-            names += [name, *(f"{name}_pd_{gain}" for gain in GAINS)]
+            names += [name, f"{name}_pd"]
     return names
 
 
@@ -198,11 +198,16 @@ def feedforward_of(controller: str) -> str | None:
     return None if controller == "pd" else controller.removesuffix("_pd")
 
 
+def has_feedback(controller: str) -> bool:
+    """Return whether the PD controller acts, alone or with a model's feedforward."""
+    return controller == "pd" or controller.endswith("_pd")
+
+
 def model_of_run(log: str) -> str:
     """Return the model that a run of the closed loop uses; FPRC if it uses none."""
     if not log.startswith("track_"):
         return "fprc"
-    return feedforward_of(controller_and_gain(reference_and_controller(log)[1])[0]) or "fprc"
+    return feedforward_of(reference_and_controller(log)[1]) or "fprc"
 
 
 def controller_title(controller: str) -> str:

@@ -1,7 +1,6 @@
 # Functions that several rules share.
 
 PATHS = PLAN.paths
-GAINS = PATHS.below("control/gains.json")
 
 #: Priorities: LONG starts long jobs early; ALONE is for jobs that need the whole machine. The
 #: scheduler sums the priorities of jobs that start together, so ALONE exceeds LONG on every core.

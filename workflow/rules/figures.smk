@@ -205,7 +205,7 @@ for number, reference in enumerate(REFERENCES, start=12):
             f"draw_fig{number}"
         input:
             open_loop=PATHS.log(run_log(reference, "fprc")),
-            closed_loop=PATHS.log(run_log(reference, "fprc_pd_identified")),
+            closed_loop=PATHS.log(run_log(reference, "fprc_pd")),
             runs=[PATHS.log(run) for run in FOLLOWED],
         output:
             **figure(number, statistics=True),

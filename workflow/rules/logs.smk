@@ -12,7 +12,7 @@ if PLAN.on_simulated_rig:
             **stage("record.record"),
             experiment="{experiment}",
             signal=lambda wildcards: SETTINGS["experiments"][wildcards.experiment],
-            control=SETTINGS["control"],
+            control=of_pressures(SETTINGS),
             rig=SETTINGS["rig"],
             seed=SETTINGS["seed"],
         message:
@@ -21,19 +21,13 @@ if PLAN.on_simulated_rig:
             "../scripts/stage.py"
 
 
-IDENTIFY = [f"identify_{kp:g}" for kp in SETTINGS["tracking"]["candidate_kp_kpa_per_deg"]]
-
-
 if SETTINGS["source"] == "rig":
 
     FITTED = lambda wildcards: PATHS.model("sweep", model_of_run(wildcards.name))
 
     rule record_on_rig:
         input:
-            lambda wildcards: [
-                *([] if wildcards.name in EXPERIMENTS else [FITTED(wildcards)]),
-                *([] if wildcards.name in [*EXPERIMENTS, *IDENTIFY] else [GAINS]),
-            ],
+            lambda wildcards: [] if wildcards.name in EXPERIMENTS else [FITTED(wildcards)],
         output:
             raw=PATHS.log("{name}"),
         log:
@@ -42,7 +36,7 @@ if SETTINGS["source"] == "rig":
         wildcard_constraints:
             name="|".join(
                 name
-                for name in [*PLAN.every_log, *IDENTIFY]
+                for name in PLAN.every_log
                 if not Path(placed(PATHS.log(name))).exists()
             )
             or "none",
@@ -53,7 +47,6 @@ if SETTINGS["source"] == "rig":
             settings=SETTINGS,
             armed=ARMED,
             model=lambda wildcards: placed(FITTED(wildcards)),
-            gains=placed(GAINS),
         message:
             "Experiment {wildcards.name} on the real rig"
         script:
@@ -77,7 +70,7 @@ if PLAN.simulates_reservoir:
             sample_rate_hz=SETTINGS["control"]["sample_rate_hz"],
             rate_tolerance=SETTINGS["quality"]["rate_tolerance"],
             zero_deg=SETTINGS["evaluation"]["reservoir_zero_deg"],
-            control=SETTINGS["control"],
+            control=of_pressures(SETTINGS),
             rig=SETTINGS["rig"],
             seed=SETTINGS["seed"],
         message:

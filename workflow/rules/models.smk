@@ -66,7 +66,7 @@ rule measure_times:
         **stage("timing.measure_times", *PLAN.models),
         models=SETTINGS["models"],
         control=SETTINGS["control"],
-        tracking=pick(SETTINGS["tracking"], "printed_gains", "pressure_limit_kpa"),
+        pressure_limit_kpa=SETTINGS["tracking"]["pressure_limit_kpa"],
         repeats=SETTINGS["evaluation"]["timing_repeats"],
         seed=SETTINGS["seed"],
     message:

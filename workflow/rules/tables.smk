@@ -90,7 +90,6 @@ rule timing_table:
 rule tracking_table:
     input:
         published=PUBLISHED,
-        gains=GAINS,
         runs=[PATHS.log(run) for run in PLAN.runs],
     output:
         **PATHS.table("tables/table4"),
@@ -100,6 +99,7 @@ rule tracking_table:
         **stage("tabulate.tabulate_tracking"),
         left_out=[run for run in PLAN.every_run if run not in PLAN.contents],
         limits=SETTINGS["quality"],
+        feedback=feedback_in_words(SETTINGS),
     message:
         "Table IV: errors of the closed-loop runs"
     script:
@@ -116,6 +116,7 @@ rule tracking_seeds_table:
         PATHS.messages("table4_seeds"),
     params:
         **stage("tabulate.tabulate_tracking_seeds"),
+        feedback=feedback_in_words(SETTINGS),
     message:
         "Table IV over further seeds"
     script:

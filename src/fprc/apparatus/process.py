@@ -62,7 +62,6 @@ def record(
     *,
     settings: Mapping[str, Any],
     model: str = "",
-    gains: str = "",
     stop: Callable[[], str],
 ) -> None:
     """Run an experiment on the real rig and write its raw log, read-only.
@@ -79,7 +78,7 @@ def record(
     """
     if Path(raw).exists():
         raise LogError(f"{raw}: exists and is not overwritten; move it away to record another")
-    experiment = plan(name, settings, model, gains)
+    experiment = plan(name, settings, model)
     stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
     path = Path(raw).with_suffix(f".{stamp}.journal")
     control, hardware = settings["control"], settings["hardware"]

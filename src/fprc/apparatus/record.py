@@ -19,7 +19,6 @@ def record_on_rig(
     settings: Mapping[str, Any],
     armed: bool,
     model: str = "",
-    gains: str = "",
 ) -> None:
     """Run one experiment on the real rig and write its raw log.
 
@@ -28,7 +27,7 @@ def record_on_rig(
     ControlError
         Not armed, or the run was stopped; names the experiment, or the journal.
     """
-    experiment = plan(name, settings, model, gains)
+    experiment = plan(name, settings, model)
     seconds = experiment.samples / settings["control"]["sample_rate_hz"]
     limits = settings["hardware"]["limits"]
     log.info(
@@ -41,5 +40,5 @@ def record_on_rig(
             "then give --armed (fprc rig run) or --config armed=true (snakemake)"
         )
     Path(raw).parent.mkdir(parents=True, exist_ok=True)
-    run = {"name": name, "raw": raw, "model": model, "gains": gains}
+    run = {"name": name, "raw": raw, "model": model}
     guard({"what": "run", "settings": dict(settings), "run": run})

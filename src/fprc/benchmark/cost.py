@@ -69,7 +69,7 @@ def costs(
     bench = Track(tracking, on_rig.control, on_rig.rig, seed)
     theta_d = bench.reference("sine_0p2")
     loop_s = len(theta_d) / on_rig.control["sample_rate_hz"]
-    loop, _ = _timed(lambda: bench.drive(theta_d, model, tracking["printed_gains"], 10))
+    loop, _ = _timed(lambda: bench.drive(theta_d, "fprc_pd", model, 10))
     log.info("a closed-loop second: %.3f s", loop / loop_s)
 
     how = Judgement(**judgement, seed=seed)

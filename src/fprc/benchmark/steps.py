@@ -77,12 +77,11 @@ def real_time(
     model = build("fprc", models, seed).fit(*data.pair("fprc"))
     sweep = on_rig.signals["sweep"]
     bench = Track(tracking, on_rig.control, on_rig.rig, seed)
-    gains = {"identified": tracking["printed_gains"], "printed": tracking["printed_gains"]}
     reference = next(iter(tracking["references"]))
     described = tracking["references"][reference]
     work: dict[str, Callable[[], object]] = {
         "open loop": lambda: acquire("sweep", sweep, on_rig.control, on_rig.rig, seed),
-        "closed loop": lambda: bench.follow(reference, "fprc_pd_printed", model, gains),
+        "closed loop": lambda: bench.follow(reference, "fprc_pd", model),
     }
     for run in work.values():
         run()

@@ -10,7 +10,6 @@ from scipy.special import stdtrit
 REPRODUCED = "reproduced"
 NOT_REPRODUCED = "not reproduced"
 UNDECIDED = "undecided"
-CONTRADICTED = "contradicted as printed"
 
 #: Confidence of every interval.
 LEVEL = 0.95
@@ -110,25 +109,20 @@ class Finding(NamedTuple):
     published: str  #: numbers of the paper
     statements: Sequence[Statement]
     basis: str  #: what the values are taken over
-    excluded: str = ""  #: why the paper's own numbers exclude the claim
 
     @property
     def verdict(self) -> str:
         """Reproduced if every statement is, not reproduced if one is not."""
-        if self.excluded:
-            return CONTRADICTED
         verdicts = {statement.verdict for statement in self.statements}
         return next((each for each in (NOT_REPRODUCED, UNDECIDED) if each in verdicts), REPRODUCED)
 
     def ours(self) -> str:
         """Return our numbers; of many statements, the one that is closest to its limit."""
         if len(self.statements) <= 4:
-            text = "; ".join(statement.shown() for statement in self.statements)
-        else:
-            held = sum(statement.verdict == REPRODUCED for statement in self.statements)
-            closest = min(self.statements, key=lambda statement: statement.room)
-            text = f"{held} of {len(self.statements)} hold; closest: {closest.shown()}"
-        return f"{text}. {self.excluded}" if self.excluded else text
+            return "; ".join(statement.shown() for statement in self.statements)
+        held = sum(statement.verdict == REPRODUCED for statement in self.statements)
+        closest = min(self.statements, key=lambda statement: statement.room)
+        return f"{held} of {len(self.statements)} hold; closest: {closest.shown()}"
 
     def test(self) -> str:
         """Return the limits; those that several statements share are given once."""

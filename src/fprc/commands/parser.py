@@ -287,9 +287,6 @@ def _add_rig(commands: _Commands) -> None:
     experiment.add_argument(
         "--model", metavar="MODEL.h5", help="fitted FPRC (default: that in the results folder)"
     )
-    experiment.add_argument(
-        "--gains", metavar="FILE.json", help="PD gains (default: those in the results folder)"
-    )
     for verb in (check, experiment):
         verb.add_argument("--armed", action="store_true", help="let the valves move")
         verb.add_argument(

@@ -31,7 +31,6 @@ def run_by_name(
     armed: bool,
     raw: str | None = None,
     model: str | None = None,
-    gains: str | None = None,
 ) -> None:
     """Run one experiment on the real rig; unless armed, print what would be run.
 
@@ -39,8 +38,8 @@ def run_by_name(
     ----------
     name : str
         Experiment; ``list`` prints all names.
-    raw, model, gains : str, optional
-        Log to write, fitted model and PD gains; by default the workflow's files.
+    raw, model : str, optional
+        Log to write, and fitted model; by default the workflow's files.
 
     Raises
     ------
@@ -61,7 +60,6 @@ def run_by_name(
         settings=settings,
         armed=armed,
         model=model or f"{results}/models/sweep_{model_of_run(name)}.h5",
-        gains=gains or f"{results}/control/gains.json",
     )
 
 

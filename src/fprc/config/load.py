@@ -184,11 +184,20 @@ _RENAMED = {
     "sweeps": "grids",
     "grids.replicate_taps": "grids.readout_taps",
     "source = hardware": "rig",
+    "tracking.printed_gains": "control.pd",
+}
+
+#: Keys of earlier versions that have no successor, and why.
+_REMOVED = {
+    "tracking.candidate_kp_kpa_per_deg": "the gains are the printed ones, control.pd, and are not "
+    "searched for; the law is control.feedback",
 }
 
 
 def _line(item: Mapping[str, Any]) -> str:
     key = ".".join(str(part) for part in item["loc"])
+    if key in _REMOVED:
+        return f"  {key}: was removed: {_REMOVED[key]}; delete the key"
     renamed = _RENAMED.get(key) or _RENAMED.get(f"{key} = {item['input']}")
     if renamed:
         was = item["input"] if isinstance(item["input"], str) else key

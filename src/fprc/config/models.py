@@ -6,7 +6,6 @@ from typing import Annotated, Literal
 from pydantic import Field, ValidationInfo, field_validator
 
 from fprc.config.section import Distinct, Section, quantities, quantity, within
-from fprc.paper import controller_and_gain
 from fprc.registry import MODELS
 
 
@@ -72,13 +71,7 @@ class Models(Section):
     @field_validator("others")
     @classmethod
     def _names_are_free(cls, others: dict[str, Other]) -> dict[str, Other]:
-        taken = [
-            name
-            for name in others
-            if name in (*MODELS, "pd")
-            or name.endswith("_pd")
-            or controller_and_gain(name)[1] != "none"
-        ]
+        taken = [name for name in others if name in (*MODELS, "pd") or name.endswith("_pd")]
         if taken:
             raise ValueError(f"{', '.join(taken)} is taken; choose another name")
         return others

@@ -56,6 +56,13 @@ class PressureLoop(Section):
     ki_v_per_kpa_s: float = quantity(1e-6, "V/(kPa s)", (0, 1), "integral gain", "paper, Sec. IV")
 
 
+class Gains(Section):
+    """PD controller of the bending angle."""
+
+    kp_kpa_per_deg: float = quantity(0.5, "kPa/deg", (1e-3, 50), "P gain", "paper, Sec. IV")
+    kd_kpa_s_per_deg: float = quantity(0.005, "kPa s/deg", (0, 5), "D gain", "paper, Sec. IV")
+
+
 class Control(Section):
     """Controllers that run on the computer at every sample."""
 
@@ -68,6 +75,12 @@ class Control(Section):
     )
     main_loop: PressureLoop = PressureLoop()
     reservoir_loop: PressureLoop = PressureLoop(kp_v_per_kpa=0.05)
+    feedback: Literal["incremental", "positional"] = Field(
+        "incremental",
+        description="law of the PD controller; incremental: P_fb is the running sum of "
+        "kp e + kd de/dt, as in the code of the authors' next paper (docs/results.md)",
+    )
+    pd: Gains = Gains()
 
 
 class Quality(Section):

@@ -44,13 +44,6 @@ class References(Section):
     disturbance: Reference = Reference(f_hz=(0.3,))
 
 
-class Gains(Section):
-    """PD controller of the bending angle."""
-
-    kp_kpa_per_deg: float = quantity(0.5, "kPa/deg", (1e-3, 50), "P gain", "paper, Sec. IV")
-    kd_kpa_s_per_deg: float = quantity(0.005, "kPa s/deg", (0, 5), "D gain", "paper, Sec. IV")
-
-
 class Pushes(Section):
     """Random forces on the reservoir in the disturbance test, Fig. 17."""
 
@@ -65,11 +58,6 @@ class Tracking(Section):
     """The closed-loop runs of Sec. IV."""
 
     references: References = References()
-    printed_gains: Gains = Gains()
-    candidate_kp_kpa_per_deg: tuple[Annotated[float, within(0.0, 50.0)], ...] = quantities(
-        (0.5, 1, 2, 3, 4, 5, 6, 8, 10, 12), "kPa/deg", (0, 50),
-        "P gains tried on the disturbance reference without pushes; D/P is the printed ratio",
-    )  # fmt: skip
     pressure_limit_kpa: float = quantity(
         450, "kPa", (100, 500), "largest pressure command to the actuator", "as for the reservoir"
     )

@@ -1,29 +1,71 @@
-"""Proportional-differential feedback of the bending angle."""
+"""Feedback of the bending angle: the paper's PD controller."""
+
+import math
+
+from fprc.control_laws import pd_step
 
 
 class PD:
-    """P_fb = kp e + kd de/dt, with e = theta_d - theta (Sec. III-A).
+    """P_fb from e = theta_d - theta, by the authors' incremental law or by a positional one.
 
-    The derivative is the backward difference over one period; it is zero at
-    the first sample.
+    The paper says P_d = P_ff + P_fb with a PD controller (Sec. III-A, gains in Sec. IV), and not
+    which form it has. The public code of the authors' next paper on the same actuator
+    (arXiv 2503.15819) computes each command from the last one, at 200 Hz:
+
+        u(k) = u(k-1) + u_ff(k) - u_ff(k-1) + kp e(k) + kd (e(k) - e(k-1)) / T
+
+    Hence P_d = P_ff + P_fb, where P_fb is the sum of kp e + kd de/dt over the samples. It acts as
+    a PI controller with an integral gain of kp / T and a proportional gain of kd / T: at the
+    printed gains, 100 kPa/(deg s) and 1 kPa/deg. A positional controller has
+    P_fb(k) = kp e(k) + kd (e(k) - e(k-1)) / T instead.
+
+    Where P_d would be below its lowest or above its highest value, kp e does not add to the sum
+    unless it leads back, so that the sum does not wind up; the authors' code has no limits. The
+    derivative is zero at the first sample.
 
     Parameters
     ----------
     kp_kpa_per_deg, kd_kpa_s_per_deg : float
         Gains, paper Sec. IV.
     period_s : float
-        Time between two calls.
+        Time between two calls, T.
+    incremental : bool, default=True
+        False for the positional law.
+    limits_kpa : tuple of float, default=(0, inf)
+        Lowest and highest P_d.
     """
 
-    def __init__(self, kp_kpa_per_deg: float, kd_kpa_s_per_deg: float, period_s: float):
+    def __init__(
+        self,
+        kp_kpa_per_deg: float,
+        kd_kpa_s_per_deg: float,
+        period_s: float,
+        *,
+        incremental: bool = True,
+        limits_kpa: tuple[float, float] = (0.0, math.inf),
+    ):
         self.kp_kpa_per_deg = kp_kpa_per_deg
         self.kd_kpa_s_per_deg = kd_kpa_s_per_deg
         self.period_s = period_s
+        self.incremental = incremental
+        self.limits_kpa = limits_kpa
         self._last: float | None = None
+        self._p_fb_kpa = 0.0
 
-    def step(self, theta_d_deg: float, theta_deg: float) -> float:
+    def step(self, theta_d_deg: float, theta_deg: float, p_ff_kpa: float = 0.0) -> float:
         """Return P_fb for this sample, kPa."""
         error = theta_d_deg - theta_deg
-        rate = 0.0 if self._last is None else (error - self._last) / self.period_s
+        last = error if self._last is None else self._last
         self._last = error
-        return self.kp_kpa_per_deg * error + self.kd_kpa_s_per_deg * rate
+        self._p_fb_kpa = pd_step(
+            error,
+            last,
+            self._p_fb_kpa,
+            p_ff_kpa,
+            self.incremental,
+            self.kp_kpa_per_deg,
+            self.kd_kpa_s_per_deg,
+            self.period_s,
+            *self.limits_kpa,
+        )
+        return self._p_fb_kpa

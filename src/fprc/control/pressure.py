@@ -3,6 +3,8 @@
 import math
 from dataclasses import KW_ONLY, dataclass, field
 
+from fprc.control_laws import pressure_step
+
 
 @dataclass(eq=False, repr=False)
 class PressurePI:
@@ -37,15 +39,17 @@ class PressurePI:
             Setpoint or reading is not finite; the integral is unchanged.
         """
         error = setpoint_kpa - measured_kpa
-        integral = self.integral_kpa_s + error * self.period_s
-        volts = self.neutral_v + self.kp_v_per_kpa * error + self.ki_v_per_kpa_s * integral
-        if not math.isfinite(volts):
+        if not math.isfinite(error):
             raise ValueError(
                 f"setpoint {setpoint_kpa} kPa and reading {measured_kpa} kPa must be finite"
             )
-        if volts < 0.0:
-            return 0.0
-        if volts > self.limit_v:
-            return self.limit_v
-        self.integral_kpa_s = integral
+        volts, self.integral_kpa_s = pressure_step(
+            error,
+            self.integral_kpa_s,
+            self.kp_v_per_kpa,
+            self.ki_v_per_kpa_s,
+            self.period_s,
+            self.neutral_v,
+            self.limit_v,
+        )
         return volts

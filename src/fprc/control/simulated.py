@@ -29,7 +29,7 @@ def simulate_hysteresis(
     nan = np.full(len(p_exp_kpa), np.nan)
     pushes = np.zeros(len(nan)) if push_kpa is None else push_kpa
     setpoints = np.column_stack([p_exp_kpa, nan, nan, pushes])
-    rows = device.follow(_controllers(control, (-np.inf, np.inf), {}), setpoints)
+    rows = device.follow(_controllers(control, (-np.inf, np.inf)), setpoints)
     return dict(zip(RAW_CHANNELS, rows.T.copy(), strict=False))
 
 
@@ -38,8 +38,9 @@ def simulate_tracking(
     control: Mapping[str, Any],
     theta_d_deg: np.ndarray,
     p_ff_kpa: np.ndarray,
-    gains: Mapping[str, float] | None,
     pressure_limit_kpa: float,
+    *,
+    feedback: bool,
     push_kpa: np.ndarray | None = None,
 ) -> dict[str, np.ndarray]:
     """Return what ``run`` with ``tracking_law`` returns, given P_ff of every sample.
@@ -48,8 +49,8 @@ def simulate_tracking(
     ----------
     control : Mapping
         Section ``control`` of the configuration.
-    gains : Mapping or None
-        ``kp_kpa_per_deg`` and ``kd_kpa_s_per_deg``; without them P_fb = 0.
+    feedback : bool
+        Whether the PD controller acts; without it P_fb = 0.
     push_kpa : ndarray of shape (n_samples,), optional
         Push on the reservoir at every sample; none by default.
 
@@ -66,19 +67,25 @@ def simulate_tracking(
     pushes = np.zeros(len(theta_d_deg)) if push_kpa is None else push_kpa
     p_i_kpa = control["k_in_kpa_per_deg"] * theta_d_deg
     rows = device.follow(
-        _controllers(control, (0.0, pressure_limit_kpa), gains or {}),
+        _controllers(control, (0.0, pressure_limit_kpa), feedback),
         np.column_stack([p_ff_kpa, theta_d_deg, p_i_kpa, pushes]),
     )
     return dict(zip((*RAW_CHANNELS, *TRACKING_CHANNELS), rows.T.copy(), strict=True))
 
 
 def _controllers(
-    control: Mapping[str, Any], p_exp_limits_kpa: tuple[float, float], gains: Mapping[str, float]
+    control: Mapping[str, Any], p_exp_limits_kpa: tuple[float, float], feedback: bool = False
 ) -> dict[str, Any]:
+    incremental = feedback and control["feedback"] == "incremental"
     return {
         "main": control["main_loop"],
         "reservoir": control["reservoir_loop"],
-        "feedback": {name: gains.get(name, 0.0) for name in ("kp_kpa_per_deg", "kd_kpa_s_per_deg")},
+        "feedback": {
+            "kp_kpa_per_deg": control["pd"]["kp_kpa_per_deg"] if feedback else 0.0,
+            "kd_kpa_s_per_deg": control["pd"]["kd_kpa_s_per_deg"] if feedback else 0.0,
+            "incremental": incremental,
+            "acts": feedback,
+        },
         "k_in_kpa_per_deg": control["k_in_kpa_per_deg"],
         "p_i_limits_kpa": (0.0, control["reservoir_limit_kpa"]),
         "p_exp_limits_kpa": p_exp_limits_kpa,

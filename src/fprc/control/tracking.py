@@ -37,7 +37,7 @@ def tracking_law(
     feedforward : callable, optional
         Returns P_ff from theta_d and the sample's readings; by default P_ff = 0.
     feedback : PD, optional
-        Computes P_fb; by default P_fb = 0.
+        Computes P_fb, within the same limits of P_d; by default P_fb = 0.
     stale_samples : int
         Most samples in which the reference moves and the bend sensor does not;
         after more it counts as frozen.
@@ -45,8 +45,11 @@ def tracking_law(
     Raises
     ------
     ControlError
-        Raised by the law: an output is not finite, or the bend sensor froze.
+        Neither feedforward nor feedback is given. The law raises it if an output is not finite or
+        the bend sensor froze.
     """
+    if feedforward is None and feedback is None:
+        raise ControlError("a control law needs feedforward, feedback, or both; both are missing")
     references = np.asarray(theta_d_deg, dtype=float).tolist()
     watch = _Watch(stale_samples)
 
@@ -54,7 +57,7 @@ def tracking_law(
         theta_d = references[k]
         watch.check(theta_d, now)
         p_ff = 0.0 if feedforward is None else feedforward(theta_d, now)
-        p_fb = 0.0 if feedback is None else feedback.step(theta_d, now.theta_deg)
+        p_fb = 0.0 if feedback is None else feedback.step(theta_d, now.theta_deg, p_ff)
         if not math.isfinite(p_ff + p_fb):
             raise ControlError(
                 f"the controller gave P_ff = {p_ff}, P_fb = {p_fb} kPa at theta_d = "

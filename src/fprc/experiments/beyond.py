@@ -13,7 +13,7 @@ from fprc.evaluation.timing import WARM_UP, time_steps
 from fprc.experiments.data import TARGETS, Data
 from fprc.experiments.hysteresis import acquire, simulate
 from fprc.experiments.settings import RigSettings
-from fprc.experiments.tracking import TRACKING_RUNS, Track, bench_gain, tracking_rmse
+from fprc.experiments.tracking import TRACKING_RUNS, Track, tracking_rmse
 from fprc.models import SequenceModel
 from fprc.models.competitors import build_competitor
 from fprc.paper import REFERENCES
@@ -92,7 +92,6 @@ def judge_build(
     bench = Track(contest.tracking, on_rig.control, on_rig.rig, seed)
     followed = _references(bench)
     fprc = _trained("fprc", sweep, complex_, contest, seed)
-    gains = bench_gain(bench, fprc[0])["identified"]
     disturbed = _disturbed(on_rig, seed, complex_, bench, contest)
     judged = {}
     for name in names:
@@ -102,7 +101,7 @@ def judge_build(
             report: dict[str, Any] = {"forward": errors}
             if name not in FORWARD_ONLY:
                 _, report["reversed"] = _trained(name, complex_, sweep, contest, seed)
-                report |= _follow(bench, model, name, followed, gains)
+                report |= _follow(bench, model, name, followed)
             judged[name] = report | _with_disturbed_p_o(model, name, disturbed, complex_, contest)
         except (FprcError, ValueError, np.linalg.LinAlgError) as error:
             judged[name] = {"failed": " ".join(str(error).split())}
@@ -180,7 +179,9 @@ def _references(bench: Track) -> dict[str, dict[str, np.ndarray]]:
     followed = {}
     for name in REFERENCES:
         theta_d = bench.reference(name)
-        at_rest = bench.simulate(theta_d, np.zeros(len(theta_d)), None, TRACKING_RUNS[name])
+        at_rest = bench.simulate(
+            theta_d, np.zeros(len(theta_d)), TRACKING_RUNS[name], feedback=False
+        )
         followed[name] = {"theta_deg": theta_d, "p_o_kpa": at_rest["p_o_kpa"]}
     return followed
 
@@ -190,14 +191,14 @@ def _follow(
     model: SequenceModel,
     name: str,
     followed: Mapping[str, Mapping[str, np.ndarray]],
-    gains: Mapping[str, float],
 ) -> dict[str, dict[str, float]]:
     """Return the RMSE of each reference, deg, with feedforward alone and with PD."""
     errors: dict[str, dict[str, float]] = {"open_loop_deg": {}, "closed_loop_deg": {}}
     for reference, channels in followed.items():
         p_ff_kpa = model.predict(inputs_of(name, channels))
-        for loop, own in zip(errors, (None, gains), strict=True):
-            run = bench.simulate(channels["theta_deg"], p_ff_kpa, own, TRACKING_RUNS[reference])
+        theta_d, number = channels["theta_deg"], TRACKING_RUNS[reference]
+        for loop, feedback in zip(errors, (False, True), strict=True):
+            run = bench.simulate(theta_d, p_ff_kpa, number, feedback=feedback)
             settle_s = bench.tracking["references"][reference]["settle_s"]
             errors[loop][reference] = tracking_rmse(run, settle_s)
     return errors

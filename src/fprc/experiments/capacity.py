@@ -112,7 +112,7 @@ def _p_o(
     device = SimulatedRig(rig, seed=seed, run=run, sample_rate_hz=control["sample_rate_hz"])
     vented = np.zeros_like(theta_d)
     limit_kpa = control["reservoir_limit_kpa"]
-    return simulate_tracking(device, control, theta_d, vented, None, limit_kpa)["p_o_kpa"]
+    return simulate_tracking(device, control, theta_d, vented, limit_kpa, feedback=False)["p_o_kpa"]
 
 
 def _at_ends(network: EchoStates, theta_d: np.ndarray, hold: int, before: int) -> np.ndarray:

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from fprc.paper import GAINS, REFERENCES
+from fprc.paper import LOOPS, REFERENCES
 from fprc.signals import loop_growth, width_at_middle
 
 Channels = Mapping[str, np.ndarray]
@@ -17,7 +17,7 @@ def measure_runs(runs: Mapping[str, Channels], quiet_s: float) -> dict[str, Any]
     Parameters
     ----------
     runs : Mapping
-        Channels of each run after its settling time, by "reference/controller/gain".
+        Channels of each run after its settling time, by "reference/controller".
     quiet_s : float
         Time of the first push in the disturbance test.
 
@@ -29,16 +29,14 @@ def measure_runs(runs: Mapping[str, Channels], quiet_s: float) -> dict[str, Any]
     """
     return {
         "rmse_deg": {name: rms(_error(run)) for name, run in runs.items()},
-        "effort": {
-            reference: _effort(runs[f"{reference}/fprc_pd/identified"]) for reference in REFERENCES
-        },
-        "sweep": _sweep(runs["sweep/fprc_pd/identified"]),
+        "effort": {reference: _effort(runs[f"{reference}/fprc_pd"]) for reference in REFERENCES},
+        "sweep": _sweep(runs["sweep/fprc_pd"]),
         "loops": {
-            f"{controller}/{gain}": _loop(runs[f"sine_0p5/{controller}/{gain}"])
+            f"{reference}/{controller}": _loop(runs[f"{reference}/{controller}"])
+            for reference in LOOPS
             for controller in ("pd", "fprc_pd")
-            for gain in GAINS
         },
-        "disturbance": _disturbance(runs["disturbance/fprc_pd/identified"], quiet_s),
+        "disturbance": _disturbance(runs["disturbance/fprc_pd"], quiet_s),
     }
 
 

@@ -5,15 +5,16 @@ from typing import Any
 
 import numpy as np
 
-from fprc.control import PD, PressurePI, feedforward, tracking_law
+from fprc.control import PressurePI, feedforward, tracking_law
 from fprc.devices import Readings
 from fprc.evaluation.timing import WARM_UP, time_steps
 from fprc.experiments.data import Data
+from fprc.experiments.tracking import pd_of
 from fprc.models import SequenceModel
 
 
 def step_cost(
-    model: SequenceModel, test: Data, control: Mapping[str, Any], tracking: Mapping[str, Any]
+    model: SequenceModel, test: Data, control: Mapping[str, Any], pressure_limit_kpa: float
 ) -> dict[str, float]:
     """Time the computation between two samples of the closed loop, for each sample.
 
@@ -30,9 +31,9 @@ def step_cost(
     law = tracking_law(
         theta,
         k_in_kpa_per_deg=control["k_in_kpa_per_deg"],
-        pressure_limit_kpa=tracking["pressure_limit_kpa"],
+        pressure_limit_kpa=pressure_limit_kpa,
         feedforward=feedforward(model),
-        feedback=PD(**tracking["printed_gains"], period_s=period_s),
+        feedback=pd_of(control, pressure_limit_kpa),
     )
     main_loop, reservoir_loop = (
         PressurePI(**control[name], period_s=period_s) for name in ("main_loop", "reservoir_loop")

@@ -10,13 +10,14 @@ from fprc import __version__
 from fprc.control import PD, Law, PressurePI, feedforward, refuse_impossible, run, tracking_law
 from fprc.control.simulated import simulate_tracking
 from fprc.devices.sim import SimulatedRig
+from fprc.errors import ControlError
 from fprc.evaluation import rmse
 from fprc.experiments.data import Data
 from fprc.experiments.measures import measure_hysteresis, measure_runs
 from fprc.logs import TRACKING_CHANNELS
 from fprc.models import SequenceModel
-from fprc.paper import DISTURBANCE, GAINS, REFERENCES, controller_and_gain, run_log
-from fprc.registry import feedforward_of
+from fprc.paper import DISTURBANCE, REFERENCES, run_log
+from fprc.registry import feedforward_of, has_feedback
 from fprc.signals import random_pushes, reference_angle
 
 log = logging.getLogger(__name__)
@@ -29,7 +30,6 @@ TRACKING_RUNS = {
     "sweep": 30,
     "complex": 40,
     "disturbance": 50,
-    "identification": 60,
 }
 
 
@@ -60,19 +60,17 @@ class Track(NamedTuple):
         )
         return theta_d
 
-    def describe(self, reference: str, name: str, gains: Mapping[str, Any]) -> dict[str, Any]:
+    def describe(self, reference: str, controller: str) -> dict[str, Any]:
         """Return the log attributes of a controller's run, without those of the rig."""
-        controller, gain = controller_and_gain(name)
         return {
-            "experiment": run_log(reference, name),
+            "experiment": run_log(reference, controller),
             "reference": reference,
             "controller": controller,
-            "gain": gain,
             "settle_s": self.tracking["references"][reference]["settle_s"],
             "sample_rate_hz": self.control["sample_rate_hz"],
             "seed": self.seed,
             "software": f"fprc {__version__}",
-            "rig": {"control": self.control, "tracking": self.tracking, "gains": gains.get(gain)},
+            "rig": {"control": self.control, "tracking": self.tracking},
         }
 
     def pushes(self, samples: int) -> np.ndarray:
@@ -81,29 +79,34 @@ class Track(NamedTuple):
         rate_hz = self.control["sample_rate_hz"]
         return random_pushes(samples, rate_hz, rng=rng, **self.tracking["pushes"])
 
-    def law(
-        self,
-        theta_d: np.ndarray,
-        model: SequenceModel | None,
-        gains: Mapping[str, float] | None,
-    ) -> Law:
-        """Return the control law of one controller; the model is reset."""
-        if model is not None:
-            model.reset()
-        period_s = 1.0 / self.control["sample_rate_hz"]
+    def law(self, theta_d: np.ndarray, controller: str, model: SequenceModel | None) -> Law:
+        """Return the law of a controller; its model is reset.
+
+        Raises
+        ------
+        ControlError
+            The controller needs a model and there is none.
+        """
+        driver = feedforward_of(controller)
+        if driver and model is None:
+            raise ControlError(f"{controller} needs a fitted {driver} for its feedforward")
+        own = model if driver else None
+        if own is not None:
+            own.reset()
+        limit_kpa = self.tracking["pressure_limit_kpa"]
         return tracking_law(
             theta_d,
             k_in_kpa_per_deg=self.control["k_in_kpa_per_deg"],
-            pressure_limit_kpa=self.tracking["pressure_limit_kpa"],
-            feedforward=None if model is None else feedforward(model),
-            feedback=None if gains is None else PD(**gains, period_s=period_s),
+            pressure_limit_kpa=limit_kpa,
+            feedforward=None if own is None else feedforward(own),
+            feedback=pd_of(self.control, limit_kpa) if has_feedback(controller) else None,
         )
 
     def drive(
         self,
         theta_d: np.ndarray,
+        controller: str,
         model: SequenceModel | None,
-        gains: Mapping[str, float] | None,
         number: int,
         pushes: np.ndarray | None = None,
     ) -> dict[str, np.ndarray]:
@@ -115,7 +118,7 @@ class Track(NamedTuple):
         return run(
             device,
             device,
-            self.law(theta_d, model, gains),
+            self.law(theta_d, controller, model),
             len(theta_d),
             main_loop=PressurePI(**control["main_loop"], period_s=period_s),
             reservoir_loop=PressurePI(**control["reservoir_loop"], period_s=period_s),
@@ -133,7 +136,7 @@ class Track(NamedTuple):
 
         P_o depends on P_i = K_in theta_d only, so one run with the actuator at rest gives it.
         """
-        at_rest = self.simulate(theta_d, np.zeros(len(theta_d)), None, number, pushes)
+        at_rest = self.simulate(theta_d, np.zeros(len(theta_d)), number, pushes, feedback=False)
         inputs = np.column_stack([theta_d, at_rest["p_o_kpa"]])
         return {
             name: model.predict(inputs[:, : model.n_features_in_]) for name, model in models.items()
@@ -143,80 +146,50 @@ class Track(NamedTuple):
         self,
         theta_d: np.ndarray,
         p_ff_kpa: np.ndarray,
-        gains: Mapping[str, float] | None,
         number: int,
         pushes: np.ndarray | None = None,
+        *,
+        feedback: bool,
     ) -> dict[str, np.ndarray]:
         """Do as ``drive``, in compiled code, with P_ff from ``precompute``."""
         rate_hz = self.control["sample_rate_hz"]
         device = SimulatedRig(self.rig, seed=self.seed, run=number, sample_rate_hz=rate_hz)
         limit_kpa = self.tracking["pressure_limit_kpa"]
-        return simulate_tracking(device, self.control, theta_d, p_ff_kpa, gains, limit_kpa, pushes)
+        return simulate_tracking(
+            device, self.control, theta_d, p_ff_kpa, limit_kpa, feedback=feedback, push_kpa=pushes
+        )
 
     def follow(
-        self,
-        reference: str,
-        name: str,
-        model: SequenceModel | None,
-        gains: Mapping[str, Any],
+        self, reference: str, controller: str, model: SequenceModel | None
     ) -> dict[str, np.ndarray]:
         """Follow a reference with one of the controllers and return its channels.
 
-        Parameters
-        ----------
-        model : SequenceModel or None
-            Gives the feedforward; PD alone does not use it.
-        gains : Mapping
-            Gains of the PD controller by their name: printed, identified.
+        ``model`` gives the feedforward; PD alone does not use it.
         """
-        controller, gain = controller_and_gain(name)
         theta_d = self.reference(reference)
         return self.drive(
             theta_d,
-            None if controller == "pd" else model,
-            gains.get(gain),
+            controller,
+            model,
             TRACKING_RUNS[reference],
             self.pushes(len(theta_d)) if reference == DISTURBANCE else None,
         )
+
+
+def pd_of(control: Mapping[str, Any], limit_kpa: float) -> PD:
+    """Return the PD controller of the section ``control``, for P_d from 0 to a limit."""
+    return PD(
+        **control["pd"],
+        period_s=1.0 / control["sample_rate_hz"],
+        incremental=control["feedback"] == "incremental",
+        limits_kpa=(0.0, limit_kpa),
+    )
 
 
 def tracking_rmse(channels: Mapping[str, np.ndarray], settle_s: float) -> float:
     """Return the RMSE of theta against theta_d after the settling time, deg."""
     judged = channels["time_s"] >= settle_s
     return rmse(channels["theta_d_deg"][judged], channels["theta_deg"][judged])
-
-
-def bench_gain(bench: Track, model: SequenceModel) -> dict[str, Any]:
-    """Return the PD gains by name, and the error of every candidate for the identified one."""
-    printed = bench.tracking["printed_gains"]
-    theta_d = bench.reference(DISTURBANCE)
-    settle_s = bench.tracking["references"][DISTURBANCE]["settle_s"]
-    number = TRACKING_RUNS["identification"]
-    p_ff_kpa = bench.precompute(theta_d, {"fprc": model}, number)["fprc"]
-    tried = []
-    for kp in bench.tracking["candidate_kp_kpa_per_deg"]:
-        gains = candidate(kp, printed)
-        channels = bench.simulate(theta_d, p_ff_kpa, gains, number)
-        tried.append({**gains, "rmse_deg": tracking_rmse(channels, settle_s)})
-        log.info("kp = %g kPa/deg: %.3f deg", kp, tried[-1]["rmse_deg"])
-    return identified(tried, printed) | {"source": "sim", "seed": bench.seed}
-
-
-def candidate(kp_kpa_per_deg: float, printed: Mapping[str, float]) -> dict[str, float]:
-    """Return the gains with this P gain; D keeps its printed ratio to P."""
-    ratio_s = printed["kd_kpa_s_per_deg"] / printed["kp_kpa_per_deg"]
-    return {"kp_kpa_per_deg": kp_kpa_per_deg, "kd_kpa_s_per_deg": kp_kpa_per_deg * ratio_s}
-
-
-def identified(tried: list[dict[str, float]], printed: Mapping[str, float]) -> dict[str, Any]:
-    """Return the gains by name; the identified ones are the candidate with the least error."""
-    best = min(tried, key=lambda entry: entry["rmse_deg"])
-    return {
-        "printed": dict(printed),
-        "identified": {name: best[name] for name in printed},
-        "reference": "disturbance, without pushes",
-        "candidates": tried,
-    }
 
 
 def measure_control(
@@ -227,10 +200,9 @@ def measure_control(
     Parameters
     ----------
     models : Mapping
-        Models that give the feedforward, by name; the gain is identified with FPRC.
+        Models that give the feedforward, by name.
     """
-    gains = bench_gain(bench, models["fprc"])
-    driven_by = {name: feedforward_of(controller_and_gain(name)[0]) for name in controllers}
+    driven_by = {name: feedforward_of(name) for name in controllers}
     driving = {name: models[name] for name in dict.fromkeys(driven_by.values()) if name}
     runs = {}
     for reference, described in bench.tracking["references"].items():
@@ -238,15 +210,14 @@ def measure_control(
         pushes = bench.pushes(len(theta_d)) if reference == DISTURBANCE else None
         p_ff_kpa = bench.precompute(theta_d, driving, number, pushes)
         for name, driver in driven_by.items():
-            controller, gain = controller_and_gain(name)
             own = p_ff_kpa[driver] if driver else np.zeros(len(theta_d))
-            channels = bench.simulate(theta_d, own, gains.get(gain), number, pushes)
+            feedback = has_feedback(name)
+            channels = bench.simulate(theta_d, own, number, pushes, feedback=feedback)
             after = channels["time_s"] >= described["settle_s"]
             run = {channel: values[after] for channel, values in channels.items()}
-            runs[f"{reference}/{controller}/{gain}"] = run
+            runs[f"{reference}/{name}"] = run
         log.info("followed %s with every controller", reference)
     return {
-        "gains": {name: gains[name] for name in GAINS},
         "hysteresis": measure_hysteresis(sweep.channels),
         **measure_runs(runs, bench.tracking["pushes"]["quiet_s"]),
     }
@@ -258,7 +229,7 @@ def open_loop_errors(bench: Track, model: SequenceModel) -> dict[str, float]:
     for reference in REFERENCES:
         theta_d, number = bench.reference(reference), TRACKING_RUNS[reference]
         p_ff_kpa = bench.precompute(theta_d, {"own": model}, number)["own"]
-        channels = bench.simulate(theta_d, p_ff_kpa, None, number)
+        channels = bench.simulate(theta_d, p_ff_kpa, number, feedback=False)
         settle_s = bench.tracking["references"][reference]["settle_s"]
         errors[reference] = tracking_rmse(channels, settle_s)
     return errors

@@ -20,24 +20,25 @@ def plot_following(run: Run, ax: Axes) -> Axes:
     return ax
 
 
-def plot_error(run: Run, ax: Axes, *, rmse: float, controller: str, limit: float) -> Axes:
-    """Draw theta_d - theta between -limit and limit, with its RMSE above; all in deg.
+def plot_errors(runs: Sequence[tuple[str, Run]], ax: Axes, *, limit: float) -> Axes:
+    """Draw theta_d - theta of runs, given as (label, run), from -limit to limit, deg.
 
-    Larger errors, while the actuator rises from rest, are cut off: they would flatten the others.
+    The last run is dark, those before it are pale. Larger errors, while the actuator rises from
+    rest, are cut off: they would flatten the others.
     """
     ax.axhline(0.0, color="0.6", linewidth=0.4)
-    ax.plot(run["time_s"], run["theta_d_deg"] - run["theta_deg"], linewidth=0.6,
-            color=line_of(controller)["color"])  # fmt: skip
-    ax.set_title(f"RMSE {rmse:.2f} deg", loc="right")
+    shades = ["#9a9a9a"] * (len(runs) - 1) + ["#000000"]
+    for (label, run), shade in zip(runs, shades, strict=True):
+        error = run["theta_d_deg"] - run["theta_deg"]
+        ax.plot(run["time_s"], error, linewidth=0.6, color=shade, label=label)
     ax.set(ylabel="Error [deg]", ylim=(-limit, limit))
     return ax
 
 
-def plot_efforts(run: Run, ax: Axes) -> Axes:
-    """Draw P_ff and P_fb over time."""
-    for name, label in (("p_ff", r"$P_\mathrm{ff}$"), ("p_fb", r"$P_\mathrm{fb}$")):
-        ax.plot(run["time_s"], run[f"{name}_kpa"], color=SIGNALS[name], label=label, linewidth=0.7)
-    ax.set_ylabel("Pressure [kPa]")
+def plot_effort(run: Run, ax: Axes, name: str) -> Axes:
+    """Draw P_ff or P_fb over time; ``name`` is ``p_ff`` or ``p_fb``."""
+    ax.plot(run["time_s"], run[f"{name}_kpa"], color=SIGNALS[name], linewidth=0.7)
+    ax.set_ylabel(rf"$P_\mathrm{{{name[2:]}}}$ [kPa]")
     return ax
 
 

@@ -41,7 +41,7 @@ SOURCES = ("sim", "rig", "import", *SIMULATED_RESERVOIR.values())
 
 #: Required attributes of a raw log, and those that a closed-loop run needs too.
 RAW_ATTRIBUTES = ("experiment", "source", "simulated", "sample_rate_hz", "seed", "software", "rig")
-RUN_ATTRIBUTES = ("controller", "gain", "reference", "settle_s")
+RUN_ATTRIBUTES = ("controller", "reference", "settle_s")
 
 #: Largest plausible magnitude in any channel; its square does not overflow.
 _LARGEST = 1e10

@@ -39,6 +39,24 @@ def judgement(
     return {name: value for name, value in arguments.items() if name != without}
 
 
+def of_pressures(settings: Settings) -> dict[str, Any]:
+    """Return the section ``control`` without the feedback of the angle."""
+    feedback = ("feedback", "pd")
+    return {name: value for name, value in settings["control"].items() if name not in feedback}
+
+
+def feedback_in_words(settings: Settings) -> str:
+    """Return a sentence on the PD controller, for the notes of tables."""
+    if settings["source"] == "recorded":
+        return "The controllers are those of the logs."
+    control = settings["control"]
+    kp, kd = control["pd"].values()
+    gains = f"{kp:g} kPa/deg and {kd:g} kPa s/deg"
+    if control["feedback"] == "positional":
+        return f"PD: P_fb = kp e + kd de/dt, with {gains}."
+    return f"PD: P_fb is the running sum of kp e + kd de/dt, with {gains}."
+
+
 def on_rig(settings: Settings, target: str | None = None) -> dict[str, Any]:
     """Return the arguments of ``RigSettings``."""
     return {

@@ -15,7 +15,6 @@ from fprc.paper import (
     EXPERIMENTS,
     REFERENCES,
     SOURCES,
-    controller_and_gain,
     reference_and_controller,
     run_log,
 )
@@ -151,7 +150,7 @@ class Plan:
     @cached_property
     def feedforward(self) -> list[str]:
         """The models that drive the closed loops."""
-        models = (feedforward_of(controller_and_gain(name)[0]) for name in self.controllers)
+        models = (feedforward_of(name) for name in self.controllers)
         return list(dict.fromkeys(name for name in models if name))
 
     @cached_property
@@ -266,7 +265,7 @@ class Plan:
             return []
         judged = BY_NAME["table2"].made_of[1:]
         models = [self.paths.below(name.format(model=m)) for name in judged for m in self.models]
-        return [*self._data, *models, self.paths.below("control/gains.json")]
+        return [*self._data, *models]
 
 
 def read_plan(settings: Mapping[str, Any], raw: str, *, isolate: bool) -> Plan:

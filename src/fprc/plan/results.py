@@ -2,7 +2,7 @@
 
 from typing import Any, NamedTuple
 
-from fprc.paper import EXPERIMENTS, GAINS, REFERENCES, run_log
+from fprc.paper import EXPERIMENTS, LOOPS, REFERENCES, run_log
 
 _CHAPTERS = (
     "II Pneumatic bending actuators",
@@ -49,18 +49,14 @@ def _figure(number: int, stem: str, *made_of: str, **needs: Any) -> Result:
 
 
 def _following(number: int, reference: str) -> Result:
-    logs = run_log(reference, "fprc"), run_log(reference, "fprc_pd_identified")
+    logs = run_log(reference, "fprc"), run_log(reference, "fprc_pd")
     return _figure(number, reference, "loops", logs=logs)
 
 
-_GAINS = "control/gains.json"
 _TIMES, _OVER_N_C = "timing/times.json", "timing/times_over_n_c.json"
 _SEEDS = tuple(f"tables/table{number}_seeds.md" for number in (2, 3, 4))
 _LOOPS = tuple(
-    run_log(reference, f"{controller}_{gain}")
-    for reference in ("sine_0p5", "sweep")
-    for controller in ("pd", "fprc_pd")
-    for gain in GAINS
+    run_log(reference, controller) for reference in LOOPS for controller in ("pd", "fprc_pd")
 )
 _BOTH: dict[str, Any] = {"logs": EXPERIMENTS}
 _BOTH_WITH_P_O: dict[str, Any] = {"logs": EXPERIMENTS, "channels": ("p_o_kpa",)}
@@ -73,7 +69,7 @@ RESULTS = (
     Result("table1", "Table I", ("tables/table1.md",)),
     Result("table2", "Table II", ("tables/table2.md",), ("data", *_judged("sweep")), **_BOTH),
     Result("table3", "Table III", ("tables/table3.md",), ("data", *_judged("complex")), **_BOTH),
-    Result("table4", "Table IV", ("tables/table4.md",), (_GAINS, "loops")),
+    Result("table4", "Table IV", ("tables/table4.md",), ("loops",)),
     Result("table4_runs", "Table IV, some of its runs", part_of="table4"),
     Result("timing", "Execution times", ("timing/table2_timing.md", "timing/step_cost.md"),
            ("data", _TIMES, "timing/steps.json"), **_BOTH),
@@ -103,7 +99,7 @@ RESULTS = (
     *(_following(number, reference) for number, reference in enumerate(REFERENCES, start=12)),
     _figure(16, "loops", "loops", logs=_LOOPS),
     _figure(17, "disturbance", "loops", channels=_RESERVOIR,
-            logs=(run_log("disturbance", "fprc_pd_identified"),)),
+            logs=(run_log("disturbance", "fprc_pd"),)),
     Result("not_available", "", ("not_available.csv", "not_available.md")),
 )
 # fmt: on

@@ -1,17 +1,15 @@
 """Draw the closed-loop figures from raw logs."""
 
 from collections.abc import Mapping, Sequence
-from itertools import product
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from fprc.artifacts import write_csv
 from fprc.figures import style
 from fprc.figures.tracking import (
-    plot_efforts,
-    plot_error,
+    plot_effort,
+    plot_errors,
     plot_following,
     plot_over_cycle,
     plot_reference_loops,
@@ -20,6 +18,7 @@ from fprc.figures.tracking import (
 )
 from fprc.logs import Columns, read_run
 from fprc.logs.isolated import isolated_each
+from fprc.paper import LOOPS, REFERENCE_NAMES
 from fprc.signals import repeat_cycle
 from fprc.tables.drawn import disturbed, tracking_errors
 
@@ -38,47 +37,44 @@ def draw_following(
     opened, closed = isolated_each(read_run, [open_loop, closed_loop], names=_CHANNELS)
     table = tracking_errors([opened, closed])
     write_csv(csv, table)
-    rmse, kp = table["rmse_deg"], table["kp_kpa_per_deg"].iloc[1]
     every = tracking_errors(isolated_each(read_run, runs, names=_CHANNELS[:3]))
     limit = 1.05 * every["max_abs_error_deg"].max()
-    fig, axes = style.figure(5, 1, style.COLUMN_IN, 6.0, sharex=True, height_ratios=(4, 4, 3, 3, 3))
+    fig, axes = style.figure(5, 1, style.COLUMN_IN, 5.6, sharex=True, height_ratios=(4, 4, 4, 3, 2))
     plot_following(opened.channels, axes[0])
     plot_following(closed.channels, axes[1])
-    plot_error(opened.channels, axes[2], rmse=rmse[0], controller="fprc", limit=limit)
-    plot_error(closed.channels, axes[3], rmse=rmse[1], controller="fprc_pd", limit=limit)
-    plot_efforts(closed.channels, axes[4])
-    titles = ("(a) FPRC", f"(b) FPRC+PD, {_gain(closed, kp)}", "(c) Errors of FPRC",
-              "Errors of FPRC+PD", "(d) Outputs in (b)")  # fmt: skip
+    labels = [
+        f"{label}: {rmse:.2f} deg rms"
+        for label, rmse in zip(("FPRC", "FPRC+PD"), table["rmse_deg"], strict=True)
+    ]
+    plot_errors(list(zip(labels, (opened.channels, closed.channels), strict=True)), axes[2],
+                limit=limit)  # fmt: skip
+    for ax, name in zip(axes[3:], ("p_ff", "p_fb"), strict=True):
+        plot_effort(closed.channels, ax, name)
+    titles = ("(a) FPRC", "(b) FPRC+PD", "(c)", "(d) Outputs in (b)", "")
     for ax, title in zip(axes, titles, strict=True):
         style.letter(ax, title)
         shade_settling(ax, closed.attributes["settle_s"])
         ax.margins(x=0)
-    for ax in axes[[0, 1, 4]]:
+    for ax in axes[:3]:
         style.legend_above(ax)
+    fig.align_ylabels(axes)
     axes[-1].set_xlabel("Time [s]; grey: settling, not judged")
     return style.save(fig, closed.attributes, pdf, png)
 
 
-def _gain(log: Columns, kp_kpa_per_deg: float) -> str:
-    kp = "" if pd.isna(kp_kpa_per_deg) else f": {kp_kpa_per_deg:g} kPa/deg"
-    return f"{log.attributes['gain']} gain{kp}"
-
-
 def draw_loops(runs: Sequence[str], pdf: str, png: str) -> Mapping[str, Any]:
-    """Figure 16: actual angle over reference, PD against FPRC+PD, at both gains."""
+    """Figure 16: actual angle over reference, PD against FPRC+PD."""
     logs = isolated_each(read_run, runs, names=_CHANNELS)
-    fig, axes = style.figure(2, 2, style.COLUMN_IN, 3.6, sharex=True, sharey=True)
-    names = {"sine_0p5": "Sine 0.5 Hz", "sweep": "Sweep"}
-    panels = zip(axes.flat, "abcd", product(names, ("printed", "identified")), strict=True)
-    for ax, letter, (reference, gain) in panels:
+    fig, axes = style.figure(1, 2, style.COLUMN_IN, 2.1, sharex=True, sharey=True)
+    for ax, letter, reference in zip(axes, "ab", LOOPS, strict=True):
         pair = [
-            (label, controller, _judged(logs, reference, controller, gain))
+            (label, controller, _judged(logs, reference, controller))
             for controller, label in (("pd", "PD"), ("fprc_pd", "FPRC+PD"))
         ]
         plot_reference_loops(pair, ax)
         ax.label_outer()
-        style.letter(ax, f"({letter}) {names[reference]}, {gain} gain")
-    axes[0, 0].legend(loc="upper left")
+        style.letter(ax, f"({letter}) {REFERENCE_NAMES[reference]}")
+    axes[0].legend(loc="upper left")
     return style.save(fig, logs[0].attributes, pdf, png)
 
 
@@ -102,8 +98,8 @@ def draw_disturbance(
     fig, axes = style.figure(5, 1, style.COLUMN_IN, 6.2, sharex=True, height_ratios=(4, 3, 3, 4, 4))
     plot_following(channels, axes[0])
     judged = (channels["theta_d_deg"] - channels["theta_deg"])[time_s >= settle_s]
-    plot_error(channels, axes[1], rmse=rms.loc["theta_deg", "rms"], controller="fprc_pd",
-               limit=1.05 * np.abs(judged).max())  # fmt: skip
+    plot_errors([("", channels)], axes[1], limit=1.05 * np.abs(judged).max())
+    axes[1].set_title(f"RMSE {rms.loc['theta_deg', 'rms']:.2f} deg", loc="right")
     for ax, (name, title) in zip(axes[2:], _RESERVOIR.items(), strict=True):
         cycle = cycles[name]
         style.letter(ax, title)
@@ -116,18 +112,15 @@ def draw_disturbance(
     for ax in axes:
         shade_disturbance(ax, quiet_s, time_s[-1])
         ax.margins(x=0)
-    (kp,) = tracking_errors([log])["kp_kpa_per_deg"]
-    style.letter(axes[0], f"(a) FPRC+PD, {_gain(log, kp)}")
+    style.letter(axes[0], "(a) FPRC+PD")
     style.legend_above(axes[0])
     axes[-1].set_xlabel("Time [s]; yellow: undisturbed, grey: pushed")
     return style.save(fig, log.attributes, pdf, png)
 
 
-def _judged(
-    logs: Sequence[Columns], reference: str, controller: str, gain: str
-) -> dict[str, np.ndarray]:
+def _judged(logs: Sequence[Columns], reference: str, controller: str) -> dict[str, np.ndarray]:
     """Return the channels of one run after settling."""
-    wanted = {"reference": reference, "controller": controller, "gain": gain}
+    wanted = {"reference": reference, "controller": controller}
     log = next(log for log in logs if wanted.items() <= log.attributes.items())
     judged = log.channels["time_s"] >= log.attributes["settle_s"]
     return {name: values[judged] for name, values in log.channels.items()}

@@ -209,7 +209,7 @@ def compare_variants(
     note = (
         f"Repeats of the fit, then fits with other settings, on {len(models) // len(rigs)} seeds: "
         f"{_NEAR_TABLES}; largest absolute deviation of Table IV from print, open loop, and closed "
-        f"loop at the identified gain; {_POINTS_AND_CLAIMS}.\n"
+        f"loop; {_POINTS_AND_CLAIMS}.\n"
         "Ends of the one-sided 95 % prediction intervals for one more repeat: median "
         f"{100 * ends['median']:.2f} %, largest {100 * ends['largest']:.1f} %, open loop "
         f"{100 * ends['open loop']:.1f} % (a fit is beyond them with more); closed loop "

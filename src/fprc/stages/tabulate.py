@@ -80,46 +80,41 @@ def tabulate_orders(replicates: Sequence[str], csv: str) -> None:
 
 def tabulate_tracking(
     published: str,
-    gains: str,
     runs: Sequence[str],
     *,
     left_out: Sequence[str],
     limits: Mapping[str, Any],
+    feedback: str,
     **files: str,
 ) -> None:
     """Table IV: errors of the closed-loop runs; warns of implausible channels in their logs.
 
     ``limits`` are plausible ranges, see ``fprc.logs.assess``; ``left_out`` are the runs of a
-    complete Table IV that have no log.
+    complete Table IV that have no log; ``feedback`` describes the PD controller.
     """
-    report = read_json(gains)
     logs = isolated_each(read_run, runs)
     for line in sum((implausible(run, limits) for run in logs), []):
         log.warning("warning: %s", line)
-    table = tracking.tracking(logs, report, read_yaml(published))
+    table = tracking.tracking(logs, read_yaml(published))
+    source = table["source"].iloc[0]
     title = "Table IV. RMSE of tracking"
-    if report["source"] == "sim":
+    if source == "sim":
         title += ", with the same noise and drift for all controllers"
-    gain = "The gains are those stated in the logs."
-    if report["candidates"]:
-        gain = (
-            "The printed gain is the paper's; the identified one has the least error of "
-            f"{len(report['candidates'])} gains on the sine of 0.3 Hz, without pushes."
-        )
-    note = f"{title}.\nData: {SOURCES[report['source']]}. {gain}"
+    note = f"{title}.\nData: {SOURCES[source]}. {feedback}"
     if left_out:
         note += f"\nNo log of {len(left_out)} of its runs: {', '.join(left_out)}."
     write_table(table, tracking.tracking_page(table), note, **files)
 
 
-def tabulate_tracking_seeds(published: str, replicates: Sequence[str], **files: str) -> None:
-    """Table IV over further seeds."""
+def tabulate_tracking_seeds(
+    published: str, replicates: Sequence[str], *, feedback: str, **files: str
+) -> None:
+    """Table IV over further seeds; ``feedback`` describes the PD controller."""
     reports = [read_json(path) for path in replicates]
     table = tracking.tracking_over_seeds(reports, read_yaml(published))
     note = (
         f"Table IV, over seeds: mean RMSE and its 95 % interval over {len(reports)} further "
-        f"seeds.\nData: {SOURCES[reports[0]['source']]}; the gain is identified on each "
-        "seed, and its mean is given."
+        f"seeds.\nData: {SOURCES[reports[0]['source']]}. {feedback}"
     )
     write_table(table, tracking.tracking_page(table), note, **files)
 

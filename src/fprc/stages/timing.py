@@ -24,7 +24,7 @@ def measure_times(
     *,
     models: Mapping[str, Any],
     control: Mapping[str, Any],
-    tracking: Mapping[str, Any],
+    pressure_limit_kpa: float,
     repeats: int,
     seed: int,
 ) -> None:
@@ -43,7 +43,7 @@ def measure_times(
     timed |= time_models(others, repeats, modes=("batch",)) if others else {}
     costs = []
     for name, (model, *_) in stepping.items():
-        cost = step_cost(model, test_data, control, tracking)
+        cost = step_cost(model, test_data, control, pressure_limit_kpa)
         costs.append({"model": name, **cost})
         log.info("%s: median %.1f us of %.0f", name, cost["median_us"], cost["budget_us"])
     results = [{"model": name, **entry} for name, entries in timed.items() for entry in entries]

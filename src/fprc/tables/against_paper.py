@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import pandas as pd
 
 from fprc.paper import ERRORS, REFERENCE_NAMES
-from fprc.registry import controller_title, title_of
+from fprc.registry import controller_title, has_feedback, title_of
 
 _NUMBERS = {"table2": "II", "table3": "III", "table4": "IV"}
 
@@ -36,7 +36,7 @@ def against_paper(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
             "ratio": ours / published,
             "low": row.get("low", float("nan")) / published,
             "high": row.get("high", float("nan")) / published,
-            "closed_loop": row.get("gain", "none") != "none",
+            "closed_loop": has_feedback(row.get("controller", "")),
         }
         for name, table in tables.items()
         for row in table.to_dict("records")
@@ -55,5 +55,4 @@ def _means(row: Mapping[str, float]) -> tuple[float, float]:
 def _what(row: Mapping[str, str]) -> str:
     if "controller" not in row:
         return f"{title_of(row['model'])}, {ERRORS[row['metric']]}"
-    gain = "" if row["gain"] == "none" else f" at the {row['gain']} gain"
-    return f"{controller_title(row['controller'])}{gain}, {REFERENCE_NAMES[row['reference']]}"
+    return f"{controller_title(row['controller'])}, {REFERENCE_NAMES[row['reference']]}"

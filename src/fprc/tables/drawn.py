@@ -40,8 +40,7 @@ def tracking_errors(runs: Sequence[Any]) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        ``reference``, ``controller``, ``gain``, ``kp_kpa_per_deg`` (as in the log; may be missing),
-        ``rmse_deg``, ``max_abs_error_deg``, ``source``.
+        ``reference``, ``controller``, ``rmse_deg``, ``max_abs_error_deg``, ``source``.
     """
     rows = []
     for log in runs:
@@ -50,20 +49,13 @@ def tracking_errors(runs: Sequence[Any]) -> pd.DataFrame:
         error = (log.channels["theta_d_deg"] - log.channels["theta_deg"])[judged]
         rows.append(
             {
-                **{key: named[key] for key in ("reference", "controller", "gain")},
-                "kp_kpa_per_deg": _kp(named["rig"].get("gains")),
+                **{key: named[key] for key in ("reference", "controller")},
                 "rmse_deg": _rms(error),
                 "max_abs_error_deg": np.abs(error).max(),
                 "source": named["source"],
             }
         )
     return pd.DataFrame(rows)
-
-
-def _kp(gains: Any) -> float | None:
-    """Return the P gain that a log states; None if it does not state a number."""
-    kp = gains.get("kp_kpa_per_deg") if isinstance(gains, Mapping) else None
-    return kp if isinstance(kp, int | float) else None
 
 
 def disturbed(log: Any, cycles: Mapping[str, np.ndarray | None], quiet_s: float) -> pd.DataFrame:

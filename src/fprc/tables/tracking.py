@@ -12,25 +12,11 @@ from fprc.tables.models import over_seeds, with_interval
 from fprc.tables.text import format_mean, spread
 
 
-def tracking(
-    runs: Sequence[Any], gains: Mapping[str, Any], published: Mapping[str, Any]
-) -> pd.DataFrame:
-    """Table IV: errors of every controller on every reference, tidy.
-
-    Parameters
-    ----------
-    runs : sequence
-        Logs of the closed-loop runs.
-    gains : mapping
-        Gains of the PD controller by their name: printed, identified.
-    """
+def tracking(runs: Sequence[Any], published: Mapping[str, Any]) -> pd.DataFrame:
+    """Table IV: errors of every controller on every reference, tidy, from closed-loop logs."""
     errors = tracking_errors(runs)
-    table = errors[["controller", "gain", "reference", "rmse_deg", "max_abs_error_deg"]]
-    return table.assign(
-        published_rmse_deg=_printed(errors, published),
-        kp_kpa_per_deg=[gains.get(name, {}).get("kp_kpa_per_deg") for name in errors["gain"]],
-        source=errors["source"],
-    )
+    table = errors[["controller", "reference", "rmse_deg", "max_abs_error_deg"]]
+    return table.assign(published_rmse_deg=_printed(errors, published), source=errors["source"])
 
 
 def _printed(table: pd.DataFrame, published: Mapping[str, Any]) -> list[float | None]:
@@ -41,26 +27,21 @@ def _printed(table: pd.DataFrame, published: Mapping[str, Any]) -> list[float | 
 def tracking_over_seeds(
     replicates: Sequence[Mapping[str, Any]], published: Mapping[str, Any]
 ) -> pd.DataFrame:
-    """Table IV over further seeds: mean, standard deviation, range, tidy.
-
-    The gain is identified on each seed; the table has its mean.
-    """
+    """Table IV over further seeds: mean, standard deviation, range, tidy."""
     samples = pd.DataFrame(
         {
-            **dict(zip(("reference", "controller", "gain"), run.split("/"), strict=True)),
+            **dict(zip(("reference", "controller"), run.split("/"), strict=True)),
             "rmse_deg": error,
-            "kp_kpa_per_deg": report["gains"].get(run.split("/")[2], {}).get("kp_kpa_per_deg"),
             "source": report["source"],
         }
         for report in replicates
         for run, error in report["rmse_deg"].items()
     )
-    groups = samples.groupby(["controller", "gain", "reference"], sort=False)
+    groups = samples.groupby(["controller", "reference"], sort=False)
     table = groups["rmse_deg"].agg(["mean", "std", "min", "max", "count"]).reset_index()
     table = with_interval(table.rename(columns={"count": "seeds"}))
     table = table.rename(columns={"mean": "rmse_deg"})
     table["published_rmse_deg"] = _printed(table, published)
-    table["kp_kpa_per_deg"] = groups["kp_kpa_per_deg"].mean().to_numpy()
     table["source"] = groups["source"].first().to_numpy()
     return table
 
@@ -89,19 +70,13 @@ def all_over_seeds(
 def tracking_page(table: pd.DataFrame) -> pd.DataFrame:
     """Return Table IV as the paper prints it, ours beside the published numbers."""
     page = []
-    for (controller, gain), rows in table.groupby(["controller", "gain"], sort=False):
-        kp = rows["kp_kpa_per_deg"].iloc[0]
+    for controller, rows in table.groupby("controller", sort=False):
         label = controller_title(controller)
-        named = label if gain == "none" else f"{label}, {gain} gain"
-        line = {
-            "RMSE [deg]": named if pd.isna(kp) else f"{named} ({kp:g} kPa/deg)",
-            "Whose": "ours",
-        }
-        theirs = {"RMSE [deg]": label, "Whose": "paper"}
+        line, theirs = ({"RMSE [deg]": label, "Whose": whose} for whose in ("ours", "paper"))
         for row in rows.itertuples():
             line[REFERENCE_NAMES[row.reference]] = format_mean(row._asdict(), "rmse_deg")
             theirs[REFERENCE_NAMES[row.reference]] = spread(row.published_rmse_deg, None)
         page.append(line)
-        if rows["published_rmse_deg"].notna().any() and gain != "printed":
+        if rows["published_rmse_deg"].notna().any():
             page.append(theirs)
     return pd.DataFrame(page).fillna("")
