@@ -35,9 +35,7 @@ if SETTINGS["source"] == "rig":
         # no rule for a log that exists: it is neither recorded again nor overwritten
         wildcard_constraints:
             name="|".join(
-                name
-                for name in PLAN.every_log
-                if not Path(placed(PATHS.log(name))).exists()
+                name for name in PLAN.every_log if not Path(placed(PATHS.log(name))).exists()
             )
             or "none",
         threads: workflow.cores

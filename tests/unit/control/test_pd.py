@@ -1,26 +1,84 @@
+import math
+
 import numpy as np
 import pytest
 
 from fprc.control import PD
 
+RATE_HZ, PERIOD_S = 200.0, 0.005
+KP, KD = 0.5, 0.005  # paper, Sec. IV
 
-def test_first_sample_is_proportional_alone():
-    assert PD(0.5, 0.005, 0.005).step(30.0, 20.0) == pytest.approx(5.0)
+
+def feedback(pd, e, p_ff=None):
+    p_ff = np.zeros(len(e)) if p_ff is None else p_ff
+    return np.array([pd.step(*pair) for pair in zip(e.tolist(), [0.0] * len(e), p_ff, strict=True)])
 
 
-def test_derivative_is_the_backward_difference_of_the_error():
+def authors_commands(e, u_ff, kp, kd, T):  # noqa: N803 (the equation's symbol)
+    """u(k) = u(k-1) + u_ff(k) - u_ff(k-1) + kp e(k) + kd (e(k) - e(k-1)) / T, from u = u_ff."""
+    u = [u_ff[0] + kp * e[0]]
+    for k in range(1, len(e)):
+        u.append(u[-1] + u_ff[k] - u_ff[k - 1] + kp * e[k] + kd * (e[k] - e[k - 1]) / T)
+    return np.array(u)
+
+
+def test_incremental_law_is_the_authors_equation():
     rng = np.random.default_rng(1)
-    theta_d, theta = rng.uniform(0.0, 60.0, (2, 50))
-    pd = PD(3.0, 0.02, 0.01)
-    found = [pd.step(*pair) for pair in zip(theta_d.tolist(), theta.tolist(), strict=True)]
-    e = theta_d - theta
+    e, p_ff = rng.normal(0.0, 5.0, 400), rng.uniform(0.0, 350.0, 400)
+    pd = PD(KP, KD, PERIOD_S, limits_kpa=(-math.inf, math.inf))
+    commands = p_ff + feedback(pd, e, p_ff)
+    np.testing.assert_allclose(commands, authors_commands(e, p_ff, KP, KD, PERIOD_S), atol=1e-9)
+
+
+def test_incremental_law_is_a_pi_controller():
+    """Integral gain kp / T = 100 kPa/(deg s), proportional gain kd / T = 1 kPa/deg."""
+    time_s = np.arange(400) / RATE_HZ
+    e = 3.0 * np.sin(2.0 * np.pi * 0.5 * time_s)
+    found = feedback(PD(KP, KD, PERIOD_S, limits_kpa=(-math.inf, math.inf)), e)
+    integral = 3.0 * (1.0 - np.cos(2.0 * np.pi * 0.5 * time_s)) / (2.0 * np.pi * 0.5)
+    np.testing.assert_allclose(found, 100.0 * integral + 1.0 * e, atol=1.0)  # one sample's 100 e T
+
+
+def test_positional_law_is_proportional_and_backward_difference():
+    e = np.random.default_rng(1).uniform(-60.0, 60.0, 50)
+    found = feedback(PD(3.0, 0.02, 0.01, incremental=False), e)
     np.testing.assert_allclose(found, 3.0 * e + 0.02 * np.diff(e, prepend=e[0]) / 0.01)
 
 
-def test_constant_error_has_no_derivative():
-    pd = PD(2.0, 100.0, 0.005)
-    assert [pd.step(10.0, 7.0) for _ in range(3)] == pytest.approx([6.0, 6.0, 6.0])
+def follow(pd, slope, reference, samples):
+    """Close the loop over theta(k) = slope P_d(k-1), and return the errors."""
+    theta, errors = 0.0, []
+    for _ in range(samples):
+        errors.append(reference - theta)
+        theta = slope * pd.step(reference, theta)
+    return np.array(errors)
 
 
-def test_feedback_pushes_towards_the_reference():
-    assert PD(1.0, 0.0, 0.005).step(10.0, 20.0) < 0.0 < PD(1.0, 0.0, 0.005).step(20.0, 10.0)
+def test_on_a_static_plant_both_laws_have_their_closed_forms():
+    """e(k+1) = r - g kp e(k) positional; e(k+1) = (1 - g kp) e(k) incremental; kd = 0."""
+    g, r = 0.2, 30.0
+    k = np.arange(40)
+    positional = follow(PD(KP, 0.0, PERIOD_S, incremental=False), g, r, len(k))
+    settled = r / (1.0 + g * KP)
+    np.testing.assert_allclose(positional, settled + (r - settled) * (-g * KP) ** k, rtol=1e-12)
+    incremental = follow(PD(KP, 0.0, PERIOD_S), g, r, len(k))
+    np.testing.assert_allclose(incremental, r * (1.0 - g * KP) ** k, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("p_ff", "error", "bound"), [(300.0, 40.0, 400.0), (50.0, -40.0, 0.0)], ids=["high", "low"]
+)
+def test_sum_does_not_wind_up_at_a_limit(p_ff, error, bound):
+    pd = PD(KP, 0.0, PERIOD_S, limits_kpa=(0.0, 400.0))
+    held = [p_ff + pd.step(error, 0.0, p_ff) for _ in range(2000)]
+    assert max(abs(p_d - bound) for p_d in held[100:]) <= KP * abs(error)
+    # one sample of error to the other side leads off the limit at once
+    assert abs(p_ff + pd.step(-error, 0.0, p_ff) - bound) <= 2.0 * KP * abs(error)
+    back = p_ff + pd.step(-error, 0.0, p_ff)
+    assert 0.0 < back < 400.0
+
+
+def test_sum_recovers_where_feedforward_alone_is_beyond_a_limit():
+    pd = PD(KP, KD, PERIOD_S, limits_kpa=(0.0, 400.0))
+    assert pd.step(1.0, 0.0, 500.0) == 0.0  # kp e does not count
+    assert pd.step(-1.0, 0.0, 500.0) == pytest.approx(-2.0 * KD / PERIOD_S - KP)
