@@ -16,7 +16,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from fprc.errors import ConfigError
-from fprc.registry import MODELS, parameters_at
+from fprc.registry import ANGLE, MODELS, parameters_at
 
 
 class Competitor(NamedTuple):
@@ -32,8 +32,8 @@ _BANK = {"epsilons": [0.03, 0.01, 0.003]}
 _RIDGE = ("n_y", "alpha")
 _TAPS = ("n_y", "fprc.n_u", "fprc.epsilon", "alpha")
 _FUZZY = MODELS["fuzzy_linear"].settings
-_THETA = ("theta_deg",)
-_BOTH = ("theta_deg", "p_o_kpa")
+_THETA = (ANGLE,)
+_BOTH = (ANGLE, "p_o_kpa")
 
 #: Every competitor by name, the paper's models first.
 COMPETITORS = {
@@ -42,7 +42,7 @@ COMPETITORS = {
 } | {
     # low-passed theta_d takes the place of P_o
     "fprc_lowpass": Competitor(
-        "FPRC on low-passed theta_d", ("theta_deg", "theta_deg"), MODELS["fprc"].settings, {}
+        "FPRC on low-passed theta_d", (ANGLE, ANGLE), MODELS["fprc"].settings, {}
     ),
     "ridge_p_o": Competitor("Ridge on FPRC's features", _BOTH, _TAPS, {}),
     "bank_p_o": Competitor(

@@ -16,6 +16,10 @@ if TYPE_CHECKING:
 
 Settings = Mapping[str, Any]
 
+#: The models' first input. They learn on the measured theta, which stands for theta_d, and run on
+#: theta_d (Sec. III-A); see ``running_inputs``.
+ANGLE = "theta_deg"
+
 
 class Entry(NamedTuple):
     """A model's class, inputs and settings, and its look in figures."""
@@ -33,21 +37,21 @@ class Entry(NamedTuple):
 MODELS = {
     "esn": Entry(
         "fprc.models.esn.ESN",
-        ("theta_deg",),
+        (ANGLE,),
         ("n_y", "alpha", "esn"),
         "ESN",
         ("#777777", "-."),
     ),
     "fprc": Entry(
         "fprc.models.fprc.FPRC",
-        ("theta_deg", "p_o_kpa"),
+        (ANGLE, "p_o_kpa"),
         ("n_y", "alpha", "fprc"),
         "FPRC",
         ("#000000", "-"),
     ),
     "fuzzy_linear": Entry(
         "fprc.models.fprc.FuzzyLinear",
-        ("theta_deg",),
+        (ANGLE,),
         ("n_y", "alpha", "fprc.n_c", "fprc.sigma", "fprc.clustering", "fprc.restarts"),
         "Fuzzy-linear",
         ("#8c8c8c", "--"),
@@ -178,6 +182,11 @@ def class_module(name: str, models: Settings | None = None) -> str:
 def outside_class(name: str, models: Settings) -> list[type]:
     """Return the class of a model of ``models.others``, for ``load_model``; else an empty list."""
     return [load_class(name, models)] if name in models.get("others", {}) else []
+
+
+def running_inputs(theta_d_deg: Any, p_o_kpa: Any) -> dict[str, Any]:
+    """Return the input channels of a model that runs: theta_d in the place of theta."""
+    return {ANGLE: theta_d_deg, "p_o_kpa": p_o_kpa}
 
 
 def controllers(models: Settings) -> list[str]:

@@ -17,7 +17,6 @@ rule ledger:
     params:
         **stage("claims.write_ledger"),
         fitted=SETTINGS["fitted"],
-        deciding=SETTINGS["evaluation"]["verdict_seeds"],
     message:
         "Claims C1 to C18"
     script:

@@ -108,62 +108,14 @@ def pictures_of_docs():
 @cache
 def named_rig(name):
     """Return the sections ``rig`` and ``fitted`` of a rig's file."""
-    return from_files([RIG_FILES[name]]).model_dump(mode="json", include={"rig", "fitted"})
+    return from_files([OTHER_RIGS[name]]).model_dump(mode="json", include={"rig", "fitted"})
 
 
-def on_rigs(part, table):
-    """Return the reports of the further seeds: those of this rig, then those of each other one."""
+def on_rigs(part):
+    """Return the reports of the further seeds: those of this rig, then those of other fitted ones."""
     seeds = SETTINGS["evaluation"]["replicate_seeds"]
-    seeds = seeds if table == "rigs" else seeds[:SEARCH_SEEDS]
-    return PLAN.replicates(part)[: len(seeds)] + [
-        PATHS.below(f"rigs/{rig}/{part}_{seed}.json") for rig in RIGS[table] for seed in seeds
-    ]
-
-
-def _fits(folder):
-    """Return the seeds of the fits in a folder, which no other rig may have the name of."""
-    others = {REPEATS: VARIED, VARIANTS: REPEATED}[folder]
-    return read_fits(folder, rig_files().keys() | RIGS["searches"].keys() | others.keys())
-
-
-@cache
-def tests_of_repeats():
-    """Return the tests of the repeats of the fit, by the name of their table."""
-    try:
-        repeats = _fits(REPEATS)
-    except FprcError as error:
-        raise WorkflowError(str(error)) from None
-    if not repeats:
-        raise WorkflowError(f"{REPEATS}: no repeat of the fit there; see docs/searches.md")
-    return landing_tests(repeats)
-
-
-@cache
-def fits_of(table):
-    """Return the fits of a table, and the seeds that judge them."""
-    try:
-        if table == "variants":
-            return variants_beside(_fits(REPEATS), _fits(VARIANTS))
-    except FprcError as error:
-        raise WorkflowError(str(error)) from None
-    tests = tests_of_repeats()
-    if table not in tests:
-        raise WorkflowError(
-            f"{REPEATS}: {table} needs the repeats whose spread it takes; restore them"
-        )
-    return tests[table]
-
-
-def tables_of_repeats(wildcards):
-    """Return the tables of the repeats of the fit."""
-    return [PATHS.below(f"rigs/{table}.md") for table in tests_of_repeats()]
-
-
-def of_repeats(part, table):
-    """Return the reports of a table's seeds, those of one fit after another."""
-    fits = fits_of(table)
-    return [
-        PATHS.below(f"rigs/{rig}/{part}_{seed}.json") for rig in fits.rigs for seed in fits.seeds
+    return PLAN.replicates(part) + [
+        PATHS.below(f"rigs/{rig}/{part}_{seed}.json") for rig in FITTED_RIGS for seed in seeds
     ]
 
 
@@ -174,7 +126,7 @@ def world_named(name):
     return {
         "name": name,
         "rigs": name if name in SETS_OF_RIGS else "one",
-        "every_model": name == OWN_WORLD or name in RIGS["rigs"],
+        "every_model": name == OWN_WORLD or name in FITTED_RIGS,
         "first_seed": BEYOND["first_seed"],
         "seeds_per_rig": BEYOND["seeds_per_rig"] if name == "drawn" else 1,
         "fitted": {"posterior": ["tables"], "drawn": []}.get(name, fitted),

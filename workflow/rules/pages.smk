@@ -38,6 +38,7 @@ rule calibration_page:
             PATHS.below("posterior/near_print.md"),
             PATHS.below("posterior/history.md"),
             PATHS.below("calibration/targets.md"),
+            PATHS.below("calibration/sensitivity.md"),
         ],
         figures=[
             PATHS.below(f"{name}.png")
@@ -45,6 +46,7 @@ rule calibration_page:
         ],
         made_from=[
             *CHUNK_FILES,
+            PATHS.below("calibration/sensitivity.json"),
             *MEMBER_FILES,
             PATHS.below("ensemble/summary.json"),
             *PLAN.replicates("models", TARGET_NAMES),
@@ -59,43 +61,6 @@ rule calibration_page:
         pictures=[f"docs/images/{name}.png" for name in ("ensemble", "posterior", "channels")],
     message:
         "docs/calibration.md: numbers and pictures from the results"
-    script:
-        "../scripts/stage.py"
-
-
-rule searches_page:
-    input:
-        fit=lambda wildcards: rig_file(SETTINGS["fitted"]["name"]).with_suffix(".json"),
-        pages=[PATHS.below("rigs/searches.md"), PATHS.below("calibration/sensitivity.md")],
-        figure=PATHS.below("rigs/front.png"),
-        made_from=PATHS.below("calibration/sensitivity.json"),
-    log:
-        PATHS.messages("searches_page"),
-    localrule: True
-    threads: workflow.cores  # alone: repeats_page writes this page too
-    params:
-        **stage("documents.update_searches_page"),
-        page="docs/searches.md",
-        picture="docs/images/front.png",
-        rig=SETTINGS["rig"],
-    message:
-        "docs/searches.md: numbers and picture from the results"
-    script:
-        "../scripts/stage.py"
-
-
-rule repeats_page:
-    input:
-        pages=lambda wildcards: [*tables_of_repeats(wildcards), PATHS.below("rigs/variants.md")],
-    log:
-        PATHS.messages("repeats_page"),
-    localrule: True
-    threads: workflow.cores  # alone: searches_page writes this page too
-    params:
-        **stage("documents.update_tables"),
-        page="docs/searches.md",
-    message:
-        "docs/searches.md: repeats of the fit"
     script:
         "../scripts/stage.py"
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from fprc import __version__
 from fprc.calibration.full_models import full_errors, ratios_to_full
-from fprc.calibration.objective import CLAIMS, Aim, Objective, aim_of, logs_of
+from fprc.calibration.objective import Aim, Objective, aim_of, logs_of
 from fprc.calibration.search import SearchResult, search
 from fprc.calibration.space import Free, decode, encode, free_parameters, resolved
 from fprc.calibration.surrogate import judge_cheaply
@@ -69,7 +69,7 @@ def fit_rig(
     Returns
     -------
     dict, dict
-        The fitted rig, and a summary of the fit. Losses and front are those of the last search;
+        The fitted rig, and a summary of the fit. Losses are those of the last search;
         generations and rigs are those of all.
     """
     free = free_parameters(calibration["free"], calibration["ranges"])
@@ -111,7 +111,6 @@ def fit_rig(
         "generations": sum(each.result.generations for each in done),
         "evaluations": sum(each.result.evaluations for each in done),
         "finished": all(each.result.finished for each in done),
-        "front": front_of(result.numbers, objective),
         "parameters": [
             p._asdict() | {"began_at": before, "share": share}
             for p, before, share in zip(free, start.tolist(), result.point.tolist(), strict=True)
@@ -174,26 +173,6 @@ def _searched(
     )
     best = replace(begun, rig=resolved(decode(result.point, begun.rig, free)))
     return Searched(best, objective, cheaply, result)
-
-
-def front_of(judged_logs: Sequence[np.ndarray], objective: Objective) -> list[dict[str, float]]:
-    """Return the losses of the rigs that no other one beats both in the tables and in the claims.
-
-    Returns
-    -------
-    list of dict
-        ``tables``, the loss of the errors of Tables II and III, rising; and ``claims``, that of
-        orders and claims.
-    """
-    losses = [objective.losses(objective.judged(logs.tolist())) for logs in judged_logs]
-    pairs = sorted(
-        (own.get("tables", 0.0), sum(own.get(name, 0.0) for name in CLAIMS)) for own in losses
-    )
-    front: list[dict[str, float]] = []
-    for tables, claims in pairs:
-        if not front or claims < front[-1]["claims"]:
-            front.append({"tables": tables, "claims": claims})
-    return front
 
 
 def _outcome(

@@ -104,11 +104,6 @@ def deviations(judged: Judged, aim: Aim) -> dict[str, np.ndarray]:
     return {name: np.asarray(TERMS[name](judged, aim), dtype=float) for name in aim.fit}
 
 
-def tables_percent(loss: float, errors: int) -> float:
-    """Return the rms deviation of the errors, in %, from the loss of the term ``tables``."""
-    return 100.0 * _TABLES * math.sqrt(loss / errors)
-
-
 def logs_of(judged: Judged) -> list[float]:
     """Return the logarithms of all measures of all seeds; they are smooth in the parameters."""
     return [math.log(max(value, _SMALLEST)) for value in _numbers(judged)]
@@ -256,9 +251,6 @@ TERMS = {
     "tables": _tables, "orders": _orders, "plausible": _plausible, "C8": _c8, "C9a": _c9a,
     "C9b": _c9b, "C11": _c11, "C12": _c12, "C18": _c18, "open_loop": _open_loop,
 }  # fmt: skip
-
-#: The terms that are claims.
-CLAIMS = ("orders", "C8", "C9a", "C9b", "C11", "C12", "C18")
 
 
 def _mean(judged: Judged, *keys: str) -> float:

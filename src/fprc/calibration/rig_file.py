@@ -40,7 +40,7 @@ def parameter_file(rig: Mapping[str, Any], summary: Mapping[str, Any], name: str
 
 _HEAD = """\
 # Parameters of the simulated rig that differ from their defaults. Written by `fprc calibrate`
-# ({software}, {date}); docs/searches.md explains it.
+# ({software}, {date}); docs/calibration.md explains it.
 #
 # Fitted over {count} parameters within the ranges of `calibration` ({evaluations} rigs), on the
 # noise seeds {shown_seeds},

@@ -51,7 +51,7 @@ _REVERSED = ("FPRC", "FPRC's reversed error, at epsilon 0.01")
 _LOWEST = ("FPRC", "FPRC's error as the lowest of the paper's models")
 _BOTH = ("FPRC", "the errors of both models, FPRC's lower on the test")
 _RISE = ("FPRC", "a rise of the ESN's error from training to test")
-_TRACKING = ("FPRC", "FPRC's open-loop errors; the gain of the closed loop suits FPRC best")
+_TRACKING = ("FPRC", "FPRC's open-loop errors")
 _SHARE = ("P_o", "P_o's share of the readout's weights")
 CLAIMS = {
     "B1": Claim(

@@ -38,14 +38,6 @@ class Results(NamedTuple):
     times: Mapping[str, Any]
     times_over_n_c: Mapping[str, Any]
 
-    def first(self, seeds: int) -> "Results":
-        """Return the results of the first seeds."""
-        return self._replace(
-            replicates=self.replicates[:seeds],
-            grids=self.grids[:seeds],
-            controls=self.controls[:seeds],
-        )
-
 
 class Statement(NamedTuple):
     """A number with limits, measured once per seed.

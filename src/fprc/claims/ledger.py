@@ -133,18 +133,6 @@ def changed_verdicts(ledger: Sequence[Mapping[str, str]], declared: Mapping[str,
     ]
 
 
-def turned_verdicts(
-    ledger: Sequence[Mapping[str, str]], other: Sequence[Mapping[str, str]]
-) -> list[str]:
-    """Return a phrase for each claim that another ledger judges differently."""
-    verdicts = {row["id"]: row["verdict"] for row in other}
-    return [
-        f"{row['id']} is {verdicts[row['id']]} instead of {row['verdict']}"
-        for row in ledger
-        if verdicts[row["id"]] != row["verdict"]
-    ]
-
-
 def _order(claim: str) -> tuple[int, str]:
     number = claim.lstrip("C").rstrip("abc")
     return int(number), claim

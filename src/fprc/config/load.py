@@ -189,6 +189,7 @@ _RENAMED = {
 
 #: Keys of earlier versions that have no successor, and why.
 _REMOVED = {
+    "evaluation.verdict_seeds": "verdicts are those of all replicate_seeds",
     "tracking.candidate_kp_kpa_per_deg": "the gains are the printed ones, control.pd, and are not "
     "searched for; the law is control.feedback",
 }

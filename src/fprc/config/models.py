@@ -105,9 +105,6 @@ class Evaluation(Section):
         min_length=2,
         description="seeds of further rigs, on which tables, grids and runs are repeated",
     )
-    verdict_seeds: int = quantity(
-        10, "-", (2, 100000), "number of these seeds, from the first, that decide the verdicts"
-    )
 
 
 class Grids(Section):

@@ -17,6 +17,7 @@ from fprc.experiments.tracking import TRACKING_RUNS, Track, tracking_rmse
 from fprc.models import SequenceModel
 from fprc.models.competitors import build_competitor
 from fprc.paper import REFERENCES
+from fprc.registry import ANGLE, running_inputs
 
 #: Models judged on every rig: those that a claim compares, and one competitor of each other kind.
 BRIEF = (
@@ -182,7 +183,7 @@ def _references(bench: Track) -> dict[str, dict[str, np.ndarray]]:
         at_rest = bench.simulate(
             theta_d, np.zeros(len(theta_d)), TRACKING_RUNS[name], feedback=False
         )
-        followed[name] = {"theta_deg": theta_d, "p_o_kpa": at_rest["p_o_kpa"]}
+        followed[name] = running_inputs(theta_d, at_rest["p_o_kpa"])
     return followed
 
 
@@ -196,7 +197,7 @@ def _follow(
     errors: dict[str, dict[str, float]] = {"open_loop_deg": {}, "closed_loop_deg": {}}
     for reference, channels in followed.items():
         p_ff_kpa = model.predict(inputs_of(name, channels))
-        theta_d, number = channels["theta_deg"], TRACKING_RUNS[reference]
+        theta_d, number = channels[ANGLE], TRACKING_RUNS[reference]
         for loop, feedback in zip(errors, (False, True), strict=True):
             run = bench.simulate(theta_d, p_ff_kpa, number, feedback=feedback)
             settle_s = bench.tracking["references"][reference]["settle_s"]

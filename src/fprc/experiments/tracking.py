@@ -17,7 +17,7 @@ from fprc.experiments.measures import measure_hysteresis, measure_runs
 from fprc.logs import TRACKING_CHANNELS
 from fprc.models import SequenceModel
 from fprc.paper import DISTURBANCE, REFERENCES, run_log
-from fprc.registry import feedforward_of, has_feedback
+from fprc.registry import feedforward_of, has_feedback, running_inputs
 from fprc.signals import random_pushes, reference_angle
 
 log = logging.getLogger(__name__)
@@ -137,7 +137,7 @@ class Track(NamedTuple):
         P_o depends on P_i = K_in theta_d only, so one run with the actuator at rest gives it.
         """
         at_rest = self.simulate(theta_d, np.zeros(len(theta_d)), number, pushes, feedback=False)
-        inputs = np.column_stack([theta_d, at_rest["p_o_kpa"]])
+        inputs = np.column_stack(list(running_inputs(theta_d, at_rest["p_o_kpa"]).values()))
         return {
             name: model.predict(inputs[:, : model.n_features_in_]) for name, model in models.items()
         }

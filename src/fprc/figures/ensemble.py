@@ -32,35 +32,6 @@ def plot_shares_of_rigs(table: DataFrame, ax: Axes) -> Axes:
     return ax
 
 
-def plot_front(table: DataFrame, ax: Axes) -> Axes:
-    """Draw the end point of each search, and its front between tables and claims if it is known.
-
-    Parameters
-    ----------
-    table : DataFrame
-        ``search``, ``rigs``, ``kind`` (front or end), ``tables_percent`` and ``claims_loss``.
-    """
-    x, y = "tables_percent", "claims_loss"
-    searches = table["search"].nunique()
-    for number, (name, own) in enumerate(table.groupby("search", sort=False)):
-        front, end = (own[own["kind"] == kind] for kind in ("front", "end"))
-        grey = str(0.7 * number / max(searches - 1, 1))
-        ax.step(front[x], front[y], "-", where="post", color=grey, linewidth=0.8)
-        marker = _ENDS[number % len(_ENDS)]
-        ax.plot(end[x], end[y], marker, color=grey)
-        # without points: the legend has a line only where the front is known
-        label = f"{name}, {own['rigs'].iloc[0]} rigs" if len(front) else name
-        look = f"{marker}-" if len(front) else marker
-        ax.plot([], [], look, color=grey, linewidth=0.8, label=label)
-    ax.set_ylim(bottom=0.0)
-    ax.set(
-        xlabel="Deviation of the errors of Tables II and III, rms [%]",
-        ylabel="Claims, sum of squared misses",
-    )
-    ax.legend(loc="lower left", bbox_to_anchor=(-0.03, 1.0), ncols=2)
-    return ax
-
-
 def plot_correlations(grid: DataFrame, limit: float, ax: Axes) -> QuadMesh:
     """Draw rank correlations, one row per parameter and one column per claim.
 

@@ -8,7 +8,7 @@ import pandas as pd
 
 from fprc.artifacts import read_json, write_json, write_text
 from fprc.claims.finding import Results
-from fprc.claims.ledger import fit_in_words, judge_claims, status_of, turned_verdicts
+from fprc.claims.ledger import fit_in_words, judge_claims, status_of
 from fprc.paper import SOURCES
 from fprc.tables.text import markdown
 from fprc.yaml_file import read_yaml
@@ -27,7 +27,6 @@ def write_ledger(
     md: str,
     *,
     fitted: Mapping[str, Any],
-    deciding: int,
 ) -> None:
     """Write the claims ledger: the paper's numbers, ours, test and verdict of C1 to C18.
 
@@ -35,9 +34,6 @@ def write_ledger(
     ----------
     fitted : Mapping
         Name of the rig, and the terms that it was fitted to.
-    deciding : int
-        Number of seeds, the first ones, that decide the verdicts; the ledger also says which
-        verdicts would differ on all seeds.
     """
     printed = read_yaml(published)
     every = Results(
@@ -49,7 +45,7 @@ def write_ledger(
     )
     ledger = [
         {**row, "rig": status_of(row["id"], fitted["to"])}
-        for row in judge_claims(printed["claims"], every.first(deciding), printed)
+        for row in judge_claims(printed["claims"], every, printed)
     ]
     source = every.controls[0]["source"]
     origin = (
@@ -57,12 +53,6 @@ def write_ledger(
         "were not part of the fit. A verdict is undecided where the 95 % interval of the mean over "
         "seeds contains a limit."
     )
-    if len(every.controls) > deciding:
-        turned = turned_verdicts(ledger, judge_claims(printed["claims"], every, printed))
-        origin += (
-            f" Verdicts are those of the first {deciding} seeds; on all {len(every.controls)}, "
-            f"{'; '.join(turned) or 'none differs'}."
-        )
     write_json(json, {"source": source, "note": origin, "claims": ledger})
     counts = pd.Series([row["verdict"] for row in ledger]).value_counts()
     note = (

@@ -13,11 +13,9 @@ from fprc.competitors import TITLES
 from fprc.errors import FprcError
 from fprc.paper import ERRORS
 from fprc.plan.arguments import on_drawn_rigs
-from fprc.provenance import hash_of
 from fprc.registry import title_of
 from fprc.tables import beyond, scaling
 from fprc.tables.models import deviations
-from fprc.tables.text import three_digits
 
 log = logging.getLogger(__name__)
 
@@ -64,43 +62,6 @@ def update_readme(
     texts = {path: _updated(path, new) for path, new in ((readme, first), (results, blocks))}
     for path, text in texts.items():
         write_text(path, text)
-    update_picture(figure, picture=picture)
-
-
-def update_searches_page(
-    fit: str,
-    pages: Sequence[str],
-    figure: str,
-    *,
-    page: str,
-    picture: str,
-    rig: Mapping[str, Any],
-) -> None:
-    """Replace the generated blocks of docs/searches.md, and its picture.
-
-    Parameters
-    ----------
-    fit : str
-        Summary of the calibration, JSON.
-    pages : sequence of str
-        Tables; a block is named after folder and file.
-    figure, picture : str
-        Figure of the results, and its copy in docs.
-    rig : Mapping
-        The rig of the configuration.
-
-    Raises
-    ------
-    FprcError
-        ``fit`` describes another rig than ``rig``.
-    """
-    summary = read_json(fit)
-    if summary["rig_sha256"] != hash_of(rig):
-        raise FprcError(
-            f"{fit} belongs to another rig than the configuration; put both files of one "
-            "calibration into config/rigs"
-        )
-    _update(page, _tables(pages) | {"fit": _fit(summary), "properties": _properties(summary)})
     update_picture(figure, picture=picture)
 
 
@@ -220,7 +181,7 @@ def replace_block(text: str, name: str, block: str, path: str = "README.md") -> 
 
 
 def _outcome(judged: Mapping[str, Any]) -> str:
-    """Return sentences on how many claims have each verdict, and on which seeds."""
+    """Return sentences on how many claims have each verdict."""
     every = pd.DataFrame(judged["claims"])
     is_timed = every["rig"] == "timed"
     claims, timed = every[~is_timed], list(every.loc[is_timed, "id"])
@@ -229,7 +190,6 @@ def _outcome(judged: Mapping[str, Any]) -> str:
     held = claims[claims["verdict"] == "reproduced"]
     predicted = held.loc[held["rig"] == "predicted", "id"]
     assumed = held.loc[held["rig"] == "assumed", "id"]
-    _, decided, seeds = judged["note"].partition(" Verdicts are those of")
     apart = (
         f" Not counted: {', '.join(timed)}; they are about execution times, and their verdicts can "
         "differ between builds."
@@ -240,7 +200,7 @@ def _outcome(judged: Mapping[str, Any]) -> str:
         f"**Of the paper's {verdicts.sum()} claims and parts of claims, on the simulated rig: "
         f"{counts}.** Of those reproduced, {held['rig'].str.contains('fitted').sum()} were fitted "
         f"at least in part, {_count(predicted)} called predicted, and {_count(assumed)} built into "
-        f"the rig.{apart}{decided}{seeds}"
+        f"the rig.{apart}"
     )
 
 
@@ -304,42 +264,4 @@ def _tracking(seeds: str) -> str:
     return (
         f"Those of Table IV deviate by up to {100 * open_loop:.0f} % in open loop, and by up to "
         f"{100 * closed_loop:.0f} % in closed loop."
-    )
-
-
-def _fit(fit: Mapping[str, Any]) -> str:
-    rows = []
-    for key, printed in fit["targets_kpa"].items():
-        trained_on, model, phase = key.split("/")
-        residual = fit["residuals"][key]
-        rows.append(
-            {
-                "Table": "II" if trained_on == "sweep" else "III",
-                "Model": title_of(model),
-                "RMSE": ERRORS["train_rmse" if phase == "train" else "test_rmse"],
-                "Paper [kPa]": three_digits(printed),
-                "Fitted [kPa]": three_digits(printed * (1 + residual)),
-                "Deviation": f"{100 * residual:+.1f} %",
-            }
-        )
-    seeds = ", ".join(map(str, fit["seeds"]))
-    head = (
-        f"{fit['date']}, {fit['software']}: {fit['evaluations']} rigs in "
-        f"{fit['generations']} generations; seeds {seeds}; loss {fit['loss_at_start']:.4f} to "
-        f"{fit['loss']:.4f}, and {fit['check_loss_at_start']:.4f} to "
-        f"{fit['check_loss']:.4f} on seeds outside the fit. Full models on the seeds of the fit:"
-    )
-    return f"{head}\n\n{_markdown(pd.DataFrame(rows))}"
-
-
-def _properties(fit: Mapping[str, Any]) -> str:
-    rows = [
-        (name, f"{low:g} to {high:g}", f"{fit['properties'][name]:.3g}")
-        for name, (low, high) in fit["plausible"].items()
-    ]
-    table = pd.DataFrame(rows, columns=["Property", "Plausible", "Fitted"])
-    near = [p["path"] for p in fit["parameters"] if not 0.02 <= p["share"] <= 0.98]
-    return (
-        f"{_markdown(table)}\n\nParameters within 2 % of an end of their range: "
-        f"{', '.join(near) or 'none'}."
     )

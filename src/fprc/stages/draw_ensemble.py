@@ -1,15 +1,13 @@
-"""Draw the claims on sets of rigs, and the outcome of the searches."""
+"""Draw the claims on sets of rigs."""
 
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Mapping
 from typing import Any
 
 import pandas as pd
 
-from fprc.artifacts import read_json, write_csv
-from fprc.calibration.objective import CLAIMS, tables_percent
+from fprc.artifacts import read_json
 from fprc.figures import style
-from fprc.figures.ensemble import plot_correlations, plot_front, plot_shares_of_rigs
+from fprc.figures.ensemble import plot_correlations, plot_shares_of_rigs
 
 #: Number of parameters that are drawn, those with the strongest correlations.
 _PARAMETERS = 14
@@ -37,39 +35,6 @@ def draw_ensemble(summary: str, pdf: str, png: str) -> Mapping[str, Any]:
     found = f"{beyond} (x)" if beyond else "none"
     style.letter(axes[1], f"(b) Beyond chance: {found}")
     return style.save(fig, report, pdf, png)
-
-
-def draw_front(fits: Sequence[str], csv: str, pdf: str, png: str) -> Mapping[str, Any]:
-    """Draw the fronts between tables and claims, and the end points of the searches.
-
-    Searches that did not fit the tables and every claim are left out.
-    """
-    terms = {"tables", *CLAIMS}
-    reports = {Path(path).stem: read_json(path) for path in fits}
-    reports = {name: own for name, own in reports.items() if terms <= set(own.get("fit", ()))}
-    rows = []
-    for name, report in reports.items():
-        ended = {
-            "tables": report["terms"]["tables"],
-            "claims": sum(report["terms"][term] for term in CLAIMS),
-        }
-        of_search = [("front", own) for own in report.get("front", ())] + [("end", ended)]
-        rows += [
-            {
-                "search": name,
-                "rigs": report["evaluations"],
-                "kind": kind,
-                "tables_percent": tables_percent(own["tables"], len(report["targets_kpa"])),
-                "claims_loss": own["claims"],
-            }
-            for kind, own in of_search
-        ]
-    table = pd.DataFrame(rows)
-    write_csv(csv, table)
-    fig, axes = style.figure(1, 1, style.COLUMN_IN, 2.6)
-    plot_front(table, axes)
-    seeds = sorted({seed for report in reports.values() for seed in report["seeds"]})
-    return style.save(fig, {"source": "sim", "seeds": seeds}, pdf, png)
 
 
 def _short(path: str) -> str:

@@ -15,16 +15,6 @@ from fprc.claims.finding import REPRODUCED, Results
 from fprc.claims.ledger import TIMED, judge_claims, parts_of, status_of
 from fprc.errors import FprcError
 from fprc.paper import SOURCES
-from fprc.tables.repeats import (
-    Limits,
-    beyond_limits,
-    beyond_spread,
-    ends_of_spread,
-    numbers_of_repeat,
-    repeats_page,
-    upper_end,
-    variants_page,
-)
 from fprc.tables.rigs import rig_errors, rigs_answer, rigs_page, within_limits
 from fprc.tables.text import read_markdown, write_table
 from fprc.yaml_file import read_yaml
@@ -40,10 +30,8 @@ def compare_rigs(
     tex: str,
     *,
     fitted: Mapping[str, Sequence[str]],
-    deciding: int,
-    brief: bool = False,
 ) -> None:
-    """Write the table of the rigs; with ``brief``, its page has sums of the errors only.
+    """Write the table of the rigs.
 
     Parameters
     ----------
@@ -51,24 +39,21 @@ def compare_rigs(
         Reports of the further seeds, rig by rig; every rig has the same number of them.
     fitted : Mapping
         Terms that each rig was fitted to, by its name.
-    deciding : int
-        Number of seeds, the first ones, that decide the verdicts.
     """
     printed = read_yaml(published)
     seeds = len(models) // len(fitted)
     errors, ledgers, deviations = {}, {}, {}
-    judged = _judged_rigs(printed, len(fitted), models, grids, controls, deciding)
+    judged = _judged_rigs(printed, len(fitted), models, grids, controls)
     for (name, terms), rig in zip(fitted.items(), judged, strict=True):
         errors[name] = rig.errors
         ledgers[name] = [{**row, "rig": status_of(row["id"], terms)} for row in rig.ledger]
         deviations[name] = _rms_deviation(rig.models, printed)
     source = read_json(models[0])["source"]
     note = (
-        f"Rigs side by side: mean and its 95 % interval over {seeds} seeds, deviation from print; "
-        "verdicts, points and the ratio of FPRC to FPRC on low-passed theta_d are those of the "
-        f"first {min(deciding, seeds)} seeds.\nData: {SOURCES[source]}."
+        f"Rigs side by side: mean and its 95 % interval over {seeds} seeds, deviation from print.\n"
+        f"Data: {SOURCES[source]}."
     )
-    page = rigs_page(errors, ledgers, deviations, brief=brief)
+    page = rigs_page(errors, ledgers, deviations)
     named = [table.assign(rig=name, source=source) for name, table in errors.items()]
     write_table(pd.concat(named, ignore_index=True), page, note, csv, md, tex)
 
@@ -85,7 +70,6 @@ def _judged_rigs(
     models: Sequence[str],
     grids: Sequence[str],
     controls: Sequence[str],
-    deciding: int,
 ) -> Iterator[_JudgedRig]:
     """Judge rigs, one after the other, whose reports follow each other in equal numbers."""
     claims = [claim for claim in printed["claims"] if claim["id"] not in TIMED]
@@ -95,145 +79,12 @@ def _judged_rigs(
         replicates, cells, measures = (
             [read_json(path) for path in paths[own]] for paths in (models, grids, controls)
         )
-        results = Results(replicates, cells, measures, {}, {}).first(deciding)
+        results = Results(replicates, cells, measures, {}, {})
         yield _JudgedRig(
             replicates,
             rig_errors(replicates, measures, printed),
             judge_claims(claims, results, printed),
         )
-
-
-_NEAR_TABLES = (
-    "median and largest of the absolute deviations of the 18 errors of Tables II and III from "
-    "print, the median with its approximate 95 % bootstrap interval (judging seeds resampled, not "
-    "the fit)"
-)
-_POINTS_AND_CLAIMS = (
-    "points of the rule that chose the shipped rig, of 16; test RMSE of FPRC over that on "
-    "low-passed theta_d, with its 95 % interval; claims that are not reproduced or undecided"
-)
-
-
-def compare_repeats(
-    published: str,
-    models: Sequence[str],
-    grids: Sequence[str],
-    controls: Sequence[str],
-    csv: str,
-    md: str,
-    tex: str,
-    *,
-    rigs: Sequence[str],
-    limits: Mapping[str, Any],
-    spread_of: Sequence[str] = (),
-) -> None:
-    """Write the table of repeats of the fit, and which of them land within limits.
-
-    Parameters
-    ----------
-    models, grids, controls : sequence of str
-        Reports of the same seeds, rig by rig.
-    rigs : sequence of str
-        Their names.
-    limits : Mapping
-        Fields of ``Limits``; without ``median`` if ``spread_of`` is given.
-    spread_of : sequence of str
-        Repeats whose spread gives the limit of the median deviation. They are judged by the other
-        limits only.
-
-    Raises
-    ------
-    ValueError
-        ``spread_of`` names one repeat only.
-    """
-    seeds = len(models) // len(rigs)
-    numbers = _numbers_of_rigs(published, rigs, models, grids, controls)
-    if spread_of:
-        limits = {**limits, "median": upper_end([numbers[name]["median"] for name in spread_of])}
-    limit = Limits(**limits)
-    rows = []
-    for name, own in numbers.items():
-        gives = name in spread_of
-        missed = beyond_limits(own, limit._replace(median=math.inf) if gives else limit)
-        lands = f"no: {', '.join(missed)}" if missed else "yes"
-        rows.append(
-            {"rig": name, **own, "lands": f"{lands} (median not judged)" if gives else lands}
-        )
-    source = read_json(models[0])["source"]
-    table = pd.DataFrame(rows).assign(median_limit=limit.median, seeds=seeds, source=source)
-    spread = f", by the spread of {', '.join(spread_of)}" if spread_of else ""
-    low, high = limit.worth
-    note = (
-        f"Repeats of the fit on {seeds} seeds: {_NEAR_TABLES}; {_POINTS_AND_CLAIMS}.\n"
-        f"Limits: median {100 * limit.median:.2f} %{spread}; largest {100 * limit.largest:.0f} %; "
-        f"at least {limit.points} points; ratio {low} to {high}. Nothing is rounded before it is "
-        f"judged.\nData: {SOURCES[source]}."
-    )
-    write_table(table, repeats_page(table), note, csv, md, tex)
-
-
-def compare_variants(
-    published: str,
-    models: Sequence[str],
-    grids: Sequence[str],
-    controls: Sequence[str],
-    csv: str,
-    md: str,
-    tex: str,
-    *,
-    repeats: Sequence[str],
-    variants: Sequence[str],
-) -> None:
-    """Write the table of fits with other settings beside repeats of the fit.
-
-    Parameters
-    ----------
-    models, grids, controls : sequence of str
-        Reports of the same seeds, rig by rig.
-    repeats, variants : sequence of str
-        Names of the rigs: repeats of the fit first, then the fits with other settings.
-
-    Raises
-    ------
-    ValueError
-        There are fewer than two repeats.
-    """
-    rigs = [*repeats, *variants]
-    numbers = _numbers_of_rigs(published, rigs, models, grids, controls)
-    ends = ends_of_spread([numbers[name] for name in repeats])
-    beyond = {name: ", ".join(beyond_spread(numbers[name], ends)) or "none" for name in variants}
-    source = read_json(models[0])["source"]
-    table = pd.DataFrame(
-        {"rig": name, **numbers[name], "beyond": beyond.get(name, "repeat")} for name in rigs
-    ).assign(**{f"end of {name}": end for name, end in ends.items()}, source=source)
-    note = (
-        f"Repeats of the fit, then fits with other settings, on {len(models) // len(rigs)} seeds: "
-        f"{_NEAR_TABLES}; largest absolute deviation of Table IV from print, open loop, and closed "
-        f"loop; {_POINTS_AND_CLAIMS}.\n"
-        "Ends of the one-sided 95 % prediction intervals for one more repeat: median "
-        f"{100 * ends['median']:.2f} %, largest {100 * ends['largest']:.1f} %, open loop "
-        f"{100 * ends['open loop']:.1f} % (a fit is beyond them with more); closed loop "
-        f"{100 * ends['closed loop']:.1f} %, points {ends['points']:.1f} (with less).\n"
-        f"Data: {SOURCES[source]}."
-    )
-    write_table(table, variants_page(table), note, csv, md, tex)
-
-
-def _numbers_of_rigs(
-    published: str,
-    rigs: Sequence[str],
-    models: Sequence[str],
-    grids: Sequence[str],
-    controls: Sequence[str],
-) -> dict[str, dict[str, Any]]:
-    printed = read_yaml(published)
-    judged = _judged_rigs(
-        printed, len(rigs), models, grids, controls, deciding=len(models) // len(rigs)
-    )
-    return {
-        name: numbers_of_repeat(rig.models, rig.errors, rig.ledger, printed)
-        for name, rig in zip(rigs, judged, strict=True)
-    }
 
 
 def tabulate_answer(rigs: str, sets: Sequence[str], csv: str, md: str, tex: str) -> None:
@@ -253,7 +104,7 @@ def tabulate_answer(rigs: str, sets: Sequence[str], csv: str, md: str, tex: str)
         "the training and test errors of single seeds over the printed ones; for open-loop Table "
         "IV, the largest deviation of the four means over seeds. Claims are all but those on "
         "execution times. A ratio below 1 says that P_o is worth more than a low-pass of theta_d. "
-        "For a rig, it is the mean with its 95 % interval over the seeds that decide the verdicts; "
+        "For a rig, it is the mean with its 95 % interval over seeds; "
         f"for a set, it is the median and the range over the rigs.\nData: {SOURCES['sim']}."
     )
     write_table(table, table, note, csv, md, tex)

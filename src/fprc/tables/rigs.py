@@ -120,8 +120,6 @@ def rigs_page(
     errors: Mapping[str, pd.DataFrame],
     ledgers: Mapping[str, Sequence[Mapping[str, str]]],
     deviations: Mapping[str, float],
-    *,
-    brief: bool = False,
 ) -> pd.DataFrame:
     """Return errors and verdicts, a column per rig.
 
@@ -134,8 +132,6 @@ def rigs_page(
     deviations : Mapping
         Root mean square of the logarithms of each seed's training and test errors over the printed
         ones, by rig.
-    brief : bool
-        Leave out the single errors and the texts of the claims.
     """
     first = next(iter(errors))
     page = pd.DataFrame(
@@ -151,9 +147,7 @@ def rigs_page(
         ]
     claims = pd.DataFrame(
         {
-            "Number or claim": [
-                row["id"] if brief else f"{row['id']}: {row['claim']}" for row in ledgers[first]
-            ],
+            "Number or claim": [f"{row['id']}: {row['claim']}" for row in ledgers[first]],
             "Paper": "holds",
             **{
                 f"Rig {name}": [f"{row['verdict']} ({row['rig']})" for row in ledger]
@@ -169,7 +163,7 @@ def rigs_page(
             **{f"Rig {name}": list(own.values()) for name, own in sums.items()},
         }
     )
-    return pd.concat([summed, claims] if brief else [page, summed, claims], ignore_index=True)
+    return pd.concat([page, summed, claims], ignore_index=True)
 
 
 def rigs_answer(rigs: pd.DataFrame, sets: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
