@@ -144,6 +144,23 @@ def test_short_list_with_a_wrong_item_is_two_errors():
     assert "\n  calibration.taps = ['a']: must have at least 2 items" in text
 
 
+@pytest.mark.parametrize(
+    "model",
+    [
+        {"estimator": 5, "inputs": ["theta_deg"]},
+        {"estimator": "a.B", "inputs": ["p_o_kpa"]},
+        {"estimator": "a.B", "inputs": "theta_deg"},
+        {"estimator": "a.B", "inputs": ["theta_deg", "p_o_kpa", "theta_deg"]},
+        {"inputs": ["theta_deg"]},
+    ],
+)
+def test_wrong_model_is_one_error_and_stays_as_it_was(model):
+    given = {"models": {"others": {"mine": copy.deepcopy(model)}}}
+    (line,) = message(given).splitlines()[1:]
+    assert line.strip().startswith("models.others.mine.")
+    assert given == {"models": {"others": {"mine": model}}}
+
+
 def test_checking_leaves_the_configuration_as_it_was():
     config = {"seed": "x", "models": {"fprc": {"n_c": 0, "nonsense": 1}}, "rig": {"valve": {}}}
     before = copy.deepcopy(config)
