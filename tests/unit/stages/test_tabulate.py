@@ -53,3 +53,8 @@ def test_all_logs_that_are_not_whole_are_named_at_once(table_of, write_run, tmp_
         f"{path}: channel p_ff_kpa: missing" for path in paths[::2]
     ]
     assert not (tmp_path / "table4.csv").exists()
+
+
+def test_logs_of_two_kinds_make_no_table(table_of, write_run):
+    with pytest.raises(LogError):
+        table_of(write_run("a.h5", source="sim"), write_run("b.h5", source="rig"))

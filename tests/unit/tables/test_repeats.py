@@ -44,8 +44,8 @@ def reports(over_print):
 
 
 def control():
-    runs = {"sweep/fprc/none": 2.5, "sweep/fprc_pd/identified": 0.4}
-    return {"source": "sim", "rmse_deg": runs, "gains": {"identified": {"kp_kpa_per_deg": 4.0}}}
+    runs = {"sweep/fprc": 2.5, "sweep/fprc_pd": 0.4}
+    return {"source": "sim", "rmse_deg": runs}
 
 
 def numbers(ratios, ledger=LEDGER):
