@@ -510,10 +510,21 @@ def test_key_that_is_no_word_is_refused(tmp_path):
     [
         ({"sweeps": {"n_c": [2, 4]}}, "sweeps: sweeps is now called grids"),
         ({"source": "hardware"}, "source: hardware is now called rig"),
+        (
+            {"tracking": {"printed_gains": {"kp_kpa_per_deg": 0.5}}},
+            "tracking.printed_gains: tracking.printed_gains is now called control.pd",
+        ),
     ],
 )
 def test_what_was_renamed_is_refused_with_its_new_name(old, new):
     assert f"{new};" in message(old)
+
+
+def test_what_was_removed_is_refused_with_what_there_is_instead():
+    text = message({"tracking": {"candidate_kp_kpa_per_deg": [0.5, 4.0]}})
+    (line,) = text.splitlines()[1:]
+    assert line.startswith("  tracking.candidate_kp_kpa_per_deg: was removed")
+    assert "control.pd" in line
 
 
 def test_rig_bouc_wen_is_the_dry_rig_with_another_friction_law():

@@ -33,8 +33,7 @@ def reports(error):
 
 CONTROL = {
     "source": "sim",
-    "rmse_deg": {"sweep/fprc/none": 1.0, "sweep/fprc_pd/identified": 1.0},
-    "gains": {"identified": {"kp_kpa_per_deg": 4.0}},
+    "rmse_deg": {"sweep/fprc": 1.0, "sweep/fprc_pd": 1.0},
 }
 
 

@@ -37,8 +37,8 @@ def models(train, test):
 
 
 def control(opened, closed):
-    runs = {"sweep/fprc/none": opened, "sweep/fprc_pd/identified": closed, "sweep/pd/printed": 30.0}
-    return {"source": "sim", "rmse_deg": runs, "gains": {"identified": {"kp_kpa_per_deg": 4.0}}}
+    runs = {"sweep/fprc": opened, "sweep/fprc_pd": closed, "sweep/pd": 30.0}
+    return {"source": "sim", "rmse_deg": runs}
 
 
 @pytest.fixture
