@@ -16,7 +16,6 @@ from fprc.claims.ledger import (
     judge_claims,
     parts_of,
     status_of,
-    turned_verdicts,
 )
 from fprc.claims.models import _partial, _tap_grid
 from fprc.experiments.measures import measure_hysteresis, measure_runs, rms
@@ -755,20 +754,6 @@ def test_single_value_decides_alone():
 )
 def test_claim_is_fitted_where_a_term_of_the_objective_asks_for_it(claim, terms, status):
     assert status_of(claim, terms) == status
-
-
-def test_verdicts_of_the_first_seeds_know_nothing_of_the_later_ones():
-    results = Results([1, 2, 3], [4, 5, 6], [7, 8, 9], {"t": 0}, {"n": 1})
-    assert results.first(2) == Results([1, 2], [4, 5], [7, 8], {"t": 0}, {"n": 1})
-    assert results.first(9) == results
-
-
-def test_claims_that_more_seeds_judge_differently_are_named():
-    first = [{"id": "C1", "verdict": "reproduced"}, {"id": "C8", "verdict": "undecided"}]
-    later = [{"id": "C1", "verdict": "reproduced"}, {"id": "C8", "verdict": "reproduced"}]
-    assert turned_verdicts(first, first) == []
-    (phrase,) = turned_verdicts(first, later)
-    assert phrase.split()[0] == "C8"
 
 
 @pytest.mark.parametrize(
