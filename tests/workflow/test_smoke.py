@@ -8,6 +8,8 @@ import pandas as pd
 import pytest
 import yaml
 
+from fprc.paper import LOOPS
+
 MODELS = ["esn", "fprc", "fuzzy_linear"]
 TABLES = ["table1", "table2", "table3", "table4", "table2_seeds", "table3_seeds",
           "table4_seeds"]  # fmt: skip
@@ -102,7 +104,8 @@ def test_table4_has_every_controller_and_reference(smoked):
     errors = table.set_index(["controller", "reference"])["rmse_deg"].sort_index()
     assert errors["fprc"].lt(10).all()
     assert (errors["fprc_pd"] < errors["fprc"]).all()
-    assert (errors["pd"] > errors["fprc_pd"]).all()
+    # PD alone lags behind fast references
+    assert (errors["pd"][[*LOOPS]] > 1.2 * errors["fprc_pd"][[*LOOPS]]).all()
 
 
 def test_sweeps_leave_every_cell_and_no_checkpoint(smoked):
