@@ -66,7 +66,7 @@ PLANNED = [
     ),
     (["table2", "table3"], {"comparison_table", "judge"}, {"measure_times", "replicate"}),
     (["fig8"], {"draw_fig8", "judge"}, {"replicate", "measure_times"}),
-    (["table4"], {"tracking_table", "track", "identify_gain"}, {"grid", "replicate"}),
+    (["table4"], {"tracking_table", "track"}, {"grid", "replicate"}),
     (["seeds"], {"seeds_table", "orders_table", "replicate"}, {"judge", "record"}),
     (
         ["timing", "fig1", "fig4", "fig5", "fig9", "fig11", "readout"],

@@ -99,14 +99,14 @@ def tabulate_tracking(
         A log cannot be read, or some are simulated and others are not.
     """
     logs = isolated_each(read_run, runs)
-    kinds = {run.attributes["source"]: run.path for run in logs}
+    kinds = {run.attributes["source"]: str(run.path) for run in logs}
     if len(kinds) > 1:
         each = ", ".join(f"{source} ({path})" for source, path in kinds.items())
         raise LogError(f"closed-loop logs of different sources: {each}; use logs of one kind")
+    (source,) = kinds
     for line in sum((implausible(run, limits) for run in logs), []):
         log.warning("warning: %s", line)
     table = tracking.tracking(logs, read_yaml(published))
-    source = table["source"].iloc[0]
     title = "Table IV. RMSE of tracking"
     if source == "sim":
         title += ", with the same noise and drift for all controllers"
