@@ -13,6 +13,7 @@ from fprc.config.load import PUBLISHED
 from fprc.figures import style
 from fprc.figures.grids import plot_grid
 from fprc.logs import Columns, write_columns
+from fprc.paper import LOOPS, reference_and_controller, run_log
 from fprc.stages import draw, draw_tracking
 
 FOLDS = {1: [10.0, 12.0, 11.0, 16.0], 2: [9.0, 9.5, 8.0, 8.5], 4: [7.0, 7.1, 7.2, 7.7]}
@@ -172,6 +173,9 @@ def test_fig_9_writes_the_shares_and_their_means(figures, place):
     ]  # fmt: skip
 
 
+PAIR = ("pd", "fprc_pd")
+
+
 def run_of(place, name, controller, offset=1.0, pushed=0.0):
     """Write a closed-loop log of 50 s on a sine of 0.25 Hz; the last 30 s are pushed."""
     time_s = np.arange(5000) / 100.0
@@ -218,6 +222,18 @@ def test_figs_12_to_15_show_rmse_and_share_the_range_of_the_errors(figures, plac
     for ax, channel in zip(axes[3:], ("p_ff_kpa", "p_fb_kpa"), strict=True):
         (line,) = ax.lines
         np.testing.assert_array_equal(line.get_ydata(), logs["closed"].channels[channel])
+
+
+def test_fig_16_shows_each_reference_with_pd_and_with_both(figures, place, logs):
+    for name in (run_log(reference, controller) for reference in LOOPS for controller in PAIR):
+        reference, controller = reference_and_controller(name)
+        logs[name] = run_of(place, name, controller, offset=1.0 + len(logs))
+        logs[name].attributes["reference"] = reference
+    draw_tracking.draw_loops(list(logs), place("f.pdf"), place("f.png"))
+    for ax, reference in zip(figures[0].axes, LOOPS, strict=True):
+        drawn = [line.get_ydata() for line in ax.lines if len(line.get_ydata()) == 4500]
+        own = [logs[run_log(reference, each)].channels["theta_deg"][500:] for each in PAIR]
+        np.testing.assert_array_equal(drawn, own)
 
 
 def test_fig_17_measures_how_far_signals_are_off_their_undisturbed_cycle(figures, place, logs):
