@@ -90,7 +90,7 @@ def test_mistake_in_the_settings_of_a_module_is_told_by_its_key(importer):
 
 
 def test_report_is_made_from_another_folder(smoked_copy, in_folder, tmp_path):
-    for name in ("workflow", "config"):
+    for name in ("config", "profiles", "Snakefile", "workflow"):
         (smoked_copy.folder / name).rename(tmp_path / name)
     asked = ["--snakefile", "Snakefile", "--directory", smoked_copy.folder.name]
     done = in_folder(tmp_path).snakemake(*asked, "--workflow-profile", "smoke", "report")

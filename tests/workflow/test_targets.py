@@ -93,11 +93,6 @@ PLANNED = [
         {"replicate", "judge"},
     ),
     (
-        ["searches", "repeats", "variants"],
-        {"replicate_on_rig", "rigs_table", "repeats_table", "variants_table", "front_figure"},
-        {"fit_rig", "judge"},
-    ),
-    (
         ["benchmark"],
         {"measure_benchmark", "benchmark_table", "benchmark_figure", "rule_times"},
         {"judge", "replicate", "performance_page"},
