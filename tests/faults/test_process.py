@@ -261,7 +261,7 @@ def test_loop_that_is_killed_is_vented_by_the_guardian(start, rig, matrix):
     assert not findings.closed
 
 
-def test_driver_that_prints_does_not_pass_for_a_sign_that_all_is_safe(
+def test_driver_that_prints_does_not_pass_for_the_message_that_all_is_safe(
     start, rig, matrix, monkeypatch
 ):
     monkeypatch.setenv("FAKE_CHATTY", "1")
@@ -492,8 +492,8 @@ def test_watchdog_relay_vents_when_both_processes_are_killed(start, rig, matrix)
     assert rig.outputs[0] > 0.0
     wait_until(lambda: rig.inputs[0] < 1.02 and rig.inputs[1] < 1.02, "the relay")
     matrix.add(
-        "SIGKILL to both processes, with a heartbeat and a watchdog relay", "mid-run, real time",
-        "the relay", "yes, by the relay", "-", "-",
+        "SIGKILL to both processes, with a heartbeat output and a watchdog relay",
+        "mid-run, real time", "the relay", "yes, by the relay", "-", "-",
     )  # fmt: skip
 
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from fprc.apparatus.guardian import ALIVE
-from fprc.apparatus.session import loops, on_rig, sign
+from fprc.apparatus.guardian import HEARTBEAT
+from fprc.apparatus.session import loops, notify, on_rig
 from fprc.control import run
 from fprc.devices import Clock, Device, Readings
 from fprc.errors import ControlError
@@ -85,7 +85,7 @@ def _read_at_rest(
     readings = []
     for k in range(samples):
         clock.wait_for(k)
-        sign(ALIVE)
+        notify(HEARTBEAT)
         readings.append(device.read())
         if reason := stop():
             raise ControlError(reason)
@@ -98,7 +98,7 @@ def _fill_and_vent(
     """Follow setpoints; ``how`` is passed to ``run``."""
 
     def law(k: int, now: Readings) -> list[float]:
-        sign(ALIVE)
+        notify(HEARTBEAT)
         return setpoints[k]
 
     return run(device, clock, law, len(setpoints), **how)

@@ -1,7 +1,7 @@
 """Supervise the process that drives a real rig, and vent if it ends or stops responding.
 
 A killed process cannot close a valve. The rig is therefore driven by a child process, the loop,
-and this process, the guardian, watches it. Each sends signs of life to the other, and vents when
+and this process, the guardian, watches it. Each sends heartbeats to the other, and vents when
 those of the other stop.
 """
 
@@ -25,9 +25,9 @@ from fprc.errors import ControlError
 
 log = logging.getLogger("fprc.rig")
 
-#: Signs that the loop sends: the rig may move, the loop is alive, the rig is safe and released.
-HOT, ALIVE, SAFE = b"H", b".", b"S"
-#: Time between two signs of life of the guardian, s.
+#: Messages of the loop: the rig may move, the loop is alive, the rig is safe and released.
+ARMED, HEARTBEAT, SAFE = b"A", b".", b"S"
+#: Time between two heartbeats of the guardian, s.
 BEAT_S = 0.05
 #: Times between two attempts to vent, between two messages about them, and between two checks of
 #: their outcome, s.
@@ -67,13 +67,13 @@ def _guard(request: Mapping[str, Any], hardware: Mapping[str, Any], locks: Seque
         pass_fds=locks,
     )
     write_holder(locks, f" (drives the rig by process {process.pid})")
-    signs: queue.SimpleQueue[bytes] = queue.SimpleQueue()
-    threading.Thread(target=_listen, args=(process, signs), daemon=True).start()
+    messages: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+    threading.Thread(target=_listen, args=(process, messages), daemon=True).start()
     with _forwarding_signals(process) as received:
         with suppress(BrokenPipeError):  # it has already ended, with a message
             process.stdin.write(json.dumps(request).encode() + b"\n")
             process.stdin.flush()
-        end = _watch(signs, _beating(process), hardware["loop"]["stalled_s"])
+        end = _watch(messages, _beating(process), hardware["loop"]["stalled_s"])
         if end == "silent":
             process.kill()
         # vent before waiting for the end of the process: until then the valves hold their voltages
@@ -105,45 +105,45 @@ class _Process(subprocess.Popen[bytes]):
     stdout: BufferedReader
 
 
-def _listen(process: _Process, signs: queue.SimpleQueue[bytes]) -> None:
+def _listen(process: _Process, messages: queue.SimpleQueue[bytes]) -> None:
     while chunk := process.stdout.read1(64):
-        signs.put(chunk)
-    signs.put(b"")
+        messages.put(chunk)
+    messages.put(b"")
 
 
 def _beating(process: _Process) -> Callable[[], None]:
-    """Return a function that sends the process a sign of life, without blocking."""
+    """Return a function that sends the process a heartbeat, without blocking."""
     pipe = process.stdin.fileno()
     os.set_blocking(pipe, False)
 
     def beat() -> None:
         with suppress(BrokenPipeError, BlockingIOError):
-            os.write(pipe, ALIVE)
+            os.write(pipe, HEARTBEAT)
 
     return beat
 
 
-def _watch(signs: queue.SimpleQueue[bytes], beat: Callable[[], None], stalled_s: float) -> str:
+def _watch(messages: queue.SimpleQueue[bytes], beat: Callable[[], None], stalled_s: float) -> str:
     """Wait for the end of the process; return ``safe``, ``gone`` or ``silent``.
 
-    Silence counts only between ``HOT`` and ``SAFE``, while something may move. It is counted in
-    timeouts, not by a clock: a guardian that was itself suspended thus reads the signs that
-    arrived meanwhile before it judges.
+    Silence counts only between ``ARMED`` and ``SAFE``, while something may move. It is counted in
+    timeouts, not by a clock: a guardian that was itself suspended thus reads the messages
+    that arrived meanwhile before it judges.
     """
-    hot, silent = False, 0
+    armed, silent = False, 0
     while True:
         beat()
         try:
-            chunk = signs.get(timeout=BEAT_S)
+            chunk = messages.get(timeout=BEAT_S)
         except queue.Empty:
             silent += 1
-            if hot and silent * BEAT_S >= stalled_s:
+            if armed and silent * BEAT_S >= stalled_s:
                 return "silent"
             continue
         if not chunk:
-            return "gone" if hot else "safe"
-        history, silent = (HOT if hot else SAFE) + chunk, 0
-        hot = history.rfind(HOT) > history.rfind(SAFE)
+            return "gone" if armed else "safe"
+        history, silent = (ARMED if armed else SAFE) + chunk, 0
+        armed = history.rfind(ARMED) > history.rfind(SAFE)
 
 
 def _vent(hardware: Mapping[str, Any], received: Sequence[int]) -> str:

@@ -1,8 +1,9 @@
 """The process that drives a real rig; started and supervised by ``fprc.apparatus.guardian``.
 
-From standard input it reads a request, one line of JSON, and then the guardian's signs of life; it
-stops when these cease or the input is closed. To standard output it writes ``HOT`` before anything
-can move, then signs of life, and ``SAFE`` once the rig is released and readings show it vented.
+From standard input it reads a request, one line of JSON, and then the guardian's heartbeats; it
+stops when these cease or the input is closed. To standard output it writes ``ARMED`` before
+anything can move, then heartbeats, and ``SAFE`` once the rig is released and readings show it
+vented.
 """
 
 import json
@@ -17,9 +18,9 @@ from typing import Any
 import numpy as np
 
 from fprc.apparatus.check import check_rig
-from fprc.apparatus.guardian import ALIVE
+from fprc.apparatus.guardian import HEARTBEAT
 from fprc.apparatus.programme import plan
-from fprc.apparatus.session import Stop, keep_signs_apart, loops, on_rig, sign
+from fprc.apparatus.session import Stop, loops, notify, on_rig, reserve_pipes
 from fprc.control import RunAbortedError, run
 from fprc.devices import Clock, Device
 from fprc.errors import FprcError, LogError
@@ -36,7 +37,7 @@ def main() -> int:
     """Carry out the request; return the exit code."""
     logging.basicConfig(level=logging.INFO, format="[rig] %(message)s")
     request = json.loads(_line())
-    keep_signs_apart()
+    reserve_pipes()
     stop = Stop(request["settings"]["hardware"]["loop"]["stalled_s"])
     try:
         if request["what"] == "check":
@@ -49,7 +50,7 @@ def main() -> int:
 
 
 def _line() -> bytes:
-    """Read one line from standard input, unbuffered: the bytes after it are signs of life."""
+    """Read one line from standard input, unbuffered: the bytes after it are heartbeats."""
     line = b""
     while not line.endswith(b"\n") and (byte := os.read(0, 1)):
         line += byte
@@ -128,16 +129,16 @@ def record(
 
 
 def _progress(samples: int, period_s: float) -> Callable[[int], None]:
-    """Return a function that sends signs of life, and logs a line every tenth of the run."""
+    """Return a function that sends heartbeats, and logs a line every tenth of the run."""
     every, tenth = max(int(0.05 / period_s), 1), max(samples // 10, 1)
-    signed = printed = 0
+    sent = printed = 0
 
     def progress(done: int) -> None:
-        nonlocal signed, printed
+        nonlocal sent, printed
         # not `done % every`: missed ticks can skip the multiples
-        if done - signed >= every:
-            signed = done
-            sign(ALIVE)
+        if done - sent >= every:
+            sent = done
+            notify(HEARTBEAT)
         if done // tenth > printed:
             printed = done // tenth
             log.info("%3.0f of %3.0f s", done * period_s, samples * period_s)

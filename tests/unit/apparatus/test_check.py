@@ -4,7 +4,7 @@ import re
 import pytest
 
 from fprc.apparatus.check import check_rig
-from fprc.apparatus.guardian import HOT, SAFE
+from fprc.apparatus.guardian import ARMED, SAFE
 from fprc.errors import ControlError, DeviceError
 
 
@@ -16,7 +16,7 @@ def look(make_bench, settings, live_by, caplog):
         look.bench = bench = make_bench(settings)
         touch(bench)
 
-        _, look.signs = live_by(bench)
+        _, look.messages = live_by(bench)
         caplog.set_level(logging.INFO, logger="fprc.rig")
         code = check_rig(settings, armed, stop)
         look.said = caplog.messages
@@ -31,7 +31,7 @@ def test_rig_as_it_should_be_passes_and_ends_vented(look):
     phases = ("rest", "actuator filled", "actuator vented", "PAM A filled", "PAM A vented")
     assert [line[:16].strip() for line in look.said[1:6]] == list(phases)
     assert list(look.bench.shared.outputs[:2]) == [0.0, 0.0]
-    assert sum(look.signs.count(sign) for sign in (HOT, SAFE)) == 4
+    assert sum(look.messages.count(each) for each in (ARMED, SAFE)) == 4
     assert look.bench.tick >= 1800
 
 
@@ -39,7 +39,7 @@ def test_unarmed_check_moves_no_valve_and_says_so(look):
     assert look(armed=False) == (0, [])
     assert any(line.startswith("valves: kept vented; --armed") for line in look.said)
     assert 200 <= look.bench.tick < 260
-    assert look.signs[-1] == SAFE
+    assert look.messages[-1] == SAFE
     # only those at opening and closing
     assert {volts for *_, volts in look.bench.writes()} == {0.0}
 

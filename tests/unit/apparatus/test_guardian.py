@@ -13,7 +13,7 @@ from fprc.apparatus.guardian import BEAT_S, _listen, _vent, _wait, _watch
 from fprc.devices import pneumatics
 
 
-def signs(*chunks):
+def messages(*chunks):
     told = queue.SimpleQueue()
     for chunk in chunks:
         told.put(chunk)
@@ -44,22 +44,22 @@ def quick(monkeypatch):
     ("chunks", "end"),
     [
         ([b""], "safe"),  # it ended before anything could move
-        ([b"H", b""], "gone"),
-        ([b"H..", b".", b""], "gone"),
-        ([b"H...", b".S", b""], "safe"),
-        ([b"H.SH..S", b""], "safe"),  # a check: two sessions
-        ([b"H.SH", b""], "gone"),
-        ([b"H.S", b"H.", b""], "gone"),
-        ([b"H"], "silent"),
-        ([b"H.SH", b"..."], "silent"),
+        ([b"A", b""], "gone"),
+        ([b"A..", b".", b""], "gone"),
+        ([b"A...", b".S", b""], "safe"),
+        ([b"A.SA..S", b""], "safe"),  # a check: two sessions
+        ([b"A.SA", b""], "gone"),
+        ([b"A.S", b"A.", b""], "gone"),
+        ([b"A"], "silent"),
+        ([b"A.SA", b"..."], "silent"),
     ],
 )
-def test_end_of_the_loop_is_derived_from_its_signs(chunks, end):
-    assert _watch(signs(*chunks), lambda: None, 0.01) == end
+def test_end_of_the_loop_is_derived_from_its_messages(chunks, end):
+    assert _watch(messages(*chunks), lambda: None, 0.01) == end
 
 
 class Waits(queue.SimpleQueue):
-    """Signs of a loop; each None is a timeout."""
+    """Messages of a loop; each None is a timeout."""
 
     def __init__(self, *chunks):
         self.left = list(chunks)
@@ -70,9 +70,9 @@ class Waits(queue.SimpleQueue):
         return chunk
 
 
-def test_silence_of_a_rig_that_is_safe_is_waited_out_with_signs_of_life_of_the_guardian():
+def test_silence_of_a_rig_that_is_safe_is_waited_out_with_heartbeats_of_the_guardian():
     beats = []
-    told = Waits(*[None] * 30, b"H", b".S", *[None] * 30, b"")
+    told = Waits(*[None] * 30, b"A", b".S", *[None] * 30, b"")
     assert _watch(told, lambda: beats.append(1), 0.5) == "safe"
     assert len(beats) == 63
 
@@ -80,14 +80,14 @@ def test_silence_of_a_rig_that_is_safe_is_waited_out_with_signs_of_life_of_the_g
 def test_silence_is_counted_in_waits_so_that_a_guardian_that_was_stopped_hears_first():
     stalled = round(0.5 / BEAT_S)
     nearly = [None] * (stalled - 1)
-    assert _watch(Waits(b"H", *nearly, b".", *nearly, b"S", b""), lambda: None, 0.5) == "safe"
-    assert _watch(Waits(b"H", *nearly, b".", *nearly, None), lambda: None, 0.5) == "silent"
+    assert _watch(Waits(b"A", *nearly, b".", *nearly, b"S", b""), lambda: None, 0.5) == "safe"
+    assert _watch(Waits(b"A", *nearly, b".", *nearly, None), lambda: None, 0.5) == "silent"
 
 
 def test_end_of_the_output_is_passed_on():
     told = queue.SimpleQueue()
-    _listen(SimpleNamespace(stdout=io.BytesIO(b"H.S")), told)
-    assert [told.get(), told.get()] == [b"H.S", b""]
+    _listen(SimpleNamespace(stdout=io.BytesIO(b"A.S")), told)
+    assert [told.get(), told.get()] == [b"A.S", b""]
 
 
 VENTED = "both chambers are vented, as their sensors show"
