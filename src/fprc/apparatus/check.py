@@ -82,13 +82,13 @@ def check_rig(settings: Mapping[str, Any], armed: bool, stop: Callable[[], str])
 def _read_at_rest(
     device: Device, clock: Clock, /, *, samples: int, stop: Callable[[], str]
 ) -> dict[str, np.ndarray]:
-    readings = []
-    for k in range(samples):
-        clock.wait_for(k)
+    readings, k = [], 0
+    while k < samples and (k := clock.wait_for(k)) < samples:
         notify(HEARTBEAT)
         readings.append(device.read())
         if reason := stop():
             raise ControlError(reason)
+        k += 1
     return dict(zip(Readings._fields, np.array(readings).T, strict=True))
 
 
