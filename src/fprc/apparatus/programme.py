@@ -57,7 +57,7 @@ def plan(name: str, settings: Mapping[str, Any], model: str = "") -> Experiment:
     ConfigError
         There is no such experiment.
     ControlError
-        The reference is impossible.
+        The reference is impossible, or a model is needed and there is none.
     """
     refuse_unknown(name, settings)
     if name in EXPERIMENTS:
@@ -80,7 +80,10 @@ def _tracking(name: str, settings: Mapping[str, Any], model: str) -> Experiment:
         hint = f"push the reservoir by hand from {bench.tracking['pushes']['quiet_s']:g} s on"
     theta_d = bench.reference(reference)
     driver = feedforward_of(controller)
-    fitted = load_model(model, outside_class(driver, settings["models"])) if driver else None
+    # without a file the law refuses to start
+    fitted = (
+        load_model(model, outside_class(driver, settings["models"])) if driver and model else None
+    )
     if fitted:  # compiles the step before the first tick
         fitted.step((0.0,) * fitted.n_features_in_)
     law = bench.law(theta_d, controller, fitted)

@@ -35,6 +35,13 @@ class Boards(Section):
         "the same for all users; empty: /run/lock, or /tmp if there is none",
     )
 
+    @field_validator("library", "input_device", "output_device", "lock_folder")
+    @classmethod
+    def _is_printable(cls, name: str) -> str:
+        if not name.isprintable():
+            raise ValueError(f"{name}: contains characters that cannot be printed, such as NUL")
+        return name
+
     @field_validator("lock_folder")
     @classmethod
     def _is_absolute(cls, folder: str) -> str:

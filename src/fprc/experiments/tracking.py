@@ -89,7 +89,9 @@ class Track(NamedTuple):
         """
         driver = feedforward_of(controller)
         if driver and model is None:
-            raise ControlError(f"{controller} needs a fitted {driver} for its feedforward")
+            raise ControlError(
+                f"{controller} needs a fitted {driver} for its feedforward; give --model its file"
+            )
         own = model if driver else None
         if own is not None:
             own.reset()

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from fprc.apparatus.programme import names, plan
+from fprc.apparatus.record import record_on_rig
 from fprc.artifacts import write_json
 from fprc.config import Settings
 from fprc.devices import Readings
@@ -124,3 +125,27 @@ def test_reference_that_the_rig_cannot_follow_is_refused(settings, gains):
     settings["tracking"]["references"]["sine_0p5"]["amplitude_deg"] = 80.0
     with pytest.raises(ControlError, match="leaves the actuator's range"):
         plan("track_sine_0p5_pd_printed", settings, "", gains)
+
+
+@pytest.mark.parametrize("reference", ["sine_0p2", "complex"])
+@pytest.mark.parametrize(
+    ("controller", "acts"),
+    [("fprc", (True, False)), ("fprc_pd", (True, True)), ("pd", (False, True))],
+)
+def test_law_has_the_feedforward_and_the_feedback_of_its_name(
+    settings, model, reference, controller, acts
+):
+    law = plan(f"track_{reference}_{controller}", settings, model).law
+    row = law(0, NOW._replace(theta_deg=0.0))
+    assert tuple(p_kpa != 0.0 for p_kpa in row[3:]) == acts
+
+
+@pytest.mark.parametrize("armed", [True, False])
+@pytest.mark.parametrize("controller", ["fprc", "fprc_pd"])
+def test_law_without_the_feedforward_of_its_name_does_not_start(
+    settings, tmp_path, monkeypatch, controller, armed
+):
+    monkeypatch.setattr("fprc.apparatus.record.guard", None)
+    name = f"track_sine_0p2_{controller}"
+    with pytest.raises(ControlError, match=f"{controller} needs a fitted fprc .*; give --model"):
+        record_on_rig(str(tmp_path / "raw.h5"), name=name, settings=settings, armed=armed)
