@@ -57,7 +57,8 @@ def track(
             channels = bench.follow(reference, controller, model)
         except RunAbortedError as stopped:
             rescued = f"{path.removesuffix('.h5')}.aborted.h5"
-            write_raw(rescued, stopped.channels, **described, aborted=str(stopped))
+            described |= {"complete": False, "incomplete_reason": str(stopped)}
+            write_raw(rescued, stopped.channels, **described)
             log.error("the recorded samples are kept in %s", rescued)
             raise
         write_raw(path, channels, **described)

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from fprc.config import Settings
-from fprc.logs import read_columns
+from fprc.control import RunAbortedError
+from fprc.logs import assess, read_columns, read_run
 from fprc.models import FPRC, FuzzyLinear, save_model
 from fprc.stages.track import track
 
@@ -55,3 +56,29 @@ def test_log_names_the_model_that_ran(follow, files):
         told = [log[f"model{what}"] for what in ("", "_file", "_sha256")]
         assert told == [cls, f"{name}.h5", digest]
     assert not [name for name in logs[2] if name.startswith("model")]
+
+
+class Broken(FPRC):
+    """A model whose output is no number from one sample on."""
+
+    def step(self, x):
+        self.steps = getattr(self, "steps", 0) + 1
+        return float("nan") if self.steps == 40 else 100.0
+
+
+def test_log_of_a_run_that_stopped_is_incomplete_and_says_why(
+    follow, files, tmp_path, recorded, monkeypatch
+):
+    log = recorded["sweep"]
+    X = np.column_stack([log["theta_deg"], log["p_o_kpa"]])
+    broken = Broken(n_c=2, random_state=1).fit(X, log["p_exp_command_kpa"])
+    monkeypatch.setattr("fprc.stages.track.load_model", lambda path, classes: broken)
+    with pytest.raises(RunAbortedError):
+        follow(files, ["fprc"])
+    stopped = read_run(tmp_path / "fprc.aborted.h5")
+    reason = stopped.attributes["incomplete_reason"]
+    assert "run stopped at sample 39: the controller gave P_ff = nan" in reason
+    assert "aborted" not in stopped.attributes
+    limits = Settings().quality.model_dump()
+    check = assess(stopped, sample_rate_hz=200.0, **limits)["checks"]["complete"]
+    assert (check["passed"], check["reason"]) == (False, reason)
