@@ -32,7 +32,7 @@ class Boards(Section):
     lock_folder: str = Field(
         "",
         description="folder of the lock files that prevent a second program from using the boards, "
-        "the same for all users; empty: /run/lock, or /tmp if there is none",
+        "the same for all users; empty: /run/lock and /tmp, as far as this user can write to them",
     )
 
     @field_validator("library", "input_device", "output_device", "lock_folder")
