@@ -69,8 +69,8 @@ def shared(tmp_path_factory, compiled_driver):
 @pytest.fixture
 def rig(shared):
     """The memory, reset after the previous test."""
-    for name in ("calls", "fail_at", "failures", "writes", "stall_us", "opened", "i2c_fault",
-                 "watchdog"):  # fmt: skip
+    for name in ("calls", "fail_at", "failures", "writes", "stall_us", "init_us", "opened",
+                 "i2c_fault", "watchdog"):  # fmt: skip
         setattr(shared, name, 0)
     shared.outputs[:2] = [0.0, 0.0]
     return shared
@@ -322,6 +322,40 @@ def test_loop_that_hangs_in_the_driver_is_ended_and_vented_by_the_guardian(start
     add(
         matrix, program, faulted_s, "a driver call never returns",
         "the guardian, after stalled_s = 0.5 s",
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("verb", [("run", "sweep"), ("check",)])
+def test_boards_that_take_long_to_open_do_not_end_the_run(start, rig, matrix, verb):
+    rig.init_us = 800_000
+    program = start(*verb, seconds=2.0, loop={"stalled_s": 0.5})
+    code, said = program.end()
+    assert code == 0, said
+    assert rig.opened == 0
+    matrix.add(
+        "a driver call takes 0.8 s", "opening a board, real time",
+        "nothing: the run starts late", "yes, at the end", "-", 0,
+    )  # fmt: skip
+
+
+def test_board_that_never_opens_is_vented_by_the_guardian(start, rig, matrix):
+    rig.outputs[:2] = [9.0, 9.0]
+    rig.init_us = 3_600_000_000
+    program = start("run", "sweep", loop={"stalled_s": 0.5, "opening_s": 1.0})
+    wait_until(lambda: rig.calls or program.process.poll() is not None, "a call of the driver")
+    faulted_s = time.monotonic()
+    rig.init_us = 0  # for the guardian
+    code, said = program.end()
+    assert code == 1
+    assert "had not opened the boards after 1 s (hardware.loop.opening_s) and was killed" in said
+    assert "both chambers are vented, as their sensors show" in said
+    assert list(rig.outputs[:2]) == [0.0, 0.0]
+    assert program.journal()[2].samples == 0
+    ms = 1e3 * (program.writes()[1][0] - faulted_s)
+    matrix.add(
+        "a driver call never returns", "opening a board, real time",
+        "the guardian, after opening_s = 1 s", "yes", "-", 0,
+        measured=f"{ms:.1f} ms, {ms / 1e3 / PERIOD_S:.1f} ticks",
     )  # fmt: skip
 
 

@@ -1,9 +1,9 @@
 """The process that drives a real rig; started and supervised by ``fprc.apparatus.guardian``.
 
 From standard input it reads a request, one line of JSON, and then the guardian's heartbeats; it
-stops when these cease or the input is closed. To standard output it writes ``ARMED`` before
-anything can move, then heartbeats, and ``SAFE`` once the rig is released and readings show it
-vented.
+stops when these cease or the input is closed. To standard output it writes ``OPENING`` before it
+opens the boards, ``ARMED`` before anything can move, then heartbeats, and ``SAFE`` once the rig is
+released and readings show it vented.
 """
 
 import json

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fprc.apparatus.guardian import ARMED, HEARTBEAT, SAFE
+from fprc.apparatus.guardian import ARMED, HEARTBEAT, OPENING, SAFE
 from fprc.control import PressurePI, RunAbortedError
 from fprc.control.clock import Metronome
 from fprc.control.realtime import request_realtime
@@ -60,7 +60,7 @@ def on_rig(
     )
     for line in request_realtime(hardware["loop"]["priority"]):
         log.info("%s", line)
-    notify(ARMED)  # before opening the boards, so that the guardian notices a call that hangs
+    notify(OPENING)  # the guardian then notices a call that hangs
     try:
         opened = HardwareRig(
             hardware,
@@ -73,6 +73,7 @@ def on_rig(
     except DeviceError:
         notify(SAFE)  # nothing was moved
         raise
+    notify(ARMED)
     timing: dict[str, float] = {}
     stopped = unvented = ""
     failed = None

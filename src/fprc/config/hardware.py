@@ -171,6 +171,13 @@ class Loop(Section):
         "if the control loop is silent for longer, the guardian process kills it and vents; "
         "if the guardian is silent for longer, the loop vents and ends",
     )
+    opening_s: float = quantity(
+        10,
+        "s",
+        (1, 120),
+        "if the control loop has not opened boards and sensors after this time, the guardian "
+        "kills it and vents",
+    )
 
 
 class Hardware(Section):
