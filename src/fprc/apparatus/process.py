@@ -11,6 +11,7 @@ import logging
 import os
 import sys
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -26,7 +27,7 @@ from fprc.devices import Clock, Device
 from fprc.errors import FprcError, LogError
 from fprc.logs import RAW_CHANNELS
 from fprc.logs.journal import Journal
-from fprc.logs.recovery import recover
+from fprc.logs.recovery import read_journal, recover, rescue
 
 log = logging.getLogger("fprc.rig")
 
@@ -73,9 +74,9 @@ def record(
     Raises
     ------
     LogError
-        The log already exists.
+        The log already exists, or cannot be written.
     ControlError, DeviceError
-        The run was refused or stopped; names the journal.
+        The run was refused or stopped; names the journal, or the log that replaces a lost one.
     """
     if Path(raw).exists():
         raise LogError(f"{raw}: exists and is not overwritten; move it away to record another")
@@ -107,15 +108,20 @@ def record(
         if unvented:
             complete = "the samples are complete, but the rig was not closed: "
             stopped = (f"{stopped}\n" if stopped else complete) + unvented
-        journal.close(complete=not stopped, reason=stopped, **statistics)
-    if stopped:
+        failed = ""
+        try:
+            journal.close(complete=not stopped, reason=stopped, **statistics)
+        except LogError as error:
+            failed = str(error)
+    whole, kept = _keep(journal, channels, stopped, statistics)
+    if stopped or failed or not whole:
+        why = "\n".join(filter(None, [stopped or "the run was complete, but not its log", failed]))
         shown = "" if unvented else "both chambers are vented, as their sensors show; "
-        raise RunAbortedError(
-            f"{stopped}\n{shown}{journal.samples} samples are in {path}, copy them with: "
-            f"fprc log repair {path} --out {Path(raw).with_suffix('.aborted.h5')}",
-            channels,
-        )
-    recover(path, raw)
+        raise RunAbortedError(f"{why}\n{shown}{kept}", channels)
+    try:
+        recover(path, raw)
+    except (FprcError, OSError) as error:
+        raise LogError(f"{error}\nthe run was complete; {kept}") from error
     for file in (path, Path(raw)):
         file.chmod(_READ_ONLY)
     log.info(
@@ -126,6 +132,33 @@ def record(
         1e3 * statistics["jitter_p99_9_s"],
         raw,
     )
+
+
+def _keep(
+    journal: Journal,
+    channels: Mapping[str, np.ndarray],
+    stopped: str,
+    statistics: Mapping[str, float],
+) -> tuple[bool, str]:
+    """Return whether a closed journal holds every sample, and where they are.
+
+    If it does not, they are saved elsewhere.
+    """
+    path, recorded, held = journal.path, len(channels["time_s"]), 0
+    with suppress(LogError):
+        held = read_journal(path)[2].samples
+    if held >= recorded:
+        out = path.with_suffix(".rescued.h5")
+        return (
+            True,
+            f"{held} samples are in {path}, copy them with: fprc log repair {path} --out {out}",
+        )
+    short = f"{path} holds {held} of {recorded} samples"
+    try:
+        saved = rescue(journal, channels, reason=stopped, statistics=statistics)
+    except LogError as error:
+        return False, f"{short}; the others are lost, since they can be saved nowhere:\n{error}"
+    return False, f"{short}; {saved} has all of them"
 
 
 def _progress(samples: int, period_s: float) -> Callable[[int], None]:
