@@ -101,9 +101,9 @@ class Session:
 def live_by(monkeypatch):
     """Let sessions with the rig live by the clock of a bench, in this process.
 
-    Gives the list of the sessions, and that of the signs to the guardian.
+    Gives the list of the sessions, and that of the messages to the guardian.
     """
-    sessions, signs = [], []
+    sessions, messages = [], []
 
     def live_by(bench, at=lambda tick: None):
         def begin(*arguments, **more):
@@ -113,7 +113,7 @@ def live_by(monkeypatch):
         monkeypatch.setattr(session, "Metronome", begin)
         monkeypatch.setattr(session, "request_realtime", lambda priority: [])
         for module in (session, process, check):
-            monkeypatch.setattr(module, "sign", lambda what: signs.append(what) or True)
+            monkeypatch.setattr(module, "notify", lambda what: messages.append(what) or True)
         waited_s = [0.0]
 
         def wait(seconds):
@@ -123,7 +123,7 @@ def live_by(monkeypatch):
 
         monkeypatch.setattr(session, "_wait", wait)
         monkeypatch.setattr(session, "_now", lambda: waited_s[0])
-        return sessions, signs
+        return sessions, messages
 
     return live_by
 

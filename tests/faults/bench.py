@@ -41,6 +41,7 @@ class Layout(ctypes.Structure):
         ("watchdog", ctypes.c_int64),
         ("failed", ctypes.c_char * 32),
         ("log", (ctypes.c_double * 3) * LOGGED),
+        ("init_us", ctypes.c_int64),
     )
 
 

@@ -28,7 +28,8 @@ here was tested on hardware.**
 - *places*: number of places at which the fault was injected, each in a separate run
 - *safe*: whether the last voltages on the output board vent both chambers
 - *ticks*: ticks that began between the fault and the writes that vent; 0: vented within the tick
-- *lost*: samples that were read and written to the valves, but are missing in the journal
+- *lost*: samples that were read and written to the valves, but are missing in the journal, and in
+  the log that replaces it if it lost some
 - *measured*: for faults injected in real time, the time from the fault to the last write that
   vents, on the computer that generated this page
 

@@ -16,6 +16,7 @@
      344  int64    watchdog    output that a watchdog relay listens to, 0 for no relay
      352  char     failed[32]  name of the call that failed last
      384  double   log[4096][3] time of CLOCK_MONOTONIC, channel, volts of each write
+     98688  int64  init_us     time that opening a board takes
 */
 #include <fcntl.h>
 #include <stdint.h>
@@ -34,6 +35,7 @@ struct bench {
     int64_t i2c_fault, watchdog;
     char failed[32];
     double log[LOGGED][3];
+    int64_t init_us;
 };
 
 static struct bench *bench;
@@ -68,11 +70,19 @@ static long device(const char *name, short id)
     return code ? code : (id == 1 || id == 2) ? 0 : 10001;
 }
 
+static void wait_for(int64_t us)
+{
+    struct timespec wait = {us / 1000000, us % 1000000 * 1000};
+    if (us)
+        nanosleep(&wait, 0);
+}
+
 long AioInit(char *name, short *id)
 {
     long code = enter("AioInit");
     if (code)
         return code;
+    wait_for(bench->init_us);
     if (strcmp(name, "AIO000") && strcmp(name, "AIO001"))
         return 10000;
     *id = strcmp(name, "AIO000") ? 2 : 1;
@@ -109,10 +119,7 @@ long AioMultiAiEx(short id, short channels, float *volts)
         return code;
     if (id != 1 || channels < 1 || channels > 16)
         return 11001;
-    if (bench->stall_us) {
-        struct timespec wait = {bench->stall_us / 1000000, bench->stall_us % 1000000 * 1000};
-        nanosleep(&wait, 0);
-    }
+    wait_for(bench->stall_us);
     for (int k = 0; k < channels; k++)
         volts[k] = (float)bench->in[k];
     return 0;

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from fprc.apparatus import process
-from fprc.apparatus.guardian import HOT, SAFE
+from fprc.apparatus.guardian import ARMED, HEARTBEAT, OPENING, SAFE
 from fprc.apparatus.record import record_on_rig
 from fprc.apparatus.session import Stop
 from fprc.errors import ControlError, DeviceError, FprcError, LogError
-from fprc.logs import read_journal
+from fprc.logs import read_columns, read_journal
 from fprc.logs.journal import Journal
 
 TICKS = 8
@@ -49,7 +49,7 @@ def record(bench, settings, live_by, monkeypatch, tmp_path):
 
     def record(ticks=TICKS, at=lambda tick: None, law=None, stop=lambda: ""):
         found = Outcome()
-        found.sessions, found.signs = live_by(bench, at)
+        found.sessions, found.messages = live_by(bench, at)
 
         def cut(*arguments):
             experiment = plan(*arguments)
@@ -86,7 +86,7 @@ def test_run_without_a_fault_makes_the_calls_that_are_tried_below(bench, record)
     assert bench.shared.calls == len(CALLS)
     assert found.samples == TICKS
     assert found.raw.exists()
-    assert (found.signs[0], found.signs[-1]) == (HOT, SAFE)
+    assert [each for each in found.messages if each != HEARTBEAT] == [OPENING, ARMED, SAFE]
     assert vented(bench)
 
 
@@ -98,7 +98,7 @@ def test_chamber_that_keeps_its_pressure_is_not_called_vented(bench, record, mat
         found.error
     )
     assert "are vented" not in str(found.error)
-    assert SAFE not in found.signs
+    assert SAFE not in found.messages
     matrix.add(
         "a valve stays open", "mid-run", "no reading shows that it vents",
         "no: the guardian tries, then says what to do by hand", "-", 0,
@@ -131,8 +131,9 @@ def test_call_of_the_driver_that_fails_once_ends_the_run_vented(bench, record, m
     # the sample of the tick in which the call failed was not complete
     assert found.samples == samples_before(at)
     assert found.raw.exists() is healed
-    # without this sign the guardian vents once more
-    assert (found.signs[0], SAFE in found.signs) == (HOT, part != "exit")
+    # without this message the guardian vents once more
+    assert (found.messages[0], SAFE in found.messages) == (OPENING, part != "exit")
+    assert (ARMED in found.messages) is (part != "open")
     assert shared.opened == (0 if call != "AioExit" else 1)
     ends = {"open": "the run does not start", "look": "nothing: it is retried"}
     matrix.add(
@@ -146,7 +147,7 @@ def test_call_of_the_driver_that_fails_once_ends_the_run_vented(bench, record, m
 
 
 @pytest.mark.parametrize("at", range(len(CALLS)))
-def test_board_that_fails_for_good_ends_the_run_without_the_sign_safe(bench, record, matrix, at):
+def test_board_that_fails_for_good_ends_the_run_without_the_message_safe(bench, record, matrix, at):
     part, call, where = CALLS[at]
     shared = bench.shared
     shared.fail_at, shared.fail_count, shared.fail_code = at + 1, 1 << 40, 777
@@ -157,7 +158,7 @@ def test_board_that_fails_for_good_ends_the_run_without_the_sign_safe(bench, rec
     assert last.tick == last.clean_tick
     assert found.samples == samples_before(at)
     # before a run there is nothing to be made safe
-    assert (SAFE in found.signs) is (part == "open")
+    assert (SAFE in found.messages) is (part == "open")
     # nothing had moved before the first tick's writes, or it was vented already
     begun = len(_OPEN) + 1
     moved = begun < at < len(_OPEN) + len(_TICK) * TICKS + len(_SAFE)
@@ -184,7 +185,7 @@ def test_board_that_fails_for_a_moment_is_vented_as_soon_as_it_answers(
     found = record()
     assert shared.failures == failures
     assert vented(bench)
-    assert SAFE in found.signs
+    assert SAFE in found.messages
     # written again before every reading, not only once the time to vent is over
     lost = bench.tick - found.sessions[-1].tick
     assert lost * bench.period_s < 0.02 * (failures + 15)
@@ -390,7 +391,7 @@ def test_computer_that_was_suspended_ends_the_run_vented(bench, record, matrix, 
                ticks_after(found, 5), 0)  # fmt: skip
 
 
-def test_disk_that_is_full_ends_the_run_vented(bench, record, matrix, monkeypatch):
+def test_disk_that_is_full_ends_the_run_vented(bench, record, matrix, monkeypatch, tmp_path):
     append = Journal.append
 
     def full(journal, tick, row):
@@ -403,10 +404,10 @@ def test_disk_that_is_full_ends_the_run_vented(bench, record, matrix, monkeypatc
     assert "no space left on device" in str(found.error)
     assert vented(bench)
     assert found.samples == 5
-    matrix.add(
-        "the disk is full", "mid-run", "the journal's error", "yes", ticks_after(found, 5),
-        "1, the one at the error",
-    )  # fmt: skip
+    (rescued,) = tmp_path.glob("*.rescued.h5")
+    saved = len(read_columns(rescued, ("time_s",)).channels["time_s"])
+    matrix.add("the disk is full", "mid-run", "the journal's error", "yes", ticks_after(found, 5),
+               6 - saved)  # fmt: skip
 
 
 def test_unexpected_exception_leaves_no_valve_open(bench, record, matrix):

@@ -69,8 +69,8 @@ def shared(tmp_path_factory, compiled_driver):
 @pytest.fixture
 def rig(shared):
     """The memory, reset after the previous test."""
-    for name in ("calls", "fail_at", "failures", "writes", "stall_us", "opened", "i2c_fault",
-                 "watchdog"):  # fmt: skip
+    for name in ("calls", "fail_at", "failures", "writes", "stall_us", "init_us", "opened",
+                 "i2c_fault", "watchdog"):  # fmt: skip
         setattr(shared, name, 0)
     shared.outputs[:2] = [0.0, 0.0]
     return shared
@@ -83,10 +83,10 @@ def hear():
 
 
 class Program:
-    """``fprc rig`` in a separate session, as started from a terminal."""
+    """``fprc rig`` in a separate session, as started from a terminal in ``folder``."""
 
-    def __init__(self, rig, folder, driver, verb, *, armed=True, seconds=10.0, **hardware):
-        self.rig, self.raw = rig, folder / "sweep.h5"
+    def __init__(self, rig, folder, driver, verb, *, armed=True, seconds=10.0, raw="", **hardware):
+        self.rig, self.raw = rig, folder / raw / "sweep.h5"
         config = folder / "bench.yaml"
         hardware = {
             "boards": {"library": str(driver), "lock_folder": str(folder)}
@@ -105,6 +105,7 @@ class Program:
         self.process = subprocess.Popen(
             [sys.executable, *command, "--config", str(config)],
             env=environment(rig.path),
+            cwd=folder,
             stderr=subprocess.PIPE,
             start_new_session=True,
             preexec_fn=hear,
@@ -165,17 +166,21 @@ def split(writes):
     return writes[2:end], writes[end:]
 
 
-def add(matrix, program, faulted_s, fault, ends, again=0):
-    """Check that the run ended vented with every sample, and add the row."""
+def add(matrix, program, faulted_s, fault, ends, again=0, rescued=None):
+    """Check that the run ended vented with every sample, and add the row.
+
+    The samples are in the journal, unless ``rescued`` is their number in a log.
+    """
     ticks, venting = split(program.writes())
     assert list(program.rig.outputs[:2]) == [0.0, 0.0]
     assert [row[1:] for row in venting][-2:] == VENTED
-    _, _, findings = program.journal()
+    findings = None if rescued else program.journal()[2]
     pairs = len(ticks) // 2
+    samples = rescued or findings.samples
     # a sample is complete once both valves are written; the journal gets it just after
-    lost = pairs - findings.samples
-    assert findings.lost == 0
-    assert findings.samples >= 20
+    lost = pairs - samples
+    assert rescued or findings.lost == 0
+    assert samples >= 20
     safe_s = next(
         time_s
         for k, (time_s, *row) in enumerate(venting)
@@ -261,7 +266,7 @@ def test_loop_that_is_killed_is_vented_by_the_guardian(start, rig, matrix):
     assert not findings.closed
 
 
-def test_driver_that_prints_does_not_pass_for_a_sign_that_all_is_safe(
+def test_driver_that_prints_does_not_pass_for_the_message_that_all_is_safe(
     start, rig, matrix, monkeypatch
 ):
     monkeypatch.setenv("FAKE_CHATTY", "1")
@@ -322,6 +327,69 @@ def test_loop_that_hangs_in_the_driver_is_ended_and_vented_by_the_guardian(start
     add(
         matrix, program, faulted_s, "a driver call never returns",
         "the guardian, after stalled_s = 0.5 s",
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("fault", "lose", "place"),
+    [
+        ("the journal is deleted", Path.unlink, "raw"),
+        ("the journal is emptied", lambda path: os.truncate(path, 0), "raw"),
+        ("the journal's folder is moved away, as by an unmount",
+         lambda path: path.parent.rename(path.parent.with_name("away")), "."),
+    ],
+)  # fmt: skip
+def test_run_whose_journal_is_lost_stops_and_its_samples_are_saved(
+    start, rig, matrix, tmp_path, fault, lose, place
+):
+    program = start("run", "sweep", seconds=100.0, raw="raw")
+    program.is_in_mid_run()
+    (path,) = program.raw.parent.glob("*.journal")
+    faulted_s = time.monotonic()
+    lose(path)
+    code, said = program.end()
+    assert code == 1
+    (saved,) = (tmp_path / place).glob("*.rescued.h5")
+    assert f"{saved} has all of them" in said
+    log = read_raw(saved, experiment="sweep", sample_rate_hz=200.0, rate_tolerance=0.9)
+    assert not log.attributes["complete"]
+    add(
+        matrix, program, faulted_s, fault, "the loop, within a second",
+        rescued=len(log.channels["time_s"]),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("verb", [("run", "sweep"), ("check",)])
+def test_boards_that_take_long_to_open_do_not_end_the_run(start, rig, matrix, verb):
+    rig.init_us = 800_000
+    program = start(*verb, seconds=2.0, loop={"stalled_s": 0.5})
+    code, said = program.end()
+    assert code == 0, said
+    assert rig.opened == 0
+    matrix.add(
+        "a driver call takes 0.8 s", "opening a board, real time",
+        "nothing: the run starts late", "yes, at the end", "-", 0,
+    )  # fmt: skip
+
+
+def test_board_that_never_opens_is_vented_by_the_guardian(start, rig, matrix):
+    rig.outputs[:2] = [9.0, 9.0]
+    rig.init_us = 3_600_000_000
+    program = start("run", "sweep", loop={"stalled_s": 0.5, "opening_s": 1.0})
+    wait_until(lambda: rig.calls or program.process.poll() is not None, "a call of the driver")
+    faulted_s = time.monotonic()
+    rig.init_us = 0  # for the guardian
+    code, said = program.end()
+    assert code == 1
+    assert "had not opened the boards after 1 s (hardware.loop.opening_s) and was killed" in said
+    assert "both chambers are vented, as their sensors show" in said
+    assert list(rig.outputs[:2]) == [0.0, 0.0]
+    assert program.journal()[2].samples == 0
+    ms = 1e3 * (program.writes()[1][0] - faulted_s)
+    matrix.add(
+        "a driver call never returns", "opening a board, real time",
+        "the guardian, after opening_s = 1 s", "yes", "-", 0,
+        measured=f"{ms:.1f} ms, {ms / 1e3 / PERIOD_S:.1f} ticks",
     )  # fmt: skip
 
 
@@ -492,8 +560,8 @@ def test_watchdog_relay_vents_when_both_processes_are_killed(start, rig, matrix)
     assert rig.outputs[0] > 0.0
     wait_until(lambda: rig.inputs[0] < 1.02 and rig.inputs[1] < 1.02, "the relay")
     matrix.add(
-        "SIGKILL to both processes, with a heartbeat and a watchdog relay", "mid-run, real time",
-        "the relay", "yes, by the relay", "-", "-",
+        "SIGKILL to both processes, with a heartbeat output and a watchdog relay",
+        "mid-run, real time", "the relay", "yes, by the relay", "-", "-",
     )  # fmt: skip
 
 

@@ -1,12 +1,21 @@
 """Whole experiments through driver and bus, compared with the simulator's own log."""
 
+import hashlib
+
 import numpy as np
 import pytest
 
 from fprc.apparatus import process
 from fprc.experiments.hysteresis import acquire
 from fprc.experiments.tracking import Track
-from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS, read_columns, read_journal, read_raw
+from fprc.logs import (
+    RAW_CHANNELS,
+    TRACKING_CHANNELS,
+    read_columns,
+    read_journal,
+    read_raw,
+    read_run,
+)
 from fprc.models import FPRC, load_model, save_model
 
 # The driver's voltages are float32: a reading at the edge of a step may fall to the next one, and
@@ -78,3 +87,20 @@ def test_closed_loop_is_that_of_the_simulator(make_bench, settings, live_by, tmp
     assert findings.complete
     for channel, values in channels.items():
         assert np.array_equal(values, found.channels[channel])
+
+
+def test_log_of_the_rig_names_the_model_that_ran(bench, settings, live_by, tmp_path):
+    settings["tracking"]["references"]["sine_0p5"] |= {"duration_s": 0.2, "settle_s": 0.1}
+    signal = settings["experiments"]["sweep"] | {"duration_s": 20.0}
+    log = acquire("sweep", signal, settings["control"], settings["rig"], seed=1)
+    X = np.column_stack([log["theta_deg"], log["p_o_kpa"]])
+    model = tmp_path / "fitted.h5"
+    save_model(FPRC(n_c=2, random_state=1).fit(X, log["p_exp_command_kpa"]), model)
+    live_by(bench)
+    raw, name = tmp_path / "track.h5", "track_sine_0p5_fprc"
+    process.record(name, str(raw), settings=settings, model=str(model), stop=lambda: "")
+    told = read_run(raw).attributes
+    digest = hashlib.sha256(model.read_bytes()).hexdigest()
+    assert [told[name] for name in ("experiment", "model", "model_file", "model_sha256")] == [
+        "track_sine_0p5_fprc", "FPRC", "fitted.h5", digest,
+    ]  # fmt: skip

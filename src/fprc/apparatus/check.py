@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from fprc.apparatus.guardian import ALIVE
-from fprc.apparatus.session import loops, on_rig, sign
+from fprc.apparatus.guardian import HEARTBEAT
+from fprc.apparatus.session import loops, notify, on_rig
 from fprc.control import run
 from fprc.devices import Clock, Device, Readings
 from fprc.errors import ControlError
@@ -82,13 +82,13 @@ def check_rig(settings: Mapping[str, Any], armed: bool, stop: Callable[[], str])
 def _read_at_rest(
     device: Device, clock: Clock, /, *, samples: int, stop: Callable[[], str]
 ) -> dict[str, np.ndarray]:
-    readings = []
-    for k in range(samples):
-        clock.wait_for(k)
-        sign(ALIVE)
+    readings, k = [], 0
+    while k < samples and (k := clock.wait_for(k)) < samples:
+        notify(HEARTBEAT)
         readings.append(device.read())
         if reason := stop():
             raise ControlError(reason)
+        k += 1
     return dict(zip(Readings._fields, np.array(readings).T, strict=True))
 
 
@@ -98,7 +98,7 @@ def _fill_and_vent(
     """Follow setpoints; ``how`` is passed to ``run``."""
 
     def law(k: int, now: Readings) -> list[float]:
-        sign(ALIVE)
+        notify(HEARTBEAT)
         return setpoints[k]
 
     return run(device, clock, law, len(setpoints), **how)

@@ -1,12 +1,13 @@
 """Supervise the process that drives a real rig, and vent if it ends or stops responding.
 
 A killed process cannot close a valve. The rig is therefore driven by a child process, the loop,
-and this process, the guardian, watches it. Each sends signs of life to the other, and vents when
+and this process, the guardian, watches it. Each sends heartbeats to the other, and vents when
 those of the other stop.
 """
 
 import json
 import logging
+import math
 import os
 import queue
 import signal
@@ -25,13 +26,16 @@ from fprc.errors import ControlError
 
 log = logging.getLogger("fprc.rig")
 
-#: Signs that the loop sends: the rig may move, the loop is alive, the rig is safe and released.
-HOT, ALIVE, SAFE = b"H", b".", b"S"
-#: Time between two signs of life of the guardian, s.
+#: Messages of the loop: it opens the boards, the rig may move, the loop is alive, the rig is safe
+#: and released.
+OPENING, ARMED, HEARTBEAT, SAFE = b"O", b"A", b".", b"S"
+#: Time between two heartbeats of the guardian, s.
 BEAT_S = 0.05
 #: Times between two attempts to vent, between two messages about them, and between two checks of
 #: their outcome, s.
 _RETRY_S, _MESSAGE_S, _POLL_S = 0.1, 1.0, 0.02
+#: Ends of the watch at which the guardian kills the loop.
+_KILLED = ("silent", "stuck")
 #: Number of stop signals after which the guardian kills the loop and vents.
 _KILL_AFTER = 3
 
@@ -67,14 +71,14 @@ def _guard(request: Mapping[str, Any], hardware: Mapping[str, Any], locks: Seque
         pass_fds=locks,
     )
     write_holder(locks, f" (drives the rig by process {process.pid})")
-    signs: queue.SimpleQueue[bytes] = queue.SimpleQueue()
-    threading.Thread(target=_listen, args=(process, signs), daemon=True).start()
+    messages: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+    threading.Thread(target=_listen, args=(process, messages), daemon=True).start()
     with _forwarding_signals(process) as received:
         with suppress(BrokenPipeError):  # it has already ended, with a message
             process.stdin.write(json.dumps(request).encode() + b"\n")
             process.stdin.flush()
-        end = _watch(signs, _beating(process), hardware["loop"]["stalled_s"])
-        if end == "silent":
+        end = _watch(messages, _beating(process), hardware["loop"])
+        if end in _KILLED:
             process.kill()
         # vent before waiting for the end of the process: until then the valves hold their voltages
         vented = "" if end == "safe" else _vent(hardware, received)
@@ -84,9 +88,15 @@ def _guard(request: Mapping[str, Any], hardware: Mapping[str, Any], locks: Seque
                 f"process {process.pid}, which drives the rig, does not end: IT MAY STILL OPEN A "
                 "VALVE. Cut the supply and open the chambers by hand, then restart the computer"
             )
-        if end == "silent":
+        if end in _KILLED:
             # again: the last driver call of the killed process may have come after the venting
             vented = _vent(hardware, received)
+    if end == "stuck":
+        opening_s = hardware["loop"]["opening_s"]
+        raise ControlError(
+            f"the process that drives the rig had not opened the boards after {opening_s:g} s "
+            f"(hardware.loop.opening_s) and was killed; {vented}"
+        )
     if end != "safe":
         how = "stopped responding and was killed" if end == "silent" else f"ended with code {code}"
         kept = ". Its samples are in the journal beside the log: fprc log repair"
@@ -105,45 +115,49 @@ class _Process(subprocess.Popen[bytes]):
     stdout: BufferedReader
 
 
-def _listen(process: _Process, signs: queue.SimpleQueue[bytes]) -> None:
+def _listen(process: _Process, messages: queue.SimpleQueue[bytes]) -> None:
     while chunk := process.stdout.read1(64):
-        signs.put(chunk)
-    signs.put(b"")
+        messages.put(chunk)
+    messages.put(b"")
 
 
 def _beating(process: _Process) -> Callable[[], None]:
-    """Return a function that sends the process a sign of life, without blocking."""
+    """Return a function that sends the process a heartbeat, without blocking."""
     pipe = process.stdin.fileno()
     os.set_blocking(pipe, False)
 
     def beat() -> None:
         with suppress(BrokenPipeError, BlockingIOError):
-            os.write(pipe, ALIVE)
+            os.write(pipe, HEARTBEAT)
 
     return beat
 
 
-def _watch(signs: queue.SimpleQueue[bytes], beat: Callable[[], None], stalled_s: float) -> str:
-    """Wait for the end of the process; return ``safe``, ``gone`` or ``silent``.
+def _watch(
+    messages: queue.SimpleQueue[bytes], beat: Callable[[], None], loop: Mapping[str, float]
+) -> str:
+    """Wait for the end of the process; return ``safe``, ``gone``, ``silent`` or ``stuck``.
 
-    Silence counts only between ``HOT`` and ``SAFE``, while something may move. It is counted in
-    timeouts, not by a clock: a guardian that was itself suspended thus reads the signs that
-    arrived meanwhile before it judges.
+    Silence is limited to ``opening_s`` after ``OPENING``, since a driver may take seconds to open a
+    board, and to ``stalled_s`` after ``ARMED``. It is counted in timeouts, not by a clock: a
+    guardian that was itself suspended thus reads the messages that arrived meanwhile before it
+    judges.
     """
-    hot, silent = False, 0
+    limits_s = {OPENING: loop["opening_s"], ARMED: loop["stalled_s"], SAFE: math.inf}
+    state, silent = SAFE, 0
     while True:
         beat()
         try:
-            chunk = signs.get(timeout=BEAT_S)
+            chunk = messages.get(timeout=BEAT_S)
         except queue.Empty:
             silent += 1
-            if hot and silent * BEAT_S >= stalled_s:
-                return "silent"
+            if silent * BEAT_S >= limits_s[state]:
+                return "stuck" if state == OPENING else "silent"
             continue
         if not chunk:
-            return "gone" if hot else "safe"
-        history, silent = (HOT if hot else SAFE) + chunk, 0
-        hot = history.rfind(HOT) > history.rfind(SAFE)
+            return "safe" if state == SAFE else "gone"
+        silent = 0
+        state = max(limits_s, key=(state + chunk).rfind)  # the latest
 
 
 def _vent(hardware: Mapping[str, Any], received: Sequence[int]) -> str:

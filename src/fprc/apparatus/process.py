@@ -1,8 +1,9 @@
 """The process that drives a real rig; started and supervised by ``fprc.apparatus.guardian``.
 
-From standard input it reads a request, one line of JSON, and then the guardian's signs of life; it
-stops when these cease or the input is closed. To standard output it writes ``HOT`` before anything
-can move, then signs of life, and ``SAFE`` once the rig is released and readings show it vented.
+From standard input it reads a request, one line of JSON, and then the guardian's heartbeats; it
+stops when these cease or the input is closed. To standard output it writes ``OPENING`` before it
+opens the boards, ``ARMED`` before anything can move, then heartbeats, and ``SAFE`` once the rig is
+released and readings show it vented.
 """
 
 import json
@@ -10,6 +11,7 @@ import logging
 import os
 import sys
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -17,15 +19,15 @@ from typing import Any
 import numpy as np
 
 from fprc.apparatus.check import check_rig
-from fprc.apparatus.guardian import ALIVE
+from fprc.apparatus.guardian import HEARTBEAT
 from fprc.apparatus.programme import plan
-from fprc.apparatus.session import Stop, keep_signs_apart, loops, on_rig, sign
+from fprc.apparatus.session import Stop, loops, notify, on_rig, reserve_pipes
 from fprc.control import RunAbortedError, run
 from fprc.devices import Clock, Device
 from fprc.errors import FprcError, LogError
 from fprc.logs import RAW_CHANNELS
 from fprc.logs.journal import Journal
-from fprc.logs.recovery import recover
+from fprc.logs.recovery import read_journal, recover, rescue
 
 log = logging.getLogger("fprc.rig")
 
@@ -36,7 +38,7 @@ def main() -> int:
     """Carry out the request; return the exit code."""
     logging.basicConfig(level=logging.INFO, format="[rig] %(message)s")
     request = json.loads(_line())
-    keep_signs_apart()
+    reserve_pipes()
     stop = Stop(request["settings"]["hardware"]["loop"]["stalled_s"])
     try:
         if request["what"] == "check":
@@ -49,7 +51,7 @@ def main() -> int:
 
 
 def _line() -> bytes:
-    """Read one line from standard input, unbuffered: the bytes after it are signs of life."""
+    """Read one line from standard input, unbuffered: the bytes after it are heartbeats."""
     line = b""
     while not line.endswith(b"\n") and (byte := os.read(0, 1)):
         line += byte
@@ -72,9 +74,9 @@ def record(
     Raises
     ------
     LogError
-        The log already exists.
+        The log already exists, or cannot be written.
     ControlError, DeviceError
-        The run was refused or stopped; names the journal.
+        The run was refused or stopped; names the journal, or the log that replaces a lost one.
     """
     if Path(raw).exists():
         raise LogError(f"{raw}: exists and is not overwritten; move it away to record another")
@@ -106,15 +108,20 @@ def record(
         if unvented:
             complete = "the samples are complete, but the rig was not closed: "
             stopped = (f"{stopped}\n" if stopped else complete) + unvented
-        journal.close(complete=not stopped, reason=stopped, **statistics)
-    if stopped:
+        failed = ""
+        try:
+            journal.close(complete=not stopped, reason=stopped, **statistics)
+        except LogError as error:
+            failed = str(error)
+    whole, kept = _keep(journal, channels, stopped, statistics)
+    if stopped or failed or not whole:
+        why = "\n".join(filter(None, [stopped or "the run was complete, but not its log", failed]))
         shown = "" if unvented else "both chambers are vented, as their sensors show; "
-        raise RunAbortedError(
-            f"{stopped}\n{shown}{journal.samples} samples are in {path}, copy them with: "
-            f"fprc log repair {path} --out {Path(raw).with_suffix('.aborted.h5')}",
-            channels,
-        )
-    recover(path, raw)
+        raise RunAbortedError(f"{why}\n{shown}{kept}", channels)
+    try:
+        recover(path, raw)
+    except (FprcError, OSError) as error:
+        raise LogError(f"{error}\nthe run was complete; {kept}") from error
     for file in (path, Path(raw)):
         file.chmod(_READ_ONLY)
     log.info(
@@ -127,17 +134,44 @@ def record(
     )
 
 
+def _keep(
+    journal: Journal,
+    channels: Mapping[str, np.ndarray],
+    stopped: str,
+    statistics: Mapping[str, float],
+) -> tuple[bool, str]:
+    """Return whether a closed journal holds every sample, and where they are.
+
+    If it does not, they are saved elsewhere.
+    """
+    path, recorded, held = journal.path, len(channels["time_s"]), 0
+    with suppress(LogError):
+        held = read_journal(path)[2].samples
+    if held >= recorded:
+        out = path.with_suffix(".rescued.h5")
+        return (
+            True,
+            f"{held} samples are in {path}, copy them with: fprc log repair {path} --out {out}",
+        )
+    short = f"{path} holds {held} of {recorded} samples"
+    try:
+        saved = rescue(journal, channels, reason=stopped, statistics=statistics)
+    except LogError as error:
+        return False, f"{short}; the others are lost, since they can be saved nowhere:\n{error}"
+    return False, f"{short}; {saved} has all of them"
+
+
 def _progress(samples: int, period_s: float) -> Callable[[int], None]:
-    """Return a function that sends signs of life, and logs a line every tenth of the run."""
+    """Return a function that sends heartbeats, and logs a line every tenth of the run."""
     every, tenth = max(int(0.05 / period_s), 1), max(samples // 10, 1)
-    signed = printed = 0
+    sent = printed = 0
 
     def progress(done: int) -> None:
-        nonlocal signed, printed
+        nonlocal sent, printed
         # not `done % every`: missed ticks can skip the multiples
-        if done - signed >= every:
-            signed = done
-            sign(ALIVE)
+        if done - sent >= every:
+            sent = done
+            notify(HEARTBEAT)
         if done // tenth > printed:
             printed = done // tenth
             log.info("%3.0f of %3.0f s", done * period_s, samples * period_s)

@@ -8,7 +8,7 @@ from fprc.control import Law, hysteresis_law
 from fprc.errors import ConfigError
 from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS
 from fprc.paper import EXPERIMENTS, reference_and_controller, run_log
-from fprc.registry import controllers, feedforward_of, outside_class
+from fprc.registry import controllers, entries, feedforward_of, load_class, outside_class
 from fprc.signals import pressure_command
 
 
@@ -55,9 +55,9 @@ def plan(name: str, settings: Mapping[str, Any], model: str = "") -> Experiment:
     Raises
     ------
     ConfigError
-        There is no such experiment.
+        There is no such experiment, or the file holds another model than the experiment's.
     ControlError
-        The reference is impossible.
+        The reference is impossible, or a model is needed and there is none.
     """
     refuse_unknown(name, settings)
     if name in EXPERIMENTS:
@@ -70,7 +70,7 @@ def plan(name: str, settings: Mapping[str, Any], model: str = "") -> Experiment:
 
 def _tracking(name: str, settings: Mapping[str, Any], model: str) -> Experiment:
     # imported here because they take a second, for which the other experiments need not wait
-    from fprc.experiments.tracking import Track
+    from fprc.experiments.tracking import Track, describe_model
     from fprc.models import load_model
 
     bench = Track(settings["tracking"], settings["control"], settings["hardware"], settings["seed"])
@@ -80,12 +80,30 @@ def _tracking(name: str, settings: Mapping[str, Any], model: str) -> Experiment:
         hint = f"push the reservoir by hand from {bench.tracking['pushes']['quiet_s']:g} s on"
     theta_d = bench.reference(reference)
     driver = feedforward_of(controller)
-    fitted = load_model(model, outside_class(driver, settings["models"])) if driver else None
-    if fitted:  # compiles the step before the first tick
-        fitted.step((0.0,) * fitted.n_features_in_)
+    attributes, fitted = bench.describe(reference, controller), None
+    if driver and model:  # without a file the law refuses to start
+        fitted = load_model(model, outside_class(driver, settings["models"]))
+        _refuse_other(fitted, driver, settings["models"], f"{model}, the model of {name}")
+        fitted.step((0.0,) * fitted.n_features_in_)  # compiles it before the first tick
+        attributes |= describe_model(fitted, model)
     law = bench.law(theta_d, controller, fitted)
     channels = (*RAW_CHANNELS, *TRACKING_CHANNELS)
-    return Experiment(law, len(theta_d), channels, bench.describe(reference, controller), hint)
+    return Experiment(law, len(theta_d), channels, attributes, hint)
+
+
+def _refuse_other(fitted: Any, driver: str, models: Mapping[str, Any], which: str) -> None:
+    """Check that a fitted model is the one that gives the log its name."""
+    found, needed, inputs = type(fitted), load_class(driver, models), entries(models)[driver].inputs
+    if found is not needed:
+        raise ConfigError(
+            f"{which}, is a {found.__name__}, must be a {needed.__name__}; give --model a file of "
+            f"{driver}, or choose the experiment that is named after the model"
+        )
+    if fitted.n_features_in_ != len(inputs):
+        raise ConfigError(
+            f"{which}, was fitted to {fitted.n_features_in_} inputs, must have {len(inputs)}, "
+            f"{' and '.join(inputs)}; train it again"
+        )
 
 
 def _hysteresis(name: str, settings: Mapping[str, Any]) -> Experiment:

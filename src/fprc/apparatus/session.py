@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fprc.apparatus.guardian import ALIVE, HOT, SAFE
+from fprc.apparatus.guardian import ARMED, HEARTBEAT, OPENING, SAFE
 from fprc.control import PressurePI, RunAbortedError
 from fprc.control.clock import Metronome
 from fprc.control.realtime import request_realtime
@@ -60,7 +60,7 @@ def on_rig(
     )
     for line in request_realtime(hardware["loop"]["priority"]):
         log.info("%s", line)
-    sign(HOT)  # before opening the boards, so that the guardian notices a call that hangs
+    notify(OPENING)  # the guardian then notices a call that hangs
     try:
         opened = HardwareRig(
             hardware,
@@ -71,8 +71,9 @@ def on_rig(
             now=_now,
         )
     except DeviceError:
-        sign(SAFE)  # nothing was moved
+        notify(SAFE)  # nothing was moved
         raise
+    notify(ARMED)
     timing: dict[str, float] = {}
     stopped = unvented = ""
     failed = None
@@ -89,7 +90,7 @@ def on_rig(
     finally:
         try:
             opened.close()
-            sign(SAFE)
+            notify(SAFE)
         except DeviceError as closing:  # does not hide an earlier error
             if failed:
                 raise DeviceError(f"{failed}\n{closing}") from failed
@@ -100,8 +101,8 @@ def on_rig(
 
 
 def _wait(seconds: float) -> None:
-    """Send a sign of life, then sleep."""
-    sign(ALIVE)
+    """Send a heartbeat, then sleep."""
+    notify(HEARTBEAT)
     time.sleep(seconds)
 
 
@@ -113,22 +114,22 @@ def loops(control: Mapping[str, Any], neutral_v: float) -> dict[str, PressurePI]
     }
 
 
-#: File descriptors of the signs to the guardian, and of those from it.
+#: File descriptors of the messages to the guardian, and of its heartbeats.
 _pipes = {"out": 1, "in": 0}
 
 
-def keep_signs_apart() -> None:
-    """Reserve the guardian's pipes for signs, and send what libraries print to stderr."""
+def reserve_pipes() -> None:
+    """Reserve the guardian's pipes for messages, and send what libraries print to stderr."""
     _pipes.update(out=os.dup(1), **{"in": os.dup(0)})
     os.dup2(2, 1)
     with open(os.devnull, "rb") as nothing:
         os.dup2(nothing.fileno(), 0)
 
 
-def sign(what: bytes) -> bool:
-    """Send a sign to the guardian; return whether it exists. If not, ``Stop`` ends the run."""
+def notify(message: bytes) -> bool:
+    """Send a message to the guardian; return whether it exists. If not, ``Stop`` ends the run."""
     try:
-        os.write(_pipes["out"], what)
+        os.write(_pipes["out"], message)
     except BrokenPipeError:
         return False
     return True
@@ -136,7 +137,7 @@ def sign(what: bytes) -> bool:
 
 def _is_alone() -> bool:
     """Return whether the guardian has ended, so that only this process can vent."""
-    if sign(ALIVE):
+    if notify(HEARTBEAT):
         return False
     if _now() - _printed_s[0] > 1.0:
         _printed_s[0] = _now()
@@ -165,7 +166,7 @@ class Stop:
     Parameters
     ----------
     stalled_s : float
-        Longest time between signs of life from the guardian, s.
+        Longest time between heartbeats from the guardian, s.
     monotonic, boottime : callable
         Clocks in s, the first without and the second with the time spent suspended.
     """
@@ -181,7 +182,7 @@ class Stop:
         self._stalled_s = stalled_s
         self._monotonic, self._boottime = monotonic, boottime
         self._suspended_s = boottime() - monotonic()
-        self._sign_s = monotonic()
+        self._heartbeat_s = monotonic()
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, self._signalled)
         threading.Thread(target=self._listen, daemon=True).start()
@@ -192,7 +193,7 @@ class Stop:
             # boottime first: a delay before the second call cannot look like a suspension
             boottime_s, now_s = self._boottime(), self._monotonic()
             suspended_s = boottime_s - now_s - self._suspended_s
-            silent_s = now_s - self._sign_s
+            silent_s = now_s - self._heartbeat_s
             if suspended_s > _SUSPENDED_S:
                 self._reason = f"the computer was suspended for {suspended_s:.1f} s"
             elif silent_s > self._stalled_s:
@@ -207,5 +208,5 @@ class Stop:
 
     def _listen(self) -> None:
         while os.read(_pipes["in"], 64):
-            self._sign_s = self._monotonic()
+            self._heartbeat_s = self._monotonic()
         self._reason = self._reason or "the guardian process has ended"

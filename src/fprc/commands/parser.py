@@ -285,7 +285,9 @@ def _add_rig(commands: _Commands) -> None:
         help="raw log to write (default: EXPERIMENT.h5 in folders.raw)",
     )
     experiment.add_argument(
-        "--model", metavar="MODEL.h5", help="fitted FPRC (default: that in the results folder)"
+        "--model",
+        metavar="MODEL.h5",
+        help="fitted model of the experiment's name (default: that in the results folder)",
     )
     for verb in (check, experiment):
         verb.add_argument("--armed", action="store_true", help="let the valves move")

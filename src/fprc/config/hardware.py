@@ -32,8 +32,15 @@ class Boards(Section):
     lock_folder: str = Field(
         "",
         description="folder of the lock files that prevent a second program from using the boards, "
-        "the same for all users; empty: /run/lock, or /tmp if there is none",
+        "the same for all users; empty: /run/lock and /tmp, as far as this user can write to them",
     )
+
+    @field_validator("library", "input_device", "output_device", "lock_folder")
+    @classmethod
+    def _is_printable(cls, name: str) -> str:
+        if not name.isprintable():
+            raise ValueError(f"{name}: contains characters that cannot be printed, such as NUL")
+        return name
 
     @field_validator("lock_folder")
     @classmethod
@@ -163,6 +170,13 @@ class Loop(Section):
         (0.2, 10),
         "if the control loop is silent for longer, the guardian process kills it and vents; "
         "if the guardian is silent for longer, the loop vents and ends",
+    )
+    opening_s: float = quantity(
+        10,
+        "s",
+        (1, 120),
+        "if the control loop has not opened boards and sensors after this time, the guardian "
+        "kills it and vents",
     )
 
 

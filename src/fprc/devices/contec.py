@@ -10,6 +10,7 @@ import sys
 from typing import Any
 
 from fprc.errors import DeviceError
+from fprc.escape import visible
 
 _PM10 = 0  # range of +- 10 V
 _SIGNATURES = {
@@ -42,9 +43,9 @@ def load_library(path: str = "") -> ctypes.CDLL:
     try:
         # on Windows the driver uses the calling convention stdcall
         library = getattr(ctypes, "WinDLL", ctypes.CDLL)(name)
-    except OSError as error:
+    except (OSError, ValueError) as error:  # ValueError: a NUL in the name
         raise DeviceError(
-            f"driver {name}: cannot be loaded ({error}); install Contec's API-AIO"
+            f"driver {visible(name)}: cannot be loaded ({error}); install Contec's API-AIO"
             f"{'(WDM)' if windows else '(LNX)'} from contec.com, or set hardware.boards.library "
             "to its path"
         ) from error

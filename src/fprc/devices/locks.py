@@ -3,6 +3,7 @@
 import contextlib
 import errno
 import getpass
+import logging
 import os
 import sys
 from collections.abc import Iterator, Sequence
@@ -13,8 +14,13 @@ from pathlib import Path
 from fprc.errors import DeviceError
 from fprc.escape import visible
 
-#: Folders in which every user may lock files; the first existing one is used.
+log = logging.getLogger("fprc.rig")
+
+#: Folders in which users may lock files. Each one that this user can write to is used, not the
+#: first alone: a user who can write to both and one who cannot then meet in the second.
 _SHARED = (Path("/run/lock"), Path("/tmp"))
+#: Errors of a folder that this user cannot write to.
+_DENIED = (errno.EACCES, errno.EPERM, errno.EROFS)
 
 
 @contextmanager
@@ -26,7 +32,7 @@ def locked(boards: Sequence[str], folder: str = "") -> Iterator[list[int]]:
     boards : sequence of str
         Device names, such as AIO000.
     folder : str
-        Folder of the lock files; empty for the system's default.
+        Folder of the lock files; empty for all folders of the system that this user can write to.
 
     Yields
     ------
@@ -38,12 +44,20 @@ def locked(boards: Sequence[str], folder: str = "") -> Iterator[list[int]]:
     DeviceError
         A board is in use, by the process that the message names, or cannot be locked.
     """
-    place = Path(folder) if folder else next(filter(Path.is_dir, _SHARED))
+    places = [Path(folder)] if folder else _shared()
     with contextlib.ExitStack() as held:
-        files = []
+        files: list[int] = []
+        denied: set[str] = set()
         for board in sorted(set(boards)):
-            files.append(_lock(board, place / f"fprc-{board}.lock"))
-            held.callback(os.close, files[-1])
+            for file in _lock_in_all(board, places, denied):
+                held.callback(os.close, file)
+                files.append(file)
+        if denied:
+            log.info(
+                "boards are locked in one folder only, not in %s; two users need one in common "
+                "(hardware.boards.lock_folder)",
+                ", ".join(sorted(denied)),
+            )
         write_holder(files, "")
         yield files
 
@@ -63,6 +77,42 @@ def write_holder(files: Sequence[int], more: str) -> None:
             os.write(file, text.encode(errors="replace"))
 
 
+def _shared() -> list[Path]:
+    """Return the folders of the system for locks, in the order of every program."""
+    places = [place.resolve() for place in _SHARED if place.is_dir()]
+    if not places:
+        raise DeviceError(
+            f"no folder for the locks of the boards: {', '.join(map(str, _SHARED))} are missing; "
+            "create a folder and set hardware.boards.lock_folder to it"
+        )
+    return list(dict.fromkeys(places))
+
+
+def _lock_in_all(board: str, places: Sequence[Path], denied: set[str]) -> Iterator[int]:
+    """Yield the locked files; add folders that this user cannot write to, but not all, to a set."""
+    refused: dict[Path, OSError] = {}
+    for place in places:
+        path = place / f"fprc-{board}.lock"
+        try:
+            yield _lock(board, path)
+        except OSError as error:
+            refused[path] = error
+    problems = list(refused.values())
+    if len(refused) < len(places) and all(error.errno in _DENIED for error in problems):
+        denied.update(f"{path.parent} ({error.strerror})" for path, error in refused.items())
+        return
+    failed = " and ".join(
+        f"{path} cannot be locked ({error.strerror})" for path, error in refused.items()
+    )
+    remedy = "make the file writable for all users"
+    if any(isinstance(error, FileNotFoundError) for error in problems):
+        remedy = f"create the folder {places[0]}"
+    raise DeviceError(
+        f"board {board}: {failed}, so another program could use the board too; {remedy}, or set "
+        "hardware.boards.lock_folder"
+    ) from problems[0]
+
+
 def _lock(board: str, path: Path) -> int:
     try:
         import fcntl
@@ -70,27 +120,18 @@ def _lock(board: str, path: Path) -> int:
         raise DeviceError(
             "boards can be locked against other programs only on Linux; run the real rig on Linux"
         ) from error
+    file = _open(path)
     try:
-        file = _open(path)
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
-            holder = os.read(file, 1000).decode(errors="replace").strip()
-            os.close(file)
-            if error.errno not in (errno.EWOULDBLOCK, errno.EACCES):
-                raise
-            raise DeviceError(
-                f"board {board} is in use by {visible(holder) or 'another process'}; nothing was "
-                f"moved. Wait until it ends, or stop it; deleting {path} does not free the board"
-            ) from None
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError as error:
-        remedy = "make the file writable for all users"
-        if isinstance(error, FileNotFoundError):
-            remedy = f"create the folder {path.parent}"
+        holder = os.read(file, 1000).decode(errors="replace").strip()
+        os.close(file)
+        if error.errno not in (errno.EWOULDBLOCK, errno.EACCES):
+            raise
         raise DeviceError(
-            f"board {board}: {path} cannot be locked ({error.strerror}), so another program could "
-            f"use the board too; {remedy}, or set hardware.boards.lock_folder"
-        ) from error
+            f"board {board} is in use by {visible(holder) or 'another process'}; nothing was "
+            f"moved. Wait until it ends, or stop it; deleting {path} does not free the board"
+        ) from None
     return file
 
 

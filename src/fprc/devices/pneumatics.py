@@ -13,7 +13,7 @@ from typing import Any
 from fprc.devices.contec import AnalogInput, AnalogOutput, load_library
 from fprc.errors import DeviceError
 
-#: The two voltages of the heartbeat, for a watchdog relay.
+#: The two voltages of the heartbeat output, for a watchdog relay.
 _HEARTBEAT_V = (0.0, 5.0)
 #: Time between two readings while a chamber vents, s.
 _POLL_S = 0.02
@@ -44,7 +44,7 @@ class Valves:
         self.release = board.close  #: releases the board; its outputs hold their voltages
 
     def write(self, main_v: float, reservoir_v: float) -> None:
-        """Set both voltages; if both writes succeed, toggle the heartbeat."""
+        """Set both voltages; if both writes succeed, toggle the heartbeat output."""
         self._write_in_turn(main_v, reservoir_v)
         if self._heartbeat is not None:
             self._beats += 1

@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,6 +18,7 @@ from fprc.experiments.measures import measure_hysteresis, measure_runs
 from fprc.logs import TRACKING_CHANNELS
 from fprc.models import SequenceModel
 from fprc.paper import DISTURBANCE, REFERENCES, run_log
+from fprc.provenance import sha256
 from fprc.registry import feedforward_of, has_feedback, running_inputs
 from fprc.signals import random_pushes, reference_angle
 
@@ -89,7 +91,9 @@ class Track(NamedTuple):
         """
         driver = feedforward_of(controller)
         if driver and model is None:
-            raise ControlError(f"{controller} needs a fitted {driver} for its feedforward")
+            raise ControlError(
+                f"{controller} needs a fitted {driver} for its feedforward; give --model its file"
+            )
         own = model if driver else None
         if own is not None:
             own.reset()
@@ -174,6 +178,15 @@ class Track(NamedTuple):
             TRACKING_RUNS[reference],
             self.pushes(len(theta_d)) if reference == DISTURBANCE else None,
         )
+
+
+def describe_model(model: SequenceModel, path: Path | str) -> dict[str, str]:
+    """Return the log attributes of the model of a run: its class, and the file that held it."""
+    return {
+        "model": type(model).__name__,
+        "model_file": Path(path).name,
+        "model_sha256": sha256(str(path)),
+    }
 
 
 def pd_of(control: Mapping[str, Any], limit_kpa: float) -> PD:

@@ -42,7 +42,8 @@ class Journal:
 
     Each sample is passed to the operating system at once, so that none is lost if the process
     ends. A thread syncs the file every ``sync_s``: a power cut loses at most the samples since the
-    last sync, and the loop does not wait for the disk.
+    last sync, and the loop does not wait for the disk. Before each sync the thread checks that the
+    file was not deleted, moved, cut or unmounted; after that, ``append`` raises.
 
     As a context manager it closes itself; an exception marks it incomplete.
 
@@ -62,6 +63,8 @@ class Journal:
     ----------
     samples : int
         Samples appended.
+    attributes : dict
+        As given, with ``started``.
 
     Raises
     ------
@@ -81,7 +84,8 @@ class Journal:
         self.path = Path(path)
         check_header(self.path, names, attributes)
         started = {"started": datetime.now(UTC).isoformat(timespec="microseconds")}
-        header = _block(MAGIC, started | dict(attributes) | {"names": list(names)})
+        self.attributes = started | dict(attributes)
+        header = _block(MAGIC, self.attributes | {"names": list(names)})
         self._file = _open_new(self.path)
         try:
             _write(self._file, header + header)
@@ -100,7 +104,9 @@ class Journal:
         self._buffer = bytearray(self._record.size + UINT32.size)
         self._checked = memoryview(self._buffer)[: self._record.size]
         self._last_tick = -1
+        self._device = self.path.parent.stat().st_dev
         self._problem = ""
+        self._raised = False  # whether the caller knows the problem
         self._closing = threading.Event()
         self._syncing = threading.Thread(target=self._sync, args=(sync_s,), daemon=True)
         self._syncing.start()
@@ -118,12 +124,13 @@ class Journal:
         Raises
         ------
         LogError
-            It cannot be written, or earlier samples could not be synced. Samples already
-            written stay readable.
+            It cannot be written, earlier samples could not be synced, or the file was lost.
+            Samples already written stay readable unless it was.
         ValueError
             The tick does not increase, or the row has the wrong length.
         """
         if self._problem:
+            self._raised = True
             raise LogError(self._problem)
         if tick <= self._last_tick:
             raise ValueError(f"tick {tick} does not come after tick {self._last_tick}")
@@ -140,6 +147,7 @@ class Journal:
                 "samples before it are kept, copy them with `fprc log repair`, free the disk and "
                 "run again"
             )
+            self._raised = True
             raise LogError(self._problem) from error
         self._last_tick = tick
         self.samples += 1
@@ -159,17 +167,18 @@ class Journal:
         Raises
         ------
         LogError
-            The end mark cannot be written. Not raised after an error of ``append``, which
-            marks the journal incomplete in any case.
+            The end mark cannot be written, samples could not be synced, or the file was lost.
+            Not raised after an error of ``append``, which marks the journal incomplete in any
+            case.
         """
         if self._closing.is_set():
             return
         self._closing.set()
         self._syncing.join()
-        problem_before = self._problem
+        self._problem = self._problem or self._loss()
         content = {
-            "complete": complete and not problem_before,
-            "reason": problem_before or reason,
+            "complete": complete and not self._problem,
+            "reason": self._problem or reason,
             "statistics": statistics,
         }
         try:
@@ -179,28 +188,36 @@ class Journal:
             _write(self._file, 2 * _block(END, content, self._seed))
             os.fsync(self._file)
         except OSError as error:
-            self._problem = (
+            self._problem = self._problem or (
                 f"{self.path}: the end mark could not be written ({error.strerror}); all "
                 "samples are kept, copy them with `fprc log repair`"
             )
-            if not problem_before:
-                raise LogError(self._problem) from error
         finally:
-            self._problem = self._problem or f"{self.path}: is closed"
             os.close(self._file)
+            problem = "" if self._raised else self._problem
+            self._problem, self._raised = self._problem or f"{self.path}: is closed", True
+        if problem:
+            raise LogError(problem)
 
     def __enter__(self) -> Self:
         """Return the journal itself."""
         return self
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: Any) -> None:
-        """Close; an exception marks the journal incomplete."""
-        self.close(error is None, "" if error is None else f"{type(error).__name__}: {error}")
+        """Close; an exception marks the journal incomplete, and is not replaced by another."""
+        try:
+            self.close(error is None, "" if error is None else f"{type(error).__name__}: {error}")
+        except LogError:
+            if error is None:
+                raise
 
     def _sync(self, period_s: float) -> None:
         on_disk = 0
         while not self._closing.wait(period_s):
             samples = self.samples
+            if loss := self._loss():
+                self._problem = loss
+                return
             try:
                 if samples != on_disk:
                     os.fsync(self._file)
@@ -211,6 +228,34 @@ class Journal:
                 )
                 return
             on_disk = samples
+
+    def folder(self) -> Path:
+        """Return the folder of the file, as an absolute path.
+
+        Raises
+        ------
+        OSError
+            It is gone, or it is the empty folder on which its disk was mounted.
+        """
+        folder = self.path.parent.absolute()
+        if folder.stat().st_dev != self._device:
+            raise OSError(errno.ENXIO, "its disk was unmounted", str(folder))
+        return folder
+
+    def _loss(self) -> str:
+        """Return how the file was lost, as an error text; empty if it is whole."""
+        written = self._start + self.samples * len(self._buffer)
+        try:
+            self.path.stat()
+            kept = os.fstat(self._file)
+        except OSError as error:
+            how = f"was deleted, moved or unmounted ({error.strerror})"
+        else:
+            if kept.st_nlink and kept.st_size >= written:
+                return ""
+            cut = f"was cut from {written} to {kept.st_size} bytes"
+            how = cut if kept.st_nlink else "was deleted"
+        return f"{self.path} {how} during the run; leave it alone, and check its disk"
 
 
 def check_header(path: Path, names: Sequence[str], attributes: Mapping[str, Any]) -> None:

@@ -1,16 +1,18 @@
-"""Read the journal of a run, however it ended, and convert it to a raw log."""
+"""Read the journal of a run, however it ended, and convert it, or what it lost, to a raw log."""
 
 import json
 import re
 import struct
+import tempfile
 import zlib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from fprc.errors import LogError
-from fprc.logs.journal import END, MAGIC, UINT32, check_header, seed_of
+from fprc.errors import FprcError, LogError
+from fprc.logs.journal import END, MAGIC, UINT32, Journal, check_header, seed_of
 from fprc.logs.raw import write_raw
 
 
@@ -191,17 +193,69 @@ def recover(journal: Path | str, raw: Path | str) -> Findings:
     channels, attributes, findings = read_journal(journal)
     if not findings.samples:
         raise LogError(f"{journal}: no sample can be read; nothing was written")
-    attributes.pop("simulated", None)  # follows from the source
-    attributes |= {
-        "statistics": findings.statistics,
-        "complete": findings.complete,
-        "lost_samples": findings.lost,
-    }
-    if not findings.complete:
-        attributes["incomplete_reason"] = findings.reason
-    measured = {name: values for name, values in channels.items() if not np.isnan(values).all()}
-    write_raw(raw, measured, **attributes)
+    _write(raw, channels, attributes, findings.statistics, findings.reason, findings.lost)
     return findings
+
+
+def rescue(
+    journal: Journal,
+    channels: Mapping[str, np.ndarray],
+    *,
+    reason: str = "",
+    statistics: Mapping[str, Any],
+) -> Path:
+    """Write samples that are in memory, but not in their closed journal, as a raw log.
+
+    The log is written into the journal's folder; if that is not possible, into the current one;
+    if that is not possible either, into a new folder among the temporary files.
+
+    Parameters
+    ----------
+    channels : Mapping of str to ndarray
+        Every sample of the run.
+    reason : str
+        Why the run is not complete; empty if it is.
+    statistics : Mapping
+        Statistics of the run.
+
+    Returns
+    -------
+    Path
+        The log that was written.
+
+    Raises
+    ------
+    LogError
+        It could be written nowhere; lists the reasons.
+    """
+    problems = []
+    for folder in (journal.folder, Path.cwd, lambda: Path(tempfile.mkdtemp(prefix="fprc-"))):
+        try:
+            raw = folder() / journal.path.with_suffix(".rescued.h5").name
+            refuse_existing(raw)
+            _write(raw, channels, journal.attributes, statistics, reason, 0)
+        except (FprcError, OSError) as error:
+            problems.append(str(error))
+        else:
+            return raw
+    raise LogError("\n".join(problems))
+
+
+def _write(
+    raw: Path | str,
+    channels: Mapping[str, np.ndarray],
+    attributes: Mapping[str, Any],
+    statistics: Mapping[str, Any],
+    reason: str,
+    lost: int,
+) -> None:
+    """Write a raw log, complete unless there is a reason why it is not."""
+    described = {name: value for name, value in attributes.items() if name != "simulated"}
+    described |= {"statistics": statistics, "complete": not reason, "lost_samples": lost}
+    if reason:
+        described["incomplete_reason"] = reason
+    measured = {name: values for name, values in channels.items() if not np.isnan(values).all()}
+    write_raw(raw, measured, **described)
 
 
 def refuse_existing(raw: Path | str) -> None:

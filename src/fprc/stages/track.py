@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from fprc.control import RunAbortedError
-from fprc.experiments.tracking import Track, tracking_rmse
+from fprc.experiments.tracking import Track, describe_model, tracking_rmse
 from fprc.logs import write_raw
 from fprc.models import load_model
 from fprc.registry import feedforward_of, outside_class
@@ -42,20 +42,23 @@ def track(
         kept next to the log as ``*.aborted.h5``.
     """
     bench = Track(tracking, control, rig, seed)
+    files = dict(zip(names, models, strict=True))
     fitted = {
-        name: load_model(path, outside_class(name, classes or {}))
-        for name, path in zip(names, models, strict=True)
+        name: load_model(path, outside_class(name, classes or {})) for name, path in files.items()
     }
     for path, controller in zip(raw, controllers, strict=True):
         described = bench.describe(reference, controller)
         described |= {"source": "sim", "rig": {"rig": rig, **described["rig"]}}
         feedforward = feedforward_of(controller)
         model = fitted[feedforward] if feedforward else None
+        if feedforward:
+            described |= describe_model(fitted[feedforward], files[feedforward])
         try:
             channels = bench.follow(reference, controller, model)
         except RunAbortedError as stopped:
             rescued = f"{path.removesuffix('.h5')}.aborted.h5"
-            write_raw(rescued, stopped.channels, **described, aborted=str(stopped))
+            described |= {"complete": False, "incomplete_reason": str(stopped)}
+            write_raw(rescued, stopped.channels, **described)
             log.error("the recorded samples are kept in %s", rescued)
             raise
         write_raw(path, channels, **described)

@@ -1,10 +1,14 @@
 import logging
 import re
+from types import SimpleNamespace
 
 import pytest
 
+from fprc.apparatus import check
 from fprc.apparatus.check import check_rig
-from fprc.apparatus.guardian import HOT, SAFE
+from fprc.apparatus.guardian import ARMED, SAFE
+from fprc.control.clock import Metronome
+from fprc.devices import Readings
 from fprc.errors import ControlError, DeviceError
 
 
@@ -16,7 +20,7 @@ def look(make_bench, settings, live_by, caplog):
         look.bench = bench = make_bench(settings)
         touch(bench)
 
-        _, look.signs = live_by(bench)
+        _, look.messages = live_by(bench)
         caplog.set_level(logging.INFO, logger="fprc.rig")
         code = check_rig(settings, armed, stop)
         look.said = caplog.messages
@@ -31,7 +35,7 @@ def test_rig_as_it_should_be_passes_and_ends_vented(look):
     phases = ("rest", "actuator filled", "actuator vented", "PAM A filled", "PAM A vented")
     assert [line[:16].strip() for line in look.said[1:6]] == list(phases)
     assert list(look.bench.shared.outputs[:2]) == [0.0, 0.0]
-    assert sum(look.signs.count(sign) for sign in (HOT, SAFE)) == 4
+    assert sum(look.messages.count(each) for each in (ARMED, SAFE)) == 4
     assert look.bench.tick >= 1800
 
 
@@ -39,7 +43,7 @@ def test_unarmed_check_moves_no_valve_and_says_so(look):
     assert look(armed=False) == (0, [])
     assert any(line.startswith("valves: kept vented; --armed") for line in look.said)
     assert 200 <= look.bench.tick < 260
-    assert look.signs[-1] == SAFE
+    assert look.messages[-1] == SAFE
     # only those at opening and closing
     assert {volts for *_, volts in look.bench.writes()} == {0.0}
 
@@ -144,3 +148,29 @@ def test_check_that_is_stopped_at_rest_ends_vented(look):
         look(stop=lambda: "stopped by SIGINT")
     assert look.bench.tick < 60
     assert list(look.bench.shared.outputs[:2]) == [0.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("stall_ticks", "readings"),
+    [(0, 100), (1, 99), (3, 97), (80, 20)],
+)
+def test_stall_at_rest_is_counted_once(monkeypatch, stall_ticks, readings):
+    """The reading at tick 10 takes some periods longer than it should."""
+    now_s, period_s = [0.0], 1 / 128  # a power of two: no rounding
+    taken = []
+
+    def sleep(seconds):
+        now_s[0] += seconds
+
+    def read():
+        taken.append(clock.elapsed())
+        if len(taken) == 11:
+            sleep((stall_ticks + 1) * period_s if stall_ticks else 0.0)
+        return Readings(clock.elapsed(), *[0.0] * 5)
+
+    monkeypatch.setattr(check, "notify", lambda message: True)
+    clock = Metronome(period_s, overruns_in_a_row=100, now=lambda: now_s[0], sleep=sleep)
+    channels = check._read_at_rest(SimpleNamespace(read=read), clock, samples=100, stop=lambda: "")
+    assert clock.overruns == stall_ticks
+    assert len(channels["time_s"]) == readings
+    assert taken[-1] == 99 * period_s

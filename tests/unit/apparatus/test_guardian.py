@@ -13,7 +13,7 @@ from fprc.apparatus.guardian import BEAT_S, _listen, _vent, _wait, _watch
 from fprc.devices import pneumatics
 
 
-def signs(*chunks):
+def messages(*chunks):
     told = queue.SimpleQueue()
     for chunk in chunks:
         told.put(chunk)
@@ -44,22 +44,34 @@ def quick(monkeypatch):
     ("chunks", "end"),
     [
         ([b""], "safe"),  # it ended before anything could move
-        ([b"H", b""], "gone"),
-        ([b"H..", b".", b""], "gone"),
-        ([b"H...", b".S", b""], "safe"),
-        ([b"H.SH..S", b""], "safe"),  # a check: two sessions
-        ([b"H.SH", b""], "gone"),
-        ([b"H.S", b"H.", b""], "gone"),
-        ([b"H"], "silent"),
-        ([b"H.SH", b"..."], "silent"),
+        ([b"O", b""], "gone"),
+        ([b"OS", b""], "safe"),  # a board cannot be opened
+        ([b"OA", b""], "gone"),
+        ([b"A..", b".", b""], "gone"),
+        ([b"A...", b".S", b""], "safe"),
+        ([b"A.SA..S", b""], "safe"),
+        ([b"OA.S", b"O", b"A..S", b""], "safe"),  # a check: two sessions
+        ([b"A.SA", b""], "gone"),
+        ([b"A.S", b"A.", b""], "gone"),
+        ([b"O"], "stuck"),
+        ([b"OA.SO", b"..."], "stuck"),
+        ([b"A"], "silent"),
+        ([b"OA"], "silent"),
+        ([b"A.SA", b"..."], "silent"),
     ],
 )
-def test_end_of_the_loop_is_derived_from_its_signs(chunks, end):
-    assert _watch(signs(*chunks), lambda: None, 0.01) == end
+def test_end_of_the_loop_is_derived_from_its_messages(chunks, end):
+    limits = {"stalled_s": 0.01, "opening_s": 0.02}
+    assert _watch(messages(*chunks), lambda: None, limits) == end
+
+
+LIMITS = {"stalled_s": 0.5, "opening_s": 3.0}
+#: Waits after which a loop that drives the rig is silent.
+STALLED = round(LIMITS["stalled_s"] / BEAT_S)
 
 
 class Waits(queue.SimpleQueue):
-    """Signs of a loop; each None is a timeout."""
+    """Messages of a loop; each None is a timeout."""
 
     def __init__(self, *chunks):
         self.left = list(chunks)
@@ -70,24 +82,35 @@ class Waits(queue.SimpleQueue):
         return chunk
 
 
-def test_silence_of_a_rig_that_is_safe_is_waited_out_with_signs_of_life_of_the_guardian():
+def test_silence_of_a_rig_that_is_safe_is_waited_out_with_heartbeats_of_the_guardian():
     beats = []
-    told = Waits(*[None] * 30, b"H", b".S", *[None] * 30, b"")
-    assert _watch(told, lambda: beats.append(1), 0.5) == "safe"
+    told = Waits(*[None] * 30, b"A", b".S", *[None] * 30, b"")
+    assert _watch(told, lambda: beats.append(1), LIMITS) == "safe"
     assert len(beats) == 63
 
 
 def test_silence_is_counted_in_waits_so_that_a_guardian_that_was_stopped_hears_first():
-    stalled = round(0.5 / BEAT_S)
-    nearly = [None] * (stalled - 1)
-    assert _watch(Waits(b"H", *nearly, b".", *nearly, b"S", b""), lambda: None, 0.5) == "safe"
-    assert _watch(Waits(b"H", *nearly, b".", *nearly, None), lambda: None, 0.5) == "silent"
+    nearly = [None] * (STALLED - 1)
+    assert _watch(Waits(b"A", *nearly, b".", *nearly, b"S", b""), lambda: None, LIMITS) == "safe"
+    assert _watch(Waits(b"A", *nearly, b".", *nearly, None), lambda: None, LIMITS) == "silent"
+
+
+def test_boards_that_take_long_to_open_are_waited_for_but_not_without_end():
+    nearly = [None] * (round(LIMITS["opening_s"] / BEAT_S) - 1)
+    assert len(nearly) > STALLED
+    for opened in (b"A.S", b"S"):
+        assert _watch(Waits(b"O", *nearly, opened, b""), lambda: None, LIMITS) == "safe"
+    assert _watch(Waits(b"O", *nearly, None), lambda: None, LIMITS) == "stuck"
+    # once they are open, silence is no longer tolerated
+    waits = Waits(b"O", *nearly, b"A", *[None] * STALLED, *nearly)
+    assert _watch(waits, lambda: None, LIMITS) == "silent"
+    assert waits.left == nearly
 
 
 def test_end_of_the_output_is_passed_on():
     told = queue.SimpleQueue()
-    _listen(SimpleNamespace(stdout=io.BytesIO(b"H.S")), told)
-    assert [told.get(), told.get()] == [b"H.S", b""]
+    _listen(SimpleNamespace(stdout=io.BytesIO(b"A.S")), told)
+    assert [told.get(), told.get()] == [b"A.S", b""]
 
 
 VENTED = "both chambers are vented, as their sensors show"

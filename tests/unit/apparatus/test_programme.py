@@ -1,12 +1,16 @@
+import hashlib
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from fprc.apparatus.programme import names, plan
+from fprc.apparatus.record import record_on_rig
 from fprc.config import Settings
 from fprc.devices import Readings
 from fprc.errors import ConfigError, ControlError
 from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS
-from fprc.models import FPRC, save_model
+from fprc.models import ESN, FPRC, FuzzyLinear, save_model
 from fprc.signals import pressure_command
 
 NOW = Readings(0.0, 1.0, 20.0, 2.0, 100.0, 0.0)
@@ -99,3 +103,92 @@ def test_reference_that_the_rig_cannot_follow_is_refused(settings):
     settings["tracking"]["references"]["sine_0p5"]["amplitude_deg"] = 80.0
     with pytest.raises(ControlError, match="leaves the actuator's range"):
         plan("track_sine_0p5_pd", settings, "")
+
+
+@pytest.mark.parametrize("reference", ["sine_0p2", "complex"])
+@pytest.mark.parametrize(
+    ("controller", "acts"),
+    [("fprc", (True, False)), ("fprc_pd", (True, True)), ("pd", (False, True))],
+)
+def test_law_has_the_feedforward_and_the_feedback_of_its_name(
+    settings, model, reference, controller, acts
+):
+    law = plan(f"track_{reference}_{controller}", settings, model).law
+    row = law(0, NOW._replace(theta_deg=0.0))
+    assert tuple(p_kpa != 0.0 for p_kpa in row[3:]) == acts
+
+
+@pytest.mark.parametrize("armed", [True, False])
+@pytest.mark.parametrize("controller", ["fprc", "fprc_pd"])
+def test_law_without_the_feedforward_of_its_name_does_not_start(
+    settings, tmp_path, monkeypatch, controller, armed
+):
+    monkeypatch.setattr("fprc.apparatus.record.guard", None)
+    name = f"track_sine_0p2_{controller}"
+    with pytest.raises(ControlError, match=f"{controller} needs a fitted fprc .*; give --model"):
+        record_on_rig(str(tmp_path / "raw.h5"), name=name, settings=settings, armed=armed)
+
+
+@pytest.fixture(scope="module")
+def files(model, recorded, tmp_path_factory):
+    """Files of models, and of what is none."""
+    log, folder = recorded["sweep"], tmp_path_factory.mktemp("models")
+    inputs = np.column_stack([log["theta_deg"], log["p_o_kpa"], log["p_i_kpa"]])
+    fitted = {
+        "Fuzzy-linear": (FuzzyLinear(n_c=2, random_state=1), 1),
+        "ESN": (ESN(r=5, random_state=1), 1),
+        "FPRC of three inputs": (FPRC(n_c=2, random_state=1), 3),
+    }
+    for name, (each, count) in fitted.items():
+        each.fit(inputs[:, :count], log["p_exp_command_kpa"])
+        save_model(each, folder / f"{name}.h5")
+    return {"FPRC": model} | {name: str(folder / f"{name}.h5") for name in fitted}
+
+
+@pytest.mark.parametrize("armed", [True, False])
+@pytest.mark.parametrize("controller", ["fprc", "fprc_pd"])
+@pytest.mark.parametrize(
+    ("file", "said"),
+    [
+        ("Fuzzy-linear", "is a FuzzyLinear, must be a FPRC; give --model a file of fprc"),
+        ("ESN", "is a ESN, must be a FPRC; give --model a file of fprc"),
+        ("FPRC of three inputs", "was fitted to 3 inputs, must have 2, theta_deg and p_o_kpa"),
+    ],
+)
+def test_model_that_is_not_the_one_in_the_name_of_the_log_is_refused_before_anything_starts(
+    settings, files, tmp_path, monkeypatch, file, said, controller, armed
+):
+    monkeypatch.setattr("fprc.apparatus.record.guard", None)
+    name = f"track_sine_0p2_{controller}"
+    with pytest.raises(ConfigError) as caught:
+        record_on_rig(
+            str(tmp_path / "raw" / "log.h5"),
+            name=name,
+            settings=settings,
+            armed=armed,
+            model=files[file],
+        )
+    assert f"{files[file]}, the model of {name}, {said}" in str(caught.value)
+    assert not list(tmp_path.iterdir())
+
+
+def test_outside_model_is_compared_with_its_own_class(settings, files):
+    settings["models"]["others"]["mine"] = {
+        "estimator": "fprc.models.FuzzyLinear",
+        "inputs": ["theta_deg"],
+        "settings": {},
+    }
+    planned = plan("track_sine_0p2_mine", settings, files["Fuzzy-linear"])
+    assert planned.attributes["model"] == "FuzzyLinear"
+    with pytest.raises(ConfigError, match="is a FPRC, must be a FuzzyLinear"):
+        plan("track_sine_0p2_mine", settings, files["FPRC"])
+
+
+def test_log_names_the_model_that_runs(settings, files):
+    told = plan("track_sine_0p2_fprc_pd", settings, files["FPRC"]).attributes
+    digest = hashlib.sha256(Path(files["FPRC"]).read_bytes()).hexdigest()
+    assert [told[name] for name in ("model", "model_file", "model_sha256")] == [
+        "FPRC", "fprc.h5", digest,
+    ]  # fmt: skip
+    alone = plan("track_sine_0p2_pd", settings, files["FPRC"]).attributes
+    assert not [name for name in alone if name.startswith("model")]

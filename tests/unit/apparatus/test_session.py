@@ -37,11 +37,11 @@ def stop(clocks, monkeypatch):
     return Stop(0.5, monotonic=clocks.monotonic, boottime=clocks.boottime)
 
 
-def test_run_continues_while_the_guardian_gives_signs(stop, clocks):
+def test_run_continues_while_the_guardian_sends_heartbeats(stop, clocks):
     for _ in range(5):
         clocks.ran_s += 0.4
         assert stop() == ""
-        stop._sign_s = clocks.ran_s
+        stop._heartbeat_s = clocks.ran_s
 
 
 def test_guardian_that_is_silent_ends_the_run(stop, clocks):
@@ -49,8 +49,8 @@ def test_guardian_that_is_silent_ends_the_run(stop, clocks):
     assert stop() == ""
     clocks.ran_s += 0.02
     assert "has been silent for 0.51 s (hardware.loop.stalled_s)" in stop()
-    # and a later sign does not change that
-    stop._sign_s = clocks.ran_s
+    # and a later heartbeat does not change that
+    stop._heartbeat_s = clocks.ran_s
     assert "has been silent for 0.51 s" in stop()
 
 

@@ -121,11 +121,13 @@ def test_types_of_the_calls_are_declared(library):
     assert library.AioMultiAiEx.restype is ctypes.c_long
 
 
-def test_missing_library_says_where_to_get_it(tmp_path):
-    path = str(tmp_path / "libcaio.so")
+@pytest.mark.parametrize(
+    ("name", "shown"), [("libcaio.so", "libcaio.so"), ("lib\0caio.so", r"lib\x00caio.so")]
+)
+def test_missing_library_says_where_to_get_it(tmp_path, name, shown):
     with pytest.raises(DeviceError) as caught:
-        load_library(path)
-    assert str(caught.value).startswith(f"driver {path}: cannot be loaded (")
+        load_library(str(tmp_path / name))
+    assert str(caught.value).startswith(f"driver {tmp_path / shown}: cannot be loaded (")
     assert "API-AIO(LNX) from contec.com, or set hardware.boards.library" in str(caught.value)
 
 

@@ -1,7 +1,10 @@
 import errno
+import logging
 import os
 import subprocess
 import sys
+from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -86,10 +89,92 @@ def test_lock_that_cannot_be_opened_is_no_leave_to_go_on(tmp_path):
     assert not (tmp_path / "elsewhere").exists()
 
 
-def test_folder_of_the_system_is_used_where_none_is_given(tmp_path, monkeypatch):
-    monkeypatch.setattr(locks, "_SHARED", (tmp_path / "absent", tmp_path))
-    with locked(["AIO000"]):
-        assert (tmp_path / "fprc-AIO000.lock").exists()
+@pytest.fixture
+def folders(tmp_path, monkeypatch):
+    """Two folders of the system; ``folders.deny(name, ...)`` makes some read-only for this user."""
+    shared = {name: tmp_path / name for name in ("run", "tmp")}
+    for folder in shared.values():
+        folder.mkdir()
+    monkeypatch.setattr(locks, "_SHARED", tuple(shared.values()))
+    denied, real = set(), os.open
+
+    def open_(path, flags, *mode):
+        if flags & os.O_CREAT and Path(path).parent in denied:
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+        return real(path, flags, *mode)
+
+    def deny(*names):
+        denied.clear()
+        denied.update(shared[name] for name in names)
+
+    monkeypatch.setattr(os, "open", open_)
+    return SimpleNamespace(**shared, deny=deny, shared=tuple(shared.values()))
+
+
+@pytest.mark.parametrize("denied", [(), ("run",), ("tmp",)])
+def test_each_folder_of_the_system_that_can_be_written_has_a_lock(folders, denied, caplog):
+    folders.deny(*denied)
+    caplog.set_level(logging.INFO)
+    with locked(BOARDS) as files:
+        found = [folder.name for folder in folders.shared if list(folder.iterdir())]
+        assert found == [name for name in ("run", "tmp") if name not in denied]
+        assert len(files) == 2 * len(found)
+    assert caplog.messages == [
+        f"boards are locked in one folder only, not in {getattr(folders, name)} (Permission "
+        "denied); two users need one in common (hardware.boards.lock_folder)"
+        for name in denied
+    ]
+
+
+@pytest.mark.parametrize("first", [(), ("run",)])
+@pytest.mark.parametrize("second", [(), ("run",)])
+def test_users_of_whom_one_cannot_write_everywhere_exclude_each_other(folders, first, second):
+    folders.deny(*first)
+    with locked(BOARDS):
+        folders.deny(*second)
+        with pytest.raises(DeviceError, match="AIO000 is in use by process"), locked(BOARDS):
+            pass
+    with locked(BOARDS):
+        pass
+
+
+def test_user_who_can_write_nowhere_is_refused_and_both_folders_are_named(folders):
+    folders.deny("run", "tmp")
+    with (
+        pytest.raises(DeviceError, match=r"run/.*\(Permission denied\) and .*tmp/.*lock_folder"),
+        locked(BOARDS),
+    ):
+        pass
+
+
+def test_lock_that_another_user_made_can_be_held_where_none_can_be_created(folders):
+    with locked(BOARDS):
+        pass
+    folders.deny("run")
+    with locked(BOARDS) as files:
+        assert len(files) == 4
+
+
+def test_folder_with_two_names_is_locked_once(folders, monkeypatch):
+    folders.run.rmdir()
+    folders.run.symlink_to(folders.tmp)
+    with locked(BOARDS) as files:
+        assert len(files) == 2
+
+
+def test_link_in_the_place_of_a_lock_is_refused_in_every_folder(folders):
+    (folders.run / "fprc-AIO000.lock").symlink_to(folders.run / "elsewhere")
+    with pytest.raises(DeviceError, match=r"run/fprc-AIO000\.lock cannot be"), locked(BOARDS):
+        pass
+
+
+def test_system_without_a_folder_for_locks_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(locks, "_SHARED", (tmp_path / "absent", tmp_path / "missing"))
+    with (
+        pytest.raises(DeviceError, match=r"absent, .*missing; .* hardware\.boards\.lock_folder"),
+        locked(BOARDS),
+    ):
+        pass
 
 
 def test_missing_folder_is_named(tmp_path):

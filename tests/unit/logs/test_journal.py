@@ -3,6 +3,7 @@ import os
 import struct
 import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -320,6 +321,86 @@ def test_end_mark_that_cannot_be_written_is_reported_and_loses_no_sample(path, m
             journal.close()
     ticks, findings = read_ticks(path)
     assert (ticks, findings.closed) == ([0], False)
+
+
+def empty(path):
+    path.write_bytes(b"")
+
+
+def cut(path):
+    os.truncate(path, path.stat().st_size - 1)
+
+
+def replace(path):
+    path.unlink()
+    path.write_bytes(bytes(10_000))
+
+
+def move_folder(path):
+    path.parent.rename(path.parent.with_name("elsewhere"))
+
+
+LOSSES = [
+    (Path.unlink, r"was deleted, moved or unmounted \(No such file or directory\)"),
+    (move_folder, r"was deleted, moved or unmounted \(No such file or directory\)"),
+    (replace, r"was deleted"),
+    (empty, r"was cut from \d+ to 0 bytes"),
+    (cut, r"was cut from \d+ to \d+ bytes"),
+]
+
+
+@pytest.mark.parametrize(("lose", "said"), LOSSES)
+def test_journal_that_is_lost_takes_no_further_sample(tmp_path, lose, said):
+    path = tmp_path / "folder" / "run.journal"
+    journal = Journal(path, NAMES, ATTRIBUTES, sync_s=0.001)
+    for k in range(3):
+        journal.append(k, row(k))
+    lose(path)
+    journal._syncing.join(10.0)
+    with pytest.raises(LogError, match=rf"run\.journal {said} during the run"):
+        journal.append(3, row(3))
+    journal.close()  # the caller knows
+
+
+@pytest.mark.parametrize(("lose", "said"), LOSSES)
+def test_journal_that_is_lost_after_the_last_sample_is_found_out_when_it_is_closed(
+    tmp_path, lose, said
+):
+    path = tmp_path / "folder" / "run.journal"
+    journal = Journal(path, NAMES, ATTRIBUTES, sync_s=1e6)
+    for k in range(3):
+        journal.append(k, row(k))
+    lose(path)
+    with pytest.raises(LogError, match=rf"run\.journal {said} during the run"):
+        journal.close()
+    journal.close()
+
+
+def test_sync_that_failed_after_the_last_sample_is_told_when_the_journal_is_closed(
+    path, monkeypatch
+):
+    def broken(file):
+        raise OSError(errno.EIO, "Input/output error")
+
+    journal = Journal(path, NAMES, ATTRIBUTES, sync_s=0.001)
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "fsync", broken)
+        journal.append(0, row(0))
+        journal._syncing.join(10.0)
+    with pytest.raises(LogError, match="may not have reached the disk"):
+        journal.close()
+    assert not read_ticks(path)[1].complete
+
+
+@given(st.lists(st.integers(1, 40), max_size=6))
+def test_journal_that_is_whole_is_never_taken_for_lost(tmp_path_factory, stretches):
+    path = tmp_path_factory.mktemp("whole") / "run.journal"
+    with Journal(path, NAMES, ATTRIBUTES, sync_s=1e6) as journal:
+        for stretch in stretches:
+            first = journal.samples
+            for k in range(first, first + stretch):
+                journal.append(k, row(k))
+            assert journal._loss() == ""
 
 
 def test_journal_whose_header_does_not_fit_is_not_left_behind(path, monkeypatch):

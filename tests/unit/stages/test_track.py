@@ -56,7 +56,7 @@ def test_every_controller_has_its_raw_log_with_what_it_was(logs, settings):
         assert found["experiment"] == f"track_sine_0p5_{name}"
         assert (found["source"], found["simulated"]) == ("sim", True)
         assert (found["settle_s"], found["seed"], found["sample_rate_hz"]) == (0.5, 1, 200.0)
-        assert "aborted" not in found
+        assert "incomplete_reason" not in found
         assert found["rig"]["control"] == json.loads(json.dumps(settings["control"]))
 
 
@@ -170,7 +170,7 @@ def test_aborted_run_keeps_its_rows_and_says_why(
     assert made_safe == [[0.0, 0.0]] * 2
     assert sorted(p.name for p in tmp_path.iterdir()) == ["fprc.aborted.h5", "pd.h5"]
     kept = read_columns(tmp_path / "fprc.aborted.h5", NAMES if at else ())
-    assert f"sample {at}:" in kept.attributes["aborted"]
+    assert f"sample {at}:" in kept.attributes["incomplete_reason"]
     assert kept.attributes["controller"] == "fprc"
     with h5py.File(tmp_path / "fprc.aborted.h5") as file:
         assert {len(file[name]) for name in NAMES} == {at}

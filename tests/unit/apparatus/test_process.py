@@ -1,0 +1,216 @@
+"""Samples of a run whose journal is lost; the rig runs on its bench's clock."""
+
+import os
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fprc.apparatus import process
+from fprc.control import RunAbortedError
+from fprc.errors import LogError
+from fprc.logs import Journal, read_journal, read_raw
+
+TICKS = 40
+#: Tick before which the journal is lost.
+LOST = 10
+
+
+@pytest.fixture
+def places(tmp_path, monkeypatch):
+    """Folders of the log, of the user and of temporary files."""
+    found = {name: tmp_path / name for name in ("raw", "home", "temporary")}
+    for folder in found.values():
+        folder.mkdir()
+    monkeypatch.chdir(found["home"])
+    monkeypatch.setattr(tempfile, "tempdir", str(found["temporary"]))
+    return found
+
+
+@pytest.fixture
+def record(bench, settings, live_by, places, monkeypatch):
+    """Record some ticks of the sweep; lose the journal before one; return error and last tick.
+
+    That tick waits until the journal's thread has noticed it; at the last tick, ``close`` has to.
+    """
+    settings["experiments"]["sweep"]["duration_s"] = 2.0
+    plan = process.plan
+
+    def cut_short(*arguments):
+        return plan(*arguments)._replace(samples=TICKS)
+
+    def record(lose, at=LOST):
+        journals, last = [], at == TICKS - 1
+
+        def at_tick(tick):
+            if tick == at:
+                lose(journals[0].path)
+                if not last:
+                    journals[0]._syncing.join(10.0)
+
+        def open_journal(*arguments):
+            journals.append(Journal(*arguments, sync_s=1e6 if last else 1e-3))
+            return journals[0]
+
+        monkeypatch.setattr(process, "plan", cut_short)
+        monkeypatch.setattr(process, "Journal", open_journal)
+        sessions, _ = live_by(bench, at_tick)
+        with pytest.raises((RunAbortedError, LogError)) as caught:
+            process.record(
+                "sweep", str(places["raw"] / "sweep.h5"), settings=settings, stop=lambda: ""
+            )
+        assert list(bench.shared.outputs[:2]) == [0.0, 0.0]
+        return str(caught.value), sessions[-1].tick
+
+    return record
+
+
+def cut(path):
+    os.truncate(path, 1000)
+
+
+def overwrite(path):
+    with path.open("r+b") as file:
+        file.write(bytes(path.stat().st_size))
+
+
+def delete_folder(path):
+    path.unlink()
+    path.parent.rmdir()
+
+
+def move_folder(path):
+    path.parent.rename(path.parent.with_name("moved"))
+
+
+def delete_both(path):
+    delete_folder(path)
+    Path.cwd().rmdir()
+
+
+def unmount(path):
+    """Leave another folder of that name, as an unmounted disk does."""
+    move_folder(path)
+    path.parent.mkdir()
+    stat = Path.stat
+
+    def other_device(self, **how):
+        found = stat(self, **how)
+        if self == path.parent:
+            found = os.stat_result((*found[:2], found.st_dev + 1, *found[3:10]))
+        return found
+
+    return other_device
+
+
+def rescued(places):
+    """Return the name of the place of the log that was rescued, and the log."""
+    ((place, path),) = [
+        (name, path)
+        for name, folder in places.items()
+        if folder.is_dir()
+        for path in folder.rglob("*.rescued.h5")
+    ]
+    log = read_raw(path, experiment="sweep", sample_rate_hz=200.0, rate_tolerance=1e-6)
+    return place, path, log
+
+
+LOSSES = [
+    (Path.unlink, "was deleted, moved or unmounted (No such file", "raw"),
+    (cut, "was cut from ", "raw"),
+    (delete_folder, "was deleted, moved or unmounted (No such file", "home"),
+    (move_folder, "was deleted, moved or unmounted (No such file", "home"),
+    (delete_both, "was deleted, moved or unmounted (No such file", "temporary"),
+]
+
+
+@pytest.mark.parametrize(("lose", "said", "place"), LOSSES)
+@pytest.mark.parametrize("at", [1, LOST, TICKS - 2])
+def test_run_whose_journal_is_lost_stops_and_saves_every_sample(
+    record, places, lose, said, place, at
+):
+    error, last = record(lose, at)
+    assert last == at
+    found, path, log = rescued(places)
+    assert (found, f"{path} has all of them" in error) == (place, True)
+    assert f"holds 0 of {at + 1} samples" in error
+    for text in (error, log.attributes["incomplete_reason"]):
+        assert f"run stopped at sample {at}: " in text
+        assert said in text
+    assert log.channels["time_s"] == pytest.approx(np.arange(at + 1) / 200.0)
+    assert np.ptp(log.channels["p_exp_kpa"]) > 0.0
+    assert (log.attributes["complete"], log.attributes["source"]) == (False, "rig")
+    assert "started" in log.attributes
+    assert log.attributes["statistics"]["overruns"] == 0
+
+
+@pytest.mark.parametrize(("lose", "said", "place"), LOSSES)
+def test_journal_that_is_lost_at_the_last_sample_costs_none(record, places, lose, said, place):
+    error, last = record(lose, TICKS - 1)
+    assert last == TICKS - 1
+    found, path, log = rescued(places)
+    assert (found, f"{path} has all of them" in error) == (place, True)
+    assert error.startswith("the run was complete, but not its log\n")
+    assert said in error
+    assert len(log.channels["time_s"]) == TICKS
+    assert log.attributes["complete"]
+    assert not (places["raw"] / "sweep.h5").exists()
+
+
+def test_journal_that_was_overwritten_is_replaced_when_the_run_has_ended(record, places):
+    error, last = record(overwrite, TICKS - 1)
+    assert last == TICKS - 1
+    _, path, log = rescued(places)
+    assert f"{path} has all of them" in error
+    assert len(log.channels["time_s"]) == TICKS
+
+
+def test_folder_whose_disk_was_unmounted_is_not_written_to(record, places, monkeypatch):
+    def lose(path):
+        monkeypatch.setattr(Path, "stat", unmount(path))
+
+    error, _ = record(lose)
+    monkeypatch.undo()
+    assert "deleted, moved or unmounted" in error
+    assert rescued(places)[0] == "home"
+    assert not list(places["raw"].iterdir())
+
+
+def test_full_disk_in_mid_run_costs_no_sample(record, places, monkeypatch):
+    append = Journal.append
+
+    def full(journal, tick, row):
+        if tick == LOST:
+            raise LogError("no space left on device")
+        append(journal, tick, row)
+
+    monkeypatch.setattr(Journal, "append", full)
+    error, _ = record(lambda path: None, at=-1)
+    _, path, log = rescued(places)
+    (journal,) = places["raw"].glob("*.journal")
+    assert f"{journal} holds {LOST} of {LOST + 1} samples; {path} has all of them" in error
+    assert len(log.channels["time_s"]) == LOST + 1
+    assert read_journal(journal)[2].samples == LOST
+
+
+def test_samples_that_can_be_saved_nowhere_are_said_to_be_lost(record, monkeypatch):
+    def refuse(*arguments, **attributes):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("fprc.logs.recovery.write_raw", refuse)
+    error, _ = record(cut)
+    assert f"holds 0 of {LOST + 1} samples; the others are lost" in error
+    assert error.count("No space left on device") == 3
+
+
+def test_log_that_cannot_be_written_leaves_the_journal_and_says_so(record, places, monkeypatch):
+    def refuse(*arguments, **attributes):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("fprc.logs.recovery.write_raw", refuse)
+    error, _ = record(lambda path: None, at=-1)
+    (journal,) = places["raw"].glob("*.journal")
+    assert "No space left on device" in error
+    assert f"the run was complete; {TICKS} samples are in {journal}, copy them with: " in error
+    assert read_journal(journal)[2].complete
