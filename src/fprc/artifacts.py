@@ -3,6 +3,7 @@
 import errno
 import glob
 import json
+import math
 import os
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -14,7 +15,7 @@ if TYPE_CHECKING:  # most jobs write no table, and many take less time than impo
     from pandas import DataFrame
 
 from fprc import escape
-from fprc.errors import OutputError
+from fprc.errors import FprcError, OutputError
 
 _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 _NO_ACCESS = (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EEXIST, errno.EIO)
@@ -177,8 +178,40 @@ def write_json(path: Path | str, content: Mapping[str, Any]) -> None:
 
 
 def read_json(path: Path | str) -> dict[str, Any]:
-    """Read a JSON file."""
-    return json.loads(Path(path).read_text(encoding="utf-8"))
+    """Read a JSON file that holds an object.
+
+    Raises
+    ------
+    FprcError
+        It was cut or damaged, holds something else, or a number that is not finite.
+    """
+    try:
+        return parse_object(Path(path).read_text(encoding="utf-8"))
+    except (ValueError, RecursionError) as error:
+        raise FprcError(
+            f"{path}: {error}; it was damaged or edited: delete it, then repeat the command that "
+            "made it"
+        ) from error
+
+
+def parse_object(text: str) -> dict[str, Any]:
+    """Parse a JSON object whose numbers are finite.
+
+    Raises
+    ------
+    ValueError, RecursionError
+        The text is anything else.
+    """
+    content = json.loads(text, parse_float=_finite, parse_constant=_finite)
+    if not isinstance(content, dict):
+        raise ValueError("must be a JSON object")
+    return content
+
+
+def _finite(text: str) -> float:
+    if not math.isfinite(float(text)):
+        raise ValueError(f"{text[:40]} is not finite")
+    return float(text)
 
 
 def write_csv(path: Path | str, table: "DataFrame") -> None:

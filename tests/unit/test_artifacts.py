@@ -18,7 +18,7 @@ from fprc.artifacts import (
     write_json,
     write_text,
 )
-from fprc.errors import OutputError
+from fprc.errors import FprcError, OutputError
 
 
 def names(folder):
@@ -209,6 +209,18 @@ def test_json_that_no_reader_takes_is_refused(tmp_path, value):
     with pytest.raises(ValueError, match="Out of range"):
         write_json(tmp_path / "a.json", {"x": value})
     assert read_json(tmp_path / "a.json") == {"x": 1.0}
+
+
+@pytest.mark.parametrize(
+    "content",
+    [b"", b"{", b'{"x": 1', b"[]", b"null", b'"text"', b'{"x": NaN}', b'{"x": [-Infinity]}',
+     b'{"x": 1e999}', b"\xff\xfe", b"\0" * 100, b"[" * 100_000, b'{"x": 1} {}'],
+    ids=lambda content: repr(content[:20]),
+)  # fmt: skip
+def test_damaged_json_is_an_error_that_names_the_file(tmp_path, content):
+    (tmp_path / "a.json").write_bytes(content)
+    with pytest.raises(FprcError, match=r"a\.json: "):
+        read_json(tmp_path / "a.json")
 
 
 def test_table_has_six_significant_digits_and_empty_cells_where_nothing_is_known(tmp_path):
