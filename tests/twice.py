@@ -90,9 +90,10 @@ KINDS = {
 
 
 def give_measurements(first: Path, second: Path) -> None:
-    """Put the first results' measured times among the second's."""
+    """Put the first results' measured times among the second's, with their digests."""
     for name in MEASURED:
-        shutil.copyfile(first / name, second / name)
+        for file in (name, f"digests/{name}.sha256"):
+            shutil.copyfile(first / file, second / file)
 
 
 def files(results: Path) -> dict[str, Path]:

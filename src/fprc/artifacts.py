@@ -1,20 +1,27 @@
-"""Atomic writing of result files: whole or not at all."""
+"""Result files, written whole or not at all, and checkpoints."""
 
 import errno
 import glob
 import json
+import logging
+import math
 import os
 import re
+import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from itertools import takewhile
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Any
+from zlib import crc32
 
 if TYPE_CHECKING:  # most jobs write no table, and many take less time than importing pandas
     from pandas import DataFrame
 
 from fprc import escape
-from fprc.errors import OutputError
+from fprc.errors import FprcError, OutputError
+
+log = logging.getLogger(__name__)
 
 _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 _NO_ACCESS = (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EEXIST, errno.EIO)
@@ -91,23 +98,97 @@ def explaining(path: Path | str) -> Iterator[None]:
 
 
 @contextmanager
-def appending(path: Path | str) -> Iterator[Callable[[str], None]]:
-    """Yield a function that appends a line to a file and syncs it to the disk.
+def exclusive(path: Path | str) -> Iterator[IO[bytes]]:
+    """Open a file to read and append, which no other process may do until the block ends.
+
+    Where the system or the file system has no locks, no process is refused.
 
     Raises
     ------
     OutputError
-        The disk is full or the folder cannot be written to.
+        Another process has the file, the disk is full, or the folder cannot be written to.
     """
-    # closing the file flushes it, which fails again on a full disk: explain that error too
-    with explaining(path), open(path, "a", encoding="utf-8") as file:
+    while True:
+        with explaining(path):
+            Path(path).parent.mkdir(parents=True, exist_ok=True)
+            file = open(path, "a+b")
+        with file:
+            _lock(file, path)
+            opened = os.fstat(file.fileno())
+            # if its last user has deleted the file before we had the lock, there is another or none
+            if os.path.exists(path) and os.path.samestat(opened, os.stat(path)):
+                yield file
+                return
 
-        def append(line: str) -> None:
-            file.write(f"{line}\n")
-            file.flush()
-            os.fsync(file.fileno())
 
-        yield append
+def _lock(file: IO[bytes], path: Path | str) -> None:
+    try:
+        import fcntl
+
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError as error:
+        raise OutputError(
+            f"{path}: another process is writing it; wait until that ends, or stop it, or choose "
+            "another folder"
+        ) from error
+    except (ImportError, OSError):
+        return
+
+
+@contextmanager
+def resuming(
+    path: Path | str, head: Any, *, keep: bool = False
+) -> Iterator[tuple[list[Any], Callable[[Any], None]]]:
+    """Yield the entries of a checkpoint, and a function that appends one and syncs it to the disk.
+
+    The file is JSON lines, each a pair of CRC-32 and entry; the first entry is ``head``. A line
+    that was cut or damaged is dropped with all that follow. Other processes are refused meanwhile.
+
+    Parameters
+    ----------
+    head
+        What the entries depend on: a file with another head is begun anew.
+    keep : bool
+        Whether a copy of a file with another head is kept, with the suffix ``.old``.
+
+    Raises
+    ------
+    OutputError
+        Another process has the file, the disk is full, or the folder cannot be written to.
+    """
+    with exclusive(path) as file:
+
+        def append(entry: Any) -> None:
+            text = json.dumps(entry, allow_nan=False)
+            # closing the file flushes it, which fails again on a full disk: explain that error too
+            with explaining(path), open(path, "a", encoding="utf-8") as end:
+                end.write(f"[{crc32(text.encode())}, {text}]\n")
+                end.flush()
+                os.fsync(end.fileno())
+
+        file.seek(0)
+        lines = file.readlines()
+        entries = list(takewhile(lambda entry: entry is not None, map(_entry, lines)))
+        if entries[:1] != [head]:
+            entries = []
+            if lines and keep:
+                shutil.copyfile(path, f"{path}.old")
+                log.warning(
+                    "warning: %s is of other settings or other code, or its first line is damaged; "
+                    "it is kept as %s.old and begun anew",
+                    path,
+                    path,
+                )
+        file.truncate(sum(map(len, lines[: len(entries)])))
+        if not entries:
+            append(head)
+        yield entries[1:], append
+
+
+def _entry(line: bytes) -> Any:
+    """Return the entry of a checkpoint's line; None if the line was cut or damaged."""
+    match = re.fullmatch(rb"\[(\d{1,10}), (.+)\]\n", line)
+    return json.loads(match[2]) if match and int(match[1]) == crc32(match[2]) else None
 
 
 def leftovers(folder: Path, name: str | None = None) -> list[Path]:
@@ -177,8 +258,40 @@ def write_json(path: Path | str, content: Mapping[str, Any]) -> None:
 
 
 def read_json(path: Path | str) -> dict[str, Any]:
-    """Read a JSON file."""
-    return json.loads(Path(path).read_text(encoding="utf-8"))
+    """Read a JSON file that holds an object.
+
+    Raises
+    ------
+    FprcError
+        It was cut or damaged, holds something else, or a number that is not finite.
+    """
+    try:
+        return parse_object(Path(path).read_text(encoding="utf-8"))
+    except (ValueError, RecursionError) as error:
+        raise FprcError(
+            f"{path}: {error}; it was damaged or edited: delete it, then repeat the command that "
+            "made it"
+        ) from error
+
+
+def parse_object(text: str) -> dict[str, Any]:
+    """Parse a JSON object whose numbers are finite.
+
+    Raises
+    ------
+    ValueError, RecursionError
+        The text is anything else.
+    """
+    content = json.loads(text, parse_float=_finite, parse_constant=_finite)
+    if not isinstance(content, dict):
+        raise ValueError("must be a JSON object")
+    return content
+
+
+def _finite(text: str) -> float:
+    if not math.isfinite(float(text)):
+        raise ValueError(f"{text[:40]} is not finite")
+    return float(text)
 
 
 def write_csv(path: Path | str, table: "DataFrame") -> None:

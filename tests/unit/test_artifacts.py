@@ -1,5 +1,7 @@
 import errno
+import fcntl
 import os
+import resource
 import subprocess
 import sys
 
@@ -8,17 +10,18 @@ import pandas as pd
 import pytest
 
 from fprc.artifacts import (
-    appending,
+    exclusive,
     leftovers,
     read_json,
     refuse_unwritable,
     replacing,
     replacing_all,
+    resuming,
     write_csv,
     write_json,
     write_text,
 )
-from fprc.errors import OutputError
+from fprc.errors import FprcError, OutputError
 
 
 def names(folder):
@@ -211,6 +214,18 @@ def test_json_that_no_reader_takes_is_refused(tmp_path, value):
     assert read_json(tmp_path / "a.json") == {"x": 1.0}
 
 
+@pytest.mark.parametrize(
+    "content",
+    [b"", b"{", b'{"x": 1', b"[]", b"null", b'"text"', b'{"x": NaN}', b'{"x": [-Infinity]}',
+     b'{"x": 1e999}', b"\xff\xfe", b"\0" * 100, b"[" * 100_000, b'{"x": 1} {}'],
+    ids=lambda content: repr(content[:20]),
+)  # fmt: skip
+def test_damaged_json_is_an_error_that_names_the_file(tmp_path, content):
+    (tmp_path / "a.json").write_bytes(content)
+    with pytest.raises(FprcError, match=r"a\.json: "):
+        read_json(tmp_path / "a.json")
+
+
 def test_table_has_six_significant_digits_and_empty_cells_where_nothing_is_known(tmp_path):
     table = pd.DataFrame({"name": ["a", "b"], "x": [1.23456789e-5, np.nan], "n": [1, 2]})
     write_csv(tmp_path / "a.csv", table)
@@ -224,18 +239,80 @@ def test_same_table_gives_the_same_bytes(tmp_path):
     assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
 
 
-def test_lines_are_appended_one_by_one(tmp_path):
+def test_entry_is_in_the_file_as_soon_as_it_was_appended(tmp_path):
+    file = tmp_path / "new/cells.jsonl"
+    for before in ([], [[1.5, None]]):
+        with resuming(file, {"key": "θ"}) as (entries, append):
+            assert entries == before
+            append([1.5, None])
+            assert len(file.read_text().splitlines()) == 2 + len(before)
+
+
+def test_full_disk_is_reported_by_the_entry_and_not_by_closing_the_file(tmp_path):
     file = tmp_path / "cells.jsonl"
-    file.write_text("first\n")
-    with appending(file) as append:
-        append("second")
-        assert file.read_text() == "first\nsecond\n"
-
-
-@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full on this system")
-def test_full_disk_is_reported_by_the_line_and_not_by_closing_the_file():
-    with pytest.raises(OutputError, match="No space left"), appending("/dev/full") as append:
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    with resuming(file, "head") as (_, append):
         append("a cell")
+        try:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (file.stat().st_size + 5, hard))
+            with pytest.raises(OutputError, match="File too large"):
+                append("another cell")
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    with resuming(file, "head") as (entries, _):
+        assert entries == ["a cell"]
+
+
+def test_errors_of_the_block_are_not_explained_by_the_file_that_it_holds(tmp_path):
+    with pytest.raises(PermissionError), exclusive(tmp_path / "lock"):
+        raise PermissionError(errno.EACCES, "of something else")
+
+
+def test_file_is_free_after_its_holder_was_killed(tmp_path):
+    file = tmp_path / "cells.jsonl"
+    code = (
+        "import sys, time\n"
+        "from fprc.artifacts import exclusive\n"
+        "with exclusive(sys.argv[1]):\n"
+        "    print(flush=True)\n"
+        "    time.sleep(60)\n"
+    )
+    command = [sys.executable, "-c", code, str(file)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE) as holder:
+        holder.stdout.readline()
+        with pytest.raises(OutputError, match=r"cells\.jsonl"), exclusive(file):
+            pass
+        holder.kill()
+        holder.wait(60)
+    with exclusive(file):
+        pass
+
+
+def test_file_that_was_deleted_while_it_was_opened_is_opened_again(tmp_path, monkeypatch):
+    """Else two processes could each hold a file of the same name."""
+    file = tmp_path / "cells.jsonl"
+    opened = []
+    flock = fcntl.flock
+
+    def slow(descriptor, how):
+        flock(descriptor, how)
+        opened.append(descriptor)
+        if len(opened) == 1:
+            file.unlink()
+
+    monkeypatch.setattr(fcntl, "flock", slow)
+    with exclusive(file) as held:
+        assert len(opened) == 2
+        assert os.path.samestat(os.fstat(held.fileno()), file.stat())
+
+
+def test_file_system_without_locks_refuses_nobody(tmp_path, monkeypatch):
+    def without(descriptor, how):
+        raise OSError(errno.ENOLCK, "No locks available")
+
+    monkeypatch.setattr(fcntl, "flock", without)
+    with exclusive(tmp_path / "a"), exclusive(tmp_path / "a"):
+        pass
 
 
 def test_numbers_of_a_mixed_column_are_written_as_they_are(tmp_path):

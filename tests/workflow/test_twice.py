@@ -12,6 +12,7 @@ import pytest
 from PIL import Image
 
 from fprc.fingerprint import _closure
+from fprc.provenance import write_digests
 
 pytestmark = pytest.mark.slow
 
@@ -76,6 +77,7 @@ def written(tmp_path):
         Image.fromarray(pixels).save(folder / "figures/fig01.png")
         for name in ("times", "times_over_n_c", "steps"):
             (folder / f"timing/{name}.json").write_text(str(time.monotonic()))
+            write_digests([str(folder / f"timing/{name}.json")], folder)
         return folder
 
     return write

@@ -85,6 +85,13 @@ def refused(name):
     return input_of
 
 
+def unchanged(name):
+    """Return a result that is no input of its job, or end the workflow if it was changed."""
+    path = placed(PATHS.below(name))
+    refuse_changed(RESULTS, [path])
+    return path
+
+
 def made_by_rules():
     """Return regular expressions of all files of the rules: outputs, logs, checkpoints."""
     checkpoints = [rule.params.get("checkpoint") for rule in workflow.rules]

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from fprc.evaluation.cells import run_cells
+from fprc.evaluation.cells import judging
 from fprc.evaluation.timing import interleaved
 from fprc.experiments.data import Data
 from fprc.experiments.grids import judge_cell
@@ -85,9 +85,11 @@ def growth(
 def _judged(
     judge: Callable[..., Any], cells: Sequence[Mapping[str, Any]], workers: int
 ) -> list[Any]:
-    with tempfile.TemporaryDirectory() as folder:
-        checkpoint = Path(folder, "cells.jsonl")
-        return run_cells(judge, cells, workers=workers, checkpoint=checkpoint, key="benchmark")
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        judging(workers=workers, checkpoint=Path(folder, "cells.jsonl"), key="benchmark") as run,
+    ):
+        return run(judge, cells)
 
 
 def peak_mb(run: Callable[[], object]) -> float:

@@ -7,21 +7,17 @@ the loss over the model, and judges the points that this proposes. It needs far 
 than a search by the loss alone, and resumes from a checkpoint after a kill.
 """
 
-import json
-import logging
 import math
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from joblib import Parallel, delayed, parallel_config
 from scipy.optimize import least_squares
 
-from fprc.artifacts import appending, write_text
-
-log = logging.getLogger(__name__)
+from fprc.artifacts import resuming
 
 #: Points of a generation: minima of the model within these multiples of the radius around the best
 #: point, the minimum around another good point, and points drawn around these.
@@ -128,9 +124,8 @@ def search(
         Standard deviation of the first points around the start, as a share of the cube's edge.
         There are twice as many of them as the cube has dimensions.
     checkpoint : path
-        JSON lines: first ``key``, then the judgements of each generation. A file with
-        another key is renamed and the search starts afresh; an incomplete last
-        line is dropped.
+        See ``artifacts.resuming``; the head is ``key`` with ``start``, ``step`` and ``seed``, the
+        entries are the judgements of each generation. A file with another head is kept.
     key : str
         Hash of everything that the judgements depend on.
     seconds : float
@@ -140,13 +135,12 @@ def search(
         least loss, and the time, s.
     """
     start = np.asarray(start, dtype=float)
-    settings = {"start": list(start), "step": step, "seed": seed}
-    known = _resume(Path(checkpoint), {"key": key} | settings)
+    head = {"key": key, "start": start.tolist(), "step": step, "seed": seed}
     archive, rng, radius = _Archive(deviations_of), np.random.default_rng(seed), _RADIUS
     first = -(-2 * start.size // _POPULATION)
     begun, done, judged = time.monotonic(), 0, 0
     with (
-        appending(checkpoint) as append,
+        resuming(checkpoint, head, keep=True) as (known, append),
         parallel_config("loky", inner_max_num_threads=1),
         Parallel(n_jobs=workers) as pool,
     ):
@@ -166,7 +160,7 @@ def search(
             else:
                 new = pool(delayed(judge)(point) for point in points)
                 archive.add(points, new)
-                append(json.dumps(new, allow_nan=False))
+                append(new)
                 progress(done + 1, generations, archive.least, time.monotonic() - begun)
             if done >= first:
                 better = archive.least < 0.999 * before
@@ -186,28 +180,3 @@ def _proposed(archive: _Archive, radius: float, rng: np.random.Generator) -> lis
     return points + [
         center + share * radius * rng.standard_normal(best.size) for center, share in around
     ]
-
-
-def _resume(checkpoint: Path, head: Mapping[str, Any]) -> list[list[list[float] | None]]:
-    """Return the judgements of the finished generations; rewrite the file for further ones."""
-    text = checkpoint.read_text(encoding="utf-8", errors="replace") if checkpoint.exists() else ""
-    first, *lines = text.splitlines() or [""]
-    known = []
-    if first and first != json.dumps(head):
-        old = checkpoint.with_name(f"{checkpoint.name}.old")
-        checkpoint.replace(old)
-        log.warning(
-            "warning: %s is of another start, other settings or other code, kept as %s; "
-            "the search starts afresh",
-            checkpoint,
-            old,
-        )
-    if first == json.dumps(head):
-        for line in lines:
-            try:
-                known.append(json.loads(line))
-            except json.JSONDecodeError:
-                break
-    entries = [head, *known]
-    write_text(checkpoint, "".join(json.dumps(entry) + "\n" for entry in entries))
-    return known

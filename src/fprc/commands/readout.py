@@ -11,7 +11,7 @@ from typing import Any
 from joblib import cpu_count
 from threadpoolctl import threadpool_limits
 
-from fprc.artifacts import read_json, write_json, write_text
+from fprc.artifacts import exclusive, read_json, write_json, write_text
 from fprc.claims.recording import sentences
 from fprc.commands.import_recording import checked_map, import_mapped
 from fprc.commands.models import refuse_repeats
@@ -76,7 +76,7 @@ def report_readout(
     LogError
         The recording cannot be used with this map.
     FprcError
-        A library that writes the tables is not installed.
+        A library that writes the tables is not installed, or another process writes into ``out``.
     """
     absent = [name for module, name in TABLE_WRITERS.items() if find_spec(module) is None]
     if absent:
@@ -94,21 +94,24 @@ def report_readout(
     folder = Path(out or Path("results", Path(source).stem))
     parts = _parts(source, mapping, train)
     _refuse_leftovers(folder / "raw", len(parts["sweep"]))
-    data = {name: _prepare(name, parts[name], settings, folder) for name in parts}
-    words = ("the first part", "the second part")
-    if train:
-        words = ("the training logs", "the test log")
-    judged = folder / "readout"
-    judged.mkdir(parents=True, exist_ok=True)
-    # the shorter task first: a run that is stopped during the longer one resumes there
-    competitors = _compete(data, judged, settings, workers or cpu_count())
-    results = _judge(data, judged, settings, workers or cpu_count(), words)
-    results["competitors"] = competitors
-    page = folder / "report.md"
-    write_text(page, report_page(parts, map_file, mapping, settings, folder, results))
-    for line in sentences(competitors["verdicts"]):
-        log.info("%s", line)
-    log.info("%s", page)
+    lock = folder / ".lock"
+    with exclusive(lock):
+        data = {name: _prepare(name, parts[name], settings, folder) for name in parts}
+        words = ("the first part", "the second part")
+        if train:
+            words = ("the training logs", "the test log")
+        judged = folder / "readout"
+        judged.mkdir(parents=True, exist_ok=True)
+        # the shorter task first: a run that is stopped during the longer one resumes there
+        competitors = _compete(data, judged, settings, workers or cpu_count())
+        results = _judge(data, judged, settings, workers or cpu_count(), words)
+        results["competitors"] = competitors
+        page = folder / "report.md"
+        write_text(page, report_page(parts, map_file, mapping, settings, folder, results))
+        for line in sentences(competitors["verdicts"]):
+            log.info("%s", line)
+        log.info("%s", page)
+        lock.unlink()
 
 
 def _refuse_leftovers(raw: Path, trained: int) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 
 from joblib import Parallel, delayed, parallel_config
 
-from fprc.artifacts import appending, write_text
+from fprc.artifacts import resuming
 
 log = logging.getLogger(__name__)
 
@@ -44,9 +44,7 @@ def judged_cells(
     files: Sequence[str] = (),
     progress: Callable[[int, int], None] = log_progress,
 ) -> Iterator[list[dict[str, Any]]]:
-    """Judge every cell as ``run_cells`` does; the ``with`` block then saves the results.
-
-    After the block the checkpoint is deleted, unless the block failed.
+    """Judge every cell as ``judging`` does; the ``with`` block then saves the results.
 
     Parameters
     ----------
@@ -55,50 +53,55 @@ def judged_cells(
         used only if all are the same.
     """
     key = checkpoint_key([settings, version], files)
-    yield run_cells(
-        judge, cells, workers=workers, checkpoint=checkpoint, key=key, progress=progress
-    )
-    Path(checkpoint).unlink()
+    with judging(workers=workers, checkpoint=checkpoint, key=key, progress=progress) as run:
+        yield run(judge, cells)
 
 
-def run_cells(
-    judge: Callable[[Cell], Mapping[str, Any]],
-    cells: Sequence[Cell],
+@contextmanager
+def judging(
     *,
     workers: int,
     checkpoint: Path | str,
     key: str,
     progress: Callable[[int, int], None] = lambda done, total: None,
-) -> list[dict[str, Any]]:
-    """Judge every cell in a pool of processes, each on one thread.
+) -> Iterator[Callable[..., list[dict[str, Any]]]]:
+    """Yield a function that judges cells in a pool of processes, each on one thread.
 
-    Each finished cell is written to the checkpoint at once; after a kill, the
-    next call computes only the cells that are missing there.
+    Each finished cell is written to the checkpoint at once; after a kill only the cells that are
+    missing there are computed. After the block the checkpoint is deleted, unless the block failed.
 
     Parameters
     ----------
-    judge : callable
-        Picklable; takes a cell and returns a JSON mapping.
     checkpoint : path
-        JSON lines: first ``key``, then one cell each. A file with another key or
-        none is overwritten; an incomplete last line is dropped.
+        See ``artifacts.resuming``; the head is ``key``, the entries are cells with their results.
     key : str
         Identifies everything else that the results depend on; see ``checkpoint_key``.
 
-    Returns
-    -------
-    list of dict
-        Cell and result merged, in the order of ``cells``.
+    Yields
+    ------
+    callable
+        Its first argument takes a cell and returns a JSON mapping, and is picklable; the second
+        are the cells. It returns cell and result merged, a dict for each, in the order of cells.
     """
-    checkpoint = Path(checkpoint)
-    finished = _resume(checkpoint, key)
-    pending = [cell for cell in cells if _name(cell) not in finished]
-    with appending(checkpoint) as append:
-        for cell, result in _results(judge, pending, workers):
-            finished[_name(cell)] = result
-            append(json.dumps({"cell": cell, "result": result}, allow_nan=False))
-            progress(sum(_name(cell) in finished for cell in cells), len(cells))
-    return [{**cell, **finished[_name(cell)]} for cell in cells]
+    with resuming(checkpoint, {"key": key}) as (kept, append):
+        finished = {_name(entry["cell"]): entry["result"] for entry in kept}
+
+        def run(
+            judge: Callable[[Cell], Mapping[str, Any]], cells: Sequence[Cell]
+        ) -> list[dict[str, Any]]:
+            names = [_name(cell) for cell in cells]
+            pending = [
+                cell for cell, name in zip(cells, names, strict=True) if name not in finished
+            ]
+            before = len(cells) - len(pending)
+            for done, (cell, result) in enumerate(_results(judge, pending, workers), before + 1):
+                append({"cell": cell, "result": result})
+                finished[_name(cell)] = result
+                progress(done, len(cells))
+            return [{**cell, **finished[name]} for cell, name in zip(cells, names, strict=True)]
+
+        yield run
+        Path(checkpoint).unlink()
 
 
 def _results(
@@ -115,22 +118,3 @@ def _judged(judge: Callable[[Cell], Mapping[str, Any]], cell: Cell) -> tuple[Cel
 
 def _name(cell: Cell) -> str:
     return json.dumps(cell, sort_keys=True)
-
-
-def _resume(checkpoint: Path, key: str) -> dict[str, dict[str, Any]]:
-    """Return the finished cells, and rewrite the file with them, so that others can be appended."""
-    text = checkpoint.read_text(encoding="utf-8", errors="replace") if checkpoint.exists() else ""
-    lines = text.splitlines()
-    finished = {}
-    if lines and lines[0] == json.dumps({"key": key}):
-        for line in lines[1:]:
-            try:
-                entry = json.loads(line)
-            except json.JSONDecodeError:
-                break
-            finished[_name(entry["cell"])] = entry["result"]
-    entries = [{"key": key}] + [
-        {"cell": json.loads(name), "result": result} for name, result in finished.items()
-    ]
-    write_text(checkpoint, "".join(json.dumps(entry) + "\n" for entry in entries))
-    return finished

@@ -9,6 +9,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+from fprc.artifacts import parse_object
 from fprc.errors import LogError
 
 #: Type of each known attribute; ``dict``: a JSON object.
@@ -134,22 +135,14 @@ def _of_kind(value: Any, kind: type) -> Any:
 
 def _object(name: str, text: str) -> dict[str, Any]:
     try:
-        content = json.loads(text, parse_float=_finite, parse_constant=_finite)
+        content = parse_object(text)
         # raises for lone surrogates such as \udce9
         json.dumps(content, ensure_ascii=False).encode("utf-8")
     except (ValueError, RecursionError) as error:
         raise LogError(f"= {reprlib.repr(text)}: must be a JSON object ({error})") from error
-    if not isinstance(content, dict):
-        raise LogError(f"= {reprlib.repr(text)}: must be a JSON object; see data/raw/README.md")
     if name == "notes" and not all(isinstance(note, str) for note in content.values()):
         raise LogError(f"= {reprlib.repr(text)}: must map each channel to a text")
     return content
-
-
-def _finite(text: str) -> float:
-    if not math.isfinite(float(text)):
-        raise ValueError(f"{text[:40]} is not finite")
-    return float(text)
 
 
 def as_written(value: Any) -> Any:

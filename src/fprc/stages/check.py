@@ -12,6 +12,7 @@ from PIL import Image, ImageChops
 from fprc.artifacts import leftovers, read_json
 from fprc.claims.ledger import changed_verdicts
 from fprc.errors import FprcError
+from fprc.provenance import changed_results
 from fprc.yaml_file import read_yaml
 
 log = logging.getLogger(__name__)
@@ -31,7 +32,7 @@ def check_results(
     made: Sequence[str],
     pictures: Mapping[str, str],
 ) -> None:
-    """Check verdicts, files and pictures.
+    """Check verdicts, results, files and pictures.
 
     A verdict on execution times that differs from the declared one is only a
     warning, since times differ between runs and machines.
@@ -50,8 +51,9 @@ def check_results(
     Raises
     ------
     FprcError
-        Lists every verdict that differs from the declared one, every file in the results folder
-        that no rule makes, and every picture that differs from its figure.
+        Lists every verdict that differs from the declared one, every result that was changed
+        after its rule wrote it, every file in the results folder that no rule makes, and every
+        picture that differs from its figure.
     """
     declared = read_yaml(verdicts)
     claims = read_json(ledger)["claims"]
@@ -63,6 +65,8 @@ def check_results(
     failures = {
         f"verdicts differ from {verdicts}; if the new ones in {ledger} are right, declare them in "
         f"{verdicts}": [line for line in changed if line not in of_times],
+        "results that were damaged or edited after their rules wrote them; make each again with "
+        "`snakemake --cores 2 --forcerun FILE -- FILE`": changed_results(folders["results"]),
         "files that no rule makes; remove them, or move them elsewhere": [
             *unknown_files(folders["results"], folders["raw"], made),
             *unknown_pictures(pictures),
@@ -88,7 +92,7 @@ def check_results(
 def unknown_files(results: str, raw: str, made: Sequence[str]) -> Iterator[str]:
     """Yield the files of a results folder that no rule makes.
 
-    Exempt are the raw logs, README.md, hidden files other than those of a killed
+    Exempt are the raw logs, the digests, README.md, hidden files other than those of a killed
     process, and folders of other results, which have a folder ``logs`` or a
     ``report.md`` of `fprc readout`.
     """
@@ -100,7 +104,7 @@ def unknown_files(results: str, raw: str, made: Sequence[str]) -> Iterator[str]:
         for path in sorted(folder.iterdir()):
             if path.is_dir():
                 other = (path / "logs").is_dir() or (path / "report.md").exists()
-                if path != Path(raw) and not other:
+                if path not in (Path(raw), Path(results, "digests")) and not other:
                     todo.append(path)
             elif not (
                 path.name.startswith(".")

@@ -4,7 +4,6 @@ import logging
 from collections.abc import Mapping, Sequence
 from functools import partial
 from itertools import count
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,7 @@ from fprc.calibration.objective import printed_errors
 from fprc.calibration.posterior import draw_posterior, judge_member, prior_point, rig_at
 from fprc.calibration.space import free_parameters
 from fprc.calibration.surrogate import judge_cheaply
-from fprc.evaluation.cells import checkpoint_key, judged_cells, run_cells
+from fprc.evaluation.cells import checkpoint_key, judged_cells, judging
 from fprc.experiments.settings import RigSettings
 from fprc.yaml_file import read_yaml
 
@@ -76,39 +75,44 @@ def draw_members(
         surrogate=surrogate,
         ratios={name: ratios[name] for name in errors},
     )
-    run = partial(run_cells, workers=workers, checkpoint=checkpoint, key=key)
-    numbers = range(posterior["seed"], posterior["seed"] + posterior["rigs"])
-    drawn = run(partial(_draw, **settings), [{"draw": number} for number in numbers])
-    seeds = count(posterior["seed"] + posterior["rigs"])
-    seed_of: dict[bytes, int] = {}
+    with judging(workers=workers, checkpoint=checkpoint, key=key) as run:
+        numbers = range(posterior["seed"], posterior["seed"] + posterior["rigs"])
+        drawn = run(partial(_draw, **settings), [{"draw": number} for number in numbers])
+        seeds = count(posterior["seed"] + posterior["rigs"])
+        seed_of: dict[bytes, int] = {}
 
-    def simulate(points: np.ndarray) -> list[list[float] | None]:
-        cells = [{"point": point.tolist(), "seed": next(seeds)} for point in points]
-        for point, cell in zip(points, cells, strict=True):
-            seed_of[point.tobytes()] = cell["seed"]
-        judged = run(judge, cells)
-        log.info("%d rigs judged, %d possible", len(cells), sum("logs" in each for each in judged))
-        return [each.get("logs") for each in judged]
+        def simulate(points: np.ndarray) -> list[list[float] | None]:
+            cells = [{"point": point.tolist(), "seed": next(seeds)} for point in points]
+            for point, cell in zip(points, cells, strict=True):
+                seed_of[point.tobytes()] = cell["seed"]
+            judged = run(judge, cells)
+            log.info(
+                "%d rigs judged, %d possible", len(cells), sum("logs" in each for each in judged)
+            )
+            return [each.get("logs") for each in judged]
 
-    points, logs, history = draw_posterior(
-        np.array([each["point"] for each in drawn]),
-        simulate,
-        np.log(list(errors.values())),
-        **{name: posterior[name] for name in ("tolerance", "assimilations", "sweeps", "seed")},
-    )
-    write_json(
-        members,
-        {
-            "source": "sim",
-            "errors": errors,
-            "history": history,
-            "members": [
-                {"point": point.tolist(), "seed": seed_of[point.tobytes()], "logs": own.tolist()}
-                for point, own in zip(points, logs, strict=True)
-            ],
-        },
-    )
-    Path(checkpoint).unlink()
+        points, logs, history = draw_posterior(
+            np.array([each["point"] for each in drawn]),
+            simulate,
+            np.log(list(errors.values())),
+            **{name: posterior[name] for name in ("tolerance", "assimilations", "sweeps", "seed")},
+        )
+        write_json(
+            members,
+            {
+                "source": "sim",
+                "errors": errors,
+                "history": history,
+                "members": [
+                    {
+                        "point": point.tolist(),
+                        "seed": seed_of[point.tobytes()],
+                        "logs": own.tolist(),
+                    }
+                    for point, own in zip(points, logs, strict=True)
+                ],
+            },
+        )
 
 
 def judge_members(

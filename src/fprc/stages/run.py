@@ -13,7 +13,7 @@ from threadpoolctl import threadpool_limits
 from fprc.artifacts import explaining, write_json
 from fprc.errors import FprcError
 from fprc.escape import TerminalFormatter
-from fprc.provenance import describe
+from fprc.provenance import describe, digest_of, refuse_changed, write_digests
 
 log = logging.getLogger("fprc")
 
@@ -27,10 +27,12 @@ def run_stage(job: Any) -> None:
 
     The param ``stage`` names it: ``judge.judge`` is ``fprc.stages.judge.judge``. A stage that
     draws returns the attributes of its data, and the provenance of the figure is written to the
-    output ``sidecar``. Progress goes to the terminal and to the rule's log file. An FprcError
-    ends the process with exit code 1 and only its message; the traceback goes to the log file.
-    Numerical libraries run on one thread, so that results do not depend on the number of cores
-    and parallel jobs do not compete for them.
+    output ``sidecar``. Inputs that were changed after their rule wrote them are refused: the
+    digest of each output is kept for that. Raw logs have checksums of their own instead, since a
+    recording may replace a simulated one. Progress goes to the terminal and to the rule's log
+    file. An FprcError ends the process with exit code 1 and only its message; the traceback goes
+    to the log file. Numerical libraries run on one thread, so that results do not depend on the
+    number of cores and parallel jobs do not compete for them.
 
     Parameters
     ----------
@@ -39,8 +41,13 @@ def run_stage(job: Any) -> None:
     """
     named = [*job.input.items(), *job.output.items(), *job.params.items()]
     arguments = {name: value for name, value in named if name not in _NOT_ARGUMENTS}
+    results = Path(job.log[0]).parents[1]
+    outputs = [] if "raw" in job.output.keys() else list(job.output)
     try:
         _log_to(job.log[0], " ".join([job.rule, *job.wildcards]))
+        refuse_changed(results, job.input)
+        for path in outputs:
+            digest_of(path, results).unlink(missing_ok=True)
         stage = stage_of(job.params.stage)  # first: the limit applies to loaded libraries only
         with threadpool_limits(1):
             drawn = stage(**arguments)
@@ -48,6 +55,8 @@ def run_stage(job: Any) -> None:
             files = [path for path in job.output if path != job.output.sidecar]
             origin = describe(drawn, inputs=list(job.input), outputs=files, settings=job.config)
             write_json(job.output.sidecar, origin)
+        with explaining(results):
+            write_digests(outputs, results)
     except FprcError as error:
         log.error("error: %s", error)
         log.debug("traceback:", exc_info=True)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from fprc.calibration.search import search
+from fprc.errors import OutputError
 
 POPULATION, GENERATIONS = 8, 6
 TARGET = np.array([0.02, 0.5, 0.97])
@@ -370,13 +371,28 @@ def test_last_line_that_was_cut_is_dropped_and_its_generation_judged_again(run):
         assert run.checkpoint.read_text(encoding="utf-8") == whole
 
 
-def test_last_line_without_its_end_is_whole(run):
-    expected = run(generations=3)
-    whole = run.checkpoint.read_text(encoding="utf-8")
-    run.checkpoint.write_text(whole.rstrip("\n"), encoding="utf-8")
-    assert same(run(generations=3), expected)
-    assert run.points == []
-    assert run.checkpoint.read_text(encoding="utf-8") == whole
+@pytest.mark.parametrize(("old", "new"), [("0.", "1."), ("[[", "[[NaN, "), (", ", ",")])
+def test_damaged_line_is_dropped_and_all_after_it_are_judged_again(run, old, new):
+    expected, points = run(generations=4), run.points
+    whole = run.checkpoint.read_text(encoding="utf-8").splitlines(keepends=True)
+    damaged = whole[2].replace(old, new, 1)
+    assert damaged != whole[2]
+    run.checkpoint.write_text("".join([*whole[:2], damaged, *whole[3:]]), encoding="utf-8")
+    assert same(run(generations=4), expected)
+    assert run.points == points[POPULATION:]
+    assert run.checkpoint.read_text(encoding="utf-8") == "".join(whole)
+
+
+def test_second_search_with_the_same_checkpoint_is_refused(run):
+    refused = []
+
+    def progress(*told):
+        with pytest.raises(OutputError, match="another process"):
+            run()
+        refused.append(told)
+
+    assert run(progress=progress).finished
+    assert len(refused) == GENERATIONS
 
 
 @pytest.mark.parametrize("text", ["", "{", "[1.0, 2.0]\n", '{"key": "k"}\n[1.0]\nnonsense\n'])
@@ -407,7 +423,7 @@ def test_first_search_and_one_that_goes_on_warn_of_nothing(run, caplog):
 
 def test_checkpoint_holds_the_numbers_of_each_generation(run):
     run(generations=2)
-    head, *kept = map(json.loads, lines(run))
+    head, *kept = (json.loads(line)[1] for line in lines(run))
     assert head == {"key": "k", "start": [0.4, 0.4, 0.4], "step": 0.1, "seed": 3}
     assert kept == [
         [numbers_of(point) for point in run.points[first : first + POPULATION]]

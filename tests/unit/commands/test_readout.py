@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 import yaml
 
-from fprc.artifacts import read_json
+from fprc.artifacts import exclusive, read_json
 from fprc.cli import main
 from fprc.commands import readout as readout_command
 from fprc.commands.import_recording import import_recording
@@ -78,7 +78,7 @@ def test_one_command_goes_from_a_recording_to_a_report(recording, tmp_path, caps
     out = tmp_path / "out"
     for name in ("readout.csv", "readout.md", "readout.pdf", "readout.png", "readout.json"):
         assert (out / "readout" / name).stat().st_size > 100, name
-    assert not list((out / "readout").glob("*.partial*"))
+    assert not [*(out / "readout").glob("*.partial*"), *out.glob(".*")]
     table = pd.read_csv(out / "readout/readout.csv")
     assert set(table["readout"]) == {"none", "p_o", "theta", "shuffled"}
     assert set(table["split"]) == {"shuffled", "blocked"}
@@ -98,6 +98,14 @@ def test_one_command_goes_from_a_recording_to_a_report(recording, tmp_path, caps
     assert all(f" ({claim}): undecided. " in said.err for claim in ("B1", "B4", "R1"))
     # the next run in this process logs to the standard error of its own time
     assert not logging.getLogger("fprc").handlers
+
+
+def test_second_run_into_a_folder_is_refused_before_it_writes(recording, tmp_path, capsys):
+    map_file = recording()
+    with exclusive(tmp_path / "out/.lock"):
+        assert run(tmp_path, map_file) == 1
+    assert "another process" in capsys.readouterr().err
+    assert [path.name for path in (tmp_path / "out").iterdir()] == [".lock"]
 
 
 @pytest.mark.slow

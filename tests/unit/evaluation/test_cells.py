@@ -1,10 +1,12 @@
 import json
 import uuid
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
-from fprc.evaluation.cells import judged_cells, run_cells
+from fprc.errors import OutputError
+from fprc.evaluation.cells import judged_cells, judging
 
 CELLS = [{"model": "fprc", "n_c": n_c} for n_c in (4, 1, 3, 2)]
 
@@ -26,16 +28,19 @@ def make_judge(folder, fails_at=()):
 
 @pytest.fixture
 def sweep(tmp_path):
-    """Run cells and return what was found, and which n_c were judged."""
+    """Run cells and return what was found, and which n_c were judged; the checkpoint stays."""
 
     def go(cells=CELLS, *, key="k", workers=1, fails_at=(), **options):
         trace = tmp_path / uuid.uuid4().hex
         trace.mkdir()
         go.trace = trace
         judge = make_judge(str(trace), fails_at)
-        found = run_cells(
-            judge, cells, workers=workers, checkpoint=go.checkpoint, key=key, **options
-        )
+        with (
+            suppress(InterruptedError),
+            judging(workers=workers, checkpoint=go.checkpoint, key=key, **options) as run,
+        ):
+            found = run(judge, cells)
+            raise InterruptedError
         return found, judged_in(trace)
 
     go.checkpoint = tmp_path / "sub" / "sweep.jsonl"
@@ -48,6 +53,11 @@ def judged_in(trace):
 
 def lines(path):
     return path.read_text(encoding="utf-8").splitlines()
+
+
+def entries(path):
+    """Entries of a checkpoint, without their checksums."""
+    return [json.loads(line)[1] for line in lines(path)]
 
 
 def expected(cells=CELLS):
@@ -65,7 +75,7 @@ def test_results_come_in_the_order_of_the_cells_each_judged_once(sweep, workers)
 
 def test_checkpoint_holds_the_key_and_then_every_finished_cell(sweep):
     sweep()
-    first, *rest = [json.loads(line) for line in lines(sweep.checkpoint)]
+    first, *rest = entries(sweep.checkpoint)
     assert first == {"key": "k"}
     assert sorted(entry["cell"]["n_c"] for entry in rest) == [1, 2, 3, 4]
 
@@ -85,7 +95,7 @@ def test_killed_sweep_goes_on_where_it_was(sweep, done):
     sweep()
     kept = lines(sweep.checkpoint)[: 1 + done]
     sweep.checkpoint.write_text("\n".join(kept) + "\n", encoding="utf-8")
-    finished = {json.loads(line)["cell"]["n_c"] for line in kept[1:]}
+    finished = {entry["cell"]["n_c"] for entry in entries(sweep.checkpoint)[1:]}
     found, judged = sweep()
     assert found == expected()
     assert judged == sorted({1, 2, 3, 4} - finished)
@@ -93,16 +103,81 @@ def test_killed_sweep_goes_on_where_it_was(sweep, done):
     assert (found, judged) == (expected(), [])
 
 
-def test_last_line_that_was_cut_is_dropped_and_its_cell_judged_again(sweep):
+def cut(last):
+    return last[: len(last) // 2]
+
+
+#: What may happen to the last line of a checkpoint, which ends in a newline.
+DAMAGE = {
+    "cut": cut,
+    "cut in its checksum": lambda last: last[:5],
+    "without its end": lambda last: last[:-1],
+    "gone": lambda last: "",
+    "another number": lambda last: last.replace('"rmse": 0.', '"rmse": 1.'),
+    "not a number": lambda last: last.replace('"rmse": 0.', '"rmse": NaN, "was": 0.'),
+    "another cell": lambda last: last.replace('"n_c": ', '"n_c": 1'),
+    "no result": lambda last: '[0, {"cell": {"n_c": 2}}]\n',
+    "a list": lambda last: "[]\n",
+    "an empty pair": lambda last: "[0, ]\n",
+    "a long checksum": lambda last: f"[{'9' * 5000}, {last[1:]}",
+    "no JSON": lambda last: "nonsense\n",
+    "no text": lambda last: "\x00\x00\xff\n",
+    "without a checksum": lambda last: last.partition(", ")[2][:-2] + "\n",
+}
+
+
+@pytest.mark.parametrize("what", DAMAGE)
+def test_damaged_line_is_dropped_and_its_cell_judged_again(sweep, what):
     sweep()
-    whole = sweep.checkpoint.read_text(encoding="utf-8")
-    last = json.loads(whole.splitlines()[-1])["cell"]["n_c"]
-    begin = len(whole) - len(whole.splitlines(keepends=True)[-1])
-    for cut in range(begin + 1, len(whole) - 1, 7):
-        sweep.checkpoint.write_text(whole[:cut], encoding="utf-8")
-        found, judged = sweep()
-        assert (found, judged) == (expected(), [last]), cut
-        assert len([json.loads(line) for line in lines(sweep.checkpoint)]) == 5
+    *whole, last = sweep.checkpoint.read_text(encoding="utf-8").splitlines(keepends=True)
+    n_c = entries(sweep.checkpoint)[-1]["cell"]["n_c"]
+    damaged = DAMAGE[what](last)
+    assert damaged != last
+    sweep.checkpoint.write_text("".join([*whole, damaged]), encoding="latin-1")
+    assert sweep() == (expected(), [n_c])
+    assert sorted(each["cell"]["n_c"] for each in entries(sweep.checkpoint)[1:]) == [1, 2, 3, 4]
+
+
+def test_lines_after_a_damaged_one_are_judged_again_too(sweep):
+    sweep()
+    order = [entry["cell"]["n_c"] for entry in entries(sweep.checkpoint)[1:]]
+    head, first, second, *rest = sweep.checkpoint.read_text(encoding="utf-8").splitlines(True)
+    sweep.checkpoint.write_text("".join([head, first, cut(second), *rest]), encoding="utf-8")
+    assert sweep() == (expected(), sorted(order[1:]))
+
+
+def test_second_process_at_the_same_checkpoint_is_refused_and_spoils_nothing(sweep):
+    refused = []
+
+    def progress(done, total):
+        with pytest.raises(OutputError, match="another process"):
+            sweep()
+        refused.append(len(entries(sweep.checkpoint)) - 1)
+
+    assert sweep(progress=progress)[0] == expected()
+    assert refused == [1, 2, 3, 4]
+    assert sweep() == (expected(), [])
+
+
+@pytest.mark.parametrize("kept", [0, 5])
+def test_work_grows_in_proportion_to_the_cells(sweep, monkeypatch, kept):
+    texts = []
+    dumps = json.dumps
+
+    def counting(value, **options):
+        texts.append(dumps(value, **options))
+        return texts[-1]
+
+    def characters(count):
+        cells = [{"n_c": 1000 + number} for number in range(count)]
+        sweep(cells[:kept], key=str(count))
+        with monkeypatch.context() as patched:
+            patched.setattr(json, "dumps", counting)
+            texts.clear()
+            sweep(cells, key=str(count))
+        return sum(map(len, texts))
+
+    assert characters(40) < 2.5 * characters(20)
 
 
 @pytest.mark.parametrize("text", ["", "{", '{"key": "other"}\n', "[1, 2]\nnonsense\n"])
@@ -116,7 +191,7 @@ def test_file_without_the_key_is_begun_anew(sweep, text):
 def test_another_key_forgets_what_was_finished(sweep):
     sweep(key="a")
     assert sweep(key="b")[1] == [1, 2, 3, 4]
-    assert lines(sweep.checkpoint)[0] == '{"key": "b"}'
+    assert entries(sweep.checkpoint)[0] == {"key": "b"}
     assert sweep(key="a")[1] == [1, 2, 3, 4]
 
 
@@ -133,7 +208,7 @@ def test_judge_that_raises_leaves_finished_cells_in_the_checkpoint(sweep, worker
     sweep(CELLS[:2])
     with pytest.raises(ArithmeticError, match="n_c = 3"):
         sweep(workers=workers, fails_at=(3,))
-    kept = {json.loads(line)["cell"]["n_c"] for line in lines(sweep.checkpoint)[1:]}
+    kept = {entry["cell"]["n_c"] for entry in entries(sweep.checkpoint)[1:]}
     assert {4, 1} <= kept <= {4, 1, 2}
     found, judged = sweep()
     assert found == expected()
@@ -170,15 +245,12 @@ def test_checkpoint_is_deleted_only_after_the_results_are_saved(tmp_path):
 
 
 def test_result_that_is_not_a_number_is_refused_and_not_kept(sweep):
-    with pytest.raises(ValueError, match="JSON"):
-        run_cells(
-            lambda cell: {"rmse": float("nan")},
-            CELLS[:1],
-            workers=1,
-            checkpoint=sweep.checkpoint,
-            key="k",
-        )
-    assert lines(sweep.checkpoint) == ['{"key": "k"}']
+    with (
+        pytest.raises(ValueError, match="JSON"),
+        judging(workers=1, checkpoint=sweep.checkpoint, key="k") as run,
+    ):
+        run(lambda cell: {"rmse": float("nan")}, CELLS[:1])
+    assert entries(sweep.checkpoint) == [{"key": "k"}]
 
 
 def test_progress_never_counts_more_than_the_cells_of_this_sweep(sweep):
@@ -186,20 +258,3 @@ def test_progress_never_counts_more_than_the_cells_of_this_sweep(sweep):
     seen = []
     sweep([{"model": "fprc", "n_c": 8}], progress=lambda *counted: seen.append(counted))
     assert seen == [(1, 1)]
-
-
-def test_kill_while_resuming_loses_no_finished_cell(sweep, monkeypatch):
-    sweep()
-    write = Path.write_text
-
-    def killed(self, text, **options):
-        write(self, text[: len(text) // 2], **options)
-        raise KeyboardInterrupt
-
-    with monkeypatch.context() as patched:
-        patched.setattr(Path, "write_text", killed)
-        try:
-            sweep()
-        except KeyboardInterrupt:
-            pass
-    assert sweep()[1] == []

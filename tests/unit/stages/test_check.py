@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from fprc.errors import FprcError
+from fprc.provenance import write_digests
 from fprc.stages.check import check_results
 
 MADE = [r"results/claims\.json", r"results/tables/(?P<n>.+)\.csv", r"results/logs/(?P<n>.+)\.log"]
@@ -89,6 +90,16 @@ def test_file_that_no_rule_makes_is_reported(folder, name):
     path.write_text("x")
     with pytest.raises(FprcError, match=f"files that no rule makes.*:\n  results/{name}$"):
         check()
+
+
+def test_result_that_was_edited_is_reported(folder):
+    write_digests(["results/tables/a.csv", "results/claims.json"], "results")
+    check()
+    (folder / "results/tables/a.csv").write_text("y")
+    with pytest.raises(FprcError, match=r"edited.*:\n  results/tables/a\.csv$"):
+        check()
+    (folder / "results/tables/a.csv").unlink()
+    check()
 
 
 def test_file_that_a_killed_process_left_is_reported(folder):
@@ -195,6 +206,9 @@ def test_everything_is_reported_at_once(folder):
     (folder / "known.yaml").write_text(yaml.safe_dump({"C1": "not reproduced"}))
     (folder / "results/old.txt").write_text("x")
     (folder / "docs/one.png").unlink()
+    write_digests(["results/tables/a.csv"], "results")
+    (folder / "results/tables/a.csv").write_text("y")
     with pytest.raises(FprcError) as found:
         check()
-    assert [line[0] for line in str(found.value).splitlines()] == ["v", " ", "f", " ", "p", " "]
+    first = "".join(line[0] for line in str(found.value).splitlines())
+    assert first == "v r f p "

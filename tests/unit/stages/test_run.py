@@ -1,5 +1,7 @@
 import hashlib
 import logging
+import shutil
+import subprocess
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -8,7 +10,7 @@ from threadpoolctl import threadpool_info
 
 from fprc.artifacts import read_json
 from fprc.errors import ControlError
-from fprc.provenance import hash_of, versions
+from fprc.provenance import changed_results, hash_of, versions
 from fprc.stages import run as runner
 from fprc.stages.run import run_stage
 
@@ -196,3 +198,87 @@ def test_stage_without_sidecar_is_given_all_of_its_outputs(job, run):
 
 def test_stage_is_found_by_its_name():
     assert runner.stage_of("run.stage_of") is runner.stage_of
+
+
+#: What may happen to a result, and whether it is still the same.
+DAMAGE = {
+    "nothing": (lambda content: content, True),
+    "empty": (lambda content: b"", False),
+    "cut": (lambda content: content[:-1], False),
+    "an empty list": (lambda content: b"[]", False),
+    "another digit": (lambda content: content.replace(b"1.5", b"2.5"), False),
+    "not a number": (lambda content: content.replace(b"1.5", b"NaN"), False),
+    "longer": (lambda content: content + b" ", False),
+    "zeros": (lambda content: bytes(len(content)), False),
+}
+
+
+@pytest.mark.parametrize("name", ["crossval/a.json", "tables/table2.csv", "fig.png", "a b'.md"])
+@pytest.mark.parametrize("what", DAMAGE)
+def test_result_that_was_changed_is_refused_by_the_next_stage(job, run, tmp_path, name, what):
+    written = tmp_path / name
+    written.parent.mkdir(exist_ok=True)
+    job.output = Files(result=str(written))
+    run(lambda result, **inputs: Path(result).write_bytes(b'{"x": 1.5}'))
+    damage, same = DAMAGE[what]
+    written.write_bytes(damage(written.read_bytes()))
+    assert changed_results(tmp_path) == ([] if same else [str(written)])
+    job.input, job.output = job.output, Files(page=str(tmp_path / "page.html"))
+    if same:
+        run(lambda result, page, **params: Path(page).touch())
+    else:
+        with pytest.raises(SystemExit):
+            run(lambda **arguments: pytest.fail("was run"))
+        assert f"{written}: " in Path(job.log[0]).read_text(encoding="utf-8")
+        assert not Path(job.output.page).exists()
+
+
+def test_result_that_was_made_again_is_accepted(job, run, tmp_path):
+    job.output = Files(result=str(tmp_path / "a.json"))
+    for number in range(2):
+        run(lambda result, number=number, **inputs: Path(result).write_text(str(number)))
+        assert changed_results(tmp_path) == []
+
+
+def test_result_has_no_digest_while_it_is_written(job, run, tmp_path):
+    job.output = Files(first=str(tmp_path / "a.json"), second=str(tmp_path / "b.json"))
+
+    def half(first, second, **inputs):
+        Path(first).write_text("new")
+        raise ZeroDivisionError
+
+    run(lambda first, second, **inputs: [Path(path).touch() for path in (first, second)])
+    with pytest.raises(ZeroDivisionError):
+        run(half)
+    assert changed_results(tmp_path) == []
+
+
+def test_digest_that_was_damaged_is_noticed(job, run, tmp_path):
+    run(Stage({"source": "none"}))
+    digests = sorted((tmp_path / "digests").iterdir())
+    assert [path.name for path in digests] == [
+        f"fig99.{kind}.sha256" for kind in ("json", "pdf", "png")
+    ]
+    digests[0].write_bytes(b"\xff")
+    digests[1].write_bytes(b"")
+    digests[2].unlink()
+    assert changed_results(tmp_path) == [job.output.sidecar, job.output.pdf]
+
+
+def test_raw_log_may_be_replaced_by_a_recording(job, run, tmp_path):
+    job.output = Files(raw=str(tmp_path / "sweep.h5"))
+    run(lambda raw, **inputs: Path(raw).write_text("simulated"))
+    Path(job.output.raw).write_text("recorded")
+    assert changed_results(tmp_path) == []
+    assert not (tmp_path / "digests").exists()
+
+
+@pytest.mark.skipif(shutil.which("sha256sum") is None, reason="no sha256sum here")
+def test_digests_are_read_by_sha256sum(job, run, tmp_path):
+    run(Stage({"source": "none"}))
+    digests = sorted((tmp_path / "digests").iterdir())
+    text = "".join(path.read_text(encoding="utf-8") for path in digests)
+    for edit, code in ((b"", 0), (b"x", 1)):
+        with open(job.output.png, "ab") as file:
+            file.write(edit)
+        assert subprocess.run(["sha256sum", "--check"], input=text.encode()).returncode == code
