@@ -32,7 +32,7 @@ lint: .venv/.ready  ## style, types, layers, workflow lint
 	ruff check .
 	ruff format --check .
 	mypy
-	snakefmt --check workflow
+	snakefmt --check Snakefile workflow
 	snakemake --lint
 	lint-imports
 

@@ -82,7 +82,7 @@ KINDS = {
     "further seeds, models": r"replicates/.*/(models|grids)_",
     "Tables II, III": r"tables/(table[23]|orders).*csv",
     "closed loop, samples": r"raw/track_",
-    "closed loop, errors": r"control/|replicates/.*/control_",
+    "closed loop, errors": r"replicates/.*/control_",
     "Table IV": r"tables/table4.*csv",
     "claims": r"claims\.json",
     "figures": r"figures/.*png",

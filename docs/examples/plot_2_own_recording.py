@@ -7,6 +7,7 @@ for your file.
 """
 
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
@@ -39,8 +40,11 @@ channels:
   p_exp_command_kpa: {column: "P set [bar]", unit: bar}
   p_o_kpa: {column: "PAM B [kPa abs]", unit: kPa, offset: -101.325, note: read as absolute}
 """)
-command = "fprc import arm.csv --map map.yaml --out sweep.h5"
-done = subprocess.run(command.split(), cwd=folder, capture_output=True, text=True, check=True)
+command = "import arm.csv --map map.yaml --out sweep.h5"
+fprc = [sys.executable, "-m", "fprc"]  # the same as `fprc`, wherever it is installed
+done = subprocess.run(
+    [*fprc, *command.split()], cwd=folder, capture_output=True, text=True, check=True
+)
 print(done.stdout)
 
 # %%

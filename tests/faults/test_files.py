@@ -298,9 +298,8 @@ def write_log(user, signals):
         }  # fmt: skip
         if track:
             attributes |= {
-                "experiment": "track_sine_0p2_fprc_pd_printed", "reference": "sine_0p2",
-                "controller": "fprc_pd", "gain": "printed", "settle_s": 0.5,
-                "rig": {"gains": {"kp_kpa_per_deg": 0.5, "kd_kpa_s_per_deg": 0.005}},
+                "experiment": "track_sine_0p2_fprc_pd", "reference": "sine_0p2",
+                "controller": "fprc_pd", "settle_s": 0.5,
             }  # fmt: skip
         write_raw(user.folder / name, channels, **attributes | more)
         return user.folder / name
@@ -308,9 +307,14 @@ def write_log(user, signals):
     return write
 
 
-@pytest.mark.parametrize("track", [False, True])
-def test_good_log_passes(user, write_log, track):
-    write_log(track=track)
+@pytest.mark.parametrize(
+    "attributes",
+    [{}, {"track": True},
+     {"track": True, "experiment": "track_sine_0p2_fprc_pd_printed", "gain": "printed"}],
+    ids=["experiment", "run", "run of an earlier version"],
+)  # fmt: skip
+def test_good_log_passes(user, write_log, attributes):
+    write_log(**attributes)
     said = user.types("log", "check", "log.h5")
     assert said.code == 0, said.text
     assert not said.left

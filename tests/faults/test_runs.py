@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from fprc.apparatus import process
-from fprc.artifacts import write_json
 from fprc.experiments.hysteresis import acquire
 from fprc.experiments.tracking import Track
 from fprc.logs import (
@@ -64,25 +63,25 @@ def test_closed_loop_is_that_of_the_simulator(make_bench, settings, live_by, tmp
     signal = settings["experiments"]["sweep"] | {"duration_s": 20.0}
     log = acquire("sweep", signal, settings["control"], settings["rig"], seed=1)
     X = np.column_stack([log["theta_deg"], log["p_o_kpa"]])
-    model, gains = str(tmp_path / "fprc.h5"), str(tmp_path / "gains.json")
+    model = str(tmp_path / "fprc.h5")
     save_model(FPRC(n_c=2, random_state=1).fit(X, log["p_exp_command_kpa"]), model)
-    known = {"identified": {"kp_kpa_per_deg": 2.0, "kd_kpa_s_per_deg": 0.02}}
-    write_json(gains, known)
 
     number = 20
     live_by(make_bench(settings, run=number))
-    raw, name = tmp_path / "track.h5", "track_sine_0p5_fprc_pd_identified"
-    process.record(name, str(raw), settings=settings, model=model, gains=gains, stop=lambda: "")
+    raw, name = tmp_path / "track.h5", "track_sine_0p5_fprc_pd"
+    process.record(name, str(raw), settings=settings, model=model, stop=lambda: "")
     found = read_columns(raw, (*RAW_CHANNELS, *TRACKING_CHANNELS))
 
     simulator = Track(settings["tracking"], settings["control"], settings["rig"], settings["seed"])
     theta_d = simulator.reference("sine_0p5")
-    expected = simulator.drive(theta_d, load_model(model), known["identified"], number)
+    expected = simulator.drive(theta_d, "fprc_pd", load_model(model), number)
     compare(found.channels, expected)
     assert np.array_equal(found.channels["theta_d_deg"], theta_d)
     assert np.ptp(found.channels["p_ff_kpa"]) > 10.0
     assert np.ptp(found.channels["p_fb_kpa"]) > 1.0
-    assert (found.attributes["experiment"], found.attributes["gain"]) == (name, "identified")
+    described = found.attributes
+    assert (described["experiment"], described["controller"]) == (name, "fprc_pd")
+    assert described["rig"]["control"]["pd"] == settings["control"]["pd"]
     (journal,) = tmp_path.glob("*.journal")
     channels, _, findings = read_journal(journal)
     assert findings.complete

@@ -49,9 +49,8 @@ def logs() -> dict[str, Log]:
             sweep, experiment="sweep", source="sim", seed=1, rig={"valve": {"leak": 0.0}}
         ),
         "track": _log(
-            signals.tracking(), experiment="track_sine_0p2_fprc_pd_printed", source="sim", seed=1,
-            reference="sine_0p2", controller="fprc_pd", gain="printed", settle_s=0.5,
-            rig=_CONTROL | {"gains": {"kp_kpa_per_deg": 0.5, "kd_kpa_s_per_deg": 0.005}},
+            signals.tracking(), experiment="track_sine_0p2_fprc_pd", source="sim", seed=1,
+            reference="sine_0p2", controller="fprc_pd", settle_s=0.5, rig=_CONTROL,
         ),
         "imported": _log(
             imported, experiment="complex", source="import", seed=0, rig={},

@@ -187,7 +187,7 @@ def test_log_in_which_one_thing_is_changed_is_not_the_same(
         if what == "number":
             file["p_ff_kpa"][7] += 1e-12
         elif what == "attribute":
-            file.attrs["gain"] = "identified"
+            file.attrs["controller"] = "pd"
         else:
             file["p_ff_kpa"].attrs["units"] = "bar"
     assert judged(log, tmp_path, ended(code)) == outcome

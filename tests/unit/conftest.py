@@ -126,9 +126,8 @@ def write_run(write_log, channels):
 
     def write(name="run.h5", changed=None, **attributes):
         told = {
-            "experiment": "track_sweep_pd_printed",
+            "experiment": "track_sweep_pd",
             "controller": "pd",
-            "gain": "printed",
             "reference": "sweep",
             "settle_s": 1.0,
         }

@@ -191,12 +191,12 @@ def test_closed_loop_log_is_checked_as_one(write_run, capsys):
     with h5py.File(path, "r+") as file:
         del file["p_ff_kpa"]
         file["theta_d_deg"][11] = np.nan
-        del file.attrs["gain"]
+        del file.attrs["controller"]
     assert main(["log", "check", str(path)]) == 1
     said = capsys.readouterr()
     assert said.out == ""
     for part in ("channel p_ff_kpa: missing", "channel theta_d_deg: sample 11 is nan",
-                 "attribute gain: missing"):  # fmt: skip
+                 "attribute controller: missing"):  # fmt: skip
         assert f"{path}: {part}" in said.err
 
 
@@ -251,7 +251,7 @@ def test_log_is_judged_at_its_own_rate(write_log, recorded, capsys):
         ("import none.csv --map none.yaml --out x.h5", "none.yaml"),
         ("readout none.csv --map none.yaml", "none.yaml"),
         ("rig check --config none.yaml", "none.yaml"),
-        ("rig run track_sweep_fprc --gains none.json", "none.json"),
+        ("rig run track_sweep_fprc --model none.h5", "none.h5"),
         ("export none.h5 --c none.h", "none.h5"),
         ("log check none.h5", "none.h5"),
         ("log repair none.h5 --out x.h5", "none.h5"),
@@ -265,14 +265,6 @@ def test_file_that_is_not_there_is_said_to_be_so(command, file, tmp_path, monkey
     assert line.startswith(f"error: {file}: ")
     assert "(No such file or directory)" in line
     assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize(("content", "why"), [("", "not JSON"), ("[", "not JSON")])
-def test_gains_that_are_not_json_are_an_error(content, why, tmp_path, capsys):
-    path = tmp_path / "gains.json"
-    path.write_text(content)
-    assert main(["rig", "run", "track_sweep_fprc", "--gains", str(path)]) == 1
-    assert why in capsys.readouterr().err
 
 
 def test_folder_is_no_model(tmp_path, capsys):

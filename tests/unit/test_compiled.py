@@ -5,7 +5,7 @@ from pathlib import Path
 import numba
 import pytest
 
-from fprc import compiled, rig
+from fprc import compiled, control_laws, rig
 
 
 @pytest.fixture(autouse=True)
@@ -56,11 +56,17 @@ def test_cache_folder_changes_with_any_source(package, module):
     assert compiled._cache_folder(package) != before
 
 
-def test_cache_folder_changes_with_how_it_is_compiled(package, tmp_path, monkeypatch):
+@pytest.mark.parametrize("module", [compiled, control_laws])
+def test_cache_folder_changes_with_how_it_is_compiled_and_with_the_laws(
+    package, module, tmp_path, monkeypatch
+):
     before = compiled._cache_folder(package)
-    other = tmp_path / "compiled.py"
-    other.write_text(Path(compiled.__file__).read_text().replace('"numpy"', '"python"'))
-    monkeypatch.setattr(compiled, "__file__", str(other))
+    for each in (compiled, control_laws):
+        shutil.copy(each.__file__, tmp_path)
+    monkeypatch.setattr(compiled, "__file__", str(tmp_path / "compiled.py"))
+    assert compiled._cache_folder(package) == before
+    with open(tmp_path / Path(module.__file__).name, "a") as file:
+        file.write("# changed\n")
     assert compiled._cache_folder(package) != before
 
 

@@ -5,26 +5,19 @@ import sys
 import pytest
 
 from fprc.apparatus.programme import names, plan
-from fprc.artifacts import write_json
 from fprc.commands.rig import run_by_name
 from fprc.config import check
 from fprc.errors import ConfigError, FprcError
 from fprc.fingerprint import _closure
 from fprc.models import FPRC, RidgeReadout, SequenceModel, TapFeatures, load_model, save_model
-from fprc.paper import (
-    CONTROLLERS,
-    DISTURBANCE,
-    REFERENCES,
-    controller_and_gain,
-    reference_and_controller,
-    run_log,
-)
+from fprc.paper import CONTROLLERS, DISTURBANCE, REFERENCES, reference_and_controller, run_log
 from fprc.registry import (
     MODELS,
     build,
     class_module,
     controllers,
     feedforward_of,
+    has_feedback,
     load_class,
     model_of_run,
     settings_of,
@@ -53,13 +46,21 @@ def settings(monkeypatch):
 
 
 @pytest.mark.parametrize("reference", [*REFERENCES, DISTURBANCE])
-@pytest.mark.parametrize("controller", [*CONTROLLERS, "taps_a", "taps_a_pd_printed"])
+@pytest.mark.parametrize("controller", [*CONTROLLERS, "taps_a", "taps_a_pd"])
 def test_name_of_a_run_says_its_reference_controller_and_model(reference, controller):
     log = run_log(reference, controller)
     assert reference_and_controller(log) == (reference, controller)
-    kind, gain = controller_and_gain(controller)
-    assert controller == (kind if gain == "none" else f"{kind}_{gain}")
-    assert model_of_run(log) == (feedforward_of(kind) or "fprc")
+    assert model_of_run(log) == (feedforward_of(controller) or "fprc")
+
+
+def test_name_of_a_controller_says_its_feedforward_and_feedback():
+    parts = {
+        name: (feedforward_of(name), has_feedback(name)) for name in (*CONTROLLERS, "a", "a_pd")
+    }
+    assert parts == {
+        "fprc": ("fprc", False), "fprc_pd": ("fprc", True), "pd": (None, True),
+        "a": ("a", False), "a_pd": ("a", True),
+    }  # fmt: skip
 
 
 def test_what_is_no_run_is_refused():
@@ -81,16 +82,12 @@ def test_settings_of_a_model_are_all_that_it_is_built_of(name, settings):
 
 
 def test_experiments_of_the_real_rig_include_runs_with_a_model_from_outside(settings, tmp_path):
-    assert controllers(settings["models"])[-3:] == [
-        "taps_a", "taps_a_pd_printed", "taps_a_pd_identified"
-    ]  # fmt: skip
+    assert controllers(settings["models"]) == [*CONTROLLERS, "taps_a", "taps_a_pd"]
     assert "track_sine_0p2_taps_a" in names(settings)
     model = build("taps_a", settings["models"], 1)
     X = [[20.0 + k] for k in range(40)]
     save_model(model.fit(X, [x[0] for x in X]), tmp_path / "model.h5", [Outside])
-    write_json(tmp_path / "gains.json", {})
-    files = str(tmp_path / "model.h5"), str(tmp_path / "gains.json")
-    experiment = plan("track_sine_0p2_taps_a", settings, *files)
+    experiment = plan("track_sine_0p2_taps_a", settings, str(tmp_path / "model.h5"))
     assert experiment.attributes["controller"] == "taps_a"
 
 
@@ -110,8 +107,8 @@ def test_fault_of_a_model_of_the_package_is_not_blamed_on_the_configuration(sett
         build("esn", settings["models"] | {"seed": 1}, 1)
 
 
-@pytest.mark.parametrize("name", ["esn", "pd", "x_pd", "x_printed", "pd_identified"])
-def test_name_of_a_model_must_not_be_read_as_a_controller_or_a_gain(name):
+@pytest.mark.parametrize("name", ["esn", "pd", "x_pd"])
+def test_name_of_a_model_must_not_be_read_as_a_controller(name):
     with pytest.raises(ConfigError, match=rf"models\.others.*{name} is taken"):
         check({"models": {"others": {name: OTHERS["taps_a"]}}})
 

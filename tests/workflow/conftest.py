@@ -97,8 +97,9 @@ class Project:
 
     def __init__(self, folder: Path):
         self.folder = folder
-        for name in ("config", "workflow"):
+        for name in ("config", "profiles", "workflow"):
             shutil.copytree(ROOT / name, folder / name)
+        shutil.copy(ROOT / "Snakefile", folder)
 
     def snakemake(
         self,

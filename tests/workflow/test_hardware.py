@@ -31,9 +31,9 @@ def test_whole_paper_is_planned_on_the_real_rig(project):
     done = project.snakemake("--dry-run", "all", "--config", *OF_THEIR_OWN)
     assert done.returncode == 0, done.stdout
     jobs = planned(done.stdout)
-    assert int(jobs["record_on_rig"]) == 2 + 10 + 25
-    assert not {"record", "track", "identify_gain", "replicate"} & jobs.keys()
-    assert {"identify_gain_from_logs", "tracking_table", "draw_fig17"} <= jobs.keys()
+    assert int(jobs["record_on_rig"]) == 2 + 15
+    assert not {"record", "track", "replicate"} & jobs.keys()
+    assert {"tracking_table", "draw_fig17"} <= jobs.keys()
 
 
 def test_log_that_is_there_is_not_recorded_again(project):

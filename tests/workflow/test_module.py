@@ -92,7 +92,7 @@ def test_mistake_in_the_settings_of_a_module_is_told_by_its_key(importer):
 def test_report_is_made_from_another_folder(smoked_copy, in_folder, tmp_path):
     for name in ("workflow", "config"):
         (smoked_copy.folder / name).rename(tmp_path / name)
-    asked = ["--snakefile", "workflow/Snakefile", "--directory", smoked_copy.folder.name]
+    asked = ["--snakefile", "Snakefile", "--directory", smoked_copy.folder.name]
     done = in_folder(tmp_path).snakemake(*asked, "--workflow-profile", "smoke", "report")
     assert done.returncode == 0, done.stdout
     # the template and the captions are in another place

@@ -141,7 +141,7 @@ def test_logs_without_p_o_give_two_models_and_a_page_that_says_so(recording):
 def test_closed_loop_logs_of_a_rig_make_table4_and_its_figures(smoked_copy):
     raw = smoked_copy.folder / "mylogs"
     (smoked_copy.folder / "results/smoke/raw").rename(raw)
-    for name in ("track_sine_0p2_pd_printed.h5", "complex.h5"):
+    for name in ("track_sine_0p2_pd.h5", "complex.h5"):
         (raw / name).unlink()
     for path in raw.glob("*.h5"):
         with h5py.File(path, "a") as log:
@@ -152,17 +152,20 @@ def test_closed_loop_logs_of_a_rig_make_table4_and_its_figures(smoked_copy):
     assert smoked_copy.files("mylogs") == before
     results = smoked_copy.folder / "results"
     mine, simulated = (
-        pd.read_csv(results / folder / "tables/table4.csv").set_index(
-            ["controller", "gain", "reference"]
-        )
+        pd.read_csv(results / folder / "tables/table4.csv").set_index(["controller", "reference"])
         for folder in ("mine", "smoke")
     )
-    assert len(mine) == 24
+    assert len(mine) == 14
     assert set(mine.pop("source")) == {"rig"}
     simulated.pop("source")
     pd.testing.assert_frame_equal(mine, simulated.loc[mine.index])
     page = (results / "mine/tables/table4.md").read_text()
-    assert "No log of 1 of its runs: track_sine_0p2_pd_printed." in page
+    assert "No log of 1 of its runs: track_sine_0p2_pd." in page
     assert "Data: recorded on the rig." in page
     assert "simulated" not in page
     assert (results / "mine/figures/fig17_disturbance.pdf").stat().st_size > 100
+    with h5py.File(raw / "track_sweep_fprc_pd.h5", "a") as log:
+        log.attrs.update({"source": "sim", "simulated": True})
+    refused = smoked_copy.smoke("table4", *ARGUMENTS)
+    assert refused.returncode != 0
+    assert re.search(r"logs of different sources: .*sim \(mylogs/track_sweep", refused.stdout)

@@ -38,12 +38,16 @@ MODELS = ESN | figures(*range(8, 18)) | {
     "measure_readout": 1,
     "readout_table": 1,
     "draw_readout": 1,
-    "identify_gain": 1,
     "track": 5,
     "tracking_table": 1,
 }  # fmt: skip
 RIG = MODELS | figures(1, 2, 4, 5) | {"record": 2, "preprocess": 2}
 ALL = RIG | figures(3, 6, 7) | {"configuration_table": 1, "list_unavailable": 1}
+#: The closed loops, the cost of a control step, and what is made of them alone.
+FEEDBACK = SEEDS | figures(*range(12, 18)) | {
+    "measure_times": 1, "timing_table": 1, "steps_table": 1, "track": 5, "tracking_table": 1,
+    "ledger": 1, "report_page": 1,
+}  # fmt: skip
 #: Those whose stages are in one module.
 TABLES = dict.fromkeys([rule for rule in ALL if rule.endswith("_table")], 1) | {
     "comparison_table": 2, "seeds_table": 2, "list_unavailable": 1
@@ -141,11 +145,8 @@ CHANGES = {
     ),
     "taps": ("grids={n_u: [1, 2, 4]}",
              SEEDS | {"grid": 1, "draw_fig11": 1, "ledger": 1, "report_page": 1}),
-    "candidates of the gain": (
-        "tracking={candidate_kp_kpa_per_deg: [0.5, 3]}",
-        SEEDS | {"identify_gain": 1, "track": 5, "tracking_table": 1, "ledger": 1, "report_page": 1}
-        | figures(*range(12, 18)),
-    ),
+    "gains of the feedback": ("control={pd: {kp_kpa_per_deg: 0.6}}", FEEDBACK),
+    "law of the feedback": ("control={feedback: positional}", FEEDBACK),
     "one reference": (
         "tracking={references: {sine_0p2: {duration_s: 9}}}",
         # the four figures share a range of errors
@@ -176,4 +177,4 @@ def test_number_of_rules_reruns_both_fuzzy_models_and_not_the_esn(smoked):
 
 def test_recorded_logs_plan_nothing_that_needs_a_rig(smoked):
     jobs = planned(smoked[0], "--config", "source=recorded")
-    assert not {"record", "replicate", "track", "identify_gain"} & jobs.keys()
+    assert not {"record", "replicate", "track"} & jobs.keys()

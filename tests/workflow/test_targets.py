@@ -27,7 +27,7 @@ def test_profile_of_slurm_names_rules_that_there_are_and_groups_every_drawing(pr
     for chunks in (1, 2):
         asked = project.snakemake("--list-rules", "--config", f"grids={{chunks: {chunks}}}")
         rules |= set(asked.stdout.split())
-    profile = read_yaml(project.folder / "workflow/profiles/slurm/config.yaml")
+    profile = read_yaml(project.folder / "profiles/slurm/config.yaml")
     groups = dict(each.split("=") for each in profile["groups"])
     assert profile["set-resources"].keys() | groups.keys() <= rules
     assert {rule for rule in rules if rule.startswith("draw_")} <= groups.keys()
@@ -45,11 +45,11 @@ def test_pool_has_a_process_for_twenty_cells_within_its_limit(project, given, wo
 
 
 def test_default_profile_is_read(project):
-    assert "workflow/profiles/default" in project.snakemake("--dry-run", "table1").stdout
+    assert "profiles/default" in project.snakemake("--dry-run", "table1").stdout
 
 
 def test_profile_of_the_smoke_run_is_the_default_one_with_a_configuration(project):
-    profiles = project.folder / "workflow/profiles"
+    profiles = project.folder / "profiles"
     smoke = read_yaml(profiles / "smoke/config.yaml")
     configuration = profiles / "smoke" / smoke.pop("configfile")
     assert configuration.samefile(project.folder / "config/smoke.yaml")
@@ -66,7 +66,7 @@ PLANNED = [
     ),
     (["table2", "table3"], {"comparison_table", "judge"}, {"measure_times", "replicate"}),
     (["fig8"], {"draw_fig8", "judge"}, {"replicate", "measure_times"}),
-    (["table4"], {"tracking_table", "track", "identify_gain"}, {"grid", "replicate"}),
+    (["table4"], {"tracking_table", "track"}, {"grid", "replicate"}),
     (["seeds"], {"seeds_table", "orders_table", "replicate"}, {"judge", "record"}),
     (
         ["timing", "fig1", "fig4", "fig5", "fig9", "fig11", "readout"],

@@ -61,15 +61,15 @@ def written(tmp_path):
 
     def write(name, factor=1.0, **texts):
         folder = tmp_path / name
-        for part in ("predictions", "tables", "control", "figures", "timing"):
+        for part in ("predictions", "tables", "replicates/command", "figures", "timing"):
             (folder / part).mkdir(parents=True, exist_ok=True)
         with h5py.File(folder / "predictions/sweep_esn_test.h5", "w") as file:
             file["p_ff_kpa"] = np.array([1e-9, 100.0, np.nan]) * factor
             file["count"] = np.arange(3)
         table = {"model": ["ESN", texts.get("model", "FPRC")], "rmse_kpa": [10.0, 20 * factor]}
         pd.DataFrame(table).to_csv(folder / "tables/table2.csv", index=False)
-        gains = {"seed": 1, "gains": [{"kp": [0.5, 4.0 * factor], "reference": "sine"}]}
-        (folder / "control/gains.json").write_text(json.dumps(gains))
+        control = {"seed": 1, "runs": [{"rmse_deg": [0.5, 4.0 * factor], "reference": "sine"}]}
+        (folder / "replicates/command/control_101.json").write_text(json.dumps(control))
         (folder / "claims.json").write_text(json.dumps({"verdict": texts.get("verdict", "yes")}))
         pixels = np.zeros((30, 40), np.uint8)
         pixels[: texts.get("rows", 0)] = 200

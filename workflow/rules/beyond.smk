@@ -37,7 +37,7 @@ rule beyond_world:
         units=units_of,
         slow=BEYOND["slow"],
         contest=CONTEST,
-        workers=workers_of_units,
+        workers=workers_over(units_of),
         checkpoint=placed(PATHS.below("beyond/{world}.partial.jsonl")),
     message:
         "Beyond the paper: the models and their competitors, world {wildcards.world}"
@@ -66,7 +66,7 @@ rule tune_world:
         seed=BEYOND["tuning"]["seed"],
         restarts=BEYOND["restarts"],
         judgement=judgement(SETTINGS, models=paper_models(SETTINGS), split="blocked"),
-        workers=workers_of_units,
+        workers=workers_over(BEYOND["tuning"]["units"] * BEYOND["tuning"]["candidates"]),
         checkpoint=placed(PATHS.below("beyond/tuning_{world}.partial.jsonl")),
     message:
         "Beyond the paper: tuning of the competitors, world {wildcards.world}"
@@ -110,7 +110,7 @@ rule beyond_training:
             **SETTINGS["experiments"]["complex"],
             "f_hz": BEYOND["training"]["second_f_hz"],
         },
-        workers=workers_of_units,
+        workers=workers_over(BEYOND["training"]["seeds"]),
         checkpoint=placed(PATHS.below("beyond/training_logs.partial.jsonl")),
     message:
         "Beyond the paper: length and number of the training logs"
@@ -158,7 +158,7 @@ rule beyond_capacity:
         models=pick(SETTINGS["models"], "n_y", "fprc", "esn"),
         capacity={key: each for key, each in BEYOND["capacity"].items() if key != "seeds"},
         seeds=BEYOND["capacity"]["seeds"],
-        workers=workers_of_units,
+        workers=workers_over(BEYOND["capacity"]["seeds"] * (1 + len(OTHER_RIGS))),
         checkpoint=placed(PATHS.below("beyond/capacity.partial.jsonl")),
     message:
         "Beyond the paper: memory and nonlinear capacity"

@@ -8,7 +8,10 @@ LONG, ALONE = 1, workflow.cores + 1
 
 
 RULES = workflow.current_basedir
-IN_CHECKOUT = os.path.exists("docs/images")
+# an unrelated folder may have docs/images too
+IN_CHECKOUT = isinstance(RULES, os.PathLike) and os.path.samefile(
+    os.path.join(RULES, "../.."), os.curdir
+)
 
 
 def own(name):
@@ -152,6 +155,11 @@ def units_of_tuning(wildcards):
     return list(range(first, first + BEYOND["tuning"]["units"]))
 
 
-def workers_of_units(wildcards, threads):
-    """Return the number of processes for seeds or rigs that take seconds each."""
-    return max(1, min(threads, BEYOND["seeds"] // 4))
+def workers_over(units):
+    """Return the param of the number of processes, for seeds or rigs that take seconds each."""
+
+    def workers(wildcards, threads):
+        number = units(wildcards) if callable(units) else units
+        return max(1, min(threads, number // 4))
+
+    return workers

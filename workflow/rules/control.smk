@@ -1,8 +1,5 @@
 # Sec. IV: closed-loop runs on the rig, each a raw log like any other.
 
-TRACKING = pick(SETTINGS, "control", "rig", "seed")
-
-
 if PLAN.on_simulated_rig:
 
     rule track:
@@ -13,7 +10,7 @@ if PLAN.on_simulated_rig:
         log:
             PATHS.messages("track_{reference}"),
         params:
-            **TRACKING,
+            **pick(SETTINGS, "control", "rig", "seed"),
             **stage("track.track", *PLAN.feedforward),
             tracking=lambda wildcards: tracking(
                 SETTINGS,

@@ -99,7 +99,7 @@ rule draw_fig7:
     params:
         **stage("draw_schematics.draw_fprc_system"),
         models=settings_of("fprc", SETTINGS["models"]),
-        control=SETTINGS["control"],
+        control=pick(SETTINGS["control"], "k_in_kpa_per_deg"),
     message:
         "Fig. 7: control with the FPRC"
     script:

@@ -202,7 +202,7 @@ def _c8(judged: Judged, aim: Aim) -> list[float]:
 def _c9a(judged: Judged, aim: Aim) -> list[float]:
     """Training error over epsilon, which falls along the grid."""
     errors = _mean_of(judged, "epsilon")
-    return [_above(low / high, 0.97 * math.exp(_MARGIN)) for low, high in _neighbours(errors)]
+    return [_above(low / high, 1.0) for low, high in _neighbours(errors)]
 
 
 def _c9b(judged: Judged, aim: Aim) -> list[float]:

@@ -3,6 +3,7 @@
 import difflib
 import re
 from collections.abc import Mapping, Sequence
+from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -59,17 +60,21 @@ def _checked(layers: Sequence[Mapping[str, Any]], files: Sequence[Path | str]) -
     """Merge layers, later ones over earlier ones, and check the result."""
     remaining = Settings().model_dump()
     for layer in layers:
-        _merge(remaining, layer)
+        _merge(remaining, deepcopy(dict(layer)))  # wrong values are removed below
     lines: dict[str, None] = {}
+    removed: set[tuple[Any, ...]] = set()
     while True:
         try:
             settings = Settings.model_validate(remaining)
             break
         except ValidationError as error:
-            lines |= dict.fromkeys(map(_line, _true_errors(error)))
+            lines |= dict.fromkeys(
+                _line(item) for item in _true_errors(error) if item["loc"] not in removed
+            )
             # checks across several keys run only once each key is valid by itself
-            restored = [_restore_default(remaining, item) for item in error.errors()]
-            if not any(restored):
+            items = [item for item in error.errors() if _restore_default(remaining, item)]
+            removed |= {item["loc"] for item in items}
+            if not items:
                 break
     if not lines:
         return settings
@@ -214,7 +219,9 @@ def _line(item: Mapping[str, Any]) -> str:
     message = re.sub(r"Tuple should (have .*) after validation, not \d+", r"must \1", message)
     if item["type"] == "missing" and isinstance(item["loc"][-1], int):
         key, message = key.rpartition(".")[0], "must have 2 items"
-    where = f"{key} = {item['input']}: " if key and item["type"] != "value_error" else ""
+    no_value = item["type"] == "missing" and isinstance(item["loc"][-1], str)
+    no_value = no_value or item["type"] == "value_error"
+    where = f"{key} = {item['input']}: " if key and not no_value else ""
     remedy = f"; remove the key for {defaults[key]!r}" if key in defaults else ""
     if not where and key:
         where = f"{key}: "

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 from pydantic import Field, ValidationInfo, field_validator
 
 from fprc.config.section import Distinct, Section, quantities, quantity, within
-from fprc.registry import MODELS
+from fprc.registry import ANGLE, MODELS
 
 
 class Esn(Section):
@@ -49,12 +49,19 @@ class Other(Section):
     estimator: str = Field(
         pattern=r"^[A-Za-z_]\w*(\.[A-Za-z_]\w*)+$", description="its class, as module.Class"
     )
-    inputs: tuple[Literal["theta_deg"]] | tuple[Literal["theta_deg"], Literal["p_o_kpa"]] = Field(
+    inputs: tuple[Literal["theta_deg", "p_o_kpa"], ...] = Field(
         ("theta_deg",), description="its input channels, in the order of its columns"
     )
     settings: dict[str, bool | int | float | str] = Field(
         {}, description="parameters of its constructor"
     )
+
+    @field_validator("inputs")
+    @classmethod
+    def _begin_with_the_angle(cls, inputs: tuple[str, ...]) -> tuple[str, ...]:
+        if inputs not in ((ANGLE,), (ANGLE, "p_o_kpa")):
+            raise ValueError(f"{list(inputs)}; must be [{ANGLE}] or [{ANGLE}, p_o_kpa]")
+        return inputs
 
 
 class Models(Section):

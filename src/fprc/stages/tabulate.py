@@ -8,6 +8,7 @@ from typing import Any
 import pandas as pd
 
 from fprc.artifacts import read_json, write_csv, write_text
+from fprc.errors import LogError
 from fprc.logs import read_run
 from fprc.logs.isolated import isolated_each
 from fprc.logs.quality import implausible
@@ -91,12 +92,21 @@ def tabulate_tracking(
 
     ``limits`` are plausible ranges, see ``fprc.logs.assess``; ``left_out`` are the runs of a
     complete Table IV that have no log; ``feedback`` describes the PD controller.
+
+    Raises
+    ------
+    LogError
+        A log cannot be read, or some are simulated and others are not.
     """
     logs = isolated_each(read_run, runs)
+    kinds = {run.attributes["source"]: str(run.path) for run in logs}
+    if len(kinds) > 1:
+        each = ", ".join(f"{source} ({path})" for source, path in kinds.items())
+        raise LogError(f"closed-loop logs of different sources: {each}; use logs of one kind")
+    (source,) = kinds
     for line in sum((implausible(run, limits) for run in logs), []):
         log.warning("warning: %s", line)
     table = tracking.tracking(logs, read_yaml(published))
-    source = table["source"].iloc[0]
     title = "Table IV. RMSE of tracking"
     if source == "sim":
         title += ", with the same noise and drift for all controllers"
@@ -189,7 +199,7 @@ def tabulate_near_print(summary: str, **files: str) -> None:
     note = (
         f"Limits on the deviation from print, on {report['rigs'] - report['failed']} simulated "
         f"{report['drawn']}: how many rigs are within each one, on one recording of each, and how "
-        "many of these also have a claim. The closed loop has the identified gain."
+        "many of these also have a claim."
     )
     write_table(table, robustness.near_print_page(table), note, **files)
 

@@ -6,7 +6,6 @@ import pytest
 
 from fprc.apparatus.programme import names, plan
 from fprc.apparatus.record import record_on_rig
-from fprc.artifacts import write_json
 from fprc.config import Settings
 from fprc.devices import Readings
 from fprc.errors import ConfigError, ControlError
@@ -14,10 +13,6 @@ from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS
 from fprc.models import ESN, FPRC, FuzzyLinear, save_model
 from fprc.signals import pressure_command
 
-GAINS = {
-    "printed": {"kp_kpa_per_deg": 0.5, "kd_kpa_s_per_deg": 0.005},
-    "identified": {"kp_kpa_per_deg": 4.0, "kd_kpa_s_per_deg": 0.04},
-}
 NOW = Readings(0.0, 1.0, 20.0, 2.0, 100.0, 0.0)
 
 
@@ -35,26 +30,17 @@ def model(recorded, tmp_path_factory):
     return path
 
 
-@pytest.fixture
-def gains(tmp_path):
-    path = str(tmp_path / "gains.json")
-    write_json(path, GAINS)
-    return path
-
-
 def test_experiments_are_those_of_the_paper_in_the_order_in_which_they_need_each_other(settings):
     known = names(settings)
-    assert known[:3] == ["sweep", "complex", "identify_0.5"]
+    assert known[:3] == ["sweep", "complex", "track_sine_0p2_fprc"]
     assert len(known) == len(set(known))
-    first_track = known.index("track_sine_0p2_fprc")
-    assert all(name.startswith("identify_") for name in known[2:first_track])
-    assert all(name.startswith("track_") for name in known[first_track:])
-    assert len(known) - first_track == 5 * len(settings["tracking"]["references"])
+    assert all(name.startswith("track_") for name in known[2:])
+    assert len(known) == 2 + 3 * len(settings["tracking"]["references"])
 
 
-def test_every_name_can_be_planned(settings, model, gains):
+def test_every_name_can_be_planned(settings, model):
     for name in names(settings):
-        experiment = plan(name, settings, model, gains)
+        experiment = plan(name, settings, model)
         assert experiment.attributes["experiment"] == name
         assert experiment.attributes["source"] == "rig"
         assert experiment.attributes["rig"]["hardware"] == settings["hardware"]
@@ -67,9 +53,7 @@ def test_every_name_can_be_planned(settings, model, gains):
 
 
 def test_unknown_experiment_is_refused_with_the_known_ones(settings):
-    with pytest.raises(
-        ConfigError, match="no experiment sweeep; must be one of sweep, complex, ident"
-    ):
+    with pytest.raises(ConfigError, match="no experiment sweeep; must be one of sweep, complex, "):
         plan("sweeep", settings)
 
 
@@ -83,51 +67,42 @@ def test_hysteresis_experiment_commands_its_signal_and_feeds_theta_to_the_reserv
     assert experiment.hint == ""
 
 
-@pytest.mark.parametrize("name", ["track_sine_0p5_pd_printed", "track_sine_0p5_pd_identified"])
-def test_feedback_needs_no_model_and_has_its_own_gains(settings, gains, name):
-    experiment = plan(name, settings, "/nowhere/fprc.h5", gains)
+@pytest.mark.parametrize("feedback", ["incremental", "positional"])
+def test_feedback_needs_no_model_and_is_that_of_the_configuration(settings, feedback):
+    settings["control"]["feedback"] = feedback
+    settings["control"]["pd"] = {"kp_kpa_per_deg": 2.0, "kd_kpa_s_per_deg": 0.0}
+    experiment = plan("track_sine_0p5_pd", settings, "/nowhere/fprc.h5")
     assert experiment.channels == (*RAW_CHANNELS, *TRACKING_CHANNELS)
-    row = experiment.law(0, NOW)
-    theta_d, p_ff, p_fb = row[2:]
-    kp = GAINS[name.rpartition("_")[2]]["kp_kpa_per_deg"]
+    now = NOW._replace(theta_deg=0.0)
+    rows = [experiment.law(k, now)[2:] for k in range(2)]
+    (theta_d, *_), (_, p_ff, p_fb) = rows
     assert p_ff == 0.0
-    assert p_fb == pytest.approx(kp * (theta_d - 20.0))
+    assert p_fb == pytest.approx(2.0 * theta_d * (2 if feedback == "incremental" else 1))
 
 
-def test_feedforward_alone_needs_no_feedback(settings, model, gains):
-    row = plan("track_sine_0p5_fprc", settings, model, gains).law(0, NOW)
+def test_feedforward_alone_needs_no_feedback(settings, model):
+    row = plan("track_sine_0p5_fprc", settings, model).law(0, NOW)
     assert row[4] == 0.0
     assert row[3] != 0.0
 
 
-def test_identification_has_the_gain_of_its_name(settings, model):
-    low, high = (
-        plan(f"identify_{kp}", settings, model, "/nowhere/gains.json").law(0, NOW)
-        for kp in ("0.5", "2")
-    )
-    assert high[4] == pytest.approx(4.0 * low[4])
-    assert low[4] != 0.0
-
-
-def test_model_begins_from_rest_and_has_run_once(settings, model, gains):
-    first, again = (
-        [plan("track_sine_0p5_fprc", settings, model, gains).law(0, NOW)[3]] for _ in range(2)
-    )
+def test_model_begins_from_rest_and_has_run_once(settings, model):
+    first, again = ([plan("track_sine_0p5_fprc", settings, model).law(0, NOW)[3]] for _ in range(2))
     assert first == again
 
 
-def test_only_the_disturbance_asks_the_person_to_push(settings, model, gains):
-    said = {name: plan(name, settings, model, gains).hint for name in names(settings)}
+def test_only_the_disturbance_asks_the_person_to_push(settings, model):
+    said = {name: plan(name, settings, model).hint for name in names(settings)}
     quiet_s = settings["tracking"]["pushes"]["quiet_s"]
     for name, hint in said.items():
         pushed = name.startswith("track_disturbance_")
         assert hint == (f"push the reservoir by hand from {quiet_s:g} s on" if pushed else "")
 
 
-def test_reference_that_the_rig_cannot_follow_is_refused(settings, gains):
+def test_reference_that_the_rig_cannot_follow_is_refused(settings):
     settings["tracking"]["references"]["sine_0p5"]["amplitude_deg"] = 80.0
     with pytest.raises(ControlError, match="leaves the actuator's range"):
-        plan("track_sine_0p5_pd_printed", settings, "", gains)
+        plan("track_sine_0p5_pd", settings, "")
 
 
 @pytest.mark.parametrize("reference", ["sine_0p2", "complex"])

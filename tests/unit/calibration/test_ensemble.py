@@ -46,7 +46,6 @@ def settings():
         f_hz = [0.5, 1.0] if name == "sweep" else reference["f_hz"]
         reference |= {"f_hz": f_hz, "duration_s": 4.0, "settle_s": 0.5}
     tracking["pushes"] |= {"quiet_s": 1.5, "every_s": 0.2}
-    tracking["candidate_kp_kpa_per_deg"] = [3.0]
     models = found["models"] | {"n_y": 2}
     models["esn"] |= {"r": 12, "washout": 10}
     models["fprc"] |= {"n_c": 2, "n_u": 2}

@@ -10,13 +10,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import yaml
-from hypothesis import given
-from hypothesis import strategies as st
 
 from fprc.artifacts import read_json
 from fprc.calibration import fit as stage
 from fprc.calibration.full_models import full_errors
-from fprc.calibration.objective import CLAIMS, TERMS, aim_of, deviations
+from fprc.calibration.objective import TERMS, aim_of, deviations
 from fprc.calibration.space import decode, encode, free_parameters, resolved
 from fprc.calibration.surrogate import MEASURES, judge_cheaply
 from fprc.config import PUBLISHED, Settings, check
@@ -316,38 +314,6 @@ def test_loss_of_the_report_is_that_of_its_terms_on_the_fitted_rig(report, remea
         expected = float(np.sum(own**2))
         assert found == pytest.approx(expected, rel=1e-9), name
     assert report["loss"] == pytest.approx(sum(report["terms"].values()), rel=1e-9)
-
-
-@given(st.lists(st.tuples(st.floats(0.1, 10), st.floats(0.1, 10)), min_size=1, max_size=30))
-def test_front_is_what_a_comparison_of_all_pairs_leaves(pairs):
-    class Given:
-        def judged(self, logs):
-            return logs
-
-        def losses(self, logs):
-            return {
-                "tables": logs[0],
-                "C8": 0.25 * logs[1],
-                "orders": 0.75 * logs[1],
-                "open_loop": 9,
-            }
-
-    front = stage.front_of(map(np.array, pairs), Given())
-    losses = set(pairs)
-    expected = {
-        one for one in losses
-        if not any(o != one and o[0] <= one[0] and o[1] <= one[1] for o in losses)
-    }  # fmt: skip
-    assert [(own["tables"], own["claims"]) for own in front] == sorted(expected)
-
-
-def test_no_rig_of_the_front_beats_the_best_one(report):
-    own = report["terms"]
-    tables, claims = own["tables"], sum(own[name] for name in CLAIMS)
-    rest = report["loss"] - tables - claims  # of terms that are in neither sum
-    assert report["front"]
-    for rig in report["front"]:
-        assert rig["tables"] + rig["claims"] >= tables + claims - rest - 1e-9
 
 
 def test_report_and_file_are_of_the_same_rig(fitted, report, settings):

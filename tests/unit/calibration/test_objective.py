@@ -114,7 +114,7 @@ STATEMENTS = {
         45.0 / 60.0, 75.0 / 60.0, HELD,
     ),
     "equal shares": ("C8", lambda r: {"shares": r}, 0.5 / WIDE, 2.0 * WIDE, HELD),
-    "epsilon": ("C9a", lambda r: {"epsilon": [9.0, 10.0, 10.0 / r]}, 0.0, 0.97, HELD),
+    "epsilon": ("C9a", lambda r: {"epsilon": [9.0, 10.0, 10.0 / r]}, 0.0, ROOM, HELD),
     "n_c": (
         "C9b", lambda r: with_n_c("fprc", "train", [10.0, 9.0, 9.0 * r]), 0.0, ROOM, HELD,
     ),

@@ -249,7 +249,7 @@ def test_open_loop_errors_are_those_of_the_model_in_the_loop(judged, logs, on_ri
     bench = Track(tracking, on_rig.control, on_rig.rig, SEED)
     assert list(judged["open_loop"]) == list(REFERENCES)
     for reference, found in judged["open_loop"].items():
-        log = bench.follow(reference, "fprc", model, {})
+        log = bench.follow(reference, "fprc", model)
         error = (log["theta_d_deg"] - log["theta_deg"])[log["time_s"] >= 0.5]
         # P_ff differs by rounding, and a converter may round to the other side
         assert found == pytest.approx(rms(error), rel=1e-3), reference

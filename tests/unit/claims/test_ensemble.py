@@ -56,8 +56,8 @@ def test_interval_of_forty_rigs_that_agree_is_that_of_the_textbook():
     assert (row["low"], row["high"]) == pytest.approx((0.0, 0.0876), abs=5e-5)
 
 
-def test_claim_that_is_contradicted_does_not_hold():
-    verdicts = [{"C2": verdict} for verdict in ("reproduced", "contradicted as printed")]
+def test_claim_that_is_undecided_does_not_hold():
+    verdicts = [{"C2": verdict} for verdict in ("reproduced", "undecided")]
     (row,) = shares_of([CLAIM], verdicts, [{"p": 0.0}, {"p": 1.0}])
     assert (row["holds"], row["rigs"]) == (1, 2)
 

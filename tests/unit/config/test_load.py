@@ -144,6 +144,23 @@ def test_short_list_with_a_wrong_item_is_two_errors():
     assert "\n  calibration.taps = ['a']: must have at least 2 items" in text
 
 
+@pytest.mark.parametrize(
+    "model",
+    [
+        {"estimator": 5, "inputs": ["theta_deg"]},
+        {"estimator": "a.B", "inputs": ["p_o_kpa"]},
+        {"estimator": "a.B", "inputs": "theta_deg"},
+        {"estimator": "a.B", "inputs": ["theta_deg", "p_o_kpa", "theta_deg"]},
+        {"inputs": ["theta_deg"]},
+    ],
+)
+def test_wrong_model_is_one_error_and_stays_as_it_was(model):
+    given = {"models": {"others": {"mine": copy.deepcopy(model)}}}
+    (line,) = message(given).splitlines()[1:]
+    assert line.strip().startswith("models.others.mine.")
+    assert given == {"models": {"others": {"mine": model}}}
+
+
 def test_checking_leaves_the_configuration_as_it_was():
     config = {"seed": "x", "models": {"fprc": {"n_c": 0, "nonsense": 1}}, "rig": {"valve": {}}}
     before = copy.deepcopy(config)
@@ -493,10 +510,21 @@ def test_key_that_is_no_word_is_refused(tmp_path):
     [
         ({"sweeps": {"n_c": [2, 4]}}, "sweeps: sweeps is now called grids"),
         ({"source": "hardware"}, "source: hardware is now called rig"),
+        (
+            {"tracking": {"printed_gains": {"kp_kpa_per_deg": 0.5}}},
+            "tracking.printed_gains: tracking.printed_gains is now called control.pd",
+        ),
     ],
 )
 def test_what_was_renamed_is_refused_with_its_new_name(old, new):
     assert f"{new};" in message(old)
+
+
+def test_what_was_removed_is_refused_with_what_there_is_instead():
+    text = message({"tracking": {"candidate_kp_kpa_per_deg": [0.5, 4.0]}})
+    (line,) = text.splitlines()[1:]
+    assert line.startswith("  tracking.candidate_kp_kpa_per_deg: was removed")
+    assert "control.pd" in line
 
 
 def test_rig_bouc_wen_is_the_dry_rig_with_another_friction_law():

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from fprc.control import PD, PressurePI, hysteresis_law, run, tracking_law
+from fprc.control import PressurePI, hysteresis_law, run, tracking_law
 from fprc.control.simulated import simulate_hysteresis, simulate_tracking
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError, SimulationError
+from fprc.experiments.tracking import pd_of
 from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS
 
 SAMPLES = 5000  # more than one block of noise
@@ -39,22 +40,25 @@ def test_hysteresis_run_is_that_of_the_loop_bit_by_bit(rig, control):
         np.testing.assert_array_equal(result[name], values, err_msg=name)
 
 
-@pytest.mark.parametrize("gains", [None, {"kp_kpa_per_deg": 8.0, "kd_kpa_s_per_deg": 0.08}])
-def test_tracking_run_is_that_of_the_loop_bit_by_bit(rig, control, gains):
+@pytest.mark.parametrize("feedback", [None, "incremental", "positional"])
+def test_tracking_run_is_that_of_the_loop_bit_by_bit(rig, control, feedback):
     time_s = np.arange(SAMPLES) / 200.0
     theta_d = 32.5 - 27.5 * np.cos(2.0 * np.pi * 0.4 * time_s)
     p_ff, pushes = 12.0 * theta_d - 100.0, 100.0 * np.sin(3.0 * time_s)
+    control["feedback"] = feedback or control["feedback"]
     law = tracking_law(
         theta_d,
         k_in_kpa_per_deg=control["k_in_kpa_per_deg"],
-        pressure_limit_kpa=400.0,
+        pressure_limit_kpa=300.0,
         feedforward=lambda angle, now: 12.0 * angle - 100.0,
-        feedback=gains and PD(**gains, period_s=0.005),
+        feedback=feedback and pd_of(control, 300.0),
     )
     slow = device(rig, push_kpa=lambda tick: pushes[tick])
     expected = run(slow, slow, law, SAMPLES, **loops(control), extra=TRACKING_CHANNELS)
-    assert {0.0, 400.0} <= set(expected["p_exp_command_kpa"])
-    result = simulate_tracking(device(rig), control, theta_d, p_ff, gains, 400.0, pushes)
+    assert {0.0, 300.0} <= set(expected["p_exp_command_kpa"])
+    result = simulate_tracking(
+        device(rig), control, theta_d, p_ff, 300.0, feedback=bool(feedback), push_kpa=pushes
+    )
     for name, values in expected.items():
         np.testing.assert_array_equal(result[name], values, err_msg=name)
 
@@ -85,7 +89,7 @@ def test_feedforward_that_is_not_finite_is_refused_before_the_rig_moves(rig, con
     still = device(rig)
     before = still.state
     with pytest.raises(ControlError, match="sample 7"):
-        simulate_tracking(still, control, angles, p_ff, None, 450.0)
+        simulate_tracking(still, control, angles, p_ff, 450.0, feedback=False)
     assert still.state == before
 
 

@@ -26,7 +26,11 @@ def test_part_that_is_left_out_is_zero():
     assert only_feedforward(0, reading(10.0)) == pytest.approx((80.0, 140.0, 20.0, 80.0, 0.0))
     only_feedback = law_of([20.0], feedback=PD(2.0, 0.0, 0.005))
     assert only_feedback(0, reading(10.0)) == pytest.approx((20.0, 140.0, 20.0, 0.0, 20.0))
-    assert law_of([20.0])(0, reading(10.0)) == pytest.approx((0.0, 140.0, 20.0, 0.0, 0.0))
+
+
+def test_law_without_both_parts_is_refused():
+    with pytest.raises(ControlError):
+        law_of([20.0])
 
 
 @pytest.mark.parametrize(
@@ -67,7 +71,7 @@ def test_controller_without_a_number_is_refused_and_shown(value):
 
 def play(theta_d, theta, **options):
     """Return the sample at which the law raised, or None."""
-    law = law_of(theta_d, **options)
+    law = law_of(theta_d, feedback=PD(2.0, 0.0, 0.005), **options)
     for k, value in enumerate(theta):
         try:
             law(k, reading(float(value)))
@@ -83,7 +87,7 @@ def test_frozen_bend_sensor_is_noticed_while_the_reference_moves():
 
 
 def test_frozen_bend_sensor_is_shown_with_value_and_length():
-    law = law_of(1.0 * np.arange(10), stale_samples=3)
+    law = law_of(1.0 * np.arange(10), feedback=PD(2.0, 0.0, 0.005), stale_samples=3)
     for k in range(4):
         law(k, reading(12.5))
     with pytest.raises(ControlError, match=r"theta_deg has been 12\.5 for 4 samples"):

@@ -6,17 +6,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fprc.experiments.measures import measure_hysteresis, measure_runs
+from fprc.paper import CONTROLLERS, REFERENCES
 
 RATE_HZ, QUIET_S = 200.0, 12.0
-REFERENCES = ("sine_0p2", "sine_0p5", "sweep", "complex")
 RUNS = [
-    *(f"{reference}/fprc/none" for reference in REFERENCES),
-    *(
-        f"{reference}/{controller}/{gain}"
-        for reference in (*REFERENCES, "disturbance")
-        for controller in ("fprc_pd", "pd")
-        for gain in ("printed", "identified")
-    ),
+    f"{reference}/{controller}"
+    for reference in (*REFERENCES, "disturbance")
+    for controller in CONTROLLERS
 ]
 TIME_S = 5.0 + np.arange(int(30 * RATE_HZ)) / RATE_HZ
 PUSHED = TIME_S >= QUIET_S
@@ -76,7 +72,7 @@ def test_measures_hold_what_the_claims_read_and_json_can_keep(perfect):
     assert set(perfect) == {"rmse_deg", "effort", "sweep", "loops", "disturbance"}
     assert list(perfect["effort"]) == list(REFERENCES)
     assert set(perfect["loops"]) == {
-        "pd/printed", "pd/identified", "fprc_pd/printed", "fprc_pd/identified"
+        "sine_0p5/pd", "sine_0p5/fprc_pd", "sweep/pd", "sweep/fprc_pd"
     }  # fmt: skip
 
 
@@ -84,9 +80,9 @@ def test_measures_hold_what_the_claims_read_and_json_can_keep(perfect):
 def test_error_of_a_run_is_the_rms_of_its_own_samples(pattern):
     error = np.resize(pattern, TIME_S.size)
     theta_d = chirp(TIME_S)
-    found = measured(complex__fprc__none=run(theta_d, theta_d - error))["rmse_deg"]
+    found = measured(complex__fprc=run(theta_d, theta_d - error))["rmse_deg"]
     expected = np.linalg.norm(error) / np.sqrt(error.size)
-    assert found.pop("complex/fprc/none") == pytest.approx(expected, abs=1e-9)
+    assert found.pop("complex/fprc") == pytest.approx(expected, abs=1e-9)
     assert set(found.values()) == {0.0}
 
 
@@ -94,13 +90,13 @@ def test_error_of_a_run_is_the_rms_of_its_own_samples(pattern):
 def test_effort_is_rms_of_feedback_over_rms_of_feedforward(reference):
     alternating = np.resize([3.0, -4.0], TIME_S.size)
     busy = run(p_fb_kpa=alternating, p_ff_kpa=np.resize([30.0, 40.0], TIME_S.size))
-    found = measured(**{f"{reference}__fprc_pd__identified": busy})["effort"]
+    found = measured(**{f"{reference}__fprc_pd": busy})["effort"]
     assert found.pop(reference) == pytest.approx(0.1, rel=1e-12)
     assert list(found.values()) == pytest.approx([0.05] * 3, rel=1e-12)
 
 
 def grid_values(theta):
-    return measured(sweep__fprc_pd__identified=run(theta=theta))["sweep"]
+    return measured(sweep__fprc_pd=run(theta=theta))["sweep"]
 
 
 @pytest.mark.parametrize("samples", [-40, -7, -1, 0, 1, 6, 39])
@@ -121,7 +117,7 @@ def test_lag_is_counted_in_the_samples_of_the_log():
     theta_d = chirp(slow)
     log = {key: values[::4] for key, values in run().items()}
     log |= {"time_s": slow, "theta_d_deg": theta_d, "theta_deg": chirp(slow - 0.1)}
-    found = measured(sweep__fprc_pd__identified=log)["sweep"]
+    found = measured(sweep__fprc_pd=log)["sweep"]
     assert found["lag_ms"] == pytest.approx(100.0)
 
 
@@ -134,24 +130,31 @@ def test_error_of_the_sweep_is_split_into_thirds():
     assert found["largest_error_deg"] == pytest.approx(9.0)
 
 
-@pytest.mark.parametrize("name", ["pd/printed", "pd/identified", "fprc_pd/printed"])
+@pytest.mark.parametrize("name", ["sine_0p5/pd", "sine_0p5/fprc_pd"])
 @pytest.mark.parametrize(("lag", "swing"), [(0.5, 27.5), (0.05, 27.5), (0.3, 5.0), (-0.2, 20.0)])
 def test_loop_of_a_late_sine_is_as_wide_as_the_sine_of_its_phase(name, lag, swing):
     """An ellipse: at the middle of the reference it is 2 A sin(lag) wide, and spans 2 A."""
-    run_name = f"sine_0p5/{name}".replace("/", "__")
-    loops = measured(**{run_name: run(sine(), sine(lag, swing))})["loops"]
+    loops = measured(**{name.replace("/", "__"): run(sine(), sine(lag, swing))})["loops"]
     assert loops[name]["width_over_span"] == pytest.approx(abs(np.sin(lag)), rel=5e-3)
     assert loops[name]["span_over_reference"] == pytest.approx(swing / 27.5, rel=1e-3)
 
 
 def test_loop_of_an_angle_that_stands_still_has_no_width():
     still = run(sine(), np.full_like(TIME_S, 3.0))
-    loop = measured(sine_0p5__pd__printed=still)["loops"]["pd/printed"]
+    loop = measured(sine_0p5__pd=still)["loops"]["sine_0p5/pd"]
     assert loop == {"width_over_span": 0.0, "span_over_reference": 0.0}
 
 
+@pytest.mark.parametrize("controller", ["pd", "fprc_pd"])
+def test_loop_of_a_sweep_is_that_of_its_own_run(controller):
+    late = run(theta=chirp(TIME_S - 0.1))
+    loops = measured(**{f"sweep__{controller}": late})["loops"]
+    assert loops.pop(f"sweep/{controller}")["width_over_span"] > 0.05
+    assert all(loop["width_over_span"] < 1e-3 for loop in loops.values())
+
+
 def disturbed(**channels):
-    return measured(disturbance__fprc_pd__identified=run(**channels))["disturbance"]
+    return measured(disturbance__fprc_pd=run(**channels))["disturbance"]
 
 
 CUBIC = st.lists(st.floats(-3.0, 3.0), min_size=3, max_size=3).filter(

@@ -187,11 +187,20 @@ def test_rate_that_no_log_has_is_an_error_of_the_log(write_log, rate):
 # --- closed-loop runs -------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("experiment", ["track_sweep_fprc", "identify_0.5"])
-def test_run_has_reference_feedforward_and_feedback(write_run, experiment):
-    path = write_run(experiment=experiment)
+def test_run_has_reference_feedforward_and_feedback(write_run):
+    path = write_run()
     assert tuple(read_raw(path, **RATE).channels) == (*RAW_CHANNELS, *TRACKING_CHANNELS)
     assert tuple(read_run(path, ("theta_d_deg", "p_i_kpa")).channels) == ("theta_d_deg", "p_i_kpa")
+
+
+@pytest.mark.parametrize("experiment", ["track_sweep_fprc_pd_identified", "identify_0.5"])
+def test_run_of_an_earlier_version_with_a_gain_is_readable(write_run, experiment):
+    old = {"experiment": experiment, "controller": "fprc_pd", "gain": "identified"}
+    path = write_run(**old, rig={"gains": {"kp_kpa_per_deg": 0.5, "kd_kpa_s_per_deg": 0.005}})
+    assert tuple(read_raw(path, **RATE).channels) == (*RAW_CHANNELS, *TRACKING_CHANNELS)
+    found = read_run(path, ("theta_d_deg", "p_i_kpa"))
+    assert tuple(found.channels) == ("theta_d_deg", "p_i_kpa")
+    assert old.items() <= found.attributes.items()
 
 
 def without(name):
@@ -224,7 +233,7 @@ def attribute(name, value=None):
         (without("valve_main_v"), "channel valve_main_v: missing"),
         (spoiled("theta_d_deg"), "channel theta_d_deg: sample 11 is nan"),
         (spoiled("p_fb_kpa"), "channel p_fb_kpa: sample 11 is nan"),
-        (attribute("gain"), "attribute gain: missing"),
+        (attribute("controller"), "attribute controller: missing"),
         (attribute("settle_s"), "attribute settle_s: missing"),
         (attribute("settle_s", "5"), "attribute settle_s = '5': must be a finite number"),
         (attribute("settle_s", 2.0), "attribute settle_s = 2; must be at most 1.995"),
@@ -245,7 +254,7 @@ def test_run_that_is_not_whole_is_refused_by_check_and_workflow(write_run, chang
 
 
 def test_log_of_an_experiment_is_no_run(write_log):
-    path = write_log(controller="pd", gain="printed", reference="sweep", settle_s=0.0)
+    path = write_log(controller="pd", reference="sweep", settle_s=0.0)
     with pytest.raises(LogError, match="attribute experiment = sweep; must begin with"):
         read_run(path, ("time_s",))
 

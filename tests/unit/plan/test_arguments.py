@@ -3,8 +3,18 @@
 import pytest
 
 from fprc.config import Settings
+from fprc.experiments.hysteresis import acquire
 from fprc.experiments.settings import Judgement, RigSettings
-from fprc.plan.arguments import judgement, on_drawn_rigs, on_rig, paper_models, pick, tracking
+from fprc.plan.arguments import (
+    feedback_in_words,
+    judgement,
+    of_pressures,
+    on_drawn_rigs,
+    on_rig,
+    paper_models,
+    pick,
+    tracking,
+)
 
 SETTINGS = Settings().model_dump(mode="json")
 SETTINGS["models"]["others"] = {"mine": {"estimator": "my.Model", "inputs": [], "settings": {}}}
@@ -57,6 +67,31 @@ def test_tracking_of_one_reference_does_not_read_the_others():
     part = tracking(SETTINGS, "sweep", "pushes")
     assert part["references"] == {"sweep": section["references"]["sweep"]}
     assert part.keys() == {"angle_range_deg", "pressure_limit_kpa", "pushes", "references"}
+
+
+POSITIONAL = {"feedback": "positional", "pd": {"kp_kpa_per_deg": 2.5, "kd_kpa_s_per_deg": 0.07}}
+
+
+def with_control(**control):
+    return SETTINGS | {"control": SETTINGS["control"] | control}
+
+
+def test_open_loops_are_recorded_with_nothing_of_the_feedback():
+    control = of_pressures(SETTINGS)
+    assert control == of_pressures(with_control(**POSITIONAL))
+    assert control != of_pressures(with_control(k_in_kpa_per_deg=3.0))
+    signal = SETTINGS["experiments"]["sweep"] | {"duration_s": 1.0}
+    assert len(acquire("sweep", signal, control, SETTINGS["rig"], seed=1)["time_s"]) >= 200
+
+
+def test_words_on_the_feedback_tell_law_and_gains_but_for_recorded_logs():
+    recorded = with_control(**POSITIONAL) | {"source": "recorded"}
+    assert feedback_in_words(recorded) == feedback_in_words(SETTINGS | {"source": "recorded"})
+    incremental, positional = map(feedback_in_words, (SETTINGS, with_control(**POSITIONAL)))
+    assert "sum" in incremental
+    assert "sum" not in positional
+    assert all(gain in incremental for gain in ("0.5 kPa/deg", "0.005 kPa s/deg"))
+    assert all(gain in positional for gain in ("2.5 kPa/deg", "0.07 kPa s/deg"))
 
 
 def test_claims_hold_on_as_many_drawn_rigs_as_the_table_says_if_it_exists(tmp_path):

@@ -84,7 +84,7 @@ def test_closed_loop_figure_is_made_of_its_own_runs(number):
 
 
 def test_disturbance_needs_the_bending_of_the_reservoir():
-    run = run_log("disturbance", "fprc_pd_identified")
+    run = run_log("disturbance", "fprc_pd")
     found = of({run: without("phi_deg")})
     assert found["fig17"] == f"needs phi_deg, which {run}.h5 does not have"
 

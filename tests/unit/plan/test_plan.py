@@ -113,8 +113,7 @@ def test_target_begins_with_its_result_and_names_no_file_twice(simulated):
         ("table3", {"results/tables/table3.md"} | DATA | judged("complex")),
         (
             "table4",
-            {"results/tables/table4.md", "results/control/gains.json"}
-            | DATA | judged("sweep") | raw(*FIVE),
+            {"results/tables/table4.md"} | DATA | judged("sweep") | raw(*FIVE),
         ),
         (
             "timing",
@@ -133,13 +132,11 @@ def test_target_begins_with_its_result_and_names_no_file_twice(simulated):
         ),
         (
             "fig13",
-            {"results/figures/fig13_sine_0p5.pdf", "results/control/gains.json"}
-            | DATA | judged("sweep") | raw("sine_0p5"),
+            {"results/figures/fig13_sine_0p5.pdf"} | DATA | judged("sweep") | raw("sine_0p5"),
         ),
         (
             "fig16",
-            {"results/figures/fig16_loops.pdf", "results/control/gains.json"}
-            | DATA | judged("sweep") | raw("sine_0p5", "sweep"),
+            {"results/figures/fig16_loops.pdf"} | DATA | judged("sweep") | raw("sine_0p5", "sweep"),
         ),
     ],
 )  # fmt: skip
@@ -159,7 +156,7 @@ def test_seeds_and_claims_are_made_of_every_replicate(simulated):
 
 
 def test_runs_are_those_of_every_reference_with_every_controller(simulated):
-    assert len(simulated.every_run) == len(set(simulated.every_run)) == 25
+    assert len(simulated.every_run) == len(set(simulated.every_run)) == 15
     assert {f"data/raw/{run}.h5" for run in simulated.every_run} == raw(*FIVE)
     assert simulated.every_log == [*EXPERIMENTS, *simulated.every_run]
 
@@ -240,12 +237,11 @@ def test_one_experiment_refuses_what_needs_both():
 
 
 def test_closed_loop_results_of_recorded_logs_are_made_of_the_runs_that_are_there():
-    runs = [run_log("sine_0p5", name) for name in ("fprc", "fprc_pd_identified", "pd_printed")]
+    runs = [run_log("sine_0p5", name) for name in ("fprc", "fprc_pd", "pd")]
     plan = recorded(*EXPERIMENTS, *runs)
     assert plan.runs == sorted(runs, key=plan.every_run.index)
     logs = {f"data/raw/{run}.h5" for run in runs}
-    made_of = {"results/control/gains.json"} | logs
-    assert set(plan.targets["table4"]) == {"results/tables/table4.md"} | made_of
+    assert set(plan.targets["table4"]) == {"results/tables/table4.md"} | logs
     assert set(plan.targets["fig13"]) == {"results/figures/fig13_sine_0p5.pdf"} | logs
     assert {"fig12", "fig14", "fig15", "fig16", "fig17"} <= set(plan.unavailable_targets)
     assert "table4_runs" in plan.unavailable_results
@@ -278,9 +274,7 @@ def test_model_from_outside_is_judged_drawn_and_drives_if_it_can():
     assert judged("sweep", ["taps"]) <= set(plan.targets["table2"])
     assert plan.targets["training_taps"][0] == "results/figures/training_taps.pdf"
     assert judged("sweep", ["taps"]) <= set(plan.targets["training_taps"])
-    assert raw(*FIVE, controllers=["taps", "taps_pd_printed", "taps_pd_identified"]) <= set(
-        plan.targets["table4"]
-    )
+    assert raw(*FIVE, controllers=["taps", "taps_pd"]) <= set(plan.targets["table4"])
     assert "taps" in plan.feedforward
 
 

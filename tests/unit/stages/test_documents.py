@@ -22,13 +22,12 @@ fuzzy_linear,validation_rmse,{},20.0
 """
 
 TRACKING = """\
-controller,gain,reference,rmse_deg,published_rmse_deg
-fprc,none,sweep,1.2,1.0
-fprc,none,sine_0p3,9.0,
-fprc_pd,printed,sweep,8.0,1.0
-fprc_pd,identified,sweep,1.3,1.0
-fprc_pd,identified,complex,0.5,1.0
-pd,identified,complex,40.0,
+controller,reference,rmse_deg,published_rmse_deg
+fprc,sweep,1.2,1.0
+fprc,sine_0p3,9.0,
+fprc_pd,sweep,1.3,1.0
+fprc_pd,complex,0.5,1.0
+pd,complex,40.0,
 """
 
 LEDGER = (

@@ -21,7 +21,7 @@ from fprc.stages.judge import judge
 from fprc.stages.preprocess import preprocess
 from fprc.stages.record import record
 from fprc.stages.replicate import replicate
-from fprc.stages.track import identify_gain, track
+from fprc.stages.track import track
 
 pytestmark = pytest.mark.slow
 
@@ -45,7 +45,6 @@ def settings():
         f_hz = [0.5, 1.0] if name == "sweep" else reference["f_hz"]
         reference |= {"f_hz": f_hz, "duration_s": 4.0, "settle_s": SETTLE_S}
     found["tracking"]["pushes"] |= {"quiet_s": QUIET_S, "every_s": 0.2}
-    found["tracking"]["candidate_kp_kpa_per_deg"] = [0.5, 3.0]
     found["models"] |= {"n_y": 2}
     found["models"]["esn"] |= {"r": 12, "washout": 10}
     found["models"]["fprc"] |= {"n_c": 2, "n_u": 2}
@@ -275,34 +274,25 @@ def control(repeated):
 
 @pytest.fixture(scope="module")
 def followed(logs, settings, judgement, tmp_path_factory):
-    """Gains and logs of the main run's stages with this seed."""
+    """Logs of the main run's stages with this seed."""
     folder = tmp_path_factory.mktemp("followed")
     model = judge_both("fprc", logs, judgement, folder)["fitted"][0]
     bench = {name: settings[name] for name in ("tracking", "control", "rig")} | {"seed": SEED}
-    gains = str(folder / "gains.json")
-    identify_gain(model, gains, **bench)
     runs = {}
     for reference in settings["tracking"]["references"]:
         paths = [str(folder / f"{reference}_{name}.h5") for name in CONTROLLERS]
         names = {"names": ["fprc"], "controllers": CONTROLLERS}
-        track([model], gains, paths, reference=reference, **names, **bench)
+        track([model], paths, reference=reference, **names, **bench)
         for path in paths:
             wanted = ("time_s", "theta_d_deg", "theta_deg", "p_ff_kpa", "p_fb_kpa", "p_i_kpa",
                       "p_o_kpa", "phi_deg")  # fmt: skip
             log = read_columns(path, wanted)
-            runs["/".join(log.attributes[key] for key in ("reference", "controller", "gain"))] = (
-                log.channels
-            )
-    return read_json(gains), runs
-
-
-def test_gains_are_those_of_the_main_run_with_that_seed(control, followed):
-    found = read_json(control[0])
-    assert found["gains"] == {name: followed[0][name] for name in ("printed", "identified")}
+            runs[f"{reference}/{log.attributes['controller']}"] = log.channels
+    return runs
 
 
 def test_settling_part_of_every_run_is_cut_off_before_it_is_measured(control, followed):
-    runs, whole = control[1], followed[1]
+    runs, whole = control[1], followed
     assert list(runs) == list(whole)
     for name, channels in runs.items():
         settling = int(SETTLE_S * 200)
@@ -317,7 +307,7 @@ def test_settling_part_of_every_run_is_cut_off_before_it_is_measured(control, fo
 
 def test_errors_of_the_runs_are_those_of_the_logs_after_settling(control, followed):
     found = read_json(control[0])["rmse_deg"]
-    for name, log in followed[1].items():
+    for name, log in followed.items():
         error = (log["theta_d_deg"] - log["theta_deg"])[log["time_s"] >= SETTLE_S]
         assert found[name] == pytest.approx(float(np.sqrt(np.mean(error**2))), rel=1e-12)
 

@@ -3,7 +3,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from fprc.artifacts import write_json
 from fprc.config import PUBLISHED, Settings
 from fprc.errors import LogError
 from fprc.stages.tabulate import tabulate_tracking
@@ -16,12 +15,9 @@ def table_of(tmp_path):
     """Make Table IV of closed-loop logs."""
 
     def make(*runs):
-        gains = tmp_path / "gains.json"
-        write_json(gains, {"candidates": [], "source": "sim", "seed": 1})
         files = {kind: str(tmp_path / f"table4.{kind}") for kind in ("csv", "md", "tex")}
-        tabulate_tracking(
-            PUBLISHED, str(gains), list(map(str, runs)), **files, left_out=[], limits=LIMITS
-        )
+        more = {"left_out": [], "limits": LIMITS, "feedback": "As configured."}
+        tabulate_tracking(PUBLISHED, list(map(str, runs)), **files, **more)
         return pd.read_csv(files["csv"])
 
     return make
@@ -57,3 +53,8 @@ def test_all_logs_that_are_not_whole_are_named_at_once(table_of, write_run, tmp_
         f"{path}: channel p_ff_kpa: missing" for path in paths[::2]
     ]
     assert not (tmp_path / "table4.csv").exists()
+
+
+def test_logs_of_two_kinds_make_no_table(table_of, write_run):
+    with pytest.raises(LogError):
+        table_of(write_run("a.h5", source="sim"), write_run("b.h5", source="rig"))

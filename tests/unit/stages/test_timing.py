@@ -21,7 +21,8 @@ def settings():
     found = Settings().model_dump()
     found["models"]["esn"] |= {"r": 10, "washout": 5}
     found["models"]["fprc"] |= {"n_c": 2}
-    return {name: found[name] for name in ("models", "control", "tracking")}
+    limit_kpa = found["tracking"]["pressure_limit_kpa"]
+    return {"models": found["models"], "control": found["control"], "pressure_limit_kpa": limit_kpa}
 
 
 @pytest.fixture(scope="module")
@@ -38,12 +39,12 @@ def logs(seen, tmp_path_factory):
 def measure(logs, settings):
     """Cost of a step of each model's controller."""
     train, test = map(read_data, logs)
-    control, tracking = settings["control"], settings["tracking"]
+    control, limit_kpa = settings["control"], settings["pressure_limit_kpa"]
     models = [
         build(name, settings["models"], seed=1).fit(*train.pair(name))
         for name in ("esn", "fprc", "fuzzy_linear")
     ]
-    return [cost.step_cost(model, test, control, tracking) for model in models]
+    return [cost.step_cost(model, test, control, limit_kpa) for model in models]
 
 
 def write(logs, settings, folder):

@@ -1,19 +1,20 @@
+import hashlib
 import json
+from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 
-from fprc.artifacts import write_json
 from fprc.config import Settings
 from fprc.control import RunAbortedError
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError
-from fprc.experiments.tracking import Track, bench_gain, tracking_rmse
-from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS, read_columns
+from fprc.experiments.tracking import tracking_rmse
+from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS, assess, read_columns
 from fprc.models import FPRC, FuzzyLinear, load_model, save_model
-from fprc.paper import CONTROLLERS, controller_and_gain
-from fprc.stages.track import identify_gain, track
+from fprc.paper import CONTROLLERS
+from fprc.stages.track import track
 
 NAMES = (*RAW_CHANNELS, *TRACKING_CHANNELS)
 
@@ -37,51 +38,36 @@ def model(recorded, tmp_path_factory):
     return path
 
 
-@pytest.fixture(scope="module")
-def gains(tmp_path_factory):
-    path = str(tmp_path_factory.mktemp("gains") / "gains.json")
-    printed = {"kp_kpa_per_deg": 0.5, "kd_kpa_s_per_deg": 0.005}
-    identified = {"kp_kpa_per_deg": 4.0, "kd_kpa_s_per_deg": 0.04}
-    write_json(path, {"printed": printed, "identified": identified})
-    return path
-
-
-def follow(folder, model, gains, settings, controllers=CONTROLLERS, reference="sine_0p5", **more):
+def follow(folder, model, settings, controllers=CONTROLLERS, reference="sine_0p5", **more):
     paths = [str(folder / f"{name}.h5") for name in controllers]
     chosen = {"reference": reference, "controllers": controllers, "seed": 1} | settings | more
-    track([model], gains, paths, names=["fprc"], **chosen)
+    track([model], paths, names=["fprc"], **chosen)
     return {name: read_columns(path, NAMES) for name, path in zip(controllers, paths, strict=True)}
 
 
 @pytest.fixture(scope="module")
-def logs(model, gains, settings, tmp_path_factory):
+def logs(model, settings, tmp_path_factory):
     """Logs of every controller on one reference."""
-    return follow(tmp_path_factory.mktemp("raw"), model, gains, settings)
+    return follow(tmp_path_factory.mktemp("raw"), model, settings)
 
 
 def test_every_controller_has_its_raw_log_with_what_it_was(logs, settings):
     for name in CONTROLLERS:
-        controller, gain = controller_and_gain(name)
         found = logs[name].attributes
-        assert (found["reference"], found["controller"], found["gain"]) == (
-            "sine_0p5",
-            controller,
-            gain,
-        )
+        assert (found["reference"], found["controller"]) == ("sine_0p5", name)
         assert found["experiment"] == f"track_sine_0p5_{name}"
         assert (found["source"], found["simulated"]) == ("sim", True)
         assert (found["settle_s"], found["seed"], found["sample_rate_hz"]) == (0.5, 1, 200.0)
         assert "incomplete_reason" not in found
-        described = found["rig"]
-        assert (
-            described["gains"]
-            == {
-                "none": None,
-                "printed": {"kp_kpa_per_deg": 0.5, "kd_kpa_s_per_deg": 0.005},
-                "identified": {"kp_kpa_per_deg": 4.0, "kd_kpa_s_per_deg": 0.04},
-            }[gain]
-        )
-        assert described["control"] == json.loads(json.dumps(settings["control"]))
+        assert found["rig"]["control"] == json.loads(json.dumps(settings["control"]))
+
+
+def test_log_names_the_model_that_ran(logs, model):
+    digest = hashlib.sha256(Path(model).read_bytes()).hexdigest()
+    for name, log in logs.items():
+        told = {key: value for key, value in log.attributes.items() if key.startswith("model")}
+        ran = {"model": "FPRC", "model_file": "fprc.npz", "model_sha256": digest}
+        assert told == ({} if name == "pd" else ran)
 
 
 def test_log_holds_the_whole_reference_settling_part_first(logs):
@@ -95,25 +81,25 @@ def test_log_holds_the_whole_reference_settling_part_first(logs):
 
 
 def test_feedforward_is_the_model_on_reference_and_measured_reservoir_pressure(logs, model):
-    for name in ("fprc", "fprc_pd_printed", "fprc_pd_identified"):
+    for name in ("fprc", "fprc_pd"):
         log = logs[name].channels
         expected = load_model(model).predict(np.column_stack([log["theta_d_deg"], log["p_o_kpa"]]))
         np.testing.assert_allclose(log["p_ff_kpa"], expected, atol=1e-9)
 
 
-@pytest.mark.parametrize(("gain", "kp"), [("printed", 0.5), ("identified", 4.0)])
-def test_feedback_has_the_gain_of_its_name(logs, gain, kp):
-    for name in (f"pd_{gain}", f"fprc_pd_{gain}"):
+def test_feedback_is_the_sum_of_the_error_and_its_rate(logs):
+    """P_d meets no limit, so nothing is left out of the sum."""
+    for name in ("pd", "fprc_pd"):
         log = logs[name].channels
+        assert (log["p_exp_command_kpa"] > 0.0).all()
         e = log["theta_d_deg"] - log["theta_deg"]
-        expected = kp * e + 0.01 * kp * np.diff(e, prepend=e[0]) * 200.0
+        expected = np.cumsum(0.5 * e + 0.005 * np.diff(e, prepend=e[0]) * 200.0)
         np.testing.assert_allclose(log["p_fb_kpa"], expected, atol=1e-9)
 
 
 def test_what_a_controller_lacks_is_zero(logs):
     assert not logs["fprc"].channels["p_fb_kpa"].any()
-    assert not logs["pd_printed"].channels["p_ff_kpa"].any()
-    assert not logs["pd_identified"].channels["p_ff_kpa"].any()
+    assert not logs["pd"].channels["p_ff_kpa"].any()
 
 
 def test_all_controllers_meet_the_same_rig_before_they_act(logs):
@@ -123,29 +109,24 @@ def test_all_controllers_meet_the_same_rig_before_they_act(logs):
             assert log.channels[name][0] == first[name][0]
 
 
-def test_two_controllers_that_do_the_same_record_the_same(tmp_path, model, settings):
-    gains = str(tmp_path / "gains.json")
-    both = {"kp_kpa_per_deg": 4.0, "kd_kpa_s_per_deg": 0.04}
-    write_json(gains, {"printed": both, "identified": both})
-    names = ("pd_printed", "fprc", "pd_identified")
-    logs = follow(tmp_path, model, gains, settings, names)
-    for name in NAMES:
-        np.testing.assert_array_equal(
-            logs["pd_printed"].channels[name], logs["pd_identified"].channels[name], err_msg=name
-        )
-    assert np.ptp(logs["pd_printed"].channels["theta_deg"]) > 1.0
+def test_gains_and_law_are_those_of_the_configuration(tmp_path, model, settings):
+    own = {"feedback": "positional", "pd": {"kp_kpa_per_deg": 4.0, "kd_kpa_s_per_deg": 0.04}}
+    log = follow(tmp_path, model, settings, ("pd",), control=settings["control"] | own)["pd"]
+    assert own.items() <= log.attributes["rig"]["control"].items()
+    e = log.channels["theta_d_deg"] - log.channels["theta_deg"]
+    expected = 4.0 * e + 0.04 * np.diff(e, prepend=e[0]) * 200.0
+    np.testing.assert_allclose(log.channels["p_fb_kpa"], expected, atol=1e-9)
 
 
-def test_run_does_not_depend_on_the_controllers_before_it(logs, tmp_path, model, gains, settings):
-    alone = follow(tmp_path, model, gains, settings, ("fprc_pd_identified",))
+def test_run_does_not_depend_on_the_controllers_before_it(logs, tmp_path, model, settings):
+    alone = follow(tmp_path, model, settings, ("fprc_pd",))
     for name in NAMES:
         np.testing.assert_array_equal(
-            alone["fprc_pd_identified"].channels[name],
-            logs["fprc_pd_identified"].channels[name],
+            alone["fprc_pd"].channels[name], logs["fprc_pd"].channels[name], err_msg=name
         )
 
 
-def test_only_the_disturbance_is_pushed(tmp_path, model, gains, settings):
+def test_only_the_disturbance_is_pushed(tmp_path, model, settings):
     strong = settings | {"tracking": settings["tracking"] | {"pushes": {
         "quiet_s": 1.0, "every_s": 0.2, "sigma_kpa": 150.0}}}  # fmt: skip
     none = settings | {"tracking": settings["tracking"] | {"pushes": {
@@ -153,7 +134,7 @@ def test_only_the_disturbance_is_pushed(tmp_path, model, gains, settings):
     for reference, differs in (("disturbance", True), ("sine_0p2", False)):
         phi = []
         for chosen in (strong, none):
-            log = follow(tmp_path, model, gains, chosen, ("fprc",), reference)["fprc"]
+            log = follow(tmp_path, model, chosen, ("fprc",), reference)["fprc"]
             phi.append(log.channels["phi_deg"])
         np.testing.assert_array_equal(phi[0][:200], phi[1][:200])
         assert (np.abs(phi[0] - phi[1]).max() > 1.0) == differs
@@ -191,15 +172,20 @@ def made_safe(monkeypatch):
 
 @pytest.mark.parametrize("at", [0, 50])
 def test_aborted_run_keeps_its_rows_and_says_why(
-    at, tmp_path, model, gains, settings, monkeypatch, made_safe
+    at, tmp_path, model, settings, monkeypatch, made_safe
 ):
     monkeypatch.setattr("fprc.stages.track.load_model", lambda path, classes: Broken(at))
     with pytest.raises(RunAbortedError, match=f"sample {at}: the controller gave P_ff = nan"):
-        follow(tmp_path, model, gains, settings, ("pd_printed", "fprc", "fprc_pd_printed"))
+        follow(tmp_path, model, settings, ("pd", "fprc", "fprc_pd"))
     assert made_safe == [[0.0, 0.0]] * 2
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["fprc.aborted.h5", "pd_printed.h5"]
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["fprc.aborted.h5", "pd.h5"]
     kept = read_columns(tmp_path / "fprc.aborted.h5", NAMES if at else ())
-    assert f"sample {at}:" in kept.attributes["incomplete_reason"]
+    reason = kept.attributes["incomplete_reason"]
+    assert f"sample {at}:" in reason
+    limits = Settings().quality.model_dump()
+    if at:
+        check = assess(kept, sample_rate_hz=200.0, **limits)["checks"]["complete"]
+        assert (check["passed"], check["reason"]) == (False, reason)
     assert kept.attributes["controller"] == "fprc"
     with h5py.File(tmp_path / "fprc.aborted.h5") as file:
         assert {len(file[name]) for name in NAMES} == {at}
@@ -207,35 +193,34 @@ def test_aborted_run_keeps_its_rows_and_says_why(
         np.testing.assert_array_equal(kept.channels["p_ff_kpa"], 100.0)
 
 
-def test_aborted_log_lies_beside_its_log_in_any_folder(
-    tmp_path, model, gains, settings, monkeypatch
-):
+def test_aborted_log_lies_beside_its_log_in_any_folder(tmp_path, model, settings, monkeypatch):
     monkeypatch.setattr("fprc.stages.track.load_model", lambda path, classes: Broken(5))
     folder = tmp_path / "logs.h5.d"
     folder.mkdir()
     with pytest.raises(RunAbortedError):
-        follow(folder, model, gains, settings, ("fprc",))
+        follow(folder, model, settings, ("fprc",))
     assert [p.name for p in folder.iterdir()] == ["fprc.aborted.h5"]
 
 
 def test_impossible_reference_is_refused_before_the_rig_moves(
-    tmp_path, model, gains, settings, monkeypatch
+    tmp_path, model, settings, monkeypatch
 ):
     monkeypatch.setattr("fprc.experiments.tracking.SimulatedRig", None)
     narrow = settings | {"tracking": settings["tracking"] | {"angle_range_deg": (0.0, 50.0)}}
     with pytest.raises(ControlError, match="leaves the actuator's range of 0 to 50 deg"):
-        follow(tmp_path, model, gains, narrow)
+        follow(tmp_path, model, narrow)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_model_of_the_reference_alone_can_drive_too(recorded, tmp_path, gains, settings):
+def test_model_of_the_reference_alone_can_drive_too(recorded, tmp_path, settings):
     log = recorded["sweep"]
     path = str(tmp_path / "fuzzy.npz")
     fuzzy = FuzzyLinear(n_c=2, random_state=1)
     save_model(fuzzy.fit(log["theta_deg"][:, None], log["p_exp_command_kpa"]), path)
-    found = follow(tmp_path, path, gains, settings, ("fprc",))["fprc"].channels
-    expected = fuzzy.predict(found["theta_d_deg"][:, None])
-    np.testing.assert_allclose(found["p_ff_kpa"], expected, atol=1e-9)
+    log = follow(tmp_path, path, settings, ("fprc",))["fprc"]
+    expected = fuzzy.predict(log.channels["theta_d_deg"][:, None])
+    np.testing.assert_allclose(log.channels["p_ff_kpa"], expected, atol=1e-9)
+    assert log.attributes["model"] == "FuzzyLinear"
 
 
 def test_tracking_error_begins_where_settling_ends():
@@ -245,19 +230,3 @@ def test_tracking_error_begins_where_settling_ends():
         "theta_deg": np.array([0.0, 1.0, 8.0]),
     }
     assert tracking_rmse(channels, 0.5) == np.sqrt((4.0**2 + 2.0**2) / 2)
-
-
-def test_identified_gain_is_the_candidate_of_least_error(tmp_path, model, settings):
-    tracking = settings["tracking"] | {"candidate_kp_kpa_per_deg": (0.0, 4.0, 1.0)}
-    path = tmp_path / "gains.json"
-    identify_gain(model, str(path), **(settings | {"tracking": tracking}), seed=1)
-    found = json.loads(path.read_text(encoding="utf-8"))
-    tried = {entry["kp_kpa_per_deg"]: entry for entry in found["candidates"]}
-    assert list(tried) == [0.0, 4.0, 1.0]
-    best = min(tried.values(), key=lambda entry: entry["rmse_deg"])
-    assert found["identified"] == {name: best[name] for name in found["printed"]}
-    for kp, entry in tried.items():
-        assert entry["kd_kpa_s_per_deg"] == pytest.approx(0.01 * kp)
-    bench = Track(tracking, settings["control"], settings["rig"], 1)
-    again = bench_gain(bench, load_model(model))
-    assert [e["rmse_deg"] for e in again["candidates"]] == [e["rmse_deg"] for e in tried.values()]

@@ -13,8 +13,8 @@ from fprc.config.load import PUBLISHED
 from fprc.figures import style
 from fprc.figures.grids import plot_grid
 from fprc.logs import Columns, write_columns
+from fprc.paper import LOOPS, reference_and_controller, run_log
 from fprc.stages import draw, draw_tracking
-from fprc.tables.drawn import tracking_errors
 
 FOLDS = {1: [10.0, 12.0, 11.0, 16.0], 2: [9.0, 9.5, 8.0, 8.5], 4: [7.0, 7.1, 7.2, 7.7]}
 
@@ -173,7 +173,10 @@ def test_fig_9_writes_the_shares_and_their_means(figures, place):
     ]  # fmt: skip
 
 
-def run_of(place, name, controller, gain, offset=1.0, pushed=0.0):
+PAIR = ("pd", "fprc_pd")
+
+
+def run_of(place, name, controller, offset=1.0, pushed=0.0):
     """Write a closed-loop log of 50 s on a sine of 0.25 Hz; the last 30 s are pushed."""
     time_s = np.arange(5000) / 100.0
     wave = np.sin(2 * np.pi * 0.25 * (time_s - 5.0)) * (time_s >= 5.0)
@@ -184,9 +187,8 @@ def run_of(place, name, controller, gain, offset=1.0, pushed=0.0):
         "p_ff_kpa": 100.0 * wave, "p_fb_kpa": wave, "p_i_kpa": 200.0 * wave,
         "p_o_kpa": 100.0 + 20.0 * wave, "phi_deg": 20.0 * wave + push,
     }  # fmt: skip
-    gains = None if gain == "none" else {"kp_kpa_per_deg": 2.5, "kd_kpa_s_per_deg": 0.025}
     attributes = {"source": "sim", "seed": 7, "reference": "sine_0p2", "controller": controller,
-                  "gain": gain, "settle_s": 5.0, "rig": {"gains": gains}}  # fmt: skip
+                  "settle_s": 5.0, "rig": {}}  # fmt: skip
     return Columns(Path(place(name)), channels, attributes)
 
 
@@ -200,17 +202,10 @@ def logs(monkeypatch):
     return found
 
 
-@pytest.mark.parametrize("gains", [None, 5, {}, {"kp_kpa_per_deg": "4"}])
-def test_gains_of_a_log_that_are_no_numbers_are_left_out(place, gains):
-    log = run_of(place, "closed", "fprc_pd", "identified")
-    log.attributes["rig"] = {"gains": gains}
-    assert tracking_errors([log])["kp_kpa_per_deg"].isna().all()
-
-
-def test_figs_12_to_15_show_rmse_and_gain_and_share_the_range_of_the_errors(figures, place, logs):
-    logs["open"] = run_of(place, "open", "fprc", "none", offset=4.0)
-    logs["closed"] = run_of(place, "closed", "fprc_pd", "identified")
-    logs["other"] = run_of(place, "other", "fprc", "none", offset=9.0)
+def test_figs_12_to_15_show_rmse_and_share_the_range_of_the_errors(figures, place, logs):
+    logs["open"] = run_of(place, "open", "fprc", offset=4.0)
+    logs["closed"] = run_of(place, "closed", "fprc_pd")
+    logs["other"] = run_of(place, "other", "fprc", offset=9.0)
     draw_tracking.draw_following(
         "open", "closed", list(logs), place("t.csv"), place("f.pdf"), place("f.png")
     )
@@ -220,16 +215,29 @@ def test_figs_12_to_15_show_rmse_and_gain_and_share_the_range_of_the_errors(figu
         [4.0 * np.sqrt(np.mean(cosine**2)), np.sqrt(np.mean(cosine**2))], rel=1e-5
     )
     axes = figures[0].axes
-    assert axes[1].get_title("left") == "(b) FPRC+PD, identified gain: 2.5 kPa/deg"
-    shown = [ax.get_title("right") for ax in axes if ax.get_title("right")]
-    assert shown == [f"RMSE {rmse:.2f} deg" for rmse in table["rmse_deg"]]
+    shown = axes[2].get_legend_handles_labels()[1]
+    assert [f"{rmse:.2f}" for rmse in table["rmse_deg"]] == [label.split()[1] for label in shown]
     limit = 1.05 * 9.0 * np.abs(cosine).max()
-    for ax in axes[2:4]:
-        assert ax.get_ylim() == pytest.approx((-limit, limit))
+    assert axes[2].get_ylim() == pytest.approx((-limit, limit))
+    for ax, channel in zip(axes[3:], ("p_ff_kpa", "p_fb_kpa"), strict=True):
+        (line,) = ax.lines
+        np.testing.assert_array_equal(line.get_ydata(), logs["closed"].channels[channel])
+
+
+def test_fig_16_shows_each_reference_with_pd_and_with_both(figures, place, logs):
+    for name in (run_log(reference, controller) for reference in LOOPS for controller in PAIR):
+        reference, controller = reference_and_controller(name)
+        logs[name] = run_of(place, name, controller, offset=1.0 + len(logs))
+        logs[name].attributes["reference"] = reference
+    draw_tracking.draw_loops(list(logs), place("f.pdf"), place("f.png"))
+    for ax, reference in zip(figures[0].axes, LOOPS, strict=True):
+        drawn = [line.get_ydata() for line in ax.lines if len(line.get_ydata()) == 4500]
+        own = [logs[run_log(reference, each)].channels["theta_deg"][500:] for each in PAIR]
+        np.testing.assert_array_equal(drawn, own)
 
 
 def test_fig_17_measures_how_far_signals_are_off_their_undisturbed_cycle(figures, place, logs):
-    logs["run"] = run_of(place, "run", "fprc_pd", "identified", pushed=6.0)
+    logs["run"] = run_of(place, "run", "fprc_pd", pushed=6.0)
     draw_tracking.draw_disturbance(
         "run", place("t.csv"), place("f.pdf"), place("f.png"), quiet_s=20.0
     )
@@ -245,7 +253,7 @@ def test_fig_17_measures_how_far_signals_are_off_their_undisturbed_cycle(figures
 
 
 def test_fig_17_without_an_undisturbed_cycle_has_none(figures, place, logs):
-    logs["run"] = run_of(place, "run", "fprc_pd", "identified")
+    logs["run"] = run_of(place, "run", "fprc_pd")
     draw_tracking.draw_disturbance(
         "run", place("t.csv"), place("f.pdf"), place("f.png"), quiet_s=6.0
     )

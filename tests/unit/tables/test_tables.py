@@ -217,26 +217,23 @@ def test_table_3_carries_its_own_published_numbers():
     assert seeds.loc["test_rmse", ["mean", "published_mean"]].tolist() == [30.0, 60.32]
 
 
-def tracked(controller, gain, reference, error):
-    named = {"controller": controller, "gain": gain, "reference": reference}
+def tracked(controller, reference, error):
+    named = {"controller": controller, "reference": reference}
     attributes = {**named, "source": "sim", "settle_s": 1.0, "rig": {}}
     theta_deg = np.array([30.0, *np.subtract(5.0, error)])  # the first sample is settling
     channels = {"time_s": np.arange(3.0), "theta_d_deg": np.full(3, 5.0), "theta_deg": theta_deg}
     return Columns(Path("run.h5"), channels, attributes)
 
 
-GAINS = {"printed": {"kp_kpa_per_deg": 0.5}, "identified": {"kp_kpa_per_deg": 4.0}}
-
-
 def test_table_4_has_rms_and_largest_error_beside_the_published_rmse():
     runs = [
-        tracked("fprc", "none", "sweep", [3.0, -4.0]),
-        tracked("fprc_pd", "identified", "sweep", [1.0, 1.0]),
-        tracked("pd", "printed", "sweep", [20.0, 20.0]),
+        tracked("fprc", "sweep", [3.0, -4.0]),
+        tracked("fprc_pd", "sweep", [1.0, 1.0]),
+        tracked("pd", "sweep", [20.0, 20.0]),
     ]
-    table = tracking(runs, GAINS, PUBLISHED)
-    assert list(table.columns)[:6] == [
-        "controller", "gain", "reference", "rmse_deg", "max_abs_error_deg", "published_rmse_deg"
+    table = tracking(runs, PUBLISHED)
+    assert list(table.columns) == [
+        "controller", "reference", "rmse_deg", "max_abs_error_deg", "published_rmse_deg", "source"
     ]  # fmt: skip
     assert table["rmse_deg"].tolist() == pytest.approx([12.5**0.5, 1.0, 20.0])
     assert table["max_abs_error_deg"].tolist() == [4.0, 1.0, 20.0]
@@ -244,51 +241,45 @@ def test_table_4_has_rms_and_largest_error_beside_the_published_rmse():
     assert pd.isna(table["published_rmse_deg"].iloc[2])
 
 
-def test_page_of_table_4_names_gains_and_shows_the_paper_once_a_controller():
+def test_page_of_table_4_shows_ours_over_the_papers():
     runs = [
-        tracked("fprc", "none", "sweep", [3.0, -4.0]),
-        tracked("fprc_pd", "printed", "sweep", [2.0, 2.0]),
-        tracked("fprc_pd", "identified", "sweep", [1.0, 1.0]),
+        tracked("fprc", "sweep", [3.0, -4.0]),
+        tracked("fprc_pd", "sweep", [1.0, 1.0]),
+        tracked("pd", "sweep", [20.0, 20.0]),
     ]
-    page = tracking_page(tracking(runs, GAINS, PUBLISHED))
+    page = tracking_page(tracking(runs, PUBLISHED))
     assert page.to_numpy().tolist() == [
         ["FPRC", "ours", "3.54"],
         ["FPRC", "paper", "2.67"],
-        ["FPRC+PD, printed gain (0.5 kPa/deg)", "ours", "2.00"],
-        ["FPRC+PD, identified gain (4 kPa/deg)", "ours", "1.00"],
+        ["FPRC+PD", "ours", "1.00"],
         ["FPRC+PD", "paper", "1.70"],
+        ["PD", "ours", "20.0"],
     ]
 
 
 def test_page_of_table_4_leaves_runs_empty_that_are_not_there():
-    runs = [
-        tracked("fprc_pd", "printed", "sweep", [2.0, 2.0]),
-        tracked("fprc_pd", "identified", "complex", [1.0, 1.0]),
-    ]
-    page = tracking_page(tracking(runs, {}, PUBLISHED))
+    runs = [tracked("fprc", "sweep", [2.0, 2.0]), tracked("fprc_pd", "complex", [1.0, 1.0])]
+    page = tracking_page(tracking(runs, PUBLISHED))
     assert page.to_numpy().tolist() == [
-        ["FPRC+PD, printed gain", "ours", "2.00", ""],
-        ["FPRC+PD, identified gain", "ours", "", "1.00"],
+        ["FPRC", "ours", "2.00", ""],
+        ["FPRC", "paper", "2.67", ""],
+        ["FPRC+PD", "ours", "", "1.00"],
         ["FPRC+PD", "paper", "", "0.608"],
     ]
 
 
-#: Errors of each run over three seeds, deg; the gain that was identified on each.
+#: Errors of each run over three seeds, deg.
 ERRORS_DEG = {
-    "sine_0p2/fprc/none": [2.0, 2.5, 2.1],
-    "sine_0p2/fprc_pd/printed": [1.9, 2.0, 2.4],
-    "sine_0p2/fprc_pd/identified": [0.5, 0.75, 0.625],
-    "sine_0p2/pd/printed": [30.0, 31.0, 29.0],
-    "sweep/fprc/none": [3.0, 4.0, 5.0],
-    "sweep/fprc_pd/printed": [2.5, 3.5, 4.5],
-    "sweep/fprc_pd/identified": [1.5, 1.25, 1.75],
-    "sweep/pd/printed": [33.0, 32.0, 31.0],
-    "disturbance/fprc/none": [2.0, 2.0, 2.0],
-    "disturbance/fprc_pd/printed": [1.5, 1.5, 1.5],
-    "disturbance/fprc_pd/identified": [1.0, 1.0, 1.0],
-    "disturbance/pd/printed": [20.0, 20.0, 20.0],
+    "sine_0p2/fprc": [2.0, 2.5, 2.1],
+    "sine_0p2/fprc_pd": [0.5, 0.75, 0.625],
+    "sine_0p2/pd": [30.0, 31.0, 29.0],
+    "sweep/fprc": [3.0, 4.0, 5.0],
+    "sweep/fprc_pd": [1.5, 1.25, 1.75],
+    "sweep/pd": [33.0, 32.0, 31.0],
+    "disturbance/fprc": [2.0, 2.0, 2.0],
+    "disturbance/fprc_pd": [1.0, 1.0, 1.0],
+    "disturbance/pd": [20.0, 20.0, 20.0],
 }
-KP = [4.0, 5.0, 6.0]
 
 
 def controls(seeds=3):
@@ -296,10 +287,6 @@ def controls(seeds=3):
         {
             "seed": 101 + k,
             "source": "sim",
-            "gains": {
-                "printed": {"kp_kpa_per_deg": 0.5, "kd_kpa_s_per_deg": 0.005},
-                "identified": {"kp_kpa_per_deg": KP[k], "kd_kpa_s_per_deg": 0.01 * KP[k]},
-            },
             "rmse_deg": {run: errors[k] for run, errors in ERRORS_DEG.items()},
         }
         for k in range(seeds)
@@ -310,7 +297,7 @@ def test_table_4_over_seeds_has_mean_deviation_and_range_of_every_run():
     table = tracking_over_seeds(controls(), PUBLISHED)
     assert len(table) == len(ERRORS_DEG)
     for row in table.to_dict("records"):
-        errors = ERRORS_DEG[f"{row['reference']}/{row['controller']}/{row['gain']}"]
+        errors = ERRORS_DEG[f"{row['reference']}/{row['controller']}"]
         assert row["rmse_deg"] == pytest.approx(sum(errors) / 3)
         assert row["std"] == pytest.approx(statistics.stdev(errors))
         assert (row["min"], row["max"], row["seeds"]) == (min(errors), max(errors), 3)
@@ -324,16 +311,7 @@ def test_table_4_over_seeds_has_the_published_error_where_the_paper_prints_one()
         theirs = printed.get(row["controller"], {}).get(row["reference"])
         assert row["published_rmse_deg"] == theirs or pd.isna(row["published_rmse_deg"])
         assert pd.isna(row["published_rmse_deg"]) == (theirs is None)
-    assert table["published_rmse_deg"].notna().sum() == 6  # FPRC, FPRC+PD at two gains
-
-
-def test_table_4_over_seeds_has_the_mean_of_the_gains():
-    table = tracking_over_seeds(controls(), PUBLISHED)
-    for row in table.to_dict("records"):
-        if row["gain"] == "none":
-            assert pd.isna(row["kp_kpa_per_deg"])
-        else:
-            assert row["kp_kpa_per_deg"] == {"printed": 0.5, "identified": 5.0}[row["gain"]]
+    assert table["published_rmse_deg"].notna().sum() == 4
 
 
 def test_table_4_over_seeds_does_not_depend_on_the_order_of_the_seeds():
@@ -343,7 +321,7 @@ def test_table_4_over_seeds_does_not_depend_on_the_order_of_the_seeds():
     pd.testing.assert_frame_equal(forward, backward)
 
 
-def test_page_of_table_4_over_seeds_shows_intervals_and_the_mean_gain():
+def test_page_of_table_4_over_seeds_shows_intervals():
     """Means of three: the interval is 4.3027 / sqrt(3) deviations to each side."""
     page = tracking_page(tracking_over_seeds(controls(), PUBLISHED))
     assert list(page.columns) == [
@@ -352,10 +330,9 @@ def test_page_of_table_4_over_seeds_shows_intervals_and_the_mean_gain():
     assert page.iloc[:, [0, 1, 3]].to_numpy().tolist() == [
         ["FPRC", "ours", "4.00 (1.52 to 6.48)"],
         ["FPRC", "paper", "2.67"],
-        ["FPRC+PD, printed gain (0.5 kPa/deg)", "ours", "3.50 (1.02 to 5.98)"],
-        ["FPRC+PD, identified gain (5 kPa/deg)", "ours", "1.50 (0.879 to 2.12)"],
+        ["FPRC+PD", "ours", "1.50 (0.879 to 2.12)"],
         ["FPRC+PD", "paper", "1.70"],
-        ["PD, printed gain (0.5 kPa/deg)", "ours", "32.0 (29.5 to 34.5)"],
+        ["PD", "ours", "32.0 (29.5 to 34.5)"],
     ]
     assert page.iloc[:, 4].tolist()[:2] == ["2.00 (2.00 to 2.00)", ""]
 
@@ -472,7 +449,7 @@ def written(tmp_path):
     loops = [str(tmp_path / f"control_{content['seed']}.json") for content in controls(2)]
     for path, content in zip(loops, controls(2), strict=True):
         write_json(path, content)
-    tabulate.tabulate_tracking_seeds(published, loops, **files("four"))
+    tabulate.tabulate_tracking_seeds(published, loops, feedback="As told.", **files("four"))
     return {path.name: path.read_text(encoding="utf-8") for path in tmp_path.iterdir()}
 
 
@@ -515,10 +492,9 @@ def test_page_of_the_times_names_repeats_machine_and_threads(written):
     assert "2 alternating repeats on A & B_1 100 %, 1 thread" in written["times.md"]
 
 
-def test_page_of_table_4_over_seeds_says_how_many_there_were(written):
+def test_page_of_table_4_over_seeds_says_how_many_there_were_and_how_the_feedback_acts(written):
     assert "over 2 further seeds" in written["four.md"]
-    assert "the gain is identified on each seed, and its mean is given" in written["four.md"]
-    assert "(4.5 kPa/deg)" in written["four.md"]
+    assert "As told." in written["four.md"]
 
 
 def test_step_longer_than_the_period_is_still_written_in_digits():
