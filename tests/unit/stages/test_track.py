@@ -1,4 +1,6 @@
+import hashlib
 import json
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -9,7 +11,7 @@ from fprc.control import RunAbortedError
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError
 from fprc.experiments.tracking import tracking_rmse
-from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS, read_columns
+from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS, assess, read_columns
 from fprc.models import FPRC, FuzzyLinear, load_model, save_model
 from fprc.paper import CONTROLLERS
 from fprc.stages.track import track
@@ -58,6 +60,14 @@ def test_every_controller_has_its_raw_log_with_what_it_was(logs, settings):
         assert (found["settle_s"], found["seed"], found["sample_rate_hz"]) == (0.5, 1, 200.0)
         assert "incomplete_reason" not in found
         assert found["rig"]["control"] == json.loads(json.dumps(settings["control"]))
+
+
+def test_log_names_the_model_that_ran(logs, model):
+    digest = hashlib.sha256(Path(model).read_bytes()).hexdigest()
+    for name, log in logs.items():
+        told = {key: value for key, value in log.attributes.items() if key.startswith("model")}
+        ran = {"model": "FPRC", "model_file": "fprc.npz", "model_sha256": digest}
+        assert told == ({} if name == "pd" else ran)
 
 
 def test_log_holds_the_whole_reference_settling_part_first(logs):
@@ -170,7 +180,12 @@ def test_aborted_run_keeps_its_rows_and_says_why(
     assert made_safe == [[0.0, 0.0]] * 2
     assert sorted(p.name for p in tmp_path.iterdir()) == ["fprc.aborted.h5", "pd.h5"]
     kept = read_columns(tmp_path / "fprc.aborted.h5", NAMES if at else ())
-    assert f"sample {at}:" in kept.attributes["incomplete_reason"]
+    reason = kept.attributes["incomplete_reason"]
+    assert f"sample {at}:" in reason
+    limits = Settings().quality.model_dump()
+    if at:
+        check = assess(kept, sample_rate_hz=200.0, **limits)["checks"]["complete"]
+        assert (check["passed"], check["reason"]) == (False, reason)
     assert kept.attributes["controller"] == "fprc"
     with h5py.File(tmp_path / "fprc.aborted.h5") as file:
         assert {len(file[name]) for name in NAMES} == {at}
@@ -202,9 +217,10 @@ def test_model_of_the_reference_alone_can_drive_too(recorded, tmp_path, settings
     path = str(tmp_path / "fuzzy.npz")
     fuzzy = FuzzyLinear(n_c=2, random_state=1)
     save_model(fuzzy.fit(log["theta_deg"][:, None], log["p_exp_command_kpa"]), path)
-    found = follow(tmp_path, path, settings, ("fprc",))["fprc"].channels
-    expected = fuzzy.predict(found["theta_d_deg"][:, None])
-    np.testing.assert_allclose(found["p_ff_kpa"], expected, atol=1e-9)
+    log = follow(tmp_path, path, settings, ("fprc",))["fprc"]
+    expected = fuzzy.predict(log.channels["theta_d_deg"][:, None])
+    np.testing.assert_allclose(log.channels["p_ff_kpa"], expected, atol=1e-9)
+    assert log.attributes["model"] == "FuzzyLinear"
 
 
 def test_tracking_error_begins_where_settling_ends():
