@@ -41,23 +41,6 @@ def test_version_is_printed(capsys):
     assert capsys.readouterr().out == f"fprc {__version__}\n"
 
 
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ["config", "check"],
-        ["log", "check"],
-        ["log", "repair"],
-        ["log", "repair", "run.journal"],
-        ["nonsense"],
-    ],
-)
-def test_incomplete_command_is_answered_with_its_usage(arguments, capsys):
-    with pytest.raises(SystemExit) as caught:
-        main(arguments)
-    assert caught.value.code == 2
-    assert "usage: fprc" in capsys.readouterr().err
-
-
 # --- config -------------------------------------------------------------------------------------
 
 
@@ -251,7 +234,6 @@ def test_log_is_judged_at_its_own_rate(write_log, recorded, capsys):
         ("import none.csv --map none.yaml --out x.h5", "none.yaml"),
         ("readout none.csv --map none.yaml", "none.yaml"),
         ("rig check --config none.yaml", "none.yaml"),
-        ("rig run track_sweep_fprc --gains none.json", "none.json"),
         ("export none.h5 --c none.h", "none.h5"),
         ("log check none.h5", "none.h5"),
         ("log repair none.h5 --out x.h5", "none.h5"),
@@ -265,14 +247,6 @@ def test_file_that_is_not_there_is_said_to_be_so(command, file, tmp_path, monkey
     assert line.startswith(f"error: {file}: ")
     assert "(No such file or directory)" in line
     assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize(("content", "why"), [("", "not JSON"), ("[", "not JSON")])
-def test_gains_that_are_not_json_are_an_error(content, why, tmp_path, capsys):
-    path = tmp_path / "gains.json"
-    path.write_text(content)
-    assert main(["rig", "run", "track_sweep_fprc", "--gains", str(path)]) == 1
-    assert why in capsys.readouterr().err
 
 
 def test_folder_is_no_model(tmp_path, capsys):

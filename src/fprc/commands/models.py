@@ -25,26 +25,35 @@ Settings = Mapping[str, Any]
 
 def train(
     logs: Sequence[str],
-    out: str,
     *,
     model: str = "fprc",
     seed: int | None = None,
     config: Sequence[str] = (),
+    out: str,
 ) -> None:
-    """Cross-validate a model on raw logs, as the workflow does, and save that of the best fold.
+    """Train a model on raw logs.
+
+    Keeps the model of the best fold of a cross-validation, as in Table II, and prints its
+    training and validation error.
 
     Parameters
     ----------
-    logs : sequence of str
-        Raw logs, which train together.
-    out : str
-        Model to write, ``.h5``.
-    model : str, default="fprc"
-        Its name in the configuration.
+    logs : LOG.h5
+        Raw log; several train together.
+    model : NAME
+        esn, fprc, fuzzy_linear, or one of models.others in the configuration.
     seed : int, optional
-        Seed of folds and model; by default the configuration's.
-    config : sequence of str
-        Configuration files; by default ``config/config.yaml`` of the current folder, if it exists.
+        Seed of folds and clusters; by default the configuration's, 1.
+    config : FILE
+        Configuration; later files override earlier ones. By default config/config.yaml if that
+        file exists, else the defaults.
+    out : MODEL.h5
+        Model to write.
+
+    Examples
+    --------
+    fprc train sweep.h5 --out model.h5
+    fprc train monday.h5 tuesday.h5 --model fuzzy_linear --out model.h5
 
     Raises
     ------
@@ -81,21 +90,27 @@ def train(
     )
 
 
-def predict(model: str, raw: str, out: str, *, config: Sequence[str] = ()) -> None:
-    """Write the output P_ff of a saved model for a raw log, and print its RMSE.
+def predict(model: str, raw: str, *, config: Sequence[str] = (), out: str) -> None:
+    """Compute the pressure P_ff that a trained model gives for a raw log.
 
-    The table has the time, the inputs of the model, P_exp (``p_target_kpa``) and P_ff.
+    Prints the error against the log's P_exp. The table has the time, the inputs of the model,
+    P_exp (``p_target_kpa``) and P_ff.
 
     Parameters
     ----------
-    model : str
-        File that ``train`` or the workflow wrote.
-    raw : str
+    model : MODEL.h5
+        Model of ``fprc train`` or the workflow.
+    raw : LOG.h5
         Raw log.
-    out : str
-        Table to write, ``.csv``, or ``.h5`` as the workflow writes it.
-    config : sequence of str
-        Configuration files, as for ``train``.
+    config : FILE
+        Configuration; later files override earlier ones. By default config/config.yaml if that
+        file exists, else the defaults.
+    out : FILE
+        Table to write: FILE.csv or FILE.h5.
+
+    Examples
+    --------
+    fprc predict model.h5 complex.h5 --out predicted.csv
 
     Raises
     ------

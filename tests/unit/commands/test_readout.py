@@ -192,20 +192,20 @@ def test_page_says_what_trained(told, count, said, recording):
 def test_recording_given_twice_is_refused(recording, tmp_path):
     source = str(tmp_path / "log.csv")
     with pytest.raises(ConfigError, match=r"log\.csv: given twice"):
-        report_readout(source, recording(), str(tmp_path / "out"), train=[f"{tmp_path}/./log.csv"])
+        report_readout(source, map_=recording(), train=[f"{tmp_path}/./log.csv"])
 
 
 def test_map_of_a_whole_test_log_needs_training_logs(recording, tmp_path):
     map_file = recording(test_from_s=None, experiment="complex")
     with pytest.raises(ConfigError, match="test_from_s is missing"):
-        report_readout(str(tmp_path / "log.csv"), map_file, str(tmp_path / "out"))
+        report_readout(str(tmp_path / "log.csv"), map_=map_file, out=str(tmp_path / "out"))
 
 
 def test_map_without_parts_and_readout_is_refused_for_both(recording, tmp_path):
     without = {name: spec for name, spec in CHANNELS.items() if name != "p_o_kpa"}
     path = recording(without, test_from_s=None, experiment="sweep")
     with pytest.raises(ConfigError) as caught:
-        report_readout(str(tmp_path / "log.csv"), path, str(tmp_path / "out"))
+        report_readout(str(tmp_path / "log.csv"), map_=path, out=str(tmp_path / "out"))
     first, second = str(caught.value).splitlines()
     assert "test_from_s is missing" in first
     assert "channels.p_o_kpa is missing" in second
@@ -233,7 +233,7 @@ def test_map_says_one_log_or_two_parts(recording, more, said):
 
 def test_no_workers_is_an_error(recording, tmp_path):
     with pytest.raises(ConfigError, match="--workers 0: must be 1 or more"):
-        report_readout(str(tmp_path / "log.csv"), recording(), workers=0)
+        report_readout(str(tmp_path / "log.csv"), map_=recording(), workers=0)
 
 
 def table_of(errors):
