@@ -36,13 +36,13 @@ def print_completion(shell: Literal["bash", "zsh", "fish"]) -> None:
         )
     import shtab
 
-    whole = parser()
-    for action in _arguments(whole):
+    top = parser()
+    for action in _arguments(top):
         if re.search(r"FILE|SOURCE|\.", str(action.metavar)):
             action.complete = shtab.FILE  # type: ignore[attr-defined]
         elif action.metavar == "FOLDER":
             action.complete = shtab.DIRECTORY  # type: ignore[attr-defined]
-    print(shtab.complete(whole, shell))
+    print(shtab.complete(top, shell))
 
 
 def _arguments(command: argparse.ArgumentParser) -> Iterator[argparse.Action]:

@@ -1,4 +1,4 @@
-"""`fprc config`: check configuration files; print the package's own files."""
+"""`fprc config`: check configuration files; print the package's files."""
 
 from collections.abc import Sequence
 

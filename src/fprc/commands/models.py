@@ -79,14 +79,14 @@ def train(
     X, y = data.pair(model, models)
     folds = Judgement(**judgement(settings, model)).split_rows(data)
     unfitted = build(model, models, settings["seed"])
-    with threadpool_limits(1):  # as in the workflow: sums by more threads have other last digits
-        judged = cross_validate(unfitted, X, y, folds, lengths=data.lengths)
+    with threadpool_limits(1):  # like the workflow; more threads change the last digits
+        result = cross_validate(unfitted, X, y, folds, lengths=data.lengths)
     with replacing(out) as temporary:
-        save_model(judged.model, temporary, outside_class(model, models))
+        save_model(result.model, temporary, outside_class(model, models))
     print(
-        f"{out}: {model}, trained on {', '.join(logs)}; fold {judged.best + 1} of {len(folds)} is "
-        f"best: training RMSE {judged.train_rmse[judged.best]:.2f} {data.unit}, validation "
-        f"{judged.validation_rmse[judged.best]:.2f} {data.unit}"
+        f"{out}: {model}, trained on {', '.join(logs)}; fold {result.best + 1} of {len(folds)} is "
+        f"best: training RMSE {result.train_rmse[result.best]:.2f} {data.unit}, validation "
+        f"{result.validation_rmse[result.best]:.2f} {data.unit}"
     )
 
 
@@ -131,8 +131,8 @@ def predict(model: str, raw: str, *, config: Sequence[str] = (), out: str) -> No
     X, y = data.pair(name, models)
     with threadpool_limits(1), refusals_of(fitted):
         output = fitted.predict(X)
-    kept = ("time_s", *entries(models)[name].inputs, "p_target_kpa")
-    columns = {key: data.channels[key] for key in kept} | {"p_ff_kpa": output}
+    names = ("time_s", *entries(models)[name].inputs, "p_target_kpa")
+    columns = {key: data.channels[key] for key in names} | {"p_ff_kpa": output}
     if Path(out).suffix == ".h5":
         write_columns(out, columns, dict(data.attributes) | {"model": name})
     else:

@@ -1,6 +1,6 @@
 """The command line, as the signatures and docstrings of the commands describe it.
 
-The function of a command is written for both, Python and the command line:
+The function of a command is written for Python and for the command line:
 
 - Parameters before ``*`` are positional arguments; those after it are options. An underscore at
   the end, which keeps a name apart from one of Python's, is left out: ``--map`` is ``map_``.
@@ -56,7 +56,7 @@ _GROUPS = {
     "rig": "Check and run the real rig",
 }
 
-_WHOLE = """\
+_ABOUT = """\
 Hysteresis compensation by pneumatic physical reservoir computing.
 `snakemake --cores 2 all` makes the tables and figures of the paper.
 
@@ -109,19 +109,19 @@ def parser() -> argparse.ArgumentParser:
 
     After parsing, ``run`` of the namespace is a function that takes it and runs the command.
     """
-    whole = _Parser(
-        prog="fprc", description=_WHOLE, epilog="`fprc COMMAND --help` explains a command."
+    top = _Parser(
+        prog="fprc", description=_ABOUT, epilog="`fprc COMMAND --help` explains a command."
     )
-    whole.add_argument("--version", action="version", version=f"fprc {__version__}")
-    whole.set_defaults(run=lambda _: whole.print_help())
-    commands = whole.add_subparsers(title="commands", metavar="COMMAND")
+    top.add_argument("--version", action="version", version=f"fprc {__version__}")
+    top.set_defaults(run=lambda _: top.print_help())
+    commands = top.add_subparsers(title="commands", metavar="COMMAND")
     verbs: dict[str, Any] = {}
     for command, run in COMMANDS.items():
         group, _, name = command.rpartition(" ")
         if group and group not in verbs:
             verbs[group] = _add_group(commands, group)
         _add_command(verbs.get(group, commands), name, run)
-    return whole
+    return top
 
 
 def _add_group(commands: Any, name: str) -> Any:

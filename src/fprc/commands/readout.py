@@ -94,7 +94,7 @@ def report_readout(
         )
     settings = from_files(config).model_dump(mode="json")
     simulated = settings["evaluation"]["reservoir"] == "simulated"
-    refuse_repeats([source, *train], "a test on samples that train says nothing")
+    refuse_repeats([source, *train], "a test on training samples proves nothing")
     problems_of = partial(_problems_of_map, map_, simulated=simulated, more=bool(train))
     mapping = checked_map(map_, source, problems_of)
     if workers is not None and workers < 1:
@@ -103,14 +103,14 @@ def report_readout(
     parts = _parts(source, mapping, train)
     _refuse_leftovers(folder / "raw", len(parts["sweep"]))
     data = {name: _prepare(name, parts[name], settings, folder) for name in parts}
-    words = ("the first part", "the second part")
+    roles = ("the first part", "the second part")
     if train:
-        words = ("the training logs", "the test log")
-    judged = folder / "readout"
-    judged.mkdir(parents=True, exist_ok=True)
+        roles = ("the training logs", "the test log")
+    results_folder = folder / "readout"
+    results_folder.mkdir(parents=True, exist_ok=True)
     # the shorter task first: a run that is stopped during the longer one resumes there
-    competitors = _compete(data, judged, settings, workers or cpu_count())
-    results = _judge(data, judged, settings, workers or cpu_count(), words)
+    competitors = _compete(data, results_folder, settings, workers or cpu_count())
+    results = _judge(data, results_folder, settings, workers or cpu_count(), roles)
     results["competitors"] = competitors
     page = folder / "report.md"
     write_text(page, report_page(parts, map_, mapping, settings, folder, results))
