@@ -18,6 +18,10 @@ class FprcError(Exception):
         return terminal(super().__str__())
 
 
+class UsageError(FprcError):
+    """The options of a command do not go together."""
+
+
 class ConfigError(FprcError):
     """The configuration has unknown keys, or values out of range."""
 

@@ -8,6 +8,7 @@ from typing import Any
 import yaml
 
 from fprc.errors import ConfigError
+from fprc.escape import visible
 
 #: The core schema of YAML 1.2; PyYAML uses that of 1.1, where 010 is 8, 1:30 is 90 and `no` is
 #: false. Digits are limited to 400: enough for any setting, and few enough for Python to print.
@@ -27,7 +28,6 @@ _CORE = tuple(
 
 _LIMIT_BYTES = 1_000_000
 _LIMIT_LEVELS = 50
-_LIMIT_SHOWN = 40
 
 #: The C loader is eight times as fast.
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
@@ -38,14 +38,14 @@ def read_yaml(path: Path | str) -> dict[Any, Any]:
 
     Unquoted words are numbers, booleans or null according to YAML's core schema:
     ``010`` is 10; ``1:30`` and ``no`` are text. Aliases, tags and merge keys are
-    refused, so that each value stands where it is used and a small file cannot
+    refused: every value is written where it is used, and a small file cannot
     expand to a huge one.
 
     Raises
     ------
     ConfigError
-        The file cannot be read, is not YAML, or has no keys and values. Duplicate keys
-        and other refused content are all listed with their lines.
+        The file cannot be read, is not YAML, or has no keys and values. All duplicate keys
+        and all other refused content are listed with their lines.
     """
     try:
         with open(path, "rb") as file:
@@ -58,7 +58,9 @@ def read_yaml(path: Path | str) -> dict[Any, Any]:
     except OSError as error:
         raise ConfigError(f"{path}: cannot be opened ({error.strerror}); check the path") from error
     except (ValueError, yaml.YAMLError) as error:
-        raise ConfigError(f"{path}: cannot be read as YAML: {_message(error)}") from error
+        # PyYAML puts every place on a line after the sentence
+        message = re.sub(r'\n\s+in "<.*>", (.*)', r" (\1)", str(error)).replace("\n", ", ")
+        raise ConfigError(f"{path}: cannot be read as YAML: {message}") from error
     if problems:
         noun = "error" if len(problems) == 1 else "errors"
         lines = [f"  line {line}: {what}" for line, what in sorted(problems)]
@@ -114,28 +116,24 @@ def _value(
 def _mapping(
     events: Iterator[yaml.Event], keys: list[Any], problems: list[tuple[int, str]]
 ) -> dict[Any, Any]:
-    given: dict[Any, list[tuple[Any, int]]] = {}
+    content: dict[Any, Any] = {}
+    lines: dict[Any, int] = {}
     while not isinstance(event := next(events), yaml.MappingEndEvent):
         line = event.start_mark.line + 1
         key = _value(event, events, [*keys, "?"], problems)
         if isinstance(key, dict | list):
             problems.append((line, f"{_dotted([*keys, key])}: a key must be a single word"))
             key = str(key)
-        value = _value(next(events), events, [*keys, key], problems)
-        given.setdefault(key, []).append((value, line))
-    for key, values in given.items():
-        if len(values) > 1:
-            (first, line), *_, (last, last_line) = values
-            what = (
-                f"{_dotted([*keys, key])} is given {len(values)} times: {_short(first)} on line "
-                f"{line}, {_short(last)} on line {last_line}; keep one"
-            )
-            problems.append((line, what))
-    return {key: values[-1][0] for key, values in given.items()}
+        elif key in lines:
+            what = f"is a duplicate of line {lines[key]}; remove one of them"
+            problems.append((line, f"{_dotted([*keys, key])} {what}"))
+        lines.setdefault(key, line)
+        content[key] = _value(next(events), events, [*keys, key], problems)
+    return content
 
 
 def _dotted(keys: list[Any]) -> str:
-    return ".".join(map(_short, keys))
+    return ".".join(visible(str(key))[:40] for key in keys)
 
 
 def _scalar(text: str) -> Any:
@@ -143,17 +141,3 @@ def _scalar(text: str) -> Any:
         if pattern.fullmatch(text):
             return meaning(text)
     return text
-
-
-def _short(value: Any) -> str:
-    """Return a value as short text on one line."""
-    shown = value if isinstance(value, str) and value.isprintable() else repr(value)
-    return shown if len(shown) <= _LIMIT_SHOWN else f"{shown[: _LIMIT_SHOWN - 3]}..."
-
-
-def _message(error: Exception) -> str:
-    if not isinstance(error, yaml.MarkedYAMLError) or error.problem_mark is None:
-        return " ".join(str(error).split())
-    what = ", ".join(filter(None, [error.context, error.problem]))
-    mark = error.problem_mark
-    return f"line {mark.line + 1}, column {mark.column + 1}: {what}"

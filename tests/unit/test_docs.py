@@ -1,4 +1,4 @@
-"""Every command and every Python block of README and docs: it exists, or is run by a test."""
+"""Every command and every Python block of README and docs: it exists, or a test runs it."""
 
 import re
 import shlex
@@ -42,11 +42,11 @@ PAGES_OF_SPHINX = {"search", "genindex", "modindex", "py-modindex"}
 
 
 def commands_of(page):
-    """Return the commands of a page: those on lines of their own, and those within a sentence."""
+    """Return the commands of a page: those on separate lines, and those within a sentence."""
     text = re.sub(r" *\\\n *", " ", (ROOT / page).read_text("utf-8"))
     whole = re.findall(rf"^(?:\$ | {{4,}})((?:{PROGRAMS}) .*)$", text, flags=re.MULTILINE)
     inline = re.findall(rf"`(?:FPRC_\w+=\w+ )?((?:{PROGRAMS}) [^`]+)`", text)
-    return [words(each) for each in whole], [words(each) for each in inline]
+    return list(map(words, whole)), list(map(words, inline))
 
 
 def words(command):
@@ -63,7 +63,7 @@ EVERY = [
 
 
 def of(program):
-    return [each for each in EVERY if each.values[0][0] == program]
+    return [case for case in EVERY if case.values[0][0] == program]
 
 
 def test_pages_have_commands_of_each_program():
@@ -83,7 +83,7 @@ def test_command_of_fprc_is_one_that_its_parser_takes(command, whole):
         if word.startswith("-"):
             assert word in here._option_string_actions
             continue
-        groups = [each for each in here._actions if isinstance(each.choices, dict)]
+        groups = [action for action in here._actions if isinstance(action.choices, dict)]
         if groups and not word.isupper():
             assert word in groups[0].choices
             here = groups[0].choices[word]
@@ -107,7 +107,7 @@ def test_targets_options_and_keys_of_snakemake_exist():
     assert done.returncode == 0, done.stderr
     rules = set(done.stdout.split())
     assert "table2" in rules
-    for command, _ in (each.values for each in of("snakemake")):
+    for command, _ in (case.values for case in of("snakemake")):
         given = [word for word in command[1:] if word not in ("...", "--report", "report.zip")]
         options = get_argument_parser().parse_args(given)
         unknown = set(options.targets or ()) - rules - TARGETS_ELSEWHERE.keys()

@@ -5,7 +5,7 @@ import sys
 import pytest
 
 from fprc.apparatus.programme import names, plan
-from fprc.commands.rig import run_by_name
+from fprc.commands.rig import run
 from fprc.config import check
 from fprc.errors import ConfigError, FprcError
 from fprc.fingerprint import _closure
@@ -176,7 +176,7 @@ def test_checkpoints_of_the_commands_depend_on_the_code_of_the_models():
 
 def test_unknown_experiment_of_the_rig_is_refused_with_those_that_there_are():
     with pytest.raises(ConfigError, match="no experiment track_foo; must be one of sweep"):
-        run_by_name("track_foo", [], armed=False)
+        run("track_foo")
 
 
 @pytest.mark.parametrize("name", ["fprc", "fuzzy_linear"])

@@ -19,30 +19,37 @@ from fprc.stages.calibrate import calibrate
 
 @messages_on_terminal()
 def calibrate_from_files(
-    files: Sequence[str],
-    published: str | None,
-    out: str,
+    files: Sequence[str] = (),
     *,
+    out: str = "config/rigs/fitted.yaml",
+    published: str | None = None,
     minutes: float | None = None,
     workers: int | None = None,
 ) -> None:
-    """Calibrate with the settings of configuration files, outside the workflow.
+    """Fit the simulated rig to Tables II and III.
 
-    The report is written beside ``out`` as JSON, and so are the checkpoints of the
-    searches, from which they can be continued.
+    Fits the free parameters of the rig to the published numbers and writes a parameter file. The
+    report is written beside it as JSON, and so are the checkpoints of the searches: repeat the
+    command to continue a search that was stopped.
 
     Parameters
     ----------
-    files : sequence of str
-        By default ``config/config.yaml`` of the current folder, or else the defaults.
-    published : str or None
-        Published numbers; None takes those of this package.
-    out : str
-        File of the rig to write, YAML; its name becomes that of the rig.
+    files : FILE
+        Configuration; later files override earlier ones. By default config/config.yaml if that
+        file exists, else the defaults.
+    out : FILE.yaml
+        Parameter file to write; its name becomes that of the rig.
+    published : FILE
+        Numbers to fit; by default what ``fprc config published`` prints.
     minutes : float, optional
         Time limit; by default the configuration's.
     workers : int, optional
         Processes; by default one per processor.
+
+    Examples
+    --------
+    fprc calibrate
+    fprc calibrate mine.yaml --minutes 20 --out config/rigs/mine.yaml
 
     Raises
     ------

@@ -4,19 +4,26 @@ import argparse
 import re
 from collections.abc import Iterator
 from importlib.util import find_spec
+from typing import Literal
 
 from fprc.commands.parser import parser
 from fprc.errors import FprcError
 
 
-def print_completion(shell: str) -> None:
-    """Print a script that completes commands, options, choices and files.
+def print_completion(shell: Literal["bash", "zsh", "fish"]) -> None:
+    """Print a script with which a shell completes commands, options and files.
 
-    The script is static: no program runs while the user types.
+    The script is static: no program runs while the user types. Needs shtab: pip install
+    'fprc[completion]'. docs/commands.md says where to put it.
 
     Parameters
     ----------
-    shell : {"bash", "zsh", "fish"}
+    shell : str
+        Shell of the script.
+
+    Examples
+    --------
+    eval "$(fprc completion bash)"
 
     Raises
     ------
@@ -29,13 +36,13 @@ def print_completion(shell: str) -> None:
         )
     import shtab
 
-    whole = parser()
-    for action in _arguments(whole):
+    top = parser()
+    for action in _arguments(top):
         if re.search(r"FILE|SOURCE|\.", str(action.metavar)):
             action.complete = shtab.FILE  # type: ignore[attr-defined]
         elif action.metavar == "FOLDER":
             action.complete = shtab.DIRECTORY  # type: ignore[attr-defined]
-    print(shtab.complete(whole, shell))
+    print(shtab.complete(top, shell))
 
 
 def _arguments(command: argparse.ArgumentParser) -> Iterator[argparse.Action]:

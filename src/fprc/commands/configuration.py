@@ -1,13 +1,23 @@
-"""`fprc config`: check configuration files; print the package's own files."""
+"""`fprc config`: check configuration files; print the package's files."""
 
 from collections.abc import Sequence
 
-from fprc.config import PUBLISHED, from_files, reference
+from fprc.config import PUBLISHED, from_files
+from fprc.config import reference as pages
 from fprc.config.load import RIG, rig_file
 
 
-def check_files(files: Sequence[str]) -> None:
+def check(files: Sequence[str]) -> None:
     """Check configuration files, merged in this order.
+
+    Parameters
+    ----------
+    files : FILE
+        Configuration, YAML.
+
+    Examples
+    --------
+    fprc config check config/config.yaml mine.yaml
 
     Raises
     ------
@@ -18,16 +28,56 @@ def check_files(files: Sequence[str]) -> None:
     print("no errors")
 
 
-def print_page(page: str) -> None:
-    """Print the configuration's defaults, schema or reference."""
-    print(getattr(reference, page)(), end="")
+def defaults() -> None:
+    """Print config/config.yaml.
+
+    Examples
+    --------
+    fprc config defaults
+    """
+    print(pages.defaults(), end="")
 
 
-def print_rig(name: str | None) -> None:
-    """Print the file of a rig; without a name, that of the default rig."""
+def schema() -> None:
+    """Print config/schema.json.
+
+    Examples
+    --------
+    fprc config schema
+    """
+    print(pages.schema(), end="")
+
+
+def reference() -> None:
+    """Print docs/configuration.md.
+
+    Examples
+    --------
+    fprc config reference
+    """
+    print(pages.reference(), end="")
+
+
+def rig(name: str | None = None) -> None:
+    """Print the parameters of a fitted rig.
+
+    Parameters
+    ----------
+    name : NAME
+        Name of the rig; by default that of the defaults.
+
+    Examples
+    --------
+    fprc config rig viscous
+    """
     print(rig_file(name or RIG).read_text(encoding="utf-8"), end="")
 
 
-def print_published() -> None:
-    """Print the numbers of the paper."""
+def published() -> None:
+    """Print the numbers of the paper, as YAML.
+
+    Examples
+    --------
+    fprc config published
+    """
     print(PUBLISHED.read_text(encoding="utf-8"), end="")

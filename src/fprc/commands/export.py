@@ -10,29 +10,37 @@ from fprc.models.storage import load_model
 from fprc.provenance import sha256
 
 
-def export_c(model: str, header: str, *, single: bool = False) -> None:
-    """Write a saved model as a C header.
+def export_c(model: str, *, c: str, float_: bool = False) -> None:
+    """Turn a trained model into C code for a controller.
+
+    Writes an FPRC or Fuzzy-linear as one C99 header without memory allocation. docs/deploy.md
+    shows its use.
 
     Parameters
     ----------
-    model : str
-        File that ``save_model`` or the workflow wrote.
-    header : str
-        File to write. Its name without ``.h`` begins every name in it.
-    single : bool, default=False
+    model : MODEL.h5
+        Model of ``fprc train`` or the workflow.
+    c : NAME.h
+        Header to write; every name in it begins with NAME.
+    float_ : bool
         Compute with float instead of double.
+
+    Examples
+    --------
+    fprc export model.h5 --c fprc_model.h
+    fprc export results/models/sweep_fprc.h5 --c fprc_model.h --float
 
     Raises
     ------
     FprcError
-        ``model`` holds no model that can be exported, or ``header`` does not end in ``.h`` or is a
+        ``model`` holds no model that can be exported, or ``c`` does not end in ``.h`` or is a
         file that this command did not write.
     """
-    path = Path(header)
+    path = Path(c)
     if path.suffix != ".h":
-        raise FprcError(f"{header}: must end in .h, for example fprc_model.h")
+        raise FprcError(f"{c}: must end in .h, for example fprc_model.h")
     if path.exists() and GENERATED not in path.read_text(encoding="utf-8", errors="replace"):
-        raise FprcError(f"{header}: exists and is no exported model; choose another name")
+        raise FprcError(f"{c}: exists and is not an exported model; choose another name")
     fitted = load_model(model)
     origin = f"From {Path(model).name}, SHA-256 {sha256(model)}, by fprc {__version__}."
-    write_text(path, c_header(fitted, path.stem, single=single, origin=origin))
+    write_text(path, c_header(fitted, path.stem, single=float_, origin=origin))

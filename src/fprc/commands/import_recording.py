@@ -12,7 +12,7 @@ import numpy as np
 from fprc import __version__
 from fprc.artifacts import replacing_all, write_json
 from fprc.config.importing import ImportMap, read_draft, read_map
-from fprc.errors import ConfigError, LogError
+from fprc.errors import ConfigError, LogError, UsageError
 from fprc.escape import terminal, visible
 from fprc.figures import style
 from fprc.figures.diagnosis import draw_diagnosis
@@ -29,6 +29,42 @@ from fprc.provenance import sha256
 
 #: Limit on listed variables that cannot be channels.
 _LISTED_OTHERS = 50
+
+
+def import_or_list(
+    source: str, *, list_: bool = False, map_: str | None = None, out: str | None = None
+) -> None:
+    """Turn a CSV, HDF5 or MATLAB file into a raw log.
+
+    Also diagnoses the recording. docs/own-data.md describes the map.
+
+    Parameters
+    ----------
+    source : SOURCE
+        Recording: CSV, HDF5 or MATLAB file.
+    list_ : bool
+        Print the file's columns and exit.
+    map_ : MAP.yaml
+        Columns, units, clock and sample rate.
+    out : FILE.h5
+        Raw log to write.
+
+    Examples
+    --------
+    fprc import arm.csv --list
+    fprc import arm.csv --map arm.yaml --out sweep.h5
+
+    Raises
+    ------
+    UsageError
+        Neither ``list_`` nor both of ``map_`` and ``out`` are given.
+    """
+    if list_:
+        list_source(source, map_)
+    elif map_ and out:
+        import_recording(source, map_, out)
+    else:
+        raise UsageError("give --list, or both --map and --out")
 
 
 def import_recording(source: str, map_file: str, raw: str) -> None:

@@ -31,16 +31,24 @@ _TITLES = {
 }
 
 
-def inspect_logs(paths: Sequence[str], *, as_json: bool = False) -> int:
-    """Print what is wrong with raw logs; return 1 if one fails a check or is unreadable, else 0.
+def check(paths: Sequence[str], *, json_: bool = False) -> int:
+    """Check raw logs and say what is wrong with them.
 
-    The limits are the defaults; the expected sample rate is that in the log's attributes.
+    The limits are the defaults; the expected sample rate is that of the log's attributes. Exit
+    code 1: a log cannot be used, or a check fails.
 
     Parameters
     ----------
-    as_json : bool, default=False
-        Print a JSON list with the quality record of each log; of an unreadable one, ``log`` and
-        ``error``.
+    paths : FILE.h5
+        Raw log.
+    json_ : bool
+        Print a JSON list: the quality record of each log, or ``log`` and ``error`` if it cannot be
+        read.
+
+    Examples
+    --------
+    fprc log check sweep.h5 complex.h5
+    fprc log check --json sweep.h5
     """
     limits = Settings().quality.model_dump()
     records = []
@@ -48,10 +56,10 @@ def inspect_logs(paths: Sequence[str], *, as_json: bool = False) -> int:
         if isinstance(record, LogError):
             print(f"error: {record}", file=sys.stderr)
             record = {"log": path, "error": str(record)}
-        elif not as_json:
+        elif not json_:
             print("\n".join(_page(path, record)))
         records.append(record)
-    if as_json:
+    if json_:
         print(json.dumps(records, indent=2))
     return int(any("error" in record or warnings(record) for record in records))
 
@@ -66,8 +74,8 @@ def _page(path: str, record: Mapping[str, Any]) -> list[str]:
         f"at {checks['rate']['expected_hz']:g} Hz; {verdict}"
     ]
     for name, check in checks.items():
-        mark = "ok" if check["passed"] else "FAILED"
-        lines.append(f"  {_TITLES[name]:21} {mark:6} {finding(name, check)}".rstrip())
+        result = "ok" if check["passed"] else "FAILED"
+        lines.append(f"  {_TITLES[name]:21} {result:6} {finding(name, check)}".rstrip())
     if "no_checksum" in record:
         lines.append(f"  {'without checksum':28} {', '.join(record['no_checksum'])}")
     for channel, note in record.get("notes", {}).items():
@@ -84,22 +92,31 @@ def _record(path: str, limits: Mapping[str, Any]) -> dict[str, Any]:
     return assess(log, sample_rate_hz=log.attributes["sample_rate_hz"], **limits)
 
 
-def repair_log(source: str, raw: str) -> int:
-    """Copy the readable part of a journal or HDF5 log, and print what is lost.
+def repair(source: str, *, out: str) -> int:
+    """Recover a raw log from a journal or a damaged log.
 
-    Returns
-    -------
-    int
-        0: every acquired sample was copied; 3: some samples are lost, or may be.
+    Copies the readable part to a new raw log and prints what is lost. Exit code 0: nothing is
+    lost; 3: some is, or may be; 1: nothing is readable.
+
+    Parameters
+    ----------
+    source : FILE
+        FILE.journal or FILE.h5; it is not changed.
+    out : COPY.h5
+        Raw log to write.
+
+    Examples
+    --------
+    fprc log repair sweep.journal --out sweep.h5
 
     Raises
     ------
     LogError
-        Nothing can be read, or ``raw`` exists.
+        Nothing can be read, or ``out`` exists.
     """
-    refuse_existing(raw)
+    refuse_existing(out)
     if Path(source).suffix == ".journal":
-        findings = recover(source, raw)
+        findings = recover(source, out)
         samples, messages = findings.samples, _losses(findings)
         whole = findings.closed and not (findings.lost or findings.misplaced)
     else:
@@ -111,9 +128,9 @@ def repair_log(source: str, raw: str) -> int:
             "incomplete_reason": visible("; ".join(["damaged", *messages])),
             "lost_samples": salvaged.lost,
         }
-        write_columns(raw, salvaged.channels, salvaged.attributes | ({} if whole else damage))
+        write_columns(out, salvaged.channels, salvaged.attributes | ({} if whole else damage))
         samples = len(next(iter(salvaged.channels.values())))
-    print(f"{raw}: {samples} samples from {source}")
+    print(f"{out}: {samples} samples from {source}")
     for line in [*messages, "nothing is lost"] if whole else messages:
         print(f"  {visible(line)}")
     return WHOLE if whole else SOME_LOST

@@ -25,26 +25,35 @@ Settings = Mapping[str, Any]
 
 def train(
     logs: Sequence[str],
-    out: str,
     *,
     model: str = "fprc",
     seed: int | None = None,
     config: Sequence[str] = (),
+    out: str,
 ) -> None:
-    """Cross-validate a model on raw logs, as the workflow does, and save that of the best fold.
+    """Train a model on raw logs.
+
+    Keeps the model of the best fold of a cross-validation, as in Table II, and prints its
+    training and validation error.
 
     Parameters
     ----------
-    logs : sequence of str
-        Raw logs, which train together.
-    out : str
-        Model to write, ``.h5``.
-    model : str, default="fprc"
-        Its name in the configuration.
+    logs : LOG.h5
+        Raw log; several train together.
+    model : NAME
+        esn, fprc, fuzzy_linear, or one of models.others in the configuration.
     seed : int, optional
-        Seed of folds and model; by default the configuration's.
-    config : sequence of str
-        Configuration files; by default ``config/config.yaml`` of the current folder, if it exists.
+        Seed of folds and clusters; by default the configuration's, 1.
+    config : FILE
+        Configuration; later files override earlier ones. By default config/config.yaml if that
+        file exists, else the defaults.
+    out : MODEL.h5
+        Model to write.
+
+    Examples
+    --------
+    fprc train sweep.h5 --out model.h5
+    fprc train monday.h5 tuesday.h5 --model fuzzy_linear --out model.h5
 
     Raises
     ------
@@ -70,32 +79,38 @@ def train(
     X, y = data.pair(model, models)
     folds = Judgement(**judgement(settings, model)).split_rows(data)
     unfitted = build(model, models, settings["seed"])
-    with threadpool_limits(1):  # as in the workflow: sums by more threads have other last digits
-        judged = cross_validate(unfitted, X, y, folds, lengths=data.lengths)
+    with threadpool_limits(1):  # like the workflow; more threads change the last digits
+        result = cross_validate(unfitted, X, y, folds, lengths=data.lengths)
     with replacing(out) as temporary:
-        save_model(judged.model, temporary, outside_class(model, models))
+        save_model(result.model, temporary, outside_class(model, models))
     print(
-        f"{out}: {model}, trained on {', '.join(logs)}; fold {judged.best + 1} of {len(folds)} is "
-        f"best: training RMSE {judged.train_rmse[judged.best]:.2f} {data.unit}, validation "
-        f"{judged.validation_rmse[judged.best]:.2f} {data.unit}"
+        f"{out}: {model}, trained on {', '.join(logs)}; fold {result.best + 1} of {len(folds)} is "
+        f"best: training RMSE {result.train_rmse[result.best]:.2f} {data.unit}, validation "
+        f"{result.validation_rmse[result.best]:.2f} {data.unit}"
     )
 
 
-def predict(model: str, raw: str, out: str, *, config: Sequence[str] = ()) -> None:
-    """Write the output P_ff of a saved model for a raw log, and print its RMSE.
+def predict(model: str, raw: str, *, config: Sequence[str] = (), out: str) -> None:
+    """Compute the pressure P_ff that a trained model gives for a raw log.
 
-    The table has the time, the inputs of the model, P_exp (``p_target_kpa``) and P_ff.
+    Prints the error against the log's P_exp. The table has the time, the inputs of the model,
+    P_exp (``p_target_kpa``) and P_ff.
 
     Parameters
     ----------
-    model : str
-        File that ``train`` or the workflow wrote.
-    raw : str
+    model : MODEL.h5
+        Model of ``fprc train`` or the workflow.
+    raw : LOG.h5
         Raw log.
-    out : str
-        Table to write, ``.csv``, or ``.h5`` as the workflow writes it.
-    config : sequence of str
-        Configuration files, as for ``train``.
+    config : FILE
+        Configuration; later files override earlier ones. By default config/config.yaml if that
+        file exists, else the defaults.
+    out : FILE
+        Table to write: FILE.csv or FILE.h5.
+
+    Examples
+    --------
+    fprc predict model.h5 complex.h5 --out predicted.csv
 
     Raises
     ------
@@ -116,8 +131,8 @@ def predict(model: str, raw: str, out: str, *, config: Sequence[str] = ()) -> No
     X, y = data.pair(name, models)
     with threadpool_limits(1), refusals_of(fitted):
         output = fitted.predict(X)
-    kept = ("time_s", *entries(models)[name].inputs, "p_target_kpa")
-    columns = {key: data.channels[key] for key in kept} | {"p_ff_kpa": output}
+    names = ("time_s", *entries(models)[name].inputs, "p_target_kpa")
+    columns = {key: data.channels[key] for key in names} | {"p_ff_kpa": output}
     if Path(out).suffix == ".h5":
         write_columns(out, columns, dict(data.attributes) | {"model": name})
     else:

@@ -40,34 +40,42 @@ TABLE_WRITERS = {"jinja2": "Jinja2", "tabulate": "tabulate"}
 @messages_on_terminal()
 def report_readout(
     source: str,
-    map_file: str,
-    out: str | None = None,
     *,
+    map_: str,
     train: Sequence[str] = (),
+    out: str | None = None,
     config: Sequence[str] = (),
     workers: int | None = None,
 ) -> None:
-    """Import a recording, evaluate FPRC with and without its P_o, and write a report.
+    """Measure how much the readout P_o of a recording improves FPRC.
 
-    Other models are evaluated on the same data, with verdicts on how FPRC compares.
+    Imports a recording, trains FPRC with and without P_o and other models on its first part, tests
+    them on its second, and writes a report with verdicts. The map gives test_from_s, where the
+    second part begins; docs/own-data.md describes it. Repeat the command to continue a run that
+    was stopped.
 
-    Writes ``report.md``, ``readout/`` (tables, figure, cells), ``raw/`` (the
-    logs with their diagnoses), ``data/`` and ``quality/`` into ``out``, in the
-    workflow's formats.
+    Writes ``report.md``, ``readout/`` (tables, figure, cells), ``raw/`` (the logs with their
+    diagnoses), ``data/`` and ``quality/``, in the workflow's formats.
 
     Parameters
     ----------
-    source, map_file : str
-        Recording and its map; the map's ``test_from_s`` is where the test part begins.
-    train : sequence of str
+    source : SOURCE
+        Recording: CSV, HDF5 or MATLAB file.
+    map_ : MAP.yaml
+        Columns, units and parts.
+    train : FILE
         Further recordings with the same columns, used for training only. The map may then have
-        ``experiment: complex`` instead of ``test_from_s``: all of ``source`` is test data.
-    out : str, optional
-        Folder; by default ``results/`` and the recording's name.
-    config : sequence of str
-        Configuration files that override the defaults.
+        ``experiment: complex`` instead of test_from_s: all of SOURCE is test data.
+    out : FOLDER
+        Folder to write; by default results/ and SOURCE's name.
+    config : FILE
+        Configuration that overrides the defaults; later files override earlier ones.
     workers : int, optional
         Processes; by default one per processor.
+
+    Examples
+    --------
+    fprc readout recording.csv --map map.yaml --out results/mine
 
     Raises
     ------
@@ -86,9 +94,9 @@ def report_readout(
         )
     settings = from_files(config).model_dump(mode="json")
     simulated = settings["evaluation"]["reservoir"] == "simulated"
-    refuse_repeats([source, *train], "a test on samples that train says nothing")
-    problems_of = partial(_problems_of_map, map_file, simulated=simulated, more=bool(train))
-    mapping = checked_map(map_file, source, problems_of)
+    refuse_repeats([source, *train], "a test on training samples proves nothing")
+    problems_of = partial(_problems_of_map, map_, simulated=simulated, more=bool(train))
+    mapping = checked_map(map_, source, problems_of)
     if workers is not None and workers < 1:
         raise ConfigError(f"--workers {workers}: must be 1 or more; omit it to use all processors")
     folder = Path(out or Path("results", Path(source).stem))
@@ -97,17 +105,17 @@ def report_readout(
     lock = folder / ".lock"
     with exclusive(lock):
         data = {name: _prepare(name, parts[name], settings, folder) for name in parts}
-        words = ("the first part", "the second part")
+        roles = ("the first part", "the second part")
         if train:
-            words = ("the training logs", "the test log")
-        judged = folder / "readout"
-        judged.mkdir(parents=True, exist_ok=True)
+            roles = ("the training logs", "the test log")
+        results_folder = folder / "readout"
+        results_folder.mkdir(parents=True, exist_ok=True)
         # the shorter task first: a run that is stopped during the longer one resumes there
-        competitors = _compete(data, judged, settings, workers or cpu_count())
-        results = _judge(data, judged, settings, workers or cpu_count(), words)
+        competitors = _compete(data, results_folder, settings, workers or cpu_count())
+        results = _judge(data, results_folder, settings, workers or cpu_count(), roles)
         results["competitors"] = competitors
         page = folder / "report.md"
-        write_text(page, report_page(parts, map_file, mapping, settings, folder, results))
+        write_text(page, report_page(parts, map_, mapping, settings, folder, results))
         for line in sentences(competitors["verdicts"]):
             log.info("%s", line)
         log.info("%s", page)

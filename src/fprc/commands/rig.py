@@ -12,34 +12,61 @@ from fprc.registry import model_of_run
 
 
 @messages_on_terminal()
-def check(files: Sequence[str], *, armed: bool) -> None:
-    """Check the sensors of the real rig and, if armed, its valves.
+def check(*, armed: bool = False, config: Sequence[str] = ()) -> None:
+    """Check valves and sensors one by one.
+
+    Parameters
+    ----------
+    armed : bool
+        Let the valves move; otherwise only the sensors are checked.
+    config : FILE
+        Configuration; later files override earlier ones. By default config/config.yaml if that
+        file exists, else the defaults.
+
+    Examples
+    --------
+    fprc rig check
+    fprc rig check --armed
 
     Raises
     ------
     ControlError
         The check found a problem.
     """
-    guard({"what": "check", "settings": _prepare(files), "armed": armed})
+    guard({"what": "check", "settings": _prepare(config), "armed": armed})
 
 
 @messages_on_terminal()
-def run_by_name(
+def run(
     name: str,
-    files: Sequence[str],
     *,
-    armed: bool,
-    raw: str | None = None,
+    out: str | None = None,
     model: str | None = None,
+    armed: bool = False,
+    config: Sequence[str] = (),
 ) -> None:
-    """Run one experiment on the real rig; unless armed, print what would be run.
+    """Run one experiment and write its raw log.
+
+    Unless armed, prints what would be run.
 
     Parameters
     ----------
-    name : str
-        Experiment; ``list`` prints all names.
-    raw, model : str, optional
-        Log to write, and fitted model; by default the workflow's files.
+    name : EXPERIMENT
+        Experiment to run; ``list`` prints their names.
+    out : FILE.h5
+        Raw log to write; by default EXPERIMENT.h5 in folders.raw.
+    model : MODEL.h5
+        Fitted model of the experiment's name; by default that in the results folder.
+    armed : bool
+        Let the valves move.
+    config : FILE
+        Configuration; later files override earlier ones. By default config/config.yaml if that
+        file exists, else the defaults.
+
+    Examples
+    --------
+    fprc rig run list
+    fprc rig run sweep --armed
 
     Raises
     ------
@@ -48,14 +75,14 @@ def run_by_name(
     ControlError
         The run was refused or stopped.
     """
-    settings = _prepare(files)
+    settings = _prepare(config)
     if name == "list":
         print("\n".join(names(settings)))
         return
     refuse_unknown(name, settings)
     results, folder = settings["folders"]["results"], settings["folders"]["raw"]
     record_on_rig(
-        raw or f"{folder}/{name}.h5",
+        out or f"{folder}/{name}.h5",
         name=name,
         settings=settings,
         armed=armed,

@@ -1,7 +1,7 @@
 """`fprc simulate`: one hysteresis experiment on the simulated rig, without Snakemake."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Literal
 
 from fprc.config import from_files, local_files
 from fprc.errors import ConfigError
@@ -11,26 +11,35 @@ from fprc.yaml_file import read_yaml
 
 
 def simulate(
-    experiment: str,
-    out: str,
+    experiment: Literal["sweep", "complex"],
     *,
     seed: int | None = None,
     rig: str | None = None,
     config: Sequence[str] = (),
+    out: str,
 ) -> None:
-    """Write the raw log that the workflow's rule ``record`` writes with the same settings.
+    """Simulate an experiment and write its raw log.
+
+    The simulated rig performs a hysteresis experiment of the paper, as in ``snakemake logs``.
 
     Parameters
     ----------
-    experiment : {"sweep", "complex"}
-    out : str
-        Raw log to write.
+    experiment : str
+        The paper trains on sweep and tests on complex.
     seed : int, optional
-        Seed of the rig's sensors and their noise; by default the configuration's.
-    rig : str, optional
-        Name of a rig, or a file that ``fprc calibrate`` wrote; by default the configuration's.
-    config : sequence of str
-        Configuration files; by default ``config/config.yaml`` of the current folder, if it exists.
+        Seed of the sensors and their noise; by default the configuration's, 1.
+    rig : NAME|FILE.yaml
+        Simulated rig, or a file that ``fprc calibrate`` wrote; by default the configuration's, dry.
+    config : FILE
+        Configuration; later files override earlier ones. By default config/config.yaml if that
+        file exists, else the defaults.
+    out : FILE.h5
+        Raw log to write.
+
+    Examples
+    --------
+    fprc simulate sweep --out sweep.h5
+    fprc simulate complex --seed 2 --rig viscous --out complex.h5
 
     Raises
     ------

@@ -10,14 +10,14 @@ from fprc.escape import TerminalFormatter
 @contextmanager
 def messages_on_terminal() -> Iterator[None]:
     """Write the package's messages to the standard error, not those of other libraries."""
-    ours = logging.getLogger("fprc")
+    logger = logging.getLogger("fprc")
     handler = logging.StreamHandler()
     handler.setFormatter(TerminalFormatter())
-    level = ours.level
-    ours.addHandler(handler)
-    ours.setLevel(logging.INFO)
+    level = logger.level
+    logger.addHandler(handler)
+    logger.setLevel(logging.INFO)
     try:
         yield
     finally:
-        ours.removeHandler(handler)
-        ours.setLevel(level)
+        logger.removeHandler(handler)
+        logger.setLevel(level)

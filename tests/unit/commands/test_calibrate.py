@@ -134,7 +134,7 @@ def test_argument_that_makes_no_sense_is_answered_with_the_usage(run, fit, capsy
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         ("calibration: {stride: 0}\nrig: {drift: {time_s: 0.5}}", "2 errors"),
         ("calibration: {genrations: [3]}", "did you mean calibration.generations?"),
@@ -143,7 +143,7 @@ def test_argument_that_makes_no_sense_is_answered_with_the_usage(run, fit, capsy
     ],
 )
 def test_errors_of_the_configuration_go_to_stderr_without_a_traceback(
-    run, tmp_path, capsys, text, said
+    run, tmp_path, capsys, text, message
 ):
     path = tmp_path / "mine.yaml"
     path.write_text(text)
@@ -152,7 +152,7 @@ def test_errors_of_the_configuration_go_to_stderr_without_a_traceback(
     streams = capsys.readouterr()
     assert streams.out == ""
     assert streams.err.startswith("error: ")
-    assert said in streams.err
+    assert message in streams.err
     assert "Traceback" not in streams.err
 
 
@@ -174,9 +174,9 @@ def test_paths_that_are_no_parameters_are_reported_together(run, tmp_path, capsy
     path.write_text(f"calibration: {{free: {json.dumps(free)}}}\n")
     code, calls = run(files=[*FILES, str(path)])
     assert (code, calls) == (1, [])
-    said = capsys.readouterr().err
-    assert "calibration.free: a.b is not a number of the rig" in said
-    assert "calibration.free: c.d " in said
+    printed = capsys.readouterr().err
+    assert "calibration.free: a.b is not a number of the rig" in printed
+    assert "calibration.free: c.d " in printed
 
 
 def test_absent_published_numbers_are_an_error(tmp_path, capsys, monkeypatch):
@@ -196,9 +196,9 @@ def test_fit_that_is_stopped_by_hand_says_that_it_can_go_on(run, fit, capsys):
 def test_library_that_is_not_installed_is_named_with_the_remedy(run, fit, capsys):
     fit.failure = ModuleNotFoundError("No module named 'joblib'")
     assert run()[0] == 1
-    said = capsys.readouterr().err
-    assert "No module named 'joblib'" in said
-    assert "fprc[workflow]" in said
+    printed = capsys.readouterr().err
+    assert "No module named 'joblib'" in printed
+    assert "fprc[workflow]" in printed
 
 
 @pytest.mark.parametrize("name", ["rig.json", "rig", "rig.yml", "my rig.yaml", ".yaml", "a:b.yaml"])

@@ -54,8 +54,8 @@ def bring(recorded, tmp_path):
     def bring(channels, time_s=None, **more):
         columns = dict(recorded["sweep"]) | ({} if time_s is None else {"time_s": time_s})
         pd.DataFrame(columns).to_csv(tmp_path / "log.csv", index=False)
-        told = {"experiment": "sweep", "time": {"column": "time_s"}, "channels": channels} | more
-        (tmp_path / "map.yaml").write_text(yaml.safe_dump(told))
+        mapping = {"experiment": "sweep", "time": {"column": "time_s"}, "channels": channels} | more
+        (tmp_path / "map.yaml").write_text(yaml.safe_dump(mapping))
         raw = tmp_path / "sweep.h5"
         import_recording(str(tmp_path / "log.csv"), str(tmp_path / "map.yaml"), str(raw))
         return raw
@@ -97,7 +97,7 @@ def test_any_start_and_rate_give_a_log_that_reads(tmp_path_factory, rows, rate_h
     angle = rng.standard_normal(rows)
     columns = {"t": start_s + np.arange(rows) / rate_hz, "a": angle, "p": angle}
     pd.DataFrame(columns).to_csv(folder / "any_source.csv", index=False)
-    told = {
+    mapping = {
         "experiment": "sweep",
         "sample_rate_hz": rate_hz,
         "time": {"column": "t"},
@@ -106,7 +106,7 @@ def test_any_start_and_rate_give_a_log_that_reads(tmp_path_factory, rows, rate_h
             "p_exp_kpa": {"column": "p", "unit": "kPa"},
         },
     }
-    (folder / "any.yaml").write_text(yaml.safe_dump(told))
+    (folder / "any.yaml").write_text(yaml.safe_dump(mapping))
     names = [str(folder / name) for name in ("any_source.csv", "any.yaml", "any.h5")]
     import_recording(*names)
     log = read_raw(names[2], **RATE | {"sample_rate_hz": rate_hz})
@@ -127,8 +127,8 @@ def test_diagnosis_and_picture_lie_beside_the_log(bring, capsys, drawn):
     record = read_json(raw.with_suffix(".diagnosis.json"))
     assert (record["source"], record["log"], record["samples"]) == ("log.csv", "sweep.h5", 4000)
     assert raw.with_suffix(".diagnosis.png").read_bytes().startswith(b"\x89PNG")
-    said = capsys.readouterr().out
-    assert all(line in said for line in record["words"])
+    printed = capsys.readouterr().out
+    assert all(line in printed for line in record["words"])
 
 
 def test_same_file_gives_the_same_bytes(bring, drawn):
@@ -188,8 +188,8 @@ def test_column_of_any_name_is_imported_and_drawn(tmp_path, drawn, name):
 
 def imported(folder, channels, time=None, source="log.csv"):
     """Import a file of a folder by the command line, and return the log."""
-    told = {"experiment": "sweep", "time": time or {"column": "t"}, "channels": channels}
-    (folder / "map.yaml").write_text(yaml.safe_dump(told))
+    mapping = {"experiment": "sweep", "time": time or {"column": "t"}, "channels": channels}
+    (folder / "map.yaml").write_text(yaml.safe_dump(mapping))
     names = [str(folder / name) for name in (source, "map.yaml", "sweep.h5")]
     assert main(["import", names[0], "--map", names[1], "--out", names[2]]) == 0
     return folder / "sweep.h5"
@@ -302,7 +302,7 @@ def test_note_on_a_pressure_is_kept_and_its_limits_still_hold(bring):
 
 
 @pytest.mark.parametrize(
-    ("time_s", "said"),
+    ("time_s", "message"),
     [
         (lambda t: t, "4000 samples at 200 Hz, unchanged"),
         (lambda t: t * 2.0, "interpolated"),
@@ -310,10 +310,10 @@ def test_note_on_a_pressure_is_kept_and_its_limits_still_hold(bring):
         (lambda t: t / 2.0, "low-passed below 100 Hz and resampled"),
     ],
 )
-def test_treatment_of_the_samples_is_reported(bring, recorded, capsys, time_s, said):
+def test_treatment_of_the_samples_is_reported(bring, recorded, capsys, time_s, message):
     clock = time_s(recorded["sweep"]["time_s"])
     bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}, time_s=clock)
-    assert said in capsys.readouterr().out.splitlines()[-1]
+    assert message in capsys.readouterr().out.splitlines()[-1]
 
 
 @pytest.mark.parametrize("missing", ["theta_deg", "time_s", "p_exp_command_kpa or p_exp_kpa"])
@@ -323,12 +323,18 @@ def test_imported_log_must_have_time_angle_and_one_p_exp(channels, tmp_path, mis
         for name, values in channels.items()
         if name in ("time_s", "theta_deg", "p_exp_kpa") and name not in missing
     }
-    told = {"experiment": "sweep", "sample_rate_hz": 200.0, "seed": 0, "software": "x", "rig": {}}
+    attributes = {
+        "experiment": "sweep",
+        "sample_rate_hz": 200.0,
+        "seed": 0,
+        "software": "x",
+        "rig": {},
+    }
     with pytest.raises(LogError, match=f"channels {missing} are missing"):
-        write_raw(tmp_path / "log.h5", kept, source="import", **told)
+        write_raw(tmp_path / "log.h5", kept, source="import", **attributes)
     whole = tmp_path / "log.h5"
     write_raw(whole, {n: channels[n] for n in ("time_s", "theta_deg", "p_exp_kpa")},
-              source="import", **told)  # fmt: skip
+              source="import", **attributes)  # fmt: skip
     with h5py.File(whole, "r+") as file:
         for name in ("time_s", "theta_deg", "p_exp_kpa"):
             if name in missing:
@@ -383,9 +389,9 @@ def test_listing_shows_columns_range_and_clock(bring, tmp_path, capsys):
     bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND})
     capsys.readouterr()
     assert main(["import", str(tmp_path / "log.csv"), "--list"]) == 0
-    said = capsys.readouterr().out
-    assert "text separated by commas, 10 columns" in said
-    (clock,) = [line for line in said.splitlines() if "clock?" in line]
+    printed = capsys.readouterr().out
+    assert "text separated by commas, 10 columns" in printed
+    (clock,) = [line for line in printed.splitlines() if "clock?" in line]
     assert clock.split()[:2] == ["time_s", "4000"]
     assert "200 Hz if in s" in clock
 
@@ -404,15 +410,15 @@ def test_words_of_the_listing_are_those_of_the_map(tmp_path, capsys, matlab_file
         "none": np.zeros((0, 0)),
     })  # fmt: skip
     assert main(["import", str(tmp_path / "log.mat"), "--list"]) == 0
-    said = capsys.readouterr().out.splitlines()
-    names = [line[2:].split("  ")[0] for line in said[2:] if "cannot be" not in line]
+    printed = capsys.readouterr().out.splitlines()
+    names = [line[2:].split("  ")[0] for line in printed[2:] if "cannot be" not in line]
     assert sorted(names) == sorted(
         [
             "[rows.p]",
             *(f"train{{{k}}}.{part}" for k in (1, 2) for part in ("t", "q[:, 0]", "q[:, 1]")),
         ]
     )
-    assert "  none: cannot be a channel: empty" in said
+    assert "  none: cannot be a channel: empty" in printed
     raw = imported(
         tmp_path,
         {
@@ -431,19 +437,19 @@ def test_long_list_of_unusable_variables_is_cut(tmp_path, capsys):
     head = ",".join(f"x\x1b{k}" for k in range(60))
     (tmp_path / "log.csv").write_text(f"t,{head}\n1{',off' * 60}\n2{',off' * 60}\n")
     assert main(["import", str(tmp_path / "log.csv"), "--list"]) == 0
-    said = capsys.readouterr().out
-    assert said.count("cannot be a channel") == 50
-    assert "  10 more cannot be channels" in said
-    assert "x\\x1b0: cannot" in said
-    assert "\x1b" not in said
+    printed = capsys.readouterr().out
+    assert printed.count("cannot be a channel") == 50
+    assert "  10 more cannot be channels" in printed
+    assert "x\\x1b0: cannot" in printed
+    assert "\x1b" not in printed
 
 
 def test_listing_without_a_clock_asks_for_the_rate(tmp_path, capsys):
     (tmp_path / "log.csv").write_text("a,b\n1,x\n3,2\n2,5\n2,\n")
     assert main(["import", str(tmp_path / "log.csv"), "--list"]) == 0
-    said = capsys.readouterr().out
-    assert "b: cannot be a channel: line 2 holds 'x'" in said
-    assert "give time.rate_hz" in said
+    printed = capsys.readouterr().out
+    assert "b: cannot be a channel: line 2 holds 'x'" in printed
+    assert "give time.rate_hz" in printed
 
 
 def test_import_from_the_command_line_writes_the_log(bring, tmp_path, capsys):
@@ -467,9 +473,9 @@ def test_wrong_map_goes_to_stderr_without_a_traceback(tmp_path, capsys):
     (tmp_path / "map.yaml").write_text("experiment: sweep\n")
     names = ["log.csv", "--map", str(tmp_path / "map.yaml"), "--out", str(tmp_path / "log.h5")]
     assert main(["import", *names]) == 1
-    said = capsys.readouterr().err
-    assert said.startswith(f"error: {tmp_path / 'map.yaml'}: 2 errors in the map:")
-    assert "Traceback" not in said
+    printed = capsys.readouterr().err
+    assert printed.startswith(f"error: {tmp_path / 'map.yaml'}: 2 errors in the map:")
+    assert "Traceback" not in printed
 
 
 # --- the page that explains it --------------------------------------------------------------
@@ -483,9 +489,15 @@ def blocks(language):
 
 def test_recording_rehearsed_on_the_page_comes_back(recorded, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    told = {"experiment": "sweep", "sample_rate_hz": 200.0, "seed": 1, "software": "x", "rig": {}}
+    attributes = {
+        "experiment": "sweep",
+        "sample_rate_hz": 200.0,
+        "seed": 1,
+        "software": "x",
+        "rig": {},
+    }
     for name in ("sweep", "complex"):
-        write_raw(f"data/raw/{name}.h5", recorded[name], source="sim", **told)
+        write_raw(f"data/raw/{name}.h5", recorded[name], source="sim", **attributes)
     snippet, _ = blocks("python")
     exec(compile(snippet, "docs/own-data.md", "exec"), {})
     Path("sweep.yaml").write_text(blocks("yaml")[0])

@@ -26,8 +26,8 @@ def repair(tmp_path, capsys):
 
     def run(path):
         code = main(["log", "repair", str(path), "--out", str(tmp_path / "copy.h5")])
-        said = capsys.readouterr()
-        return code, said.out, said.err
+        printed = capsys.readouterr()
+        return code, printed.out, printed.err
 
     return run
 

@@ -17,7 +17,7 @@ def test_commands_of_the_page_print_what_it_says(tmp_path, monkeypatch, capsys):
     (console,) = re.findall(
         r"```console\n(.*?)```", (DOCS / "commands.md").read_text(encoding="utf-8"), re.DOTALL
     )
-    commands = [each.partition("\n") for each in console.split("$ ")[1:]]
+    commands = [command.partition("\n") for command in console.split("$ ")[1:]]
     assert [line.split()[1] for line, _, _ in commands] == [
         "simulate", "simulate", "log", "train", "predict", "export"
     ]  # fmt: skip
@@ -31,10 +31,10 @@ def test_commands_of_the_page_print_what_it_says(tmp_path, monkeypatch, capsys):
     assert made == {"sweep.h5", "complex.h5", "model.h5", "predicted.csv", "fprc_model.h"}
 
     # the same logs as another program might have written them
-    own = (DOCS / "own-data.md").read_text(encoding="utf-8")
+    page = (DOCS / "own-data.md").read_text(encoding="utf-8")
     Path("data/raw").mkdir(parents=True)
     for name in ("sweep.h5", "complex.h5"):
         Path(name).rename(f"data/raw/{name}")
-    exec(compile(own.split("```python\n")[1].split("```")[0], "docs/own-data.md", "exec"), {})
+    exec(compile(page.split("```python\n")[1].split("```")[0], "docs/own-data.md", "exec"), {})
     assert main(["import", "arm_sweep.csv", "--list"]) == 0
-    assert f"```\n{capsys.readouterr().out}```" in own
+    assert f"```\n{capsys.readouterr().out}```" in page

@@ -1,5 +1,5 @@
-import argparse
 import inspect
+import re
 import shlex
 import subprocess
 import sys
@@ -9,74 +9,101 @@ from importlib import import_module
 import pytest
 
 from fprc.cli import main
-from fprc.commands.parser import parser
+from fprc.commands.parser import COMMANDS, parser
+from fprc.paper import EXPERIMENTS
 
 
-def commands(command):
-    """Return a parser and those of all commands below it."""
-    found = [command]
-    for action in command._actions:
-        if isinstance(action, argparse._SubParsersAction):
-            found += [each for below in action.choices.values() for each in commands(below)]
-    return found
+def help_of(command, capsys):
+    with pytest.raises(SystemExit) as caught:
+        main([*command.split(), "--help"])
+    assert caught.value.code == 0
+    return capsys.readouterr().out
 
 
-def arguments(command):
-    return [each for each in command._actions if not isinstance(each, argparse._SubParsersAction)]
+def parsed(line):
+    """Return the parsed arguments of a command line, such as one in an ``eval`` of the shell."""
+    program, *words = shlex.split(line.removeprefix('eval "$(').removesuffix(')"'))
+    assert program == "fprc"
+    return parser().parse_args(words)
 
 
-ALL = {each.prog: each for each in commands(parser())}
-RUN = {name: each for name, each in ALL.items() if each.epilog and each.prog != "fprc"}
+@pytest.mark.parametrize("command", COMMANDS)
+def test_examples_of_a_command_call_its_function(command, capsys):
+    _, _, examples = help_of(command, capsys).partition("examples:\n")
+    assert examples
+    for line in examples.splitlines():
+        assert f"fprc {command}" in line
+        given = vars(parsed(line.strip()))
+        run = given.pop("run")
+        assert isinstance(run, partial)
+        _, module, function = run.args
+        called = getattr(import_module(module), function)
+        inspect.signature(called).bind(**given)
 
 
-def test_every_command_is_there():
-    assert {name.removeprefix("fprc ") for name in RUN} == {
-        "simulate", "train", "predict", "export", "import", "log check", "log repair", "readout",
-        "config check", "config defaults", "config schema", "config reference", "config rig",
-        "config published", "calibrate", "rig check", "rig run", "completion",
-    }  # fmt: skip
-    assert set(ALL) - set(RUN) == {"fprc", "fprc log", "fprc config", "fprc rig"}
-
-
-@pytest.mark.parametrize("name", ALL)
-def test_command_and_each_of_its_arguments_are_described(name):
-    assert ALL[name].description
-    assert [each.dest for each in arguments(ALL[name]) if not each.help] == []
-
-
-@pytest.mark.parametrize("name", RUN)
-def test_examples_of_a_command_are_commands(name):
-    lines = RUN[name].epilog.splitlines()
-    assert lines[0] == ("example:" if len(lines) == 2 else "examples:")
-    for line in lines[1:]:
-        words = shlex.split(line.replace('eval "$(', "").replace(')"', ""))
-        assert " ".join(words).startswith(name)
-        options = parser().parse_args(words[1:])
-        assert callable(options.run)
-
-
-@pytest.mark.parametrize("name", sorted(set(RUN) - {"fprc import"}))
-def test_options_of_a_command_are_the_arguments_of_its_function(name):
-    run = RUN[name].get_default("run")
-    assert isinstance(run, partial)
-    module, function = run.args[0].split(".")
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_of_a_command_is_the_docstring_of_its_function(command, capsys):
+    module, _, function = COMMANDS[command].partition(".")
     called = getattr(import_module(f"fprc.commands.{module}"), function)
-    given = {each.dest for each in arguments(RUN[name])} - {"help"}
-    if name.split()[-1] in ("defaults", "schema", "reference"):
-        given.add("page")
-    taken = inspect.signature(called).parameters
-    assert given <= set(taken)
-    needed = {key for key, value in taken.items() if value.default is inspect.Parameter.empty}
-    assert needed <= given
+    shown = " ".join(help_of(command, capsys).split())
+    text, _, sections = inspect.getdoc(called).replace("``", "`").partition("\n\nParameters\n")
+    assert " ".join(re.split(r"\nExamples\n", text)[0].split()) in shown
+    for explained in re.findall(r"^\w+ : .*\n((?: +.+\n)+)", sections, re.MULTILINE):
+        assert " ".join(explained.split()) in shown
 
 
-def test_fprc_alone_shows_its_help(capsys):
+def test_arguments_have_the_types_and_defaults_of_the_signature():
+    given = vars(parsed("fprc calibrate a.yaml b.yaml --minutes 2.5 --workers 3"))
+    del given["run"]
+    assert given == {
+        "files": ["a.yaml", "b.yaml"], "out": "config/rigs/fitted.yaml", "published": None,
+        "minutes": 2.5, "workers": 3,
+    }  # fmt: skip
+    assert parsed("fprc calibrate").files == ()
+    assert parsed("fprc config rig").name is None
+    assert parsed("fprc log check a.h5").json_ is False
+    assert parsed("fprc log check a.h5 --json").json_ is True
+
+
+def test_default_is_shown(capsys):
+    assert "(default: config/rigs/fitted.yaml)" in " ".join(help_of("calibrate", capsys).split())
+
+
+@pytest.mark.parametrize("experiment", EXPERIMENTS)
+def test_every_experiment_can_be_simulated(experiment):
+    assert parsed(f"fprc simulate {experiment} --out x.h5").experiment == experiment
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ("simulat sweep", "did you mean simulate?"),
+        ("log chek", "did you mean check?"),
+        ("simulate sweeep --out x.h5", "did you mean sweep?"),
+        ("log check x.h5 --jsn", "--jsn; did you mean --json?"),
+        ("--versoin", "did you mean --version?"),
+        ("simulate sweep", "required: --out"),
+        ("log check", "required: FILE.h5"),
+        ("predict model.h5 a.h5 b.h5 --out x.csv", "unrecognized arguments: b.h5\n"),
+    ],
+)
+def test_wrong_word_is_answered_with_usage_and_the_nearest_name(words, message, capsys):
+    with pytest.raises(SystemExit) as caught:
+        main(words.split())
+    assert caught.value.code == 2
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert shown.err.startswith("usage: fprc")
+    assert message in shown.err
+
+
+def test_fprc_alone_shows_its_help_with_three_commands_to_begin(capsys):
     assert main([]) == 0
     alone = capsys.readouterr().out
-    with pytest.raises(SystemExit):
-        main(["--help"])
-    assert alone == capsys.readouterr().out
-    assert "fprc simulate sweep --out sweep.h5" in alone
+    assert alone == help_of("", capsys)
+    begin = re.findall(r"^  (fprc .*)$", alone, re.MULTILINE)
+    assert [parsed(line).run.args[2] for line in begin] == ["simulate", "train", "predict"]
+    assert {command.split()[0] for command in COMMANDS} <= set(alone.split())
 
 
 @pytest.mark.parametrize("group", ["config", "log", "rig"])
@@ -84,17 +111,24 @@ def test_group_without_a_verb_shows_its_verbs_as_an_error(group, capsys):
     with pytest.raises(SystemExit) as caught:
         main([group])
     assert caught.value.code == 2
-    said = capsys.readouterr()
-    assert said.out == ""
-    assert f"fprc {group}: error: a verb is missing" in said.err
-    assert "    check " in said.err
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert f"fprc {group}: error: a verb is missing" in shown.err
+    assert "    check " in shown.err
 
 
 @pytest.mark.slow
-def test_help_starts_without_the_numerical_libraries():
-    heavy = {"h5py", "matplotlib", "numba", "numpy", "pandas", "pydantic", "scipy", "sklearn"}
-    code = "import sys; from fprc.cli import main; main([]); print(*sys.modules)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+@pytest.mark.parametrize("arguments", [[], ["log", "check", "--help"]])
+def test_help_imports_no_command_and_no_numerical_library(arguments):
+    code = (
+        "import atexit, sys; from fprc.cli import main; "
+        "atexit.register(lambda: print(*sys.modules)); main(sys.argv[1:])"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=True
+    )
     loaded = set(done.stdout.splitlines()[-1].split())
-    assert "fprc.commands.parser" in loaded
-    assert heavy & loaded == set()
+    assert {name for name in loaded if name.startswith("fprc.commands.")} == {
+        "fprc.commands.parser"
+    }
+    assert {"h5py", "numba", "numpy", "pandas", "pydantic", "scipy"} & loaded == set()

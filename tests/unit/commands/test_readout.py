@@ -40,8 +40,8 @@ def recording(tmp_path):
     (tmp_path / "few.yaml").write_text(yaml.safe_dump(FEW))
 
     def write(channels=CHANNELS, **more):
-        told = {"test_from_s": 7, "time": {"column": "t"}, "channels": channels} | more
-        (tmp_path / "map.yaml").write_text(yaml.safe_dump(told))
+        mapping = {"test_from_s": 7, "time": {"column": "t"}, "channels": channels} | more
+        (tmp_path / "map.yaml").write_text(yaml.safe_dump(mapping))
         return str(tmp_path / "map.yaml")
 
     return write
@@ -91,11 +91,11 @@ def test_one_command_goes_from_a_recording_to_a_report(recording, tmp_path, caps
     assert others[["block_rmse", "block_std", "test_rmse"]].gt(0.0).all(axis=None)
     # of 7 s that train; 1.5 s are three time constants of the low-pass
     assert set(others["blocks"]) == {4}
-    said = capsys.readouterr()
-    assert "cells" not in said.out
-    assert "] 26 of 26 cells" in said.err
-    assert "] 9 of 9 models" in said.err
-    assert all(f" ({claim}): undecided. " in said.err for claim in ("B1", "B4", "R1"))
+    printed = capsys.readouterr()
+    assert "cells" not in printed.out
+    assert "] 26 of 26 cells" in printed.err
+    assert "] 9 of 9 models" in printed.err
+    assert all(f" ({claim}): undecided. " in printed.err for claim in ("B1", "B4", "R1"))
     # the next run in this process logs to the standard error of its own time
     assert not logging.getLogger("fprc").handlers
 
@@ -150,7 +150,7 @@ def test_further_recordings_train_too_and_are_validated_whole(recording, tmp_pat
     data = read_columns(out / "data/sweep.h5", ("time_s",))
     assert data.attributes["recordings"] == {"sweep.h5": 1200, "sweep_2.h5": 600, "sweep_3.h5": 800}
     quality = read_json(out / "quality/sweep.json")["recordings"]
-    assert [each["log"] for each in quality] == ["sweep.h5", "sweep_2.h5", "sweep_3.h5"]
+    assert [log["log"] for log in quality] == ["sweep.h5", "sweep_2.h5", "sweep_3.h5"]
     table = pd.read_csv(out / "readout/readout.csv")
     assert set(table["split"]) == {"shuffled", "recordings"}
     cells = read_json(out / "readout/cells.json")["cells"]
@@ -185,7 +185,7 @@ def test_whole_recording_tests_if_others_train(recording, tmp_path, monkeypatch,
 
 
 @pytest.mark.parametrize(
-    ("told", "count", "said"),
+    ("changes", "count", "text"),
     [
         ({}, 0, "Trained before 7 s, tested after"),
         ({}, 1, "Trained before 7 s and on 1 training log, tested after"),
@@ -193,27 +193,27 @@ def test_whole_recording_tests_if_others_train(recording, tmp_path, monkeypatch,
          "Trained on 2 training logs, tested on the whole recording"),
     ],
 )  # fmt: skip
-def test_page_says_what_trained(told, count, said, recording):
-    assert what_trained(read_map(recording(**told)), ["x.csv"] * count) == said
+def test_page_says_what_trained(changes, count, text, recording):
+    assert what_trained(read_map(recording(**changes)), ["x.csv"] * count) == text
 
 
 def test_recording_given_twice_is_refused(recording, tmp_path):
     source = str(tmp_path / "log.csv")
     with pytest.raises(ConfigError, match=r"log\.csv: given twice"):
-        report_readout(source, recording(), str(tmp_path / "out"), train=[f"{tmp_path}/./log.csv"])
+        report_readout(source, map_=recording(), train=[f"{tmp_path}/./log.csv"])
 
 
 def test_map_of_a_whole_test_log_needs_training_logs(recording, tmp_path):
     map_file = recording(test_from_s=None, experiment="complex")
     with pytest.raises(ConfigError, match="test_from_s is missing"):
-        report_readout(str(tmp_path / "log.csv"), map_file, str(tmp_path / "out"))
+        report_readout(str(tmp_path / "log.csv"), map_=map_file, out=str(tmp_path / "out"))
 
 
 def test_map_without_parts_and_readout_is_refused_for_both(recording, tmp_path):
     without = {name: spec for name, spec in CHANNELS.items() if name != "p_o_kpa"}
     path = recording(without, test_from_s=None, experiment="sweep")
     with pytest.raises(ConfigError) as caught:
-        report_readout(str(tmp_path / "log.csv"), path, str(tmp_path / "out"))
+        report_readout(str(tmp_path / "log.csv"), map_=path, out=str(tmp_path / "out"))
     first, second = str(caught.value).splitlines()
     assert "test_from_s is missing" in first
     assert "channels.p_o_kpa is missing" in second
@@ -226,7 +226,7 @@ def test_map_of_two_parts_is_refused_where_one_log_is_asked_for(recording, tmp_p
 
 
 @pytest.mark.parametrize(
-    ("more", "said"),
+    ("more", "message"),
     [
         ({"experiment": "sweep"}, "give either experiment"),
         ({"test_from_s": None}, "give either experiment"),
@@ -234,14 +234,14 @@ def test_map_of_two_parts_is_refused_where_one_log_is_asked_for(recording, tmp_p
         ({"test_from_s": 9, "end_s": 8}, "must lie between start_s = 0 and end_s = 8"),
     ],
 )
-def test_map_says_one_log_or_two_parts(recording, more, said):
-    with pytest.raises(ConfigError, match=said):
+def test_map_says_one_log_or_two_parts(recording, more, message):
+    with pytest.raises(ConfigError, match=message):
         read_map(recording(**more))
 
 
 def test_no_workers_is_an_error(recording, tmp_path):
     with pytest.raises(ConfigError, match="--workers 0: must be 1 or more"):
-        report_readout(str(tmp_path / "log.csv"), recording(), workers=0)
+        report_readout(str(tmp_path / "log.csv"), map_=recording(), workers=0)
 
 
 def table_of(errors):
