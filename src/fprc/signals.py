@@ -128,6 +128,11 @@ def repeat_cycle(
     return np.interp(until_s - period_s + (time_s - until_s) % period_s, time_s, values)
 
 
+def rms(values: np.ndarray) -> float:
+    """Return the root of the mean square."""
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
 def width_at_middle(x: np.ndarray, y: np.ndarray) -> float:
     """Return the width of the loop of ``y`` over ``x`` at the middle of the range of ``x``.
 

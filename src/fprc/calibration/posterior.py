@@ -25,6 +25,7 @@ from fprc.calibration.surrogate import judge_cheaply
 from fprc.config.rig import Rig
 from fprc.errors import EvaluationError, FprcError
 from fprc.experiments.settings import RigSettings
+from fprc.signals import rms
 
 #: Takes points of shape (n, parameters); returns the logarithms of the errors of each, or None
 #: where the rig is impossible or implausible.
@@ -204,5 +205,5 @@ def _log_posterior(
 
 
 def _history_row(step: str, logs: np.ndarray, target: np.ndarray) -> dict[str, Any]:
-    deviation = float(np.sqrt(np.mean((logs - target) ** 2)))
+    deviation = rms(logs - target)
     return {"step": step, "rigs": len(logs), "deviation": deviation}

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from fprc.paper import LOOPS, REFERENCES
-from fprc.signals import loop_growth, width_at_middle
+from fprc.signals import loop_growth, rms, width_at_middle
 
 Channels = Mapping[str, np.ndarray]
 
@@ -45,11 +45,6 @@ def measure_hysteresis(sweep: Channels) -> dict[str, float]:
     time_s, theta = sweep["time_s"], sweep["theta_deg"]
     channels = {"measured": "p_exp_kpa", "commanded": "p_exp_command_kpa", "reservoir": "p_o_kpa"}
     return {name: loop_growth(time_s, theta, sweep[channel]) for name, channel in channels.items()}
-
-
-def rms(values: np.ndarray) -> float:
-    """Return the root of the mean square."""
-    return float(np.sqrt(np.mean(np.square(values))))
 
 
 def _error(run: Channels) -> np.ndarray:

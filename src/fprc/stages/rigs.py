@@ -15,6 +15,7 @@ from fprc.claims.finding import REPRODUCED, Results
 from fprc.claims.ledger import TIMED, judge_claims, parts_of, status_of
 from fprc.errors import FprcError
 from fprc.paper import SOURCES
+from fprc.signals import rms
 from fprc.tables.rigs import rig_errors, rigs_answer, rigs_page, within_limits
 from fprc.tables.text import read_markdown, write_table
 from fprc.yaml_file import read_yaml
@@ -200,4 +201,4 @@ def _rms_deviation(reports: Sequence[Mapping[str, Any]], printed: Mapping[str, A
         for own in map(errors_of, reports)
         for key, target in targets.items()
     ]
-    return float(np.sqrt(np.mean(np.square(off))))
+    return rms(np.array(off))

@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from fprc.signals import rms
+
 _PHASES = ("train", "validation", "test")
 
 
@@ -21,7 +23,7 @@ def fit_errors(parts: Mapping[str, Any]) -> pd.DataFrame:
         {
             "phase": phase,
             "model": log.attributes["model"],
-            "rmse": _rms(log.channels["p_ff_kpa"] - log.channels["p_target_kpa"]),
+            "rmse": rms(log.channels["p_ff_kpa"] - log.channels["p_target_kpa"]),
             "unit": log.attributes.get("p_target_unit", "kPa"),
             "source": log.attributes["source"],
         }
@@ -50,7 +52,7 @@ def tracking_errors(runs: Sequence[Any]) -> pd.DataFrame:
         rows.append(
             {
                 **{key: named[key] for key in ("reference", "controller")},
-                "rmse_deg": _rms(error),
+                "rmse_deg": rms(error),
                 "max_abs_error_deg": np.abs(error).max(),
                 "source": named["source"],
             }
@@ -79,13 +81,13 @@ def disturbed(log: Any, cycles: Mapping[str, np.ndarray | None], quiet_s: float)
         if expected is None:
             continue
         judged = time_s >= (settle_s if name == "theta_deg" else quiet_s)
-        rms = _rms((log.channels[name] - expected)[judged])
+        off = rms((log.channels[name] - expected)[judged])
         rows.append(
             {
                 "channel": name,
-                "rms": rms,
+                "rms": off,
                 "unit": "deg" if name.endswith("_deg") else "kPa",
-                "percent_of_swing": 100.0 * rms / np.ptp(expected),
+                "percent_of_swing": 100.0 * off / np.ptp(expected),
                 "source": log.attributes["source"],
             }
         )
@@ -178,10 +180,6 @@ def panels(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
         renamed[-1].insert(1, "setting", setting)
         renamed[-1].insert(0, "panel", panel)
     return pd.concat(renamed, ignore_index=True)
-
-
-def _rms(values: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(values**2)))
 
 
 def _spread(values: float | Sequence[float]) -> dict[str, float | int]:
