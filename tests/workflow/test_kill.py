@@ -135,7 +135,7 @@ def test_killed_grid_continues_at_its_next_cell(smoked_copy):
     run.kill()
     assert before, "no cell was finished in time"
     assert not (results / "grids/taps.json").exists()
-    kept = [json.loads(line)["cell"] for line in finished_cells(checkpoint)]
+    kept = [json.loads(line)[1]["cell"] for line in finished_cells(checkpoint)]
     assert 1 <= len(kept) < 6
 
     smoked_copy.recover()
