@@ -92,7 +92,7 @@ scaling: .venv/.ready  ## measure the numbers in docs/scaling.md
 	snakemake --cores $(CORES) scaling_page
 
 docs: .venv/.ready  ## update numbers and pictures in README.md and docs/
-	snakemake --cores $(CORES) --forcerun rule_graph -- readme calibration_page running_page beyond_page
+	snakemake --cores $(CORES) readme calibration_page beyond_page
 
 layers: .venv/.ready  ## draw the packages in CONTRIBUTING.md from the imports
 	python tests/layers.py

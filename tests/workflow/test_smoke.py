@@ -165,7 +165,7 @@ def test_smoke_touches_every_rule(smoked, calibrated):
     # these look at results and make none, or take minutes and are tested by themselves
     by_hand = {"check", "readme", "calibration_page", "measure_scale", "scaling_page"}
     by_hand |= {"measure_benchmark", "benchmark_table", "benchmark_figure", "rule_times"}
-    by_hand |= {"performance_page", "running_page", "picture_of_rules", "beyond_page"}
+    by_hand |= {"performance_page", "beyond_page"}
     by_hand |= {"searches_page", "repeats_page"}
     # of logs that are already there: test_recorded.py; of a real rig: tests/faults
     by_hand |= {"read_gains", "add_reservoir", "record_on_rig", "identify_gain_from_logs"}
