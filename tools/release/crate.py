@@ -11,15 +11,15 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
+from rocrate.model import Entity
+from rocrate.rocrate import ROCrate
+
 from fprc.provenance import sha256
-from workflow.release.results import in_checkout
+from tools.release.results import in_checkout
 
 METADATA = "ro-crate-metadata.json"
-CONTEXT = [
-    "https://w3id.org/ro/crate/1.1/context",
-    {"sha256": "https://w3id.org/ro/terms/workflow-run#sha256"},
-]
 WORKFLOW = "workflow/Snakefile"
+SHA256 = "https://w3id.org/ro/terms/workflow-run#sha256"
 PROFILES = {
     "https://w3id.org/ro/wfrun/process/0.5": ("Process Run Crate", "0.5"),
     "https://w3id.org/ro/wfrun/workflow/0.5": ("Workflow Run Crate", "0.5"),
@@ -27,10 +27,7 @@ PROFILES = {
 }
 LICENSE = "https://spdx.org/licenses/MIT"
 PAPER = "https://doi.org/10.1109/LRA.2024.3523229"
-SNAKEMAKE = "https://w3id.org/workflowhub/workflow-ro-crate#snakemake"
 _TYPES = {".h5": "application/x-hdf5", ".md": "text/markdown", ".yaml": "application/yaml"}
-
-Entity = dict[str, Any]
 
 
 def describe_crate(
@@ -41,7 +38,7 @@ def describe_crate(
     sidecars: Mapping[str, Mapping[str, Any]],
     version: str,
     published: str,
-) -> Entity:
+) -> dict[str, Any]:
     """Return the metadata of a crate, JSON-LD.
 
     Parameters
@@ -55,84 +52,77 @@ def describe_crate(
     version, published : str
         Version of the release, and its date as ISO 8601.
     """
-    versions = next(iter(sidecars.values()))["versions"]
-    actions = [_drawing(name, content) for name, content in sidecars.items()]
-    files = {name: _file(root, name) for name in sorted({*code, *made})}
-    for action, name in zip(actions, sidecars, strict=True):
-        files[name]["about"] = _refer(action["@id"])
-    files[WORKFLOW] |= {
-        "@type": ["File", "SoftwareSourceCode", "ComputationalWorkflow"],
-        "name": "The paper, from raw logs to tables and figures",
-        "programmingLanguage": _refer(SNAKEMAKE),
-        "version": version,
-        "license": _refer(LICENSE),
-    }
-    files["README.md"]["about"] = _refer("./")
-    run = {
-        "@id": "#run",
-        "@type": "CreateAction",
-        "name": "make paper",
-        "description": "The run of the workflow that made all raw logs and results.",
-        "instrument": _refer(quote(WORKFLOW)),
-        "object": [_refer(quote(name)) for name in code if name.startswith("config/")],
-        "result": [_refer(quote(name)) for name in made],
-    }
-    values = {
-        entity["@id"]: entity for content in sidecars.values() for entity in _settings_of(content)
-    }
-    root_entity = {
-        "@id": "./",
-        "@type": "Dataset",
+    crate = ROCrate(version="1.1")
+    crate.metadata.extra_terms["sha256"] = SHA256
+    mit = _add(crate, LICENSE, "CreativeWork", "MIT License")
+    developers = _add(crate, "#developers", "Organization", "The fprc developers")
+    paper = _add(
+        crate,
+        PAPER,
+        "ScholarlyArticle",
+        "Control Pneumatic Soft Bending Actuator with Feedforward Hysteresis Compensation by "
+        "Pneumatic Physical Reservoir Computing",
+    )
+    for name in sorted({*code, *made} - {WORKFLOW}):
+        crate.add_file(root / name, name, properties=_described(root, name))
+    workflow = crate.add_workflow(
+        root / WORKFLOW,
+        WORKFLOW,
+        main=True,
+        lang="snakemake",
+        properties=_described(root, WORKFLOW)
+        | {"name": "The paper, from raw logs to tables and figures"}
+        | {"version": version, "license": mit},
+    )
+    crate.get("README.md")["about"] = crate.root_dataset
+    run = crate.add_action(
+        workflow,
+        "#run",
+        object=[crate.get(quote(name)) for name in code if name.startswith("config/")],
+        result=[crate.get(quote(name)) for name in made],
+        properties={
+            "name": "make paper",
+            "description": "The run of the workflow that made all raw logs and results.",
+        },
+    )
+    fprc = _add(crate, "#fprc", "SoftwareApplication", "fprc", softwareVersion=version)
+    fprc["softwareRequirements"] = [
+        _add(crate, f"#{name}", "SoftwareApplication", name, softwareVersion=number)
+        for name, number in next(iter(sidecars.values()))["versions"].items()
+        if name != "fprc"
+    ]
+    drawn = [_drawing(crate, fprc, name, content) for name, content in sidecars.items()]
+    profiles = [
+        _add(crate, profile, "CreativeWork", name, version=number)
+        for profile, (name, number) in PROFILES.items()
+    ]
+    about = {
         "name": f"fprc {version}: code, raw logs and results",
         "description": "A reproduction of feedforward hysteresis compensation by pneumatic "
-        "physical reservoir computing. README.md says what was measured and what was simulated.",
+        "physical reservoir computing. README.md says what was measured and what was "
+        "simulated.",
         "version": version,
         "datePublished": published,
-        "license": _refer(LICENSE),
-        "author": _refer("#developers"),
-        "publisher": _refer("#developers"),
-        "citation": _refer(PAPER),
-        "conformsTo": [_refer(profile) for profile in PROFILES],
-        "mainEntity": _refer(quote(WORKFLOW)),
-        "mentions": [_refer(action["@id"]) for action in (run, *actions)],
-        "hasPart": [_refer(quote(name)) for name in files],
+        "license": mit,
+        "author": developers,
+        "publisher": developers,
+        "citation": paper,
+        "conformsTo": profiles,
+        "mentions": [run, *drawn],
     }
-    graph = [
-        _descriptor(),
-        root_entity,
-        *files.values(),
-        run,
-        *actions,
-        *values.values(),
-        *_software(versions, version),
-        *_context(),
-    ]
-    return {"@context": CONTEXT, "@graph": graph}
+    for key, value in about.items():
+        crate.root_dataset[key] = value
+    return crate.metadata.generate()
 
 
-def _refer(identifier: str) -> Entity:
-    return {"@id": identifier}
+def _add(crate: ROCrate, identifier: str, kind: str, name: str, **properties: Any) -> Entity:
+    return crate.add_jsonld({"@id": identifier, "@type": kind, "name": name, **properties})
 
 
-def _descriptor() -> Entity:
-    conforms = [
-        "https://w3id.org/ro/crate/1.1",
-        "https://w3id.org/workflowhub/workflow-ro-crate/1.0",
-    ]
-    return {
-        "@id": METADATA,
-        "@type": "CreativeWork",
-        "about": _refer("./"),
-        "conformsTo": [_refer(profile) for profile in conforms],
-    }
-
-
-def _file(root: Path, name: str) -> Entity:
+def _described(root: Path, name: str) -> dict[str, str]:
     path = root / name
     kind = _TYPES.get(path.suffix) or mimetypes.guess_type(name)[0] or "text/plain"
     return {
-        "@id": quote(name),
-        "@type": "File",
         "name": name,
         "contentSize": str(path.stat().st_size),
         "sha256": sha256(str(path)),
@@ -140,71 +130,25 @@ def _file(root: Path, name: str) -> Entity:
     }
 
 
-def _drawing(name: str, sidecar: Mapping[str, Any]) -> Entity:
-    """Return the action that made the files of a sidecar."""
-    return {
-        "@id": f"#made-{quote(name)}",
-        "@type": "CreateAction",
-        "name": f"Drawing of {Path(name).stem}",
-        "description": f"What {name} says: inputs, outputs, settings.",
-        "instrument": _refer("#fprc"),
-        "object": [_refer(quote(in_checkout(file))) for file in sidecar["inputs"]],
-        "result": [_refer(quote(file)) for file in (*sidecar["outputs"], name)],
-        "additionalProperty": [_refer(entity["@id"]) for entity in _settings_of(sidecar)],
-    }
-
-
-def _settings_of(sidecar: Mapping[str, Any]) -> list[Entity]:
-    """Return what a sidecar says besides files and versions."""
+def _drawing(crate: ROCrate, fprc: Entity, name: str, sidecar: Mapping[str, Any]) -> Entity:
+    """Add the action that made the files of a sidecar."""
     seeds = " ".join(map(str, sidecar["seeds"])) or "none"
     said = {key: sidecar[key] for key in ("source", "commit", "config_sha256")} | {"seeds": seeds}
-    return [
-        {
-            "@id": f"#{quote(key)}={quote(value)}",
-            "@type": "PropertyValue",
-            "name": key,
-            "value": value,
-        }
-        for key, value in said.items()
-    ]
-
-
-def _software(versions: Mapping[str, str], version: str) -> list[Entity]:
-    libraries = [
-        {"@id": f"#{name}", "@type": "SoftwareApplication", "name": name, "softwareVersion": number}
-        for name, number in versions.items()
-        if name != "fprc"
-    ]
-    fprc = {
-        "@id": "#fprc",
-        "@type": "SoftwareApplication",
-        "name": "fprc",
-        "softwareVersion": version,
-        "softwareRequirements": [_refer(library["@id"]) for library in libraries],
-    }
-    return [fprc, *libraries]
-
-
-def _context() -> list[Entity]:
-    profiles = [
-        {"@id": profile, "@type": "CreativeWork", "name": name, "version": version}
-        for profile, (name, version) in PROFILES.items()
-    ]
-    return [
-        *profiles,
-        {
-            "@id": SNAKEMAKE,
-            "@type": "ComputerLanguage",
-            "name": "Snakemake",
-            "identifier": _refer("https://doi.org/10.1093/bioinformatics/bts480"),
-            "url": _refer("https://snakemake.readthedocs.io"),
+    settings = []
+    for key, value in said.items():
+        identifier = f"#{quote(key)}={quote(value)}"
+        known = crate.get(identifier)
+        settings.append(known or _add(crate, identifier, "PropertyValue", key, value=value))
+    action = crate.add_action(
+        fprc,
+        f"#made-{quote(name)}",
+        object=[crate.get(quote(in_checkout(file))) for file in sidecar["inputs"]],
+        result=[crate.get(quote(file)) for file in (*sidecar["outputs"], name)],
+        properties={
+            "name": f"Drawing of {Path(name).stem}",
+            "description": f"What {name} says: inputs, outputs, settings.",
+            "additionalProperty": settings,
         },
-        {"@id": LICENSE, "@type": "CreativeWork", "name": "MIT License"},
-        {"@id": "#developers", "@type": "Organization", "name": "The fprc developers"},
-        {
-            "@id": PAPER,
-            "@type": "ScholarlyArticle",
-            "name": "Control Pneumatic Soft Bending Actuator with Feedforward Hysteresis "
-            "Compensation by Pneumatic Physical Reservoir Computing",
-        },
-    ]
+    )
+    crate.get(quote(name))["about"] = action
+    return action

@@ -9,7 +9,7 @@ from pydantic import AfterValidator, Field, model_validator
 from fprc.config.section import Section
 
 #: Folders of the project itself: no data may go there, nor into hidden folders.
-PROJECT_FOLDERS = frozenset({"config", "docs", "src", "tests", "workflow"})
+PROJECT_FOLDERS = frozenset({"config", "docs", "src", "tests", "tools", "workflow"})
 
 #: Folders that the rules create in the results folder.
 RESULT_FOLDERS = frozenset(

@@ -8,7 +8,7 @@ import pytest
 
 from fprc.errors import FprcError
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 PAGE = """# Changelog
 
 ## Unreleased
@@ -26,7 +26,7 @@ Added:
 @pytest.fixture
 def changelog(monkeypatch):
     monkeypatch.syspath_prepend(ROOT)
-    return importlib.import_module("workflow.release.changelog")
+    return importlib.import_module("tools.release.changelog")
 
 
 @pytest.fixture
