@@ -61,10 +61,10 @@ test-kill: .venv/.ready  ## kill the workflow at twenty random moments: ten minu
 	FPRC_KILLS=20 pytest tests/workflow/test_kill.py
 
 reproduce-twice: .venv/.ready  ## compare two cold builds byte by byte: ten minutes on two cores
-	python tests/twice.py
+	python tools/twice.py
 
 processors: .venv/.ready  ## compare with builds as on older processors: ten minutes on one core
-	python tests/twice.py --smoke --processors
+	python tools/twice.py --smoke --processors
 
 # Without Slurm, tests/workflow/test_slurm.py is skipped. The plugin has its own folder because, once
 # installed, it calls Slurm at every start of Snakemake.
@@ -86,16 +86,20 @@ test-slurm: slurm  ## the smoke run through Slurm; `make test` runs one job of e
 	SLURM_TARGETS=all pytest tests/workflow/test_slurm.py
 
 recordings: .venv/.ready  ## evaluate the recordings of docs/own-data.md: DATASETS=folder with the public ones
-	python tests/recordings.py $(DATASETS)
+	python tools/recordings.py $(DATASETS)
 
-scaling: .venv/.ready  ## measure the numbers in docs/scaling.md
-	snakemake --cores $(CORES) scaling_page
+# Variables can select kernels of BLAS that are older than the processor; `make processors` wants that,
+# a measurement of speed does not.
+MEASURE = PYTHONPATH=".venv/benchmark:$$PYTHONPATH" env -u OPENBLAS_CORETYPE -u OPENBLAS_L2_SIZE python -m tools.benchmark
+
+scaling: .venv/.ready  ## measure the numbers in docs/scaling.md: some minutes
+	$(MEASURE).scaling --page docs/scaling.md
 
 docs: .venv/.ready  ## update numbers and pictures in README.md and docs/
-	snakemake --cores $(CORES) --forcerun rule_graph -- readme calibration_page running_page beyond_page
+	snakemake --cores $(CORES) readme calibration_page beyond_page
 
 layers: .venv/.ready  ## draw the packages in CONTRIBUTING.md from the imports
-	python tests/layers.py
+	python tools/layers.py
 
 fault-matrix: .venv/.ready  ## inject faults and write the outcomes to docs/faults.md
 	pytest tests/faults --write-matrix
@@ -132,13 +136,14 @@ damage: .venv/.ready  ## damage every byte of small logs; CI damages one of elev
 loop-benchmark: .venv/.ready  ## measure the timing of the real rig's loop on this computer
 	python tests/faults/benchmark_loop.py
 
-benchmark: .venv/.ready  ## compare speed with other libraries, for docs/performance.md
-	python -m pip install --quiet --disable-pip-version-check --constraint environment.txt --editable '.[benchmark]'
-	snakemake --cores $(CORES) --forcerun rule_times -- benchmark performance_page
+# The libraries have their own folder, so that nothing else finds them.
+benchmark: .venv/.ready  ## compare speed with other libraries, for docs/performance.md: some minutes
+	python -m pip install --quiet --disable-pip-version-check --no-deps --upgrade \
+	  --target .venv/benchmark --requirement tools/benchmark/requirements.txt
+	$(MEASURE).speed --page docs/performance.md
 
-benchmark-all: benchmark  ## compare the workflow with an uncompiled one: half an hour
-	snakemake --cores $(CORES) --forcerun measure_all -- results/benchmark/all.json
-	snakemake --cores $(CORES) --forcerun benchmark_table -- benchmark performance_page
+benchmark-all: .venv/.ready  ## compare the workflow with an uncompiled one: half an hour
+	$(MEASURE).whole --cores $(CORES) --page docs/performance.md
 
 # pip would compile on one processor, and the tests of the libraries too.
 .venv/.ready: environment.txt pyproject.toml
@@ -164,10 +169,10 @@ test-container: .venv/.ready  ## build the image and run it as a user without a 
 	FPRC_CONTAINER=1 BASE=$(BASE) pytest tests/workflow/test_container.py
 
 cut: .venv/.ready  ## give the changes in CHANGELOG.md a version and a date: VERSION=0.2.0
-	python -m workflow.release cut "$(VERSION)"
+	python -m tools.release cut "$(VERSION)"
 
 release: .venv/.ready release-tools  ## build wheel, sdist and archive into dist/; upload nothing
-	python -m workflow.release build --tools .venv/release/bin/python
+	python -m tools.release build --tools .venv/release/bin/python
 
 test-release: .venv/.ready release-tools  ## build a release of a smoke run with the real tools
 	pytest tests/workflow/test_release.py

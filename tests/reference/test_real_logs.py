@@ -50,7 +50,7 @@ MAPS = {
 @pytest.fixture(scope="module")
 def recordings():
     """The module that writes the table of recordings in docs/own-data.md."""
-    spec = importlib.util.spec_from_file_location("recordings", ROOT / "tests/recordings.py")
+    spec = importlib.util.spec_from_file_location("recordings", ROOT / "tools/recordings.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module

@@ -199,8 +199,8 @@ def smoked(shared):
 
 @pytest.fixture(scope="session")
 def twice():
-    """Functions of tests/twice.py."""
-    spec = importlib.util.spec_from_file_location("twice", ROOT / "tests/twice.py")
+    """Functions of tools/twice.py."""
+    spec = importlib.util.spec_from_file_location("twice", ROOT / "tools/twice.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module

@@ -26,10 +26,10 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def release():
-    """The modules of workflow/release."""
+    """The modules of tools/release."""
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(ROOT)
-        yield importlib.import_module("workflow.release.__main__")
+        yield importlib.import_module("tools.release.__main__")
 
 
 def git(folder, *arguments):

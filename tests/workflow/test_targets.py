@@ -93,11 +93,6 @@ PLANNED = [
         {"replicate", "judge"},
     ),
     (
-        ["benchmark"],
-        {"measure_benchmark", "benchmark_table", "benchmark_figure", "rule_times"},
-        {"judge", "replicate", "performance_page"},
-    ),
-    (
         ["readme"],
         {"readme", "timing_table", "ledger", "readout_table", "ensemble_chunk"},
         {"fit_rig"},

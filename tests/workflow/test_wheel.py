@@ -213,7 +213,7 @@ def test_command_prints_the_files_of_the_package(python, place):
     assert done.stdout == "".join((PACKAGED / file).read_text(encoding="utf-8") for file in files)
 
 
-def test_archive_of_the_sources_has_tests_settings_and_workflow(sdist):
+def test_archive_of_the_sources_has_tests_settings_tools_and_workflow(sdist):
     tracked = subprocess.run(
         ["git", "-C", ROOT, "ls-files", "-z"], capture_output=True, text=True, check=False
     )
@@ -229,7 +229,7 @@ def test_wheel_says_what_it_is(wheel):
         (metadata,) = (name for name in names if name.endswith("/METADATA"))
         described = message_from_bytes(file.read(metadata))
     assert "fprc/py.typed" in names
-    assert not [name for name in names if name.startswith(("tests", "config", "workflow"))]
+    assert not [name for name in names if name.startswith(("tests", "config", "tools", "workflow"))]
     assert "Typing :: Typed" in described.get_all("Classifier")
     assert described.get_all("Project-URL")
     assert {"readout", "workflow"} <= set(described.get_all("Provides-Extra"))

@@ -65,48 +65,6 @@ rule calibration_page:
         "../scripts/stage.py"
 
 
-rule rule_graph:
-    output:
-        dot=PATHS.below("figures/rules.dot"),
-    log:
-        PATHS.messages("rule_graph"),
-    localrule: True
-    message:
-        "Rules of `all`: graph"
-    shell:
-        "snakemake --nolock --rulegraph dot -- all > {output.dot:q} 2> {log:q}"
-
-
-rule picture_of_rules:
-    input:
-        graph=PATHS.below("figures/rules.dot"),
-    output:
-        **drawn(PATHS.below("figures/rules")),
-    log:
-        PATHS.messages("picture_of_rules"),
-    params:
-        **stage("draw_schematics.draw_rules"),
-    message:
-        "Rules of `all`: figure"
-    script:
-        "../scripts/stage.py"
-
-
-rule running_page:
-    input:
-        figure=PATHS.below("figures/rules.png"),
-    log:
-        PATHS.messages("running_page"),
-    localrule: True
-    params:
-        **stage("documents.update_picture"),
-        picture="docs/images/rules.png",
-    message:
-        "docs/running.md: picture of the rules"
-    script:
-        "../scripts/stage.py"
-
-
 rule beyond_page:
     input:
         **{

@@ -9,12 +9,12 @@ from pydantic import AfterValidator, Field, model_validator
 from fprc.config.section import Section
 
 #: Folders of the project itself: no data may go there, nor into hidden folders.
-PROJECT_FOLDERS = frozenset({"config", "docs", "profiles", "src", "tests", "workflow"})
+PROJECT_FOLDERS = frozenset({"config", "docs", "profiles", "src", "tests", "tools", "workflow"})
 
 #: Folders that the rules create in the results folder.
 RESULT_FOLDERS = frozenset(
     {
-        "benchmark", "beyond", "calibration", "crossval", "data", "ensemble", "figures", "grids",
+        "beyond", "calibration", "crossval", "data", "ensemble", "figures", "grids",
         "logs", "models", "posterior", "predictions", "quality", "readout", "replicates",
         "reservoir", "rigs", "tables", "timing", "weights",
     }

@@ -1,7 +1,6 @@
 """Draw actuator, reservoir and apparatus, and the control systems as block diagrams."""
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,6 @@ from fprc.figures import style
 from fprc.figures.apparatus import plot_apparatus
 from fprc.figures.blocks import canvas
 from fprc.figures.diagrams import plot_esn_system, plot_fprc_system
-from fprc.figures.rules import plot_rules, read_graph
 from fprc.figures.structure import plot_actuator, plot_mapping, plot_reservoir
 from fprc.logs import read_columns
 from fprc.logs.isolated import isolated_each
@@ -47,13 +45,6 @@ def draw_apparatus(pdf: str, png: str) -> Mapping[str, Any]:
     """Figure 3: the apparatus."""
     fig, ax = canvas(3.3)
     plot_apparatus(ax)
-    return style.save(fig, _NO_DATA, pdf, png)
-
-
-def draw_rules(graph: str, pdf: str, png: str) -> Mapping[str, Any]:
-    """Draw the rules of the target ``all``, from the output of ``snakemake --rulegraph dot``."""
-    fig, ax = style.figure(1, 1, style.PAGE_IN, 4.2)
-    plot_rules(read_graph(Path(graph).read_text(encoding="utf-8")), ax)
     return style.save(fig, _NO_DATA, pdf, png)
 
 

@@ -1,8 +1,8 @@
 """Print a hash of the result of each operation; equal bits have equal hashes.
 
-diff <(python tests/operations.py) <(OPENBLAS_CORETYPE=Haswell python tests/operations.py)
+diff <(python tools/operations.py) <(OPENBLAS_CORETYPE=Haswell python tools/operations.py)
 
-shows the operations whose bits depend on OpenBLAS's kernel. ``PROCESSORS`` in tests/twice.py has
+shows the operations whose bits depend on OpenBLAS's kernel. ``PROCESSORS`` in tools/twice.py has
 the variables that restrict other libraries.
 """
 

@@ -1,6 +1,5 @@
 """The cut of the changelog."""
 
-import importlib
 from datetime import date
 from pathlib import Path
 
@@ -8,7 +7,7 @@ import pytest
 
 from fprc.errors import FprcError
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 PAGE = """# Changelog
 
 ## Unreleased
@@ -24,9 +23,8 @@ Added:
 
 
 @pytest.fixture
-def changelog(monkeypatch):
-    monkeypatch.syspath_prepend(ROOT)
-    return importlib.import_module("workflow.release.changelog")
+def changelog(tool):
+    return tool("release.changelog")
 
 
 @pytest.fixture

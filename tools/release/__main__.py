@@ -1,7 +1,7 @@
 """Cut the changelog, or build a release into dist/: `make cut` and `make release`.
 
-    python -m workflow.release cut 0.2.0
-    python -m workflow.release build --tools .venv/release/bin/python
+    python -m tools.release cut 0.2.0
+    python -m tools.release build --tools .venv/release/bin/python
 
 Nothing is uploaded.
 """
@@ -21,9 +21,9 @@ from typing import Any
 
 from fprc.errors import FprcError
 from fprc.provenance import checkout
-from workflow.release.changelog import PAGE, cut, released, version_of
-from workflow.release.crate import METADATA, describe_crate
-from workflow.release.results import built, problems_of, sidecars_of
+from tools.release.changelog import PAGE, cut, released, version_of
+from tools.release.crate import METADATA, describe_crate
+from tools.release.results import built, problems_of, sidecars_of
 
 PROFILE = "workflow-run-crate-0.5"
 

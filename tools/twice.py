@@ -1,8 +1,8 @@
 """Build everything twice under different conditions and compare every file.
 
-    python tests/twice.py            # the paper, as `make reproduce-twice` does
-    python tests/twice.py --smoke    # small settings
-    python tests/twice.py --processors --smoke    # as on other processors, `make processors`
+    python tools/twice.py            # the paper, as `make reproduce-twice` does
+    python tools/twice.py --smoke    # small settings
+    python tools/twice.py --processors --smoke    # as on other processors, `make processors`
 
 Execution times differ from build to build, so the second build gets the measurements of the first
 and is made again from there. Then every table, figure and page must have the same bytes. Logs

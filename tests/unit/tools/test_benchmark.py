@@ -1,0 +1,102 @@
+"""The comparisons of `make benchmark`."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fprc.models import EchoStates
+from fprc.models.fcm import fuzzy_c_means
+
+ROOT = Path(__file__).parents[3]
+
+
+@pytest.fixture
+def speed(tool):
+    return tool("benchmark.speed")
+
+
+@pytest.fixture
+def network():
+    """Return the features of a small ESN, and a log."""
+    X = np.sin(0.02 * np.arange(300.0))[:, None]
+    return EchoStates(r=20, washout=0, random_state=0).fit(X), X
+
+
+@pytest.mark.parametrize("package", ["numpy", "reservoirpy", "jax", "esnfed"])
+def test_states_and_steps_of_other_libraries_are_ours(tool, speed, network, package):
+    pytest.importorskip(package)
+    features, X = network
+    expected = speed.ours(features).states(X)
+    assert expected == pytest.approx(features.transform(np.vstack([X, X[:1]]))[1:, 5:], abs=1e-14)
+    _, make = tool("benchmark.peers").PEERS[package]
+    assert make(features).states(X) == pytest.approx(expected, abs=1e-12)
+    if step := make(features).step:
+        assert np.array([np.ravel(step(x)) for x in X]) == pytest.approx(expected, abs=1e-12)
+
+
+def test_each_library_has_a_ratio_unless_its_states_differ_or_it_is_missing(speed, network):
+    def off(features):
+        return speed.Peer(lambda X: np.full((len(X), features.r), 0.5), None)
+
+    right = speed.PEERS["numpy"]
+    speed_peers = {"numpy": right, "pytest": ("another", off), "no_such": ("missing", off)}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(speed, "PEERS", speed_peers)
+        table = speed.networks(*network, rounds=3)
+    ours, numpy, another, missing = table.to_dict("records")
+    assert ours["log, times ours"] == "1.00 (1.00 to 1.00)"
+    for what in ("log", "step"):
+        assert float(numpy[f"{what}, us a sample"]) > 0.0
+        assert " to " in numpy[f"{what}, times ours"]
+        assert another[f"{what}, times ours"] == missing[f"{what}, times ours"] == ""
+    assert float(another["States differ by"]) > 0.1
+    assert missing["States differ by"] == "not installed"
+
+
+def test_pieces_of_work_take_turns(speed):
+    order = []
+    work = {name: lambda name=name: order.append(name) for name in ("a", "b")}
+    assert [len(each) for each in speed.interleaved(work, 3).values()] == [3, 3]
+    assert order == ["a", "b"] * 3
+
+
+def test_clusterings_begin_at_the_same_centres(speed):
+    pytest.importorskip("skfuzzy")
+    rng = np.random.default_rng(0)
+    rows = np.vstack([rng.normal(place, 0.1, (400, 2)) for place in (0.0, 5.0)])
+    rng.shuffle(rows)
+    (row,) = speed.clusterings(rows, 2, starts=1).to_dict("records")
+    expected = fuzzy_c_means(rows, 2, random_state=0).objective
+    assert float(row["fprc: objective"]) == pytest.approx(expected, rel=1e-6)
+    assert float(row["scikit-fuzzy: objective"]) == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ["OPENBLAS_CORETYPE", "OPENBLAS_L2_SIZE"])
+def test_kernels_other_than_the_processors_are_refused(tool, monkeypatch, name):
+    monkeypatch.setenv(name, "1")
+    with pytest.raises(SystemExit, match=name):
+        tool("benchmark").refuse_other_kernels()
+
+
+@pytest.mark.slow
+def test_page_gets_every_measurement(tool, tmp_path):
+    pytest.importorskip("skfuzzy")
+    page = Path(shutil.copy(ROOT / "docs/performance.md", tmp_path))
+    few = ["--samples", "2500", "--rounds", "1", "--starts", "1", "--page", str(page)]
+    kernels = tool("benchmark").KERNELS
+    done = subprocess.run(
+        [sys.executable, "-m", "tools.benchmark.speed", *few],
+        cwd=ROOT,
+        env={key: value for key, value in os.environ.items() if key not in kernels},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.strip() in page.read_text(encoding="utf-8")
+    for said in ("BLAS kernels", "| a loop in NumPy", "GB/s", "| Start", "A step of FPRC takes"):
+        assert said in done.stdout

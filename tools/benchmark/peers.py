@@ -1,0 +1,121 @@
+"""The same computations with other libraries, and with plain NumPy."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from fprc.models import EchoStates
+
+
+class Peer(NamedTuple):
+    """The network of an ESN in another library, with the same weights, from state 0."""
+
+    states: Callable[[np.ndarray], np.ndarray]  #: x(k+1) for each sample k of a log
+    step: Callable[[np.ndarray], np.ndarray] | None  #: x after one more sample, if it can
+
+
+def numpy_loop(features: EchoStates) -> Peer:
+    """Return Eq. (3) as a loop; BLAS multiplies by W_r."""
+    w_in, W_r, gamma = features.w_in_, features.W_r_, features.gamma
+    x = np.zeros(features.r)
+
+    def step(theta: np.ndarray) -> np.ndarray:
+        nonlocal x
+        x = gamma * x + (1.0 - gamma) * np.tanh(w_in @ theta + W_r @ x)
+        return x
+
+    def states(X: np.ndarray) -> np.ndarray:
+        nonlocal x
+        x = np.zeros(features.r)
+        found = np.empty((len(X), features.r))
+        for k, theta in enumerate(X):
+            found[k] = step(theta)
+        return found
+
+    return Peer(states, step)
+
+
+def reservoirpy(features: EchoStates) -> Peer:
+    """Return ReservoirPy's network; its leak is 1 - gamma."""
+    from reservoirpy.nodes import Reservoir
+
+    network = Reservoir(
+        W=features.W_r_, Win=features.w_in_, bias=np.zeros(features.r), lr=1.0 - features.gamma
+    )
+    network.initialize(np.zeros((1, features.w_in_.shape[1])))
+
+    def states(X: np.ndarray) -> np.ndarray:
+        network.reset()
+        return network.run(X)
+
+    return Peer(states, network.step)
+
+
+def jax_scan(features: EchoStates) -> Peer:
+    """Return Eq. (3) under ``jax.lax.scan``, in float64."""
+    import jax
+
+    jax.config.update("jax_enable_x64", True)
+    w_in, W_r, gamma = (
+        jax.numpy.asarray(features.w_in_),
+        jax.numpy.asarray(features.W_r_),
+        features.gamma,
+    )
+    x = jax.numpy.zeros(features.r)
+
+    @jax.jit
+    def advance(x: jax.Array, theta: jax.Array) -> tuple[jax.Array, jax.Array]:
+        x = gamma * x + (1.0 - gamma) * jax.numpy.tanh(w_in @ theta + W_r @ x)
+        return x, x
+
+    run = jax.jit(lambda X: jax.lax.scan(advance, jax.numpy.zeros(features.r), X)[1])
+
+    def step(theta: np.ndarray) -> np.ndarray:
+        nonlocal x
+        x, _ = advance(x, theta)
+        return np.asarray(x)
+
+    return Peer(lambda X: np.asarray(run(X)), step)
+
+
+def esnfed(features: EchoStates) -> Peer:
+    """Return esnfed's network, which has no single step; its leak is 1 - gamma."""
+    from esnfed import EchoStateNetwork
+
+    inputs = features.w_in_.shape[1]
+    network = EchoStateNetwork(
+        inputs,
+        1,
+        features.W_r_,
+        # it scales W_r to this radius: leave it as it is
+        spectral_radius=float(np.abs(np.linalg.eigvals(features.W_r_)).max()),
+        leaking_rate=1.0 - features.gamma,
+        input_weights=np.hstack([np.zeros((features.r, 1)), features.w_in_]),
+    )
+    return Peer(lambda X: network.harvest(X)[:, 1 + inputs :], None)
+
+
+#: By package: its label in the table, and how to make the peer.
+PEERS = {
+    "numpy": ("a loop in NumPy", numpy_loop),
+    "reservoirpy": ("ReservoirPy", reservoirpy),
+    "jax": ("lax.scan in JAX", jax_scan),
+    "esnfed": ("esnfed", esnfed),
+}
+
+
+def scikit_fuzzy(X: np.ndarray, centers: np.ndarray) -> float:
+    """Return the objective that scikit-fuzzy's fuzzy c-means reaches from these centres.
+
+    It stops when the root of the sum of squared changes of the memberships is below 0.005, as in
+    its examples.
+    """
+    from skfuzzy import cmeans
+
+    # it begins at memberships, not at centres
+    away = ((X[:, None, :] - centers) ** 2).sum(axis=2).T
+    closeness = 1.0 / np.maximum(away, np.finfo(float).eps)
+    begin = closeness / closeness.sum(axis=0)
+    _, u, _, distance, *_ = cmeans(X.T, len(centers), m=2, error=0.005, maxiter=10_000, init=begin)
+    return float(np.sum((u * distance) ** 2))

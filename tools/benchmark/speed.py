@@ -1,0 +1,240 @@
+"""Compare speed with other libraries: `make benchmark`, which installs them.
+
+    python -m tools.benchmark.speed                             # prints the tables
+    python -m tools.benchmark.speed --page docs/performance.md  # and writes them there
+
+Everything runs on one core; times are those of the processor. What is compared takes turns, so that
+a disturbance of the machine slows all of it. States are compared first: if they differ, no times
+are given.
+"""
+
+import argparse
+import os
+import statistics
+from collections.abc import Callable, Mapping, Sequence
+from datetime import date
+from functools import partial
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from time import process_time
+
+import numba
+import numpy as np
+import pandas as pd
+from sklearn.cluster import kmeans_plusplus
+from threadpoolctl import threadpool_limits
+
+from fprc.config import from_files
+from fprc.datasets import load_hysteresis
+from fprc.evaluation.timing import machine
+from fprc.experiments.tracking import Track
+from fprc.models import FPRC, EchoStates
+from fprc.models.echo import aligned, echo_states
+from fprc.models.fcm import fuzzy_c_means
+from fprc.tables.text import three_digits
+from tools.benchmark import load, refuse_other_kernels, show
+from tools.benchmark.peers import PEERS, Peer, scikit_fuzzy
+
+#: States that differ by less are the same.
+SAME = 1e-12
+OURS, FUZZY = "fprc", "scikit-fuzzy"
+
+
+def interleaved(work: Mapping[str, Callable[[], object]], rounds: int) -> dict[str, list[float]]:
+    """Return the processor seconds of each piece of work in each round; the pieces take turns."""
+    seconds: dict[str, list[float]] = {name: [] for name in work}
+    for _ in range(rounds):
+        for name, run in work.items():
+            begin = process_time()
+            run()
+            seconds[name].append(process_time() - begin)
+    return seconds
+
+
+def ours(features: EchoStates) -> Peer:
+    """Return our network in the form of the others."""
+    w_in, W_r, gamma = features.w_in_, features.W_r_, features.gamma
+
+    def states(X: np.ndarray) -> np.ndarray:
+        # our rows have x(k), those of the others x(k+1)
+        return echo_states(np.vstack([X, X[-1:]]), w_in, W_r, gamma)[1:]
+
+    return Peer(states, features.advance)
+
+
+def networks(features: EchoStates, X: np.ndarray, rounds: int) -> pd.DataFrame:
+    """Compare the states of a log and single steps, as in a control loop.
+
+    ``features`` must be fitted and have no washout.
+    """
+    sides, missing = {OURS: ours(features)}, []
+    for package, (label, make) in PEERS.items():
+        try:
+            sides[f"{label} {version(package)}"] = make(features)
+        except PackageNotFoundError:
+            missing.append(label)
+    expected = sides[OURS].states(X)
+    off = {name: float(np.abs(peer.states(X) - expected).max()) for name, peer in sides.items()}
+    few = X[:1000]
+    steps = {name: partial(_stepped, peer.step, few) for name, peer in sides.items() if peer.step}
+    features.reset(few[0])
+    for run in steps.values():
+        run()
+    seconds = {
+        "log": interleaved({n: partial(p.states, X) for n, p in sides.items()}, rounds),
+        "step": interleaved(steps, rounds),
+    }
+    samples = {"log": len(X), "step": len(few)}
+    rows = []
+    for name in sides:
+        row = {"Library": name}
+        for what, taken in seconds.items():
+            known = name in taken and off[name] <= SAME
+            row[f"{what}, us a sample"] = _us(taken[name], samples[what]) if known else ""
+            row[f"{what}, times ours"] = _ratio(taken[name], taken[OURS]) if known else ""
+        rows.append(row | {"States differ by": f"{off[name]:.0e}" if name != OURS else ""})
+    rows += [{"Library": name, "States differ by": "not installed"} for name in missing]
+    return pd.DataFrame(rows).fillna("")
+
+
+def _stepped(step: Callable[[np.ndarray], np.ndarray], X: np.ndarray) -> None:
+    for theta in X:
+        step(theta)
+
+
+def _us(seconds: Sequence[float], samples: int) -> str:
+    return three_digits(1e6 * statistics.median(seconds) / samples)
+
+
+def _ratio(theirs: Sequence[float], ours: Sequence[float]) -> str:
+    """Return the median of the rounds' ratios, with the smallest and the largest."""
+    ratios = [a / b for a, b in zip(theirs, ours, strict=True)]
+    each = (statistics.median(ratios), min(ratios), max(ratios))
+    return "{} ({} to {})".format(*map(three_digits, each))
+
+
+@numba.njit(fastmath=True)
+def _sum(numbers: np.ndarray) -> float:
+    total = np.float32(0.0)
+    for k in range(numbers.size):  # unlike a loop over the numbers, it has vector instructions
+        total += numbers[k]
+    return total
+
+
+def bandwidth(features: EchoStates, X: np.ndarray, rounds: int) -> str:
+    """Return a sentence: how fast a step reads W_r, beside plain reading."""
+    few = X[:1000]
+    same = aligned(features.W_r_.astype(np.float32).ravel())
+    large = np.ones(1 << 26, np.float32)
+    work = {
+        "step": partial(_stepped, features.advance, few),
+        "same": lambda: [_sum(same) for _ in few],
+        "large": lambda: _sum(large),
+    }
+    features.reset(few[0])
+    for run in work.values():
+        run()
+    seconds = interleaved(work, rounds)
+    read = {"step": same.nbytes * len(few), "same": same.nbytes * len(few), "large": large.nbytes}
+    gb_per_s = {name: read[name] / statistics.median(each) / 1e9 for name, each in seconds.items()}
+    share = statistics.median(a / b for a, b in zip(seconds["same"], seconds["step"], strict=True))
+    return (
+        f"A step of ours reads W_r, {same.nbytes / 1e6:.2f} MB in float32, at "
+        f"{gb_per_s['step']:.3g} GB/s. That is {100 * share:.0f} % of what this core reaches when "
+        f"it only adds up as many numbers again and again ({gb_per_s['same']:.3g} GB/s, from its "
+        f"caches); from memory beyond them it reads {gb_per_s['large']:.3g} GB/s."
+    )
+
+
+def clusterings(rows: np.ndarray, clusters: int, starts: int) -> pd.DataFrame:
+    """Compare fuzzy c-means by the objective that is reached, and the time to it.
+
+    Both begin at the same k-means++ centres; ours first converges on every tenth row.
+    """
+    fuzzy_c_means(rows, clusters, random_state=0)  # compiles
+    table = []
+    for start in range(starts):
+        centers, _ = kmeans_plusplus(rows[::10], clusters, random_state=start)
+        sides = {
+            OURS: lambda start=start: fuzzy_c_means(rows, clusters, random_state=start).objective,
+            FUZZY: lambda centers=centers: scikit_fuzzy(rows, centers),
+        }
+        row = {"Start": str(start)}
+        for name, cluster in sides.items():
+            begin = process_time()
+            row[f"{name}: objective"] = f"{cluster():.8g}"
+            row[f"{name} [s]"] = three_digits(process_time() - begin)
+        table.append(row)
+    return pd.DataFrame(table)
+
+
+def control(rounds: int, seed: int = 1) -> str:
+    """Return sentences on the time of a step of the FPRC, and of the simulated closed loop."""
+    X, y = load_hysteresis("sweep", seed=seed, return_X_y=True)
+    model = FPRC(random_state=seed).fit(X, y)
+    settings = from_files([]).model_dump(mode="json")
+    bench = Track(settings["tracking"], settings["control"], settings["rig"], seed)
+    reference = next(iter(settings["tracking"]["references"]))
+    loop = partial(bench.follow, reference, "fprc_pd", model)
+    steps = {"model": len(X), "loop": len(loop()["time_s"])}
+    taken = interleaved({"model": partial(_stepped, model.step, X), "loop": loop}, rounds)
+    model_us, loop_us = (_us(taken[name], number) for name, number in steps.items())
+    period_us = 1e6 / settings["control"]["sample_rate_hz"]
+    return (
+        f"A step of FPRC takes {model_us} us. A step of the simulated closed loop (rig, FPRC+PD, "
+        f"both pressure loops) takes {loop_us} us; the samples are {period_us:g} us apart."
+    )
+
+
+def circumstances() -> str:
+    """Return a sentence on the machine, the kernels of BLAS that run, and how busy it is."""
+    here = machine()
+    return (
+        f"Measured on {date.today().isoformat()} on one core of {os.cpu_count()} of {here['cpu']}, "
+        f"with the BLAS kernels {here['blas']}; {load()}."
+    )
+
+
+def report(samples: int, rounds: int, starts: int) -> str:
+    """Measure everything; return it in Markdown."""
+    X, _ = load_hysteresis("sweep", return_X_y=True)
+    features = EchoStates(washout=0, random_state=1).fit(X[:, :1])
+    theta = X[:samples, :1]
+    fuzzy = FPRC(random_state=1)
+    rows = fuzzy.make_features().fit(X).transform(X)
+    parts = [
+        circumstances(),
+        f"ESN with {features.r} states, float64, {len(theta)} samples, medians of {rounds} rounds "
+        "in turn; in brackets the smallest and largest ratio of a round:",
+        _markdown(networks(features, theta, rounds)),
+        bandwidth(features, theta, rounds),
+        f"Fuzzy c-means of {len(rows)} rows of {rows.shape[1]} features, {fuzzy.n_c} clusters:",
+        _markdown(clusterings(rows, fuzzy.n_c, starts)),
+        control(rounds),
+    ]
+    return "\n\n".join(parts)
+
+
+def _markdown(table: pd.DataFrame) -> str:
+    text: str = table.to_markdown(index=False, disable_numparse=True)
+    return text
+
+
+def main() -> None:
+    """Run the command line."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--page", type=Path, help="write the tables there too")
+    parser.add_argument("--samples", type=int, default=24000, help="of the ESN's log")
+    parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--starts", type=int, default=5, help="of the clustering")
+    given = parser.parse_args()
+    refuse_other_kernels()
+    if hasattr(os, "sched_setaffinity"):  # before JAX counts the cores
+        os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+    with threadpool_limits(1):
+        found = report(given.samples, given.rounds, given.starts)
+    show({"benchmark": found}, given.page)
+
+
+if __name__ == "__main__":
+    main()
