@@ -78,8 +78,8 @@ def describe_crate(
     run = crate.add_action(
         workflow,
         "#run",
-        object=[crate.get(quote(name)) for name in code if name.startswith("config/")],
-        result=[crate.get(quote(name)) for name in made],
+        object=[_refer(name) for name in code if name.startswith("config/")],
+        result=[_refer(name) for name in made],
         properties={
             "name": "make paper",
             "description": "The run of the workflow that made all raw logs and results.",
@@ -119,6 +119,10 @@ def _add(crate: ROCrate, identifier: str, kind: str, name: str, **properties: An
     return crate.add_jsonld({"@id": identifier, "@type": kind, "name": name, **properties})
 
 
+def _refer(name: str) -> dict[str, str]:
+    return {"@id": quote(name)}
+
+
 def _described(root: Path, name: str) -> dict[str, str]:
     path = root / name
     kind = _TYPES.get(path.suffix) or mimetypes.guess_type(name)[0] or "text/plain"
@@ -142,9 +146,10 @@ def _drawing(crate: ROCrate, fprc: Entity, name: str, sidecar: Mapping[str, Any]
     action = crate.add_action(
         fprc,
         f"#made-{quote(name)}",
-        object=[crate.get(quote(in_checkout(file))) for file in sidecar["inputs"]],
-        result=[crate.get(quote(file)) for file in (*sidecar["outputs"], name)],
         properties={
+            # here, because as an argument `object` is left out if it is empty
+            "object": [_refer(in_checkout(file)) for file in sidecar["inputs"]],
+            "result": [_refer(file) for file in (*sidecar["outputs"], name)],
             "name": f"Drawing of {Path(name).stem}",
             "description": f"What {name} says: inputs, outputs, settings.",
             "additionalProperty": settings,
