@@ -88,8 +88,12 @@ test-slurm: slurm  ## the smoke run through Slurm; `make test` runs one job of e
 recordings: .venv/.ready  ## evaluate the recordings of docs/own-data.md: DATASETS=folder with the public ones
 	python tools/recordings.py $(DATASETS)
 
-scaling: .venv/.ready  ## measure the numbers in docs/scaling.md
-	snakemake --cores $(CORES) scaling_page
+# Variables can select kernels of BLAS that are older than the processor; `make processors` wants that,
+# a measurement of speed does not.
+MEASURE = PYTHONPATH=".venv/benchmark:$$PYTHONPATH" env -u OPENBLAS_CORETYPE -u OPENBLAS_L2_SIZE python -m tools.benchmark
+
+scaling: .venv/.ready  ## measure the numbers in docs/scaling.md: some minutes
+	$(MEASURE).scaling --page docs/scaling.md
 
 docs: .venv/.ready  ## update numbers and pictures in README.md and docs/
 	snakemake --cores $(CORES) readme calibration_page beyond_page
@@ -132,13 +136,14 @@ damage: .venv/.ready  ## damage every byte of small logs; CI damages one of elev
 loop-benchmark: .venv/.ready  ## measure the timing of the real rig's loop on this computer
 	python tests/faults/benchmark_loop.py
 
-benchmark: .venv/.ready  ## compare speed with other libraries, for docs/performance.md
-	python -m pip install --quiet --disable-pip-version-check --constraint environment.txt --editable '.[benchmark]'
-	snakemake --cores $(CORES) --forcerun rule_times -- benchmark performance_page
+# The libraries have their own folder, so that nothing else finds them.
+benchmark: .venv/.ready  ## compare speed with other libraries, for docs/performance.md: some minutes
+	python -m pip install --quiet --disable-pip-version-check --no-deps --upgrade \
+	  --target .venv/benchmark --requirement tools/benchmark/requirements.txt
+	$(MEASURE).speed --page docs/performance.md
 
-benchmark-all: benchmark  ## compare the workflow with an uncompiled one: half an hour
-	snakemake --cores $(CORES) --forcerun measure_all -- results/benchmark/all.json
-	snakemake --cores $(CORES) --forcerun benchmark_table -- benchmark performance_page
+benchmark-all: .venv/.ready  ## compare the workflow with an uncompiled one: half an hour
+	$(MEASURE).whole --cores $(CORES) --page docs/performance.md
 
 # pip would compile on one processor, and the tests of the libraries too.
 .venv/.ready: environment.txt pyproject.toml

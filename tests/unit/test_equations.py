@@ -37,7 +37,6 @@ NAMED = {
     "models.ridge.with_bias": {"P_ff of the ESN", "P_ff of a rule"},
     "models.takagi_sugeno.TakagiSugenoReadout": {PAPER[number] for number in range(7, 13)},
     "models.takagi_sugeno.TakagiSugenoReadout.fit": {"ridge of a rule"},
-    "benchmark.peers.numpy_states": {"x(k+1)"},
 }
 
 _CITED = re.compile(r"Eqs?\. ((?:\(?\d+\)?(?:-|, | and )?)+)")

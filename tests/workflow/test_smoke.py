@@ -163,9 +163,7 @@ def test_smoke_touches_every_rule(smoked, calibrated):
     working |= {f"draw_fig{number}" for number in range(12, 16)}
     assert len(working) > 40
     # these look at results and make none, or take minutes and are tested by themselves
-    by_hand = {"check", "readme", "calibration_page", "measure_scale", "scaling_page"}
-    by_hand |= {"measure_benchmark", "benchmark_table", "benchmark_figure", "rule_times"}
-    by_hand |= {"performance_page", "beyond_page"}
+    by_hand = {"check", "readme", "calibration_page", "beyond_page"}
     by_hand |= {"searches_page", "repeats_page"}
     # of logs that are already there: test_recorded.py; of a real rig: tests/faults
     by_hand |= {"read_gains", "add_reservoir", "record_on_rig", "identify_gain_from_logs"}

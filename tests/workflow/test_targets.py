@@ -98,11 +98,6 @@ PLANNED = [
         {"fit_rig", "judge"},
     ),
     (
-        ["benchmark"],
-        {"measure_benchmark", "benchmark_table", "benchmark_figure", "rule_times"},
-        {"judge", "replicate", "performance_page"},
-    ),
-    (
         ["readme"],
         {"readme", "timing_table", "ledger", "readout_table", "ensemble_chunk"},
         {"fit_rig"},

@@ -1,100 +1,121 @@
-"""The same computations with ReservoirPy, scikit-fuzzy and plain NumPy."""
+"""The same computations with other libraries, and with plain NumPy."""
 
-from collections.abc import Sequence
-from importlib.util import find_spec
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
-from fprc.errors import FprcError
-from fprc.evaluation.folds import Fold
-from fprc.evaluation.metrics import rmse
-from fprc.models import FPRC, EchoStates, RidgeReadout, taps
-
-if TYPE_CHECKING:
-    from reservoirpy.nodes import Reservoir
+from fprc.models import EchoStates
 
 
-def refuse_missing() -> None:
-    """Check that the libraries to compare with are installed.
+class Peer(NamedTuple):
+    """The network of an ESN in another library, with the same weights, from state 0."""
 
-    Raises
-    ------
-    FprcError
-        One of them is not installed.
-    """
-    if not (find_spec("reservoirpy") and find_spec("skfuzzy")):
-        raise FprcError("the benchmark needs reservoirpy and scikit-fuzzy; use `make benchmark`")
+    states: Callable[[np.ndarray], np.ndarray]  #: x(k+1) for each sample k of a log
+    step: Callable[[np.ndarray], np.ndarray] | None  #: x after one more sample, if it can
 
 
-def reservoirpy_network(
-    features: EchoStates, X: np.ndarray, dtype: type = np.float64
-) -> "Reservoir":
-    """Return ReservoirPy's network with the same weights, in state 0; its leak is 1 - gamma."""
+def numpy_loop(features: EchoStates) -> Peer:
+    """Return Eq. (3) as a loop; BLAS multiplies by W_r."""
+    w_in, W_r, gamma = features.w_in_, features.W_r_, features.gamma
+    x = np.zeros(features.r)
+
+    def step(theta: np.ndarray) -> np.ndarray:
+        nonlocal x
+        x = gamma * x + (1.0 - gamma) * np.tanh(w_in @ theta + W_r @ x)
+        return x
+
+    def states(X: np.ndarray) -> np.ndarray:
+        nonlocal x
+        x = np.zeros(features.r)
+        found = np.empty((len(X), features.r))
+        for k, theta in enumerate(X):
+            found[k] = step(theta)
+        return found
+
+    return Peer(states, step)
+
+
+def reservoirpy(features: EchoStates) -> Peer:
+    """Return ReservoirPy's network; its leak is 1 - gamma."""
     from reservoirpy.nodes import Reservoir
 
     network = Reservoir(
-        W=features.W_r_.astype(dtype),
-        Win=features.w_in_.astype(dtype),
-        bias=np.zeros(features.r, dtype),
-        lr=dtype(1.0 - features.gamma),
-        dtype=dtype,
+        W=features.W_r_, Win=features.w_in_, bias=np.zeros(features.r), lr=1.0 - features.gamma
     )
-    network.initialize(X.astype(dtype))
-    # its own initial state is float64, which would make every step float64
-    network.state = {"out": np.zeros(features.r, dtype)}
-    return network
+    network.initialize(np.zeros((1, features.w_in_.shape[1])))
+
+    def states(X: np.ndarray) -> np.ndarray:
+        network.reset()
+        return network.run(X)
+
+    return Peer(states, network.step)
 
 
-def reservoirpy_states(features: EchoStates, X: np.ndarray, dtype: type = np.float64) -> np.ndarray:
-    """Return x(k+1) of every sample k, by ReservoirPy."""
-    return reservoirpy_network(features, X, dtype).run(X.astype(dtype))
+def jax_scan(features: EchoStates) -> Peer:
+    """Return Eq. (3) under ``jax.lax.scan``, in float64."""
+    import jax
+
+    jax.config.update("jax_enable_x64", True)
+    w_in, W_r, gamma = (
+        jax.numpy.asarray(features.w_in_),
+        jax.numpy.asarray(features.W_r_),
+        features.gamma,
+    )
+    x = jax.numpy.zeros(features.r)
+
+    @jax.jit
+    def advance(x: jax.Array, theta: jax.Array) -> tuple[jax.Array, jax.Array]:
+        x = gamma * x + (1.0 - gamma) * jax.numpy.tanh(w_in @ theta + W_r @ x)
+        return x, x
+
+    run = jax.jit(lambda X: jax.lax.scan(advance, jax.numpy.zeros(features.r), X)[1])
+
+    def step(theta: np.ndarray) -> np.ndarray:
+        nonlocal x
+        x, _ = advance(x, theta)
+        return np.asarray(x)
+
+    return Peer(lambda X: np.asarray(run(X)), step)
 
 
-def reservoirpy_steps(features: EchoStates, X: np.ndarray) -> np.ndarray:
-    """Return x after the last sample, by ReservoirPy's step."""
-    network = reservoirpy_network(features, X)
-    for theta in X:
-        x = network.step(theta)
-    return x
+def esnfed(features: EchoStates) -> Peer:
+    """Return esnfed's network, which has no single step; its leak is 1 - gamma."""
+    from esnfed import EchoStateNetwork
+
+    inputs = features.w_in_.shape[1]
+    network = EchoStateNetwork(
+        inputs,
+        1,
+        features.W_r_,
+        # it scales W_r to this radius: leave it as it is
+        spectral_radius=float(np.abs(np.linalg.eigvals(features.W_r_)).max()),
+        leaking_rate=1.0 - features.gamma,
+        input_weights=np.hstack([np.zeros((features.r, 1)), features.w_in_]),
+    )
+    return Peer(lambda X: network.harvest(X)[:, 1 + inputs :], None)
 
 
-def numpy_states(features: EchoStates, X: np.ndarray) -> np.ndarray:
-    """Return x(k) of every sample, Eq. (3) as a loop."""
-    w_in, W_r, gamma = features.w_in_, features.W_r_, features.gamma
-    states, x = np.empty((len(X), features.r)), np.zeros(features.r)
-    for k, theta in enumerate(X):
-        states[k] = x
-        x = gamma * x + (1.0 - gamma) * np.tanh(w_in @ theta + W_r @ x)
-    return states
+#: By package: its label in the table, and how to make the peer.
+PEERS = {
+    "numpy": ("a loop in NumPy", numpy_loop),
+    "reservoirpy": ("ReservoirPy", reservoirpy),
+    "jax": ("lax.scan in JAX", jax_scan),
+    "esnfed": ("esnfed", esnfed),
+}
 
 
-def numpy_fprc_steps(model: FPRC, X: np.ndarray) -> np.ndarray:
-    """Return P_ff(k) sample by sample, each formula vectorised over one row."""
-    epsilon, n_y, width = model.epsilon, model.n_y, 2.0 * model.sigma**2
-    centers, bias = model.readout_.centers_, model.readout_.W_out_[:, 0]
-    W_out = np.ascontiguousarray(model.readout_.W_out_[:, 1:])
-    filtered = X[0, 1]
-    x = np.repeat(X[0], [n_y, model.n_u])
-    P_ff = np.empty(len(X))
-    for k, (theta, p_o) in enumerate(X):
-        filtered = epsilon * p_o + (1.0 - epsilon) * filtered
-        x[1:] = x[:-1]
-        x[0], x[n_y] = theta, filtered
-        difference = x - centers
-        distance2 = (difference * difference).sum(axis=1)
-        beta = np.exp((distance2.min() - distance2) / width)
-        P_ff[k] = beta @ (bias + W_out @ x) / beta.sum()
-    return P_ff
+def scikit_fuzzy(X: np.ndarray, centers: np.ndarray) -> float:
+    """Return the objective that scikit-fuzzy's fuzzy c-means reaches from these centres.
 
+    It stops when the root of the sum of squared changes of the memberships is below 0.005, as in
+    its examples.
+    """
+    from skfuzzy import cmeans
 
-def recomputed_folds(
-    features: EchoStates, X: np.ndarray, y: np.ndarray, folds: Sequence[Fold], alpha: float
-) -> list[float]:
-    """Return the ESN's validation errors; states and normal equations are recomputed per fold."""
-    errors = []
-    for train, validation in folds:
-        rows = np.hstack([taps(X[:, 0], features.n_y), numpy_states(features, X)])
-        readout = RidgeReadout(alpha).fit(rows[train], y[train])
-        errors.append(rmse(y[validation], readout.predict(rows[validation])))
-    return errors
+    # it begins at memberships, not at centres
+    away = ((X[:, None, :] - centers) ** 2).sum(axis=2).T
+    closeness = 1.0 / np.maximum(away, np.finfo(float).eps)
+    begin = closeness / closeness.sum(axis=0)
+    _, u, _, distance, *_ = cmeans(X.T, len(centers), m=2, error=0.005, maxiter=10_000, init=begin)
+    return float(np.sum((u * distance) ** 2))

@@ -1,147 +1,146 @@
-"""Processor time of a rig, a cell of a grid, a closed-loop second and a job.
+"""Measure the cost of a rig of the ensemble, and of planning its jobs: `make scaling`.
 
-Unlike wall time, processor time hardly depends on what else the machine runs.
+    python -m tools.benchmark.scaling --page docs/scaling.md
+
+Times are processor times of whole commands, which hardly depend on what else the machine runs.
+This program imports no library, since Linux counts its memory in the peak of what it starts.
 """
 
-import json
-import logging
+import argparse
 import os
+import re
 import subprocess
 import sys
 import tempfile
-import time
-from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from collections.abc import Sequence
+from datetime import date
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
-from fprc.calibration.ensemble import judge_rig
-from fprc.calibration.space import free_parameters
-from fprc.errors import EvaluationError
-from fprc.experiments.grids import judge_cell
-from fprc.experiments.hysteresis import simulate
-from fprc.experiments.settings import Judgement, RigSettings
-from fprc.experiments.tracking import Track
-from fprc.registry import build
+from tools.benchmark import load, refuse_other_kernels, show
 
-log = logging.getLogger(__name__)
-
-#: Runs a command from a small process: Linux includes the parent's memory in the child's peak.
-_WATCH = """
-import json, resource, subprocess, sys, time
-start = time.monotonic()
-with open(sys.argv[1], "w") as printed:
-    subprocess.run(sys.argv[2:], stdout=printed, stderr=subprocess.STDOUT)
-used = resource.getrusage(resource.RUSAGE_CHILDREN)
-spent = {
-    "cpu_s": used.ru_utime + used.ru_stime,
-    "wall_s": time.monotonic() - start,
-    "peak_mb": used.ru_maxrss / 1024,
-}
-print(json.dumps(spent))
-"""
+#: Numbers of jobs to plan, of one rig each.
+JOBS = (1, 100, 1000, 10_000)
+#: So many jobs are not planned at once, only one of them, as each job does on its node.
+MOST_JOBS = 1_000_000
 
 
-def costs(
-    rigs: int,
-    taps: Sequence[Mapping[str, int]],
-    *,
-    ensemble: Mapping[str, Any],
-    free: Mapping[str, Any],
-    on_rig: RigSettings,
-    tracking: Mapping[str, Any],
-    judgement: Mapping[str, Any],
-    seed: int,
-) -> dict[str, dict[str, float]]:
-    """Measure the processor time of a rig, a cell of a grid and a closed-loop second.
+class Spent(NamedTuple):
+    """What a command took."""
 
-    Parameters
-    ----------
-    rigs : int
-        Number of rigs of the ensemble to judge.
-    taps : sequence of Mapping
-        ``n_u`` and ``n_y`` of the cells to judge.
-    judgement : Mapping
-        Arguments of ``Judgement`` without the seed.
-    """
-    data = simulate(on_rig, seed)  # compiles the rig
-    model = build("fprc", judgement["models"], seed).fit(*data["sweep"].pair("fprc"))
-    bench = Track(tracking, on_rig.control, on_rig.rig, seed)
-    theta_d = bench.reference("sine_0p2")
-    loop_s = len(theta_d) / on_rig.control["sample_rate_hz"]
-    loop, _ = _timed(lambda: bench.drive(theta_d, "fprc_pd", model, 10))
-    log.info("a closed-loop second: %.3f s", loop / loop_s)
-
-    how = Judgement(**judgement, seed=seed)
-    logs = {"train": data["sweep"], "test": data["complex"]}
-    cells = [
-        _timed(judge_cell, {"model": "fprc", **pair}, **logs, judgement=how)[0] for pair in taps
-    ]
-    log.info("a cell of a grid: %.2f s", sum(cells) / len(cells))
-    rig = partial(
-        judge_rig,
-        ensemble=ensemble,
-        free=free_parameters(**free),
-        on_rig=on_rig,
-        tracking=tracking,
-        judgement=judgement,
-    )
-    judged = []
-    for number in range(rigs):
-        judged.append(_timed(rig, {"rig": number}))
-        log.info("rig %d: %.1f s", number, judged[-1][0])
-    return {
-        "rig": {
-            "cpu_s": sum(seconds for seconds, _ in judged) / rigs,
-            "bytes": len(json.dumps({"rigs": [rig for _, rig in judged]}, indent=2)) / rigs,
-            "measured": rigs,
-        },
-        "cell": {"cpu_s": sum(cells) / len(cells), "measured": len(cells)},
-        "loop": {"cpu_s": loop / loop_s, "measured": loop_s},
-    }
+    cpu_s: float
+    peak_mb: float
+    printed: str
 
 
-def plan_ensemble(jobs: int, *, alone: bool = False) -> dict[str, float]:
-    """Let Snakemake plan an ensemble of ``jobs`` jobs, one rig each; return the time and memory.
-
-    Parameters
-    ----------
-    alone : bool
-        Plan only one of the jobs, as each job does on its node.
+def snakemake(folder: Path, *arguments: str, rigs: int, chunk: int) -> Spent:
+    """Run Snakemake on an ensemble, into a folder.
 
     Raises
     ------
-    EvaluationError
-        Snakemake did not plan them.
+    SystemExit
+        It failed.
     """
-    wanted = 1 if alone else jobs
-    with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "snakemake", "--dry-run"]
-        command += ["--quiet", "rules", "--cores", "1", "--nolock"]
-        command += [f"{folder}/ensemble/rigs_0.json" if alone else "ensemble", "--config"]
-        command += [f"ensemble={{rigs: {jobs}, chunk: 1}}"]
-        command += [f"folders={{raw: {folder}/raw, results: {folder}}}"]
-        spent = spent_by(command, f"{folder}/printed")
-        lines = [
-            line.split()
-            for line in Path(folder, "printed").read_text(encoding="utf-8").splitlines()
-        ]
-    if ["ensemble_chunk", str(wanted)] not in lines:
-        tail = "\n".join(" ".join(line) for line in lines[-5:])
-        raise EvaluationError(f"snakemake did not plan {wanted} of {jobs} jobs: {tail}")
-    log.info("%d of %d jobs planned in %.1f s", wanted, jobs, spent["cpu_s"])
-    return {"jobs": jobs, **spent}
+    with tempfile.TemporaryFile("w+", encoding="utf-8") as output:
+        process = subprocess.Popen(
+            [
+                *(sys.executable, "-m", "snakemake", "--cores", "1", "--nolock"),
+                *arguments,
+                *("--config", f"ensemble={{rigs: {rigs}, chunk: {chunk}}}"),
+                f"folders={{raw: {folder}/raw, results: {folder}}}",
+            ],
+            stdout=output,
+            stderr=subprocess.STDOUT,
+        )
+        _, status, used = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        output.seek(0)
+        printed = output.read()
+    if process.returncode:
+        raise SystemExit(f"snakemake failed:\n{printed}")
+    return Spent(used.ru_utime + used.ru_stime, used.ru_maxrss / 1024, printed)
 
 
-def _timed(work: Callable[..., Any], *arguments: Any, **named: Any) -> tuple[float, Any]:
-    before = time.process_time()
-    result = work(*arguments, **named)
-    return time.process_time() - before, result
+def planned(jobs: int, *, alone: bool = False) -> Spent:
+    """Plan an ensemble of so many jobs, or one of these jobs ``alone``.
+
+    Raises
+    ------
+    SystemExit
+        Snakemake planned another number.
+    """
+    with tempfile.TemporaryDirectory() as name:
+        target = f"{name}/ensemble/rigs_0.json" if alone else "ensemble"
+        asked = ("--quiet", "rules", "--dry-run", target)
+        spent = snakemake(Path(name), *asked, rigs=jobs, chunk=1)
+    found = re.findall(r"^ensemble_chunk +(\d+)$", spent.printed, flags=re.MULTILINE)
+    if set(found) != {str(1 if alone else jobs)}:
+        raise SystemExit(f"snakemake planned {found[:1]} of {jobs} jobs:\n{spent.printed}")
+    return spent
 
 
-def spent_by(command: Sequence[str], printed: str = os.devnull) -> dict[str, float]:
-    """Run a command; return its processor time, wall time and peak memory."""
-    done = subprocess.run(
-        [sys.executable, "-c", _WATCH, printed, *command], stdout=subprocess.PIPE, check=True
-    )
-    return json.loads(done.stdout)
+def judged(rigs: int) -> tuple[float, int]:
+    """Judge the first rigs of an ensemble in one job; return processor time and size of result."""
+    with tempfile.TemporaryDirectory() as name:
+        result = Path(name, "ensemble/rigs_0.json")
+        spent = snakemake(Path(name), str(result), rigs=rigs, chunk=rigs)
+        return spent.cpu_s, result.stat().st_size
+
+
+def costs(rigs: int) -> list[list[str]]:
+    """Measure one rig, and the start of a job."""
+    judged(1)  # compiles
+    (first_s, first), (all_s, whole) = judged(1), judged(1 + rigs)
+    rig_s = (all_s - first_s) / rigs
+    planning_s = planned(1, alone=True).cpu_s
+    return [
+        ["What", "Core-seconds", "Result [kB]"],
+        [
+            "one rig: draws, both logs, Tables II to IV",
+            f"{rig_s:.2f}",
+            f"{(whole - first) / rigs / 1000:.1f}",
+        ],
+        ["start of a job", f"{first_s - rig_s:.2f}", ""],
+        [
+            "start of a job under Slurm, which plans twice",
+            f"{first_s - rig_s + planning_s:.2f}",
+            "",
+        ],
+    ]
+
+
+def plans() -> list[list[str]]:
+    """Measure how planning grows with the number of jobs."""
+    rows = [["Jobs", "All of them [core-seconds]", "Memory [MB]", "One of them [core-seconds]"]]
+    for jobs in JOBS:
+        whole, alone = planned(jobs), planned(jobs, alone=True)
+        rows.append(
+            [f"{jobs:,}", f"{whole.cpu_s:.2f}", f"{whole.peak_mb:.0f}", f"{alone.cpu_s:.2f}"]
+        )
+    alone = planned(MOST_JOBS, alone=True)
+    return [*rows, [f"{MOST_JOBS:,}", "not measured", "not measured", f"{alone.cpu_s:.1f}"]]
+
+
+def markdown(rows: Sequence[Sequence[str]]) -> str:
+    """Return rows as a table, the first as its head."""
+    head, *others = (f"| {' | '.join(row)} |" for row in rows)
+    return "\n".join([head, "|---" * len(rows[0]) + "|", *others])
+
+
+def main() -> None:
+    """Run the command line."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--page", type=Path, help="write the tables there too")
+    parser.add_argument("--rigs", type=int, default=2, help="rigs to judge")
+    given = parser.parse_args()
+    refuse_other_kernels()
+    found = {"costs": markdown(costs(given.rigs)), "dag": markdown(plans())}
+
+    from fprc.evaluation.timing import machine
+
+    found["machine"] = f"Measured on {date.today().isoformat()} on {machine()['cpu']}; {load()}."
+    show(found, given.page)
+
+
+if __name__ == "__main__":
+    main()

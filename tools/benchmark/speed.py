@@ -1,165 +1,240 @@
-"""Speed compared with the libraries that a user would otherwise use."""
+"""Compare speed with other libraries: `make benchmark`, which installs them.
 
-import itertools
-import logging
+    python -m tools.benchmark.speed                             # prints the tables
+    python -m tools.benchmark.speed --page docs/performance.md  # and writes them there
+
+Everything runs on one core; times are those of the processor. What is compared takes turns, so that
+a disturbance of the machine slows all of it. States are compared first: if they differ, no times
+are given.
+"""
+
+import argparse
+import os
+import statistics
 from collections.abc import Callable, Mapping, Sequence
+from datetime import date
 from functools import partial
-from typing import Any, NamedTuple
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from time import process_time
 
+import numba
 import numpy as np
+import pandas as pd
+from sklearn.cluster import kmeans_plusplus
+from threadpoolctl import threadpool_limits
 
-from fprc.benchmark import peers
-from fprc.evaluation import split_rows
-from fprc.evaluation.crossval import fit_folds
-from fprc.evaluation.timing import interleaved, stepped
-from fprc.experiments.data import Data
-from fprc.models import EchoStates
-from fprc.models.echo import echo_states
+from fprc.config import from_files
+from fprc.datasets import load_hysteresis
+from fprc.evaluation.timing import machine
+from fprc.experiments.tracking import Track
+from fprc.models import FPRC, EchoStates
+from fprc.models.echo import aligned, echo_states
 from fprc.models.fcm import fuzzy_c_means
-from fprc.registry import build
+from fprc.tables.text import three_digits
+from tools.benchmark import load, refuse_other_kernels, show
+from tools.benchmark.peers import PEERS, Peer, scikit_fuzzy
 
-log = logging.getLogger(__name__)
-
-#: ``tolerance`` at which scikit-fuzzy's objective agrees with ours to 1e-8. It bounds the root mean
-#: square change of the memberships, see ``fuzzy_c_means``.
-TIGHT = 3e-6
-
-
-class Comparison(NamedTuple):
-    """One piece of work, done by this package and by another library."""
-
-    work: str
-    against: str
-    aim: float  #: target speed-up
-    ours: Callable[[], Any]
-    theirs: Callable[[], Any]
-    difference: Callable[[Any, Any], float]
-    limit: float  #: largest difference of results whose times are compared
-    samples: int = 0  #: samples of the work, to report the time per sample; 0: report the total
+#: States that differ by less are the same.
+SAME = 1e-12
+OURS, FUZZY = "fprc", "scikit-fuzzy"
 
 
-def compare(comparison: Comparison, rounds: int) -> dict[str, Any]:
-    """Time both sides alternately, in s; if their results disagree, give no times."""
-    work, against, _, ours, theirs, difference_of, limit, _ = comparison
-    difference = float(difference_of(ours(), theirs()))
-    agrees = difference <= limit
-    sides = {"ours": ours, "theirs": theirs}
-    seconds = interleaved(sides, rounds) if agrees else {"ours": [], "theirs": []}
-    log.info("%s, against %s: differ by %.1e", work, against, difference)
-    fields = ("work", "against", "aim", "limit", "samples")
-    named = {field: getattr(comparison, field) for field in fields}
-    return {**named, "difference": difference, "agrees": agrees, "seconds": seconds}
+def interleaved(work: Mapping[str, Callable[[], object]], rounds: int) -> dict[str, list[float]]:
+    """Return the processor seconds of each piece of work in each round; the pieces take turns."""
+    seconds: dict[str, list[float]] = {name: [] for name in work}
+    for _ in range(rounds):
+        for name, run in work.items():
+            begin = process_time()
+            run()
+            seconds[name].append(process_time() - begin)
+    return seconds
 
 
-def network_comparisons(
-    models: Mapping[str, Any], data: Sequence[Data], seed: int
-) -> list[Comparison]:
-    """Return comparisons of the ESN: states of both logs, a step, and cross-validation."""
-    logs = [each.pair("esn")[0] for each in data]
-    y = data[0].pair("esn")[1]
-    model = build("esn", models, seed).set_params(washout=0)
-    features = model.make_features().fit(logs[0])
-    few = logs[0][:2000]
-    folds = split_rows(len(y), 5, "shuffled", seed)
+def ours(features: EchoStates) -> Peer:
+    """Return our network in the form of the others."""
+    w_in, W_r, gamma = features.w_in_, features.W_r_, features.gamma
 
-    def of_both(states: Callable[[EchoStates, np.ndarray], np.ndarray]) -> Callable[[], Any]:
-        return lambda: [states(features, X) for X in logs]
+    def states(X: np.ndarray) -> np.ndarray:
+        # our rows have x(k), those of the others x(k+1)
+        return echo_states(np.vstack([X, X[-1:]]), w_in, W_r, gamma)[1:]
 
-    def our_states(features: EchoStates, X: np.ndarray, dtype: Any = np.float64) -> np.ndarray:
-        x, w_in, W_r = (a.astype(dtype, copy=False) for a in (X, features.w_in_, features.W_r_))
-        return echo_states(x, w_in, W_r, features.gamma)
-
-    def our_steps() -> np.ndarray:
-        features.reset(few[0])
-        for theta in few:
-            features.advance(theta)
-        return features.step(few[-1])[features.n_y :]
-
-    name = f"ESN states, r = {model.r}, {len(logs[0])} + {len(logs[1])} steps"
-    ours = of_both(our_states)
-    return [
-        Comparison(
-            name, "ReservoirPy", 5, ours, of_both(peers.reservoirpy_states), _lagged, 1e-12
-        ),
-        Comparison(name, "NumPy loop", 5, ours, of_both(peers.numpy_states), _absolute, 1e-12),
-        Comparison(
-            f"{name}, float32", "ReservoirPy, float32", 5,
-            of_both(partial(our_states, dtype=np.float32)),
-            of_both(partial(peers.reservoirpy_states, dtype=np.float32)),
-            _lagged, 1e-4,
-        ),
-        Comparison(
-            "ESN step in a control loop", "ReservoirPy's step", 2,
-            our_steps, lambda: peers.reservoirpy_steps(features, few), _absolute, 1e-12,
-            len(few),
-        ),
-        Comparison(
-            f"Cross-validation of the ESN, {len(y)} samples, 5 folds",
-            "five fits that recompute states", 5,
-            lambda: fit_folds(
-                model.make_readout(), features.transform(logs[0]), y, folds
-            ).validation_rmse,
-            lambda: peers.recomputed_folds(features, logs[0], y, folds, model.alpha),
-            _relative, 1e-6,
-        ),
-    ]  # fmt: skip
+    return Peer(states, features.advance)
 
 
-def fuzzy_comparisons(
-    models: Mapping[str, Any], data: Data, taps: Sequence[int], seed: int
-) -> list[Comparison]:
-    """Return comparisons of the FPRC: a step, the clustering, and a few cells of the tap grid."""
-    X, y = data.pair("fprc")
-    model = build("fprc", models, seed).fit(X, y)
-    rows = model.features_.transform(X)
-    few = X[:4000]
-    folds = split_rows(len(y), 5, "shuffled", seed)
-    cells = list(itertools.product(taps, taps))
+def networks(features: EchoStates, X: np.ndarray, rounds: int) -> pd.DataFrame:
+    """Compare the states of a log and single steps, as in a control loop.
 
-    def clusters(**options: Any) -> float:
-        return fuzzy_c_means(rows, model.n_c, random_state=seed, **options).objective
-
-    def grid(clustering: str) -> list[float]:
-        errors = []
-        for n_u, n_y in cells:
-            cell = build("fprc", models, seed)
-            cell.set_params(n_u=n_u, n_y=n_y, clustering=clustering)
-            cell_rows = cell.make_features().fit(X).transform(X)
-            folded = fit_folds(cell.make_readout(), cell_rows, y, folds)
-            errors.append(float(np.mean(folded.validation_rmse)))
-        return errors
-
-    return [
-        Comparison(
-            "FPRC step in a control loop", "vectorised NumPy on one row", 2,
-            lambda: stepped(model, few), lambda: peers.numpy_fprc_steps(model, few),
-            _relative, 1e-9, len(few),
-        ),
-        Comparison(
-            f"Fuzzy c-means, {len(rows)} x {rows.shape[1]}, {model.n_c} clusters",
-            "skfuzzy.cmeans, same start", 10, clusters,
-            lambda: clusters(clustering="scikit-fuzzy", tolerance=TIGHT), _relative, 1e-8,
-        ),
-        Comparison(
-            f"Tap grid, by {len(cells)} of its cells, 5 folds",
-            "the same with skfuzzy.cmeans", 20,
-            lambda: grid("fprc"), lambda: grid("scikit-fuzzy"), _relative, 1e-3,
-        ),
-    ]  # fmt: skip
+    ``features`` must be fitted and have no washout.
+    """
+    sides, missing = {OURS: ours(features)}, []
+    for package, (label, make) in PEERS.items():
+        try:
+            sides[f"{label} {version(package)}"] = make(features)
+        except PackageNotFoundError:
+            missing.append(label)
+    expected = sides[OURS].states(X)
+    off = {name: float(np.abs(peer.states(X) - expected).max()) for name, peer in sides.items()}
+    few = X[:1000]
+    steps = {name: partial(_stepped, peer.step, few) for name, peer in sides.items() if peer.step}
+    features.reset(few[0])
+    for run in steps.values():
+        run()
+    seconds = {
+        "log": interleaved({n: partial(p.states, X) for n, p in sides.items()}, rounds),
+        "step": interleaved(steps, rounds),
+    }
+    samples = {"log": len(X), "step": len(few)}
+    rows = []
+    for name in sides:
+        row = {"Library": name}
+        for what, taken in seconds.items():
+            known = name in taken and off[name] <= SAME
+            row[f"{what}, us a sample"] = _us(taken[name], samples[what]) if known else ""
+            row[f"{what}, times ours"] = _ratio(taken[name], taken[OURS]) if known else ""
+        rows.append(row | {"States differ by": f"{off[name]:.0e}" if name != OURS else ""})
+    rows += [{"Library": name, "States differ by": "not installed"} for name in missing]
+    return pd.DataFrame(rows).fillna("")
 
 
-def _absolute(ours: Any, theirs: Any) -> float:
-    return max(np.abs(a - b).max() for a, b in zip(_as_list(ours), _as_list(theirs), strict=True))
+def _stepped(step: Callable[[np.ndarray], np.ndarray], X: np.ndarray) -> None:
+    for theta in X:
+        step(theta)
 
 
-def _lagged(ours: list[np.ndarray], theirs: list[np.ndarray]) -> float:
-    """Compare x(k+1): our row k + 1, and ReservoirPy's output for sample k."""
-    return _absolute([states[1:] for states in ours], [states[:-1] for states in theirs])
+def _us(seconds: Sequence[float], samples: int) -> str:
+    return three_digits(1e6 * statistics.median(seconds) / samples)
 
 
-def _as_list(result: Any) -> list[np.ndarray]:
-    return result if isinstance(result, list) else [np.ravel(result)]
+def _ratio(theirs: Sequence[float], ours: Sequence[float]) -> str:
+    """Return the median of the rounds' ratios, with the smallest and the largest."""
+    ratios = [a / b for a, b in zip(theirs, ours, strict=True)]
+    each = (statistics.median(ratios), min(ratios), max(ratios))
+    return "{} ({} to {})".format(*map(three_digits, each))
 
 
-def _relative(ours: Any, theirs: Any) -> float:
-    return float(np.abs(np.divide(ours, theirs) - 1.0).max())
+@numba.njit(fastmath=True)
+def _sum(numbers: np.ndarray) -> float:
+    total = np.float32(0.0)
+    for k in range(numbers.size):  # unlike a loop over the numbers, it has vector instructions
+        total += numbers[k]
+    return total
+
+
+def bandwidth(features: EchoStates, X: np.ndarray, rounds: int) -> str:
+    """Return a sentence: how fast a step reads W_r, beside plain reading."""
+    few = X[:1000]
+    same = aligned(features.W_r_.astype(np.float32).ravel())
+    large = np.ones(1 << 26, np.float32)
+    work = {
+        "step": partial(_stepped, features.advance, few),
+        "same": lambda: [_sum(same) for _ in few],
+        "large": lambda: _sum(large),
+    }
+    features.reset(few[0])
+    for run in work.values():
+        run()
+    seconds = interleaved(work, rounds)
+    read = {"step": same.nbytes * len(few), "same": same.nbytes * len(few), "large": large.nbytes}
+    gb_per_s = {name: read[name] / statistics.median(each) / 1e9 for name, each in seconds.items()}
+    share = statistics.median(a / b for a, b in zip(seconds["same"], seconds["step"], strict=True))
+    return (
+        f"A step of ours reads W_r, {same.nbytes / 1e6:.2f} MB in float32, at "
+        f"{gb_per_s['step']:.3g} GB/s. That is {100 * share:.0f} % of what this core reaches when "
+        f"it only adds up as many numbers again and again ({gb_per_s['same']:.3g} GB/s, from its "
+        f"caches); from memory beyond them it reads {gb_per_s['large']:.3g} GB/s."
+    )
+
+
+def clusterings(rows: np.ndarray, clusters: int, starts: int) -> pd.DataFrame:
+    """Compare fuzzy c-means by the objective that is reached, and the time to it.
+
+    Both begin at the same k-means++ centres; ours first converges on every tenth row.
+    """
+    fuzzy_c_means(rows, clusters, random_state=0)  # compiles
+    table = []
+    for start in range(starts):
+        centers, _ = kmeans_plusplus(rows[::10], clusters, random_state=start)
+        sides = {
+            OURS: lambda start=start: fuzzy_c_means(rows, clusters, random_state=start).objective,
+            FUZZY: lambda centers=centers: scikit_fuzzy(rows, centers),
+        }
+        row = {"Start": str(start)}
+        for name, cluster in sides.items():
+            begin = process_time()
+            row[f"{name}: objective"] = f"{cluster():.8g}"
+            row[f"{name} [s]"] = three_digits(process_time() - begin)
+        table.append(row)
+    return pd.DataFrame(table)
+
+
+def control(rounds: int, seed: int = 1) -> str:
+    """Return sentences on the time of a step of the FPRC, and of the simulated closed loop."""
+    X, y = load_hysteresis("sweep", seed=seed, return_X_y=True)
+    model = FPRC(random_state=seed).fit(X, y)
+    settings = from_files([]).model_dump(mode="json")
+    bench = Track(settings["tracking"], settings["control"], settings["rig"], seed)
+    reference = next(iter(settings["tracking"]["references"]))
+    loop = partial(bench.follow, reference, "fprc_pd", model)
+    steps = {"model": len(X), "loop": len(loop()["time_s"])}
+    taken = interleaved({"model": partial(_stepped, model.step, X), "loop": loop}, rounds)
+    model_us, loop_us = (_us(taken[name], number) for name, number in steps.items())
+    period_us = 1e6 / settings["control"]["sample_rate_hz"]
+    return (
+        f"A step of FPRC takes {model_us} us. A step of the simulated closed loop (rig, FPRC+PD, "
+        f"both pressure loops) takes {loop_us} us; the samples are {period_us:g} us apart."
+    )
+
+
+def circumstances() -> str:
+    """Return a sentence on the machine, the kernels of BLAS that run, and how busy it is."""
+    here = machine()
+    return (
+        f"Measured on {date.today().isoformat()} on one core of {os.cpu_count()} of {here['cpu']}, "
+        f"with the BLAS kernels {here['blas']}; {load()}."
+    )
+
+
+def report(samples: int, rounds: int, starts: int) -> str:
+    """Measure everything; return it in Markdown."""
+    X, _ = load_hysteresis("sweep", return_X_y=True)
+    features = EchoStates(washout=0, random_state=1).fit(X[:, :1])
+    theta = X[:samples, :1]
+    fuzzy = FPRC(random_state=1)
+    rows = fuzzy.make_features().fit(X).transform(X)
+    parts = [
+        circumstances(),
+        f"ESN with {features.r} states, float64, {len(theta)} samples, medians of {rounds} rounds "
+        "in turn; in brackets the smallest and largest ratio of a round:",
+        _markdown(networks(features, theta, rounds)),
+        bandwidth(features, theta, rounds),
+        f"Fuzzy c-means of {len(rows)} rows of {rows.shape[1]} features, {fuzzy.n_c} clusters:",
+        _markdown(clusterings(rows, fuzzy.n_c, starts)),
+        control(rounds),
+    ]
+    return "\n\n".join(parts)
+
+
+def _markdown(table: pd.DataFrame) -> str:
+    text: str = table.to_markdown(index=False, disable_numparse=True)
+    return text
+
+
+def main() -> None:
+    """Run the command line."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--page", type=Path, help="write the tables there too")
+    parser.add_argument("--samples", type=int, default=24000, help="of the ESN's log")
+    parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--starts", type=int, default=5, help="of the clustering")
+    given = parser.parse_args()
+    refuse_other_kernels()
+    if hasattr(os, "sched_setaffinity"):  # before JAX counts the cores
+        os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+    with threadpool_limits(1):
+        found = report(given.samples, given.rounds, given.starts)
+    show({"benchmark": found}, given.page)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,26 +1,28 @@
-"""Time `all` against the same rules without compiled code, both from scratch.
+"""Time `all` against the same rules without compiled code: `make benchmark-all`.
 
-    python tests/plain.py results/benchmark/all.json
+    python -m tools.benchmark.whole --page docs/performance.md
 
 The last commit is cloned twice. One clone uses no compiled code of ours: scikit-fuzzy's fuzzy
 c-means, NumPy line by line for the ESN states and the steps of the models, and
 Python numbers for the rig's equations; each fold solves its own ridge. Everything else is the
-same, and so is the number of cores. The plain clone takes about half an hour.
+same, and so is the number of cores. The plain clone takes about half an hour, in which nothing else
+should run.
 """
 
 import argparse
 import csv
-import json
 import os
-import resource
 import subprocess
 import sys
 import tempfile
 import time
-from importlib.util import find_spec
+from datetime import date
 from pathlib import Path
 
-ROOT = Path(__file__).parents[1]
+from fprc.evaluation.timing import machine
+from tools.benchmark import refuse_other_kernels, show
+
+ROOT = Path(__file__).parents[2]
 
 #: What stands at the end of each module instead of our own.
 PLAIN = {
@@ -95,7 +97,7 @@ def _is_partition(folds, samples):
 """,
 }
 
-#: Tables whose errors both must give, and the largest relative difference that is the same.
+#: Tables whose errors both must give, and the largest relative difference of the same errors.
 SAME = ("table2.csv", "table3.csv")
 LIMIT = 1e-3
 
@@ -114,19 +116,17 @@ def make_plain(package: Path) -> None:
         module.write_text(module.read_text(encoding="utf-8") + code, encoding="utf-8")
 
 
-def build(folder: Path, cores: int, smoke: bool) -> dict[str, float]:
-    """Run the workflow and return its seconds, on the clock and of all processors."""
+def build(folder: Path, cores: int, smoke: bool) -> float:
+    """Run the workflow and return its seconds."""
     small = ["--configfile", "config/smoke.yaml"] if smoke else []
-    before, began = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
+    began = time.monotonic()
     subprocess.run(
         [sys.executable, "-m", "snakemake", "--cores", str(cores), "all", *small],
         cwd=folder,
         env=os.environ | {"PYTHONPATH": str(folder / "src")},
         check=True,
     )
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    spent = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    return {"seconds": time.monotonic() - began, "processor_s": spent}
+    return time.monotonic() - began
 
 
 def errors(tables: Path) -> dict[tuple[str, ...], float]:
@@ -139,34 +139,37 @@ def errors(tables: Path) -> dict[tuple[str, ...], float]:
     return found
 
 
-def main() -> int:
-    """Build both, and write what they took and by how much their errors differ."""
+def report(cores: int, smoke: bool) -> str:
+    """Build both; say what they took and by how much their errors differ."""
+    seconds, tables = [], []
+    with tempfile.TemporaryDirectory() as scratch:
+        for name in ("ours", "plain"):
+            folder = Path(scratch, name)
+            clone(folder, plain=name == "plain")
+            seconds.append(build(folder, cores, smoke))
+            tables.append(errors(folder / ("results/smoke" if smoke else "results") / "tables"))
+    ours, plain = tables
+    apart = max(abs(ours[key] / plain[key] - 1.0) for key in ours)
+    where = f"Measured on {date.today().isoformat()} on {cores} cores of {machine()['cpu']}"
+    if apart > LIMIT:
+        return f"{where}: errors differ by {apart:.1%}, so the times cannot be compared."
+    return (
+        f"{where}: `all` from scratch takes {seconds[0]:.0f} s, and {seconds[1]:.0f} s without "
+        f"compiled code, {seconds[1] / seconds[0]:.1f} times as long. The errors of Tables II and "
+        f"III differ by at most {apart:.0e}."
+    )
+
+
+def main() -> None:
+    """Run the command line."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("report", type=Path)
+    parser.add_argument("--page", type=Path, help="write the result there too")
     parser.add_argument("--cores", type=int, default=2)
     parser.add_argument("--smoke", action="store_true", help="small settings, minutes")
     given = parser.parse_args()
-    if not find_spec("skfuzzy"):
-        parser.error("scikit-fuzzy is not installed; use `make benchmark-all`")
-    found, tables = {}, []
-    with tempfile.TemporaryDirectory() as scratch:
-        for name in ("ours", "theirs"):
-            folder = Path(scratch, name)
-            clone(folder, plain=name == "theirs")
-            found[name] = build(folder, given.cores, given.smoke)
-            print(f"{name}: {found[name]}", flush=True)
-            tables.append(
-                errors(folder / ("results/smoke" if given.smoke else "results") / "tables")
-            )
-    ours, theirs = tables
-    found["difference"] = max(abs(ours[key] / theirs[key] - 1.0) for key in ours)
-    found |= {"limit": LIMIT, "cores": given.cores}
-    given.report.parent.mkdir(parents=True, exist_ok=True)
-    given.report.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
-    if found["difference"] > LIMIT:
-        print(f"the errors differ by {found['difference']:.1%}: no ratio will be given")
-    return 0
+    refuse_other_kernels()
+    show({"all": report(given.cores, given.smoke)}, given.page)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

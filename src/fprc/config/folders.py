@@ -14,8 +14,8 @@ PROJECT_FOLDERS = frozenset({"config", "docs", "src", "tests", "tools", "workflo
 #: Folders that the rules create in the results folder.
 RESULT_FOLDERS = frozenset(
     {
-        "benchmark", "beyond", "calibration", "control", "crossval", "data", "ensemble", "figures",
-        "grids", "logs", "models", "posterior", "predictions", "quality", "readout", "replicates",
+        "beyond", "calibration", "control", "crossval", "data", "ensemble", "figures", "grids",
+        "logs", "models", "posterior", "predictions", "quality", "readout", "replicates",
         "reservoir", "rigs", "tables", "timing", "weights",
     }
 )  # fmt: skip

@@ -80,15 +80,6 @@ def time_steps(step: Callable[[int], object], samples: int) -> np.ndarray:
     return seconds
 
 
-def interleaved(work: Mapping[Name, Callable[[], object]], rounds: int) -> dict[Name, list[float]]:
-    """Return the seconds of each piece of work in each round; the pieces take turns."""
-    seconds: dict[Name, list[float]] = {name: [] for name in work}
-    for _ in range(rounds):
-        for name, run in work.items():
-            seconds[name].append(_seconds(run))
-    return seconds
-
-
 def machine() -> dict[str, Any]:
     """Return the CPU, the most threads of any numerical library, and the kernels of BLAS."""
     pools = threadpool_info()

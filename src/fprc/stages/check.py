@@ -67,8 +67,7 @@ def check_results(
             *unknown_files(folders["results"], folders["raw"], made),
             *unknown_pictures(pictures),
         ],
-        "pictures differ from the figures that were built; copy the figures with `make docs`, or "
-        "growth.png with `make benchmark`": [
+        "pictures differ from the figures that were built; copy the figures with `make docs`": [
             f"{picture} differs from {figure}" for picture, figure in outdated(pictures)
         ],
     }

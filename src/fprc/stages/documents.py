@@ -14,7 +14,7 @@ from fprc.errors import FprcError
 from fprc.paper import ERRORS
 from fprc.plan.arguments import on_drawn_rigs
 from fprc.registry import title_of
-from fprc.tables import beyond, scaling
+from fprc.tables import beyond
 from fprc.tables.models import deviations
 
 log = logging.getLogger(__name__)
@@ -86,22 +86,6 @@ def update_picture(figure: str, *, picture: str) -> None:
     """Replace a picture of the documentation by a figure of the results."""
     with replacing(picture) as temporary:
         temporary.write_bytes(Path(figure).read_bytes())
-
-
-def update_performance(
-    page: str, rules: str, figure: str, *, performance: str, picture: str
-) -> None:
-    """Put the tables into docs/performance.md, and replace the picture."""
-    _update(performance, {"benchmark": _read(page), "rules": _read(rules)})
-    update_picture(figure, picture=picture)
-
-
-def update_scaling_page(scale: str, *, page: str) -> None:
-    """Replace the generated blocks of docs/scaling.md."""
-    measured = read_json(scale)
-    tables = {"costs": scaling.costs, "dag": scaling.dag, "plan": scaling.plan}
-    blocks = {name: _markdown(table(measured)) for name, table in tables.items()}
-    _update(page, blocks | {"machine": f"Measured on {measured['cpu']}."})
 
 
 def update_beyond_page(

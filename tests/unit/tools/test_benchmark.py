@@ -1,164 +1,102 @@
-import json
-import textwrap
-from base64 import urlsafe_b64encode
+"""The comparisons of `make benchmark`."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
-from matplotlib import pyplot as plt
 
-from fprc.benchmark import peers
-from fprc.benchmark.comparisons import Comparison, compare
-from fprc.evaluation.timing import interleaved
-from fprc.figures.benchmark import plot_growth
-from fprc.models import FPRC
-from fprc.stages.show_benchmark import tabulate_rules
-from fprc.tables.benchmark import (
-    benchmark,
-    benchmark_page,
-    bound_note,
-    rules_note,
-    rules_page,
-)
+from fprc.models import EchoStates
+from fprc.models.fcm import fuzzy_c_means
+
+ROOT = Path(__file__).parents[3]
 
 
-def comparison(ours, theirs, limit=1e-6):
-    return Comparison(
-        "a sum", "another", 5, lambda: ours, lambda: theirs, lambda a, b: abs(a - b), limit
-    )
+@pytest.fixture
+def speed(tool):
+    return tool("benchmark.speed")
 
 
-def measured(*comparisons, real_time=()):
-    return {"comparisons": [compare(each, 3) for each in comparisons], "real_time": real_time}
+@pytest.fixture
+def network():
+    """Return the features of a small ESN, and a log."""
+    X = np.sin(0.02 * np.arange(300.0))[:, None]
+    return EchoStates(r=20, washout=0, random_state=0).fit(X), X
 
 
-def test_rounds_take_turns():
+@pytest.mark.parametrize("package", ["numpy", "reservoirpy", "jax", "esnfed"])
+def test_states_and_steps_of_other_libraries_are_ours(tool, speed, network, package):
+    pytest.importorskip(package)
+    features, X = network
+    expected = speed.ours(features).states(X)
+    assert expected == pytest.approx(features.transform(np.vstack([X, X[:1]]))[1:, 5:], abs=1e-14)
+    _, make = tool("benchmark.peers").PEERS[package]
+    assert make(features).states(X) == pytest.approx(expected, abs=1e-12)
+    if step := make(features).step:
+        assert np.array([np.ravel(step(x)) for x in X]) == pytest.approx(expected, abs=1e-12)
+
+
+def test_each_library_has_a_ratio_unless_its_states_differ_or_it_is_missing(speed, network):
+    def off(features):
+        return speed.Peer(lambda X: np.full((len(X), features.r), 0.5), None)
+
+    right = speed.PEERS["numpy"]
+    speed_peers = {"numpy": right, "pytest": ("another", off), "no_such": ("missing", off)}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(speed, "PEERS", speed_peers)
+        table = speed.networks(*network, rounds=3)
+    ours, numpy, another, missing = table.to_dict("records")
+    assert ours["log, times ours"] == "1.00 (1.00 to 1.00)"
+    for what in ("log", "step"):
+        assert float(numpy[f"{what}, us a sample"]) > 0.0
+        assert " to " in numpy[f"{what}, times ours"]
+        assert another[f"{what}, times ours"] == missing[f"{what}, times ours"] == ""
+    assert float(another["States differ by"]) > 0.1
+    assert missing["States differ by"] == "not installed"
+
+
+def test_pieces_of_work_take_turns(speed):
     order = []
     work = {name: lambda name=name: order.append(name) for name in ("a", "b")}
-    seconds = interleaved(work, 3)
+    assert [len(each) for each in speed.interleaved(work, 3).values()] == [3, 3]
     assert order == ["a", "b"] * 3
-    assert [len(each) for each in seconds.values()] == [3, 3]
 
 
-def test_no_ratio_is_given_where_results_differ():
-    same, other = benchmark(measured(comparison(1.0, 1.0), comparison(1.0, 1.1))).itertuples()
-    assert same.ratio > 0.0
-    assert np.isnan(other.ratio)
-    page = benchmark_page(benchmark(measured(comparison(1.0, 1.1))))
-    assert page["Times faster"].tolist() == ["results differ"]
-    assert page["Ours"].tolist() == [""]
+def test_clusterings_begin_at_the_same_centres(speed):
+    pytest.importorskip("skfuzzy")
+    rng = np.random.default_rng(0)
+    rows = np.vstack([rng.normal(place, 0.1, (400, 2)) for place in (0.0, 5.0)])
+    rng.shuffle(rows)
+    (row,) = speed.clusterings(rows, 2, starts=1).to_dict("records")
+    expected = fuzzy_c_means(rows, 2, random_state=0).objective
+    assert float(row["fprc: objective"]) == pytest.approx(expected, rel=1e-6)
+    assert float(row["scikit-fuzzy: objective"]) == pytest.approx(expected, rel=1e-6)
 
 
-def test_ratio_is_the_median_of_those_of_the_rounds():
-    report = measured(comparison(1.0, 1.0))
-    report["comparisons"][0]["seconds"] = {"ours": [1.0, 2.0, 1.0], "theirs": [4.0, 4.0, 6.0]}
-    (row,) = benchmark(report).itertuples()
-    assert (row.ratio, row.ratio_low, row.ratio_high) == (4.0, 2.0, 6.0)
+@pytest.mark.parametrize("name", ["OPENBLAS_CORETYPE", "OPENBLAS_L2_SIZE"])
+def test_kernels_other_than_the_processors_are_refused(tool, monkeypatch, name):
+    monkeypatch.setenv(name, "1")
+    with pytest.raises(SystemExit, match=name):
+        tool("benchmark").refuse_other_kernels()
 
 
-def test_simulated_time_is_compared_with_real_time():
-    run = {"loop": "open loop", "simulated_s": 120.0, "aim": 1000, "seconds": [0.1, 0.2, 0.4]}
-    (row,) = benchmark(measured(real_time=[run])).itertuples()
-    assert row.ratio == pytest.approx(600.0)
-
-
-def test_whole_workflow_stands_in_the_table_once_it_was_measured():
-    whole = {"cores": 2, "ours": {"seconds": 200.0}, "theirs": {"seconds": 3000.0}, "limit": 0.02}
-    report = measured(comparison(1.0, 1.0))
-    assert len(benchmark(report)) == 1
-    _, row = benchmark(report | {"all": whole | {"difference": 0.01}}).itertuples()
-    assert (row.ratio, row.against) == (15.0, "the same rules, not compiled")
-    page = benchmark_page(benchmark(report | {"all": whole | {"difference": 0.01}}))
-    assert page["Times faster"].iloc[-1] == "15.0 (once)"
-    _, row = benchmark(report | {"all": whole | {"difference": 0.03}}).itertuples()
-    assert np.isnan(row.ratio)
-
-
-def test_share_of_memory_in_a_step_is_told_where_results_agree():
-    steps = {"work": "ESN step in a loop", "agrees": True, "samples": 10}
-    bound = {"bytes_8_us": 60.0, "bytes_4_us": 30.0, "gb_per_s": 85.0}
-    report = {"comparisons": [steps], "bound": bound}
-    steps["seconds"] = {"ours": [3e-4, 4e-4, 5e-4]}
-    assert "75 % of our step" in bound_note(report)
-    steps["agrees"] = False
-    assert "%" not in bound_note(report)
-
-
-def test_growth_is_drawn_on_logarithmic_axes_with_a_law_where_it_fits():
-    sizes = np.array([1.0, 2.0, 4.0, 8.0])
-    table = pd.DataFrame({"size": sizes, "seconds": 0.1 * sizes**2.5, "peak_mb": sizes})
-    _, (ax, bent) = plt.subplots(1, 2)
-    memory = plot_growth(table, ax)
-    assert {axis.get_yscale() for axis in (ax, memory)} == {ax.get_xscale()} == {"log"}
-    assert (ax.get_ylabel(), memory.get_ylabel()) == ("Time [s]", "Memory [MB]")
-    assert ax.lines[0].get_ydata().tolist() == table["seconds"].tolist()
-    assert memory.lines[0].get_ydata().tolist() == table["peak_mb"].tolist()
-    assert [label.get_text() for label in ax.get_xticklabels()] == ["1", "2", "4", "8"]
-    assert ax.get_title("right") == "$n^{2.50}$"
-    assert ax.lines[1].get_ydata() == pytest.approx(table["seconds"].tolist())
-    plot_growth(table.assign(seconds=[1.0, 1.0, 1.0, 4.0]), bent)
-    assert bent.get_title("right") == ""
-    assert len(bent.lines) == 1
-    plt.close()
-
-
-def keep(folder, file, rule, log, seconds):
-    """Write what Snakemake keeps of a job, where it keeps it for one of the job's outputs."""
-    name = urlsafe_b64encode(file.encode()).decode()
-    *first, last = textwrap.wrap(name, 40)
-    path = folder.joinpath(*(f"@{part}" for part in first), last)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    job = {"rule": rule, "log": [log], "starttime": 10.0, "endtime": 10.0 + seconds}
-    path.write_text(json.dumps(job), encoding="utf-8")
-
-
-def test_seconds_are_summed_over_the_jobs_of_each_rule(tmp_path):
-    jobs = [
-        ("results/crossval/sweep_fprc.json", "judge", "results/logs/judge_fprc.log", 3.0),
-        ("results/models/a_name_longer_than_one_folder.h5", "judge", "results/logs/judge_fprc.log",
-         3.0),
-        ("results/crossval/sweep_esn.json", "judge", "results/logs/judge_esn.log", 5.0),
-        ("results~~/tables/table2.md", "table", "results/logs/table.log", 1.0),
-    ]  # fmt: skip
-    others = [
-        ("results/smoke/tables/table2.md", "table", "results/smoke/logs/table.log", 9.0),
-        ("results/ensemble/rigs_0.json", "ensemble_chunk", "results/logs/ensemble_0.log", 900.0),
-    ]
-    for job in (*jobs, *others):
-        keep(tmp_path / "metadata", *job)
-    csv, files = tmp_path / "rules.csv", [file for file, *_ in jobs]
-    tabulate_rules(str(csv), files=files, metadata=str(tmp_path / "metadata"))
-    table = pd.read_csv(csv)
-    assert table.to_dict("list") == {
-        "rule": ["judge", "table"],
-        "jobs": [2, 1],
-        "seconds": [8.0, 1.0],
-        "longest_s": [5.0, 1.0],
-    }
-
-
-def test_rules_that_take_little_are_summed():
-    rules = pd.DataFrame(
-        {
-            "rule": ["judge", "sweep", "table", "figure"],
-            "jobs": [6, 3, 1, 2],
-            "seconds": [60.0, 38.0, 0.5, 1.5],
-            "longest_s": [20.0, 30.0, 0.5, 1.0],
-        }
+@pytest.mark.slow
+def test_page_gets_every_measurement(tool, tmp_path):
+    pytest.importorskip("skfuzzy")
+    page = Path(shutil.copy(ROOT / "docs/performance.md", tmp_path))
+    few = ["--samples", "2500", "--rounds", "1", "--starts", "1", "--page", str(page)]
+    kernels = tool("benchmark").KERNELS
+    done = subprocess.run(
+        [sys.executable, "-m", "tools.benchmark.speed", *few],
+        cwd=ROOT,
+        env={key: value for key, value in os.environ.items() if key not in kernels},
+        capture_output=True,
+        text=True,
+        check=True,
     )
-    assert rules_page(rules).to_numpy().tolist() == [
-        ["judge", "6", "60.0", "20.0"],
-        ["sweep", "3", "38.0", "30.0"],
-        ["2 other rules", "3", "2.00", "1.00"],
-    ]
-    assert rules_page(rules, least=0.0)["Rule"].tolist() == rules["rule"].tolist()
-    note = rules_note(rules, {"draws": [0.7, 0.9, 0.8]})
-    assert note.startswith("The 12 jobs took 100 s in all")
-    assert "0.800 s if it draws" in note
-
-
-def test_plain_steps_of_fprc_are_those_of_the_model():
-    time = np.arange(300) * 0.02
-    X = np.column_stack([30.0 + 25.0 * np.sin(time), 150.0 + 40.0 * np.sin(time - 0.5)])
-    model = FPRC(n_c=3, random_state=0).fit(X, 5.0 * X[:, 0])
-    assert np.allclose(peers.numpy_fprc_steps(model, X), model.predict(X), rtol=1e-9)
+    assert done.stdout.strip() in page.read_text(encoding="utf-8")
+    for said in ("BLAS kernels", "| a loop in NumPy", "GB/s", "| Start", "A step of FPRC takes"):
+        assert said in done.stdout

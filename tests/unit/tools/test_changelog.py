@@ -1,6 +1,5 @@
 """The cut of the changelog."""
 
-import importlib
 from datetime import date
 from pathlib import Path
 
@@ -24,9 +23,8 @@ Added:
 
 
 @pytest.fixture
-def changelog(monkeypatch):
-    monkeypatch.syspath_prepend(ROOT)
-    return importlib.import_module("tools.release.changelog")
+def changelog(tool):
+    return tool("release.changelog")
 
 
 @pytest.fixture

@@ -1,19 +1,11 @@
 """The picture of the packages in CONTRIBUTING.md matches the imports."""
 
-import importlib.util
-from pathlib import Path
-
 import pytest
 
-ROOT = Path(__file__).parents[3]
 
-
-@pytest.fixture(scope="module")
-def layers():
-    spec = importlib.util.spec_from_file_location("layers", ROOT / "tools/layers.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+@pytest.fixture
+def layers(tool):
+    return tool("layers")
 
 
 def test_picture_is_what_the_imports_say(layers):

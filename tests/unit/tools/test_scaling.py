@@ -1,46 +1,42 @@
-"""The measurements of `make scaling` and its page."""
+"""The measurements of `make scaling`."""
 
-import shutil
 from pathlib import Path
 
 import pytest
 
-from fprc.artifacts import write_json
-from fprc.benchmark.cost import plan_ensemble
-from fprc.errors import EvaluationError
-from fprc.stages.documents import update_scaling_page
-
-ROOT = Path(__file__).parents[2]
-
-pytestmark = pytest.mark.slow
+ROOT = Path(__file__).parents[3]
 
 
+@pytest.fixture
+def scaling(tool, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    return tool("benchmark.scaling")
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("alone", [False, True])
-def test_plan_is_of_the_whole_ensemble_or_of_one_job(monkeypatch, alone):
-    monkeypatch.chdir(ROOT)
-    spent = plan_ensemble(7, alone=alone)
-    assert spent["jobs"] == 7
-    assert spent["cpu_s"] > 0.1
-    assert 20 < spent["peak_mb"] < 2000
+def test_plan_is_of_the_whole_ensemble_or_of_one_job(scaling, alone):
+    spent = scaling.planned(7, alone=alone)
+    assert spent.cpu_s > 0.1
+    assert 20 < spent.peak_mb < 2000
 
 
-def test_plan_that_failed_is_no_measurement(monkeypatch):
-    monkeypatch.chdir(ROOT)
-    with pytest.raises(EvaluationError, match="(?s)did not plan 0 of 0 jobs: .*ensemble.rigs"):
-        plan_ensemble(0)
+@pytest.mark.slow
+def test_plan_that_failed_is_no_measurement(scaling):
+    with pytest.raises(SystemExit, match=r"(?s)snakemake failed.*ensemble\.rigs"):
+        scaling.planned(0)
 
 
-def test_page_is_written_from_the_measurements(tmp_path):
-    page = tmp_path / "scaling.md"
-    shutil.copy(ROOT / "docs/scaling.md", page)
-    planned = [{"jobs": n, "cpu_s": n, "wall_s": n, "peak_mb": n} for n in (1, 77)]
-    measured = {
-        name: {"cpu_s": 1.25, "measured": 3, "bytes": 10} for name in ("rig", "cell", "loop")
-    }
-    scale = {"cpu": "some processor", "start": {"cpu_s": 2}, "chunk": 5} | measured
-    write_json(tmp_path / "scale.json", scale | {"dag": planned, "alone": planned})
-    update_scaling_page(str(tmp_path / "scale.json"), page=str(page))
-    text = page.read_text()
-    assert "Measured on some processor." in text
-    assert "| 77" in text
-    assert text.count("1.25") == 3
+def test_cost_of_a_rig_is_without_the_start_of_its_job(scaling, monkeypatch):
+    monkeypatch.setattr(scaling, "judged", lambda rigs: (10.0 + 4.0 * rigs, 500 + 2000 * rigs))
+    monkeypatch.setattr(
+        scaling, "planned", lambda jobs, alone=False: scaling.Spent(1.5 + jobs, 90.0, "")
+    )
+    assert scaling.markdown(scaling.costs(2)).splitlines()[2:] == [
+        "| one rig: draws, both logs, Tables II to IV | 4.00 | 2.0 |",
+        "| start of a job | 10.00 |  |",
+        "| start of a job under Slurm, which plans twice | 12.50 |  |",
+    ]
+    _, first, *_, last = scaling.plans()
+    assert first == ["1", "2.50", "90", "2.50"]
+    assert last == ["1,000,000", "not measured", "not measured", "1000001.5"]

@@ -1,7 +1,6 @@
 """The plain code of the workflow benchmark gives the same results as ours."""
 
 import ast
-import importlib.util
 import json
 import os
 import shutil
@@ -60,16 +59,13 @@ print(json.dumps({"where": fprc.__file__, "compiled": hasattr(alternate, "py_fun
 """
 
 
-@pytest.fixture(scope="module")
-def plain():
-    spec = importlib.util.spec_from_file_location("plain", Path(__file__).parents[1] / "plain.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+@pytest.fixture
+def whole(tool):
+    return tool("benchmark.whole")
 
 
-def test_each_plain_function_takes_the_place_of_one_of_ours(plain):
-    for name, code in plain.PLAIN.items():
+def test_each_plain_function_takes_the_place_of_one_of_ours(whole):
+    for name, code in whole.PLAIN.items():
         ours = ast.parse((PACKAGE / name).read_text(encoding="utf-8")).body
         known = {each.name for each in ours if isinstance(each, ast.FunctionDef)}
         known |= {alias.asname or alias.name for each in ours
@@ -89,9 +85,9 @@ def test_each_plain_function_takes_the_place_of_one_of_ours(plain):
 
 
 @pytest.mark.slow
-def test_plain_implementations_are_used_and_give_the_same(plain, tmp_path):
+def test_plain_implementations_are_used_and_give_the_same(whole, tmp_path):
     shutil.copytree(PACKAGE, tmp_path / "fprc", ignore=shutil.ignore_patterns("__pycache__"))
-    plain.make_plain(tmp_path / "fprc")
+    whole.make_plain(tmp_path / "fprc")
     ours, theirs = (
         json.loads(
             subprocess.run(

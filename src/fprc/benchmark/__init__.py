@@ -1,1 +1,0 @@
-"""Speed compared with other libraries, and cost of larger problems."""
