@@ -5,10 +5,10 @@ from typing import Any, NamedTuple
 
 from fprc import __version__
 from fprc.control import Law, hysteresis_law
-from fprc.errors import ConfigError
+from fprc.errors import ConfigError, FprcError
 from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS
 from fprc.paper import EXPERIMENTS, reference_and_controller, run_log
-from fprc.registry import controllers, feedforward_of, outside_class
+from fprc.registry import controllers, entries, feedforward_of, load_class, outside_class
 from fprc.signals import pressure_command
 
 
@@ -58,6 +58,8 @@ def plan(name: str, settings: Mapping[str, Any], model: str = "") -> Experiment:
         There is no such experiment.
     ControlError
         The reference is impossible.
+    FprcError
+        The file holds no such model, or was changed.
     """
     refuse_unknown(name, settings)
     if name in EXPERIMENTS:
@@ -71,7 +73,6 @@ def plan(name: str, settings: Mapping[str, Any], model: str = "") -> Experiment:
 def _tracking(name: str, settings: Mapping[str, Any], model: str) -> Experiment:
     # imported here because they take a second, for which the other experiments need not wait
     from fprc.experiments.tracking import Track
-    from fprc.models import load_model
 
     bench = Track(settings["tracking"], settings["control"], settings["hardware"], settings["seed"])
     hint = ""
@@ -80,12 +81,29 @@ def _tracking(name: str, settings: Mapping[str, Any], model: str) -> Experiment:
         hint = f"push the reservoir by hand from {bench.tracking['pushes']['quiet_s']:g} s on"
     theta_d = bench.reference(reference)
     driver = feedforward_of(controller)
-    fitted = load_model(model, outside_class(driver, settings["models"])) if driver else None
-    if fitted:  # compiles the step before the first tick
-        fitted.step((0.0,) * fitted.n_features_in_)
+    fitted = _driver(model, driver, settings["models"]) if driver else None
     law = bench.law(theta_d, controller, fitted)
     channels = (*RAW_CHANNELS, *TRACKING_CHANNELS)
     return Experiment(law, len(theta_d), channels, bench.describe(reference, controller), hint)
+
+
+def _driver(path: str, name: str, models: Mapping[str, Any]) -> Any:
+    """Return the fitted model that gives the feedforward, after a step that compiles it."""
+    from fprc.models import load_model
+
+    fitted: Any = load_model(path, outside_class(name, models))
+    found, wanted = type(fitted), load_class(name, models)
+    inputs, columns = entries(models)[name].inputs, getattr(fitted, "n_features_in_", None)
+    if found is not wanted or columns != len(inputs):
+        raise FprcError(
+            f"{path}: holds a {found.__name__} of {columns} inputs; {name} needs a "
+            f"{wanted.__name__} of {', '.join(inputs)}"
+        )
+    try:
+        fitted.step((0.0,) * len(inputs))
+    except Exception as error:  # whatever a class from outside raises
+        raise FprcError(f"{path}: makes no step ({error}); train the model again") from error
+    return fitted
 
 
 def _hysteresis(name: str, settings: Mapping[str, Any]) -> Experiment:

@@ -35,4 +35,8 @@ def export_c(model: str, header: str, *, single: bool = False) -> None:
         raise FprcError(f"{header}: exists and is no exported model; choose another name")
     fitted = load_model(model)
     origin = f"From {Path(model).name}, SHA-256 {sha256(model)}, by fprc {__version__}."
-    write_text(path, c_header(fitted, path.stem, single=single, origin=origin))
+    try:
+        text = c_header(fitted, path.stem, single=single, origin=origin)
+    except FprcError as error:
+        raise FprcError(f"{model}: {error}") from error
+    write_text(path, text)

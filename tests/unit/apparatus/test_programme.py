@@ -5,9 +5,9 @@ from fprc.apparatus.programme import names, plan
 from fprc.artifacts import write_json
 from fprc.config import Settings
 from fprc.devices import Readings
-from fprc.errors import ConfigError, ControlError
+from fprc.errors import ConfigError, ControlError, FprcError
 from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS
-from fprc.models import FPRC, save_model
+from fprc.models import FPRC, FuzzyLinear, RidgeReadout, TapFeatures, save_model
 from fprc.signals import pressure_command
 
 GAINS = {
@@ -124,3 +124,27 @@ def test_reference_that_the_rig_cannot_follow_is_refused(settings, gains):
     settings["tracking"]["references"]["sine_0p5"]["amplitude_deg"] = 80.0
     with pytest.raises(ControlError, match="leaves the actuator's range"):
         plan("track_sine_0p5_pd_printed", settings, "", gains)
+
+
+@pytest.mark.parametrize(
+    ("fitted", "held"),
+    [
+        (FuzzyLinear(n_c=2, random_state=1), "a FuzzyLinear of 2 inputs"),
+        (FPRC(n_c=2, random_state=1), "a FPRC of 3 inputs"),
+        (TapFeatures(), "a TapFeatures of 2 inputs"),
+        (RidgeReadout(), "a RidgeReadout of 2 inputs"),
+    ],
+)
+def test_model_that_the_controller_does_not_have_is_refused(fitted, held, settings, tmp_path):
+    X = np.random.default_rng(1).normal(100.0, 10.0, (60, 3 if "3" in held else 2))
+    path = tmp_path / "other.h5"
+    save_model(fitted.fit(X, X[:, 0]), path)
+    wrong = rf"other\.h5: holds {held}; fprc needs a FPRC of theta_deg, p_o_kpa"
+    with pytest.raises(FprcError, match=wrong):
+        plan("track_sine_0p2_fprc", settings, str(path))
+
+
+def test_step_that_fails_is_refused_before_the_rig_moves(settings, model, monkeypatch):
+    monkeypatch.setattr(FPRC, "step", lambda self, x: x[7])
+    with pytest.raises(FprcError, match=r"fprc\.h5: makes no step \(tuple index"):
+        plan("track_sine_0p2_fprc", settings, model)
