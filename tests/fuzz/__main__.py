@@ -50,13 +50,14 @@ def main() -> int:
         print("\n".join(page.times(counts, seconds)))
     if options.write:
         page.write(options.write, options.seed, cases, counts)
+    again = f"--seed {options.seed} --kind {options.kind!r} --case N"
     bad = sum(number for (_, _, outcome), number in counts.items() if outcome in _faults())
     missing = options.cases - sum(cases.values())
     print(f"{time.monotonic() - begun_s:.0f} s; {bad} forbidden outcomes", flush=True)
     if missing:
         print(f"{missing} cases were not run", flush=True)
     if bad:
-        print(f"their files are in {options.keep}; repeat one with --seed {options.seed} --case N")
+        print(f"their files are in {options.keep}; repeat one with {again}")
     return int(bool(bad or missing))
 
 
@@ -65,6 +66,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--cases", type=int, default=10_000, help="default: %(default)s")
     parser.add_argument("--seed", type=int, default=1, help="default: %(default)s")
     parser.add_argument("--case", type=int, help="run only this case and show its output")
+    parser.add_argument("--kind", default="", help="only cases of this module: model_files")
     parser.add_argument("--workers", type=int, default=2, help="default: %(default)s")
     parser.add_argument("--keep", default=".fuzz", help="default: %(default)s")
     parser.add_argument("--write", metavar="PAGE.md", help="write the table there")
@@ -111,7 +113,9 @@ def _work(options: argparse.Namespace) -> int:
     with tempfile.TemporaryDirectory(prefix="fuzz") as folder:
         cases.warm_up(Path(folder))
         numbers = range(options.worker, options.cases, options.workers)
-        for found in cases.run(options.seed, numbers, Path(folder), Path(options.keep)):
+        for found in cases.run(
+            options.seed, numbers, Path(folder), Path(options.keep), options.kind
+        ):
             print(json.dumps(found), file=answer, flush=True)
     return 0
 
@@ -121,7 +125,7 @@ def _repeat(options: argparse.Namespace) -> int:
     import cases
 
     folder = Path(tempfile.mkdtemp(prefix="fuzz"))
-    return cases.show(options.seed, options.case, folder)
+    return cases.show(options.seed, options.case, folder, options.kind)
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ import imports
 import journals
 import judging
 import mat_files
+import model_files
 import numpy as np
 import raw_logs
 import signals
@@ -26,7 +27,8 @@ Make = Callable[[np.random.Generator, Path], Case]
 
 #: Counts per 500 cases, fewer of the slow kinds: 10,000 cases take 15 minutes on two cores.
 MIX: tuple[tuple[Make, int], ...] = (
-    (configs.case, 215),
+    (configs.case, 165),
+    (model_files.case, 50),
     (journals.case, 75),
     (csv_files.case, 85),
     (mat_files.case, 34),
@@ -39,8 +41,17 @@ _TURNS = [make for make, number in MIX for _ in range(number)]
 _DRY_RUN_AT = 100
 
 
-def make_case(seed: int, number: int, folder: Path) -> Case:
-    """Write the files of a case into an empty folder."""
+def make_case(seed: int, number: int, folder: Path, kind: str = "") -> Case:
+    """Write the files of a case into an empty folder.
+
+    Parameters
+    ----------
+    kind : str, optional
+        Module that makes all cases, such as ``model_files``; by default each makes its share.
+    """
+    if kind:
+        ways = [make for make, _ in MIX if make.__module__ == kind]
+        return ways[number % len(ways)](np.random.default_rng([seed, number]), folder)
     order = np.random.default_rng(seed).permutation(len(_TURNS))
     turns = [_TURNS[k] for k in order]
     turns.insert(_DRY_RUN_AT, dry_runs.case)
@@ -48,11 +59,13 @@ def make_case(seed: int, number: int, folder: Path) -> Case:
     return make(np.random.default_rng([seed, number]), folder)
 
 
-def run(seed: int, numbers: Iterable[int], folder: Path, keep: Path) -> Iterator[dict[str, Any]]:
+def run(
+    seed: int, numbers: Iterable[int], folder: Path, keep: Path, kind: str
+) -> Iterator[dict[str, Any]]:
     """Yield the result of each case; keep the files of cases with a forbidden outcome."""
 
     def make(number: int, place: Path) -> Case:
-        return make_case(seed, number, place)
+        return make_case(seed, number, place, kind)
 
     for number, found in supervised.results(numbers, make, folder):
         if any(outcome in judging.FAULTS for _, outcome, *_ in found["results"]):
@@ -68,11 +81,11 @@ def run(seed: int, numbers: Iterable[int], folder: Path, keep: Path) -> Iterator
         yield {"number": number, **found}
 
 
-def show(seed: int, number: int, folder: Path) -> int:
+def show(seed: int, number: int, folder: Path, kind: str) -> int:
     """Run a case, print the output of its commands, and keep its files."""
     place = folder / "case"
     place.mkdir()
-    case = make_case(seed, number, place)
+    case = make_case(seed, number, place, kind)
     print(f"{case.kind}: {case.what}\nfiles in {place}", flush=True)
     bad = False
     for step in case.steps:
@@ -99,11 +112,13 @@ def warm_up(folder: Path) -> None:
     mapping = imports.any_map(np.random.default_rng(0), columns, {"column": "time_s"}, 200.0)
     imports.write_map(place, mapping)
     (place / "run.journal").write_bytes(journals.runs()["closed"].data)
+    (place / model_files.NAME).write_bytes(model_files.models()["fprc"].data)
     names = {name: str(place / name) for name in (configs.NAME, csv_files.NAME, imports.MAP)}
     for command in (
         ("log", "check", str(place / "log.h5")),
         ("log", "repair", str(place / "run.journal"), "--out", str(place / "run.h5")),
         ("config", "check", names[configs.NAME]),
+        ("export", str(place / model_files.NAME), "--c", str(place / model_files.HEADER)),
         ("import", names[csv_files.NAME], "--list"),
         ("import", names[csv_files.NAME], "--map", names[imports.MAP], "--out", f"{place}/out.h5"),
     ):

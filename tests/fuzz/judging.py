@@ -49,6 +49,8 @@ class Step(NamedTuple):
         Files that the command may write if it accepts.
     accepts : callable
         Whether the command accepted the file.
+    call : callable
+        What runs the command, if ``row`` begins with fprc; it returns the exit code.
     folder : str
         Working folder, if not that of the case.
     limit_s : float
@@ -61,6 +63,7 @@ class Step(NamedTuple):
     judge: Callable[[Path, Ended], Verdict]
     leaves: tuple[str, ...] = ()
     accepts: Callable[[Ended], bool] = lambda ended: ended.code == 0
+    call: Callable[[tuple[str, ...]], int | None] = main
     folder: str = ""
     limit_s: float = LIMIT_S
 
@@ -100,7 +103,7 @@ def run(step: Step, case: Case, folder: Path, judging: Callable[[], None]) -> tu
     before = _content(folder)
     where = Path(step.folder) if step.folder else folder
     if step.row.startswith("fprc"):
-        ended = watched.call(lambda: main(step.command), where)
+        ended = watched.call(lambda: step.call(step.command), where)
     else:
         ended = watched.command(step.command, where, limit_s=step.limit_s)
     judging()

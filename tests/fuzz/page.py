@@ -35,6 +35,8 @@ The files:
   numbers or in metadata; *torn*: truncation, zeros, noise, parts removed, exchanged or repeated;
   *other content*: samples, channels, units, types, shapes, attributes, links and sizes changed
   through HDF5; a fifth of these changes give a valid log
+- *model*: changed bytes, truncation, and values, arrays, links and sizes changed through HDF5; with
+  *checksum renewed*, so that only the content can give it away, another whole model is *different*
 - *recording*: quotes, separators, headers, fields, clocks, MATLAB's classes and shapes, changed
   bytes; wrong maps
 - *dry run*: the same kinds of configurations and logs

@@ -1,6 +1,7 @@
 """The fuzzing program: 200 of its cases, and whether it detects wrong behaviour."""
 
 import importlib
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -28,6 +29,17 @@ def test_two_hundred_damaged_files_have_allowed_outcomes(tmp_path):
     done = subprocess.run(command, capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "| all | 200 |" in done.stdout
+
+
+@LINUX
+@pytest.mark.slow
+def test_changed_model_files_are_refused_or_whole(tmp_path):
+    """150 files, or FPRC_MODEL_FILES=2000."""
+    cases = os.environ.get("FPRC_MODEL_FILES", "150")
+    kind = ["--kind", "model_files", "--cases", cases, "--workers", "1", "--keep", tmp_path]
+    done = subprocess.run([sys.executable, FUZZ, *kind], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert f"| all | {cases} |" in done.stdout
 
 
 # --- limits on time and memory --------------------------------------------------------------

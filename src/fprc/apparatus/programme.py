@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 from fprc import __version__
 from fprc.control import Law, hysteresis_law
-from fprc.errors import ConfigError
+from fprc.errors import ConfigError, FprcError
 from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS
 from fprc.paper import EXPERIMENTS, reference_and_controller, run_log
 from fprc.registry import controllers, entries, feedforward_of, load_class, outside_class
@@ -58,6 +58,8 @@ def plan(name: str, settings: Mapping[str, Any], model: str = "") -> Experiment:
         There is no such experiment, or the file holds another model than the experiment's.
     ControlError
         The reference is impossible, or a model is needed and there is none.
+    FprcError
+        The file holds no model, was changed, or its model makes no step.
     """
     refuse_unknown(name, settings)
     if name in EXPERIMENTS:
@@ -84,7 +86,7 @@ def _tracking(name: str, settings: Mapping[str, Any], model: str) -> Experiment:
     if driver and model:  # without a file the law refuses to start
         fitted = load_model(model, outside_class(driver, settings["models"]))
         _refuse_other(fitted, driver, settings["models"], f"{model}, the model of {name}")
-        fitted.step((0.0,) * fitted.n_features_in_)  # compiles it before the first tick
+        _try_step(fitted, model)
         attributes |= describe_model(fitted, model)
     law = bench.law(theta_d, controller, fitted)
     channels = (*RAW_CHANNELS, *TRACKING_CHANNELS)
@@ -99,11 +101,20 @@ def _refuse_other(fitted: Any, driver: str, models: Mapping[str, Any], which: st
             f"{which}, is a {found.__name__}, must be a {needed.__name__}; give --model a file of "
             f"{driver}, or choose the experiment that is named after the model"
         )
-    if fitted.n_features_in_ != len(inputs):
+    columns = getattr(fitted, "n_features_in_", None)  # a class from outside may have none
+    if columns != len(inputs):
         raise ConfigError(
-            f"{which}, was fitted to {fitted.n_features_in_} inputs, must have {len(inputs)}, "
+            f"{which}, was fitted to {columns} inputs, must have {len(inputs)}, "
             f"{' and '.join(inputs)}; train it again"
         )
+
+
+def _try_step(fitted: Any, path: str) -> None:
+    """Make a step, which also compiles it before the first tick."""
+    try:
+        fitted.step((0.0,) * fitted.n_features_in_)
+    except Exception as error:  # whatever a class from outside raises
+        raise FprcError(f"{path}: makes no step ({error}); train the model again") from error
 
 
 def _hysteresis(name: str, settings: Mapping[str, Any]) -> Experiment:

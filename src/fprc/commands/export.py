@@ -43,4 +43,8 @@ def export_c(model: str, *, c: str, float_: bool = False) -> None:
         raise FprcError(f"{c}: exists and is not an exported model; choose another name")
     fitted = load_model(model)
     origin = f"From {Path(model).name}, SHA-256 {sha256(model)}, by fprc {__version__}."
-    write_text(path, c_header(fitted, path.stem, single=float_, origin=origin))
+    try:
+        text = c_header(fitted, path.stem, single=float_, origin=origin)
+    except FprcError as error:
+        raise FprcError(f"{model}: {error}") from error
+    write_text(path, text)

@@ -59,7 +59,7 @@ class Capacity(Section):
     bank_epsilons: tuple[Annotated[float, within(1e-6, 1)], ...] = quantities(
         (0.03, 0.01, 0.003), "-", (1e-6, 1), "filter factors of the bank of low-passes"
     )
-    esn_nodes: int = quantity(100, "-", (1, 10000), "nodes of the ESN")
+    esn_nodes: int = quantity(100, "-", (1, 4000), "nodes of the ESN")
 
 
 class Beyond(Section):

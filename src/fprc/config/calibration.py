@@ -152,7 +152,7 @@ class Calibration(Section):
         120, "min", (0.01, 10000), "after this time each search begins its first generation only"
     )
     stride: int = quantity(5, "samples", (1, 1000), "the surrogate models fit every n-th row")
-    esn_nodes: int = quantity(150, "-", (1, 10000), "reservoir size of the surrogate ESN")
+    esn_nodes: int = quantity(150, "-", (1, 4000), "reservoir size of the surrogate ESN")
     plausible: Plausible = Plausible()
 
     @model_validator(mode="after")

@@ -12,7 +12,7 @@ from fprc.registry import ANGLE, MODELS
 class Esn(Section):
     """Echo state network, Sec. III-A and Table I."""
 
-    r: int = quantity(800, "-", (1, 10000), "nodes of the reservoir", "paper, Table I")
+    r: int = quantity(800, "-", (1, 4000), "nodes of the reservoir", "paper, Table I")
     f_input: float = quantity(0.02, "-", (1e-6, 10), "input scaling factor", "paper, Table I")
     gamma: float = quantity(0.8, "-", (0, 0.9999), "leaky rate", "paper, Table I")
     rho: float = quantity(0.4, "-", (0, 1.5), "spectral radius", "paper, Table I")

@@ -1,5 +1,6 @@
 """Feature map of the ESN: taps of theta_d and the states of its network."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,7 +9,11 @@ from sklearn.utils import check_random_state
 from fprc.models.echo import echo_states, narrowed, update
 from fprc.models.features import FeatureMap, lagged, taps
 from fprc.models.kernels import shift
-from fprc.models.limits import Limit
+from fprc.models.learned import Learned
+from fprc.models.limits import Limit, Seed, Whole
+
+#: Most products before the first sample of a stream: some seconds.
+MOST_PRODUCTS = 1e10
 
 
 @dataclass(eq=False, repr=False)
@@ -23,7 +28,7 @@ class EchoStates(FeatureMap):
     Parameters
     ----------
     r : int, default=800
-        Reservoir size.
+        Reservoir size, at most 4,000: W_r then takes 128 MB.
     f_input : float, default=0.02
         Factor on the N(0, 1) input weights.
     gamma : float, default=0.8
@@ -52,12 +57,21 @@ class EchoStates(FeatureMap):
     random_state: int | np.random.RandomState | None = None
 
     LIMITS = {
-        "r": Limit(1),
-        "gamma": Limit(0, 1),
-        "rho": Limit(0),
-        "n_y": Limit(1),
-        "washout": Limit(0),
+        "r": Whole(1, 4000),
+        "f_input": Limit(-1e6, 1e6),
+        "gamma": Limit(0, 1, high_open=True),
+        "rho": Limit(0, 1e6),
+        "n_y": Whole(1, 10_000),
+        "washout": Whole(0, 10_000),
+        "random_state": Seed(),
     }
+
+    def _check_columns(self) -> None:
+        if self.washout * self.r**2 > MOST_PRODUCTS:
+            raise ValueError(
+                f"EchoStates: washout = {self.washout}, r = {self.r}; washout r^2 must be at most "
+                f"{MOST_PRODUCTS:g}, or a stream takes minutes to start"
+            )
 
     def _prepare(self, X: np.ndarray) -> None:
         rng = check_random_state(self.random_state)
@@ -66,6 +80,16 @@ class EchoStates(FeatureMap):
         dense *= self.rho / np.abs(np.linalg.eigvals(dense)).max()
         # random numbers need no more than float32, of which a step reads half the bytes
         self.W_r_ = dense.astype(np.float32).astype(np.float64)
+
+    def count_features(self) -> int:
+        """Return the number of taps and states."""
+        return self.n_features_in_ * self.n_y + self.r
+
+    def learned(self) -> Iterator[tuple[str, Learned]]:
+        """Check the parameters, and yield the shapes of both matrices."""
+        yield from super().learned()
+        yield "w_in_", (self.r, self.n_features_in_)
+        yield "W_r_", (self.r, self.r)
 
     def _transform(self, X: np.ndarray) -> np.ndarray:
         if len(X) < self.n_y:

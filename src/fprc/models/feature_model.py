@@ -1,11 +1,13 @@
 """A model made of any feature map and any readout."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from sklearn.base import BaseEstimator, clone
 
 from fprc.models.features import FeatureMap
+from fprc.models.limits import Seed
 from fprc.models.sequence import SequenceModel
 
 
@@ -36,15 +38,25 @@ class FeatureModel(SequenceModel):
 
     def make_features(self) -> FeatureMap:
         """Return the unfitted map."""
+        if not isinstance(self.features, FeatureMap):
+            raise _not(self.features, "features", "a FeatureMap")
         return self._seeded(self.features).set_output(transform="default")
 
     def make_readout(self) -> BaseEstimator:
         """Return the unfitted readout."""
+        if isinstance(self.readout, type) or not hasattr(self.readout, "predict"):
+            raise _not(self.readout, "readout", "a regressor")
         return self._seeded(self.readout)
 
     def _seeded(self, part: BaseEstimator) -> BaseEstimator:
         part = clone(part)
+        if not Seed().allows(self.random_state):
+            raise _not(self.random_state, "random_state", str(Seed()))
         if self.random_state is not None:
             keys = [key for key in part.get_params() if key.split("__")[-1] == "random_state"]
             part.set_params(**dict.fromkeys(keys, self.random_state))
         return part
+
+
+def _not(value: Any, name: str, wanted: str) -> ValueError:
+    return ValueError(f"FeatureModel: {name} = {value!r:.60}; must be {wanted}")

@@ -5,8 +5,9 @@ sample (``step``), with the same result. Before the log begins, the signals are
 assumed to equal its first sample.
 """
 
+from collections.abc import Iterator
+from copy import deepcopy
 from dataclasses import dataclass
-from math import isfinite
 from typing import Self
 
 import numpy as np
@@ -16,7 +17,15 @@ from sklearn.base import BaseEstimator, OneToOneFeatureMixin, TransformerMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.models.kernels import shift
-from fprc.models.limits import Limit, check_limits
+from fprc.models.learned import Learned
+from fprc.models.limits import (
+    LARGEST,
+    MOST_FEATURES,
+    Limit,
+    Whole,
+    check_limits,
+    check_samples,
+)
 
 
 def taps(x: np.ndarray, size: int) -> np.ndarray:
@@ -45,20 +54,34 @@ def lowpass(x: np.ndarray, epsilon: float) -> np.ndarray:
     return pd.Series(x).ewm(alpha=float(epsilon), adjust=False).mean().to_numpy()
 
 
+def _is_sample(value: float) -> bool:
+    return -LARGEST <= value <= LARGEST  # NaN is not
+
+
 class FeatureMap(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
     """Base of the sequential feature maps."""
+
+    _streaming = False
 
     def fit(self, X: ArrayLike, y: ArrayLike | None = None) -> Self:
         """Store the number of columns, and learn or draw what the map needs."""
         check_limits(self, self.LIMITS)
-        self._prepare(validate_data(self, X, dtype=np.float64))
+        samples = self._samples(X, first=True)
+        self._check_columns()
+        self._prepare(samples)
+        self._check_size()
         self.reset()
         return self
 
     def transform(self, X: ArrayLike) -> np.ndarray:
         """Return the features of every sample of a log."""
         check_is_fitted(self)
-        return self._transform(validate_data(self, X, reset=False, dtype=np.float64))
+        return self._transform(self._samples(X, first=False))
+
+    def _samples(self, X: ArrayLike, *, first: bool) -> np.ndarray:
+        samples = validate_data(self, X, reset=first, dtype=np.float64)
+        check_samples(samples)
+        return samples
 
     def get_feature_names_out(self, input_features: ArrayLike | None = None) -> np.ndarray:
         """Return the name of each feature, such as ``theta_deg_lag1`` for a tap of ``theta_deg``.
@@ -83,6 +106,20 @@ class FeatureMap(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
         columns = super().get_feature_names_out(input_features)
         return np.array(self._named(list(columns)), dtype=object)
 
+    def count_features(self) -> int | None:
+        """Return the number of features; None if a class does not tell."""
+        return None
+
+    def learned(self) -> Iterator[tuple[str, Learned]]:
+        """Check the parameters, and yield what ``fit`` learns, see ``fprc.models.learned``."""
+        self._check_columns()
+        self._check_size()
+        yield from ()
+
+    def __copy__(self) -> Self:
+        """Return a deep copy: two models with one stream would spoil it for each other."""
+        return deepcopy(self)
+
     def reset(self, x: ArrayLike | None = None) -> None:
         """Begin a new stream; ``x`` is the assumed input at all earlier times."""
         if x is not None:
@@ -101,7 +138,8 @@ class FeatureMap(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
         NotFittedError
             ``fit`` was not called.
         ValueError
-            The sample is not finite or has another number of inputs.
+            The sample, which is then ignored, is not finite or beyond 1e9, or has another number
+            of inputs.
         """
         x = self._checked(x)
         if not self._streaming:
@@ -113,10 +151,11 @@ class FeatureMap(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
         x = np.array(x, dtype=np.float64)
         if not hasattr(self, "n_features_in_"):
             check_is_fitted(self)
-        if x.shape != (self.n_features_in_,) or not all(map(isfinite, x.tolist())):
+        listed = x.tolist()
+        if x.shape != (self.n_features_in_,) or not all(map(_is_sample, listed)):
             raise ValueError(
-                f"sample {x.tolist()}: must be {self.n_features_in_} finite numbers; "
-                "the sample is ignored and the stream continues"
+                f"sample {listed}: must be {self.n_features_in_} numbers within {-LARGEST:g} and "
+                f"{LARGEST:g}; the sample is ignored and the stream continues"
             )
         return x
 
@@ -124,8 +163,19 @@ class FeatureMap(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
         """Tell scikit-learn whether ``fit`` was called."""
         return hasattr(self, "n_features_in_")
 
+    def _check_columns(self) -> None:
+        """Check that the parameters suit the number of columns."""
+
+    def _check_size(self) -> None:
+        if (count := self.count_features() or 0) > MOST_FEATURES:
+            parameters = self.get_params(deep=False)
+            raise ValueError(
+                f"{type(self).__name__}: {count} features of {self.n_features_in_} columns with "
+                f"{parameters!r:.100}; at most {MOST_FEATURES} are possible, use fewer"
+            )
+
     def _prepare(self, X: np.ndarray) -> None:
-        """Check the number of columns, and learn or draw what the map needs."""
+        """Learn or draw what the map needs."""
 
 
 @dataclass(eq=False, repr=False)
@@ -154,14 +204,14 @@ class TapFeatures(FeatureMap):
     epsilon: float = 0.01
 
     LIMITS = {
-        "n_y": Limit(1),
-        "n_references": Limit(0),
-        "n_u": Limit(1),
-        "epsilon": Limit(0, 1, low_open=True, high_open=False),
+        "n_y": Whole(1, 10_000),
+        "n_references": Whole(0, 1000, or_none=True),
+        "n_u": Whole(1, 10_000),
+        "epsilon": Limit(0, 1, low_open=True),
     }
 
-    def _prepare(self, X: np.ndarray) -> None:
-        n_inputs = X.shape[1]
+    def _check_columns(self) -> None:
+        n_inputs = self.n_features_in_
         if self.n_references is not None and n_inputs <= self.n_references:
             raise ValueError(
                 f"n_features={n_inputs}, but n_references = {self.n_references} leaves no readout; "
@@ -176,6 +226,10 @@ class TapFeatures(FeatureMap):
         """Return the number of taps of each column."""
         split = self.count_references()
         return [self.n_y] * split + [self.n_u] * (self.n_features_in_ - split)
+
+    def count_features(self) -> int:
+        """Return the number of taps of all columns."""
+        return sum(self.tap_sizes())
 
     def _transform(self, X: np.ndarray) -> np.ndarray:
         longest = max(self.n_y, self.n_u)

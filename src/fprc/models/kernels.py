@@ -136,8 +136,11 @@ def multiply(row, factors):
 def blend(x, centers, W_out, sigma):
     """Return beta_bar W_out [1, x] of one row of features (Eqs. 10-12).
 
-    The largest exponent is subtracted first, as in ``gaussian_memberships``.
+    The largest exponent is subtracted first, as in ``gaussian_memberships``. Features and readout
+    may come from different hands, so their sizes are compared: compiled code does not check bounds.
     """
+    if x.size != centers.shape[1] or W_out.shape != (len(centers), 1 + x.size):
+        raise ValueError("the readout was trained on another number of features")
     nearest = math.inf
     for i in range(len(centers)):
         nearest = min(nearest, _distance2(x, centers[i]))

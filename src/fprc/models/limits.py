@@ -1,27 +1,71 @@
-"""Limits of the models' parameters, declared as data and checked at ``fit``."""
+"""Limits of the models' parameters and learned numbers, declared as data.
+
+``fit`` checks the parameters, ``fprc.models.learned`` both, of a model from a file.
+"""
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from numbers import Integral, Real
+from typing import Any, NamedTuple, Protocol
 
+import numpy as np
 from sklearn.base import BaseEstimator
+
+#: Largest absolute value of a sample, in any unit. A larger one is a fault: squared and summed
+#: it would exceed the range of float, and a low-pass would remember it for hours.
+LARGEST = 1e9
+
+#: Most features of a map, and most columns of its input.
+MOST_FEATURES = 100_000
+
+
+class Allows(Protocol):
+    """Tells whether a value is allowed; as text, what it must be."""
+
+    def allows(self, value: Any) -> bool:
+        """Return whether ``value`` is allowed; any type can be given."""
+        ...
 
 
 class Limit(NamedTuple):
-    """Range of a parameter; an open end is excluded."""
+    """Range of a number; an open end is excluded."""
 
     low: float
-    high: float = float("inf")
+    high: float
     low_open: bool = False
-    high_open: bool = True
+    high_open: bool = False
 
-    def allows(self, value: float) -> bool:
-        """Return whether ``value`` is within."""
+    def allows(self, value: Any) -> bool:
+        """Return whether ``value`` is a number within."""
+        if not _is(value, Real):
+            return False
         above = value > self.low if self.low_open else value >= self.low
         return above and (value < self.high if self.high_open else value <= self.high)
 
     def __str__(self) -> str:  # noqa: D105
+        return f"a number in {self.interval()}"
+
+    def interval(self) -> str:
+        """Return the range as text."""
         left, right = "(" if self.low_open else "[", ")" if self.high_open else "]"
         return f"{left}{self.low:g}, {self.high:g}{right}"
+
+
+class Whole(NamedTuple):
+    """Range of a whole number, ends included."""
+
+    low: int
+    high: int
+    or_none: bool = False
+
+    def allows(self, value: Any) -> bool:
+        """Return whether ``value`` is a whole number within."""
+        if value is None:
+            return self.or_none
+        return _is(value, Integral) and self.low <= value <= self.high
+
+    def __str__(self) -> str:  # noqa: D105
+        none = " or None" if self.or_none else ""
+        return f"a whole number in [{self.low}, {self.high}]{none}"
 
 
 class OneOf(NamedTuple):
@@ -29,39 +73,75 @@ class OneOf(NamedTuple):
 
     values: tuple[str, ...]
 
-    def allows(self, value: str) -> bool:
+    def allows(self, value: Any) -> bool:
         """Return whether ``value`` is one of them."""
-        return value in self.values
+        return isinstance(value, str) and value in self.values
 
     def __str__(self) -> str:  # noqa: D105
-        return f"{{{', '.join(self.values)}}}"
+        return f"one of {', '.join(self.values)}"
 
 
 class Each(NamedTuple):
-    """Range of every number of a list, which must not be empty."""
+    """Range of every number of a list, and its greatest length; it must not be empty."""
 
     limit: Limit
+    most: int
 
-    def allows(self, values: Sequence[float]) -> bool:
-        """Return whether all are within."""
-        return len(values) > 0 and all(map(self.limit.allows, values))
+    def allows(self, value: Any) -> bool:
+        """Return whether ``value`` is a list of numbers within."""
+        is_list = isinstance(value, Sequence | np.ndarray) and not isinstance(value, str)
+        return is_list and 0 < len(value) <= self.most and all(map(self.limit.allows, value))
 
     def __str__(self) -> str:  # noqa: D105
-        return f"{self.limit}, each of one or more"
+        return f"a list of 1 to {self.most} numbers in {self.limit.interval()}"
 
 
-def check_limits(estimator: BaseEstimator, limits: Mapping[str, Limit | OneOf | Each]) -> None:
+class Seed(NamedTuple):
+    """What ``random_state`` may be."""
+
+    def allows(self, value: Any) -> bool:
+        """Return whether ``value`` is a seed, a generator or None."""
+        return isinstance(value, np.random.RandomState) or _WHOLE_SEED.allows(value)
+
+    def __str__(self) -> str:  # noqa: D105
+        return f"{_WHOLE_SEED}, or a RandomState"
+
+
+_WHOLE_SEED = Whole(0, 2**32 - 1, or_none=True)
+
+
+def _is(value: Any, kind: type) -> bool:
+    return isinstance(value, kind) and not isinstance(value, bool)
+
+
+def check_limits(estimator: BaseEstimator, limits: Mapping[str, Allows]) -> None:
     """Check the parameters of an estimator.
 
     Raises
     ------
     ValueError
-        Lists every parameter out of range, with its value and limit.
+        Lists every parameter of the wrong type or out of range, with its value and limit.
     """
     problems = [
-        f"{type(estimator).__name__}: {name} = {value}; must be in {limits[name]}"
+        f"{type(estimator).__name__}: {name} = {value!r:.60}; must be {limits[name]}"
         for name, value in estimator.get_params(deep=False).items()
-        if name in limits and value is not None and not limits[name].allows(value)
+        if name in limits and not limits[name].allows(value)
     ]
     if problems:
         raise ValueError("\n".join(problems))
+
+
+def check_samples(X: np.ndarray) -> None:
+    """Check finite samples, one per row, for faults that ``step`` would refuse.
+
+    Raises
+    ------
+    ValueError
+        Names column and sample of the first that is beyond ``LARGEST``.
+    """
+    if X.size and max(X.max(), -X.min()) > LARGEST:
+        k, j = np.argwhere(np.abs(X) > LARGEST)[0]
+        raise ValueError(
+            f"X: column {j}, sample {k} is {X[k, j]:g}; must be within {-LARGEST:g} and "
+            f"{LARGEST:g}, remove the fault from the log"
+        )

@@ -29,7 +29,11 @@ class LowpassBank(FeatureMap):
     def __init__(self, epsilons: Sequence[float] = (0.03, 0.01, 0.003)):
         self.epsilons = epsilons
 
-    LIMITS = {"epsilons": Each(Limit(0, 1, low_open=True, high_open=False))}
+    LIMITS = {"epsilons": Each(Limit(0, 1, low_open=True), most=1000)}
+
+    def count_features(self) -> int:
+        """Return the number of low-passes of all columns."""
+        return self.n_features_in_ * len(self.epsilons)
 
     def _factors(self) -> np.ndarray:
         return np.array(self.epsilons, dtype=np.float64)

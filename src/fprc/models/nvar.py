@@ -1,12 +1,15 @@
 """Nonlinear vector autoregression, also called next-generation reservoir computing."""
 
+from collections.abc import Iterator
 from itertools import combinations_with_replacement
+from math import comb
 
 import numpy as np
 
 from fprc.models.features import FeatureMap, taps
 from fprc.models.kernels import delay, multiply
-from fprc.models.limits import Limit
+from fprc.models.learned import Learned
+from fprc.models.limits import Limit, Whole
 
 
 class NVAR(FeatureMap):
@@ -44,7 +47,23 @@ class NVAR(FeatureMap):
         self.spacing = spacing
         self.degree = degree
 
-    LIMITS = {"n_taps": Limit(1), "spacing": Limit(1), "degree": Limit(2)}
+    LIMITS = {
+        "n_taps": Whole(1, 1000),
+        "spacing": Whole(1, 10_000),
+        "degree": Whole(2, 10),
+        "scale_": Limit(0, 1e30, low_open=True),
+    }
+
+    def count_features(self) -> int:
+        """Return the number of taps and products."""
+        linear = self.n_features_in_ * self.n_taps
+        return linear + comb(linear + self.degree - 1, self.degree)
+
+    def learned(self) -> Iterator[tuple[str, Learned]]:
+        """Check the parameters, and yield the shapes of mean and scale."""
+        yield from super().learned()
+        yield "mean_", (self.n_features_in_,)
+        yield "scale_", (self.n_features_in_,)
 
     def _prepare(self, X: np.ndarray) -> None:
         self.mean_, spread = X.mean(axis=0), X.std(axis=0)

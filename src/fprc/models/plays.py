@@ -1,10 +1,13 @@
 """Play operators, of which Prandtl-Ishlinskii models of hysteresis are sums."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from fprc.models.features import FeatureMap
 from fprc.models.kernels import play, play_log
-from fprc.models.limits import Limit
+from fprc.models.learned import Learned
+from fprc.models.limits import Limit, Whole
 
 
 class PlayOperators(FeatureMap):
@@ -37,7 +40,16 @@ class PlayOperators(FeatureMap):
     def __init__(self, n_plays: int = 10):
         self.n_plays = n_plays
 
-    LIMITS = {"n_plays": Limit(1)}
+    LIMITS = {"n_plays": Whole(1, 10_000), "half_widths_": Limit(0, 1e30)}
+
+    def count_features(self) -> int:
+        """Return the number of plays of all columns."""
+        return self.n_features_in_ * self.n_plays
+
+    def learned(self) -> Iterator[tuple[str, Learned]]:
+        """Check the parameters, and yield the shape of the half-widths."""
+        yield from super().learned()
+        yield "half_widths_", (self.n_features_in_, self.n_plays)
 
     def _prepare(self, X: np.ndarray) -> None:
         shares = np.arange(1, self.n_plays + 1) / (self.n_plays + 1)

@@ -1,7 +1,7 @@
 """Linear readout of the ESN."""
 
-from collections.abc import Sequence
-from typing import Self
+from collections.abc import Iterator, Mapping, Sequence
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -32,9 +32,15 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
     def __init__(self, alpha: float = 1e-3):
         self.alpha = alpha
 
+    LIMITS: ClassVar[Mapping[str, Limit]] = {"alpha": Limit(0, 1e30)}
+
+    def learned(self) -> Iterator[tuple[str, tuple[int, ...]]]:
+        """Yield the shape of the weights, see ``fprc.models.learned``."""
+        yield "w_out_", (1 + self.n_features_in_,)
+
     def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
         """Solve the normal equations for one output."""
-        check_limits(self, {"alpha": Limit(0)})
+        check_limits(self, self.LIMITS)
         rows, targets = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
         self.w_out_ = ridge_weights(with_bias(rows), targets, self.alpha)
         return self
@@ -51,7 +57,7 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
         parts : sequence of ndarray
             Row indices; every row is in exactly one part.
         """
-        check_limits(self, {"alpha": Limit(0)})
+        check_limits(self, self.LIMITS)
         checked = clone(self)
         rows, targets = validate_data(checked, X, y, y_numeric=True, dtype=np.float64)
         sums = []

@@ -1,6 +1,7 @@
 """A model with memory: a sequential feature map, and a readout of single rows."""
 
 from abc import abstractmethod
+from collections.abc import Iterator
 from copy import deepcopy
 from typing import Any, Self, TypeVar
 
@@ -10,6 +11,7 @@ from sklearn.base import BaseEstimator, RegressorMixin, clone
 from sklearn.metrics import r2_score
 from sklearn.utils.validation import check_is_fitted, validate_data
 
+from fprc.models.learned import LearnedPart, features_of
 from fprc.models.recordings import are_several, join_recordings, split_recordings, transform_each
 
 Part = TypeVar("Part", bound=BaseEstimator)
@@ -120,6 +122,15 @@ class SequenceModel(RegressorMixin, BaseEstimator):
         model.readout_ = readout
         return model
 
+    def learned(self) -> Iterator[tuple[str, LearnedPart]]:
+        """Yield both parts, see ``fprc.models.learned``."""
+        yield "features_", LearnedPart(self.make_features(), self.n_features_in_)
+        yield "readout_", LearnedPart(self.make_readout(), features_of(self.features_))
+
+    def __copy__(self) -> Self:
+        """Return a deep copy: two models with one stream would spoil it for each other."""
+        return deepcopy(self)
+
     def reset(self, x: ArrayLike | None = None) -> None:
         """Begin a new stream; ``x`` is the assumed input at all earlier times.
 
@@ -139,7 +150,8 @@ class SequenceModel(RegressorMixin, BaseEstimator):
         NotFittedError
             ``fit`` was not called.
         ValueError
-            The sample is not finite or has the wrong number of inputs.
+            The sample, which is then ignored, is not finite or beyond 1e9, or has the wrong number
+            of inputs.
         """
         try:
             features, readout = self.features_, self.readout_

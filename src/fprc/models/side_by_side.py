@@ -1,12 +1,14 @@
 """Several feature maps side by side."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from numbers import Integral
 from typing import Any, Self
 
 import numpy as np
 from sklearn.base import clone
 
 from fprc.models.features import FeatureMap
+from fprc.models.learned import Learned, LearnedPart, features_of
 from fprc.models.limits import Limit
 
 #: Name, unfitted map, and its columns of the input; None is all of them.
@@ -68,19 +70,33 @@ class SideBySide(FeatureMap):
         except (TypeError, ValueError):
             return {}  # any value can be set; fit refuses a wrong one
 
+    def count_features(self) -> int | None:
+        """Return the number of features of all maps; None if one does not tell."""
+        counts = [features_of(each) for each in self.maps_]
+        return None if None in counts else sum(filter(None, counts))
+
+    def learned(self) -> Iterator[tuple[str, Learned]]:
+        """Check the parameters, and yield the maps, see ``fprc.models.learned``."""
+        self._check_columns()
+        n = self.n_features_in_
+        sizes = [n if columns is None else len(columns) for _, _, columns in self.maps]
+        maps = [each for _, each, _ in self.maps]
+        yield "maps_", list(map(LearnedPart, maps, sizes))
+        self._check_size()
+
     def _prepare(self, X: np.ndarray) -> None:
-        self._check_maps(X.shape[1])
         self.maps_ = [
             clone(each).set_output(transform="default").fit(X[:, columns])
             for (_, each, _), columns in zip(self.maps, self._columns(), strict=True)
         ]
 
-    def _check_maps(self, n_inputs: int) -> None:
+    def _check_columns(self) -> None:
+        n_inputs = self.n_features_in_
         try:
             names = [str(name) for name, _, _ in self.maps]
         except (TypeError, ValueError) as error:
             raise ValueError(
-                f"SideBySide: maps = {self.maps}; must be a list of (name, map, columns)"
+                f"SideBySide: maps = {self.maps!r:.60}; must be a list of (name, map, columns)"
             ) from error
         problems = [] if names else ["there are no maps"]
         problems += [
@@ -96,12 +112,19 @@ class SideBySide(FeatureMap):
             for name in names
             if "__" in name or name == "maps"
         ]
-        problems += [
-            f"{name!r} needs column {column}, but the columns are 0 to {n_inputs - 1}"
-            for name, _, columns in self.maps
-            for column in (() if columns is None else columns)
-            if not 0 <= column < n_inputs
-        ]
+        for name, _, columns in self.maps:
+            if columns is None:
+                continue
+            if not _are_whole(columns):
+                problems.append(
+                    f"{name!r} has columns {columns!r:.60}; must be None or a list of whole numbers"
+                )
+                continue
+            problems += [
+                f"{name!r} needs column {column}, but the columns are 0 to {n_inputs - 1}"
+                for column in columns
+                if not 0 <= column < n_inputs
+            ]
         if problems:
             raise ValueError("\n".join(f"SideBySide: maps: {problem}" for problem in problems))
 
@@ -136,3 +159,8 @@ class SideBySide(FeatureMap):
         for each, columns, place in self._parts:
             self._row[place] = each.advance(x[columns])
         return self._row
+
+
+def _are_whole(columns: Any) -> bool:
+    is_list = isinstance(columns, Sequence | np.ndarray) and len(columns) > 0
+    return is_list and all(isinstance(each, Integral) for each in columns)

@@ -1,19 +1,25 @@
-"""Fitted models in HDF5 files."""
+"""Fitted models in files."""
 
 import json
-import os
 import sys
 from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 from sklearn.base import BaseEstimator
 from sklearn.utils.validation import check_is_fitted
 
 from fprc.errors import FprcError
+from fprc.models.description import describe
+from fprc.models.learned import check_learned, is_learned, is_ours
+from fprc.models.model_file import model_file, read_model_file
 from fprc.models.sequence import SequenceModel
+
+Arrays = dict[str, np.ndarray]
+
+#: Longest message about a file, which may quote a name of any length.
+_LONGEST = 1000
 
 
 def save_model(model: BaseEstimator, path: Path | str, classes: Collection[type] = ()) -> None:
@@ -29,16 +35,30 @@ def save_model(model: BaseEstimator, path: Path | str, classes: Collection[type]
     ------
     FprcError
         The class of the model, or of a part of it, is neither of this package nor in
-        ``classes``; ``random_state`` is neither a number nor None; or HDF5 cannot hold a learned
-        attribute.
+        ``classes``; ``random_state`` is neither a number nor None; or a learned attribute cannot
+        be saved: it is not finite, not as the class learns it, or neither numbers nor text.
     """
-    plain = _describe(model, _known_classes(classes))
-    # in memory: HDF5 on a full disk crashes the process at exit
-    with h5py.File("model", "w", driver="core", backing_store=False) as file:
-        _save(plain, file)
-        file.flush()
-        image = file.id.get_file_image()
-    Path(path).write_bytes(image)
+    names = {cls: name for name, cls in _known_classes(classes).items()}
+    arrays: Arrays = {}
+
+    def plain(value: object) -> str:
+        if isinstance(value, type):
+            return _name_of(value, names)
+        raise TypeError(f"{type(value).__name__} is not a number")
+
+    described = _describe(model, names, arrays, "")
+    try:
+        text = json.dumps(described, default=plain, allow_nan=False)
+    except TypeError as error:
+        raise FprcError(
+            f"{type(model).__name__}: {error}; give random_state a number to save the model"
+        ) from error
+    except ValueError as error:
+        raise FprcError(
+            f"{type(model).__name__}: {error}; only finite numbers can be saved"
+        ) from error
+    _check(model)
+    Path(path).write_bytes(model_file(text, arrays))
 
 
 def load_model(path: Path | str, classes: Collection[type] = ()) -> BaseEstimator:
@@ -52,19 +72,24 @@ def load_model(path: Path | str, classes: Collection[type] = ()) -> BaseEstimato
     Raises
     ------
     FprcError
-        The file cannot be read, or holds no model of this package.
+        The file cannot be opened, was changed, or holds no model of this package: it names the
+        file, and the part and attribute that is wrong.
     """
+    known = _known_classes(classes)
     try:
-        with h5py.File(path, "r") as file:
-            return _load(file, _known_classes(classes))
+        described, arrays = read_model_file(path)
+        model = _restore(described, arrays, known, "")
+        if arrays:
+            raise FprcError(f"{', '.join(arrays)}: is no part of the model; train it again")
+        _check(model)
+        if hasattr(model, "reset"):
+            model.reset()
+        return model
     except FprcError as error:
-        raise FprcError(f"{path}: {error}") from error
-    except (OSError, KeyError, TypeError, json.JSONDecodeError) as error:
-        if number := getattr(error, "errno", None):
-            raise FprcError(
-                f"{path}: cannot be opened ({os.strerror(number)}); check the path"
-            ) from error
-        raise FprcError(f"{path}: holds no model of fprc ({error}); train it again") from error
+        raise FprcError(f"{path}: {str(error)[:_LONGEST]}") from error
+    except Exception as error:  # on a file of somebody else, libraries and classes raise any type
+        why = f"{type(error).__name__}: {error}"[:_LONGEST]
+        raise FprcError(f"{path}: holds no model of fprc ({why}); train it again") from error
 
 
 def _known_classes(classes: Collection[type]) -> dict[str, type]:
@@ -80,102 +105,102 @@ def _known_classes(classes: Collection[type]) -> dict[str, type]:
     return {name: each for name, each in known.items() if each not in bases}
 
 
-def _class(name: str, known: Mapping[str, type]) -> type:
-    if name in known:
-        return known[name]
-    raise FprcError(f"class {name} is unknown, so another version saved it; train the model again")
+def _name_of(cls: type, names: Mapping[type, str]) -> str:
+    if cls not in names:
+        known = ", ".join(names.values())
+        raise FprcError(f"{cls.__name__} is not a model of fprc; save one of {known}")
+    return names[cls]
 
 
-def _describe(model: BaseEstimator, known: Mapping[str, type]) -> dict[str, Any]:
-    """Return everything that is written about a model."""
-    name = _known_name(model, known)
+def _describe(
+    model: BaseEstimator, names: Mapping[type, str], arrays: Arrays, place: str
+) -> dict[str, Any]:
+    """Return class, parameters and learned attributes; add arrays by their place in the model."""
+    _name_of(type(model), names)
     check_is_fitted(model)
-    try:
-        parameters = json.dumps(
-            model.get_params(deep=False), default=lambda value: _plain(value, known)
-        )
-    except TypeError as error:
-        raise FprcError(f"{name}: {error}; give random_state a number to save the model") from error
     learned = {
-        key: _describe_learned(value, key, known)
+        key: _describe_learned(value, names, arrays, f"{place}{key}")
         for key, value in sorted(vars(model).items())
-        if key.endswith("_") and not key.startswith("_")
+        if is_learned(key)
     }
-    return {"class": name, "parameters": parameters, "learned": learned}
+    return {**describe(model), "learned": learned}
 
 
-def _known_name(model: BaseEstimator, known: Mapping[str, type]) -> str:
-    name = type(model).__name__
-    if known.get(name) is not type(model):
-        raise FprcError(f"{name} is not a model of fprc; save one of {', '.join(known)}")
-    return name
-
-
-def _describe_learned(value: Any, name: str, known: Mapping[str, type]) -> Any:
-    """Return a part's description, or what HDF5 can hold: numbers, arrays of numbers, text."""
+def _describe_learned(value: Any, names: Mapping[type, str], arrays: Arrays, place: str) -> Any:
     if isinstance(value, BaseEstimator):
-        return _describe(value, known)
+        return _describe(value, names, arrays, f"{place}.")
     if isinstance(value, list) and value and isinstance(value[0], BaseEstimator):
-        return {"list": [_describe(each, known) for each in value]}
+        parts = enumerate(value)
+        return [_describe(each, names, arrays, f"{place}.{i}.") for i, each in parts]
     values = np.asarray(value)
-    if values.dtype.kind in "biuf" or all(isinstance(each, str) for each in values.flat):
-        return value
-    raise FprcError(
-        f"learned attribute {name} is {type(value).__name__}; only numbers, arrays of numbers and "
-        "text can be saved"
-    )
+    if values.dtype.kind not in "biuf":
+        if all(isinstance(each, str) for each in values.flat):
+            return values.tolist()
+        raise FprcError(
+            f"learned attribute {place} is {type(value).__name__}; only numbers, arrays of numbers "
+            "and text can be saved"
+        )
+    if values.ndim:
+        arrays[place] = values
+        return {"array": place}
+    return values.item()
 
 
-def _plain(value: object, known: Mapping[str, type]) -> Any:
-    """Return a parameter in a form that JSON has; ``_parameter`` undoes this."""
-    if isinstance(value, np.number | np.ndarray):
-        return value.tolist()
-    if isinstance(value, BaseEstimator):
-        name = _known_name(value, known)
-        return {"class": name, "parameters": value.get_params(deep=False)}
-    raise TypeError(f"{type(value).__name__} is not a number")
+def _check(model: BaseEstimator) -> None:
+    try:
+        check_learned(model)
+    except ValueError as error:
+        raise FprcError(f"{error}; train the model again") from error
 
 
-def _parameter(plain: dict[str, Any], known: Mapping[str, type]) -> Any:
-    """Return the unfitted estimator that ``_plain`` described."""
-    if plain.keys() != {"class", "parameters"}:
-        return plain
-    return _class(plain["class"], known)(**plain["parameters"])
-
-
-def _save(described: Mapping[str, Any], group: h5py.Group) -> None:
-    if "list" in described:
-        for i, each in enumerate(described["list"]):
-            _save(each, group.create_group(str(i)))
-        return
-    group.attrs["class"] = described["class"]
-    group.attrs["parameters"] = described["parameters"]
-    group.attrs["learned"] = json.dumps(list(described["learned"]))
+def _restore(described: Any, arrays: Arrays, known: Mapping[str, type], place: str) -> Any:
+    """Return a fitted estimator; take its arrays out of ``arrays``."""
+    if not isinstance(described, dict) or described.keys() != {"class", "parameters", "learned"}:
+        raise FprcError(
+            f"{place.rstrip('.') or 'model'}: must be class, parameters and learned; train it again"
+        )
+    model = _unfitted(described, known)
     for key, value in described["learned"].items():
-        if isinstance(value, dict):
-            _save(value, group.create_group(key))
-        else:
-            group.create_dataset(key, data=value)
-
-
-def _load(group: h5py.Group, known: Mapping[str, type]) -> Any:
-    """Return a fitted estimator, or a list of them."""
-    if "class" not in group.attrs and "0" in group:
-        return [_load(group[str(i)], known) for i in range(len(group))]
-    cls = _class(group.attrs["class"], known)
-    parameters = group.attrs["parameters"]
-    model = cls(**json.loads(parameters, object_hook=lambda plain: _parameter(plain, known)))
-    for key in json.loads(group.attrs["learned"]):
-        value = group[key]
-        is_part = isinstance(value, h5py.Group)
-        setattr(model, key, _load(value, known) if is_part else _read_value(value))
-    if hasattr(model, "reset"):
-        model.reset()
+        if not is_learned(key):
+            raise FprcError(f"{place}{key}: is no name of a learned attribute; train it again")
+        setattr(model, key, _restore_learned(value, arrays, known, f"{place}{key}"))
     return model
 
 
-def _read_value(dataset: h5py.Dataset) -> Any:
-    if h5py.check_string_dtype(dataset.dtype):
-        return dataset.asstr()[()]
-    learned = dataset[()]
-    return learned.item() if isinstance(learned, np.generic) else learned
+def _restore_learned(value: Any, arrays: Arrays, known: Mapping[str, type], place: str) -> Any:
+    if isinstance(value, dict) and value.keys() == {"array"}:
+        if value["array"] != place or place not in arrays:
+            raise FprcError(f"{place}: is not in the file; train the model again")
+        return arrays.pop(place)
+    if isinstance(value, dict):
+        return _restore(value, arrays, known, f"{place}.")
+    if isinstance(value, list) and value and isinstance(value[0], dict):
+        parts = enumerate(value)
+        return [_restore(each, arrays, known, f"{place}.{i}.") for i, each in parts]
+    return np.array(value, dtype=object) if isinstance(value, list) else value
+
+
+def _unfitted(described: Mapping[str, Any], known: Mapping[str, type]) -> Any:
+    """Return the estimator of ``describe``."""
+    name, parameters = described["class"], described["parameters"]
+    if not isinstance(name, str) or name not in known:
+        raise FprcError(
+            f"class {name} is unknown, so another version saved it; train the model again"
+        )
+    given = {key: _parameter(value, known) for key, value in parameters.items()}
+    try:
+        model = known[name](**given)
+    except TypeError as error:
+        raise FprcError(f"{name}: {error}, so another version saved it; train it again") from error
+    if is_ours(model) and (missing := model.get_params(deep=False).keys() - given.keys()):
+        keys = ", ".join(sorted(missing))
+        raise FprcError(f"{name}: has no {keys}, so another version saved it; train it again")
+    return model
+
+
+def _parameter(value: Any, known: Mapping[str, type]) -> Any:
+    if isinstance(value, list):
+        return [_parameter(each, known) for each in value]
+    if isinstance(value, dict) and value.keys() == {"class", "parameters"}:
+        return _unfitted(value, known)
+    return value

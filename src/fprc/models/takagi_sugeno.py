@@ -1,6 +1,6 @@
 """Takagi-Sugeno fuzzy readout."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
@@ -12,7 +12,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.models.fcm import fuzzy_c_means
 from fprc.models.kernels import blend
-from fprc.models.limits import Limit, OneOf, check_limits
+from fprc.models.limits import Allows, Limit, OneOf, Seed, Whole, check_limits
 from fprc.models.membership import gaussian_memberships
 from fprc.models.ridge import ridge_weights, with_bias
 
@@ -60,13 +60,19 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
     clustering: str = "fprc"
     restarts: int = 1
 
-    LIMITS: ClassVar[Mapping[str, Limit | OneOf]] = {
-        "n_c": Limit(1),
-        "sigma": Limit(0, low_open=True),
-        "alpha": Limit(0),
+    LIMITS: ClassVar[Mapping[str, Allows]] = {
+        "n_c": Whole(1, 1000),
+        "sigma": Limit(1e-9, 1e9),
+        "alpha": Limit(0, 1e30),
+        "random_state": Seed(),
         "clustering": OneOf(("fprc", "scikit-fuzzy")),
-        "restarts": Limit(1),
+        "restarts": Whole(1, 10_000),
     }
+
+    def learned(self) -> Iterator[tuple[str, tuple[int, ...]]]:
+        """Yield the shapes of centres and weights, see ``fprc.models.learned``."""
+        yield "centers_", (self.n_c, self.n_features_in_)
+        yield "W_out_", (self.n_c, 1 + self.n_features_in_)
 
     def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
         """Cluster the rows, then fit each rule weighted by u_i^2 (Eq. 8)."""

@@ -8,9 +8,9 @@ from fprc.apparatus.programme import names, plan
 from fprc.apparatus.record import record_on_rig
 from fprc.config import Settings
 from fprc.devices import Readings
-from fprc.errors import ConfigError, ControlError
+from fprc.errors import ConfigError, ControlError, FprcError
 from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS
-from fprc.models import ESN, FPRC, FuzzyLinear, save_model
+from fprc.models import ESN, FPRC, FuzzyLinear, RidgeReadout, TapFeatures, save_model
 from fprc.signals import pressure_command
 
 NOW = Readings(0.0, 1.0, 20.0, 2.0, 100.0, 0.0)
@@ -138,6 +138,8 @@ def files(model, recorded, tmp_path_factory):
         "Fuzzy-linear": (FuzzyLinear(n_c=2, random_state=1), 1),
         "ESN": (ESN(r=5, random_state=1), 1),
         "FPRC of three inputs": (FPRC(n_c=2, random_state=1), 3),
+        "features": (TapFeatures(), 2),
+        "readout": (RidgeReadout(), 2),
     }
     for name, (each, count) in fitted.items():
         each.fit(inputs[:, :count], log["p_exp_command_kpa"])
@@ -152,6 +154,8 @@ def files(model, recorded, tmp_path_factory):
     [
         ("Fuzzy-linear", "is a FuzzyLinear, must be a FPRC; give --model a file of fprc"),
         ("ESN", "is a ESN, must be a FPRC; give --model a file of fprc"),
+        ("features", "is a TapFeatures, must be a FPRC; give --model a file of fprc"),
+        ("readout", "is a RidgeReadout, must be a FPRC; give --model a file of fprc"),
         ("FPRC of three inputs", "was fitted to 3 inputs, must have 2, theta_deg and p_o_kpa"),
     ],
 )
@@ -192,3 +196,9 @@ def test_log_names_the_model_that_runs(settings, files):
     ]  # fmt: skip
     alone = plan("track_sine_0p2_pd", settings, files["FPRC"]).attributes
     assert not [name for name in alone if name.startswith("model")]
+
+
+def test_step_that_fails_is_refused_before_the_rig_moves(settings, model, monkeypatch):
+    monkeypatch.setattr(FPRC, "step", lambda self, x: x[7])
+    with pytest.raises(FprcError, match=r"fprc\.h5: makes no step \(tuple index"):
+        plan("track_sine_0p2_fprc", settings, model)

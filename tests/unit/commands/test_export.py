@@ -99,7 +99,7 @@ def test_model_that_cannot_be_exported_leaves_no_file(model, header, capsys):
     X = np.random.default_rng(1).normal(size=(50, 1))
     save_model(ESN(r=8, random_state=1).fit(X, X[:, 0]), model)
     assert main(["export", str(model), "--c", str(header)]) == 1
-    assert "cannot be exported" in capsys.readouterr().err
+    assert "model.h5: ESN cannot be exported" in capsys.readouterr().err
     assert not header.exists()
 
 

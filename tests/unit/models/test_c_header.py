@@ -169,9 +169,9 @@ def test_random_samples_and_resets_give_the_same_stream(fitted, compiled):
     same()
 
 
-@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, 1.01e9, -1.01e9, 1e38])
 @pytest.mark.parametrize("single", [False, True], ids=["double", "float"])
-def test_sample_that_is_not_finite_gives_nan_and_is_ignored(bad, single, compiled):
+def test_sample_that_is_a_fault_gives_nan_and_is_ignored(bad, single, compiled):
     stream, other = compiled("fprc", single=single), compiled("fprc", single=single)
     X = recording(40, 2, seed=2)
     for k, x in enumerate(X):
@@ -180,12 +180,48 @@ def test_sample_that_is_not_finite_gives_nan_and_is_ignored(bad, single, compile
         assert stream.step(x) == other.step(x)
 
 
-def test_reset_to_a_sample_that_is_not_finite_begins_at_the_next(compiled):
+def test_header_refuses_the_samples_that_step_refuses(fitted, compiled):
+    values = st.sampled_from([np.nan, np.inf, -np.inf, 1e300, -1e300, 1e9, -1e9, 5e-324, 0.0])
+    edges = st.sampled_from([np.nextafter(1e9, 2e9), np.nextafter(-1e9, -2e9)])
+    sample = arrays(np.float64, 3, elements=values | edges | st.floats(-300.0, 300.0))
+
+    @given(st.sampled_from(sorted(fitted)), st.lists(sample, max_size=30))
+    def same(name, samples):
+        c, python = compiled(name), fitted[name]
+        for stream in (c, python):
+            stream.reset()
+        scale = 1.0
+        for x in (each[: columns(name)] for each in samples):
+            found = c.step(x)
+            try:
+                expected = python.step(x)
+            except ValueError:
+                assert np.isnan(found)
+            else:
+                scale = max(scale, np.abs(x).max())
+                assert_allclose(found, expected, rtol=1e-6, atol=1e-6 * scale)
+
+    same()
+
+
+@pytest.mark.parametrize("single", [False, True], ids=["double", "float"])
+@pytest.mark.parametrize("name", MODELS)
+def test_header_recovers_from_the_largest_sample(name, single, compiled):
+    X = recording(4000, columns(name), seed=2)
+    spiked = X.copy()
+    spiked[5] = 1e9
+    got, expected = (steps(compiled(name, single=single), each) for each in (spiked, X))
+    assert np.all(np.isfinite(got))
+    assert_allclose(got[-500:], expected[-500:], rtol=0, atol=0.1 if single else 1e-6)
+
+
+def test_reset_to_a_sample_that_is_a_fault_begins_at_the_next(compiled):
     stream, other = compiled("fprc"), compiled("fprc")
     X = recording(40, 2, seed=2)
     steps(stream, X[::-1])
-    stream.reset([np.nan, 100.0])
-    assert np.array_equal(steps(stream, X), steps(other, X))
+    for bad in (np.nan, np.inf, 1e10):
+        stream.reset([bad, 100.0])
+        assert [stream.step(x) for x in X] == steps(other, X).tolist()
 
 
 def test_compiled_header_calls_nothing_but_exp(compiled):
@@ -272,6 +308,17 @@ def test_numbers_beyond_float_are_refused(fitted):
     with pytest.raises(FprcError, match=r"weights: 1e\+39 exceeds the range of float"):
         c_header(model, "pff", single=True)
     assert "-1e+39" in c_header(model, "pff")
+
+
+def test_readout_that_no_controller_holds_is_refused(fitted, monkeypatch):
+    monkeypatch.setattr("fprc.models.c_header.MOST_NUMBERS", 100)
+    with pytest.raises(FprcError, match="the readout has 137 numbers; at most 100"):
+        c_header(fitted["fprc"], "pff")
+
+
+def test_part_of_a_model_is_refused(fitted):
+    with pytest.raises(FprcError, match="TakagiSugenoReadout is a part of a model"):
+        c_header(fitted["fprc"].readout_, "pff")
 
 
 def test_unfitted_model_is_refused():

@@ -2,6 +2,7 @@ import ast
 import inspect
 import re
 import tracemalloc
+from copy import copy
 
 import numpy as np
 import pytest
@@ -214,6 +215,53 @@ def test_nan_in_a_log_to_predict_is_refused(fitted):
         fitted.predict(X)
 
 
+@pytest.mark.parametrize("bad", [1.01e9, -1e10, 1e300])
+@pytest.mark.parametrize("call", ["fit", "predict"])
+def test_sample_that_is_a_fault_is_refused_by_column_and_number(call, bad, fitted):
+    X = other_inputs(fitted)
+    X[7, -1] = bad
+    wrong = f"column {X.shape[1] - 1}, sample 7 is {bad:g}; must be within -1e+09 and 1e+09"
+    with pytest.raises(ValueError, match=re.escape(wrong)):
+        fitted.predict(X) if call == "predict" else clone(fitted).fit(X, pressure(len(X)))
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, 1.01e9, -1e300])
+def test_step_ignores_a_sample_that_is_a_fault(bad, fitted):
+    X = other_inputs(fitted)
+    got = []
+    for k, x in enumerate(X):
+        if k in (0, 30):
+            with pytest.raises(ValueError, match=r"must be . numbers within .*is ignored"):
+                fitted.step([*x[:-1], bad])
+        got.append(fitted.step(x))
+    assert_allclose(got, fitted.predict(X), rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("spike", [1e9, -1e9])
+def test_stream_recovers_from_the_largest_sample(spike, fitted):
+    """Within 4,000 samples: FPRC's low-pass has to forget 1e7 kPa."""
+    X = np.tile(other_inputs(fitted), (50, 1))
+    spiked = X.copy()
+    spiked[5] = spike
+    expected = steps(fitted, X)
+    fitted.reset()
+    got = steps(fitted, spiked)
+    assert np.all(np.isfinite(got))
+    assert abs(got[5] - expected[5]) > 1e3
+    assert_allclose(got[-80:], expected[-80:], rtol=0, atol=1e-6)
+
+
+def test_copy_has_a_stream_of_its_own(fitted):
+    X = other_inputs(fitted)
+    for x in X[:40]:
+        fitted.step(x)
+    ours, theirs = copy(fitted), copy(fitted.features_)
+    expected = [fitted.step(x) for x in X[40:]]
+    rows = np.array([theirs.step(x) for x in X[40:]])
+    assert [ours.step(x) for x in X[40:]] == expected
+    assert_allclose(fitted.readout_.predict(rows), expected, rtol=0, atol=1e-9)
+
+
 def test_fprc_without_a_readout_of_the_reservoir_is_refused():
     with pytest.raises(ValueError, match=r"readout.*FuzzyLinear"):
         FPRC(n_c=2).fit(inputs("esn", 40), pressure(40))
@@ -246,7 +294,48 @@ def test_defaults_are_those_of_the_paper():
         (TapFeatures(n_u=0), "n_u"),
         (TapFeatures(epsilon=0.0), "epsilon"),
         (TapFeatures(epsilon=1.5), "epsilon"),
+        (TapFeatures(n_y=10**9), "n_y"),
+        (TapFeatures(n_y="5"), "n_y"),
+        (TapFeatures(n_y=5.0), "n_y"),
+        (TapFeatures(n_y=True), "n_y"),
+        (TapFeatures(n_u=None), "n_u"),
+        (TapFeatures(n_references="1"), "n_references"),
+        (TapFeatures(epsilon="0.1"), "epsilon"),
+        (TapFeatures(epsilon=np.nan), "epsilon"),
+        (TapFeatures(epsilon=[0.1]), "epsilon"),
         (PlayOperators(n_plays=0), "n_plays"),
+        (PlayOperators(n_plays=10**9), "n_plays"),
+        (LowpassBank(0.1), "epsilons"),
+        (LowpassBank("0.1"), "epsilons"),
+        (LowpassBank(("0.1",)), "epsilons"),
+        (LowpassBank(np.full(1001, 0.1)), "epsilons"),
+        (NVAR(n_taps=100, degree=3), "n_taps"),
+        (NVAR(n_taps=10**9), "n_taps"),
+        (NVAR(spacing=10**9), "spacing"),
+        (NVAR(degree=10**9), "degree"),
+        (EchoStates(r=10**6), "r"),
+        (EchoStates(r=5, f_input=np.inf), "f_input"),
+        (EchoStates(r=5, rho=None), "rho"),
+        (EchoStates(r=5, washout=10**9), "washout"),
+        (EchoStates(r=4000, washout=1000), "washout"),
+        (EchoStates(r=5, random_state="1"), "random_state"),
+        (EchoStates(r=5, random_state=-1), "random_state"),
+        (RidgeReadout(alpha="1"), "alpha"),
+        (RidgeReadout(alpha=np.inf), "alpha"),
+        (TakagiSugenoReadout(n_c=10**9), "n_c"),
+        (TakagiSugenoReadout(n_c=2, clustering=None), "clustering"),
+        (TakagiSugenoReadout(n_c=2, restarts=2.5), "restarts"),
+        (FPRC(n_c="2"), "n_c"),
+        (ESN(r="5"), "r"),
+        (SideBySide([("a", TapFeatures(), 0)]), "columns"),
+        (SideBySide([("a", TapFeatures(), ["0"])]), "columns"),
+        (SideBySide([("a", TapFeatures(), [])]), "columns"),
+        (SideBySide([(1, PlayOperators("2"), None)]), "n_plays"),
+        (FeatureModel(3, RidgeReadout()), "features"),
+        (FeatureModel(RidgeReadout(), RidgeReadout()), "features"),
+        (FeatureModel(TapFeatures(), TapFeatures()), "readout"),
+        (FeatureModel(TapFeatures(), RidgeReadout), "readout"),
+        (FeatureModel(TapFeatures(), RidgeReadout(), random_state="1"), "random_state"),
         (LowpassBank((0.1, 0.0)), "epsilons"),
         (NVAR(n_taps=0), "n_taps"),
         (NVAR(spacing=0), "spacing"),

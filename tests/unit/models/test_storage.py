@@ -20,12 +20,14 @@ from fprc.models import (
     LowpassBank,
     PlayOperators,
     RidgeReadout,
+    SequenceModel,
     SideBySide,
     TakagiSugenoReadout,
     TapFeatures,
     load_model,
     save_model,
 )
+from fprc.models.model_file import sealed
 
 BANK = SideBySide([("taps", TapFeatures(), None), ("bank", LowpassBank([0.5, 0.1]), [0])])
 SEQUENCE_MODELS = [
@@ -178,55 +180,368 @@ def test_missing_file_is_named(path):
         load_model(path)
 
 
+def test_what_is_no_file_is_named(tmp_path):
+    os.mkfifo(tmp_path / "pipe.h5")
+    with pytest.raises(FprcError, match=r"pipe\.h5: cannot be opened \(not a regular file\)"):
+        load_model(tmp_path / "pipe.h5")
+
+
 @pytest.mark.parametrize("content", [b"", b"hello", b"\x89HDF\r\n\x1a\n" + b"\0" * 200])
-def test_file_that_is_no_hdf5_is_named(content, path):
+def test_file_that_is_no_model_is_named(content, path):
     path.write_bytes(content)
     with pytest.raises(FprcError, match=r"model\.h5: holds no model"):
         load_model(path)
 
 
+def test_file_larger_than_any_model_is_not_read(path):
+    path.touch()
+    os.truncate(path, 10**12)
+    with pytest.raises(FprcError, match=r"model\.h5: holds no model .* the limit is 150 MB"):
+        load_model(path)
+
+
+def test_model_too_large_to_be_read_is_not_saved(path, monkeypatch):
+    monkeypatch.setattr("fprc.models.model_file.MOST_BYTES", 3000)
+    with pytest.raises(FprcError, match="the limit is 0 MB, train a smaller one"):
+        save_model(FPRC(n_c=3, random_state=1).fit(log(), pressure()), path)
+    assert not path.exists()
+
+
+def test_file_without_a_checksum_is_refused_as_one_of_an_earlier_version(path):
+    with h5py.File(path, "w") as file:
+        file.create_dataset("theta_deg", data=np.arange(3.0))
+    with pytest.raises(FprcError, match=r"model\.h5: .*earlier version.*train the model again"):
+        load_model(path)
+
+
+# --- a file that is not as it was saved -------------------------------------------------------
+
+
 @pytest.mark.parametrize("share", [0.01, 0.1, 0.5, 0.99])
 def test_file_that_is_cut_short_is_named(share, saved, path):
     os.truncate(path, int(share * path.stat().st_size))
+    with pytest.raises(FprcError, match=r"model\.h5: (holds no model|was changed)"):
+        load_model(path)
+
+
+def test_any_byte_that_changed_is_noticed(saved, path, damaged_bytes):
+    data = path.read_bytes()
+    for at in damaged_bytes(len(data)):
+        path.write_bytes(data[:at] + bytes([data[at] ^ 1]) + data[at + 1 :])
+        with pytest.raises(FprcError, match=r"model\.h5: (holds no model|was changed after)"):
+            load_model(path)
+
+
+def test_number_that_a_program_changed_is_noticed(saved, path):
+    with h5py.File(path, "a") as file:
+        file["readout_.W_out_"][0, 0] += 1.0
+    with pytest.raises(FprcError, match=r"model\.h5: was changed after it was saved.*train"):
+        load_model(path)
+
+
+# --- a file whose checksum was renewed --------------------------------------------------------
+
+
+def reseal(path):
+    path.write_bytes(sealed(path.read_bytes()[512:]))
+
+
+def rewrite(path, change):
+    """Change the text of a model file, and renew the checksum."""
+    with h5py.File(path, "a") as file:
+        described = json.loads(file["model"][()])
+        described = change(described) or described
+        del file["model"]
+        file["model"] = np.bytes_(json.dumps(described).encode())
+    reseal(path)
+
+
+def test_whole_file_with_a_renewed_checksum_is_read(saved, path):
+    before = path.read_bytes()
+    reseal(path)
+    assert path.read_bytes() == before
+    rewrite(path, lambda described: None)
+    assert np.array_equal(load_model(path).predict(log()), saved.predict(log()))
+
+
+def put(*keys, value):
+    """Return a change of the value at some keys."""
+
+    def change(described):
+        inner = described
+        for key in keys[:-1]:
+            inner = inner[key]
+        inner[keys[-1]] = value
+
+    return change
+
+
+PART = ("learned", "readout_")
+TEXTS = {
+    "no description": (lambda described: [1], "model: must be class, parameters and learned"),
+    "class": (put("class", value="NeuralNetwork"), "NeuralNetwork is unknown.*train"),
+    "no class": (put("class", value={}), "class .* is unknown"),
+    "class of a part": (put(*PART, "class", value="Tree"), "Tree is unknown"),
+    "other class": (put("class", value="FuzzyLinear"), "FuzzyLinear.*epsilon"),
+    "other part": (put("learned", "features_", value=2.0), "features_: is float; must be TapFea"),
+    "parameter": (put("parameters", "n_layers", value=3), "FPRC: .*n_layers.*another version"),
+    "no parameter": (lambda d: d["parameters"].pop("n_c") and None, "FPRC: has no n_c"),
+    "number": (put("parameters", "n_c", value=4), "readout_: its parameters are not"),
+    "learned name": (put("learned", "fit", value=3), "fit: is no name of a learned"),
+    "unknown name": (put("learned", "more_", value=3), "more_: FPRC learns no such"),
+    "no part": (lambda d: d["learned"].pop("readout_") and None, "readout_.* is no part of"),
+    "array twice": (put(*PART, "learned", "centers_", value={"array": "readout_.W_out_"}),
+                    "readout_.centers_: is not in the file"),
+    "columns": (put("learned", "n_features_in_", value=10**9), "n_features_in_ = 1000000000"),
+    "half a column": (put("learned", "n_features_in_", value=2.0), "n_features_in_ = 2.0"),
+    "fewer columns": (put("learned", "n_features_in_", value=1), "features_: is trained on 2"),
+    "columns of a part": (put(*PART, "learned", "n_features_in_", value=5),
+                          "readout_: is trained on 5 columns, but gets 8"),
+    "names": (put("learned", "feature_names_in_", value=["a"]), "feature_names_in_: must be"),
+    "infinity": (put("parameters", "sigma", value=float("inf")), "model: holds inf"),
+    "long name": (put("class", value="x" * 10**6), "class x{900,1000}$"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("change", "problem"), TEXTS.values(), ids=TEXTS)
+def test_wrong_description_is_named(change, problem, saved, path):
+    rewrite(path, change)
+    with pytest.raises(FprcError, match=rf"model\.h5: .*{problem}"):
+        load_model(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("n_c", 10**9), ("n_c", "3"), ("n_c", None), ("sigma", 0.0), ("sigma", True),
+     ("clustering", ["fprc"]), ("random_state", "one"), ("alpha", -1.0), ("restarts", 1.5)],
+)  # fmt: skip
+def test_parameter_outside_its_limits_is_named(name, value, saved, path):
+    def change(described):
+        for part in (described, described["learned"]["readout_"]):
+            part["parameters"][name] = value
+
+    rewrite(path, change)
+    with pytest.raises(FprcError, match=rf"model\.h5: readout_.*{name} = .*; must be"):
+        load_model(path)
+
+
+def test_number_beyond_double_is_named(saved, path):
+    with h5py.File(path, "a") as file:
+        text = file["model"][()]
+        del file["model"]
+        file["model"] = np.bytes_(text.replace(b"2.0", b"2e400"))
+    reseal(path)
+    with pytest.raises(FprcError, match=r"model\.h5: model: holds inf"):
+        load_model(path)
+
+
+def test_deeply_nested_description_is_refused(saved, path):
+    with h5py.File(path, "a") as file:
+        del file["model"]
+        file["model"] = np.bytes_(b"[" * 10**6)
+    reseal(path)
     with pytest.raises(FprcError, match=r"model\.h5: holds no model"):
         load_model(path)
 
 
-def test_hdf5_file_without_a_model_is_named(path):
-    with h5py.File(path, "w") as file:
-        file.create_dataset("theta_deg", data=np.arange(3.0))
-    with pytest.raises(FprcError, match=r"model\.h5: holds no model.*train it again"):
-        load_model(path)
+def external(file, name, values):
+    return file.create_dataset(name, values.shape, "f8", external=[("raw", 0, values.nbytes)])
 
 
-def test_class_of_another_version_is_named(saved, path):
+def virtual(file, name, values):
+    layout = h5py.VirtualLayout(values.shape, "f8")
+    layout[:] = h5py.VirtualSource("other.h5", name, values.shape)
+    return file.create_virtual_dataset(name, layout)
+
+
+ARRAYS = {
+    "fewer columns": (lambda x: x[:, :3], r"shape \(3, 3\); must be float64 of shape \(3, 9\)"),
+    "fewer rules": (lambda x: x[:2], "shape"),
+    "flat": (lambda x: x.ravel(), "shape"),
+    "no axis": (lambda x: 1.0, "shape"),
+    "empty": (lambda x: x[:0], "shape"),
+    "single": (lambda x: x.astype("f4"), "is float32"),
+    "big-endian": (lambda x: x.astype(">f8"), "is >f8"),
+    "whole": (lambda x: x.astype(int), "is int64"),
+    "complex": (lambda x: x + 1j, "not an array as fprc saves it"),
+    "text": (lambda x: x.astype("S8"), "not an array as fprc saves it"),
+    "infinity": (lambda x: x * np.inf, "holds NaN or infinity"),
+    "huge": (lambda x: x * 1e200, r"each must be a number in \[-1e\+30, 1e\+30\]"),
+}
+PLACES = {
+    "gone": (lambda file, name, x: None, "is not in the file"),
+    "soft link": (lambda file, name, x: file.__setitem__(name, h5py.SoftLink("/model")),
+                  "is no dataset of the file itself"),
+    "link": (lambda file, name, x: file.__setitem__(name, h5py.ExternalLink("o.h5", "/x")),
+             "is no dataset of the file itself"),
+    "group": (lambda file, name, x: file.create_group(name), "is no dataset"),
+    "external": (external, "not an array as fprc saves it"),
+    "virtual": (virtual, "not an array as fprc saves it"),
+    "compressed": (lambda file, name, x: file.create_dataset(name, data=x, compression="gzip"),
+                   "not an array as fprc saves it"),
+    "promised": (lambda file, name, x: file.create_dataset(name, (10**6, 10**6), "f8"),
+                 "not an array as fprc saves it"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("change", "problem"), ARRAYS.values(), ids=ARRAYS)
+def test_wrong_array_is_named(change, problem, saved, path):
     with h5py.File(path, "a") as file:
-        file.attrs["class"] = "NeuralNetwork"
-    with pytest.raises(FprcError, match=r"model\.h5.*NeuralNetwork"):
+        values = file["readout_.W_out_"][()]
+        del file["readout_.W_out_"]
+        with np.errstate(invalid="ignore"):
+            file["readout_.W_out_"] = change(values)
+    reseal(path)
+    with pytest.raises(FprcError, match=rf"model\.h5: readout_\.W_out_: .*{problem}"):
         load_model(path)
 
 
-def test_class_of_a_part_of_another_version_is_named(saved, path):
+@pytest.mark.parametrize(("change", "problem"), PLACES.values(), ids=PLACES)
+def test_array_that_is_elsewhere_is_named(change, problem, saved, path):
     with h5py.File(path, "a") as file:
-        file["readout_"].attrs["class"] = "NeuralNetwork"
-    with pytest.raises(FprcError, match=r"model\.h5.*NeuralNetwork"):
+        values = file["readout_.W_out_"][()]
+        del file["readout_.W_out_"]
+        change(file, "readout_.W_out_", values)
+    reseal(path)
+    with pytest.raises(FprcError, match=rf"model\.h5: readout_\.W_out_: .*{problem}"):
         load_model(path)
 
 
-def test_parameter_of_another_version_is_named(saved, path):
+def test_array_that_belongs_to_nothing_is_named(saved, path):
     with h5py.File(path, "a") as file:
-        parameters = json.loads(file.attrs["parameters"]) | {"n_layers": 3}
-        file.attrs["parameters"] = json.dumps(parameters)
-    with pytest.raises(FprcError, match=r"model\.h5.*n_layers"):
+        file["more_"] = np.ones(3)
+    reseal(path)
+    with pytest.raises(FprcError, match=r"model\.h5: more_: is no part of the model"):
         load_model(path)
 
 
-@pytest.mark.parametrize("part", ["readout_", "readout_/W_out_"])
-def test_model_that_lacks_a_part_is_refused(part, saved, path):
+@pytest.mark.parametrize(
+    ("features", "name", "value"),
+    [
+        (NVAR(n_taps=2), "scale_", np.zeros(2)),
+        (PlayOperators(n_plays=3), "half_widths_", -np.ones((2, 3))),
+        (EchoStates(r=4, random_state=1), "W_r_", np.full((4, 4), 1e100)),
+    ],
+    ids=named,
+)
+def test_array_outside_its_limits_is_named(features, name, value, path):
+    save_model(features.fit(log()), path)
     with h5py.File(path, "a") as file:
-        del file[part]
-    with pytest.raises(FprcError, match=r"model\.h5"):
+        file[name][...] = value
+    reseal(path)
+    with pytest.raises(FprcError, match=rf"{name}: holds .*; each must be"):
         load_model(path)
+
+
+@pytest.mark.parametrize(
+    ("features", "change", "problem"),
+    [
+        (BANK, put("learned", "maps_", value=[]), "maps_: must be 2 parts"),
+        (BANK, put("learned", "maps_", 0, "learned", "n_features_in_", value=1),
+         "maps_.0: is trained on 1 columns, but gets 2"),
+        (BANK, put("parameters", "maps", 0, 2, value=["0"]), "'taps' has columns"),
+        (BANK, put("parameters", "maps", 0, 2, value=[7]), "'taps' needs column 7"),
+        (BANK, put("parameters", "maps", 0, 1, value=7), "'taps' is int"),
+        (BANK, put("parameters", "maps", value=[7]), "maps = .*must be a list of"),
+        (NVAR(n_taps=2), put("parameters", "degree", value=10**6), "NVAR: degree = 1000000"),
+        (TapFeatures(), put("parameters", "n_references", value=7), "n_references = 7"),
+        (LowpassBank(), put("parameters", "epsilons", value="0.1"), "epsilons = '0.1'"),
+        (LowpassBank(), put("parameters", "epsilons", value=[[0.1]]), "epsilons = "),
+    ],
+)  # fmt: skip
+def test_wrong_map_is_named(features, change, problem, path):
+    save_model(clone(features).fit(log()), path)
+    rewrite(path, change)
+    with pytest.raises(FprcError, match=rf"model\.h5: .*{problem}"):
+        load_model(path)
+
+
+def test_model_that_does_not_suit_its_class_is_not_saved(path):
+    model = FPRC(n_c=3, random_state=1).fit(log(), pressure())
+    model.readout_.W_out_ = model.readout_.W_out_[:, :3]
+    with pytest.raises(FprcError, match=r"readout_\.W_out_: is float64 of shape \(3, 3\)"):
+        save_model(model, path)
+    model.readout_.W_out_ = np.full((3, 9), np.nan)
+    with pytest.raises(FprcError, match=r"readout_\.W_out_: holds nan"):
+        save_model(model, path)
+
+
+# --- models from outside the package ------------------------------------------------------------
+
+
+class Doubled(TapFeatures):
+    """A map with twice the features, which it does not declare."""
+
+    def _transform(self, X):
+        return np.repeat(super()._transform(X), 2, axis=1)
+
+    def _step(self, x):
+        return np.repeat(super()._step(x), 2)
+
+
+class Outside(SequenceModel):
+    """A model that learns what no class of this package does."""
+
+    def make_features(self):
+        return Doubled()
+
+    def make_readout(self):
+        return TakagiSugenoReadout(n_c=3, random_state=1)
+
+    def fit(self, X, y, lengths=None):
+        super().fit(X, y, lengths)
+        self.offset_, self.names_ = 0.5, ["a", "b"]
+        self.table_ = np.arange(6).reshape(2, 3)
+        self.inner_ = [RidgeReadout().fit(X, y)]
+        return self
+
+
+@pytest.fixture
+def outside(path):
+    model = Outside().fit(log(), pressure())
+    save_model(model, path, [Outside])
+    return model
+
+
+def test_model_from_outside_is_loaded_with_what_it_learned(outside, path):
+    loaded = load_model(path, [Outside])
+    assert type(loaded) is Outside
+    assert np.array_equal(loaded.predict(log()), outside.predict(log()))
+    assert [loaded.step(x) for x in log()] == [outside.step(x) for x in log()]
+    assert (loaded.offset_, list(loaded.names_)) == (0.5, ["a", "b"])
+    assert loaded.table_.tolist() == [[0, 1, 2], [3, 4, 5]]
+    assert np.array_equal(loaded.inner_[0].w_out_, outside.inner_[0].w_out_)
+
+
+@pytest.mark.parametrize("name", ["readout_.W_out_", "inner_.0.w_out_"])
+def test_part_of_a_model_from_outside_is_checked(name, outside, path):
+    with h5py.File(path, "a") as file:
+        values = file[name][()]
+        del file[name]
+        file[name] = values[:-1]
+    reseal(path)
+    with pytest.raises(FprcError, match=rf"{name}: is float64 of shape .*; must be"):
+        load_model(path, [Outside])
+
+
+def test_sizes_of_parts_from_outside_are_compared_before_the_compiled_step(outside, path):
+    outside.readout_.fit(log(), pressure())
+    save_model(outside, path, [Outside])
+    with pytest.raises(ValueError, match="trained on another number of features"):
+        load_model(path, [Outside]).step(log()[0])
+
+
+@pytest.mark.parametrize("value", [np.nan, [1.0, np.inf]])
+def test_model_from_outside_that_is_not_finite_is_not_saved(value, outside, path):
+    outside.offset_ = value
+    with pytest.raises(FprcError, match=r"offset_: holds NaN|only finite numbers"):
+        save_model(outside, path, [Outside])
+
+
+def test_class_from_outside_that_fails_is_an_error(outside, path, monkeypatch):
+    monkeypatch.setattr(Outside, "offset_", property(), raising=False)
+    with pytest.raises(FprcError, match=r"model\.h5: holds no model .*AttributeError"):
+        load_model(path, [Outside])
 
 
 def log():

@@ -1,0 +1,28 @@
+"""An unfitted estimator as its class and its parameters."""
+
+from typing import Any
+
+import numpy as np
+from sklearn.base import BaseEstimator
+
+
+def describe(value: Any, *, seeds: bool = True) -> Any:
+    """Return an estimator as a dict of class and parameters, at any depth.
+
+    Arrays and tuples become lists, numbers of NumPy become Python's; two estimators are made alike
+    if their descriptions are equal. Any other value stays as it is.
+
+    Parameters
+    ----------
+    seeds : bool, default=True
+        Whether the parameters include ``random_state``.
+    """
+    if isinstance(value, BaseEstimator):
+        parameters = value.get_params(deep=False)
+        kept = {key: each for key, each in parameters.items() if seeds or key != "random_state"}
+        return {"class": type(value), "parameters": describe(kept, seeds=seeds)}
+    if isinstance(value, dict):
+        return {key: describe(each, seeds=seeds) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [describe(each, seeds=seeds) for each in value]
+    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value

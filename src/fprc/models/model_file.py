@@ -1,0 +1,150 @@
+"""Files of fitted models: an HDF5 file of one text and some arrays, behind a checksum.
+
+The first 512 bytes, HDF5's user block, hold the SHA-256 of all others, so a damaged file is refused
+before the HDF5 library reads it. A file whose checksum somebody renewed is read with care too: the
+library follows no link and opens no other file, and no array is larger than its file.
+"""
+
+import hashlib
+import json
+import math
+import os
+import stat
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from fprc.errors import FprcError
+
+#: Largest file, bytes: an ESN of 4,000 nodes takes 128 MB.
+MOST_BYTES = 150_000_000
+
+#: Name of the text, JSON.
+_TEXT = "model"
+_FORMAT = b"fprc model 1\n"
+_BLOCK = 512
+_HDF5 = b"\x89HDF\r\n\x1a\n"
+
+
+def model_file(text: str, arrays: Mapping[str, np.ndarray]) -> bytes:
+    """Return the content of a file.
+
+    Raises
+    ------
+    FprcError
+        It is too large, or an array is not finite.
+    """
+    # in memory: HDF5 on a full disk crashes the process at exit
+    with h5py.File(_TEXT, "w", driver="core", backing_store=False) as file:
+        file.create_dataset(_TEXT, data=np.bytes_(text.encode()))
+        for name, values in arrays.items():
+            _refuse_infinite(name, values)
+            file.create_dataset(name, data=values)
+        file.flush()
+        image = file.id.get_file_image()
+    if _BLOCK + len(image) > MOST_BYTES:
+        raise FprcError(f"takes {_too_large(_BLOCK + len(image))}, train a smaller one")
+    return sealed(image)
+
+
+def sealed(image: bytes) -> bytes:
+    """Return an HDF5 file behind the block with its checksum."""
+    return _block(image) + image
+
+
+def read_model_file(path: Path | str) -> tuple[Any, dict[str, np.ndarray]]:
+    """Return the value of the text, and every array by its name.
+
+    Raises
+    ------
+    FprcError
+        The file cannot be opened, is not as it was saved, is too large, or holds anything else.
+        The message does not name the file.
+    """
+    image = _checked_image(path)
+    with h5py.File(h5py.h5f.open_file_image(image)) as file:
+        names, left = list(file), len(image)
+        values = {}
+        for name in [_TEXT, *(each for each in names if each != _TEXT)]:
+            dataset = _dataset(file, name)
+            left -= dataset.nbytes
+            if left < 0:
+                raise FprcError(f"{name}: declares more numbers than the file has bytes; {_AGAIN}")
+            values[name] = dataset[()]
+    text = values.pop(_TEXT)
+    if not isinstance(text, bytes):
+        raise FprcError(f"{_TEXT}: must be text; {_AGAIN}")
+    for name, each in values.items():
+        _refuse_infinite(name, each)
+    return json.loads(text, parse_float=_number, parse_constant=_number), values
+
+
+_AGAIN = "train the model again"
+
+
+def _block(image: bytes) -> bytes:
+    return (_FORMAT + hashlib.sha256(image).hexdigest().encode() + b"\n").ljust(_BLOCK, b"\0")
+
+
+def _too_large(size: int) -> str:
+    return f"{size / 1e6:.0f} MB, the limit is {MOST_BYTES / 1e6:.0f} MB"
+
+
+def _checked_image(path: Path | str) -> bytes:
+    """Read a regular file once, and return it without its first block."""
+    try:
+        known = os.stat(path)
+        if not (stat.S_ISREG(known.st_mode) or stat.S_ISDIR(known.st_mode)):  # a pipe would block
+            raise FprcError("cannot be opened (not a regular file); check the path")
+        if known.st_size > MOST_BYTES:
+            raise FprcError(f"holds no model of fprc: it has {_too_large(known.st_size)}")
+        with open(path, "rb") as file:
+            content = file.read(MOST_BYTES)
+    except OSError as error:
+        raise FprcError(f"cannot be opened ({error.strerror}); check the path") from error
+    block, image = content[:_BLOCK], content[_BLOCK:]
+    if block == _block(image):
+        return image
+    if content.startswith(_HDF5):
+        raise FprcError(
+            "holds no model of fprc, or one that an earlier version saved without a checksum; "
+            f"{_AGAIN}"
+        )
+    if not content.startswith(_FORMAT):
+        raise FprcError(f"holds no model of fprc; {_AGAIN}")
+    raise FprcError(
+        "was changed after it was saved: its SHA-256 is not the one that it holds; restore the "
+        f"file, or {_AGAIN}"
+    )
+
+
+def _dataset(file: h5py.File, name: str) -> h5py.Dataset:
+    """Return a dataset that is in the file, whole and uncompressed."""
+    link = file.get(name, getlink=True)
+    dataset = file.get(name) if isinstance(link, h5py.HardLink) else None
+    if not isinstance(dataset, h5py.Dataset):
+        raise FprcError(f"{name}: is no dataset of the file itself; {_AGAIN}")
+    plain = dataset.dtype.kind in "biuf" or (name == _TEXT and dataset.dtype.kind == "S")
+    layout = dataset.id.get_create_plist()
+    inside = layout.get_layout() in (h5py.h5d.CONTIGUOUS, h5py.h5d.COMPACT)
+    written = dataset.id.get_storage_size() == dataset.nbytes  # else it is filled while reading
+    if not plain or not inside or not written or layout.get_external_count():
+        raise FprcError(
+            f"{name}: {dataset.dtype} of shape {dataset.shape} is not an array as fprc saves it; "
+            f"{_AGAIN}"
+        )
+    return dataset
+
+
+def _refuse_infinite(name: str, values: np.ndarray) -> None:
+    if not np.all(np.isfinite(values)):
+        raise FprcError(f"{name}: holds NaN or infinity; {_AGAIN}")
+
+
+def _number(text: str) -> float:
+    if not math.isfinite(number := float(text)):  # NaN, Infinity or 1e400
+        raise FprcError(f"{_TEXT}: holds {number}; {_AGAIN}")
+    return number
