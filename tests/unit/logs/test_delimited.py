@@ -1,5 +1,6 @@
 import csv
 import io
+import re
 
 import numpy as np
 import pandas as pd
@@ -172,6 +173,34 @@ def test_ambiguous_comma_is_not_a_number_unless_declared_decimal(table, numbers)
     source = table(text)
     assert "csv.decimal" in source.others["p"]
     assert "t" in source.variables
+
+
+@pytest.mark.parametrize(
+    ("text", "numbers", "refused"),
+    [
+        ("t;p;a\n0,000;50.000;1,5\n0,005;51.000;1,6\n", [], ["t", "p", "a"]),
+        ('t,p\n0.000,"1,500"\n0.005,"1,600"\n', [], ["t", "p"]),
+        ("t;p\n0;1.500\n1;1.600\n", ["t"], ["p"]),
+        ("t;p\n0,0;1,5\n0,1;1,625\n", ["t", "p"], []),
+        ("t,p\n0.0,1.5\n0.1,1.625\n", ["t", "p"], []),
+    ],
+)
+def test_columns_that_disagree_on_the_decimal_mark_are_refused_with_both_readings(
+    table, text, numbers, refused
+):
+    source = table(text)
+    assert [*source.variables] == numbers
+    assert [*source.others] == refused
+    for name in refused:
+        assert "csv.decimal" in source.others[name]
+        assert re.search(r"\d+ with (points|commas) for thousands", source.others[name])
+
+
+@pytest.mark.parametrize("text", ["1e-400", "-0.5e-500"])
+def test_number_too_small_to_be_one_is_not_read_as_zero(table, text):
+    source = table(f"t,p\n0,{text}\n1,2\n")
+    assert [*source.variables] == ["t"]
+    assert text in source.others["p"]
 
 
 def test_declared_decimal_mark_is_used(table):
