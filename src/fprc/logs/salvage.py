@@ -29,6 +29,8 @@ _LIMIT_BYTES = 2 << 30
 _KNOWN_CHANNELS = (*RAW_CHANNELS, *TRACKING_CHANNELS)
 #: Most channels that are read besides the known ones.
 _MOST_OTHERS = 100
+#: Largest file that is salvaged: it is copied, and a sparse one would fill the disk.
+_LARGEST_BYTES = 4 << 30
 #: A length in the superblock above this multiple of the file's real length counts as damaged.
 _LARGEST_FACTOR = 1000
 
@@ -62,6 +64,11 @@ def salvage(path: Path | str, *, limit_s: float | None = None) -> Salvaged:
     """
     path = Path(path)
     head_of(path)  # refuses a file that cannot be opened
+    if (size := path.stat().st_size) > _LARGEST_BYTES:
+        raise LogError(
+            f"{path}: has {size:,} bytes; a damaged log of more than {_LARGEST_BYTES:,} is not "
+            "copied for reading, check the path"
+        )
     with tempfile.TemporaryDirectory() as folder:
         limit_s = limit_s or time_limit_s([path])
         child = [sys.executable, "-m", "fprc.logs.salvage", str(limit_s), str(path), folder]

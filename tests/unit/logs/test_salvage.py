@@ -35,6 +35,13 @@ def test_numbers_of_a_cut_log_are_those_that_were_written(write_log, share):
         assert name in told
 
 
+def test_huge_sparse_file_is_refused_before_it_is_copied(write_log):
+    path = write_log()
+    os.truncate(path, 1 << 40)
+    with pytest.raises(LogError, match=r"1,099,511,627,776 bytes"):
+        salvage(path)
+
+
 @pytest.mark.parametrize(("there", "kept"), [(300, True), (200, True), (199, False), (0, False)])
 def test_channel_that_lost_more_than_half_is_left_out(write_log, there, kept):
     path = write_log()
