@@ -273,26 +273,6 @@ FEW_FREE = (
 )
 
 
-def give_fits(folder, like):
-    """Give a project repeats of the fit and a variant, with reports of a rig; return tables."""
-    repeats = tuple(f"again_from_pilot_{number}" for number in range(3, 9))
-    kept = {"repeats": repeats, "variants": ("other",)}
-    for name in kept:
-        shutil.rmtree(folder / "config/rigs" / name, ignore_errors=True)
-        (folder / "config/rigs" / name).mkdir()
-    judged = folder / "results/smoke/rigs"
-    for kind, name in ((kind, name) for kind, names in kept.items() for name in names):
-        rig = folder / f"config/rigs/{kind}/{name}.yaml"
-        rig.write_text(f"fitted: {{name: {name}, to: [tables]}}\nrig: {{}}\n")
-        rig.with_suffix(".json").write_text(json.dumps({"seeds": [1, 2], "finished": True}))
-        (judged / name).mkdir()
-        for seed in range(501, 511):
-            for part in ("models", "grids", "control"):
-                report = judged / f"{like}/{part}_{101 + seed % 2}.json"
-                shutil.copy(report, judged / f"{name}/{part}_{seed}.json")
-    return [f"results/smoke/rigs/{table}.md" for table in kept]
-
-
 @pytest.fixture(scope="session")
 def calibrated(smoked, shared):
     """Finished smoke run on which the targets outside `all` were made too, and what it printed."""
@@ -302,7 +282,7 @@ def calibrated(smoked, shared):
         # and a grid again, in chunks this time
         taps = "results/smoke/grids/taps.json"
         (folder / taps).unlink()
-        files = ("rigs/front.pdf", "calibration/channels.pdf", "rigs/answer.md")
+        files = ("calibration/channels.pdf", "rigs/answer.md")
         # on one core a job starts no workers, each of which would import the libraries
         one = ("--cores", "1")
         made = copy.smoke(
@@ -318,8 +298,7 @@ def calibrated(smoked, shared):
             "grids={chunks: 3}",
             cores=one,
         )
-        tables = give_fits(copy.folder, like="viscous")
-        done = copy.smoke("sensitivity", "calibrate", *tables, "--config", FEW_FREE, cores=one)
+        done = copy.smoke("sensitivity", "calibrate", "--config", FEW_FREE, cores=one)
         done.returncode = made.returncode or done.returncode
         done.stdout = made.stdout + done.stdout
         return done

@@ -215,24 +215,6 @@ def test_rigs_stand_side_by_side(calibrated):
     assert len(answer) == 4
 
 
-def test_repeat_is_judged_like_the_rig_whose_reports_it_has(calibrated):
-    folder = calibrated[0].folder / "results/smoke/rigs"
-    repeat, *others = pd.read_csv(folder / "repeats.csv").to_dict("records")
-    assert all(other == repeat | {"rig": other["rig"]} for other in others)
-    rigs = pd.read_csv(folder / "rigs.csv")
-    own = rigs[(rigs["rig"] == "viscous") & ~rigs["number"].str.startswith("Table IV")]
-    assert repeat["rig"] == "again_from_pilot_3"
-    assert repeat["seeds"] == 10
-    # six digits in the tables
-    assert repeat["median"] == pytest.approx(own["deviation"].abs().median(), rel=1e-4)
-    assert repeat["largest"] == pytest.approx(own["deviation"].abs().max(), rel=1e-4)
-    assert repeat["lands"].startswith("no: ")  # small settings are far off print
-    beside = pd.read_csv(folder / "variants.csv", keep_default_na=False)
-    assert beside["rig"].to_list() == [other["rig"] for other in (repeat, *others)] + ["other"]
-    assert beside["beyond"].to_list() == ["repeat"] * 6 + ["none"]
-    assert beside["median"].nunique() == 1
-
-
 def test_worlds_beyond_the_paper_have_every_model_and_a_verdict_on_each_claim(calibrated):
     folder = calibrated[0].folder / "results/smoke/beyond"
     ledgers = json.loads((folder / "claims.json").read_text())["ledgers"]
