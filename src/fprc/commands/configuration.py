@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from fprc.config import PUBLISHED, from_files, reference
 from fprc.config.load import RIG, rig_file
+from fprc.given import read_given
 
 
 def check_files(files: Sequence[str]) -> None:
@@ -25,7 +26,7 @@ def print_page(page: str) -> None:
 
 def print_rig(name: str | None) -> None:
     """Print the file of a rig; without a name, that of the default rig."""
-    print(rig_file(name or RIG).read_text(encoding="utf-8"), end="")
+    print(read_given(rig_file(name or RIG)).decode(), end="")
 
 
 def print_published() -> None:

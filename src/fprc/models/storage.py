@@ -13,6 +13,7 @@ from sklearn.base import BaseEstimator
 from sklearn.utils.validation import check_is_fitted
 
 from fprc.errors import FprcError
+from fprc.given import open_given
 from fprc.models.sequence import SequenceModel
 
 
@@ -54,6 +55,7 @@ def load_model(path: Path | str, classes: Collection[type] = ()) -> BaseEstimato
     FprcError
         The file cannot be read, or holds no model of this package.
     """
+    open_given(path).close()
     try:
         with h5py.File(path, "r") as file:
             return _load(file, _known_classes(classes))
