@@ -13,6 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from fprc.errors import LogError
+from fprc.given import read_given
+from fprc.logs.decimal_mark import number, numbers_of, parsed
 from fprc.logs.variables import Source
 
 #: Largest text file; reading it takes about ten times as much memory.
@@ -21,13 +23,12 @@ LARGEST_TEXT_BYTES = 256 << 20
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars", " ": "blanks"}
 #: Rows used to detect the separator.
 _TRIED = 5
-#: Texts that stand for a missing value, in lower case.
-_MISSING = {"", "-nan", "na", "n/a", "#n/a", "#na", "<na>", "null", "none", "1.#qnan", "-1.#ind"}
 
 
 class _Text(NamedTuple):
     path: Path
     lines: list[str]
+    notes: tuple[str, ...]
 
 
 class _Row(NamedTuple):
@@ -47,7 +48,7 @@ def read_text(
     """Read a text table with one header line; fields may be quoted.
 
     Lines that begin with ``#`` or ``%`` are comments. A separator at the end of a
-    line adds no field.
+    line adds no field. A last line without a line end is left out: it may be cut short.
 
     Parameters
     ----------
@@ -60,19 +61,20 @@ def read_text(
         The file is not text, or too large; lines have more or fewer fields than the
         header; a column name occurs twice.
     """
-    text = _Text(path, _lines(path))
+    text = _text_of(path)
     mark = separator or _separator_of(text, header_line, data_line)
     header, below = _header_and_rows(text, mark, header_line, data_line)
     rows = _matching_rows(path, header, below, mark)
     names = [name.strip() for name in header.fields]
-    if header_line is None and all(_number(name.replace(",", ".")) is not None for name in names):
+    if header_line is None and all(number(name.replace(",", ".")) is not None for name in names):
         names = [""] * len(names)
         if data_line is None:
             rows.insert(0, header)
     if not rows:
         raise LogError(
             f"{path}: no samples below line {header.last_line}; check csv.header_line, "
-            "csv.data_line, and that every quotation mark is closed"
+            "csv.data_line, that every quotation mark is closed, and that the last line ends in a "
+            "line end"
         )
     # separators at the line ends make columns with neither name nor value
     present = [
@@ -82,29 +84,15 @@ def read_text(
     twice = [name for name, count in Counter(shown.values()).items() if count > 1]
     if twice:
         raise LogError(f"{path}: column {twice[0]}: occurs twice; rename one in the header")
-    variables, others = {}, {}
-    for k, name in shown.items():
-        texts = [row.fields[k] for row in rows]
-        values, bad = _column(texts, decimal)
-        if bad is None:
-            variables[name] = values
-        else:
-            others[name] = (
-                f"line {rows[bad].line} holds {texts[bad]!r}, not a number; if the file is right, "
-                "set csv.decimal or csv.data_line"
-            )
+    lines = [row.line for row in rows]
+    columns = {name: [row.fields[k] for row in rows] for k, name in shown.items()}
+    variables, others = numbers_of(columns, lines, separator=mark, decimal=decimal)
     kind = f"text separated by {_SEPARATORS.get(mark, mark)}"
-    return Source(path, kind, variables, others, np.array([row.line for row in rows]))
+    return Source(path, kind, variables, others, np.array(lines), text.notes)
 
 
-def _lines(path: Path) -> list[str]:
-    size = path.stat().st_size
-    if size > LARGEST_TEXT_BYTES:
-        raise LogError(
-            f"{path}: {size >> 20} MB of text; must be at most {LARGEST_TEXT_BYTES >> 20} MB, "
-            "split it or save it as HDF5"
-        )
-    raw = path.read_bytes()
+def _text_of(path: Path) -> _Text:
+    raw = read_given(path, error=LogError, most_bytes=LARGEST_TEXT_BYTES)
     wide = raw.startswith((BOM_UTF16_LE, BOM_UTF16_BE))
     if b"\0" in raw and not wide:
         raise LogError(f"{path}: not a text file; give it the file name ending of its format")
@@ -112,7 +100,13 @@ def _lines(path: Path) -> list[str]:
         text = raw.decode("utf-16" if wide else "utf-8-sig")
     except UnicodeDecodeError:
         text = raw.decode("latin-1")
-    return list(io.StringIO(text.rstrip("\r\n"), newline=""))
+    lines = list(io.StringIO(text, newline=""))
+    while lines and not lines[-1].strip("\r\n"):
+        lines.pop()
+    if len(lines) < 2 or lines[-1].endswith(("\n", "\r")):
+        return _Text(path, lines, ())
+    note = f"line {len(lines)}, the last, has no line end and may be cut short; it was left out"
+    return _Text(path, lines[:-1], (note,))
 
 
 def _header_and_rows(
@@ -142,12 +136,12 @@ def _rows(text: _Text, first: int, mark: str, *, verbatim: bool = False) -> Iter
 
     def numbered_lines() -> Iterator[str]:
         nonlocal begins, last, between_rows
-        for number, line in enumerate(islice(text.lines, first - 1, None), first):
+        for at, line in enumerate(islice(text.lines, first - 1, None), first):
             if between_rows:
                 if line.lstrip().startswith(("#", "%")) or not (started or line.strip()):
                     continue
-                begins, between_rows = number, False
-            last = number
+                begins, between_rows = at, False
+            last = at
             # csv.reader takes one separator: replace the tabs outside quotation marks by blanks
             yield re.sub(r'("[^"]*")|\t', lambda m: m[1] or " ", line) if mark == " " else line
 
@@ -179,7 +173,7 @@ def _separator_of(text: _Text, header_line: int | None, data_line: int | None) -
         width = len(header.fields) - (not header.fields[-1].strip())
         fields = [field for row in rows for field in row or ()]
         plain = mark == "," or width == 1
-        known = [_parsed(field if plain else field.replace(",", ".")) for field in fields]
+        known = [parsed(field if plain else field.replace(",", ".")) for field in fields]
         numbers = 1.0 - known.count(None) / max(len(known), 1)
         # a single column that is not all numbers contains another separator
         matches = None not in rows and (width > 1 or numbers == 1.0)
@@ -218,41 +212,3 @@ def _matching_rows(path: Path, header: _Row, below: Iterator[_Row], mark: str) -
             "csv.header_line and csv.data_line"
         )
     return rows
-
-
-def _number(text: str) -> float | None:
-    try:
-        return None if "_" in text else float(text)
-    except ValueError:
-        return None
-
-
-def _parsed(text: str) -> float | None:
-    """Return a number; NaN for a missing value; None for any other text."""
-    number = _number(text)
-    return np.nan if number is None and text.strip().lower() in _MISSING else number
-
-
-def _column(texts: list[str], decimal: str | None) -> tuple[np.ndarray, int | None]:
-    """Return the numbers of a column, or the first row that is not a number."""
-    bad = []
-    for mark in [decimal] if decimal else [".", ","]:
-        if mark == ".":
-            values = [_parsed(text) for text in texts]
-        else:
-            refused = ".," if not decimal and _may_be_thousands(texts) else "."
-            values = [
-                None if any(m in text for m in refused) else _parsed(text.replace(",", "."))
-                for text in texts
-            ]
-        if None not in values:
-            return np.array(values), None
-        bad.append(values.index(None))
-    return np.array([]), max(bad)  # with the decimal mark that fails last
-
-
-def _may_be_thousands(texts: list[str]) -> bool:
-    """Return whether commas may group thousands, as in a column 980, 990, 1,000."""
-    with_comma = [text for text in texts if "," in text]
-    grouped = re.compile(r"\s*[+-]?\d{1,3}(,\d{3})+\s*")
-    return 0 < len(with_comma) < len(texts) and all(map(grouped.fullmatch, with_comma))
