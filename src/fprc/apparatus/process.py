@@ -20,9 +20,10 @@ from fprc.apparatus.check import check_rig
 from fprc.apparatus.guardian import ALIVE
 from fprc.apparatus.programme import plan
 from fprc.apparatus.session import Stop, keep_signs_apart, loops, on_rig, sign
+from fprc.artifacts import refuse_output
 from fprc.control import RunAbortedError, run
 from fprc.devices import Clock, Device
-from fprc.errors import FprcError, LogError
+from fprc.errors import FprcError
 from fprc.logs import RAW_CHANNELS
 from fprc.logs.journal import Journal
 from fprc.logs.recovery import recover
@@ -71,13 +72,12 @@ def record(
 
     Raises
     ------
-    LogError
-        The log already exists.
+    OutputError
+        The log exists, or cannot be written.
     ControlError, DeviceError
         The run was refused or stopped; names the journal.
     """
-    if Path(raw).exists():
-        raise LogError(f"{raw}: exists and is not overwritten; move it away to record another")
+    refuse_output(raw, ".h5")
     experiment = plan(name, settings, model)
     stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
     path = Path(raw).with_suffix(f".{stamp}.journal")

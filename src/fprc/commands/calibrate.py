@@ -7,10 +7,13 @@ from pathlib import Path
 from joblib import cpu_count
 from threadpoolctl import threadpool_limits
 
+from fprc.artifacts import is_json_with, refuse_output
+from fprc.calibration.rig_file import WRITTEN
 from fprc.commands.terminal import messages_on_terminal
 from fprc.config import PUBLISHED, check, from_files, local_files
 from fprc.errors import ConfigError
 from fprc.fingerprint import fingerprint
+from fprc.given import read_given
 from fprc.paper import MODELS
 from fprc.plan.arguments import judgement, on_rig
 from fprc.registry import class_module
@@ -48,6 +51,8 @@ def calibrate_from_files(
     ------
     ConfigError
         The configuration or an option is wrong; lists all errors.
+    OutputError
+        ``out`` or the report exists and no fit wrote it, or they cannot be written.
     """
     settings = from_files(files or local_files()).model_dump(mode="json")
     if minutes is not None:
@@ -61,9 +66,11 @@ def calibrate_from_files(
             "rig; the report has the same name, .json"
         )
     stem = Path(out).with_suffix("")
+    refuse_output(out, ".yaml", ours=lambda old: WRITTEN.encode() in read_given(old))
+    refuse_output(f"{stem}.json", ".json", ours=lambda old: is_json_with(old, "check_loss", "fit"))
     with threadpool_limits(1):
         calibrate(
-            published or str(PUBLISHED),
+            str(PUBLISHED) if published is None else published,
             out,
             f"{stem}.json",
             on_rig=on_rig(settings),

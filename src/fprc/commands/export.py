@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from fprc import __version__
-from fprc.artifacts import write_text
-from fprc.errors import FprcError
+from fprc.artifacts import refuse_output, write_text
+from fprc.given import read_given
 from fprc.models.c_header import GENERATED, c_header
 from fprc.models.storage import load_model
 from fprc.provenance import sha256
@@ -25,14 +25,13 @@ def export_c(model: str, header: str, *, single: bool = False) -> None:
     Raises
     ------
     FprcError
-        ``model`` holds no model that can be exported, or ``header`` does not end in ``.h`` or is a
-        file that this command did not write.
+        ``model`` holds no model that can be exported.
+    OutputError
+        ``header`` does not end in ``.h``, is a file that this command did not write, or cannot be
+        written.
     """
     path = Path(header)
-    if path.suffix != ".h":
-        raise FprcError(f"{header}: must end in .h, for example fprc_model.h")
-    if path.exists() and GENERATED not in path.read_text(encoding="utf-8", errors="replace"):
-        raise FprcError(f"{header}: exists and is no exported model; choose another name")
+    refuse_output(path, ".h", ours=lambda old: GENERATED.encode() in read_given(old))
     fitted = load_model(model)
     origin = f"From {Path(model).name}, SHA-256 {sha256(model)}, by fprc {__version__}."
     write_text(path, c_header(fitted, path.stem, single=single, origin=origin))

@@ -11,7 +11,7 @@ from typing import Any
 from joblib import cpu_count
 from threadpoolctl import threadpool_limits
 
-from fprc.artifacts import read_json, write_json, write_text
+from fprc.artifacts import read_json, refuse_unwritable, write_json, write_text
 from fprc.claims.recording import sentences
 from fprc.commands.import_recording import checked_map, import_mapped
 from fprc.commands.models import refuse_repeats
@@ -75,6 +75,8 @@ def report_readout(
         The map or the configuration is wrong.
     LogError
         The recording cannot be used with this map.
+    OutputError
+        ``out`` is no folder, or cannot be written to.
     FprcError
         A library that writes the tables is not installed.
     """
@@ -93,6 +95,7 @@ def report_readout(
         raise ConfigError(f"--workers {workers}: must be 1 or more; omit it to use all processors")
     folder = Path(out or Path("results", Path(source).stem))
     parts = _parts(source, mapping, train)
+    refuse_unwritable([folder])
     _refuse_leftovers(folder / "raw", len(parts["sweep"]))
     data = {name: _prepare(name, parts[name], settings, folder) for name in parts}
     words = ("the first part", "the second part")
@@ -142,7 +145,6 @@ def _prepare(
     names = log_names(experiment, len(recordings))
     for name, (source, mapping) in zip(names, recordings, strict=True):
         raw = folder / "raw" / f"{name}.h5"
-        raw.parent.mkdir(parents=True, exist_ok=True)
         import_mapped(mapping, source, str(raw))
         if settings["evaluation"]["reservoir"] == "simulated":
             driven = folder / "reservoir" / raw.name
