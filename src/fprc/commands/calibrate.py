@@ -4,11 +4,11 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from joblib import cpu_count
 from threadpoolctl import threadpool_limits
 
 from fprc.artifacts import is_json_with, refuse_output
 from fprc.calibration.rig_file import WRITTEN
+from fprc.commands.processes import processes
 from fprc.commands.terminal import messages_on_terminal
 from fprc.config import PUBLISHED, check, from_files, local_files
 from fprc.errors import ConfigError
@@ -58,8 +58,7 @@ def calibrate_from_files(
     if minutes is not None:
         changed = settings["calibration"] | {"minutes": minutes}
         settings = check(settings | {"calibration": changed}).model_dump(mode="json")
-    if workers is not None and workers < 1:
-        raise ConfigError(f"--workers {workers}: must be 1 or more; omit it to use all processors")
+    count = processes(workers)
     if not re.fullmatch(r"[\w.-]+\.yaml", Path(out).name):
         raise ConfigError(
             f"--out {out}: must end in .yaml, after letters, digits, -, _ and . only: it names the "
@@ -78,7 +77,7 @@ def calibrate_from_files(
             calibration=settings["calibration"],
             grids=settings["grids"],
             tracking=settings["tracking"],
-            workers=workers or cpu_count(),
+            workers=count,
             checkpoint=f"{stem}.partial.jsonl",
             version=fingerprint("fprc.stages.calibrate", *map(class_module, MODELS)),
         )

@@ -8,18 +8,18 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from joblib import cpu_count
 from threadpoolctl import threadpool_limits
 
 from fprc.artifacts import read_json, refuse_unwritable, write_json, write_text
 from fprc.claims.recording import sentences
 from fprc.commands.import_recording import checked_map, import_mapped
 from fprc.commands.models import refuse_repeats
+from fprc.commands.processes import processes
 from fprc.commands.readout_page import Recordings, log_names, report_page
 from fprc.commands.terminal import messages_on_terminal
 from fprc.config import from_files
 from fprc.config.importing import ImportMap
-from fprc.errors import ConfigError, FprcError, LogError
+from fprc.errors import FprcError, LogError
 from fprc.fingerprint import fingerprint
 from fprc.plan.arguments import judgement, paper_models
 from fprc.provenance import describe
@@ -91,8 +91,7 @@ def report_readout(
     refuse_repeats([source, *train], "a test on samples that train says nothing")
     problems_of = partial(_problems_of_map, map_file, simulated=simulated, more=bool(train))
     mapping = checked_map(map_file, source, problems_of)
-    if workers is not None and workers < 1:
-        raise ConfigError(f"--workers {workers}: must be 1 or more; omit it to use all processors")
+    count = processes(workers)
     folder = Path(out or Path("results", Path(source).stem))
     parts = _parts(source, mapping, train)
     refuse_unwritable([folder])
@@ -104,8 +103,8 @@ def report_readout(
     judged = folder / "readout"
     judged.mkdir(parents=True, exist_ok=True)
     # the shorter task first: a run that is stopped during the longer one resumes there
-    competitors = _compete(data, judged, settings, workers or cpu_count())
-    results = _judge(data, judged, settings, workers or cpu_count(), words)
+    competitors = _compete(data, judged, settings, count)
+    results = _judge(data, judged, settings, count, words)
     results["competitors"] = competitors
     page = folder / "report.md"
     write_text(page, report_page(parts, map_file, mapping, settings, folder, results))

@@ -216,8 +216,8 @@ def test_name_of_the_parameter_file_is_one_that_a_configuration_takes(run, name)
     assert check({"fitted": {"name": Path(name).stem}})
 
 
-@pytest.mark.parametrize("workers", ["0", "-1"])
-def test_number_of_processes_below_1_is_an_error(run, workers):
+@pytest.mark.parametrize("workers", ["0", "-1", "1001", "9" * 400])
+def test_number_of_processes_that_no_computer_runs_is_an_error(run, workers):
     code, calls = run(f"--workers={workers}")
     assert (code, calls) == (1, [])
 
