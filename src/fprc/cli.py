@@ -49,6 +49,8 @@ def _run(arguments: Sequence[str] | None) -> int:
     except ModuleNotFoundError as error:
         problem = f"{error}; install what the workflow needs: pip install 'fprc[workflow]'"
     except OSError as error:
+        if error.errno is None:  # of a library, not of the operating system
+            raise
         if error.filename is None:
             _discard_output()
         if isinstance(error, BrokenPipeError):  # nothing reads it any more, as after `| head`
