@@ -8,6 +8,7 @@ import math
 import os
 import re
 import shutil
+import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from itertools import takewhile
@@ -20,11 +21,18 @@ if TYPE_CHECKING:  # most jobs write no table, and many take less time than impo
 
 from fprc import escape
 from fprc.errors import FprcError, OutputError
+from fprc.given import read_given
 
 log = logging.getLogger(__name__)
 
 _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 _NO_ACCESS = (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EEXIST, errno.EIO)
+
+#: Longest name of an output, bytes: file systems take 255, and temporary files, journals and
+#: diagnoses have longer names.
+_LONGEST_NAME = 220
+#: Largest JSON file, bytes.
+_LARGEST_JSON = 1 << 28
 
 
 @contextmanager
@@ -65,6 +73,8 @@ def replacing_all(*paths: Path | str) -> Iterator[list[Path]]:
             for temporary in temporaries:
                 with temporary.open("rb") as written:
                     os.fsync(written.fileno())
+            for path in filter(os.path.isdir, targets):
+                raise OutputError(f"{path}: is a folder; move it away")
             for temporary, path in zip(temporaries, targets, strict=True):
                 temporary.replace(path)
         finally:
@@ -226,18 +236,66 @@ def refuse_unwritable(folders: Sequence[Path | str]) -> None:
     OutputError
         Names every path that is not a folder, or cannot be written to.
     """
-    problems = []
-    for folder in map(Path, folders):
-        nearest = next(path for path in (folder, *folder.absolute().parents) if path.exists())
-        if not nearest.is_dir():
-            problems.append(f"{folder}: {nearest} is a file; move it away")
-        elif not os.access(nearest, os.W_OK | os.X_OK):
-            problems.append(
-                f"{folder}: {nearest} cannot be written to; make it writable or choose another "
-                "folder with --config 'folders={results: ...}'"
-            )
+    problems = [f"{folder}: {why}" for folder in folders if (why := _obstacle(Path(folder)))]
     if problems:
         raise OutputError("\n".join(problems))
+
+
+def refuse_output(
+    out: Path | str, *suffixes: str, ours: Callable[[Path], bool] | None = None
+) -> None:
+    """Check that a file that a user named can be written, before anything is computed.
+
+    Parameters
+    ----------
+    *suffixes : str
+        Endings that its name may have.
+    ours : callable, optional
+        Returns whether an existing file is an earlier output of the same command, which may be
+        overwritten; by default no file may.
+
+    Raises
+    ------
+    OutputError
+        The name has another ending or is too long, a file of this name may not be overwritten, or
+        its folder cannot be written to.
+    """
+    path = Path(out)
+    if path.suffix not in suffixes:
+        raise OutputError(f"{str(out) or repr('')}: must end in {' or '.join(suffixes)}")
+    if len(os.fsencode(path.name)) > _LONGEST_NAME:
+        raise OutputError(f"{out}: the name is too long; at most {_LONGEST_NAME} bytes")
+    if os.path.lexists(path) and not (ours and os.path.isfile(path) and ours(path)):
+        why = "was not made by this command" if ours else "is not overwritten"
+        raise OutputError(f"{out}: exists and {why}; choose another name")
+    if why := _obstacle(path.parent):
+        raise OutputError(f"{out}: {why}")
+
+
+def _obstacle(folder: Path) -> str:
+    """Return why a folder, which need not exist yet, cannot be written to; empty if it can."""
+    made = []
+    nearest = Path(os.path.abspath(folder))
+    while not os.path.lexists(nearest):
+        made.append(nearest.name)
+        nearest = nearest.parent
+    if not os.path.isdir(nearest):
+        return f"{nearest} is no folder; move it away"
+    for path in (folder, *(nearest / name for name in made)):
+        try:
+            os.lstat(path)
+        except FileNotFoundError:
+            continue
+        except OSError as error:
+            return f"the path cannot be used ({error.strerror}); choose another folder"
+    try:
+        tempfile.TemporaryFile(dir=nearest).close()
+    except OSError as error:
+        return (
+            f"{nearest} cannot be written to ({error.strerror}); make it writable or choose "
+            "another folder"
+        )
+    return ""
 
 
 def write_text(path: Path | str, text: str) -> None:
@@ -263,10 +321,11 @@ def read_json(path: Path | str) -> dict[str, Any]:
     Raises
     ------
     FprcError
-        It was cut or damaged, holds something else, or a number that is not finite.
+        It cannot be opened, was cut or damaged, holds something else, or a number that is not
+        finite.
     """
     try:
-        return parse_object(Path(path).read_text(encoding="utf-8"))
+        return parse_object(read_given(path, most_bytes=_LARGEST_JSON).decode("utf-8"))
     except (ValueError, RecursionError) as error:
         raise FprcError(
             f"{path}: {error}; it was damaged or edited: delete it, then repeat the command that "
@@ -292,6 +351,14 @@ def _finite(text: str) -> float:
     if not math.isfinite(float(text)):
         raise ValueError(f"{text[:40]} is not finite")
     return float(text)
+
+
+def is_json_with(path: Path | str, *keys: str) -> bool:
+    """Return whether a file is JSON and has these keys, as an earlier output of a command does."""
+    try:
+        return read_json(path).keys() >= set(keys)
+    except FprcError:
+        return False
 
 
 def write_csv(path: Path | str, table: "DataFrame") -> None:

@@ -1,42 +1,109 @@
 """Command line: arguments in, exit code out."""
 
+import io
 import os
+import signal
 import sys
-from collections.abc import Sequence
+import threading
+from _thread import interrupt_main
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
 
-from fprc.commands.parser import parser
-from fprc.errors import FprcError
-
-#: Exit code that shells report for a program that SIGPIPE ended.
-_BROKEN_PIPE = 141
+#: Exit codes that shells report for a program that Ctrl-C, or SIGPIPE, ended.
+_STOPPED, _BROKEN_PIPE = 130, 141
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code."""
-    try:
+    # figures go to files; with an unknown backend, Matplotlib cannot be imported
+    os.environ["MPLBACKEND"] = "agg"
+    _prepare_output()
+    with _noting_interrupts() as was_stopped:
         try:
-            return _run(arguments)
-        finally:
-            sys.stdout.flush()
-    except BrokenPipeError:  # nothing reads the output any more, as after `| head`
-        # so that Python's own flush at exit does not fail too
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return _BROKEN_PIPE
+            code = _run(arguments)
+        except BaseException as error:
+            # the interrupt may have come as another error, of the code that it hit
+            if not was_stopped() and not isinstance(error, KeyboardInterrupt):
+                raise
+        else:
+            if not was_stopped():  # a library may have ignored the interrupt
+                return code
+        print("stopped; finished results are kept", file=sys.stderr)
+        return _STOPPED
 
 
 def _run(arguments: Sequence[str] | None) -> int:
-    options = parser().parse_args(arguments)
+    # imported here, where Ctrl-C is noted
+    from fprc.commands.parser import parser
+    from fprc.errors import FprcError
+
     try:
-        return options.run(options) or 0
+        try:
+            options = parser().parse_args(arguments)
+            return options.run(options) or 0
+        finally:
+            sys.stdout.flush()
     except FprcError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 1
+        problem = str(error)
     except ModuleNotFoundError as error:
-        print(
-            f"error: {error}; install what the workflow needs: pip install 'fprc[workflow]'",
-            file=sys.stderr,
-        )
-        return 1
-    except KeyboardInterrupt:
-        print("stopped; finished results are kept", file=sys.stderr)
-        return 130
+        problem = f"{error}; install what the workflow needs: pip install 'fprc[workflow]'"
+    except OSError as error:
+        if error.errno is None:  # of a library, not of the operating system
+            raise
+        if error.filename is None:
+            _discard_output()
+        if isinstance(error, BrokenPipeError):  # nothing reads it any more, as after `| head`
+            return _BROKEN_PIPE
+        what = error.filename or "the output cannot be written"
+        problem = f"{what}: {error.strerror}; check the disk and the path"
+    print(f"error: {problem}", file=sys.stderr)
+    return 1
+
+
+def _prepare_output() -> None:
+    """Let output to a closed descriptor or to a terminal without Unicode be no error."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:  # else the next file to be opened would get the number, and the output
+            os.open(os.devnull, os.O_RDWR)
+    sys.stdout = sys.stdout or open(1, "w", closefd=False)
+    sys.stderr = sys.stderr or open(2, "w", closefd=False)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+
+
+def _discard_output() -> None:
+    """Discard what is left to print, so that Python's own flush at exit does not fail too."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+@contextmanager
+def _noting_interrupts() -> Iterator[Callable[[], bool]]:
+    """Note Ctrl-C, besides raising KeyboardInterrupt; yield what returns whether it came."""
+    interrupts = []
+    before, report = signal.getsignal(signal.SIGINT), sys.unraisablehook
+
+    def note(number: int, frame: Any) -> None:
+        interrupts.append(number)
+        raise KeyboardInterrupt
+
+    def repeat(unraisable: Any) -> None:
+        # in a callback, as while an object is deleted, Python ignores exceptions: raise it later
+        if isinstance(unraisable.exc_value, KeyboardInterrupt):
+            threading.Timer(0.01, interrupt_main).start()
+        else:
+            report(unraisable)
+
+    usual = before is signal.default_int_handler  # not under nohup
+    if usual and threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGINT, note)
+        sys.unraisablehook = repeat
+    try:
+        yield lambda: bool(interrupts)
+    finally:
+        if sys.unraisablehook is repeat:
+            signal.signal(signal.SIGINT, before)
+            sys.unraisablehook = report

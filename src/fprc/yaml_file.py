@@ -9,6 +9,7 @@ import yaml
 
 from fprc.errors import ConfigError
 from fprc.escape import visible
+from fprc.given import read_given
 
 #: The core schema of YAML 1.2; PyYAML uses that of 1.1, where 010 is 8, 1:30 is 90 and `no` is
 #: false. Digits are limited to 400: enough for any setting, and few enough for Python to print.
@@ -47,16 +48,9 @@ def read_yaml(path: Path | str) -> dict[Any, Any]:
         The file cannot be read, is not YAML, or has no keys and values. All duplicate keys
         and all other refused content are listed with their lines.
     """
+    content = read_given(path, error=ConfigError, most_bytes=_LIMIT_BYTES)
     try:
-        with open(path, "rb") as file:
-            content = file.read(_LIMIT_BYTES + 1)
-        if len(content) > _LIMIT_BYTES:
-            raise ConfigError(
-                f"{path}: is larger than {_LIMIT_BYTES} bytes, the limit for settings"
-            )
         settings, problems = _parse(content.decode("utf-8"))
-    except OSError as error:
-        raise ConfigError(f"{path}: cannot be opened ({error.strerror}); check the path") from error
     except (ValueError, yaml.YAMLError) as error:
         # PyYAML puts every place on a line after the sentence
         message = re.sub(r'\n\s+in "<.*>", (.*)', r" (\1)", str(error)).replace("\n", ", ")

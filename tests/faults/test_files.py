@@ -1,6 +1,7 @@
 """Faults of files and settings, as a user meets them; each row holds the command's outcome."""
 
 import json
+import os
 import re
 import shutil
 import struct
@@ -279,6 +280,175 @@ def test_all_problems_of_a_map_are_reported_together(user, files):
         **{"the nearest column": r"did you mean \W*angle\b"},
     )  # fmt: skip
     files.add("a wrong unit and a wrong column in one map", _IMPORTS, came, said.code, "nothing")
+
+
+def as_text(columns, separator=";", decimal=","):
+    """Return the lines of a recording with a decimal comma."""
+    rows = zip(*columns.values(), strict=True)
+    return [separator.join(columns), *(
+        separator.join(f"{x:.3f}".replace(".", decimal) for x in row) for row in rows
+    )]  # fmt: skip
+
+
+def test_column_with_another_decimal_mark_is_refused(user, files):
+    lines = as_text(table())
+    lines[1:] = [line.rpartition(";")[0] + f";50.{k:03}" for k, line in enumerate(lines[1:])]
+    (user.folder / "arm.csv").write_text("\n".join(lines) + "\n")
+    write_map(user.folder, p_exp_kpa={"column": "z", "unit": "Pa"})
+    said = user.types("import", "arm.csv", *IMPORT)
+    came = said.refuses(
+        file="arm.csv", line="line 2", **{"both columns": "column (t|angle)"},
+        **{"both readings": "50 with a decimal point or 50000"},
+    )  # fmt: skip
+    files.add(
+        "a column `50.000` in a CSV file with decimal commas", _IMPORTS, came, said.code, "nothing"
+    )
+
+
+def test_line_without_its_end_is_left_out(user, files):
+    columns = table()
+    write_csv(user.folder / "arm.csv", columns)
+    path = user.folder / "arm.csv"
+    path.write_bytes(path.read_bytes()[:-2])
+    write_map(user.folder)
+    said = user.types("import", "arm.csv", *IMPORT)
+    assert said.code == 0, said.text
+    assert "line 301, the last, has no line end" in said.text
+    assert imported(user.folder)["p_exp_kpa"] == pytest.approx(columns["p"][:-1])
+    files.add(
+        "CSV file cut in its last number", _IMPORTS, "all lines but the last, with a note",
+        said.code, "log and diagnosis",
+    )  # fmt: skip
+
+
+def test_number_that_is_too_small_is_refused(user, files):
+    def edit(lines):
+        t, _, *rest = lines[16].split(",")
+        lines[16] = ",".join([t, "1e-400", *rest])
+
+    write_csv(user.folder / "arm.csv", table(), edit=edit)
+    write_map(user.folder)
+    said = user.types("import", "arm.csv", *IMPORT)
+    came = said.refuses(file="arm.csv", line=r"\b17\b", value="1e-400")
+    files.add("`1e-400` in a CSV file", _IMPORTS, came, said.code, "nothing")
+
+
+def test_chunk_that_was_never_written_is_refused(user, files):
+    with h5py.File(user.folder / "arm.h5", "w") as file:
+        for name, values in table().items():
+            dataset = file.create_dataset(name, values.shape, "f8", chunks=(50,))
+            dataset[: 200 if name == "p" else 300] = values[: 200 if name == "p" else 300]
+    write_map(user.folder)
+    said = user.types("import", "arm.h5", *IMPORT)
+    came = said.refuses(file="arm.h5", dataset=r"\bp\b", chunk=r"\[200\]")
+    files.add("HDF5 file with a chunk never written", _IMPORTS, came, said.code, "nothing")
+
+
+@pytest.mark.parametrize("name", ["out.diagnosis.json", "out.diagnosis.png"])
+@pytest.mark.parametrize("folder", [False, True])
+def test_file_beside_the_log_that_is_not_ours_is_kept(user, files, name, folder):
+    write_csv(user.folder / "arm.csv", table())
+    write_map(user.folder)
+    if folder:
+        (user.folder / name).mkdir()
+    else:
+        (user.folder / name).write_text("mine")
+    said = user.types("import", "arm.csv", *IMPORT)
+    came = said.refuses(file=name)
+    assert folder or (user.folder / name).read_text() == "mine"
+    what = "a folder" if folder else "a file of something else"
+    files.add(f"{what} with the name of the diagnosis or its picture", _IMPORTS, came, said.code,
+              "nothing")  # fmt: skip
+
+
+# --- what is no file, and what cannot be written --------------------------------------------
+
+READING = {
+    "fprc config check": "config check X.yaml",
+    "fprc simulate --config": "simulate sweep --config X.yaml --out out.h5",
+    "fprc simulate --rig": "simulate sweep --rig X.yaml --out out.h5",
+    "fprc calibrate --published": "calibrate --published X.yaml --out out.yaml",
+    "fprc rig run --config": "rig run sweep --config X.yaml",
+    "fprc train": "train X.h5 --out out.h5",
+    "fprc predict": "predict X.h5 X.h5 --out out.csv",
+    "fprc export": "export X.h5 --c out.h",
+    "fprc import --list": "import X.csv --list",
+    "fprc import --list, HDF5": "import X.h5 --list",
+    "fprc import --list, MATLAB": "import X.mat --list",
+    "fprc import --map": "import arm.csv --map X.yaml --out out.h5",
+    "fprc readout": "readout X.csv --map two.yaml --out out",
+    "fprc log check": "log check X.h5",
+    "fprc log repair": "log repair X.h5 --out out.h5",
+    "fprc log repair, journal": "log repair X.journal --out out.h5",
+}
+WRITING = {
+    "fprc simulate --out": "simulate sweep --config none.yaml --out X.h5",
+    "fprc train --out": "train none.h5 --out X.h5",
+    "fprc predict --out": "predict none.h5 none.h5 --out X.h5",
+    "fprc export --c": "export none.h5 --c X.h",
+    "fprc import --out": "import none.csv --map map.yaml --out X.h5",
+    "fprc log repair --out": "log repair none.h5 --out X.h5",
+    "fprc rig run --out": "rig run sweep --out X.h5",
+    "fprc calibrate --out": "calibrate --published none.yaml --out X.yaml",
+    "fprc readout --out": "readout none.csv --map two.yaml --out X",
+}
+
+
+def make(kind, name):
+    if kind == "a pipe":
+        os.mkfifo(name)
+    elif kind == "a folder":
+        os.mkdir(name)
+    else:
+        os.symlink({"a link to /dev/zero": "/dev/zero", "a link to itself": name}[kind], name)
+
+
+@pytest.fixture
+def maps(user):
+    """Maps for `fprc import` and `fprc readout`."""
+    write_map(user.folder, p_o_kpa={"column": "z", "unit": "kPa"})
+    told = yaml.safe_load((user.folder / "map.yaml").read_text())
+    del told["experiment"]
+    (user.folder / "two.yaml").write_text(yaml.safe_dump(told | {"test_from_s": 1}))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["a pipe", "a link to /dev/zero", "a link to itself", "a folder"])
+@pytest.mark.parametrize("command", READING)
+def test_what_is_no_file_is_refused_at_once(user, files, maps, command, kind):
+    for suffix in ("yaml", "csv", "mat", "h5", "journal"):
+        make(kind, f"what.{suffix}")
+    said = user.types(*READING[command].replace("X", "what").split())
+    came = said.refuses(file=r"what\.\w+: cannot be opened")
+    files.add(
+        "a pipe, a link to `/dev/zero` or to itself, or a folder in place of a file",
+        "every command that reads files", came, said.code, "nothing",
+    )  # fmt: skip
+
+
+OUTPUTS = [
+    (command, name)
+    for command in WRITING
+    for name in ("x" * 300, "x" * 250, "map.yaml/out", "/proc/none/out", "folder", "other")
+    if command != "fprc readout --out" or name not in ("x" * 250, "folder", "other")
+]
+
+
+@pytest.mark.parametrize(("command", "name"), [*OUTPUTS, ("fprc readout --out", "map.yaml")])
+def test_output_that_cannot_be_written_is_refused_before_any_file_is_read(
+    user, files, maps, command, name
+):
+    words = WRITING[command].replace("X", name)
+    if name == "other":
+        words = words.rpartition(".")[0] + ".hdf5"
+    for suffix in (".h5", ".h", ".yaml"):
+        (user.folder / f"folder{suffix}").mkdir()
+    said = user.types(*words.split())
+    came = said.refuses(output=re.escape(words.split()[-1][:40]))
+    files.add(
+        "output with another ending, a name of 250 or 300 bytes, of a folder, in a file, in /proc",
+        "every command that writes files", came, said.code, "nothing",
+    )  # fmt: skip
 
 
 # --- raw logs -------------------------------------------------------------------------------

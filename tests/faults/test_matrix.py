@@ -11,7 +11,7 @@ from fprc.apparatus import process
 from fprc.apparatus.guardian import ARMED, HEARTBEAT, OPENING, SAFE
 from fprc.apparatus.record import record_on_rig
 from fprc.apparatus.session import Stop
-from fprc.errors import ControlError, DeviceError, FprcError, LogError
+from fprc.errors import ControlError, DeviceError, FprcError, LogError, OutputError
 from fprc.logs import read_columns, read_journal
 from fprc.logs.journal import Journal
 
@@ -424,7 +424,7 @@ def test_unexpected_exception_leaves_no_valve_open(bench, record, matrix):
 def test_log_that_is_there_is_not_recorded_again(bench, record, tmp_path, monkeypatch, settings):
     raw = tmp_path / "sweep.h5"
     raw.write_bytes(b"mine")
-    with pytest.raises(LogError, match="exists and is not overwritten; move it away"):
+    with pytest.raises(OutputError, match="exists and is not overwritten"):
         process.record("sweep", str(raw), settings=settings, stop=lambda: "")
     assert raw.read_bytes() == b"mine"
     assert bench.shared.calls == 0

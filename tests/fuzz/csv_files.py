@@ -120,7 +120,10 @@ def read(data: bytes, written: Written) -> dict[str, np.ndarray | None]:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
         text = data.decode("latin-1")
-    lines = [line for line in text.splitlines() if line.strip()]
+    lines = text.splitlines()
+    if lines and not text.endswith(("\n", "\r")):
+        lines.pop()  # it may be cut short
+    lines = [line for line in lines if line.strip()]
     lines = [line for k, line in enumerate(lines) if k > 10 or not line.lstrip().startswith("#")]
     reader = csv.reader(lines, delimiter=written.separator, skipinitialspace=True)
     try:

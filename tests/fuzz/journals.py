@@ -139,44 +139,64 @@ def _header_alone(rng, run):
 
 _OWN = (_swap_samples, _repeat_samples, _drop_samples, _another_run, _header_alone)
 
-#: Invalid values in a header.
+#: Invalid values in a header, and in an end mark.
 _WRONG = {
     "experiment": [None, 5, [], {}],
-    "source": [None, 5, "moon", []],
+    "source": [None, 5, "moon", [], "\ud800"],
     "sample_rate_hz": [None, -1, "x", [], 0],
-    "seed": [None, "x", [], 1.5],
+    "seed": [None, "x", [], 1.5, 10**30, -(10**30)],
     "software": [None, 5, []],
-    "rig": [None, 5, [], "x"],
-    "names": [None, 5, [], ["time_s"], [5, None], "x", ["\x1b[31m"], {"time_s": 1}],
+    "rig": [None, 5, [], "x", {"a": "\ud800"}],
+    "notes": [5, [1], {"theta_deg": 5}],
+    "lost_samples": [-1, 10**30, "x"],
+    "names": [None, 5, [], ["time_s"], [5, None], "x", ["\x1b[31m"], {"time_s": 1},
+              [*RAW_CHANNELS, "a/b_kpa"], [*RAW_CHANNELS, "\ud800_v"]],
 }  # fmt: skip
+_WRONG_END = {
+    "samples": [None, "x", -1, 1.5, 10**30, [], True],
+    "complete": [None, 1, "yes"],
+    "reason": [None, 5, "\ud800"],
+    "statistics": [None, 5, [], {"a": "\ud800"}],
+}
 
 
 def other_header(rng: np.random.Generator, folder: Path) -> Case:
-    """Make a case with an invalid header and correct checksums."""
+    """Make a case with an invalid header or end mark and correct checksums."""
     run = runs()["closed"]
-    header = _header(run.data)
-    key = str(rng.choice(list(_WRONG)))
-    if rng.random() < 0.2:
-        del header[key]
+    header, end = _header(run.data), _end(run.data, len(run.rows))
+    at_end = rng.random() < 0.3
+    part, wrong = (end, _WRONG_END) if at_end else (header, _WRONG)
+    key = str(rng.choice(list(wrong)))
+    if key in part and rng.random() < 0.2:
+        del part[key]
         value = "nothing"
     else:
-        value = header[key] = _WRONG[key][rng.integers(len(_WRONG[key]))]
-    data = _with_header(header, run.data, len(run.rows))
+        value = part[key] = wrong[key][rng.integers(len(wrong[key]))]
+    data = _with_header(header, run.data, len(run.rows), end)
     (folder / "run.journal").write_bytes(data)
 
     def repaired(folder: Path, ended: Ended) -> Verdict:
         named = key in ended.out or key in ended.err
-        return (SAID, "") if named else (SILENT, f"{key} = {value!r} in the header")
+        return (SAID, "") if named else (SILENT, f"{key} = {value!r}")
 
-    return Case("journal", f"header: {key} = {value!r}", [_repair(repaired)])
+    where = "end mark" if at_end else "header"
+    return Case("journal", f"{where}: {key} = {value!r}", [_repair(repaired)])
 
 
 def _header(data: bytes) -> dict[str, Any]:
     return json.loads(data[12 : 12 + int.from_bytes(data[8:12], "little")])
 
 
-def _with_header(content: dict[str, Any], data: bytes, samples: int) -> bytes:
-    """Return a journal with another header and correct checksums."""
+def _end(data: bytes, samples: int) -> dict[str, Any]:
+    begin, size = _grid(data)
+    at = begin + size * samples
+    return json.loads(data[at + 12 : at + 12 + int.from_bytes(data[at + 8 : at + 12], "little")])
+
+
+def _with_header(
+    content: dict[str, Any], data: bytes, samples: int, mark: dict[str, Any] | None = None
+) -> bytes:
+    """Return a journal with another header, or end mark, and correct checksums."""
     begin, size = _grid(data)
     header = _block(data[:8], json.dumps(content).encode(), 0)
     seed = zlib.crc32(header[:-4])
@@ -184,8 +204,8 @@ def _with_header(content: dict[str, Any], data: bytes, samples: int) -> bytes:
     parts = [data[at : at + size - 4] for at in range(begin, end, size)]
     whole = 2 * header + b"".join(_sealed(part, seed) for part in parts)
     if len(data) > end:
-        mark = (len(data) - end) // 2
-        whole += 2 * _block(data[end : end + 8], data[end + 12 : end + mark - 4], seed)
+        text = json.dumps(mark or _end(data, samples)).encode()
+        whole += 2 * _block(data[end : end + 8], text, seed)
     return whole
 
 

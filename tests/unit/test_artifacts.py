@@ -4,6 +4,7 @@ import os
 import resource
 import subprocess
 import sys
+import tempfile
 
 import numpy as np
 import pandas as pd
@@ -11,8 +12,10 @@ import pytest
 
 from fprc.artifacts import (
     exclusive,
+    is_json_with,
     leftovers,
     read_json,
+    refuse_output,
     refuse_unwritable,
     replacing,
     replacing_all,
@@ -178,15 +181,19 @@ def test_folders_that_cannot_be_written_to_are_all_named(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("in the way")
     (tmp_path / "locked").mkdir()
     refuse_unwritable([tmp_path / "not yet there" / "nor this", tmp_path])
-    access = os.access
-    monkeypatch.setattr(
-        os, "access", lambda path, mode: path.name != "locked" and access(path, mode)
-    )
+    probe = tempfile.TemporaryFile
+
+    def fail_if_locked(dir):
+        if dir.name == "locked":
+            raise PermissionError(errno.EACCES, "Permission denied")
+        return probe(dir=dir)
+
+    monkeypatch.setattr(tempfile, "TemporaryFile", fail_if_locked)
     with pytest.raises(OutputError) as refused:
         refuse_unwritable([tmp_path / "file/results", tmp_path / "locked/raw", tmp_path])
     first, second = str(refused.value).splitlines()
-    assert "file is a file; move it away" in first
-    assert "locked cannot be written to; make it writable" in second
+    assert "file is no folder; move it away" in first
+    assert "locked cannot be written to (Permission denied); make it writable" in second
 
 
 def test_missing_folders_are_made(tmp_path):
@@ -321,3 +328,76 @@ def test_numbers_of_a_mixed_column_are_written_as_they_are(tmp_path):
     )
     write_csv(tmp_path / "t.csv", table)
     assert (tmp_path / "t.csv").read_text() == "a,b,c\nr,800,2.0\nalpha,3,0.001\n"
+
+
+# --- outputs that a user named ------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("out", "why"),
+    [
+        ("a.csv", "must end in .h5 or .hdf5"),
+        ("a", "must end in"),
+        ("", "'': must end in"),
+        (".h5", "must end in"),
+        ("x" * 218 + ".h5", "the name is too long; at most 220 bytes"),
+        ("ü" * 109 + ".h5", "the name is too long"),
+        ("x" * 256 + "/a.h5", "the path cannot be used .File name too long"),
+        ("a/" * 3000 + "a.h5", "the path cannot be used .File name too long"),
+        ("old.h5", "exists and is not overwritten; choose another name"),
+        ("folder.h5", "exists and"),
+        ("link.h5", "exists and"),
+        ("old.h5/a.h5", "old.h5 is no folder; move it away"),
+        ("link.h5/a.h5", "link.h5 is no folder"),
+        ("/proc/none/a.h5", "/proc cannot be written to"),
+    ],
+)
+def test_output_that_cannot_be_written_is_refused_before(out, why, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "old.h5").write_text("old")
+    (tmp_path / "folder.h5").mkdir()
+    (tmp_path / "link.h5").symlink_to("link.h5")
+    before = names(tmp_path)
+    with pytest.raises(OutputError, match=why):
+        refuse_output(out, ".h5", ".hdf5")
+    assert names(tmp_path) == before
+
+
+def test_output_is_accepted_without_being_made(tmp_path):
+    for out in ("a.h5", "new/er/a.h5", "x" * 217 + ".h5"):
+        refuse_output(tmp_path / out, ".h5")
+    assert names(tmp_path) == []
+
+
+@pytest.mark.parametrize("name", ["mine.json", "foreign.json", "text.json", "folder.json"])
+def test_only_an_earlier_output_of_the_command_may_be_overwritten(name, tmp_path):
+    write_json(tmp_path / "mine.json", {"log": 1, "words": 2, "more": 3})
+    write_json(tmp_path / "foreign.json", {"log": 1})
+    write_text(tmp_path / "text.json", "[")
+    (tmp_path / "folder.json").mkdir()
+    out = tmp_path / name
+    if name == "mine.json":
+        refuse_output(out, ".json", ours=lambda old: is_json_with(old, "log", "words"))
+        return
+    with pytest.raises(OutputError, match="exists and was not made by this command"):
+        refuse_output(out, ".json", ours=lambda old: is_json_with(old, "log", "words"))
+
+
+def test_folder_in_the_place_of_one_file_leaves_all_others_as_they_were(tmp_path):
+    (tmp_path / "a.png").mkdir()
+
+    def write():
+        with replacing_all(tmp_path / "a.json", tmp_path / "a.png") as temporaries:
+            for temporary in temporaries:
+                temporary.write_text("new")
+
+    with pytest.raises(OutputError, match=r"a\.png: is a folder"):
+        write()
+    assert names(tmp_path) == ["a.png"]
+
+
+@pytest.mark.parametrize("text", ["", "[", "{]", "[]", "9" * 5000, "[" * 100_000])
+def test_file_that_is_not_json_is_an_error_with_its_name(tmp_path, text):
+    (tmp_path / "a.json").write_text(text)
+    with pytest.raises(FprcError, match=r"a\.json: .*it was damaged or edited"):
+        read_json(tmp_path / "a.json")

@@ -1,7 +1,12 @@
 import json
 import os
+import re
+import shlex
+import signal
 import subprocess
 import sys
+import time
+from contextlib import suppress
 from importlib.metadata import entry_points
 from pathlib import Path
 
@@ -12,6 +17,7 @@ import yaml
 
 from fprc import __version__
 from fprc.cli import main
+from fprc.commands import configuration
 from fprc.config import reference
 
 pytestmark = pytest.mark.slow
@@ -253,3 +259,69 @@ def test_absent_file_is_named(command, file, tmp_path, monkeypatch, capsys):
 def test_folder_is_not_a_model(tmp_path, capsys):
     assert main(["export", str(tmp_path), "--c", str(tmp_path / "m.h")]) == 1
     assert f"{tmp_path}: cannot be opened (Is a directory)" in capsys.readouterr().err
+
+
+# --- interrupts, and output that cannot be written ----------------------------------------------
+
+
+def ignored():
+    with suppress(KeyboardInterrupt):
+        signal.raise_signal(signal.SIGINT)
+
+
+def turned_into_another_error():
+    try:
+        signal.raise_signal(signal.SIGINT)
+    except KeyboardInterrupt as error:
+        raise ImportError("numpy failed to import") from error
+
+
+class Interrupted:
+    def __del__(self):
+        signal.raise_signal(signal.SIGINT)
+
+
+def in_a_callback():
+    Interrupted()
+    for _ in range(600):
+        time.sleep(0.1)
+    raise AssertionError("the interrupt was lost")
+
+
+@pytest.mark.parametrize("how", [ignored, turned_into_another_error, in_a_callback])
+def test_interrupt_ends_the_command_however_libraries_treat_it(monkeypatch, capsys, how):
+    monkeypatch.setattr(configuration, "print_published", how)
+    before = signal.getsignal(signal.SIGINT), sys.unraisablehook
+    assert main(["config", "published"]) == 130
+    assert capsys.readouterr().err == "stopped; finished results are kept\n"
+    assert (signal.getsignal(signal.SIGINT), sys.unraisablehook) == before
+
+
+COMMAND = [sys.executable, "-c", "import sys; from fprc.cli import main; sys.exit(main())"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "shell", "environment", "code", "said"),
+    [
+        ("config defaults", "exec {} >&-", {}, 0, ""),
+        ("config defaults", "exec {} 2>&-", {}, 0, ""),
+        ("config check none.yaml", "exec {} >&- 2>&-", {}, 1, ""),
+        ("config defaults", "exec {} >/dev/full", {}, 1, "error: the output .*: No space left"),
+        ("config published", "exec {} >/dev/full", {"PYTHONUNBUFFERED": "1"}, 1, "No space left"),
+        ("config published", "exec {}", {"PYTHONIOENCODING": "ascii"}, 0, ""),
+        ("config check ü.yaml", "exec {}", {"PYTHONIOENCODING": "ascii"}, 1, r"\\xfc.yaml: cannot"),
+        ("import arm.csv --list", "exec {}", {"MPLBACKEND": "nonsense"}, 0, ""),
+    ],
+)
+def test_output_of_any_kind_is_no_reason_for_a_traceback(
+    arguments, shell, environment, code, said, tmp_path
+):
+    (tmp_path / "arm.csv").write_text("t,ü\n0,1\n1,2\n", encoding="utf-8")
+    command = shlex.join([*COMMAND, *arguments.split()])
+    done = subprocess.run(
+        ["sh", "-c", shell.format(command)], cwd=tmp_path, capture_output=True, text=True,
+        env=os.environ | environment, check=False,
+    )  # fmt: skip
+    assert done.returncode == code
+    assert re.search(said, done.stderr) if said else done.stderr == ""
+    assert len(done.stderr.splitlines()) <= 1

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from fprc import given
 from fprc.apparatus import check as rig_check
 from fprc.apparatus import guardian
 from fprc.claims import paired
@@ -18,6 +19,7 @@ from fprc.logs import (
     diagnosis,
     hdf5,
     hdf5_source,
+    recovery,
     resample,
     sealed_chamber,
     variables,
@@ -61,6 +63,8 @@ def quoted():
         ],
         "docs/own-data.md": [
             f"| text | {delimited.LARGEST_TEXT_BYTES >> 20} MB |",
+            f"| any other file; a journal | {given.MOST_BYTES >> 30} GB; "
+            f"{recovery.LARGEST_JOURNAL_BYTES >> 30} GB |",
             f"| {variables.MOST_NUMBERS / 1e6:g} million: ",
             f"MATLAB 7.3 file | {hdf5_source.MOST_OBJECTS:,};",
             f"| {clock.LONGEST_S / 3600:g} h, and {clock.MOST_POINTS / 1e6:g} million samples",

@@ -189,7 +189,7 @@ def test_value_that_is_nested_too_deeply_is_refused(read, text):
 
 def test_file_that_is_too_large_is_not_read(read):
     (line,) = refused(read, b"#" * 1_000_001)
-    assert "larger than 1000000 bytes" in line
+    assert "has 1,000,001 bytes; must have at most 1,000,000" in line
     assert read(b"#" * 1_000_000) == {}
 
 

@@ -22,6 +22,7 @@ from fprc.apparatus.check import check_rig
 from fprc.apparatus.guardian import HEARTBEAT
 from fprc.apparatus.programme import plan
 from fprc.apparatus.session import Stop, loops, notify, on_rig, reserve_pipes
+from fprc.artifacts import refuse_output
 from fprc.control import RunAbortedError, run
 from fprc.devices import Clock, Device
 from fprc.errors import FprcError, LogError
@@ -73,13 +74,12 @@ def record(
 
     Raises
     ------
-    LogError
+    OutputError
         The log already exists, or cannot be written.
     ControlError, DeviceError
         The run was refused or stopped; names the journal, or the log that replaces a lost one.
     """
-    if Path(raw).exists():
-        raise LogError(f"{raw}: exists and is not overwritten; move it away to record another")
+    refuse_output(raw, ".h5")
     experiment = plan(name, settings, model)
     stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
     path = Path(raw).with_suffix(f".{stamp}.journal")

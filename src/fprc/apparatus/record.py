@@ -7,6 +7,7 @@ from typing import Any
 
 from fprc.apparatus.guardian import guard
 from fprc.apparatus.programme import plan
+from fprc.artifacts import refuse_output
 from fprc.errors import ControlError
 
 log = logging.getLogger("fprc.rig")
@@ -24,9 +25,12 @@ def record_on_rig(
 
     Raises
     ------
+    OutputError
+        The log exists, or cannot be written.
     ControlError
         Not armed, or the run was stopped; names the experiment, or the journal.
     """
+    refuse_output(raw, ".h5")
     experiment = plan(name, settings, model)
     seconds = experiment.samples / settings["control"]["sample_rate_hz"]
     limits = settings["hardware"]["limits"]

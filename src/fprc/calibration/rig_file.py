@@ -8,6 +8,9 @@ import yaml
 
 from fprc.config.rig import Rig
 
+#: Marks a file that may be overwritten.
+WRITTEN = "Written by `fprc calibrate`"
+
 
 def parameter_file(rig: Mapping[str, Any], summary: Mapping[str, Any], name: str) -> str:
     """Return the text of a rig's file: what it was fitted to, and what differs from the defaults.
@@ -21,6 +24,7 @@ def parameter_file(rig: Mapping[str, Any], summary: Mapping[str, Any], name: str
     """
     head = _HEAD.format(
         **summary,
+        written=WRITTEN,
         median=100 * summary["median_deviation"],
         largest=100 * summary["largest_deviation"],
         shown_seeds=", ".join(map(str, summary["seeds"])),
@@ -39,7 +43,7 @@ def parameter_file(rig: Mapping[str, Any], summary: Mapping[str, Any], name: str
 
 
 _HEAD = """\
-# Parameters of the simulated rig that differ from their defaults. Written by `fprc calibrate`
+# Parameters of the simulated rig that differ from their defaults. {written}
 # ({software}, {date}); docs/calibration.md explains it.
 #
 # Fitted over {count} parameters within the ranges of `calibration` ({evaluations} rigs), on the

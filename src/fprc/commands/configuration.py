@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from fprc.config import PUBLISHED, from_files
 from fprc.config import reference as pages
 from fprc.config.load import RIG, rig_file
+from fprc.given import read_given
 
 
 def check(files: Sequence[str]) -> None:
@@ -70,7 +71,7 @@ def rig(name: str | None = None) -> None:
     --------
     fprc config rig viscous
     """
-    print(rig_file(name or RIG).read_text(encoding="utf-8"), end="")
+    print(read_given(rig_file(name or RIG)).decode(), end="")
 
 
 def published() -> None:

@@ -3,8 +3,9 @@
 from pathlib import Path
 
 from fprc import __version__
-from fprc.artifacts import write_text
+from fprc.artifacts import refuse_output, write_text
 from fprc.errors import FprcError
+from fprc.given import read_given
 from fprc.models.c_header import GENERATED, c_header
 from fprc.models.storage import load_model
 from fprc.provenance import sha256
@@ -33,14 +34,13 @@ def export_c(model: str, *, c: str, float_: bool = False) -> None:
     Raises
     ------
     FprcError
-        ``model`` holds no model that can be exported, or ``c`` does not end in ``.h`` or is a
-        file that this command did not write.
+        ``model`` holds no model that can be exported.
+    OutputError
+        ``c`` does not end in ``.h``, is a file that this command did not write, or cannot be
+        written.
     """
     path = Path(c)
-    if path.suffix != ".h":
-        raise FprcError(f"{c}: must end in .h, for example fprc_model.h")
-    if path.exists() and GENERATED not in path.read_text(encoding="utf-8", errors="replace"):
-        raise FprcError(f"{c}: exists and is not an exported model; choose another name")
+    refuse_output(path, ".h", ours=lambda old: GENERATED.encode() in read_given(old))
     fitted = load_model(model)
     origin = f"From {Path(model).name}, SHA-256 {sha256(model)}, by fprc {__version__}."
     try:

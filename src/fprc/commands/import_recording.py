@@ -10,17 +10,18 @@ from typing import Any
 import numpy as np
 
 from fprc import __version__
-from fprc.artifacts import replacing_all, write_json
+from fprc.artifacts import is_json_with, read_json, refuse_output, replacing_all, write_json
 from fprc.config.importing import ImportMap, read_draft, read_map
 from fprc.errors import ConfigError, LogError, UsageError
 from fprc.escape import terminal, visible
 from fprc.figures import style
 from fprc.figures.diagnosis import draw_diagnosis
-from fprc.logs import read_columns, write_raw
+from fprc.logs import write_raw
 from fprc.logs.clock import likely_rate, other_unit, refuse_length
-from fprc.logs.columns import unit_of
+from fprc.logs.columns import read_header, unit_of
 from fprc.logs.diagnosis import describe, diagnose
 from fprc.logs.gather import gather, pick_all
+from fprc.logs.isolated import attempt_each
 from fprc.logs.quality import other_quantity
 from fprc.logs.resample import resample
 from fprc.logs.sources import read_source
@@ -78,7 +79,10 @@ def import_recording(source: str, map_file: str, raw: str) -> None:
     ConfigError
         The map is wrong, or names columns that the file lacks; lists all errors.
     LogError
-        The file cannot be used with this map, or ``raw`` is a log that was not imported.
+        The file cannot be used with this map.
+    OutputError
+        One of the three files exists and was not written by an import to ``raw``, or cannot be
+        written.
     """
     mapping = checked_map(map_file, source, partial(_problems_of_two_logs, map_file))
     import_mapped(mapping, source, raw)
@@ -132,10 +136,7 @@ def _missing_columns(map_file: str, source: str) -> list[str]:
 
 def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
     """Do as ``import_recording``, with a map that has been read already."""
-    if Path(raw).suffix != ".h5":
-        raise LogError(f"{raw}: a raw log's name ends in .h5; write --out {Path(raw).stem}.h5")
-    if Path(raw).exists() and read_columns(raw, ()).attributes.get("source") != "import":
-        raise LogError(f"{raw}: exists and was not imported; choose another name for --out")
+    diagnosed, drawn = _outputs_beside(raw)
     columns, rate_hz = mapping.channels.model_dump(exclude_none=True), mapping.sample_rate_hz
     content = read_source(source, **mapping.csv.model_dump())
     time = mapping.time.model_dump()
@@ -148,6 +149,7 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
     lines = describe(diagnosis, units)
     if mapping.time.column and (hint := other_unit(recording.clock, mapping.time.unit)):
         lines.insert(1, f"clock: {hint}")
+    lines += content.notes
     time_s, channels = resample(recording.time_s, recording.channels, rate_hz)
     attributes: dict[str, Any] = {
         "experiment": mapping.experiment,
@@ -162,12 +164,11 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
         "map": json.dumps(mapping.model_dump(exclude_none=True)),
         "notes": json.dumps(_notes(columns)),
     }
-    stem = Path(raw).with_suffix("")
     titles = {
         name: f"{name} from {spec['column']}" + (f": {spec['note']}" if spec["note"] else "")
         for name, spec in columns.items()
     }
-    with replacing_all(f"{stem}.diagnosis.json", f"{stem}.diagnosis.png", raw) as (page, png, log):
+    with replacing_all(diagnosed, drawn, raw) as (page, png, log):
         file = {"source": Path(source).name, "log": Path(raw).name, "words": lines}
         write_json(page, file | diagnosis)
         fig = draw_diagnosis(
@@ -188,6 +189,27 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
         ".png",
     ]
     print(terminal("\n".join(report)))
+
+
+def _outputs_beside(raw: str) -> tuple[str, str]:
+    """Return the names of diagnosis and picture; only an earlier import may be overwritten."""
+    stem = Path(raw).with_suffix("")
+    diagnosed, drawn = f"{stem}.diagnosis.json", f"{stem}.diagnosis.png"
+
+    def is_ours(old: Path) -> bool:
+        # the picture has no mark of its own: it was written with the diagnosis
+        known = is_json_with(diagnosed, "source", "log", "words")
+        return known and read_json(diagnosed)["log"] == Path(raw).name
+
+    refuse_output(raw, ".h5", ours=_is_imported)
+    refuse_output(diagnosed, ".json", ours=is_ours)
+    refuse_output(drawn, ".png", ours=is_ours)
+    return diagnosed, drawn
+
+
+def _is_imported(old: Path) -> bool:
+    (header,) = attempt_each(read_header, [old])
+    return not isinstance(header, LogError) and header[1].get("source") == "import"
 
 
 def _notes(columns: dict[str, dict[str, Any]]) -> dict[str, str]:
@@ -223,6 +245,8 @@ def list_source(source: str, map_file: str | None = None) -> None:
         print(visible(f"  {name}: cannot be a channel: {why}"))
     if len(content.others) > _LISTED_OTHERS:
         print(f"  {len(content.others) - _LISTED_OTHERS} more cannot be channels")
+    for note in content.notes:
+        print(visible(f"  {note}"))
     if not clocks:
         print("no column looks like a clock; give time.rate_hz in the map")
 

@@ -6,13 +6,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from fprc.artifacts import refuse_output
 from fprc.config import Settings
 from fprc.errors import LogError
 from fprc.escape import visible
 from fprc.logs import assess, read_raw, write_columns
 from fprc.logs.isolated import attempt_each
 from fprc.logs.quality import finding, warnings
-from fprc.logs.recovery import Findings, Stretch, recover, refuse_existing
+from fprc.logs.recovery import Findings, Stretch, recover
 from fprc.logs.salvage import salvage
 from fprc.paper import SOURCES
 
@@ -112,9 +113,11 @@ def repair(source: str, *, out: str) -> int:
     Raises
     ------
     LogError
-        Nothing can be read, or ``out`` exists.
+        Nothing can be read.
+    OutputError
+        ``out`` exists, does not end in ``.h5``, or cannot be written.
     """
-    refuse_existing(out)
+    refuse_output(out, ".h5")
     if Path(source).suffix == ".journal":
         findings = recover(source, out)
         samples, messages = findings.samples, _losses(findings)
@@ -130,7 +133,7 @@ def repair(source: str, *, out: str) -> int:
         }
         write_columns(out, salvaged.channels, salvaged.attributes | ({} if whole else damage))
         samples = len(next(iter(salvaged.channels.values())))
-    print(f"{out}: {samples} samples from {source}")
+    print(visible(f"{out}: {samples} samples from {source}"))
     for line in [*messages, "nothing is lost"] if whole else messages:
         print(f"  {visible(line)}")
     return WHOLE if whole else SOME_LOST

@@ -1,5 +1,6 @@
 """`fprc train` and `fprc predict`: a model from raw logs to predictions, without Snakemake."""
 
+import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -7,9 +8,10 @@ from typing import Any
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from fprc.artifacts import replacing, write_text
+from fprc.artifacts import refuse_output, replacing, write_text
 from fprc.config import from_files, local_files
-from fprc.errors import ConfigError, FprcError, OutputError
+from fprc.errors import ConfigError, FprcError
+from fprc.escape import visible
 from fprc.evaluation import cross_validate, rmse
 from fprc.evaluation.crossval import refusals_of
 from fprc.experiments.data import Data, join
@@ -64,9 +66,9 @@ def train(
     EvaluationError
         The logs do not suit the model.
     OutputError
-        ``out`` exists, or does not end in ``.h5``.
+        ``out`` exists, does not end in ``.h5``, or cannot be written.
     """
-    _refuse_output(out, (".h5",))
+    refuse_output(out, ".h5")
     refuse_repeats(logs, "its samples would train and validate at once")
     chosen = {} if seed is None else {"seed": seed}
     settings = from_files(config or local_files(), chosen).model_dump(mode="json")
@@ -83,11 +85,12 @@ def train(
         result = cross_validate(unfitted, X, y, folds, lengths=data.lengths)
     with replacing(out) as temporary:
         save_model(result.model, temporary, outside_class(model, models))
-    print(
+    report = (
         f"{out}: {model}, trained on {', '.join(logs)}; fold {result.best + 1} of {len(folds)} is "
         f"best: training RMSE {result.train_rmse[result.best]:.2f} {data.unit}, validation "
         f"{result.validation_rmse[result.best]:.2f} {data.unit}"
     )
+    print(visible(report))
 
 
 def predict(model: str, raw: str, *, config: Sequence[str] = (), out: str) -> None:
@@ -119,9 +122,9 @@ def predict(model: str, raw: str, *, config: Sequence[str] = (), out: str) -> No
     LogError
         The log cannot be used, or lacks an input of the model.
     OutputError
-        ``out`` exists, or has another suffix.
+        ``out`` exists, has another suffix, or cannot be written.
     """
-    _refuse_output(out, (".csv", ".h5"))
+    refuse_output(out, ".csv", ".h5")
     settings = from_files(config or local_files()).model_dump(mode="json")
     models = settings["models"]
     outside = [cls for name in models["others"] for cls in outside_class(name, models)]
@@ -137,11 +140,12 @@ def predict(model: str, raw: str, *, config: Sequence[str] = (), out: str) -> No
         write_columns(out, columns, dict(data.attributes) | {"model": name})
     else:
         write_text(out, pd.DataFrame(columns).to_csv(index=False, lineterminator="\n"))
-    print(
+    report = (
         f"{out}: {name} on {raw}, {len(y)} samples; RMSE against the "
         f"{'commanded' if data.attributes['target'] == 'command' else 'measured'} P_exp "
         f"{rmse(y, output):.2f} {data.unit}"
     )
+    print(visible(report))
 
 
 def refuse_repeats(paths: Sequence[str], why: str) -> None:
@@ -157,17 +161,10 @@ def refuse_repeats(paths: Sequence[str], why: str) -> None:
     ConfigError
         Lists every repeated recording.
     """
-    places = [Path(path).resolve() for path in paths]
+    places = [os.path.realpath(path) for path in paths]
     repeated = [path for i, path in enumerate(paths) if places[i] in places[:i]]
     if repeated:
         raise ConfigError(f"{', '.join(repeated)}: given twice; give each recording once: {why}")
-
-
-def _refuse_output(out: str, suffixes: Sequence[str]) -> None:
-    if Path(out).suffix not in suffixes:
-        raise OutputError(f"--out {out}: must end in {' or '.join(suffixes)}")
-    if Path(out).exists():
-        raise OutputError(f"{out}: exists and is not overwritten; choose another name for --out")
 
 
 def _read(logs: Sequence[str], settings: Settings) -> Data:

@@ -8,18 +8,18 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from joblib import cpu_count
 from threadpoolctl import threadpool_limits
 
-from fprc.artifacts import exclusive, read_json, write_json, write_text
+from fprc.artifacts import exclusive, read_json, refuse_unwritable, write_json, write_text
 from fprc.claims.recording import sentences
 from fprc.commands.import_recording import checked_map, import_mapped
 from fprc.commands.models import refuse_repeats
+from fprc.commands.processes import processes
 from fprc.commands.readout_page import Recordings, log_names, report_page
 from fprc.commands.terminal import messages_on_terminal
 from fprc.config import from_files
 from fprc.config.importing import ImportMap
-from fprc.errors import ConfigError, FprcError, LogError
+from fprc.errors import FprcError, LogError
 from fprc.fingerprint import fingerprint
 from fprc.plan.arguments import judgement, paper_models
 from fprc.provenance import describe
@@ -83,6 +83,8 @@ def report_readout(
         The map or the configuration is wrong.
     LogError
         The recording cannot be used with this map.
+    OutputError
+        ``out`` is no folder, or cannot be written to.
     FprcError
         A library that writes the tables is not installed, or another process writes into ``out``.
     """
@@ -97,10 +99,10 @@ def report_readout(
     refuse_repeats([source, *train], "a test on training samples proves nothing")
     problems_of = partial(_problems_of_map, map_, simulated=simulated, more=bool(train))
     mapping = checked_map(map_, source, problems_of)
-    if workers is not None and workers < 1:
-        raise ConfigError(f"--workers {workers}: must be 1 or more; omit it to use all processors")
+    count = processes(workers)
     folder = Path(out or Path("results", Path(source).stem))
     parts = _parts(source, mapping, train)
+    refuse_unwritable([folder])
     _refuse_leftovers(folder / "raw", len(parts["sweep"]))
     lock = folder / ".lock"
     with exclusive(lock):
@@ -111,8 +113,8 @@ def report_readout(
         results_folder = folder / "readout"
         results_folder.mkdir(parents=True, exist_ok=True)
         # the shorter task first: a run that is stopped during the longer one resumes there
-        competitors = _compete(data, results_folder, settings, workers or cpu_count())
-        results = _judge(data, results_folder, settings, workers or cpu_count(), roles)
+        competitors = _compete(data, results_folder, settings, count)
+        results = _judge(data, results_folder, settings, count, roles)
         results["competitors"] = competitors
         page = folder / "report.md"
         write_text(page, report_page(parts, map_, mapping, settings, folder, results))
@@ -153,7 +155,6 @@ def _prepare(
     names = log_names(experiment, len(recordings))
     for name, (source, mapping) in zip(names, recordings, strict=True):
         raw = folder / "raw" / f"{name}.h5"
-        raw.parent.mkdir(parents=True, exist_ok=True)
         import_mapped(mapping, source, str(raw))
         if settings["evaluation"]["reservoir"] == "simulated":
             driven = folder / "reservoir" / raw.name

@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 from typing import Any, Literal
 
+from fprc.artifacts import refuse_output
 from fprc.config import from_files, local_files
 from fprc.errors import ConfigError
-from fprc.logs.recovery import refuse_existing
+from fprc.escape import visible
 from fprc.stages.record import record
 from fprc.yaml_file import read_yaml
 
@@ -45,10 +46,10 @@ def simulate(
     ------
     ConfigError
         The configuration, the seed or the rig is wrong.
-    LogError
-        ``out`` exists, or does not end in ``.h5``.
+    OutputError
+        ``out`` exists, does not end in ``.h5``, or cannot be written.
     """
-    refuse_existing(out)
+    refuse_output(out, ".h5")
     chosen = {} if seed is None else {"seed": seed}
     settings = from_files(config or local_files(), _rig(rig) | chosen).model_dump(mode="json")
     signal, control = settings["experiments"][experiment], settings["control"]
@@ -60,10 +61,11 @@ def simulate(
         rig=settings["rig"],
         seed=settings["seed"],
     )
-    print(
+    report = (
         f"{out}: {experiment}, {signal['duration_s']:g} s at {control['sample_rate_hz']:g} Hz, on "
         f"the simulated rig {settings['fitted']['name']}, seed {settings['seed']}"
     )
+    print(visible(report))
 
 
 def _rig(rig: str | None) -> dict[str, Any]:

@@ -51,8 +51,6 @@ def _reasons_to_refuse(folder: str) -> list[str]:
         reasons.append(f"contains a name of more than {_LIMIT_NAME} bytes")
     if len(folder.encode()) > _LIMIT_PATH:
         reasons.append(f"is longer than {_LIMIT_PATH} bytes")
-    if "\0" in folder:  # cannot be resolved as a path
-        return reasons
     place = _path_parts(folder)
     if set(place) <= {".."}:
         reasons.append("is the project's folder, or contains it")

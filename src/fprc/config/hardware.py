@@ -39,7 +39,7 @@ class Boards(Section):
     @classmethod
     def _is_printable(cls, name: str) -> str:
         if not name.isprintable():
-            raise ValueError(f"{name}: contains characters that cannot be printed, such as NUL")
+            raise ValueError(f"{name}: contains characters that cannot be printed")
         return name
 
     @field_validator("lock_folder")

@@ -1,6 +1,7 @@
 """Check a configuration and report every error at once."""
 
 import difflib
+import os
 import re
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
@@ -38,7 +39,7 @@ def rig_files() -> dict[str, Path]:
 
 def local_files() -> list[Path]:
     """Return ``config/config.yaml`` if the current folder has one; else no file: the defaults."""
-    return [_LOCAL] if _LOCAL.exists() else []
+    return [_LOCAL] if os.path.lexists(_LOCAL) else []
 
 
 def check(config: Mapping[str, Any]) -> Settings:

@@ -13,7 +13,7 @@ Pair = tuple[T, T]
 
 
 class Section(BaseModel):
-    """A group of settings; unknown keys, infinities and NaN are errors."""
+    """A group of settings; unknown keys, infinities, NaN and the character NUL are errors."""
 
     model_config = ConfigDict(
         extra="forbid", frozen=True, allow_inf_nan=False, validate_default=True
@@ -21,10 +21,12 @@ class Section(BaseModel):
 
     @field_validator("*", mode="before")
     @classmethod
-    def _no_truth_values_as_numbers(cls, value: Any, info: ValidationInfo) -> Any:
+    def _no_nul_nor_truth_values_as_numbers(cls, value: Any, info: ValidationInfo) -> Any:
+        parts = value if isinstance(value, (list, tuple)) else [value]
+        if any(isinstance(part, str) and "\0" in part for part in parts):
+            raise ValueError("contains the character NUL; remove it")
         if cls.model_fields[str(info.field_name)].annotation is bool:
             return value
-        parts = value if isinstance(value, (list, tuple)) else [value]
         if any(isinstance(part, bool) for part in parts):
             raise ValueError("must be a number or a text, not true/false")
         return value

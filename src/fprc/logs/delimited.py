@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fprc.errors import LogError
+from fprc.given import read_given
 from fprc.logs.decimal_mark import number, numbers_of, parsed
 from fprc.logs.variables import Source
 
@@ -27,6 +28,7 @@ _TRIED = 5
 class _Text(NamedTuple):
     path: Path
     lines: list[str]
+    notes: tuple[str, ...]
 
 
 class _Row(NamedTuple):
@@ -46,7 +48,7 @@ def read_text(
     """Read a text table with one header line; fields may be quoted.
 
     Lines that begin with ``#`` or ``%`` are comments. A separator at the end of a
-    line adds no field.
+    line adds no field. A last line without a line end is left out: it may be cut short.
 
     Parameters
     ----------
@@ -59,7 +61,7 @@ def read_text(
         The file is not text, or too large; lines have more or fewer fields than the
         header; a column name occurs twice.
     """
-    text = _Text(path, _lines(path))
+    text = _text_of(path)
     mark = separator or _separator_of(text, header_line, data_line)
     header, below = _header_and_rows(text, mark, header_line, data_line)
     rows = _matching_rows(path, header, below, mark)
@@ -71,7 +73,8 @@ def read_text(
     if not rows:
         raise LogError(
             f"{path}: no samples below line {header.last_line}; check csv.header_line, "
-            "csv.data_line, and that every quotation mark is closed"
+            "csv.data_line, that every quotation mark is closed, and that the last line ends in a "
+            "line end"
         )
     # separators at the line ends make columns with neither name nor value
     present = [
@@ -85,17 +88,11 @@ def read_text(
     columns = {name: [row.fields[k] for row in rows] for k, name in shown.items()}
     variables, others = numbers_of(columns, lines, separator=mark, decimal=decimal)
     kind = f"text separated by {_SEPARATORS.get(mark, mark)}"
-    return Source(path, kind, variables, others, np.array(lines))
+    return Source(path, kind, variables, others, np.array(lines), text.notes)
 
 
-def _lines(path: Path) -> list[str]:
-    size = path.stat().st_size
-    if size > LARGEST_TEXT_BYTES:
-        raise LogError(
-            f"{path}: {size >> 20} MB of text; must be at most {LARGEST_TEXT_BYTES >> 20} MB, "
-            "split it or save it as HDF5"
-        )
-    raw = path.read_bytes()
+def _text_of(path: Path) -> _Text:
+    raw = read_given(path, error=LogError, most_bytes=LARGEST_TEXT_BYTES)
     wide = raw.startswith((BOM_UTF16_LE, BOM_UTF16_BE))
     if b"\0" in raw and not wide:
         raise LogError(f"{path}: not a text file; give it the file name ending of its format")
@@ -103,7 +100,13 @@ def _lines(path: Path) -> list[str]:
         text = raw.decode("utf-16" if wide else "utf-8-sig")
     except UnicodeDecodeError:
         text = raw.decode("latin-1")
-    return list(io.StringIO(text.rstrip("\r\n"), newline=""))
+    lines = list(io.StringIO(text, newline=""))
+    while lines and not lines[-1].strip("\r\n"):
+        lines.pop()
+    if len(lines) < 2 or lines[-1].endswith(("\n", "\r")):
+        return _Text(path, lines, ())
+    note = f"line {len(lines)}, the last, has no line end and may be cut short; it was left out"
+    return _Text(path, lines[:-1], (note,))
 
 
 def _header_and_rows(

@@ -2,8 +2,7 @@
 
 import math
 import os
-import stat
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -11,6 +10,7 @@ import h5py
 
 from fprc.errors import LogError
 from fprc.escape import visible
+from fprc.given import open_given
 
 #: Memory limit for the channels of one file, bytes: 7 h of ten channels at 200 Hz.
 MAX_BYTES = 384 << 20
@@ -66,14 +66,12 @@ def refuse_cut_file(path: Path, at: int = 0) -> None:
 
 def head_of(path: Path, at: int = 0) -> bytes:
     """Return 52 bytes of a regular file from byte ``at``; raise LogError if it cannot be opened."""
-    try:
-        if not stat.S_ISREG(path.stat().st_mode):  # opening a pipe would block
-            raise LogError(f"{path}: cannot be opened (not a regular file); check the path")
-        with path.open("rb") as file:
+    with open_given(path, error=LogError) as file:
+        try:
             file.seek(at)
             return file.read(52)
-    except OSError as error:
-        raise LogError(f"{path}: cannot be opened ({error.strerror}); check the path") from error
+        except OSError as error:
+            raise LogError(f"{path}: cannot be read ({error.strerror}); check the path") from error
 
 
 def promised_length(head: bytes) -> int:
@@ -123,25 +121,41 @@ def channel_of(file: h5py.File, name: str) -> h5py.Dataset:
 
 
 def refuse_never_written(dataset: h5py.Dataset) -> None:
-    """Check that every sample of a channel was written.
+    """Check that every number of a dataset was written.
 
-    For samples never written the library returns fill values, of which a small file can declare any
+    For numbers never written the library returns fill values, of which a small file can declare any
     number.
 
     Raises
     ------
     LogError
-        Some samples were never written. The message does not name the channel.
+        Some numbers were never written; names the first such chunk, but not the dataset.
     """
+    problem = ""
     layout = dataset.id.get_create_plist().get_layout()
     if layout == h5py.h5d.CHUNKED:
-        written = dataset.id.get_num_chunks() >= -(-len(dataset) // dataset.chunks[0])
-    else:
-        written = layout == h5py.h5d.COMPACT or dataset.id.get_offset() is not None
-    if len(dataset) and not written:
-        raise LogError(
-            f"declares {len(dataset)} samples, but some were never written; record the log again"
-        )
+        counts = [-(-n // size) for n, size in zip(dataset.shape, dataset.chunks, strict=True)]
+        written: set[tuple[int, ...]] = set()
+        dataset.id.chunk_iter(lambda chunk: written.add(chunk.chunk_offset))
+        if not written:
+            problem = "none was written"
+        elif len(written) < math.prod(counts):
+            begins = (_begin_of_chunk(k, counts, dataset.chunks) for k in range(len(written) + 1))
+            begin = ", ".join(map(str, next(each for each in begins if each not in written)))
+            problem = f"its chunk that begins at [{begin}] was never written"
+    elif layout != h5py.h5d.COMPACT and dataset.id.get_offset() is None:
+        problem = "none was written"
+    if dataset.size and problem:
+        raise LogError(f"declares {dataset.size:,} numbers, but {problem}; record the file again")
+
+
+def _begin_of_chunk(number: int, counts: Sequence[int], chunks: Sequence[int]) -> tuple[int, ...]:
+    """Return the indices at which a chunk begins, by its number, row by row."""
+    begin: list[int] = []
+    for count, size in zip(reversed(counts), reversed(chunks), strict=True):
+        number, k = divmod(number, count)
+        begin.insert(0, k * size)
+    return tuple(begin)
 
 
 def bytes_of(dataset: h5py.Dataset) -> int:

@@ -9,7 +9,7 @@ import numpy as np
 
 from fprc.errors import LogError
 from fprc.logs.attributes import read_attribute
-from fprc.logs.hdf5 import refuse_cut_file
+from fprc.logs.hdf5 import refuse_cut_file, refuse_never_written
 from fprc.logs.matlab import EMPTY, OBJECT, SPARSE, elements
 from fprc.logs.variables import MOST_NUMBERS, Part, Source, collect
 
@@ -79,8 +79,10 @@ def _why_no_channel(dataset: h5py.Dataset, room: int, *, matlab: bool) -> str | 
     largest = max(dataset.size, int(np.prod(dataset.chunks or (1,), dtype=float)))
     if largest > room:
         return f"declares {largest:,} numbers; a file may have {MOST_NUMBERS:,} in all, split it"
-    if not dataset.id.get_storage_size():
-        return f"declares {dataset.size:,} numbers, but none was written"
+    try:
+        refuse_never_written(dataset)
+    except LogError as error:
+        return str(error)
     return None
 
 

@@ -5,6 +5,7 @@ Files from outside are therefore read in a child process.
 """
 
 import contextlib
+import ctypes
 import io
 import math
 import os
@@ -24,6 +25,9 @@ _LIMIT_S, _BYTES_PER_S = 5.0, 20e6
 _PATIENCE = 6.0
 #: Limit on the process's address space, bytes; libraries take about 0.5 GB of it.
 _LIMIT_BYTES = 4 << 30
+
+#: Option of Linux's prctl: the signal that a process gets when its parent ends.
+_PR_SET_PDEATHSIG = 1
 
 _DAMAGED = "the file is damaged; `fprc log repair` copies the readable part of a raw log"
 
@@ -73,7 +77,7 @@ def attempt_each(
     results: list[Any] = []
     while left := paths[len(results) :]:
         cpu_s = limit_s or time_limit_s(left)
-        code = f"from fprc.logs.isolated import answer; answer({cpu_s})"
+        code = f"from fprc.logs.isolated import answer; answer({cpu_s}, {os.getpid()})"
         request = pickle.dumps((function, left, keywords))
         answers, ended = run_limited([sys.executable, "-c", code], cpu_s, request)
         answered = list(_answers(answers))
@@ -93,12 +97,22 @@ def attempt_each(
 
 def time_limit_s(paths: Sequence[Path | str]) -> float:
     """Return the limit on the processor time for reading files, s."""
-    sizes = [path.stat().st_size for path in map(Path, paths) if path.is_file()]
+    sizes = [os.path.getsize(path) for path in paths if os.path.isfile(path)]
     return _LIMIT_S + sum(sizes) / _BYTES_PER_S
 
 
-def limit_process(limit_bytes: int, limit_s: float) -> None:
-    """Limit this process's memory and processor time, and disable core dumps."""
+def limit_process(limit_bytes: int, limit_s: float, parent: int) -> None:
+    """Limit this process's memory and processor time, disable core dumps, and end with its parent.
+
+    Parameters
+    ----------
+    parent : int
+        Number of the process that started this one.
+    """
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+        if os.getppid() != parent:  # it ended before
+            sys.exit(1)
     with contextlib.suppress(ImportError):  # Windows has no such limits
         import resource
 
@@ -139,11 +153,11 @@ def _answers(stream: bytes) -> Iterator[tuple[Any, Any]]:
             yield pickle.load(file)
 
 
-def answer(limit_s: float) -> None:
+def answer(limit_s: float, parent: int) -> None:
     """Read a request from standard input and write the answers to standard output, one by one."""
     output = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # keep library prints out of the answers
-    limit_process(_LIMIT_BYTES, limit_s)
+    limit_process(_LIMIT_BYTES, limit_s, parent)
     function, paths, keywords = pickle.load(sys.stdin.buffer)
     with output:
         for path in paths:

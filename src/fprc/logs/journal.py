@@ -12,6 +12,7 @@ may return an old page).
 import errno
 import json
 import os
+import re
 import reprlib
 import struct
 import threading
@@ -266,8 +267,13 @@ def check_header(path: Path, names: Sequence[str], attributes: Mapping[str, Any]
     LogError
         Lists channels and attributes that are missing, repeated or of the wrong type.
     """
-    if not (isinstance(names, Sequence) and all(isinstance(name, str) for name in names)):
-        raise LogError(f"{path}: names = {reprlib.repr(names)}: must be the channels' names")
+    if not isinstance(names, list | tuple) or not all(
+        isinstance(name, str) and re.fullmatch(r"\w{1,100}", name) for name in names
+    ):
+        raise LogError(
+            f"{path}: names = {reprlib.repr(names)}: must be the channels' names, each of at most "
+            "100 letters, digits and _"
+        )
     problems = [f"attribute {text}" for text in wrong_kinds(attributes)]
     problems = problems or contradictions(attributes)
     if problems:  # they decide which channels are required

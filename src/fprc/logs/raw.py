@@ -50,6 +50,7 @@ _LARGEST = 1e10
 def write_raw(
     path: Path | str,
     channels: Mapping[str, np.ndarray],
+    /,
     *,
     experiment: str,
     source: str,

@@ -11,9 +11,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fprc.artifacts import refuse_output
 from fprc.errors import FprcError, LogError
+from fprc.given import read_given
+from fprc.logs.attributes import wrong_kinds
 from fprc.logs.journal import END, MAGIC, UINT32, Journal, check_header, seed_of
 from fprc.logs.raw import write_raw
+
+#: Largest journal: 16 h of ten channels at 200 Hz.
+LARGEST_JOURNAL_BYTES = 1 << 30
 
 
 class Stretch(NamedTuple):
@@ -60,13 +66,10 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
     ------
     LogError
         The file cannot be opened, is not a journal, or both copies of its header are damaged;
-        an entry of the header is missing or of the wrong type.
+        an entry of the header or of the end mark is missing or of the wrong type.
     """
     path = Path(path)
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise LogError(f"{path}: cannot be opened ({error.strerror}); check the path") from error
+    data = read_given(path, error=LogError, most_bytes=LARGEST_JOURNAL_BYTES)
     header = _find_block(data, MAGIC, 0)
     if header is None:
         raise LogError(_no_header(path, data))
@@ -78,6 +81,8 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
     seed = seed_of(header.raw)
     record = np.dtype([("tick", "<u8"), ("row", "<f8", (len(names),)), ("crc", "<u4")])
     end = _find_block(data, END, start, seed)
+    if end:
+        _refuse_wrong_end(path, end.content)
     room = _room(data, start, record)
     appended = end.content["samples"] if end else room
     whole = max(min((len(data) - start) // record.itemsize, room), 0)
@@ -108,6 +113,19 @@ def _find_block(data: bytes, marker: bytes, start: int, seed: int = 0) -> _Block
         if isinstance(content, dict):
             return _Block(content, at, data[at : crc_at + UINT32.size])
     return None
+
+
+#: Entries of the end mark.
+_END_KINDS = {"samples": int, "complete": bool, "reason": str, "statistics": dict}
+
+
+def _refuse_wrong_end(path: Path, content: Mapping[str, Any]) -> None:
+    problems = [f"{name} is missing" for name in _END_KINDS if name not in content]
+    problems += wrong_kinds(content, _END_KINDS)
+    if not problems and content["samples"] < 0:
+        problems.append(f"samples = {content['samples']}: must not be below 0")
+    if problems:
+        raise LogError("\n".join(f"{path}: end mark: {problem}" for problem in problems))
 
 
 def _no_header(path: Path, data: bytes) -> str:
@@ -187,9 +205,11 @@ def recover(journal: Path | str, raw: Path | str) -> Findings:
     Raises
     ------
     LogError
-        See ``read_journal`` and ``refuse_existing``; also, no sample can be read.
+        See ``read_journal``; also, no sample can be read.
+    OutputError
+        See ``refuse_output``.
     """
-    refuse_existing(raw)
+    refuse_output(raw, ".h5")
     channels, attributes, findings = read_journal(journal)
     if not findings.samples:
         raise LogError(f"{journal}: no sample can be read; nothing was written")
@@ -232,7 +252,7 @@ def rescue(
     for folder in (journal.folder, Path.cwd, lambda: Path(tempfile.mkdtemp(prefix="fprc-"))):
         try:
             raw = folder() / journal.path.with_suffix(".rescued.h5").name
-            refuse_existing(raw)
+            refuse_output(raw, ".h5")
             _write(raw, channels, journal.attributes, statistics, reason, 0)
         except (FprcError, OSError) as error:
             problems.append(str(error))
@@ -256,17 +276,3 @@ def _write(
         described["incomplete_reason"] = reason
     measured = {name: values for name, values in channels.items() if not np.isnan(values).all()}
     write_raw(raw, measured, **described)
-
-
-def refuse_existing(raw: Path | str) -> None:
-    """Check that a raw log of this name can be created.
-
-    Raises
-    ------
-    LogError
-        The file exists, or its name does not end in ``.h5``.
-    """
-    if Path(raw).suffix != ".h5":
-        raise LogError(f"{raw}: a raw log's name ends in .h5; write --out {Path(raw).stem}.h5")
-    if Path(raw).exists():
-        raise LogError(f"{raw}: exists and is not overwritten; choose another name for --out")

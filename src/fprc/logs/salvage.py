@@ -71,8 +71,8 @@ def salvage(path: Path | str, *, limit_s: float | None = None) -> Salvaged:
         )
     with tempfile.TemporaryDirectory() as folder:
         limit_s = limit_s or time_limit_s([path])
-        child = [sys.executable, "-m", "fprc.logs.salvage", str(limit_s), str(path), folder]
-        _, ended = run_limited(child, limit_s)
+        arguments = [str(limit_s), str(os.getpid()), str(path), folder]
+        _, ended = run_limited([sys.executable, "-m", "fprc.logs.salvage", *arguments], limit_s)
         channels, lengths, attributes, messages = _collect(Path(folder))
     kept, left_out = _of_one_length(channels, lengths)
     messages = [*([f"reading ended early: {ended}"] if ended else []), *messages, *left_out]
@@ -273,5 +273,5 @@ def _values_of_chunks(dataset: h5py.Dataset, size: int) -> np.ndarray:
 
 
 if __name__ == "__main__":
-    limit_process(_LIMIT_BYTES, float(sys.argv[1]))
-    _export(Path(sys.argv[2]), Path(sys.argv[3]))
+    limit_process(_LIMIT_BYTES, float(sys.argv[1]), int(sys.argv[2]))
+    _export(Path(sys.argv[3]), Path(sys.argv[4]))

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from fprc.errors import LogError
+from fprc.given import open_given
 from fprc.logs.delimited import read_text
 from fprc.logs.hdf5_source import read_hdf5
 from fprc.logs.isolated import isolated_each
@@ -44,10 +45,7 @@ def read_source(
     kind = _SUFFIXES.get(path.suffix.lower())
     if kind is None:
         raise LogError(f"{path}: unknown file name ending; must be one of {', '.join(_SUFFIXES)}")
-    try:
-        path.open("rb").close()
-    except OSError as error:
-        raise LogError(f"{path}: cannot be opened ({error.strerror}); check the path") from error
+    open_given(path, error=LogError).close()
     if kind == "CSV":
         return read_text(
             path,

@@ -27,6 +27,7 @@ class Source(NamedTuple):
     variables: dict[str, np.ndarray]  #: arrays of one or two dimensions, by name
     others: dict[str, str]  #: reason why each other variable cannot be a channel, by name
     lines: np.ndarray | None = None  #: line number of each sample in a text file, from 1
+    notes: tuple[str, ...] = ()  #: what was left out
 
     def sample(self, number: int) -> str:
         """Describe a sample, counted from 0, for a message."""

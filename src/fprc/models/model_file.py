@@ -8,10 +8,7 @@ library follows no link and opens no other file, and no array is larger than its
 import hashlib
 import json
 import math
-import os
-import stat
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import h5py
@@ -46,7 +43,10 @@ def model_file(text: str, arrays: Mapping[str, np.ndarray]) -> bytes:
         file.flush()
         image = file.id.get_file_image()
     if _BLOCK + len(image) > MOST_BYTES:
-        raise FprcError(f"takes {_too_large(_BLOCK + len(image))}, train a smaller one")
+        raise FprcError(
+            f"takes {(_BLOCK + len(image)) / 1e6:.0f} MB, the limit is {MOST_BYTES / 1e6:.0f} MB, "
+            "train a smaller one"
+        )
     return sealed(image)
 
 
@@ -55,16 +55,16 @@ def sealed(image: bytes) -> bytes:
     return _block(image) + image
 
 
-def read_model_file(path: Path | str) -> tuple[Any, dict[str, np.ndarray]]:
-    """Return the value of the text, and every array by its name.
+def read_model_file(content: bytes) -> tuple[Any, dict[str, np.ndarray]]:
+    """Return the value of the text in a file, and every array by its name.
 
     Raises
     ------
     FprcError
-        The file cannot be opened, is not as it was saved, is too large, or holds anything else.
+        The file is not as it was saved, or holds anything else.
         The message does not name the file.
     """
-    image = _checked_image(path)
+    image = _checked_image(content)
     with h5py.File(h5py.h5f.open_file_image(image)) as file:
         names, left = list(file), len(image)
         values = {}
@@ -89,22 +89,8 @@ def _block(image: bytes) -> bytes:
     return (_FORMAT + hashlib.sha256(image).hexdigest().encode() + b"\n").ljust(_BLOCK, b"\0")
 
 
-def _too_large(size: int) -> str:
-    return f"{size / 1e6:.0f} MB, the limit is {MOST_BYTES / 1e6:.0f} MB"
-
-
-def _checked_image(path: Path | str) -> bytes:
-    """Read a regular file once, and return it without its first block."""
-    try:
-        known = os.stat(path)
-        if not (stat.S_ISREG(known.st_mode) or stat.S_ISDIR(known.st_mode)):  # a pipe would block
-            raise FprcError("cannot be opened (not a regular file); check the path")
-        if known.st_size > MOST_BYTES:
-            raise FprcError(f"holds no model of fprc: it has {_too_large(known.st_size)}")
-        with open(path, "rb") as file:
-            content = file.read(MOST_BYTES)
-    except OSError as error:
-        raise FprcError(f"cannot be opened ({error.strerror}); check the path") from error
+def _checked_image(content: bytes) -> bytes:
+    """Return a file without its first block, which holds the checksum of the others."""
     block, image = content[:_BLOCK], content[_BLOCK:]
     if block == _block(image):
         return image

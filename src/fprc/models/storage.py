@@ -11,9 +11,10 @@ from sklearn.base import BaseEstimator
 from sklearn.utils.validation import check_is_fitted
 
 from fprc.errors import FprcError
+from fprc.given import read_given
 from fprc.models.description import describe
 from fprc.models.learned import check_learned, is_learned, is_ours
-from fprc.models.model_file import model_file, read_model_file
+from fprc.models.model_file import MOST_BYTES, model_file, read_model_file
 from fprc.models.sequence import SequenceModel
 
 Arrays = dict[str, np.ndarray]
@@ -72,12 +73,13 @@ def load_model(path: Path | str, classes: Collection[type] = ()) -> BaseEstimato
     Raises
     ------
     FprcError
-        The file cannot be opened, was changed, or holds no model of this package: it names the
+        The file cannot be opened, is too large, was changed, or holds no model of this package: it names the
         file, and the part and attribute that is wrong.
     """
     known = _known_classes(classes)
+    content = read_given(path, most_bytes=MOST_BYTES)
     try:
-        described, arrays = read_model_file(path)
+        described, arrays = read_model_file(content)
         model = _restore(described, arrays, known, "")
         if arrays:
             raise FprcError(f"{', '.join(arrays)}: is no part of the model; train it again")

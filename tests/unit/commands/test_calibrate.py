@@ -5,6 +5,8 @@ import pytest
 import yaml
 from joblib import cpu_count
 
+from fprc.artifacts import write_json
+from fprc.calibration.rig_file import WRITTEN
 from fprc.cli import main
 from fprc.commands import calibrate as command
 from fprc.config import PUBLISHED, Settings, check, from_files, rig_file
@@ -30,8 +32,8 @@ def fit(monkeypatch):
         calibrate.calls.append(files | settings)
         if calibrate.failure is not None:
             raise calibrate.failure
-        Path(fitted).write_text("rig: {drift: {time_s: 3.5}}\n", encoding="utf-8")
-        Path(report).write_text("{}\n", encoding="utf-8")
+        Path(fitted).write_text(f"# {WRITTEN}\nrig: {{drift: {{time_s: 3.5}}}}\n", encoding="utf-8")
+        write_json(report, {"fit": [], "check_loss": 1.0})
 
     calibrate.calls, calibrate.failure = [], None
     monkeypatch.setattr(command, "calibrate", calibrate)
@@ -214,8 +216,8 @@ def test_name_of_the_parameter_file_is_one_that_a_configuration_takes(run, name)
     assert check({"fitted": {"name": Path(name).stem}})
 
 
-@pytest.mark.parametrize("workers", ["0", "-1"])
-def test_number_of_processes_below_1_is_an_error(run, workers):
+@pytest.mark.parametrize("workers", ["0", "-1", "1001", "9" * 400])
+def test_number_of_processes_that_no_computer_runs_is_an_error(run, workers):
     code, calls = run(f"--workers={workers}")
     assert (code, calls) == (1, [])
 
@@ -224,3 +226,12 @@ def test_number_of_processes_below_1_is_an_error(run, workers):
 def test_time_limit_outside_of_that_of_the_configuration_is_an_error(run, minutes):
     code, calls = run(f"--minutes={minutes}")
     assert (code, calls) == (1, [])
+
+
+@pytest.mark.parametrize("name", ["mine.yaml", "mine.json"])
+def test_file_that_no_fit_wrote_is_kept(run, tmp_path, capsys, name):
+    (tmp_path / name).write_text("seed: 1\n")
+    code, calls = run(out="mine.yaml")
+    assert (code, calls) == (1, [])
+    assert f"{name}: exists and was not made by this command" in capsys.readouterr().err
+    assert (tmp_path / name).read_text() == "seed: 1\n"

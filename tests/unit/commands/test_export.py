@@ -85,7 +85,7 @@ def test_file_that_was_not_exported_is_kept(model, header, capsys):
     header.write_bytes(b"int mine; /* \xff */\n")
     assert main(["export", str(model), "--c", str(header)]) == 1
     assert header.read_bytes() == b"int mine; /* \xff */\n"
-    assert "exists and is not an exported model" in capsys.readouterr().err
+    assert "exists and was not made by this command" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(("name", "problem"), [("m.c", "must end in .h"), ("1.h", "names in C")])

@@ -15,7 +15,7 @@ from fprc.cli import main
 from fprc.commands.import_recording import import_recording
 from fprc.config import Settings
 from fprc.config.importing import read_map
-from fprc.errors import ConfigError, LogError
+from fprc.errors import ConfigError, LogError, OutputError
 from fprc.experiments.data import Data, read_data, refuse_mixture
 from fprc.figures import style
 from fprc.logs import RAW_CHANNELS, assess, read_columns, read_raw, write_raw
@@ -148,8 +148,31 @@ def test_recording_at_another_rate_is_resampled(bring, recorded):
 
 def test_log_that_was_not_imported_is_not_overwritten(bring, write_log):
     write_log("sweep.h5", source="rig")
-    with pytest.raises(LogError, match="exists and was not imported"):
+    with pytest.raises(OutputError, match="exists and was not made by this command"):
         bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND})
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("sweep.diagnosis.json", "{}"),
+        ("sweep.diagnosis.json", "mine"),
+        ("sweep.diagnosis.json", '{"source": "a", "log": "other.h5", "words": []}'),
+        ("sweep.diagnosis.png", "mine"),
+        ("sweep.h5", "mine"),
+        ("sweep.h5", None),
+        ("sweep.diagnosis.png", None),
+    ],
+)
+def test_file_that_no_import_wrote_is_kept_and_nothing_written(bring, tmp_path, name, content):
+    if content is None:
+        (tmp_path / name).mkdir()
+    else:
+        (tmp_path / name).write_text(content)
+    with pytest.raises(OutputError, match=f"{name}: exists and was not made by this command"):
+        bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND})
+    assert [path.name for path in tmp_path.glob("sweep*")] == [name]
+    assert content is None or (tmp_path / name).read_text() == content
 
 
 # --- all or nothing -------------------------------------------------------------------------

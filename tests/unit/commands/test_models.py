@@ -110,7 +110,7 @@ def test_seed_and_rig_are_chosen_by_name_or_file(few, inside, capsys):
         (["--rig", "none.yaml"], "none.yaml: cannot be opened (No such file"),
         (["--rig", "few.yaml"], "few.yaml: has no section rig"),
         (["--seed", "-1"], "seed = -1: must be greater than or equal to 0"),
-        (["--out", "sweep.csv"], "sweep.csv: a raw log's name ends in .h5"),
+        (["--out", "sweep.csv"], "sweep.csv: must end in .h5"),
     ],
 )
 def test_wrong_simulation_is_refused_and_leaves_no_file(options, problem, few, inside, capsys):
@@ -202,7 +202,7 @@ def test_model_from_outside_the_package_is_trained_and_predicts(
     ("words", "problem"),
     [
         (["train", "LOG", "--out", "precious.h5"], "precious.h5: exists and is not overwritten"),
-        (["train", "LOG", "--out", "model.csv"], "--out model.csv: must end in .h5"),
+        (["train", "LOG", "--out", "model.csv"], "model.csv: must end in .h5"),
         (["train", "LOG", "LOG", "--out", "m.h5"], "given twice"),
         (["train", "none.h5", "--out", "m.h5"], "none.h5: cannot be opened (No such file"),
         (["train", "LOG", "--model", "fpcr", "--out", "m.h5"], "use esn, fprc or fuzzy_linear"),
@@ -232,3 +232,14 @@ def test_log_without_an_input_of_the_model_is_refused(recorded, write_log, insid
     assert run("train", "sweep.h5", "--out", "model.h5") == 1
     assert "has no p_o_kpa, which fprc needs" in capsys.readouterr().err
     assert not (inside / "model.h5").exists()
+
+
+def test_names_with_commands_to_the_terminal_are_printed_escaped(few, inside, capsys):
+    name = "\x1b[31m\n%s.h5"
+    assert run("simulate", "sweep", "--config", few, "--out", name % "log") == 0
+    assert run("train", name % "log", "--config", few, "--out", name % "model") == 0
+    assert run("predict", name % "model", name % "log", "--config", few, "--out", "p.csv") == 0
+    said = capsys.readouterr()
+    assert "\x1b" not in said.out + said.err
+    assert said.out.count("\\x1b[31m\\n") == 4
+    assert len(said.out.splitlines()) == 3

@@ -240,7 +240,7 @@ def test_map_says_one_log_or_two_parts(recording, more, message):
 
 
 def test_no_workers_is_an_error(recording, tmp_path):
-    with pytest.raises(ConfigError, match="--workers 0: must be 1 or more"):
+    with pytest.raises(ConfigError, match="--workers 0: must be from 1 to 1000"):
         report_readout(str(tmp_path / "log.csv"), map_=recording(), workers=0)
 
 

@@ -53,7 +53,7 @@ def project(tmp_path, monkeypatch):
         (".git", "is in .git"),
         (".snakemake/x", "is in .snakemake"),
         ("./.venv", "is in .venv"),
-        ("a\0b", "cannot be printed"),
+        ("a\0b", "contains the character NUL"),
         ("a\nb", "cannot be printed"),
         ("a\x1b[31mb", "cannot be printed"),
         ("a\u2028b", "cannot be printed"),

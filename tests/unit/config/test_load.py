@@ -7,7 +7,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fprc.config import Settings, check, from_files, rig_files
+from fprc.config import Settings, check, from_files, local_files, rig_files
 from fprc.config.reference import RIG
 from fprc.errors import ConfigError
 from fprc.provenance import hash_of
@@ -539,3 +539,12 @@ def test_report_of_a_fit_is_of_the_rig_beside_it(report):
     """Otherwise a new parameter of every rig would stop `make docs`."""
     rig = from_files([report.with_suffix(".yaml")]).model_dump(mode="json")["rig"]
     assert json.loads(report.read_text(encoding="utf-8"))["rig_sha256"] == hash_of(rig)
+
+
+def test_local_configuration_that_is_a_broken_link_is_not_passed_over(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert local_files() == []
+    (tmp_path / "config").mkdir()
+    (tmp_path / "config/config.yaml").symlink_to("nowhere")
+    with pytest.raises(ConfigError, match=r"config\.yaml: cannot be opened"):
+        from_files(local_files())

@@ -94,19 +94,33 @@ def huge(samples, **more):
     return make
 
 
+def partly(samples, chunk, written):
+    def make(file):
+        dataset = file.create_dataset("p_o_kpa", (samples,), np.float64, chunks=(chunk,))
+        dataset[written] = 1.0
+        return dataset
+
+    return make
+
+
 @pytest.mark.parametrize(
-    ("make", "samples"),
+    ("make", "samples", "which"),
     [
-        (huge(10**9, chunks=(10**5,), compression="gzip"), 10**9),
-        (huge(10**14, chunks=(10**6,)), 10**14),
-        (huge(300), 300),
-        (huge(300, chunks=(10,)), 300),
+        (huge(10**9, chunks=(10**5,), compression="gzip"), 10**9, "none was"),
+        (huge(10**14, chunks=(10**6,)), 10**14, "none was"),
+        (huge(300), 300, "none was"),
+        (huge(300, chunks=(10,)), 300, "none was"),
+        (partly(300, 10, slice(0, 100)), 300, "its chunk that begins at [100] was never"),
+        (partly(295, 10, slice(0, 290)), 295, "its chunk that begins at [290] was never"),
+        (partly(10**9, 10**5, slice(10**5, 10**5 + 9)), 10**9, "its chunk that begins at [0] was"),
     ],
 )
-def test_samples_that_were_never_written_are_refused_before_they_are_made_up(path, make, samples):
+def test_samples_that_were_never_written_are_refused_before_they_are_made_up(
+    path, make, samples, which
+):
     replace(path, make)
     message = problem(read_columns, path, NAMES)
-    assert f"{path}: channel p_o_kpa: declares {samples} samples, but some" in message
+    assert f"{path}: channel p_o_kpa: declares {samples:,} numbers, but {which}" in message
 
 
 @pytest.mark.parametrize("chunk", [10, 1000])

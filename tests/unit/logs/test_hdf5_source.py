@@ -116,11 +116,12 @@ def test_dataset_that_was_never_written_is_no_column(written):
     def write(file):
         file["t"] = np.arange(10.0)
         file.create_dataset("x", shape=(10**6,), dtype="f8")
-        file.create_dataset("y", shape=(10,), dtype="f8", chunks=(5,))[:5] = 1.0
+        file.create_dataset("y", shape=(10, 6), dtype="f8", chunks=(5, 2))[:, :4] = 1.0
 
     source = written(write)
-    assert list(source.variables) == ["t", "y"]
-    assert source.others["x"] == "declares 1,000,000 numbers, but none was written"
+    assert list(source.variables) == ["t"]
+    assert "declares 1,000,000 numbers, but none was written" in source.others["x"]
+    assert "60 numbers, but its chunk that begins at [0, 4] was never written" in source.others["y"]
 
 
 def test_datasets_that_declare_too_much_together_are_not_all_read(written, monkeypatch):

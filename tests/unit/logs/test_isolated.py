@@ -1,3 +1,11 @@
+import os
+import signal
+import subprocess
+import sys
+import time
+from contextlib import suppress
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -6,6 +14,8 @@ from fprc.logs.columns import read_columns
 from fprc.logs.isolated import attempt_each, isolated_each, time_limit_s
 
 pytestmark = pytest.mark.slow
+
+MODULE = attempt_each.__module__
 
 
 def test_result_is_that_of_the_function(tmp_path):
@@ -74,3 +84,35 @@ def test_larger_files_have_more_time(tmp_path):
     with path.open("wb") as file:
         file.truncate(200_000_000)
     assert time_limit_s([path]) == pytest.approx(least + 10.0)
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs Linux's prctl")
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
+def test_child_ends_with_its_parent(tmp_path, number):
+    pid = tmp_path / "pid"
+    wait = f"(open({str(pid)!r}, 'w').write(str(os.getpid())), time.sleep(600))"
+    code = f"import os, time; {wait}"
+    call = f"attempt_each(exec, [{code!r}], limit_s=100.0)"
+    parent = subprocess.Popen([sys.executable, "-c", f"from {MODULE} import attempt_each; {call}"])
+    try:
+        wait_for(lambda: pid.exists() and pid.read_text())
+        child = int(pid.read_text())
+        parent.send_signal(number)
+        parent.wait()
+        wait_for(lambda: has_ended(child))
+    finally:
+        parent.kill()
+        with suppress(NameError, ProcessLookupError):
+            os.kill(child, signal.SIGKILL)
+
+
+def has_ended(process):
+    status = Path(f"/proc/{process}/status")
+    return not status.exists() or "State:\tZ" in status.read_text()  # Z: nothing waits for it
+
+
+def wait_for(happened):
+    until_s = time.monotonic() + 60.0
+    while not happened():
+        assert time.monotonic() < until_s
+        time.sleep(0.05)

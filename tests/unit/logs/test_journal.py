@@ -3,6 +3,7 @@ import os
 import struct
 import threading
 import time
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fprc.config import Settings
-from fprc.errors import LogError
-from fprc.logs import RAW_CHANNELS, Journal, assess, read_journal, read_raw, recover
+from fprc.errors import LogError, OutputError
+from fprc.logs import RAW_CHANNELS, Journal, assess, read_columns, read_journal, read_raw, recover
 from fprc.logs import journal as module
 from fprc.logs.journal import END
 
@@ -620,7 +621,7 @@ def test_recovery_overwrites_nothing(path, tmp_path):
     write(path)
     raw = tmp_path / "run.h5"
     raw.write_text("precious")
-    with pytest.raises(LogError, match="exists and is not overwritten"):
+    with pytest.raises(OutputError, match="exists and is not overwritten"):
         recover(path, raw)
     assert raw.read_text() == "precious"
 
@@ -634,7 +635,7 @@ def test_journal_without_a_sample_gives_no_log(path, tmp_path):
 
 def test_copy_must_be_called_a_raw_log(path, tmp_path):
     write(path)
-    with pytest.raises(LogError, match="name ends in .h5"):
+    with pytest.raises(OutputError, match="must end in .h5"):
         recover(path, tmp_path / "run.journal2")
 
 
@@ -670,18 +671,70 @@ def test_quality_record_holds_the_statistics_of_the_loop(path, tmp_path):
     [
         ("names", None),
         ("names", 5),
+        ("names", dict.fromkeys(NAMES)),
+        *(("names", [*NAMES, name]) for name in (5, "a/b_kpa", "a\0_kpa", "\ud800_kpa", "._s")),
         ("source", None),
         ("source", []),
         ("source", "moon"),
+        ("source", "\ud800"),
         ("seed", None),
+        ("seed", 10**30),
+        ("seed", -(10**30)),
         ("sample_rate_hz", "fast"),
+        ("sample_rate_hz", float("nan")),
+        ("sample_rate_hz", 10**400),
+        ("lost_samples", -1),
         ("rig", "{"),
+        ("rig", {"a": "\ud800"}),
+        ("notes", {"theta_deg": 5}),
+        ("notes", [1]),
+        ("of_someone_else", 10**30),
+        ("of_someone_else", "\ud800"),
+        ("", 1),
+        ("a/b", 1),
+        ("x" * 101, 1),
     ],
 )
 def test_header_that_says_nothing_that_can_be_used_is_refused(tmp_path, name, value):
     described = {"names": list(NAMES), "started": "now"} | ATTRIBUTES | {name: value}
-    block = module._block(module.MAGIC, described)
-    path = tmp_path / "run.journal"
-    path.write_bytes(block + block)
-    with pytest.raises(LogError, match=name):
-        read_journal(path)
+    with pytest.raises(LogError, match=name[:9] or "attribute ''"):
+        read_journal(hand_made(tmp_path, described))
+
+
+def hand_made(folder, header, end=None):
+    """Write a journal of one sample with correct checksums, and any header and end mark."""
+    block = module._block(module.MAGIC, header)
+    seed = module.seed_of(block)
+    sample = struct.pack(f"<Q{len(NAMES)}d", 0, *row(0))
+    data = 2 * block + sample + module.UINT32.pack(zlib.crc32(sample, seed))
+    path = folder / "run.journal"
+    path.write_bytes(data + (b"" if end is None else 2 * module._block(module.END, end, seed)))
+    return path
+
+
+@pytest.mark.parametrize("name", ["path", "channels", "operator"])
+def test_attributes_of_any_name_are_kept(tmp_path, name):
+    header = {"names": list(NAMES), "started": "now"} | ATTRIBUTES | {name: "mine"}
+    recover(hand_made(tmp_path, header), tmp_path / "run.h5")
+    assert read_columns(tmp_path / "run.h5", ()).attributes[name] == "mine"
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        *((name, "absent") for name in ("samples", "complete", "reason", "statistics")),
+        *(("samples", value) for value in (None, "1", -1, 1.5, True, 10**30, [], float("inf"))),
+        *(("complete", value) for value in (None, 1, "yes")),
+        *(("reason", value) for value in (None, 5, "\ud800")),
+        *(("statistics", value) for value in (None, 5, [], {"a": "\ud800"})),
+    ],
+)
+def test_end_mark_that_says_nothing_that_can_be_used_is_refused(tmp_path, name, value):
+    end = {"samples": 1, "complete": True, "reason": "", "statistics": {}}
+    header = {"names": list(NAMES), "started": "now"} | ATTRIBUTES
+    assert read_journal(hand_made(tmp_path, header, end))[2].complete
+    end[name] = value
+    if value == "absent":
+        del end[name]
+    with pytest.raises(LogError, match=f"run.journal: end mark: {name} "):
+        read_journal(hand_made(tmp_path, header, end))

@@ -196,7 +196,7 @@ def test_file_that_is_no_model_is_named(content, path):
 def test_file_larger_than_any_model_is_not_read(path):
     path.touch()
     os.truncate(path, 10**12)
-    with pytest.raises(FprcError, match=r"model\.h5: holds no model .* the limit is 150 MB"):
+    with pytest.raises(FprcError, match=r"model\.h5: has 1,000,.* at most 150,000,000"):
         load_model(path)
 
 

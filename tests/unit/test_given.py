@@ -1,0 +1,74 @@
+"""Whatever a user names in place of a file: it is opened, or refused at once."""
+
+import os
+
+import pytest
+
+from fprc.errors import ConfigError, FprcError
+from fprc.given import open_given, read_given
+
+
+@pytest.fixture
+def inside(tmp_path, monkeypatch):
+    """A folder with a file, a link to it, and what is no file."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").write_bytes(b"content")
+    (tmp_path / "folder").mkdir()
+    os.mkfifo("pipe")
+    for name, target in {
+        "link": "file", "loop": "loop", "nowhere": "none", "endless": "/dev/zero", "to pipe": "pipe"
+    }.items():  # fmt: skip
+        os.symlink(target, name)
+    return tmp_path
+
+
+@pytest.mark.parametrize("name", ["file", "link"])
+def test_regular_file_is_opened(inside, name):
+    assert read_given(name) == b"content"
+    with open_given(inside / name) as file:
+        assert file.read() == b"content"
+
+
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [
+        ("none", "No such file"),
+        ("nowhere", "No such file"),
+        ("", "No such file"),
+        ("file/more", "Not a directory"),
+        ("folder", "Is a directory"),
+        ("loop", "Too many levels of symbolic links"),
+        ("x" * 300, "File name too long"),
+        ("a\0b", "null"),
+        ("pipe", "not a regular file"),
+        ("to pipe", "not a regular file"),
+        ("endless", "not a regular file"),
+        (os.devnull, "not a regular file"),
+    ],
+)
+def test_all_else_is_refused(inside, name, why):
+    for read in (open_given, read_given):
+        with pytest.raises(ConfigError, match=f"cannot be opened .*{why}.*; check the path") as no:
+            read(name, error=ConfigError)
+        assert (name or "''").encode("unicode_escape").decode() in str(no.value)
+
+
+def test_file_that_cannot_be_read_is_refused(inside, monkeypatch):
+    def fail(*arguments):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr("builtins.open", fail)
+    with pytest.raises(FprcError, match=r"file: cannot be opened \(Permission denied\)"):
+        read_given("file")
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/self/mem"), reason="no /proc on this system")
+def test_error_while_reading_is_one_too():
+    with pytest.raises(FprcError, match=r"/proc/self/mem: cannot be read \(Input/output error\)"):
+        read_given("/proc/self/mem")
+
+
+def test_large_file_is_refused_unread(inside):
+    assert read_given("file", most_bytes=7) == b"content"
+    with pytest.raises(FprcError, match="file: has 7 bytes; must have at most 6"):
+        read_given("file", most_bytes=6)
