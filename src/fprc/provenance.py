@@ -62,9 +62,9 @@ def describe(
 
 def _portable(path: str) -> str:
     """Return a path; that of a file in this package as ``fprc/...``, the same on every computer."""
-    package = Path(fprc.__path__[0])
-    inside = Path(path).is_relative_to(package)
-    return f"fprc/{Path(path).relative_to(package).as_posix()}" if inside else path
+    package, place = Path(fprc.__path__[0]), Path(path).absolute()
+    inside = place.is_relative_to(package)
+    return f"fprc/{place.relative_to(package).as_posix()}" if inside else path
 
 
 def hash_of(settings: Mapping[str, Any]) -> str:

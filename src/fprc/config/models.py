@@ -72,7 +72,9 @@ class Models(Section):
     esn: Esn = Esn()
     fprc: Fprc = Fprc()
     others: dict[Annotated[str, Field(pattern=r"^[a-z][a-z0-9]*(_[a-z0-9]+)*$")], Other] = Field(
-        {}, description="models from outside this package, by name; see docs/extending.md"
+        {},
+        description="models from outside this package, by name; see docs/extending.md. The "
+        "workflow, also a dry run, imports their modules and so runs their code",
     )
 
     @field_validator("others")

@@ -12,7 +12,11 @@ from fprc.errors import EvaluationError
 from fprc.evaluation.folds import Fold
 from fprc.evaluation.metrics import rmse
 from fprc.models import SequenceModel
+from fprc.models.learned import features_of
 from fprc.models.recordings import transform_each
+
+#: Most bytes of the features of a log; training takes up to twice as many.
+MOST_BYTES = 2 << 30
 
 
 @contextmanager
@@ -85,11 +89,17 @@ def cross_validate(
     Raises
     ------
     EvaluationError
-        The log does not suit the model (too short for its taps, fewer samples
-        than rules), or an error is not finite.
+        The log does not suit the model (too short for its taps, fewer samples than rules, more
+        features than ``MOST_BYTES``), or an error is not finite.
     """
     with refusals_of(model):
         features = model.make_features().fit(X)
+        most = MOST_BYTES // (8 * (features_of(features) or 1))
+        if len(X) > most:
+            raise ValueError(
+                f"{len(X):,} samples; training it holds the features of all samples in memory, so "
+                f"with its settings it takes at most {most:,}: use a shorter log"
+            )
         rows = transform_each(features, X, lengths)
     return validate_rows(model, features, rows, y, folds, progress)
 

@@ -73,8 +73,8 @@ def load_model(path: Path | str, classes: Collection[type] = ()) -> BaseEstimato
     Raises
     ------
     FprcError
-        The file cannot be opened, is too large, was changed, or holds no model of this package: it names the
-        file, and the part and attribute that is wrong.
+        The file cannot be opened, is too large, was changed, or holds no model of this package:
+        it names the file, and the part and attribute that is wrong.
     """
     known = _known_classes(classes)
     content = read_given(path, most_bytes=MOST_BYTES)

@@ -218,6 +218,17 @@ def test_log_that_does_not_suit_the_model_is_refused_with_its_name(model, reason
         cross_validate(model, log(), pressure(), split_rows(200, 4, "shuffled", 1))
 
 
+def test_log_whose_features_would_fill_the_memory_is_refused(monkeypatch):
+    folds = split_rows(200, 4, "shuffled", 1)
+    esn = ESN(r=50, random_state=1)
+    features = esn.make_features().fit(log()).transform(log())
+    monkeypatch.setattr("fprc.evaluation.crossval.MOST_BYTES", features.nbytes)
+    cross_validate(esn, log(), pressure(), folds)
+    monkeypatch.setattr("fprc.evaluation.crossval.MOST_BYTES", features.nbytes - 1)
+    with pytest.raises(EvaluationError, match="ESN: 200 samples; .* at most 199"):
+        cross_validate(esn, log(), pressure(), folds)
+
+
 def test_test_log_that_is_shorter_than_the_taps_is_refused_with_the_models_name():
     judged = cross_validate(MODELS[1], log(), pressure(), split_rows(200, 3, "shuffled", 1))
     with pytest.raises(EvaluationError, match="FPRC.*n_samples = 2"):
