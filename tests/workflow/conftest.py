@@ -158,11 +158,16 @@ class Project:
         }
 
     def untimed(self) -> dict[str, bytes]:
-        """Results that hold no times and are not made from them; logs name processes."""
+        """Results that hold no times and are not made from them; logs name processes.
+
+        Without digests of files that Snakemake deleted, such as chunks of a grid.
+        """
+        found = self.files("results")
         return {
             name: content
-            for name, content in self.files("results").items()
+            for name, content in found.items()
             if not any(part in name for part in TIMED)
+            and ("/digests/" not in name or name.replace("/digests", "")[:-7] in found)
         }
 
 
