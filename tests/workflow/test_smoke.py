@@ -203,7 +203,7 @@ def test_ensemble_judges_every_rig_once(calibrated):
     table = pd.read_csv(calibrated[0].folder / "results/smoke/ensemble/claims.csv")
     assert (table["rigs"] <= 4).all()
     assert table["share"].between(table["low"], table["high"]).all()
-    assert {"C1", "C7", "C13a", "C18b"} <= set(table["id"])
+    assert {"C1a", "C7a", "C13a", "C18b"} <= set(table["id"])
 
 
 def test_rigs_stand_side_by_side(calibrated):

@@ -1,53 +1,18 @@
 """The ledger: every claim of the paper with numbers, limits and a computed verdict."""
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
-from fprc.claims.control import CONTROL_TESTS
-from fprc.claims.finding import Results
-from fprc.claims.models import MODEL_TESTS
+import numpy as np
 
-_TESTS = MODEL_TESTS | CONTROL_TESTS
+from fprc.claims.finding import NOT_REPRODUCED, REPRODUCED, UNDECIDED, Results, Statement
+from fprc.claims.paper import CLAIMS, Claim
 
-#: Statements of claims that assert several things; each is judged on its own.
-PARTS = {
-    "C4a": "FPRC beats Fuzzy-linear in training, validation and test RMSE",
-    "C4b": "the reservoir readout contributes: FPRC beats the same model on low-passed theta_d",
-    "C9a": "raising epsilon lowers FPRC's training RMSE",
-    "C9b": "raising n_c lowers FPRC's training RMSE",
-    "C9c": "test RMSE is non-monotonic in epsilon and in n_c",
-    "C12a": "fewer n_u help training and validation",
-    "C12b": "more n_y help training and validation",
-    "C12c": "a medium n_u helps the test RMSE",
-    "C13a": "open-loop FPRC and closed-loop FPRC+PD both follow all four references; FPRC+PD has "
-    "the lower RMSE on each (Table IV)",
-    "C13b": "feedback cuts the error of each reference by as much as Table IV shows",
-    "C18a": "the hysteresis loops of actuator and reservoir are frequency-independent, over the "
-    "measured pressure",
-    "C18b": "the hysteresis loops of actuator and reservoir are frequency-independent, over the "
-    "commanded pressure",
-}
+#: What tests each sentence and each number of the paper.
+SENTENCES = Path(__file__).with_name("sentences.yaml")
 
-
-#: Claims that follow from each term of the calibration's objective.
-FITTED_BY = {
-    "tables": ("C1", "C2", "C3", "C4a", "C7"),
-    "orders": ("C1", "C2", "C3", "C7"),
-    "C8": ("C8",),
-    "C9a": ("C9a",),
-    "C9b": ("C9b",),
-    "C11": ("C11",),
-    "C12": ("C12a", "C12b"),
-    "C18": ("C18a", "C18b"),
-}
-
-#: Claims about execution times, which do not depend on the rig.
-TIMED = ("C5", "C6", "C10")
-
-#: The simulated rig assumes, as the paper does, that the reservoir's bending hardly changes P_o.
-_ASSUMED = ("C17",)
-
-#: Terms of an objective that are not claims.
+#: Terms of the calibration's objective that are not claims.
 _TERMS = {
     "tables": "Tables II and III",
     "orders": "their orders",
@@ -56,18 +21,16 @@ _TERMS = {
 }
 
 
-def status_of(claim: str, terms: Sequence[str]) -> str:
-    """Return whether a claim was fitted by the terms of an objective, predicted, or neither.
+def status_of(claim: Claim, terms: Sequence[str]) -> str:
+    """Return whether the terms of an objective fitted a claim: fitted, half fitted, or predicted.
 
-    C13a is half fitted if the open loop was: it is about the open and the closed loop.
+    Claims of another kind are timed or assumed.
     """
-    if claim in TIMED:
-        return "timed"
-    if claim in _ASSUMED:
-        return "assumed"
-    if claim == "C13a" and "open_loop" in terms:
-        return "half fitted"
-    return "fitted" if any(claim in FITTED_BY.get(term, ()) for term in terms) else "predicted"
+    if claim.kind:
+        return claim.kind
+    if set(claim.fitted_by) & set(terms):
+        return "fitted"
+    return "half fitted" if set(claim.half_fitted_by) & set(terms) else "predicted"
 
 
 def fit_in_words(terms: Sequence[str]) -> str:
@@ -76,38 +39,43 @@ def fit_in_words(terms: Sequence[str]) -> str:
     return " and ".join(filter(None, (", ".join(words[:-1]), *words[-1:]))) or "nothing"
 
 
-def parts_of(claims: Sequence[Mapping[str, str]]) -> list[dict[str, str]]:
-    """Return the claims with those that assert several things replaced by their parts."""
-    parts = []
-    for claim in claims:
-        own = [name for name in PARTS if name[:-1] == claim["id"]]
-        parts += [{"id": name, "text": PARTS[name]} for name in own] or [dict(claim)]
-    return parts
-
-
 def judge_claims(
-    claims: Sequence[Mapping[str, str]], results: Results, published: Mapping[str, Any]
+    results: Results,
+    published: Mapping[str, Any],
+    terms: Sequence[str] = (),
+    claims: Sequence[Claim] = CLAIMS,
 ) -> list[dict[str, Any]]:
-    """Return one row per claim, or part of a claim, in the order of ``claims``.
+    """Return one row per claim.
+
+    Parameters
+    ----------
+    terms : sequence of str
+        Terms of the objective that the rig was fitted to.
 
     Returns
     -------
     list of dict
-        ``id``, ``claim``, ``published``, ``ours``, ``test``, ``basis``, ``verdict``, and
-        ``statements``: text, mean, interval, limits and verdict of each.
+        ``id``, ``claim``, ``published``, ``ours``, ``test``, ``basis``, ``verdict``, ``rig`` (see
+        ``status_of``), ``shown_in`` (tables and figures), and ``statements``: text, mean, interval,
+        limits and verdict of each. A claim is reproduced if every statement is, and not reproduced
+        if one is not.
     """
     rows = []
-    for claim in parts_of(claims):
-        finding = _TESTS[claim["id"]](results, published)
+    for claim in claims:
+        statements = claim.statements(results, published)
+        verdicts = {statement.verdict for statement in statements}
+        weakest = (each for each in (NOT_REPRODUCED, UNDECIDED) if each in verdicts)
         rows.append(
             {
-                "id": claim["id"],
-                "claim": claim["text"],
-                "published": finding.published,
-                "ours": finding.ours(),
-                "test": finding.test(),
-                "basis": finding.basis,
-                "verdict": finding.verdict,
+                "id": claim.id,
+                "claim": claim.text,
+                "published": claim.printed,
+                "ours": _ours(statements),
+                "test": _limits(statements),
+                "basis": "; ".join(filter(None, (_basis(claim, results, statements), claim.note))),
+                "verdict": next(weakest, REPRODUCED),
+                "rig": status_of(claim, terms),
+                "shown_in": list(claim.shown_in),
                 "statements": [
                     {
                         "text": each.text,
@@ -115,24 +83,66 @@ def judge_claims(
                         "limits": each.limits().removeprefix(f"{each.text} "),
                         "verdict": each.verdict,
                     }
-                    for each in finding.statements
+                    for each in statements
                 ],
             }
         )
     return rows
 
 
+def _ours(statements: Sequence[Statement]) -> str:
+    """Return our numbers; of many statements, the one that is closest to its limit."""
+    if len(statements) <= 4:
+        return "; ".join(statement.shown() for statement in statements)
+    held = sum(statement.verdict == REPRODUCED for statement in statements)
+    closest = min(statements, key=lambda statement: statement.room)
+    return f"{held} of {len(statements)} hold; closest: {closest.shown()}"
+
+
+def _limits(statements: Sequence[Statement]) -> str:
+    """Return the limits; those that several statements share are given once."""
+    by_limits: dict[str, list[str]] = {}
+    for statement in statements:
+        limits = statement.limits().removeprefix(statement.text)
+        by_limits.setdefault(limits, []).append(statement.text)
+    return "; ".join(", ".join(texts) + limits for limits, texts in by_limits.items())
+
+
+def _basis(claim: Claim, results: Results, statements: Sequence[Statement]) -> str:
+    """Return what the values of a claim are taken over."""
+    interval = "mean and its 95 % interval over"
+    if claim.over.startswith("repeats"):
+        return f"main run, this machine, {interval} {np.size(statements[0].values)} repeats"
+    seeds = len(results.grids if "grids" in claim.over else results.replicates or results.controls)
+    if claim.over == "halves of the grids" and seeds > 1:
+        half = seeds // 2
+        return f"{interval} {seeds - half} seeds; the step is chosen on the first {half}"
+    return "one seed" if seeds == 1 else f"{interval} {seeds} seeds"
+
+
+def not_tested(rows: Mapping[str, Any]) -> dict[str, str]:
+    """Return the sentences that cannot be tested here, by their first words, each with the reason.
+
+    Parameters
+    ----------
+    rows : Mapping
+        Content of ``SENTENCES``.
+    """
+    found = {}
+    for section in rows["sentences"].values():
+        for begins, row in section.items() if isinstance(section, dict) else ():
+            if isinstance(row, str) and row.startswith("cannot be tested here: "):
+                found[begins] = row.partition(": ")[2]
+    return found
+
+
 def changed_verdicts(ledger: Sequence[Mapping[str, str]], declared: Mapping[str, str]) -> list[str]:
     """Return one line for each claim whose verdict differs from the declared one."""
     ours = {row["id"]: row["verdict"] for row in ledger}
+    order = [*ours, *(name for name in declared if name not in ours)]
     return [
         f"{claim}: {ours.get(claim, 'not judged')}, "
         f"but {declared.get(claim, 'nothing')} is declared"
-        for claim in sorted(ours.keys() | declared.keys(), key=_order)
+        for claim in order
         if ours.get(claim) != declared.get(claim)
     ]
-
-
-def _order(claim: str) -> tuple[int, str]:
-    number = claim.lstrip("C").rstrip("abc")
-    return int(number), claim

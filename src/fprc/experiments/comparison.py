@@ -84,7 +84,8 @@ def judge_directions(
             progress=partial(_log_fold, label, judgement.folds),
         )  # fmt: skip
         tested = judged.model.readout_.predict(rows[test])
-        test_rmse = rmse(pairs[test][1], tested)
+        expected = pairs[test][1]
+        test_rmse = rmse(expected, tested)
         log.info("%s: best fold %d, test %.2f kPa", label, judged.best + 1, test_rmse)
         report = {
             "model": name,
@@ -98,6 +99,10 @@ def judge_directions(
             "validation_rmse_kpa": judged.validation_rmse,
             "best_fold": judged.best,
             "test_rmse_kpa": test_rmse,
+            "test_halves_rmse_kpa": [
+                rmse(*each)
+                for each in zip(np.array_split(expected, 2), np.array_split(tested, 2), strict=True)
+            ],
         }
         results.append(Judged(judged, report, tested))
     return results

@@ -11,13 +11,17 @@ from fprc.signals import loop_growth, rms, width_at_middle
 Channels = Mapping[str, np.ndarray]
 
 
-def measure_runs(runs: Mapping[str, Channels], quiet_s: float) -> dict[str, Any]:
+def measure_runs(
+    runs: Mapping[str, Channels], unpushed: Channels, quiet_s: float
+) -> dict[str, Any]:
     """Return the measures of one seed on which the claims about control are judged.
 
     Parameters
     ----------
     runs : Mapping
         Channels of each run after its settling time, by "reference/controller".
+    unpushed : Mapping
+        Channels of the disturbance test without its pushes, with the same noise.
     quiet_s : float
         Time of the first push in the disturbance test.
 
@@ -36,7 +40,7 @@ def measure_runs(runs: Mapping[str, Channels], quiet_s: float) -> dict[str, Any]
             for reference in LOOPS
             for controller in ("pd", "fprc_pd")
         },
-        "disturbance": _disturbance(runs["disturbance/fprc_pd"], quiet_s),
+        "disturbance": _disturbance(runs["disturbance/fprc_pd"], unpushed, quiet_s),
     }
 
 
@@ -45,6 +49,18 @@ def measure_hysteresis(sweep: Channels) -> dict[str, float]:
     time_s, theta = sweep["time_s"], sweep["theta_deg"]
     channels = {"measured": "p_exp_kpa", "commanded": "p_exp_command_kpa", "reservoir": "p_o_kpa"}
     return {name: loop_growth(time_s, theta, sweep[channel]) for name, channel in channels.items()}
+
+
+def measure_pressure_error(sweep: Channels) -> dict[str, float]:
+    """Return the rms error of each PI controller over the span of its command."""
+    pairs = {
+        "main": ("p_exp_command_kpa", "p_exp_kpa"),
+        "reservoir": ("p_i_command_kpa", "p_i_kpa"),
+    }
+    return {
+        name: rms(sweep[command] - sweep[measured]) / float(np.ptp(sweep[command]))
+        for name, (command, measured) in pairs.items()
+    }
 
 
 def _error(run: Channels) -> np.ndarray:
@@ -81,24 +97,12 @@ def _loop(run: Channels) -> dict[str, float]:
     }
 
 
-def _disturbance(run: Channels, quiet_s: float) -> dict[str, list[float]]:
-    """Return rms [quiet, pushed] of the error, and of bending and P_o beyond the effect of P_i."""
-    error = _error(run)
-    quiet = run["time_s"] < quiet_s
-    return {
-        "bending": _unexplained(run, "phi_deg", quiet),
-        "p_o": _unexplained(run, "p_o_kpa", quiet),
-        "rmse_deg": [rms(error[quiet]), rms(error[~quiet])],
+def _disturbance(run: Channels, unpushed: Channels, quiet_s: float) -> dict[str, float]:
+    """Return what the pushes change: rms of bending and P_o over their swing, ratio of errors."""
+    pushed = run["time_s"] >= quiet_s
+    changes = {
+        name: rms((run[channel] - unpushed[channel])[pushed]) / float(np.ptp(unpushed[channel]))
+        for name, channel in (("bending", "phi_deg"), ("p_o", "p_o_kpa"))
     }
-
-
-def _unexplained(run: Channels, channel: str, quiet: np.ndarray) -> list[float]:
-    """Return the rms [quiet, pushed] of a channel's residual from a fit on P_i, over its swing."""
-    time_s, p_i, value = run["time_s"], run["p_i_kpa"], run[channel]
-    rate = np.gradient(p_i, time_s)
-    direction = np.tanh(rate / (np.std(rate) + 1e-9))
-    basis = np.column_stack([p_i**k for k in range(4)] + [direction, direction * p_i])
-    basis = basis / np.abs(basis).max(axis=0)
-    weights, *_ = np.linalg.lstsq(basis[quiet], value[quiet])
-    rest = (value - basis @ weights) / np.ptp(value[quiet])
-    return [rms(rest[quiet]), rms(rest[~quiet])]
+    errors = [rms(_error(each)[pushed]) for each in (run, unpushed)]
+    return {**changes, "error_ratio": errors[0] / errors[1]}

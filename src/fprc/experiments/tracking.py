@@ -14,7 +14,11 @@ from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError
 from fprc.evaluation import rmse
 from fprc.experiments.data import Data
-from fprc.experiments.measures import measure_hysteresis, measure_runs
+from fprc.experiments.measures import (
+    measure_hysteresis,
+    measure_pressure_error,
+    measure_runs,
+)
 from fprc.logs import TRACKING_CHANNELS
 from fprc.models import SequenceModel
 from fprc.paper import DISTURBANCE, REFERENCES, run_log
@@ -217,22 +221,39 @@ def measure_control(
     """
     driven_by = {name: feedforward_of(name) for name in controllers}
     driving = {name: models[name] for name in dict.fromkeys(driven_by.values()) if name}
-    runs = {}
-    for reference, described in bench.tracking["references"].items():
+
+    def follow(
+        reference: str, names: Sequence[str], pushed: bool = False
+    ) -> dict[str, dict[str, np.ndarray]]:
+        """Return the channels of each controller after the settling time."""
         theta_d, number = bench.reference(reference), TRACKING_RUNS[reference]
-        pushes = bench.pushes(len(theta_d)) if reference == DISTURBANCE else None
+        pushes = bench.pushes(len(theta_d)) if pushed else None
         p_ff_kpa = bench.precompute(theta_d, driving, number, pushes)
-        for name, driver in driven_by.items():
-            own = p_ff_kpa[driver] if driver else np.zeros(len(theta_d))
-            feedback = has_feedback(name)
-            channels = bench.simulate(theta_d, own, number, pushes, feedback=feedback)
-            after = channels["time_s"] >= described["settle_s"]
-            run = {channel: values[after] for channel, values in channels.items()}
-            runs[f"{reference}/{name}"] = run
-        log.info("followed %s with every controller", reference)
+        runs = {}
+        for name in names:
+            driver = driven_by[name]
+            channels = bench.simulate(
+                theta_d,
+                p_ff_kpa[driver] if driver else np.zeros(len(theta_d)),
+                number,
+                pushes,
+                feedback=has_feedback(name),
+            )
+            after = channels["time_s"] >= bench.tracking["references"][reference]["settle_s"]
+            runs[name] = {channel: values[after] for channel, values in channels.items()}
+        log.info("followed %s with %s", reference, ", ".join(names))
+        return runs
+
+    runs = {
+        f"{reference}/{name}": run
+        for reference in bench.tracking["references"]
+        for name, run in follow(reference, controllers, reference == DISTURBANCE).items()
+    }
+    unpushed = follow(DISTURBANCE, ["fprc_pd"])["fprc_pd"]
     return {
         "hysteresis": measure_hysteresis(sweep.channels),
-        **measure_runs(runs, bench.tracking["pushes"]["quiet_s"]),
+        "pressure_error": measure_pressure_error(sweep.channels),
+        **measure_runs(runs, unpushed, bench.tracking["pushes"]["quiet_s"]),
     }
 
 

@@ -8,7 +8,7 @@ import pandas as pd
 
 from fprc.artifacts import read_json, write_json, write_text
 from fprc.claims.finding import Results
-from fprc.claims.ledger import fit_in_words, judge_claims, status_of
+from fprc.claims.ledger import SENTENCES, fit_in_words, judge_claims, not_tested
 from fprc.paper import SOURCES
 from fprc.tables.text import markdown
 from fprc.yaml_file import read_yaml
@@ -28,7 +28,7 @@ def write_ledger(
     *,
     fitted: Mapping[str, Any],
 ) -> None:
-    """Write the claims ledger: the paper's numbers, ours, test and verdict of C1 to C18.
+    """Write the claims ledger: the paper's numbers, ours, test and verdict.
 
     Parameters
     ----------
@@ -43,24 +43,26 @@ def write_ledger(
         times=read_json(times),
         times_over_n_c=read_json(times_over_n_c),
     )
-    ledger = [
-        {**row, "rig": status_of(row["id"], fitted["to"])}
-        for row in judge_claims(printed["claims"], every, printed)
-    ]
+    ledger = judge_claims(every, printed, fitted["to"])
     source = every.controls[0]["source"]
     origin = (
         f"The rig {fitted['name']} was fitted to {fit_in_words(fitted['to'])}; the other claims "
         "were not part of the fit. A verdict is undecided where the 95 % interval of the mean over "
         "seeds contains a limit."
     )
-    write_json(json, {"source": source, "note": origin, "claims": ledger})
+    untested = not_tested(read_yaml(SENTENCES))
+    write_json(json, {"source": source, "note": origin, "claims": ledger, "not_tested": untested})
     counts = pd.Series([row["verdict"] for row in ledger]).value_counts()
     note = (
         f"Claims of the paper. Data: {SOURCES[source]}. {origin}\n"
         + ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
         + "."
     )
-    page = pd.DataFrame(ledger).drop(columns="statements").rename(columns=str.capitalize)
-    write_text(md, markdown(page, note))
+    page = (
+        pd.DataFrame(ledger).drop(columns=["statements", "shown_in"]).rename(columns=str.capitalize)
+    )
+    sentences = [f"- {begins} ...: {why}" for begins, why in untested.items()]
+    closing = "Sentences of the paper that cannot be tested here:\n\n" + "\n".join(sentences)
+    write_text(md, f"{markdown(page, note)}\n{closing}\n")
     for row in ledger:
         log.info("%s: %s", row["id"], row["verdict"])

@@ -5,7 +5,7 @@ from pathlib import Path
 import pandas as pd
 
 from fprc.artifacts import read_json
-from fprc.claims.ledger import TIMED
+from fprc.claims.paper import TIMED
 from fprc.tables.models import deviations
 
 
@@ -26,6 +26,6 @@ def outcome(results: str) -> str:
     if ledger.exists():
         # without those on execution times, as in README.md: they vary from build to build
         claims = read_json(str(ledger))["claims"]
-        verdicts = [claim["verdict"] for claim in claims if claim["id"] not in TIMED]
+        verdicts = [claim["verdict"] for claim in claims if claim["rig"] != TIMED]
         parts.insert(0, f"{verdicts.count('reproduced')} of {len(verdicts)} claims reproduced")
     return "; ".join(parts)

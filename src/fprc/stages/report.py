@@ -30,24 +30,6 @@ from fprc.tables.traces import RESERVOIR, Plot, disturbance_plots, fit_plots, tr
 log = logging.getLogger(__name__)
 
 
-#: Anchors of the tables and figures that show what each claim is judged on.
-EVIDENCE = {
-    **dict.fromkeys(("C1", "C2", "C3", "C4a"), ("table2_seeds",)),
-    "C4b": ("readout",),
-    **dict.fromkeys(("C5", "C6"), ("table2_timing",)),
-    "C7": ("table3_seeds",),
-    "C8": ("fig9",),
-    **dict.fromkeys(("C9a", "C9b", "C9c", "C10", "C11"), ("fig10",)),
-    **dict.fromkeys(("C12a", "C12b", "C12c"), ("fig11",)),
-    **dict.fromkeys(("C13a", "C13b"), ("table4_seeds", "fig12", "fig13", "fig14", "fig15")),
-    "C14": ("fig12", "fig13", "fig14", "fig15"),
-    "C15": ("fig14",),
-    "C16": ("fig16",),
-    "C17": ("fig17",),
-    **dict.fromkeys(("C18a", "C18b"), ("fig4", "fig5")),
-}
-
-
 def write_report(
     template: Sequence[str],
     ledger: Sequence[str],
@@ -167,7 +149,7 @@ def _claims(ledger: Sequence[str], folder: Path, names: Container[str]) -> dict[
     verdicts: dict[str, list[str]] = {}
     for claim in report["claims"]:
         verdicts.setdefault(claim["verdict"], []).append(claim["id"])
-        claim["evidence"] = [name for name in EVIDENCE.get(claim["id"], ()) if name in names]
+        claim["evidence"] = [name for name in claim["shown_in"] if name in names]
     return {
         "claims": report["claims"],
         "verdicts": dict(sorted(verdicts.items(), key=lambda item: -len(item[1]))),

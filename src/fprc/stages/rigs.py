@@ -10,9 +10,10 @@ import pandas as pd
 
 from fprc.artifacts import read_json, write_json
 from fprc.calibration.objective import errors_of, printed_errors
-from fprc.claims.ensemble import JUDGED_BY_RIG, share_of, shares_of, worth_given
+from fprc.claims.ensemble import JUDGED_BY_RIG, WORTH, share_of, shares_of, worth_given
 from fprc.claims.finding import REPRODUCED, Results
-from fprc.claims.ledger import TIMED, judge_claims, parts_of, status_of
+from fprc.claims.ledger import judge_claims, status_of
+from fprc.claims.paper import CLAIMS, TIMED
 from fprc.errors import FprcError
 from fprc.paper import SOURCES
 from fprc.signals import rms
@@ -44,10 +45,10 @@ def compare_rigs(
     printed = read_yaml(published)
     seeds = len(models) // len(fitted)
     errors, ledgers, deviations = {}, {}, {}
-    judged = _judged_rigs(printed, len(fitted), models, grids, controls)
-    for (name, terms), rig in zip(fitted.items(), judged, strict=True):
+    judged = _judged_rigs(printed, fitted, models, grids, controls)
+    for name, rig in zip(fitted, judged, strict=True):
         errors[name] = rig.errors
-        ledgers[name] = [{**row, "rig": status_of(row["id"], terms)} for row in rig.ledger]
+        ledgers[name] = rig.ledger
         deviations[name] = _rms_deviation(rig.models, printed)
     source = read_json(models[0])["source"]
     note = (
@@ -67,16 +68,16 @@ class _JudgedRig(NamedTuple):
 
 def _judged_rigs(
     printed: Mapping[str, Any],
-    rigs: int,
+    fitted: Mapping[str, Sequence[str]],
     models: Sequence[str],
     grids: Sequence[str],
     controls: Sequence[str],
 ) -> Iterator[_JudgedRig]:
     """Judge rigs, one after the other, whose reports follow each other in equal numbers."""
-    claims = [claim for claim in printed["claims"] if claim["id"] not in TIMED]
-    seeds = len(models) // rigs
-    for first in range(0, rigs * seeds, seeds):
-        own = slice(first, first + seeds)
+    claims = [*(claim for claim in CLAIMS if claim.kind != TIMED), WORTH]
+    seeds = len(models) // len(fitted)
+    for k, terms in enumerate(fitted.values()):
+        own = slice(k * seeds, (k + 1) * seeds)
         replicates, cells, measures = (
             [read_json(path) for path in paths[own]] for paths in (models, grids, controls)
         )
@@ -84,7 +85,7 @@ def _judged_rigs(
         yield _JudgedRig(
             replicates,
             rig_errors(replicates, measures, printed),
-            judge_claims(claims, results, printed),
+            judge_claims(results, printed, terms, claims),
         )
 
 
@@ -139,13 +140,14 @@ def summarise_rigs(
     if not good:
         first = rigs[0]["failed"] if rigs else "there are none"
         raise FprcError(f"none of the {len(rigs)} rigs could be judged; the first: {first}")
-    claims = [claim for claim in parts_of(printed["claims"]) if claim["id"] in JUDGED_BY_RIG]
     ledgers = [
-        judge_claims(claims, Results([rig["compared"]], [], [rig["measured"]], {}, {}), printed)
+        judge_claims(
+            Results([rig["compared"]], [], [rig["measured"]], {}, {}), printed, terms, JUDGED_BY_RIG
+        )
         for rig in good
     ]
     verdicts = [{row["id"]: row["verdict"] for row in ledger} for ledger in ledgers]
-    own = [row["statements"] for ledger in ledgers for row in ledger if row["id"] == "C4b"]
+    own = [row["statements"] for ledger in ledgers for row in ledger if row["id"] == "B1"]
     worth = [statement["mean"] for (statement,) in own]
     parameters = [rig["parameters"] for rig in good]
     write_json(
@@ -164,8 +166,10 @@ def summarise_rigs(
             "worth_given": worth_given(verdicts, worth),
             "near_print": _near_print(good, verdicts, printed),
             "claims": [
-                {**row, "rig": status_of(row["id"], terms)}
-                for row in shares_of(claims, verdicts, parameters)
+                {**row, "rig": status_of(claim, terms)}
+                for claim, row in zip(
+                    JUDGED_BY_RIG, shares_of(JUDGED_BY_RIG, verdicts, parameters), strict=True
+                )
             ],
         },
     )

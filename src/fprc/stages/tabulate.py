@@ -165,7 +165,7 @@ def tabulate_ensemble(summary: str, **files: str) -> None:
         f"Claims on {report['rigs'] - report['failed']} simulated {report['drawn']}; "
         f"{report['failed']} more could not be judged{draws}. With the full models the errors of "
         f"Tables II and III deviate from print by {100 * report['deviation']:.0f} % (rms of "
-        "logarithms). FPRC's test RMSE over that of the same model on low-passed theta_d (C4b): "
+        "logarithms). FPRC's test RMSE over that of the same model on low-passed theta_d (B1): "
         f"median {median:.2f}, 95 % of the rigs {low:.2f} to {high:.2f}.\n"
         "The intervals are for the number of rigs; they do not cover the choice of how the rigs "
         "were drawn. A parameter is named if its rank correlation with the claim exceeds "
@@ -181,7 +181,7 @@ def tabulate_worth(summary: str, **files: str) -> None:
     table = robustness.worth(report)
     tests = int((table["given"] != "").sum())
     note = (
-        f"C4b on {report['rigs'] - report['failed']} simulated {report['drawn']}, and on those of "
+        f"B1 on {report['rigs'] - report['failed']} simulated {report['drawn']}, and on those of "
         "them on which other claims hold too: how often FPRC has a smaller test RMSE with P_o "
         "than with low-passed theta_d, and the ratio of the two.\n"
         "On more than half: yes or no if the interval of the share excludes one half. p: Fisher's "

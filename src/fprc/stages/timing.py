@@ -71,7 +71,7 @@ def measure_times_over_n_c(
             train_pair, test_pair = train_data.pair(name), test_data.pair(name)
             model = build(name, models, seed).set_params(n_c=n_c).fit(*train_pair)
             fitted[name, n_c] = (model, train_pair, test_pair)
-    timed = time_models(fitted, repeats, modes=("batch",), progress=partial(_log_mode, repeats))
+    timed = time_models(fitted, repeats, progress=partial(_log_mode, repeats))
     results = [
         {"model": name, "n_c": n_c, **entry}
         for (name, n_c), entries in timed.items()

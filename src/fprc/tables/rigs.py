@@ -8,20 +8,12 @@ import pandas as pd
 from fprc.tables.text import format_mean, spread, three_digits
 from fprc.tables.tracking import all_over_seeds
 
-#: Claims that each give a candidate a point if they are reproduced.
-_CLAIMS_OF_THE_RULE = (
-    "C1", "C2", "C3", "C4a", "C7", "C8", "C9a", "C9b", "C11", "C12a", "C12b", "C18a", "C18b",
-)  # fmt: skip
-
 _MEDIAN = "Tables II and III, 5 % in the median"
 _LARGEST = "Tables II and III, 15 % at most"
 _OPEN_LOOP = "Table IV, open loop, 15 % at most"
 _CLOSED_LOOP = "Table IV, closed loop, 35 % at most"
 
-#: Limits that each give a candidate a point if its deviations are within them.
-_LIMITS_OF_THE_RULE = (_MEDIAN, _LARGEST, _OPEN_LOOP)
-
-#: What the reservoir is worth: the number of claim C4b.
+#: What the reservoir is worth: the number of claim B1.
 _WORTH = "FPRC / FPRC on low-passed theta_d, test RMSE"
 
 #: How far each seed's training and test errors are off print.
@@ -44,18 +36,6 @@ def rig_errors(
     table = table.assign(number=number, deviation=table["mean"] / table["published"] - 1.0)
     columns = ["number", "published", "mean", "low", "high", "deviation"]
     return table[columns].reset_index(drop=True)
-
-
-def points(errors: pd.DataFrame, ledger: Sequence[Mapping[str, str]]) -> int:
-    """Return the points of the rule that chose the shipped rig, see docs/preregistration.md.
-
-    There is one each for a small median and a small largest deviation of Tables II and III, for
-    a small largest deviation of open-loop Table IV, and for each claim that is reproduced.
-    """
-    verdicts, within = {row["id"]: row["verdict"] for row in ledger}, within_limits(errors)
-    return sum(within[name] for name in _LIMITS_OF_THE_RULE) + sum(
-        verdicts.get(claim) == "reproduced" for claim in _CLAIMS_OF_THE_RULE
-    )
 
 
 def within_limits(errors: pd.DataFrame) -> dict[str, bool]:
@@ -111,8 +91,7 @@ def _sums(
         "Tables II and III, largest deviation": f"{100 * off.max():.0f} %",
         "Table IV, open loop, largest deviation": f"{100 * open_loop.max():.0f} %",
         "Table IV, closed loop, largest deviation": f"{100 * closed_loop.max():.0f} %",
-        "Points of the rule, of 16": str(points(errors, ledger)),
-        _WORTH: next((row["ours"].rpartition(": ")[2] for row in ledger if row["id"] == "C4b"), ""),
+        _WORTH: next((row["ours"].rpartition(": ")[2] for row in ledger if row["id"] == "B1"), ""),
     }
 
 
@@ -172,7 +151,7 @@ def rigs_answer(rigs: pd.DataFrame, sets: Sequence[Mapping[str, Any]]) -> pd.Dat
     Parameters
     ----------
     rigs : DataFrame
-        As ``rigs_page`` returns it, with the claims C1 to C18.
+        As ``rigs_page`` returns it, with the claims of the paper and B1.
     sets : sequence of mapping
         Summaries of sets of rigs, see ``fprc.stages.rigs.summarise_rigs``.
 
@@ -195,12 +174,12 @@ def rigs_answer(rigs: pd.DataFrame, sets: Sequence[Mapping[str, Any]]) -> pd.Dat
                 f"{open_loop} at most",
                 ", ".join(f"{count} {verdict}" for verdict, count in verdicts.items()),
                 own[_WORTH],
-                own[page.index.str.startswith("C4b: ")].iloc[0],
+                own[page.index.str.startswith("B1: ")].iloc[0],
             )
         )
     for summary in sets:
         middle, low, high = map(three_digits, summary["worth"])
-        claim = next(each for each in summary["claims"] if each["id"] == "C4b")
+        claim = next(each for each in summary["claims"] if each["id"] == "B1")
         share, least, most = (f"{100 * claim[key]:.0f}" for key in ("share", "low", "high"))
         rows.append(
             (
@@ -212,6 +191,6 @@ def rigs_answer(rigs: pd.DataFrame, sets: Sequence[Mapping[str, Any]]) -> pd.Dat
                 f"holds on {claim['holds']}: {share} % ({least} to {most})",
             )
         )
-    off, wins = "Tables II and III off print", "P_o beats low-passed theta_d (C4b)"
+    off, wins = "Tables II and III off print", "P_o beats low-passed theta_d (B1)"
     columns = ["Rigs", off, "Open-loop Table IV off print", "Claims", _WORTH, wins]
     return pd.DataFrame(rows, columns=columns)

@@ -87,7 +87,7 @@ def worth_page(table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(
         {
             "Rigs": f"with {row.given}" if row.given else "all",
-            "C4b holds on": f"{row.holds} of {row.rigs}",
+            "B1 holds on": f"{row.holds} of {row.rigs}",
             "Share, 95 % interval": _share(row, 0) if row.rigs else "-",
             "On more than half?": row.verdict,
             "Ratio, median (smallest to largest)": f"{row.ratio:.2f} "
@@ -120,8 +120,8 @@ def near_print_page(table: pd.DataFrame) -> pd.DataFrame:
             "Deviation allowed": row.limit,
             "Met on": f"{row.holds} of {row.rigs}",
             "Share, 95 % interval": _share(row, 1),
-            "Of these with C4b": row.C4b,
-            "With C8": row.C8,
+            "Of these with B1": row.B1,
+            "With C8a": row.C8a,
             "With C18a": row.C18a,
             "With C18b": row.C18b,
         }

@@ -2,17 +2,14 @@ import math
 
 import numpy as np
 import pytest
-import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import hypergeom, norm, spearmanr, t
 
-from fprc import config
 from fprc.claims.ensemble import CONDITIONS, JUDGED_BY_RIG, shares_of, worth_given
-from fprc.claims.ledger import parts_of
+from fprc.claims.paper import CLAIMS
 
-PUBLISHED = yaml.safe_load(config.PUBLISHED.read_text(encoding="utf-8"))
-CLAIM = {"id": "C2", "text": "FPRC is best"}
+CLAIM = {claim.id: claim for claim in CLAIMS}["C2"]._replace(text="FPRC is best")
 VERDICTS = {True: "reproduced", False: "not reproduced"}
 
 
@@ -63,7 +60,7 @@ def test_claim_that_is_undecided_does_not_hold():
 
 
 def test_rows_are_those_of_the_claims_in_their_order():
-    claims = [{"id": name, "text": f"text of {name}"} for name in ("C7", "C2")]
+    claims = [CLAIM._replace(id=name, text=f"text of {name}") for name in ("C7", "C2")]
     verdicts = [
         {"C1": "reproduced", "C2": "reproduced", "C7": "not reproduced"},
         {"C1": "reproduced", "C2": "reproduced", "C7": "reproduced"},
@@ -83,13 +80,12 @@ def test_numbers_can_be_written_as_json():
     assert {type(value) for value in row["correlations"].values()} == {float}
 
 
-def test_claims_that_a_rig_decides_are_published_ones_without_sweeps_and_times():
-    known = {claim["id"] for claim in parts_of(PUBLISHED["claims"])}
+def test_claims_that_a_rig_decides_need_no_grids_and_no_times():
     # the rig has hardly a way from the reservoir's bending to P_o: C17 is assumed
-    assert set(JUDGED_BY_RIG) == {
-        claim
-        for claim in known
-        if claim.rstrip("abc") not in {"C5", "C6", "C9", "C10", "C11", "C12", "C16", "C17"}
+    assert {claim.id for claim in JUDGED_BY_RIG} == {"B1"} | {
+        claim.id
+        for claim in CLAIMS
+        if claim.id.rstrip("abcd") not in {"C5", "C6", "C9", "C10", "C11", "C12", "C17"}
     }
 
 
@@ -139,7 +135,7 @@ def test_no_correlation_is_beyond_chance_where_there_is_none():
 def test_limit_is_students_corrected_for_all_correlations_of_the_ensemble(
     rigs, parameters, claims, level
 ):
-    names = [{"id": f"C{k}", "text": ""} for k in range(claims + 1)]
+    names = [CLAIM._replace(id=f"C{k}") for k in range(claims + 1)]
     # the last claim holds on all rigs, and so has no correlations that chance could exceed
     verdicts = [
         {f"C{k}": VERDICTS[bool(rig % 2) or k == claims] for k in range(claims + 1)}
@@ -162,7 +158,7 @@ def test_chance_alone_exceeds_the_limit_in_about_one_of_twenty_ensembles(share):
     values = rng.uniform(size=(ensembles, 26, rigs))
     found = np.matmul(scaled(held), scaled(values.argsort(axis=2).argsort(axis=2)).swapaxes(1, 2))
 
-    names = [{"id": f"C{k}", "text": ""} for k in range(11)]
+    names = [CLAIM._replace(id=f"C{k}") for k in range(11)]
     verdicts = [{f"C{k}": VERDICTS[bool(h)] for k, h in enumerate(rig)} for rig in held[0].T]
     parameters = [{f"p{k}": v for k, v in enumerate(rig)} for rig in values[0].T]
     rows = shares_of(names, verdicts, parameters)
@@ -183,7 +179,7 @@ def scaled(rows):
 
 
 def rig_with(*held):
-    return {name: VERDICTS[name in held] for name in ("C4b", "C8", "C18a")}
+    return {name: VERDICTS[name in held] for name in ("B1", "C8a", "C18a")}
 
 
 def row_given(rows, *names):
@@ -193,39 +189,39 @@ def row_given(rows, *names):
 
 def test_worth_is_counted_on_the_rigs_on_which_the_other_claims_hold():
     rigs = [
-        rig_with("C4b", "C8"), rig_with("C4b", "C8", "C18a"), rig_with("C8"), rig_with("C18a"),
-        rig_with("C4b"), rig_with(), rig_with(),
+        rig_with("B1", "C8a"), rig_with("B1", "C8a", "C18a"), rig_with("C8a"), rig_with("C18a"),
+        rig_with("B1"), rig_with(), rig_with(),
     ]  # fmt: skip
     rows = worth_given(rigs, [0.5, 0.6, 1.5, 1.2, 0.9, 1.1, 1.3])
     assert [tuple(row["given"]) for row in rows] == list(CONDITIONS)
     assert [(row["holds"], row["rigs"]) for row in rows] == [(3, 7), (2, 3), (1, 2), (1, 1)]
     assert [row["ratio"][0] for row in rows] == [1.1, 0.6, pytest.approx(0.9), 0.6]
-    row = row_given(rows, "C8")
+    row = row_given(rows, "C8a")
     assert (row["low"], row["high"]) == pytest.approx(wilson(2, 3, 0.95))
     assert row["ratio"] == [0.6, 0.5, 1.5]
 
 
 def test_condition_that_no_rig_meets_keeps_its_row_and_its_share_of_the_risk():
-    rigs = [rig_with("C4b", "C8")] * 4 + [rig_with()] * 4  # p = 2 / 70, between 0.05 / 3 and 0.05
+    rigs = [rig_with("B1", "C8a")] * 4 + [rig_with()] * 4  # p = 2 / 70, between 0.05 / 3 and 0.05
     rows = worth_given(rigs, [0.5] * 4 + [1.5] * 4)
-    row = row_given(rows, "C8")
+    row = row_given(rows, "C8a")
     assert (row["p"], row["matters"]) == (pytest.approx(2 / 70), False)
-    for row in (row_given(rows, "C18a"), row_given(rows, "C8", "C18a")):
+    for row in (row_given(rows, "C18a"), row_given(rows, "C8a", "C18a")):
         assert (row["holds"], row["rigs"], row["ratio"]) == (0, 0, [None] * 3)
         assert {row[key] for key in ("share", "low", "high", "p", "matters")} == {None}
 
 
 def test_condition_matters_if_p_is_below_the_limit():
-    rigs = [rig_with("C4b", "C8")] * 5 + [rig_with()] * 5  # p = 2 / 252
-    row = row_given(worth_given(rigs, [1.0] * 10), "C8")
+    rigs = [rig_with("B1", "C8a")] * 5 + [rig_with()] * 5  # p = 2 / 252
+    row = row_given(worth_given(rigs, [1.0] * 10), "C8a")
     assert (row["p"], row["matters"]) == (pytest.approx(2 / 252), True)
 
 
 @given(st.lists(st.tuples(st.booleans(), st.booleans()), min_size=1, max_size=60))
 def test_p_is_the_chance_of_a_table_at_least_as_unlikely(rigs):
-    verdicts = [rig_with(*(["C4b"] * worth), *(["C8"] * equal)) for worth, equal in rigs]
+    verdicts = [rig_with(*(["B1"] * worth), *(["C8a"] * equal)) for worth, equal in rigs]
     rows = worth_given(verdicts, [1.0] * len(rigs))
-    p = row_given(rows, "C8")["p"]
+    p = row_given(rows, "C8a")["p"]
     meets = sum(equal for _, equal in rigs)
     if meets in (0, len(rigs)):
         assert p is None

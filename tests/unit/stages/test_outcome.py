@@ -8,8 +8,8 @@ HELD, MISSED = "reproduced", "not reproduced"
 
 @pytest.mark.parametrize("timed", [HELD, MISSED])
 def test_line_counts_claims_that_do_not_rest_on_execution_times(tmp_path, timed):
-    verdicts = {"C1": HELD, "C2": MISSED, "C4b": HELD, "C5": timed, "C6": timed, "C10": timed}
-    claims = [{"id": name, "verdict": verdict} for name, verdict in verdicts.items()]
+    verdicts = [("fitted", HELD), ("predicted", MISSED), ("assumed", HELD), *[("timed", timed)] * 3]
+    claims = [{"rig": rig, "verdict": verdict} for rig, verdict in verdicts]
     write_json(tmp_path / "claims.json", {"claims": claims})
     assert outcome(str(tmp_path)).startswith("2 of 3 claims reproduced; open ")
 

@@ -11,7 +11,7 @@ from fprc.experiments import tracking
 from fprc.experiments.comparison import compare_models, judge_directions
 from fprc.experiments.data import read_data
 from fprc.experiments.hysteresis import simulate
-from fprc.experiments.measures import measure_hysteresis, measure_runs
+from fprc.experiments.measures import measure_hysteresis, measure_pressure_error, measure_runs
 from fprc.experiments.settings import Judgement, RigSettings
 from fprc.logs import read_columns
 from fprc.models import load_model
@@ -89,16 +89,16 @@ def repeated(repeat, tmp_path_factory):
     """What the stage wrote, and the runs that it measured."""
     seen = []
 
-    def spy(runs, quiet_s):
-        seen.append((runs, quiet_s))
-        return measure_runs(runs, quiet_s)
+    def spy(runs, unpushed, quiet_s):
+        seen.append((runs, unpushed, quiet_s))
+        return measure_runs(runs, unpushed, quiet_s)
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(tracking, "measure_runs", spy)
         files = repeat(tmp_path_factory.mktemp("repeated"))
-    ((runs, quiet_s),) = seen
+    ((runs, unpushed, quiet_s),) = seen
     assert quiet_s == QUIET_S
-    return files, runs
+    return files, runs, unpushed
 
 
 @pytest.fixture(scope="module")
@@ -314,10 +314,14 @@ def test_errors_of_the_runs_are_those_of_the_logs_after_settling(control, follow
 
 def test_other_measures_are_those_of_the_runs_and_of_the_sweep(control, logs):
     found = read_json(control[0])
-    wanted = ("time_s", "p_exp_kpa", "p_exp_command_kpa", "theta_deg", "p_o_kpa")
+    wanted = (
+        "time_s", "p_exp_kpa", "p_exp_command_kpa", "theta_deg", "p_o_kpa", "p_i_kpa",
+        "p_i_command_kpa",
+    )  # fmt: skip
     sweep = read_columns(str(Path(logs["sweep"]).with_name("sweep_raw.h5")), wanted)
     assert found["hysteresis"] == pytest.approx(measure_hysteresis(sweep.channels), rel=1e-12)
-    again = measure_runs(control[1], QUIET_S)
+    assert found["pressure_error"] == pytest.approx(measure_pressure_error(sweep.channels))
+    again = measure_runs(*control[1:], QUIET_S)
     assert {key: found[key] for key in again} == json.loads(json.dumps(again))
 
 

@@ -87,12 +87,12 @@ class Page(HTMLParser):
 CLAIMS = [
     {"id": "C1", "claim": "FPRC is best", "published": "11.0 kPa", "ours": "12.0 ± 0.5 kPa",
      "test": "mean below 13", "basis": "3 seeds", "verdict": "reproduced", "statements": [],
-     "rig": "fitted"},
+     "shown_in": [], "rig": "fitted"},
     {"id": "C2", "claim": "P_o is unmoved", "published": "so", "ours": "not so",
      "test": "theta_d within 1 deg", "basis": "main run", "verdict": "not reproduced",
-     "statements": [], "rig": "predicted"},
+     "statements": [], "shown_in": [], "rig": "predicted"},
     {"id": "C3", "claim": "PD moves", "published": "yes", "ours": "no", "test": "over a tenth",
-     "basis": "3 seeds", "verdict": "undecided", "statements": [],
+     "basis": "3 seeds", "verdict": "undecided", "statements": [], "shown_in": [],
      "rig": "timed"},
 ]  # fmt: skip
 
@@ -322,7 +322,7 @@ def test_every_claim_is_shown_with_its_verdict(project):
     page = project.page()
     (table,) = page.texts("table", **{"class": "claims sorts"})
     for row in CLAIMS:
-        for text in {**row, "statements": ""}.values():
+        for text in {**row, "statements": "", "shown_in": ""}.values():
             assert shown(text) in table
         assert page.texts("tr", id=row["id"])
         assert page.texts("td", **{"class": row["rig"]}) == [row["rig"]]
@@ -451,7 +451,7 @@ def test_worth_of_the_reservoir_is_shown_if_it_was_judged(project, make_world):
 
 
 def test_claim_shows_its_statements_and_links_to_what_shows_them(project):
-    project.claims[1]["id"] = "C18a"
+    project.claims[1] |= {"id": "C18a", "shown_in": ["fig4", "fig5"]}
     project.claims[1]["statements"] = [
         {"text": "growth", "mean": 1.0, "first": 0.9, "last": 1.125, "limits": "within 0.8 to 1.2",
          "verdict": "reproduced"},

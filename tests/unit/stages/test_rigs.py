@@ -61,13 +61,14 @@ def judged_seeds(monkeypatch):
     """Judge three claims, and note the number of seeds that each rig was judged on."""
     counts = []
 
-    def judge(claims, results, published):
+    def judge(results, published, terms, claims):
         counts.append([len(results.replicates), len(results.grids), len(results.controls)])
         return [
-            {"id": "C2", "claim": "lowest", "verdict": "reproduced", "ours": "a: 1"},
-            {"id": "C4b", "claim": "worth", "verdict": "reproduced", "ours": "ratio: 0.7",
+            {"id": "C2", "claim": "lowest", "verdict": "reproduced", "ours": "a: 1",
+             "rig": "fitted" if terms else "predicted"},
+            {"id": "B1", "claim": "worth", "verdict": "reproduced", "ours": "ratio: 0.7", "rig": "",
              "statements": [{"mean": 0.7, "first": 0.6, "last": 0.8}]},
-            {"id": "C9a", "claim": "epsilon", "verdict": "undecided", "ours": "b: 2"},
+            {"id": "C9a", "claim": "epsilon", "verdict": "undecided", "ours": "b: 2", "rig": ""},
         ]  # fmt: skip
 
     monkeypatch.setattr(stage, "judge_claims", judge)

@@ -13,7 +13,6 @@ from scipy.stats import t
 
 from fprc.artifacts import write_json
 from fprc.claims.ensemble import JUDGED_BY_RIG
-from fprc.claims.ledger import parts_of
 from fprc.config import PUBLISHED, Settings
 from fprc.errors import FprcError
 from fprc.figures import style
@@ -36,7 +35,7 @@ pytestmark = pytest.mark.slow
 PRINTED = yaml.safe_load(PUBLISHED.read_text(encoding="utf-8"))
 PATHS = list(Settings().calibration.free)
 MODELS = ("esn", "fprc", "fuzzy_linear")
-TEXTS = {claim["id"]: claim["text"] for claim in parts_of(PRINTED["claims"])}
+TEXTS = {claim.id: claim.text for claim in JUDGED_BY_RIG}
 
 
 def write(stage, tmp_path, *arguments, **options):
@@ -93,8 +92,8 @@ def make_summary():
     named = {
         "C2": (19, correlations(0.5, -0.9, 0.46)),
         "C3": (38, {}),
-        "C4a": (0, {}),
-        "C7": (30, correlations(0.3, 0.2)),
+        "C4": (0, {}),
+        "C7a": (30, correlations(0.3, 0.2)),
     }
     return {
         "source": "sim",
@@ -108,10 +107,10 @@ def make_summary():
         "worth": [0.9, 0.7, 1.2],
         "worth_given": [
             given((), 19, 38, 0.35, 0.65, None),
-            given(("C8",), 9, 10, 0.6, 0.98, 0.012),
+            given(("C8a",), 9, 10, 0.6, 0.98, 0.012),
             given(("C18a",), 0, 5, 0.0, 0.43, 0.056),
             {
-                "given": ["C8", "C18a"],
+                "given": ["C8a", "C18a"],
                 "holds": 0,
                 "rigs": 0,
                 "ratio": [None] * 3,
@@ -126,13 +125,11 @@ def make_summary():
                 "share": holds / 38,
                 "low": 0.01,
                 "high": 0.145,
-                "claims": {"C4b": c4b, "C8": 0, "C18a": 1, "C18b": 0},
+                "claims": {"B1": b1, "C8a": 0, "C18a": 1, "C18b": 0},
             }
-            for name, holds, c4b in (("Table IV, 15 % at most", 3, 2), ("all", 1, 1))
+            for name, holds, b1 in (("Table IV, 15 % at most", 3, 2), ("all", 1, 1))
         ],
-        "claims": [
-            claim(name, *named.get(name, (25, correlations(-0.6)))) for name in JUDGED_BY_RIG
-        ],
+        "claims": [claim(name, *named.get(name, (25, correlations(-0.6)))) for name in TEXTS],
     }
 
 
@@ -148,7 +145,7 @@ def row_of(table, name):
 
 def test_ensemble_has_a_row_for_each_claim_with_its_share(summary):
     table = ensemble(summary)
-    assert table["id"].tolist() == list(JUDGED_BY_RIG)
+    assert table["id"].tolist() == list(TEXTS)
     assert set(table["source"]) == {"sim"}
     row = row_of(table, "C2")
     assert (row["claim"], row["holds"], row["rigs"]) == (TEXTS["C2"], 19, 38)
@@ -164,7 +161,7 @@ def test_only_parameters_beyond_chance_decide_the_strongest_first(summary):
     assert (row["decided_by"], row["strongest"]) == ("", f"{PATHS[2]} (-0.40)")
 
 
-@pytest.mark.parametrize("name", ["C3", "C4a"])
+@pytest.mark.parametrize("name", ["C3", "C4"])
 def test_claim_that_all_rigs_agree_on_is_decided_by_nothing(summary, name):
     row = row_of(ensemble(summary), name)
     assert (row["decided_by"], row["strongest"]) == ("", "")
@@ -172,7 +169,7 @@ def test_claim_that_all_rigs_agree_on_is_decided_by_nothing(summary, name):
 
 def test_worth_is_decided_where_its_interval_excludes_one_half(summary):
     table = worth(summary)
-    assert table["given"].tolist() == ["", "C8", "C18a", "C8 and C18a"]
+    assert table["given"].tolist() == ["", "C8a", "C18a", "C8a and C18a"]
     assert table["verdict"].tolist() == ["undecided", "yes", "no", "undecided"]
     assert table["matters"].tolist() == ["", "yes", "no", ""]
     ratios = table[["ratio", "ratio_low", "ratio_high"]].to_numpy()[:3]
@@ -207,8 +204,8 @@ def test_files_of_the_ensemble_say_what_it_is(summary, tmp_path):
     assert "38 simulated rigs" in note
     assert "2 more could not be judged, 123 draws" in note
     assert "0.47" in note
-    assert page["Claim"].tolist() == list(JUDGED_BY_RIG)
-    assert len(csv.splitlines()) == 1 + len(JUDGED_BY_RIG)
+    assert page["Claim"].tolist() == list(TEXTS)
+    assert len(csv.splitlines()) == 1 + len(TEXTS)
     assert r"50 \%" in tex
 
 
@@ -501,7 +498,7 @@ def texts(fig):
 def test_nothing_of_the_figure_is_clipped_and_no_texts_overlap(fig):
     fig.draw_without_rendering()
     boxes = {text: text.get_window_extent() for text in texts(fig)}
-    assert len(boxes) > 14 + 2 * len(JUDGED_BY_RIG)
+    assert len(boxes) > 14 + 2 * len(TEXTS)
     for text, box in boxes.items():
         assert Bbox.union([fig.bbox, box]).bounds == pytest.approx(fig.bbox.bounds), text
     for (one, first), (other, second) in itertools.combinations(boxes.items(), 2):
@@ -514,7 +511,7 @@ def labels(ax, axis):
 
 def test_figure_has_each_claim_and_the_parameters_with_the_strongest_correlations(fig, summary):
     shares, grid = fig.axes[:2]
-    assert labels(shares, "y") == labels(grid, "x") == list(JUDGED_BY_RIG)
+    assert labels(shares, "y") == labels(grid, "x") == list(TEXTS)
     found = [row["correlations"] for row in summary["claims"] if row["correlations"]]
     strengths = {path: max(abs(row[path]) for row in found) for path in PATHS}
     strongest = sorted(strengths, key=strengths.get, reverse=True)[:14]

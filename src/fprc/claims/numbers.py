@@ -1,0 +1,150 @@
+"""Numbers of the result files that the claims are judged on, an array with a value per seed."""
+
+from collections.abc import Mapping, Sequence
+from functools import reduce
+from operator import getitem
+from typing import Any
+
+import numpy as np
+from scipy.stats import rankdata, spearmanr
+
+from fprc.claims.finding import Results
+from fprc.paper import MODELS
+
+#: Phases as readers see them, and their errors in reports.
+PHASES = {
+    "training": "train_rmse_kpa",
+    "validation": "validation_rmse_kpa",
+    "test": "test_rmse_kpa",
+}
+
+#: How times are measured: sample by sample, as in a controller, and whole logs at once.
+MODES = ("sequential", "batch")
+
+#: Least of a medium number of taps, and of many.
+_MEDIUM, _MANY = 4, 8
+
+
+def error(results: Results, trained_on: str, model: str, phase: str) -> np.ndarray:
+    """Return a model's error, kPa, averaged over the folds."""
+    return np.array([np.mean(report[PHASES[phase]]) for report in _of(results, trained_on, model)])
+
+
+def _of(results: Results, trained_on: str, model: str) -> list[Mapping[str, Any]]:
+    return [
+        report
+        for replicate in results.replicates
+        for report in replicate["models"]
+        if (report["trained_on"], report["model"]) == (trained_on, model)
+    ]
+
+
+def ratio(results: Results, trained_on: str, model: str, other: str, phase: str) -> np.ndarray:
+    """Return a model's error over another one's."""
+    return error(results, trained_on, model, phase) / error(results, trained_on, other, phase)
+
+
+def over_best_other(results: Results, trained_on: str, model: str, phase: str) -> np.ndarray:
+    """Return a model's error over the lower one of the paper's two other models."""
+    others = [error(results, trained_on, name, phase) for name in MODELS if name != model]
+    return error(results, trained_on, model, phase) / np.minimum(*others)
+
+
+def second_over_first_half(results: Results, trained_on: str, model: str) -> np.ndarray:
+    """Return the error in the second half of the test log over that in the first."""
+    halves = [report["test_halves_rmse_kpa"] for report in _of(results, trained_on, model)]
+    first, second = np.transpose(halves)
+    return second / first
+
+
+def share(results: Results, feature: str) -> np.ndarray:
+    """Return a feature's share of FPRC's weights, averaged over the rules."""
+    return np.array([report["weights"]["mean_share"][feature] for report in results.replicates])
+
+
+def measured(results: Results, *keys: str) -> np.ndarray:
+    """Return a number of ``fprc.experiments.measures``."""
+    return np.array([reduce(getitem, keys, report) for report in results.controls])
+
+
+def tracking_error(results: Results, reference: str, controller: str) -> np.ndarray:
+    """Return a controller's error on a reference, deg."""
+    return measured(results, "rmse_deg", f"{reference}/{controller}")
+
+
+def seconds(report: Mapping[str, Any], model: str, phase: str, **which: Any) -> np.ndarray:
+    """Return the execution times of a model, s, one per repeat."""
+    short = {"training": "train"}.get(phase, phase)
+    wanted = {"model": model, "phase": short, **which}
+    for entry in report["times"]:
+        if all(entry[key] == value for key, value in wanted.items()):
+            return np.array(entry["seconds"])
+    raise KeyError(f"no time of {wanted}")
+
+
+def rule_counts(results: Results) -> list[int]:
+    """Return the numbers of rules whose times were measured."""
+    return sorted({entry["n_c"] for entry in results.times_over_n_c["times"]})
+
+
+def trend_of_training_time(results: Results, mode: str) -> np.ndarray:
+    """Return the rank correlation of FPRC's training time with n_c, one per repeat."""
+    counts = rule_counts(results)
+    times = [seconds(results.times_over_n_c, "fprc", "train", n_c=n, mode=mode) for n in counts]
+    return np.array([spearmanr(counts, repeat).statistic for repeat in np.transpose(times)])
+
+
+def grid(results: Results, setting: str, model: str, phase: str) -> np.ndarray:
+    """Return errors over a rising setting, one row per seed; folds are averaged."""
+    rows = []
+    for report in results.grids:
+        cells = [cell for cell in report[setting] if cell["model"] == model]
+        cells.sort(key=lambda cell: cell[setting])
+        rows.append([np.mean(cell[PHASES[phase]]) for cell in cells])
+    return np.array(rows)
+
+
+def sizes(results: Results, setting: str) -> list[float]:
+    """Return the values of a setting in its grid, rising."""
+    cells = results.grids[0][setting]
+    return sorted({cell[setting] for cell in cells if cell["model"] == "fprc"})
+
+
+def halves(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the rows, one per seed, that choose a setting, and those that judge it.
+
+    A seed that did both would favour the setting that is chosen. A single seed has to do both.
+    """
+    half = len(rows) // 2
+    return rows[:half] if half else rows, rows[half:]
+
+
+def taps(
+    cells: Sequence[Mapping[str, Any]], phase: str
+) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """Return the tap sizes n_u and n_y, and the errors of all pairs, shape (n_u, n_y)."""
+    found = {(cell["n_u"], cell["n_y"]): np.mean(cell[PHASES[phase]]) for cell in cells}
+    n_u, n_y = (np.unique(each) for each in zip(*found, strict=True))
+    return {"n_u": n_u, "n_y": n_y}, np.array([[found[u, y] for y in n_y] for u in n_u])
+
+
+def tap_trend(results: Results, own: str, phase: str) -> np.ndarray:
+    """Return the rank correlation of an error with one tap size, averaged over the other's."""
+    trends = []
+    for report in results.grids:
+        tap_sizes, errors = taps(report["taps"], phase)
+        columns = errors if own == "n_u" else errors.T
+        ranks = rankdata(np.column_stack([tap_sizes[own], columns]), axis=0)
+        trends.append(np.corrcoef(ranks, rowvar=False)[0, 1:].mean())
+    return np.array(trends)
+
+
+def thirds_of_taps(results: Results, own: str, phase: str) -> list[np.ndarray]:
+    """Return the mean errors with few, a medium number of, and many taps."""
+    rows = []
+    for report in results.grids:
+        tap_sizes, errors = taps(report["taps"], phase)
+        third = np.digitize(tap_sizes[own], [_MEDIUM, _MANY])
+        means = errors.mean(axis=1 if own == "n_u" else 0)
+        rows.append([means[third == k].mean() for k in range(3)])
+    return list(np.transpose(rows))

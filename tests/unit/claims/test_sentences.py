@@ -1,0 +1,95 @@
+"""Each sentence and each number of the paper has a row that says what tests it."""
+
+import re
+from pathlib import Path
+
+import pytest
+import yaml
+
+from fprc.claims.ledger import SENTENCES
+from fprc.claims.paper import CLAIMS
+from fprc.config import PUBLISHED
+from fprc.plan.results import BY_NAME
+
+ROWS = yaml.safe_load(SENTENCES.read_text(encoding="utf-8"))
+PAPER = Path(__file__).parents[4] / "shared/paper/paper.tex"
+IDS = {claim.id for claim in CLAIMS}
+KINDS = ("method", "background", "cannot be tested here: ")
+
+
+def sentences() -> list[tuple[str, str]]:
+    """Return section and words of each sentence of the paper's text."""
+    if not PAPER.exists():
+        pytest.skip(f"{PAPER} is not here")
+    text = PAPER.read_text(encoding="utf-8")
+    text = text[text.index(r"\begin{abstract}") :].replace(
+        r"\begin{abstract}", "\n\n@@Abstract\n\n"
+    )
+    for pattern, new in (
+        (r"(?<!\\)%.*", ""),
+        (r"\\(?:sub)?section\{(.*?)\}", r"\n\n@@\1\n\n"),
+        (r"(?s)\\begin\{(figure|table|IEEEkeywords)\}.*?\\end\{\1\}", "\n\n"),
+        (r"(?s)\\begin\{equation\}.*?\\end\{equation\}", " "),
+        (r"\\(cite|label|vspace|end|begin)\{.*?\}", ""),
+        (r"\\IEEEPARstart\{(.)\}\{(\w+)\}", r"\1\2"),
+        (r"Fig\.", "Fig"),
+        (r"(e)\.g\.,|(i)\.e\.,", lambda found: f"{found[1] or found[2]}{'g' if found[1] else 'e'}"),
+    ):
+        text = re.sub(pattern, new, text)
+    found, section = [], ""
+    for paragraph in (" ".join(part.split()) for part in re.split(r"\n\s*\n", text)):
+        if paragraph.startswith("@@"):
+            section = paragraph[2:]
+        elif paragraph:
+            first, *others = re.split(r"(?<=[.?!])\s+(?=[A-Z$\\1-9])", paragraph)
+            # what goes on after an equation belongs to the sentence before it
+            own = [] if first[0].islower() else [first]
+            found += [(section, sentence) for sentence in [*own, *others]]
+    return found
+
+
+def test_every_sentence_of_the_paper_has_one_row():
+    unused = {
+        (section, begins)
+        for section, rows in ROWS["sentences"].items()
+        if isinstance(rows, dict)
+        for begins in rows
+        if begins != "others"
+    }
+    missing = []
+    for section, sentence in sentences():
+        rows = ROWS["sentences"].get(section, {})
+        if isinstance(rows, str):
+            continue
+        of_it = [begins for begins in rows if sentence.startswith(begins)]
+        assert len(of_it) < 2, (sentence, of_it)
+        unused -= {(section, begins) for begins in of_it}
+        if not of_it and "others" not in rows:
+            missing.append((section, sentence[:60]))
+    assert missing == []
+    assert unused == set()
+
+
+def test_rows_name_claims_that_exist_and_every_claim_is_named():
+    named = set()
+    for section in ROWS["sentences"].values():
+        for row in section.values() if isinstance(section, dict) else [section]:
+            if isinstance(row, str):
+                assert row.startswith(KINDS)
+            else:
+                named |= set(row)
+    assert named == IDS
+
+
+def test_every_number_of_the_paper_is_judged_shown_or_a_setting():
+    published = yaml.safe_load(PUBLISHED.read_text(encoding="utf-8"))
+    assert list(ROWS["numbers"]) == list(published)
+    for shown in ROWS["numbers"].values():
+        if not isinstance(shown, str):
+            assert set(shown) <= IDS | set(BY_NAME)
+
+
+def test_every_published_claim_has_rows():
+    published = yaml.safe_load(PUBLISHED.read_text(encoding="utf-8"))["claims"]
+    rows = {re.sub("[a-z]$", "", claim.id) for claim in CLAIMS}
+    assert rows >= {claim["id"] for claim in published}
