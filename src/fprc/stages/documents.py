@@ -165,33 +165,42 @@ def replace_block(text: str, name: str, block: str, path: str = "README.md") -> 
 
 
 def _outcome(judged: Mapping[str, Any]) -> str:
-    """Return sentences on how many claims have each verdict."""
-    every = pd.DataFrame(judged["claims"])
-    is_timed = every["rig"] == "timed"
-    claims, timed = every[~is_timed], list(every.loc[is_timed, "id"])
-    verdicts = claims["verdict"].value_counts()
-    counts = ", ".join(f"{count} {verdict}" for verdict, count in verdicts.items())
-    held = claims[claims["verdict"] == "reproduced"]
-    predicted = held.loc[held["rig"] == "predicted", "id"]
-    assumed = held.loc[held["rig"] == "assumed", "id"]
-    apart = (
-        f" Not counted: {', '.join(timed)}; they are about execution times, and their verdicts can "
-        "differ between builds."
-        if timed
-        else ""
+    """Return sentences on how many claims hold: first those that the rig was not fitted to."""
+    claims = pd.DataFrame(judged["claims"])
+    kind = claims["rig"].replace("half fitted", "fitted")
+    predicted, fitted, assumed, timed = (
+        claims[kind == name] for name in ("predicted", "fitted", "assumed", "timed")
     )
-    return (
-        f"**Of the paper's {verdicts.sum()} claims and parts of claims, on the simulated rig: "
-        f"{counts}.** Of those reproduced, {held['rig'].str.contains('fitted').sum()} were fitted "
-        f"at least in part, {_count(predicted)} called predicted, and {_count(assumed)} built into "
-        f"the rig.{apart}"
-    )
+    sentences = [
+        f"**On the simulated rig, {_held(predicted)} claims of the paper that its fit did not "
+        f"target hold**{_others(predicted)}."
+    ]
+    if len(fitted):
+        sentences.append(
+            f"Of those that it was fitted to, at least in part, {_held(fitted)} hold"
+            f"{_others(fitted)}."
+        )
+    if len(assumed):
+        sentences.append(f"Built into the rig: {', '.join(assumed['id'])}.")
+    if len(timed):
+        sentences.append(
+            f"Not counted, because they are about execution times: {', '.join(timed['id'])}."
+        )
+    return " ".join(sentences)
 
 
-def _count(ids: Sequence[str]) -> str:
-    """Return how many there are, with a verb, and which."""
-    named = f" ({', '.join(ids)})" if len(ids) else ""
-    return f"{len(ids)}{named} {'is' if len(ids) == 1 else 'are'}"
+def _held(claims: pd.DataFrame) -> str:
+    return f"{(claims['verdict'] == 'reproduced').sum()} of {len(claims)}"
+
+
+def _others(claims: pd.DataFrame) -> str:
+    """Return the claims that do not hold and those that are undecided, in brackets."""
+    parts = []
+    for verdict, words in (("not reproduced", "not"), ("undecided", "undecided")):
+        ids = claims.loc[claims["verdict"] == verdict, "id"]
+        if len(ids):
+            parts.append(f"{words}: {', '.join(ids)}")
+    return f" ({'; '.join(parts)})" if parts else ""
 
 
 def _verdicts(judged: Mapping[str, Any], drawn: Mapping[str, str]) -> str:

@@ -148,9 +148,9 @@ def test_every_claim_is_shown_with_its_verdict(project):
 def test_readme_counts_the_verdicts(project):
     update(project)
     text = (project / "README.md").read_text(encoding="utf-8")
-    assert "1 claims and parts of claims, on the simulated rig: 1 reproduced.**" in text
-    assert "Not counted: C5;" in text
-    assert "1 were fitted at least in part, 0 are called predicted," in text
+    assert "execution times: C5." in text
+    assert "0 of 0 claims" in text
+    assert "at least in part, 1 of 1 hold." in text
     assert "by 45 % at most" in text
     assert "up to 20 % in open loop, and by up to 50 % in closed loop" in text
     assert "Reversed." in text
