@@ -172,8 +172,8 @@ def _outcome(judged: Mapping[str, Any]) -> str:
         claims[kind == name] for name in ("predicted", "fitted", "assumed", "timed")
     )
     sentences = [
-        f"**On the simulated rig, {_held(predicted)} claims of the paper that its fit did not "
-        f"target hold**{_others(predicted)}."
+        "**Of the paper's claims that the simulated rig was not fitted to, "
+        f"{_held(predicted)} hold**{_others(predicted)}."
     ]
     if len(fitted):
         sentences.append(
