@@ -66,7 +66,7 @@ rule sensitivity_table:
     log:
         PATHS.messages("sensitivity_table"),
     params:
-        **stage("tabulate.tabulate_sensitivity"),
+        **stage("robustness.tabulate_sensitivity"),
     message:
         "Sensitivity: table"
     script:
@@ -83,7 +83,7 @@ rule targets_table:
     log:
         PATHS.messages("targets_table"),
     params:
-        **stage("tabulate.tabulate_targets"),
+        **stage("robustness.tabulate_targets"),
         names=TARGET_NAMES,
     message:
         "Commanded compared with measured pressure as the models' target"

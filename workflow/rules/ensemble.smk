@@ -110,7 +110,7 @@ rule posterior_history:
     log:
         PATHS.messages("posterior_history"),
     params:
-        **stage("tabulate.tabulate_history"),
+        **stage("robustness.tabulate_history"),
     message:
         "Posterior: deviation from print, step by step"
     script:
@@ -125,7 +125,7 @@ rule posterior_worth:
     log:
         PATHS.messages("posterior_worth"),
     params:
-        **stage("tabulate.tabulate_worth"),
+        **stage("robustness.tabulate_worth"),
     message:
         "Posterior: how often P_o is worth more than a low-pass, also where other claims hold"
     script:
@@ -140,7 +140,7 @@ rule posterior_near_print:
     log:
         PATHS.messages("posterior_near_print"),
     params:
-        **stage("tabulate.tabulate_near_print"),
+        **stage("robustness.tabulate_near_print"),
     message:
         "Posterior: how many rigs are within limits of the printed errors"
     script:
@@ -177,7 +177,7 @@ rule shares_table:
     wildcard_constraints:
         set="|".join(SETS),
     params:
-        **stage("tabulate.tabulate_ensemble"),
+        **stage("robustness.tabulate_ensemble"),
     message:
         "Share of rigs on which each claim holds: {wildcards.set}, table"
     script:

@@ -5,11 +5,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fprc.competitors import COMPETITORS, default_settings
+from fprc.competitors import COMPETITORS, base_of, default_settings
 from fprc.errors import FprcError
 from fprc.evaluation import rmse
 from fprc.evaluation.crossval import refusals_of
 from fprc.evaluation.timing import WARM_UP, time_steps
+from fprc.experiments.competitors import inputs_of
 from fprc.experiments.data import TARGETS, Data
 from fprc.experiments.hysteresis import acquire, simulate
 from fprc.experiments.settings import RigSettings
@@ -61,17 +62,6 @@ class Contest(NamedTuple):
         if "restarts" in settings:
             settings["restarts"] = self.restarts
         return build_competitor(base, settings, seed)
-
-
-def base_of(name: str) -> str:
-    """Return the competitor that a model is, without the suffix of its settings."""
-    base, _, suffix = name.rpartition("_")
-    return base if suffix in ("tuned", "matched", "oracle") else name
-
-
-def inputs_of(name: str, channels: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Return the input columns of a model."""
-    return np.column_stack([channels[each] for each in COMPETITORS[base_of(name)].inputs])
 
 
 def judge_build(

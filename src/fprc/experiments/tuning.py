@@ -11,7 +11,7 @@ from sklearn.model_selection import ParameterSampler
 
 from fprc.competitors import default_settings
 from fprc.evaluation import cross_validate
-from fprc.experiments.beyond import inputs_of
+from fprc.experiments.competitors import inputs_of
 from fprc.experiments.data import Data
 from fprc.experiments.settings import Judgement
 from fprc.models.competitors import build_competitor

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from fprc.competitors import COMPETITORS
+from fprc.competitors import COMPETITORS, base_of
 from fprc.config import Settings
 from fprc.errors import EvaluationError
 from fprc.evaluation import rmse
@@ -10,7 +10,6 @@ from fprc.experiments.beyond import (
     BRIEF,
     SLOW,
     Contest,
-    base_of,
     judge_build,
     judge_lengths,
     time_of_step,

@@ -17,7 +17,7 @@ from fprc.claims.ledger import parts_of
 from fprc.config import PUBLISHED, Settings
 from fprc.errors import FprcError
 from fprc.figures import style
-from fprc.stages import tabulate
+from fprc.stages import robustness
 from fprc.stages.draw_ensemble import draw_ensemble
 from fprc.tables.robustness import (
     ensemble,
@@ -202,7 +202,7 @@ def test_page_of_the_ensemble_is_what_a_person_reads(summary):
 
 def test_files_of_the_ensemble_say_what_it_is(summary, tmp_path):
     write_json(tmp_path / "summary.json", summary)
-    csv, md, tex = write(tabulate.tabulate_ensemble, tmp_path, str(tmp_path / "summary.json"))
+    csv, md, tex = write(robustness.tabulate_ensemble, tmp_path, str(tmp_path / "summary.json"))
     note, page = read_markdown(md)
     assert "38 simulated rigs" in note
     assert "2 more could not be judged, 123 draws" in note
@@ -214,7 +214,7 @@ def test_files_of_the_ensemble_say_what_it_is(summary, tmp_path):
 
 def test_page_of_the_limits_counts_rigs_and_their_claims(summary, tmp_path):
     write_json(tmp_path / "summary.json", summary)
-    csv, md, tex = write(tabulate.tabulate_near_print, tmp_path, str(tmp_path / "summary.json"))
+    csv, md, tex = write(robustness.tabulate_near_print, tmp_path, str(tmp_path / "summary.json"))
     note, page = read_markdown(md)
     assert "38 simulated rigs" in note
     assert page.to_numpy().tolist() == [
@@ -227,7 +227,7 @@ def test_page_of_the_limits_counts_rigs_and_their_claims(summary, tmp_path):
 
 def test_files_of_the_worth_say_what_they_count(summary, tmp_path):
     write_json(tmp_path / "summary.json", summary)
-    csv, md, tex = write(tabulate.tabulate_worth, tmp_path, str(tmp_path / "summary.json"))
+    csv, md, tex = write(robustness.tabulate_worth, tmp_path, str(tmp_path / "summary.json"))
     note, page = read_markdown(md)
     assert "38 simulated rigs" in note
     assert "0.05 divided by 3" in note
@@ -312,7 +312,7 @@ def test_parameter_that_is_impossible_everywhere_has_no_row(report):
 
 def test_files_of_the_sensitivity_say_how_many_rigs_were_impossible(report, tmp_path):
     write_json(tmp_path / "effects.json", report)
-    csv, md, _ = write(tabulate.tabulate_sensitivity, tmp_path, str(tmp_path / "effects.json"))
+    csv, md, _ = write(robustness.tabulate_sensitivity, tmp_path, str(tmp_path / "effects.json"))
     note, page = read_markdown(md)
     assert "1 of 7 rigs are impossible" in note
     assert "mean of 2 seeds" in note
@@ -428,7 +428,7 @@ def test_files_of_the_targets_are_of_the_reports_in_the_folders_of_their_names(r
                 write_json(path, report)
                 paths[-1].append(str(path))
     csv, md, _ = write(
-        tabulate.tabulate_targets, tmp_path, str(PUBLISHED), *paths, names=list(VALUES)
+        robustness.tabulate_targets, tmp_path, str(PUBLISHED), *paths, names=list(VALUES)
     )
     note, page = read_markdown(md)
     assert "simulated rig, not hardware" in note
