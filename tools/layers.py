@@ -1,6 +1,6 @@
 """Draw the layers in CONTRIBUTING.md from the imports of src/fprc: `make layers`.
 
-The layers are those of the contract "One direction" in pyproject.toml. An arrow means "imports"; it
+The layers are those of the contract LAYERS in pyproject.toml. An arrow means "imports"; it
 is omitted if other arrows lead to the same place. Single modules at the bottom, which import no
 package, have no arrows.
 """
@@ -18,6 +18,7 @@ ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "CONTRIBUTING.md"
 BEGIN, END = "<!-- layers: generated -->\n", "<!-- layers: end -->"
 PACKAGE = "fprc"
+LAYERS = "One direction"
 
 
 def imported() -> dict[str, set[str]]:
@@ -44,7 +45,7 @@ def layers() -> list[list[str]]:
     """Return the layers of the contract, highest first."""
     settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     contracts = settings["tool"]["importlinter"]["contracts"]
-    (layered,) = (each["layers"] for each in contracts if each["type"] == "layers")
+    (layered,) = (each["layers"] for each in contracts if each["name"] == LAYERS)
     return [layer.split(" | ") for layer in layered]
 
 

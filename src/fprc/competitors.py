@@ -90,3 +90,9 @@ def competitor(name: str) -> Competitor:
     if name not in COMPETITORS:
         raise ConfigError(f"{name!r} is no competitor; choose from {', '.join(COMPETITORS)}")
     return COMPETITORS[name]
+
+
+def base_of(name: str) -> str:
+    """Return the competitor that a model is, without the suffix of its settings."""
+    base, _, suffix = name.rpartition("_")
+    return base if suffix in ("tuned", "matched", "oracle") else name

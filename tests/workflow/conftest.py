@@ -270,7 +270,7 @@ def smoked_copy(smoked, tmp_path):
     return _copied(smoked[0], tmp_path / "copy")
 
 
-#: Settings of a calibration with few parameters; tests/unit/calibration has them all.
+#: Settings of a calibration with few parameters; tests/unit/studies/calibration has them all.
 FEW_FREE = (
     "calibration={check_seeds: [41], free: [bending.friction_kpa, bending.friction_per_kpa, "
     "drift.sigma_kpa, drift.time_s, reservoir.back_pressure_gain, "

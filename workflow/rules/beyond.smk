@@ -32,7 +32,7 @@ rule beyond_world:
         mem_mb=memory_of,
         runtime=120,
     params:
-        **stage("beyond.judge_world", key="version"),
+        **stage("studies.beyond.judge_world", key="version"),
         world=world_of,
         units=units_of,
         slow=BEYOND["slow"],
@@ -59,7 +59,7 @@ rule tune_world:
         mem_mb=memory_of,
         runtime=120,
     params:
-        **stage("beyond.tune_world", key="version"),
+        **stage("studies.beyond.tune_world", key="version"),
         world=world_of,
         units=units_of_tuning,
         candidates=BEYOND["tuning"]["candidates"],
@@ -82,7 +82,7 @@ rule join_tuned:
     log:
         PATHS.messages("join_tuned"),
     params:
-        **stage("beyond.join_tuned"),
+        **stage("studies.beyond.join_tuned"),
     message:
         "Beyond the paper: settings of the tuned competitors"
     script:
@@ -101,7 +101,7 @@ rule beyond_training:
         mem_mb=memory_of,
         runtime=120,
     params:
-        **stage("beyond.judge_training_logs", key="version"),
+        **stage("studies.beyond.judge_training_logs", key="version"),
         world=lambda wildcards: world_named(OWN_WORLD),
         contest=CONTEST,
         seeds=BEYOND["training"]["seeds"],
@@ -128,7 +128,7 @@ rule beyond_steps:
     priority: ALONE
     threads: workflow.cores
     params:
-        **stage("beyond.time_steps"),
+        **stage("studies.beyond.time_steps"),
         world=lambda wildcards: world_named(OWN_WORLD),
         contest=CONTEST,
     message:
@@ -153,7 +153,7 @@ rule beyond_capacity:
         mem_mb=memory_of,
         runtime=120,
     params:
-        **stage("beyond.judge_capacities", key="version"),
+        **stage("studies.beyond.judge_capacities", key="version"),
         worlds=lambda wildcards: [world_named(name) for name in (OWN_WORLD, *OTHER_RIGS)],
         models=pick(SETTINGS["models"], "n_y", "fprc", "esn"),
         capacity={key: each for key, each in BEYOND["capacity"].items() if key != "seeds"},
@@ -183,7 +183,7 @@ rule beyond_tables:
     log:
         PATHS.messages("beyond_tables"),
     params:
-        **stage("show_beyond.tabulate_beyond"),
+        **stage("studies.show_beyond.tabulate_beyond"),
     message:
         "Beyond the paper: claims B1 to B8, tables"
     script:
@@ -198,7 +198,7 @@ rule draw_pairs:
     log:
         PATHS.messages("draw_pairs"),
     params:
-        **stage("show_beyond.draw_pairs"),
+        **stage("studies.show_beyond.draw_pairs"),
         worlds=WORLDS,
     message:
         "Beyond the paper: error ratios of pairs of models, figure"
@@ -214,7 +214,7 @@ rule draw_tracking:
     log:
         PATHS.messages("draw_tracking"),
     params:
-        **stage("show_beyond.draw_tracking"),
+        **stage("studies.show_beyond.draw_tracking"),
         world=OWN_WORLD,
     message:
         "Beyond the paper: tracking errors against test errors, figure"
@@ -230,7 +230,7 @@ rule draw_offsets:
     log:
         PATHS.messages("draw_offsets"),
     params:
-        **stage("show_beyond.draw_offsets"),
+        **stage("studies.show_beyond.draw_offsets"),
         world=OWN_WORLD,
     message:
         "Beyond the paper: offset of P_o, figure"
@@ -246,7 +246,7 @@ rule draw_capacities:
     log:
         PATHS.messages("draw_capacities"),
     params:
-        **stage("show_beyond.draw_capacities"),
+        **stage("studies.show_beyond.draw_capacities"),
         world=OWN_WORLD,
     message:
         "Beyond the paper: capacities, figure"

@@ -19,7 +19,7 @@ rule fit_rig:
         mem_mb=memory_of,
         runtime=480,
     params:
-        **stage("calibrate.calibrate", *MODELS, key="version"),
+        **stage("studies.calibrate.calibrate", *MODELS, key="version"),
         on_rig=on_rig(SETTINGS),
         judgement=judgement(SETTINGS, without="seed", models=paper_models(SETTINGS)),
         calibration=SETTINGS["calibration"],
@@ -43,7 +43,7 @@ rule measure_sensitivity:
         mem_mb=memory_of,
         runtime=240,
     params:
-        **stage("ensemble.measure_sensitivity", *MODELS, key="version"),
+        **stage("studies.ensemble.measure_sensitivity", *MODELS, key="version"),
         on_rig=on_rig(SETTINGS),
         models=paper_models(SETTINGS),
         paths=SETTINGS["calibration"]["free"],
@@ -66,7 +66,7 @@ rule sensitivity_table:
     log:
         PATHS.messages("sensitivity_table"),
     params:
-        **stage("tabulate.tabulate_sensitivity"),
+        **stage("studies.robustness.tabulate_sensitivity"),
     message:
         "Sensitivity: table"
     script:
@@ -83,7 +83,7 @@ rule targets_table:
     log:
         PATHS.messages("targets_table"),
     params:
-        **stage("tabulate.tabulate_targets"),
+        **stage("studies.robustness.tabulate_targets"),
         names=TARGET_NAMES,
     message:
         "Commanded compared with measured pressure as the models' target"

@@ -27,7 +27,7 @@ def own(name):
 def code_of(name, *models):
     """Return the fingerprint of the code of a stage and of the models that it runs."""
     modules = [class_module(model, SETTINGS["models"]) for model in models]
-    return fingerprint("fprc.stages.run", f"fprc.stages.{name.partition('.')[0]}", *modules)
+    return fingerprint("fprc.stages.run", module_of(name), *modules)
 
 
 def stage(name, *models, key="code"):

@@ -35,7 +35,7 @@ rule ensemble_chunk:
         mem_mb=2000,
         runtime=120,  # grows with ensemble.chunk
     params:
-        **stage("ensemble.judge_rigs", *MODELS, key="version"),
+        **stage("studies.ensemble.judge_rigs", *MODELS, key="version"),
         on_rig=on_rig(SETTINGS),
         judgement=judgement(SETTINGS, without="seed", models=paper_models(SETTINGS)),
         tracking=SETTINGS["tracking"],
@@ -61,7 +61,7 @@ rule posterior_members:
         mem_mb=memory_of,
         runtime=480,
     params:
-        **stage("posterior.draw_members", *MODELS, key="version"),
+        **stage("studies.posterior.draw_members", *MODELS, key="version"),
         on_rig=on_rig(SETTINGS),
         judgement=judgement(SETTINGS, without="seed", models=paper_models(SETTINGS)),
         posterior=pick(POSTERIOR, "rigs", "seed", "tolerance", "assimilations", "sweeps"),
@@ -89,7 +89,7 @@ rule posterior_chunk:
         mem_mb=2000,
         runtime=120,  # grows with posterior.chunk
     params:
-        **stage("posterior.judge_members", *MODELS, key="version"),
+        **stage("studies.posterior.judge_members", *MODELS, key="version"),
         on_rig=on_rig(SETTINGS),
         judgement=judgement(SETTINGS, without="seed", models=paper_models(SETTINGS)),
         tracking=SETTINGS["tracking"],
@@ -110,7 +110,7 @@ rule posterior_history:
     log:
         PATHS.messages("posterior_history"),
     params:
-        **stage("tabulate.tabulate_history"),
+        **stage("studies.robustness.tabulate_history"),
     message:
         "Posterior: deviation from print, step by step"
     script:
@@ -125,7 +125,7 @@ rule posterior_worth:
     log:
         PATHS.messages("posterior_worth"),
     params:
-        **stage("tabulate.tabulate_worth"),
+        **stage("studies.robustness.tabulate_worth"),
     message:
         "Posterior: how often P_o is worth more than a low-pass, also where other claims hold"
     script:
@@ -140,7 +140,7 @@ rule posterior_near_print:
     log:
         PATHS.messages("posterior_near_print"),
     params:
-        **stage("tabulate.tabulate_near_print"),
+        **stage("studies.robustness.tabulate_near_print"),
     message:
         "Posterior: how many rigs are within limits of the printed errors"
     script:
@@ -158,7 +158,7 @@ rule rigs_summary:
     wildcard_constraints:
         set="|".join(SETS),
     params:
-        **stage("rigs.summarise_rigs"),
+        **stage("studies.rigs.summarise_rigs"),
         drawn=lambda wildcards: SETS[wildcards.set][0],
         terms=lambda wildcards: SETS[wildcards.set][1],
     message:
@@ -177,7 +177,7 @@ rule shares_table:
     wildcard_constraints:
         set="|".join(SETS),
     params:
-        **stage("tabulate.tabulate_ensemble"),
+        **stage("studies.robustness.tabulate_ensemble"),
     message:
         "Share of rigs on which each claim holds: {wildcards.set}, table"
     script:
@@ -194,7 +194,7 @@ rule shares_figure:
     wildcard_constraints:
         set="|".join(SETS),
     params:
-        **stage("draw_ensemble.draw_ensemble"),
+        **stage("studies.draw_ensemble.draw_ensemble"),
     message:
         "Share of rigs on which each claim holds: {wildcards.set}, figure"
     script:

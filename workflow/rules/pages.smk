@@ -17,7 +17,7 @@ if "readme" not in PLAN.unavailable:
         localrule: True
         threads: workflow.cores  # alone: beyond_page writes README.md too
         params:
-            **stage("documents.update_readme"),
+            **stage("studies.documents.update_readme"),
             readme="README.md",
             results="docs/results.md",
             picture="docs/images/fig08_training.png",
@@ -56,7 +56,7 @@ rule calibration_page:
         PATHS.messages("calibration_page"),
     localrule: True
     params:
-        **stage("documents.update_tables"),
+        **stage("studies.documents.update_tables"),
         page="docs/calibration.md",
         pictures=[f"docs/images/{name}.png" for name in ("ensemble", "posterior", "channels")],
     message:
@@ -78,7 +78,7 @@ rule beyond_page:
     localrule: True
     threads: workflow.cores  # alone: readme writes README.md too
     params:
-        **stage("documents.update_beyond_page"),
+        **stage("studies.documents.update_beyond_page"),
         readme="README.md",
         page="docs/beyond.md",
         board="docs/benchmark.md",

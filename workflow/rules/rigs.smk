@@ -45,7 +45,7 @@ rule rigs_table:
     log:
         PATHS.messages("rigs_table"),
     params:
-        **stage("rigs.compare_rigs"),
+        **stage("studies.rigs.compare_rigs"),
         fitted=lambda wildcards: {
             SETTINGS["fitted"]["name"]: SETTINGS["fitted"]["to"],
             **{rig: named_rig(rig)["fitted"]["to"] for rig in FITTED_RIGS},
@@ -65,7 +65,7 @@ rule answer_table:
     log:
         PATHS.messages("answer_table"),
     params:
-        **stage("rigs.tabulate_answer"),
+        **stage("studies.rigs.tabulate_answer"),
     message:
         "Worth of the reservoir on all rigs"
     script:

@@ -11,13 +11,14 @@ import numpy as np
 from scipy.special import stdtr
 
 from fprc.claims.finding import UNDECIDED, interval_of_mean
-from fprc.worlds import EQUIVALENT_WITHIN
 
 SUPERIOR = "superior"
 EQUIVALENT = "equivalent"
 INFERIOR = "inferior"
 NOT_JUDGED = "not judged"
 
+#: Two models are equivalent within this factor.
+EQUIVALENT_WITHIN = 1.05
 #: Chance that any of a world's verdicts is wrong.
 ALPHA = 0.05
 #: Fewest units that decide anything; units that a subset leaves out.

@@ -17,7 +17,7 @@ LEFT_OUT = 2
 class Claim(NamedTuple):
     """FPRC against one competitor."""
 
-    id: str  #: as in ``fprc.claims.beyond``; R marks claims on recordings only
+    id: str  #: as in ``fprc.studies.beyond.claims``; R marks claims on recordings only
     text: str
     other: str  #: competitor
 

@@ -7,7 +7,6 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from fprc.artifacts import is_json_with, refuse_output
-from fprc.calibration.rig_file import WRITTEN
 from fprc.commands.processes import processes
 from fprc.commands.terminal import messages_on_terminal
 from fprc.config import PUBLISHED, check, from_files, local_files
@@ -17,7 +16,8 @@ from fprc.given import read_given
 from fprc.paper import MODELS
 from fprc.plan.arguments import judgement, on_rig
 from fprc.registry import class_module
-from fprc.stages.calibrate import calibrate
+from fprc.studies.calibration.rig_file import WRITTEN
+from fprc.studies.stages.calibrate import calibrate
 
 
 @messages_on_terminal()
@@ -86,5 +86,5 @@ def calibrate_from_files(
             tracking=settings["tracking"],
             workers=count,
             checkpoint=f"{stem}.partial.jsonl",
-            version=fingerprint("fprc.stages.calibrate", *map(class_module, MODELS)),
+            version=fingerprint("fprc.studies.stages.calibrate", *map(class_module, MODELS)),
         )

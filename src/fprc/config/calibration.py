@@ -33,7 +33,7 @@ class Plausible(Section):
     )  # fmt: skip
 
 
-#: Terms of the objective, see ``fprc.calibration.objective``.
+#: Terms of the objective, see ``fprc.studies.calibration.objective``.
 Term = Literal[
     "tables", "orders", "plausible", "C8", "C9a", "C9b", "C11", "C12", "C18", "open_loop"
 ]

@@ -15,8 +15,8 @@ def free_ranges(
     Parameters
     ----------
     paths : sequence of str
-        As ``fprc.calibration.space.Free`` takes them. The range of a whole list is that of its
-        first number.
+        As ``fprc.studies.calibration.space.Free`` takes them. The range of a whole list is that of
+        its first number.
 
     Raises
     ------

@@ -3,13 +3,14 @@
 from collections.abc import Mapping
 from typing import Any
 
-from fprc.competitors import default_settings
+import numpy as np
+
+from fprc.competitors import COMPETITORS, base_of, default_settings
 from fprc.errors import EvaluationError
 from fprc.evaluation.blocks import split_blocks
 from fprc.evaluation.crossval import fit_folds, refusals_of
 from fprc.evaluation.folds import Fold
 from fprc.evaluation.metrics import rmse
-from fprc.experiments.beyond import inputs_of
 from fprc.experiments.data import Data
 from fprc.experiments.settings import Judgement
 from fprc.models.competitors import build_competitor
@@ -39,6 +40,11 @@ def period_s(data: Data) -> float:
     """Return the mean time from one sample to the next, s."""
     time_s = data.channels["time_s"]
     return float(time_s[-1] - time_s[0]) / (len(time_s) - 1)
+
+
+def inputs_of(name: str, channels: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Return the input columns of a model."""
+    return np.column_stack([channels[each] for each in COMPETITORS[base_of(name)].inputs])
 
 
 def judge_competitor(

@@ -25,7 +25,7 @@ _NOT_ARGUMENTS = ("stage", "code", "sidecar", "made_from")
 def run_stage(job: Any) -> None:
     """Call the stage of a rule with its named inputs, outputs and params as arguments.
 
-    The param ``stage`` names it: ``judge.judge`` is ``fprc.stages.judge.judge``. A stage that
+    The param ``stage`` names it, see ``module_of``. A stage that
     draws returns the attributes of its data, and the provenance of the figure is written to the
     output ``sidecar``. Inputs that were changed after their rule wrote them are refused: the
     digest of each output is kept for that. Raw logs have checksums of their own instead, since a
@@ -65,8 +65,16 @@ def run_stage(job: Any) -> None:
 
 def stage_of(name: str) -> Callable[..., Any]:
     """Return the function of a stage, given as ``judge.judge``."""
-    module, _, function = name.rpartition(".")
-    return getattr(import_module(f"fprc.stages.{module}"), function)
+    return getattr(import_module(module_of(name)), name.rpartition(".")[2])
+
+
+def module_of(name: str) -> str:
+    """Return the module of a stage: ``judge.judge`` is in ``fprc.stages.judge``.
+
+    ``studies.beyond.judge_world`` is in ``fprc.studies.stages.beyond``.
+    """
+    *room, module, _ = name.split(".")
+    return ".".join(["fprc", *room, "stages", module])
 
 
 def _log_to(path: str, label: str) -> None:

@@ -6,12 +6,12 @@ import yaml
 from joblib import cpu_count
 
 from fprc.artifacts import write_json
-from fprc.calibration.rig_file import WRITTEN
 from fprc.cli import main
 from fprc.commands import calibrate as command
 from fprc.config import PUBLISHED, Settings, check, from_files, rig_file
 from fprc.config.reference import RIG
 from fprc.errors import SimulationError
+from fprc.studies.calibration.rig_file import WRITTEN
 
 CONFIG = Path(__file__).parents[3] / "config"
 FILES = [str(CONFIG / name) for name in ("config.yaml", "smoke.yaml")]

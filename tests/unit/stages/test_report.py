@@ -16,12 +16,12 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from fprc.artifacts import write_json
-from fprc.claims.beyond import judge_world
 from fprc.config import Settings
 from fprc.logs import write_columns
 from fprc.provenance import hash_of
 from fprc.stages import report
 from fprc.stages.report import GLOSSARY, banner, symbols, write_report
+from fprc.studies.beyond.claims import judge_world
 from fprc.tables.text import markdown
 
 TEMPLATE = [

@@ -1,1 +1,0 @@
-"""Fit the simulated rig to the paper, and test the claims on an ensemble of random rigs."""

@@ -1,0 +1,215 @@
+"""Claims B1-B8: what the pneumatic reservoir is worth beside what an engineer could take instead.
+
+docs/preregistration.md has them with their limits.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from fprc.claims.paired import INFERIOR, LEAST_UNITS, NOT_JUDGED, SUPERIOR, Part, judge_together
+from fprc.studies.beyond.worlds import capacities, measured, title_of, world_title
+
+#: Capacity of degree two or more from which P_o counts as nonlinear, of 1 for a single signal.
+LEAST_NONLINEAR = 0.1
+
+
+class Ratio(NamedTuple):
+    """One measure of one model over that of another; lower is better."""
+
+    ours: tuple[str, str]  #: model and measure
+    theirs: tuple[str, str]
+    words: str  #: what is measured, for readers
+
+
+class Excess(NamedTuple):
+    """Capacity of a set of states less another set's, or less a constant; higher is better."""
+
+    ours: tuple[str, str]  #: set and quantity
+    theirs: tuple[str, str] | float
+    words: str
+
+
+class Claim(NamedTuple):
+    """What is claimed, what is compared, and for whom the fit of the rig decides beforehand."""
+
+    text: str
+    parts: Sequence[Ratio | Excess]
+    #: By term of the calibration's objective: who was favoured, and by the fit of what.
+    favours: Mapping[str, tuple[str, str]]
+
+
+def _of_fprc(other: str, measure: str = "forward", ours: str = "fprc") -> Ratio:
+    return Ratio((ours, measure), (other, measure), measure.replace("_", " "))
+
+
+_FORWARD = ("FPRC", "FPRC's forward error, at epsilon 0.01")
+_REVERSED = ("FPRC", "FPRC's reversed error, at epsilon 0.01")
+_LOWEST = ("FPRC", "FPRC's error as the lowest of the paper's models")
+_BOTH = ("FPRC", "the errors of both models, FPRC's lower on the test")
+_RISE = ("FPRC", "a rise of the ESN's error from training to test")
+_TRACKING = ("FPRC", "FPRC's open-loop errors")
+_SHARE = ("P_o", "P_o's share of the readout's weights")
+CLAIMS = {
+    "B1": Claim(
+        "P_o beats low-passed theta_d, forward",
+        [_of_fprc("fprc_lowpass")],
+        {"tables": _FORWARD, "orders": _LOWEST, "C8": _SHARE},
+    ),
+    "B2": Claim(
+        "P_o beats low-passed theta_d, reversed",
+        [_of_fprc("fprc_lowpass", "reversed")],
+        {"tables": _REVERSED, "orders": _LOWEST, "C8": _SHARE},
+    ),
+    "B3": Claim(
+        "P_o beats low-passed theta_d in tracking, open and closed loop",
+        [_of_fprc("fprc_lowpass", "open_loop"), _of_fprc("fprc_lowpass", "closed_loop")],
+        {"open_loop": _TRACKING, "C8": _SHARE},
+    ),
+    "B4": Claim(
+        "the fuzzy readout beats a ridge on the same features, forward",
+        [_of_fprc("ridge_p_o")],
+        {"tables": _FORWARD, "orders": _LOWEST},
+    ),
+    "B5": Claim(
+        "an ESN with the same training error generalises worse, forward",
+        [_of_fprc("esn_matched")],
+        {"tables": _BOTH, "orders": _RISE},
+    ),
+    "B6": Claim(
+        "FPRC beats an ESN that was tuned as much, forward",
+        [_of_fprc("esn_tuned", ours="fprc_tuned")],
+        {"tables": _BOTH, "orders": _LOWEST},
+    ),
+    "B7": Claim(
+        "FPRC whose P_o is 2 kPa low still beats Fuzzy-linear, forward",
+        [Ratio(("fprc", "shifted/-2"), ("fuzzy_linear", "forward"), "forward, P_o 2 kPa low")],
+        {"tables": _BOTH, "orders": _LOWEST},
+    ),
+    "B8": Claim(
+        "P_o has a nonlinear capacity of 0.1 or more, and its taps more memory than taps of "
+        "low-passed theta_d",
+        [Excess(("p_o", "nonlinear"), LEAST_NONLINEAR, "nonlinear capacity of P_o - 0.1"),
+         Excess(("p_o_taps", "memory"), ("theta_lowpass_taps", "memory"),
+                "memory of taps of P_o - of taps of low-passed theta_d")],
+        {"C8": _SHARE},
+    ),
+}  # fmt: skip
+
+#: Verdicts on differences, which compare with a limit and not with another model.
+_WORDS = {SUPERIOR: "holds", INFERIOR: "does not hold"}
+
+
+def judge_world(world: Mapping[str, Any], titles: Mapping[str, str]) -> list[dict[str, Any]]:
+    """Judge B1-B8 in one world.
+
+    Parameters
+    ----------
+    world : Mapping
+        See ``fprc.studies.beyond.worlds``; ``fitted`` has the terms that its rigs were fitted to.
+    titles : Mapping
+        Models by name, as readers see them.
+
+    Returns
+    -------
+    list of dict
+        ``world``, ``title``, ``unit``, ``source``, ``id``, ``claim``, ``verdict``, ``words`` (the
+        verdict, as readers see it), ``p`` (after Holm), ``level``, ``stable`` (share of subsets, or
+        None), ``units``, ``dropped`` (builds without the pair), ``fitted`` (what the
+        rigs were fitted to that bears on the claim: in whose favour, and what), ``reason`` (why a
+        claim is not judged or there are too few units), and ``parts``: ``text``, ``ratio``,
+        ``mean``, ``low``, ``high`` (interval at the level that Holm's procedure gives),
+        ``verdict``. A ratio below 1 supports the claim, as does a difference above 0.
+    """
+    models = _table(measured(world), "model", "measure")
+    sets = _table(capacities(world), "set", "quantity")
+    found = [
+        [_part(part, models, sets, world, titles) for part in claim.parts]
+        for claim in CLAIMS.values()
+    ]
+    rows = []
+    for (name, claim), parts, judged in zip(
+        CLAIMS.items(), found, judge_together(found), strict=True
+    ):
+        units = min(len(part.values) for part in parts)
+        rows.append(
+            {
+                **{key: world[key] for key in ("unit", "source")},
+                "world": world["name"],
+                "title": world_title(world["name"]),
+                "id": name,
+                "claim": claim.text,
+                **judged._asdict(),
+                "words": _WORDS.get(judged.verdict, judged.verdict)
+                if isinstance(claim.parts[0], Excess)
+                else judged.verdict,
+                "units": units,
+                "dropped": max(part.dropped for part in parts),
+                "fitted": [why for term, why in claim.favours.items() if term in world["fitted"]],
+                "reason": _reason(parts, judged.verdict, world["unit"]),
+                "parts": [_shown(part, judged.level) for part in parts if len(part.values) > 1],
+            }
+        )
+    return rows
+
+
+def _table(tidy: pd.DataFrame, *columns: str) -> pd.DataFrame:
+    """Return one row per build and one column per model or set and its measure."""
+    return tidy.pivot_table(index=["unit", "seed"], columns=list(columns), values="value")
+
+
+def _part(
+    part: Ratio | Excess,
+    models: pd.DataFrame,
+    sets: pd.DataFrame,
+    world: Mapping[str, Any],
+    titles: Mapping[str, str],
+) -> Part:
+    if isinstance(part, Ratio):
+        values = np.log(_column(models, part.ours)) - np.log(_column(models, part.theirs))
+        builds = len(world["cells"])
+    else:
+        theirs = part.theirs if isinstance(part.theirs, float) else _column(sets, part.theirs)
+        values = theirs - _column(sets, part.ours)
+        builds = len(world.get("capacity") or ())
+    values = values.dropna()
+    # several builds of one rig are one unit
+    by_unit = values.groupby(level="unit").mean()
+    return Part(
+        _text(part, titles), by_unit.to_dict(), isinstance(part, Ratio), builds - len(values)
+    )
+
+
+def _column(table: pd.DataFrame, name: tuple[str, str]) -> pd.Series:
+    return table[name] if name in table else pd.Series(np.nan, index=table.index)
+
+
+def _text(part: Ratio | Excess, titles: Mapping[str, str]) -> str:
+    if isinstance(part, Excess):
+        return part.words
+    ours, theirs = (title_of(model, titles) for model, _ in (part.ours, part.theirs))
+    return f"{ours} / {theirs} ({part.words})"
+
+
+def _shown(part: Part, level: float) -> dict[str, Any]:
+    mean, low, high = part.interval(level)
+    # a difference is judged as what it lacks
+    ends = map(math.exp, (mean, low, high)) if part.ratio else (-mean, -high, -low)
+    return {
+        "text": part.text,
+        "ratio": part.ratio,
+        **dict(zip(("mean", "low", "high"), ends, strict=True)),
+        "verdict": part.verdict(level),
+    }
+
+
+def _reason(parts: Sequence[Part], verdict: str, unit: str) -> str:
+    """Return why a claim is not judged, or why it is undecided before any statistics."""
+    missing = [part.text for part in parts if len(part.values) < 2]
+    if verdict == NOT_JUDGED:
+        return f"not measured here: {' and '.join(missing)}"
+    units = min(len(part.values) for part in parts)
+    return f"{units} {unit}s; at least {LEAST_UNITS} decide" if units < LEAST_UNITS else ""

@@ -1,0 +1,244 @@
+"""The paper's models and their competitors on one rig: errors, tracking, and a disturbed P_o."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fprc.competitors import COMPETITORS, base_of, default_settings
+from fprc.errors import FprcError
+from fprc.evaluation import rmse
+from fprc.evaluation.crossval import refusals_of
+from fprc.evaluation.timing import WARM_UP, time_steps
+from fprc.experiments.competitors import inputs_of
+from fprc.experiments.data import TARGETS, Data
+from fprc.experiments.hysteresis import acquire, simulate
+from fprc.experiments.settings import RigSettings
+from fprc.experiments.tracking import TRACKING_RUNS, Track, tracking_rmse
+from fprc.models import SequenceModel
+from fprc.models.competitors import build_competitor
+from fprc.paper import REFERENCES
+from fprc.registry import ANGLE, running_inputs
+
+#: Models judged on every rig: those that a claim compares, and one competitor of each other kind.
+BRIEF = (
+    "fprc", "fprc_lowpass", "fuzzy_linear", "ridge_p_o", "bank_p_o", "bank", "plays", "fprc_tuned",
+)  # fmt: skip
+#: Models that take long, so they are judged on fewer rigs or seeds.
+SLOW = ("esn", "esn_oracle", "trees", "mlp")
+#: Models judged in the forward direction only: claims compare nothing but its test error.
+FORWARD_ONLY = ("esn_tuned", "esn_matched", "esn_oracle")
+#: All models. A suffix says how settings were chosen: by cross-validation in training logs (tuned),
+#: to match FPRC's training error (matched), or by test errors (oracle).
+ALL = (
+    *COMPETITORS,
+    "fprc_tuned", "esn_tuned", "bank_tuned", "plays_tuned", "esn_matched",
+    "fprc_oracle", "esn_oracle", "bank_oracle", "plays_oracle",
+)  # fmt: skip
+
+#: Marks the random stream of the noise that is added to P_o.
+_NOISE = 20243
+#: Run number of the second training log; ``hysteresis`` and ``tracking`` have the others.
+_SECOND_RUN = 80
+#: Training samples of a model whose step is timed.
+_ENOUGH = 4000
+
+
+class Contest(NamedTuple):
+    """How the models are built, and how P_o is disturbed."""
+
+    models: Mapping[str, Any]  #: section ``models`` of the configuration
+    tuned: Mapping[str, Any]  #: settings that differ from the defaults, by name with suffix
+    restarts: int  #: starts of every fuzzy clustering
+    tracking: Mapping[str, Any]  #: section of the configuration
+    shifts_kpa: Sequence[float]  #: constant offsets of P_o
+    drift_kpa: float  #: fall of P_o over the test log
+    noise_kpa: float  #: standard deviation of the noise added to P_o
+
+    def build(self, name: str, seed: int) -> SequenceModel:
+        """Return the unfitted model of that name."""
+        base = base_of(name)
+        settings = default_settings(base, self.models) | self.tuned.get(name, {})
+        if "restarts" in settings:
+            settings["restarts"] = self.restarts
+        return build_competitor(base, settings, seed)
+
+
+def judge_build(
+    on_rig: RigSettings, seed: int, names: Sequence[str], contest: Contest
+) -> dict[str, dict[str, Any]]:
+    """Simulate both experiments on a rig, and judge every model on them.
+
+    Returns
+    -------
+    dict of dict
+        By model: ``forward`` and ``reversed`` with ``train_rmse_kpa`` and ``test_rmse_kpa``;
+        ``open_loop_deg`` and ``closed_loop_deg`` by reference; ``shifted`` and ``disturbed`` with
+        the forward test error, or None for a model without P_o. Models of ``FORWARD_ONLY`` have
+        neither ``reversed`` nor tracking errors. A model that cannot be judged has ``failed``, the
+        message.
+    """
+    logs = simulate(on_rig, seed)
+    sweep, complex_ = logs["sweep"], logs["complex"]
+    bench = Track(contest.tracking, on_rig.control, on_rig.rig, seed)
+    followed = _references(bench)
+    fprc = _trained("fprc", sweep, complex_, contest, seed)
+    disturbed = _disturbed(on_rig, seed, complex_, bench, contest)
+    judged = {}
+    for name in names:
+        try:
+            trained = fprc if name == "fprc" else _trained(name, sweep, complex_, contest, seed)
+            model, errors = trained
+            report: dict[str, Any] = {"forward": errors}
+            if name not in FORWARD_ONLY:
+                _, report["reversed"] = _trained(name, complex_, sweep, contest, seed)
+                report |= _follow(bench, model, name, followed)
+            judged[name] = report | _with_disturbed_p_o(model, name, disturbed, complex_, contest)
+        except (FprcError, ValueError, np.linalg.LinAlgError) as error:
+            judged[name] = {"failed": " ".join(str(error).split())}
+    return judged
+
+
+def judge_lengths(
+    on_rig: RigSettings,
+    seed: int,
+    names: Sequence[str],
+    contest: Contest,
+    *,
+    seconds: Sequence[float],
+    second_log: Mapping[str, Any],
+) -> list[dict[str, Any]]:
+    """Return forward test errors after training on sweeps of several lengths, and on two logs.
+
+    Parameters
+    ----------
+    seconds : sequence of float
+        Durations of the sweeps, which cover the same band of frequencies.
+    second_log : Mapping
+        Pressure signal of the log that trains together with the sweep of the paper.
+    """
+    test = simulate(on_rig, seed)["complex"]
+
+    def recorded(signal: Mapping[str, Any], run: int | None = None) -> dict[str, np.ndarray]:
+        channels = acquire("sweep", signal, on_rig.control, on_rig.rig, seed, run=run)
+        return channels | {"p_target_kpa": channels[TARGETS[on_rig.target]]}
+
+    def errors(logs: Sequence[Mapping[str, np.ndarray]]) -> dict[str, dict[str, float]]:
+        result = {}
+        for name in names:
+            model = contest.build(name, seed).fit(
+                [inputs_of(name, each) for each in logs], [each["p_target_kpa"] for each in logs]
+            )
+            result[name] = {"test_rmse_kpa": _error(model, name, test.channels)}
+        return result
+
+    sweep = on_rig.signals["sweep"]
+    judged: list[dict[str, Any]] = [
+        {
+            "seed": seed,
+            "seconds": length,
+            "models": errors([recorded({**sweep, "duration_s": length})]),
+        }
+        for length in seconds
+    ]
+    both = [recorded(sweep), recorded(second_log, _SECOND_RUN)]
+    return [*judged, {"seed": seed, "two_logs": True, "models": errors(both)}]
+
+
+def _trained(
+    name: str, train: Data, test: Data, contest: Contest, seed: int
+) -> tuple[SequenceModel, dict[str, float]]:
+    unfitted = contest.build(name, seed)
+    expected = train.channels["p_target_kpa"]
+    with refusals_of(unfitted):
+        features = unfitted.make_features().fit(inputs := inputs_of(name, train.channels))
+        rows = features.transform(inputs)
+        readout = unfitted.make_readout().fit(rows, expected)
+    model = unfitted.assembled(features, readout)
+    return model, {
+        "train_rmse_kpa": rmse(expected, readout.predict(rows)),
+        "test_rmse_kpa": _error(model, name, test.channels),
+    }
+
+
+def _error(model: SequenceModel, name: str, channels: Mapping[str, np.ndarray]) -> float:
+    return rmse(channels["p_target_kpa"], model.predict(inputs_of(name, channels)))
+
+
+def _references(bench: Track) -> dict[str, dict[str, np.ndarray]]:
+    """Return theta_d of each reference of Table IV, and P_o, which depends on theta_d only."""
+    followed = {}
+    for name in REFERENCES:
+        theta_d = bench.reference(name)
+        at_rest = bench.simulate(
+            theta_d, np.zeros(len(theta_d)), TRACKING_RUNS[name], feedback=False
+        )
+        followed[name] = running_inputs(theta_d, at_rest["p_o_kpa"])
+    return followed
+
+
+def _follow(
+    bench: Track,
+    model: SequenceModel,
+    name: str,
+    followed: Mapping[str, Mapping[str, np.ndarray]],
+) -> dict[str, dict[str, float]]:
+    """Return the RMSE of each reference, deg, with feedforward alone and with PD."""
+    errors: dict[str, dict[str, float]] = {"open_loop_deg": {}, "closed_loop_deg": {}}
+    for reference, channels in followed.items():
+        p_ff_kpa = model.predict(inputs_of(name, channels))
+        theta_d, number = channels[ANGLE], TRACKING_RUNS[reference]
+        for loop, feedback in zip(errors, (False, True), strict=True):
+            run = bench.simulate(theta_d, p_ff_kpa, number, feedback=feedback)
+            settle_s = bench.tracking["references"][reference]["settle_s"]
+            errors[loop][reference] = tracking_rmse(run, settle_s)
+    return errors
+
+
+def _disturbed(
+    on_rig: RigSettings, seed: int, test: Data, bench: Track, contest: Contest
+) -> dict[str, Mapping[str, np.ndarray]]:
+    """Return the test log with a P_o that drifts, is noisier, or whose reservoir is pushed."""
+    channels = test.channels
+    samples = len(channels["p_o_kpa"])
+    ramp = np.linspace(0.0, -contest.drift_kpa, samples)
+    noise = contest.noise_kpa * np.random.default_rng([seed, _NOISE]).standard_normal(samples)
+    signal, pushes = on_rig.signals["complex"], bench.pushes(samples)
+    pushed = acquire("complex", signal, on_rig.control, on_rig.rig, seed, pushes=pushes)
+    return {
+        "drift": {**channels, "p_o_kpa": channels["p_o_kpa"] + ramp},
+        "noise": {**channels, "p_o_kpa": channels["p_o_kpa"] + noise},
+        "pushed": {**channels, "p_o_kpa": pushed["p_o_kpa"]},
+    }
+
+
+def _with_disturbed_p_o(
+    model: SequenceModel,
+    name: str,
+    disturbed: Mapping[str, Mapping[str, np.ndarray]],
+    test: Data,
+    contest: Contest,
+) -> dict[str, dict[str, float] | None]:
+    if "p_o_kpa" not in COMPETITORS[base_of(name)].inputs:
+        return {"shifted": None, "disturbed": None}
+    p_o = test.channels["p_o_kpa"]
+    shifted = {
+        str(float(shift)): _error(model, name, {**test.channels, "p_o_kpa": p_o + shift})
+        for shift in contest.shifts_kpa
+    }
+    return {
+        "shifted": shifted,
+        "disturbed": {kind: _error(model, name, each) for kind, each in disturbed.items()},
+    }
+
+
+def time_of_step(name: str, logs: Mapping[str, Data], contest: Contest, seed: int) -> float:
+    """Return the median time of a step of a trained model, us."""
+    sweep = logs["sweep"].channels
+    # on a part of the log: a step takes no longer after a longer training
+    model = contest.build(name, seed).fit(
+        inputs_of(name, sweep)[:_ENOUGH], sweep["p_target_kpa"][:_ENOUGH]
+    )
+    rows = inputs_of(name, logs["complex"].channels)[: 2 * WARM_UP]
+    model.reset()
+    return 1e6 * float(np.median(time_steps(lambda k: model.step(rows[k]), len(rows))[WARM_UP:]))

@@ -1,0 +1,190 @@
+"""What the reservoir is worth: pairs of models, errors against tracking, offsets, capacities."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import FuncFormatter, MaxNLocator, NullLocator
+from pandas import DataFrame
+
+from fprc import escape
+from fprc.claims.paired import EQUIVALENT_WITHIN
+from fprc.figures.style import line_of
+from fprc.studies.beyond.worlds import SETS, title_of, world_title
+
+#: Marker and grey of each world, in their order.
+_WORLDS = (("o", "0"), ("s", "0.4"), ("D", "0.6"), ("^", "0.2"), ("v", "0.5"), ("P", "0.3"))
+#: Greys of the degrees of nonlinearity, from 1 on.
+_DEGREES = ("0.25", "0.55", "0.75", "0.88")
+#: Looks of the models that read P_o, beside FPRC's.
+_READERS = (("0.45", "-."), ("0.6", ":"), ("0.3", (0, (5, 1))), ("0.7", "-"))
+_LOOK = ("color", "linestyle")
+#: Size of the numbers in points.
+_NUMBER_PT = 5.5
+#: A ratio beyond this, or beyond one over it, is not shown.
+_WIDEST = 5.0
+_UNDECIDED = ("undecided", "not judged")
+#: Settings that were chosen for a comparison.
+_CHOSEN = ("_tuned", "_matched", "_oracle")
+
+
+def plot_pairs(table: DataFrame, worlds: Sequence[str], ax: Axes) -> Axes:
+    """Draw the ratios of the claims, one row per pair and one marker per world.
+
+    The band holds what counts as equivalent. A hollow marker is a claim that is undecided.
+
+    Parameters
+    ----------
+    table : DataFrame
+        From ``tables.verdicts.claims``; differences are left out.
+    worlds : sequence of str
+        Worlds in their order.
+    """
+    table = table[table["ratio"].eq(True)]
+    parts = dict.fromkeys(zip(table["id"], table["part"], strict=True))
+    rows = {pair: row for row, pair in enumerate(parts)}
+    names = [name for name in worlds if name in set(table["world"])]
+    shifts = dict(zip(names, np.linspace(-0.4, 0.4, len(names) + 2)[1:-1], strict=True))
+    ax.axvspan(1 / EQUIVALENT_WITHIN, EQUIVALENT_WITHIN, color="0.92", linewidth=0)
+    ax.axvline(1.0, color="0.6", linewidth=0.6)
+    for name, (marker, grey) in zip(names, _WORLDS, strict=False):
+        ax.plot([], [], marker, color=grey, markersize=4, label=escape.figure(world_title(name)))
+        for row in table[table["world"] == name].itertuples():
+            face = "white" if row.verdict in _UNDECIDED else grey
+            arms = [[row.mean - row.low], [row.high - row.mean]]
+            at = rows[row.id, row.part] + shifts[name]
+            ax.errorbar(row.mean, at, xerr=arms, fmt=marker, color=grey, markersize=4,
+                        linewidth=0.8, markerfacecolor=face)  # fmt: skip
+    ax.plot([], [], "o", color="0", markersize=4, markerfacecolor="white", label="undecided")
+    ax.set_xscale("log")
+    _decimal_ticks(ax, table["low"].min(), table["high"].max())
+    ax.set_yticks(range(len(rows)), [f"{name}  {_wrapped(part)}" for name, part in rows])
+    ax.set_ylim(max(len(rows), 1) - 0.5, -0.5)
+    ax.tick_params(axis="y", length=0)
+    for row in range(1, len(rows)):
+        ax.axhline(row - 0.5, color="0.85", linewidth=0.5)
+    ax.set_xlabel("Ratio of the errors; below 1 supports the claim")
+    return ax
+
+
+def _decimal_ticks(ax: Axes, low: float, high: float) -> None:
+    """Set ticks of a logarithmic axis that read as ratios."""
+    ticks = np.array(
+        [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1, 1.1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 10]
+    )
+    low = np.nanmin([low, 1 / EQUIVALENT_WITHIN]) / 1.03
+    high = np.nanmax([high, EQUIVALENT_WITHIN]) * 1.03
+    low, high = max(low, 1 / _WIDEST), min(high, _WIDEST)  # three units can have any interval
+    ax.set_xlim(low, high)
+    inside = ticks[(ticks >= low) & (ticks <= high)]
+    kept = [1.0]
+    for tick in sorted(inside, key=lambda tick: abs(np.log(tick))):
+        if min(abs(np.log(tick / other)) for other in kept) > 0.06 * np.log(high / low):
+            kept.append(tick)
+    ax.set_xticks(sorted(kept))
+    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    ax.xaxis.set_minor_locator(NullLocator())
+
+
+def _wrapped(part: str) -> str:
+    """Return a pair with what is measured on a second line."""
+    return _symbols(part).replace(" (", "\n", 1).removesuffix(")")
+
+
+def _symbols(text: str) -> str:
+    return escape.figure(text).replace("theta_d", r"$\theta_d$").replace("P_o", "$P_o$")
+
+
+def plot_errors_and_tracking(
+    table: DataFrame, numbers: Mapping[str, int], titles: Mapping[str, str], ax: Axes
+) -> Axes:
+    """Draw tracking over forward test RMSE, one numbered point per model.
+
+    Parameters
+    ----------
+    table : DataFrame
+        One world and loop of ``tables.beyond.errors_and_tracking``.
+    numbers : Mapping
+        Number of each model, in the order of the legend.
+    titles : Mapping
+        Models by name.
+    """
+    place = table.set_index("model")
+    for name, number in numbers.items():
+        if name in place.index:
+            point = place.loc[name, ["forward", "tracking"]]
+            label = f"{number}  {_symbols(title_of(name, titles))}"
+            ax.plot(*point, "o", color="0.2", markersize=8, markerfacecolor="white",
+                    markeredgewidth=0.5, label=label)  # fmt: skip
+            ax.annotate(str(number), point, ha="center", va="center_baseline", fontsize=_NUMBER_PT)
+    ax.set(xlabel="Test RMSE, forward [kPa]", ylabel="Tracking RMSE [deg]", xscale="log")
+    ax.xaxis.set_major_locator(MaxNLocator(8))
+    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    ax.xaxis.set_minor_locator(NullLocator())
+    ax.margins(0.06)
+    return ax
+
+
+def plot_offsets(table: DataFrame, titles: Mapping[str, str], ax: Axes) -> Axes:
+    """Draw forward test RMSE over the offset of P_o; Fuzzy-linear, without P_o, is a level line.
+
+    Parameters
+    ----------
+    table : DataFrame
+        One world of ``tables.beyond.offsets``.
+    titles : Mapping
+        Models by name.
+    """
+    table = table[(table["disturbance"] == "none") & ~table["model"].str.endswith(_CHOSEN)]
+    others = iter(_READERS)
+    for model, rows in table.groupby("model", sort=False):
+        rows = rows.sort_values("offset_kpa")
+        label = _symbols(title_of(str(model), titles))
+        if len(rows) == 1:
+            ax.axhline(rows["mean"].iloc[0], **line_of(str(model)), label=label)
+            continue
+        look = line_of("fprc") if model == "fprc" else dict(zip(_LOOK, next(others), strict=True))
+        ax.plot(rows["offset_kpa"], rows["mean"], **look, marker="o", markersize=2, label=label)
+        ax.fill_between(
+            rows["offset_kpa"], rows["low"], rows["high"], color=look["color"], alpha=0.2, lw=0
+        )
+    ax.set(xlabel="Offset of $P_o$ after training [kPa]", ylabel="Test RMSE, forward [kPa]")
+    ax.set_ylim(bottom=0)
+    return ax
+
+
+def plot_capacities(table: DataFrame, ax: Axes) -> Axes:
+    """Draw the capacities of each set of states, stacked by degree.
+
+    Beside each bar: the total capacity and the number of states, which it cannot exceed.
+
+    Parameters
+    ----------
+    table : DataFrame
+        One world of ``tables.beyond.capacity``.
+    """
+    means = table.pivot(index=["set", "states"], columns="quantity", values="mean")
+    order = [name for name in SETS if name in means.index.get_level_values("set")]
+    means = means.loc[order]
+    states = means.index.get_level_values("states")
+    rows, begin = np.arange(len(means)), np.zeros(len(means))
+    degrees = sorted((name for name in means if name.startswith("degree ")), key=_degree)
+    for name, grey in zip(degrees, _DEGREES, strict=False):
+        width = means[name].fillna(0.0).to_numpy()
+        label = f"degree {_degree(name)}"
+        ax.barh(rows, width, left=begin, color=grey, edgecolor="black", linewidth=0.4, label=label)
+        begin += width
+    ends = zip(rows, begin, means.get("total", begin), states, strict=True)
+    for row, end, total, number in ends:
+        ax.annotate(f"{total:.2f} of {number}", (end, row), (3.0, 0.0),
+                    textcoords="offset points", va="center")  # fmt: skip
+    ax.set_yticks(rows, [_symbols(SETS[name]) for name in order])
+    ax.set_ylim(max(len(rows), 1) - 0.5, -0.5)
+    ax.set_xlim(0.0, 1.25 * max(begin, default=1.0))
+    ax.tick_params(axis="y", length=0)
+    ax.set_xlabel("Capacity")
+    return ax
+
+
+def _degree(name: str) -> int:
+    return int(name.removeprefix("degree "))

@@ -1,0 +1,321 @@
+"""Tables of the worlds of ``snakemake beyond``: models, and what changes their errors."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import pandas as pd
+
+from fprc import escape
+from fprc.paper import SOURCES
+from fprc.studies.beyond.verdicts import claims_page, details_page, fitted_page
+from fprc.studies.beyond.worlds import (
+    MEASURES,
+    NO_OFFER,
+    SETS,
+    WORLDS,
+    capacities,
+    measured,
+    title_of,
+    world_title,
+)
+from fprc.tables.models import with_interval
+from fprc.tables.text import format_mean, markdown, three_digits
+
+Worlds = Sequence[Mapping[str, Any]]
+
+
+def worlds_page(worlds: Worlds) -> pd.DataFrame:
+    """Return what each world is, and on how many seeds or rigs it is judged."""
+    rows = []
+    for world in worlds:
+        units = len({cell["unit"] for cell in world["cells"]})
+        each = len(world["cells"]) // max(units, 1)
+        judged = f"{units} {world['unit']}s" + (f", {each} seeds each" if each > 1 else "")
+        what = WORLDS.get(world["name"], ("", "a rig of one's own"))[1]
+        rows.append({"World": world_title(world["name"]), "What it is": what, "Judged on": judged})
+    return pd.DataFrame(rows)
+
+
+def models(worlds: Worlds) -> pd.DataFrame:
+    """Mean of each model's measures over the units of each world, tidy.
+
+    Returns
+    -------
+    DataFrame
+        ``world``, ``model``, ``measure``, ``mean``, ``low``, ``high`` (95 % interval over units;
+        empty for a single one), ``units``, ``source``.
+    """
+    tables = []
+    for world in worlds:
+        table = measured(world)
+        table = table[table["measure"].isin(list(MEASURES))]
+        steps = [
+            {"unit": 0, "model": model, "measure": "step_us", "value": value}
+            for model, value in (world.get("step_us") or {}).items()
+            if value is not None
+        ]
+        if steps:
+            table = pd.concat([table, pd.DataFrame(steps)])
+        tables.append(_means(table, world, "model", "measure"))
+    return _joined(tables)
+
+
+def models_page(
+    table: pd.DataFrame, world: str, titles: Mapping[str, str], *, intervals: bool = False
+) -> pd.DataFrame:
+    """Return the models of one world as a page, one row each."""
+    own = table[table["world"] == world]
+    headings = {words[:1].upper() + words[1:]: measure for measure, words in MEASURES.items()}
+    rows = []
+    for model, measures in own.groupby("model", sort=False):
+        found = measures.set_index("measure")
+        units = found["units"].drop("step_us", errors="ignore")
+        rows.append(
+            (
+                title_of(model, titles),
+                *(_cell(found, measure, intervals) for measure in headings.values()),
+                " to ".join(map(str, sorted({units.min(), units.max()}))) if len(units) else "-",
+            )
+        )
+    return pd.DataFrame(rows, columns=["Model", *headings, "Units"])
+
+
+def leaderboard(table: pd.DataFrame, world: str, titles: Mapping[str, str]) -> pd.DataFrame:
+    """Return the models of one world as a page, the lowest forward test RMSE first.
+
+    Models whose settings were chosen on the test log, or matched to another's, are left out.
+    """
+    offered = table[~table["model"].str.endswith(NO_OFFER)]
+    forward = offered[(offered["world"] == world) & (offered["measure"] == "forward")]
+    order = forward.sort_values("mean", kind="stable")["model"].tolist()
+    ranked = offered[offered["model"].isin(order)]
+    ranked = ranked.sort_values("model", key=lambda names: names.map(order.index), kind="stable")
+    page = models_page(ranked, world, titles, intervals=True)
+    return page[[name for name in page if not name.startswith("Closed loop")]]
+
+
+def errors_and_tracking(table: pd.DataFrame) -> pd.DataFrame:
+    """Forward test RMSE beside tracking, and their rank correlation over the models, tidy.
+
+    Parameters
+    ----------
+    table : DataFrame
+        From ``models``. Models whose settings were chosen on the test log are left out.
+
+    Returns
+    -------
+    DataFrame
+        ``world``, ``model``, ``forward`` (kPa), ``loop`` (open_loop or closed_loop), ``tracking``
+        (deg), ``models`` (their number) and ``rank_correlation`` (Spearman's, of the world and
+        loop), ``source``. Worlds of fewer than three such models are left out.
+    """
+    offered = table[~table["model"].str.endswith("_oracle")]
+    wide = offered.pivot(index=["world", "source", "model"], columns="measure", values="mean")
+    wide = wide.reindex(offered["world"].unique(), level=0)
+    parts = []
+    for loop in ("open_loop", "closed_loop"):
+        pairs = wide.reindex(columns=["forward", loop]).dropna().reset_index()
+        pairs = pairs.rename(columns={loop: "tracking"}).assign(loop=loop)
+        for _, own in pairs.groupby("world", sort=False):
+            if len(own) > 2:
+                rho = own["forward"].rank().corr(own["tracking"].rank())
+                parts.append(own.assign(models=len(own), rank_correlation=rho))
+    order = "world model forward loop tracking models rank_correlation source".split()
+    return _joined(parts or [pd.DataFrame(columns=order)])[order]
+
+
+def correlations_page(table: pd.DataFrame) -> pd.DataFrame:
+    """Return how forward test error ranks tracking, one row per world."""
+    wide = table.pivot_table(
+        index=["world", "models"], columns="loop", values="rank_correlation", sort=False
+    )
+    return pd.DataFrame(
+        {
+            "World": world_title(world),
+            "Models": str(count),
+            "Open loop": f"{row['open_loop']:.2f}",
+            "Closed loop": f"{row['closed_loop']:.2f}",
+        }
+        for (world, count), row in wide.iterrows()
+    )
+
+
+def offsets(worlds: Worlds) -> pd.DataFrame:
+    """Forward test RMSE where P_o is shifted or disturbed after training, tidy.
+
+    Returns
+    -------
+    DataFrame
+        ``world``, ``model``, ``disturbance`` (none, drift, noise or pushed), ``offset_kpa``,
+        ``mean``, ``low``, ``high``, ``units``, ``source``; and Fuzzy-linear's forward test RMSE,
+        which has no P_o, at no offset.
+    """
+    tables = []
+    for world in worlds:
+        table = measured(world)
+        kind = table["measure"].str.extract("^(shifted|disturbed)/(.*)$")
+        shifted, disturbed = kind[0] == "shifted", kind[0] == "disturbed"
+        without = (table["measure"] == "forward") & (table["model"] == "fuzzy_linear")
+        table["disturbance"] = kind[1].where(disturbed, "none")
+        table["offset_kpa"] = kind[1].where(shifted, "0").astype(float)
+        table = table[shifted | disturbed | without]
+        tables.append(_means(table, world, "model", "disturbance", "offset_kpa"))
+    return _joined(tables)
+
+
+def offsets_page(table: pd.DataFrame, world: str, titles: Mapping[str, str]) -> pd.DataFrame:
+    """Return one row per model and one column per offset and disturbance, means alone."""
+    own = table[table["world"] == world]
+    offsets_kpa = sorted(own["offset_kpa"].unique())
+    headings = {f"{kpa:+g}" if kpa else "0": ("none", kpa) for kpa in offsets_kpa}
+    kinds = own["disturbance"].unique()
+    words = {"drift": "drift", "noise": "noise", "pushed": "push"}
+    headings |= {word: (kind, 0.0) for kind, word in words.items() if kind in kinds}
+    wide = own.pivot(index="model", columns=["disturbance", "offset_kpa"], values="mean")
+    wide = wide.reindex(index=own["model"].unique(), columns=list(headings.values()))
+    page = wide.map(lambda mean: three_digits(mean) or "-").set_axis(list(headings), axis=1)
+    page.insert(0, "Model", [title_of(model, titles) for model in page.index])
+    return page.reset_index(drop=True)
+
+
+def capacity(worlds: Worlds) -> pd.DataFrame:
+    """Capacity of each set of states, tidy.
+
+    Returns
+    -------
+    DataFrame
+        ``world``, ``set``, ``states``, ``quantity`` (see ``worlds.capacities``), ``mean``, ``low``,
+        ``high``, ``units``, ``source``.
+    """
+    tables = [_means(capacities(world), world, "set", "states", "quantity") for world in worlds]
+    return _joined(tables)
+
+
+def capacity_page(table: pd.DataFrame, world: str) -> pd.DataFrame:
+    """Return the capacities of one world as a page, one row per set of states."""
+    own = table[table["world"] == world]
+    # memory is the capacity of degree 1
+    left_out = ("nonlinear", "degree 1")
+    quantities = [name for name in own["quantity"].unique() if name not in left_out]
+    rows = [
+        (
+            SETS.get(name, name),
+            str(states),
+            *(_cell(found.set_index("quantity"), quantity) for quantity in quantities),
+        )
+        for (name, states), found in own.groupby(["set", "states"], sort=False)
+    ]
+    return pd.DataFrame(rows, columns=["States", "Number", *map(str.capitalize, quantities)])
+
+
+def lengths(worlds: Worlds) -> pd.DataFrame:
+    """Forward test RMSE over the length of the training log, tidy.
+
+    Returns
+    -------
+    DataFrame
+        ``world``, ``model``, ``training`` (seconds of one log, or two logs), ``mean``, ``low``,
+        ``high``, ``units``, ``source``.
+    """
+    tables = []
+    for world in worlds:
+        rows = [
+            {
+                "unit": entry["seed"],
+                "model": model,
+                "training": "two logs" if entry.get("two_logs") else f"{entry['seconds']:g} s",
+                "value": float(errors["test_rmse_kpa"]),
+            }
+            for entry in world.get("training_length") or ()
+            for model, errors in entry["models"].items()
+            if errors.get("test_rmse_kpa") is not None
+        ]
+        table = pd.DataFrame(rows, columns=["unit", "model", "training", "value"])
+        tables.append(_means(table, world, "model", "training"))
+    return _joined(tables)
+
+
+def lengths_page(table: pd.DataFrame, world: str, titles: Mapping[str, str]) -> pd.DataFrame:
+    """Return one row per model and one column per length of the training log."""
+    own = table[table["world"] == world]
+    lengths = sorted(set(own["training"]), key=_seconds)
+    rows = [
+        (title_of(model, titles), *(_cell(found.set_index("training"), each) for each in lengths))
+        for model, found in own.groupby("model", sort=False)
+    ]
+    return pd.DataFrame(rows, columns=["Model", *lengths])
+
+
+def blocks(
+    verdicts: Mapping[str, Any],
+    tables: Mapping[str, pd.DataFrame],
+    world: str,
+    titles: Mapping[str, str],
+) -> dict[str, str]:
+    """Return the generated blocks of docs/beyond.md, and the leaderboard of docs/benchmark.md.
+
+    Parameters
+    ----------
+    verdicts : Mapping
+        ``source``, ``advice`` (points), ``worlds`` (rows of ``worlds_page``), and ``ledgers``: of
+        each world, the rows of ``claims.beyond.judge_world``.
+    tables : Mapping
+        ``models``, ``tracking``, ``offsets``, ``capacities`` and ``lengths``, tidy.
+    world : str
+        The world that the tables of models, offsets, capacities and lengths show.
+    titles : Mapping
+        Models by name.
+    """
+    pages = {
+        "beyond_worlds": pd.DataFrame(verdicts["worlds"]),
+        "beyond_claims": claims_page(verdicts["ledgers"]),
+        "beyond_fitted": fitted_page(verdicts["ledgers"]),
+        "beyond_details": details_page(verdicts["ledgers"]),
+        "beyond_correlations": correlations_page(tables["tracking"]),
+        "beyond_models": models_page(tables["models"], world, titles),
+        "beyond_offsets": offsets_page(tables["offsets"], world, titles),
+        "beyond_capacity": capacity_page(tables["capacities"], world),
+        "beyond_lengths": lengths_page(tables["lengths"], world, titles),
+        "leaderboard": leaderboard(tables["models"], world, titles),
+    }
+    note = f"Data: {SOURCES[verdicts['source']]}."
+    notes = {"beyond_offsets": f"{note} {_widest(tables['offsets'], world)}"}
+    sentences = "\n".join(f"- {escape.markdown(sentence)}" for sentence in verdicts["advice"])
+    return {"advice": sentences} | {
+        name: markdown(page, notes.get(name, note)) for name, page in pages.items()
+    }
+
+
+def _widest(table: pd.DataFrame, world: str) -> str:
+    own = table[table["world"] == world]
+    half = float((own["high"] - own["low"]).max() / 2.0)
+    return (
+        f"Means; the widest 95 % interval is ± {three_digits(half)} kPa." if half > 0 else "Means."
+    )
+
+
+def _seconds(training: str) -> float:
+    return float("inf") if training == "two logs" else float(training.removesuffix(" s"))
+
+
+def _means(table: pd.DataFrame, world: Mapping[str, Any], *keys: str) -> pd.DataFrame:
+    """Return the mean over units, and its interval, for each value of the keys."""
+    # several builds of one rig are one unit
+    units = table.groupby(["unit", *keys], sort=False)["value"].mean().reset_index()
+    means = units.groupby(list(keys), sort=False)["value"].agg(["mean", "std", "count"])
+    means = means.reset_index().rename(columns={"count": "units"})
+    means = with_interval(means, "units")
+    means.insert(0, "world", world["name"])
+    return means.drop(columns="std").assign(source=world["source"])
+
+
+def _joined(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
+    """Return the tables below each other; empty ones would change the types of the columns."""
+    return pd.concat([table for table in tables if len(table)] or tables[:1], ignore_index=True)
+
+
+def _cell(found: pd.DataFrame, key: Any, interval: bool = True) -> str:
+    if key not in found.index:
+        return "-"
+    row = found.loc[key]
+    return format_mean(row, "mean") if interval and row["units"] > 1 else three_digits(row["mean"])

@@ -1,0 +1,129 @@
+"""Settings of the competitors, chosen at an equal budget on logs that judge nothing else."""
+
+import logging
+from collections.abc import Mapping, Sequence
+from operator import itemgetter
+from typing import Any
+
+import numpy as np
+from scipy.stats import loguniform, randint, uniform
+from sklearn.model_selection import ParameterSampler
+
+from fprc.competitors import default_settings
+from fprc.evaluation import cross_validate
+from fprc.experiments.competitors import inputs_of
+from fprc.experiments.data import Data
+from fprc.experiments.settings import Judgement
+from fprc.models.competitors import build_competitor
+
+log = logging.getLogger(__name__)
+
+_ALPHA = loguniform(1e-6, 1e-1)
+#: Low-passes of a bank: epsilon of the fastest and the slowest, and their number; their ratio from
+#: one to the next is constant.
+_BANK = {
+    "fastest": loguniform(0.02, 0.3),
+    "slowest": loguniform(0.001, 0.01),
+    "filters": randint(2, 7),
+}
+#: Distributions of the settings of each tuned model; other settings keep their defaults. The upper
+#: end of ``randint`` is excluded.
+SPACES: dict[str, dict[str, Any]] = {
+    "fprc": {
+        "epsilon": loguniform(0.002, 1.0),
+        "n_c": randint(2, 17),
+        "n_u": randint(1, 11),
+        "n_y": randint(1, 11),
+        "sigma": loguniform(0.5, 8.0),
+        "alpha": _ALPHA,
+    },
+    "esn": {
+        "r": [100, 200, 400, 800],
+        "f_input": loguniform(0.002, 0.1),
+        "gamma": uniform(0.0, 0.99),
+        "rho": uniform(0.1, 1.1),
+        "n_y": randint(1, 11),
+        "alpha": _ALPHA,
+    },
+    "bank": {**_BANK, "n_y": randint(1, 11), "alpha": _ALPHA},
+    "plays": {**_BANK, "n_plays": randint(4, 21), "n_y": randint(1, 11), "alpha": _ALPHA},
+}
+
+
+def candidates_of(name: str, count: int, seed: int) -> list[dict[str, Any]]:
+    """Return the defaults of a model, and ``count`` - 1 settings drawn from its space."""
+    drawn = ParameterSampler(SPACES[name], count - 1, random_state=seed)
+    return [{}, *map(_settings, drawn)]
+
+
+def _settings(drawn: Mapping[str, Any]) -> dict[str, Any]:
+    """Return plain numbers with four digits, and for a bank the list of its epsilons."""
+    plain = {key: _plain(value) for key, value in drawn.items()}
+    if "filters" not in plain:
+        return plain
+    fastest, slowest, filters = (plain.pop(key) for key in _BANK)
+    epsilons = np.geomspace(fastest, slowest, int(filters))
+    return {**plain, "epsilons": [_plain(each) for each in epsilons]}
+
+
+def _plain(value: Any) -> int | float:
+    return int(value) if isinstance(value, (int, np.integer)) else float(f"{value:.4g}")
+
+
+def judge_candidate(
+    cell: Mapping[str, Any],
+    *,
+    logs: Sequence[Mapping[str, Data]],
+    judgement: Judgement,
+    restarts: int,
+) -> dict[str, float]:
+    """Return the training, validation and test error of one candidate.
+
+    They are geometric means over pairs of logs; the rows of a fold are contiguous and purged.
+
+    Parameters
+    ----------
+    cell : Mapping
+        The candidate: ``model`` and ``settings``.
+    logs : sequence of Mapping
+        Pairs of a training log ``sweep`` and a test log ``complex``.
+    """
+    errors, name = [], cell["model"]
+    every = default_settings(name, judgement.models) | cell["settings"]
+    if "restarts" in every:
+        every["restarts"] = restarts
+    for pair in logs:
+        train, test = (pair[key].channels for key in ("sweep", "complex"))
+        model = build_competitor(name, every, judgement.seed)
+        folds = judgement.split_rows(pair["sweep"])
+        judged = cross_validate(model, inputs_of(name, train), train["p_target_kpa"], folds)
+        found = judged.errors(inputs_of(name, test), test["p_target_kpa"])
+        errors.append({measure: np.mean(each) for measure, each in found.items()})
+    return {
+        measure: float(np.exp(np.mean(np.log([each[measure] for each in errors]))))
+        for measure in errors[0]
+    }
+
+
+def chosen(judged: Mapping[str, Sequence[Mapping[str, Any]]]) -> dict[str, dict[str, Any]]:
+    """Return the settings of the tuned models, by name with suffix.
+
+    ``tuned`` has the lowest validation error, ``oracle`` the lowest test error; ``esn_matched`` is
+    the ESN whose training error is closest to that of FPRC with its defaults, as in Table II.
+
+    Parameters
+    ----------
+    judged : Mapping
+        By model: its candidates, each with ``settings`` and the errors of ``judge_candidate``;
+        the defaults first.
+    """
+    result = {}
+    for name, candidates in judged.items():
+        for suffix, error in (("tuned", "validation_rmse_kpa"), ("oracle", "test_rmse_kpa")):
+            best = min(candidates, key=itemgetter(error))
+            result[f"{name}_{suffix}"] = dict(best["settings"])
+    if "esn" in judged:
+        wanted = np.log(judged["fprc"][0]["train_rmse_kpa"])
+        matched = min(judged["esn"], key=lambda each: abs(np.log(each["train_rmse_kpa"]) - wanted))
+        result["esn_matched"] = dict(matched["settings"])
+    return result

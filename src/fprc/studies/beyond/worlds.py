@@ -1,0 +1,136 @@
+"""Read the measurements of a world of ``snakemake beyond``; a world is one rig or a set of rigs.
+
+A world's file has ``name``, ``source``, ``fitted`` (the terms that its rigs were fitted to),
+``unit`` (seed or rig), ``cells`` (one per simulated build, with the errors of each model),
+``capacity``, ``training_length`` and ``step_us``.
+"""
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import pandas as pd
+
+from fprc.paper import REFERENCES
+
+#: Measures of every model, as readers see them, with their units; errors are RMSE.
+MEASURES = {
+    "train": "training [kPa]",
+    "forward": "forward test [kPa]",
+    "reversed": "reversed test [kPa]",
+    "open_loop": "open loop [deg]",
+    "closed_loop": "closed loop [deg]",
+    "step_us": "one step [us]",
+}
+
+#: Sets of states whose capacity is measured, as readers see them.
+SETS = {
+    "p_o": "P_o",
+    "p_o_taps": "taps of P_o",
+    "p_o_virtual": "virtual nodes of P_o",
+    "theta_lowpass_taps": "taps of low-passed theta_d",
+    "bank": "bank of low-passes",
+    "esn": "ESN",
+    "esn_noisy": "ESN, noise of P_o",
+}
+
+#: Title of each world, and what it is.
+WORLDS = {
+    "dry": ("dry", "the shipped rig: dry friction (Maxwell slip), fitted to the paper"),
+    "bouc_wen": (
+        "Bouc-Wen",
+        "the dry rig with another law of friction (Bouc-Wen), not fitted again",
+    ),
+    "viscous": (
+        "viscous",
+        "a rig whose loops come mostly from a viscous memory, fitted to the paper",
+    ),
+    "posterior": ("posterior", "rigs that are compatible with the errors of Tables II and III"),
+    "drawn": ("drawn", "rigs that were drawn from the physical ranges, not fitted"),
+}
+
+#: Suffixes of settings that were chosen for a comparison: such a model is none to take.
+NO_OFFER = ("_oracle", "_matched")
+_WORDS = {"tuned": "tuned", "matched": "matched in training", "oracle": "oracle"}
+
+
+def world_title(name: str) -> str:
+    """Return a world's name for readers."""
+    return WORLDS[name][0] if name in WORLDS else name.replace("_", "-")
+
+
+def title_of(name: str, titles: Mapping[str, str]) -> str:
+    """Return a model's name for readers; a suffix says how its settings were chosen."""
+    if name in titles:
+        return titles[name]
+    base, _, suffix = name.rpartition("_")
+    if base in titles and suffix in _WORDS:
+        return f"{titles[base]}, {_WORDS[suffix]}"
+    return name.replace("_", " ")
+
+
+def measured(world: Mapping[str, Any]) -> pd.DataFrame:
+    """Return every number of the models in a world, tidy.
+
+    Returns
+    -------
+    DataFrame
+        ``unit``, ``seed``, ``model``, ``measure``, ``value``. Measures are ``train`` (training
+        RMSE of the forward direction, kPa), ``forward`` and ``reversed`` (test RMSE, kPa),
+        ``open_loop`` and ``closed_loop`` (root mean square over the four references, deg),
+        ``shifted/KPA`` and ``disturbed/KIND`` (forward test RMSE, kPa).
+        A number that is missing, not finite or not positive has no row.
+    """
+    rows = [
+        (cell["unit"], cell["seed"], model, measure, float(value))
+        for cell in world["cells"]
+        for model, report in cell.get("models", {}).items()
+        for measure, value in _numbers(report)
+        if _is_usable(value)
+    ]
+    return pd.DataFrame(rows, columns=["unit", "seed", "model", "measure", "value"])
+
+
+def _numbers(report: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    yield "train", (report.get("forward") or {}).get("train_rmse_kpa")
+    for direction in ("forward", "reversed"):
+        yield direction, (report.get(direction) or {}).get("test_rmse_kpa")
+    for loop in ("open_loop", "closed_loop"):
+        errors = report.get(f"{loop}_deg") or {}
+        values = [errors[name] for name in REFERENCES if _is_usable(errors.get(name))]
+        if len(values) == len(REFERENCES):
+            yield loop, math.hypot(*values) / math.sqrt(len(values))
+    for offset, value in (report.get("shifted") or {}).items():
+        yield f"shifted/{float(offset):g}", value
+    for kind, value in (report.get("disturbed") or {}).items():
+        yield f"disturbed/{kind}", value
+
+
+def _is_usable(value: Any) -> bool:
+    return isinstance(value, int | float) and math.isfinite(value) and value > 0
+
+
+def capacities(world: Mapping[str, Any]) -> pd.DataFrame:
+    """Return the capacities of every set of states in a world, tidy.
+
+    Returns
+    -------
+    DataFrame
+        ``unit``, ``seed``, ``set``, ``quantity``, ``value``, ``states``. Quantities are
+        ``memory``, ``total``, ``degree N`` for each degree, and ``nonlinear``, which sums the
+        degrees from 2 on.
+    """
+    rows = []
+    for entry in world.get("capacity") or ():
+        unit = entry.get("unit", entry["seed"])
+        for name, found in entry["sets"].items():
+            degrees = found.get("by_degree", {})
+            numbers = {"memory": found.get("memory"), "total": found.get("total")}
+            numbers |= {f"degree {n}": each for n, each in degrees.items()}
+            numbers["nonlinear"] = sum(each for n, each in degrees.items() if int(n) > 1)
+            rows += [
+                (unit, entry["seed"], name, quantity, float(value), found["states"])
+                for quantity, value in numbers.items()
+                if value is not None and math.isfinite(value)
+            ]
+    return pd.DataFrame(rows, columns=["unit", "seed", "set", "quantity", "value", "states"])

@@ -1,0 +1,1 @@
+"""Fit the simulated rig to the paper."""

@@ -1,0 +1,255 @@
+"""Fit the simulated rig to published numbers and claims."""
+
+import hashlib
+import json
+import logging
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, replace
+from datetime import UTC, datetime
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fprc import __version__
+from fprc.config.rig import Rig
+from fprc.errors import FprcError
+from fprc.experiments.settings import RigSettings
+from fprc.provenance import hash_of
+from fprc.studies.calibration.full_models import full_errors, ratios_to_full
+from fprc.studies.calibration.objective import Aim, Objective, aim_of, logs_of
+from fprc.studies.calibration.search import SearchResult, search
+from fprc.studies.calibration.space import Free, decode, encode, free_parameters, resolved
+from fprc.studies.calibration.surrogate import judge_cheaply
+
+log = logging.getLogger(__name__)
+
+#: Measure that a term of the objective needs besides errors and properties.
+_NEEDS = {
+    "C8": "shares", "C9a": "epsilon", "C9b": "n_c", "C11": "n_c", "C12": "taps",
+    "open_loop": "open_loop",
+}  # fmt: skip
+
+#: Measures over grids, which take as long as all others together and vary little between seeds.
+_GRIDS = ("epsilon", "n_c", "taps")
+
+
+def fit_rig(
+    printed: Mapping[str, Any],
+    on_rig: RigSettings,
+    judgement: Mapping[str, Any],
+    calibration: Mapping[str, Any],
+    grids: Mapping[str, Sequence[float]],
+    tracking: Mapping[str, Any],
+    *,
+    workers: int,
+    checkpoint: str,
+    version: str,
+) -> tuple[Mapping[str, Any], dict[str, Any]]:
+    """Fit the free parameters, starting at the rig of ``on_rig``.
+
+    Values outside their range are first moved to its end. A first search asks for those terms of
+    ``calibration.fit`` that ``calibration.first.fit`` names, if there are any. Then one search for
+    all of ``calibration.fit`` follows for each number in ``calibration.generations``; each begins
+    at the end of the one before. All use cheap surrogates of the models, whose errors are
+    multiplied by the ratio of the full models' errors to their own, measured where each search
+    begins: the ratio changes along the way. At the end the full models judge the fitted rig on
+    the seeds of the objective.
+
+    Parameters
+    ----------
+    printed : Mapping
+        The published numbers.
+    judgement : Mapping
+        Arguments of ``Judgement`` without the seed.
+    calibration, grids, tracking : Mapping
+        Sections of the configuration.
+
+    Returns
+    -------
+    dict, dict
+        The fitted rig, and a summary of the fit. Losses are those of the last search;
+        generations and rigs are those of all.
+    """
+    free = free_parameters(calibration["free"], calibration["ranges"])
+    seeds, check_seeds = calibration["seeds"], calibration["check_seeds"]
+    first = [term for term in calibration["first"]["fit"] if term in calibration["fit"]]
+    planned = [(calibration["fit"], generations) for generations in calibration["generations"]]
+    if first:
+        planned.insert(0, (first, calibration["first"]["generations"]))
+    ends = time.monotonic() + 60.0 * calibration["minutes"]
+    searched = partial(
+        _searched, printed=printed, judgement=judgement, grids=grids, tracking=tracking,
+        free=free, workers=workers, version=version, ends=ends,
+    )  # fmt: skip
+    start = encode(on_rig.rig, free)
+    begun = replace(on_rig, rig=resolved(decode(start, on_rig.rig, free)))
+    done: list[Searched] = []
+    for number, (fit, generations) in enumerate(planned, start=1):
+        log.info("search %d of %d, for %s", number, len(planned), ", ".join(fit))
+        at = done[-1].best if done else begun
+        changed = {**calibration, "fit": fit, "generations": generations}
+        done.append(searched(at, calibration=changed, checkpoint=f"{checkpoint}.{number}"))
+    best, objective, cheaply, result = done[-1]
+    log.info("judging the fitted rig with the full models, on the seeds of the objective")
+    summary = {
+        "date": datetime.now(UTC).date().isoformat(),
+        "software": f"fprc {__version__}",
+        "seeds": list(seeds),
+        **_outcome(objective, full_errors(best, seeds, workers, judgement), cheaply(best, seeds)),
+        "loss_at_start": objective.loss(cheaply(begun, seeds)),
+        "loss": result.loss,
+        "check_seeds": list(check_seeds),
+        "check_loss_at_start": objective.loss(cheaply(begun, check_seeds)),
+        "check_loss": objective.loss(cheaply(best, check_seeds)),
+        "rig_sha256": hash_of(best.rig),
+        "searches": [
+            {"fit": list(fit), "generations": each.result.generations}
+            for (fit, _), each in zip(planned, done, strict=True)
+        ],
+        "generations": sum(each.result.generations for each in done),
+        "evaluations": sum(each.result.evaluations for each in done),
+        "finished": all(each.result.finished for each in done),
+        "parameters": [
+            p._asdict() | {"began_at": before, "share": share}
+            for p, before, share in zip(free, start.tolist(), result.point.tolist(), strict=True)
+        ],
+    }
+    return best.rig, summary
+
+
+class Searched(NamedTuple):
+    """The end of a search."""
+
+    best: RigSettings
+    objective: Objective
+    cheaply: Callable[[RigSettings, Sequence[int]], list[dict[str, Any]]]  #: judges a rig on seeds
+    result: SearchResult
+
+
+def _searched(
+    begun: RigSettings,
+    *,
+    printed: Mapping[str, Any],
+    judgement: Mapping[str, Any],
+    calibration: Mapping[str, Any],
+    grids: Mapping[str, Sequence[float]],
+    tracking: Mapping[str, Any],
+    free: Sequence[Free],
+    workers: int,
+    checkpoint: str,
+    version: str,
+    ends: float,
+) -> Searched:
+    """Search for the terms of ``calibration.fit``, beginning at a rig, until the time ``ends``."""
+    aim, seeds = aim_of(printed, calibration), calibration["seeds"]
+    cheaply = partial(
+        judge_seeds,
+        models=judgement["models"],
+        calibration=calibration,
+        grids=_in_order(grids, calibration["taps"]),
+        tracking=tracking,
+    )
+    log.info("judging the rig at which the search begins, with the full models")
+    like = cheaply(begun, seeds)
+    ratios = ratios_to_full(full_errors(begun, seeds, workers, judgement), like)
+    objective = Objective(aim, ratios, like)
+    # a search that ran out of time goes on if it is given more
+    lasting = {key: value for key, value in calibration.items() if key != "minutes"}
+    depends_on = [asdict(begun), judgement, lasting, grids, tracking, aim, version]
+    result = search(
+        partial(judge_point, on_rig=begun, free=free, seeds=seeds, cheaply=cheaply),
+        lambda logs: np.concatenate([*objective.terms(objective.judged(logs)).values()]),
+        encode(begun.rig, free),
+        step=calibration["step"],
+        generations=calibration["generations"],
+        seed=seeds[0],
+        workers=workers,
+        checkpoint=checkpoint,
+        key=hashlib.sha256(json.dumps(depends_on, sort_keys=True).encode()).hexdigest(),
+        seconds=ends - time.monotonic(),
+        progress=partial(log.info, "generation %d of %d, least loss %.4f, %.0f s"),
+    )
+    best = replace(begun, rig=resolved(decode(result.point, begun.rig, free)))
+    return Searched(best, objective, cheaply, result)
+
+
+def _outcome(
+    objective: Objective,
+    errors: Sequence[Mapping[str, float]],
+    judged: Sequence[Mapping[str, Any]],
+) -> dict[str, Any]:
+    """Describe a rig by the full models' errors, and the surrogate's terms and properties."""
+    residuals = relative(errors, objective.aim)
+    off = np.abs(list(residuals.values()))
+    return {
+        "fit": list(objective.aim.fit),
+        "targets_kpa": dict(objective.aim.errors),
+        "residuals": residuals,
+        "median_deviation": float(np.median(off)),
+        "largest_deviation": float(np.max(off)),
+        "terms": objective.losses(judged),
+        "properties": {
+            name: float(np.mean([seed["properties"][name] for seed in judged]))
+            for name in judged[0]["properties"]
+        },
+        "plausible": dict(objective.aim.ranges),
+        "surrogate_ratios": dict(objective.ratios),
+    }
+
+
+def judge_seeds(
+    on_rig: RigSettings,
+    seeds: Sequence[int],
+    *,
+    models: Mapping[str, Any],
+    calibration: Mapping[str, Any],
+    grids: Mapping[str, Sequence[float]],
+    tracking: Mapping[str, Any],
+) -> list[dict[str, Any]]:
+    """Return the surrogate's measures of each seed; grids are judged on the first ones only."""
+    wanted = {_NEEDS[term] for term in calibration["fit"] if term in _NEEDS}
+    surrogate = {key: calibration[key] for key in ("stride", "esn_nodes")}
+    return [
+        judge_cheaply(
+            on_rig, seed, models, surrogate, grids, tracking,
+            wanted if i < calibration["grid_seeds"] else wanted.difference(_GRIDS),
+        )
+        for i, seed in enumerate(seeds)
+    ]  # fmt: skip
+
+
+def judge_point(
+    point: np.ndarray,
+    *,
+    on_rig: RigSettings,
+    free: Sequence[Free],
+    seeds: Sequence[int],
+    cheaply: Any,
+) -> list[float] | None:
+    """Return the logarithms of the measures at a point; None if the rig is impossible."""
+    rig = resolved(decode(point, on_rig.rig, free))
+    try:
+        Rig.model_validate(rig)
+        logs = logs_of(cheaply(replace(on_rig, rig=rig), seeds))
+    except (FprcError, ValueError):
+        return None
+    return logs if np.isfinite(logs).all() else None
+
+
+def relative(errors: Sequence[Mapping[str, float]], aim: Aim) -> dict[str, float]:
+    """Return by what share each error, averaged over seeds, deviates from the printed one."""
+    return {
+        key: float(np.mean([seed[key] for seed in errors]) / printed - 1.0)
+        for key, printed in aim.errors.items()
+    }
+
+
+def _in_order(grids: Mapping[str, Sequence[float]], taps: Sequence[int]) -> dict[str, Any]:
+    """Return the grids of the search, sorted: the objective compares neighbours."""
+    return {
+        "epsilon": sorted(grids["epsilon"], reverse=True),
+        "n_c": sorted(grids["n_c"]),
+        **dict.fromkeys(("n_u", "n_y"), sorted(taps)),
+    }

@@ -1,0 +1,76 @@
+"""A fitted rig as a file of config/rigs."""
+
+import textwrap
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import yaml
+
+from fprc.config.rig import Rig
+
+#: Marks a file that may be overwritten.
+WRITTEN = "Written by `fprc calibrate`"
+
+
+def parameter_file(rig: Mapping[str, Any], summary: Mapping[str, Any], name: str) -> str:
+    """Return the text of a rig's file: what it was fitted to, and what differs from the defaults.
+
+    Parameters
+    ----------
+    summary : Mapping
+        As ``fprc.studies.calibration.fit.fit_rig`` returns it.
+    name : str
+        Name of the rig.
+    """
+    head = _HEAD.format(
+        **summary,
+        written=WRITTEN,
+        median=100 * summary["median_deviation"],
+        largest=100 * summary["largest_deviation"],
+        shown_seeds=", ".join(map(str, summary["seeds"])),
+        count=len(summary["parameters"]),
+        rows="\n".join(
+            f"#   {key}: {summary['targets_kpa'][key]:g} kPa, {100 * value:+.1f} %"
+            for key, value in summary["residuals"].items()
+        ),
+        edges=_edges(summary["parameters"]),
+    )
+    values = {
+        "fitted": {"name": name, "to": list(summary["fit"])},
+        "rig": _different(rig, Rig().model_dump(mode="json")),
+    }
+    return head + yaml.safe_dump(values, sort_keys=False, default_flow_style=None)
+
+
+_HEAD = """\
+# Parameters of the simulated rig that differ from their defaults. {written}
+# ({software}, {date}); docs/calibration.md explains it.
+#
+# Fitted over {count} parameters within the ranges of `calibration` ({evaluations} rigs), on the
+# noise seeds {shown_seeds},
+# to the terms that `fitted.to` names; everything else is predicted.
+# Deviation from print on the seeds of the fit, full models: median {median:.1f} %, largest
+# {largest:.1f} %:
+{rows}
+{edges}
+"""
+
+
+def _edges(parameters: Sequence[Mapping[str, Any]]) -> str:
+    near = [p["path"] for p in parameters if not 0.02 <= p["share"] <= 0.98]
+    text = f"Within 2 % of an end of their range: {', '.join(near) or 'none'}."
+    return textwrap.fill(
+        text, 100, initial_indent="# ", subsequent_indent="# ", break_long_words=False
+    )
+
+
+def _different(rig: Mapping[str, Any], default: Mapping[str, Any]) -> dict[str, Any]:
+    changed = {}
+    for key, value in rig.items():
+        if isinstance(value, Mapping):
+            inner = _different(value, default[key])
+            if inner:
+                changed[key] = inner
+        elif value != default[key]:
+            changed[key] = value
+    return changed

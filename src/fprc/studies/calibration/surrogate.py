@@ -1,0 +1,190 @@
+"""Cheap surrogates of the models, judged on one simulated rig and seed.
+
+Instead of five readouts for five folds, one is fitted to every ``stride``-th row, with the ridge
+parameter scaled to the number of rows; the ESN is smaller. Features have memory: they are computed
+over whole logs, once for all cells of the grids.
+"""
+
+from collections.abc import Collection, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from fprc.evaluation import rmse
+from fprc.experiments.hysteresis import simulate
+from fprc.experiments.settings import RigSettings
+from fprc.experiments.tracking import Track, open_loop_errors
+from fprc.models import TakagiSugenoReadout, lowpass, taps
+from fprc.paper import DIRECTIONS
+from fprc.registry import build
+from fprc.studies.calibration.objective import properties
+
+#: Share of the rows that trains a readout in the full models' cross-validation.
+_TRAINED = 0.8
+
+#: Optional measures; each takes time of its own.
+MEASURES = ("shares", "epsilon", "n_c", "taps", "open_loop")
+
+
+def judge_cheaply(
+    on_rig: RigSettings,
+    seed: int,
+    models: Mapping[str, Any],
+    surrogate: Mapping[str, int],
+    grids: Mapping[str, Sequence[float]],
+    tracking: Mapping[str, Any],
+    measures: Collection[str] = (),
+) -> dict[str, Any]:
+    """Return what the objective needs of a rig, for one seed.
+
+    Parameters
+    ----------
+    surrogate : Mapping
+        ``stride`` and ``esn_nodes``.
+    grids : Mapping
+        Values of ``epsilon``, falling, and of ``n_c``, ``n_u`` and ``n_y``, rising.
+    tracking : Mapping
+        Section ``tracking`` of the configuration.
+    measures : collection of str
+        Which of ``MEASURES`` to compute.
+
+    Returns
+    -------
+    dict
+        ``errors`` by "trained on/model/phase", kPa; ``properties``, see ``objective.properties``;
+        and of ``measures``: ``shares`` of P_o over theta_d in the weights; training errors over
+        ``epsilon``; errors over ``n_c`` by model and phase; training errors over ``taps``, of
+        shape (n_u, n_y); ``open_loop`` RMSE by reference, deg.
+    """
+    logs = {name: data.channels for name, data in simulate(on_rig, seed).items()}
+    cheap = _Cheap(logs, models, seed, surrogate["stride"])
+    fuzzy = {
+        (train, name): cheap.fit(train, name == "fprc") for train, _ in DIRECTIONS
+        for name in ("fprc", "fuzzy_linear")
+    }  # fmt: skip
+    errors = _esn_errors(logs, models, seed, surrogate)
+    for (train, name), readout in fuzzy.items():
+        for phase, log in zip(("train", "test"), (train, *(set(logs) - {train})), strict=True):
+            errors[f"{train}/{name}/{phase}"] = cheap.error(readout, log, name == "fprc")
+    judged: dict[str, Any] = {"errors": errors, "properties": properties(logs)}
+    if "shares" in measures:
+        judged["shares"] = cheap.shares()
+    if "epsilon" in measures:
+        judged["epsilon"] = [
+            cheap.error(cheap.fit("sweep", True, epsilon=value), "sweep", True, epsilon=value)
+            for value in grids["epsilon"]
+        ]
+    if "n_c" in measures:
+        judged["n_c"] = cheap.over_rules(grids["n_c"])
+    if "taps" in measures:
+        judged["taps"] = [
+            [
+                cheap.error(cheap.fit("sweep", True, n_u=u, n_y=y), "sweep", True, n_u=u, n_y=y)
+                for y in grids["n_y"]
+            ]
+            for u in grids["n_u"]
+        ]
+    if "open_loop" in measures:
+        model = build("fprc", models, seed)
+        features = model.make_features().fit(np.zeros((100, 2)))
+        model = model.assembled(features, fuzzy["sweep", "fprc"])
+        judged["open_loop"] = open_loop_errors(
+            Track(tracking, on_rig.control, on_rig.rig, seed), model
+        )
+    return judged
+
+
+class _Cheap:
+    """The fuzzy models on every ``stride``-th row of two logs."""
+
+    def __init__(
+        self,
+        logs: Mapping[str, Mapping[str, np.ndarray]],
+        models: Mapping[str, Any],
+        seed: int,
+        stride: int,
+    ):
+        self.logs = logs
+        self.own = {**models["fprc"], "n_y": models["n_y"]}
+        self.alpha = models["alpha"] / (_TRAINED * stride)
+        self.seed, self.stride = seed, stride
+        self.y = {name: log["p_target_kpa"][::stride] for name, log in logs.items()}
+        self._taps: dict[tuple[str, float | None, int], np.ndarray] = {}
+
+    def rows(self, log: str, reservoir: bool, **changed: Any) -> np.ndarray:
+        """Return the taps of theta in a log, and with ``reservoir`` those of the filtered P_o."""
+        own = self.own | changed
+        theta = self._thinned(log, None, own["n_y"])
+        if not reservoir:
+            return theta
+        return np.hstack([theta, self._thinned(log, own["epsilon"], own["n_u"])])
+
+    def fit(self, log: str, reservoir: bool, **changed: Any) -> TakagiSugenoReadout:
+        """Fit a readout to the features of a log."""
+        rows = self.rows(log, reservoir, **changed)
+        return self._readout(**changed).fit(rows, self.y[log])
+
+    def error(
+        self, readout: TakagiSugenoReadout, log: str, reservoir: bool, **changed: Any
+    ) -> float:
+        """Return the RMSE of a readout on a log, kPa."""
+        return rmse(self.y[log], readout.predict(self.rows(log, reservoir, **changed)))
+
+    def over_rules(self, n_c: Sequence[float]) -> dict[str, dict[str, list[float]]]:
+        """Return the errors of FPRC and Fuzzy-linear over n_c."""
+        judged: dict[str, dict[str, list[float]]] = {}
+        for name in ("fprc", "fuzzy_linear"):
+            reservoir = name == "fprc"
+            fitted = [self.fit("sweep", reservoir, n_c=count) for count in n_c]
+            judged[name] = {
+                phase: [self.error(readout, log, reservoir) for readout in fitted]
+                for phase, log in (("train", "sweep"), ("test", "complex"))
+            }
+        return judged
+
+    def shares(self) -> float:
+        """Return the mean share of P_o in the weights over that of theta_d (Eqs. 13, 14)."""
+        rows, n_y = self.rows("sweep", True), self.own["n_y"]
+        parts = [rows[:, :n_y], rows[:, n_y:]]
+        unit = np.hstack([(part - part.min()) / np.ptp(part) for part in parts])
+        weights = np.abs(self._readout().fit(unit, self.y["sweep"]).W_out_)
+        weights /= weights.sum(axis=1, keepdims=True)
+        return float(weights[:, 1 + n_y :].sum() / weights[:, 1 : 1 + n_y].sum())
+
+    def _readout(self, **changed: Any) -> TakagiSugenoReadout:
+        own = self.own | changed
+        parameters = {key: own[key] for key in ("n_c", "sigma", "clustering", "restarts")}
+        return TakagiSugenoReadout(**parameters, alpha=self.alpha, random_state=self.seed)
+
+    def _thinned(self, log: str, epsilon: float | None, size: int) -> np.ndarray:
+        key = log, epsilon, size
+        if key not in self._taps:
+            signal = (
+                self.logs[log]["theta_deg"]
+                if epsilon is None
+                else lowpass(self.logs[log]["p_o_kpa"], epsilon)
+            )
+            self._taps[key] = taps(signal, size)[:: self.stride]
+        return self._taps[key]
+
+
+def _esn_errors(
+    logs: Mapping[str, Mapping[str, np.ndarray]],
+    models: Mapping[str, Any],
+    seed: int,
+    surrogate: Mapping[str, int],
+) -> dict[str, float]:
+    stride = surrogate["stride"]
+    model = build("esn", models, seed).set_params(
+        r=surrogate["esn_nodes"], alpha=models["alpha"] / (_TRAINED * stride)
+    )
+    theta = {log: channels["theta_deg"][:, None] for log, channels in logs.items()}
+    features = model.make_features().fit(theta["sweep"])
+    rows = {log: features.transform(X)[::stride] for log, X in theta.items()}
+    y = {log: channels["p_target_kpa"][::stride] for log, channels in logs.items()}
+    errors = {}
+    for train, test in DIRECTIONS:
+        readout = model.make_readout().fit(rows[train], y[train])
+        for phase, log in (("train", train), ("test", test)):
+            errors[f"{train}/esn/{phase}"] = rmse(y[log], readout.predict(rows[log]))
+    return errors

@@ -1,0 +1,209 @@
+"""Rigs that are compatible with printed errors: approximate Bayesian computation.
+
+Prior: the ensemble, that is, parameters uniform over their ranges, of rigs that bend and squeeze
+plausibly. Each rig is simulated once, with noise of its own, as the paper's rig was recorded once.
+Likelihood: the logarithms of its errors deviate from the printed ones by a normal error.
+
+Rejection would need millions of rigs. An ensemble smoother with multiple data assimilation
+(Emerick and Reynolds, Computers & Geosciences 55, 2013), which is exact where the logarithms are
+linear in normal parameters, moves the prior near to the posterior. Sweeps of an ensemble sampler
+refine this; many more would be needed to remove all effects of the smoother's assumption.
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import emcee
+import numpy as np
+from scipy.special import ndtr, ndtri
+
+from fprc.config.rig import Rig
+from fprc.errors import EvaluationError, FprcError
+from fprc.experiments.settings import RigSettings
+from fprc.signals import rms
+from fprc.studies.calibration.space import Free, decode
+from fprc.studies.calibration.surrogate import judge_cheaply
+from fprc.studies.families.ensemble import draw_rig, is_plausible
+
+#: Takes points of shape (n, parameters); returns the logarithms of the errors of each, or None
+#: where the rig is impossible or implausible.
+Simulate = Callable[[np.ndarray], Sequence[Sequence[float] | None]]
+
+#: Second seed of the smoother's random numbers.
+_SMOOTHER = 20242
+
+#: Shares of a range are kept this far from its ends, where normal scores are infinite.
+_EDGE = 1e-3
+
+#: Proposals of the sampler: steps along the difference of two other rigs, short ones that are often
+#: accepted and longer ones. Not DESnookerMove, whose draws are too narrow in emcee 3.1.6.
+_MOVES = [
+    (emcee.moves.DEMove(gamma0=0.08, sigma=0.5), 0.7),
+    (emcee.moves.DEMove(gamma0=0.25), 0.3),
+]
+
+
+def draw_posterior(
+    prior: np.ndarray,
+    simulate: Simulate,
+    target: np.ndarray,
+    *,
+    tolerance: float,
+    assimilations: int,
+    sweeps: int,
+    seed: int,
+) -> tuple[np.ndarray, np.ndarray, list[dict[str, Any]]]:
+    """Draw points from the posterior, beginning with points from a standard normal prior.
+
+    Parameters
+    ----------
+    prior : ndarray of shape (n, parameters)
+    target : ndarray of shape (errors,)
+        Logarithms of the printed errors.
+    tolerance : float
+        Standard deviation of the deviation from ``target``.
+
+    Returns
+    -------
+    points, logs : ndarray
+        Points, and the logarithms of their errors.
+    history : list of dict
+        ``step``, ``rigs`` and ``deviation`` (root mean square of the logarithms) of each step, and
+        ``accepted``, the share of the sampler's proposals.
+
+    Raises
+    ------
+    EvaluationError
+        Fewer points are possible than the sampler (two for each parameter) or the smoother
+        (three) needs.
+    """
+    rng = np.random.default_rng([seed, _SMOOTHER])
+    # the sampler steps along differences of points, which must span the space
+    least = 2 * prior.shape[1] if sweeps else 3
+    points, logs = _judged(prior, simulate, least)
+    history = [_history_row("prior", logs, target)]
+    for step in range(1, assimilations + 1):
+        moved = assimilate(points, logs, target, tolerance, assimilations, rng)
+        points, logs = _judged(moved, simulate, least)
+        history.append(_history_row(f"assimilation {step}", logs, target))
+    if not sweeps:
+        return points, logs, history
+    known = {point.tobytes(): row for point, row in zip(points, logs, strict=True)}
+
+    def log_probability(batch: np.ndarray) -> np.ndarray:
+        log_probabilities = np.full(len(batch), -np.inf)
+        for i, (point, row) in enumerate(zip(batch, simulate(batch), strict=True)):
+            if row is not None:
+                known[point.tobytes()] = np.asarray(row)
+                log_probabilities[i] = _log_posterior(point, np.asarray(row), target, tolerance)
+        return log_probabilities
+
+    sampler = emcee.EnsembleSampler(*points.shape, log_probability, moves=_MOVES, vectorize=True)
+    log_probabilities = [
+        _log_posterior(point, row, target, tolerance)
+        for point, row in zip(points, logs, strict=True)
+    ]
+    random = np.random.RandomState(seed).get_state()
+    start = emcee.State(points, log_prob=np.array(log_probabilities), random_state=random)
+    for sweep, state in enumerate(sampler.sample(start, iterations=sweeps), start=1):
+        points = state.coords
+        logs = np.array([known[point.tobytes()] for point in points])
+        accepted = float(np.mean(sampler.acceptance_fraction))
+        history.append(_history_row(f"sweep {sweep}", logs, target) | {"accepted": accepted})
+    return points, logs, history
+
+
+def assimilate(
+    points: np.ndarray,
+    logs: np.ndarray,
+    target: np.ndarray,
+    tolerance: float,
+    assimilations: int,
+    rng: np.random.Generator,
+) -> np.ndarray:
+    """Move points towards the target by one of several equal assimilations.
+
+    The likelihood's variance is multiplied by the number of assimilations. After all of them the
+    points are draws from the posterior if ``logs`` are linear in them.
+
+    Parameters
+    ----------
+    points, logs : ndarray of shape (n, parameters), (n, errors)
+    """
+    noise = tolerance * np.sqrt(assimilations)
+    off = (points - points.mean(axis=0)) / (len(points) - 1)
+    spread = logs - logs.mean(axis=0)
+    innovation = target + noise * rng.standard_normal(logs.shape) - logs
+    covariance = spread.T @ spread / (len(points) - 1) + noise**2 * np.eye(len(target))
+    return np.asarray(points + np.linalg.solve(covariance, innovation.T).T @ (off.T @ spread).T)
+
+
+def prior_point(
+    seed: int, ensemble: Mapping[str, Any], free: Sequence[Free], on_rig: RigSettings
+) -> np.ndarray:
+    """Draw a rig of the ensemble and return the normal scores of its parameters."""
+    _, shares, _ = draw_rig(seed, ensemble, free, on_rig)
+    return np.asarray(ndtri(np.clip(shares, _EDGE, 1.0 - _EDGE)))
+
+
+def rig_at(point: Sequence[float], free: Sequence[Free], on_rig: RigSettings) -> RigSettings:
+    """Return the settings with the rig whose parameters have these normal scores."""
+    return replace(on_rig, rig=decode(ndtr(point), on_rig.rig, free))
+
+
+def judge_member(
+    cell: Mapping[str, Any],
+    *,
+    ensemble: Mapping[str, Any],
+    free: Sequence[Free],
+    on_rig: RigSettings,
+    models: Mapping[str, Any],
+    surrogate: Mapping[str, int],
+    ratios: Mapping[str, float],
+) -> dict[str, Any]:
+    """Return the logarithms of a rig's errors by the surrogate models, or why there are none.
+
+    Parameters
+    ----------
+    cell : Mapping
+        ``point``, normal scores of the parameters, and the ``seed`` of the noise.
+    ratios : Mapping
+        Ratios of the full models' errors to the surrogate's.
+    """
+    try:
+        drawn = rig_at(cell["point"], free, on_rig)
+        Rig.model_validate(drawn.rig)
+        judged = judge_cheaply(drawn, cell["seed"], models, surrogate, {}, {})
+        logs = [math.log(ratio * judged["errors"][key]) for key, ratio in ratios.items()]
+    except (FprcError, ValueError) as error:  # ValueError: from pydantic, or log(0)
+        return {"impossible": " ".join(str(error).split())}
+    if not np.isfinite(logs).all():
+        return {"impossible": "an error is not finite"}
+    if not is_plausible(judged["properties"], ensemble):
+        return {"impossible": "its angle or its swing of P_o is implausible"}
+    return {"logs": logs}
+
+
+def _judged(points: np.ndarray, simulate: Simulate, least: int) -> tuple[np.ndarray, np.ndarray]:
+    logs = simulate(points)
+    kept = [i for i, row in enumerate(logs) if row is not None]
+    if len(kept) < least:
+        raise EvaluationError(
+            f"{len(kept)} of {len(points)} rigs of the posterior are possible and plausible, and "
+            f"{least} are needed; draw more rigs (posterior.rigs), or widen ensemble.angle_deg or "
+            "ensemble.p_o_swing_kpa"
+        )
+    return points[kept], np.array([logs[i] for i in kept], dtype=float)
+
+
+def _log_posterior(
+    point: np.ndarray, logs: np.ndarray, target: np.ndarray, tolerance: float
+) -> float:
+    return float(-0.5 * (np.sum(((logs - target) / tolerance) ** 2) + np.sum(point**2)))
+
+
+def _history_row(step: str, logs: np.ndarray, target: np.ndarray) -> dict[str, Any]:
+    deviation = rms(logs - target)
+    return {"step": step, "rigs": len(logs), "deviation": deviation}

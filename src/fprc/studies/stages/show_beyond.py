@@ -1,0 +1,115 @@
+"""Tables, figures and page of the comparison beyond the paper."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import pandas as pd
+
+from fprc.artifacts import read_json, write_csv, write_json
+from fprc.competitors import TITLES
+from fprc.figures import style
+from fprc.studies.beyond import figures as figures
+from fprc.studies.beyond import tables as tables
+from fprc.studies.beyond.advice import advice
+from fprc.studies.beyond.claims import judge_world
+from fprc.studies.beyond.verdicts import claims as claims_table
+
+
+def tabulate_beyond(
+    worlds: Sequence[str],
+    capacity: str,
+    training: str,
+    steps: str,
+    verdicts: str,
+    **csv: str,
+) -> None:
+    """Judge B1-B8 in every world, and write the tables.
+
+    Parameters
+    ----------
+    worlds : sequence of str
+        Reports of the worlds; the first one's rig is that of ``training`` and ``steps``.
+    capacity : str
+        Capacities in each world with one rig.
+    verdicts : str
+        Outcome: five points, what each world is, and the rows of ``judge_world`` for each.
+    **csv : str
+        Tables by name: ``models``, ``claims``, ``tracking``, ``offsets``, ``capacities``,
+        ``lengths``.
+    """
+    found = [read_json(path) for path in worlds]
+    by_world = read_json(capacity)["worlds"]
+    for world in found:
+        world["capacity"] = by_world.get(world["name"])
+    found[0]["training_length"] = read_json(training)["training_length"]
+    found[0]["step_us"] = read_json(steps)["step_us"]
+    ledgers = [judge_world(world, TITLES) for world in found]
+    outcome = {
+        "source": "sim",
+        "advice": advice(found, ledgers, TITLES),
+        "worlds": tables.worlds_page(found).to_dict("records"),
+        "ledgers": ledgers,
+    }
+    by_model = tables.models(found)
+    made = {
+        "models": by_model,
+        "claims": claims_table(ledgers),
+        "tracking": tables.errors_and_tracking(by_model),
+        "offsets": tables.offsets(found),
+        "capacities": tables.capacity(found),
+        "lengths": tables.lengths(found),
+    }
+    paths = [csv[name] for name in made]
+    write_json(verdicts, outcome)
+    for path, table in zip(paths, made.values(), strict=True):
+        write_csv(path, table)
+
+
+def draw_pairs(claims: str, pdf: str, png: str, *, worlds: Sequence[str]) -> Mapping[str, Any]:
+    """Draw the ratio of the errors of each pair in each world, in the order of ``worlds``."""
+    fig, axes = style.figure(1, 1, style.PAGE_IN, 4.6)
+    figures.plot_pairs(pd.read_csv(claims), worlds, axes)
+    style.share_legend(fig, axes)
+    return style.save(fig, _SIMULATED, pdf, png)
+
+
+def draw_tracking(tracking: str, pdf: str, png: str, *, world: str) -> Mapping[str, Any]:
+    """Draw tracking over the forward test error, without and with feedback."""
+    table = _of(tracking, world)
+    fig, axes = style.figure(2, 1, style.PAGE_IN, 5.2, sharex=True)
+    order = table[table["loop"] == "open_loop"].sort_values("tracking", kind="stable")["model"]
+    numbers = {name: number for number, name in enumerate(order, start=1)}
+    for ax, (loop, words) in zip(axes, _LOOPS.items(), strict=True):
+        own = table[table["loop"] == loop]
+        figures.plot_errors_and_tracking(own, numbers, TITLES, ax)
+        ax.label_outer()
+        found = "".join(f"; rank correlation {value:.2f}" for value in own["rank_correlation"][:1])
+        style.letter(ax, words + found)
+    fig.legend(*axes[0].get_legend_handles_labels(), loc="outside right center",
+               handlelength=0.0, handletextpad=0.0, markerscale=0.0)  # fmt: skip
+    return style.save(fig, _SIMULATED, pdf, png)
+
+
+def draw_offsets(offsets: str, pdf: str, png: str, *, world: str) -> Mapping[str, Any]:
+    """Draw the forward test error over the offset of P_o."""
+    fig, axes = style.figure(1, 1, style.COLUMN_IN, 3.0)
+    figures.plot_offsets(_of(offsets, world), TITLES, axes)
+    style.share_legend(fig, axes)
+    return style.save(fig, _SIMULATED, pdf, png)
+
+
+def draw_capacities(capacities: str, pdf: str, png: str, *, world: str) -> Mapping[str, Any]:
+    """Draw the capacities of each set of states."""
+    fig, axes = style.figure(1, 1, style.COLUMN_IN, 3.0)
+    figures.plot_capacities(_of(capacities, world), axes)
+    style.share_legend(fig, axes)
+    return style.save(fig, _SIMULATED, pdf, png)
+
+
+_SIMULATED: dict[str, Any] = {"source": "sim", "seeds": []}
+_LOOPS = {"open_loop": "(a) Open loop", "closed_loop": "(b) Closed loop"}
+
+
+def _of(path: str, world: str) -> pd.DataFrame:
+    table = pd.read_csv(path)
+    return table[table["world"] == world]

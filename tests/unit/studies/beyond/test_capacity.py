@@ -1,0 +1,150 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.stats import chi2
+
+from fprc.errors import EvaluationError
+from fprc.studies.beyond.capacity import memory_capacity, processing_capacity
+
+examples = settings(max_examples=15, deadline=None, derandomize=True)
+
+N = 4000
+U = np.random.default_rng(5).uniform(-1.0, 1.0, N)
+
+
+def delayed(u, delay):
+    return np.concatenate([np.zeros(delay), u[: len(u) - delay]])
+
+
+def delay_line(u, delays):
+    return np.column_stack([delayed(u, delay) for delay in delays])
+
+
+def lowpass(u, epsilon):
+    x = np.zeros(len(u))
+    for k in range(1, len(u)):
+        x[k] = epsilon * u[k] + (1.0 - epsilon) * x[k - 1]
+    return x
+
+
+@pytest.mark.parametrize("delays", [range(6), range(1, 7), [3]])
+def test_delay_line_remembers_as_many_inputs_as_it_is_long(delays):
+    found = processing_capacity(U, delay_line(U, delays), max_delay=8, max_degree=3)
+    assert found.by_degree == pytest.approx([len(delays), 0.0, 0.0])
+    assert np.flatnonzero(found.by_delay).tolist() == list(delays)
+    assert found.rank == len(delays)
+
+
+def test_square_of_a_past_input_has_capacity_at_degree_two_only():
+    square = delayed(U, 1) ** 2
+    found = processing_capacity(U, square[:, None], max_delay=3, max_degree=4)
+    assert found.by_degree == pytest.approx([0.0, 1.0, 0.0, 0.0])
+    assert found.by_delay.tolist() == [0.0] * 4
+
+
+def test_product_of_two_past_inputs_has_capacity_at_degree_two_only():
+    found = processing_capacity(U, (U * delayed(U, 2))[:, None], max_delay=3, max_degree=3)
+    assert found.by_degree == pytest.approx([0.0, 1.0, 0.0])
+
+
+def test_cube_is_split_between_its_linear_and_its_cubic_part():
+    """u^3 = 3/5 P1 + 2/5 P3, whose variances are 1/3 and 1/7."""
+    linear, cubic = (3 / 5) ** 2 / 3, (2 / 5) ** 2 / 7
+    share = linear / (linear + cubic)
+    found = processing_capacity(U, U[:, None] ** 3, max_delay=1, max_degree=3)
+    assert found.by_degree == pytest.approx([share, 0.0, 1.0 - share], abs=0.03)
+
+
+def test_all_polynomials_up_to_a_degree_fill_the_capacity():
+    """Nine independent functions of three inputs, as powers instead of Legendre polynomials."""
+    a, b, c = delay_line(U, range(3)).T
+    states = np.column_stack([a, b, c, a * a, b * b, c * c, a * b, a * c, b * c])
+    found = processing_capacity(U, states, max_delay=4, max_degree=2)
+    assert found.by_degree == pytest.approx([3.0, 6.0])
+
+
+@pytest.mark.parametrize("epsilon", [0.5, 0.2])
+def test_memory_of_a_lowpass_decays_as_its_impulse_response(epsilon):
+    u = np.random.default_rng(1).uniform(-1.0, 1.0, 40000)
+    found = memory_capacity(u, lowpass(u, epsilon)[:, None], max_delay=5)
+    expected = (1.0 - (1.0 - epsilon) ** 2) * (1.0 - epsilon) ** (2 * np.arange(6))
+    np.testing.assert_allclose(found.by_delay, expected, atol=0.01)
+
+
+@pytest.mark.parametrize("ratio", [0.25, 1.0, 4.0])
+def test_noise_reduces_capacity_to_the_share_of_the_signal(ratio):
+    """``ratio`` is the variance of the noise over that of the signal, 1/3."""
+    noise = np.random.default_rng(2).standard_normal(N) * np.sqrt(ratio / 3.0)
+    found = memory_capacity(U, (delayed(U, 1) + noise)[:, None], max_delay=3)
+    assert found.by_delay == pytest.approx([0.0, 1.0 / (1.0 + ratio), 0.0, 0.0], abs=0.03)
+
+
+def test_capacity_agrees_with_a_least_squares_fit():
+    states = np.tanh(delay_line(U, range(4)) @ np.random.default_rng(3).normal(size=(4, 6)))
+    found = memory_capacity(U, states, max_delay=4)
+    design = np.column_stack([np.ones(N - 4), states[4:]])
+    for delay in range(4):
+        target = U[4 - delay : N - delay]
+        residual = target - design @ np.linalg.lstsq(design, target, rcond=None)[0]
+        expected = 1.0 - residual.var() / target.var()
+        assert found.by_delay[delay] == pytest.approx(expected, abs=1e-9)
+
+
+@examples
+@given(st.integers(0, 2**32 - 1), st.integers(1, 8))
+def test_capacity_depends_on_the_span_of_the_states_only(seed, columns):
+    rng = np.random.default_rng(seed)
+    u = rng.uniform(-1.0, 1.0, 800)
+    states = np.tanh(delay_line(u, range(3)) @ rng.normal(size=(3, columns)))
+    mixed = states @ np.linalg.qr(rng.normal(size=(columns, columns)))[0] * 50.0 - 7.0
+    kept = {"max_delay": 3, "max_degree": 3}
+    one, other = (processing_capacity(u, each, **kept) for each in (states, mixed))
+    np.testing.assert_allclose(other.by_degree, one.by_degree, atol=1e-6)
+    assert one.by_degree.sum() <= 1.1 * one.rank
+
+
+@pytest.mark.parametrize("columns", [1, 10])
+def test_shuffled_states_have_no_capacity(columns):
+    """The threshold is twice the one that independent states of any kind exceed with p."""
+    states = delay_line(U, range(columns))
+    shuffled = states[np.random.default_rng(4).permutation(N)]
+    found = processing_capacity(U, shuffled, max_delay=10, max_degree=3)
+    assert found.by_degree.tolist() == [0.0, 0.0, 0.0]
+    assert found.threshold == pytest.approx(2.0 * chi2.isf(1e-4, columns) / (N - 10))
+
+
+def test_estimates_of_ignorant_states_follow_the_distribution_of_the_threshold():
+    """The threshold has a factor of two, so chi2 exceeds 10 where p asks for 5."""
+    states = np.random.default_rng(6).normal(size=(N, 10))
+    found = memory_capacity(U, states, max_delay=400, p=chi2.sf(5.0, 10))
+    assert np.mean(found.by_delay > 0.0) == pytest.approx(chi2.sf(10.0, 10), abs=0.07)
+
+
+def test_dependent_and_constant_states_do_not_count():
+    line = delay_line(U, range(2))
+    states = np.column_stack([line, line.sum(axis=1), np.full(N, 0.1), line[:, 0] * 1e9])
+    assert memory_capacity(U, states, max_delay=2).rank == 2
+    still = memory_capacity(U, np.full((N, 2), 0.1), max_delay=2)
+    assert (still.rank, still.by_degree.tolist()) == (0, [0.0])
+
+
+def test_differences_below_the_tolerance_do_not_count():
+    states = np.column_stack([U, U + 1e-8 * delayed(U, 1)])
+    assert memory_capacity(U, states, max_delay=2).rank == 1
+    assert memory_capacity(U, states, max_delay=2, tolerance=1e-12).by_degree[0] > 1.99
+
+
+@pytest.mark.parametrize(
+    ("u", "states", "words"),
+    [
+        (U * 2.0, U[:, None], "outside"),
+        (U * np.nan, U[:, None], "outside"),
+        (U, np.where(U > 0.999, np.inf, U)[:, None], "finite"),
+        (U, U[:-1, None], "inputs but"),
+        (U[:60], np.random.default_rng(7).normal(size=(60, 30)), "too few"),
+    ],
+)
+def test_refuses_what_gives_no_capacity(u, states, words):
+    with pytest.raises(EvaluationError, match=words):
+        memory_capacity(u, states, max_delay=3)

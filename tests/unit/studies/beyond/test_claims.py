@@ -1,0 +1,135 @@
+"""Claims B1-B8 in worlds whose ratios are known."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fprc.studies.beyond.claims import CLAIMS, judge_world
+
+TITLES = {"fprc": "FPRC", "esn": "ESN", "fuzzy_linear": "Fuzzy-linear"}
+
+
+def judged(world):
+    return {row["id"]: row for row in judge_world(world, TITLES)}
+
+
+def test_claims_stand_in_the_page_that_was_written_before():
+    page = (Path(__file__).parents[4] / "docs/preregistration.md").read_text(encoding="utf-8")
+    for name, claim in CLAIMS.items():
+        assert f"| {name} | {claim.text} |" in page
+
+
+def test_every_claim_compares_what_it_says(make_world):
+    rows = judged(make_world(spread=0.0))
+    parts = {name: [round(part["mean"], 6) for part in row["parts"]] for name, row in rows.items()}
+    assert parts["B1"] == parts["B2"] == pytest.approx([1 / 1.3], abs=1e-6)
+    assert parts["B3"] == pytest.approx([1 / 1.3, 1 / 1.3], abs=1e-6)
+    assert parts["B4"] == pytest.approx([1 / 1.15], abs=1e-6)
+    assert parts["B5"] == pytest.approx([1 / 1.25], abs=1e-6)
+    assert parts["B6"] == pytest.approx([0.95 / 1.1], abs=1e-6)
+    assert parts["B7"] == pytest.approx([math.hypot(12.0, 10.0) / 15.0], abs=1e-6)
+    assert parts["B8"] == pytest.approx([0.05, 0.5], abs=0.05)
+    verdicts = {name: row["verdict"] for name, row in rows.items()}
+    assert verdicts.pop("B7") == "equivalent"
+    assert set(verdicts.values()) == {"superior"}
+
+
+def test_tracking_is_the_mean_square_over_the_references(make_world):
+    world = make_world(spread=0.0)
+    for cell in world["cells"]:
+        cell["models"]["fprc"]["open_loop_deg"] = {
+            "sine_0p2": 1.0, "sine_0p5": 2.0, "sweep": 3.0, "complex": 4.0,
+        }  # fmt: skip
+        cell["models"]["fprc_lowpass"]["open_loop_deg"] = dict.fromkeys(
+            ("sine_0p2", "sine_0p5", "sweep", "complex"), 2.0
+        )
+    opened = judged(world)["B3"]["parts"][0]
+    assert opened["mean"] == pytest.approx(math.sqrt(30 / 4) / 2)
+    assert judged(world)["B3"]["verdict"] == "inferior"
+
+
+def test_builds_of_a_rig_are_averaged_first(make_world):
+    world = make_world(units=9, builds=3, spread=0.2)
+    world["cells"].pop()  # the last rig has two builds
+    errors = {
+        (cell["unit"], cell["seed"]): [
+            cell["models"][name]["forward"]["test_rmse_kpa"] for name in ("fprc", "fprc_lowpass")
+        ]
+        for cell in world["cells"]
+    }
+    ratios = [
+        np.mean([math.log(a / b) for (unit, _), (a, b) in errors.items() if unit == rig])
+        for rig in range(9)
+    ]
+    row = judged(world)["B1"]
+    assert row["units"] == 9
+    assert row["parts"][0]["mean"] == pytest.approx(math.exp(np.mean(ratios)))
+
+
+def test_missing_numbers_leave_their_pairs_only(make_world):
+    world = make_world(units=12)
+    cells = world["cells"]
+    cells[0] = {"unit": 0, "seed": 601, "failed": "the reservoir is empty"}
+    del cells[1]["models"]["fprc_lowpass"]
+    cells[2]["models"]["ridge_p_o"]["forward"]["test_rmse_kpa"] = None
+    cells[3]["models"]["fprc"]["closed_loop_deg"]["sweep"] = float("inf")
+    rows = judged(world)
+    lost = {name: (row["units"], row["dropped"]) for name, row in rows.items()}
+    assert lost["B1"] == lost["B2"] == lost["B4"] == (10, 2)
+    assert lost["B3"] == (9, 3)
+    assert lost["B5"] == lost["B6"] == lost["B7"] == (11, 1)
+    assert lost["B8"] == (12, 0)
+
+
+def test_claim_without_its_model_is_not_judged(make_world):
+    rows = judged(make_world(models=("fprc", "fuzzy_linear"), capacity=None))
+    assert {name for name, row in rows.items() if row["verdict"] != "not judged"} == {"B7"}
+    assert rows["B5"]["reason"] == "not measured here: FPRC / ESN, matched in training (forward)"
+    assert rows["B5"]["parts"] == []
+    assert rows["B7"]["reason"] == ""
+
+
+def test_half_of_a_claim_is_not_judged(make_world):
+    world = make_world()
+    for cell in world["cells"]:
+        cell["models"]["fprc"]["closed_loop_deg"] = None
+    row = judged(world)["B3"]
+    assert row["verdict"] == "not judged"
+    assert "closed loop" in row["reason"]
+    assert "open loop" not in row["reason"]
+
+
+def test_few_units_decide_nothing_and_it_is_said(make_world):
+    rows = judged(make_world(units=7, spread=0.0))
+    assert {row["verdict"] for row in rows.values()} == {"undecided"}
+    assert rows["B1"]["reason"] == "7 seeds; at least 8 decide"
+
+
+def test_little_nonlinear_capacity_does_not_hold(make_world):
+    world = make_world()
+    for entry in world["capacity"]:
+        entry["sets"]["p_o"]["by_degree"] = {"1": 0.9, "2": 0.03, "3": 0.04}
+    row = judged(world)["B8"]
+    assert row["verdict"] == "inferior"
+    assert row["parts"][0]["mean"] == pytest.approx(-0.03)
+    assert [part["verdict"] for part in row["parts"]] == ["inferior", "superior"]
+
+
+def test_degree_one_is_not_nonlinear_and_order_of_the_interval_holds(make_world):
+    for part in judged(make_world())["B8"]["parts"]:
+        assert part["low"] < part["mean"] < part["high"]
+
+
+def test_whom_the_rig_was_fitted_for_is_said(make_world):
+    def fitted(*terms):
+        return {name: row["fitted"] for name, row in judged(make_world(fitted=list(terms))).items()}
+
+    found = fitted("tables", "orders", "open_loop")
+    assert [whom for whom, _ in found["B2"]] == ["FPRC", "FPRC"]
+    assert "reversed error" in found["B2"][0][1]
+    assert "lowest" in found["B2"][1][1]
+    assert found["B8"] == []
+    assert fitted("C8")["B8"] == [("P_o", "P_o's share of the readout's weights")]
+    assert not any(fitted().values())

@@ -1,0 +1,131 @@
+import numpy as np
+import pytest
+
+from fprc.competitors import COMPETITORS, base_of
+from fprc.config import Settings
+from fprc.errors import EvaluationError
+from fprc.evaluation import rmse
+from fprc.experiments.hysteresis import simulate
+from fprc.experiments.settings import RigSettings
+from fprc.experiments.tracking import Track, open_loop_errors
+from fprc.models import FPRC
+from fprc.studies.beyond.contest import (
+    ALL,
+    BRIEF,
+    SLOW,
+    Contest,
+    judge_build,
+    judge_lengths,
+    time_of_step,
+)
+
+SETTINGS = Settings().model_dump(mode="json")
+SEED = 3
+
+pytestmark = pytest.mark.slow  # whole fits
+
+
+@pytest.fixture(scope="module")
+def on_rig(signals):
+    return RigSettings(SETTINGS["rig"], SETTINGS["control"], signals, "command")
+
+
+@pytest.fixture(scope="module")
+def contest():
+    references = {
+        name: reference | {"duration_s": 8.0}
+        for name, reference in SETTINGS["tracking"]["references"].items()
+    }
+    tracking = SETTINGS["tracking"] | {
+        "references": references,
+        "candidate_kp_kpa_per_deg": [0.5, 2.0],
+    }
+    tuned = {"fprc_tuned": {}, "bank_tuned": {"alpha": 1.0}}
+    return Contest(SETTINGS["models"], tuned, 1, tracking, [-2.0, 0.0], 2.0, 1.0)
+
+
+@pytest.fixture(scope="module")
+def logs(on_rig):
+    return simulate(on_rig, SEED)
+
+
+@pytest.fixture(scope="module")
+def judged(on_rig, contest):
+    names = ("fprc", "fprc_tuned", "fuzzy_linear", "bank", "bank_tuned")
+    return judge_build(on_rig, SEED, names, contest)
+
+
+@pytest.fixture(scope="module")
+def fprc(logs):
+    X, y = logs["sweep"].pair("fprc")
+    return FPRC(random_state=SEED).fit(X, y)
+
+
+def test_errors_are_those_of_the_model_by_itself(judged, fprc, logs):
+    X, y = logs["complex"].pair("fprc")
+    assert judged["fprc"]["forward"]["test_rmse_kpa"] == pytest.approx(rmse(y, fprc.predict(X)))
+    backward = FPRC(random_state=SEED).fit(X, y)
+    X, y = logs["sweep"].pair("fprc")
+    assert judged["fprc"]["reversed"]["test_rmse_kpa"] == pytest.approx(
+        rmse(y, backward.predict(X))
+    )
+    assert judged["fprc"]["forward"]["train_rmse_kpa"] == pytest.approx(rmse(y, fprc.predict(X)))
+
+
+def test_build_on_which_fprc_cannot_be_trained_is_refused(on_rig, contest):
+    fprc = SETTINGS["models"]["fprc"] | {"n_u": 100_000}
+    unfit = contest._replace(models=SETTINGS["models"] | {"fprc": fprc})
+    with pytest.raises(EvaluationError, match="FPRC"):
+        judge_build(on_rig, SEED, ["bank"], unfit)
+
+
+def test_tracking_is_that_of_the_closed_loop_runs(judged, fprc, on_rig, contest):
+    bench = Track(contest.tracking, on_rig.control, on_rig.rig, SEED)
+    assert judged["fprc"]["open_loop_deg"] == pytest.approx(open_loop_errors(bench, fprc))
+    closed = judged["fprc"]["closed_loop_deg"]
+    assert sum(closed.values()) < sum(judged["fprc"]["open_loop_deg"].values())
+
+
+def test_disturbed_p_o_is_the_models_input(judged, fprc, logs):
+    X, y = logs["complex"].pair("fprc")
+    own = judged["fprc"]
+    assert own["shifted"]["0.0"] == own["forward"]["test_rmse_kpa"]
+    assert own["shifted"]["-2.0"] == pytest.approx(rmse(y, fprc.predict(X - [0.0, 2.0])))
+    ramp = np.column_stack([np.zeros(len(X)), np.linspace(0.0, 2.0, len(X))])
+    assert own["disturbed"]["drift"] == pytest.approx(rmse(y, fprc.predict(X - ramp)))
+    assert own["disturbed"].keys() == {"drift", "noise", "pushed"}
+    assert len({*own["disturbed"].values(), own["forward"]["test_rmse_kpa"]}) == 4
+
+
+def test_model_without_p_o_is_not_disturbed(judged):
+    for name in ("fuzzy_linear", "bank"):
+        assert judged[name]["shifted"] is judged[name]["disturbed"] is None
+
+
+def test_tuned_settings_replace_the_defaults_and_no_others(judged):
+    assert judged["fprc_tuned"] == judged["fprc"]
+    train = {name: judged[name]["forward"]["train_rmse_kpa"] for name in ("bank", "bank_tuned")}
+    assert train["bank_tuned"] > train["bank"]  # a stronger ridge
+
+
+def test_length_of_the_usual_log_gives_the_usual_error(judged, on_rig, contest):
+    sweep, second = on_rig.signals["sweep"], on_rig.signals["complex"]
+    short, usual, both = judge_lengths(
+        on_rig, SEED, ("fprc",), contest, seconds=[10.0, sweep["duration_s"]], second_log=second
+    )
+    assert usual["models"]["fprc"]["test_rmse_kpa"] == judged["fprc"]["forward"]["test_rmse_kpa"]
+    assert short["models"] != usual["models"]
+    assert both["two_logs"] is True
+    # the second log is the test log's signal, with other noise
+    assert both["models"]["fprc"]["test_rmse_kpa"] < usual["models"]["fprc"]["test_rmse_kpa"]
+
+
+def test_step_takes_time(logs, contest):
+    assert 0.0 < time_of_step("bank", logs, contest, SEED) < 1e6
+
+
+def test_names_are_competitors_with_a_suffix_or_without():
+    assert {base_of(name) for name in ALL} == set(COMPETITORS)
+    assert set(BRIEF) | set(SLOW) <= set(ALL)
+    assert base_of("fprc_lowpass") == "fprc_lowpass"
+    assert base_of("esn_matched") == "esn"

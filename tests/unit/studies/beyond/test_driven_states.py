@@ -1,0 +1,116 @@
+import json
+
+import numpy as np
+import pytest
+
+from fprc.config import Settings
+from fprc.control.simulated import simulate_tracking
+from fprc.devices.sim import SimulatedRig
+from fprc.errors import EvaluationError
+from fprc.studies.beyond import driven_states as experiment
+from fprc.studies.beyond.driven_states import judge_capacity
+
+MODELS = Settings().models.model_dump()
+SMALL = {
+    "hold_s": 0.1,
+    "angle_range_deg": (5.0, 60.0),
+    "samples": 600,
+    "washout": 10,
+    "max_delay": 4,
+    "max_degree": 2,
+    "p": 1e-4,
+    "virtual_nodes": 4,
+    "bank_epsilons": (0.03,),
+    "esn_nodes": 8,
+}
+
+
+@pytest.fixture
+def judge(rig, control):
+    """Judge a rig whose parameters of a section are replaced."""
+
+    def judge(seed=1, capacity=SMALL, **sections):
+        for section, changed in sections.items():
+            rig[section] |= changed
+        return judge_capacity(rig, control, MODELS, capacity, seed)
+
+    return judge
+
+
+def test_lowpass_of_held_input_has_the_memory_of_its_impulse_response(judge):
+    """A hold of 20 samples makes one step of it, with the pole (1 - epsilon)^20."""
+    bank = judge(capacity=SMALL | {"samples": 2500, "max_degree": 1, "esn_nodes": 1})["sets"][
+        "bank"
+    ]
+    pole = 0.97**20
+    expected = (1.0 - pole**2) * pole ** (2 * np.arange(5))
+    np.testing.assert_allclose(bank["by_delay"], expected, atol=0.04)
+
+
+def test_each_set_has_its_states_and_the_results_are_json(judge):
+    told = judge()
+    assert {name: found["states"] for name, found in told["sets"].items()} == {
+        "p_o": 1,
+        "p_o_taps": 3,
+        "p_o_virtual": 4,
+        "theta_lowpass_taps": 3,
+        "bank": 1,
+        "esn": 13,
+        "esn_noisy": 13,
+    }
+    assert json.loads(json.dumps(told)) == told
+    for found in told["sets"].values():
+        assert found["memory"] == pytest.approx(sum(found["by_delay"]))
+        assert found["memory"] + found["nonlinear"] == pytest.approx(
+            sum(found["by_degree"].values())
+        )
+
+
+def test_taps_of_lowpassed_held_theta_know_two_numbers(judge):
+    """Within a hold they are the held angle and one average of the earlier ones."""
+    found = judge()["sets"]["theta_lowpass_taps"]
+    assert found["rank"] == 2
+    assert found["by_delay"][0] == pytest.approx(1.0)
+
+
+def test_p_o_of_a_reservoir_without_friction_or_noise_forgets_every_earlier_hold(judge):
+    told = judge(
+        reservoir={"friction_kpa": 0.0, "friction_per_kpa": 0.0, "bending_time_s": 0.02},
+        pressure_sensor={"noise_kpa": 0.0},
+        capacity=SMALL | {"hold_s": 0.3, "samples": 300},
+    )
+    assert told["sets"]["p_o"]["by_delay"][0] > 0.97
+    assert told["sets"]["p_o"]["by_delay"][1:] == [0.0] * 4
+
+
+def test_noise_of_p_o_is_that_of_its_sensor(judge, quiet_rig, control):
+    """Over the standard deviation of P_o on other random holds of the same range."""
+    told = judge(pressure_sensor={"noise_kpa": 0.9})
+    theta_d = np.repeat(np.random.default_rng(8).uniform(5.0, 60.0, 1000), 20)
+    device = SimulatedRig(quiet_rig, seed=1, run=0, sample_rate_hz=200.0)
+    run = simulate_tracking(device, control, theta_d, np.zeros_like(theta_d), 450.0, feedback=False)
+    assert told["noise_of_p_o"] == pytest.approx(0.9 / np.std(run["p_o_kpa"]), rel=0.08)
+
+
+def test_network_at_the_end_of_a_long_hold_knows_the_held_angle_alone(judge):
+    found = judge(capacity=SMALL | {"hold_s": 0.4, "samples": 100})["sets"]["esn"]
+    assert found["by_delay"] == pytest.approx([1.0, 0.0, 0.0, 0.0, 0.0])
+
+
+def test_noise_makes_the_network_lose_capacity(judge):
+    sets = judge(pressure_sensor={"noise_kpa": 1.5})["sets"]
+    total = {name: sets[name]["total"] for name in ("esn", "esn_noisy")}
+    assert total["esn_noisy"] < total["esn"] - 0.1
+
+
+def test_states_of_the_network_do_not_depend_on_the_parts(judge, monkeypatch):
+    few = SMALL | {"samples": 150}
+    whole = judge(capacity=few)["sets"]["esn"]
+    monkeypatch.setattr(experiment, "_AT_ONCE", 37)
+    parts = judge(capacity=few)["sets"]["esn"]
+    assert parts["by_degree"] == pytest.approx(whole["by_degree"], abs=1e-6)
+
+
+def test_refuses_more_virtual_nodes_than_samples_in_a_hold(judge):
+    with pytest.raises(EvaluationError, match="virtual nodes"):
+        judge(capacity=SMALL | {"virtual_nodes": 21})

@@ -1,0 +1,155 @@
+"""Figures of worlds with many models, and with almost none."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+from matplotlib.colors import to_hex
+from scipy.stats import spearmanr
+
+from fprc.figures import style
+from fprc.studies.beyond import figures as figures
+from fprc.studies.beyond import tables as tables
+from fprc.studies.beyond import verdicts
+from fprc.studies.beyond.claims import judge_world
+
+TITLES = {"fprc": "FPRC", "esn": "ESN", "fuzzy_linear": "Fuzzy-linear"}
+WORLDS = ("dry", "sparse")
+
+
+@pytest.fixture(scope="module")
+def worlds(make_world):
+    sparse = {"capacity": None, "training_length": None, "step_us": None}
+    few = ("fprc", "fuzzy_linear", "fprc_lowpass")
+    return {
+        "dry": make_world(spread=0.02),
+        "sparse": make_world("sparse", units=3, models=few, **sparse),
+    }
+
+
+@pytest.fixture
+def ax():
+    fig, axes = style.figure(1, 1, style.COLUMN_IN, 2.5)
+    yield axes
+    fig.draw_without_rendering()  # raises where a label cannot be typeset
+    plt.close(fig)
+
+
+def of(table, world):
+    return table[table["world"] == world]
+
+
+def claims(worlds):
+    return verdicts.claims([judge_world(world, TITLES) for world in worlds.values()])
+
+
+@pytest.mark.parametrize("world", ["dry", "sparse"])
+def test_pairs_have_a_row_each_and_the_band_of_equivalence(worlds, world, ax):
+    table = claims({world: worlds[world]})
+    figures.plot_pairs(table, WORLDS, ax)
+    labels = [label.get_text() for label in ax.get_yticklabels()]
+    assert [label[:2] for label in labels] == table[table["ratio"].eq(True)]["id"].tolist()
+    assert ax.get_xscale() == "log"
+    ends = ax.patches[0].get_extents().transformed(ax.transData.inverted())
+    assert [ends.x0, ends.x1] == pytest.approx([1 / 1.05, 1.05])
+    assert 1.0 in ax.get_xticks()
+
+
+def test_hollow_markers_are_undecided(worlds, ax):
+    table = claims(worlds)
+    figures.plot_pairs(table, WORLDS, ax)
+    shown = table[table["ratio"].eq(True)]
+    hollow = [to_hex(bars[0].get_markerfacecolor()) == "#ffffff" for bars in ax.containers]
+    assert hollow == shown["verdict"].isin(["undecided", "not judged"]).tolist()
+    assert any(hollow)
+    assert not all(hollow)
+    centres = [bars[0].get_xdata()[0] for bars in ax.containers]
+    assert centres == pytest.approx(shown["mean"].tolist())
+
+
+def test_markers_of_worlds_do_not_share_a_place(worlds, ax):
+    figures.plot_pairs(claims(worlds), WORLDS, ax)
+    heights = [round(float(bars[0].get_ydata()[0]), 6) for bars in ax.containers]
+    assert len(set(heights)) == len(heights)
+
+
+@pytest.mark.parametrize("world", ["dry", "sparse"])
+def test_every_model_has_its_number_at_its_point(worlds, world, ax):
+    table = of(tables.errors_and_tracking(tables.models(list(worlds.values()))), world)
+    table = table[table["loop"] == "closed_loop"].set_index("model")
+    numbers = {name: number for number, name in enumerate([*table.index, "absent"], start=3)}
+    figures.plot_errors_and_tracking(table.reset_index(), numbers, TITLES, ax)
+    for text, line in zip(ax.texts, ax.lines, strict=True):
+        number, _ = line.get_label().split("  ")
+        assert text.get_text() == number
+        (name,) = (name for name, own in numbers.items() if str(own) == number)
+        expected = table.loc[name, ["forward", "tracking"]].tolist()
+        assert [*text.xy] == expected
+        assert [line.get_xdata()[0], line.get_ydata()[0]] == expected
+    assert len(ax.texts) == len(table)
+
+
+def test_rank_correlation_is_spearmans(make_world):
+    random = np.random.default_rng(2)
+    world = make_world(units=2)
+    for cell in world["cells"]:
+        for report in cell["models"].values():
+            factor = random.uniform(0.5, 2.0)
+            report["open_loop_deg"] = {k: v * factor for k, v in report["open_loop_deg"].items()}
+    table = tables.errors_and_tracking(tables.models([world]))
+    for _, own in table.groupby("loop"):
+        expected = spearmanr(own["forward"], own["tracking"]).statistic
+        assert own["rank_correlation"].iloc[0] == pytest.approx(expected)
+        assert not own["model"].str.endswith("_oracle").any()
+        assert (own["models"] == len(own)).all()
+
+
+def test_two_models_have_no_rank_correlation(make_world):
+    world = make_world(models=("fprc", "fuzzy_linear"))
+    table = tables.errors_and_tracking(tables.models([world]))
+    assert table.empty
+    assert "rank_correlation" in table
+
+
+@pytest.mark.parametrize("world", ["dry", "sparse"])
+def test_offsets_have_fuzzy_linear_as_a_level_line(worlds, world, ax):
+    table = of(tables.offsets(list(worlds.values())), world)
+    figures.plot_offsets(table, TITLES, ax)
+    lines = {line.get_label(): line for line in ax.lines}
+    level = table[table["model"] == "fuzzy_linear"]["mean"].iloc[0]
+    assert list(lines["Fuzzy-linear"].get_ydata()) == [level, level]
+    assert lines["Fuzzy-linear"].get_linestyle() == "--"
+    assert list(lines["FPRC"].get_xdata()) == [-5, -2, -1, 0, 1, 2, 5]
+    assert not any("tuned" in label for label in lines)
+
+
+def test_stacked_capacities_end_at_the_total(worlds, ax):
+    table = of(tables.capacity(list(worlds.values())), "dry")
+    figures.plot_capacities(table, ax)
+    ends = {}
+    for bars in ax.containers:
+        for bar in bars:
+            row = round(bar.get_y() + bar.get_height() / 2)
+            ends[row] = max(ends.get(row, 0.0), bar.get_x() + bar.get_width())
+    totals = table[table["quantity"] == "total"].set_index("set")
+    assert [ends[row] for row in range(4)] == pytest.approx(
+        totals["mean"][["p_o", "p_o_taps", "theta_lowpass_taps", "esn"]].tolist()
+    )
+    assert [text.get_text().split(" of ")[1] for text in ax.texts] == ["1", "4", "4", "300"]
+
+
+@pytest.mark.parametrize("what", ["pairs", "tracking", "offsets", "capacities"])
+def test_world_of_failures_is_drawn_empty(what, make_world, ax):
+    nothing = {"capacity": None, "training_length": None, "step_us": None}
+    world = make_world(cells=[{"unit": 0, "seed": 1, "failed": "no pressure"}], **nothing)
+    if what == "pairs":
+        figures.plot_pairs(claims({"dry": world}), WORLDS, ax)
+    elif what == "tracking":
+        table = tables.errors_and_tracking(tables.models([world]))
+        figures.plot_errors_and_tracking(table, {}, TITLES, ax)
+    elif what == "offsets":
+        figures.plot_offsets(tables.offsets([world]), TITLES, ax)
+    else:
+        figures.plot_capacities(tables.capacity([world]), ax)
+    assert ax.get_xlabel()
+    assert not ax.texts
+    assert not ax.containers

@@ -1,0 +1,167 @@
+"""Tables of worlds whose numbers are known."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.stats import t
+
+from fprc.studies.beyond import tables as tables
+from fprc.studies.beyond.claims import judge_world
+from fprc.tables.text import markdown, read_markdown
+
+TITLES = {"fprc": "FPRC", "esn": "ESN", "fuzzy_linear": "Fuzzy-linear", "bank": "Bank"}
+
+
+@pytest.fixture(scope="module")
+def worlds(make_world):
+    """A full world, one of drawn rigs, and one with the least that can be."""
+    sparse = {"capacity": None, "training_length": None, "step_us": None}
+    failed = [{"unit": 0, "seed": 601, "rig": None, "failed": "no pressure"}]
+    return [
+        make_world("dry"),
+        make_world("drawn", units=9, builds=2, spread=0.1, fitted=[]),
+        make_world("sparse", units=3, models=("fprc", "fuzzy_linear"), **sparse),
+        make_world("broken", cells=failed, **sparse),
+    ]
+
+
+@pytest.fixture(scope="module")
+def ledgers(worlds):
+    return [judge_world(world, TITLES) for world in worlds]
+
+
+def means(world, measure, name):
+    rows = [
+        (cell["unit"], cell["models"][name][measure]["test_rmse_kpa"]) for cell in world["cells"]
+    ]
+    return pd.DataFrame(rows).groupby(0)[1].mean().to_numpy()
+
+
+def test_means_and_intervals_are_over_units(worlds):
+    table = tables.models(worlds).set_index(["world", "model", "measure"])
+    row, values = table.loc[("drawn", "esn", "reversed")], means(worlds[1], "reversed", "esn")
+    half = t.ppf(0.975, 8) * values.std(ddof=1) / 3.0
+    assert row["units"] == 9
+    assert [row["mean"], row["low"], row["high"]] == pytest.approx(
+        [values.mean(), values.mean() - half, values.mean() + half]
+    )
+
+
+def test_no_number_is_missing_where_there_are_two_units(worlds):
+    for table in (
+        tables.models(worlds),
+        tables.offsets(worlds),
+        tables.capacity(worlds),
+        tables.lengths(worlds),
+    ):
+        several = table[table["units"] > 1]
+        assert not several.isna().any().any()
+        assert np.isfinite(table["mean"]).all()
+        assert not table.duplicated([c for c in table if c not in ("mean", "low", "high")]).any()
+
+
+def test_tables_of_nothing_have_their_columns(worlds):
+    broken = worlds[3:]
+    for table in (
+        tables.models(broken),
+        tables.offsets(broken),
+        tables.capacity(broken),
+        tables.lengths(broken),
+    ):
+        assert table.empty
+        assert {"world", "mean", "low", "high", "units", "source"} <= set(table)
+
+
+def test_pages_survive_a_world_with_nothing(worlds):
+    pages = [
+        tables.models_page(tables.models(worlds), "broken", TITLES),
+        tables.leaderboard(tables.models(worlds), "broken", TITLES),
+        tables.offsets_page(tables.offsets(worlds), "broken", TITLES),
+        tables.capacity_page(tables.capacity(worlds), "broken"),
+        tables.lengths_page(tables.lengths(worlds), "broken", TITLES),
+        tables.worlds_page(worlds),
+    ]
+    for page in pages:
+        note, read = read_markdown(markdown(page, "Note."))
+        assert (note, list(read)) == ("Note.", list(page))
+        assert "nan" not in page.to_string().lower().split()
+
+
+def test_leaderboard_begins_with_the_lowest_error_and_offers_no_oracle(worlds):
+    page = tables.leaderboard(tables.models(worlds), "dry", TITLES)
+    errors = [float(text.split()[0]) for text in page["Forward test [kPa]"]]
+    assert errors == sorted(errors)
+    assert page["Model"].iloc[0] == "FPRC, tuned"
+    assert not page["Model"].str.contains("test log|matched|oracle").any()
+    assert not any("Closed" in column for column in page)
+    assert {"Reversed test [kPa]", "Open loop [deg]", "One step [us]"} < set(page)
+
+
+def test_worlds_say_what_they_are_and_what_they_are_judged_on(worlds):
+    page = tables.worlds_page([*worlds[:2], {**worlds[0], "name": "of_mine"}]).set_index("World")
+    assert page["Judged on"].tolist() == ["12 seeds", "9 rigs, 2 seeds each", "12 seeds"]
+    assert page.index.tolist() == ["dry", "drawn", "of-mine"]
+    assert "not fitted" in page.loc["drawn", "What it is"]
+
+
+def test_rank_correlations_keep_the_order_of_the_worlds(worlds):
+    table = tables.errors_and_tracking(tables.models(worlds))
+    page = tables.correlations_page(table)
+    assert page["World"].tolist() == ["dry", "drawn"]  # the others have too few models
+    drawn = table[(table["world"] == "drawn") & (table["loop"] == "open_loop")]
+    assert page["Open loop"][1] == f"{drawn['rank_correlation'].iloc[0]:.2f}"
+
+
+def test_offsets_and_disturbances_have_their_columns(worlds):
+    table = tables.offsets(worlds)
+    assert set(table["offset_kpa"]) == {-5.0, -2.0, -1.0, 0.0, 1.0, 2.0, 5.0}
+    assert set(table["disturbance"]) == {"none", "drift", "pushed"}
+    page = tables.offsets_page(table, "dry", TITLES).set_index("Model")
+    assert list(page) == ["-5", "-2", "-1", "0", "+1", "+2", "+5", "drift", "push"]
+    assert page.loc["Fuzzy-linear"].ne("-").sum() == 1
+    assert page.loc["FPRC"].ne("-").all()
+    fprc = table[(table["world"] == "dry") & (table["model"] == "fprc")]
+    low = fprc[(fprc["offset_kpa"] == -2.0)]["mean"].iloc[0]
+    assert page.loc["FPRC", "-2"] == f"{low:.3g}"
+
+
+def test_model_of_fewer_seeds_says_so(make_world):
+    world = make_world()
+    for cell in world["cells"][3:]:
+        del cell["models"]["mlp"]
+    page = tables.models_page(tables.models([world]), "dry", TITLES)
+    assert page.set_index("Model")["Units"][["FPRC", "mlp"]].tolist() == ["12", "3"]
+
+
+def test_lengths_are_in_order_and_two_logs_last(worlds):
+    page = tables.lengths_page(tables.lengths(worlds), "dry", TITLES)
+    assert list(page) == ["Model", "15 s", "30 s", "60 s", "two logs"]
+    assert page.iloc[0].tolist() == ["FPRC", "16.7", "13.3", "11.7", "10.4"]
+
+
+def test_blocks_are_those_of_the_pages_and_survive_csv(worlds, ledgers, tmp_path):
+    found = {
+        "models": tables.models(worlds), "offsets": tables.offsets(worlds),
+        "tracking": tables.errors_and_tracking(tables.models(worlds)),
+        "capacities": tables.capacity(worlds), "lengths": tables.lengths(worlds),
+    }  # fmt: skip
+    read = {}
+    for name, table in found.items():
+        table.to_csv(tmp_path / name, index=False)
+        read[name] = pd.read_csv(tmp_path / name)
+    judged = {"source": "sim", "advice": ["Take a | b.", "Not c."], "ledgers": ledgers,
+              "worlds": tables.worlds_page(worlds).to_dict("records")}  # fmt: skip
+    blocks = tables.blocks(judged, found, "dry", TITLES)
+    assert tables.blocks(judged, read, "dry", TITLES) == blocks
+    assert len(blocks["advice"].splitlines()) == 2
+    docs = Path(__file__).parents[4] / "docs"
+    begun = {
+        name
+        for page in ("beyond.md", "benchmark.md")
+        for name in re.findall(r"<!-- (\w+): generated -->", (docs / page).read_text("utf-8"))
+    }
+    assert blocks.keys() == begun
+    assert blocks["leaderboard"].startswith("Data: simulated rig, not hardware.")

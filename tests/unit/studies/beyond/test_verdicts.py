@@ -1,0 +1,90 @@
+"""Tables of verdicts in worlds whose numbers are known."""
+
+import pytest
+
+from fprc.studies.beyond import verdicts
+from fprc.studies.beyond.claims import judge_world
+from fprc.tables.text import markdown, read_markdown
+
+TITLES = {"fprc": "FPRC", "esn": "ESN", "fuzzy_linear": "Fuzzy-linear", "bank": "Bank"}
+
+
+@pytest.fixture(scope="module")
+def ledgers(make_world):
+    """A full world, one of drawn rigs, one with the least that can be, and one that failed."""
+    sparse = {"capacity": None, "training_length": None, "step_us": None}
+    failed = [{"unit": 0, "seed": 601, "rig": None, "failed": "no pressure"}]
+    worlds = [
+        make_world("dry", fitted=["tables", "orders", "open_loop", "C8"]),
+        make_world("drawn", units=9, builds=2, spread=0.1, fitted=[]),
+        make_world("sparse", units=3, models=("fprc", "fuzzy_linear"), **sparse),
+        make_world("broken", cells=failed, **sparse),
+    ]
+    return [judge_world(world, TITLES) for world in worlds]
+
+
+def test_claims_have_one_row_each_and_one_column_per_world(ledgers):
+    page = verdicts.claims_page(ledgers).set_index("Id")
+    assert list(page.index) == [f"B{n}" for n in range(1, 9)]
+    assert list(page) == ["Claim", "dry", "drawn", "sparse", "broken"]
+
+
+def test_mark_beside_a_verdict_says_whom_the_fit_favours(ledgers):
+    page = verdicts.claims_page(ledgers).set_index("Id")
+    mean = ledgers[0][0]["parts"][0]["mean"]
+    assert page.loc["B1", "dry"] == f"superior†‡ {mean:.3f}"
+    assert page.loc["B4", "dry"].startswith("superior† ")
+    assert page.loc["B8", "dry"].startswith("holds‡ 0.0")
+    assert page.loc["B7", "sparse"].startswith("undecided† ")
+    assert not page["drawn"].str.contains("[†‡]").any()
+    # fitted as well, but there is no verdict
+    assert page.loc["B1", "broken"] == "not judged"
+
+
+def test_what_was_fitted_names_its_claims_and_worlds(ledgers):
+    page = verdicts.fitted_page(ledgers).set_index("What was fitted")
+    assert page.loc["FPRC's forward error, at epsilon 0.01"].tolist() == ["FPRC †", "B1, B4", "dry"]
+    assert page.loc["P_o's share of the readout's weights"].tolist() == [
+        "P_o ‡", "B1, B2, B3, B8", "dry",
+    ]  # fmt: skip
+    lowest = page.loc["FPRC's error as the lowest of the paper's models"]
+    assert lowest[["Claims", "Worlds"]].to_numpy().tolist() == [
+        ["B1, B2, B4, B6", "dry"], ["B7", "dry, sparse"],
+    ]  # fmt: skip
+    assert verdicts.fitted_page(ledgers[1:2]).empty
+
+
+def test_details_say_on_what_a_verdict_rests(ledgers):
+    page = verdicts.details_page(ledgers).set_index(["Id", "World"])
+    assert list(page.index[:3]) == [("B1", "dry"), ("B1", "drawn"), ("B2", "dry")]
+    part = ledgers[0][0]["parts"][0]
+    assert page.loc[("B1", "dry")].tolist() == [
+        "superior†‡", f"{part['mean']:.3f}", f"{part['low']:.3f} to {part['high']:.3f}",
+        "< 0.001", "100 %", "12", "0",
+    ]  # fmt: skip
+    assert page.loc[("B7", "sparse"), ["Units", "Subsets that agree"]].tolist() == ["3", "-"]
+    # not judged, so there is nothing to show
+    assert "broken" not in page.index.get_level_values("World")
+
+
+def test_tidy_claims_have_a_row_for_each_part(ledgers):
+    table = verdicts.claims(ledgers)
+    assert table.groupby(["world", "id"]).size()["dry"].to_dict() == {
+        f"B{n}": 2 if n in (3, 8) else 1 for n in range(1, 9)
+    }
+    broken = table[table["world"] == "broken"]
+    assert broken["id"].tolist() == [f"B{n}" for n in range(1, 9)]
+    assert broken["reason"].str.startswith("not measured here").all()
+    decided = table[table["verdict"].isin(["superior", "equivalent", "inferior"])]
+    assert len(decided) > 8
+    assert not decided.isna().any().any()
+
+
+def test_pages_survive_worlds_with_nothing(ledgers):
+    for few in (ledgers, ledgers[3:]):
+        for page in (
+            verdicts.claims_page(few), verdicts.fitted_page(few), verdicts.details_page(few)
+        ):  # fmt: skip
+            note, read = read_markdown(markdown(page, "Note."))
+            assert (note, list(read)) == ("Note.", list(page))
+            assert "nan" not in page.to_string().lower().split()

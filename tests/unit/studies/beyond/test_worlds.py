@@ -1,0 +1,67 @@
+import math
+
+import pytest
+
+from fprc.studies.beyond.worlds import capacities, measured, title_of, world_title
+
+CELL = {"unit": 3, "seed": 601, "rig": None}
+
+
+def values(**report):
+    world = {"cells": [CELL | {"models": {"fprc": report}}]}
+    table = measured(world)
+    return dict(zip(table["measure"], table["value"], strict=True))
+
+
+def test_numbers_are_named_by_their_measure():
+    found = values(
+        forward={"train_rmse_kpa": 9.0, "test_rmse_kpa": 10.0},
+        reversed={"train_rmse_kpa": 9.0, "test_rmse_kpa": 20},
+        open_loop_deg={"sine_0p2": 1.0, "sine_0p5": 2.0, "sweep": 3.0, "complex": 4.0},
+        closed_loop_deg=None,
+        shifted={"-2.0": 15.0, "0.5": 11.0},
+        disturbed={"drift": 12.0},
+    )
+    assert found.pop("open_loop") == pytest.approx(math.sqrt(7.5))
+    assert found == {
+        "train": 9.0, "forward": 10.0, "reversed": 20.0, "shifted/-2": 15.0, "shifted/0.5": 11.0,
+        "disturbed/drift": 12.0,
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("bad", [None, math.nan, math.inf, 0.0, -1.0])
+def test_number_that_is_none_leaves_no_row(bad):
+    assert values(forward={"test_rmse_kpa": bad}) == {}
+    tracked = {"sine_0p2": 1.0, "sine_0p5": 2.0, "sweep": 3.0, "complex": bad}
+    assert values(closed_loop_deg=tracked) == {}
+
+
+def test_world_of_failures_has_no_rows():
+    table = measured({"cells": [CELL | {"failed": "no pressure"}]})
+    assert list(table) == ["unit", "seed", "model", "measure", "value"]
+    assert table.empty
+
+
+def test_nonlinear_capacity_is_that_of_degree_two_and_above():
+    found = {"memory": 2.0, "total": 4.0, "states": 5, "by_degree": {"1": 2.0, "2": 1.5, "3": 0.5}}
+    table = capacities({"capacity": [{"seed": 601, "sets": {"p_o": found}}]})
+    assert dict(zip(table["quantity"], table["value"], strict=True)) == {
+        "memory": 2.0, "total": 4.0, "degree 1": 2.0, "degree 2": 1.5, "degree 3": 0.5,
+        "nonlinear": 2.0,
+    }  # fmt: skip
+    assert set(table["unit"]) == {601}
+    assert capacities({"capacity": None}).empty
+
+
+def test_suffix_of_a_model_is_spelt_out():
+    titles = {"esn": "ESN", "bank_p_o": "Low-passes and P_o"}
+    assert title_of("esn_tuned", titles) == "ESN, tuned"
+    assert title_of("esn_oracle", titles) == "ESN, oracle"
+    assert title_of("bank_p_o", titles) == "Low-passes and P_o"
+    assert title_of("my_own", titles) == "my own"
+
+
+def test_every_world_has_a_title_and_a_rig_of_ones_own_keeps_its_name():
+    assert [world_title(name) for name in ("bouc_wen", "drawn", "my_rig")] == [
+        "Bouc-Wen", "drawn", "my-rig",
+    ]  # fmt: skip

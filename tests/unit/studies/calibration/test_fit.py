@@ -1,0 +1,646 @@
+import copy
+import importlib
+import math
+import re
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import yaml
+
+from fprc.artifacts import read_json
+from fprc.config import PUBLISHED, Settings, check
+from fprc.config.rig import Rig
+from fprc.errors import ConfigError, EvaluationError, SimulationError
+from fprc.experiments.settings import RigSettings
+from fprc.provenance import hash_of
+from fprc.studies.calibration import fit as stage
+from fprc.studies.calibration.full_models import full_errors
+from fprc.studies.calibration.objective import TERMS, aim_of, deviations
+from fprc.studies.calibration.space import decode, encode, free_parameters, resolved
+from fprc.studies.calibration.surrogate import MEASURES, judge_cheaply
+from fprc.studies.stages.calibrate import calibrate
+
+ROOT = Path(__file__).parents[4]
+PRINTED = yaml.safe_load(PUBLISHED.read_text(encoding="utf-8"))
+RIG = Rig().model_dump(mode="json")
+SURROGATE = {"stride": 7, "esn_nodes": 8}
+POPULATION, GENERATIONS = 8, 2
+EVALUATIONS = POPULATION * GENERATIONS
+
+
+# --- tiny configuration ---------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def settings():
+    """What the stage takes, with short signals and small models."""
+    found = Settings().model_dump(mode="json")
+    models = found["models"] | {"n_y": 2}
+    models["esn"] |= {"r": 12, "washout": 10}
+    models["fprc"] |= {"n_c": 2, "n_u": 2}
+    calibration = found["calibration"] | {
+        "free": ["bending.friction_kpa", "bending.friction_per_kpa", "drift.sigma_kpa"],
+        "ranges": {"drift.sigma_kpa": [0.5, 14.5]},
+        "seeds": [21],
+        "check_seeds": [41],
+        "taps": [4, 1],
+        "first": {"fit": [], "generations": 1},
+        "generations": [GENERATIONS],
+        "step": 0.3,
+        **SURROGATE,
+    }
+    signals = {name: signal | {"duration_s": 8.0} for name, signal in found["experiments"].items()}
+    signals["sweep"]["f_start_hz"] = 0.8  # whole loops in its first quarter
+    tracking = found["tracking"]
+    for name, described in tracking["references"].items():
+        f_hz = [0.5, 1.0] if name == "sweep" else described["f_hz"]
+        described |= {"f_hz": f_hz, "duration_s": 2.0, "settle_s": 0.5}
+    rig = found["rig"]
+    # far from the paper, so that there is something to improve
+    rig["bending"] |= {"friction_kpa": 14.0, "friction_per_kpa": 0.19}
+    rig["drift"]["sigma_kpa"] = 14.0
+    return {
+        "on_rig": {
+            "rig": rig,
+            "signals": signals,
+            "control": found["control"],
+            "target": "command",
+        },
+        "judgement": {"models": models, "folds": 2, "split": "shuffled"},
+        "calibration": calibration,
+        "grids": {"epsilon": [0.1, 1.0], "n_c": [3, 1]},
+        "tracking": tracking,
+        "workers": 1,
+        "version": "v",
+    }
+
+
+@pytest.fixture(scope="module")
+def on_rig(settings):
+    return RigSettings(**settings["on_rig"])
+
+
+def with_calibration(settings, **changes):
+    return {"calibration": settings["calibration"] | changes}
+
+
+# --- what is measured -----------------------------------------------------------------------------
+
+
+@pytest.fixture
+def asked_for(monkeypatch):
+    """Seeds that the surrogate judges, with what it is asked to measure."""
+    asked = []
+
+    def judge(on_rig, seed, models, surrogate, grids, tracking, measures):
+        asked.append((seed, set(measures)))
+        assert surrogate == SURROGATE
+        return {"errors": {}, "seed": seed}
+
+    monkeypatch.setattr(stage, "judge_cheaply", judge)
+    return asked
+
+
+@pytest.fixture
+def judge_seeds(settings, on_rig):
+    def call(seeds, **changes):
+        calibration = with_calibration(settings, **changes)["calibration"]
+        models = settings["judgement"]["models"]
+        return stage.judge_seeds(
+            on_rig, seeds, models=models, calibration=calibration, grids={}, tracking={}
+        )
+
+    return call
+
+
+GRIDS = {"epsilon", "n_c", "taps"}
+
+
+@pytest.mark.parametrize(("grid_seeds", "first"), [(1, 1), (2, 2), (9, 3)])
+def test_grids_are_measured_on_the_first_seeds_only(asked_for, judge_seeds, grid_seeds, first):
+    found = judge_seeds([4, 3, 9], grid_seeds=grid_seeds)
+    assert [seed["seed"] for seed in found] == [4, 3, 9]
+    assert [seed for seed, _ in asked_for] == [4, 3, 9]
+    for number, (_, measures) in enumerate(asked_for):
+        assert measures == (set(MEASURES) if number < first else set(MEASURES) - GRIDS)
+
+
+@pytest.mark.parametrize(
+    ("fit", "measures"),
+    [
+        (["tables", "orders", "plausible", "C18"], set()),
+        (["C8"], {"shares"}),
+        (["C9a"], {"epsilon"}),
+        (["C9b"], {"n_c"}),
+        (["C11", "C12"], {"n_c", "taps"}),
+        (["open_loop", "tables"], {"open_loop"}),
+    ],
+)
+def test_only_what_the_terms_need_is_measured(asked_for, judge_seeds, fit, measures):
+    judge_seeds([4], fit=fit)
+    assert asked_for == [(4, measures)]
+
+
+@pytest.mark.parametrize("term", TERMS)
+def test_each_term_can_be_fitted_alone(settings, on_rig, term):
+    calibration = with_calibration(settings, fit=[term])["calibration"]
+    judged = stage.judge_seeds(
+        on_rig, [21, 22], models=settings["judgement"]["models"],
+        calibration=calibration | {"grid_seeds": 1},
+        grids=stage._in_order(settings["grids"], calibration["taps"]),
+        tracking=settings["tracking"],
+    )  # fmt: skip
+    (found,) = deviations(judged, aim_of(PRINTED, calibration)).values()
+    assert np.isfinite(found).all()
+
+
+# --- logarithms at a point ------------------------------------------------------------------------
+
+
+@pytest.fixture
+def logs_at(on_rig):
+    """Return the logarithms at a point whose coordinates are these parameters."""
+
+    def call(point, paths, cheaply=None, **changes):
+        seen = []
+
+        def judge(settings, seeds):
+            seen.append((settings, seeds))
+            return cheaply(settings, seeds) if cheaply else [{"errors": {"a": 2.0, "b": 3.0}}]
+
+        free = free_parameters(paths)
+        found = stage.judge_point(
+            np.array(point), on_rig=replace(on_rig, rig=RIG), free=free, seeds=[21, 22],
+            cheaply=judge, **changes,
+        )  # fmt: skip
+        return found, seen
+
+    return call
+
+
+STIFF = ["reservoir.squeeze_damping_kpa_s_per_ml", "reservoir.slip_distance_ml"]
+
+
+def test_rig_at_the_point_is_judged_on_all_seeds(logs_at, on_rig):
+    found, ((judged, seeds),) = logs_at([0.25], ["drift.sigma_kpa"])
+    assert found == pytest.approx([math.log(2.0), math.log(3.0)])
+    assert seeds == [21, 22]
+    assert judged.rig["drift"]["sigma_kpa"] == 3.75
+    assert judged.signals == on_rig.signals
+
+
+def test_squeeze_is_damped_enough_before_a_rig_is_judged(logs_at):
+    found, ((judged, _),) = logs_at([0.0, 0.5], STIFF)
+    assert found is not None
+    assert judged.rig["reservoir"]["squeeze_damping_kpa_s_per_ml"] > 0.3
+    Rig.model_validate(judged.rig)
+
+
+def test_rig_that_breaks_a_rule_is_impossible_and_not_simulated(logs_at):
+    stiff = [f"reservoir.slip_distance_ml.{k}" for k in range(3)]
+    stiff += ["reservoir.friction_kpa", "reservoir.friction_per_kpa"]
+    point = [0.0, 0.0, 0.0, 1.0, 1.0]
+    rig = resolved(decode(point, RIG, free_parameters(stiff)))
+    with pytest.raises(ValueError, match="squeeze_damping"):
+        Rig.model_validate(rig)
+    assert logs_at(point, stiff) == (None, [])
+
+
+@pytest.mark.parametrize("value", [np.inf, np.nan])
+def test_rig_with_a_measure_that_is_not_finite_is_impossible(logs_at, value):
+    found, _ = logs_at([0.5], ["drift.sigma_kpa"], lambda *_: [{"errors": {"a": value}}])
+    assert found is None
+
+
+@pytest.mark.parametrize(
+    "failure",
+    [
+        SimulationError("the bending angle left its physical range"),
+        np.linalg.LinAlgError("singular matrix"),
+        ValueError("input contains NaN"),
+        EvaluationError("the model's output is not finite"),
+    ],
+    ids=lambda failure: type(failure).__name__,
+)
+def test_rig_that_cannot_be_judged_is_impossible(logs_at, failure):
+    def fail(*_):
+        raise failure
+
+    assert logs_at([0.5], ["drift.sigma_kpa"], fail)[0] is None
+
+
+def test_error_that_is_no_property_of_the_rig_is_not_hidden(logs_at):
+    with pytest.raises(TypeError):
+        logs_at([0.5], ["drift.sigma_kpa"], lambda *_: len(None))
+
+
+def test_rig_that_diverges_is_impossible(logs_at, on_rig, settings):
+    # as soft as can be, and pressed as hard as can be: it bends by more than half a turn
+    soft = [
+        "bending.stiffness_kpa_per_deg", "bending.cubic_stiffness_kpa_per_deg3",
+        "bending.relaxation_stiffness_kpa_per_deg", "bending.preload_kpa",
+        "bending.friction_per_kpa",
+    ]  # fmt: skip
+    hard = {"amplitude_kpa": 225.0, "offset_kpa": 230.0, "f_start_hz": 0.3}
+    signals = {
+        name: signal | (hard if name == "sweep" else {}) | {"duration_s": 4.0}
+        for name, signal in on_rig.signals.items()
+    }
+
+    def judge(changed, seeds):
+        models = settings["judgement"]["models"]
+        changed = replace(changed, signals=signals)
+        return [judge_cheaply(changed, seed, models, SURROGATE, {}, {}) for seed in seeds]
+
+    assert logs_at(np.zeros(5), soft, judge)[0] is None
+
+
+# --- the whole fit --------------------------------------------------------------------------------
+
+
+def fit(folder, settings, **changes):
+    folder.mkdir(exist_ok=True)
+    paths = [str(folder / name) for name in ("rig.yaml", "fit.json")]
+    calibrate(
+        str(PUBLISHED), *paths, **settings | {"checkpoint": str(folder / "search.jsonl")} | changes
+    )
+    return folder
+
+
+@pytest.fixture(scope="module")
+def fitted(settings, tmp_path_factory):
+    return fit(tmp_path_factory.mktemp("fitted"), settings)
+
+
+@pytest.fixture(scope="module")
+def report(fitted):
+    return read_json(fitted / "fit.json")
+
+
+@pytest.fixture(scope="module")
+def remeasured(fitted, report, settings, on_rig):
+    """Return what the surrogate measures on the fitted rig, with the ratios of the report."""
+    seed = judge_cheaply(
+        replace(on_rig, rig=written(fitted)), 21, settings["judgement"]["models"], SURROGATE,
+        {"epsilon": [1.0, 0.1], "n_c": [1, 3], "n_u": [1, 4], "n_y": [1, 4]},
+        settings["tracking"], MEASURES,
+    )  # fmt: skip
+    for key, ratio in report["surrogate_ratios"].items():
+        seed["errors"][key] *= ratio
+    return seed
+
+
+def written(fitted):
+    """Return the rig of the parameter file and of the configuration's defaults."""
+    text = (fitted / "rig.yaml").read_text(encoding="utf-8")
+    return check(yaml.safe_load(text)).rig.model_dump(mode="json")
+
+
+def test_fit_improves_the_loss(report):
+    assert report["loss"] < report["loss_at_start"]
+    assert report["finished"] is True
+    assert (report["generations"], report["evaluations"]) == (GENERATIONS, EVALUATIONS)
+
+
+def test_loss_of_the_report_is_that_of_its_terms_on_the_fitted_rig(report, remeasured, settings):
+    aim = aim_of(PRINTED, settings["calibration"])
+    assert report["fit"] == list(TERMS) == list(report["terms"])
+    for name, found in report["terms"].items():
+        (own,) = deviations([remeasured], aim._replace(fit=(name,))).values()
+        expected = float(np.sum(own**2))
+        assert found == pytest.approx(expected, rel=1e-9), name
+    assert report["loss"] == pytest.approx(sum(report["terms"].values()), rel=1e-9)
+
+
+def test_report_and_file_are_of_the_same_rig(fitted, report, settings):
+    free = free_parameters(*(settings["calibration"][key] for key in ("free", "ranges")))
+    shares = np.array([parameter["share"] for parameter in report["parameters"]])
+    assert written(fitted) == decode(shares, settings["on_rig"]["rig"], free)
+    assert [(p["path"], p["low"], p["high"]) for p in report["parameters"]] == [
+        tuple(parameter) for parameter in free
+    ]
+    began_at = [parameter["began_at"] for parameter in report["parameters"]]
+    assert began_at == encode(settings["on_rig"]["rig"], free).tolist()
+    assert report["rig_sha256"] == hash_of(written(fitted))
+
+
+def test_file_names_itself_and_the_terms_of_the_fit(fitted, report):
+    found = check(yaml.safe_load((fitted / "rig.yaml").read_text(encoding="utf-8"))).fitted
+    assert (found.name, list(found.to)) == ("rig", report["fit"])
+
+
+def test_only_free_parameters_are_changed(fitted, settings):
+    found, before = written(fitted), copy.deepcopy(settings["on_rig"]["rig"])
+    for path in settings["calibration"]["free"]:
+        section, name = path.split(".")
+        assert found[section][name] != before[section][name]
+        before[section][name] = found[section][name]
+    assert found == before
+
+
+def test_residuals_are_those_of_the_full_models_on_the_fitted_rig(fitted, report, settings, on_rig):
+    best = replace(on_rig, rig=written(fitted))
+    (errors,) = full_errors(best, [21], 1, settings["judgement"])
+    aim = aim_of(PRINTED, settings["calibration"])
+    expected = {key: errors[key] / aim.errors[key] - 1.0 for key in aim.errors}
+    assert report["residuals"] == pytest.approx(expected, rel=1e-9)
+    deviations = np.abs(list(expected.values()))
+    assert report["median_deviation"] == pytest.approx(np.median(deviations))
+    assert report["largest_deviation"] == pytest.approx(deviations.max())
+    assert report["targets_kpa"] == aim.errors
+
+
+def test_surrogate_is_corrected_by_its_ratios_on_the_rig_at_the_start(report, settings, on_rig):
+    judgement = settings["judgement"]
+    (full,) = full_errors(on_rig, [21], 1, judgement)
+    cheap = judge_cheaply(on_rig, 21, judgement["models"], SURROGATE, {}, {})["errors"]
+    expected = {key: full[key] / cheap[key] for key in full}
+    assert report["surrogate_ratios"] == pytest.approx(expected, rel=1e-9)
+
+
+def test_properties_of_the_report_are_those_of_the_fitted_rig(report, remeasured, settings):
+    assert report["properties"] == pytest.approx(remeasured["properties"], rel=1e-9)
+    assert report["plausible"] == settings["calibration"]["plausible"]
+    # what docs/calibration.md shows
+    assert set(report["plausible"]) <= set(report["properties"])
+
+
+def head_of(text):
+    return [line for line in text.splitlines() if line.startswith("#")]
+
+
+def test_head_of_the_fit_names_its_seed_and_its_residuals(fitted, report):
+    head = "\n".join(head_of((fitted / "rig.yaml").read_text(encoding="utf-8")))
+    assert "noise seeds 21,\n" in head
+    for key, value in report["residuals"].items():
+        assert f"{key}: {report['targets_kpa'][key]:g} kPa, {100 * value:+.1f} %" in head
+
+
+def undated(folder):
+    found = [(folder / name).read_text(encoding="utf-8") for name in ("rig.yaml", "fit.json")]
+    return [re.sub(r"\d{4}-\d{2}-\d{2}", "", text) for text in found]
+
+
+@pytest.fixture
+def judged(monkeypatch):
+    """Points in the order in which the search asks for them; stops before number ``stop``."""
+
+    class Judge:
+        def __init__(self):
+            self.points, self.stop = [], None
+
+        def __call__(self, point, **settings):
+            if len(self.points) == self.stop:
+                raise KeyboardInterrupt
+            self.points.append(tuple(np.asarray(point).tolist()))
+            return judge_point(point, **settings)
+
+    judge_point = stage.judge_point
+    spy = Judge()
+    monkeypatch.setattr(stage, "judge_point", spy)
+    return spy
+
+
+@pytest.mark.slow
+def test_interrupted_fit_goes_on_where_it_was(fitted, settings, tmp_path, judged):
+    judged.stop = EVALUATIONS - 3
+    with pytest.raises(KeyboardInterrupt):
+        fit(tmp_path, settings)
+    assert [path.name for path in tmp_path.iterdir()] == ["search.jsonl.1"]
+    judged.points, judged.stop = [], None
+    assert undated(fit(tmp_path, settings)) == undated(fitted)
+    assert len(judged.points) == POPULATION  # the last generation alone
+
+
+class Quick:
+    """A fit without simulations: all errors deviate from print by what a function of the rig says.
+
+    A deviation of 1 counts as one from print, so the loss is 12 times its square.
+    """
+
+    def __init__(self, monkeypatch, settings):
+        calibration = settings["calibration"] | {"fit": ["tables"]}
+        self.settings = settings | {"calibration": calibration}
+        self.aim = aim_of(PRINTED, calibration)
+        self.free = free_parameters(calibration["free"], calibration["ranges"])
+        self.start = encode(settings["on_rig"]["rig"], self.free)
+        self.deviation = lambda point, seeds: 1.0 + float(np.sum((point - self.start) ** 2))
+        self.full_over_cheap = 1.0
+        self.grids = []
+        monkeypatch.setattr(stage, "judge_seeds", self.judge)
+        monkeypatch.setattr(stage, "full_errors", self.judge_fully)
+
+    def errors(self, on_rig, seeds):
+        point = encode(on_rig.rig, self.free)
+        factor = math.exp(0.05 * self.deviation(point, list(seeds)))
+        return {key: factor * value for key, value in self.aim.errors.items()}
+
+    def judge(self, on_rig, seeds, *, grids, **rest):
+        self.grids.append(grids)
+        return [{"errors": self.errors(on_rig, seeds), "properties": {"angle_deg": 60.0}}
+                for _ in seeds]  # fmt: skip
+
+    def judge_fully(self, on_rig, seeds, *rest):
+        errors = self.errors(on_rig, seeds)
+        return [{key: self.full_over_cheap * value for key, value in errors.items()} for _ in seeds]
+
+    def fit(self, folder, **changes):
+        return read_json(fit(folder, self.settings, **changes) / "fit.json")
+
+
+@pytest.fixture
+def quick(monkeypatch, settings):
+    return Quick(monkeypatch, settings)
+
+
+CHANGES = {
+    "version": lambda s: {"version": "w"},
+    "rig": lambda s: {"on_rig": s["on_rig"] | {"rig": s["on_rig"]["rig"] | {"step_s": 1e-4}}},
+    "target": lambda s: {"on_rig": s["on_rig"] | {"target": "measured"}},
+    "models": lambda s: {
+        "judgement": s["judgement"] | {"models": s["judgement"]["models"] | {"alpha": 0.5}}
+    },
+    "folds": lambda s: {"judgement": s["judgement"] | {"folds": 3}},
+    "grids": lambda s: {"grids": s["grids"] | {"n_c": [1, 5]}},
+    "tracking": lambda s: {"tracking": s["tracking"] | {"pressure_limit_kpa": 400.0}},
+    **{
+        key: lambda s, key=key, value=value: with_calibration(s, **{key: value})
+        for key, value in {
+            "seeds": [21, 22],
+            "stride": 8,
+            "esn_nodes": 9,
+            "taps": [1, 5],
+            "grid_seeds": 3,
+            "fit": ["tables", "plausible"],
+            "plausible": {"angle_deg": [1.0, 2.0]},
+            "free": ["bending.friction_kpa", "drift.sigma_kpa"],
+            "ranges": {"drift.sigma_kpa": [0.5, 14.6]},
+        }.items()
+    },
+}
+
+
+@pytest.mark.parametrize("what", CHANGES)
+def test_search_with_other_settings_begins_anew(quick, judged, tmp_path, what):
+    plausible = {"angle_deg": [50.0, 70.0]}
+    quick.settings |= with_calibration(quick.settings, plausible=plausible)
+    quick.fit(tmp_path)
+    assert len(judged.points) == EVALUATIONS
+    quick.fit(tmp_path)
+    assert len(judged.points) == EVALUATIONS
+    quick.fit(tmp_path, **CHANGES[what](quick.settings))
+    assert len(judged.points) == 2 * EVALUATIONS
+
+
+def test_ratios_correct_the_surrogate(quick, tmp_path):
+    """The surrogate's errors are half of those of the full models, which are as printed."""
+    quick.deviation = lambda point, seeds: -math.log(2.0) / 0.05
+    quick.full_over_cheap = 2.0
+    found = quick.fit(tmp_path)
+    assert found["surrogate_ratios"] == pytest.approx(dict.fromkeys(quick.aim.errors, 2.0))
+    assert found["loss_at_start"] == pytest.approx(0.0, abs=1e-12)
+    assert found["residuals"] == pytest.approx(dict.fromkeys(quick.aim.errors, 0.0))
+
+
+def test_grids_are_in_the_order_that_the_objective_compares(quick, tmp_path):
+    """However the configuration orders them: epsilon falls, the others rise."""
+    quick.fit(tmp_path)
+    assert len(quick.grids) > EVALUATIONS
+    for grids in quick.grids:
+        assert grids == {"epsilon": [1.0, 0.1], "n_c": [1, 3], "n_u": [1, 4], "n_y": [1, 4]}
+
+
+def test_search_that_runs_out_of_time_is_reported_as_not_finished(
+    quick, judged, tmp_path, monkeypatch
+):
+    clock = SimpleNamespace(monotonic=lambda: float(len(judged.points)))  # a second for each rig
+    for module in (stage, importlib.import_module("fprc.studies.calibration.search")):
+        monkeypatch.setattr(module, "time", clock)
+    changes = with_calibration(quick.settings, generations=[100], minutes=0.3)
+    found = quick.fit(tmp_path, **changes)
+    assert (found["finished"], found["generations"], found["evaluations"]) == (False, 3, 24)
+
+
+def test_search_that_ran_out_of_time_goes_on_if_it_is_given_more(
+    quick, judged, tmp_path, monkeypatch
+):
+    clock = SimpleNamespace(monotonic=lambda: float(len(judged.points)))  # a second for each rig
+    for module in (stage, importlib.import_module("fprc.studies.calibration.search")):
+        monkeypatch.setattr(module, "time", clock)
+    little, enough = (
+        with_calibration(quick.settings, generations=[5], minutes=minutes)
+        for minutes in (0.3, 77.0)
+    )
+    assert not quick.fit(tmp_path, **little)["finished"]
+    assert len(judged.points) == 3 * 8
+    found = quick.fit(tmp_path, **enough)
+    assert len(judged.points) == 5 * 8
+    assert found["finished"]
+    whole = quick.fit(tmp_path / "whole", **enough)
+    assert (found["loss"], found["parameters"]) == (whole["loss"], whole["parameters"])
+
+
+def test_all_searches_share_the_time(quick, judged, tmp_path, monkeypatch):
+    clock = SimpleNamespace(monotonic=lambda: float(len(judged.points)))  # a second for each rig
+    for module in (stage, importlib.import_module("fprc.studies.calibration.search")):
+        monkeypatch.setattr(module, "time", clock)
+    first = {"fit": ["tables"], "generations": 100}
+    changes = with_calibration(quick.settings, first=first, generations=[100], minutes=0.3)
+    found = quick.fit(tmp_path, **changes)
+    assert (found["finished"], found["generations"]) == (False, 3 + 1)
+    every = list(quick.settings["calibration"]["fit"])
+    assert found["searches"] == [
+        {"fit": ["tables"], "generations": 3},
+        {"fit": every, "generations": 1},
+    ]
+
+
+def test_first_search_asks_for_nothing_that_the_second_does_not(quick, judged, tmp_path):
+    first = {"fit": ["orders", "tables", "C18"], "generations": 1}
+    found = quick.fit(tmp_path, **with_calibration(quick.settings, first=first))
+    assert found["searches"][0] == {"fit": ["tables"], "generations": 1}
+    first["fit"] = ["orders", "C18"]
+    found = quick.fit(tmp_path / "none", **with_calibration(quick.settings, first=first))
+    assert [each["generations"] for each in found["searches"]] == [GENERATIONS]
+
+
+def test_fit_is_no_worse_than_the_rig_that_it_began_at(quick, tmp_path):
+    quick.deviation = lambda point, seeds: 100.0 * float(np.sum((point - quick.start) ** 2))
+    found = quick.fit(tmp_path)
+    assert found["loss_at_start"] == pytest.approx(0.0, abs=1e-6)
+    assert found["loss"] <= found["loss_at_start"] + 1e-12
+    assert [p["share"] for p in found["parameters"]] == quick.start.tolist()
+
+
+@pytest.mark.parametrize(("sign", "warned"), [(1.0, False), (-1.0, True)])
+def test_rig_that_is_worse_on_other_seeds_than_the_one_before_it_is_warned_of(
+    quick, tmp_path, caplog, sign, warned
+):
+    quick.deviation = lambda point, seeds: 10.0 + (sign if seeds == [41] else 1.0) * np.sum(point)
+    with caplog.at_level("WARNING", logger="fprc"):
+        found = quick.fit(tmp_path)
+    assert found["loss"] < found["loss_at_start"]
+    point = np.array([p["share"] for p in found["parameters"]])
+    for key, at in (("check_loss", point), ("check_loss_at_start", quick.start)):
+        # parameters are rounded to four digits
+        expected = 12.0 * (10.0 + sign * np.sum(at)) ** 2
+        assert found[key] == pytest.approx(expected, rel=1e-3)
+    assert found["check_seeds"] == [41]
+    assert any("keep the starting rig" in text for text in caplog.messages) is warned
+
+
+def test_each_search_begins_where_the_one_before_ended(quick, judged, tmp_path, monkeypatch):
+    asked = []
+    judge = stage.judge_seeds
+
+    def noting(*positional, calibration, **named):
+        asked.append(tuple(calibration["fit"]))
+        return judge(*positional, calibration=calibration, **named)
+
+    monkeypatch.setattr(stage, "judge_seeds", noting)
+    quick.deviation = lambda point, seeds: 10.0 + np.sum(point)
+    first = {"fit": ["tables"], "generations": 3}
+    changes = with_calibration(
+        quick.settings, first=first, fit=["tables", "plausible"], generations=[2, 4],
+        plausible={"angle_deg": [50.0, 70.0]},
+    )  # fmt: skip
+    found = quick.fit(tmp_path, **changes)
+    assert [each["generations"] for each in found["searches"]] == [3, 2, 4]
+    assert found["generations"] == 3 + 2 + 4
+    assert found["evaluations"] == len(judged.points) == POPULATION * (3 + 2 + 4)
+    judged_before = judged.points[: 3 * POPULATION]
+    for begin, end in ((3, 5), (5, 9)):
+        now = judged.points[begin * POPULATION : end * POPULATION]
+        # parameters of the rig between two searches are rounded to four digits
+        assert now[0] == pytest.approx(min(judged_before, key=sum), rel=1e-3)
+        judged_before = now
+    assert found["fit"] == ["tables", "plausible"]
+    assert found["loss_at_start"] == pytest.approx(12.0 * (10.0 + quick.start.sum()) ** 2, rel=1e-3)
+    assert [p["began_at"] for p in found["parameters"]] == quick.start.tolist()
+    order = [fit for fit, before in zip(asked, [None, *asked], strict=False) if fit != before]
+    assert order == [("tables",), ("tables", "plausible")]
+    quick.fit(tmp_path, **changes)
+    assert len(judged.points) == POPULATION * (3 + 2 + 4)
+
+
+def test_published_numbers_that_cannot_be_read_are_an_error(settings, tmp_path):
+    broken = tmp_path / "broken.yaml"
+    broken.write_text("a: [")
+    for path in (tmp_path / "none.yaml", broken):
+        with pytest.raises(ConfigError, match=re.escape(str(path))):
+            calibrate(str(path), "x", "y", checkpoint="z", **settings)
+
+
+def test_progress_of_the_search_is_logged(quick, tmp_path, caplog):
+    with caplog.at_level("INFO", logger="fprc"):
+        quick.fit(tmp_path)
+    generations = [text for text in caplog.messages if text.startswith("generation ")]
+    least = [float(text.split("least loss ")[1].split(",")[0]) for text in generations]
+    assert [text.split(",")[0] for text in generations] == [
+        f"generation {k + 1} of {GENERATIONS}" for k in range(GENERATIONS)
+    ]
+    assert all(later <= earlier for earlier, later in pairwise(least))

@@ -1,0 +1,408 @@
+import copy
+import math
+from typing import get_args
+
+import numpy as np
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.stats import pearsonr
+
+from fprc.claims.paper import CLAIMS
+from fprc.config import PUBLISHED, Settings
+from fprc.config.calibration import Term
+from fprc.paper import REFERENCES
+from fprc.studies.calibration.objective import (
+    TERMS,
+    Aim,
+    aim_of,
+    deviations,
+    judged_of,
+    logs_of,
+    properties,
+)
+
+#: Errors on which every order holds with room to spare.
+ERRORS = {
+    f"{trained_on}/{model}/{phase}": value
+    for trained_on, model, *values in (
+        ("sweep", "esn", 11.5, 16.0),
+        ("sweep", "fprc", 12.0, 11.0),
+        ("sweep", "fuzzy_linear", 15.0, 17.0),
+        ("complex", "esn", 10.0, 60.0),
+        ("complex", "fprc", 9.0, 26.0),
+        ("complex", "fuzzy_linear", 13.0, 50.0),
+    )
+    for phase, value in zip(("train", "test"), values, strict=True)
+}
+OPEN_LOOP = {"sine_0p2": 2.0, "sweep": 3.0}
+RANGES = {"angle_deg": (57.0, 63.0), "loop_kpa": (45.0, 75.0), "p_o_loop": (0.2, 0.4)}
+PROPERTIES = {"angle_deg": 60.0, "loop_kpa": 60.0, "p_o_loop": 0.3} | dict.fromkeys(
+    ("loop_growth", "measured_loop_growth", "p_o_loop_growth"), 1.0
+)
+#: A seed on which every term is zero. Grids: epsilon falls; n_c, n_u (rows) and n_y rise.
+GOOD = {
+    "errors": ERRORS,
+    "properties": PROPERTIES,
+    "shares": 1.0,
+    "epsilon": [8.0, 9.0, 10.0],
+    "n_c": {
+        "fprc": {"train": [14.0, 12.0, 10.0], "test": [12.0, 11.0, 13.0]},
+        "fuzzy_linear": {"train": [18.0, 16.0, 15.0], "test": [19.0, 18.0, 17.0]},
+    },
+    "taps": [[11.0, 10.0, 9.0], [12.0, 11.0, 10.0], [13.0, 12.0, 11.0]],
+    "open_loop": OPEN_LOOP,
+}
+AIM = Aim(ERRORS, OPEN_LOOP, RANGES, tuple(TERMS))
+#: What counts as close, and the room to spare, as logarithms.
+CLOSE, HELD, TRACKED, ROOM, WIDE = 0.05, 0.025, 0.10, math.exp(-0.05), math.exp(-0.12)
+
+
+def loss_of(judged, aim):
+    return sum(float(np.sum(values**2)) for values in deviations(judged, aim).values())
+
+
+def loss(term, *changes):
+    """Return the loss of one term; one mapping of changes to a good seed each."""
+    return loss_of([GOOD | each for each in changes], AIM._replace(fit=(term,)))
+
+
+def with_errors(**changes):
+    return {"errors": ERRORS | {key.replace("__", "/"): each for key, each in changes.items()}}
+
+
+def with_n_c(model, phase, values):
+    n_c = copy.deepcopy(GOOD["n_c"])
+    n_c[model][phase] = values
+    return {"n_c": n_c}
+
+
+#: Of each statement: its term, what changes it by a ratio, the limits of the ratio within which
+#: the term is zero, and what counts as close.
+STATEMENTS = {
+    "error of a table": (
+        "tables", lambda r: with_errors(complex__esn__train=10.0 * r), 1.0, 1.0, CLOSE,
+    ),
+    "lowest test error": (
+        "orders", lambda r: with_errors(sweep__fuzzy_linear__test=11.0 / r), 0.0, ROOM, HELD,
+    ),
+    "lowest test error, reversed": (
+        "orders", lambda r: with_errors(complex__fuzzy_linear__test=26.0 / r), 0.0, ROOM, HELD,
+    ),
+    "ESN and FPRC similar in training": (
+        "orders",
+        lambda r: with_errors(sweep__esn__train=12.0 * r, sweep__esn__test=18.0 * r),
+        1.0 / 1.13 / ROOM, 1.13 * ROOM, HELD,
+    ),
+    "FPRC consistent": (
+        "orders",
+        lambda r: with_errors(
+            sweep__fprc__test=12.0 * r, sweep__esn__test=999.0, sweep__fuzzy_linear__test=999.0
+        ),
+        1.0 / 1.23 / ROOM, 1.23 * ROOM, HELD,
+    ),
+    "ESN worse in test": (
+        "orders",
+        lambda r: with_errors(
+            sweep__esn__train=12.0, sweep__esn__test=12.0 * r, sweep__fprc__test=10.3
+        ),
+        1.23 / ROOM, 1e9, HELD,
+    ),
+    "plausible loop": (
+        "plausible", lambda r: {"properties": PROPERTIES | {"loop_kpa": 60.0 * r}},
+        45.0 / 60.0, 75.0 / 60.0, HELD,
+    ),
+    "equal shares": ("C8", lambda r: {"shares": r}, 0.5 / WIDE, 2.0 * WIDE, HELD),
+    "epsilon": ("C9a", lambda r: {"epsilon": [9.0, 10.0, 10.0 / r]}, 0.0, ROOM, HELD),
+    "n_c": (
+        "C9b", lambda r: with_n_c("fprc", "train", [10.0, 9.0, 9.0 * r]), 0.0, ROOM, HELD,
+    ),
+    "below Fuzzy-linear, training": (
+        "C11", lambda r: with_n_c("fprc", "train", [14.0, 16.0 * r, 10.0]), 0.0, ROOM, HELD,
+    ),
+    "below Fuzzy-linear, test": (
+        "C11", lambda r: with_n_c("fprc", "test", [14.0, 12.0, 17.0 * r]), 0.0, ROOM, HELD,
+    ),
+    **{
+        name: (
+            "C18", lambda r, name=name: {"properties": PROPERTIES | {name: r}},
+            1.0 / 1.2 / WIDE, 1.2 * WIDE, HELD,
+        )
+        for name in ("loop_growth", "measured_loop_growth", "p_o_loop_growth")
+    },
+    "open loop": (
+        "open_loop", lambda r: {"open_loop": OPEN_LOOP | {"sweep": 3.0 * r}}, 1.0, 1.0, TRACKED,
+    ),
+}  # fmt: skip
+#: Ratios that leave the other orders alone.
+SPANS = {"ESN and FPRC similar in training": (0.7, 1.4), "ESN worse in test": (0.95, 4.0)}
+
+
+@pytest.mark.parametrize("what", STATEMENTS)
+@given(share=st.floats(0.0, 1.0))
+def test_term_is_zero_within_its_limits_and_grows_beyond_them(what, share):
+    term, change, low, high, close = STATEMENTS[what]
+    least, most = SPANS.get(what, (0.1, 8.0))
+    ratio = least * (most / least) ** share
+    beyond = max(math.log(low / ratio) if low else 0.0, math.log(ratio / high), 0.0)
+    assert loss(term, change(ratio)) == pytest.approx((beyond / close) ** 2, rel=1e-6, abs=1e-12)
+
+
+def test_every_term_is_zero_on_a_rig_that_meets_every_aim():
+    found = deviations([GOOD, GOOD], AIM)
+    assert list(found) == list(TERMS)
+    for name, values in found.items():
+        assert np.all(values == 0.0), name
+
+
+def test_every_term_has_a_statement():
+    assert {term for term, *_ in STATEMENTS.values()} | {"C12"} == set(TERMS)
+
+
+def test_terms_are_those_of_the_configuration_and_of_the_ledger():
+    assert tuple(TERMS) == get_args(Term)
+    decided = {term for each in CLAIMS for term in (*each.fitted_by, *each.half_fitted_by)}
+    assert decided == set(TERMS) - {"plausible"}
+
+
+def test_only_terms_that_are_asked_for_count():
+    spoiled = GOOD | {"shares": 9.0, "epsilon": [3.0, 2.0, 1.0]}
+    found = deviations([spoiled], AIM._replace(fit=("C9a", "tables")))
+    assert list(found) == ["C9a", "tables"]
+    assert loss_of([spoiled], AIM._replace(fit=("tables",))) == 0.0
+
+
+def test_loss_is_the_sum_of_all_squared_deviations():
+    spoiled = [GOOD | {"shares": 9.0, "open_loop": {"sine_0p2": 3.0, "sweep": 1.0}}, GOOD]
+    squares = [float(each) ** 2 for values in deviations(spoiled, AIM).values() for each in values]
+    assert len(squares) > len(TERMS)
+    assert loss_of(spoiled, AIM) == pytest.approx(sum(squares))
+    assert sum(square > 0.0 for square in squares) == 3
+
+
+# --- taps -----------------------------------------------------------------------------------------
+
+taps = st.lists(
+    st.lists(st.floats(5.0, 20.0), min_size=4, max_size=4), min_size=3, max_size=3
+).filter(lambda rows: np.ptp(rows, axis=0).min() > 0.1 and np.ptp(rows, axis=1).min() > 0.1)
+
+
+@given(taps)
+def test_errors_must_rise_with_n_u_and_fall_with_n_y(errors):
+    """Rows are n_u, columns n_y."""
+    errors = np.array(errors)
+    with_n_u = np.mean([pearsonr([1, 2, 3], column)[0] for column in errors.T])
+    with_n_y = np.mean([pearsonr([1, 2, 3, 4], row)[0] for row in errors])
+    expected = sum(max(0.5 - each, 0.0) ** 2 / 0.1**2 for each in (with_n_u, -with_n_y))
+    assert loss("C12", {"taps": errors.tolist()}) == pytest.approx(expected, rel=1e-6, abs=1e-9)
+
+
+# --- several seeds --------------------------------------------------------------------------------
+
+
+def test_deviations_that_cancel_in_the_mean_of_the_seeds_cost_nothing():
+    key = "complex__esn__train"
+    assert loss("tables", with_errors(**{key: 5.0}), with_errors(**{key: 15.0})) == 0.0
+    open_loop = [{"open_loop": OPEN_LOOP | {"sweep": value}} for value in (1.0, 5.0)]
+    assert loss("open_loop", *open_loop) == pytest.approx(0.0, abs=1e-20)
+
+
+def test_shares_cancel_as_ratios():
+    assert loss("C8", {"shares": 0.25}, {"shares": 4.0}) == 0.0
+    assert loss("C8", {"shares": 8.0}, {"shares": 2.0}) == pytest.approx(loss("C8", {"shares": 4}))
+
+
+def test_orders_are_missed_by_each_seed_and_not_by_the_mean():
+    bad = with_errors(sweep__fuzzy_linear__test=9.0)
+    alone = loss("orders", bad)
+    assert alone > 0.0
+    assert loss("orders", bad, {}, {}, {}) == pytest.approx(alone / 4.0)
+    assert loss("orders", bad, bad) == pytest.approx(alone)
+
+
+def without(*measures):
+    return {key: value for key, value in GOOD.items() if key not in measures}
+
+
+@pytest.mark.parametrize("term", ["C9a", "C9b", "C11", "C12"])
+def test_seeds_without_grids_are_left_out_of_their_means(term):
+    bad = GOOD | {
+        "epsilon": [10.0, 9.0, 8.0],
+        "n_c": {"fprc": GOOD["n_c"]["fuzzy_linear"], "fuzzy_linear": GOOD["n_c"]["fprc"]},
+        "taps": [[1.0, 2.0], [1.5, 1.0]],
+    }
+    if term == "C9b":
+        bad |= with_n_c("fprc", "train", [10.0, 11.0, 12.0])
+    aim = AIM._replace(fit=(term,))
+    (alone,) = deviations([bad], aim).values()
+    (among,) = deviations([bad, without("epsilon", "n_c", "taps")], aim).values()
+    assert np.any(alone > 0.0)
+    np.testing.assert_array_equal(among, alone)
+
+
+@pytest.mark.parametrize("value", [0.0, -60.0])
+def test_loop_without_width_costs_as_much_as_a_very_narrow_one(value):
+    found, narrow = (
+        loss("plausible", {"properties": PROPERTIES | {"loop_kpa": width}})
+        for width in (value, 1e-3)
+    )
+    assert found == narrow > 1.0
+
+
+# --- logarithms of the measures -------------------------------------------------------------------
+
+numbers = st.floats(1e-3, 2e4)
+
+
+def seeds_of(values):
+    """Return two seeds of which the second has no grids, made of numbers in any order."""
+    values = iter(values)
+
+    def fill(like):
+        if isinstance(like, dict):
+            return {key: fill(each) for key, each in like.items()}
+        if isinstance(like, list):
+            return [fill(each) for each in like]
+        return next(values)
+
+    return [fill(GOOD), fill(without("epsilon", "n_c", "taps"))]
+
+
+COUNT = len(logs_of([GOOD, without("epsilon", "n_c", "taps")]))
+
+
+@given(st.lists(numbers, min_size=COUNT, max_size=COUNT))
+def test_measures_come_back_from_their_logarithms(values):
+    judged = seeds_of(values)
+    logs = logs_of(judged)
+    assert sorted(logs) == pytest.approx(sorted(map(math.log, values)))
+    found = judged_of(logs, judged)
+    # every number in its own place
+    assert logs_of(found) == pytest.approx(logs)
+    for seed, expected in zip(found, judged, strict=True):
+        assert seed["errors"] == pytest.approx(expected["errors"])
+        assert seed["open_loop"] == pytest.approx(expected["open_loop"])
+        assert set(seed) == set(expected)
+    np.testing.assert_allclose(found[0]["taps"], judged[0]["taps"])
+    for model, phases in judged[0]["n_c"].items():
+        assert found[0]["n_c"][model] == {key: pytest.approx(each) for key, each in phases.items()}
+
+
+def test_order_of_the_keys_does_not_matter():
+    backwards = {key: GOOD[key] for key in reversed(GOOD)}
+    backwards["errors"] = {key: ERRORS[key] for key in reversed(ERRORS)}
+    assert logs_of([backwards]) == logs_of([GOOD])
+    found = judged_of(logs_of([GOOD]), [backwards])
+    assert found[0]["errors"] == pytest.approx(ERRORS)
+
+
+@given(st.floats(-100.0, 1e-3))
+def test_numbers_without_a_logarithm_count_as_the_smallest(value):
+    judged = [GOOD | {"properties": PROPERTIES | {"loop_growth": value}}]
+    found = judged_of(logs_of(judged), judged)
+    assert found[0]["properties"]["loop_growth"] == pytest.approx(1e-3)
+    aim = AIM._replace(fit=("C18", "plausible"))
+    assert loss_of(found, aim) == pytest.approx(loss_of(judged, aim))
+
+
+def test_deviations_are_those_of_the_measures_themselves():
+    judged = [GOOD | {"shares": 9.0, "epsilon": [9.0, 8.0, 7.0]}, without("epsilon")]
+    found = deviations(judged_of(logs_of(judged), judged), AIM)
+    for name, expected in deviations(judged, AIM).items():
+        np.testing.assert_allclose(found[name], expected, rtol=1e-9, atol=1e-9)
+
+
+def test_number_that_is_not_finite_shows_in_the_logarithms():
+    judged = [GOOD | {"properties": PROPERTIES | {"loop_kpa": math.nan}}]
+    assert not np.isfinite(logs_of(judged)).all()
+
+
+# --- properties -----------------------------------------------------------------------------------
+
+RATE_HZ, DURATION_S = 200, 40
+
+
+def ellipses(width_kpa, growth, p_o_width_kpa, p_o_growth, measured_growth=1.0):
+    """Return a log of 1 Hz whose loops are as wide in the first half, and grown in the second.
+
+    At mid-angle the cosine is 0 and the sine 1 where the angle rises, -1 where it falls.
+    """
+    t = np.arange(RATE_HZ * DURATION_S) / RATE_HZ
+    phase = 2.0 * np.pi * (t + 0.3 / RATE_HZ)  # no sample is at mid-angle
+    along, across = -np.cos(phase), np.sin(phase)
+    late = t >= 0.5 * DURATION_S
+    return {
+        "time_s": t,
+        "theta_deg": 30.0 + 30.0 * along,
+        "p_target_kpa": 175.0
+        + 170.0 * along
+        + 0.5 * width_kpa * np.where(late, growth, 1.0) * across,
+        "p_exp_kpa": 175.0 + 170.0 * along + 20.0 * np.where(late, measured_growth, 1.0) * across,
+        "p_o_kpa": 130.0
+        + 25.0 * along
+        + 0.5 * p_o_width_kpa * np.where(late, p_o_growth, 1.0) * across,
+    }
+
+
+@pytest.mark.parametrize(
+    ("width", "growth", "p_o_width", "p_o_growth"),
+    [(60.0, 1.0, 15.0, 1.0), (80.0, 1.25, 10.0, 0.8), (20.0, 0.5, 20.0, 2.0)],
+)
+def test_properties_of_loops_of_known_width(width, growth, p_o_width, p_o_growth):
+    found = properties({"sweep": ellipses(width, growth, p_o_width, p_o_growth, 1.5)})
+    semi_axes = 25.0, 0.5 * p_o_width * max(p_o_growth, 1.0)
+    swing = 2.0 * math.hypot(*semi_axes)
+    assert found == pytest.approx(
+        {
+            "angle_deg": 60.0,
+            "loop_kpa": width * 0.5 * (1.0 + growth),
+            "loop_growth": growth,
+            "measured_loop_growth": 1.5,
+            "p_o_swing_kpa": swing,
+            "p_o_loop": p_o_width * 0.5 * (1.0 + p_o_growth) / swing,
+            "p_o_loop_growth": p_o_growth,
+        },
+        rel=2e-3,
+    )
+
+
+def test_properties_are_those_of_the_sweep_and_leave_the_logs_alone():
+    logs = {"sweep": ellipses(60.0, 1.1, 15.0, 0.9), "complex": ellipses(10.0, 1.0, 5.0, 1.0)}
+    before = copy.deepcopy(logs)
+    assert properties(logs) == properties({"sweep": logs["sweep"]})
+    for name, log in logs.items():
+        for channel, values in log.items():
+            np.testing.assert_array_equal(values, before[name][channel])
+
+
+def test_every_range_of_the_configuration_is_that_of_a_property():
+    plausible = Settings().calibration.plausible.model_dump()
+    assert set(plausible) <= set(properties({"sweep": ellipses(60.0, 1.0, 15.0, 1.0)}))
+
+
+PRINTED = yaml.safe_load(PUBLISHED.read_text(encoding="utf-8"))
+
+
+def test_target_is_what_the_tables_print():
+    calibration = Settings().calibration.model_dump(mode="json")
+    aim = aim_of(PRINTED, calibration)
+    assert aim.errors == {
+        "sweep/esn/train": 11.5, "sweep/esn/test": 16.5,
+        "sweep/fprc/train": 11.6, "sweep/fprc/test": 11.0,
+        "sweep/fuzzy_linear/train": 14.9, "sweep/fuzzy_linear/test": 16.7,
+        "complex/esn/train": 10.2, "complex/esn/test": 60.32,
+        "complex/fprc/train": 9.07, "complex/fprc/test": 26.2,
+        "complex/fuzzy_linear/train": 13.5, "complex/fuzzy_linear/test": 51.5,
+    }  # fmt: skip
+    assert aim.open_loop == PRINTED["table_4_tracking_rmse_deg"]["fprc"]
+    assert set(aim.open_loop) == set(REFERENCES)
+    assert aim.ranges == calibration["plausible"]
+    assert aim.fit == calibration["fit"]
+
+
+def test_target_follows_the_published_file():
+    printed = copy.deepcopy(PRINTED)
+    printed["table_3_reversed"]["esn"] |= {"train_rmse_kpa": [1.5, 9.0], "test_rmse_kpa": 2.5}
+    aim = aim_of(printed, {"plausible": {}, "fit": ["tables"]})
+    assert (aim.errors["complex/esn/train"], aim.errors["complex/esn/test"]) == (1.5, 2.5)

@@ -1,0 +1,111 @@
+import copy
+
+import numpy as np
+import pytest
+import yaml
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from fprc.config import Settings, check, from_files
+from fprc.config.rig import Rig
+from fprc.studies.calibration.rig_file import parameter_file
+from fprc.studies.calibration.space import decode, free_parameters
+
+RIG = Rig().model_dump(mode="json")
+PATHS = Settings().calibration.free
+FREE = free_parameters(PATHS)
+
+points = st.lists(st.floats(0.0, 1.0), min_size=len(FREE), max_size=len(FREE)).map(np.array)
+
+
+def summary(**changes):
+    """Return what is known of a fit, as `fit_rig` returns it."""
+    return {
+        "date": "2030-01-02",
+        "software": "fprc 9.8.7",
+        "fit": ["tables", "C8"],
+        "seeds": list(range(21, 31)),
+        "targets_kpa": {"sweep/esn/train": 11.5, "complex/fprc/test": 26.2},
+        "residuals": {"sweep/esn/train": 0.0123, "complex/fprc/test": -0.21},
+        "median_deviation": 0.0456,
+        "largest_deviation": 0.21,
+        "evaluations": 1120,
+        "parameters": [
+            {"path": path, "low": 0.0, "high": 1.0, "share": 0.5} for path in PATHS
+        ],
+    } | changes  # fmt: skip
+
+
+def head_of(text):
+    return [line for line in text.splitlines() if line.startswith("#")]
+
+
+@given(points)
+def test_file_gives_the_very_rig_back(point):
+    rig = decode(point, RIG, FREE)
+    try:
+        expected = Rig.model_validate(rig)
+    except ValidationError:
+        assume(False)
+    found = check(yaml.safe_load(parameter_file(rig, summary(), "mine")))
+    assert found.rig == expected
+    assert found.fitted.model_dump(mode="json") == {"name": "mine", "to": ["tables", "C8"]}
+    same = Settings().model_dump(exclude={"rig", "fitted"})
+    assert found.model_dump(exclude={"rig", "fitted"}) == same
+
+
+def test_file_holds_only_what_differs_from_the_defaults():
+    rig = copy.deepcopy(RIG)
+    rig["bending"]["relaxation_time_s"][1] = 5.5
+    rig["drift"]["sigma_kpa"] = 1e-5
+    assert yaml.safe_load(parameter_file(rig, summary(), "mine")) == {
+        "fitted": {"name": "mine", "to": ["tables", "C8"]},
+        "rig": {"bending": {"relaxation_time_s": [0.25, 5.5]}, "drift": {"sigma_kpa": 1e-5}},
+    }
+
+
+def test_file_of_the_default_rig_changes_no_number():
+    text = parameter_file(RIG, summary(), "mine")
+    assert check(yaml.safe_load(text)).rig == Settings().rig
+
+
+def test_file_among_the_rigs_is_the_rig_of_its_name(tmp_path, monkeypatch):
+    rig = copy.deepcopy(RIG)
+    rig["drift"]["sigma_kpa"] = 2.5
+    (tmp_path / "config/rigs").mkdir(parents=True)
+    text = parameter_file(rig, summary(), "mine")
+    (tmp_path / "config/rigs/mine.yaml").write_text(text, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    found = from_files([], {"rig": "mine"})
+    assert found.rig == Rig.model_validate(rig)
+    assert (found.fitted.name, found.fitted.to) == ("mine", ("tables", "C8"))
+
+
+def test_head_names_software_seeds_and_deviations_from_print():
+    head = "\n".join(head_of(parameter_file(RIG, summary(), "mine")))
+    for part in (
+        "fprc 9.8.7, 2030-01-02", f"over {len(PATHS)} parameters", "(1120 rigs)",
+        "noise seeds 21, 22, 23, 24, 25, 26, 27, 28, 29, 30,\n", "median 4.6 %",
+        "largest\n# 21.0 %",
+        "#   sweep/esn/train: 11.5 kPa, +1.2 %", "#   complex/fprc/test: 26.2 kPa, -21.0 %",
+        "# Within 2 % of an end of their range: none.",
+    ):  # fmt: skip
+        assert part in head
+
+
+def test_head_names_the_parameters_that_ended_near_an_end_and_no_others():
+    shares = dict.fromkeys(PATHS, 0.5) | dict(
+        zip(PATHS, (0.0, 0.0199, 0.0201, 0.9799, 0.9801, 1.0), strict=False)
+    )
+    parameters = [{"path": path, "share": share} for path, share in shares.items()]
+    head = " ".join(head_of(parameter_file(RIG, summary(parameters=parameters), "mine")))
+    edges = head.partition("an end of their range: ")[2].replace("# ", "").rstrip(".")
+    assert edges.split(", ") == [PATHS[k] for k in (0, 1, 4, 5)]
+
+
+@pytest.mark.parametrize("share", [0.5, 1.0])
+def test_no_line_of_the_head_is_longer_than_the_page(share):
+    parameters = [{"path": path, "share": share} for path in PATHS]
+    for line in head_of(parameter_file(RIG, summary(parameters=parameters), "mine")):
+        assert len(line) <= 100

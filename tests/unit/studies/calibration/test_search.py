@@ -1,0 +1,474 @@
+import importlib
+import json
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from fprc.errors import OutputError
+from fprc.studies.calibration.search import search
+
+POPULATION, GENERATIONS = 8, 6
+TARGET = np.array([0.02, 0.5, 0.97])
+
+
+def numbers_of(point):
+    """Nonlinear functions of a point, as the measures of a rig are."""
+    return [math.exp(2.0 * point[0]), math.tanh(2.0 * point[1]) + point[0], point[2] ** 2]
+
+
+def distances(numbers, target=TARGET):
+    """Deviations of numbers from those of the target: zero at the target only."""
+    return np.array(numbers) - np.array(numbers_of(target))
+
+
+@pytest.fixture
+def run(tmp_path):
+    """Search in the cube and return what was found; the points that were judged are ``points``."""
+
+    def call(*, stops_at=None, name="search.jsonl", judge=numbers_of, **options):
+        call.points = []
+
+        def judge_point(point):
+            if len(call.points) == stops_at:
+                raise KeyboardInterrupt
+            call.points.append(tuple(point.tolist()))
+            return judge(point)
+
+        call.checkpoint = tmp_path / name
+        settings = {
+            "deviations_of": distances,
+            "start": np.full(3, 0.4),
+            "step": 0.1,
+            "generations": GENERATIONS,
+            "seed": 3,
+            "workers": 1,
+            "key": "k",
+        }
+        return search(judge_point, checkpoint=call.checkpoint, **settings | options)
+
+    return call
+
+
+@pytest.fixture
+def undisturbed(run):
+    """Return what a search that nothing stops finds, its points, and its checkpoint."""
+
+    def go(**options):
+        found = run(name="undisturbed.jsonl", **options)
+        return found, run.points, run.checkpoint.read_text(encoding="utf-8")
+
+    return go
+
+
+def same(one, other):
+    np.testing.assert_array_equal(one.point, other.point)
+    np.testing.assert_array_equal(one.numbers, other.numbers)
+    bare = {"point": None, "numbers": None}
+    return one._replace(**bare) == other._replace(**bare)
+
+
+def lines(run):
+    return run.checkpoint.read_text(encoding="utf-8").splitlines()
+
+
+# --- what is found --------------------------------------------------------------------------------
+
+
+def rosenbrock(point):
+    """Numbers of which the squares sum to Rosenbrock's function of -2 to 2; least at 0.75."""
+    x = 4.0 * np.asarray(point) - 2.0
+    return [*(10.0 * (x[1:] - x[:-1] ** 2)), *(1.0 - x[:-1])]
+
+
+def rates(point):
+    """Values of ten exponentials that the coordinates mix, as far from linear as errors are."""
+    mixed = np.cos(np.outer(np.arange(1, 11), np.arange(1, 11))) / 3.0
+    return np.exp(mixed @ (np.asarray(point) - 0.5)).tolist()
+
+
+PROBLEMS = {
+    "rosenbrock": (rosenbrock, np.asarray, np.array([0.4, 0.6])),
+    "exponentials": (
+        rates,
+        lambda numbers: (np.array(numbers) - rates(np.linspace(0.1, 0.9, 10))) / 0.05,
+        np.full(10, 0.5),
+    ),
+}
+
+
+def evolve(loss, start, step, evaluations, seed):
+    """Return the least loss of a (4, 8) evolution strategy, the search by the loss alone."""
+    rng, mean, sigma = np.random.default_rng(seed), start.copy(), step
+    least, length = loss(start), np.sqrt(start.size)
+    weights = np.log(4.5) - np.log(np.arange(1, 5))
+    path = np.zeros_like(start)
+    for _ in range(evaluations // 8):
+        steps = rng.standard_normal((8, start.size))
+        points = np.clip(mean + sigma * steps, 0.0, 1.0)
+        losses = np.array([loss(point) for point in points])
+        best = np.argsort(losses)[:4]
+        move = weights / weights.sum() @ steps[best]
+        mean = np.clip(mean + sigma * move, 0.0, 1.0)
+        path = 0.8 * path + 0.6 * 1.6 * move
+        sigma *= np.exp(0.2 * (np.linalg.norm(path) / length - 1.0))
+        least = min(least, losses.min())
+    return least
+
+
+@pytest.mark.parametrize("name", PROBLEMS)
+def test_minimum_is_found_in_fewer_judgements_than_by_the_loss_alone(run, name):
+    judge, deviations_of, start = PROBLEMS[name]
+    found = run(judge=judge, deviations_of=deviations_of, start=start, generations=30)
+
+    def loss(point):
+        return float(np.sum(deviations_of(judge(point)) ** 2))
+
+    assert found.loss == pytest.approx(loss(found.point), rel=1e-12)
+    blind = [evolve(loss, start, 0.1, 4 * found.evaluations, seed) for seed in range(3)]
+    assert found.loss < 1e-4 * loss(start)
+    assert found.loss < 0.1 * min(blind)
+
+
+@pytest.mark.parametrize("start", [0.0, 0.4, 1.0])
+def test_minimum_near_the_faces_of_the_cube_is_found(run, start):
+    found = run(start=np.full(3, start), generations=25)
+    assert found.point == pytest.approx(TARGET, abs=5e-3)
+    assert found.finished
+
+
+def test_minimum_outside_the_cube_is_found_on_its_face_and_no_point_leaves_it(run):
+    outside = np.array([-0.5, 0.3, 1.4])
+    found = run(
+        judge=lambda point: point.tolist(),
+        deviations_of=lambda numbers: np.array(numbers) - outside,
+        generations=25,
+        step=0.5,
+    )
+    assert found.point == pytest.approx([0.0, 0.3, 1.0], abs=5e-3)
+    assert np.min(run.points) >= 0.0
+    assert np.max(run.points) <= 1.0
+
+
+def test_minimum_of_deviations_that_count_beyond_a_limit_only_is_found(run):
+    """Where the limits are met the loss is zero and has no slope."""
+    found = run(
+        deviations_of=lambda numbers: np.maximum(np.abs(distances(numbers)) - 0.05, 0.0),
+        generations=15,
+    )
+    assert found.loss == 0.0
+
+
+def test_best_of_all_points_that_were_judged_is_found(run):
+    found = run()
+    losses = [float(np.sum(distances(numbers_of(point)) ** 2)) for point in run.points]
+    assert found.loss == min(losses)
+    assert tuple(found.point) == run.points[int(np.argmin(losses))]
+    assert (found.generations, found.evaluations) == (GENERATIONS, len(run.points))
+    assert len(run.points) == GENERATIONS * POPULATION
+
+
+def test_first_point_is_the_start(run):
+    run(start=np.array([0.3, 0.2, 0.1]), generations=1)
+    assert run.points[0] == (0.3, 0.2, 0.1)
+
+
+def test_search_is_no_worse_than_its_start(run):
+    assert run(start=TARGET, generations=3).loss == 0.0
+
+
+def test_one_seed_gives_one_search_and_another_seed_another(run):
+    found = [(run(name=f"{n}.jsonl", seed=seed), run.points) for n, seed in enumerate((3, 3, 4))]
+    assert same(found[0][0], found[1][0])
+    assert found[0][1] == found[1][1]
+    assert not set(found[0][1][1:]) & set(found[2][1][1:])
+
+
+def test_numbers_drawn_elsewhere_do_not_change_the_search(run):
+    def noisy(point):
+        np.random.random(3)  # noqa: NPY002 (the state that must not matter)
+        return numbers_of(point)
+
+    expected = run()
+    assert same(run(name="again.jsonl", judge=noisy), expected)
+
+
+def test_deviations_that_are_the_same_everywhere_end_no_search(run):
+    found = run(judge=lambda point: [100.0], deviations_of=np.array, generations=12)
+    assert (found.loss, found.generations, found.finished) == (1e4, 12, True)
+
+
+@pytest.mark.slow
+def test_two_processes_find_what_one_finds(tmp_path):
+    def judge(point):  # not at module level, since the processes cannot import this module
+        return [math.exp(2.0 * point[0]), point[1] ** 2]
+
+    found = [
+        search(
+            judge, np.array, np.full(2, 0.4), step=0.1, generations=3, seed=1,
+            workers=workers, checkpoint=tmp_path / f"{workers}.jsonl", key="k",
+        )
+        for workers in (1, 2)
+    ]  # fmt: skip
+    assert same(*found)
+    assert (tmp_path / "1.jsonl").read_bytes() == (tmp_path / "2.jsonl").read_bytes()
+
+
+def test_progress_hears_of_each_generation_once_it_is_kept(run):
+    heard = []
+
+    def progress(done, total, best, elapsed):
+        heard.append((done, total, best))
+        assert len(lines(run)) == 1 + done
+        assert elapsed >= 0.0
+
+    found = run(progress=progress)
+    assert [entry[:2] for entry in heard] == [(k + 1, GENERATIONS) for k in range(GENERATIONS)]
+    least = [best for *_, best in heard]
+    assert least == sorted(least, reverse=True)
+    assert least[-1] == found.loss
+
+
+def test_checkpoint_is_the_only_file_that_is_left(run, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    run(name="sub/search.jsonl")
+    assert [path.name for path in tmp_path.rglob("*")] == ["sub", "search.jsonl"]
+
+
+# --- impossible points ----------------------------------------------------------------------------
+
+
+def unless(impossible):
+    return lambda point: None if impossible(point) else numbers_of(point)
+
+
+def test_impossible_points_are_passed_over(run):
+    found = run(judge=unless(lambda point: point[1] > 0.45), generations=25)
+    assert found.point[1] <= 0.45
+    # of what is possible, the nearest to the target
+    assert found.loss < 1.2 * float(np.sum(distances(numbers_of([0.02, 0.45, 0.97])) ** 2))
+    assert found.evaluations == 25 * POPULATION
+
+
+def test_search_goes_on_from_an_impossible_start(run):
+    found = run(judge=unless(lambda point: point[0] > 0.399), generations=25)
+    assert found.point == pytest.approx(TARGET, abs=5e-3)
+
+
+def test_search_goes_on_until_a_point_is_possible(run):
+    """No point of the first three generations is."""
+    tried = []
+
+    def judge(point):
+        tried.append(point)
+        return None if len(tried) <= 3 * POPULATION else numbers_of(point)
+
+    heard = []
+    found = run(judge=judge, generations=25, progress=lambda *told: heard.append(told[2]))
+    assert heard[:3] == [math.inf] * 3
+    assert found.point == pytest.approx(TARGET, abs=5e-3)
+
+
+def test_search_in_which_nothing_is_possible_gives_its_start(run):
+    found = run(judge=lambda point: None)
+    assert found.point.tolist() == [0.4, 0.4, 0.4]
+    assert (found.loss, found.generations, found.finished) == (math.inf, GENERATIONS, True)
+
+
+def test_point_whose_deviations_are_not_finite_is_never_the_best(run):
+    def deviations_of(numbers):
+        found = distances(numbers)
+        return np.full(3, np.nan) if numbers[1] > 1.15 else found
+
+    found = run(judge=numbers_of, deviations_of=deviations_of, generations=2, step=0.3)
+    spoiled = [point for point in run.points if numbers_of(point)[1] > 1.15]
+    assert spoiled
+    assert math.isfinite(found.loss)
+    assert tuple(found.point) not in spoiled
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf])
+def test_numbers_that_are_not_finite_are_refused_and_not_kept(run, value):
+    with pytest.raises(ValueError, match="JSON"):
+        run(judge=lambda point: [value, 0.0, 0.0])
+    assert len(lines(run)) == 1
+
+
+# --- interrupted, and called again ----------------------------------------------------------------
+
+
+@pytest.mark.parametrize("stops_at", [0, 1, *range(7, GENERATIONS * POPULATION, 8)])
+def test_interrupted_search_goes_on_as_if_nothing_had_been(run, undisturbed, stops_at):
+    expected, points, kept = undisturbed()
+    with pytest.raises(KeyboardInterrupt):
+        run(stops_at=stops_at)
+    finished = stops_at // POPULATION
+    assert run.points[: finished * POPULATION] == points[: finished * POPULATION]
+    assert len(lines(run)) == 1 + finished
+    assert same(run(), expected)
+    assert run.points == points[finished * POPULATION :]
+    assert run.checkpoint.read_text(encoding="utf-8") == kept
+
+
+def test_search_that_is_interrupted_again_and_again_goes_on_too(run, undisturbed):
+    expected, points, kept = undisturbed()
+    for finished in range(GENERATIONS - 1):
+        with pytest.raises(KeyboardInterrupt):
+            run(stops_at=POPULATION + 2)
+        begun = points[finished * POPULATION :]
+        assert run.points == begun[: POPULATION + 2]
+    assert same(run(), expected)
+    assert run.points == points[-POPULATION:]
+    assert run.checkpoint.read_text(encoding="utf-8") == kept
+
+
+def test_search_with_impossible_points_goes_on_too(run, undisturbed):
+    judge = unless(lambda point: point[1] > 0.42)
+    expected, points, kept = undisturbed(judge=judge)
+    assert "null" in kept
+    with pytest.raises(KeyboardInterrupt):
+        run(judge=judge, stops_at=3 * POPULATION)
+    assert same(run(judge=judge), expected)
+    assert run.points == points[3 * POPULATION :]
+    assert run.checkpoint.read_text(encoding="utf-8") == kept
+
+
+def test_finished_search_is_not_judged_again(run):
+    expected = run()
+    assert same(run(), expected)
+    assert run.points == []
+
+
+def test_more_generations_go_on_from_those_that_are_finished(run, undisturbed):
+    expected, points, _ = undisturbed(generations=GENERATIONS + 2)
+    assert run().finished
+    assert same(run(generations=GENERATIONS + 2), expected)
+    assert run.points == points[GENERATIONS * POPULATION :]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"key": "l"}, {"seed": 4}, {"step": 0.3}, {"start": np.array([0.4, 0.4, 0.5])}],
+    ids=lambda change: next(iter(change)),
+)
+def test_search_for_something_else_begins_anew(run, undisturbed, change):
+    expected, points, kept = undisturbed(**change)
+    run()
+    assert same(run(**change), expected)
+    assert run.points == points
+    assert run.checkpoint.read_text(encoding="utf-8") == kept
+
+
+def test_last_line_that_was_cut_is_dropped_and_its_generation_judged_again(run):
+    expected, points = run(generations=3), run.points
+    whole = run.checkpoint.read_text(encoding="utf-8")
+    begin = len(whole) - len(whole.splitlines(keepends=True)[-1])
+    for cut in range(begin + 1, len(whole) - 1, 39):
+        run.checkpoint.write_text(whole[:cut], encoding="utf-8")
+        assert same(run(generations=3), expected), cut
+        assert run.points == points[-POPULATION:]
+        assert run.checkpoint.read_text(encoding="utf-8") == whole
+
+
+@pytest.mark.parametrize(("old", "new"), [("0.", "1."), ("[[", "[[NaN, "), (", ", ",")])
+def test_damaged_line_is_dropped_and_all_after_it_are_judged_again(run, old, new):
+    expected, points = run(generations=4), run.points
+    whole = run.checkpoint.read_text(encoding="utf-8").splitlines(keepends=True)
+    damaged = whole[2].replace(old, new, 1)
+    assert damaged != whole[2]
+    run.checkpoint.write_text("".join([*whole[:2], damaged, *whole[3:]]), encoding="utf-8")
+    assert same(run(generations=4), expected)
+    assert run.points == points[POPULATION:]
+    assert run.checkpoint.read_text(encoding="utf-8") == "".join(whole)
+
+
+def test_second_search_with_the_same_checkpoint_is_refused(run):
+    refused = []
+
+    def progress(*told):
+        with pytest.raises(OutputError, match="another process"):
+            run()
+        refused.append(told)
+
+    assert run(progress=progress).finished
+    assert len(refused) == GENERATIONS
+
+
+@pytest.mark.parametrize("text", ["", "{", "[1.0, 2.0]\n", '{"key": "k"}\n[1.0]\nnonsense\n'])
+def test_file_without_the_key_is_begun_anew(run, undisturbed, text):
+    expected, points, _ = undisturbed()
+    run.checkpoint.with_name("search.jsonl").write_text(text, encoding="utf-8")
+    assert same(run(), expected)
+    assert run.points == points
+
+
+def test_search_for_something_else_keeps_the_old_file_and_says_so(run, caplog):
+    run()
+    kept = run.checkpoint.read_text(encoding="utf-8")
+    with caplog.at_level("WARNING", logger="fprc"):
+        run(key="l")
+    old = run.checkpoint.with_name("search.jsonl.old")
+    assert old.read_text(encoding="utf-8") == kept
+    (said,) = caplog.messages
+    assert str(old) in said
+
+
+def test_first_search_and_one_that_goes_on_warn_of_nothing(run, caplog):
+    run(generations=2)
+    run()
+    assert caplog.messages == []
+    assert [path.name for path in run.checkpoint.parent.iterdir()] == ["search.jsonl"]
+
+
+def test_checkpoint_holds_the_numbers_of_each_generation(run):
+    run(generations=2)
+    head, *kept = (json.loads(line)[1] for line in lines(run))
+    assert head == {"key": "k", "start": [0.4, 0.4, 0.4], "step": 0.1, "seed": 3}
+    assert kept == [
+        [numbers_of(point) for point in run.points[first : first + POPULATION]]
+        for first in (0, POPULATION)
+    ]
+
+
+# --- time limit -----------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def clock(monkeypatch, run):
+    """A clock on which judging one point takes a second."""
+    watch = SimpleNamespace(monotonic=lambda: float(len(run.points)))
+    monkeypatch.setattr(importlib.import_module("fprc.studies.calibration.search"), "time", watch)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "generations"), [(0.0, 1), (0.5, 1), (8.0, 1), (8.5, 2), (16.0, 2), (24.5, 4)]
+)
+@pytest.mark.usefixtures("clock")
+def test_no_generation_but_the_first_begins_after_the_time_limit(run, seconds, generations):
+    found = run(seconds=seconds)
+    assert not found.finished
+    assert math.isfinite(found.loss)
+    assert (found.generations, found.evaluations) == (generations, generations * POPULATION)
+    assert len(run.points) == found.evaluations
+
+
+@pytest.mark.usefixtures("clock")
+def test_generation_that_ends_after_the_limit_finishes_the_search(run):
+    assert run(seconds=GENERATIONS * POPULATION - 0.5).finished
+
+
+@pytest.mark.usefixtures("clock")
+def test_search_that_ran_out_of_time_goes_on_as_if_nothing_had_been(run, undisturbed):
+    expected, points, kept = undisturbed()
+    assert not run(seconds=17.0).finished
+    assert same(run(), expected)
+    assert run.points == points[3 * POPULATION :]
+    assert run.checkpoint.read_text(encoding="utf-8") == kept
+
+
+@pytest.mark.usefixtures("clock")
+def test_search_without_time_left_still_says_what_was_found_before(run):
+    before = run(seconds=17.0)
+    assert same(run(seconds=0.0), before)
+    assert run.points == []

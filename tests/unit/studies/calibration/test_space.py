@@ -1,0 +1,435 @@
+import copy
+import math
+import re
+
+import numpy as np
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from fprc.config import Settings, check, reference
+from fprc.config.rig import Rig
+from fprc.errors import ConfigError
+from fprc.studies.calibration.space import Free, decode, encode, free_parameters, resolved
+
+RIG = {
+    "step_s": 0.0004,
+    "bending": {
+        "friction_kpa": 4.0,
+        "relaxation_time_s": [0.25, 4.0],
+        "slip_distance_deg": [1.0, 3.0, 7.0, 14.0],
+    },
+    "drift": {"time_s": 8.0, "sigma_kpa": 5.5},
+}
+FREE = [
+    Free("bending.friction_kpa", 0.0, 15.0),
+    Free("bending.relaxation_time_s.1", 0.05, 30.0),
+    Free("bending.slip_distance_deg", 0.1, 2.857),
+    Free("drift.time_s", 1.0, 60.0),
+    Free("step_s", 0.0001, 0.0005),
+]
+TIME = [Free("drift.time_s", 1.0, 60.0)]
+
+shares = st.floats(0.0, 1.0)
+points = st.lists(shares, min_size=len(FREE), max_size=len(FREE)).map(np.array)
+ranges = st.tuples(st.floats(1e-4, 1e3), st.floats(1.01, 1e4)).map(
+    lambda drawn: (drawn[0], drawn[0] * drawn[1])
+)
+
+
+def at(value):
+    return RIG | {"drift": {"time_s": value}}
+
+
+@given(points)
+def test_encoding_undoes_decoding(point):
+    found = encode(decode(point, RIG, FREE, digits=15), FREE)
+    assert found == pytest.approx(point, abs=1e-9)
+
+
+@given(shares, ranges)
+def test_encoding_undoes_decoding_within_the_rounding_whatever_the_range(share, limits):
+    free = [Free("drift.time_s", *limits)]
+    low, high = limits
+    # four digits are at worst 1.0005 for 1.000
+    worst = 5e-4 * (1.0 / math.log(high / low) if free[0].logarithmic else high / (high - low))
+    (found,) = encode(decode(np.array([share]), RIG, free), free)
+    assert found == pytest.approx(share, abs=1.01 * worst)
+
+
+@given(points)
+def test_written_rig_is_the_rig_that_is_judged(point):
+    judged = decode(point, RIG, FREE)
+    assert decode(encode(judged, FREE), judged, FREE) == judged
+
+
+@given(st.floats(1.0, 60.0), st.integers(2, 8))
+def test_value_with_few_digits_comes_back_exactly(value, digits):
+    value = float(f"{value:.{digits}g}")
+    assert decode(encode(at(value), TIME), at(value), TIME, digits)["drift"]["time_s"] == value
+
+
+@given(shares, shares)
+def test_larger_share_is_no_smaller_value(one, other):
+    low, high = (decode(np.full(5, s), RIG, FREE, digits=15) for s in sorted((one, other)))
+    assert low["bending"]["friction_kpa"] <= high["bending"]["friction_kpa"]
+    assert low["drift"]["time_s"] <= high["drift"]["time_s"]
+    for name in ("relaxation_time_s", "slip_distance_deg"):
+        assert np.less_equal(low["bending"][name], high["bending"][name]).all()
+
+
+@pytest.mark.parametrize(("share", "end"), [(0.0, "low"), (1.0, "high")])
+def test_ends_of_the_cube_are_the_ends_of_the_ranges(share, end):
+    found = decode(np.full(5, share), RIG, FREE)
+    assert [
+        found["bending"]["friction_kpa"],
+        found["bending"]["relaxation_time_s"][1],
+        found["bending"]["slip_distance_deg"][0],
+        found["drift"]["time_s"],
+        found["step_s"],
+    ] == [getattr(parameter, end) for parameter in FREE]
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "logarithmic"),
+    [
+        (1.0, 10.0, True),
+        (0.05, 30.0, True),
+        (1.0, 9.999, False),
+        (20.0, 77.0, False),
+        (0.0, 1000.0, False),
+        (-10.0, 100.0, False),
+    ],
+)
+def test_range_of_a_decade_above_zero_is_logarithmic(low, high, logarithmic):
+    assert Free("drift.time_s", low, high).logarithmic is logarithmic
+    free = [Free("drift.time_s", low, high)]
+    middle = decode(np.array([0.5]), RIG, free, digits=15)["drift"]["time_s"]
+    expected = math.sqrt(low * high) if logarithmic else 0.5 * (low + high)
+    assert middle == pytest.approx(expected, rel=1e-12)
+    assert encode(at(expected), free) == pytest.approx([0.5])
+
+
+@given(shares)
+def test_list_is_scaled_as_a_whole(share):
+    free = [Free("bending.slip_distance_deg", 0.1, 2.8)]
+    before = np.array(RIG["bending"]["slip_distance_deg"])
+    after = np.array(
+        decode(np.array([share]), RIG, free, digits=12)["bending"]["slip_distance_deg"]
+    )
+    assert after / before == pytest.approx(np.full(4, after[0] / before[0]))
+    assert 0.1 <= after[0] <= 2.8
+
+
+@given(shares)
+def test_number_of_a_list_leaves_the_others_alone(share):
+    found = decode(np.array([share]), RIG, [Free("bending.relaxation_time_s.1", 0.05, 30.0)])
+    assert found["bending"]["relaxation_time_s"][0] == 0.25
+    assert 0.05 <= found["bending"]["relaxation_time_s"][1] <= 30.0
+    del found["bending"]["relaxation_time_s"]
+    others = copy.deepcopy(RIG)
+    del others["bending"]["relaxation_time_s"]
+    assert found == others
+
+
+def test_numbers_of_a_tuple_are_scaled_too():
+    rig = RIG | {"bending": {"slip_distance_deg": (1.0, 3.0)}}
+    free = [Free("bending.slip_distance_deg", 0.0, 4.0)]
+    assert encode(rig, free) == pytest.approx([0.25])
+    found = decode(np.array([0.5]), rig, free)
+    assert found["bending"]["slip_distance_deg"] == [2.0, 6.0]
+
+
+@given(points)
+def test_decoding_leaves_its_input_alone(point):
+    rig = copy.deepcopy(RIG)
+    found = decode(point, rig, FREE)
+    for values in found["bending"].values():
+        if isinstance(values, list):
+            values.append(0.0)
+    assert rig == RIG
+
+
+def test_decoding_without_free_parameters_is_a_copy():
+    assert decode(np.array([]), RIG, []) == RIG
+
+
+@pytest.mark.parametrize(
+    ("digits", "value", "slips"),
+    [
+        (1, 10.0, [0.6, 2.0, 4.0, 9.0]),
+        (2, 14.0, [0.63, 1.9, 4.4, 8.8]),
+        (4, 13.56, [0.6281, 1.884, 4.397, 8.794]),
+        (7, 13.56374, [0.628128, 1.884384, 4.396896, 8.793792]),
+    ],
+)
+def test_values_have_that_many_digits(digits, value, slips):
+    share = math.log(13.5637412) / math.log(60.0)
+    whole = Free("bending.slip_distance_deg", 0.0, 1.0)
+    found = decode(np.array([share, 0.628128]), RIG, [*TIME, whole], digits)
+    assert found["drift"]["time_s"] == value
+    assert found["bending"]["slip_distance_deg"] == slips
+
+
+def test_four_digits_are_kept_unless_others_are_asked_for():
+    point = np.array([0.123456789])
+    assert decode(point, RIG, TIME) == decode(point, RIG, TIME, 4) != decode(point, RIG, TIME, 5)
+
+
+@pytest.mark.parametrize(
+    ("value", "share", "moved"), [(0.0, 0.0, 1.0), (0.99, 0.0, 1.0), (61.0, 1.0, 60.0)]
+)
+@pytest.mark.parametrize("low", [1.0, 40.0])
+def test_outside_of_the_range_is_moved_to_its_end(value, share, moved, low):
+    free = [Free("drift.time_s", low, 60.0)]
+    assert encode(at(value), free).tolist() == [share]
+    found = decode(encode(at(value), free), at(value), free)
+    assert found["drift"]["time_s"] == max(moved, low)
+
+
+# --- weights of slip elements, and the squeeze ----------------------------------------------------
+
+WHOLE = Settings().rig.model_dump(mode="json")
+PATHS = Settings().calibration.free
+ALL = free_parameters(PATHS, Settings().calibration.ranges)
+in_the_cube = st.lists(
+    st.floats(0.0, 1.0) | st.sampled_from([0.0, 1.0]), min_size=len(ALL), max_size=len(ALL)
+).map(np.array)
+#: Those that the damping of the squeeze depends on; with them half the points need more of it.
+SQUEEZE = [free for free in ALL if free.path.startswith("reservoir.")]
+squeezes = st.lists(st.floats(0.0, 1.0), min_size=len(SQUEEZE), max_size=len(SQUEEZE)).map(np.array)
+
+
+def is_shared_out(weights):
+    return abs(math.fsum(weights) - 1.0) < 1e-9 and min(weights) >= 0.0
+
+
+@given(in_the_cube)
+def test_weights_sum_to_one_at_every_point(point):
+    rig = decode(point, WHOLE, ALL)
+    for section in ("bending", "reservoir"):
+        assert is_shared_out(rig[section]["slip_weight"])
+        Rig(**{section: {"slip_weight": rig[section]["slip_weight"]}}, step_s=1e-5)
+
+
+@given(st.lists(st.floats(0.0, 1.0), min_size=3, max_size=3))
+def test_weights_that_leave_room_are_taken_as_they_are(shares):
+    free = free_parameters([f"bending.slip_weight.{k}" for k in range(3)])
+    *own, last = decode(np.array(shares), WHOLE, free, digits=12)["bending"]["slip_weight"]
+    if sum(shares) <= 0.97:
+        assert own == pytest.approx(shares, abs=1e-9)
+    else:
+        # all alike, and at least 0.03 for the last
+        assert np.array(own) * sum(shares) == pytest.approx(0.97 * np.array(shares), abs=1e-3)
+        assert last == pytest.approx(0.03, abs=1e-3)
+
+
+@given(shares)
+def test_one_weight_alone_takes_from_the_last(share):
+    weights = decode(np.array([share]), WHOLE, free_parameters(["reservoir.slip_weight.0"]))
+    weights = weights["reservoir"]["slip_weight"]
+    assert is_shared_out(weights)
+    if share + 0.35 <= 0.97:
+        assert weights[1] == 0.35
+
+
+@given(in_the_cube)
+def test_rig_that_was_judged_comes_back_with_its_weights(point):
+    judged = decode(point, WHOLE, ALL)
+    again = decode(encode(judged, ALL), judged, ALL)
+    for section in ("bending", "reservoir"):
+        weights = judged[section].pop("slip_weight")
+        # weights that were scaled down and rounded may exceed their limit by the rounding
+        assert again[section].pop("slip_weight") == pytest.approx(weights, abs=2e-4)
+    assert again == judged
+
+
+def complaints(rig):
+    """Return what is wrong with a rig, by its path; the check of the squeeze has none."""
+    try:
+        Rig.model_validate(rig)
+    except ValidationError as error:
+        return {".".join(map(str, item["loc"])) for item in error.errors()}
+    return set()
+
+
+@given(squeezes)
+def test_resolved_rig_is_valid_unless_it_needs_more_damping_than_there_is(point):
+    rig = decode(point, WHOLE, SQUEEZE)
+    found = resolved(rig)
+    damping, before = (each["reservoir"]["squeeze_damping_kpa_s_per_ml"] for each in (found, rig))
+    if damping <= 20.0:
+        assert complaints(found) == set()
+    else:
+        assert complaints(found) == {"reservoir.squeeze_damping_kpa_s_per_ml"}
+        # no damping within its range would do
+        rig["reservoir"]["squeeze_damping_kpa_s_per_ml"] = 20.0
+        assert complaints(rig) == {""} or damping < 20.0 * 0.5 / 0.48 * 1.001
+    assert damping >= before
+
+
+@given(in_the_cube)
+def test_point_is_impossible_for_no_other_reason_than_the_squeeze(point):
+    found = complaints(resolved(decode(point, WHOLE, ALL)))
+    assert found <= {"reservoir.squeeze_damping_kpa_s_per_ml"}
+
+
+@given(squeezes)
+def test_rig_that_is_valid_is_changed_by_little_or_not_at_all(point):
+    """The limit of the check is 0.5; some room is left below it."""
+    rig = decode(point, WHOLE, SQUEEZE)
+    found, before = copy.deepcopy(resolved(rig)), copy.deepcopy(rig)
+    if complaints(rig):
+        return
+    damping = found["reservoir"].pop("squeeze_damping_kpa_s_per_ml")
+    assert damping <= before["reservoir"].pop("squeeze_damping_kpa_s_per_ml") * 0.5 / 0.48 * 1.001
+    assert found == before
+
+
+def test_rig_that_is_not_resolved_is_left_as_it_was():
+    rig = copy.deepcopy(WHOLE)
+    rig["reservoir"]["slip_distance_ml"] = [0.02, 0.05, 0.1]
+    before = copy.deepcopy(rig)
+    assert complaints(rig) == {""}
+    assert complaints(resolved(rig)) == set()
+    assert rig == before
+
+
+@pytest.mark.parametrize("size", [0, 2])
+def test_point_of_another_size_is_refused(size):
+    with pytest.raises(ValueError, match="zip"):
+        decode(np.zeros(size), RIG, TIME)
+
+
+DEFAULT_RIG = Rig().model_dump(mode="json")
+DEFAULT_FREE = free_parameters(Settings().calibration.free)
+
+
+def documented():
+    """Return default and range of every number of the rig, as the reference page has them."""
+    found = {}
+    for part in reference.reference().split("\n## ")[1:]:
+        section, _, table = part.partition("\n")
+        if not section.startswith("rig"):
+            continue
+        for row in re.findall(r"^\| `(\w+)` \|[^|]*\| `(.*?)` \| (\S+) to (\S+) \|", table, re.M):
+            name, default, low, high = row
+            path = f"{section}.{name}".removeprefix("rig.")
+            found[path] = yaml.safe_load(default), float(low), float(high)
+    return found
+
+
+RANGES = documented()
+NUMBERS = [path for path, (default, *_) in RANGES.items() if not isinstance(default, list)]
+LISTS = [path for path, (default, *_) in RANGES.items() if isinstance(default, list)]
+
+
+def test_reference_has_every_number_of_the_rig():
+    def names(section, prefix=""):
+        for key, value in section.items():
+            if isinstance(value, dict):
+                yield from names(value, f"{prefix}{key}.")
+            elif not isinstance(value, str):  # a choice, as friction_law, is no number
+                yield prefix + key
+
+    assert set(RANGES) == set(names(DEFAULT_RIG))
+    assert LISTS
+
+
+@pytest.mark.parametrize("path", NUMBERS)
+def test_range_of_a_number_is_that_of_the_configuration(path):
+    (free,) = free_parameters([path])
+    assert free.path == path
+    assert (free.low, free.high) == pytest.approx(RANGES[path][1:], rel=1e-5)
+
+
+@pytest.mark.parametrize("path", LISTS)
+def test_range_of_a_number_of_a_list_is_that_of_the_list(path):
+    default, *limits = RANGES[path]
+    changing = len(default) - path.endswith("slip_weight")  # the last weight is left over
+    paths = [f"{path}.{index}" for index in range(changing)]
+    for free, known in zip(free_parameters(paths), paths, strict=True):
+        assert free.path == known
+        assert (free.low, free.high) == pytest.approx(limits, rel=1e-5)
+
+
+@pytest.mark.parametrize("path", [path for path in LISTS if not path.endswith("slip_weight")])
+def test_range_of_a_list_is_as_wide_as_all_of_its_numbers_allow(path):
+    default, low, high = RANGES[path]
+    free = free_parameters([path])
+    ends = {
+        share: np.array(value_at(decode(np.array([share]), DEFAULT_RIG, free, digits=12), path))
+        for share in (0.0, 1.0)
+    }
+    assert ends[0.0].min() == pytest.approx(low, abs=1e-9)
+    assert ends[1.0].max() == pytest.approx(high)
+    for found in ends.values():
+        assert (found >= low - 1e-9).all()
+        assert (found <= high + 1e-9).all()
+
+
+def value_at(rig, path):
+    for key in path.split("."):
+        rig = rig[key]
+    return rig
+
+
+def test_default_rig_is_in_the_middle_of_its_ranges():
+    assert decode(encode(DEFAULT_RIG, DEFAULT_FREE), DEFAULT_RIG, DEFAULT_FREE) == DEFAULT_RIG
+    assert len({free.path for free in DEFAULT_FREE}) == len(DEFAULT_FREE)
+
+
+def test_narrower_range_replaces_the_physical_one():
+    free = free_parameters(
+        ["drift.time_s", "bending.slip_distance_deg", "drift.sigma_kpa"],
+        {"drift.time_s": [2, 3.5], "bending.slip_distance_deg": [0.5, 1.5]},
+    )
+    assert [(parameter.low, parameter.high) for parameter in free] == [
+        (2.0, 3.5), (0.5, 1.5), (0.0, 15.0),
+    ]  # fmt: skip
+
+
+def test_physical_range_is_a_range_too():
+    (free,) = free_parameters(["drift.time_s"], {"drift.time_s": [1.0, 60.0]})
+    assert (free.low, free.high) == (1.0, 60.0)
+
+
+@pytest.mark.parametrize("limits", [(5.0, 5.0), (6.0, 5.0), (0.9, 5.0), (5.0, 60.1), (-1.0, 99.0)])
+def test_range_that_is_empty_or_leaves_the_physical_one_is_refused(limits):
+    with pytest.raises(ConfigError, match=r"drift\.time_s is .* within 1 to 60"):
+        free_parameters(["drift.time_s"], {"drift.time_s": limits})
+
+
+def test_all_paths_and_ranges_that_are_wrong_are_reported_at_once():
+    wrong = ["bending", "bending.friciton_kpa", "models.esn.r", "bending.relaxation_time_s.-1"]
+    ranges = {"bending.preload_kpa": [30.0, 40.0], "drift.time_s": [3.0, 2.0]}
+    with pytest.raises(ConfigError) as caught:
+        free_parameters(["bending.friction_kpa", *wrong, "drift.time_s"], ranges)
+    first, *lines = str(caught.value).splitlines()
+    assert first == "cannot calibrate:"
+    assert sorted(line.split(" is ")[0].strip() for line in lines) == sorted(
+        [
+            *(f"calibration.free: {path}" for path in wrong),
+            *(f"calibration.ranges: {path}" for path in ranges),
+        ]
+    )
+
+
+@pytest.mark.parametrize("path", ["bending.relaxation_time_s.2", "bending.friction_kpa.0"])
+def test_index_that_is_not_there_is_reported(path):
+    with pytest.raises(ConfigError, match=re.escape(path)):
+        free_parameters([path])
+
+
+@pytest.mark.parametrize("path", ["bending.slip_weight.3", "reservoir.slip_weight"])
+def test_weights_that_follow_from_the_others_are_refused(path):
+    with pytest.raises(ConfigError, match=re.escape(f"{path} follows from the other weights")):
+        free_parameters(["bending.slip_weight.0", path])
+
+
+def test_range_of_a_parameter_that_is_not_free_any_more_can_be_taken_away():
+    changed = {"free": ["drift.sigma_kpa", "drift.time_s"], "ranges": {}}
+    calibration = check({"calibration": changed}).calibration
+    assert free_parameters(calibration.free, calibration.ranges)

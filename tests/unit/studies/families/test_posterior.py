@@ -1,0 +1,76 @@
+"""The posterior of a linear rig with normal errors is known in closed form."""
+
+import numpy as np
+import pytest
+
+from fprc.errors import EvaluationError
+from fprc.studies.families.posterior import assimilate, draw_posterior
+
+SLOPES = np.array([[1.0, 0.5, 0.0], [-0.5, 1.0, 0.3]])
+TARGET = np.array([1.5, -0.7])
+TOLERANCE = 0.3
+
+
+def linear(points):
+    return list(points @ SLOPES.T)
+
+
+def closed_form():
+    precision = np.eye(3) + SLOPES.T @ SLOPES / TOLERANCE**2
+    covariance = np.linalg.inv(precision)
+    return covariance @ SLOPES.T @ TARGET / TOLERANCE**2, covariance
+
+
+def prior(number, seed=0):
+    return np.random.default_rng(seed).standard_normal((number, 3))
+
+
+def test_assimilations_of_a_linear_rig_give_the_posterior():
+    points, rng = prior(20000), np.random.default_rng(1)
+    for _ in range(4):
+        points = assimilate(points, np.array(linear(points)), TARGET, TOLERANCE, 4, rng)
+    mean, covariance = closed_form()
+    assert points.mean(axis=0) == pytest.approx(mean, abs=0.02)
+    assert np.cov(points.T) == pytest.approx(covariance, abs=0.02)
+
+
+@pytest.mark.slow
+def test_sweeps_alone_reach_the_posterior_and_leave_the_impossible():
+    """Without an assimilation, from the prior; one half of the space is impossible."""
+
+    def half(points):
+        return [
+            None if point[2] < 0 else own for point, own in zip(points, linear(points), strict=True)
+        ]
+
+    points, logs, history = draw_posterior(
+        prior(600), half, TARGET, tolerance=TOLERANCE, assimilations=0, sweeps=400, seed=2
+    )
+    assert (points[:, 2] >= 0).all()
+    assert logs == pytest.approx(np.array(linear(points)))
+    assert 0.05 < history[-1]["accepted"] < 0.9
+    # by importance: draws of the closed form that are possible
+    mean, covariance = closed_form()
+    exact = np.random.default_rng(3).multivariate_normal(mean, covariance, 200000)
+    exact = exact[exact[:, 2] >= 0]
+    assert points.mean(axis=0) == pytest.approx(exact.mean(axis=0), abs=0.12)
+    assert points.std(axis=0) == pytest.approx(exact.std(axis=0), abs=0.1)
+
+
+def test_same_seed_gives_the_same_draws_and_history_names_each_step():
+    settings = {"tolerance": TOLERANCE, "assimilations": 2, "sweeps": 3, "seed": 5}
+    points, _, history = draw_posterior(prior(40), linear, TARGET, **settings)
+    again, _, _ = draw_posterior(prior(40), linear, TARGET, **settings)
+    assert np.array_equal(points, again)
+    assert [row["step"] for row in history] == [
+        "prior", "assimilation 1", "assimilation 2", "sweep 1", "sweep 2", "sweep 3",
+    ]  # fmt: skip
+    assert history[-1]["deviation"] < history[0]["deviation"] / 2
+
+
+def test_no_possible_rig_is_an_error():
+    with pytest.raises(EvaluationError, match="posterior.rigs"):
+        draw_posterior(
+            prior(5), lambda points: [None] * len(points), TARGET,
+            tolerance=1.0, assimilations=1, sweeps=1, seed=0,
+        )  # fmt: skip

@@ -1,0 +1,219 @@
+import re
+
+import pytest
+
+from fprc.errors import FprcError
+from fprc.studies.stages.documents import replace_block, update_readme, update_tables
+
+ORDERS = """\
+seed,fprc_lowest_test,fprc_below_fuzzy_linear,esn_over_fprc_training,training_within_30_percent,\
+fprc_lowest_reversed_test,reversed_tests_worse
+101,True,True,0.952,True,True,True
+102,False,True,1.118,True,False,True
+103,True,True,1.0,True,False,True
+"""
+
+
+DEVIATIONS = """\
+model,metric,mean,published_mean
+fprc,train_rmse,{},10.0
+esn,test_rmse,{},20.0
+fuzzy_linear,validation_rmse,{},20.0
+"""
+
+TRACKING = """\
+controller,reference,rmse_deg,published_rmse_deg
+fprc,sweep,1.2,1.0
+fprc,sine_0p3,9.0,
+fprc_pd,sweep,1.3,1.0
+fprc_pd,complex,0.5,1.0
+pd,complex,40.0,
+"""
+
+LEDGER = (
+    '{"note": "On the rig dry.", "claims": [{"id": "C1", "claim": "It is so.", "ours": "1", '
+    '"rig": "fitted", "verdict": "reproduced"}, {"id": "C5", "claim": "It is fast.", '
+    '"ours": "2", "rig": "timed", "verdict": "undecided"}]}'
+)
+
+
+def block(name, content):
+    return f"<!-- {name}: generated -->\n{content}\n<!-- {name}: end -->"
+
+
+README = "\n".join(
+    [block("outcome", "old"), block("table2_seeds", "old"), block("table3_seeds", "old"), "End.\n"]
+)
+
+RESULTS = "\n".join(
+    [
+        "# Title",
+        "",
+        block("table2", "old"),
+        "Between.",
+        block("table2_seeds", "old"),
+        block("table3_seeds", "old"),
+        block("orders", "old"),
+        block("deviations", "old"),
+        block("verdicts", "old"),
+        block("table2_timing", "old"),
+        "",
+        "The end.",
+        "",
+    ]
+)
+
+
+@pytest.fixture
+def project(tmp_path):
+    """The two pages and the results that go into them."""
+    contents = {
+        "README.md": README,
+        "docs/results.md": RESULTS,
+        "table2.md": "Table II.\n\n| a |\n|---|\n| 1 ± 2 \\d |\n",
+        "table2_seeds.md": "Over seeds.\n",
+        "table3_seeds.md": "Reversed.\n",
+        "orders.csv": ORDERS,
+        "ii.csv": DEVIATIONS.format(12.0, 11.0, 16.5),
+        "iii.csv": DEVIATIONS.format(9.0, 26.2, 20.0),
+        "iv.csv": TRACKING,
+        "claims.json": LEDGER,
+        "drawn.csv": "id,holds,rigs\nC1,7,40\n",
+        "table2_timing.md": "Times.\n",
+    }
+    (tmp_path / "docs").mkdir()
+    for name, text in contents.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    (tmp_path / "figure.png").write_bytes(b"\x89PNG picture")
+    return tmp_path
+
+
+def update(project):
+    pages = ("table2.md", "table2_seeds.md", "table3_seeds.md", "table2_timing.md")
+    update_readme(
+        [str(project / name) for name in pages],
+        str(project / "orders.csv"),
+        [str(project / name) for name in ("ii.csv", "iii.csv", "iv.csv")],
+        str(project / "claims.json"),
+        str(project / "drawn.csv"),
+        str(project / "figure.png"),
+        readme=str(project / "README.md"),
+        results=str(project / "docs/results.md"),
+        picture=str(project / "images" / "picture.png"),
+    )
+    return (project / "docs/results.md").read_text(encoding="utf-8")
+
+
+def test_blocks_are_replaced_and_everything_else_is_kept(project):
+    expected = RESULTS
+    for name, new in (
+        ("table2", "Table II.\n\n| a |\n|---|\n| 1 ± 2 \\d |"),
+        ("table2_seeds", "Over seeds."),
+        ("table3_seeds", "Reversed."),
+        ("table2_timing", "Times."),
+    ):
+        expected = expected.replace(block(name, "old"), block(name, new))
+    head, tail = expected.split(block("orders", "old"))
+    text = update(project)
+    assert text.startswith(head)
+    assert text.endswith(tail.split(block("verdicts", "old"))[1])
+    assert "\nold\n" not in text
+
+
+def test_sentence_counts_the_seeds_on_which_the_order_holds(project):
+    text = update(project)
+    assert "- FPRC has the lowest test RMSE: on 2 of 3" in text
+    assert "training, validation and test: on 3 of 3" in text
+    assert "with the logs reversed, FPRC has the lowest test RMSE: on 1 of 3" in text
+    assert "0.95 to 1.12" in text
+
+
+def test_deviations_from_print_are_counted_over_both_tables(project):
+    # +20, -45, -17.5, -10, +31 and 0 %
+    text = update(project)
+    assert (
+        "The 6 means of Tables II and III deviate from the printed numbers by 19 % in the median"
+        in text
+    )
+    assert "by 45 % at most (Table II, ESN, Test RMSE: 11 against 20 kPa)" in text
+
+
+def test_every_claim_is_shown_with_its_verdict(project):
+    text = update(project)
+    rows = [re.split(r" *\| *", row)[1:-1] for row in text.splitlines() if row.startswith("| C")]
+    assert ["C1", "It is so.", "reproduced", "fitted", "1", "7 of 40"] in rows
+    assert ["C5", "It is fast.", "undecided", "timed", "2", "-"] in rows
+
+
+def test_readme_counts_the_verdicts(project):
+    update(project)
+    text = (project / "README.md").read_text(encoding="utf-8")
+    assert "execution times: C5." in text
+    assert "was not fitted to, 0 of 0 hold**" in text
+    assert "at least in part, 1 of 1 hold." in text
+    assert "by 45 % at most" in text
+    assert "up to 20 % in open loop, and by up to 50 % in closed loop" in text
+    assert "Reversed." in text
+    assert "\nold\n" not in text
+    assert text.endswith("End.\n")
+
+
+def test_picture_is_copied_into_a_folder_that_is_made(project):
+    update(project)
+    assert (project / "images" / "picture.png").read_bytes() == b"\x89PNG picture"
+
+
+def test_second_update_changes_nothing(project):
+    assert update(project) == update(project)
+
+
+def test_missing_marker_leaves_both_pages_as_they_were(project):
+    spoiled = RESULTS.replace("<!-- table2_timing: end -->", "")
+    (project / "docs/results.md").write_text(spoiled, encoding="utf-8")
+    with pytest.raises(FprcError, match="table2_timing"):
+        update(project)
+    assert (project / "docs/results.md").read_text(encoding="utf-8") == spoiled
+    assert (project / "README.md").read_text(encoding="utf-8") == README
+    assert not (project / "images").exists()
+
+
+def test_block_may_hold_what_looks_like_a_group_reference():
+    assert replace_block(block("a", "x"), "a", r"\1 \g<0>") == block("a", r"\1 \g<0>")
+
+
+def test_name_that_begins_another_name_is_not_mixed_up_with_it():
+    text = block("table2_seeds", "x") + "\n" + block("table2", "y")
+    expected = block("table2_seeds", "x") + "\n" + block("table2", "new")
+    assert replace_block(text, "table2", "new") == expected
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "no markers",
+        "<!-- a: generated -->\nno end",
+        "no begin\n<!-- a: end -->",
+        "<!-- a: end -->\nthe wrong way round\n<!-- a: generated -->",
+        block("a", "x") + "\n" + block("a", "x"),
+        "<!-- a: generated -->\nfrom before\n" + block("a", "x"),
+        block("a", "x") + "\n<!-- a: end -->",
+    ],
+    ids=["none", "no end", "no begin", "swapped", "twice", "begins twice", "ends twice"],
+)
+def test_markers_that_are_not_there_exactly_once_are_refused(text):
+    with pytest.raises(FprcError, match="<!-- a: generated --> and <!-- a: end -->"):
+        replace_block(text, "a", "new")
+
+
+def test_tables_replace_the_blocks_that_are_named_after_folder_and_file(tmp_path):
+    (tmp_path / "rigs").mkdir()
+    tables = {name: tmp_path / f"rigs/{name}.md" for name in ("repeats", "spread")}
+    for name, path in tables.items():
+        path.write_text(f"Table of {name}.\n", encoding="utf-8")
+    page = tmp_path / "page.md"
+    text = "# Title\n\n{}\nBetween.\n{}\nEnd.\n"
+    old = [block(name, "old") for name in ("rigs_spread", "rigs_repeats")]
+    page.write_text(text.format(*old), encoding="utf-8")
+    update_tables([str(path) for path in tables.values()], page=str(page))
+    new = [block(f"rigs_{name}", f"Table of {name}.") for name in ("spread", "repeats")]
+    assert page.read_text(encoding="utf-8") == text.format(*new)

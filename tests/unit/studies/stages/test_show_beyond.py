@@ -1,0 +1,87 @@
+import json
+import shutil
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from fprc.studies.stages.documents import update_beyond_page
+from fprc.studies.stages.show_beyond import draw_tracking, tabulate_beyond
+from fprc.tables.text import read_markdown
+
+DOCS = Path(__file__).parents[4] / "docs"
+CSV = ("models", "claims", "tracking", "offsets", "capacities", "lengths")
+
+
+@pytest.fixture(scope="module")
+def tabulated(make_world, tmp_path_factory):
+    """Tables of two worlds; a file for each part of the first one, as the workflow has them."""
+    tmp_path = tmp_path_factory.mktemp("beyond")
+    parts = ("capacity", "training_length", "step_us")
+    worlds = [make_world(spread=0.02), make_world("viscous", spread=0.02)]
+    taken = [{name: world.pop(name) for name in parts} for world in worlds]
+    written = {
+        "dry": worlds[0],
+        "viscous": worlds[1],
+        "capacity": {"worlds": {"dry": taken[0]["capacity"]}},
+        "training": {"training_length": taken[0]["training_length"]},
+        "steps": {"step_us": taken[0]["step_us"]},
+    }
+    for name, content in written.items():
+        (tmp_path / f"{name}.json").write_text(json.dumps(content))
+    path = {name: str(tmp_path / f"{name}.json") for name in (*written, "verdicts")}
+    tables = {name: str(tmp_path / f"{name}.csv") for name in CSV}
+    tabulate_beyond(
+        [path["dry"], path["viscous"]],
+        *(path[name] for name in ("capacity", "training", "steps", "verdicts")),
+        **tables,
+    )
+    return path["verdicts"], tables
+
+
+def test_what_was_measured_beside_the_models_belongs_to_its_world(tabulated):
+    verdicts, tables = tabulated
+    ledgers = json.loads(Path(verdicts).read_text())["ledgers"]
+    judged = [{row["id"]: row["verdict"] for row in ledger} for ledger in ledgers]
+    assert judged[0]["B8"] != "not judged"
+    assert judged[1]["B8"] == "not judged"  # no capacity of that world
+    worlds = {name: set(pd.read_csv(path)["world"]) for name, path in tables.items()}
+    assert worlds["claims"] == worlds["models"] == {"dry", "viscous"}
+    assert worlds["lengths"] == worlds["capacities"] == {"dry"}
+
+
+def test_page_and_leaderboard_have_the_numbers_of_the_tables(tabulated, tmp_path):
+    verdicts, tables = tabulated
+    page, board = (shutil.copy(DOCS / name, tmp_path) for name in ("beyond.md", "benchmark.md"))
+    readme = shutil.copy(DOCS.parent / "README.md", tmp_path)
+    (tmp_path / "figure.png").write_bytes(b"picture")
+    given = {name: tables[name] for name in CSV if name != "claims"}
+    for _ in range(2):  # the blocks stay where they are
+        update_beyond_page(
+            verdicts, **given, figures=[str(tmp_path / "figure.png")], readme=readme,
+            page=page, board=board,
+            pictures=[str(tmp_path / "picture.png")], world="dry",
+        )  # fmt: skip
+    assert (tmp_path / "picture.png").read_bytes() == b"picture"
+    text = Path(page).read_text(encoding="utf-8")
+    assert "Not run yet." not in text
+    advice = json.loads(Path(verdicts).read_text())["advice"]
+    assert advice[0] in Path(readme).read_text(encoding="utf-8")
+    for point in advice:
+        assert f"- {point}\n" in text
+    block = Path(board).read_text(encoding="utf-8").split("<!-- leaderboard: generated -->\n")[1]
+    _, leaders = read_markdown(block.split("<!-- leaderboard: end -->")[0])
+    table = pd.read_csv(tables["models"])
+    forward = table[(table["world"] == "dry") & (table["measure"] == "forward")]
+    best = forward[~forward["model"].str.endswith(("_oracle", "_matched"))]["mean"].min()
+    column = next(name for name in leaders if "Forward" in name)
+    assert leaders[column].iloc[0].startswith(f"{best:.3g}"[:3])
+    shown = [float(text.split()[0]) for text in leaders[column]]
+    assert shown == sorted(shown)
+
+
+def test_tracking_of_a_world_without_models_is_drawn_empty(tabulated, tmp_path):
+    tracking = tabulated[1]["tracking"]
+    pdf, png = (str(tmp_path / f"tracking.{kind}") for kind in ("pdf", "png"))
+    assert draw_tracking(tracking, pdf, png, world="none")["source"] == "sim"
+    assert Path(png).stat().st_size > 1000
