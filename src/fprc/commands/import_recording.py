@@ -30,6 +30,8 @@ from fprc.provenance import sha256
 
 #: Limit on listed variables that cannot be channels.
 _LISTED_OTHERS = 50
+#: Largest distance of a clock that jitters from a straight line, as a share of its span.
+_OFF_LINE = 0.01
 
 
 def import_or_list(
@@ -248,7 +250,10 @@ def list_source(source: str, map_file: str | None = None) -> None:
     for note in content.notes:
         print(visible(f"  {note}"))
     if not clocks:
-        print("no column looks like a clock; give time.rate_hz in the map")
+        print(
+            "no column looks like a clock; name the column with the times in the map, or, if the "
+            "file has none, give time.rate_hz"
+        )
 
 
 def _remark(values: np.ndarray, finite: int, guess: tuple[float, str] | None) -> str:
@@ -261,11 +266,20 @@ def _remark(values: np.ndarray, finite: int, guess: tuple[float, str] | None) ->
 
 
 def _guess_rate(values: np.ndarray) -> tuple[float, str] | None:
-    """Guess rate and unit of a column that increases evenly, as a clock does."""
+    """Guess rate and unit of a column that increases as a clock does.
+
+    Nine of ten steps are about equal, or, where a clock jitters more, its stamps are near a
+    straight line. Repeated stamps are allowed.
+    """
     if len(values) < 3 or not np.isfinite(values).all():
         return None
     steps = np.diff(values)
+    span = float(values[-1] - values[0])
+    if (steps < 0.0).any() or span <= 0.0:
+        return None
     step = float(np.median(steps))
-    # repeated stamps are allowed
-    even = (steps >= 0.0).all() and (np.abs(steps - step) < 0.5 * step).mean() > 0.9
-    return likely_rate(step) if even else None
+    if (np.abs(steps - step) < 0.5 * step).mean() > 0.9:
+        return likely_rate(step)
+    line = np.linspace(values[0], values[-1], len(values))
+    straight = float(np.abs(values - line).max()) < _OFF_LINE * span
+    return likely_rate(span / len(steps)) if straight else None

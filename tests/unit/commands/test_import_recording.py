@@ -1,4 +1,5 @@
 import logging
+import re
 from pathlib import Path
 
 import h5py
@@ -465,6 +466,30 @@ def test_long_list_of_unusable_variables_is_cut(tmp_path, capsys):
     assert "  10 more cannot be channels" in printed
     assert "x\\x1b0: cannot" in printed
     assert "\x1b" not in printed
+
+
+def jittery(jitter_s):
+    """Return 2,000 stamps of 200 Hz, each late by up to ``jitter_s``."""
+    late = np.random.default_rng(1).uniform(0.0, jitter_s, 2000)
+    return np.sort(np.arange(2000) / 200.0 + late)
+
+
+@pytest.mark.parametrize(
+    ("stamps", "is_clock"),
+    [
+        (jittery(0.0), True),
+        (jittery(0.004), True),
+        (jittery(0.02), True),
+        (np.linspace(0.0, 1.0, 2000) ** 4, False),  # a ramp that rises late
+    ],
+    ids=["even", "jitter", "more jitter", "ramp"],
+)
+def test_clock_is_found_however_unevenly_it_ticks(tmp_path, capsys, stamps, is_clock):
+    rows = "".join(f"{stamp:.9f},1\n" for stamp in stamps)
+    (tmp_path / "log.csv").write_text(f"t,x\n{rows}")
+    assert main(["import", str(tmp_path / "log.csv"), "--list"]) == 0
+    rates = re.findall(r"clock\? ([\d.]+) Hz", capsys.readouterr().out)
+    assert [round(float(rate), -2) for rate in rates] == [200.0] * is_clock
 
 
 def test_listing_without_a_clock_asks_for_the_rate(tmp_path, capsys):
