@@ -57,7 +57,7 @@ def report_page(
         *(f"- {line}" for line in findings(table, results["own"])),
         f"- {compare_scales(folder / 'data/sweep.h5', settings['models']['fprc']['sigma'])}",
         "",
-        "Low-passed theta and P_o shuffled in time are controls: P_o helps as a memory only if it "
+        "Low-passed theta and P_o shifted in time are controls: P_o helps as a memory only if it "
         "beats both. One test does not show the spread of the test error; the verdicts under "
         "[Other models](#other-models) say which differences are more than chance.",
         "",
@@ -138,7 +138,7 @@ def findings(table: pd.DataFrame, own: Mapping[str, float]) -> list[str]:
             for other, name in (
                 ("none", "than without a readout"),
                 ("theta", "than with theta low-passed"),
-                ("shuffled", "than with P_o shuffled"),
+                ("shifted", "than with P_o shifted in time"),
             )
         )
         lines.append(f"{what} FPRC's error is {changes}.")

@@ -10,9 +10,9 @@ from fprc.experiments.data import Data
 from fprc.experiments.settings import Judgement
 from fprc.registry import build
 
-#: Substitutes for P_o in FPRC: ``theta`` has the low-pass but no reservoir, ``shuffled`` has P_o's
-#: values at random times, ``none`` is Fuzzy-linear.
-READOUTS = ("none", "p_o", "theta", "shuffled")
+#: Substitutes for P_o in FPRC: ``theta`` has the low-pass but no reservoir, ``shifted`` is P_o
+#: of another time of the same recording, with its slow changes, ``none`` is Fuzzy-linear.
+READOUTS = ("none", "p_o", "theta", "shifted")
 
 
 def readout_cells(
@@ -56,6 +56,18 @@ def inputs_with(readout: str, data: Data, seed: int) -> tuple[np.ndarray, np.nda
     if readout == "none":
         return theta[:, None], p_exp
     second = theta if readout == "theta" else data.channels["p_o_kpa"]
-    if readout == "shuffled":
-        second = np.random.default_rng(seed).permutation(second)
+    if readout == "shifted":
+        second = _shifted(second, data.lengths, seed)
     return np.column_stack([theta, second]), p_exp
+
+
+def _shifted(values: np.ndarray, lengths: Sequence[int] | None, seed: int) -> np.ndarray:
+    """Rotate each recording by a random time, a quarter to three quarters of its length.
+
+    Samples in a random order would be no control for a P_o that leaks: their mean does not move.
+    """
+    rng = np.random.default_rng(seed)
+    parts = np.split(values, np.cumsum(lengths)[:-1]) if lengths else [values]
+    return np.concatenate(
+        [np.roll(part, int(rng.uniform(0.25, 0.75) * len(part))) for part in parts]
+    )

@@ -13,7 +13,7 @@ _LOOKS: dict[str, tuple[str, dict[str, Any]]] = {
     "none": ("none (Fuzzy-linear)", line_of("fuzzy_linear")),
     "p_o": (r"$P_o$ (FPRC)", {"color": SIGNALS["p_o"]}),
     "theta": (r"$\theta$: the filter alone", {"color": SIGNALS["theta"], "linestyle": "-."}),
-    "shuffled": (r"$P_o$ shuffled in time", {"color": SIGNALS["p_o"], "linestyle": ":"}),
+    "shifted": (r"$P_o$ shifted in time", {"color": SIGNALS["p_o"], "linestyle": ":"}),
 }
 
 

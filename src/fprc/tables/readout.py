@@ -13,7 +13,7 @@ READOUT_NAMES = {
     "none": "no readout (Fuzzy-linear)",
     "p_o": "P_o of the reservoir (FPRC)",
     "theta": "theta in place of P_o: the low-pass alone",
-    "shuffled": "P_o shuffled in time",
+    "shifted": "P_o shifted in time",
 }
 
 _PHASES = ("train", "validation", "test")

@@ -80,12 +80,12 @@ def test_one_command_goes_from_a_recording_to_a_report(recording, tmp_path, caps
         assert (out / "readout" / name).stat().st_size > 100, name
     assert not [*(out / "readout").glob("*.partial*"), *out.glob(".*")]
     table = pd.read_csv(out / "readout/readout.csv")
-    assert set(table["readout"]) == {"none", "p_o", "theta", "shuffled"}
+    assert set(table["readout"]) == {"none", "p_o", "theta", "shifted"}
     assert set(table["split"]) == {"shuffled", "blocked"}
     assert set(table["unit"]) == {"N"}
     own = table[(table["epsilon"] == 0.1) & (table["split"] == "blocked")].set_index("readout")
     # the force depends on P_o, which no other input reveals
-    assert own.loc["p_o", "test_rmse"] < 0.7 * own.loc["shuffled", "test_rmse"]
+    assert own.loc["p_o", "test_rmse"] < 0.7 * own.loc["shifted", "test_rmse"]
     others = pd.read_csv(out / "readout/competitors.csv").set_index("model")
     assert len(others) == 9
     assert others[["block_rmse", "block_std", "test_rmse"]].gt(0.0).all(axis=None)
@@ -255,11 +255,11 @@ def table_of(errors):
 
 
 def test_findings_compare_p_o_with_nothing_and_with_both_controls():
-    table = table_of({"none": 10.0, "p_o": 8.0, "theta": 6.4, "shuffled": 16.0})
+    table = table_of({"none": 10.0, "p_o": 8.0, "theta": 6.4, "shifted": 16.0})
     validation, test, best = findings(table, {"epsilon": 0.01, "n_u": 3})
     changes = (
         "20.0 % lower than without a readout, 25.0 % higher than with theta low-passed, "
-        "50.0 % lower than with P_o shuffled."
+        "50.0 % lower than with P_o shifted in time."
     )
     assert validation == f"On blocked folds FPRC's error is {changes}"
     assert test == f"On the test part FPRC's error is {changes}"
