@@ -61,13 +61,13 @@ def inputs_with(readout: str, data: Data, seed: int) -> tuple[np.ndarray, np.nda
     return np.column_stack([theta, second]), p_exp
 
 
-def _shifted(values: np.ndarray, lengths: Sequence[int] | None, seed: int) -> np.ndarray:
+def _shifted(values: np.ndarray, lengths: Sequence[int], seed: int) -> np.ndarray:
     """Rotate each recording by a random time, a quarter to three quarters of its length.
 
     Samples in a random order would be no control for a P_o that leaks: their mean does not move.
     """
     rng = np.random.default_rng(seed)
-    parts = np.split(values, np.cumsum(lengths)[:-1]) if lengths else [values]
+    parts = np.split(values, np.cumsum(lengths)[:-1])
     return np.concatenate(
         [np.roll(part, int(rng.uniform(0.25, 0.75) * len(part))) for part in parts]
     )
