@@ -1,12 +1,13 @@
 # Two commands for a fresh machine: `make paper` and `make test`.
 PYTHON ?= python3
 CORES ?= 2
+STUDIES = snakemake --cores $(CORES) --snakefile workflow/studies/Snakefile
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 # each job is a new process: let Python cache the compiled modules for the next one
 export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: help paper smoke quick types lint site tests faults test damage test-kill reproduce-twice processors \
-	slurm slurm-programs test-slurm docs layers lowest newest scaling fault-matrix fuzz loop-benchmark benchmark \
+	slurm slurm-programs test-slurm docs check layers lowest newest scaling fault-matrix fuzz loop-benchmark benchmark \
 	benchmark-all container test-container cut release release-tools test-release clean
 
 help:  ## list the targets
@@ -34,6 +35,7 @@ lint: .venv/.ready  ## style, types, layers, workflow lint
 	mypy
 	snakefmt --check Snakefile workflow
 	snakemake --lint
+	snakemake --lint --snakefile workflow/studies/Snakefile
 	lint-imports
 
 site: .venv/.ready  ## build the documentation site into docs/_build/html, with its examples run
@@ -96,7 +98,10 @@ scaling: .venv/.ready  ## measure the numbers in docs/scaling.md: some minutes
 	$(MEASURE).scaling --page docs/scaling.md
 
 docs: .venv/.ready  ## update numbers and pictures in README.md and docs/
-	snakemake --cores $(CORES) readme calibration_page beyond_page
+	$(STUDIES) readme calibration_page beyond_page
+
+check: .venv/.ready  ## compare verdicts, results, files and pictures with what is declared
+	$(STUDIES) check
 
 layers: .venv/.ready  ## draw the packages in CONTRIBUTING.md from the imports
 	python tools/layers.py

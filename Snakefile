@@ -1,5 +1,5 @@
 # `snakemake --cores 2 all` makes everything of the paper. The workflow is in workflow/, from where
-# other workflows import it.
+# other workflows import it; the studies behind the paper are in workflow/studies.
 
 
 include: "workflow/Snakefile"
@@ -7,3 +7,46 @@ include: "workflow/Snakefile"
 
 # the default target of an included file does not count
 workflow.default_target = "all"
+
+
+#: Targets of workflow/studies/Snakefile. Its rules are not read here: no target of the paper needs
+#: them.
+STUDIES = (
+    "studies",
+    "calibrate",
+    "sensitivity",
+    "targets",
+    "ensemble",
+    "posterior",
+    "rigs",
+    "beyond",
+    "tuned",
+    "check",
+    "readme",
+    "calibration_page",
+    "beyond_page",
+)
+
+for target in STUDIES:
+    if target not in PLAN.unavailable:
+
+        rule:
+            name:
+                target
+            input:
+                refused(
+                    f"{target}: a target of the studies; run `snakemake --cores 2 --snakefile"
+                    f" {own('../studies/Snakefile')} {target}`"
+                ),
+            localrule: True
+
+
+KNOWN_TARGETS.update(STUDIES)
+
+
+onstart:
+    if not workflow.dag_settings.targets:
+        logger.info(
+            f"No target is given: making everything of the paper, from {PLAN.origin}, into {RESULTS}. "
+            "A first build takes minutes; what is finished is kept."
+        )

@@ -135,6 +135,10 @@ class Project:
             timeout=1800,
         )
 
+    def studies(self, *arguments: str, **options) -> subprocess.CompletedProcess:
+        """Run the Snakefile of the studies, with the settings of the smoke run."""
+        return self.smoke("--snakefile", "workflow/studies/Snakefile", *arguments, **options)
+
     def smoke(self, *arguments: str, **options) -> subprocess.CompletedProcess:
         return self.snakemake(*arguments, "--configfile", "config/smoke.yaml", **options)
 
@@ -290,7 +294,7 @@ def calibrated(smoked, shared):
         files = ("calibration/channels.pdf", "rigs/answer.md")
         # on one core a job starts no workers, each of which would import the libraries
         one = ("--cores", "1")
-        made = copy.smoke(
+        made = copy.studies(
             "ensemble",
             "posterior",
             "targets",
@@ -303,7 +307,7 @@ def calibrated(smoked, shared):
             "grids={chunks: 3}",
             cores=one,
         )
-        done = copy.smoke("sensitivity", "calibrate", "--config", FEW_FREE, cores=one)
+        done = copy.studies("sensitivity", "calibrate", "--config", FEW_FREE, cores=one)
         done.returncode = made.returncode or done.returncode
         done.stdout = made.stdout + done.stdout
         return done

@@ -1,4 +1,4 @@
-"""`snakemake check` on the results of a run, with and without files that no rule makes."""
+"""`make check` on the results of a run, with and without files that no rule makes."""
 
 import os
 
@@ -20,14 +20,14 @@ def test_file_that_no_rule_makes_is_reported_and_nothing_else(smoked_copy):
         (results / name).parent.mkdir(parents=True, exist_ok=True)
         (results / name).write_text("x")
     # the verdicts of so small a run are not the paper's
-    done = smoked_copy.smoke("check")
+    done = smoked_copy.studies("check")
     assert "verdicts differ from config/verdicts.yaml" in done.stdout
     assert lines(done.stdout) == []
     (results / "tables/table9.md").write_text("x")
     (results / "grids/.taps.4194305.part.json").write_text("half")
     (results / "ensemble").mkdir(exist_ok=True)
     (results / "ensemble/rigs_1.json").write_text("of a chunk of another size")
-    done = smoked_copy.smoke("check")
+    done = smoked_copy.studies("check")
     assert done.returncode != 0
     assert "files that no rule makes" in done.stdout
     assert sorted(lines(done.stdout)) == [
@@ -68,7 +68,7 @@ def test_damaged_results_are_named_and_reach_no_other_result(smoked_copy):
     damaged(table, table.read_bytes()[:100])
     damaged(seeds, seeds.read_bytes().replace(b"1", b"2", 1))
     damaged(times, b"")
-    assert lines(smoked_copy.smoke("check").stdout) == [f"  {name}" for name in names]
+    assert lines(smoked_copy.studies("check").stdout) == [f"  {name}" for name in names]
 
     # what is asked for again refuses what it is made of
     for path, target, refused in ((seeds, "report", [figure, seeds, table]),
@@ -86,4 +86,4 @@ def test_damaged_results_are_named_and_reach_no_other_result(smoked_copy):
     for done in (smoked_copy.snakemake(*forced), smoked_copy.smoke("all")):
         assert done.returncode == 0, done.stdout
     assert smoked_copy.untimed() == before
-    assert lines(smoked_copy.smoke("check").stdout) == []
+    assert lines(smoked_copy.studies("check").stdout) == []

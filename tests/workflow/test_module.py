@@ -8,7 +8,7 @@ import pytest
 import yaml
 
 ROOT = Path(__file__).parents[2]
-SNAKEFILE = str(ROOT / "workflow/Snakefile")
+STUDIES = str(ROOT / "workflow/studies/Snakefile")
 PAGE = (ROOT / "docs/module.md").read_text(encoding="utf-8")
 SMOKE = yaml.safe_load((ROOT / "config/smoke.yaml").read_text(encoding="utf-8"))
 
@@ -77,9 +77,21 @@ def test_each_module_has_its_own_settings(imported):
 
 def test_nothing_reruns_and_all_of_a_module_can_be_planned(imported, importer):
     assert "Nothing to be done" in importer.snakemake("both", "dry_fig1").stdout
-    planned = importer.snakemake("--dry-run", "dry_all", "dry_check")
+    planned = importer.snakemake("--dry-run", "dry_all")
     assert planned.returncode == 0, planned.stdout
     outside = re.findall(r"^    output: (?!dry/)", planned.stdout, re.MULTILINE)
+    assert outside == []
+
+
+def test_studies_can_be_imported_too(in_folder, tmp_path):
+    (tmp_path / "Snakefile").write_text(
+        f'module fprc:\n    snakefile: "{STUDIES}"\n    prefix: "mine"\n    config: {{}}\n'
+        "use rule * from fprc as fprc_*\n",
+        encoding="utf-8",
+    )
+    planned = in_folder(tmp_path).snakemake("--dry-run", "fprc_ensemble", "fprc_check")
+    assert planned.returncode == 0, planned.stdout
+    outside = re.findall(r"^    output: (?!mine/)", planned.stdout, re.MULTILINE)
     assert outside == []
 
 
@@ -104,7 +116,7 @@ def test_report_is_made_from_another_folder(smoked_copy, in_folder, tmp_path):
 
 
 def test_folder_without_a_configuration_takes_the_defaults(in_folder, tmp_path):
-    asked = ["--snakefile", SNAKEFILE, "--directory", "mine", "--dry-run", "report", "check"]
+    asked = ["--snakefile", STUDIES, "--directory", "mine", "--dry-run", "report", "check"]
     done = in_folder(tmp_path).snakemake(*asked)
     assert done.returncode == 0, done.stdout
     assert re.search(r"^replicate +10$", done.stdout, re.MULTILINE)

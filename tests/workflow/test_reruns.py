@@ -118,7 +118,7 @@ def test_edit_reruns_what_runs_that_code_and_nothing_else(smoked, tmp_path, what
 
 def test_every_rule_carries_the_fingerprint_of_its_stage(project):
     named, bare = set(), set()
-    for path in (project.folder / "workflow/rules").glob("*.smk"):
+    for path in (project.folder / "workflow").rglob("*.smk"):
         # settings of several rules are one of its dicts, for example GRID
         text = path.read_text(encoding="utf-8")
         shared = dict(re.findall(r"^([A-Z]+) = (\{.*?^\})", text, flags=re.MULTILINE | re.DOTALL))

@@ -159,7 +159,7 @@ def rules_run(printed):
 
 
 def test_smoke_touches_every_rule(smoked, calibrated):
-    text = "".join(p.read_text() for p in (smoked[0].folder / "workflow/rules").glob("*.smk"))
+    text = "".join(p.read_text() for p in (smoked[0].folder / "workflow").rglob("*.smk"))
     blocks = re.split(r"^ *rule (\w+):$", text, flags=re.MULTILINE)[1:]
     working = {
         name for name, body in zip(blocks[::2], blocks[1::2], strict=True) if "script:" in body

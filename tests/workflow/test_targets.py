@@ -5,6 +5,8 @@ import pytest
 
 from fprc.yaml_file import read_yaml
 
+STUDIES = ("--snakefile", "workflow/studies/Snakefile")
+
 
 def planned(output: str) -> dict[str, int]:
     """Jobs of a dry run by rule."""
@@ -25,7 +27,8 @@ def test_dry_run_of_the_paper_plans_every_stage(project):
 def test_profile_of_slurm_names_rules_that_there_are_and_groups_every_drawing(project):
     rules = set()
     for chunks in (1, 2):
-        asked = project.snakemake("--list-rules", "--config", f"grids={{chunks: {chunks}}}")
+        chosen = ("--config", f"grids={{chunks: {chunks}}}", *STUDIES)
+        asked = project.snakemake("--list-rules", *chosen)
         rules |= set(asked.stdout.split())
     profile = read_yaml(project.folder / "profiles/slurm/config.yaml")
     groups = dict(each.split("=") for each in profile["groups"])
@@ -44,8 +47,33 @@ def test_pool_has_a_process_for_twenty_cells_within_its_limit(project, given, wo
     assert f"Grid of taps, workers: {workers}" in planned.stdout
 
 
-def test_default_profile_is_read(project):
-    assert "profiles/default" in project.snakemake("--dry-run", "table1").stdout
+@pytest.mark.parametrize("snakefile", [(), STUDIES])
+def test_default_profile_is_read(project, snakefile):
+    assert "profiles/default" in project.snakemake(*snakefile, "--dry-run", "table1").stdout
+
+
+def test_studies_are_no_rules_of_the_paper_and_their_targets_answer_with_the_command(project):
+    paper, both = (
+        set(project.snakemake("--list-rules", *snakefile).stdout.split())
+        for snakefile in ((), STUDIES)
+    )
+    assert len(both - paper) > 20
+    rules = "".join(path.read_text() for path in (project.folder / "workflow/studies").iterdir())
+    named = set(
+        re.findall(r"^rule (\w+):\n    input:\n(?:        .*\n)+    localrule", rules, re.M)
+    )
+    for target in named | {"check", "readme", "calibration_page", "beyond_page"}:
+        assert target in paper & both
+    done = project.snakemake("--dry-run", "beyond")
+    assert done.returncode == 1
+    command = "snakemake --cores 2 --snakefile workflow/studies/Snakefile beyond"
+    assert f"beyond: a target of the studies; run `{command}`" in done.stdout
+
+
+def test_without_a_target_everything_of_the_studies_is_planned(project):
+    jobs = planned(project.snakemake(*STUDIES, "--dry-run").stdout)
+    assert {"beyond_world", "ensemble_chunk", "measure_sensitivity", "rigs_table"} <= jobs.keys()
+    assert not {"fit_rig", "tune_world", "report_page"} & jobs.keys()
 
 
 def test_profile_of_the_smoke_run_is_the_default_one_with_a_configuration(project):
@@ -83,17 +111,17 @@ PLANNED = [
     ),
     (["report"], {"report_page", "ledger", "draw_fig11"}, {"ensemble_chunk", "fit_rig"}),
     (
-        ["ensemble", "targets", "smoke"],
+        [*STUDIES, "ensemble", "targets", "smoke"],
         {"ensemble_chunk", "shares_figure", "targets_table", "replicate", "smoke"},
         {"judge", "fit_rig"},
     ),
     (
-        ["ensemble", "sensitivity", "calibrate"],
+        [*STUDIES, "ensemble", "sensitivity", "calibrate"],
         {"measure_sensitivity", "sensitivity_table", "fit_rig"},
         {"replicate", "judge"},
     ),
     (
-        ["readme"],
+        [*STUDIES, "readme"],
         {"readme", "timing_table", "ledger", "readout_table", "ensemble_chunk"},
         {"fit_rig"},
     ),

@@ -45,6 +45,7 @@ def snakemake(folder: Path, *arguments: str, rigs: int, chunk: int) -> Spent:
         process = subprocess.Popen(
             [
                 *(sys.executable, "-m", "snakemake", "--cores", "1", "--nolock"),
+                *("--snakefile", "workflow/studies/Snakefile"),
                 *arguments,
                 *("--config", f"ensemble={{rigs: {rigs}, chunk: {chunk}}}"),
                 f"folders={{raw: {folder}/raw, results: {folder}}}",

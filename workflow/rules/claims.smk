@@ -1,4 +1,4 @@
-# The ledger of the paper's claims; the check of its verdicts and of the files in the folders.
+# The ledger of the paper's claims.
 
 
 rule ledger:
@@ -21,26 +21,3 @@ rule ledger:
         "Claims C1 to C18"
     script:
         "../scripts/stage.py"
-
-
-if "check" not in PLAN.unavailable:
-
-    rule check:
-        input:
-            ledger=PATHS.below("claims.json"),
-            verdicts=own("../../config/verdicts.yaml"),
-        log:
-            PATHS.messages("check"),
-        localrule: True
-        params:
-            **stage("check.check_results"),
-            folders=FOLDERS,
-            made=lambda wildcards: made_by_rules(),
-            # the documentation shows the results of the paper's settings in the checkout only
-            pictures=lambda wildcards: (
-                pictures_of_docs() if RESULTS == "results" and IN_CHECKOUT else {}
-            ),
-        message:
-            "Check of the verdicts in config/verdicts.yaml, of files, of pictures in docs"
-        script:
-            "../scripts/stage.py"

@@ -8,10 +8,6 @@ LONG, ALONE = 1, workflow.cores + 1
 
 
 RULES = workflow.current_basedir
-# an unrelated folder may have docs/images too
-IN_CHECKOUT = isinstance(RULES, os.PathLike) and os.path.samefile(
-    os.path.join(RULES, "../.."), os.curdir
-)
 
 
 def own(name):
@@ -76,11 +72,11 @@ def figure(number, statistics=False):
     )
 
 
-def refused(name):
+def refused(why):
     """Return an input function that ends the workflow with the reason."""
 
     def input_of(wildcards):
-        raise WorkflowError(refusal(name, PLAN.unavailable))
+        raise WorkflowError(why)
 
     return input_of
 
@@ -90,83 +86,3 @@ def unchanged(name):
     path = placed(PATHS.below(name))
     refuse_changed(RESULTS, [path])
     return path
-
-
-def made_by_rules():
-    """Return regular expressions of all files of the rules: outputs, logs, checkpoints."""
-    checkpoints = [rule.params.get("checkpoint") for rule in workflow.rules]
-    kept = [
-        rf"{regex_from_filepattern(path).removesuffix('$')}(\.\d+)?(\.old)?"
-        for path in checkpoints
-        if path
-    ]
-    files = [path for rule in workflow.rules for path in (*rule.output, *rule.log)]
-    return sorted({path.regex().pattern for path in files}.union(kept))
-
-
-def pictures_of_docs():
-    """Return the figure of the results that each picture of the documentation copies."""
-    figures = {}
-    for params, files in ((each.params, each.input) for each in workflow.rules):
-        if params.get("picture"):
-            figures[params.picture] = str(files.figure)
-        if files.get("figures") and params.get("pictures"):
-            figures |= dict(zip(params.pictures, map(str, files.figures)))
-    return figures
-
-
-@cache
-def named_rig(name):
-    """Return the sections ``rig`` and ``fitted`` of a rig's file."""
-    return from_files([OTHER_RIGS[name]]).model_dump(mode="json", include={"rig", "fitted"})
-
-
-def on_rigs(part):
-    """Return the reports of the further seeds: those of this rig, then those of other fitted ones."""
-    seeds = SETTINGS["evaluation"]["replicate_seeds"]
-    return PLAN.replicates(part) + [
-        PATHS.below(f"rigs/{rig}/{part}_{seed}.json") for rig in FITTED_RIGS for seed in seeds
-    ]
-
-
-def world_named(name):
-    """Return a world: its rigs, their seeds, and the settings of their simulation."""
-    file = named_rig(name) if name in OTHER_RIGS else pick(SETTINGS, "rig", "fitted")
-    rig, fitted = file["rig"], file["fitted"]["to"]
-    return {
-        "name": name,
-        "rigs": name if name in SETS_OF_RIGS else "one",
-        "every_model": name == OWN_WORLD or name in FITTED_RIGS,
-        "first_seed": BEYOND["first_seed"],
-        "seeds_per_rig": BEYOND["seeds_per_rig"] if name == "drawn" else 1,
-        "fitted": {"posterior": ["tables"], "drawn": []}.get(name, fitted),
-        "on_rig": on_rig(SETTINGS) | {"rig": rig},
-        "ensemble": DRAWN if name == "drawn" else {},
-        "free": FREE if name == "drawn" else {},
-    }
-
-
-def world_of(wildcards):
-    """Return the world of a job."""
-    return world_named(wildcards.world)
-
-
-def units_of(wildcards):
-    """Return the number of seeds or rigs of a world."""
-    return BEYOND["rigs" if wildcards.world in SETS_OF_RIGS else "seeds"]
-
-
-def units_of_tuning(wildcards):
-    """Return the seeds or rigs of a world on which settings are chosen; they judge nothing else."""
-    first = units_of(wildcards)
-    return list(range(first, first + BEYOND["tuning"]["units"]))
-
-
-def workers_over(units):
-    """Return the param of the number of processes, for seeds or rigs that take seconds each."""
-
-    def workers(wildcards, threads):
-        number = units(wildcards) if callable(units) else units
-        return max(1, min(threads, number // 4))
-
-    return workers

@@ -7,7 +7,7 @@ for target in PLAN.unavailable_targets:
         name:
             target
         input:
-            refused(target),
+            refused(refusal(target, PLAN.unavailable)),
         localrule: True
 
 

@@ -12,7 +12,7 @@ from fprc.stages.run import stage_of
 PACKAGE = Path(fprc.__file__).parent
 RULES = "".join(
     path.read_text(encoding="utf-8")
-    for path in sorted((Path(__file__).parents[3] / "workflow/rules").glob("*.smk"))
+    for path in sorted((Path(__file__).parents[3] / "workflow").rglob("*.smk"))
 )
 NAMED = set(re.findall(r'\b(?:stage\(|stage=|code_of\()\s*"([^"]*)"', RULES))
 

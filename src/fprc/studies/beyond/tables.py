@@ -1,4 +1,4 @@
-"""Tables of the worlds of ``snakemake beyond``: models, and what changes their errors."""
+"""Tables of the worlds of the target ``beyond``: models, and what changes their errors."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -1,4 +1,4 @@
-"""Read the measurements of a world of ``snakemake beyond``; a world is one rig or a set of rigs.
+"""Read the measurements of a world of the target ``beyond``; a world is one rig or a set of rigs.
 
 A world's file has ``name``, ``source``, ``fitted`` (the terms that its rigs were fitted to),
 ``unit`` (seed or rig), ``cells`` (one per simulated build, with the errors of each model),

@@ -136,7 +136,7 @@ def join_tuned(tunings: Sequence[str], tuned: str) -> None:
 
 _HEAD = """\
 # Settings of the tuned competitors, by world, that differ from their defaults. Made by
-# `snakemake tuned` on logs that judge nothing else; docs/beyond.md explains it.
+# the target `tuned` on logs that judge nothing else; docs/beyond.md explains it.
 """
 
 
@@ -212,7 +212,7 @@ def _contest(contest: Settings, tuned: str, world: Settings) -> Contest:
     if world["name"] not in known:
         raise FprcError(
             f"{tuned}: no settings for the world {world['name']}; make them with "
-            "`snakemake tuned`, and copy results/beyond/tuned.yaml there"
+            "the target `tuned`, and copy results/beyond/tuned.yaml there"
         )
     return Contest(**contest, tuned=known[world["name"]])
 

@@ -1,4 +1,5 @@
-# Pages of the documentation that show results.
+# Pages of the documentation that show results; the check of verdicts, results and pictures. Both
+# look at the paper and at its studies.
 
 
 if "readme" not in PLAN.unavailable:
@@ -88,3 +89,26 @@ rule beyond_page:
         "docs/beyond.md and the leaderboard: numbers and pictures from the results"
     script:
         "../scripts/stage.py"
+
+
+if "check" not in PLAN.unavailable:
+
+    rule check:
+        input:
+            ledger=PATHS.below("claims.json"),
+            verdicts=own("../../config/verdicts.yaml"),
+        log:
+            PATHS.messages("check"),
+        localrule: True
+        params:
+            **stage("check.check_results"),
+            folders=FOLDERS,
+            made=lambda wildcards: made_by_rules(),
+            # the documentation shows the results of the paper's settings in the checkout only
+            pictures=lambda wildcards: (
+                pictures_of_docs() if RESULTS == "results" and IN_CHECKOUT else {}
+            ),
+        message:
+            "Check of the verdicts in config/verdicts.yaml, of files, of pictures in docs"
+        script:
+            "../scripts/stage.py"
