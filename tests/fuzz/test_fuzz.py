@@ -174,13 +174,7 @@ def log(tmp_path):
 
 
 def judged(log, folder, ended):
-    raw_logs = module("raw_logs")
-    rng = np.random.default_rng(0)
-    case = next(
-        case
-        for case in (raw_logs.case_of(rng, "raw log", "x", log) for _ in range(20))
-        if case.steps[0].command[1] == "check"
-    )
+    case = module("raw_logs").case_of("raw log", "x", log)
     return case.steps[0].judge(folder, ended)[0]
 
 
