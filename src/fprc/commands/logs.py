@@ -13,7 +13,7 @@ from fprc.escape import visible
 from fprc.logs import assess, read_raw
 from fprc.logs.isolated import attempt_each
 from fprc.logs.quality import finding, warnings
-from fprc.logs.recovery import Findings, Stretch, recover
+from fprc.logs.recovery import Findings, recover
 from fprc.paper import SOURCES
 
 #: Exit codes of `log repair`; if nothing can be read, it is 1.
@@ -125,7 +125,7 @@ def repair(source: str, *, out: str) -> int:
         )
     findings = recover(source, out)
     messages = _losses(findings)
-    whole = findings.closed and not (findings.lost or findings.misplaced)
+    whole = findings.closed and not findings.lost
     print(visible(f"{out}: {findings.samples} samples from {source}"))
     for line in [*messages, "nothing is lost"] if whole else messages:
         print(f"  {visible(line)}")
@@ -133,11 +133,11 @@ def repair(source: str, *, out: str) -> int:
 
 
 def _losses(findings: Findings) -> list[str]:
-    messages = [_lost_between(stretch) for stretch in findings.stretches]
+    messages = []
+    if findings.lost:
+        messages.append(f"{findings.lost} samples lost; `fprc log check` finds the gaps in time")
     if findings.missed_ticks:
         messages.append(f"{findings.missed_ticks} ticks were missed by the loop; never acquired")
-    if findings.misplaced:
-        messages.append(f"{findings.misplaced} samples out of order or repeated; sorted by tick")
     if not findings.closed:
         messages.append(
             f"the end mark is missing after {findings.last_s:.3f} s: the program was killed, or "
@@ -146,12 +146,3 @@ def _losses(findings: Findings) -> list[str]:
     elif not findings.complete:
         messages.append(f"incomplete: {findings.reason}")
     return messages
-
-
-def _lost_between(stretch: Stretch) -> str:
-    count = f"{stretch.samples} samples lost" if stretch.samples > 1 else "1 sample lost"
-    if stretch.from_s is None:
-        return f"{count} before {stretch.to_s:.3f} s"
-    if stretch.to_s is None:
-        return f"{count} after {stretch.from_s:.3f} s"
-    return f"{count} between {stretch.from_s:.3f} and {stretch.to_s:.3f} s"
