@@ -13,8 +13,7 @@ import h5py
 import hdf5_changes
 import numpy as np
 import signals
-from judging import SAID, SAME, SILENT, Case, Step, Verdict, differing
-from watched import Ended
+from judging import SAID, SAME, SILENT, Case, Ended, Step, Verdict, differing
 
 from fprc.logs import write_raw
 
