@@ -110,11 +110,10 @@ fault-matrix: .venv/.ready  ## inject faults and write the outcomes to docs/faul
 	pytest tests/faults --write-matrix
 
 # CASES=500: fewer cases; SEED=2: other cases; KIND=model_files: of one module only;
-# PAGE=docs/fuzz.md: write the counts to a page
 CASES ?= 10000
 SEED ?= 1
 fuzz: .venv/.ready  ## run the commands on 10,000 damaged files: a quarter of an hour
-	python tests/fuzz --cases $(CASES) --seed $(SEED) $(KIND:%=--kind %) $(PAGE:%=--write %)
+	python tests/fuzz --cases $(CASES) --seed $(SEED) $(KIND:%=--kind %)
 
 # With old libraries, newer ones warn, and scikit-learn's checks are others.
 OLDEST ?= python3.11

@@ -378,8 +378,7 @@ READING = {
     "fprc import --map": "import arm.csv --map X.yaml --out out.h5",
     "fprc readout": "readout X.csv --map two.yaml --out out",
     "fprc log check": "log check X.h5",
-    "fprc log repair": "log repair X.h5 --out out.h5",
-    "fprc log repair, journal": "log repair X.journal --out out.h5",
+    "fprc log repair": "log repair X.journal --out out.h5",
 }
 WRITING = {
     "fprc simulate --out": "simulate sweep --config none.yaml --out X.h5",
@@ -644,34 +643,29 @@ def test_byte_that_hangs_or_crashes_the_library_is_a_message(user, files, signal
     )
 
 
-def spoil_text(path, text):
-    data = path.read_bytes()
-    assert data.count(text) == 1
-    path.write_bytes(data.replace(text, b"\xff" + text[1:]))
-
-
 @pytest.mark.parametrize("writer", ["fprc", "another program"])
-def test_bad_byte_in_an_attribute_is_reported_by_the_repair(
-    user, files, write_log, signals, writer
-):
+def test_bad_byte_in_an_attribute_is_refused(user, files, write_log, signals, writer):
     path = user.folder / "log.h5"
     if writer == "fprc":
         write_log(software="mine")
     else:
         plain_log(path, signals)
-    with h5py.File(path) as log:
-        channels = {name: log[name][()] for name in log}
-    spoil_text(path, b"mine")
-    said = user.types("log", "repair", "log.h5", "--out", "copy.h5")
-    assert said.code == 3, said.text
-    assert "software" in said.text
-    assert said.left == ["copy.h5"]
-    with h5py.File("copy.h5") as copy:
-        assert all(np.array_equal(copy[name], values) for name, values in channels.items())
+    data = path.read_bytes()
+    assert data.count(b"mine") == 1
+    path.write_bytes(data.replace(b"mine", b"\xffine"))
+    said = user.types("log", "check", "log.h5")
+    came = said.refuses(file="log.h5")
     files.add(
-        f"a bad byte in an attribute of a log of {writer}", "fprc log repair",
-        "every channel, and the attribute is named", said.code, "the copy",
+        f"a bad byte in an attribute of a log of {writer}", "fprc log check", came, said.code,
+        "nothing",
     )  # fmt: skip
+
+
+def test_damaged_log_is_not_repaired_but_its_journal_named(user, files, write_log):
+    write_log()
+    said = user.types("log", "repair", "log.h5", "--out", "copy.h5")
+    came = said.refuses(file="log.h5", **{"the journal": r"log\.\*\.journal"})
+    files.add("a raw log in place of a journal", "fprc log repair", came, said.code, "nothing")
 
 
 @pytest.mark.parametrize(

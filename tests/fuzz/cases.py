@@ -2,10 +2,9 @@
 
 import io
 import shutil
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
-from typing import Any
 
 import configs
 import csv_files
@@ -17,9 +16,9 @@ import mat_files
 import model_files
 import numpy as np
 import raw_logs
+import running
 import signals
-import supervised
-from judging import Case
+from judging import Case, Result
 
 from fprc.cli import main
 
@@ -59,40 +58,34 @@ def make_case(seed: int, number: int, folder: Path, kind: str = "") -> Case:
     return make(np.random.default_rng([seed, number]), folder)
 
 
-def run(
-    seed: int, numbers: Iterable[int], folder: Path, keep: Path, kind: str
-) -> Iterator[dict[str, Any]]:
-    """Yield the result of each case; keep the files of cases with a forbidden outcome."""
-
-    def make(number: int, place: Path) -> Case:
-        return make_case(seed, number, place, kind)
-
-    for number, found in supervised.results(numbers, make, folder):
-        if any(outcome in judging.FAULTS for _, outcome, *_ in found["results"]):
-            place, again = keep / f"seed_{seed}_case_{number}", folder / "again"
-            shutil.rmtree(again, ignore_errors=True)
-            again.mkdir()
-            make(number, again)
-            shutil.rmtree(place, ignore_errors=True)
-            shutil.copytree(again, place, symlinks=True)
-            lines = [f"{found['kind']}: {found['what']}"]
-            lines += [f"{row}: {outcome}: {why}" for row, outcome, why, _ in found["results"]]
-            (place / "WHAT.txt").write_text("\n".join(lines) + "\n", "utf-8", "backslashreplace")
-        yield {"number": number, **found}
+def run(seed: int, number: int, folder: Path, keep: Path, kind: str) -> tuple[Case, list[Result]]:
+    """Run a case and return its results; keep its files if one of them is forbidden."""
+    place = folder / f"case{number}"
+    place.mkdir()
+    case = make_case(seed, number, place, kind)
+    results = [running.attempt(step, case, place)[0] for step in case.steps]
+    shutil.rmtree(place)
+    if any(result.outcome in judging.FAULTS for result in results):
+        kept = keep / f"seed_{seed}_case_{number}"
+        shutil.rmtree(kept, ignore_errors=True)
+        kept.mkdir(parents=True)
+        make_case(seed, number, kept, kind)
+        lines = [f"{case.kind}: {case.what}", *(": ".join(result) for result in results)]
+        (kept / "WHAT.txt").write_text("\n".join(lines) + "\n", "utf-8", "backslashreplace")
+    return case._replace(steps=[]), results
 
 
 def show(seed: int, number: int, folder: Path, kind: str) -> int:
     """Run a case, print the output of its commands, and keep its files."""
-    place = folder / "case"
-    place.mkdir()
-    case = make_case(seed, number, place, kind)
-    print(f"{case.kind}: {case.what}\nfiles in {place}", flush=True)
+    case = make_case(seed, number, folder, kind)
+    print(f"{case.kind}: {case.what}\nfiles in {folder}", flush=True)
     bad = False
     for step in case.steps:
         print(f"--- {step.row}: {' '.join(step.command)}", flush=True)
-        found, ended = judging.run(step, case, place, lambda: None)
-        print(f"exit code {ended.code}\n{ended.out[-3000:]}{ended.err[-3000:]}")
-        print(f"{found.outcome}: {found.why} ({found.seconds:.1f} s)", flush=True)
+        found, ended = running.attempt(step, case, folder)
+        if ended:
+            print(f"exit code {ended.code}\n{ended.out[-3000:]}{ended.err[-3000:]}")
+        print(f"{found.outcome}: {found.why}", flush=True)
         bad |= found.outcome in judging.FAULTS
     return int(bad)
 

@@ -10,8 +10,7 @@ import damage
 import numpy as np
 import reading
 import yaml
-from judging import SAME, SILENT, Case, Step, Verdict
-from watched import Ended
+from judging import SAME, SILENT, Case, Ended, Step, Verdict
 
 from fprc.config import Settings, from_files
 from fprc.config.section import fields

@@ -1,5 +1,6 @@
 """Dry runs of the workflow on damaged configurations and logs; few, since each takes seconds."""
 
+import os
 import shutil
 import sys
 from pathlib import Path
@@ -8,8 +9,7 @@ import configs
 import damage
 import numpy as np
 import raw_logs
-from judging import SAME, Case, Step, Verdict
-from watched import Ended
+from judging import SAME, Case, Ended, Step, Verdict
 
 ROOT = Path(__file__).parents[2]
 _ROW = "snakemake -n"
@@ -23,9 +23,9 @@ _BY_ITSELF = (
 
 
 def project(folder: Path) -> Path:
-    """Return a copy of the workflow in its own folder."""
-    copy = folder / "project"
-    if copy.exists():  # made by the previous child
+    """Return a copy of the workflow for this process, in its own folder."""
+    copy = folder / f"project{os.getpid()}"
+    if copy.exists():  # of an earlier case
         return copy
     copy.mkdir()
     for name in ("config", "workflow"):

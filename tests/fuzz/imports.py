@@ -8,8 +8,7 @@ from typing import Any
 import h5py
 import numpy as np
 import yaml
-from judging import SAME, SILENT, Step, Verdict
-from watched import Ended
+from judging import SAME, SILENT, Ended, Step, Verdict
 
 MAP = "map.yaml"
 _FACTORS = {

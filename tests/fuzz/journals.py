@@ -10,9 +10,8 @@ from typing import Any, NamedTuple
 import damage
 import numpy as np
 import signals
-from judging import SAID, SAME, SILENT, Case, Step, Verdict, differing
+from judging import SAID, SAME, SILENT, Case, Ended, Step, Verdict, differing
 from raw_logs import content
-from watched import Ended
 
 from fprc.logs import RAW_CHANNELS, Journal
 

@@ -6,10 +6,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import watched
-from watched import LIMIT_BYTES, LIMIT_S, Ended
-
 from fprc.cli import main
+
+#: Limits of a command: CPU time and memory.
+LIMIT_S = 10.0
+LIMIT_BYTES = 1 << 30
 
 REFUSED, SAME, SAID = "refused", "same", "different, reported"
 TRACEBACK, HANG, MEMORY = "traceback", "hang", "over 1 GB"
@@ -30,6 +31,15 @@ _OUR_FRAME = re.compile(
 _NO_NUMBER = re.compile(r"[:\[,]\s*-?(NaN|Infinity)\b")
 
 Verdict = tuple[str, str]
+
+
+class Ended(NamedTuple):
+    """How a command ended: exit code, output, and peak memory with its children."""
+
+    code: int
+    out: str
+    err: str
+    peak_bytes: int = 0
 
 
 class Step(NamedTuple):
@@ -89,43 +99,27 @@ class Result(NamedTuple):
     row: str
     outcome: str
     why: str
-    seconds: float
 
 
-def run(step: Step, case: Case, folder: Path, judging: Callable[[], None]) -> tuple[Result, Ended]:
-    """Run one step of a case and judge it.
-
-    Parameters
-    ----------
-    judging : callable
-        Called when the command has ended and judging begins.
-    """
-    before = _content(folder)
-    where = Path(step.folder) if step.folder else folder
-    if step.row.startswith("fprc"):
-        ended = watched.call(lambda: step.call(step.command), where)
-    else:
-        ended = watched.command(step.command, where, limit_s=step.limit_s)
-    judging()
+def judged(step: Step, case: Case, folder: Path, before: dict[str, str], ended: Ended) -> Result:
+    """Judge a step of a case by its output, and by what changed in the folder."""
     outcome, why = outcome_of(step, folder, before, ended)
     if case.sound and outcome == REFUSED:
         outcome, why = UNTIDY, f"refused though valid: {why}"
-    return Result(step.row, outcome, why, ended.seconds), ended
+    return Result(step.row, outcome, why)
 
 
 def outcome_of(step: Step, folder: Path, before: dict[str, str], ended: Ended) -> Verdict:
     said = ended.err + ended.out
     last = (ended.err.strip().splitlines() or [""])[-1]
-    if ended.stopped == "time":
-        return HANG, f"not done after {ended.seconds:.0f} s"
-    if ended.stopped == "memory" or ended.peak_bytes > LIMIT_BYTES:
+    if ended.peak_bytes > LIMIT_BYTES:
         return MEMORY, f"{ended.peak_bytes >> 20} MB"
     if ended.code < 0:
         return TRACEBACK, f"ended by signal {-ended.code}"
     ours = step.row.startswith("fprc") or _OUR_FRAME.search(said)
     if "Traceback (most recent call last)" in said and ours:
         return TRACEBACK, last
-    after = _content(folder)
+    after = content_of(folder)
     changed = sorted(name for name in before if after.get(name) != before[name])
     if changed:
         return UNTIDY, f"changed {', '.join(changed)}"
@@ -161,7 +155,8 @@ def _unnamed(step: Step, accepted: bool, said: str, last: str) -> str:
     return f"refused without naming {' or '.join(step.names[:3])}: {last[:200]}"
 
 
-def _content(folder: Path) -> dict[str, str]:
+def content_of(folder: Path) -> dict[str, str]:
+    """Return the digest of each file in a folder, by name."""
     found = {}
     for path in sorted(folder.rglob("*")):
         name = str(path.relative_to(folder))

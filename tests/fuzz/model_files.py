@@ -18,8 +18,7 @@ import h5py
 import numpy as np
 import raw_logs
 import signals
-from judging import SAID, SAME, SILENT, Case, Step, Verdict
-from watched import Ended
+from judging import SAID, SAME, SILENT, Case, Ended, Step, Verdict
 
 from fprc.apparatus.programme import plan
 from fprc.config import Settings

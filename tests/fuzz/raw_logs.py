@@ -1,7 +1,6 @@
 """Raw logs with damaged bytes, or with errors of the program that wrote them."""
 
 import json
-import re
 import tempfile
 from collections.abc import Mapping
 from contextlib import suppress
@@ -14,8 +13,7 @@ import h5py
 import hdf5_changes
 import numpy as np
 import signals
-from judging import SAID, SAME, SILENT, Case, Step, Verdict, differing
-from watched import Ended
+from judging import SAID, SAME, SILENT, Case, Ended, Step, Verdict, differing
 
 from fprc.logs import write_raw
 
@@ -33,8 +31,6 @@ class Log(NamedTuple):
 _DESCRIBED = {"sample_rate_hz": signals.RATE_HZ, "software": "fprc fuzz"}
 #: Larger datasets are declared only; their samples do not exist.
 _BELIEVABLE = 10**6
-#: A message that attributes with unknown names may be lost or wrong.
-_ALL_ATTRIBUTES = re.compile(r"attributes\b.*\b(lost|wrong)")
 _CONTROL = {"control": {"k_in_kpa_per_deg": 7.0}}
 
 
@@ -125,13 +121,11 @@ def flipped(rng: np.random.Generator, folder: Path) -> Case:
     name, log = _any(rng)
     if rng.random() < 0.02:
         (folder / "log.h5").write_bytes(log.data)
-        return case_of(rng, "raw log, flipped bytes", f"{name}: unchanged", log)._replace(
-            sound=True
-        )
+        return case_of("raw log, flipped bytes", f"{name}: unchanged", log)._replace(sound=True)
     where = ("numbers", log.payload) if rng.random() < 0.4 else ("metadata", log.rest)
     data, change = damage.flip(rng, log.data, where[1])
     (folder / "log.h5").write_bytes(data)
-    return case_of(rng, "raw log, flipped bytes", f"{name}, {where[0]}: {change}", log)
+    return case_of("raw log, flipped bytes", f"{name}, {where[0]}: {change}", log)
 
 
 def torn(rng: np.random.Generator, folder: Path) -> Case:
@@ -140,7 +134,7 @@ def torn(rng: np.random.Generator, folder: Path) -> Case:
     way = damage.ROUGH[rng.integers(len(damage.ROUGH))]
     data, change = way(rng, log.data)
     (folder / "log.h5").write_bytes(data)
-    return case_of(rng, "raw log, torn", f"{name}: {change}", log)
+    return case_of("raw log, torn", f"{name}: {change}", log)
 
 
 def altered(rng: np.random.Generator, folder: Path) -> Case:
@@ -150,13 +144,11 @@ def altered(rng: np.random.Generator, folder: Path) -> Case:
     path.write_bytes(log.data)
     change, plausible = hdf5_changes.change(rng, path)
     found, attributes = content(path)
-    # a copy must have the content of the file, valid or not
     there = log._replace(
         channels={key: _as_read(found[key]) for key in log.channels if key in found},
         attributes={key: attributes[key] for key in log.attributes if key in attributes},
     )
-    truth = there if plausible else None
-    return case_of(rng, "raw log, other content", f"{name}: {change}", truth, there)
+    return case_of("raw log, other content", f"{name}: {change}", there if plausible else None)
 
 
 def _any(rng: np.random.Generator) -> tuple[str, Log]:
@@ -164,32 +156,14 @@ def _any(rng: np.random.Generator) -> tuple[str, Log]:
     return name, logs()[name]
 
 
-def case_of(
-    rng: np.random.Generator, kind: str, what: str, truth: Log | None, there: Log | None = None
-) -> Case:
-    """Return the commands on a log; ``truth`` is its expected content, None if it is invalid."""
+def case_of(kind: str, what: str, truth: Log | None) -> Case:
+    """Return the check of a log; ``truth`` is its expected content, None if it is invalid."""
 
     def checked(folder: Path, ended: Ended) -> Verdict:
         return _compare(folder / "log.h5", truth, ended.code == 1)
 
-    def repaired(folder: Path, ended: Ended) -> Verdict:
-        return _compare_copy(folder / "copy.h5", there or truth, ended)
-
-    steps = []
-    # a repair starts a process and takes as long as several other cases
-    repair = rng.random() < 0.3
-    if not repair or rng.random() < 0.3:
-        steps.append(
-            Step(("log", "check", "log.h5"), "fprc log check", ("log.h5",), checked, (), usable)
-        )
-    if repair:
-        steps.append(
-            Step(
-                ("log", "repair", "log.h5", "--out", "copy.h5"), "fprc log repair", ("log.h5",),
-                repaired, ("copy.h5",), lambda ended: ended.code in (0, 3),
-            )
-        )  # fmt: skip
-    return Case(kind, what, steps)
+    step = Step(("log", "check", "log.h5"), "fprc log check", ("log.h5",), checked, (), usable)
+    return Case(kind, what, [step])
 
 
 def usable(ended: Ended) -> bool:
@@ -215,27 +189,3 @@ def _others(channels: Mapping, attributes: Mapping, log: Log) -> list[str]:
 
 def _as_read(values: np.ndarray) -> np.ndarray:
     return values.astype(np.float64) if values.dtype.kind in "fiu" else values
-
-
-def _compare_copy(path: Path, log: Log, ended: Ended) -> Verdict:
-    """Compare a copy with the expected log; each difference must be reported by name."""
-    channels, attributes = content(path)
-    if ended.code == 0:
-        other = _others(channels, attributes, log)
-        return (SILENT, f"differ: {', '.join(other)}") if other else (SAME, "")
-    silent = []
-    for name, values in log.channels.items():
-        found = channels.get(name)
-        begins = found is not None and found.tobytes() == values[: len(found)].tobytes()
-        # its name itself may be damaged
-        reported = name in ended.out or (found is None and ": cannot be read" in ended.out)
-        if not begins and not reported:
-            silent.append(name)
-    for name in sorted(log.attributes.keys() - {"complete", "incomplete_reason", "lost_samples"}):
-        channel, _, key = name.rpartition(".")
-        # a missing channel has no units
-        gone = channel and channel not in channels
-        reported = key in ended.out or _ALL_ATTRIBUTES.search(ended.out)
-        if not gone and not reported and attributes.get(name) != log.attributes[name]:
-            silent.append(name)
-    return (SILENT, f"differ: {', '.join(silent)}") if silent else (SAID, "")

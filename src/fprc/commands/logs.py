@@ -1,4 +1,4 @@
-"""`fprc log`: check raw logs; repair journals and damaged logs."""
+"""`fprc log`: check raw logs, and convert journals to raw logs."""
 
 import json
 import sys
@@ -10,11 +10,10 @@ from fprc.artifacts import refuse_output
 from fprc.config import Settings
 from fprc.errors import LogError
 from fprc.escape import visible
-from fprc.logs import assess, read_raw, write_columns
+from fprc.logs import assess, read_raw
 from fprc.logs.isolated import attempt_each
 from fprc.logs.quality import finding, warnings
-from fprc.logs.recovery import Findings, Stretch, recover
-from fprc.logs.salvage import salvage
+from fprc.logs.recovery import Findings, recover
 from fprc.paper import SOURCES
 
 #: Exit codes of `log repair`; if nothing can be read, it is 1.
@@ -94,15 +93,16 @@ def _record(path: str, limits: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def repair(source: str, *, out: str) -> int:
-    """Recover a raw log from a journal or a damaged log.
+    """Recover a raw log from the journal of a run.
 
-    Copies the readable part to a new raw log and prints what is lost. Exit code 0: nothing is
-    lost; 3: some is, or may be; 1: nothing is readable.
+    Copies the readable samples to a new raw log and prints what is lost. Exit code 0: nothing is
+    lost; 3: some is, or may be; 1: nothing is readable. A damaged raw log is not repaired: use the
+    journal of its run, which is beside it.
 
     Parameters
     ----------
-    source : FILE
-        FILE.journal or FILE.h5; it is not changed.
+    source : FILE.journal
+        Journal; it is not changed.
     out : COPY.h5
         Raw log to write.
 
@@ -113,38 +113,31 @@ def repair(source: str, *, out: str) -> int:
     Raises
     ------
     LogError
-        Nothing can be read.
+        The file is no journal, or nothing can be read.
     OutputError
         ``out`` exists, does not end in ``.h5``, or cannot be written.
     """
     refuse_output(out, ".h5")
-    if Path(source).suffix == ".journal":
-        findings = recover(source, out)
-        samples, messages = findings.samples, _losses(findings)
-        whole = findings.closed and not (findings.lost or findings.misplaced)
-    else:
-        salvaged = salvage(source)
-        messages = salvaged.messages
-        whole = not messages
-        damage = {
-            "complete": False,
-            "incomplete_reason": visible("; ".join(["damaged", *messages])),
-            "lost_samples": salvaged.lost,
-        }
-        write_columns(out, salvaged.channels, salvaged.attributes | ({} if whole else damage))
-        samples = len(next(iter(salvaged.channels.values())))
-    print(visible(f"{out}: {samples} samples from {source}"))
+    if Path(source).suffix != ".journal":
+        raise LogError(
+            f"{source}: only a journal, FILE.journal, can be repaired; the one of a recorded log "
+            f"is beside the log, {Path(source).stem}.*.journal"
+        )
+    findings = recover(source, out)
+    messages = _losses(findings)
+    whole = findings.closed and not findings.lost
+    print(visible(f"{out}: {findings.samples} samples from {source}"))
     for line in [*messages, "nothing is lost"] if whole else messages:
         print(f"  {visible(line)}")
     return WHOLE if whole else SOME_LOST
 
 
 def _losses(findings: Findings) -> list[str]:
-    messages = [_lost_between(stretch) for stretch in findings.stretches]
+    messages = []
+    if findings.lost:
+        messages.append(f"{findings.lost} samples lost; `fprc log check` finds the gaps in time")
     if findings.missed_ticks:
         messages.append(f"{findings.missed_ticks} ticks were missed by the loop; never acquired")
-    if findings.misplaced:
-        messages.append(f"{findings.misplaced} samples out of order or repeated; sorted by tick")
     if not findings.closed:
         messages.append(
             f"the end mark is missing after {findings.last_s:.3f} s: the program was killed, or "
@@ -153,12 +146,3 @@ def _losses(findings: Findings) -> list[str]:
     elif not findings.complete:
         messages.append(f"incomplete: {findings.reason}")
     return messages
-
-
-def _lost_between(stretch: Stretch) -> str:
-    count = f"{stretch.samples} samples lost" if stretch.samples > 1 else "1 sample lost"
-    if stretch.from_s is None:
-        return f"{count} before {stretch.to_s:.3f} s"
-    if stretch.to_s is None:
-        return f"{count} after {stretch.from_s:.3f} s"
-    return f"{count} between {stretch.from_s:.3f} and {stretch.to_s:.3f} s"

@@ -41,11 +41,8 @@ KINDS = {
     "imported_from": str,
     "imported_sha256": str,
     "imported_start_s": float,
-    "units": str,
-    "crc32": int,
+    "units": str,  # of a channel; all others belong to the file
 }
-#: Attributes of a channel; all others belong to the file.
-CHANNEL_ATTRIBUTES = ("units", "crc32")
 _WORDS = {
     str: "text",
     bool: "true or false",
@@ -71,13 +68,8 @@ def read_attributes(holder: h5py.AttributeManager) -> tuple[dict[str, Any], dict
     return valid, wrong
 
 
-def read_attribute(holder: h5py.AttributeManager, name: str, *, lossy: bool = False) -> Any:
+def read_attribute(holder: h5py.AttributeManager, name: str) -> Any:
     """Return one attribute.
-
-    Parameters
-    ----------
-    lossy : bool, default=False
-        Replace bytes that are not UTF-8 instead of raising.
 
     Raises
     ------
@@ -95,13 +87,8 @@ def read_attribute(holder: h5py.AttributeManager, name: str, *, lossy: bool = Fa
         value = value.decode("utf-8", "surrogateescape")
     kind = KINDS.get(name)
     if isinstance(value, str):
-        if lossy:
-            value = value.encode("utf-8", "surrogateescape").decode("utf-8", "replace")
         if not is_text(value):
-            raise LogError(
-                f"= {reprlib.repr(value)}: is not UTF-8; rewrite it, or have `fprc log repair` "
-                "replace the invalid bytes"
-            )
+            raise LogError(f"= {reprlib.repr(value)}: is not UTF-8; write it again")
         return _object(name, value) if kind is dict else _of_kind(value, kind or str)
     if not isinstance(value, bool | int | float):
         raise LogError("neither text nor a number")

@@ -1,6 +1,5 @@
-"""HDF5 files of channels of equal length, each with a unit and a checksum."""
+"""HDF5 files of channels of equal length, each with a unit and checksums."""
 
-import zlib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -10,16 +9,14 @@ import numpy as np
 
 from fprc.artifacts import replacing
 from fprc.errors import LogError
-from fprc.logs.attributes import CHANNEL_ATTRIBUTES, as_written, read_attributes
+from fprc.logs.attributes import as_written, read_attributes
 from fprc.logs.hdf5 import channel_of, links_of, opened, refuse_never_written, too_large
 
 #: Unit of a channel by the ending of its name.
 UNITS = {"_kpa": "kPa", "_deg": "deg", "_s": "s", "_v": "V"}
 
-#: The oldest format whose metadata has checksums.
-_FORMAT = (h5py.h5f.LIBVER_V18, h5py.h5f.LIBVER_V18)
-#: Limit on attributes in a header; logs have far fewer.
-_MOST_ATTRIBUTES = 1000
+#: The oldest format in which everything but the samples has checksums.
+_FORMAT = (h5py.h5f.LIBVER_V110, h5py.h5f.LIBVER_V110)
 
 
 class Columns(NamedTuple):
@@ -39,17 +36,13 @@ def unit_of(name: str) -> str:
     raise LogError(f"channel {name}: its name must end in one of {', '.join(UNITS)}")
 
 
-def checksum(values: np.ndarray) -> int:
-    """Return the CRC-32 of a channel's numbers as float64, little-endian."""
-    return zlib.crc32(np.ascontiguousarray(values, dtype="<f8").data)
-
-
 def write_columns(
     path: Path | str, channels: Mapping[str, np.ndarray], attributes: Mapping[str, Any]
 ) -> None:
     """Write channels and attributes to a file under a temporary name, then rename it.
 
-    The same content gives the same bytes.
+    HDF5 keeps a checksum of each channel (``fletcher32``), and its own of everything else. The
+    same content gives the same bytes.
 
     Raises
     ------
@@ -58,14 +51,12 @@ def write_columns(
     """
     with _in_memory() as file:
         file.attrs.update({name: as_written(value) for name, value in attributes.items()})
-        numbers = {name: np.asarray(values, np.float64) for name, values in channels.items()}
-        for name, values in numbers.items():
-            dataset = file.create_dataset(name, values.shape, np.float64)
-            dataset.attrs.update(units=as_written(unit_of(name)), crc32=np.uint32(checksum(values)))
-        # metadata before samples: most of a truncated file can then be read
-        file.flush()
-        for name, values in numbers.items():
-            file[name][...] = values
+        for name, values in channels.items():
+            numbers = np.asarray(values, np.float64)
+            # one chunk needs no index, which would have no checksum
+            checked = {"chunks": numbers.shape, "fletcher32": True} if numbers.size else {}
+            dataset = file.create_dataset(name, data=numbers, **checked)
+            dataset.attrs["units"] = as_written(unit_of(name))
         file.flush()
         image = file.id.get_file_image()
     with replacing(path) as temporary:
@@ -79,9 +70,6 @@ def _in_memory() -> h5py.File:
     access.set_libver_bounds(*_FORMAT)
     access.set_meta_block_size(1)  # no padding
     creation = h5py.h5p.create(h5py.h5p.FILE_CREATE)
-    # keep attributes in the header, where a wrong byte damages only one of them. By default HDF5
-    # puts more than eight into a heap, where it damages all
-    creation.set_attr_phase_change(_MOST_ATTRIBUTES, 0)
     creation.set_obj_track_times(False)  # the same content gives the same bytes
     return h5py.File(h5py.h5f.create(b"log", h5py.h5f.ACC_TRUNC, creation, access))
 
@@ -96,8 +84,8 @@ def read_columns(
     LogError
         Lists every problem, one per line: the file cannot be opened or is cut short; an
         attribute has the wrong type; a channel is missing, is stored in another file, is too
-        large, has the wrong unit, shape or checksum, or holds a value that is not finite
-        (with its sample).
+        large, has the wrong unit or shape, was changed on the disk, or holds a value that is
+        not finite (with its sample).
     """
     columns, problems = gather_columns(path, names, optional)
     if problems:
@@ -171,20 +159,26 @@ def _read_all(
         return {}, (), [*problems, why]
     channels, unchecked = {}, []
     for name, dataset in datasets.items():
+        if not dataset.fletcher32:
+            unchecked.append(name)
         attributes, wrong = read_attributes(dataset.attrs)
-        channels[name] = values = dataset[:].astype(np.float64, copy=False)
-        more = _attribute_problems({key: wrong[key] for key in CHANNEL_ATTRIBUTES if key in wrong})
+        more = _attribute_problems({key: why for key, why in wrong.items() if key == "units"})
         unit = attributes.get("units", "none")
-        if unit != unit_of(name) and "units" not in wrong:
+        if unit != unit_of(name) and not more:
             more.append(
                 f"units are {unit}, must be {unit_of(name)}; convert the values and set the "
                 "attribute"
             )
-        if why := _wrong_numbers(values, attributes.get("crc32")):
-            more.append(why)
+        try:
+            channels[name] = dataset[:].astype(np.float64, copy=False)
+        except (OSError, RuntimeError) as error:
+            more.append(
+                f"cannot be read, its numbers have changed on the disk ({error}); restore the "
+                "file, or, if it is of a real rig, `fprc log repair` reads the journal beside it"
+            )
+        else:
+            more += _not_finite(channels[name])
         problems += [f"channel {name}: {problem}" for problem in more]
-        if "crc32" not in attributes:
-            unchecked.append(name)
     return channels, tuple(unchecked), problems + _wrong_lengths(channels)
 
 
@@ -201,19 +195,14 @@ def _datasets(file: h5py.File, names: Iterable[str]) -> tuple[dict[str, h5py.Dat
     return datasets, problems
 
 
-def _wrong_numbers(values: np.ndarray, crc32: int | None) -> str:
+def _not_finite(values: np.ndarray) -> list[str]:
     bad = np.flatnonzero(~np.isfinite(values))
-    if bad.size:
-        return (
-            f"sample {bad[0]} is {values[bad[0]]}, and {bad.size - 1} more are not finite; cut "
-            "them out or record again"
-        )
-    if crc32 is not None and checksum(values) != crc32:
-        return (
-            "its checksum is wrong: some numbers have changed since they were written; restore "
-            "the file, or, if you changed them, delete the channel's attribute crc32"
-        )
-    return ""
+    if not bad.size:
+        return []
+    return [
+        f"sample {bad[0]} is {values[bad[0]]}, and {bad.size - 1} more are not finite; cut "
+        "them out or record again"
+    ]
 
 
 def _wrong_lengths(channels: Mapping[str, np.ndarray]) -> list[str]:

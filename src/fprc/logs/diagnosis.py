@@ -9,7 +9,7 @@ import numpy as np
 from fprc.logs.clock import NO_CORRECTIONS
 from fprc.logs.quality import runs
 from fprc.logs.resample import rate_of
-from fprc.logs.sealed_chamber import fit_sealed
+from fprc.logs.sealed_chamber import SHORT_S, fit_sealed
 
 #: Longest time that a working channel may keep one value, s.
 FROZEN_S = 2.0
@@ -255,8 +255,9 @@ def _describe_leak(sealed: Mapping[str, Any], diagnosis: Mapping[str, Any], unit
     lines = []
     at_equal = f"at equal {sealed['relative_to']} it"
     if slope < -limit:
-        short = "; hysteresis can cause this in under a minute" * (diagnosis["duration_s"] < 60.0)
-        lines.append(f"leaks: {at_equal} falls by about {rate} a minute{short}")
+        short = diagnosis["duration_s"] < SHORT_S
+        doubt = "; hysteresis can cause this in under a minute" if short else ""
+        lines.append(f"leaks: {at_equal} falls by about {rate} a minute{doubt}")
     elif slope > limit:
         lines.append(f"{at_equal} rises by about {rate} a minute: warming, or inflow")
     for noun, sign in (("re-fill", 1.0), ("sudden loss", -1.0)):

@@ -51,34 +51,23 @@ def refuse_cut_file(path: Path, at: int = 0) -> None:
     LogError
         The file cannot be opened, is no HDF5, or is cut short.
     """
-    head = head_of(path, at)
+    with open_given(path, error=LogError) as file:
+        try:
+            file.seek(at)
+            head = file.read(52)
+        except OSError as error:
+            raise LogError(f"{path}: cannot be read ({error.strerror}); check the path") from error
     if head[:8] != b"\x89HDF\r\n\x1a\n":
         raise LogError(f"{path}: not an HDF5 file; raw logs are described in data/raw/README.md")
     size = path.stat().st_size
-    promised = promised_length(head)
+    begin = _LENGTH_AT.get(head[8] if len(head) > 8 else -1, len(head))
+    promised = int.from_bytes(head[begin : begin + 8], "little")
     if len(head) < 48 or size < promised:
-        total = f" of {promised}" if promised else ""
+        total = f" of {promised}" if len(head) >= begin + 8 else ""
         raise LogError(
             f"{path}: cut short, {size}{total} bytes are left; restore it, or delete it and "
             "record it again"
         )
-
-
-def head_of(path: Path, at: int = 0) -> bytes:
-    """Return 52 bytes of a regular file from byte ``at``; raise LogError if it cannot be opened."""
-    with open_given(path, error=LogError) as file:
-        try:
-            file.seek(at)
-            return file.read(52)
-        except OSError as error:
-            raise LogError(f"{path}: cannot be read ({error.strerror}); check the path") from error
-
-
-def promised_length(head: bytes) -> int:
-    """Return the file length stored in a superblock; 0 if it is unknown."""
-    begin = _LENGTH_AT.get(head[8] if len(head) > 8 else -1, len(head))
-    number = head[begin : begin + 8]
-    return int.from_bytes(number, "little") if len(number) == 8 else 0
 
 
 def links_of(file: h5py.File) -> list[str]:

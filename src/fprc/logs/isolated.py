@@ -29,7 +29,7 @@ _LIMIT_BYTES = 4 << 30
 #: Option of Linux's prctl: the signal that a process gets when its parent ends.
 _PR_SET_PDEATHSIG = 1
 
-_DAMAGED = "the file is damaged; `fprc log repair` copies the readable part of a raw log"
+_DAMAGED = "the file is damaged: restore it, or record again"
 
 
 def isolated_each(

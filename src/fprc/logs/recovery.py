@@ -22,23 +22,13 @@ from fprc.logs.raw import write_raw
 LARGEST_JOURNAL_BYTES = 1 << 30
 
 
-class Stretch(NamedTuple):
-    """Consecutive unreadable samples, and the times of the readable ones before and after."""
-
-    samples: int
-    from_s: float | None
-    to_s: float | None
-
-
 class Findings(NamedTuple):
     """Which samples of a run can be read, and how the run ended."""
 
     samples: int  #: number of readable samples
     lost: int  #: number of samples that were written but cannot be read
-    stretches: tuple[Stretch, ...]
     last_s: float | None  #: time of the last readable sample; None if there is none
-    missed_ticks: int  #: ticks without a sample between the first and the last one; 0 if unknown
-    misplaced: int  #: samples out of order or repeated; sorted by tick
+    missed_ticks: int  #: ticks without a sample between the first and the last one
     closed: bool  #: whether the end mark exists
     complete: bool  #: whether the run reached its planned end and no sample is lost
     reason: str  #: why it is not complete; empty if it is
@@ -57,7 +47,7 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
     Returns
     -------
     channels : dict of ndarray
-        Every sample whose checksum is right, in order.
+        Every sample whose checksum is right, by tick.
     attributes : dict
         As given to ``Journal``.
     findings : Findings
@@ -83,20 +73,20 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
     end = _find_block(data, END, start, seed)
     if end:
         _refuse_wrong_end(path, end.content)
-    room = _room(data, start, record)
-    appended = end.content["samples"] if end else room
-    whole = max(min((len(data) - start) // record.itemsize, room), 0)
+    # of an end mark that was not written whole, only its beginning may be there
+    mark = data.find(END, start)
+    stop = mark if mark >= 0 else len(data)
+    appended = end.content["samples"] if end else -(-(stop - start) // record.itemsize)
+    whole = max((stop - start) // record.itemsize, 0)
     records = np.frombuffer(data, record, whole, start) if whole else np.empty(0, record)
     right = np.flatnonzero(_checksums(records, seed) == records["crc"])
-    stored = records["tick"][right].astype(np.int64)
-    misplaced = int((stored[1:] <= np.maximum.accumulate(stored)[:-1]).sum())
-    ticks, first = np.unique(stored, return_index=True)
-    if misplaced and not end:
-        appended -= len(stored) - len(ticks)
-    rows = records["row"][right[first]]
+    # a disk that returns a page twice, or in another place, loses nothing
+    ticks, first = np.unique(records["tick"][right].astype(np.int64), return_index=True)
+    kept = right[first]
+    rows = records["row"][kept]
     channels = {name: rows[:, j].copy() for j, name in enumerate(names)}
-    findings = _findings(right[first], appended, ticks, channels["time_s"], misplaced, end)
-    return channels, attributes, findings
+    missed = int(np.ptp(ticks) - np.ptp(kept)) if kept.size else 0
+    return channels, attributes, _findings(channels["time_s"], max(appended, 0), missed, end)
 
 
 def _find_block(data: bytes, marker: bytes, start: int, seed: int = 0) -> _Block | None:
@@ -140,40 +130,15 @@ def _no_header(path: Path, data: bytes) -> str:
     return f"{path}: not a journal; journals are described in data/raw/README.md"
 
 
-def _room(data: bytes, start: int, record: np.dtype) -> int:
-    """Return how many samples fit before the end mark or the end of the file, rounded up."""
-    for at in range(start, len(data), record.itemsize):
-        if data.startswith(END, at):
-            return (at - start) // record.itemsize
-    return max(-(-(len(data) - start) // record.itemsize), 0)
-
-
 def _checksums(records: np.ndarray, seed: int) -> np.ndarray:
     rows = records.view(np.uint8).reshape(len(records), records.dtype.itemsize)[:, : -UINT32.size]
     return np.array([zlib.crc32(row, seed) for row in rows], dtype=np.uint32)
 
 
 def _findings(
-    positions: np.ndarray,
-    appended: int,
-    ticks: np.ndarray,
-    times_s: np.ndarray,
-    misplaced: int,
-    end: _Block | None,
+    times_s: np.ndarray, appended: int, missed_ticks: int, end: _Block | None
 ) -> Findings:
-    lost = max(appended - len(positions), 0)
-    # with misplaced samples, the positions of the lost ones are unknown
-    known = lost and not misplaced
-    edges = np.concatenate([[-1], positions, [appended]])
-    stretches = tuple(
-        Stretch(
-            int(edges[k + 1] - edges[k]) - 1,
-            float(times_s[k - 1]) if k > 0 else None,
-            float(times_s[k]) if k < len(times_s) else None,
-        )
-        for k in (np.flatnonzero(np.diff(edges) > 1) if known else ())
-    )
-    missed = int(np.ptp(ticks) - np.ptp(positions)) if len(ticks) and not misplaced else 0
+    lost = max(appended - len(times_s), 0)
     reasons = []
     if end is None:
         reasons.append("not closed: the program was killed or the power failed")
@@ -181,15 +146,11 @@ def _findings(
         reasons.append(end.content["reason"] or "stopped early")
     if lost:
         reasons.append(f"{lost} of {appended} samples are lost")
-    if misplaced:
-        reasons.append(f"samples out of order or repeated: {misplaced}")
     return Findings(
-        samples=len(positions),
+        samples=len(times_s),
         lost=lost,
-        stretches=stretches,
         last_s=float(times_s[-1]) if len(times_s) else None,
-        missed_ticks=max(missed, 0),
-        misplaced=misplaced,
+        missed_ticks=max(missed_ticks, 0),
         closed=end is not None,
         complete=not reasons,
         reason="; ".join(reasons),

@@ -20,6 +20,8 @@ _SEALED_HZ, _MOST = 20.0, 200_000
 #: Channels that may drive the squeezing, the most direct one first.
 _SQUEEZES = ("p_i_kpa", "p_i_command_kpa", "theta_deg")
 _MAX_STEPS = 50
+#: In a shorter recording, s, hysteresis that the fit does not model can look like a leak.
+SHORT_S = 60.0
 
 
 def fit_sealed(time_s: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[str, Any] | None:

@@ -28,7 +28,7 @@ def run_stage(job: Any) -> None:
     The param ``stage`` names it, see ``module_of``. A stage that
     draws returns the attributes of its data, and the provenance of the figure is written to the
     output ``sidecar``. Inputs that were changed after their rule wrote them are refused: the
-    digest of each output is kept for that. Raw logs have checksums of their own instead, since a
+    digest of each output is kept for that. Raw logs have checksums inside instead, since a
     recording may replace a simulated one. Progress goes to the terminal and to the rule's log
     file. An FprcError ends the process with exit code 1 and only its message; the traceback goes
     to the log file. Numerical libraries run on one thread, so that results do not depend on the

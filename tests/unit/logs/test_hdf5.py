@@ -7,7 +7,6 @@ import pytest
 from fprc.errors import LogError
 from fprc.logs import hdf5, read_columns, write_columns
 from fprc.logs.columns import read_header
-from fprc.logs.salvage import salvage
 
 NAMES = ("time_s", "p_o_kpa")
 
@@ -73,9 +72,6 @@ def test_channel_that_is_elsewhere_is_refused_with_the_reason(path, tmp_path, ma
     assert problem(read_columns, path, NAMES).startswith(f"{path}: channel p_o_kpa: {why}")
     with pytest.raises(LogError, match="channel p_o_kpa"):
         read_columns(path, ("time_s",), optional=("p_o_kpa",))
-    found = salvage(path)
-    assert list(found.channels) == ["time_s"]
-    assert any(word.startswith(f"p_o_kpa: cannot be read ({why}") for word in found.messages)
 
 
 @pytest.mark.parametrize("make", [linked_outside, linked_inside])
@@ -140,13 +136,6 @@ def test_channels_together_have_a_limit_that_is_judged_before_reading(path, monk
     largest = "p_o_kpa" if chunk == 1000 else "time_s"
     message = problem(read_columns, path, NAMES)
     assert message.startswith(f"{path}: channel {largest}: declares 300 samples; all channels")
-
-
-def test_channel_that_is_too_large_to_salvage_is_left_out_and_reported(path):
-    replace(path, huge(10**9, chunks=(10**5,), compression="gzip"))
-    found = salvage(path)
-    assert list(found.channels) == ["time_s"]
-    assert any("declares 1000000000 samples" in word for word in found.messages)
 
 
 def test_thousands_of_channels_are_named_in_part(path):
