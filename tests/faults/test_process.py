@@ -351,7 +351,7 @@ def test_run_whose_journal_is_lost_stops_and_its_samples_are_saved(
 
 def test_boards_that_take_long_to_open_do_not_end_the_run(start, rig, matrix):
     rig.init_us = 800_000
-    program = start("run", "sweep", seconds=0.5, loop={"stalled_s": 0.5})
+    program = start("run", "sweep", seconds=1.0, loop={"stalled_s": 0.5})
     code, said = program.end()
     assert code == 0, said
     assert rig.opened == 0
