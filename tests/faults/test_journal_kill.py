@@ -49,7 +49,7 @@ def read(path):
     return findings
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", range(5))
 def test_samples_appended_before_a_kill_are_all_there(tmp_path, seed):
     process = child(tmp_path / "run.journal")
     # so many lines later, wherever the child is then
@@ -70,7 +70,7 @@ def test_samples_appended_before_a_kill_are_all_there(tmp_path, seed):
     assert findings.reason.startswith("not closed: ")
 
 
-@pytest.mark.parametrize("limit", [20_000, 20_041, 50_092])
+@pytest.mark.parametrize("limit", [20_000, 50_092])
 def test_samples_appended_before_the_disk_was_full_are_all_there(tmp_path, limit):
     def small_files():
         resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))

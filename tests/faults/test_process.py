@@ -201,12 +201,12 @@ def add(matrix, program, faulted_s, fault, ends, again=0, rescued=None):
 
 
 def test_run_that_ends_well_leaves_a_log_that_can_be_read_and_not_written(start, rig):
-    program = start("run", "sweep", seconds=2.0)
+    program = start("run", "sweep", seconds=1.0)
     code, said = program.end()
     assert code == 0, said
     channels, attributes, findings = program.journal()
     assert findings.complete
-    assert findings.samples + findings.statistics["overruns"] == 400
+    assert findings.samples + findings.statistics["overruns"] == 200
     log = read_raw(program.raw, experiment="sweep", sample_rate_hz=200.0, rate_tolerance=0.9)
     assert set(log.channels) == set(RAW_CHANNELS)
     for name, values in log.channels.items():
@@ -219,15 +219,6 @@ def test_run_that_ends_well_leaves_a_log_that_can_be_read_and_not_written(start,
     rows = [row[1:] for row in venting]
     assert rows[:4] == CLOSED + VENTED
     assert rows[4:] == VENTED * (len(rows[4:]) // 2)
-
-
-def test_unarmed_check_looks_and_writes_nothing_but_the_safe_state(start, rig):
-    program = start("check", armed=False)
-    code, said = program.end()
-    assert code == 0, said
-    assert "no trouble found" in said
-    assert "valves: kept vented" in said
-    assert {row[2] for row in program.writes()} == {0.0}
 
 
 @pytest.mark.parametrize(
@@ -315,7 +306,7 @@ def test_loop_that_hangs_is_ended_and_vented_by_the_guardian(start, rig, matrix)
 
 
 def test_loop_that_hangs_in_the_driver_is_ended_and_vented_by_the_guardian(start, rig, matrix):
-    program = start("run", "sweep", loop={"stalled_s": 0.5}, valves={"vent_s": 1.0})
+    program = start("run", "sweep", loop={"stalled_s": 0.5}, valves={"vent_s": 0.3})
     program.is_in_mid_run()
     faulted_s = time.monotonic()
     rig.stall_us = 3_600_000_000
@@ -334,7 +325,6 @@ def test_loop_that_hangs_in_the_driver_is_ended_and_vented_by_the_guardian(start
     ("fault", "lose", "place"),
     [
         ("the journal is deleted", Path.unlink, "raw"),
-        ("the journal is emptied", lambda path: os.truncate(path, 0), "raw"),
         ("the journal's folder is moved away, as by an unmount",
          lambda path: path.parent.rename(path.parent.with_name("away")), "."),
     ],
@@ -359,10 +349,9 @@ def test_run_whose_journal_is_lost_stops_and_its_samples_are_saved(
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("verb", [("run", "sweep"), ("check",)])
-def test_boards_that_take_long_to_open_do_not_end_the_run(start, rig, matrix, verb):
+def test_boards_that_take_long_to_open_do_not_end_the_run(start, rig, matrix):
     rig.init_us = 800_000
-    program = start(*verb, seconds=2.0, loop={"stalled_s": 0.5})
+    program = start("run", "sweep", seconds=1.0, loop={"stalled_s": 0.5})
     code, said = program.end()
     assert code == 0, said
     assert rig.opened == 0
@@ -430,7 +419,7 @@ def test_loop_that_misses_too_many_ticks_in_a_row_stops_and_vents(start, rig, ma
 
 
 def test_ticks_that_are_missed_are_counted_and_leave_a_gap(start, rig, matrix):
-    program = start("run", "sweep", seconds=3.0)
+    program = start("run", "sweep", seconds=2.0)
     program.is_in_mid_run()
     rig.stall_us = 150_000
     calls = rig.calls
@@ -442,7 +431,7 @@ def test_ticks_that_are_missed_are_counted_and_leave_a_gap(start, rig, matrix):
     assert findings.complete
     overruns = findings.statistics["overruns"]
     assert overruns >= 20
-    assert findings.samples + overruns == 600
+    assert findings.samples + overruns == 400
     assert findings.missed_ticks <= overruns
     assert np.diff(channels["time_s"]).max() > 0.1
     matrix.add("a reading takes 150 ms", "mid-run, real time", "nothing: the run continues",
@@ -527,7 +516,7 @@ def test_rig_that_is_in_use_is_left_alone_and_its_user_named(start, rig, matrix)
     # writes that are not of ticks: the start vents more often on a busy machine
     recorded = program.journal()[2].samples
     vents = rig.writes // 2 - recorded
-    for *verb, armed in (("run", "complex", True), ("check", False), ("check", True)):
+    for *verb, armed in (("run", "complex", True), ("check", False)):
         second = start(*verb, armed=armed)
         code, said = second.end()
         assert code == 1
@@ -563,12 +552,3 @@ def test_watchdog_relay_vents_when_both_processes_are_killed(start, rig, matrix)
         "SIGKILL to both processes, with a heartbeat output and a watchdog relay",
         "mid-run, real time", "the relay", "yes, by the relay", "-", "-",
     )  # fmt: skip
-
-
-def test_unarmed_run_prints_its_plan_and_touches_nothing(start, rig):
-    program = start("run", "sweep", armed=False, seconds=2.0)
-    code, said = program.end()
-    assert code == 1
-    assert "sweep: 2 s on the real rig" in said
-    assert "not armed, nothing was moved" in said
-    assert rig.calls == 0

@@ -89,30 +89,6 @@ def test_several_files_are_all_replaced_or_none(tmp_path, error):
         assert paths[2].read_text() == "new"
 
 
-def test_process_that_dies_while_writing_several_leaves_none(tmp_path):
-    code = (
-        "import os, sys\n"
-        "from fprc.artifacts import replacing_all, write_text\n"
-        "with replacing_all('a.json', 'a.h5') as (page, log):\n"
-        "    write_text(page, 'half')\n"
-        "    write_text(log, 'half')\n"
-        "    os._exit(9)\n"
-    )
-    died = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, timeout=60, check=False)
-    assert died.returncode == 9
-    assert len(leftovers(tmp_path)) == 2
-    with replacing_all(tmp_path / "a.json", tmp_path / "a.h5") as temporaries:
-        for temporary in temporaries:
-            temporary.write_text("new")
-    assert names(tmp_path) == ["a.h5", "a.json"]
-
-
-def test_failure_leaves_no_file_where_none_was(tmp_path):
-    with pytest.raises(ValueError, match="Out of range"):
-        write_json(tmp_path / "a.json", {"x": float("nan")})
-    assert names(tmp_path) == []
-
-
 def test_writer_that_wrote_nothing_is_an_error(tmp_path):
     (tmp_path / "a.txt").write_text("old")
     with pytest.raises(FileNotFoundError), replacing(tmp_path / "a.txt"):
@@ -196,16 +172,6 @@ def test_folders_that_cannot_be_written_to_are_all_named(tmp_path, monkeypatch):
     assert "locked cannot be written to (Permission denied); make it writable" in second
 
 
-def test_missing_folders_are_made(tmp_path):
-    write_text(tmp_path / "a" / "b" / "note.txt", "text")
-    assert (tmp_path / "a" / "b" / "note.txt").read_text() == "text"
-
-
-def test_text_is_utf_8(tmp_path):
-    write_text(tmp_path / "a.txt", "θ ± 1°\n")
-    assert (tmp_path / "a.txt").read_bytes() == "θ ± 1°\n".encode()
-
-
 def test_json_comes_back_as_it_was(tmp_path):
     content = {"b": [1.5, None, "θ"], "a": {"nested": True}}
     write_json(tmp_path / "a.json", content)
@@ -237,13 +203,6 @@ def test_table_has_six_significant_digits_and_empty_cells_where_nothing_is_known
     table = pd.DataFrame({"name": ["a", "b"], "x": [1.23456789e-5, np.nan], "n": [1, 2]})
     write_csv(tmp_path / "a.csv", table)
     assert (tmp_path / "a.csv").read_text() == "name,x,n\na,1.23457e-05,1\nb,,2\n"
-
-
-def test_same_table_gives_the_same_bytes(tmp_path):
-    table = pd.DataFrame({"x": np.linspace(0.0, 1.0, 7)})
-    for name in ("a.csv", "b.csv"):
-        write_csv(tmp_path / name, table)
-    assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
 
 
 def test_entry_is_in_the_file_as_soon_as_it_was_appended(tmp_path):
@@ -320,14 +279,6 @@ def test_file_system_without_locks_refuses_nobody(tmp_path, monkeypatch):
     monkeypatch.setattr(fcntl, "flock", without)
     with exclusive(tmp_path / "a"), exclusive(tmp_path / "a"):
         pass
-
-
-def test_numbers_of_a_mixed_column_are_written_as_they_are(tmp_path):
-    table = pd.DataFrame(
-        [("r", 800, 2.0), ("alpha", 3, 1e-3)], columns=["a", "b", "c"], dtype=object
-    )
-    write_csv(tmp_path / "t.csv", table)
-    assert (tmp_path / "t.csv").read_text() == "a,b,c\nr,800,2.0\nalpha,3,0.001\n"
 
 
 # --- outputs that a user named ------------------------------------------------------------------

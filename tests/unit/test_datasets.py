@@ -67,13 +67,6 @@ def test_columns_are_named_and_have_units(sweep):
         assert_array_equal(sweep.data[:, index], sweep.channels[name])
 
 
-def test_description_says_where_the_data_are_from(sweep):
-    assert "simulated rig, not hardware (dry), seed 1" in sweep.DESCR
-    assert "24000 samples at 200 per second" in sweep.DESCR
-    changed = load_hysteresis(rig={"drift": {"sigma_kpa": 0.0}}).DESCR
-    assert "(changed), seed 1" in changed
-
-
 def test_seed_rig_and_target_change_what_they_should(sweep):
     other = load_hysteresis("sweep", seed=2, target="measured")
     assert np.abs(other.data - sweep.data).max() > 0.01
@@ -81,12 +74,6 @@ def test_seed_rig_and_target_change_what_they_should(sweep):
     assert_array_equal(other.channels["p_exp_command_kpa"], sweep.target)
     viscous = load_hysteresis("sweep", rig="viscous")
     assert np.abs(viscous.data[:, 0] - sweep.data[:, 0]).max() > 0.5
-
-
-def test_pair_alone(sweep):
-    X, y = load_hysteresis("sweep", seed=1, rig="dry", return_X_y=True)
-    assert_array_equal(X, sweep.data)
-    assert_array_equal(y, sweep.target)
 
 
 def test_imported_log_may_lack_p_o_and_hold_another_quantity(channels, tmp_path):

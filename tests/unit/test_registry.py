@@ -5,7 +5,6 @@ import sys
 import pytest
 
 from fprc.apparatus.programme import names, plan
-from fprc.commands.rig import run
 from fprc.config import check
 from fprc.errors import ConfigError, FprcError
 from fprc.fingerprint import _closure
@@ -61,12 +60,6 @@ def test_name_of_a_controller_says_its_feedforward_and_feedback():
         "fprc": ("fprc", False), "fprc_pd": ("fprc", True), "pd": (None, True),
         "a": ("a", False), "a_pd": ("a", True),
     }  # fmt: skip
-
-
-def test_what_is_no_run_is_refused():
-    with pytest.raises(ValueError, match="identify_4"):
-        reference_and_controller("identify_4")
-    assert model_of_run("identify_4") == "fprc"
 
 
 def test_model_from_outside_is_built_with_its_settings_and_the_seed(settings):
@@ -172,11 +165,6 @@ def test_checkpoints_of_the_commands_depend_on_the_code_of_the_models():
     found = _closure(("fprc.stages.readout", *map(class_module, ("fprc", "fuzzy_linear"))))
     assert {"fprc.models.takagi_sugeno", "fprc.models.features", "fprc.models.fcm"} <= found
     assert "fprc.models.esn" not in found
-
-
-def test_unknown_experiment_of_the_rig_is_refused_with_those_that_there_are():
-    with pytest.raises(ConfigError, match="no experiment track_foo; must be one of sweep"):
-        run("track_foo")
 
 
 @pytest.mark.parametrize("name", ["fprc", "fuzzy_linear"])

@@ -107,7 +107,9 @@ def test_command_has_one_value_per_sample_of_the_rate():
 
 
 REFERENCES = {
-    "sine_0p2": lambda t: 27.5 * np.sin(2.0 * np.pi * 0.2 * t - 0.5 * np.pi) + 32.5,
+    "sine_0p2": lambda t: 32.5 - 27.5 * np.cos(2.0 * np.pi * 0.2 * t),
+    "sine_0p5": lambda t: 32.5 - 27.5 * np.cos(2.0 * np.pi * 0.5 * t),
+    "disturbance": lambda t: 32.5 - 27.5 * np.cos(2.0 * np.pi * 0.3 * t),
     "sweep": lambda t: 27.5 * np.sin(np.pi * t * (0.01125 * t + 0.1) - 0.5 * np.pi) + 32.5,
     "complex": lambda t: (
         40.5
@@ -146,6 +148,22 @@ def test_pushes_come_as_often_and_as_hard_as_configured():
     assert np.mean(force**2) == pytest.approx(150.0**2 * 0.6 / 2.0 / 3.0, rel=0.25)
     assert abs(np.mean(force)) < 10.0
     assert np.abs(np.diff(force)).max() < 0.1 * np.abs(force).max()
+
+
+def test_single_push_is_a_half_sine_of_0p2_to_1_s():
+    lengths = []
+    for seed in range(30):
+        force = pushes(seed, samples=400, quiet_s=0.5, every_s=1e9)
+        inside = np.flatnonzero(force)
+        lengths.append(len(inside) / 200.0)
+        assert inside[0] == 101
+        assert len(inside) == inside[-1] - inside[0] + 1
+        shape = np.sin(np.pi * (inside - 100) / 200.0 / lengths[-1])
+        np.testing.assert_allclose(
+            force[inside] / force[inside[len(inside) // 2]], shape, atol=0.08
+        )
+    assert 0.18 < min(lengths) < 0.4
+    assert 0.8 < max(lengths) < 1.02
 
 
 def test_no_strength_means_no_push():

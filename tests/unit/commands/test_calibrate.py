@@ -3,14 +3,12 @@ from pathlib import Path
 
 import pytest
 import yaml
-from joblib import cpu_count
 
 from fprc.artifacts import write_json
 from fprc.cli import main
 from fprc.commands import calibrate as command
 from fprc.config import PUBLISHED, Settings, check, from_files, rig_file
 from fprc.config.reference import RIG
-from fprc.errors import SimulationError
 from fprc.studies.calibration.rig_file import WRITTEN
 
 CONFIG = Path(__file__).parents[3] / "config"
@@ -110,64 +108,11 @@ def test_time_limit_is_that_of_the_command_or_else_of_the_configuration(run, arg
     assert call["calibration"]["minutes"] == minutes
 
 
-def test_processes_are_as_many_as_asked_for_or_else_one_a_processor(run):
-    run()
-    _, (default, asked) = run("--workers", "3")
-    assert default["workers"] == cpu_count()
-    assert asked["workers"] == 3
-
-
 @pytest.mark.parametrize("minutes", ["0", "-1", "nan"])
 def test_time_limit_that_is_not_above_0_is_an_error(run, capsys, minutes):
     code, calls = run(f"--minutes={minutes}")
     assert (code, calls) == (1, [])
     assert f"calibration.minutes = {float(minutes)}: must be" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    "arguments", [["--minutes", "soon"], ["--workers", "two"], ["--minutes"], ["--nonsense"]]
-)
-def test_argument_that_makes_no_sense_is_answered_with_the_usage(run, fit, capsys, arguments):
-    with pytest.raises(SystemExit) as caught:
-        run(*arguments)
-    assert caught.value.code == 2
-    assert "usage: fprc" in capsys.readouterr().err
-    assert fit.calls == []
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("calibration: {stride: 0}\nrig: {drift: {time_s: 0.5}}", "2 errors"),
-        ("calibration: {genrations: [3]}", "did you mean calibration.generations?"),
-        ("- a list", "must hold keys and values"),
-        ("rig: [", "cannot be read as YAML"),
-    ],
-)
-def test_errors_of_the_configuration_go_to_stderr_without_a_traceback(
-    run, tmp_path, capsys, text, message
-):
-    path = tmp_path / "mine.yaml"
-    path.write_text(text)
-    code, calls = run(files=[*FILES, str(path)])
-    assert (code, calls) == (1, [])
-    streams = capsys.readouterr()
-    assert streams.out == ""
-    assert streams.err.startswith("error: ")
-    assert message in streams.err
-    assert "Traceback" not in streams.err
-
-
-def test_absent_configuration_is_an_error(run, tmp_path, capsys):
-    code, calls = run(files=[str(tmp_path / "none.yaml")])
-    assert (code, calls) == (1, [])
-    assert str(tmp_path / "none.yaml") in capsys.readouterr().err
-
-
-def test_failure_of_the_fit_is_reported_without_a_traceback(run, fit, capsys):
-    fit.failure = SimulationError("the bending angle left its physical range")
-    assert run()[0] == 1
-    assert capsys.readouterr().err == "error: the bending angle left its physical range\n"
 
 
 def test_paths_that_are_no_parameters_are_reported_together(run, tmp_path, capsys):
@@ -179,20 +124,6 @@ def test_paths_that_are_no_parameters_are_reported_together(run, tmp_path, capsy
     printed = capsys.readouterr().err
     assert "calibration.free: a.b is not a number of the rig" in printed
     assert "calibration.free: c.d " in printed
-
-
-def test_absent_published_numbers_are_an_error(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(command, "fingerprint", lambda *modules: "")
-    published = str(tmp_path / "none.yaml")
-    arguments = ["--out", str(tmp_path / "out.yaml"), "--published", published]
-    assert main(["calibrate", *FILES, *arguments]) == 1
-    assert published in capsys.readouterr().err
-
-
-def test_fit_that_is_stopped_by_hand_says_that_it_can_go_on(run, fit, capsys):
-    fit.failure = KeyboardInterrupt()
-    assert run()[0] == 130
-    assert capsys.readouterr().err == "stopped; finished results are kept\n"
 
 
 def test_library_that_is_not_installed_is_named_with_the_remedy(run, fit, capsys):
@@ -208,24 +139,6 @@ def test_parameter_file_that_cannot_name_a_rig_is_an_error(run, capsys, name):
     """The report beside it has the same name, and the configuration names the rig by it."""
     assert run(out=name) == (1, [])
     assert name in capsys.readouterr().err
-
-
-@pytest.mark.parametrize("name", ["dry.yaml", "my-rig_2.0.yaml"])
-def test_name_of_the_parameter_file_is_one_that_a_configuration_takes(run, name):
-    assert run(out=name)[0] == 0
-    assert check({"fitted": {"name": Path(name).stem}})
-
-
-@pytest.mark.parametrize("workers", ["0", "-1", "1001", "9" * 400])
-def test_number_of_processes_that_no_computer_runs_is_an_error(run, workers):
-    code, calls = run(f"--workers={workers}")
-    assert (code, calls) == (1, [])
-
-
-@pytest.mark.parametrize("minutes", ["1e-6", "1e9"])
-def test_time_limit_outside_of_that_of_the_configuration_is_an_error(run, minutes):
-    code, calls = run(f"--minutes={minutes}")
-    assert (code, calls) == (1, [])
 
 
 @pytest.mark.parametrize("name", ["mine.yaml", "mine.json"])

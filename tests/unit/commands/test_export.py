@@ -103,8 +103,11 @@ def test_model_that_cannot_be_exported_leaves_no_file(model, header, capsys):
     assert not header.exists()
 
 
-@pytest.mark.parametrize("example", ["setup()", "rclcpp::init"], ids=["arduino", "ros2"])
-@pytest.mark.parametrize("precision", [[], ["--float"]], ids=["double", "float"])
+@pytest.mark.parametrize(
+    ("example", "precision"),
+    [("setup()", []), ("rclcpp::init", ["--float"])],
+    ids=["arduino, double", "ros2, float"],
+)
 def test_documented_program_compiles(example, precision, model, header, tmp_path):
     if shutil.which("c++") is None:
         pytest.skip("no C++ compiler, c++")

@@ -232,14 +232,3 @@ def test_log_without_an_input_of_the_model_is_refused(recorded, write_log, insid
     assert run("train", "sweep.h5", "--out", "model.h5") == 1
     assert "has no p_o_kpa, which fprc needs" in capsys.readouterr().err
     assert not (inside / "model.h5").exists()
-
-
-def test_names_with_commands_to_the_terminal_are_printed_escaped(few, inside, capsys):
-    name = "\x1b[31m\n%s.h5"
-    assert run("simulate", "sweep", "--config", few, "--out", name % "log") == 0
-    assert run("train", name % "log", "--config", few, "--out", name % "model") == 0
-    assert run("predict", name % "model", name % "log", "--config", few, "--out", "p.csv") == 0
-    said = capsys.readouterr()
-    assert "\x1b" not in said.out + said.err
-    assert said.out.count("\\x1b[31m\\n") == 4
-    assert len(said.out.splitlines()) == 3

@@ -10,7 +10,6 @@ import pytest
 
 from fprc.cli import main
 from fprc.commands.parser import COMMANDS, parser
-from fprc.paper import EXPERIMENTS
 
 
 def help_of(command, capsys):
@@ -65,15 +64,6 @@ def test_arguments_have_the_types_and_defaults_of_the_signature():
     assert parsed("fprc log check a.h5 --json").json_ is True
 
 
-def test_default_is_shown(capsys):
-    assert "(default: config/rigs/fitted.yaml)" in " ".join(help_of("calibrate", capsys).split())
-
-
-@pytest.mark.parametrize("experiment", EXPERIMENTS)
-def test_every_experiment_can_be_simulated(experiment):
-    assert parsed(f"fprc simulate {experiment} --out x.h5").experiment == experiment
-
-
 @pytest.mark.parametrize(
     ("words", "message"),
     [
@@ -118,14 +108,16 @@ def test_group_without_a_verb_shows_its_verbs_as_an_error(group, capsys):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("arguments", [[], ["log", "check", "--help"]])
-def test_help_imports_no_command_and_no_numerical_library(arguments):
+def test_help_imports_no_command_and_no_numerical_library():
     code = (
         "import atexit, sys; from fprc.cli import main; "
         "atexit.register(lambda: print(*sys.modules)); main(sys.argv[1:])"
     )
     done = subprocess.run(
-        [sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=True
+        [sys.executable, "-c", code, "log", "check", "--help"],
+        capture_output=True,
+        text=True,
+        check=True,
     )
     loaded = set(done.stdout.splitlines()[-1].split())
     assert {name for name in loaded if name.startswith("fprc.commands.")} == {

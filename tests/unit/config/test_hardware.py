@@ -11,16 +11,11 @@ def refused(hardware):
     return str(caught.value)
 
 
-@pytest.mark.parametrize(("neutral_v", "vent_v"), [(5.0, 5.0), (5.0, 3.1), (4.5, 2.6), (4.5, 3.0)])
+@pytest.mark.parametrize(("neutral_v", "vent_v"), [(5.0, 5.0), (5.0, 10.0), (5.0, 3.1), (4.5, 2.6)])
 def test_vent_voltage_that_does_not_open_the_valve_to_the_room_is_refused(neutral_v, vent_v):
     said = refused({"valves": {"neutral_v": neutral_v, "vent_v": vent_v}})
     assert "hardware.valves" in said
     assert "vent_v" in said
-
-
-@pytest.mark.parametrize("vent_v", [10.0, 6.0])
-def test_vent_voltage_that_fills_is_refused(vent_v):
-    assert "hardware.valves.vent_v" in refused({"valves": {"vent_v": vent_v}})
 
 
 def test_vent_voltage_at_the_margin_is_taken():
@@ -44,11 +39,6 @@ def test_gain_without_the_sign_of_the_loop_is_refused(loop, gain):
 @pytest.mark.parametrize("output", ["main_output", "reservoir_output"])
 def test_heartbeat_on_the_channel_of_a_valve_is_refused(output):
     assert "share a channel" in refused({"boards": {output: 5, "heartbeat_output": 5}})
-
-
-def test_rig_without_a_watchdog_has_no_heartbeat():
-    assert check({}).hardware.boards.heartbeat_output is None
-    assert check({"hardware": {"boards": {"heartbeat_output": 4}}}).hardware.boards.heartbeat_output
 
 
 @pytest.mark.parametrize(

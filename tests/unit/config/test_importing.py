@@ -130,29 +130,6 @@ def test_all_errors_are_told_at_once(problems):
         assert sum(line.startswith(f"  {part}") for line in said.splitlines()) == 1
 
 
-def test_wrong_values_hide_no_contradiction(problems):
-    content = {
-        "experiment": "sweep",
-        "test_from_s": 9,
-        "start_s": 3,
-        "end_s": 2,
-        "time": {"rate_hz": "often", "unit": "ms", "repeated": "mean"},
-        "channels": {"theta_deg": {"column": "x", "unit": 1, "scale": 0}},
-    }
-    told = [line.split(" = ")[0].split(";")[0] for line in problems(content).splitlines()[1:]]
-    assert told == [
-        "  time.rate_hz",
-        "  channels.theta_deg.scale",
-        "  give either experiment, for the one log that `fprc import` writes, or test_from_s, for "
-        "the two parts of `fprc readout`",
-        "  end_s",
-        "  time: unit belongs to a column",
-        "  time: repeated belongs to a column",
-        "  channels: p_exp_kpa or p_exp_command_kpa is missing",
-        "  channels.theta_deg: unit 1 stands for another quantity",
-    ]
-
-
 def test_what_an_unknown_key_may_mean_is_not_called_missing(problems):
     said = problems({
         "experimnt": "sweep",
@@ -189,11 +166,6 @@ def test_draft_has_the_columns_of_a_wrong_map(tmp_path):
     assert read_draft(path).columns == {"time": "t", "channels.theta_deg": "3"}
     path.write_text(yaml.safe_dump({"time": {"column": "t"}, "csv": {"decimal": ";"}}))
     assert read_draft(path) == Draft({}, {})
-
-
-def test_absent_map_is_an_error(tmp_path):
-    with pytest.raises(ConfigError, match=r"none\.yaml: cannot be opened"):
-        read_map(tmp_path / "none.yaml")
 
 
 KEYS = ["experiment", "time", "channels", "column", "unit", "theta_deg", "p_o_kpa", "csv", "end_s"]

@@ -102,16 +102,6 @@ def test_more_missed_ticks_than_allowed_end_the_run(time, missed, ends):
     assert "hardware.limits.overruns_in_a_row" in str(caught.value)
 
 
-def test_no_missed_tick_is_allowed_if_so_configured(time):
-    clock = metronome(time, allowed=0)
-    clock.wait_for(0)
-    time.pass_(1.9)
-    assert clock.wait_for(1) == 1
-    time.pass_(2.0)
-    with pytest.raises(ControlError, match="1 ticks of"):
-        clock.wait_for(2)
-
-
 def test_missed_ticks_are_in_a_row_until_the_loop_has_caught_up(time):
     clock = metronome(time, allowed=3)
     clock.wait_for(0)
@@ -133,21 +123,6 @@ def test_loop_that_has_caught_up_may_miss_as_many_again(time):
         time.pass_(0.25)
         tick = clock.wait_for(tick + 1)
     assert (tick, clock.overruns) == (250, 150)
-
-
-def test_loop_that_is_always_too_slow_ends(time):
-    clock = metronome(time, allowed=5)
-    ticks = []
-
-    def loop():
-        for _ in range(1000):
-            ticks.append(clock.wait_for(ticks[-1] + 1 if ticks else 0))
-            time.pass_(1.25)
-
-    with pytest.raises(ControlError):
-        loop()
-    assert clock.overruns == 6
-    assert len(ticks) == pytest.approx(6 * 4, abs=4)
 
 
 def test_last_moment_is_waited_actively():
@@ -184,10 +159,6 @@ def test_statistics_are_those_of_numpy(time):
     assert told["jitter_max_s"] > 0.5 * PERIOD_S
     assert (told["ticks"], told["overruns"]) == (3000, tick + 1 - 3000)
     assert tick + 1 > 3000
-
-
-def test_statistics_before_the_first_tick_are_zero(time):
-    assert set(metronome(time).statistics().values()) == {0}
 
 
 @given(st.lists(st.integers(0, 5000), max_size=60))

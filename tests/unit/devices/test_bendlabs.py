@@ -1,7 +1,6 @@
 import errno
 import importlib
 import os
-import struct
 import subprocess
 import sys
 from pathlib import Path
@@ -119,34 +118,6 @@ def test_sensor_sleeps_after_shutdown_and_starts_again(bus, sensor):
     assert transcript(bus)[1] == "write 00 00 00"
 
 
-@pytest.mark.parametrize(
-    ("command", "state", "answer"),
-    [("05 01 00", "polled", "00 20 03"), ("02 00 00", "standby", "ff ff ff")],
-)
-def test_fake_samples_when_polled_and_not_after_a_reset(fakes, bus, sensor, command, state, answer):
-    bus.i2c_rdwr(
-        fakes.smbus2.i2c_msg.write(0x12, bytes.fromhex(command)),
-        fakes.smbus2.i2c_msg.read(0x12, 3),
-    )
-    assert bus.state == state
-    assert transcript(bus) == [f"write {command}", f"read {answer}"]
-
-
-def test_fake_is_not_woken_from_its_own_shutdown_by_a_start(fakes, bus, sensor):
-    bus.i2c_rdwr(fakes.smbus2.i2c_msg.write(0x12, [9, 0, 0]))
-    with pytest.raises(DeviceError, match="setting the sample rate failed"):
-        sensor.start(sleep=lambda seconds: None)
-    bus.power_cycle()
-    sensor.start(sleep=lambda seconds: None)
-    assert sensor.read() == 12.5
-
-
-@pytest.mark.parametrize("command", ["04 13 00", "03 00 00", "00 02 00", "07 01 2c", "00 01"])
-def test_fake_knows_no_other_command(fakes, bus, command):
-    with pytest.raises(ValueError, match=command):
-        bus.i2c_rdwr(fakes.smbus2.i2c_msg.write(0x12, bytes.fromhex(command)))
-
-
 def test_calibration_takes_out_zero_and_gain_of_the_sensor(fakes):
     bent_deg = 0.0
     bus = fakes.fake_bus.FakeBus(lambda: 0.5 * bent_deg + 7.0)
@@ -198,12 +169,6 @@ def test_every_request_to_an_empty_address_raises_device_error(bus, call, asked)
     assert transcript(bus) == []
 
 
-def test_bus_without_a_number_is_said_to_have_none(bus):
-    del bus.number
-    with pytest.raises(DeviceError, match="I2C bus of unknown number: .*i2cdetect -y N"):
-        BendSensor(bus, 0x13).read()
-
-
 def test_frozen_sensor_repeats_its_last_sample(bus, sensor):
     assert sensor.read() == 12.5
     bus.fault, bus.bend_deg = "freeze", 40.0
@@ -211,12 +176,6 @@ def test_frozen_sensor_repeats_its_last_sample(bus, sensor):
     assert bus.happened == {"freeze": 2}
     bus.fault = None
     assert sensor.read() == 40.0
-
-
-def test_spike_passes_for_a_sample(bus, sensor):
-    bus.fault = "spike"
-    assert sensor.read() == 102.5
-    assert bus.happened == {"spike": 1}
 
 
 @pytest.mark.parametrize(("fault", "packet"), [("type", "03 20 03"), ("order", "20 03 00")])
@@ -257,74 +216,3 @@ def test_bus_that_cannot_be_opened_says_what_to_do(fakes, monkeypatch, raised, a
     monkeypatch.setattr(fakes.smbus2, "SMBus", refuse)
     with pytest.raises(DeviceError, match=f"^I2C bus 3: .*{advice}"):
         open_bus(3)
-
-
-class Bench:
-    """The file that the fake smbus2 reads."""
-
-    def __init__(self, path):
-        self.path = path
-        path.write_bytes(bytes(512))
-
-    def set(self, theta_deg, phi_deg, fault=0):
-        with self.path.open("r+b") as file:
-            file.seek(320)
-            file.write(struct.pack("<ddi", theta_deg, phi_deg, fault))
-
-
-@pytest.fixture
-def bench(tmp_path, monkeypatch):
-    bench = Bench(tmp_path / "bench")
-    monkeypatch.setenv("FAKE_BENCH", str(bench.path))
-    return bench
-
-
-def test_sensors_of_the_bench_follow_the_file_and_its_faults(fakes, bench):
-    bench.set(10.0, -20.0)
-    bus = open_bus(1)
-    sensors = [BendSensor(bus, 0x12), BendSensor(bus, 0x13)]
-    for sensor in sensors:
-        sensor.start(sleep=lambda seconds: None)
-
-    def angles():
-        return [sensor.read() for sensor in sensors]
-
-    assert angles() == [10.0, -20.0]
-    bench.set(11.0, -21.0, fault=2)
-    assert angles() == [10.0, -20.0]
-    bench.set(11.0, -21.0, fault=3)
-    assert angles() == [101.0, 69.0]
-    bench.set(11.0, -21.0, fault=4)
-    assert angles() == [None, None]
-    bench.set(11.0, -21.0, fault=1)
-    for sensor in sensors:
-        with pytest.raises(DeviceError, match="on I2C bus 1: reading"):
-            sensor.read()
-    bench.set(11.0, -21.0)
-    assert angles() == [11.0, -21.0]
-    bus.close()
-
-
-def test_bench_is_found_by_another_process(bench):
-    bench.set(33.0, 0.0)
-    code = """if True:
-        from fprc.devices.bendlabs import BendSensor, open_bus
-        sensor = BendSensor(open_bus(1), 0x12)
-        sensor.start()
-        print(sensor.read())
-    """
-    path = os.pathsep.join(filter(None, [str(FAULTS), os.environ.get("PYTHONPATH")]))
-    said = subprocess.run(
-        [sys.executable, "-c", code],
-        env=os.environ | {"PYTHONPATH": path},
-        check=True,
-        capture_output=True,
-        text=True,
-    )
-    assert said.stdout == "33.0\n"
-
-
-def test_without_a_bench_there_is_no_bus(fakes, monkeypatch):
-    monkeypatch.delenv("FAKE_BENCH", raising=False)
-    with pytest.raises(DeviceError, match="/dev/i2c-1 does not exist"):
-        open_bus(1)

@@ -113,14 +113,6 @@ def test_boards_answer_by_their_own_id(bench, library):
         board.read()
 
 
-def test_types_of_the_calls_are_declared(library):
-    with pytest.raises(ctypes.ArgumentError):
-        library.AioSingleAoEx(2, 0, "5 V")
-    with pytest.raises(ctypes.ArgumentError):
-        library.AioInit(1, None)
-    assert library.AioMultiAiEx.restype is ctypes.c_long
-
-
 @pytest.mark.parametrize(
     ("name", "shown"), [("libcaio.so", "libcaio.so"), ("lib\0caio.so", r"lib\x00caio.so")]
 )

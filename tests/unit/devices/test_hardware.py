@@ -3,7 +3,7 @@ from functools import partial
 
 import pytest
 
-from fprc.devices import Device, pneumatics
+from fprc.devices import pneumatics
 from fprc.devices.bendlabs import open_bus
 from fprc.devices.hardware import HardwareRig
 from fprc.devices.pneumatics import vent_from_outside
@@ -63,11 +63,6 @@ def fail(bench, skip=0, count=1):
 
 def states(bus):
     return {address: sensor.state for address, sensor in bus._sensors.items()}
-
-
-def test_rig_offers_every_method_of_a_device(build):
-    rig = build()
-    assert all(callable(getattr(rig, name)) for name in vars(Device) if name[0] != "_")
 
 
 def test_rig_opens_vented_and_with_both_sensors_running(bench, build, buses):
@@ -185,7 +180,7 @@ def test_close_vents_and_releases_everything(bench, build, buses):
     assert buses[1].closed == 1
 
 
-@pytest.mark.parametrize("at", range(30))
+@pytest.mark.parametrize("at", [0, 1, 2, 15, 29])
 def test_failure_while_the_chambers_vent_is_made_good_at_the_next_look(bench, build, buses, at):
     rig = build()
     rig.safe()
@@ -231,13 +226,6 @@ def test_every_part_that_cannot_be_opened_is_reported_together(bench, hardware, 
     assert [line.split(":")[0] for line in str(caught.value).splitlines()] == [
         "board AIO008", "board AIO007", "I2C bus 1", "I2C bus 2",
     ]  # fmt: skip
-
-
-def test_reason_shared_by_two_parts_is_reported_once(bench, hardware, build):
-    hardware["boards"]["library"] = "/nowhere/libcaio.so"
-    with pytest.raises(DeviceError) as caught:
-        build()
-    assert str(caught.value).count("cannot be loaded") == 1
 
 
 @pytest.mark.parametrize("at", range(8))

@@ -14,20 +14,11 @@ def test_rmse_is_the_root_of_the_mean_square():
     assert rmse(np.array([0.0, 0.0, 0.0, 0.0]), np.array([1.0, -1.0, 5.0, -3.0])) == 3.0
 
 
-@given(series, st.floats(-100, 100))
-def test_rmse_of_a_constant_offset_is_its_size(y, offset):
-    assert rmse(y, y + offset) == pytest.approx(abs(offset), rel=1e-9, abs=1e-12)
-
-
 @given(series, st.integers(0, 2**32 - 1))
 def test_rmse_is_symmetric_and_scales(y, seed):
     z = np.random.default_rng(seed).normal(size=len(y))
     assert rmse(y, z) == rmse(z, y)
     assert rmse(3.0 * y, 3.0 * z) == pytest.approx(3.0 * rmse(y, z))
-
-
-def test_rmse_is_a_plain_number():
-    assert type(rmse(np.zeros(3, dtype=np.float32), np.ones(3))) is float
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])

@@ -100,11 +100,6 @@ def test_given_model_stays_as_it_is_fitted():
     np.testing.assert_array_equal(model.readout_.w_out_, before)
 
 
-def test_each_time_is_the_difference_of_two_looks_at_the_clock(clock):
-    results = time_model(fitted(), log(20), log(10), repeats=3)
-    assert [entry["seconds"] for entry in results] == [[1.0] * 3] * 4
-
-
 def test_time_of_a_test_is_that_of_its_samples(clock, monkeypatch):
     def slow(self, X):
         clock.now += 100.0
@@ -197,16 +192,6 @@ def test_every_step_is_timed_by_itself_and_in_order(clock):
     assert seconds.tolist() == [1.0 + spent for spent in work]
 
 
-def test_what_happens_between_two_steps_is_not_timed(monkeypatch):
-    looks = iter([0.0, 1.0, 50.0, 53.0])
-    monkeypatch.setattr(timing, "time", SimpleNamespace(perf_counter=lambda: next(looks)))
-    assert time_steps(lambda k: None, 2).tolist() == [1.0, 3.0]
-
-
-def test_no_step_takes_no_time():
-    assert time_steps(lambda k: 1 / 0, 0).size == 0
-
-
 def test_machine_names_the_cpu_and_the_threads_in_use():
     with threadpool_limits(1):
         machine = timing.machine()
@@ -214,14 +199,6 @@ def test_machine_names_the_cpu_and_the_threads_in_use():
     assert machine["threads"] == 1
     assert machine["cpu"].strip()
     assert machine["blas"].strip()
-
-
-def test_machine_without_cpuinfo_still_has_a_name(monkeypatch):
-    def missing(self, encoding):
-        raise FileNotFoundError
-
-    monkeypatch.setattr(timing.Path, "read_text", missing)
-    assert timing.machine()["cpu"].strip()
 
 
 def log(size):

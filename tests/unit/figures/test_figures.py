@@ -11,7 +11,7 @@ from matplotlib.text import Text
 from fprc.escape import figure
 from fprc.figures import style
 from fprc.figures.grids import plot_grid
-from fprc.figures.hysteresis import plot_command, plot_loop
+from fprc.figures.hysteresis import plot_loop
 from fprc.figures.training import plot_error, plot_fit
 from fprc.logs import Columns, write_columns
 from fprc.registry import MODELS, look_of
@@ -99,12 +99,6 @@ def test_figure_is_marked_as_simulated_and_drawn_twice_has_the_same_bytes(
     assert plt.get_fignums() == opened
 
 
-def test_figure_of_which_one_log_is_simulated_is_marked_so(log, tmp_path, figures):
-    logs = log("one.h5"), log("two.h5", source="rig")
-    draw.draw_training(*logs, *written(draw.draw_training, tmp_path / "f.pdf", tmp_path / "f.png"))
-    assert "simulated" in marks(figures[0])[0]
-
-
 def test_mark_is_part_of_the_picture(fig, tmp_path):
     pictures = []
     for attributes in ({"source": "sim", "seed": 7}, {"source": "sim", "seed": 8}):
@@ -129,42 +123,12 @@ def test_figure_is_marked_by_the_source_of_its_data_alone(fig, tmp_path, data, m
     assert marks(fig) == [mark]
 
 
-def test_saving_gives_back_the_attributes_of_the_data(fig, tmp_path):
-    data = {"source": "sim", "seed": 7, "model": "fprc"}
-    assert style.save(fig, data, str(tmp_path / "f.pdf"), str(tmp_path / "f.png")) is data
-
-
 @DRAWINGS
 def test_drawing_gives_the_attributes_of_the_simulated_log(drawing, log, tmp_path, monkeypatch):
     monkeypatch.setattr(style, "save", lambda fig, data, pdf, png: data)
     logs = log("one.h5", source="rig", seed=1), log("two.h5", seed=9)
     found = drawing(*logs, *written(drawing, tmp_path / "f.pdf", tmp_path / "f.png"))
     assert (found["source"], found["seed"]) == ("sim", 9)
-
-
-@pytest.mark.parametrize("source", ["hardware", "SIM", ""])
-def test_figure_of_an_unknown_source_is_not_saved(fig, tmp_path, source):
-    with pytest.raises(KeyError):
-        style.save(fig, {"source": source}, str(tmp_path / "f.pdf"), str(tmp_path / "f.png"))
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_simulated_figure_without_a_seed_is_not_saved(fig, tmp_path):
-    with pytest.raises(KeyError, match="seed"):
-        style.save(fig, {"source": "sim"}, str(tmp_path / "f.pdf"), str(tmp_path / "f.png"))
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_figure_without_a_source_is_not_saved(fig, tmp_path):
-    with pytest.raises(KeyError, match="source"):
-        style.save(fig, {"seed": 7}, str(tmp_path / "f.pdf"), str(tmp_path / "f.png"))
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_model_from_outside_is_drawn_too(log, tmp_path):
-    logs = log("one.h5", model="lstm"), log("two.h5", model="lstm")
-    draw.draw_training(*logs, *written(draw.draw_training, tmp_path / "f.pdf", tmp_path / "f.png"))
-    assert (tmp_path / "f.pdf").read_bytes().startswith(b"%PDF")
 
 
 def is_grey(colour):
@@ -188,12 +152,6 @@ def test_a_hue_is_one_signal_and_a_grey_is_a_model_or_a_controller():
     assert all(map(is_grey, greys))
     assert not any(is_grey(colour) for name, colour in style.SIGNALS.items() if name != "valve")
     assert not set(map(to_rgb, greys)) & set(signals)
-
-
-def test_a_marker_is_a_phase():
-    markers = [look["marker"] for look in style.PHASES.values()]
-    assert len(set(markers)) == 3
-    assert not any("color" in look or "linestyle" in look for look in style.PHASES.values())
 
 
 @DRAWINGS
@@ -229,20 +187,6 @@ def test_part_of_the_training_is_enlarged_where_it_is_framed(log, tmp_path, figu
     assert (frame.get_x(), frame.get_width()) == pytest.approx((begin, end - begin))
 
 
-def test_figures_are_as_wide_as_the_journal_prints_them():
-    figure, _ = style.figure(1, 1, style.COLUMN_IN, 2.0)
-    assert figure.get_size_inches().tolist() == [3.5, 2.0]
-
-
-def test_command_is_drawn_over_time_with_its_unit(axes):
-    time = np.linspace(0.0, 4.0, 50)
-    assert plot_command(time, np.sin(time), axes, "#0b3c5d", "P [kPa]") is axes
-    assert axes.lines[0].get_ydata() == pytest.approx(np.sin(time))
-    assert axes.get_xlim() == (0.0, 4.0)
-    assert axes.get_xlabel() == "Time [s]"
-    assert axes.get_ylabel() == "P [kPa]"
-
-
 @pytest.mark.parametrize("unit", [r"$\frac{$", "$x$", "\x1b[31mN"])
 def test_unit_from_a_file_is_drawn_as_text(axes, unit):
     """A pair of dollars would be a formula, and a wrong one an error."""
@@ -272,22 +216,6 @@ def test_loop_joins_neighbouring_samples_and_is_coloured_by_frequency(axes):
     assert lines.get_clim() == (0.1, 1.0)
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("x [kPa]", "y [deg]")
     assert axes.get_ylim()[1] >= 5.0
-
-
-def test_fit_shows_truth_and_model(axes):
-    time = np.array([0.0, 1.0, 2.0])
-    plot_fit(
-        time,
-        np.array([1.0, 2.0, 3.0]),
-        np.array([1.5, 2.5, 3.5]),
-        axes,
-        colours=("#56b4e9", "#c0392b"),
-    )
-    truth, model = axes.lines
-    assert truth.get_ydata().tolist() == [1.0, 2.0, 3.0]
-    assert model.get_ydata().tolist() == [1.5, 2.5, 3.5]
-    assert [line.get_color() for line in axes.lines] == ["#56b4e9", "#c0392b"]
-    assert "kPa" in axes.get_ylabel()
 
 
 def test_error_is_model_minus_truth_with_its_rmse(axes):

@@ -244,36 +244,6 @@ def encloses(outer, inner):
     return Bbox.union([outer, inner]).bounds == pytest.approx(outer.bounds)
 
 
-@pytest.mark.parametrize("name", CALLS)
-def test_drawing_twice_gives_the_same_bytes(name, drawings, draw_in):
-    stage, settings = CALLS[name]
-    assert draw_in(stage, **settings)[2] == drawings[name][2]
-
-
-def test_every_part_of_the_actuator_is_named(drawings):
-    names = " ".join(words(drawings["actuator"][0])).replace("\n", " ")
-    for part in ("Metallic base", "Rubber bladder", "Metal end", "Linking metal plate",
-                 "Inextensible fabric shield"):  # fmt: skip
-        assert part in names
-
-
-def test_every_part_of_the_reservoir_is_named(drawings):
-    names = " ".join(words(drawings["reservoir"][0])).replace("\n", " ")
-    for part in ("PAM A", "PAM B", "Central metal plate", "fabric shield", "Metallic base",
-                 "Metal end", "Air port of A", "Hand valve"):  # fmt: skip
-        assert part in names
-
-
-def test_every_instrument_of_the_apparatus_is_named(drawings):
-    names = " ".join(words(drawings["apparatus"][0])).replace("\n", " ")
-    assert names.count("MPYE-5-M5-010B") == 2
-    for part in ("Computer", "AI-1616L-LPE", "AO-1608L-LPE", "Air supply", "Soft actuator",
-                 "Physical reservoir", "Hand valve", "Bend Labs 1-axis",
-                 "PSE540A-R06", "pneumatic", "electrical", r"P_\mathrm{exp}", "P_i", "P_o",
-                 r"\theta"):  # fmt: skip
-        assert part in names
-
-
 def test_actuator_shows_the_numbers_of_its_log(drawings, tmp_path):
     fig, data, _ = drawings["actuator"]
     log = write_log(tmp_path / "raw.h5")

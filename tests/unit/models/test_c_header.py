@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose
 from sklearn.base import clone
-from sklearn.exceptions import NotFittedError
 from sklearn.linear_model import Ridge
 
 from fprc.errors import FprcError
@@ -296,12 +295,6 @@ def test_other_maps_and_readouts_are_refused(features, readout):
         c_header(model, "pff")
 
 
-def test_header_of_a_ridge_includes_nothing(fitted):
-    text = c_header(fitted["ridge"], "pff")
-    assert "#include" not in text
-    assert "x[1]: column 1 of the training log" in text
-
-
 def test_numbers_beyond_float_are_refused(fitted):
     model = deepcopy(fitted["fprc"])
     model.readout_.W_out_[0, 1] = -1e39
@@ -314,16 +307,6 @@ def test_readout_that_no_controller_holds_is_refused(fitted, monkeypatch):
     monkeypatch.setattr("fprc.models.c_header.MOST_NUMBERS", 100)
     with pytest.raises(FprcError, match="the readout has 137 numbers; at most 100"):
         c_header(fitted["fprc"], "pff")
-
-
-def test_part_of_a_model_is_refused(fitted):
-    with pytest.raises(FprcError, match="TakagiSugenoReadout is a part of a model"):
-        c_header(fitted["fprc"].readout_, "pff")
-
-
-def test_unfitted_model_is_refused():
-    with pytest.raises(NotFittedError):
-        c_header(FPRC(), "pff")
 
 
 @pytest.mark.parametrize("name", ["", "2x", "a-b", "_a", "a b", "ä"])

@@ -263,9 +263,7 @@ def test_more_restarts_never_raise_the_objective(X, n_clusters, seed):
     assert often <= once
 
 
-@pytest.mark.parametrize("restarts", [1, 3])
-@pytest.mark.parametrize("n_clusters", [1, 4, 6])
-@pytest.mark.parametrize("seed", [0, 1, 2])
+@pytest.mark.parametrize(("restarts", "n_clusters", "seed"), [(1, 4, 0), (3, 6, 1)])
 def test_scikit_fuzzy_agrees_from_equal_starts(restarts, n_clusters, seed):
     X = hysteresis(600)
     tight = {"tolerance": 1e-12, "max_iterations": 20_000, "restarts": restarts}

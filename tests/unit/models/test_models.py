@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from sklearn.base import BaseEstimator, clone
-from sklearn.exceptions import NotFittedError
 
 import fprc.models
 from fprc.models import (
@@ -199,22 +198,6 @@ def test_log_to_predict_that_is_shorter_than_the_taps_is_refused(fitted):
         fitted.predict(other_inputs(fitted)[:2])
 
 
-@pytest.mark.parametrize("spoiled", ["X", "y"])
-@pytest.mark.parametrize("name", MODELS)
-def test_nan_in_the_training_log_is_refused(name, spoiled):
-    data = {"X": inputs(name, 40), "y": pressure(40)}
-    data[spoiled][7] = np.nan
-    with pytest.raises(ValueError, match=rf"(?i)input {spoiled} contains nan"):
-        clone(MODELS[name]).fit(**data)
-
-
-def test_nan_in_a_log_to_predict_is_refused(fitted):
-    X = other_inputs(fitted)
-    X[7] = np.nan
-    with pytest.raises(ValueError, match="contains NaN"):
-        fitted.predict(X)
-
-
 @pytest.mark.parametrize("bad", [1.01e9, -1e10, 1e300])
 @pytest.mark.parametrize("call", ["fit", "predict"])
 def test_sample_that_is_a_fault_is_refused_by_column_and_number(call, bad, fitted):
@@ -394,18 +377,3 @@ def other_inputs(model):
 def pressure(size):
     time = np.arange(size) / 10.0
     return 175.0 + 120.0 * np.sin(time + 0.2) + 20.0 * np.sin(time) ** 2
-
-
-@pytest.mark.parametrize("model", [ESN(r=10), FPRC(), FuzzyLinear()])
-@pytest.mark.parametrize("call", ["step", "reset", "predict"])
-def test_model_that_was_not_fitted_says_so(model, call):
-    sample = [[1.0, 2.0]] if call == "predict" else [1.0, 2.0]
-    with pytest.raises(NotFittedError):
-        getattr(model, call)(sample)
-
-
-@pytest.mark.parametrize("features", [EchoStates(r=10), TapFeatures()])
-@pytest.mark.parametrize("call", ["step", "advance", "reset"])
-def test_features_that_were_not_fitted_say_so(features, call):
-    with pytest.raises(NotFittedError):
-        getattr(features, call)([1.0, 2.0])

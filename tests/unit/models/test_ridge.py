@@ -6,7 +6,7 @@ from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose
 
 from fprc.models import RidgeReadout
-from fprc.models.ridge import ridge_weights, with_bias
+from fprc.models.ridge import ridge_weights
 
 
 @st.composite
@@ -78,34 +78,6 @@ def test_bias_is_the_first_weight():
     assert_allclose(readout.w_out_, [7.0, 3.0, -2.0], rtol=1e-10)
 
 
-def test_extended_state_begins_with_one():
-    assert with_bias(np.array([[2.0, 3.0], [4.0, 5.0]])).tolist() == [[1, 2, 3], [1, 4, 5]]
-
-
-def test_weight_of_two_counts_a_sample_twice(rows):
-    X, y = rows
-    twice = ridge_weights(np.vstack([X, X[:3]]), np.concatenate([y, y[:3]]), 0.1)
-    weight = np.where(np.arange(len(y)) < 3, 2.0, 1.0)
-    assert_allclose(ridge_weights(X, y, 0.1, weight), twice, rtol=1e-10)
-
-
-def test_weight_of_zero_leaves_a_sample_out(rows):
-    X, y = rows
-    y = y.copy()
-    y[0] = 1e6
-    weight = np.where(np.arange(len(y)) < 1, 0.0, 1.0)
-    expected = ridge_weights(X[1:], y[1:], 0.1)
-    assert_allclose(ridge_weights(X, y, 0.1, weight), expected, rtol=1e-10)
-
-
-def test_training_data_are_not_written_to(rows):
-    X, y = rows
-    before = X.copy(), y.copy()
-    RidgeReadout().fit(X, y)
-    assert np.array_equal(X, before[0])
-    assert np.array_equal(y, before[1])
-
-
 def test_output_of_a_row_is_its_prediction(rows):
     X, y = rows
     readout = RidgeReadout().fit(X, y)
@@ -124,15 +96,6 @@ def test_output_of_a_row_is_its_prediction(rows):
 def test_singular_regression_without_ridge_asks_for_a_larger_alpha(X):
     with pytest.raises(ValueError, match=r"alpha = 0.*larger alpha"):
         RidgeReadout(alpha=0.0).fit(X, np.arange(len(X), dtype=float))
-
-
-@pytest.mark.parametrize("spoiled", ["X", "y"])
-def test_nan_is_refused(rows, spoiled):
-    data = dict(zip(("X", "y"), rows, strict=True))
-    data[spoiled] = data[spoiled].copy()
-    data[spoiled][3] = np.nan
-    with pytest.raises(ValueError, match=rf"(?i)input {spoiled} contains nan"):
-        RidgeReadout().fit(**data)
 
 
 @pytest.fixture

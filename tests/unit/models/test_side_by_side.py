@@ -46,26 +46,12 @@ def test_features_are_those_of_each_map_side_by_side():
     assert_allclose([features.step(x) for x in other], expected, rtol=1e-10, atol=1e-12)
 
 
-def test_second_stream_does_not_remember_the_first():
-    features = SideBySide(PARTS).fit(log())
-    for x in log():
-        features.step(x)
-    features.reset()
-    other = log(seed=1)
-    assert_allclose([features.step(x) for x in other], features.transform(other), atol=1e-10)
-
-
 def test_recordings_restart_every_map():
     X = np.vstack([log(), log(30, seed=1)])
     features = SideBySide(PARTS).fit(X)
     expected = np.vstack([features.transform(X[:60]), features.transform(X[60:])])
     assert np.array_equal(transform_each(features, X, [60, 30]), expected)
     assert not np.allclose(features.transform(X)[60:], expected[60:])
-
-
-def test_maps_that_were_given_stay_unfitted():
-    SideBySide(PARTS).fit(log())
-    assert not any(hasattr(each, "n_features_in_") for _, each, _ in PARTS)
 
 
 def test_names_begin_with_that_of_the_map():
@@ -97,18 +83,6 @@ def test_parameters_of_maps_are_read_and_set_by_name():
     assert features.get_params()["plays__n_plays"] == 3
 
 
-def test_parameters_of_maps_are_set_together_with_new_maps():
-    maps = [("plays", PlayOperators(), None)]
-    changed = SideBySide(PARTS).set_params(maps=maps, plays__n_plays=2)
-    assert changed.get_params()["plays__n_plays"] == 2
-    assert list(changed.get_params()) == ["maps", "plays", "plays__n_plays"]
-
-
-def test_parameter_of_a_map_that_is_not_there_is_refused():
-    with pytest.raises(ValueError, match="Invalid parameter 'plays'"):
-        SideBySide(PARTS[:1]).set_params(plays__n_plays=2)
-
-
 @pytest.mark.parametrize(
     ("maps", "problem"),
     [
@@ -126,8 +100,3 @@ def test_parameter_of_a_map_that_is_not_there_is_refused():
 def test_maps_that_do_not_fit_are_refused(maps, problem):
     with pytest.raises(ValueError, match=re.escape(problem)):
         SideBySide(maps).fit(log())
-
-
-def test_parameter_of_a_map_outside_its_limits_is_refused():
-    with pytest.raises(ValueError, match="PlayOperators: n_plays = 0"):
-        SideBySide(PARTS).set_params(plays__n_plays=0).fit(log())

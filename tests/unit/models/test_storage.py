@@ -175,17 +175,6 @@ def test_refused_model_leaves_the_earlier_file_as_it_was(model, saved, path):
     assert path.read_bytes() == before
 
 
-def test_missing_file_is_named(path):
-    with pytest.raises(FprcError, match=r"model\.h5"):
-        load_model(path)
-
-
-def test_what_is_no_file_is_named(tmp_path):
-    os.mkfifo(tmp_path / "pipe.h5")
-    with pytest.raises(FprcError, match=r"pipe\.h5: cannot be opened \(not a regular file\)"):
-        load_model(tmp_path / "pipe.h5")
-
-
 @pytest.mark.parametrize("content", [b"", b"hello", b"\x89HDF\r\n\x1a\n" + b"\0" * 200])
 def test_file_that_is_no_model_is_named(content, path):
     path.write_bytes(content)

@@ -24,16 +24,6 @@ def of(held, simulated=False):
     return unavailable(held, "mylogs", RUNS, simulated=simulated)
 
 
-def test_nothing_is_missing_where_the_workflow_makes_every_log():
-    every = dict.fromkeys([*EXPERIMENTS, *RUNS], WHOLE)
-    assert of(every, simulated=True) == {}
-    assert of(every).keys() == OF_RIGS
-
-
-def test_both_experiments_in_full_lack_the_closed_loop_and_the_further_rigs():
-    assert of(both(without())).keys() == OF_RIGS | CLOSED_LOOP
-
-
 def test_without_p_o_what_shows_fprc_or_the_reservoir_is_missing():
     found = of(both(without("p_o_kpa")))
     assert found.keys() - OF_RIGS - CLOSED_LOOP == {
@@ -87,14 +77,6 @@ def test_disturbance_needs_the_bending_of_the_reservoir():
     run = run_log("disturbance", "fprc_pd")
     found = of({run: without("phi_deg")})
     assert found["fig17"] == f"needs phi_deg, which {run}.h5 does not have"
-
-
-def test_part_of_table4_is_made_and_the_rest_is_named():
-    held = dict.fromkeys(RUNS[1:], WHOLE)
-    found = of(held)
-    assert "table4" not in found
-    assert found["table4_runs"] == f"no {RUNS[0]}.h5 in mylogs"
-    assert "table4_runs" not in of(dict.fromkeys(RUNS, WHOLE))
 
 
 def test_every_result_has_a_title_and_a_refusal_gives_it_with_the_reason():

@@ -14,7 +14,6 @@ from fprc.logs import RAW_CHANNELS
 from fprc.logs.folder import Header
 from fprc.paper import CONTROLLERS, EXPERIMENTS, REFERENCES, run_log
 from fprc.plan import plan as plan_module
-from fprc.plan.paths import Paths
 from fprc.plan.plan import Plan, read_plan
 from fprc.plan.results import CHORES, RESULTS
 from fprc.stages.tabulate import tabulate_unavailable
@@ -81,10 +80,6 @@ def test_every_part_is_one_of_a_result_that_there_is():
     for part in parts:
         assert by_name[part.part_of].files
         assert not part.files
-
-
-def test_every_result_but_the_list_of_them_has_a_title():
-    assert [result.name for result in RESULTS if not result.title] == ["not_available"]
 
 
 # --- on the simulated rig -------------------------------------------------------------------------
@@ -161,53 +156,12 @@ def test_runs_are_those_of_every_reference_with_every_controller(simulated):
     assert simulated.every_log == [*EXPERIMENTS, *simulated.every_run]
 
 
-def test_figures_are_the_papers_in_order(simulated):
-    assert list(simulated.figures) == list(range(1, 18))
-    assert simulated.figures[7] == "results/figures/fig07_fprc_system"
-
-
-def test_pages_of_the_report_are_in_the_order_of_the_paper(simulated):
-    tables = ["table1", "table2", "table2_seeds", "table3", "table3_seeds", "table4"]
-    assert simulated.pages == [
-        *(f"results/tables/{name}.md" for name in (*tables, "table4_seeds")),
-        "results/readout/readout.md",
-        "results/timing/table2_timing.md",
-        "results/timing/step_cost.md",
-    ]
-
-
-def test_plan_and_its_paths_are_frozen(simulated):
-    with pytest.raises(dataclasses.FrozenInstanceError):
-        simulated.settings = {}
-    with pytest.raises(dataclasses.FrozenInstanceError):
-        simulated.paths.raw = "elsewhere"
-
-
 def test_every_file_lies_below_one_of_the_two_folders():
     settings = check({"folders": {"raw": "mine/raw", "results": "mine/made"}})
     plan = Plan(settings.model_dump(mode="json"), {}, "mine/raw")
     for files in plan.targets.values():
         for file in files:
             assert file.startswith(("mine/raw/", "mine/made/"))
-
-
-def test_paths_keep_wildcards_and_differ():
-    paths = Paths("raw", "results")
-    found = [
-        paths.log("{e}"), paths.data("{e}"), paths.quality("{e}"), paths.with_reservoir("{e}"),
-        paths.errors("{e}", "{m}"), paths.model("{e}", "{m}"), paths.grid("{e}"),
-        paths.prediction("{e}", "{m}", "train"), paths.prediction("{e}", "{m}", "test"),
-        paths.replicate("models", "{e}", "{seed}"), paths.messages("{e}"),
-        *paths.table("tables/{e}").values(),
-    ]  # fmt: skip
-    assert len(set(found)) == len(found)
-    assert all("{e}" in path for path in found)
-
-
-def test_tables_have_three_files():
-    assert Paths("raw", "results").table("tables/table2") == {
-        kind: f"results/tables/table2.{kind}" for kind in ("csv", "md", "tex")
-    }
 
 
 # --- on recorded logs -----------------------------------------------------------------------------
@@ -292,13 +246,6 @@ def test_list_for_readers_is_in_the_order_of_the_paper_and_has_no_chores(tmp_pat
     assert not table.isna().any(axis=None)
     assert "| Fig. 5 " in md.read_text(encoding="utf-8")
     assert "not available: Fig. 5: needs p_o_kpa" in caplog.text
-
-
-def test_list_is_written_too_when_all_is_there(simulated, tmp_path):
-    csv, md = tmp_path / "list.csv", tmp_path / "list.md"
-    tabulate_unavailable(str(csv), str(md), reasons=simulated.unavailable_results)
-    assert md.read_text(encoding="utf-8") == "Everything is available for this data.\n"
-    assert pd.read_csv(csv).empty
 
 
 def test_model_from_outside_is_planned_only_where_models_can_be_judged():

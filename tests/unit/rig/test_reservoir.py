@@ -7,7 +7,7 @@ from fprc.config import Settings
 from fprc.control import PressurePI
 from fprc.devices.sim import SimulatedRig
 from fprc.rig.parameters import record
-from fprc.rig.reservoir import bending_rate, passive_volume, squeeze_rate
+from fprc.rig.reservoir import bending_rate, squeeze_rate
 
 ATMOSPHERE_KPA = 101.325
 DEFAULT = Settings().rig.reservoir.model_dump()
@@ -174,13 +174,6 @@ def test_own_bending_approaches_the_pressure_difference_over_its_stiffness():
     rest = (250.0 - 30.0 + 50.0) / 9.0
     np.testing.assert_allclose(bend.y[0], rest * (1.0 - np.exp(-t / 0.08)), atol=1e-6)
     assert bending_rate(parameters, 0.0, 0.0, precharge, 0.0) == 0.0
-
-
-def test_volume_left_in_the_passive_chamber_is_what_squeeze_and_bending_leave():
-    parameters = fabric(passive_volume_ml=30.0, bending_volume_ml_per_deg=0.02)
-    assert passive_volume(parameters, 0.0, 0.0) == 30.0
-    assert passive_volume(parameters, 4.0, 0.0) == pytest.approx(26.0)
-    assert passive_volume(parameters, 4.0, 25.0) == pytest.approx(25.5)
 
 
 def test_push_on_the_reservoir_bends_it_but_hardly_reaches_its_pressure(quiet_rig):

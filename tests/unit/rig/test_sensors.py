@@ -9,15 +9,7 @@ from fprc.rig.sensors import converted, pressure_voltage, quantise
 from fprc.rig.simulator import draw_instruments
 
 SENSOR = record(Settings().rig.pressure_sensor.model_dump())[0]
-FULL_SCALE_KPA = 1000.0
 LSB_V = 20.0 / 65536.0
-
-
-def test_default_transducer_and_converter_are_those_of_the_data_sheets():
-    rig = Settings().rig
-    assert (rig.pressure_sensor.zero_v, rig.pressure_sensor.span_v) == (1.0, 4.0)
-    assert rig.pressure_sensor.full_scale_kpa == FULL_SCALE_KPA
-    assert (rig.converter.step_v, rig.converter.limit_v) == (LSB_V, 10.0)
 
 
 @given(st.floats(-1000.0, 1000.0), st.floats(1e-3, 1.0))
@@ -25,11 +17,6 @@ def test_quantised_value_is_the_nearest_multiple_of_the_step(value, step):
     quantised = quantise(value, step)
     assert abs(quantised - value) <= 0.5 * step * (1.0 + 1e-6)
     assert quantised / step == pytest.approx(np.round(quantised / step), abs=1e-6)
-
-
-@given(st.integers(-30_000, 30_000))
-def test_value_on_the_grid_stays_where_it_is(code):
-    assert quantise(code * LSB_V, LSB_V) == code * LSB_V
 
 
 @pytest.mark.parametrize(("p_kpa", "volts"), [(0.0, 1.0), (250.0, 2.0), (1000.0, 5.0)])
@@ -88,11 +75,3 @@ def test_drawn_instruments_differ_between_the_sensors_and_between_rigs():
 )
 def test_converter_saturates_at_its_limit(volts, seen):
     assert converted(volts, LSB_V, 10.0) == seen
-
-
-def test_converter_resolves_a_pressure_to_the_step_of_16_bit():
-    volts = np.linspace(1.0, 1.1, 5001)
-    codes = {converted(v, LSB_V, 10.0) for v in volts}
-    steps_kpa = np.diff(sorted(codes)) * FULL_SCALE_KPA / 4.0
-    np.testing.assert_allclose(steps_kpa, 0.0763, atol=5e-5)
-    assert len(codes) == pytest.approx(0.1 / LSB_V, abs=2)

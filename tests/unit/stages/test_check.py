@@ -64,13 +64,6 @@ def test_changed_verdict_on_times_is_only_a_warning(folder, caplog):
     assert "C1: not reproduced, but reproduced is declared; not an error" in caplog.text
 
 
-def test_claim_on_times_that_is_not_declared_is_reported(folder):
-    judge(folder, "timed", "reproduced")
-    (folder / "known.yaml").write_text("{}")
-    with pytest.raises(FprcError, match="C1: reproduced, but nothing is declared"):
-        check()
-
-
 def judge(folder, rig, verdict):
     claim = {"id": "C1", "verdict": verdict, "rig": rig}
     (folder / "results/claims.json").write_text(json.dumps({"claims": [claim]}))
@@ -122,21 +115,9 @@ def test_picture_that_is_not_the_figure_is_reported(folder):
         check()
 
 
-def test_picture_that_is_gone_is_reported(folder):
-    (folder / "docs/one.png").unlink()
-    with pytest.raises(FprcError, match=r"docs/one\.png differs from results/one\.png$"):
-        check()
-
-
 def test_same_picture_compressed_otherwise_is_in_order(folder):
     Image.new("RGBA", (40, 30), "red").save("docs/one.png", compress_level=0)
     check()
-
-
-def test_picture_of_another_size_is_reported(folder):
-    Image.new("RGB", (40, 31), "red").save("docs/one.png")
-    with pytest.raises(FprcError, match=r"docs/one\.png differs from results/one\.png$"):
-        check()
 
 
 def drawn(path, *, factor=0.0, curve_px=0.0, dot_px=0.0, bar_px=0.0, text="RMSE 11.9 kPa"):

@@ -20,7 +20,7 @@ from fprc.config import Settings
 from fprc.logs import write_columns
 from fprc.provenance import hash_of
 from fprc.stages import report
-from fprc.stages.report import GLOSSARY, banner, symbols, write_report
+from fprc.stages.report import GLOSSARY, symbols, write_report
 from fprc.studies.beyond.claims import judge_world
 from fprc.tables.text import markdown
 
@@ -185,22 +185,11 @@ def project(tmp_path):
     [
         ("P_exp", "<i>P</i><sub>exp</sub>"),
         ("P_ff", "<i>P</i><sub>ff</sub>"),
-        ("P_fb", "<i>P</i><sub>fb</sub>"),
-        ("P_i", "<i>P</i><sub>i</sub>"),
-        ("P_o", "<i>P</i><sub>o</sub>"),
-        ("P_d", "<i>P</i><sub>d</sub>"),
         ("K_in", "<i>K</i><sub>in</sub>"),
         ("n_c", "<i>n</i><sub>c</sub>"),
-        ("n_u", "<i>n</i><sub>u</sub>"),
-        ("n_y", "<i>n</i><sub>y</sub>"),
         ("f_input", "<i>f</i><sub>input</sub>"),
         ("theta_d", "<i>θ</i><sub>d</sub>"),
         ("theta", "<i>θ</i>"),
-        ("epsilon", "<i>ε</i>"),
-        ("gamma", "<i>γ</i>"),
-        ("rho", "<i>ρ</i>"),
-        ("sigma", "<i>σ</i>"),
-        ("alpha", "<i>α</i>"),
         ("over P_i, P_o.", "over <i>P</i><sub>i</sub>, <i>P</i><sub>o</sub>."),
         ("P_fb / P_ff", "<i>P</i><sub>fb</sub> / <i>P</i><sub>ff</sub>"),
         ("(theta_d)", "(<i>θ</i><sub>d</sub>)"),
@@ -210,23 +199,11 @@ def test_symbols_of_the_paper_are_shown_as_mathematics(text, shown):
     assert re.sub("</?abbr[^>]*>", "", symbols(text)) == shown
 
 
-def test_symbol_with_a_meaning_explains_itself():
-    assert symbols("theta_d") == (
-        '<abbr title="desired bending angle, the reference"><i>θ</i><sub>d</sub></abbr>'
-    )
-    assert symbols("P_d") == "<i>P</i><sub>d</sub>"
-
-
 @pytest.mark.parametrize(
     "text", ["theta_deg", "P_output", "sP_o", "alphabet", "rhombus", "n_configs", "N_c", "PAM", ""]
 )
 def test_words_that_only_look_like_symbols_are_left_alone(text):
     assert symbols(text) == text
-
-
-@pytest.mark.parametrize(("value", "shown"), [(8, "8"), (0.5, "0.5"), (True, "True")])
-def test_numbers_can_be_shown_too(value, shown):
-    assert symbols(value) == shown
 
 
 PIECES = st.sampled_from(["<", ">", "&", '"', "'", "P_o", "theta", "<i>", "&lt;", "</td>", " "])
@@ -248,22 +225,6 @@ def test_whatever_a_text_holds_it_adds_no_other_tag_and_loses_nothing(text):
 
 
 # Banner
-
-
-@pytest.mark.parametrize(
-    ("sources", "text"),
-    [
-        ({"sim"}, "SIMULATED DATA"),
-        ({"sim", "rig"}, "PARTLY SIMULATED DATA"),
-        ({"sim", "import"}, "PARTLY SIMULATED DATA"),
-        ({"sim", "rig", "import"}, "PARTLY SIMULATED DATA"),
-        ({"rig"}, "MEASURED DATA"),
-        ({"import"}, "MEASURED DATA"),
-        ({"rig", "import"}, "MEASURED DATA"),
-    ],
-)
-def test_banner_says_in_capitals_what_the_data_are(sources, text):
-    assert banner(sources) == text
 
 
 @pytest.mark.parametrize(
@@ -294,28 +255,7 @@ def test_page_begins_with_the_banner_of_its_figures(tmp_path, sources, text, kin
     assert body[body.index("body") + 1] == "div"
 
 
-def test_simulated_page_has_another_colour_than_a_measured_one(tmp_path):
-    colours = []
-    for source in ("sim", "rig"):
-        (tmp_path / source).mkdir()
-        project = Project(tmp_path / source)
-        project.add_figure(4, source=source)
-        colours.append(re.search(r"\.banner \{ background: (#\w+);", project.write())[1])
-    assert colours[0] != colours[1]
-
-
 # What is on the page
-
-
-def test_page_is_one_html_document_whose_tags_all_close(project):
-    text = project.write()
-    assert text.lstrip().startswith("<!DOCTYPE html>")
-    page = Page(text)
-    assert page.declarations == ["DOCTYPE html"]
-    assert page.all("html")[0]["lang"] == "en"
-    assert page.all("meta", charset="utf-8")
-    assert "{{" not in text
-    assert "{%" not in text
 
 
 def test_every_claim_is_shown_with_its_verdict(project):
@@ -477,18 +417,6 @@ def test_result_has_the_command_that_makes_it_and_its_files(project):
     assert report._origin("r/tables/table2_seeds.md", Path("r"), ())["target"] == "seeds"
 
 
-def test_no_heading_occurs_twice(project):
-    title = "Table III. RMSE, reversed: trained on one log."
-    project.add_table(title, "table3", A=["1"])
-    project.add_table(title, "table3_seeds", A=["1"])
-    columns = ["model", "metric", "mean", "published_mean"]
-    for name in ("table3", "table3_seeds"):
-        pd.DataFrame(columns=columns).to_csv(project.folder / f"{name}.csv", index=False)
-    page = project.page()
-    headings = [text for level in ("h1", "h2", "h3") for text in page.texts(level)]
-    assert len(set(headings)) == len(headings)
-
-
 def test_every_figure_is_shown_with_number_caption_and_origin(project):
     page = project.page()
     assert [figure["id"] for figure in page.all("figure")] == ["fig4", "fig6", "fig12"]
@@ -588,19 +516,6 @@ def test_page_of_the_papers_settings_announces_none(project):
     assert "All settings except the rig's are the paper's" in project.page().text()
 
 
-@pytest.mark.parametrize(
-    ("found", "text"),
-    [
-        ((COMMIT, True), "Commit 0123456789ab with uncommitted changes."),
-        ((COMMIT, False), "Commit 0123456789ab."),
-        ((None, None), "Commit unknown (not a git checkout)."),
-    ],
-)
-def test_page_says_whether_the_code_was_changed_since_its_commit(project, monkeypatch, found, text):
-    monkeypatch.setattr(report, "checkout", lambda: found)
-    assert text in project.page().text()
-
-
 def test_figure_says_whether_its_own_code_was_changed(project):
     project.add_figure(13, commit="f" * 40, dirty=True)
     project.add_figure(14, commit=None, dirty=None)
@@ -667,10 +582,6 @@ def test_page_without_a_ledger_has_tables_and_figures_but_no_claims(project):
     assert len(page.all("figure")) == 3
 
 
-def test_same_files_give_the_same_bytes(project):
-    assert project.write() == project.write()
-
-
 # What must not be on the page
 
 
@@ -712,39 +623,7 @@ def test_no_text_becomes_markup(project, spoil):
     assert all(image["src"].startswith("data:image/png") for image in page.all("img"))
 
 
-@pytest.mark.parametrize("field", ["claim", "ours", "basis"])
-def test_text_of_a_claim_reads_as_it_was_written(project, field):
-    project.claims[0][field] = EVIL
-    (table,) = project.page().texts("table", **{"class": "claims sorts"})
-    assert " ".join(EVIL.split()) in table
-
-
 # What is an error
-
-
-def test_name_that_the_page_does_not_have_is_an_error(project, tmp_path):
-    template = tmp_path / "page.html.j2"
-    template.write_text("<p>{{ banner }} {{ nonsense }}</p>", encoding="utf-8")
-    project.template = [str(template)]
-    with pytest.raises(jinja2.UndefinedError, match="nonsense"):
-        project.write()
-    assert not (tmp_path / "report.html").exists()
-
-
-@pytest.mark.parametrize("missing", ["seed", "evaluation"])
-def test_missing_setting_is_an_error(project, missing):
-    project.settings = {key: value for key, value in SETTINGS.items() if key != missing}
-    with pytest.raises(jinja2.UndefinedError, match=missing):
-        project.write()
-
-
-def test_figure_without_its_sidecar_or_caption_is_an_error(project):
-    for cut in (project.figures[:-1], project.figures[:-2]):
-        with pytest.raises(ValueError, match="shorter|longer"):
-            write_report(
-                TEMPLATE, [], "", [], cut, str(project.folder / "r.html"), settings=SETTINGS,
-                drawn={},
-            )  # fmt: skip
 
 
 def test_what_is_not_available_is_listed_with_its_reason(project):

@@ -134,30 +134,6 @@ def test_stage_is_given_files_and_params_that_it_reads(job, run):
     assert stage.threads <= {1}
 
 
-def test_drawing_without_data_is_neither_simulated_nor_has_it_a_seed(job, run):
-    run(Stage({"source": "none"}))
-    found = read_json(job.output.sidecar)
-    assert (found["source"], found["simulated"], found["seeds"]) == ("none", False, [])
-
-
-def test_sidecar_has_the_same_bytes_when_the_figure_is_drawn_again(job, run):
-    contents = []
-    for _ in range(2):
-        run(Stage({"source": "sim", "seed": 7}))
-        contents.append(Path(job.output.sidecar).read_bytes())
-    assert contents[0] == contents[1]
-
-
-def test_changed_input_changes_its_digest_and_no_other(job, run):
-    found = []
-    for content in ("one", "two"):
-        Path(job.input.runs[1]).write_text(content, encoding="utf-8")
-        run(Stage({"source": "sim"}))
-        found.append(read_json(job.output.sidecar)["inputs"])
-    changed = [path for path in found[0] if found[0][path] != found[1][path]]
-    assert changed == [job.input.runs[1]]
-
-
 def test_stage_that_fails_ends_with_its_message_and_leaves_no_sidecar(job, run, capsys):
     def stage(**arguments):
         raise ControlError("P_i = 500 kPa; reduce it")
@@ -173,15 +149,6 @@ def test_stage_that_fails_ends_with_its_message_and_leaves_no_sidecar(job, run, 
     assert "Traceback" in kept
 
 
-def test_stage_that_breaks_down_leaves_no_sidecar(job, run):
-    def stage(**arguments):
-        raise ZeroDivisionError
-
-    with pytest.raises(ZeroDivisionError):
-        run(stage)
-    assert not Path(job.output.sidecar).exists()
-
-
 @pytest.mark.parametrize("data", [{}, {"seed": 7}])
 def test_figure_of_unknown_source_has_no_sidecar(job, run, data):
     with pytest.raises(KeyError, match="source"):
@@ -194,10 +161,6 @@ def test_stage_without_sidecar_is_given_all_of_its_outputs(job, run):
     stage = Stage(None)
     run(stage)
     assert {"pdf", "png"} <= set(stage.arguments)
-
-
-def test_stage_is_found_by_its_name():
-    assert runner.stage_of("run.stage_of") is runner.stage_of
 
 
 #: What may happen to a result, and whether it is still the same.

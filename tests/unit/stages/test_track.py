@@ -193,15 +193,6 @@ def test_aborted_run_keeps_its_rows_and_says_why(
         np.testing.assert_array_equal(kept.channels["p_ff_kpa"], 100.0)
 
 
-def test_aborted_log_lies_beside_its_log_in_any_folder(tmp_path, model, settings, monkeypatch):
-    monkeypatch.setattr("fprc.stages.track.load_model", lambda path, classes: Broken(5))
-    folder = tmp_path / "logs.h5.d"
-    folder.mkdir()
-    with pytest.raises(RunAbortedError):
-        follow(folder, model, settings, ("fprc",))
-    assert [p.name for p in folder.iterdir()] == ["fprc.aborted.h5"]
-
-
 def test_impossible_reference_is_refused_before_the_rig_moves(
     tmp_path, model, settings, monkeypatch
 ):

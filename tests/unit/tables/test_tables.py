@@ -20,7 +20,6 @@ from fprc.tables.models import comparison, comparison_page, configuration, order
 from fprc.tables.text import latex, markdown, read_markdown, spread
 from fprc.tables.tracking import tracking, tracking_over_seeds, tracking_page
 
-ROOT = Path(__file__).parents[3]
 PUBLISHED = yaml.safe_load(config.PUBLISHED.read_text(encoding="utf-8"))
 
 COLUMNS = [
@@ -70,36 +69,11 @@ REPLICATES = [
 ]
 
 
-def test_table_2_has_exactly_the_tidy_columns():
-    assert list(comparison(REPORTS, PUBLISHED).columns) == COLUMNS
-
-
-def test_table_2_has_a_row_for_each_model_and_metric():
-    table = comparison(REPORTS, PUBLISHED)
-    assert list(zip(table["model"], table["metric"], strict=True)) == [
-        (model, metric)
-        for model in ("esn", "fprc", "fuzzy_linear")
-        for metric in ("train_rmse", "validation_rmse", "test_rmse")
-    ]
-    assert set(table["unit"]) == {"kPa"}
-    assert set(table["source"]) == {"sim"}
-
-
 def test_table_2_spread_is_over_the_folds_and_a_test_error_has_none():
     row = by_metric(comparison(REPORTS, PUBLISHED), "fprc")
     assert row["mean"].tolist() == [11.0, 12.5, 12.0]
     assert row["std"].tolist()[:2] == pytest.approx([2.0**0.5, 4.5**0.5])
     assert pd.isna(row["std"].iloc[2])
-
-
-@pytest.mark.parametrize("model", ["esn", "fprc", "fuzzy_linear"])
-def test_table_2_carries_the_published_numbers(model):
-    row = by_metric(comparison(REPORTS, PUBLISHED), model)
-    printed = PUBLISHED["table_2_models"][model]
-    shown = row[["published_mean", "published_std"]].to_numpy().tolist()
-    assert shown[:2] == [printed["train_rmse_kpa"], printed["validation_rmse_kpa"]]
-    assert shown[2][0] == printed["test_rmse_kpa"]
-    assert pd.isna(shown[2][1])
 
 
 def test_page_of_table_2_shows_ours_beside_the_paper():
@@ -130,13 +104,6 @@ def test_model_that_is_not_there_has_a_column_that_says_so(written):
     assert "FPRC, paper" not in page.columns
     assert page["ESN, ours"].str.contains("±").tolist() == [True, True, False]
     assert "No " not in read_markdown(written["two.md"])[0]
-
-
-def test_page_does_not_depend_on_the_order_of_the_reports():
-    forward, backward = (
-        comparison_page(comparison(reports, PUBLISHED)) for reports in (REPORTS, REPORTS[::-1])
-    )
-    pd.testing.assert_frame_equal(forward, backward)
 
 
 @pytest.mark.parametrize(
@@ -304,23 +271,6 @@ def test_table_4_over_seeds_has_mean_deviation_and_range_of_every_run():
         assert row["source"] == "sim"
 
 
-def test_table_4_over_seeds_has_the_published_error_where_the_paper_prints_one():
-    table = tracking_over_seeds(controls(), PUBLISHED)
-    printed = PUBLISHED["table_4_tracking_rmse_deg"]
-    for row in table.to_dict("records"):
-        theirs = printed.get(row["controller"], {}).get(row["reference"])
-        assert row["published_rmse_deg"] == theirs or pd.isna(row["published_rmse_deg"])
-        assert pd.isna(row["published_rmse_deg"]) == (theirs is None)
-    assert table["published_rmse_deg"].notna().sum() == 4
-
-
-def test_table_4_over_seeds_does_not_depend_on_the_order_of_the_seeds():
-    forward, backward = (
-        tracking_over_seeds(reports, PUBLISHED) for reports in (controls(), controls()[::-1])
-    )
-    pd.testing.assert_frame_equal(forward, backward)
-
-
 def test_page_of_table_4_over_seeds_shows_intervals():
     """Means of three: the interval is 4.3027 / sqrt(3) deviations to each side."""
     page = tracking_page(tracking_over_seeds(controls(), PUBLISHED))
@@ -417,40 +367,40 @@ def test_page_of_the_times_names_phase_mode_and_both_numbers():
     ]  # fmt: skip
 
 
-@pytest.fixture
-def written(tmp_path):
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
     """Every table, written as the workflow does it."""
-    published = str(config.PUBLISHED)
+    published, folder = str(config.PUBLISHED), tmp_path_factory.mktemp("tables")
 
     def files(name):
-        return {kind: str(tmp_path / f"{name}.{kind}") for kind in ("csv", "md", "tex")}
+        return {kind: str(folder / f"{name}.{kind}") for kind in ("csv", "md", "tex")}
 
     errors = []
     for content in REPORTS:
-        errors.append(str(tmp_path / f"{content['model']}.json"))
+        errors.append(str(folder / f"{content['model']}.json"))
         write_json(errors[-1], content)
     seeds = []
     for content in REPLICATES[:1]:  # one seed has no deviation
-        seeds.append(str(tmp_path / f"{content['seed']}.json"))
+        seeds.append(str(folder / f"{content['seed']}.json"))
         write_json(seeds[-1], content)
-    write_json(tmp_path / "times.json", times())
+    write_json(folder / "times.json", times())
     models = copy.deepcopy(PUBLISHED["table_1_configuration"])
     models |= models.pop("shared")
     tabulate.tabulate_configuration(published, **files("one"), models=configuration_of(models))
     tabulate.tabulate_comparison(published, errors, **files("two"), left_out={})
     lacking = {"left_out": {"fprc": "needs p_o_kpa"}}
     tabulate.tabulate_comparison(published, errors[:1], **files("lacking"), **lacking)
-    orders = str(tmp_path / "orders.csv")
+    orders = str(folder / "orders.csv")
     tabulate.tabulate_seeds(published, seeds, **files("seeds"), trained_on="sweep")
     tabulate.tabulate_orders(seeds, orders)
-    tabulate.tabulate_times(published, str(tmp_path / "times.json"), **files("times"), left_out={})
-    write_json(tmp_path / "steps.json", steps())
-    tabulate.tabulate_steps(str(tmp_path / "steps.json"), **files("steps"), left_out={})
-    loops = [str(tmp_path / f"control_{content['seed']}.json") for content in controls(2)]
+    tabulate.tabulate_times(published, str(folder / "times.json"), **files("times"), left_out={})
+    write_json(folder / "steps.json", steps())
+    tabulate.tabulate_steps(str(folder / "steps.json"), **files("steps"), left_out={})
+    loops = [str(folder / f"control_{content['seed']}.json") for content in controls(2)]
     for path, content in zip(loops, controls(2), strict=True):
         write_json(path, content)
     tabulate.tabulate_tracking_seeds(published, loops, feedback="As told.", **files("four"))
-    return {path.name: path.read_text(encoding="utf-8") for path in tmp_path.iterdir()}
+    return {path.name: path.read_text(encoding="utf-8") for path in folder.iterdir()}
 
 
 def test_no_file_of_a_table_says_nan_or_none(written):
@@ -468,14 +418,6 @@ def test_csv_of_table_2_has_the_tidy_columns_and_empty_cells_for_no_value(writte
     assert pd.read_csv(io.StringIO(written["two.csv"]))["std"].isna().sum() == 3
 
 
-@pytest.mark.parametrize("kind", ["md", "tex"])
-def test_pages_show_every_published_number(written, kind):
-    sign = {"md": "±", "tex": "$\\pm$"}[kind]
-    for printed in PRINTED.values():
-        for number in printed:
-            assert f" {number.replace('±', sign)} " in written[f"two.{kind}"]
-
-
 @pytest.mark.parametrize(
     "name", ["two.md", "two.tex", "seeds.md", "seeds.tex", "four.md", "four.tex"]
 )
@@ -483,29 +425,10 @@ def test_pages_say_that_the_rig_was_simulated(written, name):
     assert "simulated rig, not hardware" in written[name]
 
 
-def test_page_of_table_2_says_how_it_was_judged(written):
-    assert "2 shuffled folds, seed 1" in written["two.md"]
-    assert "command pressure" in written["two.md"]
-
-
-def test_page_of_the_times_names_repeats_machine_and_threads(written):
-    assert "2 alternating repeats on A & B_1 100 %, 1 thread" in written["times.md"]
-
-
-def test_page_of_table_4_over_seeds_says_how_many_there_were_and_how_the_feedback_acts(written):
-    assert "over 2 further seeds" in written["four.md"]
-    assert "As told." in written["four.md"]
-
-
 def test_step_longer_than_the_period_is_still_written_in_digits():
     table = timing.steps(steps())
     table["share_of_budget"] = 1.0578
     assert set(timing.steps_page(table)["Share of the period"]) == {"110 %"}
-
-
-def test_page_of_the_cost_of_a_step_names_steps_machine_and_budget(written):
-    assert "1000 steps, each timed on A & B_1 100 %" in written["steps.md"]
-    assert "sampling period, 5 ms" in written["steps.md"]
 
 
 def test_latex_has_no_bare_special_character(written):
@@ -515,20 +438,6 @@ def test_latex_has_no_bare_special_character(written):
         assert "±" not in text
         for bare in "_%&":
             assert bare not in text.replace(f"\\{bare}", "").replace(" & ", "")
-
-
-def test_typeset_table_says_that_the_rig_was_simulated(written):
-    for name in ("two.tex", "seeds.tex"):
-        caption = written[name].split("\\caption{")[1].split("\n")[0]
-        assert "simulated rig, not hardware" in caption
-
-
-def test_markdown_is_a_table_under_a_note():
-    page = pd.DataFrame({"a": ["1.50"], "b": ["x"]})
-    lines = markdown(page, "A note.").splitlines()
-    assert lines[:2] == ["A note.", ""]
-    assert [cell.strip() for cell in lines[2].strip("|").split("|")] == ["a", "b"]
-    assert [cell.strip() for cell in lines[4].strip("|").split("|")] == ["1.50", "x"]
 
 
 WORDS = st.text("abcXYZ019.±θ%[]-_/:;*<>&\"'|`\\$ ", max_size=12).map(
@@ -548,16 +457,6 @@ def test_page_that_was_rendered_is_read_as_it_was(columns, data, lines):
     assert read.to_numpy().tolist() == page.to_numpy().tolist()
 
 
-@pytest.mark.parametrize("name", ["one", "two", "seeds", "four", "times", "steps"])
-def test_every_table_that_is_written_can_be_read_again(written, name):
-    note, page = read_markdown(written[f"{name}.md"])
-    assert written[f"{name}.md"].startswith(note[:20])
-    assert len(page) >= 3
-    csv = pd.read_csv(io.StringIO(written[f"{name}.csv"]))
-    assert page.notna().all(axis=None)
-    assert not csv.empty
-
-
 def test_unit_that_would_mark_up_a_page_is_text():
     """As a note may end: in the brackets of an imported channel's unit."""
     page = pd.DataFrame({"Test [<b>|`$x]": ["1.50", "_#^"]})
@@ -572,11 +471,6 @@ def test_text_that_is_a_formula_is_none_in_a_csv(tmp_path):
     table = pd.DataFrame({"unit": ["=1+1", "N", None], "x": [-1.5, 2.0, 3.0]})
     write_csv(tmp_path / "t.csv", table)
     assert (tmp_path / "t.csv").read_text() == "unit,x\n'=1+1,-1.5\nN,2\n,3\n"
-
-
-def test_csv_keeps_six_digits(tmp_path):
-    write_csv(tmp_path / "t.csv", pd.DataFrame({"mean": [11.512345678], "std": [None]}))
-    assert (tmp_path / "t.csv").read_text(encoding="utf-8") == "mean,std\n11.5123,\n"
 
 
 def by_metric(table, model):

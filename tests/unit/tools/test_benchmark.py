@@ -1,9 +1,5 @@
 """The comparisons of `make benchmark`."""
 
-import os
-import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -81,23 +77,3 @@ def test_kernels_other_than_the_processors_are_refused(tool, monkeypatch, name):
     monkeypatch.setenv(name, "1")
     with pytest.raises(SystemExit, match=name):
         tool("benchmark").refuse_other_kernels()
-
-
-@pytest.mark.slow
-def test_page_gets_every_measurement(tool, tmp_path):
-    for library in ("skfuzzy", "reservoirpy", "jax", "esnfed"):
-        pytest.importorskip(library)
-    page = Path(shutil.copy(ROOT / "docs/performance.md", tmp_path))
-    few = ["--samples", "2500", "--rounds", "1", "--starts", "1", "--page", str(page)]
-    kernels = tool("benchmark").KERNELS
-    done = subprocess.run(
-        [sys.executable, "-m", "tools.benchmark.speed", *few],
-        cwd=ROOT,
-        env={key: value for key, value in os.environ.items() if key not in kernels},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert done.stdout.strip() in page.read_text(encoding="utf-8")
-    for said in ("BLAS kernels", "| a loop in NumPy", "GB/s", "| Start", "A step of FPRC takes"):
-        assert said in done.stdout

@@ -1,7 +1,6 @@
 import copy
 
 import numpy as np
-import pytest
 import yaml
 from hypothesis import assume, given
 from hypothesis import strategies as st
@@ -102,10 +101,3 @@ def test_head_names_the_parameters_that_ended_near_an_end_and_no_others():
     head = " ".join(head_of(parameter_file(RIG, summary(parameters=parameters), "mine")))
     edges = head.partition("an end of their range: ")[2].replace("# ", "").rstrip(".")
     assert edges.split(", ") == [PATHS[k] for k in (0, 1, 4, 5)]
-
-
-@pytest.mark.parametrize("share", [0.5, 1.0])
-def test_no_line_of_the_head_is_longer_than_the_page(share):
-    parameters = [{"path": path, "share": share} for path in PATHS]
-    for line in head_of(parameter_file(RIG, summary(parameters=parameters), "mine")):
-        assert len(line) <= 100

@@ -131,13 +131,6 @@ def test_minimum_is_found_in_fewer_judgements_than_by_the_loss_alone(run, name):
     assert found.loss < 0.1 * min(blind)
 
 
-@pytest.mark.parametrize("start", [0.0, 0.4, 1.0])
-def test_minimum_near_the_faces_of_the_cube_is_found(run, start):
-    found = run(start=np.full(3, start), generations=25)
-    assert found.point == pytest.approx(TARGET, abs=5e-3)
-    assert found.finished
-
-
 def test_minimum_outside_the_cube_is_found_on_its_face_and_no_point_leaves_it(run):
     outside = np.array([-0.5, 0.3, 1.4])
     found = run(
@@ -185,15 +178,6 @@ def test_one_seed_gives_one_search_and_another_seed_another(run):
     assert not set(found[0][1][1:]) & set(found[2][1][1:])
 
 
-def test_numbers_drawn_elsewhere_do_not_change_the_search(run):
-    def noisy(point):
-        np.random.random(3)  # noqa: NPY002 (the state that must not matter)
-        return numbers_of(point)
-
-    expected = run()
-    assert same(run(name="again.jsonl", judge=noisy), expected)
-
-
 def test_deviations_that_are_the_same_everywhere_end_no_search(run):
     found = run(judge=lambda point: [100.0], deviations_of=np.array, generations=12)
     assert (found.loss, found.generations, found.finished) == (1e4, 12, True)
@@ -213,21 +197,6 @@ def test_two_processes_find_what_one_finds(tmp_path):
     ]  # fmt: skip
     assert same(*found)
     assert (tmp_path / "1.jsonl").read_bytes() == (tmp_path / "2.jsonl").read_bytes()
-
-
-def test_progress_hears_of_each_generation_once_it_is_kept(run):
-    heard = []
-
-    def progress(done, total, best, elapsed):
-        heard.append((done, total, best))
-        assert len(lines(run)) == 1 + done
-        assert elapsed >= 0.0
-
-    found = run(progress=progress)
-    assert [entry[:2] for entry in heard] == [(k + 1, GENERATIONS) for k in range(GENERATIONS)]
-    least = [best for *_, best in heard]
-    assert least == sorted(least, reverse=True)
-    assert least[-1] == found.loss
 
 
 def test_checkpoint_is_the_only_file_that_is_left(run, tmp_path, monkeypatch):
@@ -311,18 +280,6 @@ def test_interrupted_search_goes_on_as_if_nothing_had_been(run, undisturbed, sto
     assert run.checkpoint.read_text(encoding="utf-8") == kept
 
 
-def test_search_that_is_interrupted_again_and_again_goes_on_too(run, undisturbed):
-    expected, points, kept = undisturbed()
-    for finished in range(GENERATIONS - 1):
-        with pytest.raises(KeyboardInterrupt):
-            run(stops_at=POPULATION + 2)
-        begun = points[finished * POPULATION :]
-        assert run.points == begun[: POPULATION + 2]
-    assert same(run(), expected)
-    assert run.points == points[-POPULATION:]
-    assert run.checkpoint.read_text(encoding="utf-8") == kept
-
-
 def test_search_with_impossible_points_goes_on_too(run, undisturbed):
     judge = unless(lambda point: point[1] > 0.42)
     expected, points, kept = undisturbed(judge=judge)
@@ -358,17 +315,6 @@ def test_search_for_something_else_begins_anew(run, undisturbed, change):
     assert same(run(**change), expected)
     assert run.points == points
     assert run.checkpoint.read_text(encoding="utf-8") == kept
-
-
-def test_last_line_that_was_cut_is_dropped_and_its_generation_judged_again(run):
-    expected, points = run(generations=3), run.points
-    whole = run.checkpoint.read_text(encoding="utf-8")
-    begin = len(whole) - len(whole.splitlines(keepends=True)[-1])
-    for cut in range(begin + 1, len(whole) - 1, 39):
-        run.checkpoint.write_text(whole[:cut], encoding="utf-8")
-        assert same(run(generations=3), expected), cut
-        assert run.points == points[-POPULATION:]
-        assert run.checkpoint.read_text(encoding="utf-8") == whole
 
 
 @pytest.mark.parametrize(("old", "new"), [("0.", "1."), ("[[", "[[NaN, "), (", ", ",")])
@@ -412,13 +358,6 @@ def test_search_for_something_else_keeps_the_old_file_and_says_so(run, caplog):
     assert old.read_text(encoding="utf-8") == kept
     (said,) = caplog.messages
     assert str(old) in said
-
-
-def test_first_search_and_one_that_goes_on_warn_of_nothing(run, caplog):
-    run(generations=2)
-    run()
-    assert caplog.messages == []
-    assert [path.name for path in run.checkpoint.parent.iterdir()] == ["search.jsonl"]
 
 
 def test_checkpoint_holds_the_numbers_of_each_generation(run):

@@ -134,24 +134,6 @@ def test_number_of_a_list_leaves_the_others_alone(share):
     assert found == others
 
 
-def test_numbers_of_a_tuple_are_scaled_too():
-    rig = RIG | {"bending": {"slip_distance_deg": (1.0, 3.0)}}
-    free = [Free("bending.slip_distance_deg", 0.0, 4.0)]
-    assert encode(rig, free) == pytest.approx([0.25])
-    found = decode(np.array([0.5]), rig, free)
-    assert found["bending"]["slip_distance_deg"] == [2.0, 6.0]
-
-
-@given(points)
-def test_decoding_leaves_its_input_alone(point):
-    rig = copy.deepcopy(RIG)
-    found = decode(point, rig, FREE)
-    for values in found["bending"].values():
-        if isinstance(values, list):
-            values.append(0.0)
-    assert rig == RIG
-
-
 def test_decoding_without_free_parameters_is_a_copy():
     assert decode(np.array([]), RIG, []) == RIG
 

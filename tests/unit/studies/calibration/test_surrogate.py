@@ -1,5 +1,3 @@
-import copy
-
 import numpy as np
 import pytest
 
@@ -201,28 +199,6 @@ def test_cells_of_the_taps_are_those_of_models_with_them(judged, logs):
     np.testing.assert_allclose(judged["taps"], expected, rtol=1e-9)
 
 
-def test_cell_at_the_settings_of_the_models_is_the_error_of_the_table(judge, models, judged):
-    assert N_Y in GRIDS["n_y"]
-    at_own = judge_cheaply_at(judge, models)
-    for measure in ("epsilon", "n_c", "taps"):
-        assert at_own[measure] == pytest.approx(judged["errors"]["sweep/fprc/train"], rel=1e-12)
-
-
-def judge_cheaply_at(judge, models):
-    """Return the training errors of grids of one cell each, that of the models' own settings."""
-    own = models["fprc"]
-    with pytest.MonkeyPatch.context() as patch:
-        for key in ("epsilon", "n_c", "n_u"):
-            patch.setitem(GRIDS, key, [own[key]])
-        patch.setitem(GRIDS, "n_y", [N_Y])
-        found = judge(measures=("epsilon", "n_c", "taps"))
-    return {
-        "epsilon": found["epsilon"][0],
-        "n_c": found["n_c"]["fprc"]["train"][0],
-        "taps": found["taps"][0][0],
-    }
-
-
 # --- weights and tracking -------------------------------------------------------------------------
 
 
@@ -263,13 +239,6 @@ def test_measure_is_computed_where_it_is_asked_for_and_is_the_same_alone(judge, 
     found = judge(measures=[measure])
     assert set(found) == {"errors", "properties", measure}
     assert found == {key: judged[key] for key in found}
-
-
-def test_settings_stay_as_they_were(on_rig, models, tracking):
-    before = copy.deepcopy((on_rig, models, tracking, GRIDS))
-    surrogate = {"stride": 50, "esn_nodes": 5}
-    judge_cheaply(on_rig, 1, models, surrogate, GRIDS, tracking, MEASURES)
-    assert (on_rig, models, tracking, GRIDS) == before
 
 
 def test_surrogate_clusters_as_the_models_do():

@@ -13,7 +13,6 @@ from scipy.stats import t
 
 from fprc.artifacts import write_json
 from fprc.config import PUBLISHED, Settings
-from fprc.errors import FprcError
 from fprc.figures import style
 from fprc.studies.families.claims import JUDGED_BY_RIG
 from fprc.studies.families.robustness import (
@@ -24,7 +23,6 @@ from fprc.studies.families.robustness import (
     targets,
     targets_page,
     worth,
-    worth_page,
 )
 from fprc.studies.stages import robustness
 from fprc.studies.stages.draw_ensemble import draw_ensemble
@@ -176,17 +174,6 @@ def test_worth_is_decided_where_its_interval_excludes_one_half(summary):
     assert ratios.tolist() == [[0.9, 0.7, 1.2]] * 3
 
 
-def test_page_of_the_worth_is_what_a_person_reads(summary):
-    page = worth_page(worth(summary))
-    assert has_no_gap(page)
-    assert page.to_numpy().tolist() == [
-        ["all", "19 of 38", "50 % (35 to 65)", "undecided", "0.90 (0.70 to 1.20)", "-", "-"],
-        ["with C8", "9 of 10", "90 % (60 to 98)", "yes", "0.90 (0.70 to 1.20)", "0.012", "yes"],
-        ["with C18a", "0 of 5", "0 % (0 to 43)", "no", "0.90 (0.70 to 1.20)", "0.056", "no"],
-        ["with C8 and C18a", "0 of 0", "-", "undecided", "-", "-", "-"],
-    ]
-
-
 def test_page_of_the_ensemble_is_what_a_person_reads(summary):
     page = ensemble_page(ensemble(summary)).set_index("Claim")
     assert has_no_gap(page)
@@ -220,17 +207,6 @@ def test_page_of_the_limits_counts_rigs_and_their_claims(summary, tmp_path):
     ]
     assert len(csv.splitlines()) == 3
     assert r"7.9 \%" in tex
-
-
-def test_files_of_the_worth_say_what_they_count(summary, tmp_path):
-    write_json(tmp_path / "summary.json", summary)
-    csv, md, tex = write(robustness.tabulate_worth, tmp_path, str(tmp_path / "summary.json"))
-    note, page = read_markdown(md)
-    assert "38 simulated rigs" in note
-    assert "0.05 divided by 3" in note
-    assert len(page) == len(csv.splitlines()) - 1 == 4
-    assert "nan" not in csv.lower()
-    assert r"90 \% (60 to 98)" in tex
 
 
 # --- sensitivity ----------------------------------------------------------------------------------
@@ -305,22 +281,6 @@ def test_parameter_that_is_impossible_everywhere_has_no_row(report):
     page = sensitivity_page(sensitivity(report))
     assert page["Parameter"].tolist() == [PATHS[1], PATHS[0]]
     assert has_no_gap(page)
-
-
-def test_files_of_the_sensitivity_say_how_many_rigs_were_impossible(report, tmp_path):
-    write_json(tmp_path / "effects.json", report)
-    csv, md, _ = write(robustness.tabulate_sensitivity, tmp_path, str(tmp_path / "effects.json"))
-    note, page = read_markdown(md)
-    assert "1 of 7 rigs are impossible" in note
-    assert "mean of 2 seeds" in note
-    assert len(page) == 3
-    assert len(csv.splitlines()) == 1 + 5 * len(ERRORS)
-
-
-def test_impossible_rig_to_compare_with_is_an_error_for_people(report):
-    report["cells"][0] |= {"errors": None, "impossible": "it diverged"}
-    with pytest.raises(FprcError):
-        sensitivity(report)
 
 
 # --- targets --------------------------------------------------------------------------------------
@@ -469,17 +429,6 @@ def drawn(draw):
 @pytest.fixture(scope="module")
 def fig(drawn):
     return drawn[0]
-
-
-def test_figure_drawn_twice_has_the_same_bytes_and_is_marked(draw, drawn, summary):
-    fig, data, first = drawn
-    open_before = plt.get_fignums()
-    assert draw(summary)[2] == first
-    assert first[0].startswith(b"%PDF")
-    assert first[1].startswith(b"\x89PNG")
-    assert (data["source"], data["seeds"]) == ("sim", list(range(1000, 1040)))
-    assert fig._supxlabel.get_text() == "simulated rigs"
-    assert plt.get_fignums() == open_before
 
 
 def texts(fig):
