@@ -90,7 +90,7 @@ def on_drawn_rigs(claims: str) -> dict[str, str]:
 
 
 def beyond_paper(claims: str) -> dict[str, Any]:
-    """Return the verdicts on B1-B8 and the advice; empty if they have not been judged.
+    """Return the verdicts on B1-B8; empty if they have not been judged.
 
     Parameters
     ----------

@@ -373,7 +373,7 @@ def test_worth_of_the_reservoir_is_shown_if_it_was_judged(project, make_world):
     worlds = [make_world(), make_world("sparse", units=3, capacity=None)]
     ledgers = [judge_world(world, {"fprc": "FPRC"}) for world in worlds]
     described = {"World": "dry", "What it is": "the shipped rig", "Judged on": "12 seeds"}
-    project.beyond = {"advice": ["P_o pays <b>."], "worlds": [described], "ledgers": ledgers}
+    project.beyond = {"worlds": [described], "ledgers": ledgers}
     page = project.page()
     rows = [row for row in page.all("tr") if str(row.get("id", "")).startswith("B")]
     assert [row["id"] for row in rows] == [f"B{n}" for n in range(1, 9)]

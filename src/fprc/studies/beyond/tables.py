@@ -5,7 +5,6 @@ from typing import Any
 
 import pandas as pd
 
-from fprc import escape
 from fprc.paper import SOURCES
 from fprc.studies.beyond.verdicts import claims_page, details_page, fitted_page
 from fprc.studies.beyond.worlds import (
@@ -22,6 +21,10 @@ from fprc.tables.models import with_interval
 from fprc.tables.text import format_mean, markdown, three_digits
 
 Worlds = Sequence[Mapping[str, Any]]
+
+
+#: Claims on the worth of the reservoir: B1 to B3.
+_WORTH = 3
 
 
 def worlds_page(worlds: Worlds) -> pd.DataFrame:
@@ -252,12 +255,14 @@ def blocks(
     world: str,
     titles: Mapping[str, str],
 ) -> dict[str, str]:
-    """Return the generated blocks of docs/beyond.md, and the leaderboard of docs/benchmark.md.
+    """Return the generated blocks of docs/beyond.md, and two of other pages.
+
+    They are the ``leaderboard`` of docs/benchmark.md and ``worth`` of README.md.
 
     Parameters
     ----------
     verdicts : Mapping
-        ``source``, ``advice`` (points), ``worlds`` (rows of ``worlds_page``), and ``ledgers``: of
+        ``source``, ``worlds`` (rows of ``worlds_page``), and ``ledgers``: of
         each world, the rows of ``claims.beyond.judge_world``.
     tables : Mapping
         ``models``, ``tracking``, ``offsets``, ``capacities`` and ``lengths``, tidy.
@@ -276,14 +281,12 @@ def blocks(
         "beyond_offsets": offsets_page(tables["offsets"], world, titles),
         "beyond_capacity": capacity_page(tables["capacities"], world),
         "beyond_lengths": lengths_page(tables["lengths"], world, titles),
+        "worth": claims_page([ledger[:_WORTH] for ledger in verdicts["ledgers"]]),
         "leaderboard": leaderboard(tables["models"], world, titles),
     }
     note = f"Data: {SOURCES[verdicts['source']]}."
     notes = {"beyond_offsets": f"{note} {_widest(tables['offsets'], world)}"}
-    sentences = "\n".join(f"- {escape.markdown(sentence)}" for sentence in verdicts["advice"])
-    return {"advice": sentences} | {
-        name: markdown(page, notes.get(name, note)) for name, page in pages.items()
-    }
+    return {name: markdown(page, notes.get(name, note)) for name, page in pages.items()}
 
 
 def _widest(table: pd.DataFrame, world: str) -> str:

@@ -101,7 +101,7 @@ def update_beyond_page(
 ) -> None:
     """Replace the generated blocks of docs/beyond.md, the leaderboard, and the pictures.
 
-    The README gets the first point of the advice.
+    The README gets the verdicts on what the reservoir is worth.
 
     Parameters
     ----------
@@ -117,8 +117,7 @@ def update_beyond_page(
     found = {name: pd.read_csv(path) for name, path in csv.items()}
     judged = read_json(verdicts)
     blocks = beyond.blocks(judged, found, world, TITLES)
-    title = "**What the reservoir is worth on [simulated rigs](docs/beyond.md).**"
-    _update(readme, {"worth": f"{title} {judged['advice'][0]}"})
+    _update(readme, {"worth": blocks.pop("worth")})
     _update(board, {"leaderboard": blocks.pop("leaderboard")})
     _update(page, blocks)
     for figure, picture in zip(figures, pictures, strict=True):

@@ -10,7 +10,6 @@ from fprc.competitors import TITLES
 from fprc.figures import style
 from fprc.studies.beyond import figures as figures
 from fprc.studies.beyond import tables as tables
-from fprc.studies.beyond.advice import advice
 from fprc.studies.beyond.claims import judge_world
 from fprc.studies.beyond.verdicts import claims as claims_table
 
@@ -32,7 +31,7 @@ def tabulate_beyond(
     capacity : str
         Capacities in each world with one rig.
     verdicts : str
-        Outcome: five points, what each world is, and the rows of ``judge_world`` for each.
+        Outcome: what each world is, and the rows of ``judge_world`` for each.
     **csv : str
         Tables by name: ``models``, ``claims``, ``tracking``, ``offsets``, ``capacities``,
         ``lengths``.
@@ -46,7 +45,6 @@ def tabulate_beyond(
     ledgers = [judge_world(world, TITLES) for world in found]
     outcome = {
         "source": "sim",
-        "advice": advice(found, ledgers, TITLES),
         "worlds": tables.worlds_page(found).to_dict("records"),
         "ledgers": ledgers,
     }

@@ -152,16 +152,15 @@ def test_blocks_are_those_of_the_pages_and_survive_csv(worlds, ledgers, tmp_path
     for name, table in found.items():
         table.to_csv(tmp_path / name, index=False)
         read[name] = pd.read_csv(tmp_path / name)
-    judged = {"source": "sim", "advice": ["Take a | b.", "Not c."], "ledgers": ledgers,
+    judged = {"source": "sim", "ledgers": ledgers,
               "worlds": tables.worlds_page(worlds).to_dict("records")}  # fmt: skip
     blocks = tables.blocks(judged, found, "dry", TITLES)
     assert tables.blocks(judged, read, "dry", TITLES) == blocks
-    assert len(blocks["advice"].splitlines()) == 2
-    docs = Path(__file__).parents[4] / "docs"
+    root = Path(__file__).parents[4]
     begun = {
         name
-        for page in ("beyond.md", "benchmark.md")
-        for name in re.findall(r"<!-- (\w+): generated -->", (docs / page).read_text("utf-8"))
+        for page in ("docs/beyond.md", "docs/benchmark.md", "README.md")
+        for name in re.findall(r"<!-- (\w+): generated -->", (root / page).read_text("utf-8"))
     }
-    assert blocks.keys() == begun
+    assert blocks.keys() <= begun
     assert blocks["leaderboard"].startswith("Data: simulated rig, not hardware.")
