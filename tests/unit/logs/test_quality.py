@@ -44,7 +44,9 @@ def test_clean_log_passes_every_check(recorded, experiment):
 
 
 def test_record_holds_every_check_and_is_json(log):
+    log.attributes["statistics"] = {"overruns": 3, "jitter_p99_s": 1e-4}
     record = judge(log)
+    assert record["loop"] == {"overruns": 3, "jitter_p99_s": 1e-4}
     assert (record["log"], record["experiment"]) == ("log.h5", "sweep")
     assert (record["source"], record["samples"]) == ("sim", 4000)
     assert json.loads(json.dumps(record, allow_nan=False)) == record
