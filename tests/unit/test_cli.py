@@ -229,7 +229,6 @@ def test_log_is_judged_at_its_rate(write_log, recorded, capsys):
         ("rig run track_sweep_fprc --model none.h5", "none.h5"),
         ("export none.h5 --c none.h", "none.h5"),
         ("log check none.h5", "none.h5"),
-        ("log repair none.h5 --out x.h5", "none.h5"),
         ("log repair none.journal --out x.h5", "none.journal"),
     ],
 )

@@ -15,8 +15,8 @@ from fprc.given import open_given
 #: Memory limit for the channels of one file, bytes: 7 h of ten channels at 200 Hz.
 MAX_BYTES = 384 << 20
 
-#: Offset of the file's length in the superblock, by superblock version.
-_LENGTH_AT = {0: 40, 1: 44, 2: 28, 3: 28}
+#: The first bytes of an HDF5 file.
+SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
 @contextmanager
@@ -26,9 +26,12 @@ def opened(path: Path) -> Iterator[h5py.File]:
     Raises
     ------
     LogError
-        The file cannot be opened, is cut short or damaged.
+        The file cannot be opened, is no HDF5, is cut short or damaged.
     """
-    refuse_cut_file(path)
+    with open_given(path, error=LogError) as given:
+        head = given.read(len(SIGNATURE))
+    if head != SIGNATURE:
+        raise LogError(f"{path}: not an HDF5 file; raw logs are described in data/raw/README.md")
     try:
         with h5py.File(path, "r") as file:
             yield file
@@ -39,35 +42,6 @@ def opened(path: Path) -> Iterator[h5py.File]:
             f"{path}: cannot be read as HDF5 ({error}); the file is cut short or damaged, "
             "restore it, or delete it and record it again"
         ) from error
-
-
-def refuse_cut_file(path: Path, at: int = 0) -> None:
-    """Check an HDF5 file's length against its superblock, which begins at byte ``at``.
-
-    A file cut inside its header can make the library hang.
-
-    Raises
-    ------
-    LogError
-        The file cannot be opened, is no HDF5, or is cut short.
-    """
-    with open_given(path, error=LogError) as file:
-        try:
-            file.seek(at)
-            head = file.read(52)
-        except OSError as error:
-            raise LogError(f"{path}: cannot be read ({error.strerror}); check the path") from error
-    if head[:8] != b"\x89HDF\r\n\x1a\n":
-        raise LogError(f"{path}: not an HDF5 file; raw logs are described in data/raw/README.md")
-    size = path.stat().st_size
-    begin = _LENGTH_AT.get(head[8] if len(head) > 8 else -1, len(head))
-    promised = int.from_bytes(head[begin : begin + 8], "little")
-    if len(head) < 48 or size < promised:
-        total = f" of {promised}" if len(head) >= begin + 8 else ""
-        raise LogError(
-            f"{path}: cut short, {size}{total} bytes are left; restore it, or delete it and "
-            "record it again"
-        )
 
 
 def links_of(file: h5py.File) -> list[str]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from fprc.errors import LogError
 from fprc.logs.attributes import read_attribute
-from fprc.logs.hdf5 import refuse_cut_file, refuse_never_written
+from fprc.logs.hdf5 import refuse_never_written
 from fprc.logs.matlab import EMPTY, OBJECT, SPARSE, elements
 from fprc.logs.variables import MOST_NUMBERS, Part, Source, collect
 
@@ -24,23 +24,17 @@ _NUMBERS = {"double", "single", "logical"} | {
 _Part = tuple[str, h5py.Dataset | np.ndarray | str]
 
 
-def read_hdf5(path: Path, *, at: int, matlab: bool) -> Source:
+def read_hdf5(path: Path, *, matlab: bool) -> Source:
     """Read an HDF5 file.
 
     Parts of MATLAB variables are named as in MATLAB, see ``fprc.logs.matlab.read_matlab``.
     Links are not followed.
-
-    Parameters
-    ----------
-    at : int
-        Offset of the HDF5 data in the file, bytes.
 
     Raises
     ------
     LogError
         The file is damaged, cut short, or has too many parts.
     """
-    refuse_cut_file(path, at=at)
     return collect(path, "MATLAB 7.3" if matlab else "HDF5", "HDF5", _read_parts(path, matlab))
 
 

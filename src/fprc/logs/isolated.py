@@ -77,9 +77,7 @@ def attempt_each(
     results: list[Any] = []
     while left := paths[len(results) :]:
         cpu_s = limit_s or time_limit_s(left)
-        code = f"from fprc.logs.isolated import answer; answer({cpu_s}, {os.getpid()})"
-        request = pickle.dumps((function, left, keywords))
-        answers, ended = run_limited([sys.executable, "-c", code], cpu_s, request)
+        answers, ended = _ask(pickle.dumps((function, left, keywords)), cpu_s)
         answered = list(_answers(answers))
         for path, (result, error) in zip(left, answered, strict=False):
             if isinstance(error, MemoryError):
@@ -101,7 +99,7 @@ def time_limit_s(paths: Sequence[Path | str]) -> float:
     return _LIMIT_S + sum(sizes) / _BYTES_PER_S
 
 
-def limit_process(limit_bytes: int, limit_s: float, parent: int) -> None:
+def _limit_process(limit_s: float, parent: int) -> None:
     """Limit this process's memory and processor time, disable core dumps, and end with its parent.
 
     Parameters
@@ -118,16 +116,17 @@ def limit_process(limit_bytes: int, limit_s: float, parent: int) -> None:
 
         seconds = math.ceil(limit_s)
         resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
-        resource.setrlimit(resource.RLIMIT_AS, (limit_bytes, limit_bytes))
+        resource.setrlimit(resource.RLIMIT_AS, (_LIMIT_BYTES, _LIMIT_BYTES))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
-def run_limited(command: Sequence[str], limit_s: float, request: bytes = b"") -> tuple[bytes, str]:
-    """Run a process that calls ``limit_process``; return its output, and why it ended early."""
+def _ask(request: bytes, limit_s: float) -> tuple[bytes, str]:
+    """Send a request to a new process; return its answers, and why it ended early."""
+    code = f"from fprc.logs.isolated import answer; answer({limit_s}, {os.getpid()})"
     late = f"not read within {limit_s:.3g} s"
     try:
         done = subprocess.run(
-            command,
+            [sys.executable, "-c", code],
             input=request,
             capture_output=True,
             timeout=_PATIENCE * limit_s,
@@ -136,8 +135,6 @@ def run_limited(command: Sequence[str], limit_s: float, request: bytes = b"") ->
         )
     except subprocess.TimeoutExpired as expired:
         return expired.stdout or b"", late
-    if done.returncode == 0:
-        return done.stdout, ""
     if done.returncode == -getattr(signal, "SIGXCPU", 0):
         return done.stdout, late
     errors = done.stderr.decode(errors="replace").strip().splitlines()
@@ -157,7 +154,7 @@ def answer(limit_s: float, parent: int) -> None:
     """Read a request from standard input and write the answers to standard output, one by one."""
     output = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # keep library prints out of the answers
-    limit_process(_LIMIT_BYTES, limit_s, parent)
+    _limit_process(limit_s, parent)
     function, paths, keywords = pickle.load(sys.stdin.buffer)
     with output:
         for path in paths:

@@ -5,12 +5,12 @@ from pathlib import Path
 from fprc.errors import LogError
 from fprc.given import open_given
 from fprc.logs.delimited import read_text
+from fprc.logs.hdf5 import SIGNATURE
 from fprc.logs.hdf5_source import read_hdf5
 from fprc.logs.isolated import isolated_each
 from fprc.logs.matlab import read_matlab
 from fprc.logs.variables import Source
 
-_HDF5 = b"\x89HDF\r\n\x1a\n"
 _SUFFIXES = {
     ".csv": "CSV", ".tsv": "CSV", ".txt": "CSV", ".dat": "CSV",
     ".h5": "HDF5", ".hdf5": "HDF5", ".hdf": "HDF5", ".mat": "MATLAB",
@@ -61,7 +61,7 @@ def read_source(
 def read_arrays(path: Path, *, matlab: bool) -> Source:
     """Read an HDF5 or MATLAB file in this process; errors are those of ``read_source``."""
     with path.open("rb") as file:
-        head = file.read(520)
-    if matlab and not head.startswith((_HDF5, b"MATLAB 7.3")):
+        head = file.read(10)
+    if matlab and not head.startswith((SIGNATURE, b"MATLAB 7.3")):
         return read_matlab(path)
-    return read_hdf5(path, at=0 if head.startswith(_HDF5) else 512, matlab=matlab)
+    return read_hdf5(path, matlab=matlab)

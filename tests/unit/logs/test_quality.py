@@ -8,7 +8,6 @@ import pytest
 from fprc.config import Settings
 from fprc.experiments.hysteresis import acquire
 from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS, Columns, assess
-from fprc.logs.columns import unit_of
 from fprc.logs.quality import noted_unit, warnings
 
 CHECKS = {"complete", "rate", "gaps", "not_finite", "range", "stuck", "leak"}
@@ -44,25 +43,22 @@ def test_clean_log_passes_every_check(recorded, experiment):
 
 
 def test_record_holds_every_check_and_is_json(log):
+    log.attributes["statistics"] = {"overruns": 3, "jitter_p99_s": 1e-4}
     record = judge(log)
+    assert record["loop"] == {"overruns": 3, "jitter_p99_s": 1e-4}
     assert (record["log"], record["experiment"]) == ("log.h5", "sweep")
     assert (record["source"], record["samples"]) == ("sim", 4000)
     assert json.loads(json.dumps(record, allow_nan=False)) == record
 
 
-def test_gap_is_found_at_its_first_sample(log):
-    for values in log.channels:
-        log.channels[values] = np.delete(log.channels[values], slice(1000, 1010))
+@pytest.mark.parametrize("missing", [1, 10])
+def test_gap_is_found_at_its_first_sample(log, missing):
+    for name in log.channels:
+        log.channels[name] = np.delete(log.channels[name], slice(1000, 1000 + missing))
     assert failed(log) == {"gaps"}
     gaps = judge(log)["checks"]["gaps"]
     assert (gaps["count"], gaps["first_sample"]) == (1, 1000)
-    assert gaps["longest_s"] == pytest.approx(11 / 200)
-
-
-def test_single_missing_sample_is_a_gap(log):
-    for values in log.channels:
-        log.channels[values] = np.delete(log.channels[values], 1500)
-    assert failed(log) == {"gaps"}
+    assert gaps["longest_s"] == pytest.approx((missing + 1) / 200)
 
 
 def test_jitter_below_half_a_period_is_no_gap(log):
@@ -75,33 +71,24 @@ def test_jitter_below_half_a_period_is_no_gap(log):
 @pytest.mark.parametrize(("factor", "passes"), [(0.97, False), (1.03, False), (1.005, True)])
 def test_rate_must_be_the_configured_one(log, factor, passes):
     log.channels["time_s"] /= factor
-    assert ("rate" not in failed(log)) is passes
+    assert failed(log) == (set() if passes else {"rate"})
     assert judge(log)["checks"]["rate"]["mean_hz"] == pytest.approx(200.0 * factor)
 
 
-def test_slow_clock_is_a_matter_of_rate_alone(log):
-    log.channels["time_s"] /= 0.97
-    assert failed(log) == {"rate"}
+PRESSURE, ANGLE, VOLTAGE, EFFORT = [-20.0, 995.0], [-45.0, 120.0], [0.0, 10.0], [-1000.0, 1000.0]
 
 
 @pytest.mark.parametrize(
     ("channel", "value", "limits"),
     [
-        ("p_exp_command_kpa", 1e6, [-20.0, 995.0]),
-        ("p_exp_kpa", 1000.0, [-20.0, 995.0]),
-        ("p_i_command_kpa", -30.0, [-20.0, 995.0]),
-        ("p_i_kpa", 999.0, [-20.0, 995.0]),
-        ("p_o_kpa", -60.0, [-20.0, 995.0]),
-        ("theta_deg", 300.0, [-45.0, 120.0]),
-        ("theta_deg", -90.0, [-45.0, 120.0]),
-        ("theta_d_deg", 121.0, [-45.0, 120.0]),
-        ("phi_deg", 121.0, [-120.0, 120.0]),
-        ("valve_main_v", -0.1, [0.0, 10.0]),
-        ("valve_reservoir_v", 10.1, [0.0, 10.0]),
-        ("p_ff_kpa", 1001.0, [-1000.0, 1000.0]),
-        ("p_fb_kpa", -2000.0, [-1000.0, 1000.0]),
+        ("p_exp_command_kpa", 1e6, PRESSURE), ("p_exp_kpa", 1000.0, PRESSURE),
+        ("p_i_command_kpa", -30.0, PRESSURE), ("p_i_kpa", 999.0, PRESSURE),
+        ("p_o_kpa", -60.0, PRESSURE), ("theta_deg", 300.0, ANGLE), ("theta_d_deg", 121.0, ANGLE),
+        ("phi_deg", 121.0, [-120.0, 120.0]), ("valve_main_v", -0.1, VOLTAGE),
+        ("valve_reservoir_v", 10.1, VOLTAGE), ("p_ff_kpa", 1001.0, EFFORT),
+        ("p_fb_kpa", -2000.0, EFFORT),
     ],
-)
+)  # fmt: skip
 def test_implausible_samples_of_every_channel_are_counted_and_the_first_is_named(
     log, channel, value, limits
 ):
@@ -109,15 +96,11 @@ def test_implausible_samples_of_every_channel_are_counted_and_the_first_is_named
     assert "range" in failed(log)
     record = judge(log)
     counts = record["checks"]["range"]["samples"]
-    assert counts[channel] == 3
-    assert sum(counts.values()) == 3
+    assert counts[channel] == sum(counts.values()) == 3
     first = record["checks"]["range"]["first"]
     assert first == {channel: {"sample": 200, "value": value, "limits": limits}}
     (line,) = [line for line in warnings(record) if ": range: " in line]
-    assert line == (
-        f"log.h5: range: channel {channel}: sample 200 is {value:g} {unit_of(channel)}, outside of "
-        f"{limits[0]:g} to {limits[1]:g}, and 2 more"
-    )
+    assert line.startswith(f"log.h5: range: channel {channel}: sample 200 is {value:g} ")
 
 
 def test_every_channel_of_a_raw_log_has_its_range(log):
@@ -230,13 +213,6 @@ def test_each_failed_check_gives_one_warning_that_names_log_and_check(log):
         ["log.h5", "rate"],
         ["log.h5", "range"],
     ]
-
-
-def test_judging_leaves_the_log_as_it_was(recorded):
-    log = log_of(recorded["sweep"])
-    judge(log)
-    for name, values in recorded["sweep"].items():
-        assert np.array_equal(log.channels[name], values)
 
 
 @pytest.mark.parametrize(

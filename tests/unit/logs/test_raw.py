@@ -23,7 +23,7 @@ def with_attributes(write_log):
         path = write_log()
         with h5py.File(path, "r+") as file:
             for name, value in attributes.items():
-                del file.attrs[name]
+                file.attrs.pop(name, None)
                 if value is not None:
                     file.attrs[name] = value
         return path
@@ -41,22 +41,9 @@ def test_raw_log_comes_back_as_it_was_written(write_log, channels):
     assert log.attributes["rig"] == {"valve": {"leak": 0.0}}
 
 
-@pytest.mark.parametrize(("source", "simulated"), [("sim", True), ("rig", False)])
-def test_simulated_log_says_so(write_log, source, simulated):
-    log = read_raw(write_log(source=source), **RATE)
-    assert log.attributes["source"] == source
-    assert log.attributes["simulated"] is simulated
-
-
 def test_same_experiment_gives_the_same_bytes(write_log):
     assert write_log("a.h5").read_bytes() == write_log("b.h5").read_bytes()
     assert write_log("a.h5").read_bytes() != write_log("c.h5", seed=2).read_bytes()
-
-
-def test_channels_of_a_raw_log_carry_their_units(write_log):
-    with h5py.File(write_log()) as file:
-        units = b" ".join(file[name].attrs["units"] for name in RAW_CHANNELS)
-    assert units == b"s kPa kPa deg kPa kPa kPa deg V V"
 
 
 def test_expected_rate_may_be_the_logs_own(write_log, channels):
@@ -65,33 +52,36 @@ def test_expected_rate_may_be_the_logs_own(write_log, channels):
     assert len(read_raw(path, **RATE | {"sample_rate_hz": None}).channels["time_s"]) == 400
 
 
-@pytest.mark.parametrize("missing", ATTRIBUTES)
-def test_missing_attribute_is_named(with_attributes, missing):
-    path = with_attributes(**{missing: None})
-    assert f"{path}: attribute {missing}: missing" in problem(path)
-
-
-def test_missing_rate_is_the_only_complaint_about_a_log_without_a_rate(with_attributes):
-    path = with_attributes(sample_rate_hz=None)
-    assert len(problem(path, sample_rate_hz=None).splitlines()) == 1
-
-
-@pytest.mark.parametrize("rate", ["200", 0.0, -200.0, float("nan"), [200.0, 200.0]])
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        *({name: None} for name in ATTRIBUTES),
+        *({"sample_rate_hz": rate} for rate in ("200", 0.0, -200.0, np.nan, [200.0, 200.0])),
+        {"experiment": 3},
+        {"source": 1.0},
+        {"source": "dream"},
+        {"simulated": "yes"},
+        {"seed": "one"},
+        {"seed": 1.5},
+        {"rig": [1.0, 2.0]},
+        {"complete": "yes"},
+        {"incomplete_reason": 1.0},
+        {"lost_samples": "3"},
+        {"simulated": False},
+    ],
+    ids=str,
+)
 @pytest.mark.parametrize("expected", [200.0, None])
-def test_rate_that_is_no_positive_number_is_an_error_of_the_log(with_attributes, rate, expected):
-    path = with_attributes(sample_rate_hz=rate)
-    assert f"{path}: attribute sample_rate_hz" in problem(path, sample_rate_hz=expected)
+def test_missing_or_wrong_attribute_is_the_only_complaint(with_attributes, wrong, expected):
+    path = with_attributes(**wrong)
+    (line,) = problem(path, sample_rate_hz=expected).splitlines()
+    assert line.startswith(f"{path}: attribute {next(iter(wrong))}")
 
 
-def test_time_running_backwards_is_named_with_its_sample(write_log, changed):
-    path = write_log(changed=changed("time_s", 50, 0.1))
-    message = problem(path)
-    assert f"{path}: channel time_s: sample 50 at 0.100000 s does not come after 0.245" in message
-
-
-def test_repeated_instant_is_named_with_its_sample(write_log, changed, channels):
-    path = write_log(changed=changed("time_s", 120, channels["time_s"][119]))
-    assert f"{path}: channel time_s: sample 120 " in problem(path)
+@pytest.mark.parametrize(("sample", "time_s"), [(50, 0.1), (120, 0.595)])
+def test_time_that_does_not_increase_is_named_with_its_sample(write_log, changed, sample, time_s):
+    path = write_log(changed=changed("time_s", sample, time_s))
+    assert f"{path}: channel time_s: sample {sample} at {time_s:.6f} s does not" in problem(path)
 
 
 @pytest.mark.parametrize("factor", [0.9, 1.02, 2.0])
@@ -102,54 +92,15 @@ def test_wrong_rate_is_named_with_the_right_one(write_log, channels, factor):
     assert f"{200.0 * factor:.4g} Hz, must be 200 Hz" in message
 
 
-@pytest.mark.parametrize("factor", [0.995, 1.005])
-def test_rate_within_the_tolerance_is_accepted(write_log, channels, factor):
-    path = write_log(changed={"time_s": channels["time_s"] / factor})
-    assert read_raw(path, **RATE)
-
-
 def test_declared_rate_that_is_not_the_configured_one_is_an_error(write_log):
     path = write_log(sample_rate_hz=100.0)
     assert f"{path}: attribute sample_rate_hz = 100; must be 200" in problem(path)
 
 
-def test_time_may_begin_anywhere(write_log, channels):
-    assert read_raw(write_log(changed={"time_s": channels["time_s"] + 1.7e9}), **RATE)
-
-
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [
-        ("experiment", 3),
-        ("source", 1.0),
-        ("simulated", "yes"),
-        ("seed", "one"),
-        ("seed", 1.5),
-        ("rig", [1.0, 2.0]),
-    ],
-)
-def test_attribute_of_the_wrong_kind_is_named(with_attributes, name, value):
-    path = with_attributes(**{name: value})
-    assert f"{path}: attribute {name}" in problem(path)
-
-
-@pytest.mark.parametrize(
-    ("name", "value"), [("complete", "yes"), ("incomplete_reason", 1.0), ("lost_samples", "3")]
-)
-def test_attribute_that_need_not_be_there_must_be_of_its_kind(write_log, name, value):
-    path = write_log(**{name: value})
-    assert f"{path}: attribute {name}" in problem(path)
-
-
-def test_unknown_source_is_refused(with_attributes):
-    path = with_attributes(source="dream", simulated=False)
-    assert f"{path}: attribute source = dream" in problem(path)
-
-
-@pytest.mark.parametrize(("source", "simulated"), [("sim", False), ("rig", True)])
-def test_source_and_simulated_must_not_contradict_each_other(with_attributes, source, simulated):
-    path = with_attributes(source=source, simulated=simulated)
-    assert "contradicts" in problem(path)
+def test_time_may_begin_anywhere_and_its_rate_differ_within_the_tolerance(write_log, channels):
+    for factor in (0.995, 1.005):
+        path = write_log(changed={"time_s": channels["time_s"] / factor + 1.7e9})
+        assert read_raw(path, **RATE)
 
 
 def test_log_of_another_experiment_is_refused(write_log):
@@ -176,12 +127,6 @@ def test_impossibly_large_number_is_named_with_its_sample(write_log, changed, na
         f"{path}: channel {name}: sample 7 is {value:g}; it and 1 more exceed 1e+10, far "
         "more than any sensor reads; restore the file or record again"
     ]
-
-
-@pytest.mark.parametrize("rate", [np.inf, 1e300, 1e-300])
-def test_rate_that_no_log_has_is_an_error_of_the_log(write_log, rate):
-    path = write_log(sample_rate_hz=rate)
-    assert f"{path}: " in problem(path, sample_rate_hz=None)
 
 
 # --- closed-loop runs -------------------------------------------------------------------------
@@ -287,13 +232,6 @@ def test_log_without_all_raw_channels_is_not_written(tmp_path):
             rig={},
         )
     assert not path.exists()
-
-
-def test_all_wrong_attributes_are_reported_at_once(with_attributes):
-    lines = problem(with_attributes(seed=None, software=None, rig=1.0)).splitlines()
-    assert len(lines) == 3
-    for name in ("seed", "software", "rig"):
-        assert sum(f"attribute {name}" in line for line in lines) == 1
 
 
 def test_problems_of_channels_time_and_attributes_are_reported_together(with_attributes):
