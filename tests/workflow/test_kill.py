@@ -124,10 +124,11 @@ def finished_cells(checkpoint):
 
 def test_killed_grid_continues_at_its_next_cell(smoked_copy):
     results = smoked_copy.folder / "results/smoke"
+    grid = "results/smoke/grids/taps.json"
     expected = (results / "grids/taps.json").read_bytes()
     (results / "grids/taps.json").unlink()
     checkpoint = results / "grids/taps.partial.jsonl"
-    run = smoked_copy.begin("--cores", "1", "fig11", "--configfile", "config/smoke.yaml")
+    run = smoked_copy.begin("--cores", "1", grid, "--configfile", "config/smoke.yaml")
     deadline = time.monotonic() + 120
     while not (before := finished_cells(checkpoint)) and time.monotonic() < deadline:
         time.sleep(0.005)
@@ -138,7 +139,7 @@ def test_killed_grid_continues_at_its_next_cell(smoked_copy):
     assert 1 <= len(kept) < 6
 
     smoked_copy.recover()
-    done = smoked_copy.smoke("fig11")
+    done = smoked_copy.smoke(grid)
     assert done.returncode == 0, done.stdout
     assert "Grid of taps" in done.stdout
     assert len([*cells(done.stdout)]) == 6 - len(kept)
