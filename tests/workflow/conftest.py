@@ -219,7 +219,7 @@ def twice():
 def rebuilt(twice, tmp_path_factory):
     """Second cold build under other circumstances, and what its processes wrote of themselves.
 
-    Its first jobs are processes of their own; it is killed after ten of them, and goes on.
+    Its first jobs are processes of their own; it is killed after three of them, and goes on.
     """
     folder = tmp_path_factory.mktemp("rebuilt") / "a folder"
     trace = tmp_path_factory.mktemp("trace")
@@ -229,7 +229,7 @@ def rebuilt(twice, tmp_path_factory):
     paths = [str(TRACING), *filter(None, [os.environ.get("PYTHONPATH")])]
     traced = {"FPRC_TRACE": str(trace), "PYTHONPATH": os.pathsep.join(paths)}
     run = project.begin("--configfile", "config/smoke.yaml", **circumstances, **traced)
-    while run.process.poll() is None and run.printed().count("Finished jobid") < 10:
+    while run.process.poll() is None and run.printed().count("Finished jobid") < 3:
         time.sleep(0.05)
     assert run.process.poll() is None, run.printed()
     run.kill()

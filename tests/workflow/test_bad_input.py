@@ -37,31 +37,6 @@ def test_repeated_key_of_a_json_configuration_is_refused(project):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("where", ["config/config.yaml", "--config"])
-def test_number_with_zeros_before_it_is_decimal(project, where):
-    """As an octal number it would be 64, which is allowed. In a file of one's own: tests/faults."""
-    given = ["--config", "models={fprc: {n_c: 0100}}"]
-    if where != "--config":
-        (project.folder / where).write_text("models: {fprc: {n_c: 0100}}\n")
-        given = ["--configfile", where]
-    done = project.snakemake("--dry-run", "all", *given)
-    assert done.returncode != 0
-    assert "must be less than or equal to 64" in done.stdout
-
-
-@pytest.mark.slow
-def test_folders_that_would_do_harm_are_refused_before_any_job(project):
-    before = project.files(".")
-    done = project.snakemake("all", "--config", "folders={raw: config, results: workflow/report}")
-    assert done.returncode != 0
-    assert "folders.raw: 'config' " in done.stdout
-    assert "folders.results: 'workflow/report' " in done.stdout
-    assert "Traceback" not in done.stdout
-    kept = {k: v for k, v in project.files(".").items() if not k.startswith(".snakemake/")}
-    assert kept == before
-
-
-@pytest.mark.slow
 def test_name_of_a_folder_is_no_command(project):
     folder = "it's; touch owned"
     settings = ["--config", f'folders={{results: "{folder}"}}']
@@ -149,18 +124,16 @@ def test_bad_raw_log_is_refused_before_anything_is_written(smoked, tmp_path, spo
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("spoil", "words"), [SPOILED[0], SPOILED[2]])
-def test_bad_raw_log_is_one_line_and_nothing_is_overwritten(smoked_copy, spoil, words):
+def test_bad_raw_log_is_one_line_and_nothing_is_overwritten(smoked_copy):
     raw = smoked_copy.folder / "results/smoke/raw/sweep.h5"
-    spoil(raw)
+    spoil_sample(raw)
     before = smoked_copy.files("results/smoke/raw", "results/smoke/tables")
     done = smoked_copy.smoke("table2")
     assert done.returncode != 0
     assert smoked_copy.smoke("table2").returncode != 0, "asked again, a stale table must not pass"
     lines = [line for line in done.stdout.splitlines() if "sweep.h5: " in line]
     assert lines, done.stdout
-    for word in words:
-        assert word in lines[0]
+    assert "channel theta_deg: sample 123" in lines[0]
     assert "Traceback" not in done.stdout
     assert smoked_copy.files("results/smoke/raw", "results/smoke/tables") == before
 
@@ -168,11 +141,9 @@ def test_bad_raw_log_is_one_line_and_nothing_is_overwritten(smoked_copy, spoil, 
 SHORT = "experiments={sweep: {duration_s: 1}, complex: {duration_s: 1}}"
 
 
-@pytest.mark.parametrize(
-    "too_much", ["models={n_y: 100}", "models={fprc: {n_u: 50}}", "models={fprc: {n_c: 41}}"]
-)
-def test_taps_or_rules_beyond_the_log_are_refused_before_any_job(project, too_much):
-    done = project.smoke("all", "--config", SHORT, too_much, "control={sample_rate_hz: 50}")
+def test_taps_beyond_the_log_are_refused_before_any_job(project):
+    too_many = "models={n_y: 100}"
+    done = project.smoke("all", "--config", SHORT, too_many, "control={sample_rate_hz: 50}")
     assert done.returncode != 0
     assert "leaves 40 samples to train on, fewer than n_" in done.stdout
     assert not project.files("results", "data")
@@ -213,41 +184,3 @@ def test_logs_of_two_kinds_are_not_mixed(smoked_copy):
     done = smoked_copy.smoke(model, "--config", "source=recorded")
     assert done.returncode != 0
     assert "source is rig, the test log's sim" in done.stdout
-
-
-@pytest.mark.slow
-def test_impossible_reference_is_refused_with_time_and_value(smoked_copy):
-    high = "tracking={references: {complex: {offset_deg: 60}}}"
-    done = smoked_copy.smoke("table4", "--config", high)
-    assert done.returncode != 0
-    assert "complex" in done.stdout
-    assert "0 to 65 deg" in done.stdout
-    assert "450 kPa" in done.stdout
-
-
-# --- logs of others ---------------------------------------------------------------------------
-
-
-def without_feedforward(log):
-    del log["p_ff_kpa"]
-
-
-def spoiled_reference(log):
-    log["theta_d_deg"][11] = np.nan
-
-
-@pytest.mark.slow
-def test_closed_loop_logs_that_are_not_whole_make_no_table(smoked_copy):
-    """Although Table IV needs no P_ff."""
-    raw = smoked_copy.folder / "mylogs"
-    (smoked_copy.folder / "results/smoke/raw").rename(raw)
-    for reference, spoil in (("sine_0p2", without_feedforward), ("sine_0p5", spoiled_reference)):
-        with h5py.File(raw / f"track_{reference}_fprc.h5", "a") as log:
-            spoil(log)
-    settings = ["source=recorded", "folders={raw: mylogs, results: results/mine}"]
-    done = smoked_copy.smoke("table4", "--config", *settings)
-    assert done.returncode != 0
-    assert "mylogs/track_sine_0p2_fprc.h5: channel p_ff_kpa: missing" in done.stdout
-    assert "mylogs/track_sine_0p5_fprc.h5: channel theta_d_deg: sample 11 is nan" in done.stdout
-    assert "Traceback" not in done.stdout
-    assert not (smoked_copy.folder / "results/mine/tables").exists()

@@ -52,22 +52,16 @@ def test_damaged_results_are_named_and_reach_no_other_result(smoked_copy):
         for name in (
             "crossval/sweep_esn.json",
             "figures/fig09_weights.png",
-            "grids/n_c.json",
-            "replicates/command/models_101.json",
             "tables/table2.csv",
             "tables/table2_seeds.csv",
-            "timing/times.json",
         )
     ]
-    crossval, figure, grid, replicate, table, seeds, times = (folder / name for name in names)
+    crossval, figure, table, seeds = damaged_files = [folder / name for name in names]
     before = smoked_copy.untimed()
     damaged(crossval, crossval.read_bytes().replace(b'_kpa": 1', b'_kpa": NaN, "": 1'))
     damaged(figure, figure.read_bytes()[:1000])
-    damaged(grid, b"[]")
-    damaged(replicate, replicate.read_bytes()[:-1000])
     damaged(table, table.read_bytes()[:100])
     damaged(seeds, seeds.read_bytes().replace(b"1", b"2", 1))
-    damaged(times, b"")
     assert lines(smoked_copy.studies("check").stdout) == [f"  {name}" for name in names]
 
     # what is asked for again refuses what it is made of
@@ -80,10 +74,9 @@ def test_damaged_results_are_named_and_reach_no_other_result(smoked_copy):
         told = {name for name in names if f"{name}: " in done.stdout}
         assert told == {str(path.relative_to(folder)) for path in refused}
 
-    for path in (crossval, figure, grid, replicate, table, seeds):
+    for path in damaged_files:
         path.unlink(missing_ok=True)
-    forced = ["--configfile", "config/smoke.yaml", "--forcerun", names[-1], "--", names[-1]]
-    for done in (smoked_copy.snakemake(*forced), smoked_copy.smoke("all")):
-        assert done.returncode == 0, done.stdout
+    done = smoked_copy.smoke("all")
+    assert done.returncode == 0, done.stdout
     assert smoked_copy.untimed() == before
     assert lines(smoked_copy.studies("check").stdout) == []

@@ -69,15 +69,6 @@ def test_file_that_may_not_grow_is_one_line_and_leaves_nothing_half_written(smok
     assert smoked_copy.files("results/smoke/raw") == before
 
 
-def test_file_in_place_of_the_results_is_refused_before_any_job(project):
-    (project.folder / "results").write_text("in the way")
-    done = project.snakemake("table1")
-    assert done.returncode != 0
-    assert "results is a file" in done.stdout
-    assert "Traceback" not in done.stdout
-    assert (project.folder / "results").read_text() == "in the way"
-
-
 @pytest.fixture
 def locked(project):
     """Project whose results folder nobody may write to, not even root."""

@@ -14,7 +14,7 @@ from fprc.models import load_model
 pytestmark = pytest.mark.slow
 
 PAGE = (Path(__file__).parents[2] / "docs/extending.md").read_text(encoding="utf-8")
-TARGETS = ["table2", "table3", "timing", "seeds", "table4", "training_ridge_on_taps"]
+TARGETS = ["table2", "timing", "table4", "training_ridge_on_taps"]
 
 
 def block(language):
@@ -38,15 +38,14 @@ def extended(smoked, copied, tmp_path_factory):
     return folder / "results/smoke"
 
 
-@pytest.mark.parametrize("name", ["table2", "table3", "table2_seeds", "table3_seeds"])
-def test_model_is_in_the_tables_with_nothing_printed(extended, name):
-    table = pd.read_csv(extended / f"tables/{name}.csv").set_index("model")
+def test_model_is_in_the_table_with_nothing_printed(extended):
+    table = pd.read_csv(extended / "tables/table2.csv").set_index("model")
     assert list(dict.fromkeys(table.index)) == ["esn", "fprc", "fuzzy_linear", "ridge_on_taps"]
     ours = table.loc["ridge_on_taps"]
     assert np.isfinite(ours["mean"]).all()
     assert ours["published_mean"].isna().all()
     assert table.loc["fprc", "published_mean"].notna().all()
-    page = (extended / f"tables/{name}.md").read_text(encoding="utf-8")
+    page = (extended / "tables/table2.md").read_text(encoding="utf-8")
     cells = [row.split("|")[-2].strip() for row in page.splitlines() if row.startswith("| T")]
     assert cells == ["-", "-"]
 

@@ -44,8 +44,8 @@ def importer(in_folder, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def imported(importer):
-    """The same with both tables and a grid."""
-    done = importer.snakemake("both", "dry_fig1", "dry/results/grids/epsilon.json")
+    """The same with both tables and a figure."""
+    done = importer.snakemake("both", "dry_fig1")
     assert done.returncode == 0, done.stdout
     return importer.folder
 

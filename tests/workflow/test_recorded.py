@@ -64,9 +64,7 @@ def test_all_plans_what_the_logs_allow_and_nothing_else(recording):
     ("target", "why"),
     [
         ("fig5", "Fig. 5 needs p_o_kpa, which sweep.h5 and complex.h5 do not have"),
-        ("readout", "Readout value needs p_o_kpa"),
         ("table4", "Table IV needs closed-loop logs mylogs/track_"),
-        ("seeds", "further seeds are further simulated rigs"),
         ("readme", "the README gives the numbers of the simulated rig"),
     ],
 )
@@ -105,7 +103,7 @@ def test_simulated_reservoir_is_named_wherever_its_data_are_shown(recording):
     asked = [*ARGUMENTS, "evaluation={reservoir: simulated}"]
     project = recording("theta_deg", "p_exp_kpa", names=("sweep", "complex", "sweep_2"))
     before = project.files("mylogs")
-    done = project.smoke("fig2", "fig4", "fig5", "fig8", "table2", *asked)
+    done = project.smoke("fig5", "table2", *asked)
     assert done.returncode == 0, done.stdout
     assert project.files("mylogs") == before
     results = project.folder / "results/mine"
@@ -114,9 +112,8 @@ def test_simulated_reservoir_is_named_wherever_its_data_are_shown(recording):
     assert set(table["source"]) == {"import+sim"}
     words = "imported recordings, P_o simulated, driven by the recorded theta"
     assert words in (results / "tables/table2.md").read_text()
-    for name in ("fig02_reservoir", "fig05_hysteresis_reservoir"):
-        sidecar = json.loads((results / f"figures/{name}.json").read_text())
-        assert (sidecar["source"], sidecar["simulated"]) == ("import+sim", True)
+    sidecar = json.loads((results / "figures/fig05_hysteresis_reservoir.json").read_text())
+    assert (sidecar["source"], sidecar["simulated"]) == ("import+sim", True)
     trained = read_columns(results / "data/sweep.h5", ("time_s", "p_o_kpa"))
     assert trained.attributes["recordings"] == {"sweep.h5": 2000, "sweep_2.h5": 2000}
 

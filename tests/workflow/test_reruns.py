@@ -52,7 +52,6 @@ FEEDBACK = SEEDS | figures(*range(12, 18)) | {
 TABLES = dict.fromkeys([rule for rule in ALL if rule.endswith("_table")], 1) | {
     "comparison_table": 2, "seeds_table": 2, "list_unavailable": 1
 }  # fmt: skip
-DRAWN = figures(4, 5, 8, 9, 10, 11) | {"draw_readout": 1}
 REPORT = {"report_page": 1}
 
 #: Edits that rerun the same jobs are made together: file, old text, new text.
@@ -71,21 +70,13 @@ OF_THE_ESN = [
 EDITS = {
     "comment, docstring, code that no rule runs": (NOTHING, {}),
     "ESN, its features, its states, its readout": (OF_THE_ESN, ESN),
-    "ridge": ([("models/ridge.py", "penalised = gram", "penalised = 1.0 * gram")], MODELS),
     "rig": ([("rig/friction.py", "return force", "return 1.0 * force")], RIG),
     "what runs every stage": (
         [("stages/run.py", "threadpool_limits(1)", "threadpool_limits(limits=1)")], ALL,
     ),
-    "plot of the tap sizes": (
-        [("figures/grids.py", "fill=False", "fill=None")], DRAWN | REPORT,
-    ),
     "stage of Fig. 7": (
         [("stages/draw_schematics.py", "canvas(2.82)", "canvas(2.8)")],
         figures(1, 2, 3, 6, 7) | REPORT,
-    ),
-    "style of every figure": (
-        [("figures/style.py", "PAGE_IN = 3.5,", "PAGE_IN = 3.6,")],
-        figures(*range(1, 18)) | {"draw_readout": 1} | REPORT,
     ),
     "page of Table IV": (
         [("tables/tracking.py", "return pd.DataFrame(page)", "return pd.DataFrame(list(page))")],
@@ -137,16 +128,12 @@ def test_every_rule_carries_the_fingerprint_of_its_stage(project):
 #: Settings on the command line, and the jobs that must run again; the report shows all settings.
 CHANGES = {
     "nothing": ("seed=1", {}),
-    "rigs of the ensemble": ("ensemble={rigs: 6}", {"report_page": 1}),
     "values of n_c": (
         "grids={n_c: [2, 8]}",
         SEEDS | {"grid": 1, "measure_times_over_n_c": 1, "draw_fig10": 1, "ledger": 1,
                  "report_page": 1},
     ),
-    "taps": ("grids={n_u: [1, 2, 4]}",
-             SEEDS | {"grid": 1, "draw_fig11": 1, "ledger": 1, "report_page": 1}),
     "gains of the feedback": ("control={pd: {kp_kpa_per_deg: 0.6}}", FEEDBACK),
-    "law of the feedback": ("control={feedback: positional}", FEEDBACK),
     "one reference": (
         "tracking={references: {sine_0p2: {duration_s: 9}}}",
         # the four figures share a range of errors
@@ -173,8 +160,3 @@ def test_number_of_rules_reruns_both_fuzzy_models_and_not_the_esn(smoked):
     assert {"comparison_table", "configuration_table", "draw_fig8"} <= jobs.keys()
     assert jobs["judge"] == 2
     assert not {"record", "preprocess", "draw_fig4"} & jobs.keys()
-
-
-def test_recorded_logs_plan_nothing_that_needs_a_rig(smoked):
-    jobs = planned(smoked[0], "--config", "source=recorded")
-    assert not {"record", "replicate", "track"} & jobs.keys()

@@ -1,8 +1,7 @@
 """The workflow gives the same bytes with and without Slurm.
 
 SLURM_TARGETS names the targets; `make test-slurm` runs the whole smoke run. By default there is one
-job of each kind: a group of logs and one of drawings, a grid in two chunks, and a chunk of the
-ensemble, which judges every model.
+job of each kind: a group of logs and one of drawings, a grid in two chunks, and a model.
 """
 
 import os
@@ -12,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-SMALL = "fig11 results/smoke/ensemble/rigs_2.json"
+SMALL = "fig11 results/smoke/crossval/sweep_esn.json"
 TARGETS = os.environ.get("SLURM_TARGETS", SMALL).split()
 #: Where `make slurm` puts the executor.
 PLUGIN = Path(sys.prefix) / "slurm"
@@ -66,8 +65,8 @@ def test_slurm_gives_the_same_bytes(project, request):
     assert daemons() <= before
     assert not Path("/etc/slurm/slurm.conf").exists()
     # not earlier, so that another process makes it in the meantime
-    calibrated, _ = request.getfixturevalue("calibrated")
-    local, through_slurm = calibrated.untimed(), project.untimed()
+    smoked, _ = request.getfixturevalue("smoked")
+    local, through_slurm = smoked.untimed(), project.untimed()
     assert len(through_slurm) > 10
     assert through_slurm.keys() <= local.keys()
     assert [name for name in through_slurm if through_slurm[name] != local[name]] == []

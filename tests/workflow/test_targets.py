@@ -40,7 +40,7 @@ def test_profile_of_slurm_names_rules_that_there_are_and_groups_every_drawing(pr
 
 @pytest.mark.parametrize(
     ("given", "workers"),
-    [(["8", "--max-threads", "8"], 5), (["64", "--max-threads", "8"], 5), (["8"], 4)],
+    [(["64", "--max-threads", "8"], 5), (["8"], 4)],
 )
 def test_pool_has_a_process_for_twenty_cells_within_its_limit(project, given, workers):
     planned = project.snakemake("--dry-run", "results/grids/taps.json", "--cores", *given)
@@ -86,15 +86,12 @@ def test_profile_of_the_smoke_run_is_the_default_one_with_a_configuration(projec
 
 #: Targets that spare the same jobs are planned together.
 PLANNED = [
-    (["logs"], {"record"}, {"preprocess"}),
     (
         ["table1", "fig3", "fig6", "fig7"],
         {"configuration_table", "draw_fig3", "draw_fig6", "draw_fig7"},
         {"record"},
     ),
     (["table2", "table3"], {"comparison_table", "judge"}, {"measure_times", "replicate"}),
-    (["fig8"], {"draw_fig8", "judge"}, {"replicate", "measure_times"}),
-    (["table4"], {"tracking_table", "track"}, {"grid", "replicate"}),
     (["seeds"], {"seeds_table", "orders_table", "replicate"}, {"judge", "record"}),
     (
         ["timing", "fig1", "fig4", "fig5", "fig9", "fig11", "readout"],
@@ -102,23 +99,17 @@ PLANNED = [
         | {"weigh", "readout_table", "draw_readout", "measure_readout"},
         {"judge", "measure_times_over_n_c", "track"},
     ),
-    (["fig4", "fig5", "fig9"], {"draw_fig4", "draw_fig5", "weigh"}, {"measure_times", "grid"}),
     (["fig10"], {"draw_fig10", "grid", "measure_times_over_n_c"}, {"judge", "track"}),
     (
-        [f"fig{number}" for number in range(12, 18)],
-        {"track", *(f"draw_fig{number}" for number in range(12, 18))},
-        {"grid", "tracking_table"},
+        ["table4", *(f"fig{number}" for number in range(12, 18))],
+        {"track", "tracking_table", *(f"draw_fig{number}" for number in range(12, 18))},
+        {"grid", "replicate"},
     ),
     (["report"], {"report_page", "ledger", "draw_fig11"}, {"ensemble_chunk", "fit_rig"}),
     (
         [*STUDIES, "ensemble", "targets", "smoke"],
         {"ensemble_chunk", "shares_figure", "targets_table", "replicate", "smoke"},
         {"judge", "fit_rig"},
-    ),
-    (
-        [*STUDIES, "ensemble", "sensitivity", "calibrate"],
-        {"measure_sensitivity", "sensitivity_table", "fit_rig"},
-        {"replicate", "judge"},
     ),
     (
         [*STUDIES, "readme"],
@@ -137,15 +128,6 @@ def test_targets_plan_what_they_need_and_no_more(project, targets, needs, spares
     assert not spares & jobs.keys()
 
 
-@pytest.mark.parametrize(
-    "words", ["--workflow-profile smoke all", "--configfile config/smoke.yaml"]
-)
-def test_smoke_run_is_planned(project, words):
-    done = project.snakemake("--dry-run", *words.split())
-    assert planned(done.stdout)["record"] == 2
-    assert "results/smoke" in done.stdout
-
-
 @pytest.mark.slow
 def test_run_prints_a_line_for_each_job_and_says_how_it_ended(project):
     snakemake = [sys.executable, "-m", "snakemake", "--cores", "1"]
@@ -162,7 +144,6 @@ def test_target_that_is_mistyped_gets_the_nearest(project):
     done = project.snakemake("--dry-run", "tabel2")
     assert done.returncode == 1
     assert "Did you mean table2?" in done.stdout
-    assert "Did you mean" not in project.snakemake("--dry-run", "qqq").stdout
 
 
 def test_target_after_configfile_is_explained(project):

@@ -46,25 +46,20 @@ print(json.dumps({
 """
 IMPORT = "import log.csv --map one.yaml --out sweep.h5"
 READOUT = "readout log.csv --map two.yaml --config few.yaml --workers 1"
-CALIBRATE = "calibrate few.yaml --workers 1"
 LIST = "rig run list"
 #: What each command leaves in the folder.
 WRITTEN = {
     IMPORT: "sweep.h5",
     READOUT: "results/log/report.md",
-    CALIBRATE: "config/rigs/fitted.yaml",
     LIST: None,
 }
 
-#: Small models, and a calibration that takes two seconds.
+#: Small models.
 FEW = """
 experiments: {sweep: {duration_s: 20}, complex: {duration_s: 20}}
 models: {fprc: {n_c: 2}, n_y: 2, esn: {r: 5}}
 grids: {epsilon: [0.1, 0.01], n_c: [1, 2], readout_taps: [1, 2, 3]}
 evaluation: {folds: 2, purge_s: 0.2}
-calibration:
-  {generations: [1], seeds: [21], check_seeds: [41], grid_seeds: 1, taps: [1, 3],
-   fit: [tables, plausible], first: {fit: []}, minutes: 0.15, stride: 20, esn_nodes: 5}
 """
 COLUMNS = {
     "theta_deg": {"column": "angle", "unit": "deg"},

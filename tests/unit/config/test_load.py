@@ -246,64 +246,37 @@ def rigs(tmp_path, monkeypatch):
     return folder
 
 
-def rig(**drift):
-    """Return a rig's numbers where its file gives the drift alone."""
-    return check({"fitted": {"name": "drifting"}, "rig": {"drift": drift}}).rig
+DRY_TERMS, DRIFT = ("tables", "C8"), Settings().rig.drift
+#: Files, a mapping beside them, and the rig that they stand for: its name and terms, and its drift.
+LAYERS = [
+    (["seed: 4\nrig: dry\n"], None, ("dry", DRY_TERMS), (2.0, 3.0)),
+    ([DRY], None, ("dry", DRY_TERMS), (2.0, 3.0)),
+    (["rig: wet\n"], {"rig": "dry"}, ("dry", DRY_TERMS), (2.0, 3.0)),
+    (["rig: wet\n", DRY], None, ("dry", DRY_TERMS), (2.0, 3.0)),
+    (["rig: dry\n", "seed: 5\n"], {"models": {"n_y": 6}}, ("dry", DRY_TERMS), (2.0, 3.0)),
+    # a name replaces the whole rig before it, also where its own file leaves defaults
+    (["rig: dry\n", "rig: wet\n"], None, ("wet", ()), (DRIFT.sigma_kpa, 4.0)),
+    ([DRY, "rig: wet\n"], None, ("wet", ()), (DRIFT.sigma_kpa, 4.0)),
+    (["rig: {drift: {sigma_kpa: 9.0}}\n", "rig: wet\n"], None, ("wet", ()),
+     (DRIFT.sigma_kpa, 4.0)),
+    # numbers after a name change the rig, which is then no fitted one
+    (["rig: dry\n", "rig: {drift: {time_s: 7.0}}\n"], None, ("changed", ()), (2.0, 7.0)),
+    (["rig: dry\n"], {"rig": {"drift": {"time_s": 7.0}}}, ("changed", ()), (2.0, 7.0)),
+]  # fmt: skip
 
 
 def fitted(settings):
     return settings.fitted.name, settings.fitted.to
 
 
-def test_name_stands_for_the_numbers_of_the_file(rigs, written):
-    settings = from_files(written("seed: 4\nrig: dry\n"))
-    assert settings.rig == rig(sigma_kpa=2.0, time_s=3.0)
-    assert fitted(settings) == ("dry", ("tables", "C8"))
-    assert settings.seed == 4
-
-
 @pytest.mark.usefixtures("rigs")
-def test_rig_that_does_not_say_what_it_was_fitted_to_has_the_name_of_its_file(written):
-    assert fitted(from_files(written("rig: wet\n"))) == ("wet", ())
-
-
-@pytest.mark.usefixtures("rigs")
-@pytest.mark.parametrize("earlier", ["rig: dry\n", DRY, "rig: {drift: {sigma_kpa: 9.0}}\n"])
-def test_later_name_replaces_the_whole_rig_before_it(written, earlier):
-    """Also where its own file leaves defaults."""
-    settings = from_files(written(earlier, "rig: wet\n"))
-    assert settings.rig.drift.sigma_kpa == Settings().rig.drift.sigma_kpa
-    assert settings.rig.drift.time_s == 4.0
-    assert fitted(settings) == ("wet", ())
-
-
-@pytest.mark.usefixtures("rigs")
-def test_name_beside_the_files_wins(written):
-    settings = from_files(written("rig: wet\n"), {"rig": "dry"})
-    assert settings.rig == rig(sigma_kpa=2.0, time_s=3.0)
-    assert fitted(settings) == ("dry", ("tables", "C8"))
-
-
-@pytest.mark.usefixtures("rigs")
-@pytest.mark.parametrize("beside", [False, True])
-def test_numbers_after_a_name_change_the_rig_which_is_then_no_fitted_one(written, beside):
-    numbers = {"rig": {"drift": {"time_s": 7.0}}}
-    layers = written("rig: dry\n", "" if beside else "rig: {drift: {time_s: 7.0}}\n")
-    settings = from_files(layers, numbers if beside else None)
-    assert settings.rig == rig(sigma_kpa=2.0, time_s=7.0)
-    assert fitted(settings) == ("changed", ())
-
-
-@pytest.mark.usefixtures("rigs")
-def test_later_file_without_a_rig_leaves_it_a_fitted_one(written):
-    settings = from_files(written("rig: dry\n", "seed: 5\n"), {"models": {"n_y": 6}})
-    assert fitted(settings) == ("dry", ("tables", "C8"))
-
-
-def test_file_of_a_rig_is_a_configuration_too(rigs):
-    settings = from_files([rigs / "dry.yaml"])
-    assert settings.rig == rig(sigma_kpa=2.0, time_s=3.0)
-    assert fitted(settings) == ("dry", ("tables", "C8"))
+@pytest.mark.parametrize(("texts", "beside", "fit", "drift"), LAYERS)
+def test_rig_of_files_and_of_what_stands_beside_them(written, texts, beside, fit, drift):
+    settings = from_files(written(*texts), beside)
+    assert fitted(settings) == fit
+    assert (settings.rig.drift.sigma_kpa, settings.rig.drift.time_s) == drift
+    preload = 30.0 if fit[0] == "wet" else Settings().rig.bending.preload_kpa
+    assert settings.rig.bending.preload_kpa == preload
 
 
 @pytest.mark.usefixtures("rigs")
@@ -339,13 +312,6 @@ def test_number_without_a_name_changes_the_fitted_rig(tmp_path, monkeypatch):
     assert fitted(changed) == ("changed", ())
     drift = check({}).rig.drift.model_copy(update={"time_s": 7.0})
     assert changed.rig == check({}).rig.model_copy(update={"drift": drift})
-
-
-@pytest.mark.usefixtures("rigs")
-def test_file_of_a_rig_is_not_mixed_with_the_rig_before_it(written):
-    settings = from_files(written("rig: wet\n", DRY))
-    assert settings.rig == rig(sigma_kpa=2.0, time_s=3.0)
-    assert fitted(settings) == ("dry", ("tables", "C8"))
 
 
 @pytest.mark.usefixtures("rigs")

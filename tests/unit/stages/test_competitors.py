@@ -9,6 +9,8 @@ from fprc.logs import write_columns
 from fprc.stages.competitors import compare_competitors, tabulate_competitors
 from fprc.tables.text import read_markdown
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def logs(seen, tmp_path_factory):

@@ -1,14 +1,10 @@
 """The comparisons of `make benchmark`."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from fprc.models import EchoStates
 from fprc.models.fcm import fuzzy_c_means
-
-ROOT = Path(__file__).parents[3]
 
 
 @pytest.fixture

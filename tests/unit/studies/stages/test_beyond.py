@@ -33,6 +33,7 @@ def test_each_unit_of_one_rig_is_a_seed(world):
     assert builds[0][0][0].rig == SETTINGS["rig"]
 
 
+@pytest.mark.slow
 def test_drawn_rig_has_seeds_of_its_own(world):
     world |= {"rigs": "drawn", "seeds_per_rig": 3}
     world["ensemble"] = SETTINGS["ensemble"]
