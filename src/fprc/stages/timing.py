@@ -15,6 +15,9 @@ from fprc.registry import build, has_steps
 
 log = logging.getLogger(__name__)
 
+#: Samples of each log that are timed one by one over the number of rules.
+STEPS = 3000
+
 
 def measure_times(
     train: str,
@@ -62,7 +65,10 @@ def measure_times_over_n_c(
     repeats: int,
     seed: int,
 ) -> None:
-    """Time FPRC and Fuzzy-linear over the number of rules (Fig. 10c)."""
+    """Time FPRC and Fuzzy-linear over the number of rules (Fig. 10c).
+
+    Whole logs at once, and the first ``STEPS`` samples of each log one by one.
+    """
     train_data, test_data = read_data(train), read_data(test)
     refuse_mixture(train_data, test_data)
     fitted = {}
@@ -71,12 +77,18 @@ def measure_times_over_n_c(
             train_pair, test_pair = train_data.pair(name), test_data.pair(name)
             model = build(name, models, seed).set_params(n_c=n_c).fit(*train_pair)
             fitted[name, n_c] = (model, train_pair, test_pair)
-    timed = time_models(fitted, repeats, progress=partial(_log_mode, repeats))
-    results = [
-        {"model": name, "n_c": n_c, **entry}
-        for (name, n_c), entries in timed.items()
-        for entry in entries
-    ]
+    parts = {
+        name: (model, *(tuple(values[:STEPS] for values in log) for log in logs))
+        for name, (model, *logs) in fitted.items()
+    }
+    results = []
+    for mode, timed in (("batch", fitted), ("sequential", parts)):
+        found = time_models(timed, repeats, modes=(mode,), progress=partial(_log_mode, repeats))
+        results += [
+            {"model": name, "n_c": n_c, **entry}
+            for (name, n_c), entries in found.items()
+            for entry in entries
+        ]
     write_json(times, {"source": train_data.attributes["source"], **machine(), "times": results})
 
 
