@@ -6,6 +6,7 @@ from typing import Any
 from fprc.claims.control import CONTROL_TESTS
 from fprc.claims.finding import Results
 from fprc.claims.models import MODEL_TESTS
+from fprc.escape import in_words
 
 _TESTS = MODEL_TESTS | CONTROL_TESTS
 
@@ -72,8 +73,7 @@ def status_of(claim: str, terms: Sequence[str]) -> str:
 
 def fit_in_words(terms: Sequence[str]) -> str:
     """Return what the terms of an objective fit, as a list in a sentence."""
-    words = [_TERMS.get(term, term) for term in terms]
-    return " and ".join(filter(None, (", ".join(words[:-1]), *words[-1:]))) or "nothing"
+    return in_words([_TERMS.get(term, term) for term in terms]) or "nothing"
 
 
 def parts_of(claims: Sequence[Mapping[str, str]]) -> list[dict[str, str]]:

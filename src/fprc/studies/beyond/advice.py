@@ -8,6 +8,7 @@ import pandas as pd
 
 from fprc.claims.finding import UNDECIDED
 from fprc.claims.paired import EQUIVALENT, INFERIOR, NOT_JUDGED, SUPERIOR
+from fprc.escape import in_words
 from fprc.studies.beyond.worlds import NO_OFFER, measured, title_of
 
 Rows = Sequence[Mapping[str, Any]]
@@ -53,7 +54,7 @@ def _change(subject: str, what: str, rows: Rows) -> str:
         cases = []
         for row in (row for row in rows if row["verdict"] == verdict):
             sizes = [f"{100 * sign * (part['mean'] - 1):.0f} %" for part in row["parts"]]
-            cases.append(f"by {_listed(sizes)} on {_place(row)}")
+            cases.append(f"by {in_words(sizes)} on {_place(row)}")
         if cases:
             moved.append(f"{verb} {'it' if moved else what} {', '.join(cases)}")
     words = {
@@ -75,7 +76,7 @@ def _when_it_pays(rows: Mapping[str, Rows]) -> str:
         ]
 
     cases = [
-        f"{verb} on {_listed(places)}"
+        f"{verb} on {in_words(places)}"
         for verb, places in (("pays", always(SUPERIOR)), ("harms", always(INFERIOR)))
         if places
     ]
@@ -83,7 +84,7 @@ def _when_it_pays(rows: Mapping[str, Rows]) -> str:
     if decided < len(compared):
         cases.append(f"is mixed or undecided on {'the others' if decided else 'all these rigs'}")
     return (
-        f"Over both tests and tracking, the reservoir {_listed(cases)}; for your rig, record P_o "
+        f"Over both tests and tracking, the reservoir {in_words(cases)}; for your rig, record P_o "
         "and run fprc readout."
     )
 
@@ -212,7 +213,7 @@ def _places(rows: Rows, verdicts: Iterable[str]) -> dict[str, str]:
     by_verdict = {
         verdict: [_place(row) for row in rows if row["verdict"] == verdict] for verdict in verdicts
     }
-    found = {verdict: _listed(places) for verdict, places in by_verdict.items() if places}
+    found = {verdict: in_words(places) for verdict, places in by_verdict.items() if places}
     if found:
         last = list(found)[-1]
         if len(by_verdict[last]) == len(rows):
@@ -224,8 +225,3 @@ def _places(rows: Rows, verdicts: Iterable[str]) -> dict[str, str]:
 
 def _place(row: Mapping[str, Any]) -> str:
     return f"the {row['title']} rig{'s' if row['unit'] == 'rig' else ''}"
-
-
-def _listed(names: Sequence[str]) -> str:
-    *others, last = names
-    return f"{', '.join(others)} and {last}" if others else last
