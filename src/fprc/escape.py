@@ -1,4 +1,4 @@
-"""Escape text from files for terminals, spreadsheets, Markdown, LaTeX and figures.
+"""Text for readers: lists in words; escapes for terminals, spreadsheets, Markdown, LaTeX, figures.
 
 Column names, notes, units and file names come from outside. Terminal commands, formulas and
 markup in them are shown as plain text.
@@ -6,6 +6,7 @@ markup in them are shown as plain text.
 
 import logging
 import re
+from collections.abc import Sequence
 
 _FORMULA = re.compile(r"[=@\t\r]|[+-](?!\.?\d[\d.]*(e[+-]?\d+)?$)", re.IGNORECASE)
 _LATEX = {
@@ -13,6 +14,12 @@ _LATEX = {
     "\\": "\\textbackslash{}", "~": "\\textasciitilde{}", "^": "\\textasciicircum{}",
     "±": "$\\pm$",
 }  # fmt: skip
+
+
+def in_words(names: Sequence[str]) -> str:
+    """Return a list as a part of a sentence, ``a, b and c``; nothing for an empty one."""
+    *first, last = names or [""]
+    return f"{', '.join(first)} and {last}" if first else last
 
 
 def visible(text: str, *, kept: str = "") -> str:

@@ -14,6 +14,13 @@ from fprc.errors import LogError
 TEXTS = st.text(max_size=30) | st.text("$\\_^{}|`<>*&[]=+-@'\"\x1b\n\t1e.,", max_size=30)
 
 
+@pytest.mark.parametrize(
+    ("names", "words"), [("", ""), ("a", "a"), ("ab", "a and b"), ("abc", "a, b and c")]
+)
+def test_list_in_words(names, words):
+    assert escape.in_words(list(names)) == words
+
+
 @given(text=TEXTS)
 def test_terminal_gets_no_control_characters(text):
     kept = escape.terminal(text)

@@ -3,6 +3,11 @@
 ENSEMBLE = SETTINGS["ensemble"]
 TARGET_NAMES = ["command", "measured"]
 SURROGATE = pick(SETTINGS["calibration"], "stride", "esn_nodes")
+#: The rig, and how the paper's models are judged on it, with whatever seed.
+EVERY_SEED = {
+    "on_rig": on_rig(SETTINGS),
+    "judgement": judgement(SETTINGS, without="seed", models=paper_models(SETTINGS)),
+}
 FREE = {"paths": SETTINGS["calibration"]["free"], "ranges": SETTINGS["calibration"]["ranges"]}
 
 
@@ -20,8 +25,7 @@ rule fit_rig:
         runtime=480,
     params:
         **stage("studies.calibrate.calibrate", *MODELS, key="version"),
-        on_rig=on_rig(SETTINGS),
-        judgement=judgement(SETTINGS, without="seed", models=paper_models(SETTINGS)),
+        **EVERY_SEED,
         calibration=SETTINGS["calibration"],
         grids=pick(SETTINGS["grids"], "epsilon", "n_c"),
         tracking=SETTINGS["tracking"],

@@ -36,8 +36,7 @@ rule ensemble_chunk:
         runtime=120,  # grows with ensemble.chunk
     params:
         **stage("studies.ensemble.judge_rigs", *MODELS, key="version"),
-        on_rig=on_rig(SETTINGS),
-        judgement=judgement(SETTINGS, without="seed", models=paper_models(SETTINGS)),
+        **EVERY_SEED,
         tracking=SETTINGS["tracking"],
         numbers=lambda wildcards: CHUNKS[int(wildcards.chunk)],
         ensemble=DRAWN,
@@ -62,8 +61,7 @@ rule posterior_members:
         runtime=480,
     params:
         **stage("studies.posterior.draw_members", *MODELS, key="version"),
-        on_rig=on_rig(SETTINGS),
-        judgement=judgement(SETTINGS, without="seed", models=paper_models(SETTINGS)),
+        **EVERY_SEED,
         posterior=pick(POSTERIOR, "rigs", "seed", "tolerance", "assimilations", "sweeps"),
         ensemble=pick(ENSEMBLE, "angle_deg", "p_o_swing_kpa"),
         free=FREE,
@@ -90,8 +88,7 @@ rule posterior_chunk:
         runtime=120,  # grows with posterior.chunk
     params:
         **stage("studies.posterior.judge_members", *MODELS, key="version"),
-        on_rig=on_rig(SETTINGS),
-        judgement=judgement(SETTINGS, without="seed", models=paper_models(SETTINGS)),
+        **EVERY_SEED,
         tracking=SETTINGS["tracking"],
         numbers=lambda wildcards: MEMBERS[int(wildcards.chunk)],
         free=FREE,

@@ -8,6 +8,7 @@ import numpy as np
 
 from fprc.claims.finding import NOT_REPRODUCED, REPRODUCED, UNDECIDED, Results, Statement
 from fprc.claims.paper import CLAIMS, Claim
+from fprc.escape import in_words
 
 #: What tests each sentence and each number of the paper.
 SENTENCES = Path(__file__).with_name("sentences.yaml")
@@ -35,8 +36,7 @@ def status_of(claim: Claim, terms: Sequence[str]) -> str:
 
 def fit_in_words(terms: Sequence[str]) -> str:
     """Return what the terms of an objective fit, as a list in a sentence."""
-    words = [_TERMS.get(term, term) for term in terms]
-    return " and ".join(filter(None, (", ".join(words[:-1]), *words[-1:]))) or "nothing"
+    return in_words([_TERMS.get(term, term) for term in terms]) or "nothing"
 
 
 def judge_claims(

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from fprc.escape import terminal
+from fprc.escape import in_words, terminal
 from fprc.logs import Content
 from fprc.logs.columns import unit_of
 from fprc.paper import run_log
@@ -30,7 +30,7 @@ def unavailable(
     if len(absent) == len(runs):
         reasons["table4"] = f"needs closed-loop logs {folder}/{run_log('*', '*')}.h5; there is none"
     elif absent:
-        reasons["table4_runs"] = f"no {_listed([f'{run}.h5' for run in absent])} in {folder}"
+        reasons["table4_runs"] = f"no {in_words([f'{run}.h5' for run in absent])} in {folder}"
     if not simulated:
         reasons |= {each.name: each.on_rigs for each in (*RESULTS, *CHORES) if each.on_rigs}
     given = {name: reason for name, reason in reasons.items() if reason}
@@ -42,7 +42,7 @@ def why_not(need: Result, logs: Mapping[str, Content], folder: str) -> str | Non
     absent = [f"{name}.h5" for name in need.logs if name not in logs]
     if absent:
         verb = "is" if len(absent) == 1 else "are"
-        return f"needs {_listed(absent)}, which {verb} not in {folder}"
+        return f"needs {in_words(absent)}, which {verb} not in {folder}"
     lacking: dict[tuple[str, ...], list[str]] = {}
     for name in need.logs:
         if channels := tuple(logs[name].lacks(need.channels)):
@@ -50,7 +50,7 @@ def why_not(need: Result, logs: Mapping[str, Content], folder: str) -> str | Non
     reasons = []
     for channels, files in lacking.items():
         verb = "does" if len(files) == 1 else "do"
-        reasons.append(f"{_listed(channels)}, which {_listed(files)} {verb} not have")
+        reasons.append(f"{in_words(channels)}, which {in_words(files)} {verb} not have")
     for name in need.literal:
         reasons += [
             f"{name} in {unit_of(name)}; in {log}.h5 it is {logs[log].substitute(name)}"
@@ -58,11 +58,6 @@ def why_not(need: Result, logs: Mapping[str, Content], folder: str) -> str | Non
             if logs[log].substitute(name) is not None
         ]
     return "needs " + "; and ".join(reasons) if reasons else None
-
-
-def _listed(names: Sequence[str]) -> str:
-    *first, last = names
-    return f"{', '.join(first)} and {last}" if first else last
 
 
 def refusal(name: str, reasons: Mapping[str, str]) -> str:

@@ -5,10 +5,10 @@ from typing import Any
 
 import pandas as pd
 
-from fprc.paper import ERRORS, REFERENCE_NAMES
-from fprc.registry import controller_title, title_of
+from fprc.paper import REFERENCE_NAMES
+from fprc.registry import controller_title
 from fprc.tables.drawn import tracking_errors
-from fprc.tables.models import over_seeds, with_interval
+from fprc.tables.models import with_interval
 from fprc.tables.text import format_mean, spread
 
 
@@ -44,27 +44,6 @@ def tracking_over_seeds(
     table["published_rmse_deg"] = _printed(table, published)
     table["source"] = groups["source"].first().to_numpy()
     return table
-
-
-def all_over_seeds(
-    models: Sequence[Mapping[str, Any]],
-    controls: Sequence[Mapping[str, Any]],
-    published: Mapping[str, Any],
-) -> pd.DataFrame:
-    """Tables II to IV over further seeds in one: ``table``, ``what``, ``unit``, ``mean``, ..."""
-    parts = []
-    for number, trained_on in (("II", "sweep"), ("III", "complex")):
-        part = over_seeds(models, published, trained_on)
-        what = [f"{title_of(row.model)}, {ERRORS[row.metric]}" for row in part.itertuples()]
-        parts.append(part.assign(table=number, what=what))
-    runs = tracking_over_seeds(controls, published).rename(columns={"rmse_deg": "mean"})
-    what = [
-        f"{controller_title(row.controller)}, {REFERENCE_NAMES[row.reference]}"
-        for row in runs.itertuples()
-    ]
-    runs["published_mean"] = runs["published_rmse_deg"].astype(float)
-    table = pd.concat([*parts, runs.assign(table="IV", what=what, unit="deg")], ignore_index=True)
-    return table.rename(columns={"published_mean": "published"})
 
 
 def tracking_page(table: pd.DataFrame) -> pd.DataFrame:

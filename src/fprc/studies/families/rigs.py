@@ -5,8 +5,11 @@ from typing import Any
 
 import pandas as pd
 
+from fprc.paper import ERRORS, REFERENCE_NAMES
+from fprc.registry import controller_title, title_of
+from fprc.tables.models import over_seeds
 from fprc.tables.text import format_mean, spread, three_digits
-from fprc.tables.tracking import all_over_seeds
+from fprc.tables.tracking import tracking_over_seeds
 
 _MEDIAN = "Tables II and III, 5 % in the median"
 _LARGEST = "Tables II and III, 15 % at most"
@@ -18,6 +21,27 @@ _WORTH = "FPRC / FPRC on low-passed theta_d, test RMSE"
 
 #: How far each seed's training and test errors are off print.
 _DEVIATION = "Tables II and III, training and test errors of single seeds"
+
+
+def all_over_seeds(
+    models: Sequence[Mapping[str, Any]],
+    controls: Sequence[Mapping[str, Any]],
+    published: Mapping[str, Any],
+) -> pd.DataFrame:
+    """Tables II to IV over further seeds in one: ``table``, ``what``, ``unit``, ``mean``, ..."""
+    parts = []
+    for number, trained_on in (("II", "sweep"), ("III", "complex")):
+        part = over_seeds(models, published, trained_on)
+        what = [f"{title_of(row.model)}, {ERRORS[row.metric]}" for row in part.itertuples()]
+        parts.append(part.assign(table=number, what=what))
+    runs = tracking_over_seeds(controls, published).rename(columns={"rmse_deg": "mean"})
+    what = [
+        f"{controller_title(row.controller)}, {REFERENCE_NAMES[row.reference]}"
+        for row in runs.itertuples()
+    ]
+    runs["published_mean"] = runs["published_rmse_deg"].astype(float)
+    table = pd.concat([*parts, runs.assign(table="IV", what=what, unit="deg")], ignore_index=True)
+    return table.rename(columns={"published_mean": "published"})
 
 
 def rig_errors(

@@ -7,8 +7,8 @@ import pandas as pd
 
 from fprc.errors import FprcError
 from fprc.registry import title_of
+from fprc.studies.families.rigs import all_over_seeds
 from fprc.tables.text import format_mean, spread
-from fprc.tables.tracking import all_over_seeds
 
 
 def ensemble(summary: Mapping[str, Any]) -> pd.DataFrame:
