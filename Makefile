@@ -23,8 +23,8 @@ quick: .venv/.ready  ## style, types and the fast unit tests, while you work
 	ruff check --quiet .
 	ruff format --quiet --check .
 	mypy
-	FPRC_EXAMPLES=10 pytest --quiet --numprocesses $(CORES) --dist loadfile -m "not slow" tests/unit \
-	  $(PYTEST)
+	FPRC_EXAMPLES=10 $(ONE_THREAD) pytest --quiet --numprocesses $(CORES) --dist loadfile \
+	  -m "not slow" tests/unit $(PYTEST)
 
 types: .venv/.ready  ## type-check src
 	mypy
@@ -49,15 +49,18 @@ FIRST = $(addprefix tests/, workflow/test_twice.py workflow/test_slurm.py fuzz/t
   workflow/test_wheel.py workflow/test_targets.py workflow/test_smoke.py workflow/test_kill.py)
 LATER = $(filter-out $(FIRST), $(wildcard tests/workflow/test_*.py tests/fuzz/test_*.py))
 
+# Several processes with several threads each would wait for each other, for instance trees for a minute.
+ONE_THREAD = OMP_NUM_THREADS=1
+
 # Four processes, because tests often wait for programs that they start, and for Slurm.
 tests: .venv/.ready  ## the tests, without those of faults
 	@shared=$$(mktemp -d) && trap 'rm -rf "$$shared"' EXIT && FPRC_SMOKED=$$shared \
-	  pytest --numprocesses 4 --dist loadfile --no-loadscope-reorder $(FIRST) $(LATER) \
+	  $(ONE_THREAD) pytest --numprocesses 4 --dist loadfile --no-loadscope-reorder $(FIRST) $(LATER) \
 	  tests/reference tests/unit $(PYTEST)
 
 # One process, because docs/faults.md is compared with what all of them found.
 faults: .venv/.ready  ## the tests of faults, most of them in real time: three minutes
-	pytest tests/faults $(PYTEST)
+	$(ONE_THREAD) pytest tests/faults $(PYTEST)
 
 test-kill: .venv/.ready  ## kill the workflow at twenty random moments: ten minutes or more
 	FPRC_KILLS=20 pytest tests/workflow/test_kill.py
