@@ -30,9 +30,8 @@ MIX: tuple[tuple[Make, int], ...] = (
     (journals.case, 75),
     (csv_files.case, 85),
     (mat_files.case, 34),
-    (raw_logs.flipped, 45),
-    (raw_logs.torn, 16),
-    (raw_logs.altered, 29),
+    (raw_logs.flipped, 60),
+    (raw_logs.torn, 30),
 )
 _TURNS = [make for make, number in MIX for _ in range(number)]
 
