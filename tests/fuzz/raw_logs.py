@@ -1,4 +1,4 @@
-"""Raw logs with damaged bytes, or with errors of the program that wrote them."""
+"""Raw logs with damaged bytes, and with lost, moved or overwritten parts."""
 
 import json
 import tempfile
