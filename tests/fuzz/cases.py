@@ -8,7 +8,6 @@ from pathlib import Path
 
 import configs
 import csv_files
-import dry_runs
 import imports
 import journals
 import judging
@@ -31,13 +30,10 @@ MIX: tuple[tuple[Make, int], ...] = (
     (journals.case, 75),
     (csv_files.case, 85),
     (mat_files.case, 34),
-    (raw_logs.flipped, 45),
-    (raw_logs.torn, 16),
-    (raw_logs.altered, 29),
+    (raw_logs.flipped, 60),
+    (raw_logs.torn, 30),
 )
 _TURNS = [make for make, number in MIX for _ in range(number)]
-#: Position of the one dry run in 500 cases; `make test` runs the first 200.
-_DRY_RUN_AT = 100
 
 
 def make_case(seed: int, number: int, folder: Path, kind: str = "") -> Case:
@@ -52,9 +48,7 @@ def make_case(seed: int, number: int, folder: Path, kind: str = "") -> Case:
         ways = [make for make, _ in MIX if make.__module__ == kind]
         return ways[number % len(ways)](np.random.default_rng([seed, number]), folder)
     order = np.random.default_rng(seed).permutation(len(_TURNS))
-    turns = [_TURNS[k] for k in order]
-    turns.insert(_DRY_RUN_AT, dry_runs.case)
-    make = turns[number % len(turns)]
+    make = _TURNS[order[number % len(order)]]
     return make(np.random.default_rng([seed, number]), folder)
 
 

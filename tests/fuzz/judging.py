@@ -23,11 +23,6 @@ FAULTS = (TRACEBACK, HANG, MEMORY, SILENT, UNTIDY)
 _CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\udc80-\udcff]")
 #: A Python warning of a library, which users should not see.
 _LIBRARY = re.compile(r"^.*\b\w*Warning: .*$", re.MULTILINE)
-#: A line of our code in a traceback; Snakemake's own errors come before it runs our code.
-_OUR_FRAME = re.compile(
-    r'File "[^"]*(workflow/Snakefile|workflow/rules/[^"]*|'
-    r'fprc/(config|logs|plan|registry|stages|artifacts)[^"]*)", line.*'
-)
 _NO_NUMBER = re.compile(r"[:\[,]\s*-?(NaN|Infinity)\b")
 
 Verdict = tuple[str, str]
@@ -48,7 +43,7 @@ class Step(NamedTuple):
     Attributes
     ----------
     command : tuple of str
-        Arguments of ``fprc``; or a whole command, if ``row`` does not begin with fprc.
+        Arguments of ``fprc``.
     row : str
         Line of the table.
     names : tuple of str
@@ -60,9 +55,7 @@ class Step(NamedTuple):
     accepts : callable
         Whether the command accepted the file.
     call : callable
-        What runs the command, if ``row`` begins with fprc; it returns the exit code.
-    folder : str
-        Working folder, if not that of the case.
+        What runs the command; it returns the exit code.
     limit_s : float
         Time limit.
     """
@@ -74,7 +67,6 @@ class Step(NamedTuple):
     leaves: tuple[str, ...] = ()
     accepts: Callable[[Ended], bool] = lambda ended: ended.code == 0
     call: Callable[[tuple[str, ...]], int | None] = main
-    folder: str = ""
     limit_s: float = LIMIT_S
 
 
@@ -116,8 +108,7 @@ def outcome_of(step: Step, folder: Path, before: dict[str, str], ended: Ended) -
         return MEMORY, f"{ended.peak_bytes >> 20} MB"
     if ended.code < 0:
         return TRACEBACK, f"ended by signal {-ended.code}"
-    ours = step.row.startswith("fprc") or _OUR_FRAME.search(said)
-    if "Traceback (most recent call last)" in said and ours:
+    if "Traceback (most recent call last)" in said:
         return TRACEBACK, last
     after = content_of(folder)
     changed = sorted(name for name in before if after.get(name) != before[name])

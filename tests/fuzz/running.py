@@ -5,7 +5,6 @@ import pickle
 import resource
 import select
 import signal
-import subprocess
 import sys
 import tempfile
 import traceback
@@ -64,11 +63,7 @@ def _serve(step: Step, case: Case, folder: Path, writer: int) -> None:
         # show a warning for every command, as in separate processes
         warnings.simplefilter("always", RuntimeWarning)
         before = content_of(folder)
-        where = Path(step.folder) if step.folder else folder
-        if step.row.startswith("fprc"):
-            ended = _call(lambda: step.call(step.command), where)
-        else:
-            ended = _call(lambda: subprocess.run(step.command, check=False).returncode, where)
+        ended = _call(lambda: step.call(step.command), folder)
         answer = pickle.dumps((judged(step, case, folder, before, ended), ended))
         with open(writer, "wb") as answers:
             answers.write(answer)

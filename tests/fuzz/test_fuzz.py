@@ -172,24 +172,6 @@ def test_log_in_which_one_thing_is_changed_is_not_the_same(tmp_path, ended, log,
     assert found == (["same", "same"] if what == "nothing" else different)
 
 
-@pytest.mark.parametrize(
-    "text",
-    [b"seed: [", b"5", b"seed: '\xb3'", b"seed: !!float x", b"seed: " + b"[" * 5000 + b"]" * 5000],
-    ids=["no YAML", "no keys", "no UTF-8", "no number", "endless"],
-)
-@pytest.mark.slow
-def test_error_of_snakemake_on_a_configuration_is_recognised(tmp_path, text):
-    judging, running = module("judging"), module("running")
-    configs, dry_runs = module("configs"), module("dry_runs")
-    folder = tmp_path / "case"
-    folder.mkdir()
-    (folder / configs.NAME).write_bytes(text)
-    step = dry_runs.config_step(folder, ("no such name",), lambda folder, ended: ("same", ""))
-    found, ended = running.attempt(step, judging.Case("dry run", "", [step]), folder)
-    assert found.outcome == "refused"
-    assert configs.NAME not in ended.out + ended.err
-
-
 @pytest.mark.parametrize("way", [None, "exchanged", "changed"])
 def test_samples_of_a_journal_are_those_that_were_written(way):
     journals = module("journals")

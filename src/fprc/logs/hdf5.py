@@ -28,11 +28,13 @@ def opened(path: Path) -> Iterator[h5py.File]:
     LogError
         The file cannot be opened, is no HDF5, is cut short or damaged.
     """
-    with open_given(path, error=LogError) as given:
-        head = given.read(len(SIGNATURE))
-    if head != SIGNATURE:
-        raise LogError(f"{path}: not an HDF5 file; raw logs are described in data/raw/README.md")
     try:
+        with open_given(path, error=LogError) as given:
+            head = given.read(len(SIGNATURE))
+        if head != SIGNATURE:
+            raise LogError(
+                f"{path}: not an HDF5 file; raw logs are described in data/raw/README.md"
+            )
         with h5py.File(path, "r") as file:
             yield file
     except LogError:

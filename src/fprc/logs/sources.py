@@ -1,6 +1,7 @@
 """Read CSV, HDF5 and MATLAB files of other programs."""
 
 from pathlib import Path
+from typing import Any
 
 from fprc.errors import LogError
 from fprc.given import open_given
@@ -17,14 +18,7 @@ _SUFFIXES = {
 }  # fmt: skip
 
 
-def read_source(
-    path: Path | str,
-    *,
-    separator: str | None = None,
-    decimal: str | None = None,
-    header_line: int | None = None,
-    data_line: int | None = None,
-) -> Source:
+def read_source(path: Path | str, **layout: Any) -> Source:
     """Read every variable of a file that can be a channel.
 
     HDF5 and MATLAB files are read in a child process, because their libraries can hang or
@@ -32,8 +26,8 @@ def read_source(
 
     Parameters
     ----------
-    separator, decimal, header_line, data_line
-        Format of a text file, lines counted from 1; None: detect it.
+    **layout
+        Layout of a text file, see ``read_text``.
 
     Raises
     ------
@@ -47,13 +41,7 @@ def read_source(
         raise LogError(f"{path}: unknown file name ending; must be one of {', '.join(_SUFFIXES)}")
     open_given(path, error=LogError).close()
     if kind == "CSV":
-        return read_text(
-            path,
-            separator=separator,
-            decimal=decimal,
-            header_line=header_line,
-            data_line=data_line,
-        )
+        return read_text(path, **layout)
     (source,) = isolated_each(read_arrays, [path], matlab=kind == "MATLAB")
     return source
 

@@ -70,16 +70,20 @@ def test_number_that_is_none_is_null_in_json(tmp_path):
 
 
 WRONG = {
-    "experiment": [3],
+    "experiment": [3, np.bytes_(b"swe\xff\xfep")],
+    "source": [1, np.bytes_(b"\xff"), ["sim", "rig"]],
+    "complete": ["no", 5, "false", [True, False]],
+    "incomplete_reason": [5, np.bytes_(b"\xff\xfe")],
+    "aborted": [5],
     "software": [np.bytes_(b"LabVIEW \xb5"), ["a", "b"], h5py.Empty("f8")],
     "simulated": [1, "yes"],
     "sample_rate_hz": [np.inf, np.nan, "200", True],
     "settle_s": [-np.inf],
     "seed": [1.5, True],
-    "lost_samples": ["3"],
+    "lost_samples": ["3", 1.5, np.nan],
     "rig": ["{", "[1, 2]", "[" * 100_000, '{"a": NaN}', '{"a": 1e999}', '{"a": "\\udce9"}'],
-    "statistics": [5, "5"],
-    "notes": ["{", '{"theta_deg": 5}'],
+    "statistics": [5, "5", "[1]", "{", "NaN", '"x"', '{"overruns": NaN}', np.arange(3)],
+    "notes": ["{", "null", "[" * 3000, '{"theta_deg": 5}', '{"p_o_kpa": null}'],
     "map": ["null"],
 }
 

@@ -241,8 +241,8 @@ def test_channel_with_a_flipped_bit_is_named(path, name):
 
 
 def test_channels_without_a_checksum_are_listed(path):
-    """Single precision, in pieces and compressed, as other programs write it."""
-    values = np.arange(300, dtype=np.float32)
+    """Single precision, big-endian, in pieces and compressed, as other programs write it."""
+    values = np.arange(300, dtype=">f4")
     with h5py.File(path, "r+") as file:
         for name, checked in {"p_o_kpa": True, "theta_deg": False}.items():
             units = file[name].attrs["units"]
@@ -304,6 +304,12 @@ def group(file):
         (replace("theta_deg", np.zeros((300, 2))), "theta_deg: is float64 of shape (300, 2)"),
         (replace("theta_deg", 1.0), "theta_deg: is float64 of shape ()"),
         (replace("theta_deg", [b"a"] * 300), "theta_deg: is object of shape (300,)"),
+        (replace("theta_deg", np.zeros(300, complex)), "theta_deg: is complex128 of shape"),
+        (replace("theta_deg", np.zeros(300, bool)), "theta_deg: is bool of shape"),
+        (replace("theta_deg", np.zeros(300, [("a", "f8")])), "theta_deg: is [('a', '<f8')] of"),
+        (replace("theta_deg", np.zeros(600)), "time_s: 300 samples, but others have up to 600"),
+        (lambda file: file.move("theta_deg", "theta_deg "), "theta_deg: missing"),
+        (lambda file: file.move("theta_deg", "g/g/theta_deg"), "theta_deg: missing"),
         (group, "theta_deg: missing; the file has p_o_kpa, theta_deg, time_s"),
     ],
 )
