@@ -131,3 +131,12 @@ def test_tests_that_are_named_here_exist(test):
 
 def test_no_page_has_the_name_of_one_that_sphinx_writes():
     assert not PAGES_OF_SPHINX & {Path(page).stem for page in PAGES}
+
+
+def test_numbers_of_the_summary_beyond_the_paper_are_those_of_its_tables():
+    page = (ROOT / "docs/beyond.md").read_text(encoding="utf-8")
+    summary, tables = page.split("## What to take")[1].split("<!--", 1)
+    numbers = re.findall(r"\d+\.\d+", summary)
+    assert len(numbers) > 10
+    shown = set(re.findall(r"\d+\.\d+", tables))
+    assert [number for number in numbers if number not in shown] == []

@@ -48,6 +48,8 @@ def run_stage(job: Any) -> None:
         refuse_changed(results, job.input)
         for path in outputs:
             digest_of(path, results).unlink(missing_ok=True)
+        # what loads OpenMP later reads this; its threads would wait for those of other jobs
+        os.environ["OMP_NUM_THREADS"] = "1"
         stage = stage_of(job.params.stage)  # first: the limit applies to loaded libraries only
         with threadpool_limits(1):
             drawn = stage(**arguments)

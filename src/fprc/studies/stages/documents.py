@@ -180,7 +180,7 @@ def _outcome(judged: Mapping[str, Any]) -> str:
             f"{_others(fitted)}."
         )
     if len(assumed):
-        sentences.append(f"Built into the rig: {', '.join(assumed['id'])}.")
+        sentences.append(f"Of those built into the rig, {_held(assumed)} hold{_others(assumed)}.")
     if len(timed):
         sentences.append(
             f"Not counted, because they are about execution times: {', '.join(timed['id'])}."
