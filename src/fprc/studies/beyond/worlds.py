@@ -49,7 +49,7 @@ WORLDS = {
     "drawn": ("drawn", "rigs that were drawn from the physical ranges, not fitted"),
 }
 
-#: Suffixes of settings that were chosen for a comparison: such a model is none to take.
+#: Suffixes of settings that were chosen for a comparison; nobody can choose them beforehand.
 NO_OFFER = ("_oracle", "_matched")
 _WORDS = {"tuned": "tuned", "matched": "matched in training", "oracle": "oracle"}
 

@@ -21,7 +21,7 @@ from fprc.studies.calibration.full_models import full_errors, ratios_to_full
 from fprc.studies.calibration.objective import Aim, Objective, aim_of, logs_of
 from fprc.studies.calibration.search import SearchResult, search
 from fprc.studies.calibration.space import Free, decode, encode, free_parameters, resolved
-from fprc.studies.calibration.surrogate import judge_cheaply
+from fprc.studies.calibration.surrogate import judge_by_surrogate
 
 log = logging.getLogger(__name__)
 
@@ -91,18 +91,18 @@ def fit_rig(
         at = done[-1].best if done else begun
         changed = {**calibration, "fit": fit, "generations": generations}
         done.append(searched(at, calibration=changed, checkpoint=f"{checkpoint}.{number}"))
-    best, objective, cheaply, result = done[-1]
+    best, objective, estimate, result = done[-1]
     log.info("judging the fitted rig with the full models, on the seeds of the objective")
     summary = {
         "date": datetime.now(UTC).date().isoformat(),
         "software": f"fprc {__version__}",
         "seeds": list(seeds),
-        **_outcome(objective, full_errors(best, seeds, workers, judgement), cheaply(best, seeds)),
-        "loss_at_start": objective.loss(cheaply(begun, seeds)),
+        **_outcome(objective, full_errors(best, seeds, workers, judgement), estimate(best, seeds)),
+        "loss_at_start": objective.loss(estimate(begun, seeds)),
         "loss": result.loss,
         "check_seeds": list(check_seeds),
-        "check_loss_at_start": objective.loss(cheaply(begun, check_seeds)),
-        "check_loss": objective.loss(cheaply(best, check_seeds)),
+        "check_loss_at_start": objective.loss(estimate(begun, check_seeds)),
+        "check_loss": objective.loss(estimate(best, check_seeds)),
         "rig_sha256": hash_of(best.rig),
         "searches": [
             {"fit": list(fit), "generations": each.result.generations}
@@ -124,7 +124,7 @@ class Searched(NamedTuple):
 
     best: RigSettings
     objective: Objective
-    cheaply: Callable[[RigSettings, Sequence[int]], list[dict[str, Any]]]  #: judges a rig on seeds
+    estimate: Callable[[RigSettings, Sequence[int]], list[dict[str, Any]]]  #: judges a rig on seeds
     result: SearchResult
 
 
@@ -144,7 +144,7 @@ def _searched(
 ) -> Searched:
     """Search for the terms of ``calibration.fit``, beginning at a rig, until the time ``ends``."""
     aim, seeds = aim_of(printed, calibration), calibration["seeds"]
-    cheaply = partial(
+    estimate = partial(
         judge_seeds,
         models=judgement["models"],
         calibration=calibration,
@@ -152,14 +152,14 @@ def _searched(
         tracking=tracking,
     )
     log.info("judging the rig at which the search begins, with the full models")
-    like = cheaply(begun, seeds)
+    like = estimate(begun, seeds)
     ratios = ratios_to_full(full_errors(begun, seeds, workers, judgement), like)
     objective = Objective(aim, ratios, like)
     # a search that ran out of time goes on if it is given more
     lasting = {key: value for key, value in calibration.items() if key != "minutes"}
     depends_on = [asdict(begun), judgement, lasting, grids, tracking, aim, version]
     result = search(
-        partial(judge_point, on_rig=begun, free=free, seeds=seeds, cheaply=cheaply),
+        partial(judge_point, on_rig=begun, free=free, seeds=seeds, estimate=estimate),
         lambda logs: np.concatenate([*objective.terms(objective.judged(logs)).values()]),
         encode(begun.rig, free),
         step=calibration["step"],
@@ -172,7 +172,7 @@ def _searched(
         progress=partial(log.info, "generation %d of %d, least loss %.4f, %.0f s"),
     )
     best = replace(begun, rig=resolved(decode(result.point, begun.rig, free)))
-    return Searched(best, objective, cheaply, result)
+    return Searched(best, objective, estimate, result)
 
 
 def _outcome(
@@ -212,7 +212,7 @@ def judge_seeds(
     wanted = {_NEEDS[term] for term in calibration["fit"] if term in _NEEDS}
     surrogate = {key: calibration[key] for key in ("stride", "esn_nodes")}
     return [
-        judge_cheaply(
+        judge_by_surrogate(
             on_rig, seed, models, surrogate, grids, tracking,
             wanted if i < calibration["grid_seeds"] else wanted.difference(_GRIDS),
         )
@@ -226,13 +226,13 @@ def judge_point(
     on_rig: RigSettings,
     free: Sequence[Free],
     seeds: Sequence[int],
-    cheaply: Any,
+    estimate: Any,
 ) -> list[float] | None:
     """Return the logarithms of the measures at a point; None if the rig is impossible."""
     rig = resolved(decode(point, on_rig.rig, free))
     try:
         Rig.model_validate(rig)
-        logs = logs_of(cheaply(replace(on_rig, rig=rig), seeds))
+        logs = logs_of(estimate(replace(on_rig, rig=rig), seeds))
     except (FprcError, ValueError):
         return None
     return logs if np.isfinite(logs).all() else None

@@ -99,7 +99,7 @@ def deviations(judged: Judged, aim: Aim) -> dict[str, np.ndarray]:
     Parameters
     ----------
     judged : sequence of mapping
-        One entry per seed, see ``surrogate.judge_cheaply``.
+        One entry per seed, see ``surrogate.judge_by_surrogate``.
     """
     return {name: np.asarray(TERMS[name](judged, aim), dtype=float) for name in aim.fit}
 

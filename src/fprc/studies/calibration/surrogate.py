@@ -26,7 +26,7 @@ _TRAINED = 0.8
 MEASURES = ("shares", "epsilon", "n_c", "taps", "open_loop")
 
 
-def judge_cheaply(
+def judge_by_surrogate(
     on_rig: RigSettings,
     seed: int,
     models: Mapping[str, Any],

@@ -16,7 +16,7 @@ from fprc.experiments.tracking import Track, measure_control
 from fprc.registry import controllers
 from fprc.studies.calibration.objective import properties
 from fprc.studies.calibration.space import Free, decode, encode, free_parameters
-from fprc.studies.calibration.surrogate import judge_cheaply
+from fprc.studies.calibration.surrogate import judge_by_surrogate
 
 _MOST_DRAWS = 2000
 
@@ -142,7 +142,8 @@ def judge_moved(
         Rig.model_validate(moved)
         settings = replace(on_rig, rig=moved)
         errors = [
-            judge_cheaply(settings, seed, models, surrogate, {}, {})["errors"] for seed in seeds
+            judge_by_surrogate(settings, seed, models, surrogate, {}, {})["errors"]
+            for seed in seeds
         ]
     except (ValidationError, FprcError) as error:
         return {"errors": None, "impossible": " ".join(str(error).split())}

@@ -24,7 +24,7 @@ from fprc.errors import EvaluationError, FprcError
 from fprc.experiments.settings import RigSettings
 from fprc.signals import rms
 from fprc.studies.calibration.space import Free, decode
-from fprc.studies.calibration.surrogate import judge_cheaply
+from fprc.studies.calibration.surrogate import judge_by_surrogate
 from fprc.studies.families.ensemble import draw_rig, is_plausible
 
 #: Takes points of shape (n, parameters); returns the logarithms of the errors of each, or None
@@ -175,7 +175,7 @@ def judge_member(
     try:
         drawn = rig_at(cell["point"], free, on_rig)
         Rig.model_validate(drawn.rig)
-        judged = judge_cheaply(drawn, cell["seed"], models, surrogate, {}, {})
+        judged = judge_by_surrogate(drawn, cell["seed"], models, surrogate, {}, {})
         logs = [math.log(ratio * judged["errors"][key]) for key, ratio in ratios.items()]
     except (FprcError, ValueError) as error:  # ValueError: from pydantic, or log(0)
         return {"impossible": " ".join(str(error).split())}

@@ -14,7 +14,7 @@ from fprc.experiments.settings import RigSettings
 from fprc.studies.calibration.full_models import full_errors, ratios_to_full
 from fprc.studies.calibration.objective import printed_errors
 from fprc.studies.calibration.space import free_parameters
-from fprc.studies.calibration.surrogate import judge_cheaply
+from fprc.studies.calibration.surrogate import judge_by_surrogate
 from fprc.studies.families.ensemble import judge_drawn
 from fprc.studies.families.posterior import draw_posterior, judge_member, prior_point, rig_at
 from fprc.yaml_file import read_yaml
@@ -66,7 +66,7 @@ def draw_members(
     own, seeds_of_ratios = settings["on_rig"], range(posterior["seed"] - 2, posterior["seed"])
     ratios = ratios_to_full(
         full_errors(own, seeds_of_ratios, workers, judgement),
-        [judge_cheaply(own, seed, models, surrogate, {}, {}) for seed in seeds_of_ratios],
+        [judge_by_surrogate(own, seed, models, surrogate, {}, {}) for seed in seeds_of_ratios],
     )
     judge = partial(
         judge_member,

@@ -19,7 +19,7 @@ from fprc.studies.calibration import fit as stage
 from fprc.studies.calibration.full_models import full_errors
 from fprc.studies.calibration.objective import TERMS, aim_of, deviations
 from fprc.studies.calibration.space import decode, encode, free_parameters, resolved
-from fprc.studies.calibration.surrogate import MEASURES, judge_cheaply
+from fprc.studies.calibration.surrogate import MEASURES, judge_by_surrogate
 from fprc.studies.stages.calibrate import calibrate
 
 PRINTED = yaml.safe_load(PUBLISHED.read_text(encoding="utf-8"))
@@ -98,7 +98,7 @@ def asked_for(monkeypatch):
         assert surrogate == SURROGATE
         return {"errors": {}, "seed": seed}
 
-    monkeypatch.setattr(stage, "judge_cheaply", judge)
+    monkeypatch.setattr(stage, "judge_by_surrogate", judge)
     return asked
 
 
@@ -149,17 +149,17 @@ def test_only_what_the_terms_need_is_measured(asked_for, judge_seeds, fit, measu
 def logs_at(on_rig):
     """Return the logarithms at a point whose coordinates are these parameters."""
 
-    def call(point, paths, cheaply=None, **changes):
+    def call(point, paths, estimate=None, **changes):
         seen = []
 
         def judge(settings, seeds):
             seen.append((settings, seeds))
-            return cheaply(settings, seeds) if cheaply else [{"errors": {"a": 2.0, "b": 3.0}}]
+            return estimate(settings, seeds) if estimate else [{"errors": {"a": 2.0, "b": 3.0}}]
 
         free = free_parameters(paths)
         found = stage.judge_point(
             np.array(point), on_rig=replace(on_rig, rig=RIG), free=free, seeds=[21, 22],
-            cheaply=judge, **changes,
+            estimate=judge, **changes,
         )  # fmt: skip
         return found, seen
 
@@ -233,7 +233,7 @@ def test_rig_that_diverges_is_impossible(logs_at, on_rig, settings):
     def judge(changed, seeds):
         models = settings["judgement"]["models"]
         changed = replace(changed, signals=signals)
-        return [judge_cheaply(changed, seed, models, SURROGATE, {}, {}) for seed in seeds]
+        return [judge_by_surrogate(changed, seed, models, SURROGATE, {}, {}) for seed in seeds]
 
     assert logs_at(np.zeros(5), soft, judge)[0] is None
 
@@ -263,7 +263,7 @@ def report(fitted):
 @pytest.fixture(scope="module")
 def remeasured(fitted, report, settings, on_rig):
     """Return what the surrogate measures on the fitted rig, with the ratios of the report."""
-    seed = judge_cheaply(
+    seed = judge_by_surrogate(
         replace(on_rig, rig=written(fitted)), 21, settings["judgement"]["models"], SURROGATE,
         {"epsilon": [1.0, 0.1], "n_c": [1, 3], "n_u": [1, 4], "n_y": [1, 4]},
         settings["tracking"], MEASURES,
@@ -331,7 +331,7 @@ def test_residuals_are_those_of_the_full_models_on_the_fitted_rig(fitted, report
 def test_surrogate_is_corrected_by_its_ratios_on_the_rig_at_the_start(report, settings, on_rig):
     judgement = settings["judgement"]
     (full,) = full_errors(on_rig, [21], 1, judgement)
-    cheap = judge_cheaply(on_rig, 21, judgement["models"], SURROGATE, {}, {})["errors"]
+    cheap = judge_by_surrogate(on_rig, 21, judgement["models"], SURROGATE, {}, {})["errors"]
     expected = {key: full[key] / cheap[key] for key in full}
     assert report["surrogate_ratios"] == pytest.approx(expected, rel=1e-9)
 

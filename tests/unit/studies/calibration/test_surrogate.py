@@ -10,7 +10,7 @@ from fprc.experiments.tracking import Track
 from fprc.models import ESN, FPRC, FuzzyLinear
 from fprc.paper import DIRECTIONS, REFERENCES
 from fprc.studies.calibration.objective import properties
-from fprc.studies.calibration.surrogate import MEASURES, _Cheap, judge_cheaply
+from fprc.studies.calibration.surrogate import MEASURES, _Cheap, judge_by_surrogate
 
 STRIDE, NODES, SEED = 4, 15, 5
 N_Y, ALPHA, N_C, N_U = 2, 0.01, 3, 2
@@ -61,7 +61,7 @@ def models():
 def judge(on_rig, models, tracking):
     def call(seed=SEED, stride=STRIDE, nodes=NODES, measures=()):
         surrogate = {"stride": stride, "esn_nodes": nodes}
-        return judge_cheaply(on_rig, seed, models, surrogate, GRIDS, tracking, measures)
+        return judge_by_surrogate(on_rig, seed, models, surrogate, GRIDS, tracking, measures)
 
     return call
 
@@ -141,7 +141,7 @@ def test_errors_are_nearly_those_of_the_cross_validated_models(stride):
     models = settings["models"]
     how = Judgement(models=models, folds=5, split="shuffled", seed=SEED)
     surrogate = {"stride": stride, "esn_nodes": 10}
-    errors = judge_cheaply(on_rig, SEED, models, surrogate, {}, {})["errors"]
+    errors = judge_by_surrogate(on_rig, SEED, models, surrogate, {}, {})["errors"]
     data = simulate(on_rig, SEED)
     for name in ("fprc", "fuzzy_linear"):
         for (trained_on, _), (_, report, _) in zip(

@@ -18,7 +18,7 @@ from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import Judgement, RigSettings
 from fprc.rig.simulator import draw_instruments
 from fprc.studies.calibration.space import decode, encode, free_parameters
-from fprc.studies.calibration.surrogate import judge_cheaply
+from fprc.studies.calibration.surrogate import judge_by_surrogate
 from fprc.studies.families import ensemble
 from fprc.studies.families.claims import JUDGED_BY_RIG
 from fprc.studies.stages import ensemble as stage
@@ -490,7 +490,7 @@ def moved(monkeypatch):
 
     judge.failure = DIVERGED
     judge.seen = seen
-    monkeypatch.setattr(ensemble, "judge_cheaply", judge)
+    monkeypatch.setattr(ensemble, "judge_by_surrogate", judge)
     return judge
 
 
@@ -554,7 +554,9 @@ def test_errors_are_those_of_the_surrogate_on_the_moved_rig(sensitivity, setting
     rig = copy.deepcopy(on_rig.rig)
     rig["drift"]["sigma_kpa"] = 15.0
     moved, models = replace(on_rig, rig=rig), settings["judgement"]["models"]
-    alone = [judge_cheaply(moved, seed, models, SURROGATE, {}, {})["errors"] for seed in (3, 4)]
+    alone = [
+        judge_by_surrogate(moved, seed, models, SURROGATE, {}, {})["errors"] for seed in (3, 4)
+    ]
     expected = {key: np.mean([errors[key] for errors in alone]) for key in alone[0]}
     assert sensitivity(["drift.sigma_kpa"], steps=2)["cells"][-1]["errors"] == pytest.approx(
         expected

@@ -41,7 +41,7 @@ def draw(monkeypatch, tmp_path):
     )
     monkeypatch.setattr(stage, "full_errors", lambda *rest: [dict.fromkeys(ERRORS, 1.25)] * 2)
     monkeypatch.setattr(
-        stage, "judge_cheaply", lambda *rest: {"errors": dict.fromkeys(ERRORS, 1.0)}
+        stage, "judge_by_surrogate", lambda *rest: {"errors": dict.fromkeys(ERRORS, 1.0)}
     )
     settings = Settings().model_dump(mode="json")
 
