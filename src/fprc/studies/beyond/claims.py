@@ -1,4 +1,4 @@
-"""Claims B1-B8: what the pneumatic reservoir is worth beside what an engineer could take instead.
+"""Claims B1-B8: what the reservoir is worth, compared with models that need none.
 
 docs/preregistration.md has them with their limits.
 """
