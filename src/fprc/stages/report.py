@@ -60,7 +60,7 @@ def write_report(
     drawn : Mapping
         By claim, as text: on how many drawn rigs it holds; empty if that was not judged.
     beyond : Mapping, optional
-        ``worlds``, and ``ledgers``: of each world, the rows of ``claims.beyond.judge_world``.
+        ``worlds``, and ``ledgers``: of each world, the rows of ``judge_world``.
     **logs : sequence of str
         By the anchor of a figure (``fig8``): the logs whose traces can be zoomed.
     """

@@ -263,7 +263,7 @@ def blocks(
     ----------
     verdicts : Mapping
         ``source``, ``worlds`` (rows of ``worlds_page``), and ``ledgers``: of
-        each world, the rows of ``claims.beyond.judge_world``.
+        each world, the rows of ``beyond.claims.judge_world``.
     tables : Mapping
         ``models``, ``tracking``, ``offsets``, ``capacities`` and ``lengths``, tidy.
     world : str

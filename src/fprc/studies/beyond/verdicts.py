@@ -19,7 +19,7 @@ def claims(ledgers: Ledgers) -> pd.DataFrame:
     Parameters
     ----------
     ledgers : sequence
-        Of each world, the rows of ``claims.beyond.judge_world``.
+        Of each world, the rows of ``beyond.claims.judge_world``.
 
     Returns
     -------
