@@ -140,11 +140,20 @@ def tap_trend(results: Results, own: str, phase: str) -> np.ndarray:
 
 
 def thirds_of_taps(results: Results, own: str, phase: str) -> list[np.ndarray]:
-    """Return the mean errors with few, a medium number of, and many taps."""
+    """Return the mean errors with few, a medium number of, and many taps.
+
+    In a grid without such a number, the smallest, the middle or the largest one takes its place.
+    """
     rows = []
     for report in results.grids:
         tap_sizes, errors = taps(report["taps"], phase)
         third = np.digitize(tap_sizes[own], [_MEDIUM, _MANY])
         means = errors.mean(axis=1 if own == "n_u" else 0)
-        rows.append([means[third == k].mean() for k in range(3)])
+        instead = (0, len(means) // 2, -1)
+        rows.append(
+            [
+                means[third == k].mean() if (third == k).any() else means[instead[k]]
+                for k in range(3)
+            ]
+        )
     return list(np.transpose(rows))

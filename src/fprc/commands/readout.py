@@ -21,6 +21,7 @@ from fprc.config import from_files
 from fprc.config.importing import ImportMap
 from fprc.errors import FprcError, LogError
 from fprc.fingerprint import fingerprint
+from fprc.given import open_given
 from fprc.plan.arguments import judgement, paper_models
 from fprc.provenance import describe
 from fprc.registry import class_module
@@ -100,6 +101,8 @@ def report_readout(
     problems_of = partial(_problems_of_map, map_, simulated=simulated, more=bool(train))
     mapping = checked_map(map_, source, problems_of)
     count = processes(workers)
+    for path in (source, *train):
+        open_given(path, error=LogError).close()
     folder = Path(out or Path("results", Path(source).stem))
     parts = _parts(source, mapping, train)
     refuse_unwritable([folder])

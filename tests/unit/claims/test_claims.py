@@ -11,7 +11,7 @@ from scipy.stats import spearmanr, ttest_1samp
 from fprc import config
 from fprc.claims.finding import Results, Statement
 from fprc.claims.ledger import changed_verdicts, fit_in_words, judge_claims, status_of
-from fprc.claims.numbers import tap_trend
+from fprc.claims.numbers import tap_trend, thirds_of_taps
 from fprc.claims.paper import CLAIMS
 from fprc.experiments.measures import (
     measure_hysteresis,
@@ -789,6 +789,18 @@ def test_verdict_is_reproduced_or_not_only_where_the_interval_excludes_the_limit
     elif last < limit or first > limit:
         assert below.verdict == ("reproduced" if last < limit else "not reproduced")
         assert above.verdict == opposite[below.verdict]
+
+
+@pytest.mark.parametrize(
+    ("sizes", "expected"),
+    [((1, 4), [1, 4, 4]), ((2, 9), [2, 9, 9]), ((1, 2, 5, 10), [1.5, 5, 10])],
+)
+def test_few_medium_and_many_taps_exist_in_every_grid(sizes, expected):
+    cells = [
+        {"n_u": n_u, "n_y": n_y, **dict.fromkeys(PHASES, [n_u])} for n_u in sizes for n_y in (1, 2)
+    ]
+    found = thirds_of_taps(Results([], [{"taps": cells}], [], {}, {}), "n_u", "test")
+    assert np.ravel(found).tolist() == expected
 
 
 def test_single_value_decides_alone():
