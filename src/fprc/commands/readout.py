@@ -101,11 +101,11 @@ def report_readout(
     problems_of = partial(_problems_of_map, map_, simulated=simulated, more=bool(train))
     mapping = checked_map(map_, source, problems_of)
     count = processes(workers)
-    for path in (source, *train):
-        open_given(path, error=LogError).close()
     folder = Path(out or Path("results", Path(source).stem))
     parts = _parts(source, mapping, train)
     refuse_unwritable([folder])
+    for path in (source, *train):
+        open_given(path, error=LogError).close()
     _refuse_leftovers(folder / "raw", len(parts["sweep"]))
     lock = folder / ".lock"
     with exclusive(lock):
