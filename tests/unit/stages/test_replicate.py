@@ -249,7 +249,7 @@ def test_cells_are_the_first_fold_of_the_main_run_with_that_seed(
 @pytest.fixture(scope="module")
 def control(repeated):
     """What the stage wrote of the closed loops, and the runs that it measured."""
-    return repeated[0]["measures"], repeated[1]
+    return repeated[0]["measures"], *repeated[1:]
 
 
 @pytest.fixture(scope="module")

@@ -372,7 +372,7 @@ def test_worth_of_the_reservoir_is_shown_if_it_was_judged(project, make_world):
     assert 'id="beyond"' not in project.write()
     worlds = [make_world(), make_world("sparse", units=3, capacity=None)]
     ledgers = [judge_world(world, {"fprc": "FPRC"}) for world in worlds]
-    described = {"World": "dry", "What it is": "the shipped rig", "Judged on": "12 seeds"}
+    described = {"World": "dry", "What it is": "<b>shipped", "Judged on": "12 seeds"}
     project.beyond = {"worlds": [described], "ledgers": ledgers}
     page = project.page()
     rows = [row for row in page.all("tr") if str(row.get("id", "")).startswith("B")]
@@ -381,7 +381,7 @@ def test_worth_of_the_reservoir_is_shown_if_it_was_judged(project, make_world):
     shown = [row["words"].replace(" ", "-") for rows in zip(*ledgers, strict=True) for row in rows]
     assert chips[-len(shown) :] == shown
     assert "dry" in page.texts("th")
-    assert "dry: the shipped rig (12 seeds)." in page.text()
+    assert "dry: <b>shipped (12 seeds)." in page.text()
     assert any(
         "100 % of subsets agree. Fitted: FPRC's forward error" in text
         for text in page.texts("details")

@@ -24,7 +24,7 @@ def draw_ensemble(summary: str, pdf: str, png: str) -> Mapping[str, Any]:
     )
     strongest = grid.abs().max(axis=1).sort_values(ascending=False).index[:_PARAMETERS]
     grid = grid.loc[strongest].rename(index=_short)
-    fig, axes = style.figure(2, 1, style.COLUMN_IN, 6.0, height_ratios=(len(table), len(grid)))
+    fig, axes = style.figure(2, 1, style.PAGE_IN, 6.0, height_ratios=(len(table), len(grid)))
     plot_shares_of_rigs(table, axes[0])
     image = plot_correlations(grid, limit, axes[1])
     bar = fig.colorbar(image, ax=axes[1], location="bottom", pad=0.02, aspect=40, extend="both")

@@ -155,7 +155,7 @@ def test_only_parameters_beyond_chance_decide_the_strongest_first(summary):
     row = row_of(table, "C2")
     assert row["decided_by"] == f"{PATHS[1]} (-0.90); {PATHS[0]} (+0.50)"
     assert row["strongest"] == f"{PATHS[1]} (-0.90)"
-    row = row_of(table, "C7")
+    row = row_of(table, "C7a")
     assert (row["decided_by"], row["strongest"]) == ("", f"{PATHS[2]} (-0.40)")
 
 
