@@ -19,6 +19,7 @@ _TERMS = {
     "orders": "their orders",
     "plausible": "plausible loops",
     "open_loop": "open-loop Table IV",
+    "closed_loop": "feedback that cuts errors by a fifth",
 }
 
 

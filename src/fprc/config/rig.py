@@ -91,13 +91,13 @@ class Bending(Section):
     """Mechanics of the bending actuator; torques are in kPa, angles in deg."""
 
     inertia_kpa_s2_per_deg: float = quantity(
-        6e-4, "kPa s^2/deg", (2e-4, 2e-3), "inertia J", "free swing near 10 Hz"
+        6e-4, "kPa s^2/deg", (2e-4, 3e-3), "inertia J", "free swing of 5 to 15 Hz; fitted"
     )
     damping_kpa_s_per_deg: float = quantity(
         0.05, "kPa s/deg", (0.01, 0.1), "viscous damping c", "fitted"
     )
     preload_kpa: float = quantity(
-        45, "kPa", (20, 77), "pressure at which bending begins, g_p", "fitted"
+        45, "kPa", (20, 90), "pressure at which bending begins, g_p", "fitted"
     )
     stiffness_kpa_per_deg: float = quantity(
         3.0, "kPa/deg", (2.0, 4.5), "linear stiffness k1", "about 60 deg at 350 kPa; fitted"
@@ -118,11 +118,11 @@ class Bending(Section):
         4.0, "kPa", (0, 15), "dry friction at zero pressure, Tc", "fitted"
     )
     friction_per_kpa: float = quantity(
-        0.08, "-", (0.0, 0.2), "growth of the dry friction with pressure, mu",
+        0.08, "-", (0.0, 0.25), "growth of the dry friction with pressure, mu",
         "fabric pressed on rubber; fitted",
     )  # fmt: skip
-    slip_distance_deg: tuple[Annotated[float, within(0.1, 40.0)], ...] = quantities(
-        (1, 3, 7, 14), "deg", (0.1, 40), "angle at which each Maxwell element slips",
+    slip_distance_deg: tuple[Annotated[float, within(0.1, 60.0)], ...] = quantities(
+        (1, 3, 7, 14), "deg", (0.1, 60), "angle at which each Maxwell element slips",
         "rounded loops need several",
     )  # fmt: skip
     slip_weight: tuple[Annotated[float, within(0.0, 1.0)], ...] = quantities(
@@ -157,7 +157,7 @@ class Reservoir(Section):
     """Dual-PAM reservoir: squeeze of the sealed chamber by the active one."""
 
     passive_volume_ml: float = quantity(
-        30, "mL", (11, 60), "volume of PAM B at rest", "size of the muscle"
+        30, "mL", (11, 80), "volume of PAM B at rest", "size of the muscle"
     )
     precharge_kpa: float = quantity(
         100, "kPa", (0, 200), "gauge pressure at which PAM B is sealed", "paper, Sec. II-A"

@@ -257,15 +257,24 @@ def measure_control(
     }
 
 
-def open_loop_errors(bench: Track, model: SequenceModel) -> dict[str, float]:
-    """Return the RMSE of the references of Table IV with P_ff of the model alone, deg."""
-    errors = {}
+def tracking_errors(
+    bench: Track, model: SequenceModel, loops: Mapping[str, bool]
+) -> dict[str, dict[str, float]]:
+    """Return the RMSE of the references of Table IV with P_ff of one model, deg.
+
+    Parameters
+    ----------
+    loops : Mapping
+        Whether there is feedback, by the name under which the errors are returned.
+    """
+    errors: dict[str, dict[str, float]] = {name: {} for name in loops}
     for reference in REFERENCES:
         theta_d, number = bench.reference(reference), TRACKING_RUNS[reference]
-        p_ff_kpa = bench.precompute(theta_d, {"own": model}, number)["own"]
-        channels = bench.simulate(theta_d, p_ff_kpa, number, feedback=False)
+        p_ff_kpa = bench.precompute(theta_d, {"model": model}, number)["model"]
         settle_s = bench.tracking["references"][reference]["settle_s"]
-        errors[reference] = tracking_rmse(channels, settle_s)
+        for name, feedback in loops.items():
+            channels = bench.simulate(theta_d, p_ff_kpa, number, feedback=feedback)
+            errors[name][reference] = tracking_rmse(channels, settle_s)
     return errors
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from fprc.evaluation import rmse
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import RigSettings
-from fprc.experiments.tracking import Track, open_loop_errors
+from fprc.experiments.tracking import Track, tracking_errors
 from fprc.models import TakagiSugenoReadout, lowpass, taps
 from fprc.paper import DIRECTIONS
 from fprc.registry import build
@@ -23,7 +23,10 @@ from fprc.studies.calibration.objective import properties
 _TRAINED = 0.8
 
 #: Optional measures; each takes time of its own.
-MEASURES = ("shares", "epsilon", "n_c", "taps", "open_loop")
+MEASURES = ("shares", "epsilon", "n_c", "taps", "open_loop", "closed_loop")
+
+#: Whether a loop has feedback.
+_LOOPS = {"open_loop": False, "closed_loop": True}
 
 
 def judge_by_surrogate(
@@ -54,7 +57,7 @@ def judge_by_surrogate(
         ``errors`` by "trained on/model/phase", kPa; ``properties``, see ``objective.properties``;
         and of ``measures``: ``shares`` of P_o over theta_d in the weights; training errors over
         ``epsilon``; errors over ``n_c`` by model and phase; training errors over ``taps``, of
-        shape (n_u, n_y); ``open_loop`` RMSE by reference, deg.
+        shape (n_u, n_y); RMSE by reference in ``open_loop`` and ``closed_loop``, deg.
     """
     logs = {name: data.channels for name, data in simulate(on_rig, seed).items()}
     cheap = _Cheap(logs, models, seed, surrogate["stride"])
@@ -84,13 +87,12 @@ def judge_by_surrogate(
             ]
             for u in grids["n_u"]
         ]
-    if "open_loop" in measures:
+    if loops := {name: feedback for name, feedback in _LOOPS.items() if name in measures}:
         model = build("fprc", models, seed)
         features = model.make_features().fit(np.zeros((100, 2)))
         model = model.assembled(features, fuzzy["sweep", "fprc"])
-        judged["open_loop"] = open_loop_errors(
-            Track(tracking, on_rig.control, on_rig.rig, seed), model
-        )
+        bench = Track(tracking, on_rig.control, on_rig.rig, seed)
+        judged |= tracking_errors(bench, model, loops)
     return judged
 
 
