@@ -7,7 +7,7 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: help paper smoke quick types lint site tests faults test damage test-kill reproduce-twice processors \
-	slurm slurm-programs test-slurm docs check layers lowest newest scaling fault-matrix fuzz loop-benchmark benchmark \
+	slurm slurm-programs test-slurm docs check layers lowest newest fault-matrix fuzz loop-benchmark benchmark \
 	benchmark-all container test-container cut release release-tools test-release clean
 
 help:  ## list the targets
@@ -96,9 +96,6 @@ recordings: .venv/.ready  ## evaluate the recordings of docs/own-data.md: DATASE
 # Variables can select kernels of BLAS that are older than the processor; `make processors` wants that,
 # a measurement of speed does not.
 MEASURE = PYTHONPATH=".venv/benchmark:$$PYTHONPATH" env -u OPENBLAS_CORETYPE -u OPENBLAS_L2_SIZE python -m tools.benchmark
-
-scaling: .venv/.ready  ## measure the numbers in docs/scaling.md: some minutes
-	$(MEASURE).scaling --page docs/scaling.md
 
 docs: .venv/.ready  ## update numbers and pictures in README.md and docs/
 	$(STUDIES) readme calibration_page beyond_page

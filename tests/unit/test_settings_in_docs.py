@@ -87,7 +87,7 @@ def quoted():
         "docs/results.md": [f"a time constant of {filter_s:g} s"],
         "docs/scaling.md": [
             f"| `grids.chunks` | {grids.chunks} |",
-            f"| `ensemble.chunk` | {settings.ensemble.chunk} |",
+            f"| `drawn.chunk` | {settings.drawn.chunk} |",
             f"| `evaluation.replicate_seeds` | {len(settings.evaluation.replicate_seeds)} seeds |",
         ],
     }

@@ -291,14 +291,13 @@ def calibrated(smoked, shared):
         # and a grid again, in chunks this time
         taps = "results/smoke/grids/taps.json"
         (folder / taps).unlink()
-        files = ("calibration/channels.pdf", "rigs/answer.md")
+        files = ("calibration/channels.pdf",)
         # on one core a job starts no workers, each of which would import the libraries
         one = ("--cores", "1")
         made = copy.studies(
-            "ensemble",
-            "posterior",
+            "families",
+            "near_print",
             "targets",
-            "rigs",
             "beyond",
             "tuned",
             *(f"results/smoke/{name}" for name in files),

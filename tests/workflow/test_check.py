@@ -25,13 +25,13 @@ def test_file_that_no_rule_makes_is_reported_and_nothing_else(smoked_copy):
     assert lines(done.stdout) == []
     (results / "tables/table9.md").write_text("x")
     (results / "grids/.taps.4194305.part.json").write_text("half")
-    (results / "ensemble").mkdir(exist_ok=True)
-    (results / "ensemble/rigs_1.json").write_text("of a chunk of another size")
+    (results / "families").mkdir(exist_ok=True)
+    (results / "families/drawn_1.json").write_text("of a chunk of another size")
     done = smoked_copy.studies("check")
     assert done.returncode != 0
     assert "files that no rule makes" in done.stdout
     assert sorted(lines(done.stdout)) == [
-        "  results/smoke/ensemble/rigs_1.json",
+        "  results/smoke/families/drawn_1.json",
         "  results/smoke/grids/.taps.4194305.part.json",
         "  results/smoke/tables/table9.md",
     ]

@@ -89,7 +89,7 @@ def test_studies_can_be_imported_too(in_folder, tmp_path):
         "use rule * from fprc as fprc_*\n",
         encoding="utf-8",
     )
-    planned = in_folder(tmp_path).snakemake("--dry-run", "fprc_ensemble", "fprc_check")
+    planned = in_folder(tmp_path).snakemake("--dry-run", "fprc_families", "fprc_check")
     assert planned.returncode == 0, planned.stdout
     outside = re.findall(r"^    output: (?!mine/)", planned.stdout, re.MULTILINE)
     assert outside == []

@@ -172,12 +172,11 @@ def test_smoke_touches_every_rule(smoked, calibrated):
 @pytest.mark.parametrize(
     "name",
     [
-        "ensemble/claims.csv",
-        "ensemble/claims.pdf",
-        "posterior/claims.csv",
-        "posterior/worth.csv",
-        "posterior/near_print.csv",
+        "families/claims.csv",
+        "families/figure.pdf",
+        "near_print/rigs.json",
         "calibration/sensitivity.csv",
+        "calibration/sensitivity_figure.pdf",
         "calibration/targets.csv",
         "calibration/fit.json",
     ],
@@ -194,27 +193,25 @@ def test_fitted_rig_is_a_configuration_that_the_workflow_takes(calibrated):
     assert done.returncode == 0, done.stdout
 
 
-def test_ensemble_judges_every_rig_once(calibrated):
-    table = pd.read_csv(calibrated[0].folder / "results/smoke/ensemble/claims.csv")
-    assert (table["rigs"] <= 4).all()
-    assert table["share"].between(table["low"], table["high"]).all()
-    assert {"C1a", "C7a", "C13a", "C18b"} <= set(table["id"])
-
-
-def test_rigs_stand_side_by_side(calibrated):
-    table = pd.read_csv(calibrated[0].folder / "results/smoke/rigs/rigs.csv")
-    assert set(table["rig"]) == {"dry", "viscous"}
-    assert table.groupby("rig").size().tolist() == [26, 26]
-    answer = pd.read_csv(calibrated[0].folder / "results/smoke/rigs/answer.csv")
-    assert answer["Rigs"].tolist()[:2] == ["Rig dry", "Rig viscous"]
-    assert len(answer) == 4
+def test_families_stand_side_by_side(calibrated):
+    folder = calibrated[0].folder / "results/smoke/families"
+    errors = pd.read_csv(folder / "errors.csv")
+    assert errors.groupby("family", sort=False).size().to_dict() == dict.fromkeys(
+        ("dry", "viscous", "near_print", "drawn"), 26
+    )
+    claims = pd.read_csv(folder / "claims.csv")
+    many = claims[claims["family"].isin(["near_print", "drawn"])]
+    assert many.groupby("family")["rigs"].max().to_dict() == {"near_print": 2, "drawn": 4}
+    assert many["share"].between(many["low"], many["high"]).all()
+    assert {"C1a", "C7a", "C13a", "C18b", "B1"} <= set(many["id"])
+    assert len(pd.read_csv(folder / "answer.csv")) == 4
 
 
 def test_worlds_beyond_the_paper_have_every_model_and_a_verdict_on_each_claim(calibrated):
     folder = calibrated[0].folder / "results/smoke/beyond"
     ledgers = json.loads((folder / "claims.json").read_text())["ledgers"]
     worlds = [ledger[0]["world"] for ledger in ledgers]
-    assert worlds == ["dry", "bouc_wen", "viscous", "posterior", "drawn"]
+    assert worlds == ["dry", "bouc_wen", "viscous", "near_print", "drawn"]
     assert all(
         [row["id"] for row in ledger] == [f"B{n}" for n in range(1, 9)] for ledger in ledgers
     )
@@ -223,7 +220,7 @@ def test_worlds_beyond_the_paper_have_every_model_and_a_verdict_on_each_claim(ca
     models = pd.read_csv(folder / "models.csv").dropna(axis="columns", how="all")
     forward = models[models["measure"] == "forward"]
     assert forward.groupby("world")["model"].nunique().to_dict() == {
-        "dry": 22, "bouc_wen": 8, "viscous": 22, "posterior": 8, "drawn": 8,
+        "dry": 22, "bouc_wen": 8, "viscous": 22, "near_print": 8, "drawn": 8,
     }  # fmt: skip
     assert (forward["units"] == 2).sum() == len(forward) - 2 * 4  # the slow models have one seed
     tuned = yaml.safe_load((folder / "tuned.yaml").read_text())

@@ -72,7 +72,7 @@ def test_studies_are_no_rules_of_the_paper_and_their_targets_answer_with_the_com
 
 def test_without_a_target_everything_of_the_studies_is_planned(project):
     jobs = planned(project.snakemake(*STUDIES, "--dry-run").stdout)
-    assert {"beyond_world", "ensemble_chunk", "measure_sensitivity", "rigs_table"} <= jobs.keys()
+    assert {"beyond_world", "judge_family", "measure_sensitivity", "families_answer"} <= jobs.keys()
     assert not {"fit_rig", "tune_world", "report_page"} & jobs.keys()
 
 
@@ -105,15 +105,15 @@ PLANNED = [
         {"track", "tracking_table", *(f"draw_fig{number}" for number in range(12, 18))},
         {"grid", "replicate"},
     ),
-    (["report"], {"report_page", "ledger", "draw_fig11"}, {"ensemble_chunk", "fit_rig"}),
+    (["report"], {"report_page", "ledger", "draw_fig11"}, {"judge_family", "fit_rig"}),
     (
-        [*STUDIES, "ensemble", "targets", "smoke"],
-        {"ensemble_chunk", "shares_figure", "targets_table", "replicate", "smoke"},
+        [*STUDIES, "families", "targets", "smoke"],
+        {"judge_family", "families_figure", "targets_table", "replicate", "smoke"},
         {"judge", "fit_rig"},
     ),
     (
         [*STUDIES, "readme"],
-        {"readme", "timing_table", "ledger", "readout_table", "ensemble_chunk"},
+        {"readme", "timing_table", "ledger", "readout_table"},
         {"fit_rig"},
     ),
 ]

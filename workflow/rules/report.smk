@@ -48,7 +48,6 @@ rule report_page:
         **stage("report.write_report"),
         settings=SETTINGS,
         # params, not inputs: a build must not spend minutes on these for the sake of the report
-        drawn=lambda wildcards: on_drawn_rigs(unchanged("ensemble/claims.csv")),
         beyond=lambda wildcards: beyond_paper(unchanged("beyond/claims.json")),
     message:
         "Report: claims, tables, figures and settings on one page"

@@ -1,13 +1,10 @@
 # Beyond the paper: competitors of its models, on several worlds of simulated rigs.
 
-BEYOND = SETTINGS["beyond"]
-#: Rigs of the posterior, and settings of the tuned models; both were made by this workflow.
-POSTERIOR_RIGS = own("../../config/rigs/posterior.json")
+#: Settings of the tuned models; they were made by this workflow.
 TUNED = own("../../config/tuned.yaml")
-#: Worlds: the rig of the configuration, every other named rig, and two sets of rigs.
+#: Families: the rig of the configuration, every other named rig, and the sets of rigs.
 OWN_WORLD = SETTINGS["fitted"]["name"]
-SETS_OF_RIGS = ("posterior", "drawn")
-WORLDS = [OWN_WORLD, *OTHER_RIGS, *SETS_OF_RIGS]
+WORLDS = [OWN_WORLD, *OTHER_RIGS, *SETS]
 FIGURES_BEYOND = ("pairs", "tracking", "offsets", "capacities")
 CONTEST = {
     "models": paper_models(SETTINGS),
@@ -19,7 +16,7 @@ CONTEST = {
 
 rule beyond_world:
     input:
-        rigs=POSTERIOR_RIGS,
+        near_print=NEAR_PRINT,
         tuned=TUNED,
     output:
         judged=PATHS.below("beyond/{world}.json"),
@@ -47,7 +44,7 @@ rule beyond_world:
 
 rule tune_world:
     input:
-        rigs=POSTERIOR_RIGS,
+        near_print=NEAR_PRINT,
     output:
         tuning=PATHS.below("beyond/tuning_{world}.json"),
     log:
@@ -102,7 +99,7 @@ rule beyond_training:
         runtime=120,
     params:
         **stage("studies.beyond.judge_training_logs", key="version"),
-        world=lambda wildcards: world_named(OWN_WORLD),
+        world=lambda wildcards: family_named(OWN_WORLD),
         contest=CONTEST,
         seeds=BEYOND["training"]["seeds"],
         seconds=BEYOND["training"]["seconds"],
@@ -129,7 +126,7 @@ rule beyond_steps:
     threads: workflow.cores
     params:
         **stage("studies.beyond.time_steps"),
-        world=lambda wildcards: world_named(OWN_WORLD),
+        world=lambda wildcards: family_named(OWN_WORLD),
         contest=CONTEST,
     message:
         "Beyond the paper: time of a step"
@@ -154,7 +151,7 @@ rule beyond_capacity:
         runtime=120,
     params:
         **stage("studies.beyond.judge_capacities", key="version"),
-        worlds=lambda wildcards: [world_named(name) for name in (OWN_WORLD, *OTHER_RIGS)],
+        worlds=lambda wildcards: [family_named(name) for name in (OWN_WORLD, *OTHER_RIGS)],
         models=pick(SETTINGS["models"], "n_y", "fprc", "esn"),
         capacity={key: each for key, each in BEYOND["capacity"].items() if key != "seeds"},
         seeds=BEYOND["capacity"]["seeds"],

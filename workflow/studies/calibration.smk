@@ -1,6 +1,6 @@
 # Calibration of the simulated rig, and what depends on it. None of this is part of `all`.
 
-ENSEMBLE = SETTINGS["ensemble"]
+DRAWN, BEYOND = SETTINGS["drawn"], SETTINGS["beyond"]
 TARGET_NAMES = ["command", "measured"]
 SURROGATE = pick(SETTINGS["calibration"], "stride", "esn_nodes")
 #: The rig, and how the paper's models are judged on it, with whatever seed.
@@ -47,17 +47,20 @@ rule measure_sensitivity:
         mem_mb=memory_of,
         runtime=240,
     params:
-        **stage("studies.ensemble.measure_sensitivity", *MODELS, key="version"),
+        **stage("studies.sensitivity.measure_sensitivity", *MODELS, key="version"),
         on_rig=on_rig(SETTINGS),
-        models=paper_models(SETTINGS),
         paths=SETTINGS["calibration"]["free"],
-        steps=ENSEMBLE["sensitivity_steps"],
+        steps=DRAWN["sensitivity_steps"],
         seeds=SETTINGS["evaluation"]["replicate_seeds"][:2],
-        surrogate=SURROGATE,
+        how={
+            "models": paper_models(SETTINGS),
+            "tracking": SETTINGS["tracking"],
+            "surrogate": SURROGATE,
+        },
         workers=lambda wildcards, threads: threads,
         checkpoint=placed(PATHS.below("calibration/sensitivity.partial.jsonl")),
     message:
-        "Sensitivity of the errors to each parameter of the rig"
+        "Sensitivity of all numbers to each parameter of the rig"
     script:
         "../scripts/stage.py"
 
@@ -70,9 +73,24 @@ rule sensitivity_table:
     log:
         PATHS.messages("sensitivity_table"),
     params:
-        **stage("studies.robustness.tabulate_sensitivity"),
+        **stage("studies.sensitivity.tabulate_sensitivity"),
     message:
         "Sensitivity: table"
+    script:
+        "../scripts/stage.py"
+
+
+rule sensitivity_figure:
+    input:
+        table=PATHS.below("calibration/sensitivity.csv"),
+    output:
+        **drawn(PATHS.below("calibration/sensitivity_figure")),
+    log:
+        PATHS.messages("sensitivity_figure"),
+    params:
+        **stage("studies.sensitivity.draw_sensitivity"),
+    message:
+        "Sensitivity: figure"
     script:
         "../scripts/stage.py"
 
@@ -87,7 +105,7 @@ rule targets_table:
     log:
         PATHS.messages("targets_table"),
     params:
-        **stage("studies.robustness.tabulate_targets"),
+        **stage("studies.families.tabulate_targets"),
         names=TARGET_NAMES,
     message:
         "Commanded compared with measured pressure as the models' target"
@@ -105,7 +123,7 @@ rule calibrate:
 rule sensitivity:
     input:
         PATHS.below("calibration/sensitivity.md"),
-        PATHS.below("calibration/sensitivity.json"),
+        PATHS.below("calibration/sensitivity_figure.pdf"),
     localrule: True
 
 

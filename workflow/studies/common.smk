@@ -1,5 +1,7 @@
-# Functions that several rules of the studies share.
+# Names that several rules of the studies share.
 
+#: Rigs near print; the target `near_print` made them.
+NEAR_PRINT = own("../../config/rigs/near_print.json")
 # an unrelated folder may have docs/images too
 IN_CHECKOUT = isinstance(RULES, os.PathLike) and os.path.samefile(
     os.path.join(RULES, "../.."), os.curdir
@@ -20,31 +22,31 @@ def on_rigs(part):
     ]
 
 
-def world_named(name):
-    """Return a world: its rigs, their seeds, and the settings of their simulation."""
+def family_named(name):
+    """Return a family: its rigs, their seeds, and the settings of their simulation."""
     file = named_rig(name) if name in OTHER_RIGS else pick(SETTINGS, "rig", "fitted")
     rig, fitted = file["rig"], file["fitted"]["to"]
     return {
         "name": name,
-        "rigs": name if name in SETS_OF_RIGS else "one",
+        "rigs": name if name in SETS else "one",
         "every_model": name == OWN_WORLD or name in FITTED_RIGS,
         "first_seed": BEYOND["first_seed"],
         "seeds_per_rig": BEYOND["seeds_per_rig"] if name == "drawn" else 1,
-        "fitted": {"posterior": ["tables"], "drawn": []}.get(name, fitted),
+        "fitted": SETS[name]["terms"] if name in SETS else fitted,
         "on_rig": on_rig(SETTINGS) | {"rig": rig},
-        "ensemble": DRAWN if name == "drawn" else {},
+        "drawn": pick(DRAWN, "seed", "angle_deg", "p_o_swing_kpa") if name == "drawn" else {},
         "free": FREE if name == "drawn" else {},
     }
 
 
 def world_of(wildcards):
     """Return the world of a job."""
-    return world_named(wildcards.world)
+    return family_named(wildcards.world)
 
 
 def units_of(wildcards):
     """Return the number of seeds or rigs of a world."""
-    return BEYOND["rigs" if wildcards.world in SETS_OF_RIGS else "seeds"]
+    return BEYOND["rigs" if wildcards.world in SETS else "seeds"]
 
 
 def units_of_tuning(wildcards):

@@ -10,7 +10,6 @@ if "readme" not in PLAN.unavailable:
             orders=PATHS.below("tables/orders.csv"),
             seeds=[path.replace(".md", ".csv") for path in PLAN.seeds_tables],
             ledger=PATHS.below("claims.json"),
-            drawn=PATHS.below("ensemble/claims.csv"),
             figure=PATHS.below("figures/fig08_training.png"),
             made_from=TARGETS["report"],
         log:
@@ -31,25 +30,21 @@ if "readme" not in PLAN.unavailable:
 rule calibration_page:
     input:
         pages=[
-            PATHS.below("rigs/answer.md"),
-            PATHS.below("rigs/rigs.md"),
-            PATHS.below("ensemble/claims.md"),
-            PATHS.below("posterior/claims.md"),
-            PATHS.below("posterior/worth.md"),
-            PATHS.below("posterior/near_print.md"),
-            PATHS.below("posterior/history.md"),
+            *expand(PATHS.below("families/{table}.md"), table=FAMILY_TABLES),
             PATHS.below("calibration/targets.md"),
             PATHS.below("calibration/sensitivity.md"),
         ],
         figures=[
             PATHS.below(f"{name}.png")
-            for name in ("ensemble/claims", "posterior/claims", "calibration/channels")
+            for name in (
+                "families/figure",
+                "calibration/sensitivity_figure",
+                "calibration/channels",
+            )
         ],
         made_from=[
-            *CHUNK_FILES,
+            *CHUNK_FILES.values(),
             PATHS.below("calibration/sensitivity.json"),
-            *MEMBER_FILES,
-            PATHS.below("ensemble/summary.json"),
             *PLAN.replicates("models", TARGET_NAMES),
             *PLAN.replicates("control", TARGET_NAMES),
         ],
@@ -59,7 +54,7 @@ rule calibration_page:
     params:
         **stage("studies.documents.update_tables"),
         page="docs/calibration.md",
-        pictures=[f"docs/images/{name}.png" for name in ("ensemble", "posterior", "channels")],
+        pictures=[f"docs/images/{name}.png" for name in ("families", "sensitivity", "channels")],
     message:
         "docs/calibration.md: numbers and pictures from the results"
     script:

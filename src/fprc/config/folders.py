@@ -14,8 +14,8 @@ PROJECT_FOLDERS = frozenset({"config", "docs", "profiles", "src", "tests", "tool
 #: Folders that the rules create in the results folder.
 RESULT_FOLDERS = frozenset(
     {
-        "beyond", "calibration", "crossval", "data", "ensemble", "figures", "grids",
-        "logs", "models", "posterior", "predictions", "quality", "readout", "replicates",
+        "beyond", "calibration", "crossval", "data", "families", "figures", "grids",
+        "logs", "models", "near_print", "predictions", "quality", "readout", "replicates",
         "reservoir", "rigs", "tables", "timing", "weights",
     }
 )  # fmt: skip

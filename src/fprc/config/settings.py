@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from fprc.config.beyond import Beyond
-from fprc.config.calibration import Calibration, Ensemble, Fitted, Posterior
+from fprc.config.calibration import Calibration, Drawn, Fitted, NearPrint
 from fprc.config.folders import Folders
 from fprc.config.hardware import Hardware
 from fprc.config.models import Evaluation, Grids, Models
@@ -129,8 +129,8 @@ class Settings(Section):
     grids: Grids = Grids()
     tracking: Tracking = Tracking()
     calibration: Calibration = Calibration()
-    ensemble: Ensemble = Ensemble()
-    posterior: Posterior = Posterior()
+    drawn: Drawn = Drawn()
+    near_print: NearPrint = NearPrint()
     beyond: Beyond = Beyond()
     hardware: Hardware = Hardware()
     rig: Rig = Rig()

@@ -1,6 +1,5 @@
 """What the rules pass to their stages: each gets only the settings that it reads."""
 
-import csv
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -73,20 +72,6 @@ def tracking(settings: Settings, reference: str, *names: str) -> dict[str, Any]:
         **pick(section, "angle_range_deg", "pressure_limit_kpa", *names),
         "references": pick(section["references"], reference),
     }
-
-
-def on_drawn_rigs(claims: str) -> dict[str, str]:
-    """Return, by claim, on how many drawn rigs it holds; empty if they have not been judged.
-
-    Parameters
-    ----------
-    claims : str
-        Table of the ensemble, CSV; it need not exist.
-    """
-    if not Path(claims).is_file():
-        return {}
-    with open(claims, newline="", encoding="utf-8") as file:
-        return {row["id"]: f"{row['holds']} of {row['rigs']}" for row in csv.DictReader(file)}
 
 
 def beyond_paper(claims: str) -> dict[str, Any]:

@@ -39,7 +39,6 @@ def write_report(
     html: str,
     *,
     settings: Mapping[str, Any],
-    drawn: Mapping[str, str],
     beyond: Mapping[str, Any] | None = None,
     **logs: Sequence[str],
 ) -> None:
@@ -57,8 +56,6 @@ def write_report(
         Of each table, the Markdown page and the CSV.
     figures : sequence of str
         Of each figure, PNG, sidecar and caption.
-    drawn : Mapping
-        By claim, as text: on how many drawn rigs it holds; empty if that was not judged.
     beyond : Mapping, optional
         ``worlds``, and ``ledgers``: of each world, the rows of ``judge_world``.
     **logs : sequence of str
@@ -95,7 +92,6 @@ def write_report(
             commit=_commit(*checkout()),
             versions=pd.DataFrame(versions().items(), columns=["Software", "Version"]),
             names=names,
-            drawn=drawn,
             beyond=beyond,
             **_claims(ledger, folder, names),
         )
@@ -125,7 +121,7 @@ def banner(sources: set[str]) -> str:
     return "MEASURED DATA"
 
 
-_NOT_COMPARED = ("source", "seed", "folders", "rig", "fitted", "calibration", "ensemble")
+_NOT_COMPARED = ("source", "seed", "folders", "rig", "fitted", "calibration", "drawn")
 
 
 def _changed(settings: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:

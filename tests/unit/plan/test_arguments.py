@@ -9,7 +9,6 @@ from fprc.plan.arguments import (
     feedback_in_words,
     judgement,
     of_pressures,
-    on_drawn_rigs,
     on_rig,
     paper_models,
     pick,
@@ -92,10 +91,3 @@ def test_words_on_the_feedback_tell_law_and_gains_but_for_recorded_logs():
     assert "sum" not in positional
     assert all(gain in incremental for gain in ("0.5 kPa/deg", "0.005 kPa s/deg"))
     assert all(gain in positional for gain in ("2.5 kPa/deg", "0.07 kPa s/deg"))
-
-
-def test_claims_hold_on_as_many_drawn_rigs_as_the_table_says_if_it_exists(tmp_path):
-    table = tmp_path / "claims.csv"
-    assert on_drawn_rigs(str(table)) == {}
-    table.write_text('id,claim,holds,rigs\nC1,"a, b",7,40\nC18a,c,0,40\n', encoding="utf-8")
-    assert on_drawn_rigs(str(table)) == {"C1": "7 of 40", "C18a": "0 of 40"}

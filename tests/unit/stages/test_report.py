@@ -119,7 +119,6 @@ class Project:
         self.tables, self.figures = [], []
         self.settings = SETTINGS
         self.template = TEMPLATE
-        self.drawn = {}
         self.beyond = None
         self.logs = {}
 
@@ -154,7 +153,7 @@ class Project:
         missing.to_csv(self.folder / "missing.csv", index=False)
         write_report(
             self.template, self.ledger, str(self.folder / "missing.csv"), self.tables,
-            self.figures, str(target), settings=self.settings, drawn=self.drawn,
+            self.figures, str(target), settings=self.settings,
             beyond=self.beyond, **self.logs,
         )  # fmt: skip
         return target.read_text(encoding="utf-8")
@@ -359,13 +358,6 @@ def test_rows_of_a_half_fitted_table_are_fitted_in_open_loop_only(project):
     kinds = {row["text"].split("\n")[0]: row.get("class") for row in project.page().all("tr")}
     shown = [kind for text, kind in kinds.items() if text.endswith("ours")]
     assert shown == ["fitted", "predicted", "predicted"]
-
-
-def test_claims_say_on_how_many_drawn_rigs_they_hold_if_that_was_judged(project):
-    assert "Drawn rigs" not in project.write()
-    project.drawn = {"C1": "7 of 40"}
-    page = project.page()
-    assert page.texts("td", **{"data-label": "Drawn rigs"}) == ["7 of 40", "-", "-"]
 
 
 def test_worth_of_the_reservoir_is_shown_if_it_was_judged(project, make_world):

@@ -45,7 +45,7 @@ WORLDS = {
         "viscous",
         "a rig whose loops come mostly from a viscous memory, fitted to the paper",
     ),
-    "posterior": ("posterior", "rigs that are compatible with the errors of Tables II and III"),
+    "near_print": ("near print", "rigs near the errors of Tables II and III"),
     "drawn": ("drawn", "rigs that were drawn from the physical ranges, not fitted"),
 }
 

@@ -1,49 +1,39 @@
-"""Claims on sets of rigs: shares of rigs, correlations, and trade-offs found by searches."""
+"""Shares of rigs on which claims hold."""
+
+import textwrap
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import QuadMesh
-from pandas import DataFrame
 
-#: Markers of the ends of searches.
-_ENDS = "*osD^v"
+#: Shape and colour of each set.
+_LOOKS = (("o", "black"), ("s", "tab:blue"))
 
 
-def plot_shares_of_rigs(table: DataFrame, ax: Axes) -> Axes:
-    """Draw the share of rigs on which each claim holds, with its interval.
+def plot_shares(sets: Sequence[Mapping[str, Any]], ax: Axes) -> None:
+    """Draw the share of rigs on which each claim holds, with its interval, a colour per set.
 
     Parameters
     ----------
-    table : DataFrame
-        ``id``, ``share``, ``low``, ``high``, in the order from top to bottom.
+    sets : sequence of mapping
+        Families of many rigs, see ``fprc.studies.stages.families.compare_families``. Claims are
+        drawn from the share of the first family downwards.
     """
-    rows = np.arange(len(table))
-    arms = np.abs(np.array([table["share"] - table["low"], table["high"] - table["share"]]))
-    ax.errorbar(table["share"], rows, xerr=arms, fmt="o", color="black",
-                markersize=3, capsize=2, linewidth=0.8)  # fmt: skip
-    ax.set(
-        xlim=(-0.03, 1.03),
-        xlabel="Share of rigs, 95 % interval",
-        yticks=rows,
-        yticklabels=table["id"],
-    )
-    ax.set_ylim(len(table) - 0.5, -0.5)
+    first = sorted(sets[0]["claims"], key=lambda claim: -claim["holds"]["share"])
+    rows = np.arange(len(first))
+    for k, (family, (marker, color)) in enumerate(zip(sets, _LOOKS, strict=False)):
+        held = {claim["id"]: claim["holds"] for claim in family["claims"]}
+        share, low, high = (
+            np.array([100 * held[claim["id"]][key] for claim in first])
+            for key in ("share", "low", "high")
+        )
+        ax.errorbar(
+            share, rows + 0.26 * (k - 0.5), xerr=[share - low, high - share], fmt=marker,
+            color=color, markersize=3, capsize=0, linewidth=0.8, label=family["title"],
+        )  # fmt: skip
+    labels = [textwrap.shorten(f"{c['id']}: {c['claim']}", 72, placeholder=" ...") for c in first]
+    ax.set(xlim=(-3, 103), xlabel="Share of rigs, 95 % interval [%]", yticks=rows)
+    ax.set_yticklabels(labels)
+    ax.set_ylim(len(first) - 0.5, -0.5)
     ax.grid(axis="y", color="0.9", linewidth=0.5)
-    return ax
-
-
-def plot_correlations(grid: DataFrame, limit: float, ax: Axes) -> QuadMesh:
-    """Draw rank correlations, one row per parameter and one column per claim.
-
-    A cross marks values beyond ``limit``; a claim without correlations is grey.
-    """
-    values = grid.to_numpy(float)
-    ax.set_facecolor("0.93")
-    image = ax.pcolormesh(values, cmap="PuOr", vmin=-limit, vmax=limit)
-    strong = np.argwhere(np.abs(values) > limit)
-    ax.plot(strong[:, 1] + 0.5, strong[:, 0] + 0.5, "x", color="white", markersize=5)
-    ax.set_xticks(np.arange(grid.shape[1]) + 0.5, grid.columns, rotation=90)
-    ax.set_yticks(np.arange(grid.shape[0]) + 0.5, grid.index)
-    ax.set_ylim(grid.shape[0], 0)
-    ax.tick_params(length=0)
-    return image

@@ -1,19 +1,17 @@
 """Judge the competitors on the rigs of a world, and choose their settings."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
 import yaml
 
 from fprc.artifacts import read_json, write_json, write_text
-from fprc.config.rig import Rig
 from fprc.errors import FprcError
 from fprc.evaluation.cells import judged_cells
 from fprc.evaluation.timing import machine
 from fprc.experiments.hysteresis import simulate
-from fprc.experiments.settings import Judgement, RigSettings
+from fprc.experiments.settings import Judgement
 from fprc.studies.beyond.contest import (
     ALL,
     BRIEF,
@@ -25,15 +23,14 @@ from fprc.studies.beyond.contest import (
 )
 from fprc.studies.beyond.driven_states import judge_capacity
 from fprc.studies.beyond.tuning import SPACES, candidates_of, chosen, judge_candidate
-from fprc.studies.calibration.space import free_parameters
-from fprc.studies.families.ensemble import draw_rig
+from fprc.studies.families.family import rigs_of
 from fprc.yaml_file import read_yaml
 
 Settings = Mapping[str, Any]
 
 
 def judge_world(
-    rigs: str,
+    near_print: str,
     tuned: str,
     judged: str,
     *,
@@ -47,14 +44,13 @@ def judge_world(
 
     Parameters
     ----------
-    rigs : str
-        Rigs of the posterior.
+    near_print : str
+        File of the rigs near print.
     tuned : str
         Settings of the tuned models, by world and name.
     world : Mapping
-        ``name``, ``rigs`` (one, posterior or drawn), ``fitted`` (terms that its rigs were fitted
-        to), ``every_model`` (else only those of ``BRIEF``), ``first_seed``, ``seeds_per_rig``, and
-        ``on_rig``, ``ensemble`` and ``free`` for the rigs.
+        A family, see ``rigs_of``, with ``name``, ``fitted`` (terms that its rigs were fitted to)
+        and ``every_model`` (else only those of ``BRIEF``).
     slow : int
         Number of the first units that also judge the slow models, in a world with every model.
     contest : Mapping
@@ -70,10 +66,10 @@ def judge_world(
         "source": "sim",
     }
     with judged_cells(
-        partial(_judge, rigs=rigs, world=world, slow=slow, contest=entered),
+        partial(_judge, near_print=near_print, world=world, slow=slow, contest=entered),
         [{"unit": unit} for unit in range(units)],
         settings=[world, entered, slow],
-        files=[rigs],
+        files=[near_print],
         **run,
     ) as cells:
         builds = [{"unit": cell["unit"], **build} for cell in cells for build in cell["builds"]]
@@ -81,7 +77,7 @@ def judge_world(
 
 
 def tune_world(
-    rigs: str,
+    near_print: str,
     tuning: str,
     *,
     world: Settings,
@@ -109,12 +105,12 @@ def tune_world(
         for name in names
         for each in candidates_of(name, candidates, seed)
     ]
-    logs = [simulate(*builds_of(unit, rigs, world)[0]) for unit in units]
+    logs = [simulate(*rigs_of(unit, world, near_print)[0]) for unit in units]
     with judged_cells(
         partial(judge_candidate, logs=logs, judgement=Judgement(**judgement), restarts=restarts),
         cells,
         settings=[world, list(units), restarts, judgement],
-        files=[rigs],
+        files=[near_print],
         **run,
     ) as tried:
         by_model = {name: [each for each in tried if each["model"] == name] for name in names}
@@ -201,7 +197,7 @@ def judge_capacities(
 def time_steps(tuned: str, steps: str, *, world: Settings, contest: Settings) -> None:
     """Time a step of every model on this machine, us."""
     entered = _contest(contest, tuned, world)
-    on_rig, seed = builds_of(0, "", world)[0]
+    on_rig, seed = rigs_of(0, world)[0]
     logs = simulate(on_rig, seed)
     times = {name: time_of_step(name, logs, entered, seed) for name in ALL}
     write_json(steps, {"source": "sim", **machine(), "step_us": times})
@@ -217,33 +213,14 @@ def _contest(contest: Settings, tuned: str, world: Settings) -> Contest:
     return Contest(**contest, tuned=known[world["name"]])
 
 
-def builds_of(unit: int, rigs: str, world: Settings) -> list[tuple[RigSettings, int]]:
-    """Return the rig of a unit, once with each of its seeds."""
-    on_rig = RigSettings(**world["on_rig"])
-    count = world["seeds_per_rig"]
-    if world["rigs"] == "posterior":
-        known = read_json(rigs)["rigs"]
-        if unit >= len(known):
-            raise FprcError(
-                f"{rigs}: {len(known)} rigs, but beyond.rigs and beyond.tuning.units need more "
-                f"than {unit}; reduce them"
-            )
-        on_rig = replace(on_rig, rig=Rig.model_validate(known[unit]).model_dump(mode="json"))
-    elif world["rigs"] == "drawn":
-        drawn = world["ensemble"]["seed"] + unit
-        on_rig, _, _ = draw_rig(drawn, world["ensemble"], free_parameters(**world["free"]), on_rig)
-    first = world["first_seed"] + unit * count
-    return [(on_rig, seed) for seed in range(first, first + count)]
-
-
 def _judge(
-    cell: Mapping[str, int], *, rigs: str, world: Settings, slow: int, contest: Contest
+    cell: Mapping[str, int], *, near_print: str, world: Settings, slow: int, contest: Contest
 ) -> dict[str, Any]:
     names: Sequence[str] = BRIEF
     if world["every_model"]:
         names = [name for name in ALL if name not in SLOW or cell["unit"] < slow]
     builds = []
-    for on_rig, seed in builds_of(cell["unit"], rigs, world):
+    for on_rig, seed in rigs_of(cell["unit"], world, near_print):
         try:
             report: dict[str, Any] = {"models": judge_build(on_rig, seed, names, contest)}
         except FprcError as error:
@@ -253,12 +230,12 @@ def _judge(
 
 
 def _judge_lengths(cell: Mapping[str, int], *, world: Settings, **how: Any) -> dict[str, Any]:
-    on_rig, seed = builds_of(cell["unit"], "", world)[0]
+    on_rig, seed = rigs_of(cell["unit"], world)[0]
     return {"trained": judge_lengths(on_rig, seed, BRIEF, **how)}
 
 
 def _judge_capacity(
     cell: Mapping[str, Any], *, worlds: Settings, models: Settings, capacity: Settings
 ) -> dict[str, Any]:
-    on_rig, seed = builds_of(cell["unit"], "", worlds[cell["world"]])[0]
+    on_rig, seed = rigs_of(cell["unit"], worlds[cell["world"]])[0]
     return {"seed": seed, **judge_capacity(on_rig.rig, on_rig.control, models, capacity, seed)}

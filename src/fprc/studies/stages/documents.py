@@ -12,7 +12,6 @@ from fprc.artifacts import read_json, replacing, write_text
 from fprc.competitors import TITLES
 from fprc.errors import FprcError
 from fprc.paper import ERRORS
-from fprc.plan.arguments import on_drawn_rigs
 from fprc.registry import title_of
 from fprc.studies.beyond import tables as beyond
 from fprc.tables.models import deviations
@@ -25,7 +24,6 @@ def update_readme(
     orders: str,
     seeds: Sequence[str],
     ledger: str,
-    drawn: str,
     figure: str,
     *,
     readme: str,
@@ -44,8 +42,6 @@ def update_readme(
         Tables II to IV over further seeds, CSV.
     ledger : str
         Claims, JSON.
-    drawn : str
-        On how many drawn rigs each claim holds, CSV.
     figure, picture : str
         Figure of the results, and its copy in docs.
     readme, results : str
@@ -55,7 +51,7 @@ def update_readme(
     blocks = {Path(path).stem: _read(path) for path in pages} | {
         "orders": _orders(pd.read_csv(orders)),
         "deviations": _deviations(seeds[:2]),
-        "verdicts": _verdicts(judged, on_drawn_rigs(drawn)),
+        "verdicts": _verdicts(judged),
     }
     first = {name: blocks[name] for name in ("table2_seeds", "table3_seeds")}
     first["outcome"] = f"{_outcome(judged)} {blocks['deviations']} {_tracking(seeds[2])}"
@@ -202,7 +198,7 @@ def _others(claims: pd.DataFrame) -> str:
     return f" ({'; '.join(parts)})" if parts else ""
 
 
-def _verdicts(judged: Mapping[str, Any], drawn: Mapping[str, str]) -> str:
+def _verdicts(judged: Mapping[str, Any]) -> str:
     """Return a table of the claims."""
     rows = [
         {
@@ -211,7 +207,6 @@ def _verdicts(judged: Mapping[str, Any], drawn: Mapping[str, str]) -> str:
             "Verdict": claim["verdict"],
             "Fitted?": claim["rig"],
             "Ours, 95 % interval": claim["ours"],
-            "Drawn rigs": drawn.get(claim["id"], "-"),
         }
         for claim in judged["claims"]
     ]

@@ -45,6 +45,7 @@ def settings():
         "seeds": [21],
         "check_seeds": [41],
         "taps": [4, 1],
+        "fit": list(TERMS),
         "first": {"fit": [], "generations": 1},
         "generations": [GENERATIONS],
         "step": 0.3,
@@ -525,14 +526,14 @@ def test_fit_is_no_worse_than_the_rig_that_it_began_at(quick, tmp_path):
 def test_rig_that_is_worse_on_other_seeds_than_the_one_before_it_is_warned_of(
     quick, tmp_path, caplog, sign, warned
 ):
-    quick.deviation = lambda point, seeds: 10.0 + (sign if seeds == [41] else 1.0) * np.sum(point)
+    quick.deviation = lambda point, seeds: 1.0 + 0.3 * (sign if seeds == [41] else 1.0) * sum(point)
     with caplog.at_level("WARNING", logger="fprc"):
         found = quick.fit(tmp_path)
     assert found["loss"] < found["loss_at_start"]
     point = np.array([p["share"] for p in found["parameters"]])
     for key, at in (("check_loss", point), ("check_loss_at_start", quick.start)):
         # parameters are rounded to four digits
-        expected = 12.0 * (10.0 + sign * np.sum(at)) ** 2
+        expected = 12.0 * (1.0 + 0.3 * sign * np.sum(at)) ** 2
         assert found[key] == pytest.approx(expected, rel=1e-3)
     assert found["check_seeds"] == [41]
     assert any("keep the starting rig" in text for text in caplog.messages) is warned
@@ -547,7 +548,7 @@ def test_each_search_begins_where_the_one_before_ended(quick, judged, tmp_path, 
         return judge(*positional, calibration=calibration, **named)
 
     monkeypatch.setattr(stage, "judge_seeds", noting)
-    quick.deviation = lambda point, seeds: 10.0 + np.sum(point)
+    quick.deviation = lambda point, seeds: 1.0 + 0.3 * np.sum(point)
     first = {"fit": ["tables"], "generations": 3}
     changes = with_calibration(
         quick.settings, first=first, fit=["tables", "plausible"], generations=[2, 4],
@@ -564,7 +565,9 @@ def test_each_search_begins_where_the_one_before_ended(quick, judged, tmp_path, 
         assert now[0] == pytest.approx(min(judged_before, key=sum), rel=1e-3)
         judged_before = now
     assert found["fit"] == ["tables", "plausible"]
-    assert found["loss_at_start"] == pytest.approx(12.0 * (10.0 + quick.start.sum()) ** 2, rel=1e-3)
+    assert found["loss_at_start"] == pytest.approx(
+        12.0 * (1.0 + 0.3 * quick.start.sum()) ** 2, rel=1e-3
+    )
     assert [p["began_at"] for p in found["parameters"]] == quick.start.tolist()
     order = [fit for fit, before in zip(asked, [None, *asked], strict=False) if fit != before]
     assert order == [("tables",), ("tables", "plausible")]

@@ -1,13 +1,10 @@
-"""Rigs that are compatible with printed errors: approximate Bayesian computation.
+"""Rigs near print: rigs drawn at random, moved until their errors are near the printed ones.
 
-Prior: the ensemble, that is, parameters uniform over their ranges, of rigs that bend and squeeze
-plausibly. Each rig is simulated once, with noise of its own, as the paper's rig was recorded once.
-Likelihood: the logarithms of its errors deviate from the printed ones by a normal error.
-
-Rejection would need millions of rigs. An ensemble smoother with multiple data assimilation
-(Emerick and Reynolds, Computers & Geosciences 55, 2013), which is exact where the logarithms are
-linear in normal parameters, moves the prior near to the posterior. Sweeps of an ensemble sampler
-refine this; many more would be needed to remove all effects of the smoother's assumption.
+An ensemble smoother with multiple data assimilation (Emerick and Reynolds, Computers & Geosciences
+55, 2013) moves drawn rigs towards the errors, and sweeps of an ensemble sampler refine them: the
+logarithms of a rig's errors deviate from the printed ones by a normal error. Each rig is simulated
+once, with its own noise, as the paper's rig was recorded once. The deviation still falls when the
+sweeps end, so the rigs are no draws from a posterior.
 """
 
 import math
@@ -25,7 +22,7 @@ from fprc.experiments.settings import RigSettings
 from fprc.signals import rms
 from fprc.studies.calibration.space import Free, decode
 from fprc.studies.calibration.surrogate import judge_by_surrogate
-from fprc.studies.families.ensemble import draw_rig, is_plausible
+from fprc.studies.families.family import draw_rig, is_plausible
 
 #: Takes points of shape (n, parameters); returns the logarithms of the errors of each, or None
 #: where the rig is impossible or implausible.
@@ -45,7 +42,7 @@ _MOVES = [
 ]
 
 
-def draw_posterior(
+def move_near(
     prior: np.ndarray,
     simulate: Simulate,
     target: np.ndarray,
@@ -55,7 +52,7 @@ def draw_posterior(
     sweeps: int,
     seed: int,
 ) -> tuple[np.ndarray, np.ndarray, list[dict[str, Any]]]:
-    """Draw points from the posterior, beginning with points from a standard normal prior.
+    """Move points of a standard normal prior near a target.
 
     Parameters
     ----------
@@ -97,12 +94,12 @@ def draw_posterior(
         for i, (point, row) in enumerate(zip(batch, simulate(batch), strict=True)):
             if row is not None:
                 known[point.tobytes()] = np.asarray(row)
-                log_probabilities[i] = _log_posterior(point, np.asarray(row), target, tolerance)
+                log_probabilities[i] = _log_probability(point, np.asarray(row), target, tolerance)
         return log_probabilities
 
     sampler = emcee.EnsembleSampler(*points.shape, log_probability, moves=_MOVES, vectorize=True)
     log_probabilities = [
-        _log_posterior(point, row, target, tolerance)
+        _log_probability(point, row, target, tolerance)
         for point, row in zip(points, logs, strict=True)
     ]
     random = np.random.RandomState(seed).get_state()
@@ -126,7 +123,7 @@ def assimilate(
     """Move points towards the target by one of several equal assimilations.
 
     The likelihood's variance is multiplied by the number of assimilations. After all of them the
-    points are draws from the posterior if ``logs`` are linear in them.
+    points deviate from the target by ``tolerance`` if ``logs`` are linear in them.
 
     Parameters
     ----------
@@ -141,10 +138,10 @@ def assimilate(
 
 
 def prior_point(
-    seed: int, ensemble: Mapping[str, Any], free: Sequence[Free], on_rig: RigSettings
+    seed: int, drawn: Mapping[str, Any], free: Sequence[Free], on_rig: RigSettings
 ) -> np.ndarray:
-    """Draw a rig of the ensemble and return the normal scores of its parameters."""
-    _, shares, _ = draw_rig(seed, ensemble, free, on_rig)
+    """Draw a rig at random and return the normal scores of its parameters."""
+    _, shares = draw_rig(seed, drawn, free, on_rig)
     return np.asarray(ndtri(np.clip(shares, _EDGE, 1.0 - _EDGE)))
 
 
@@ -156,7 +153,7 @@ def rig_at(point: Sequence[float], free: Sequence[Free], on_rig: RigSettings) ->
 def judge_member(
     cell: Mapping[str, Any],
     *,
-    ensemble: Mapping[str, Any],
+    drawn: Mapping[str, Any],
     free: Sequence[Free],
     on_rig: RigSettings,
     models: Mapping[str, Any],
@@ -173,15 +170,15 @@ def judge_member(
         Ratios of the full models' errors to the surrogate's.
     """
     try:
-        drawn = rig_at(cell["point"], free, on_rig)
-        Rig.model_validate(drawn.rig)
-        judged = judge_by_surrogate(drawn, cell["seed"], models, surrogate, {}, {})
+        moved = rig_at(cell["point"], free, on_rig)
+        Rig.model_validate(moved.rig)
+        judged = judge_by_surrogate(moved, cell["seed"], models, surrogate, {}, {})
         logs = [math.log(ratio * judged["errors"][key]) for key, ratio in ratios.items()]
     except (FprcError, ValueError) as error:  # ValueError: from pydantic, or log(0)
         return {"impossible": " ".join(str(error).split())}
     if not np.isfinite(logs).all():
         return {"impossible": "an error is not finite"}
-    if not is_plausible(judged["properties"], ensemble):
+    if not is_plausible(judged["properties"], drawn):
         return {"impossible": "its angle or its swing of P_o is implausible"}
     return {"logs": logs}
 
@@ -191,14 +188,14 @@ def _judged(points: np.ndarray, simulate: Simulate, least: int) -> tuple[np.ndar
     kept = [i for i, row in enumerate(logs) if row is not None]
     if len(kept) < least:
         raise EvaluationError(
-            f"{len(kept)} of {len(points)} rigs of the posterior are possible and plausible, and "
-            f"{least} are needed; draw more rigs (posterior.rigs), or widen ensemble.angle_deg or "
-            "ensemble.p_o_swing_kpa"
+            f"{len(kept)} of {len(points)} rigs are possible and plausible, and {least} are "
+            "needed; draw more rigs (near_print.rigs), or widen drawn.angle_deg or "
+            "drawn.p_o_swing_kpa"
         )
     return points[kept], np.array([logs[i] for i in kept], dtype=float)
 
 
-def _log_posterior(
+def _log_probability(
     point: np.ndarray, logs: np.ndarray, target: np.ndarray, tolerance: float
 ) -> float:
     return float(-0.5 * (np.sum(((logs - target) / tolerance) ** 2) + np.sum(point**2)))

@@ -1,10 +1,10 @@
-"""The posterior of a linear rig with normal errors is known in closed form."""
+"""The distribution to which a linear rig with normal errors is moved is known in closed form."""
 
 import numpy as np
 import pytest
 
 from fprc.errors import EvaluationError
-from fprc.studies.families.posterior import assimilate, draw_posterior
+from fprc.studies.families.near_print import assimilate, move_near
 
 SLOPES = np.array([[1.0, 0.5, 0.0], [-0.5, 1.0, 0.3]])
 TARGET = np.array([1.5, -0.7])
@@ -25,7 +25,7 @@ def prior(number, seed=0):
     return np.random.default_rng(seed).standard_normal((number, 3))
 
 
-def test_assimilations_of_a_linear_rig_give_the_posterior():
+def test_assimilations_of_a_linear_rig_give_the_closed_form():
     points, rng = prior(20000), np.random.default_rng(1)
     for _ in range(4):
         points = assimilate(points, np.array(linear(points)), TARGET, TOLERANCE, 4, rng)
@@ -35,7 +35,7 @@ def test_assimilations_of_a_linear_rig_give_the_posterior():
 
 
 @pytest.mark.slow
-def test_sweeps_alone_reach_the_posterior_and_leave_the_impossible():
+def test_sweeps_alone_reach_the_closed_form_and_leave_the_impossible():
     """Without an assimilation, from the prior; one half of the space is impossible."""
 
     def half(points):
@@ -43,7 +43,7 @@ def test_sweeps_alone_reach_the_posterior_and_leave_the_impossible():
             None if point[2] < 0 else own for point, own in zip(points, linear(points), strict=True)
         ]
 
-    points, logs, history = draw_posterior(
+    points, logs, history = move_near(
         prior(600), half, TARGET, tolerance=TOLERANCE, assimilations=0, sweeps=400, seed=2
     )
     assert (points[:, 2] >= 0).all()
@@ -59,8 +59,8 @@ def test_sweeps_alone_reach_the_posterior_and_leave_the_impossible():
 
 def test_same_seed_gives_the_same_draws_and_history_names_each_step():
     settings = {"tolerance": TOLERANCE, "assimilations": 2, "sweeps": 3, "seed": 5}
-    points, _, history = draw_posterior(prior(40), linear, TARGET, **settings)
-    again, _, _ = draw_posterior(prior(40), linear, TARGET, **settings)
+    points, _, history = move_near(prior(40), linear, TARGET, **settings)
+    again, _, _ = move_near(prior(40), linear, TARGET, **settings)
     assert np.array_equal(points, again)
     assert [row["step"] for row in history] == [
         "prior", "assimilation 1", "assimilation 2", "sweep 1", "sweep 2", "sweep 3",
@@ -69,8 +69,8 @@ def test_same_seed_gives_the_same_draws_and_history_names_each_step():
 
 
 def test_no_possible_rig_is_an_error():
-    with pytest.raises(EvaluationError, match="posterior.rigs"):
-        draw_posterior(
+    with pytest.raises(EvaluationError, match=r"near_print\.rigs"):
+        move_near(
             prior(5), lambda points: [None] * len(points), TARGET,
             tolerance=1.0, assimilations=1, sweeps=1, seed=0,
         )  # fmt: skip

@@ -1,16 +1,20 @@
-"""The drawing of the posterior as a stage: seeds, checkpoint and result file."""
+"""The search for rigs near print as a stage: seeds, checkpoint and result file."""
 
 import numpy as np
 import pytest
+from scipy.special import ndtr
 
 from fprc.artifacts import read_json
 from fprc.config import Settings
 from fprc.config.load import PUBLISHED
+from fprc.config.rig import Rig
 from fprc.studies.calibration.objective import printed_errors
-from fprc.studies.stages import posterior as stage
+from fprc.studies.calibration.space import free_parameters
+from fprc.studies.stages import near_print as stage
 from fprc.yaml_file import read_yaml
 
 FREE = {"paths": ["bending.preload_kpa", "drift.sigma_kpa", "bending.friction_kpa"], "ranges": {}}
+PRELOAD = free_parameters(**FREE)[0][1:3]
 ERRORS = printed_errors(read_yaml(PUBLISHED))
 SLOPES = np.random.default_rng(0).normal(0.0, 0.3, (len(ERRORS), 3))
 
@@ -23,10 +27,10 @@ def logs_of(point, seed):
 
 @pytest.fixture
 def draw(monkeypatch, tmp_path):
-    """Draw members of a rig that costs nothing; counts what is judged."""
+    """Find rigs like one that costs nothing; counts what is judged."""
     judged = []
 
-    def judge(cell, *, ensemble, free, on_rig, models, surrogate, ratios):
+    def judge(cell, *, drawn, free, on_rig, models, surrogate, ratios):
         assert set(ratios.values()) == {1.25}
         if len(judged) == draw.dies_after:
             raise KeyboardInterrupt
@@ -45,15 +49,15 @@ def draw(monkeypatch, tmp_path):
     )
     settings = Settings().model_dump(mode="json")
 
-    def draw(name="members", dies_after=None):
+    def draw(name="rigs", dies_after=None):
         draw.dies_after = dies_after
         judged.clear()
-        stage.draw_members(
+        stage.find_near_print(
             str(PUBLISHED), str(tmp_path / f"{name}.json"),
-            posterior={
-                "rigs": 12, "seed": 70, "tolerance": 0.1, "assimilations": 2, "sweeps": 3
+            near_print={
+                "rigs": 12, "keep": 4, "seed": 70, "tolerance": 0.1, "assimilations": 2, "sweeps": 3
             },
-            ensemble={}, free=FREE,
+            drawn={}, free=FREE,
             on_rig={
                 "rig": settings["rig"], "signals": settings["experiments"],
                 "control": settings["control"], "target": "command",
@@ -67,20 +71,20 @@ def draw(monkeypatch, tmp_path):
     return draw
 
 
-def test_each_member_is_what_its_point_and_seed_give(draw):
+def test_rigs_that_are_kept_are_possible_and_as_many_as_asked(draw):
     report = read_json(draw())
     assert len(set(draw.judged)) == len(draw.judged)
-    seeds = [member["seed"] for member in report["members"]]
-    assert len(set(seeds)) == len(seeds) >= 6
-    for member in report["members"]:
-        assert member["logs"] == pytest.approx(logs_of(member["point"], member["seed"]))
-        assert member["point"][0] <= 2.0
+    assert len(report["rigs"]) == 4
+    for rig in report["rigs"]:
+        (point,) = [Rig.model_validate(rig).bending.preload_kpa]
+        low, high = PRELOAD
+        assert low <= point <= low + (high - low) * ndtr(2.0) + 0.01
     assert [row["step"] for row in report["history"]][-1] == "sweep 3"
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("dies_after", [5, 20, 33])
-def test_drawing_that_was_stopped_goes_on_to_the_same_members(draw, dies_after):
+def test_drawing_that_was_stopped_goes_on_to_the_same_rigs(draw, dies_after):
     whole = draw("whole").read_bytes()
     everything = len(draw.judged)
     with pytest.raises(KeyboardInterrupt):

@@ -1,0 +1,143 @@
+"""Families of simulated rigs: one rig with many seeds, rigs near print, rigs drawn at random.
+
+A unit of a family is a seed, if it has one rig, else a rig.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from fprc.artifacts import read_json
+from fprc.config.rig import Rig
+from fprc.errors import EvaluationError, FprcError
+from fprc.experiments.comparison import compare_models
+from fprc.experiments.hysteresis import simulate
+from fprc.experiments.settings import Judgement, RigSettings
+from fprc.experiments.tracking import Track, measure_control
+from fprc.registry import controllers
+from fprc.studies.calibration.objective import properties
+from fprc.studies.calibration.space import Free, decode, free_parameters
+
+_MOST_DRAWS = 2000
+
+#: Second seed of the random numbers that draw the rigs' parameters.
+_PARAMETERS = 20241
+
+
+def rigs_of(
+    unit: int, family: Mapping[str, Any], near_print: str = ""
+) -> list[tuple[RigSettings, int]]:
+    """Return the rig of a unit, once with each of its seeds.
+
+    Parameters
+    ----------
+    family : Mapping
+        ``rigs`` (one, near_print or drawn), ``first_seed``, ``seeds_per_rig``, ``on_rig``
+        (arguments of ``RigSettings``); and, for drawn rigs, ``drawn`` (that section of the
+        configuration) and ``free`` (arguments of ``free_parameters``).
+    near_print : str
+        File of the rigs near print, JSON.
+
+    Raises
+    ------
+    FprcError
+        The file has fewer rigs.
+    """
+    on_rig = RigSettings(**family["on_rig"])
+    if family["rigs"] == "near_print":
+        known = read_json(near_print)["rigs"]
+        if unit >= len(known):
+            raise FprcError(
+                f"{near_print}: has {len(known)} rigs, and rig {unit} is needed; reduce "
+                "beyond.rigs or beyond.tuning.units"
+            )
+        on_rig = replace(on_rig, rig=Rig.model_validate(known[unit]).model_dump(mode="json"))
+    elif family["rigs"] == "drawn":
+        drawn = family["drawn"]
+        free = free_parameters(**family["free"])
+        on_rig, _ = draw_rig(drawn["seed"] + unit, drawn, free, on_rig)
+    first = family["first_seed"] + unit * family["seeds_per_rig"]
+    return [(on_rig, seed) for seed in range(first, first + family["seeds_per_rig"])]
+
+
+def judge_tables(
+    cell: Mapping[str, int],
+    *,
+    family: Mapping[str, Any],
+    near_print: str,
+    tracking: Mapping[str, Any],
+    judgement: Mapping[str, Any],
+) -> dict[str, Any]:
+    """Judge the rig of the unit ``cell["unit"]`` with the full models, on the first of its seeds.
+
+    Parameters
+    ----------
+    judgement : Mapping
+        Arguments of ``Judgement`` without the seed.
+
+    Returns
+    -------
+    dict
+        ``seed``, and ``compared`` (Tables II and III) and ``measured`` (Table IV); or
+        ``failed`` instead of these two, where an error ended the judgement.
+    """
+    on_rig, seed = rigs_of(cell["unit"], family, near_print)[0]
+    how = Judgement(**judgement, seed=seed)
+    bench = Track(tracking, on_rig.control, on_rig.rig, seed)
+    try:
+        data = simulate(on_rig, seed)
+        compared, models = compare_models(data, how)
+        measured = measure_control(data["sweep"], bench, models, controllers(how.models))
+    except FprcError as error:
+        return {"seed": seed, "failed": " ".join(str(error).split())}
+    source = {"source": "sim"}
+    return {"seed": seed, "compared": compared | source, "measured": measured | source}
+
+
+def draw_rig(
+    seed: int, drawn: Mapping[str, Any], free: Sequence[Free], on_rig: RigSettings
+) -> tuple[RigSettings, np.ndarray]:
+    """Draw rigs until one bends and squeezes plausibly.
+
+    Free parameters are uniform over their ranges, or log-uniform where a range
+    spans a decade; all others are as in ``on_rig``.
+
+    Returns
+    -------
+    RigSettings, ndarray
+        ``on_rig`` with the drawn rig, and its parameters as shares of their ranges.
+
+    Raises
+    ------
+    EvaluationError
+        None of 2000 rigs is plausible.
+    """
+    # a second seed: default_rng(seed) alone also draws the sensors' errors
+    rng = np.random.default_rng([seed, _PARAMETERS])
+    sweep = {"sweep": on_rig.signals["sweep"]}
+    for _ in range(_MOST_DRAWS):
+        shares = rng.uniform(size=len(free))
+        rig = decode(shares, on_rig.rig, free)
+        try:
+            Rig.model_validate(rig)
+            logs = simulate(replace(on_rig, rig=rig, signals=sweep), seed)
+            measured = properties({"sweep": logs["sweep"].channels})
+        except (ValidationError, FprcError):
+            continue
+        if is_plausible(measured, drawn):
+            return replace(on_rig, rig=rig), shares
+    raise EvaluationError(
+        f"none of {_MOST_DRAWS} rigs bends by {drawn['angle_deg']} deg and swings P_o by "
+        f"{drawn['p_o_swing_kpa']} kPa; widen drawn.angle_deg or drawn.p_o_swing_kpa"
+    )
+
+
+def is_plausible(properties: Mapping[str, float], drawn: Mapping[str, Any]) -> bool:
+    """Return whether a rig's largest angle and swing of P_o are within the limits of ``drawn``."""
+    return all(
+        drawn[name][0] <= properties[name] <= drawn[name][1]
+        for name in ("angle_deg", "p_o_swing_kpa")
+    )

@@ -1,0 +1,170 @@
+"""Families side by side: errors, verdicts of the claims, and what the reservoir is worth."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import pandas as pd
+
+from fprc.paper import ERRORS, REFERENCE_NAMES
+from fprc.registry import controller_title, title_of
+from fprc.tables.models import over_seeds
+from fprc.tables.text import spread, three_digits
+from fprc.tables.tracking import tracking_over_seeds
+
+#: Sums of deviations from print, shares, in the order of the table.
+SUMS = {
+    "median": "Tables II and III, median deviation",
+    "largest": "Tables II and III, largest deviation",
+    "open_loop": "Table IV, open loop, largest deviation",
+    "closed_loop_median": "Table IV, closed loop, median deviation",
+    "closed_loop": "Table IV, closed loop, largest deviation",
+}
+
+
+def all_over_seeds(
+    models: Sequence[Mapping[str, Any]],
+    controls: Sequence[Mapping[str, Any]],
+    published: Mapping[str, Any],
+) -> pd.DataFrame:
+    """Tables II to IV over further seeds in one: ``table``, ``what``, ``unit``, ``mean``, ..."""
+    parts = []
+    for number, trained_on in (("II", "sweep"), ("III", "complex")):
+        part = over_seeds(models, published, trained_on)
+        what = [f"{title_of(row.model)}, {ERRORS[row.metric]}" for row in part.itertuples()]
+        parts.append(part.assign(table=number, what=what))
+    runs = tracking_over_seeds(controls, published).rename(columns={"rmse_deg": "mean"})
+    what = [
+        f"{controller_title(row.controller)}, {REFERENCE_NAMES[row.reference]}"
+        for row in runs.itertuples()
+    ]
+    runs["published_mean"] = runs["published_rmse_deg"].astype(float)
+    table = pd.concat([*parts, runs.assign(table="IV", what=what, unit="deg")], ignore_index=True)
+    return table.rename(columns={"published_mean": "published"})
+
+
+def rig_errors(
+    models: Sequence[Mapping[str, Any]],
+    controls: Sequence[Mapping[str, Any]],
+    published: Mapping[str, Any],
+) -> pd.DataFrame:
+    """Return the errors of Tables II to IV on one rig that the paper prints, tidy.
+
+    Columns ``number``, ``table``, ``controller``, ``published``, ``mean``, ``low``, ``high``, and
+    ``deviation``, which is ours / print - 1.
+    """
+    table = all_over_seeds(models, controls, published)
+    table = table[table["published"].notna()]
+    number = "Table " + table["table"] + ", " + table["what"] + " [" + table["unit"] + "]"
+    table = table.assign(number=number, deviation=table["mean"] / table["published"] - 1.0)
+    columns = [
+        "number", "table", "controller", "published", "mean", "low", "high", "deviation",
+    ]  # fmt: skip
+    return table[columns].reset_index(drop=True)
+
+
+def sums_of(errors: pd.DataFrame) -> dict[str, float]:
+    """Return the deviations from print in a few numbers, absolute, as shares, by ``SUMS``.
+
+    Parameters
+    ----------
+    errors : DataFrame
+        Result of ``rig_errors``.
+
+    Raises
+    ------
+    ValueError
+        Tables II and III, or the open or the closed loop, have no error, or one that is not a
+        number.
+    """
+    off, table, controller = errors["deviation"].abs(), errors["table"], errors["controller"]
+    tables = off[table != "IV"]
+    open_loop, closed_loop = off[controller == "fprc"], off[controller == "fprc_pd"]
+    if any(part.empty or part.isna().any() for part in (tables, open_loop, closed_loop)):
+        raise ValueError(
+            f"a deviation of Tables II to IV is missing: {', '.join(errors['number'])}"
+        )
+    return {
+        "median": tables.median(),
+        "largest": tables.max(),
+        "open_loop": open_loop.max(),
+        "closed_loop_median": closed_loop.median(),
+        "closed_loop": closed_loop.max(),
+    }
+
+
+def errors_page(families: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    """Return the errors that the paper prints, and sums of deviations, a column per family.
+
+    Parameters
+    ----------
+    families : sequence of mapping
+        See ``fprc.studies.stages.families.compare_families``.
+    """
+    first = families[0]["errors"]
+    page = pd.DataFrame(
+        {
+            "Number": [*(row["number"] for row in first), *SUMS.values()],
+            "Paper": [*(spread(row["published"], None) for row in first), *("" for _ in SUMS)],
+        }
+    )
+    for family in families:
+        page[family["title"]] = [
+            *(
+                f"{_with_range(row['middle'], row['low'], row['high'])}, "
+                f"{100 * (row['middle'] / row['published'] - 1.0):+.0f} %"
+                for row in family["errors"]
+            ),
+            *(_percent(family["sums"][name]) for name in SUMS),
+        ]
+    return page
+
+
+def claims_page(families: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    """Return the verdicts of all claims, a column per family."""
+    first = families[0]["claims"]
+    page = pd.DataFrame({"Id": [c["id"] for c in first], "Claim": [c["claim"] for c in first]})
+    for family in families:
+        known = {claim["id"]: claim for claim in family["claims"]}
+        page[family["title"]] = [_verdict(known.get(name)) for name in page["Id"]]
+    return page
+
+
+def answer_page(families: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    """Return in a row per family how far it is off print, and what the reservoir is worth on it."""
+    rows = []
+    for family in families:
+        verdicts = pd.Series([c["verdict"] for c in family["claims"] if c["id"] != "B1"])
+        counted = ", ".join(f"{count} {name}" for name, count in verdicts.value_counts().items())
+        worth = next(claim for claim in family["claims"] if claim["id"] == "B1")
+        rows.append(
+            {
+                "Rigs": family["description"],
+                "Tables II and III off print": f"{100 * family['rms']:.0f} % (rms)",
+                "Open-loop Table IV off print, at most": _percent(family["sums"]["open_loop"]),
+                "Claims": "-" if worth["holds"] else counted,
+                "FPRC / FPRC on low-passed theta_d, test RMSE": _with_range(*family["worth"]),
+                "P_o beats low-passed theta_d (B1)": _verdict(worth),
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _verdict(claim: Mapping[str, Any] | None) -> str:
+    if claim is None:
+        return "-"
+    if (held := claim["holds"]) is None:
+        return f"{claim['verdict']} ({claim['rig']})"
+    return (
+        f"{held['holds']} of {held['rigs']}: {100 * held['share']:.0f} % "
+        f"({100 * held['low']:.0f} to {100 * held['high']:.0f})"
+    )
+
+
+def _percent(values: Sequence[float]) -> str:
+    """Return the median of a share over units, with its range if there are several."""
+    middle, low, high = (f"{100 * value:.0f}" for value in values)
+    return f"{middle} %" if low == high else f"{middle} % ({low} to {high})"
+
+
+def _with_range(middle: float, low: float, high: float) -> str:
+    return f"{three_digits(middle)} ({three_digits(low)} to {three_digits(high)})"

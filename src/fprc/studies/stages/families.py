@@ -1,0 +1,316 @@
+"""Judge families of rigs, and show them side by side."""
+
+import math
+from collections.abc import Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from fprc.artifacts import read_json, write_json
+from fprc.claims.finding import REPRODUCED, Results
+from fprc.claims.ledger import judge_claims, status_of
+from fprc.claims.paper import CLAIMS, TIMED
+from fprc.errors import FprcError
+from fprc.evaluation.cells import judged_cells
+from fprc.figures import style
+from fprc.paper import SOURCES
+from fprc.signals import rms
+from fprc.studies.calibration.objective import errors_of, printed_errors
+from fprc.studies.families import tables
+from fprc.studies.families.claims import JUDGED_BY_RIG, WORTH, share_of
+from fprc.studies.families.family import judge_tables
+from fprc.studies.families.figures import plot_shares
+from fprc.tables.text import format_mean, spread, write_table
+from fprc.yaml_file import read_yaml
+
+#: What the middle and the range of a family's numbers are.
+_RANGES = (
+    "Of one rig: mean and its 95 % interval over seeds. Of many rigs, one recording of each: "
+    "median and 95 % of the rigs."
+)
+
+
+def judge_family(
+    near_print: str,
+    judged: str,
+    *,
+    units: Sequence[int],
+    family: Mapping[str, Any],
+    tracking: Mapping[str, Any],
+    judgement: Mapping[str, Any],
+    **run: Any,
+) -> None:
+    """Compute Tables II to IV on some rigs of a family.
+
+    Parameters
+    ----------
+    near_print : str
+        File of the rigs near print.
+    family : Mapping
+        See ``rigs_of``.
+    judgement : Mapping
+        Arguments of ``Judgement`` without the seed.
+    **run
+        ``checkpoint`` and ``version`` of ``judged_cells``.
+    """
+    how: dict[str, Any] = {"family": family, "tracking": tracking, "judgement": judgement}
+    with judged_cells(
+        partial(judge_tables, near_print=near_print, **how),
+        [{"unit": unit} for unit in units],
+        workers=1,
+        settings=how,
+        files=[near_print],
+        **run,
+    ) as rigs:
+        write_json(judged, {"source": "sim", "rigs": rigs})
+
+
+def compare_families(
+    published: str,
+    models: Sequence[str],
+    grids: Sequence[str],
+    controls: Sequence[str],
+    summary: str,
+    *,
+    named: Mapping[str, Sequence[str]],
+    sets: Mapping[str, Mapping[str, Any]],
+    **chunks: Sequence[str],
+) -> None:
+    """Judge the claims on every family.
+
+    Parameters
+    ----------
+    models, grids, controls : sequence of str
+        Results over seeds, rig by rig; every named rig has the same number of them.
+    named, sets : Mapping
+        Families of one rig: the terms that it was fitted to. Families of many rigs: these
+        ``terms``, the ``title`` and the ``description``.
+    **chunks
+        Results of ``judge_family`` of each set.
+
+    Writes a list of families, each with ``name``, ``title``, ``description``, ``units``,
+    ``failed``; ``errors``, a row per printed number with its ``published``, ``middle``, ``low``
+    and ``high``; ``sums``, the same three of each of ``tables.SUMS``; ``rms``, the root mean
+    square of logarithms of errors over the printed ones; ``worth``, the same three of B1's ratio;
+    and ``claims``, with ``verdict``, or with ``holds``, see ``share_of``.
+
+    Raises
+    ------
+    FprcError
+        No rig of a set could be judged.
+    """
+    printed = read_yaml(published)
+    claims = [*(claim for claim in CLAIMS if claim.kind != TIMED), WORTH]
+    families = []
+    for k, name in enumerate(named):
+        of_models, of_grids, of_control = (
+            [read_json(path) for path in _share(paths, k, len(named))]
+            for paths in (models, grids, controls)
+        )
+        results = Results(of_models, of_grids, of_control, {}, {})
+        ledger = judge_claims(results, printed, named[name], claims)
+        unit = tables.rig_errors(results.replicates, results.controls, printed)
+        families.append(
+            {
+                "name": name, "title": f"Rig {name}", "description": f"Rig {name}",
+                "units": len(results.replicates), "failed": 0,
+                "errors": _rows([unit]),
+                "sums": {key: [value] * 3 for key, value in tables.sums_of(unit).items()},
+                "rms": _rms_deviation(results.replicates, printed),
+                "worth": _worth(ledger),
+                "claims": [{**_shown(row), "holds": None} for row in ledger],
+            }
+        )  # fmt: skip
+    for name, described in sets.items():
+        rigs = [rig for path in chunks[name] for rig in read_json(path)["rigs"]]
+        families.append(_family_of_rigs(name, rigs, printed, **described))
+    write_json(summary, {"source": "sim", "families": families})
+
+
+def _family_of_rigs(
+    name: str,
+    rigs: Sequence[Mapping[str, Any]],
+    printed: Mapping[str, Any],
+    *,
+    title: str,
+    description: str,
+    terms: Sequence[str],
+) -> dict[str, Any]:
+    good = [rig for rig in rigs if "failed" not in rig]
+    if not good:
+        first = rigs[0]["failed"] if rigs else "there are none"
+        raise FprcError(f"{name}: none of the {len(rigs)} rigs could be judged; the first: {first}")
+    ledgers = [
+        judge_claims(
+            Results([rig["compared"]], [], [rig["measured"]], {}, {}), printed, terms, JUDGED_BY_RIG
+        )
+        for rig in good
+    ]
+    units = [tables.rig_errors([rig["compared"]], [rig["measured"]], printed) for rig in good]
+    sums = pd.DataFrame([tables.sums_of(unit) for unit in units])
+    held = pd.DataFrame({row["id"]: row["verdict"] == REPRODUCED for row in x} for x in ledgers)
+    return {
+        "name": name, "title": title, "description": f"{len(good)} {description}",
+        "units": len(good), "failed": len(rigs) - len(good),
+        "errors": _rows(units),
+        "sums": {key: _quantiles(sums[key]) for key in sums},
+        "rms": _rms_deviation([rig["compared"] for rig in good], printed),
+        "worth": _quantiles([_worth(ledger)[0] for ledger in ledgers]),
+        "claims": [
+            {
+                "id": claim.id, "claim": claim.text, "rig": status_of(claim, terms),
+                "verdict": None, "holds": share_of(held[claim.id].to_numpy()),
+            }
+            for claim in JUDGED_BY_RIG
+        ],
+    }  # fmt: skip
+
+
+Families = Sequence[Mapping[str, Any]]
+
+
+def _errors(families: Families) -> tuple[pd.DataFrame, pd.DataFrame, str]:
+    """Return the errors that the paper prints, on every family: tidy, as a page, and a note."""
+    table = pd.DataFrame(
+        {"family": family["name"], **row, "source": "sim"}
+        for family in families
+        for row in family["errors"]
+    )
+    note = f"Families of rigs: errors, and their deviation from print. {_RANGES}"
+    return table, tables.errors_page(families), note
+
+
+def _claims(families: Families) -> tuple[pd.DataFrame, pd.DataFrame, str]:
+    """Return the verdicts of all claims, on every family."""
+    table = pd.DataFrame(
+        {
+            "family": family["name"],
+            **{key: claim[key] for key in ("id", "claim", "rig", "verdict")},
+            **(claim["holds"] or {"holds": None}),
+            "source": "sim",
+        }
+        for family in families
+        for claim in family["claims"]
+    )
+    note = (
+        "Claims on families of rigs. Of one rig: the verdict over seeds, and whether the rig was "
+        "fitted to the claim. Of many rigs: on how many the claim holds, and the share with its "
+        "95 % interval, which does not cover the choice of how the rigs were found; grids are not "
+        "judged on them."
+    )
+    return table, tables.claims_page(families), note
+
+
+def _answer(families: Families) -> tuple[pd.DataFrame, pd.DataFrame, str]:
+    """Return how far each family is off print, and what the reservoir is worth on it."""
+    table = tables.answer_page(families)
+    note = (
+        "What the reservoir is worth, family by family. Deviations from print: root mean square of "
+        "the logarithms of the training and test errors of single recordings over the printed "
+        "ones; for open-loop Table IV, the largest of the four. Claims are all but those on "
+        "execution times. A ratio below 1 says that P_o is worth more than a low-pass of theta_d. "
+        f"{_RANGES}"
+    )
+    return table, table, note
+
+
+_TABLES = {"errors": _errors, "claims": _claims, "answer": _answer}
+
+
+def tabulate_families(summary: str, *, table: str, **files: str) -> None:
+    """Write one of the tables of the families: errors, claims, or answer."""
+    tidy, page, note = _TABLES[table](read_json(summary)["families"])
+    write_table(tidy, page, f"{note}\nData: {SOURCES['sim']}.", **files)
+
+
+def draw_claims(summary: str, pdf: str, png: str) -> Mapping[str, Any]:
+    """Draw on how many rigs of each set the claims hold."""
+    report = read_json(summary)
+    sets = [family for family in report["families"] if family["claims"][0]["holds"]]
+    fig, ax = style.figure(1, 1, style.PAGE_IN, 6.0)
+    plot_shares(sets, ax)
+    style.legend_above(ax)
+    return style.save(fig, report | {"seeds": []}, pdf, png)
+
+
+def tabulate_targets(
+    published: str,
+    replicates: Sequence[str],
+    controls: Sequence[str],
+    *,
+    names: Sequence[str],
+    **files: str,
+) -> None:
+    """Compare commanded and measured pressure as the models' target."""
+    printed = read_yaml(published)
+    parts = []
+    for name in names:
+        of_models, of_control = (
+            [read_json(path) for path in paths if Path(path).parent.name == name]
+            for paths in (replicates, controls)
+        )
+        table = tables.all_over_seeds(of_models, of_control, printed)
+        parts.append(table[table["controller"] != "pd"].assign(target=name))
+    columns = ["target", "table", "what", "unit", "mean", "low", "high", "published", "source"]
+    table = pd.concat(parts, ignore_index=True)[columns]
+    page = []
+    for (number, what, unit), rows in table.groupby(["table", "what", "unit"], sort=False):
+        means = {row.target: format_mean(row._asdict(), "mean") for row in rows.itertuples()}
+        page.append(
+            {
+                "Table": number,
+                "RMSE": f"{what} [{unit}]",
+                **{f"Target {name}": means[name] for name in names},
+                "Paper": spread(rows["published"].iloc[0], None),
+            }
+        )
+    note = (
+        "Target of the models: commanded against measured pressure, mean and its 95 % interval "
+        f"over the further seeds.\nData: {SOURCES[table['source'].iloc[0]]}."
+    )
+    write_table(table, pd.DataFrame(page), note, **files)
+
+
+def _share(paths: Sequence[str], k: int, count: int) -> Sequence[str]:
+    """Return the k-th of ``count`` equal parts."""
+    size = len(paths) // count
+    return paths[k * size : (k + 1) * size]
+
+
+def _rows(units: Sequence[pd.DataFrame]) -> list[dict[str, Any]]:
+    """Return the printed numbers with middle and range: over seeds of one rig, or over rigs."""
+    rows = units[0][["number", "published"]].to_dict("records")
+    if len(units) == 1:
+        ends = units[0][["mean", "low", "high"]].to_numpy().tolist()
+    else:
+        means = np.array([unit["mean"] for unit in units])
+        ends = [_quantiles(column) for column in means.T]
+    names = ("middle", "low", "high")
+    return [row | dict(zip(names, end, strict=True)) for row, end in zip(rows, ends, strict=True)]
+
+
+def _quantiles(values: Any) -> list[float]:
+    return [float(value) for value in np.quantile(values, (0.5, 0.025, 0.975))]
+
+
+def _worth(ledger: Sequence[Mapping[str, Any]]) -> list[float]:
+    (statement,) = next(row["statements"] for row in ledger if row["id"] == "B1")
+    return [statement[key] for key in ("mean", "first", "last")]
+
+
+def _shown(row: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: row[key] for key in ("id", "claim", "rig", "verdict")}
+
+
+def _rms_deviation(reports: Sequence[Mapping[str, Any]], printed: Mapping[str, Any]) -> float:
+    """Return the root mean square of the logarithms of errors over the printed ones."""
+    targets = printed_errors(printed)
+    off = [
+        math.log(errors[key] / target)
+        for errors in map(errors_of, reports)
+        for key, target in targets.items()
+    ]
+    return rms(np.array(off))

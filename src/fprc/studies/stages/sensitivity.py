@@ -1,0 +1,77 @@
+"""Measure and show the sensitivity of all numbers to each parameter of one rig."""
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from fprc.artifacts import read_json, write_json
+from fprc.evaluation.cells import judged_cells
+from fprc.experiments.settings import RigSettings
+from fprc.figures import style
+from fprc.studies.families.sensitivity import (
+    changes,
+    judge_moved,
+    page_of_changes,
+    plot_changes,
+)
+from fprc.tables.text import write_table
+
+
+def measure_sensitivity(
+    effects: str,
+    *,
+    paths: Sequence[str],
+    steps: int,
+    seeds: Sequence[int],
+    on_rig: Mapping[str, Any],
+    how: Mapping[str, Any],
+    **run: Any,
+) -> None:
+    """Move one parameter at a time over its range, and judge the rig with the surrogate models.
+
+    Parameters
+    ----------
+    on_rig : Mapping
+        Arguments of ``RigSettings``.
+    how : Mapping
+        ``models``, ``tracking`` and ``surrogate`` of ``judge_moved``.
+    **run
+        ``workers``, ``checkpoint`` and ``version`` of ``judged_cells``.
+    """
+    shares = np.linspace(0.0, 1.0, steps).tolist()
+    cells = [{"path": path, "share": share} for path in paths for share in shares]
+    with judged_cells(
+        partial(judge_moved, seeds=seeds, on_rig=RigSettings(**on_rig), **how),
+        [{"path": None, "share": None}, *cells],
+        settings=[seeds, on_rig, how],
+        **run,
+    ) as judged:
+        write_json(effects, {"source": "sim", "seeds": list(seeds), "cells": judged})
+
+
+def tabulate_sensitivity(effects: str, **files: str) -> None:
+    """Write the sensitivity of all numbers to each parameter of the rig."""
+    report = read_json(effects)
+    table = changes(report)
+    impossible = sum(cell["numbers"] is None for cell in report["cells"])
+    note = (
+        "Sensitivity: largest change of a number of each group while one parameter goes from end "
+        "to end of its range.\nSimulated, with the surrogate models, mean of "
+        f"{len(report['seeds'])} seeds; {impossible} of {len(report['cells'])} rigs are impossible "
+        "and left out."
+    )
+    write_table(table, page_of_changes(table), note, **files)
+
+
+def draw_sensitivity(table: str, pdf: str, png: str) -> Mapping[str, Any]:
+    """Draw the sensitivity of all numbers to each parameter of the rig."""
+    values = pd.read_csv(table)
+    fig, ax = style.figure(1, 1, style.PAGE_IN, 6.8)
+    bar = fig.colorbar(plot_changes(values, ax), ax=ax, location="bottom", pad=0.02, aspect=50)
+    bar.set_ticks([1, 3, 10, 30, 100], labels=["1", "3", "10", "30", "100"])
+    bar.ax.minorticks_off()
+    bar.set_label("Largest change over the parameter's range [%]")
+    return style.save(fig, {"source": values["source"].iloc[0], "seeds": []}, pdf, png)

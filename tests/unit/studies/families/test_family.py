@@ -1,0 +1,204 @@
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from fprc.config import Settings
+from fprc.config.rig import Rig
+from fprc.control.loop import RunAbortedError
+from fprc.errors import EvaluationError, FprcError, SimulationError
+from fprc.experiments.hysteresis import simulate
+from fprc.experiments.settings import RigSettings
+from fprc.rig.simulator import draw_instruments
+from fprc.studies.calibration.space import decode, encode, free_parameters
+from fprc.studies.families import family as families
+from fprc.studies.families.claims import share_of
+from fprc.studies.families.family import draw_rig, judge_tables, rigs_of
+
+PATHS = [
+    "bending.stiffness_kpa_per_deg",
+    "bending.preload_kpa",
+    "reservoir.squeeze_stiffness_kpa_per_ml",
+]
+RANGES = {"bending.stiffness_kpa_per_deg": [2.5, 4.0]}
+FREE = free_parameters(PATHS, RANGES)
+SEED = 1000
+WIDE = {"angle_deg": (1.0, 120.0), "p_o_swing_kpa": (1.0, 400.0)}
+SETTINGS = Settings().model_dump(mode="json")
+
+
+@pytest.fixture
+def family(signals):
+    return {
+        "rigs": "one",
+        "first_seed": 601,
+        "seeds_per_rig": 1,
+        "on_rig": {
+            **{name: SETTINGS[name] for name in ("rig", "control")},
+            "signals": signals,
+            "target": "command",
+        },
+    }
+
+
+@pytest.fixture
+def on_rig(family):
+    return RigSettings(**family["on_rig"])
+
+
+def stream(seed):
+    """Return the random numbers of a rig's parameters."""
+    return np.random.default_rng([seed, 20241])
+
+
+def test_each_unit_of_one_rig_is_a_seed(family):
+    units = [rigs_of(unit, family) for unit in (0, 1)]
+    assert [[seed for _, seed in each] for each in units] == [[601], [602]]
+    assert units[0][0][0].rig == SETTINGS["rig"]
+
+
+def test_drawn_rig_has_its_own_seeds_and_is_that_of_its_number(family):
+    family |= {"rigs": "drawn", "seeds_per_rig": 3, "drawn": WIDE | {"seed": SEED}}
+    family["free"] = {"paths": PATHS, "ranges": RANGES}
+    first, second = (rigs_of(unit, family) for unit in (0, 1))
+    assert [seed for _, seed in first + second] == [601, 602, 603, 604, 605, 606]
+    assert first[0][0] == first[2][0] != second[0][0]
+    assert (
+        second[0][0].rig == draw_rig(SEED + 1, WIDE, FREE, RigSettings(**family["on_rig"]))[0].rig
+    )
+
+
+def test_rig_near_print_gets_the_keys_that_it_lacks(family, tmp_path):
+    path = tmp_path / "near_print.json"
+    path.write_text(json.dumps({"rigs": [{"bending": {"friction_kpa": 7.5}}]}))
+    family["rigs"] = "near_print"
+    on_rig = rigs_of(0, family, str(path))[0][0]
+    assert on_rig.rig["bending"]["friction_kpa"] == 7.5
+    assert on_rig.rig["valve"] == SETTINGS["rig"]["valve"]
+    with pytest.raises(FprcError, match="1 rigs"):
+        rigs_of(1, family, str(path))
+
+
+@pytest.mark.parametrize("failure", [None, SimulationError("simulated rig: the angle diverged")])
+def test_all_parts_of_a_judgement_are_of_one_rig_and_one_seed(family, monkeypatch, failure):
+    def compare(data, how):
+        if failure:
+            raise failure
+        return {"theta": float(data["sweep"].channels["theta_deg"].sum())}, {"fprc": how.seed}
+
+    def measure(sweep, bench, models, controllers):
+        return {"theta": float(sweep.channels["theta_deg"].sum()), "seed": bench.seed, **models}
+
+    monkeypatch.setattr(families, "compare_models", compare)
+    monkeypatch.setattr(families, "measure_control", measure)
+    judgement = {"models": SETTINGS["models"], "folds": 2, "split": "shuffled"}
+    judged = judge_tables(
+        {"unit": 4},
+        family=family,
+        near_print="",
+        tracking=SETTINGS["tracking"],
+        judgement=judgement,
+    )
+    assert judged["seed"] == 605
+    if failure:
+        assert judged == {"seed": 605, "failed": str(failure)}
+        return
+    theta = float(
+        simulate(RigSettings(**family["on_rig"]), 605)["sweep"].channels["theta_deg"].sum()
+    )
+    assert judged["compared"] == {"theta": theta, "source": "sim"}
+    assert judged["measured"] == {"theta": theta, "seed": 605, "fprc": 605, "source": "sim"}
+
+
+def test_parameters_and_errors_of_the_sensors_are_independent(on_rig):
+    seeds = range(60)
+    shares = np.array([encode(draw_rig(seed, WIDE, FREE, on_rig)[0].rig, FREE) for seed in seeds])
+    instruments = [draw_instruments(on_rig.rig, np.random.default_rng([seed])) for seed in seeds]
+    errors = np.array(
+        [np.ravel([each[name] for name in ("gain", "offset", "bow")]) for each in instruments]
+    )
+    correlations = np.corrcoef(shares.T, errors.T)[: len(FREE), len(FREE) :]
+    # chance exceeds this once in 20000
+    assert np.abs(correlations).max() < 0.5
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_first_plausible_draw_within_the_ranges_is_taken(on_rig, seed):
+    windows = {"angle_deg": (52.0, 66.0), "p_o_swing_kpa": (50.0, 85.0)}
+    rng = stream(seed)
+    drawn, shares = draw_rig(seed, windows, FREE, on_rig)
+    plausible = False
+    while not plausible:
+        own = rng.uniform(size=len(FREE))
+        moved = replace(
+            on_rig, rig=decode(own, on_rig.rig, FREE), signals={"sweep": on_rig.signals["sweep"]}
+        )
+        log = simulate(moved, seed)["sweep"].channels
+        plausible = (
+            52.0 <= log["theta_deg"].max() <= 66.0 and 50.0 <= np.ptp(log["p_o_kpa"]) <= 85.0
+        )
+    assert np.array_equal(own, shares)
+    assert drawn == replace(on_rig, rig=moved.rig)
+    assert 2.5 <= drawn.rig["bending"]["stiffness_kpa_per_deg"] <= 4.0
+
+
+@pytest.mark.parametrize(
+    "failure",
+    [
+        SimulationError("simulated rig: the bending angle left its physical range"),
+        EvaluationError("a loop cannot be measured"),
+        RunAbortedError("run stopped at sample 3: it diverged", {}),
+    ],
+    ids=lambda failure: type(failure).__name__,
+)
+def test_draw_that_cannot_be_simulated_is_thrown_away(on_rig, monkeypatch, failure):
+    failures = [failure]
+
+    def simulate_once(*arguments):
+        if failures:
+            raise failures.pop()
+        return simulate(*arguments)
+
+    monkeypatch.setattr(families, "simulate", simulate_once)
+    _, shares = draw_rig(SEED, WIDE, FREE, on_rig)
+    rng = stream(SEED)
+    rng.uniform(size=len(FREE))
+    assert np.array_equal(shares, rng.uniform(size=len(FREE)))
+
+
+def test_draw_that_breaks_a_rule_is_thrown_away(on_rig):
+    narrow = {
+        "reservoir.squeeze_damping_kpa_s_per_ml": [0.3, 2.0],
+        "reservoir.slip_distance_ml": [0.01, 0.05],
+    }
+    free = free_parameters(list(narrow), narrow)
+    rng, broken = stream(2), 0
+    while breaks_a_rule(decode(rng.uniform(size=2), on_rig.rig, free)):
+        broken += 1
+    drawn, shares = draw_rig(2, WIDE, free, on_rig)
+    assert drawn.rig == decode(shares, on_rig.rig, free)
+    assert not breaks_a_rule(drawn.rig)
+    assert broken > 0
+
+
+def breaks_a_rule(rig):
+    try:
+        Rig.model_validate(rig)
+    except ValidationError:
+        return True
+    return False
+
+
+def test_no_plausible_rig_is_an_error(on_rig, monkeypatch):
+    monkeypatch.setattr(families, "_MOST_DRAWS", 2)
+    with pytest.raises(EvaluationError, match=r"drawn\.angle_deg"):
+        draw_rig(SEED, {"angle_deg": (119.0, 120.0), "p_o_swing_kpa": (1.0, 2.0)}, FREE, on_rig)
+
+
+def test_share_and_wilson_interval():
+    """Newcombe, Statistics in Medicine 17, 1998, Table I: 15 of 148."""
+    share = share_of(np.arange(148) < 15)
+    assert (share["holds"], share["rigs"], share["share"]) == (15, 148, 15 / 148)
+    assert [share["low"], share["high"]] == pytest.approx([0.0624, 0.1605], abs=5e-5)

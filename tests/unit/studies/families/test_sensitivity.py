@@ -1,0 +1,103 @@
+"""Sensitivity of the numbers to one parameter at a time."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from fprc.config import Settings
+from fprc.errors import FprcError
+from fprc.experiments.settings import RigSettings
+from fprc.studies.families import sensitivity
+from fprc.studies.stages import sensitivity as stage
+
+SETTINGS = Settings().model_dump(mode="json")
+PATHS = ["bending.stiffness_kpa_per_deg", "bending.inertia_kpa_s2_per_deg"]
+
+
+@pytest.fixture
+def on_rig():
+    return {
+        "rig": SETTINGS["rig"], "control": SETTINGS["control"],
+        "signals": SETTINGS["experiments"], "target": "command",
+    }  # fmt: skip
+
+
+@pytest.fixture
+def by_stiffness(monkeypatch):
+    """Numbers that depend on the stiffness alone; the softest rig is impossible."""
+
+    def judge(on_rig, seed, models, surrogate, grids, tracking, measures):
+        bending = on_rig.rig["bending"]
+        stiffness = bending["stiffness_kpa_per_deg"]
+        if stiffness < 2.1:
+            raise FprcError("it diverged")
+        names = sensitivity.names_of_numbers()
+        errors = {key: stiffness + seed for group, key in names if group in ("train", "test")}
+        loops = {key: 7.0 for group, key in names if group == "loops"}
+        runs = {
+            group: {key: 1.0 / stiffness for found, key in names if found == group}
+            for group in ("open_loop", "closed_loop")
+        }
+        return {"errors": errors, "properties": loops, "shares": 0.5, **runs}
+
+    monkeypatch.setattr(sensitivity, "judge_by_surrogate", judge)
+
+
+@pytest.fixture
+def effects(by_stiffness, on_rig, tmp_path):
+    path = str(tmp_path / "effects.json")
+    how = {"models": {}, "tracking": {}, "surrogate": {}}
+    stage.measure_sensitivity(
+        path, paths=PATHS, steps=3, seeds=[0, 2], on_rig=on_rig, how=how, workers=1,
+        checkpoint=str(tmp_path / "partial.jsonl"), version="1",
+    )  # fmt: skip
+    return path
+
+
+def test_changes_are_relative_to_the_rig_itself(effects, tmp_path):
+    written = {end: str(tmp_path / f"table.{end}") for end in ("csv", "md", "tex")}
+    stage.tabulate_sensitivity(effects, **written)
+    table = pd.read_csv(written["csv"])
+    own, low, high = SETTINGS["rig"]["bending"]["stiffness_kpa_per_deg"], 2.0, 4.5
+    softer = table[table["parameter"] == PATHS[0]]
+    assert sorted(softer["share_of_range"].unique()) == [0.5, 1.0]  # the softest is impossible
+    stiffest = softer[softer["share_of_range"] == 1.0].groupby("group")["change"].unique()
+    assert stiffest["train"] == pytest.approx([(high + 1.0) / (own + 1.0) - 1.0], abs=1e-5)
+    assert stiffest["closed_loop"] == pytest.approx([own / high - 1.0], abs=1e-5)
+    assert stiffest["loops"] == pytest.approx([0.0])
+    assert (table.loc[table["parameter"] == PATHS[1], "change"].abs() < 1e-12).all()
+    page = Path(written["md"]).read_text(encoding="utf-8")
+    lines = [line for line in page.splitlines() if line.startswith("| bend")]
+    assert [line.split("|")[1].strip() for line in lines] == PATHS  # strongest first
+    middle = (low + high) / 2
+    largest = max(abs((middle + 1) / (own + 1) - 1), abs((high + 1) / (own + 1) - 1))
+    assert lines[0].split("|")[2].strip() == f"{100 * largest:.0f} %"
+
+
+@pytest.mark.slow
+def test_figure_is_drawn(effects, tmp_path):
+    written = {end: str(tmp_path / f"table.{end}") for end in ("csv", "md", "tex")}
+    stage.tabulate_sensitivity(effects, **written)
+    stage.draw_sensitivity(written["csv"], str(tmp_path / "a.pdf"), str(tmp_path / "a.png"))
+    assert (tmp_path / "a.png").stat().st_size > 10_000
+
+
+def test_rig_that_cannot_be_simulated_itself_is_an_error():
+    report = {"source": "sim", "cells": [{"path": None, "share": None, "numbers": None}]}
+    with pytest.raises(FprcError, match="section rig"):
+        sensitivity.changes(report)
+
+
+@pytest.mark.slow
+def test_every_number_of_the_surrogate_is_there(on_rig, signals):
+    settings = RigSettings(**on_rig | {"signals": signals})
+    how = {"stride": 5, "esn_nodes": 20}
+    numbers = sensitivity.judge_moved(
+        {"path": None, "share": None}, seeds=[1], surrogate=how, on_rig=settings,
+        models=SETTINGS["models"], tracking=SETTINGS["tracking"],
+    )["numbers"]  # fmt: skip
+    values = [value for group in numbers.values() for value in group.values()]
+    assert len(values) == len(sensitivity.names_of_numbers()) == 12 + 8 + 1 + 7
+    assert np.isfinite(values).all()

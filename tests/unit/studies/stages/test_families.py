@@ -1,0 +1,167 @@
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from fprc.errors import FprcError
+from fprc.studies.stages import families as stage
+
+METRICS = ("train_rmse_kpa", "validation_rmse_kpa", "test_rmse_kpa")
+NAMES = ("esn", "fprc", "fuzzy_linear")
+PRINTED = {"train_rmse_kpa": [1.0, 0.1], "validation_rmse_kpa": [1.0, 0.1], "test_rmse_kpa": 1.0}
+ONES = dict.fromkeys(NAMES, PRINTED)
+PUBLISHED = {
+    "table_2_models": ONES,
+    "table_3_reversed": ONES,
+    "table_4_tracking_rmse_deg": {"fprc": {"sweep": 1.0}, "fprc_pd": {"sweep": 1.0}},
+    "claims": [],
+}
+SEEDS = 3
+
+
+def reports(error):
+    return {
+        "source": "sim",
+        "models": [
+            {"model": name, "trained_on": log} | dict.fromkeys(METRICS, error)
+            for log in ("sweep", "complex")
+            for name in NAMES
+        ],
+    }
+
+
+CONTROL = {
+    "source": "sim",
+    "rmse_deg": {"sweep/fprc": 1.0, "sweep/fprc_pd": 1.0},
+}
+
+
+@pytest.fixture
+def reports_of(tmp_path):
+    """Write the reports of rigs whose 18 errors deviate from print as given, on three seeds."""
+
+    def write(off):
+        files = {"models": [], "grids": [], "controls": []}
+        for name, deviation in off.items():
+            for seed in range(SEEDS):
+                contents = (reports(1.0 + deviation), {"source": "sim"}, CONTROL)
+                for (part, paths), content in zip(files.items(), contents, strict=True):
+                    paths.append(str(tmp_path / f"{name}_{part}_{seed}.json"))
+                    (tmp_path / paths[-1]).write_text(json.dumps(content))
+        published = tmp_path / "published.yaml"
+        published.write_text(json.dumps(PUBLISHED))
+        return {"published": str(published), **files}
+
+    return write
+
+
+SETS = {"drawn": {"title": "Drawn", "description": "rigs drawn at random", "terms": []}}
+
+
+@pytest.fixture
+def judged(monkeypatch):
+    """Judge two claims, the second of which follows the error of FPRC; note what was judged."""
+    counts = []
+
+    def judge(results, published, terms, claims):
+        counts.append([len(results.replicates), len(results.grids), len(results.controls)])
+        error = results.replicates[0]["models"][0]["test_rmse_kpa"]
+        verdicts = {claim.id: "undecided" for claim in claims}
+        verdicts |= {"C2": "reproduced", "B1": "reproduced" if error < 1.0 else "not reproduced"}
+        ends = dict.fromkeys(("mean", "first", "last"), error)
+        return [
+            {"id": claim.id, "claim": claim.text, "verdict": verdicts[claim.id],
+             "rig": "fitted" if terms else "predicted", "statements": [ends]}
+            for claim in claims
+        ]  # fmt: skip
+
+    monkeypatch.setattr(stage, "judge_claims", judge)
+    return counts
+
+
+@pytest.fixture
+def compared(reports_of, judged, tmp_path):
+    """Compare two named rigs with four drawn ones, of which one failed, in two chunks."""
+    files = reports_of({"dry": 0.1, "viscous": -0.2})
+    rigs = [
+        {"unit": unit, "seed": unit, "compared": reports(error), "measured": CONTROL}
+        for unit, error in enumerate((0.5, 0.9, 2.0))
+    ]
+    rigs.append({"unit": 3, "seed": 3, "failed": "it diverged"})
+    chunks = [str(tmp_path / f"drawn_{first}.json") for first in (0, 2)]
+    for path, part in zip(chunks, (rigs[:2], rigs[2:]), strict=True):
+        Path(path).write_text(json.dumps({"source": "sim", "rigs": part}))
+    summary = str(tmp_path / "summary.json")
+    stage.compare_families(
+        **files, drawn=chunks, summary=summary, named={"dry": [], "viscous": ["tables"]}, sets=SETS
+    )
+    return summary
+
+
+def test_named_rigs_are_judged_on_all_seeds_and_others_one_by_one(compared, judged):
+    assert judged == [[SEEDS] * 3] * 2 + [[1, 0, 1]] * 3
+    dry, viscous, drawn = json.loads(Path(compared).read_text())["families"]
+    tables = [row for row in dry["errors"] if not row["number"].startswith("Table IV")]
+    assert [row["middle"] for row in tables] == pytest.approx([1.1] * 18)
+    assert [dry["rms"], viscous["rms"]] == pytest.approx([np.log(1.1), -np.log(0.8)])
+    assert (drawn["units"], drawn["failed"]) == (3, 1)
+    first = drawn["errors"][0]
+    expected = np.quantile([0.5, 0.9, 2.0], (0.5, 0.025, 0.975))
+    assert [first[key] for key in ("middle", "low", "high")] == pytest.approx(expected)
+    assert drawn["worth"] == pytest.approx(expected)
+    assert drawn["sums"]["largest"][0] == pytest.approx(0.5)  # of 0.5, 0.1 and 1
+    (worth,) = (claim["holds"] for claim in drawn["claims"] if claim["id"] == "B1")
+    assert (worth["holds"], worth["rigs"]) == (2, 3)
+
+
+def test_tables_show_every_family(compared, tmp_path):
+    written = {end: str(tmp_path / f"table.{end}") for end in ("csv", "md", "tex")}
+    rows = {}
+    for name in ("errors", "claims", "answer"):
+        stage.tabulate_families(compared, table=name, **written)
+        lines = Path(written["md"]).read_text().splitlines()
+        rows[name] = [[cell.strip() for cell in x.split("|")[1:-1]] for x in lines if x[:1] == "|"]
+    assert rows["errors"][0] == ["Number", "Paper", "Rig dry", "Rig viscous", "Drawn"]
+    assert rows["errors"][2][2].endswith(", +10 %")
+    claims = {row[0]: row[2:] for row in rows["claims"]}
+    assert claims["C2"][:2] == ["reproduced (predicted)", "reproduced (fitted)"]
+    assert claims["B1"][2].startswith("2 of 3: 67 % (")
+    assert claims["C9a"][2] == "-"  # needs a grid
+    assert [row[0] for row in rows["answer"][2:]] == [
+        "Rig dry", "Rig viscous", "3 rigs drawn at random"
+    ]  # fmt: skip
+    assert rows["answer"][2][1] == f"{100 * np.log(1.1):.0f} % (rms)"
+    assert not pd.read_csv(written["csv"]).isna().any().any()
+
+
+def test_set_of_which_no_rig_could_be_judged_is_an_error(reports_of, judged, tmp_path):
+    chunk = tmp_path / "drawn_0.json"
+    chunk.write_text(json.dumps({"rigs": [{"unit": 0, "seed": 0, "failed": "it diverged"}]}))
+    with pytest.raises(FprcError, match="drawn.*it diverged"):
+        stage.compare_families(
+            **reports_of({"dry": 0.1}), drawn=[str(chunk)], summary=str(tmp_path / "summary.json"),
+            named={"dry": []}, sets=SETS,
+        )  # fmt: skip
+    assert not (tmp_path / "summary.json").exists()
+
+
+def test_targets_are_told_apart_by_the_folder_of_their_results(reports_of, tmp_path):
+    paths = {"models": [], "controls": []}
+    for target, error in (("command", 1.0), ("measured", 3.0)):
+        (tmp_path / target).mkdir()
+        for part, content in (("models", reports(error)), ("controls", CONTROL)):
+            path = tmp_path / target / f"{part}.json"
+            path.write_text(json.dumps(content))
+            paths[part].append(str(path))
+    written = {end: str(tmp_path / f"table.{end}") for end in ("csv", "md", "tex")}
+    stage.tabulate_targets(
+        reports_of({"dry": 0.0})["published"], paths["models"], paths["controls"],
+        names=["command", "measured"], **written,
+    )  # fmt: skip
+    table = pd.read_csv(written["csv"])
+    tables = table[table["table"] != "IV"].groupby("target")["mean"].unique()
+    assert {name: values.tolist() for name, values in tables.items()} == {
+        "command": [1.0], "measured": [3.0],
+    }  # fmt: skip

@@ -1,0 +1,188 @@
+# Families of simulated rigs side by side: named rigs with several seeds, rigs near print, rigs drawn
+# at random.
+
+#: Rigs that can be named, beside that of the configuration.
+OTHER_RIGS = {
+    name: path for name, path in rig_files().items() if name != SETTINGS["fitted"]["name"]
+}
+#: Those of them that were fitted, with a report of the fit.
+FITTED_RIGS = [name for name, path in OTHER_RIGS.items() if path.with_suffix(".json").exists()]
+#: Families of many rigs.
+SETS = {
+    "near_print": {
+        "title": "Near print",
+        "description": "rigs near the training and test errors of Tables II and III",
+        "terms": ["tables"],
+    },
+    "drawn": {
+        "title": "Drawn",
+        "description": "rigs drawn at random from the physical ranges, not fitted",
+        "terms": [],
+    },
+}
+#: Numbers of the rigs of each job, by the first of them, and by family.
+CHUNKS = {
+    name: {
+        first: list(range(first, min(first + DRAWN["chunk"], rigs)))
+        for first in range(0, rigs, DRAWN["chunk"])
+    }
+    for name, rigs in (("near_print", BEYOND["rigs"]), ("drawn", DRAWN["rigs"]))
+}
+CHUNK_FILES = {
+    name: [PATHS.below(f"families/{name}_{first}.json") for first in chunks]
+    for name, chunks in CHUNKS.items()
+}
+FAMILY_TABLES = ("errors", "claims", "answer")
+
+
+rule replicate_on_rig:
+    output:
+        compared=PATHS.below("rigs/{rig}/models_{seed}.json"),
+        cells=PATHS.below("rigs/{rig}/grids_{seed}.json"),
+        measures=PATHS.below("rigs/{rig}/control_{seed}.json"),
+    log:
+        PATHS.messages("replicate_on_rig_{rig}_{seed}"),
+    wildcard_constraints:
+        rig="|".join(OTHER_RIGS) or "none",
+    resources:
+        mem_mb=2000,
+        runtime=60,
+    params:
+        **stage("replicate.replicate", *MODELS),
+        on_rig=lambda wildcards: on_rig(SETTINGS) | {"rig": named_rig(wildcards.rig)["rig"]},
+        judgement=lambda wildcards: judgement(
+            SETTINGS, models=paper_models(SETTINGS), seed=int(wildcards.seed)
+        ),
+        values=pick(SETTINGS["grids"], "epsilon", "n_c", "n_u", "n_y"),
+        tracking=SETTINGS["tracking"],
+    message:
+        "Rig {wildcards.rig}: tables, grids and closed loops with seed {wildcards.seed}"
+    script:
+        "../scripts/stage.py"
+
+
+rule judge_family:
+    input:
+        near_print=NEAR_PRINT,
+    output:
+        judged=PATHS.below("families/{family}_{chunk}.json"),
+    log:
+        PATHS.messages("family_{family}_{chunk}"),
+    # files of another chunk size are not outputs of this rule
+    wildcard_constraints:
+        family="|".join(SETS),
+        chunk="|".join(str(first) for chunks in CHUNKS.values() for first in chunks),
+    resources:
+        mem_mb=2000,
+        runtime=120,  # grows with drawn.chunk
+    params:
+        **stage("studies.families.judge_family", *MODELS, key="version"),
+        units=lambda wildcards: CHUNKS[wildcards.family][int(wildcards.chunk)],
+        family=lambda wildcards: family_named(wildcards.family),
+        tracking=SETTINGS["tracking"],
+        judgement=judgement(SETTINGS, without="seed", models=paper_models(SETTINGS)),
+        checkpoint=placed(PATHS.below("families/{family}_{chunk}.partial.jsonl")),
+    message:
+        "Rigs {wildcards.family}: Tables II to IV, from number {wildcards.chunk}"
+    script:
+        "../scripts/stage.py"
+
+
+rule families_summary:
+    input:
+        **CHUNK_FILES,
+        published=PUBLISHED,
+        models=on_rigs("models"),
+        grids=on_rigs("grids"),
+        controls=on_rigs("control"),
+    output:
+        summary=PATHS.below("families/summary.json"),
+    log:
+        PATHS.messages("families_summary"),
+    params:
+        **stage("studies.families.compare_families"),
+        named=lambda wildcards: {
+            SETTINGS["fitted"]["name"]: SETTINGS["fitted"]["to"],
+            **{rig: named_rig(rig)["fitted"]["to"] for rig in FITTED_RIGS},
+        },
+        sets=SETS,
+    message:
+        "Families of rigs: verdicts"
+    script:
+        "../scripts/stage.py"
+
+
+for table in FAMILY_TABLES:
+
+    rule:
+        name:
+            f"families_{table}"
+        input:
+            summary=PATHS.below("families/summary.json"),
+        output:
+            **PATHS.table(f"families/{table}"),
+        log:
+            PATHS.messages(f"families_{table}"),
+        params:
+            **stage("studies.families.tabulate_families"),
+            table=table,
+        message:
+            f"Families of rigs: {table}, table"
+        script:
+            "../scripts/stage.py"
+
+
+rule families_figure:
+    input:
+        summary=PATHS.below("families/summary.json"),
+    output:
+        **drawn(PATHS.below("families/figure")),
+    log:
+        PATHS.messages("families_figure"),
+    params:
+        **stage("studies.families.draw_claims"),
+    message:
+        "Families of rigs: share of rigs on which each claim holds, figure"
+    script:
+        "../scripts/stage.py"
+
+
+rule find_near_print:
+    input:
+        published=PUBLISHED,
+    output:
+        rigs=PATHS.below("near_print/rigs.json"),
+    log:
+        PATHS.messages("find_near_print"),
+    threads: workflow.cores
+    resources:
+        mem_mb=memory_of,
+        runtime=480,
+    params:
+        **stage("studies.near_print.find_near_print", *MODELS, key="version"),
+        **EVERY_SEED,
+        near_print=SETTINGS["near_print"],
+        drawn=pick(DRAWN, "angle_deg", "p_o_swing_kpa", "seed"),
+        free=FREE,
+        surrogate=SURROGATE,
+        workers=lambda wildcards, threads: threads,
+        checkpoint=placed(PATHS.below("near_print/rigs.partial.jsonl")),
+    message:
+        "Search for rigs near Tables II and III"
+    script:
+        "../scripts/stage.py"
+
+
+rule near_print:
+    input:
+        PATHS.below("near_print/rigs.json"),
+    localrule: True
+
+
+rule families:
+    input:
+        expand(PATHS.below("families/{table}.md"), table=FAMILY_TABLES),
+        PATHS.below("families/figure.pdf"),
+        *CHUNK_FILES.values(),
+        *(on_rigs(part) for part in ("models", "grids", "control")),
+    localrule: True
