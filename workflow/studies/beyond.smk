@@ -5,7 +5,7 @@ TUNED = own("../../config/tuned.yaml")
 #: Families: the rig of the configuration, every other named rig, and the sets of rigs.
 OWN_WORLD = SETTINGS["fitted"]["name"]
 WORLDS = [OWN_WORLD, *OTHER_RIGS, *SETS]
-FIGURES_BEYOND = ("pairs", "tracking", "offsets", "capacities")
+FIGURES_BEYOND = ("pairs", "tracking", "offsets", "capacities", "settings")
 CONTEST = {
     "models": paper_models(SETTINGS),
     "tracking": SETTINGS["tracking"],
@@ -163,12 +163,38 @@ rule beyond_capacity:
         "../scripts/stage.py"
 
 
+rule beyond_settings:
+    input:
+        tuned=TUNED,
+    output:
+        judged=PATHS.below("beyond/settings.json"),
+    log:
+        PATHS.messages("beyond_settings"),
+    threads: workflow.cores
+    resources:
+        mem_mb=memory_of,
+        runtime=120,
+    params:
+        **stage("studies.beyond.judge_settings_of", key="version"),
+        worlds=lambda wildcards: [family_named(name) for name in (OWN_WORLD, *OTHER_RIGS)],
+        contest=CONTEST,
+        grids=pick(SETTINGS["grids"], "epsilon", "n_c"),
+        seeds=BEYOND["training"]["seeds"],
+        workers=workers_over(BEYOND["training"]["seeds"] * (1 + len(OTHER_RIGS))),
+        checkpoint=placed(PATHS.below("beyond/settings.partial.jsonl")),
+    message:
+        "Beyond the paper: FPRC with and without P_o over epsilon and n_c"
+    script:
+        "../scripts/stage.py"
+
+
 rule beyond_tables:
     input:
         worlds=expand(PATHS.below("beyond/{world}.json"), world=WORLDS),
         capacity=PATHS.below("beyond/capacity.json"),
         training=PATHS.below("beyond/training_logs.json"),
         steps=PATHS.below("beyond/steps.json"),
+        over_settings=PATHS.below("beyond/settings.json"),
     output:
         verdicts=PATHS.below("beyond/claims.json"),
         models=PATHS.below("beyond/models.csv"),
@@ -177,6 +203,7 @@ rule beyond_tables:
         offsets=PATHS.below("beyond/offsets.csv"),
         capacities=PATHS.below("beyond/capacities.csv"),
         lengths=PATHS.below("beyond/lengths.csv"),
+        settings=PATHS.below("beyond/settings.csv"),
     log:
         PATHS.messages("beyond_tables"),
     params:
@@ -247,6 +274,21 @@ rule draw_capacities:
         world=OWN_WORLD,
     message:
         "Beyond the paper: capacities, figure"
+    script:
+        "../scripts/stage.py"
+
+
+rule draw_settings:
+    input:
+        settings=PATHS.below("beyond/settings.csv"),
+    output:
+        **drawn(PATHS.below("beyond/figure_settings")),
+    log:
+        PATHS.messages("draw_settings"),
+    params:
+        **stage("studies.show_beyond.draw_settings"),
+    message:
+        "Beyond the paper: what P_o is worth over epsilon and n_c, figure"
     script:
         "../scripts/stage.py"
 

@@ -95,6 +95,42 @@ rule sensitivity_figure:
         "../scripts/stage.py"
 
 
+rule measure_stop:
+    output:
+        judged=PATHS.below("calibration/stop.json"),
+    log:
+        PATHS.messages("measure_stop"),
+    threads: workflow.cores
+    resources:
+        mem_mb=memory_of,
+        runtime=60,
+    params:
+        **stage("studies.sensitivity.measure_stop", *MODELS, key="version"),
+        **EVERY_SEED,
+        seeds=SETTINGS["evaluation"]["replicate_seeds"],
+        workers=lambda wildcards, threads: threads,
+        checkpoint=placed(PATHS.below("calibration/stop.partial.jsonl")),
+    message:
+        "Errors at the stop of the actuator"
+    script:
+        "../scripts/stage.py"
+
+
+rule stop_table:
+    input:
+        judged=PATHS.below("calibration/stop.json"),
+    output:
+        **PATHS.table("calibration/stop"),
+    log:
+        PATHS.messages("stop_table"),
+    params:
+        **stage("studies.sensitivity.tabulate_stop"),
+    message:
+        "Errors at the stop: table"
+    script:
+        "../scripts/stage.py"
+
+
 rule targets_table:
     input:
         published=PUBLISHED,
@@ -124,6 +160,7 @@ rule sensitivity:
     input:
         PATHS.below("calibration/sensitivity.md"),
         PATHS.below("calibration/sensitivity_figure.pdf"),
+        PATHS.below("calibration/stop.md"),
     localrule: True
 
 

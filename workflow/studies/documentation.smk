@@ -33,6 +33,7 @@ rule calibration_page:
             *expand(PATHS.below("families/{table}.md"), table=FAMILY_TABLES),
             PATHS.below("calibration/targets.md"),
             PATHS.below("calibration/sensitivity.md"),
+            PATHS.below("calibration/stop.md"),
         ],
         figures=[
             PATHS.below(f"{name}.png")

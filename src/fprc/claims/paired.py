@@ -102,6 +102,7 @@ class Judged(NamedTuple):
     p: float  #: lowest level that decides the claim, adjusted over all claims
     level: float  #: at which each part was judged
     stable: float | None  #: share of the subsets that give the same verdict
+    turned: str = ""  #: verdict that too few of the subsets give, if that made it undecided
 
 
 def judge_together(
@@ -144,13 +145,14 @@ def judge_together(
             outcomes.append(Judged(NOT_JUDGED, 1.0, level, None))
             continue
         level /= len(parts)
-        verdict, stable = _weakest(parts, level, None), None
+        verdict, stable, turned = _weakest(parts, level, None), None, ""
         if min(len(part.values) for part in parts) < LEAST_UNITS:
             verdict = UNDECIDED
         elif verdict != UNDECIDED:
             stable = _share_of_subsets(parts, level, verdict, left_out)
-            verdict = verdict if stable >= AGREEING else UNDECIDED
-        outcomes.append(Judged(verdict, float(own_p), float(level), stable))
+            if stable < AGREEING:
+                verdict, turned = UNDECIDED, verdict
+        outcomes.append(Judged(verdict, float(own_p), float(level), stable, turned))
     return outcomes
 
 

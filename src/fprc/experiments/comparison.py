@@ -7,6 +7,7 @@ from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
+from sklearn.base import clone
 
 from fprc.evaluation import CrossValidated, rmse
 from fprc.evaluation.crossval import refusals_of, validate_rows
@@ -106,6 +107,36 @@ def judge_directions(
         }
         results.append(Judged(judged, report, tested))
     return results
+
+
+def errors_over_starts(
+    logs: Mapping[str, Data], judgement: Judgement, starts: int
+) -> dict[str, list[float]]:
+    """Return test errors of FPRC whose fuzzy c-means begins at several random places, kPa.
+
+    Each start trains on the same rows, those of the first fold, and clusters once.
+
+    Returns
+    -------
+    dict of list
+        Errors by the log that trained.
+    """
+    model = build("fprc", judgement.models, judgement.seed)
+    pairs = {key: data.pair("fprc", judgement.models) for key, data in logs.items()}
+    features = model.make_features().fit(next(iter(pairs.values()))[0])
+    rows = {key: transform_each(features, X, logs[key].lengths) for key, (X, _) in pairs.items()}
+    seeds = np.random.SeedSequence(judgement.seed).generate_state(starts).tolist()
+    errors = {}
+    for train, test in DIRECTIONS:
+        part, _ = judgement.split_rows(logs[train])[0]
+        (_, y), (_, expected) = pairs[train], pairs[test]
+        readouts = [
+            clone(model.make_readout()).set_params(random_state=seed, restarts=1) for seed in seeds
+        ]
+        for readout in readouts:
+            readout.fit(rows[train][part], y[part])
+        errors[train] = [rmse(expected, readout.predict(rows[test])) for readout in readouts]
+    return errors
 
 
 def _log_fold(label: str, folds: int, fold: int, e_train: float, e_validation: float) -> None:

@@ -4,12 +4,15 @@ from collections.abc import Mapping
 from typing import Any
 
 from fprc.artifacts import write_json
-from fprc.experiments.comparison import compare_models
+from fprc.experiments.comparison import compare_models, errors_over_starts
 from fprc.experiments.grids import judge_grids
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import Judgement, RigSettings
 from fprc.experiments.tracking import Track, measure_control
 from fprc.registry import controllers
+
+#: Places where the fuzzy c-means of FPRC begins, to see how much its test error depends on them.
+_STARTS = 10
 
 
 def replicate(
@@ -37,7 +40,8 @@ def replicate(
     data = simulate(settings, how.seed)
     comparison, models = compare_models(data, how)
     described = {"seed": how.seed, "source": "sim"}
-    write_json(compared, described | comparison)
+    starts = errors_over_starts(data, how, _STARTS)
+    write_json(compared, described | comparison | {"fprc_test_rmse_over_starts": starts})
     write_json(cells, described | judge_grids(data, values, how))
     bench = Track(tracking, settings.control, settings.rig, how.seed)
     measured = measure_control(data["sweep"], bench, models, controllers(how.models))

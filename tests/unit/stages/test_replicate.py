@@ -16,6 +16,7 @@ from fprc.experiments.settings import Judgement, RigSettings
 from fprc.logs import read_columns
 from fprc.models import load_model
 from fprc.paper import CONTROLLERS
+from fprc.registry import build
 from fprc.stages.grid import judge_grid, weigh
 from fprc.stages.judge import judge
 from fprc.stages.preprocess import preprocess
@@ -208,6 +209,22 @@ def test_measured_pressure_is_another_target_than_the_command(errors, on_rig, ju
     assert {entry["target"] for entry in others} == {"measured"}
     for mine, theirs in zip(ours, others, strict=True):
         assert mine["test_rmse_kpa"] != theirs["test_rmse_kpa"]
+
+
+def test_starts_train_on_one_fold_and_differ_from_each_other(errors, on_rig, judgement):
+    """A start is a fit of the readout by itself, on the rows of the first fold."""
+    found = read_json(errors)["fprc_test_rmse_over_starts"]
+    assert {log: len(set(values)) for log, values in found.items()} == {"sweep": 10, "complex": 10}
+    logs, how = simulate(RigSettings(**on_rig), SEED), Judgement(**judgement)
+    model = build("fprc", how.models, SEED)
+    (X, y), (other, expected) = (logs[name].pair("fprc") for name in ("complex", "sweep"))
+    features = model.make_features().fit(X)
+    part = how.split_rows(logs["complex"])[0][0]
+    seed = int(np.random.SeedSequence(SEED).generate_state(10)[3])
+    readout = model.make_readout().set_params(random_state=seed)
+    readout.fit(features.transform(X)[part], y[part])
+    error = np.sqrt(np.mean((readout.predict(features.transform(other)) - expected) ** 2))
+    assert found["complex"][3] == pytest.approx(error)
 
 
 # Grids

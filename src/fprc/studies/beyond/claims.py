@@ -10,7 +10,15 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from fprc.claims.paired import INFERIOR, LEAST_UNITS, NOT_JUDGED, SUPERIOR, Part, judge_together
+from fprc.claims.paired import (
+    INFERIOR,
+    LEAST_UNITS,
+    NOT_JUDGED,
+    SUPERIOR,
+    Judged,
+    Part,
+    judge_together,
+)
 from fprc.studies.beyond.worlds import capacities, measured, title_of, world_title
 
 #: Capacity of degree two or more from which P_o counts as nonlinear, of 1 for a single signal.
@@ -143,9 +151,7 @@ def judge_world(world: Mapping[str, Any], titles: Mapping[str, str]) -> list[dic
                 "id": name,
                 "claim": claim.text,
                 **judged._asdict(),
-                "words": _WORDS.get(judged.verdict, judged.verdict)
-                if isinstance(claim.parts[0], Excess)
-                else judged.verdict,
+                "words": _words(judged, isinstance(claim.parts[0], Excess)),
                 "units": units,
                 "dropped": max(part.dropped for part in parts),
                 "fitted": [why for term, why in claim.favours.items() if term in world["fitted"]],
@@ -154,6 +160,33 @@ def judge_world(world: Mapping[str, Any], titles: Mapping[str, str]) -> list[dic
             }
         )
     return rows
+
+
+#: Ratios of forward test errors beside B1, which no verdict rests on: a stronger substitute for
+#: P_o, and both models with tuned settings.
+BESIDE = (
+    ("FPRC / ridge on low-passes of theta_d", "fprc", "bank"),
+    ("the same, both tuned alike", "fprc_tuned", "bank_tuned"),
+)
+
+
+def beside_b1(world: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return ``text``, ``mean``, ``low``, ``high`` (95 %) of ``BESIDE``; None if not measured."""
+    models = _table(measured(world), "model", "measure")
+    rows = []
+    for text, ours, theirs in BESIDE:
+        ratio = Ratio((ours, "forward"), (theirs, "forward"), "forward")
+        part = _part(ratio, models, pd.DataFrame(), world, {})
+        shown = _shown(part, 0.05) if len(part.values) > 1 else {}
+        rows.append({"text": text, **{key: shown.get(key) for key in ("mean", "low", "high")}})
+    return rows
+
+
+def _words(judged: Judged, difference: bool) -> str:
+    """Return a verdict as readers see it."""
+    words = judged.turned or judged.verdict
+    words = _WORDS.get(words, words) if difference else words
+    return f"{words}, unstable" if judged.turned else words
 
 
 def _table(tidy: pd.DataFrame, *columns: str) -> pd.DataFrame:

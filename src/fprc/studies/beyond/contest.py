@@ -145,6 +145,37 @@ def judge_lengths(
     return [*judged, {"seed": seed, "two_logs": True, "models": errors(both)}]
 
 
+def judge_settings(
+    on_rig: RigSettings, seed: int, contest: Contest, grids: Mapping[str, Sequence[float]]
+) -> list[dict[str, Any]]:
+    """Return forward test errors of FPRC, and of FPRC on low-passed theta_d, over some settings.
+
+    Parameters
+    ----------
+    grids : Mapping
+        Values of ``epsilon`` and of ``n_c``; one is changed at a time.
+
+    Returns
+    -------
+    list of dict
+        ``setting``, ``value``, and the error of each of the two models, kPa.
+    """
+    logs = simulate(on_rig, seed)
+    cells = []
+    for setting, values in grids.items():
+        for value in values:
+            changed = contest._replace(
+                models={**contest.models, "fprc": {**contest.models["fprc"], setting: value}}
+            )
+            errors = {
+                name: _trained(name, logs["sweep"], logs["complex"], changed, seed)[1]
+                for name in ("fprc", "fprc_lowpass")
+            }
+            found = {name: each["test_rmse_kpa"] for name, each in errors.items()}
+            cells.append({"setting": setting, "value": value, **found})
+    return cells
+
+
 def _trained(
     name: str, train: Data, test: Data, contest: Contest, seed: int
 ) -> tuple[SequenceModel, dict[str, float]]:

@@ -125,6 +125,36 @@ def plot_errors_and_tracking(
     return ax
 
 
+def plot_settings(table: DataFrame, ax: Axes) -> Axes:
+    """Draw a ratio of errors over one setting, with its intervals, a line per world.
+
+    Parameters
+    ----------
+    table : DataFrame
+        One setting of ``tables.over_settings``.
+    """
+    (setting,) = table["setting"].unique()
+    span = 1 / EQUIVALENT_WITHIN, EQUIVALENT_WITHIN
+    ax.axhspan(*span, color="0.92", linewidth=0)
+    ax.axhline(1.0, color="0.6", linewidth=0.6)
+    worlds = table.groupby("world", sort=False)
+    for (name, own), (marker, grey) in zip(worlds, _WORLDS, strict=False):
+        own = own.sort_values("value")
+        arms = [own["mean"] - own["low"], own["high"] - own["mean"]]
+        ax.errorbar(own["value"], own["mean"], yerr=arms, fmt=f"-{marker}", color=grey,
+                    markersize=3, linewidth=0.8,
+                    label=escape.figure(world_title(name)))  # fmt: skip
+    ax.set(xscale="log", yscale="log", ylabel="Error with $P_o$ / with\nlow-passed $\\theta_d$")
+    ax.set_xlabel(r"$\epsilon$" if setting == "epsilon" else "$n_c$")
+    values = sorted(table["value"].unique())
+    ax.set_xticks(values, [f"{value:g}" for value in values])
+    ratios = [0.5, 0.7, 1, 1.5, 2, 3, 4]
+    ax.set_yticks(ratios, [f"{value:g}" for value in ratios])
+    ax.set_ylim(max(table["low"].min() / 1.05, 0.4), min(table["high"].max() * 1.05, 4.0))
+    ax.minorticks_off()
+    return ax
+
+
 def plot_offsets(table: DataFrame, titles: Mapping[str, str], ax: Axes) -> Axes:
     """Draw forward test RMSE over the offset of P_o; Fuzzy-linear, without P_o, is a level line.
 

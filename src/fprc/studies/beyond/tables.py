@@ -3,8 +3,10 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
+from fprc.claims.finding import LEVEL, interval_of_mean
 from fprc.paper import SOURCES
 from fprc.studies.beyond.verdicts import claims_page, details_page, fitted_page
 from fprc.studies.beyond.worlds import (
@@ -249,6 +251,23 @@ def lengths_page(table: pd.DataFrame, world: str, titles: Mapping[str, str]) -> 
     return pd.DataFrame(rows, columns=["Model", *lengths])
 
 
+def over_settings(cells: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    """Return FPRC's forward test error over that of FPRC on low-passed theta_d, tidy.
+
+    Columns ``world``, ``setting`` (epsilon or n_c), ``value`` of the setting, ``mean`` of the
+    ratio, its 95 % interval ``low`` and ``high``, ``units`` and ``source``.
+    """
+    table = pd.DataFrame(cells)
+    table["log"] = np.log(table["fprc"] / table["fprc_lowpass"])
+    keys = ["world", "setting", "value"]
+    rows = []
+    for key, own in table.groupby(keys, sort=False):
+        ends = interval_of_mean(own["log"].to_numpy(), LEVEL)
+        ratios = dict(zip(("mean", "low", "high"), np.exp(ends), strict=True))
+        rows.append(dict(zip(keys, key, strict=True)) | ratios | {"units": len(own)})
+    return pd.DataFrame(rows).assign(source="sim")
+
+
 def blocks(
     verdicts: Mapping[str, Any],
     tables: Mapping[str, pd.DataFrame],
@@ -281,12 +300,29 @@ def blocks(
         "beyond_offsets": offsets_page(tables["offsets"], world, titles),
         "beyond_capacity": capacity_page(tables["capacities"], world),
         "beyond_lengths": lengths_page(tables["lengths"], world, titles),
-        "worth": claims_page([ledger[:_WORTH] for ledger in verdicts["ledgers"]]),
+        "worth": _worth_page(verdicts),
         "leaderboard": leaderboard(tables["models"], world, titles),
     }
     note = f"Data: {SOURCES[verdicts['source']]}."
     notes = {"beyond_offsets": f"{note} {_widest(tables['offsets'], world)}"}
     return {name: markdown(page, notes.get(name, note)) for name, page in pages.items()}
+
+
+def _worth_page(verdicts: Mapping[str, Any]) -> pd.DataFrame:
+    """Return the claims on what P_o is worth, and the ratios beside B1."""
+    page = claims_page([ledger[:_WORTH] for ledger in verdicts["ledgers"]])
+    titles = [ledger[0]["title"] for ledger in verdicts["ledgers"]]
+    rows = []
+    for of_ratio in zip(*verdicts["beside"], strict=True):
+        means = ["-" if each["mean"] is None else _ratio(each) for each in of_ratio]
+        claim = f"Beside B1, no verdict: {of_ratio[0]['text']}"
+        rows.append({"Id": "", "Claim": claim, **dict(zip(titles, means, strict=True))})
+    return pd.concat([page, pd.DataFrame(rows)], ignore_index=True)
+
+
+def _ratio(row: Mapping[str, Any]) -> str:
+    mean, low, high = (three_digits(row[key]) for key in ("mean", "low", "high"))
+    return f"{mean} ({low} to {high})"
 
 
 def _widest(table: pd.DataFrame, world: str) -> str:

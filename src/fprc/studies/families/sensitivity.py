@@ -142,7 +142,13 @@ def plot_changes(table: pd.DataFrame, ax: Axes) -> QuadMesh:
     for group, title in _GROUPS.items():
         if group in groups:
             middle = groups.index(group) + groups.count(group) / 2
-            ax.text(middle, -0.4, title.split()[0] if group == "shares" else title, ha="center", fontsize=6)
+            ax.text(
+                middle,
+                -0.4,
+                title.split()[0] if group == "shares" else title,
+                ha="center",
+                fontsize=6,
+            )
     return image
 
 

@@ -19,6 +19,7 @@ from fprc.studies.beyond.contest import (
     Contest,
     judge_build,
     judge_lengths,
+    judge_settings,
     time_of_step,
 )
 from fprc.studies.beyond.driven_states import judge_capacity
@@ -194,6 +195,33 @@ def judge_capacities(
         write_json(judged, {"source": "sim", "worlds": found})
 
 
+def judge_settings_of(
+    judged: str,
+    tuned: str,
+    *,
+    worlds: Sequence[Settings],
+    contest: Settings,
+    grids: Settings,
+    seeds: int,
+    **run: Any,
+) -> None:
+    """Judge FPRC with P_o and with low-passed theta_d over epsilon and n_c, on named rigs."""
+    entered = {world["name"]: _contest(contest, tuned, world) for world in worlds}
+    by_name = {world["name"]: world for world in worlds}
+    with judged_cells(
+        partial(_judge_settings, worlds=by_name, contests=entered, grids=grids),
+        [{"world": name, "unit": unit} for name in by_name for unit in range(seeds)],
+        settings=[by_name, entered, grids],
+        **run,
+    ) as cells:
+        found = [
+            {"world": cell["world"], "unit": cell["unit"], **row}
+            for cell in cells
+            for row in cell["errors"]
+        ]
+        write_json(judged, {"source": "sim", "worlds": found})
+
+
 def time_steps(tuned: str, steps: str, *, world: Settings, contest: Settings) -> None:
     """Time a step of every model on this machine, us."""
     entered = _contest(contest, tuned, world)
@@ -232,6 +260,13 @@ def _judge(
 def _judge_lengths(cell: Mapping[str, int], *, world: Settings, **how: Any) -> dict[str, Any]:
     on_rig, seed = rigs_of(cell["unit"], world)[0]
     return {"trained": judge_lengths(on_rig, seed, BRIEF, **how)}
+
+
+def _judge_settings(
+    cell: Mapping[str, Any], *, worlds: Settings, contests: Mapping[str, Contest], grids: Settings
+) -> dict[str, Any]:
+    on_rig, seed = rigs_of(cell["unit"], worlds[cell["world"]])[0]
+    return {"errors": judge_settings(on_rig, seed, contests[cell["world"]], grids)}
 
 
 def _judge_capacity(

@@ -1,4 +1,4 @@
-"""Measure and show the sensitivity of all numbers to each parameter of one rig."""
+"""What the numbers of one rig depend on: each of its parameters, and the stop of its actuator."""
 
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -11,6 +11,8 @@ from fprc.artifacts import read_json, write_json
 from fprc.evaluation.cells import judged_cells
 from fprc.experiments.settings import RigSettings
 from fprc.figures import style
+from fprc.paper import SOURCES
+from fprc.studies.families import stop
 from fprc.studies.families.sensitivity import (
     changes,
     judge_moved,
@@ -75,3 +77,44 @@ def draw_sensitivity(table: str, pdf: str, png: str) -> Mapping[str, Any]:
     bar.ax.minorticks_off()
     bar.set_label("Largest change over the parameter's range [%]")
     return style.save(fig, {"source": values["source"].iloc[0], "seeds": []}, pdf, png)
+
+
+def measure_stop(
+    judged: str,
+    *,
+    seeds: Sequence[int],
+    on_rig: Mapping[str, Any],
+    judgement: Mapping[str, Any],
+    **run: Any,
+) -> None:
+    """Measure the errors at the stop and off it, and after training without the stop.
+
+    Parameters
+    ----------
+    on_rig : Mapping
+        Arguments of ``RigSettings``.
+    judgement : Mapping
+        Arguments of ``Judgement`` without the seed.
+    **run
+        Those of ``measure_sensitivity``.
+    """
+    with judged_cells(
+        partial(stop.judge_stop, on_rig=RigSettings(**on_rig), judgement=judgement),
+        [{"seed": seed} for seed in seeds],
+        settings=[on_rig, judgement],
+        **run,
+    ) as cells:
+        write_json(judged, {"source": "sim", "cells": cells})
+
+
+def tabulate_stop(judged: str, **files: str) -> None:
+    """Write the errors at the stop and off it."""
+    cells = read_json(judged)["cells"]
+    table = stop.over_seeds(cells).assign(source="sim")
+    share = 100.0 * np.mean([cell["at_stop"] for cell in cells])
+    note = (
+        f"Errors at the stop: {share:.0f} % of the sweep's samples, with theta below "
+        f"{stop.STOP_DEG:g} deg, where the angle does not tell the pressure. Trained on the sweep; "
+        f"mean and its 95 % interval over {len(cells)} seeds.\nData: {SOURCES['sim']}."
+    )
+    write_table(table, stop.page(table), note, **files)

@@ -10,7 +10,7 @@ from fprc.competitors import TITLES
 from fprc.figures import style
 from fprc.studies.beyond import figures as figures
 from fprc.studies.beyond import tables as tables
-from fprc.studies.beyond.claims import judge_world
+from fprc.studies.beyond.claims import beside_b1, judge_world
 from fprc.studies.beyond.verdicts import claims as claims_table
 
 
@@ -19,6 +19,7 @@ def tabulate_beyond(
     capacity: str,
     training: str,
     steps: str,
+    over_settings: str,
     verdicts: str,
     **csv: str,
 ) -> None:
@@ -30,11 +31,13 @@ def tabulate_beyond(
         Reports of the worlds; the first one's rig is that of ``training`` and ``steps``.
     capacity : str
         Capacities in each world with one rig.
+    over_settings : str
+        Errors over epsilon and n_c.
     verdicts : str
         Outcome: what each world is, and the rows of ``judge_world`` for each.
     **csv : str
         Tables by name: ``models``, ``claims``, ``tracking``, ``offsets``, ``capacities``,
-        ``lengths``.
+        ``lengths``, ``settings``.
     """
     found = [read_json(path) for path in worlds]
     by_world = read_json(capacity)["worlds"]
@@ -47,6 +50,7 @@ def tabulate_beyond(
         "source": "sim",
         "worlds": tables.worlds_page(found).to_dict("records"),
         "ledgers": ledgers,
+        "beside": [beside_b1(world) for world in found],
     }
     by_model = tables.models(found)
     made = {
@@ -56,6 +60,7 @@ def tabulate_beyond(
         "offsets": tables.offsets(found),
         "capacities": tables.capacity(found),
         "lengths": tables.lengths(found),
+        "settings": tables.over_settings(read_json(over_settings)["worlds"]),
     }
     paths = [csv[name] for name in made]
     write_json(verdicts, outcome)
@@ -101,6 +106,17 @@ def draw_capacities(capacities: str, pdf: str, png: str, *, world: str) -> Mappi
     fig, axes = style.figure(1, 1, style.COLUMN_IN, 3.0)
     figures.plot_capacities(_of(capacities, world), axes)
     style.share_legend(fig, axes)
+    return style.save(fig, _SIMULATED, pdf, png)
+
+
+def draw_settings(settings: str, pdf: str, png: str) -> Mapping[str, Any]:
+    """Draw FPRC's error over that of FPRC on low-passed theta_d, over epsilon and over n_c."""
+    table = pd.read_csv(settings)
+    fig, axes = style.figure(1, 2, style.PAGE_IN, 2.4, sharey=True)
+    for ax, (_, own) in zip(axes, table.groupby("setting", sort=False), strict=True):
+        figures.plot_settings(own, ax)
+        ax.label_outer()
+    style.share_legend(fig, axes[0])
     return style.save(fig, _SIMULATED, pdf, png)
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fprc.studies.beyond.claims import CLAIMS, judge_world
+from fprc.studies.beyond.claims import CLAIMS, beside_b1, judge_world
 
 TITLES = {"fprc": "FPRC", "esn": "ESN", "fuzzy_linear": "Fuzzy-linear"}
 
@@ -133,3 +133,23 @@ def test_whom_the_rig_was_fitted_for_is_said(make_world):
     assert found["B8"] == []
     assert fitted("C8")["B8"] == [("P_o", "P_o's share of the readout's weights")]
     assert not any(fitted().values())
+
+
+def test_verdict_that_few_subsets_share_is_shown_as_unstable(make_world, monkeypatch):
+    monkeypatch.setattr("fprc.claims.paired._share_of_subsets", lambda *rest: 0.9)
+    rows = judged(make_world(spread=0.0))
+    assert {row["verdict"] for row in rows.values()} <= {"undecided", "not judged"}
+    decided = {row["words"] for row in rows.values()} - {"undecided", "not judged"}
+    assert decided
+    assert all(words.endswith(", unstable") for words in decided)
+
+
+def test_ratios_beside_b1_are_those_of_the_models(make_world):
+    world = make_world(spread=0.0)
+    rows = {row["text"]: row for row in beside_b1(world)}
+    first = world["cells"][0]["models"]
+    ratio = first["fprc"]["forward"]["test_rmse_kpa"] / first["bank"]["forward"]["test_rmse_kpa"]
+    assert rows["FPRC / ridge on low-passes of theta_d"]["mean"] == pytest.approx(ratio, rel=0.01)
+    for cell in world["cells"]:
+        cell["models"].pop("bank", None)
+    assert beside_b1(world)[0]["mean"] is None

@@ -7,7 +7,7 @@ from fprc.errors import EvaluationError
 from fprc.evaluation import rmse
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import RigSettings
-from fprc.experiments.tracking import Track, open_loop_errors
+from fprc.experiments.tracking import Track, tracking_errors
 from fprc.models import FPRC
 from fprc.studies.beyond.contest import (
     ALL,
@@ -16,6 +16,7 @@ from fprc.studies.beyond.contest import (
     Contest,
     judge_build,
     judge_lengths,
+    judge_settings,
     time_of_step,
 )
 
@@ -81,9 +82,10 @@ def test_build_on_which_fprc_cannot_be_trained_is_refused(on_rig, contest):
 
 def test_tracking_is_that_of_the_closed_loop_runs(judged, fprc, on_rig, contest):
     bench = Track(contest.tracking, on_rig.control, on_rig.rig, SEED)
-    assert judged["fprc"]["open_loop_deg"] == pytest.approx(open_loop_errors(bench, fprc))
-    closed = judged["fprc"]["closed_loop_deg"]
-    assert sum(closed.values()) < sum(judged["fprc"]["open_loop_deg"].values())
+    loops = {"open_loop_deg": False, "closed_loop_deg": True}
+    for loop, errors in tracking_errors(bench, fprc, loops).items():
+        assert judged["fprc"][loop] == pytest.approx(errors)
+    assert sum(errors.values()) < sum(judged["fprc"]["open_loop_deg"].values())
 
 
 def test_disturbed_p_o_is_the_models_input(judged, fprc, logs):
@@ -118,6 +120,17 @@ def test_length_of_the_usual_log_gives_the_usual_error(judged, on_rig, contest):
     assert both["two_logs"] is True
     # the second log is the test log's signal, with other noise
     assert both["models"]["fprc"]["test_rmse_kpa"] < usual["models"]["fprc"]["test_rmse_kpa"]
+
+
+def test_changed_setting_is_that_of_both_models(judged, on_rig, contest):
+    own = SETTINGS["models"]["fprc"]["n_c"]
+    cells = judge_settings(on_rig, SEED, contest, {"epsilon": [1.0], "n_c": [own]})
+    assert [(cell["setting"], cell["value"]) for cell in cells] == [("epsilon", 1.0), ("n_c", own)]
+    for name in ("fprc", "fprc_lowpass"):
+        forward = judged[name]["forward"]["test_rmse_kpa"] if name in judged else None
+        assert forward in (None, cells[1][name])
+    assert cells[0]["fprc"] != cells[1]["fprc"]
+    assert cells[0]["fprc_lowpass"] != cells[1]["fprc_lowpass"]
 
 
 def test_step_takes_time(logs, contest):

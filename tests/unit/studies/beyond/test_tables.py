@@ -9,7 +9,7 @@ import pytest
 from scipy.stats import t
 
 from fprc.studies.beyond import tables as tables
-from fprc.studies.beyond.claims import judge_world
+from fprc.studies.beyond.claims import beside_b1, judge_world
 from fprc.tables.text import markdown, read_markdown
 
 TITLES = {"fprc": "FPRC", "esn": "ESN", "fuzzy_linear": "Fuzzy-linear", "bank": "Bank"}
@@ -153,6 +153,7 @@ def test_blocks_are_those_of_the_pages_and_survive_csv(worlds, ledgers, tmp_path
         table.to_csv(tmp_path / name, index=False)
         read[name] = pd.read_csv(tmp_path / name)
     judged = {"source": "sim", "ledgers": ledgers,
+              "beside": [beside_b1(world) for world in worlds],
               "worlds": tables.worlds_page(worlds).to_dict("records")}  # fmt: skip
     blocks = tables.blocks(judged, found, "dry", TITLES)
     assert tables.blocks(judged, read, "dry", TITLES) == blocks

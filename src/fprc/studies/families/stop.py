@@ -1,0 +1,91 @@
+"""Errors at the stop, where the actuator is straight and theta does not determine the pressure."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from fprc.evaluation import rmse
+from fprc.experiments.hysteresis import simulate
+from fprc.experiments.settings import Judgement, RigSettings
+from fprc.paper import MODELS
+from fprc.registry import build, title_of
+from fprc.tables.models import with_interval
+from fprc.tables.text import format_mean
+
+#: Below this angle the actuator lies against its stop, deg.
+STOP_DEG = 0.5
+
+
+def judge_stop(
+    cell: Mapping[str, int], *, on_rig: RigSettings, judgement: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Train the paper's models on the sweep of one seed, on all samples and on those off the stop.
+
+    Returns
+    -------
+    dict
+        ``at_stop``, the share of samples at the stop; and by model: ``share``, of the squared
+        training error there; training errors ``at``, ``off`` the stop and ``test`` error, kPa; and
+        the last two again after training ``without`` the samples at the stop.
+    """
+    logs = simulate(on_rig, cell["seed"])
+    how = Judgement(**judgement, seed=cell["seed"])
+    at_stop = logs["sweep"].channels["theta_deg"] < STOP_DEG
+    found: dict[str, Any] = {"at_stop": float(at_stop.mean())}
+    for name in MODELS:
+        model = build(name, how.models, how.seed)
+        (X, y), (others, y_test) = (logs[log].pair(name) for log in ("sweep", "complex"))
+        features = model.make_features().fit(X)
+        rows, test_rows = features.transform(X), features.transform(others)
+        whole = model.make_readout().fit(rows, y)
+        squared = (whole.predict(rows) - y) ** 2
+        off = model.make_readout().fit(rows[~at_stop], y[~at_stop])
+        found[name] = {
+            "share": float(squared[at_stop].sum() / squared.sum()),
+            "at": float(np.sqrt(squared[at_stop].mean())),
+            "off": float(np.sqrt(squared[~at_stop].mean())),
+            "test": rmse(y_test, whole.predict(test_rows)),
+            "without_off": rmse(y[~at_stop], off.predict(rows[~at_stop])),
+            "without_test": rmse(y_test, off.predict(test_rows)),
+        }
+    return found
+
+
+#: Columns of the page.
+_COLUMNS = {
+    "share": "Share of the squared training error at the stop [%]",
+    "at": "Training RMSE at the stop [kPa]",
+    "off": "Training RMSE off the stop [kPa]",
+    "test": "Test RMSE [kPa]",
+    "without_off": "Trained without the stop: training RMSE [kPa]",
+    "without_test": "Trained without the stop: test RMSE [kPa]",
+}
+
+
+def over_seeds(cells: Any) -> pd.DataFrame:
+    """Return the numbers of ``judge_stop`` over seeds, tidy, with their 95 % intervals."""
+    table = pd.DataFrame(
+        {"model": name, "number": number, "value": value * (100.0 if number == "share" else 1.0)}
+        for cell in cells
+        for name in MODELS
+        for number, value in cell[name].items()
+    )
+    means = table.groupby(["model", "number"], sort=False)["value"].agg(["mean", "std", "count"])
+    return with_interval(means.reset_index().rename(columns={"count": "seeds"}))
+
+
+def page(table: pd.DataFrame) -> pd.DataFrame:
+    """Return a row per model."""
+    cells = {(row["model"], row["number"]): row for row in table.to_dict("records")}
+    return pd.DataFrame(
+        {
+            "Model": title_of(name),
+            **{
+                title: format_mean(cells[name, number], "mean")
+                for number, title in _COLUMNS.items()
+            },
+        }
+        for name in MODELS
+    )

@@ -1,0 +1,58 @@
+"""Errors at the stop of the actuator, and off it."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from fprc.config import Settings
+from fprc.experiments.hysteresis import simulate
+from fprc.experiments.settings import RigSettings
+from fprc.studies.families import stop
+from fprc.studies.stages import sensitivity as stage
+
+SETTINGS = Settings().model_dump(mode="json")
+
+
+@pytest.fixture(scope="module")
+def judged(signals):
+    models = SETTINGS["models"] | {"n_y": 2}
+    models["esn"] |= {"r": 12, "washout": 10}
+    models["fprc"] |= {"n_c": 2, "n_u": 2}
+    on_rig = {name: SETTINGS[name] for name in ("rig", "control")}
+    on_rig = RigSettings(**on_rig, signals=signals, target="command")
+    judgement = {"models": models, "folds": 2, "split": "shuffled"}
+    found = stop.judge_stop({"seed": 3}, on_rig=on_rig, judgement=judgement)
+    return found, simulate(on_rig, 3)["sweep"].channels
+
+
+def test_parts_make_the_whole_and_share_is_theirs(judged):
+    found, log = judged
+    f = found["at_stop"]
+    assert f == pytest.approx(np.mean(log["theta_deg"] < 0.5))
+    assert 0.0 < f < 1.0
+    for name in ("esn", "fprc", "fuzzy_linear"):
+        own = found[name]
+        at, off = f * own["at"] ** 2, (1.0 - f) * own["off"] ** 2
+        assert own["share"] == pytest.approx(at / (at + off))
+
+
+def test_least_squares_without_the_stop_is_no_worse_off_it(judged):
+    own = judged[0]["esn"]  # a linear readout; those of the fuzzy models cluster anew
+    assert own["without_off"] <= own["off"] * (1.0 + 1e-6)
+    assert own["without_test"] != own["test"]
+
+
+def test_table_has_a_row_per_model(judged, tmp_path):
+    cells = [{"seed": seed, **judged[0]} for seed in (1, 2, 3)]
+    (tmp_path / "stop.json").write_text(pd.Series({"source": "sim", "cells": cells}).to_json())
+    files = {end: str(tmp_path / f"stop.{end}") for end in ("csv", "md", "tex")}
+    stage.tabulate_stop(str(tmp_path / "stop.json"), **files)
+    table = pd.read_csv(files["csv"]).set_index(["model", "number"])
+    assert table.loc[("fprc", "share"), "mean"] == pytest.approx(100 * judged[0]["fprc"]["share"])
+    assert table["low"].to_numpy() == pytest.approx(table["mean"].to_numpy())
+    assert "ESN" in open_text(files["md"])
+
+
+def open_text(path):
+    with open(path, encoding="utf-8") as file:
+        return file.read()
