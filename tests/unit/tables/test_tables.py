@@ -382,7 +382,8 @@ def written(tmp_path_factory):
     seeds = []
     for content in REPLICATES[:1]:  # one seed has no deviation
         seeds.append(str(folder / f"{content['seed']}.json"))
-        write_json(seeds[-1], content)
+        starts = {"sweep": [1.0, 3.0], "complex": [1.0, 2.0]}
+        write_json(seeds[-1], content | {"fprc_test_rmse_over_starts": starts})
     write_json(folder / "times.json", times())
     models = copy.deepcopy(PUBLISHED["table_1_configuration"])
     models |= models.pop("shared")
@@ -479,3 +480,9 @@ def by_metric(table, model):
 
 def configuration_of(models):
     return models | {"shared": models}
+
+
+def test_note_of_the_seeds_says_how_far_apart_two_starts_are(written):
+    note = written["seeds.md"]
+    assert "1.4 kPa (standard deviation" in note  # of 1 and 3
+    assert "2 kPa apart" in note
