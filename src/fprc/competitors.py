@@ -9,7 +9,7 @@ Prandtl-Ishlinskii models; trees have scikit-learn's defaults; the MLP is small,
 stops after five epochs without improvement on a held-out tenth of the samples. Only NVAR's taps and
 ridge were searched: of 3 or 5 taps, 10 to 100 samples apart, and ridges of 0.001 to 1000, these
 have the lowest product of errors in a cross-validation with five blocks, purged by 2 s, within each
-of the two logs of seed 1 on the dry rig.
+of the two logs of seed 1 on the rig dry.
 """
 
 from collections.abc import Mapping

@@ -57,7 +57,7 @@ def load_hysteresis(
         Seed of the simulated rig's sensors and their noise; by default 1.
     rig : str or Mapping, optional
         Simulated rig: its name, or numbers as in the section ``rig`` of the configuration; by
-        default ``"dry"``.
+        default ``"paper"``.
     raw : path, optional
         Raw log of the experiment to read instead; ``seed`` and ``rig`` must then be left out.
     target : {"command", "measured"}, default="command"

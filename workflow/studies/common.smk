@@ -29,7 +29,7 @@ def family_named(name):
     return {
         "name": name,
         "rigs": name if name in SETS else "one",
-        "every_model": name == OWN_WORLD or name in FITTED_RIGS,
+        "every_model": name == OWN_WORLD,
         "first_seed": BEYOND["first_seed"],
         "seeds_per_rig": BEYOND["seeds_per_rig"] if name == "drawn" else 1,
         "fitted": SETS[name]["terms"] if name in SETS else fitted,

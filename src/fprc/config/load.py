@@ -16,7 +16,7 @@ from fprc.errors import ConfigError
 from fprc.yaml_file import read_yaml
 
 #: The rig of a configuration that gives none.
-RIG = "dry"
+RIG = "paper"
 
 #: Numbers that the paper prints.
 PUBLISHED = Path(__file__).with_name("published.yaml")

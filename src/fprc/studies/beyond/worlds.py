@@ -36,7 +36,8 @@ SETS = {
 
 #: Title of each world, and what it is.
 WORLDS = {
-    "dry": ("dry", "the shipped rig: dry friction (Maxwell slip), fitted to the paper"),
+    "paper": ("paper", "the default rig: dry friction and creep, fitted to the paper"),
+    "dry": ("dry", "an earlier rig of mostly dry friction, fitted to the paper"),
     "bouc_wen": (
         "Bouc-Wen",
         "the dry rig with another law of friction (Bouc-Wen), not fitted again",
