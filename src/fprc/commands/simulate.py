@@ -30,7 +30,7 @@ def simulate(
     seed : int, optional
         Seed of the sensors and their noise; by default the configuration's, 1.
     rig : NAME|FILE.yaml
-        Simulated rig, or a file that ``fprc calibrate`` wrote; by default the configuration's, paper.
+        Simulated rig, or a file that ``fprc calibrate`` wrote; by default the configuration's.
     config : FILE
         Configuration; later files override earlier ones. By default config/config.yaml if that
         file exists, else the defaults.

@@ -6,7 +6,6 @@ from itertools import accumulate
 from typing import Any
 
 import numpy as np
-from scipy.signal import lfilter
 
 #: Regressors that model the squeezing, functions of its drive (P_i or theta) scaled to 0 to 1:
 #: powers, first-order lags, and play operators (Prandtl-Ishlinskii) of these half-widths.
@@ -80,6 +79,9 @@ def fit_sealed(time_s: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[s
 
 
 def _squeezings(drive: np.ndarray, hz: float) -> list[np.ndarray]:
+    # takes half a second to import, and every process that reads a log would do so
+    from scipy.signal import lfilter
+
     if np.ptp(drive) == 0.0:
         return []
     u = (drive - drive.min()) / np.ptp(drive)
