@@ -8,10 +8,11 @@ import pytest
 from numpy.testing import assert_array_equal
 from threadpoolctl import threadpool_limits
 
+from fprc.channels import RAW_CHANNELS
 from fprc.config import from_files
 from fprc.datasets import load_hysteresis
 from fprc.errors import ConfigError, LogError
-from fprc.logs import RAW_CHANNELS, read_columns, write_raw
+from fprc.logs import read_columns, write_raw
 from fprc.stages.preprocess import preprocess
 from fprc.stages.record import record
 

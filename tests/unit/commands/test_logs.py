@@ -3,8 +3,9 @@ import os
 import numpy as np
 import pytest
 
+from fprc.channels import RAW_CHANNELS
 from fprc.cli import main
-from fprc.logs import RAW_CHANNELS, Journal, read_raw
+from fprc.logs import Journal, read_raw
 
 pytestmark = pytest.mark.slow
 

@@ -3,11 +3,12 @@ import pytest
 import yaml
 
 from fprc.artifacts import read_json
+from fprc.channels import RAW_CHANNELS
 from fprc.cli import main
 from fprc.config import from_files
 from fprc.evaluation import cross_validate
 from fprc.experiments.settings import Judgement
-from fprc.logs import RAW_CHANNELS, read_columns, write_raw
+from fprc.logs import read_columns, write_raw
 from fprc.models import load_model
 from fprc.plan.arguments import judgement
 from fprc.registry import build

@@ -3,11 +3,10 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fprc.channels import RAW_CHANNELS, unit_of
 from fprc.config.importing import Channels, Draft, Time, read_draft, read_map
 from fprc.errors import ConfigError
-from fprc.logs import RAW_CHANNELS
 from fprc.logs.clock import SECONDS
-from fprc.logs.columns import unit_of
 from fprc.logs.gather import FACTORS
 
 SMALL = {

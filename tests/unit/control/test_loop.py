@@ -1,11 +1,10 @@
 import numpy as np
 import pytest
 
+from fprc.channels import RAW_CHANNELS, Readings
 from fprc.control import PressurePI, RunAbortedError, run
-from fprc.devices import Readings
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import FprcError, SimulationError
-from fprc.logs import RAW_CHANNELS
 
 
 class Bench:

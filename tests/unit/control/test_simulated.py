@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
+from fprc.channels import RAW_CHANNELS, TRACKING_CHANNELS
 from fprc.control import PressurePI, hysteresis_law, run, tracking_law
 from fprc.control.simulated import simulate_hysteresis, simulate_tracking
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError, SimulationError
 from fprc.experiments.tracking import pd_of
-from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS
 
 SAMPLES = 5000  # more than one block of noise
 

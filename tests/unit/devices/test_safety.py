@@ -1,7 +1,7 @@
 import pytest
 
+from fprc.channels import Readings
 from fprc.config import Settings
-from fprc.devices import Readings
 from fprc.devices.safety import CheckedRig
 from fprc.errors import SafetyError
 

@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fprc.channels import RAW_CHANNELS, TRACKING_CHANNELS, unit_of
 from fprc.errors import LogError
-from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS, read_columns, write_columns
-from fprc.logs.columns import unit_of
+from fprc.logs import read_columns, write_columns
 
 NAMES = ("time_s", "p_o_kpa", "theta_deg")
 

@@ -11,9 +11,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fprc.channels import RAW_CHANNELS
 from fprc.config import Settings
 from fprc.errors import LogError
-from fprc.logs import RAW_CHANNELS, Journal, assess, read_columns, read_journal, read_raw, recover
+from fprc.logs import Journal, assess, read_columns, read_journal, read_raw, recover
 from fprc.logs import journal as module
 
 NAMES = (*RAW_CHANNELS, "theta_d_deg")

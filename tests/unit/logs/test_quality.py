@@ -5,9 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fprc.channels import RAW_CHANNELS, TRACKING_CHANNELS
 from fprc.config import Settings
 from fprc.experiments.hysteresis import acquire
-from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS, Columns, assess
+from fprc.logs import Columns, assess
 from fprc.logs.quality import noted_unit, warnings
 
 CHECKS = {"complete", "rate", "gaps", "not_finite", "range", "stuck", "leak"}

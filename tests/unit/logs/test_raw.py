@@ -2,8 +2,9 @@ import h5py
 import numpy as np
 import pytest
 
+from fprc.channels import RAW_CHANNELS, TRACKING_CHANNELS
 from fprc.errors import LogError
-from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS, read_raw, read_run, write_raw
+from fprc.logs import read_raw, read_run, write_raw
 
 RATE = {"experiment": None, "sample_rate_hz": 200.0, "rate_tolerance": 0.01}
 ATTRIBUTES = ("experiment", "source", "simulated", "sample_rate_hz", "seed", "software", "rig")
