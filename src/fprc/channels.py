@@ -78,7 +78,7 @@ class Readings(NamedTuple):
     phi_deg: float = math.nan
 
 
-#: Names of the channels of every raw log: setpoints, measurements, valve voltages.
+#: Names of the channels of raw logs: setpoints, measurements, valve voltages.
 RAW_CHANNELS = tuple(channel.name for channel in CHANNELS if channel.kind != "tracking")
 
 #: Names of the further channels of a closed-loop run.
@@ -91,12 +91,27 @@ TARGETS = {"command": "p_exp_command_kpa", "measured": "p_exp_kpa"}
 RESERVOIR = ("p_i_kpa", "p_o_kpa", "phi_deg")
 
 
-def sensors(needed_by: str = "") -> tuple[str, ...]:
-    """Return the names of the sensors, or of those that the logs of a source need."""
+#: Names of all sensors, and of those that every real rig has.
+SENSORS = tuple(channel.name for channel in CHANNELS if channel.kind == "sensor")
+NEEDED_SENSORS = tuple(
+    channel.name for channel in CHANNELS if channel.kind == "sensor" and "rig" in channel.needed
+)
+
+
+def needed_by(source: str, *, tracking: bool = False) -> tuple[str, ...]:
+    """Return the names of the channels that a log of a source needs.
+
+    Parameters
+    ----------
+    source : str
+        ``sim``, ``rig`` or ``import``.
+    tracking : bool, default=False
+        Whether the log is of a closed-loop run.
+    """
     return tuple(
         channel.name
         for channel in CHANNELS
-        if channel.kind == "sensor" and (not needed_by or needed_by in channel.needed)
+        if source in channel.needed and (tracking or channel.kind != "tracking")
     )
 
 

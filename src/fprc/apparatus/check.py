@@ -9,7 +9,7 @@ import numpy as np
 
 from fprc.apparatus.guardian import HEARTBEAT
 from fprc.apparatus.session import loops, notify, on_rig
-from fprc.channels import Readings, sensors
+from fprc.channels import SENSORS, Readings
 from fprc.control import run
 from fprc.devices import Clock, Device
 from fprc.errors import ControlError
@@ -139,7 +139,7 @@ def describe(
     time_s = channels["time_s"]
     begins_s = np.concatenate([[0.0], ends_s[:-1]])
     settled: dict[str, dict[str, float]] = {}
-    present = [name for name in sensors() if not np.isnan(channels[name]).all()]
+    present = [name for name in SENSORS if not np.isnan(channels[name]).all()]
     lines = [f"{'phase':16}" + "".join(f"{name:>18}" for name in present)]
     for (phase, *_), begin_s, end_s in zip(phases, begins_s, ends_s, strict=True):
         within = time_s[(time_s >= begin_s) & (time_s < end_s)]

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from fprc.channels import RAW_CHANNELS, Readings, sensors
+from fprc.channels import NEEDED_SENSORS, RAW_CHANNELS, Readings
 from fprc.control.pressure import PressurePI
 from fprc.devices import Clock, Device
 from fprc.errors import ControlError, FprcError
@@ -15,7 +15,7 @@ Law = Callable[[int, Readings], Sequence[float]]
 
 
 #: Readings that every run needs; the others are only recorded.
-_NEEDED = ("time_s", *sensors(needed_by="rig"))
+_NEEDED = ("time_s", *NEEDED_SENSORS)
 
 
 class RunAbortedError(ControlError):

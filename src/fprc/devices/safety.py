@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from fprc.channels import Readings, sensors, unit_of
+from fprc.channels import SENSORS, Readings, unit_of
 from fprc.devices.protocol import Device
 from fprc.errors import SafetyError
 
@@ -38,7 +38,7 @@ class CheckedRig:
         self.safe, self.close = device.safe, device.close
         self._period_s = period_s
         self._stale_s = limits["stale_s"]
-        watched = [name for name in sensors() if name in limits and (phi or name != "phi_deg")]
+        watched = [name for name in SENSORS if name in limits and (phi or name != "phi_deg")]
         steps = {"kPa": limits["pressure_step_kpa"], "deg": limits["angle_step_deg"]}
         self._watched = [
             (Readings._fields.index(name), name, *limits[name], steps[unit_of(name)])

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from fprc.channels import CHANNELS, sensors, unit_of
+from fprc.channels import CHANNELS, NEEDED_SENSORS, unit_of
 from fprc.escape import visible
 from fprc.logs.columns import Columns
 from fprc.logs.sealed_chamber import SHORT_S, fit_sealed
@@ -197,7 +197,7 @@ def _outside(log: Columns, ranges: Mapping[str, Sequence[float]]) -> dict[str, A
 
 
 def _stuck(log: Columns, limit: float) -> dict[str, Any]:
-    present = [name for name in sensors(needed_by="rig") if name in log.channels]
+    present = [name for name in NEEDED_SENSORS if name in log.channels]
     longest = {name: int(runs(log.channels[name])[1].max()) for name in present}
     return {
         "passed": max(longest.values()) <= limit,

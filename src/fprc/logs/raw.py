@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from fprc.channels import CHANNELS, RAW_CHANNELS, TARGETS
+from fprc.channels import RAW_CHANNELS, TARGETS, needed_by
 from fprc.errors import LogError
 from fprc.logs.columns import Columns, gather_columns, write_columns
 
@@ -87,11 +87,7 @@ def missing_channels(attributes: Mapping[str, Any], channels: Container[str]) ->
 def _required_channels(attributes: Mapping[str, Any]) -> tuple[str, ...]:
     recorded = str(attributes.get("source"))
     source = next((each for each in ("import", "rig") if recorded.startswith(each)), "sim")
-    return tuple(
-        channel.name
-        for channel in CHANNELS
-        if source in channel.needed and (channel.kind != "tracking" or _is_run(attributes))
-    )
+    return needed_by(source, tracking=_is_run(attributes))
 
 
 def _missing_target(attributes: Mapping[str, Any], channels: Container[str]) -> list[str]:

@@ -7,7 +7,7 @@ from fprc.errors import SafetyError
 
 PERIOD_S = 0.005
 REST = {"p_exp_kpa": 0.1, "theta_deg": 0.2, "p_i_kpa": -0.3, "p_o_kpa": 100.0, "phi_deg": 0.4}
-QUANTITIES = [name for name in Readings._fields if name != "time_s"]
+QUANTITIES = list(REST)
 
 
 class Rig:

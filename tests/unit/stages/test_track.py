@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 import pytest
 
-from fprc.channels import RAW_CHANNELS, TRACKING_CHANNELS
+from fprc.channels import needed_by
 from fprc.config import Settings
 from fprc.control import RunAbortedError
 from fprc.devices.sim import SimulatedRig
@@ -17,7 +17,7 @@ from fprc.models import FPRC, FuzzyLinear, load_model, save_model
 from fprc.paper import CONTROLLERS
 from fprc.stages.track import track
 
-NAMES = (*RAW_CHANNELS, *TRACKING_CHANNELS)
+NAMES = needed_by("sim", tracking=True)
 
 
 @pytest.fixture(scope="module")
