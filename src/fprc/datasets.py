@@ -8,10 +8,11 @@ import numpy as np
 from sklearn.utils import Bunch
 
 from fprc import __version__
+from fprc.channels import TARGETS
 from fprc.config import from_files
 from fprc.config.load import RIG
 from fprc.errors import ConfigError
-from fprc.experiments.data import TARGETS, select_channels
+from fprc.experiments.data import select_channels
 from fprc.experiments.hysteresis import RUNS, acquire
 from fprc.logs import Columns, read_raw
 from fprc.logs.quality import noted_unit, notes_of

@@ -9,13 +9,15 @@ import sys
 import numpy as np
 import pytest
 
-from fprc.logs import RAW_CHANNELS, read_journal
+from fprc.channels import RAW_CHANNELS
+from fprc.logs import read_journal
 
 #: Child process: appends as fast as it can and says after each sample how many there are.
 APPEND = """
 import sys
 from fprc.errors import LogError
-from fprc.logs import RAW_CHANNELS, Journal
+from fprc.channels import RAW_CHANNELS
+from fprc.logs import Journal
 
 attributes = {
     "experiment": "sweep", "source": "rig", "sample_rate_hz": 200.0, "seed": 0,

@@ -16,7 +16,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fprc.logs import RAW_CHANNELS, read_journal, read_raw
+from fprc.channels import RAW_CHANNELS
+from fprc.logs import read_journal, read_raw
 
 pytestmark = [
     pytest.mark.slow,

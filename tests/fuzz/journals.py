@@ -12,7 +12,8 @@ import signals
 from judging import SAID, SAME, SILENT, Case, Ended, Step, Verdict, differing
 from raw_logs import content
 
-from fprc.logs import RAW_CHANNELS, Journal
+from fprc.channels import RAW_CHANNELS
+from fprc.logs import Journal
 
 
 class Run(NamedTuple):

@@ -21,8 +21,8 @@ import signals
 from judging import SAID, SAME, SILENT, Case, Ended, Step, Verdict
 
 from fprc.apparatus.programme import plan
+from fprc.channels import Readings
 from fprc.config import Settings
-from fprc.devices import Readings
 from fprc.errors import ControlError, FprcError
 from fprc.models import (
     ESN,

@@ -8,10 +8,11 @@ import pytest
 from numpy.testing import assert_array_equal
 from threadpoolctl import threadpool_limits
 
+from fprc.channels import needed_by
 from fprc.config import from_files
 from fprc.datasets import load_hysteresis
 from fprc.errors import ConfigError, LogError
-from fprc.logs import RAW_CHANNELS, read_columns, write_raw
+from fprc.logs import read_columns, write_raw
 from fprc.stages.preprocess import preprocess
 from fprc.stages.record import record
 
@@ -49,7 +50,7 @@ def test_data_are_those_of_the_workflow(sweep, logs):
 def test_raw_log_gives_the_same_as_its_simulation(sweep, logs):
     read = load_hysteresis("sweep", raw=logs[0])
     assert read.keys() == sweep.keys()
-    for name in RAW_CHANNELS:
+    for name in needed_by("sim"):
         assert_array_equal(read.channels[name], sweep.channels[name])
     for name in ("feature_names", "target_names", "units", "sample_rate_hz", "source"):
         assert read[name] == sweep[name]
@@ -60,7 +61,7 @@ def test_columns_are_named_and_have_units(sweep):
     assert sweep.data.shape == (24000, 2)
     assert sweep.feature_names == ["theta_deg", "p_o_kpa"]
     assert sweep.target_names == ["p_exp_command_kpa"]
-    assert tuple(sweep.channels) == RAW_CHANNELS
+    assert tuple(sweep.channels) == needed_by("sim")
     assert sweep.units["theta_deg"] == "deg"
     assert sweep.units["valve_main_v"] == "V"
     for index, name in enumerate(sweep.feature_names):

@@ -1,7 +1,7 @@
 import re
 
+from fprc.channels import RAW_CHANNELS
 from fprc.logs import write_raw
-from fprc.logs.raw import RAW_CHANNELS
 
 OF_THEIR_OWN = ["source=rig", "folders={raw: bench/raw, results: bench/results}"]
 

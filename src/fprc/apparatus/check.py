@@ -9,8 +9,9 @@ import numpy as np
 
 from fprc.apparatus.guardian import HEARTBEAT
 from fprc.apparatus.session import loops, notify, on_rig
+from fprc.channels import SENSORS, Readings
 from fprc.control import run
-from fprc.devices import Clock, Device, Readings
+from fprc.devices import Clock, Device
 from fprc.errors import ControlError
 
 log = logging.getLogger("fprc.rig")
@@ -35,7 +36,6 @@ PHASES: tuple[Phase, ...] = (
 #: Least pressure rise of a chamber that is filled, and most of one that is not, kPa.
 _FILLED_KPA = 0.5 * TEST_KPA
 _UNFILLED_KPA = 0.2 * TEST_KPA
-_SENSORS = ("p_exp_kpa", "p_i_kpa", "p_o_kpa", "theta_deg", "phi_deg")
 
 
 def check_rig(settings: Mapping[str, Any], armed: bool, stop: Callable[[], str]) -> int:
@@ -139,15 +139,15 @@ def describe(
     time_s = channels["time_s"]
     begins_s = np.concatenate([[0.0], ends_s[:-1]])
     settled: dict[str, dict[str, float]] = {}
-    sensors = [name for name in _SENSORS if not np.isnan(channels[name]).all()]
-    lines = [f"{'phase':16}" + "".join(f"{name:>18}" for name in sensors)]
+    present = [name for name in SENSORS if not np.isnan(channels[name]).all()]
+    lines = [f"{'phase':16}" + "".join(f"{name:>18}" for name in present)]
     for (phase, *_), begin_s, end_s in zip(phases, begins_s, ends_s, strict=True):
         within = time_s[(time_s >= begin_s) & (time_s < end_s)]
         if not within.size:
             break
         # the second half of the phase, in which the chamber has settled
         judged = (time_s >= 0.5 * (begin_s + within[-1])) & (time_s <= within[-1])
-        values = {name: channels[name][judged] for name in sensors}
+        values = {name: channels[name][judged] for name in present}
         settled[phase] = {name: float(v.mean()) for name, v in values.items()}
         cells = [f"{v.mean():.2f} +- {v.std():.2f}" for v in values.values()]
         lines.append(f"{phase:16}" + "".join(f"{cell:>18}" for cell in cells))

@@ -23,10 +23,10 @@ from fprc.apparatus.guardian import HEARTBEAT
 from fprc.apparatus.programme import plan
 from fprc.apparatus.session import Stop, loops, notify, on_rig, reserve_pipes
 from fprc.artifacts import refuse_output
+from fprc.channels import RAW_CHANNELS
 from fprc.control import RunAbortedError, run
 from fprc.devices import Clock, Device
 from fprc.errors import FprcError, LogError
-from fprc.logs import RAW_CHANNELS
 from fprc.logs.journal import Journal
 from fprc.logs.recovery import read_journal, recover, rescue
 

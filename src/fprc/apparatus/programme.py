@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from fprc import __version__
+from fprc.channels import RAW_CHANNELS, TRACKING_CHANNELS
 from fprc.control import Law, hysteresis_law
 from fprc.errors import ConfigError, FprcError
-from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS
 from fprc.paper import EXPERIMENTS, reference_and_controller, run_log
 from fprc.registry import controllers, entries, feedforward_of, load_class, outside_class
 from fprc.signals import pressure_command

@@ -11,6 +11,7 @@ import numpy as np
 
 from fprc import __version__
 from fprc.artifacts import is_json_with, read_json, refuse_output, replacing_all, write_json
+from fprc.channels import unit_of
 from fprc.config.importing import ImportMap, read_draft, read_map
 from fprc.errors import ConfigError, LogError, UsageError
 from fprc.escape import terminal, visible
@@ -18,7 +19,7 @@ from fprc.figures import style
 from fprc.figures.diagnosis import draw_diagnosis
 from fprc.logs import write_raw
 from fprc.logs.clock import likely_rate, other_unit, refuse_length
-from fprc.logs.columns import read_header, unit_of
+from fprc.logs.columns import read_header
 from fprc.logs.diagnosis import describe, diagnose
 from fprc.logs.gather import gather, pick_all
 from fprc.logs.isolated import attempt_each

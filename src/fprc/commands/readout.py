@@ -195,7 +195,7 @@ def _problems_of_map(path: str, mapping: ImportMap, *, simulated: bool, more: bo
             f"{path}: test_from_s is missing: the time in s at which the test part begins, counted "
             "from the first sample; give it instead of experiment"
         )
-    if mapping.channels.p_o_kpa is None and not simulated:
+    if mapping.channels.model_dump()["p_o_kpa"] is None and not simulated:
         problems.append(
             f"{path}: channels.p_o_kpa is missing: it is the readout to evaluate; add it, or set "
             "evaluation.reservoir: simulated"

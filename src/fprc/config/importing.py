@@ -6,8 +6,16 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, Field, ValidationError
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    Field,
+    ValidationError,
+    create_model,
+)
 
+from fprc.channels import CHANNELS, CONVERTED, TARGETS, Channel
 from fprc.config.section import Section
 from fprc.errors import ConfigError
 from fprc.yaml_file import read_yaml
@@ -40,36 +48,20 @@ class Column(Section):
     note: str = Field("", description="remark for readers of the log")
 
 
-class Pressure(Column):
-    """Gauge pressure; for absolute readings in kPa use ``offset: -101.325``."""
-
-    unit: Annotated[Literal["kPa", "Pa", "bar", "mbar", "psi", "MPa", "1"], _AS_TEXT]
-
-
-class Angle(Column):
-    """Angle."""
-
-    unit: Annotated[Literal["deg", "rad", "1"], _AS_TEXT]
+def _column(channel: Channel) -> tuple[Any, Any]:
+    """Return the type and the default of a channel's key; only what every import needs has none."""
+    units = Literal[*CONVERTED[channel.unit], "1"]  # type: ignore[valid-type]
+    column = create_model(
+        "Column", __base__=Column, __module__=__name__, unit=(Annotated[units, _AS_TEXT], ...)
+    )
+    return (column, ...) if "import" in channel.needed else (column | None, None)
 
 
-class Voltage(Column):
-    """Voltage."""
-
-    unit: Annotated[Literal["V", "mV", "1"], _AS_TEXT]
-
-
-class Channels(Section):
-    """Channels of a raw log, see data/raw/README.md; omitted channels are not in the log."""
-
-    p_exp_command_kpa: Pressure | None = None
-    p_exp_kpa: Pressure | None = None
-    theta_deg: Angle
-    p_i_command_kpa: Pressure | None = None
-    p_i_kpa: Pressure | None = None
-    p_o_kpa: Pressure | None = None
-    phi_deg: Angle | None = None
-    valve_main_v: Voltage | None = None
-    valve_reservoir_v: Voltage | None = None
+_FIELDS: dict[str, Any] = {
+    each.name: _column(each) for each in CHANNELS if each.kind not in ("time", "tracking")
+}
+#: Channels of a raw log, see data/raw/README.md; omitted channels are not in the log.
+Channels = create_model("Channels", __base__=Section, __module__=__name__, **_FIELDS)
 
 
 class Time(Section):
@@ -224,7 +216,7 @@ def _contradictions_of_time(time: Any) -> Iterator[str]:
 def _contradictions_of_channels(channels: Any) -> Iterator[str]:
     if not isinstance(channels, dict):
         return
-    targets = [channels.get(name) for name in ("p_exp_kpa", "p_exp_command_kpa")]
+    targets = [channels.get(name) for name in TARGETS.values()]
     if targets == [None, None] and set(channels) <= set(Channels.model_fields):
         yield "channels: p_exp_kpa or p_exp_command_kpa is missing; the models predict it"
     for name, spec in channels.items():

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from fprc.channels import Readings
 from fprc.control.loop import Law
-from fprc.devices import Readings
 
 
 def hysteresis_law(

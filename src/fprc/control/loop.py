@@ -5,13 +5,17 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from fprc.channels import NEEDED_SENSORS, RAW_CHANNELS, Readings
 from fprc.control.pressure import PressurePI
-from fprc.devices import Clock, Device, Readings
+from fprc.devices import Clock, Device
 from fprc.errors import ControlError, FprcError
-from fprc.logs import RAW_CHANNELS
 
 #: Returns the setpoints P_exp and P_i of sample k in kPa, then any further values to record.
 Law = Callable[[int, Readings], Sequence[float]]
+
+
+#: Readings that every run needs; the others are only recorded.
+_NEEDED = ("time_s", *NEEDED_SENSORS)
 
 
 class RunAbortedError(ControlError):
@@ -55,7 +59,7 @@ def run(
     Returns
     -------
     dict of ndarray
-        One array for each of ``fprc.logs.RAW_CHANNELS`` and of ``extra``. Row k
+        One array for each of ``fprc.channels.RAW_CHANNELS`` and of ``extra``. Row k
         holds the readings at a tick, and the setpoints and voltages computed from
         them. There are ``samples`` rows unless the clock missed ticks.
 
@@ -82,19 +86,14 @@ def run(
             main_v = main_loop.step(p_exp, now.p_exp_kpa)
             reservoir_v = reservoir_loop.step(p_i, now.p_i_kpa)
             device.write(main_v, reservoir_v)
-            rows[done] = row = (
-                now.time_s,
-                p_exp,
-                now.p_exp_kpa,
-                now.theta_deg,
-                p_i,
-                now.p_i_kpa,
-                now.p_o_kpa,
-                now.phi_deg,
-                main_v,
-                reservoir_v,
-                *more,
-            )
+            sample = {
+                **now._asdict(),
+                "p_exp_command_kpa": p_exp,
+                "p_i_command_kpa": p_i,
+                "valve_main_v": main_v,
+                "valve_reservoir_v": reservoir_v,
+            }
+            rows[done] = row = (*(sample[name] for name in RAW_CHANNELS), *more)
             done += 1
             keep(k, row)
             k += 1
@@ -121,7 +120,6 @@ def _make_safe(device: Device) -> str:
 
 
 def _refuse_gaps(now: Readings) -> None:
-    # phi, the last one, is optional: it is only recorded
-    if not math.isfinite(sum(now[:-1])):
-        gone = [name for name, value in now._asdict().items() if not math.isfinite(value)]
+    gone = [name for name in _NEEDED if not math.isfinite(getattr(now, name))]
+    if gone:
         raise ControlError(f"no reading of {', '.join(gone)}; check the sensor")

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from fprc.channels import TRACKING_CHANNELS
 from fprc.devices import NEUTRAL_V
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError
-from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS
 
 
 def simulate_hysteresis(
@@ -29,8 +29,8 @@ def simulate_hysteresis(
     nan = np.full(len(p_exp_kpa), np.nan)
     pushes = np.zeros(len(nan)) if push_kpa is None else push_kpa
     setpoints = np.column_stack([p_exp_kpa, nan, nan, pushes])
-    rows = device.follow(_controllers(control, (-np.inf, np.inf)), setpoints)
-    return dict(zip(RAW_CHANNELS, rows.T.copy(), strict=False))
+    channels = device.follow(_controllers(control, (-np.inf, np.inf)), setpoints)
+    return {name: channels[name] for name in channels if name not in TRACKING_CHANNELS}
 
 
 def simulate_tracking(
@@ -66,11 +66,10 @@ def simulate_tracking(
         )
     pushes = np.zeros(len(theta_d_deg)) if push_kpa is None else push_kpa
     p_i_kpa = control["k_in_kpa_per_deg"] * theta_d_deg
-    rows = device.follow(
+    return device.follow(
         _controllers(control, (0.0, pressure_limit_kpa), feedback),
         np.column_stack([p_ff_kpa, theta_d_deg, p_i_kpa, pushes]),
     )
-    return dict(zip((*RAW_CHANNELS, *TRACKING_CHANNELS), rows.T.copy(), strict=True))
 
 
 def _controllers(

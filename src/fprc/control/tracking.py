@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fprc.channels import Readings
 from fprc.control.loop import Law
 from fprc.control.pd import PD
-from fprc.devices import Readings
 from fprc.errors import ControlError
 
 if TYPE_CHECKING:  # the real rig's loop starts sooner without scikit-learn

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from fprc.channels import Readings
 from fprc.devices.bendlabs import BendSensor, open_bus
 from fprc.devices.locks import locked
 from fprc.devices.pneumatics import (
@@ -17,7 +18,6 @@ from fprc.devices.pneumatics import (
     quietly,
     vent,
 )
-from fprc.devices.protocol import Readings
 from fprc.errors import DeviceError
 
 

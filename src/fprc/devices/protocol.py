@@ -1,20 +1,11 @@
 """Interface of every rig, simulated or real."""
 
-from typing import NamedTuple, Protocol
+from typing import Protocol
+
+from fprc.channels import Readings
 
 #: Voltage that closes a proportional valve, V.
 NEUTRAL_V = 5.0
-
-
-class Readings(NamedTuple):
-    """One sample of all sensors; pressures are gauge, phi is the reservoir's bending angle."""
-
-    time_s: float
-    p_exp_kpa: float
-    theta_deg: float
-    p_i_kpa: float
-    p_o_kpa: float
-    phi_deg: float
 
 
 class Device(Protocol):

@@ -4,10 +4,10 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from fprc.devices.protocol import Device, Readings
+from fprc.channels import SENSORS, Readings, unit_of
+from fprc.devices.protocol import Device
 from fprc.errors import SafetyError
 
-_PRESSURES = ("p_exp_kpa", "p_i_kpa", "p_o_kpa")
 _LIMIT_V = 10.0
 
 
@@ -38,15 +38,14 @@ class CheckedRig:
         self.safe, self.close = device.safe, device.close
         self._period_s = period_s
         self._stale_s = limits["stale_s"]
-        angles = ("theta_deg", "phi_deg") if phi else ("theta_deg",)
-        steps = dict.fromkeys(_PRESSURES, limits["pressure_step_kpa"])
-        steps |= dict.fromkeys(angles, limits["angle_step_deg"])
+        watched = [name for name in SENSORS if name in limits and (phi or name != "phi_deg")]
+        steps = {"kPa": limits["pressure_step_kpa"], "deg": limits["angle_step_deg"]}
         self._watched = [
-            (Readings._fields.index(name), name, *limits[name], step)
-            for name, step in steps.items()
+            (Readings._fields.index(name), name, *limits[name], steps[unit_of(name)])
+            for name in watched
         ]
         self._last: Readings | None = None
-        self._changed_s = dict.fromkeys(steps, 0.0)
+        self._changed_s = dict.fromkeys(watched, 0.0)
 
     def read(self) -> Readings:
         """Return the readings.

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from fprc.devices.protocol import NEUTRAL_V, Readings
+from fprc.channels import Readings
+from fprc.devices.protocol import NEUTRAL_V
 from fprc.errors import SimulationError
 from fprc.rig.closed_loop import RECORDED, SETPOINTS, close_loop
 from fprc.rig.parameters import record
@@ -94,7 +95,9 @@ class SimulatedRig:
         """Set the voltages of both valves."""
         self._valve_v[:] = main_v, reservoir_v
 
-    def follow(self, controllers: Mapping[str, Any], setpoints: np.ndarray) -> np.ndarray:
+    def follow(
+        self, controllers: Mapping[str, Any], setpoints: np.ndarray
+    ) -> dict[str, np.ndarray]:
         """Run the controllers from the current tick on, in compiled code.
 
         The result is that of a loop over ``wait_for``, ``read`` and ``write``.
@@ -108,7 +111,8 @@ class SimulatedRig:
 
         Returns
         -------
-        ndarray of shape (n_samples, RECORDED)
+        dict of ndarray
+            One array for each of ``fprc.rig.closed_loop.RECORDED``.
 
         Raises
         ------
@@ -118,7 +122,7 @@ class SimulatedRig:
         samples = len(setpoints)
         if setpoints.shape != (samples, len(SETPOINTS)):
             raise ValueError(f"setpoints of shape {setpoints.shape}: give {len(SETPOINTS)} columns")
-        rows = np.empty((samples, RECORDED))
+        rows = np.empty((samples, len(RECORDED)))
         failed, done = close_loop(
             self._state,
             self._rig,
@@ -135,7 +139,7 @@ class SimulatedRig:
         )
         self._tick += done if failed else samples - 1
         self._refuse(failed)
-        return rows
+        return dict(zip(RECORDED, rows.T.copy(), strict=True))
 
     def safe(self) -> None:
         """Vent both chambers; closed valves would keep their pressure."""

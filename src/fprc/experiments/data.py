@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fprc.channels import TARGETS
 from fprc.errors import LogError
 from fprc.escape import visible
 from fprc.logs import Columns, read_columns
@@ -13,9 +14,6 @@ from fprc.logs.quality import noted_unit, notes_of
 from fprc.registry import entries
 
 log = logging.getLogger(__name__)
-
-#: Channel of a raw log that the models learn as P_exp, by ``evaluation.target``.
-TARGETS = {"command": "p_exp_command_kpa", "measured": "p_exp_kpa"}
 
 
 class Data(NamedTuple):

@@ -5,9 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from fprc.channels import TARGETS
 from fprc.control.simulated import simulate_hysteresis
 from fprc.devices.sim import SimulatedRig
-from fprc.experiments.data import TARGETS, Data
+from fprc.experiments.data import Data
 from fprc.experiments.settings import RigSettings
 from fprc.signals import pressure_command
 

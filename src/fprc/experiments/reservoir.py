@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from fprc.channels import RESERVOIR
 from fprc.control import PressurePI, run
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import LogError
@@ -17,7 +18,7 @@ _BEFORE_S = 5.0
 _OUTSIDE, _MARGIN = 0.01, 0.02
 
 #: Channels of the simulated reservoir.
-CHANNELS = ("p_i_command_kpa", "p_i_kpa", "p_o_kpa", "phi_deg")
+CHANNELS = ("p_i_command_kpa", *RESERVOIR)
 
 
 def commands_of(

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from fprc.channels import Readings
 from fprc.control import PressurePI, feedforward, tracking_law
-from fprc.devices import Readings
 from fprc.evaluation.timing import WARM_UP, time_steps
 from fprc.experiments.data import Data
 from fprc.experiments.tracking import pd_of

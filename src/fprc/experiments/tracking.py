@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fprc import __version__
+from fprc.channels import TRACKING_CHANNELS
 from fprc.control import PD, Law, PressurePI, feedforward, refuse_impossible, run, tracking_law
 from fprc.control.simulated import simulate_tracking
 from fprc.devices.sim import SimulatedRig
@@ -19,7 +20,6 @@ from fprc.experiments.measures import (
     measure_pressure_error,
     measure_runs,
 )
-from fprc.logs import TRACKING_CHANNELS
 from fprc.models import SequenceModel
 from fprc.paper import DISTURBANCE, REFERENCES, run_log
 from fprc.provenance import sha256

@@ -95,9 +95,9 @@ def _axis(name: str, units: Mapping[str, str]) -> str:
 
 
 def _colour(name: str) -> str:
-    """Return the quantity of a channel, which decides its colour."""
+    """Return the quantity of a channel, which decides its colour; grey if it has none."""
     quantity = name.rpartition("_")[0].removesuffix("_command")
-    return "valve" if quantity.startswith("valve") else quantity
+    return quantity if quantity in style.SIGNALS else "valve"
 
 
 def _remarks(channel: Mapping[str, Any], clock: Mapping[str, Any]) -> str:

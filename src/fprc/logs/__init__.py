@@ -4,13 +4,11 @@ from fprc.logs.columns import Columns, read_columns, write_columns
 from fprc.logs.folder import WHOLE, Content, contents, headers, refuse_other_source
 from fprc.logs.journal import Journal
 from fprc.logs.quality import assess
-from fprc.logs.raw import RAW_CHANNELS, TRACKING_CHANNELS, read_raw, read_run, write_raw
+from fprc.logs.raw import read_raw, read_run, write_raw
 from fprc.logs.recovery import read_journal, recover
 
 __all__ = [
     "WHOLE",
-    "RAW_CHANNELS",
-    "TRACKING_CHANNELS",
     "Columns",
     "Content",
     "Journal",

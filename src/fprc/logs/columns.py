@@ -8,12 +8,10 @@ import h5py
 import numpy as np
 
 from fprc.artifacts import replacing
+from fprc.channels import UNITS, unit_of
 from fprc.errors import LogError
 from fprc.logs.attributes import as_written, read_attributes
 from fprc.logs.hdf5 import channel_of, links_of, opened, refuse_never_written, too_large
-
-#: Unit of a channel by the ending of its name.
-UNITS = {"_kpa": "kPa", "_deg": "deg", "_s": "s", "_v": "V"}
 
 #: The oldest format in which everything but the samples has checksums.
 _FORMAT = (h5py.h5f.LIBVER_V110, h5py.h5f.LIBVER_V110)
@@ -26,14 +24,6 @@ class Columns(NamedTuple):
     channels: dict[str, np.ndarray]
     attributes: dict[str, Any]
     unchecked: tuple[str, ...] = ()  #: names of channels without a checksum
-
-
-def unit_of(name: str) -> str:
-    """Return the unit of a channel from the ending of its name; raise LogError for another."""
-    for ending, unit in UNITS.items():
-        if name.endswith(ending):
-            return unit
-    raise LogError(f"channel {name}: its name must end in one of {', '.join(UNITS)}")
 
 
 def write_columns(

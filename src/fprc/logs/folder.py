@@ -4,11 +4,11 @@ from collections.abc import Container, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from fprc.channels import RAW_CHANNELS
 from fprc.errors import LogError
 from fprc.logs.columns import read_header
 from fprc.logs.isolated import isolated_each
 from fprc.logs.quality import other_quantity
-from fprc.logs.raw import RAW_CHANNELS
 
 
 class Header(NamedTuple):

@@ -5,15 +5,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fprc.channels import CONVERTED
 from fprc.errors import LogError
 from fprc.logs.clock import Clock, even, read_clock
 from fprc.logs.variables import Source, pick
 
 #: Factor from each unit to that of a raw log; ``1``: another quantity, not converted.
-FACTORS = {
-    "kPa": 1.0, "Pa": 1e-3, "mbar": 0.1, "bar": 100.0, "psi": 6.894757293168361, "MPa": 1e3,
-    "deg": 1.0, "rad": 180.0 / np.pi, "V": 1.0, "mV": 1e-3, "1": 1.0,
-}  # fmt: skip
+FACTORS = {"1": 1.0} | {name: by for units in CONVERTED.values() for name, by in units.items()}
 #: Largest magnitude of a converted sample, in any unit.
 LARGEST = 1e12
 

@@ -24,9 +24,9 @@ from typing import Any, Self
 
 import numpy as np
 
+from fprc.channels import unit_of
 from fprc.errors import LogError
 from fprc.logs.attributes import wrong_kinds
-from fprc.logs.columns import unit_of
 from fprc.logs.raw import RAW_ATTRIBUTES, contradictions, missing_channels
 
 #: Marker of the header; the digit is the version of the format.

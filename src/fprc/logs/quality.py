@@ -6,25 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from fprc.channels import CHANNELS, NEEDED_SENSORS, unit_of
 from fprc.escape import visible
-from fprc.logs.columns import Columns, unit_of
+from fprc.logs.columns import Columns
 from fprc.logs.sealed_chamber import SHORT_S, fit_sealed
-
-#: Channels that each range applies to.
-_RANGES = {
-    "pressure_range_kpa": (
-        "p_exp_command_kpa",
-        "p_exp_kpa",
-        "p_i_command_kpa",
-        "p_i_kpa",
-        "p_o_kpa",
-    ),
-    "angle_range_deg": ("theta_deg", "theta_d_deg"),
-    "reservoir_angle_range_deg": ("phi_deg",),
-    "voltage_range_v": ("valve_main_v", "valve_reservoir_v"),
-    "effort_range_kpa": ("p_ff_kpa", "p_fb_kpa"),
-}
-_SENSORS = ("p_exp_kpa", "p_i_kpa", "p_o_kpa", "theta_deg")
 
 
 def assess(
@@ -194,10 +179,11 @@ def _gaps(log: Columns, limit_s: float) -> dict[str, Any]:
 def _outside(log: Columns, ranges: Mapping[str, Sequence[float]]) -> dict[str, Any]:
     notes = notes_of(log)
     limits = {
-        name: ranges[key]
-        for key, names in _RANGES.items()
-        for name in names
-        if name in log.channels and not notes.get(name, "").startswith(other_quantity(name))
+        name: ranges[plausible] if isinstance(plausible, str) else plausible
+        for name, _, _, plausible, _ in CHANNELS
+        if plausible is not None
+        and name in log.channels
+        and not notes.get(name, "").startswith(other_quantity(name))
     }
     counts, first = {}, {}
     for name, (low, high) in limits.items():
@@ -211,7 +197,7 @@ def _outside(log: Columns, ranges: Mapping[str, Sequence[float]]) -> dict[str, A
 
 
 def _stuck(log: Columns, limit: float) -> dict[str, Any]:
-    present = [name for name in _SENSORS if name in log.channels]
+    present = [name for name in NEEDED_SENSORS if name in log.channels]
     longest = {name: int(runs(log.channels[name])[1].max()) for name in present}
     return {
         "passed": max(longest.values()) <= limit,

@@ -6,32 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from fprc.channels import RAW_CHANNELS, TARGETS, needed_by
 from fprc.errors import LogError
 from fprc.logs.columns import Columns, gather_columns, write_columns
 
-#: Every channel of a raw log: setpoints (``command``), measurements, valve voltages.
-RAW_CHANNELS = (
-    "time_s",
-    "p_exp_command_kpa",
-    "p_exp_kpa",
-    "theta_deg",
-    "p_i_command_kpa",
-    "p_i_kpa",
-    "p_o_kpa",
-    "phi_deg",
-    "valve_main_v",
-    "valve_reservoir_v",
-)
-
-#: Further channels of a closed-loop run: reference, feedforward and feedback.
-TRACKING_CHANNELS = ("theta_d_deg", "p_ff_kpa", "p_fb_kpa")
-
 #: Prefixes of the experiment names of closed-loop runs.
 RUNS = ("track_", "identify_")
-
-#: Required channels of an imported log, which also needs one of ``_TARGETS``.
-_IMPORTED = ("time_s", "theta_deg")
-_TARGETS = ("p_exp_command_kpa", "p_exp_kpa")
 
 #: Source of a log after its reservoir was simulated, by source of the original log.
 SIMULATED_RESERVOIR = {"rig": "rig+sim", "import": "import+sim"}
@@ -62,6 +42,8 @@ def write_raw(
 ) -> None:
     """Write a raw log; it may have channels besides ``RAW_CHANNELS``.
 
+    A channel that is NaN throughout belongs to a sensor that the rig lacks, and is left out.
+
     Parameters
     ----------
     source : str
@@ -86,30 +68,34 @@ def write_raw(
         "rig": rig,
         **more,
     }
-    if missing := missing_channels(attributes, channels):
+    measured = {
+        name: values
+        for name, values in channels.items()
+        if not (len(values) and np.isnan(values).all())
+    }
+    if missing := missing_channels(attributes, measured):
         raise LogError(f"{path}: not written, channels {', '.join(missing)} are missing")
-    write_columns(path, channels, attributes)
+    write_columns(path, measured, attributes)
 
 
 def missing_channels(attributes: Mapping[str, Any], channels: Container[str]) -> list[str]:
     """Return the required channels that a log with these attributes lacks."""
     missing = [name for name in _required_channels(attributes) if name not in channels]
-    if _is_imported(attributes) and not any(name in channels for name in _TARGETS):
-        missing.append(" or ".join(_TARGETS))
-    return missing
+    return missing + _missing_target(attributes, channels)
 
 
 def _required_channels(attributes: Mapping[str, Any]) -> tuple[str, ...]:
-    names: tuple[str, ...] = RAW_CHANNELS
-    if _is_imported(attributes):
-        names = _IMPORTED
-    elif str(attributes.get("source")).startswith("rig"):  # the sensor for phi is optional
-        names = tuple(name for name in RAW_CHANNELS if name != "phi_deg")
-    return (*names, *(TRACKING_CHANNELS if _is_run(attributes) else ()))
+    recorded = str(attributes.get("source"))
+    source = next((each for each in ("import", "rig") if recorded.startswith(each)), "sim")
+    return needed_by(source, tracking=_is_run(attributes))
 
 
-def _is_imported(attributes: Mapping[str, Any]) -> bool:
-    return str(attributes.get("source")).startswith("import")
+def _missing_target(attributes: Mapping[str, Any], channels: Container[str]) -> list[str]:
+    """Return the names of both P_exp if an imported log has neither."""
+    imported = str(attributes.get("source")).startswith("import")
+    if not imported or any(name in channels for name in TARGETS.values()):
+        return []
+    return [" or ".join(TARGETS.values())]
 
 
 def _is_run(attributes: Mapping[str, Any]) -> bool:
@@ -198,8 +184,10 @@ def _gather(
         tuple(name for name in RAW_CHANNELS if name not in needed),
         (*RAW_ATTRIBUTES, *required),
     )
-    if _is_imported(attributes) and not any(name in log.channels for name in _TARGETS):
-        problems.append(f"{path}: channel {' or '.join(_TARGETS)}: missing; import one of them")
+    problems += [
+        f"{path}: channel {target}: missing; import one of them"
+        for target in _missing_target(attributes, log.channels)
+    ]
     more = [*contradictions(attributes), *_too_large(log.channels)]
     if _is_usable_time(log.channels.get("time_s")):
         more += _wrong_times(log.channels["time_s"], attributes.get("settle_s"))

@@ -161,8 +161,6 @@ def _findings(
 def recover(journal: Path | str, raw: Path | str) -> Findings:
     """Write the readable samples of a journal as a raw log; the journal is not changed.
 
-    A channel that is NaN throughout belongs to a sensor that the rig lacks, and is left out.
-
     Raises
     ------
     LogError
@@ -235,5 +233,4 @@ def _write(
     described |= {"statistics": statistics, "complete": not reason, "lost_samples": lost}
     if reason:
         described["incomplete_reason"] = reason
-    measured = {name: values for name, values in channels.items() if not np.isnan(values).all()}
-    write_raw(raw, measured, **described)
+    write_raw(raw, channels, **described)

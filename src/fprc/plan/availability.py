@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 
+from fprc.channels import unit_of
 from fprc.escape import in_words, terminal
 from fprc.logs import Content
-from fprc.logs.columns import unit_of
 from fprc.paper import run_log
 from fprc.plan.results import BY_NAME, CHORES, RESULTS, Result
 

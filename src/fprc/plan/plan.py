@@ -7,6 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from fprc.channels import RESERVOIR
 from fprc.errors import LogError
 from fprc.logs import Content, contents, headers, refuse_other_source
 from fprc.logs.folder import Header
@@ -25,8 +26,6 @@ from fprc.registry import controllers, entries, feedforward_of, outside_paper
 
 #: The experiment that trains the models, of which recorded logs may be several: ``sweep_2``, ...
 TRAINING = EXPERIMENTS[0]
-
-_RESERVOIR = ("p_i_kpa", "p_o_kpa", "phi_deg")
 
 
 @dataclass(frozen=True)
@@ -102,7 +101,7 @@ class Plan:
         )
         if self.simulates_reservoir:
             logs |= {
-                name: logs[name].with_channels(_RESERVOIR) for name in EXPERIMENTS if name in logs
+                name: logs[name].with_channels(RESERVOIR) for name in EXPERIMENTS if name in logs
             }
         return logs
 

@@ -2,6 +2,7 @@
 
 from typing import Any, NamedTuple
 
+from fprc.channels import RESERVOIR
 from fprc.paper import EXPERIMENTS, LOOPS, REFERENCES, run_log
 
 _CHAPTERS = (
@@ -61,7 +62,6 @@ _LOOPS = tuple(
 _BOTH: dict[str, Any] = {"logs": EXPERIMENTS}
 _BOTH_WITH_P_O: dict[str, Any] = {"logs": EXPERIMENTS, "channels": ("p_o_kpa",)}
 _SWEEP: dict[str, Any] = {"logs": ("sweep",)}
-_RESERVOIR = ("p_i_kpa", "p_o_kpa", "phi_deg")
 
 # fmt: off
 #: In the order of listings for readers.
@@ -84,7 +84,7 @@ RESULTS = (
            on_rigs="needs source: sim: the verdicts are taken over further simulated rigs"),
     _figure(1, "actuator", "data", channels=("p_exp_kpa",), literal=("p_exp_kpa", "theta_deg"),
             **_SWEEP),
-    _figure(2, "reservoir", "data", channels=_RESERVOIR, literal=_RESERVOIR, **_SWEEP),
+    _figure(2, "reservoir", "data", channels=RESERVOIR, literal=RESERVOIR, **_SWEEP),
     _figure(3, "apparatus"),
     _figure(4, "hysteresis_actuator", "data", **_BOTH),
     _figure(5, "hysteresis_reservoir", "data", **_BOTH_WITH_P_O),
@@ -98,7 +98,7 @@ RESULTS = (
     _figure(11, "taps", "data", "grids/taps.json", **_BOTH_WITH_P_O),
     *(_following(number, reference) for number, reference in enumerate(REFERENCES, start=12)),
     _figure(16, "loops", "loops", logs=_LOOPS),
-    _figure(17, "disturbance", "loops", channels=_RESERVOIR,
+    _figure(17, "disturbance", "loops", channels=RESERVOIR,
             logs=(run_log("disturbance", "fprc_pd"),)),
     Result("not_available", "", ("not_available.csv", "not_available.md")),
 )

@@ -17,9 +17,12 @@ _pd_step = kernel(control_laws.pd_step)
 #: (NaN: it follows the measured angle), push on the reservoir.
 SETPOINTS = ("p_ff_kpa", "theta_d_deg", "p_i_kpa", "push_kpa")
 
-#: Number of columns of ``rows``: time, then command and reading of P_exp, theta, command and
-#: reading of P_i, P_o, phi, both valves' voltages, theta_d, P_ff and P_fb.
-RECORDED = 13
+#: Columns of ``rows``, by the names of their channels in a log.
+RECORDED = (
+    "time_s", "p_exp_command_kpa", "p_exp_kpa", "theta_deg", "p_i_command_kpa", "p_i_kpa",
+    "p_o_kpa", "phi_deg", "valve_main_v", "valve_reservoir_v", "theta_d_deg", "p_ff_kpa",
+    "p_fb_kpa",
+)  # fmt: skip
 
 
 @kernel
@@ -45,8 +48,8 @@ def close_loop(
         Number of the first sample.
     valve_v, reading : ndarrays
         As in ``advance``; changed in place.
-    rows : ndarray of shape (n_samples, RECORDED)
-        Filled, in the order of ``RECORDED``.
+    rows : ndarray of shape (n_samples, 13)
+        Filled; see ``RECORDED``.
 
     Returns
     -------

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from fprc.channels import RESERVOIR
 from fprc.figures import style
 from fprc.figures.apparatus import plot_apparatus
 from fprc.figures.blocks import canvas
@@ -30,7 +31,7 @@ def draw_actuator(raw: str, pdf: str, png: str) -> Mapping[str, Any]:
 
 def draw_reservoir(raw: str, pdf: str, png: str, *, k_in_kpa_per_deg: float) -> Mapping[str, Any]:
     """Figure 2: the reservoir at the least P_i and at its largest angle; P_o over P_i."""
-    (log,) = isolated_each(read_columns, [raw], names=("p_i_kpa", "p_o_kpa", "phi_deg"))
+    (log,) = isolated_each(read_columns, [raw], names=RESERVOIR)
     p_i, p_o, phi = log.channels.values()
     rest, driven = (
         (float(p_i[k]), float(p_o[k]), float(phi[k])) for k in (np.argmin(p_i), np.argmax(phi))

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fprc.channels import unit_of
 from fprc.signals import repeat_cycle
 
 #: Stretches of time that a trace is divided into; of each, the lowest and the highest value are
@@ -20,7 +21,6 @@ RESERVOIR = {
     "phi_deg": ("Bending of the reservoir", "bending"),
     "p_o_kpa": ("Output of the reservoir", "P_o"),
 }
-_UNITS = {"kpa": "kPa", "deg": "deg"}
 
 #: A channel to draw: symbol, look (of ``page.css``), times in s, values.
 Signal = tuple[str, str, np.ndarray, np.ndarray]
@@ -155,9 +155,9 @@ def disturbance_plots(log: Any, quiet_s: float) -> list[Plot]:
         ("Error, theta_d - theta", "deg"): [_error("FPRC+PD", "error", log)],
     }
     for channel, (title, name) in RESERVOIR.items():
-        look, unit = channel.rsplit("_", 1)
+        look = channel.rpartition("_")[0]
         values = log.channels[channel]
         cycle = repeat_cycle(time_s, theta_d, values, quiet_s)
         undisturbed = [] if cycle is None else [("undisturbed cycle", "other", time_s, cycle)]
-        panels[title, _UNITS[unit]] = [*undisturbed, (name, look, time_s, values)]
+        panels[title, unit_of(channel)] = [*undisturbed, (name, look, time_s, values)]
     return [plot_of("While the reservoir is pushed", panels)]

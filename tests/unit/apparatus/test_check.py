@@ -7,8 +7,8 @@ import pytest
 from fprc.apparatus import check
 from fprc.apparatus.check import check_rig
 from fprc.apparatus.guardian import ARMED, SAFE
+from fprc.channels import Readings
 from fprc.control.clock import Metronome
-from fprc.devices import Readings
 from fprc.errors import ControlError, DeviceError
 
 

@@ -6,10 +6,9 @@ import pytest
 
 from fprc.apparatus.programme import names, plan
 from fprc.apparatus.record import record_on_rig
+from fprc.channels import RAW_CHANNELS, TRACKING_CHANNELS, Readings
 from fprc.config import Settings
-from fprc.devices import Readings
 from fprc.errors import ConfigError, ControlError, FprcError
-from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS
 from fprc.models import ESN, FPRC, FuzzyLinear, RidgeReadout, TapFeatures, save_model
 from fprc.signals import pressure_command
 

@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fprc.artifacts import read_json
+from fprc.channels import RAW_CHANNELS
 from fprc.cli import main
 from fprc.commands.import_recording import import_recording
 from fprc.config import Settings
@@ -18,7 +19,7 @@ from fprc.config.importing import read_map
 from fprc.errors import ConfigError, LogError, OutputError
 from fprc.experiments.data import Data, read_data, refuse_mixture
 from fprc.figures import style
-from fprc.logs import RAW_CHANNELS, assess, read_columns, read_raw, write_raw
+from fprc.logs import assess, read_columns, read_raw, write_raw
 from fprc.models import FPRC
 from fprc.stages.preprocess import preprocess
 

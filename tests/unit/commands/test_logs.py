@@ -3,8 +3,9 @@ import os
 import numpy as np
 import pytest
 
+from fprc.channels import needed_by
 from fprc.cli import main
-from fprc.logs import RAW_CHANNELS, Journal, read_raw
+from fprc.logs import Journal, read_raw
 
 pytestmark = pytest.mark.slow
 
@@ -16,7 +17,7 @@ ATTRIBUTES = {
     "software": "fprc test",
     "rig": {},
 }
-SIZE = 8 + 8 * len(RAW_CHANNELS) + 4
+SIZE = 8 + 8 * len(needed_by("sim")) + 4
 
 
 @pytest.fixture
@@ -35,9 +36,9 @@ def repair(tmp_path, capsys):
 def journal(tmp_path, channels):
     """Journal of 400 samples that is still open."""
     path = tmp_path / "run.journal"
-    with Journal(path, RAW_CHANNELS, ATTRIBUTES) as journal:
+    with Journal(path, needed_by("sim"), ATTRIBUTES) as journal:
         for k in range(400):
-            journal.append(k, [channels[name][k] for name in RAW_CHANNELS])
+            journal.append(k, [channels[name][k] for name in needed_by("sim")])
         yield journal
 
 
@@ -57,7 +58,7 @@ def test_whole_journal_is_copied_with_code_0(journal, repair, tmp_path, channels
     copy = tmp_path / "copy.h5"
     assert out == f"{copy}: 400 samples from {journal.path}\n  nothing is lost\n"
     log = copy_of(tmp_path)
-    for name in RAW_CHANNELS:
+    for name in needed_by("sim"):
         np.testing.assert_array_equal(log.channels[name], channels[name])
     assert log.attributes["complete"] is True
 
@@ -83,7 +84,7 @@ def test_journal_of_a_killed_run_is_copied_with_code_3(journal, repair, tmp_path
 
 
 def test_lost_samples_are_counted_and_missed_ticks_too(journal, repair, tmp_path, channels):
-    journal.append(405, [channels[name][-1] + 0.03 for name in RAW_CHANNELS])
+    journal.append(405, [channels[name][-1] + 0.03 for name in needed_by("sim")])
     journal.close()
     data = bytearray(journal.path.read_bytes())
     start = data.index(np.float64(channels["time_s"][1]).tobytes()) - 8 - SIZE

@@ -3,11 +3,12 @@ import pytest
 import yaml
 
 from fprc.artifacts import read_json
+from fprc.channels import needed_by
 from fprc.cli import main
 from fprc.config import from_files
 from fprc.evaluation import cross_validate
 from fprc.experiments.settings import Judgement
-from fprc.logs import RAW_CHANNELS, read_columns, write_raw
+from fprc.logs import read_columns, write_raw
 from fprc.models import load_model
 from fprc.plan.arguments import judgement
 from fprc.registry import build
@@ -94,9 +95,9 @@ def test_seed_and_rig_are_chosen_by_name_or_file(few, inside, capsys):
     (inside / "own.yaml").write_text(capsys.readouterr().out)
     assert run(*command, "viscous", "--out", "named.h5") == 0
     assert run(*command, "own.yaml", "--out", "filed.h5") == 0
-    named, filed = (read_columns(inside / f"{n}.h5", RAW_CHANNELS) for n in ("named", "filed"))
+    named, filed = (read_columns(inside / f"{n}.h5", needed_by("sim")) for n in ("named", "filed"))
     assert named.attributes["seed"] == 5
-    for name in RAW_CHANNELS:
+    for name in needed_by("sim"):
         np.testing.assert_array_equal(named.channels[name], filed.channels[name])
     assert run(*command, "dry", "--out", "dry.h5") == 0
     other = read_columns(inside / "dry.h5", ("theta_deg",)).channels["theta_deg"]
@@ -164,7 +165,7 @@ def test_logs_of_the_same_name_train_together(recorded_by_rule, few, settings, i
     sweep = recorded_by_rule["sweep"]
     raw = [sweep, sweep.parent / "other" / "sweep.h5"]
     assert run("train", *raw, "--config", few, "--seed", 7, "--out", "mine.h5") == 0
-    logs = [read_columns(path, RAW_CHANNELS).channels for path in raw]
+    logs = [read_columns(path, needed_by("sim")).channels for path in raw]
     X = [np.column_stack([log["theta_deg"], log["p_o_kpa"]]) for log in logs]
     how = Judgement(**judgement(settings | {"seed": 7}, "fprc"))
     times = np.arange(4800) / 200.0

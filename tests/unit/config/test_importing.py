@@ -3,12 +3,9 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fprc.config.importing import Channels, Draft, Time, read_draft, read_map
+from fprc.config.importing import Draft, Time, read_draft, read_map
 from fprc.errors import ConfigError
-from fprc.logs import RAW_CHANNELS
 from fprc.logs.clock import SECONDS
-from fprc.logs.columns import unit_of
-from fprc.logs.gather import FACTORS
 
 SMALL = {
     "experiment": "sweep",
@@ -52,18 +49,7 @@ def test_small_map_has_the_documented_defaults(read):
     assert told.channels.p_o_kpa is None
 
 
-def test_every_channel_of_a_raw_log_but_time_can_be_mapped():
-    assert set(Channels.model_fields) == set(RAW_CHANNELS) - {"time_s"}
-
-
-def test_every_unit_has_a_factor_and_that_of_the_channel_is_one():
-    for name, field in Channels.model_fields.items():
-        kinds = [field.annotation, *getattr(field.annotation, "__args__", ())]
-        section = next(kind for kind in kinds if hasattr(kind, "model_fields"))
-        units = section.model_fields["unit"].annotation.__args__
-        assert set(units) <= set(FACTORS)
-        assert unit_of(name) in units
-        assert FACTORS[unit_of(name)] == FACTORS["1"] == 1.0
+def test_every_unit_of_time_has_its_seconds():
     assert set(Time.model_fields["unit"].annotation.__args__) == set(SECONDS)
 
 

@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fprc.channels import Readings
 from fprc.control import hysteresis_law
-from fprc.devices import Readings
 
 
 def bent(theta_deg):

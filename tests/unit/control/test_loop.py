@@ -1,11 +1,10 @@
 import numpy as np
 import pytest
 
+from fprc.channels import NEEDED_SENSORS, RAW_CHANNELS, Readings
 from fprc.control import PressurePI, RunAbortedError, run
-from fprc.devices import Readings
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import FprcError, SimulationError
-from fprc.logs import RAW_CHANNELS
 
 
 class Bench:
@@ -232,7 +231,7 @@ def test_rig_without_a_sensor_on_the_reservoir_runs():
     assert np.isnan(go(Without())["phi_deg"]).all()
 
 
-@pytest.mark.parametrize("sensor", Readings._fields[1:-1])
+@pytest.mark.parametrize("sensor", NEEDED_SENSORS)
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])
 def test_sensor_without_a_reading_stops_the_run_by_its_name(sensor, value):
     class Dropout(Bench):

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
+from fprc.channels import TRACKING_CHANNELS, needed_by
 from fprc.control import PressurePI, hysteresis_law, run, tracking_law
 from fprc.control.simulated import simulate_hysteresis, simulate_tracking
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError, SimulationError
 from fprc.experiments.tracking import pd_of
-from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS
 
 SAMPLES = 5000  # more than one block of noise
 
@@ -35,9 +35,9 @@ def test_hysteresis_run_is_that_of_the_loop_bit_by_bit(rig, control):
     assert {0.0, 10.0} <= set(expected["valve_main_v"])
     assert (expected["p_i_command_kpa"] == 0.0).any()
     result = simulate_hysteresis(device(rig), control, commands)
-    assert list(result) == list(RAW_CHANNELS)
-    for name, values in expected.items():
-        np.testing.assert_array_equal(result[name], values, err_msg=name)
+    assert list(result) == list(needed_by("sim"))
+    for name, values in result.items():
+        np.testing.assert_array_equal(values, expected[name], err_msg=name)
 
 
 @pytest.mark.parametrize("feedback", [None, "incremental", "positional"])
@@ -59,8 +59,8 @@ def test_tracking_run_is_that_of_the_loop_bit_by_bit(rig, control, feedback):
     result = simulate_tracking(
         device(rig), control, theta_d, p_ff, 300.0, feedback=bool(feedback), push_kpa=pushes
     )
-    for name, values in expected.items():
-        np.testing.assert_array_equal(result[name], values, err_msg=name)
+    for name, values in result.items():
+        np.testing.assert_array_equal(values, expected[name], err_msg=name)
 
 
 def test_run_continues_where_the_rig_is(rig, control):

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
+from fprc.channels import Readings
 from fprc.control import PD, refuse_impossible, tracking_law
-from fprc.devices import Readings
 from fprc.errors import ControlError
 
 

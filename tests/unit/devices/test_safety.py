@@ -1,13 +1,13 @@
 import pytest
 
+from fprc.channels import Readings
 from fprc.config import Settings
-from fprc.devices import Readings
 from fprc.devices.safety import CheckedRig
 from fprc.errors import SafetyError
 
 PERIOD_S = 0.005
 REST = {"p_exp_kpa": 0.1, "theta_deg": 0.2, "p_i_kpa": -0.3, "p_o_kpa": 100.0, "phi_deg": 0.4}
-QUANTITIES = [name for name in Readings._fields if name != "time_s"]
+QUANTITIES = list(REST)
 
 
 class Rig:

@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from fprc.devices import NEUTRAL_V, Readings
+from fprc.channels import Readings
+from fprc.devices import NEUTRAL_V
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import SimulationError
 

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
+from fprc.channels import RAW_CHANNELS
 from fprc.figures import style
 from fprc.figures.diagnosis import draw_diagnosis, plot_channel
-from fprc.logs import RAW_CHANNELS
 from fprc.logs.diagnosis import diagnose
 
 TIME_S = np.arange(6000) / 200.0

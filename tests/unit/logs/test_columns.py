@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fprc.channels import needed_by, unit_of
 from fprc.errors import LogError
-from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS, read_columns, write_columns
-from fprc.logs.columns import unit_of
+from fprc.logs import read_columns, write_columns
 
 NAMES = ("time_s", "p_o_kpa", "theta_deg")
 
@@ -213,7 +213,7 @@ def test_damaged_bytes_are_refused_with_a_message_for_people_or_carry_nothing(pa
 @pytest.mark.slow
 def test_flipped_bit_is_refused_or_carries_nothing(write_run, tmp_path, damaged_bytes):
     """A closed-loop log of 10 samples: its names and attributes do not fit into one header."""
-    log = read_columns(write_run("whole.h5"), (*RAW_CHANNELS, *TRACKING_CHANNELS))
+    log = read_columns(write_run("whole.h5"), needed_by("sim", tracking=True))
     path = tmp_path / "log.h5"
     names = tuple(log.channels)
     write_columns(path, {name: log.channels[name][:10] for name in names}, log.attributes)

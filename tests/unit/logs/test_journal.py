@@ -11,12 +11,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fprc.channels import needed_by
 from fprc.config import Settings
 from fprc.errors import LogError
-from fprc.logs import RAW_CHANNELS, Journal, assess, read_columns, read_journal, read_raw, recover
+from fprc.logs import Journal, assess, read_columns, read_journal, read_raw, recover
 from fprc.logs import journal as module
 
-NAMES = (*RAW_CHANNELS, "theta_d_deg")
+NAMES = (*needed_by("sim"), "theta_d_deg")
 ATTRIBUTES = {
     "experiment": "sweep",
     "source": "rig",
@@ -491,7 +492,7 @@ def test_recovered_log_is_a_raw_log_with_everything_in_it(path, tmp_path):
     before = path.read_bytes()
     recover(path, tmp_path / "run.h5")
     log = raw_of(tmp_path / "run.h5")
-    for j, name in enumerate(RAW_CHANNELS):
+    for j, name in enumerate(needed_by("sim")):
         assert log.channels[name].tolist() == [row(k)[j] for k in range(20)]
     told = log.attributes
     assert (told["complete"], told["lost_samples"]) == (True, 0)
@@ -535,7 +536,7 @@ def test_sensor_that_the_rig_does_not_have_is_left_out_of_the_log(path, tmp_path
     raw = tmp_path / "sweep.h5"
     recover(path, raw)
     log = read_raw(raw, experiment="sweep", sample_rate_hz=200.0, rate_tolerance=0.01)
-    assert set(log.channels) == set(RAW_CHANNELS) - {"phi_deg"}
+    assert set(log.channels) == set(needed_by("sim")) - {"phi_deg"}
 
 
 HEADER = {"names": list(NAMES), "started": "now"} | ATTRIBUTES

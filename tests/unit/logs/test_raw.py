@@ -2,8 +2,9 @@ import h5py
 import numpy as np
 import pytest
 
+from fprc.channels import needed_by
 from fprc.errors import LogError
-from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS, read_raw, read_run, write_raw
+from fprc.logs import read_raw, read_run, write_raw
 
 RATE = {"experiment": None, "sample_rate_hz": 200.0, "rate_tolerance": 0.01}
 ATTRIBUTES = ("experiment", "source", "simulated", "sample_rate_hz", "seed", "software", "rig")
@@ -33,8 +34,8 @@ def with_attributes(write_log):
 
 def test_raw_log_comes_back_as_it_was_written(write_log, channels):
     log = read_raw(write_log(experiment="complex", seed=5), **RATE)
-    assert tuple(log.channels) == RAW_CHANNELS
-    for name in RAW_CHANNELS:
+    assert tuple(log.channels) == needed_by("sim")
+    for name in needed_by("sim"):
         assert log.channels[name].tobytes() == channels[name].tobytes()
     assert log.attributes["experiment"] == "complex"
     assert log.attributes["seed"] == 5
@@ -115,7 +116,7 @@ def test_channels_beyond_the_raw_ones_are_kept(write_log):
     with h5py.File(path) as file:
         np.testing.assert_array_equal(file["theta_d_deg"][:], np.arange(400.0))
         assert file["theta_d_deg"].attrs["units"] == b"deg"
-    assert tuple(read_raw(path, **RATE).channels) == RAW_CHANNELS
+    assert tuple(read_raw(path, **RATE).channels) == needed_by("sim")
 
 
 @pytest.mark.parametrize("value", [2e10, -1e300])
@@ -134,7 +135,7 @@ def test_impossibly_large_number_is_named_with_its_sample(write_log, changed, na
 
 def test_run_has_reference_feedforward_and_feedback(write_run):
     path = write_run()
-    assert tuple(read_raw(path, **RATE).channels) == (*RAW_CHANNELS, *TRACKING_CHANNELS)
+    assert tuple(read_raw(path, **RATE).channels) == needed_by("sim", tracking=True)
     assert tuple(read_run(path, ("theta_d_deg", "p_i_kpa")).channels) == ("theta_d_deg", "p_i_kpa")
 
 
@@ -142,7 +143,7 @@ def test_run_has_reference_feedforward_and_feedback(write_run):
 def test_run_of_an_earlier_version_with_a_gain_is_readable(write_run, experiment):
     old = {"experiment": experiment, "controller": "fprc_pd", "gain": "identified"}
     path = write_run(**old, rig={"gains": {"kp_kpa_per_deg": 0.5, "kd_kpa_s_per_deg": 0.005}})
-    assert tuple(read_raw(path, **RATE).channels) == (*RAW_CHANNELS, *TRACKING_CHANNELS)
+    assert tuple(read_raw(path, **RATE).channels) == needed_by("sim", tracking=True)
     found = read_run(path, ("theta_d_deg", "p_i_kpa"))
     assert tuple(found.channels) == ("theta_d_deg", "p_i_kpa")
     assert old.items() <= found.attributes.items()
@@ -226,7 +227,7 @@ def test_log_without_all_raw_channels_is_not_written(tmp_path):
     with pytest.raises(LogError, match="channels p_o_kpa, phi_deg are missing"):
         write_raw(
             path,
-            {name: [0.0] for name in RAW_CHANNELS if name not in ("p_o_kpa", "phi_deg")},
+            {name: [0.0] for name in needed_by("sim") if name not in ("p_o_kpa", "phi_deg")},
             **told,
             software="fprc test",
             rig={},

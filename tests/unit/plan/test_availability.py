@@ -1,6 +1,7 @@
 import pytest
 
-from fprc.logs import RAW_CHANNELS, WHOLE, Content
+from fprc.channels import RAW_CHANNELS
+from fprc.logs import WHOLE, Content
 from fprc.paper import CONTROLLERS, EXPERIMENTS, REFERENCES, run_log
 from fprc.plan.availability import refusal, unavailable
 from fprc.plan.results import BY_NAME

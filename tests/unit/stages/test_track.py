@@ -6,17 +6,18 @@ import h5py
 import numpy as np
 import pytest
 
+from fprc.channels import needed_by
 from fprc.config import Settings
 from fprc.control import RunAbortedError
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError
 from fprc.experiments.tracking import tracking_rmse
-from fprc.logs import RAW_CHANNELS, TRACKING_CHANNELS, assess, read_columns
+from fprc.logs import assess, read_columns
 from fprc.models import FPRC, FuzzyLinear, load_model, save_model
 from fprc.paper import CONTROLLERS
 from fprc.stages.track import track
 
-NAMES = (*RAW_CHANNELS, *TRACKING_CHANNELS)
+NAMES = needed_by("sim", tracking=True)
 
 
 @pytest.fixture(scope="module")

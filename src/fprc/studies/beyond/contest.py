@@ -5,13 +5,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fprc.channels import TARGETS
 from fprc.competitors import COMPETITORS, base_of, default_settings
 from fprc.errors import FprcError
 from fprc.evaluation import rmse
 from fprc.evaluation.crossval import refusals_of
 from fprc.evaluation.timing import WARM_UP, time_steps
 from fprc.experiments.competitors import inputs_of
-from fprc.experiments.data import TARGETS, Data
+from fprc.experiments.data import Data
 from fprc.experiments.hysteresis import acquire, simulate
 from fprc.experiments.settings import RigSettings
 from fprc.experiments.tracking import TRACKING_RUNS, Track, tracking_rmse

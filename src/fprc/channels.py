@@ -1,0 +1,123 @@
+"""The channels of a log: what each is, in which unit, which logs need it, what is plausible."""
+
+import math
+from typing import Literal, NamedTuple
+
+from fprc.errors import LogError
+
+#: Unit of a channel by the ending of its name.
+UNITS = {"_kpa": "kPa", "_deg": "deg", "_s": "s", "_v": "V"}
+
+#: By unit of a channel: the units that an import converts to it, with their factors.
+CONVERTED = {
+    "kPa": {"kPa": 1.0, "Pa": 1e-3, "bar": 100.0, "mbar": 0.1, "psi": 6.894757293168361,
+            "MPa": 1e3},
+    "deg": {"deg": 1.0, "rad": 180.0 / math.pi},
+    "V": {"V": 1.0, "mV": 1e-3},
+}  # fmt: skip
+
+
+class Channel(NamedTuple):
+    """One channel of a log."""
+
+    name: str  #: ends with its unit, see ``UNITS``
+    kind: Literal["time", "command", "sensor", "valve", "tracking"]
+    meaning: str
+    #: Lowest and highest plausible value, or the key under ``quality`` in the configuration that
+    #: holds them; None: any value is plausible.
+    plausible: str | tuple[float, float] | None
+    #: Sources whose logs need it. A closed-loop run needs the channels of kind ``tracking``, and no
+    #: other log does.
+    needed: frozenset[str]
+
+    @property
+    def unit(self) -> str:
+        """Unit of its values."""
+        return unit_of(self.name)
+
+
+_ALL = frozenset({"sim", "rig", "import"})
+_RECORDED = frozenset({"sim", "rig"})
+_SIMULATED = frozenset({"sim"})
+
+# fmt: off
+#: Every channel, in the order of a log. A sensor that is needed by no source may be added without
+#: making earlier logs incomplete; ``Readings`` has a field for each sensor.
+CHANNELS = (
+    Channel("time_s", "time", "time of the sample", None, _ALL),
+    Channel("p_exp_command_kpa", "command", "commanded pressure of the actuator, P_exp",
+            "pressure_range_kpa", _RECORDED),
+    Channel("p_exp_kpa", "sensor", "measured pressure of the actuator",
+            "pressure_range_kpa", _RECORDED),
+    Channel("theta_deg", "sensor", "bending angle", "angle_range_deg", _ALL),
+    Channel("p_i_command_kpa", "command", "commanded pressure of PAM A, K_in theta",
+            "pressure_range_kpa", _RECORDED),
+    Channel("p_i_kpa", "sensor", "measured pressure of PAM A", "pressure_range_kpa", _RECORDED),
+    Channel("p_o_kpa", "sensor", "pressure of the sealed PAM B", "pressure_range_kpa", _RECORDED),
+    Channel("phi_deg", "sensor", "bending angle of the reservoir itself",
+            "reservoir_angle_range_deg", _SIMULATED),
+    Channel("valve_main_v", "valve", "voltage written to the actuator's valve",
+            "voltage_range_v", _RECORDED),
+    Channel("valve_reservoir_v", "valve", "voltage written to the reservoir's valve",
+            "voltage_range_v", _RECORDED),
+    Channel("theta_d_deg", "tracking", "reference", "angle_range_deg", _ALL),
+    Channel("p_ff_kpa", "tracking", "feedforward", "effort_range_kpa", _ALL),
+    Channel("p_fb_kpa", "tracking", "feedback", "effort_range_kpa", _ALL),
+)
+# fmt: on
+
+
+class Readings(NamedTuple):
+    """One sample of all sensors; pressures are gauge. A sensor that a rig lacks reads NaN."""
+
+    time_s: float
+    p_exp_kpa: float
+    theta_deg: float
+    p_i_kpa: float
+    p_o_kpa: float
+    phi_deg: float = math.nan
+
+
+#: Names of the channels of raw logs: setpoints, measurements, valve voltages.
+RAW_CHANNELS = tuple(channel.name for channel in CHANNELS if channel.kind != "tracking")
+
+#: Names of the further channels of a closed-loop run.
+TRACKING_CHANNELS = tuple(channel.name for channel in CHANNELS if channel.kind == "tracking")
+
+#: Channel that the models learn as P_exp, by ``evaluation.target``. An import needs one of them.
+TARGETS = {"command": "p_exp_command_kpa", "measured": "p_exp_kpa"}
+
+#: Channels that the reservoir's figures and tests show.
+RESERVOIR = ("p_i_kpa", "p_o_kpa", "phi_deg")
+
+
+#: Names of all sensors, and of those that every real rig has.
+SENSORS = tuple(channel.name for channel in CHANNELS if channel.kind == "sensor")
+NEEDED_SENSORS = tuple(
+    channel.name for channel in CHANNELS if channel.kind == "sensor" and "rig" in channel.needed
+)
+
+
+def needed_by(source: str, *, tracking: bool = False) -> tuple[str, ...]:
+    """Return the names of the channels that a log of a source needs.
+
+    Parameters
+    ----------
+    source : str
+        ``sim``, ``rig`` or ``import``.
+    tracking : bool, default=False
+        Whether the log is of a closed-loop run.
+    """
+    return tuple(
+        channel.name
+        for channel in CHANNELS
+        if source in channel.needed and (tracking or channel.kind != "tracking")
+    )
+
+
+def unit_of(name: str) -> str:
+    """Return the unit of a channel from the ending of its name; raise LogError for another."""
+    for ending, unit in UNITS.items():
+        if name.endswith(ending):
+            return unit
+    raise LogError(f"channel {name}: its name must end in one of {', '.join(UNITS)}")
