@@ -8,9 +8,7 @@ from fprc import given
 from fprc.apparatus import check as rig_check
 from fprc.apparatus import guardian
 from fprc.claims import paired
-from fprc.claims.ledger import fit_in_words
 from fprc.config import Settings
-from fprc.config.load import check
 from fprc.devices import pneumatics
 from fprc.experiments import competitors
 from fprc.logs import (
@@ -30,11 +28,6 @@ ROOT = Path(__file__).parents[2]
 WORDS = {8: "eight", 10: "ten"}
 
 
-def fitted_to(rig):
-    """Return what a rig of the package was fitted to, as docs/calibration.md says it."""
-    return fit_in_words(check({"rig": rig}).fitted.to)
-
-
 def quoted():
     """Return the settings and limits that pages give as numbers, in the words of each page."""
     settings = Settings()
@@ -48,7 +41,6 @@ def quoted():
         "docs/benchmark.md": [
             f"seeds {seeds.first_seed} to {seeds.first_seed + seeds.seeds - 1}, ",
         ],
-        "docs/calibration.md": [f"| {fitted_to('dry')} |", f"| {fitted_to('viscous')} |"],
         "docs/decisions/0022-another-processor.md": [
             f"by more than {checked._LEVELS} levels and accepts up to {checked._PIXELS}:"
         ],

@@ -282,16 +282,18 @@ def test_rig_of_files_and_of_what_stands_beside_them(written, texts, beside, fit
 @pytest.mark.usefixtures("rigs")
 @pytest.mark.parametrize("name", ["drie", "", "../rigs/dry", "dry.yaml"])
 def test_unknown_name_is_refused_with_those_that_there_are(written, name):
-    with pytest.raises(ConfigError, match="use bouc_wen or dry or viscous or wet") as caught:
+    with pytest.raises(
+        ConfigError, match="use bouc_wen or dry or paper or viscous or wet"
+    ) as caught:
         from_files(written(f"rig: '{name}'\n"))
     assert f"rig = {name}: " in str(caught.value)
-    with pytest.raises(ConfigError, match="use bouc_wen or dry or viscous or wet"):
+    with pytest.raises(ConfigError, match="use bouc_wen or dry or paper or viscous or wet"):
         from_files([], {"rig": name})
 
 
 def test_rigs_of_the_package_have_names_in_any_folder(written, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert sorted(rig_files()) == ["bouc_wen", "dry", "viscous"]
+    assert sorted(rig_files()) == ["bouc_wen", "dry", "paper", "viscous"]
     settings = from_files(written("rig: viscous\n"))
     numbers = yaml.safe_load((RIGS / "viscous.yaml").read_text(encoding="utf-8"))
     assert settings.rig.drift.sigma_kpa == numbers["rig"]["drift"]["sigma_kpa"]
