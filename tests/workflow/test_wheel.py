@@ -168,7 +168,7 @@ def found_by(done, python):
     found = json.loads(done.stdout.splitlines()[-1])
     assert Path(found["package"]).is_relative_to(python.parents[1])
     assert found["apart"] < 1e-9
-    assert found["rig"] == "dry"
+    assert found["rig"] == "paper"
     assert set(found["codes"]) == {0}, done.stderr
     return found
 
@@ -204,7 +204,7 @@ def test_command_prints_the_files_of_the_package(python, place):
     )
     commands = ("config rig", "config rig viscous", "config published")
     done = run(python, place, "-c", printing, *commands)
-    files = ("rigs/dry.yaml", "rigs/viscous.yaml", "published.yaml")
+    files = ("rigs/paper.yaml", "rigs/viscous.yaml", "published.yaml")
     assert done.stdout == "".join((PACKAGED / file).read_text(encoding="utf-8") for file in files)
 
 

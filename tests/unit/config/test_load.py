@@ -287,7 +287,7 @@ def test_unknown_name_is_refused_with_those_that_there_are(written, name):
     ) as caught:
         from_files(written(f"rig: '{name}'\n"))
     assert f"rig = {name}: " in str(caught.value)
-    with pytest.raises(ConfigError, match="use bouc_wen or dry or paper or viscous or wet"):
+    with pytest.raises(ConfigError, match=known):
         from_files([], {"rig": name})
 
 
