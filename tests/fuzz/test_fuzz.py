@@ -1,4 +1,4 @@
-"""The fuzzing program: 200 of its cases, and whether it detects wrong behaviour."""
+"""The fuzzing program: some of its cases, and whether it detects wrong behaviour."""
 
 import importlib
 import os
@@ -23,18 +23,18 @@ def module(name):
 
 @LINUX
 @pytest.mark.slow
-def test_two_hundred_damaged_files_have_allowed_outcomes(tmp_path):
-    command = [sys.executable, FUZZ, "--cases", "200", "--workers", "1", "--keep", tmp_path]
+def test_damaged_files_have_allowed_outcomes(tmp_path):
+    command = [sys.executable, FUZZ, "--cases", "100", "--workers", "1", "--keep", tmp_path]
     done = subprocess.run(command, capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stdout + done.stderr
-    assert "seed 1, 200 cases" in done.stdout
+    assert "seed 1, 100 cases" in done.stdout
 
 
 @LINUX
 @pytest.mark.slow
 def test_changed_model_files_are_refused_or_whole(tmp_path):
-    """150 files, or FPRC_MODEL_FILES=2000."""
-    cases = os.environ.get("FPRC_MODEL_FILES", "150")
+    """100 files, or FPRC_MODEL_FILES=2000."""
+    cases = os.environ.get("FPRC_MODEL_FILES", "100")
     kind = ["--kind", "model_files", "--cases", cases, "--workers", "1", "--keep", tmp_path]
     done = subprocess.run([sys.executable, FUZZ, *kind], capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -5,28 +5,12 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.special import stdtrit
+
+from fprc.signals import LEVEL, interval_of_mean
 
 REPRODUCED = "reproduced"
 NOT_REPRODUCED = "not reproduced"
 UNDECIDED = "undecided"
-
-#: Confidence of every interval.
-LEVEL = 0.95
-
-
-def interval_of_mean(
-    values: np.ndarray, level: float, widened: float = 1.0
-) -> tuple[float, float, float]:
-    """Return the mean and the ends of its t interval; those of a single value are the value.
-
-    ``widened`` is a factor on the interval's length, for values that are not independent.
-    """
-    mean, half = float(values.mean()), 0.0
-    if values.size > 1:
-        half = float(stdtrit(values.size - 1, 0.5 + level / 2) * values.std(ddof=1))
-        half = half / math.sqrt(values.size) * widened
-    return mean, mean - half, mean + half
 
 
 class Results(NamedTuple):

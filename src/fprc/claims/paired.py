@@ -10,7 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import stdtr
 
-from fprc.claims.finding import UNDECIDED, interval_of_mean
+from fprc.claims.finding import UNDECIDED
+from fprc.signals import interval_of_mean
 
 SUPERIOR = "superior"
 EQUIVALENT = "equivalent"

@@ -3,6 +3,7 @@
 import numpy as np
 
 from fprc.errors import EvaluationError
+from fprc.signals import rms
 
 
 def rmse(truth: np.ndarray, prediction: np.ndarray) -> float:
@@ -17,7 +18,7 @@ def rmse(truth: np.ndarray, prediction: np.ndarray) -> float:
         raise EvaluationError(
             f"truth has the shape {np.shape(truth)}, but the prediction {np.shape(prediction)}"
         )
-    error = float(np.sqrt(np.mean((truth - prediction) ** 2)))
+    error = rms(truth - prediction)
     if not np.isfinite(error):
         raise EvaluationError(
             f"the RMSE over {len(truth)} samples is {error}: the model's output is not finite; "

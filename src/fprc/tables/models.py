@@ -8,6 +8,7 @@ import pandas as pd
 
 from fprc.paper import ERRORS, MODELS, PRINTED
 from fprc.registry import title_of
+from fprc.signals import half_interval
 from fprc.tables.text import format_mean, spread
 
 _SYMBOLS = {
@@ -105,9 +106,7 @@ def over_seeds(
 
 def with_interval(table: pd.DataFrame, count: str = "seeds") -> pd.DataFrame:
     """Add the 95 % interval of the mean by Student's t: ``low`` and ``high``."""
-    from scipy.special import stdtrit  # slow to import, and most tables do not need it
-
-    half = table["std"] / np.sqrt(table[count]) * stdtrit(table[count] - 1, 0.975)
+    half = half_interval(table["std"], table[count])
     return table.assign(low=table["mean"] - half, high=table["mean"] + half)
 
 

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from fprc.claims.finding import LEVEL, interval_of_mean
 from fprc.paper import SOURCES
+from fprc.signals import LEVEL, interval_of_mean
 from fprc.studies.beyond.verdicts import claims_page, details_page, fitted_page
 from fprc.studies.beyond.worlds import (
     MEASURES,

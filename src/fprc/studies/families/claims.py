@@ -6,8 +6,9 @@ import numpy as np
 from scipy.stats import binomtest
 
 from fprc.claims import numbers
-from fprc.claims.finding import LEVEL, Results, Statement
+from fprc.claims.finding import Results, Statement
 from fprc.claims.paper import ASSUMED, CLAIMS, Claim, Printed
+from fprc.signals import LEVEL
 
 
 def _worth(results: Results, printed: Printed) -> list[Statement]:
