@@ -530,13 +530,14 @@ def test_flipped_byte_of_a_channel_has_a_name(user, files, write_log):
     with h5py.File(path) as log:
         places = {name: stored(log[name]) for name in log}
     rng = np.random.default_rng(16)
+    names = {channel: f"{number}.h5" for number, channel in enumerate(places)}
     for channel, (begin, size) in places.items():
-        at = begin + int(rng.integers(size))
         flipped = bytearray(data)
-        flipped[at] ^= 1 << int(rng.integers(8))
-        path.write_bytes(flipped)
-        said = user.types("log", "check", "log.h5")
-        came = said.refuses(file="log.h5", channel=channel)
+        flipped[begin + int(rng.integers(size))] ^= 1 << int(rng.integers(8))
+        (user.folder / names[channel]).write_bytes(flipped)
+    said = user.types("log", "check", *names.values())
+    for channel, name in names.items():
+        came = said.refuses(file=name, channel=f"\\b{name}: .*{channel}")
     files.add(
         f"one bit of a channel flipped, in each of {len(places)} channels", "fprc log check", came,
         said.code, "nothing",

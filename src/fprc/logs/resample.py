@@ -4,7 +4,6 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
-from scipy.signal import fftconvolve, firwin, kaiser_beta
 
 #: Edges of pass band and stop band, as shares of the new Nyquist frequency.
 PASS, STOP = 0.8, 1.0
@@ -81,6 +80,8 @@ def _aligned(time_s: np.ndarray, grid_s: np.ndarray) -> bool:
 
 
 def _lowpass(values: np.ndarray, factor: int) -> np.ndarray:
+    from scipy.signal import fftconvolve, firwin, kaiser_beta  # slow to import
+
     half = math.ceil(_HALF_TAPS * factor) + 1
     edge = 0.5 * (PASS + STOP) / factor
     taps = firwin(2 * half + 1, edge, window=("kaiser", kaiser_beta(STOP_DB)))
