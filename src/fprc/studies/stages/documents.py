@@ -53,7 +53,7 @@ def update_readme(
         "deviations": _deviations(seeds[:2]),
         "verdicts": _verdicts(judged),
     }
-    first = {name: blocks[name] for name in ("table2_seeds", "table3_seeds")}
+    first = {name: blocks[name] for name in ("table2_seeds", "table4_seeds")}
     first["outcome"] = f"{_outcome(judged)} {blocks['deviations']} {_tracking(seeds[2])}"
     texts = {path: _updated(path, new) for path, new in ((readme, first), (results, blocks))}
     for path, text in texts.items():

@@ -42,7 +42,7 @@ def block(name, content):
 
 
 README = "\n".join(
-    [block("outcome", "old"), block("table2_seeds", "old"), block("table3_seeds", "old"), "End.\n"]
+    [block("outcome", "old"), block("table2_seeds", "old"), block("table4_seeds", "old"), "End.\n"]
 )
 
 RESULTS = "\n".join(
@@ -53,6 +53,7 @@ RESULTS = "\n".join(
         "Between.",
         block("table2_seeds", "old"),
         block("table3_seeds", "old"),
+        block("table4_seeds", "old"),
         block("orders", "old"),
         block("deviations", "old"),
         block("verdicts", "old"),
@@ -73,6 +74,7 @@ def project(tmp_path):
         "table2.md": "Table II.\n\n| a |\n|---|\n| 1 ± 2 \\d |\n",
         "table2_seeds.md": "Over seeds.\n",
         "table3_seeds.md": "Reversed.\n",
+        "table4_seeds.md": "Followed.\n",
         "orders.csv": ORDERS,
         "ii.csv": DEVIATIONS.format(12.0, 11.0, 16.5),
         "iii.csv": DEVIATIONS.format(9.0, 26.2, 20.0),
@@ -88,7 +90,7 @@ def project(tmp_path):
 
 
 def update(project):
-    pages = ("table2.md", "table2_seeds.md", "table3_seeds.md", "table2_timing.md")
+    pages = ("table2.md", "table2_seeds.md", "table3_seeds.md", "table4_seeds.md", "table2_timing.md")
     update_readme(
         [str(project / name) for name in pages],
         str(project / "orders.csv"),
@@ -108,6 +110,7 @@ def test_blocks_are_replaced_and_everything_else_is_kept(project):
         ("table2", "Table II.\n\n| a |\n|---|\n| 1 ± 2 \\d |"),
         ("table2_seeds", "Over seeds."),
         ("table3_seeds", "Reversed."),
+        ("table4_seeds", "Followed."),
         ("table2_timing", "Times."),
     ):
         expected = expected.replace(block(name, "old"), block(name, new))
@@ -151,7 +154,7 @@ def test_readme_counts_the_verdicts(project):
     assert "at least in part, 1 of 1 hold." in text
     assert "by 45 % at most" in text
     assert "up to 20 % in open loop, and by up to 50 % in closed loop" in text
-    assert "Reversed." in text
+    assert "Followed." in text
     assert "\nold\n" not in text
     assert text.endswith("End.\n")
 
