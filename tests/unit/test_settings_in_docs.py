@@ -77,7 +77,7 @@ def quoted():
             f"counts from {diagnosis.LEAK_KPA_PER_MIN:g} kPa per minute on",
         ],
         "docs/results.md": [f"a time constant of {filter_s:g} s"],
-        "docs/scaling.md": [
+        "docs/running.md": [
             f"| `grids.chunks` | {grids.chunks} |",
             f"| `drawn.chunk` | {settings.drawn.chunk} |",
             f"| `evaluation.replicate_seeds` | {len(settings.evaluation.replicate_seeds)} seeds |",

@@ -1,6 +1,6 @@
 """Claims on a user's recording: those of B1-B8 that need no rig, and FPRC against no P_o.
 
-docs/preregistration.md states them with their limits.
+docs/archive/preregistration.md states them with their limits.
 """
 
 import math

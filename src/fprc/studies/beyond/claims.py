@@ -1,6 +1,6 @@
 """Claims B1-B8: what the reservoir is worth, compared with models that need none.
 
-docs/preregistration.md has them with their limits.
+docs/archive/preregistration.md has them with their limits.
 """
 
 import math
