@@ -85,8 +85,8 @@ class LogHandler(LogHandlerBase):
             self.handleError(record)
 
     def _print(self, record: logging.LogRecord) -> None:
-        said: dict[str, Any] = vars(record)
-        event = said.get("event")
+        message: dict[str, Any] = vars(record)
+        event = message.get("event")
         if missing := _NO_FILE.search(record.getMessage()):
             self._own.stream.write(
                 f"{missing[1]}: no such configuration file. If it is a target, put it before "
@@ -96,21 +96,21 @@ class LogHandler(LogHandlerBase):
             self._own.handle(record)
             self._suggest(record.getMessage())
         elif event == LogEvent.RUN_INFO:
-            jobs = {rule: count for rule, count in said["stats"].items() if rule != "total"}
+            jobs = {rule: count for rule, count in message["stats"].items() if rule != "total"}
             self._progress.seconds = read_seconds(SECONDS[-1])
             self._progress.begin(jobs)
             threading.Thread(target=self._tick, args=[self._progress], daemon=True).start()
         elif event == LogEvent.JOB_INFO:
-            log = Path(said["log"][0]) if said["log"] else None
-            label = said["rule_msg"] or ""
-            self._progress.start(said["jobid"], said["rule_name"], label, log)
+            log = Path(message["log"][0]) if message["log"] else None
+            label = message["rule_msg"] or ""
+            self._progress.start(message["jobid"], message["rule_name"], label, log)
         elif event == LogEvent.JOB_FINISHED:
-            self._progress.finish(said["job_id"])
+            self._progress.finish(message["job_id"])
         elif event in (LogEvent.JOB_ERROR, LogEvent.GROUP_ERROR, LogEvent.ERROR) or (
             event is None and not record.getMessage().startswith(_ROUTINE)
         ):
             if event == LogEvent.JOB_ERROR:
-                self._progress.running.pop(said["jobid"], None)
+                self._progress.running.pop(message["jobid"], None)
             self._progress.end()
             self._own.handle(record)
             self._suggest(record.getMessage())

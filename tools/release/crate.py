@@ -137,9 +137,9 @@ def _described(root: Path, name: str) -> dict[str, str]:
 def _drawing(crate: ROCrate, fprc: Entity, name: str, sidecar: Mapping[str, Any]) -> Entity:
     """Add the action that made the files of a sidecar."""
     seeds = " ".join(map(str, sidecar["seeds"])) or "none"
-    said = {key: sidecar[key] for key in ("source", "commit", "config_sha256")} | {"seeds": seeds}
+    stated = {key: sidecar[key] for key in ("source", "commit", "config_sha256")} | {"seeds": seeds}
     settings = []
-    for key, value in said.items():
+    for key, value in stated.items():
         identifier = f"#{quote(key)}={quote(value)}"
         known = crate.get(identifier)
         settings.append(known or _add(crate, identifier, "PropertyValue", key, value=value))

@@ -54,7 +54,7 @@ class Statement(NamedTuple):
         return UNDECIDED
 
     @property
-    def room(self) -> float:
+    def margin(self) -> float:
         """Distance of the interval's nearer end from the limits; negative beyond them."""
         _, first, last = self.interval
         ends = [first, last, self.low, self.high]

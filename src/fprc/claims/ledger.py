@@ -96,7 +96,7 @@ def _ours(statements: Sequence[Statement]) -> str:
     if len(statements) <= 4:
         return "; ".join(statement.shown() for statement in statements)
     held = sum(statement.verdict == REPRODUCED for statement in statements)
-    closest = min(statements, key=lambda statement: statement.room)
+    closest = min(statements, key=lambda statement: statement.margin)
     return f"{held} of {len(statements)} hold; closest: {closest.shown()}"
 
 

@@ -17,7 +17,7 @@ from fprc.logs.recovery import Findings, recover
 from fprc.paper import SOURCES
 
 #: Exit codes of `log repair`; if nothing can be read, it is 1.
-WHOLE, SOME_LOST = 0, 3
+COMPLETE, SOME_LOST = 0, 3
 
 #: Names of the checks of a quality record, for readers.
 _TITLES = {
@@ -129,7 +129,7 @@ def repair(source: str, *, out: str) -> int:
     print(visible(f"{out}: {findings.samples} samples from {source}"))
     for line in [*messages, "nothing is lost"] if whole else messages:
         print(f"  {visible(line)}")
-    return WHOLE if whole else SOME_LOST
+    return COMPLETE if whole else SOME_LOST
 
 
 def _losses(findings: Findings) -> list[str]:

@@ -45,7 +45,7 @@ class Content(NamedTuple):
 
 
 #: Content of a log with every channel.
-WHOLE = Content(None, {})
+COMPLETE = Content(None, {})
 
 
 def headers(paths: Iterable[Path | str], *, isolate: bool) -> dict[str, Header]:
@@ -85,7 +85,7 @@ def contents(
     without : sequence of str
         Channels that the logs ``to_come`` will lack.
     """
-    coming = Content(frozenset(RAW_CHANNELS) - set(without), {}) if without else WHOLE
+    coming = Content(frozenset(RAW_CHANNELS) - set(without), {}) if without else COMPLETE
     read = {
         name: Content(header.channels, header.attributes.get("notes", {}))
         for name, header in existing.items()

@@ -39,14 +39,14 @@ def read_hdf5(path: Path, *, matlab: bool) -> Source:
 
 
 def _read_parts(path: Path, matlab: bool) -> Iterator[Part]:
-    room = MOST_NUMBERS
+    left = MOST_NUMBERS
     with h5py.File(path, "r") as file:
         for count, (name, part) in enumerate(_variables(file) if matlab else _datasets(file)):
             if count == MOST_OBJECTS:
                 raise _too_many(path)
             if isinstance(part, h5py.Dataset):
-                part = _why_no_channel(part, room, matlab=matlab) or _read(part, matlab=matlab)
-            room -= 0 if isinstance(part, str) else part.size
+                part = _why_no_channel(part, left, matlab=matlab) or _read(part, matlab=matlab)
+            left -= 0 if isinstance(part, str) else part.size
             yield name, part
 
 
@@ -57,7 +57,7 @@ def _too_many(path: Path | str) -> LogError:
     )
 
 
-def _why_no_channel(dataset: h5py.Dataset, room: int, *, matlab: bool) -> str | None:
+def _why_no_channel(dataset: h5py.Dataset, left: int, *, matlab: bool) -> str | None:
     """Return why a dataset cannot be a channel, according to its metadata."""
     kind = "double"
     if matlab and "MATLAB_class" in dataset.attrs:
@@ -71,7 +71,7 @@ def _why_no_channel(dataset: h5py.Dataset, room: int, *, matlab: bool) -> str | 
     if dataset.external or dataset.is_virtual:
         return "stored in another file; copy it into this one"
     largest = max(dataset.size, int(np.prod(dataset.chunks or (1,), dtype=float)))
-    if largest > room:
+    if largest > left:
         return f"declares {largest:,} numbers; a file may have {MOST_NUMBERS:,} in all, split it"
     try:
         refuse_never_written(dataset)

@@ -75,8 +75,8 @@ def module_of(name: str) -> str:
 
     ``studies.beyond.judge_world`` is in ``fprc.studies.stages.beyond``.
     """
-    *room, module, _ = name.split(".")
-    return ".".join(["fprc", *room, "stages", module])
+    *package, module, _ = name.split(".")
+    return ".".join(["fprc", *package, "stages", module])
 
 
 def _log_to(path: str, label: str) -> None:

@@ -4,7 +4,7 @@ import h5py
 import pytest
 
 from fprc.errors import LogError
-from fprc.logs import WHOLE, contents, headers, isolated, refuse_other_source
+from fprc.logs import COMPLETE, contents, headers, isolated, refuse_other_source
 
 NAMES = ["sweep", "complex", "track_sweep_fprc"]
 
@@ -27,8 +27,8 @@ def test_channels_and_notes_of_the_logs_that_are_there(write_log, tmp_path, isol
 
 
 def test_logs_to_come_lack_only_what_the_rig_does_not_measure(tmp_path):
-    assert contents(there(tmp_path), NAMES, to_come=["complex"]) == {"complex": WHOLE}
-    assert WHOLE.lacks(["phi_deg", "anything"]) == []
+    assert contents(there(tmp_path), NAMES, to_come=["complex"]) == {"complex": COMPLETE}
+    assert COMPLETE.lacks(["phi_deg", "anything"]) == []
     found = contents(there(tmp_path), NAMES, to_come=NAMES, without=["phi_deg"])
     assert found["sweep"].lacks(["phi_deg", "p_o_kpa"]) == ["phi_deg"]
 

@@ -1,7 +1,7 @@
 import pytest
 
 from fprc.channels import RAW_CHANNELS
-from fprc.logs import WHOLE, Content
+from fprc.logs import COMPLETE, Content
 from fprc.paper import CONTROLLERS, EXPERIMENTS, REFERENCES, run_log
 from fprc.plan.availability import refusal, unavailable
 from fprc.plan.results import BY_NAME
@@ -66,7 +66,7 @@ def test_reasons_add_up():
 @pytest.mark.parametrize("number", range(12, 18))
 def test_closed_loop_figure_is_made_of_its_own_runs(number):
     name = f"fig{number}"
-    own = dict.fromkeys(BY_NAME[name].logs, WHOLE)
+    own = dict.fromkeys(BY_NAME[name].logs, COMPLETE)
     assert set(own) <= set(RUNS)
     assert name not in of(own)
     for run in own:

@@ -16,7 +16,9 @@ def judged(world):
 
 
 def test_claims_stand_in_the_page_that_was_written_before():
-    page = (Path(__file__).parents[4] / "docs/archive/preregistration.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[4] / "docs/archive/preregistration.md").read_text(
+        encoding="utf-8"
+    )
     for name, claim in CLAIMS.items():
         assert f"| {name} | {claim.text} |" in page
 

@@ -90,7 +90,13 @@ def project(tmp_path):
 
 
 def update(project):
-    pages = ("table2.md", "table2_seeds.md", "table3_seeds.md", "table4_seeds.md", "table2_timing.md")
+    pages = (
+        "table2.md",
+        "table2_seeds.md",
+        "table3_seeds.md",
+        "table4_seeds.md",
+        "table2_timing.md",
+    )
     update_readme(
         [str(project / name) for name in pages],
         str(project / "orders.csv"),
