@@ -8,7 +8,17 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from fprc.claims.finding import UNDECIDED
-from fprc.claims.paired import AGREEING, LEAST_UNITS, NOT_JUDGED, Judged, Part, judge_together
+from fprc.claims.paired import (
+    AGREEING,
+    EQUIVALENT,
+    INFERIOR,
+    LEAST_UNITS,
+    NOT_JUDGED,
+    SUPERIOR,
+    Judged,
+    Part,
+    judge_together,
+)
 
 #: Blocks that a subset leaves out; fewer than of forty seeds, since there are only ten.
 LEFT_OUT = 2
@@ -67,6 +77,39 @@ def judge_recording(report: Mapping[str, Any], titles: Mapping[str, str]) -> lis
             }
         )
     return rows
+
+
+def answer(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return in one sentence whether P_o pays on this recording.
+
+    It pays if FPRC beats both the same readout without P_o (R1) and that on low-passed theta (B1).
+    """
+    verdict = {row["id"]: row["verdict"] for row in rows}
+    alone, lowpass = verdict["R1"], verdict["B1"]
+    if NOT_JUDGED in (alone, lowpass):
+        return "**Not judged**: too few blocks have an error of all models; see the reasons below."
+    if alone == lowpass == SUPERIOR:
+        return (
+            "**Yes**: with P_o the error is lower than without it, and than with low-passed theta."
+        )
+    if INFERIOR in (alone, lowpass):
+        other = "without it" if alone == INFERIOR else "with low-passed theta, which costs nothing"
+        return f"**No**: with P_o the error is higher than {other}."
+    if EQUIVALENT in (alone, lowpass):
+        other = (
+            "without it" if alone == EQUIVALENT else "with low-passed theta, which costs nothing"
+        )
+        return f"**No**: with P_o the error is as low as {other}, within 5 %."
+    helps = (
+        "P_o lowers the error, but so may low-passed theta"
+        if alone == SUPERIOR
+        else (
+            "with P_o the error may be higher or lower than without it"
+            if lowpass == UNDECIDED
+            else "P_o beats low-passed theta, but not for certain the readout without P_o"
+        )
+    )
+    return f"**Not decided**: {helps}; a longer recording decides smaller differences."
 
 
 def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:

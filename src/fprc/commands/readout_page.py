@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from fprc.artifacts import read_json
-from fprc.claims.recording import sentences
+from fprc.claims.recording import answer, sentences
 from fprc.config import from_files
 from fprc.config.importing import ImportMap
 from fprc.escape import code
@@ -43,6 +43,8 @@ def report_page(
     default = from_files([]).model_dump(mode="json")["models"]
     lines = [
         f"# Value of the readout in {code(Path(source).name)}",
+        "",
+        f"Does P_o help the model on this recording? {answer(results['competitors']['verdicts'])}",
         "",
         f"Recording: {_with_hash(source)}; map: {code(map_file)}.",
         *([f"Training logs: {', '.join(map(_with_hash, further))}."] if further else []),

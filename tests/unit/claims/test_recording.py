@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from fprc.claims.recording import CLAIMS, judge_recording, sentences
+from fprc.claims.recording import CLAIMS, answer, judge_recording, sentences
 from fprc.competitors import COMPETITORS
 from fprc.experiments.competitors import ON_RECORDINGS
 
@@ -28,6 +28,22 @@ def report(blocks=10, overlap=1 / 9, spread=0.01, **ratios):
 
 def verdicts(told):
     return {row["id"]: row["verdict"] for row in judge_recording(told, TITLES)}
+
+
+@pytest.mark.parametrize(
+    ("ratios", "first"),
+    [
+        ({"fprc_lowpass": 0.7, "fuzzy_linear": 0.7}, "Yes"),
+        ({"fprc_lowpass": 0.7, "fuzzy_linear": 1.5}, "No"),
+        ({"fprc_lowpass": 1.5, "fuzzy_linear": 0.7}, "No"),
+        ({"fprc_lowpass": 1.0, "fuzzy_linear": 0.7}, "No"),
+        ({"fprc_lowpass": 0.7, "fuzzy_linear": 0.7, "blocks": 5}, "Not decided"),
+        ({"fprc_lowpass": 0.7, "fuzzy_linear": 0.7, "blocks": 1}, "Not judged"),
+    ],
+)
+def test_answer_needs_both_comparisons(ratios, first):
+    rows = judge_recording(report(**ratios), TITLES)
+    assert answer(rows).startswith(f"**{first}**: ")
 
 
 def test_every_model_of_a_claim_is_judged_on_recordings():
