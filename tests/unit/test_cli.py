@@ -271,6 +271,8 @@ def in_a_callback():
 @pytest.mark.parametrize("how", [ignored, turned_into_another_error, in_a_callback])
 def test_interrupt_ends_the_command_however_libraries_treat_it(monkeypatch, capsys, how):
     monkeypatch.setattr(configuration, "published", how)
+    # a job in the background of a shell ignores the signal
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     before = signal.getsignal(signal.SIGINT), sys.unraisablehook
     assert main(["config", "published"]) == 130
     assert capsys.readouterr().err == "stopped; finished results are kept\n"

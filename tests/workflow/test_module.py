@@ -45,15 +45,15 @@ def importer(in_folder, tmp_path_factory):
 @pytest.fixture(scope="module")
 def imported(importer):
     """The same with both tables and a figure."""
-    done = importer.snakemake("both", "dry_fig1")
+    done = importer.snakemake("both", "paper_fig1")
     assert done.returncode == 0, done.stdout
     return importer.folder
 
 
 def test_each_module_writes_below_its_prefix(imported):
     names = {path.name for path in imported.iterdir()} - {".snakemake", "printed.txt"}
-    assert names == {"Snakefile", "rigs.yaml", "fprc", "dry", "viscous"}
-    for module in ("dry", "viscous"):
+    assert names == {"Snakefile", "rigs.yaml", "fprc", "paper", "viscous"}
+    for module in ("paper", "viscous"):
         assert {path.name for path in (imported / module).iterdir()} == {"data", "results"}
         logs = (imported / module / "data/raw").iterdir()
         assert {path.name for path in logs} == {"sweep.h5", "complex.h5"}
@@ -61,14 +61,14 @@ def test_each_module_writes_below_its_prefix(imported):
 
 def test_module_makes_the_bytes_of_the_clone(imported, smoked):
     clone = smoked[0].folder / "results/smoke/tables/table2"
-    table = imported / "dry/results/tables/table2"
+    table = imported / "paper/results/tables/table2"
     for suffix in (".csv", ".md", ".tex"):
         assert table.with_suffix(suffix).read_bytes() == clone.with_suffix(suffix).read_bytes()
 
 
 def test_each_module_has_its_own_settings(imported):
     pressures = []
-    for module in ("dry", "viscous"):
+    for module in ("paper", "viscous"):
         with h5py.File(imported / module / "data/raw/sweep.h5") as log:
             pressures.append(log["p_exp_kpa"][:])
     assert len(pressures[0]) == len(pressures[1])
@@ -76,10 +76,10 @@ def test_each_module_has_its_own_settings(imported):
 
 
 def test_nothing_reruns_and_all_of_a_module_can_be_planned(imported, importer):
-    assert "Nothing to be done" in importer.snakemake("both", "dry_fig1").stdout
-    planned = importer.snakemake("--dry-run", "dry_all")
+    assert "Nothing to be done" in importer.snakemake("both", "paper_fig1").stdout
+    planned = importer.snakemake("--dry-run", "paper_all")
     assert planned.returncode == 0, planned.stdout
-    outside = re.findall(r"^    output: (?!dry/)", planned.stdout, re.MULTILINE)
+    outside = re.findall(r"^    output: (?!paper/)", planned.stdout, re.MULTILINE)
     assert outside == []
 
 
@@ -96,7 +96,7 @@ def test_studies_can_be_imported_too(in_folder, tmp_path):
 
 
 def test_mistake_in_the_settings_of_a_module_is_told_by_its_key(importer):
-    done = importer.snakemake("--dry-run", "--config", "dry={sed: 3}")
+    done = importer.snakemake("--dry-run", "--config", "paper={sed: 3}")
     assert done.returncode == 1
     assert "sed: unknown key; did you mean seed?" in done.stdout
 

@@ -85,7 +85,7 @@ def test_simulated_log_is_that_of_the_workflow(recorded_by_rule, few, inside, ca
     assert run("simulate", "complex", "--config", few, "--out", "mine.h5") == 0
     assert (inside / "mine.h5").read_bytes() == recorded_by_rule["complex"].read_bytes()
     assert capsys.readouterr().out == (
-        "mine.h5: complex, 12 s at 200 Hz, on the simulated rig dry, seed 3\n"
+        "mine.h5: complex, 12 s at 200 Hz, on the simulated rig paper, seed 3\n"
     )
 
 
@@ -107,7 +107,7 @@ def test_seed_and_rig_are_chosen_by_name_or_file(few, inside, capsys):
 @pytest.mark.parametrize(
     ("options", "problem"),
     [
-        (["--rig", "wet"], "use bouc_wen or dry or viscous"),
+        (["--rig", "wet"], "use bouc_wen or dry or paper or viscous"),
         (["--rig", "none.yaml"], "none.yaml: cannot be opened (No such file"),
         (["--rig", "few.yaml"], "few.yaml: has no section rig"),
         (["--seed", "-1"], "seed = -1: must be greater than or equal to 0"),
