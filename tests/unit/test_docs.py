@@ -35,7 +35,7 @@ BLOCKS = {
 #: Targets of other Snakefiles than ours, and the tests that make them.
 TARGETS_ELSEWHERE = {
     "mine": "tests/workflow/test_extending.py",
-    "dry_all": "tests/workflow/test_module.py",
+    "paper_all": "tests/workflow/test_module.py",
 }
 #: Pages that Sphinx writes itself, over a page of the same name and without a warning.
 PAGES_OF_SPHINX = {"search", "genindex", "modindex", "py-modindex"}
