@@ -11,8 +11,8 @@ import numpy as np
 
 from fprc import __version__
 from fprc.artifacts import is_json_with, read_json, refuse_output, replacing_all, write_json
-from fprc.channels import unit_of
-from fprc.config.importing import ImportMap, read_draft, read_map
+from fprc.channels import CHANNELS, TARGETS, unit_of
+from fprc.config.importing import ImportMap, likely_channel, likely_unit, read_draft, read_map
 from fprc.errors import ConfigError, LogError, UsageError
 from fprc.escape import terminal, visible
 from fprc.figures import style
@@ -26,9 +26,11 @@ from fprc.logs.isolated import attempt_each
 from fprc.logs.quality import other_quantity
 from fprc.logs.resample import resample
 from fprc.logs.sources import read_source
-from fprc.logs.variables import columns_of
+from fprc.logs.variables import Source, columns_of
 from fprc.provenance import sha256
 
+#: Channels of a draft even if no column's name tells them: what training FPRC needs.
+DRAFTED = ("theta_deg", TARGETS["measured"], "p_o_kpa")
 #: Limit on listed variables that cannot be channels.
 _LISTED_OTHERS = 50
 #: Largest distance of a clock that jitters from a straight line, as a share of its span.
@@ -36,7 +38,12 @@ _OFF_LINE = 0.01
 
 
 def import_or_list(
-    source: str, *, list_: bool = False, map_: str | None = None, out: str | None = None
+    source: str,
+    *,
+    list_: bool = False,
+    draft: bool = False,
+    map_: str | None = None,
+    out: str | None = None,
 ) -> None:
     """Turn a CSV, HDF5 or MATLAB file into a raw log.
 
@@ -48,6 +55,8 @@ def import_or_list(
         Recording: CSV, HDF5 or MATLAB file.
     list_ : bool
         Print the file's columns and exit.
+    draft : bool
+        Print a map with channels, units and clock guessed from the file, and exit.
     map_ : MAP.yaml
         Columns, units, clock and sample rate.
     out : FILE.h5
@@ -56,19 +65,22 @@ def import_or_list(
     Examples
     --------
     fprc import arm.csv --list
+    fprc import arm.csv --draft > arm.yaml
     fprc import arm.csv --map arm.yaml --out sweep.h5
 
     Raises
     ------
     UsageError
-        Neither ``list_`` nor both of ``map_`` and ``out`` are given.
+        Neither ``list_`` nor ``draft`` nor both of ``map_`` and ``out`` are given.
     """
     if list_:
         list_source(source, map_)
+    elif draft:
+        print(draft_map(source, map_))
     elif map_ and out:
         import_recording(source, map_, out)
     else:
-        raise UsageError("give --list, or both --map and --out")
+        raise UsageError("give --list, --draft, or both --map and --out")
 
 
 def import_recording(source: str, map_file: str, raw: str) -> None:
@@ -231,7 +243,7 @@ def list_source(source: str, map_file: str | None = None) -> None:
     map_file : str, optional
         Only its ``csv`` section is used.
     """
-    content = read_source(source, **(read_draft(map_file).csv if map_file else {}))
+    content = _content(source, map_file)
     columns = {visible(name): v for name, v in columns_of(content).items()}
     print(terminal(f"{source}: {content.kind}, {len(columns)} columns"))
     width = max(map(len, [*columns, "column"]))
@@ -255,6 +267,62 @@ def list_source(source: str, map_file: str | None = None) -> None:
             "no column looks like a clock; name the column with the times in the map, or, if the "
             "file has none, give time.rate_hz"
         )
+
+
+def draft_map(source: str, map_file: str | None = None) -> str:
+    """Return a map of a foreign file in YAML, its channels, units and clock guessed.
+
+    A channel that the workflow needs and no column's name tells has the column ``?``, and a unit
+    that no name tells is marked: the user completes them.
+
+    Parameters
+    ----------
+    map_file : str, optional
+        Only its ``csv`` section is used.
+    """
+    columns = columns_of(_content(source, map_file))
+    guesses = {name: _guess_rate(values) for name, values in columns.items()}
+    clock = next((name for name, guess in guesses.items() if guess), None)
+    found: dict[str, str] = {}
+    for name in columns:
+        if name != clock and (likely := likely_channel(name)):
+            found.setdefault(likely, name)
+    lines = [
+        f"# Drafted from the names in {visible(Path(source).name)}; check each line, and complete "
+        "those with a ?",
+        "experiment: sweep  # or complex; for fprc readout, instead: test_from_s, in seconds",
+    ]
+    if guess := guesses.get(clock or ""):
+        lines.append(
+            f"# sample_rate_hz: {float(f'{guess[0]:.4g}'):.10g}  # the file's; without this line "
+            "200, as the workflow expects"
+        )
+        lines.append(f"time: {{column: {_quoted(clock or '')}, unit: {guess[1]}}}")
+    else:
+        lines.append('time: {rate_hz: "?"}  # or column and unit')
+    lines.append("channels:")
+    for channel in CHANNELS:
+        if channel.name in found:
+            column = found[channel.name]
+            unit = likely_unit(column, channel.name)
+            spec = f"{{column: {_quoted(column)}, unit: {unit or channel.unit}}}"
+            lines.append(f"  {channel.name}: {spec}{'' if unit else '  # unit?'}")
+        elif channel.name in DRAFTED and not (
+            channel.name == TARGETS["measured"] and TARGETS["command"] in found
+        ):
+            spec = f'{{column: "?", unit: {channel.unit}}}'
+            lines.append(f"  {channel.name}: {spec}  # {channel.meaning}")
+    left = [_quoted(name) for name in columns if name not in (clock, *found.values())]
+    return "\n".join([*lines, *(["# columns left: " + ", ".join(left)] if left else [])])
+
+
+def _content(source: str, map_file: str | None) -> Source:
+    return read_source(source, **(read_draft(map_file).csv if map_file else {}))
+
+
+def _quoted(name: str) -> str:
+    """Return a name as YAML, with unprintable characters as escapes, which YAML has too."""
+    return visible(json.dumps(name, ensure_ascii=False))
 
 
 def _remark(values: np.ndarray, finite: int, guess: tuple[float, str] | None) -> str:

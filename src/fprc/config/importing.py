@@ -15,9 +15,10 @@ from pydantic import (
     create_model,
 )
 
-from fprc.channels import CHANNELS, CONVERTED, TARGETS, Channel
+from fprc.channels import CHANNELS, CONVERTED, TARGETS, Channel, unit_of
 from fprc.config.section import Section
 from fprc.errors import ConfigError
+from fprc.escape import in_words
 from fprc.yaml_file import read_yaml
 
 
@@ -62,6 +63,40 @@ _FIELDS: dict[str, Any] = {
 }
 #: Channels of a raw log, see data/raw/README.md; omitted channels are not in the log.
 Channels = create_model("Channels", __base__=Section, __module__=__name__, **_FIELDS)
+
+
+#: Words in the name of a column that tell its channel; the first channel that fits counts.
+_WORDS = {
+    "p_o_kpa": "p_?o|pam_?b|sealed|reservoir|memory",
+    "p_i_kpa": "p_?i|pam_?a",
+    "phi_deg": "phi",
+    "theta_deg": "theta|angle|bend|bending",
+    "p_exp_command_kpa": "command|commanded|cmd|set|setpoint|desired|demand",
+    "p_exp_kpa": "p_?exp|pressure|actuator",
+}
+#: Words that make an angle the wanted one, which is no channel of an import.
+_WANTED = "theta_?d|ref|reference|command|cmd|set|setpoint|desired|target"
+
+
+def likely_channel(name: str) -> str | None:
+    """Guess the channel of a column from its name; None if no word tells it."""
+    if name in Channels.model_fields:
+        return name
+    # bendAngle are two words
+    name = re.sub(r"(?<=[a-z])(?=[A-Z][a-z])", "_", name)
+    channel = next((key for key, words in _WORDS.items() if _has_word(name, words)), None)
+    return None if channel == "theta_deg" and _has_word(name, _WANTED) else channel
+
+
+def likely_unit(name: str, channel: str) -> str | None:
+    """Guess the unit of a channel's column from its name; None if the name holds none."""
+    units = CONVERTED[unit_of(channel)]
+    return next((unit for unit in units if _has_word(name, unit.lower())), None)
+
+
+def _has_word(name: str, words: str) -> bool:
+    separate = re.sub("[^a-z0-9]+", "_", name.lower())
+    return bool(re.search(rf"(?<![a-z0-9])(?:{words})(?![a-z0-9])", separate))
 
 
 class Time(Section):
@@ -245,8 +280,11 @@ def _line(item: Mapping[str, Any]) -> str:
         return f"  {key}: missing; see docs/own-data.md"
     if item["type"] == "extra_forbidden":
         known = list(_section(keys[:-1]).model_fields)
-        nearest = difflib.get_close_matches(keys[-1], known, n=1, cutoff=0.0)[0]
-        return f"  {key}: unknown key; did you mean {'.'.join([*keys[:-1], nearest])}?"
+        likely = likely_channel(keys[-1]) if keys[:-1] == ["channels"] else None
+        nearest = [likely] if likely else difflib.get_close_matches(keys[-1], known, n=1)
+        if not nearest:
+            return f"  {key}: unknown key; the keys are {in_words(known)}"
+        return f"  {key}: unknown key; did you mean {'.'.join([*keys[:-1], *nearest])}?"
     message = item["msg"].removeprefix("Value error, ")
     message = message.replace("Input should", "must").replace("String should", "must")
     if item["type"] in ("model_type", "model_attributes_type"):

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from fprc.artifacts import read_json
 from fprc.channels import RAW_CHANNELS
 from fprc.cli import main
-from fprc.commands.import_recording import import_recording
+from fprc.commands.import_recording import _quoted, import_recording
 from fprc.config import Settings
 from fprc.config.importing import read_map
 from fprc.errors import ConfigError, LogError, OutputError
@@ -472,3 +472,50 @@ def test_units_of_notes_reach_the_data_and_are_not_mixed(bring):
     refuse_mixture(data, data)
     with pytest.raises(LogError, match="training log is in N, that of the test log in kPa"):
         refuse_mixture(data, plain)
+
+
+def draft(path, capsys, *more):
+    assert main(["import", str(path), "--draft", *more]) == 0
+    return capsys.readouterr().out
+
+
+def test_draft_of_names_that_tell_all_is_a_map_that_imports(recorded, tmp_path, capsys):
+    sweep = recorded["sweep"]
+    columns = {
+        "t [ms]": 1e3 * sweep["time_s"],
+        'bend "angle" [rad]': np.deg2rad(sweep["theta_deg"]),
+        "Pressure [bar]": sweep["p_exp_kpa"] / 100.0,
+        "sealed chamber, kPa": sweep["p_o_kpa"],
+        "room \U0001f321": np.zeros(len(sweep["time_s"])),
+    }
+    pd.DataFrame(columns).to_csv(tmp_path / "arm.csv", index=False)
+    text = draft(tmp_path / "arm.csv", capsys)
+    assert "?" not in "".join(text.splitlines(keepends=True)[1:])
+    (tmp_path / "arm.yaml").write_text(text, encoding="utf-8")
+    given = [str(tmp_path / name) for name in ("arm.csv", "arm.yaml", "sweep.h5")]
+    assert main(["import", given[0], "--map", given[1], "--out", given[2]]) == 0
+    log = read_columns(given[2], ("time_s", "theta_deg", "p_exp_kpa", "p_o_kpa"))
+    assert log.attributes["sample_rate_hz"] == 200.0
+    for name, values in log.channels.items():
+        np.testing.assert_allclose(values, sweep[name], atol=1e-6)
+
+
+def test_draft_of_names_that_tell_nothing_says_what_to_complete(tmp_path, capsys):
+    pd.DataFrame({"a": [1.0, 3.0, 2.0], "b\x1b\u202e": 1.0}).to_csv(tmp_path / "x.csv", index=False)
+    text = draft(tmp_path / "x.csv", capsys)
+    assert text.isprintable() or set(filter(lambda mark: not mark.isprintable(), text)) == {"\n"}
+    drafted = yaml.safe_load(text)
+    assert drafted["time"] == {"rate_hz": "?"}
+    assert {key: spec["column"] for key, spec in drafted["channels"].items()} == dict.fromkeys(
+        ("p_exp_kpa", "theta_deg", "p_o_kpa"), "?"
+    )
+    (tmp_path / "x.yaml").write_text(text)
+    files = ["--map", str(tmp_path / "x.yaml"), "--out", str(tmp_path / "x.h5")]
+    assert main(["import", str(tmp_path / "x.csv"), *files]) == 1
+    assert "rate_hz" in capsys.readouterr().err
+    assert not (tmp_path / "x.h5").exists()
+
+
+@given(name=st.text(min_size=1).filter(lambda name: name.isprintable()))
+def test_draft_quotes_any_name_as_yaml(name):
+    assert yaml.safe_load(_quoted(name)) == name

@@ -3,7 +3,14 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fprc.config.importing import Draft, Time, read_draft, read_map
+from fprc.config.importing import (
+    Draft,
+    Time,
+    likely_channel,
+    likely_unit,
+    read_draft,
+    read_map,
+)
 from fprc.errors import ConfigError
 from fprc.logs.clock import SECONDS
 
@@ -68,6 +75,11 @@ def test_quantity_that_is_something_else_needs_a_note(problems):
     ("content", "said"),
     [
         (SMALL | {"sample_rate": 100}, "sample_rate: unknown key; did you mean sample_rate_hz?"),
+        (
+            with_channel("angle", column="P", unit="deg"),
+            "channels.angle: unknown key; did you mean channels.theta_deg?",
+        ),
+        (SMALL | {"csv": {"zzz": 1}}, "csv.zzz: unknown key; the keys are separator, decimal, "),
         (
             with_channel("p_0_kpa", column="P", unit="kPa"),
             "channels.p_0_kpa: unknown key; did you mean channels.p_o_kpa?",
@@ -179,3 +191,24 @@ def test_any_map_is_either_valid_or_explained(tmp_path_factory, content):
     else:
         said = f"{path}: valid"
     assert said.startswith(f"{path}: ")
+
+
+@pytest.mark.parametrize(
+    ("name", "channel", "unit"),
+    [
+        ("angle [rad]", "theta_deg", "rad"),
+        ("/robot/bendAngle", "theta_deg", None),
+        ("theta_d", None, None),
+        ("desired angle", None, None),
+        ("P set [bar]", "p_exp_command_kpa", "bar"),
+        ("pressure_psi", "p_exp_kpa", "psi"),
+        ("PAM B [kPa abs]", "p_o_kpa", "kPa"),
+        ("Po(mbar)", "p_o_kpa", "mbar"),
+        ("position", None, None),
+        ("p_i_command_kpa", "p_i_command_kpa", "kPa"),
+        ("valve_main_v", "valve_main_v", "V"),
+    ],
+)
+def test_name_of_a_column_tells_its_channel_and_unit(name, channel, unit):
+    assert likely_channel(name) == channel
+    assert channel is None or likely_unit(name, channel) == unit
