@@ -140,3 +140,73 @@ def test_numbers_of_the_summary_beyond_the_paper_are_those_of_its_tables():
     assert len(numbers) > 10
     shown = set(re.findall(r"\d+\.\d+", tables))
     assert [number for number in numbers if number not in shown] == []
+
+
+OPEN, CLOSED, FORWARD = "Open loop [deg]", "Closed loop [deg]", "Forward test [kPa]"
+LOWPASS = "FPRC on low-passed theta_d"
+BEYOND = "docs/beyond.md"
+
+
+@pytest.mark.parametrize(
+    ("page", "sentence", "block", "cells"),
+    [
+        (
+            page,
+            r"FPRC\+PD is (\S+) deg off and Fuzzy-linear\+PD ([\d.]+\d)",
+            "beyond_models",
+            [("FPRC", CLOSED), ("Fuzzy-linear", CLOSED)],
+        )
+        for page in ("README.md", BEYOND)
+    ]
+    + [
+        (
+            BEYOND,
+            r"they are (\S+) and (\S+) deg off; NVAR, whose output is smoother, has (\S+)\.",
+            "beyond_models",
+            [("FPRC", OPEN), ("Fuzzy-linear", OPEN), ("NVAR", CLOSED)],
+        ),
+        (
+            BEYOND,
+            r"in open loop (\S+) deg on the default rig, .* and (\S+) kPa in the forward test",
+            "beyond_models",
+            [(LOWPASS, OPEN), (LOWPASS, FORWARD)],
+        ),
+        (
+            BEYOND,
+            r"on the default rig from (\S+) to (\S+) kPa\. .* \((\S+) instead of (\S+) deg",
+            "beyond_models",
+            [("FPRC", FORWARD), ("FPRC, tuned", FORWARD), ("FPRC, tuned", OPEN), ("FPRC", OPEN)],
+        ),
+        (
+            BEYOND,
+            r"goes from (\S+) to (\S+) kPa \(Fuzzy-linear: (\S+) kPa",
+            "beyond_offsets",
+            [("FPRC", "0"), ("FPRC", "-2"), ("Fuzzy-linear", "0")],
+        ),
+        (
+            BEYOND,
+            r"low-passed theta_d from (\S+) to (\S+) kPa, and FPRC from (\S+) to (\S+) kPa",
+            "beyond_lengths",
+            [(LOWPASS, "120 s"), (LOWPASS, "two logs"), ("FPRC", "120 s"), ("FPRC", "two logs")],
+        ),
+        (
+            "docs/results.md",
+            r"error in the sweep is (\S+) deg",
+            "verdicts",
+            [("C15", "Ours, 95 % interval")],
+        ),
+    ],
+)
+def test_numbers_of_a_sentence_are_those_of_the_generated_table(page, sentence, block, cells):
+    """The first number of each cell is its mean."""
+    tables = " ".join((ROOT / name).read_text("utf-8") for name in (BEYOND, "docs/results.md"))
+    table = tables.partition(f"<!-- {block}: generated -->")[2].partition(f"<!-- {block}: end")[0]
+    rows = [
+        [cell.strip() for cell in line.split("|")[1:-1]]
+        for line in table.splitlines()
+        if line.startswith("|")
+    ]
+    by_name = {row[0]: dict(zip(rows[0], row, strict=True)) for row in rows}
+    printed = [re.search(r"\d+\.\d+", by_name[row][column])[0] for row, column in cells]
+    text = " ".join((ROOT / page).read_text("utf-8").split())
+    assert list(re.search(sentence, text).groups()) == printed
