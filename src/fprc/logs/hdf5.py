@@ -33,7 +33,8 @@ def opened(path: Path) -> Iterator[h5py.File]:
             head = given.read(len(SIGNATURE))
         if head != SIGNATURE:
             raise LogError(
-                f"{path}: not an HDF5 file; raw logs are described in data/raw/README.md"
+                f"{path}: not an HDF5 file; `fprc import` makes a raw log from a recording of "
+                "another program"
             )
         with h5py.File(path, "r") as file:
             yield file
