@@ -30,7 +30,7 @@ from fprc.logs.variables import Source, columns_of
 from fprc.provenance import sha256
 
 #: Channels of a draft even if no column's name tells them: what training FPRC needs.
-DRAFTED = ("theta_deg", TARGETS["measured"], "p_o_kpa")
+_DRAFTED = ("theta_deg", TARGETS["measured"], "p_o_kpa")
 #: Limit on listed variables that cannot be channels.
 _LISTED_OTHERS = 50
 #: Largest distance of a clock that jitters from a straight line, as a share of its span.
@@ -294,7 +294,7 @@ def draft_map(source: str, map_file: str | None = None) -> str:
     ]
     if guess := guesses.get(clock or ""):
         lines.append(
-            f"# sample_rate_hz: {float(f'{guess[0]:.4g}'):.10g}  # the file's; without this line "
+            f"# sample_rate_hz: {float(f'{guess[0]:.4g}'):.10g}  # of the file; the default is "
             "200, as the workflow expects"
         )
         lines.append(f"time: {{column: {_quoted(clock or '')}, unit: {guess[1]}}}")
@@ -307,7 +307,7 @@ def draft_map(source: str, map_file: str | None = None) -> str:
             unit = likely_unit(column, channel.name)
             spec = f"{{column: {_quoted(column)}, unit: {unit or channel.unit}}}"
             lines.append(f"  {channel.name}: {spec}{'' if unit else '  # unit?'}")
-        elif channel.name in DRAFTED and not (
+        elif channel.name in _DRAFTED and not (
             channel.name == TARGETS["measured"] and TARGETS["command"] in found
         ):
             spec = f'{{column: "?", unit: {channel.unit}}}'
