@@ -16,17 +16,9 @@ rule list_unavailable:
         "../scripts/stage.py"
 
 
-#: By figure: the logs whose traces can be zoomed on the page.
-TRACES = {"fig8": [PATHS.prediction("sweep", "fprc", phase) for phase in ("train", "test")]} | {
-    name: [PATHS.log(run) for run in BY_NAME[name].logs]
-    for name in ("fig12", "fig13", "fig14", "fig15", "fig17")
-}
-
-
 rule report_page:
     input:
-        **{name: files for name, files in TRACES.items() if name in PLAN.targets},
-        template=[own(f"../report/page.{kind}.j2") for kind in ("html", "css", "js", "traces.js")],
+        template=[own(f"../report/page.{kind}.j2") for kind in ("html", "css", "js")],
         ledger=[PATHS.below("claims.json")] if "claims" in PLAN.targets else [],
         missing=PATHS.below("not_available.csv"),
         tables=[page.replace(".md", kind) for page in PLAN.pages for kind in (".md", ".csv")],

@@ -18,14 +18,11 @@ from PIL import Image
 
 from fprc.artifacts import read_json, write_text
 from fprc.config import Settings
-from fprc.logs import read_columns, read_run
-from fprc.logs.isolated import isolated_each
 from fprc.paper import SOURCES
 from fprc.plan.results import BY_NAME
 from fprc.provenance import checkout, hash_of, versions
 from fprc.tables.against_paper import against_paper
 from fprc.tables.text import read_markdown, three_digits
-from fprc.tables.traces import RESERVOIR, Plot, disturbance_plots, fit_plots, tracking_plots
 
 log = logging.getLogger(__name__)
 
@@ -40,7 +37,6 @@ def write_report(
     *,
     settings: Mapping[str, Any],
     beyond: Mapping[str, Any] | None = None,
-    **logs: Sequence[str],
 ) -> None:
     """Write claims, tables, figures and settings to one self-contained page.
 
@@ -58,14 +54,11 @@ def write_report(
         Of each figure, PNG, sidecar and caption.
     beyond : Mapping, optional
         ``worlds``, and ``ledgers``: of each world, the rows of ``judge_world``.
-    **logs : sequence of str
-        By the anchor of a figure (``fig8``): the logs whose traces can be zoomed.
     """
     folder = Path(html).parent
     terms = settings["fitted"]["to"]
-    plots = _plots(logs, settings)
     shown = [
-        _figure(*files, folder, plots)
+        _figure(*files, folder)
         for files in zip(figures[::3], figures[1::3], figures[2::3], strict=True)
     ]
     pages = [_page(md, terms, folder) for md, _ in zip(tables[::2], tables[1::2], strict=True)]
@@ -215,27 +208,7 @@ def _page(path: str, terms: Sequence[str], folder: Path) -> dict[str, Any]:
     }
 
 
-def _plots(logs: Mapping[str, Sequence[str]], settings: Mapping[str, Any]) -> dict[str, list[Plot]]:
-    """Return the plots of the figures with long traces."""
-    plots = {}
-    names = ("time_s", "theta_d_deg", "theta_deg", "p_ff_kpa", "p_fb_kpa")
-    followed = [figure for figure in logs if figure not in ("fig8", "fig17")]
-    paths = [path for figure in followed for path in logs[figure]]
-    runs = isolated_each(read_run, paths, names=names) if paths else []
-    for figure, opened, closed in zip(followed, runs[::2], runs[1::2], strict=True):
-        plots[figure] = tracking_plots(opened, closed)
-    if "fig8" in logs:
-        fits = [read_columns(path, ("time_s", "p_target_kpa", "p_ff_kpa")) for path in logs["fig8"]]
-        plots["fig8"] = fit_plots(dict(zip(("Training", "Test"), fits, strict=True)))
-    if "fig17" in logs:
-        (run,) = isolated_each(read_run, logs["fig17"], names=(*names, *RESERVOIR))
-        plots["fig17"] = disturbance_plots(run, settings["tracking"]["pushes"]["quiet_s"])
-    return plots
-
-
-def _figure(
-    picture: str, sidecar: str, caption: str, folder: Path, plots: Mapping[str, list[Plot]]
-) -> dict[str, Any]:
+def _figure(picture: str, sidecar: str, caption: str, folder: Path) -> dict[str, Any]:
     origin = read_json(sidecar)
     with Image.open(picture) as image:
         width, height = image.size
@@ -248,7 +221,6 @@ def _figure(
         "width": width,
         "height": height,
         "caption": " ".join(Path(caption).read_text(encoding="utf-8").split()),
-        "plots": plots.get(f"fig{number}"),
         "source": origin["source"],
         "mark": SOURCES.get(origin["source"], "drawing, no data"),
         "commit": _commit(origin["commit"], origin["dirty"]),

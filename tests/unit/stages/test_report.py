@@ -7,7 +7,6 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import jinja2
-import numpy as np
 import pandas as pd
 import pytest
 import yaml
@@ -17,7 +16,6 @@ from PIL import Image
 
 from fprc.artifacts import write_json
 from fprc.config import Settings
-from fprc.logs import write_columns
 from fprc.provenance import hash_of
 from fprc.stages import report
 from fprc.stages.report import GLOSSARY, symbols, write_report
@@ -26,7 +24,7 @@ from fprc.tables.text import markdown
 
 TEMPLATE = [
     str(Path(__file__).parents[3] / "workflow" / "report" / f"page.{kind}.j2")
-    for kind in ("html", "css", "js", "traces.js")
+    for kind in ("html", "css", "js")
 ]
 DOI = "https://doi.org/10.1109/LRA.2024.3523229"
 DEFAULTS = Settings().model_dump(mode="json")
@@ -120,7 +118,6 @@ class Project:
         self.settings = SETTINGS
         self.template = TEMPLATE
         self.beyond = None
-        self.logs = {}
 
     def add_table(self, note, name=None, **columns):
         path = self.folder / f"{name or len(self.tables) // 2}.md"
@@ -154,7 +151,7 @@ class Project:
         write_report(
             self.template, self.ledger, str(self.folder / "missing.csv"), self.tables,
             self.figures, str(target), settings=self.settings,
-            beyond=self.beyond, **self.logs,
+            beyond=self.beyond,
         )  # fmt: skip
         return target.read_text(encoding="utf-8")
 
@@ -427,25 +424,6 @@ def test_every_figure_is_shown_with_number_caption_and_origin(project):
     assert f"b.h5, SHA-256 {'b' * 16}" in captions[2]
     for number, caption in zip((4, 6, 12), captions, strict=True):
         assert f"Settings: SHA-256 {f'{number:064x}'[::-1][:16]}" in caption
-
-
-def test_figure_with_long_traces_holds_them_for_the_script(project):
-    assert project.page().all("template") == []
-    time_s = 0.005 * np.arange(40)
-    project.add_figure(8)
-    project.logs = {"fig8": [str(project.folder / f"{phase}.h5") for phase in ("train", "test")]}
-    for path in project.logs["fig8"]:
-        channels = {"time_s": time_s, "p_target_kpa": time_s, "p_ff_kpa": 2.0 * time_s}
-        write_columns(path, channels, {"source": "sim", "p_target_unit": "<bar>"})
-    page = project.page()
-    assert len(page.all("template", **{"class": "traces"})) == 1
-    plots = page.all("div", **{"class": "plot"})
-    assert [(each["aria-label"], each["data-end"]) for each in plots] == [
-        ("Training", "0.195"), ("Test", "0.195")
-    ]  # fmt: skip
-    signals = [each for each in page.all("span") if "data-codes" in each]
-    assert [each["data-high"] for each in signals] == ["0.195", "0.39", "0.195"] * 2
-    assert page.text().count("[<bar>]") == 4
 
 
 def test_pictures_are_the_very_files_in_their_size(project):
