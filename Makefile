@@ -109,11 +109,10 @@ layers: .venv/.ready  ## draw the packages in CONTRIBUTING.md from the imports
 fault-matrix: .venv/.ready  ## inject faults and write the outcomes to docs/faults.md
 	pytest tests/faults --write-matrix
 
-# CASES=500: fewer cases; SEED=2: other cases; KIND=model_files: of one module only;
-CASES ?= 10000
-SEED ?= 1
-fuzz: .venv/.ready  ## run the commands on 10,000 damaged files: a quarter of an hour
-	python tests/fuzz --cases $(CASES) --seed $(SEED) $(KIND:%=--kind %)
+# EXAMPLES=100: fewer files.
+EXAMPLES ?= 2000
+fuzz: .venv/.ready  ## run the commands on some 14,000 damaged files: half an hour; other files each time
+	FPRC_EXAMPLES=$(EXAMPLES) pytest --numprocesses $(CORES) --dist load tests/fuzz $(PYTEST)
 
 # With old libraries, newer ones warn, and scikit-learn's checks are others.
 OLDEST ?= python3.11

@@ -1,18 +1,101 @@
-"""Import the modules of the fuzzing program by their plain names, as the program does."""
+"""A folder in which commands run on damaged files, with limits on time and memory."""
 
-import sys
+import io
+import os
+import re
+import resource
+import signal
+import warnings
+from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
-FUZZ = Path(__file__).parent
+from fprc.cli import main
+
+#: Limits of one command: wall-clock time, and memory beside what the libraries have taken.
+LIMIT_S, LIMIT_BYTES = 60.0, 2 << 30
+
+#: Control characters of a terminal; a Python warning of a library; JSON that is none.
+_FORBIDDEN = {
+    "control character": re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\udc80-\udcff]"),
+    "warning": re.compile(r"^.*\b\w*Warning: .*$", re.MULTILINE),
+    "traceback": re.compile(r"Traceback \(most recent call last\)"),
+    "not a number": re.compile(r"[:\[,]\s*-?(NaN|Infinity)\b"),
+}
 
 
-@pytest.fixture(scope="session", autouse=True)
-def _modules():
-    """Make the program's modules importable during this session only."""
-    sys.path.insert(0, str(FUZZ))
-    yield
-    sys.path.remove(str(FUZZ))
-    for path in FUZZ.glob("*.py"):
-        sys.modules.pop(path.stem, None)
+class Ended(NamedTuple):
+    """Exit code and output of a command."""
+
+    code: int
+    out: str
+    err: str
+
+
+class Bench:
+    """A folder in which commands run on the same files again and again."""
+
+    def __init__(self, folder):
+        self.folder = folder
+
+    def put(self, **files):
+        """Empty the folder, and write files: ``log_h5`` is ``log.h5``."""
+        for path in self.folder.iterdir():
+            path.unlink()
+        for name, data in files.items():
+            (self.folder / name.replace("_", ".")).write_bytes(data)
+
+    def run(self, *command, names, writes=(), accepted=lambda ended: ended.code == 0):
+        """Run ``fprc``; return how it ended if it accepted the file, and None if it refused it.
+
+        Whatever it does, it changes no file, prints nothing that a person must not see, and is done
+        in time. A refusal names one of ``names`` and leaves no file; ``writes`` are those that it
+        may write otherwise.
+        """
+        before = self._content()
+        ended = self._call(command)
+        said = f"{' '.join(command)}: {ended}"
+        for what, pattern in _FORBIDDEN.items():
+            assert not pattern.search(ended.out + ended.err), f"{what}: {said}"
+        after = self._content()
+        assert {name: after.get(name) for name in before} == before, said
+        done = accepted(ended)
+        assert after.keys() - before.keys() <= set(writes if done else ()), said
+        assert done or any(name in ended.err + ended.out for name in names), said
+        return ended if done else None
+
+    def _content(self):
+        return {path.name: path.read_bytes() for path in self.folder.iterdir()}
+
+    def _call(self, command):
+        out, err, home = io.StringIO(), io.StringIO(), Path.cwd()
+        signal.setitimer(signal.ITIMER_REAL, LIMIT_S)
+        os.chdir(self.folder)
+        try:
+            with redirect_stdout(out), redirect_stderr(err), warnings.catch_warnings():
+                warnings.simplefilter("always", RuntimeWarning)
+                code = main(list(command))
+        except SystemExit as end:
+            code = end.code
+        finally:
+            os.chdir(home)
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+        return Ended(code or 0, out.getvalue(), err.getvalue())
+
+
+@pytest.fixture(scope="session")
+def bench(tmp_path_factory):
+    """Yield the folder, with limits on the memory and the time of each command."""
+
+    def late(*_):
+        raise TimeoutError(f"not done in {LIMIT_S} s")
+
+    taken = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    resource.setrlimit(resource.RLIMIT_AS, (taken + LIMIT_BYTES, hard))
+    handler = signal.signal(signal.SIGALRM, late)
+    yield Bench(tmp_path_factory.mktemp("bench"))
+    signal.signal(signal.SIGALRM, handler)
+    resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
