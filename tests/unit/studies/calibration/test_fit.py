@@ -127,22 +127,6 @@ def test_grids_are_measured_on_the_first_seeds_only(asked_for, judge_seeds, grid
         assert measures == (set(MEASURES) if number < first else set(MEASURES) - GRIDS)
 
 
-@pytest.mark.parametrize(
-    ("fit", "measures"),
-    [
-        (["tables", "orders", "plausible", "C18"], set()),
-        (["C8"], {"shares"}),
-        (["C9a"], {"epsilon"}),
-        (["C9b"], {"n_c"}),
-        (["C11", "C12"], {"n_c", "taps"}),
-        (["open_loop", "tables"], {"open_loop"}),
-    ],
-)
-def test_only_what_the_terms_need_is_measured(asked_for, judge_seeds, fit, measures):
-    judge_seeds([4], fit=fit)
-    assert asked_for == [(4, measures)]
-
-
 # --- logarithms at a point ------------------------------------------------------------------------
 
 
@@ -167,24 +151,6 @@ def logs_at(on_rig):
     return call
 
 
-STIFF = ["reservoir.squeeze_damping_kpa_s_per_ml", "reservoir.slip_distance_ml"]
-
-
-def test_rig_at_the_point_is_judged_on_all_seeds(logs_at, on_rig):
-    found, ((judged, seeds),) = logs_at([0.25], ["drift.sigma_kpa"])
-    assert found == pytest.approx([math.log(2.0), math.log(3.0)])
-    assert seeds == [21, 22]
-    assert judged.rig["drift"]["sigma_kpa"] == 3.75
-    assert judged.signals == on_rig.signals
-
-
-def test_squeeze_is_damped_enough_before_a_rig_is_judged(logs_at):
-    found, ((judged, _),) = logs_at([0.0, 0.5], STIFF)
-    assert found is not None
-    assert judged.rig["reservoir"]["squeeze_damping_kpa_s_per_ml"] > 0.3
-    Rig.model_validate(judged.rig)
-
-
 def test_rig_that_breaks_a_rule_is_impossible_and_not_simulated(logs_at):
     stiff = [f"reservoir.slip_distance_ml.{k}" for k in range(3)]
     stiff += ["reservoir.friction_kpa", "reservoir.friction_per_kpa"]
@@ -193,12 +159,6 @@ def test_rig_that_breaks_a_rule_is_impossible_and_not_simulated(logs_at):
     with pytest.raises(ValueError, match="squeeze_damping"):
         Rig.model_validate(rig)
     assert logs_at(point, stiff) == (None, [])
-
-
-@pytest.mark.parametrize("value", [np.inf, np.nan])
-def test_rig_with_a_measure_that_is_not_finite_is_impossible(logs_at, value):
-    found, _ = logs_at([0.5], ["drift.sigma_kpa"], lambda *_: [{"errors": {"a": value}}])
-    assert found is None
 
 
 @pytest.mark.parametrize(
@@ -414,45 +374,6 @@ def quick(monkeypatch, settings):
     return Quick(monkeypatch, settings)
 
 
-CHANGES = {
-    "version": lambda s: {"version": "w"},
-    "rig": lambda s: {"on_rig": s["on_rig"] | {"rig": s["on_rig"]["rig"] | {"step_s": 1e-4}}},
-    "target": lambda s: {"on_rig": s["on_rig"] | {"target": "measured"}},
-    "models": lambda s: {
-        "judgement": s["judgement"] | {"models": s["judgement"]["models"] | {"alpha": 0.5}}
-    },
-    "folds": lambda s: {"judgement": s["judgement"] | {"folds": 3}},
-    "grids": lambda s: {"grids": s["grids"] | {"n_c": [1, 5]}},
-    "tracking": lambda s: {"tracking": s["tracking"] | {"pressure_limit_kpa": 400.0}},
-    **{
-        key: lambda s, key=key, value=value: with_calibration(s, **{key: value})
-        for key, value in {
-            "seeds": [21, 22],
-            "stride": 8,
-            "esn_nodes": 9,
-            "taps": [1, 5],
-            "grid_seeds": 3,
-            "fit": ["tables", "plausible"],
-            "plausible": {"angle_deg": [1.0, 2.0]},
-            "free": ["bending.friction_kpa", "drift.sigma_kpa"],
-            "ranges": {"drift.sigma_kpa": [0.5, 14.6]},
-        }.items()
-    },
-}
-
-
-@pytest.mark.parametrize("what", CHANGES)
-def test_search_with_other_settings_begins_anew(quick, judged, tmp_path, what):
-    plausible = {"angle_deg": [50.0, 70.0]}
-    quick.settings |= with_calibration(quick.settings, plausible=plausible)
-    quick.fit(tmp_path)
-    assert len(judged.points) == EVALUATIONS
-    quick.fit(tmp_path)
-    assert len(judged.points) == EVALUATIONS
-    quick.fit(tmp_path, **CHANGES[what](quick.settings))
-    assert len(judged.points) == 2 * EVALUATIONS
-
-
 def test_ratios_correct_the_surrogate(quick, tmp_path):
     """The surrogate's errors are half of those of the full models, which are as printed."""
     quick.deviation = lambda point, seeds: -math.log(2.0) / 0.05
@@ -471,25 +392,6 @@ def test_grids_are_in_the_order_that_the_objective_compares(quick, tmp_path):
         assert grids == {"epsilon": [1.0, 0.1], "n_c": [1, 3], "n_u": [1, 4], "n_y": [1, 4]}
 
 
-def test_search_that_ran_out_of_time_goes_on_if_it_is_given_more(
-    quick, judged, tmp_path, monkeypatch
-):
-    clock = SimpleNamespace(monotonic=lambda: float(len(judged.points)))  # a second for each rig
-    for module in (stage, importlib.import_module("fprc.studies.calibration.search")):
-        monkeypatch.setattr(module, "time", clock)
-    little, enough = (
-        with_calibration(quick.settings, generations=[5], minutes=minutes)
-        for minutes in (0.3, 77.0)
-    )
-    assert not quick.fit(tmp_path, **little)["finished"]
-    assert len(judged.points) == 3 * 8
-    found = quick.fit(tmp_path, **enough)
-    assert len(judged.points) == 5 * 8
-    assert found["finished"]
-    whole = quick.fit(tmp_path / "whole", **enough)
-    assert (found["loss"], found["parameters"]) == (whole["loss"], whole["parameters"])
-
-
 def test_all_searches_share_the_time(quick, judged, tmp_path, monkeypatch):
     clock = SimpleNamespace(monotonic=lambda: float(len(judged.points)))  # a second for each rig
     for module in (stage, importlib.import_module("fprc.studies.calibration.search")):
@@ -503,23 +405,6 @@ def test_all_searches_share_the_time(quick, judged, tmp_path, monkeypatch):
         {"fit": ["tables"], "generations": 3},
         {"fit": every, "generations": 1},
     ]
-
-
-def test_first_search_asks_for_nothing_that_the_second_does_not(quick, judged, tmp_path):
-    first = {"fit": ["orders", "tables", "C18"], "generations": 1}
-    found = quick.fit(tmp_path, **with_calibration(quick.settings, first=first))
-    assert found["searches"][0] == {"fit": ["tables"], "generations": 1}
-    first["fit"] = ["orders", "C18"]
-    found = quick.fit(tmp_path / "none", **with_calibration(quick.settings, first=first))
-    assert [each["generations"] for each in found["searches"]] == [GENERATIONS]
-
-
-def test_fit_is_no_worse_than_the_rig_that_it_began_at(quick, tmp_path):
-    quick.deviation = lambda point, seeds: 100.0 * float(np.sum((point - quick.start) ** 2))
-    found = quick.fit(tmp_path)
-    assert found["loss_at_start"] == pytest.approx(0.0, abs=1e-6)
-    assert found["loss"] <= found["loss_at_start"] + 1e-12
-    assert [p["share"] for p in found["parameters"]] == quick.start.tolist()
 
 
 @pytest.mark.parametrize(("sign", "warned"), [(1.0, False), (-1.0, True)])

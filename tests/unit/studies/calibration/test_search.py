@@ -1,12 +1,10 @@
 import importlib
-import json
 import math
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from fprc.errors import OutputError
 from fprc.studies.calibration.search import search
 
 POPULATION, GENERATIONS = 8, 6
@@ -144,15 +142,6 @@ def test_minimum_outside_the_cube_is_found_on_its_face_and_no_point_leaves_it(ru
     assert np.max(run.points) <= 1.0
 
 
-def test_minimum_of_deviations_that_count_beyond_a_limit_only_is_found(run):
-    """Where the limits are met the loss is zero and has no slope."""
-    found = run(
-        deviations_of=lambda numbers: np.maximum(np.abs(distances(numbers)) - 0.05, 0.0),
-        generations=15,
-    )
-    assert found.loss == 0.0
-
-
 def test_best_of_all_points_that_were_judged_is_found(run):
     found = run()
     losses = [float(np.sum(distances(numbers_of(point)) ** 2)) for point in run.points]
@@ -162,25 +151,11 @@ def test_best_of_all_points_that_were_judged_is_found(run):
     assert len(run.points) == GENERATIONS * POPULATION
 
 
-def test_first_point_is_the_start(run):
-    run(start=np.array([0.3, 0.2, 0.1]), generations=1)
-    assert run.points[0] == (0.3, 0.2, 0.1)
-
-
-def test_search_is_no_worse_than_its_start(run):
-    assert run(start=TARGET, generations=3).loss == 0.0
-
-
 def test_one_seed_gives_one_search_and_another_seed_another(run):
     found = [(run(name=f"{n}.jsonl", seed=seed), run.points) for n, seed in enumerate((3, 3, 4))]
     assert same(found[0][0], found[1][0])
     assert found[0][1] == found[1][1]
     assert not set(found[0][1][1:]) & set(found[2][1][1:])
-
-
-def test_deviations_that_are_the_same_everywhere_end_no_search(run):
-    found = run(judge=lambda point: [100.0], deviations_of=np.array, generations=12)
-    assert (found.loss, found.generations, found.finished) == (1e4, 12, True)
 
 
 @pytest.mark.slow
@@ -199,12 +174,6 @@ def test_two_processes_find_what_one_finds(tmp_path):
     assert (tmp_path / "1.jsonl").read_bytes() == (tmp_path / "2.jsonl").read_bytes()
 
 
-def test_checkpoint_is_the_only_file_that_is_left(run, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    run(name="sub/search.jsonl")
-    assert [path.name for path in tmp_path.rglob("*")] == ["sub", "search.jsonl"]
-
-
 # --- impossible points ----------------------------------------------------------------------------
 
 
@@ -218,11 +187,6 @@ def test_impossible_points_are_passed_over(run):
     # of what is possible, the nearest to the target
     assert found.loss < 1.2 * float(np.sum(distances(numbers_of([0.02, 0.45, 0.97])) ** 2))
     assert found.evaluations == 25 * POPULATION
-
-
-def test_search_goes_on_from_an_impossible_start(run):
-    found = run(judge=unless(lambda point: point[0] > 0.399), generations=25)
-    assert found.point == pytest.approx(TARGET, abs=5e-3)
 
 
 def test_search_goes_on_until_a_point_is_possible(run):
@@ -245,25 +209,6 @@ def test_search_in_which_nothing_is_possible_gives_its_start(run):
     assert (found.loss, found.generations, found.finished) == (math.inf, GENERATIONS, True)
 
 
-def test_point_whose_deviations_are_not_finite_is_never_the_best(run):
-    def deviations_of(numbers):
-        found = distances(numbers)
-        return np.full(3, np.nan) if numbers[1] > 1.15 else found
-
-    found = run(judge=numbers_of, deviations_of=deviations_of, generations=2, step=0.3)
-    spoiled = [point for point in run.points if numbers_of(point)[1] > 1.15]
-    assert spoiled
-    assert math.isfinite(found.loss)
-    assert tuple(found.point) not in spoiled
-
-
-@pytest.mark.parametrize("value", [math.nan, math.inf])
-def test_numbers_that_are_not_finite_are_refused_and_not_kept(run, value):
-    with pytest.raises(ValueError, match="JSON"):
-        run(judge=lambda point: [value, 0.0, 0.0])
-    assert len(lines(run)) == 1
-
-
 # --- interrupted, and called again ----------------------------------------------------------------
 
 
@@ -278,23 +223,6 @@ def test_interrupted_search_goes_on_as_if_nothing_had_been(run, undisturbed, sto
     assert same(run(), expected)
     assert run.points == points[finished * POPULATION :]
     assert run.checkpoint.read_text(encoding="utf-8") == kept
-
-
-def test_search_with_impossible_points_goes_on_too(run, undisturbed):
-    judge = unless(lambda point: point[1] > 0.42)
-    expected, points, kept = undisturbed(judge=judge)
-    assert "null" in kept
-    with pytest.raises(KeyboardInterrupt):
-        run(judge=judge, stops_at=3 * POPULATION)
-    assert same(run(judge=judge), expected)
-    assert run.points == points[3 * POPULATION :]
-    assert run.checkpoint.read_text(encoding="utf-8") == kept
-
-
-def test_finished_search_is_not_judged_again(run):
-    expected = run()
-    assert same(run(), expected)
-    assert run.points == []
 
 
 def test_more_generations_go_on_from_those_that_are_finished(run, undisturbed):
@@ -315,59 +243,6 @@ def test_search_for_something_else_begins_anew(run, undisturbed, change):
     assert same(run(**change), expected)
     assert run.points == points
     assert run.checkpoint.read_text(encoding="utf-8") == kept
-
-
-@pytest.mark.parametrize(("old", "new"), [("0.", "1."), ("[[", "[[NaN, "), (", ", ",")])
-def test_damaged_line_is_dropped_and_all_after_it_are_judged_again(run, old, new):
-    expected, points = run(generations=4), run.points
-    whole = run.checkpoint.read_text(encoding="utf-8").splitlines(keepends=True)
-    damaged = whole[2].replace(old, new, 1)
-    assert damaged != whole[2]
-    run.checkpoint.write_text("".join([*whole[:2], damaged, *whole[3:]]), encoding="utf-8")
-    assert same(run(generations=4), expected)
-    assert run.points == points[POPULATION:]
-    assert run.checkpoint.read_text(encoding="utf-8") == "".join(whole)
-
-
-def test_second_search_with_the_same_checkpoint_is_refused(run):
-    refused = []
-
-    def progress(*told):
-        with pytest.raises(OutputError, match="another process"):
-            run()
-        refused.append(told)
-
-    assert run(progress=progress).finished
-    assert len(refused) == GENERATIONS
-
-
-@pytest.mark.parametrize("text", ["", "{", "[1.0, 2.0]\n", '{"key": "k"}\n[1.0]\nnonsense\n'])
-def test_file_without_the_key_is_begun_anew(run, undisturbed, text):
-    expected, points, _ = undisturbed()
-    run.checkpoint.with_name("search.jsonl").write_text(text, encoding="utf-8")
-    assert same(run(), expected)
-    assert run.points == points
-
-
-def test_search_for_something_else_keeps_the_old_file_and_says_so(run, caplog):
-    run()
-    kept = run.checkpoint.read_text(encoding="utf-8")
-    with caplog.at_level("WARNING", logger="fprc"):
-        run(key="l")
-    old = run.checkpoint.with_name("search.jsonl.old")
-    assert old.read_text(encoding="utf-8") == kept
-    (said,) = caplog.messages
-    assert str(old) in said
-
-
-def test_checkpoint_holds_the_numbers_of_each_generation(run):
-    run(generations=2)
-    head, *kept = (json.loads(line)[1] for line in lines(run))
-    assert head == {"key": "k", "start": [0.4, 0.4, 0.4], "step": 0.1, "seed": 3}
-    assert kept == [
-        [numbers_of(point) for point in run.points[first : first + POPULATION]]
-        for first in (0, POPULATION)
-    ]
 
 
 # --- time limit -----------------------------------------------------------------------------------
@@ -393,21 +268,9 @@ def test_no_generation_but_the_first_begins_after_the_time_limit(run, seconds, g
 
 
 @pytest.mark.usefixtures("clock")
-def test_generation_that_ends_after_the_limit_finishes_the_search(run):
-    assert run(seconds=GENERATIONS * POPULATION - 0.5).finished
-
-
-@pytest.mark.usefixtures("clock")
 def test_search_that_ran_out_of_time_goes_on_as_if_nothing_had_been(run, undisturbed):
     expected, points, kept = undisturbed()
     assert not run(seconds=17.0).finished
     assert same(run(), expected)
     assert run.points == points[3 * POPULATION :]
     assert run.checkpoint.read_text(encoding="utf-8") == kept
-
-
-@pytest.mark.usefixtures("clock")
-def test_search_without_time_left_still_says_what_was_found_before(run):
-    before = run(seconds=17.0)
-    assert same(run(seconds=0.0), before)
-    assert run.points == []

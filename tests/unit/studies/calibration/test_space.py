@@ -1,15 +1,13 @@
-import copy
 import math
 import re
 
 import numpy as np
 import pytest
-import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from fprc.config import Settings, check, reference
+from fprc.config import Settings, check
 from fprc.config.rig import Rig
 from fprc.errors import ConfigError
 from fprc.studies.calibration.space import Free, decode, encode, free_parameters, resolved
@@ -30,7 +28,6 @@ FREE = [
     Free("drift.time_s", 1.0, 60.0),
     Free("step_s", 0.0001, 0.0005),
 ]
-TIME = [Free("drift.time_s", 1.0, 60.0)]
 
 shares = st.floats(0.0, 1.0)
 points = st.lists(shares, min_size=len(FREE), max_size=len(FREE)).map(np.array)
@@ -41,12 +38,6 @@ ranges = st.tuples(st.floats(1e-4, 1e3), st.floats(1.01, 1e4)).map(
 
 def at(value):
     return RIG | {"drift": {"time_s": value}}
-
-
-@given(points)
-def test_encoding_undoes_decoding(point):
-    found = encode(decode(point, RIG, FREE, digits=15), FREE)
-    assert found == pytest.approx(point, abs=1e-9)
 
 
 @given(shares, ranges)
@@ -63,12 +54,6 @@ def test_encoding_undoes_decoding_within_the_rounding_whatever_the_range(share, 
 def test_written_rig_is_the_rig_that_is_judged(point):
     judged = decode(point, RIG, FREE)
     assert decode(encode(judged, FREE), judged, FREE) == judged
-
-
-@given(st.floats(1.0, 60.0), st.integers(2, 8))
-def test_value_with_few_digits_comes_back_exactly(value, digits):
-    value = float(f"{value:.{digits}g}")
-    assert decode(encode(at(value), TIME), at(value), TIME, digits)["drift"]["time_s"] == value
 
 
 @given(shares, shares)
@@ -123,43 +108,6 @@ def test_list_is_scaled_as_a_whole(share):
     assert 0.1 <= after[0] <= 2.8
 
 
-@given(shares)
-def test_number_of_a_list_leaves_the_others_alone(share):
-    found = decode(np.array([share]), RIG, [Free("bending.relaxation_time_s.1", 0.05, 30.0)])
-    assert found["bending"]["relaxation_time_s"][0] == 0.25
-    assert 0.05 <= found["bending"]["relaxation_time_s"][1] <= 30.0
-    del found["bending"]["relaxation_time_s"]
-    others = copy.deepcopy(RIG)
-    del others["bending"]["relaxation_time_s"]
-    assert found == others
-
-
-def test_decoding_without_free_parameters_is_a_copy():
-    assert decode(np.array([]), RIG, []) == RIG
-
-
-@pytest.mark.parametrize(
-    ("digits", "value", "slips"),
-    [
-        (1, 10.0, [0.6, 2.0, 4.0, 9.0]),
-        (2, 14.0, [0.63, 1.9, 4.4, 8.8]),
-        (4, 13.56, [0.6281, 1.884, 4.397, 8.794]),
-        (7, 13.56374, [0.628128, 1.884384, 4.396896, 8.793792]),
-    ],
-)
-def test_values_have_that_many_digits(digits, value, slips):
-    share = math.log(13.5637412) / math.log(60.0)
-    whole = Free("bending.slip_distance_deg", 0.0, 1.0)
-    found = decode(np.array([share, 0.628128]), RIG, [*TIME, whole], digits)
-    assert found["drift"]["time_s"] == value
-    assert found["bending"]["slip_distance_deg"] == slips
-
-
-def test_four_digits_are_kept_unless_others_are_asked_for():
-    point = np.array([0.123456789])
-    assert decode(point, RIG, TIME) == decode(point, RIG, TIME, 4) != decode(point, RIG, TIME, 5)
-
-
 @pytest.mark.parametrize(
     ("value", "share", "moved"), [(0.0, 0.0, 1.0), (0.99, 0.0, 1.0), (61.0, 1.0, 60.0)]
 )
@@ -174,8 +122,7 @@ def test_outside_of_the_range_is_moved_to_its_end(value, share, moved, low):
 # --- weights of slip elements, and the squeeze ----------------------------------------------------
 
 WHOLE = Settings().rig.model_dump(mode="json")
-PATHS = Settings().calibration.free
-ALL = free_parameters(PATHS, Settings().calibration.ranges)
+ALL = free_parameters(Settings().calibration.free, Settings().calibration.ranges)
 in_the_cube = st.lists(
     st.floats(0.0, 1.0) | st.sampled_from([0.0, 1.0]), min_size=len(ALL), max_size=len(ALL)
 ).map(np.array)
@@ -206,15 +153,6 @@ def test_weights_that_leave_room_are_taken_as_they_are(shares):
         # all alike, and at least 0.03 for the last
         assert np.array(own) * sum(shares) == pytest.approx(0.97 * np.array(shares), abs=1e-3)
         assert last == pytest.approx(0.03, abs=1e-3)
-
-
-@given(shares)
-def test_one_weight_alone_takes_from_the_last(share):
-    weights = decode(np.array([share]), WHOLE, free_parameters(["reservoir.slip_weight.0"]))
-    weights = weights["reservoir"]["slip_weight"]
-    assert is_shared_out(weights)
-    if share + 0.35 <= 0.97:
-        assert weights[1] == 0.35
 
 
 @given(in_the_cube)
@@ -258,104 +196,8 @@ def test_point_is_impossible_for_no_other_reason_than_the_squeeze(point):
     assert found <= {"reservoir.squeeze_damping_kpa_s_per_ml"}
 
 
-@given(squeezes)
-def test_rig_that_is_valid_is_changed_by_little_or_not_at_all(point):
-    """The limit of the check is 0.5; some room is left below it."""
-    rig = decode(point, WHOLE, SQUEEZE)
-    found, before = copy.deepcopy(resolved(rig)), copy.deepcopy(rig)
-    if complaints(rig):
-        return
-    damping = found["reservoir"].pop("squeeze_damping_kpa_s_per_ml")
-    assert damping <= before["reservoir"].pop("squeeze_damping_kpa_s_per_ml") * 0.5 / 0.48 * 1.001
-    assert found == before
-
-
-def test_rig_that_is_not_resolved_is_left_as_it_was():
-    rig = copy.deepcopy(WHOLE)
-    rig["reservoir"]["slip_distance_ml"] = [0.02, 0.05, 0.1]
-    before = copy.deepcopy(rig)
-    assert complaints(rig) == {""}
-    assert complaints(resolved(rig)) == set()
-    assert rig == before
-
-
-@pytest.mark.parametrize("size", [0, 2])
-def test_point_of_another_size_is_refused(size):
-    with pytest.raises(ValueError, match="zip"):
-        decode(np.zeros(size), RIG, TIME)
-
-
 DEFAULT_RIG = Rig().model_dump(mode="json")
 DEFAULT_FREE = free_parameters(Settings().calibration.free)
-
-
-def documented():
-    """Return default and range of every number of the rig, as the reference page has them."""
-    found = {}
-    for part in reference.reference().split("\n## ")[1:]:
-        section, _, table = part.partition("\n")
-        if not section.startswith("rig"):
-            continue
-        for row in re.findall(r"^\| `(\w+)` \|[^|]*\| `(.*?)` \| (\S+) to (\S+) \|", table, re.M):
-            name, default, low, high = row
-            path = f"{section}.{name}".removeprefix("rig.")
-            found[path] = yaml.safe_load(default), float(low), float(high)
-    return found
-
-
-RANGES = documented()
-NUMBERS = [path for path, (default, *_) in RANGES.items() if not isinstance(default, list)]
-LISTS = [path for path, (default, *_) in RANGES.items() if isinstance(default, list)]
-
-
-def test_reference_has_every_number_of_the_rig():
-    def names(section, prefix=""):
-        for key, value in section.items():
-            if isinstance(value, dict):
-                yield from names(value, f"{prefix}{key}.")
-            elif not isinstance(value, str):  # a choice, as friction_law, is no number
-                yield prefix + key
-
-    assert set(RANGES) == set(names(DEFAULT_RIG))
-    assert LISTS
-
-
-@pytest.mark.parametrize("path", NUMBERS)
-def test_range_of_a_number_is_that_of_the_configuration(path):
-    (free,) = free_parameters([path])
-    assert free.path == path
-    assert (free.low, free.high) == pytest.approx(RANGES[path][1:], rel=1e-5)
-
-
-@pytest.mark.parametrize("path", LISTS)
-def test_range_of_a_number_of_a_list_is_that_of_the_list(path):
-    default, *limits = RANGES[path]
-    changing = len(default) - path.endswith("slip_weight")  # the last weight is left over
-    paths = [f"{path}.{index}" for index in range(changing)]
-    for free, known in zip(free_parameters(paths), paths, strict=True):
-        assert free.path == known
-        assert (free.low, free.high) == pytest.approx(limits, rel=1e-5)
-
-
-@pytest.mark.parametrize("path", [path for path in LISTS if not path.endswith("slip_weight")])
-def test_range_of_a_list_is_as_wide_as_all_of_its_numbers_allow(path):
-    default, low, high = RANGES[path]
-    free = free_parameters([path])
-    ends = {
-        share: np.array(value_at(decode(np.array([share]), DEFAULT_RIG, free, digits=12), path))
-        for share in (0.0, 1.0)
-    }
-    assert ends[0.0].min() == pytest.approx(low, abs=1e-9)
-    assert ends[1.0].max() == pytest.approx(high)
-    for found in ends.values():
-        assert (found >= low - 1e-9).all()
-        assert (found <= high + 1e-9).all()
-
-
-def value_at(rig, path):
-    for key in path.split("."):
-        rig = rig[key]
-    return rig
 
 
 def test_default_rig_is_in_the_middle_of_its_ranges():
@@ -371,11 +213,6 @@ def test_narrower_range_replaces_the_physical_one():
     assert [(parameter.low, parameter.high) for parameter in free] == [
         (2.0, 3.5), (0.5, 1.5), (0.0, 15.0),
     ]  # fmt: skip
-
-
-def test_physical_range_is_a_range_too():
-    (free,) = free_parameters(["drift.time_s"], {"drift.time_s": [1.0, 60.0]})
-    assert (free.low, free.high) == (1.0, 60.0)
 
 
 @pytest.mark.parametrize("limits", [(5.0, 5.0), (6.0, 5.0), (0.9, 5.0), (5.0, 60.1), (-1.0, 99.0)])
@@ -397,12 +234,6 @@ def test_all_paths_and_ranges_that_are_wrong_are_reported_at_once():
             *(f"calibration.ranges: {path}" for path in ranges),
         ]
     )
-
-
-@pytest.mark.parametrize("path", ["bending.relaxation_time_s.2", "bending.friction_kpa.0"])
-def test_index_that_is_not_there_is_reported(path):
-    with pytest.raises(ConfigError, match=re.escape(path)):
-        free_parameters([path])
 
 
 @pytest.mark.parametrize("path", ["bending.slip_weight.3", "reservoir.slip_weight"])
