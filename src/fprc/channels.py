@@ -21,7 +21,7 @@ class Channel(NamedTuple):
     """One channel of a log."""
 
     name: str  #: ends with its unit, see ``UNITS``
-    kind: Literal["time", "command", "sensor", "valve", "tracking"]
+    kind: Literal["time", "command", "sensor", "valve", "tracking", "learning"]
     meaning: str
     #: Lowest and highest plausible value, or the key under ``quality`` in the configuration that
     #: holds them; None: any value is plausible.
@@ -63,6 +63,8 @@ CHANNELS = (
     Channel("theta_d_deg", "tracking", "reference", "angle_range_deg", _ALL),
     Channel("p_ff_kpa", "tracking", "feedforward", "effort_range_kpa", _ALL),
     Channel("p_fb_kpa", "tracking", "feedback", "effort_range_kpa", _ALL),
+    Channel("p_learned_kpa", "learning", "part of the feedforward that was learned in the run",
+            "effort_range_kpa", frozenset()),
 )
 # fmt: on
 
@@ -79,10 +81,13 @@ class Readings(NamedTuple):
 
 
 #: Names of the channels of raw logs: setpoints, measurements, valve voltages.
-RAW_CHANNELS = tuple(channel.name for channel in CHANNELS if channel.kind != "tracking")
+RAW_CHANNELS = tuple(
+    channel.name for channel in CHANNELS if channel.kind not in ("tracking", "learning")
+)
 
-#: Names of the further channels of a closed-loop run.
+#: Names of the further channels of a closed-loop run, and of one whose model learns.
 TRACKING_CHANNELS = tuple(channel.name for channel in CHANNELS if channel.kind == "tracking")
+LEARNING_CHANNELS = tuple(channel.name for channel in CHANNELS if channel.kind == "learning")
 
 #: Channel that the models learn as P_exp, by ``evaluation.target``. An import needs one of them.
 TARGETS = {"command": "p_exp_command_kpa", "measured": "p_exp_kpa"}

@@ -1,8 +1,12 @@
 """One step of each controller, in plain Python that also compiles.
 
 The loop that drives a real rig runs these functions as they are; ``fprc.rig.closed_loop``
-compiles them together with the simulated rig. They import nothing, so that a loop starts fast.
+compiles them together with the simulated rig. They import nothing that takes time, so that a loop
+starts fast.
 """
+
+import math
+from typing import Any
 
 
 def pressure_step(
@@ -26,6 +30,80 @@ def pressure_step(
     if volts > limit_v:
         return limit_v, integral_kpa_s
     return volts, summed
+
+
+def lesson(
+    error_deg: float,
+    theta_deg: float,
+    p_ff_kpa: float,
+    p_fb_kpa: float,
+    low: float,
+    high: float,
+    kpa_per_deg: float,
+    stop_deg: float,
+) -> float:
+    """Return the pressure that a model that learns should have given, kPa; NaN if nothing tells.
+
+    Nothing tells it where the command was at a limit, and where the actuator lies at its stop: its
+    angle does not depend on the pressure there.
+
+    Parameters
+    ----------
+    error_deg, theta_deg : float
+        theta_d - theta, and theta, of this sample.
+    p_ff_kpa, p_fb_kpa : float
+        What was commanded some samples ago, which this angle follows from.
+    low, high : float
+        Limits of P_d = P_ff + P_fb, kPa.
+    kpa_per_deg : float
+        Pressure that a degree needs.
+    stop_deg : float
+        Largest angle at the stop.
+    """
+    p_d = p_ff_kpa + p_fb_kpa
+    if p_d <= low or p_d >= high or not theta_deg > stop_deg:
+        return math.nan
+    return p_ff_kpa + kpa_per_deg * error_deg
+
+
+def learn_step(
+    weights: Any,
+    covariance: Any,
+    prior: Any,
+    regressors: Any,
+    innovation_kpa: float,
+    mixing: float,
+    gains: Any,
+) -> None:
+    """Make one step of recursive least squares, in place; see ``fprc.models.Online``.
+
+    Parameters
+    ----------
+    weights, regressors : ndarray of shape (n_weights,)
+    covariance, prior : ndarray of shape (n_weights, n_weights)
+        Symmetric. After the update the covariance moves towards the prior by the share ``mixing``:
+        it stays below the prior, and so do the gains.
+    innovation_kpa : float
+        By how much the output should have been higher.
+    gains : ndarray of shape (n_weights,)
+        Overwritten.
+    """
+    size = len(weights)
+    for i in range(size):
+        gains[i] = 0.0
+    for j in range(size):  # columns outside: the inner loop needs no sum, and is vectorised
+        for i in range(size):
+            gains[i] += covariance[j, i] * regressors[j]
+    scale = 1.0
+    for i in range(size):
+        scale += regressors[i] * gains[i]
+    inverse = 1.0 / scale
+    for i in range(size):
+        weights[i] += gains[i] * inverse * innovation_kpa
+    for j in range(size):
+        for i in range(size):
+            updated = covariance[j, i] - gains[j] * gains[i] * inverse
+            covariance[j, i] = updated + mixing * (prior[j, i] - updated)
 
 
 def pd_step(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fprc.apparatus import process
-from fprc.channels import RAW_CHANNELS, TRACKING_CHANNELS
+from fprc.channels import LEARNING_CHANNELS, RAW_CHANNELS, TRACKING_CHANNELS
 from fprc.experiments.hysteresis import acquire
 from fprc.experiments.tracking import Track
 from fprc.logs import read_columns, read_journal, read_raw, read_run
@@ -52,20 +52,23 @@ def test_hysteresis_experiment_is_that_of_the_simulator(bench, settings, live_by
     assert list(bench.shared.outputs[:2]) == [0.0, 0.0]
 
 
-def test_closed_loop_is_that_of_the_simulator(make_bench, settings, live_by, tmp_path):
+@pytest.mark.parametrize("adapt", [False, True])
+def test_closed_loop_is_that_of_the_simulator(make_bench, settings, live_by, tmp_path, adapt):
+    settings["control"]["feedforward"]["adapt"] = adapt
     reference = settings["tracking"]["references"]["sine_0p5"]
     reference |= {"duration_s": 5.0, "settle_s": 0.5}
     signal = settings["experiments"]["sweep"] | {"duration_s": 20.0}
     log = acquire("sweep", signal, settings["control"], settings["rig"], seed=1)
     X = np.column_stack([log["theta_deg"], log["p_o_kpa"]])
     model = str(tmp_path / "fprc.h5")
-    save_model(FPRC(n_c=2, random_state=1).fit(X, log["p_exp_command_kpa"]), model)
+    save_model(FPRC(n_c=2, random_state=1).partial_fit(X, log["p_exp_command_kpa"]), model)
 
     number = 20
     live_by(make_bench(settings, run=number))
     raw, name = tmp_path / "track.h5", "track_sine_0p5_fprc_pd"
     process.record(name, str(raw), settings=settings, model=model, stop=lambda: "")
-    found = read_columns(raw, (*RAW_CHANNELS, *TRACKING_CHANNELS))
+    learned = LEARNING_CHANNELS if adapt else ()
+    found = read_columns(raw, (*RAW_CHANNELS, *TRACKING_CHANNELS, *learned))
 
     simulator = Track(settings["tracking"], settings["control"], settings["rig"], settings["seed"])
     theta_d = simulator.reference("sine_0p5")
@@ -74,6 +77,10 @@ def test_closed_loop_is_that_of_the_simulator(make_bench, settings, live_by, tmp
     assert np.array_equal(found.channels["theta_d_deg"], theta_d)
     assert np.ptp(found.channels["p_ff_kpa"]) > 10.0
     assert np.ptp(found.channels["p_fb_kpa"]) > 1.0
+    if adapt:
+        p_learned = found.channels["p_learned_kpa"]
+        assert np.ptp(p_learned) > 0.5
+        np.testing.assert_allclose(p_learned, expected["p_learned_kpa"], atol=0.5)
     described = found.attributes
     assert (described["experiment"], described["controller"]) == (name, "fprc_pd")
     assert described["rig"]["control"]["pd"] == settings["control"]["pd"]

@@ -4,7 +4,14 @@ from pathlib import Path
 
 import pytest
 
-from fprc.channels import CHANNELS, RAW_CHANNELS, SENSORS, Readings, needed_by
+from fprc.channels import (
+    CHANNELS,
+    LEARNING_CHANNELS,
+    RAW_CHANNELS,
+    SENSORS,
+    Readings,
+    needed_by,
+)
 from fprc.config import Settings
 from fprc.rig.closed_loop import RECORDED
 
@@ -34,4 +41,4 @@ def test_plausible_range_is_a_setting_or_two_limits(channel):
 
 
 def test_simulated_rig_gives_every_channel_that_its_logs_need():
-    assert set(needed_by("sim", tracking=True)) == set(RECORDED)
+    assert {*needed_by("sim", tracking=True), *LEARNING_CHANNELS} == set(RECORDED)

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from fprc import __version__
-from fprc.channels import RAW_CHANNELS, TRACKING_CHANNELS
+from fprc.channels import RAW_CHANNELS
 from fprc.control import Law, hysteresis_law
 from fprc.errors import ConfigError, FprcError
 from fprc.paper import EXPERIMENTS, reference_and_controller, run_log
@@ -89,7 +89,7 @@ def _tracking(name: str, settings: Mapping[str, Any], model: str) -> Experiment:
         _try_step(fitted, model)
         attributes |= describe_model(fitted, model)
     law = bench.law(theta_d, controller, fitted)
-    channels = (*RAW_CHANNELS, *TRACKING_CHANNELS)
+    channels = (*RAW_CHANNELS, *bench.channels(controller))
     return Experiment(law, len(theta_d), channels, attributes, hint)
 
 

@@ -17,7 +17,7 @@ from fprc.evaluation.crossval import refusals_of
 from fprc.experiments.data import Data, join
 from fprc.experiments.settings import Judgement
 from fprc.logs import write_columns
-from fprc.models import SequenceModel, load_model, save_model
+from fprc.models import SequenceModel, load_model, remembering, save_model
 from fprc.plan.arguments import judgement
 from fprc.registry import build, entries, load_class, outside_class
 from fprc.stages.preprocess import read_recordings
@@ -84,7 +84,8 @@ def train(
     with threadpool_limits(1):  # like the workflow; more threads change the last digits
         result = cross_validate(unfitted, X, y, folds, lengths=data.lengths)
     with replacing(out) as temporary:
-        save_model(result.model, temporary, outside_class(model, models))
+        remembered = remembering(result.model, X, data.lengths)
+        save_model(remembered, temporary, outside_class(model, models))
     report = (
         f"{out}: {model}, trained on {', '.join(logs)}; fold {result.best + 1} of {len(folds)} is "
         f"best: training RMSE {result.train_rmse[result.best]:.2f} {data.unit}, validation "

@@ -63,6 +63,30 @@ class Gains(Section):
     kd_kpa_s_per_deg: float = quantity(0.005, "kPa s/deg", (0, 5), "D gain", "paper, Sec. IV")
 
 
+class Feedforward(Section):
+    """What a model does beside computing P_ff; see docs/drift.md."""
+
+    adapt: bool = Field(
+        False, description="whether the model learns from the tracking error while it runs"
+    )
+    p_o_shift_kpa: float = quantity(
+        0.0,
+        "kPa",
+        (-50, 50),
+        "added to P_o, to re-zero it: P_o at rest before the training, minus P_o at rest now",
+    )
+    prior_s: float = quantity(15, "s", (0.1, 3600), "new data that weigh as much as the training")
+    memory_s: float = quantity(
+        60, "s", (1, 36000), "time after which the training weighs as much as before"
+    )
+    delay_s: float = quantity(0.02, "s", (0, 1), "time from a command to the angle it causes")
+    kpa_per_deg: float = quantity(2.0, "kPa/deg", (0, 100), "correction for a degree of error")
+    limit_kpa: float = quantity(150, "kPa", (0, 500), "most that learning adds to P_ff or takes")
+    stop_deg: float = quantity(
+        0.5, "deg", (0, 20), "angle up to which the actuator lies at its stop: nothing is learned"
+    )
+
+
 class Control(Section):
     """Controllers that run on the computer at every sample."""
 
@@ -81,6 +105,7 @@ class Control(Section):
         "kp e + kd de/dt, as in the code of the authors' next paper (docs/results.md)",
     )
     pd: Gains = Gains()
+    feedforward: Feedforward = Feedforward()
 
 
 class Quality(Section):

@@ -1,14 +1,22 @@
 """Whole runs on the simulated rig in compiled code: a few milliseconds instead of seconds."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fprc.channels import TRACKING_CHANNELS
+from fprc.channels import LEARNING_CHANNELS, RAW_CHANNELS
 from fprc.devices import NEUTRAL_V
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError
+
+if TYPE_CHECKING:
+    from fprc.models import Online
+
+#: Of a feedforward that learns nothing.
+_NO_LEARNING = dict.fromkeys(
+    ("kpa_per_deg", "stop_deg", "limit_kpa", "delay_samples", "mixing"), 0.0
+)
 
 
 def simulate_hysteresis(
@@ -30,7 +38,7 @@ def simulate_hysteresis(
     pushes = np.zeros(len(nan)) if push_kpa is None else push_kpa
     setpoints = np.column_stack([p_exp_kpa, nan, nan, pushes])
     channels = device.follow(_controllers(control, (-np.inf, np.inf)), setpoints)
-    return {name: channels[name] for name in channels if name not in TRACKING_CHANNELS}
+    return {name: channels[name] for name in RAW_CHANNELS}
 
 
 def simulate_tracking(
@@ -42,6 +50,8 @@ def simulate_tracking(
     *,
     feedback: bool,
     push_kpa: np.ndarray | None = None,
+    online: "Online | None" = None,
+    regressors: np.ndarray | None = None,
 ) -> dict[str, np.ndarray]:
     """Return what ``run`` with ``tracking_law`` returns, given P_ff of every sample.
 
@@ -53,6 +63,10 @@ def simulate_tracking(
         Whether the PD controller acts; without it P_fb = 0.
     push_kpa : ndarray of shape (n_samples,), optional
         Push on the reservoir at every sample; none by default.
+    online : Online, optional
+        Learns as the run goes on, and is changed; without it, nothing is learned.
+    regressors : ndarray of shape (n_samples, n_weights), optional
+        Those of ``online`` at every sample.
 
     Raises
     ------
@@ -66,10 +80,19 @@ def simulate_tracking(
         )
     pushes = np.zeros(len(theta_d_deg)) if push_kpa is None else push_kpa
     p_i_kpa = control["k_in_kpa_per_deg"] * theta_d_deg
-    return device.follow(
-        _controllers(control, (0.0, pressure_limit_kpa), feedback),
-        np.column_stack([p_ff_kpa, theta_d_deg, p_i_kpa, pushes]),
-    )
+    controllers = _controllers(control, (0.0, pressure_limit_kpa), feedback)
+    setpoints = np.column_stack([p_ff_kpa, theta_d_deg, p_i_kpa, pushes])
+    if online is None or regressors is None:
+        channels = device.follow(controllers, setpoints)
+        return {name: channels[name] for name in channels if name not in LEARNING_CHANNELS}
+    controllers["learning"] = {
+        **{name: getattr(online.settings, name) for name in ("kpa_per_deg", "stop_deg")},
+        "limit_kpa": online.settings.limit_kpa,
+        "delay_samples": online.delay,
+        "mixing": online.mixing,
+    }
+    learner = (regressors, online.learned, online.covariance, online.prior)
+    return device.follow(controllers, setpoints, learner)
 
 
 def _controllers(
@@ -85,6 +108,7 @@ def _controllers(
             "incremental": incremental,
             "acts": feedback,
         },
+        "learning": _NO_LEARNING,
         "k_in_kpa_per_deg": control["k_in_kpa_per_deg"],
         "p_i_limits_kpa": (0.0, control["reservoir_limit_kpa"]),
         "p_exp_limits_kpa": p_exp_limits_kpa,

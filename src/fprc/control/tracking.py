@@ -12,7 +12,7 @@ from fprc.control.pd import PD
 from fprc.errors import ControlError
 
 if TYPE_CHECKING:  # the real rig's loop starts sooner without scikit-learn
-    from fprc.models import SequenceModel
+    from fprc.models import Online, SequenceModel
 
 Feedforward = Callable[[float, Readings], float]
 
@@ -24,6 +24,7 @@ def tracking_law(
     pressure_limit_kpa: float,
     feedforward: Feedforward | None = None,
     feedback: PD | None = None,
+    online: "Online | None" = None,
     stale_samples: int = 40,
 ) -> Law:
     """Return the law P_d = P_ff + P_fb with P_i = K_in theta_d.
@@ -38,6 +39,9 @@ def tracking_law(
         Returns P_ff from theta_d and the sample's readings; by default P_ff = 0.
     feedback : PD, optional
         Computes P_fb, within the same limits of P_d; by default P_fb = 0.
+    online : Online, optional
+        The model of ``feedforward``, if it learns in the run; the law then returns what it has
+        learned too, as its last value.
     stale_samples : int
         Most samples in which the reference moves and the bend sensor does not;
         after more it counts as frozen.
@@ -56,6 +60,8 @@ def tracking_law(
     def law(k: int, now: Readings) -> Sequence[float]:
         theta_d = references[k]
         watch.check(theta_d, now)
+        if online is not None:
+            online.learn(theta_d - now.theta_deg, now.theta_deg)
         p_ff = 0.0 if feedforward is None else feedforward(theta_d, now)
         p_fb = 0.0 if feedback is None else feedback.step(theta_d, now.theta_deg, p_ff)
         if not math.isfinite(p_ff + p_fb):
@@ -64,7 +70,10 @@ def tracking_law(
                 f"{theta_d:.2f} deg; both must be finite, check model and gains"
             )
         p_d = min(max(p_ff + p_fb, 0.0), pressure_limit_kpa)
-        return p_d, k_in_kpa_per_deg * theta_d, theta_d, p_ff, p_fb
+        if online is None:
+            return p_d, k_in_kpa_per_deg * theta_d, theta_d, p_ff, p_fb
+        online.sent(p_fb)
+        return p_d, k_in_kpa_per_deg * theta_d, theta_d, p_ff, p_fb, online.p_learned_kpa
 
     return law
 
@@ -105,11 +114,17 @@ def refuse_impossible(
         raise ControlError("\n".join(problems))
 
 
-def feedforward(model: "SequenceModel") -> Feedforward:
-    """Return a model of theta_d, or of theta_d and P_o, as the feedforward of ``tracking_law``."""
+def feedforward(model: "SequenceModel | Online", p_o_shift_kpa: float = 0.0) -> Feedforward:
+    """Return a model of theta_d, or of theta_d and P_o, as the feedforward of ``tracking_law``.
+
+    Parameters
+    ----------
+    p_o_shift_kpa : float, default=0
+        Added to P_o.
+    """
     if model.n_features_in_ == 1:
         return lambda theta_d, now: model.step((theta_d,))
-    return lambda theta_d, now: model.step((theta_d, now.p_o_kpa))
+    return lambda theta_d, now: model.step((theta_d, now.p_o_kpa + p_o_shift_kpa))
 
 
 class _Watch:

@@ -22,6 +22,9 @@ from fprc.rig.simulator import (
 
 _NOISE_BLOCK = 4096
 
+#: Of a feedforward that learns nothing.
+_NO_LEARNER = (np.empty((0, 0)), np.empty(0), np.empty((0, 0)), np.empty((0, 0)))
+
 
 class SimulatedRig:
     """Simulated rig and its clock: time advances only in ``wait_for`` and ``follow``.
@@ -96,7 +99,10 @@ class SimulatedRig:
         self._valve_v[:] = main_v, reservoir_v
 
     def follow(
-        self, controllers: Mapping[str, Any], setpoints: np.ndarray
+        self,
+        controllers: Mapping[str, Any],
+        setpoints: np.ndarray,
+        learner: tuple[np.ndarray, ...] = _NO_LEARNER,
     ) -> dict[str, np.ndarray]:
         """Run the controllers from the current tick on, in compiled code.
 
@@ -108,6 +114,8 @@ class SimulatedRig:
             See ``fprc.rig.closed_loop.close_loop``.
         setpoints : ndarray of shape (n_samples, 4)
             See ``fprc.rig.closed_loop.SETPOINTS``.
+        learner : tuple of ndarray, optional
+            ``regressors``, ``learned``, ``covariance`` and ``prior`` of ``close_loop``.
 
         Returns
         -------
@@ -129,6 +137,7 @@ class SimulatedRig:
             self._instruments,
             record(controllers),
             setpoints,
+            *learner,
             self._next_noise(samples - 1),
             self._period_s,
             self._substeps,

@@ -15,7 +15,7 @@ from fprc.experiments.data import Data, refuse_mixture
 from fprc.experiments.grids import weight_shares
 from fprc.experiments.readout import judge_readout
 from fprc.experiments.settings import Judgement
-from fprc.models import SequenceModel
+from fprc.models import SequenceModel, remembering
 from fprc.models.recordings import transform_each
 from fprc.paper import DIRECTIONS
 from fprc.registry import build, entries
@@ -84,6 +84,7 @@ def judge_directions(
             judgement.split_rows(logs[train]),
             progress=partial(_log_fold, label, judgement.folds),
         )  # fmt: skip
+        remembering(judged.model, pairs[train][0], logs[train].lengths)
         tested = judged.model.readout_.predict(rows[test])
         expected = pairs[test][1]
         test_rmse = rmse(expected, tested)

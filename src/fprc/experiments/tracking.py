@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fprc import __version__
-from fprc.channels import TRACKING_CHANNELS
+from fprc.channels import LEARNING_CHANNELS, TRACKING_CHANNELS
 from fprc.control import PD, Law, PressurePI, feedforward, refuse_impossible, run, tracking_law
 from fprc.control.simulated import simulate_tracking
 from fprc.devices.sim import SimulatedRig
@@ -20,7 +20,7 @@ from fprc.experiments.measures import (
     measure_pressure_error,
     measure_runs,
 )
-from fprc.models import SequenceModel
+from fprc.models import Learning, Online, SequenceModel
 from fprc.paper import DISTURBANCE, REFERENCES, run_log
 from fprc.provenance import sha256
 from fprc.registry import feedforward_of, has_feedback, running_inputs
@@ -99,16 +99,25 @@ class Track(NamedTuple):
                 f"{controller} needs a fitted {driver} for its feedforward; give --model its file"
             )
         own = model if driver else None
+        chosen, online, source = self.control["feedforward"], None, None
         if own is not None:
             own.reset()
+            online = self.online(own) if chosen["adapt"] else None
+            source = feedforward(online or own, chosen["p_o_shift_kpa"])
         limit_kpa = self.tracking["pressure_limit_kpa"]
         return tracking_law(
             theta_d,
             k_in_kpa_per_deg=self.control["k_in_kpa_per_deg"],
             pressure_limit_kpa=limit_kpa,
-            feedforward=None if own is None else feedforward(own),
+            feedforward=source,
             feedback=pd_of(self.control, limit_kpa) if has_feedback(controller) else None,
+            online=online,
         )
+
+    def channels(self, controller: str) -> tuple[str, ...]:
+        """Return the names of what the law of a controller returns after the two setpoints."""
+        learns = self.control["feedforward"]["adapt"] and feedforward_of(controller)
+        return (*TRACKING_CHANNELS, *LEARNING_CHANNELS) if learns else TRACKING_CHANNELS
 
     def drive(
         self,
@@ -130,41 +139,62 @@ class Track(NamedTuple):
             len(theta_d),
             main_loop=PressurePI(**control["main_loop"], period_s=period_s),
             reservoir_loop=PressurePI(**control["reservoir_loop"], period_s=period_s),
-            extra=TRACKING_CHANNELS,
+            extra=self.channels(controller),
         )
 
-    def precompute(
-        self,
-        theta_d: np.ndarray,
-        models: Mapping[str, SequenceModel],
-        number: int,
-        pushes: np.ndarray | None = None,
-    ) -> dict[str, np.ndarray]:
-        """Return P_ff of every model for a whole reference.
+    def inputs(
+        self, theta_d: np.ndarray, number: int, pushes: np.ndarray | None = None
+    ) -> np.ndarray:
+        """Return the inputs of the models for a whole reference, of shape (n_samples, 2).
 
         P_o depends on P_i = K_in theta_d only, so one run with the actuator at rest gives it.
         """
         at_rest = self.simulate(theta_d, np.zeros(len(theta_d)), number, pushes, feedback=False)
-        inputs = np.column_stack(list(running_inputs(theta_d, at_rest["p_o_kpa"]).values()))
-        return {
-            name: model.predict(inputs[:, : model.n_features_in_]) for name, model in models.items()
-        }
+        return np.column_stack(list(running_inputs(theta_d, at_rest["p_o_kpa"]).values()))
+
+    def feed(self, model: SequenceModel, inputs: np.ndarray) -> "Fed":
+        """Return P_ff of a model for a whole reference, and the model that learns, if it does."""
+        X = inputs[:, : model.n_features_in_]
+        X = X + np.array([0.0, self.control["feedforward"]["p_o_shift_kpa"]])[: X.shape[1]]
+        if not self.control["feedforward"]["adapt"]:
+            return Fed(model.predict(X))
+        rows = model.features_.transform(X)
+        phi = np.ascontiguousarray(model.readout_.regressors(rows))
+        return Fed(model.readout_.predict(rows), self.online(model), phi)
+
+    def online(self, model: SequenceModel) -> Online:
+        """Return the model as it learns in a run, by the section ``control.feedforward``."""
+        chosen = self.control["feedforward"]
+        learning = Learning(**{name: chosen[name] for name in Learning._fields})
+        period_s = 1.0 / self.control["sample_rate_hz"]
+        try:
+            return Online(model, learning, period_s, self.tracking["pressure_limit_kpa"])
+        except ValueError as error:
+            raise ControlError(f"control.feedforward.adapt: {error}") from error
 
     def simulate(
         self,
         theta_d: np.ndarray,
-        p_ff_kpa: np.ndarray,
+        fed: "np.ndarray | Fed",
         number: int,
         pushes: np.ndarray | None = None,
         *,
         feedback: bool,
     ) -> dict[str, np.ndarray]:
-        """Do as ``drive``, in compiled code, with P_ff from ``precompute``."""
+        """Do as ``drive``, in compiled code, with P_ff in kPa, or as ``feed`` gives it."""
         rate_hz = self.control["sample_rate_hz"]
         device = SimulatedRig(self.rig, seed=self.seed, run=number, sample_rate_hz=rate_hz)
-        limit_kpa = self.tracking["pressure_limit_kpa"]
+        given = fed if isinstance(fed, Fed) else Fed(fed)
         return simulate_tracking(
-            device, self.control, theta_d, p_ff_kpa, limit_kpa, feedback=feedback, push_kpa=pushes
+            device,
+            self.control,
+            theta_d,
+            given.p_ff_kpa,
+            self.tracking["pressure_limit_kpa"],
+            feedback=feedback,
+            push_kpa=pushes,
+            online=given.online,
+            regressors=given.regressors,
         )
 
     def follow(
@@ -182,6 +212,14 @@ class Track(NamedTuple):
             TRACKING_RUNS[reference],
             self.pushes(len(theta_d)) if reference == DISTURBANCE else None,
         )
+
+
+class Fed(NamedTuple):
+    """The feedforward of a whole reference."""
+
+    p_ff_kpa: np.ndarray  #: as the model was trained
+    online: Online | None = None
+    regressors: np.ndarray | None = None  #: of shape (n_samples, n_weights)
 
 
 def describe_model(model: SequenceModel, path: Path | str) -> dict[str, str]:
@@ -220,7 +258,6 @@ def measure_control(
         Models that give the feedforward, by name.
     """
     driven_by = {name: feedforward_of(name) for name in controllers}
-    driving = {name: models[name] for name in dict.fromkeys(driven_by.values()) if name}
 
     def follow(
         reference: str, names: Sequence[str], pushed: bool = False
@@ -228,13 +265,13 @@ def measure_control(
         """Return the channels of each controller after the settling time."""
         theta_d, number = bench.reference(reference), TRACKING_RUNS[reference]
         pushes = bench.pushes(len(theta_d)) if pushed else None
-        p_ff_kpa = bench.precompute(theta_d, driving, number, pushes)
+        inputs = bench.inputs(theta_d, number, pushes)
         runs = {}
         for name in names:
             driver = driven_by[name]
             channels = bench.simulate(
                 theta_d,
-                p_ff_kpa[driver] if driver else np.zeros(len(theta_d)),
+                bench.feed(models[driver], inputs) if driver else np.zeros(len(theta_d)),
                 number,
                 pushes,
                 feedback=has_feedback(name),
@@ -270,10 +307,10 @@ def tracking_errors(
     errors: dict[str, dict[str, float]] = {name: {} for name in loops}
     for reference in REFERENCES:
         theta_d, number = bench.reference(reference), TRACKING_RUNS[reference]
-        p_ff_kpa = bench.precompute(theta_d, {"model": model}, number)["model"]
+        inputs = bench.inputs(theta_d, number)
         settle_s = bench.tracking["references"][reference]["settle_s"]
         for name, feedback in loops.items():
-            channels = bench.simulate(theta_d, p_ff_kpa, number, feedback=feedback)
+            channels = bench.simulate(theta_d, bench.feed(model, inputs), number, feedback=feedback)
             errors[name][reference] = tracking_rmse(channels, settle_s)
     return errors
 

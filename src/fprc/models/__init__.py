@@ -7,9 +7,10 @@ from fprc.models.features import TapFeatures, lowpass, taps
 from fprc.models.fprc import FPRC, FuzzyLinear
 from fprc.models.lowpass_bank import LowpassBank
 from fprc.models.nvar import NVAR
+from fprc.models.online import Learning, Online
 from fprc.models.plays import PlayOperators
 from fprc.models.ridge_readout import RidgeReadout
-from fprc.models.sequence import SequenceModel
+from fprc.models.sequence import SequenceModel, remembering
 from fprc.models.side_by_side import SideBySide
 from fprc.models.storage import load_model, save_model
 from fprc.models.takagi_sugeno import TakagiSugenoReadout
@@ -21,7 +22,9 @@ __all__ = [
     "EchoStates",
     "FeatureModel",
     "FuzzyLinear",
+    "Learning",
     "LowpassBank",
+    "Online",
     "PlayOperators",
     "RidgeReadout",
     "SequenceModel",
@@ -30,6 +33,7 @@ __all__ = [
     "TapFeatures",
     "load_model",
     "lowpass",
+    "remembering",
     "save_model",
     "taps",
 ]

@@ -80,6 +80,19 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
         X = validate_data(self, X, reset=False, dtype=np.float64)
         return X @ self.w_out_[1:] + self.w_out_[0]
 
+    def regressors(self, rows: np.ndarray) -> np.ndarray:
+        """Return what multiplies the weights ``w_out_``: [1, x]."""
+        return with_bias(rows)
+
+    def regress(self, row: np.ndarray, out: np.ndarray) -> None:
+        """Write the regressors of one row to ``out``, without checks."""
+        out[0], out[1:] = 1.0, row
+
+    @property
+    def weights(self) -> np.ndarray:
+        """The weights, bias first; a view, which may be written to."""
+        return self.w_out_
+
     def output(self, x: np.ndarray) -> float:
         """Return the output of one row of features, without checks."""
         return float(self.w_out_[0] + self.w_out_[1:] @ x)

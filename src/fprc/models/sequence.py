@@ -11,12 +11,16 @@ from sklearn.base import BaseEstimator, RegressorMixin, clone
 from sklearn.metrics import r2_score
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from fprc.models.learned import LearnedPart, features_of
+from fprc.models.learned import Learned, LearnedPart, features_of
 from fprc.models.recordings import are_several, join_recordings, split_recordings, transform_each
+from fprc.models.ridge import solve_ridge
 
 Part = TypeVar("Part", bound=BaseEstimator)
 #: Samples of one recording, or a list with one array per recording.
 Recordings = Any
+
+#: Most weights of a readout that learns online: its covariance has the square of them.
+MOST_WEIGHTS = 512
 
 
 class SequenceModel(RegressorMixin, BaseEstimator):
@@ -83,6 +87,68 @@ class SequenceModel(RegressorMixin, BaseEstimator):
         output = self.readout_.predict(transform_each(self.features_, rows, parts))
         return split_recordings(output, parts) if are_several(X) else output
 
+    def learns_online(self) -> bool:
+        """Return whether the fitted model can learn on: its readout is linear in few weights."""
+        weights = getattr(self.readout_, "weights", None)
+        return weights is not None and weights.size <= MOST_WEIGHTS
+
+    def remember(self, X: Recordings, lengths: ArrayLike | None = None) -> Self:
+        """Keep of the training data what ``partial_fit`` and ``Online`` need to go on from it.
+
+        Sets ``information_``, the sum of the products of the readout's regressors.
+
+        Raises
+        ------
+        ValueError
+            The readout is not linear in at most 512 weights.
+        """
+        check_is_fitted(self, "readout_")
+        if not self.learns_online():
+            raise ValueError(
+                f"{type(self).__name__} cannot learn on: that needs a readout of this package with "
+                f"at most {MOST_WEIGHTS} weights"
+            )
+        rows, _, parts = join_recordings(X, None, lengths, self._check_known)
+        phi = self.readout_.regressors(transform_each(self.features_, rows, parts))
+        self.information_ = phi.T @ phi
+        return self
+
+    def partial_fit(self, X: Recordings, y: Recordings, lengths: ArrayLike | None = None) -> Self:
+        """Go on learning from more recordings; memberships and features stay as they are.
+
+        The weights become those of a ridge regression on these data and on all that the model
+        remembers, given the weights before. The first call trains as ``fit`` does, and remembers.
+        A model that was fitted and remembers nothing counts its training as much as these data.
+
+        Parameters
+        ----------
+        X, y, lengths
+            As ``fit`` takes them.
+
+        Raises
+        ------
+        ValueError
+            As ``fit`` and ``remember``.
+        """
+        if not hasattr(self, "readout_"):
+            return self.fit(X, y, lengths).remember(X, lengths)
+
+        def check(
+            X: ArrayLike, y: ArrayLike | None, first: bool
+        ) -> tuple[np.ndarray, np.ndarray | None]:
+            return validate_data(self, X, y, reset=False, y_numeric=True, dtype=np.float64)
+
+        rows, targets, parts = join_recordings(X, y, lengths, check)
+        if not hasattr(self, "information_"):
+            self.remember(X, lengths)
+        phi = self.readout_.regressors(transform_each(self.features_, rows, parts))
+        self.information_ = self.information_ + phi.T @ phi
+        missing = phi.T @ (targets - phi @ self.readout_.weights)
+        change = solve_ridge(self.information_, missing, self.readout_.alpha)
+        self.readout_ = deepcopy(self.readout_)  # other models may share it
+        self.readout_.weights[:] += change
+        return self
+
     def score(
         self,
         X: Recordings,
@@ -122,10 +188,13 @@ class SequenceModel(RegressorMixin, BaseEstimator):
         model.readout_ = readout
         return model
 
-    def learned(self) -> Iterator[tuple[str, LearnedPart]]:
-        """Yield both parts, see ``fprc.models.learned``."""
+    def learned(self) -> Iterator[tuple[str, Learned]]:
+        """Yield both parts, and what is remembered, see ``fprc.models.learned``."""
         yield "features_", LearnedPart(self.make_features(), self.n_features_in_)
         yield "readout_", LearnedPart(self.make_readout(), features_of(self.features_))
+        if hasattr(self, "information_"):
+            weights = np.size(getattr(self.readout_, "weights", ()))
+            yield "information_", (weights, weights)
 
     def __copy__(self) -> Self:
         """Return a deep copy: two models with one stream would spoil it for each other."""
@@ -162,3 +231,10 @@ class SequenceModel(RegressorMixin, BaseEstimator):
         if hasattr(readout, "output"):
             return readout.output(row)
         return float(readout.predict(row[None])[0])
+
+
+def remembering(model: Any, X: Recordings, lengths: ArrayLike | None = None) -> Any:
+    """Return a fitted model, which remembers its training data if it can learn online."""
+    if isinstance(model, SequenceModel) and model.learns_online():
+        return model.remember(X, lengths)
+    return model

@@ -11,7 +11,7 @@ from sklearn.utils import check_random_state
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.models.fcm import fuzzy_c_means
-from fprc.models.kernels import blend
+from fprc.models.kernels import blend, fuzzy_regressors
 from fprc.models.limits import Allows, Limit, OneOf, Seed, Whole, check_limits
 from fprc.models.membership import gaussian_memberships
 from fprc.models.ridge import ridge_weights, with_bias
@@ -98,6 +98,29 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
         rules += self.W_out_[:, :1]
         rules *= beta.T
         return rules.sum(axis=0)
+
+    def regressors(self, rows: np.ndarray) -> np.ndarray:
+        """Return what multiplies the weights ``W_out_``, rule by rule: beta_bar x [1, x].
+
+        Parameters
+        ----------
+        rows : ndarray of shape (n_samples, n_features)
+
+        Returns
+        -------
+        ndarray of shape (n_samples, n_c * (1 + n_features))
+        """
+        beta = gaussian_memberships(rows, self.centers_, self.sigma)
+        return (beta[:, :, None] * with_bias(rows)[:, None, :]).reshape(len(rows), -1)
+
+    def regress(self, row: np.ndarray, out: np.ndarray) -> None:
+        """Write the regressors of one row to ``out``, without checks."""
+        fuzzy_regressors(row, self.centers_, float(self.sigma), out)
+
+    @property
+    def weights(self) -> np.ndarray:
+        """All weights in a row, in the order of ``regressors``; a view, which may be written to."""
+        return self.W_out_.reshape(-1)
 
     def output(self, x: np.ndarray) -> float:
         """Return the output of one row of features, without checks."""

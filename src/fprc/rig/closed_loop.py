@@ -6,12 +6,16 @@ of ``fprc.control.run``, which runs the same steps tick by tick and so can drive
 
 import math
 
+import numpy as np
+
 from fprc import control_laws
 from fprc.compiled import kernel
 from fprc.rig.simulator import advance
 
 _pressure_step = kernel(control_laws.pressure_step)
 _pd_step = kernel(control_laws.pd_step)
+_lesson = kernel(control_laws.lesson)
+_learn_step = kernel(control_laws.learn_step)
 
 #: Columns of ``setpoints``: feedforward pressure, reference angle (NaN: none), pressure of PAM A
 #: (NaN: it follows the measured angle), push on the reservoir.
@@ -21,14 +25,14 @@ SETPOINTS = ("p_ff_kpa", "theta_d_deg", "p_i_kpa", "push_kpa")
 RECORDED = (
     "time_s", "p_exp_command_kpa", "p_exp_kpa", "theta_deg", "p_i_command_kpa", "p_i_kpa",
     "p_o_kpa", "phi_deg", "valve_main_v", "valve_reservoir_v", "theta_d_deg", "p_ff_kpa",
-    "p_fb_kpa",
+    "p_fb_kpa", "p_learned_kpa",
 )  # fmt: skip
 
 
 @kernel
 def close_loop(
-    states, rigs, instruments, settings, setpoints, noise, period_s, substeps, tick, valve_v,
-    reading, rows,
+    states, rigs, instruments, settings, setpoints, regressors, learned, covariance, prior,
+    noise, period_s, substeps, tick, valve_v, reading, rows,
 ):  # fmt: skip
     """Run both pressure loops, and the PD feedback if there is one, for ``len(rows)`` samples.
 
@@ -39,16 +43,23 @@ def close_loop(
     settings : record of shape (1,)
         Of the controllers: ``main``, ``reservoir`` (``kp_v_per_kpa``, ``ki_v_per_kpa_s``);
         ``feedback`` (``kp_kpa_per_deg``, ``kd_kpa_s_per_deg``, ``incremental``, ``acts``: 0 or 1);
+        ``learning``, see ``fprc.models.Online``;
         ``k_in_kpa_per_deg``; ``p_i_limits_kpa``, ``p_exp_limits_kpa`` (lowest, highest);
         ``neutral_v``, ``limit_v``.
     setpoints : ndarray of shape (n_samples, 4)
         See ``SETPOINTS``.
+    regressors : ndarray of shape (n_samples, n_weights)
+        Of the model's readout, see ``fprc.models.Online``; without columns, nothing is learned.
+    learned : ndarray of shape (n_weights,)
+        What the weights have learned, changed in place.
+    covariance, prior : ndarray of shape (n_weights, n_weights)
+        See ``fprc.control_laws.learn_step``.
     noise : ndarray of shape (n_samples - 1, NOISE_PER_TICK)
     tick : int
         Number of the first sample.
     valve_v, reading : ndarrays
         As in ``advance``; changed in place.
-    rows : ndarray of shape (n_samples, 13)
+    rows : ndarray of shape (n_samples, 14)
         Filled; see ``RECORDED``.
 
     Returns
@@ -62,6 +73,8 @@ def close_loop(
     feedback, main, reservoir = control.feedback, control.main, control.reservoir
     summed_main = summed_reservoir = p_fb = 0.0
     last_error = math.nan
+    size, learning = regressors.shape[1], control.learning
+    gains, delay = np.empty(size), int(learning.delay_samples)
     for k in range(len(rows)):
         p_ff, theta_d, p_i = setpoints[k, 0], setpoints[k, 1], setpoints[k, 2]
         if k > 0:
@@ -79,6 +92,27 @@ def close_loop(
                 max(control.k_in_kpa_per_deg * theta, control.p_i_limits_kpa[0]),
                 control.p_i_limits_kpa[1],
             )
+        p_learned = 0.0
+        if size and k >= delay:
+            then = k - delay
+            target = _lesson(
+                theta_d - theta, theta, rows[then, 11], rows[then, 12], low, high,
+                learning.kpa_per_deg, learning.stop_deg,
+            )  # fmt: skip
+            if not math.isnan(target):
+                given = 0.0
+                for i in range(size):
+                    given += learned[i] * regressors[then, i]
+                innovation = target - setpoints[then, 0] - given
+                if abs(given) < learning.limit_kpa or given * innovation < 0.0:
+                    _learn_step(
+                        learned, covariance, prior, regressors[then], innovation, learning.mixing,
+                        gains,
+                    )  # fmt: skip
+        for i in range(size):
+            p_learned += learned[i] * regressors[k, i]
+        p_learned = min(max(p_learned, -learning.limit_kpa), learning.limit_kpa)
+        p_ff += p_learned
         if feedback.acts:
             error = theta_d - theta
             last_error = error if math.isnan(last_error) else last_error
@@ -101,5 +135,5 @@ def close_loop(
         row[1], row[2], row[3] = p_exp, p_main, theta
         row[4], row[5], row[6] = p_i, p_active, (reading[2] - sensor.zero_v) * kpa_per_v
         row[7], row[8], row[9] = reading[4], valve_v[0], valve_v[1]
-        row[10], row[11], row[12] = theta_d, p_ff, p_fb
+        row[10], row[11], row[12], row[13] = theta_d, p_ff, p_fb, p_learned
     return 0, len(rows)

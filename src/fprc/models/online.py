@@ -1,0 +1,169 @@
+"""A fitted model that goes on learning while it controls."""
+
+import math
+from copy import deepcopy
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+from sklearn.utils.validation import check_is_fitted
+
+from fprc import control_laws
+from fprc.compiled import kernel
+from fprc.models.ridge import solve_ridge
+from fprc.models.sequence import MOST_WEIGHTS, SequenceModel
+
+_learn_step = kernel(control_laws.learn_step)
+
+
+class Learning(NamedTuple):
+    """How a model learns online; the defaults suit a rig of the paper's size."""
+
+    prior_s: float = 15.0  #: seconds of new data that weigh as much as the training
+    memory_s: float = 60.0  #: time after which the training weighs as much as before
+    delay_s: float = 0.02  #: time from a command to the angle that follows from it
+    kpa_per_deg: float = 2.0  #: pressure by which a degree of error corrects the model
+    limit_kpa: float = 150.0  #: most that learning may add to P_ff, or take from it
+    stop_deg: float = 0.5  #: angle up to which the actuator lies at its stop, and tells nothing
+
+
+class Online:
+    """A model whose readout learns from the tracking error by recursive least squares.
+
+    P_ff(k) = (w + v(k)) phi(k), with the regressors phi of the readout and its trained weights w.
+    The error of now is charged to the command that caused it, d samples ago:
+
+        v <- v + G (P_ff(k-d) + S e(k) - (w + v) phi(k-d)),  G = C phi / (1 + phi^T C phi)
+        C <- (1 - m) (C - G phi^T C) + m C_0,                m = T / memory
+
+    C_0 is the inverse of the training's information, scaled to ``prior_s``. C never exceeds C_0,
+    so the gains are bounded however long nothing excites a weight; with forgetting instead, C and
+    the weights can grow without limit. Nothing is learned while the command is at a limit, the
+    actuator at its stop, or the learned part at ``limit_kpa`` and asked to go further.
+
+    Parameters
+    ----------
+    model : SequenceModel
+        Fitted; it remembers its training data, see ``SequenceModel.remember``. It is not changed.
+    learning : Learning
+    period_s : float
+        Time between two samples, T.
+    pressure_limit_kpa : float, default=inf
+        Highest P_d; the lowest is 0.
+
+    Attributes
+    ----------
+    learned : ndarray of shape (n_weights,)
+        v, what the weights have learned.
+    p_learned_kpa : float
+        v phi of the last step.
+    n_features_in_ : int
+        Inputs of the model.
+
+    Raises
+    ------
+    ValueError
+        The model remembers no training data, or cannot learn online.
+
+    References
+    ----------
+    The paper's future work; the update is the recursive least squares of its authors' next paper
+    (arXiv 2503.15819), with a prior in place of forgetting.
+    """
+
+    def __init__(
+        self,
+        model: SequenceModel,
+        learning: Learning,
+        period_s: float,
+        pressure_limit_kpa: float = math.inf,
+    ):
+        check_is_fitted(model)
+        if not hasattr(model, "information_"):
+            raise ValueError(
+                f"this {type(model).__name__} remembers no training data to learn on from; train "
+                f"it again (only a readout of ours with at most {MOST_WEIGHTS} weights can learn)"
+            )
+        self.settings, self.limit_kpa = learning, pressure_limit_kpa
+        self.n_features_in_ = model.n_features_in_
+        self._model = deepcopy(model)
+        self._features, self._readout = self._model.features_, self._model.readout_
+        self.delay = max(round(learning.delay_s / period_s), 1)
+        self.mixing = period_s / learning.memory_s
+        self.prior = prior_of(model, learning.prior_s, period_s)
+        self.learned = np.zeros(len(self.prior))
+        self._gains = np.empty_like(self.learned)
+        self._phi = np.zeros((self.delay, len(self.learned)))
+        self.reset()
+        self._learn(self._phi[0], 0.0)  # compiles
+        self.reset()
+
+    def reset(self, x: ArrayLike | None = None) -> None:
+        """Forget what was learned, and begin a new stream as ``SequenceModel.reset``."""
+        self.learned[:] = 0.0
+        self.covariance = self.prior.copy()
+        self.p_learned_kpa = 0.0
+        self._sent = [(0.0, 0.0)] * self.delay  # P_ff and P_fb
+        self._k = 0
+        self._model.reset(x)
+
+    def learn(self, error_deg: float, theta_deg: float) -> None:
+        """Learn from the error of a sample, before its ``step``."""
+        if self._k < self.delay:
+            return
+        then = self._k % self.delay
+        p_ff, p_fb = self._sent[then]
+        target = control_laws.lesson(
+            error_deg, theta_deg, p_ff, p_fb, 0.0, self.limit_kpa,
+            self.settings.kpa_per_deg, self.settings.stop_deg,
+        )  # fmt: skip
+        if target != target:
+            return
+        phi = self._phi[then]
+        given = float(self.learned @ phi)
+        innovation = target - float(self._readout.weights @ phi) - given
+        if abs(given) < self.settings.limit_kpa or given * innovation < 0.0:
+            self._learn(phi, innovation)
+
+    def step(self, x: ArrayLike) -> float:
+        """Return P_ff of the next sample, kPa; see ``SequenceModel.step``."""
+        row = self._features.advance(x)
+        phi = self._phi[self._k % self.delay]
+        self._readout.regress(row, phi)
+        limit = self.settings.limit_kpa
+        self.p_learned_kpa = min(max(float(self.learned @ phi), -limit), limit)
+        p_ff = float(self._readout.weights @ phi) + self.p_learned_kpa
+        self._sent[self._k % self.delay] = p_ff, 0.0
+        self._k += 1
+        return p_ff
+
+    def sent(self, p_fb_kpa: float) -> None:
+        """Note the feedback that was added to the last step."""
+        at = (self._k - 1) % self.delay
+        self._sent[at] = self._sent[at][0], p_fb_kpa
+
+    def model(self) -> SequenceModel:
+        """Return a copy of the model with the weights as they are now, for ``save_model``."""
+        model = deepcopy(self._model)
+        model.readout_.weights[:] += self.learned
+        model.reset()
+        return model
+
+    def _learn(self, phi: np.ndarray, innovation: float) -> None:
+        _learn_step(
+            self.learned, self.covariance, self.prior, phi, innovation, self.mixing, self._gains
+        )
+
+
+#: Added to the diagonal of the information, for directions that the training never moved.
+_LEAST = 1e-6
+
+
+def prior_of(model: SequenceModel, prior_s: float, period_s: float) -> np.ndarray:
+    """Return the prior covariance C_0 of a model: its training, as ``prior_s`` seconds of data."""
+    # the regressors of the biases sum to 1 at each sample
+    biases = slice(None, None, 1 + model.readout_.n_features_in_)
+    samples = float(model.information_[biases, biases].sum())
+    scaled = model.information_ * (prior_s / period_s / samples)
+    prior = solve_ridge(scaled, np.eye(len(scaled)), _LEAST)
+    return 0.5 * (prior + prior.T)

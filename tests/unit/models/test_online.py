@@ -1,0 +1,213 @@
+import numpy as np
+import pytest
+from numpy.linalg import inv
+from sklearn.base import clone
+
+from fprc.models import (
+    ESN,
+    FPRC,
+    FeatureModel,
+    FuzzyLinear,
+    Learning,
+    LowpassBank,
+    Online,
+    PlayOperators,
+    RidgeReadout,
+    SideBySide,
+    TapFeatures,
+    load_model,
+    save_model,
+)
+from fprc.models.online import prior_of
+
+PERIOD_S = 0.005
+MODELS = {
+    "fprc": FPRC(n_c=3, random_state=1),
+    "fuzzy_linear": FuzzyLinear(n_c=3, random_state=1),
+    "ridge": FeatureModel(TapFeatures(), RidgeReadout()),
+    "bank": FeatureModel(LowpassBank((0.5, 0.05)), RidgeReadout()),
+    "plays": FeatureModel(
+        SideBySide([("plays", PlayOperators(n_plays=3), None), ("taps", TapFeatures(), None)]),
+        RidgeReadout(),
+    ),
+}
+
+
+def log(samples=3000, seed=0):
+    rng = np.random.default_rng(seed)
+    time_s = PERIOD_S * np.arange(samples)
+    theta = 30.0 + 25.0 * np.sin(2.0 * np.pi * (0.3 + 0.01 * time_s) * time_s)
+    p_o = 110.0 + np.cumsum(0.05 * (theta - 30.0)) * PERIOD_S + 0.1 * rng.standard_normal(samples)
+    y = 5.0 * theta + 0.02 * theta**2 + 0.5 * p_o + rng.standard_normal(samples)
+    return np.column_stack([theta, p_o]), y
+
+
+def columns(name, X):
+    return X[:, :1] if name == "fuzzy_linear" else X
+
+
+@pytest.fixture(params=MODELS)
+def model(request):
+    X, y = log()
+    X = columns(request.param, X)
+    return clone(MODELS[request.param]).fit(X, y).remember(X), X
+
+
+# --- partial_fit ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["ridge", "bank"])
+def test_ridge_that_went_on_learning_is_the_ridge_of_all_data(name):
+    (X, y), (more, z) = log(), log(2000, seed=1)
+    whole = clone(MODELS[name]).fit([X, more], [y, z])
+    found = clone(MODELS[name]).partial_fit(X, y).partial_fit(more, z)
+    np.testing.assert_allclose(found.predict(more), whole.predict(more), rtol=1e-6)
+
+
+def test_fuzzy_weights_minimise_the_error_of_new_data_and_the_distance_from_the_old():
+    (X, y), (more, z) = log(), log(2000, seed=1)
+    before = FPRC(n_c=3, random_state=1).partial_fit(X, y)
+    old = before.readout_.weights.copy()
+    after = clone(before).partial_fit(X, y).partial_fit(more, z)
+    phi = after.readout_.regressors(after.features_.transform(more))
+    # gradient of |z - phi w|^2 + (w - old)^T (information + alpha) (w - old), both scaled
+    change = after.readout_.weights - old
+    gradient = phi.T @ (phi @ after.readout_.weights - z)
+    gradient += (before.information_ + before.alpha * np.eye(len(old))) @ change
+    assert np.abs(gradient).max() < 1e-6 * np.abs(phi.T @ z).max()
+    assert np.array_equal(before.readout_.weights, old)
+
+
+def test_models_that_share_a_readout_learn_apart():
+    X, y = log()
+    first = FPRC(n_c=3, random_state=1).fit(X, y)
+    other = first.assembled(first.features_, first.readout_)
+    before = first.predict(X)
+    other.remember(X).partial_fit(X, y + 100.0)
+    assert np.array_equal(first.predict(X), before)
+
+
+def test_model_that_remembers_nothing_or_has_too_many_weights_is_refused():
+    X, y = log()
+    with pytest.raises(ValueError, match="remembers no training data"):
+        Online(FPRC(n_c=3, random_state=1).fit(X, y), Learning(), PERIOD_S)
+    esn = ESN(r=600, washout=10, random_state=1).fit(X[:, :1], y)
+    with pytest.raises(ValueError, match="at most 512 weights"):
+        esn.remember(X[:, :1])
+
+
+def test_what_is_remembered_is_saved_and_loaded(model, tmp_path):
+    found, _ = model
+    save_model(found, tmp_path / "model.h5")
+    loaded = load_model(tmp_path / "model.h5")
+    np.testing.assert_array_equal(loaded.information_, found.information_)
+
+
+# --- the online model -------------------------------------------------------------------------
+
+
+def test_steps_that_learn_nothing_are_those_of_the_model(model):
+    found, X = model
+    online = Online(found, Learning(), PERIOD_S)
+    steps = []
+    for x in X[:500]:
+        online.learn(np.nan, 30.0)
+        steps.append(online.step(x))
+    np.testing.assert_allclose(steps, found.predict(X)[:500], rtol=1e-9)
+    assert not online.learned.any()
+
+
+def test_learning_is_plain_recursive_least_squares_with_a_prior(model):
+    """Against the formulas of the class, with matrices written out."""
+    found, X = model
+    settings = Learning(prior_s=2.0, memory_s=5.0, delay_s=0.02, kpa_per_deg=3.0)
+    online = Online(found, settings, PERIOD_S, 1e6)
+    prior, weights = prior_of(found, 2.0, PERIOD_S), found.readout_.weights
+    phi = found.readout_.regressors(found.features_.transform(X))
+    cov, v, sent = prior.copy(), np.zeros(len(prior)), []
+    for k, x in enumerate(X[:400]):
+        error = np.sin(0.05 * k)
+        online.learn(error, 30.0)
+        if k >= 4:
+            then = phi[k - 4]
+            gain = cov @ then / (1.0 + then @ cov @ then)
+            v = v + gain * (sent[k - 4] + 3.0 * error - (weights + v) @ then)
+            cov = 0.999 * (cov - np.outer(gain, then @ cov)) + 0.001 * prior
+        sent.append((weights + v) @ phi[k])
+        assert online.step(x) == pytest.approx(sent[k], rel=1e-4)
+        online.sent(0.0)
+    assert np.abs(v).max() > 0.0
+    np.testing.assert_allclose(online.covariance, cov, atol=1e-4 * np.abs(prior).max())
+
+
+def test_covariance_never_exceeds_the_prior_however_little_moves(model):
+    found, X = model
+    online = Online(found, Learning(memory_s=1.0), PERIOD_S, 1e6)
+    for k in range(4000):  # at rest: only one direction is excited
+        online.learn(1.0 if k % 2 else -1.0, 30.0)
+        online.step(X[0])
+    scale = np.sqrt(np.outer(np.diag(online.prior), np.diag(online.prior)))
+    excess = np.linalg.eigvalsh((online.covariance - online.prior) / scale)
+    assert excess.max() < 1e-6
+    assert np.linalg.eigvalsh(online.covariance / scale).min() > -1e-6
+
+
+def test_constant_error_of_the_model_is_learned(model):
+    """A plant that needs 20 kPa more than the model says, at 5 kPa a degree."""
+    found, X = model
+    online = Online(found, Learning(prior_s=0.5, kpa_per_deg=5.0), PERIOD_S, 1e6)
+    needed, errors, given = found.predict(X) + 20.0, [], [0.0] * 4
+    for k, x in enumerate(X):
+        error = (needed[k - 4] - given[-4]) / 5.0 if k >= 4 else 0.0
+        errors.append(error)
+        online.learn(error, 30.0)
+        given.append(online.step(x))
+    assert errors[4] == pytest.approx(4.0)
+    assert np.abs(errors[-200:]).max() < 0.4
+    assert online.p_learned_kpa == pytest.approx(20.0, abs=2.0)
+    kept = online.model()
+    np.testing.assert_allclose(kept.predict(X)[-1], given[-1], rtol=1e-9)
+    online.reset()
+    assert online.step(X[0]) == pytest.approx(found.predict(X[:10])[0])
+
+
+@pytest.mark.parametrize(
+    ("theta", "p_fb", "limit"),
+    [(0.4, 0.0, 1e6), (np.nan, 0.0, 1e6), (30.0, 1e6, 1e6), (30.0, -1e6, 1e6), (30.0, 0.0, 1.0)],
+    ids=["at the stop", "no angle", "above the limit", "below 0", "P_ff above the limit"],
+)
+def test_nothing_is_learned_where_the_error_tells_nothing(model, theta, p_fb, limit):
+    found, X = model
+    online = Online(found, Learning(), PERIOD_S, limit)
+    for x in X[:50]:
+        online.learn(5.0, theta)
+        online.step(x)
+        online.sent(p_fb)
+    assert not online.learned.any()
+
+
+def test_learned_part_stays_within_its_limit(model):
+    found, X = model
+    online = Online(found, Learning(limit_kpa=10.0, prior_s=0.1), PERIOD_S, 1e6)
+    for x in X:
+        online.learn(50.0, 30.0)
+        online.step(x)
+        assert abs(online.p_learned_kpa) <= 10.0
+    assert np.isfinite(online.learned).all()
+    assert np.abs(online._phi @ online.learned).max() < 200.0
+
+
+def test_forgetting_runs_away_where_the_prior_bounds():
+    """What the prior is for: 0.9998 a sample and a weak prior, as in the pilot, at rest."""
+    X, y = log()
+    found = FPRC(n_c=3, random_state=1).fit(X, y).remember(X)
+    online = Online(found, Learning(), PERIOD_S, 1e6)
+    phi = found.readout_.regressors(found.features_.transform(X))[0]
+    cov = inv(1e-6 * np.eye(len(phi)))
+    for _ in range(30_000):
+        gain = cov @ phi / (0.9998 + phi @ cov @ phi)
+        cov = (cov - np.outer(gain, phi @ cov)) / 0.9998
+        online.learn(0.0, 30.0)
+        online.step(X[0])
+    assert np.trace(cov) > 100.0 * 1e6 * len(phi)
+    assert np.trace(online.covariance) <= np.trace(online.prior) * (1.0 + 1e-9)
