@@ -87,6 +87,24 @@ rule beyond_page:
         "../scripts/stage.py"
 
 
+rule drift_page:
+    input:
+        pages=expand(PATHS.below("online/{table}.md"), table=("verdicts", "errors")),
+        figures=[PATHS.below("online/figure.png")],
+        made_from=expand(PATHS.below("online/{world}.json"), world=WORLDS),
+    log:
+        PATHS.messages("drift_page"),
+    localrule: True
+    params:
+        **stage("studies.documents.update_tables"),
+        page="docs/drift.md",
+        pictures=["docs/images/drift.png"],
+    message:
+        "docs/drift.md: numbers and picture from the results"
+    script:
+        "../scripts/stage.py"
+
+
 if "check" not in PLAN.unavailable:
 
     rule check:

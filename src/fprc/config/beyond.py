@@ -62,6 +62,15 @@ class Capacity(Section):
     esn_nodes: int = quantity(100, "-", (1, 4000), "nodes of the ESN")
 
 
+class OnlineStudy(Section):
+    """The study of a model that learns while it runs."""
+
+    first_seed: int = quantity(1001, "-", (0, 2**31 - 2**20), "first seed, and seed of the models")
+    units: int = quantity(
+        10, "-", (1, 1000), "seeds of each named rig; rigs of each family of many"
+    )
+
+
 class Beyond(Section):
     """Competitors of the paper's models on several worlds; a world is one rig, or a set of rigs."""
 

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from fprc.config.beyond import Beyond
+from fprc.config.beyond import Beyond, OnlineStudy
 from fprc.config.calibration import Calibration, Drawn, Fitted, NearPrint
 from fprc.config.folders import Folders
 from fprc.config.hardware import Hardware
@@ -157,6 +157,7 @@ class Settings(Section):
     drawn: Drawn = Drawn()
     near_print: NearPrint = NearPrint()
     beyond: Beyond = Beyond()
+    online: OnlineStudy = OnlineStudy()
     hardware: Hardware = Hardware()
     rig: Rig = Rig()
     fitted: Fitted = Fitted()

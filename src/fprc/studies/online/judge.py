@@ -1,0 +1,175 @@
+"""Tracking errors on one rig whose P_o or whose actuator has changed since the training."""
+
+import math
+from collections.abc import Mapping
+from copy import deepcopy
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from fprc.competitors import default_settings
+from fprc.errors import FprcError
+from fprc.experiments.competitors import inputs_of
+from fprc.experiments.hysteresis import simulate
+from fprc.experiments.tracking import TRACKING_RUNS, Track, tracking_rmse
+from fprc.models import SequenceModel
+from fprc.models.competitors import build_competitor
+from fprc.paper import DISTURBANCE
+from fprc.studies.families.family import rigs_of
+from fprc.studies.online.follow_up import STATES, follow_up
+
+#: Constant offsets of P_o since the training, kPa.
+OFFSETS_KPA = (-5.0, -2.0, -1.0, 1.0, 2.0, 5.0)
+#: A slow leak, kPa a minute; and a step of the temperature, K, from the middle of a run on.
+LEAK_KPA_PER_MIN, STEP_K = 4.0, 5.0
+_ROOM_K, _ROOM_KPA = 293.0, 101.3
+#: Factors of the actuator's parameters: another load, and a worn actuator.
+CHANGED_RIGS = {
+    "stiffer": {"stiffness_kpa_per_deg": 1.1, "cubic_stiffness_kpa_per_deg3": 1.1},
+    "worn": {"friction_kpa": 0.8, "friction_per_kpa": 0.8},
+}
+#: Models, and whether P_o is one of their inputs.
+MODELS = {"fprc": True, "fprc_lowpass": False, "fuzzy_linear": False}
+LOOPS = {"open": False, "closed": True}
+
+
+def conditions(reads_p_o: bool) -> list[str]:
+    """Return the names of the conditions that can make a difference to a model."""
+    of_p_o = [f"{offset:+g} kPa" for offset in OFFSETS_KPA] + ["leak", "warmer"]
+    return ["none", *(of_p_o if reads_p_o else ()), *CHANGED_RIGS]
+
+
+def disturbed(p_o_kpa: np.ndarray, condition: str, rate_hz: float) -> np.ndarray:
+    """Return P_o under a condition, kPa gauge."""
+    if condition.endswith(" kPa"):
+        return p_o_kpa + float(condition.removesuffix(" kPa"))
+    time_s = np.arange(len(p_o_kpa)) / rate_hz
+    if condition == "leak":
+        return p_o_kpa - LEAK_KPA_PER_MIN / 60.0 * time_s
+    if condition == "warmer":
+        warm = time_s >= 0.5 * time_s[-1]
+        return p_o_kpa + warm * (p_o_kpa + _ROOM_KPA) * STEP_K / _ROOM_K
+    return p_o_kpa
+
+
+def changed_rig(rig: Mapping[str, Any], condition: str) -> dict[str, Any]:
+    """Return the rig under a condition."""
+    changed = deepcopy(dict(rig))
+    for name, factor in CHANGED_RIGS.get(condition, {}).items():
+        changed["bending"][name] *= factor
+    return changed
+
+
+def judge_online(
+    cell: Mapping[str, int],
+    *,
+    family: Mapping[str, Any],
+    near_print: str,
+    tracking: Mapping[str, Any],
+    models: Mapping[str, Any],
+) -> dict[str, Any]:
+    """Judge the rig of the unit ``cell["unit"]``, on the first of its seeds.
+
+    Returns
+    -------
+    dict
+        ``seed``, and ``rows``: each with ``model``, ``condition``, ``learns``, ``loop``,
+        ``reference`` and ``rmse_deg``; or ``failed``, where an error ended the judgement.
+    """
+    on_rig, seed = rigs_of(cell["unit"], family, near_print)[0]
+    try:
+        sweep = simulate(replace(on_rig, signals={"sweep": on_rig.signals["sweep"]}), seed)["sweep"]
+        fitted = {}
+        for name in MODELS:
+            model = build_competitor(name, default_settings(name, models), seed)
+            X = inputs_of(name, sweep.channels)
+            fitted[name] = model.fit(X, sweep.channels["p_target_kpa"]).remember(X)
+        rows = []
+        for condition in conditions(True):
+            rig = changed_rig(on_rig.rig, condition)
+            bench = Track(tracking, on_rig.control, rig, seed)
+            chosen = {
+                name: model
+                for name, model in fitted.items()
+                if condition in conditions(MODELS[name])
+            }
+            rows += _followed(bench, condition, chosen)
+            if condition == "none":
+                rows += _followed_up(bench)
+    except (FprcError, ValueError, np.linalg.LinAlgError) as error:
+        return {"seed": seed, "failed": " ".join(str(error).split())}
+    return {"seed": seed, "rows": rows}
+
+
+def _followed(
+    bench: Track, condition: str, models: Mapping[str, SequenceModel]
+) -> list[dict[str, Any]]:
+    rows = []
+    rate_hz = bench.control["sample_rate_hz"]
+    benches = {
+        learns: bench._replace(
+            control={
+                **bench.control,
+                "feedforward": {**bench.control["feedforward"], "adapt": learns},
+            }
+        )
+        for learns in (False, True)
+    }
+    for reference in bench.tracking["references"]:
+        theta_d, number = bench.reference(reference), TRACKING_RUNS[reference]
+        pushes = bench.pushes(len(theta_d)) if reference == DISTURBANCE else None
+        inputs = bench.inputs(theta_d, number, pushes)
+        inputs[:, 1] = disturbed(inputs[:, 1], condition, rate_hz)
+        settle_s = bench.tracking["references"][reference]["settle_s"]
+
+        def row(
+            model: str, learns: bool, loop: str, channels: Mapping[str, np.ndarray],
+            reference: str = reference, settle_s: float = settle_s,
+        ) -> dict[str, Any]:  # fmt: skip
+            return {
+                "model": model, "condition": condition, "learns": learns, "loop": loop,
+                "reference": reference, "rmse_deg": tracking_rmse(channels, settle_s),
+            }  # fmt: skip
+
+        for name, model in models.items():
+            given = _inputs(name, theta_d, inputs, model)
+            for learns, own in benches.items():
+                for loop, feedback in LOOPS.items():
+                    channels = own.simulate(
+                        theta_d, own.feed(model, given), number, pushes, feedback=feedback
+                    )
+                    rows.append(row(name, learns, loop, channels))
+        if condition in conditions(False):
+            nothing = np.zeros(len(theta_d))
+            channels = bench.simulate(theta_d, nothing, number, pushes, feedback=True)
+            rows.append(row("pd", False, "closed", channels))
+    return rows
+
+
+def _inputs(name: str, theta_d: np.ndarray, inputs: np.ndarray, model: SequenceModel) -> np.ndarray:
+    """Return the inputs of a competitor, whose columns may both be the angle."""
+    channels = {"theta_deg": theta_d, "p_o_kpa": inputs[:, 1]}
+    return inputs_of(name, channels)[:, : model.n_features_in_]
+
+
+def _followed_up(bench: Track) -> list[dict[str, Any]]:
+    """Return the errors of the authors' next scheme, with each of its states."""
+    rows = []
+    for reference in bench.tracking["references"]:
+        if reference == DISTURBANCE:
+            continue
+        theta_d = bench.reference(reference)
+        settle_s = bench.tracking["references"][reference]["settle_s"]
+        for state in STATES:
+            channels = follow_up(bench, theta_d, TRACKING_RUNS[reference], state)
+            rmse = tracking_rmse(channels, settle_s)
+            if not math.isfinite(rmse):
+                raise FprcError(f"{state} on {reference}: the error is {rmse}")
+            rows.append(
+                {
+                    "model": f"follow_up_{state}", "condition": "none", "learns": True,
+                    "loop": "closed", "reference": reference, "rmse_deg": rmse,
+                }
+            )  # fmt: skip
+    return rows

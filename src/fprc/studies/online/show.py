@@ -1,0 +1,206 @@
+"""Verdicts, tables and the figure of a model that learns while it runs."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+from fprc.claims.paired import Part, judge_together
+from fprc.paper import REFERENCES
+from fprc.signals import rms
+from fprc.studies.beyond.worlds import world_title
+
+__all__ = ["LOOPS", "TABLES", "plot_offsets", "world_title"]
+
+#: Loops, as readers see them.
+LOOPS = {"open": "open loop", "closed": "closed loop"}
+
+#: Growth of the error that D1 allows.
+_MOST = 1.10
+
+#: Claims in words.
+CLAIMS = {
+    "D1": "learning keeps tracking within 10 % of the undisturbed for offsets of P_o up to 5 kPa",
+    "D2": "with learning, P_o still beats low-passed theta_d",
+    "D3": "learning FPRC with PD beats PD alone, at 0.5 Hz and in the sweep",
+    "D4": "the authors' next scheme with P_o beats the same without a reservoir",
+}
+#: Models, as readers see them.
+_TITLES = {
+    "fprc": "FPRC", "fprc_lowpass": "FPRC on low-passed theta_d", "fuzzy_linear": "Fuzzy-linear",
+    "pd": "PD alone", "follow_up_linear": "next scheme, linear",
+    "follow_up_p_o": "next scheme, P_o", "follow_up_esn": "next scheme, ESN of 50",
+}  # fmt: skip
+
+Family = Mapping[str, Any]
+Key = tuple[str, str, bool, str]
+
+
+def errors_of(family: Family) -> dict[Key, dict[int, dict[str, float]]]:
+    """Return errors in deg by (model, condition, learns, loop), unit and reference."""
+    found: dict[Key, dict[int, dict[str, float]]] = {}
+    for cell in family["cells"]:
+        for row in cell.get("rows", ()):
+            key = row["model"], row["condition"], row["learns"], row["loop"]
+            unit = found.setdefault(key, {}).setdefault(cell["unit"], {})
+            unit[row["reference"]] = row["rmse_deg"]
+    return found
+
+
+def _overall(by_unit: Mapping[int, Mapping[str, float]]) -> dict[int, float]:
+    """Return the root mean square over the references of Table IV, by unit."""
+    return {
+        unit: rms(np.array([errors[name] for name in REFERENCES]))
+        for unit, errors in by_unit.items()
+    }
+
+
+def _part(
+    text: str, ours: Mapping[int, float], theirs: Mapping[int, float], limit: float = 1.0
+) -> Part:
+    values = {unit: math.log(ours[unit] / theirs[unit] / limit) for unit in ours if unit in theirs}
+    return Part(text, values, ratio=limit == 1.0)
+
+
+def parts_of(family: Family) -> list[list[Part]]:
+    """Return the comparisons of D1 to D4."""
+    errors = errors_of(family)
+
+    def overall(model: str, condition: str = "none", learns: bool = True, loop: str = "closed"):  # type: ignore[no-untyped-def]
+        return _overall(errors.get((model, condition, learns, loop), {}))
+
+    def at(model: str, learns: bool, reference: str) -> dict[int, float]:
+        by_unit = errors.get((model, "none", learns, "closed"), {})
+        return {unit: each[reference] for unit, each in by_unit.items()}
+
+    return [
+        [
+            _part(
+                f"{offset}, {LOOPS[loop]}", overall("fprc", offset, loop=loop),
+                overall("fprc", loop=loop), _MOST,
+            )
+            for loop in LOOPS
+            for offset in ("-5 kPa", "+5 kPa")
+        ],
+        [
+            _part(LOOPS[loop], overall("fprc", loop=loop), overall("fprc_lowpass", loop=loop))
+            for loop in LOOPS
+        ],
+        [
+            _part(words, at("fprc", True, name), at("pd", False, name))
+            for name, words in (("sine_0p5", "0.5 Hz"), ("sweep", "sweep"))
+        ],
+        [_part("closed loop", overall("follow_up_p_o"), overall("follow_up_linear"))],
+    ]  # fmt: skip
+
+
+#: Words of a verdict, of a claim with a limit and of a comparison.
+_HOLDS = {"superior": "holds", "inferior": "does not hold"}
+
+
+def _verdicts(families: Sequence[Family]) -> tuple[pd.DataFrame, pd.DataFrame, str]:
+    rows = []
+    for family in families:
+        parts = parts_of(family)
+        for (name, text), own, outcome in zip(
+            CLAIMS.items(), parts, judge_together(parts), strict=True
+        ):
+            limit = _MOST if name == "D1" else 1.0
+            verdict = (
+                outcome.verdict if limit == 1.0 else _HOLDS.get(outcome.verdict, outcome.verdict)
+            )
+            for part in own:
+                enough = len(part.values) > 1
+                ends = part.interval(outcome.level) if enough else (math.nan,) * 3
+                mean, low, high = (limit * math.exp(end) for end in ends)
+                rows.append(
+                    {
+                        "family": family["name"], "id": name, "claim": text, "part": part.text,
+                        "verdict": verdict, "mean": mean, "low": low, "high": high,
+                        "units": len(part.values), "source": "sim",
+                    }
+                )  # fmt: skip
+    table = pd.DataFrame(rows)
+    page = []
+    for name, own in table.groupby("id", sort=False):
+        line = {"Id": name, "Claim": own["claim"].iloc[0]}
+        for family, of_family in own.groupby("family", sort=False):
+            ratios = ", ".join(f"{mean:.3g}" for mean in of_family["mean"])
+            line[world_title(str(family))] = f"{of_family['verdict'].iloc[0]} {ratios}"
+        page.append(line)
+    note = (
+        "Learning while it runs: verdicts on D1 to D4 of the preregistration, with the means of "
+        "the ratios. D1: at -5 and +5 kPa, in open and in closed loop; D2: open and closed loop; "
+        "D3: at 0.5 Hz and in the sweep."
+    )
+    return table, pd.DataFrame(page), note
+
+
+def _errors(families: Sequence[Family]) -> tuple[pd.DataFrame, pd.DataFrame, str]:
+    rows = []
+    for family in families:
+        for (model, condition, learns, loop), by_unit in errors_of(family).items():
+            values = np.array(list(_overall(by_unit).values()))
+            rows.append(
+                {
+                    "family": family["name"], "model": model, "condition": condition,
+                    "learns": learns, "loop": loop, "mean_deg": float(values.mean()),
+                    "low_deg": float(values.min()), "high_deg": float(values.max()),
+                    "units": len(values), "source": "sim",
+                }
+            )  # fmt: skip
+    table = pd.DataFrame(rows)
+    first = table[table["family"] == families[0]["name"]]
+    page = []
+    for (model, condition), own in first.groupby(["model", "condition"], sort=False):
+        line = {"Model": _TITLES[str(model)], "Changed since the training": _words(str(condition))}
+        for loop, words in LOOPS.items():
+            for learns, how in ((False, "as trained"), (True, "learning")):
+                cell = own[(own["loop"] == loop) & (own["learns"] == learns)]
+                value = "" if cell.empty else f"{cell['mean_deg'].iloc[0]:.2f}"
+                line[f"{words[:1].upper()}{words[1:]}, {how}"] = value
+        page.append(line)
+    note = (
+        f"Tracking error on the rig {world_title(families[0]['name'])}, root mean square over the "
+        f"four references of Table IV, mean over {int(first['units'].max())} seeds [deg]. "
+        "Re-zeroed, an FPRC with a constant offset of P_o is one without."
+    )
+    return table, pd.DataFrame(page), note
+
+
+def _words(condition: str) -> str:
+    if condition.endswith(" kPa"):
+        return f"P_o {condition}"
+    return {
+        "none": "nothing", "leak": "P_o falls by 4 kPa a minute",
+        "warmer": "5 K warmer from half the run on", "stiffer": "actuator 10 % stiffer",
+        "worn": "20 % less friction",
+    }[condition]  # fmt: skip
+
+
+TABLES = {"verdicts": _verdicts, "errors": _errors}
+
+
+def plot_offsets(table: pd.DataFrame, ax: Axes) -> None:
+    """Draw the error of FPRC over the offset of P_o, as trained and learning; and PD alone."""
+    own = table[table["model"] == "fprc"]
+    offsets = own["condition"].str.removesuffix(" kPa").replace("none", "0")
+    own = own.assign(offset=pd.to_numeric(offsets, errors="coerce")).dropna(subset=["offset"])
+    for learns, marker, color in ((False, "o", "0.55"), (True, "s", "black")):
+        line = own[own["learns"] == learns].sort_values("offset")
+        label = "FPRC, learning" if learns else "FPRC as trained"
+        ax.plot(line["offset"], line["mean_deg"], marker=marker, color=color, markersize=3,
+                label=label)  # fmt: skip
+        ax.fill_between(line["offset"], line["low_deg"], line["high_deg"], color=color, alpha=0.2,
+                        linewidth=0)  # fmt: skip
+    other = table[(table["model"] == "fuzzy_linear") & (table["condition"] == "none")]
+    for learns, dashes in ((False, ":"), (True, "--")):
+        level = other.loc[other["learns"] == learns, "mean_deg"]
+        if len(level):
+            label = "Fuzzy-linear, learning" if learns else "Fuzzy-linear as trained"
+            ax.axhline(level.iloc[0], color="tab:blue", linestyle=dashes, linewidth=0.9,
+                       label=label)  # fmt: skip
+    ax.set(xlabel="Offset of $P_o$ [kPa]", ylabel="RMSE [deg]", ylim=(0, None))
