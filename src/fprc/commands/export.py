@@ -1,17 +1,22 @@
 """`fprc export`: a fitted model as code for a controller."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from fprc import __version__
 from fprc.artifacts import refuse_output, write_text
+from fprc.config import from_files, local_files
 from fprc.errors import FprcError
 from fprc.given import read_given
+from fprc.models import Learning, Online, SequenceModel
 from fprc.models.c_header import GENERATED, c_header
 from fprc.models.storage import load_model
 from fprc.provenance import sha256
 
 
-def export_c(model: str, *, c: str, float_: bool = False) -> None:
+def export_c(
+    model: str, *, c: str, float_: bool = False, learn: bool = False, config: Sequence[str] = ()
+) -> None:
     """Turn a trained model into C code for a controller.
 
     Writes an FPRC or Fuzzy-linear as one C99 header without memory allocation. docs/deploy.md
@@ -25,6 +30,10 @@ def export_c(model: str, *, c: str, float_: bool = False) -> None:
         Header to write; every name in it begins with NAME.
     float_ : bool
         Compute with float instead of double.
+    learn : bool
+        Let the model learn on the controller, with the settings of ``control.feedforward``.
+    config : FILE
+        Configuration files; later ones win. By default those of the folder.
 
     Examples
     --------
@@ -33,8 +42,10 @@ def export_c(model: str, *, c: str, float_: bool = False) -> None:
 
     Raises
     ------
+    ConfigError
+        The configuration is wrong.
     FprcError
-        ``model`` holds no model that can be exported.
+        ``model`` holds no model that can be exported, or that can learn.
     OutputError
         ``c`` does not end in ``.h``, is a file that this command did not write, or cannot be
         written.
@@ -44,7 +55,24 @@ def export_c(model: str, *, c: str, float_: bool = False) -> None:
     fitted = load_model(model)
     origin = f"From {Path(model).name}, SHA-256 {sha256(model)}, by fprc {__version__}."
     try:
-        text = c_header(fitted, path.stem, single=float_, origin=origin)
+        online = online_model(fitted, config) if learn else None
+        text = c_header(fitted, path.stem, single=float_, origin=origin, online=online)
     except FprcError as error:
         raise FprcError(f"{model}: {error}") from error
     write_text(path, text)
+
+
+def online_model(model: SequenceModel, config: Sequence[str]) -> Online:
+    """Return a model as it learns with the settings of a configuration."""
+    settings = from_files(config or local_files())
+    control = settings.control
+    chosen = control.feedforward.model_dump(include=set(Learning._fields))
+    try:
+        return Online(
+            model,
+            Learning(**chosen),
+            1.0 / control.sample_rate_hz,
+            settings.tracking.pressure_limit_kpa,
+        )
+    except ValueError as error:
+        raise FprcError(str(error)) from error

@@ -11,6 +11,7 @@ from fprc.errors import FprcError
 from fprc.models.features import FeatureMap, TapFeatures
 from fprc.models.limits import LARGEST
 from fprc.models.lowpass_bank import LowpassBank
+from fprc.models.online import Online
 from fprc.models.plays import PlayOperators
 from fprc.models.ridge_readout import RidgeReadout
 from fprc.models.sequence import SequenceModel
@@ -36,7 +37,7 @@ $inputs
  *
  * Use:  ${name}_state state;
  *       ${name}_init(&state);
- *       at each sample:  p_ff = ${name}_step(&state, x);
+ *       at each sample:  $use
  *
  * Do not compile with -ffast-math: it disables the check for NaN. */
 #ifndef ${guard}_H
@@ -50,13 +51,14 @@ typedef $real ${name}_real;
 typedef struct {
     ${name}_real row[$n_row]; /* features, the latest tap of each input first */
     int streaming; /* 0 until the first sample */
-} ${name}_state;
+$memory} ${name}_state;
+$prior
 
 /* Begin a new stream at the next sample, which is the assumed input at all earlier times. */
 static inline void ${name}_init(${name}_state *state)
 {
     state->streaming = 0;
-}
+$forget}
 
 /* Begin a new stream; x is the assumed input at all earlier times. If x holds NaN, infinity or a
  * number beyond $largest, the stream begins at the next sample instead. */
@@ -66,7 +68,7 @@ static inline void ${name}_reset(${name}_state *state, const ${name}_real x[$n_i
     int i;
 
     state->streaming = 1;
-    for (i = 0; i < $n_inputs; i++) {
+$restart    for (i = 0; i < $n_inputs; i++) {
         if (!(x[i] >= -$largest && x[i] <= $largest)) {
             state->streaming = 0;
         }
@@ -108,7 +110,7 @@ $tables
         }
     }
 $output}
-
+$learn
 #endif
 """)
 
@@ -141,9 +143,9 @@ _FUZZY_OUTPUT = Template("""\
     for (i = 0; i < $n_c; i++) {
         beta = $exp((nearest - distance2[i]) * $half_over_sigma2); /* 1 / (2 sigma^2) */
         total += beta;
-        blended += beta * rule[i];
+        blended += beta * rule[i];$keep
     }
-    return blended / total;
+    $finish
 """)
 
 _RIDGE_TABLES = Template("""\
@@ -154,14 +156,130 @@ _RIDGE_OUTPUT = Template("""\
     for (j = 0; j < $n_row; j++) {
         output += weights[j] * state->row[j];
     }
-    return output;
+    $finish
+""")
+
+#: What a model that learns has more: in its state, in its functions, and functions of its own.
+_MEMORY = Template("""\
+    ${name}_real learned[$n_w], covariance[$n_w][$n_w]; /* of the readout's weights */
+    ${name}_real phi[$delay][$n_w], base[$delay], p_ff[$delay], p_fb[$delay]; /* the last samples */
+    unsigned long k; /* samples of the stream */
+""")
+
+_PRIOR = Template("""\
+
+/* Covariance of the weights after the training. */
+static const ${name}_real ${name}_prior[$n_w][$n_w] = {
+$prior
+};
+""")
+
+_FORGET = Template("""\
+    {
+        int i, j;
+        for (i = 0; i < $n_w; i++) {
+            state->learned[i] = 0;
+            for (j = 0; j < $n_w; j++) {
+                state->covariance[i][j] = ${name}_prior[i][j];
+            }
+        }
+    }
+""")
+
+_FINISH = Template("""\
+{
+        const unsigned long at = state->k++ % $delay;
+        ${name}_real *phi = state->phi[at], p_learned = 0;
+$fill
+        for (i = 0; i < $n_w; i++) {
+            p_learned += state->learned[i] * phi[i];
+        }
+        p_learned = p_learned > $limit ? $limit : p_learned < -$limit ? -$limit : p_learned;
+        state->base[at] = $base;
+        state->p_ff[at] = state->base[at] + p_learned;
+        state->p_fb[at] = 0;
+        return state->p_ff[at];
+    }""")
+
+_FUZZY_FILL = Template("""\
+        for (i = 0; i < $n_c; i++) {
+            phi[i * ($n_row + 1)] = rule[i] / total;
+            for (j = 0; j < $n_row; j++) {
+                phi[i * ($n_row + 1) + 1 + j] = rule[i] / total * state->row[j];
+            }
+        }""")
+
+_RIDGE_FILL = Template("""\
+        phi[0] = 1;
+        for (j = 0; j < $n_row; j++) {
+            phi[1 + j] = state->row[j];
+        }""")
+
+_LEARN = Template("""\
+
+/* Note the feedback in kPa that was added to the last P_ff. */
+static inline void ${name}_sent(${name}_state *state, ${name}_real p_fb)
+{
+    if (state->k > 0) {
+        state->p_fb[(state->k - 1) % $delay] = p_fb;
+    }
+}
+
+/* Learn from theta_d - theta and theta of this sample, deg, before its ${name}_step. Nothing is
+ * learned while the command is at a limit, the actuator at its stop, or a number no number. */
+static inline void ${name}_learn(${name}_state *state, ${name}_real error, ${name}_real theta)
+{
+    const unsigned long then = state->k % $delay;
+    const ${name}_real *phi = state->phi[then];
+    ${name}_real gains[$n_w], given = 0, scale = 1, innovation, p_d, updated;
+    int i, j;
+
+    if (!state->streaming || state->k < $delay || !(theta > $stop && theta <= $largest)
+        || !(error >= -$largest && error <= $largest)) {
+        return;
+    }
+    p_d = state->p_ff[then] + state->p_fb[then];
+    if (!(p_d > 0 && p_d < $most)) {
+        return;
+    }
+    for (i = 0; i < $n_w; i++) {
+        given += state->learned[i] * phi[i];
+        gains[i] = 0;
+    }
+    innovation = state->p_ff[then] + $kpa_per_deg * error - state->base[then] - given;
+    if ((given >= $limit || given <= -$limit) && given * innovation >= 0) {
+        return;
+    }
+    for (j = 0; j < $n_w; j++) {
+        for (i = 0; i < $n_w; i++) {
+            gains[i] += state->covariance[j][i] * phi[j];
+        }
+    }
+    for (i = 0; i < $n_w; i++) {
+        scale += phi[i] * gains[i];
+    }
+    for (i = 0; i < $n_w; i++) {
+        state->learned[i] += gains[i] / scale * innovation;
+        for (j = 0; j < $n_w; j++) {
+            updated = state->covariance[i][j] - gains[i] * gains[j] / scale;
+            state->covariance[i][j] = updated + $mixing * (${name}_prior[i][j] - updated);
+        }
+    }
+}
 """)
 
 #: Kinds of features in C.
 _TAP, _LOWPASS, _PLAY = range(3)
 
 
-def c_header(model: SequenceModel, name: str, *, single: bool = False, origin: str = "") -> str:
+def c_header(
+    model: SequenceModel,
+    name: str,
+    *,
+    single: bool = False,
+    origin: str = "",
+    online: Online | None = None,
+) -> str:
     """Return a C header that computes what ``model.step`` computes.
 
     It has the functions ``NAME_init(&state)``, ``NAME_reset(&state, x)`` and
@@ -178,12 +296,16 @@ def c_header(model: SequenceModel, name: str, *, single: bool = False, origin: s
         Compute with float instead of double.
     origin : str, optional
         Where the model comes from, for the comment at the top.
+    online : Online, optional
+        The same model as it learns: the header then has ``NAME_learn(&state, error, theta)`` and
+        ``NAME_sent(&state, p_fb)`` too, as in ``Online``. Only in double: in float the covariance
+        would lose its sign.
 
     Raises
     ------
     FprcError
-        The model cannot be exported or is too large, ``name`` is no C name, or a number exceeds the
-        range of float.
+        The model cannot be exported or is too large, ``name`` is no C name, a number exceeds the
+        range of float, or a model is to learn in float.
 
     References
     ----------
@@ -197,7 +319,9 @@ def c_header(model: SequenceModel, name: str, *, single: bool = False, origin: s
     if not isinstance(model, SequenceModel):
         raise FprcError(f"{type(model).__name__} is a part of a model; export the whole model")
     rows = _rows(model.features_)
-    readout = _readout(model.readout_, name, len(rows or ()), single)
+    if single and online is not None:
+        raise FprcError("a model learns in double only; export it without --float")
+    readout = _readout(model.readout_, name, len(rows or ()), single, online)
     if rows is None or readout is None:
         raise FprcError(_refusal(model))
     columns, kinds, numbers = zip(*rows, strict=True)
@@ -240,16 +364,20 @@ def _rows(features: FeatureMap) -> list[tuple[int, int, float]] | None:
     return None
 
 
-def _readout(readout: BaseEstimator, name: str, n_row: int, single: bool) -> dict[str, str] | None:
+def _readout(
+    readout: BaseEstimator, name: str, n_row: int, single: bool, online: Online | None
+) -> dict[str, str] | None:
     """Return the parts of the template for a readout; None if there is no C code for it."""
     if isinstance(readout, RidgeReadout):
         equation, include = "P_ff(k) = w_out [1, x(k)], paper, Eq. (4)", ""
         parts = {"tables": _RIDGE_TABLES, "output": _RIDGE_OUTPUT}
+        fill, base = _RIDGE_FILL, "output"
         numbers = {"bias": readout.w_out_[:1], "weights": readout.w_out_[1:]}
     elif isinstance(readout, TakagiSugenoReadout):
         equation = "P_ff(k) = beta_bar(k) W_out [1, x(k)], paper, Eq. (12)"
         include = "#include <math.h>\n\n"
         parts = {"tables": _FUZZY_TABLES, "output": _FUZZY_OUTPUT}
+        fill, base = _FUZZY_FILL, "blended / total"
         bias, weights = readout.W_out_[:, 0], readout.W_out_[:, 1:]
         numbers = {
             "centers": readout.centers_,
@@ -265,8 +393,38 @@ def _readout(readout: BaseEstimator, name: str, n_row: int, single: bool) -> dic
     texts |= {"name": name, "n_row": str(n_row), "exp": "expf" if single else "exp"}
     if "centers" in numbers:
         texts["n_c"] = str(len(numbers["centers"]))
+    texts |= {"base": base, "finish": f"return {base};", "keep": ""}
+    more = dict.fromkeys(("memory", "prior", "forget", "restart", "learn"), "")
+    more["use"] = f"p_ff = {name}_step(&state, x);"
+    if online is not None:
+        texts |= _learning(online)
+        texts["fill"] = fill.substitute(texts)
+        texts["finish"] = _FINISH.substitute(texts)
+        texts["keep"] = "\n        rule[i] = beta;"
+        own = {"memory": _MEMORY, "prior": _PRIOR, "forget": _FORGET, "learn": _LEARN}
+        more |= {key: part.substitute(texts) for key, part in own.items()}
+        more["restart"] = "    state->k = 0;\n"
+        more["use"] = (
+            f"{name}_learn(&state, error, theta); {more['use']} {name}_sent(&state, p_fb);"
+        )
     filled = {key: part.substitute(texts) for key, part in parts.items()}
-    return filled | {"equation": equation, "include": include}
+    return filled | more | {"equation": equation, "include": include}
+
+
+def _learning(online: Online) -> dict[str, str]:
+    """Return the numbers of a model that learns, as C literals."""
+    settings, prior = online.settings, online.prior
+    numbers = {
+        "kpa_per_deg": settings.kpa_per_deg, "limit": settings.limit_kpa,
+        "stop": settings.stop_deg, "mixing": online.mixing, "largest": LARGEST,
+        "most": min(online.limit_kpa, LARGEST),
+    }  # fmt: skip
+    return {
+        "n_w": str(len(prior)),
+        "delay": str(online.delay),
+        "prior": _literals(prior, "prior", False),
+        **{key: repr(float(value)) for key, value in numbers.items()},
+    }
 
 
 def _refusal(model: SequenceModel) -> str:

@@ -7,6 +7,7 @@ from fprc.config import Settings
 from fprc.control import PD
 from fprc.errors import ControlError
 from fprc.experiments.data import Data
+from fprc.experiments.hysteresis import acquire
 from fprc.experiments.tracking import TRACKING_RUNS, Track, measure_control, pd_of, tracking_rmse
 from fprc.models import FPRC, FuzzyLinear
 from fprc.paper import CONTROLLERS, REFERENCES
@@ -144,3 +145,31 @@ def test_keeping_the_sum_from_winding_up_changes_no_error(bench, models, monkeyp
         "fprc.experiments.tracking.pd_of", lambda control, limit: PD(**control["pd"], **free)
     )
     assert errors() == pytest.approx(kept, rel=1e-6)
+
+
+@pytest.mark.slow
+def test_an_hour_of_learning_with_a_leak_stays_bounded():
+    """Half a kPa a minute, mixed references, one model that learns all the time."""
+    settings = Settings().model_dump(mode="json")
+    settings["control"]["feedforward"]["adapt"] = True
+    bench = Track(settings["tracking"], settings["control"], settings["rig"], 7)
+    log = acquire("sweep", settings["experiments"]["sweep"], bench.control, bench.rig, seed=7)
+    X = np.column_stack([log["theta_deg"], log["p_o_kpa"]])
+    model = FPRC(random_state=1).partial_fit(X, log["p_exp_command_kpa"])
+    online, errors, largest, begin_s = bench.online(model), [], [], 0.0
+    while begin_s < 3600.0:
+        for reference in REFERENCES:
+            theta_d, number = bench.reference(reference), 1000 + len(errors)
+            time_s = begin_s + np.arange(len(theta_d)) / 200.0
+            inputs = bench.inputs(theta_d, number)
+            inputs[:, 1] -= 0.5 / 60.0 * time_s
+            fed = bench.feed(model, inputs)._replace(online=online)
+            run = bench.simulate(theta_d, fed, number, feedback=True)
+            errors.append(tracking_rmse(run, 5.0))
+            largest.append(np.abs(online.learned).max())
+            begin_s = time_s[-1]
+    errors = np.reshape(errors, (-1, len(REFERENCES)))
+    assert np.isfinite(errors).all()
+    assert max(largest) < 5.0 * np.median(largest)
+    assert np.linalg.norm(errors[-1]) < 2.5 * np.linalg.norm(errors[0])
+    assert np.trace(online.covariance) <= np.trace(online.prior)

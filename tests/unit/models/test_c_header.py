@@ -21,7 +21,9 @@ from fprc.models import (
     NVAR,
     FeatureModel,
     FuzzyLinear,
+    Learning,
     LowpassBank,
+    Online,
     PlayOperators,
     RidgeReadout,
     SideBySide,
@@ -313,6 +315,55 @@ def test_readout_that_no_controller_holds_is_refused(fitted, monkeypatch):
 def test_name_that_is_none_in_c_is_refused(name, fitted):
     with pytest.raises(FprcError, match="cannot begin names in C"):
         c_header(fitted["fprc"], name)
+
+
+LEARNING = """
+void learn(pff_state *s, pff_real error, pff_real theta);
+void sent(pff_state *s, pff_real p_fb);
+void learn(pff_state *s, pff_real error, pff_real theta) { pff_learn(s, error, theta); }
+void sent(pff_state *s, pff_real p_fb) { pff_sent(s, p_fb); }
+"""
+
+
+@pytest.mark.parametrize("name", ["fprc", "fuzzy_linear", "ridge"])
+@pytest.mark.parametrize("command", [C99, CPP])
+def test_header_learns_as_the_model_does(fitted, tmp_path, name, command):
+    if shutil.which(command[0]) is None:
+        pytest.skip(f"no compiler, {command[0]}")
+    X = recording(600, columns(name))
+    model = deepcopy(fitted[name]).remember(X)
+    learning = Learning(prior_s=1.0, memory_s=5.0, limit_kpa=20.0)
+    online = Online(model, learning, 0.005, 5000.0)
+    (tmp_path / "pff.h").write_text(c_header(model, "pff", online=online))
+    end = WRAPPER.rindex("#ifdef __cplusplus")
+    (tmp_path / "wrapper.c").write_text(WRAPPER[:end] + LEARNING + WRAPPER[end:])
+    subprocess.run([*command, "wrapper.c", "-o", "pff.so", "-lm"], cwd=tmp_path, check=True)
+    library, real = ctypes.CDLL(str(tmp_path / "pff.so")), ctypes.c_double
+    library.next.restype = real
+    library.learn.argtypes = [ctypes.c_void_p, real, real]
+    library.sent.argtypes = [ctypes.c_void_p, real]
+    state = ctypes.create_string_buffer(library.size())
+    library.begin(state)
+    rng, learned = np.random.default_rng(1), []
+    for k, x in enumerate(X):
+        error = 3.0 * np.sin(0.02 * k) if k % 50 else np.nan
+        theta = 30.0 * (k % 7 > 0)
+        p_fb = float(rng.choice([0.0, 5.0, 1e4, -1e4], p=(0.4, 0.4, 0.1, 0.1)))
+        online.learn(error, theta)
+        library.learn(state, error, theta)
+        ours = library.next(state, np.ascontiguousarray(x).ctypes.data_as(ctypes.c_void_p))
+        assert ours == pytest.approx(online.step(x), rel=1e-5, abs=1e-3)
+        online.sent(p_fb)
+        library.sent(state, p_fb)
+        learned.append(abs(online.p_learned_kpa))
+    assert 1.0 < max(learned) <= 20.0
+
+
+def test_header_learns_in_double_only(fitted):
+    X = recording(600, 2)
+    online = Online(deepcopy(fitted["fprc"]).remember(X), Learning(), 0.005)
+    with pytest.raises(FprcError, match="double"):
+        c_header(fitted["fprc"], "pff", single=True, online=online)
 
 
 def columns(name):

@@ -69,7 +69,9 @@ def parts_of(family: Family) -> list[list[Part]]:
     """Return the comparisons of D1 to D4."""
     errors = errors_of(family)
 
-    def overall(model: str, condition: str = "none", learns: bool = True, loop: str = "closed"):  # type: ignore[no-untyped-def]
+    def overall(
+        model: str, condition: str = "none", learns: bool = True, loop: str = "closed"
+    ) -> dict[int, float]:
         return _overall(errors.get((model, condition, learns, loop), {}))
 
     def at(model: str, learns: bool, reference: str) -> dict[int, float]:
@@ -146,7 +148,7 @@ def _errors(families: Sequence[Family]) -> tuple[pd.DataFrame, pd.DataFrame, str
             values = np.array(list(_overall(by_unit).values()))
             rows.append(
                 {
-                    "family": family["name"], "model": model, "condition": condition,
+                    "family": family["name"], "model": model, "condition": _words(condition),
                     "learns": learns, "loop": loop, "mean_deg": float(values.mean()),
                     "low_deg": float(values.min()), "high_deg": float(values.max()),
                     "units": len(values), "source": "sim",
@@ -156,7 +158,7 @@ def _errors(families: Sequence[Family]) -> tuple[pd.DataFrame, pd.DataFrame, str
     first = table[table["family"] == families[0]["name"]]
     page = []
     for (model, condition), own in first.groupby(["model", "condition"], sort=False):
-        line = {"Model": _TITLES[str(model)], "Changed since the training": _words(str(condition))}
+        line = {"Model": _TITLES[str(model)], "Changed since the training": str(condition)}
         for loop, words in LOOPS.items():
             for learns, how in ((False, "as trained"), (True, "learning")):
                 cell = own[(own["loop"] == loop) & (own["learns"] == learns)]
@@ -187,8 +189,9 @@ TABLES = {"verdicts": _verdicts, "errors": _errors}
 def plot_offsets(table: pd.DataFrame, ax: Axes) -> None:
     """Draw the error of FPRC over the offset of P_o, as trained and learning; and PD alone."""
     own = table[table["model"] == "fprc"]
-    offsets = own["condition"].str.removesuffix(" kPa").replace("none", "0")
-    own = own.assign(offset=pd.to_numeric(offsets, errors="coerce")).dropna(subset=["offset"])
+    offsets = own["condition"].str.extract(r"P_o ([+-][\d.]+) kPa")[0]
+    offsets = offsets.mask(own["condition"] == _words("none"), "0")
+    own = own.assign(offset=pd.to_numeric(offsets)).dropna(subset=["offset"])
     for learns, marker, color in ((False, "o", "0.55"), (True, "s", "black")):
         line = own[own["learns"] == learns].sort_values("offset")
         label = "FPRC, learning" if learns else "FPRC as trained"
@@ -196,7 +199,7 @@ def plot_offsets(table: pd.DataFrame, ax: Axes) -> None:
                 label=label)  # fmt: skip
         ax.fill_between(line["offset"], line["low_deg"], line["high_deg"], color=color, alpha=0.2,
                         linewidth=0)  # fmt: skip
-    other = table[(table["model"] == "fuzzy_linear") & (table["condition"] == "none")]
+    other = table[(table["model"] == "fuzzy_linear") & (table["condition"] == _words("none"))]
     for learns, dashes in ((False, ":"), (True, "--")):
         level = other.loc[other["learns"] == learns, "mean_deg"]
         if len(level):

@@ -1,0 +1,151 @@
+import numpy as np
+import pandas as pd
+import pytest
+
+from fprc.artifacts import read_json, write_json
+from fprc.config import Settings
+from fprc.experiments.tracking import Track, tracking_rmse
+from fprc.paper import REFERENCES
+from fprc.studies.online import show
+from fprc.studies.online.follow_up import STATES, follow_up
+from fprc.studies.online.judge import changed_rig, conditions, disturbed, judge_online
+from fprc.studies.stages import online as stage
+
+SETTINGS = Settings().model_dump(mode="json")
+
+
+def shortened(duration_s):
+    tracking = Settings().model_dump(mode="json")["tracking"]
+    for described in tracking["references"].values():
+        described |= {"duration_s": duration_s, "settle_s": 1.0}
+    tracking["pushes"]["quiet_s"] = 1.5
+    return tracking
+
+
+@pytest.fixture(scope="module")
+def judged():
+    """What the judgement of one short unit gives, as a frame."""
+    signals = {name: each | {"duration_s": 10.0} for name, each in SETTINGS["experiments"].items()}
+    on_rig = {"rig": SETTINGS["rig"], "control": SETTINGS["control"], "signals": signals,
+              "target": "command"}  # fmt: skip
+    family = {"rigs": "one", "first_seed": 5, "seeds_per_rig": 1, "on_rig": on_rig}
+    found = judge_online(
+        {"unit": 0}, family=family, near_print="", tracking=shortened(3.0),
+        models=SETTINGS["models"],
+    )  # fmt: skip
+    assert "failed" not in found
+    return pd.DataFrame(found["rows"])
+
+
+@pytest.mark.slow
+def test_every_run_is_judged_once(judged):
+    keys = ["model", "condition", "learns", "loop", "reference"]
+    assert not judged.duplicated(keys).any()
+    assert np.isfinite(judged["rmse_deg"]).all()
+    counts = judged.groupby("model").size()
+    every, few = len(conditions(True)), len(conditions(False))
+    references = len(SETTINGS["tracking"]["references"])
+    assert counts["fprc"] == 4 * every * references
+    assert counts["fuzzy_linear"] == counts["fprc_lowpass"] == 4 * few * references
+    assert counts["pd"] == few * references
+    assert counts["follow_up_p_o"] == len(REFERENCES)
+
+
+@pytest.mark.slow
+def test_conditions_change_what_they_name_and_nothing_else(judged):
+    tidy = judged.set_index(["model", "condition", "learns", "loop", "reference"])["rmse_deg"]
+    as_trained = tidy["fprc", :, False, "open", "sweep"]
+    assert as_trained["none"] != as_trained["+5 kPa"] != as_trained["leak"]
+    pd_alone = tidy["pd", :, False, "closed", "sweep"]
+    assert pd_alone["none"] != pd_alone["stiffer"] != pd_alone["worn"]
+
+
+def test_disturbances_of_p_o_are_those_of_physics():
+    p_o, rate_hz = np.full(12_001, 20.0), 200.0
+    assert (disturbed(p_o, "-2 kPa", rate_hz) == 18.0).all()
+    leak = disturbed(p_o, "leak", rate_hz)
+    assert (leak[0], leak[-1]) == (20.0, pytest.approx(16.0))
+    warmer = disturbed(p_o, "warmer", rate_hz)
+    # at constant volume, absolute pressure is proportional to absolute temperature
+    assert warmer[0] == 20.0
+    assert (warmer[-1] + 101.3) / (20.0 + 101.3) == pytest.approx(298.0 / 293.0)
+    assert disturbed(p_o, "worn", rate_hz) is p_o
+    rig, stiffer = SETTINGS["rig"], changed_rig(SETTINGS["rig"], "stiffer")
+    key = "stiffness_kpa_per_deg"
+    assert stiffer["bending"][key] == pytest.approx(1.1 * rig["bending"][key])
+    assert changed_rig(rig, "leak") == rig
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("state", STATES)
+def test_scheme_that_learns_from_nothing_beats_pd_alone(state):
+    bench = Track(shortened(20.0), SETTINGS["control"], SETTINGS["rig"], 5)
+    theta_d = bench.reference("sine_0p5")
+    alone = bench.simulate(theta_d, np.zeros(len(theta_d)), 20, feedback=True)
+    found = follow_up(bench, theta_d, 20, state)
+    assert tracking_rmse(found, 10.0) < 0.8 * tracking_rmse(alone, 10.0)
+
+
+# --- verdicts ---------------------------------------------------------------------------------
+
+
+def family(units=12, seed=1, **ratios):
+    """Return a family of known errors: 1 deg, times the factor of a model or a condition."""
+    rng, cells = np.random.default_rng(seed), []
+    runs = [("fprc", c, learns, loop) for c in conditions(True)
+            for learns in (False, True) for loop in show.LOOPS]  # fmt: skip
+    runs += [("fprc_lowpass", "none", True, loop) for loop in show.LOOPS]
+    runs += [("pd", "none", False, "closed")]
+    runs += [(f"follow_up_{state}", "none", True, "closed") for state in STATES]
+    for unit in range(units):
+        rows = [
+            {"model": model, "condition": condition, "learns": learns, "loop": loop,
+             "reference": reference,
+             "rmse_deg": ratios.get(condition if condition != "none" else model, 1.0)
+             * float(np.exp(0.01 * rng.standard_normal()))}
+            for model, condition, learns, loop in runs
+            for reference in REFERENCES
+        ]  # fmt: skip
+        cells.append({"unit": unit, "seed": unit, "rows": rows})
+    return {"name": "dry", "cells": cells}
+
+
+@pytest.mark.parametrize(
+    ("ratios", "verdicts"),
+    [
+        ({}, ["holds", "equivalent", "equivalent", "equivalent"]),
+        ({"+5 kPa": 1.2}, ["does not hold", "equivalent", "equivalent", "equivalent"]),
+        ({"fprc_lowpass": 1.3, "pd": 3.0, "follow_up_linear": 1.5},
+         ["holds", "superior", "superior", "superior"]),
+        ({"fprc": 1.3}, ["holds", "inferior", "inferior", "equivalent"]),
+    ],
+)  # fmt: skip
+def test_verdict_is_that_of_known_errors(ratios, verdicts):
+    table, page, _ = show.TABLES["verdicts"]([family(**ratios)])
+    found = table.groupby("id", sort=False)["verdict"].first()
+    assert found.tolist() == verdicts
+    assert page["Id"].tolist() == list(show.CLAIMS)
+    assert not table.isna().any().any()
+
+
+def test_offset_that_grows_the_error_by_its_limit_is_undecided():
+    table, _, _ = show.TABLES["verdicts"]([family(**{"-5 kPa": 1.1, "fprc": 1.0})])
+    assert table.loc[table["id"] == "D1", "verdict"].unique().tolist() == ["undecided"]
+
+
+def test_tables_and_figure_are_written(tmp_path):
+    path = tmp_path / "dry.json"
+    write_json(path, family())
+    for name in show.TABLES:
+        files = {kind: str(tmp_path / f"{name}.{kind}") for kind in ("csv", "md", "tex")}
+        stage.tabulate_online([str(path)], table=name, **files)
+        assert "nan" not in (tmp_path / f"{name}.md").read_text()
+    errors = pd.read_csv(tmp_path / "errors.csv")
+    chosen = errors[(errors["model"] == "fprc") & errors["learns"] & (errors["loop"] == "open")]
+    expected = show.errors_of(read_json(path))["fprc", "+2 kPa", True, "open"]
+    overall = [np.sqrt(np.mean(np.square(list(unit.values())))) for unit in expected.values()]
+    found = chosen.set_index("condition").loc["P_o +2 kPa", "mean_deg"]
+    assert found == pytest.approx(np.mean(overall))
+    stage.draw_online(str(tmp_path / "errors.csv"), str(tmp_path / "a.pdf"),
+                      str(tmp_path / "a.png"), names=["dry", "dry"])  # fmt: skip
+    assert (tmp_path / "a.png").stat().st_size > 1000
