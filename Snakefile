@@ -20,10 +20,12 @@ STUDIES = (
     "near_print",
     "beyond",
     "tuned",
+    "online",
     "check",
     "readme",
     "calibration_page",
     "beyond_page",
+    "drift_page",
 )
 
 for target in STUDIES:

@@ -62,6 +62,7 @@ def draw_online(errors: str, pdf: str, png: str, *, names: Sequence[str]) -> Map
             ax = axes[row][column]
             show.plot_offsets(table[(table["family"] == name) & (table["loop"] == loop)], ax)
             ax.set_title(f"{show.world_title(name)}, {show.LOOPS[loop]}", fontsize=7)
-            ax.label_outer(remove_inner_ticks=True)
+            # each panel has its own scale, and therefore its own numbers
+            ax.set(xlabel=ax.get_xlabel() if row else "", ylabel="" if column else ax.get_ylabel())
     style.share_legend(fig, axes[0][0])
     return style.save(fig, {"source": "sim", "seeds": []}, pdf, png)
