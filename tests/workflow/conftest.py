@@ -299,6 +299,7 @@ def calibrated(smoked, shared):
             "near_print",
             "targets",
             "beyond",
+            "online",
             "tuned",
             *(f"results/smoke/{name}" for name in files),
             taps,

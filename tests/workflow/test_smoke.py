@@ -162,7 +162,7 @@ def test_smoke_touches_every_rule(smoked, calibrated):
     working |= {f"draw_fig{number}" for number in range(12, 16)}
     assert len(working) > 40
     # these look at results and make none, or take minutes and are tested by themselves
-    by_hand = {"check", "readme", "calibration_page", "beyond_page"}
+    by_hand = {"check", "readme", "calibration_page", "beyond_page", "drift_page"}
     # of logs that are already there: test_recorded.py; of a real rig: tests/faults
     by_hand |= {"add_reservoir", "record_on_rig"}
     by_hand |= {"draw_training"}  # of models from outside the package: test_extending.py

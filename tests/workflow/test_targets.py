@@ -62,7 +62,7 @@ def test_studies_are_no_rules_of_the_paper_and_their_targets_answer_with_the_com
     named = set(
         re.findall(r"^rule (\w+):\n    input:\n(?:        .*\n)+    localrule", rules, re.M)
     )
-    for target in named | {"check", "readme", "calibration_page", "beyond_page"}:
+    for target in named | {"check", "readme", "calibration_page", "beyond_page", "drift_page"}:
         assert target in paper & both
     done = project.snakemake("--dry-run", "beyond")
     assert done.returncode == 1

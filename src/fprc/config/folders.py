@@ -14,7 +14,7 @@ PROJECT_FOLDERS = frozenset({"config", "docs", "profiles", "src", "tests", "tool
 #: Folders that the rules create in the results folder.
 RESULT_FOLDERS = frozenset(
     {
-        "beyond", "calibration", "crossval", "data", "families", "figures", "grids",
+        "beyond", "calibration", "crossval", "data", "families", "figures", "grids", "online",
         "logs", "models", "near_print", "predictions", "quality", "readout", "replicates",
         "reservoir", "rigs", "tables", "timing", "weights",
     }
