@@ -117,7 +117,7 @@ def whole_matrix(_matrix, request):
     filling = {item.nodeid for item in here if "matrix" in item.fixturenames}
     chosen = request.config.option.keyword or request.config.option.markexpr
     if not present >= _FILLING or chosen or not filling <= _passed:
-        pytest.skip("not every test of the tables was run")
+        pytest.skip("not every test of the table was run")
     return _HEAD + "\n".join(_matrix.lines())
 
 

@@ -1,6 +1,7 @@
 """A fitted model that goes on learning while it controls."""
 
 import math
+from contextlib import suppress
 from copy import deepcopy
 from typing import NamedTuple
 
@@ -160,10 +161,19 @@ _LEAST = 1e-6
 
 
 def prior_of(model: SequenceModel, prior_s: float, period_s: float) -> np.ndarray:
-    """Return the prior covariance C_0 of a model: its training, as ``prior_s`` seconds of data."""
+    """Return the prior covariance C_0 of a model: its training, as ``prior_s`` seconds of data.
+
+    Raises
+    ------
+    ValueError
+        ``information_`` is not positive: no training gives it.
+    """
     # the regressors of the biases sum to 1 at each sample
     biases = slice(None, None, 1 + model.readout_.n_features_in_)
     samples = float(model.information_[biases, biases].sum())
-    scaled = model.information_ * (prior_s / period_s / samples)
-    prior = solve_ridge(scaled, np.eye(len(scaled)), _LEAST)
-    return 0.5 * (prior + prior.T)
+    scaled = model.information_ * (prior_s / period_s / max(samples, 1.0))
+    if samples >= 1.0:
+        with suppress(ValueError):
+            prior = solve_ridge(scaled, np.eye(len(scaled)), _LEAST)
+            return 0.5 * (prior + prior.T)
+    raise ValueError("information_ is of no training; train the model again")

@@ -122,3 +122,21 @@ def test_documented_program_compiles(example, precision, model, header, tmp_path
     standard = "-std=c++11" if arduino else "-std=c++17"
     command = ["c++", standard, "-Wall", "-Wextra", "-Werror", "-I.", "-fsyntax-only"]
     subprocess.run([*command, "program.cpp"], cwd=tmp_path, check=True)
+
+
+def test_model_that_learns_needs_its_training(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    X = np.random.default_rng(1).normal(100.0, 10.0, (200, 2))
+    for name, model in (
+        ("old", FPRC(n_c=2, random_state=1).fit(X, X[:, 0])),
+        ("new", FPRC(n_c=2, random_state=1).partial_fit(X, X[:, 0])),
+    ):
+        save_model(model, f"{name}.h5")
+    (tmp_path / "mine.yaml").write_text("control: {feedforward: {kpa_per_deg: 3.25}}")
+    assert main(["export", "old.h5", "--c", "old.h", "--learn"]) == 1
+    assert "old.h5" in capsys.readouterr().err
+    assert not (tmp_path / "old.h").exists()
+    command = ["export", "new.h5", "--c", "new.h", "--learn", "--config", "mine.yaml"]
+    assert main(command) == 0
+    assert "new_learn(" in (tmp_path / "new.h").read_text()
+    assert "3.25 * error" in (tmp_path / "new.h").read_text()

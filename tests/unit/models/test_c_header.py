@@ -4,6 +4,7 @@ import shutil
 import subprocess
 from copy import deepcopy
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -357,6 +358,25 @@ def test_header_learns_as_the_model_does(fitted, tmp_path, name, command):
         library.sent(state, p_fb)
         learned.append(abs(online.p_learned_kpa))
     assert 1.0 < max(learned) <= 20.0
+
+
+def test_header_that_learns_is_as_large_as_docs_deploy_says(fitted, tmp_path):
+    if shutil.which("size") is None or shutil.which("cc") is None:
+        pytest.skip("no compiler, cc, or no size")
+    model = deepcopy(fitted["fprc"]).remember(recording(600, 2))
+    (tmp_path / "pff.h").write_text(
+        c_header(model, "pff", online=Online(model, Learning(), 0.005, 450.0))
+    )
+    (tmp_path / "a.c").write_text(WRAPPER + "pff_state kept;")
+    subprocess.run(["cc", "-Os", "-c", "a.c"], cwd=tmp_path, check=True)
+    done = subprocess.run(["size", "a.o"], cwd=tmp_path, capture_output=True, text=True, check=True)
+    text, data, bss, *_ = map(int, done.stdout.splitlines()[1].split()[:3])
+    page = (Path(__file__).parents[3] / "docs/deploy.md").read_text(encoding="utf-8")
+    code, state = map(
+        int, re.findall(r"(\d+) kB of code and tables and (\d+) kB of state", page)[0]
+    )
+    assert (text + data) / 1e3 == pytest.approx(code, abs=2)
+    assert bss / 1e3 == pytest.approx(state, abs=1)
 
 
 def test_header_learns_in_double_only(fitted):

@@ -103,6 +103,18 @@ def test_what_is_remembered_is_saved_and_loaded(model, tmp_path):
     np.testing.assert_array_equal(loaded.information_, found.information_)
 
 
+@pytest.mark.parametrize(
+    "spoil",
+    [np.zeros_like, np.negative, lambda info: info - 2.0 * np.diag(np.diag(info))],
+    ids=["zeros", "negative", "indefinite"],
+)
+def test_information_that_no_training_has_is_refused_before_a_step(model, spoil):
+    found, _ = model
+    found.information_ = spoil(found.information_)
+    with pytest.raises(ValueError, match="information_"):
+        Online(found, Learning(), PERIOD_S)
+
+
 # --- the online model -------------------------------------------------------------------------
 
 

@@ -15,7 +15,7 @@ from fprc.experiments.hysteresis import simulate
 from fprc.experiments.tracking import TRACKING_RUNS, Track, tracking_rmse
 from fprc.models import SequenceModel
 from fprc.models.competitors import build_competitor
-from fprc.paper import DISTURBANCE
+from fprc.paper import DISTURBANCE, REFERENCES
 from fprc.studies.families.family import rigs_of
 from fprc.studies.online.follow_up import STATES, follow_up
 
@@ -106,13 +106,10 @@ def _followed(
     bench: Track, condition: str, models: Mapping[str, SequenceModel]
 ) -> list[dict[str, Any]]:
     rows = []
-    rate_hz = bench.control["sample_rate_hz"]
+    trained = bench.control["feedforward"]
     benches = {
         learns: bench._replace(
-            control={
-                **bench.control,
-                "feedforward": {**bench.control["feedforward"], "adapt": learns},
-            }
+            control={**bench.control, "feedforward": {**trained, "adapt": learns}}
         )
         for learns in (False, True)
     }
@@ -120,31 +117,35 @@ def _followed(
         theta_d, number = bench.reference(reference), TRACKING_RUNS[reference]
         pushes = bench.pushes(len(theta_d)) if reference == DISTURBANCE else None
         inputs = bench.inputs(theta_d, number, pushes)
-        inputs[:, 1] = disturbed(inputs[:, 1], condition, rate_hz)
-        settle_s = bench.tracking["references"][reference]["settle_s"]
-
-        def row(
-            model: str, learns: bool, loop: str, channels: Mapping[str, np.ndarray],
-            reference: str = reference, settle_s: float = settle_s,
-        ) -> dict[str, Any]:  # fmt: skip
-            return {
-                "model": model, "condition": condition, "learns": learns, "loop": loop,
-                "reference": reference, "rmse_deg": tracking_rmse(channels, settle_s),
-            }  # fmt: skip
-
+        inputs[:, 1] = disturbed(inputs[:, 1], condition, bench.control["sample_rate_hz"])
         for name, model in models.items():
             given = _inputs(name, theta_d, inputs, model)
             for learns, own in benches.items():
                 for loop, feedback in LOOPS.items():
-                    channels = own.simulate(
-                        theta_d, own.feed(model, given), number, pushes, feedback=feedback
-                    )
-                    rows.append(row(name, learns, loop, channels))
+                    fed = own.feed(model, given)
+                    run = own.simulate(theta_d, fed, number, pushes, feedback=feedback)
+                    rows.append(_row(bench, reference, run, name, condition, learns, loop))
         if condition in conditions(False):
             nothing = np.zeros(len(theta_d))
-            channels = bench.simulate(theta_d, nothing, number, pushes, feedback=True)
-            rows.append(row("pd", False, "closed", channels))
+            run = bench.simulate(theta_d, nothing, number, pushes, feedback=True)
+            rows.append(_row(bench, reference, run, "pd", condition, False, "closed"))
     return rows
+
+
+def _row(
+    bench: Track,
+    reference: str,
+    run: Mapping[str, np.ndarray],
+    model: str,
+    condition: str,
+    learns: bool,
+    loop: str,
+) -> dict[str, Any]:
+    settle_s = bench.tracking["references"][reference]["settle_s"]
+    return {
+        "model": model, "condition": condition, "learns": learns, "loop": loop,
+        "reference": reference, "rmse_deg": tracking_rmse(run, settle_s),
+    }  # fmt: skip
 
 
 def _inputs(name: str, theta_d: np.ndarray, inputs: np.ndarray, model: SequenceModel) -> np.ndarray:
@@ -156,20 +157,12 @@ def _inputs(name: str, theta_d: np.ndarray, inputs: np.ndarray, model: SequenceM
 def _followed_up(bench: Track) -> list[dict[str, Any]]:
     """Return the errors of the authors' next scheme, with each of its states."""
     rows = []
-    for reference in bench.tracking["references"]:
-        if reference == DISTURBANCE:
-            continue
+    for reference in REFERENCES:
         theta_d = bench.reference(reference)
-        settle_s = bench.tracking["references"][reference]["settle_s"]
         for state in STATES:
-            channels = follow_up(bench, theta_d, TRACKING_RUNS[reference], state)
-            rmse = tracking_rmse(channels, settle_s)
-            if not math.isfinite(rmse):
-                raise FprcError(f"{state} on {reference}: the error is {rmse}")
-            rows.append(
-                {
-                    "model": f"follow_up_{state}", "condition": "none", "learns": True,
-                    "loop": "closed", "reference": reference, "rmse_deg": rmse,
-                }
-            )  # fmt: skip
+            run = follow_up(bench, theta_d, TRACKING_RUNS[reference], state)
+            row = _row(bench, reference, run, f"follow_up_{state}", "none", True, "closed")
+            if not math.isfinite(row["rmse_deg"]):
+                raise FprcError(f"{state} on {reference}: the error is {row['rmse_deg']}")
+            rows.append(row)
     return rows

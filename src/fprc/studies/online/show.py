@@ -13,8 +13,6 @@ from fprc.paper import REFERENCES
 from fprc.signals import rms
 from fprc.studies.beyond.worlds import world_title
 
-__all__ = ["LOOPS", "TABLES", "plot_offsets", "world_title"]
-
 #: Loops, as readers see them.
 LOOPS = {"open": "open loop", "closed": "closed loop"}
 

@@ -10,6 +10,7 @@ from fprc.artifacts import read_json, write_json
 from fprc.evaluation.cells import judged_cells
 from fprc.figures import style
 from fprc.paper import SOURCES
+from fprc.studies.beyond.worlds import world_title
 from fprc.studies.online import show
 from fprc.studies.online.judge import judge_online
 from fprc.tables.text import write_table
@@ -61,7 +62,7 @@ def draw_online(errors: str, pdf: str, png: str, *, names: Sequence[str]) -> Map
         for row, loop in enumerate(show.LOOPS):
             ax = axes[row][column]
             show.plot_offsets(table[(table["family"] == name) & (table["loop"] == loop)], ax)
-            ax.set_title(f"{show.world_title(name)}, {show.LOOPS[loop]}", fontsize=7)
+            ax.set_title(f"{world_title(name)}, {show.LOOPS[loop]}", fontsize=7)
             # each panel has its own scale, and therefore its own numbers
             ax.set(xlabel=ax.get_xlabel() if row else "", ylabel="" if column else ax.get_ylabel())
     style.share_legend(fig, axes[0][0])
