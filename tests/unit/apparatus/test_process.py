@@ -116,12 +116,13 @@ def rescued(places):
     return place, path, log
 
 
+# "was deleted, moved or unmounted", or, seen while it happens, "was deleted"
 LOSSES = [
-    (Path.unlink, "was deleted, moved or unmounted (No such file", "raw"),
+    (Path.unlink, "was deleted", "raw"),
     (cut, "was cut from ", "raw"),
-    (delete_folder, "was deleted, moved or unmounted (No such file", "home"),
+    (delete_folder, "was deleted", "home"),
     (move_folder, "was deleted, moved or unmounted (No such file", "home"),
-    (delete_both, "was deleted, moved or unmounted (No such file", "temporary"),
+    (delete_both, "was deleted", "temporary"),
 ]
 
 

@@ -317,7 +317,7 @@ def move_folder(path):
 
 
 LOSSES = [
-    (Path.unlink, r"was deleted, moved or unmounted \(No such file or directory\)"),
+    (Path.unlink, r"was deleted(, moved or unmounted \(No such file or directory\))?"),
     (move_folder, r"was deleted, moved or unmounted \(No such file or directory\)"),
     (replace, r"was deleted"),
     (empty, r"was cut from \d+ to 0 bytes"),
