@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple
 from fprc.errors import LogError
 
 #: Unit of a channel by the ending of its name.
-UNITS = {"_kpa": "kPa", "_deg": "deg", "_s": "s", "_v": "V"}
+UNITS = {"_kpa": "kPa", "_deg": "deg", "_s": "s", "_v": "V", "_norm": "-"}
 
 #: By unit of a channel: the units that an import converts to it, with their factors.
 CONVERTED = {
@@ -14,6 +14,7 @@ CONVERTED = {
             "MPa": 1e3},
     "deg": {"deg": 1.0, "rad": 180.0 / math.pi},
     "V": {"V": 1.0, "mV": 1e-3},
+    "-": {},
 }  # fmt: skip
 
 
@@ -65,6 +66,8 @@ CHANNELS = (
     Channel("p_fb_kpa", "tracking", "feedback", "effort_range_kpa", _ALL),
     Channel("p_learned_kpa", "learning", "part of the feedforward that was learned in the run",
             "effort_range_kpa", frozenset()),
+    Channel("learned_norm", "learning", "Euclidean norm of what the weights have learned",
+            (0.0, 1e9), frozenset()),
 )
 # fmt: on
 

@@ -213,11 +213,21 @@ def _model(name, error):
     deg = {ref: 0.15 * error * f for ref, f in zip(REFERENCES, (0.8, 1.0, 1.1, 1.2), strict=True)}
     reads_p_o = name.startswith("fprc") and "lowpass" not in name or name.endswith("p_o")
     shifted = {str(kpa): float(np.hypot(error, (5.0 + (kpa > 0)) * kpa)) for kpa in OFFSETS}
-    return {
-        "forward": {"train_rmse_kpa": 0.9 * error, "test_rmse_kpa": error},
-        "reversed": {"train_rmse_kpa": 0.8 * error, "test_rmse_kpa": 2.0 * error},
+    loops = {
         "open_loop_deg": deg,
         "closed_loop_deg": {reference: 0.5 * value for reference, value in deg.items()},
+    }
+    tracked = {
+        kpa: {
+            loop: {ref: value * moved / error for ref, value in of_loop.items()}
+            for loop, of_loop in loops.items()
+        }
+        for kpa, moved in shifted.items()
+    }
+    return loops | {
+        "forward": {"train_rmse_kpa": 0.9 * error, "test_rmse_kpa": error},
+        "reversed": {"train_rmse_kpa": 0.8 * error, "test_rmse_kpa": 2.0 * error},
+        **({"tracked_shifted": tracked} if name == "fprc" else {}),
         "shifted": shifted if reads_p_o else None,
         "disturbed": {"drift": 1.1 * error, "pushed": 1.3 * error} if reads_p_o else None,
     }

@@ -41,7 +41,7 @@ def tracking_law(
         Computes P_fb, within the same limits of P_d; by default P_fb = 0.
     online : Online, optional
         The model of ``feedforward``, if it learns in the run; the law then returns what it has
-        learned too, as its last value.
+        learned too, as the channels of kind ``learning``.
     stale_samples : int
         Most samples in which the reference moves and the bend sensor does not;
         after more it counts as frozen.
@@ -73,7 +73,8 @@ def tracking_law(
         if online is None:
             return p_d, k_in_kpa_per_deg * theta_d, theta_d, p_ff, p_fb
         online.sent(p_fb)
-        return p_d, k_in_kpa_per_deg * theta_d, theta_d, p_ff, p_fb, online.p_learned_kpa
+        learned = online.p_learned_kpa, float(np.linalg.norm(online.learned))
+        return p_d, k_in_kpa_per_deg * theta_d, theta_d, p_ff, p_fb, *learned
 
     return law
 

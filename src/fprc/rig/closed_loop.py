@@ -25,7 +25,7 @@ SETPOINTS = ("p_ff_kpa", "theta_d_deg", "p_i_kpa", "push_kpa")
 RECORDED = (
     "time_s", "p_exp_command_kpa", "p_exp_kpa", "theta_deg", "p_i_command_kpa", "p_i_kpa",
     "p_o_kpa", "phi_deg", "valve_main_v", "valve_reservoir_v", "theta_d_deg", "p_ff_kpa",
-    "p_fb_kpa", "p_learned_kpa",
+    "p_fb_kpa", "p_learned_kpa", "learned_norm",
 )  # fmt: skip
 
 
@@ -59,7 +59,7 @@ def close_loop(
         Number of the first sample.
     valve_v, reading : ndarrays
         As in ``advance``; changed in place.
-    rows : ndarray of shape (n_samples, 14)
+    rows : ndarray of shape (n_samples, 15)
         Filled; see ``RECORDED``.
 
     Returns
@@ -109,8 +109,10 @@ def close_loop(
                         learned, covariance, prior, regressors[then], innovation, learning.mixing,
                         gains,
                     )  # fmt: skip
+        squared = 0.0
         for i in range(size):
             p_learned += learned[i] * regressors[k, i]
+            squared += learned[i] * learned[i]
         p_learned = min(max(p_learned, -learning.limit_kpa), learning.limit_kpa)
         p_ff += p_learned
         if feedback.acts:
@@ -135,5 +137,6 @@ def close_loop(
         row[1], row[2], row[3] = p_exp, p_main, theta
         row[4], row[5], row[6] = p_i, p_active, (reading[2] - sensor.zero_v) * kpa_per_v
         row[7], row[8], row[9] = reading[4], valve_v[0], valve_v[1]
-        row[10], row[11], row[12], row[13] = theta_d, p_ff, p_fb, p_learned
+        row[10], row[11], row[12] = theta_d, p_ff, p_fb
+        row[13], row[14] = p_learned, math.sqrt(squared)
     return 0, len(rows)

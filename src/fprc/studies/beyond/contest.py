@@ -75,7 +75,8 @@ def judge_build(
     dict of dict
         By model: ``forward`` and ``reversed`` with ``train_rmse_kpa`` and ``test_rmse_kpa``;
         ``open_loop_deg`` and ``closed_loop_deg`` by reference; ``shifted`` and ``disturbed`` with
-        the forward test error, or None for a model without P_o. Models of ``FORWARD_ONLY`` have
+        the forward test error, or None for a model without P_o; of FPRC, ``tracked_shifted``, the
+        same two by reference at each offset of P_o. Models of ``FORWARD_ONLY`` have
         neither ``reversed`` nor tracking errors. A model that cannot be judged has ``failed``, the
         message.
     """
@@ -83,6 +84,13 @@ def judge_build(
     sweep, complex_ = logs["sweep"], logs["complex"]
     bench = Track(contest.tracking, on_rig.control, on_rig.rig, seed)
     followed = _references(bench)
+    shifted = {
+        str(float(shift)): {
+            reference: {**channels, "p_o_kpa": channels["p_o_kpa"] + shift}
+            for reference, channels in followed.items()
+        }
+        for shift in contest.shifts_kpa
+    }
     fprc = _trained("fprc", sweep, complex_, contest, seed)
     disturbed = _disturbed(on_rig, seed, complex_, bench, contest)
     judged = {}
@@ -94,6 +102,10 @@ def judge_build(
             if name not in FORWARD_ONLY:
                 _, report["reversed"] = _trained(name, complex_, sweep, contest, seed)
                 report |= _follow(bench, model, name, followed)
+            if name == "fprc":
+                report["tracked_shifted"] = {
+                    shift: _follow(bench, model, name, inputs) for shift, inputs in shifted.items()
+                }
             judged[name] = report | _with_disturbed_p_o(model, name, disturbed, complex_, contest)
         except (FprcError, ValueError, np.linalg.LinAlgError) as error:
             judged[name] = {"failed": " ".join(str(error).split())}

@@ -10,7 +10,7 @@ from pandas import DataFrame
 from fprc import escape
 from fprc.claims.paired import EQUIVALENT_WITHIN
 from fprc.figures.style import line_of
-from fprc.studies.beyond.worlds import SETS, title_of, world_title
+from fprc.studies.beyond.worlds import MEASURES, SETS, title_of, world_title
 
 #: Marker and grey of each world, in their order.
 _WORLDS = (("o", "0"), ("s", "0.4"), ("D", "0.6"), ("^", "0.2"), ("v", "0.5"), ("P", "0.3"))
@@ -155,17 +155,20 @@ def plot_settings(table: DataFrame, ax: Axes) -> Axes:
     return ax
 
 
-def plot_offsets(table: DataFrame, titles: Mapping[str, str], ax: Axes) -> Axes:
-    """Draw forward test RMSE over the offset of P_o; Fuzzy-linear, without P_o, is a level line.
+def plot_offsets(table: DataFrame, measure: str, titles: Mapping[str, str], ax: Axes) -> Axes:
+    """Draw an error over the offset of P_o; Fuzzy-linear, without P_o, is a level line.
 
     Parameters
     ----------
     table : DataFrame
         One world of ``tables.beyond.offsets``.
+    measure : str
+        forward, open_loop or closed_loop.
     titles : Mapping
         Models by name.
     """
-    table = table[(table["disturbance"] == "none") & ~table["model"].str.endswith(_CHOSEN)]
+    shown = (table["measure"] == measure) & (table["disturbance"] == "none")
+    table = table[shown & ~table["model"].str.endswith(_CHOSEN)]
     others = iter(_READERS)
     for model, rows in table.groupby("model", sort=False):
         rows = rows.sort_values("offset_kpa")
@@ -178,7 +181,7 @@ def plot_offsets(table: DataFrame, titles: Mapping[str, str], ax: Axes) -> Axes:
         ax.fill_between(
             rows["offset_kpa"], rows["low"], rows["high"], color=look["color"], alpha=0.2, lw=0
         )
-    ax.set(xlabel="Offset of $P_o$ after training [kPa]", ylabel="Test RMSE, forward [kPa]")
+    ax.set(xlabel="Offset of $P_o$ after training [kPa]", ylabel=f"RMSE, {MEASURES[measure]}")
     ax.set_ylim(bottom=0)
     return ax
 

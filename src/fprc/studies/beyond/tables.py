@@ -10,6 +10,7 @@ from fprc.paper import SOURCES
 from fprc.signals import LEVEL, interval_of_mean
 from fprc.studies.beyond.verdicts import claims_page, details_page, fitted_page
 from fprc.studies.beyond.worlds import (
+    LOOPS,
     MEASURES,
     NO_OFFER,
     SETS,
@@ -70,7 +71,7 @@ def models_page(
 ) -> pd.DataFrame:
     """Return the models of one world as a page, one row each."""
     own = table[table["world"] == world]
-    headings = {words[:1].upper() + words[1:]: measure for measure, words in MEASURES.items()}
+    headings = {_heading(measure): measure for measure in MEASURES}
     rows = []
     for model, measures in own.groupby("model", sort=False):
         found = measures.set_index("measure")
@@ -146,41 +147,55 @@ def correlations_page(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def offsets(worlds: Worlds) -> pd.DataFrame:
-    """Forward test RMSE where P_o is shifted or disturbed after training, tidy.
+    """Forward test RMSE, and tracking, where P_o is shifted or disturbed after training, tidy.
 
     Returns
     -------
     DataFrame
-        ``world``, ``model``, ``disturbance`` (none, drift, noise or pushed), ``offset_kpa``,
-        ``mean``, ``low``, ``high``, ``units``, ``source``; and Fuzzy-linear's forward test RMSE,
-        which has no P_o, at no offset.
+        ``world``, ``model``, ``measure`` (forward, open_loop or closed_loop), ``disturbance``
+        (none, drift, noise or pushed), ``offset_kpa``, ``mean``, ``low``, ``high``, ``units``,
+        ``source``; and the errors of Fuzzy-linear, which has no P_o, at no offset.
     """
     tables = []
     for world in worlds:
         table = measured(world)
-        kind = table["measure"].str.extract("^(shifted|disturbed)/(.*)$")
-        shifted, disturbed = kind[0] == "shifted", kind[0] == "disturbed"
-        without = (table["measure"] == "forward") & (table["model"] == "fuzzy_linear")
+        kind = table["measure"].str.extract("^([a-z_]*)/(.*)$")
+        disturbed = kind[0] == "disturbed"
+        without = table["measure"].isin(["forward", *LOOPS]) & (table["model"] == "fuzzy_linear")
+        table["measure"] = kind[0].where(kind[0].isin(LOOPS), table["measure"])
+        table["measure"] = table["measure"].where(without | kind[0].isin(LOOPS), "forward")
         table["disturbance"] = kind[1].where(disturbed, "none")
-        table["offset_kpa"] = kind[1].where(shifted, "0").astype(float)
-        table = table[shifted | disturbed | without]
-        tables.append(_means(table, world, "model", "disturbance", "offset_kpa"))
+        table["offset_kpa"] = kind[1].where(~disturbed).fillna("0").astype(float)
+        table = table[kind[0].notna() | without]
+        tables.append(_means(table, world, "model", "measure", "disturbance", "offset_kpa"))
     return _joined(tables)
 
 
 def offsets_page(table: pd.DataFrame, world: str, titles: Mapping[str, str]) -> pd.DataFrame:
-    """Return one row per model and one column per offset and disturbance, means alone."""
+    """Return one row per model and measure, one column per offset and disturbance; means alone."""
     own = table[table["world"] == world]
     offsets_kpa = sorted(own["offset_kpa"].unique())
     headings = {f"{kpa:+g}" if kpa else "0": ("none", kpa) for kpa in offsets_kpa}
     kinds = own["disturbance"].unique()
     words = {"drift": "drift", "noise": "noise", "pushed": "push"}
     headings |= {word: (kind, 0.0) for kind, word in words.items() if kind in kinds}
-    wide = own.pivot(index="model", columns=["disturbance", "offset_kpa"], values="mean")
-    wide = wide.reindex(index=own["model"].unique(), columns=list(headings.values()))
+    order = ["measure", "model"]
+    wide = own.pivot(index=order, columns=["disturbance", "offset_kpa"], values="mean")
+    rows = own[order].drop_duplicates().sort_values("measure", key=_place, kind="stable")
+    wide = wide.reindex(index=pd.MultiIndex.from_frame(rows), columns=list(headings.values()))
     page = wide.map(lambda mean: three_digits(mean) or "-").set_axis(list(headings), axis=1)
-    page.insert(0, "Model", [title_of(model, titles) for model in page.index])
+    page.insert(0, "Model", [title_of(model, titles) for _, model in page.index])
+    page.insert(1, "Error", [_heading(measure) for measure, _ in page.index])
     return page.reset_index(drop=True)
+
+
+def _heading(measure: str) -> str:
+    words = MEASURES[measure]
+    return words[:1].upper() + words[1:]
+
+
+def _place(measures: pd.Series) -> pd.Series:
+    return measures.map(list(MEASURES).index)
 
 
 def capacity(worlds: Worlds) -> pd.DataFrame:
@@ -329,7 +344,9 @@ def _widest(table: pd.DataFrame, world: str) -> str:
     own = table[table["world"] == world]
     half = float((own["high"] - own["low"]).max() / 2.0)
     return (
-        f"Means; the widest 95 % interval is ± {three_digits(half)} kPa." if half > 0 else "Means."
+        f"Means; the widest 95 % interval is ± {three_digits(half)} kPa or deg."
+        if half > 0
+        else "Means."
     )
 
 

@@ -23,6 +23,9 @@ MEASURES = {
     "step_us": "one step [us]",
 }
 
+#: Loops of a tracking run, open and closed.
+LOOPS = ("open_loop", "closed_loop")
+
 #: Sets of states whose capacity is measured, as readers see them.
 SETS = {
     "p_o": "P_o",
@@ -79,7 +82,8 @@ def measured(world: Mapping[str, Any]) -> pd.DataFrame:
         ``unit``, ``seed``, ``model``, ``measure``, ``value``. Measures are ``train`` (training
         RMSE of the forward direction, kPa), ``forward`` and ``reversed`` (test RMSE, kPa),
         ``open_loop`` and ``closed_loop`` (root mean square over the four references, deg),
-        ``shifted/KPA`` and ``disturbed/KIND`` (forward test RMSE, kPa).
+        ``shifted/KPA`` and ``disturbed/KIND`` (forward test RMSE, kPa), and ``open_loop/KPA`` and
+        ``closed_loop/KPA`` with P_o shifted.
         A number that is missing, not finite or not positive has no row.
     """
     rows = [
@@ -96,15 +100,22 @@ def _numbers(report: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     yield "train", (report.get("forward") or {}).get("train_rmse_kpa")
     for direction in ("forward", "reversed"):
         yield direction, (report.get(direction) or {}).get("test_rmse_kpa")
-    for loop in ("open_loop", "closed_loop"):
-        errors = report.get(f"{loop}_deg") or {}
-        values = [errors[name] for name in REFERENCES if _is_usable(errors.get(name))]
-        if len(values) == len(REFERENCES):
-            yield loop, math.hypot(*values) / math.sqrt(len(values))
+    yield from _tracking(report)
+    for offset, errors in (report.get("tracked_shifted") or {}).items():
+        yield from ((f"{loop}/{float(offset):g}", value) for loop, value in _tracking(errors))
     for offset, value in (report.get("shifted") or {}).items():
         yield f"shifted/{float(offset):g}", value
     for kind, value in (report.get("disturbed") or {}).items():
         yield f"disturbed/{kind}", value
+
+
+def _tracking(report: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
+    """Give the root mean square over the four references of each loop, deg."""
+    for loop in LOOPS:
+        errors = report.get(f"{loop}_deg") or {}
+        values = [errors[name] for name in REFERENCES if _is_usable(errors.get(name))]
+        if len(values) == len(REFERENCES):
+            yield loop, math.hypot(*values) / math.sqrt(len(values))
 
 
 def _is_usable(value: Any) -> bool:

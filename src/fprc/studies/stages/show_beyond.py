@@ -94,10 +94,12 @@ def draw_tracking(tracking: str, pdf: str, png: str, *, world: str) -> Mapping[s
 
 
 def draw_offsets(offsets: str, pdf: str, png: str, *, world: str) -> Mapping[str, Any]:
-    """Draw the forward test error over the offset of P_o."""
-    fig, axes = style.figure(1, 1, style.COLUMN_IN, 3.0)
-    figures.plot_offsets(_of(offsets, world), TITLES, axes)
-    style.share_legend(fig, axes)
+    """Draw the forward test error and the tracking errors over the offset of P_o."""
+    table = _of(offsets, world)
+    fig, axes = style.figure(1, 3, style.PAGE_IN, 2.6, sharex=True)
+    for ax, measure in zip(axes, ("forward", *_LOOPS), strict=True):
+        figures.plot_offsets(table, measure, TITLES, ax)
+    style.share_legend(fig, axes[0])
     return style.save(fig, _SIMULATED, pdf, png)
 
 

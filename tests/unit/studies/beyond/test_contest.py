@@ -73,6 +73,19 @@ def test_errors_are_those_of_the_model_by_itself(judged, fprc, logs):
     assert judged["fprc"]["forward"]["train_rmse_kpa"] == pytest.approx(rmse(y, fprc.predict(X)))
 
 
+def test_offset_of_p_o_reaches_the_tracking_of_fprc(judged, fprc, on_rig, contest):
+    tracked = judged["fprc"]["tracked_shifted"]
+    assert tracked["0.0"] == {loop: judged["fprc"][loop] for loop in tracked["0.0"]}
+    control = on_rig.control | {"feedforward": on_rig.control["feedforward"]}
+    control["feedforward"] = control["feedforward"] | {"p_o_shift_kpa": -2.0}
+    bench = Track(contest.tracking, control, on_rig.rig, SEED)
+    expected = tracking_errors(bench, fprc, {"open_loop_deg": False, "closed_loop_deg": True})
+    for loop, errors in expected.items():
+        assert tracked["-2.0"][loop] == pytest.approx(errors)
+        assert max(errors[name] / judged["fprc"][loop][name] for name in errors) > 1.05
+    assert "tracked_shifted" not in judged["fuzzy_linear"]
+
+
 def test_build_on_which_fprc_cannot_be_trained_is_refused(on_rig, contest):
     fprc = SETTINGS["models"]["fprc"] | {"n_u": 100_000}
     unfit = contest._replace(models=SETTINGS["models"] | {"fprc": fprc})
@@ -105,7 +118,8 @@ def test_model_without_p_o_is_not_disturbed(judged):
 
 
 def test_tuned_settings_replace_the_defaults_and_no_others(judged):
-    assert judged["fprc_tuned"] == judged["fprc"]
+    tuned, usual = judged["fprc_tuned"], judged["fprc"]
+    assert tuned == {name: usual[name] for name in tuned}
     train = {name: judged[name]["forward"]["train_rmse_kpa"] for name in ("bank", "bank_tuned")}
     assert train["bank_tuned"] > train["bank"]  # a stronger ridge
 

@@ -111,11 +111,12 @@ def test_two_models_have_no_rank_correlation(make_world):
 
 
 @pytest.mark.parametrize("world", ["dry", "sparse"])
-def test_offsets_have_fuzzy_linear_as_a_level_line(worlds, world, ax):
+@pytest.mark.parametrize("measure", ["forward", "open_loop", "closed_loop"])
+def test_offsets_have_fuzzy_linear_as_a_level_line(worlds, world, measure, ax):
     table = of(tables.offsets(list(worlds.values())), world)
-    figures.plot_offsets(table, TITLES, ax)
+    figures.plot_offsets(table, measure, TITLES, ax)
     lines = {line.get_label(): line for line in ax.lines}
-    level = table[table["model"] == "fuzzy_linear"]["mean"].iloc[0]
+    level = table[table["model"] == "fuzzy_linear"].set_index("measure")["mean"][measure]
     assert list(lines["Fuzzy-linear"].get_ydata()) == [level, level]
     assert lines["Fuzzy-linear"].get_linestyle() == "--"
     assert list(lines["FPRC"].get_xdata()) == [-5, -2, -1, 0, 1, 2, 5]
@@ -147,7 +148,7 @@ def test_world_of_failures_is_drawn_empty(what, make_world, ax):
         table = tables.errors_and_tracking(tables.models([world]))
         figures.plot_errors_and_tracking(table, {}, TITLES, ax)
     elif what == "offsets":
-        figures.plot_offsets(tables.offsets([world]), TITLES, ax)
+        figures.plot_offsets(tables.offsets([world]), "forward", TITLES, ax)
     else:
         figures.plot_capacities(tables.capacity([world]), ax)
     assert ax.get_xlabel()

@@ -119,13 +119,16 @@ def test_offsets_and_disturbances_have_their_columns(worlds):
     table = tables.offsets(worlds)
     assert set(table["offset_kpa"]) == {-5.0, -2.0, -1.0, 0.0, 1.0, 2.0, 5.0}
     assert set(table["disturbance"]) == {"none", "drift", "pushed"}
-    page = tables.offsets_page(table, "dry", TITLES).set_index("Model")
+    page = tables.offsets_page(table, "dry", TITLES).set_index(["Model", "Error"])
     assert list(page) == ["-5", "-2", "-1", "0", "+1", "+2", "+5", "drift", "push"]
-    assert page.loc["Fuzzy-linear"].ne("-").sum() == 1
-    assert page.loc["FPRC"].ne("-").all()
-    fprc = table[(table["world"] == "dry") & (table["model"] == "fprc")]
-    low = fprc[(fprc["offset_kpa"] == -2.0)]["mean"].iloc[0]
-    assert page.loc["FPRC", "-2"] == f"{low:.3g}"
+    own = table[(table["world"] == "dry") & (table["offset_kpa"] == -2.0)]
+    of_error = {"Forward test [kPa]": "forward", "Open loop [deg]": "open_loop",
+                "Closed loop [deg]": "closed_loop"}  # fmt: skip
+    for measure, key in of_error.items():
+        assert page.loc[("Fuzzy-linear", measure)].ne("-").sum() == 1
+        low = own[(own["model"] == "fprc") & (own["measure"] == key)]["mean"]
+        assert page.loc[("FPRC", measure), "-2"] == f"{low.item():.3g}"
+    assert page.loc[("FPRC", "Forward test [kPa]")].ne("-").all()
 
 
 def test_model_of_fewer_seeds_says_so(make_world):
