@@ -32,7 +32,7 @@ import numpy as np
 import pandas as pd
 from PIL import Image
 
-from fprc.stages.check import pixels_apart
+from fprc.studies.stages.check import pixels_apart
 
 ROOT = Path(__file__).parents[1]
 

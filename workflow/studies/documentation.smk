@@ -1,15 +1,20 @@
-# Pages of the documentation that show results; the check of verdicts, results and pictures. Both
-# look at the paper and at its studies.
+# Pages of the documentation that show results; the check of verdicts, results, pictures and README.
+# Both look at the paper and at its studies.
 
+#: The documentation shows the results of the paper's settings, in the checkout.
+SHOWN = RESULTS == "results" and IN_CHECKOUT
+OF_README = {
+    "pages": PLAN.pages[1:],
+    "seeds": [path.replace(".md", ".csv") for path in PLAN.seeds_tables],
+    "ledger": PATHS.below("claims.json"),
+}
 
 if "readme" not in PLAN.unavailable:
 
     rule readme:
         input:
-            pages=PLAN.pages[1:],
+            **OF_README,
             orders=PATHS.below("tables/orders.csv"),
-            seeds=[path.replace(".md", ".csv") for path in PLAN.seeds_tables],
-            ledger=PATHS.below("claims.json"),
             figure=PATHS.below("figures/fig08_training.png"),
             made_from=TARGETS["report"],
         log:
@@ -109,20 +114,17 @@ if "check" not in PLAN.unavailable:
 
     rule check:
         input:
-            ledger=PATHS.below("claims.json"),
+            **{**OF_README, **({} if SHOWN else {"pages": [], "seeds": []})},
             verdicts=own("../../config/verdicts.yaml"),
         log:
             PATHS.messages("check"),
         localrule: True
         params:
-            **stage("check.check_results"),
+            **stage("studies.check.check_results"),
             folders=FOLDERS,
             made=lambda wildcards: made_by_rules(),
-            # the documentation shows the results of the paper's settings in the checkout only
-            pictures=lambda wildcards: (
-                pictures_of_docs() if RESULTS == "results" and IN_CHECKOUT else {}
-            ),
+            pictures=lambda wildcards: pictures_of_docs() if SHOWN else {},
         message:
-            "Check of the verdicts in config/verdicts.yaml, of files, of pictures in docs"
+            "Check of the verdicts in config/verdicts.yaml, of files, of pictures in docs, of README.md"
         script:
             "../scripts/stage.py"

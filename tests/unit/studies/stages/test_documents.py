@@ -3,7 +3,12 @@ import re
 import pytest
 
 from fprc.errors import FprcError
-from fprc.studies.stages.documents import replace_block, update_readme, update_tables
+from fprc.studies.stages.documents import (
+    different_blocks,
+    replace_block,
+    update_readme,
+    update_tables,
+)
 
 ORDERS = """\
 seed,fprc_lowest_test,fprc_below_fuzzy_linear,esn_over_fprc_training,training_within_30_percent,\
@@ -224,3 +229,22 @@ def test_tables_replace_the_blocks_that_are_named_after_folder_and_file(tmp_path
     update_tables([str(path) for path in tables.values()], page=str(page))
     new = [block(f"rigs_{name}", f"Table of {name}.") for name in ("spread", "repeats")]
     assert page.read_text(encoding="utf-8") == text.format(*new)
+
+
+@pytest.mark.parametrize(
+    ("shown", "found"),
+    [
+        ("Of 9 claims 4 hold: 12.4 kPa", 0),
+        ("Of 9 claims 4 hold: 12.5 kPa", 0),  # rounded the other way
+        ("Of 9 claims 4 hold: 12.6 kPa", 1),
+        ("Of 9 claims 6 hold: 12.4 kPa", 1),
+        ("Of 9 claims 4 fail: 12.4 kPa", 1),
+        ("Of 9 claims 4 hold: 12.4 kPa\nand more", 1),
+    ],
+)
+def test_page_whose_numbers_differ_is_named(tmp_path, monkeypatch, shown, found):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "page.md").write_text(block("outcome", shown))
+    lines = [*different_blocks("page.md", {"outcome": "Of 9 claims 4 hold: 12.4 kPa\n"})]
+    assert len(lines) == found
+    assert all("page.md" in line and "outcome" in line for line in lines)

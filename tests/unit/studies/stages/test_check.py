@@ -11,7 +11,7 @@ from PIL import Image
 
 from fprc.errors import FprcError
 from fprc.provenance import write_digests
-from fprc.stages.check import check_results
+from fprc.studies.stages.check import check_results
 
 MADE = [r"results/claims\.json", r"results/tables/(?P<n>.+)\.csv", r"results/logs/(?P<n>.+)\.log"]
 

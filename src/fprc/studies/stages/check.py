@@ -1,4 +1,4 @@
-"""Check the verdicts, the files of the results folder, and the documentation's pictures."""
+"""Check verdicts, the files of the results folder, the documentation's pictures, the README."""
 
 import logging
 import math
@@ -13,6 +13,7 @@ from fprc.artifacts import leftovers, read_json
 from fprc.claims.ledger import changed_verdicts
 from fprc.errors import FprcError
 from fprc.provenance import changed_results
+from fprc.studies.blocks import different_blocks, readme_blocks
 from fprc.yaml_file import read_yaml
 
 log = logging.getLogger(__name__)
@@ -27,6 +28,8 @@ _PIXELS = 20
 def check_results(
     ledger: str,
     verdicts: str,
+    pages: Sequence[str] = (),
+    seeds: Sequence[str] = (),
     *,
     folders: Mapping[str, str],
     made: Sequence[str],
@@ -41,6 +44,8 @@ def check_results(
     ----------
     ledger, verdicts : str
         Files of the judged claims and of the declared verdicts.
+    pages, seeds : sequence of str
+        As for ``documents.readme_blocks``; without them README.md is not checked.
     folders : Mapping
         Folders ``results`` and ``raw``; files in ``raw`` are not checked.
     made : sequence of str
@@ -52,8 +57,8 @@ def check_results(
     ------
     FprcError
         Lists every verdict that differs from the declared one, every result that was changed
-        after its rule wrote it, every file in the results folder that no rule makes, and every
-        picture that differs from its figure.
+        after its rule wrote it, every file in the results folder that no rule makes, every
+        picture that differs from its figure, and every block of README.md with other numbers.
     """
     declared = read_yaml(verdicts)
     claims = read_json(ledger)["claims"]
@@ -73,6 +78,9 @@ def check_results(
         ],
         "pictures differ from the figures that were built; copy the figures with `make docs`": [
             f"{picture} differs from {figure}" for picture, figure in outdated(pictures)
+        ],
+        "numbers differ from those that were built; `make docs` puts these there": [
+            *different_blocks("README.md", readme_blocks(pages, seeds, ledger) if pages else {})
         ],
     }
     problems = [
