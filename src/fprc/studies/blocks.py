@@ -1,4 +1,4 @@
-"""Blocks of the documentation that are made from results: their markers, and the README's sentences."""
+"""Blocks of pages that are made from results: their markers, and the sentences of the README."""
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -18,12 +18,9 @@ from fprc.tables.models import deviations
 
 def readme_blocks(pages: Sequence[str], seeds: Sequence[str], ledger: str) -> dict[str, str]:
     """Return the blocks of the README that the paper's workflow makes; see ``update_readme``."""
-    shown = {Path(path).stem: path for path in pages}
+    shown = {path.stem: path.read_text(encoding="utf-8") for path in map(Path, pages)}
     return {
-        **{
-            name: Path(shown[name]).read_text(encoding="utf-8")
-            for name in ("table2_seeds", "table4_seeds")
-        },
+        **{name: shown[name] for name in ("table2_seeds", "table4_seeds")},
         "outcome": " ".join(
             [_outcome(read_json(ledger)), deviations_sentence(seeds[:2]), _tracking(seeds[2])]
         ),

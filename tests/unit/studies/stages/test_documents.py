@@ -3,12 +3,8 @@ import re
 import pytest
 
 from fprc.errors import FprcError
-from fprc.studies.stages.documents import (
-    different_blocks,
-    replace_block,
-    update_readme,
-    update_tables,
-)
+from fprc.studies.blocks import different_blocks, replace_block
+from fprc.studies.stages.documents import update_readme, update_tables
 
 ORDERS = """\
 seed,fprc_lowest_test,fprc_below_fuzzy_linear,esn_over_fprc_training,training_within_30_percent,\
