@@ -80,7 +80,7 @@ def check_results(
             f"{picture} differs from {figure}" for picture, figure in outdated(pictures)
         ],
         "numbers differ from those that were built; `make docs` puts these there": [
-            *different_blocks("README.md", readme_blocks(pages, seeds, ledger) if pages else {})
+            *(different_blocks("README.md", readme_blocks(pages, seeds, ledger)) if pages else ())
         ],
     }
     problems = [
