@@ -142,14 +142,11 @@ BEYOND = "docs/beyond.md"
     ("page", "sentence", "block", "cells"),
     [
         (
-            page,
+            BEYOND,
             r"FPRC\+PD is (\S+) deg off and Fuzzy-linear\+PD ([\d.]+\d)",
             "beyond_models",
             [("FPRC", CLOSED), ("Fuzzy-linear", CLOSED)],
-        )
-        for page in ("README.md", BEYOND)
-    ]
-    + [
+        ),
         (
             BEYOND,
             r"error to (\S+) times on the default rig and to (\S+) times on the Bouc-Wen rig",

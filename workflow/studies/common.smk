@@ -81,8 +81,6 @@ def pictures_of_docs():
     """Return the figure of the results that each picture of the documentation copies."""
     figures = {}
     for params, files in ((each.params, each.input) for each in workflow.rules):
-        if params.get("picture"):
-            figures[params.picture] = str(files.figure)
         if files.get("figures") and params.get("pictures"):
             figures |= dict(zip(params.pictures, map(str, files.figures)))
     return figures

@@ -11,11 +11,27 @@ OF_README = {
 
 if "readme" not in PLAN.unavailable:
 
+    rule moving_picture:
+        input:
+            run=PATHS.log("track_sine_0p5_fprc_pd"),
+            alone=PATHS.log("track_sine_0p5_pd"),
+        output:
+            gif=PATHS.below("figures/moving.gif"),
+            png=PATHS.below("figures/moving.png"),
+        log:
+            PATHS.messages("moving_picture"),
+        params:
+            **stage("studies.moving_picture.draw_moving_picture"),
+        message:
+            "Moving picture: actuator, reservoir and tracking"
+        script:
+            "../scripts/stage.py"
+
     rule readme:
         input:
             **OF_README,
             orders=PATHS.below("tables/orders.csv"),
-            figure=PATHS.below("figures/fig08_training.png"),
+            figures=expand(PATHS.below("figures/moving.{kind}"), kind=("gif", "png")),
             made_from=TARGETS["report"],
         log:
             PATHS.messages("readme"),
@@ -25,7 +41,7 @@ if "readme" not in PLAN.unavailable:
             **stage("studies.documents.update_readme"),
             readme="README.md",
             results="docs/results.md",
-            picture="docs/images/fig08_training.png",
+            pictures=expand("docs/images/moving.{kind}", kind=("gif", "png")),
         message:
             "README.md and docs/results.md: numbers and picture from the results"
         script:

@@ -143,7 +143,7 @@ def save(fig: Figure, data: Mapping[str, Any], *files: str) -> Mapping[str, Any]
     with warnings.catch_warnings():
         # names from files may have characters that the font lacks; each is drawn as a box
         warnings.filterwarnings("ignore", message="Glyph .* missing from font")
-        _fix_layout(fig)
+        fix_layout(fig)
         for path in map(Path, files):
             with replacing(path) as temporary:
                 fig.savefig(temporary, metadata=_LEFT_OUT[path.suffix])
@@ -151,7 +151,7 @@ def save(fig: Figure, data: Mapping[str, Any], *files: str) -> Mapping[str, Any]
     return data
 
 
-def _fix_layout(fig: Figure) -> None:
+def fix_layout(fig: Figure) -> None:
     """Lay the figure out once, and round the positions of its axes.
 
     Their last digits differ from process to process, which would sometimes change a pixel.

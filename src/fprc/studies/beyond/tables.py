@@ -6,9 +6,16 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from fprc.escape import in_words
 from fprc.paper import SOURCES
 from fprc.signals import LEVEL, interval_of_mean
-from fprc.studies.beyond.verdicts import claims_page, details_page, fitted_page
+from fprc.studies.beyond.verdicts import (
+    claims_page,
+    details_page,
+    fitted_page,
+    means_of,
+    verdict_of,
+)
 from fprc.studies.beyond.worlds import (
     LOOPS,
     MEASURES,
@@ -24,10 +31,6 @@ from fprc.tables.models import with_interval
 from fprc.tables.text import format_mean, markdown, three_digits
 
 Worlds = Sequence[Mapping[str, Any]]
-
-
-#: Claims on the worth of the reservoir: B1 to B3.
-_WORTH = 3
 
 
 def worlds_page(worlds: Worlds) -> pd.DataFrame:
@@ -308,6 +311,7 @@ def blocks(
     pages = {
         "beyond_worlds": pd.DataFrame(verdicts["worlds"]),
         "beyond_claims": claims_page(verdicts["ledgers"]),
+        "beyond_beside": _beside_page(verdicts),
         "beyond_fitted": fitted_page(verdicts["ledgers"]),
         "beyond_details": details_page(verdicts["ledgers"]),
         "beyond_correlations": correlations_page(tables["tracking"]),
@@ -315,27 +319,52 @@ def blocks(
         "beyond_offsets": offsets_page(tables["offsets"], world, titles),
         "beyond_capacity": capacity_page(tables["capacities"], world),
         "beyond_lengths": lengths_page(tables["lengths"], world, titles),
-        "worth": _worth_page(verdicts),
         "leaderboard": leaderboard(tables["models"], world, titles),
     }
     note = f"Data: {SOURCES[verdicts['source']]}."
     notes = {"beyond_offsets": f"{note} {_widest(tables['offsets'], world)}"}
-    return {name: markdown(page, notes.get(name, note)) for name, page in pages.items()}
+    texts = {name: markdown(page, notes.get(name, note)) for name, page in pages.items()}
+    return texts | {"worth": _worth_sentences(verdicts, tables["models"], world)}
 
 
-def _worth_page(verdicts: Mapping[str, Any]) -> pd.DataFrame:
-    """Return the claims on what P_o is worth, and the ratios beside B1."""
-    page = claims_page([ledger[:_WORTH] for ledger in verdicts["ledgers"]])
+def _worth_sentences(verdicts: Mapping[str, Any], models: pd.DataFrame, world: str) -> str:
+    """Return what P_o is worth forward, in every world, and in closed loop in one, for README."""
+    judged = [next(row for row in ledger if row["id"] == "B1") for ledger in verdicts["ledgers"]]
+    ratios = [
+        f"{means_of(row)} on *{row['title']}* ({verdict_of(row)})" for row in judged if row["parts"]
+    ]
+    lines = [
+        "- **Whether the second actuator pays depends on the rig.** FPRC's test error is that of "
+        f"the same model on low-passed θ_d times {in_words(ratios)}. *{judged[0]['title']}* is the "
+        "default rig; † and ‡: its fit favoured FPRC, P_o ([docs/beyond.md](docs/beyond.md))."
+    ]
+    beside = [rows[0] for rows in verdicts["beside"] if rows[0]["mean"] is not None]
+    if beside:
+        means = [three_digits(row["mean"]) for row in beside]
+        lines.append(f"  Against a ridge regression on low-passes of θ_d: {in_words(means)}.")
+    own = models[(models["world"] == world) & (models["measure"] == "closed_loop")]
+    closed = own.set_index("model")["mean"].reindex(["fprc", "fuzzy_linear"]).dropna()
+    if len(closed) == 2:
+        fprc, linear = map(three_digits, closed)
+        lines.append(
+            f"- **With feedback the feedforward matters little**: on the default rig FPRC+PD is "
+            f"{fprc} deg off, Fuzzy-linear+PD {linear}."
+        )
+    return "\n".join(lines)
+
+
+def _beside_page(verdicts: Mapping[str, Any]) -> pd.DataFrame:
+    """Return the ratios beside B1, which no verdict rests on."""
     titles = [ledger[0]["title"] for ledger in verdicts["ledgers"]]
-    rows = []
-    for of_ratio in zip(*verdicts["beside"], strict=True):
-        means = ["-" if each["mean"] is None else _ratio(each) for each in of_ratio]
-        claim = f"Beside B1, no verdict: {of_ratio[0]['text']}"
-        rows.append({"Id": "", "Claim": claim, **dict(zip(titles, means, strict=True))})
-    return pd.concat([page, pd.DataFrame(rows)], ignore_index=True)
+    return pd.DataFrame(
+        {"Ratio": of_ratio[0]["text"], **dict(zip(titles, map(_ratio, of_ratio), strict=True))}
+        for of_ratio in zip(*verdicts["beside"], strict=True)
+    )
 
 
 def _ratio(row: Mapping[str, Any]) -> str:
+    if row["mean"] is None:
+        return "-"
     mean, low, high = (three_digits(row[key]) for key in ("mean", "low", "high"))
     return f"{mean} ({low} to {high})"
 

@@ -52,19 +52,21 @@ def claims_page(ledgers: Ledgers) -> pd.DataFrame:
         {
             "Id": of_claim[0]["id"],
             "Claim": of_claim[0]["claim"],
-            **{row["title"]: f"{_verdict(row)} {_means(row)}".rstrip() for row in of_claim},
+            **{row["title"]: f"{verdict_of(row)} {means_of(row)}".rstrip() for row in of_claim},
         }
         for of_claim in zip(*ledgers, strict=True)
     )
 
 
-def _verdict(row: Mapping[str, Any]) -> str:
+def verdict_of(row: Mapping[str, Any]) -> str:
+    """Return the words of a verdict, marked by whom the fit favours."""
     whose = {whom for whom, _ in row["fitted"]} if row["parts"] else set()
     marks = "".join(mark for whom, mark in _MARKS.items() if whom in whose)
     return f"{row['words']}{marks}"
 
 
-def _means(row: Mapping[str, Any]) -> str:
+def means_of(row: Mapping[str, Any]) -> str:
+    """Return the mean of each part, in three digits."""
     return ", ".join(three_digits(part["mean"]) for part in row["parts"])
 
 
@@ -94,8 +96,8 @@ def details_page(ledgers: Ledgers) -> pd.DataFrame:
     columns = {
         "Id": [row["id"] for row in rows],
         "World": [row["title"] for row in rows],
-        "Verdict": [_verdict(row) for row in rows],
-        "Mean": [_means(row) for row in rows],
+        "Verdict": [verdict_of(row) for row in rows],
+        "Mean": [means_of(row) for row in rows],
         "Interval": [_intervals(row) for row in rows],
         "p": ["< 0.001" if row["p"] < 0.001 else three_digits(row["p"]) for row in rows],
         "Subsets that agree": [

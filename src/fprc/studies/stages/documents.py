@@ -20,13 +20,13 @@ def update_readme(
     orders: str,
     seeds: Sequence[str],
     ledger: str,
-    figure: str,
+    figures: Sequence[str],
     *,
     readme: str,
     results: str,
-    picture: str,
+    pictures: Sequence[str],
 ) -> None:
-    """Replace the generated blocks of the README and of docs/results.md, and the picture.
+    """Replace the generated blocks of the README and of docs/results.md, and the pictures.
 
     Parameters
     ----------
@@ -38,8 +38,8 @@ def update_readme(
         Tables II to IV over further seeds, CSV.
     ledger : str
         Claims, JSON.
-    figure, picture : str
-        Figure of the results, and its copy in docs.
+    figures, pictures : sequence of str
+        Figures of the results, and their copies in docs.
     readme, results : str
         The README, and docs/results.md.
     """
@@ -53,7 +53,7 @@ def update_readme(
     texts = {path: _updated(path, new) for path, new in ((readme, first), (results, blocks))}
     for path, text in texts.items():
         write_text(path, text)
-    update_picture(figure, picture=picture)
+    _copy(figures, pictures)
 
 
 def update_tables(
@@ -69,14 +69,14 @@ def update_tables(
         Figures of the results, and their copies in docs.
     """
     _update(page, _tables(pages))
-    for figure, copy in zip(figures, pictures, strict=True):
-        update_picture(figure, picture=copy)
+    _copy(figures, pictures)
 
 
-def update_picture(figure: str, *, picture: str) -> None:
-    """Replace a picture of the documentation by a figure of the results."""
-    with replacing(picture) as temporary:
-        temporary.write_bytes(Path(figure).read_bytes())
+def _copy(figures: Sequence[str], pictures: Sequence[str]) -> None:
+    """Replace pictures of the documentation by figures of the results."""
+    for figure, picture in zip(figures, pictures, strict=True):
+        with replacing(picture) as temporary:
+            temporary.write_bytes(Path(figure).read_bytes())
 
 
 def update_beyond_page(
@@ -111,8 +111,7 @@ def update_beyond_page(
     _update(readme, {"worth": blocks.pop("worth")})
     _update(board, {"leaderboard": blocks.pop("leaderboard")})
     _update(page, blocks)
-    for figure, picture in zip(figures, pictures, strict=True):
-        update_picture(figure, picture=picture)
+    _copy(figures, pictures)
 
 
 def _tables(pages: Sequence[str]) -> dict[str, str]:
