@@ -1,6 +1,3 @@
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -38,12 +35,6 @@ def test_models_of_the_paper_are_those_of_the_registry(name, models):
     assert COMPETITORS[name].title == MODELS[name].title
 
 
-def test_shared_settings_follow_the_section_models(models):
-    changed = models | {"n_y": 9, "fprc": models["fprc"] | {"epsilon": 0.5}}
-    model = build_competitor("ridge_p_o", default_settings("ridge_p_o", changed), seed=1)
-    assert (model.features.n_y, model.features.epsilon) == (9, 0.5)
-
-
 @pytest.mark.parametrize("name", ["mlp", "trees", "plays_fuzzy", "fprc_lowpass"])
 def test_seed_decides_what_is_random(name, models):
     model = build_competitor(name, default_settings(name, models), seed=8)
@@ -61,22 +52,6 @@ def test_name_that_is_no_competitor_is_refused(models):
 def test_missing_or_unknown_setting_is_refused_by_name(name, models):
     with pytest.raises(ConfigError, match=rf"competitor {name}: .*'depth_'"):
         build_competitor(name, default_settings(name, models) | {"depth_": 3}, seed=1)
-
-
-def test_missing_setting_is_refused_by_name():
-    with pytest.raises(ConfigError, match=r"competitor bank: .*'n_y'"):
-        build_competitor("bank", {"epsilons": [0.1]}, seed=1)
-
-
-def test_titles_differ():
-    titles = [each.title for each in COMPETITORS.values()]
-    assert len(set(titles)) == len(titles)
-
-
-@pytest.mark.slow
-def test_table_of_competitors_loads_no_numerics():
-    code = "import fprc.competitors, sys; sys.exit('numpy' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
 def log(inputs):

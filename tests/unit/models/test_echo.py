@@ -50,15 +50,6 @@ def test_segments_give_the_states_of_steps(size, inputs, r):
     assert_allclose(echo_states(X, w_in, W_r, 0.8), expected, rtol=0, atol=1e-13)
 
 
-@pytest.mark.parametrize("size", [600, 2403])
-def test_columns_are_left_free_before_the_states(size):
-    w_in, W_r = network()
-    X = angles(size)
-    rows = echo_states(X, w_in, W_r, 0.8, free=3)
-    assert rows.shape == (size, 3 + len(W_r))
-    assert np.array_equal(rows[:, 3:], echo_states(X, w_in, W_r, 0.8))
-
-
 def test_network_that_forgets_runs_twice_in_segments(runs):
     w_in, W_r = network()
     echo_states(angles(3000), w_in, W_r, 0.8)

@@ -13,11 +13,9 @@ from sklearn.preprocessing import StandardScaler
 from fprc.models import (
     ESN,
     FPRC,
-    NVAR,
     EchoStates,
     FeatureModel,
     LowpassBank,
-    PlayOperators,
     RidgeReadout,
     SideBySide,
     TakagiSugenoReadout,
@@ -25,7 +23,6 @@ from fprc.models import (
 )
 
 BANK = SideBySide([("taps", TapFeatures(3), None), ("bank", LowpassBank((0.3, 0.1)), [0])])
-MAPS = [PlayOperators(3), LowpassBank((0.5, 0.1)), NVAR(2, 3), BANK]
 NETWORK = make_pipeline(
     StandardScaler(), MLPRegressor(hidden_layer_sizes=(4,), solver="lbfgs", tol=1.0)
 )
@@ -44,15 +41,6 @@ def test_model_of_a_papers_parts_is_the_papers_model(ours, theirs):
     X, y = log()
     ours, theirs = (each.set_params(random_state=3).fit(X, y) for each in (ours, theirs))
     assert np.array_equal(ours.predict(X), theirs.predict(X))
-
-
-@pytest.mark.parametrize("readout", [RidgeReadout(), TakagiSugenoReadout(n_c=3)])
-@pytest.mark.parametrize("features", MAPS)
-def test_steps_equal_the_prediction_of_the_whole_log(features, readout):
-    X, y = log()
-    model = FeatureModel(features, readout, random_state=1).fit(X, y)
-    assert_allclose([model.step(x) for x in X], model.predict(X), rtol=0, atol=1e-8)
-    assert np.sqrt(np.mean((model.predict(X) - y) ** 2)) < 0.5 * y.std()
 
 
 @pytest.mark.parametrize("regressor", REGRESSORS)
@@ -77,14 +65,6 @@ def test_seed_reaches_every_random_part_and_none_leaves_them():
     assert features.get_params()["a__random_state"] == 7
 
 
-def test_parameters_of_the_parts_are_set_through_the_model():
-    model = FeatureModel(BANK, RidgeReadout())
-    changed = clone(model).set_params(features__bank__epsilons=(0.7,), readout__alpha=2.0)
-    X, y = log()
-    assert changed.fit(X, y).readout_.w_out_.size == 1 + 3 + 3 + 1
-    assert changed.readout_.alpha == 2.0
-
-
 def test_model_of_the_documentation_learns_and_steps():
     page = Path(__file__).parents[3] / "docs/extending.md"
     blocks = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
@@ -94,17 +74,6 @@ def test_model_of_the_documentation_learns_and_steps():
     model = found["model"].fit(X, y)
     assert model.readout_.w_out_.size == 1 + 10 + 3
     assert_allclose([model.step(x) for x in X], model.predict(X), rtol=0, atol=1e-9)
-
-
-def test_several_recordings_restart_the_features():
-    X, y = log()
-    parts = [X[:60], X[60:] + 5.0]
-    model = FeatureModel(BANK, RidgeReadout()).fit(parts, [y[:60], y[60:]])
-    rows = [clone(BANK).fit(np.vstack(parts)).transform(part) for part in parts]
-    own = RidgeReadout().fit(np.vstack(rows), y)
-    assert np.array_equal(model.readout_.w_out_, own.w_out_)
-    for found, each in zip(model.predict(parts), rows, strict=True):
-        assert np.array_equal(found, own.predict(each))
 
 
 def log():

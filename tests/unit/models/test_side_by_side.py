@@ -4,7 +4,6 @@ import numpy as np
 import pandas as pd
 import pytest
 from numpy.testing import assert_allclose
-from sklearn import config_context
 from sklearn.base import clone
 
 from fprc.models import (
@@ -16,7 +15,6 @@ from fprc.models import (
     SideBySide,
     TapFeatures,
 )
-from fprc.models.recordings import transform_each
 
 PARTS = [
     ("taps", TapFeatures(n_y=2, n_references=None), [0]),
@@ -46,14 +44,6 @@ def test_features_are_those_of_each_map_side_by_side():
     assert_allclose([features.step(x) for x in other], expected, rtol=1e-10, atol=1e-12)
 
 
-def test_recordings_restart_every_map():
-    X = np.vstack([log(), log(30, seed=1)])
-    features = SideBySide(PARTS).fit(X)
-    expected = np.vstack([features.transform(X[:60]), features.transform(X[60:])])
-    assert np.array_equal(transform_each(features, X, [60, 30]), expected)
-    assert not np.allclose(features.transform(X)[60:], expected[60:])
-
-
 def test_names_begin_with_that_of_the_map():
     table = pd.DataFrame(log(), columns=["a", "b", "c"])
     features = SideBySide([("bank", LowpassBank((0.5,)), [2, 0]), PARTS[0]]).fit(table)
@@ -63,15 +53,6 @@ def test_names_begin_with_that_of_the_map():
         "taps__a_lag0",
         "taps__a_lag1",
     ]
-
-
-def test_maps_give_arrays_where_tables_are_asked_for():
-    X = log()
-    expected = SideBySide(PARTS).fit_transform(X)
-    with config_context(transform_output="pandas"):
-        table = SideBySide(PARTS).fit_transform(X)
-    assert np.array_equal(table.to_numpy(), expected)
-    assert table.columns[0] == "taps__x0_lag0"
 
 
 def test_parameters_of_maps_are_read_and_set_by_name():

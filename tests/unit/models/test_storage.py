@@ -1,5 +1,6 @@
 import json
 import os
+import re
 
 import h5py
 import numpy as np
@@ -36,16 +37,12 @@ SEQUENCE_MODELS = [
     ESN(r=12, washout=20, random_state=1),
     FPRC(n_c=3, random_state=1),
     FuzzyLinear(n_c=3, random_state=1),
+    FeatureModel(TapFeatures(n_u=2), RidgeReadout(0.5)),
+    FeatureModel(
+        SideBySide([("inner", BANK, [1, 0]), ("plays", PlayOperators(n_plays=2), [0])]),
+        RidgeReadout(),
+    ),
 ]
-FEATURE_MAPS = [
-    TapFeatures(n_u=2),
-    EchoStates(r=12, random_state=1),
-    NVAR(n_taps=2, spacing=3),
-    LowpassBank([0.5, 0.1]),
-    PlayOperators(n_plays=3),
-    SideBySide([("inner", BANK, [1, 0]), ("plays", PlayOperators(n_plays=2), [0])]),
-]
-READOUTS = [RidgeReadout(alpha=0.5), TakagiSugenoReadout(n_c=3, random_state=1)]
 
 
 def named(estimator):
@@ -67,55 +64,15 @@ def saved(path):
 @pytest.mark.parametrize("model", SEQUENCE_MODELS, ids=named)
 def test_loaded_model_predicts_and_steps_identically(model, path):
     model.fit(log(), pressure())
+    model.step(log()[7])  # a stream is no part of the file
     save_model(model, path)
-    loaded = load_model(path)
+    loaded = load_model(str(path))
     assert type(loaded) is type(model)
     lists = str.maketrans("()", "[]")  # JSON has no tuples
     assert str(loaded.get_params()).translate(lists) == str(model.get_params()).translate(lists)
     assert np.array_equal(loaded.predict(log()), model.predict(log()))
     model.reset()
     assert [loaded.step(x) for x in log()] == [model.step(x) for x in log()]
-
-
-@pytest.mark.parametrize("features", FEATURE_MAPS, ids=named)
-def test_loaded_features_transform_and_step_identically(features, path):
-    features.fit(log())
-    save_model(features, path)
-    loaded = load_model(str(path))
-    assert np.array_equal(loaded.transform(log()), features.transform(log()))
-    assert np.array_equal([loaded.step(x) for x in log()], [features.step(x) for x in log()])
-
-
-@pytest.mark.parametrize("readout", READOUTS, ids=named)
-def test_loaded_readout_predicts_identically(readout, path):
-    readout.fit(log(), pressure())
-    save_model(readout, path)
-    loaded = load_model(path)
-    assert np.array_equal(loaded.predict(log()), readout.predict(log()))
-    assert loaded.output(log()[3]) == readout.output(log()[3])
-
-
-def test_loaded_model_starts_a_new_stream(path):
-    model = ESN(r=12, random_state=1).fit(log(), pressure())
-    for x in log()[:10]:
-        model.step(x)
-    save_model(model, path)
-    loaded = load_model(path)
-    first = [loaded.step(x) for x in log()]
-    np.testing.assert_allclose(first, loaded.predict(log()), rtol=0, atol=1e-9)
-
-
-def test_loaded_model_still_checks_the_number_of_columns(saved, path):
-    with pytest.raises(ValueError, match="3 features.*expecting 2"):
-        load_model(path).predict(np.ones((20, 3)))
-
-
-def test_model_without_a_seed_keeps_its_weights(path):
-    model = ESN(r=12).fit(log(), pressure())
-    save_model(model, path)
-    loaded = load_model(path)
-    assert loaded.random_state is None
-    assert np.array_equal(loaded.predict(log()), model.predict(log()))
 
 
 def test_model_trained_on_named_columns_knows_the_names_again(path):
@@ -138,25 +95,7 @@ def test_numpy_seed_is_a_number_too(path):
     assert load_model(path).random_state == 1
 
 
-def test_random_state_that_is_no_number_is_refused_with_a_remedy(path):
-    model = FPRC(n_c=3, random_state=np.random.RandomState(1)).fit(log(), pressure())
-    with pytest.raises(FprcError, match=r"RandomState.*give random_state a number"):
-        save_model(model, path)
-
-
-def test_wrapped_regressor_of_scikit_learn_is_refused(path):
-    model = FeatureModel(TapFeatures(), Ridge()).fit(log(), pressure())
-    with pytest.raises(FprcError, match="Ridge is not a model of fprc"):
-        save_model(model, path)
-    assert not path.exists()
-
-
-def test_foreign_class_is_refused_with_those_that_are_known(path):
-    with pytest.raises(FprcError, match="Ridge is not a model of fprc.*FPRC"):
-        save_model(Ridge().fit(log(), pressure()), path)
-
-
-@pytest.mark.parametrize("model", SEQUENCE_MODELS + READOUTS, ids=named)
+@pytest.mark.parametrize("model", SEQUENCE_MODELS, ids=named)
 def test_unfitted_model_is_refused(model, path):
     with pytest.raises((FprcError, NotFittedError), match="not fitted|fit"):
         save_model(clone(model), path)
@@ -164,8 +103,12 @@ def test_unfitted_model_is_refused(model, path):
 
 @pytest.mark.parametrize(
     "model",
-    [Ridge(), FPRC(n_c=3, random_state=np.random.RandomState(1))],
-    ids=["foreign class", "random_state"],
+    [
+        Ridge(),
+        FeatureModel(TapFeatures(), Ridge()),
+        FPRC(n_c=3, random_state=np.random.RandomState(1)),
+    ],
+    ids=["foreign class", "foreign readout", "random_state"],
 )
 def test_refused_model_leaves_the_earlier_file_as_it_was(model, saved, path):
     before = path.read_bytes()
@@ -206,26 +149,12 @@ def test_file_without_a_checksum_is_refused_as_one_of_an_earlier_version(path):
 # --- a file that is not as it was saved -------------------------------------------------------
 
 
-@pytest.mark.parametrize("share", [0.01, 0.1, 0.5, 0.99])
-def test_file_that_is_cut_short_is_named(share, saved, path):
-    os.truncate(path, int(share * path.stat().st_size))
-    with pytest.raises(FprcError, match=r"model\.h5: (holds no model|was changed)"):
-        load_model(path)
-
-
 def test_any_byte_that_changed_is_noticed(saved, path, damaged_bytes):
     data = path.read_bytes()
     for at in damaged_bytes(len(data)):
         path.write_bytes(data[:at] + bytes([data[at] ^ 1]) + data[at + 1 :])
         with pytest.raises(FprcError, match=r"model\.h5: (holds no model|was changed after)"):
             load_model(path)
-
-
-def test_number_that_a_program_changed_is_noticed(saved, path):
-    with h5py.File(path, "a") as file:
-        file["readout_.W_out_"][0, 0] += 1.0
-    with pytest.raises(FprcError, match=r"model\.h5: was changed after it was saved.*train"):
-        load_model(path)
 
 
 # --- a file whose checksum was renewed --------------------------------------------------------
@@ -245,14 +174,6 @@ def rewrite(path, change):
     reseal(path)
 
 
-def test_whole_file_with_a_renewed_checksum_is_read(saved, path):
-    before = path.read_bytes()
-    reseal(path)
-    assert path.read_bytes() == before
-    rewrite(path, lambda described: None)
-    assert np.array_equal(load_model(path).predict(log()), saved.predict(log()))
-
-
 def put(*keys, value):
     """Return a change of the value at some keys."""
 
@@ -268,27 +189,18 @@ def put(*keys, value):
 PART = ("learned", "readout_")
 TEXTS = {
     "no description": (lambda described: [1], "model: must be class, parameters and learned"),
-    "class": (put("class", value="NeuralNetwork"), "NeuralNetwork is unknown.*train"),
     "no class": (put("class", value={}), "class .* is unknown"),
-    "class of a part": (put(*PART, "class", value="Tree"), "Tree is unknown"),
     "other class": (put("class", value="FuzzyLinear"), "FuzzyLinear.*epsilon"),
-    "other part": (put("learned", "features_", value=2.0), "features_: is float; must be TapFea"),
     "parameter": (put("parameters", "n_layers", value=3), "FPRC: .*n_layers.*another version"),
-    "no parameter": (lambda d: d["parameters"].pop("n_c") and None, "FPRC: has no n_c"),
     "number": (put("parameters", "n_c", value=4), "readout_: its parameters are not"),
-    "learned name": (put("learned", "fit", value=3), "fit: is no name of a learned"),
     "unknown name": (put("learned", "more_", value=3), "more_: FPRC learns no such"),
     "no part": (lambda d: d["learned"].pop("readout_") and None, "readout_.* is no part of"),
     "array twice": (put(*PART, "learned", "centers_", value={"array": "readout_.W_out_"}),
                     "readout_.centers_: is not in the file"),
     "columns": (put("learned", "n_features_in_", value=10**9), "n_features_in_ = 1000000000"),
-    "half a column": (put("learned", "n_features_in_", value=2.0), "n_features_in_ = 2.0"),
-    "fewer columns": (put("learned", "n_features_in_", value=1), "features_: is trained on 2"),
     "columns of a part": (put(*PART, "learned", "n_features_in_", value=5),
                           "readout_: is trained on 5 columns, but gets 8"),
     "names": (put("learned", "feature_names_in_", value=["a"]), "feature_names_in_: must be"),
-    "infinity": (put("parameters", "sigma", value=float("inf")), "model: holds inf"),
-    "long name": (put("class", value="x" * 10**6), "class x{900,1000}$"),
 }  # fmt: skip
 
 
@@ -301,9 +213,8 @@ def test_wrong_description_is_named(change, problem, saved, path):
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [("n_c", 10**9), ("n_c", "3"), ("n_c", None), ("sigma", 0.0), ("sigma", True),
-     ("clustering", ["fprc"]), ("random_state", "one"), ("alpha", -1.0), ("restarts", 1.5)],
-)  # fmt: skip
+    [("n_c", 10**9), ("n_c", "3"), ("sigma", True), ("clustering", ["fprc"]), ("alpha", -1.0)],
+)
 def test_parameter_outside_its_limits_is_named(name, value, saved, path):
     def change(described):
         for part in (described, described["learned"]["readout_"]):
@@ -311,25 +222,6 @@ def test_parameter_outside_its_limits_is_named(name, value, saved, path):
 
     rewrite(path, change)
     with pytest.raises(FprcError, match=rf"model\.h5: readout_.*{name} = .*; must be"):
-        load_model(path)
-
-
-def test_number_beyond_double_is_named(saved, path):
-    with h5py.File(path, "a") as file:
-        text = file["model"][()]
-        del file["model"]
-        file["model"] = np.bytes_(text.replace(b"2.0", b"2e400"))
-    reseal(path)
-    with pytest.raises(FprcError, match=r"model\.h5: model: holds inf"):
-        load_model(path)
-
-
-def test_deeply_nested_description_is_refused(saved, path):
-    with h5py.File(path, "a") as file:
-        del file["model"]
-        file["model"] = np.bytes_(b"[" * 10**6)
-    reseal(path)
-    with pytest.raises(FprcError, match=r"model\.h5: holds no model"):
         load_model(path)
 
 
@@ -344,26 +236,17 @@ def virtual(file, name, values):
 
 
 ARRAYS = {
-    "fewer columns": (lambda x: x[:, :3], r"shape \(3, 3\); must be float64 of shape \(3, 9\)"),
-    "fewer rules": (lambda x: x[:2], "shape"),
-    "flat": (lambda x: x.ravel(), "shape"),
-    "no axis": (lambda x: 1.0, "shape"),
-    "empty": (lambda x: x[:0], "shape"),
-    "single": (lambda x: x.astype("f4"), "is float32"),
-    "big-endian": (lambda x: x.astype(">f8"), "is >f8"),
-    "whole": (lambda x: x.astype(int), "is int64"),
-    "complex": (lambda x: x + 1j, "not an array as fprc saves it"),
-    "text": (lambda x: x.astype("S8"), "not an array as fprc saves it"),
-    "infinity": (lambda x: x * np.inf, "holds NaN or infinity"),
-    "huge": (lambda x: x * 1e200, r"each must be a number in \[-1e\+30, 1e\+30\]"),
-}
-PLACES = {
+    "fewer rules": (lambda file, name, x: file.__setitem__(name, x[:2]), "shape"),
+    "no axis": (lambda file, name, x: file.__setitem__(name, 1.0), "shape"),
+    "big-endian": (lambda file, name, x: file.__setitem__(name, x.astype(">f8")), "is >f8"),
+    "complex": (lambda file, name, x: file.__setitem__(name, x + 1j), "not an array as fprc saves"),
+    "infinity": (lambda file, name, x: file.__setitem__(name, x / 0.0), "holds NaN or infinity"),
+    "huge": (lambda file, name, x: file.__setitem__(name, x * 1e200), "each must be a number in"),
     "gone": (lambda file, name, x: None, "is not in the file"),
     "soft link": (lambda file, name, x: file.__setitem__(name, h5py.SoftLink("/model")),
                   "is no dataset of the file itself"),
     "link": (lambda file, name, x: file.__setitem__(name, h5py.ExternalLink("o.h5", "/x")),
              "is no dataset of the file itself"),
-    "group": (lambda file, name, x: file.create_group(name), "is no dataset"),
     "external": (external, "not an array as fprc saves it"),
     "virtual": (virtual, "not an array as fprc saves it"),
     "compressed": (lambda file, name, x: file.create_dataset(name, data=x, compression="gzip"),
@@ -375,32 +258,13 @@ PLACES = {
 
 @pytest.mark.parametrize(("change", "problem"), ARRAYS.values(), ids=ARRAYS)
 def test_wrong_array_is_named(change, problem, saved, path):
-    with h5py.File(path, "a") as file:
-        values = file["readout_.W_out_"][()]
-        del file["readout_.W_out_"]
-        with np.errstate(invalid="ignore"):
-            file["readout_.W_out_"] = change(values)
+    name = "readout_.W_out_"
+    with h5py.File(path, "a") as file, np.errstate(divide="ignore", invalid="ignore"):
+        values = file[name][()]
+        del file[name]
+        change(file, name, values)
     reseal(path)
-    with pytest.raises(FprcError, match=rf"model\.h5: readout_\.W_out_: .*{problem}"):
-        load_model(path)
-
-
-@pytest.mark.parametrize(("change", "problem"), PLACES.values(), ids=PLACES)
-def test_array_that_is_elsewhere_is_named(change, problem, saved, path):
-    with h5py.File(path, "a") as file:
-        values = file["readout_.W_out_"][()]
-        del file["readout_.W_out_"]
-        change(file, "readout_.W_out_", values)
-    reseal(path)
-    with pytest.raises(FprcError, match=rf"model\.h5: readout_\.W_out_: .*{problem}"):
-        load_model(path)
-
-
-def test_array_that_belongs_to_nothing_is_named(saved, path):
-    with h5py.File(path, "a") as file:
-        file["more_"] = np.ones(3)
-    reseal(path)
-    with pytest.raises(FprcError, match=r"model\.h5: more_: is no part of the model"):
+    with pytest.raises(FprcError, match=rf"model\.h5: {re.escape(name)}: .*{problem}"):
         load_model(path)
 
 
@@ -428,14 +292,10 @@ def test_array_outside_its_limits_is_named(features, name, value, path):
         (BANK, put("learned", "maps_", value=[]), "maps_: must be 2 parts"),
         (BANK, put("learned", "maps_", 0, "learned", "n_features_in_", value=1),
          "maps_.0: is trained on 1 columns, but gets 2"),
-        (BANK, put("parameters", "maps", 0, 2, value=["0"]), "'taps' has columns"),
         (BANK, put("parameters", "maps", 0, 2, value=[7]), "'taps' needs column 7"),
-        (BANK, put("parameters", "maps", 0, 1, value=7), "'taps' is int"),
         (BANK, put("parameters", "maps", value=[7]), "maps = .*must be a list of"),
-        (NVAR(n_taps=2), put("parameters", "degree", value=10**6), "NVAR: degree = 1000000"),
         (TapFeatures(), put("parameters", "n_references", value=7), "n_references = 7"),
         (LowpassBank(), put("parameters", "epsilons", value="0.1"), "epsilons = '0.1'"),
-        (LowpassBank(), put("parameters", "epsilons", value=[[0.1]]), "epsilons = "),
     ],
 )  # fmt: skip
 def test_wrong_map_is_named(features, change, problem, path):
@@ -500,17 +360,6 @@ def test_model_from_outside_is_loaded_with_what_it_learned(outside, path):
     assert (loaded.offset_, list(loaded.names_)) == (0.5, ["a", "b"])
     assert loaded.table_.tolist() == [[0, 1, 2], [3, 4, 5]]
     assert np.array_equal(loaded.inner_[0].w_out_, outside.inner_[0].w_out_)
-
-
-@pytest.mark.parametrize("name", ["readout_.W_out_", "inner_.0.w_out_"])
-def test_part_of_a_model_from_outside_is_checked(name, outside, path):
-    with h5py.File(path, "a") as file:
-        values = file[name][()]
-        del file[name]
-        file[name] = values[:-1]
-    reseal(path)
-    with pytest.raises(FprcError, match=rf"{name}: is float64 of shape .*; must be"):
-        load_model(path, [Outside])
 
 
 def test_sizes_of_parts_from_outside_are_compared_before_the_compiled_step(outside, path):

@@ -47,31 +47,6 @@ def test_narrow_memberships_switch_and_wide_ones_average(regimes):
     assert_allclose(narrow.predict(between), rules[wide.centers_[:, 0].argmin()], rtol=1e-6)
 
 
-def test_output_of_a_row_is_its_prediction(rows):
-    X, y = rows
-    readout = TakagiSugenoReadout(n_c=4, random_state=0).fit(X, y)
-    assert_allclose([readout.output(x) for x in X], readout.predict(X), rtol=1e-10)
-
-
-def test_weights_have_a_row_for_each_rule_and_the_bias_first(rows):
-    X, y = rows
-    readout = TakagiSugenoReadout(n_c=4, random_state=0).fit(X, y + 1000.0)
-    assert readout.centers_.shape == (4, 3)
-    assert readout.W_out_.shape == (4, 1 + 3)
-    assert np.all(np.abs(readout.W_out_[:, 0]) > 100.0)
-
-
-def test_more_rules_follow_a_curve_more_closely():
-    x = np.linspace(-20.0, 20.0, 400)
-    y = x**2
-    errors = [
-        np.abs(TakagiSugenoReadout(n_c=n_c, random_state=0).fit(x[:, None], y).predict(x[:, None])
-               - y).mean()
-        for n_c in (1, 2, 4, 8)
-    ]  # fmt: skip
-    assert np.all(np.diff(errors) < 0.0)
-
-
 def test_seeded_training_leaves_the_global_generator_alone(rows):
     before = check_random_state(None).get_state()[1].copy()
     TakagiSugenoReadout(n_c=4, random_state=3).fit(*rows)
