@@ -41,16 +41,6 @@ def metronome(time, allowed=1000, **more):
     return Metronome(PERIOD_S, overruns_in_a_row=allowed, **more)
 
 
-def test_first_tick_is_due_one_period_after_the_first_call(time):
-    clock = metronome(time)
-    assert clock.elapsed() == 0.0
-    assert clock.wait_for(0) == 0
-    assert time.s == 1000.0 + PERIOD_S
-    assert clock.elapsed() == 0.0
-    time.pass_(0.5)
-    assert clock.elapsed() == 0.5 * PERIOD_S
-
-
 def test_deadlines_are_absolute_and_never_drift(time):
     clock, rng = metronome(time), np.random.default_rng(1)
     for tick in range(20_000):
@@ -94,12 +84,8 @@ def test_more_missed_ticks_than_allowed_end_the_run(time, missed, ends):
     if not ends:
         assert clock.wait_for(1) == 1 + missed
         return
-    with pytest.raises(ControlError) as caught:
+    with pytest.raises(ControlError, match=f"{missed:.0f} ticks.*overruns_in_a_row"):
         clock.wait_for(1)
-    assert str(caught.value).startswith(
-        f"{missed:.0f} ticks of 3.90625 ms were missed in a row, the limit is 3"
-    )
-    assert "hardware.limits.overruns_in_a_row" in str(caught.value)
 
 
 def test_missed_ticks_are_in_a_row_until_the_loop_has_caught_up(time):
@@ -112,17 +98,6 @@ def test_missed_ticks_are_in_a_row_until_the_loop_has_caught_up(time):
     time.pass_(2.75)
     with pytest.raises(ControlError, match="4 ticks"):
         clock.wait_for(5)
-
-
-def test_loop_that_has_caught_up_may_miss_as_many_again(time):
-    clock = metronome(time, allowed=3)
-    tick = clock.wait_for(0)
-    for _ in range(50):
-        time.pass_(4.5)
-        tick = clock.wait_for(tick + 1)
-        time.pass_(0.25)
-        tick = clock.wait_for(tick + 1)
-    assert (tick, clock.overruns) == (250, 150)
 
 
 def test_last_moment_is_waited_actively():

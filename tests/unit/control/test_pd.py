@@ -30,39 +30,10 @@ def test_incremental_law_is_the_authors_equation():
     np.testing.assert_allclose(commands, authors_commands(e, p_ff, KP, KD, PERIOD_S), atol=1e-9)
 
 
-def test_incremental_law_is_a_pi_controller():
-    """Integral gain kp / T = 100 kPa/(deg s), proportional gain kd / T = 1 kPa/deg."""
-    time_s = np.arange(400) / RATE_HZ
-    e = 3.0 * np.sin(2.0 * np.pi * 0.5 * time_s)
-    found = feedback(PD(KP, KD, PERIOD_S, limits_kpa=(-math.inf, math.inf)), e)
-    integral = 3.0 * (1.0 - np.cos(2.0 * np.pi * 0.5 * time_s)) / (2.0 * np.pi * 0.5)
-    np.testing.assert_allclose(found, 100.0 * integral + 1.0 * e, atol=1.0)  # one sample's 100 e T
-
-
 def test_positional_law_is_proportional_and_backward_difference():
     e = np.random.default_rng(1).uniform(-60.0, 60.0, 50)
     found = feedback(PD(3.0, 0.02, 0.01, incremental=False), e)
     np.testing.assert_allclose(found, 3.0 * e + 0.02 * np.diff(e, prepend=e[0]) / 0.01)
-
-
-def follow(pd, slope, reference, samples):
-    """Close the loop over theta(k) = slope P_d(k-1), and return the errors."""
-    theta, errors = 0.0, []
-    for _ in range(samples):
-        errors.append(reference - theta)
-        theta = slope * pd.step(reference, theta)
-    return np.array(errors)
-
-
-def test_on_a_static_plant_both_laws_have_their_closed_forms():
-    """e(k+1) = r - g kp e(k) positional; e(k+1) = (1 - g kp) e(k) incremental; kd = 0."""
-    g, r = 0.2, 30.0
-    k = np.arange(40)
-    positional = follow(PD(KP, 0.0, PERIOD_S, incremental=False), g, r, len(k))
-    settled = r / (1.0 + g * KP)
-    np.testing.assert_allclose(positional, settled + (r - settled) * (-g * KP) ** k, rtol=1e-12)
-    incremental = follow(PD(KP, 0.0, PERIOD_S), g, r, len(k))
-    np.testing.assert_allclose(incremental, r * (1.0 - g * KP) ** k, rtol=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,3 @@
-import numba
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -28,20 +26,3 @@ def test_record_holds_every_name_in_order_and_every_value(values):
     unpacked = unpack(packed[0])
     assert unpacked == values
     assert list(unpacked) == list(values)
-
-
-def test_compiled_code_reads_and_writes_by_name():
-    @numba.njit
-    def move(states):
-        state = states[0]
-        state.x += state.inner.step[1]
-
-    state = record({"x": 1.0, "inner": {"step": [0.0, 0.5]}})
-    move(state)
-    assert state["x"][0] == 1.5
-
-
-@pytest.mark.parametrize("wrong", ["fast", None])
-def test_value_that_is_no_number_is_refused(wrong):
-    with pytest.raises((TypeError, ValueError)):
-        record({"speed": wrong})

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
@@ -33,30 +33,9 @@ def test_datasheet_flow_gives_the_datasheet_conductance():
     assert litres_per_minute == pytest.approx(100.0, rel=2e-3)
 
 
-@given(pressures, critical_ratios)
-def test_no_flow_between_equal_pressures(p, b):
-    assert mass_flow(4.0, p, p, b) == 0.0
-
-
 @given(pressures, pressures, critical_ratios)
 def test_flow_reverses_when_the_pressures_swap(p1, p2, b):
     assert mass_flow(4.0, p1, p2, b) == -mass_flow(4.0, p2, p1, b)
-
-
-@given(pressures, pressures, critical_ratios)
-def test_flow_runs_from_high_to_low_and_never_exceeds_choked_flow(p1, p2, b):
-    assume(p1 != p2)
-    flow = mass_flow(4.0, p1, p2, b)
-    assert np.sign(flow) == np.sign(p1 - p2)
-    assert abs(flow) <= 4.0 * max(p1, p2)
-
-
-@given(pressures, pressures, st.floats(0.1, 10.0))
-def test_flow_scales_with_conductance_and_with_both_pressures(p1, p2, scale):
-    flow = mass_flow(2.0, p1, p2, 0.3)
-    assert mass_flow(2.0 * scale, p1, p2, 0.3) == pytest.approx(scale * flow, rel=1e-9)
-    scaled = mass_flow(2.0, scale * p1, scale * p2, 0.3)
-    assert scaled == pytest.approx(scale * flow, rel=1e-6, abs=1e-6)
 
 
 @pytest.mark.parametrize("b", CRITICAL_RATIOS)
@@ -75,20 +54,6 @@ def test_edge_opens_from_the_dead_zone_to_the_full_stroke(dead_zone):
     halfway = 0.5 * (dead_zone + 1.0)
     assert opening(halfway, dead_zone, 0.0) == pytest.approx(0.5, abs=1e-12)
     assert opening(1.3, dead_zone, 0.0) == 1.0
-
-
-@given(st.floats(-1.5, 1.5), st.floats(0.005, 0.05))
-def test_supply_and_exhaust_edge_are_never_open_together(x, dead_zone):
-    edges = opening(x, dead_zone, 0.0), opening(-x, dead_zone, 0.0)
-    assert min(edges) == 0.0
-    assert (max(edges) > 0.0) == (abs(x) > dead_zone)
-
-
-@given(st.floats(-1.0, 1.0), st.floats(0.0, 0.02))
-def test_leak_passes_both_edges_at_any_spool_position(x, leak):
-    for side in (x, -x):
-        tight = opening(side, 0.02, 0.0)
-        assert opening(side, 0.02, leak) - tight == pytest.approx(leak, abs=1e-15)
 
 
 def underdamped(t, wn, zeta):
