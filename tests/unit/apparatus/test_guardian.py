@@ -1,15 +1,13 @@
-import io
 import queue
 import signal
 import threading
 import time
 from functools import partial
-from types import SimpleNamespace
 
 import pytest
 
 from fprc.apparatus import guardian
-from fprc.apparatus.guardian import BEAT_S, _listen, _vent, _wait, _watch
+from fprc.apparatus.guardian import BEAT_S, _vent, _wait, _watch
 from fprc.devices import pneumatics
 
 
@@ -107,12 +105,6 @@ def test_boards_that_take_long_to_open_are_waited_for_but_not_without_end():
     assert waits.left == nearly
 
 
-def test_end_of_the_output_is_passed_on():
-    told = queue.SimpleQueue()
-    _listen(SimpleNamespace(stdout=io.BytesIO(b"A.S")), told)
-    assert [told.get(), told.get()] == [b"A.S", b""]
-
-
 VENTED = "both chambers are vented, as their sensors show"
 
 
@@ -193,19 +185,6 @@ def test_venting_is_given_up_only_by_the_user(alive, settings, heard, quick, cap
     assert any("failed with code 777" in message for message in caplog.messages)
 
 
-def test_driver_that_raises_anything_is_tried_again(settings, heard, quick, monkeypatch):
-    raised = []
-
-    def vent(hardware, told):
-        if len(raised) < 3:
-            raised.append(OSError("exception: access violation"))
-            raise raised[-1]
-
-    monkeypatch.setattr(guardian, "vent_from_outside", vent)
-    assert _vent(settings["hardware"], heard) == VENTED
-    assert len(raised) == 3
-
-
 def test_terminal_that_takes_no_message_does_not_keep_from_venting(
     alive, settings, heard, quick, monkeypatch
 ):
@@ -253,19 +232,6 @@ def test_driver_that_does_not_answer_a_reading_is_not_waited_for_without_end(
     said = _vent(settings["hardware"], heard)
     never.set()
     assert "both valves were set to vent, but no pressure can be read: the driver" in said
-
-
-def test_guardian_does_not_reset_the_outputs_of_the_board(alive, settings, heard, monkeypatch):
-    resets = []
-    driver = pneumatics.AnalogOutput
-
-    def spy(*arguments, reset):
-        resets.append(reset)
-        return driver(*arguments, reset=reset)
-
-    monkeypatch.setattr(pneumatics, "AnalogOutput", spy)
-    _vent(settings["hardware"], heard)
-    assert resets == [False]
 
 
 def test_process_that_does_not_end_is_reported_and_awaited_until_the_user_gives_up(quick, caplog):

@@ -10,7 +10,7 @@ import pytest
 from fprc.apparatus import process
 from fprc.control import RunAbortedError
 from fprc.errors import LogError
-from fprc.logs import Journal, read_journal, read_raw
+from fprc.logs import Journal, read_raw
 
 TICKS = 40
 #: Tick before which the journal is lost.
@@ -68,11 +68,6 @@ def record(bench, settings, live_by, places, monkeypatch):
 
 def cut(path):
     os.truncate(path, 1000)
-
-
-def overwrite(path):
-    with path.open("r+b") as file:
-        file.write(bytes(path.stat().st_size))
 
 
 def delete_folder(path):
@@ -156,14 +151,6 @@ def test_journal_that_is_lost_at_the_last_sample_costs_none(record, places, lose
     assert not (places["raw"] / "sweep.h5").exists()
 
 
-def test_journal_that_was_overwritten_is_replaced_when_the_run_has_ended(record, places):
-    error, last = record(overwrite, TICKS - 1)
-    assert last == TICKS - 1
-    _, path, log = rescued(places)
-    assert f"{path} has all of them" in error
-    assert len(log.channels["time_s"]) == TICKS
-
-
 def test_folder_whose_disk_was_unmounted_is_not_written_to(record, places, monkeypatch):
     def lose(path):
         monkeypatch.setattr(Path, "stat", unmount(path))
@@ -175,23 +162,6 @@ def test_folder_whose_disk_was_unmounted_is_not_written_to(record, places, monke
     assert not list(places["raw"].iterdir())
 
 
-def test_full_disk_in_mid_run_costs_no_sample(record, places, monkeypatch):
-    append = Journal.append
-
-    def full(journal, tick, row):
-        if tick == LOST:
-            raise LogError("no space left on device")
-        append(journal, tick, row)
-
-    monkeypatch.setattr(Journal, "append", full)
-    error, _ = record(lambda path: None, at=-1)
-    _, path, log = rescued(places)
-    (journal,) = places["raw"].glob("*.journal")
-    assert f"{journal} holds {LOST} of {LOST + 1} samples; {path} has all of them" in error
-    assert len(log.channels["time_s"]) == LOST + 1
-    assert read_journal(journal)[2].samples == LOST
-
-
 def test_samples_that_can_be_saved_nowhere_are_said_to_be_lost(record, monkeypatch):
     def refuse(*arguments, **attributes):
         raise OSError(28, "No space left on device")
@@ -200,15 +170,3 @@ def test_samples_that_can_be_saved_nowhere_are_said_to_be_lost(record, monkeypat
     error, _ = record(cut)
     assert f"holds 0 of {LOST + 1} samples; the others are lost" in error
     assert error.count("No space left on device") == 3
-
-
-def test_log_that_cannot_be_written_leaves_the_journal_and_says_so(record, places, monkeypatch):
-    def refuse(*arguments, **attributes):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("fprc.logs.recovery.write_raw", refuse)
-    error, _ = record(lambda path: None, at=-1)
-    (journal,) = places["raw"].glob("*.journal")
-    assert "No space left on device" in error
-    assert f"the run was complete; {TICKS} samples are in {journal}, copy them with: " in error
-    assert read_journal(journal)[2].complete

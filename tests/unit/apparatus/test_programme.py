@@ -1,6 +1,3 @@
-import hashlib
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -29,14 +26,6 @@ def model(recorded, tmp_path_factory):
     return path
 
 
-def test_experiments_are_those_of_the_paper_in_the_order_in_which_they_need_each_other(settings):
-    known = names(settings)
-    assert known[:3] == ["sweep", "complex", "track_sine_0p2_fprc"]
-    assert len(known) == len(set(known))
-    assert all(name.startswith("track_") for name in known[2:])
-    assert len(known) == 2 + 3 * len(settings["tracking"]["references"])
-
-
 def test_every_name_can_be_planned(settings, model):
     for name in names(settings):
         experiment = plan(name, settings, model)
@@ -49,11 +38,6 @@ def test_every_name_can_be_planned(settings, model):
         experiment.law(experiment.samples - 1, NOW)
         with pytest.raises(IndexError):
             experiment.law(experiment.samples, NOW)
-
-
-def test_unknown_experiment_is_refused_with_the_known_ones(settings):
-    with pytest.raises(ConfigError, match="no experiment sweeep; must be one of sweep, complex, "):
-        plan("sweeep", settings)
 
 
 def test_hysteresis_experiment_commands_its_signal_and_feeds_theta_to_the_reservoir(settings):
@@ -77,12 +61,6 @@ def test_feedback_needs_no_model_and_is_that_of_the_configuration(settings, feed
     (theta_d, *_), (_, p_ff, p_fb) = rows
     assert p_ff == 0.0
     assert p_fb == pytest.approx(2.0 * theta_d * (2 if feedback == "incremental" else 1))
-
-
-def test_feedforward_alone_needs_no_feedback(settings, model):
-    row = plan("track_sine_0p5_fprc", settings, model).law(0, NOW)
-    assert row[4] == 0.0
-    assert row[3] != 0.0
 
 
 def test_only_the_disturbance_asks_the_person_to_push(settings, model):
@@ -169,16 +147,6 @@ def test_outside_model_is_compared_with_its_own_class(settings, files):
     assert planned.attributes["model"] == "FuzzyLinear"
     with pytest.raises(ConfigError, match="is a FPRC, must be a FuzzyLinear"):
         plan("track_sine_0p2_mine", settings, files["FPRC"])
-
-
-def test_log_names_the_model_that_runs(settings, files):
-    told = plan("track_sine_0p2_fprc_pd", settings, files["FPRC"]).attributes
-    digest = hashlib.sha256(Path(files["FPRC"]).read_bytes()).hexdigest()
-    assert [told[name] for name in ("model", "model_file", "model_sha256")] == [
-        "FPRC", "fprc.h5", digest,
-    ]  # fmt: skip
-    alone = plan("track_sine_0p2_pd", settings, files["FPRC"]).attributes
-    assert not [name for name in alone if name.startswith("model")]
 
 
 def test_step_that_fails_is_refused_before_the_rig_moves(settings, model, monkeypatch):

@@ -2,7 +2,6 @@ import signal
 
 import pytest
 
-from fprc.apparatus import session
 from fprc.apparatus.session import Stop, loops
 
 
@@ -37,13 +36,6 @@ def stop(clocks, monkeypatch):
     return Stop(0.5, monotonic=clocks.monotonic, boottime=clocks.boottime)
 
 
-def test_run_continues_while_the_guardian_sends_heartbeats(stop, clocks):
-    for _ in range(5):
-        clocks.ran_s += 0.4
-        assert stop() == ""
-        stop._heartbeat_s = clocks.ran_s
-
-
 def test_guardian_that_is_silent_ends_the_run(stop, clocks):
     clocks.ran_s += 0.49
     assert stop() == ""
@@ -69,11 +61,6 @@ def test_pause_between_the_two_clocks_does_not_pass_for_a_suspension(clocks, mon
     monkeypatch.setattr(Stop, "_listen", lambda self: None)
     stop = Stop(10.0, monotonic=clocks.monotonic, boottime=boottime)
     assert stop() == ""
-
-
-def test_clock_of_suspensions_never_runs_behind():
-    before_s = session.time.monotonic()
-    assert session._boottime() >= before_s
 
 
 def test_pressure_loops_close_the_valve_at_its_own_neutral_voltage(settings):

@@ -1,6 +1,4 @@
-import errno
 import importlib
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -68,22 +66,6 @@ def test_rate_is_sent_low_byte_first(bus, ticks, sent):
     assert bus.ticks == ticks
 
 
-def test_first_sample_is_waited_for_at_any_rate(bus):
-    waits = []
-    BendSensor(bus, 0x12, ticks=1638).start(sleep=waits.append)
-    assert waits[-1] == pytest.approx(0.1, rel=1e-3)
-
-
-@pytest.mark.parametrize(
-    ("bend_deg", "packet"),
-    [(0.0, "00 00 00"), (12.5, "00 20 03"), (-1 / 64, "00 ff ff"), (-90.0, "00 80 e9")],
-)
-def test_angle_is_read_in_one_packet(bus, sensor, bend_deg, packet):
-    bus.bend_deg = bend_deg
-    assert sensor.read() == bend_deg
-    assert transcript(bus) == [f"read {packet}"]
-
-
 @given(st.integers(-32768, 32767))
 @example(-32768)
 @example(32767)
@@ -141,18 +123,6 @@ def test_calibration_at_an_angle_that_the_sensor_cannot_take_is_refused(bus, sen
     assert transcript(bus) == []
 
 
-def test_dropout_names_bus_address_request_and_remedy(bus, sensor):
-    bus.fault = "dropout"
-    with pytest.raises(DeviceError) as caught:
-        sensor.read()
-    assert bus.happened == {"dropout": 1}
-    assert str(caught.value) == (
-        "angle sensor 0x12 on I2C bus 1: reading the angle failed "
-        f"([Errno {errno.EREMOTEIO}] {os.strerror(errno.EREMOTEIO)}); check cable, supply and "
-        "address: `i2cdetect -y 1` lists the devices that answer"
-    )
-
-
 @pytest.mark.parametrize(
     ("call", "asked"),
     [
@@ -167,30 +137,6 @@ def test_every_request_to_an_empty_address_raises_device_error(bus, call, asked)
     with pytest.raises(DeviceError, match=rf"0x13 on I2C bus 1: {asked} failed .*check cable"):
         call(BendSensor(bus, 0x13))
     assert transcript(bus) == []
-
-
-def test_frozen_sensor_repeats_its_last_sample(bus, sensor):
-    assert sensor.read() == 12.5
-    bus.fault, bus.bend_deg = "freeze", 40.0
-    assert [sensor.read(), sensor.read()] == [12.5, 12.5]
-    assert bus.happened == {"freeze": 2}
-    bus.fault = None
-    assert sensor.read() == 40.0
-
-
-@pytest.mark.parametrize(("fault", "packet"), [("type", "03 20 03"), ("order", "20 03 00")])
-def test_packet_of_another_type_or_order_is_no_sample(bus, sensor, fault, packet):
-    bus.fault = fault
-    assert sensor.read() is None
-    assert bus.happened == {fault: 1}
-    assert transcript(bus) == [f"read {packet}"]
-
-
-def test_packet_of_wrong_length_is_an_error(bus, sensor):
-    bus.fault = "length"
-    with pytest.raises(DeviceError, match="reading the angle failed .the reply has 2 bytes, not 3"):
-        sensor.read()
-    assert bus.happened == {"length": 1}
 
 
 def test_without_smbus2_the_module_loads_and_opening_says_how_to_install_it(monkeypatch):

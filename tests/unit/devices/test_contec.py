@@ -37,30 +37,11 @@ def test_output_board_writes_the_channel_asked_for(bench, library):
     assert list(bench.shared.outputs[:2]) == [-10.0, 2.5]
 
 
-def test_boards_are_opened_once_and_released(bench, library):
-    boards = AnalogInput(library, "AIO000", 1), AnalogOutput(library, "AIO001")
-    assert bench.shared.opened == 2
-    for board in boards:
-        board.close()
-    assert bench.shared.opened == 0
-
-
 def test_board_is_reset_unless_its_outputs_must_hold(bench, library):
     AnalogOutput(library, "AIO001").close()
     calls = bench.shared.calls
     AnalogOutput(library, "AIO001", reset=False).close()
     assert bench.shared.calls - calls == calls - 1
-
-
-@pytest.mark.parametrize(
-    ("at", "call"), [(0, "AioInit"), (1, "AioResetDevice"), (2, "AioSetAiRangeAll")]
-)
-def test_board_that_cannot_be_opened_names_the_call_and_is_released(bench, library, at, call):
-    fail(bench, skip=at)
-    with pytest.raises(DeviceError, match=f"^board AIO000: {call} failed with code 12345"):
-        AnalogInput(library, "AIO000", 3)
-    assert (bench.shared.failures, bench.shared.failed) == (1, call.encode())
-    assert bench.shared.opened == 0
 
 
 def test_failure_to_release_does_not_hide_why_a_board_was_not_opened(bench, library):
@@ -70,46 +51,11 @@ def test_failure_to_release_does_not_hide_why_a_board_was_not_opened(bench, libr
     assert (bench.shared.failures, bench.shared.failed[:7]) == (2, b"AioExit")
 
 
-@pytest.mark.parametrize(
-    ("use", "call"),
-    [
-        (lambda boards: boards[0].read(), "AIO000: AioMultiAiEx"),
-        (lambda boards: boards[1].write(0, 5.0), "AIO001: AioSingleAoEx"),
-        (lambda boards: boards[1].close(), "AIO001: AioExit"),
-    ],
-)
-def test_error_code_of_a_call_is_translated_by_the_driver(bench, library, use, call):
-    boards = AnalogInput(library, "AIO000", 1), AnalogOutput(library, "AIO001")
-    fail(bench)
-    with pytest.raises(DeviceError) as caught:
-        use(boards)
-    assert str(caught.value).startswith(
-        f"board {call} failed with code 12345 (injected failure); check power and cable"
-    )
-    assert bench.shared.failures == 1
-
-
 @pytest.mark.parametrize(("code", "words"), [(20000, "装置"), (20001, "no description")])
 def test_words_of_a_japanese_driver_are_readable_and_none_are_no_crash(bench, library, code, words):
     board = AnalogInput(library, "AIO000", 1)
     fail(bench, code)
     with pytest.raises(DeviceError, match=rf"failed with code {code} \({words}\)"):
-        board.read()
-
-
-def test_unknown_name_of_a_board_is_reported(bench, library):
-    with pytest.raises(DeviceError, match=r"board AIO009: .* 10000 \(unregistered device name\)"):
-        AnalogInput(library, "AIO009", 1)
-    assert bench.shared.opened == 0
-
-
-def test_boards_answer_by_their_own_id(bench, library):
-    # the fake, like the board, refuses to read from an output board
-    board = AnalogInput(library, "AIO001", 1)
-    with pytest.raises(DeviceError, match="AioMultiAiEx failed with code 11001"):
-        board.read()
-    board._id.value = 7
-    with pytest.raises(DeviceError, match=r"code 10001 \(invalid device id\)"):
         board.read()
 
 

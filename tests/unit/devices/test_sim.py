@@ -2,7 +2,6 @@ import numpy as np
 import pytest
 
 from fprc.channels import Readings
-from fprc.devices import NEUTRAL_V
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import SimulationError
 
@@ -31,22 +30,6 @@ def test_new_rig_is_vented_straight_and_pre_charged(device):
     assert now.p_o_kpa == pytest.approx(100.0, abs=9.0)
     assert now.theta_deg == pytest.approx(0.0, abs=1.5)
     assert now.phi_deg == pytest.approx(0.0, abs=0.5)
-
-
-def test_readings_are_taken_at_the_instants_waited_for(device):
-    for k in (1, 2, 7, 8, 100):
-        device.wait_for(k)
-        assert device.read().time_s == pytest.approx(k / 200.0, abs=1e-12)
-        assert device.state["time_s"][0] == pytest.approx(k / 200.0, abs=1e-9)
-
-
-def test_waiting_for_the_present_or_the_past_changes_nothing(device):
-    device.wait_for(20)
-    before, seen = device.state, device.read()
-    device.wait_for(20)
-    device.wait_for(10)
-    assert device.state == before
-    assert device.read() == seen
 
 
 def test_waiting_in_one_go_equals_waiting_tick_by_tick(rig):
@@ -78,28 +61,6 @@ def test_white_noise_has_the_configured_deviation(rig):
     assert np.abs(correlation - np.eye(3)).max() < 0.1
 
 
-def test_voltages_are_held_until_the_next_write(rig):
-    rig["valve"]["leak"] = 0.0
-    device = SimulatedRig(rig, seed=1, run=0, sample_rate_hz=200.0)
-    device.write(7.0, 5.0)
-    device.wait_for(40)
-    assert device.state["spool"][0] == pytest.approx([0.4, 0.0], abs=1e-3)
-    device.write(5.0, 4.0)
-    device.wait_for(80)
-    assert device.state["spool"][0] == pytest.approx([0.0, -0.2], abs=1e-3)
-
-
-def test_each_valve_fills_its_own_chamber(device):
-    device.write(6.0, 0.0)
-    device.wait_for(40)
-    assert device.read().p_exp_kpa > 100.0
-    assert device.read().p_i_kpa < 10.0
-    device.write(0.0, 6.0)
-    device.wait_for(120)
-    assert device.read().p_exp_kpa < 20.0
-    assert device.read().p_i_kpa > 100.0
-
-
 @pytest.mark.parametrize("stop", ["safe", "close"])
 def test_safe_state_vents_both_chambers_and_may_be_asked_for_twice(device, stop):
     device.write(6.5, 6.5)
@@ -112,19 +73,6 @@ def test_safe_state_vents_both_chambers_and_may_be_asked_for_twice(device, stop)
     assert now.p_exp_kpa == pytest.approx(0.0, abs=12.0)
     assert now.p_i_kpa == pytest.approx(0.0, abs=12.0)
     assert now.theta_deg < 5.0
-
-
-def test_neutral_voltage_closes_both_valves(quiet_rig):
-    quiet_rig["valve"]["leak"] = 0.0
-    device = SimulatedRig(quiet_rig, seed=1, run=0, sample_rate_hz=200.0)
-    device.write(6.0, 6.0)
-    device.wait_for(40)
-    device.write(NEUTRAL_V, NEUTRAL_V)
-    device.wait_for(400)
-    held = device.state[0]
-    device.wait_for(800)
-    assert held["p_i_kpa_abs"] > 150.0
-    assert device.state["p_i_kpa_abs"][0] == pytest.approx(held["p_i_kpa_abs"], abs=0.5)
 
 
 def test_rig_stays_failed_once_it_has_diverged(quiet_rig):
@@ -144,12 +92,3 @@ def test_integration_steps_are_never_longer_than_asked_for(rig, rate_hz, step_s)
     taken = 1.0 / rate_hz / device._substeps
     assert taken <= step_s * (1.0 + 1e-9)
     assert 1.0 / rate_hz / (device._substeps - 1) > step_s
-
-
-def test_push_is_asked_for_at_every_tick(rig):
-    ticks = []
-    device = SimulatedRig(
-        rig, seed=1, run=0, sample_rate_hz=200.0, push_kpa=lambda tick: ticks.append(tick) or 0.0
-    )
-    device.wait_for(10)
-    assert ticks == list(range(11))
