@@ -1,9 +1,8 @@
 import numpy as np
 import pytest
 
-from fprc.channels import RAW_CHANNELS
 from fprc.figures import style
-from fprc.figures.diagnosis import draw_diagnosis, plot_channel
+from fprc.figures.diagnosis import plot_channel
 from fprc.logs.diagnosis import diagnose
 
 TIME_S = np.arange(6000) / 200.0
@@ -42,13 +41,6 @@ def labels(ax):
     return set(ax.get_legend_handles_labels()[1])
 
 
-def test_channel_is_drawn_as_it_is(faulty):
-    ax = drawn(faulty, "p_i_kpa")
-    assert ax.lines[0].get_ydata().tolist() == faulty[1]["p_i_kpa"].tolist()
-    assert ax.lines[0].get_color() == style.SIGNALS["p_i"]
-    assert labels(ax) == {"gap"}
-
-
 def test_gap_is_shaded_where_it_is(faulty):
     (gap,) = drawn(faulty, "p_i_kpa").patches
     assert gap.get_x() == pytest.approx(999 / 200)
@@ -61,29 +53,3 @@ def test_each_fault_is_marked_on_its_own_channel(faulty):
     ax = drawn(faulty, "p_o_kpa")
     assert labels(ax) == {"gap", "re-fill or sudden loss"}
     assert ax.lines[-1].get_xdata()[0] == pytest.approx(20.0, abs=0.2)
-
-
-def test_picture_has_a_panel_a_channel_and_one_for_the_loops(faulty):
-    time_s, channels, found = faulty
-    names = dict.fromkeys(channels, "")
-    fig = draw_diagnosis(time_s, channels, found, titles=names, units=names)
-    assert len(fig.axes) == len(channels) + 1
-    (loops,) = fig.axes[-1].collections
-    assert len(loops.get_segments()) == len(time_s) - 1
-    assert len(fig.legends) == 1
-
-
-def test_two_channels_suffice(faulty):
-    time_s, channels, _ = faulty
-    two = {"p_exp_command_kpa": channels["p_i_kpa"], "theta_deg": channels["p_i_kpa"]}
-    names = dict.fromkeys(two, "")
-    fig = draw_diagnosis(time_s, two, diagnose(time_s, two), titles=names, units=names)
-    assert len(fig.axes) == 3
-
-
-@pytest.mark.parametrize("name", [name for name in RAW_CHANNELS if name != "time_s"])
-def test_every_channel_has_a_colour(faulty, name):
-    time_s, channels, found = faulty
-    found["channels"][name] = found["channels"]["p_i_kpa"]
-    _, ax = style.figure(1, 1, 3.5, 2.0)
-    plot_channel(time_s, channels["p_i_kpa"], name, found, ax)

@@ -6,7 +6,6 @@ import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.colors import to_rgb
-from matplotlib.text import Text
 
 from fprc.escape import figure
 from fprc.figures import style
@@ -14,7 +13,7 @@ from fprc.figures.grids import plot_grid
 from fprc.figures.hysteresis import plot_loop
 from fprc.figures.training import plot_error, plot_fit
 from fprc.logs import Columns, write_columns
-from fprc.registry import MODELS, look_of
+from fprc.registry import MODELS
 from fprc.stages import draw
 
 pytestmark = pytest.mark.slow
@@ -82,32 +81,6 @@ def written(drawing, pdf, png):
     return [str(path) for path in (*tables, pdf, png)]
 
 
-@DRAWINGS
-def test_figure_is_marked_as_simulated_and_drawn_twice_has_the_same_bytes(
-    drawing, log, tmp_path, figures
-):
-    logs, opened = (log("one.h5"), log("two.h5")), plt.get_fignums()
-    contents = []
-    for name in ("first", "second"):
-        pdf, png = tmp_path / f"{name}.pdf", tmp_path / f"{name}.png"
-        drawing(*logs, *written(drawing, pdf, png))
-        contents.append((pdf.read_bytes(), png.read_bytes()))
-    assert contents[0] == contents[1]
-    assert contents[0][0].startswith(b"%PDF")
-    assert contents[0][1].startswith(b"\x89PNG")
-    assert [marks(each) for each in figures] == [["simulated rig, seed 7"]] * 2
-    assert plt.get_fignums() == opened
-
-
-def test_mark_is_part_of_the_picture(fig, tmp_path):
-    pictures = []
-    for attributes in ({"source": "sim", "seed": 7}, {"source": "sim", "seed": 8}):
-        style.save(fig, attributes, str(tmp_path / "f.pdf"), str(tmp_path / "f.png"))
-        pictures.append((tmp_path / "f.png").read_bytes())
-        fig.texts[0].remove()
-    assert pictures[0] != pictures[1]
-
-
 @pytest.mark.parametrize(
     ("data", "mark"),
     [
@@ -135,13 +108,6 @@ def is_grey(colour):
     return len(set(to_rgb(colour))) == 1
 
 
-def test_every_model_has_a_look_of_its_own_and_those_from_outside_share_another():
-    looks = [look_of(model) for model in (*MODELS, "lstm")]
-    for part in zip(*looks, strict=True):
-        assert len(set(part)) == 4
-    assert look_of("ridge_taps") == look_of("lstm")
-
-
 def test_a_hue_is_one_signal_and_a_grey_is_a_model_or_a_controller():
     signals = [to_rgb(colour) for colour in style.SIGNALS.values()]
     assert len(set(signals)) == len(signals)
@@ -154,17 +120,6 @@ def test_a_hue_is_one_signal_and_a_grey_is_a_model_or_a_controller():
     assert not set(map(to_rgb, greys)) & set(signals)
 
 
-@DRAWINGS
-def test_no_text_is_smaller_than_seven_points_and_the_type_is_the_journals(
-    drawing, log, tmp_path, figures
-):
-    logs = log("one.h5"), log("two.h5")
-    drawing(*logs, *written(drawing, tmp_path / "f.pdf", tmp_path / "f.png"))
-    texts = [text for text in figures[0].findobj(Text) if text.get_text()]
-    assert min(text.get_fontsize() for text in texts) >= 7.0
-    assert {text.get_fontname() for text in texts} == {"STIXGeneral"}
-
-
 def test_panels_that_show_the_same_quantities_have_the_same_ranges(log, tmp_path, figures):
     logs = log("one.h5"), log("two.h5", amplitude=0.2, speed=4.0)
     for drawing in (draw.draw_actuator_hysteresis, draw.draw_reservoir_hysteresis):
@@ -175,16 +130,6 @@ def test_panels_that_show_the_same_quantities_have_the_same_ranges(log, tmp_path
         assert one.get_xlim() == other.get_xlim()
         assert one.get_ylim() == other.get_ylim()
         assert one.collections[0].get_clim() == other.collections[0].get_clim()
-
-
-def test_part_of_the_training_is_enlarged_where_it_is_framed(log, tmp_path, figures):
-    logs = log("one.h5"), log("two.h5")
-    draw.draw_training(*logs, *written(draw.draw_training, tmp_path / "f.pdf", tmp_path / "f.png"))
-    whole, zoom = figures[0].axes[:2]
-    (frame,) = whole.patches
-    begin, end = zoom.get_xlim()
-    assert (begin, end) == pytest.approx((0.9 * 3.95, 3.95))
-    assert (frame.get_x(), frame.get_width()) == pytest.approx((begin, end - begin))
 
 
 @pytest.mark.parametrize("unit", [r"$\frac{$", "$x$", "\x1b[31mN"])

@@ -64,15 +64,6 @@ def test_time_left_is_that_of_earlier_jobs_of_each_rule_on_the_cores_in_use(run,
     assert progress.remaining_s() == pytest.approx((30.0 - 5.0) / (40.0 / 25.0))
 
 
-def test_time_left_is_not_guessed_for_a_rule_that_never_ran(run, clock):
-    progress = run(judge=10.0)
-    progress.start(0, "judge", "Judgement", None)
-    clock.now = 10.0
-    progress.finish(0)
-    assert progress.remaining_s() is None
-    assert "left" not in progress.stream.getvalue()
-
-
 def test_long_job_shows_the_last_line_of_its_log_once_a_minute(run, clock, tmp_path):
     log = tmp_path / "judge.log"
     log.write_text("[judge esn] fold 1 of 5\n[judge esn] fold 2 of 5\n")

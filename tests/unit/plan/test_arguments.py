@@ -6,21 +6,14 @@ from fprc.config import Settings
 from fprc.experiments.hysteresis import acquire
 from fprc.experiments.settings import Judgement, RigSettings
 from fprc.plan.arguments import (
-    feedback_in_words,
     judgement,
     of_pressures,
     on_rig,
     paper_models,
-    pick,
-    tracking,
 )
 
 SETTINGS = Settings().model_dump(mode="json")
 SETTINGS["models"]["others"] = {"mine": {"estimator": "my.Model", "inputs": [], "settings": {}}}
-
-
-def test_picked_keys_have_their_values():
-    assert pick(SETTINGS, "seed", "source") == {"seed": 1, "source": "sim"}
 
 
 def test_all_models_are_judged_as_the_configuration_says():
@@ -61,13 +54,6 @@ def test_rig_settings_take_the_target_of_the_evaluation_or_another():
     assert RigSettings(**on_rig(SETTINGS, "measured")).target == "measured"
 
 
-def test_tracking_of_one_reference_does_not_read_the_others():
-    section = SETTINGS["tracking"]
-    part = tracking(SETTINGS, "sweep", "pushes")
-    assert part["references"] == {"sweep": section["references"]["sweep"]}
-    assert part.keys() == {"angle_range_deg", "pressure_limit_kpa", "pushes", "references"}
-
-
 POSITIONAL = {"feedback": "positional", "pd": {"kp_kpa_per_deg": 2.5, "kd_kpa_s_per_deg": 0.07}}
 
 
@@ -81,13 +67,3 @@ def test_open_loops_are_recorded_with_nothing_of_the_feedback():
     assert control != of_pressures(with_control(k_in_kpa_per_deg=3.0))
     signal = SETTINGS["experiments"]["sweep"] | {"duration_s": 1.0}
     assert len(acquire("sweep", signal, control, SETTINGS["rig"], seed=1)["time_s"]) >= 200
-
-
-def test_words_on_the_feedback_tell_law_and_gains_but_for_recorded_logs():
-    recorded = with_control(**POSITIONAL) | {"source": "recorded"}
-    assert feedback_in_words(recorded) == feedback_in_words(SETTINGS | {"source": "recorded"})
-    incremental, positional = map(feedback_in_words, (SETTINGS, with_control(**POSITIONAL)))
-    assert "sum" in incremental
-    assert "sum" not in positional
-    assert all(gain in incremental for gain in ("0.5 kPa/deg", "0.005 kPa s/deg"))
-    assert all(gain in positional for gain in ("2.5 kPa/deg", "0.07 kPa s/deg"))

@@ -3,7 +3,7 @@ import pytest
 from fprc.channels import RAW_CHANNELS
 from fprc.logs import COMPLETE, Content
 from fprc.paper import CONTROLLERS, EXPERIMENTS, REFERENCES, run_log
-from fprc.plan.availability import refusal, unavailable
+from fprc.plan.availability import unavailable
 from fprc.plan.results import BY_NAME
 
 RUNS = [
@@ -34,12 +34,6 @@ def test_without_p_o_what_shows_fprc_or_the_reservoir_is_missing():
     assert found["fig9"] == "needs p_o_kpa, which sweep.h5 does not have"
 
 
-def test_p_o_in_one_log_alone_is_not_enough():
-    found = of({"sweep": without(), "complex": without("p_o_kpa")})
-    assert found["fprc"] == "needs p_o_kpa, which complex.h5 does not have"
-    assert "fig9" not in found
-
-
 def test_one_experiment_alone_gives_what_is_drawn_from_it():
     found = of({"sweep": without()})
     assert found["table2"] == "needs complex.h5, which is not in mylogs"
@@ -55,14 +49,6 @@ def test_drawing_of_the_actuator_needs_angle_and_pressure_as_such():
     assert "fig4" not in found
 
 
-def test_reasons_add_up():
-    odd = without("p_exp_kpa", theta_deg="not in deg: x [mm]")
-    assert of(both(odd))["fig1"] == (
-        "needs p_exp_kpa, which sweep.h5 does not have; and theta_deg in deg; "
-        "in sweep.h5 it is x [mm]"
-    )
-
-
 @pytest.mark.parametrize("number", range(12, 18))
 def test_closed_loop_figure_is_made_of_its_own_runs(number):
     name = f"fig{number}"
@@ -72,18 +58,3 @@ def test_closed_loop_figure_is_made_of_its_own_runs(number):
     for run in own:
         rest = {key: value for key, value in own.items() if key != run}
         assert f"{run}.h5, which is not in mylogs" in of(rest)[name]
-
-
-def test_disturbance_needs_the_bending_of_the_reservoir():
-    run = run_log("disturbance", "fprc_pd")
-    found = of({run: without("phi_deg")})
-    assert found["fig17"] == f"needs phi_deg, which {run}.h5 does not have"
-
-
-def test_every_result_has_a_title_and_a_refusal_gives_it_with_the_reason():
-    found = of({})
-    assert all(BY_NAME[name].title for name in found)
-    assert refusal("fig5", found) == (
-        "fig5: not available for this data: "
-        "Fig. 5 needs sweep.h5 and complex.h5, which are not in mylogs"
-    )

@@ -1,11 +1,8 @@
 """The files that the workflow makes, for given settings and logs."""
 
-import dataclasses
-from collections import Counter
 from contextlib import suppress
 from pathlib import Path
 
-import pandas as pd
 import pytest
 
 from fprc.channels import RAW_CHANNELS
@@ -16,7 +13,6 @@ from fprc.paper import CONTROLLERS, EXPERIMENTS, REFERENCES, run_log
 from fprc.plan import plan as plan_module
 from fprc.plan.plan import Plan, read_plan
 from fprc.plan.results import CHORES, RESULTS
-from fprc.stages.tabulate import tabulate_unavailable
 
 MODELS = ("esn", "fprc", "fuzzy_linear")
 FIVE = (*REFERENCES, "disturbance")
@@ -73,15 +69,6 @@ def test_every_result_has_a_name_and_files_of_its_own():
     assert len(set(files)) == len(files)
 
 
-def test_every_part_is_one_of_a_result_that_there_is():
-    by_name = {result.name: result for result in RESULTS}
-    parts = [result for result in RESULTS if result.part_of]
-    assert parts
-    for part in parts:
-        assert by_name[part.part_of].files
-        assert not part.files
-
-
 # --- on the simulated rig -------------------------------------------------------------------------
 
 
@@ -90,14 +77,6 @@ def test_every_result_can_be_made_on_the_simulated_rig(simulated):
     assert simulated.unavailable_targets == []
     assert simulated.unavailable_results == {}
     assert simulated.models == list(MODELS)
-
-
-def test_target_begins_with_its_result_and_names_no_file_twice(simulated):
-    for result in RESULTS:
-        if result.files:
-            files = simulated.targets[result.name]
-            assert files[: len(result.files)] == [f"results/{file}" for file in result.files]
-            assert max(Counter(files).values()) == 1
 
 
 @pytest.mark.parametrize(
@@ -150,20 +129,6 @@ def test_seeds_and_claims_are_made_of_every_replicate(simulated):
         assert replicates <= set(simulated.targets[name])
 
 
-def test_runs_are_those_of_every_reference_with_every_controller(simulated):
-    assert len(simulated.every_run) == len(set(simulated.every_run)) == 15
-    assert {f"data/raw/{run}.h5" for run in simulated.every_run} == raw(*FIVE)
-    assert simulated.every_log == [*EXPERIMENTS, *simulated.every_run]
-
-
-def test_every_file_lies_below_one_of_the_two_folders():
-    settings = check({"folders": {"raw": "mine/raw", "results": "mine/made"}})
-    plan = Plan(settings.model_dump(mode="json"), {}, "mine/raw")
-    for files in plan.targets.values():
-        for file in files:
-            assert file.startswith(("mine/raw/", "mine/made/"))
-
-
 # --- on recorded logs -----------------------------------------------------------------------------
 
 
@@ -179,15 +144,6 @@ def test_without_closed_loops_what_shows_them_is_refused():
     assert [Path(page).stem for page in plan.pages] == [
         "table1", "table2", "table3", "readout", "table2_timing", "step_cost"
     ]  # fmt: skip
-
-
-def test_one_experiment_refuses_what_needs_both():
-    plan = recorded("sweep")
-    assert {"table2", "table3", "timing", "fig4", "fig8", "fig10"} <= set(plan.unavailable_targets)
-    assert {"fig1", "fig2", "fig9"} <= plan.targets.keys()
-    assert set(plan.targets["fig1"]) == {
-        "results/figures/fig01_actuator.pdf", *(file for file in DATA if "sweep" in file)
-    }  # fmt: skip
 
 
 def test_closed_loop_results_of_recorded_logs_are_made_of_the_runs_that_are_there():
@@ -233,35 +189,6 @@ def test_model_from_outside_is_judged_drawn_and_drives_if_it_can():
 
 
 # --- what a reader is told ------------------------------------------------------------------------
-
-
-def test_list_for_readers_is_in_the_order_of_the_paper_and_has_no_chores(tmp_path, caplog):
-    caplog.set_level("INFO")
-    csv, md = tmp_path / "list.csv", tmp_path / "list.md"
-    plan = recorded(*EXPERIMENTS, lacking=["p_o_kpa"])
-    tabulate_unavailable(str(csv), str(md), reasons=plan.unavailable_results)
-    table = pd.read_csv(csv)
-    assert list(table["name"])[-5:] == ["fig13", "fig14", "fig15", "fig16", "fig17"]
-    assert not {"readme", "check"} & set(table["name"])
-    assert not table.isna().any(axis=None)
-    assert "| Fig. 5 " in md.read_text(encoding="utf-8")
-    assert "not available: Fig. 5: needs p_o_kpa" in caplog.text
-
-
-def test_model_from_outside_is_planned_only_where_models_can_be_judged():
-    others = {"mine": {"estimator": "fprc.models.FPRC"}}
-    for logs, planned in ((["sweep"], False), (EXPERIMENTS, True)):
-        plan = recorded(*logs)
-        settings = dict(plan.settings) | {"models": check({"models": {"others": others}})
-                                          .model_dump(mode="json")["models"]}  # fmt: skip
-        plan = dataclasses.replace(plan, settings=settings)
-        assert ("training_mine" in plan.targets) is planned
-
-
-def test_folder_without_a_log_cannot_be_planned_for(tmp_path):
-    settings = check({"source": "recorded"}).model_dump(mode="json")
-    with pytest.raises(LogError, match="contains no raw log"):
-        read_plan(settings, str(tmp_path), isolate=False)
 
 
 def test_further_training_logs_are_read_in_order_and_only_where_recorded():

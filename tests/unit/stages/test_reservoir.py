@@ -1,19 +1,10 @@
-import json
-
 import numpy as np
 import pytest
 
 from fprc.config import check
 from fprc.errors import ConfigError, LogError
-from fprc.experiments.data import read_data, refuse_mixture
 from fprc.experiments.reservoir import CHANNELS, commands_of, drive
-from fprc.figures import style
 from fprc.logs import read_raw, write_raw
-from fprc.logs.columns import write_columns
-from fprc.paper import SOURCES
-from fprc.provenance import describe
-from fprc.stages.preprocess import preprocess
-from fprc.stages.report import banner
 from fprc.stages.reservoir import add_reservoir
 
 RATE = {"experiment": "sweep", "sample_rate_hz": 200.0, "rate_tolerance": 0.01}
@@ -69,28 +60,6 @@ def test_log_keeps_its_channels_and_says_what_is_simulated(add, recorded):
     )
 
 
-@pytest.mark.slow
-def test_label_reaches_data_tables_figures_and_page(add, tmp_path, caplog):
-    raw, driven = add()
-    data, quality = tmp_path / "data.h5", tmp_path / "quality.json"
-    limits = check({}).quality.model_dump()
-    told = {"experiment": "sweep", "target": "measured", "sample_rate_hz": 200.0}
-    preprocess(str(driven), str(data), str(quality), limits=limits, **told)
-    read = read_data(str(data))
-    assert read.attributes["source"] == "import+sim"
-    assert json.loads(quality.read_text())["notes"]["p_o_kpa"].startswith("simulated, driven by")
-    assert "p_o_kpa: simulated, driven by the recorded theta" in caplog.text
-    assert "P_o simulated, driven by the recorded theta" in SOURCES["import+sim"]
-    fig, _ = style.figure(1, 1, 2.0, 2.0)
-    style.save(fig, read.attributes, str(tmp_path / "a.pdf"), str(tmp_path / "a.png"))
-    assert fig._supxlabel.get_text() == "imported recordings; $P_o$ simulated, seed 4"
-    assert describe(read.attributes, inputs=[], outputs=[], settings={})["simulated"]
-    assert banner({"import+sim", "none"}) == "PARTLY SIMULATED DATA"
-    preprocess(str(raw), str(data), str(quality), limits=limits, **told)
-    with pytest.raises(LogError, match="source is import"):
-        refuse_mixture(read_data(str(data)), read)
-
-
 def test_theta_that_asks_for_impossible_pressures_is_refused_with_a_remedy(add, recorded):
     lowest = recorded["sweep"]["theta_deg"].min()
     with pytest.raises(LogError, match=f"reservoir_zero_deg to the lowest theta, {lowest:.4g}"):
@@ -99,30 +68,9 @@ def test_theta_that_asks_for_impossible_pressures_is_refused_with_a_remedy(add, 
         add(zero_deg=-200.0)
 
 
-def test_few_samples_outside_are_kept_at_the_limits(control):
-    theta = np.linspace(-1.0, 60.0, 1000)
-    theta[:5] = -20.0
-    commands = commands_of(theta, 0.0, control, "sweep.h5")
-    assert commands[:15].tolist() == [0.0] * 15
-    theta[:20] = -2.0
-    with pytest.raises(LogError, match="2 % is outside 0 to 450 kPa"):
-        commands_of(theta, 0.0, control, "sweep.h5")
-
-
 @pytest.mark.parametrize("source", ["sim", "rig"])
 def test_reservoir_is_simulated_for_recorded_logs_only(source):
     asked = {"evaluation": {"reservoir": "simulated"}}
     check(asked | {"source": "recorded"})
     with pytest.raises(ConfigError, match=f"for recorded logs, and source is {source}"):
         check(asked | {"source": source})
-
-
-def test_theta_that_is_no_angle_asks_no_reservoir_for_pressures(add, tmp_path):
-    raw, _ = add()
-    log = read_raw(raw, **RATE)
-    notes = {"theta_deg": "not in deg: displacement x [mm]"}
-    write_columns(raw, log.channels, log.attributes | {"notes": notes})
-    with pytest.raises(LogError, match=r"theta_deg: not in deg: displacement"):
-        add_reservoir(
-            str(raw), str(tmp_path / "other.h5"), **RATE, zero_deg=0.0, control={}, rig={}, seed=4
-        )

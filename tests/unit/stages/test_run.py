@@ -149,20 +149,6 @@ def test_stage_that_fails_ends_with_its_message_and_leaves_no_sidecar(job, run, 
     assert "Traceback" in kept
 
 
-@pytest.mark.parametrize("data", [{}, {"seed": 7}])
-def test_figure_of_unknown_source_has_no_sidecar(job, run, data):
-    with pytest.raises(KeyError, match="source"):
-        run(Stage(data))
-    assert not Path(job.output.sidecar).exists()
-
-
-def test_stage_without_sidecar_is_given_all_of_its_outputs(job, run):
-    job.output = Files(pdf=job.output.pdf, png=job.output.png)
-    stage = Stage(None)
-    run(stage)
-    assert {"pdf", "png"} <= set(stage.arguments)
-
-
 #: What may happen to a result, and whether it is still the same.
 DAMAGE = {
     "nothing": (lambda content: content, True),
@@ -194,13 +180,6 @@ def test_result_that_was_changed_is_refused_by_the_next_stage(job, run, tmp_path
             run(lambda **arguments: pytest.fail("was run"))
         assert f"{written}: " in Path(job.log[0]).read_text(encoding="utf-8")
         assert not Path(job.output.page).exists()
-
-
-def test_result_that_was_made_again_is_accepted(job, run, tmp_path):
-    job.output = Files(result=str(tmp_path / "a.json"))
-    for number in range(2):
-        run(lambda result, number=number, **inputs: Path(result).write_text(str(number)))
-        assert changed_results(tmp_path) == []
 
 
 def test_result_has_no_digest_while_it_is_written(job, run, tmp_path):

@@ -1,5 +1,3 @@
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -108,18 +106,6 @@ def test_each_step_of_the_controller_is_fed_the_log_sample_by_sample(
     np.testing.assert_array_equal(seen, np.concatenate([expected[:WARM_UP], expected]))
 
 
-def test_both_files_hold_every_model_and_say_what_they_were_measured_on(logs, settings, tmp_path):
-    models = ["esn", "fprc", "fuzzy_linear"]
-    times, steps = write(logs, settings, tmp_path)
-    assert [entry["model"] for entry in times["times"]] == [
-        name for name in models for _ in range(4)
-    ]
-    assert [entry["model"] for entry in steps["steps"]] == models
-    for report in (times, steps):
-        assert report["source"] == "sim"
-        assert report["cpu"]
-
-
 def test_one_fit_serves_the_execution_times_and_the_step(logs, settings, tmp_path, monkeypatch):
     fitted = []
     fit = SequenceModel.fit
@@ -131,23 +117,6 @@ def test_one_fit_serves_the_execution_times_and_the_step(logs, settings, tmp_pat
     monkeypatch.setattr(SequenceModel, "fit", spy)
     write(logs, settings, tmp_path)
     assert fitted == ["ESN", "FPRC", "FuzzyLinear"]
-
-
-def test_logs_without_p_o_time_the_models_that_do_without_it(logs, settings, tmp_path):
-    bare = []
-    for path in logs:
-        data = read_data(path)
-        channels = {name: data.channels[name] for name in ("time_s", "p_target_kpa", "theta_deg")}
-        bare.append(str(tmp_path / Path(path).name))
-        write_columns(bare[-1], channels, data.attributes)
-    times, steps = write(bare, settings, tmp_path)
-    assert {entry["model"] for entry in times["times"]} == {"esn", "fuzzy_linear"}
-    assert [entry["model"] for entry in steps["steps"]] == ["esn", "fuzzy_linear"]
-    models, over = settings["models"], {"values": [2], "repeats": 1, "seed": 1}
-    timing.measure_times_over_n_c(*bare, str(tmp_path / "n_c.json"), models=models, **over)
-    assert {entry["model"] for entry in read_json(tmp_path / "n_c.json")["times"]} == {
-        "fuzzy_linear"
-    }
 
 
 def test_each_step_of_the_controller_runs_both_pressure_loops(logs, settings, clock, monkeypatch):

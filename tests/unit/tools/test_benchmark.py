@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from fprc.models import EchoStates
-from fprc.models.fcm import fuzzy_c_means
 
 
 @pytest.fixture
@@ -48,24 +47,6 @@ def test_each_library_has_a_ratio_unless_its_states_differ_or_it_is_missing(spee
         assert another[f"{what}, times ours"] == missing[f"{what}, times ours"] == ""
     assert float(another["States differ by"]) > 0.1
     assert missing["States differ by"] == "not installed"
-
-
-def test_pieces_of_work_take_turns(speed):
-    order = []
-    work = {name: lambda name=name: order.append(name) for name in ("a", "b")}
-    assert [len(each) for each in speed.interleaved(work, 3).values()] == [3, 3]
-    assert order == ["a", "b"] * 3
-
-
-def test_clusterings_begin_at_the_same_centres(speed):
-    pytest.importorskip("skfuzzy")
-    rng = np.random.default_rng(0)
-    rows = np.vstack([rng.normal(place, 0.1, (400, 2)) for place in (0.0, 5.0)])
-    rng.shuffle(rows)
-    (row,) = speed.clusterings(rows, 2, starts=1).to_dict("records")
-    expected = fuzzy_c_means(rows, 2, random_state=0).objective
-    assert float(row["fprc: objective"]) == pytest.approx(expected, rel=1e-6)
-    assert float(row["scikit-fuzzy: objective"]) == pytest.approx(expected, rel=1e-6)
 
 
 @pytest.mark.parametrize("name", ["OPENBLAS_CORETYPE", "OPENBLAS_L2_SIZE"])

@@ -1,13 +1,11 @@
 """The cut of the changelog."""
 
 from datetime import date
-from pathlib import Path
 
 import pytest
 
 from fprc.errors import FprcError
 
-ROOT = Path(__file__).parents[3]
 PAGE = """# Changelog
 
 ## Unreleased
@@ -66,9 +64,3 @@ def test_cut_refuses_and_changes_nothing(changelog, root, version, page, said):
         changelog.cut(root, version, date(2025, 1, 2))
     assert (root / "CHANGELOG.md").read_text() == page
     assert changelog.version_of(root) == "0.2.0"
-
-
-def test_the_changelog_of_this_project_can_be_cut(changelog):
-    page = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
-    assert page.count("\n## Unreleased\n") == 1
-    assert "__version__" not in (ROOT / "CITATION.cff").read_text(encoding="utf-8")

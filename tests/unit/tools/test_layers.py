@@ -13,11 +13,6 @@ def test_picture_is_what_the_imports_say(layers):
     assert layers.updated(page) == page, "the imports have changed: make layers"
 
 
-def test_arrow_that_others_lead_to_is_left_out(layers):
-    arrows = {"a": {"b", "c", "d"}, "b": {"c"}, "c": {"d"}, "d": set()}
-    assert layers.reduced(arrows) == {"a": {"b"}, "b": {"c"}, "c": {"d"}, "d": set()}
-
-
 def test_every_package_is_in_the_picture_with_arrows_downwards_only(layers):
     floors = {room: floor for floor, layer in enumerate(layers.layers()) for room in layer}
     found = layers.imported()
@@ -25,8 +20,3 @@ def test_every_package_is_in_the_picture_with_arrows_downwards_only(layers):
     assert all(floors[room] < floors[other] for room in found for other in found[room])
     assert {"devices", "rig"} <= found.keys()
     assert "rig" in found["devices"]
-
-
-def test_page_without_its_block_is_an_error(layers):
-    with pytest.raises(SystemExit, match="one block"):
-        layers.updated("# Contributing\n")
