@@ -7,7 +7,6 @@ import subprocess
 import sys
 import time
 from contextlib import suppress
-from importlib.metadata import entry_points
 from pathlib import Path
 
 import h5py
@@ -34,11 +33,6 @@ def long_log(write_log, recorded):
     return write
 
 
-def test_installed_command_is_this_one():
-    (command,) = entry_points(group="console_scripts", name="fprc")
-    assert command.load() is main
-
-
 # --- config -------------------------------------------------------------------------------------
 
 
@@ -46,12 +40,6 @@ def test_installed_command_is_this_one():
 def test_generated_page_is_printed_byte_for_byte(page, capsys):
     assert main(["config", page]) == 0
     assert capsys.readouterr().out == getattr(reference, page)()
-
-
-def test_valid_configuration_has_no_errors(capsys):
-    files = [str(CONFIG / name) for name in ("config.yaml", "smoke.yaml")]
-    assert main(["config", "check", *files]) == 0
-    assert capsys.readouterr().out == "no errors\n"
 
 
 def test_errors_of_a_configuration_go_to_stderr_without_a_traceback(tmp_path, capsys):
@@ -93,15 +81,6 @@ def test_output_that_nothing_reads_ends_the_command_without_a_traceback(command,
 # --- log ----------------------------------------------------------------------------------------
 
 
-def test_clean_log_prints_its_record_and_nothing_else(long_log, capsys):
-    assert main(["log", "check", "--json", str(long_log())]) == 0
-    printed = capsys.readouterr()
-    assert printed.err == ""
-    (record,) = json.loads(printed.out)
-    assert record["log"] == "log.h5"
-    assert all(check["passed"] for check in record["checks"].values())
-
-
 def test_clean_log_passes_all_checks_in_words(long_log, capsys):
     path = long_log()
     assert main(["log", "check", str(path)]) == 0
@@ -129,14 +108,6 @@ def test_log_with_a_fault_is_reported_as_failed(write_log, recorded, capsys):
         "120, and 9 more"
     )
     assert lines[-1] == "  p_o_kpa                      a\\x1b"
-
-
-def test_record_of_a_log_with_a_fault_has_the_check(write_log, changed, capsys):
-    path = write_log(changed=changed("theta_deg", slice(10, 20), 500.0))
-    assert main(["log", "check", "--json", str(path)]) == 1
-    (record,) = json.loads(capsys.readouterr().out)
-    assert record["checks"]["range"]["passed"] is False
-    assert record["checks"]["range"]["samples"]["theta_deg"] == 10
 
 
 def test_unreadable_log_is_named_and_the_next_one_still_judged(
@@ -170,47 +141,6 @@ def test_closed_loop_log_is_checked_as_one(write_run, capsys):
     for part in ("channel p_ff_kpa: missing", "channel theta_d_deg: sample 11 is nan",
                  "attribute controller: missing"):  # fmt: skip
         assert f"{path}: {part}" in printed.err
-
-
-def test_log_without_checksums_is_clean_and_its_record_lists_them(long_log, capsys):
-    path = long_log()
-    with h5py.File(path, "r+") as file:
-        for name in ("theta_deg", "p_o_kpa"):
-            values, units = file[name][:], file[name].attrs["units"]
-            del file[name]
-            file[name] = values
-            file[name].attrs["units"] = units
-    assert main(["log", "check", "--json", str(path)]) == 0
-    assert json.loads(capsys.readouterr().out)[0]["no_checksum"] == ["theta_deg", "p_o_kpa"]
-    assert main(["log", "check", str(path)]) == 0
-    last = capsys.readouterr().out.splitlines()[-1]
-    assert last == "  without checksum             theta_deg, p_o_kpa"
-
-
-@pytest.mark.slow
-def test_log_that_hangs_the_library_is_named_and_the_next_one_still_checked(
-    long_log, tmp_path, capsys
-):
-    """A file of the oldest HDF5 format, with a wrong text length."""
-    path = tmp_path / "hung.h5"
-    with h5py.File(path, "w", libver="earliest") as file:
-        file["time_s"] = np.arange(400.0)
-        file["time_s"].attrs["units"] = "seconds"
-    data = bytearray(path.read_bytes())
-    data[data.index(b"seconds") - 7] ^= 1
-    path.write_bytes(data)
-    good = long_log("good.h5")
-    assert main(["log", "check", str(path), str(good)]) == 1
-    printed = capsys.readouterr()
-    assert printed.err.startswith(f"error: {path}: not read within ")
-    assert printed.out.startswith(f"{good}: ")
-
-
-def test_log_is_judged_at_its_rate(write_log, recorded, capsys):
-    slow = recorded["sweep"] | {"time_s": recorded["sweep"]["time_s"] * 2.0}
-    path = write_log(changed=slow, sample_rate_hz=100.0)
-    assert main(["log", "check", "--json", str(path)]) == 0
-    assert json.loads(capsys.readouterr().out)[0]["checks"]["rate"]["expected_hz"] == 100.0
 
 
 # --- files that are not there -------------------------------------------------------------------

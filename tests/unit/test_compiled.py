@@ -65,20 +65,6 @@ def test_cache_folder_changes_with_how_it_is_compiled_and_with_the_laws(
     assert compiled._cache_folder(package) != before
 
 
-def test_compiled_function_is_cached_in_that_folder(package, kernel_of):
-    double = kernel_of()
-    assert double(3.0) == 6.0
-    assert list(compiled._cache_folder(package).rglob("*.nbi"))
-
-
-def test_changed_source_leads_to_another_cache(package, kernel_of):
-    kernel_of()(1.0)
-    old = set(package.rglob("*.nbi"))
-    (package / "friction.py").write_text("# rewritten\n", encoding="utf-8")
-    kernel_of()(1.0)
-    assert len(set(package.rglob("*.nbi")) - old) == 1
-
-
 def test_division_by_zero_gives_infinity_and_no_exception(kernel_of):
     assert kernel_of("1.0 / x")(0.0) == float("inf")
 
@@ -115,12 +101,3 @@ def test_without_any_folder_it_is_compiled_and_not_cached(blocked, kernel_of, tm
     blocked.write_text("", encoding="utf-8")
     assert kernel_of()(3.0) == 6.0
     assert not list(tmp_path.rglob("*.nbi"))
-
-
-@pytest.mark.usefixtures("blocked")
-def test_user_without_a_home_gets_no_folder_called_tilde(kernel_of, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.delenv("XDG_CACHE_HOME")
-    monkeypatch.setenv("HOME", "~")
-    assert kernel_of()(3.0) == 6.0
-    assert not (tmp_path / "~").exists()

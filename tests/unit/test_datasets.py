@@ -8,10 +8,9 @@ import pytest
 from numpy.testing import assert_array_equal
 from threadpoolctl import threadpool_limits
 
-from fprc.channels import needed_by
 from fprc.config import from_files
 from fprc.datasets import load_hysteresis
-from fprc.errors import ConfigError, LogError
+from fprc.errors import ConfigError
 from fprc.logs import read_columns, write_raw
 from fprc.stages.preprocess import preprocess
 from fprc.stages.record import record
@@ -47,27 +46,6 @@ def test_data_are_those_of_the_workflow(sweep, logs):
     assert_array_equal(sweep.target, ours["p_target_kpa"])
 
 
-def test_raw_log_gives_the_same_as_its_simulation(sweep, logs):
-    read = load_hysteresis("sweep", raw=logs[0])
-    assert read.keys() == sweep.keys()
-    for name in needed_by("sim"):
-        assert_array_equal(read.channels[name], sweep.channels[name])
-    for name in ("feature_names", "target_names", "units", "sample_rate_hz", "source"):
-        assert read[name] == sweep[name]
-    assert "sweep.h5" in read.DESCR
-
-
-def test_columns_are_named_and_have_units(sweep):
-    assert sweep.data.shape == (24000, 2)
-    assert sweep.feature_names == ["theta_deg", "p_o_kpa"]
-    assert sweep.target_names == ["p_exp_command_kpa"]
-    assert tuple(sweep.channels) == needed_by("sim")
-    assert sweep.units["theta_deg"] == "deg"
-    assert sweep.units["valve_main_v"] == "V"
-    for index, name in enumerate(sweep.feature_names):
-        assert_array_equal(sweep.data[:, index], sweep.channels[name])
-
-
 def test_seed_rig_and_target_change_what_they_should(sweep):
     other = load_hysteresis("sweep", seed=2, target="measured")
     assert np.abs(other.data - sweep.data).max() > 0.01
@@ -101,15 +79,6 @@ def test_wrong_arguments_are_listed_at_once():
         "seed = -1; must be a whole number, 0 or more",
         "seed and rig are those of a simulation; leave them out to read a raw log",
     ]
-
-
-def test_unknown_rig_and_unusable_logs_are_errors_for_people(write_log, tmp_path):
-    with pytest.raises(ConfigError, match="use bouc_wen or dry or"):
-        load_hysteresis(rig="wet")
-    with pytest.raises(LogError, match=r"no\.h5"):
-        load_hysteresis(raw=tmp_path / "no.h5")
-    with pytest.raises(LogError, match="must be complex"):
-        load_hysteresis("complex", raw=write_log())
 
 
 @pytest.mark.slow

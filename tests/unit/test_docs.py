@@ -66,12 +66,6 @@ def of(program):
     return [case for case in EVERY if case.values[0][0] == program]
 
 
-def test_pages_have_commands_of_each_program():
-    assert len(of("fprc")) > 40
-    assert len(of("make")) > 40
-    assert len(of("snakemake")) > 30
-
-
 @pytest.mark.parametrize(("command", "whole"), of("fprc"))
 def test_command_of_fprc_is_one_that_its_parser_takes(command, whole):
     given = [word for word in command[1:] if word != "..."]
@@ -122,11 +116,6 @@ def test_python_of_a_page_is_run_by_a_test_or_listed(page):
     assert len(blocks) == len(BLOCKS.get(page, []))
     for test in filter(re.compile("tests/").match, BLOCKS.get(page, [])):
         assert Path(page).name in (ROOT / test).read_text("utf-8")
-
-
-@pytest.mark.parametrize("test", TARGETS_ELSEWHERE.values())
-def test_tests_that_are_named_here_exist(test):
-    assert (ROOT / test).is_file()
 
 
 def test_no_page_has_the_name_of_one_that_sphinx_writes():

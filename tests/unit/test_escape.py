@@ -9,16 +9,8 @@ from matplotlib.cbook import is_math_text
 from matplotlib.mathtext import MathTextParser
 
 from fprc import escape
-from fprc.errors import LogError
 
 TEXTS = st.text(max_size=30) | st.text("$\\_^{}|`<>*&[]=+-@'\"\x1b\n\t1e.,", max_size=30)
-
-
-@pytest.mark.parametrize(
-    ("names", "words"), [("", ""), ("a", "a"), ("ab", "a and b"), ("abc", "a, b and c")]
-)
-def test_list_in_words(names, words):
-    assert escape.in_words(list(names)) == words
 
 
 @given(text=TEXTS)
@@ -28,29 +20,10 @@ def test_terminal_gets_no_control_characters(text):
     assert kept.count("\n") == text.count("\n")
 
 
-@pytest.mark.parametrize(
-    ("text", "shown"),
-    [
-        ("theta [°], 角度 😀", "theta [°], 角度 😀"),
-        ("\x1b[31mred\x07", r"\x1b[31mred\x07"),
-        ("two\nlines\r", r"two\nlines\r"),
-        ("a\xa0b", r"a\xa0b"),
-        ("\udce9", r"\udce9"),
-        ("abc\u202etxt.exe", r"abc\u202etxt.exe"),
-    ],
-)
-def test_undetectable_damage_is_named(text, shown):
-    assert escape.visible(text) == shown
-
-
 @given(st.text(st.characters(codec=None)))
 def test_any_text_becomes_one_printable_line_that_can_be_encoded(text):
     assert escape.visible(text).isprintable()
     escape.visible(text).encode("utf-8")
-
-
-def test_messages_keep_their_lines_and_cannot_command_the_terminal():
-    assert str(LogError("a.h5: \x1b[2J\nb.h5: ok")) == "a.h5: \\x1b[2J\nb.h5: ok"
 
 
 def test_lines_of_a_log_are_those_of_a_terminal():
@@ -109,11 +82,6 @@ def test_spreadsheet_computes_nothing(text):
 @pytest.mark.parametrize("text", ["-1.5", "+2", "-.5e-3", "1=1", "N", "", "% of its scale", "m=s"])
 def test_numbers_and_plain_texts_are_no_formulae(text):
     assert escape.spreadsheet(text) == text
-
-
-@given(text=TEXTS)
-def test_no_cell_begins_as_a_formula_does(text):
-    assert not escape.spreadsheet(text).startswith(("=", "@", "\t", "\r"))
 
 
 def test_latex_commands_are_text():

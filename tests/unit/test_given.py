@@ -22,13 +22,6 @@ def inside(tmp_path, monkeypatch):
     return tmp_path
 
 
-@pytest.mark.parametrize("name", ["file", "link"])
-def test_regular_file_is_opened(inside, name):
-    assert read_given(name) == b"content"
-    with open_given(inside / name) as file:
-        assert file.read() == b"content"
-
-
 @pytest.mark.parametrize(
     ("name", "why"),
     [
@@ -51,15 +44,6 @@ def test_all_else_is_refused(inside, name, why):
         with pytest.raises(ConfigError, match=f"cannot be opened .*{why}.*; check the path") as no:
             read(name, error=ConfigError)
         assert (name or "''").encode("unicode_escape").decode() in str(no.value)
-
-
-def test_file_that_cannot_be_read_is_refused(inside, monkeypatch):
-    def fail(*arguments):
-        raise PermissionError(13, "Permission denied")
-
-    monkeypatch.setattr("builtins.open", fail)
-    with pytest.raises(FprcError, match=r"file: cannot be opened \(Permission denied\)"):
-        read_given("file")
 
 
 @pytest.mark.skipif(not os.path.exists("/proc/self/mem"), reason="no /proc on this system")

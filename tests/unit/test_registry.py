@@ -4,16 +4,12 @@ import sys
 
 import pytest
 
-from fprc.apparatus.programme import names, plan
 from fprc.config import check
 from fprc.errors import ConfigError, FprcError
-from fprc.fingerprint import _closure
 from fprc.models import FPRC, RidgeReadout, SequenceModel, TapFeatures, load_model, save_model
 from fprc.paper import CONTROLLERS, DISTURBANCE, REFERENCES, reference_and_controller, run_log
 from fprc.registry import (
-    MODELS,
     build,
-    class_module,
     controllers,
     feedforward_of,
     has_feedback,
@@ -68,36 +64,10 @@ def test_model_from_outside_is_built_with_its_settings_and_the_seed(settings):
     assert settings_of("taps_a", settings["models"]) == {"others": settings["models"]["others"]}
 
 
-@pytest.mark.parametrize("name", MODELS)
-def test_settings_of_a_model_are_all_that_it_is_built_of(name, settings):
-    whole, part = settings["models"], settings_of(name, settings["models"])
-    assert build(name, part, 1).get_params() == build(name, whole, 1).get_params()
-
-
-def test_experiments_of_the_real_rig_include_runs_with_a_model_from_outside(settings, tmp_path):
-    assert controllers(settings["models"]) == [*CONTROLLERS, "taps_a", "taps_a_pd"]
-    assert "track_sine_0p2_taps_a" in names(settings)
-    model = build("taps_a", settings["models"], 1)
-    X = [[20.0 + k] for k in range(40)]
-    save_model(model.fit(X, [x[0] for x in X]), tmp_path / "model.h5", [Outside])
-    experiment = plan("track_sine_0p2_taps_a", settings, str(tmp_path / "model.h5"))
-    assert experiment.attributes["controller"] == "taps_a"
-
-
 def test_setting_that_the_class_does_not_take_is_refused_by_its_key(settings):
     settings["models"]["others"]["taps_a"]["settings"] = {"n_yy": 3}
     with pytest.raises(ConfigError, match=r"models\.others\.taps_a\.settings.*n_yy"):
         build("taps_a", settings["models"], 1)
-
-
-def test_fault_of_a_model_of_the_package_is_not_blamed_on_the_configuration(settings, monkeypatch):
-    entry = MODELS["esn"]
-    monkeypatch.setitem(MODELS, "esn", entry._replace(cls="fprc.models.gone.ESN"))
-    with pytest.raises(ModuleNotFoundError):
-        load_class("esn", settings["models"])
-    monkeypatch.setitem(MODELS, "esn", entry._replace(settings=("n_y", "seed")))
-    with pytest.raises(TypeError, match="seed"):
-        build("esn", settings["models"] | {"seed": 1}, 1)
 
 
 @pytest.mark.parametrize("name", ["esn", "pd", "x_pd"])
@@ -150,27 +120,3 @@ def test_class_that_is_called_as_one_of_ours_is_loaded_as_what_it_is(tmp_path):
     assert type(load_model(path, [Namesake])) is Namesake
     with pytest.raises(FprcError, match="is not a model of fprc"):
         save_model(fitted(Namesake(n_c=1)), path)
-
-
-@pytest.mark.parametrize("value", [None, {"a": 1}, [object()]])
-def test_what_cannot_be_saved_of_a_model_is_named_and_leaves_no_file(tmp_path, value):
-    model = fitted(FPRC(n_c=1))
-    model.extra_ = value
-    with pytest.raises(FprcError, match=r"extra_"):
-        save_model(model, tmp_path / "model.h5")
-    assert not (tmp_path / "model.h5").exists()
-
-
-def test_checkpoints_of_the_commands_depend_on_the_code_of_the_models():
-    found = _closure(("fprc.stages.readout", *map(class_module, ("fprc", "fuzzy_linear"))))
-    assert {"fprc.models.takagi_sugeno", "fprc.models.features", "fprc.models.fcm"} <= found
-    assert "fprc.models.esn" not in found
-
-
-@pytest.mark.parametrize("name", ["fprc", "fuzzy_linear"])
-def test_clustering_and_restarts_reach_the_readouts_of_both_fuzzy_models(name):
-    chosen = {"clustering": "scikit-fuzzy", "restarts": 3}
-    models = check({"models": {"fprc": chosen}}).models.model_dump()
-    parameters = build(name, models, seed=1).make_readout().get_params()
-    assert {key: parameters[key] for key in chosen} == chosen
-    assert chosen.items() <= settings_of(name, models)["fprc"].items()

@@ -67,12 +67,6 @@ def test_word_has_its_meaning_in_yaml_1_2(read, written, meant):
     assert (type(found), str(found)) == (type(meant), str(meant))
 
 
-@given(number=st.integers(0, 10**9), zeros=st.integers(0, 9), sign=st.sampled_from(["", "-", "+"]))
-def test_zeros_before_a_whole_number_change_nothing(read, number, zeros, sign):
-    written = f"{sign}{'0' * zeros}{number}"
-    assert read(f"a: [{written}]\n") == {"a": [int(f"{sign}{number}")]}
-
-
 #: Characters that YAML has in common with JSON.
 TEXT = st.text(
     st.characters(exclude_categories=["Cs", "Cc"], exclude_characters="\ufeff\ufffe\uffff")
@@ -120,13 +114,6 @@ def test_every_duplicate_key_is_reported_with_its_lines(read):
     ]
 
 
-def test_keys_that_are_the_same_number_are_the_same_key(read):
-    assert refused(read, "10: a\n010: b\n10.0: c\n")[1:] == [
-        "  line 2: 10 is a duplicate of line 1; remove one of them",
-        "  line 3: 10.0 is a duplicate of line 1; remove one of them",
-    ]
-
-
 @pytest.mark.parametrize(
     ("text", "line"),
     [
@@ -164,26 +151,6 @@ def test_file_that_is_too_large_is_not_read(read):
     (line,) = refused(read, b"#" * 1_000_001)
     assert "has 1,000,001 bytes; must have at most 1,000,000" in line
     assert read(b"#" * 1_000_000) == {}
-
-
-@pytest.mark.parametrize(
-    ("content", "words"),
-    [
-        ("a: [1, 2\n", "(line 1, column 4), did not find expected ',' or ']' (line 2, column 1)"),
-        ("a:\n\tb: 1\n", "(line 2, column 1)"),
-        ("a: \0", "control characters are not allowed"),
-        (b"\xff\xfea", "can't decode byte 0xff"),
-    ],
-)
-def test_file_that_is_not_yaml_is_refused_in_one_line(read, content, words):
-    (line,) = refused(read, content)
-    assert line.startswith("cannot be read as YAML: ")
-    assert words in line
-
-
-@pytest.mark.parametrize("text", ["", "# nothing\n", "---\n", "\ufeff", "{}"])
-def test_file_without_keys_holds_nothing(read, text):
-    assert read(text) == {}
 
 
 @pytest.mark.parametrize(("text", "kind"), [("- 1\n", "list"), ("7", "int"), ("false", "bool")])

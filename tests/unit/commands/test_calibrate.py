@@ -7,7 +7,7 @@ import yaml
 from fprc.artifacts import write_json
 from fprc.cli import main
 from fprc.commands import calibrate as command
-from fprc.config import PUBLISHED, Settings, check, from_files, rig_file
+from fprc.config import PUBLISHED, check, from_files, rig_file
 from fprc.config.reference import RIG
 from fprc.studies.calibration.rig_file import WRITTEN
 
@@ -90,40 +90,10 @@ def test_fit_takes_its_settings_from_the_files_merged_in_their_order(run, tmp_pa
     assert json.dumps(call)  # plain values, as the key of the checkpoint needs them
 
 
-def test_without_files_the_configuration_of_the_project_is_taken(fit, tmp_path, monkeypatch):
-    (tmp_path / "config").symlink_to(CONFIG)
-    out = tmp_path / "out.yaml"
-    monkeypatch.chdir(tmp_path)
-    assert main(["calibrate", "--out", str(out)]) == 0
-    (call,) = fit.calls
-    assert call["published"] == str(PUBLISHED)
-    expected = from_files(["config/config.yaml"]).model_dump(mode="json")
-    assert call["on_rig"]["rig"] == expected["rig"]
-    assert call["judgement"]["models"] == expected["models"]
-
-
 @pytest.mark.parametrize(("arguments", "minutes"), [([], 120.0), (["--minutes", "2.5"], 2.5)])
 def test_time_limit_is_that_of_the_command_or_else_of_the_configuration(run, arguments, minutes):
     _, (call,) = run(*arguments)
     assert call["calibration"]["minutes"] == minutes
-
-
-@pytest.mark.parametrize("minutes", ["0", "-1", "nan"])
-def test_time_limit_that_is_not_above_0_is_an_error(run, capsys, minutes):
-    code, calls = run(f"--minutes={minutes}")
-    assert (code, calls) == (1, [])
-    assert f"calibration.minutes = {float(minutes)}: must be" in capsys.readouterr().err
-
-
-def test_paths_that_are_no_parameters_are_reported_together(run, tmp_path, capsys):
-    path = tmp_path / "mine.yaml"
-    free = [*Settings().calibration.ranges, "a.b", "c.d"]
-    path.write_text(f"calibration: {{free: {json.dumps(free)}}}\n")
-    code, calls = run(files=[*FILES, str(path)])
-    assert (code, calls) == (1, [])
-    printed = capsys.readouterr().err
-    assert "calibration.free: a.b is not a number of the rig" in printed
-    assert "calibration.free: c.d " in printed
 
 
 def test_library_that_is_not_installed_is_named_with_the_remedy(run, fit, capsys):
@@ -132,13 +102,6 @@ def test_library_that_is_not_installed_is_named_with_the_remedy(run, fit, capsys
     printed = capsys.readouterr().err
     assert "No module named 'joblib'" in printed
     assert "fprc[workflow]" in printed
-
-
-@pytest.mark.parametrize("name", ["rig.json", "rig", "rig.yml", "my rig.yaml", ".yaml", "a:b.yaml"])
-def test_parameter_file_that_cannot_name_a_rig_is_an_error(run, capsys, name):
-    """The report beside it has the same name, and the configuration names the rig by it."""
-    assert run(out=name) == (1, [])
-    assert name in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", ["mine.yaml", "mine.json"])

@@ -41,12 +41,3 @@ def test_bash_completes_commands_options_choices_and_files(tmp_path, capsys):
         command = ["bash", "-c", script + ASK, "bash", "fprc", *words.split()]
         done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
         assert [line.strip() for line in done.stdout.split("\n")[:-1]] == expected, words
-
-
-@pytest.mark.parametrize("shell", ["zsh", "fish"])
-def test_other_shells_have_a_script_with_every_command(shell, capsys):
-    pytest.importorskip("shtab")
-    assert main(["completion", shell]) == 0
-    script = capsys.readouterr().out
-    for name in ("simulate", "predict", "calibrate"):
-        assert name in script

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fprc.cli import main
-from fprc.models import ESN, FPRC, save_model
+from fprc.models import FPRC, save_model
 
 pytestmark = pytest.mark.slow
 
@@ -75,12 +75,6 @@ def test_header_names_its_model_file_and_is_the_same_again(model, header):
     assert header.read_text() == text
 
 
-def test_float_header_replaces_the_double_one(model, header):
-    main(["export", str(model), "--c", str(header)])
-    assert main(["export", str(model), "--c", str(header), "--float"]) == 0
-    assert "typedef float fprc_model_real;" in header.read_text()
-
-
 def test_file_that_was_not_exported_is_kept(model, header, capsys):
     header.write_bytes(b"int mine; /* \xff */\n")
     assert main(["export", str(model), "--c", str(header)]) == 1
@@ -93,14 +87,6 @@ def test_unsuitable_name_is_refused(name, problem, model, tmp_path, capsys):
     assert main(["export", str(model), "--c", str(tmp_path / name)]) == 1
     assert problem in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["model.h5"]
-
-
-def test_model_that_cannot_be_exported_leaves_no_file(model, header, capsys):
-    X = np.random.default_rng(1).normal(size=(50, 1))
-    save_model(ESN(r=8, random_state=1).fit(X, X[:, 0]), model)
-    assert main(["export", str(model), "--c", str(header)]) == 1
-    assert "model.h5: ESN cannot be exported" in capsys.readouterr().err
-    assert not header.exists()
 
 
 @pytest.mark.parametrize(

@@ -111,14 +111,6 @@ def test_output_that_cannot_be_written_is_refused_before_any_file_is_read(
     assert "none." not in said
 
 
-@pytest.mark.parametrize("name", ["out.diagnosis.json", "out.diagnosis.png"])
-def test_folder_with_the_name_of_a_diagnosis_is_kept(tmp_path, refusal, name):
-    rows = "".join(f"{k / 200},{k},{k},{k}\n" for k in range(300))
-    (tmp_path / "arm.csv").write_text(f"t,angle,p,z\n{rows}")
-    (tmp_path / name).mkdir()
-    assert name in refusal("import arm.csv --map map.yaml --out out.h5")
-
-
 # --- bytes that hang or crash the HDF5 library ------------------------------------------------
 
 

@@ -15,8 +15,7 @@ from fprc.channels import RAW_CHANNELS
 from fprc.cli import main
 from fprc.commands.import_recording import _quoted, import_recording
 from fprc.config import Settings
-from fprc.config.importing import read_map
-from fprc.errors import ConfigError, LogError, OutputError
+from fprc.errors import LogError, OutputError
 from fprc.experiments.data import Data, read_data, refuse_mixture
 from fprc.figures import style
 from fprc.logs import assess, read_columns, read_raw, write_raw
@@ -114,15 +113,6 @@ def test_any_start_and_rate_give_a_log_that_reads(tmp_path_factory, rows, rate_h
     assert log.channels["theta_deg"] == pytest.approx(angle, abs=1e-6 * max(start_s, 1.0))
 
 
-def test_log_says_where_it_comes_from_and_how(bring):
-    raw = bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}, start_s=2.0)
-    attributes = read_columns(raw, ()).attributes
-    assert attributes["imported_from"] == "log.csv"
-    assert len(attributes["imported_sha256"]) == 64
-    assert attributes["imported_start_s"] == pytest.approx(2.0)
-    assert attributes["map"]["channels"]["theta_deg"]["column"] == "theta_deg"
-
-
 def test_diagnosis_and_picture_lie_beside_the_log(bring, capsys, drawn):
     raw = bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND})
     record = read_json(raw.with_suffix(".diagnosis.json"))
@@ -130,21 +120,6 @@ def test_diagnosis_and_picture_lie_beside_the_log(bring, capsys, drawn):
     assert raw.with_suffix(".diagnosis.png").read_bytes().startswith(b"\x89PNG")
     printed = capsys.readouterr().out
     assert all(line in printed for line in record["words"])
-
-
-def test_same_file_gives_the_same_bytes(bring, drawn):
-    channels = {"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}
-    names = ["sweep.h5", "sweep.diagnosis.json", "sweep.diagnosis.png"]
-    folder = bring(channels).parent
-    first = [(folder / name).read_bytes() for name in names]
-    bring(channels)
-    assert [(folder / name).read_bytes() for name in names] == first
-
-
-def test_recording_at_another_rate_is_resampled(bring, recorded):
-    fast = recorded["sweep"]["time_s"] / 5.0
-    raw = bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}, time_s=fast)
-    assert np.diff(read_raw(raw, **RATE).channels["time_s"]) == pytest.approx(0.005)
 
 
 @pytest.mark.parametrize(
@@ -212,13 +187,6 @@ def imported(folder, channels, time=None, source="log.csv"):
     return folder / "sweep.h5"
 
 
-@pytest.mark.parametrize("scale", [1e308, 1e15])
-def test_overflow_of_scale_and_offset_is_reported_and_leaves_nothing(bring, scale):
-    theta = ANGLE | {"scale": scale, "offset": scale}
-    with pytest.raises(LogError, match=r"theta_deg: theta_deg: sample 0 \(line 2\) is "):
-        bring({"theta_deg": theta, "p_exp_command_kpa": COMMAND})
-
-
 def test_clock_that_jumps_is_refused_and_leaves_nothing(bring, recorded, tmp_path):
     time_s = recorded["sweep"]["time_s"].copy()
     time_s[-1] += 1e6
@@ -249,38 +217,6 @@ def test_repeated_instants_are_merged_and_the_diagnosis_says_so(bring, recorded,
 # --- what may be absent ---------------------------------------------------------------------
 
 
-def test_quality_checks_the_channels_present(bring):
-    log = read_raw(bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}), **RATE)
-    checks = assess(log, sample_rate_hz=200.0, **LIMITS)["checks"]
-    assert set(checks["range"]["samples"]) == {"theta_deg", "p_exp_command_kpa"}
-    assert checks["leak"]["kpa_per_min"] is None
-    assert all(check["passed"] for check in checks.values())
-
-
-@pytest.mark.parametrize("target", ["command", "measured"])
-def test_only_p_exp_is_the_target_whatever_was_asked(bring, recorded, caplog, target):
-    with caplog.at_level(logging.INFO):
-        data = prepared(bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}), target)
-    read = read_data(str(data))
-    assert read.attributes["target"] == "command"
-    command = recorded["sweep"]["p_exp_command_kpa"]
-    assert read.channels["p_target_kpa"].tolist() == command.tolist()
-    assert ("the other P_exp is used" in caplog.text) is (target == "measured")
-
-
-def test_models_without_reservoir_do_without_p_o_and_fprc_says_so(bring):
-    data = read_data(str(prepared(bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}))))
-    assert data.pair("esn")[0].shape == data.pair("fuzzy_linear")[0].shape == (4000, 1)
-    with pytest.raises(LogError, match="the sweep log has no p_o_kpa, which fprc needs"):
-        data.pair("fprc")
-
-
-def test_log_with_p_o_serves_every_model(bring):
-    p_o = {"column": "p_o_kpa", "unit": "kPa"}
-    raw = bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND, "p_o_kpa": p_o})
-    assert read_data(str(prepared(raw))).pair("fprc")[0].shape == (4000, 2)
-
-
 def test_newtons_are_not_taken_for_kilopascals(bring, caplog):
     force = {"column": "p_i_kpa", "unit": 1, "scale": 10, "note": "motor force F [N]"}
     raw = bring({"theta_deg": ANGLE, "p_exp_kpa": force})
@@ -296,47 +232,10 @@ def test_newtons_are_not_taken_for_kilopascals(bring, caplog):
     assert read_data(str(data)).attributes["notes"] == {"p_exp_kpa": note}
 
 
-def test_note_on_a_pressure_is_kept_and_its_limits_still_hold(bring):
-    noted = {"column": "p_i_kpa", "unit": "kPa", "scale": 10, "note": "not in use any more"}
-    log = read_raw(bring({"theta_deg": ANGLE, "p_exp_kpa": noted}), **RATE)
-    record = assess(log, sample_rate_hz=200.0, **LIMITS)
-    assert record["notes"] == {"p_exp_kpa": "not in use any more"}
-    assert not record["checks"]["range"]["passed"]
-
-
 # --- everything wrong at once ---------------------------------------------------------------
 
 
-def test_wrong_unit_hides_no_wrong_column(bring):
-    with pytest.raises(ConfigError) as caught:
-        bring({
-            "theta_deg": {"column": "angle", "unit": "degrees"},
-            "p_exp_command_kpa": COMMAND | {"unit": "baar"},
-            "p_o_kpa": {"column": "p_o", "unit": "kPa"},
-        }, end_s=-1)  # fmt: skip
-    lines = str(caught.value).splitlines()
-    assert [line.split(" = ")[0] for line in lines[1:5]] == [
-        "  end_s", "  channels.p_exp_command_kpa.unit", "  channels.theta_deg.unit", "  end_s",
-    ]  # fmt: skip
-    assert lines[2].endswith("; did you mean bar?")
-    assert lines[3].endswith("; did you mean deg?")
-    assert "channels.p_o_kpa: p_o: no such column; did you mean p_o_kpa?" in lines[5]
-    assert "channels.theta_deg: angle: no such column" in lines[6]
-    assert len(lines) == 7
-
-
 # --- command line ---------------------------------------------------------------------------
-
-
-def test_listing_shows_columns_range_and_clock(bring, tmp_path, capsys):
-    bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND})
-    capsys.readouterr()
-    assert main(["import", str(tmp_path / "log.csv"), "--list"]) == 0
-    printed = capsys.readouterr().out
-    assert "text separated by commas, 10 columns" in printed
-    (clock,) = [line for line in printed.splitlines() if "clock?" in line]
-    assert clock.split()[:2] == ["time_s", "4000"]
-    assert "200 Hz if in s" in clock
 
 
 @pytest.mark.slow
@@ -400,22 +299,6 @@ def test_clock_is_found_however_unevenly_it_ticks(tmp_path, capsys, stamps, is_c
     assert [round(float(rate), -2) for rate in rates] == [200.0] * is_clock
 
 
-def test_listing_without_a_clock_asks_for_the_rate(tmp_path, capsys):
-    (tmp_path / "log.csv").write_text("a,b\n1,x\n3,2\n2,5\n2,\n")
-    assert main(["import", str(tmp_path / "log.csv"), "--list"]) == 0
-    printed = capsys.readouterr().out
-    assert "b: cannot be a channel: line 2 holds 'x'" in printed
-    assert "give time.rate_hz" in printed
-
-
-@pytest.mark.parametrize("arguments", [[], ["--map", "m.yaml"], ["--out", "o.h5"]])
-def test_half_an_import_is_answered_with_its_usage(arguments, capsys):
-    with pytest.raises(SystemExit) as caught:
-        main(["import", "log.csv", *arguments])
-    assert caught.value.code == 2
-    assert "both --map and --out" in capsys.readouterr().err
-
-
 # --- the page that explains it --------------------------------------------------------------
 
 PAGE = (Path(__file__).parents[3] / "docs" / "own-data.md").read_text(encoding="utf-8")
@@ -455,12 +338,6 @@ def test_several_recordings_of_the_page_are_fitted_both_ways():
     again = names["model"].predict([names["X3"], names["X4"]])
     for one, other in zip(names["p_ff"], again, strict=True):
         np.testing.assert_allclose(one, other)
-
-
-def test_every_map_of_the_page_is_valid(tmp_path):
-    for text in blocks("yaml"):
-        (tmp_path / "map.yaml").write_text(text)
-        assert read_map(tmp_path / "map.yaml")
 
 
 def test_units_of_notes_reach_the_data_and_are_not_mixed(bring):

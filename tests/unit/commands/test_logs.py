@@ -1,5 +1,3 @@
-import os
-
 import numpy as np
 import pytest
 
@@ -63,14 +61,6 @@ def test_whole_journal_is_copied_with_code_0(journal, repair, tmp_path, channels
     assert log.attributes["complete"] is True
 
 
-def test_journal_of_a_stopped_run_is_whole_and_says_why_it_was_stopped(journal, repair, tmp_path):
-    journal.close(complete=False, reason="stop button")
-    code, out, _ = repair(journal.path)
-    assert code == 0
-    assert "  incomplete: stop button\n  nothing is lost\n" in out
-    assert copy_of(tmp_path).attributes["incomplete_reason"] == "stop button"
-
-
 def test_journal_of_a_killed_run_is_copied_with_code_3(journal, repair, tmp_path, channels):
     last_s = channels["time_s"][-1]
     before = journal.path.read_bytes()
@@ -101,15 +91,6 @@ def test_lost_samples_are_counted_and_missed_ticks_too(journal, repair, tmp_path
     assert log.attributes["lost_samples"] == 3
 
 
-def test_journal_cut_in_its_header_is_an_error_and_gives_no_copy(journal, repair, tmp_path):
-    journal.close()
-    os.truncate(journal.path, 60)
-    code, out, err = repair(journal.path)
-    assert (code, out) == (1, "")
-    assert err.startswith(f"error: {journal.path}: both copies of the header")
-    assert not (tmp_path / "copy.h5").exists()
-
-
 @pytest.mark.parametrize("kind", ["journal", "hdf5"])
 def test_copy_that_exists_is_not_overwritten(journal, write_log, repair, tmp_path, kind):
     journal.close()
@@ -129,9 +110,3 @@ def test_hdf5_log_is_refused_with_the_way_to_its_journal(write_log, repair, tmp_
     assert "log.h5: only a journal, FILE.journal, can be repaired" in err
     assert "log.*.journal" in err
     assert not (tmp_path / "copy.h5").exists()
-
-
-def test_absent_file_is_an_error(repair, tmp_path):
-    code, _, err = repair(tmp_path / "none.journal")
-    assert code == 1
-    assert f"{tmp_path / 'none.journal'}: cannot be opened (No such file" in err

@@ -8,7 +8,7 @@ from fprc.cli import main
 from fprc.config import from_files
 from fprc.evaluation import cross_validate
 from fprc.experiments.settings import Judgement
-from fprc.logs import read_columns, write_raw
+from fprc.logs import read_columns
 from fprc.models import load_model
 from fprc.plan.arguments import judgement
 from fprc.registry import build
@@ -182,23 +182,6 @@ def test_logs_of_the_same_name_train_together(recorded_by_rule, few, settings, i
     np.testing.assert_array_equal(mine.predict(X[1]), best.model.predict(X[1]))
 
 
-def test_model_from_outside_the_package_is_trained_and_predicts(
-    recorded_by_rule, few, inside, monkeypatch, capsys
-):
-    (inside / "own_cli_model.py").write_text(
-        "from fprc.models import FuzzyLinear\n\n\nclass Own(FuzzyLinear):\n    pass\n"
-    )
-    monkeypatch.syspath_prepend(inside)
-    own = {"estimator": "own_cli_model.Own", "inputs": ["theta_deg"], "settings": {"n_c": 2}}
-    (inside / "own.yaml").write_text(yaml.safe_dump({"models": {"others": {"own": own}}}))
-    sweep, config = recorded_by_rule["sweep"], ("--config", few, "own.yaml")
-    assert run("train", sweep, "--model", "own", *config, "--out", "own.h5") == 0
-    assert run("predict", "own.h5", sweep, *config, "--out", "own.csv") == 0
-    assert "own.csv: own on " in capsys.readouterr().out
-    assert run("predict", "own.h5", sweep, "--config", few, "--out", "two.csv") == 1
-    assert "class Own is unknown" in capsys.readouterr().err
-
-
 @pytest.mark.parametrize(
     ("words", "problem"),
     [
@@ -221,15 +204,3 @@ def test_wrong_request_is_refused_and_leaves_no_file(
     assert problem in capsys.readouterr().err
     assert [path.name for path in inside.iterdir()] == ["precious.h5"]
     assert (inside / "precious.h5").read_text() == "precious"
-
-
-def test_log_without_an_input_of_the_model_is_refused(recorded, write_log, inside, capsys):
-    names = ("time_s", "theta_deg", "p_exp_kpa")
-    kept = {name: recorded["sweep"][name] for name in names}
-    write_raw(
-        "sweep.h5", kept, experiment="sweep", source="import", sample_rate_hz=200.0, seed=0,
-        software="test", rig={},
-    )  # fmt: skip
-    assert run("train", "sweep.h5", "--out", "model.h5") == 1
-    assert "has no p_o_kpa, which fprc needs" in capsys.readouterr().err
-    assert not (inside / "model.h5").exists()

@@ -52,19 +52,6 @@ def test_help_of_a_command_is_the_docstring_of_its_function(command, capsys):
         assert " ".join(explained.split()) in shown
 
 
-def test_arguments_have_the_types_and_defaults_of_the_signature():
-    given = vars(parsed("fprc calibrate a.yaml b.yaml --minutes 2.5 --workers 3"))
-    del given["run"]
-    assert given == {
-        "files": ["a.yaml", "b.yaml"], "out": "config/rigs/fitted.yaml", "published": None,
-        "minutes": 2.5, "workers": 3,
-    }  # fmt: skip
-    assert parsed("fprc calibrate").files == ()
-    assert parsed("fprc config rig").name is None
-    assert parsed("fprc log check a.h5").json_ is False
-    assert parsed("fprc log check a.h5 --json").json_ is True
-
-
 @pytest.mark.parametrize(
     ("words", "message"),
     [
@@ -95,17 +82,6 @@ def test_fprc_alone_shows_its_help_with_three_commands_to_begin(capsys):
     begin = re.findall(r"^  (fprc .*)$", alone, re.MULTILINE)
     assert [parsed(line).run.args[2] for line in begin] == ["simulate", "train", "predict"]
     assert {command.split()[0] for command in COMMANDS} <= set(alone.split())
-
-
-@pytest.mark.parametrize("group", ["config", "log", "rig"])
-def test_group_without_a_verb_shows_its_verbs_as_an_error(group, capsys):
-    with pytest.raises(SystemExit) as caught:
-        main([group])
-    assert caught.value.code == 2
-    shown = capsys.readouterr()
-    assert shown.out == ""
-    assert f"fprc {group}: error: a verb is missing" in shown.err
-    assert "    check " in shown.err
 
 
 @pytest.mark.slow

@@ -1,6 +1,5 @@
 import io
 import logging
-import sys
 from contextlib import redirect_stderr, redirect_stdout
 
 import numpy as np
@@ -11,9 +10,8 @@ import yaml
 from fprc.artifacts import exclusive, read_json
 from fprc.cli import main
 from fprc.commands import readout as readout_command
-from fprc.commands.readout import progress_bar, report_readout
+from fprc.commands.readout import report_readout
 from fprc.commands.readout_page import findings
-from fprc.config.importing import read_map
 from fprc.errors import ConfigError
 from fprc.logs import read_columns
 
@@ -50,15 +48,6 @@ def write_recording(folder):
 @pytest.fixture
 def recording(tmp_path):
     return write_recording(tmp_path)
-
-
-def test_missing_libraries_are_reported_before_anything_is_read(tmp_path, monkeypatch, capsys):
-    for name in ("jinja2", "tabulate"):
-        monkeypatch.setitem(sys.modules, name, None)
-    monkeypatch.chdir(tmp_path)
-    assert main(["readout", "none.csv", "--map", "none.yaml"]) == 1
-    assert "needs Jinja2 and tabulate" in capsys.readouterr().err
-    assert not list(tmp_path.iterdir())
 
 
 def run(tmp_path, map_file, *more):
@@ -213,18 +202,6 @@ def test_whole_recording_tests_if_others_train(recording, tmp_path, monkeypatch,
     assert "sweep_2.h5: from an earlier run with more training logs" in capsys.readouterr().err
 
 
-def test_recording_given_twice_is_refused(recording, tmp_path):
-    source = str(tmp_path / "log.csv")
-    with pytest.raises(ConfigError, match=r"log\.csv: given twice"):
-        report_readout(source, map_=recording(), train=[f"{tmp_path}/./log.csv"])
-
-
-def test_map_of_a_whole_test_log_needs_training_logs(recording, tmp_path):
-    map_file = recording(test_from_s=None, experiment="complex")
-    with pytest.raises(ConfigError, match="test_from_s is missing"):
-        report_readout(str(tmp_path / "log.csv"), map_=map_file, out=str(tmp_path / "out"))
-
-
 def test_map_without_parts_and_readout_is_refused_for_both(recording, tmp_path):
     without = {name: spec for name, spec in CHANNELS.items() if name != "p_o_kpa"}
     path = recording(without, test_from_s=None, experiment="sweep")
@@ -234,20 +211,6 @@ def test_map_without_parts_and_readout_is_refused_for_both(recording, tmp_path):
     assert "test_from_s is missing" in first
     assert "channels.p_o_kpa is missing" in second
     assert not (tmp_path / "out").exists()
-
-
-@pytest.mark.parametrize(
-    ("more", "message"),
-    [
-        ({"experiment": "sweep"}, "give either experiment"),
-        ({"test_from_s": None}, "give either experiment"),
-        ({"test_from_s": 3, "start_s": 4}, "must lie between start_s = 4 and end_s = inf"),
-        ({"test_from_s": 9, "end_s": 8}, "must lie between start_s = 0 and end_s = 8"),
-    ],
-)
-def test_map_says_one_log_or_two_parts(recording, more, message):
-    with pytest.raises(ConfigError, match=message):
-        read_map(recording(**more))
 
 
 def table_of(errors):
@@ -270,12 +233,3 @@ def test_findings_compare_p_o_with_nothing_and_with_both_controls():
     assert validation == f"On blocked folds FPRC's error is {changes}"
     assert test == f"On the test part FPRC's error is {changes}"
     assert "epsilon = 0.1 and n_u = 3 test best: 50.0 % lower" in best
-
-
-def test_bar_is_drawn_every_tenth_where_there_is_no_terminal(capsys):
-    draw = progress_bar()
-    for done in range(1, 57):
-        draw(done, 56)
-    lines = capsys.readouterr().err.splitlines()
-    assert len(lines) == 12
-    assert lines[-1] == f"[{'#' * 30}] 56 of 56 cells"
