@@ -1,14 +1,10 @@
 import shlex
-import shutil
-from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 
-from fprc.config import Settings
-from fprc.errors import ConfigError, LogError
-from fprc.stages.preprocess import preprocess
+from fprc.errors import ConfigError
 from fprc.yaml_file import read_yaml
 
 
@@ -45,82 +41,9 @@ def test_name_of_a_folder_is_no_command(project):
     assert f"> {shlex.quote(folder + '/logs/smoke.log')} 2>&1" in told.stdout
 
 
-def truncate(path):
-    path.write_bytes(path.read_bytes()[:5000])
-
-
-def drop_channel(path):
-    with h5py.File(path, "a") as log:
-        del log["p_o_kpa"]
-
-
 def spoil_sample(path):
     with h5py.File(path, "a") as log:
         log["theta_deg"][123] = np.nan
-
-
-def change_unit(path):
-    with h5py.File(path, "a") as log:
-        log["p_i_kpa"].attrs["units"] = "bar"
-
-
-def stretch_time(path):
-    with h5py.File(path, "a") as log:
-        log["time_s"][:] *= 2.0
-
-
-def swap_samples(path):
-    with h5py.File(path, "a") as log:
-        log["time_s"][77] = 0.0
-
-
-def turn_a_bit(path):
-    with h5py.File(path) as log:
-        at = log["p_exp_command_kpa"].id.get_chunk_info(0).byte_offset + 1000
-    data = bytearray(path.read_bytes())
-    data[at] ^= 1
-    path.write_bytes(data)
-
-
-def link_elsewhere(path):
-    with h5py.File(path, "a") as log:
-        del log["p_o_kpa"]
-        log["p_o_kpa"] = h5py.ExternalLink("/etc/passwd", "p_o_kpa")
-
-
-def break_notes(path):
-    with h5py.File(path, "a") as log:
-        log.attrs["notes"] = "{"
-
-
-SPOILED = [
-    (truncate, ["cut short"]),
-    (drop_channel, ["channel p_o_kpa", "missing"]),
-    (spoil_sample, ["channel theta_deg", "sample 123"]),
-    (change_unit, ["channel p_i_kpa", "units are bar, must be kPa"]),
-    (stretch_time, ["channel time_s", "100 Hz, must be 200 Hz"]),
-    (swap_samples, ["channel time_s", "sample 77"]),
-    (turn_a_bit, ["channel p_exp_command_kpa", "cannot be read"]),
-    (link_elsewhere, ["channel p_o_kpa", "link to another file"]),
-    (break_notes, ["attribute notes", "JSON object"]),
-]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("spoil", "words"), SPOILED)
-def test_bad_raw_log_is_refused_before_anything_is_written(smoked, tmp_path, spoil, words):
-    raw = shutil.copy(smoked[0].folder / "results/smoke/raw/sweep.h5", tmp_path)
-    spoil(Path(raw))
-    limits = Settings().quality.model_dump()
-    with pytest.raises(LogError) as refused:
-        preprocess(
-            str(raw), str(tmp_path / "data.h5"), str(tmp_path / "quality.json"),
-            experiment="sweep", target="command", sample_rate_hz=200.0, limits=limits,
-        )  # fmt: skip
-    assert "sweep.h5: " in str(refused.value)
-    for word in words:
-        assert word in str(refused.value)
-    assert [path.name for path in tmp_path.iterdir()] == ["sweep.h5"]
 
 
 @pytest.mark.slow

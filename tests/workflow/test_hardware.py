@@ -64,8 +64,3 @@ def test_rig_without_an_angle_sensor_on_the_reservoir_makes_no_fig_17(project):
     refused = project.snakemake("--dry-run", "fig17", "--config", *without)
     assert refused.returncode != 0
     assert "phi_deg" in refused.stdout
-
-
-def test_armed_is_no_part_of_the_settings_of_results(project):
-    done = project.snakemake("--dry-run", "fig3", "--config", "source=sim", "armed=true")
-    assert done.returncode == 0, done.stdout

@@ -84,14 +84,6 @@ def test_killed_at_random_moments_the_run_ends_the_same(smoked, project, twice):
     assert_same_results(project, smoked, twice)
 
 
-def test_counting_from_lower_again_is_noticed():
-    bar = "[grid taps] [####      ] {} of 4 cells\n"
-    assert_no_cell_again([bar.format(1) + bar.format(2), bar.format(3)])
-    assert_no_cell_again([bar.format(3) + bar.format(4), bar.format(1)])
-    with pytest.raises(AssertionError, match="grid taps: 2 of 4 again"):
-        assert_no_cell_again([bar.format(1) + bar.format(2), bar.format(2)])
-
-
 def test_killed_while_it_writes_a_raw_log_it_leaves_no_half_log(smoked_copy):
     raw = smoked_copy.folder / "results/smoke/raw"
     before = smoked_copy.files("results/smoke/raw")

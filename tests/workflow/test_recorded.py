@@ -90,14 +90,6 @@ def test_one_log_alone_gives_what_is_drawn_from_it(recording):
     assert not {"judge", "grid", "measure_readout"} & planned(done.stdout)
 
 
-def test_simulated_reservoir_serves_what_p_o_was_missing_for(recording):
-    asked = [*ARGUMENTS, "evaluation={reservoir: simulated}"]
-    project = recording("theta_deg", "p_exp_kpa")
-    done = project.smoke("--dry-run", "fig2", "fig5", "readout", "table2", *asked)
-    assert done.returncode == 0, done.stdout
-    assert {"add_reservoir", "draw_fig2", "measure_readout"} <= planned(done.stdout)
-
-
 @pytest.mark.slow
 def test_simulated_reservoir_is_named_wherever_its_data_are_shown(recording):
     asked = [*ARGUMENTS, "evaluation={reservoir: simulated}"]

@@ -147,16 +147,3 @@ CHANGES = {
 def test_setting_reruns_what_reads_it_and_nothing_else(smoked, what):
     change, expected = CHANGES[what]
     assert planned(smoked[0], "--config", change) == expected
-
-
-def test_filter_factor_spares_fuzzy_linear_and_the_esn(smoked):
-    jobs = planned(smoked[0], "--config", "models={fprc: {epsilon: 0.02}}")
-    assert jobs["judge"] == 1
-    assert "record" not in jobs
-
-
-def test_number_of_rules_reruns_both_fuzzy_models_and_not_the_esn(smoked):
-    jobs = planned(smoked[0], "--config", "models={fprc: {n_c: 4}}")
-    assert {"comparison_table", "configuration_table", "draw_fig8"} <= jobs.keys()
-    assert jobs["judge"] == 2
-    assert not {"record", "preprocess", "draw_fig4"} & jobs.keys()

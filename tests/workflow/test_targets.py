@@ -14,16 +14,6 @@ def planned(output: str) -> dict[str, int]:
     return {rule: int(count) for rule, count in counts if rule != "total"}
 
 
-def test_dry_run_of_the_paper_plans_every_stage(project):
-    jobs = planned(project.snakemake("--dry-run", "all").stdout)
-    assert jobs["record"] == 2
-    assert jobs["judge"] == 3
-    assert jobs["replicate"] == 10
-    assert jobs["measure_times"] == 1
-    assert jobs["track"] == 5
-    assert jobs["grid"] == 3
-
-
 def test_profile_of_slurm_names_rules_that_there_are_and_groups_every_drawing(project):
     rules = set()
     for chunks in (1, 2):
@@ -47,11 +37,6 @@ def test_pool_has_a_process_for_twenty_cells_within_its_limit(project, given, wo
     assert f"Grid of taps, workers: {workers}" in planned.stdout
 
 
-@pytest.mark.parametrize("snakefile", [(), STUDIES])
-def test_default_profile_is_read(project, snakefile):
-    assert "profiles/default" in project.snakemake(*snakefile, "--dry-run", "table1").stdout
-
-
 def test_studies_are_no_rules_of_the_paper_and_their_targets_answer_with_the_command(project):
     paper, both = (
         set(project.snakemake("--list-rules", *snakefile).stdout.split())
@@ -68,12 +53,6 @@ def test_studies_are_no_rules_of_the_paper_and_their_targets_answer_with_the_com
     assert done.returncode == 1
     command = "snakemake --cores 2 --snakefile workflow/studies/Snakefile beyond"
     assert f"beyond: a target of the studies; run `{command}`" in done.stdout
-
-
-def test_without_a_target_everything_of_the_studies_is_planned(project):
-    jobs = planned(project.snakemake(*STUDIES, "--dry-run").stdout)
-    assert {"beyond_world", "judge_family", "measure_sensitivity", "families_answer"} <= jobs.keys()
-    assert not {"fit_rig", "tune_world", "report_page"} & jobs.keys()
 
 
 def test_profile_of_the_smoke_run_is_the_default_one_with_a_configuration(project):

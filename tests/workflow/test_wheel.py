@@ -9,7 +9,6 @@ import tarfile
 import tempfile
 import zipfile
 from contextlib import suppress
-from email import message_from_bytes
 from pathlib import Path
 from sysconfig import get_path
 
@@ -216,15 +215,3 @@ def test_archive_of_the_sources_has_tests_settings_tools_and_workflow(sdist):
         pytest.skip("not a git checkout, so the list of files is unknown")
     files = {name for name in tracked.stdout.split("\0") if name and (ROOT / name).exists()}
     assert {name for name in files if not (sdist / name).is_file()} == set()
-
-
-def test_wheel_says_what_it_is(wheel):
-    with zipfile.ZipFile(wheel) as file:
-        names = file.namelist()
-        (metadata,) = (name for name in names if name.endswith("/METADATA"))
-        described = message_from_bytes(file.read(metadata))
-    assert "fprc/py.typed" in names
-    assert not [name for name in names if name.startswith(("tests", "config", "tools", "workflow"))]
-    assert "Typing :: Typed" in described.get_all("Classifier")
-    assert described.get_all("Project-URL")
-    assert {"readout", "workflow"} <= set(described.get_all("Provides-Extra"))
