@@ -222,104 +222,68 @@ def test_run_that_ends_well_leaves_a_log_that_can_be_read_and_not_written(start,
     assert rows[4:] == VENTED * (len(rows[4:]) // 2)
 
 
-@pytest.mark.parametrize(
-    ("name", "fault", "send"),
-    [
-        ("SIGTERM", "SIGTERM to the guardian", os.kill),
-        ("SIGINT", "Ctrl-C, SIGINT to the group", os.killpg),
-        ("SIGHUP", "terminal closed, SIGHUP to the group", os.killpg),
-    ],
-)
-def test_signal_stops_the_run_and_vents(start, rig, matrix, name, fault, send):
-    program = start("run", "sweep")
-    program.is_in_mid_run()
-    faulted_s = time.monotonic()
-    send(program.process.pid, getattr(signal, name))
-    code, said = program.end()
-    assert code == 1
-    assert "stopped by SIGTERM" in said
-    findings = add(matrix, program, faulted_s, fault, "the stop, at the next tick")
-    assert findings.closed
-    assert not findings.complete
-    assert "stopped by SIGTERM" in findings.reason
-    assert rig.opened == 0
+def to_the_guardian(name, send=os.kill):
+    """Return what sends a signal to the guardian, or to its group."""
+    return lambda program: send(program.process.pid, getattr(signal, name))
 
 
-def test_loop_that_is_killed_is_vented_by_the_guardian(start, rig, matrix):
-    program = start("run", "sweep")
-    program.is_in_mid_run()
-    loop = program.loop()
-    faulted_s = time.monotonic()
-    os.kill(loop, signal.SIGKILL)
-    code, said = program.end()
-    assert code == 1
-    assert "ended with code -9 in the middle of a run; both chambers are vented" in said
-    findings = add(matrix, program, faulted_s, "SIGKILL to the loop", "the guardian", again=1)
-    assert not findings.closed
+def to_the_loop(name):
+    return lambda program: os.kill(program.loop(), getattr(signal, name))
 
 
-def test_driver_that_prints_does_not_pass_for_the_message_that_all_is_safe(
-    start, rig, matrix, monkeypatch
-):
-    monkeypatch.setenv("FAKE_CHATTY", "1")
-    program = start("run", "sweep")
-    program.is_in_mid_run()
-    faulted_s = time.monotonic()
-    os.kill(program.loop(), signal.SIGKILL)
-    code, said = program.end()
-    assert code == 1
-    assert "ended with code -9 in the middle of a run; both chambers are vented" in said
-    add(matrix, program, faulted_s, "SIGKILL to the loop, whose driver prints", "the guardian",
-        again=1)  # fmt: skip
-
-
-def test_board_that_fails_for_a_moment_in_mid_run_leaves_no_valve_open(start, rig, matrix):
-    program = start("run", "sweep")
-    program.is_in_mid_run()
-    faulted_s = time.monotonic()
+def fail_for_a_moment(program):
+    rig = program.rig
     rig.fail_code, rig.fail_count, rig.fail_at = 777, 12, rig.calls + 1
-    code, said = program.end()
-    assert code == 1
-    assert "failed with code 777" in said
-    assert rig.failures == 12
-    findings = add(
-        matrix, program, faulted_s, "twelve calls of the driver fail", "the driver's error",
-        again=1,
-    )  # fmt: skip
-    assert findings.closed
 
 
-def test_loop_that_hangs_is_ended_and_vented_by_the_guardian(start, rig, matrix):
-    program = start("run", "sweep", loop={"stalled_s": 0.5})
-    program.is_in_mid_run()
-    faulted_s = time.monotonic()
-    os.kill(program.loop(), signal.SIGSTOP)
-    code, said = program.end()
-    assert code == 1
-    assert (
-        "stopped responding and was killed in the middle of a run; both chambers are vented" in said
-    )
-    findings = add(
-        matrix, program, faulted_s, "SIGSTOP to the loop",
-        "the guardian, after stalled_s = 0.5 s", again=1,
-    )  # fmt: skip
-    assert not findings.closed
+def hang_in_the_driver(program):
+    program.rig.stall_us = 3_600_000_000
 
 
-def test_loop_that_hangs_in_the_driver_is_ended_and_vented_by_the_guardian(start, rig, matrix):
-    program = start("run", "sweep", loop={"stalled_s": 0.5}, valves={"vent_s": 0.3})
-    program.is_in_mid_run()
-    faulted_s = time.monotonic()
-    rig.stall_us = 3_600_000_000
-    code, said = program.end()
-    assert code == 1
+STOPPED = "the stop, at the next tick"
+KILLED = "ended with code -9 in the middle of a run; both chambers are vented"
+HUNG = "stopped responding and was killed in the middle of a run; "
+STALLED = {"loop": {"stalled_s": 0.5}}
+#: What fails, how, settings, what is said, and what ends the run.
+FAULTS = [
+    ("SIGTERM to the guardian", to_the_guardian("SIGTERM"), {}, "stopped by SIGTERM", STOPPED),
+    ("Ctrl-C, SIGINT to the group", to_the_guardian("SIGINT", os.killpg), {},
+     "stopped by SIGTERM", STOPPED),
+    ("terminal closed, SIGHUP to the group", to_the_guardian("SIGHUP", os.killpg), {},
+     "stopped by SIGTERM", STOPPED),
+    ("SIGKILL to the loop", to_the_loop("SIGKILL"), {}, KILLED, "the guardian"),
+    ("SIGKILL to the loop, whose driver prints", to_the_loop("SIGKILL"), {},
+     KILLED, "the guardian"),
+    ("twelve calls of the driver fail", fail_for_a_moment, {},
+     "failed with code 777", "the driver's error"),
+    ("SIGSTOP to the loop", to_the_loop("SIGSTOP"), STALLED,
+     HUNG + "both chambers are vented", "the guardian, after stalled_s = 0.5 s"),
     # the guardian's own reading hangs too
-    assert "stopped responding and was killed in the middle of a run; THE CHAMBERS MAY BE" in said
-    assert "the driver does not answer" in said
-    add(
-        matrix, program, faulted_s, "a driver call never returns",
-        "the guardian, after stalled_s = 0.5 s",
-    )  # fmt: skip
+    ("a driver call never returns", hang_in_the_driver, STALLED | {"valves": {"vent_s": 0.3}},
+     HUNG + "THE CHAMBERS MAY BE", "the guardian, after stalled_s = 0.5 s"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("fault", "happen", "settings", "says", "ends"), FAULTS)
+def test_run_in_which_something_fails_ends_vented(
+    start, rig, matrix, monkeypatch, fault, happen, settings, says, ends
+):
+    if "prints" in fault:  # which must not pass for the message that all is safe
+        monkeypatch.setenv("FAKE_CHATTY", "1")
+    program = start("run", "sweep", **settings)
+    program.is_in_mid_run()
+    faulted_s = time.monotonic()
+    happen(program)
+    code, said = program.end()
+    assert code == 1
+    assert says in said
+    stopped, failed = ends == STOPPED, happen is fail_for_a_moment
+    exactly = stopped or happen is hang_in_the_driver
+    findings = add(matrix, program, faulted_s, fault, ends, again=not exactly)
+    assert not findings.complete
+    assert findings.closed is (stopped or failed)
+    assert not stopped or (says in findings.reason and rig.opened == 0)
+    assert not failed or rig.failures == 12
 
 
 @pytest.mark.parametrize(

@@ -9,10 +9,8 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-import h5py
 import numpy as np
 import pytest
-import yaml
 
 from fprc.cli import main
 from fprc.commands import configuration
@@ -53,15 +51,6 @@ def test_errors_of_a_configuration_go_to_stderr_without_a_traceback(tmp_path, ca
     assert "Traceback" not in printed.err
 
 
-def test_rig_and_printed_numbers_are_printed_as_yaml(capsys):
-    assert main(["config", "rig", "viscous"]) == 0
-    assert yaml.safe_load(capsys.readouterr().out)["fitted"]["name"] == "viscous"
-    assert main(["config", "rig"]) == 0
-    assert yaml.safe_load(capsys.readouterr().out)["fitted"]["name"] == reference.RIG
-    assert main(["config", "published"]) == 0
-    assert yaml.safe_load(capsys.readouterr().out)["rig"]["k_in_kpa_per_deg"] == 7.0
-
-
 @pytest.mark.parametrize(
     ("command", "unbuffered"), [(["rig", "run", "list"], ""), (["config", "schema"], "1")]
 )
@@ -79,19 +68,6 @@ def test_output_that_nothing_reads_ends_the_command_without_a_traceback(command,
 
 
 # --- log ----------------------------------------------------------------------------------------
-
-
-def test_clean_log_passes_all_checks_in_words(long_log, capsys):
-    path = long_log()
-    assert main(["log", "check", str(path)]) == 0
-    printed = capsys.readouterr()
-    assert printed.err == ""
-    first, *checks = printed.out.splitlines()
-    assert first == (
-        f"{path}: sweep, simulated rig, not hardware, 4000 samples at 200 Hz; all checks passed"
-    )
-    assert [line[24:30].strip() for line in checks] == ["ok"] * 7
-    assert checks[1].startswith("  sample rate           ok     200 Hz, jitter ")
 
 
 def test_log_with_a_fault_is_reported_as_failed(write_log, recorded, capsys):
@@ -127,20 +103,6 @@ def test_unreadable_log_is_named_and_the_next_one_still_judged(
     for path in (paths[0], bad, tmp_path):
         assert f"error: {path}: " in printed.err
     assert "channel theta_deg: sample 7" in printed.err
-
-
-def test_closed_loop_log_is_checked_as_one(write_run, capsys):
-    path = write_run()
-    with h5py.File(path, "r+") as file:
-        del file["p_ff_kpa"]
-        file["theta_d_deg"][11] = np.nan
-        del file.attrs["controller"]
-    assert main(["log", "check", str(path)]) == 1
-    printed = capsys.readouterr()
-    assert printed.out == ""
-    for part in ("channel p_ff_kpa: missing", "channel theta_d_deg: sample 11 is nan",
-                 "attribute controller: missing"):  # fmt: skip
-        assert f"{path}: {part}" in printed.err
 
 
 # --- files that are not there -------------------------------------------------------------------

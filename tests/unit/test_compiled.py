@@ -65,10 +65,6 @@ def test_cache_folder_changes_with_how_it_is_compiled_and_with_the_laws(
     assert compiled._cache_folder(package) != before
 
 
-def test_division_by_zero_gives_infinity_and_no_exception(kernel_of):
-    assert kernel_of("1.0 / x")(0.0) == float("inf")
-
-
 def test_cache_cannot_go_stale_in_a_folder_of_the_users_choice(
     package, kernel_of, tmp_path, monkeypatch
 ):

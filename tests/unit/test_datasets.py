@@ -46,15 +46,6 @@ def test_data_are_those_of_the_workflow(sweep, logs):
     assert_array_equal(sweep.target, ours["p_target_kpa"])
 
 
-def test_seed_rig_and_target_change_what_they_should(sweep):
-    other = load_hysteresis("sweep", seed=2, target="measured")
-    assert np.abs(other.data - sweep.data).max() > 0.01
-    assert_array_equal(other.target, other.channels["p_exp_kpa"])
-    assert_array_equal(other.channels["p_exp_command_kpa"], sweep.target)
-    viscous = load_hysteresis("sweep", rig="viscous")
-    assert np.abs(viscous.data[:, 0] - sweep.data[:, 0]).max() > 0.5
-
-
 def test_imported_log_may_lack_p_o_and_hold_another_quantity(channels, tmp_path):
     kept = {name: channels[name] for name in ("time_s", "theta_deg", "p_exp_kpa")}
     notes = {"p_exp_kpa": "not in kPa: torque [N m]"}

@@ -1,4 +1,3 @@
-import logging
 import re
 
 import matplotlib.pyplot as plt
@@ -24,11 +23,6 @@ def test_terminal_gets_no_control_characters(text):
 def test_any_text_becomes_one_printable_line_that_can_be_encoded(text):
     assert escape.visible(text).isprintable()
     escape.visible(text).encode("utf-8")
-
-
-def test_lines_of_a_log_are_those_of_a_terminal():
-    record = logging.LogRecord("x", logging.INFO, "", 0, "note %s", ("\x1b[2J",), None)
-    assert escape.TerminalFormatter("[a] %(message)s").format(record) == "[a] note \\x1b[2J"
 
 
 @given(text=TEXTS)
@@ -82,10 +76,3 @@ def test_spreadsheet_computes_nothing(text):
 @pytest.mark.parametrize("text", ["-1.5", "+2", "-.5e-3", "1=1", "N", "", "% of its scale", "m=s"])
 def test_numbers_and_plain_texts_are_no_formulae(text):
     assert escape.spreadsheet(text) == text
-
-
-def test_latex_commands_are_text():
-    assert escape.latex(r"\a{b}$c$_#~^%&") == (
-        r"\textbackslash{}a\{b\}\$c\$\_\#\textasciitilde{}\textasciicircum{}\%\&"
-    )
-    assert escape.latex("1 ± 2") == "1 $\\pm$ 2"

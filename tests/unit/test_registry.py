@@ -5,14 +5,13 @@ import sys
 import pytest
 
 from fprc.config import check
-from fprc.errors import ConfigError, FprcError
-from fprc.models import FPRC, RidgeReadout, SequenceModel, TapFeatures, load_model, save_model
+from fprc.errors import ConfigError
+from fprc.models import RidgeReadout, SequenceModel, TapFeatures
 from fprc.paper import CONTROLLERS, DISTURBANCE, REFERENCES, reference_and_controller, run_log
 from fprc.registry import (
     build,
     controllers,
     feedforward_of,
-    has_feedback,
     load_class,
     model_of_run,
     settings_of,
@@ -48,26 +47,10 @@ def test_name_of_a_run_says_its_reference_controller_and_model(reference, contro
     assert model_of_run(log) == (feedforward_of(controller) or "fprc")
 
 
-def test_name_of_a_controller_says_its_feedforward_and_feedback():
-    parts = {
-        name: (feedforward_of(name), has_feedback(name)) for name in (*CONTROLLERS, "a", "a_pd")
-    }
-    assert parts == {
-        "fprc": ("fprc", False), "fprc_pd": ("fprc", True), "pd": (None, True),
-        "a": ("a", False), "a_pd": ("a", True),
-    }  # fmt: skip
-
-
 def test_model_from_outside_is_built_with_its_settings_and_the_seed(settings):
     model = build("taps_a", settings["models"], 7)
     assert model.get_params() == {"n_y": 3, "random_state": 7}
     assert settings_of("taps_a", settings["models"]) == {"others": settings["models"]["others"]}
-
-
-def test_setting_that_the_class_does_not_take_is_refused_by_its_key(settings):
-    settings["models"]["others"]["taps_a"]["settings"] = {"n_yy": 3}
-    with pytest.raises(ConfigError, match=r"models\.others\.taps_a\.settings.*n_yy"):
-        build("taps_a", settings["models"], 1)
 
 
 @pytest.mark.parametrize("name", ["esn", "pd", "x_pd"])
@@ -100,23 +83,3 @@ def test_class_without_steps_drives_no_closed_loop(settings, monkeypatch):
     bare = type("Batch", (), dict.fromkeys(methods))
     monkeypatch.setattr("fprc.models.Batch", bare, raising=False)
     assert controllers(settings["models"]) == list(CONTROLLERS)
-
-
-class Namesake(FPRC):
-    """A class of the user's, called as one of ours."""
-
-
-Namesake.__name__ = "FPRC"
-
-
-def fitted(model):
-    X = [[20.0 + k, 100.0 + k] for k in range(60)]
-    return model.fit(X, [x[0] for x in X])
-
-
-def test_class_that_is_called_as_one_of_ours_is_loaded_as_what_it_is(tmp_path):
-    path = tmp_path / "model.h5"
-    save_model(fitted(Namesake(n_c=1)), path, [Namesake])
-    assert type(load_model(path, [Namesake])) is Namesake
-    with pytest.raises(FprcError, match="is not a model of fprc"):
-        save_model(fitted(Namesake(n_c=1)), path)

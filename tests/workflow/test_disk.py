@@ -7,45 +7,8 @@ import subprocess
 import pytest
 
 
-def mounted(folder, size):
-    """Mount a small file system, or skip where that is not allowed."""
-    folder.mkdir(parents=True)
-    command = ["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(folder)]
-    if os.geteuid() != 0 or subprocess.run(command, capture_output=True, check=False).returncode:
-        pytest.skip("no right to mount a file system")
-
-
-@pytest.fixture
-def small_disk(project):
-    """Project with 500 kB for its results."""
-    folder = project.folder / "results/smoke"
-    mounted(folder, "500k")
-    yield project, folder
-    subprocess.run(["umount", "--lazy", str(folder)], check=True)
-
-
 def errors(printed):
     return [line for line in printed.splitlines() if "] error: " in line]
-
-
-@pytest.mark.slow
-def test_full_disk_is_one_line_and_leaves_nothing_half_written(smoked, small_disk):
-    project, results = small_disk
-    done = project.smoke("logs")
-    assert done.returncode != 0
-    (line, *_) = errors(done.stdout)
-    assert "cannot be written (No space left on device); free some space" in line
-    assert "Traceback" not in done.stdout
-    whole = smoked[0].files("results/smoke/raw")
-    left = project.files("results/smoke/raw")
-    assert left.items() < whole.items(), "a log that is there is whole"
-    subprocess.run(["mount", "-o", "remount,size=100m", str(results)], check=True)
-    done = project.smoke("logs")
-    assert done.returncode == 0, done.stdout
-    assert project.files("results/smoke/raw").keys() == {
-        f"results/smoke/raw/{name}.h5" for name in ("sweep", "complex")
-    }
-    assert project.files("results/smoke/raw").items() <= whole.items()
 
 
 @pytest.mark.slow

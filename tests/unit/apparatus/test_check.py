@@ -1,14 +1,10 @@
 import logging
 import re
-from types import SimpleNamespace
 
 import pytest
 
-from fprc.apparatus import check
 from fprc.apparatus.check import check_rig
 from fprc.apparatus.guardian import ARMED, SAFE
-from fprc.channels import Readings
-from fprc.control.clock import Metronome
 from fprc.errors import DeviceError
 
 
@@ -132,29 +128,3 @@ def test_check_that_is_stopped_says_so_and_shows_what_it_saw(look):
     assert trouble == "stopped: run stopped at sample 300: stopped by SIGTERM"
     assert [line.split("  ")[0] for line in look.said[1:3]] == ["rest", "actuator filled"]
     assert list(look.bench.shared.outputs[:2]) == [0.0, 0.0]
-
-
-@pytest.mark.parametrize(
-    ("stall_ticks", "readings"),
-    [(0, 100), (1, 99), (3, 97), (80, 20)],
-)
-def test_stall_at_rest_is_counted_once(monkeypatch, stall_ticks, readings):
-    """The reading at tick 10 takes some periods longer than it should."""
-    now_s, period_s = [0.0], 1 / 128  # a power of two: no rounding
-    taken = []
-
-    def sleep(seconds):
-        now_s[0] += seconds
-
-    def read():
-        taken.append(clock.elapsed())
-        if len(taken) == 11:
-            sleep((stall_ticks + 1) * period_s if stall_ticks else 0.0)
-        return Readings(clock.elapsed(), *[0.0] * 5)
-
-    monkeypatch.setattr(check, "notify", lambda message: True)
-    clock = Metronome(period_s, overruns_in_a_row=100, now=lambda: now_s[0], sleep=sleep)
-    channels = check._read_at_rest(SimpleNamespace(read=read), clock, samples=100, stop=lambda: "")
-    assert clock.overruns == stall_ticks
-    assert len(channels["time_s"]) == readings
-    assert taken[-1] == 99 * period_s

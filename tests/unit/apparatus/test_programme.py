@@ -71,16 +71,6 @@ def test_only_the_disturbance_asks_the_person_to_push(settings, model):
         assert hint == (f"push the reservoir by hand from {quiet_s:g} s on" if pushed else "")
 
 
-@pytest.mark.parametrize(
-    ("controller", "acts"),
-    [("fprc", (True, False)), ("fprc_pd", (True, True)), ("pd", (False, True))],
-)
-def test_law_has_the_feedforward_and_the_feedback_of_its_name(settings, model, controller, acts):
-    law = plan(f"track_complex_{controller}", settings, model).law
-    row = law(0, NOW._replace(theta_deg=0.0))
-    assert tuple(p_kpa != 0.0 for p_kpa in row[3:]) == acts
-
-
 @pytest.mark.parametrize("armed", [True, False])
 @pytest.mark.parametrize("controller", ["fprc", "fprc_pd"])
 def test_law_without_the_feedforward_of_its_name_does_not_start(

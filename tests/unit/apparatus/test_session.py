@@ -2,7 +2,7 @@ import signal
 
 import pytest
 
-from fprc.apparatus.session import Stop, loops
+from fprc.apparatus.session import Stop
 
 
 class Clocks:
@@ -61,8 +61,3 @@ def test_pause_between_the_two_clocks_does_not_pass_for_a_suspension(clocks, mon
     monkeypatch.setattr(Stop, "_listen", lambda self: None)
     stop = Stop(10.0, monotonic=clocks.monotonic, boottime=boottime)
     assert stop() == ""
-
-
-def test_pressure_loops_close_the_valve_at_its_own_neutral_voltage(settings):
-    for loop in loops(settings["control"], 4.7).values():
-        assert loop.step(0.0, 0.0) == 4.7

@@ -90,20 +90,6 @@ def test_fit_takes_its_settings_from_the_files_merged_in_their_order(run, tmp_pa
     assert json.dumps(call)  # plain values, as the key of the checkpoint needs them
 
 
-@pytest.mark.parametrize(("arguments", "minutes"), [([], 120.0), (["--minutes", "2.5"], 2.5)])
-def test_time_limit_is_that_of_the_command_or_else_of_the_configuration(run, arguments, minutes):
-    _, (call,) = run(*arguments)
-    assert call["calibration"]["minutes"] == minutes
-
-
-def test_library_that_is_not_installed_is_named_with_the_remedy(run, fit, capsys):
-    fit.failure = ModuleNotFoundError("No module named 'joblib'")
-    assert run()[0] == 1
-    printed = capsys.readouterr().err
-    assert "No module named 'joblib'" in printed
-    assert "fprc[workflow]" in printed
-
-
 @pytest.mark.parametrize("name", ["mine.yaml", "mine.json"])
 def test_file_that_no_fit_wrote_is_kept(run, tmp_path, capsys, name):
     (tmp_path / name).write_text("seed: 1\n")

@@ -7,16 +7,15 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
-from fprc.artifacts import read_json
 from fprc.channels import RAW_CHANNELS
 from fprc.cli import main
 from fprc.commands.import_recording import _quoted, import_recording
 from fprc.config import Settings
-from fprc.errors import LogError, OutputError
-from fprc.experiments.data import Data, read_data, refuse_mixture
+from fprc.errors import OutputError
+from fprc.experiments.data import read_data
 from fprc.figures import style
 from fprc.logs import assess, read_columns, read_raw, write_raw
 from fprc.models import FPRC
@@ -85,43 +84,6 @@ def test_log_goes_out_as_csv_and_comes_back_the_same(bring, recorded):
     assert log.attributes["simulated"] is False
 
 
-@settings(max_examples=6)
-@given(
-    rows=st.integers(2, 60),
-    rate_hz=st.sampled_from([200.0, 100.0, 37.0]),
-    start_s=st.floats(0.0, 1e6),
-)
-def test_any_start_and_rate_give_a_log_that_reads(tmp_path_factory, rows, rate_hz, start_s):
-    folder = tmp_path_factory.mktemp("any_import")
-    rng = np.random.default_rng(rows)
-    angle = rng.standard_normal(rows)
-    columns = {"t": start_s + np.arange(rows) / rate_hz, "a": angle, "p": angle}
-    pd.DataFrame(columns).to_csv(folder / "any_source.csv", index=False)
-    mapping = {
-        "experiment": "sweep",
-        "sample_rate_hz": rate_hz,
-        "time": {"column": "t"},
-        "channels": {
-            "theta_deg": {"column": "a", "unit": "deg"},
-            "p_exp_kpa": {"column": "p", "unit": "kPa"},
-        },
-    }
-    (folder / "any.yaml").write_text(yaml.safe_dump(mapping))
-    names = [str(folder / name) for name in ("any_source.csv", "any.yaml", "any.h5")]
-    import_recording(*names)
-    log = read_raw(names[2], **RATE | {"sample_rate_hz": rate_hz})
-    assert log.channels["theta_deg"] == pytest.approx(angle, abs=1e-6 * max(start_s, 1.0))
-
-
-def test_diagnosis_and_picture_lie_beside_the_log(bring, capsys, drawn):
-    raw = bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND})
-    record = read_json(raw.with_suffix(".diagnosis.json"))
-    assert (record["source"], record["log"], record["samples"]) == ("log.csv", "sweep.h5", 4000)
-    assert raw.with_suffix(".diagnosis.png").read_bytes().startswith(b"\x89PNG")
-    printed = capsys.readouterr().out
-    assert all(line in printed for line in record["words"])
-
-
 @pytest.mark.parametrize(
     ("name", "content"),
     [
@@ -185,33 +147,6 @@ def imported(folder, channels, time=None, source="log.csv"):
     names = [str(folder / name) for name in (source, "map.yaml", "sweep.h5")]
     assert main(["import", names[0], "--map", names[1], "--out", names[2]]) == 0
     return folder / "sweep.h5"
-
-
-def test_clock_that_jumps_is_refused_and_leaves_nothing(bring, recorded, tmp_path):
-    time_s = recorded["sweep"]["time_s"].copy()
-    time_s[-1] += 1e6
-    with pytest.raises(LogError, match=r"jumps from 19\.99 s at sample 3998 \(line 4000\) to "):
-        bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}, time_s=time_s)
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["log.csv", "map.yaml"]
-
-
-def test_repeated_instants_are_merged_and_the_diagnosis_says_so(bring, recorded, capsys):
-    time_s = recorded["sweep"]["time_s"].copy()
-    time_s[1::100] = time_s[::100]
-    channels = {"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}
-    with pytest.raises(LogError, match="40 of 4000 samples repeat an earlier time stamp"):
-        bring(channels, time_s=time_s)
-    time = {"column": "time_s", "repeated": "first"}
-    raw = bring(channels, time_s=time_s, time=time)
-    clock = read_json(raw.with_suffix(".diagnosis.json"))["clock"]
-    assert (clock["repeated_samples"], clock["repeated"]) == (40, "first")
-    assert clock["unordered_samples"] == 0
-    assert (
-        "clock: 40 samples repeated an earlier time stamp; kept the first"
-        in capsys.readouterr().out
-    )
-    angle = recorded["sweep"]["theta_deg"]
-    assert read_raw(raw, **RATE).channels["theta_deg"][2::100] == pytest.approx(angle[2::100])
 
 
 # --- what may be absent ---------------------------------------------------------------------
@@ -340,17 +275,6 @@ def test_several_recordings_of_the_page_are_fitted_both_ways():
         np.testing.assert_allclose(one, other)
 
 
-def test_units_of_notes_reach_the_data_and_are_not_mixed(bring):
-    force = {"column": "p_i_kpa", "unit": 1, "note": "motor force F [N]"}
-    data = read_data(str(prepared(bring({"theta_deg": ANGLE, "p_exp_kpa": force}))))
-    assert data.unit == "N"
-    assert data.attributes["theta_unit"] == "deg"
-    plain = Data(data.channels, data.attributes | {"p_target_unit": "kPa"})
-    refuse_mixture(data, data)
-    with pytest.raises(LogError, match="training log is in N, that of the test log in kPa"):
-        refuse_mixture(data, plain)
-
-
 def draft(path, capsys, *more):
     assert main(["import", str(path), "--draft", *more]) == 0
     return capsys.readouterr().out
@@ -375,22 +299,6 @@ def test_draft_of_names_that_tell_all_is_a_map_that_imports(recorded, tmp_path, 
     assert log.attributes["sample_rate_hz"] == 200.0
     for name, values in log.channels.items():
         np.testing.assert_allclose(values, sweep[name], atol=1e-6)
-
-
-def test_draft_of_names_that_tell_nothing_says_what_to_complete(tmp_path, capsys):
-    pd.DataFrame({"a": [1.0, 3.0, 2.0], "b\x1b\u202e": 1.0}).to_csv(tmp_path / "x.csv", index=False)
-    text = draft(tmp_path / "x.csv", capsys)
-    assert text.isprintable() or set(filter(lambda mark: not mark.isprintable(), text)) == {"\n"}
-    drafted = yaml.safe_load(text)
-    assert drafted["time"] == {"rate_hz": "?"}
-    assert {key: spec["column"] for key, spec in drafted["channels"].items()} == dict.fromkeys(
-        ("p_exp_kpa", "theta_deg", "p_o_kpa"), "?"
-    )
-    (tmp_path / "x.yaml").write_text(text)
-    files = ["--map", str(tmp_path / "x.yaml"), "--out", str(tmp_path / "x.h5")]
-    assert main(["import", str(tmp_path / "x.csv"), *files]) == 1
-    assert "rate_hz" in capsys.readouterr().err
-    assert not (tmp_path / "x.h5").exists()
 
 
 @given(name=st.text(min_size=1).filter(lambda name: name.isprintable()))

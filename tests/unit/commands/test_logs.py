@@ -102,11 +102,3 @@ def test_copy_that_exists_is_not_overwritten(journal, write_log, repair, tmp_pat
 
 
 # --- HDF5 -----------------------------------------------------------------------------------
-
-
-def test_hdf5_log_is_refused_with_the_way_to_its_journal(write_log, repair, tmp_path):
-    code, out, err = repair(write_log())
-    assert (code, out) == (1, "")
-    assert "log.h5: only a journal, FILE.journal, can be repaired" in err
-    assert "log.*.journal" in err
-    assert not (tmp_path / "copy.h5").exists()

@@ -89,21 +89,6 @@ def test_simulated_log_is_that_of_the_workflow(recorded_by_rule, few, inside, ca
     )
 
 
-def test_seed_and_rig_are_chosen_by_name_or_file(few, inside, capsys):
-    command = ("simulate", "sweep", "--config", few, "--seed", 5, "--rig")
-    main(["config", "rig", "viscous"])
-    (inside / "own.yaml").write_text(capsys.readouterr().out)
-    assert run(*command, "viscous", "--out", "named.h5") == 0
-    assert run(*command, "own.yaml", "--out", "filed.h5") == 0
-    named, filed = (read_columns(inside / f"{n}.h5", needed_by("sim")) for n in ("named", "filed"))
-    assert named.attributes["seed"] == 5
-    for name in needed_by("sim"):
-        np.testing.assert_array_equal(named.channels[name], filed.channels[name])
-    assert run(*command, "dry", "--out", "dry.h5") == 0
-    other = read_columns(inside / "dry.h5", ("theta_deg",)).channels["theta_deg"]
-    assert np.abs(other - named.channels["theta_deg"]).max() > 0.5
-
-
 @pytest.mark.parametrize(
     ("options", "problem"),
     [

@@ -56,13 +56,9 @@ def test_help_of_a_command_is_the_docstring_of_its_function(command, capsys):
     ("words", "message"),
     [
         ("simulat sweep", "did you mean simulate?"),
-        ("log chek", "did you mean check?"),
         ("simulate sweeep --out x.h5", "did you mean sweep?"),
         ("log check x.h5 --jsn", "--jsn; did you mean --json?"),
         ("--versoin", "did you mean --version?"),
-        ("simulate sweep", "required: --out"),
-        ("log check", "required: FILE.h5"),
-        ("predict model.h5 a.h5 b.h5 --out x.csv", "unrecognized arguments: b.h5\n"),
     ],
 )
 def test_wrong_word_is_answered_with_usage_and_the_nearest_name(words, message, capsys):

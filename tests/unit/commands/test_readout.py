@@ -7,12 +7,10 @@ import pandas as pd
 import pytest
 import yaml
 
-from fprc.artifacts import exclusive, read_json
+from fprc.artifacts import read_json
 from fprc.cli import main
 from fprc.commands import readout as readout_command
-from fprc.commands.readout import report_readout
 from fprc.commands.readout_page import findings
-from fprc.errors import ConfigError
 from fprc.logs import read_columns
 
 CHANNELS = {
@@ -127,31 +125,6 @@ def test_one_command_goes_from_a_recording_to_a_report(finished):
     assert not logging.getLogger("fprc").handlers
 
 
-def test_second_run_into_a_folder_is_refused_before_it_writes(recording, tmp_path, capsys):
-    map_file = recording()
-    with exclusive(tmp_path / "out/.lock"):
-        assert run(tmp_path, map_file) == 1
-    assert "another process" in capsys.readouterr().err
-    assert [path.name for path in (tmp_path / "out").iterdir()] == [".lock"]
-
-
-@pytest.mark.slow
-def test_page_names_recording_parts_units_and_pictures_that_exist(finished):
-    text = (finished[0] / "report.md").read_text(encoding="utf-8")
-    assert text.startswith("# Value of the readout in `log.csv`\n")
-    assert "Trained before 7 s, tested after" in text
-    assert "Test [N]" in text
-    assert "kPa]" not in text
-    section = text.split("## Other models")[1]
-    for claim in ("B1", "B4", "R1"):
-        (line,) = (line for line in section.splitlines() if f" ({claim}): " in line)
-        assert line.endswith("There are 4 blocks; fewer than 8 decide nothing.")
-    assert "Blocks [N]" in section
-    pictures = [line.split("(")[1].rstrip(")") for line in text.splitlines() if line[:1] == "!"]
-    assert len(pictures) == 3
-    assert all((finished[0] / name).exists() for name in pictures)
-
-
 @pytest.mark.slow
 def test_further_recordings_train_too_and_are_validated_whole(recording, tmp_path):
     paths = further(tmp_path, 3, 4)
@@ -200,17 +173,6 @@ def test_whole_recording_tests_if_others_train(recording, tmp_path, monkeypatch,
     # the workflow would also find the log that is left
     assert run(tmp_path, map_file, "--train", *further(tmp_path, 1)) == 1
     assert "sweep_2.h5: from an earlier run with more training logs" in capsys.readouterr().err
-
-
-def test_map_without_parts_and_readout_is_refused_for_both(recording, tmp_path):
-    without = {name: spec for name, spec in CHANNELS.items() if name != "p_o_kpa"}
-    path = recording(without, test_from_s=None, experiment="sweep")
-    with pytest.raises(ConfigError) as caught:
-        report_readout(str(tmp_path / "log.csv"), map_=path, out=str(tmp_path / "out"))
-    first, second = str(caught.value).splitlines()
-    assert "test_from_s is missing" in first
-    assert "channels.p_o_kpa is missing" in second
-    assert not (tmp_path / "out").exists()
 
 
 def table_of(errors):

@@ -112,14 +112,6 @@ def test_last_moment_is_waited_actively():
     assert len(time.slept) == 5
 
 
-def test_sleep_that_returns_early_is_followed_by_another():
-    time = Time(look_s=1e-6)
-    clock = metronome(time, sleep=lambda seconds: time.sleep(0.5 * seconds + 1e-6))
-    clock.wait_for(0)
-    assert time.s >= 1000.0 + PERIOD_S
-    assert len(time.slept) > 3
-
-
 def test_statistics_are_those_of_numpy(time):
     clock, rng = metronome(time), np.random.default_rng(2)
     late, tick = [], -1

@@ -91,8 +91,3 @@ def test_feedforward_that_is_not_finite_is_refused_before_the_rig_moves(rig, con
     with pytest.raises(ControlError, match="sample 7"):
         simulate_tracking(still, control, angles, p_ff, 450.0, feedback=False)
     assert still.state == before
-
-
-def test_setpoints_of_another_width_are_refused(rig):
-    with pytest.raises(ValueError, match="4 columns"):
-        device(rig).follow({}, np.zeros((10, 3)))

@@ -80,17 +80,6 @@ def test_every_angle_of_the_sensor_comes_back(fakes, counts):
     assert bus.exchanged[-1] == ("read", b"\x00" + counts.to_bytes(2, "little", signed=True))
 
 
-def test_gain_comes_before_offset(bus):
-    sensor = BendSensor(bus, 0x12, gain=-2.0, offset_deg=3.0)
-    sensor.start(sleep=lambda seconds: None)
-    assert sensor.read() == -22.0
-
-
-def test_sensor_that_was_not_started_gives_no_sample(bus):
-    assert BendSensor(bus, 0x12).read() is None
-    assert transcript(bus) == ["read ff ff ff"]
-
-
 def test_sensor_sleeps_after_shutdown_and_starts_again(bus, sensor):
     assert sensor.read() == 12.5
     sensor.shutdown()

@@ -44,13 +44,6 @@ def test_board_is_reset_unless_its_outputs_must_hold(bench, library):
     assert bench.shared.calls - calls == calls - 1
 
 
-def test_failure_to_release_does_not_hide_why_a_board_was_not_opened(bench, library):
-    fail(bench, skip=1, count=2)
-    with pytest.raises(DeviceError, match="AioResetDevice failed"):
-        AnalogOutput(library, "AIO001")
-    assert (bench.shared.failures, bench.shared.failed[:7]) == (2, b"AioExit")
-
-
 @pytest.mark.parametrize(("code", "words"), [(20000, "装置"), (20001, "no description")])
 def test_words_of_a_japanese_driver_are_readable_and_none_are_no_crash(bench, library, code, words):
     board = AnalogInput(library, "AIO000", 1)

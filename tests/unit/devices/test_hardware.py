@@ -136,20 +136,6 @@ def test_close_vents_and_releases_everything(bench, build, buses):
     assert buses[1].closed == 1
 
 
-def test_every_part_that_cannot_be_opened_is_reported_together(bench, hardware, build):
-    hardware["boards"] |= {"input_device": "AIO007", "output_device": "AIO008"}
-    hardware["phi"]["bus"] = 2
-
-    def no_bus(number):
-        raise DeviceError(f"I2C bus {number}: not there")
-
-    with pytest.raises(DeviceError) as caught:
-        build(open_bus=no_bus)
-    assert [line.split(":")[0] for line in str(caught.value).splitlines()] == [
-        "board AIO008", "board AIO007", "I2C bus 1", "I2C bus 2",
-    ]  # fmt: skip
-
-
 def test_rig_without_an_angle_sensor_is_vented_and_released(bench, build, buses):
     bench.shared.i2c_fault = 1
     with pytest.raises(DeviceError) as caught:

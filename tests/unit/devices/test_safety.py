@@ -108,14 +108,6 @@ def test_value_that_changes_once_in_time_is_not_frozen(rig, guarded):
         step(rig, guarded, 50, theta_deg=1.0 + k)
 
 
-def test_every_problem_is_reported_together(rig, guarded):
-    step(rig, guarded)
-    text = refusal(rig, guarded, p_exp_kpa=500.0, theta_deg=float("nan"), phi_deg=30.0)
-    assert [line.split()[0] for line in text.splitlines()] == [
-        "p_exp_kpa", "p_exp_kpa", "theta_deg:", "phi_deg",
-    ]  # fmt: skip
-
-
 def test_reservoir_without_angle_sensor_is_not_asked_for_one(rig, limits):
     guarded = CheckedRig(rig, limits, PERIOD_S, phi=False)
     step(rig, guarded, 100, phi_deg=float("nan"))

@@ -5,15 +5,12 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import pytest
-from matplotlib.colors import to_rgb
 
 from fprc.escape import figure
 from fprc.figures import style
 from fprc.figures.grids import plot_grid
-from fprc.figures.hysteresis import plot_loop
 from fprc.figures.training import plot_error, plot_fit
 from fprc.logs import Columns, write_columns
-from fprc.registry import MODELS
 from fprc.stages import draw
 
 pytestmark = pytest.mark.slow
@@ -104,22 +101,6 @@ def test_drawing_gives_the_attributes_of_the_simulated_log(drawing, log, tmp_pat
     assert (found["source"], found["seed"]) == ("sim", 9)
 
 
-def is_grey(colour):
-    return len(set(to_rgb(colour))) == 1
-
-
-def test_a_hue_is_one_signal_and_a_grey_is_a_model_or_a_controller():
-    signals = [to_rgb(colour) for colour in style.SIGNALS.values()]
-    assert len(set(signals)) == len(signals)
-    assert to_rgb(style.MARK) not in signals
-    names = [*MODELS, "lstm", "pd", "fprc_pd"]
-    greys = [style.line_of(name)["color"] for name in names]
-    assert len(set(greys)) == len(greys)
-    assert all(map(is_grey, greys))
-    assert not any(is_grey(colour) for name, colour in style.SIGNALS.items() if name != "valve")
-    assert not set(map(to_rgb, greys)) & set(signals)
-
-
 def test_panels_that_show_the_same_quantities_have_the_same_ranges(log, tmp_path, figures):
     logs = log("one.h5"), log("two.h5", amplitude=0.2, speed=4.0)
     for drawing in (draw.draw_actuator_hysteresis, draw.draw_reservoir_hysteresis):
@@ -149,27 +130,6 @@ def test_unit_from_a_file_is_drawn_as_text(axes, unit):
     plot_grid(table, "train", axes, (3, 5))
     axes.set_xlabel(draw._label("p_target", log))
     axes.figure.canvas.draw()
-
-
-def test_loop_joins_neighbouring_samples_and_is_coloured_by_frequency(axes):
-    x, y, f_hz = np.array([0.0, 1.0, 1.0]), np.array([0.0, 0.0, 5.0]), np.array([0.3, 0.7, 0.9])
-    plot_loop(x, y, f_hz, axes, ("x [kPa]", "y [deg]"), (0.1, 1.0))
-    (lines,) = axes.collections
-    drawn = zip(lines.get_array().tolist(), map(np.ndarray.tolist, lines.get_segments()),
-                strict=True)  # fmt: skip
-    assert sorted(drawn) == [(0.3, [[0.0, 0.0], [1.0, 0.0]]), (0.7, [[1.0, 0.0], [1.0, 5.0]])]
-    assert lines.get_clim() == (0.1, 1.0)
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("x [kPa]", "y [deg]")
-    assert axes.get_ylim()[1] >= 5.0
-
-
-def test_error_is_model_minus_truth_with_its_rmse(axes):
-    time = np.array([0.0, 1.0, 2.0, 3.0])
-    errors = np.array([1.0, -1.0, 5.0, -3.0])
-    plot_error(time, np.zeros(4), errors, axes, rmse=3.0, colour="#c0392b")
-    assert axes.lines[0].get_ydata().tolist() == [1.0, -1.0, 5.0, -3.0]
-    assert axes.get_title("right") == "RMSE 3.0 kPa"
-    assert not axes.texts
 
 
 @pytest.fixture

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
-from matplotlib.path import Path as Path2D
+from matplotlib.patches import FancyBboxPatch
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
@@ -181,14 +180,6 @@ def test_text_stays_in_its_box(picture, places):
     for text, place in places.items():
         for box in boxes:
             assert encloses(box, place) or not box.overlaps(place), text.get_text()
-
-
-def test_no_line_runs_through_text(picture, places):
-    for arrow in picture.findobj(FancyArrowPatch):
-        line = arrow.get_transform().transform_path(arrow.get_path())
-        for part in line.to_polygons(closed_only=False):
-            for text, place in places.items():
-                assert not Path2D(part).intersects_bbox(place, filled=False), text.get_text()
 
 
 def encloses(outer, inner):

@@ -49,15 +49,6 @@ def test_errors_are_shown_in_full_and_routine_is_not(handler, capsys):
     assert "Building DAG" not in printed
 
 
-@pytest.mark.parametrize("given", ["dryrun", "verbose", "printshellcmds"])
-def test_snakemakes_own_output_stays_where_it_is_asked_for(handler, capsys, given):
-    run = handler(**{given: True})
-    tell(run, "Building DAG of jobs...")
-    tell(run, "2 of 3 jobs", event=LogEvent.RUN_INFO, stats={"total": 3})
-    run.close()
-    assert "Building DAG of jobs..." in capsys.readouterr().out
-
-
 def test_durations_are_kept_for_the_next_run(handler, tmp_path):
     (tmp_path / ".snakemake").mkdir()
     run = handler()

@@ -77,18 +77,6 @@ def test_long_job_shows_the_last_line_of_its_log_once_a_minute(run, clock, tmp_p
     ]
 
 
-def test_terminal_has_one_bar_that_every_line_replaces(run, clock):
-    progress = run(terminal=True)
-    progress.start(0, "judge", "Judgement", None)
-    clock.now = 5.0
-    progress.finish(0)
-    progress.start(1, "judge", "Another", None)
-    *lines, bar = progress.stream.getvalue().split("\r\x1b[K")
-    assert "[1/3] 0:05  Judgement (5 s)\n" in lines
-    assert bar == "###....... [1/3] 0:05  Another"
-    assert all("\n" not in line.rstrip("\n") for line in lines)
-
-
 @pytest.mark.parametrize("content", ["", "{", "[1]", '{"judge": "long"}', None])
 def test_durations_that_cannot_be_read_are_none(tmp_path, content):
     path = tmp_path / "seconds.json"

@@ -43,11 +43,6 @@ def test_seed_decides_what_is_random(name, models):
     assert set(seeds) == {8}
 
 
-def test_name_that_is_no_competitor_is_refused(models):
-    with pytest.raises(ConfigError, match="'lstm' is no competitor; choose from esn, fprc"):
-        build_competitor("lstm", {}, seed=1)
-
-
 @pytest.mark.parametrize("name", COMPETITORS)
 def test_missing_or_unknown_setting_is_refused_by_name(name, models):
     with pytest.raises(ConfigError, match=rf"competitor {name}: .*'depth_'"):

@@ -67,12 +67,3 @@ def test_network_that_does_not_forget_runs_sample_by_sample(runs):
         assert np.array_equal(states[k], x)
     # chaos: no two ways of rounding agree for long
     assert_allclose(states[:10], by_step(X[:10], 0.01 * w_in, W_r, 0.5), atol=1e-9)
-
-
-def test_single_precision_is_near(runs):
-    w_in, W_r = network()
-    X = angles(3000)
-    single = echo_states(*(each.astype(np.float32) for each in (X, w_in, W_r)), 0.8)
-    assert single.dtype == np.float32
-    assert len(runs) == 2
-    assert_allclose(single, by_step(X, w_in, W_r, 0.8), atol=1e-5)

@@ -9,7 +9,6 @@ from sklearn import config_context
 from sklearn.base import clone
 
 from fprc.models import ESN, FPRC, EchoStates, FuzzyLinear, TapFeatures, kernels, taps
-from fprc.models.echo import aligned, narrowed
 
 epsilons = st.floats(1e-4, 1.0)
 
@@ -53,12 +52,6 @@ def test_tap_features_put_references_before_filtered_readouts():
     ]
 
 
-def test_references_reach_the_taps_unrounded_in_a_stream():
-    X = np.array([[0.1], [1e8], [0.1], [1e-8], [0.3]])
-    features = TapFeatures(n_y=2, n_references=None).fit(X)
-    assert np.array_equal([features.step(x) for x in X], features.transform(X))
-
-
 def test_more_references_than_columns_are_refused():
     with pytest.raises(ValueError, match="n_references"):
         TapFeatures(n_references=2).fit(np.ones((10, 1)))
@@ -97,15 +90,6 @@ MAPS = pytest.mark.parametrize(
 
 
 @MAPS
-def test_rows_of_a_stream_are_not_overwritten_by_later_ones(features):
-    X = log(20)
-    first = features.fit(X).step(X[0])
-    kept = first.copy()
-    features.step(X[1] + 50.0)
-    assert np.array_equal(first, kept)
-
-
-@MAPS
 def test_rows_of_any_layout_compile_nothing_anew(features):
     X = log(20)
     features.fit(X)
@@ -128,25 +112,6 @@ def test_sample_of_another_size_is_refused_in_a_stream(features, x, begun):
         features.step(X[0])
     with pytest.raises(ValueError, match=r"shape|feature|2"):
         features.step(x)
-
-
-@pytest.mark.parametrize("dtype", [np.float64, np.float32])
-def test_aligned_copy_is_equal_and_begins_at_a_cache_line(dtype):
-    for size in range(1, 40):
-        matrix = np.random.default_rng(size).normal(size=(size, size)).astype(dtype)
-        copy = aligned(matrix)
-        assert np.array_equal(copy, matrix)
-        assert copy.dtype == dtype
-        assert copy.ctypes.data % 64 == 0
-
-
-def test_matrix_is_halved_where_no_number_changes_and_kept_otherwise():
-    matrix = np.random.default_rng(0).normal(size=(30, 30))
-    assert narrowed(matrix).dtype == np.float64
-    assert np.array_equal(narrowed(matrix), matrix)
-    halved = matrix.astype(np.float32)
-    assert narrowed(halved.astype(np.float64)).dtype == np.float32
-    assert np.array_equal(narrowed(halved.astype(np.float64)), halved)
 
 
 @pytest.mark.parametrize("r", [1, 2, 3, 4, 5, 7, 8, 31])

@@ -69,33 +69,6 @@ def test_steps_after_a_reset_to_x0_continue_a_log_that_held_x0(fitted):
     assert_allclose(steps(fitted, X), fitted.predict(held)[50:], rtol=0, atol=1e-9)
 
 
-def test_steps_without_a_reset_join_two_logs(fitted):
-    first, second = other_inputs(fitted), other_inputs(fitted)[::-1] + 3.0
-    joined = fitted.predict(np.vstack([first, second]))
-    got = np.concatenate([steps(fitted, first), steps(fitted, second)])
-    assert_allclose(got, joined, rtol=0, atol=1e-9)
-    assert np.abs(joined[len(first)] - fitted.predict(second)[0]) > 1e-3
-
-
-def test_prediction_between_two_steps_does_not_disturb_the_stream(fitted):
-    X = other_inputs(fitted)
-    got = []
-    for x in X:
-        got.append(fitted.step(x))
-        fitted.predict(X[:20])
-    assert_allclose(got, fitted.predict(X), rtol=0, atol=1e-9)
-
-
-def test_models_assembled_from_the_same_parts_have_streams_of_their_own(fitted):
-    X = other_inputs(fitted)
-    ours, theirs = (fitted.assembled(fitted.features_, fitted.readout_) for _ in range(2))
-    got = []
-    for x in X:
-        got.append(ours.step(x))
-        theirs.step(0.5 * x)
-    assert_allclose(got, fitted.predict(X), rtol=0, atol=1e-9)
-
-
 @pytest.mark.parametrize("name", ["fprc", "fuzzy_linear"])
 def test_step_of_a_fuzzy_model_allocates_less_than_one_array_of_its_rules(name):
     X = inputs(name, 300)
@@ -190,11 +163,6 @@ def test_copy_has_a_stream_of_its_own(fitted):
     rows = np.array([theirs.step(x) for x in X[40:]])
     assert [ours.step(x) for x in X[40:]] == expected
     assert_allclose(fitted.readout_.predict(rows), expected, rtol=0, atol=1e-9)
-
-
-def test_fprc_without_a_readout_of_the_reservoir_is_refused():
-    with pytest.raises(ValueError, match=r"readout.*FuzzyLinear"):
-        FPRC(n_c=2).fit(inputs("esn", 40), pressure(40))
 
 
 @pytest.mark.parametrize("estimator", ESTIMATORS)

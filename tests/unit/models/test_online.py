@@ -1,6 +1,5 @@
 import numpy as np
 import pytest
-from numpy.linalg import inv
 from sklearn.base import clone
 
 from fprc.models import (
@@ -207,19 +206,3 @@ def test_learned_part_stays_within_its_limit(model):
         assert abs(online.p_learned_kpa) <= 10.0
     assert np.isfinite(online.learned).all()
     assert np.abs(online._phi @ online.learned).max() < 200.0
-
-
-def test_forgetting_runs_away_where_the_prior_bounds():
-    """What the prior is for: 0.9998 a sample and a weak prior, as in the pilot, at rest."""
-    X, y = log()
-    found = FPRC(n_c=3, random_state=1).fit(X, y).remember(X)
-    online = Online(found, Learning(), PERIOD_S, 1e6)
-    phi = found.readout_.regressors(found.features_.transform(X))[0]
-    cov = inv(1e-6 * np.eye(len(phi)))
-    for _ in range(30_000):
-        gain = cov @ phi / (0.9998 + phi @ cov @ phi)
-        cov = (cov - np.outer(gain, phi @ cov)) / 0.9998
-        online.learn(0.0, 30.0)
-        online.step(X[0])
-    assert np.trace(cov) > 100.0 * 1e6 * len(phi)
-    assert np.trace(online.covariance) <= np.trace(online.prior) * (1.0 + 1e-9)

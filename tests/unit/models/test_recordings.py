@@ -7,7 +7,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from sklearn.base import clone
-from sklearn.metrics import r2_score
 from sklearn.model_selection import GridSearchCV, KFold, cross_val_score
 
 from fprc.models import ESN, FPRC, FuzzyLinear
@@ -71,15 +70,6 @@ def test_features_equal_a_stream_that_is_reset_at_each_recording(lengths, name):
             features.reset()
         stepped.append(features.step(x))
     assert_allclose(transform_each(features, X, lengths), stepped, rtol=0, atol=1e-9)
-
-
-def test_score_is_r2_over_all_samples(model, recordings):
-    X, y = recordings
-    model.fit(X, y)
-    flat = np.concatenate(y)
-    expected = r2_score(flat, np.concatenate([model.predict(x) for x in X]))
-    assert model.score(X, y) == pytest.approx(expected, abs=1e-12)
-    assert model.score(np.vstack(X), flat, lengths=LENGTHS) == model.score(X, y)
 
 
 def test_splitters_of_scikit_learn_keep_recordings_whole():

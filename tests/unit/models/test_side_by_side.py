@@ -55,15 +55,6 @@ def test_names_begin_with_that_of_the_map():
     ]
 
 
-def test_parameters_of_maps_are_read_and_set_by_name():
-    features = SideBySide(PARTS)
-    assert features.get_params()["plays__n_plays"] == 3
-    assert features.get_params(deep=False) == {"maps": PARTS}
-    changed = clone(features).set_params(plays__n_plays=7, bank=LowpassBank((0.5, 0.1, 0.01)))
-    assert changed.fit(log()).transform(log()).shape[1] == 2 + 2 * 7 + 3 * 3 + 5 + 2 * 5 + 5
-    assert features.get_params()["plays__n_plays"] == 3
-
-
 @pytest.mark.parametrize(
     ("maps", "problem"),
     [

@@ -37,16 +37,6 @@ def test_far_sample_gets_the_line_of_the_nearest_rule(regimes):
     assert readout.output(np.array([1e6])) == pytest.approx(bias + slope * 1e6, rel=1e-12)
 
 
-def test_narrow_memberships_switch_and_wide_ones_average(regimes):
-    X, y = regimes
-    between = np.array([[40.0]])
-    narrow = TakagiSugenoReadout(n_c=2, sigma=2.0, random_state=0).fit(X, y)
-    wide = TakagiSugenoReadout(n_c=2, sigma=1e9, random_state=0).fit(X, y)
-    rules = wide.W_out_ @ [1.0, 40.0]
-    assert_allclose(wide.predict(between), rules.mean(), rtol=1e-6)
-    assert_allclose(narrow.predict(between), rules[wide.centers_[:, 0].argmin()], rtol=1e-6)
-
-
 def test_seeded_training_leaves_the_global_generator_alone(rows):
     before = check_random_state(None).get_state()[1].copy()
     TakagiSugenoReadout(n_c=4, random_state=3).fit(*rows)

@@ -1,7 +1,5 @@
 """Settings that the rules pass to their stages."""
 
-import pytest
-
 from fprc.config import Settings
 from fprc.experiments.hysteresis import acquire
 from fprc.experiments.settings import Judgement, RigSettings
@@ -28,14 +26,6 @@ def test_judgement_of_one_model_has_the_settings_of_that_model_alone():
     changed = SETTINGS | {"models": SETTINGS["models"] | {"fprc": fprc}}
     assert judgement(changed, "fuzzy_linear") == before
     assert judgement(changed, "fprc") != judgement(SETTINGS, "fprc")
-
-
-@pytest.mark.parametrize("name", ["seed", "split"])
-def test_argument_that_a_stage_adds_itself_is_left_out(name):
-    whole = judgement(SETTINGS)
-    value = whole.pop(name)
-    assert judgement(SETTINGS, without=name) == whole
-    assert judgement(SETTINGS, **{name: value}) == whole | {name: value}
 
 
 def test_changed_argument_takes_the_place_of_the_configured_one():

@@ -5,7 +5,6 @@ import pytest
 
 from fprc.artifacts import read_json
 from fprc.config import Settings
-from fprc.logs import write_columns
 from fprc.stages.competitors import compare_competitors, tabulate_competitors
 from fprc.tables.text import read_markdown
 
@@ -13,14 +12,9 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
-def logs(seen, tmp_path_factory):
+def logs(write_data):
     """Training data of 20 s and test data of 5 s."""
-    folder = tmp_path_factory.mktemp("data")
-    for name, samples in (("sweep", 4000), ("complex", 1000)):
-        channels = {channel: values[:samples] for channel, values in seen[name].items()}
-        attributes = {"experiment": name, "source": "sim", "seed": 1, "target": "measured"}
-        write_columns(folder / f"{name}.h5", channels, attributes)
-    return str(folder / "sweep.h5"), str(folder / "complex.h5")
+    return write_data(sweep=4000, complex=1000)
 
 
 @pytest.fixture

@@ -195,26 +195,6 @@ def test_result_has_no_digest_while_it_is_written(job, run, tmp_path):
     assert changed_results(tmp_path) == []
 
 
-def test_digest_that_was_damaged_is_noticed(job, run, tmp_path):
-    run(Stage({"source": "none"}))
-    digests = sorted((tmp_path / "digests").iterdir())
-    assert [path.name for path in digests] == [
-        f"fig99.{kind}.sha256" for kind in ("json", "pdf", "png")
-    ]
-    digests[0].write_bytes(b"\xff")
-    digests[1].write_bytes(b"")
-    digests[2].unlink()
-    assert changed_results(tmp_path) == [job.output.sidecar, job.output.pdf]
-
-
-def test_raw_log_may_be_replaced_by_a_recording(job, run, tmp_path):
-    job.output = Files(raw=str(tmp_path / "sweep.h5"))
-    run(lambda raw, **inputs: Path(raw).write_text("simulated"))
-    Path(job.output.raw).write_text("recorded")
-    assert changed_results(tmp_path) == []
-    assert not (tmp_path / "digests").exists()
-
-
 @pytest.mark.skipif(shutil.which("sha256sum") is None, reason="no sha256sum here")
 def test_digests_are_read_by_sha256sum(job, run, tmp_path):
     run(Stage({"source": "none"}))

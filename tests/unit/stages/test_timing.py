@@ -1,15 +1,12 @@
 import numpy as np
 import pytest
 
-from fprc.artifacts import read_json
 from fprc.config import Settings
 from fprc.control import PressurePI
 from fprc.experiments import step_cost as cost
 from fprc.experiments.data import read_data
-from fprc.logs import write_columns
-from fprc.models import ESN, FPRC, FuzzyLinear, SequenceModel
+from fprc.models import ESN, FPRC, FuzzyLinear
 from fprc.registry import build
-from fprc.stages import timing
 
 SAMPLES, WARM_UP = 300, 100
 
@@ -24,14 +21,9 @@ def settings():
 
 
 @pytest.fixture(scope="module")
-def logs(seen, tmp_path_factory):
+def logs(write_data):
     """A training log, and the test log whose readings are replayed."""
-    folder = tmp_path_factory.mktemp("data")
-    for name, samples in (("sweep", 2000), ("complex", SAMPLES)):
-        channels = {channel: values[:samples] for channel, values in seen[name].items()}
-        attributes = {"experiment": name, "source": "sim", "seed": 1, "target": "measured"}
-        write_columns(folder / f"{name}.h5", channels, attributes)
-    return str(folder / "sweep.h5"), str(folder / "complex.h5")
+    return write_data(sweep=2000, complex=SAMPLES)
 
 
 def measure(logs, settings):
@@ -43,13 +35,6 @@ def measure(logs, settings):
         for name in ("esn", "fprc", "fuzzy_linear")
     ]
     return [cost.step_cost(model, test, control, limit_kpa) for model in models]
-
-
-def write(logs, settings, folder):
-    """Write both files of the stage; return what is in them."""
-    files = [str(folder / name) for name in ("times.json", "steps.json")]
-    timing.measure_times(*logs, *files, **settings, repeats=1, seed=1)
-    return [read_json(path) for path in files]
 
 
 @pytest.fixture
@@ -104,19 +89,6 @@ def test_each_step_of_the_controller_is_fed_the_log_sample_by_sample(
     data = read_data(logs[1]).channels
     expected = np.column_stack([data["theta_deg"], data["p_o_kpa"]])[:, :columns]
     np.testing.assert_array_equal(seen, np.concatenate([expected[:WARM_UP], expected]))
-
-
-def test_one_fit_serves_the_execution_times_and_the_step(logs, settings, tmp_path, monkeypatch):
-    fitted = []
-    fit = SequenceModel.fit
-
-    def spy(self, X, y):
-        fitted.append(type(self).__name__)
-        return fit(self, X, y)
-
-    monkeypatch.setattr(SequenceModel, "fit", spy)
-    write(logs, settings, tmp_path)
-    assert fitted == ["ESN", "FPRC", "FuzzyLinear"]
 
 
 def test_each_step_of_the_controller_runs_both_pressure_loops(logs, settings, clock, monkeypatch):

@@ -30,25 +30,6 @@ def test_states_and_steps_of_other_libraries_are_ours(tool, speed, network, pack
         assert np.array([np.ravel(step(x)) for x in X]) == pytest.approx(expected, abs=1e-12)
 
 
-def test_each_library_has_a_ratio_unless_its_states_differ_or_it_is_missing(speed, network):
-    def off(features):
-        return speed.Peer(lambda X: np.full((len(X), features.r), 0.5), None)
-
-    right = speed.PEERS["numpy"]
-    speed_peers = {"numpy": right, "pytest": ("another", off), "no_such": ("missing", off)}
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(speed, "PEERS", speed_peers)
-        table = speed.networks(*network, rounds=3)
-    ours, numpy, another, missing = table.to_dict("records")
-    assert ours["log, times ours"] == "1.00 (1.00 to 1.00)"
-    for what in ("log", "step"):
-        assert float(numpy[f"{what}, us a sample"]) > 0.0
-        assert " to " in numpy[f"{what}, times ours"]
-        assert another[f"{what}, times ours"] == missing[f"{what}, times ours"] == ""
-    assert float(another["States differ by"]) > 0.1
-    assert missing["States differ by"] == "not installed"
-
-
 @pytest.mark.parametrize("name", ["OPENBLAS_CORETYPE", "OPENBLAS_L2_SIZE"])
 def test_kernels_other_than_the_processors_are_refused(tool, monkeypatch, name):
     monkeypatch.setenv(name, "1")

@@ -1,6 +1,5 @@
 """The plain code of the workflow benchmark gives the same results as ours."""
 
-import ast
 import json
 import os
 import shutil
@@ -62,26 +61,6 @@ print(json.dumps({"where": fprc.__file__, "compiled": hasattr(alternate, "py_fun
 @pytest.fixture
 def whole(tool):
     return tool("benchmark.whole")
-
-
-def test_each_plain_function_takes_the_place_of_one_of_ours(whole):
-    for name, code in whole.PLAIN.items():
-        ours = ast.parse((PACKAGE / name).read_text(encoding="utf-8")).body
-        known = {each.name for each in ours if isinstance(each, ast.FunctionDef)}
-        known |= {alias.asname or alias.name for each in ours
-                  if isinstance(each, ast.ImportFrom) for alias in each.names}  # fmt: skip
-        methods = {f"{each.name}.{method.name}" for each in ours
-                   if isinstance(each, ast.ClassDef) for method in each.body
-                   if isinstance(method, ast.FunctionDef)}  # fmt: skip
-        body = ast.parse(code).body
-        given = {}
-        for each in body:
-            if isinstance(each, ast.Assign) and isinstance(each.targets[0], ast.Attribute):
-                given[each.value.id] = ast.unparse(each.targets[0])
-        assert set(given.values()) <= methods
-        for each in body:
-            if isinstance(each, ast.FunctionDef):
-                assert each.name in known | given.keys(), f"{name}: {each.name}"
 
 
 @pytest.mark.slow

@@ -76,12 +76,6 @@ def test_raw_logs_below_the_results_may_be_anything(folder):
         check()
 
 
-def test_picture_that_is_not_the_figure_is_reported(folder):
-    Image.new("RGB", (40, 30), "blue").save("docs/one.png")
-    with pytest.raises(FprcError, match=r"docs/one\.png differs from results/one\.png$"):
-        check()
-
-
 def drawn(path, *, factor=0.0, curve_px=0.0, dot_px=0.0, bar_px=0.0, text="RMSE 11.9 kPa"):
     """Draw a curve, a dot, a bar and a text, moved by pixels."""
     with style.context("default"):  # whatever was drawn before
@@ -136,12 +130,6 @@ def test_few_pixels_or_faint_differences_are_no_other_picture(folder, levels, pi
         with pytest.raises(FprcError, match="differs from results/one"):
             check()
     else:
-        check()
-
-
-def test_picture_that_no_rule_puts_there_is_reported(folder):
-    Image.new("RGB", (40, 30), "red").save("docs/three.png")
-    with pytest.raises(FprcError, match=r"no rule makes.*:\n  docs/three\.png$"):
         check()
 
 
