@@ -37,8 +37,6 @@ TARGETS_ELSEWHERE = {
     "mine": "tests/workflow/test_extending.py",
     "paper_all": "tests/workflow/test_module.py",
 }
-#: Pages that Sphinx writes itself, over a page of the same name and without a warning.
-PAGES_OF_SPHINX = {"search", "genindex", "modindex", "py-modindex"}
 
 
 def commands_of(page):
@@ -116,10 +114,6 @@ def test_python_of_a_page_is_run_by_a_test_or_listed(page):
     assert len(blocks) == len(BLOCKS.get(page, []))
     for test in filter(re.compile("tests/").match, BLOCKS.get(page, [])):
         assert Path(page).name in (ROOT / test).read_text("utf-8")
-
-
-def test_no_page_has_the_name_of_one_that_sphinx_writes():
-    assert not PAGES_OF_SPHINX & {Path(page).stem for page in PAGES}
 
 
 OPEN, CLOSED, FORWARD = "Open loop [deg]", "Closed loop [deg]", "Forward test [kPa]"

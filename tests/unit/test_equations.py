@@ -67,13 +67,6 @@ def numbers(text):
     return found
 
 
-def test_numbers_are_read_in_each_of_their_forms():
-    assert numbers("of Eqs. (4) and (7). Eq. 3, Eqs. (10)-(12). Eqs. 1, 2") == {
-        1, 2, 3, 4, 7, 10, 11, 12,
-    }  # fmt: skip
-    assert numbers("y = a x      (6)\nz = b      (12, with the leading 1)") == {6, 12}
-
-
 def test_docstrings_name_the_equations_that_they_are_about():
     found = {
         name: {PAPER[number] for number in numbers(text)}

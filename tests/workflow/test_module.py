@@ -73,18 +73,6 @@ def test_nothing_reruns_and_all_of_a_module_can_be_planned(imported, importer):
     assert outside == []
 
 
-def test_studies_can_be_imported_too(in_folder, tmp_path):
-    (tmp_path / "Snakefile").write_text(
-        f'module fprc:\n    snakefile: "{STUDIES}"\n    prefix: "mine"\n    config: {{}}\n'
-        "use rule * from fprc as fprc_*\n",
-        encoding="utf-8",
-    )
-    planned = in_folder(tmp_path).snakemake("--dry-run", "fprc_families", "fprc_check")
-    assert planned.returncode == 0, planned.stdout
-    outside = re.findall(r"^    output: (?!mine/)", planned.stdout, re.MULTILINE)
-    assert outside == []
-
-
 def test_mistake_in_the_settings_of_a_module_is_told_by_its_key(importer):
     done = importer.snakemake("--dry-run", "--config", "paper={sed: 3}")
     assert done.returncode == 1

@@ -7,7 +7,6 @@ from fprc.channels import RAW_CHANNELS, TRACKING_CHANNELS, Readings
 from fprc.config import Settings
 from fprc.errors import ConfigError, ControlError, FprcError
 from fprc.models import ESN, FPRC, FuzzyLinear, RidgeReadout, TapFeatures, save_model
-from fprc.signals import pressure_command
 
 NOW = Readings(0.0, 1.0, 20.0, 2.0, 100.0, 0.0)
 
@@ -40,16 +39,6 @@ def test_every_name_can_be_planned(settings, model):
             experiment.law(experiment.samples, NOW)
 
 
-def test_hysteresis_experiment_commands_its_signal_and_feeds_theta_to_the_reservoir(settings):
-    experiment = plan("complex", settings)
-    command = pressure_command(settings["experiments"]["complex"], 200.0)
-    assert experiment.samples == len(command)
-    assert experiment.channels == RAW_CHANNELS
-    k_in = settings["control"]["k_in_kpa_per_deg"]
-    assert experiment.law(700, NOW) == (command[700], k_in * 20.0)
-    assert experiment.hint == ""
-
-
 @pytest.mark.parametrize("feedback", ["incremental", "positional"])
 def test_feedback_needs_no_model_and_is_that_of_the_configuration(settings, feedback):
     settings["control"]["feedback"] = feedback
@@ -61,14 +50,6 @@ def test_feedback_needs_no_model_and_is_that_of_the_configuration(settings, feed
     (theta_d, *_), (_, p_ff, p_fb) = rows
     assert p_ff == 0.0
     assert p_fb == pytest.approx(2.0 * theta_d * (2 if feedback == "incremental" else 1))
-
-
-def test_only_the_disturbance_asks_the_person_to_push(settings, model):
-    said = {name: plan(name, settings, model).hint for name in names(settings)}
-    quiet_s = settings["tracking"]["pushes"]["quiet_s"]
-    for name, hint in said.items():
-        pushed = name.startswith("track_disturbance_")
-        assert hint == (f"push the reservoir by hand from {quiet_s:g} s on" if pushed else "")
 
 
 @pytest.mark.parametrize("armed", [True, False])

@@ -35,20 +35,6 @@ def fig():
 
 
 @pytest.fixture
-def figures(monkeypatch):
-    """Figures in the order in which they are saved."""
-    saved = []
-    save = style.save
-
-    def remember(fig, *arguments):
-        saved.append(fig)
-        return save(fig, *arguments)
-
-    monkeypatch.setattr(style, "save", remember)
-    return saved
-
-
-@pytest.fixture
 def log(tmp_path):
     def write(name, amplitude=1.0, speed=1.0, **attributes):
         time = np.arange(80) / 20.0
@@ -99,18 +85,6 @@ def test_drawing_gives_the_attributes_of_the_simulated_log(drawing, log, tmp_pat
     logs = log("one.h5", source="rig", seed=1), log("two.h5", seed=9)
     found = drawing(*logs, *written(drawing, tmp_path / "f.pdf", tmp_path / "f.png"))
     assert (found["source"], found["seed"]) == ("sim", 9)
-
-
-def test_panels_that_show_the_same_quantities_have_the_same_ranges(log, tmp_path, figures):
-    logs = log("one.h5"), log("two.h5", amplitude=0.2, speed=4.0)
-    for drawing in (draw.draw_actuator_hysteresis, draw.draw_reservoir_hysteresis):
-        drawing(*logs, *written(drawing, tmp_path / "f.pdf", tmp_path / "f.png"))
-    loops = [(fig.axes[first], fig.axes[last]) for fig, first, last in
-             zip(figures, (1, 0), (3, 1), strict=True)]  # fmt: skip
-    for one, other in loops:
-        assert one.get_xlim() == other.get_xlim()
-        assert one.get_ylim() == other.get_ylim()
-        assert one.collections[0].get_clim() == other.collections[0].get_clim()
 
 
 @pytest.mark.parametrize("unit", [r"$\frac{$", "$x$", "\x1b[31mN"])

@@ -53,13 +53,6 @@ def test_end_is_rotated_by_the_angle_and_the_base_is_not(angle_deg, beside):
     assert (ends[3] - ends[2]) / 0.1 == pytest.approx((np.sin(turn), -np.cos(turn)))
 
 
-@given(st.floats(1.0, 90.0))
-def test_threads_of_the_braid_keep_their_length(angle_deg):
-    axis = 1.0 - np.radians(angle_deg) * (soft.HALF_PLATE + soft.DIAMETER / 2)
-    around = np.tan(soft.BRAID) * soft.bulge(angle_deg)
-    assert axis**2 + around**2 == pytest.approx(1.0 + np.tan(soft.BRAID) ** 2)
-
-
 @given(st.floats(0.0, 60.0), st.floats(0.5, 1.0))
 def test_squeezed_bladder_is_drawn_as_large_as_its_air(angle_deg, share):
     def drawn(angle, width):

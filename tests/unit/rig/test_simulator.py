@@ -12,18 +12,9 @@ from fprc.control import PressurePI
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ConfigError, SimulationError
 from fprc.rig import simulator
-from fprc.rig.friction import LAWS
 
 ATMOSPHERE_KPA = 101.325
 RATE_HZ = 200.0
-
-
-def without_viscosity(rig):
-    branches = len(rig["bending"]["relaxation_time_s"])
-    rig["bending"]["relaxation_stiffness_kpa_per_deg"] = (0.0,) * branches
-    rig["bending"]["damping_kpa_s_per_deg"] = 0.01
-    rig["reservoir"] |= {"squeeze_damping_kpa_s_per_ml": 0.3, "bending_volume_ml_per_deg": 0.0}
-    return rig
 
 
 def start(rig, rate_hz=RATE_HZ, seed=1):
@@ -332,48 +323,6 @@ def test_state_is_physical_or_the_divergence_is_reported(rig):
         assert np.isfinite(readings).all()
         p_o, precharge = states["sensed_kpa"][:, 2], rig["reservoir"]["precharge_kpa"]
         assert p_o.min() >= precharge - 1e-6 * (precharge + ATMOSPHERE_KPA)
-
-
-# --- hysteresis ---------------------------------------------------------------------------------
-
-
-def widths(x, y, level):
-    """Distance of the two branches of the last cycle at a level of ``y``."""
-    top = y.argmax()
-    up = np.interp(level, y[: top + 1], x[: top + 1])
-    down = np.interp(-level, -y[top:], x[top:])
-    return up - down
-
-
-def last_cycle(states, frequency_hz):
-    return states[-round(RATE_HZ / frequency_hz) :]
-
-
-def quasi_static(states, rig):
-    """Pressure of the actuator without its viscous part against the bending angle."""
-    damping = rig["bending"]["damping_kpa_s_per_deg"]
-    p = states["p_main_kpa_abs"] - ATMOSPHERE_KPA
-    return p - damping * states["omega_deg_per_s"], states["theta_deg"]
-
-
-def quasi_static_squeeze(states, rig):
-    """Pressure of PAM A without its viscous part against that of PAM B."""
-    damping = rig["reservoir"]["squeeze_damping_kpa_s_per_ml"]
-    rate = np.gradient(states["squeezed_ml"], 1.0 / RATE_HZ)
-    p_i = states["p_i_kpa_abs"] - ATMOSPHERE_KPA
-    return p_i - damping * rate, states["sensed_kpa"][:, 2]
-
-
-@pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize(("loop", "level"), [(quasi_static, 30.0), (quasi_static_squeeze, 130.0)])
-def test_loops_do_not_depend_on_frequency_without_viscosity(quiet_rig, loop, level, law):
-    rig = without_viscosity(quiet_rig) | {"friction_law": law}
-    found = {}
-    for frequency_hz in (0.2, 0.8):
-        states, _ = drive(rig, swing(frequency_hz, 2))
-        found[frequency_hz] = widths(*loop(last_cycle(states, frequency_hz), rig), level)
-    assert found[0.2] > 10.0
-    assert found[0.8] == pytest.approx(found[0.2], rel=0.08)
 
 
 # --- sensors --------------------------------------------------------------------------------

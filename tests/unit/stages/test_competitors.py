@@ -63,10 +63,3 @@ def test_stopped_comparison_goes_on_and_is_tabulated(compare, tmp_path):
     assert "10 blocks of 2 s of the training data" in note
     assert list(page.columns) == ["Model", "Blocks [kPa]", "Test [kPa]"]
     assert len(page) == 9
-
-
-def test_model_that_the_log_does_not_suit_has_its_reason(compare):
-    report = read_json(compare(nodes=100_000))
-    cells = {cell["model"]: cell for cell in report["cells"]}
-    assert "need too much memory" in cells["esn"]["reason"]
-    assert len(cells["fprc"]["validation_rmse_kpa"]) == 10

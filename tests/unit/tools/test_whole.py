@@ -85,22 +85,3 @@ def test_plain_implementations_are_used_and_give_the_same(whole, tmp_path):
     assert ours.keys() == theirs.keys()
     for name, values in ours.items():
         assert_allclose(theirs[name], values, rtol=1e-11, err_msg=name)
-
-
-@pytest.mark.parametrize(
-    ("factor", "said"),
-    [(1.0005, "4 s without compiled code, 2.0 times"), (1.1, "cannot be compared")],
-)
-def test_times_are_given_where_the_errors_agree(whole, monkeypatch, factor, said):
-    def build(folder, cores, smoke):
-        plain = folder.name == "plain"
-        tables = folder / "results/smoke/tables"
-        tables.mkdir(parents=True)
-        for name in whole.SAME:
-            mean = 10.0 * (factor if plain else 1.0)
-            (tables / name).write_text(f"model,metric,mean\nesn,test_rmse,{mean}\n")
-        return 4.0 if plain else 2.0
-
-    monkeypatch.setattr(whole, "clone", lambda folder, plain: folder.mkdir())
-    monkeypatch.setattr(whole, "build", build)
-    assert said in whole.report(2, smoke=True)
