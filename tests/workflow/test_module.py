@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 
+import h5py
 import pytest
 import yaml
 
@@ -63,6 +64,14 @@ def test_module_makes_the_bytes_of_the_clone(imported, smoked):
     table = imported / "paper/results/tables/table2"
     for suffix in (".csv", ".md", ".tex"):
         assert table.with_suffix(suffix).read_bytes() == clone.with_suffix(suffix).read_bytes()
+
+
+def test_each_module_has_its_own_settings(imported):
+    pressures = []
+    for module in ("paper", "viscous"):
+        with h5py.File(imported / module / "data/raw/sweep.h5") as log:
+            pressures.append(log["p_exp_kpa"][:])
+    assert abs(pressures[0] - pressures[1]).max() > 1
 
 
 def test_nothing_reruns_and_all_of_a_module_can_be_planned(imported, importer):

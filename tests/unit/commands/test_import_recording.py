@@ -167,9 +167,6 @@ def test_newtons_are_not_taken_for_kilopascals(bring, caplog):
     assert read_data(str(data)).attributes["notes"] == {"p_exp_kpa": note}
 
 
-# --- everything wrong at once ---------------------------------------------------------------
-
-
 # --- command line ---------------------------------------------------------------------------
 
 
