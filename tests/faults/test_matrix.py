@@ -11,7 +11,7 @@ from fprc.apparatus import process
 from fprc.apparatus.guardian import ARMED, HEARTBEAT, OPENING, SAFE
 from fprc.apparatus.record import record_on_rig
 from fprc.apparatus.session import Stop
-from fprc.errors import ControlError, DeviceError, FprcError, LogError, OutputError
+from fprc.errors import ControlError, FprcError, LogError, OutputError
 from fprc.logs import read_columns, read_journal
 from fprc.logs.journal import Journal
 
@@ -439,15 +439,6 @@ def test_rig_that_is_not_armed_is_not_touched(bench, settings, tmp_path, caplog)
     assert f"sweep: 120 s on the real rig, into {raw}; stops above 480 kPa" in caplog.text
     assert bench.shared.calls == 0
     assert not raw.parent.exists()
-
-
-def test_error_names_the_journal_and_how_to_read_it(bench, record, tmp_path):
-    shared = bench.shared
-    shared.fail_at, shared.fail_count, shared.fail_code = 20, 1, 777
-    found = record()
-    (path,) = tmp_path.glob("*.journal")
-    assert f"fprc log repair {path} --out " in str(found.error)
-    assert not isinstance(found.error, DeviceError)
 
 
 def test_reason_of_a_run_is_kept_when_the_rig_cannot_be_closed_either(bench, record):

@@ -1,3 +1,4 @@
+import fcntl
 import os
 import resource
 import subprocess
@@ -106,6 +107,14 @@ def test_file_that_another_process_is_writing_is_left_alone(tmp_path):
     assert other.read_text() == "half"
 
 
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), [1.0, float("-inf")]])
+def test_json_that_no_reader_takes_is_refused(tmp_path, value):
+    write_json(tmp_path / "a.json", {"x": 1.0})
+    with pytest.raises(ValueError, match="Out of range"):
+        write_json(tmp_path / "a.json", {"x": value})
+    assert read_json(tmp_path / "a.json") == {"x": 1.0}
+
+
 @pytest.mark.parametrize(
     "content",
     [b"", b"{", b'{"x": 1', b"[]", b"null", b'"text"', b'{"x": NaN}', b'{"x": [-Infinity]}',
@@ -157,6 +166,24 @@ def test_file_is_free_after_its_holder_was_killed(tmp_path):
         holder.wait(60)
     with exclusive(file):
         pass
+
+
+def test_file_that_was_deleted_while_it_was_opened_is_opened_again(tmp_path, monkeypatch):
+    """Else two processes could each hold a file of the same name."""
+    file = tmp_path / "cells.jsonl"
+    opened = []
+    flock = fcntl.flock
+
+    def slow(descriptor, how):
+        flock(descriptor, how)
+        opened.append(descriptor)
+        if len(opened) == 1:
+            file.unlink()
+
+    monkeypatch.setattr(fcntl, "flock", slow)
+    with exclusive(file) as held:
+        assert len(opened) == 2
+        assert os.path.samestat(os.fstat(held.fileno()), file.stat())
 
 
 # --- outputs that a user named ------------------------------------------------------------------

@@ -185,6 +185,23 @@ def test_venting_is_given_up_only_by_the_user(alive, settings, heard, quick, cap
     assert any("failed with code 777" in message for message in caplog.messages)
 
 
+def test_terminal_that_takes_no_message_does_not_keep_from_venting(
+    alive, settings, heard, quick, monkeypatch
+):
+    fill(alive)
+    fail(alive, 6)
+    held = threading.Event()
+    monkeypatch.setattr(guardian.log, "error", lambda *arguments: held.wait(30.0))
+
+    def look():
+        wait_for(lambda: list(alive.shared.outputs[:2]) == [0.0, 0.0])
+        held.set()
+
+    person = in_the_background(look)
+    assert _vent(settings["hardware"], heard) == VENTED
+    person.join()
+
+
 def test_driver_that_never_answers_is_reported_during_the_wait(
     settings, heard, quick, caplog, monkeypatch
 ):

@@ -82,13 +82,6 @@ def test_file_that_was_not_exported_is_kept(model, header, capsys):
     assert "exists and was not made by this command" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(("name", "problem"), [("m.c", "must end in .h"), ("1.h", "names in C")])
-def test_unsuitable_name_is_refused(name, problem, model, tmp_path, capsys):
-    assert main(["export", str(model), "--c", str(tmp_path / name)]) == 1
-    assert problem in capsys.readouterr().err
-    assert [path.name for path in tmp_path.iterdir()] == ["model.h5"]
-
-
 @pytest.mark.parametrize(
     ("example", "precision"),
     [("setup()", []), ("rclcpp::init", ["--float"])],

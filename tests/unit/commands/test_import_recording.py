@@ -14,8 +14,8 @@ from fprc.channels import RAW_CHANNELS
 from fprc.cli import main
 from fprc.commands.import_recording import _quoted, import_recording
 from fprc.config import Settings
-from fprc.errors import OutputError
-from fprc.experiments.data import read_data
+from fprc.errors import LogError, OutputError
+from fprc.experiments.data import Data, read_data, refuse_mixture
 from fprc.figures import style
 from fprc.logs import assess, read_columns, read_raw, write_raw
 from fprc.models import FPRC
@@ -270,6 +270,17 @@ def test_several_recordings_of_the_page_are_fitted_both_ways():
     again = names["model"].predict([names["X3"], names["X4"]])
     for one, other in zip(names["p_ff"], again, strict=True):
         np.testing.assert_allclose(one, other)
+
+
+def test_units_of_notes_reach_the_data_and_are_not_mixed(bring):
+    force = {"column": "p_i_kpa", "unit": 1, "note": "motor force F [N]"}
+    data = read_data(str(prepared(bring({"theta_deg": ANGLE, "p_exp_kpa": force}))))
+    assert data.unit == "N"
+    assert data.attributes["theta_unit"] == "deg"
+    plain = Data(data.channels, data.attributes | {"p_target_unit": "kPa"})
+    refuse_mixture(data, data)
+    with pytest.raises(LogError, match="training log is in N, that of the test log in kPa"):
+        refuse_mixture(data, plain)
 
 
 def draft(path, capsys, *more):

@@ -89,23 +89,6 @@ def test_simulated_log_is_that_of_the_workflow(recorded_by_rule, few, inside, ca
     )
 
 
-@pytest.mark.parametrize(
-    ("options", "problem"),
-    [
-        (["--rig", "wet"], "use bouc_wen or dry or paper or viscous"),
-        (["--rig", "none.yaml"], "none.yaml: cannot be opened (No such file"),
-        (["--rig", "few.yaml"], "few.yaml: has no section rig"),
-        (["--seed", "-1"], "seed = -1: must be greater than or equal to 0"),
-        (["--out", "sweep.csv"], "sweep.csv: must end in .h5"),
-    ],
-)
-def test_wrong_simulation_is_refused_and_leaves_no_file(options, problem, few, inside, capsys):
-    (inside / "few.yaml").write_text("seed: 1\n")
-    assert run("simulate", "sweep", "--config", few, "--out", "sweep.h5", *options) == 1
-    assert problem in capsys.readouterr().err
-    assert [path.name for path in inside.iterdir()] == ["few.yaml"]
-
-
 # --- train and predict --------------------------------------------------------------------------
 
 

@@ -11,6 +11,8 @@ from fprc.artifacts import read_json
 from fprc.cli import main
 from fprc.commands import readout as readout_command
 from fprc.commands.readout_page import findings
+from fprc.config.importing import read_map
+from fprc.errors import ConfigError
 from fprc.logs import read_columns
 
 CHANNELS = {
@@ -173,6 +175,20 @@ def test_whole_recording_tests_if_others_train(recording, tmp_path, monkeypatch,
     # the workflow would also find the log that is left
     assert run(tmp_path, map_file, "--train", *further(tmp_path, 1)) == 1
     assert "sweep_2.h5: from an earlier run with more training logs" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        ({"experiment": "sweep"}, "give either experiment"),
+        ({"test_from_s": None}, "give either experiment"),
+        ({"test_from_s": 3, "start_s": 4}, "must lie between start_s = 4 and end_s = inf"),
+        ({"test_from_s": 9, "end_s": 8}, "must lie between start_s = 0 and end_s = 8"),
+    ],
+)
+def test_map_says_one_log_or_two_parts(recording, more, message):
+    with pytest.raises(ConfigError, match=message):
+        read_map(recording(**more))
 
 
 def table_of(errors):

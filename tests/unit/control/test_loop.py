@@ -3,7 +3,6 @@ import pytest
 
 from fprc.channels import NEEDED_SENSORS, RAW_CHANNELS, Readings
 from fprc.control import PressurePI, RunAbortedError, run
-from fprc.errors import FprcError, SimulationError
 
 
 class Bench:
@@ -162,19 +161,6 @@ def test_device_is_made_safe_when_anything_else_fails(broken):
     with pytest.raises((ArithmeticError, RunAbortedError)):
         run(bench, bench, parts.pop("law", law), 3, **parts)
     assert bench.names()[-1] == "safe"
-
-
-@pytest.mark.parametrize("where", ["wait", "read", "write"])
-def test_aborted_run_says_where_and_hands_out_the_rows_before(where):
-    error = SimulationError("the bending angle left its physical range")
-    with pytest.raises(RunAbortedError, match="sample 2: the bending angle") as caught:
-        go(Bench(fail=where, at=2, error=error))
-    assert caught.value.__cause__ is error
-    assert isinstance(caught.value, FprcError)
-    rows = caught.value.channels
-    assert tuple(rows) == RAW_CHANNELS
-    np.testing.assert_array_equal(rows["p_exp_kpa"], [10.0, 11.0])
-    np.testing.assert_array_equal(rows["time_s"], [0.0, 0.005])
 
 
 @pytest.mark.parametrize("sensor", NEEDED_SENSORS)

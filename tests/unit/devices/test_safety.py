@@ -75,6 +75,12 @@ def test_every_reading_is_stopped_beyond_either_limit(rig, limits, name, end):
     )
 
 
+def test_first_reading_is_checked_too(rig, guarded):
+    rig.now["p_o_kpa"] = 0.0  # PAM B was not filled
+    with pytest.raises(SafetyError, match=r"p_o_kpa = 0\.0 is outside 20 to 400"):
+        guarded.read()
+
+
 @pytest.mark.parametrize("name", QUANTITIES)
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), float("-inf")])
 def test_reading_that_is_no_number_stops_the_run(rig, guarded, name, value):

@@ -28,10 +28,3 @@ def test_states_and_steps_of_other_libraries_are_ours(tool, speed, network, pack
     assert make(features).states(X) == pytest.approx(expected, abs=1e-12)
     if step := make(features).step:
         assert np.array([np.ravel(step(x)) for x in X]) == pytest.approx(expected, abs=1e-12)
-
-
-@pytest.mark.parametrize("name", ["OPENBLAS_CORETYPE", "OPENBLAS_L2_SIZE"])
-def test_kernels_other_than_the_processors_are_refused(tool, monkeypatch, name):
-    monkeypatch.setenv(name, "1")
-    with pytest.raises(SystemExit, match=name):
-        tool("benchmark").refuse_other_kernels()
