@@ -5,16 +5,14 @@ import io
 import re
 from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from itertools import islice
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import dropwhile, islice
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
 from fprc.errors import LogError
 from fprc.given import read_given
-from fprc.logs.decimal_mark import number, numbers_of, parsed
 from fprc.logs.variables import Source
 
 #: Largest text file; reading it takes about ten times as much memory.
@@ -23,18 +21,10 @@ LARGEST_TEXT_BYTES = 256 << 20
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars", " ": "blanks"}
 #: Rows used to detect the separator.
 _TRIED = 5
-
-
-class _Text(NamedTuple):
-    path: Path
-    lines: list[str]
-    notes: tuple[str, ...]
-
-
-class _Row(NamedTuple):
-    line: int
-    last_line: int
-    fields: list[str]
+#: Texts that stand for a missing value, in lower case.
+_MISSING = {"", "-nan", "na", "n/a", "#n/a", "#na", "<na>", "null", "none", "1.#qnan", "-1.#ind"}
+#: A number in which marks may group thousands; no digit before them is a 0.
+_GROUPED = re.compile(r"\s*[+-]?[1-9]\d{0,2}([.,]\d{3})+\s*")
 
 
 def read_text(
@@ -45,7 +35,7 @@ def read_text(
     header_line: int | None = None,
     data_line: int | None = None,
 ) -> Source:
-    """Read a text table with one header line; fields may be quoted.
+    """Read a text table with one header and one row per line; fields may be quoted.
 
     Lines that begin with ``#`` or ``%`` are comments. A separator at the end of a
     line adds no field. A last line without a line end is left out: it may be cut short.
@@ -61,37 +51,44 @@ def read_text(
         The file is not text, or too large; lines have more or fewer fields than the
         header; a column name occurs twice.
     """
-    text = _text_of(path)
-    mark = separator or _separator_of(text, header_line, data_line)
-    header, below = _header_and_rows(text, mark, header_line, data_line)
-    rows = _matching_rows(path, header, below, mark)
-    names = [name.strip() for name in header.fields]
-    if header_line is None and all(number(name.replace(",", ".")) is not None for name in names):
-        names = [""] * len(names)
-        if data_line is None:
-            rows.insert(0, header)
-    if not rows:
+    lines, notes = _lines_of(path)
+    header, first_line = _header_of(path, lines, header_line)
+    if data_line is not None and data_line < first_line:
         raise LogError(
-            f"{path}: no samples below line {header.last_line}; check csv.header_line, "
-            "csv.data_line, that every quotation mark is closed, and that the last line ends in a "
-            "line end"
+            f"{path}: csv.data_line = {data_line}; must be below the header, which ends on "
+            f"line {first_line - 1}"
         )
-    # separators at the line ends make columns with neither name nor value
-    present = [
-        k for k, name in enumerate(names) if name or any(row.fields[k].strip() for row in rows)
-    ]
-    shown = {k: names[k] or str(k) for k in present}
-    twice = [name for name, count in Counter(shown.values()).items() if count > 1]
-    if twice:
-        raise LogError(f"{path}: column {twice[0]}: occurs twice; rename one in the header")
-    lines = [row.line for row in rows]
-    columns = {name: [row.fields[k] for row in rows] for k, name in shown.items()}
-    variables, others = numbers_of(columns, lines, separator=mark, decimal=decimal)
+    body = _rows_of(lines, data_line or first_line)
+    text = {first_line - 1: header, **body}
+    mark = separator or _separator_of(path, dict(islice(text.items(), 1 + _TRIED)))
+    names, *rows = _split(path, text, mark)
+    numbers = list(body)
+    fitted = [_fitted(fields, names) for fields in rows]
+    unfit = [k for k, fields in enumerate(fitted) if fields is None]
+    if unfit:
+        raise LogError(
+            f"{path}: the header has {len(names)} fields separated by "
+            f"{_SEPARATORS.get(mark, mark)}, line {numbers[unfit[0]]} has {len(rows[unfit[0]])}, "
+            f"and {len(unfit) - 1} more lines do not match; repair them, or set csv.separator, "
+            "csv.header_line and csv.data_line"
+        )
+    table = [fields for fields in fitted if fields is not None]
+    if header_line is None and all(_is_number(name) and not _is_missing(name) for name in names):
+        if data_line is None:
+            table, numbers = [names, *table], [first_line - 1, *numbers]
+        names = [""] * len(names)
+    if not table:
+        raise LogError(
+            f"{path}: no samples below line {first_line - 1}; check csv.header_line, "
+            "csv.data_line, and that the last line ends in a line end"
+        )
+    variables, others = _numbers_of(_columns_of(path, names, table), numbers, mark, decimal)
     kind = f"text separated by {_SEPARATORS.get(mark, mark)}"
-    return Source(path, kind, variables, others, np.array(lines), text.notes)
+    return Source(path, kind, variables, others, np.array(numbers), notes)
 
 
-def _text_of(path: Path) -> _Text:
+def _lines_of(path: Path) -> tuple[list[str], tuple[str, ...]]:
+    """Return the lines of a file, and a note if the last one was left out."""
     raw = read_given(path, error=LogError, most_bytes=LARGEST_TEXT_BYTES)
     wide = raw.startswith((BOM_UTF16_LE, BOM_UTF16_BE))
     if b"\0" in raw and not wide:
@@ -104,85 +101,60 @@ def _text_of(path: Path) -> _Text:
     while lines and not lines[-1].strip("\r\n"):
         lines.pop()
     if len(lines) < 2 or lines[-1].endswith(("\n", "\r")):
-        return _Text(path, lines, ())
+        return lines, ()
     note = f"line {len(lines)}, the last, has no line end and may be cut short; it was left out"
-    return _Text(path, lines[:-1], (note,))
+    return lines[:-1], (note,)
 
 
-def _header_and_rows(
-    text: _Text, mark: str, header_line: int | None, data_line: int | None
-) -> tuple[_Row, Iterator[_Row]]:
-    """Return the header, and an iterator over the rows below it."""
-    header = next(_rows(text, header_line or 1, mark, verbatim=header_line is not None), None)
-    if header is None or not header.fields:
+def _is_comment(line: str) -> bool:
+    return line.lstrip().startswith(("#", "%"))
+
+
+def _header_of(path: Path, lines: Sequence[str], header_line: int | None) -> tuple[str, int]:
+    """Return the header, which may have line ends between quotation marks, and the line below."""
+    found = (k for k, line in enumerate(lines, 1) if line.strip() and not _is_comment(line))
+    begin = header_line or next(found, len(lines) + 1)
+    if not any(line.strip("\r\n") for line in lines[begin - 1 : begin]):
         raise LogError(
-            f"{text.path}: no samples; the file is empty, or csv.header_line is past its end"
+            f"{path}: no samples; the file is empty, or csv.header_line is a blank line or past "
+            "its end"
         )
-    if data_line is not None and data_line <= header.last_line:
-        raise LogError(
-            f"{text.path}: csv.data_line = {data_line}; must be below the header, which ends on "
-            f"line {header.last_line}"
-        )
-    return header, _rows(text, data_line or header.last_line + 1, mark)
+    quotes = 0
+    for end, line in enumerate(lines[begin - 1 :], begin + 1):
+        quotes += line.count('"')
+        if quotes % 2 == 0:
+            return "".join(lines[begin - 1 : end - 1]), end
+    raise LogError(f"{path}: a quotation mark on line {begin} is not closed; close or delete it")
 
 
-def _rows(text: _Text, first: int, mark: str, *, verbatim: bool = False) -> Iterator[_Row]:
-    """Yield the rows from line ``first``; skip comments, and blank lines before the first row.
+def _rows_of(lines: Sequence[str], first_line: int) -> dict[int, str]:
+    """Return the rows by line number, without comments, and blank lines before the first row."""
+    numbered = enumerate(lines[first_line - 1 :], first_line)
+    rows = ((number, line) for number, line in numbered if not _is_comment(line))
+    return dict(dropwhile(lambda row: not row[1].strip(), rows))
 
-    If ``verbatim``, the first line is a row even if it is blank or looks like a comment.
-    """
-    begins = last = first
-    between_rows, started = not verbatim, verbatim
 
-    def numbered_lines() -> Iterator[str]:
-        nonlocal begins, last, between_rows
-        for at, line in enumerate(islice(text.lines, first - 1, None), first):
-            if between_rows:
-                if line.lstrip().startswith(("#", "%")) or not (started or line.strip()):
-                    continue
-                begins, between_rows = at, False
-            last = at
-            # csv.reader takes one separator: replace the tabs outside quotation marks by blanks
-            yield re.sub(r'("[^"]*")|\t', lambda m: m[1] or " ", line) if mark == " " else line
-
-    reader = csv.reader(numbered_lines(), delimiter=mark, skipinitialspace=True, strict=True)
+def _split(path: Path, text: Mapping[int, str], mark: str) -> list[list[str]]:
+    """Return the fields of each line; the lines are given by their numbers."""
+    lines: Iterable[str] = text.values()
+    if mark == " ":  # csv.reader takes one separator: replace the tabs outside quotation marks
+        lines = (re.sub(r'("[^"]*")|\t', lambda found: found[1] or " ", line) for line in lines)
+    reader = csv.reader(lines, delimiter=mark, skipinitialspace=True, strict=True)
+    rows: list[list[str]] = []
     try:
         for fields in reader:
-            started = between_rows = True
-            yield _Row(begins, last, fields)
+            if reader.line_num > len(rows) + 1:
+                raise csv.Error("a quotation mark is not closed on that line")
+            rows.append(fields)
     except csv.Error as error:
+        number = list(text)[len(rows)]
         raise LogError(
-            f"{text.path}: line {begins} cannot be read ({error}); it has an extra quotation "
-            "mark, or lacks one"
+            f"{path}: line {number} cannot be read ({error}); repair it, or set csv.separator"
         ) from error
+    return rows
 
 
-def _separator_of(text: _Text, header_line: int | None, data_line: int | None) -> str:
-    """Return the separator that splits the header and the first rows into equally many fields.
-
-    If several do, it is the one that yields the most numbers; if none does, the one that
-    splits the header into the most fields.
-    """
-
-    def score(mark: str) -> tuple[bool, float, float]:
-        try:
-            header, below = _header_and_rows(text, mark, header_line, data_line)
-            rows = [_matching_fields(row.fields, header.fields) for row in islice(below, _TRIED)]
-        except LogError:  # unbalanced quotation marks, which the right separator can have too
-            return (False, 0.0, np.inf)
-        width = len(header.fields) - (not header.fields[-1].strip())
-        fields = [field for row in rows for field in row or ()]
-        plain = mark == "," or width == 1
-        known = [parsed(field if plain else field.replace(",", ".")) for field in fields]
-        numbers = 1.0 - known.count(None) / max(len(known), 1)
-        # a single column that is not all numbers contains another separator
-        matches = None not in rows and (width > 1 or numbers == 1.0)
-        return (matches, numbers if matches else 0.0, width)
-
-    return max(_SEPARATORS, key=score)
-
-
-def _matching_fields(fields: list[str], header: Sequence[str]) -> list[str] | None:
+def _fitted(fields: list[str], header: Sequence[str]) -> list[str] | None:
     """Return one field per header field; None if there are more or fewer fields."""
     surplus = len(fields) - len(header)
     if surplus == 1 and not fields[-1].strip():
@@ -192,23 +164,113 @@ def _matching_fields(fields: list[str], header: Sequence[str]) -> list[str] | No
     return fields if surplus == 0 else None
 
 
-def _matching_rows(path: Path, header: _Row, below: Iterator[_Row], mark: str) -> list[_Row]:
-    rows, unfit = [], []
-    for row in below:
-        fields = _matching_fields(row.fields, header.fields)
-        if row.last_line > row.line:
-            raise LogError(
-                f"{path}: a quotation mark on line {row.line} is not closed on that line; close it"
-            )
-        if fields is None:
-            unfit.append(row)
+def _separator_of(path: Path, text: Mapping[int, str]) -> str:
+    """Return the separator that splits the header and the first rows into equally many fields.
+
+    If several do, it is the one that yields the most numbers; if none does, the one that
+    splits the header into the most fields.
+    """
+
+    def score(mark: str) -> tuple[bool, float, float]:
+        try:
+            names, *split = _split(path, text, mark)
+        except LogError:  # a flawed line, which the right separator can have too
+            return (False, 0.0, np.inf)
+        rows = [_fitted(fields, names) for fields in split]
+        width = len(names) - (not names[-1].strip())
+        fields = [field for row in rows for field in row or ()]
+        # a single column that is not all numbers contains another separator
+        marks = "." if mark == "," or width == 1 else ".,"
+        numbers = sum(_is_number(field, marks) for field in fields) / max(len(fields), 1)
+        matches = None not in rows and (width > 1 or numbers == 1.0)
+        return (matches, numbers if matches else 0.0, width)
+
+    return max(_SEPARATORS, key=score)
+
+
+def _columns_of(
+    path: Path, names: Sequence[str], table: Sequence[Sequence[str]]
+) -> dict[str, tuple[str, ...]]:
+    """Return the texts of each column by its name, or by its number if it has none."""
+    columns = [
+        (name.strip() or str(k), texts)
+        for k, (name, texts) in enumerate(zip(names, zip(*table, strict=True), strict=True))
+        # separators at the line ends make columns with neither name nor value
+        if name.strip() or any(map(str.strip, texts))
+    ]
+    twice = [name for name, count in Counter(name for name, _ in columns).items() if count > 1]
+    if twice:
+        raise LogError(f"{path}: column {twice[0]}: occurs twice; rename one in the header")
+    return dict(columns)
+
+
+def _number(text: str, mark: str) -> float | None:
+    """Return a number with this decimal mark; NaN for a missing value; None for another text."""
+    if _is_missing(text):
+        return np.nan
+    if "_" in text or (mark == "," and "." in text):
+        return None
+    try:
+        return float(text.replace(mark, "."))
+    except ValueError:
+        return None
+
+
+def _is_missing(text: str) -> bool:
+    return text.strip().lower() in _MISSING
+
+
+def _is_number(text: str, marks: str = ".,") -> bool:
+    return any(_number(text, mark) is not None for mark in marks)
+
+
+def _numbers_of(
+    columns: Mapping[str, Sequence[str]], lines: Sequence[int], separator: str, decimal: str | None
+) -> tuple[dict[str, np.ndarray], dict[str, str]]:
+    """Return the numbers of each column that has them, and for each other the reason.
+
+    Without ``decimal``, the mark is found out, the same for the whole file. If columns contradict
+    each other, or if all marks may group thousands, no column with a mark has numbers.
+    """
+    numbers, others = {}, {}
+    marked: dict[str, str] = {}
+    for name, texts in columns.items():
+        read = {mark: [_number(text, mark) for text in texts] for mark in decimal or ".,"}
+        fits = {mark: values for mark, values in read.items() if None not in values}
+        if fits:
+            mark, values = fits.popitem()
+            numbers[name] = np.array(values, np.float64)
+            if not fits:
+                marked[name] = mark
         else:
-            rows.append(row._replace(fields=fields))
-    if unfit:
-        raise LogError(
-            f"{path}: the header, line {header.line}, has {len(header.fields)} fields separated by "
-            f"{_SEPARATORS.get(mark, mark)}, line {unfit[0].line} has {len(unfit[0].fields)}, and "
-            f"{len(unfit) - 1} more lines do not match; repair them, or set csv.separator, "
-            "csv.header_line and csv.data_line"
+            row = max(values.index(None) for values in read.values())
+            others[name] = (
+                f"line {lines[row]} holds {texts[row]!r}, not a number; if the file is right, set "
+                "csv.decimal or csv.data_line, and remove marks between thousands"
+            )
+    marks = set(marked.values())
+    texts = [text for name in marked for text in columns[name]]
+    if decimal or not marks or (len(marks) == 1 and _is_decimal(min(marks), texts, separator)):
+        return numbers, others
+    for name, mark in marked.items():
+        del numbers[name]
+        row = next(row for row, text in enumerate(columns[name]) if mark in text)
+        why = "may group thousands" if len(marks) == 1 else "is not that of the other columns"
+        others[name] = (
+            f"line {lines[row]} holds {columns[name][row]!r}, and its {mark!r} {why}; set "
+            "csv.decimal to the file's one decimal mark, and remove marks between thousands"
         )
-    return rows
+    return numbers, others
+
+
+def _is_decimal(mark: str, texts: Sequence[str], separator: str) -> bool:
+    """Return whether the marks in these texts are decimal marks.
+
+    They may group thousands if there are three digits after each, as in 980, 990, 1,000. Columns
+    between semicolons usually have decimal commas, others decimal points.
+    """
+    if not all(_GROUPED.fullmatch(text) for text in texts if mark in text):
+        return True
+    if mark == ".":
+        return separator != ";"
+    return separator == ";" and all(mark in text or _is_missing(text) for text in texts)

@@ -144,13 +144,7 @@ def test_column_without_a_name_has_its_number(table):
     assert columns(table("t,a,\n0,1,5\n1,2,\n"))["2"][0] == 5.0
 
 
-def test_decimal_commas_between_commas_are_refused(refusal):
-    said = refusal("t_ms,p_set,p_o\n0,1,0,50,1\n5,1,1,50,2\n10,1,2,50,3\n")
-    assert "line 1, has 3 fields separated by commas, line 2 has 5, and 2 more lines" in said
-    assert "csv.separator" in said
-
-
-#: Text, the decimal mark declared or None, and what p is: numbers, or words of the refusal.
+#: Text, the decimal mark declared or None, and what p is: numbers, or None if it is refused.
 DECIMALS = {
     "comma": ("t;p\n0;1,25\n1;2\n", None, [1.25, 2.0]),
     "comma, three digits": ("t;p\n0;1,250\n1;1,500\n", None, [1.25, 1.5]),
@@ -160,24 +154,16 @@ DECIMALS = {
     "comma, shown by the clock": ("t;p\n0,5;990\n1,5;1,000\n", None, [990.0, 1.0]),
     "point, three digits": ("t,p\n0,50.000\n1,50.125\n", None, [50.0, 50.125]),
     "declared": ("t;p\n0;990\n1;1,000\n", ",", [990.0, 1.0]),
-    "point, the clock has commas": (
-        "t;p\n0,5;50.000\n1,5;50.125\n", None,
-        ["line 2 holds '50.000', 50 with a decimal point or 50000 with points for thousands",
-         "column t, line 2 holds '0,5', 0.5 with a decimal comma", "set csv.decimal"],
-    ),
-    "comma, the clock has points": (
-        't,p\n0.0,"1,500"\n0.5,"1,501"\n', None,
-        ["line 2 holds '1,500', 1.5 with a decimal comma or 1500 with commas for thousands",
-         "column t, line 2 holds '0.0', 0 with a decimal point"],
-    ),
-    "comma for thousands?": ('t,p\n0,"1,500"\n1,"1,501"\n', None, ["or 1500 with commas"]),
-    "comma for thousands? 2": ("t\tp\n0\t1,500\n1\t1,501\n", None, ["or 1500 with commas"]),
-    "comma in some rows": ("t;p\n0;990\n1;1,000\n", None, ["line 3 holds '1,000', 1 with"]),
-    "point for thousands?": ("t;p\n0;50.000\n1;50.125\n", None, ["or 50000 with points"]),
-    "both in a column": ("t;p\n0;1.5\n1;1,5\n", None, ["not a number", "csv.decimal"]),
-    "underscores": ("t,p\n0,1\n1,1_0\n", None, ["line 3 holds '1_0', not a number"]),
-    "both in a number": ("t;p\n0;1.234,5\n1;1.234,6\n", None, ["not a number"]),
-    "declared otherwise": ("t;p\n0;50.000\n1;5,5\n", ",", ["with csv.decimal = ','"]),
+    "point, the clock has commas": ("t;p\n0,5;50.000\n1,5;50.125\n", None, None),
+    "comma, the clock has points": ('t,p\n0.0,"1,500"\n0.5,"1,501"\n', None, None),
+    "comma for thousands?": ('t,p\n0,"1,500"\n1,"1,501"\n', None, None),
+    "comma for thousands? 2": ("t\tp\n0\t1,500\n1\t1,501\n", None, None),
+    "comma in some rows": ("t;p\n0;990\n1;1,000\n", None, None),
+    "point for thousands?": ("t;p\n0;50.000\n1;50.125\n", None, None),
+    "both in a column": ("t;p\n0;1.5\n1;1,5\n", None, None),
+    "underscores": ("t,p\n0,1\n1,1_0\n", None, None),
+    "both in a number": ("t;p\n0;1.234,5\n1;1.234,6\n", None, None),
+    "declared otherwise": ("t;p\n0;50.000\n1;5,5\n", ",", None),
 }  # fmt: skip
 
 
@@ -185,11 +171,11 @@ DECIMALS = {
 def test_decimal_mark_is_that_of_the_file_or_refused(table, case):
     text, decimal, expected = DECIMALS[case]
     source = table(text, decimal=decimal)
-    if isinstance(expected[0], float):
+    if expected is None:
+        assert "csv.decimal" in source.others["p"]
+    else:
         assert source.others == {}
         np.testing.assert_array_equal(source.variables["p"], np.array(expected, float))
-    else:
-        assert all(words in source.others["p"] for words in expected), source.others
 
 
 @given(
@@ -211,18 +197,11 @@ def test_number_is_read_as_it_was_written_or_not_at_all(
             assert source.variables["p"].tolist() == list(map(float, texts))
 
 
-@pytest.mark.parametrize("text", ["1e-400", "-0.1E-350", "0." + "0" * 400 + "1", "1,5e-400"])
-def test_number_too_small_for_a_float_is_none(table, text):
-    source = table(f"t;p\n0;{text}\n1;0e5\n")
-    assert f"line 2 holds {text!r}, which is not 0 but too small" in source.others["p"]
-
-
 @pytest.mark.parametrize("last", ["2,12", "2,1", "2,", "2", '2,"1', ""])
 def test_last_line_without_a_line_end_is_left_out_with_a_note(table, last):
     source = table(f"t,x\n0,1\n1,2\n{last}")
     assert columns(source) == {"t": [0, 1], "x": [1, 2]}
-    note = "line 4, the last, has no line end and may be cut short; it was left out"
-    assert source.notes == ((note,) if last else ())
+    assert len(source.notes) == bool(last)
 
 
 def test_missing_values_are_nan(table):
@@ -245,46 +224,40 @@ def test_lines_of_header_and_data_may_be_given(table):
 # --- refusals -------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("row", "fields"), [("1,2,3", 3), ("1", 1), ("", 0), ("1,2,3,", 4)])
-def test_row_with_other_fields_than_the_header_is_refused_with_its_line(refusal, row, fields):
-    said = refusal(f"t,x\n0,1\n{row}\n2,3\n")
-    assert f"has 2 fields separated by commas, line 3 has {fields}, and 0 more" in said
-
-
 def test_column_that_is_no_number_is_named_with_its_line(table):
-    source = table("# made by hand\nt,x\n0,1.5\n1,off\n2,3.5\n")
-    assert "line 4 holds 'off', not a number" in source.others["x"]
+    source = table('# made by hand\nt,x,who\n0,1.5,me\n1,off,5" hose\n2,3.5,\n')
+    assert source.others["x"].startswith("line 4 holds 'off'")
+    assert list(source.variables) == ["t"]
 
 
 @pytest.mark.parametrize(
-    ("content", "said"),
+    ("content", "told", "place"),
     [
-        ("", "no samples"),
-        ("# only this", "no samples"),
-        ("t,x\n", "no samples below line 1"),
-        ("t,t\n0,1\n1,2\n", "column t: occurs twice"),
-        ("t,x\0\n", "not a text file"),
-        ('t,"x\n0,1\n1,2\n', "line 1 cannot be read"),
-        ('t,"x"y\n0,1\n1,2\n', "line 1 cannot be read"),
-        ('t,x\n0,"1\n1,"2\n3,4\n', "line 2 cannot be read"),
-        ('t,x\n0,"1\n1,2\n3,4"\n', "mark on line 2 is not closed"),
+        ("", {}, "no samples"),
+        ("# only this", {}, "no samples"),
+        ("t,x\n", {}, "below line 1"),
+        ("t,t\n0,1\n1,2\n", {}, "column t"),
+        ("t,x\0\n", {}, "not a text file"),
+        ('t,"x\n0,1\n1,2\n', {}, "line 1"),
+        ('t,"x"y\n0,1\n1,2\n', {}, "line 1"),
+        ('t,x\n0,1\n1,"2"3\n3,4\n', {}, "line 3"),
+        ('t,x\n0,"1\n1,"2\n3,4\n', {}, "line 2"),
+        ('t,x\n0,"1\n1,2\n3,4"\n', {}, "line 2"),
+        ('t,x\n0,1\n3,"4\n', {}, "line 3"),
+        ("t,x\n0,1\n1,2,3\n2,3\n", {}, "line 3 has 3"),
+        ("t,x\n0,1\n1\n2,3\n", {}, "line 3 has 1"),
+        ("t,x\n0,1\n\n2,3\n", {}, "line 3 has 0"),
+        ("t,x\n0,1\n1,2,3,\n2,3\n", {}, "line 3 has 4"),
+        ("t_ms,p_set,p_o\n0,1,0,50,1\n5,1,1,50,2\n", {}, "csv.separator"),
+        ("t,x\n0,1\n1,2\n", {"header_line": 9}, "csv.header_line"),
+        ("t,x\n0,1\n1,2\n", {"header_line": 2, "data_line": 2}, "csv.data_line = 2"),
+        ("t,x\n0,1\n1,2\n", {"data_line": 9}, "below line 1"),
     ],
 )
-def test_text_that_is_no_table_is_refused(refusal, content, said):
-    assert "log.csv: " in refusal(content)
-    assert said in refusal(content)
-
-
-@pytest.mark.parametrize(
-    ("told", "said"),
-    [
-        ({"header_line": 9}, "csv.header_line is past its end"),
-        ({"header_line": 2, "data_line": 2}, "csv.data_line = 2; must be below the header"),
-        ({"data_line": 9}, "no samples below line 1"),
-    ],
-)
-def test_lines_beyond_the_file_are_refused(refusal, told, said):
-    assert said in refusal("t,x\n0,1\n1,2\n", **told)
+def test_text_that_is_no_table_is_refused_with_the_place(refusal, content, told, place):
+    said = refusal(content, **told)
+    assert "log.csv: " in said
+    assert place in said
 
 
 def test_large_text_is_refused_unread(refusal, monkeypatch):
