@@ -12,15 +12,14 @@ from fprc.config import Settings
 from fprc.devices import pneumatics
 from fprc.experiments import competitors
 from fprc.logs import (
+    arrays,
     clock,
     delimited,
     diagnosis,
     hdf5,
-    hdf5_source,
     recovery,
     resample,
     sealed_chamber,
-    variables,
 )
 from fprc.stages import check as checked
 
@@ -57,8 +56,8 @@ def quoted():
             f"| text | {delimited.LARGEST_TEXT_BYTES >> 20} MB |",
             f"| any other file; a journal | {given.MOST_BYTES >> 30} GB; "
             f"{recovery.LARGEST_JOURNAL_BYTES >> 30} GB |",
-            f"| {variables.MOST_NUMBERS / 1e6:g} million: ",
-            f"MATLAB 7.3 file | {hdf5_source.MOST_OBJECTS:,};",
+            f"| {arrays.MOST_NUMBERS / 1e6:g} million: ",
+            f"MATLAB 7.3 file | {arrays.MOST_ARRAYS:,};",
             f"| {clock.LONGEST_S / 3600:g} h, and {clock.MOST_POINTS / 1e6:g} million samples",
             f"({clock.LIKELY_HZ[0]:g} Hz to {clock.LIKELY_HZ[1] / 1e3:g} kHz)",
             f"cut into {WORDS[competitors.BLOCKS]} blocks",

@@ -77,12 +77,13 @@ def read_text(
         if data_line is None:
             table, numbers = [names, *table], [first_line - 1, *numbers]
         names = [""] * len(names)
-    if not table:
+    columns = _columns_of(path, names, table) if table else {}
+    if not columns:
         raise LogError(
             f"{path}: no samples below line {first_line - 1}; check csv.header_line, "
             "csv.data_line, and that the last line ends in a line end"
         )
-    variables, others = _numbers_of(_columns_of(path, names, table), numbers, mark, decimal)
+    variables, others = _numbers_of(columns, numbers, mark, decimal)
     kind = f"text separated by {_SEPARATORS.get(mark, mark)}"
     return Source(path, kind, variables, others, np.array(numbers), notes)
 

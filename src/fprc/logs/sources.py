@@ -5,11 +5,9 @@ from typing import Any
 
 from fprc.errors import LogError
 from fprc.given import open_given
+from fprc.logs.arrays import read_arrays
 from fprc.logs.delimited import read_text
-from fprc.logs.hdf5 import SIGNATURE
-from fprc.logs.hdf5_source import read_hdf5
 from fprc.logs.isolated import isolated_each
-from fprc.logs.matlab import read_matlab
 from fprc.logs.variables import Source
 
 _SUFFIXES = {
@@ -44,12 +42,3 @@ def read_source(path: Path | str, **layout: Any) -> Source:
         return read_text(path, **layout)
     (source,) = isolated_each(read_arrays, [path], matlab=kind == "MATLAB")
     return source
-
-
-def read_arrays(path: Path, *, matlab: bool) -> Source:
-    """Read an HDF5 or MATLAB file in this process; errors are those of ``read_source``."""
-    with path.open("rb") as file:
-        head = file.read(10)
-    if matlab and not head.startswith((SIGNATURE, b"MATLAB 7.3")):
-        return read_matlab(path)
-    return read_hdf5(path, matlab=matlab)

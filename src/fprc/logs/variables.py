@@ -1,8 +1,7 @@
-"""The arrays in another program's file, and how a map names their columns."""
+"""What another program's file holds, and how a map names its columns."""
 
 import difflib
 import re
-from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
@@ -10,13 +9,6 @@ from typing import NamedTuple
 import numpy as np
 
 from fprc.errors import LogError
-
-#: Most numbers in a file, over all its arrays: 10 channels of 1 kHz for 33 min.
-MOST_NUMBERS = 20_000_000
-#: Most variables in a file.
-MOST_VARIABLES = 200_000
-#: Name of an array in a file; and its numbers, or the reason why it cannot be a channel.
-Part = tuple[str, np.ndarray | str]
 
 
 class Source(NamedTuple):
@@ -33,42 +25,6 @@ class Source(NamedTuple):
         """Describe a sample, counted from 0, for a message."""
         line = "" if self.lines is None else f" (line {self.lines[number]})"
         return f"sample {number}{line}"
-
-
-def collect(path: Path, kind: str, reader: str, parts: Iterable[Part]) -> Source:
-    """Return the content of a file; arrays lose their dimensions of length 1.
-
-    Parameters
-    ----------
-    kind, reader : str
-        Format of the file, with its version and without.
-
-    Raises
-    ------
-    LogError
-        The file cannot be read, or has no content.
-    """
-    variables, others = {}, {}
-    try:
-        for name, part in parts:
-            if isinstance(part, str):
-                others[name] = part
-                continue
-            array = part.astype(np.float64, copy=False).reshape([n for n in part.shape if n != 1])
-            if array.ndim in (1, 2) and array.size:
-                variables[name] = array
-            else:
-                others[name] = f"array of shape {part.shape}"
-    except (LogError, MemoryError):
-        raise
-    except Exception as error:  # on a damaged file the libraries raise many types
-        raise LogError(
-            f"{path}: cannot be read as {reader} ({type(error).__name__}: {error}); the file is "
-            "cut short, damaged, or of another format"
-        ) from error
-    if not variables and not others:
-        raise LogError(f"{path}: has no content; the file is empty or cut short")
-    return Source(path, kind, variables, others)
 
 
 _INDEXED = re.compile(r"(?P<name>.+?)\s*\[\s*(?P<row>:|\d+)\s*,\s*(?P<column>:|\d+)\s*\]")
@@ -117,20 +73,9 @@ def pick(source: Source, text: str) -> np.ndarray:
         raise LogError(f"{text}: {match['name']} has shape {values.shape}; indices count from 0")
     if text in source.others:
         raise LogError(f"{text}: cannot be a channel: {source.others[text]}")
-    near = nearest(text, [*columns_of(source), *source.others])
+    known = {name.lower(): name for name in [*columns_of(source), *source.others]}
+    (near,) = difflib.get_close_matches(text.lower(), known, n=1, cutoff=0.0)
     raise LogError(
-        f"{text}: no such column; did you mean {near}? `fprc import {source.path} --list` shows all"
+        f"{text}: no such column; did you mean {known[near]}? `fprc import {source.path} --list` "
+        "shows all"
     )
-
-
-def nearest(text: str, known: Iterable[str]) -> str:
-    """Return the name most similar to ``text``."""
-    matcher = difflib.SequenceMatcher(autojunk=False, b=text.lower())
-    best, likeness = "", -1.0
-    for name in known:
-        matcher.set_seq1(name.lower())  # the cheap upper bounds of the ratio come first
-        if matcher.real_quick_ratio() > likeness and matcher.quick_ratio() > likeness:
-            ratio = matcher.ratio()
-            if ratio > likeness:
-                best, likeness = name, ratio
-    return best

@@ -1,7 +1,5 @@
-import struct
 import subprocess
 import sys
-import zlib
 
 import h5py
 import numpy as np
@@ -63,7 +61,7 @@ READ_DAMAGED = """
 import sys
 from pathlib import Path
 from fprc.errors import LogError
-from fprc.logs.sources import read_arrays
+from fprc.logs.arrays import read_arrays
 
 path = Path(sys.argv[1])
 whole = path.read_bytes()
@@ -93,53 +91,26 @@ def test_file_cut_anywhere_is_refused_with_a_message_and_never_hangs(tmp_path, k
     assert set(run.stdout.splitlines()) == {"LogError"}
 
 
-def zeros_of_matlab(count):
-    """Return a MATLAB 5 file of one compressed row of zeros."""
-
-    def element(kind, content):
-        return struct.pack("<II", kind, len(content)) + content + bytes(-len(content) % 8)
-
-    head = element(6, struct.pack("<II", 6, 0)) + element(5, struct.pack("<ii", 1, count))
-    head += element(1, b"x") + struct.pack("<II", 9, 8 * count)
-    packer = zlib.compressobj(1)
-    parts = [packer.compress(struct.pack("<II", 14, len(head) + 8 * count) + head)]
-    parts += [packer.compress(bytes(8 << 20)) for _ in range(count >> 20)]
-    packed = b"".join([*parts, packer.flush()])
-    head = b"MATLAB 5.0 MAT-file".ljust(124) + struct.pack("<H", 0x100) + b"IM"
-    return head + struct.pack("<II", 15, len(packed)) + packed
-
-
 READ_AND_MEASURE = """
 import resource, sys
-from fprc.errors import LogError
 from fprc.logs.sources import read_source
 
-try:
-    print(read_source(sys.argv[1]).others["x"])
-except LogError as error:
-    print(error)
+print(read_source(sys.argv[1]).others["x"])
 print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)
 """
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("kind", "answer"),
-    [("hdf5", "declares 1,000,000,000 numbers"), ("matlab5", "need more than 152 MB")],
-)
-def test_small_file_of_a_billion_bytes_is_refused_in_little_memory(tmp_path, kind, answer):
-    path = tmp_path / WRITERS[kind][1]
-    if kind == "matlab5":
-        path.write_bytes(zeros_of_matlab(128 << 20))
-    else:
-        with h5py.File(path, "w") as file:
-            file.create_dataset("x", shape=(10**9,), dtype="f8", chunks=(10**6,), compression=1)
+def test_small_file_of_a_billion_numbers_is_refused_in_little_memory(tmp_path):
+    path = tmp_path / "log.h5"
+    with h5py.File(path, "w") as file:
+        file.create_dataset("x", shape=(10**9,), dtype="f8", chunks=(10**6,), compression=1)
     assert path.stat().st_size < 10 << 20
     # In a process of its own: the peak of a process's children covers all that it ever started.
     command = [sys.executable, "-c", READ_AND_MEASURE, str(path)]
     run = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
-    *printed, peak_kib = run.stdout.splitlines()
-    assert answer in "\n".join(printed)
+    answer, peak_kib = run.stdout.splitlines()
+    assert "1,000,000,000 numbers" in answer
     assert int(peak_kib) < 1 << 20
 
 

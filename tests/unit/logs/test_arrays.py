@@ -1,0 +1,270 @@
+import h5py
+import numpy as np
+import pytest
+import scipy.io
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fprc.errors import LogError
+from fprc.logs import arrays
+from fprc.logs.arrays import elements, read_arrays
+from fprc.logs.variables import columns_of, pick
+
+Y = np.arange(50.0).reshape(-1, 1)
+
+
+@pytest.fixture
+def written(tmp_path):
+    """Let a function write an HDF5 file, and return the source read from it."""
+
+    def written(write):
+        with h5py.File(tmp_path / "log.h5", "w") as file:
+            write(file)
+        return read_arrays(tmp_path / "log.h5", matlab=False)
+
+    return written
+
+
+@pytest.fixture(params=["5", "7.3"])
+def read(request, tmp_path, matlab_files):
+    """Write variables as a version of MATLAB does, and return the source read."""
+    writers = {"5": matlab_files.write_matlab5, "7.3": matlab_files.write_matlab73}
+
+    def read(content):
+        writers[request.param](tmp_path / "log.mat", content)
+        source = read_arrays(tmp_path / "log.mat", matlab=True)
+        assert source.kind == f"MATLAB {request.param}"
+        return source
+
+    return read
+
+
+def columns(source):
+    return {name: values.tolist() for name, values in columns_of(source).items()}
+
+
+# --- MATLAB ---------------------------------------------------------------------------------
+
+
+def test_parts_have_the_names_that_matlab_gives_them(read, matlab_files):
+    """Every name listed can be used in a map."""
+    Cells, Structs = matlab_files.Cells, matlab_files.Structs  # noqa: N806
+    steps = [{"y": k * Y, "u": {"p": -k * Y}} for k in (1, 2, 3)]
+    source = read(
+        {
+            "x": Y,
+            "train": Cells((1, 3), steps),
+            "test": Structs((3, 1), steps),
+            "grid": Cells((2, 2), [1 * Y, 2 * Y, 3 * Y, 4 * Y]),
+            "deep": {"a": {"b": Cells((2, 1), [Y, {"c": Structs((1, 2), steps[:2])}])}},
+            "one": Cells((1, 1), [Y]),
+            "q": np.arange(6.0).reshape(3, 2),
+        }
+    )
+    y = Y.ravel()
+    expected = {"x": y, "one{1}": y, "deep.a.b{1}": y}
+    for k in (1, 2, 3):
+        expected |= {f"train{{{k}}}.y": k * y, f"train{{{k}}}.u.p": -k * y}
+        expected |= {f"test({k}).y": k * y, f"test({k}).u.p": -k * y}
+    for k in (1, 2):
+        expected |= {f"deep.a.b{{2}}.c({k}).y": k * y, f"deep.a.b{{2}}.c({k}).u.p": -k * y}
+    expected |= {"grid{1,1}": y, "grid{2,1}": 2 * y, "grid{1,2}": 3 * y, "grid{2,2}": 4 * y}
+    expected |= {"q[:, 0]": np.array([0.0, 2.0, 4.0]), "q[:, 1]": np.array([1.0, 3.0, 5.0])}
+    assert columns(source) == {name: values.tolist() for name, values in expected.items()}
+    assert all(pick(source, name).tolist() == values.tolist() for name, values in expected.items())
+    assert source.others == {}
+
+
+def test_table_as_a_struct_array_of_rows_is_columns(read, matlab_files):
+    rows = [{"Time": 0.1 * k, "p": 2.0 * k, "note": "a" if k < 3 else "b"} for k in range(5)]
+    source = read({"tt": matlab_files.Structs((5, 1), rows)})
+    assert columns(source) == {
+        "[tt.Time]": [row["Time"] for row in rows],
+        "[tt.p]": [row["p"] for row in rows],
+    }
+    assert set(source.others) == {f"tt({k}).note" for k in range(1, 6)}
+
+
+def test_empty_and_non_numeric_parts_leave_the_rest_of_the_file(read, matlab_files):
+    nothing = np.zeros((0, 0))
+    source = read(
+        {
+            "x": Y,
+            "none": nothing,
+            "cell": matlab_files.Cells((0, 0), []),
+            "cells": matlab_files.Cells((1, 2), [nothing, Y]),
+            "s": matlab_files.Structs((0, 0), []),
+            "run": {"a": nothing, "b": Y},
+            "name": "arm",
+            "video": np.zeros((2, 3, 4)),
+            "rate": np.ones((1, 1)),
+        }
+    )
+    assert sorted(columns(source)) == ["cells{2}", "run.b", "x"]
+    assert set(source.others) == {"none", "cell", "cells{1}", "s", "run.a", "name", "video", "rate"}
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("run.q", "such as run.q[:, 0]"),
+        ("run.q[:, 3]", "has shape (10, 3)"),
+        ("run.q[:, :]", "has shape (10, 3)"),
+        ("run.q[1, 1]", "no such column"),
+        ("run.Q[:, 1]", "did you mean run.q[:, 1]?"),
+        ("run(3).y", "did you mean run.y?"),
+        ("name", "cannot be a channel: text"),
+    ],
+)
+def test_wrong_column_is_refused_with_the_right_ones(read, text, said):
+    q = np.arange(30.0).reshape(10, 3)
+    source = read({"run": {"q": q, "y": Y}, "name": "arm"})
+    assert pick(source, "run.q[:, 2]").tolist() == q[:, 2].tolist()
+    assert pick(source, "run.q[4,:]").tolist() == q[4].tolist()
+    with pytest.raises(LogError) as caught:
+        pick(source, text)
+    assert said in str(caught.value)
+
+
+@given(shape=st.lists(st.integers(1, 4), min_size=2, max_size=3).map(tuple))
+def test_elements_are_counted_down_the_columns_from_one(shape):
+    counted = np.arange(np.prod(shape)).reshape(shape, order="F")
+    found = elements(counted)
+    assert [element for _, element in found] == list(range(counted.size))
+    if sum(n > 1 for n in shape) < 2:
+        assert [text for text, _ in found] == [str(k + 1) for k in range(counted.size)]
+    else:
+        last = ",".join(map(str, shape))
+        assert (found[0][0], found[-1][0]) == (",".join("1" * len(shape)), last)
+
+
+def test_cell_that_holds_itself_is_refused(tmp_path, matlab_files):
+    matlab_files.write_matlab73(tmp_path / "log.mat", {"c": matlab_files.Cells((1, 1), [Y])})
+    with h5py.File(tmp_path / "log.mat", "r+") as file:
+        file["c"][...] = file["c"].ref
+    with pytest.raises(LogError):
+        read_arrays(tmp_path / "log.mat", matlab=True)
+
+
+def test_objects_of_matlab_are_no_columns(tmp_path, matlab_files):
+    """A table, a sparse matrix: MATLAB does not store them as samples."""
+    content = {"x": Y, "tt": np.arange(6.0), "s": {"data": Y}}
+    matlab_files.write_matlab73(tmp_path / "log.mat", content)
+    with h5py.File(tmp_path / "log.mat", "r+") as file:
+        file["tt"].attrs["MATLAB_class"] = np.bytes_("timetable")
+        file["s"].attrs["MATLAB_sparse"] = np.uint64(9)
+    source = read_arrays(tmp_path / "log.mat", matlab=True)
+    assert list(source.variables) == ["x"]
+    assert set(source.others) == {"tt", "s"}
+
+
+def test_sparse_matrix_of_an_old_file_is_no_column(tmp_path):
+    scipy.io.savemat(tmp_path / "log.mat", {"x": Y, "s": scipy.sparse.eye_array(5).tocsc()})
+    source = read_arrays(tmp_path / "log.mat", matlab=True)
+    assert (list(source.variables), list(source.others)) == (["x"], ["s"])
+
+
+# --- HDF5 -----------------------------------------------------------------------------------
+
+
+def test_pictures_texts_and_single_numbers_are_no_channels(written):
+    def write(file):
+        file["video"] = np.zeros((4, 3, 3))
+        file["who"] = "me"
+        file["rate"] = 100.0
+        file["none"] = h5py.Empty("f8")
+        file["no"] = np.zeros(0)
+        file["on"] = np.arange(5) > 2
+        file["group/x"] = np.arange(5)
+        file["row"] = np.zeros((1, 5))
+
+    source = written(write)
+    assert {name: array.shape for name, array in source.variables.items()} == dict.fromkeys(
+        ("group/x", "on", "row"), (5,)
+    )
+    assert set(source.others) == {"video", "who", "rate", "none", "no"}
+
+
+def test_links_are_named_and_not_followed(written, tmp_path):
+    with h5py.File(tmp_path / "other.h5", "w") as other:
+        other["y"] = np.arange(3.0)
+
+    def write(file):
+        file["x"] = np.arange(5.0)
+        file["same"] = file["x"]
+        file["outside"] = h5py.ExternalLink(str(tmp_path / "other.h5"), "/y")
+        file["nowhere"] = h5py.SoftLink("/gone")
+        layout = h5py.VirtualLayout((3,), "f8")
+        layout[:] = h5py.VirtualSource(tmp_path / "other.h5", "y", (3,))
+        file.create_virtual_dataset("virtual", layout)
+        file.create_dataset("raw", (3,), "f8", external=[(tmp_path / "x.bin", 0, 24)])
+
+    source = written(write)
+    assert list(source.variables) == ["same", "x"]
+    assert str(tmp_path / "other.h5") in source.others["outside"]
+    assert "/gone" in source.others["nowhere"]
+    assert {"virtual", "raw"} < set(source.others)
+
+
+def test_group_that_holds_itself_is_refused(written):
+    def write(file):
+        file["x"] = np.arange(5.0)
+        file["group/again"] = file["/"]
+
+    with pytest.raises(LogError):
+        written(write)
+
+
+def test_dataset_that_cannot_be_read_leaves_the_others(written, tmp_path):
+    def write(file):
+        file["x"] = np.arange(5.0)
+        file.create_dataset("bad", data=np.arange(5.0), chunks=(5,), fletcher32=True)
+
+    written(write)
+    path = tmp_path / "log.h5"
+    with h5py.File(path) as file:
+        at = file["bad"].id.get_chunk_info(0).byte_offset
+    content = bytearray(path.read_bytes())
+    content[at] ^= 1
+    path.write_bytes(content)
+    source = read_arrays(path, matlab=False)
+    assert (list(source.variables), list(source.others)) == (["x"], ["bad"])
+
+
+@pytest.mark.parametrize(
+    "declared",
+    [
+        {"shape": (10**9,), "chunks": (10**6,), "compression": "gzip"},
+        {"shape": (10**5, 10**4), "chunks": (100, 100), "fillvalue": 1.0},
+        {"shape": (10,), "maxshape": (None,), "chunks": (10**9 // 8,), "compression": "gzip"},
+        {"shape": (10**6,)},
+    ],
+)
+def test_dataset_that_declares_too_much_or_was_never_written_is_not_read(written, declared):
+    def write(file):
+        file["t"] = np.arange(10.0)
+        file.create_dataset("x", dtype="f8", **declared)
+        file.create_dataset("y", shape=(10, 6), dtype="f8", chunks=(5, 2))[:, :4] = 1.0
+
+    source = written(write)
+    assert list(source.variables) == ["t"]
+    assert f"declares {np.prod(declared['shape']):,} numbers" in source.others["x"] or (
+        "declares 125,000,000 numbers" in source.others["x"]
+    )
+    assert "[0, 4] was never written" in source.others["y"]
+
+
+def test_arrays_that_hold_too_much_together_are_not_all_read(read, monkeypatch):
+    monkeypatch.setattr(arrays, "MOST_NUMBERS", 125)
+    source = read({"a": Y, "b": Y, "c": Y})
+    assert (list(source.variables), list(source.others)) == (["a", "b"], ["c"])
+
+
+def test_file_of_too_many_arrays_is_refused(written, tmp_path, matlab_files, monkeypatch):
+    monkeypatch.setattr(arrays, "MOST_ARRAYS", 9)
+    with pytest.raises(LogError, match="more than 9 "):
+        written(lambda file: [file.create_dataset(f"c{k}", data=np.zeros(5)) for k in range(10)])
+    cells = matlab_files.Cells((1, 10), [Y] * 10)
+    matlab_files.write_matlab73(tmp_path / "log.mat", {"c": cells})
+    with pytest.raises(LogError, match="more than 9 "):
+        read_arrays(tmp_path / "log.mat", matlab=True)
