@@ -1,13 +1,13 @@
 """Diagnosis of a recording before it is resampled: clock, channels, sealed chamber."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
 from typing import Any
 
 import numpy as np
 
 from fprc.logs.clock import NO_CORRECTIONS
-from fprc.logs.quality import runs
+from fprc.logs.quality import gaps_of, runs
 from fprc.logs.resample import rate_of
 from fprc.logs.sealed_chamber import SHORT_S, fit_sealed
 
@@ -61,9 +61,8 @@ def diagnose(
 def _clock(time_s: np.ndarray) -> dict[str, Any]:
     steps = np.diff(time_s)
     median = float(np.median(steps))
-    gaps = np.flatnonzero(steps > GAP_PERIODS * median)
-    # a gap is no jitter
-    late = steps[steps <= GAP_PERIODS * median] - median
+    gaps = gaps_of(time_s, GAP_PERIODS * median)
+    late = np.delete(steps, gaps) - median  # a gap is no jitter
     low, high = np.percentile(late, [1, 99])
     return {
         "mean_hz": float(1.0 / steps.mean()),
@@ -165,112 +164,89 @@ def describe(diagnosis: Mapping[str, Any], units: Mapping[str, str]) -> list[str
     units : Mapping
         Unit to print for each channel; empty if it holds a quantity other than its name says.
     """
-    clock, sealed = diagnosis["clock"], diagnosis["sealed"]
+    clock = diagnosis["clock"]
+    units = {name: f" {unit}".rstrip() for name, unit in units.items()}
     lines = [
         f"{diagnosis['samples']} samples over {diagnosis['duration_s']:.6g} s, mean rate "
-        f"{clock['mean_hz']:.6g} Hz",
-        *_describe_clock(clock),
+        f"{clock['mean_hz']:.6g} Hz"
     ]
+    lines += [f"clock: {text}" for text in _describe_clock(clock)]
     for name, channel in diagnosis["channels"].items():
         lines += [f"{name}: {text}" for text in _describe_channel(channel, units[name], clock)]
     lines += [f"{a} and {b}: identical, sample by sample" for a, b in diagnosis["identical"]]
-    leak = _describe_leak(sealed, diagnosis, units["p_o_kpa"]) if sealed else []
-    return lines + [f"p_o_kpa: {text}" for text in leak]
-
-
-def _describe_clock(clock: Mapping[str, Any]) -> list[str]:
-    lines = []
-    period_s = 1.0 / clock["median_hz"]
-    jitter = max(-clock["jitter_p1_s"], clock["jitter_p99_s"]) / period_s
-    if jitter < 1e-3:
-        lines.append("clock: even, jitter below 0.1 % of a period")
-    else:
-        lines.append(
-            f"clock: 98 % of the steps differ from the median {1e3 * period_s:.4g} ms by "
-            f"{1e3 * clock['jitter_p1_s']:+.2g} to {1e3 * clock['jitter_p99_s']:+.2g} ms "
-            f"({jitter:.0%} of a period)"
-        )
-    if clock["unordered_samples"]:
-        lines.append(
-            f"clock: {_count(clock['unordered_samples'], 'sample')} out of order; sorted by time"
-        )
-    if clock["repeated_samples"]:
-        kept = {"first": "kept the first of each", "mean": "averaged those of each"}
-        lines.append(
-            f"clock: {_count(clock['repeated_samples'], 'sample')} repeated an earlier time stamp; "
-            f"{kept[clock['repeated']]} time stamp"
-        )
-    if clock["gaps"]:
-        longest = max(clock["gaps"], key=lambda gap: gap["to_s"] - gap["from_s"])
-        missing = sum(gap["missing_samples"] for gap in clock["gaps"])
-        lines.append(
-            f"clock: {_count(len(clock['gaps']), 'gap')}, about {missing} samples missing; the "
-            f"longest from {longest['from_s']:.4g} to {longest['to_s']:.4g} s; filled by linear "
-            "interpolation"
-        )
+    if diagnosis["sealed"]:
+        lines += [f"p_o_kpa: {text}" for text in _describe_leak(diagnosis, units["p_o_kpa"])]
     return lines
 
 
-def _describe_channel(channel: Mapping[str, Any], unit: str, clock: Mapping[str, Any]) -> list[str]:
-    def value(number: float) -> str:
-        return f"{number:.4g} {unit}".rstrip()
+def _describe_clock(clock: Mapping[str, Any]) -> Iterator[str]:
+    jitter_s = max(-clock["jitter_p1_s"], clock["jitter_p99_s"])
+    yield (
+        f"98 % of the steps are within {jitter_s * clock['median_hz']:.1%} of their median, "
+        f"{1e3 / clock['median_hz']:.4g} ms"
+    )
+    if clock["unordered_samples"]:
+        yield f"samples out of order, sorted by time: {clock['unordered_samples']}"
+    if clock["repeated_samples"]:
+        kept = {"first": "the first of each was kept", "mean": "averaged"}[clock["repeated"]]
+        yield f"samples that repeat an earlier time stamp, {kept}: {clock['repeated_samples']}"
+    if clock["gaps"]:
+        missing = sum(gap["missing_samples"] for gap in clock["gaps"])
+        yield (
+            f"gaps, filled by linear interpolation: {len(clock['gaps'])}, about {missing} samples "
+            f"missing, the longest {_longest(clock['gaps'])}"
+        )
 
-    if channel["lowest"] == channel["highest"]:
-        return [f"constant at {value(channel['lowest'])}"]
-    lines = [
-        f"{channel['lowest']:.4g} to {value(channel['highest'])}, "
+
+def _longest(stretches: Sequence[Mapping[str, float]]) -> str:
+    longest = max(stretches, key=lambda stretch: stretch["to_s"] - stretch["from_s"])
+    return f"from {longest['from_s']:.4g} to {longest['to_s']:.4g} s"
+
+
+def _describe_channel(
+    channel: Mapping[str, Any], unit: str, clock: Mapping[str, Any]
+) -> Iterator[str]:
+    yield (
+        f"{channel['lowest']:.4g} to {channel['highest']:.4g}{unit}, "
         f"{channel['new_values_hz']:.4g} new values a second"
-    ]
+    )
     if channel["held_samples"]:
-        lines.append(
+        yield (
             f"sample-and-hold: a new value every {channel['held_samples']} samples, effectively "
             f"{clock['median_hz'] / channel['held_samples']:.4g} Hz"
         )
     if channel["step"]:
-        lines.append(f"quantised in steps of {value(channel['step'])}")
+        yield f"quantised in steps of {channel['step']:.4g}{unit}"
     if channel["frozen"]:
-        longest = max(channel["frozen"], key=lambda stretch: stretch["to_s"] - stretch["from_s"])
-        lines.append(
-            f"frozen or at rest in {_count(len(channel['frozen']), 'stretch')}, the longest "
-            f"from {longest['from_s']:.4g} to {longest['to_s']:.4g} s at {value(longest['value'])}"
+        yield (
+            f"frozen or at rest: {len(channel['frozen'])} times, the longest "
+            f"{_longest(channel['frozen'])}"
         )
     for extreme in channel["at_extreme"]:
-        lines.append(
-            f"{extreme['share']:.1%} of the samples are exactly the {extreme['side']}est value, "
-            f"{value(extreme['value'])}, in {_count(len(extreme['stretches']), 'stretch')}: "
-            "clipped, or held there"
+        yield (
+            f"clipped, or held there: {extreme['share']:.1%} of the samples are exactly the "
+            f"{extreme['side']}est value, {extreme['value']:.4g}{unit}"
         )
-    return lines
 
 
-def _describe_leak(sealed: Mapping[str, Any], diagnosis: Mapping[str, Any], unit: str) -> list[str]:
-    slope, channel = sealed["slope_kpa_per_min"], diagnosis["channels"]["p_o_kpa"]
+def _describe_leak(diagnosis: Mapping[str, Any], unit: str) -> Iterator[str]:
+    sealed, channel = diagnosis["sealed"], diagnosis["channels"]["p_o_kpa"]
+    slope = sealed["slope_kpa_per_min"]
     if slope is None:
-        return [
+        yield (
             f"{sealed['relative_to']} explains only {sealed['explained']:.0%} of its variance, too "
             "little for a sealed chamber; leak and re-fills are not evaluated"
-        ]
+        )
+        return
     limit = LEAK_KPA_PER_MIN if unit else 0.05 * (channel["highest"] - channel["lowest"])
-    rate = f"{abs(slope):.2g} {unit}".rstrip()
-    lines = []
-    at_equal = f"at equal {sealed['relative_to']} it"
-    if slope < -limit:
+    if abs(slope) > limit:
+        what = "leaks" if slope < 0.0 else "warms, or has an inflow"
         short = diagnosis["duration_s"] < SHORT_S
         doubt = "; hysteresis can cause this in under a minute" if short else ""
-        lines.append(f"leaks: {at_equal} falls by about {rate} a minute{doubt}")
-    elif slope > limit:
-        lines.append(f"{at_equal} rises by about {rate} a minute: warming, or inflow")
-    for noun, sign in (("re-fill", 1.0), ("sudden loss", -1.0)):
-        steps = [step for step in sealed["steps"] if sign * step["height_kpa"] > 0.0]
-        if steps:
-            heights = [
-                f"{s['height_kpa']:+.3g} {unit}".rstrip() + f" at {s['at_s']:.1f} s" for s in steps
-            ]
-            more = ", ..." if len(heights) > 6 else ""
-            lines.append(f"{_count(len(steps), noun)}: {', '.join(heights[:6])}{more}")
-    return lines
-
-
-def _count(number: int, noun: str) -> str:
-    plural = {"stretch": "stretches", "sudden loss": "sudden losses"}.get(noun, f"{noun}s")
-    return f"{number} {noun if number == 1 else plural}"
+        yield f"{what}: at equal {sealed['relative_to']} {slope:+.2g}{unit} a minute{doubt}"
+    if sealed["steps"]:
+        steps = [f"{s['height_kpa']:+.3g} at {s['at_s']:.1f} s" for s in sealed["steps"]]
+        more = ", ..." if len(steps) > 6 else ""
+        yield (
+            f"re-fills (+) and sudden losses (-){unit}: {len(steps)}, {', '.join(steps[:6])}{more}"
+        )

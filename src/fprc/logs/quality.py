@@ -165,13 +165,13 @@ def _rate(log: Columns, expected_hz: float, tolerance: float) -> dict[str, Any]:
 
 
 def _gaps(log: Columns, limit_s: float) -> dict[str, Any]:
-    steps = np.diff(log.channels["time_s"])
-    gaps = np.flatnonzero(steps > limit_s)
+    time_s = log.channels["time_s"]
+    gaps = gaps_of(time_s, limit_s)
     return {
         "passed": gaps.size == 0,
         "count": int(gaps.size),
         "first_sample": int(gaps[0]) + 1 if gaps.size else None,
-        "longest_s": float(steps.max(initial=0.0)),
+        "longest_s": float(np.diff(time_s).max(initial=0.0)),
         "limit_s": limit_s,
     }
 
@@ -204,6 +204,11 @@ def _stuck(log: Columns, limit: float) -> dict[str, Any]:
         "longest_unchanged_samples": longest,
         "limit_samples": int(limit),
     }
+
+
+def gaps_of(time_s: np.ndarray, limit_s: float) -> np.ndarray:
+    """Return the last sample before each step of the clock that is longer than a limit."""
+    return np.flatnonzero(np.diff(time_s) > limit_s)
 
 
 def runs(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
