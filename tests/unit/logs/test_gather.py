@@ -8,8 +8,9 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from fprc.errors import LogError
+from fprc.logs.arrays import read_arrays
 from fprc.logs.gather import LARGEST, gather
-from fprc.logs.sources import read_arrays, read_source
+from fprc.logs.sources import read_source
 
 PLAIN = {"scale": 1.0, "offset": 0.0}
 T = np.arange(50) / 100.0
