@@ -99,15 +99,7 @@ def test_implausible_samples_of_every_channel_are_counted_and_the_first_is_named
     assert counts[channel] == sum(counts.values()) == 3
     first = record["checks"]["range"]["first"]
     assert first == {channel: {"sample": 200, "value": value, "limits": limits}}
-    (line,) = [line for line in warnings(record) if ": range: " in line]
-    assert line.startswith(f"log.h5: range: channel {channel}: sample 200 is {value:g} ")
-
-
-@pytest.mark.parametrize(("channel", "value"), [("p_i_kpa", 9e9), ("p_o_kpa", 9e9)])
-def test_huge_pressure_has_a_record_that_can_be_written(log, channel, value):
-    log.channels[channel][200:300:7] = value
-    assert "range" in failed(log)
-    json.dumps(judge(log), allow_nan=False)
+    json.dumps(record, allow_nan=False)
 
 
 def test_channels_without_a_checksum_are_listed(log):
@@ -132,9 +124,8 @@ def test_channel_unchanged_for_less_than_the_limit_is_not_stuck(log):
     assert failed(log, stuck_s=1.0) == {"stuck"}
 
 
-@pytest.mark.parametrize("channel", ["p_exp_kpa", "theta_deg"])
-def test_value_that_is_not_finite_is_counted_in_a_record_that_can_be_written(log, channel):
-    log.channels[channel][[5, 9]] = np.nan, np.inf
+def test_value_that_is_not_finite_is_counted_in_a_record_that_can_be_written(log):
+    log.channels["p_exp_kpa"][[5, 9]] = np.nan, np.inf
     record = judge(log)
     assert record["checks"]["not_finite"] == {"passed": False, "count": 2}
     json.dumps(record, allow_nan=False)
@@ -185,18 +176,13 @@ def test_growing_squeeze_is_not_mistaken_for_a_leak_and_does_not_hide_one(record
         assert found["passed"] is (leak_kpa_per_min == 0.0)
 
 
-def test_reservoir_that_was_never_driven_has_a_record(log):
+def test_reservoir_that_was_never_driven_and_one_sample_have_a_record(log, channels):
     log.channels["p_i_kpa"][:] = 0.0
-    record = judge(log)
-    assert record["checks"]["leak"]["passed"]
-    json.dumps(record, allow_nan=False)
-
-
-def test_log_of_one_sample_has_a_record(channels):
-    log = log_of({name: values[:1] for name, values in channels.items()})
-    record = judge(log)
-    assert record["samples"] == 1
-    json.dumps(record, allow_nan=False)
+    short = log_of({name: values[:1] for name, values in channels.items()})
+    for each in (log, short):
+        record = judge(each)
+        assert record["checks"]["leak"]["passed"]
+        json.dumps(record, allow_nan=False)
 
 
 def test_each_failed_check_gives_one_warning_that_names_log_and_check(log):
@@ -210,28 +196,24 @@ def test_each_failed_check_gives_one_warning_that_names_log_and_check(log):
 
 
 @pytest.mark.parametrize(
-    ("told", "expected"),
+    ("told", "reason", "lost"),
     [
-        ({}, {"passed": True, "reason": None, "lost_samples": 0}),
-        (
-            {"complete": True, "lost_samples": 0},
-            {"passed": True, "reason": None, "lost_samples": 0},
-        ),
+        ({}, None, 0),
+        ({"complete": True, "lost_samples": 0}, None, 0),
         (
             {"complete": False, "incomplete_reason": "not closed", "lost_samples": 3},
-            {"passed": False, "reason": "not closed", "lost_samples": 3},
+            "not closed",
+            3,
         ),
-        (
-            {"aborted": "run stopped at sample 7"},
-            {"passed": False, "reason": "run stopped at sample 7", "lost_samples": 0},
-        ),
-        ({"complete": False}, {"passed": False, "reason": "unknown", "lost_samples": 0}),
+        ({"aborted": "run stopped at sample 7"}, "run stopped at sample 7", 0),
+        ({"complete": False}, "unknown", 0),
     ],
 )
-def test_log_that_is_not_complete_fails_with_its_reason(log, told, expected):
+def test_log_that_is_not_complete_fails_with_its_reason(log, told, reason, lost):
     log.attributes.update(told)
+    expected = {"passed": reason is None, "reason": reason, "lost_samples": lost}
     assert judge(log)["checks"]["complete"] == expected
-    assert failed(log) == (set() if expected["passed"] else {"complete"})
+    assert failed(log) == ({"complete"} if reason else set())
 
 
 @pytest.mark.parametrize(
