@@ -2,7 +2,7 @@
 
 import math
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -95,33 +95,19 @@ def refuse_never_written(dataset: h5py.Dataset) -> None:
     Raises
     ------
     LogError
-        Some numbers were never written; names the first such chunk, but not the dataset.
+        Some numbers were never written. The message does not name the dataset.
     """
-    problem = ""
     layout = dataset.id.get_create_plist().get_layout()
     if layout == h5py.h5d.CHUNKED:
-        counts = [-(-n // size) for n, size in zip(dataset.shape, dataset.chunks, strict=True)]
-        written: set[tuple[int, ...]] = set()
-        dataset.id.chunk_iter(lambda chunk: written.add(chunk.chunk_offset))
-        if not written:
-            problem = "none was written"
-        elif len(written) < math.prod(counts):
-            begins = (_begin_of_chunk(k, counts, dataset.chunks) for k in range(len(written) + 1))
-            begin = ", ".join(map(str, next(each for each in begins if each not in written)))
-            problem = f"its chunk that begins at [{begin}] was never written"
-    elif layout != h5py.h5d.COMPACT and dataset.id.get_offset() is None:
-        problem = "none was written"
+        sizes = zip(dataset.shape, dataset.chunks, strict=True)
+        chunks = math.prod(-(-samples // size) for samples, size in sizes)
+        missing = chunks - dataset.id.get_num_chunks()
+        problem = f"{missing:,} of its {chunks:,} chunks were never written" if missing else ""
+    else:
+        written = layout == h5py.h5d.COMPACT or dataset.id.get_offset() is not None
+        problem = "" if written else "none was written"
     if dataset.size and problem:
         raise LogError(f"declares {dataset.size:,} numbers, but {problem}; record the file again")
-
-
-def _begin_of_chunk(number: int, counts: Sequence[int], chunks: Sequence[int]) -> tuple[int, ...]:
-    """Return the indices at which a chunk begins, by its number, row by row."""
-    begin: list[int] = []
-    for count, size in zip(reversed(counts), reversed(chunks), strict=True):
-        number, k = divmod(number, count)
-        begin.insert(0, k * size)
-    return tuple(begin)
 
 
 def bytes_of(dataset: h5py.Dataset) -> int:
