@@ -2,89 +2,85 @@
 
 from typing import Annotated
 
-from fprc.config.section import Rising, Section, quantities, quantity, within
+from fprc.config.section import NotEmpty, Rising, Section, quantities, quantity, within
 
 
 class Disturbances(Section):
     """Disturbances of P_o in the test log, after training."""
 
-    shifts_kpa: tuple[Annotated[float, within(-100, 100)], ...] = quantities(
-        (-5, -3, -2, -1, 0, 1, 2, 3, 5), "kPa", (-100, 100), "constant shifts of P_o"
+    shifts_kpa: NotEmpty[Annotated[float, within(-100, 100)]] = quantities(
+        (-5, -3, -2, -1, 0, 1, 2, 3, 5), "constant shifts of P_o"
     )
-    drift_kpa: float = quantity(2.0, "kPa", (0, 100), "linear fall of P_o over the test log")
-    noise_kpa: float = quantity(
-        1.0, "kPa", (0, 100), "standard deviation of white noise added to P_o"
-    )
+    drift_kpa: float = quantity(2.0, (0, 100), "linear fall of P_o over the test log")
+    noise_kpa: float = quantity(1.0, (0, 100), "standard deviation of white noise added to P_o")
 
 
 class TrainingLogs(Section):
     """Training logs of other lengths, and a second training log."""
 
-    seeds: int = quantity(10, "-", (1, 1000), "seeds on which each length is judged")
-    seconds: tuple[Annotated[float, within(5, 3600)], ...] = quantities(
-        (15, 30, 60, 120, 240), "s", (5, 3600), "lengths; each log sweeps the whole band"
+    seeds: int = quantity(10, (1, 1000), "seeds on which each length is judged")
+    seconds: NotEmpty[Annotated[float, within(5, 3600)]] = quantities(
+        (15, 30, 60, 120, 240), "lengths; each log sweeps the whole band", unit="s"
     )
-    second_f_hz: tuple[Annotated[float, within(0.001, 10)], ...] = quantities(
-        (0.18, 0.07, 0.43, 0.23, 0.37), "Hz", (0.001, 10),
+    second_f_hz: NotEmpty[Annotated[float, within(0.001, 10)]] = quantities(
+        (0.18, 0.07, 0.43, 0.23, 0.37),
         "frequencies of a second training log, a multisine like the test log",
-    )  # fmt: skip
+    )
 
 
 class Tuning(Section):
     """Choice of the competitors' settings, on seeds and rigs that are used for nothing else."""
 
-    candidates: int = quantity(24, "-", (1, 10000), "settings tried per model, the defaults first")
-    units: int = quantity(3, "-", (1, 100), "seeds per world of one rig, rigs per world of many")
-    seed: int = quantity(1, "-", (0, 2**31), "seed of the draws")
+    candidates: int = quantity(24, (1, 10000), "settings tried per model, the defaults first")
+    units: int = quantity(3, (1, 100), "seeds per world of one rig, rigs per world of many")
+    seed: int = quantity(1, (0, 2**31), "seed of the draws")
 
 
 class Capacity(Section):
     """Memory and information processing capacity of the reservoir, with theta_d held at random."""
 
-    seeds: int = quantity(10, "-", (1, 1000), "seeds of each rig")
+    seeds: int = quantity(10, (1, 1000), "seeds of each rig")
     hold_s: float = quantity(
-        0.5, "s", (0.01, 60), "length of a hold; half a period of the paper's fastest signal"
+        0.5, (0.01, 60), "length of a hold; half a period of the paper's fastest signal"
     )
     angle_range_deg: Rising[Annotated[float, within(-120, 120)]] = quantities(
-        (5, 60), "deg", (-120, 120), "theta_d of each hold is drawn uniformly from this range"
+        (5, 60), "theta_d of each hold is drawn uniformly from this range"
     )
-    samples: int = quantity(4000, "-", (100, 1_000_000), "holds that are evaluated")
-    washout: int = quantity(20, "-", (0, 10000), "holds before these that are discarded")
-    max_delay: int = quantity(10, "holds", (1, 1000), "longest delay of a target")
-    max_degree: int = quantity(3, "-", (1, 10), "highest total degree of a target")
+    samples: int = quantity(4000, (100, 1_000_000), "holds that are evaluated")
+    washout: int = quantity(20, (0, 10000), "holds before these that are discarded")
+    max_delay: int = quantity(10, (1, 1000), "longest delay of a target", unit="holds")
+    max_degree: int = quantity(3, (1, 10), "highest total degree of a target")
     p: float = quantity(
-        1e-4, "-", (1e-12, 0.5), "probability, per target, that a capacity due to chance counts"
+        1e-4, (1e-12, 0.5), "probability, per target, that a capacity due to chance counts"
     )
-    virtual_nodes: int = quantity(10, "-", (1, 1000), "samples of P_o in a hold")
-    bank_epsilons: tuple[Annotated[float, within(1e-6, 1)], ...] = quantities(
-        (0.03, 0.01, 0.003), "-", (1e-6, 1), "filter factors of the bank of low-passes"
+    virtual_nodes: int = quantity(10, (1, 1000), "samples of P_o in a hold")
+    bank_epsilons: NotEmpty[Annotated[float, within(1e-6, 1)]] = quantities(
+        (0.03, 0.01, 0.003), "filter factors of the bank of low-passes"
     )
-    esn_nodes: int = quantity(100, "-", (1, 4000), "nodes of the ESN")
+    esn_nodes: int = quantity(100, (1, 4000), "nodes of the ESN")
 
 
 class OnlineStudy(Section):
     """The study of a model that learns while it runs."""
 
-    first_seed: int = quantity(1001, "-", (0, 2**31 - 2**20), "first seed, and seed of the models")
-    units: int = quantity(
-        10, "-", (1, 1000), "seeds of each named rig; rigs of each family of many"
-    )
+    first_seed: int = quantity(1001, (0, 2**31 - 2**20), "first seed, and seed of the models")
+    units: int = quantity(10, (1, 1000), "seeds of each named rig; rigs of each family of many")
 
 
 class Beyond(Section):
     """Competitors of the paper's models on several worlds; a world is one rig, or a set of rigs."""
 
     first_seed: int = quantity(
-        601, "-", (0, 2**31 - 2**20), "first seed of the worlds; no fit has seen it or a later one"
+        601, (0, 2**31 - 2**20), "first seed of the worlds; no fit has seen it or a later one"
     )
-    seeds: int = quantity(40, "-", (1, 10000), "seeds of each world with one rig")
-    rigs: int = quantity(40, "-", (1, 10000), "rigs of each world with many")
-    seeds_per_rig: int = quantity(3, "-", (1, 100), "seeds of each drawn rig")
+    seeds: int = quantity(40, (1, 10000), "seeds of each world with one rig")
+    rigs: int = quantity(40, (1, 10000), "rigs of each world with many")
+    seeds_per_rig: int = quantity(3, (1, 100), "seeds of each drawn rig")
     slow: int = quantity(
-        10, "-", (0, 10000), "seeds that also judge slow models of no claim (ESN, trees, MLP)"
+        10, (0, 10000), "seeds that also judge slow models of no claim (ESN, trees, MLP)"
     )
     restarts: int = quantity(
-        10, "-", (1, 1000), "starts of every clustering; the lowest objective is kept"
+        10, (1, 1000), "starts of every clustering; the lowest objective is kept"
     )
     disturbances: Disturbances = Disturbances()
     training: TrainingLogs = TrainingLogs()

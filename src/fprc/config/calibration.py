@@ -5,31 +5,31 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from fprc.config.free import free_ranges
-from fprc.config.section import Distinct, Rising, Section, quantities, quantity, within
+from fprc.config.section import Distinct, NotEmpty, Rising, Section, quantities, quantity, within
 
 
 class Plausible(Section):
     """Plausible ranges of a fitted rig's properties."""
 
     angle_deg: Rising[Annotated[float, within(1, 120)]] = quantities(
-        (57, 63), "deg", (1, 120), "largest angle of the sweep", "paper: about 60 deg"
+        (57, 63), "largest angle of the sweep", "paper: about 60 deg"
     )
     loop_kpa: Rising[Annotated[float, within(1, 400)]] = quantities(
-        (45, 75), "kPa", (1, 400), "width of the loop at mid-angle", "Fuzzy-linear's printed error"
+        (45, 75), "width of the loop at mid-angle", "Fuzzy-linear's printed error"
     )
     loop_growth: Rising[Annotated[float, within(0.1, 10)]] = quantities(
-        (0.87, 1.15), "-", (0.1, 10), "growth of that width from the first to the last quarter",
-        "paper, Sec. II-B: independent of frequency",
+        (0.87, 1.15), "growth of that width from the first to the last quarter",
+        "paper, Sec. II-B: independent of frequency"
     )  # fmt: skip
     p_o_swing_kpa: Rising[Annotated[float, within(1, 400)]] = quantities(
-        (40, 80), "kPa", (1, 400), "swing of P_o in the sweep", "size of the chambers"
+        (40, 80), "swing of P_o in the sweep", "size of the chambers"
     )
     p_o_loop: Rising[Annotated[float, within(0.001, 2)]] = quantities(
-        (0.17, 0.4), "-", (0.001, 2), "width of P_o's loop over its swing", "paper, Fig. 5"
+        (0.17, 0.4), "width of P_o's loop over its swing", "paper, Fig. 5"
     )
     p_o_loop_growth: Rising[Annotated[float, within(0.1, 10)]] = quantities(
-        (0.87, 1.15), "-", (0.1, 10), "growth of that width from the first to the last quarter",
-        "paper, Sec. II-B: independent of frequency",
+        (0.87, 1.15), "growth of that width from the first to the last quarter",
+        "paper, Sec. II-B: independent of frequency"
     )  # fmt: skip
 
 
@@ -56,13 +56,13 @@ class FirstSearch(Section):
         ("tables", "orders", "plausible", "C18", "open_loop", "closed_loop"),
         description="terms of its objective, of those in calibration.fit; none: no first search",
     )
-    generations: int = quantity(60, "-", (1, 100000), "generations of eight rigs")
+    generations: int = quantity(60, (1, 100000), "generations of eight rigs")
 
 
 class Calibration(Section):
     """How the rig's free parameters are fitted to the paper."""
 
-    free: tuple[str, ...] = Field(
+    free: Distinct[str] = Field(
         (
             "valve.dead_zone",
             "valve.sonic_conductance_ml_per_s_kpa",
@@ -107,7 +107,6 @@ class Calibration(Section):
             "bend_sensor.noise_deg",
             "bend_sensor.slow_error_deg",
         ),
-        min_length=2,
         description="parameters of the rig that may change within their ranges; a list is scaled "
         "as a whole unless one of its numbers is named",
     )
@@ -121,45 +120,43 @@ class Calibration(Section):
         },
         description="narrower ranges than the physical ones, by free parameter",
     )
-    fit: tuple[Term, ...] = Field(
+    fit: NotEmpty[Term] = Field(
         (
             "tables", "orders", "plausible", "C8", "C9b", "C11", "C12", "C18", "open_loop",
             "closed_loop",
         ),
-        min_length=1,
         description="terms of the objective: errors of Tables II and III, their orders (C1, C2, "
         "C3, C7), plausible ranges, claims, open-loop Table IV; closed_loop asks only that FPRC+PD "
         "is at least a fifth below FPRC",
     )  # fmt: skip
-    seeds: tuple[Annotated[int, within(0, 2**31)], ...] = Field(
-        (21, 22, 23),
-        min_length=1,
-        description="noise seeds of the objective; with few, the search fits the noise",
+    seeds: NotEmpty[Annotated[int, within(0, 2**31)]] = quantities(
+        (21, 22, 23), "noise seeds of the objective; with few, the search fits the noise"
     )
     grid_seeds: int = quantity(
-        1, "-", (1, 1000), "number of these seeds that also judge the grids of C9, C11 and C12"
+        1, (1, 1000), "number of these seeds that also judge the grids of C9, C11 and C12"
     )
-    check_seeds: tuple[Annotated[int, within(0, 2**31)], ...] = Field(
+    check_seeds: NotEmpty[Annotated[int, within(0, 2**31)]] = quantities(
         (41, 42, 43, 44, 45, 46, 47, 48),
-        min_length=1,
-        description="noise seeds on which the fitted rig is compared with the starting rig",
+        "noise seeds on which the fitted rig is compared with the starting rig",
     )
-    taps: Distinct[Annotated[int, within(1, 10)]] = Field(
-        (2, 4, 7, 10), min_length=2, description="n_u and n_y at which the search judges C12"
+    taps: Distinct[Annotated[int, within(1, 10)]] = quantities(
+        (2, 4, 7, 10), "n_u and n_y at which the search judges C12", unit="samples"
     )
     first: FirstSearch = FirstSearch()
-    generations: tuple[Annotated[int, within(1, 100000)], ...] = quantities(
-        (40, 40, 40), "-", (1, 100000), "generations of eight rigs of each search for "
+    generations: NotEmpty[Annotated[int, within(1, 100000)]] = quantities(
+        (40, 40, 40),
+        "generations of eight rigs of each search for "
         "calibration.fit; each begins at the end of the one before",
-    )  # fmt: skip
+    )
     step: float = quantity(
-        0.05, "-", (1e-3, 1), "standard deviation of the first rigs, as a share of each range"
+        0.05, (1e-3, 1), "standard deviation of the first rigs, as a share of each range"
     )
     minutes: float = quantity(
-        120, "min", (0.01, 10000), "after this time each search begins its first generation only"
-    )
-    stride: int = quantity(5, "samples", (1, 1000), "the surrogate models fit every n-th row")
-    esn_nodes: int = quantity(150, "-", (1, 4000), "reservoir size of the surrogate ESN")
+        120, (0.01, 10000), "after this time each search begins its first generation only",
+        unit="min"
+    )  # fmt: skip
+    stride: int = quantity(5, (1, 1000), "the surrogate models fit every n-th row", unit="samples")
+    esn_nodes: int = quantity(150, (1, 4000), "reservoir size of the surrogate ESN")
     plausible: Plausible = Plausible()
 
     @model_validator(mode="after")
@@ -171,17 +168,17 @@ class Calibration(Section):
 class Drawn(Section):
     """Rigs whose free parameters are drawn from their ranges instead of fitted."""
 
-    rigs: int = quantity(40, "-", (1, 1_000_000), "number of rigs")
-    chunk: int = quantity(5, "-", (1, 100000), "rigs per job, also of rigs near print")
-    seed: int = quantity(1000, "-", (0, 2**31), "seed of the draws")
+    rigs: int = quantity(40, (1, 1_000_000), "number of rigs")
+    chunk: int = quantity(5, (1, 100000), "rigs per job, also of rigs near print")
+    seed: int = quantity(1000, (0, 2**31), "seed of the draws")
     angle_deg: Rising[Annotated[float, within(1, 120)]] = quantities(
-        (50, 70), "deg", (1, 120), "range of the largest angle; other rigs are rejected"
+        (50, 70), "range of the largest angle; other rigs are rejected"
     )
     p_o_swing_kpa: Rising[Annotated[float, within(1, 400)]] = quantities(
-        (30, 100), "kPa", (1, 400), "range of the swing of P_o; other rigs are rejected"
+        (30, 100), "range of the swing of P_o; other rigs are rejected"
     )
     sensitivity_steps: int = quantity(
-        5, "-", (2, 100), "values over each parameter's range in the sensitivity table"
+        5, (2, 100), "values over each parameter's range in the sensitivity table"
     )
 
 
@@ -189,16 +186,14 @@ class NearPrint(Section):
     """How rigs with errors near those of Tables II and III are found, beginning with drawn ones."""
 
     rigs: int = quantity(
-        600, "-", (10, 1_000_000), "rigs drawn at the beginning; implausible ones drop out"
+        600, (10, 1_000_000), "rigs drawn at the beginning; implausible ones drop out"
     )
-    keep: int = quantity(43, "-", (1, 100000), "rigs that are written")
-    seed: int = quantity(
-        5000, "-", (2, 2**31 - 2**24), "seed of the draws; each rig has its own noise"
-    )
+    keep: int = quantity(43, (1, 100000), "rigs that are written")
+    seed: int = quantity(5000, (2, 2**31 - 2**24), "seed of the draws; each rig has its own noise")
     tolerance: float = quantity(
-        0.1, "-", (0.01, 1), "standard deviation of an error's logarithm around the printed one"
+        0.1, (0.01, 1), "standard deviation of an error's logarithm around the printed one"
     )
-    assimilations: int = quantity(5, "-", (0, 100), "steps of the smoother")
+    assimilations: int = quantity(5, (0, 100), "steps of the smoother")
     sweeps: int = quantity(
-        20, "-", (0, 100000), "sweeps of the sampler, with one proposal per rig; 0: none"
+        20, (0, 100000), "sweeps of the sampler, with one proposal per rig; 0: none"
     )

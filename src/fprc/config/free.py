@@ -1,10 +1,10 @@
 """Ranges of the rig's free parameters."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from functools import cache
 
 from fprc.config.rig import Rig
-from fprc.config.section import fields
+from fprc.config.section import fields, limits_of
 
 
 def free_ranges(
@@ -24,7 +24,6 @@ def free_ranges(
         Lists every path that is not a number of the rig, and every range that is empty, exceeds
         the physical one, or belongs to no free parameter.
     """
-    parameters = {key: (default, field) for key, default, field, _ in fields(Rig())}
     problems = [
         f"calibration.ranges: {path} is not free; remove it or add it to calibration.free"
         for path in narrower
@@ -32,53 +31,43 @@ def free_ranges(
     ]
     ranges = {}
     for path in paths:
-        if _follows_from_others(path, parameters):
+        if path not in _physical():
             problems.append(
-                f"calibration.free: {path} follows from the other weights, as all sum to 1; "
-                "remove it"
+                f"calibration.free: {path} is not a number of the rig, or is a slip weight that "
+                "follows from the others, as all sum to 1; remove it"
             )
-        elif (physical := _physical(path, parameters)) is None:
-            problems.append(f"calibration.free: {path} is not a number of the rig; remove it")
-        else:
-            low, high = map(float, narrower.get(path, physical))
-            ranges[path] = (low, high)
-            if not physical[0] <= low < high <= physical[1]:
-                problems.append(
-                    f"calibration.ranges: {path} is {low:g} to {high:g}; must rise and lie within "
-                    f"{physical[0]:g} to {physical[1]:g}"
-                )
+            continue
+        least, most = _physical()[path]
+        low, high = map(float, narrower.get(path, (least, most)))
+        ranges[path] = (low, high)
+        if not least <= low < high <= most:
+            problems.append(
+                f"calibration.ranges: {path} is {low:g} to {high:g}; must rise and lie within "
+                f"{least:g} to {most:g}"
+            )
     if problems:
         raise ValueError("\n  ".join(problems))
     return ranges
 
 
-def _physical(path: str, parameters: Mapping[str, tuple[Any, Any]]) -> tuple[float, float] | None:
-    key, _, last = path.rpartition(".")
-    name = key if last.isdigit() else path
-    if name not in parameters:
-        return None
-    default, field = parameters[name]
-    low, high = _limits(field)
-    if not isinstance(default, tuple):
-        return None if last.isdigit() else (low, high)
-    if last.isdigit():
-        return (low, high) if int(last) < len(default) else None
-    scales = [item / default[0] for item in default]
-    return max(low / scale for scale in scales), min(high / scale for scale in scales)
-
-
-def _follows_from_others(path: str, parameters: Mapping[str, tuple[Any, Any]]) -> bool:
-    """Return whether these weights cannot change alone: the last one, or all as a whole."""
-    key, _, last = path.rpartition(".")
-    name = key if last.isdigit() else path
-    if name not in parameters or not name.endswith(".slip_weight"):
-        return False
-    return not last.isdigit() or int(last) == len(parameters[name][0]) - 1
-
-
-def _limits(field: Any) -> tuple[float, float]:
-    extra = field.json_schema_extra or {}
-    if "minimum" in extra:
-        return float(extra["minimum"]), float(extra["maximum"])
-    bounds = {type(item).__name__: item for item in field.metadata}
-    return float(bounds["Ge"].ge), float(bounds["Le"].le)
+@cache
+def _physical() -> dict[str, tuple[float, float]]:
+    """Return the range of each number of the rig, of each list, and of each of its numbers."""
+    ranges = {}
+    for key, default, field, _ in fields(Rig):
+        if (limits := limits_of(field)) is None:
+            continue
+        numbers = default if isinstance(default, tuple) else ()
+        of_each = {f"{key}.{index}": limits for index in range(len(numbers))}
+        if key.endswith(".slip_weight"):
+            # they sum to 1, so the last one follows, and they cannot be scaled as a whole
+            of_each.popitem()
+        else:
+            scales = [number / numbers[0] for number in numbers] or [1.0]
+            low, high = limits
+            ranges[key] = (
+                max(low / scale for scale in scales),
+                min(high / scale for scale in scales),
+            )
+        ranges |= of_each
+    return ranges

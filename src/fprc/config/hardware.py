@@ -19,11 +19,11 @@ class Boards(Section):
     )
     input_device: str = Field("AIO000", min_length=1, description="analog input board")
     output_device: str = Field("AIO001", min_length=1, description="analog output board")
-    p_exp_input: int = quantity(0, "-", (0, 63), "channel of the actuator's pressure sensor")
-    p_i_input: int = quantity(1, "-", (0, 63), "channel of PAM A's pressure sensor")
-    p_o_input: int = quantity(2, "-", (0, 63), "channel of PAM B's pressure sensor")
-    main_output: int = quantity(0, "-", (0, 63), "channel of the actuator's valve")
-    reservoir_output: int = quantity(1, "-", (0, 63), "channel of the reservoir's valve")
+    p_exp_input: int = quantity(0, (0, 63), "channel of the actuator's pressure sensor")
+    p_i_input: int = quantity(1, (0, 63), "channel of PAM A's pressure sensor")
+    p_o_input: int = quantity(2, (0, 63), "channel of PAM B's pressure sensor")
+    main_output: int = quantity(0, (0, 63), "channel of the actuator's valve")
+    reservoir_output: int = quantity(1, (0, 63), "channel of the reservoir's valve")
     heartbeat_output: Annotated[int | None, within(0, 63), _NULL] = Field(
         None,
         description="channel that toggles between 0 and 5 V at every sample, for a watchdog relay "
@@ -67,20 +67,20 @@ class Boards(Section):
 class Transducer(Section):
     """Calibration of a pressure sensor: P = (V - zero_v) * gain_kpa_per_v."""
 
-    zero_v: float = quantity(1, "V", (-10, 10), "output at 0 kPa gauge", "data sheet: 1-5 V")
-    gain_kpa_per_v: float = quantity(250, "kPa/V", (50, 1000), "gain", "data sheet: 0-1 MPa")
+    zero_v: float = quantity(1, (-10, 10), "output at 0 kPa gauge", "data sheet: 1-5 V")
+    gain_kpa_per_v: float = quantity(250, (50, 1000), "gain", "data sheet: 0-1 MPa")
 
 
 class AngleSensor(Section):
     """Bend Labs one-axis sensor on an I2C bus."""
 
-    bus: int = quantity(1, "-", (0, 63), "number of the I2C bus, as in /dev/i2c-1")
-    address: int = quantity(0x12, "-", (0x08, 0x77), "I2C address", "data sheet: 0x12")
+    bus: int = quantity(1, (0, 63), "number of the I2C bus, as in /dev/i2c-1")
+    address: int = quantity(0x12, (0x08, 0x77), "I2C address", "data sheet: 0x12")
     ticks: int = quantity(
-        81, "1/16384 s", (33, 16384), "time between two samples", "202.27 Hz, nominally 200"
+        81, (33, 16384), "time between two samples", "202.27 Hz, nominally 200", unit="1/16384 s"
     )
-    offset_deg: float = quantity(0, "deg", (-180, 180), "added after the gain")
-    gain: float = quantity(1, "-", (-10, 10), "factor on the reading, before the offset")
+    offset_deg: float = quantity(0, (-180, 180), "added after the gain")
+    gain: float = quantity(1, (-10, 10), "factor on the reading, before the offset")
 
     @field_validator("gain")
     @classmethod
@@ -98,12 +98,12 @@ VENT_MARGIN_V = 2.0
 class Valves(Section):
     """Voltages of the two proportional valves."""
 
-    neutral_v: float = quantity(5, "V", (4.5, 5.5), "closes the valve", "data sheet")
-    vent_v: float = quantity(0, "V", (0, 3), "opens the chamber fully to the room", "data sheet")
+    neutral_v: float = quantity(5, (4.5, 5.5), "closes the valve", "data sheet")
+    vent_v: float = quantity(0, (0, 3), "opens the chamber fully to the room", "data sheet")
     vented_kpa: float = quantity(
-        15, "kPa", (1, 25), "largest reading of a vented chamber", "twice the sensor's 0.7 %"
+        15, (1, 25), "largest reading of a vented chamber", "twice the sensor's 0.7 %"
     )
-    vent_s: float = quantity(5, "s", (0.1, 60), "longest time for a chamber to vent")
+    vent_s: float = quantity(5, (0.1, 60), "longest time for a chamber to vent")
 
     @model_validator(mode="after")
     def _vents(self) -> "Valves":
@@ -120,30 +120,30 @@ class Limits(Section):
     """Limits that end a run: both valves go to neutral, then both chambers are vented."""
 
     p_exp_kpa: Rising[Annotated[float, within(-100, 1000)]] = quantities(
-        (-20, 480), "kPa", (-100, 1000), "allowed pressure readings of the actuator"
+        (-20, 480), "allowed pressure readings of the actuator"
     )
     p_i_kpa: Rising[Annotated[float, within(-100, 1000)]] = quantities(
-        (-20, 480), "kPa", (-100, 1000), "allowed pressure readings of PAM A"
+        (-20, 480), "allowed pressure readings of PAM A"
     )
     p_o_kpa: Rising[Annotated[float, within(-100, 1000)]] = quantities(
-        (20, 400), "kPa", (-100, 1000), "allowed pressure readings of PAM B, sealed at 100 kPa"
+        (20, 400), "allowed pressure readings of PAM B, sealed at 100 kPa"
     )
     theta_deg: Rising[Annotated[float, within(-360, 360)]] = quantities(
-        (-20, 100), "deg", (-360, 360), "allowed readings of the actuator's angle"
+        (-20, 100), "allowed readings of the actuator's angle"
     )
     phi_deg: Rising[Annotated[float, within(-360, 360)]] = quantities(
-        (-120, 120), "deg", (-360, 360), "allowed readings of the reservoir's angle"
+        (-120, 120), "allowed readings of the reservoir's angle"
     )
     pressure_step_kpa: float = quantity(
-        60, "kPa", (1, 1000), "largest change of a pressure between two samples"
+        60, (1, 1000), "largest change of a pressure between two samples"
     )
     angle_step_deg: float = quantity(
-        15, "deg", (0.1, 360), "largest change of an angle between two samples"
+        15, (0.1, 360), "largest change of an angle between two samples"
     )
-    stale_s: float = quantity(
-        0.25, "s", (0.01, 10), "longest time without a new value from a sensor"
+    stale_s: float = quantity(0.25, (0.01, 10), "longest time without a new value from a sensor")
+    overruns_in_a_row: int = quantity(
+        5, (0, 1000), "consecutive missed ticks allowed", unit="ticks"
     )
-    overruns_in_a_row: int = quantity(5, "ticks", (0, 1000), "consecutive missed ticks allowed")
 
     @field_validator("p_exp_kpa", "p_i_kpa")
     @classmethod
@@ -158,26 +158,20 @@ class Limits(Section):
 class Loop(Section):
     """Real-time settings of the control loop."""
 
-    priority: int = quantity(
-        50, "-", (0, 99), "real-time priority (SCHED_FIFO) to request; 0: none"
-    )
+    priority: int = quantity(50, (0, 99), "real-time priority (SCHED_FIFO) to request; 0: none")
     spin_s: float = quantity(
-        2e-4, "s", (0, 5e-3), "busy waiting before each deadline, which reduces jitter"
+        2e-4, (0, 5e-3), "busy waiting before each deadline, which reduces jitter"
     )
     stalled_s: float = quantity(
-        0.5,
-        "s",
-        (0.2, 10),
-        "if the control loop is silent for longer, the guardian process kills it and vents; "
-        "if the guardian is silent for longer, the loop vents and ends",
-    )
+        0.5, (0.2, 10),
+        "if the control loop is silent for longer, the guardian process kills it and vents; if "
+        "the guardian is silent for longer, the loop vents and ends"
+    )  # fmt: skip
     opening_s: float = quantity(
-        10,
-        "s",
-        (1, 120),
+        10, (1, 120),
         "if the control loop has not opened boards and sensors after this time, the guardian "
-        "kills it and vents",
-    )
+        "kills it and vents"
+    )  # fmt: skip
 
 
 class Hardware(Section):

@@ -1,24 +1,15 @@
 """The map of an import: which column of a foreign file is which channel, in which unit."""
 
-import difflib
 import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    BeforeValidator,
-    Field,
-    ValidationError,
-    create_model,
-)
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationError, create_model
 
 from fprc.channels import CHANNELS, CONVERTED, TARGETS, Channel, unit_of
+from fprc.config.problems import explained, refusal
 from fprc.config.section import Section
-from fprc.errors import ConfigError
-from fprc.escape import in_words
 from fprc.yaml_file import read_yaml
 
 
@@ -34,7 +25,7 @@ Text = Annotated[str, _AS_TEXT]
 
 def _not_zero(value: float) -> float:
     if value == 0.0:
-        raise ValueError("would replace the whole column by the offset; remove the key for 1")
+        raise ValueError("0 would replace the whole column by the offset")
     return value
 
 
@@ -168,15 +159,13 @@ def read_map(path: Path | str) -> ImportMap:
         nearest valid one, every missing key, every wrong value, and every contradiction.
     """
     loaded = read_yaml(path)
-    lines = []
+    problems = list(_contradictions(loaded))
     try:
         mapping = ImportMap.model_validate(loaded)
     except ValidationError as error:
-        lines = [_line(item) for item in error.errors()]
-    lines += [f"  {text}" for text in _contradictions(loaded)]
-    if lines:
-        noun = "error" if len(lines) == 1 else "errors"
-        raise ConfigError("\n".join([f"{path}: {len(lines)} {noun} in the map:", *lines]))
+        problems = [*map(_explained, error.errors()), *problems]
+    if problems:
+        raise refusal(problems, "map", file=str(path))
     return mapping
 
 
@@ -273,39 +262,9 @@ def _number(value: Any) -> float | None:
         return None
 
 
-def _line(item: Mapping[str, Any]) -> str:
-    keys = [str(part) for part in item["loc"]]
-    key = ".".join(keys)
-    if item["type"] == "missing":
-        return f"  {key}: missing; see docs/own-data.md"
-    if item["type"] == "extra_forbidden":
-        known = list(_section(keys[:-1]).model_fields)
-        likely = likely_channel(keys[-1]) if keys[:-1] == ["channels"] else None
-        nearest = [likely] if likely else difflib.get_close_matches(keys[-1], known, n=1)
-        if not nearest:
-            return f"  {key}: unknown key; the keys are {in_words(known)}"
-        return f"  {key}: unknown key; did you mean {'.'.join([*keys[:-1], *nearest])}?"
-    message = item["msg"].removeprefix("Value error, ")
-    message = message.replace("Input should", "must").replace("String should", "must")
-    if item["type"] in ("model_type", "model_attributes_type"):
-        message = "must hold keys and values"
-    if item["type"] == "literal_error":
-        message += _suggestion(str(item["input"]), item["ctx"]["expected"])
-    return f"  {key} = {item['input']}: {message}"
-
-
-def _suggestion(text: str, expected: str) -> str:
-    """Return a hint: the valid word, from pydantic's message, that is nearest to a wrong one."""
-    words = {word.lower(): word for word in re.findall(r"'([^']+)'", expected)}
-    near = difflib.get_close_matches(text.lower(), words, n=1, cutoff=0.5)
-    return f"; did you mean {words[near[0]]}?" if near else ""
-
-
-def _section(keys: list[str]) -> type[BaseModel]:
-    """Return the section at a path of keys."""
-    section: type[BaseModel] = ImportMap
-    for part in keys:
-        kind = section.model_fields[part].annotation
-        kinds = [kind, *getattr(kind, "__args__", ())]
-        section = next(k for k in kinds if isinstance(k, type) and issubclass(k, BaseModel))
-    return section
+def _explained(item: Mapping[str, Any]) -> str:
+    *above, last = map(str, item["loc"])
+    likely = likely_channel(last) if above == ["channels"] else None
+    if item["type"] == "extra_forbidden" and likely:
+        return f"channels.{last}: unknown key; did you mean channels.{likely}?"
+    return explained(item, ImportMap, "docs/own-data.md")

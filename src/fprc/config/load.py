@@ -1,8 +1,6 @@
 """Check a configuration and report every error at once."""
 
-import difflib
 import os
-import re
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from pathlib import Path
@@ -10,7 +8,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from fprc.config.section import fields
+from fprc.config.problems import explained, refusal
 from fprc.config.settings import Settings
 from fprc.errors import ConfigError
 from fprc.yaml_file import read_yaml
@@ -54,49 +52,45 @@ def check(config: Mapping[str, Any]) -> Settings:
         Lists every unknown key with the nearest valid one, and every value
         that is of the wrong type or out of range with the limit and a remedy.
     """
-    return _checked([_with_whole_rig({"rig": RIG}), _with_whole_rig(config)], ())
+    return from_files([], config)
 
 
-def _checked(layers: Sequence[Mapping[str, Any]], files: Sequence[Path | str]) -> Settings:
-    """Merge layers, later ones over earlier ones, and check the result."""
-    remaining = Settings().model_dump()
-    for layer in layers:
-        _merge(remaining, deepcopy(dict(layer)))  # wrong values are removed below
-    lines: dict[str, None] = {}
-    removed: set[tuple[Any, ...]] = set()
+def from_files(paths: Sequence[Path | str], over: Mapping[str, Any] | None = None) -> Settings:
+    """Merge YAML files, later ones over earlier ones and ``over`` over all, and check the result.
+
+    Raises
+    ------
+    ConfigError
+        Lists every file that cannot be read, and why; or the errors that ``check`` lists.
+    """
+    merged = Settings().model_dump()
+    unread = []
+    for layer in ({"rig": RIG}, *paths, over or {}):
+        try:
+            content = layer if isinstance(layer, Mapping) else read_yaml(layer)
+            _merge(merged, deepcopy(dict(_with_whole_rig(content))))
+        except ConfigError as error:
+            unread.append(str(error))
+    if unread:
+        raise ConfigError("\n".join(unread))
+    problems: dict[str, None] = {}
+    restored: set[tuple[Any, ...]] = set()
     while True:
         try:
-            settings = Settings.model_validate(remaining)
+            settings = Settings.model_validate(merged)
             break
         except ValidationError as error:
-            lines |= dict.fromkeys(
-                _line(item) for item in _true_errors(error) if item["loc"] not in removed
-            )
+            items = [item for item in error.errors() if item["loc"] not in restored]
+            problems |= dict.fromkeys(map(_explained, items))
             # checks across several keys run only once each key is valid by itself
-            items = [item for item in error.errors() if _restore_default(remaining, item)]
-            removed |= {item["loc"] for item in items}
-            if not items:
+            single = [item["loc"] for item in items if _restore_default(merged, item)]
+            restored.update(single)
+            if not single:
                 break
-    if not lines:
-        return settings
-    noun = "error" if len(lines) == 1 else "errors"
-    read = f" ({', '.join(map(str, files))})" if files else ""
-    raise ConfigError("\n".join([f"{len(lines)} {noun} in the configuration{read}:", *lines]))
-
-
-def _true_errors(error: ValidationError) -> list[Any]:
-    """Return the errors, without those of lists that lack items only because these are wrong."""
-    items = error.errors()
-    wrong = {item["loc"][:-1] for item in items}
-    missing = {item["loc"][:-1] for item in items if item["type"] == "missing"}
-
-    def is_true(item: Any) -> bool:
-        if item["type"] != "too_short":
-            return True
-        is_short = len(item["input"]) < item["ctx"]["min_length"]
-        return item["loc"] not in (missing if is_short else wrong)
-
-    return list(filter(is_true, items))
+    if problems:
+        files = f" ({', '.join(map(str, paths))})" if paths else ""
+        raise refusal(problems, f"configuration{files}")
+    return settings
 
 
 def _restore_default(config: Any, item: Mapping[str, Any]) -> bool:
@@ -108,33 +102,11 @@ def _restore_default(config: Any, item: Mapping[str, Any]) -> bool:
         default = default.get(part) if isinstance(default, dict) else None
     if not isinstance(config, dict) or last not in config:
         return False
-    if item["type"] == "value_error" and isinstance(config[last], Mapping):
-        return False
     if isinstance(default, dict) and last in default:
         config[last] = default[last]
     else:
         del config[last]
     return True
-
-
-def from_files(paths: Sequence[Path | str], over: Mapping[str, Any] | None = None) -> Settings:
-    """Merge YAML files, later ones over earlier ones and ``over`` over all, and check the result.
-
-    Raises
-    ------
-    ConfigError
-        Lists every file that cannot be read, and why; or the errors that ``check`` lists.
-    """
-    layers = [_with_whole_rig({"rig": RIG})]
-    problems = []
-    for path in paths:
-        try:
-            layers.append(_with_whole_rig(read_yaml(path)))
-        except ConfigError as error:
-            problems.append(str(error))
-    if problems:
-        raise ConfigError("\n".join(problems))
-    return _checked([*layers, _with_whole_rig(over or {})], paths)
 
 
 def rig_file(name: str) -> Path:
@@ -185,59 +157,19 @@ def _merge(into: dict[str, Any], other: Mapping[str, Any]) -> None:
             into[key] = value
 
 
-#: Keys and values of earlier versions, with their new names.
-_RENAMED = {
-    "sweeps": "grids",
-    "grids.replicate_taps": "grids.readout_taps",
-    "source = hardware": "rig",
-    "tracking.printed_gains": "control.pd",
-}
-
-#: Keys of earlier versions that have no successor, and why.
-_REMOVED = {
-    "evaluation.verdict_seeds": "verdicts are those of all replicate_seeds",
-    "tracking.candidate_kp_kpa_per_deg": "the gains are the printed ones, control.pd, and are not "
-    "searched for; the law is control.feedback",
+#: Keys and values of earlier versions, and what became of them.
+_OLD = {
+    "sweeps": "is now called grids; rename it",
+    "grids.replicate_taps": "is now called grids.readout_taps; rename it",
+    "source = hardware": "hardware is now called rig; rename it",
+    "tracking.printed_gains": "is now called control.pd; rename it",
+    "evaluation.verdict_seeds": "was removed: verdicts are those of all replicate_seeds; delete it",
+    "tracking.candidate_kp_kpa_per_deg": "was removed: the gains are the printed ones, control.pd, "
+    "and are not searched for; the law is control.feedback; delete it",
 }
 
 
-def _line(item: Mapping[str, Any]) -> str:
-    key = ".".join(str(part) for part in item["loc"])
-    if key in _REMOVED:
-        return f"  {key}: was removed: {_REMOVED[key]}; delete the key"
-    renamed = _RENAMED.get(key) or _RENAMED.get(f"{key} = {item['input']}")
-    if renamed:
-        was = item["input"] if isinstance(item["input"], str) else key
-        return f"  {key}: {was} is now called {renamed}; rename it"
-    defaults = {name: default for name, default, _, _ in fields(Settings())}
-    if item["type"] == "extra_forbidden":
-        return f"  {key}: unknown key; did you mean {_nearest(key, list(defaults))}?"
-    if item["type"] == "invalid_key":
-        named = ".".join(map(str, [*item["loc"][:-1], item["input"]]))
-        return f"  {named}: unknown key; keys are words, such as seed"
-    message = item["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
-    message = message.replace("a valid tuple", "a list")
-    message = re.sub(r"Tuple should (have .*) after validation, not \d+", r"must \1", message)
-    if item["type"] == "missing" and isinstance(item["loc"][-1], int):
-        key, message = key.rpartition(".")[0], "must have 2 items"
-    no_value = item["type"] == "missing" and isinstance(item["loc"][-1], str)
-    no_value = no_value or item["type"] == "value_error"
-    where = f"{key} = {item['input']}: " if key and not no_value else ""
-    remedy = f"; remove the key for {defaults[key]!r}" if key in defaults else ""
-    if not where and key:
-        where = f"{key}: "
-    return f"  {where}{message}{remedy}"
-
-
-def _nearest(key: str, valid: Sequence[str]) -> str:
-    """Return the valid key that the user probably meant."""
-    parts = [name.split(".") for name in valid]
-    prefixes = dict.fromkeys(".".join(part[:i]) for part in parts for i in range(1, len(part) + 1))
-    section, _, last = key.rpartition(".")
-    same_name = [name for name in prefixes if name.rpartition(".")[2] == last]
-    siblings = [name for name in prefixes if name.rpartition(".")[0] == section]
-    return (
-        same_name
-        or difflib.get_close_matches(key, siblings, n=1, cutoff=0.3)
-        or difflib.get_close_matches(key, prefixes, n=1, cutoff=0.0)
-    )[0]
+def _explained(item: Mapping[str, Any]) -> str:
+    key = ".".join(map(str, item["loc"]))
+    old = _OLD.get(key) or _OLD.get(f"{key} = {item['input']}")
+    return f"{key}: {old}" if old else explained(item, Settings, "docs/configuration.md")

@@ -5,34 +5,34 @@ from typing import Annotated, Literal
 
 from pydantic import Field, ValidationInfo, field_validator
 
-from fprc.config.section import Distinct, Section, quantities, quantity, within
+from fprc.config.section import Distinct, NotEmpty, Section, quantities, quantity, within
 from fprc.registry import ANGLE, MODELS
 
 
 class Esn(Section):
     """Echo state network, Sec. III-A and Table I."""
 
-    r: int = quantity(800, "-", (1, 4000), "nodes of the reservoir", "paper, Table I")
-    f_input: float = quantity(0.02, "-", (1e-6, 10), "input scaling factor", "paper, Table I")
-    gamma: float = quantity(0.8, "-", (0, 0.9999), "leaky rate", "paper, Table I")
-    rho: float = quantity(0.4, "-", (0, 1.5), "spectral radius", "paper, Table I")
+    r: int = quantity(800, (1, 4000), "nodes of the reservoir", "paper, Table I")
+    f_input: float = quantity(0.02, (1e-6, 10), "input scaling factor", "paper, Table I")
+    gamma: float = quantity(0.8, (0, 0.9999), "leaky rate", "paper, Table I")
+    rho: float = quantity(0.4, (0, 1.5), "spectral radius", "paper, Table I")
     washout: int = quantity(
-        100, "samples", (0, 10000), "steps for the state x to settle", "paper, Sec. III-D"
+        100, (0, 10000), "steps for the state x to settle", "paper, Sec. III-D", unit="samples"
     )
 
 
 class Fprc(Section):
     """Fuzzy pneumatic reservoir computing, Sec. III-B and Table I."""
 
-    epsilon: float = quantity(0.01, "-", (1e-6, 1), "filter factor", "paper, Table I")
-    n_c: int = quantity(8, "-", (1, 64), "number of fuzzy rules", "paper, Table I")
-    n_u: int = quantity(3, "samples", (1, 100), "taps of the readout P_o", "paper, Table I")
-    sigma: float = quantity(2.0, "-", (1e-3, 1e3), "Gaussian membership scaling", "paper, Table I")
+    epsilon: float = quantity(0.01, (1e-6, 1), "filter factor", "paper, Table I")
+    n_c: int = quantity(8, (1, 64), "number of fuzzy rules", "paper, Table I")
+    n_u: int = quantity(3, (1, 100), "taps of the readout P_o", "paper, Table I", unit="samples")
+    sigma: float = quantity(2.0, (1e-3, 1e3), "Gaussian membership scaling", "paper, Table I")
     clustering: Literal["fprc", "scikit-fuzzy"] = Field(
         "fprc", description="fuzzy c-means of this package, or that of scikit-fuzzy"
     )
     restarts: int = quantity(
-        1, "-", (1, 1000), "starts of the clustering; that of the lowest objective is kept"
+        1, (1, 1000), "starts of the clustering; that of the lowest objective is kept"
     )
 
     @field_validator("clustering")
@@ -67,8 +67,8 @@ class Other(Section):
 class Models(Section):
     """The three models; Fuzzy-linear shares n_c, sigma and the clustering with FPRC."""
 
-    n_y: int = quantity(5, "samples", (1, 100), "taps of theta_d", "paper, Sec. III-D")
-    alpha: float = quantity(1e-3, "-", (0, 1e6), "ridge parameter", "paper, Sec. III-D")
+    n_y: int = quantity(5, (1, 100), "taps of theta_d", "paper, Sec. III-D", unit="samples")
+    alpha: float = quantity(1e-3, (0, 1e6), "ridge parameter", "paper, Sec. III-D")
     esn: Esn = Esn()
     fprc: Fprc = Fprc()
     others: dict[Annotated[str, Field(pattern=r"^[a-z][a-z0-9]*(_[a-z0-9]+)*$")], Other] = Field(
@@ -89,13 +89,13 @@ class Models(Section):
 class Evaluation(Section):
     """How the models are evaluated, Sec. III-D."""
 
-    folds: int = quantity(5, "-", (2, 100), "folds of the cross-validation", "paper, Sec. III-D")
+    folds: int = quantity(5, (2, 100), "folds of the cross-validation", "paper, Sec. III-D")
     split: Literal["shuffled", "blocked"] = Field(
         "shuffled", description="rows of a fold: random, as the printed spread implies, or "
         "contiguous, so that neighbours in time do not validate each other"
     )  # fmt: skip
     purge_s: float = quantity(
-        2.0, "s", (0, 60), "time on each side of a contiguous fold that is left out of training"
+        2.0, (0, 60), "time on each side of a contiguous fold that is left out of training"
     )
     target: Literal["command", "measured"] = Field(
         "command", description="P_exp that the models learn: commanded or measured pressure"
@@ -106,36 +106,34 @@ class Evaluation(Section):
         "driven by the recorded theta",
     )
     reservoir_zero_deg: float = quantity(
-        0, "deg", (-1e4, 1e4), "recorded theta at which the simulated reservoir is vented"
+        0, (-1e4, 1e4), "recorded theta at which the simulated reservoir is vented"
     )
-    timing_repeats: int = quantity(10, "-", (1, 100), "repeats of the timing", "paper, Sec. III-D")
-    replicate_seeds: Distinct[Annotated[int, within(0, 2**31)]] = Field(
+    timing_repeats: int = quantity(10, (1, 100), "repeats of the timing", "paper, Sec. III-D")
+    replicate_seeds: Distinct[Annotated[int, within(0, 2**31)]] = quantities(
         (501, 502, 503, 504, 505, 506, 507, 508, 509, 510),
-        min_length=2,
-        description="seeds of further rigs, on which tables, grids and runs are repeated",
+        "seeds of further rigs, on which tables, grids and runs are repeated",
     )
 
 
 class Grids(Section):
     """Grids of control variables, Sec. III-E."""
 
-    epsilon: tuple[Annotated[float, within(1e-6, 1.0)], ...] = quantities(
-        (1.0, 0.1, 0.01, 1e-3, 1e-4), "-", (1e-6, 1), "filter factors", "paper, Fig. 10(a)"
+    epsilon: NotEmpty[Annotated[float, within(1e-6, 1.0)]] = quantities(
+        (1.0, 0.1, 0.01, 1e-3, 1e-4), "filter factors", "paper, Fig. 10(a)"
     )
-    n_c: tuple[Annotated[int, within(1, 64)], ...] = quantities(
-        (1, 2, 4, 8, 16), "-", (1, 64), "fuzzy rules", "paper, Fig. 10(b)"
+    n_c: NotEmpty[Annotated[int, within(1, 64)]] = quantities(
+        (1, 2, 4, 8, 16), "fuzzy rules", "paper, Fig. 10(b)"
     )
-    n_u: tuple[Annotated[int, within(1, 100)], ...] = quantities(
-        tuple(range(1, 11)), "samples", (1, 100), "taps of P_o", "paper, Fig. 11"
+    n_u: NotEmpty[Annotated[int, within(1, 100)]] = quantities(
+        tuple(range(1, 11)), "taps of P_o", "paper, Fig. 11", unit="samples"
     )
-    n_y: tuple[Annotated[int, within(1, 100)], ...] = quantities(
-        tuple(range(1, 11)), "samples", (1, 100), "taps of theta_d", "paper, Fig. 11"
+    n_y: NotEmpty[Annotated[int, within(1, 100)]] = quantities(
+        tuple(range(1, 11)), "taps of theta_d", "paper, Fig. 11", unit="samples"
     )
-    readout_taps: tuple[Annotated[int, within(1, 100)], ...] = quantities(
-        (1, 3, 5, 8, 10), "samples", (1, 100), "taps of P_o in the controls of the readout",
-        "assumed",
-    )  # fmt: skip
-    chunks: int = quantity(1, "-", (1, 100), "jobs per grid; useful up to its number of cells")
+    readout_taps: NotEmpty[Annotated[int, within(1, 100)]] = quantities(
+        (1, 3, 5, 8, 10), "taps of P_o in the controls of the readout", "assumed", unit="samples"
+    )
+    chunks: int = quantity(1, (1, 100), "jobs per grid; useful up to its number of cells")
 
     @field_validator("n_u", "n_y")
     @classmethod

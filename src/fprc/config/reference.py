@@ -9,7 +9,7 @@ import yaml
 from pydantic import BaseModel
 
 from fprc.config.load import RIG
-from fprc.config.section import fields
+from fprc.config.section import fields, limits_of
 from fprc.config.settings import Settings
 
 _HEAD = """\
@@ -59,7 +59,7 @@ def reference() -> str:
         *_FILES.replace("@RIG@", RIG).splitlines(),
     ]
     groups: dict[str, list[str]] = {}
-    for key, default, field, section in fields(Settings()):
+    for key, default, field, section in fields(Settings):
         group, _, name = key.rpartition(".")
         head = ["", f"## {group or 'Top level'}", "", inspect.getdoc(section) or "", ""]
         groups.setdefault(group, head + _TABLE).append(_row(name, default, field, section))
@@ -68,8 +68,8 @@ def reference() -> str:
 
 def _row(name: str, default: Any, field: Any, section: type[BaseModel]) -> str:
     schema = _properties(section)[name]
-    low, high = schema.get("minimum"), schema.get("maximum")
-    limits = f"{low:g} to {high:g}" if low is not None else " or ".join(schema.get("enum", []))
+    range_ = limits_of(field)
+    limits = "{:g} to {:g}".format(*range_) if range_ else " or ".join(schema.get("enum", []))
     shown = f"`{json.dumps(default)}`"
     meaning, source = field.description or "", schema.get("source", "")
     cells = (f"`{name}`", schema.get("unit", ""), shown, limits, meaning, source)

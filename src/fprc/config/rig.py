@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from fprc.config.section import Section, quantities, quantity, within
+from fprc.config.section import NotEmpty, Section, quantities, quantity, within
 
 
 def _same_length(section: Section, first: str, second: str) -> None:
@@ -40,50 +40,47 @@ class Valve(Section):
     """Both proportional valves, Festo MPYE-5-M5-010B."""
 
     natural_frequency_rad_per_s: float = quantity(
-        628.3, "rad/s", (300, 1300), "natural frequency of the spool", "data sheet: 100 Hz"
+        628.3, (300, 1300), "natural frequency of the spool", "data sheet: 100 Hz"
     )
-    damping_ratio: float = quantity(0.7, "-", (0.3, 1.5), "damping ratio of the spool", "typical")
+    damping_ratio: float = quantity(0.7, (0.3, 1.5), "damping ratio of the spool", "typical")
     dead_zone: float = quantity(
-        0.02, "stroke", (0.005, 0.05), "overlap on each side of the centre", "fitted"
+        0.02, (0.005, 0.05), "overlap on each side of the centre", "fitted", unit="stroke"
     )
     leak: float = quantity(
-        0.002, "opening", (0.0, 0.02), "opening of both edges by the spool's clearance", "typical"
-    )
+        0.002, (0.0, 0.02), "opening of both edges by the spool's clearance", "typical",
+        unit="opening"
+    )  # fmt: skip
     sonic_conductance_ml_per_s_kpa: float = quantity(
-        7.86, "mL/(s kPa)", (3.93, 11.8), "sonic conductance C, fully open",
-        "data sheet: 100 L/min from 6 to 5 bar is 3.93; fitted within 1-3 times that",
+        7.86, (3.93, 11.8), "sonic conductance C, fully open",
+        "data sheet: 100 L/min from 6 to 5 bar is 3.93; fitted within 1-3 times that"
     )  # fmt: skip
     critical_pressure_ratio: float = quantity(
-        0.3, "-", (0.2, 0.5), "critical pressure ratio b", "ISO 6358, typical of spool valves"
+        0.3, (0.2, 0.5), "critical pressure ratio b", "ISO 6358, typical of spool valves"
     )
-    supply_kpa_abs: float = quantity(
-        600, "kPa abs", (500, 800), "supply pressure", "assumed: 5 bar gauge"
-    )
-    neutral_v: float = quantity(5, "V", (4.5, 5.5), "voltage of the closed centre", "data sheet")
+    supply_kpa_abs: float = quantity(600, (500, 800), "supply pressure", "assumed: 5 bar gauge")
+    neutral_v: float = quantity(5, (4.5, 5.5), "voltage of the closed centre", "data sheet")
 
 
 class Chamber(Section):
     """A chamber behind a valve."""
 
     volume_ml: float = quantity(
-        20, "mL", (11, 40), "volume at rest, tube included", "size of the muscle; fitted"
+        20, (11, 40), "volume at rest, tube included", "size of the muscle; fitted"
     )
     volume_ml_per_deg: float = quantity(
-        0.3, "mL/deg", (0, 0.6), "growth of the volume with the bending angle", "size of the muscle"
+        0.3, (0, 0.6), "growth of the volume with the bending angle", "size of the muscle"
     )
     polytropic_index: float = quantity(
-        1.1, "-", (1.0, 1.4), "1 isothermal, 1.4 adiabatic", "between the two at 1 Hz"
+        1.1, (1.0, 1.4), "1 isothermal, 1.4 adiabatic", "between the two at 1 Hz"
     )
 
 
 class ReservoirChamber(Section):
     """PAM A, the active chamber of the reservoir; it grows by the volume squeezed out of PAM B."""
 
-    volume_ml: float = quantity(
-        20, "mL", (11, 40), "volume at rest, tube included", "size of the muscle"
-    )
+    volume_ml: float = quantity(20, (11, 40), "volume at rest, tube included", "size of the muscle")
     polytropic_index: float = quantity(
-        1.1, "-", (1.0, 1.4), "1 isothermal, 1.4 adiabatic", "between the two at 1 Hz"
+        1.1, (1.0, 1.4), "1 isothermal, 1.4 adiabatic", "between the two at 1 Hz"
     )
 
 
@@ -91,49 +88,42 @@ class Bending(Section):
     """Mechanics of the bending actuator; torques are in kPa, angles in deg."""
 
     inertia_kpa_s2_per_deg: float = quantity(
-        6e-4, "kPa s^2/deg", (2e-4, 3e-3), "inertia J", "free swing of 5 to 15 Hz; fitted"
+        6e-4, (2e-4, 3e-3), "inertia J", "free swing of 5 to 15 Hz; fitted"
     )
-    damping_kpa_s_per_deg: float = quantity(
-        0.05, "kPa s/deg", (0.01, 0.1), "viscous damping c", "fitted"
-    )
-    preload_kpa: float = quantity(
-        45, "kPa", (20, 90), "pressure at which bending begins, g_p", "fitted"
-    )
+    damping_kpa_s_per_deg: float = quantity(0.05, (0.01, 0.1), "viscous damping c", "fitted")
+    preload_kpa: float = quantity(45, (20, 90), "pressure at which bending begins, g_p", "fitted")
     stiffness_kpa_per_deg: float = quantity(
-        3.0, "kPa/deg", (2.0, 4.5), "linear stiffness k1", "about 60 deg at 350 kPa; fitted"
+        3.0, (2.0, 4.5), "linear stiffness k1", "about 60 deg at 350 kPa; fitted"
     )
     cubic_stiffness_kpa_per_deg3: float = quantity(
-        3e-4, "kPa/deg^3", (0, 1e-3), "cubic stiffness k3", "about 60 deg at 350 kPa; fitted"
+        3e-4, (0, 1e-3), "cubic stiffness k3", "about 60 deg at 350 kPa; fitted"
     )
     gain_loss_per_deg: float = quantity(
-        0.0, "1/deg", (0, 0.005), "relative loss of torque with bending, g0", "McKibben muscle"
+        0.0, (0, 0.005), "relative loss of torque with bending, g0", "McKibben muscle"
     )
-    relaxation_stiffness_kpa_per_deg: tuple[Annotated[float, within(0.0, 3.0)], ...] = quantities(
-        (0.5, 0.5), "kPa/deg", (0, 3), "stiffness of each viscoelastic branch", "rubber; fitted"
+    relaxation_stiffness_kpa_per_deg: NotEmpty[Annotated[float, within(0.0, 3.0)]] = quantities(
+        (0.5, 0.5), "stiffness of each viscoelastic branch", "rubber; fitted"
     )
-    relaxation_time_s: tuple[Annotated[float, within(0.05, 30.0)], ...] = quantities(
-        (0.25, 4.0), "s", (0.05, 30), "time constant of each viscoelastic branch", "rubber; fitted"
+    relaxation_time_s: NotEmpty[Annotated[float, within(0.05, 30.0)]] = quantities(
+        (0.25, 4.0), "time constant of each viscoelastic branch", "rubber; fitted"
     )
-    friction_kpa: float = quantity(
-        4.0, "kPa", (0, 15), "dry friction at zero pressure, Tc", "fitted"
-    )
+    friction_kpa: float = quantity(4.0, (0, 15), "dry friction at zero pressure, Tc", "fitted")
     friction_per_kpa: float = quantity(
-        0.08, "-", (0.0, 0.25), "growth of the dry friction with pressure, mu",
-        "fabric pressed on rubber; fitted",
+        0.08, (0.0, 0.25), "growth of the dry friction with pressure, mu",
+        "fabric pressed on rubber; fitted", unit="-"
     )  # fmt: skip
-    slip_distance_deg: tuple[Annotated[float, within(0.1, 60.0)], ...] = quantities(
-        (1, 3, 7, 14), "deg", (0.1, 60), "angle at which each Maxwell element slips",
-        "rounded loops need several",
-    )  # fmt: skip
-    slip_weight: tuple[Annotated[float, within(0.0, 1.0)], ...] = quantities(
-        (0.3, 0.3, 0.25, 0.15), "-", (0, 1), "share of each Maxwell element; they sum to 1",
-        "rounded loops need several",
+    slip_distance_deg: NotEmpty[Annotated[float, within(0.1, 60.0)]] = quantities(
+        (1, 3, 7, 14), "angle at which each Maxwell element slips", "rounded loops need several"
+    )
+    slip_weight: NotEmpty[Annotated[float, within(0.0, 1.0)]] = quantities(
+        (0.3, 0.3, 0.25, 0.15), "share of each Maxwell element; they sum to 1",
+        "rounded loops need several"
     )  # fmt: skip
     stop_stiffness_kpa_per_deg: float = quantity(
-        150, "kPa/deg", (50, 300), "stiffness of the straight actuator below 0 deg", "a firm stop"
+        150, (50, 300), "stiffness of the straight actuator below 0 deg", "a firm stop"
     )
     stop_damping_kpa_s_per_deg: float = quantity(
-        0.2, "kPa s/deg", (0, 0.4), "damping of the straight actuator below 0 deg", "a firm stop"
+        0.2, (0, 0.4), "damping of the straight actuator below 0 deg", "a firm stop"
     )
 
     @model_validator(mode="after")
@@ -148,54 +138,54 @@ class Drift(Section):
     """Slow changes that no model can predict: creep, Mullins effect, sensor slip."""
 
     sigma_kpa: float = quantity(
-        8.0, "kPa", (0, 15), "standard deviation of the Ornstein-Uhlenbeck torque", "fitted"
+        8.0, (0, 15), "standard deviation of the Ornstein-Uhlenbeck torque", "fitted"
     )
-    time_s: float = quantity(8.0, "s", (1, 60), "correlation time of that torque", "fitted")
+    time_s: float = quantity(8.0, (1, 60), "correlation time of that torque", "fitted")
 
 
 class Reservoir(Section):
     """Dual-PAM reservoir: squeeze of the sealed chamber by the active one."""
 
     passive_volume_ml: float = quantity(
-        30, "mL", (11, 80), "volume of PAM B at rest", "size of the muscle"
+        30, (11, 80), "volume of PAM B at rest", "size of the muscle"
     )
     precharge_kpa: float = quantity(
-        100, "kPa", (0, 200), "gauge pressure at which PAM B is sealed", "paper, Sec. II-A"
+        100, (0, 200), "gauge pressure at which PAM B is sealed", "paper, Sec. II-A"
     )
     squeeze_damping_kpa_s_per_ml: float = quantity(
-        1.0, "kPa s/mL", (0.3, 20), "viscous resistance of the fabric, c_s", "fitted"
+        1.0, (0.3, 20), "viscous resistance of the fabric, c_s", "fitted"
     )
     squeeze_stiffness_kpa_per_ml: float = quantity(
-        35, "kPa/mL", (5, 150), "stiffness of the fabric, k_s", "swing of P_o; fitted"
+        35, (5, 150), "stiffness of the fabric, k_s", "swing of P_o; fitted"
     )
     back_pressure_gain: float = quantity(
-        1.0, "-", (0.2, 3), "back pressure on the squeeze over the rise of P_o", "area ratio"
+        1.0, (0.2, 3), "back pressure on the squeeze over the rise of P_o", "area ratio"
     )
     friction_kpa: float = quantity(
-        5.0, "kPa", (0, 40), "dry friction of the fabric at zero pressure in PAM A", "fitted"
+        5.0, (0, 40), "dry friction of the fabric at zero pressure in PAM A", "fitted"
     )
     friction_per_kpa: float = quantity(
-        0.12, "-", (0, 0.4), "growth of that friction with the pressure in PAM A",
-        "loop width over swing 0.17-0.4; fitted",
+        0.12, (0, 0.4), "growth of that friction with the pressure in PAM A",
+        "loop width over swing 0.17-0.4; fitted", unit="-"
     )  # fmt: skip
-    slip_distance_ml: tuple[Annotated[float, within(0.01, 10.0)], ...] = quantities(
-        (0.15, 0.5, 1.2), "mL", (0.01, 10), "squeeze at which each Maxwell element slips", "fitted"
+    slip_distance_ml: NotEmpty[Annotated[float, within(0.01, 10.0)]] = quantities(
+        (0.15, 0.5, 1.2), "squeeze at which each Maxwell element slips", "fitted"
     )
-    slip_weight: tuple[Annotated[float, within(0.0, 1.0)], ...] = quantities(
-        (0.4, 0.35, 0.25), "-", (0, 1), "share of each Maxwell element; they sum to 1", "fitted"
+    slip_weight: NotEmpty[Annotated[float, within(0.0, 1.0)]] = quantities(
+        (0.4, 0.35, 0.25), "share of each Maxwell element; they sum to 1", "fitted"
     )
     leak_ml_per_s_kpa: float = quantity(
-        0.0, "mL/(s kPa)", (0, 0.1), "leak of the hand valve to the room", "sealed: none"
+        0.0, (0, 0.1), "leak of the hand valve to the room", "sealed: none"
     )
     bending_stiffness_kpa_per_deg: float = quantity(
-        9.0, "kPa/deg", (2, 20), "stiffness of the reservoir's bending", "about 40 deg at 440 kPa"
+        9.0, (2, 20), "stiffness of the reservoir's bending", "about 40 deg at 440 kPa"
     )
     bending_time_s: float = quantity(
-        0.08, "s", (0.02, 0.5), "time constant of the reservoir's own bending", "assumed"
+        0.08, (0.02, 0.5), "time constant of the reservoir's own bending", "assumed"
     )
     bending_volume_ml_per_deg: float = quantity(
-        0.01, "mL/deg", (0, 0.05), "volume that the reservoir's bending takes from PAM B",
-        "weak, as the paper explains the robustness of P_o",
+        0.01, (0, 0.05), "volume that the reservoir's bending takes from PAM B",
+        "weak, as the paper explains the robustness of P_o"
     )  # fmt: skip
 
     @model_validator(mode="after")
@@ -208,45 +198,46 @@ class Reservoir(Section):
 class PressureSensor(Section):
     """The three pressure transducers, SMC PSE540A-R06."""
 
-    zero_v: float = quantity(1, "V", (0, 2), "output at 0 kPa", "data sheet: 1-5 V")
-    span_v: float = quantity(4, "V", (1, 10), "output span over full scale", "data sheet: 1-5 V")
-    full_scale_kpa: float = quantity(1000, "kPa", (100, 2000), "full scale", "data sheet: 1 MPa")
+    zero_v: float = quantity(1, (0, 2), "output at 0 kPa", "data sheet: 1-5 V")
+    span_v: float = quantity(4, (1, 10), "output span over full scale", "data sheet: 1-5 V")
+    full_scale_kpa: float = quantity(1000, (100, 2000), "full scale", "data sheet: 1 MPa")
     linearity: float = quantity(
-        0.007, "full scale", (0, 0.01), "limit on gain, offset and bow errors", "data sheet: 0.7 %"
-    )
+        0.007, (0, 0.01), "limit on gain, offset and bow errors", "data sheet: 0.7 %",
+        unit="full scale"
+    )  # fmt: skip
     noise_kpa: float = quantity(
-        0.4, "kPa", (0, 1.5), "white noise, standard deviation", "bench experience: 0.3-0.5"
+        0.4, (0, 1.5), "white noise, standard deviation", "bench experience: 0.3-0.5"
     )
-    lag_s: float = quantity(1e-3, "s", (1e-4, 0.01), "first-order lag", "data sheet")
+    lag_s: float = quantity(1e-3, (1e-4, 0.01), "first-order lag", "data sheet")
 
 
 class BendSensor(Section):
     """The angle sensor, Bend Labs one-axis, on its own clock."""
 
     rate_hz: float = quantity(
-        202.27, "Hz", (50, 500), "sample rate", "81 ticks of 1/16384 s, nominally 200 Hz"
+        202.27, (50, 500), "sample rate", "81 ticks of 1/16384 s, nominally 200 Hz"
     )
-    step_deg: float = quantity(0.015625, "deg", (1e-3, 0.5), "resolution", "data sheet: int16 / 64")
+    step_deg: float = quantity(0.015625, (1e-3, 0.5), "resolution", "data sheet: int16 / 64")
     noise_deg: float = quantity(
-        0.04, "deg", (0, 0.2), "white noise, standard deviation", "bench experience: 0.02-0.06"
+        0.04, (0, 0.2), "white noise, standard deviation", "bench experience: 0.02-0.06"
     )
     slow_error_deg: float = quantity(
-        0.15, "deg", (0, 0.5), "slow error, standard deviation", "bench experience: 0.1-0.2"
+        0.15, (0, 0.5), "slow error, standard deviation", "bench experience: 0.1-0.2"
     )
     slow_error_time_s: float = quantity(
-        20, "s", (1, 100), "correlation time of the slow error", "assumed"
+        20, (1, 100), "correlation time of the slow error", "assumed"
     )
 
 
 class Converter(Section):
     """Analog boards, Contec AI-1616L-LPE and AO-1608L-LPE."""
 
-    limit_v: float = quantity(10, "V", (5, 10), "range is +- this", "data sheet")
+    limit_v: float = quantity(10, (5, 10), "range is +- this", "data sheet")
     step_v: float = quantity(
-        20 / 65536, "V", (1e-6, 0.1), "one step of 16 bits over the range", "data sheet"
+        20 / 65536, (1e-6, 0.1), "one step of 16 bits over the range", "data sheet"
     )
     scan_s: float = quantity(
-        1e-5, "s", (0, 1e-3), "delay from one input channel to the next", "data sheet"
+        1e-5, (0, 1e-3), "delay from one input channel to the next", "data sheet"
     )
 
 
@@ -254,7 +245,7 @@ class Rig(Section):
     """The simulated rig; a real rig does not use this section."""
 
     step_s: float = quantity(
-        5e-4, "s", (1e-5, 5e-4), "longest integration step", "resolves the fastest part, the spool"
+        5e-4, (1e-5, 5e-4), "longest integration step", "resolves the fastest part, the spool"
     )
     friction_law: Literal["maxwell_slip", "bouc_wen"] = Field(
         "maxwell_slip",

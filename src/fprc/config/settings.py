@@ -10,7 +10,7 @@ from fprc.config.folders import Folders
 from fprc.config.hardware import Hardware
 from fprc.config.models import Evaluation, Grids, Models
 from fprc.config.rig import Rig
-from fprc.config.section import Rising, Section, quantities, quantity, within
+from fprc.config.section import NotEmpty, Rising, Section, quantities, quantity, within
 from fprc.config.tracking import Tracking
 
 
@@ -18,14 +18,14 @@ class Chirp(Section):
     """Linear frequency sweep that starts at its lowest value."""
 
     form: Literal["chirp"] = Field("chirp", description="linear frequency sweep")
-    duration_s: float = quantity(120, "s", (1, 3600), "length", "paper, Fig. 4(a)")
-    f_start_hz: float = quantity(0.1, "Hz", (0.001, 10), "first frequency", "paper, Fig. 4(a)")
-    f_end_hz: float = quantity(1.0, "Hz", (0.001, 10), "last frequency", "paper, Fig. 4(a)")
+    duration_s: float = quantity(120, (1, 3600), "length", "paper, Fig. 4(a)")
+    f_start_hz: float = quantity(0.1, (0.001, 10), "first frequency", "paper, Fig. 4(a)")
+    f_end_hz: float = quantity(1.0, (0.001, 10), "last frequency", "paper, Fig. 4(a)")
     amplitude_kpa: float = quantity(
-        175, "kPa", (0, 225), "half of the range", "not printed; the span of the complex signal"
+        175, (0, 225), "half of the range", "not printed; the span of the complex signal"
     )
     offset_kpa: float = quantity(
-        175, "kPa", (0, 450), "mean", "not printed; the mean of the complex signal"
+        175, (0, 450), "mean", "not printed; the mean of the complex signal"
     )
 
 
@@ -33,12 +33,12 @@ class Multisine(Section):
     """Sum of equal sines that starts at its lowest value."""
 
     form: Literal["multisine"] = Field("multisine", description="sum of equal sines")
-    duration_s: float = quantity(80, "s", (1, 3600), "length", "paper, Fig. 4(c)")
-    f_hz: tuple[Annotated[float, within(0.001, 10.0)], ...] = quantities(
-        (0.12, 0.04, 0.31, 0.29, 0.25), "Hz", (0.001, 10), "frequencies", "paper, Fig. 4(c)"
+    duration_s: float = quantity(80, (1, 3600), "length", "paper, Fig. 4(c)")
+    f_hz: NotEmpty[Annotated[float, within(0.001, 10.0)]] = quantities(
+        (0.12, 0.04, 0.31, 0.29, 0.25), "frequencies", "paper, Fig. 4(c)"
     )
-    amplitude_kpa: float = quantity(35, "kPa", (0, 225), "of each sine", "paper, Fig. 4(c)")
-    offset_kpa: float = quantity(175, "kPa", (0, 450), "mean", "paper, Fig. 4(c)")
+    amplitude_kpa: float = quantity(35, (0, 225), "of each sine", "paper, Fig. 4(c)")
+    offset_kpa: float = quantity(175, (0, 450), "mean", "paper, Fig. 4(c)")
 
 
 class Experiments(Section):
@@ -52,15 +52,15 @@ class PressureLoop(Section):
     """Software PI loop on a valve voltage."""
 
     # positive: more voltage fills the chamber
-    kp_v_per_kpa: float = quantity(0.03, "V/kPa", (1e-4, 1), "proportional gain", "paper, Sec. IV")
-    ki_v_per_kpa_s: float = quantity(1e-6, "V/(kPa s)", (0, 1), "integral gain", "paper, Sec. IV")
+    kp_v_per_kpa: float = quantity(0.03, (1e-4, 1), "proportional gain", "paper, Sec. IV")
+    ki_v_per_kpa_s: float = quantity(1e-6, (0, 1), "integral gain", "paper, Sec. IV")
 
 
 class Gains(Section):
     """PD controller of the bending angle."""
 
-    kp_kpa_per_deg: float = quantity(0.5, "kPa/deg", (1e-3, 50), "P gain", "paper, Sec. IV")
-    kd_kpa_s_per_deg: float = quantity(0.005, "kPa s/deg", (0, 5), "D gain", "paper, Sec. IV")
+    kp_kpa_per_deg: float = quantity(0.5, (1e-3, 50), "P gain", "paper, Sec. IV")
+    kd_kpa_s_per_deg: float = quantity(0.005, (0, 5), "D gain", "paper, Sec. IV")
 
 
 class Feedforward(Section):
@@ -70,32 +70,30 @@ class Feedforward(Section):
         False, description="whether the model learns from the tracking error while it runs"
     )
     p_o_shift_kpa: float = quantity(
-        0.0,
-        "kPa",
-        (-50, 50),
-        "added to P_o, to re-zero it: P_o at rest before the training, minus P_o at rest now",
-    )
-    prior_s: float = quantity(15, "s", (0.1, 3600), "new data that weigh as much as the training")
+        0.0, (-50, 50),
+        "added to P_o, to re-zero it: P_o at rest before the training, minus P_o at rest now"
+    )  # fmt: skip
+    prior_s: float = quantity(15, (0.1, 3600), "new data that weigh as much as the training")
     memory_s: float = quantity(
-        60, "s", (1, 36000), "time after which the training weighs as much as before"
+        60, (1, 36000), "time after which the training weighs as much as before"
     )
-    delay_s: float = quantity(0.02, "s", (0, 1), "time from a command to the angle it causes")
-    kpa_per_deg: float = quantity(2.0, "kPa/deg", (0, 100), "correction for a degree of error")
-    limit_kpa: float = quantity(150, "kPa", (0, 500), "most that learning adds to P_ff or takes")
+    delay_s: float = quantity(0.02, (0, 1), "time from a command to the angle it causes")
+    kpa_per_deg: float = quantity(2.0, (0, 100), "correction for a degree of error")
+    limit_kpa: float = quantity(150, (0, 500), "most that learning adds to P_ff or takes")
     stop_deg: float = quantity(
-        0.5, "deg", (0, 20), "angle up to which the actuator lies at its stop: nothing is learned"
+        0.5, (0, 20), "angle up to which the actuator lies at its stop: nothing is learned"
     )
 
 
 class Control(Section):
     """Controllers that run on the computer at every sample."""
 
-    sample_rate_hz: float = quantity(200, "Hz", (50, 1000), "refresh rate", "paper, Sec. II-B")
+    sample_rate_hz: float = quantity(200, (50, 1000), "refresh rate", "paper, Sec. II-B")
     k_in_kpa_per_deg: float = quantity(
-        7.0, "kPa/deg", (0.1, 20), "K_in, reservoir pressure per degree", "paper, Sec. II-B"
+        7.0, (0.1, 20), "K_in, reservoir pressure per degree", "paper, Sec. II-B"
     )
     reservoir_limit_kpa: float = quantity(
-        450, "kPa", (100, 500), "largest pressure command to the reservoir", "paper, Sec. II-B"
+        450, (100, 500), "largest pressure command to the reservoir", "paper, Sec. II-B"
     )
     main_loop: PressureLoop = PressureLoop()
     reservoir_loop: PressureLoop = PressureLoop(kp_v_per_kpa=0.05)
@@ -111,26 +109,26 @@ class Control(Section):
 class Quality(Section):
     """Checks of a raw log in preprocessing."""
 
-    rate_tolerance: float = quantity(0.01, "-", (0, 0.2), "relative error of the mean sample rate")
-    gap_periods: float = quantity(1.5, "periods", (1.01, 100), "a longer step is a gap")
-    stuck_s: float = quantity(2.0, "s", (0.05, 60), "a channel is stuck if unchanged for longer")
+    rate_tolerance: float = quantity(0.01, (0, 0.2), "relative error of the mean sample rate")
+    gap_periods: float = quantity(1.5, (1.01, 100), "a longer step is a gap", unit="periods")
+    stuck_s: float = quantity(2.0, (0.05, 60), "a channel is stuck if unchanged for longer")
     pressure_range_kpa: Rising[Annotated[float, within(-100, 1000)]] = quantities(
-        (-20, 995), "kPa", (-100, 1000), "commands and readings outside are implausible"
+        (-20, 995), "commands and readings outside are implausible"
     )
     angle_range_deg: Rising[Annotated[float, within(-360, 360)]] = quantities(
-        (-45, 120), "deg", (-360, 360), "theta and theta_d outside are implausible"
+        (-45, 120), "theta and theta_d outside are implausible"
     )
     reservoir_angle_range_deg: Rising[Annotated[float, within(-360, 360)]] = quantities(
-        (-120, 120), "deg", (-360, 360), "phi outside is implausible"
+        (-120, 120), "phi outside is implausible"
     )
     voltage_range_v: Rising[Annotated[float, within(-20, 20)]] = quantities(
-        (0, 10), "V", (-20, 20), "voltages of the valves outside are implausible"
+        (0, 10), "voltages of the valves outside are implausible"
     )
     effort_range_kpa: Rising[Annotated[float, within(-10000, 10000)]] = quantities(
-        (-1000, 1000), "kPa", (-10000, 10000), "P_ff and P_fb outside are implausible"
+        (-1000, 1000), "P_ff and P_fb outside are implausible"
     )
     leak_kpa_per_min: float = quantity(
-        5.0, "kPa/min", (0, 100), "fastest fall of P_o at equal P_i that is no leak"
+        5.0, (0, 100), "fastest fall of P_o at equal P_i that is no leak"
     )
 
 
@@ -144,7 +142,7 @@ class Settings(Section):
     armed: bool = Field(
         False, description="whether the real rig may move; give this on the command line only"
     )
-    seed: int = quantity(1, "-", (0, 2**31), "seed of the rig, its noise and the models")
+    seed: int = quantity(1, (0, 2**31), "seed of the rig, its noise and the models")
     folders: Folders = Folders()
     experiments: Experiments = Experiments()
     control: Control = Control()

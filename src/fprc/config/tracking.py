@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from fprc.config.section import Pair, Section, quantities, quantity, within
+from fprc.config.section import NotEmpty, Pair, Section, quantities, quantity, within
 
 
 class Reference(Section):
@@ -13,16 +13,16 @@ class Reference(Section):
     form: Literal["multisine", "chirp"] = Field(
         "multisine", description="sum of equal sines, or linear frequency sweep"
     )
-    f_hz: tuple[Annotated[float, within(0.001, 10.0)], ...] = quantities(
-        (0.2,), "Hz", (0.001, 10), "frequencies of the sum, or first and last of the sweep"
+    f_hz: NotEmpty[Annotated[float, within(0.001, 10.0)]] = quantities(
+        (0.2,), "frequencies of the sum, or first and last of the sweep"
     )
     amplitude_deg: float = quantity(
-        27.5, "deg", (0, 40), "amplitude of each sine", "printed for sweep and complex"
+        27.5, (0, 40), "amplitude of each sine", "printed for sweep and complex"
     )
-    offset_deg: float = quantity(32.5, "deg", (0, 80), "mean", "printed for sweep and complex")
-    duration_s: float = quantity(40, "s", (1, 3600), "length", "printed for sweep and complex")
+    offset_deg: float = quantity(32.5, (0, 80), "mean", "printed for sweep and complex")
+    duration_s: float = quantity(40, (1, 3600), "length", "printed for sweep and complex")
     settle_s: float = quantity(
-        5, "s", (0, 60), "time at the first value before; recorded, not evaluated", "assumed"
+        5, (0, 60), "time at the first value before; recorded, not evaluated", "assumed"
     )
 
     @model_validator(mode="after")
@@ -47,11 +47,9 @@ class References(Section):
 class Pushes(Section):
     """Random forces on the reservoir in the disturbance test, Fig. 17."""
 
-    quiet_s: float = quantity(
-        12, "s", (0, 600), "no push before this time", "the paper: a short period"
-    )
-    every_s: float = quantity(1.2, "s", (0.1, 60), "mean time between two pushes", "assumed")
-    sigma_kpa: float = quantity(150, "kPa", (0, 500), "standard deviation of a push", "assumed")
+    quiet_s: float = quantity(12, (0, 600), "no push before this time", "the paper: a short period")
+    every_s: float = quantity(1.2, (0.1, 60), "mean time between two pushes", "assumed")
+    sigma_kpa: float = quantity(150, (0, 500), "standard deviation of a push", "assumed")
 
 
 class Tracking(Section):
@@ -59,10 +57,10 @@ class Tracking(Section):
 
     references: References = References()
     pressure_limit_kpa: float = quantity(
-        450, "kPa", (100, 500), "largest pressure command to the actuator", "as for the reservoir"
+        450, (100, 500), "largest pressure command to the actuator", "as for the reservoir"
     )
     angle_range_deg: Pair[Annotated[float, within(-10, 120)]] = quantities(
-        (0, 65), "deg", (-10, 120), "references outside are refused", "paper: about 60 deg"
+        (0, 65), "references outside are refused", "paper: about 60 deg"
     )
     pushes: Pushes = Pushes()
 

@@ -90,7 +90,7 @@ def test_quantity_that_is_something_else_needs_a_note(problems):
         ),
         (with_channel("p_o_kpa", column="P", unit="deg"), "channels.p_o_kpa.unit = deg: must be"),
         (with_channel("p_o_kpa", column="P"), "channels.p_o_kpa.unit: missing"),
-        (with_channel("p_o_kpa", column="P", unit="Pa", scale=0), "p_o_kpa.scale = 0: "),
+        (with_channel("p_o_kpa", column="P", unit="Pa", scale=0), "channels.p_o_kpa.scale: 0 "),
         (with_channel("p_o_kpa", column="P", unit="Pa", scale=float("inf")), "finite"),
         (with_channel("p_o_kpa", column=True, unit="Pa"), "not true/false"),
         (SMALL | {"experiment": "walk"}, "experiment = walk: must be 'sweep' or 'complex'"),

@@ -1,5 +1,6 @@
 import copy
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -27,6 +28,13 @@ def message(config):
     with pytest.raises(ConfigError) as caught:
         check(config)
     return str(caught.value)
+
+
+def told(text):
+    """Return the keys of a message that lists errors."""
+    head, *lines = text.splitlines()
+    assert head.split(" ")[0] == str(len(lines))
+    return [re.split(" = |: ", line.strip(), maxsplit=1)[0] for line in lines]
 
 
 @pytest.fixture
@@ -61,21 +69,15 @@ def test_every_error_is_reported_at_once():
             "models": {"fprc": {"n_c": 0, "epsilom": 0.1}},
             "experiments": {"sweep": {"duration_s": float("nan")}},
             "rig": {"valve": {"leak": 3}, "bending": {"slip_weight": [1.0]}},
+            "calibration": {"ranges": {"friction_law": [0.0, 1.0]}},
+            "evaluation": {"replicate_seeds": [1, 2]},
         }
     )
-    lines = text.splitlines()
-    assert lines[0] == "7 errors in the configuration:"
-    assert len(lines) == 8
-    for key in (
-        "seed",
-        "modles",
-        "models.fprc.n_c",
-        "models.fprc.epsilom",
-        "experiments.sweep.duration_s",
-        "rig.valve.leak",
-        "rig.bending",
-    ):
-        assert sum(line.startswith((f"  {key} = ", f"  {key}: ")) for line in lines) == 1
+    assert set(told(text)) == {
+        "seed", "modles", "models.fprc.n_c", "models.fprc.epsilom",
+        "experiments.sweep.duration_s", "rig.valve.leak", "rig.bending", "calibration",
+        "evaluation.replicate_seeds",
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -101,31 +103,22 @@ def test_unknown_key_names_the_nearest(config, unknown, nearest):
 
 @pytest.mark.parametrize("value", [3, "all", [1, 2], None])
 def test_value_in_place_of_a_section_is_an_error_of_that_section(value):
-    text = message({"models": value})
-    assert text.startswith("1 error in the configuration:\n  models")
-    assert "must be" in text
+    assert told(message({"models": value})) == ["models"]
 
 
 @pytest.mark.parametrize(
-    ("section", "key", "value", "what"),
+    ("section", "key", "value", "place"),
     [
-        ("calibration", "seeds", [-1], "seeds.0 = -1: must be greater than or equal to 0"),
-        ("calibration", "seeds", [], "seeds = []: must have at least 1 item; remove the key for "),
-        ("calibration", "taps", [4], "taps = [4]: must have at least 2 items; remove "),
-        (
-            "quality",
-            "pressure_range_kpa",
-            [],
-            "pressure_range_kpa = []: must have 2 items; ",
-        ),
-        ("calibration", "generations", 50, "generations = 50: must be a list; remove "),
-        ("tracking", "angle_range_deg", [], "angle_range_deg = []: must have 2 items; remove "),
-        ("tracking", "angle_range_deg", [1], "angle_range_deg = [1]: must have 2 items; remove "),
+        ("calibration", "seeds", [-1], "seeds.0"),
+        ("calibration", "seeds", [], "seeds"),
+        ("calibration", "taps", [4], "taps"),
+        ("quality", "pressure_range_kpa", [], "pressure_range_kpa"),
+        ("calibration", "generations", 50, "generations"),
+        ("tracking", "angle_range_deg", [1], "angle_range_deg"),
     ],
 )
-def test_list_with_a_wrong_item_or_too_few_is_one_error(section, key, value, what):
-    text = message({section: {key: value}})
-    assert text.startswith(f"1 error in the configuration:\n  {section}.{what}")
+def test_list_with_a_wrong_item_or_too_few_is_one_error(section, key, value, place):
+    assert told(message({section: {key: value}})) == [f"{section}.{place}"]
 
 
 @pytest.mark.parametrize(
@@ -140,8 +133,8 @@ def test_list_with_a_wrong_item_or_too_few_is_one_error(section, key, value, wha
 )
 def test_wrong_model_is_one_error_and_stays_as_it_was(model):
     given = {"models": {"others": {"mine": copy.deepcopy(model)}}}
-    (line,) = message(given).splitlines()[1:]
-    assert line.strip().startswith("models.others.mine.")
+    (key,) = told(message(given))
+    assert key.startswith("models.others.mine.")
     assert given == {"models": {"others": {"mine": model}}}
 
 
@@ -382,25 +375,22 @@ def test_smoke_configuration_merges_and_is_a_shorter_run():
 
 
 @pytest.mark.parametrize(
-    ("old", "new"),
+    ("old", "key", "now"),
     [
-        ({"sweeps": {"n_c": [2, 4]}}, "sweeps: sweeps is now called grids"),
-        ({"source": "hardware"}, "source: hardware is now called rig"),
+        ({"sweeps": {"n_c": [2, 4]}}, "sweeps", "grids"),
+        ({"source": "hardware"}, "source", "rig"),
+        ({"tracking": {"printed_gains": {}}}, "tracking.printed_gains", "control.pd"),
         (
-            {"tracking": {"printed_gains": {"kp_kpa_per_deg": 0.5}}},
-            "tracking.printed_gains: tracking.printed_gains is now called control.pd",
+            {"tracking": {"candidate_kp_kpa_per_deg": [0.5]}},
+            "tracking.candidate_kp_kpa_per_deg",
+            "control.pd",
         ),
     ],
 )
-def test_what_was_renamed_is_refused_with_its_new_name(old, new):
-    assert f"{new};" in message(old)
-
-
-def test_what_was_removed_is_refused_with_what_there_is_instead():
-    text = message({"tracking": {"candidate_kp_kpa_per_deg": [0.5, 4.0]}})
-    (line,) = text.splitlines()[1:]
-    assert line.startswith("  tracking.candidate_kp_kpa_per_deg: was removed")
-    assert "control.pd" in line
+def test_what_was_renamed_or_removed_is_answered_by_what_there_is_now(old, key, now):
+    text = message(old)
+    assert told(text) == [key]
+    assert now in text
 
 
 def test_rig_bouc_wen_is_the_dry_rig_with_another_friction_law():

@@ -1,21 +1,26 @@
+import re
+
 import pytest
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 
 from fprc.config import Settings, check
-from fprc.config.section import Section
+from fprc.config.section import Section, fields, limits_of, section_of, unit_of
 from fprc.errors import ConfigError
 
 
 def sections(model=Settings):
     """Yield every section, found by its annotations."""
     yield model
-    for field in model.model_fields.values():
-        if isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel):
-            yield from sections(field.annotation)
+    for inner in map(section_of, model.model_fields.values()):
+        if inner:
+            yield from sections(inner)
 
 
 #: Chamber loops and the like occur twice; one of each is enough.
 SECTIONS = list(dict.fromkeys(sections()))
+#: Range and default of every setting that has a range.
+RANGES = {key: (limits_of(field), default) for key, default, field, _ in fields(Settings)
+          if limits_of(field)}  # fmt: skip
 
 
 def set_to(key, value):
@@ -42,22 +47,35 @@ def test_folder_has_one_name_however_it_is_written(written):
     assert Settings(folders={"results": written}).folders.results == "out"
 
 
-def test_defaults_are_the_numbers_of_the_paper():
-    settings = Settings()
-    assert settings.control.sample_rate_hz == 200
-    assert settings.control.k_in_kpa_per_deg == 7.0
-    assert settings.control.reservoir_limit_kpa == 450
-    assert settings.control.main_loop.kp_v_per_kpa == 0.03
-    assert settings.control.reservoir_loop.kp_v_per_kpa == 0.05
-    assert settings.control.main_loop.ki_v_per_kpa_s == 1e-6
-    assert settings.control.reservoir_loop.ki_v_per_kpa_s == 1e-6
-    assert settings.experiments.complex.f_hz == (0.12, 0.04, 0.31, 0.29, 0.25)
-    assert (settings.models.n_y, settings.models.alpha) == (5, 1e-3)
-    esn, fprc = settings.models.esn, settings.models.fprc
-    assert (esn.r, esn.f_input, esn.gamma, esn.rho, esn.washout) == (800, 0.02, 0.8, 0.4, 100)
-    assert (fprc.epsilon, fprc.n_c, fprc.n_u, fprc.sigma) == (0.01, 8, 3, 2.0)
-    assert (settings.evaluation.folds, settings.evaluation.timing_repeats) == (5, 10)
-    assert settings.rig.reservoir.precharge_kpa == 100
+@pytest.mark.parametrize(
+    ("key", "printed"),
+    [
+        ("control.sample_rate_hz", 200),
+        ("control.k_in_kpa_per_deg", 7.0),
+        ("control.reservoir_limit_kpa", 450),
+        ("control.main_loop.kp_v_per_kpa", 0.03),
+        ("control.reservoir_loop.kp_v_per_kpa", 0.05),
+        ("control.main_loop.ki_v_per_kpa_s", 1e-6),
+        ("control.reservoir_loop.ki_v_per_kpa_s", 1e-6),
+        ("experiments.complex.f_hz", (0.12, 0.04, 0.31, 0.29, 0.25)),
+        ("models.n_y", 5),
+        ("models.alpha", 1e-3),
+        ("models.esn.r", 800),
+        ("models.esn.f_input", 0.02),
+        ("models.esn.gamma", 0.8),
+        ("models.esn.rho", 0.4),
+        ("models.esn.washout", 100),
+        ("models.fprc.epsilon", 0.01),
+        ("models.fprc.n_c", 8),
+        ("models.fprc.n_u", 3),
+        ("models.fprc.sigma", 2.0),
+        ("evaluation.folds", 5),
+        ("evaluation.timing_repeats", 10),
+        ("rig.reservoir.precharge_kpa", 100),
+    ],
+)
+def test_defaults_are_the_numbers_of_the_paper(key, printed):
+    assert value_at(Settings(), key) == printed
 
 
 @pytest.mark.parametrize("section", SECTIONS, ids=lambda section: section.__name__)
@@ -74,56 +92,73 @@ def test_every_number_has_unit_range_and_meaning(section):
     for name, schema in section.model_json_schema()["properties"].items():
         if schema.get("type") in ("number", "integer"):
             assert schema["unit"], name
-            assert schema["minimum"] < schema["maximum"], name
             assert schema["minimum"] <= schema["default"] <= schema["maximum"], name
             assert schema["description"], name
 
 
+@pytest.mark.parametrize(
+    ("key", "unit"),
+    [
+        ("ki_v_per_kpa_s", "V/(kPa s)"),
+        ("inertia_kpa_s2_per_deg", "kPa s^2/deg"),
+        ("gain_loss_per_deg", "1/deg"),
+        ("supply_kpa_abs", "kPa abs"),
+        ("f_hz", "Hz"),
+        ("rho", "-"),
+        ("p_o_loop", "-"),
+        ("p", "-"),
+    ],
+)
+def test_key_ends_in_its_unit(key, unit):
+    assert unit_of(key) == unit
+
+
+@pytest.mark.parametrize("key", RANGES)
+def test_number_beyond_either_end_of_its_range_is_refused(key):
+    (low, high), default = RANGES[key]
+    for number, limit in ((low - 1, low), (high + 1, high)):
+        said = refused(key, [number, number] if isinstance(default, tuple) else number)
+        assert f"  {key}" in said
+        assert {*map(float, re.findall(r"or equal to ([-+.\w]*\w)", said))} == {limit}
+
+
 NAN, INFINITY = float("nan"), float("inf")
-NO_NUMBER = "must be a number or a text, not true/false"
-REFUSED = [
-    ("seed", -1, "greater than or equal to 0"),
-    ("seed", True, NO_NUMBER),
-    ("models.alpha", False, NO_NUMBER),
-    ("models.alpha", NAN, ""),
-    ("models.fprc.n_c", 0, "greater than or equal to 1"),
-    ("models.fprc.n_c", 1.5, ""),
-    ("models.fprc.n_c", "many", ""),
-    ("models.fprc.n_c", None, ""),
-    ("models.fprc.n_c", [1], ""),
-    ("models.esn.gamma", 1.0, "less than or equal to 0.9999"),
-    ("control.sample_rate_hz", 10, "greater than or equal to 50"),
-    ("experiments.complex.f_hz", [0.1, 20.0], "less than or equal to 10"),
-    ("experiments.complex.f_hz", [], "at least 1 item"),
-    ("experiments.complex.f_hz", [0.2, NAN], ""),
-    ("experiments.complex.f_hz", [True], ""),
-    ("experiments.sweep.duration_s", INFINITY, ""),
-    ("experiments.sweep.form", "sine", "'chirp'"),
-    ("rig.valve.leak", -INFINITY, ""),
-    ("rig.bending.slip_distance_deg", [1, 3, 7, 0], "greater than or equal to 0.1"),
-    ("rig.bending.relaxation_time_s", [0.2, NAN], ""),
-    ("rig.reservoir.slip_weight", [0.2, NAN], ""),
-    ("quality.pressure_range_kpa", [0.0, 2000.0], "less than or equal to 1000"),
-    ("quality.pressure_range_kpa", [0.2, NAN], ""),
-    ("quality.pressure_range_kpa", [100.0, -20.0], ""),
-    ("quality.angle_range_deg", [100.0, -20.0], ""),
-    ("evaluation.split", "random", "'shuffled' or 'blocked'"),
-    ("evaluation.split", True, NO_NUMBER),
-    ("evaluation.replicate_seeds", [True, False], ""),
-    ("evaluation.replicate_seeds", [-1, 2], ""),
-    ("evaluation.replicate_seeds", [101, 101], ""),
-    ("evaluation.replicate_seeds", [101], ""),
-    ("calibration.taps", [3, 3], ""),  # over equal sizes no trend can be measured
-    ("folders.results", True, NO_NUMBER),
-    ("source", "real", "'sim'"),
-]
 
 
-@pytest.mark.parametrize(("key", "value", "limit"), REFUSED)
-def test_value_that_makes_no_sense_is_refused_by_its_key_and_limit(key, value, limit):
-    message = refused(key, value)
-    assert key in message
-    assert limit in message
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("seed", True),
+        ("models.alpha", False),
+        ("models.alpha", NAN),
+        ("models.fprc.n_c", 1.5),
+        ("models.fprc.n_c", "many"),
+        ("models.fprc.n_c", None),
+        ("models.fprc.n_c", [1]),
+        ("experiments.complex.f_hz", []),
+        ("experiments.complex.f_hz", [0.2, NAN]),
+        ("experiments.complex.f_hz", [True]),
+        ("experiments.sweep.duration_s", INFINITY),
+        ("experiments.sweep.form", "sine"),
+        ("rig.valve.leak", -INFINITY),
+        ("rig.reservoir.slip_weight", [0.2, NAN]),
+        ("quality.pressure_range_kpa", [0.2, NAN]),
+        ("quality.pressure_range_kpa", [100.0, -20.0]),
+        ("evaluation.split", "random"),
+        ("evaluation.split", True),
+        ("evaluation.replicate_seeds", [True, False]),
+        ("evaluation.replicate_seeds", [101, 101]),
+        ("evaluation.replicate_seeds", [101]),
+        ("calibration.taps", [3, 3]),  # over equal sizes no trend can be measured
+        ("calibration.free", ["valve.leak"]),
+        ("calibration.fit", []),
+        ("grids.n_u", [1, 2]),
+        ("folders.results", True),
+        ("source", "real"),
+    ],
+)
+def test_value_that_makes_no_sense_is_refused_by_its_key(key, value):
+    assert f"  {key}" in refused(key, value)
 
 
 @pytest.mark.parametrize(
@@ -138,48 +173,33 @@ def test_lists_that_belong_together_have_the_same_length(key, pair):
     message = refused(key, [1.0])
     assert key.rpartition(".")[0] in message
     assert pair in message
-    assert "same length" in message
 
 
 @pytest.mark.parametrize("key", ["rig.bending.slip_weight", "rig.reservoir.slip_weight"])
 def test_weights_sum_to_one(key):
     elements = len(value_at(Settings(), key))
-    assert "make it sum to 1" in refused(key, [0.5] * elements)
+    assert "slip_weight" in refused(key, [0.5] * elements)
     weights = [0.0] * (elements - 1) + [1.0]
     assert value_at(check(set_to(key, weights)), key) == tuple(weights)
 
 
-@pytest.mark.parametrize("experiment", ["sweep", "complex"])
-def test_log_too_short_to_train_on_is_refused(experiment):
-    config = {
-        "control": {"sample_rate_hz": 50},
-        "experiments": {experiment: {"duration_s": 1}},
-        "models": {"fprc": {"n_c": 64}},
-    }
-    with pytest.raises(ConfigError, match=rf"experiments\.{experiment}.*n_c = 64") as caught:
-        check(config)
-    assert "duration_s" in str(caught.value)
-    config["experiments"][experiment]["duration_s"] = 2
-    assert check(config).models.fprc.n_c == 64
-
-
 @pytest.mark.parametrize(
-    "models",
-    [{"fprc": {"n_u": 100}}, {"n_y": 100}],
+    ("experiment", "models", "need"),
+    [
+        ("sweep", {"fprc": {"n_c": 64}}, "n_c = 64"),
+        ("complex", {"fprc": {"n_c": 64}}, "n_c = 64"),
+        ("sweep", {"fprc": {"n_u": 100}}, "n_u = 100"),
+        ("sweep", {"n_y": 100}, "n_y = 100"),
+    ],
 )
-def test_taps_must_fit_into_the_log(models):
-    config = {
-        "control": {"sample_rate_hz": 50},
-        "experiments": {"sweep": {"duration_s": 2}},
-        "models": models,
-    }
-    with pytest.raises(ConfigError, match=r"experiments\.sweep.* = 100"):
-        check(config)
+def test_log_too_short_to_train_on_is_refused(experiment, models, need):
+    config = {"control": {"sample_rate_hz": 50}, "models": models}
+    with pytest.raises(ConfigError, match=rf"experiments\.{experiment}.*{need}"):
+        check(config | {"experiments": {experiment: {"duration_s": 1}}})
+    assert check(config | {"experiments": {experiment: {"duration_s": 4}}})
 
 
 def test_scikit_fuzzy_is_refused_where_it_is_not_installed(monkeypatch):
     assert check(set_to("models.fprc.clustering", "scikit-fuzzy")).models.fprc.restarts == 1
     monkeypatch.setattr("fprc.config.models.find_spec", lambda name: None)
-    message = refused("models.fprc.clustering", "scikit-fuzzy")
-    assert "models.fprc.clustering" in message
-    assert "pip install scikit-fuzzy" in message
+    assert "models.fprc.clustering" in refused("models.fprc.clustering", "scikit-fuzzy")

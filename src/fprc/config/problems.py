@@ -1,0 +1,77 @@
+"""What is wrong with settings, in words: place, value, limit and remedy."""
+
+import difflib
+import re
+from collections.abc import Collection, Iterable, Mapping
+from typing import Any
+
+from pydantic import BaseModel
+from pydantic_core import PydanticUndefined
+
+from fprc.config.section import fields
+from fprc.errors import ConfigError
+from fprc.escape import in_words
+
+
+def refusal(problems: Collection[str], where: str, *, file: str = "") -> ConfigError:
+    """Return the error that lists all problems; it begins with the file if there is one."""
+    noun = "error" if len(problems) == 1 else "errors"
+    head = f"{f'{file}: ' if file else ''}{len(problems)} {noun} in the {where}:"
+    return ConfigError("\n  ".join([head, *problems]))
+
+
+def explained(item: Mapping[str, Any], section: type[BaseModel], page: str) -> str:
+    """Return what is wrong in one line.
+
+    Parameters
+    ----------
+    item : Mapping
+        One error of pydantic.
+    section : type
+        The section that was read.
+    page : str
+        The page that describes its keys.
+    """
+    *above, last = map(str, item["loc"] or [""])
+    key = ".".join([*above, last])
+    defaults = {name: default for name, default, *_ in fields(section)}
+    kind, value = item["type"], item["input"]
+    if kind == "missing" and not last.isdigit():
+        return f"{key}: missing; see {page}"
+    if kind == "extra_forbidden":
+        return f"{key}: unknown key; {_nearest(above, last, defaults)}"
+    if kind == "invalid_key":
+        return f"{'.'.join([*above, str(value)])}: unknown key; keys are words, such as seed"
+    message = item["msg"].removeprefix("Value error, ").replace("a valid tuple", "a list")
+    message = re.sub("^(Input|String) should", "must", message)
+    if kind == "missing":
+        key, message = ".".join(above), "must have 2 items"
+    if kind in ("model_type", "model_attributes_type"):
+        message = "must hold keys and values"
+    # our own checks tell the value as far as it helps
+    shown = "" if kind == "value_error" else f" = {value}"
+    default = defaults.get(key, PydanticUndefined)
+    remedy = "" if default is PydanticUndefined else f"; remove the key for {default!r}"
+    if kind == "literal_error":
+        remedy = _nearest_word(str(value), item["ctx"]["expected"]) or remedy
+    return f"{key}{shown}: {message}{remedy}" if key else message
+
+
+def _nearest(above: list[str], last: str, known: Iterable[str]) -> str:
+    """Return the key that was probably meant, or else the keys that there are."""
+    ways = [tuple(key.split(".")) for key in known]
+    ways = list(dict.fromkeys(way[:depth] for way in ways for depth in range(1, len(way) + 1)))
+    siblings = [name for *section, name in ways if section == above]
+    near = difflib.get_close_matches(last, siblings, n=1)
+    near += [name for name in siblings if name.startswith(last)]
+    likely = [way for way in ways if way[-1] == last] or [(*above, name) for name in near]
+    if not likely:
+        return f"the keys are {in_words(siblings)}"
+    return f"did you mean {'.'.join(likely[0])}?"
+
+
+def _nearest_word(text: str, expected: str) -> str:
+    """Return a hint: the valid word, from pydantic's message, that is nearest to a wrong one."""
+    words = {word.lower(): word for word in re.findall(r"'([^']+)'", expected)}
+    near = difflib.get_close_matches(text.lower(), words, n=1, cutoff=0.5)
+    return f"; did you mean {words[near[0]]}?" if near else ""
