@@ -1,15 +1,13 @@
 """Settings of the comparison beyond the paper."""
 
-from typing import Annotated
-
-from fprc.config.section import NotEmpty, Rising, Section, quantities, quantity, within
+from fprc.config.section import NotEmpty, Rising, Section, quantity
 
 
 class Disturbances(Section):
     """Disturbances of P_o in the test log, after training."""
 
-    shifts_kpa: NotEmpty[Annotated[float, within(-100, 100)]] = quantities(
-        (-5, -3, -2, -1, 0, 1, 2, 3, 5), "constant shifts of P_o"
+    shifts_kpa: NotEmpty[float] = quantity(
+        (-5, -3, -2, -1, 0, 1, 2, 3, 5), (-100, 100), "constant shifts of P_o"
     )
     drift_kpa: float = quantity(2.0, (0, 100), "linear fall of P_o over the test log")
     noise_kpa: float = quantity(1.0, (0, 100), "standard deviation of white noise added to P_o")
@@ -19,13 +17,13 @@ class TrainingLogs(Section):
     """Training logs of other lengths, and a second training log."""
 
     seeds: int = quantity(10, (1, 1000), "seeds on which each length is judged")
-    seconds: NotEmpty[Annotated[float, within(5, 3600)]] = quantities(
-        (15, 30, 60, 120, 240), "lengths; each log sweeps the whole band", unit="s"
+    seconds: NotEmpty[float] = quantity(
+        (15, 30, 60, 120, 240), (5, 3600), "lengths; each log sweeps the whole band", unit="s"
     )
-    second_f_hz: NotEmpty[Annotated[float, within(0.001, 10)]] = quantities(
-        (0.18, 0.07, 0.43, 0.23, 0.37),
+    second_f_hz: NotEmpty[float] = quantity(
+        (0.18, 0.07, 0.43, 0.23, 0.37), (0.001, 10),
         "frequencies of a second training log, a multisine like the test log",
-    )
+    )  # fmt: skip
 
 
 class Tuning(Section):
@@ -43,8 +41,8 @@ class Capacity(Section):
     hold_s: float = quantity(
         0.5, (0.01, 60), "length of a hold; half a period of the paper's fastest signal"
     )
-    angle_range_deg: Rising[Annotated[float, within(-120, 120)]] = quantities(
-        (5, 60), "theta_d of each hold is drawn uniformly from this range"
+    angle_range_deg: Rising[float] = quantity(
+        (5, 60), (-120, 120), "theta_d of each hold is drawn uniformly from this range"
     )
     samples: int = quantity(4000, (100, 1_000_000), "holds that are evaluated")
     washout: int = quantity(20, (0, 10000), "holds before these that are discarded")
@@ -54,8 +52,8 @@ class Capacity(Section):
         1e-4, (1e-12, 0.5), "probability, per target, that a capacity due to chance counts"
     )
     virtual_nodes: int = quantity(10, (1, 1000), "samples of P_o in a hold")
-    bank_epsilons: NotEmpty[Annotated[float, within(1e-6, 1)]] = quantities(
-        (0.03, 0.01, 0.003), "filter factors of the bank of low-passes"
+    bank_epsilons: NotEmpty[float] = quantity(
+        (0.03, 0.01, 0.003), (1e-6, 1), "filter factors of the bank of low-passes"
     )
     esn_nodes: int = quantity(100, (1, 4000), "nodes of the ESN")
 

@@ -1,35 +1,35 @@
 """Settings of the rig's calibration, of rigs drawn at random, and of rigs near print."""
 
-from typing import Annotated, Literal
+from typing import Literal
 
 from pydantic import Field, model_validator
 
 from fprc.config.free import free_ranges
-from fprc.config.section import Distinct, NotEmpty, Rising, Section, quantities, quantity, within
+from fprc.config.section import Distinct, NotEmpty, Rising, Section, quantity
 
 
 class Plausible(Section):
     """Plausible ranges of a fitted rig's properties."""
 
-    angle_deg: Rising[Annotated[float, within(1, 120)]] = quantities(
-        (57, 63), "largest angle of the sweep", "paper: about 60 deg"
+    angle_deg: Rising[float] = quantity(
+        (57, 63), (1, 120), "largest angle of the sweep", "paper: about 60 deg"
     )
-    loop_kpa: Rising[Annotated[float, within(1, 400)]] = quantities(
-        (45, 75), "width of the loop at mid-angle", "Fuzzy-linear's printed error"
+    loop_kpa: Rising[float] = quantity(
+        (45, 75), (1, 400), "width of the loop at mid-angle", "Fuzzy-linear's printed error"
     )
-    loop_growth: Rising[Annotated[float, within(0.1, 10)]] = quantities(
-        (0.87, 1.15), "growth of that width from the first to the last quarter",
-        "paper, Sec. II-B: independent of frequency"
+    loop_growth: Rising[float] = quantity(
+        (0.87, 1.15), (0.1, 10), "growth of that width from the first to the last quarter",
+        "paper, Sec. II-B: independent of frequency",
     )  # fmt: skip
-    p_o_swing_kpa: Rising[Annotated[float, within(1, 400)]] = quantities(
-        (40, 80), "swing of P_o in the sweep", "size of the chambers"
+    p_o_swing_kpa: Rising[float] = quantity(
+        (40, 80), (1, 400), "swing of P_o in the sweep", "size of the chambers"
     )
-    p_o_loop: Rising[Annotated[float, within(0.001, 2)]] = quantities(
-        (0.17, 0.4), "width of P_o's loop over its swing", "paper, Fig. 5"
+    p_o_loop: Rising[float] = quantity(
+        (0.17, 0.4), (0.001, 2), "width of P_o's loop over its swing", "paper, Fig. 5"
     )
-    p_o_loop_growth: Rising[Annotated[float, within(0.1, 10)]] = quantities(
-        (0.87, 1.15), "growth of that width from the first to the last quarter",
-        "paper, Sec. II-B: independent of frequency"
+    p_o_loop_growth: Rising[float] = quantity(
+        (0.87, 1.15), (0.1, 10), "growth of that width from the first to the last quarter",
+        "paper, Sec. II-B: independent of frequency",
     )  # fmt: skip
 
 
@@ -129,31 +129,32 @@ class Calibration(Section):
         "C3, C7), plausible ranges, claims, open-loop Table IV; closed_loop asks only that FPRC+PD "
         "is at least a fifth below FPRC",
     )  # fmt: skip
-    seeds: NotEmpty[Annotated[int, within(0, 2**31)]] = quantities(
-        (21, 22, 23), "noise seeds of the objective; with few, the search fits the noise"
-    )
+    seeds: NotEmpty[int] = quantity(
+        (21, 22, 23), (0, 2**31),
+        "noise seeds of the objective; with few, the search fits the noise",
+    )  # fmt: skip
     grid_seeds: int = quantity(
         1, (1, 1000), "number of these seeds that also judge the grids of C9, C11 and C12"
     )
-    check_seeds: NotEmpty[Annotated[int, within(0, 2**31)]] = quantities(
-        (41, 42, 43, 44, 45, 46, 47, 48),
+    check_seeds: NotEmpty[int] = quantity(
+        (41, 42, 43, 44, 45, 46, 47, 48), (0, 2**31),
         "noise seeds on which the fitted rig is compared with the starting rig",
-    )
-    taps: Distinct[Annotated[int, within(1, 10)]] = quantities(
-        (2, 4, 7, 10), "n_u and n_y at which the search judges C12", unit="samples"
+    )  # fmt: skip
+    taps: Distinct[int] = quantity(
+        (2, 4, 7, 10), (1, 10), "n_u and n_y at which the search judges C12", unit="samples"
     )
     first: FirstSearch = FirstSearch()
-    generations: NotEmpty[Annotated[int, within(1, 100000)]] = quantities(
-        (40, 40, 40),
-        "generations of eight rigs of each search for "
-        "calibration.fit; each begins at the end of the one before",
-    )
+    generations: NotEmpty[int] = quantity(
+        (40, 40, 40), (1, 100000),
+        "generations of eight rigs of each search for calibration.fit; each begins at the end of "
+        "the one before",
+    )  # fmt: skip
     step: float = quantity(
         0.05, (1e-3, 1), "standard deviation of the first rigs, as a share of each range"
     )
     minutes: float = quantity(
         120, (0.01, 10000), "after this time each search begins its first generation only",
-        unit="min"
+        unit="min",
     )  # fmt: skip
     stride: int = quantity(5, (1, 1000), "the surrogate models fit every n-th row", unit="samples")
     esn_nodes: int = quantity(150, (1, 4000), "reservoir size of the surrogate ESN")
@@ -171,11 +172,11 @@ class Drawn(Section):
     rigs: int = quantity(40, (1, 1_000_000), "number of rigs")
     chunk: int = quantity(5, (1, 100000), "rigs per job, also of rigs near print")
     seed: int = quantity(1000, (0, 2**31), "seed of the draws")
-    angle_deg: Rising[Annotated[float, within(1, 120)]] = quantities(
-        (50, 70), "range of the largest angle; other rigs are rejected"
+    angle_deg: Rising[float] = quantity(
+        (50, 70), (1, 120), "range of the largest angle; other rigs are rejected"
     )
-    p_o_swing_kpa: Rising[Annotated[float, within(1, 400)]] = quantities(
-        (30, 100), "range of the swing of P_o; other rigs are rejected"
+    p_o_swing_kpa: Rising[float] = quantity(
+        (30, 100), (1, 400), "range of the swing of P_o; other rigs are rejected"
     )
     sensitivity_steps: int = quantity(
         5, (2, 100), "values over each parameter's range in the sensitivity table"

@@ -5,7 +5,7 @@ from typing import Annotated
 
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
-from fprc.config.section import Rising, Section, quantities, quantity, within
+from fprc.config.section import Rising, Section, quantity
 
 #: Takes the text null, which the command line passes, as None.
 _NULL = BeforeValidator(lambda value: None if value == "null" else value)
@@ -24,9 +24,10 @@ class Boards(Section):
     p_o_input: int = quantity(2, (0, 63), "channel of PAM B's pressure sensor")
     main_output: int = quantity(0, (0, 63), "channel of the actuator's valve")
     reservoir_output: int = quantity(1, (0, 63), "channel of the reservoir's valve")
-    heartbeat_output: Annotated[int | None, within(0, 63), _NULL] = Field(
+    heartbeat_output: Annotated[int | None, _NULL] = quantity(
         None,
-        description="channel that toggles between 0 and 5 V at every sample, for a watchdog relay "
+        (0, 63),
+        "channel that toggles between 0 and 5 V at every sample, for a watchdog relay "
         "that vents when the toggling stops; null: no relay",
     )
     lock_folder: str = Field(
@@ -119,20 +120,20 @@ class Valves(Section):
 class Limits(Section):
     """Limits that end a run: both valves go to neutral, then both chambers are vented."""
 
-    p_exp_kpa: Rising[Annotated[float, within(-100, 1000)]] = quantities(
-        (-20, 480), "allowed pressure readings of the actuator"
+    p_exp_kpa: Rising[float] = quantity(
+        (-20, 480), (-100, 1000), "allowed pressure readings of the actuator"
     )
-    p_i_kpa: Rising[Annotated[float, within(-100, 1000)]] = quantities(
-        (-20, 480), "allowed pressure readings of PAM A"
+    p_i_kpa: Rising[float] = quantity(
+        (-20, 480), (-100, 1000), "allowed pressure readings of PAM A"
     )
-    p_o_kpa: Rising[Annotated[float, within(-100, 1000)]] = quantities(
-        (20, 400), "allowed pressure readings of PAM B, sealed at 100 kPa"
+    p_o_kpa: Rising[float] = quantity(
+        (20, 400), (-100, 1000), "allowed pressure readings of PAM B, sealed at 100 kPa"
     )
-    theta_deg: Rising[Annotated[float, within(-360, 360)]] = quantities(
-        (-20, 100), "allowed readings of the actuator's angle"
+    theta_deg: Rising[float] = quantity(
+        (-20, 100), (-360, 360), "allowed readings of the actuator's angle"
     )
-    phi_deg: Rising[Annotated[float, within(-360, 360)]] = quantities(
-        (-120, 120), "allowed readings of the reservoir's angle"
+    phi_deg: Rising[float] = quantity(
+        (-120, 120), (-360, 360), "allowed readings of the reservoir's angle"
     )
     pressure_step_kpa: float = quantity(
         60, (1, 1000), "largest change of a pressure between two samples"
@@ -164,13 +165,13 @@ class Loop(Section):
     )
     stalled_s: float = quantity(
         0.5, (0.2, 10),
-        "if the control loop is silent for longer, the guardian process kills it and vents; if "
-        "the guardian is silent for longer, the loop vents and ends"
+        "if the control loop is silent for longer, the guardian process kills it and vents; if the "
+        "guardian is silent for longer, the loop vents and ends",
     )  # fmt: skip
     opening_s: float = quantity(
         10, (1, 120),
-        "if the control loop has not opened boards and sensors after this time, the guardian "
-        "kills it and vents"
+        "if the control loop has not opened boards and sensors after this time, the guardian kills "
+        "it and vents",
     )  # fmt: skip
 
 

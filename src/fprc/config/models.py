@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, ValidationInfo, field_validator
 
-from fprc.config.section import Distinct, NotEmpty, Section, quantities, quantity, within
+from fprc.config.section import Distinct, NotEmpty, Section, quantity
 from fprc.registry import ANGLE, MODELS
 
 
@@ -109,30 +109,29 @@ class Evaluation(Section):
         0, (-1e4, 1e4), "recorded theta at which the simulated reservoir is vented"
     )
     timing_repeats: int = quantity(10, (1, 100), "repeats of the timing", "paper, Sec. III-D")
-    replicate_seeds: Distinct[Annotated[int, within(0, 2**31)]] = quantities(
-        (501, 502, 503, 504, 505, 506, 507, 508, 509, 510),
+    replicate_seeds: Distinct[int] = quantity(
+        (501, 502, 503, 504, 505, 506, 507, 508, 509, 510), (0, 2**31),
         "seeds of further rigs, on which tables, grids and runs are repeated",
-    )
+    )  # fmt: skip
 
 
 class Grids(Section):
     """Grids of control variables, Sec. III-E."""
 
-    epsilon: NotEmpty[Annotated[float, within(1e-6, 1.0)]] = quantities(
-        (1.0, 0.1, 0.01, 1e-3, 1e-4), "filter factors", "paper, Fig. 10(a)"
+    epsilon: NotEmpty[float] = quantity(
+        (1.0, 0.1, 0.01, 1e-3, 1e-4), (1e-6, 1), "filter factors", "paper, Fig. 10(a)"
     )
-    n_c: NotEmpty[Annotated[int, within(1, 64)]] = quantities(
-        (1, 2, 4, 8, 16), "fuzzy rules", "paper, Fig. 10(b)"
+    n_c: NotEmpty[int] = quantity((1, 2, 4, 8, 16), (1, 64), "fuzzy rules", "paper, Fig. 10(b)")
+    n_u: NotEmpty[int] = quantity(
+        tuple(range(1, 11)), (1, 100), "taps of P_o", "paper, Fig. 11", unit="samples"
     )
-    n_u: NotEmpty[Annotated[int, within(1, 100)]] = quantities(
-        tuple(range(1, 11)), "taps of P_o", "paper, Fig. 11", unit="samples"
+    n_y: NotEmpty[int] = quantity(
+        tuple(range(1, 11)), (1, 100), "taps of theta_d", "paper, Fig. 11", unit="samples"
     )
-    n_y: NotEmpty[Annotated[int, within(1, 100)]] = quantities(
-        tuple(range(1, 11)), "taps of theta_d", "paper, Fig. 11", unit="samples"
-    )
-    readout_taps: NotEmpty[Annotated[int, within(1, 100)]] = quantities(
-        (1, 3, 5, 8, 10), "taps of P_o in the controls of the readout", "assumed", unit="samples"
-    )
+    readout_taps: NotEmpty[int] = quantity(
+        (1, 3, 5, 8, 10), (1, 100), "taps of P_o in the controls of the readout", "assumed",
+        unit="samples",
+    )  # fmt: skip
     chunks: int = quantity(1, (1, 100), "jobs per grid; useful up to its number of cells")
 
     @field_validator("n_u", "n_y")

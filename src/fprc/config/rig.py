@@ -5,11 +5,11 @@ with which the rig reproduces the paper.
 """
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 from pydantic import Field, model_validator
 
-from fprc.config.section import NotEmpty, Section, quantities, quantity, within
+from fprc.config.section import NotEmpty, Section, quantity
 
 
 def _same_length(section: Section, first: str, second: str) -> None:
@@ -48,11 +48,11 @@ class Valve(Section):
     )
     leak: float = quantity(
         0.002, (0.0, 0.02), "opening of both edges by the spool's clearance", "typical",
-        unit="opening"
+        unit="opening",
     )  # fmt: skip
     sonic_conductance_ml_per_s_kpa: float = quantity(
         7.86, (3.93, 11.8), "sonic conductance C, fully open",
-        "data sheet: 100 L/min from 6 to 5 bar is 3.93; fitted within 1-3 times that"
+        "data sheet: 100 L/min from 6 to 5 bar is 3.93; fitted within 1-3 times that",
     )  # fmt: skip
     critical_pressure_ratio: float = quantity(
         0.3, (0.2, 0.5), "critical pressure ratio b", "ISO 6358, typical of spool valves"
@@ -101,23 +101,24 @@ class Bending(Section):
     gain_loss_per_deg: float = quantity(
         0.0, (0, 0.005), "relative loss of torque with bending, g0", "McKibben muscle"
     )
-    relaxation_stiffness_kpa_per_deg: NotEmpty[Annotated[float, within(0.0, 3.0)]] = quantities(
-        (0.5, 0.5), "stiffness of each viscoelastic branch", "rubber; fitted"
+    relaxation_stiffness_kpa_per_deg: NotEmpty[float] = quantity(
+        (0.5, 0.5), (0, 3), "stiffness of each viscoelastic branch", "rubber; fitted"
     )
-    relaxation_time_s: NotEmpty[Annotated[float, within(0.05, 30.0)]] = quantities(
-        (0.25, 4.0), "time constant of each viscoelastic branch", "rubber; fitted"
+    relaxation_time_s: NotEmpty[float] = quantity(
+        (0.25, 4.0), (0.05, 30), "time constant of each viscoelastic branch", "rubber; fitted"
     )
     friction_kpa: float = quantity(4.0, (0, 15), "dry friction at zero pressure, Tc", "fitted")
     friction_per_kpa: float = quantity(
         0.08, (0.0, 0.25), "growth of the dry friction with pressure, mu",
-        "fabric pressed on rubber; fitted", unit="-"
+        "fabric pressed on rubber; fitted", unit="-",
     )  # fmt: skip
-    slip_distance_deg: NotEmpty[Annotated[float, within(0.1, 60.0)]] = quantities(
-        (1, 3, 7, 14), "angle at which each Maxwell element slips", "rounded loops need several"
-    )
-    slip_weight: NotEmpty[Annotated[float, within(0.0, 1.0)]] = quantities(
-        (0.3, 0.3, 0.25, 0.15), "share of each Maxwell element; they sum to 1",
-        "rounded loops need several"
+    slip_distance_deg: NotEmpty[float] = quantity(
+        (1, 3, 7, 14), (0.1, 60), "angle at which each Maxwell element slips",
+        "rounded loops need several",
+    )  # fmt: skip
+    slip_weight: NotEmpty[float] = quantity(
+        (0.3, 0.3, 0.25, 0.15), (0, 1), "share of each Maxwell element; they sum to 1",
+        "rounded loops need several",
     )  # fmt: skip
     stop_stiffness_kpa_per_deg: float = quantity(
         150, (50, 300), "stiffness of the straight actuator below 0 deg", "a firm stop"
@@ -166,13 +167,13 @@ class Reservoir(Section):
     )
     friction_per_kpa: float = quantity(
         0.12, (0, 0.4), "growth of that friction with the pressure in PAM A",
-        "loop width over swing 0.17-0.4; fitted", unit="-"
+        "loop width over swing 0.17-0.4; fitted", unit="-",
     )  # fmt: skip
-    slip_distance_ml: NotEmpty[Annotated[float, within(0.01, 10.0)]] = quantities(
-        (0.15, 0.5, 1.2), "squeeze at which each Maxwell element slips", "fitted"
+    slip_distance_ml: NotEmpty[float] = quantity(
+        (0.15, 0.5, 1.2), (0.01, 10), "squeeze at which each Maxwell element slips", "fitted"
     )
-    slip_weight: NotEmpty[Annotated[float, within(0.0, 1.0)]] = quantities(
-        (0.4, 0.35, 0.25), "share of each Maxwell element; they sum to 1", "fitted"
+    slip_weight: NotEmpty[float] = quantity(
+        (0.4, 0.35, 0.25), (0, 1), "share of each Maxwell element; they sum to 1", "fitted"
     )
     leak_ml_per_s_kpa: float = quantity(
         0.0, (0, 0.1), "leak of the hand valve to the room", "sealed: none"
@@ -185,7 +186,7 @@ class Reservoir(Section):
     )
     bending_volume_ml_per_deg: float = quantity(
         0.01, (0, 0.05), "volume that the reservoir's bending takes from PAM B",
-        "weak, as the paper explains the robustness of P_o"
+        "weak, as the paper explains the robustness of P_o",
     )  # fmt: skip
 
     @model_validator(mode="after")
@@ -203,7 +204,7 @@ class PressureSensor(Section):
     full_scale_kpa: float = quantity(1000, (100, 2000), "full scale", "data sheet: 1 MPa")
     linearity: float = quantity(
         0.007, (0, 0.01), "limit on gain, offset and bow errors", "data sheet: 0.7 %",
-        unit="full scale"
+        unit="full scale",
     )  # fmt: skip
     noise_kpa: float = quantity(
         0.4, (0, 1.5), "white noise, standard deviation", "bench experience: 0.3-0.5"

@@ -2,15 +2,20 @@
 
 from collections.abc import Iterator
 from types import UnionType
-from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, NamedTuple, TypeVar, Union, get_args, get_origin
 
-from annotated_types import Ge, Interval, Le
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationInfo, field_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    ValidationInfo,
+    field_validator,
+)
 from pydantic.fields import FieldInfo
 
 T = TypeVar("T")
-#: Lower and upper end of a range.
-Pair = tuple[T, T]
 
 #: Symbols of units, by the words that stand for them in keys.
 _SYMBOLS = {
@@ -62,34 +67,40 @@ class Section(BaseModel):
         return value
 
 
+class Within(NamedTuple):
+    """Lower and upper end of a number, or of each number of a list."""
+
+    low: float
+    high: float
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> Any:
+        """Set the ends in pydantic's schema of the numbers."""
+        schema: Any = handler(source)
+        inner = schema
+        while "schema" in inner:  # below what is checked in other ways
+            inner = inner["schema"]
+        for number in inner.get("items_schema", [inner]):
+            number |= {"ge": self.low, "le": self.high}
+        return schema
+
+
 def quantity(
-    default: float, limits: Pair[float], meaning: str, source: str = "", unit: str = ""
+    default: float | tuple[float, ...] | None,
+    limits: tuple[float, float],
+    meaning: str,
+    source: str = "",
+    unit: str = "",
 ) -> Any:
-    """Declare a number with its range, meaning and source; its key ends in its unit if it can."""
-    low, high = limits
+    """Declare a number, or a list of numbers; the key ends in the unit, unless one is given."""
     extra: dict[str, Any] = {"unit": unit, "source": source}
-    return Field(default, ge=low, le=high, description=meaning, json_schema_extra=extra)
+    field: Any = Field(default, description=meaning, json_schema_extra=extra)
+    field.metadata.append(Within(*limits))
+    return field
 
 
-def quantities(default: tuple[float, ...], meaning: str, source: str = "", unit: str = "") -> Any:
-    """Declare a list of numbers, whose annotation has their range."""
-    extra: dict[str, Any] = {"unit": unit, "source": source}
-    return Field(default, description=meaning, json_schema_extra=extra)
-
-
-def within(low: float, high: float) -> Interval:
-    """Return the constraint on one number of a list."""
-    return Interval(ge=low, le=high)
-
-
-def limits_of(field: FieldInfo) -> Pair[float] | None:
-    """Return the range of a number, or of each number of a list; None if it has none."""
-    bounds: list[Any] = list(field.metadata)
-    for part in get_args(field.annotation)[:1]:
-        bounds += getattr(part, "__metadata__", ())
-    ends: list[Any] = [each.ge for each in bounds if isinstance(each, (Ge, Interval))]
-    ends += [each.le for each in bounds if isinstance(each, (Le, Interval))]
-    return (ends[0], ends[1]) if len(ends) == 2 else None
+def limits_of(field: FieldInfo) -> Within | None:
+    """Return the ends of a number, or of each number of a list; None if it has none."""
+    return next((each for each in field.metadata if isinstance(each, Within)), None)
 
 
 def _are_given(items: tuple[T, ...]) -> tuple[T, ...]:
@@ -98,7 +109,7 @@ def _are_given(items: tuple[T, ...]) -> tuple[T, ...]:
     return items
 
 
-def _rise(limits: Pair[float]) -> Pair[float]:
+def _rise(limits: tuple[float, float]) -> tuple[float, float]:
     if limits[0] >= limits[1]:
         raise ValueError(f"{limits} is empty; put the lower end first")
     return limits
@@ -114,7 +125,7 @@ def _differ(items: tuple[T, ...]) -> tuple[T, ...]:
 #: These check only valid items, so that a wrong item is one error.
 NotEmpty = Annotated[tuple[T, ...], AfterValidator(_are_given)]
 Distinct = Annotated[tuple[T, ...], AfterValidator(_differ)]
-Rising = Annotated[Pair[T], AfterValidator(_rise)]
+Rising = Annotated[tuple[T, T], AfterValidator(_rise)]
 
 
 def section_of(field: FieldInfo) -> type[BaseModel] | None:

@@ -1,6 +1,6 @@
 """All settings of the workflow; the defaults are the paper's."""
 
-from typing import Annotated, Literal
+from typing import Literal
 
 from pydantic import Field, model_validator
 
@@ -10,7 +10,7 @@ from fprc.config.folders import Folders
 from fprc.config.hardware import Hardware
 from fprc.config.models import Evaluation, Grids, Models
 from fprc.config.rig import Rig
-from fprc.config.section import NotEmpty, Rising, Section, quantities, quantity, within
+from fprc.config.section import NotEmpty, Rising, Section, quantity
 from fprc.config.tracking import Tracking
 
 
@@ -34,8 +34,8 @@ class Multisine(Section):
 
     form: Literal["multisine"] = Field("multisine", description="sum of equal sines")
     duration_s: float = quantity(80, (1, 3600), "length", "paper, Fig. 4(c)")
-    f_hz: NotEmpty[Annotated[float, within(0.001, 10.0)]] = quantities(
-        (0.12, 0.04, 0.31, 0.29, 0.25), "frequencies", "paper, Fig. 4(c)"
+    f_hz: NotEmpty[float] = quantity(
+        (0.12, 0.04, 0.31, 0.29, 0.25), (0.001, 10), "frequencies", "paper, Fig. 4(c)"
     )
     amplitude_kpa: float = quantity(35, (0, 225), "of each sine", "paper, Fig. 4(c)")
     offset_kpa: float = quantity(175, (0, 450), "mean", "paper, Fig. 4(c)")
@@ -71,7 +71,7 @@ class Feedforward(Section):
     )
     p_o_shift_kpa: float = quantity(
         0.0, (-50, 50),
-        "added to P_o, to re-zero it: P_o at rest before the training, minus P_o at rest now"
+        "added to P_o, to re-zero it: P_o at rest before the training, minus P_o at rest now",
     )  # fmt: skip
     prior_s: float = quantity(15, (0.1, 3600), "new data that weigh as much as the training")
     memory_s: float = quantity(
@@ -112,20 +112,20 @@ class Quality(Section):
     rate_tolerance: float = quantity(0.01, (0, 0.2), "relative error of the mean sample rate")
     gap_periods: float = quantity(1.5, (1.01, 100), "a longer step is a gap", unit="periods")
     stuck_s: float = quantity(2.0, (0.05, 60), "a channel is stuck if unchanged for longer")
-    pressure_range_kpa: Rising[Annotated[float, within(-100, 1000)]] = quantities(
-        (-20, 995), "commands and readings outside are implausible"
+    pressure_range_kpa: Rising[float] = quantity(
+        (-20, 995), (-100, 1000), "commands and readings outside are implausible"
     )
-    angle_range_deg: Rising[Annotated[float, within(-360, 360)]] = quantities(
-        (-45, 120), "theta and theta_d outside are implausible"
+    angle_range_deg: Rising[float] = quantity(
+        (-45, 120), (-360, 360), "theta and theta_d outside are implausible"
     )
-    reservoir_angle_range_deg: Rising[Annotated[float, within(-360, 360)]] = quantities(
-        (-120, 120), "phi outside is implausible"
+    reservoir_angle_range_deg: Rising[float] = quantity(
+        (-120, 120), (-360, 360), "phi outside is implausible"
     )
-    voltage_range_v: Rising[Annotated[float, within(-20, 20)]] = quantities(
-        (0, 10), "voltages of the valves outside are implausible"
+    voltage_range_v: Rising[float] = quantity(
+        (0, 10), (-20, 20), "voltages of the valves outside are implausible"
     )
-    effort_range_kpa: Rising[Annotated[float, within(-10000, 10000)]] = quantities(
-        (-1000, 1000), "P_ff and P_fb outside are implausible"
+    effort_range_kpa: Rising[float] = quantity(
+        (-1000, 1000), (-10000, 10000), "P_ff and P_fb outside are implausible"
     )
     leak_kpa_per_min: float = quantity(
         5.0, (0, 100), "fastest fall of P_o at equal P_i that is no leak"

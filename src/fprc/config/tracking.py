@@ -1,10 +1,10 @@
 """Settings of the closed-loop runs, Sec. IV."""
 
-from typing import Annotated, Literal
+from typing import Literal
 
 from pydantic import Field, model_validator
 
-from fprc.config.section import NotEmpty, Pair, Section, quantities, quantity, within
+from fprc.config.section import NotEmpty, Rising, Section, quantity
 
 
 class Reference(Section):
@@ -13,8 +13,8 @@ class Reference(Section):
     form: Literal["multisine", "chirp"] = Field(
         "multisine", description="sum of equal sines, or linear frequency sweep"
     )
-    f_hz: NotEmpty[Annotated[float, within(0.001, 10.0)]] = quantities(
-        (0.2,), "frequencies of the sum, or first and last of the sweep"
+    f_hz: NotEmpty[float] = quantity(
+        (0.2,), (0.001, 10), "frequencies of the sum, or first and last of the sweep"
     )
     amplitude_deg: float = quantity(
         27.5, (0, 40), "amplitude of each sine", "printed for sweep and complex"
@@ -59,8 +59,8 @@ class Tracking(Section):
     pressure_limit_kpa: float = quantity(
         450, (100, 500), "largest pressure command to the actuator", "as for the reservoir"
     )
-    angle_range_deg: Pair[Annotated[float, within(-10, 120)]] = quantities(
-        (0, 65), "references outside are refused", "paper: about 60 deg"
+    angle_range_deg: Rising[float] = quantity(
+        (0, 65), (-10, 120), "references outside are refused", "paper: about 60 deg"
     )
     pushes: Pushes = Pushes()
 

@@ -115,8 +115,8 @@ def test_key_ends_in_its_unit(key, unit):
 
 @pytest.mark.parametrize("key", RANGES)
 def test_number_beyond_either_end_of_its_range_is_refused(key):
-    (low, high), default = RANGES[key]
-    for number, limit in ((low - 1, low), (high + 1, high)):
+    limits, default = RANGES[key]
+    for number, limit in ((limits.low - 1, limits.low), (limits.high + 1, limits.high)):
         said = refused(key, [number, number] if isinstance(default, tuple) else number)
         assert f"  {key}" in said
         assert {*map(float, re.findall(r"or equal to ([-+.\w]*\w)", said))} == {limit}
