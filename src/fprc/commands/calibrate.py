@@ -9,7 +9,7 @@ from threadpoolctl import threadpool_limits
 from fprc.artifacts import is_json_with, refuse_output
 from fprc.commands.processes import processes
 from fprc.commands.terminal import messages_on_terminal
-from fprc.config import PUBLISHED, check, from_files, local_files
+from fprc.config import PUBLISHED, from_files, local_files
 from fprc.errors import ConfigError
 from fprc.fingerprint import fingerprint
 from fprc.given import read_given
@@ -61,10 +61,8 @@ def calibrate_from_files(
     OutputError
         ``out`` or the report exists and no fit wrote it, or they cannot be written.
     """
-    settings = from_files(files or local_files()).model_dump(mode="json")
-    if minutes is not None:
-        changed = settings["calibration"] | {"minutes": minutes}
-        settings = check(settings | {"calibration": changed}).model_dump(mode="json")
+    chosen = {} if minutes is None else {"calibration": {"minutes": minutes}}
+    settings = from_files(files or local_files(), chosen).model_dump(mode="json")
     count = processes(workers)
     if not re.fullmatch(r"[\w.-]+\.yaml", Path(out).name):
         raise ConfigError(

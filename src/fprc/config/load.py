@@ -67,8 +67,7 @@ def from_files(paths: Sequence[Path | str], over: Mapping[str, Any] | None = Non
     unread = []
     for layer in ({"rig": RIG}, *paths, over or {}):
         try:
-            content = layer if isinstance(layer, Mapping) else read_yaml(layer)
-            _merge(merged, deepcopy(dict(_with_whole_rig(content))))
+            _merge_layer(merged, layer if isinstance(layer, Mapping) else read_yaml(layer))
         except ConfigError as error:
             unread.append(str(error))
     if unread:
@@ -98,8 +97,9 @@ def _restore_default(config: Any, item: Mapping[str, Any]) -> bool:
     *sections, last = [part for part in item["loc"] if isinstance(part, str)] or [""]
     default: Any = Settings().model_dump()
     for part in sections:
-        config = config.get(part) if isinstance(config, dict) else None
-        default = default.get(part) if isinstance(default, dict) else None
+        config, default = (
+            inner.get(part) if isinstance(inner, dict) else None for inner in (config, default)
+        )
     if not isinstance(config, dict) or last not in config:
         return False
     if isinstance(default, dict) and last in default:
@@ -124,24 +124,22 @@ def rig_file(name: str) -> Path:
     return files[name]
 
 
-def _with_whole_rig(config: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Replace the name of a rig by the contents of its file.
+def _merge_layer(merged: dict[str, Any], content: Mapping[str, Any]) -> None:
+    """Merge a file over those before.
 
-    Numbers beside ``fitted`` are a whole rig, completed by defaults, which replaces the rig of the
-    layers before. Numbers alone change that rig, which then counts as not fitted.
+    The name of a rig stands for the contents of its file. These, or numbers beside ``fitted``, are
+    a whole rig, completed by the defaults. Numbers alone change the rig of the layers before,
+    which then counts as not fitted.
     """
-    rig = config.get("rig")
-    whole: dict[str, Any] = {"rig": Settings().rig.model_dump(mode="json")}
+    rig = content.get("rig")
     if isinstance(rig, str):
-        whole["fitted"] = {"name": rig, "to": []}
-        _merge(whole, read_yaml(rig_file(rig)))
-        return {**config, **whole}
-    if not isinstance(rig, Mapping):
-        return config
-    if "fitted" not in config:
-        return {"fitted": {"name": "changed", "to": []}, **config}
-    _merge(whole, config)
-    return whole
+        content = {**content, "rig": {}, **read_yaml(rig_file(rig))}
+        merged["fitted"] = {"name": rig, "to": []}
+    elif isinstance(rig, Mapping) and "fitted" not in content:
+        merged["fitted"] = {"name": "changed", "to": []}
+    if isinstance(rig, str) or (isinstance(rig, Mapping) and "fitted" in content):
+        merged["rig"] = Settings().rig.model_dump()
+    _merge(merged, deepcopy(dict(content)))  # wrong values in it are replaced later
 
 
 #: Mappings with keys that the user chooses: a given one replaces the whole default.
