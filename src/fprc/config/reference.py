@@ -2,14 +2,13 @@
 
 import inspect
 import json
-from functools import cache
-from typing import Any
+from typing import Any, Literal, cast, get_args, get_origin
 
 import yaml
-from pydantic import BaseModel
+from pydantic.fields import FieldInfo
 
 from fprc.config.load import RIG
-from fprc.config.section import fields, limits_of
+from fprc.config.section import fields, limits_of, unit_of
 from fprc.config.settings import Settings
 
 _HEAD = """\
@@ -62,24 +61,18 @@ def reference() -> str:
     for key, default, field, section in fields(Settings):
         group, _, name = key.rpartition(".")
         head = ["", f"## {group or 'Top level'}", "", inspect.getdoc(section) or "", ""]
-        groups.setdefault(group, head + _TABLE).append(_row(name, default, field, section))
+        groups.setdefault(group, head + _TABLE).append(_row(name, default, field))
     return "\n".join(sum(groups.values(), lines)) + "\n"
 
 
-def _row(name: str, default: Any, field: Any, section: type[BaseModel]) -> str:
-    schema = _properties(section)[name]
-    range_ = limits_of(field)
-    limits = "{:g} to {:g}".format(*range_) if range_ else " or ".join(schema.get("enum", []))
-    shown = f"`{json.dumps(default)}`"
-    meaning, source = field.description or "", schema.get("source", "")
-    cells = (f"`{name}`", schema.get("unit", ""), shown, limits, meaning, source)
-    return f"| {' | '.join(cells)} |"
-
-
-@cache
-def _properties(section: type[BaseModel]) -> dict[str, Any]:
-    properties: dict[str, Any] = section.model_json_schema()["properties"]
-    return properties
+def _row(name: str, default: Any, field: FieldInfo) -> str:
+    ends, extra = limits_of(field), cast(dict[str, str], field.json_schema_extra or {})
+    limits = f"{ends.low:g} to {ends.high:g}" if ends else ""
+    if get_origin(field.annotation) is Literal:
+        limits = " or ".join(get_args(field.annotation))
+    unit = extra["unit"] or unit_of(name) if extra else ""
+    cells = [f"`{name}`", unit, f"`{json.dumps(default)}`", limits, field.description or ""]
+    return f"| {' | '.join([*cells, extra.get('source', '')])} |"
 
 
 class _Plain(yaml.SafeDumper):

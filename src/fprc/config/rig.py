@@ -12,18 +12,22 @@ from pydantic import Field, model_validator
 from fprc.config.section import NotEmpty, Section, quantity
 
 
-def _same_length(section: Section, first: str, second: str) -> None:
-    sizes = len(getattr(section, first)), len(getattr(section, second))
-    if sizes[0] != sizes[1]:
-        raise ValueError(
-            f"{first} has {sizes[0]} and {second} {sizes[1]} numbers; give both the same length"
-        )
+def _elements(*pairs: tuple[str, str]) -> Any:
+    """Return the check that lists of elements match in length, and that their weights sum to 1."""
 
+    def match(section: Any) -> Any:
+        for first, second in pairs:
+            sizes = len(getattr(section, first)), len(getattr(section, second))
+            if sizes[0] != sizes[1]:
+                raise ValueError(
+                    f"{first} has {sizes[0]} and {second} {sizes[1]} numbers; give both the same "
+                    "length"
+                )
+        if abs(sum(section.slip_weight) - 1.0) > 1e-9:
+            raise ValueError(f"slip_weight sums to {sum(section.slip_weight):.6g}; must be 1")
+        return section
 
-def _sums_to_one(section: Section, name: str) -> None:
-    total = sum(getattr(section, name))
-    if abs(total - 1.0) > 1e-9:
-        raise ValueError(f"{name} sums to {total:.6g}; make it sum to 1")
+    return model_validator(mode="after")(match)
 
 
 def stiffest_squeeze(rig: Mapping[str, Any]) -> float:
@@ -127,12 +131,10 @@ class Bending(Section):
         0.2, (0, 0.4), "damping of the straight actuator below 0 deg", "a firm stop"
     )
 
-    @model_validator(mode="after")
-    def _elements_match(self) -> "Bending":
-        _same_length(self, "relaxation_stiffness_kpa_per_deg", "relaxation_time_s")
-        _same_length(self, "slip_distance_deg", "slip_weight")
-        _sums_to_one(self, "slip_weight")
-        return self
+    _match = _elements(
+        ("relaxation_stiffness_kpa_per_deg", "relaxation_time_s"),
+        ("slip_distance_deg", "slip_weight"),
+    )
 
 
 class Drift(Section):
@@ -189,11 +191,7 @@ class Reservoir(Section):
         "weak, as the paper explains the robustness of P_o",
     )  # fmt: skip
 
-    @model_validator(mode="after")
-    def _elements_match(self) -> "Reservoir":
-        _same_length(self, "slip_distance_ml", "slip_weight")
-        _sums_to_one(self, "slip_weight")
-        return self
+    _match = _elements(("slip_distance_ml", "slip_weight"))
 
 
 class PressureSensor(Section):
