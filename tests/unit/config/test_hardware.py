@@ -5,78 +5,75 @@ from fprc.config.hardware import VENT_MARGIN_V
 from fprc.errors import ConfigError
 
 
-def refused(hardware):
+def boards(**changed):
+    return {"hardware": {"boards": changed}}
+
+
+def valves(neutral_v, vent_v):
+    return {"hardware": {"valves": {"neutral_v": neutral_v, "vent_v": vent_v}}}
+
+
+def limits(name, *ends):
+    return {"hardware": {"limits": {name: ends}}}
+
+
+def sensor(name, **changed):
+    return {"hardware": {name: changed}}
+
+
+def gain(loop, kp_v_per_kpa):
+    return {"control": {loop: {"kp_v_per_kpa": kp_v_per_kpa}}}
+
+
+@pytest.mark.parametrize(
+    ("config", "place", "what"),
+    [
+        # a vent voltage that does not open the valve to the room
+        (valves(5.0, 5.0), "hardware.valves", "vent_v"),
+        (valves(5.0, 10.0), "hardware.valves", "vent_v"),
+        (valves(5.0, 3.1), "hardware.valves", "vent_v"),
+        (valves(4.5, 2.6), "hardware.valves", "vent_v"),
+        # limits that leave out a vented chamber
+        (limits("p_exp_kpa", 0.0, 400.0), "hardware.limits.p_exp_kpa", ""),
+        (limits("p_exp_kpa", 10.0, 400.0), "hardware.limits.p_exp_kpa", ""),
+        (limits("p_i_kpa", 0.0, 400.0), "hardware.limits.p_i_kpa", ""),
+        (limits("p_i_kpa", -90.0, -10.0), "hardware.limits.p_i_kpa", ""),
+        # a gain without the sign of the loop
+        (gain("main_loop", 0.0), "control.main_loop.kp_v_per_kpa", ""),
+        (gain("reservoir_loop", -0.03), "control.reservoir_loop.kp_v_per_kpa", ""),
+        # a sensor that would hide a fault
+        (sensor("p_exp", zero_v=0.0), "hardware", "p_exp: with a broken cable, at 0 V"),
+        (sensor("p_i", zero_v=0.05), "hardware", "would read -12.5 kPa"),
+        (sensor("p_exp", gain_kpa_per_v=100.0), "hardware", "full 5 V the sensor would read 400"),
+        (sensor("p_o", zero_v=3.5), "hardware", "p_o: at its full 5 V"),
+        (sensor("p_exp", gain_kpa_per_v=2.5), "hardware.p_exp.gain_kpa_per_v", ""),
+        (sensor("theta", gain=0), "hardware.theta.gain", ""),
+        (sensor("phi", address=0x12), "hardware", "0x12"),
+        # wiring and names
+        (boards(main_output=5, heartbeat_output=5), "hardware.boards", "share a channel"),
+        (boards(reservoir_output=5, heartbeat_output=5), "hardware.boards", "share a channel"),
+        (boards(p_i_input=0), "hardware.boards", "share an input channel"),
+        (boards(input_device="AIO001"), "hardware.boards", "AIO001"),
+        (boards(lock_folder="locks"), "hardware.boards.lock_folder", "locks"),
+        (boards(lock_folder="~/locks"), "hardware.boards.lock_folder", "~/locks"),
+        (boards(lock_folder="/run\0"), "hardware.boards.lock_folder", "NUL"),
+        (boards(library="lib\0caio.so"), "hardware.boards.library", "NUL"),
+        (boards(input_device="AIO\0"), "hardware.boards.input_device", "NUL"),
+        (boards(output_device="AIO\x1b"), "hardware.boards.output_device", r"AIO\x1b"),
+    ],
+)
+def test_setting_that_makes_no_safe_rig_is_refused(config, place, what):
     with pytest.raises(ConfigError) as caught:
-        check({"hardware": hardware})
-    return str(caught.value)
-
-
-@pytest.mark.parametrize(("neutral_v", "vent_v"), [(5.0, 5.0), (5.0, 10.0), (5.0, 3.1), (4.5, 2.6)])
-def test_vent_voltage_that_does_not_open_the_valve_to_the_room_is_refused(neutral_v, vent_v):
-    said = refused({"valves": {"neutral_v": neutral_v, "vent_v": vent_v}})
-    assert "hardware.valves" in said
-    assert "vent_v" in said
+        check(config)
+    _, line = str(caught.value).splitlines()
+    assert line.startswith((f"  {place}: ", f"  {place} = ", f"  {place}.{what} = "))
+    assert what in line
 
 
 def test_vent_voltage_at_the_margin_is_taken():
-    valves = {"neutral_v": 5.0, "vent_v": 5.0 - VENT_MARGIN_V}
-    assert check({"hardware": {"valves": valves}}).hardware.valves.vent_v == 3.0
-
-
-@pytest.mark.parametrize("name", ["p_exp_kpa", "p_i_kpa"])
-@pytest.mark.parametrize("limits", [(0.0, 400.0), (10.0, 400.0), (-90.0, -10.0)])
-def test_limits_that_leave_out_a_vented_chamber_are_refused(name, limits):
-    assert f"hardware.limits.{name}" in refused({"limits": {name: limits}})
-
-
-@pytest.mark.parametrize("loop", ["main_loop", "reservoir_loop"])
-@pytest.mark.parametrize("gain", [0.0, -0.03])
-def test_gain_without_the_sign_of_the_loop_is_refused(loop, gain):
-    with pytest.raises(ConfigError, match=rf"control\.{loop}\.kp_v_per_kpa"):
-        check({"control": {loop: {"kp_v_per_kpa": gain}}})
-
-
-@pytest.mark.parametrize("output", ["main_output", "reservoir_output"])
-def test_heartbeat_on_the_channel_of_a_valve_is_refused(output):
-    assert "share a channel" in refused({"boards": {output: 5, "heartbeat_output": 5}})
-
-
-@pytest.mark.parametrize(
-    ("sensor", "changed", "what"),
-    [
-        ("p_exp", {"zero_v": 0.0}, "at 0 V, the sensor would read 0 kPa"),
-        ("p_i", {"zero_v": 0.05}, "at 0 V, the sensor would read -12.5 kPa"),
-        ("p_exp", {"gain_kpa_per_v": 100.0}, "full 5 V the sensor would read 400 kPa"),
-        ("p_o", {"zero_v": 3.5}, "full 5 V the sensor would read 375 kPa"),
-    ],
-)
-def test_sensor_that_would_hide_a_fault_is_refused(sensor, changed, what):
-    said = refused({sensor: changed})
-    assert f"{sensor}: " in said
-    assert what in said
-
-
-def test_gain_that_is_off_by_a_hundred_is_refused():
-    assert "hardware.p_exp.gain_kpa_per_v" in refused({"p_exp": {"gain_kpa_per_v": 2.5}})
-
-
-@pytest.mark.parametrize(
-    ("hardware", "what"),
-    [
-        ({"boards": {"lock_folder": "locks"}}, "must be an absolute path"),
-        ({"boards": {"lock_folder": "~/locks"}}, "must be an absolute path"),
-        ({"boards": {"input_device": "AIO001"}}, "are both AIO001"),
-        ({"boards": {"library": "lib\0caio.so"}}, "library: contains the character NUL"),
-        ({"boards": {"input_device": "AIO\0"}}, "input_device: contains the character NUL"),
-        ({"boards": {"output_device": "AIO\x1b"}}, r"output_device: AIO\x1b: contains char"),
-        ({"boards": {"lock_folder": "/run\0"}}, "lock_folder: contains the character NUL"),
-        ({"theta": {"gain": 0}}, "must be 0.1 or more"),
-    ],
-)
-def test_setting_that_makes_no_rig_is_refused(hardware, what):
-    assert what in refused(hardware)
+    config = valves(5.0, 5.0 - VENT_MARGIN_V)
+    assert check(config).hardware.valves.vent_v == 3.0
 
 
 def test_null_of_the_command_line_is_no_heartbeat():
-    boards = {"heartbeat_output": "null"}
-    assert check({"hardware": {"boards": boards}}).hardware.boards.heartbeat_output is None
+    assert check(boards(heartbeat_output="null")).hardware.boards.heartbeat_output is None
