@@ -10,17 +10,19 @@ from pandas import DataFrame
 from fprc import escape
 from fprc.claims.paired import EQUIVALENT_WITHIN
 from fprc.figures.style import line_of
+from fprc.paper import MODELS
 from fprc.studies.beyond.worlds import MEASURES, SETS, title_of, world_title
 
-#: Marker and grey of each world, in their order.
-_WORLDS = (("o", "0"), ("s", "0.4"), ("D", "0.6"), ("^", "0.2"), ("v", "0.5"), ("P", "0.3"))
+#: Marker and colour of each world, in their order; safe for colour-blind readers (Tol).
+_WORLDS = (
+    ("o", "#000000"), ("s", "#ee6677"), ("D", "#4477aa"),
+    ("^", "#228833"), ("v", "#aa3377"), ("P", "#ccbb44"),
+)  # fmt: skip
 #: Greys of the degrees of nonlinearity, from 1 on.
 _DEGREES = ("0.25", "0.55", "0.75", "0.88")
 #: Looks of the models that read P_o, beside FPRC's.
 _READERS = (("0.45", "-."), ("0.6", ":"), ("0.3", (0, (5, 1))), ("0.7", "-"))
 _LOOK = ("color", "linestyle")
-#: Size of the numbers in points.
-_NUMBER_PT = 5.5
 #: A ratio beyond this, or beyond one over it, is not shown.
 _WIDEST = 5.0
 _UNDECIDED = ("undecided", "not judged")
@@ -47,13 +49,13 @@ def plot_pairs(table: DataFrame, worlds: Sequence[str], ax: Axes) -> Axes:
     shifts = dict(zip(names, np.linspace(-0.4, 0.4, len(names) + 2)[1:-1], strict=True))
     ax.axvspan(1 / EQUIVALENT_WITHIN, EQUIVALENT_WITHIN, color="0.92", linewidth=0)
     ax.axvline(1.0, color="0.6", linewidth=0.6)
-    for name, (marker, grey) in zip(names, _WORLDS, strict=False):
-        ax.plot([], [], marker, color=grey, markersize=4, label=escape.figure(world_title(name)))
+    for name, (marker, colour) in zip(names, _WORLDS, strict=False):
+        ax.plot([], [], marker, color=colour, markersize=4, label=escape.figure(world_title(name)))
         for row in table[table["world"] == name].itertuples():
-            face = "white" if row.verdict in _UNDECIDED else grey
+            face = "white" if row.verdict in _UNDECIDED else colour
             arms = [[row.mean - row.low], [row.high - row.mean]]
             at = rows[row.id, row.part] + shifts[name]
-            ax.errorbar(row.mean, at, xerr=arms, fmt=marker, color=grey, markersize=4,
+            ax.errorbar(row.mean, at, xerr=arms, fmt=marker, color=colour, markersize=4,
                         linewidth=0.8, markerfacecolor=face)  # fmt: skip
     ax.plot([], [], "o", color="0", markersize=4, markerfacecolor="white", label="undecided")
     ax.set_xscale("log")
@@ -95,28 +97,26 @@ def _symbols(text: str) -> str:
     return escape.figure(text).replace("theta_d", r"$\theta_d$").replace("P_o", "$P_o$")
 
 
-def plot_errors_and_tracking(
-    table: DataFrame, numbers: Mapping[str, int], titles: Mapping[str, str], ax: Axes
-) -> Axes:
-    """Draw tracking over forward test RMSE, one numbered point per model.
+def plot_errors_and_tracking(table: DataFrame, titles: Mapping[str, str], ax: Axes) -> Axes:
+    """Draw tracking over forward test RMSE, one point per model.
+
+    Five at most have their names: the models of the paper, and the best in either error.
 
     Parameters
     ----------
     table : DataFrame
         One world and loop of ``tables.beyond.errors_and_tracking``.
-    numbers : Mapping
-        Number of each model, in the order of the legend.
     titles : Mapping
         Models by name.
     """
-    place = table.set_index("model")
-    for name, number in numbers.items():
+    place = table.set_index("model")[["forward", "tracking"]]
+    ax.plot(place["forward"], place["tracking"], "o", color="0.6", markersize=3.5)
+    best = [place[error].idxmin() for error in place if len(place)]
+    for name in dict.fromkeys([*MODELS, *best]):
         if name in place.index:
-            point = place.loc[name, ["forward", "tracking"]]
-            label = f"{number}  {_symbols(title_of(name, titles))}"
-            ax.plot(*point, "o", color="0.2", markersize=8, markerfacecolor="white",
-                    markeredgewidth=0.5, label=label)  # fmt: skip
-            ax.annotate(str(number), point, ha="center", va="center_baseline", fontsize=_NUMBER_PT)
+            ax.plot(*place.loc[name], "o", color="black", markersize=3.5)
+            ax.annotate(_symbols(title_of(name, titles)), place.loc[name], (3.0, 3.0),
+                        textcoords="offset points")  # fmt: skip
     ax.set(xlabel="Test RMSE, forward [kPa]", ylabel="Tracking RMSE [deg]", xscale="log")
     ax.xaxis.set_major_locator(MaxNLocator(8))
     ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
@@ -138,10 +138,10 @@ def plot_settings(table: DataFrame, ax: Axes) -> Axes:
     ax.axhspan(*span, color="0.92", linewidth=0)
     ax.axhline(1.0, color="0.6", linewidth=0.6)
     worlds = table.groupby("world", sort=False)
-    for (name, own), (marker, grey) in zip(worlds, _WORLDS, strict=False):
+    for (name, own), (marker, colour) in zip(worlds, _WORLDS, strict=False):
         own = own.sort_values("value")
         arms = [own["mean"] - own["low"], own["high"] - own["mean"]]
-        ax.errorbar(own["value"], own["mean"], yerr=arms, fmt=f"-{marker}", color=grey,
+        ax.errorbar(own["value"], own["mean"], yerr=arms, fmt=f"-{marker}", color=colour,
                     markersize=3, linewidth=0.8,
                     label=escape.figure(world_title(name)))  # fmt: skip
     ax.set(xscale="log", yscale="log", ylabel="Error with $P_o$ / with\nlow-passed $\\theta_d$")

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from fprc import escape
+
 #: Shape and colour of each set.
 _LOOKS = (("o", "black"), ("s", "tab:blue"))
 
@@ -32,8 +34,20 @@ def plot_shares(sets: Sequence[Mapping[str, Any]], ax: Axes) -> None:
             share, rows + 0.26 * (k - 0.5), xerr=[share - low, high - share], fmt=marker,
             color=color, markersize=3, capsize=0, linewidth=0.8, label=family["title"],
         )  # fmt: skip
-    labels = [textwrap.shorten(f"{c['id']}: {c['claim']}", 72, placeholder=" ...") for c in first]
+    labels = [_label(claim) for claim in first]
     ax.set(xlim=(-3, 103), xlabel="Share of rigs, 95 % interval [%]", yticks=rows)
     ax.set_yticklabels(labels)
     ax.set_ylim(len(first) - 0.5, -0.5)
     ax.grid(axis="y", color="0.9", linewidth=0.5)
+
+
+def _label(claim: Mapping[str, Any]) -> str:
+    """Return id and text of a claim in two lines at most."""
+    text = escape.figure(f"{claim['id']}: {claim['claim']}")
+    lines = textwrap.wrap(text, 58, max_lines=2, placeholder=" ...", break_on_hyphens=False)
+    symbols = {"theta_d": r"$\theta_d$", "P_ff": r"$P_\mathrm{ff}$", "P_fb": r"$P_\mathrm{fb}$",
+               "P_o": "$P_o$", "+-8": "±8"}  # fmt: skip
+    label = "\n".join(lines)
+    for word, symbol in symbols.items():
+        label = label.replace(word, symbol)
+    return label

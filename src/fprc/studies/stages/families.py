@@ -230,7 +230,7 @@ def draw_claims(summary: str, pdf: str, png: str) -> Mapping[str, Any]:
     """Draw on how many rigs of each set the claims hold."""
     report = read_json(summary)
     sets = [family for family in report["families"] if family["claims"][0]["holds"]]
-    fig, ax = style.figure(1, 1, style.PAGE_IN, 6.0)
+    fig, ax = style.figure(1, 1, style.PAGE_IN, 7.0)
     plot_shares(sets, ax)
     style.legend_above(ax)
     return style.save(fig, report | {"seeds": []}, pdf, png)

@@ -79,17 +79,13 @@ def draw_pairs(claims: str, pdf: str, png: str, *, worlds: Sequence[str]) -> Map
 def draw_tracking(tracking: str, pdf: str, png: str, *, world: str) -> Mapping[str, Any]:
     """Draw tracking over the forward test error, without and with feedback."""
     table = _of(tracking, world)
-    fig, axes = style.figure(2, 1, style.PAGE_IN, 5.2, sharex=True)
-    order = table[table["loop"] == "open_loop"].sort_values("tracking", kind="stable")["model"]
-    numbers = {name: number for number, name in enumerate(order, start=1)}
+    fig, axes = style.figure(2, 1, style.COLUMN_IN, 4.4, sharex=True)
     for ax, (loop, words) in zip(axes, _LOOPS.items(), strict=True):
         own = table[table["loop"] == loop]
-        figures.plot_errors_and_tracking(own, numbers, TITLES, ax)
+        figures.plot_errors_and_tracking(own, TITLES, ax)
         ax.label_outer()
         found = "".join(f"; rank correlation {value:.2f}" for value in own["rank_correlation"][:1])
         style.letter(ax, words + found)
-    fig.legend(*axes[0].get_legend_handles_labels(), loc="outside right center",
-               handlelength=0.0, handletextpad=0.0, markerscale=0.0)  # fmt: skip
     return style.save(fig, _SIMULATED, pdf, png)
 
 

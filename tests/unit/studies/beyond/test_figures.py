@@ -73,19 +73,16 @@ def test_markers_of_worlds_do_not_share_a_place(worlds, ax):
 
 
 @pytest.mark.parametrize("world", ["dry", "sparse"])
-def test_every_model_has_its_number_at_its_point(worlds, world, ax):
+def test_every_model_is_a_point_and_the_papers_and_the_best_have_names(worlds, world, ax):
     table = of(tables.errors_and_tracking(tables.models(list(worlds.values()))), world)
-    table = table[table["loop"] == "closed_loop"].set_index("model")
-    numbers = {name: number for number, name in enumerate([*table.index, "absent"], start=3)}
-    figures.plot_errors_and_tracking(table.reset_index(), numbers, TITLES, ax)
-    for text, line in zip(ax.texts, ax.lines, strict=True):
-        number, _ = line.get_label().split("  ")
-        assert text.get_text() == number
-        (name,) = (name for name, own in numbers.items() if str(own) == number)
-        expected = table.loc[name, ["forward", "tracking"]].tolist()
-        assert [*text.xy] == expected
-        assert [line.get_xdata()[0], line.get_ydata()[0]] == expected
-    assert len(ax.texts) == len(table)
+    table = table[table["loop"] == "closed_loop"].set_index("model")[["forward", "tracking"]]
+    figures.plot_errors_and_tracking(table.reset_index(), TITLES, ax)
+    points = np.column_stack([ax.lines[0].get_xdata(), ax.lines[0].get_ydata()])
+    np.testing.assert_array_equal(points, table.to_numpy())
+    named = {*table.index} & {*TITLES} | {*table.idxmin()}
+    places = {tuple(text.xy) for text in ax.texts}
+    assert places == {tuple(table.loc[name]) for name in named}
+    assert len(ax.texts) <= 5
 
 
 def test_rank_correlation_is_spearmans(make_world):
@@ -146,7 +143,7 @@ def test_world_of_failures_is_drawn_empty(what, make_world, ax):
         figures.plot_pairs(claims({"dry": world}), WORLDS, ax)
     elif what == "tracking":
         table = tables.errors_and_tracking(tables.models([world]))
-        figures.plot_errors_and_tracking(table, {}, TITLES, ax)
+        figures.plot_errors_and_tracking(table, TITLES, ax)
     elif what == "offsets":
         figures.plot_offsets(tables.offsets([world]), "forward", TITLES, ax)
     else:
