@@ -156,11 +156,16 @@ rule draw_fig9:
         "../scripts/stage.py"
 
 
+#: On the simulated rig, errors over the settings are means over the further seeds.
+GRIDS_OVER_SEEDS = PLAN.replicates("grids") if PLAN.on_simulated_rig else []
+
+
 rule draw_fig10:
     input:
         **({"epsilon": PATHS.grid("epsilon")} if "fig10a" not in PLAN.unavailable else {}),
         n_c=PATHS.grid("n_c"),
         times=PATHS.below("timing/times_over_n_c.json"),
+        seeds=GRIDS_OVER_SEEDS,
     output:
         **figure(10, statistics=True),
     log:
@@ -178,6 +183,7 @@ rule draw_fig11:
     input:
         taps=PATHS.grid("taps"),
         published=PUBLISHED,
+        seeds=GRIDS_OVER_SEEDS,
     output:
         **figure(11, statistics=True),
     log:

@@ -23,18 +23,18 @@ def plot_apparatus(ax: Axes) -> None:
     box(ax, (0.43, 1.8), (0.84, 2.96), facecolor="white")
     write(ax, (0.43, 3.19), "Computer")
     output = box(
-        ax, (0.4, 2.11), (0.72, 1.98), "Contec\nAO-1608L-LPE\nanalog output", size_pt=MARK_PT
+        ax, (0.43, 2.11), (0.76, 1.98), "Contec\nAO-1608L-LPE\nanalog output", size_pt=MARK_PT
     )
     inputs = box(
-        ax, (0.4, 0.71), (0.72, 0.66), "Contec\nAI-1616L-LPE\nanalog input", size_pt=MARK_PT
+        ax, (0.43, 0.71), (0.76, 0.66), "Contec\nAI-1616L-LPE\nanalog input", size_pt=MARK_PT
     )
-    supply = box(ax, (1.4, (_UPPER + _LOWER) / 2), (0.56, 0.22), "Air supply")
+    supply = box(ax, (1.44, (_UPPER + _LOWER) / 2), (0.62, 0.24), "Air supply")
     for y, body in ((_UPPER, _ACTUATOR), (_LOWER, _RESERVOIR)):
-        valve = box(ax, (1.4, y), (0.84, 0.42), "Proportional\nvalve, Festo\nMPYE-5-M5-010B",
+        valve = box(ax, (1.44, y), (0.9, 0.46), "Proportional\nvalve, Festo\nMPYE-5-M5-010B",
                     size_pt=MARK_PT)  # fmt: skip
         wire(ax, (output.x1, y), (valve.x0, y))
         pair = (supply.y1, valve.y0) if y == _UPPER else (supply.y0, valve.y1)
-        wire(ax, *((1.4, end) for end in pair), **_AIR)
+        wire(ax, *((1.44, end) for end in pair), **_AIR)
         port = body[0] - _SCALE * _AXIS
         wire(ax, (valve.x1, y), (port, y), (port, body[1] + _SCALE * _MOUTH), **_AIR)
     _plot_sensors(ax, inputs, _plot_bodies(ax))
@@ -52,8 +52,8 @@ def _plot_bodies(ax: Axes) -> Point:
         (-1, 0.8 * soft.DIAMETER, soft.tint(SIGNALS["p_o"], 0.3)),
     ]
     soft.plot_body(ax, phi_deg, bladders, origin=_RESERVOIR, scale=_SCALE, mirrored=True)
-    write(ax, (2.28, 2.4), "Soft\nactuator")
-    write(ax, (2.3, 1.36), "Physical\nreservoir")
+    write(ax, (2.33, 2.4), "Soft\nactuator")
+    write(ax, (2.34, 1.36), "Physical\nreservoir")
     # the bend sensor lies along the actuator's outer side
     back = soft.HALF_PLATE + soft.GAP + 0.01
     strip = soft.bar((0.05, 0.95), (back + 0.04, -back), bent_deg) * (-_SCALE, _SCALE) + _ACTUATOR
@@ -63,8 +63,8 @@ def _plot_bodies(ax: Axes) -> Point:
 
 def _plot_sensors(ax: Axes, inputs: Bbox, bend_sensor: Point) -> None:
     """Draw the sensors and their cables; the cables do not cross."""
-    tap = 2.02
-    p_exp = _sensor(ax, (tap, 3.18), "p_exp", r"$P_\mathrm{exp}$", width=0.3)
+    tap = 2.08
+    p_exp = _sensor(ax, (tap, 3.18), "p_exp", r"$P_\mathrm{exp}$", width=0.32)
     p_i = _sensor(ax, (tap, 1.6), "p_i", "$P_i$")
     for height, edge in ((_UPPER, p_exp.y0), (_LOWER, p_i.y1)):
         dot(ax, (tap, height), _AIR["colour"])

@@ -59,7 +59,7 @@ def draw_diagnosis(
     loop = fig.add_subplot(grid[:, 1])
     p_exp, theta = channels[target][::every], channels["theta_deg"][::every]
     labels = _axis(target, units), _axis("theta_deg", units)
-    plot_loop(p_exp, theta, time_s[::every], loop, labels)
+    plot_loop(p_exp, theta, loop, labels, time_s[::every])
     style.letter(loop, "Loops, from dark to bright")
     marks = [ax.get_legend_handles_labels() for ax in left]
     by_label = {label: mark for pair in marks for mark, label in zip(*pair, strict=True)}

@@ -49,7 +49,7 @@ def plot_esn_system(models: Mapping[str, Any], ax: Axes) -> None:
     """
     esn, reference = models["esn"], SIGNALS["theta_d"]
     y, above = 1.38, 1.82
-    frame(ax, (0.42, 0.98), (2.98, 1.2), "ESN feedforward model")
+    frame(ax, (0.42, 0.95), (2.98, 1.23), "ESN feedforward model")
     arrival = _plot_loop(ax, above)
     w_in = box(ax, (0.72, y), (0.26, 0.26), r"$\mathbf{w}_\mathrm{in}$")
     reservoir = _network(ax, (1.26, y), 0.27)

@@ -2,7 +2,8 @@
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patches import Rectangle
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch, Rectangle
 from pandas import DataFrame
 
 from fprc import escape
@@ -12,12 +13,15 @@ from fprc.registry import title_of
 _PHASES = {"train": "training", "validation": "validation", "test": "test"}
 #: Share of the cells whose errors have colours of their own; larger errors share the last colour.
 _CLIPPED = 0.9
+#: Colours of the frames of two cells, by what they frame.
+_FRAMES = {"lowest error": MARK, "setting of the paper": "white"}
 
 
 def plot_errors_over(table: DataFrame, setting: str, ax: Axes) -> Axes:
     """Draw training, validation and test RMSE over a setting.
 
-    A line style is a model, a marker is a phase.
+    A line style is a model, a marker is a phase, a band is a standard deviation either way. If
+    there are several models, each is named at the end of its training errors.
 
     Parameters
     ----------
@@ -38,12 +42,21 @@ def plot_times_over(table: DataFrame, setting: str, ax: Axes) -> Axes:
 
 
 def _plot_over(table: DataFrame, setting: str, ax: Axes) -> None:
+    ends: dict[str, tuple[float, float]] = {}
     for (model, phase), rows in table.groupby(["model", "phase"], sort=False):
         rows = rows.sort_values(setting)
-        ax.errorbar(
-            rows[setting], rows["mean"], yerr=rows["std"], **line_of(model), **PHASES[phase],
-            linewidth=0.8, capsize=2.0, label=f"{title_of(model)}, {_PHASES[phase]}",
-        )  # fmt: skip
+        x, mean, std = rows[setting], rows["mean"], rows["std"]
+        look = line_of(model)
+        ends.setdefault(model, (x.iloc[-1], mean.iloc[-1]))
+        label = _PHASES[phase] if len(ends) == 1 else ""
+        ax.plot(x, mean, **look, **PHASES[phase], linewidth=0.8, label=label)
+        ax.fill_between(x, mean - std, mean + std, color=look["color"], alpha=0.3, linewidth=0)
+    ax.margins(y=0.12)
+    if len(ends) > 1:
+        upwards = sorted(ends, key=lambda model: ends[model][1])
+        for model, shift in zip(upwards, np.linspace(-4.0, 4.0, len(ends)), strict=True):
+            ax.annotate(title_of(model), ends[model], (8.0, shift), va="center",
+                        textcoords="offset points")  # fmt: skip
 
 
 def plot_grid(table: DataFrame, phase: str, ax: Axes, papers: tuple[int, int]) -> Axes:
@@ -62,7 +75,8 @@ def plot_grid(table: DataFrame, phase: str, ax: Axes, papers: tuple[int, int]) -
     image = ax.pcolormesh(grid.columns, grid.index, grid, cmap="cividis", shading="nearest",
                           vmin=values.min(), vmax=last)  # fmt: skip
     row, column = np.unravel_index(np.argmin(values), grid.shape)
-    cells = {papers: "white", (grid.columns[column], grid.index[row]): MARK}
+    lowest, of_paper = _FRAMES.values()
+    cells = {papers: of_paper, (grid.columns[column], grid.index[row]): lowest}
     for (n_u, n_y), colour in cells.items():
         if n_u in grid.columns and n_y in grid.index:
             value = grid.loc[n_y, n_u]
@@ -77,3 +91,10 @@ def plot_grid(table: DataFrame, phase: str, ax: Axes, papers: tuple[int, int]) -
     ax.set_title(f"{_PHASES[phase].capitalize()} RMSE [{unit}]")
     ax.figure.colorbar(image, ax=ax, pad=0.02, extend="max", aspect=30)
     return ax
+
+
+def explain_frames(fig: Figure) -> None:
+    """Put a key to the frames of ``plot_grid`` above the grids, on grey as one frame is white."""
+    frames = [Patch(fill=False, edgecolor=colour, linewidth=1.2) for colour in _FRAMES.values()]
+    fig.legend(frames, _FRAMES, loc="outside upper right", ncols=2, frameon=True, facecolor="0.75",
+               edgecolor="none", handlelength=0.9, handleheight=0.9)  # fmt: skip

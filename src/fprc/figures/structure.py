@@ -84,7 +84,7 @@ def plot_reservoir(rest: Squeeze, driven: Squeeze, ax: Axes, *, limit_kpa: float
     """
     structure = Body(0.38, 2.95)
     _plot_dual(ax, structure, (0.0, 0.0))
-    panel(ax, (0.0, 3.6), "(a) Structure")
+    panel(ax, (0.0, 3.84), "(a) Structure")
     for side, text in ((1, "PAM A: active"), (-1, "PAM B: passive")):
         write(ax, structure.at(0.41, side * _AXIS), text, rotation=90)
     mouth = structure.at(-soft.BASE - soft.PORT, -_AXIS)
@@ -102,12 +102,12 @@ def plot_reservoir(rest: Squeeze, driven: Squeeze, ax: Axes, *, limit_kpa: float
     for body, state, title in ((first, rest, "(b) At rest"), (second, driven, "(c) A driven")):
         full = [max(kpa, 0.0) / limit_kpa for kpa in state[:2]]
         widths = _plot_dual(ax, body, full, boyle(rest, state))
-        panel(ax, (body.x - 0.35, 3.6), title)
+        panel(ax, (body.x - 0.35, 3.84), title)
         for side, width, letter in zip((1, -1), widths, "AB", strict=True):
             write(ax, body.at(0.5, side * (soft.HALF_PLATE + width / 2)), letter)
         vented = abs(state[0]) < _ZERO_KPA
         active = "atmospheric" if vented else f"$P_i$ = {round(state[0])} kPa"
-        write(ax, (body.x - 0.35, 1.35), f"A: {active}\nB: $P_o$ = {round(state[1])} kPa",
+        write(ax, (body.x - 0.35, 3.69), f"A: {active}\nB: $P_o$ = {round(state[1])} kPa",
               ha="left", va="top")  # fmt: skip
     _air(ax, second, "p_i", into=True)
     _mark_angle(ax, second, r"$\phi$", 0.0)

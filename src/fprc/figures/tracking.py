@@ -14,8 +14,8 @@ def plot_following(run: Run, ax: Axes) -> Axes:
     """Draw reference and actual angle over time."""
     time_s = run["time_s"]
     ax.plot(time_s, run["theta_d_deg"], color=SIGNALS["theta_d"], label=r"$\theta_d$",
-            linewidth=1.6)  # fmt: skip
-    ax.plot(time_s, run["theta_deg"], color=SIGNALS["theta"], label=r"$\theta$", linewidth=0.6)
+            linewidth=1.3)  # fmt: skip
+    ax.plot(time_s, run["theta_deg"], color=SIGNALS["theta"], label=r"$\theta$", linewidth=0.5)
     ax.set_ylabel("Angle [deg]")
     return ax
 
@@ -47,7 +47,8 @@ def plot_reference_loops(runs: Sequence[tuple[str, str, Run]], ax: Axes) -> Axes
     for label, controller, run in runs:
         ax.plot(run["theta_d_deg"], run["theta_deg"], **line_of(controller), label=label,
                 linewidth=0.4)  # fmt: skip
-    ax.axline((0, 0), slope=1, color=SIGNALS["theta_d"], linewidth=0.6, linestyle="--", zorder=3)
+    ax.axline((0, 0), slope=1, color=SIGNALS["theta_d"], linewidth=0.6, linestyle="--", zorder=3,
+              label=r"$\theta = \theta_d$")  # fmt: skip
     ax.set(xlabel=r"$\theta_d$ [deg]", ylabel=r"$\theta$ [deg]", xlim=(0, 65), ylim=(-3, 65))
     return ax
 

@@ -1,9 +1,11 @@
 """Figure 9: share of each feature in the weights of each rule."""
 
 from matplotlib.axes import Axes
+from matplotlib.legend_handler import HandlerTuple
+from matplotlib.patches import Patch
 from pandas import DataFrame, Series
 
-from fprc.figures.style import SIGNALS
+from fprc.figures.style import MARK, SIGNALS
 
 _LABELS = {"bias": "Bias", "p_o": r"$\tilde{P}_o$", "theta_d": r"$\theta_d$"}
 _COLOURS = SIGNALS | {"bias": "#cccccc"}
@@ -12,7 +14,7 @@ _AVERAGES = {"mean_of_feature": "mean", "published_mean_of_feature": "paper"}
 
 
 def plot_shares(table: DataFrame, ax: Axes) -> Axes:
-    """Draw stacked bars, bias at the bottom, with the two separation lines.
+    """Draw stacked bars, bias at the bottom, with the two separations of each in red.
 
     Beside the rules: the mean over the rules, and the mean that the paper prints.
 
@@ -28,15 +30,20 @@ def plot_shares(table: DataFrame, ax: Axes) -> Axes:
         rows = table[table["feature"] == feature].sort_values(["rule", "lag"])
         for lag, group in rows.groupby("lag"):
             shares = group.set_index("rule")["share"]
-            ax.bar(rules, shares[rules], bottom=[bottom[rule] for rule in rules], width=0.8,
-                   color=_COLOURS[feature], alpha=1.0 - 0.13 * lag, linewidth=0,
-                   label=_LABELS[feature] if lag == 0 else None)  # fmt: skip
+            ax.bar(
+                rules,
+                shares[rules],
+                bottom=[bottom[rule] for rule in rules],
+                width=0.8,
+                color=_COLOURS[feature],
+                alpha=_opacity(lag),
+                linewidth=0,
+            )
             for rule in rules:
                 bottom[rule] += shares[rule]
     totals = table.groupby(["rule", "feature"])["share"].sum().unstack()
     for edge in (totals["bias"], totals["bias"] + totals["p_o"]):
-        ax.step([rules[0] - 0.5, *[r + 0.5 for r in rules]], [edge.iloc[0], *edge],
-                color="black", linestyle="--", linewidth=0.9)  # fmt: skip
+        ax.hlines(edge, edge.index - 0.4, edge.index + 0.4, color=MARK, linewidth=1.3)
     places = [rules[-1] + 1.6 * number for number, _ in enumerate(_AVERAGES, start=1)]
     for place, column in zip(places, _AVERAGES, strict=True):
         _plot_average(table.groupby("feature")[column].first().dropna(), place, ax)
@@ -44,7 +51,28 @@ def plot_shares(table: DataFrame, ax: Axes) -> Axes:
     ax.set_xticks([*rules, *places], [*map(str, rules), *_AVERAGES.values()])
     ax.set_xlim(rules[0] - 0.5, places[-1] + 0.8)
     ax.tick_params(axis="x", length=0)
+    _add_key(table, ax)
     return ax
+
+
+def _opacity(lag: int) -> float:
+    return 1.0 - 0.15 * lag
+
+
+def _add_key(table: DataFrame, ax: Axes) -> None:
+    """Explain the colours of the features and the shades of their taps above the bars."""
+    taps = table.groupby("feature")["lag"].max()
+    patches = [
+        tuple(Patch(color=_COLOURS[name], alpha=_opacity(lag), linewidth=0)
+              for lag in range(taps[name] + 1))
+        for name in _LABELS
+    ]  # fmt: skip
+    steps = {name: f", $k$ to $k-{last}$" if last else "" for name, last in taps.items()}
+    ax.legend(
+        patches, [label + steps[name] for name, label in _LABELS.items()], loc="lower right",
+        bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1, ncols=len(patches), columnspacing=1.0,
+        handler_map={tuple: HandlerTuple(None, pad=0.0)},
+    )  # fmt: skip
 
 
 def _plot_average(shares: "Series[float]", place: float, ax: Axes) -> None:

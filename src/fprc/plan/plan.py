@@ -239,9 +239,8 @@ class Plan:
         if name == "data":
             return self._data
         if name == "seeds":
-            return [
-                file for part in ("models", "grids", "control") for file in self.replicates(part)
-            ]
+            parts = ("models", "grids", "control") if self.on_simulated_rig else ()
+            return [file for part in parts for file in self.replicates(part)]
         if name == "loops":
             followed = [r for r in (*REFERENCES, DISTURBANCE) if _follows(result, r)]
             logs = [run_log(r, controller) for r in followed for controller in self.controllers]

@@ -20,7 +20,8 @@ class Result(NamedTuple):
     files: tuple[str, ...] = ()  #: files below the results folder; a reader opens the first one
     #: Files below the results folder that it is made of, with ``{model}`` for every model;
     #: ``data`` stands for the raw logs and the files of preprocessing, ``loops`` for the
-    #: closed-loop logs and their inputs, ``seeds`` for the reports of the further seeds.
+    #: closed-loop logs and their inputs, ``seeds`` for the reports of the further seeds, of which
+    #: there are none without a simulated rig.
     made_of: tuple[str, ...] = ()
     logs: tuple[str, ...] = ()  #: raw logs that it needs
     channels: tuple[str, ...] = ()  #: channels that each of these logs must have
@@ -92,10 +93,10 @@ RESULTS = (
     _figure(7, "fprc_system"),
     _figure(8, "training", "data", *_judged("sweep"), **_BOTH_WITH_P_O),
     _figure(9, "weights", "data", "weights/fprc.json", channels=("p_o_kpa",), **_SWEEP),
-    _figure(10, "settings", "data", "grids/n_c.json", _OVER_N_C, **_BOTH),
+    _figure(10, "settings", "data", "grids/n_c.json", _OVER_N_C, "seeds", **_BOTH),
     Result("fig10a", "Fig. 10(a), and FPRC in (b) and (c)", made_of=("grids/epsilon.json",),
            part_of="fig10", **_BOTH_WITH_P_O),
-    _figure(11, "taps", "data", "grids/taps.json", **_BOTH_WITH_P_O),
+    _figure(11, "taps", "data", "grids/taps.json", "seeds", **_BOTH_WITH_P_O),
     *(_following(number, reference) for number, reference in enumerate(REFERENCES, start=12)),
     _figure(16, "loops", "loops", logs=_LOOPS),
     _figure(17, "disturbance", "loops", channels=RESERVOIR,

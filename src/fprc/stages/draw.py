@@ -3,43 +3,70 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 
 from fprc import escape
 from fprc.artifacts import read_json, write_csv
 from fprc.figures import style
-from fprc.figures.grids import plot_errors_over, plot_grid, plot_times_over
-from fprc.figures.hysteresis import add_frequency_bar, plot_command, plot_loop, plot_quarters
+from fprc.figures.grids import explain_frames, plot_errors_over, plot_grid, plot_times_over
+from fprc.figures.hysteresis import (
+    add_frequency_bar,
+    plot_command,
+    plot_loop,
+    plot_quarters,
+    plot_start,
+)
 from fprc.figures.readout import plot_readouts
-from fprc.figures.training import plot_error, plot_fit, show_last_tenth
+from fprc.figures.training import plot_fit, show_tenths
 from fprc.figures.weights import plot_shares
 from fprc.logs import Columns, read_columns, read_raw
-from fprc.signals import loop_growth, swing_frequency, width_at_middle
-from fprc.tables.drawn import fit_errors, grid_errors, grid_times, panels, weight_shares
+from fprc.signals import loop_growth, swing_frequency, turning_points, width_at_middle
+from fprc.tables.drawn import (
+    fit_errors,
+    grid_errors,
+    grid_over_seeds,
+    grid_times,
+    panels,
+    weight_shares,
+)
 from fprc.tables.readout import held_out
 from fprc.tables.readout import readout as readout_errors
 from fprc.yaml_file import read_yaml
 
+_TITLES_OF_FITS = {"train": "(a) Training: first and last tenth", "test": "(b) Test"}
 _DATA = ("time_s", "p_target_kpa", "theta_deg")
 #: Symbol and unit of a channel.
 _SYMBOLS = {
-    "theta": (r"$\theta$", "deg"),
-    "p_target": (r"$P_\mathrm{exp}$", "kPa"),
-    "p_o": ("$P_o$", "kPa"),
+    "theta_deg": (r"$\theta$", "deg"),
+    "p_target_kpa": (r"$P_\mathrm{exp}$", "kPa"),
+    "p_o_kpa": ("$P_o$", "kPa"),
 }
 
 
-def _label(name: str, log: Columns) -> str:
+def _label(channel: str, log: Columns) -> str:
     """Return symbol and unit of a log's theta, p_target or p_o."""
-    symbol, unit = _SYMBOLS[name]
-    return f"{symbol} [{escape.figure(log.attributes.get(f'{name}_unit', unit))}]"
+    symbol, unit = _SYMBOLS[channel]
+    quantity = channel.rpartition("_")[0]
+    return f"{symbol} [{escape.figure(log.attributes.get(f'{quantity}_unit', unit))}]"
 
 
-def _frequencies(logs: Sequence[Columns]) -> tuple[list[np.ndarray], tuple[float, float]]:
-    """Return the frequency of each log's command, and the lowest and the highest of all."""
-    found = [swing_frequency(log.channels["time_s"], log.channels["p_target_kpa"]) for log in logs]
-    return found, (min(map(np.min, found)), max(map(np.max, found)))
+def _plot_loops(logs: Sequence[Columns], axes: Sequence[Axes], x: str, y: str) -> LineCollection:
+    """Draw the loops of the sweep, coloured by frequency, and in grey those of the complex log.
+
+    The complex command adds up five sines, so that it has no frequency at a time.
+    """
+    lines: list[LineCollection] = []
+    for log, ax in zip(logs, axes, strict=True):
+        channels, command = log.channels, log.channels["p_target_kpa"]
+        f_hz = None if lines else swing_frequency(channels["time_s"], command)
+        labels = _label(x, log), _label(y, log)
+        lines.append(plot_loop(channels[x], channels[y], ax, labels, f_hz))
+        first = next(iter(turning_points(command)), 0)
+        plot_start(channels[x][:first], channels[y][:first], ax)
+    axes[1].legend(loc="upper left", handlelength=1.6)
+    return lines[0]
 
 
 def draw_actuator_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> Mapping[str, Any]:
@@ -48,15 +75,14 @@ def draw_actuator_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> Ma
     fig, axes = style.figure(2, 2, style.COLUMN_IN, 3.7, sharey="col")
     axes[1, 1].sharex(axes[0, 1])
     titles = (("(a) Sweep", "(b) Loops of (a)"), ("(c) Complex", "(d) Loops of (c)"))
-    frequencies, limits = _frequencies(logs)
-    for log, f_hz, row, title in zip(logs, frequencies, axes, titles, strict=True):
-        time_s, p_exp, theta = log.channels.values()
-        labels = _label("p_target", log), _label("theta", log)
-        plot_command(time_s, p_exp, row[0], style.SIGNALS["p_exp"], labels[0])
-        lines = plot_loop(p_exp, theta, f_hz, row[1], labels, limits)
+    for log, row, title in zip(logs, axes, titles, strict=True):
+        time_s, command, _ = log.channels.values()
+        label = _label("p_target_kpa", log)
+        plot_command(time_s, command, row[0], style.SIGNALS["p_exp"], label)
         for ax, text in zip(row, title, strict=True):
             style.letter(ax, text)
-    add_frequency_bar(lines, axes.ravel())
+    lines = _plot_loops(logs, axes[:, 1], "p_target_kpa", "theta_deg")
+    add_frequency_bar(lines, axes.ravel(), "(b)")
     return style.save(fig, _attributes_for_mark(logs), pdf, png)
 
 
@@ -86,15 +112,11 @@ def draw_reservoir_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> M
     """Figure 5: hysteresis between theta and the reservoir's P_o."""
     logs = [read_columns(path, (*_DATA, "p_o_kpa")) for path in (sweep, complex)]
     fig, axes = style.figure(1, 2, style.COLUMN_IN, 2.4, sharex=True, sharey=True)
-    frequencies, limits = _frequencies(logs)
-    titles = "(a) Sweep", "(b) Complex"
-    for log, f_hz, ax, title in zip(logs, frequencies, axes, titles, strict=True):
-        theta, p_o = log.channels["theta_deg"], log.channels["p_o_kpa"]
-        labels = _label("theta", log), _label("p_o", log)
-        lines = plot_loop(theta, p_o, f_hz, ax, labels, limits)
+    lines = _plot_loops(logs, axes, "theta_deg", "p_o_kpa")
+    for ax, title in zip(axes, ("(a) Sweep", "(b) Complex"), strict=True):
         ax.label_outer()
         style.letter(ax, title)
-    add_frequency_bar(lines, axes)
+    add_frequency_bar(lines, axes, "(a)")
     return style.save(fig, _attributes_for_mark(logs), pdf, png)
 
 
@@ -104,19 +126,22 @@ def draw_training(fit: str, prediction: str, csv: str, pdf: str, png: str) -> Ma
     logs = {"train": read_columns(fit, names), "test": read_columns(prediction, names)}
     table = fit_errors(logs)
     write_csv(csv, table)
-    fig, axes = style.figure(6, 1, style.COLUMN_IN, 6.4, height_ratios=(3, 3, 2) * 2)
-    colours, titles = (style.SIGNALS["p_exp"], style.SIGNALS["p_ff"]), ("(a) Training", "(b) Test")
-    drawn = zip(logs.values(), table.itertuples(), axes.reshape(2, 3), titles, strict=True)
-    for log, row, (above, zoom, below), title in drawn:
-        time_s, p_exp, p_ff = log.channels.values()
-        grey = style.line_of(row.model)["color"]
-        plot_fit(time_s, p_exp, p_ff, above, colours=colours, unit=row.unit)
-        plot_fit(time_s, p_exp, p_ff, zoom, colours=colours, unit=row.unit)
-        show_last_tenth(zoom, above, time_s)
-        plot_error(time_s, p_exp, p_ff, below, rmse=row.rmse, colour=grey, unit=row.unit)
-        style.letter(above, title)
-        style.letter(zoom, "The last tenth, framed above")
-    style.legend_above(axes[0])
+    fig, axes = style.figure(2, 2, style.COLUMN_IN, 3.2, sharey="row")
+    whole = fig.add_subplot(axes[1, 0].get_gridspec()[1, :])
+    for ax in axes[1]:
+        ax.remove()
+    begin, end = axes[0]
+    parts = {"train": (begin, end), "test": (whole,)}
+    colours = style.SIGNALS["p_exp"], style.SIGNALS["p_ff"]
+    for row in table.itertuples():
+        time_s, p_exp, p_ff = logs[row.phase].channels.values()
+        for ax in parts[row.phase]:
+            plot_fit(time_s, p_exp, p_ff, ax, colours=colours, unit=row.unit)
+        style.letter(parts[row.phase][0], _TITLES_OF_FITS[row.phase])
+        rmse = f"RMSE {row.rmse:.1f} {escape.figure(row.unit)}"
+        parts[row.phase][-1].set_title(rmse, loc="right")
+    show_tenths(begin, end)
+    style.share_legend(fig, whole)
     return style.save(fig, _attributes_for_mark([*logs.values()]), pdf, png)
 
 
@@ -132,28 +157,40 @@ def draw_weights(weights: str, published: str, csv: str, pdf: str, png: str) -> 
     write_csv(csv, table)
     fig, ax = style.figure(1, 1, style.COLUMN_IN, 2.5)
     plot_shares(table, ax)
-    style.legend_above(ax)
     return style.save(fig, report, pdf, png)
 
 
+def _read_grid(own: str, seeds: Sequence[str], grid: str) -> Mapping[str, Any]:
+    """Return a grid over further seeds; if there are none, the rig's own grid over folds."""
+    return grid_over_seeds([read_json(path) for path in seeds], grid) if seeds else read_json(own)
+
+
 def draw_settings(
-    n_c: str, times: str, csv: str, pdf: str, png: str, epsilon: str | None = None
+    n_c: str,
+    times: str,
+    csv: str,
+    pdf: str,
+    png: str,
+    epsilon: str | None = None,
+    seeds: Sequence[str] = (),
 ) -> Mapping[str, Any]:
     """Figure 10: errors over epsilon and n_c, execution times over n_c.
 
     Without ``epsilon``, when there is no FPRC, only (b) and (c) are drawn.
     """
-    by_n_c, timed = read_json(n_c), read_json(times)
+    by_n_c, timed = _read_grid(n_c, seeds, "n_c"), read_json(times)
     drawn = {"b": grid_errors(by_n_c, "n_c"), "c": grid_times(timed, "n_c")}
     if epsilon:
-        drawn = {"a": grid_errors(read_json(epsilon), "epsilon"), **drawn}
+        by_epsilon = _read_grid(epsilon, seeds, "epsilon")
+        drawn = {"a": grid_errors(by_epsilon, "epsilon"), **drawn}
     write_csv(csv, panels(drawn))
-    fig, axes = style.figure(len(drawn), 1, style.COLUMN_IN, 5.8 if epsilon else 4.1)
+    fig, axes = style.figure(len(drawn), 1, style.COLUMN_IN, 5.0 if epsilon else 3.6)
     if epsilon:
         plot_errors_over(drawn["a"], "epsilon", axes[0])
         axes[0].set_xscale("log")
         axes[0].set_xlabel(r"$\epsilon$")
         style.letter(axes[0], "(a) Errors of FPRC")
+        axes[0].legend(loc="center left", bbox_to_anchor=(1.0, 0.5), handlelength=1.4)
     errors, seconds = axes[-2:]
     plot_errors_over(drawn["b"], "n_c", errors)
     plot_times_over(drawn["c"], "n_c", seconds)
@@ -164,21 +201,26 @@ def draw_settings(
         ax.xaxis.set_major_formatter("{x:g}")
     style.letter(errors, "(b) Errors")
     style.letter(seconds, "(c) Execution times")
-    style.share_legend(fig, errors)
+    if not epsilon:
+        style.share_legend(fig, errors)
     return style.save(fig, by_n_c, pdf, png)
 
 
-def draw_taps(taps: str, published: str, csv: str, pdf: str, png: str) -> Mapping[str, Any]:
+def draw_taps(
+    taps: str, published: str, csv: str, pdf: str, png: str, seeds: Sequence[str] = ()
+) -> Mapping[str, Any]:
     """Figure 11: errors over the tap sizes; as wide as a page."""
-    report, printed = read_json(taps), read_yaml(published)["table_1_configuration"]
+    report = _read_grid(taps, seeds, "taps")
+    printed = read_yaml(published)["table_1_configuration"]
     table = grid_errors(report, "n_u", "n_y")
     write_csv(csv, table)
-    fig, axes = style.figure(1, 3, style.PAGE_IN, 2.6, sharey=True)
+    fig, axes = style.figure(1, 3, style.PAGE_IN, 2.7, sharey=True)
     papers = printed["fprc"]["n_u"], printed["shared"]["n_y"]
     for ax, letter, phase in zip(axes, "abc", style.PHASES, strict=True):
         plot_grid(table, phase, ax, papers)
         ax.label_outer()
         style.letter(ax, f"({letter})")
+    explain_frames(fig)
     return style.save(fig, report, pdf, png)
 
 

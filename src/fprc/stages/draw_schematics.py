@@ -36,7 +36,7 @@ def draw_reservoir(raw: str, pdf: str, png: str, *, k_in_kpa_per_deg: float) -> 
     rest, driven = (
         (float(p_i[k]), float(p_o[k]), float(phi[k])) for k in (np.argmin(p_i), np.argmax(phi))
     )
-    fig, ax = canvas(3.6)
+    fig, ax = canvas(3.84)
     plot_reservoir(rest, driven, ax, limit_kpa=float(p_i.max()))
     plot_mapping(p_i, p_o, {"b": rest, "c": driven}, ax, k_in_kpa_per_deg=k_in_kpa_per_deg)
     return style.save(fig, log.attributes, pdf, png)

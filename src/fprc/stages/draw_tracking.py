@@ -24,7 +24,9 @@ from fprc.tables.drawn import disturbed, tracking_errors
 
 _CHANNELS = ("time_s", "theta_d_deg", "theta_deg", "p_ff_kpa", "p_fb_kpa")
 #: Panels of the reservoir in Fig. 17.
-_RESERVOIR = {"p_i_kpa": "(b) Input $P_i$", "phi_deg": "Bending", "p_o_kpa": "Output $P_o$"}
+_RESERVOIR = {
+    "p_i_kpa": "(b) Input $P_i$", "phi_deg": r"Bending $\phi$", "p_o_kpa": "Output $P_o$"
+}  # fmt: skip
 
 
 def draw_following(
@@ -50,12 +52,14 @@ def draw_following(
                 limit=limit)  # fmt: skip
     for ax, name in zip(axes[3:], ("p_ff", "p_fb"), strict=True):
         plot_effort(closed.channels, ax, name)
-    titles = ("(a) FPRC", "(b) FPRC+PD", "(c)", "(d) Outputs in (b)", "")
+    titles = (
+        "(a) FPRC, open loop", "(b) FPRC+PD, closed loop", "(c)", "(d) Outputs in (b)", ""
+    )  # fmt: skip
     for ax, title in zip(axes, titles, strict=True):
         style.letter(ax, title)
         shade_settling(ax, closed.attributes["settle_s"])
         ax.margins(x=0)
-    for ax in axes[:3]:
+    for ax in axes[[0, 2]]:
         style.legend_above(ax)
     fig.align_ylabels(axes)
     axes[-1].set_xlabel("Time [s]; grey: settling, not judged")
@@ -69,12 +73,12 @@ def draw_loops(runs: Sequence[str], pdf: str, png: str) -> Mapping[str, Any]:
     for ax, letter, reference in zip(axes, "ab", LOOPS, strict=True):
         pair = [
             (label, controller, _judged(logs, reference, controller))
-            for controller, label in (("pd", "PD"), ("fprc_pd", "FPRC+PD"))
+            for controller, label in (("pd", "PD alone"), ("fprc_pd", "FPRC+PD"))
         ]
         plot_reference_loops(pair, ax)
         ax.label_outer()
         style.letter(ax, f"({letter}) {REFERENCE_NAMES[reference]}")
-    axes[0].legend(loc="upper left")
+    axes[0].legend(loc="lower right", handlelength=1.4, labelspacing=0.2, borderaxespad=0.1)
     return style.save(fig, logs[0].attributes, pdf, png)
 
 
@@ -95,7 +99,7 @@ def draw_disturbance(
     table = disturbed(log, cycles, quiet_s)
     write_csv(csv, table)
     rms = table.set_index("channel")
-    fig, axes = style.figure(5, 1, style.COLUMN_IN, 6.2, sharex=True, height_ratios=(4, 3, 3, 4, 4))
+    fig, axes = style.figure(5, 1, style.COLUMN_IN, 5.8, sharex=True, height_ratios=(4, 3, 3, 4, 4))
     plot_following(channels, axes[0])
     judged = (channels["theta_d_deg"] - channels["theta_deg"])[time_s >= settle_s]
     plot_errors([("", channels)], axes[1], limit=1.05 * np.abs(judged).max())
@@ -107,14 +111,18 @@ def draw_disturbance(
             cycle = np.where(time_s < settle_s, np.nan, cycle)
             own = rms.loc[name]
             share = f"{own['percent_of_swing']:.0f} % of its swing"
-            ax.set_title(f"off by {own['rms']:.2g} {own['unit']} rms, {share}", loc="right")
+            off = f"{own['rms']:.2g} {own['unit']} rms from the band, {share}"
+            ax.set_title(off, loc="right")
         plot_over_cycle(time_s, channels[name], cycle, ax, name)
     for ax in axes:
         shade_disturbance(ax, quiet_s, time_s[-1])
         ax.margins(x=0)
     style.letter(axes[0], "(a) FPRC+PD")
     style.legend_above(axes[0])
-    axes[-1].set_xlabel("Time [s]; yellow: undisturbed, grey: pushed")
+    fig.align_ylabels(axes)
+    axes[-1].set_xlabel(
+        "Time [s]\nyellow: undisturbed, grey: pushed; pale band: last undisturbed cycle"
+    )
     return style.save(fig, log.attributes, pdf, png)
 
 

@@ -120,8 +120,29 @@ def weight_shares(report: Mapping[str, Any], published: Mapping[str, Any]) -> pd
     )
 
 
+def grid_over_seeds(reports: Sequence[Mapping[str, Any]], grid: str) -> dict[str, Any]:
+    """Join one grid of further seeds: in each cell, an error is a list with a value per seed.
+
+    Parameters
+    ----------
+    reports : sequence of mapping
+        ``seed``, ``source`` and cells by grid, from ``fprc.stages.replicate``.
+    """
+    errors = [f"{phase}_rmse_kpa" for phase in _PHASES]
+    cells = zip(*(report[grid] for report in reports), strict=True)
+    return {
+        "cells": [
+            {**of_seeds[0], **{key: [cell[key] for cell in of_seeds] for key in errors}}
+            for of_seeds in cells
+        ],
+        "unit": "kPa",
+        "source": reports[0]["source"],
+        "seeds": [report["seed"] for report in reports],
+    }
+
+
 def grid_errors(report: Mapping[str, Any], *settings: str) -> pd.DataFrame:
-    """Mean and standard deviation over folds of each phase's RMSE (Figs. 10a, 10b, 11).
+    """Mean and standard deviation of each phase's RMSE, over folds or seeds (Figs. 10a, 10b, 11).
 
     Parameters
     ----------

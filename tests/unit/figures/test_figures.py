@@ -9,7 +9,8 @@ import pytest
 from fprc.escape import figure
 from fprc.figures import style
 from fprc.figures.grids import plot_grid
-from fprc.figures.training import plot_error, plot_fit
+from fprc.figures.hysteresis import plot_loop
+from fprc.figures.training import plot_fit
 from fprc.logs import Columns, write_columns
 from fprc.stages import draw
 
@@ -87,6 +88,31 @@ def test_drawing_gives_the_attributes_of_the_simulated_log(drawing, log, tmp_pat
     assert (found["source"], found["seed"]) == ("sim", 9)
 
 
+def test_loops_of_the_sweep_alone_are_coloured_and_both_show_the_start(log, tmp_path, figures):
+    logs = log("one.h5", speed=3.0), log("two.h5", speed=4.0)
+    for drawing in (draw.draw_actuator_hysteresis, draw.draw_reservoir_hysteresis):
+        drawing(*logs, *written(drawing, tmp_path / "f.pdf", tmp_path / "f.png"))
+    for fig, first, last in zip(figures, (1, 0), (3, 1), strict=True):
+        sweep, other = fig.axes[first], fig.axes[last]
+        assert len(sweep.collections[0].get_array()) == 79
+        assert other.collections[0].get_array() is None
+        # the command turns after a quarter of a period of 2 pi / 3 or 2 pi / 4 seconds
+        lengths = [len(ax.lines[0].get_xdata()) for ax in (sweep, other)]
+        assert lengths == pytest.approx([20 * np.pi / 6, 20 * np.pi / 8], abs=1.0)
+
+
+def test_training_is_shown_by_its_first_and_its_last_tenth_and_the_test_is_whole(
+    log, tmp_path, figures
+):
+    logs = log("one.h5"), log("two.h5")
+    draw.draw_training(*logs, *written(draw.draw_training, tmp_path / "f.pdf", tmp_path / "f.png"))
+    spans = [ax.get_xlim() for ax in figures[0].axes]
+    assert np.ravel(spans) == pytest.approx([0.0, 0.395, 3.555, 3.95, 0.0, 3.95])
+    for ax in figures[0].axes:
+        truth, model = (line.get_ydata() for line in ax.lines)
+        assert len(truth) == len(model) == 80
+
+
 @pytest.mark.parametrize("unit", [r"$\frac{$", "$x$", "\x1b[31mN"])
 def test_unit_from_a_file_is_drawn_as_text(axes, unit):
     """A pair of dollars would be a formula, and a wrong one an error."""
@@ -94,16 +120,25 @@ def test_unit_from_a_file_is_drawn_as_text(axes, unit):
     plot_fit(time, time, time, axes, colours=("k", "k"), unit=unit)
     axes.figure.canvas.draw()
     assert axes.get_ylabel() == rf"$P_\mathrm{{exp}}$ [{figure(unit)}]"
-    plot_error(time, time, time, axes, colour="k", rmse=0.0, unit=unit)
-    axes.figure.canvas.draw()
-    assert axes.get_ylabel() == f"Error [{figure(unit)}]"
     log = Columns(Path("x.h5"), {}, {"p_target_unit": unit})
     table = pd.DataFrame(
         {"n_y": [1, 1], "n_u": [1, 2], "mean": [1.0, 2.0], "unit": unit, "phase": "train"}
     )
     plot_grid(table, "train", axes, (3, 5))
-    axes.set_xlabel(draw._label("p_target", log))
+    axes.set_xlabel(draw._label("p_target_kpa", log))
     axes.figure.canvas.draw()
+
+
+def test_loop_joins_neighbouring_samples_and_is_coloured_by_frequency(axes):
+    x, y, f_hz = np.array([0.0, 1.0, 1.0]), np.array([0.0, 0.0, 5.0]), np.array([0.3, 0.7, 0.9])
+    plot_loop(x, y, axes, ("x [kPa]", "y [deg]"), f_hz)
+    (lines,) = axes.collections
+    drawn = zip(lines.get_array().tolist(), map(np.ndarray.tolist, lines.get_segments()),
+                strict=True)  # fmt: skip
+    assert sorted(drawn) == [(0.3, [[0.0, 0.0], [1.0, 0.0]]), (0.7, [[1.0, 0.0], [1.0, 5.0]])]
+    assert lines.get_clim() == (0.3, 0.9)
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("x [kPa]", "y [deg]")
+    assert axes.get_ylim()[1] >= 5.0
 
 
 @pytest.fixture

@@ -18,6 +18,11 @@ DATA = {
     for name in EXPERIMENTS
     for folder, kind in (("data/raw", "h5"), ("results/data", "h5"), ("results/quality", "json"))
 }
+REPLICATES = {
+    f"results/replicates/command/{part}_{seed}.json"
+    for part in ("models", "grids", "control")
+    for seed in range(501, 511)
+}
 OF_RIGS = {"seeds", "claims", "check", "readme"}
 CLOSED_LOOP = {"table4", *(f"fig{number}" for number in range(12, 18))}
 
@@ -92,7 +97,7 @@ def test_every_result_can_be_made_on_the_simulated_rig(simulated):
             {
                 "results/figures/fig10_settings.pdf", "results/grids/epsilon.json",
                 "results/grids/n_c.json", "results/timing/times_over_n_c.json",
-            } | DATA,
+            } | DATA | REPLICATES,
         ),
         (
             "fig16",
@@ -102,6 +107,17 @@ def test_every_result_can_be_made_on_the_simulated_rig(simulated):
 )  # fmt: skip
 def test_target_names_its_result_and_all_that_it_is_made_of(simulated, name, files):
     assert set(simulated.targets[name]) == files
+
+
+def test_what_shows_further_seeds_is_made_of_every_replicate(simulated):
+    for name in ("seeds", "claims", "fig10", "fig11"):
+        assert set(simulated.targets[name]) >= REPLICATES
+
+
+def test_recorded_logs_have_no_further_seeds():
+    plan = recorded(*EXPERIMENTS)
+    for name in ("fig10", "fig11"):
+        assert not set(plan.targets[name]) & REPLICATES
 
 
 # --- on recorded logs -----------------------------------------------------------------------------

@@ -1,5 +1,6 @@
 """Each figure's table has the numbers that are drawn."""
 
+import re
 import statistics
 from pathlib import Path
 
@@ -8,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from fprc.artifacts import write_json
+from fprc.artifacts import read_json, write_json
 from fprc.config.load import PUBLISHED
 from fprc.figures import style
 from fprc.figures.grids import plot_grid
@@ -16,6 +17,7 @@ from fprc.logs import Columns, write_columns
 from fprc.paper import LOOPS, reference_and_controller, run_log
 from fprc.stages import draw, draw_tracking
 
+PHASES = ("train", "validation", "test")
 FOLDS = {1: [10.0, 12.0, 11.0, 16.0], 2: [9.0, 9.5, 8.0, 8.5], 4: [7.0, 7.1, 7.2, 7.7]}
 
 
@@ -57,16 +59,21 @@ def times(place):
     return place("times.json")
 
 
-def drawn(ax):
-    """Return x, y and half the length of the bars of each line of a panel."""
-    found = {}
-    for bars in ax.containers:
-        line, _, (arms,) = bars.lines
-        # without a deviation there is no bar
-        segments = [segment for segment in arms.get_segments() if len(segment)]
-        halves = [0.5 * abs(end[1] - begin[1]) for begin, end in segments]
-        found[bars.get_label()] = (line.get_xdata(), line.get_ydata(), np.array(halves))
-    return found
+def further_seeds(place):
+    """Write two seeds' grids; each error is the first fold's, the second seed's are larger."""
+    paths = []
+    for seed in (101, 102):
+        report = {"seed": seed, "source": "sim"}
+        for name in ("n_c", "epsilon"):
+            cells = read_json(sweep(name, place))["cells"]
+            report[name] = [
+                cell | {f"{phase}_rmse_kpa": np.ravel(cell[f"{phase}_rmse_kpa"])[0]
+                        + 0.5 * (seed - 101) for phase in PHASES}
+                for cell in cells
+            ]  # fmt: skip
+        paths.append(place(f"grids_{seed}.json"))
+        write_json(paths[-1], report)
+    return paths
 
 
 def test_fig_10_draws_the_means_and_sample_deviations_of_its_table(figures, place):
@@ -78,23 +85,39 @@ def test_fig_10_draws_the_means_and_sample_deviations_of_its_table(figures, plac
     table = pd.read_csv(csv)
     assert list(table["panel"].unique()) == ["a", "b", "c"]
     assert set(table["source"]) == {"sim"}
-    names = {"fprc": "FPRC", "fuzzy_linear": "Fuzzy-linear"}
-    phases = {"train": "training", "validation": "validation", "test": "test"}
     for panel, ax in zip("abc", figures[0].axes, strict=True):
-        lines = drawn(ax)
         rows = table[table["panel"] == panel]
-        for (model, phase), group in rows.groupby(["model", "phase"]):
-            x, y, halves = lines.pop(f"{names[model]}, {phases[phase]}")
-            assert x == pytest.approx(group["value"].tolist())
-            assert y == pytest.approx(group["mean"].tolist(), rel=1e-5)
+        groups = list(rows.groupby(["model", "phase"], sort=False))
+        assert len(groups) == len(ax.lines) == len(ax.collections)
+        drawn = zip(groups, ax.lines, ax.collections, strict=True)
+        for ((model, phase), group), line, band in drawn:
+            assert line.get_linestyle() == style.line_of(model)["linestyle"]
+            assert line.get_marker() == style.PHASES[phase]["marker"]
+            assert line.get_xdata() == pytest.approx(group["value"].tolist())
+            assert line.get_ydata() == pytest.approx(group["mean"].tolist(), rel=1e-5)
             if group["values"].iloc[0] > 1:
-                assert halves == pytest.approx(group["std"].tolist(), rel=1e-5)
                 factor = 2.0 if phase == "validation" else 1.0
                 expected = [factor * statistics.stdev(folds) for folds in FOLDS.values()]
-                assert halves == pytest.approx(expected)
+                assert group["std"].tolist() == pytest.approx(expected, rel=1e-5)
+                heights = band.get_paths()[0].vertices[:, 1]
+                ends = (group["mean"] - group["std"]).min(), (group["mean"] + group["std"]).max()
+                assert (heights.min(), heights.max()) == pytest.approx(ends, rel=1e-5)
             else:
-                assert halves.size == 0
-        assert not lines
+                assert not band.get_paths()
+
+
+def test_fig_10_of_further_seeds_shows_means_and_deviations_over_them(figures, place):
+    seeds = further_seeds(place)
+    draw.draw_settings(
+        sweep("n_c", place), times(place), place("t.csv"), place("f.pdf"), place("f.png"),
+        epsilon=sweep("epsilon", place), seeds=seeds,
+    )  # fmt: skip
+    table = pd.read_csv(place("t.csv"))
+    errors = table[table["panel"] != "c"]
+    assert set(errors["values"]) == {2}
+    assert errors["std"].tolist() == pytest.approx([0.5 / np.sqrt(2.0)] * len(errors), rel=1e-5)
+    tests = errors[(errors["panel"] == "a") & (errors["phase"] == "test")]
+    assert tests["mean"].tolist() == [folds[0] + 0.25 for folds in FOLDS.values()]
 
 
 def test_fig_10_without_fprc_has_no_panel_a(figures, place):
@@ -249,7 +272,7 @@ def test_fig_17_measures_how_far_signals_are_off_their_undisturbed_cycle(figures
     )
     assert table.loc[["p_i_kpa", "p_o_kpa"], "percent_of_swing"].max() < 0.1
     titles = [ax.get_title("right") for ax in figures[0].axes[2:]]
-    assert titles[1] == "off by 4.2 deg rms, 11 % of its swing"
+    assert [re.findall(r"[\d.]+", title) for title in titles][1] == ["4.2", "11"]
 
 
 def test_fig_17_without_an_undisturbed_cycle_has_none(figures, place, logs):
