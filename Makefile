@@ -7,7 +7,7 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: help paper smoke quick types lint site tests faults test damage test-kill reproduce-twice processors \
-	slurm slurm-programs test-slurm docs check layers lowest newest fault-matrix fuzz loop-benchmark benchmark \
+	slurm slurm-programs test-slurm chromium docs check layers lowest newest fault-matrix fuzz loop-benchmark benchmark \
 	benchmark-all container test-container cut release release-tools test-release clean
 
 help:  ## list the targets
@@ -80,12 +80,20 @@ slurm: slurm-programs .venv/.ready  ## install Slurm for its test, as root on De
 
 slurm-programs:
 	@if $(PYTHON) tests/slurm/one_node.py --why-not | grep -q "not installed"; then \
-	  if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
-	    apt-get -qq update && DEBIAN_FRONTEND=noninteractive \
-	      apt-get -qq install --no-install-recommends slurm-wlm munge >/dev/null \
-	      || echo "slurm: apt-get could not install slurm-wlm and munge"; \
-	  else echo "slurm: not installed; installing it needs root and apt-get"; fi; \
-	fi
+	  $(call install,slurm-wlm munge); fi
+
+# Without Chromium, the tests of tests/workflow/test_report.py that need a browser are skipped.
+chromium:  ## install Chromium for the tests of the report page, as root on Debian
+	@command -v chromium >/dev/null || command -v chromium-browser >/dev/null || { $(call install,chromium); }
+
+# One after another, because apt-get has a lock; what cannot be installed is no error.
+define install
+if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+  flock /var/lib/apt sh -c 'apt-get -qq update && DEBIAN_FRONTEND=noninteractive \
+    apt-get -qq install --no-install-recommends $(1) >/dev/null' \
+    || echo "apt-get could not install $(1)"; \
+else echo "$(1): not installed; installing it needs root and apt-get"; fi
+endef
 
 test-slurm: slurm  ## the smoke run through Slurm; `make test` runs one job of each kind
 	SLURM_TARGETS=all pytest tests/workflow/test_slurm.py

@@ -1,11 +1,15 @@
 """The report page in a browser, and Snakemake's own report."""
 
+import fcntl
 import importlib.util
 import json
+import os
 import re
+import select
 import shutil
 import subprocess
 import zipfile
+from contextlib import contextmanager
 from pathlib import Path
 from urllib.parse import unquote
 
@@ -16,176 +20,299 @@ from fprc.claims.paper import CLAIMS
 pytestmark = pytest.mark.slow
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "chrome"))), None)
-WIDTHS = {"phone": 390, "laptop": 1280, "desk": 1920}
+OPTIONS = """--headless --no-sandbox --disable-gpu --no-first-run --disable-background-networking
+    --disable-component-update --disable-sync --disable-dev-shm-usage --hide-scrollbars""".split()
+SCREENS = {"phone": (390, 844), "laptop": (1280, 800), "desk": (1920, 1080)}
 
-#: Loads a page into frames as wide as the screens and writes down what is wrong with it.
-HARNESS = """<!DOCTYPE html><meta charset="utf-8"><body>
-<script>
-const widths = %s, axe = %s, found = {};
-let done = 0;
-// What a reader does elsewhere: sort a table, enlarge a figure and close it, choose colours.
-function used(page) {
-  const table = page.querySelector("table.deviations"), large = page.querySelector("dialog");
-  if (!table) return null;
-  const rows = () => [...table.tBodies[0].rows].map((row) => Number(row.cells[2].textContent));
-  const heading = table.querySelectorAll("thead button")[1], before = rows();
-  heading.click();
-  const up = rows(), sorted = heading.parentElement.ariaSort;
-  heading.click();
-  const down = rows();
-  page.querySelector(".picture button").click();
-  const shown = large.open && large.querySelector("img").src.length > 99;
-  large.close();
-  const theme = page.getElementById("theme"), colours = [];
-  for (const value of ["light", "dark"]) {
-    theme.value = value;
-    theme.dispatchEvent(new Event("change"));
-    colours.push(getComputedStyle(page.body).backgroundColor);
-  }
-  return {before, up, down, sorted, shown, colours};
-}
-async function audit(page) {
-  if (!page.defaultView.axe || !page.getElementById("theme")) return [];
-  const wrong = [], checked = new Set();
-  // closed, their text lies unseen over what follows, and axe takes that for its background
-  for (const each of page.querySelectorAll("details")) each.open = true;
-  // axe copies the source of each element, of which the pictures would be megabytes
-  for (const image of page.images) image.src = "data:image/gif;base64,R0lGODlhAQABAAAAACw=";
-  for (const theme of ["light", "dark"]) {
-    page.documentElement.dataset.theme = theme;
-    const rules = theme == "light" ? {} : {runOnly: ["color-contrast"]};
-    const report = await page.defaultView.axe.run(page, rules);
-    report.passes.forEach((each) => checked.add(each.id));
-    wrong.push(...report.violations.flatMap((each) => each.nodes.map(
-      (node) => `${theme}: ${each.id}: ${node.target} ${node.failureSummary.slice(0, 200)}`)));
-  }
-  if (!checked.has("color-contrast")) wrong.push("the contrast was not checked");
-  return wrong;
-}
-async function look(frame, name) {
-  const page = frame.contentDocument, root = page.documentElement;
-  const limit = root.clientWidth + 1;
-  const large = page.querySelector(".banner strong");
-  const inside = (e) => [...page.querySelectorAll(".scroll, nav")].some((box) => box.contains(e));
-  const seen = [...page.body.querySelectorAll("*")].filter(e => e.getClientRects().length);
-  found[name] = {
-    title: page.title,
-    images: page.images.length,
-    broken: [...page.images].filter(i => !i.complete || !i.naturalWidth).map(i => i.alt),
-    scrolls: root.scrollWidth > limit,
-    wide: seen.filter(e => e.getBoundingClientRect().right > limit && !inside(e))
-      .map(e => e.outerHTML.slice(0, 80)),
-    banner: parseFloat(getComputedStyle(large || page.body).fontSize),
-    used: used(page),
-  };
-  if (name == "laptop") {
-    page.head.append(Object.assign(page.createElement("script"), {textContent: axe}));
-    found[name].wrong = await audit(page);
-  }
-  done += 1;
-  if (done == Object.keys(widths).length) {
-    const out = document.createElement("pre");
-    out.id = "found";
-    out.textContent = JSON.stringify(found);
-    document.body.append(out);
-  }
-}
-for (const [name, width] of Object.entries(widths)) {
-  const frame = document.createElement("iframe");
-  frame.style = `width:${width}px; height:800px; border:0`;
-  frame.onload = () => look(frame, name);
-  frame.src = %s;
-  document.body.append(frame);
-}
-</script>"""
+#: The browser answers within milliseconds, but may start on a busy machine.
+PATIENCE_S = 120.0
+
+#: Windows' code of a key, and the text that it types.
+KEYS = {"Tab": (9, ""), "Enter": (13, "\r"), "Escape": (27, "")}
 
 
-def audit():
-    """Return the script of axe, which audits accessibility and contrast; none if not installed."""
-    axe = importlib.util.find_spec("axe_core_python")
-    if axe is None:
-        return ""
-    text = (Path(axe.origin).parent / "axe.min.js").read_text(encoding="utf-8")
-    return text.replace("</", "<\\/")
+class Page:
+    """A page in the browser, which is driven over its DevTools pipe."""
+
+    def __init__(self, commands, answers):
+        self._commands, self._answers, self._sent, self._session = commands, answers, 0, {}
+        self._unread = b""
+        self.errors = []
+        (page,) = (
+            each for each in self.call("Target.getTargets")["targetInfos"] if each["type"] == "page"
+        )
+        attached = self.call("Target.attachToTarget", targetId=page["targetId"], flatten=True)
+        self._session = {"sessionId": attached["sessionId"]}
+        for domain in ("Page", "Runtime", "Log"):
+            self.call(f"{domain}.enable")
+
+    def call(self, method, **parameters):
+        """Call a method of the protocol and return its result."""
+        self._sent += 1
+        message = {"id": self._sent, "method": method, "params": parameters, **self._session}
+        os.write(self._commands, json.dumps(message).encode() + b"\0")
+        while (answer := self._message()).get("id") != self._sent:
+            pass
+        assert "error" not in answer, answer
+        return answer["result"]
+
+    def _message(self):
+        while b"\0" not in self._unread:
+            assert select.select([self._answers], [], [], PATIENCE_S)[0], "the browser is silent"
+            read = os.read(self._answers, 1 << 20)
+            assert read, "the browser has ended"
+            self._unread += read
+        first, self._unread = self._unread.split(b"\0", 1)
+        message = json.loads(first)
+        kind, told = message.get("method"), message.get("params", {})
+        if (
+            kind == "Runtime.exceptionThrown"
+            or (kind == "Runtime.consoleAPICalled" and told["type"] == "error")
+            or (kind == "Log.entryAdded" and told["entry"]["level"] == "error")
+        ):
+            self.errors.append(told)
+        return message
+
+    def open(self, path, screen="laptop"):
+        """Load a page from disk on a screen, and wait for it."""
+        width, height = SCREENS[screen]
+        self.call(
+            "Emulation.setDeviceMetricsOverride",
+            width=width, height=height, deviceScaleFactor=1, mobile=False,
+        )  # fmt: skip
+        self.errors.clear()
+        self.call("Page.navigate", url=path.as_uri())
+        while self._message().get("method") != "Page.loadEventFired":
+            pass
+
+    def ask(self, expression):
+        """Return the value of an expression of JavaScript, or what its promise gives."""
+        answer = self.call(
+            "Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True
+        )
+        assert "exceptionDetails" not in answer, answer
+        return answer["result"].get("value")
+
+    def prefer(self, colours):
+        """Let the system of the reader be light or dark."""
+        wanted = {"name": "prefers-color-scheme", "value": colours}
+        self.call("Emulation.setEmulatedMedia", features=[wanted])
+
+    def press(self, key):
+        """Press and release a key of ``KEYS``."""
+        code, text = KEYS[key]
+        typed = {"key": key, "code": key, "windowsVirtualKeyCode": code}
+        self.call(
+            "Input.dispatchKeyEvent", type="keyDown", **typed, **({"text": text} if text else {})
+        )
+        self.call("Input.dispatchKeyEvent", type="keyUp", **typed)
 
 
-def opened(page, folder):
-    """Return what a headless browser finds in a page on disk, and its console's errors."""
-    harness = folder / "harness.html"
-    harness.write_text(
-        HARNESS % (*map(json.dumps, (WIDTHS, audit())), json.dumps(page.as_uri())), encoding="utf-8"
-    )
-    done = subprocess.run(
-        [
-            BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run",
-            "--disable-background-networking", "--disable-component-update", "--disable-sync",
-            "--disable-dev-shm-usage", "--hide-scrollbars", "--window-size=1400,1000",
-            "--allow-file-access-from-files", "--enable-logging=stderr",
-            f"--user-data-dir={folder / 'profile'}", "--virtual-time-budget=20000",
-            "--dump-dom", harness.as_uri(),
-        ],
-        capture_output=True, text=True, timeout=180,
+@contextmanager
+def browsing(folder):
+    """Yield a page of a browser, whose profile is in ``folder``."""
+    ends = {}
+
+    def connect():
+        # Chromium reads commands from descriptor 3 and answers on 4
+        # through copies above both: neither end is overwritten before it is copied
+        above = [fcntl.fcntl(ends[name], fcntl.F_DUPFD, 20) for name in ("read", "write")]
+        for number, copied in enumerate(above, start=3):
+            os.dup2(copied, number)
+
+    ends["read"], commands = os.pipe()
+    answers, ends["write"] = os.pipe()
+    process = subprocess.Popen(
+        [BROWSER, *OPTIONS, "--remote-debugging-pipe", f"--user-data-dir={folder / 'profile'}"],
+        preexec_fn=connect, close_fds=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
     )  # fmt: skip
-    text = re.search(r'<pre id="found">(.*?)</pre>', done.stdout, flags=re.DOTALL)
-    assert text, done.stdout[:2000] + done.stderr[-2000:]
-    plain = text[1].replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&")
-    return json.loads(plain), re.findall(r"CONSOLE[:(].*", done.stderr)
-
-
-needs_browser = pytest.mark.skipif(
-    BROWSER is None, reason="no chromium here; install it to test the page in a browser"
-)
+    try:
+        yield Page(commands, answers)
+    finally:
+        process.kill()
+        process.wait()
+        for each in (*ends.values(), commands, answers):
+            os.close(each)
 
 
 @pytest.fixture(scope="module")
-def looked(smoked, tmp_path_factory):
-    """What a browser finds in the page, and what its console says."""
-    page = smoked[0].folder / "results/smoke/report.html"
-    return opened(page, tmp_path_factory.mktemp("browser"))
+def browser(tmp_path_factory):
+    """One page of a browser, in which each test opens what it looks at."""
+    if BROWSER is None:
+        pytest.skip("no chromium here; install it to test the page in a browser")
+    with browsing(tmp_path_factory.mktemp("browser")) as page:
+        yield page
 
 
-@needs_browser
-@pytest.mark.parametrize("screen", WIDTHS)
-def test_page_opens_from_disk_without_error_on_every_screen(looked, screen):
-    found, console = looked
-    assert console == []
-    assert found[screen]["images"] == 17
-    assert found[screen]["broken"] == []
-    assert not found[screen]["scrolls"]
-    assert found[screen]["wide"] == []
-    assert found[screen]["banner"] > 25
+@pytest.fixture(scope="module")
+def report(smoked):
+    """Path of the page of the smoke run."""
+    return smoked[0].folder / "results/smoke/report.html"
 
 
-@needs_browser
-def test_tables_sort_figures_enlarge_and_colours_change(looked):
-    used = looked[0]["laptop"]["used"]
-    assert used["sorted"] == "ascending"
-    assert used["up"] == sorted(used["before"])
-    assert used["down"] == used["up"][::-1]
-    assert used["shown"]
-    assert len(set(used["colours"])) == 2
+#: What a reader sees: pictures that are missing, what is wider than the screen, what is cut off.
+SEEN = """(() => {
+  const root = document.documentElement, limit = root.clientWidth + 1;
+  const box = (each) => each.getBoundingClientRect();
+  const scrolling = [...document.querySelectorAll(".scroll, nav")];
+  const inside = (each) => scrolling.some((around) => around.contains(each));
+  const all = [...document.body.querySelectorAll("*")].filter((e) => e.getClientRects().length);
+  const text = (each) => each.outerHTML.slice(0, 80);
+  return {
+    images: document.images.length,
+    broken: [...document.images].filter((i) => !i.complete || !i.naturalWidth).map((i) => i.alt),
+    scrolls: root.scrollWidth > limit,
+    wide: all.filter((each) => box(each).right > limit && !inside(each)).map(text),
+    cut: scrolling.filter((e) => e.tagName != "NAV" && e.scrollWidth > e.clientWidth + 1).map(text),
+    claims: [...document.querySelectorAll(".claims details")].map((each) => box(each).bottom),
+    banner: box(document.querySelector(".banner") ?? document.body).height,
+  };
+})()"""
 
 
-@needs_browser
-@pytest.mark.skipif(not audit(), reason="no axe-core-python here; install it to audit the page")
-def test_page_is_accessible_in_light_and_dark(looked):
-    assert looked[0]["laptop"]["wrong"] == []
+@pytest.mark.parametrize("screen", SCREENS)
+def test_page_opens_from_disk_without_error_on_every_screen(browser, report, screen):
+    browser.open(report, screen)
+    seen = browser.ask(SEEN)
+    assert browser.errors == []
+    assert seen["images"] == 17
+    assert seen["broken"] == seen["wide"] == seen["cut"] == []
+    assert not seen["scrolls"]
+    # the banner has one line, the claims begin on the first screen
+    assert seen["banner"] < 50
+    assert seen["claims"][0] < SCREENS[screen][1]
+    assert len(seen["claims"]) == len(CLAIMS)
 
 
-@needs_browser
-def test_browser_notices_a_page_that_is_wrong(tmp_path):
+def test_tables_sort(browser, report):
+    browser.open(report)
+    table = 'document.querySelector("table.deviations")'
+    column = f"[...{table}.tBodies[0].rows].map((row) => Number(row.cells[2].textContent))"
+    heading = f'{table}.querySelectorAll("thead th")[1]'
+    before = browser.ask(column)
+    browser.ask(f"{heading}.firstChild.click()")
+    assert browser.ask(column) == sorted(before) != before
+    assert browser.ask(f"{heading}.ariaSort") == "ascending"
+    browser.ask(f"{heading}.firstChild.click()")
+    assert browser.ask(column) == sorted(before)[::-1]
+
+
+def test_colours_are_the_systems_until_the_reader_chooses(browser, report):
+    browser.open(report)
+    background = "getComputedStyle(document.body).backgroundColor"
+    colours = {}
+    for system in ("light", "dark"):
+        browser.prefer(system)
+        colours[system] = browser.ask(background)
+    assert colours["light"] != colours["dark"]
+    for chosen in ("light", "dark"):
+        browser.ask(f'theme.value = "{chosen}"; theme.dispatchEvent(new Event("change"))')
+        assert browser.ask(background) == colours[chosen]
+
+
+def axe():
+    """Return the script of axe, which audits accessibility and contrast; none if not installed."""
+    found = importlib.util.find_spec("axe_core_python")
+    return found and (Path(found.origin).parent / "axe.min.js").read_text(encoding="utf-8")
+
+
+#: Prepares a page for axe.
+UNFOLD = """
+  // closed, their text lies unseen over what follows, and axe takes that for its background
+  for (const each of document.querySelectorAll("details")) each.open = true;
+  // axe copies the source of each element, of which the pictures would be megabytes
+  for (const each of document.images) each.src = "data:image/gif;base64,R0lGODlhAQABAAAAACw=";
+"""
+AUDIT = """axe.run(document, %s).then((report) => ({
+  checked: report.passes.map((each) => each.id),
+  wrong: report.violations.flatMap((each) => each.nodes.map(
+    (node) => `${each.id}: ${node.target} ${node.failureSummary.slice(0, 200)}`)),
+}))"""
+
+
+@pytest.mark.skipif(not axe(), reason="no axe-core-python here; install it to audit the page")
+@pytest.mark.parametrize(
+    ("screen", "colours", "rules"),
+    [
+        ("laptop", "light", {}),
+        ("laptop", "dark", {"runOnly": ["color-contrast"]}),
+        ("phone", "light", {}),
+    ],
+)
+def test_page_is_accessible(browser, report, screen, colours, rules):
+    browser.open(report, screen)
+    browser.ask("localStorage.clear(); theme.value = ''; paint()")
+    browser.prefer(colours)
+    browser.ask(UNFOLD)
+    browser.ask(f"{axe()}; undefined")
+    found = browser.ask(AUDIT % json.dumps(rules))
+    assert found["wrong"] == []
+    assert "color-contrast" in found["checked"]
+
+
+def test_browser_notices_a_page_that_is_wrong(browser, tmp_path):
     page = tmp_path / "wrong.html"
     page.write_text(
         '<title>wrong</title><img src="gone.png" alt="gone"><p style="width:2000px">wide</p>'
+        '<div class="scroll" style="width:9rem; overflow:auto"><p style="width:99rem">cut</div>'
         '<script>console.error("oh"); undefined.x</script>',
         encoding="utf-8",
     )
-    found, console = opened(page, tmp_path)
-    assert len(console) >= 2
-    for screen in WIDTHS:
-        assert found[screen]["broken"] == ["gone"]
-        assert found[screen]["scrolls"]
-        assert any("2000px" in element for element in found[screen]["wide"])
+    browser.open(page)
+    seen = browser.ask(SEEN)
+    assert len(browser.errors) >= 2
+    assert seen["broken"] == ["gone"]
+    assert seen["scrolls"]
+    assert any("2000px" in element for element in seen["wide"])
+    assert len(seen["cut"]) == 1
+
+
+#: What has the keyboard's focus: its name, and whether a reader sees it and its ring.
+FOCUSED = """(() => {
+  const at = document.activeElement, box = at.getBoundingClientRect(), style = getComputedStyle(at);
+  const middle = (low, high, limit) => (Math.max(low, 0) + Math.min(high, limit)) / 2;
+  const hit = document.elementFromPoint(
+    middle(box.left, box.right, innerWidth), middle(box.top, box.bottom, innerHeight));
+  return {
+    number: [...document.querySelectorAll("*")].indexOf(at),
+    name: `${at.tagName} ${at.getAttribute("aria-label") || at.textContent.trim().slice(0, 40)}`,
+    seen: Boolean(hit && (at.contains(hit) || hit.contains(at))),
+    ring: style.outlineStyle != "none" && parseFloat(style.outlineWidth) > 0,
+  };
+})()"""
+
+#: Numbers of the elements that a pointer can use.
+USABLE = """[...document.querySelectorAll("a[href], button, select, summary, [tabindex='0']")]
+  .filter((each) => each.getClientRects().length && each.checkVisibility())
+  .map((each) => [...document.querySelectorAll("*")].indexOf(each))"""
+
+#: Whether the focus is on an element behind the dialog; from its last one it goes to the browser.
+BEHIND = """document.activeElement != document.body
+  && !document.querySelector("dialog").contains(document.activeElement)"""
+
+
+def test_every_link_and_button_is_reached_by_the_keyboard(browser, report):
+    browser.open(report)
+    usable, walk = set(browser.ask(USABLE)), []
+    for _ in range(len(usable) + 5):
+        browser.press("Tab")
+        walk.append(browser.ask(FOCUSED))
+        if walk[-1]["name"].startswith("BODY"):
+            break
+    assert walk.pop()["name"].startswith("BODY")
+    assert usable <= {each["number"] for each in walk}
+    assert [each["name"] for each in walk if not (each["seen"] and each["ring"])] == []
+
+    browser.ask("document.querySelector('#fig8 .picture button').focus()")
+    before = browser.ask(FOCUSED)["name"]
+    browser.press("Enter")
+    assert browser.ask("document.querySelector('dialog').open")
+    assert browser.ask("document.querySelector('dialog img').src.length") > 99
+    browser.press("Tab")
+    assert browser.ask(BEHIND) is False
+    browser.press("Escape")
+    assert not browser.ask("document.querySelector('dialog').open")
+    assert browser.ask(FOCUSED)["name"] == before
 
 
 def test_page_holds_everything_and_asks_for_nothing(smoked):

@@ -22,6 +22,7 @@ from fprc.paper import SOURCES
 from fprc.plan.results import BY_NAME
 from fprc.provenance import checkout, hash_of, versions
 from fprc.tables.against_paper import against_paper
+from fprc.tables.found import found
 from fprc.tables.text import read_markdown, three_digits
 
 log = logging.getLogger(__name__)
@@ -61,32 +62,40 @@ def write_report(
         _figure(*files, folder)
         for files in zip(figures[::3], figures[1::3], figures[2::3], strict=True)
     ]
-    pages = [_page(md, terms, folder) for md, _ in zip(tables[::2], tables[1::2], strict=True)]
-    names = {each["anchor"]: each["short"] for each in (*pages, *shown)}
+    pages = {Path(page).stem: _page(page, terms, folder) for page in tables[::2]}
+    frames = {Path(path).stem: pd.read_csv(path) for path in tables[1::2]}
+    names = {each["anchor"]: each["short"] for each in (*pages.values(), *shown)}
+    # a table of one seed is folded up below the same one over seeds
+    for name in [name for name in pages if f"{name}_seeds" in pages]:
+        one = pages[name]
+        over = {"title": f"{one['title']}, over seeds", "short": one["short"], "one_seed": one}
+        pages[name] = pages.pop(f"{name}_seeds") | over
     drawn_from = {figure["source"] for figure in shown} - {"none"}
     kinds = " and ".join(SOURCES[source] for source in sorted(drawn_from))
+    simulated = "sim" in drawn_from
+    claims = _claims(ledger, folder, names)
     page = (
         _environment(Path(template[0]).parent)
         .get_template(Path(template[0]).name)
         .render(
             banner=banner(drawn_from),
-            explanation=f"All our results on this page except the execution times come from: "
-            f"{kinds}.",
-            simulated="sim" in drawn_from,
+            kinds=kinds,
+            simulated=simulated,
+            found=found(claims["claims"] or (), frames, simulated=simulated),
             missing=pd.read_csv(missing).drop(columns="name"),
-            pages=pages,
+            pages=pages.values(),
             figures=shown,
             glossary=GLOSSARY,
-            deviations=_deviations(tables[1::2], terms),
+            deviations=_deviations(frames, terms),
             settings=settings,
             changed=_changed(settings),
             yaml=yaml.safe_dump(dict(settings), sort_keys=False),
             config=hash_of(settings),
             commit=_commit(*checkout()),
-            versions=pd.DataFrame(versions().items(), columns=["Software", "Version"]),
+            versions=versions(),
             names=names,
             beyond=beyond,
-            **_claims(ledger, folder, names),
+            **claims,
         )
     )
     write_text(html, page)
@@ -131,30 +140,26 @@ def _changed(settings: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
 
 
 def _claims(ledger: Sequence[str], folder: Path, names: Container[str]) -> dict[str, Any]:
-    """Return the claims, each with its evidence on the page, and their ids by verdict."""
+    """Return the claims, each with its evidence on the page, their note and their files."""
     if not ledger:
         return {"claims": None}
     report = read_json(ledger[0])
-    verdicts: dict[str, list[str]] = {}
     for claim in report["claims"]:
-        verdicts.setdefault(claim["verdict"], []).append(claim["id"])
         claim["evidence"] = [name for name in claim["shown_in"] if name in names]
     return {
         "claims": report["claims"],
-        "verdicts": dict(sorted(verdicts.items(), key=lambda item: -len(item[1]))),
         "note": report["note"],
         "ledger": {"short": "Claims", **_origin(ledger[0], folder, (".json", ".md"))},
     }
 
 
-def _deviations(tables: Sequence[str], terms: Sequence[str]) -> dict[str, Any] | None:
+def _deviations(frames: Mapping[str, pd.DataFrame], terms: Sequence[str]) -> dict[str, Any] | None:
     """Return the rows of the plot of ours over the paper's, and its axis; positions in percent."""
-    stems = {Path(path).stem: path for path in tables}
     chosen = [
-        next((name for name in (f"{table}_seeds", table) if name in stems), None)
+        next((name for name in (f"{table}_seeds", table) if name in frames), None)
         for table in ("table2", "table3", "table4")
     ]
-    numbers = against_paper({name: pd.read_csv(stems[name]) for name in chosen if name})
+    numbers = against_paper({name: frames[name] for name in chosen if name})
     if numbers.empty:
         return None
     first = math.log(min(0.5, 0.9 * numbers["ratio"].min()))
@@ -195,15 +200,14 @@ def _page(path: str, terms: Sequence[str], folder: Path) -> dict[str, Any]:
     title, data, _ = title.partition(". Data")
     rest = f"Data: {rest}" if data else rest
     name = Path(path).stem
-    if name.endswith("_seeds") and "over seeds" not in title:
-        title += ", over seeds"
     return {
         "anchor": name,
-        "short": re.sub(r"\. .*?(, over seeds)?$", r"\1", title),
+        "short": title.partition(". ")[0],
         "kind": _kind(name.removesuffix("_seeds"), terms),
         "title": title,
         "note": rest[:1].upper() + rest[1:],
         "table": table,
+        "one_seed": None,
         **_origin(path, folder, (".csv", ".tex")),
     }
 
