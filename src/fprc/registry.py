@@ -21,16 +21,21 @@ Settings = Mapping[str, Any]
 ANGLE = "theta_deg"
 
 
+#: Look of every model that is not the paper's.
+_OUTSIDE = ("#505050", ":")
+
+
 class Entry(NamedTuple):
     """A model's class, inputs and settings, and its look in figures."""
 
-    cls: str  #: ``module.Class``
+    cls: str  #: ``module.Class``, or a function that takes the settings and returns the model
     inputs: tuple[str, ...]  #: input channels, in the order of the columns of ``X``
     #: Keys of its parameters in the section ``models``: a key, a subsection (all of its keys), or
     #: ``section.key``.
     settings: tuple[str, ...]
     title: str  #: name in tables and figures
-    look: tuple[str, str]  #: grey and line style in every figure
+    look: tuple[str, str] = _OUTSIDE  #: grey and line style in every figure
+    own: Settings = {}  #: parameters that no section has
 
 
 #: The paper's models, in its order.
@@ -58,8 +63,99 @@ MODELS = {
     ),
 }
 
-#: Look of every model from outside this package.
-_OUTSIDE = ("#505050", ":")
+_BANK = {"epsilons": [0.03, 0.01, 0.003]}
+_RIDGE = ("n_y", "alpha")
+_FUZZY = MODELS["fuzzy_linear"].settings
+_BOTH = (ANGLE, "p_o_kpa")
+
+
+def _competitor(
+    cls: str, inputs: tuple[str, ...], settings: tuple[str, ...], title: str, **own: Any
+) -> Entry:
+    return Entry(f"fprc.models.competitors.{cls}", inputs, settings, title, own=own)
+
+
+#: The models that are compared beyond the paper, the paper's first.
+#:
+#: Settings that one shares with a model of the paper (taps, ridge, rules) have that model's values.
+#: The others were chosen by judgement, without tuning: the three low-passes are the paper's
+#: epsilon, one about three times faster and one about three times slower; ten plays are usual for
+#: Prandtl-Ishlinskii models; trees have scikit-learn's defaults; the MLP is small, and its training
+#: stops after five epochs without improvement on a held-out tenth of the samples. Only NVAR's taps
+#: and ridge were searched: of 3 or 5 taps, 10 to 100 samples apart, and ridges of 0.001 to 1000,
+#: these have the lowest product of errors in a cross-validation with five blocks, purged by 2 s,
+#: within each of the two logs of seed 1 on the rig dry.
+COMPETITORS = MODELS | {
+    # low-passed theta_d takes the place of P_o
+    "fprc_lowpass": MODELS["fprc"]._replace(
+        inputs=(ANGLE, ANGLE), title="FPRC on low-passed theta_d", look=_OUTSIDE
+    ),
+    "ridge_p_o": _competitor(
+        "ridge_p_o",
+        _BOTH,
+        ("n_y", "fprc.n_u", "fprc.epsilon", "alpha"),
+        "Ridge on FPRC's features",
+    ),
+    "bank_p_o": _competitor(
+        "bank_p_o",
+        _BOTH,
+        _RIDGE,
+        "Ridge on low-passes of P_o",
+        epsilons=[1.0, *_BANK["epsilons"]],
+    ),
+    "bank": _competitor("on_bank", (ANGLE,), _RIDGE, "Ridge on low-passes", **_BANK),
+    "bank_fuzzy": _competitor("on_bank", (ANGLE,), _FUZZY, "Fuzzy on low-passes", **_BANK),
+    "plays": _competitor("on_plays", (ANGLE,), _RIDGE, "Ridge on plays", n_plays=10, **_BANK),
+    "plays_fuzzy": _competitor("on_plays", (ANGLE,), _FUZZY, "Fuzzy on plays", n_plays=10, **_BANK),
+    "nvar": _competitor("nvar", (ANGLE,), (), "NVAR", n_taps=5, spacing=25, degree=2, alpha=0.1),
+    "trees": _competitor(
+        "trees",
+        (ANGLE,),
+        ("n_y",),
+        "Boosted trees",
+        **_BANK,
+        max_iter=100,
+        max_leaf_nodes=31,
+        learning_rate=0.1,
+    ),
+    "mlp": _competitor("mlp", (ANGLE,), ("n_y",), "MLP", **_BANK, hidden=[32], tolerance=1e-3),
+}
+
+#: How a competitor's settings were chosen for a comparison, by the suffix of its name: by
+#: cross-validation in training logs, to match FPRC's training error, or by test errors.
+CHOICES = {"tuned": "tuned", "matched": "matched in training", "oracle": "oracle"}
+
+
+def choice_of(name: str) -> str:
+    """Return the suffix that says how a competitor's settings were chosen; empty if it has none."""
+    base, _, suffix = name.rpartition("_")
+    return suffix if base in COMPETITORS and suffix in CHOICES else ""
+
+
+def competitor(name: str) -> Entry:
+    """Return the entry of a competitor, whose name may have a suffix.
+
+    Raises
+    ------
+    ConfigError
+        There is none; the message lists all competitors.
+    """
+    base = name.removesuffix(f"_{choice_of(name)}")
+    if base not in COMPETITORS:
+        raise ConfigError(f"{name!r} is no model; choose from {', '.join(COMPETITORS)}")
+    return COMPETITORS[base]
+
+
+def competitor_title(name: str) -> str:
+    """Return a competitor's name for tables and figures, with how its settings were chosen."""
+    choice = choice_of(name)
+    title = competitor(name).title
+    return f"{title}, {CHOICES[choice]}" if choice else title
+
+
+def entry_of(name: str, models: Settings | None = None) -> Entry:
+    """Return the entry of any model: one of ``entries``, or a competitor."""
+    return entries(models).get(name) or competitor(name)
 
 
 def entries(models: Settings | None = None) -> dict[str, Entry]:
@@ -108,22 +204,36 @@ def parameters_at(paths: tuple[str, ...], models: Settings) -> dict[str, Any]:
     return parameters
 
 
-def build(name: str, models: Settings, seed: int) -> "SequenceModel":
+def parameters_of(name: str, models: Settings) -> dict[str, Any]:
+    """Return all parameters that a model is built with, without its seed."""
+    entry = entry_of(name, models)
+    if name in models.get("others", {}):
+        return dict(models["others"][name]["settings"])
+    return {**parameters_at(entry.settings, models), **entry.own}
+
+
+def build(name: str, models: Settings, seed: int, **changed: Any) -> "SequenceModel":
     """Return the unfitted model of that name with its settings.
+
+    Parameters
+    ----------
+    **changed
+        Parameters that differ from the settings.
 
     Raises
     ------
     ConfigError
-        The class cannot be imported, or does not take the settings.
+        There is no such model, its class cannot be imported, or it does not take the settings.
     """
-    cls = load_class(name, models)
-    if name in MODELS:
-        model = cls(**parameters_at(MODELS[name].settings, models))
-    else:
-        try:
-            model = cls(**models["others"][name]["settings"])
-        except (TypeError, ValueError) as error:
+    cls, parameters = load_class(name, models), parameters_of(name, models)
+    try:
+        model = cls(**parameters | changed)
+    except (TypeError, ValueError) as error:
+        if name in models.get("others", {}):
             raise ConfigError(f"models.others.{name}.settings: {error}") from error
+        if changed:
+            raise ConfigError(f"{name} with the settings {changed}: {error}") from error
+        raise
     if "random_state" in model.get_params():
         model.set_params(random_state=seed)
     return model
@@ -133,17 +243,17 @@ def build(name: str, models: Settings, seed: int) -> "SequenceModel":
 _METHODS = ("get_params", "fit", "predict", "make_features", "make_readout", "assembled")
 
 
-def load_class(name: str, models: Settings) -> type:
-    """Import the class of a model.
+def load_class(name: str, models: Settings) -> Any:
+    """Import the class of a model, or of a competitor what builds it.
 
     Raises
     ------
     ConfigError
         A class of ``models.others`` cannot be imported, or is no model; names the key.
     """
-    path = entries(models)[name].cls
+    path = entry_of(name, models).cls
     module, _, cls = path.rpartition(".")
-    if name in MODELS:
+    if name not in models.get("others", {}):
         return getattr(import_module(module), cls)
     where = f"models.others.{name}.estimator: {path}"
     try:
@@ -176,7 +286,7 @@ def class_module(name: str, models: Settings | None = None) -> str:
     """Return the module of a model's class; import it if it is from outside this package."""
     if name in (models or {}).get("others", {}):
         return load_class(name, models or {}).__module__
-    return MODELS[name].cls.rpartition(".")[0]
+    return entry_of(name).cls.rpartition(".")[0]
 
 
 def outside_class(name: str, models: Settings) -> list[type]:

@@ -19,6 +19,7 @@ from fprc.claims.paired import (
     Part,
     judge_together,
 )
+from fprc.registry import competitor_title
 
 #: Blocks that a subset leaves out; fewer than of forty seeds, since there are only ten.
 LEFT_OUT = 2
@@ -39,7 +40,7 @@ CLAIMS = (
 )
 
 
-def judge_recording(report: Mapping[str, Any], titles: Mapping[str, str]) -> list[dict[str, Any]]:
+def judge_recording(report: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Judge the claims by paired ratios of the errors on blocks.
 
     Parameters
@@ -47,8 +48,6 @@ def judge_recording(report: Mapping[str, Any], titles: Mapping[str, str]) -> lis
     report : Mapping
         ``cells``: each with ``model`` and ``validation_rmse_kpa``, one per block, or ``reason``;
         ``overlap``: samples that judge per sample that trains.
-    titles : Mapping
-        Models by name, as readers see them.
 
     Returns
     -------
@@ -72,7 +71,7 @@ def judge_recording(report: Mapping[str, Any], titles: Mapping[str, str]) -> lis
                 **outcome._asdict(),
                 "blocks": len(part.values),
                 "reason": _reason(part, outcome),
-                "other": titles[claim.other],
+                "other": competitor_title(claim.other),
                 **dict(zip(("ratio", "low", "high"), ends, strict=True)),
             }
         )

@@ -1,6 +1,7 @@
 """Cross-validation, choice of the best fold, and its test."""
 
-from collections.abc import Callable, Iterator, Sequence
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from numbers import Integral
 from typing import Any, NamedTuple
@@ -47,21 +48,90 @@ class CrossValidated(NamedTuple):
     fit: np.ndarray  #: output of the best fold's model for the whole log
     model: SequenceModel  #: trained on the best fold
 
-    def errors(
-        self, X: np.ndarray, y: np.ndarray, lengths: Sequence[int] | None = None
-    ) -> dict[str, Any]:
-        """Return the errors of all folds, and that of the best fold's model on a test log."""
-        with refusals_of(self.model):
-            rows = transform_each(self.model.features_, X, lengths)
-            predicted = self.model.readout_.predict(rows)
-        return {
-            "train_rmse_kpa": self.train_rmse,
-            "validation_rmse_kpa": self.validation_rmse,
-            "test_rmse_kpa": rmse(y, predicted),
-        }
 
+#: What a model learns from a log or is judged on: inputs of shape (n_samples, n_inputs), P_exp in
+#: kPa, and the samples of each recording, None for one.
+Samples = tuple[np.ndarray, np.ndarray, Sequence[int] | None]
 
 Progress = Callable[[int, float, float], None]
+
+
+class Prepared(NamedTuple):
+    """Features of a model over some logs; readouts are fitted to rows of them and judged."""
+
+    model: SequenceModel  #: not fitted
+    features: BaseEstimator  #: fitted
+    rows: Mapping[str, np.ndarray]  #: features of each log, of shape (n_samples, n_features)
+    y: Mapping[str, np.ndarray]  #: P_exp of each log, kPa
+
+    def readout(self, log: str, part: Any = slice(None), **changed: Any) -> BaseEstimator:
+        """Return the readout, fitted to a log or to a ``part`` of its rows.
+
+        Parameters
+        ----------
+        **changed
+            Parameters of the readout that differ from the model's.
+        """
+        with refusals_of(self.model):
+            unfitted = self.model.make_readout().set_params(**changed)
+            return unfitted.fit(self.rows[log][part], self.y[log][part])
+
+    def error(self, readout: BaseEstimator, log: str, part: Any = slice(None)) -> float:
+        """Return the RMSE of a fitted readout on a log or on a ``part`` of its rows, kPa."""
+        return rmse(self.y[log][part], readout.predict(self.rows[log][part]))
+
+    def fitted(self, readout: BaseEstimator) -> SequenceModel:
+        """Return the fitted model with that readout."""
+        return self.model.assembled(self.features, readout)
+
+    def cross_validated(
+        self,
+        log: str,
+        folds: Sequence[Fold],
+        progress: Progress = lambda fold, e_train, e_validation: None,
+    ) -> CrossValidated:
+        """Train once per fold and keep the best (Sec. III-D); the folds select rows of a log.
+
+        Parameters
+        ----------
+        progress : callable
+            Called after each fold with its number, training and validation error.
+        """
+        with refusals_of(self.model):
+            folded = fit_folds(
+                self.model.make_readout(), self.rows[log], self.y[log], folds, progress
+            )
+        return CrossValidated(*folded[:4], self.fitted(folded.readout))
+
+
+def prepare(
+    model: SequenceModel, logs: Mapping[str, Samples], most_bytes: float = math.inf
+) -> Prepared:
+    """Compute the features of some logs, each once and in the order of time.
+
+    Whatever judges a model begins here. The features are fitted to the first log.
+
+    Parameters
+    ----------
+    most_bytes : float
+        Limit on the features of the first log.
+
+    Raises
+    ------
+    EvaluationError
+        A log does not suit the model: it is too short for its taps, or too long for the limit.
+    """
+    first, *_ = next(iter(logs.values()))
+    with refusals_of(model):
+        features = model.make_features().fit(first)
+        most = most_bytes // (8 * (features_of(features) or 1))
+        if len(first) > most:
+            raise ValueError(
+                f"{len(first):,} samples; training it holds the features of all samples in "
+                f"memory, so with its settings it takes at most {most:,}: use a shorter log"
+            )
+        rows = {name: transform_each(features, X, n) for name, (X, _, n) in logs.items()}
+    return Prepared(model, features, rows, {name: y for name, (_, y, _) in logs.items()})
 
 
 def cross_validate(
@@ -72,19 +142,7 @@ def cross_validate(
     progress: Progress = lambda fold, e_train, e_validation: None,
     lengths: Sequence[int] | None = None,
 ) -> CrossValidated:
-    """Train ``model`` once per fold and keep the best (Sec. III-D).
-
-    The features are computed once over the whole log, in the order of time;
-    the folds select rows of them.
-
-    Parameters
-    ----------
-    X : ndarray of shape (n_samples, n_inputs)
-    y : ndarray of shape (n_samples,)
-    progress : callable
-        Called after each fold with its number, training and validation error.
-    lengths : sequence of int, optional
-        Samples of each recording in ``X``; by default it is one.
+    """Train ``model`` once per fold of one log and keep the best, see ``Prepared``.
 
     Raises
     ------
@@ -92,30 +150,27 @@ def cross_validate(
         The log does not suit the model (too short for its taps, fewer samples than rules, more
         features than ``MOST_BYTES``), or an error is not finite.
     """
-    with refusals_of(model):
-        features = model.make_features().fit(X)
-        most = MOST_BYTES // (8 * (features_of(features) or 1))
-        if len(X) > most:
-            raise ValueError(
-                f"{len(X):,} samples; training it holds the features of all samples in memory, so "
-                f"with its settings it takes at most {most:,}: use a shorter log"
-            )
-        rows = transform_each(features, X, lengths)
-    return validate_rows(model, features, rows, y, folds, progress)
+    prepared = prepare(model, {"train": (X, y, lengths)}, MOST_BYTES)
+    return prepared.cross_validated("train", folds, progress)
 
 
-def validate_rows(
-    model: SequenceModel,
-    features: BaseEstimator,
-    rows: np.ndarray,
-    y: np.ndarray,
-    folds: Sequence[Fold],
-    progress: Progress = lambda fold, e_train, e_validation: None,
-) -> CrossValidated:
-    """Do as ``cross_validate``, given the features of the log as ``rows``."""
-    with refusals_of(model):
-        folded = fit_folds(model.make_readout(), rows, y, folds, progress)
-    return CrossValidated(*folded[:4], model.assembled(features, folded.readout))
+def evaluate(
+    model: SequenceModel, folds: Sequence[Fold], train: Samples, test: Samples
+) -> dict[str, Any]:
+    """Return the errors of all folds of a log, and that of the best fold's model on a test log.
+
+    Raises
+    ------
+    EvaluationError
+        As ``cross_validate`` raises it.
+    """
+    prepared = prepare(model, {"train": train, "test": test}, MOST_BYTES)
+    judged = prepared.cross_validated("train", folds)
+    return {
+        "train_rmse_kpa": judged.train_rmse,
+        "validation_rmse_kpa": judged.validation_rmse,
+        "test_rmse_kpa": prepared.error(judged.model.readout_, "test"),
+    }
 
 
 def fit_folds(
@@ -144,6 +199,7 @@ def fit_folds(
 def _fitted(
     readout: BaseEstimator, rows: np.ndarray, y: np.ndarray, folds: Sequence[Fold]
 ) -> Iterator[BaseEstimator]:
+    # not isinstance: an edit of RidgeReadout should not repeat the results of the other models
     if hasattr(readout, "fit_complements") and _is_partition(folds, len(y)):
         yield from readout.fit_complements(rows, y, [validation for _, validation in folds])
     else:

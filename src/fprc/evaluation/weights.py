@@ -4,19 +4,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fprc.evaluation.crossval import fit_folds, refusals_of
+from fprc.evaluation.crossval import Samples, prepare, refusals_of
 from fprc.evaluation.folds import Fold
 from fprc.models import SequenceModel
-from fprc.models.recordings import transform_each
 
 
-def normalised_weights(
-    model: SequenceModel,
-    X: np.ndarray,
-    y: np.ndarray,
-    folds: Sequence[Fold],
-    lengths: Sequence[int] | None = None,
-) -> np.ndarray:
+def normalised_weights(model: SequenceModel, log: Samples, folds: Sequence[Fold]) -> np.ndarray:
     """Return the FPRC's absolute weights on normalised features; rows sum to 1 (Eqs. 13, 14).
 
     theta and the filtered P_o are each scaled to [0, 1] by their minimum and
@@ -25,22 +18,20 @@ def normalised_weights(
 
     Parameters
     ----------
-    X : ndarray of shape (n_samples, 2)
-        theta in deg, P_o in kPa.
-    lengths : sequence of int, optional
-        Samples of each recording in ``X``; by default it is one.
+    log : Samples
+        Its inputs are theta in deg and P_o in kPa.
 
     Returns
     -------
     ndarray of shape (n_c, 1 + n_y + n_u)
         Bias, taps of theta_d, taps of the filtered P_o.
     """
+    prepared = prepare(model, {"train": log})
+    rows = prepared.rows["train"]
     with refusals_of(model):
-        rows = transform_each(model.make_features().fit(X), X, lengths)
-        theta, p_o = rows[:, : model.n_y], rows[:, model.n_y :]
-        normalised = np.hstack([_to_unit(theta), _to_unit(p_o)])
-        folded = fit_folds(model.make_readout(), normalised, y, folds)
-    weights = np.abs(folded.readout.W_out_)
+        normalised = np.hstack([_to_unit(rows[:, : model.n_y]), _to_unit(rows[:, model.n_y :])])
+    judged = prepared._replace(rows={"train": normalised}).cross_validated("train", folds)
+    weights = np.abs(judged.model.readout_.W_out_)
     return weights / weights.sum(axis=1, keepdims=True)
 
 

@@ -7,16 +7,14 @@ from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
-from sklearn.base import clone
 
 from fprc.evaluation import CrossValidated, rmse
-from fprc.evaluation.crossval import refusals_of, validate_rows
+from fprc.evaluation.crossval import prepare
 from fprc.experiments.data import Data, refuse_mixture
 from fprc.experiments.grids import weight_shares
 from fprc.experiments.readout import judge_readout
 from fprc.experiments.settings import Judgement
 from fprc.models import SequenceModel, remembering
-from fprc.models.recordings import transform_each
 from fprc.paper import DIRECTIONS
 from fprc.registry import build, entries
 
@@ -65,28 +63,23 @@ def judge_directions(
     """
     for train, test in directions:
         refuse_mixture(logs[train], logs[test])
-    model = build(name, judgement.models, judgement.seed)
-    pairs = {key: data.pair(name, judgement.models) for key, data in logs.items()}
-    log.info(
-        "%s: features of %s samples", name, " and ".join(str(len(y)) for _, y in pairs.values())
-    )
-    with refusals_of(model):
-        features = model.make_features().fit(pairs[directions[0][0]][0])
-        rows = {
-            key: transform_each(features, X, logs[key].lengths) for key, (X, _) in pairs.items()
-        }
+    # the features are fitted to the first log that trains
+    order = dict.fromkeys(key for direction in directions for key in direction)
+    samples = {key: logs[key].samples(name, judgement.models) for key in order}
+    lengths = [str(len(y)) for _, y, _ in samples.values()]
+    log.info("%s: features of %s samples", name, " and ".join(lengths))
+    prepared = prepare(build(name, judgement.models, judgement.seed), samples)
     results = []
     for train, test in directions:
-        y = pairs[train][1]
         label = f"{name}, trained on {logs[train].attributes['experiment']}"
-        judged = validate_rows(
-            model, features, rows[train], y,
+        judged = prepared.cross_validated(
+            train,
             judgement.split_rows(logs[train]),
-            progress=partial(_log_fold, label, judgement.folds),
-        )  # fmt: skip
-        remembering(judged.model, pairs[train][0], logs[train].lengths)
-        tested = judged.model.readout_.predict(rows[test])
-        expected = pairs[test][1]
+            partial(_log_fold, label, judgement.folds),
+        )
+        X, _, parts = samples[train]
+        remembering(judged.model, X, parts)
+        tested, expected = judged.model.readout_.predict(prepared.rows[test]), prepared.y[test]
         test_rmse = rmse(expected, tested)
         log.info("%s: best fold %d, test %.2f kPa", label, judged.best + 1, test_rmse)
         report = {
@@ -122,21 +115,18 @@ def errors_over_starts(
     dict of list
         Errors by the log that trained.
     """
-    model = build("fprc", judgement.models, judgement.seed)
-    pairs = {key: data.pair("fprc", judgement.models) for key, data in logs.items()}
-    features = model.make_features().fit(next(iter(pairs.values()))[0])
-    rows = {key: transform_each(features, X, logs[key].lengths) for key, (X, _) in pairs.items()}
+    prepared = prepare(
+        build("fprc", judgement.models, judgement.seed),
+        {key: data.samples("fprc", judgement.models) for key, data in logs.items()},
+    )
     seeds = np.random.SeedSequence(judgement.seed).generate_state(starts).tolist()
     errors = {}
     for train, test in DIRECTIONS:
         part, _ = judgement.split_rows(logs[train])[0]
-        (_, y), (_, expected) = pairs[train], pairs[test]
-        readouts = [
-            clone(model.make_readout()).set_params(random_state=seed, restarts=1) for seed in seeds
+        errors[train] = [
+            prepared.error(prepared.readout(train, part, random_state=seed, restarts=1), test)
+            for seed in seeds
         ]
-        for readout in readouts:
-            readout.fit(rows[train][part], y[part])
-        errors[train] = [rmse(expected, readout.predict(rows[test])) for readout in readouts]
     return errors
 
 

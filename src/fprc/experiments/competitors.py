@@ -3,18 +3,13 @@
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-
-from fprc.competitors import COMPETITORS, base_of, default_settings
 from fprc.errors import EvaluationError
 from fprc.evaluation.blocks import split_blocks
-from fprc.evaluation.crossval import fit_folds, refusals_of
+from fprc.evaluation.crossval import prepare
 from fprc.evaluation.folds import Fold
-from fprc.evaluation.metrics import rmse
 from fprc.experiments.data import Data
 from fprc.experiments.settings import Judgement
-from fprc.models.competitors import build_competitor
-from fprc.models.recordings import transform_each
+from fprc.registry import build
 
 #: Competitors that can be judged on a recording without tuning; the slowest first.
 ON_RECORDINGS = (
@@ -42,11 +37,6 @@ def period_s(data: Data) -> float:
     return float(time_s[-1] - time_s[0]) / (len(time_s) - 1)
 
 
-def inputs_of(name: str, channels: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Return the input columns of a model."""
-    return np.column_stack([channels[each] for each in COMPETITORS[base_of(name)].inputs])
-
-
 def judge_competitor(
     name: str, train: Data, test: Data, folds: list[Fold], judgement: Judgement
 ) -> dict[str, Any]:
@@ -66,24 +56,18 @@ def judge_competitor(
     EvaluationError
         A log does not suit the model: it is too short, or too long for the memory.
     """
-    settings = default_settings(name, judgement.models)
-    _refuse_too_long(name, settings, train, test)
-    model = build_competitor(name, settings, judgement.seed)
-    y, y_test = (data.channels["p_target_kpa"] for data in (train, test))
-    with refusals_of(model):
-        features = model.make_features().fit(X := inputs_of(name, train.channels))
-        rows = transform_each(features, X, train.lengths)
-        errors = fit_folds(model.make_readout(), rows, y, folds).validation_rmse
-        readout = model.make_readout().fit(rows, y)
-        tested = transform_each(features, inputs_of(name, test.channels), test.lengths)
-        return {
-            "validation_rmse_kpa": errors,
-            "test_rmse_kpa": rmse(y_test, readout.predict(tested)),
-        }
+    model = build(name, judgement.models, judgement.seed)
+    _refuse_too_long(name, model.get_params(), train, test)
+    logs = {key: log.samples(name) for key, log in (("train", train), ("test", test))}
+    prepared = prepare(model, logs)
+    return {
+        "validation_rmse_kpa": prepared.cross_validated("train", folds).validation_rmse,
+        "test_rmse_kpa": prepared.error(prepared.readout("train"), "test"),
+    }
 
 
-def _refuse_too_long(name: str, settings: Mapping[str, Any], *logs: Data) -> None:
-    states = settings.get("r", 1)
+def _refuse_too_long(name: str, parameters: Mapping[str, Any], *logs: Data) -> None:
+    states = parameters.get("r", 1)
     samples = max(len(data.channels["time_s"]) for data in logs)
     if states * samples > _MOST_NUMBERS:
         raise EvaluationError(

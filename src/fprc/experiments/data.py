@@ -11,7 +11,7 @@ from fprc.errors import LogError
 from fprc.escape import visible
 from fprc.logs import Columns, read_columns
 from fprc.logs.quality import noted_unit, notes_of
-from fprc.registry import entries
+from fprc.registry import entries, entry_of
 
 log = logging.getLogger(__name__)
 
@@ -46,7 +46,7 @@ class Data(NamedTuple):
         LogError
             The log has no channel that the model needs.
         """
-        inputs = entries(models)[model].inputs
+        inputs = entry_of(model, models).inputs
         missing = [name for name in inputs if name not in self.channels]
         if missing:
             raise LogError(
@@ -55,6 +55,12 @@ class Data(NamedTuple):
             )
         X = np.column_stack([self.channels[name] for name in inputs])
         return X, self.channels["p_target_kpa"]
+
+    def samples(
+        self, model: str, models: Mapping[str, Any] | None = None
+    ) -> tuple[np.ndarray, np.ndarray, list[int]]:
+        """Do as ``pair``, with the samples of each recording."""
+        return *self.pair(model, models), self.lengths
 
 
 def read_data(path: str) -> Data:

@@ -3,18 +3,13 @@
 import itertools
 import logging
 from collections.abc import Mapping, Sequence
-from functools import cache
 from typing import Any
 
-import numpy as np
-
-from fprc.evaluation import cross_validate, rmse
-from fprc.evaluation.crossval import fit_folds, refusals_of
+from fprc.evaluation.crossval import evaluate
+from fprc.evaluation.folds import Fold
 from fprc.evaluation.weights import normalised_weights
 from fprc.experiments.data import Data
 from fprc.experiments.settings import Judgement
-from fprc.models import SequenceModel, TapFeatures
-from fprc.models.recordings import transform_each
 from fprc.paper import GRID_MODELS, GRID_SETTINGS
 from fprc.registry import build
 
@@ -37,72 +32,45 @@ def chunk_of(cells: Sequence[Any], chunk: int, chunks: int) -> list[Any]:
 
 
 def judge_cell(
-    cell: Mapping[str, Any], *, train: Data, test: Data, judgement: Judgement
+    cell: Mapping[str, Any],
+    *,
+    train: Data,
+    test: Data,
+    judgement: Judgement,
+    folds: Sequence[Fold] | None = None,
 ) -> dict[str, Any]:
-    """Return the errors of one cell."""
-    X, y = train.pair(cell["model"])
-    folds = judgement.split_rows(train)
-    judged = cross_validate(_model_of(cell, judgement), X, y, folds, lengths=train.lengths)
-    return judged.errors(*test.pair(cell["model"]), test.lengths)
+    """Return the errors of one cell.
 
-
-def _model_of(cell: Mapping[str, Any], judgement: Judgement) -> SequenceModel:
+    Parameters
+    ----------
+    folds : sequence of (training rows, validation rows), optional
+        By default all of ``judgement``.
+    """
+    name = cell["model"]
     changed = {key: value for key, value in cell.items() if key != "model"}
-    return build(cell["model"], judgement.models, judgement.seed).set_params(**changed)
+    model = build(name, judgement.models, judgement.seed, **changed)
+    rows = judgement.split_rows(train) if folds is None else folds
+    return evaluate(model, rows, train.samples(name), test.samples(name))
 
 
 def judge_grids(
     data: Mapping[str, Data], values: Mapping[str, Any], judgement: Judgement
 ) -> dict[str, list[dict[str, Any]]]:
-    """Judge every cell of every grid on the first fold; the features are shared by the cells.
-
-    The errors are those of ``judge_cell`` with one fold: enough for a mean over seeds.
-    """
-    logs = data["sweep"], data["complex"]
-    y, expected = (each.channels["p_target_kpa"] for each in logs)
-    folds = judgement.split_rows(logs[0])[:1]
-    fprc = build("fprc", judgement.models, judgement.seed)
-    n_y, n_u = max(fprc.n_y, *values["n_y"]), max(fprc.n_u, *values["n_u"])
-
-    @cache
-    def widest(epsilon: float) -> list[np.ndarray]:
-        """Return the taps of both logs at the largest sizes, from which each cell takes its own."""
-        features = TapFeatures(n_y=n_y, n_u=n_u, epsilon=epsilon).fit(logs[0].pair("fprc")[0])
-        return [transform_each(features, each.pair("fprc")[0], each.lengths) for each in logs]
-
-    def rows(model: SequenceModel) -> list[np.ndarray]:
-        if not hasattr(model, "epsilon"):
-            return [taps[:, : model.n_y] for taps in widest(1.0)]
-        return [
-            np.hstack([taps[:, : model.n_y], taps[:, n_y : n_y + model.n_u]])
-            for taps in widest(model.epsilon)
-        ]
-
-    def judge(cell: Mapping[str, Any]) -> dict[str, Any]:
-        model = _model_of(cell, judgement)
-        trained, tested = rows(model)
-        with refusals_of(model):
-            folded = fit_folds(model.make_readout(), trained, y, folds)
-        return {
-            **cell,
-            "train_rmse_kpa": folded.train_rmse,
-            "validation_rmse_kpa": folded.validation_rmse,
-            "test_rmse_kpa": rmse(expected, folded.readout.predict(tested)),
-        }
-
+    """Judge every cell of every grid on the first fold: enough for a mean over seeds."""
+    train, test = data["sweep"], data["complex"]
+    folds = judgement.split_rows(train)[:1]
+    how: dict[str, Any] = {"train": train, "test": test, "judgement": judgement, "folds": folds}
     judged = {}
     for grid in ("epsilon", "n_c", "taps"):
-        judged[grid] = [judge(cell) for cell in cells_of(grid, values)]
+        judged[grid] = [{**cell, **judge_cell(cell, **how)} for cell in cells_of(grid, values)]
         log.info("judged grid %s: %d cells", grid, len(judged[grid]))
     return judged
 
 
 def weight_shares(train: Data, judgement: Judgement) -> dict[str, Any]:
     """Return the share of each feature in the weights, per rule and on average (Fig. 9)."""
-    X, y = train.pair("fprc")
     model = build("fprc", judgement.models, judgement.seed)
-    folds = judgement.split_rows(train)
-    shares = normalised_weights(model, X, y, folds, train.lengths)
+    shares = normalised_weights(model, train.samples("fprc"), judgement.split_rows(train))
     edges = {"bias": (0, 1), "theta_d": (1, 1 + model.n_y), "p_o": (1 + model.n_y, None)}
     parts = {name: shares[:, slice(*edge)] for name, edge in edges.items()}
     return {

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from fprc.evaluation import cross_validate
+from fprc.evaluation.crossval import evaluate
 from fprc.experiments.data import Data
 from fprc.experiments.settings import Judgement
 from fprc.registry import build
@@ -39,15 +39,16 @@ def judge_readout(
     cell: Mapping[str, Any], *, train: Data, test: Data, judgement: Judgement
 ) -> dict[str, Any]:
     """Return the errors of one cell."""
-    seed = judgement.seed
-    name = "fuzzy_linear" if cell["readout"] == "none" else "fprc"
-    model = build(name, judgement.models, seed)
-    if name == "fprc":
-        model.set_params(epsilon=cell["epsilon"], n_u=cell["n_u"])
-    X, y = inputs_with(cell["readout"], train, seed)
-    folds = judgement.split_rows(train)
-    judged = cross_validate(model, X, y, folds, lengths=train.lengths)
-    return judged.errors(*inputs_with(cell["readout"], test, seed + 1), test.lengths)
+    seed, readout = judgement.seed, cell["readout"]
+    if readout == "none":
+        model = build("fuzzy_linear", judgement.models, seed)
+    else:
+        model = build("fprc", judgement.models, seed, epsilon=cell["epsilon"], n_u=cell["n_u"])
+    logs = (
+        (*inputs_with(readout, log, own), log.lengths)
+        for log, own in ((train, seed), (test, seed + 1))
+    )
+    return evaluate(model, judgement.split_rows(train), *logs)
 
 
 def inputs_with(readout: str, data: Data, seed: int) -> tuple[np.ndarray, np.ndarray]:

@@ -23,7 +23,7 @@ from fprc.experiments.measures import (
 from fprc.models import Learning, Online, SequenceModel
 from fprc.paper import DISTURBANCE, REFERENCES, run_log
 from fprc.provenance import sha256
-from fprc.registry import feedforward_of, has_feedback, running_inputs
+from fprc.registry import ANGLE, entry_of, feedforward_of, has_feedback, running_inputs
 from fprc.signals import random_pushes, reference_angle
 
 log = logging.getLogger(__name__)
@@ -292,6 +292,12 @@ def measure_control(
         "pressure_error": measure_pressure_error(sweep.channels),
         **measure_runs(runs, unpushed, bench.tracking["pushes"]["quiet_s"]),
     }
+
+
+def columns_for(name: str, inputs: np.ndarray) -> np.ndarray:
+    """Return the columns that a model takes of ``Track.inputs``; several may be the angle."""
+    channels = entry_of(name).inputs
+    return np.column_stack([inputs[:, int(channel != ANGLE)] for channel in channels])
 
 
 def tracking_errors(

@@ -8,7 +8,6 @@ import numpy as np
 
 from fprc.artifacts import read_json, write_csv, write_json, write_text
 from fprc.claims.recording import judge_recording
-from fprc.competitors import TITLES
 from fprc.errors import EvaluationError
 from fprc.evaluation.cells import judged_cells
 from fprc.experiments.competitors import ON_RECORDINGS, judge_competitor, period_s, recording_blocks
@@ -53,7 +52,7 @@ def compare_competitors(
         **run,
     ) as judged:
         report = described | {"cells": judged}
-        write_json(competitors, {**report, "verdicts": judge_recording(report, TITLES)})
+        write_json(competitors, {**report, "verdicts": judge_recording(report)})
 
 
 def tabulate_competitors(competitors: str, csv: str, md: str) -> None:
@@ -70,7 +69,7 @@ def tabulate_competitors(competitors: str, csv: str, md: str) -> None:
         f"Data: {SOURCES[report['source']]}, seed {report['seed']}. No model was tuned to this "
         "recording."
     )
-    write_text(md, markdown(competitors_page(table, TITLES), note))
+    write_text(md, markdown(competitors_page(table), note))
 
 
 def _judge_from_files(

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from fprc.registry import competitor_title
 from fprc.tables.text import spread
 
 
@@ -36,11 +37,11 @@ def competitors_table(report: Mapping[str, Any]) -> pd.DataFrame:
     return pd.DataFrame(rows).sort_values("block_rmse", kind="stable", ignore_index=True)
 
 
-def competitors_page(table: pd.DataFrame, titles: Mapping[str, str]) -> pd.DataFrame:
+def competitors_page(table: pd.DataFrame) -> pd.DataFrame:
     """Return the competitors as a page; a model without errors has the reason in their place."""
     return pd.DataFrame(
         {
-            "Model": titles[row.model],
+            "Model": competitor_title(row.model),
             f"Blocks [{row.unit}]": row.reason or spread(row.block_rmse, row.block_std),
             f"Test [{row.unit}]": "" if row.reason else spread(row.test_rmse, None),
         }

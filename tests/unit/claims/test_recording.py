@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 
 from fprc.claims.recording import CLAIMS, answer, judge_recording, sentences
-from fprc.competitors import COMPETITORS
 from fprc.experiments.competitors import ON_RECORDINGS
 
-TITLES = {name: entry.title for name, entry in COMPETITORS.items()}
 MODELS = ("fprc", *(claim.other for claim in CLAIMS))
 
 
@@ -27,7 +25,7 @@ def report(blocks=10, overlap=1 / 9, spread=0.01, **ratios):
 
 
 def verdicts(told):
-    return {row["id"]: row["verdict"] for row in judge_recording(told, TITLES)}
+    return {row["id"]: row["verdict"] for row in judge_recording(told)}
 
 
 @pytest.mark.parametrize(
@@ -42,7 +40,7 @@ def verdicts(told):
     ],
 )
 def test_answer_needs_both_comparisons(ratios, first):
-    rows = judge_recording(report(**ratios), TITLES)
+    rows = judge_recording(report(**ratios))
     assert answer(rows).startswith(f"**{first}**: ")
 
 
@@ -53,14 +51,14 @@ def test_every_model_of_a_claim_is_judged_on_recordings():
 def test_clear_pairs_are_decided_and_named():
     told = report(fprc_lowpass=0.7, ridge_p_o=1.5)
     assert verdicts(told) == {"B1": "superior", "B4": "inferior", "R1": "equivalent"}
-    first, *_ = sentences(judge_recording(told, TITLES))
+    first, *_ = sentences(judge_recording(told))
     assert first.startswith("P_o beats low-passed theta (B1): superior. FPRC's error is 0.70")
     assert first.endswith(") times that of FPRC on low-passed theta_d.")
 
 
 def test_ratio_and_interval_are_those_of_the_corrected_t_test_after_holm():
     told = report(spread=0.1)
-    row = judge_recording(told, TITLES)[0]
+    row = judge_recording(told)[0]
     ours, theirs = (np.log(told["cells"][i]["validation_rmse_kpa"]) for i in (0, 1))
     ratios = ours - theirs
     assert row["ratio"] == pytest.approx(math.exp(ratios.mean()))
@@ -73,14 +71,14 @@ def test_ratio_and_interval_are_those_of_the_corrected_t_test_after_holm():
 def test_fewer_than_eight_blocks_decide_nothing(blocks, verdict):
     told = report(blocks=blocks, fprc_lowpass=0.5)
     assert verdicts(told)["B1"] == verdict
-    text = sentences(judge_recording(told, TITLES))[0]
+    text = sentences(judge_recording(told))[0]
     assert ("There are 7 blocks; fewer than 8 decide nothing." in text) == (blocks == 7)
 
 
 def test_shared_training_data_leave_undecided_what_independent_blocks_would_decide():
     told = {"fprc_lowpass": 0.93, "spread": 0.05}
     assert verdicts(report(overlap=0.0, **told))["B1"] == "superior"
-    rows = judge_recording(report(**told), TITLES)
+    rows = judge_recording(report(**told))
     assert rows[0]["verdict"] == "undecided"
     assert "undecided" in sentences(rows)[0]
     assert "contains 1 and is not within 5 %" in sentences(rows)[0]
@@ -90,14 +88,14 @@ def test_one_block_that_carries_the_verdict_leaves_it_undecided():
     told = report(fprc_lowpass=0.7)
     told["cells"][0]["validation_rmse_kpa"][3] *= 1.6
     told["cells"][0]["validation_rmse_kpa"][5] *= 1.5
-    row = judge_recording(told, TITLES)[0]
+    row = judge_recording(told)[0]
     assert row["verdict"] == "undecided"
 
 
 def test_model_without_errors_leaves_its_claim_unjudged():
     told = report(fprc_lowpass=0.7)
     told["cells"][2] = {"model": "ridge_p_o", "reason": "too long"}
-    rows = judge_recording(told, TITLES)
+    rows = judge_recording(told)
     assert [row["verdict"] for row in rows] == ["superior", "not judged", "equivalent"]
     assert rows[1]["ratio"] is None
     assert "at least 2 are needed" in sentences(rows)[1]
@@ -106,4 +104,4 @@ def test_model_without_errors_leaves_its_claim_unjudged():
 def test_block_without_error_is_no_pair():
     told = report(fprc_lowpass=0.7)
     told["cells"][1]["validation_rmse_kpa"][0] = 0.0
-    assert [row["blocks"] for row in judge_recording(told, TITLES)] == [9, 10, 10]
+    assert [row["blocks"] for row in judge_recording(told)] == [9, 10, 10]

@@ -6,11 +6,12 @@ from sklearn.pipeline import make_pipeline
 
 from fprc.errors import EvaluationError
 from fprc.evaluation import cross_validate, rmse, split_rows
-from fprc.evaluation.crossval import validate_rows
+from fprc.evaluation.crossval import evaluate, prepare
 from fprc.models import (
     ESN,
     FPRC,
     FuzzyLinear,
+    RidgeReadout,
     SequenceModel,
     TakagiSugenoReadout,
     TapFeatures,
@@ -69,13 +70,16 @@ def test_features_of_several_recordings_restart_at_each(model):
     folds = split_rows(200, 5, "recordings", 1, lengths=lengths)
     judged = cross_validate(model, X, y, folds, lengths=lengths)
     rows = np.vstack([model.make_features().fit(X).transform(x) for x in (X[:120], X[120:])])
-    expected = validate_rows(model, model.make_features().fit(X), rows, y, folds)
-    assert judged.validation_rmse == expected.validation_rmse
+    prepared = prepare(model, {"log": (X, y, lengths)})
+    assert np.array_equal(prepared.rows["log"], rows)
     assert len(judged.validation_rmse) == 2
     alone = np.concatenate([judged.model.predict(x) for x in (X[:120], X[120:])])
-    error = judged.errors(X, y, lengths)["test_rmse_kpa"]
-    assert error == pytest.approx(rmse(y, alone), abs=1e-9)
-    assert abs(error - judged.errors(X, y)["test_rmse_kpa"]) > 1e-6
+    found = [
+        evaluate(model, folds, (X, y, lengths), (X, y, several))["test_rmse_kpa"]
+        for several in (lengths, None)
+    ]
+    assert found[0] == pytest.approx(rmse(y, alone), abs=1e-9)
+    assert abs(found[0] - found[1]) > 1e-6
 
 
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: type(model).__name__)
@@ -180,8 +184,23 @@ def test_progress_hears_of_every_fold_as_it_ends():
 
 def test_test_error_is_that_of_the_best_model_on_the_other_log():
     X, y = log(phase=0.7), pressure(phase=0.7)
-    judged = cross_validate(MODELS[1], log(), pressure(), split_rows(200, 3, "shuffled", 1))
-    assert judged.errors(X, y)["test_rmse_kpa"] == rmse(y, judged.model.predict(X))
+    folds = split_rows(200, 3, "shuffled", 1)
+    judged = cross_validate(MODELS[1], log(), pressure(), folds)
+    assert evaluate(MODELS[1], folds, (log(), pressure(), None), (X, y, None)) == {
+        "train_rmse_kpa": judged.train_rmse,
+        "validation_rmse_kpa": judged.validation_rmse,
+        "test_rmse_kpa": rmse(y, judged.model.predict(X)),
+    }
+
+
+def test_readout_learns_part_of_a_log_and_is_judged_on_any():
+    train, test = (log(), pressure(), None), (log(phase=0.7), pressure(phase=0.7), None)
+    prepared = prepare(MODELS[0], {"train": train, "test": test})
+    readout = prepared.readout("train", slice(50, None), alpha=5.0)
+    rows = prepared.rows["train"][50:]
+    assert np.array_equal(readout.w_out_, RidgeReadout(5.0).fit(rows, train[1][50:]).w_out_)
+    expected = rmse(test[1], prepared.fitted(readout).predict(test[0]))
+    assert prepared.error(readout, "test") == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -210,9 +229,9 @@ def test_log_whose_features_would_fill_the_memory_is_refused(monkeypatch):
 
 
 def test_test_log_that_is_shorter_than_the_taps_is_refused_with_the_models_name():
-    judged = cross_validate(MODELS[1], log(), pressure(), split_rows(200, 3, "shuffled", 1))
+    short = log()[:2], pressure()[:2], None
     with pytest.raises(EvaluationError, match="FPRC.*n_samples = 2"):
-        judged.errors(log()[:2], pressure()[:2])
+        prepare(MODELS[1], {"train": (log(), pressure(), None), "test": short})
 
 
 def test_error_that_is_not_finite_is_refused():

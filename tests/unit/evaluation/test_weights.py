@@ -18,7 +18,7 @@ def data(recorded):
 
 def shares(X, y, folds=3):
     model = FPRC(**SETTINGS, random_state=7)
-    return normalised_weights(model, X, y, split_rows(len(y), folds, "shuffled", 5))
+    return normalised_weights(model, (X, y, None), split_rows(len(y), folds, "shuffled", 5))
 
 
 def test_shares_of_every_rule_are_positive_and_sum_to_one(data):

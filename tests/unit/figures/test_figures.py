@@ -19,6 +19,20 @@ pytestmark = pytest.mark.slow
 SIMULATED = {"source": "sim", "seed": 7, "model": "fprc"}
 
 
+@pytest.fixture
+def figures(monkeypatch):
+    """Figures in the order in which they are saved."""
+    saved = []
+    save = style.save
+
+    def remember(fig, *arguments):
+        saved.append(fig)
+        return save(fig, *arguments)
+
+    monkeypatch.setattr(style, "save", remember)
+    return saved
+
+
 @pytest.fixture(autouse=True)
 def coarse(monkeypatch):
     """Fewer pixels and no subsets of fonts, for speed, and no figure left open."""

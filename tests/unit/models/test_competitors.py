@@ -1,13 +1,14 @@
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from threadpoolctl import threadpool_limits
 
-from fprc.competitors import COMPETITORS, default_settings
 from fprc.config import check
 from fprc.errors import ConfigError
-from fprc.models.competitors import build_competitor
-from fprc.registry import MODELS, build
+from fprc.registry import COMPETITORS, build, choice_of, competitor_title
 
 
 @pytest.fixture(scope="module")
@@ -19,7 +20,7 @@ def models():
 def test_competitor_learns_a_loop_and_steps_as_it_predicts(name, models):
     X, y = log(COMPETITORS[name].inputs)
     small = {"esn": {"r": 20}, "trees": {"max_iter": 20}}.get(name, {})
-    model = build_competitor(name, default_settings(name, models) | small, seed=1)
+    model = build(name, models, 1, **small)
     with threadpool_limits(1):  # threads of the trees wait for each other on a busy machine
         model.fit(X, y)
         predicted = model.predict(X)
@@ -28,25 +29,49 @@ def test_competitor_learns_a_loop_and_steps_as_it_predicts(name, models):
     assert_allclose(stepped, predicted[:130], rtol=0, atol=1e-6)
 
 
-@pytest.mark.parametrize("name", MODELS)
-def test_models_of_the_paper_are_those_of_the_registry(name, models):
-    ours = build_competitor(name, default_settings(name, models), seed=4)
-    assert repr(ours) == repr(build(name, models, 4))
-    assert COMPETITORS[name].title == MODELS[name].title
+def test_shared_settings_follow_the_section_models(models):
+    changed = models | {"n_y": 9, "fprc": models["fprc"] | {"epsilon": 0.5}}
+    model = build("ridge_p_o", changed, 1)
+    assert (model.features.n_y, model.features.epsilon) == (9, 0.5)
 
 
 @pytest.mark.parametrize("name", ["mlp", "trees", "plays_fuzzy", "fprc_lowpass"])
 def test_seed_decides_what_is_random(name, models):
-    model = build_competitor(name, default_settings(name, models), seed=8)
+    model = build(name, models, 8)
     assert model.make_readout().get_params().get("random_state", 8) == 8
     seeds = [value for key, value in model.make_readout().get_params().items() if "random_" in key]
     assert set(seeds) == {8}
 
 
+@pytest.mark.parametrize("name", ["lstm", "fprc_best", "lstm_tuned"])
+def test_name_that_is_no_model_is_refused_with_those_that_are(name, models):
+    with pytest.raises(ConfigError, match=f"'{name}'.* esn, fprc"):
+        build(name, models, 1)
+
+
 @pytest.mark.parametrize("name", COMPETITORS)
-def test_missing_or_unknown_setting_is_refused_by_name(name, models):
-    with pytest.raises(ConfigError, match=rf"competitor {name}: .*'depth_'"):
-        build_competitor(name, default_settings(name, models) | {"depth_": 3}, seed=1)
+def test_unknown_setting_is_refused_by_name(name, models):
+    with pytest.raises(ConfigError, match=rf"{name} .*'depth_'"):
+        build(name, models, 1, depth_=3)
+
+
+def test_suffix_says_how_settings_were_chosen(models):
+    assert [choice_of(name) for name in ("fprc_lowpass", "esn_matched", "a_tuned")] == [
+        "", "matched", ""
+    ]  # fmt: skip
+    assert competitor_title("esn_matched") == "ESN, matched in training"
+    assert repr(build("esn_matched", models, 4)) == repr(build("esn", models, 4))
+
+
+def test_titles_differ():
+    titles = [each.title for each in COMPETITORS.values()]
+    assert len(set(titles)) == len(titles)
+
+
+@pytest.mark.slow
+def test_registry_loads_no_numerics():
+    code = "import fprc.registry, sys; sys.exit('numpy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
 def log(inputs):

@@ -11,7 +11,6 @@ REPORT = {
         {"model": "bank", "validation_rmse_kpa": [1.0, 2.0], "test_rmse_kpa": 6.0},
     ],
 }
-TITLES = {"esn": "ESN", "fprc": "FPRC", "bank": "Ridge on low-passes"}
 
 
 def test_best_model_is_first_and_one_without_errors_last():
@@ -23,7 +22,7 @@ def test_best_model_is_first_and_one_without_errors_last():
 
 
 def test_page_has_the_reason_in_place_of_errors():
-    page = competitors_page(competitors_table(REPORT), TITLES)
+    page = competitors_page(competitors_table(REPORT))
     assert list(page.columns) == ["Model", "Blocks [N]", "Test [N]"]
     assert list(page.iloc[1]) == ["FPRC", "3.00 ± 1.41", "5.00"]
     assert list(page.iloc[2]) == ["ESN", "too long", ""]

@@ -19,7 +19,8 @@ from fprc.claims.paired import (
     Part,
     judge_together,
 )
-from fprc.studies.beyond.worlds import capacities, measured, title_of, world_title
+from fprc.registry import competitor_title
+from fprc.studies.beyond.worlds import capacities, measured, world_title
 
 #: Capacity of degree two or more from which P_o counts as nonlinear, of 1 for a single signal.
 LEAST_NONLINEAR = 0.1
@@ -119,15 +120,13 @@ CLAIMS = {
 _WORDS = {SUPERIOR: "holds", INFERIOR: "does not hold"}
 
 
-def judge_world(world: Mapping[str, Any], titles: Mapping[str, str]) -> list[dict[str, Any]]:
+def judge_world(world: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Judge B1-B8 in one world.
 
     Parameters
     ----------
     world : Mapping
         See ``fprc.studies.beyond.worlds``; ``fitted`` has the terms that its rigs were fitted to.
-    titles : Mapping
-        Models by name, as readers see them.
 
     Returns
     -------
@@ -143,8 +142,7 @@ def judge_world(world: Mapping[str, Any], titles: Mapping[str, str]) -> list[dic
     models = _table(measured(world), "model", "measure")
     sets = _table(capacities(world), "set", "quantity")
     found = [
-        [_part(part, models, sets, world, titles) for part in claim.parts]
-        for claim in CLAIMS.values()
+        [_part(part, models, sets, world) for part in claim.parts] for claim in CLAIMS.values()
     ]
     rows = []
     for (name, claim), parts, judged in zip(
@@ -184,7 +182,7 @@ def beside_b1(world: Mapping[str, Any]) -> list[dict[str, Any]]:
     rows = []
     for text, ours, theirs in BESIDE:
         ratio = Ratio((ours, "forward"), (theirs, "forward"), "forward")
-        part = _part(ratio, models, pd.DataFrame(), world, {})
+        part = _part(ratio, models, pd.DataFrame(), world)
         shown = _shown(part, 0.05) if len(part.values) > 1 else {}
         rows.append({"text": text, **{key: shown.get(key) for key in ("mean", "low", "high")}})
     return rows
@@ -207,7 +205,6 @@ def _part(
     models: pd.DataFrame,
     sets: pd.DataFrame,
     world: Mapping[str, Any],
-    titles: Mapping[str, str],
 ) -> Part:
     if isinstance(part, Ratio):
         values = np.log(_column(models, part.ours)) - np.log(_column(models, part.theirs))
@@ -219,19 +216,17 @@ def _part(
     values = values.dropna()
     # several builds of one rig are one unit
     by_unit = values.groupby(level="unit").mean()
-    return Part(
-        _text(part, titles), by_unit.to_dict(), isinstance(part, Ratio), builds - len(values)
-    )
+    return Part(_text(part), by_unit.to_dict(), isinstance(part, Ratio), builds - len(values))
 
 
 def _column(table: pd.DataFrame, name: tuple[str, str]) -> pd.Series:
     return table[name] if name in table else pd.Series(np.nan, index=table.index)
 
 
-def _text(part: Ratio | Excess, titles: Mapping[str, str]) -> str:
+def _text(part: Ratio | Excess) -> str:
     if isinstance(part, Excess):
         return part.words
-    ours, theirs = (title_of(model, titles) for model, _ in (part.ours, part.theirs))
+    ours, theirs = (competitor_title(model) for model, _ in (part.ours, part.theirs))
     return f"{ours} / {theirs} ({part.words})"
 
 

@@ -6,20 +6,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fprc.channels import TARGETS
-from fprc.competitors import COMPETITORS, base_of, default_settings
 from fprc.errors import FprcError
 from fprc.evaluation import rmse
-from fprc.evaluation.crossval import refusals_of
+from fprc.evaluation.crossval import prepare
 from fprc.evaluation.timing import WARM_UP, time_steps
-from fprc.experiments.competitors import inputs_of
 from fprc.experiments.data import Data
 from fprc.experiments.hysteresis import acquire, simulate
 from fprc.experiments.settings import RigSettings
-from fprc.experiments.tracking import TRACKING_RUNS, Track, tracking_rmse
+from fprc.experiments.tracking import TRACKING_RUNS, Track, columns_for, tracking_rmse
 from fprc.models import SequenceModel
-from fprc.models.competitors import build_competitor
 from fprc.paper import REFERENCES
-from fprc.registry import ANGLE, running_inputs
+from fprc.registry import COMPETITORS, build, competitor, parameters_of
 
 #: Models judged on every rig: those that a claim compares, and one competitor of each other kind.
 BRIEF = (
@@ -29,8 +26,7 @@ BRIEF = (
 SLOW = ("esn", "esn_oracle", "trees", "mlp")
 #: Models judged in the forward direction only: claims compare nothing but its test error.
 FORWARD_ONLY = ("esn_tuned", "esn_matched", "esn_oracle")
-#: All models. A suffix says how settings were chosen: by cross-validation in training logs (tuned),
-#: to match FPRC's training error (matched), or by test errors (oracle).
+#: All models; ``registry.CHOICES`` explains the suffixes.
 ALL = (
     *COMPETITORS,
     "fprc_tuned", "esn_tuned", "bank_tuned", "plays_tuned", "esn_matched",
@@ -58,11 +54,15 @@ class Contest(NamedTuple):
 
     def build(self, name: str, seed: int) -> SequenceModel:
         """Return the unfitted model of that name."""
-        base = base_of(name)
-        settings = default_settings(base, self.models) | self.tuned.get(name, {})
-        if "restarts" in settings:
-            settings["restarts"] = self.restarts
-        return build_competitor(base, settings, seed)
+        return build_with(self.restarts, name, self.models, seed, self.tuned.get(name, {}))
+
+
+def build_with(
+    restarts: int, name: str, models: Mapping[str, Any], seed: int, settings: Mapping[str, Any]
+) -> SequenceModel:
+    """Return an unfitted model with some settings, and starts of its clustering if it has one."""
+    clusters = "restarts" in parameters_of(name, models)
+    return build(name, models, seed, **settings, **({"restarts": restarts} if clusters else {}))
 
 
 def judge_build(
@@ -83,12 +83,11 @@ def judge_build(
     logs = simulate(on_rig, seed)
     sweep, complex_ = logs["sweep"], logs["complex"]
     bench = Track(contest.tracking, on_rig.control, on_rig.rig, seed)
-    followed = _references(bench)
+    followed = {
+        name: bench.inputs(bench.reference(name), TRACKING_RUNS[name]) for name in REFERENCES
+    }
     shifted = {
-        str(float(shift)): {
-            reference: {**channels, "p_o_kpa": channels["p_o_kpa"] + shift}
-            for reference, channels in followed.items()
-        }
+        str(float(shift)): {name: inputs + [0.0, shift] for name, inputs in followed.items()}
         for shift in contest.shifts_kpa
     }
     fprc = _trained("fprc", sweep, complex_, contest, seed)
@@ -132,17 +131,16 @@ def judge_lengths(
     """
     test = simulate(on_rig, seed)["complex"]
 
-    def recorded(signal: Mapping[str, Any], run: int | None = None) -> dict[str, np.ndarray]:
+    def recorded(signal: Mapping[str, Any], run: int | None = None) -> Data:
         channels = acquire("sweep", signal, on_rig.control, on_rig.rig, seed, run=run)
-        return channels | {"p_target_kpa": channels[TARGETS[on_rig.target]]}
+        return Data(channels | {"p_target_kpa": channels[TARGETS[on_rig.target]]}, test.attributes)
 
-    def errors(logs: Sequence[Mapping[str, np.ndarray]]) -> dict[str, dict[str, float]]:
+    def errors(logs: Sequence[Data]) -> dict[str, dict[str, float]]:
         result = {}
         for name in names:
-            model = contest.build(name, seed).fit(
-                [inputs_of(name, each) for each in logs], [each["p_target_kpa"] for each in logs]
-            )
-            result[name] = {"test_rmse_kpa": _error(model, name, test.channels)}
+            pairs = [each.pair(name) for each in logs]
+            model = contest.build(name, seed).fit(*map(list, zip(*pairs, strict=True)))
+            result[name] = {"test_rmse_kpa": _error(model, name, test)}
         return result
 
     sweep = on_rig.signals["sweep"]
@@ -192,46 +190,26 @@ def judge_settings(
 def _trained(
     name: str, train: Data, test: Data, contest: Contest, seed: int
 ) -> tuple[SequenceModel, dict[str, float]]:
-    unfitted = contest.build(name, seed)
-    expected = train.channels["p_target_kpa"]
-    with refusals_of(unfitted):
-        features = unfitted.make_features().fit(inputs := inputs_of(name, train.channels))
-        rows = features.transform(inputs)
-        readout = unfitted.make_readout().fit(rows, expected)
-    model = unfitted.assembled(features, readout)
-    return model, {
-        "train_rmse_kpa": rmse(expected, readout.predict(rows)),
-        "test_rmse_kpa": _error(model, name, test.channels),
-    }
+    logs = {"train": train.samples(name), "test": test.samples(name)}
+    prepared = prepare(contest.build(name, seed), logs)
+    readout = prepared.readout("train")
+    errors = {f"{log}_rmse_kpa": prepared.error(readout, log) for log in logs}
+    return prepared.fitted(readout), errors
 
 
-def _error(model: SequenceModel, name: str, channels: Mapping[str, np.ndarray]) -> float:
-    return rmse(channels["p_target_kpa"], model.predict(inputs_of(name, channels)))
-
-
-def _references(bench: Track) -> dict[str, dict[str, np.ndarray]]:
-    """Return theta_d of each reference of Table IV, and P_o, which depends on theta_d only."""
-    followed = {}
-    for name in REFERENCES:
-        theta_d = bench.reference(name)
-        at_rest = bench.simulate(
-            theta_d, np.zeros(len(theta_d)), TRACKING_RUNS[name], feedback=False
-        )
-        followed[name] = running_inputs(theta_d, at_rest["p_o_kpa"])
-    return followed
+def _error(model: SequenceModel, name: str, log: Data) -> float:
+    X, expected = log.pair(name)
+    return rmse(expected, model.predict(X))
 
 
 def _follow(
-    bench: Track,
-    model: SequenceModel,
-    name: str,
-    followed: Mapping[str, Mapping[str, np.ndarray]],
+    bench: Track, model: SequenceModel, name: str, followed: Mapping[str, np.ndarray]
 ) -> dict[str, dict[str, float]]:
     """Return the RMSE of each reference, deg, with feedforward alone and with PD."""
     errors: dict[str, dict[str, float]] = {"open_loop_deg": {}, "closed_loop_deg": {}}
-    for reference, channels in followed.items():
-        p_ff_kpa = model.predict(inputs_of(name, channels))
-        theta_d, number = channels[ANGLE], TRACKING_RUNS[reference]
+    for reference, inputs in followed.items():
+        p_ff_kpa = model.predict(columns_for(name, inputs))
+        theta_d, number = bench.reference(reference), TRACKING_RUNS[reference]
         for loop, feedback in zip(errors, (False, True), strict=True):
             run = bench.simulate(theta_d, p_ff_kpa, number, feedback=feedback)
             settle_s = bench.tracking["references"][reference]["settle_s"]
@@ -241,33 +219,37 @@ def _follow(
 
 def _disturbed(
     on_rig: RigSettings, seed: int, test: Data, bench: Track, contest: Contest
-) -> dict[str, Mapping[str, np.ndarray]]:
+) -> dict[str, Data]:
     """Return the test log with a P_o that drifts, is noisier, or whose reservoir is pushed."""
-    channels = test.channels
-    samples = len(channels["p_o_kpa"])
+    p_o_kpa = test.channels["p_o_kpa"]
+    samples = len(p_o_kpa)
     ramp = np.linspace(0.0, -contest.drift_kpa, samples)
     noise = contest.noise_kpa * np.random.default_rng([seed, _NOISE]).standard_normal(samples)
     signal, pushes = on_rig.signals["complex"], bench.pushes(samples)
     pushed = acquire("complex", signal, on_rig.control, on_rig.rig, seed, pushes=pushes)
     return {
-        "drift": {**channels, "p_o_kpa": channels["p_o_kpa"] + ramp},
-        "noise": {**channels, "p_o_kpa": channels["p_o_kpa"] + noise},
-        "pushed": {**channels, "p_o_kpa": pushed["p_o_kpa"]},
+        "drift": _with_p_o(test, p_o_kpa + ramp),
+        "noise": _with_p_o(test, p_o_kpa + noise),
+        "pushed": _with_p_o(test, pushed["p_o_kpa"]),
     }
+
+
+def _with_p_o(log: Data, p_o_kpa: np.ndarray) -> Data:
+    return log._replace(channels={**log.channels, "p_o_kpa": p_o_kpa})
 
 
 def _with_disturbed_p_o(
     model: SequenceModel,
     name: str,
-    disturbed: Mapping[str, Mapping[str, np.ndarray]],
+    disturbed: Mapping[str, Data],
     test: Data,
     contest: Contest,
 ) -> dict[str, dict[str, float] | None]:
-    if "p_o_kpa" not in COMPETITORS[base_of(name)].inputs:
+    if "p_o_kpa" not in competitor(name).inputs:
         return {"shifted": None, "disturbed": None}
     p_o = test.channels["p_o_kpa"]
     shifted = {
-        str(float(shift)): _error(model, name, {**test.channels, "p_o_kpa": p_o + shift})
+        str(float(shift)): _error(model, name, _with_p_o(test, p_o + shift))
         for shift in contest.shifts_kpa
     }
     return {
@@ -278,11 +260,9 @@ def _with_disturbed_p_o(
 
 def time_of_step(name: str, logs: Mapping[str, Data], contest: Contest, seed: int) -> float:
     """Return the median time of a step of a trained model, us."""
-    sweep = logs["sweep"].channels
     # on a part of the log: a step takes no longer after a longer training
-    model = contest.build(name, seed).fit(
-        inputs_of(name, sweep)[:_ENOUGH], sweep["p_target_kpa"][:_ENOUGH]
-    )
-    rows = inputs_of(name, logs["complex"].channels)[: 2 * WARM_UP]
+    X, y = (values[:_ENOUGH] for values in logs["sweep"].pair(name))
+    model = contest.build(name, seed).fit(X, y)
+    rows = logs["complex"].pair(name)[0][: 2 * WARM_UP]
     model.reset()
     return 1e6 * float(np.median(time_steps(lambda k: model.step(rows[k]), len(rows))[WARM_UP:]))

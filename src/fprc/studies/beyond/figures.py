@@ -1,6 +1,6 @@
 """What the reservoir is worth: pairs of models, errors against tracking, offsets, capacities."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,7 +11,8 @@ from fprc import escape
 from fprc.claims.paired import EQUIVALENT_WITHIN
 from fprc.figures.style import line_of
 from fprc.paper import MODELS
-from fprc.studies.beyond.worlds import MEASURES, SETS, title_of, world_title
+from fprc.registry import choice_of, competitor_title
+from fprc.studies.beyond.worlds import MEASURES, SETS, world_title
 
 #: Marker and colour of each world, in their order; safe for colour-blind readers (Tol).
 _WORLDS = (
@@ -26,8 +27,6 @@ _LOOK = ("color", "linestyle")
 #: A ratio beyond this, or beyond one over it, is not shown.
 _WIDEST = 5.0
 _UNDECIDED = ("undecided", "not judged")
-#: Settings that were chosen for a comparison.
-_CHOSEN = ("_tuned", "_matched", "_oracle")
 
 
 def plot_pairs(table: DataFrame, worlds: Sequence[str], ax: Axes) -> Axes:
@@ -97,7 +96,7 @@ def _symbols(text: str) -> str:
     return escape.figure(text).replace("theta_d", r"$\theta_d$").replace("P_o", "$P_o$")
 
 
-def plot_errors_and_tracking(table: DataFrame, titles: Mapping[str, str], ax: Axes) -> Axes:
+def plot_errors_and_tracking(table: DataFrame, ax: Axes) -> Axes:
     """Draw tracking over forward test RMSE, one point per model.
 
     Five at most have their names: the models of the paper, and the best in either error.
@@ -106,8 +105,6 @@ def plot_errors_and_tracking(table: DataFrame, titles: Mapping[str, str], ax: Ax
     ----------
     table : DataFrame
         One world and loop of ``tables.beyond.errors_and_tracking``.
-    titles : Mapping
-        Models by name.
     """
     place = table.set_index("model")[["forward", "tracking"]]
     ax.plot(place["forward"], place["tracking"], "o", color="0.6", markersize=3.5)
@@ -115,7 +112,7 @@ def plot_errors_and_tracking(table: DataFrame, titles: Mapping[str, str], ax: Ax
     for name in dict.fromkeys([*MODELS, *best]):
         if name in place.index:
             ax.plot(*place.loc[name], "o", color="black", markersize=3.5)
-            ax.annotate(_symbols(title_of(name, titles)), place.loc[name], (3.0, 3.0),
+            ax.annotate(_symbols(competitor_title(name)), place.loc[name], (3.0, 3.0),
                         textcoords="offset points")  # fmt: skip
     ax.set(xlabel="Test RMSE, forward [kPa]", ylabel="Tracking RMSE [deg]", xscale="log")
     ax.xaxis.set_major_locator(MaxNLocator(8))
@@ -155,7 +152,7 @@ def plot_settings(table: DataFrame, ax: Axes) -> Axes:
     return ax
 
 
-def plot_offsets(table: DataFrame, measure: str, titles: Mapping[str, str], ax: Axes) -> Axes:
+def plot_offsets(table: DataFrame, measure: str, ax: Axes) -> Axes:
     """Draw an error over the offset of P_o; Fuzzy-linear, without P_o, is a level line.
 
     Parameters
@@ -164,15 +161,13 @@ def plot_offsets(table: DataFrame, measure: str, titles: Mapping[str, str], ax: 
         One world of ``tables.beyond.offsets``.
     measure : str
         forward, open_loop or closed_loop.
-    titles : Mapping
-        Models by name.
     """
     shown = (table["measure"] == measure) & (table["disturbance"] == "none")
-    table = table[shown & ~table["model"].str.endswith(_CHOSEN)]
+    table = table[shown & (table["model"].map(choice_of) == "")]
     others = iter(_READERS)
     for model, rows in table.groupby("model", sort=False):
         rows = rows.sort_values("offset_kpa")
-        label = _symbols(title_of(str(model), titles))
+        label = _symbols(competitor_title(str(model)))
         if len(rows) == 1:
             ax.axhline(rows["mean"].iloc[0], **line_of(str(model)), label=label)
             continue

@@ -8,6 +8,7 @@ import pandas as pd
 
 from fprc.escape import in_words
 from fprc.paper import SOURCES
+from fprc.registry import choice_of, competitor_title
 from fprc.signals import LEVEL, interval_of_mean
 from fprc.studies.beyond.verdicts import (
     claims_page,
@@ -19,12 +20,10 @@ from fprc.studies.beyond.verdicts import (
 from fprc.studies.beyond.worlds import (
     LOOPS,
     MEASURES,
-    NO_OFFER,
     SETS,
     WORLDS,
     capacities,
     measured,
-    title_of,
     world_title,
 )
 from fprc.tables.models import with_interval
@@ -69,9 +68,7 @@ def models(worlds: Worlds) -> pd.DataFrame:
     return _joined(tables)
 
 
-def models_page(
-    table: pd.DataFrame, world: str, titles: Mapping[str, str], *, intervals: bool = False
-) -> pd.DataFrame:
+def models_page(table: pd.DataFrame, world: str, *, intervals: bool = False) -> pd.DataFrame:
     """Return the models of one world as a page, one row each."""
     own = table[table["world"] == world]
     headings = {_heading(measure): measure for measure in MEASURES}
@@ -81,7 +78,7 @@ def models_page(
         units = found["units"].drop("step_us", errors="ignore")
         rows.append(
             (
-                title_of(model, titles),
+                competitor_title(model),
                 *(_cell(found, measure, intervals) for measure in headings.values()),
                 " to ".join(map(str, sorted({units.min(), units.max()}))) if len(units) else "-",
             )
@@ -89,17 +86,17 @@ def models_page(
     return pd.DataFrame(rows, columns=["Model", *headings, "Units"])
 
 
-def leaderboard(table: pd.DataFrame, world: str, titles: Mapping[str, str]) -> pd.DataFrame:
+def leaderboard(table: pd.DataFrame, world: str) -> pd.DataFrame:
     """Return the models of one world as a page, the lowest forward test RMSE first.
 
     Models whose settings were chosen on the test log, or matched to another's, are left out.
     """
-    offered = table[~table["model"].str.endswith(NO_OFFER)]
+    offered = table[~table["model"].map(choice_of).isin(["oracle", "matched"])]
     forward = offered[(offered["world"] == world) & (offered["measure"] == "forward")]
     order = forward.sort_values("mean", kind="stable")["model"].tolist()
     ranked = offered[offered["model"].isin(order)]
     ranked = ranked.sort_values("model", key=lambda names: names.map(order.index), kind="stable")
-    page = models_page(ranked, world, titles, intervals=True)
+    page = models_page(ranked, world, intervals=True)
     return page[[name for name in page if not name.startswith("Closed loop")]]
 
 
@@ -118,7 +115,7 @@ def errors_and_tracking(table: pd.DataFrame) -> pd.DataFrame:
         (deg), ``models`` (their number) and ``rank_correlation`` (Spearman's, of the world and
         loop), ``source``. Worlds of fewer than three such models are left out.
     """
-    offered = table[~table["model"].str.endswith("_oracle")]
+    offered = table[table["model"].map(choice_of) != "oracle"]
     wide = offered.pivot(index=["world", "source", "model"], columns="measure", values="mean")
     wide = wide.reindex(offered["world"].unique(), level=0)
     parts = []
@@ -174,7 +171,7 @@ def offsets(worlds: Worlds) -> pd.DataFrame:
     return _joined(tables)
 
 
-def offsets_page(table: pd.DataFrame, world: str, titles: Mapping[str, str]) -> pd.DataFrame:
+def offsets_page(table: pd.DataFrame, world: str) -> pd.DataFrame:
     """Return one row per model and measure, one column per offset and disturbance; means alone."""
     own = table[table["world"] == world]
     offsets_kpa = sorted(own["offset_kpa"].unique())
@@ -187,7 +184,7 @@ def offsets_page(table: pd.DataFrame, world: str, titles: Mapping[str, str]) -> 
     rows = own[order].drop_duplicates().sort_values("measure", key=_place, kind="stable")
     wide = wide.reindex(index=pd.MultiIndex.from_frame(rows), columns=list(headings.values()))
     page = wide.map(lambda mean: three_digits(mean) or "-").set_axis(list(headings), axis=1)
-    page.insert(0, "Model", [title_of(model, titles) for _, model in page.index])
+    page.insert(0, "Model", [competitor_title(model) for _, model in page.index])
     page.insert(1, "Error", [_heading(measure) for measure, _ in page.index])
     return page.reset_index(drop=True)
 
@@ -258,12 +255,12 @@ def lengths(worlds: Worlds) -> pd.DataFrame:
     return _joined(tables)
 
 
-def lengths_page(table: pd.DataFrame, world: str, titles: Mapping[str, str]) -> pd.DataFrame:
+def lengths_page(table: pd.DataFrame, world: str) -> pd.DataFrame:
     """Return one row per model and one column per length of the training log."""
     own = table[table["world"] == world]
     lengths = sorted(set(own["training"]), key=_seconds)
     rows = [
-        (title_of(model, titles), *(_cell(found.set_index("training"), each) for each in lengths))
+        (competitor_title(model), *(_cell(found.set_index("training"), each) for each in lengths))
         for model, found in own.groupby("model", sort=False)
     ]
     return pd.DataFrame(rows, columns=["Model", *lengths])
@@ -290,7 +287,6 @@ def blocks(
     verdicts: Mapping[str, Any],
     tables: Mapping[str, pd.DataFrame],
     world: str,
-    titles: Mapping[str, str],
 ) -> dict[str, str]:
     """Return the generated blocks of docs/beyond.md, and two of other pages.
 
@@ -305,8 +301,6 @@ def blocks(
         ``models``, ``tracking``, ``offsets``, ``capacities`` and ``lengths``, tidy.
     world : str
         The world that the tables of models, offsets, capacities and lengths show.
-    titles : Mapping
-        Models by name.
     """
     pages = {
         "beyond_worlds": pd.DataFrame(verdicts["worlds"]),
@@ -315,11 +309,11 @@ def blocks(
         "beyond_fitted": fitted_page(verdicts["ledgers"]),
         "beyond_details": details_page(verdicts["ledgers"]),
         "beyond_correlations": correlations_page(tables["tracking"]),
-        "beyond_models": models_page(tables["models"], world, titles),
-        "beyond_offsets": offsets_page(tables["offsets"], world, titles),
+        "beyond_models": models_page(tables["models"], world),
+        "beyond_offsets": offsets_page(tables["offsets"], world),
         "beyond_capacity": capacity_page(tables["capacities"], world),
-        "beyond_lengths": lengths_page(tables["lengths"], world, titles),
-        "leaderboard": leaderboard(tables["models"], world, titles),
+        "beyond_lengths": lengths_page(tables["lengths"], world),
+        "leaderboard": leaderboard(tables["models"], world),
     }
     note = f"Data: {SOURCES[verdicts['source']]}."
     notes = {"beyond_offsets": f"{note} {_widest(tables['offsets'], world)}"}

@@ -9,12 +9,10 @@ import numpy as np
 from scipy.stats import loguniform, randint, uniform
 from sklearn.model_selection import ParameterSampler
 
-from fprc.competitors import default_settings
-from fprc.evaluation import cross_validate
-from fprc.experiments.competitors import inputs_of
+from fprc.evaluation.crossval import evaluate
 from fprc.experiments.data import Data
 from fprc.experiments.settings import Judgement
-from fprc.models.competitors import build_competitor
+from fprc.studies.beyond.contest import build_with
 
 log = logging.getLogger(__name__)
 
@@ -89,15 +87,10 @@ def judge_candidate(
         Pairs of a training log ``sweep`` and a test log ``complex``.
     """
     errors, name = [], cell["model"]
-    every = default_settings(name, judgement.models) | cell["settings"]
-    if "restarts" in every:
-        every["restarts"] = restarts
     for pair in logs:
-        train, test = (pair[key].channels for key in ("sweep", "complex"))
-        model = build_competitor(name, every, judgement.seed)
-        folds = judgement.split_rows(pair["sweep"])
-        judged = cross_validate(model, inputs_of(name, train), train["p_target_kpa"], folds)
-        found = judged.errors(inputs_of(name, test), test["p_target_kpa"])
+        model = build_with(restarts, name, judgement.models, judgement.seed, cell["settings"])
+        samples = (pair[key].samples(name) for key in ("sweep", "complex"))
+        found = evaluate(model, judgement.split_rows(pair["sweep"]), *samples)
         errors.append({measure: np.mean(each) for measure, each in found.items()})
     return {
         measure: float(np.exp(np.mean(np.log([each[measure] for each in errors]))))

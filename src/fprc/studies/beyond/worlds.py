@@ -53,24 +53,10 @@ WORLDS = {
     "drawn": ("drawn", "rigs that were drawn from the physical ranges, not fitted"),
 }
 
-#: Suffixes of settings that were chosen for a comparison; nobody can choose them beforehand.
-NO_OFFER = ("_oracle", "_matched")
-_WORDS = {"tuned": "tuned", "matched": "matched in training", "oracle": "oracle"}
-
 
 def world_title(name: str) -> str:
     """Return a world's name for readers."""
     return WORLDS[name][0] if name in WORLDS else name.replace("_", "-")
-
-
-def title_of(name: str, titles: Mapping[str, str]) -> str:
-    """Return a model's name for readers; a suffix says how its settings were chosen."""
-    if name in titles:
-        return titles[name]
-    base, _, suffix = name.rpartition("_")
-    if base in titles and suffix in _WORDS:
-        return f"{titles[base]}, {_WORDS[suffix]}"
-    return name.replace("_", " ")
 
 
 def measured(world: Mapping[str, Any]) -> pd.DataFrame:

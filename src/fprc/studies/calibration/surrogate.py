@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 
 from fprc.evaluation import rmse
+from fprc.evaluation.crossval import prepare
+from fprc.experiments.data import Data
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import RigSettings
 from fprc.experiments.tracking import Track, tracking_errors
@@ -59,13 +61,14 @@ def judge_by_surrogate(
         ``epsilon``; errors over ``n_c`` by model and phase; training errors over ``taps``, of
         shape (n_u, n_y); RMSE by reference in ``open_loop`` and ``closed_loop``, deg.
     """
-    logs = {name: data.channels for name, data in simulate(on_rig, seed).items()}
+    simulated = simulate(on_rig, seed)
+    logs = {name: data.channels for name, data in simulated.items()}
     cheap = _Cheap(logs, models, seed, surrogate["stride"])
     fuzzy = {
         (train, name): cheap.fit(train, name == "fprc") for train, _ in DIRECTIONS
         for name in ("fprc", "fuzzy_linear")
     }  # fmt: skip
-    errors = _esn_errors(logs, models, seed, surrogate)
+    errors = _esn_errors(simulated, models, seed, surrogate)
     for (train, name), readout in fuzzy.items():
         for phase, log in zip(("train", "test"), (train, *(set(logs) - {train})), strict=True):
             errors[f"{train}/{name}/{phase}"] = cheap.error(readout, log, name == "fprc")
@@ -171,22 +174,18 @@ class _Cheap:
 
 
 def _esn_errors(
-    logs: Mapping[str, Mapping[str, np.ndarray]],
+    logs: Mapping[str, Data],
     models: Mapping[str, Any],
     seed: int,
     surrogate: Mapping[str, int],
 ) -> dict[str, float]:
     stride = surrogate["stride"]
-    model = build("esn", models, seed).set_params(
-        r=surrogate["esn_nodes"], alpha=models["alpha"] / (_TRAINED * stride)
-    )
-    theta = {log: channels["theta_deg"][:, None] for log, channels in logs.items()}
-    features = model.make_features().fit(theta["sweep"])
-    rows = {log: features.transform(X)[::stride] for log, X in theta.items()}
-    y = {log: channels["p_target_kpa"][::stride] for log, channels in logs.items()}
-    errors = {}
+    changed = {"r": surrogate["esn_nodes"], "alpha": models["alpha"] / (_TRAINED * stride)}
+    model = build("esn", models, seed, **changed)
+    prepared = prepare(model, {name: log.samples("esn") for name, log in logs.items()})
+    part, errors = slice(None, None, stride), {}
     for train, test in DIRECTIONS:
-        readout = model.make_readout().fit(rows[train], y[train])
+        readout = prepared.readout(train, part)
         for phase, log in (("train", train), ("test", test)):
-            errors[f"{train}/esn/{phase}"] = rmse(y[log], readout.predict(rows[log]))
+            errors[f"{train}/esn/{phase}"] = prepared.error(readout, log, part)
     return errors

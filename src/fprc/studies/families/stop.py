@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from fprc.evaluation import rmse
+from fprc.evaluation.crossval import prepare
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import Judgement, RigSettings
 from fprc.paper import MODELS
@@ -35,20 +35,17 @@ def judge_stop(
     at_stop = logs["sweep"].channels["theta_deg"] < STOP_DEG
     found: dict[str, Any] = {"at_stop": float(at_stop.mean())}
     for name in MODELS:
-        model = build(name, how.models, how.seed)
-        (X, y), (others, y_test) = (logs[log].pair(name) for log in ("sweep", "complex"))
-        features = model.make_features().fit(X)
-        rows, test_rows = features.transform(X), features.transform(others)
-        whole = model.make_readout().fit(rows, y)
-        squared = (whole.predict(rows) - y) ** 2
-        off = model.make_readout().fit(rows[~at_stop], y[~at_stop])
+        samples = {log: logs[log].samples(name) for log in ("sweep", "complex")}
+        prepared = prepare(build(name, how.models, how.seed), samples)
+        whole, off = prepared.readout("sweep"), prepared.readout("sweep", ~at_stop)
+        squared = (whole.predict(prepared.rows["sweep"]) - prepared.y["sweep"]) ** 2
         found[name] = {
             "share": float(squared[at_stop].sum() / squared.sum()),
             "at": float(np.sqrt(squared[at_stop].mean())),
             "off": float(np.sqrt(squared[~at_stop].mean())),
-            "test": rmse(y_test, whole.predict(test_rows)),
-            "without_off": rmse(y[~at_stop], off.predict(rows[~at_stop])),
-            "without_test": rmse(y_test, off.predict(test_rows)),
+            "test": prepared.error(whole, "complex"),
+            "without_off": prepared.error(off, "sweep", ~at_stop),
+            "without_test": prepared.error(off, "complex"),
         }
     return found
 

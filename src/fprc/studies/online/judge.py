@@ -8,14 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from fprc.competitors import default_settings
 from fprc.errors import FprcError
-from fprc.experiments.competitors import inputs_of
 from fprc.experiments.hysteresis import simulate
-from fprc.experiments.tracking import TRACKING_RUNS, Track, tracking_rmse
+from fprc.experiments.tracking import TRACKING_RUNS, Track, columns_for, tracking_rmse
 from fprc.models import SequenceModel
-from fprc.models.competitors import build_competitor
 from fprc.paper import DISTURBANCE, REFERENCES
+from fprc.registry import build
 from fprc.studies.families.family import rigs_of
 from fprc.studies.online.follow_up import STATES, follow_up
 
@@ -82,9 +80,8 @@ def judge_online(
         sweep = simulate(replace(on_rig, signals={"sweep": on_rig.signals["sweep"]}), seed)["sweep"]
         fitted = {}
         for name in MODELS:
-            model = build_competitor(name, default_settings(name, models), seed)
-            X = inputs_of(name, sweep.channels)
-            fitted[name] = model.fit(X, sweep.channels["p_target_kpa"]).remember(X)
+            X, y = sweep.pair(name)
+            fitted[name] = build(name, models, seed).fit(X, y).remember(X)
         rows = []
         for condition in conditions(True):
             rig = changed_rig(on_rig.rig, condition)
@@ -119,7 +116,7 @@ def _followed(
         inputs = bench.inputs(theta_d, number, pushes)
         inputs[:, 1] = disturbed(inputs[:, 1], condition, bench.control["sample_rate_hz"])
         for name, model in models.items():
-            given = _inputs(name, theta_d, inputs, model)
+            given = columns_for(name, inputs)
             for learns, own in benches.items():
                 for loop, feedback in LOOPS.items():
                     fed = own.feed(model, given)
@@ -146,12 +143,6 @@ def _row(
         "model": model, "condition": condition, "learns": learns, "loop": loop,
         "reference": reference, "rmse_deg": tracking_rmse(run, settle_s),
     }  # fmt: skip
-
-
-def _inputs(name: str, theta_d: np.ndarray, inputs: np.ndarray, model: SequenceModel) -> np.ndarray:
-    """Return the inputs of a competitor, whose columns may both be the angle."""
-    channels = {"theta_deg": theta_d, "p_o_kpa": inputs[:, 1]}
-    return inputs_of(name, channels)[:, : model.n_features_in_]
 
 
 def _followed_up(bench: Track) -> list[dict[str, Any]]:

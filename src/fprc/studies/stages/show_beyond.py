@@ -6,7 +6,6 @@ from typing import Any
 import pandas as pd
 
 from fprc.artifacts import read_json, write_csv, write_json
-from fprc.competitors import TITLES
 from fprc.figures import style
 from fprc.studies.beyond import figures as figures
 from fprc.studies.beyond import tables as tables
@@ -45,7 +44,7 @@ def tabulate_beyond(
         world["capacity"] = by_world.get(world["name"])
     found[0]["training_length"] = read_json(training)["training_length"]
     found[0]["step_us"] = read_json(steps)["step_us"]
-    ledgers = [judge_world(world, TITLES) for world in found]
+    ledgers = [judge_world(world) for world in found]
     outcome = {
         "source": "sim",
         "worlds": tables.worlds_page(found).to_dict("records"),
@@ -82,7 +81,7 @@ def draw_tracking(tracking: str, pdf: str, png: str, *, world: str) -> Mapping[s
     fig, axes = style.figure(2, 1, style.COLUMN_IN, 4.4, sharex=True)
     for ax, (loop, words) in zip(axes, _LOOPS.items(), strict=True):
         own = table[table["loop"] == loop]
-        figures.plot_errors_and_tracking(own, TITLES, ax)
+        figures.plot_errors_and_tracking(own, ax)
         ax.label_outer()
         found = "".join(f"; rank correlation {value:.2f}" for value in own["rank_correlation"][:1])
         style.letter(ax, words + found)
@@ -94,7 +93,7 @@ def draw_offsets(offsets: str, pdf: str, png: str, *, world: str) -> Mapping[str
     table = _of(offsets, world)
     fig, axes = style.figure(1, 3, style.PAGE_IN, 2.6, sharex=True)
     for ax, measure in zip(axes, ("forward", *_LOOPS), strict=True):
-        figures.plot_offsets(table, measure, TITLES, ax)
+        figures.plot_offsets(table, measure, ax)
     style.share_legend(fig, axes[0])
     return style.save(fig, _SIMULATED, pdf, png)
 

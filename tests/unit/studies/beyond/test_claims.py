@@ -8,11 +8,9 @@ import pytest
 
 from fprc.studies.beyond.claims import CLAIMS, beside_b1, judge_world
 
-TITLES = {"fprc": "FPRC", "esn": "ESN", "fuzzy_linear": "Fuzzy-linear"}
-
 
 def judged(world):
-    return {row["id"]: row for row in judge_world(world, TITLES)}
+    return {row["id"]: row for row in judge_world(world)}
 
 
 def test_claims_stand_in_the_page_that_was_written_before():

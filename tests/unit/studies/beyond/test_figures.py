@@ -7,12 +7,12 @@ from matplotlib.colors import to_hex
 from scipy.stats import spearmanr
 
 from fprc.figures import style
+from fprc.paper import MODELS
 from fprc.studies.beyond import figures as figures
 from fprc.studies.beyond import tables as tables
 from fprc.studies.beyond import verdicts
 from fprc.studies.beyond.claims import judge_world
 
-TITLES = {"fprc": "FPRC", "esn": "ESN", "fuzzy_linear": "Fuzzy-linear"}
 WORLDS = ("dry", "sparse")
 
 
@@ -39,7 +39,7 @@ def of(table, world):
 
 
 def claims(worlds):
-    return verdicts.claims([judge_world(world, TITLES) for world in worlds.values()])
+    return verdicts.claims([judge_world(world) for world in worlds.values()])
 
 
 @pytest.mark.parametrize("world", ["dry", "sparse"])
@@ -76,10 +76,10 @@ def test_markers_of_worlds_do_not_share_a_place(worlds, ax):
 def test_every_model_is_a_point_and_the_papers_and_the_best_have_names(worlds, world, ax):
     table = of(tables.errors_and_tracking(tables.models(list(worlds.values()))), world)
     table = table[table["loop"] == "closed_loop"].set_index("model")[["forward", "tracking"]]
-    figures.plot_errors_and_tracking(table.reset_index(), TITLES, ax)
+    figures.plot_errors_and_tracking(table.reset_index(), ax)
     points = np.column_stack([ax.lines[0].get_xdata(), ax.lines[0].get_ydata()])
     np.testing.assert_array_equal(points, table.to_numpy())
-    named = {*table.index} & {*TITLES} | {*table.idxmin()}
+    named = {*table.index} & {*MODELS} | {*table.idxmin()}
     places = {tuple(text.xy) for text in ax.texts}
     assert places == {tuple(table.loc[name]) for name in named}
     assert len(ax.texts) <= 5
@@ -111,7 +111,7 @@ def test_two_models_have_no_rank_correlation(make_world):
 @pytest.mark.parametrize("measure", ["forward", "open_loop", "closed_loop"])
 def test_offsets_have_fuzzy_linear_as_a_level_line(worlds, world, measure, ax):
     table = of(tables.offsets(list(worlds.values())), world)
-    figures.plot_offsets(table, measure, TITLES, ax)
+    figures.plot_offsets(table, measure, ax)
     lines = {line.get_label(): line for line in ax.lines}
     level = table[table["model"] == "fuzzy_linear"].set_index("measure")["mean"][measure]
     assert list(lines["Fuzzy-linear"].get_ydata()) == [level, level]
@@ -143,9 +143,9 @@ def test_world_of_failures_is_drawn_empty(what, make_world, ax):
         figures.plot_pairs(claims({"dry": world}), WORLDS, ax)
     elif what == "tracking":
         table = tables.errors_and_tracking(tables.models([world]))
-        figures.plot_errors_and_tracking(table, TITLES, ax)
+        figures.plot_errors_and_tracking(table, ax)
     elif what == "offsets":
-        figures.plot_offsets(tables.offsets([world]), "forward", TITLES, ax)
+        figures.plot_offsets(tables.offsets([world]), "forward", ax)
     else:
         figures.plot_capacities(tables.capacity([world]), ax)
     assert ax.get_xlabel()

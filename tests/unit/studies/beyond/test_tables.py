@@ -12,8 +12,6 @@ from fprc.studies.beyond import tables as tables
 from fprc.studies.beyond.claims import beside_b1, judge_world
 from fprc.tables.text import markdown, read_markdown
 
-TITLES = {"fprc": "FPRC", "esn": "ESN", "fuzzy_linear": "Fuzzy-linear", "bank": "Bank"}
-
 
 @pytest.fixture(scope="module")
 def worlds(make_world):
@@ -30,7 +28,7 @@ def worlds(make_world):
 
 @pytest.fixture(scope="module")
 def ledgers(worlds):
-    return [judge_world(world, TITLES) for world in worlds]
+    return [judge_world(world) for world in worlds]
 
 
 def means(world, measure, name):
@@ -77,11 +75,11 @@ def test_tables_of_nothing_have_their_columns(worlds):
 
 def test_pages_survive_a_world_with_nothing(worlds):
     pages = [
-        tables.models_page(tables.models(worlds), "broken", TITLES),
-        tables.leaderboard(tables.models(worlds), "broken", TITLES),
-        tables.offsets_page(tables.offsets(worlds), "broken", TITLES),
+        tables.models_page(tables.models(worlds), "broken"),
+        tables.leaderboard(tables.models(worlds), "broken"),
+        tables.offsets_page(tables.offsets(worlds), "broken"),
         tables.capacity_page(tables.capacity(worlds), "broken"),
-        tables.lengths_page(tables.lengths(worlds), "broken", TITLES),
+        tables.lengths_page(tables.lengths(worlds), "broken"),
         tables.worlds_page(worlds),
     ]
     for page in pages:
@@ -91,7 +89,7 @@ def test_pages_survive_a_world_with_nothing(worlds):
 
 
 def test_leaderboard_begins_with_the_lowest_error_and_offers_no_oracle(worlds):
-    page = tables.leaderboard(tables.models(worlds), "dry", TITLES)
+    page = tables.leaderboard(tables.models(worlds), "dry")
     errors = [float(text.split()[0]) for text in page["Forward test [kPa]"]]
     assert errors == sorted(errors)
     assert page["Model"].iloc[0] == "FPRC, tuned"
@@ -119,7 +117,7 @@ def test_offsets_and_disturbances_have_their_columns(worlds):
     table = tables.offsets(worlds)
     assert set(table["offset_kpa"]) == {-5.0, -2.0, -1.0, 0.0, 1.0, 2.0, 5.0}
     assert set(table["disturbance"]) == {"none", "drift", "pushed"}
-    page = tables.offsets_page(table, "dry", TITLES).set_index(["Model", "Error"])
+    page = tables.offsets_page(table, "dry").set_index(["Model", "Error"])
     assert list(page) == ["-5", "-2", "-1", "0", "+1", "+2", "+5", "drift", "push"]
     own = table[(table["world"] == "dry") & (table["offset_kpa"] == -2.0)]
     of_error = {"Forward test [kPa]": "forward", "Open loop [deg]": "open_loop",
@@ -135,12 +133,12 @@ def test_model_of_fewer_seeds_says_so(make_world):
     world = make_world()
     for cell in world["cells"][3:]:
         del cell["models"]["mlp"]
-    page = tables.models_page(tables.models([world]), "dry", TITLES)
-    assert page.set_index("Model")["Units"][["FPRC", "mlp"]].tolist() == ["12", "3"]
+    page = tables.models_page(tables.models([world]), "dry")
+    assert page.set_index("Model")["Units"][["FPRC", "MLP"]].tolist() == ["12", "3"]
 
 
 def test_lengths_are_in_order_and_two_logs_last(worlds):
-    page = tables.lengths_page(tables.lengths(worlds), "dry", TITLES)
+    page = tables.lengths_page(tables.lengths(worlds), "dry")
     assert list(page) == ["Model", "15 s", "30 s", "60 s", "two logs"]
     assert page.iloc[0].tolist() == ["FPRC", "16.7", "13.3", "11.7", "10.4"]
 
@@ -158,8 +156,8 @@ def test_blocks_are_those_of_the_pages_and_survive_csv(worlds, ledgers, tmp_path
     judged = {"source": "sim", "ledgers": ledgers,
               "beside": [beside_b1(world) for world in worlds],
               "worlds": tables.worlds_page(worlds).to_dict("records")}  # fmt: skip
-    blocks = tables.blocks(judged, found, "dry", TITLES)
-    assert tables.blocks(judged, read, "dry", TITLES) == blocks
+    blocks = tables.blocks(judged, found, "dry")
+    assert tables.blocks(judged, read, "dry") == blocks
     root = Path(__file__).parents[4]
     begun = {
         name

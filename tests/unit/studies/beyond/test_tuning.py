@@ -1,11 +1,10 @@
 import numpy as np
 import pytest
 
-from fprc.competitors import default_settings
 from fprc.config import Settings
 from fprc.experiments.data import Data
 from fprc.experiments.settings import Judgement
-from fprc.models.competitors import build_competitor
+from fprc.registry import build
 from fprc.studies.beyond.tuning import SPACES, candidates_of, chosen, judge_candidate
 
 MODELS = Settings().models.model_dump()
@@ -18,7 +17,7 @@ def test_candidates_are_the_defaults_and_distinct_models(name):
     assert len({str(each) for each in candidates}) == len(candidates) == 12
     assert candidates == candidates_of(name, 12, 1) != candidates_of(name, 12, 2)
     for each in candidates:
-        build_competitor(name, {**default_settings(name, MODELS), **each}, 1)
+        build(name, MODELS, 1, **each)
 
 
 @pytest.mark.parametrize("name", ["bank", "plays"])
@@ -48,8 +47,7 @@ def test_candidate_is_judged_on_blocks_of_rows_that_it_has_not_seen(pair, judgem
     found = judge_candidate(
         {"model": "bank", "settings": {"alpha": 2.0}}, logs=[pair], judgement=judgement, restarts=1
     )
-    settings = {**default_settings("bank", MODELS), "alpha": 2.0}
-    rows = build_competitor("bank", settings, 1).make_features().fit(X).transform(X)
+    rows = build("bank", MODELS, 1, alpha=2.0).make_features().fit(X).transform(X)
     rows = np.column_stack([np.ones(len(rows)), rows])
     errors = []
     for block in np.array_split(np.arange(len(y)), 3):

@@ -6,8 +6,6 @@ from fprc.studies.beyond import verdicts
 from fprc.studies.beyond.claims import judge_world
 from fprc.tables.text import markdown, read_markdown
 
-TITLES = {"fprc": "FPRC", "esn": "ESN", "fuzzy_linear": "Fuzzy-linear", "bank": "Bank"}
-
 
 @pytest.fixture(scope="module")
 def ledgers(make_world):
@@ -20,7 +18,7 @@ def ledgers(make_world):
         make_world("sparse", units=3, models=("fprc", "fuzzy_linear"), **sparse),
         make_world("broken", cells=failed, **sparse),
     ]
-    return [judge_world(world, TITLES) for world in worlds]
+    return [judge_world(world) for world in worlds]
 
 
 def test_claims_have_one_row_each_and_one_column_per_world(ledgers):

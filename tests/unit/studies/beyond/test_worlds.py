@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from fprc.studies.beyond.worlds import capacities, measured, title_of, world_title
+from fprc.studies.beyond.worlds import capacities, measured, world_title
 
 CELL = {"unit": 3, "seed": 601, "rig": None}
 
@@ -51,14 +51,6 @@ def test_nonlinear_capacity_is_that_of_degree_two_and_above():
     }  # fmt: skip
     assert set(table["unit"]) == {601}
     assert capacities({"capacity": None}).empty
-
-
-def test_suffix_of_a_model_is_spelt_out():
-    titles = {"esn": "ESN", "bank_p_o": "Low-passes and P_o"}
-    assert title_of("esn_tuned", titles) == "ESN, tuned"
-    assert title_of("esn_oracle", titles) == "ESN, oracle"
-    assert title_of("bank_p_o", titles) == "Low-passes and P_o"
-    assert title_of("my_own", titles) == "my own"
 
 
 def test_every_world_has_a_title_and_a_rig_of_ones_own_keeps_its_name():

@@ -185,7 +185,7 @@ def test_ratio_of_the_shares_is_that_of_the_published_formula(judge, logs):
     rows = np.arange(len(y))
     # a generator, unlike a number, is not replaced by one of the fold's own
     model = build("fprc", stride=1, random_state=np.random.RandomState(SEED))
-    weights = normalised_weights(model, X, y, [(rows, rows)])
+    weights = normalised_weights(model, (X, y, None), [(rows, rows)])
     of_theta, of_p_o = weights[:, 1 : 1 + N_Y], weights[:, 1 + N_Y :]
     expected = of_p_o.sum(axis=1).mean() / of_theta.sum(axis=1).mean()
     assert judge(stride=1, measures=["shares"])["shares"] == pytest.approx(expected, rel=1e-9)
