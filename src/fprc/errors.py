@@ -52,3 +52,8 @@ class SafetyError(ControlError):
 
 class OutputError(FprcError):
     """A result cannot be written."""
+
+
+def in_one_line(error: Exception) -> str:
+    """Return the message of an error without line breaks."""
+    return " ".join(str(error).split())

@@ -29,11 +29,10 @@ rule beyond_world:
         mem_mb=memory_of,
         runtime=120,
     params:
-        **stage("studies.beyond.judge_world", key="version"),
-        world=world_of,
-        units=units_of,
-        slow=BEYOND["slow"],
-        contest=CONTEST,
+        **judging("beyond.contest.judge_models", *COMPETITORS),
+        families=lambda wildcards: [world_of(wildcards)],
+        units=lambda wildcards: list(range(units_of(wildcards))),
+        how={"contest": CONTEST, "slow": BEYOND["slow"]},
         workers=workers_over(units_of),
         checkpoint=placed(PATHS.below("beyond/{world}.partial.jsonl")),
     message:
@@ -56,7 +55,7 @@ rule tune_world:
         mem_mb=memory_of,
         runtime=120,
     params:
-        **stage("studies.beyond.tune_world", key="version"),
+        **stage("studies.beyond.tune_world", *COMPETITORS, key="version"),
         world=world_of,
         units=units_of_tuning,
         candidates=BEYOND["tuning"]["candidates"],
@@ -98,14 +97,16 @@ rule beyond_training:
         mem_mb=memory_of,
         runtime=120,
     params:
-        **stage("studies.beyond.judge_training_logs", key="version"),
-        world=lambda wildcards: family_named(OWN_WORLD),
-        contest=CONTEST,
-        seeds=BEYOND["training"]["seeds"],
-        seconds=BEYOND["training"]["seconds"],
-        second_log={
-            **SETTINGS["experiments"]["complex"],
-            "f_hz": BEYOND["training"]["second_f_hz"],
+        **judging("beyond.contest.judge_lengths", *COMPETITORS),
+        families=lambda wildcards: [family_named(OWN_WORLD)],
+        units=list(range(BEYOND["training"]["seeds"])),
+        how={
+            "contest": CONTEST,
+            "seconds": BEYOND["training"]["seconds"],
+            "second_log": {
+                **SETTINGS["experiments"]["complex"],
+                "f_hz": BEYOND["training"]["second_f_hz"],
+            },
         },
         workers=workers_over(BEYOND["training"]["seeds"]),
         checkpoint=placed(PATHS.below("beyond/training_logs.partial.jsonl")),
@@ -119,15 +120,18 @@ rule beyond_steps:
     input:
         tuned=TUNED,
     output:
-        steps=PATHS.below("beyond/steps.json"),
+        judged=PATHS.below("beyond/steps.json"),
     log:
         PATHS.messages("beyond_steps"),
     priority: ALONE
     threads: workflow.cores
     params:
-        **stage("studies.beyond.time_steps"),
-        world=lambda wildcards: family_named(OWN_WORLD),
-        contest=CONTEST,
+        **judging("beyond.contest.judge_steps", *COMPETITORS),
+        families=lambda wildcards: [family_named(OWN_WORLD)],
+        units=[0],
+        how={"contest": CONTEST},
+        workers=1,
+        checkpoint=placed(PATHS.below("beyond/steps.partial.jsonl")),
     message:
         "Beyond the paper: time of a step"
     script:
@@ -150,11 +154,13 @@ rule beyond_capacity:
         mem_mb=memory_of,
         runtime=120,
     params:
-        **stage("studies.beyond.judge_capacities", key="version"),
-        worlds=lambda wildcards: [family_named(name) for name in (OWN_WORLD, *OTHER_RIGS)],
-        models=pick(SETTINGS["models"], "n_y", "fprc", "esn"),
-        capacity={key: each for key, each in BEYOND["capacity"].items() if key != "seeds"},
-        seeds=BEYOND["capacity"]["seeds"],
+        **judging("beyond.driven_states.judge_capacity"),
+        families=one_rig_each,
+        units=list(range(BEYOND["capacity"]["seeds"])),
+        how={
+            "models": pick(SETTINGS["models"], "n_y", "fprc", "esn"),
+            "capacity": {key: each for key, each in BEYOND["capacity"].items() if key != "seeds"},
+        },
         workers=workers_over(BEYOND["capacity"]["seeds"] * (1 + len(OTHER_RIGS))),
         checkpoint=placed(PATHS.below("beyond/capacity.partial.jsonl")),
     message:
@@ -175,11 +181,10 @@ rule beyond_settings:
         mem_mb=memory_of,
         runtime=120,
     params:
-        **stage("studies.beyond.judge_settings_of", key="version"),
-        worlds=lambda wildcards: [family_named(name) for name in (OWN_WORLD, *OTHER_RIGS)],
-        contest=CONTEST,
-        grids=pick(SETTINGS["grids"], "epsilon", "n_c"),
-        seeds=BEYOND["training"]["seeds"],
+        **judging("beyond.contest.judge_settings", *COMPETITORS),
+        families=one_rig_each,
+        units=list(range(BEYOND["training"]["seeds"])),
+        how={"contest": CONTEST, "grids": pick(SETTINGS["grids"], "epsilon", "n_c")},
         workers=workers_over(BEYOND["training"]["seeds"] * (1 + len(OTHER_RIGS))),
         checkpoint=placed(PATHS.below("beyond/settings.partial.jsonl")),
     message:

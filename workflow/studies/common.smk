@@ -39,9 +39,28 @@ def family_named(name):
     }
 
 
+def judging(judge, *models):
+    """Return the params of a job that judges families of rigs.
+
+    ``judge`` is the function below ``fprc.studies`` that does it, with ``models``.
+    """
+    judged_by = f"fprc.studies.{judge.rpartition('.')[0]}"
+    own = stage("studies.judge.judge_families", key="version")["version"]
+
+    def version(wildcards):
+        return f"{own(wildcards)}-{fingerprint(judged_by, *map(class_module, models))}"
+
+    return {"stage": "studies.judge.judge_families", "judge": judge, "version": version}
+
+
 def world_of(wildcards):
     """Return the world of a job."""
     return family_named(wildcards.world)
+
+
+def one_rig_each(wildcards):
+    """Return the worlds that have one rig."""
+    return [family_named(name) for name in (OWN_WORLD, *OTHER_RIGS)]
 
 
 def units_of(wildcards):

@@ -76,11 +76,14 @@ rule judge_family:
         mem_mb=2000,
         runtime=120,  # grows with drawn.chunk
     params:
-        **stage("studies.families.judge_family", *MODELS, key="version"),
+        **judging("families.family.judge_tables", *MODELS),
+        families=lambda wildcards: [family_named(wildcards.family)],
         units=lambda wildcards: CHUNKS[wildcards.family][int(wildcards.chunk)],
-        family=lambda wildcards: family_named(wildcards.family),
-        tracking=SETTINGS["tracking"],
-        judgement=judgement(SETTINGS, without="seed", models=paper_models(SETTINGS)),
+        how={
+            "tracking": SETTINGS["tracking"],
+            "judgement": judgement(SETTINGS, without="seed", models=paper_models(SETTINGS)),
+        },
+        workers=1,
         checkpoint=placed(PATHS.below("families/{family}_{chunk}.partial.jsonl")),
     message:
         "Rigs {wildcards.family}: Tables II to IV, from number {wildcards.chunk}"

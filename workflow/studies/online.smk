@@ -17,12 +17,12 @@ rule judge_online:
         mem_mb=memory_of,
         runtime=120,
     params:
-        **stage("studies.online.judge_family", key="version"),
-        family=lambda wildcards: family_named(wildcards.world)
-        | {"first_seed": ONLINE["first_seed"], "seeds_per_rig": 1},
+        **judging("online.judge.judge_online", *COMPETITORS),
+        families=lambda wildcards: [
+            world_of(wildcards) | {"first_seed": ONLINE["first_seed"], "seeds_per_rig": 1}
+        ],
         units=list(range(ONLINE["units"])),
-        tracking=SETTINGS["tracking"],
-        models=paper_models(SETTINGS),
+        how={"tracking": SETTINGS["tracking"], "models": paper_models(SETTINGS)},
         workers=workers_over(ONLINE["units"]),
         checkpoint=placed(PATHS.below("online/{world}.partial.jsonl")),
     message:

@@ -20,6 +20,7 @@ from fprc.commands.terminal import messages_on_terminal
 from fprc.config import from_files
 from fprc.config.importing import ImportMap
 from fprc.errors import FprcError, LogError
+from fprc.experiments.competitors import ON_RECORDINGS
 from fprc.fingerprint import fingerprint
 from fprc.given import open_given
 from fprc.plan.arguments import judgement, paper_models
@@ -248,7 +249,7 @@ def _compete(
             judgement=judgement({**settings, "models": paper_models(settings)}),
             workers=workers,
             checkpoint=str(folder / "competitors.partial.jsonl"),
-            version=fingerprint("fprc.stages.competitors"),
+            version=fingerprint("fprc.stages.competitors", *map(class_module, ON_RECORDINGS)),
             progress=progress_bar("models"),
         )
     csv, md = (str(folder / f"competitors.{kind}") for kind in ("csv", "md"))

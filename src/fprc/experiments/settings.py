@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fprc.experiments.data import Data
 
@@ -38,3 +38,11 @@ class RigSettings:
     control: Mapping[str, Any]
     signals: Mapping[str, Any]  #: pressure signal of each experiment
     target: str  #: P_exp that the models learn: ``command`` or ``measured``
+
+
+class Unit(NamedTuple):
+    """A unit of a family of simulated rigs: a seed of its one rig, or one of its rigs."""
+
+    number: int  #: from 0
+    family: Mapping[str, Any]  #: see ``fprc.studies.families.family.unit_of``
+    rigs: "list[tuple[RigSettings, int]]"  #: the rig, once with each of its seeds

@@ -362,7 +362,7 @@ def test_rows_of_a_half_fitted_table_are_fitted_in_open_loop_only(project):
 def test_worth_of_the_reservoir_is_shown_if_it_was_judged(project, make_world):
     assert 'id="beyond"' not in project.write()
     worlds = [make_world(), make_world("sparse", units=3, capacity=None)]
-    ledgers = [judge_world(world, {"fprc": "FPRC"}) for world in worlds]
+    ledgers = [judge_world(world) for world in worlds]
     described = {"World": "dry", "What it is": "<b>shipped", "Judged on": "12 seeds"}
     project.beyond = {"worlds": [described], "ledgers": ledgers}
     page = project.page()

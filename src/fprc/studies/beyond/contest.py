@@ -6,13 +6,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fprc.channels import TARGETS
-from fprc.errors import FprcError
+from fprc.errors import FprcError, in_one_line
 from fprc.evaluation import rmse
 from fprc.evaluation.crossval import prepare
-from fprc.evaluation.timing import WARM_UP, time_steps
+from fprc.evaluation.timing import WARM_UP, machine, time_steps
 from fprc.experiments.data import Data
 from fprc.experiments.hysteresis import acquire, simulate
-from fprc.experiments.settings import RigSettings
+from fprc.experiments.settings import RigSettings, Unit
 from fprc.experiments.tracking import TRACKING_RUNS, Track, columns_for, tracking_rmse
 from fprc.models import SequenceModel
 from fprc.paper import REFERENCES
@@ -65,6 +65,36 @@ def build_with(
     return build(name, models, seed, **settings, **({"restarts": restarts} if clusters else {}))
 
 
+def judge_models(unit: Unit, *, contest: Mapping[str, Any], slow: int) -> list[dict[str, Any]]:
+    """Judge the models on every build of a unit: all of them, or those of ``BRIEF``.
+
+    Parameters
+    ----------
+    contest : Mapping
+        Arguments of ``Contest`` without ``tuned``, which the unit's family has, as in the functions
+        below. The family also has ``every_model``.
+    slow : int
+        Number of the first units that also judge the slow models.
+
+    Returns
+    -------
+    list of dict
+        For each build: ``seed``, and ``models``, see ``judge_build``, or ``failed``, the message.
+    """
+    entered = Contest(**contest, tuned=unit.family["tuned"])
+    names: Sequence[str] = BRIEF
+    if unit.family["every_model"]:
+        names = [name for name in ALL if name not in SLOW or unit.number < slow]
+    builds = []
+    for on_rig, seed in unit.rigs:
+        try:
+            report: dict[str, Any] = {"models": judge_build(on_rig, seed, names, entered)}
+        except FprcError as error:
+            report = {"failed": in_one_line(error)}
+        builds.append({"seed": seed, **report})
+    return builds
+
+
 def judge_build(
     on_rig: RigSettings, seed: int, names: Sequence[str], contest: Contest
 ) -> dict[str, dict[str, Any]]:
@@ -107,18 +137,17 @@ def judge_build(
                 }
             judged[name] = report | _with_disturbed_p_o(model, name, disturbed, complex_, contest)
         except (FprcError, ValueError, np.linalg.LinAlgError) as error:
-            judged[name] = {"failed": " ".join(str(error).split())}
+            judged[name] = {"failed": in_one_line(error)}
     return judged
 
 
 def judge_lengths(
-    on_rig: RigSettings,
-    seed: int,
-    names: Sequence[str],
-    contest: Contest,
+    unit: Unit,
     *,
+    contest: Mapping[str, Any],
     seconds: Sequence[float],
     second_log: Mapping[str, Any],
+    names: Sequence[str] = BRIEF,
 ) -> list[dict[str, Any]]:
     """Return forward test errors after training on sweeps of several lengths, and on two logs.
 
@@ -129,6 +158,8 @@ def judge_lengths(
     second_log : Mapping
         Pressure signal of the log that trains together with the sweep of the paper.
     """
+    on_rig, seed = unit.rigs[0]
+    entered = Contest(**contest, tuned=unit.family["tuned"])
     test = simulate(on_rig, seed)["complex"]
 
     def recorded(signal: Mapping[str, Any], run: int | None = None) -> Data:
@@ -139,7 +170,7 @@ def judge_lengths(
         result = {}
         for name in names:
             pairs = [each.pair(name) for each in logs]
-            model = contest.build(name, seed).fit(*map(list, zip(*pairs, strict=True)))
+            model = entered.build(name, seed).fit(*map(list, zip(*pairs, strict=True)))
             result[name] = {"test_rmse_kpa": _error(model, name, test)}
         return result
 
@@ -157,7 +188,7 @@ def judge_lengths(
 
 
 def judge_settings(
-    on_rig: RigSettings, seed: int, contest: Contest, grids: Mapping[str, Sequence[float]]
+    unit: Unit, *, contest: Mapping[str, Any], grids: Mapping[str, Sequence[float]]
 ) -> list[dict[str, Any]]:
     """Return forward test errors of FPRC, and of FPRC on low-passed theta_d, over some settings.
 
@@ -171,12 +202,14 @@ def judge_settings(
     list of dict
         ``setting``, ``value``, and the error of each of the two models, kPa.
     """
-    logs = simulate(on_rig, seed)
+    on_rig, seed = unit.rigs[0]
+    logs, models = simulate(on_rig, seed), contest["models"]
     cells = []
     for setting, values in grids.items():
         for value in values:
-            changed = contest._replace(
-                models={**contest.models, "fprc": {**contest.models["fprc"], setting: value}}
+            fprc = {**models["fprc"], setting: value}
+            changed = Contest(
+                **{**contest, "models": {**models, "fprc": fprc}}, tuned=unit.family["tuned"]
             )
             errors = {
                 name: _trained(name, logs["sweep"], logs["complex"], changed, seed)[1]
@@ -256,6 +289,15 @@ def _with_disturbed_p_o(
         "shifted": shifted,
         "disturbed": {kind: _error(model, name, each) for kind, each in disturbed.items()},
     }
+
+
+def judge_steps(unit: Unit, *, contest: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Time a step of every model on this machine: ``seed``, ``step_us`` by model, the machine."""
+    on_rig, seed = unit.rigs[0]
+    entered = Contest(**contest, tuned=unit.family["tuned"])
+    logs = simulate(on_rig, seed)
+    times = {name: time_of_step(name, logs, entered, seed) for name in ALL}
+    return [{"seed": seed, **machine(), "step_us": times}]
 
 
 def time_of_step(name: str, logs: Mapping[str, Data], contest: Contest, seed: int) -> float:

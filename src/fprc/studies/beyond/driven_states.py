@@ -8,6 +8,7 @@ import numpy as np
 from fprc.control.simulated import simulate_tracking
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import EvaluationError
+from fprc.experiments.settings import Unit
 from fprc.models import EchoStates, lowpass, taps
 from fprc.studies.beyond.capacity import Capacities, processing_capacity
 
@@ -19,12 +20,8 @@ _AT_ONCE = 200
 
 
 def judge_capacity(
-    rig: Mapping[str, Any],
-    control: Mapping[str, Any],
-    models: Mapping[str, Any],
-    capacity: Mapping[str, Any],
-    seed: int,
-) -> dict[str, Any]:
+    unit: Unit, *, models: Mapping[str, Any], capacity: Mapping[str, Any]
+) -> list[dict[str, Any]]:
     """Return memory and information processing capacities of several sets of states.
 
     The input is random: theta_d holds values that are independent and uniform over
@@ -41,22 +38,22 @@ def judge_capacity(
 
     Parameters
     ----------
-    rig, control, models : Mapping
-        Those sections of the configuration.
+    unit : Unit
+        Its rig, and its first seed: of the input, the rig and the network.
+    models : Mapping
+        Section of the configuration.
     capacity : Mapping
         ``hold_s``, ``angle_range_deg``, ``samples`` (holds that count), ``washout`` (holds before
         them), ``max_delay``, ``max_degree``, ``p`` (as in ``processing_capacity``),
         ``virtual_nodes``, ``bank_epsilons``, ``esn_nodes``.
-    seed : int
-        Seed of the input, the rig and the network.
 
     Returns
     -------
-    dict
-        ``noise_of_p_o``: standard deviation of the noise over that of the signal. ``sets``: for
-        each set the number of ``states``, the ``rank``, the ``threshold``, the capacities
-        ``by_degree`` and, of the input itself, ``by_delay``; ``memory`` is that of degree 1,
-        ``nonlinear`` that of all higher degrees, ``total`` their sum.
+    list of one dict
+        ``seed``. ``noise_of_p_o``: standard deviation of the noise over that of the signal.
+        ``sets``: for each set the number of ``states``, the ``rank``, the ``threshold``, the
+        capacities ``by_degree`` and, of the input itself, ``by_delay``; ``memory`` is that of
+        degree 1, ``nonlinear`` that of all higher degrees, ``total`` their sum.
 
     Raises
     ------
@@ -65,6 +62,8 @@ def judge_capacity(
     SimulationError
         The simulation diverges.
     """
+    on_rig, seed = unit.rigs[0]
+    rig, control = on_rig.rig, on_rig.control
     hold = round(capacity["hold_s"] * control["sample_rate_hz"])
     if hold < capacity["virtual_nodes"]:
         raise EvaluationError(
@@ -96,13 +95,11 @@ def judge_capacity(
     }
     how = {name: capacity[name] for name in ("max_delay", "max_degree", "p")}
     judged = slice(capacity["washout"], None)
-    return {
-        "noise_of_p_o": noise,
-        "sets": {
-            name: _summary(states, processing_capacity(u[judged], states[judged], **how))
-            for name, states in sets.items()
-        },
+    found = {
+        name: _summary(states, processing_capacity(u[judged], states[judged], **how))
+        for name, states in sets.items()
     }
+    return [{"seed": seed, "noise_of_p_o": noise, "sets": found}]
 
 
 def _p_o(

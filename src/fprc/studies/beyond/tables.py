@@ -272,7 +272,7 @@ def over_settings(cells: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
     Columns ``world``, ``setting`` (epsilon or n_c), ``value`` of the setting, ``mean`` of the
     ratio, its 95 % interval ``low`` and ``high``, ``units`` and ``source``.
     """
-    table = pd.DataFrame(cells)
+    table = pd.DataFrame(cells).rename(columns={"family": "world"})
     table["log"] = np.log(table["fprc"] / table["fprc_lowpass"])
     keys = ["world", "setting", "value"]
     rows = []

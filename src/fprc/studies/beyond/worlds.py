@@ -1,8 +1,8 @@
 """Read the measurements of a world of the target ``beyond``; a world is one rig or a set of rigs.
 
-A world's file has ``name``, ``source``, ``fitted`` (the terms that its rigs were fitted to),
-``unit`` (seed or rig), ``cells`` (one per simulated build, with the errors of each model),
-``capacity``, ``training_length`` and ``step_us``.
+A world has ``name``, ``source``, ``fitted`` (the terms that its rigs were fitted to), ``unit``
+(seed or rig), ``cells`` (one per simulated build, with the errors of each model), ``capacity``,
+``training_length`` and ``step_us``.
 """
 
 import math
@@ -52,6 +52,12 @@ WORLDS = {
     "near_print": ("near print", "rigs near the errors of Tables II and III"),
     "drawn": ("drawn", "rigs that were drawn from the physical ranges, not fitted"),
 }
+
+
+def world_of(report: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the one family of a report of ``fprc.studies.stages.judge`` as a world."""
+    ((name, described),) = report["families"].items()
+    return {"name": name, "source": report["source"], **described, "cells": report["cells"]}
 
 
 def world_title(name: str) -> str:

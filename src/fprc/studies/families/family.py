@@ -12,10 +12,10 @@ from pydantic import ValidationError
 
 from fprc.artifacts import read_json
 from fprc.config.rig import Rig
-from fprc.errors import EvaluationError, FprcError
+from fprc.errors import EvaluationError, FprcError, in_one_line
 from fprc.experiments.comparison import compare_models
 from fprc.experiments.hysteresis import simulate
-from fprc.experiments.settings import Judgement, RigSettings
+from fprc.experiments.settings import Judgement, RigSettings, Unit
 from fprc.experiments.tracking import Track, measure_control
 from fprc.registry import controllers
 from fprc.studies.calibration.objective import properties
@@ -27,10 +27,8 @@ _MOST_DRAWS = 2000
 _PARAMETERS = 20241
 
 
-def rigs_of(
-    unit: int, family: Mapping[str, Any], near_print: str = ""
-) -> list[tuple[RigSettings, int]]:
-    """Return the rig of a unit, once with each of its seeds.
+def unit_of(number: int, family: Mapping[str, Any], near_print: str = "") -> Unit:
+    """Return a unit of a family, with its rig and seeds.
 
     Parameters
     ----------
@@ -49,29 +47,25 @@ def rigs_of(
     on_rig = RigSettings(**family["on_rig"])
     if family["rigs"] == "near_print":
         known = read_json(near_print)["rigs"]
-        if unit >= len(known):
+        if number >= len(known):
             raise FprcError(
-                f"{near_print}: has {len(known)} rigs, and rig {unit} is needed; reduce "
+                f"{near_print}: has {len(known)} rigs, and rig {number} is needed; reduce "
                 "beyond.rigs or beyond.tuning.units"
             )
-        on_rig = replace(on_rig, rig=Rig.model_validate(known[unit]).model_dump(mode="json"))
+        on_rig = replace(on_rig, rig=Rig.model_validate(known[number]).model_dump(mode="json"))
     elif family["rigs"] == "drawn":
         drawn = family["drawn"]
         free = free_parameters(**family["free"])
-        on_rig, _ = draw_rig(drawn["seed"] + unit, drawn, free, on_rig)
-    first = family["first_seed"] + unit * family["seeds_per_rig"]
-    return [(on_rig, seed) for seed in range(first, first + family["seeds_per_rig"])]
+        on_rig, _ = draw_rig(drawn["seed"] + number, drawn, free, on_rig)
+    first = family["first_seed"] + number * family["seeds_per_rig"]
+    seeds = range(first, first + family["seeds_per_rig"])
+    return Unit(number, family, [(on_rig, seed) for seed in seeds])
 
 
 def judge_tables(
-    cell: Mapping[str, int],
-    *,
-    family: Mapping[str, Any],
-    near_print: str,
-    tracking: Mapping[str, Any],
-    judgement: Mapping[str, Any],
-) -> dict[str, Any]:
-    """Judge the rig of the unit ``cell["unit"]`` with the full models, on the first of its seeds.
+    unit: Unit, *, tracking: Mapping[str, Any], judgement: Mapping[str, Any]
+) -> list[dict[str, Any]]:
+    """Judge the rig of a unit with the full models, on the first of its seeds.
 
     Parameters
     ----------
@@ -80,11 +74,11 @@ def judge_tables(
 
     Returns
     -------
-    dict
+    list of one dict
         ``seed``, and ``compared`` (Tables II and III) and ``measured`` (Table IV); or
         ``failed`` instead of these two, where an error ended the judgement.
     """
-    on_rig, seed = rigs_of(cell["unit"], family, near_print)[0]
+    on_rig, seed = unit.rigs[0]
     how = Judgement(**judgement, seed=seed)
     bench = Track(tracking, on_rig.control, on_rig.rig, seed)
     try:
@@ -92,9 +86,9 @@ def judge_tables(
         compared, models = compare_models(data, how)
         measured = measure_control(data["sweep"], bench, models, controllers(how.models))
     except FprcError as error:
-        return {"seed": seed, "failed": " ".join(str(error).split())}
+        return [{"seed": seed, "failed": in_one_line(error)}]
     source = {"source": "sim"}
-    return {"seed": seed, "compared": compared | source, "measured": measured | source}
+    return [{"seed": seed, "compared": compared | source, "measured": measured | source}]
 
 
 def draw_rig(

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.special import ndtr, ndtri
 
 from fprc.config.rig import Rig
-from fprc.errors import EvaluationError, FprcError
+from fprc.errors import EvaluationError, FprcError, in_one_line
 from fprc.experiments.settings import RigSettings
 from fprc.signals import rms
 from fprc.studies.calibration.space import Free, decode
@@ -175,7 +175,7 @@ def judge_member(
         judged = judge_by_surrogate(moved, cell["seed"], models, surrogate, {}, {})
         logs = [math.log(ratio * judged["errors"][key]) for key, ratio in ratios.items()]
     except (FprcError, ValueError) as error:  # ValueError: from pydantic, or log(0)
-        return {"impossible": " ".join(str(error).split())}
+        return {"impossible": in_one_line(error)}
     if not np.isfinite(logs).all():
         return {"impossible": "an error is not finite"}
     if not is_plausible(judged["properties"], drawn):

@@ -12,7 +12,7 @@ from matplotlib.colors import LogNorm
 from pydantic import ValidationError
 
 from fprc.config.rig import Rig
-from fprc.errors import FprcError
+from fprc.errors import FprcError, in_one_line
 from fprc.experiments.settings import RigSettings
 from fprc.paper import MODELS, REFERENCE_NAMES, REFERENCES
 from fprc.registry import title_of
@@ -79,7 +79,7 @@ def judge_moved(
             for seed in seeds
         ]
     except (ValidationError, FprcError) as error:
-        return {"numbers": None, "impossible": " ".join(str(error).split())}
+        return {"numbers": None, "impossible": in_one_line(error)}
     source = {"train": "errors", "test": "errors", "loops": "properties"}
     numbers: dict[str, dict[str, float]] = {group: {} for group in _GROUPS}
     for group, key in names_of_numbers():

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from fprc.errors import FprcError
+from fprc.errors import FprcError, in_one_line
 from fprc.experiments.hysteresis import simulate
+from fprc.experiments.settings import Unit
 from fprc.experiments.tracking import TRACKING_RUNS, Track, columns_for, tracking_rmse
 from fprc.models import SequenceModel
 from fprc.paper import DISTURBANCE, REFERENCES
 from fprc.registry import build
-from fprc.studies.families.family import rigs_of
 from fprc.studies.online.follow_up import STATES, follow_up
 
 #: Constant offsets of P_o since the training, kPa.
@@ -60,22 +60,17 @@ def changed_rig(rig: Mapping[str, Any], condition: str) -> dict[str, Any]:
 
 
 def judge_online(
-    cell: Mapping[str, int],
-    *,
-    family: Mapping[str, Any],
-    near_print: str,
-    tracking: Mapping[str, Any],
-    models: Mapping[str, Any],
-) -> dict[str, Any]:
-    """Judge the rig of the unit ``cell["unit"]``, on the first of its seeds.
+    unit: Unit, *, tracking: Mapping[str, Any], models: Mapping[str, Any]
+) -> list[dict[str, Any]]:
+    """Judge the rig of a unit, on the first of its seeds.
 
     Returns
     -------
-    dict
+    list of one dict
         ``seed``, and ``rows``: each with ``model``, ``condition``, ``learns``, ``loop``,
         ``reference`` and ``rmse_deg``; or ``failed``, where an error ended the judgement.
     """
-    on_rig, seed = rigs_of(cell["unit"], family, near_print)[0]
+    on_rig, seed = unit.rigs[0]
     try:
         sweep = simulate(replace(on_rig, signals={"sweep": on_rig.signals["sweep"]}), seed)["sweep"]
         fitted = {}
@@ -95,8 +90,8 @@ def judge_online(
             if condition == "none":
                 rows += _followed_up(bench)
     except (FprcError, ValueError, np.linalg.LinAlgError) as error:
-        return {"seed": seed, "failed": " ".join(str(error).split())}
-    return {"seed": seed, "rows": rows}
+        return [{"seed": seed, "failed": in_one_line(error)}]
+    return [{"seed": seed, "rows": rows}]
 
 
 def _followed(

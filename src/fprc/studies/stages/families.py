@@ -1,8 +1,7 @@
-"""Judge families of rigs, and show them side by side."""
+"""Judge the claims on families of rigs, and show the families side by side."""
 
 import math
 from collections.abc import Mapping, Sequence
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,14 +13,12 @@ from fprc.claims.finding import REPRODUCED, Results
 from fprc.claims.ledger import judge_claims, status_of
 from fprc.claims.paper import CLAIMS, TIMED
 from fprc.errors import FprcError
-from fprc.evaluation.cells import judged_cells
 from fprc.figures import style
 from fprc.paper import SOURCES
 from fprc.signals import rms
 from fprc.studies.calibration.objective import errors_of, printed_errors
 from fprc.studies.families import tables
 from fprc.studies.families.claims import JUDGED_BY_RIG, WORTH, share_of
-from fprc.studies.families.family import judge_tables
 from fprc.studies.families.figures import plot_shares
 from fprc.tables.text import format_mean, spread, write_table
 from fprc.yaml_file import read_yaml
@@ -31,41 +28,6 @@ _RANGES = (
     "Of one rig: mean and its 95 % interval over seeds. Of many rigs, one recording of each: "
     "median and 95 % of the rigs."
 )
-
-
-def judge_family(
-    near_print: str,
-    judged: str,
-    *,
-    units: Sequence[int],
-    family: Mapping[str, Any],
-    tracking: Mapping[str, Any],
-    judgement: Mapping[str, Any],
-    **run: Any,
-) -> None:
-    """Compute Tables II to IV on some rigs of a family.
-
-    Parameters
-    ----------
-    near_print : str
-        File of the rigs near print.
-    family : Mapping
-        See ``rigs_of``.
-    judgement : Mapping
-        Arguments of ``Judgement`` without the seed.
-    **run
-        ``checkpoint`` and ``version`` of ``judged_cells``.
-    """
-    how: dict[str, Any] = {"family": family, "tracking": tracking, "judgement": judgement}
-    with judged_cells(
-        partial(judge_tables, near_print=near_print, **how),
-        [{"unit": unit} for unit in units],
-        workers=1,
-        settings=how,
-        files=[near_print],
-        **run,
-    ) as rigs:
-        write_json(judged, {"source": "sim", "rigs": rigs})
 
 
 def compare_families(
@@ -89,7 +51,7 @@ def compare_families(
         Families of one rig: the terms that it was fitted to. Families of many rigs: these
         ``terms``, the ``title`` and the ``description``.
     **chunks
-        Results of ``judge_family`` of each set.
+        Results of ``judge_tables`` of each set.
 
     Writes a list of families, each with ``name``, ``title``, ``description``, ``units``,
     ``failed``; ``errors``, a row per printed number with its ``published``, ``middle``, ``low``
@@ -125,7 +87,7 @@ def compare_families(
             }
         )  # fmt: skip
     for name, described in sets.items():
-        rigs = [rig for path in chunks[name] for rig in read_json(path)["rigs"]]
+        rigs = [rig for path in chunks[name] for rig in read_json(path)["cells"]]
         families.append(_family_of_rigs(name, rigs, printed, **described))
     write_json(summary, {"source": "sim", "families": families})
 

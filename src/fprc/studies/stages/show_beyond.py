@@ -11,6 +11,7 @@ from fprc.studies.beyond import figures as figures
 from fprc.studies.beyond import tables as tables
 from fprc.studies.beyond.claims import beside_b1, judge_world
 from fprc.studies.beyond.verdicts import claims as claims_table
+from fprc.studies.beyond.worlds import world_of
 
 
 def tabulate_beyond(
@@ -38,12 +39,12 @@ def tabulate_beyond(
         Tables by name: ``models``, ``claims``, ``tracking``, ``offsets``, ``capacities``,
         ``lengths``, ``settings``.
     """
-    found = [read_json(path) for path in worlds]
-    by_world = read_json(capacity)["worlds"]
+    found = [world_of(read_json(path)) for path in worlds]
+    capacities = read_json(capacity)["cells"]
     for world in found:
-        world["capacity"] = by_world.get(world["name"])
-    found[0]["training_length"] = read_json(training)["training_length"]
-    found[0]["step_us"] = read_json(steps)["step_us"]
+        world["capacity"] = [each for each in capacities if each["family"] == world["name"]]
+    found[0]["training_length"] = read_json(training)["cells"]
+    found[0]["step_us"] = read_json(steps)["cells"][0]["step_us"]
     ledgers = [judge_world(world) for world in found]
     outcome = {
         "source": "sim",
@@ -59,7 +60,7 @@ def tabulate_beyond(
         "offsets": tables.offsets(found),
         "capacities": tables.capacity(found),
         "lengths": tables.lengths(found),
-        "settings": tables.over_settings(read_json(over_settings)["worlds"]),
+        "settings": tables.over_settings(read_json(over_settings)["cells"]),
     }
     paths = [csv[name] for name in made]
     write_json(verdicts, outcome)

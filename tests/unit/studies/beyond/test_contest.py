@@ -5,10 +5,11 @@ from fprc.config import Settings
 from fprc.errors import EvaluationError
 from fprc.evaluation import rmse
 from fprc.experiments.hysteresis import simulate
-from fprc.experiments.settings import RigSettings
+from fprc.experiments.settings import RigSettings, Unit
 from fprc.experiments.tracking import Track, tracking_errors
 from fprc.models import FPRC
 from fprc.registry import COMPETITORS, choice_of
+from fprc.studies.beyond import contest as contests
 from fprc.studies.beyond.contest import (
     ALL,
     BRIEF,
@@ -16,6 +17,7 @@ from fprc.studies.beyond.contest import (
     Contest,
     judge_build,
     judge_lengths,
+    judge_models,
     judge_settings,
     time_of_step,
 )
@@ -43,6 +45,18 @@ def contest():
     }
     tuned = {"fprc_tuned": {}, "bank_tuned": {"alpha": 1.0}}
     return Contest(SETTINGS["models"], tuned, 1, tracking, [-2.0, 0.0], 2.0, 1.0)
+
+
+@pytest.fixture(scope="module")
+def how(contest):
+    """What the functions take that judge a unit."""
+    return {key: value for key, value in contest._asdict().items() if key != "tuned"}
+
+
+@pytest.fixture(scope="module")
+def unit(on_rig, contest):
+    family = {"every_model": False, "tuned": contest.tuned}
+    return Unit(0, family, [(on_rig, SEED)])
 
 
 @pytest.fixture(scope="module")
@@ -124,10 +138,10 @@ def test_tuned_settings_replace_the_defaults_and_no_others(judged):
     assert train["bank_tuned"] > train["bank"]  # a stronger ridge
 
 
-def test_length_of_the_usual_log_gives_the_usual_error(judged, on_rig, contest):
+def test_length_of_the_usual_log_gives_the_usual_error(judged, on_rig, unit, how):
     sweep, second = on_rig.signals["sweep"], on_rig.signals["complex"]
     short, usual, both = judge_lengths(
-        on_rig, SEED, ("fprc",), contest, seconds=[10.0, sweep["duration_s"]], second_log=second
+        unit, contest=how, seconds=[10.0, sweep["duration_s"]], second_log=second, names=("fprc",)
     )
     assert usual["models"]["fprc"]["test_rmse_kpa"] == judged["fprc"]["forward"]["test_rmse_kpa"]
     assert short["models"] != usual["models"]
@@ -136,15 +150,39 @@ def test_length_of_the_usual_log_gives_the_usual_error(judged, on_rig, contest):
     assert both["models"]["fprc"]["test_rmse_kpa"] < usual["models"]["fprc"]["test_rmse_kpa"]
 
 
-def test_changed_setting_is_that_of_both_models(judged, on_rig, contest):
+def test_changed_setting_is_that_of_both_models(judged, unit, how):
     own = SETTINGS["models"]["fprc"]["n_c"]
-    cells = judge_settings(on_rig, SEED, contest, {"epsilon": [1.0], "n_c": [own]})
+    cells = judge_settings(unit, contest=how, grids={"epsilon": [1.0], "n_c": [own]})
     assert [(cell["setting"], cell["value"]) for cell in cells] == [("epsilon", 1.0), ("n_c", own)]
     for name in ("fprc", "fprc_lowpass"):
         forward = judged[name]["forward"]["test_rmse_kpa"] if name in judged else None
         assert forward in (None, cells[1][name])
     assert cells[0]["fprc"] != cells[1]["fprc"]
     assert cells[0]["fprc_lowpass"] != cells[1]["fprc_lowpass"]
+
+
+@pytest.mark.parametrize(("every", "number"), [(False, 0), (True, 0), (True, 2)])
+def test_slow_models_are_judged_on_the_first_units_only(monkeypatch, on_rig, how, every, number):
+    monkeypatch.setattr(contests, "judge_build", lambda rig, seed, names, contest: list(names))
+    unit = Unit(number, {"every_model": every, "tuned": {}}, [(on_rig, 5), (on_rig, 6)])
+    builds = judge_models(unit, contest=how, slow=2)
+    names = [*ALL] if every else [*BRIEF]
+    if number == 2:
+        names = [name for name in names if name not in SLOW]
+    assert builds == [{"seed": 5, "models": names}, {"seed": 6, "models": names}]
+
+
+def test_build_that_cannot_be_simulated_is_lost_alone(monkeypatch, on_rig, how):
+    def judge(rig, seed, names, contest):
+        if seed == 5:
+            raise EvaluationError("it\ndiverged")
+        return {}
+
+    monkeypatch.setattr(contests, "judge_build", judge)
+    unit = Unit(0, {"every_model": False, "tuned": {}}, [(on_rig, 5), (on_rig, 6)])
+    assert judge_models(unit, contest=how, slow=0) == [
+        {"seed": 5, "failed": "it diverged"}, {"seed": 6, "models": {}}
+    ]  # fmt: skip
 
 
 def test_step_takes_time(logs, contest):

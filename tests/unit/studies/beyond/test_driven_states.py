@@ -7,6 +7,7 @@ from fprc.config import Settings
 from fprc.control.simulated import simulate_tracking
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import EvaluationError
+from fprc.experiments.settings import RigSettings, Unit
 from fprc.studies.beyond import driven_states as experiment
 from fprc.studies.beyond.driven_states import judge_capacity
 
@@ -32,7 +33,9 @@ def judge(rig, control):
     def judge(seed=1, capacity=SMALL, **sections):
         for section, changed in sections.items():
             rig[section] |= changed
-        return judge_capacity(rig, control, MODELS, capacity, seed)
+        on_rig = RigSettings(rig, control, {}, "command")
+        (found,) = judge_capacity(Unit(0, {}, [(on_rig, seed)]), models=MODELS, capacity=capacity)
+        return found
 
     return judge
 

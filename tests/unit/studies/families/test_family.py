@@ -15,7 +15,7 @@ from fprc.rig.simulator import draw_instruments
 from fprc.studies.calibration.space import decode, encode, free_parameters
 from fprc.studies.families import family as families
 from fprc.studies.families.claims import share_of
-from fprc.studies.families.family import draw_rig, judge_tables, rigs_of
+from fprc.studies.families.family import draw_rig, judge_tables, unit_of
 
 PATHS = [
     "bending.stiffness_kpa_per_deg",
@@ -54,7 +54,7 @@ def stream(seed):
 
 
 def test_each_unit_of_one_rig_is_a_seed(family):
-    units = [rigs_of(unit, family) for unit in (0, 1)]
+    units = [unit_of(number, family).rigs for number in (0, 1)]
     assert [[seed for _, seed in each] for each in units] == [[601], [602]]
     assert units[0][0][0].rig == SETTINGS["rig"]
 
@@ -62,7 +62,7 @@ def test_each_unit_of_one_rig_is_a_seed(family):
 def test_drawn_rig_has_its_own_seeds_and_is_that_of_its_number(family):
     family |= {"rigs": "drawn", "seeds_per_rig": 3, "drawn": WIDE | {"seed": SEED}}
     family["free"] = {"paths": PATHS, "ranges": RANGES}
-    first, second = (rigs_of(unit, family) for unit in (0, 1))
+    first, second = (unit_of(number, family).rigs for number in (0, 1))
     assert [seed for _, seed in first + second] == [601, 602, 603, 604, 605, 606]
     assert first[0][0] == first[2][0] != second[0][0]
     assert (
@@ -74,11 +74,11 @@ def test_rig_near_print_gets_the_keys_that_it_lacks(family, tmp_path):
     path = tmp_path / "near_print.json"
     path.write_text(json.dumps({"rigs": [{"bending": {"friction_kpa": 7.5}}]}))
     family["rigs"] = "near_print"
-    on_rig = rigs_of(0, family, str(path))[0][0]
+    on_rig = unit_of(0, family, str(path)).rigs[0][0]
     assert on_rig.rig["bending"]["friction_kpa"] == 7.5
     assert on_rig.rig["valve"] == SETTINGS["rig"]["valve"]
     with pytest.raises(FprcError, match="1 rigs"):
-        rigs_of(1, family, str(path))
+        unit_of(1, family, str(path))
 
 
 @pytest.mark.parametrize("failure", [None, SimulationError("simulated rig: the angle diverged")])
@@ -94,13 +94,7 @@ def test_all_parts_of_a_judgement_are_of_one_rig_and_one_seed(family, monkeypatc
     monkeypatch.setattr(families, "compare_models", compare)
     monkeypatch.setattr(families, "measure_control", measure)
     judgement = {"models": SETTINGS["models"], "folds": 2, "split": "shuffled"}
-    judged = judge_tables(
-        {"unit": 4},
-        family=family,
-        near_print="",
-        tracking=SETTINGS["tracking"],
-        judgement=judgement,
-    )
+    (judged,) = judge_tables(unit_of(4, family), tracking=SETTINGS["tracking"], judgement=judgement)
     assert judged["seed"] == 605
     if failure:
         assert judged == {"seed": 605, "failed": str(failure)}

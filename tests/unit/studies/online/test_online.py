@@ -8,6 +8,7 @@ from fprc.artifacts import read_json, write_json
 from fprc.config import Settings
 from fprc.experiments.tracking import Track, tracking_rmse
 from fprc.paper import REFERENCES
+from fprc.studies.families.family import unit_of
 from fprc.studies.online import show
 from fprc.studies.online.follow_up import STATES, follow_up
 from fprc.studies.online.judge import changed_rig, conditions, disturbed, judge_online
@@ -32,10 +33,7 @@ def judged():
     on_rig = {"rig": SETTINGS["rig"], "control": SETTINGS["control"], "signals": signals,
               "target": "command"}  # fmt: skip
     family = {"rigs": "one", "first_seed": 5, "seeds_per_rig": 1, "on_rig": on_rig}
-    found = judge_online(
-        {"unit": 0}, family=family, near_print="", tracking=shortened(3.0),
-        models=SETTINGS["models"],
-    )  # fmt: skip
+    (found,) = judge_online(unit_of(0, family), tracking=shortened(3.0), models=SETTINGS["models"])
     assert "failed" not in found
     return pd.DataFrame(found["rows"])
 
@@ -148,8 +146,9 @@ def test_offset_that_grows_the_error_by_its_limit_is_undecided():
 
 
 def test_tables_and_figure_are_written(tmp_path):
-    path = tmp_path / "dry.json"
-    write_json(path, family())
+    path, cells = tmp_path / "dry.json", family()["cells"]
+    described = {"dry": {"fitted": [], "unit": "seed"}}
+    write_json(path, {"source": "sim", "families": described, "cells": cells})
     for name in show.TABLES:
         files = {kind: str(tmp_path / f"{name}.{kind}") for kind in ("csv", "md", "tex")}
         stage.tabulate_online([str(path)], table=name, **files)

@@ -92,7 +92,7 @@ def compared(reports_of, judged, tmp_path):
     rigs.append({"unit": 3, "seed": 3, "failed": "it diverged"})
     chunks = [str(tmp_path / f"drawn_{first}.json") for first in (0, 2)]
     for path, part in zip(chunks, (rigs[:2], rigs[2:]), strict=True):
-        Path(path).write_text(json.dumps({"source": "sim", "rigs": part}))
+        Path(path).write_text(json.dumps({"source": "sim", "cells": part}))
     summary = str(tmp_path / "summary.json")
     stage.compare_families(
         **files, drawn=chunks, summary=summary, named={"dry": [], "viscous": ["tables"]}, sets=SETS
@@ -138,7 +138,7 @@ def test_tables_show_every_family(compared, tmp_path):
 
 def test_set_of_which_no_rig_could_be_judged_is_an_error(reports_of, judged, tmp_path):
     chunk = tmp_path / "drawn_0.json"
-    chunk.write_text(json.dumps({"rigs": [{"unit": 0, "seed": 0, "failed": "it diverged"}]}))
+    chunk.write_text(json.dumps({"cells": [{"unit": 0, "seed": 0, "failed": "it diverged"}]}))
     with pytest.raises(FprcError, match="drawn.*it diverged"):
         stage.compare_families(
             **reports_of({"dry": 0.1}), drawn=[str(chunk)], summary=str(tmp_path / "summary.json"),

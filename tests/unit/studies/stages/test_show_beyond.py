@@ -15,7 +15,7 @@ CSV = ("models", "claims", "tracking", "offsets", "capacities", "lengths", "sett
 
 #: FPRC is 20 % better with P_o at epsilon 0.01, on every seed but one.
 SETTINGS = [
-    {"world": "dry", "unit": unit, "setting": setting, "value": value, "fprc": ours,
+    {"family": "dry", "unit": unit, "setting": setting, "value": value, "fprc": ours,
      "fprc_lowpass": 10.0}
     for setting, values in (("epsilon", (0.001, 0.01)), ("n_c", (2, 4)))
     for value in values
@@ -31,12 +31,18 @@ def tabulated(make_world, tmp_path_factory):
     worlds = [make_world(spread=0.02), make_world("viscous", spread=0.02)]
     taken = [{name: world.pop(name) for name in parts} for world in worlds]
     written = {
-        "dry": worlds[0],
-        "viscous": worlds[1],
-        "capacity": {"worlds": {"dry": taken[0]["capacity"]}},
-        "training": {"training_length": taken[0]["training_length"]},
-        "steps": {"step_us": taken[0]["step_us"]},
-        "settings": {"worlds": SETTINGS},
+        world["name"]: {
+            "source": "sim",
+            "families": {world["name"]: {key: world[key] for key in ("fitted", "unit")}},
+            "cells": world["cells"],
+        }
+        for world in worlds
+    }
+    written |= {
+        "capacity": {"cells": [{"family": "dry", **each} for each in taken[0]["capacity"]]},
+        "training": {"cells": taken[0]["training_length"]},
+        "steps": {"cells": [{"step_us": taken[0]["step_us"]}]},
+        "settings": {"cells": SETTINGS},
     }
     for name, content in written.items():
         (tmp_path / f"{name}.json").write_text(json.dumps(content))

@@ -1,0 +1,92 @@
+"""Judge families of simulated rigs, whatever is asked of them."""
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+from importlib import import_module
+from typing import Any
+
+from fprc.artifacts import write_json
+from fprc.errors import FprcError
+from fprc.evaluation.cells import judged_cells
+from fprc.studies.families.family import unit_of
+from fprc.yaml_file import read_yaml
+
+
+def judge_families(
+    judged: str,
+    near_print: str = "",
+    tuned: str = "",
+    *,
+    judge: str,
+    families: Sequence[Mapping[str, Any]],
+    units: Sequence[int],
+    how: Mapping[str, Any],
+    **run: Any,
+) -> None:
+    """Judge some units of families of rigs with one function.
+
+    Writes ``families``, by name what each is ``fitted`` to and the ``unit`` that its rigs are
+    counted by; and ``cells``, all that the function found, each with its ``family`` and ``unit``.
+
+    Parameters
+    ----------
+    near_print : str
+        File of the rigs near print, if a family has them.
+    tuned : str
+        Settings of the tuned models, by family and name, if the function needs them.
+    judge : str
+        Function below ``fprc.studies``, such as ``online.judge.judge_online``. It takes a
+        ``fprc.experiments.settings.Unit`` and ``how``, and returns a list of JSON mappings.
+    families : sequence of Mapping
+        See ``fprc.studies.families.family.unit_of``; also ``name`` and ``fitted``.
+    **run
+        ``workers``, ``checkpoint`` and ``version`` of ``judged_cells``.
+    """
+    by_name = {family["name"]: dict(family) for family in families}
+    if tuned:
+        for name, family in by_name.items():
+            family["tuned"] = _tuned(tuned, name)
+    with judged_cells(
+        partial(_judge, judge=judge, families=by_name, near_print=near_print, how=how),
+        [{"family": name, "unit": unit} for name in by_name for unit in units],
+        settings=[by_name, how],
+        files=[near_print] if near_print else [],
+        **run,
+    ) as cells:
+        described = {
+            name: {
+                "fitted": family["fitted"],
+                "unit": "seed" if family["rigs"] == "one" else "rig",
+            }
+            for name, family in by_name.items()
+        }
+        found = [
+            {"family": cell["family"], "unit": cell["unit"], **row}
+            for cell in cells
+            for row in cell["found"]
+        ]
+        write_json(judged, {"source": "sim", "families": described, "cells": found})
+
+
+def _judge(
+    cell: Mapping[str, Any],
+    *,
+    judge: str,
+    families: Mapping[str, Mapping[str, Any]],
+    near_print: str,
+    how: Mapping[str, Any],
+) -> dict[str, Any]:
+    module, _, function = judge.rpartition(".")
+    judged_by = getattr(import_module(f"fprc.studies.{module}"), function)
+    unit = unit_of(cell["unit"], families[cell["family"]], near_print)
+    return {"found": judged_by(unit, **how)}
+
+
+def _tuned(path: str, family: str) -> Any:
+    known = read_yaml(path)
+    if family not in known:
+        raise FprcError(
+            f"{path}: no settings for the world {family}; make them with the target `tuned`, and "
+            "copy results/beyond/tuned.yaml there"
+        )
+    return known[family]

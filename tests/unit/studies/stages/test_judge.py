@@ -1,0 +1,67 @@
+import pytest
+
+from fprc.artifacts import read_json
+from fprc.config import Settings
+from fprc.errors import FprcError
+from fprc.studies.stages.judge import judge_families
+
+SETTINGS = Settings().model_dump(mode="json")
+
+
+@pytest.fixture
+def family(signals):
+    return {
+        "name": "dry",
+        "rigs": "one",
+        "fitted": ["tables"],
+        "first_seed": 601,
+        "seeds_per_rig": 2,
+        "on_rig": {
+            **{name: SETTINGS[name] for name in ("rig", "control")},
+            "signals": signals,
+            "target": "command",
+        },
+    }
+
+
+@pytest.fixture
+def run(tmp_path):
+    """Judge with one process, which shares the module that a test has changed."""
+
+    def run(**how):
+        judge_families(
+            str(tmp_path / "judged.json"), workers=1, version="1",
+            checkpoint=str(tmp_path / "partial.jsonl"), **how,
+        )  # fmt: skip
+        return read_json(tmp_path / "judged.json")
+
+    return run
+
+
+def test_every_unit_of_every_family_is_judged_and_described(family, run, monkeypatch):
+    def judge(unit, factor):
+        return [{"seed": seed, "found": factor * unit.number} for _, seed in unit.rigs]
+
+    monkeypatch.setattr("fprc.studies.online.judge.judge_online", judge)
+    near = family | {"name": "other", "fitted": [], "seeds_per_rig": 1}
+    report = run(
+        judge="online.judge.judge_online", families=[family, near], units=[0, 2], how={"factor": 3}
+    )
+    assert report["families"] == {
+        "dry": {"fitted": ["tables"], "unit": "seed"}, "other": {"fitted": [], "unit": "seed"},
+    }  # fmt: skip
+    found = [tuple(cell[key] for key in ("family", "unit", "seed", "found")) for cell in
+             report["cells"]]  # fmt: skip
+    assert found == [
+        ("dry", 0, 601, 0), ("dry", 0, 602, 0), ("dry", 2, 605, 6), ("dry", 2, 606, 6),
+        ("other", 0, 601, 0), ("other", 2, 603, 6),
+    ]  # fmt: skip
+
+
+def test_family_without_tuned_settings_is_refused_before_anything_is_judged(family, run, tmp_path):
+    tuned = tmp_path / "tuned.yaml"
+    tuned.write_text("viscous: {}\n")
+    with pytest.raises(FprcError, match="no settings for the world dry"):
+        run(tuned=str(tuned), judge="beyond.contest.judge_models", families=[family], units=[0],
+            how={})  # fmt: skip
+    assert [path.name for path in tmp_path.iterdir()] == ["tuned.yaml"]
