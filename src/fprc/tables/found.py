@@ -48,7 +48,7 @@ def found(
 
 
 def _claims(claims: Sequence[Mapping[str, Any]], kinds: Mapping[str, Sequence[str]]) -> list[str]:
-    parts = []
+    parts: list[str] = []
     for words, statuses in kinds.items():
         verdicts = [claim["verdict"] for claim in claims if claim["rig"] in statuses]
         if verdicts:
