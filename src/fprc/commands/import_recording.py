@@ -158,11 +158,11 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
     recording = gather(
         content, time=time, channels=columns, start_s=mapping.start_s, end_s=mapping.end_s
     )
-    refuse_length(content, time, recording.clock, rate_hz)
+    refuse_length(content, time, recording, rate_hz)
     units = {name: "" if spec["unit"] == "1" else unit_of(name) for name, spec in columns.items()}
-    diagnosis = diagnose(recording.time_s, recording.channels, recording.clock.corrections)
+    diagnosis = diagnose(recording.time_s, recording.channels, recording.corrections)
     lines = describe(diagnosis, units)
-    if mapping.time.column and (hint := other_unit(recording.clock, mapping.time.unit)):
+    if mapping.time.column and (hint := other_unit(recording.time_s, mapping.time.unit)):
         lines.insert(1, f"clock: {hint}")
     lines += content.notes
     time_s, channels = resample(recording.time_s, recording.channels, rate_hz)

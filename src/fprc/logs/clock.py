@@ -26,32 +26,27 @@ class Clock(NamedTuple):
     """Time stamps of a file's samples, sorted."""
 
     begin_s: float  #: first time stamp, on the file's clock
-    since_s: np.ndarray  #: distinct time stamps relative to ``begin_s``, increasing
+    since_s: np.ndarray  #: time stamps relative to ``begin_s``, not decreasing
     samples: np.ndarray  #: indices of the file's samples that are used, in order of time
-    first: np.ndarray  #: index in ``samples`` of the first sample of each entry of ``since_s``
     #: ``unordered_samples``, ``repeated_samples``: counts in the file; ``repeated``: how repeated
-    #: time stamps were merged, ``first`` or ``mean``
+    #: time stamps are merged, ``first`` or ``mean``
     corrections: dict[str, Any]
 
-    def part(self, begin: int, end: int) -> "Clock":
-        """Return the clock restricted to time stamps ``begin`` to ``end`` (exclusive)."""
-        ends = [*self.first[end : end + 1], len(self.samples)]
-        return self._replace(
-            since_s=self.since_s[begin:end],
-            samples=self.samples[self.first[begin] : ends[0]],
-            first=self.first[begin:end] - self.first[begin],
-        )
 
-    def mean(self, values: np.ndarray) -> np.ndarray:
-        """Return values, one for each of ``samples``, averaged over equal time stamps."""
-        counts = np.diff(np.append(self.first, len(values)))
-        return np.add.reduceat(values, self.first) / counts
+class Recording(NamedTuple):
+    """Channels at their original time stamps, in the units of a raw log."""
+
+    time_s: np.ndarray  #: time stamps, increasing, 0 at the first sample kept
+    channels: dict[str, np.ndarray]
+    start_s: float  #: time stamp of the first sample kept, on the file's clock
+    samples: np.ndarray  #: for each time stamp, the index of its first sample in the file
+    corrections: dict[str, Any]  #: see ``Clock``
 
 
 def even(samples: int, rate_hz: float) -> Clock:
     """Return the clock of samples taken at a constant rate."""
     count = np.arange(samples)
-    return Clock(0.0, count / rate_hz, count, count, NO_CORRECTIONS)
+    return Clock(0.0, count / rate_hz, count, NO_CORRECTIONS)
 
 
 def read_clock(source: Source, time: Mapping[str, Any], stamps: np.ndarray) -> Clock:
@@ -91,13 +86,12 @@ def read_clock(source: Source, time: Mapping[str, Any], stamps: np.ndarray) -> C
         "repeated": time["repeated"] if repeated.size else None,
     }
     if time.get("repeated") != "mean":
-        order, ordered, fresh = order[fresh], ordered[fresh], fresh[fresh]
-    first = np.flatnonzero(fresh)
+        order = order[fresh]
     factor = SECONDS[time["unit"]]
     with np.errstate(over="ignore"):  # ``refuse_length`` rejects the overflow
         # subtract before converting, or stamps counted from 1970 would lose digits
-        since_s = (ordered[first] - ordered[0]) * factor
-        return Clock(float(ordered[0] * factor), since_s, order, first, corrections)
+        since_s = (stamps[order] - ordered[0]) * factor
+        return Clock(float(ordered[0] * factor), since_s, order, corrections)
 
 
 def _disorder(
@@ -138,9 +132,9 @@ def likely_rate(step: float) -> tuple[float, str] | None:
     return None
 
 
-def other_unit(clock: Clock, unit: str) -> str | None:
+def other_unit(time_s: np.ndarray, unit: str) -> str | None:
     """Suggest a unit that makes the rate plausible; None if it already is or no unit does."""
-    step_s = float(np.median(np.diff(clock.since_s)))
+    step_s = float(np.median(np.diff(time_s)))
     guess = likely_rate(step_s / SECONDS[unit])
     if guess is None or LIKELY_HZ[0] * step_s <= 1.0 <= LIKELY_HZ[1] * step_s:
         return None
@@ -150,7 +144,9 @@ def other_unit(clock: Clock, unit: str) -> str | None:
     )
 
 
-def refuse_length(source: Source, time: Mapping[str, Any], clock: Clock, rate_hz: float) -> None:
+def refuse_length(
+    source: Source, time: Mapping[str, Any], recording: Recording, rate_hz: float
+) -> None:
     """Check, before resampling, that a recording is neither too short nor too long.
 
     Raises
@@ -159,12 +155,12 @@ def refuse_length(source: Source, time: Mapping[str, Any], clock: Clock, rate_hz
         It is too short or too long; the message names the sample at which the clock jumped, or
         the unit that gives a plausible rate.
     """
-    since_s = clock.since_s
-    duration_s = float(since_s[-1] - since_s[0])
+    time_s = recording.time_s
+    duration_s = float(time_s[-1])
     where = f"{source.path}: time: {time.get('column') or 'rate_hz'}"
     with np.errstate(all="ignore"):
-        points = points_of(since_s, rate_hz) if duration_s <= LONGEST_S else duration_s * rate_hz
-        remedy = _remedy(source, time, clock)
+        points = points_of(time_s, rate_hz) if duration_s <= LONGEST_S else duration_s * rate_hz
+        remedy = _remedy(source, time, recording)
     if duration_s * rate_hz < 1.0:
         raise LogError(
             f"{where}: {duration_s:.4g} s are shorter than one sample at sample_rate_hz = "
@@ -178,19 +174,19 @@ def refuse_length(source: Source, time: Mapping[str, Any], clock: Clock, rate_hz
         )
 
 
-def _remedy(source: Source, time: Mapping[str, Any], clock: Clock) -> str:
+def _remedy(source: Source, time: Mapping[str, Any], recording: Recording) -> str:
     """Return what may be wrong with the clock, for the end of a message."""
     if not time.get("column"):
         return "; or correct time.rate_hz"
-    unit, steps_s = time["unit"], np.diff(clock.since_s)
+    unit, steps_s = time["unit"], np.diff(recording.time_s)
     hint = ""
     k = int(np.argmax(steps_s))
     if len(steps_s) > 1 and steps_s[k] > 0.5 * steps_s.sum():
-        before, after = (clock.samples[clock.first[i]] for i in (k, k + 1))
-        at = [(clock.begin_s + clock.since_s[i]) / SECONDS[unit] for i in (k, k + 1)]
+        before, after = recording.samples[[k, k + 1]]
+        at = (recording.start_s + recording.time_s[[k, k + 1]]) / SECONDS[unit]
         hint = (
             f"; the clock jumps from {at[0]:.10g} {unit} at {source.sample(before)} to "
             f"{at[1]:.10g} {unit} at {source.sample(after)}: repair it there"
         )
-    suggestion = other_unit(clock, unit)
+    suggestion = other_unit(recording.time_s, unit)
     return f"{hint}; {suggestion}" if suggestion else hint

@@ -1,28 +1,19 @@
 """Convert columns of another program's file to channels of a raw log."""
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from fprc.channels import CONVERTED
 from fprc.errors import LogError
-from fprc.logs.clock import Clock, even, read_clock
+from fprc.logs.clock import Clock, Recording, even, read_clock
 from fprc.logs.variables import Source, pick
 
 #: Factor from each unit to that of a raw log; ``1``: another quantity, not converted.
 FACTORS = {"1": 1.0} | {name: by for units in CONVERTED.values() for name, by in units.items()}
 #: Largest magnitude of a converted sample, in any unit.
 LARGEST = 1e12
-
-
-class Recording(NamedTuple):
-    """Channels at their original time stamps, in the units of a raw log."""
-
-    time_s: np.ndarray  #: time stamps, 0 at the first sample kept
-    channels: dict[str, np.ndarray]
-    start_s: float  #: time stamp of the first sample kept, on the file's clock
-    clock: Clock  #: relates ``time_s`` to the samples of the file
 
 
 def gather(
@@ -82,8 +73,14 @@ def gather(
                 problems.append(str(error))
     if problems or clock is None:
         raise LogError("\n".join(problems))
-    cut = clock.since_s[0]
-    return Recording(clock.since_s - cut, converted, float(clock.begin_s + cut), clock)
+    since_s, first, counts = np.unique(clock.since_s, return_index=True, return_counts=True)
+    return Recording(
+        since_s - since_s[0],
+        {name: np.add.reduceat(values, first) / counts for name, values in converted.items()},
+        float(clock.begin_s + since_s[0]),
+        clock.samples[first],
+        clock.corrections,
+    )
 
 
 def pick_all(source: Source, wanted: Mapping[str, str]) -> tuple[dict[str, np.ndarray], list[str]]:
@@ -102,12 +99,15 @@ def _window(source: Source, clock: Clock, start_s: float, end_s: float | None) -
     # 1e-9: the time stamps are rounded
     begin = int(np.searchsorted(clock.since_s, start_s - 1e-9, side="left"))
     end = int(np.searchsorted(clock.since_s, last + 1e-9, side="right"))
-    if end - begin < 2:
+    kept = slice(begin, end)
+    distinct = len(np.unique(clock.since_s[kept]))
+    if distinct < 2:
         raise LogError(
-            f"{source.path}: {max(end - begin, 0)} samples lie between start_s = {start_s:g} and "
-            f"end_s = {last:g}; the file has {len(clock.since_s)}, over {clock.since_s[-1]:g} s"
+            f"{source.path}: {distinct} distinct time stamps lie between start_s = {start_s:g} and "
+            f"end_s = {last:g}; the file has {len(clock.since_s)} samples, over "
+            f"{clock.since_s[-1]:g} s"
         )
-    return clock.part(begin, end)
+    return clock._replace(since_s=clock.since_s[kept], samples=clock.samples[kept])
 
 
 def _convert(
@@ -131,4 +131,4 @@ def _convert(
             f"{where}: {source.sample(k)} is {values[k]:g}; after scale, offset and unit it and "
             f"{bad.size - 1} more exceed {LARGEST:g}; correct these settings, or the file"
         )
-    return clock.mean(scaled)
+    return scaled

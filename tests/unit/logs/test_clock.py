@@ -2,7 +2,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -11,26 +11,25 @@ from fprc.logs.clock import (
     LONGEST_S,
     MOST_POINTS,
     SECONDS,
-    even,
     likely_rate,
     other_unit,
-    read_clock,
     refuse_length,
 )
+from fprc.logs.gather import gather
 from fprc.logs.resample import resample
 from fprc.logs.variables import Source
 
 T = np.arange(400) / 200.0
 MENDING = {"repeated": "mean", "unordered": "sort"}
+X = {"theta_deg": {"column": "x", "unit": "deg", "scale": 1.0, "offset": 0.0}}
 
 
-def source(count=400, first_line=None):
-    lines = None if first_line is None else np.arange(count) + first_line
-    return Source(Path("log.csv"), "", {}, {}, lines)
-
-
-def clock_of(instants, unit="s", **more):
-    return read_clock(source(), {"column": "t", "unit": unit, **more}, np.asarray(instants))
+def recorded(instants, unit="s", **more):
+    """Return a recording of x, which counts the samples, and the source it is from."""
+    columns = {"t": np.asarray(instants, dtype=float), "x": np.arange(float(len(instants)))}
+    source = Source(Path("log.csv"), "", columns, {}, np.arange(len(instants)) + 2)
+    time = {"column": "t", "unit": unit, **more}
+    return gather(source, time=time, channels=X), source, time
 
 
 def refusal(call, *arguments, **named):
@@ -40,46 +39,35 @@ def refusal(call, *arguments, **named):
 
 
 def length_refused(instants, unit="s", rate_hz=200.0, **more):
-    time = {"column": "t", "unit": unit, **more}
-    clock = read_clock(source(len(instants), 2), time, np.asarray(instants, dtype=float))
-    return refusal(refuse_length, source(len(instants), 2), time, clock, rate_hz)
+    recording, source, time = recorded(instants, unit, **more)
+    return refusal(refuse_length, source, time, recording, rate_hz)
 
 
 # --- order ----------------------------------------------------------------------------------
 
 
 @given(
-    instants=arrays(np.int64, st.integers(1, 30), elements=st.integers(-5, 5)),
+    instants=arrays(np.int64, st.integers(2, 30), elements=st.integers(-5, 5)),
     repeated=st.sampled_from(["first", "mean"]),
 )
 def test_mended_clock_agrees_with_one_instant_after_the_other(instants, repeated):
-    values = np.arange(len(instants), dtype=float)
-    clock = clock_of(instants.astype(float), repeated=repeated, unordered="sort")
-    groups = [values[instants == instant] for instant in np.unique(instants)]
+    values, distinct = np.arange(len(instants), dtype=float), np.unique(instants)
+    assume(len(distinct) > 1)
+    recording, *_ = recorded(instants, repeated=repeated, unordered="sort")
+    groups = [values[instants == instant] for instant in distinct]
     expected = [group[0] if repeated == "first" else group.mean() for group in groups]
-    assert clock.mean(values[clock.samples]).tolist() == pytest.approx(expected)
-    assert clock.since_s.tolist() == [i - instants.min() for i in np.unique(instants)]
-    assert clock.corrections["repeated_samples"] == len(instants) - len(groups)
+    assert recording.channels["theta_deg"].tolist() == pytest.approx(expected)
+    assert recording.samples.tolist() == [group[0] for group in groups]
+    assert recording.time_s.tolist() == (distinct - distinct[0]).tolist()
+    assert recording.start_s == distinct[0]
+    assert recording.corrections["repeated_samples"] == len(instants) - len(groups)
     late = sum(instants[k] < instants[:k].max() for k in range(1, len(instants)))
-    assert clock.corrections["unordered_samples"] == late
-
-
-@given(count=st.integers(2, 20), data=st.data())
-def test_part_of_a_clock_is_that_of_its_instants(count, data):
-    instants = np.sort(data.draw(arrays(np.int64, count, elements=st.integers(0, 9)))).astype(float)
-    clock = clock_of(instants, repeated="mean")
-    begin = data.draw(st.integers(0, len(clock.since_s) - 1))
-    end = data.draw(st.integers(begin + 1, len(clock.since_s)))
-    part = clock.part(begin, end)
-    values = np.random.default_rng(count).standard_normal(count)
-    whole = clock.mean(values[clock.samples])
-    assert part.mean(values[part.samples]) == pytest.approx(whole[begin:end])
-    assert part.since_s.tolist() == clock.since_s[begin:end].tolist()
+    assert recording.corrections["unordered_samples"] == late
 
 
 def test_repeated_time_stamps_are_counted_and_the_remedy_is_named():
     instants = np.repeat(T[:200], 2)
-    said = refusal(read_clock, source(400, 2), {"column": "t", "unit": "s"}, instants)
+    said = refusal(recorded, instants)
     assert "time: t: 200 of 400 samples repeat an earlier time stamp" in said
     assert "sample 1 (line 3) at 0;" in said
     assert "time.repeated: first" in said
@@ -89,7 +77,7 @@ def test_unordered_samples_are_counted_and_the_remedy_is_named():
     instants = T.copy()
     instants[10:12] = instants[[11, 10]]
     instants[20] = 0.0123
-    said = refusal(read_clock, source(400, 2), {"column": "t", "unit": "s"}, instants)
+    said = refusal(recorded, instants)
     assert "2 of 400 samples are out of order" in said
     assert "sample 11 (line 13) at 0.05, after sample 10 (line 12) at 0.055" in said
     assert "time.unordered: sort" in said
@@ -98,7 +86,7 @@ def test_unordered_samples_are_counted_and_the_remedy_is_named():
 def test_instant_that_is_none_is_named_with_its_sample():
     instants = T.copy()
     instants[[6, 9]] = np.nan, np.inf
-    assert "time: t: sample 6 is nan, and 1 more" in refusal(clock_of, instants)
+    assert "time: t: sample 6 (line 8) is nan" in refusal(recorded, instants)
 
 
 # --- length ---------------------------------------------------------------------------------
@@ -126,9 +114,9 @@ def test_implausible_unit_is_answered_with_the_likely_one(unit, told, samples):
 
 
 def test_likely_clock_is_not_doubted():
-    assert other_unit(clock_of(T), "s") is None
-    assert other_unit(clock_of(1e9 * T, unit="us"), "us").endswith("time.unit: ns if that is right")
-    assert other_unit(clock_of(1e-9 * T), "s") is None
+    assert other_unit(T, "s") is None
+    assert "time.unit: ns" in other_unit(1e3 * T, "us")
+    assert other_unit(1e-9 * T, "s") is None
     assert likely_rate(5.0) == (pytest.approx(200.0), "ms")
 
 
@@ -139,8 +127,10 @@ def test_steps_far_finer_than_the_grid_are_refused():
 
 
 def test_rate_that_is_too_low_is_reported_as_such():
-    with pytest.raises(LogError, match=r"time: rate_hz: .*correct time\.rate_hz"):
-        refuse_length(source(), {"rate_hz": 1e-3}, even(400, 1e-3), 200.0)
+    _, source, _ = recorded(T)
+    time = {"rate_hz": 1e-3}
+    recording = gather(source, time=time, channels=X)
+    assert "time.rate_hz" in refusal(refuse_length, source, time, recording, 200.0)
 
 
 @given(
@@ -153,17 +143,14 @@ def test_rate_that_is_too_low_is_reported_as_such():
     rate_hz=st.sampled_from([1.0, 200.0, 1e5]),
 )
 def test_any_instants_are_refused_or_resampled_in_bounds(instants, unit, rate_hz):
-    time = {"column": "t", "unit": unit, **MENDING}
-    clock = read_clock(source(), time, instants)
-    if len(clock.since_s) < 2:
-        return
     try:
-        refuse_length(source(), time, clock, rate_hz)
+        recording, source, time = recorded(instants, unit, **MENDING)
+        refuse_length(source, time, recording, rate_hz)
     except LogError:
         return
-    assert clock.since_s[-1] <= LONGEST_S
-    assert clock.since_s[-1] * rate_hz <= MOST_POINTS
-    if clock.since_s[-1] * rate_hz < 1e4:
-        grid_s, channels = resample(clock.since_s, {"x": clock.since_s}, rate_hz)
+    assert recording.time_s[-1] <= LONGEST_S
+    assert recording.time_s[-1] * rate_hz <= MOST_POINTS
+    if recording.time_s[-1] * rate_hz < 1e4:
+        grid_s, channels = resample(recording.time_s, recording.channels, rate_hz)
         assert len(grid_s) <= MOST_POINTS
-        assert np.isfinite(channels["x"]).all()
+        assert np.isfinite(channels["theta_deg"]).all()
