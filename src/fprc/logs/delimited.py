@@ -234,29 +234,31 @@ def _numbers_of(
     each other, or if all marks may group thousands, no column with a mark has numbers.
     """
     numbers, others = {}, {}
-    marked: dict[str, str] = {}
+    marked: dict[str, tuple[str, int]] = {}  # mark, and the first row with it
     for name, texts in columns.items():
-        read = {mark: [_number(text, mark) for text in texts] for mark in decimal or ".,"}
-        fits = {mark: values for mark, values in read.items() if None not in values}
-        if fits:
-            mark, values = fits.popitem()
-            numbers[name] = np.array(values, np.float64)
-            if not fits:
-                marked[name] = mark
+        failed = []
+        for mark in decimal or ".,":
+            values = [_number(text, mark) for text in texts]
+            if None not in values:
+                numbers[name] = np.array(values, np.float64)
+                with_mark = (k for k, t in enumerate(texts) if mark in t and not _is_missing(t))
+                if (row := next(with_mark, None)) is not None:
+                    marked[name] = mark, row
+                break
+            failed.append(values.index(None))
         else:
-            row = max(values.index(None) for values in read.values())
+            row = max(failed)  # with the decimal mark that fails last
             others[name] = (
                 f"line {lines[row]} holds {texts[row]!r}, not a number; if the file is right, set "
                 "csv.decimal or csv.data_line, and remove marks between thousands"
             )
-    marks = set(marked.values())
+    marks = {mark for mark, _ in marked.values()}
     texts = [text for name in marked for text in columns[name]]
     if decimal or not marks or (len(marks) == 1 and _is_decimal(min(marks), texts, separator)):
         return numbers, others
-    for name, mark in marked.items():
+    why = "may group thousands" if len(marks) == 1 else "is not that of the other columns"
+    for name, (mark, row) in marked.items():
         del numbers[name]
-        row = next(row for row, text in enumerate(columns[name]) if mark in text)
-        why = "may group thousands" if len(marks) == 1 else "is not that of the other columns"
         others[name] = (
             f"line {lines[row]} holds {columns[name][row]!r}, and its {mark!r} {why}; set "
             "csv.decimal to the file's one decimal mark, and remove marks between thousands"
