@@ -206,15 +206,19 @@ def _columns_of(
 
 
 def _number(text: str, mark: str) -> float | None:
-    """Return a number with this decimal mark; NaN for a missing value; None for another text."""
+    """Return a number with this decimal mark; NaN for a missing value.
+
+    None for another text, and for a number that a float cannot tell from 0, such as 1e-400.
+    """
     if _is_missing(text):
         return np.nan
     if "_" in text or (mark == "," and "." in text):
         return None
     try:
-        return float(text.replace(mark, "."))
+        value = float(text.replace(mark, "."))
     except ValueError:
         return None
+    return None if value == 0.0 and re.search("[1-9]", text.lower().partition("e")[0]) else value
 
 
 def _is_missing(text: str) -> bool:

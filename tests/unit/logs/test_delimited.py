@@ -163,6 +163,7 @@ DECIMALS = {
     "both in a column": ("t;p\n0;1.5\n1;1,5\n", None, None),
     "underscores": ("t,p\n0,1\n1,1_0\n", None, None),
     "both in a number": ("t;p\n0;1.234,5\n1;1.234,6\n", None, None),
+    "too small for a float": ("t,p\n0,1e-400\n1,0e5\n", None, None),
     "declared otherwise": ("t;p\n0;50.000\n1;5,5\n", ",", None),
 }  # fmt: skip
 
