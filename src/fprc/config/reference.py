@@ -8,7 +8,7 @@ import yaml
 from pydantic.fields import FieldInfo
 
 from fprc.config.load import RIG
-from fprc.config.section import fields, limits_of, unit_of
+from fprc.config.section import fields, limits_of, unit_of_key
 from fprc.config.settings import Settings
 
 _HEAD = """\
@@ -70,7 +70,7 @@ def _row(name: str, default: Any, field: FieldInfo) -> str:
     limits = f"{ends.low:g} to {ends.high:g}" if ends else ""
     if get_origin(field.annotation) is Literal:
         limits = " or ".join(get_args(field.annotation))
-    unit = extra["unit"] or unit_of(name) if extra else ""
+    unit = extra["unit"] or unit_of_key(name) if extra else ""
     cells = [f"`{name}`", unit, f"`{json.dumps(default)}`", limits, field.description or ""]
     return f"| {' | '.join([*cells, extra.get('source', '')])} |"
 

@@ -15,22 +15,23 @@ from pydantic import (
 )
 from pydantic.fields import FieldInfo
 
+from fprc.channels import UNITS
+
 T = TypeVar("T")
 
-#: Symbols of units, by the words that stand for them in keys.
-_SYMBOLS = {
-    "abs": "abs", "deg": "deg", "deg3": "deg^3", "hz": "Hz", "kpa": "kPa", "min": "min",
-    "ml": "mL", "rad": "rad", "s": "s", "s2": "s^2", "v": "V",
+#: Units, by the words that stand for them in keys.
+_WORDS = {ending.removeprefix("_"): unit for ending, unit in UNITS.items()} | {
+    "abs": "abs", "deg3": "deg^3", "hz": "Hz", "min": "min", "ml": "mL", "rad": "rad", "s2": "s^2",
 }  # fmt: skip
 
 
-def unit_of(key: str) -> str:
+def unit_of_key(key: str) -> str:
     """Return the unit that ends a key, as in ``ki_v_per_kpa_s``; ``-`` if there is none."""
     words = key.split("_")
     begin = len(words)
-    while begin and words[begin - 1] in {*_SYMBOLS, "per"}:
+    while begin and words[begin - 1] in {*_WORDS, "per"}:
         begin -= 1
-    over, _, under = " ".join(_SYMBOLS.get(word, word) for word in words[begin:]).partition("per")
+    over, _, under = " ".join(_WORDS.get(word, word) for word in words[begin:]).partition("per")
     if not under:
         return over or "-"
     under = under.strip()
@@ -40,7 +41,7 @@ def unit_of(key: str) -> str:
 def _add_units(schema: dict[str, Any]) -> None:
     for key, declared in schema["properties"].items():
         if "unit" in declared:
-            declared["unit"] = declared["unit"] or unit_of(key)
+            declared["unit"] = declared["unit"] or unit_of_key(key)
 
 
 class Section(BaseModel):

@@ -4,7 +4,7 @@ import pytest
 from pydantic import ValidationError
 
 from fprc.config import Settings, check
-from fprc.config.section import Section, fields, limits_of, section_of, unit_of
+from fprc.config.section import Section, fields, limits_of, section_of, unit_of_key
 from fprc.errors import ConfigError
 
 
@@ -110,7 +110,7 @@ def test_every_number_has_unit_range_and_meaning(section):
     ],
 )
 def test_key_ends_in_its_unit(key, unit):
-    assert unit_of(key) == unit
+    assert unit_of_key(key) == unit
 
 
 @pytest.mark.parametrize("key", RANGES)

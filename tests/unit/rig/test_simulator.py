@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from fprc.config import Settings, check
 from fprc.config.rig import Rig
+from fprc.config.section import limits_of, section_of
 from fprc.control import PressurePI
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ConfigError, SimulationError
@@ -290,23 +291,17 @@ def test_settings_are_integrated_finely_enough_or_refused(changed):
     np.testing.assert_allclose(found[0], found[1], atol=2.0)
 
 
-def numbers_within(limits):
-    return st.floats(limits["minimum"], limits["maximum"])
-
-
 @st.composite
 def rigs(draw):
     """Rigs whose mechanics and pneumatics lie anywhere within the declared ranges."""
     rig = copy.deepcopy(Settings().rig.model_dump())
     for name in ("main_chamber", "reservoir_chamber", "bending", "drift", "reservoir"):
-        schema = Rig.model_fields[name].annotation.model_json_schema()["properties"]
-        for key, limits in schema.items():
+        for key, field in section_of(Rig.model_fields[name]).model_fields.items():
             if key == "slip_weight":
                 continue
-            if isinstance(rig[name][key], tuple):
-                rig[name][key] = tuple(draw(numbers_within(limits)) for _ in rig[name][key])
-            else:
-                rig[name][key] = draw(numbers_within(limits))
+            number, default = st.floats(*limits_of(field)), rig[name][key]
+            is_list = isinstance(default, tuple)
+            rig[name][key] = tuple(draw(number) for _ in default) if is_list else draw(number)
     return rig
 
 
