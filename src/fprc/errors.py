@@ -4,6 +4,9 @@ Each message says what is wrong, where, and what to do about it. The command
 line and the workflow print it without a traceback.
 """
 
+from collections.abc import Collection
+from typing import Self
+
 from fprc.escape import terminal
 
 
@@ -24,6 +27,13 @@ class UsageError(FprcError):
 
 class ConfigError(FprcError):
     """The configuration has unknown keys, or values out of range."""
+
+    @classmethod
+    def listing(cls, problems: Collection[str], where: str, *, file: object = "") -> Self:
+        """Return the error that lists all problems; it begins with the file if there is one."""
+        noun = "error" if len(problems) == 1 else "errors"
+        head = f"{f'{file}: ' if file else ''}{len(problems)} {noun} in the {where}:"
+        return cls("\n  ".join([head, *problems]))
 
 
 class LogError(FprcError):

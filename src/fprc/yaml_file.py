@@ -56,9 +56,8 @@ def read_yaml(path: Path | str) -> dict[Any, Any]:
         message = re.sub(r'\n\s+in "<.*>", (.*)', r" (\1)", str(error)).replace("\n", ", ")
         raise ConfigError(f"{path}: cannot be read as YAML: {message}") from error
     if problems:
-        noun = "error" if len(problems) == 1 else "errors"
-        lines = [f"  line {line}: {what}" for line, what in sorted(problems)]
-        raise ConfigError("\n".join([f"{path}: {len(problems)} {noun} in the file:", *lines]))
+        lines = [f"line {line}: {what}" for line, what in sorted(problems)]
+        raise ConfigError.listing(lines, "file", file=path)
     if not isinstance(settings, dict | None):
         raise ConfigError(f"{path}: must hold keys and values, not a {type(settings).__name__}")
     return settings or {}

@@ -8,8 +8,9 @@ from typing import Annotated, Any, Literal, NamedTuple
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationError, create_model
 
 from fprc.channels import CHANNELS, CONVERTED, TARGETS, Channel, unit_of
-from fprc.config.problems import explained, refusal
+from fprc.config.problems import explained
 from fprc.config.section import Section
+from fprc.errors import ConfigError
 from fprc.yaml_file import read_yaml
 
 
@@ -165,7 +166,7 @@ def read_map(path: Path | str) -> ImportMap:
     except ValidationError as error:
         problems = [*map(_explained, error.errors()), *problems]
     if problems:
-        raise refusal(problems, "map", file=str(path))
+        raise ConfigError.listing(problems, "map", file=path)
     return mapping
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from fprc.config.problems import explained, refusal
+from fprc.config.problems import explained
 from fprc.config.settings import Settings
 from fprc.errors import ConfigError
 from fprc.yaml_file import read_yaml
@@ -88,7 +88,7 @@ def from_files(paths: Sequence[Path | str], over: Mapping[str, Any] | None = Non
                 break
     if problems:
         files = f" ({', '.join(map(str, paths))})" if paths else ""
-        raise refusal(problems, f"configuration{files}")
+        raise ConfigError.listing(problems, f"configuration{files}")
     return settings
 
 

@@ -2,22 +2,14 @@
 
 import difflib
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from pydantic import BaseModel
 from pydantic_core import PydanticUndefined
 
 from fprc.config.section import fields
-from fprc.errors import ConfigError
 from fprc.escape import in_words
-
-
-def refusal(problems: Collection[str], where: str, *, file: str = "") -> ConfigError:
-    """Return the error that lists all problems; it begins with the file if there is one."""
-    noun = "error" if len(problems) == 1 else "errors"
-    head = f"{f'{file}: ' if file else ''}{len(problems)} {noun} in the {where}:"
-    return ConfigError("\n  ".join([head, *problems]))
 
 
 def explained(item: Mapping[str, Any], section: type[BaseModel], page: str) -> str:
