@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from fprc.config.free import free_ranges
+from fprc.config.rig import free_ranges
 from fprc.config.section import Distinct, NotEmpty, Rising, Section, quantity
 
 

@@ -7,8 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fprc.config.free import free_ranges
-from fprc.config.rig import stiffest_squeeze
+from fprc.config.rig import free_ranges, stiffest_squeeze
 from fprc.errors import ConfigError
 
 #: Largest sum of the slip weights without the last one.
