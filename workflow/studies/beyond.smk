@@ -5,7 +5,34 @@ TUNED = own("../../config/tuned.yaml")
 #: Families: the rig of the configuration, every other named rig, and the sets of rigs.
 OWN_WORLD = SETTINGS["fitted"]["name"]
 WORLDS = [OWN_WORLD, *OTHER_RIGS, *SETS]
-FIGURES_BEYOND = ("pairs", "tracking", "offsets", "capacities", "settings")
+#: Figures: the table that each draws, its stage, and what it shows.
+FIGURES_BEYOND = {
+    "pairs": (
+        "claims",
+        stage("studies.show_beyond.draw_pairs") | {"worlds": WORLDS},
+        "error ratios of pairs of models",
+    ),
+    "tracking": (
+        "tracking",
+        stage("studies.show_beyond.draw_tracking") | {"world": OWN_WORLD},
+        "tracking errors against test errors",
+    ),
+    "offsets": (
+        "offsets",
+        stage("studies.show_beyond.draw_offsets") | {"world": OWN_WORLD},
+        "offset of P_o",
+    ),
+    "capacities": (
+        "capacities",
+        stage("studies.show_beyond.draw_capacities") | {"world": OWN_WORLD},
+        "capacities",
+    ),
+    "settings": (
+        "settings",
+        stage("studies.show_beyond.draw_settings"),
+        "what P_o is worth over epsilon and n_c",
+    ),
+}
 CONTEST = {
     "models": paper_models(SETTINGS),
     "tracking": SETTINGS["tracking"],
@@ -219,83 +246,23 @@ rule beyond_tables:
         "../scripts/stage.py"
 
 
-rule draw_pairs:
-    input:
-        claims=PATHS.below("beyond/claims.csv"),
-    output:
-        **drawn(PATHS.below("beyond/figure_pairs")),
-    log:
-        PATHS.messages("draw_pairs"),
-    params:
-        **stage("studies.show_beyond.draw_pairs"),
-        worlds=WORLDS,
-    message:
-        "Beyond the paper: error ratios of pairs of models, figure"
-    script:
-        "../scripts/stage.py"
+for figure_name, (table, shown, words) in FIGURES_BEYOND.items():
 
-
-rule draw_tracking:
-    input:
-        tracking=PATHS.below("beyond/tracking.csv"),
-    output:
-        **drawn(PATHS.below("beyond/figure_tracking")),
-    log:
-        PATHS.messages("draw_tracking"),
-    params:
-        **stage("studies.show_beyond.draw_tracking"),
-        world=OWN_WORLD,
-    message:
-        "Beyond the paper: tracking errors against test errors, figure"
-    script:
-        "../scripts/stage.py"
-
-
-rule draw_offsets:
-    input:
-        offsets=PATHS.below("beyond/offsets.csv"),
-    output:
-        **drawn(PATHS.below("beyond/figure_offsets")),
-    log:
-        PATHS.messages("draw_offsets"),
-    params:
-        **stage("studies.show_beyond.draw_offsets"),
-        world=OWN_WORLD,
-    message:
-        "Beyond the paper: offset of P_o, figure"
-    script:
-        "../scripts/stage.py"
-
-
-rule draw_capacities:
-    input:
-        capacities=PATHS.below("beyond/capacities.csv"),
-    output:
-        **drawn(PATHS.below("beyond/figure_capacities")),
-    log:
-        PATHS.messages("draw_capacities"),
-    params:
-        **stage("studies.show_beyond.draw_capacities"),
-        world=OWN_WORLD,
-    message:
-        "Beyond the paper: capacities, figure"
-    script:
-        "../scripts/stage.py"
-
-
-rule draw_settings:
-    input:
-        settings=PATHS.below("beyond/settings.csv"),
-    output:
-        **drawn(PATHS.below("beyond/figure_settings")),
-    log:
-        PATHS.messages("draw_settings"),
-    params:
-        **stage("studies.show_beyond.draw_settings"),
-    message:
-        "Beyond the paper: what P_o is worth over epsilon and n_c, figure"
-    script:
-        "../scripts/stage.py"
+    rule:
+        name:
+            f"draw_{figure_name}"
+        input:
+            **{table: PATHS.below(f"beyond/{table}.csv")},
+        output:
+            **drawn(PATHS.below(f"beyond/figure_{figure_name}")),
+        log:
+            PATHS.messages(f"draw_{figure_name}"),
+        params:
+            **shown,
+        message:
+            f"Beyond the paper: {words}, figure"
+        script:
+            "../scripts/stage.py"
 
 
 rule beyond:
