@@ -10,7 +10,7 @@ import pandas as pd
 
 from fprc.artifacts import read_json, write_json
 from fprc.claims.finding import REPRODUCED, Results
-from fprc.claims.ledger import judge_claims, status_of
+from fprc.claims.ledger import judge_claims
 from fprc.claims.paper import CLAIMS, TIMED
 from fprc.errors import FprcError
 from fprc.figures import style
@@ -65,70 +65,69 @@ def compare_families(
         No rig of a set could be judged.
     """
     printed = read_yaml(published)
-    claims = [*(claim for claim in CLAIMS if claim.kind != TIMED), WORTH]
     families = []
     for k, name in enumerate(named):
         of_models, of_grids, of_control = (
             [read_json(path) for path in _share(paths, k, len(named))]
             for paths in (models, grids, controls)
         )
-        results = Results(of_models, of_grids, of_control, {}, {})
-        ledger = judge_claims(results, printed, named[name], claims)
-        unit = tables.rig_errors(results.replicates, results.controls, printed)
-        families.append(
-            {
-                "name": name, "title": f"Rig {name}", "description": f"Rig {name}",
-                "units": len(results.replicates), "failed": 0,
-                "errors": _rows([unit]),
-                "sums": {key: [value] * 3 for key, value in tables.sums_of(unit).items()},
-                "rms": _rms_deviation(results.replicates, printed),
-                "worth": _worth(ledger),
-                "claims": [{**_shown(row), "holds": None} for row in ledger],
-            }
-        )  # fmt: skip
+        rig, words = Results(of_models, of_grids, of_control, {}, {}), f"Rig {name}"
+        judged = _judged(printed, named[name], [rig], words, words, one_rig=True)
+        families.append({"name": name, "failed": 0, **judged})
     for name, described in sets.items():
         rigs = [rig for path in chunks[name] for rig in read_json(path)["cells"]]
-        families.append(_family_of_rigs(name, rigs, printed, **described))
+        good = [
+            Results([rig["compared"]], [], [rig["measured"]], {}, {})
+            for rig in rigs
+            if "failed" not in rig
+        ]
+        if not good:
+            first = rigs[0]["failed"] if rigs else "there are none"
+            raise FprcError(
+                f"{name}: none of the {len(rigs)} rigs could be judged; the first: {first}"
+            )
+        words = f"{len(good)} {described['description']}"
+        judged = _judged(printed, described["terms"], good, described["title"], words)
+        families.append({"name": name, "failed": len(rigs) - len(good), **judged})
     write_json(summary, {"source": "sim", "families": families})
 
 
-def _family_of_rigs(
-    name: str,
-    rigs: Sequence[Mapping[str, Any]],
+def _judged(
     printed: Mapping[str, Any],
-    *,
+    terms: Sequence[str],
+    rigs: Sequence[Results],
     title: str,
     description: str,
-    terms: Sequence[str],
+    *,
+    one_rig: bool = False,
 ) -> dict[str, Any]:
-    good = [rig for rig in rigs if "failed" not in rig]
-    if not good:
-        first = rigs[0]["failed"] if rigs else "there are none"
-        raise FprcError(f"{name}: none of the {len(rigs)} rigs could be judged; the first: {first}")
+    """Judge a family: one rig with all its seeds, or many rigs with one recording each."""
+    claims = [*(claim for claim in CLAIMS if claim.kind != TIMED), WORTH]
     ledgers = [
-        judge_claims(
-            Results([rig["compared"]], [], [rig["measured"]], {}, {}), printed, terms, JUDGED_BY_RIG
-        )
-        for rig in good
+        judge_claims(rig, printed, terms, claims if one_rig else JUDGED_BY_RIG) for rig in rigs
     ]
-    units = [tables.rig_errors([rig["compared"]], [rig["measured"]], printed) for rig in good]
+    units = [tables.rig_errors(rig.replicates, rig.controls, printed) for rig in rigs]
     sums = pd.DataFrame([tables.sums_of(unit) for unit in units])
     held = pd.DataFrame({row["id"]: row["verdict"] == REPRODUCED for row in x} for x in ledgers)
+    worth = [_worth(ledger) for ledger in ledgers]
+    every = [report for rig in rigs for report in rig.replicates]
     return {
-        "name": name, "title": title, "description": f"{len(good)} {description}",
-        "units": len(good), "failed": len(rigs) - len(good),
+        "title": title,
+        "description": description,
+        "units": len(every),
         "errors": _rows(units),
         "sums": {key: _quantiles(sums[key]) for key in sums},
-        "rms": _rms_deviation([rig["compared"] for rig in good], printed),
-        "worth": _quantiles([_worth(ledger)[0] for ledger in ledgers]),
+        "rms": _rms_deviation(every, printed),
+        "worth": worth[0] if one_rig else _quantiles([middle for middle, *_ in worth]),
         "claims": [
             {
-                "id": claim.id, "claim": claim.text, "rig": status_of(claim, terms),
-                "verdict": None, "holds": share_of(held[claim.id].to_numpy()),
+                **{key: row[key] for key in ("id", "claim", "rig")},
+                "verdict": row["verdict"] if one_rig else None,
+                "holds": None if one_rig else share_of(held[row["id"]].to_numpy()),
             }
-            for claim in JUDGED_BY_RIG
+            for row in ledgers[0]
         ],
-    }  # fmt: skip
+    }
 
 
 Families = Sequence[Mapping[str, Any]]
@@ -261,10 +260,6 @@ def _quantiles(values: Any) -> list[float]:
 def _worth(ledger: Sequence[Mapping[str, Any]]) -> list[float]:
     (statement,) = next(row["statements"] for row in ledger if row["id"] == "B1")
     return [statement[key] for key in ("mean", "first", "last")]
-
-
-def _shown(row: Mapping[str, Any]) -> dict[str, Any]:
-    return {key: row[key] for key in ("id", "claim", "rig", "verdict")}
 
 
 def _rms_deviation(reports: Sequence[Mapping[str, Any]], printed: Mapping[str, Any]) -> float:
