@@ -4,7 +4,7 @@ A unit is a seed, a rig, or a block of a recording.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -36,7 +36,9 @@ class Part(NamedTuple):
 
     text: str
     values: Mapping[int, float]  #: by unit; lower is better
-    ratio: bool = True  #: a logarithm; otherwise a difference, which is never equivalent
+    ratio: bool = True  #: a logarithm of a ratio to 1; what is compared with a limit is not
+    #: Turns a value into the number that readers see.
+    shown: Callable[[float], float] = math.exp
     dropped: int = 0  #: builds without this pair
     #: Samples that judge per sample that trains, if the units of one cross-validation share their
     #: training data; 0 for units that share none.
@@ -58,6 +60,11 @@ class Part(NamedTuple):
         """
         values = self._array(units)
         return interval_of_mean(values, 1.0 - level, self._widened(values.size))
+
+    def ends(self, level: float) -> dict[str, float]:
+        """Return the interval as readers see it: ``mean``, ``low`` and ``high``."""
+        mean, *ends = map(self.shown, self.interval(level))
+        return {"mean": mean, "low": min(ends), "high": max(ends)}
 
     def verdict(self, level: float, units: Sequence[int] | None = None) -> str:
         """Return the verdict from the interval that errs with probability ``level``.
@@ -94,6 +101,15 @@ class Part(NamedTuple):
     def _array(self, units: Sequence[int] | None) -> np.ndarray:
         chosen = self.values if units is None else [u for u in units if u in self.values]
         return np.array([self.values[unit] for unit in chosen])
+
+
+#: Verdicts on what is compared with a limit and not with another model, as readers see them.
+_WORDS = {SUPERIOR: "holds", INFERIOR: "does not hold"}
+
+
+def in_words(verdict: str, ratio: bool) -> str:
+    """Return a verdict as readers see it, on ratios to 1 or on what has a limit."""
+    return verdict if ratio else _WORDS.get(verdict, verdict)
 
 
 class Judged(NamedTuple):

@@ -61,9 +61,8 @@ def judge_recording(report: Mapping[str, Any]) -> list[dict[str, Any]]:
     judged = judge_together([[part] for part in parts], left_out=LEFT_OUT)
     rows = []
     for claim, part, outcome in zip(CLAIMS, parts, judged, strict=True):
-        ends: Sequence[float | None] = (None, None, None)
-        if outcome.verdict != NOT_JUDGED:
-            ends = [math.exp(end) for end in part.interval(outcome.level)]
+        judged_here = outcome.verdict != NOT_JUDGED
+        ends = part.ends(outcome.level) if judged_here else dict.fromkeys(("mean", "low", "high"))
         rows.append(
             {
                 "id": claim.id,
@@ -72,7 +71,8 @@ def judge_recording(report: Mapping[str, Any]) -> list[dict[str, Any]]:
                 "blocks": len(part.values),
                 "reason": _reason(part, outcome),
                 "other": competitor_title(claim.other),
-                **dict(zip(("ratio", "low", "high"), ends, strict=True)),
+                "ratio": ends["mean"],
+                **{end: ends[end] for end in ("low", "high")},
             }
         )
     return rows

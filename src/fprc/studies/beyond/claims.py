@@ -3,7 +3,7 @@
 docs/archive/preregistration.md has them with their limits.
 """
 
-import math
+import operator
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -11,12 +11,11 @@ import numpy as np
 import pandas as pd
 
 from fprc.claims.paired import (
-    INFERIOR,
     LEAST_UNITS,
     NOT_JUDGED,
-    SUPERIOR,
     Judged,
     Part,
+    in_words,
     judge_together,
 )
 from fprc.registry import competitor_title
@@ -116,9 +115,6 @@ CLAIMS = {
     ),
 }  # fmt: skip
 
-#: Verdicts on differences, which compare with a limit and not with another model.
-_WORDS = {SUPERIOR: "holds", INFERIOR: "does not hold"}
-
 
 def judge_world(world: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Judge B1-B8 in one world.
@@ -190,8 +186,7 @@ def beside_b1(world: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 def _words(judged: Judged, difference: bool) -> str:
     """Return a verdict as readers see it."""
-    words = judged.turned or judged.verdict
-    words = _WORDS.get(words, words) if difference else words
+    words = in_words(judged.turned or judged.verdict, not difference)
     return f"{words}, unstable" if judged.turned else words
 
 
@@ -215,8 +210,12 @@ def _part(
         builds = len(world.get("capacity") or ())
     values = values.dropna()
     # several builds of one rig are one unit
-    by_unit = values.groupby(level="unit").mean()
-    return Part(_text(part), by_unit.to_dict(), isinstance(part, Ratio), builds - len(values))
+    by_unit = values.groupby(level="unit").mean().to_dict()
+    own = {"text": _text(part), "values": by_unit, "dropped": builds - len(values)}
+    if isinstance(part, Ratio):
+        return Part(**own)
+    # a difference is judged as what it lacks
+    return Part(**own, ratio=False, shown=operator.neg)
 
 
 def _column(table: pd.DataFrame, name: tuple[str, str]) -> pd.Series:
@@ -231,15 +230,8 @@ def _text(part: Ratio | Excess) -> str:
 
 
 def _shown(part: Part, level: float) -> dict[str, Any]:
-    mean, low, high = part.interval(level)
-    # a difference is judged as what it lacks
-    ends = map(math.exp, (mean, low, high)) if part.ratio else (-mean, -high, -low)
-    return {
-        "text": part.text,
-        "ratio": part.ratio,
-        **dict(zip(("mean", "low", "high"), ends, strict=True)),
-        "verdict": part.verdict(level),
-    }
+    kept = {"text": part.text, "ratio": part.ratio}
+    return {**kept, **part.ends(level), "verdict": part.verdict(level)}
 
 
 def _reason(parts: Sequence[Part], verdict: str, unit: str) -> str:

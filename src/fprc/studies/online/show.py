@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from fprc.claims.paired import Part, judge_together
+from fprc.claims.paired import Part, in_words, judge_together
 from fprc.paper import REFERENCES
 from fprc.signals import rms
 from fprc.studies.beyond.worlds import world_title
@@ -60,7 +60,7 @@ def _part(
     text: str, ours: Mapping[int, float], theirs: Mapping[int, float], limit: float = 1.0
 ) -> Part:
     values = {unit: math.log(ours[unit] / theirs[unit] / limit) for unit in ours if unit in theirs}
-    return Part(text, values, ratio=limit == 1.0)
+    return Part(text, values, limit == 1.0, lambda value: limit * math.exp(value))
 
 
 def parts_of(family: Family) -> list[list[Part]]:
@@ -97,33 +97,24 @@ def parts_of(family: Family) -> list[list[Part]]:
     ]  # fmt: skip
 
 
-#: Words of a verdict, of a claim with a limit and of a comparison.
-_HOLDS = {"superior": "holds", "inferior": "does not hold"}
-
-
 def _verdicts(families: Sequence[Family]) -> tuple[pd.DataFrame, pd.DataFrame, str]:
-    rows = []
-    for family in families:
-        parts = parts_of(family)
-        for (name, text), own, outcome in zip(
-            CLAIMS.items(), parts, judge_together(parts), strict=True
-        ):
-            limit = _MOST if name == "D1" else 1.0
-            verdict = (
-                outcome.verdict if limit == 1.0 else _HOLDS.get(outcome.verdict, outcome.verdict)
-            )
-            for part in own:
-                enough = len(part.values) > 1
-                ends = part.interval(outcome.level) if enough else (math.nan,) * 3
-                mean, low, high = (limit * math.exp(end) for end in ends)
-                rows.append(
-                    {
-                        "family": family["name"], "id": name, "claim": text, "part": part.text,
-                        "verdict": verdict, "mean": mean, "low": low, "high": high,
-                        "units": len(part.values), "source": "sim",
-                    }
-                )  # fmt: skip
-    table = pd.DataFrame(rows)
+    nothing = dict.fromkeys(("mean", "low", "high"), math.nan)
+    table = pd.DataFrame(
+        {
+            "family": family["name"],
+            "id": name,
+            "claim": CLAIMS[name],
+            "part": part.text,
+            "verdict": in_words(outcome.verdict, part.ratio),
+            **(part.ends(outcome.level) if len(part.values) > 1 else nothing),
+            "units": len(part.values),
+            "source": "sim",
+        }
+        for family in families
+        for parts in [parts_of(family)]
+        for name, own, outcome in zip(CLAIMS, parts, judge_together(parts), strict=True)
+        for part in own
+    )
     page = []
     for name, own in table.groupby("id", sort=False):
         line = {"Id": name, "Claim": own["claim"].iloc[0]}
