@@ -29,16 +29,6 @@ def refusals_of(model: BaseEstimator) -> Iterator[None]:
         raise EvaluationError(f"{type(model).__name__}: {error}") from error
 
 
-class Folded(NamedTuple):
-    """Errors of the folds, and the readout of the best one."""
-
-    train_rmse: tuple[float, ...]  #: per fold
-    validation_rmse: tuple[float, ...]  #: per fold
-    best: int  #: fold with the least sqrt(e_train^2 + e_val^2)
-    fit: np.ndarray  #: output of the best fold's readout for every row
-    readout: BaseEstimator  #: trained on the best fold
-
-
 class CrossValidated(NamedTuple):
     """Result of the cross-validation of one model."""
 
@@ -92,16 +82,26 @@ class Prepared(NamedTuple):
     ) -> CrossValidated:
         """Train once per fold and keep the best (Sec. III-D); the folds select rows of a log.
 
+        A random readout has its own seed in every fold, which no other seed shares.
+
         Parameters
         ----------
         progress : callable
             Called after each fold with its number, training and validation error.
         """
+        rows, y = self.rows[log], self.y[log]
+        errors, fits = [], []
         with refusals_of(self.model):
-            folded = fit_folds(
-                self.model.make_readout(), self.rows[log], self.y[log], folds, progress
-            )
-        return CrossValidated(*folded[:4], self.fitted(folded.readout))
+            for i, readout in enumerate(_fitted(self.model.make_readout(), rows, y, folds)):
+                predicted = readout.predict(rows)
+                fits.append((predicted, readout))
+                e_train, e_validation = (rmse(y[part], predicted[part]) for part in folds[i])
+                errors.append((e_train, e_validation))
+                progress(i, e_train, e_validation)
+        best = int(np.argmin([np.hypot(*pair) for pair in errors]))
+        train_rmse, validation_rmse = zip(*errors, strict=True)
+        fit, readout = fits[best]
+        return CrossValidated(train_rmse, validation_rmse, best, fit, self.fitted(readout))
 
 
 def prepare(
@@ -171,29 +171,6 @@ def evaluate(
         "validation_rmse_kpa": judged.validation_rmse,
         "test_rmse_kpa": prepared.error(judged.model.readout_, "test"),
     }
-
-
-def fit_folds(
-    readout: BaseEstimator,
-    rows: np.ndarray,
-    y: np.ndarray,
-    folds: Sequence[Fold],
-    progress: Progress = lambda fold, e_train, e_validation: None,
-) -> Folded:
-    """Fit a copy of ``readout`` to each fold's rows and keep the best.
-
-    A random readout has its own seed in every fold, which no other seed shares.
-    """
-    errors, fits = [], []
-    for i, fold_readout in enumerate(_fitted(readout, rows, y, folds)):
-        predicted = fold_readout.predict(rows)
-        fits.append((predicted, fold_readout))
-        e_train, e_validation = (rmse(y[part], predicted[part]) for part in folds[i])
-        errors.append((e_train, e_validation))
-        progress(i, e_train, e_validation)
-    best = int(np.argmin([np.hypot(*pair) for pair in errors]))
-    train_rmse, validation_rmse = zip(*errors, strict=True)
-    return Folded(train_rmse, validation_rmse, best, *fits[best])
 
 
 def _fitted(
