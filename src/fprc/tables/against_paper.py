@@ -8,10 +8,13 @@ from fprc.paper import ERRORS, REFERENCE_NAMES
 from fprc.registry import controller_title, has_feedback, title_of
 
 _NUMBERS = {"table2": "II", "table3": "III", "table4": "IV"}
+_COLUMNS = [
+    "table", "number", "what", "controller", "unit", "ours", "low", "high", "published", "source",
+]  # fmt: skip
 
 
-def against_paper(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
-    """Return ours over the paper's for each number that the paper prints.
+def in_one(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+    """Return Tables II to IV in one.
 
     Parameters
     ----------
@@ -21,29 +24,52 @@ def against_paper(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        ``table``; ``number``, II to IV; ``what``; ``unit``; ``ours``, ``published``; ``ratio``, and
-        the ends ``low`` and ``high`` of its interval, which are missing without further seeds.
-        ``closed_loop`` says whether a feedback controller acted.
+        ``table``; ``number``, II to IV; ``what``; ``controller``, empty in Tables II and III;
+        ``unit``; ``ours``, and the ends ``low`` and ``high`` of its interval, which are missing
+        without further seeds; ``published``, which is missing where the paper prints no number;
+        ``source``.
     """
     rows = [
         {
             "table": name,
             "number": _NUMBERS[name.removesuffix("_seeds")],
             "what": _what(row),
+            "controller": row.get("controller", ""),
             "unit": "deg" if "rmse_deg" in row else row["unit"],
             "ours": ours,
-            "published": published,
-            "ratio": ours / published,
-            "low": row.get("low", float("nan")) / published,
-            "high": row.get("high", float("nan")) / published,
-            "closed_loop": has_feedback(row.get("controller", "")),
+            "low": row.get("low", float("nan")),
+            "high": row.get("high", float("nan")),
+            "published": float("nan") if published is None else published,
+            "source": row.get("source", ""),
         }
         for name, table in tables.items()
         for row in table.to_dict("records")
         for ours, published in [_means(row)]
-        if pd.notna(ours) and pd.notna(published)
     ]
-    return pd.DataFrame(rows)
+    return pd.DataFrame(rows, columns=_COLUMNS)
+
+
+def against_paper(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+    """Return ours over the paper's for each number that the paper prints.
+
+    Parameters
+    ----------
+    tables : Mapping
+        As ``in_one`` takes them.
+
+    Returns
+    -------
+    DataFrame
+        The columns of ``in_one``, with ``low`` and ``high`` over the paper's number too; ``ratio``;
+        and ``closed_loop``, whether a feedback controller acted.
+    """
+    rows = in_one(tables).dropna(subset=["ours", "published"])
+    return rows.assign(
+        ratio=rows["ours"] / rows["published"],
+        low=rows["low"] / rows["published"],
+        high=rows["high"] / rows["published"],
+        closed_loop=rows["controller"].map(has_feedback),
+    )
 
 
 def _means(row: Mapping[str, float]) -> tuple[float, float]:

@@ -5,8 +5,7 @@ from typing import Any
 
 import pandas as pd
 
-from fprc.paper import ERRORS, REFERENCE_NAMES
-from fprc.registry import controller_title, title_of
+from fprc.tables.against_paper import in_one
 from fprc.tables.models import over_seeds
 from fprc.tables.text import spread, three_digits
 from fprc.tables.tracking import tracking_over_seeds
@@ -26,20 +25,14 @@ def all_over_seeds(
     controls: Sequence[Mapping[str, Any]],
     published: Mapping[str, Any],
 ) -> pd.DataFrame:
-    """Tables II to IV over further seeds in one: ``table``, ``what``, ``unit``, ``mean``, ..."""
-    parts = []
-    for number, trained_on in (("II", "sweep"), ("III", "complex")):
-        part = over_seeds(models, published, trained_on)
-        what = [f"{title_of(row.model)}, {ERRORS[row.metric]}" for row in part.itertuples()]
-        parts.append(part.assign(table=number, what=what))
-    runs = tracking_over_seeds(controls, published).rename(columns={"rmse_deg": "mean"})
-    what = [
-        f"{controller_title(row.controller)}, {REFERENCE_NAMES[row.reference]}"
-        for row in runs.itertuples()
-    ]
-    runs["published_mean"] = runs["published_rmse_deg"].astype(float)
-    table = pd.concat([*parts, runs.assign(table="IV", what=what, unit="deg")], ignore_index=True)
-    return table.rename(columns={"published_mean": "published"})
+    """Tables II to IV over further seeds in one, see ``fprc.tables.against_paper.in_one``."""
+    return in_one(
+        {
+            "table2": over_seeds(models, published, "sweep"),
+            "table3": over_seeds(models, published, "complex"),
+            "table4": tracking_over_seeds(controls, published),
+        }
+    )
 
 
 def rig_errors(
@@ -54,8 +47,11 @@ def rig_errors(
     """
     table = all_over_seeds(models, controls, published)
     table = table[table["published"].notna()]
-    number = "Table " + table["table"] + ", " + table["what"] + " [" + table["unit"] + "]"
-    table = table.assign(number=number, deviation=table["mean"] / table["published"] - 1.0)
+    number = "Table " + table["number"] + ", " + table["what"] + " [" + table["unit"] + "]"
+    table = table.assign(
+        table=table["number"], number=number, mean=table["ours"],
+        deviation=table["ours"] / table["published"] - 1.0,
+    )  # fmt: skip
     columns = [
         "number", "table", "controller", "published", "mean", "low", "high", "deviation",
     ]  # fmt: skip

@@ -214,6 +214,7 @@ def tabulate_targets(
             for paths in (replicates, controls)
         )
         table = tables.all_over_seeds(of_models, of_control, printed)
+        table = table.assign(table=table["number"], mean=table["ours"])
         parts.append(table[table["controller"] != "pd"].assign(target=name))
     columns = ["target", "table", "what", "unit", "mean", "low", "high", "published", "source"]
     table = pd.concat(parts, ignore_index=True)[columns]
