@@ -5,7 +5,7 @@ import logging
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from fprc.evaluation.crossval import evaluate
+from fprc.evaluation import evaluate
 from fprc.evaluation.folds import Fold
 from fprc.evaluation.weights import normalised_weights
 from fprc.experiments.data import Data

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from fprc.evaluation.crossval import evaluate
+from fprc.evaluation import evaluate
 from fprc.experiments.data import Data
 from fprc.experiments.settings import Judgement
 from fprc.registry import build

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.stats import loguniform, randint, uniform
 from sklearn.model_selection import ParameterSampler
 
-from fprc.evaluation.crossval import evaluate
+from fprc.evaluation import evaluate
 from fprc.experiments.data import Data
 from fprc.experiments.settings import Judgement
 from fprc.studies.beyond.contest import build_with
