@@ -30,20 +30,6 @@ SETTINGS = Settings().model_dump(mode="json")
 
 
 @pytest.fixture
-def family(signals):
-    return {
-        "rigs": "one",
-        "first_seed": 601,
-        "seeds_per_rig": 1,
-        "on_rig": {
-            **{name: SETTINGS[name] for name in ("rig", "control")},
-            "signals": signals,
-            "target": "command",
-        },
-    }
-
-
-@pytest.fixture
 def on_rig(family):
     return RigSettings(**family["on_rig"])
 

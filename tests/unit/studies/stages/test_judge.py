@@ -1,27 +1,8 @@
 import pytest
 
 from fprc.artifacts import read_json
-from fprc.config import Settings
 from fprc.errors import FprcError
 from fprc.studies.stages.judge import judge_families
-
-SETTINGS = Settings().model_dump(mode="json")
-
-
-@pytest.fixture
-def family(signals):
-    return {
-        "name": "dry",
-        "rigs": "one",
-        "fitted": ["tables"],
-        "first_seed": 601,
-        "seeds_per_rig": 2,
-        "on_rig": {
-            **{name: SETTINGS[name] for name in ("rig", "control")},
-            "signals": signals,
-            "target": "command",
-        },
-    }
 
 
 @pytest.fixture
@@ -43,6 +24,7 @@ def test_every_unit_of_every_family_is_judged_and_described(family, run, monkeyp
         return [{"seed": seed, "found": factor * unit.number} for _, seed in unit.rigs]
 
     monkeypatch.setattr("fprc.studies.online.judge.judge_online", judge)
+    family["seeds_per_rig"] = 2
     near = family | {"name": "other", "fitted": [], "seeds_per_rig": 1}
     report = run(
         judge="online.judge.judge_online", families=[family, near], units=[0, 2], how={"factor": 3}

@@ -1,0 +1,22 @@
+import pytest
+
+from fprc.config import Settings
+
+
+@pytest.fixture
+def family(signals):
+    """A family of the default rig, with short experiments."""
+    settings = Settings().model_dump(mode="json")
+    return {
+        "name": "dry",
+        "rigs": "one",
+        "fitted": ["tables"],
+        "first_seed": 601,
+        "seeds_per_rig": 1,
+        "on_rig": {
+            "rig": settings["rig"],
+            "control": settings["control"],
+            "signals": signals,
+            "target": "command",
+        },
+    }
