@@ -105,6 +105,12 @@ def test_wrong_lengths_are_refused(lengths, problem, model, recordings):
         model.predict(np.vstack(X), lengths=lengths)
 
 
+def test_list_beside_lengths_is_refused(model, recordings):
+    X, y = recordings
+    with pytest.raises(ValueError, match="lengths must be left out"):
+        model.fit(X, y, lengths=LENGTHS)
+
+
 def test_output_must_be_a_list_of_as_many_recordings(model, recordings):
     X, y = recordings
     for wrong in (y[:2], np.concatenate(y), [1.0, 2.0, 3.0]):
