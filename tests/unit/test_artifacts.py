@@ -193,18 +193,14 @@ def test_file_that_was_deleted_while_it_was_opened_is_opened_again(tmp_path, mon
     ("out", "why"),
     [
         ("a.csv", "must end in .h5 or .hdf5"),
-        ("a", "must end in"),
         ("", "'': must end in"),
         (".h5", "must end in"),
         ("x" * 218 + ".h5", "the name is too long; at most 220 bytes"),
-        ("ü" * 109 + ".h5", "the name is too long"),
         ("x" * 256 + "/a.h5", "the path cannot be used .File name too long"),
         ("a/" * 3000 + "a.h5", "the path cannot be used .File name too long"),
         ("old.h5", "exists and is not overwritten; choose another name"),
-        ("folder.h5", "exists and"),
         ("link.h5", "exists and"),
         ("old.h5/a.h5", "old.h5 is no folder; move it away"),
-        ("link.h5/a.h5", "link.h5 is no folder"),
         ("/proc/none/a.h5", "/proc cannot be written to"),
     ],
 )

@@ -44,13 +44,6 @@ def test_smoke_writes_whole_files_below_results_smoke_and_nowhere_else(smoked):
     assert all(name.startswith("results/smoke/") and ".part" not in name for name in files)
 
 
-def test_progress_names_stage_fold_and_how_far(smoked):
-    printed = smoked[1]
-    assert "[judge fprc] fprc, trained on sweep: fold 3 of 5: training" in printed
-    assert "[measure_times] test, sequential, 2 repeats in turn" in printed
-    assert "(100%) done" in printed
-
-
 def test_table2_is_tidy_and_complete(smoked):
     table = pd.read_csv(smoked[0].folder / "results/smoke/tables/table2.csv")
     expected = ["model", "metric", "unit", "mean", "std", "published_mean", "published_std"]

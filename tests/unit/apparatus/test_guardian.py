@@ -202,22 +202,6 @@ def test_terminal_that_takes_no_message_does_not_keep_from_venting(
     person.join()
 
 
-def test_driver_that_never_answers_is_reported_during_the_wait(
-    settings, heard, quick, caplog, monkeypatch
-):
-    answer = threading.Event()
-    monkeypatch.setattr(guardian, "vent_from_outside", lambda hardware, on_write: answer.wait(30.0))
-
-    def recover():
-        wait_for(lambda: len(caplog.messages) >= 2)
-        answer.set()
-
-    person = in_the_background(recover)
-    assert _vent(settings["hardware"], heard) == VENTED
-    person.join()
-    assert "the driver has not answered yet" in caplog.messages[0]
-
-
 def test_driver_that_does_not_answer_a_reading_is_not_waited_for_without_end(
     settings, heard, quick, monkeypatch
 ):

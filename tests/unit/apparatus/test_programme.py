@@ -52,6 +52,14 @@ def test_feedback_needs_no_model_and_is_that_of_the_configuration(settings, feed
     assert p_fb == pytest.approx(2.0 * theta_d * (2 if feedback == "incremental" else 1))
 
 
+def test_only_the_disturbance_asks_the_person_to_push(settings, model):
+    said = {name: plan(name, settings, model).hint for name in names(settings)}
+    quiet_s = settings["tracking"]["pushes"]["quiet_s"]
+    for name, hint in said.items():
+        pushed = name.startswith("track_disturbance_")
+        assert hint == (f"push the reservoir by hand from {quiet_s:g} s on" if pushed else "")
+
+
 @pytest.mark.parametrize("armed", [True, False])
 @pytest.mark.parametrize("controller", ["fprc", "fprc_pd"])
 def test_law_without_the_feedforward_of_its_name_does_not_start(

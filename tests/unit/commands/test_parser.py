@@ -71,15 +71,6 @@ def test_wrong_word_is_answered_with_usage_and_the_nearest_name(words, message, 
     assert message in shown.err
 
 
-def test_fprc_alone_shows_its_help_with_three_commands_to_begin(capsys):
-    assert main([]) == 0
-    alone = capsys.readouterr().out
-    assert alone == help_of("", capsys)
-    begin = re.findall(r"^  (fprc .*)$", alone, re.MULTILINE)
-    assert [parsed(line).run.args[2] for line in begin] == ["simulate", "train", "predict"]
-    assert {command.split()[0] for command in COMMANDS} <= set(alone.split())
-
-
 @pytest.mark.slow
 def test_help_imports_no_command_and_no_numerical_library():
     code = (

@@ -4,6 +4,7 @@ from fprc.config import Settings
 from fprc.experiments.hysteresis import acquire
 from fprc.experiments.settings import Judgement, RigSettings
 from fprc.plan.arguments import (
+    feedback_in_words,
     judgement,
     of_pressures,
     on_rig,
@@ -57,3 +58,9 @@ def test_open_loops_are_recorded_with_nothing_of_the_feedback():
     assert control != of_pressures(with_control(k_in_kpa_per_deg=3.0))
     signal = SETTINGS["experiments"]["sweep"] | {"duration_s": 1.0}
     assert len(acquire("sweep", signal, control, SETTINGS["rig"], seed=1)["time_s"]) >= 200
+
+
+def test_words_on_the_feedback_tell_law_and_gains_but_for_recorded_logs():
+    recorded = with_control(**POSITIONAL) | {"source": "recorded"}
+    assert feedback_in_words(recorded) == feedback_in_words(SETTINGS | {"source": "recorded"})
+    assert "2.5 kPa/deg" in feedback_in_words(with_control(**POSITIONAL))

@@ -5,6 +5,7 @@ from fprc.config import check
 from fprc.errors import ConfigError, LogError
 from fprc.experiments.reservoir import CHANNELS, commands_of, drive
 from fprc.logs import read_raw, write_raw
+from fprc.logs.columns import write_columns
 from fprc.stages.reservoir import add_reservoir
 
 RATE = {"experiment": "sweep", "sample_rate_hz": 200.0, "rate_tolerance": 0.01}
@@ -74,3 +75,14 @@ def test_reservoir_is_simulated_for_recorded_logs_only(source):
     check(asked | {"source": "recorded"})
     with pytest.raises(ConfigError, match=f"for recorded logs, and source is {source}"):
         check(asked | {"source": source})
+
+
+def test_theta_that_is_no_angle_asks_no_reservoir_for_pressures(add, tmp_path):
+    raw, _ = add()
+    log = read_raw(raw, **RATE)
+    notes = {"theta_deg": "not in deg: displacement x [mm]"}
+    write_columns(raw, log.channels, log.attributes | {"notes": notes})
+    with pytest.raises(LogError, match=r"theta_deg: not in deg: displacement"):
+        add_reservoir(
+            str(raw), str(tmp_path / "other.h5"), **RATE, zero_deg=0.0, control={}, rig={}, seed=4
+        )
