@@ -10,8 +10,15 @@ import fprc
 
 pytestmark = pytest.mark.slow
 
-#: Further seeds, which are one job each, and what is made of them alone.
-SEEDS = {"replicate": 2, "seeds_table": 2, "orders_table": 1, "tracking_seeds_table": 1}
+#: Further seeds, which are one job each, and what is made of them.
+SEEDS = {
+    "replicate": 2,
+    "seeds_table": 2,
+    "orders_table": 1,
+    "tracking_seeds_table": 1,
+    "draw_fig10": 1,
+    "draw_fig11": 1,
+}
 
 ESN = SEEDS | {
     "judge": 1,
@@ -130,8 +137,7 @@ CHANGES = {
     "nothing": ("seed=1", {}),
     "values of n_c": (
         "grids={n_c: [2, 8]}",
-        SEEDS | {"grid": 1, "measure_times_over_n_c": 1, "draw_fig10": 1, "ledger": 1,
-                 "report_page": 1},
+        SEEDS | {"grid": 1, "measure_times_over_n_c": 1, "ledger": 1, "report_page": 1},
     ),
     "gains of the feedback": ("control={pd: {kp_kpa_per_deg: 0.6}}", FEEDBACK),
     "one reference": (

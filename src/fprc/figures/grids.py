@@ -28,20 +28,24 @@ def plot_errors_over(table: DataFrame, setting: str, ax: Axes) -> Axes:
     table : DataFrame
         ``model``, the setting, ``phase``, ``mean``, ``std``, ``unit``.
     """
-    _plot_over(table, setting, ax)
+    _plot_over(table, setting, ax, bands=True)
     ax.set_ylabel(f"RMSE [{escape.figure(table['unit'].iloc[0])}]")
     return ax
 
 
 def plot_times_over(table: DataFrame, setting: str, ax: Axes) -> Axes:
-    """Draw training and test times over a setting; ``table`` is as for ``plot_errors_over``."""
-    _plot_over(table, setting, ax)
+    """Draw training and test times over a setting; ``table`` is as for ``plot_errors_over``.
+
+    Deviations are bars: on a logarithmic axis, a band that reaches below zero would cover the rest.
+    """
+    _plot_over(table, setting, ax, bands=False)
     ax.set_ylabel("Time [s]")
     ax.set_yscale("log")
+    ax.set_ylim(table["mean"].min() / 2.0, 2.0 * table["mean"].max())
     return ax
 
 
-def _plot_over(table: DataFrame, setting: str, ax: Axes) -> None:
+def _plot_over(table: DataFrame, setting: str, ax: Axes, *, bands: bool) -> None:
     ends: dict[str, tuple[float, float]] = {}
     for (model, phase), rows in table.groupby(["model", "phase"], sort=False):
         rows = rows.sort_values(setting)
@@ -50,7 +54,10 @@ def _plot_over(table: DataFrame, setting: str, ax: Axes) -> None:
         ends.setdefault(model, (x.iloc[-1], mean.iloc[-1]))
         label = _PHASES[phase] if len(ends) == 1 else ""
         ax.plot(x, mean, **look, **PHASES[phase], linewidth=0.8, label=label)
-        ax.fill_between(x, mean - std, mean + std, color=look["color"], alpha=0.3, linewidth=0)
+        if bands:
+            ax.fill_between(x, mean - std, mean + std, color=look["color"], alpha=0.3, linewidth=0)
+        else:
+            ax.errorbar(x, mean, yerr=std, fmt="none", ecolor=look["color"], elinewidth=0.6)
     ax.margins(y=0.12)
     if len(ends) > 1:
         upwards = sorted(ends, key=lambda model: ends[model][1])

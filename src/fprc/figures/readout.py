@@ -32,5 +32,6 @@ def plot_readouts(table: DataFrame, setting: str, error: str, ax: Axes) -> Axes:
         else:
             ax.plot(rows[setting], rows[error], **look, marker="d", markersize=3.0, label=label)
     ax.set_ylabel(f"RMSE [{escape.figure(table['unit'].iloc[0])}]")
+    ax.margins(y=0.1)
     ax.set_ylim(bottom=0)
     return ax

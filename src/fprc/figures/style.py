@@ -3,6 +3,7 @@
 A colour is a signal, a grey and a line style are a model or a controller, a marker is a phase.
 """
 
+import re
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
@@ -17,6 +18,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 
+from fprc import escape
 from fprc.artifacts import replacing
 from fprc.registry import look_of
 
@@ -87,6 +89,17 @@ def figure(
     return plt.subplots(
         rows, columns, figsize=(width_in, height_in), layout="constrained", **options
     )
+
+
+def symbols(text: str) -> str:
+    """Return text of ours with the paper's symbols typeset, as theta_d, P_o, P_ff and n_c."""
+
+    def typeset(found: re.Match[str]) -> str:
+        name, index = found.groups()
+        base = r"\theta" if name == "theta" else name
+        return f"${base}_{{{index}}}$" if len(index) == 1 else rf"${base}_\mathrm{{{index}}}$"
+
+    return re.sub(r"\b(theta|P|n)_([a-z]+)", typeset, escape.figure(text))
 
 
 def letter(ax: Axes, text: str) -> None:

@@ -103,7 +103,7 @@ def draw_channels(sweep: str, csv: str, pdf: str, png: str) -> Mapping[str, Any]
         plot_quarters(time_s, pressure, theta, ax, labels)
         style.letter(ax, f"({letter}) {width:.0f} kPa wide, growth {growth:.2f}")
         ax.label_outer()
-    axes[0].legend(loc="upper left", handlelength=1.2)
+    axes[0].legend(loc="lower right", handlelength=0.8, borderaxespad=0.1)
     write_csv(csv, pd.DataFrame(rows).assign(source=log.attributes["source"]))
     return style.save(fig, log.attributes, pdf, png)
 
@@ -243,5 +243,6 @@ def draw_readout(cells: str, pdf: str, png: str) -> Mapping[str, Any]:
             ax.label_outer()
             style.letter(ax, f"{phase.capitalize()}, over {labels[setting]}")
     axes[0, 0].set_xscale("log")
+    axes[0, 1].set_xticks(sorted(over["n_u"]["n_u"].unique()))
     style.share_legend(fig, axes[0, 0])
     return style.save(fig, report, pdf, png)

@@ -99,7 +99,7 @@ def test_fig_10_draws_the_means_and_sample_deviations_of_its_table(figures, plac
                 factor = 2.0 if phase == "validation" else 1.0
                 expected = [factor * statistics.stdev(folds) for folds in FOLDS.values()]
                 assert group["std"].tolist() == pytest.approx(expected, rel=1e-5)
-                heights = band.get_paths()[0].vertices[:, 1]
+                heights = np.vstack([path.vertices for path in band.get_paths()])[:, 1]
                 ends = (group["mean"] - group["std"]).min(), (group["mean"] + group["std"]).max()
                 assert (heights.min(), heights.max()) == pytest.approx(ends, rel=1e-5)
             else:

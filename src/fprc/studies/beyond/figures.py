@@ -9,7 +9,7 @@ from pandas import DataFrame
 
 from fprc import escape
 from fprc.claims.paired import EQUIVALENT_WITHIN
-from fprc.figures.style import line_of
+from fprc.figures.style import line_of, symbols
 from fprc.paper import MODELS
 from fprc.registry import choice_of, competitor_title
 from fprc.studies.beyond.worlds import MEASURES, SETS, world_title
@@ -89,11 +89,7 @@ def _decimal_ticks(ax: Axes, low: float, high: float) -> None:
 
 def _wrapped(part: str) -> str:
     """Return a pair with what is measured on a second line."""
-    return _symbols(part).replace(" (", "\n", 1).removesuffix(")")
-
-
-def _symbols(text: str) -> str:
-    return escape.figure(text).replace("theta_d", r"$\theta_d$").replace("P_o", "$P_o$")
+    return symbols(part).replace(" (", "\n", 1).removesuffix(")")
 
 
 def plot_errors_and_tracking(table: DataFrame, ax: Axes) -> Axes:
@@ -109,16 +105,19 @@ def plot_errors_and_tracking(table: DataFrame, ax: Axes) -> Axes:
     place = table.set_index("model")[["forward", "tracking"]]
     ax.plot(place["forward"], place["tracking"], "o", color="0.6", markersize=3.5)
     best = [place[error].idxmin() for error in place if len(place)]
-    for name in dict.fromkeys([*MODELS, *best]):
-        if name in place.index:
-            ax.plot(*place.loc[name], "o", color="black", markersize=3.5)
-            ax.annotate(_symbols(competitor_title(name)), place.loc[name], (3.0, 3.0),
-                        textcoords="offset points")  # fmt: skip
+    named = place[place.index.isin([*MODELS, *best])].sort_values("tracking")
+    # names of neighbours move apart
+    for shift, (name, point) in zip(
+        np.linspace(-1.0, 5.0, len(named)), named.iterrows(), strict=True
+    ):
+        ax.plot(*point, "o", color="black", markersize=3.5)
+        ax.annotate(symbols(competitor_title(str(name))), point, (5.0, shift), va="center",
+                    textcoords="offset points")  # fmt: skip
     ax.set(xlabel="Test RMSE, forward [kPa]", ylabel="Tracking RMSE [deg]", xscale="log")
     ax.xaxis.set_major_locator(MaxNLocator(8))
     ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     ax.xaxis.set_minor_locator(NullLocator())
-    ax.margins(0.06)
+    ax.margins(0.08)
     return ax
 
 
@@ -167,7 +166,7 @@ def plot_offsets(table: DataFrame, measure: str, ax: Axes) -> Axes:
     others = iter(_READERS)
     for model, rows in table.groupby("model", sort=False):
         rows = rows.sort_values("offset_kpa")
-        label = _symbols(competitor_title(str(model)))
+        label = symbols(competitor_title(str(model)))
         if len(rows) == 1:
             ax.axhline(rows["mean"].iloc[0], **line_of(str(model)), label=label)
             continue
@@ -206,7 +205,7 @@ def plot_capacities(table: DataFrame, ax: Axes) -> Axes:
     for row, end, total, number in ends:
         ax.annotate(f"{total:.2f} of {number}", (end, row), (3.0, 0.0),
                     textcoords="offset points", va="center")  # fmt: skip
-    ax.set_yticks(rows, [_symbols(SETS[name]) for name in order])
+    ax.set_yticks(rows, [symbols(SETS[name]) for name in order])
     ax.set_ylim(max(len(rows), 1) - 0.5, -0.5)
     ax.set_xlim(0.0, 1.25 * max(begin, default=1.0))
     ax.tick_params(axis="y", length=0)

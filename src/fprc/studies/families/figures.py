@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from fprc import escape
+from fprc.figures.style import MARK_PT, symbols
 
 #: Shape and colour of each set.
 _LOOKS = (("o", "black"), ("s", "tab:blue"))
@@ -36,18 +36,13 @@ def plot_shares(sets: Sequence[Mapping[str, Any]], ax: Axes) -> None:
         )  # fmt: skip
     labels = [_label(claim) for claim in first]
     ax.set(xlim=(-3, 103), xlabel="Share of rigs, 95 % interval [%]", yticks=rows)
-    ax.set_yticklabels(labels)
+    ax.set_yticklabels(labels, fontsize=MARK_PT, linespacing=0.95)
     ax.set_ylim(len(first) - 0.5, -0.5)
     ax.grid(axis="y", color="0.9", linewidth=0.5)
 
 
 def _label(claim: Mapping[str, Any]) -> str:
     """Return id and text of a claim in two lines at most."""
-    text = escape.figure(f"{claim['id']}: {claim['claim']}")
-    lines = textwrap.wrap(text, 58, max_lines=2, placeholder=" ...", break_on_hyphens=False)
-    symbols = {"theta_d": r"$\theta_d$", "P_ff": r"$P_\mathrm{ff}$", "P_fb": r"$P_\mathrm{fb}$",
-               "P_o": "$P_o$", "+-8": "±8"}  # fmt: skip
-    label = "\n".join(lines)
-    for word, symbol in symbols.items():
-        label = label.replace(word, symbol)
-    return label
+    text = f"{claim['id']}: {claim['claim'].replace('+-', '±')}"
+    lines = textwrap.wrap(text, 66, max_lines=2, placeholder=" ...", break_on_hyphens=False)
+    return "\n".join(map(symbols, lines))
