@@ -14,7 +14,8 @@ from fprc.paper import MODELS
 from fprc.registry import choice_of, competitor_title
 from fprc.studies.beyond.worlds import MEASURES, SETS, world_title
 
-#: Marker and colour of each world, in their order; safe for colour-blind readers (Tol).
+#: Marker and colour of each world, in their order, safe for colour-blind readers (Tol). Colours are
+#: signals elsewhere, but no figure of worlds shows one.
 _WORLDS = (
     ("o", "#000000"), ("s", "#ee6677"), ("D", "#4477aa"),
     ("^", "#228833"), ("v", "#aa3377"), ("P", "#ccbb44"),

@@ -14,6 +14,7 @@ from pydantic import ValidationError
 from fprc.config.rig import Rig
 from fprc.errors import FprcError, in_one_line
 from fprc.experiments.settings import RigSettings
+from fprc.figures.style import symbols
 from fprc.paper import MODELS, REFERENCE_NAMES, REFERENCES
 from fprc.registry import title_of
 from fprc.studies.calibration.space import decode, free_parameters
@@ -135,10 +136,12 @@ def plot_changes(table: pd.DataFrame, ax: Axes) -> QuadMesh:
     for column in range(1, len(groups)):
         if groups[column] != groups[column - 1]:
             ax.axvline(column, color="tab:blue", linewidth=0.8)
-    ax.set_xticks(np.arange(grid.shape[1]) + 0.5, [n for _, n in grid.columns], rotation=90)
+    ax.set_xticks(
+        np.arange(grid.shape[1]) + 0.5, [symbols(n) for _, n in grid.columns], rotation=90
+    )
     ax.set_yticks(np.arange(grid.shape[0]) + 0.5, grid.index)
     ax.set_ylim(grid.shape[0], 0)
-    ax.tick_params(length=0, labelsize=5.5)
+    ax.tick_params(length=0, labelsize=6.0)
     for group, title in _GROUPS.items():
         if group in groups:
             middle = groups.index(group) + groups.count(group) / 2
