@@ -136,9 +136,8 @@ def plot_changes(table: pd.DataFrame, ax: Axes) -> QuadMesh:
     for column in range(1, len(groups)):
         if groups[column] != groups[column - 1]:
             ax.axvline(column, color="tab:blue", linewidth=0.8)
-    ax.set_xticks(
-        np.arange(grid.shape[1]) + 0.5, [symbols(n) for _, n in grid.columns], rotation=90
-    )
+    names = [symbols(name) for _, name in grid.columns]
+    ax.set_xticks(np.arange(grid.shape[1]) + 0.5, names, rotation=90)
     ax.set_yticks(np.arange(grid.shape[0]) + 0.5, grid.index)
     ax.set_ylim(grid.shape[0], 0)
     ax.tick_params(length=0, labelsize=6.0)
