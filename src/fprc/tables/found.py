@@ -77,7 +77,7 @@ def _errors(
     unit = "deg" if who == "controller" else "kPa"
     title = controller_title if who == "controller" else title_of
     over = f", mean over {table['seeds'].max()} seeds," if "seeds" in table else ""
-    parts = []
+    parts: list[str] = []
     for each, rows in table.groupby(who, sort=False):
         paper = f" (paper: {_range(rows[printed])})" if rows[printed].notna().any() else ""
         parts.append(f"{_range(rows[ours])} {unit} for {title(str(each))}{paper}")
